@@ -16,8 +16,8 @@ const PLANTS: [PlantKind; 6] = [
     PlantKind::SHEAR_4,
 ];
 
-const KINDS: [FilterKind; 6] =
-    [FilterKind::EKF, FilterKind::IEKF, FilterKind::UKF, FilterKind::CKF, FilterKind::SR_UKF, FilterKind::ENKF];
+const KINDS: [FilterKind; 5] =
+    [FilterKind::EKF, FilterKind::IEKF, FilterKind::UKF, FilterKind::CKF, FilterKind::SR_UKF];
 
 /// Time to spend on one number \[s\].
 const BUDGET: f64 = 0.15;
@@ -30,7 +30,7 @@ fn main() {
         scenario.filters.truncate(1);
         let record = Arc::new(finished(Run::new(&scenario).expect("the scenario is valid")).record().clone());
         for kind in KINDS {
-            let settings = FilterSettings { kind, fading: 1.005, ensemble_size: 100, ..scenario.filters[0].clone() };
+            let settings = FilterSettings { kind, fading: 1.005, ..scenario.filters[0].clone() };
             let time = |kind| {
                 let filters = vec![FilterSettings { kind, ..settings.clone() }];
                 step_time(&Scenario { filters, ..scenario.clone() }, &record)

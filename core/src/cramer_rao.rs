@@ -182,7 +182,7 @@ impl Visitor for Start<'_> {
 
     fn visit<P: Model<N>, const N: usize>(self, model: P) -> Box<dyn Recursion> {
         let Self { settings, context } = self;
-        let belief = Linearised::new(initial_belief(&model, settings), settings.propagation, 1);
+        let belief = Linearised::new(initial_belief::<P, N>(settings), settings.propagation, 1);
         let sensors = context.sensors.to_vec();
         Box::new(BoundFilter { filter: build_filter(model, belief, settings, &context), sensors })
     }

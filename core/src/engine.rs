@@ -11,8 +11,9 @@
 //! run, scores              a whole record, and what it tells
 //! list, builder, notes     equations as lists of operations
 //! setup                    the filter of a scenario
-//! estimator                one run, which reports sample by sample
+//! estimator                one run, which reports sample by sample   (in_units)
 //! single                   one run, whose belief stands elsewhere
+//! states                   many states of one run, several at a time
 //! ```
 //!
 //! A step is straight-line code over a [`Number`](number::Number): an `f64`, or [`Lanes`](lanes::Lanes) of it. Where runs differ
@@ -41,6 +42,8 @@ mod fault;
 pub mod filter;
 pub mod function;
 pub mod impulse;
+#[cfg(not(target_arch = "wasm32"))]
+mod in_units;
 pub mod lanes;
 pub mod level;
 pub mod linearised;
@@ -57,6 +60,7 @@ mod scores;
 pub mod setup;
 pub mod sigma_points;
 pub(crate) mod single;
+pub(crate) mod states;
 pub mod step;
 mod update;
 

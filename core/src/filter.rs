@@ -26,6 +26,7 @@ mod noise;
 mod observation;
 mod particles;
 mod propagation;
+pub mod robust;
 mod rule;
 mod sigma_points;
 pub(crate) mod smoother;
@@ -39,6 +40,7 @@ use std::borrow::Cow;
 use thiserror::Error;
 
 use jump::Jump;
+use robust::Weighing;
 
 use crate::linalg::{Matrix, RootError};
 use crate::model::{Hold, Model};
@@ -59,6 +61,7 @@ pub use noise::Noise;
 pub use observation::Observation;
 pub use particles::Particles;
 pub use propagation::Propagation;
+pub use robust::Robust;
 pub use rule::Rule;
 pub use square_root::SquareRoot;
 pub use step::Step;
@@ -166,6 +169,15 @@ pub trait Belief: Send {
     /// Mean and covariance.
     fn gaussian(&self) -> Cow<'_, Gaussian>;
 
+    /// Keeps a copy of the belief for [`Self::restore`], so that an update can be done again with other weights
+    /// ([`robust`]). Returns whether there is one: random samples keep none.
+    fn store(&mut self) -> bool {
+        false
+    }
+
+    /// Makes the belief the copy that was kept.
+    fn restore(&mut self) {}
+
     /// Φ, n × n: the regression of the state that a step makes on the state now, `cov(next, now) = Φ P`. A smoother must know
     /// it. From sigma points of mean and covariance, unless the method has a better way.
     ///
@@ -213,6 +225,7 @@ pub struct Filter<B: Belief + ?Sized = dyn Belief> {
     observation: Observation,
     adaptation: Adaptation,
     jump: Option<Jump>,
+    weighing: Option<Weighing>,
     substeps: usize,
     white: Option<White>,
     belief: Box<B>,
@@ -232,7 +245,8 @@ impl<B: Belief + ?Sized> Filter<B> {
     ) -> Self {
         let readings = sensors.iter().map(|&quantity| model.reading(quantity)).collect();
         let (observation, substeps) = (Observation::of(readings), 1);
-        Self { model, belief, dt, hold, noise, observation, adaptation, jump: None, substeps, white: None }
+        let (jump, weighing, white) = (None, None, None);
+        Self { model, belief, dt, hold, noise, observation, adaptation, jump, weighing, substeps, white }
     }
 
     /// The same filter with its predictions divided into this many steps, for plants that are not linear over one: the
@@ -247,6 +261,12 @@ impl<B: Belief + ?Sized> Filter<B> {
     pub fn with_jump(self) -> Self {
         let initial = self.belief.gaussian().cov.diagonal().as_slice().to_vec();
         Self { jump: Some(Jump::new(initial)), ..self }
+    }
+
+    /// The same filter, which weighs its measurements by a rule.
+    #[must_use]
+    pub fn with_robust(self, rule: Robust) -> Self {
+        Self { weighing: Weighing::new(rule), ..self }
     }
 
     /// The same filter with a white force. Its row and column of Q are set to zero: each sample draws it again.
@@ -360,13 +380,20 @@ impl<B: Belief + ?Sized> Filter<B> {
     /// [`FilterError::NotFinite`] where the belief overflows; [`FilterError::ImpossibleMeasurement`] where the likelihood
     /// does; [`FilterError::InfiniteMeasurement`].
     pub fn update(&mut self, force: f64, measured: &[f64], correction: &mut Correction) -> Result<(), FilterError> {
-        let Self { model, noise, observation, adaptation, jump, belief, white, .. } = self;
+        let Self { model, noise, observation, adaptation, jump, weighing, belief, white, .. } = self;
         correction.clear(model.size(), noise.sensors.len());
         observation.take(force, measured, &noise.sensors)?;
         if observation.is_empty() {
             return belief.gaussian().check();
         }
-        belief.condition(model, observation, correction)?;
+        if let Some(weighing) = weighing {
+            weighing.condition(&mut **belief, model, noise, observation, correction)?;
+            if observation.is_empty() {
+                return belief.gaussian().check();
+            }
+        } else {
+            belief.condition(model, observation, correction)?;
+        }
         correction.check(observation.sensors())?;
         if adaptation.is_on() {
             adaptation.adapt(observation, correction, noise);

@@ -4,15 +4,12 @@
 #[doc(hidden)]
 pub mod abreast;
 mod adaptation;
-mod ensemble;
 pub(crate) mod estimator;
 pub mod gaussian;
 mod kalman;
 mod linearised;
-pub mod log_parameters;
 pub mod model;
 mod observation;
-mod particles;
 pub mod plant;
 pub mod propagation;
 mod sigma_points;
@@ -27,10 +24,8 @@ use crate::filter::{Adaptation, FilterError};
 use crate::kernel::gaussian::{Gaussian, Matrix, Vector};
 use crate::kernel::model::{Model, Output};
 
-pub use ensemble::Ensemble;
 pub use linearised::Linearised;
 pub use observation::Observation;
-pub use particles::Particles;
 pub use sigma_points::SigmaPoints;
 pub use square_root::SquareRoot;
 
@@ -69,11 +64,6 @@ pub struct Correction<const N: usize> {
     pub nis: f64,
     /// det S over the sensors that were not skipped; zero or infinite where it leaves the range of numbers.
     pub determinant: f64,
-    /// For a particle filter, the logarithm of the mean likelihood of its particles. NaN for any other filter: there it
-    /// follows from NIS and det S.
-    pub log_likelihood: f64,
-    /// Effective sample size of a particle filter before it resampled; NaN for any other.
-    pub effective_samples: f64,
 }
 
 impl<const N: usize> Correction<N> {
@@ -84,8 +74,6 @@ impl<const N: usize> Correction<N> {
         gain: [[0.0; N]; MAX_SENSORS],
         nis: f64::NAN,
         determinant: f64::NAN,
-        log_likelihood: f64::NAN,
-        effective_samples: f64::NAN,
     };
 
     /// Makes it [`Self::NOTHING`], number by number: cheaper than the copy of a constant.
@@ -96,8 +84,6 @@ impl<const N: usize> Correction<N> {
         self.gain = [[0.0; N]; MAX_SENSORS];
         self.nis = f64::NAN;
         self.determinant = f64::NAN;
-        self.log_likelihood = f64::NAN;
-        self.effective_samples = f64::NAN;
     }
 }
 
@@ -262,7 +248,7 @@ impl<P: Model<N>, B: Belief<P, N>, const N: usize> Filter<P, B, N> {
         let observation = Observation { active, values: Vector::from_fn(|row, _| value(row)), force, count };
         self.belief.condition(&self.model, &observation, correction)?;
         // A factor of S has a finite ln det S.
-        if !correction.nis.is_finite() || correction.log_likelihood.is_infinite() {
+        if !correction.nis.is_finite() {
             let surprising = observation.measured().iter().all(|a| correction.innovation[a.sensor].is_finite());
             return Err(if surprising { FilterError::ImpossibleMeasurement } else { FilterError::NotFinite });
         }

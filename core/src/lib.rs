@@ -118,7 +118,9 @@ pub use diagnosis::{Diagnosis, LiveDiagnosis, Verdict, VerdictKind};
 pub use diagnostics::{Diagnostics, Summary};
 pub use document::{Document, DocumentError};
 pub use estimates::{Estimates, Stop};
-pub use filter::{Adaptation, FilterError, FilterKind, KalmanFilter, MeasurementModel, Propagation, SystemError};
+pub use filter::{
+    Adaptation, FilterError, FilterKind, KalmanFilter, MeasurementModel, Propagation, Robust, SystemError,
+};
 pub use force::Force;
 pub use free_run::{Fit, FreeRun, Identified, Running};
 pub use in_slices::InSlices;

@@ -98,6 +98,7 @@ mod tests {
                     let filter = &mut scenario.filters[0];
                     (filter.kind, filter.augment, filter.fading) = (kind, augment.to_vec(), 1.002);
                     (filter.substeps, filter.eta) = ([1, 1, 2, 3][nth], [0.0, 0.02, 0.0, 0.0][nth]);
+                    filter.log_parameters = nth % 2 == 1;
                     filter.propagation = Propagation::ALL[nth % 3];
                     let sensors = [Quantity::DISPLACEMENT, Quantity::ACCELERATION];
                     let mut run = Run::new(&Scenario { filters: vec![], ..scenario.clone() })?;

@@ -1,6 +1,6 @@
 //! The tables of the documents are those of the program: filters, plants, and every key of a scenario.
 
-use kalmanscope_core::{Channel, FilterKind, PlantKind, Quantity, Scenario};
+use kalmanscope_core::{Channel, FilterKind, PlantKind, Quantity, Robust, Scenario};
 
 const FILTERS: &str = include_str!("../../docs/filters.md");
 const PLANTS: &str = include_str!("../../docs/plants.md");
@@ -18,6 +18,15 @@ fn every_filter_is_in_its_table() {
         format!("| `{}` | {} | {} | {} |", kind.key(), kind.name(), kind.description(), kind.reference())
     };
     assert_eq!(table(FILTERS, "| kind | filter | what it does | reference |"), FilterKind::ALL.map(row));
+}
+
+#[test]
+fn every_rule_for_outliers_is_in_its_table() {
+    let row = |rule: Robust| {
+        let info = rule.info();
+        format!("| `{}` | {} | {} | {} |", info.key, info.name, info.description, info.reference)
+    };
+    assert_eq!(table(FILTERS, "| robust | rule | what it does | reference |"), Robust::ALL.map(row));
 }
 
 #[test]

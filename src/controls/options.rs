@@ -2,7 +2,7 @@
 
 use egui::{ComboBox, Ui};
 use kalmanscope_core::setting::{GUESSES, OPTIONS, SMOOTHER};
-use kalmanscope_core::{Channel, FilterSettings, PlantKind, Propagation, Sensor, augment};
+use kalmanscope_core::{Channel, FilterSettings, PlantKind, Propagation, Robust, Sensor, augment};
 
 use super::lit::lit;
 use super::row::filter_row_ui;
@@ -14,6 +14,11 @@ pub(super) fn options_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantK
         augment_ui(ui, filter, filter.plant.unwrap_or(truth), sensors);
         if filter.kind.info().has_propagation {
             lit(ui, &filter.address("propagation"), |ui| propagation_ui(ui, filter));
+        }
+        if filter.can_weigh() {
+            lit(ui, &filter.address("robust"), |ui| robust_ui(ui, filter));
+        } else {
+            filter.robust = Robust::NONE;
         }
         if !(GUESSES.serves)(filter, truth) {
             filter.guesses = 1;
@@ -68,6 +73,19 @@ fn plant_ui(ui: &mut Ui, filter: &mut FilterSettings) {
             }
         });
         ui.ctx().accesskit_node_builder(combo.response.id, |node| node.set_label(format!("{name} plant")));
+    });
+}
+
+fn robust_ui(ui: &mut Ui, filter: &mut FilterSettings) {
+    let FilterSettings { id, name, robust, .. } = filter;
+    ui.horizontal(|ui| {
+        ui.label("outliers").on_hover_text("How readings that do not fit are weighed");
+        let combo = ComboBox::from_id_salt(("robust", *id)).selected_text(robust.info().name).show_ui(ui, |ui| {
+            for rule in Robust::ALL {
+                ui.selectable_value(robust, rule, rule.info().name).on_hover_text(rule.info().description);
+            }
+        });
+        ui.ctx().accesskit_node_builder(combo.response.id, |node| node.set_label(format!("{name} outliers")));
     });
 }
 

@@ -4,7 +4,6 @@ use std::hint::black_box;
 
 use kalmanscope_core::filter::{Adaptation, Rule};
 use kalmanscope_core::kernel::gaussian::{Gaussian, Matrix, Vector};
-use kalmanscope_core::kernel::log_parameters::LogParameters;
 use kalmanscope_core::kernel::model::{Model, Output};
 use kalmanscope_core::kernel::plant::bouc_wen::BoucWen;
 use kalmanscope_core::kernel::plant::duffing::Duffing;
@@ -43,8 +42,6 @@ pub(crate) fn cases() -> Vec<Case> {
 
 fn plant<P: Model<N>, const N: usize>(cases: &mut Vec<Case>, kind: PlantKind, plant: P) {
     let eta = plant.eta();
-    // As in a run, in which logarithms are possible.
-    let model = LogParameters { plant, on: false };
     let mut scenario = Scenario { duration: 20.0, filters: vec![], ..Scenario::default() };
     scenario.set_plant(kind);
     let mut run = Run::new(&scenario).expect("the scenario is valid");
@@ -57,11 +54,14 @@ fn plant<P: Model<N>, const N: usize>(cases: &mut Vec<Case>, kind: PlantKind, pl
         cases.push(Case { name: format!("{}, n = {N}{decay}, {name}", kind.name()), stepper });
     };
     let local = Propagation::LocalLinearisation;
-    add("EKF", stepper(model.clone(), kind, Linearised::new(initial.clone(), local, 1), &record));
-    add("UKF", stepper(model.clone(), kind, SigmaPoints::new(initial.clone(), Rule::Unscented), &record));
-    add("CKF", stepper(model.clone(), kind, SigmaPoints::new(initial.clone(), Rule::Cubature), &record));
+    add("EKF", stepper(plant.clone(), kind, Linearised::new(initial.clone(), local, 1), &record));
+    if !P::MOVES_POINTS {
+        return;
+    }
+    add("UKF", stepper(plant.clone(), kind, SigmaPoints::new(initial.clone(), Rule::Unscented), &record));
+    add("CKF", stepper(plant.clone(), kind, SigmaPoints::new(initial.clone(), Rule::Cubature), &record));
     let root = SquareRoot::new(&initial).expect("the covariance is diagonal");
-    add("SR-UKF", stepper(model, kind, root, &record));
+    add("SR-UKF", stepper(plant, kind, root, &record));
 }
 
 fn stepper<P: Model<N>, B: Belief<P, N> + Clone + 'static, const N: usize>(

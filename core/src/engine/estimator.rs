@@ -3,6 +3,7 @@
 use super::belief::Belief;
 use super::columns::mirror;
 use super::filter::Filter;
+use super::in_units::InUnits;
 use super::level::{Baseline, Known, Level};
 use super::run::filter;
 use super::setup::Setup;
@@ -20,6 +21,8 @@ struct Followed<L> {
     prior: Belief<f64>,
     /// Innovation, its covariance and the gain, of all sensors.
     told: Told,
+    /// Where the state has logarithms.
+    in_units: Option<Box<InUnits>>,
 }
 
 /// The result of an update, for all m sensors: e, m numbers; S, m × m; K, n × m.
@@ -53,15 +56,17 @@ fn of<L: Level + Send + 'static>(level: L, setup: &Setup, sensors: usize) -> Box
             innovation_cov: vec![nan; sensors * sensors],
             gain: vec![0.0; n * sensors],
         },
+        in_units: InUnits::new(&setup.design.model.logarithms, n, sensors),
     })
 }
 
 impl<L: Level + Send> Estimator for Followed<L> {
     fn begin(&self, sink: &mut dyn Sink) -> Result<(), FilterError> {
-        let Self { filter, told, .. } = self;
+        let Self { filter, told, in_units, .. } = self;
         let unmeasured = told.sample(&filter.belief, [f64::NAN; 2]);
-        sink.push(&if sink.wants_prior() { unmeasured.with_prior(&filter.belief) } else { unmeasured });
-        Ok(())
+        let sample = if sink.wants_prior() { unmeasured.with_prior(&filter.belief) } else { unmeasured };
+        let mut in_units = in_units.clone();
+        push(sample, in_units.as_deref_mut(), sink).map_err(|_| FilterError::TooLarge)
     }
 
     fn step(
@@ -71,7 +76,7 @@ impl<L: Level + Send> Estimator for Followed<L> {
         measured: &[f64],
         sink: &mut dyn Sink,
     ) -> Result<(), FilterError> {
-        let Self { filter, places, measured: own, prior, told: all } = self;
+        let Self { filter, places, measured: own, prior, told: all, in_units } = self;
         // Where the force is held, its end does not count.
         if !filter.are_finite([force_before, force]) {
             return Err(FilterError::UndefinedForce);
@@ -108,13 +113,21 @@ impl<L: Level + Send> Estimator for Followed<L> {
             all.take(places, update.active(), update.parts());
             all.sample(belief, [nis, determinant])
         };
-        sink.push(&if wants_prior { sample.with_prior(prior) } else { sample });
-        Ok(())
+        push(if wants_prior { sample.with_prior(prior) } else { sample }, in_units.as_deref_mut(), sink)
     }
 }
 
+/// Hands a sample to the sink, in the channels' units.
+#[inline(always)]
+fn push(sample: Sample<'_>, in_units: Option<&mut InUnits>, sink: &mut dyn Sink) -> Result<(), FilterError> {
+    let sample =
+        if let Some(in_units) = in_units { in_units.convert(sample).ok_or(FilterError::NotFinite)? } else { sample };
+    sink.push(&sample);
+    Ok(())
+}
+
 impl<'a> Sample<'a> {
-    fn with_prior(self, prior: &'a Belief<f64>) -> Self {
+    pub(super) fn with_prior(self, prior: &'a Belief<f64>) -> Self {
         Self { prior_mean: &prior.mean, prior_cov: &prior.cov, ..self }
     }
 }

@@ -69,7 +69,8 @@ impl Setup {
         let columns = sensor_places(scenario, record)?;
         let quantities: Vec<Quantity> = scenario.sensors.iter().map(|s| s.measures).collect();
         let context = FilterContext::new(scenario, &quantities, record.dt(), settings);
-        if is_left(settings, &context) || !is_finite(record, &columns) {
+        // The scores of lanes are in the state's own units.
+        if settings.log_parameters || is_left(settings, &context) || !is_finite(record, &columns) {
             return Ok(None);
         }
         Ok(Self::of(settings, &context, columns))
@@ -117,11 +118,7 @@ impl Setup {
 
 /// Whether the engine has all that a filter's settings ask for.
 fn is_usual(settings: &FilterSettings, context: &FilterContext<'_>) -> bool {
-    !settings.log_parameters
-        && !settings.adaptation.is_on()
-        && !settings.jump
-        && settings.guesses == 1
-        && context.model(settings).size() <= MOST
+    settings.has_plain_update() && context.model(settings).size() <= MOST
 }
 
 /// Whether lanes of its own or a kernel serve such a filter. The choice must not depend on the processor, since it

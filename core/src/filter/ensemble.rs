@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use super::{Belief, Correction, FilterError, FilterInfo, Gaussian, Noise, Normal, Observation, Step, kalman};
 use crate::Model;
-use crate::integrate::RungeKutta;
+use crate::engine::states::States;
 use crate::linalg::{Matrix, Vector, lower_root, symmetric};
 
 /// The ensemble Kalman filter: every member moves by a Runge-Kutta step and a draw of Q, and is corrected with the gain
@@ -23,7 +23,7 @@ pub struct Ensemble {
     /// Each a column.
     members: Matrix,
     normal: Normal,
-    method: RungeKutta,
+    engine: Option<Box<States>>,
     /// The belief that the ensemble was drawn from, until it first moves.
     origin: Option<Gaussian>,
 }
@@ -41,7 +41,7 @@ impl Ensemble {
         let mut members = Matrix::from_fn(belief.size(), size.max(2), |i, _| belief.mean[i]);
         let draws = centred_draws(belief.size(), members.ncols(), &mut normal);
         members.gemm(1.0, &lower_root(&belief.cov)?, &draws, 1.0);
-        Ok(Self { members, normal, method: RungeKutta::default(), origin: Some(belief) })
+        Ok(Self { members, normal, engine: None, origin: Some(belief) })
     }
 
     /// `P ← λ P + Q`
@@ -58,8 +58,9 @@ impl Ensemble {
 
 impl Belief for Ensemble {
     fn predict(&mut self, model: &Model, step: Step, noise: &Noise) -> Result<(), FilterError> {
-        self.origin = None;
-        step.advance(model, &mut self.members, &mut self.method);
+        let Self { members, engine, origin, .. } = self;
+        *origin = None;
+        States::of(engine, model).advance(members.as_mut_slice(), &step.of_engine());
         self.spread(noise)
     }
 
@@ -69,13 +70,12 @@ impl Belief for Ensemble {
         observation: &Observation,
         correction: &mut Correction,
     ) -> Result<(), FilterError> {
-        let Self { members, normal, .. } = self;
-        let degrees = (members.ncols() - 1) as f64;
-        let readings = observation.read_all(model, members);
+        let Self { members, normal, engine, .. } = self;
+        let weight = |_| 1.0 / (members.ncols() - 1) as f64;
+        let readings = observation.read_all(States::of(engine, model), members);
         let reading_mean = mean(&readings);
-        let deviations = about(&readings, &reading_mean).transpose();
-        let cross = about(members, &mean(members)) * &deviations / degrees;
-        let mut innovation_cov = symmetric(deviations.tr_mul(&deviations) / degrees);
+        let cross = covariance([members, &readings], [&mean(members), &reading_mean], weight);
+        let mut innovation_cov = symmetric(covariance([&readings, &readings], [&reading_mean; 2], weight));
         observation.add_noise(&mut innovation_cov);
 
         let factor = kalman::factor(&innovation_cov)?;
@@ -101,38 +101,62 @@ impl Belief for Ensemble {
         if let Some(origin) = &self.origin {
             return Cow::Borrowed(origin);
         }
-        let mean = mean(&self.members);
-        let deviations = about(&self.members, &mean);
-        let cov = &deviations * deviations.transpose() / (self.members.ncols() - 1) as f64;
+        let Self { members, .. } = self;
+        let mean = mean(members);
+        let cov = covariance([members, members], [&mean; 2], |_| 1.0 / (members.ncols() - 1) as f64);
         Cow::Owned(Gaussian { mean, cov: symmetric(cov) })
     }
 }
 
 /// The mean of the columns, taken about the first, so that the mean of equal values is that value to the last bit.
 fn mean(sample: &Matrix) -> Vector {
-    let first = sample.column(0);
-    let mut sum = Vector::zeros(sample.nrows());
-    for element in sample.column_iter() {
-        sum += element - first;
+    weighted_sum(sample, |_| 1.0 / sample.ncols() as f64)
+}
+
+/// The sum of the columns times their weights, which add up to one, taken about the first.
+pub(super) fn weighted_sum(sample: &Matrix, weight: impl Fn(usize) -> f64) -> Vector {
+    let n = sample.nrows();
+    let first = &sample.as_slice()[..n];
+    let mut sum = Vector::zeros(n);
+    for (j, element) in sample.as_slice().chunks_exact(n).enumerate() {
+        let (weight, sum) = (weight(j), sum.as_mut_slice());
+        sum.iter_mut().zip(element).zip(first).for_each(|((sum, x), first)| *sum += (x - first) * weight);
     }
-    first + sum / sample.ncols() as f64
+    sum.iter_mut().zip(first).for_each(|(sum, first)| *sum += first);
+    sum
+}
+
+/// `Σ wⱼ (aⱼ - ā) (bⱼ - b̄)ᵀ` over the columns of two samples with these means.
+pub(super) fn covariance(
+    [a, b]: [&Matrix; 2],
+    [a_mean, b_mean]: [&Vector; 2],
+    weight: impl Fn(usize) -> f64,
+) -> Matrix {
+    let (n, m) = (a.nrows(), b.nrows());
+    let mut cov = Matrix::zeros(n, m);
+    for (j, (a, b)) in a.as_slice().chunks_exact(n).zip(b.as_slice().chunks_exact(m)).enumerate() {
+        let weight = weight(j);
+        for ((column, b), b_mean) in cov.as_mut_slice().chunks_exact_mut(n).zip(b).zip(b_mean.as_slice()) {
+            let by = (b - b_mean) * weight;
+            column.iter_mut().zip(a).zip(a_mean.as_slice()).for_each(|((entry, a), mean)| *entry += (a - mean) * by);
+        }
+    }
+    cov
 }
 
 /// The columns' distances from a point.
-pub(super) fn about(sample: &Matrix, centre: &Vector) -> Matrix {
+fn about(sample: &Matrix, centre: &Vector) -> Matrix {
     let mut deviations = sample.clone();
-    for mut element in deviations.column_iter_mut() {
-        element -= centre;
+    for element in deviations.as_mut_slice().chunks_exact_mut(centre.len()) {
+        element.iter_mut().zip(centre.as_slice()).for_each(|(x, centre)| *x -= centre);
     }
     deviations
 }
 
 /// Multiplies the columns' distances from a point by a factor.
 pub(super) fn stretch(sample: &mut Matrix, centre: &Vector, factor: f64) {
-    for mut element in sample.column_iter_mut() {
-        for (x, centre) in element.iter_mut().zip(centre.iter()) {
-            *x = centre + (*x - centre) * factor;
-        }
+    for element in sample.as_mut_slice().chunks_exact_mut(centre.len()) {
+        element.iter_mut().zip(centre.as_slice()).for_each(|(x, centre)| *x = centre + (*x - centre) * factor);
     }
 }
 

@@ -184,7 +184,7 @@ pub(crate) fn build_filter<B: Belief + ?Sized>(
         white.add_rest(&model, mean.as_slice(), context.dt, &mut noise.process);
     }
     let filter = Filter::new(model, belief, context.dt, context.hold, noise, context.sensors, settings.adaptation);
-    filter.with_substeps(settings.substeps).with_white_force(white)
+    filter.with_substeps(settings.substeps).with_white_force(white).with_robust(settings.robust)
 }
 
 /// The initial mean as a state, and the size of each channel's unit in the state's unit. For a logarithm that is one

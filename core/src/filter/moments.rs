@@ -15,6 +15,8 @@ use crate::model::Reading;
 #[derive(Clone, Debug)]
 pub struct Moments {
     belief: Gaussian,
+    /// The copy for an update that is done again.
+    kept: Option<Gaussian>,
     way: Way,
     engine: Option<Box<Engine>>,
 }
@@ -49,13 +51,13 @@ impl Moments {
     /// Source: Huang and Yuen (2023), *Bayesian Real-Time System Identification*; Gelb, ed. (1974), *Applied Optimal
     /// Estimation*, section 6.1; Bell and Cathey (1993), The iterated Kalman filter update as a Gauss-Newton method.
     pub fn linearised(belief: Gaussian, propagation: Propagation, iterations: usize) -> Self {
-        Self { belief, way: Way::Linearised(propagation, iterations), engine: None }
+        Self { belief, kept: None, way: Way::Linearised(propagation, iterations), engine: None }
     }
 
     /// A belief that moves and is measured by sigma points, each moved by one Runge-Kutta step, and drawn again for the
     /// measurement.
     pub fn sigma_points(belief: Gaussian, rule: Rule) -> Self {
-        Self { belief, way: Way::SigmaPoints(rule), engine: None }
+        Self { belief, kept: None, way: Way::SigmaPoints(rule), engine: None }
     }
 }
 
@@ -140,7 +142,7 @@ impl Gaussian {
 impl Belief for Moments {
     /// `y⁻` and `P⁻`, with the noise
     fn predict(&mut self, model: &Model, step: Step, noise: &Noise) -> Result<(), FilterError> {
-        let Self { belief, way, engine } = self;
+        let Self { belief, way, engine, .. } = self;
         Engine::of(engine, *way, model, None).single.advance(belief.slices(), &step.of_engine())?;
         noise.spread(&mut belief.cov);
         Ok(())
@@ -152,7 +154,7 @@ impl Belief for Moments {
         observation: &Observation,
         correction: &mut Correction,
     ) -> Result<(), FilterError> {
-        let Self { belief, way, engine } = self;
+        let Self { belief, way, engine, .. } = self;
         let engine = Engine::of(engine, *way, model, Some(observation.all_readings()));
         engine.take(observation);
         let Engine { single, values, variances, .. } = engine;
@@ -179,8 +181,20 @@ impl Belief for Moments {
         Cow::Borrowed(&self.belief)
     }
 
+    fn store(&mut self) -> bool {
+        let Self { belief, kept, .. } = self;
+        kept.get_or_insert_with(|| belief.clone()).copy_from(belief);
+        true
+    }
+
+    fn restore(&mut self) {
+        if let Some(kept) = &self.kept {
+            self.belief.copy_from(kept);
+        }
+    }
+
     fn transition(&mut self, model: &Model, step: Step) -> Result<Matrix, FilterError> {
-        let Self { belief, way, engine } = self;
+        let Self { belief, way, engine, .. } = self;
         let mut transition = Matrix::zeros(belief.size(), belief.size());
         let single = &mut Engine::of(engine, *way, model, None).single;
         // The mean stays: only Φ is wanted.

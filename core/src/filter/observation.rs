@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::FilterError;
 use super::measurements::Measurements;
 use crate::Model;
+use crate::engine::states::States;
 use crate::linalg::{Matrix, Vector, fit};
 use crate::model::Reading;
 
@@ -78,7 +79,7 @@ impl Observation {
         &self.readings
     }
 
-    fn readings(&self) -> impl Iterator<Item = &Reading> {
+    fn readings(&self) -> impl Iterator<Item = &Reading> + Clone {
         self.sensors().iter().filter_map(|&sensor| self.readings[sensor].as_ref())
     }
 
@@ -94,14 +95,14 @@ impl Observation {
         values
     }
 
-    /// [`Self::read`] of several states, each a column; m rows.
-    pub fn read_all(&self, model: &Model, states: &Matrix) -> Matrix {
-        let mut values = Matrix::zeros(0, 0);
-        self.read_all_into(model, states, &mut Vec::new(), &mut values);
+    /// The numbers that the sensors would read in several states, each a column; m rows.
+    pub(super) fn read_all(&self, engine: &mut States, states: &Matrix) -> Matrix {
+        let mut values = Matrix::zeros(self.len(), states.ncols());
+        engine.read(states.as_slice(), self.force, self.readings(), values.as_mut_slice());
         values
     }
 
-    /// [`Self::read_all`], written over `values`; `rate` is scratch memory.
+    /// [`Self::read`] of several states, each a column, written over `values`; `rate` is scratch memory.
     pub fn read_all_into(&self, model: &Model, states: &Matrix, rate: &mut Vec<f64>, values: &mut Matrix) {
         fit(values, self.len(), states.ncols());
         let columns = values.as_mut_slice().chunks_exact_mut(self.len());

@@ -2,10 +2,10 @@
 
 use std::borrow::Cow;
 
-use super::ensemble::{about, stretch};
+use super::ensemble::{covariance, stretch, weighted_sum};
 use super::{Belief, Correction, FilterError, FilterInfo, Gaussian, Noise, Normal, Observation, Step, kalman};
 use crate::Model;
-use crate::integrate::RungeKutta;
+use crate::engine::states::States;
 use crate::linalg::{Matrix, Vector, lower_root, symmetric};
 
 /// The regularised bootstrap particle filter: every particle moves by a Runge-Kutta step and a draw of Q, and is
@@ -26,7 +26,7 @@ pub struct Particles {
     particles: Matrix,
     weights: Vec<f64>,
     normal: Normal,
-    method: RungeKutta,
+    engine: Option<Box<States>>,
     /// The belief that the particles were drawn from, until they first move.
     origin: Option<Gaussian>,
 }
@@ -40,13 +40,7 @@ impl Particles {
         let size = size.max(2);
         let mut particles = Matrix::from_fn(belief.size(), size, |i, _| belief.mean[i]);
         add_draws(&mut particles, &lower_root(&belief.cov)?, &mut normal);
-        Ok(Self {
-            particles,
-            weights: vec![1.0 / size as f64; size],
-            normal,
-            method: RungeKutta::default(),
-            origin: Some(belief),
-        })
+        Ok(Self { particles, weights: vec![1.0 / size as f64; size], normal, engine: None, origin: Some(belief) })
     }
 
     fn mean(&self) -> Vector {
@@ -54,9 +48,9 @@ impl Particles {
     }
 
     fn moments(&self) -> Gaussian {
+        let Self { particles, weights, .. } = self;
         let mean = self.mean();
-        let deviations = about(&self.particles, &mean);
-        let cov = weighted(&deviations, &self.weights) * deviations.transpose();
+        let cov = covariance([particles, particles], [&mean; 2], |j| weights[j]);
         Gaussian { mean, cov: symmetric(cov) }
     }
 
@@ -138,15 +132,17 @@ impl Particles {
 impl Belief for Particles {
     fn predict(&mut self, model: &Model, step: Step, noise: &Noise) -> Result<(), FilterError> {
         self.origin = None;
-        let mut moved = self.particles.clone();
-        step.advance(model, &mut moved, &mut self.method);
+        let Self { particles, weights, engine, .. } = self;
+        let mut moved = particles.clone();
+        States::of(engine, model).advance(moved.as_mut_slice(), &step.of_engine());
         // A diverged particle explains no measurement and loses its weight.
         let mut lost = false;
-        for (place, next) in moved.column_iter().enumerate() {
-            if next.norm_squared().is_finite() {
-                self.particles.set_column(place, &next);
+        let places = particles.as_mut_slice().chunks_exact_mut(model.size());
+        for ((next, place), weight) in moved.as_slice().chunks_exact(model.size()).zip(places).zip(weights) {
+            if next.iter().map(|x| x * x).sum::<f64>().is_finite() {
+                place.copy_from_slice(next);
             } else {
-                (self.weights[place], lost) = (0.0, true);
+                (*weight, lost) = (0.0, true);
             }
         }
         if lost {
@@ -161,11 +157,11 @@ impl Belief for Particles {
         observation: &Observation,
         correction: &mut Correction,
     ) -> Result<(), FilterError> {
-        let readings = observation.read_all(model, &self.particles);
+        let readings = observation.read_all(States::of(&mut self.engine, model), &self.particles);
+        let weight = |j: usize| self.weights[j];
         let reading_mean = weighted_mean(&readings, &self.weights);
-        let deviations = weighted(&about(&readings, &reading_mean), &self.weights).transpose();
-        let cross = about(&self.particles, &self.mean()) * &deviations;
-        let mut innovation_cov = symmetric(about(&readings, &reading_mean) * deviations);
+        let cross = covariance([&self.particles, &readings], [&self.mean(), &reading_mean], weight);
+        let mut innovation_cov = symmetric(covariance([&readings, &readings], [&reading_mean; 2], weight));
         observation.add_noise(&mut innovation_cov);
         if observation.variances().contains(&0.0) {
             // With a variance of zero, no particle has a finite likelihood.
@@ -209,20 +205,10 @@ pub(super) fn bandwidth_square(n: usize, count: usize) -> f64 {
     libm::pow(4.0 / ((n + 2.0) * count as f64), 2.0 / (n + 4.0)).min(1.0)
 }
 
-/// The columns, each times its weight.
-fn weighted(sample: &Matrix, weights: &[f64]) -> Matrix {
-    Matrix::from_fn(sample.nrows(), sample.ncols(), |i, j| sample[(i, j)] * weights[j])
-}
-
 /// The weighted mean of the columns, taken about the first, so that the mean of equal values is that value to the last
 /// bit.
 pub(super) fn weighted_mean(sample: &Matrix, weights: &[f64]) -> Vector {
-    let first = sample.column(0);
-    let mut sum = Vector::zeros(sample.nrows());
-    for (element, &weight) in sample.column_iter().zip(weights) {
-        sum += (element - first) * weight;
-    }
-    first + sum
+    weighted_sum(sample, |j| weights[j])
 }
 
 /// Adds an independent draw from a normal distribution to every column. `root` is the root of its covariance.

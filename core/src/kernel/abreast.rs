@@ -3,7 +3,6 @@
 
 use super::estimator::{initial_belief, noise, readings, serves};
 use super::gaussian::Gaussian;
-use super::log_parameters::LogParameters;
 use super::model::{Model, Output};
 use super::plant::duffing::Duffing;
 use super::plant::sdof::Sdof;
@@ -115,10 +114,7 @@ impl<P: Oscillator<N>, const N: usize> OscillatorFilter<P, N> {
             kind if kind == FilterKind::KF || kind == FilterKind::EKF => Method::Linearised,
             _ => return Ok(None),
         };
-        let usual = !settings.log_parameters
-            && !settings.adaptation.is_on()
-            && !settings.jump
-            && settings.guesses == 1
+        let usual = settings.has_plain_update()
             && settings.substeps == 1
             && (method == Method::SigmaPoints || settings.propagation == Propagation::LocalLinearisation)
             && serves(settings, &context);
@@ -128,8 +124,8 @@ impl<P: Oscillator<N>, const N: usize> OscillatorFilter<P, N> {
         let plant = P::with_decay(context.model(settings).eta());
         let filter = Self {
             method,
-            initial: initial_belief(&plant, settings),
-            noise: noise(&plant, settings),
+            initial: initial_belief::<P, N>(settings),
+            noise: noise::<P, N>(settings),
             plant,
             dt: context.dt,
             outputs: readings(settings, &context),
@@ -173,7 +169,7 @@ fn step<P: Oscillator<N>, const N: usize>(
     Ok(())
 }
 
-fn step_of<P: Oscillator<N>, B: Belief<LogParameters<P>, N>, const N: usize>(
+fn step_of<P: Oscillator<N>, B: Belief<P, N>, const N: usize>(
     filter: &OscillatorFilter<P, N>,
     start: B,
     [before, force]: [f64; 2],
@@ -181,9 +177,7 @@ fn step_of<P: Oscillator<N>, B: Belief<LogParameters<P>, N>, const N: usize>(
     correction: &mut Correction<N>,
 ) -> Result<Gaussian<N>, FilterError> {
     let OscillatorFilter { plant, noise, dt, outputs, .. } = filter;
-    // Uses the same type as runs, so that the filter is compiled once.
-    let model = LogParameters { plant: plant.clone(), on: false };
-    let mut filter = Filter::new(model, start, *dt, noise.clone(), outputs.clone(), Adaptation::default());
+    let mut filter = Filter::new(plant.clone(), start, *dt, noise.clone(), outputs.clone(), Adaptation::default());
     filter.predict(before)?;
     filter.update(force, measured, correction)?;
     Ok(filter.belief().gaussian().into_owned())

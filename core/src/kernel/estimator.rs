@@ -2,12 +2,11 @@
 
 use super::gaussian::{Gaussian, Matrix, Vector};
 use super::model::{Model, Output};
-use super::plant::{Visitor, visit_log};
-use super::{Belief, Correction, Ensemble, Filter, Linearised, MAX_SENSORS, Noise, Particles, SigmaPoints, SquareRoot};
+use super::plant::{Visitor, visit};
+use super::{Belief, Correction, Filter, Linearised, MAX_SENSORS, Noise, SigmaPoints, SquareRoot};
 use crate::estimator::{Estimator, Failed, FilterContext};
 use crate::filter::Rule;
 use crate::model::Hold;
-use crate::random::{Normal, Purpose};
 use crate::sink::{AssumedNoise, Sample, Sink};
 use crate::{Estimates, FilterError, FilterKind, FilterSettings, Quantity, Values};
 
@@ -24,7 +23,8 @@ impl<P: Model<N>, B: Belief<P, N>, const N: usize> Estimator for Followed<P, B, 
             return Err(FilterError::TooLarge);
         }
         let prior = sink.wants_prior().then(|| self.filter.belief().gaussian().into_owned());
-        report(&self.filter, &Correction::NOTHING, prior.as_ref(), sink).map_err(|_| FilterError::TooLarge)
+        report(&self.filter, &Correction::NOTHING, prior.as_ref(), sink);
+        Ok(())
     }
 
     fn step(
@@ -38,26 +38,23 @@ impl<P: Model<N>, B: Belief<P, N>, const N: usize> Estimator for Followed<P, B, 
         filter.predict(force_before)?;
         let prior = sink.wants_prior().then(|| filter.belief().gaussian().into_owned());
         filter.update(force, measured, correction)?;
-        report(filter, correction, prior.as_ref(), sink)
+        report(filter, correction, prior.as_ref(), sink);
+        Ok(())
     }
 }
 
-/// Writes a sample to the sink, in the channels' units.
+/// Writes a sample to the sink.
 fn report<P: Model<N>, B: Belief<P, N>, const N: usize>(
     filter: &Filter<P, B, N>,
     correction: &Correction<N>,
     prior: Option<&Gaussian<N>>,
     sink: &mut dyn Sink,
-) -> Result<(), FilterError> {
+) {
     let belief = filter.belief().gaussian();
     let noise = filter.is_adaptive().then(|| filter.noise());
     let has_widened = filter.has_widened();
     let told = Told { belief: &belief, prior, correction, sensors: filter.outputs.len(), noise, has_widened };
-    if filter.model().in_units() {
-        told.push(sink);
-        return Ok(());
-    }
-    told.push_in_units(filter.model(), sink)
+    told.push(sink);
 }
 
 /// A belief and the result of its last measurement update. Its type does not depend on the filter, so that the code
@@ -76,27 +73,6 @@ struct Told<'a, const N: usize> {
 }
 
 impl<const N: usize> Told<'_, N> {
-    /// Writes it to the sink, converted from the model's units to the channels'.
-    ///
-    /// # Errors
-    /// [`FilterError::NotFinite`] where a number in the channels' units is not finite.
-    #[cold]
-    fn push_in_units<P: Model<N>>(self, model: &P, sink: &mut dyn Sink) -> Result<(), FilterError> {
-        let (belief, unit) = model.to_units(self.belief);
-        let prior = self.prior.map(|prior| model.to_units(prior).0);
-        let mut correction = self.correction.clone();
-        for gain in &mut correction.gain {
-            for i in 0..N {
-                gain[i] *= unit[i];
-            }
-        }
-        if !belief.is_finite() || correction.gain.as_flattened().iter().any(|k| !k.is_finite()) {
-            return Err(FilterError::NotFinite);
-        }
-        Told { belief: &belief, prior: prior.as_ref(), correction: &correction, ..self }.push(sink);
-        Ok(())
-    }
-
     /// Writes it to the sink. For a history and the usual numbers of sensors, the compiler knows the lengths, so that a
     /// copy needs no call. The page leaves these versions out, to be smaller.
     fn push(self, sink: &mut dyn Sink) {
@@ -162,8 +138,8 @@ fn sample<'a, const N: usize>(
         gain: correction.gain[..m].as_flattened(),
         nis: correction.nis,
         determinant: correction.determinant,
-        log_likelihood: correction.log_likelihood,
-        effective_samples: correction.effective_samples,
+        log_likelihood: f64::NAN,
+        effective_samples: f64::NAN,
         noise,
         has_widened,
     }
@@ -183,23 +159,16 @@ impl Visitor for Build<'_> {
     type Output = Option<Box<dyn Estimator>>;
 
     fn visit<P: Model<N>, const N: usize>(self, model: P) -> Option<Box<dyn Estimator>> {
-        let Self { settings, context: FilterContext { seed, stream, .. } } = self;
-        let belief = initial_belief(&model, settings);
-        let normal = || Normal::new(seed, Purpose::Ensemble(stream));
-        let size = settings.ensemble_size;
+        let settings = self.settings;
+        let belief = initial_belief::<P, N>(settings);
         let linearised = |iterations| Linearised::new(belief.clone(), settings.propagation, iterations);
         match settings.kind {
             kind if kind == FilterKind::KF || kind == FilterKind::EKF => Some(self.filter(model, linearised(1))),
             kind if kind == FilterKind::IEKF => Some(self.filter(model, linearised(settings.iterations))),
+            _ if const { !P::MOVES_POINTS } => None,
             kind if kind == FilterKind::UKF => Some(self.filter(model, SigmaPoints::new(belief, Rule::Unscented))),
             kind if kind == FilterKind::CKF => Some(self.filter(model, SigmaPoints::new(belief, Rule::Cubature))),
             kind if kind == FilterKind::SR_UKF => Some(self.try_filter(model, SquareRoot::new(&belief))),
-            kind if const { N < 10 } && kind == FilterKind::ENKF => {
-                Some(self.try_filter(model, Ensemble::new(belief, size, normal())))
-            }
-            kind if const { N < 10 } && kind == FilterKind::PF => {
-                Some(self.try_filter(model, Particles::new(belief, size, normal())))
-            }
             _ => None,
         }
     }
@@ -237,7 +206,7 @@ pub(crate) fn build_filter<P: Model<N>, B: Belief<P, N>, const N: usize>(
     settings: &FilterSettings,
     context: &FilterContext<'_>,
 ) -> Filter<P, B, N> {
-    let noise = noise(&model, settings);
+    let noise = noise::<P, N>(settings);
     Filter::new(model, belief, context.dt, noise, readings(settings, context), settings.adaptation)
 }
 
@@ -255,7 +224,7 @@ pub(crate) fn with_model<V: Visitor>(
     visitor: V,
 ) -> Option<V::Output> {
     let model = context.model(settings);
-    serves(settings, context).then(|| visit_log(model.plant(), model.eta(), settings.log_parameters, visitor)).flatten()
+    serves(settings, context).then(|| visit(model.plant(), model.eta(), visitor)).flatten()
 }
 
 /// Whether a kernel serves these settings, if one has the plant.
@@ -263,21 +232,22 @@ pub(crate) fn serves(settings: &FilterSettings, context: &FilterContext<'_>) -> 
     let model = context.model(settings);
     let reads = |quantity: &Quantity| model.reading(*quantity).is_none_or(|reading| Output::of(&reading).is_some());
     settings.augment.is_empty()
+        && !settings.log_parameters
+        && !settings.robust.is_on()
         && context.hold == Hold::Zero
         && context.sensors.len() <= MAX_SENSORS
         && context.sensors.iter().all(reads)
 }
 
-/// The initial belief in the model's state.
-pub(crate) fn initial_belief<P: Model<N>, const N: usize>(model: &P, settings: &FilterSettings) -> Gaussian<N> {
-    let (mean, unit) = model.to_state(&Vector::from(P::CHANNELS.map(|c| settings.initial_mean[c])));
-    Gaussian::independent(mean, &spread::<P, N>(settings, &settings.initial_std).component_mul(&unit))
+/// The initial belief.
+pub(crate) fn initial_belief<P: Model<N>, const N: usize>(settings: &FilterSettings) -> Gaussian<N> {
+    let mean = Vector::from(P::CHANNELS.map(|c| settings.initial_mean[c]));
+    Gaussian::independent(mean, &spread::<P, N>(settings, &settings.initial_std))
 }
 
-/// Q, R and fading factor in the model's state.
-pub(crate) fn noise<P: Model<N>, const N: usize>(model: &P, settings: &FilterSettings) -> Noise<N> {
-    let (_, unit) = model.to_state(&Vector::from(P::CHANNELS.map(|c| settings.initial_mean[c])));
-    let process = spread::<P, N>(settings, &settings.process_std).component_mul(&unit);
+/// Q, R and fading factor.
+pub(crate) fn noise<P: Model<N>, const N: usize>(settings: &FilterSettings) -> Noise<N> {
+    let process = spread::<P, N>(settings, &settings.process_std);
     Noise {
         process: Matrix::from_diagonal(&process.component_mul(&process)),
         sensors: settings.sensor_std.iter().map(|s| s * s).collect(),

@@ -1,7 +1,7 @@
 //! A plant as a filter models it: the rate of change, its Jacobian, and the readings of sensors.
 
 use crate::Channel;
-use crate::kernel::gaussian::{Gaussian, Matrix, Vector};
+use crate::kernel::gaussian::{Matrix, Vector};
 use crate::kernel::propagation::{exp_and_integral, runge_kutta};
 use crate::model::Reading;
 
@@ -28,6 +28,8 @@ pub trait Model<const N: usize>: Clone + Send + Sync + 'static {
     /// The number of components that move. Those after them are parameters: each is constant or decays in proportion to
     /// itself, independent of the others.
     const MOTION: usize;
+    /// Whether a kernel moves sigma points at least a third faster than the engine.
+    const MOVES_POINTS: bool = true;
 
     /// `g(y, f)`, with the force over mass `force` \[m/s²\]; each component in its unit per second.
     fn rate(&self, state: &Vector<N>, force: f64) -> Vector<N>;
@@ -67,22 +69,6 @@ pub trait Model<const N: usize>: Clone + Send + Sync + 'static {
     /// exact response. The truth of such a plant has only rounding errors.
     fn exact_integral(&self, _state: &Vector<N>, _dt: f64) -> Option<Matrix<N, N>> {
         None
-    }
-
-    /// Whether the state is in the channels' units. If not, [`Self::to_units`] and [`Self::to_state`] say how.
-    fn in_units(&self) -> bool {
-        true
-    }
-
-    /// The belief in the channels' units, and the size of each component's unit in its channel's unit.
-    fn to_units(&self, belief: &Gaussian<N>) -> (Gaussian<N>, Vector<N>) {
-        (belief.clone(), Vector::repeat(1.0))
-    }
-
-    /// The state's components for values in the channels' units, and the size of each channel's unit in the state's
-    /// unit.
-    fn to_state(&self, values: &Vector<N>) -> (Vector<N>, Vector<N>) {
-        (*values, Vector::repeat(1.0))
     }
 }
 

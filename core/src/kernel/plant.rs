@@ -5,7 +5,6 @@ pub mod duffing;
 pub mod sdof;
 pub mod shear_chain;
 
-use super::log_parameters::LogParameters;
 use super::model::Model;
 use crate::PlantKind;
 
@@ -43,19 +42,6 @@ pub(crate) fn visit<V: Visitor>(kind: PlantKind, eta: f64, visitor: V) -> Option
         _ if kind == PlantKind::SHEAR_4 => visitor.visit(ShearChain::<4> { eta }),
         _ => return None,
     })
-}
-
-/// As [`visit`], with the logarithms of the positive parameters in the state if `log`.
-pub(crate) fn visit_log<V: Visitor>(kind: PlantKind, eta: f64, log: bool, visitor: V) -> Option<V::Output> {
-    struct WithLogarithms<V>(V, bool);
-    impl<V: Visitor> Visitor for WithLogarithms<V> {
-        type Output = V::Output;
-
-        fn visit<P: Model<N>, const N: usize>(self, plant: P) -> V::Output {
-            self.0.visit(LogParameters { plant, on: self.1 })
-        }
-    }
-    visit(kind, eta, WithLogarithms(visitor, log))
 }
 
 #[cfg(test)]

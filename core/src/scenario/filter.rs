@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::values;
 use super::{FilterColor, Values};
 use crate::document::{is_default, is_one};
-use crate::filter::{Adaptation, FilterKind, MethodSettings, Propagation};
+use crate::filter::{Adaptation, FilterKind, MethodSettings, Propagation, Robust};
 use crate::model::{InputKind, Model};
 use crate::{Channel, PlantKind};
 
@@ -59,6 +59,9 @@ pub struct FilterSettings {
     /// change it learns anew, and before it forgets nothing.
     #[serde(skip_serializing_if = "is_default")]
     pub jump: bool,
+    /// How measurements that do not fit are weighed. A filter that learns R or samples its belief weighs none.
+    #[serde(skip_serializing_if = "is_default")]
+    pub robust: Robust,
     /// Whether the whole record is smoothed once the filter has seen it. Fading counts as process noise then.
     pub smoother: bool,
     /// Fading factor λ ≥ 1 on the predicted covariance; 1 forgets nothing.
@@ -97,6 +100,7 @@ impl Default for FilterSettings {
             ensemble_size: 500,
             adaptation: Adaptation::default(),
             jump: false,
+            robust: Robust::NONE,
             smoother: false,
             fading: 1.0,
             eta: 0.0,
@@ -121,6 +125,17 @@ impl FilterSettings {
     pub fn method(&self) -> MethodSettings {
         let Self { propagation, iterations, ensemble_size, .. } = *self;
         MethodSettings { propagation, iterations, ensemble_size }
+    }
+
+    /// Whether an update is that of textbooks: one filter, whose noise is known and whose measurements all count. Kernels, lanes
+    /// and the engine have no other.
+    pub(crate) fn has_plain_update(&self) -> bool {
+        !self.adaptation.is_on() && !self.jump && !self.robust.is_on() && self.guesses == 1
+    }
+
+    /// Whether measurements can be weighed.
+    pub fn can_weigh(&self) -> bool {
+        !self.kind.is_sampled() && !self.adaptation.sensor_noise
     }
 
     /// Whether the filter takes a channel as known and exact, whatever its standard deviations: a KF does so for the

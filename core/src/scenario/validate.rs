@@ -116,6 +116,7 @@ impl FilterSettings {
             guesses,
             ensemble_size,
             jump,
+            robust,
             smoother,
             sensor_std,
             initial_mean,
@@ -149,6 +150,12 @@ impl FilterSettings {
             format_args!("{path}.jump"),
             jump,
             "false for a KF, which takes its parameters for known and has none to widen",
+        )?;
+        require(
+            !robust.is_on() || self.can_weigh(),
+            format_args!("{path}.robust"),
+            format_args!("\"{}\"", robust.info().key),
+            "\"none\" for a filter that samples its belief or learns R",
         )?;
         require(
             !(*smoother && kind.is_sampled()),

@@ -47,6 +47,7 @@ macro_rules! shear_chain {
         impl Model<$n> for ShearChain<$masses> {
             const CHANNELS: [Channel; $n] = channels($masses);
             const MOTION: usize = $motion;
+            const MOVES_POINTS: bool = false;
 
             fn eta(&self) -> f64 {
                 self.eta
