@@ -2,7 +2,7 @@
 
 use egui::{Button, Color32, RichText, ScrollArea, Sense, Stroke, Ui, UiBuilder, WidgetText, vec2};
 use egui_tiles::{Behavior, ResizeState, SimplificationOptions, TileId, UiResponse};
-use kalmanscope_core::sorting::sort_short_by_key;
+use kalmanscope_core::internals::sort_short_by_key;
 
 use crate::column::Column;
 use crate::layout::{Layout, simplification};

@@ -1,8 +1,8 @@
 //! The evidence for a verdict and the causes of it, in words.
 
 use kalmanscope_core::diagnosis::{Evidence, Finding};
+use kalmanscope_core::internals::sort_short_by;
 use kalmanscope_core::setting::Edit;
-use kalmanscope_core::sorting::sort_short_by;
 use kalmanscope_core::{Diagnosis, Scenario};
 
 use crate::number::{fixed, legible};

@@ -1,7 +1,7 @@
 //! The results of a run as one document of JSON.
 
+use kalmanscope_core::Final;
 use kalmanscope_core::diagnosis::Finding;
-use kalmanscope_core::diagnostics::Final;
 use kalmanscope_core::{Document, DocumentError, Fit, Summary};
 
 use crate::findings::{evidence, likeliest};

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use kalmanscope_core::setting::Address;
-use kalmanscope_core::simulate::simulate;
+use kalmanscope_core::simulate;
 use kalmanscope_core::{Axis, Scenario};
 use kalmanscope_lab::tune::{Goal, Tuned, Tuner};
 

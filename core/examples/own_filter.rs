@@ -10,7 +10,7 @@ use kalmanscope_core::filter::kalman::{self, Expected};
 use kalmanscope_core::filter::{
     Adaptation, Belief, Correction, Filter, FilterError, FilterInfo, Gaussian, Noise, Observation, Propagation, Step,
 };
-use kalmanscope_core::linalg::{Matrix, Vector};
+use kalmanscope_core::filter::{Matrix, Vector};
 use kalmanscope_core::{FilterKind, FilterSettings, Hold, Model, PlantKind, Quantity, Run, Scenario};
 
 /// A Gaussian that is linearised at its mean and gives little weight to outliers.

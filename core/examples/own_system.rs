@@ -5,7 +5,7 @@
 //! ```
 
 use kalmanscope_core::filter::Gaussian;
-use kalmanscope_core::linalg::{Matrix, Vector};
+use kalmanscope_core::filter::{Matrix, Vector};
 use kalmanscope_core::{KalmanFilter, MeasurementModel, SystemError};
 
 /// Time between samples \[s\].

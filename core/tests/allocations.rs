@@ -1,13 +1,13 @@
 //! Filters that go over a record into a sink of one's own reserve no memory for a sample.
 
 use kalmanscope_core::filter::Gaussian;
-use kalmanscope_core::linalg::{Matrix, Vector};
-use kalmanscope_core::simulate::simulate;
-use kalmanscope_core::sink::{Sample, Sink};
+use kalmanscope_core::filter::{Matrix, Vector};
+use kalmanscope_core::simulate;
 use kalmanscope_core::{
     Channel, FilterKind, Hold, KalmanFilter, MeasurementModel, OnlineFilter, Pass, Quantity, Record, Scenario, Sensor,
     Stop,
 };
+use kalmanscope_core::{Sample, Sink};
 
 /// Counts samples.
 struct Count {

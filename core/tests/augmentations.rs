@@ -1,8 +1,8 @@
 //! Filters identify properties of input and sensors besides the plant's, and inputs that are linear between samples.
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
+use kalmanscope_core::filter::{Matrix, Vector};
 use kalmanscope_core::filter::{Propagation, Step};
-use kalmanscope_core::linalg::{Matrix, Vector};
 use kalmanscope_core::signal::Sine;
 use kalmanscope_core::{
     Channel, FilterKind, FilterSettings, Hold, Model, PlantKind, Quantity, Run, Scenario, Sensor, Signal,

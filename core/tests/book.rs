@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use kalmanscope_core::filter::{FilterInfo, FilterKind};
-use kalmanscope_core::simulate::simulate;
+use kalmanscope_core::simulate;
 use kalmanscope_core::{Estimates, FilterSettings, PlantKind, Quantity, Record, Run, Scenario};
 
 /// The same kind of filter under a name without a kernel, so that the reference filter is used.

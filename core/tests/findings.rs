@@ -11,7 +11,7 @@ use kalmanscope_core::diagnosis::VerdictKind::{
 };
 use kalmanscope_core::diagnosis::{Diagnosis, Evidence, Verdict};
 use kalmanscope_core::setting::Edit;
-use kalmanscope_core::simulate::simulate;
+use kalmanscope_core::simulate;
 use kalmanscope_core::{Channel, CramerRao, Diagnostics, Estimates, Record, Run, Scenario};
 use run::finished;
 

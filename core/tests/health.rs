@@ -10,7 +10,7 @@ use std::cell::Cell;
 use std::sync::Arc;
 
 use health::{check_file, check_scenario, scenario_of};
-use kalmanscope_core::simulate::simulate;
+use kalmanscope_core::simulate;
 use kalmanscope_core::{
     Adaptation, Aspect, Channel, Estimates, FilterError, FilterKind, FilterSettings, Force, Plant, PlantKind, Quantity,
     Remark, Run, Scenario, Sensor, Stop, Trouble, TruthError, TruthStop, Values,

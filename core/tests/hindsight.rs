@@ -4,7 +4,7 @@
 #[path = "common/run.rs"]
 mod run;
 
-use kalmanscope_core::simulate::simulate;
+use kalmanscope_core::simulate;
 use kalmanscope_core::{
     Channel, CramerRao, Estimates, FilterKind, FilterSettings, Hold, PlantKind, Quantity, Record, Run, RunError,
     Scenario, Sensor, Signal, Values, smoothed as smoothed_at_once,

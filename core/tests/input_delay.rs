@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use kalmanscope_core::diagnosis::Finding;
 use kalmanscope_core::record::Input;
-use kalmanscope_core::simulate::simulate;
+use kalmanscope_core::simulate;
 use kalmanscope_core::{Channel, Diagnosis, Diagnostics, Estimates, FilterKind, Quantity, Record, Run, Scenario};
 
 const DELAYS: [i32; 7] = [-3, -2, -1, 0, 1, 2, 3];

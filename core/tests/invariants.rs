@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use kalmanscope_core::scenario::Motion;
 use kalmanscope_core::signal::{Ramp, Sine, Step};
-use kalmanscope_core::simulate::simulate;
+use kalmanscope_core::simulate;
 use kalmanscope_core::{
     Channel, Estimates, FilterKind, FilterSettings, Force, Plant, Quantity, Run, Scenario, Sensor, Signal, Values,
 };

@@ -1,7 +1,7 @@
 //! A step by the book reserves no memory.
 
 use kalmanscope_core::filter::{Adaptation, Correction, Filter, Gaussian, Noise, Normal};
-use kalmanscope_core::linalg::{Matrix, Vector};
+use kalmanscope_core::filter::{Matrix, Vector};
 use kalmanscope_core::{FilterKind, FilterSettings, Hold, InputKind, PlantKind, Propagation, Quantity};
 
 #[test]

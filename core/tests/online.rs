@@ -1,12 +1,12 @@
 //! A filter over samples that come in one by one has the bits of a pass over their record.
 
 use kalmanscope_core::record::{Input, Record};
-use kalmanscope_core::simulate::simulate;
-use kalmanscope_core::sink::{Sample, Sink};
+use kalmanscope_core::simulate;
 use kalmanscope_core::{
     Channel, Estimates, FilterKind, Hold, InputKind, OnlineError, OnlineFilter, Pass, Quantity, RunError, Scenario,
     Stop,
 };
+use kalmanscope_core::{Sample, Sink};
 
 const DT: f64 = 0.01;
 

@@ -3,8 +3,8 @@
 #[path = "common/run.rs"]
 mod run;
 
-use kalmanscope_core::sink::{Sample, Sink};
 use kalmanscope_core::{Channel, FilterKind, Hold, Pass, Quantity, Run, Scenario, Sensor, Stop};
+use kalmanscope_core::{Sample, Sink};
 
 use run::finished;
 

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use kalmanscope_core::record::Input;
-use kalmanscope_core::simulate::simulate;
+use kalmanscope_core::simulate;
 use kalmanscope_core::{Channel, Hold, InputKind, Quantity, Record, RecordError, Run, RunError, Scenario};
 
 fn input(values: &[f64]) -> Input {

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use kalmanscope_core::diagnosis::{Diagnosis, Finding};
 use kalmanscope_core::record::Input;
 use kalmanscope_core::setting::Edit;
-use kalmanscope_core::simulate::simulate;
+use kalmanscope_core::simulate;
 use kalmanscope_core::{Channel, Diagnostics, Quantity, Record, Run, Scenario, Signal, VerdictKind, signal};
 
 /// A filter that is well tuned, of an oscillator of 6 rad/s.

@@ -2,7 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 use kalmanscope_core::signal::{Ramp, Sine, Step};
-use kalmanscope_core::simulate::simulate;
+use kalmanscope_core::simulate;
 use kalmanscope_core::{Channel, Force, PlantKind, Quantity, Record, Run, Scenario, Sensor, Signal, TruthError};
 
 fn simulated(scenario: &Scenario) -> Record {

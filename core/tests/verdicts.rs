@@ -9,7 +9,7 @@ use kalmanscope_core::diagnosis::VerdictKind::{
     self, Consistent, Diverged, Lost, NotIdentifiable, Overconfident, Recovered, Underconfident, WoundUp,
 };
 use kalmanscope_core::signal::{Ramp, Sine, Step};
-use kalmanscope_core::simulate::simulate;
+use kalmanscope_core::simulate;
 use kalmanscope_core::{
     Channel, Diagnosis, Diagnostics, FilterKind, FilterSettings, Force, Record, Run, Scenario, Signal, Verdict,
 };

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
+use kalmanscope_core::Simulator;
 use kalmanscope_core::score::ScoredPass;
-use kalmanscope_core::simulate::Simulator;
 use kalmanscope_core::{Record, RunError, Scenario};
 
 use crate::outcome::HistoryPass;

@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 
 use kalmanscope_core::diagnostics::chi_squared;
-use kalmanscope_core::sorting::sort_numbers;
+use kalmanscope_core::internals::sort_numbers;
 
 use crate::{Ensemble, EnsembleError, Measure, Plan, Slice, Trace};
 use kalmanscope_core::{Axis, Channel, Scenario, Spacing};

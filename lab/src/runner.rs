@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use kalmanscope_core::score::Outcome;
 use kalmanscope_core::setting::RECORD_GAIN;
-use kalmanscope_core::simulate::simulate;
+use kalmanscope_core::simulate;
 use kalmanscope_core::{Pass, Record, Scenario, Source};
 
 use crate::ensemble::{Ensemble, EnsembleError};

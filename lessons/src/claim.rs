@@ -1,6 +1,6 @@
 //! Claims: the results of a lesson's checks.
 
-use kalmanscope_core::sorting::sort_numbers;
+use kalmanscope_core::internals::sort_numbers;
 use std::fmt;
 
 use crate::check::{Check, NEARLY_ALL};

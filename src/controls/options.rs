@@ -1,8 +1,9 @@
 //! The less common settings of a filter: its plant, what else it estimates, its propagation, and those with rows.
 
 use egui::{ComboBox, Ui};
+use kalmanscope_core::channel::augment;
 use kalmanscope_core::setting::{GUESSES, OPTIONS, SMOOTHER};
-use kalmanscope_core::{Channel, FilterSettings, PlantKind, Propagation, Robust, Sensor, augment};
+use kalmanscope_core::{Channel, FilterSettings, PlantKind, Propagation, Robust, Sensor};
 
 use super::lit::lit;
 use super::row::filter_row_ui;

@@ -1,9 +1,10 @@
 //! The true oscillator.
 
 use egui::{Button, ComboBox, Ui};
+use kalmanscope_core::channel::augment;
 use kalmanscope_core::channel::{Role, Sign};
 use kalmanscope_core::setting::MOTION;
-use kalmanscope_core::{Channel, Plant, PlantKind, Scenario, augment};
+use kalmanscope_core::{Channel, Plant, PlantKind, Scenario};
 
 use super::Asked;
 use super::equation::equation_ui;

@@ -1,7 +1,7 @@
 //! The sensors and their noise.
 
 use egui::{Checkbox, ComboBox, Ui};
-use kalmanscope_core::quantity::MAX_SENSORS;
+use kalmanscope_core::scenario::MAX_SENSORS;
 use kalmanscope_core::{Aspect, InputKind, Quantity, Scenario, Sensor};
 
 use super::lit::lit;

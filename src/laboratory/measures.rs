@@ -1,6 +1,6 @@
 //! The scores that a map can show, and their names.
 
-use kalmanscope_core::sorting::sort_short_by_key;
+use kalmanscope_core::internals::sort_short_by_key;
 use kalmanscope_core::{Channel, Quantity, Record, Scenario};
 use kalmanscope_lab::{Measure, channels};
 
@@ -74,7 +74,7 @@ pub(crate) fn label(measure: Measure) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use kalmanscope_core::simulate::simulate;
+    use kalmanscope_core::simulate;
 
     #[test]
     fn what_is_offered_is_taken_or_needs_a_history() {

@@ -8,7 +8,7 @@ mod tests;
 use std::sync::Arc;
 
 use egui::Context;
-use kalmanscope_core::simulate::simulate;
+use kalmanscope_core::simulate;
 use kalmanscope_core::{FilterSettings, Run, Scenario, Source};
 use kalmanscope_lab::tune::{Try, Tuned, Tuner};
 

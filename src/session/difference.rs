@@ -1,6 +1,6 @@
 //! Names the settings in which two scenarios differ.
 
-use kalmanscope_core::sorting::sort_short_by_key;
+use kalmanscope_core::internals::sort_short_by_key;
 use kalmanscope_core::{Document, Scenario, setting};
 
 use crate::text::significant;

@@ -1,10 +1,10 @@
 //! The numbers of all filters side by side.
 
 use egui::{Grid, Id, RichText, ScrollArea, Ui, vec2};
+use kalmanscope_core::internals::sort_short_by_key;
 use kalmanscope_core::setting::{
     Address, Entry, INITIAL_MEAN, INITIAL_STD, OF_FILTER, PROCESS_STD, SENSOR_STD, SettingInfo, TableInfo,
 };
-use kalmanscope_core::sorting::sort_short_by_key;
 use kalmanscope_core::{FilterSettings, Scenario};
 use kalmanscope_lab::channels;
 

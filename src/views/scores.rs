@@ -1,9 +1,10 @@
 //! Filters side by side: verdict and scores.
 
 use egui::{Grid, Id, Label, RichText, ScrollArea, Ui};
-use kalmanscope_core::diagnostics::{Depth, MeanSquare, Summary};
+use kalmanscope_core::Summary;
+use kalmanscope_core::diagnostics::{Depth, MeanSquare};
 use kalmanscope_core::import::Length;
-use kalmanscope_core::sorting::{sort_short_by, sort_short_by_key};
+use kalmanscope_core::internals::{sort_short_by, sort_short_by_key};
 use kalmanscope_core::{Channel, Signal, Source, Verdict};
 
 use crate::plot::medium::Medium;

@@ -1,7 +1,7 @@
 //! A score over one setting at a time: the row and the column of the map through the setting on screen.
 
 use egui::{Align2, Pos2, Rect, Sense, Shape, Stroke, TextStyle, Tooltip, Ui, UiBuilder, Vec2, pos2, vec2};
-use kalmanscope_core::sorting::sort_numbers;
+use kalmanscope_core::internals::sort_numbers;
 use kalmanscope_core::{Axis, Spacing};
 use kalmanscope_lab::Measure;
 

@@ -1,7 +1,7 @@
 //! The range of a value axis.
 
 use kalmanscope_core::Run;
-use kalmanscope_core::sorting::sort_numbers;
+use kalmanscope_core::internals::sort_numbers;
 
 use super::panel::Panel;
 use super::series;

@@ -3,13 +3,13 @@
 use std::hint::black_box;
 
 use kalmanscope_core::filter::{Adaptation, Rule};
-use kalmanscope_core::kernel::gaussian::{Gaussian, Matrix, Vector};
-use kalmanscope_core::kernel::model::{Model, Output};
-use kalmanscope_core::kernel::plant::bouc_wen::BoucWen;
-use kalmanscope_core::kernel::plant::duffing::Duffing;
-use kalmanscope_core::kernel::plant::sdof::Sdof;
-use kalmanscope_core::kernel::plant::shear_chain::ShearChain;
-use kalmanscope_core::kernel::{Belief, Correction, Filter, Linearised, Noise, SigmaPoints, SquareRoot};
+use kalmanscope_core::internals::kernel::BoucWen;
+use kalmanscope_core::internals::kernel::Duffing;
+use kalmanscope_core::internals::kernel::Sdof;
+use kalmanscope_core::internals::kernel::ShearChain;
+use kalmanscope_core::internals::kernel::{Belief, Correction, Filter, Linearised, Noise, SigmaPoints, SquareRoot};
+use kalmanscope_core::internals::kernel::{Gaussian, Matrix, Vector};
+use kalmanscope_core::internals::kernel::{Model, Output};
 use kalmanscope_core::{FilterSettings, InputKind, PlantKind, Propagation, Record, Run, Scenario, Values};
 
 /// A filter and its input.

@@ -1,7 +1,7 @@
 //! The shear chains' truth against modes of vibration and matrix exponentials.
 
 use kalmanscope_core::signal::Step;
-use kalmanscope_core::simulate::simulate;
+use kalmanscope_core::simulate;
 use kalmanscope_core::{Channel, Force, PlantKind, Record, Scenario, Signal};
 
 use crate::matrix::{Matrix, along};

@@ -1,6 +1,6 @@
 //! Each filter agrees with a plain implementation of its paper.
 
-use kalmanscope_core::simulate::simulate;
+use kalmanscope_core::simulate;
 use kalmanscope_core::{Adaptation, FilterKind, FilterSettings, PlantKind, Propagation, Quantity, Run, Scenario};
 
 use crate::cases::{deviation, scenario};

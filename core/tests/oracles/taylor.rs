@@ -2,7 +2,7 @@
 
 use kalmanscope_core::scenario::Motion;
 use kalmanscope_core::signal::{Ramp, Sine};
-use kalmanscope_core::simulate::simulate;
+use kalmanscope_core::simulate;
 use kalmanscope_core::{Channel, Force, PlantKind, Record, Run, Scenario, Signal};
 
 const TERMS: usize = 26;

@@ -11,7 +11,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use kalmanscope_core::score::Outcome;
-use kalmanscope_core::simulate::simulate;
+use kalmanscope_core::simulate;
 use kalmanscope_core::{Axis, Scenario, Source};
 use kalmanscope_gpu::{Gpu, Software};
 use kalmanscope_lab::{Crew, Ensemble, Measure, MonteCarlo, Plan, Runner, Sheet, channels};

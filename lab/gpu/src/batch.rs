@@ -1,7 +1,7 @@
 //! Runs in batches of those that are alike.
 
-use kalmanscope_core::engine::Setup;
-use kalmanscope_core::engine::design::Design;
+use kalmanscope_core::internals::engine::Design;
+use kalmanscope_core::internals::engine::Setup;
 use kalmanscope_core::score::Outcome;
 use kalmanscope_core::{Channel, Record, Scenario};
 

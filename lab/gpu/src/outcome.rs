@@ -1,9 +1,10 @@
 //! From the shader's sums to the outcome of a run.
 
 use kalmanscope_core::diagnostics::{Tally, Total};
-use kalmanscope_core::engine::Setup;
-use kalmanscope_core::kernel::abreast::log_likelihood;
-use kalmanscope_core::score::{ChannelSums, Outcome};
+use kalmanscope_core::internals::ChannelSums;
+use kalmanscope_core::internals::engine::Setup;
+use kalmanscope_core::internals::log_likelihood;
+use kalmanscope_core::score::Outcome;
 use kalmanscope_core::{Channel, FilterError, Record, Stop};
 
 use crate::layout::{State, Tracked};

@@ -1,11 +1,11 @@
 //! The programs in WGSL, put together from their parts and the lists of a plant and its sensors.
 
 use kalmanscope_core::Channel;
-use kalmanscope_core::engine::design::{Design, Method};
-use kalmanscope_core::engine::list::Node;
-use kalmanscope_core::engine::notes::Notes;
-use kalmanscope_core::engine::propagation::Propagation;
-use kalmanscope_core::model::Reading;
+use kalmanscope_core::Propagation;
+use kalmanscope_core::internals::Reading;
+use kalmanscope_core::internals::engine::Node;
+use kalmanscope_core::internals::engine::Notes;
+use kalmanscope_core::internals::engine::{Design, Method};
 
 use crate::layout::Shape;
 use crate::text::{Text, literal};

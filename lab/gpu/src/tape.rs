@@ -1,6 +1,6 @@
 //! Records as the shader reads them.
 
-use kalmanscope_core::engine::Setup;
+use kalmanscope_core::internals::engine::Setup;
 use kalmanscope_core::{Channel, Record};
 
 use crate::layout::put_sample;

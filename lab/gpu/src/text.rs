@@ -2,9 +2,9 @@
 
 use std::fmt::Write as _;
 
-use kalmanscope_core::engine::builder::Builder;
-use kalmanscope_core::engine::function::Function;
-use kalmanscope_core::engine::list::{Node, Operation};
+use kalmanscope_core::internals::engine::Builder;
+use kalmanscope_core::internals::engine::Function;
+use kalmanscope_core::internals::engine::{Node, Operation};
 
 /// Operations on a state `y` of some components and a force `f`, which is the input after them.
 pub(crate) struct Text<'a> {

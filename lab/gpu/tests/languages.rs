@@ -3,9 +3,10 @@
 
 use std::path::Path;
 
-use kalmanscope_core::simulate::simulate;
+use kalmanscope_core::channel::augment;
+use kalmanscope_core::simulate;
 use kalmanscope_core::{
-    Channel, FilterKind, FilterSettings, Hold, InputKind, PlantKind, Propagation, Quantity, Scenario, augment,
+    Channel, FilterKind, FilterSettings, Hold, InputKind, PlantKind, Propagation, Quantity, Scenario,
 };
 use kalmanscope_gpu::{GpuRun, program};
 use naga::back::{hlsl, msl};

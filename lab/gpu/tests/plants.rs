@@ -10,7 +10,7 @@ use std::time::Instant;
 
 use common::gpu;
 use kalmanscope_core::score::Outcome;
-use kalmanscope_core::simulate::simulate;
+use kalmanscope_core::simulate;
 use kalmanscope_core::{Channel, FilterKind, FilterSettings, Hold, PlantKind, Propagation, Quantity, Scenario, Signal};
 use kalmanscope_gpu::{GpuRun, serves};
 use tally::Tally;

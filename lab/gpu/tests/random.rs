@@ -9,7 +9,7 @@ mod tally;
 
 use common::gpu;
 use kalmanscope_core::score::Outcome;
-use kalmanscope_core::simulate::simulate;
+use kalmanscope_core::simulate;
 use kalmanscope_core::{Channel, FilterKind, FilterSettings, Quantity, Scenario};
 use kalmanscope_gpu::{GpuRun, serves};
 use proptest::prelude::*;

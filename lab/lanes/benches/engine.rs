@@ -12,7 +12,7 @@ use std::time::Instant;
 
 use kalmanscope_core::import::{Builder, read};
 use kalmanscope_core::score::Outcome;
-use kalmanscope_core::simulate::simulate;
+use kalmanscope_core::simulate;
 use kalmanscope_core::{Channel, FilterKind, Hold, PlantKind, Record, Scenario};
 use kalmanscope_lanes::{LaneRun, Level, outcomes_with, serves};
 

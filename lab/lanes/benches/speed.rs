@@ -11,7 +11,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use kalmanscope_core::score::Outcome;
-use kalmanscope_core::simulate::simulate;
+use kalmanscope_core::simulate;
 use kalmanscope_core::{Channel, PlantKind, Quantity, Record, Scenario};
 use kalmanscope_lanes::{LaneRun, Level, outcomes_with};
 

@@ -1,7 +1,7 @@
 //! Runs in batches of those that are alike.
 
-use kalmanscope_core::kernel::abreast::{Method, OscillatorFilter};
-use kalmanscope_core::kernel::model::Output;
+use kalmanscope_core::internals::kernel::Output;
+use kalmanscope_core::internals::kernel::{Method, OscillatorFilter};
 use kalmanscope_core::score::Outcome;
 use kalmanscope_core::{Pass, RunError};
 
@@ -15,7 +15,7 @@ use crate::plant::{Plant, Visitor, visit};
 /// Whether lanes serve a run: a KF, EKF or UKF of the linear oscillator, or outside a browser of the Duffing
 /// oscillator, with at most three sensors, for displacement, velocity or acceleration, with or without fading, decay of
 /// the parameters and a delay of the input, under an input that is held; outside a browser also any run that the
-/// [engine](kalmanscope_core::engine::Setup::new) serves. [`outcomes`] runs all others too, at the speed of a single
+/// [engine](kalmanscope_core::internals::engine::Setup::new) serves. [`outcomes`] runs all others too, at the speed of a single
 /// filter.
 ///
 /// # Errors

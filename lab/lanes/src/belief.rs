@@ -2,8 +2,8 @@
 
 use crate::lane::{LANES, Lane};
 use crate::plant::Plant;
-use kalmanscope_core::kernel::abreast::OscillatorFilter;
-use kalmanscope_core::kernel::gaussian::{Gaussian, Matrix, Vector};
+use kalmanscope_core::internals::kernel::OscillatorFilter;
+use kalmanscope_core::internals::kernel::{Gaussian, Matrix, Vector};
 
 /// The lower triangle of a symmetric N × N matrix, column by column.
 pub(crate) struct Triangle<const N: usize>;

@@ -21,13 +21,13 @@ pub(crate) use native::{run, serves};
 
 #[cfg(not(target_arch = "wasm32"))]
 mod native {
-    use kalmanscope_core::engine::level::{Baseline, Known};
-    use kalmanscope_core::engine::{self, Run, Setup, lanes};
+    use kalmanscope_core::internals::engine::{self, Run, Setup};
+    use kalmanscope_core::internals::engine::{Baseline, Known};
 
     use super::{LaneRun, Level, Outcome, RunError};
     use crate::lane::LANES;
 
-    type Lanes = lanes::Lanes<LANES>;
+    type Lanes = engine::Lanes<LANES>;
 
     /// The instructions of AVX2.
     #[cfg(target_arch = "x86_64")]
@@ -35,7 +35,7 @@ mod native {
     struct Avx2(fearless_simd::Avx2);
 
     #[cfg(target_arch = "x86_64")]
-    impl engine::level::Level for Avx2 {
+    impl engine::Level for Avx2 {
         #[inline(never)]
         fn apart<R>(self, work: impl FnOnce() -> R) -> R {
             fearless_simd::Simd::vectorize(self.0, work)
@@ -111,7 +111,7 @@ mod native {
     }
 
     /// The usual oscillators have sizes that the compiler knows.
-    fn of_size(level: impl engine::level::Level, batch: &[Run<'_>], samples: &[usize]) -> Vec<Outcome> {
+    fn of_size(level: impl engine::Level, batch: &[Run<'_>], samples: &[usize]) -> Vec<Outcome> {
         let model = &batch[0].setup.design.model;
         match (model.size, model.moving()) {
             (4, 2) => engine::outcomes::<Lanes, _>(Known::<_, 4, 2>(level), batch, samples),

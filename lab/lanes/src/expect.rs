@@ -1,6 +1,6 @@
 //! The measurements that filters expect where some sensors read a rate.
 
-use kalmanscope_core::kernel::model::Output;
+use kalmanscope_core::internals::kernel::Output;
 
 use crate::belief::{Belief, Triangle};
 use crate::factor::lower_root;

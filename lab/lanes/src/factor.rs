@@ -1,4 +1,4 @@
-//! Roots and factors of covariances: those of [`gaussian`](kalmanscope_core::kernel::gaussian) in lanes, for matrices
+//! Roots and factors of covariances: those of [`gaussian`](kalmanscope_core::internals::kernel::gaussian) in lanes, for matrices
 //! without a special case.
 
 use crate::belief::Triangle;

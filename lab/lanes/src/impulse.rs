@@ -1,7 +1,7 @@
 //! The linear oscillator's response to an impulse: [`ImpulseResponse`](kalmanscope_core::integrate::ImpulseResponse) in
 //! lanes.
 
-use kalmanscope_core::kernel::abreast::{INVERSE_FACTORIAL, SERIES, doublings};
+use kalmanscope_core::internals::{INVERSE_FACTORIAL, SERIES, doublings};
 
 use crate::lane::{LANES, Lane, Mask};
 

@@ -1,6 +1,6 @@
 //! The choice of an instruction set while running.
 
-use kalmanscope_core::kernel::abreast::Method;
+use kalmanscope_core::internals::kernel::Method;
 use kalmanscope_core::score::Outcome;
 
 #[cfg(not(target_arch = "wasm32"))]

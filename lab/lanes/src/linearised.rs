@@ -1,4 +1,4 @@
-//! The prediction of KF and EKF: [`Linearised`](kalmanscope_core::kernel::Linearised) in lanes.
+//! The prediction of KF and EKF: [`Linearised`](kalmanscope_core::internals::kernel::Linearised) in lanes.
 
 use crate::belief::{Belief, Noise, Triangle};
 use crate::impulse::{DecayingImpulse, Impulse};

@@ -1,8 +1,8 @@
 //! The measurements of one sample, and the columns that they come from.
 
-use kalmanscope_core::kernel::abreast::OscillatorFilter;
-use kalmanscope_core::kernel::gaussian::Gaussian;
-use kalmanscope_core::kernel::model::Output;
+use kalmanscope_core::internals::kernel::Gaussian;
+use kalmanscope_core::internals::kernel::OscillatorFilter;
+use kalmanscope_core::internals::kernel::Output;
 use kalmanscope_core::{Channel, Record};
 
 use crate::lane::{LANES, Lane};

@@ -6,10 +6,10 @@ mod sdof;
 
 use std::marker::PhantomData;
 
-use kalmanscope_core::kernel::abreast::Oscillator;
 #[cfg(not(target_arch = "wasm32"))]
-use kalmanscope_core::kernel::plant::duffing::Duffing;
-use kalmanscope_core::kernel::plant::sdof::Sdof;
+use kalmanscope_core::internals::kernel::Duffing;
+use kalmanscope_core::internals::kernel::Oscillator;
+use kalmanscope_core::internals::kernel::Sdof;
 
 use crate::lane::Lane;
 use crate::runge_kutta::{Rate, runge_kutta};

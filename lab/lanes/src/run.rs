@@ -3,8 +3,8 @@
 mod repair;
 
 use kalmanscope_core::Stop;
-use kalmanscope_core::kernel::gaussian::Gaussian;
-use kalmanscope_core::kernel::model::Output;
+use kalmanscope_core::internals::kernel::Gaussian;
+use kalmanscope_core::internals::kernel::Output;
 use kalmanscope_core::score::{Look, Outcome};
 
 use crate::belief::{Belief, Noise};

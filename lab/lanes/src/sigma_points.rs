@@ -1,4 +1,4 @@
-//! The prediction of the UKF: [`SigmaPoints`](kalmanscope_core::kernel::SigmaPoints) in lanes.
+//! The prediction of the UKF: [`SigmaPoints`](kalmanscope_core::internals::kernel::SigmaPoints) in lanes.
 
 use std::marker::PhantomData;
 

@@ -1,9 +1,10 @@
 //! Running sums of the scores: those of [`Scores`](kalmanscope_core::Scores) in lanes.
 
 use kalmanscope_core::diagnostics::{Tally, Total};
-use kalmanscope_core::kernel::abreast::{LogSum, log_likelihood};
-use kalmanscope_core::kernel::gaussian::Gaussian;
-use kalmanscope_core::score::{ChannelSums, Outcome};
+use kalmanscope_core::internals::ChannelSums;
+use kalmanscope_core::internals::kernel::Gaussian;
+use kalmanscope_core::internals::{LogSum, log_likelihood};
+use kalmanscope_core::score::Outcome;
 use kalmanscope_core::{Channel, Stop};
 
 use crate::belief::{Belief, Triangle};

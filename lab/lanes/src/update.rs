@@ -1,6 +1,6 @@
 //! The update of beliefs by measurements: the kernel's in lanes, for measurements without a special case.
 
-use kalmanscope_core::kernel::abreast::LogSum;
+use kalmanscope_core::internals::LogSum;
 
 use crate::belief::{Belief, Triangle};
 use crate::expect::{Expected, View};

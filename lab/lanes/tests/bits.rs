@@ -7,7 +7,7 @@ mod outcome_bits;
 
 use common::{CHANNELS, Shaken, size, values};
 use kalmanscope_core::score::Outcome;
-use kalmanscope_core::simulate::simulate;
+use kalmanscope_core::simulate;
 use kalmanscope_core::{Channel, FilterKind, FilterSettings, PlantKind, Quantity, Record, Scenario, Values};
 use kalmanscope_lanes::{LaneRun, Level, outcomes_with, serves};
 use outcome_bits::bits;

@@ -8,10 +8,10 @@ mod draw;
 mod outcome_bits;
 
 use draw::{PLANTS, ensemble, truth};
-use kalmanscope_core::engine::level::Baseline;
-use kalmanscope_core::engine::{self, Setup};
+use kalmanscope_core::internals::engine::Baseline;
+use kalmanscope_core::internals::engine::{self, Setup};
 use kalmanscope_core::score::{Look, Outcome};
-use kalmanscope_core::simulate::simulate;
+use kalmanscope_core::simulate;
 use kalmanscope_core::{
     Aspect, Channel, FilterError, FilterKind, FilterSettings, Hold, PlantKind, Propagation, Quantity, Record, Scenario,
     Values,

@@ -6,8 +6,8 @@ mod outcome_bits;
 
 use std::path::Path;
 
-use kalmanscope_core::engine::level::Baseline;
-use kalmanscope_core::engine::{self, Setup};
+use kalmanscope_core::internals::engine::Baseline;
+use kalmanscope_core::internals::engine::{self, Setup};
 use kalmanscope_core::score::Outcome;
 use kalmanscope_core::{FilterKind, Run, Scenario};
 use kalmanscope_lanes::{LaneRun, Level, outcomes_with, serves};

@@ -1,6 +1,6 @@
 use super::*;
 use kalmanscope_core::setting::Address;
-use kalmanscope_core::simulate::simulate;
+use kalmanscope_core::simulate;
 use kalmanscope_core::{Channel, Quantity};
 
 /// An oscillator that an unmeasured force disturbs, and an EKF that has Q and R wrong.

@@ -1,7 +1,7 @@
 //! Work on threads against the same work in the frames.
 
 use kalmanscope::session::{Budget, Mode, Session};
-use kalmanscope_core::simulate::simulate;
+use kalmanscope_core::simulate;
 use kalmanscope_core::{FilterKind, FilterSettings};
 
 use super::*;

@@ -2,7 +2,7 @@
 
 use egui::{Color32, Label, Rect, RichText, Sense, Stroke, Ui, Vec2};
 use kalmanscope_core::diagnosis::Evidence;
-use kalmanscope_core::sorting::sort_short_by_key;
+use kalmanscope_core::internals::sort_short_by_key;
 
 use crate::text::{sentence, significant};
 use crate::theme::Palette;

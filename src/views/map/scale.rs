@@ -2,7 +2,7 @@
 
 use egui::Color32;
 use kalmanscope_core::VerdictKind;
-use kalmanscope_core::sorting::sort_numbers;
+use kalmanscope_core::internals::sort_numbers;
 use kalmanscope_lab::Measure;
 
 use super::cells::{Cell, End, is_ratio};

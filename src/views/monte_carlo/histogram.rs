@@ -1,6 +1,6 @@
 //! The histogram of the last estimates, as numbers.
 
-use kalmanscope_core::sorting::sort_numbers;
+use kalmanscope_core::internals::sort_numbers;
 
 /// Limits the number of bars.
 const BARS: (usize, usize) = (10, 40);

@@ -1,6 +1,6 @@
 //! The oscillator with a cubic spring.
 
-use kalmanscope_core::kernel::plant::duffing::Duffing;
+use kalmanscope_core::internals::kernel::Duffing;
 
 use super::Plant;
 use crate::lane::Lane;

@@ -1,6 +1,6 @@
 //! The linear oscillator.
 
-use kalmanscope_core::kernel::plant::sdof::Sdof;
+use kalmanscope_core::internals::kernel::Sdof;
 
 use super::Plant;
 use crate::impulse::Impulse;

@@ -1,8 +1,8 @@
 //! Steps that are special in some lanes: the single filter takes them.
 
-use kalmanscope_core::kernel::abreast::{LogSum, ln_determinant};
-use kalmanscope_core::kernel::gaussian::{Gaussian, Vector};
-use kalmanscope_core::kernel::{Correction, MAX_SENSORS};
+use kalmanscope_core::internals::kernel::{Correction, MAX_SENSORS};
+use kalmanscope_core::internals::kernel::{Gaussian, Vector};
+use kalmanscope_core::internals::{LogSum, ln_determinant};
 use kalmanscope_core::{FilterError, Stop};
 
 use super::Batch;

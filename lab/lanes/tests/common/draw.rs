@@ -1,8 +1,7 @@
 //! Random ensembles of filters that the engine serves, from seeds.
 
-use kalmanscope_core::{
-    Channel, FilterKind, FilterSettings, Hold, InputKind, PlantKind, Quantity, Scenario, Signal, augment,
-};
+use kalmanscope_core::channel::augment;
+use kalmanscope_core::{Channel, FilterKind, FilterSettings, Hold, InputKind, PlantKind, Quantity, Scenario, Signal};
 
 /// Numbers that look random, the same for the same seed.
 pub(crate) struct Draw(pub(crate) u64);

@@ -1,0 +1,12 @@
+//! What a user gives: scenarios with their settings, measured records, and the texts and files that both are read from.
+
+pub(crate) mod axis;
+pub(crate) mod document;
+pub(crate) mod force;
+pub(crate) mod hash;
+pub mod import;
+pub mod record;
+pub mod scenario;
+pub mod setting;
+pub mod signal;
+pub(crate) mod sorting;

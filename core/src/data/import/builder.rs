@@ -1,0 +1,298 @@
+//! A record from a file's columns.
+
+use std::borrow::Borrow;
+
+use super::band::above_nyquist;
+use super::conditioning::Conditioning;
+use super::limits::{FEWEST, MOST};
+use super::remarks::{cells_without_readings, is_still, stillness};
+use super::samples::{fill, mean, shift};
+use super::timing::Timing;
+use super::unit::unit;
+use super::{ImportError, MappedColumn, Mapping, Offset, Table, times};
+use crate::data::record::Input;
+use crate::{Channel, Hold, InputKind, Quantity, Record};
+
+/// A record from a file, with sentences about its making.
+#[derive(Clone, Debug)]
+pub struct Imported {
+    /// The record.
+    pub record: Record,
+    /// Sentences about its making that a user should know.
+    pub remarks: Vec<String>,
+    /// A sensor with equal readings, or without any: there is no motion to filter.
+    pub still: Option<Quantity>,
+}
+
+/// A record in the making, column by column, from a table that it borrows or shares.
+pub struct Builder<'a> {
+    table: Box<dyn Borrow<Table> + 'a>,
+    mapping: Mapping,
+    kind: InputKind,
+    hold: Hold,
+    timing: Timing,
+    input: Option<Vec<f64>>,
+    sensors: Vec<(Quantity, Vec<f64>)>,
+    remarks: Vec<String>,
+}
+
+impl<'a> Builder<'a> {
+    /// The record of a table's columns with the meaning that a mapping gives them.
+    ///
+    /// # Errors
+    /// [`ImportError`] where a setting is impossible, a column is missing or the times are not usable.
+    pub fn new(
+        source: impl Borrow<Table> + 'a,
+        mapping: &Mapping,
+        kind: InputKind,
+        hold: Hold,
+    ) -> Result<Self, ImportError> {
+        Self::begin(Box::new(source), mapping, kind, hold)
+    }
+
+    fn begin(
+        source: Box<dyn Borrow<Table> + 'a>,
+        mapping: &Mapping,
+        kind: InputKind,
+        hold: Hold,
+    ) -> Result<Self, ImportError> {
+        mapping.validate()?;
+        let table = (*source).borrow();
+        if mapping.sensors.is_empty() {
+            return Err(ImportError::NoSensor);
+        }
+        let mut remarks = table.remarks.clone();
+        let timing = match (&mapping.time.column, mapping.time.rate) {
+            (Some(name), _) => {
+                let column = &table.columns[place(table, name)?];
+                if let Some(text) = &column.text {
+                    let (line, text) = (text.line, text.text.clone());
+                    return Err(ImportError::Text { line, column: name.clone(), text });
+                }
+                let times = times::of(table, column, &mapping.time.unit, &mut remarks);
+                let timing = Timing::of_times(&times, name, |row| table.line(row))?;
+                remarks.extend(times::question(column, &mapping.time.unit, timing.dt));
+                timing
+            }
+            (None, Some(rate)) => Timing::of_rate(rate, table.rows())?,
+            (None, None) => return Err(ImportError::NoTime),
+        };
+        remarks.extend(timing.remark.clone());
+        remarks.extend(above_nyquist(mapping.band, 0.5 / timing.dt)?);
+        let (mapping, sensors) = (mapping.clone(), Vec::new());
+        Ok(Self { table: source, mapping, kind, hold, timing, input: None, sensors, remarks })
+    }
+
+    /// Makes the next columns until `while_time` returns false, which is called after each. Returns whether all are
+    /// made.
+    ///
+    /// # Errors
+    /// [`ImportError`] where a column is missing or has text or infinite numbers.
+    pub fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> Result<bool, ImportError> {
+        if self.input.is_none() {
+            self.input = Some(self.input()?);
+            if !while_time() {
+                return Ok(false);
+            }
+        }
+        while self.sensors.len() < self.mapping.sensors.len() {
+            let next = self.mapping.sensors.iter().nth(self.sensors.len());
+            let Some((&quantity, mapped)) = next else { break };
+            let (values, remarks) = self.mapped(mapped)?;
+            let values = self.conditioning().sensor(values);
+            self.remarks.extend(remarks);
+            self.sensors.push((quantity, values));
+            if !while_time() {
+                break;
+            }
+        }
+        Ok(self.sensors.len() == self.mapping.sensors.len())
+    }
+
+    /// The record.
+    ///
+    /// # Errors
+    /// [`ImportError`] where too few samples or too many remain, or a column cannot be used.
+    pub fn finish(mut self) -> Result<Imported, ImportError> {
+        while !self.advance(&mut || true)? {}
+        let (start, dt) = (self.conditioning().start(), self.conditioning().dt());
+        let truth = self.truth()?;
+        let Self { kind, hold, input, sensors, mut remarks, .. } = self;
+        let still = sensors.iter().find(|(_, values)| is_still(values)).map(|(quantity, _)| *quantity);
+        remarks.extend(still.map(stillness));
+        let input = Input { kind, hold, values: input.unwrap_or_default() };
+        let samples = input.values.len();
+        if samples < FEWEST {
+            return Err(ImportError::TooShort(samples));
+        }
+        if samples > MOST {
+            return Err(ImportError::TooLong { found: samples });
+        }
+        let record = Record::new(dt, input, sensors)?.with_truth(truth)?.starting_at(start);
+        Ok(Imported { record, remarks, still })
+    }
+
+    fn conditioning(&self) -> Conditioning<'_> {
+        Conditioning::new(&self.mapping, &self.timing)
+    }
+
+    fn input(&mut self) -> Result<Vec<f64>, ImportError> {
+        let Some(mapped) = &self.mapping.input else {
+            self.remarks.push("there is no column for the input; it is taken for zero".to_owned());
+            return Ok(vec![0.0; self.conditioning().samples()]);
+        };
+        let (mut values, remarks) = self.mapped(mapped)?;
+        self.remarks.extend(remarks);
+        if let Some(missing) = fill(&mut values) {
+            self.remarks.push(format!(
+                "the input is missing in {} sample(s), the first at {} s; it is interpolated there",
+                missing.count,
+                self.timing.start + missing.first as f64 * self.timing.dt
+            ));
+        }
+        Ok(self.conditioning().input(values))
+    }
+
+    /// A column at even times, with unit, gain, offset and delay, and remarks on its cells.
+    fn mapped(&self, mapped: &MappedColumn) -> Result<(Vec<f64>, Vec<String>), ImportError> {
+        let table = (*self.table).borrow();
+        let column_place = place(table, &mapped.column)?;
+        let column = &table.columns[column_place];
+        if let Some(text) = &column.text {
+            let (line, text) = (text.line, text.text.clone());
+            return Err(ImportError::Text { line, column: mapped.column.clone(), text });
+        }
+        if let Some(row) = column.values.iter().position(|value| value.is_infinite()) {
+            return Err(ImportError::Infinite { line: table.line(row), column: mapped.column.clone() });
+        }
+        let without = |missing: f64| column.values.iter().map(|&x| if x == missing { f64::NAN } else { x }).collect();
+        let cells: Option<Vec<f64>> = mapped.missing.map(without);
+        let mut values = self.timing.spread(cells.as_ref().unwrap_or(&column.values));
+        let remarks = cells_without_readings(table, column_place, mapped);
+        let offset = match mapped.offset {
+            Offset::Number(number) => number,
+            Offset::Mean(_) => mean(&values[self.conditioning().part()]),
+            Offset::Part { mean: [from, to] } => {
+                let Timing { start, dt, .. } = self.timing;
+                let place = |time: f64| libm::round((time - start) / dt).clamp(0.0, values.len() as f64) as usize;
+                mean(&values[place(from)..place(to).max(place(from))])
+            }
+        };
+        let factor = mapped.gain * unit(&mapped.unit).map_or(1.0, |(_, size)| size);
+        if factor != 1.0 || offset != 0.0 {
+            values.iter_mut().for_each(|value| *value = factor * (*value - offset));
+        }
+        shift(&mut values, mapped.delay);
+        Ok((values, remarks))
+    }
+
+    /// The columns with the truth of a simulated record.
+    fn truth(&self) -> Result<Vec<(Channel, Vec<f64>)>, ImportError> {
+        let Mapping { every, interpolate, .. } = &self.mapping;
+        if *every > 1 || *interpolate > 1 {
+            return Ok(Vec::new());
+        }
+        let table = (*self.table).borrow();
+        let mut truth = Vec::new();
+        for &channel in Channel::all() {
+            if let Some(place) = table.place(&format!("true_{}", channel.key())) {
+                let mut values = self.timing.spread(&table.columns[place].values);
+                self.conditioning().cut(&mut values);
+                truth.push((channel, values));
+            }
+        }
+        Ok(truth)
+    }
+}
+
+fn place(table: &Table, name: &str) -> Result<usize, ImportError> {
+    table.place(name).ok_or_else(|| ImportError::Column {
+        missing: name.to_owned(),
+        found: table.columns.iter().map(|column| column.name.as_str()).collect::<Vec<_>>().join(", "),
+    })
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::super::read;
+    use super::*;
+
+    pub(in super::super) fn import(text: &str, change: impl Fn(&mut Mapping)) -> Result<Imported, ImportError> {
+        let table = read(text.as_bytes(), None)?;
+        let (mut mapping, kind) = Mapping::guess(&table);
+        change(&mut mapping);
+        Builder::new(&table, &mapping, kind, Hold::First)?.finish()
+    }
+
+    pub(in super::super) const TEXT: &str = "t,force,displacement\n0,1,2\n0.1,2,3\n0.2,,4\n0.3,4,\n0.4,5,6\n";
+
+    #[test]
+    fn units_gain_offset_and_delay_are_applied() {
+        let imported = import("t in ms;force;x (mm)\n0;1;5\n10;2;7\n20;3;9\n", |mapping| {
+            let input = mapping.input.as_mut().unwrap();
+            (input.gain, input.offset) = (-2.0, Offset::MEAN);
+            mapping.sensors.get_mut(&Quantity::DISPLACEMENT).unwrap().delay = 1;
+        });
+        let record = imported.unwrap().record;
+        assert_eq!((record.dt(), record.hold()), (0.01, Hold::First));
+        assert_eq!(record.input(), [2.0, 0.0, -2.0]);
+        assert!((record.measured(0)[0] - 0.007).abs() < 1e-15 && (record.measured(0)[1] - 0.009).abs() < 1e-15);
+        assert!(record.measured(0)[2].is_nan());
+    }
+
+    #[test]
+    fn gaps_in_the_input_are_filled_and_those_in_a_sensor_stay() {
+        let Imported { record, remarks, .. } = import(TEXT, |_| {}).unwrap();
+        assert_eq!(record.input(), [1.0, 2.0, 3.0, 4.0, 5.0]);
+        assert!(record.measured(0)[3].is_nan());
+        assert_eq!(remarks, ["the input is missing in 1 sample(s), the first at 0.2 s; it is interpolated there"]);
+    }
+
+    #[test]
+    fn what_cannot_be_used_is_said_with_line_and_column() {
+        let message = |text: &str| import(text, |_| {}).unwrap_err().to_string();
+        assert_eq!(message("t,force,x\n0,1,2\n1,2,oops\n2,3,4\n"), "line 3, column `x`: `oops` is not a number");
+        assert_eq!(message("t,force,x\n0,1,2\n1,2,inf\n2,3,4\n"), "line 3, column `x`: the number is infinite");
+        assert!(message("t,x\n0,1\n").starts_with("1 row(s)"), "{}", message("t,x\n0,1\n"));
+        assert_eq!(message("force,x\n2,1\n1,3\n"), "the file has no column of times: state the sample rate");
+        let missing = import(TEXT, |mapping| mapping.input = Some(MappedColumn::new("load"))).unwrap_err().to_string();
+        assert_eq!(missing, "there is no column `load`; the columns are t, force, displacement");
+        let none = import(TEXT, |mapping| mapping.sensors.clear()).unwrap_err().to_string();
+        assert_eq!(none, "no column is chosen for a sensor");
+        assert!(import(TEXT, |m| m.from = Some(9.0)).unwrap_err().to_string().starts_with("0 row(s)"));
+    }
+
+    #[test]
+    fn times_without_a_unit_are_asked_about_where_they_are_slow() {
+        let text = "t,force,x\n0,1,2\n10,2,3\n20,1,4\n";
+        let remarks = import(text, |_| {}).unwrap().remarks;
+        assert_eq!(remarks.len(), 1);
+        assert!(remarks[0].contains("0.1 samples a second: are they ms?"), "{remarks:?}");
+        let said = import(text, |mapping| mapping.time.unit = "s".to_owned()).unwrap();
+        assert_eq!((said.remarks.len(), said.record.dt()), (0, 10.0));
+        assert_eq!(import(text, |mapping| mapping.time.unit = "ms".to_owned()).unwrap().record.dt(), 0.01);
+        let unknown = import(text, |mapping| mapping.time.unit = "ticks".to_owned()).unwrap().remarks;
+        assert!(unknown[0].contains("`ticks` is no known unit of time"), "{unknown:?}");
+    }
+
+    #[test]
+    fn blank_times_at_the_end_are_the_end_and_midnight_is_passed() {
+        let imported = import("t,force,x\n0,1,2\n0.1,2,3\n0.2,2,4\n,3,5\n,4,\n", |_| {}).unwrap();
+        assert_eq!((imported.record.len(), imported.record.input()), (3, &[1.0, 2.0, 2.0][..]));
+        assert_eq!(imported.remarks, ["the times end in line 4: 2 row(s) below it are left out"]);
+        let night = "when,force,x\n23:59:59.5,1,2\n23:59:59.75,2,3\n00:00:00,3,4\n00:00:00.25,4,5\n";
+        let Imported { record, remarks, .. } = import(night, |_| {}).unwrap();
+        assert_eq!((record.len(), record.dt()), (4, 0.25));
+        assert_eq!(remarks, ["the times pass midnight in line 4"]);
+        let gap =
+            import("t,force,x\n0,1,2\n0.1,2,3\n0.2,2,3\n0.3,1,1\n,2,3\n0.5,2,4\n", |_| {}).unwrap_err().to_string();
+        assert_eq!(gap, "line 6, column `t`: a time is missing");
+    }
+
+    #[test]
+    fn the_truth_of_a_simulated_record_comes_along() {
+        let text = "t,force,displacement,true_velocity\n0,1,2,5\n1,2,3,6\n2,1,2,7\n";
+        let record = import(text, |_| {}).unwrap().record;
+        assert_eq!(record.truth(Channel::VELOCITY), Some(&[5.0, 6.0, 7.0][..]));
+    }
+}

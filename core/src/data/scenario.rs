@@ -1,0 +1,170 @@
+//! The settings of a run.
+
+pub(crate) mod address;
+mod color;
+pub(crate) mod cost;
+mod document;
+mod equation;
+mod error;
+mod filter;
+mod identity;
+mod name;
+mod plant;
+mod toml;
+mod true_noise;
+mod validate;
+mod values;
+
+use serde::{Deserialize, Serialize};
+
+use crate::data::document::is_default;
+use crate::data::import::Mapping;
+use crate::mathematics::filter::FilterKind;
+use crate::mathematics::model::{Hold, InputKind};
+pub use crate::mathematics::quantity::MAX_SENSORS;
+use crate::{Force, PlantKind, Quantity};
+
+pub use color::FilterColor;
+pub use error::ScenarioError;
+pub use filter::FilterSettings;
+pub(crate) use identity::SMOOTHED;
+pub use name::{is_text, shown};
+pub use plant::{Motion, Plant};
+pub use values::Values;
+
+use true_noise::usable_std;
+
+/// A truth, its sensors and the filters that estimate it: plain data, stored as TOML.
+///
+/// A missing key has a default, an unknown key is an error. A run depends on these settings only.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields, expecting = "a table")]
+pub struct Scenario {
+    /// Seed of every random number.
+    pub seed: u64,
+    /// Time between samples \[s\].
+    pub dt: f64,
+    /// Time from the first sample to the last \[s\].
+    pub duration: f64,
+    /// The truth.
+    pub plant: Plant,
+    /// The measured input: a force over mass, or the ground's acceleration.
+    pub force: Force,
+    /// The kind of input.
+    #[serde(skip_serializing_if = "is_default")]
+    pub input: InputKind,
+    /// The hold of the input between samples.
+    #[serde(skip_serializing_if = "is_default")]
+    pub hold: Hold,
+    /// The sensors, at most one per quantity.
+    pub sensors: Vec<Sensor>,
+    /// The filters.
+    #[serde(default = "default_filters")]
+    pub filters: Vec<FilterSettings>,
+    /// The measured record that takes the place of a simulated one. Whoever runs the scenario reads its file:
+    /// [`crate::data::import`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub record: Option<Mapping>,
+}
+
+/// A sensor and its true noise.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+pub struct Sensor {
+    /// The quantity that it measures.
+    pub measures: Quantity,
+    /// Standard deviation of its white normal noise, in the quantity's unit.
+    pub noise_std: f64,
+}
+
+impl Default for Scenario {
+    /// A stiffness loss half-way, estimated by an EKF and a UKF with fading memory.
+    fn default() -> Self {
+        let mut scenario = Self {
+            seed: 1,
+            dt: 0.01,
+            duration: 60.0,
+            plant: Plant::default(),
+            force: Force::default(),
+            input: InputKind::default(),
+            hold: Hold::default(),
+            sensors: vec![
+                Sensor { measures: Quantity::DISPLACEMENT, noise_std: 0.01 },
+                Sensor { measures: Quantity::VELOCITY, noise_std: 0.06 },
+            ],
+            filters: default_filters(),
+            record: None,
+        };
+        scenario.fill_in();
+        scenario
+    }
+}
+
+impl Scenario {
+    /// The number of samples, including the one at t = 0.
+    pub fn samples(&self) -> usize {
+        libm::round(self.duration / self.dt) as usize + 1
+    }
+
+    /// Adds a sensor, unless its quantity is already measured. Every filter assumes its true noise.
+    pub fn add_sensor(&mut self, sensor: Sensor) {
+        if self.sensors.iter().any(|s| s.measures == sensor.measures) {
+            return;
+        }
+        let place = self.sensors.partition_point(|s| s.measures < sensor.measures);
+        self.sensors.insert(place, sensor);
+        for filter in &mut self.filters {
+            filter.sensor_std.insert(place.min(filter.sensor_std.len()), usable_std(sensor.measures, sensor.noise_std));
+        }
+    }
+
+    /// Has sensors for these quantities alone, each with its usual noise, which every filter assumes.
+    pub fn set_sensors(&mut self, quantities: &[Quantity]) {
+        self.sensors.clear();
+        self.filters.iter_mut().for_each(|filter| filter.sensor_std.clear());
+        for &measures in quantities {
+            self.add_sensor(Sensor { measures, noise_std: measures.aspect().info().usual_noise });
+        }
+    }
+
+    /// Removes the sensor of a quantity, also from the filters.
+    pub fn remove_sensor(&mut self, quantity: Quantity) {
+        while let Some(place) = self.sensors.iter().position(|s| s.measures == quantity) {
+            self.sensors.remove(place);
+            for filter in self.filters.iter_mut().filter(|f| place < f.sensor_std.len()) {
+                filter.sensor_std.remove(place);
+            }
+        }
+    }
+
+    /// Changes the truth's kind of plant and removes the sensors of quantities that it lacks.
+    pub fn set_plant(&mut self, kind: PlantKind) {
+        self.plant.kind = kind;
+        for quantity in self.sensors.iter().map(|s| s.measures).filter(|q| !kind.has(*q)).collect::<Vec<_>>() {
+            self.remove_sensor(quantity);
+        }
+        self.fill_in();
+    }
+
+    /// Fills in the settings that a file may leave out.
+    fn fill_in(&mut self) {
+        self.number_filters();
+        self.name_filters();
+        let Self { sensors, filters, plant, input, .. } = self;
+        for filter in filters {
+            let model = filter.model(plant.kind, *input);
+            for values in [&mut filter.initial_mean, &mut filter.initial_std, &mut filter.process_std] {
+                values.complete(model.channels());
+            }
+            if filter.sensor_std.is_empty() {
+                filter.sensor_std = sensors.iter().map(|s| usable_std(s.measures, s.noise_std)).collect();
+            }
+        }
+    }
+}
+
+/// An EKF and a UKF with fading memory, without names and noise of the sensors.
+fn default_filters() -> Vec<FilterSettings> {
+    let fading = |kind: FilterKind| FilterSettings { kind, fading: 1.005, ..FilterSettings::default() };
+    vec![fading(FilterKind::EKF), fading(FilterKind::UKF)]
+}

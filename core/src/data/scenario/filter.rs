@@ -1,0 +1,146 @@
+//! The settings of a filter.
+
+use serde::{Deserialize, Serialize};
+
+use super::values;
+use super::{FilterColor, Values};
+use crate::data::document::{is_default, is_one};
+use crate::mathematics::filter::{Adaptation, FilterKind, MethodSettings, Propagation, Robust};
+use crate::mathematics::model::{InputKind, Model};
+use crate::{Channel, PlantKind};
+
+/// One filter: its initial belief and the noise that it assumes of the model and the sensors.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields, expecting = "a table")]
+pub struct FilterSettings {
+    /// The filter's number, from 1 on, which stays the same when other filters are added or removed; 0, or no entry in
+    /// a file, for the number of its place. It determines an ensemble's random numbers and the default colour.
+    #[serde(skip_serializing_if = "is_default")]
+    pub id: u32,
+    /// The name on screen, in files and in keys; that of its kind if empty. Without control characters and marks that turn the
+    /// direction of writing. No two filters have the same: the later one gets a number behind it.
+    #[serde(deserialize_with = "super::name::name")]
+    pub name: String,
+    /// The kind of filter.
+    pub kind: FilterKind,
+    /// The colour in which the filter is drawn; that of its id if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub color: Option<FilterColor>,
+    /// The kind of plant that the filter assumes; the truth's own if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub plant: Option<PlantKind>,
+    /// The augmentations ([`crate::mathematics::channel::augment`]) in the filter's state; one with zero standard deviations is held
+    /// constant.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub augment: Vec<Channel>,
+    /// The number of samples after which the plant feels the recorded input, as the filter assumes; negative where the
+    /// record is late. Outside the record, its first or last value holds.
+    #[serde(skip_serializing_if = "is_default")]
+    pub input_delay: i32,
+    /// Whether the filter estimates the logarithms of the parameters that cannot be negative. Their initial and
+    /// process standard deviations are divided by the initial mean, for the whole record.
+    pub log_parameters: bool,
+    /// The propagation of the mean of a KF, EKF or IEKF.
+    pub propagation: Propagation,
+    /// The number of steps into which a prediction is divided, for plants that are not linear over one sample.
+    #[serde(skip_serializing_if = "is_one")]
+    pub substeps: usize,
+    /// Limits the linearisations of the sensors in one update of an IEKF, which stops earlier once it has converged.
+    pub iterations: usize,
+    /// The number of guesses of the natural frequency from which filters run side by side, spread from 0.14 to 7.4 times
+    /// its initial mean; the likeliest so far is reported. 1 for the initial mean alone.
+    #[serde(skip_serializing_if = "is_one")]
+    pub guesses: usize,
+    /// The number of members of an EnKF, or of particles of a PF or RBPF.
+    pub ensemble_size: usize,
+    /// Whether the filter learns R and Q from its innovations.
+    pub adaptation: Adaptation,
+    /// Whether the filter widens P by its initial covariance, once, where its innovations grow at once: after a sudden
+    /// change it learns anew, and before it forgets nothing.
+    #[serde(skip_serializing_if = "is_default")]
+    pub jump: bool,
+    /// How measurements that do not fit are weighed. A filter that learns R or samples its belief weighs none.
+    #[serde(skip_serializing_if = "is_default")]
+    pub robust: Robust,
+    /// Whether the whole record is smoothed once the filter has seen it. Fading counts as process noise then.
+    pub smoother: bool,
+    /// Fading factor λ ≥ 1 on the predicted covariance; 1 forgets nothing.
+    pub fading: f64,
+    /// Rate η ≥ 0 at which the model lets the parameters decay \[1/s\]; 0 keeps them constant.
+    pub eta: f64,
+    /// Standard deviations that the filter assumes of the sensors, in their order: the square roots of the diagonal of
+    /// R. The sensors' true ones if the list is empty in a file.
+    pub sensor_std: Vec<f64>,
+    /// Mean of the initial belief.
+    #[serde(deserialize_with = "values::initial_mean")]
+    pub initial_mean: Values,
+    /// Standard deviations of the initial belief.
+    #[serde(deserialize_with = "values::initial_std")]
+    pub initial_std: Values,
+    /// Standard deviations of the process noise per step: the square roots of the diagonal of Q.
+    #[serde(deserialize_with = "values::process_std")]
+    pub process_std: Values,
+}
+
+impl Default for FilterSettings {
+    fn default() -> Self {
+        Self {
+            id: 0,
+            name: String::new(),
+            kind: FilterKind::EKF,
+            color: None,
+            plant: None,
+            augment: Vec::new(),
+            input_delay: 0,
+            log_parameters: false,
+            propagation: Propagation::LocalLinearisation,
+            substeps: 1,
+            iterations: 5,
+            guesses: 1,
+            ensemble_size: 500,
+            adaptation: Adaptation::default(),
+            jump: false,
+            robust: Robust::NONE,
+            smoother: false,
+            fading: 1.0,
+            eta: 0.0,
+            sensor_std: Vec::new(),
+            initial_mean: Values::INITIAL_MEAN,
+            initial_std: Values::INITIAL_STD,
+            process_std: Values::PROCESS_STD,
+        }
+    }
+}
+
+impl FilterSettings {
+    /// The filter's model of a truth of this kind under this input.
+    pub fn model(&self, truth: PlantKind, input: InputKind) -> Model {
+        // The parameters of a KF are known and do not decay.
+        let eta = if self.kind == FilterKind::KF { 0.0 } else { self.eta };
+        let model = Model::new(self.plant.unwrap_or(truth)).augmented(self.augment.iter().copied());
+        model.decaying(eta).with_logarithms(self.log_parameters).driven_by(input)
+    }
+
+    /// The settings that its method reads.
+    pub fn method(&self) -> MethodSettings {
+        let Self { propagation, iterations, ensemble_size, .. } = *self;
+        MethodSettings { propagation, iterations, ensemble_size }
+    }
+
+    /// Whether an update is that of textbooks: one filter, whose noise is known and whose measurements all count. Kernels, lanes
+    /// and the engine have no other.
+    pub(crate) fn has_plain_update(&self) -> bool {
+        !self.adaptation.is_on() && !self.jump && !self.robust.is_on() && self.guesses == 1
+    }
+
+    /// Whether measurements can be weighed.
+    pub fn can_weigh(&self) -> bool {
+        !self.kind.is_sampled() && !self.adaptation.sensor_noise
+    }
+
+    /// Whether the filter takes a channel as known and exact, whatever its standard deviations: a KF does so for the
+    /// parameters of its plant.
+    pub fn knows(&self, channel: Channel) -> bool {
+        self.kind == FilterKind::KF && channel.is_parameter() && !channel.is_augmentation()
+    }
+}

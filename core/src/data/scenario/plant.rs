@@ -1,0 +1,246 @@
+//! The settings of the truth.
+
+use std::fmt;
+
+use serde::de::{self, Deserializer, MapAccess, Visitor};
+use serde::ser::SerializeMap as _;
+use serde::{Deserialize, Serialize, Serializer};
+
+use crate::data::signal::Step;
+use crate::mathematics::catalogue::expected_channels;
+use crate::mathematics::equation::{self, Equation, EquationSettings};
+use crate::mathematics::model::{InputKind, Model};
+use crate::{Channel, PlantKind, Signal};
+
+/// The plant to identify. It has the parameters of [`PlantKind::parameters`], and the augmentations
+/// ([`crate::mathematics::channel::augment`]) that have a signal.
+#[derive(Clone, Debug)]
+pub struct Plant {
+    /// The kind of plant.
+    pub kind: PlantKind,
+    /// The motion of the first mass at t = 0; everything else is at rest.
+    pub initial: Motion,
+    /// Standard deviation of an unmeasured force over mass, which is normal, held over each step, and the same for
+    /// every mass \[m/s²\].
+    pub disturbance_std: f64,
+    /// The delay of the input, in samples, from the record to the plant; negative where the record is late.
+    pub input_delay: i32,
+    signals: Vec<(Channel, Signal)>,
+}
+
+/// Displacement and velocity of the mass.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields, expecting = "a table")]
+pub struct Motion {
+    /// x \[m\]
+    pub displacement: f64,
+    /// ẋ \[m/s\]
+    pub velocity: f64,
+}
+
+impl Plant {
+    /// The signal of a channel: for a parameter its own or the usual value, for an augmentation its own, if any. `None`
+    /// for a component of the motion.
+    pub fn parameter(&self, channel: Channel) -> Option<Signal> {
+        let set = self.signals.iter().find(|(c, _)| *c == channel).map(|(_, signal)| *signal);
+        let usual = || Signal::Constant(channel.usual_truth());
+        set.or_else(|| (channel.is_parameter() && !channel.is_augmentation()).then(usual))
+    }
+
+    /// Whether a channel has a signal of its own, not the usual value.
+    pub(crate) fn has_own(&self, channel: Channel) -> bool {
+        self.signals.iter().any(|(own, _)| *own == channel)
+    }
+
+    /// The signal of a parameter or an augmentation, to be changed. Without one, it first gets the usual value.
+    pub fn parameter_mut(&mut self, channel: Channel) -> Option<&mut Signal> {
+        if !channel.is_parameter() {
+            return None;
+        }
+        let place = self.signals.iter().position(|(c, _)| *c == channel).unwrap_or_else(|| {
+            self.signals.push((channel, Signal::Constant(channel.usual_truth())));
+            self.signals.len() - 1
+        });
+        Some(&mut self.signals[place].1)
+    }
+
+    /// Sets the signal of a parameter or an augmentation; does nothing for a component of the motion.
+    pub fn set(&mut self, channel: Channel, signal: impl Into<Signal>) {
+        if let Some(parameter) = self.parameter_mut(channel) {
+            *parameter = signal.into();
+        }
+    }
+
+    /// The same plant with another signal for a parameter or an augmentation.
+    #[must_use]
+    pub fn with(mut self, channel: Channel, signal: impl Into<Signal>) -> Self {
+        self.set(channel, signal);
+        self
+    }
+
+    /// The same plant as another kind.
+    #[must_use]
+    pub fn of_kind(self, kind: PlantKind) -> Self {
+        Self { kind, ..self }
+    }
+
+    /// Removes the signal of an augmentation, and so the augmentation.
+    pub fn remove(&mut self, augmentation: Channel) {
+        self.signals.retain(|(channel, _)| !(channel.is_augmentation() && *channel == augmentation));
+    }
+
+    /// The parameters and augmentations of the truth, in the order of its state.
+    pub fn parameters(&self) -> impl Iterator<Item = Channel> {
+        let augmentations = self.signals.iter().map(|(channel, _)| *channel).filter(|c| c.is_augmentation());
+        self.kind.parameters().chain(augmentations)
+    }
+
+    /// The truth as a model under an input.
+    pub fn model(&self, input: InputKind) -> Model {
+        let augmentations = self.parameters().filter(|c| c.is_augmentation());
+        Model::new(self.kind).augmented(augmentations).driven_by(input)
+    }
+
+    /// The channels with an own signal, whether the plant has them or not.
+    pub(super) fn signals(&self) -> impl Iterator<Item = (Channel, Signal)> {
+        self.signals.iter().copied()
+    }
+}
+
+impl PartialEq for Plant {
+    /// Whether every parameter has the same signal, its own or the usual one, and every augmentation.
+    fn eq(&self, other: &Self) -> bool {
+        let Self { kind, initial, disturbance_std, input_delay, signals } = self;
+        let same = |(channel, _): &(Channel, Signal)| self.parameter(*channel) == other.parameter(*channel);
+        (kind, initial) == (&other.kind, &other.initial)
+            && (disturbance_std, input_delay) == (&other.disturbance_std, &other.input_delay)
+            && signals.iter().chain(&other.signals).all(same)
+    }
+}
+
+impl Default for Plant {
+    fn default() -> Self {
+        let loss = Signal::Step(Step { from: 6.0, to: 4.8, at: 30.0 });
+        Self {
+            kind: PlantKind::SDOF,
+            initial: Motion::default(),
+            disturbance_std: 0.0,
+            input_delay: 0,
+            signals: vec![(Channel::NATURAL_FREQUENCY, loss)],
+        }
+    }
+}
+
+impl Serialize for Plant {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let Self { kind, initial, disturbance_std, input_delay, signals: _ } = self;
+        let mut map = serializer.serialize_map(None)?;
+        match kind.own_equation().map(Equation::settings) {
+            None => map.serialize_entry("kind", kind)?,
+            Some(EquationSettings { equation, parameters }) => {
+                // Before the equation, so that it is read once.
+                if !parameters.is_empty() {
+                    map.serialize_entry("parameters", parameters)?;
+                }
+                map.serialize_entry("equation", equation)?;
+            }
+        }
+        let unused = Self::default();
+        let rest = self.signals().filter(|(c, signal)| unused.parameter(*c) != Some(*signal)).map(|(c, _)| c);
+        let mut written: Vec<Channel> = self.parameters().collect();
+        written.extend(rest.filter(|c| !self.parameters().any(|p| p == *c)));
+        for channel in written {
+            if let Some(signal) = self.parameter(channel) {
+                map.serialize_entry(channel.key(), &signal)?;
+            }
+        }
+        map.serialize_entry("initial", initial)?;
+        map.serialize_entry("disturbance_std", disturbance_std)?;
+        if *input_delay != 0 {
+            map.serialize_entry("input_delay", input_delay)?;
+        }
+        map.end()
+    }
+}
+
+impl<'de> Deserialize<'de> for Plant {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Table;
+
+        impl<'de> Visitor<'de> for Table {
+            type Value = Plant;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a table")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Plant, A::Error> {
+                let own = |settings: &EquationSettings| PlantKind::of_equation(settings).map_err(de::Error::custom);
+                let mut plant = Plant::default();
+                let mut equation: Option<EquationSettings> = None;
+                while let Some(key) = map.next_key()? {
+                    match key {
+                        Key::Kind => plant.kind = map.next_value()?,
+                        Key::Equation => {
+                            let known = equation.get_or_insert_with(|| EquationSettings::new(""));
+                            known.equation = map.next_value()?;
+                            // The keys that follow are those of its parameters.
+                            if !equation::is_read(&known.equation) {
+                                own(known)?;
+                            }
+                        }
+                        Key::Parameters => {
+                            equation.get_or_insert_with(|| EquationSettings::new("")).parameters = map.next_value()?;
+                        }
+                        Key::Initial => plant.initial = map.next_value()?,
+                        Key::InputDelay => plant.input_delay = map.next_value()?,
+                        Key::DisturbanceStd => plant.disturbance_std = map.next_value()?,
+                        Key::Parameter(channel) => plant.set(channel, map.next_value::<Signal>()?),
+                    }
+                }
+                match &equation {
+                    Some(one) if one.equation.is_empty() => {
+                        return Err(de::Error::custom("`parameters` belong to an `equation`, which is missing"));
+                    }
+                    Some(one) => plant.kind = own(one)?,
+                    None => {}
+                }
+                Ok(plant)
+            }
+        }
+
+        deserializer.deserialize_map(Table)
+    }
+}
+
+/// A key of the truth's table. An unknown key fails here, as a key, so that the message names its line.
+enum Key {
+    Kind,
+    Equation,
+    Parameters,
+    Initial,
+    DisturbanceStd,
+    InputDelay,
+    Parameter(Channel),
+}
+
+impl<'de> Deserialize<'de> for Key {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let key = String::deserialize(deserializer)?;
+        match key.as_str() {
+            "kind" => Ok(Self::Kind),
+            "equation" => Ok(Self::Equation),
+            "parameters" => Ok(Self::Parameters),
+            "initial" => Ok(Self::Initial),
+            "input_delay" => Ok(Self::InputDelay),
+            "disturbance_std" => Ok(Self::DisturbanceStd),
+            other => match Channel::from_key(other).filter(|channel| channel.is_parameter()) {
+                Some(channel) => Ok(Self::Parameter(channel)),
+                None => Err(de::Error::custom(format!(
+                    "unknown field `{other}`, expected `kind`, `equation`, `parameters`, `initial`, `disturbance_std`, `input_delay` or {}",
+                    expected_channels(Channel::is_parameter)
+                ))),
+            },
+        }
+    }
+}

@@ -1,0 +1,255 @@
+//! The validation of scenarios.
+
+use std::fmt::Display;
+
+use super::{FilterSettings, Plant, Scenario, ScenarioError};
+use crate::data::scenario::cost::largest_ensemble;
+use crate::data::setting::{Allowed, GUESSES, JUMP, OF_FILTER, OF_SCENARIO, SettingInfo, TABLES};
+use crate::mathematics::channel::{Role, Sign};
+use crate::mathematics::quantity::MAX_SENSORS;
+use crate::{Channel, Force, InputKind, PlantKind, Signal};
+
+/// Limits the samples of one record: more than a day at 1 kHz. A run that keeps them all needs tens of gigabytes per
+/// filter; one that forgets ([`crate::Run::forget`]) does not.
+pub(super) const MAX_SAMPLES: usize = 100_000_000;
+
+/// Limits the filters of one scenario.
+pub(super) const MAX_FILTERS: usize = 16;
+
+impl Scenario {
+    /// Checks every value.
+    ///
+    /// # Errors
+    /// [`ScenarioError::Value`] for the first impossible one, with its key and what is allowed.
+    pub fn validate(&self) -> Result<(), ScenarioError> {
+        let Self { seed, dt, duration, plant, force, input: _, hold: _, sensors, filters, record } = self;
+        if let Some(record) = record {
+            record.validate().map_err(|error| ScenarioError::Syntax(error.to_string()))?;
+        }
+        require(i64::try_from(*seed).is_ok(), "seed", seed, "a whole number from 0 to 2⁶³ - 1")?;
+        for info in OF_SCENARIO.into_iter().filter(|info| (info.serves)(self, plant.kind)) {
+            check("", info, self)?;
+        }
+        require(
+            *duration >= *dt && duration / dt <= (MAX_SAMPLES - 1) as f64,
+            "duration",
+            duration,
+            format_args!("from 1 to {} times dt", MAX_SAMPLES - 1),
+        )?;
+        plant.validate()?;
+        validate_force(force)?;
+        require(
+            sensors.len() <= MAX_SENSORS,
+            "sensors",
+            format_args!("a list of {}", sensors.len()),
+            format_args!("at most {MAX_SENSORS}"),
+        )?;
+        for (i, sensor) in sensors.iter().enumerate() {
+            require(
+                plant.kind.has(sensor.measures),
+                format_args!("sensors[{i}].measures"),
+                format_args!("\"{}\"", sensor.measures.key()),
+                format_args!("something that a {} has", plant.kind.name()),
+            )?;
+            number(format_args!("sensors[{i}].noise_std"), sensor.noise_std, Allowed::AtLeast(0.0))?;
+            require(
+                sensors[..i].iter().all(|s| s.measures != sensor.measures),
+                format_args!("sensors[{i}].measures"),
+                format_args!("\"{}\" again", sensor.measures.key()),
+                "a quantity that no other sensor measures",
+            )?;
+        }
+        require(
+            filters.len() <= MAX_FILTERS,
+            "filters",
+            format_args!("a list of {}", filters.len()),
+            format_args!("at most {MAX_FILTERS}"),
+        )?;
+        for (i, filter) in filters.iter().enumerate() {
+            filter.validate(&format!("filters[{i}]"), sensors.len(), plant.kind)?;
+        }
+        Ok(())
+    }
+}
+
+/// Refuses a plant or a filter of a user's own with the key of a built-in one.
+fn own_key(is_impostor: bool, path: impl Display, key: &str) -> Result<(), ScenarioError> {
+    require(!is_impostor, path, format_args!("\"{key}\" of your own"), "a key that no built-in kind has")
+}
+
+impl Plant {
+    fn validate(&self) -> Result<(), ScenarioError> {
+        own_key(self.kind.is_impostor(), "plant.kind", self.kind.key())?;
+        let own = self.kind.parameters().filter_map(|channel| Some((channel, self.parameter(channel)?)));
+        for (channel, parameter) in own.chain(self.signals()) {
+            let key = format!("plant.{}", channel.key());
+            validate_signal(&key, &parameter)?;
+            let low = || format!("{} at its lowest", parameter.minimum());
+            require(
+                channel != Channel::WHITE_FORCE,
+                &key,
+                "set",
+                "left out: the truth's white force is its disturbance_std",
+            )?;
+            match channel.role() {
+                Role::Parameter(Sign::Positive) => {
+                    require(parameter.minimum() > 0.0, key, low(), "above 0 at all times")?;
+                }
+                Role::Parameter(Sign::NotNegative) => {
+                    require(parameter.minimum() >= 0.0, key, low(), "at least 0 at all times")?;
+                }
+                Role::Parameter(Sign::Any) | Role::Augmentation | Role::Motion => {}
+            }
+        }
+        Ok(())
+    }
+}
+
+impl FilterSettings {
+    fn validate(&self, path: &str, sensors: usize, truth: PlantKind) -> Result<(), ScenarioError> {
+        let Self {
+            kind,
+            plant,
+            augment,
+            log_parameters,
+            substeps,
+            guesses,
+            ensemble_size,
+            jump,
+            robust,
+            smoother,
+            sensor_std,
+            initial_mean,
+            ..
+        } = self;
+        own_key(kind.is_impostor(), format_args!("{path}.kind"), kind.key())?;
+        if let Some(plant) = plant {
+            own_key(plant.is_impostor(), format_args!("{path}.plant"), plant.key())?;
+        }
+        for info in OF_FILTER.into_iter().flatten() {
+            check(&format!("{path}."), info, self)?;
+        }
+        require(
+            *guesses == 1 || (GUESSES.serves)(self, truth),
+            format_args!("{path}.guesses"),
+            guesses,
+            "1 for a filter with a smoother, or without a natural frequency above 0 to estimate",
+        )?;
+        if kind.is_sampled() {
+            let components = self.model(truth, InputKind::default()).size();
+            let most = largest_ensemble(components, *substeps);
+            require(
+                *ensemble_size <= most.max(2),
+                format_args!("{path}.ensemble_size"),
+                ensemble_size,
+                format_args!("at most {most} for {components} components that move by {substeps} step(s) a sample"),
+            )?;
+        }
+        require(
+            !*jump || (JUMP.serves)(self, truth),
+            format_args!("{path}.jump"),
+            jump,
+            "false for a KF, which takes its parameters for known and has none to widen",
+        )?;
+        require(
+            !robust.is_on() || self.can_weigh(),
+            format_args!("{path}.robust"),
+            format_args!("\"{}\"", robust.info().key),
+            "\"none\" for a filter that samples its belief or learns R",
+        )?;
+        require(
+            !(*smoother && kind.is_sampled()),
+            format_args!("{path}.smoother"),
+            smoother,
+            format_args!("false for a {}, which has no smoother here", kind.name()),
+        )?;
+        for (i, channel) in augment.iter().enumerate() {
+            require(
+                channel.is_augmentation() && !augment[..i].contains(channel),
+                format_args!("{path}.augment[{i}]"),
+                format_args!("\"{}\"", channel.key()),
+                "an augmentation, each once: input_gain, input_offset, unknown_force, white_force, or bias_ and a sensor",
+            )?;
+        }
+        if *log_parameters {
+            for channel in plant.unwrap_or(truth).parameters().filter(|c| c.is_positive()) {
+                let key = format_args!("{path}.initial_mean.{}", channel.key());
+                number(key, initial_mean[channel], Allowed::Above(0.0))?;
+            }
+        }
+        require(
+            sensor_std.len() == sensors,
+            format_args!("{path}.sensor_std"),
+            format_args!("a list of {}", sensor_std.len()),
+            format_args!("a list of {sensors}, one for each sensor"),
+        )?;
+        for table in TABLES {
+            for (entry, value) in table.entries(self) {
+                number(format_args!("{path}.{}{entry}", table.key), value, table.allowed)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Refuses a value that a setting may not have.
+fn check<T>(path: &str, info: &SettingInfo<T>, of: &T) -> Result<(), ScenarioError> {
+    let SettingInfo { key, unit, allowed, note, .. } = *info;
+    let value = (info.get)(of);
+    let unit = if allowed.is_whole() && !unit.is_empty() { format!(" {unit}") } else { String::new() };
+    let note = if note.is_empty() { String::new() } else { format!(" ({note})") };
+    require(allowed.admits(value), format_args!("{path}{key}"), value, format_args!("{allowed}{unit}{note}"))
+}
+
+/// Refuses a number that is not allowed.
+fn number(key: impl Display, value: f64, allowed: Allowed) -> Result<(), ScenarioError> {
+    require(allowed.admits(value), key, value, allowed)
+}
+
+fn validate_force(force: &Force) -> Result<(), ScenarioError> {
+    match *force {
+        Force::None => Ok(()),
+        Force::WhiteNoise { std } => number("force.white_noise.std", std, Allowed::AtLeast(0.0)),
+        Force::Sine { amplitude, frequency } => {
+            number("force.sine.amplitude", amplitude, Allowed::Finite)?;
+            number("force.sine.frequency", frequency, Allowed::Finite)
+        }
+        Force::Chirp { amplitude, from, to, sweep } => {
+            number("force.chirp.amplitude", amplitude, Allowed::Finite)?;
+            number("force.chirp.from", from, Allowed::Finite)?;
+            number("force.chirp.to", to, Allowed::Finite)?;
+            number("force.chirp.sweep", sweep, Allowed::Above(0.0))
+        }
+        Force::ImpulseTrain { impulse, period } => {
+            number("force.impulse_train.impulse", impulse, Allowed::Finite)?;
+            number("force.impulse_train.period", period, Allowed::Above(0.0))
+        }
+        Force::Step { amplitude, at } => {
+            number("force.step.amplitude", amplitude, Allowed::Finite)?;
+            number("force.step.at", at, Allowed::Finite)
+        }
+    }
+}
+
+fn validate_signal(path: &str, signal: &Signal) -> Result<(), ScenarioError> {
+    for (name, value) in signal.numbers() {
+        number(format!("{path}{name}"), value, Allowed::Finite)?;
+    }
+    match signal {
+        Signal::Ramp(ramp) => require(
+            ramp.end >= ramp.start,
+            format_args!("{path}.ramp.end"),
+            ramp.end,
+            format_args!("at least ramp.start = {}", ramp.start),
+        ),
+        Signal::Sine(sine) => number(format!("{path}.sine.period"), sine.period, Allowed::Above(0.0)),
+        Signal::Constant(_) | Signal::Step(_) => Ok(()),
+    }
+}
+
+fn require(holds: bool, key: impl Display, value: impl Display, allowed: impl Display) -> Result<(), ScenarioError> {
+    if holds {
+        return Ok(());
+    }
+    Err(ScenarioError::Value { key: key.to_string(), value: value.to_string(), allowed: allowed.to_string() })
+}

@@ -1,0 +1,160 @@
+//! One number for each channel, as a table in scenario files.
+
+use std::fmt;
+use std::ops::{Index, IndexMut};
+
+use serde::de::{self, Deserializer, MapAccess, Visitor};
+use serde::{Deserialize, Serialize, Serializer};
+
+use crate::Channel;
+use crate::mathematics::catalogue::expected_channels;
+use crate::mathematics::channel::Usual;
+
+/// One number for each channel of every plant, in the channel's unit. A filter uses those of its own model. Unset
+/// numbers have their usual value.
+#[derive(Clone, Debug)]
+pub struct Values {
+    otherwise: Otherwise,
+    set: Vec<(Channel, f64)>,
+}
+
+/// The usual number of a channel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Otherwise {
+    Zero,
+    Mean,
+    Std,
+    Process,
+}
+
+impl Otherwise {
+    fn of(self, channel: Channel) -> &'static f64 {
+        let Usual { mean, std, process, .. } = channel.usual();
+        match self {
+            Self::Zero => &0.0,
+            Self::Mean => mean,
+            Self::Std => std,
+            Self::Process => process,
+        }
+    }
+}
+
+impl Values {
+    /// Zero for every channel.
+    pub const ZERO: Self = Self::new(Otherwise::Zero);
+    /// The default mean of the initial belief: at rest, with parameters off the truth.
+    pub const INITIAL_MEAN: Self = Self::new(Otherwise::Mean);
+    /// The default standard deviations of the initial belief.
+    pub const INITIAL_STD: Self = Self::new(Otherwise::Std);
+    /// The default process noise per step.
+    pub const PROCESS_STD: Self = Self::new(Otherwise::Process);
+
+    const fn new(otherwise: Otherwise) -> Self {
+        Self { otherwise, set: Vec::new() }
+    }
+
+    /// The same with other numbers for some channels.
+    #[must_use]
+    pub fn with(mut self, values: impl IntoIterator<Item = (Channel, f64)>) -> Self {
+        for (channel, value) in values {
+            self[channel] = value;
+        }
+        self
+    }
+
+    /// The channels that have been set, and their numbers.
+    pub fn iter(&self) -> impl Iterator<Item = (Channel, f64)> {
+        self.set.iter().copied()
+    }
+
+    /// Sets these channels, to the usual number where there is none yet, and puts them first, in this order.
+    pub(crate) fn complete(&mut self, channels: &[Channel]) {
+        let own = channels.iter().map(|&channel| (channel, self[channel]));
+        let rest = self.set.iter().copied().filter(|(channel, _)| !channels.contains(channel));
+        self.set = own.chain(rest).collect();
+    }
+
+    /// The numbers to write into a file that is read over `base`: those of these channels and those that differ from
+    /// `base`.
+    pub(super) fn written_over(&self, base: &Self, channels: &[Channel]) -> Self {
+        let others = Channel::all().iter().copied().filter(|c| !channels.contains(c) && self[*c] != base[*c]);
+        let written = channels.iter().copied().chain(others);
+        Self { otherwise: base.otherwise, set: written.map(|channel| (channel, self[channel])).collect() }
+    }
+}
+
+impl Index<Channel> for Values {
+    type Output = f64;
+
+    fn index(&self, channel: Channel) -> &f64 {
+        let set = self.set.iter().find(|(c, _)| *c == channel);
+        set.map_or_else(|| self.otherwise.of(channel), |(_, value)| value)
+    }
+}
+
+impl IndexMut<Channel> for Values {
+    fn index_mut(&mut self, channel: Channel) -> &mut f64 {
+        let place = self.set.iter().position(|(c, _)| *c == channel).unwrap_or_else(|| {
+            self.set.push((channel, *self.otherwise.of(channel)));
+            self.set.len() - 1
+        });
+        &mut self.set[place].1
+    }
+}
+
+impl PartialEq for Values {
+    /// Whether every channel has the same number, set or usual.
+    fn eq(&self, other: &Self) -> bool {
+        let same = |channel: Channel| self[channel] == other[channel];
+        let set = || self.iter().chain(other.iter()).all(|(channel, _)| same(channel));
+        set() && (self.otherwise == other.otherwise || Channel::all().iter().all(|&channel| same(channel)))
+    }
+}
+
+impl Serialize for Values {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.iter().map(|(channel, value)| (channel.key(), value)))
+    }
+}
+
+pub(super) fn initial_mean<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Values, D::Error> {
+    deserializer.deserialize_map(Table(Values::INITIAL_MEAN))
+}
+
+pub(super) fn initial_std<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Values, D::Error> {
+    deserializer.deserialize_map(Table(Values::INITIAL_STD))
+}
+
+pub(super) fn process_std<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Values, D::Error> {
+    deserializer.deserialize_map(Table(Values::PROCESS_STD))
+}
+
+/// A table of a file, to be filled in.
+struct Table(Values);
+
+impl<'de> Visitor<'de> for Table {
+    type Value = Values;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a table")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Values, A::Error> {
+        let Self(mut values) = self;
+        while let Some(Key(channel)) = map.next_key()? {
+            values[channel] = map.next_value()?;
+        }
+        Ok(values)
+    }
+}
+
+/// A channel as a key. An unknown key fails here, as a key, so that the message names its line.
+struct Key(Channel);
+
+impl<'de> Deserialize<'de> for Key {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let key = String::deserialize(deserializer)?;
+        let unknown = || format!("unknown field `{key}`, expected {}", expected_channels(|_| true));
+        Channel::from_key(&key).map(Self).ok_or_else(|| de::Error::custom(unknown()))
+    }
+}

@@ -1,0 +1,33 @@
+//! The settings of scenarios and filters, as data: one row each.
+//!
+//! A row has a setting's key, words, limits and place. Validation, sliders, axes of maps, searches, remedies and lessons read it. An
+//! [`Address`] means one number of a scenario, and an [`Edit`] is a setting with its new value.
+
+mod address;
+mod allowed;
+mod edit;
+mod filter;
+mod info;
+mod place;
+mod scenario;
+mod table;
+
+use crate::mathematics::channel::Channel;
+
+pub use address::{Address, UnknownSetting};
+pub use allowed::Allowed;
+pub use edit::Edit;
+pub use filter::{ENSEMBLE_SIZE, ETA, FADING, FORGETTING, GUESSES, JUMP, MEMORY, OF_FILTER, OPTIONS, SMOOTHER};
+pub use info::SettingInfo;
+pub use scenario::{DISTURBANCE, DT, DURATION, MOTION, OF_SCENARIO, RECORD_GAIN, SEED};
+pub use table::{Entry, INITIAL_MEAN, INITIAL_STD, PROCESS_STD, SENSOR_STD, TABLES, TableInfo};
+
+/// The symbol of a setting, a table or a channel with a key, if it has one.
+pub fn symbol(key: &str) -> Option<&'static str> {
+    let of_filter = OF_FILTER.into_iter().flatten().map(|info| (info.key, info.symbol));
+    let of_scenario = OF_SCENARIO.into_iter().map(|info| (info.key, info.symbol));
+    let tables = TABLES.into_iter().map(|table| (table.key, table.symbol));
+    let mut all = of_filter.chain(of_scenario).chain(tables).filter(|(_, symbol)| !symbol.is_empty());
+    let found = all.find(|(known, _)| *known == key).map(|(_, symbol)| symbol);
+    found.or_else(|| Channel::from_key(key).map(Channel::symbol))
+}

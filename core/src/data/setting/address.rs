@@ -1,0 +1,336 @@
+//! The address of a number in a scenario.
+
+use std::fmt;
+
+use thiserror::Error;
+
+use super::place::{Filters, Member, Place};
+use super::{Entry, SettingInfo, TableInfo};
+use crate::data::scenario::{FilterSettings, Scenario};
+use crate::data::signal::Signal;
+use crate::mathematics::channel::Channel;
+
+/// The address of a number of a scenario, or of a factor on several of them.
+///
+/// In text it is `seed`, `plant.natural_frequency`, `sensors.velocity.noise_std` or `filters.EKF.initial_mean.natural_frequency`. A
+/// filter is found by its name, or by its id as in `filters#1.fading`, which is how an address is written; `*` stands for all
+/// filters. A whole table of standard deviations, such as `filters.EKF.process_std`, stands for a factor on each of its numbers.
+///
+/// ```
+/// use kalmanscope_core::{Scenario, setting::Address};
+///
+/// let mut scenario = Scenario::default();
+/// let address = Address::parse(&scenario, "filters.UKF.fading").unwrap();
+/// address.set(&mut scenario, 1.02);
+/// assert_eq!((address.get(&scenario), address.to_string()), (1.02, "filters#2.fading".to_owned()));
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Address(Place);
+
+/// The reason why a text is the address of no number.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("the scenario has no number `{key}` to vary{instead}")]
+pub struct UnknownSetting {
+    /// The text.
+    pub key: String,
+    /// The end of the sentence: what there is in its place.
+    instead: String,
+}
+
+impl Address {
+    /// The address in a text. A factor is relative to the scenario's present numbers.
+    ///
+    /// # Errors
+    /// [`UnknownSetting`] where the scenario has no such number.
+    pub fn parse(scenario: &Scenario, text: &str) -> Result<Self, UnknownSetting> {
+        let unknown = || UnknownSetting { key: text.to_owned(), instead: Place::instead(scenario, text) };
+        Place::parse(scenario, text).map(Self).ok_or_else(unknown)
+    }
+
+    /// Whether the number belongs to filters: the record stays the same whatever its value.
+    pub fn is_of_filters(&self) -> bool {
+        matches!(self.0, Place::Filters(..))
+    }
+
+    /// Whether a given record can follow the number: it stays as it is, or its input is multiplied.
+    pub fn suits_given_record(&self) -> bool {
+        self.is_of_filters() || matches!(self.0, Place::Scenario(info) if *info == super::RECORD_GAIN)
+    }
+
+    /// Whether the number has no fractions, as a seed has none.
+    pub fn is_whole(&self) -> bool {
+        match &self.0 {
+            Place::Scenario(info) => info.allowed.is_whole(),
+            Place::Filters(_, Member::Number(info)) => info.allowed.is_whole(),
+            _ => false,
+        }
+    }
+
+    /// A value as the scenario takes it: a number without fractions is rounded, and a seed is not negative.
+    pub fn rounded(&self, value: f64) -> f64 {
+        match &self.0 {
+            _ if !self.is_whole() => value,
+            Place::Scenario(info) if **info == super::SEED => libm::round(value).max(0.0),
+            _ => libm::round(value),
+        }
+    }
+
+    /// Whether it is this number of a filter, or of all.
+    pub fn is_of(&self, info: &SettingInfo<FilterSettings>) -> bool {
+        matches!(self.0, Place::Filters(_, Member::Number(own)) if own == info)
+    }
+
+    /// Whether it stands for a factor on the numbers of a table.
+    pub fn is_factor(&self) -> bool {
+        matches!(self.0, Place::Filters(_, Member::Factor(..)))
+    }
+
+    /// Whether it is a standard deviation, or a factor on some.
+    pub fn is_std(&self) -> bool {
+        match &self.0 {
+            Place::Scenario(info) => **info == super::DISTURBANCE,
+            Place::Noise(_) => true,
+            Place::Filters(..) => self.table().is_some_and(|table| table.factor.is_some()),
+            Place::Parameter(_) => false,
+        }
+    }
+
+    /// The table of filters that the number, or the factor, is of.
+    pub fn table(&self) -> Option<&'static TableInfo> {
+        match &self.0 {
+            Place::Filters(_, Member::Entry(table, _) | Member::Factor(table, _)) => Some(table),
+            _ => None,
+        }
+    }
+
+    /// The channel that the number is of, if it is of one.
+    pub fn channel(&self) -> Option<Channel> {
+        match &self.0 {
+            Place::Parameter(channel) | Place::Filters(_, Member::Entry(_, Entry::Channel(channel))) => Some(*channel),
+            _ => None,
+        }
+    }
+
+    /// The unit, empty for a pure number.
+    pub fn unit(&self) -> &'static str {
+        match &self.0 {
+            Place::Scenario(info) => info.unit,
+            Place::Parameter(channel) => channel.unit(),
+            Place::Noise(quantity) => quantity.unit(),
+            Place::Filters(_, Member::Number(info)) => info.unit,
+            Place::Filters(_, Member::Entry(_, entry)) => entry.unit(),
+            Place::Filters(_, Member::Factor(..)) => "",
+        }
+    }
+
+    /// The name without that of a filter, short enough for an axis.
+    pub fn name(&self) -> String {
+        match &self.0 {
+            Place::Scenario(info) if **info == super::DISTURBANCE => format!("true {}", info.name),
+            Place::Scenario(info) => info.name.to_owned(),
+            Place::Parameter(channel) => format!("true {}", channel.symbol()),
+            Place::Noise(quantity) => format!("true noise of {}", quantity.symbol()),
+            Place::Filters(_, Member::Number(info)) => {
+                let label = (info.label)(&FilterSettings::default()).unwrap_or(info.name);
+                let words = label.strip_prefix(info.symbol).unwrap_or(label);
+                format!("{words} {}", info.symbol).trim().to_owned()
+            }
+            Place::Filters(_, Member::Entry(table, entry)) => format!("{} of {}", table.words, entry.symbol()),
+            Place::Filters(_, Member::Factor(table, _)) => {
+                format!("factor on {}", table.factor.unwrap_or(table.symbol))
+            }
+        }
+    }
+
+    /// Whether two addresses share a number: they are the same, or a number and the factor on its table, of filters that are the
+    /// same or among all.
+    pub fn overlaps(&self, other: &Self) -> bool {
+        match (&self.0, &other.0) {
+            (Place::Filters(one, a), Place::Filters(two, b)) => one.overlap(*two) && a.overlaps(b),
+            (one, two) => one == two,
+        }
+    }
+
+    /// The present value in a scenario, that of the first filter where there are several; of a parameter that moves, the first
+    /// value. NaN where the scenario has no such number.
+    pub fn get(&self, scenario: &Scenario) -> f64 {
+        let found = match &self.0 {
+            Place::Scenario(info) => Some((info.get)(scenario)),
+            Place::Parameter(channel) => scenario.plant.parameter(*channel).map(|signal| signal.at(0.0)),
+            Place::Noise(quantity) => {
+                scenario.sensors.iter().find(|sensor| sensor.measures == *quantity).map(|sensor| sensor.noise_std)
+            }
+            Place::Filters(filters, member) => {
+                let filter = scenario.filters.iter().find(|filter| filters.has(filter));
+                filter.and_then(|filter| member.get(filter, &scenario.sensors))
+            }
+        };
+        found.unwrap_or(f64::NAN)
+    }
+
+    /// Sets the value. A whole number is rounded; a signal becomes constant. The scenario may then be impossible.
+    pub fn set(&self, scenario: &mut Scenario, value: f64) {
+        match &self.0 {
+            Place::Scenario(info) => (info.set)(scenario, value),
+            Place::Parameter(channel) => scenario.plant.set(*channel, Signal::Constant(value)),
+            Place::Noise(quantity) => {
+                let sensors = scenario.sensors.iter_mut().filter(|sensor| sensor.measures == *quantity);
+                sensors.for_each(|sensor| sensor.noise_std = value);
+            }
+            Place::Filters(filters, member) => {
+                let Scenario { filters: all, sensors, .. } = scenario;
+                let meant = all.iter_mut().filter(|filter| filters.has(filter));
+                meant.enumerate().for_each(|(nth, filter)| member.set(filter, nth, value, sensors));
+            }
+        }
+    }
+}
+
+impl fmt::Display for Address {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.0 {
+            Place::Scenario(info) => f.write_str(info.key),
+            Place::Parameter(channel) => write!(f, "plant.{}", channel.key()),
+            Place::Noise(quantity) => write!(f, "sensors.{}.noise_std", quantity.key()),
+            Place::Filters(Filters::All, member) => write!(f, "filters.*.{member}"),
+            Place::Filters(Filters::Of(id), member) => write!(f, "filters#{id}.{member}"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_kind_of_setting_is_set_and_read_back() {
+        let mut scenario = Scenario::default();
+        for (key, value) in [
+            ("seed", 12.0),
+            ("dt", 0.02),
+            ("duration", 20.0),
+            ("plant.disturbance_std", 0.3),
+            ("plant.input_delay", 2.0),
+            ("plant.initial.displacement", 0.1),
+            ("plant.natural_frequency", 5.0),
+            ("sensors.velocity.noise_std", 0.2),
+            ("filters.EKF.fading", 1.01),
+            ("filters.EKF.eta", 0.1),
+            ("filters.UKF.input_delay", -1.0),
+            ("filters.EKF.sensor_std.velocity", 0.5),
+            ("filters.EKF.sensor_std.0", 0.25),
+            ("filters.UKF.initial_mean.natural_frequency", 12.0),
+            ("filters.*.initial_std.damping_ratio", 0.3),
+            ("filters.EKF.process_std.velocity", 1e-3),
+        ] {
+            let address = Address::parse(&scenario, key).unwrap();
+            address.set(&mut scenario, value);
+            assert_eq!(address.get(&scenario), value, "{key}");
+            assert_eq!(Address::parse(&scenario, key).unwrap().get(&scenario), value, "{key} is found again");
+            scenario.validate().unwrap();
+        }
+        assert!(scenario.filters.iter().all(|f| f.initial_std[Channel::DAMPING_RATIO] == 0.3));
+    }
+
+    #[test]
+    fn a_factor_multiplies_the_present_numbers() {
+        let before = Scenario::default();
+        let mut scenario = before.clone();
+        for key in ["filters.*.process_std", "filters.EKF.sensor_std", "filters.UKF.initial_std"] {
+            let address = Address::parse(&before, key).unwrap();
+            assert_eq!(address.get(&scenario), 1.0);
+            address.set(&mut scenario, 4.0);
+            address.set(&mut scenario, 3.0);
+            assert!((address.get(&scenario) - 3.0).abs() < 1e-12, "{key}");
+        }
+        let [ekf, ukf] = &scenario.filters[..] else { panic!("two filters") };
+        assert_eq!(ekf.sensor_std, before.filters[0].sensor_std.iter().map(|s| 3.0 * s).collect::<Vec<_>>());
+        assert_eq!(ukf.sensor_std, before.filters[1].sensor_std);
+        assert_eq!(ukf.initial_std[Channel::VELOCITY], 3.0 * before.filters[1].initial_std[Channel::VELOCITY]);
+        scenario.filters[0].sensor_std[0] *= 2.0;
+        let address = Address::parse(&before, "filters.EKF.sensor_std").unwrap();
+        assert!(address.get(&scenario).is_nan(), "one sensor alone has another factor");
+    }
+
+    #[test]
+    fn only_settings_of_filters_leave_the_record_as_it_is() {
+        let scenario = Scenario::default();
+        let of_filters = |key| Address::parse(&scenario, key).unwrap().is_of_filters();
+        assert!(of_filters("filters.EKF.fading") && of_filters("filters.*.process_std"));
+        assert!(!of_filters("seed") && !of_filters("plant.damping_ratio") && !of_filters("sensors.velocity.noise_std"));
+    }
+
+    #[test]
+    fn unknown_keys_are_refused() {
+        for key in [
+            "",
+            "plant.mass",
+            "plant.input_gain",
+            "filters.KF.fading",
+            "filters.EKF",
+            "filters.EKF.fadng",
+            "filters.EKF.sensor_std.acceleration",
+            "filters.EKF.sensor_std.2",
+            "filters.EKF.initial_mean.cubic_stiffness",
+            "sensors.acceleration.noise_std",
+        ] {
+            let unknown = Address::parse(&Scenario::default(), key).unwrap_err();
+            let instead = match key.strip_prefix("filters.") {
+                Some(rest) if rest.starts_with("KF.") => "; its filters are `EKF` and `UKF`",
+                Some(rest) if rest.starts_with("EKF.") => "; a filter has `fading`, `jump`, `eta`, ",
+                Some(_) => "",
+                None if key.starts_with("plant") => {
+                    "; its plant has `natural_frequency`, `damping_ratio`, `initial.displacement`, "
+                }
+                None if key.starts_with("sensors") => {
+                    "; a sensor has `noise_std`, and its sensors are `displacement`, `velocity`"
+                }
+                None => "; it has `seed`, `dt`, `duration`, and numbers of its `plant`, `sensors` and `filters`",
+            };
+            let (begin, unknown) =
+                (format!("the scenario has no number `{key}` to vary{instead}"), unknown.to_string());
+            assert!(if instead.ends_with(' ') { unknown.starts_with(&begin) } else { unknown == begin }, "{unknown}");
+        }
+    }
+
+    #[test]
+    fn an_address_is_written_by_id_and_is_none_where_an_id_is_not_unique() {
+        let mut scenario = Scenario::default();
+        for (text, written) in [
+            ("filters.UKF.sensor_std.1", "filters#2.sensor_std.velocity"),
+            ("filters.EKF.process_std", "filters#1.process_std"),
+            ("filters.*.initial_mean.natural_frequency", "filters.*.initial_mean.natural_frequency"),
+            ("sensors.0.noise_std", "sensors.displacement.noise_std"),
+            ("plant.damping_ratio", "plant.damping_ratio"),
+            ("seed", "seed"),
+        ] {
+            let address = Address::parse(&scenario, text).unwrap();
+            assert_eq!(address.to_string(), written);
+            assert_eq!(Address::parse(&scenario, written).unwrap(), address);
+            assert!(!address.name().contains('.'), "{}", address.name());
+        }
+        let ukf = Address::parse(&scenario, "filters.UKF.fading").unwrap();
+        let filter = scenario.filters.remove(0);
+        ukf.set(&mut scenario, 1.25);
+        assert_eq!(scenario.filters[0].fading, 1.25, "it is the same filter at another place");
+        scenario.filters.push(crate::FilterSettings { id: 2, ..filter });
+        assert!(Address::parse(&scenario, "filters.EKF.fading").is_err(), "which of the two?");
+    }
+
+    #[test]
+    fn a_factor_and_a_number_of_its_table_overlap() {
+        let scenario = Scenario::default();
+        let overlap = |a: &str, b: &str| {
+            let [a, b] = [a, b].map(|text| Address::parse(&scenario, text).unwrap());
+            assert_eq!(a.overlaps(&b), b.overlaps(&a));
+            a.overlaps(&b)
+        };
+        assert!(overlap("filters.*.process_std", "filters.*.process_std.velocity"));
+        assert!(overlap("seed", "seed") && !overlap("seed", "dt"));
+        assert!(overlap("filters.*.process_std", "filters#2.process_std.velocity"));
+        assert!(overlap("filters#2.process_std", "filters.UKF.process_std"));
+        assert!(!overlap("filters#2.process_std", "filters#1.process_std"));
+        assert!(!overlap("filters#2.process_std", "filters#2.initial_std"));
+        assert!(!overlap("filters.*.process_std.velocity", "filters.*.process_std.displacement"));
+    }
+}

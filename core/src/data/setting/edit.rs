@@ -1,0 +1,275 @@
+//! A setting and its new value.
+
+use toml::Value;
+
+use super::SENSOR_STD;
+use crate::data::document::Document;
+use crate::data::scenario::{Scenario, ScenarioError, address};
+use crate::mathematics::quantity::Quantity;
+
+/// An edit of a scenario: a key and its new value.
+///
+/// ```
+/// use kalmanscope_core::Scenario;
+/// use kalmanscope_core::setting::Edit;
+/// # fn main() -> Result<(), kalmanscope_core::ScenarioError> {
+/// let scenario = Scenario::default();
+/// let edit = Edit::of_filter(scenario.filters[0].id, "fading", 1.02);
+/// assert_eq!((edit.key.as_str(), edit.toml_line().as_str()), ("filters#1.fading", "fading = 1.02"));
+/// assert_eq!(edit.apply(&scenario)?.filters[0].fading, 1.02);
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Edit {
+    /// The setting's address, by the filter's id as in `filters#1.process_std.velocity` where the program writes it. In what people
+    /// write, the filter's name may stand in place of the id and `*` for all filters: `filters.EKF.fading`. Any key of a scenario
+    /// file is one, such as `hold` or `record.input.offset`; a sensor is meant by its quantity.
+    pub key: String,
+    /// Its new value.
+    pub value: Value,
+}
+
+impl Edit {
+    /// A setting of the scenario.
+    pub fn new(key: &str, value: impl Into<Value>) -> Self {
+        Self { key: key.to_owned(), value: value.into() }
+    }
+
+    /// A setting of the filter with an id.
+    pub fn of_filter(id: u32, key: &str, value: impl Into<Value>) -> Self {
+        Self { key: address::of_filter(id, key), value: value.into() }
+    }
+
+    /// The line to write into a scenario file: into the table of the filter whose setting it is, or at the top.
+    pub fn toml_line(&self) -> String {
+        format!("{} = {}", self.inner(), self.value)
+    }
+
+    /// The whole lines that make some edits, each with the name of its filter if it is one of a filter's. A table with a number for
+    /// each channel is one line, so that it can take the place of that in a file.
+    ///
+    /// # Errors
+    /// As [`Self::apply`].
+    pub fn toml_lines(edits: &[Self], scenario: &Scenario) -> Result<Vec<(Option<String>, String)>, ScenarioError> {
+        let file = Document::table(&Self::apply_all(edits, scenario)?)?;
+        let mut lines: Vec<(Option<String>, String)> = Vec::new();
+        for edit in edits {
+            let inner = edit.inner();
+            let outer = inner.split('.').next().unwrap_or(inner);
+            let place = scenario.filters_at(&edit.key).and_then(|(places, _)| places.first().copied());
+            let of_filter = |place: usize| file.get("filters")?.as_array()?.get(place)?.as_table();
+            let name = place.and_then(|place| Some(scenario.filters.get(place)?.name.clone()));
+            // A setting that is back at its default has no line in the file.
+            let value = place.map_or(Some(&file), of_filter).and_then(|table| table.get(outer));
+            let value = value.filter(|value| outer == inner || value.is_table());
+            let line = value.map_or_else(|| edit.toml_line(), |value| format!("{outer} = {value}"));
+            let line = (name, line);
+            if !lines.contains(&line) {
+                lines.push(line);
+            }
+        }
+        Ok(lines)
+    }
+
+    /// The key within the table of the filter, or of the scenario.
+    fn inner(&self) -> &str {
+        address::split_id(&self.key).map_or(&self.key, |(_, key)| key)
+    }
+
+    /// The edit with numbers of four significant digits, as people read and write them.
+    #[must_use]
+    pub fn rounded(&self) -> Self {
+        Self { key: self.key.clone(), value: rounded(&self.value) }
+    }
+
+    /// The scenario with the setting edited.
+    ///
+    /// # Errors
+    /// [`ScenarioError`] where the scenario has no such setting, or not with this value.
+    pub fn apply(&self, scenario: &Scenario) -> Result<Scenario, ScenarioError> {
+        Self::apply_all(std::slice::from_ref(self), scenario)
+    }
+
+    /// The scenario with several edits made, each setting found in the scenario as it is before all of them.
+    ///
+    /// # Errors
+    /// As [`Self::apply`].
+    pub fn apply_all(edits: &[Self], scenario: &Scenario) -> Result<Scenario, ScenarioError> {
+        let mut document = Document::of(scenario)?;
+        for edit in edits {
+            let is_found = set(&mut document, scenario, &edit.key, &Document::of(&edit.value)?);
+            is_found.then_some(()).ok_or_else(|| edit.unknown(&scenario.filters_instead_of(&edit.key)))?;
+        }
+        Scenario::from_document(&document).map_err(|error| {
+            let words = error.to_string();
+            let last = |edit: &&Self| edit.key.rsplit('.').next().is_some_and(|key| words.contains(&unread(key)));
+            edits.iter().find(last).map_or(error, |edit| edit.unknown(&format!(": {words}")))
+        })
+    }
+
+    fn unknown(&self, reason: &str) -> ScenarioError {
+        ScenarioError::Syntax(format!("the scenario has no setting `{}`{reason}", self.key))
+    }
+}
+
+/// The beginning of the reader's sentence about a key that it does not know.
+fn unread(key: &str) -> String {
+    format!("unknown field `{key}`")
+}
+
+/// Sets the value of an address in the document of a scenario. Returns whether there is a place for it. A key that is new is
+/// written too: it may be one that is left out while it has its default, and the reader refuses all others.
+fn set(document: &mut Document, scenario: &Scenario, address: &str, value: &Document) -> bool {
+    let sensor = |key: &str| match Quantity::from_key(key) {
+        Some(quantity) => {
+            scenario.sensors.iter().position(|sensor| sensor.measures == quantity).map(|at| at.to_string())
+        }
+        None => Some(key.to_owned()),
+    };
+    if let Some((places, key)) = scenario.filters_at(address) {
+        let of_sensor = key.split_once('.').filter(|(table, _)| *table == SENSOR_STD.key);
+        let key = of_sensor.map_or(Some(key.to_owned()), |(table, key)| Some(format!("{table}.{}", sensor(key)?)));
+        return key.is_some_and(|key| {
+            places.iter().all(|place| put(document, &format!("filters.{place}.{key}"), value)) && !places.is_empty()
+        });
+    }
+    match address.strip_prefix("sensors.").and_then(|rest| rest.split_once('.')) {
+        Some((key, rest)) => sensor(key).is_some_and(|at| put(document, &format!("sensors.{at}.{rest}"), value)),
+        None => !address.starts_with("filters") && put(document, address, value),
+    }
+}
+
+/// Puts a value at a path of keys and places from 0 on. Returns whether the path leads to a table, or to a place of a list.
+fn put(document: &mut Document, path: &str, value: &Document) -> bool {
+    let (first, rest) = path.split_once('.').map_or((path, None), |(first, rest)| (first, Some(rest)));
+    let place = match document {
+        Document::Table(entries) => {
+            if rest.is_none() && entries.iter().all(|(key, _)| key != first) {
+                entries.push((first.to_owned(), Document::Null));
+            }
+            entries.iter_mut().find(|(key, _)| key == first).map(|(_, value)| value)
+        }
+        Document::List(items) => first.parse().ok().and_then(|at: usize| items.get_mut(at)),
+        _ => None,
+    };
+    match (place, rest) {
+        (Some(place), Some(rest)) => put(place, rest, value),
+        (Some(place), None) => {
+            place.clone_from(value);
+            true
+        }
+        (None, _) => false,
+    }
+}
+
+fn rounded(value: &Value) -> Value {
+    match value {
+        Value::Float(x) => Value::Float(format!("{x:.3e}").parse().unwrap_or(*x)),
+        Value::Array(values) => Value::Array(values.iter().map(rounded).collect()),
+        other => other.clone(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Channel, Hold, PlantKind};
+
+    #[test]
+    fn edits_are_turned_by_their_keys() {
+        let mut scenario = Scenario::default();
+        scenario.filters[1].name = "UKF, no. 2".to_owned();
+        let [ekf, ukf] = [scenario.filters[0].id, scenario.filters[1].id];
+        let edits = [
+            Edit::new("hold", "first"),
+            Edit::of_filter(ukf, "process_std.velocity", 0.5),
+            Edit::of_filter(ukf, "sensor_std", vec![0.1, 0.2]),
+            Edit::of_filter(ekf, "plant", "duffing"),
+            Edit::of_filter(ekf, "augment", vec!["input_gain"]),
+        ];
+        let turned = Edit::apply_all(&edits, &scenario).unwrap();
+        assert_eq!((turned.hold, turned.filters[0].plant), (Hold::First, Some(PlantKind::DUFFING)));
+        assert_eq!(turned.filters[0].augment, [Channel::INPUT_GAIN]);
+        assert_eq!(turned.filters[1].process_std[Channel::VELOCITY], 0.5);
+        assert_eq!(turned.filters[1].sensor_std, [0.1, 0.2]);
+        assert_eq!(edits[1].toml_line(), "process_std.velocity = 0.5");
+        assert_eq!(edits[2].toml_line(), "sensor_std = [0.1, 0.2]");
+        let rounded = Edit::of_filter(ekf, "sensor_std", vec![0.012_345_678, 1.005]).rounded();
+        assert_eq!(rounded.toml_line(), "sensor_std = [0.01235, 1.005]");
+        // A filter is found whatever it is called by now.
+        let mut renamed = scenario.clone();
+        (renamed.filters[0].name, renamed.filters[1].name) = ("UKF, no. 2".to_owned(), "EKF".to_owned());
+        let turned = Edit::of_filter(ekf, "fading", 1.5).apply(&renamed).unwrap();
+        assert_eq!((turned.filters[0].fading, turned.filters[1].fading), (1.5, scenario.filters[1].fading));
+        renamed.filters[1].id = ekf;
+        assert!(Edit::of_filter(ekf, "fading", 1.0).apply(&renamed).is_err(), "which of the two?");
+        let lines = Edit::toml_lines(&edits, &scenario).unwrap();
+        assert_eq!(lines.len(), 5);
+        assert_eq!((&lines[0].0, lines[0].1.as_str()), (&None, "hold = \"first\""));
+        // A file takes each line in place of its own, which is a table in one line.
+        let (name, line) = &lines[1];
+        assert_eq!(name.as_deref(), Some("UKF, no. 2"));
+        let line: toml::Table = toml::from_str(line).unwrap();
+        assert_eq!(line["process_std"]["velocity"].as_float(), Some(0.5));
+        assert!(line["process_std"].as_table().unwrap().len() >= 4, "{line}");
+        for (wrong, instead) in [
+            (Edit::of_filter(9, "fading", 1.0), "`filters#9.fading`; its filters are"),
+            (
+                Edit::of_filter(ekf, "fadng", 1.0),
+                "`filters#1.fadng`: `filters[0].fadng`: unknown field `fadng`, expected one of",
+            ),
+        ] {
+            let error = wrong.apply(&scenario).unwrap_err().to_string();
+            assert!(error.starts_with(&format!("the scenario has no setting {instead}")), "{error}");
+        }
+    }
+
+    #[test]
+    fn every_kind_of_place_can_be_edited() {
+        let scenario = Scenario::default();
+        let table = |text: &str| Value::Table(text.parse().unwrap());
+        let edits = [
+            Edit::new("plant.natural_frequency", table("step = { from = 1.0, to = 2.0, at = 3.0 }")),
+            Edit::new("force", table("none = {}")),
+            Edit::new("duration", 10),
+            Edit::new("sensors.velocity.noise_std", 0.2),
+            Edit::new("filters.*.fading", 1),
+            Edit::new("filters.EKF.sensor_std.1", 7.0),
+            Edit::new("filters.EKF.sensor_std.displacement", 8.0),
+            Edit::new("filters.UKF.substeps", 3),
+            Edit::new("filters.UKF.name", "U"),
+        ];
+        let edited = Edit::apply_all(&edits, &scenario).unwrap();
+        assert_eq!(edited.plant.parameter(Channel::NATURAL_FREQUENCY).map(|signal| signal.at(2.0)), Some(1.0));
+        assert_eq!((edited.force, edited.duration, edited.sensors[1].noise_std), (crate::Force::None, 10.0, 0.2));
+        let [ekf, ukf] = &edited.filters[..] else { panic!("two filters") };
+        assert_eq!((ekf.fading, &ekf.sensor_std[..], ukf.fading), (1.0, &[8.0, 7.0][..], 1.0));
+        assert_eq!((ukf.substeps, ukf.name.as_str()), (3, "U"));
+    }
+
+    #[test]
+    fn settings_that_there_are_not_cannot_be_edited() {
+        let mut scenario = Scenario::default();
+        scenario.plant.set(Channel::NATURAL_FREQUENCY, crate::Signal::Constant(6.0));
+        for key in [
+            "",
+            "plnt.natural_frequency",
+            "plant.frequency",
+            "plant.natural_frequency.step",
+            "filters.EKF",
+            "filters.*",
+            "filters.KF.fading",
+            "filters.*.fadng",
+            "filters.EKF.sensor_std.2",
+            "filters.EKF.sensor_std.acceleration",
+            "sensors.acceleration.noise_std",
+            "record.every",
+        ] {
+            let error = Edit::new(key, 1.0).apply(&scenario).unwrap_err().to_string();
+            assert!(error.starts_with(&format!("the scenario has no setting `{key}`")), "{error}");
+        }
+        let impossible = Edit::new("filters.EKF.fading", 0.5).apply(&scenario).unwrap_err().to_string();
+        assert!(impossible.starts_with("`filters[0].fading` is 0.5"), "{impossible}");
+    }
+}

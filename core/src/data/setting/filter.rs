@@ -1,0 +1,140 @@
+//! The settings of a filter that are one number each, or a yes or no.
+
+use super::Allowed;
+use super::info::{Field, SettingInfo, row};
+use crate::data::scenario::FilterSettings;
+use crate::mathematics::channel::Channel;
+use crate::mathematics::filter::FilterKind;
+
+type Row = SettingInfo<FilterSettings>;
+
+/// Limits the samples by which the plant can feel the input after or before it is recorded.
+pub(super) const MAX_DELAY: i64 = 100;
+
+/// λ: how fast the filter forgets.
+pub static FADING: Row = row! { "fading", fading,
+    symbol: "λ",
+    name: "fading factor",
+    label: |_| Some("λ fading factor"),
+    allowed: Allowed::AtLeast(1.0),
+    note: "1 forgets nothing",
+    slider: (1.0, 1.05),
+    hint: "Multiplies the predicted covariance at every step: 1 forgets nothing, more forgets faster",
+    is_varied: true,
+};
+
+/// Whether the filter widens P once where its innovations grow at once. A KF that knows its parameters has none to widen.
+pub static JUMP: Row = row! { "jump", jump,
+    name: "jump at a sudden change",
+    allowed: Allowed::Flag,
+    hint: "Where the innovations grow at once, widen P once by its initial covariance and learn anew; before and after, \
+           forget nothing. A remark says when",
+    serves: |filter, _| filter.kind != FilterKind::KF || !filter.augment.is_empty(),
+};
+
+/// η: how fast the parameters decay in the filter's model. Those of a KF are known and do not.
+pub static ETA: Row = row! { "eta", eta,
+    symbol: "η",
+    name: "parameter decay",
+    label: |_| Some("η decay"),
+    unit: "1/s",
+    allowed: Allowed::AtLeast(0.0),
+    slider: (0.0, 0.1),
+    hint: "Rate at which the filter's model lets the parameters decay; 0 keeps them constant",
+    serves: |filter, _| filter.kind != FilterKind::KF,
+    is_varied: true,
+};
+
+/// The guesses of ωₙ that filters begin from side by side, where ωₙ is estimated and no smoother needs a single filter.
+pub static GUESSES: Row = row! { "guesses", guesses,
+    name: "guesses of ωₙ",
+    allowed: Allowed::Whole(1, 8),
+    slider: (1.0, 8.0),
+    hint: "Filters side by side from so many guesses of ωₙ, from 0.14 to 7.4 times the initial mean; the likeliest so far \
+           is shown",
+    serves: |filter, truth| {
+        let frequency = Channel::NATURAL_FREQUENCY;
+        let has_one = filter.plant.unwrap_or(truth).channels().contains(&frequency);
+        has_one && !filter.knows(frequency) && filter.initial_mean[frequency] > 0.0 && !filter.smoother
+    },
+};
+
+/// The steps into which a prediction is divided.
+static SUBSTEPS: Row = row! { "substeps", substeps,
+    name: "steps a sample",
+    allowed: Allowed::Whole(1, 100),
+    slider: (1.0, 20.0),
+    hint: "Divide each prediction into so many steps: for plants that are not linear, and few samples a period",
+};
+
+/// Limits the linearisations in one update of an IEKF.
+static ITERATIONS: Row = row! { "iterations", iterations,
+    name: "iterations",
+    allowed: Allowed::Whole(1, 100),
+    slider: (1.0, 20.0),
+    hint: "Limit of the linearisations of the sensors in one update",
+    serves: |filter, _| filter.kind == FilterKind::IEKF,
+};
+
+/// The members of an ensemble, or particles. The slider ends where a frame can compute no more of them.
+pub static ENSEMBLE_SIZE: Row = row! { "ensemble_size", ensemble_size,
+    name: "members",
+    label: |filter| filter.kind.info().has_own_likelihood.then_some("particles"),
+    allowed: Allowed::Whole(2, 100_000),
+    slider: (2.0, 2000.0),
+    hint: "More are more exact, and slower",
+    serves: |filter, _| filter.kind.is_sampled(),
+};
+
+/// Whether the filter estimates logarithms.
+static LOG_PARAMETERS: Row = row! { "log_parameters", log_parameters,
+    name: "logarithms of positive parameters",
+    allowed: Allowed::Flag,
+    hint: "Estimate the logarithms of frequency, damping and stiffness, which then stay positive",
+};
+
+/// Whether the whole record is smoothed.
+pub static SMOOTHER: Row = row! { "smoother", smoother,
+    name: "hindsight",
+    allowed: Allowed::Flag,
+    hint: "In the whole record also show, dashed, what is known of each instant in the light of all that came after it: \
+           Rauch, Tung and Striebel (1965)",
+    serves: |filter, _| !filter.kind.is_sampled() && filter.guesses == 1,
+};
+
+static LEARNS_R: Row = row! { "adaptation.sensor_noise", adaptation.sensor_noise,
+    name: "learn R from the innovations",
+    allowed: Allowed::Flag,
+    hint: "Akhlaghi, Zhou and Huang (2017)",
+};
+
+static LEARNS_Q: Row = row! { "adaptation.process_noise", adaptation.process_noise,
+    name: "learn Q from the innovations",
+    allowed: Allowed::Flag,
+    hint: "Akhlaghi, Zhou and Huang (2017)",
+};
+
+/// The share of the last estimate that stays where a filter learns R or Q.
+pub static FORGETTING: Row = row! { "adaptation.forgetting", adaptation.forgetting,
+    name: "share that stays in learning",
+    allowed: Allowed::Between(0.0, 1.0),
+};
+
+static INPUT_DELAY: Row = row! { "input_delay", input_delay,
+    name: "delay of the input",
+    unit: "samples",
+    allowed: Allowed::Whole(-MAX_DELAY, MAX_DELAY),
+};
+
+/// The settings that are shown first: how long the filter remembers.
+pub static MEMORY: [&Row; 3] = [&FADING, &JUMP, &ETA];
+
+/// The less common settings.
+pub static OPTIONS: [&Row; 8] =
+    [&GUESSES, &SUBSTEPS, &ITERATIONS, &ENSEMBLE_SIZE, &LOG_PARAMETERS, &SMOOTHER, &LEARNS_R, &LEARNS_Q];
+
+/// The settings that files alone have.
+static OF_FILES: [&Row; 2] = [&INPUT_DELAY, &FORGETTING];
+
+/// All settings of a filter that are one number each, or a yes or no.
+pub static OF_FILTER: [&[&Row]; 3] = [&MEMORY, &OPTIONS, &OF_FILES];

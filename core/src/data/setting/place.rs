@@ -1,0 +1,203 @@
+//! The place of a number in a scenario.
+
+use std::fmt;
+
+use super::{Entry, OF_FILTER, OF_SCENARIO, SettingInfo, TABLES, TableInfo};
+use crate::data::scenario::address::is_of_all;
+use crate::data::scenario::{FilterSettings, Scenario, Sensor};
+use crate::mathematics::channel::Channel;
+use crate::mathematics::quantity::Quantity;
+
+/// The beginning of addresses of the plant.
+const PLANT: &str = "plant.";
+
+/// The place of a number in a scenario.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Place {
+    /// One of the scenario, besides the others here.
+    Scenario(&'static SettingInfo<Scenario>),
+    /// A parameter of the truth.
+    Parameter(Channel),
+    /// The true noise of a sensor.
+    Noise(Quantity),
+    /// One of some filters.
+    Filters(Filters, Member),
+}
+
+/// Filters that a setting is of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Filters {
+    All,
+    /// The filter with an id.
+    Of(u32),
+}
+
+/// A number of a filter, or a factor on a table of them, over the numbers of these filters.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Member {
+    Number(&'static SettingInfo<FilterSettings>),
+    Entry(&'static TableInfo, Entry),
+    Factor(&'static TableInfo, Vec<FilterSettings>),
+}
+
+impl Place {
+    /// The place in a text.
+    pub(super) fn parse(scenario: &Scenario, text: &str) -> Option<Self> {
+        let is_it =
+            |info: &&&'static SettingInfo<Scenario>| info.key == text && (info.serves)(scenario, scenario.plant.kind);
+        if let Some(info) = OF_SCENARIO.iter().find(is_it) {
+            return Some(Self::Scenario(info));
+        }
+        let keys: Vec<&str> = text.split('.').collect();
+        match keys[..] {
+            ["plant", parameter] => {
+                let channel = Channel::from_key(parameter)?;
+                scenario.plant.parameters().find(|c| *c == channel).map(Self::Parameter)
+            }
+            ["sensors", sensor, "noise_std"] => Some(Self::Noise(quantity(scenario, sensor)?)),
+            _ => Self::of_filters(scenario, text),
+        }
+    }
+
+    fn of_filters(scenario: &Scenario, text: &str) -> Option<Self> {
+        let (places, key) = scenario.filters_at(text)?;
+        let meant: Vec<&FilterSettings> = places.iter().filter_map(|&place| scenario.filters.get(place)).collect();
+        let first = meant.first()?;
+        let filters = if is_of_all(text, key) {
+            Filters::All
+        } else {
+            // An id that several filters have would mean another one of them.
+            let is_unique = scenario.filters.iter().filter(|filter| filter.id == first.id).count() == 1;
+            is_unique.then_some(Filters::Of(first.id))?
+        };
+        let number = OF_FILTER.into_iter().flatten().find(|info| info.key == key).map(|info| Member::Number(info));
+        let member = number.or_else(|| {
+            let (table, entry) = key.split_once('.').map_or((key, None), |(table, entry)| (table, Some(entry)));
+            let table = TableInfo::from_key(table)?;
+            let Some(entry) = entry else {
+                let bases = || meant.iter().copied().cloned().collect();
+                return table.factor.map(|_| Member::Factor(table, bases()));
+            };
+            if table.is_of_sensors() {
+                return Some(Member::Entry(table, Entry::Sensor(quantity(scenario, entry)?)));
+            }
+            let channel = Channel::from_key(entry)?;
+            let has = |filter: &&FilterSettings| {
+                filter.model(scenario.plant.kind, scenario.input).channels().contains(&channel)
+            };
+            meant.iter().all(has).then_some(Member::Entry(table, Entry::Channel(channel)))
+        });
+        Some(Self::Filters(filters, member?))
+    }
+
+    /// The end of a sentence about a text that is no place: the filters, the numbers of a filter or of the plant, the sensors, or
+    /// the numbers of the scenario.
+    pub(super) fn instead(scenario: &Scenario, text: &str) -> String {
+        if scenario.filters_at(text).is_some() {
+            let numbers = OF_FILTER.into_iter().flatten().map(|info| info.key);
+            let keys = listed(numbers.chain(TABLES.map(|table| table.key)));
+            return format!(
+                "; a filter has {keys}, and in the last {} a number for each channel or sensor",
+                TABLES.len()
+            );
+        }
+        if text.starts_with("filters") {
+            return scenario.filters_instead_of(text);
+        }
+        let serving = OF_SCENARIO.iter().filter(|info| (info.serves)(scenario, scenario.plant.kind));
+        let (of_plant, others): (Vec<&str>, Vec<&str>) =
+            serving.map(|info| info.key).partition(|key| key.starts_with(PLANT));
+        if text.starts_with(PLANT) {
+            let parameters = scenario.plant.parameters().map(Channel::key);
+            return format!(
+                "; its plant has {}",
+                listed(parameters.chain(of_plant.into_iter().map(|key| &key[PLANT.len()..])))
+            );
+        }
+        if text.starts_with("sensors") {
+            return match &scenario.sensors[..] {
+                [] => "; it has no sensor".to_owned(),
+                sensors => {
+                    let keys = listed(sensors.iter().map(|sensor| sensor.measures.key()));
+                    format!("; a sensor has `noise_std`, and its sensors are {keys}")
+                }
+            };
+        }
+        format!("; it has {}, and numbers of its `plant`, `sensors` and `filters`", listed(others.into_iter()))
+    }
+}
+
+/// Keys as a sentence lists them.
+fn listed<'a>(keys: impl Iterator<Item = &'a str>) -> String {
+    keys.map(|key| format!("`{key}`")).collect::<Vec<_>>().join(", ")
+}
+
+/// The quantity of a sensor by its key, or by its number from 0 on.
+fn quantity(scenario: &Scenario, sensor: &str) -> Option<Quantity> {
+    let sensors = &scenario.sensors;
+    match Quantity::from_key(sensor) {
+        Some(quantity) => sensors.iter().any(|sensor| sensor.measures == quantity).then_some(quantity),
+        None => sensors.get(sensor.parse::<usize>().ok()?).map(|sensor| sensor.measures),
+    }
+}
+
+impl Filters {
+    pub(super) fn has(self, filter: &FilterSettings) -> bool {
+        match self {
+            Self::All => true,
+            Self::Of(id) => filter.id == id,
+        }
+    }
+
+    pub(super) fn overlap(self, other: Self) -> bool {
+        self == other || self == Self::All || other == Self::All
+    }
+}
+
+impl Member {
+    pub(super) fn get(&self, filter: &FilterSettings, sensors: &[Sensor]) -> Option<f64> {
+        match self {
+            Self::Number(info) => Some((info.get)(filter)),
+            Self::Entry(table, entry) => table.get(filter, *entry, sensors),
+            Self::Factor(table, bases) => bases.first().map(|base| table.factor_over(base, filter)),
+        }
+    }
+
+    /// Sets the value in the filter at a place among those that are meant.
+    pub(super) fn set(&self, filter: &mut FilterSettings, nth: usize, value: f64, sensors: &[Sensor]) {
+        match self {
+            Self::Number(info) => (info.set)(filter, value),
+            Self::Entry(table, entry) => {
+                if let Some(number) = table.get_mut(filter, *entry, sensors) {
+                    *number = value;
+                }
+            }
+            Self::Factor(table, bases) => {
+                if let Some(base) = bases.get(nth) {
+                    table.scale(base, filter, value);
+                }
+            }
+        }
+    }
+
+    /// Whether two members are the same number, or a number and the factor on its table.
+    pub(super) fn overlaps(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Number(one), Self::Number(other)) => one == other,
+            (Self::Entry(table, entry), Self::Entry(other, of)) => table == other && entry == of,
+            (Self::Factor(table, _), Self::Entry(other, _) | Self::Factor(other, _))
+            | (Self::Entry(table, _), Self::Factor(other, _)) => table == other,
+            _ => false,
+        }
+    }
+}
+
+impl fmt::Display for Member {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Number(info) => f.write_str(info.key),
+            Self::Entry(table, entry) => write!(f, "{}.{}", table.key, entry.key()),
+            Self::Factor(table, _) => f.write_str(table.key),
+        }
+    }
+}

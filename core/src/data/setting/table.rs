@@ -1,0 +1,212 @@
+//! The tables of a filter: a number for each channel, or one for each sensor.
+
+use std::fmt;
+
+use super::Allowed;
+use crate::data::scenario::{FilterSettings, Sensor, Values};
+use crate::mathematics::channel::Channel;
+use crate::mathematics::quantity::Quantity;
+
+/// A table of a filter.
+pub struct TableInfo {
+    /// The key in scenario files and addresses.
+    pub key: &'static str,
+    /// The symbol in formulas, before that of a channel or a quantity.
+    pub symbol: &'static str,
+    /// The words on an axis, before "of" and that symbol.
+    pub words: &'static str,
+    /// The name in running text, before "of" and that of a channel or a quantity.
+    pub name: &'static str,
+    /// The symbol of all its numbers together, where a factor on them is a setting: of standard deviations.
+    pub factor: Option<&'static str>,
+    /// The numbers that it may have.
+    pub allowed: Allowed,
+    /// An explanation in one sentence.
+    pub hint: &'static str,
+    column: Column,
+}
+
+/// The numbers of a table.
+enum Column {
+    Channels(fn(&FilterSettings) -> &Values, fn(&mut FilterSettings) -> &mut Values),
+    Sensors,
+}
+
+/// The channel or the sensor whose number an entry of a table is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Entry {
+    /// A channel of the filter.
+    Channel(Channel),
+    /// The sensor of a quantity.
+    Sensor(Quantity),
+}
+
+/// The mean of the initial belief.
+pub static INITIAL_MEAN: TableInfo = TableInfo {
+    key: "initial_mean",
+    symbol: "guess",
+    words: "guess",
+    name: "initial guess",
+    factor: None,
+    allowed: Allowed::Finite,
+    hint: "Mean of the initial belief",
+    column: Column::Channels(|filter| &filter.initial_mean, |filter| &mut filter.initial_mean),
+};
+
+/// The standard deviations of the initial belief.
+pub static INITIAL_STD: TableInfo = TableInfo {
+    key: "initial_std",
+    symbol: "± σ",
+    words: "σ of the guess",
+    name: "initial std",
+    factor: Some("√P₀"),
+    allowed: Allowed::AtLeast(0.0),
+    hint: "How sure the filter is of its guess",
+    column: Column::Channels(|filter| &filter.initial_std, |filter| &mut filter.initial_std),
+};
+
+/// The standard deviations of the process noise per step.
+pub static PROCESS_STD: TableInfo = TableInfo {
+    key: "process_std",
+    symbol: "√Q",
+    words: "√Q",
+    name: "process std",
+    factor: Some("√Q"),
+    allowed: Allowed::AtLeast(0.0),
+    hint: "0: the model is exact",
+    column: Column::Channels(|filter| &filter.process_std, |filter| &mut filter.process_std),
+};
+
+/// The standard deviations that the filter assumes of the sensors.
+pub static SENSOR_STD: TableInfo = TableInfo {
+    key: "sensor_std",
+    symbol: "√R",
+    words: "√R",
+    name: "sensor std",
+    factor: Some("√R"),
+    allowed: Allowed::Above(0.0),
+    hint: "Standard deviation that the filter ascribes to the sensor",
+    column: Column::Sensors,
+};
+
+/// All tables of a filter.
+pub static TABLES: [&TableInfo; 4] = [&INITIAL_MEAN, &INITIAL_STD, &PROCESS_STD, &SENSOR_STD];
+
+impl TableInfo {
+    /// The table with a key.
+    pub fn from_key(key: &str) -> Option<&'static Self> {
+        TABLES.into_iter().find(|table| table.key == key)
+    }
+
+    /// Whether the table has a number for each sensor, and not for each channel.
+    pub fn is_of_sensors(&self) -> bool {
+        matches!(self.column, Column::Sensors)
+    }
+
+    /// The number of an entry in a filter beside these sensors; `None` where the table has no such entry.
+    pub fn get(&self, filter: &FilterSettings, entry: Entry, sensors: &[Sensor]) -> Option<f64> {
+        match (&self.column, entry) {
+            (Column::Channels(of, _), Entry::Channel(channel)) => Some(of(filter)[channel]),
+            (Column::Sensors, Entry::Sensor(quantity)) => filter.sensor_std.get(place(sensors, quantity)?).copied(),
+            _ => None,
+        }
+    }
+
+    /// The same, to be set.
+    pub fn get_mut<'a>(&self, filter: &'a mut FilterSettings, entry: Entry, sensors: &[Sensor]) -> Option<&'a mut f64> {
+        match (&self.column, entry) {
+            (Column::Channels(_, of), Entry::Channel(channel)) => Some(&mut of(filter)[channel]),
+            (Column::Sensors, Entry::Sensor(quantity)) => filter.sensor_std.get_mut(place(sensors, quantity)?),
+            _ => None,
+        }
+    }
+
+    /// The numbers of a filter that have been set, in their order.
+    pub fn numbers(&self, filter: &FilterSettings) -> Vec<f64> {
+        self.entries(filter).into_iter().map(|(_, number)| number).collect()
+    }
+
+    /// The same, each with its place behind the table's key in a file.
+    pub(crate) fn entries(&self, filter: &FilterSettings) -> Vec<(String, f64)> {
+        match self.column {
+            Column::Channels(of, _) => {
+                of(filter).iter().map(|(channel, number)| (format!(".{}", channel.key()), number)).collect()
+            }
+            Column::Sensors => {
+                filter.sensor_std.iter().enumerate().map(|(place, std)| (format!("[{place}]"), *std)).collect()
+            }
+        }
+    }
+
+    /// The common factor of a filter's numbers over those of its base; NaN where they do not have one.
+    pub(super) fn factor_over(&self, base: &FilterSettings, filter: &FilterSettings) -> f64 {
+        let (base, now) = (self.numbers(base), self.numbers(filter));
+        let at = base.iter().position(|value| *value > 0.0);
+        let Some(factor) = at.and_then(|at| Some(now.get(at)? / base[at])) else { return f64::NAN };
+        let is_common = |(base, now): (&f64, &f64)| (now - factor * base).abs() <= 1e-9 * now.abs();
+        if base.len() == now.len() && base.iter().zip(&now).all(is_common) { factor } else { f64::NAN }
+    }
+
+    /// Sets the numbers of a filter to a factor times those of its base.
+    pub(super) fn scale(&self, base: &FilterSettings, filter: &mut FilterSettings, factor: f64) {
+        match self.column {
+            Column::Channels(of, of_mut) => {
+                for (channel, std) in of(base).iter() {
+                    of_mut(filter)[channel] = factor * std;
+                }
+            }
+            Column::Sensors => filter.sensor_std = base.sensor_std.iter().map(|std| factor * std).collect(),
+        }
+    }
+}
+
+impl PartialEq for TableInfo {
+    fn eq(&self, other: &Self) -> bool {
+        self.key == other.key
+    }
+}
+
+impl fmt::Debug for TableInfo {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.key)
+    }
+}
+
+impl Entry {
+    /// The key in scenario files and addresses.
+    pub fn key(self) -> &'static str {
+        match self {
+            Self::Channel(channel) => channel.key(),
+            Self::Sensor(quantity) => quantity.key(),
+        }
+    }
+
+    /// The symbol in formulas.
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Self::Channel(channel) => channel.symbol(),
+            Self::Sensor(quantity) => quantity.symbol(),
+        }
+    }
+
+    /// The name in running text.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Channel(channel) => channel.name(),
+            Self::Sensor(quantity) => quantity.key(),
+        }
+    }
+
+    /// The unit, empty for a pure number.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Channel(channel) => channel.unit(),
+            Self::Sensor(quantity) => quantity.unit(),
+        }
+    }
+}
+
+/// The place of the sensor of a quantity.
+fn place(sensors: &[Sensor], quantity: Quantity) -> Option<usize> {
+    sensors.iter().position(|sensor| sensor.measures == quantity)
+}

@@ -1,0 +1,7 @@
+//! Whether a filter deserves to be believed: its diagnosis, and the runs that are judged as they go on.
+
+pub(crate) mod analysis;
+pub mod diagnosis;
+pub(crate) mod job;
+pub(crate) mod study;
+pub(crate) mod summary;

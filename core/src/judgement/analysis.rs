@@ -1,0 +1,391 @@
+//! Diagnostics, smoothed estimates and Cramér-Rao bounds of a run.
+
+mod bounds;
+mod wanted;
+
+use crate::data::scenario::cost;
+use crate::data::sorting::sort_short_by_key;
+use crate::numbers::diagnostics::Depth;
+use crate::samples::bank::Bank;
+use crate::samples::smoother::Smoother;
+use crate::samples::waste::Waste;
+use crate::{CramerRao, Diagnosis, Diagnostics, Estimates, Record, Run, Scenario, Update};
+
+use bounds::bounds_of;
+
+pub use bounds::Bound;
+pub use wanted::Wanted;
+
+/// Limits the samples that the diagnostics take in between two checks of the time: about 0.5 ms.
+const DIAGNOSTICS_CHUNK: usize = 10_000;
+
+/// Limits the samples that a bound takes in between two checks of the time: about 0.5 ms.
+const BOUND_CHUNK: usize = 2_000;
+
+/// Time that the diagnostics take for one sample, to within a factor of two \[ns\].
+const DIAGNOSTICS_COST: f64 = 60.0;
+
+/// The wanted ones of diagnostics, smoothed estimates and bounds of a run's filters. Each of the three is available
+/// once it is complete for all filters.
+#[derive(Default)]
+pub struct Analysis {
+    wanted: Wanted,
+    diagnostics: Vec<Diagnostics>,
+    /// The ids of the filters that `diagnostics` belong to.
+    filters: Vec<u32>,
+    /// Whether each of the diagnostics belongs to the present estimates.
+    begun: Vec<bool>,
+    /// The diagnosis of each filter, and of how many samples from the beginning it is.
+    diagnoses: Vec<(Option<Diagnosis>, usize)>,
+    /// Whether new diagnoses are put off. The old ones stay until then.
+    waits: bool,
+    diagnosed: bool,
+    smoothed: Vec<Estimates>,
+    smoothing: Option<InProgress>,
+    all_smoothed: bool,
+    bounds: Vec<Bound>,
+    /// Whether the bounds belong to the present scenario.
+    chosen: bool,
+    all_bounded: bool,
+    /// Old diagnostics; their memory is used again.
+    spare: Vec<Diagnostics>,
+    /// The rest of the unused memory.
+    waste: Waste,
+}
+
+/// A smoother that has not finished.
+struct InProgress {
+    smoother: Smoother,
+    estimates: Estimates,
+}
+
+/// The run that an analysis follows.
+pub(crate) struct Subject<'a> {
+    pub(crate) bank: &'a Bank,
+    pub(crate) record: &'a Record,
+    /// The number of samples done, counted from the beginning of the run.
+    pub(crate) done: usize,
+    /// Whether these are all samples of the run.
+    pub(crate) whole: bool,
+    /// Filters that have a place here are already analysed.
+    pub(crate) known: &'a [Option<usize>],
+    /// The bounds that already exist.
+    pub(crate) bounds: &'a [Bound],
+}
+
+impl<'a> Subject<'a> {
+    /// The part of a run that is done so far.
+    pub(crate) fn of(run: &'a Run) -> Self {
+        let (bank, record, done) = (run.bank(), run.record(), run.done());
+        Self { bank, record, done, whole: done == run.samples(), known: &[], bounds: &[] }
+    }
+}
+
+impl Analysis {
+    /// The analysis of the part of a run that is done so far.
+    pub fn new(run: &Run, wanted: Wanted) -> Self {
+        let mut analysis = Self { wanted, ..Self::default() };
+        analysis.follow(run);
+        analysis
+    }
+
+    /// The results that are computed.
+    pub fn wanted(&self) -> Wanted {
+        self.wanted
+    }
+
+    /// The diagnostics, one per filter; empty until they are complete.
+    pub fn diagnostics(&self) -> &[Diagnostics] {
+        if self.diagnosed { &self.diagnostics } else { &[] }
+    }
+
+    /// The diagnosis of the filter at a place, or `None` before the first one. While a run goes on, the diagnosis may
+    /// be of an earlier sample: it is computed again when the number of new samples reaches half the number of kept
+    /// ones, and at the end. While diagnoses are put off, it is that of an earlier run with as many samples.
+    pub fn diagnosis(&self, place: usize) -> Option<&Diagnosis> {
+        self.diagnoses.get(place).filter(|_| self.diagnosed)?.0.as_ref()
+    }
+
+    /// The smoothed estimates of the filters that have a smoother; empty until they are complete.
+    pub fn smoothed(&self) -> &[Estimates] {
+        if self.all_smoothed { &self.smoothed } else { &[] }
+    }
+
+    /// The bounds. Filters with the same initial belief and process noise share one.
+    pub fn bounds(&self) -> &[Bound] {
+        if self.all_bounded { &self.bounds } else { &[] }
+    }
+
+    /// The bound of the filter with an id.
+    pub fn bound(&self, id: u32) -> Option<&CramerRao> {
+        self.bounds().iter().find(|b| b.filters.contains(&id)).map(|b| &b.bound)
+    }
+
+    /// The bounds, complete or not.
+    pub(crate) fn all_bounds(&self) -> &[Bound] {
+        &self.bounds
+    }
+
+    /// Takes in all new samples of a run.
+    pub fn follow(&mut self, run: &Run) {
+        self.advance(&Subject::of(run), &mut || true);
+    }
+
+    /// Sets the results to compute from now on.
+    pub(crate) fn want(&mut self, wanted: Wanted) {
+        if self.wanted.diagnostics != wanted.diagnostics {
+            let diagnostics = self.diagnostics.drain(..).chain(self.spare.drain(..));
+            self.waste.extend(diagnostics);
+            self.begun.clear();
+            self.diagnoses.clear();
+            self.diagnosed = false;
+        }
+        if self.wanted.smoothed != wanted.smoothed {
+            self.discard_smoothed();
+        }
+        if self.wanted.bounds != wanted.bounds {
+            self.waste.extend(self.bounds.drain(..).map(|of| of.bound));
+            (self.chosen, self.all_bounded) = (false, false);
+        }
+        self.wanted = wanted;
+    }
+
+    /// An empty analysis with the same wishes, which reuses the spare memory of this one.
+    pub(crate) fn successor(&mut self) -> Self {
+        let spare = std::mem::take(&mut self.spare);
+        Self { wanted: self.wanted, waits: self.waits, spare, ..Self::default() }
+    }
+
+    /// Says whether to put new diagnoses off.
+    pub(crate) fn put_off(&mut self, waits: bool) {
+        self.waits = waits;
+    }
+
+    /// Whether new diagnoses are put off.
+    pub(crate) fn waits(&self) -> bool {
+        self.waits
+    }
+
+    /// Takes over the old diagnosis of a filter until there is a new one, if both are of the same number of samples.
+    fn keep_until_due(&mut self, id: u32, samples: usize, diagnosis: Option<Diagnosis>) {
+        let Some(place) = self.filters.iter().position(|&filter| filter == id) else { return };
+        let is_as_long = self.diagnostics.get(place).is_some_and(|diagnostics| diagnostics.len() == samples);
+        if let Some((present @ None, _)) = self.diagnoses.get_mut(place).filter(|_| self.waits && is_as_long) {
+            *present = diagnosis;
+        }
+    }
+
+    /// Takes over the memory of an unused analysis.
+    pub(crate) fn recycle(&mut self, mut old: Self) {
+        old.discard_smoothed();
+        self.spare.append(&mut old.spare);
+        self.spare.append(&mut old.diagnostics);
+        self.waste.append(&mut old.waste);
+        self.waste.extend(old.bounds.drain(..).map(|of| of.bound));
+    }
+
+    /// Returns one piece of unused memory to the system. Returns whether there was one.
+    pub(crate) fn free_one(&mut self) -> bool {
+        self.waste.free_one()
+    }
+
+    fn discard_smoothed(&mut self) {
+        self.waste.extend(self.smoothed.drain(..));
+        if let Some(InProgress { smoother, estimates }) = self.smoothing.take() {
+            self.waste.extend([smoother]);
+            self.waste.extend([estimates]);
+        }
+        self.all_smoothed = false;
+    }
+
+    /// Takes over the results for another run, or for changed filters of the same run.
+    pub(crate) fn replace(&mut self, new: Self, update: &Update, run: &Run) {
+        let mut old = std::mem::replace(self, new);
+        if self.wanted != old.wanted {
+            self.want(old.wanted);
+        }
+        let Update::Filters(changed) = update else {
+            for ((id, diagnostics), (diagnosis, _)) in
+                old.filters.iter().zip(&old.diagnostics).zip(old.diagnoses.drain(..))
+            {
+                self.keep_until_due(*id, diagnostics.len(), diagnosis);
+            }
+            self.recycle(old);
+            return;
+        };
+        let ids: Vec<u32> = run.scenario().filters.iter().map(|filter| filter.id).collect();
+        if let Some(depth) = self.wanted.diagnostics {
+            self.diagnostics.resize_with(ids.len(), || Diagnostics::empty(depth));
+            self.begun.resize(ids.len(), false);
+            self.diagnoses.resize(ids.len(), (None, 0));
+            self.filters.clone_from(&ids);
+        }
+        let of_filters = old.diagnostics.drain(..).zip(old.begun.drain(..)).zip(old.diagnoses.drain(..));
+        for (id, ((diagnostics, begun), diagnosis)) in old.filters.iter().zip(of_filters) {
+            let place = ids.iter().position(|new| new == id && !changed.contains(id));
+            if let Some(place) = place.filter(|&place| place < self.diagnostics.len()) {
+                self.diagnostics[place] = diagnostics;
+                self.begun[place] = begun;
+                self.diagnoses[place] = diagnosis;
+            } else {
+                self.keep_until_due(*id, diagnostics.len(), diagnosis.0);
+                self.spare.push(diagnostics);
+            }
+        }
+        let is_kept = |smoothed: &Estimates| ids.contains(&smoothed.id()) && !changed.contains(&smoothed.id());
+        let (kept, gone): (Vec<_>, Vec<_>) = old.smoothed.drain(..).partition(is_kept);
+        self.smoothed.extend(kept);
+        old.smoothed = gone;
+        sort_short_by_key(&mut self.smoothed, |smoothed| ids.iter().position(|&id| id == smoothed.id()));
+        old.bounds.append(&mut self.bounds);
+        self.bounds = bounds_of(run.scenario(), run.record().dt(), std::mem::take(&mut old.bounds), |_| true);
+        self.chosen = true;
+        (self.diagnosed, self.all_smoothed, self.all_bounded) = (false, false, false);
+        self.recycle(old);
+    }
+
+    /// Takes in new samples. Calls `while_time` after each small piece of work and returns early if it is false.
+    /// Returns whether everything is done.
+    pub(crate) fn advance(&mut self, subject: &Subject<'_>, while_time: &mut dyn FnMut() -> bool) -> bool {
+        self.diagnosed = self.wanted.diagnostics.is_some_and(|depth| self.diagnose(depth, subject, while_time));
+        if self.wanted.diagnostics.is_some() && !self.diagnosed {
+            return false;
+        }
+        if self.wanted.smoothed && subject.whole && subject.record.forgotten() == 0 {
+            self.all_smoothed = self.smooth(subject, while_time);
+            if !self.all_smoothed {
+                return false;
+            }
+        } else if !self.smoothed.is_empty() || self.smoothing.is_some() {
+            self.discard_smoothed();
+        }
+        self.all_bounded = self.wanted.bounds && self.follow_bounds(subject, while_time);
+        self.all_bounded || !self.wanted.bounds
+    }
+
+    fn diagnose(&mut self, depth: Depth, subject: &Subject<'_>, while_time: &mut dyn FnMut() -> bool) -> bool {
+        let Self { diagnostics, diagnoses, waits, filters: ids, begun, spare, .. } = self;
+        let Subject { bank, record, known, .. } = subject;
+        let filters = bank.estimates.len();
+        ids.clear();
+        ids.extend(bank.estimates.iter().map(Estimates::id));
+        spare.extend(diagnostics.drain(filters.min(diagnostics.len())..));
+        diagnostics.resize_with(filters, || spare.pop().unwrap_or_else(|| Diagnostics::empty(depth)));
+        begun.resize(filters, false);
+        diagnoses.resize(filters, (None, 0));
+        for place in (0..filters).filter(|&place| !is_known(known, place)) {
+            let (estimates, diagnostics) = (&bank.estimates[place], &mut diagnostics[place]);
+            if !begun[place] {
+                diagnostics.clear(estimates, record);
+                begun[place] = true;
+                diagnoses[place] = (None, 0);
+            }
+            loop {
+                diagnostics.follow_to(diagnostics.len() + DIAGNOSTICS_CHUNK, estimates, record);
+                if diagnostics.len() == estimates.len() {
+                    break;
+                }
+                if !while_time() {
+                    return false;
+                }
+            }
+            let (diagnosis, of) = &mut diagnoses[place];
+            let done = estimates.forgotten() + estimates.len();
+            let is_old = done >= *of + estimates.len() / 2 || subject.whole;
+            if !*waits && *of != done && (diagnosis.is_none() || is_old) {
+                *diagnosis = Diagnosis::new(diagnostics, estimates, record, None);
+                *of = done;
+            }
+        }
+        true
+    }
+
+    fn smooth(&mut self, subject: &Subject<'_>, while_time: &mut dyn FnMut() -> bool) -> bool {
+        let Self { smoothed, smoothing, waste, .. } = self;
+        let Subject { bank, record, done, known, .. } = subject;
+        let Scenario { filters, plant, .. } = bank.scenario();
+        for place in (0..filters.len()).filter(|&place| filters[place].smoother && !is_known(known, place)) {
+            if smoothed.iter().any(|of| of.id() == filters[place].id) {
+                continue;
+            }
+            let Some(current) = smoothing.take().or_else(|| {
+                let smoother = bank.smoother(place, record.dt())?;
+                let mut estimates = bank.smoothed(place);
+                // Memory that grows is copied, which takes as long as a frame.
+                estimates.recycle(None, *done);
+                Some(InProgress { smoother, estimates })
+            }) else {
+                smoothed.push(bank.smoothed(place));
+                continue;
+            };
+            let InProgress { mut smoother, mut estimates } = current;
+            let chunk = cost::chunk(2.0 * cost::of_step(&filters[place], plant.kind));
+            loop {
+                if smoother.advance(record, *done, chunk, &mut estimates) {
+                    smoothed.push(estimates);
+                    waste.extend([smoother]);
+                    break;
+                }
+                if !while_time() {
+                    *smoothing = Some(InProgress { smoother, estimates });
+                    return false;
+                }
+            }
+        }
+        true
+    }
+
+    fn follow_bounds(&mut self, subject: &Subject<'_>, while_time: &mut dyn FnMut() -> bool) -> bool {
+        let Subject { bank, record, bounds: there, .. } = subject;
+        if !self.chosen {
+            let is_missing = |place: usize| !there.iter().any(|b| b.bound.is_for(bank.scenario(), place));
+            let old = std::mem::take(&mut self.bounds);
+            self.bounds = bounds_of(bank.scenario(), record.dt(), old, is_missing);
+            self.chosen = true;
+        }
+        let samples = subject.done - record.forgotten();
+        for Bound { bound, .. } in &mut self.bounds {
+            loop {
+                let end = (bound.len() + BOUND_CHUNK).min(samples);
+                if bound.follow_to(end, record) || end == samples {
+                    break;
+                }
+                if !while_time() {
+                    return false;
+                }
+            }
+        }
+        true
+    }
+
+    /// The work that is done and the whole work, in nanoseconds.
+    pub(crate) fn work(&self, subject: &Subject<'_>) -> (f64, f64) {
+        let Subject { bank, done, known, .. } = subject;
+        let scenario = bank.scenario();
+        let samples = *done as f64;
+        let (mut so_far, mut all) = (0.0, 0.0);
+        for (place, filter) in scenario.filters.iter().enumerate().filter(|(place, _)| !is_known(known, *place)) {
+            if self.wanted.diagnostics.is_some() {
+                let followed = self.diagnostics.get(place).filter(|_| self.begun[place]).map_or(0, Diagnostics::len);
+                so_far += DIAGNOSTICS_COST * (followed as f64).min(samples);
+                all += DIAGNOSTICS_COST * samples;
+            }
+            if self.wanted.smoothed && subject.whole && filter.smoother && !filter.kind.is_sampled() {
+                let cost = 2.0 * samples * cost::of_step(filter, scenario.plant.kind);
+                let current = self.smoothing.as_ref().filter(|current| current.estimates.id() == filter.id);
+                let share = if self.smoothed.iter().any(|of| of.id() == filter.id) {
+                    1.0
+                } else {
+                    current.map_or(0.0, |current| current.smoother.progress(*done))
+                };
+                so_far += share * cost;
+                all += cost;
+            }
+        }
+        (so_far, all)
+    }
+}
+
+fn is_known(known: &[Option<usize>], place: usize) -> bool {
+    known.get(place).is_some_and(Option::is_some)
+}

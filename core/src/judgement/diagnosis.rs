@@ -1,0 +1,172 @@
+//! The diagnosis of a filter: the verdict, its evidence, and the settings to turn if it is bad.
+//!
+//! ```text
+//! Diagnostics, Estimates, Record ──tests──▶ Evidence ──level──▶ Verdict ──causes──▶ Suspects ──trials, search──▶ Findings
+//! ```
+//!
+//! Each test ([`Test`]) is a file in `diagnosis/tests`, each cause ([`Cause`]) one in `diagnosis/cause`.
+
+mod case;
+mod cause;
+mod change;
+mod distributions;
+mod errors;
+mod evidence;
+mod finding;
+mod innovations;
+mod lagged;
+mod law;
+mod level;
+mod live;
+mod one_pass;
+mod parts;
+mod path;
+mod periodogram;
+mod ranking;
+mod search;
+mod tests;
+mod trial;
+mod verdict;
+mod verdict_kind;
+mod words;
+
+use std::ops::Range;
+
+use crate::data::sorting::sort_short_by;
+use crate::numbers::diagnostics::Depth;
+use crate::{CramerRao, Diagnostics, Estimates, FilterSettings, Record, RunError, Scenario};
+
+use case::Case;
+use cause::Matter;
+
+pub use cause::{CAUSES, Cause, Suspect};
+pub use evidence::{Evidence, Subject, Test};
+pub use finding::Finding;
+pub use live::LiveDiagnosis;
+pub use parts::PARTS;
+pub use search::Search;
+pub use tests::TESTS;
+pub use trial::Trials;
+pub use verdict::Verdict;
+pub use verdict_kind::VerdictKind;
+
+/// The diagnosis of one filter: a verdict and its evidence.
+#[derive(Clone, Debug, Default)]
+pub struct Diagnosis {
+    /// The verdict on the filter, if there are enough measurements for one.
+    pub verdict: Option<Verdict>,
+    /// The results of all tests.
+    pub evidence: Vec<Evidence>,
+    /// The kept samples with a bad verdict, judged part by part of the record.
+    pub bad_parts: Vec<Range<usize>>,
+    /// The diagnosed samples, of those that are kept.
+    samples: Range<usize>,
+}
+
+impl Diagnosis {
+    /// The diagnosis of a filter from its estimates, its record and their diagnostics. `None` if the diagnostics have
+    /// the depth [`Depth::Consistency`]. With a bound, σ is compared with it.
+    ///
+    /// One pass over the kept samples, of about 0.1 µs each.
+    pub fn new(
+        diagnostics: &Diagnostics,
+        estimates: &Estimates,
+        record: &Record,
+        bound: Option<&CramerRao>,
+    ) -> Option<Self> {
+        Self::over(0..diagnostics.len(), diagnostics, estimates, record, bound)
+    }
+
+    /// The same over a range of the kept samples, such as those that a screen shows.
+    pub fn over(
+        samples: Range<usize>,
+        diagnostics: &Diagnostics,
+        estimates: &Estimates,
+        record: &Record,
+        bound: Option<&CramerRao>,
+    ) -> Option<Self> {
+        if diagnostics.depth() != Depth::All || diagnostics.is_empty() {
+            return None;
+        }
+        let case = one_pass::case(diagnostics, estimates, record, bound, samples.clone());
+        Some(Self::of(&case, samples))
+    }
+
+    /// The diagnosis of a case, over these samples.
+    fn of(case: &Case<'_>, samples: Range<usize>) -> Self {
+        let mut evidence = Vec::new();
+        for test in TESTS {
+            (test.run)(case, test, &mut evidence);
+        }
+        level::decide(&mut evidence);
+        let verdict = Verdict::of(case, &evidence);
+        Self { verdict, evidence, bad_parts: case.bad_samples(), samples }
+    }
+
+    /// The possible causes for the filter at `place` of a scenario, the likeliest by the evidence, without a trial,
+    /// first. The other arguments are those of [`Self::new`].
+    pub fn suspects(
+        &self,
+        scenario: &Scenario,
+        place: usize,
+        diagnostics: &Diagnostics,
+        estimates: &Estimates,
+        record: &Record,
+    ) -> Vec<Suspect> {
+        let Some(filter) = scenario.filters.get(place) else { return Vec::new() };
+        self.since(filter, scenario, place, diagnostics, estimates, record)
+    }
+
+    /// The same for a filter that was made from `origin` by turning knobs.
+    fn since(
+        &self,
+        origin: &FilterSettings,
+        scenario: &Scenario,
+        place: usize,
+        diagnostics: &Diagnostics,
+        estimates: &Estimates,
+        record: &Record,
+    ) -> Vec<Suspect> {
+        let Some(filter) = scenario.filters.get(place).filter(|_| !estimates.is_empty()) else { return Vec::new() };
+        let case = one_pass::case(diagnostics, estimates, record, None, self.samples.clone());
+        let matter = Matter { case: &case, evidence: &self.evidence, scenario, filter, origin };
+        let mut suspects = Vec::new();
+        for cause in CAUSES {
+            (cause.suspects)(&matter, cause, &mut suspects);
+        }
+        sort_short_by(&mut suspects, |a, b| b.weight.total_cmp(&a.weight));
+        suspects
+    }
+
+    /// The trials of all suspects of the filter at `place` of a scenario. The other arguments are those of [`Self::new`].
+    ///
+    /// # Errors
+    /// [`RunError`] where the scenario has no such filter, or the record is not one of such a scenario.
+    pub fn trials(
+        &self,
+        scenario: &Scenario,
+        place: usize,
+        diagnostics: &Diagnostics,
+        estimates: &Estimates,
+        record: &Record,
+    ) -> Result<Trials, RunError> {
+        let suspects = self.suspects(scenario, place, diagnostics, estimates, record);
+        Trials::new(scenario, place, estimates, record, suspects)
+    }
+
+    /// The search for remedies of the filter at `place` of a scenario, of one cause or of several. The other arguments are those of
+    /// [`Self::new`].
+    ///
+    /// # Errors
+    /// As [`Self::trials`].
+    pub fn search(
+        &self,
+        scenario: &Scenario,
+        place: usize,
+        diagnostics: &Diagnostics,
+        estimates: &Estimates,
+        record: &Record,
+    ) -> Result<Search, RunError> {
+        Ok(Search::new(self.trials(scenario, place, diagnostics, estimates, record)?))
+    }
+}

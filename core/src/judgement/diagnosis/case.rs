@@ -1,0 +1,222 @@
+//! The data on one filter that all tests share, prepared once.
+
+use std::ops::Range;
+
+use super::distributions::chi_squared_score;
+use super::errors::ChannelErrors;
+use super::innovations::SensorInnovations;
+use super::parts::{self, ALL, Chosen, PARTS};
+use super::periodogram::Periodogram;
+use crate::numbers::diagnostics::chi_squared;
+use crate::{CramerRao, Diagnostics, Estimates, Record};
+
+/// Limits the innovations² of a good part, relative to their expectation.
+const SURPRISE: f64 = 1.35;
+
+/// The least innovations² of a good part, relative to their expectation.
+const SLACK: f64 = 0.7;
+
+/// Limits the normal score that chance explains in one part.
+const NOT_CHANCE: f64 = 4.0;
+
+/// Limits the errors² of a good part, relative to the covariance: for a parameter (its errors in a part count as one
+/// number), and for a motion.
+const OUTSIDE: (f64, f64) = (16.0, 8.0);
+
+/// Limits the bad parts of a record that can be forgiven.
+const FORGIVEN: usize = 3;
+
+/// The numbers on one filter.
+pub(crate) struct Case<'a> {
+    pub(crate) diagnostics: &'a Diagnostics,
+    pub(crate) estimates: &'a Estimates,
+    pub(crate) record: &'a Record,
+    pub(crate) bound: Option<&'a CramerRao>,
+    /// The diagnosed samples, of those that are kept.
+    pub(crate) samples: Range<usize>,
+    pub(crate) sensors: Vec<SensorInnovations>,
+    pub(crate) errors: Vec<ChannelErrors>,
+    /// The parts that are bad.
+    pub(crate) bad: Chosen,
+    /// The bad parts, and parts with too small innovations, after which the filter has recovered.
+    pub(crate) forgiven: Chosen,
+    /// All others.
+    pub(crate) kept: Chosen,
+}
+
+/// Parts of a record that a test looks at.
+pub(crate) struct Span {
+    pub(crate) parts: Chosen,
+    pub(crate) samples: Range<usize>,
+    /// The words at the end of a sentence about them.
+    pub(crate) words: &'static str,
+}
+
+impl<'a> Case<'a> {
+    /// The case over some existing samples, from the sums over their parts. The periodograms are added later, since
+    /// they need the samples that it keeps ([`Self::kept_samples`]).
+    pub(crate) fn new(
+        diagnostics: &'a Diagnostics,
+        estimates: &'a Estimates,
+        record: &'a Record,
+        bound: Option<&'a CramerRao>,
+        samples: Range<usize>,
+        sensors: Vec<SensorInnovations>,
+        errors: Vec<ChannelErrors>,
+    ) -> Self {
+        let (bad, forgiven, kept) = ([false; PARTS], [false; PARTS], ALL);
+        let mut case = Self { diagnostics, estimates, record, bound, samples, sensors, errors, bad, forgiven, kept };
+        let bad: Chosen = std::array::from_fn(|part| case.is_bad(part));
+        case.bad = bad;
+        let count = bad.iter().filter(|&&bad| bad).count();
+        if count <= FORGIVEN && !bad[PARTS - 1] {
+            case.forgiven = bad;
+            let slack: Chosen = std::array::from_fn(|part| case.is_slack(part));
+            let both: Chosen = std::array::from_fn(|part| bad[part] || slack[part]);
+            let count = both.iter().filter(|&&one| one).count();
+            if count <= FORGIVEN && !slack[PARTS - 1] && case.is_white(&both.map(|one| !one)) {
+                case.forgiven = both;
+            }
+            case.kept = case.forgiven.map(|forgiven| !forgiven);
+        }
+        case
+    }
+
+    /// The samples of the parts that are kept, part by part.
+    pub(crate) fn kept_samples(&self) -> impl Iterator<Item = Range<usize>> {
+        (0..PARTS).filter(|&part| self.kept[part]).map(|part| self.part(part))
+    }
+
+    /// Adds the periodograms of all sensors over the kept samples.
+    pub(crate) fn with_periodograms(mut self, periodograms: Vec<Periodogram>) -> Self {
+        for (one, periodogram) in self.sensors.iter_mut().zip(periodograms) {
+            one.periodogram = periodogram;
+        }
+        self
+    }
+
+    /// The number of samples.
+    pub(crate) fn len(&self) -> usize {
+        self.samples.len()
+    }
+
+    /// The last sample.
+    pub(crate) fn last(&self) -> Option<usize> {
+        (!self.samples.is_empty()).then(|| self.samples.end - 1)
+    }
+
+    /// A part of the samples.
+    pub(crate) fn part(&self, part: usize) -> Range<usize> {
+        parts::range(part, &self.samples)
+    }
+
+    /// The last fifth of the samples.
+    pub(crate) fn late(&self) -> Range<usize> {
+        self.part(PARTS - 2).start..self.samples.end
+    }
+
+    /// The share of the samples with the truth in the 95 % ellipsoid.
+    pub(crate) fn share_in_ellipsoid(&self) -> Option<f64> {
+        if self.samples == (0..self.diagnostics.len()) {
+            return self.diagnostics.share_in_ellipsoid();
+        }
+        let total = self.diagnostics.nees_within(self.samples.clone());
+        let limit = chi_squared::quantile(0.95, total.degrees.checked_div(total.samples)?)?;
+        let inside = self.diagnostics.nees()[self.samples.clone()].iter().filter(|nees| **nees <= limit).count();
+        Some(inside as f64 / f64::from(total.samples))
+    }
+
+    /// All kept parts.
+    pub(crate) fn whole(&self) -> Span {
+        Span { parts: self.kept, samples: self.samples.clone(), words: "" }
+    }
+
+    /// All kept parts, and the last fifth alone: in all samples, a late change is diluted by those before it.
+    pub(crate) fn spans(&self) -> [Span; 2] {
+        let first = PARTS - 2;
+        let late: Chosen = std::array::from_fn(|part| part >= first && self.kept[part]);
+        let samples = self.late();
+        [self.whole(), Span { parts: late, samples, words: " in the last fifth" }]
+    }
+
+    /// Whether the truth of any channel is known.
+    pub(crate) fn knows_truth(&self) -> bool {
+        !self.errors.is_empty()
+    }
+
+    /// The samples of the parts that are bad or forgiven; adjacent parts are one range.
+    pub(crate) fn bad_samples(&self) -> Vec<Range<usize>> {
+        let mut ranges: Vec<Range<usize>> = Vec::new();
+        for part in (0..PARTS).filter(|&part| self.bad[part] || self.forgiven[part]) {
+            let next = self.part(part);
+            match ranges.last_mut() {
+                Some(before) if before.end == next.start => before.end = next.end,
+                _ => ranges.push(next),
+            }
+        }
+        ranges
+    }
+
+    /// The samples from the first to the last forgiven part. `None` if no part is forgiven.
+    pub(crate) fn forgiven_samples(&self) -> Option<Range<usize>> {
+        let first = self.forgiven.iter().position(|&forgiven| forgiven)?;
+        let last = self.forgiven.iter().rposition(|&forgiven| forgiven)?;
+        Some(self.part(first).start..self.part(last).end)
+    }
+
+    /// The mean of the normalised innovations squared over some parts, per measurement, and the number of measurements.
+    pub(crate) fn nis(&self, chosen: &Chosen) -> (f64, f64) {
+        let total = |of: fn(crate::numbers::diagnostics::Total) -> f64| {
+            parts::sum(chosen, |part| of(self.diagnostics.nis_within(self.part(part))))
+        };
+        let degrees = total(|total| f64::from(total.degrees));
+        (total(|total| total.sum) / degrees, degrees)
+    }
+
+    /// Whether the innovations of a sensor are smaller than expected over all kept parts: the filter then trusts the
+    /// sensor too little, and the low gain leaves innovations correlated.
+    pub(crate) fn any_too_small(&self) -> bool {
+        self.sensors.iter().any(|one| one.level(&self.kept) < 0.75)
+    }
+
+    /// Whether the autocorrelation of the innovations in some parts is no more than chance: the gain is right.
+    fn is_white(&self, chosen: &Chosen) -> bool {
+        self.sensors.iter().all(|one| {
+            let limit = NOT_CHANCE / one.count(chosen).max(1.0).sqrt();
+            one.autocorrelation(chosen).iter().all(|r| r.abs() < limit)
+        })
+    }
+
+    /// Whether the innovations of a part are too small, by more than chance.
+    fn is_slack(&self, part: usize) -> bool {
+        let only: Chosen = std::array::from_fn(|other| other == part);
+        self.sensors.iter().any(|one| {
+            let (level, count) = (one.level(&only), one.count(&only));
+            level < SLACK && chi_squared_score(level, count) < -NOT_CHANCE
+        })
+    }
+
+    /// Whether the innovations or errors of a part are too large, by more than chance.
+    fn is_bad(&self, part: usize) -> bool {
+        let only: Chosen = std::array::from_fn(|other| other == part);
+        let is_no_chance = |level: f64, degrees: f64| exceeds(chi_squared_score(level, degrees), NOT_CHANCE);
+        let surprises =
+            |level: f64, degrees: f64| degrees > 0.0 && exceeds(level, SURPRISE) && is_no_chance(level, degrees);
+        let is_outside = |one: &ChannelErrors| {
+            let level = one.level(&only);
+            match one.channel.is_parameter() {
+                true => exceeds(level, OUTSIDE.0),
+                false => exceeds(level, OUTSIDE.1) && is_no_chance(level, one.independent(&only)),
+            }
+        };
+        let (nis, degrees) = self.nis(&only);
+        surprises(nis, degrees)
+            || self.sensors.iter().any(|one| surprises(one.level(&only), one.count(&only)))
+            || self.errors.iter().any(|one| one.count(&only) > 0.0 && is_outside(one))
+    }
+}
+
+/// NaN, the mean of squares that have overflowed, counts as infinite.
+fn exceeds(level: f64, limit: f64) -> bool {
+    level > limit || level.is_nan()
+}

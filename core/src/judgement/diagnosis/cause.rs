@@ -1,0 +1,171 @@
+//! Causes by name, each with its evidence and the knob that repairs it.
+
+mod changing_noise;
+mod collapsed_sample;
+mod felt_disturbance;
+mod initial_guess;
+mod input_delay;
+mod input_gain;
+mod input_hold;
+mod input_offset;
+mod missing_mode;
+mod no_excitation;
+mod process_noise;
+mod sensor_bias;
+mod sensor_noise;
+mod slow_drift;
+mod spring;
+mod still_input;
+mod sudden_change;
+mod unknown_force;
+mod wind_up;
+
+use std::ops::Range;
+
+use super::case::Case;
+use super::evidence::Evidence;
+use crate::data::setting::Edit;
+use crate::{Channel, FilterSettings, Scenario};
+
+/// Every cause. A new one is a file and a line here.
+pub static CAUSES: &[&Cause] = &[
+    &wind_up::CAUSE,
+    &collapsed_sample::CAUSE,
+    &no_excitation::CAUSE,
+    &sensor_noise::CAUSE,
+    &changing_noise::CAUSE,
+    &felt_disturbance::CAUSE,
+    &process_noise::CAUSE,
+    &input_delay::CAUSE,
+    &input_hold::CAUSE,
+    &input_gain::CAUSE,
+    &input_offset::CAUSE,
+    &still_input::CAUSE,
+    &unknown_force::CAUSE,
+    &sensor_bias::CAUSE,
+    &spring::CAUSE,
+    &missing_mode::CAUSE,
+    &sudden_change::CAUSE,
+    &slow_drift::CAUSE,
+    &initial_guess::CAUSE,
+];
+
+/// A possible cause of a bad verdict.
+#[derive(Debug)]
+pub struct Cause {
+    /// The key in files and links; it never changes.
+    pub key: &'static str,
+    /// The name in running text.
+    pub name: &'static str,
+    /// Its symptoms and its remedy.
+    pub hint: &'static str,
+    /// Appends one suspect for each way in which it may be the cause.
+    pub(crate) suspects: fn(&Matter<'_>, &'static Self, &mut Vec<Suspect>),
+}
+
+/// One way in which a cause may be the one: the knob, and how likely it is before it is tried.
+#[derive(Clone, Debug)]
+pub struct Suspect {
+    /// The cause.
+    pub cause: &'static Cause,
+    /// The cause in words and numbers; empty if it only turns back the knob of an earlier cause.
+    pub sentence: String,
+    /// The share of the evidence that it explains, from 0 to 1, estimated without a trial.
+    pub weight: f64,
+    /// Whether the evidence is enough without a trial: the likelihood cannot decide.
+    pub certain: bool,
+    /// The settings to turn.
+    pub knobs: Vec<Edit>,
+    /// The number of values that turning them fits to the record.
+    pub fitted: f64,
+    /// Whether its trial also counts the likelihood of a filter that is restarted at the first of `samples`, and takes
+    /// the larger one: a knob acts too slowly on a sudden change.
+    pub begins_anew: bool,
+    /// The kept samples in which it happened, if it has a time.
+    pub samples: Option<Range<usize>>,
+    /// The parameter that the trial estimates; its sign chooses the sentence.
+    pub(crate) sign: Option<Sign>,
+    /// Whether a hardening spring, once found, rules it out.
+    pub(crate) softens: bool,
+    /// Whether it is a fault of the record that no setting can mend: it comes before every other cause.
+    pub(crate) of_record: bool,
+    /// Whether its remedy silences a sensor instead of explaining it: it comes after every other cause.
+    pub(crate) silences: bool,
+}
+
+/// A parameter with a sentence for each of its signs.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sign {
+    pub(crate) channel: Channel,
+    pub(crate) positive: &'static str,
+    pub(crate) negative: &'static str,
+}
+
+/// A filter with a bad verdict.
+pub(crate) struct Matter<'a> {
+    pub(crate) case: &'a Case<'a>,
+    pub(crate) evidence: &'a [Evidence],
+    pub(crate) scenario: &'a Scenario,
+    pub(crate) filter: &'a FilterSettings,
+    /// The filter before the knobs of other causes were turned: sentences compare with it.
+    pub(crate) origin: &'a FilterSettings,
+}
+
+impl Matter<'_> {
+    /// The largest effect of a chosen test, among the evidence that counts, from 0 to 1.
+    pub(crate) fn effect_of(&self, is: impl Fn(&Evidence) -> bool) -> f64 {
+        let effects = self.evidence.iter().filter(|one| one.counts && is(one)).map(|one| one.effect);
+        let largest = effects.fold(0.0, f64::max);
+        largest / (1.0 + largest)
+    }
+
+    /// A knob of this filter.
+    pub(crate) fn knob(&self, key: &str, value: impl Into<toml::Value>) -> Edit {
+        Edit::of_filter(self.filter.id, key, value)
+    }
+
+    /// The knob that gives the filter one augmentation more.
+    pub(crate) fn augmented(&self, channel: Channel) -> Edit {
+        let keys = self.filter.augment.iter().chain([&channel]).map(|one| one.key().to_owned());
+        self.knob("augment", keys.collect::<Vec<String>>())
+    }
+
+    /// The root mean square of the estimated displacement of the first mass, which loads the springs \[m\].
+    pub(crate) fn size(&self) -> f64 {
+        let Some(place) = self.case.estimates.place(Channel::DISPLACEMENT) else { return 0.0 };
+        rms(&self.case.estimates.canonical_means(place)[self.case.samples.clone()])
+    }
+
+    /// The root mean square of the input \[m/s²\].
+    pub(crate) fn input_size(&self) -> f64 {
+        rms(&self.case.record.input()[self.case.samples.clone()])
+    }
+}
+
+impl Suspect {
+    /// A suspect whose knobs fit `fitted` numbers to the record.
+    pub(crate) fn new(cause: &'static Cause, weight: f64, fitted: f64, knobs: Vec<Edit>, sentence: String) -> Self {
+        // Numbers are tried as they are told and written.
+        let knobs = knobs.into_iter().map(|knob| knob.rounded()).collect();
+        Self {
+            cause,
+            sentence,
+            weight,
+            certain: false,
+            knobs,
+            fitted,
+            begins_anew: false,
+            samples: None,
+            sign: None,
+            softens: false,
+            of_record: false,
+            silences: false,
+        }
+    }
+}
+
+/// The root mean square of some values without NaN.
+fn rms(values: &[f64]) -> f64 {
+    let (sum, count) = values.iter().filter(|x| x.is_finite()).fold((0.0, 0_u32), |(sum, n), x| (sum + x * x, n + 1));
+    (sum / f64::from(count.max(1))).sqrt()
+}

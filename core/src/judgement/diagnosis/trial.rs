@@ -1,0 +1,295 @@
+//! Trials: the filter runs again with a knob turned, and its likelihood shows whether that was the cause. No truth is
+//! needed.
+
+use std::sync::Arc;
+
+use super::Diagnosis;
+use super::cause::Suspect;
+use super::verdict::Verdict;
+use crate::data::setting::Edit;
+use crate::{Diagnostics, Estimates, FilterKind, FilterSettings, Pass, Record, RunError, Scenario, Scores};
+
+/// Limits the samples of a trial; it takes the last ones of the record.
+const WINDOW: usize = 10_000;
+
+/// Limits the samples of a trial between two checks of the time: half a millisecond of the slowest step.
+const CHUNK: usize = 100;
+
+/// The usual number of suspects.
+const USUAL: usize = 30;
+
+/// The trials of all suspects of one filter, which can be cut into slices of time.
+pub struct Trials {
+    record: Arc<Record>,
+    /// The scenario with that one filter, as it begins at the window's first sample.
+    scenario: Scenario,
+    /// The filter before any knob of a search was turned.
+    origin: FilterSettings,
+    /// `None` until the unchanged filter has run, if its suspects follow from that run.
+    suspects: Option<Vec<Suspect>>,
+    current: Option<(Pass, Estimates)>,
+    /// The sample of the run's record at which the window begins.
+    first: usize,
+    /// The estimates and likelihoods of the filter with no knob turned; a restarted filter begins from them.
+    unturned: Option<Estimates>,
+    /// The result without any knob turned.
+    before: Option<Outcome>,
+    outcomes: Vec<Outcome>,
+    /// The log likelihood of the filter itself over the window, if a UKF stands in for it.
+    own: Option<f64>,
+}
+
+/// The result of one trial.
+#[derive(Clone, Debug)]
+pub(super) struct Outcome {
+    pub(super) log_likelihood: f64,
+    /// The log likelihood of the filter with the knob turned. `log_likelihood` may be that of a filter that is
+    /// restarted.
+    pub(super) achieved: f64,
+    /// The same with all covariances multiplied by the factor that maximises the log likelihood.
+    pub(super) scaled: f64,
+    /// The final estimate of the parameter that `Sign` names, in standard deviations; NaN without one.
+    pub(super) learnt: f64,
+    pub(super) verdict: Option<Verdict>,
+}
+
+impl Outcome {
+    const NOTHING: Self = Self {
+        log_likelihood: f64::NEG_INFINITY,
+        achieved: f64::NEG_INFINITY,
+        scaled: f64::NEG_INFINITY,
+        learnt: f64::NAN,
+        verdict: None,
+    };
+
+    /// Whether the filter with the knob turned has a good verdict.
+    pub(super) fn is_good(&self) -> bool {
+        self.verdict.as_ref().is_some_and(|verdict| verdict.kind.is_good())
+    }
+}
+
+impl Trials {
+    /// The trials of the suspects of the filter at `place` of a scenario, with its estimates on a record. A UKF stands
+    /// in for a sampled filter.
+    ///
+    /// # Errors
+    /// [`RunError`] where the scenario has no such filter, or the record is not one of such a scenario.
+    pub fn new(
+        scenario: &Scenario,
+        place: usize,
+        estimates: &Estimates,
+        record: &Record,
+        suspects: Vec<Suspect>,
+    ) -> Result<Self, RunError> {
+        let filter = scenario.filters.get(place).ok_or(RunError::NoFilter(place))?;
+        let mut filter = filter.clone();
+        filter.smoother = false;
+        let first = estimates.len().min(record.len()).saturating_sub(WINDOW);
+        if record.forgotten() + first > 0 && !estimates.is_empty() {
+            for (channel_place, &channel) in estimates.channels().iter().enumerate() {
+                if !filter.knows(channel) {
+                    filter.initial_mean[channel] = estimates.mean(first)[channel_place];
+                }
+            }
+        }
+        let mut own = None;
+        if filter.kind.is_sampled() {
+            filter.kind = FilterKind::UKF;
+            own = Some(
+                (first.max(1)..estimates.len()).map(|k| estimates.log_likelihood(k)).filter(|x| !x.is_nan()).sum(),
+            );
+        }
+        let mut scenario = Scenario { filters: vec![filter], ..scenario.clone() };
+        scenario.dt = record.dt();
+        let record = record.part(first..estimates.len().min(record.len()));
+        // A scenario that cannot begin is an error now, not at the first trial.
+        Pass::new(&scenario, 0, &record)?;
+        let origin = scenario.filters[0].clone();
+        let trials = Self::over(Arc::new(record), scenario, origin, Some(suspects));
+        Ok(Self { first, own, ..trials })
+    }
+
+    /// The trials of the only filter of a scenario over a whole record. `origin` is that filter before the knobs of
+    /// other causes were turned. If `suspects` is `None`, they follow from the run of the filter.
+    pub(super) fn over(
+        record: Arc<Record>,
+        scenario: Scenario,
+        origin: FilterSettings,
+        suspects: Option<Vec<Suspect>>,
+    ) -> Self {
+        Self {
+            record,
+            scenario,
+            origin,
+            suspects,
+            current: None,
+            first: 0,
+            unturned: None,
+            before: None,
+            outcomes: Vec::new(),
+            own: None,
+        }
+    }
+
+    /// Goes on while `while_time` returns true; it is called after each small piece of work. Returns whether all is
+    /// done.
+    pub fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
+        while !self.is_done() {
+            let Some((mut pass, mut estimates)) = self.current.take().or_else(|| self.begin()) else {
+                self.outcomes.push(Outcome::NOTHING);
+                continue;
+            };
+            pass.follow(&self.record, pass.done() + CHUNK, &mut estimates);
+            if pass.done() < self.record.len() && pass.stop().is_none() {
+                self.current = Some((pass, estimates));
+            } else {
+                self.finish(estimates);
+            }
+            if !while_time() {
+                break;
+            }
+        }
+        self.is_done()
+    }
+
+    /// Whether there is nothing left to try.
+    pub fn is_done(&self) -> bool {
+        self.before.is_some() && self.suspects.as_ref().is_none_or(|all| self.outcomes.len() == all.len())
+    }
+
+    /// The share that is done, from 0 to 1.
+    pub fn progress(&self) -> f64 {
+        let done = usize::from(self.before.is_some()) + self.outcomes.len();
+        let all = self.suspects.as_ref().map_or(USUAL, Vec::len);
+        (done as f64 / (1 + all) as f64).min(1.0)
+    }
+
+    /// The verdict on the unchanged filter over the window, once it is known.
+    pub fn before(&self) -> Option<&Verdict> {
+        self.before.as_ref()?.verdict.as_ref()
+    }
+
+    /// The result of the unchanged filter.
+    pub(super) fn outcome_before(&self) -> Option<&Outcome> {
+        self.before.as_ref()
+    }
+
+    /// The suspects that have been tried, with their results.
+    pub(super) fn tried(&self) -> impl Iterator<Item = (&Suspect, &Outcome)> {
+        self.suspects.iter().flatten().zip(&self.outcomes)
+    }
+
+    /// The log likelihood of the filter itself, if a UKF stands in for it.
+    pub(super) fn own_likelihood(&self) -> Option<f64> {
+        self.own
+    }
+
+    /// The log likelihood that one more fitted number must gain.
+    pub(super) fn price(&self) -> f64 {
+        0.5 * libm::log(self.record.len().max(2) as f64)
+    }
+
+    /// The record of the window.
+    pub(super) fn record(&self) -> &Arc<Record> {
+        &self.record
+    }
+
+    /// The scenario with the unchanged filter.
+    pub(super) fn scenario(&self) -> &Scenario {
+        &self.scenario
+    }
+
+    /// The suspect that is tried now. `None` while the unchanged filter runs.
+    fn suspect(&self) -> Option<&Suspect> {
+        self.before.as_ref()?;
+        self.suspects.as_ref()?.get(self.outcomes.len())
+    }
+
+    /// The next trial at its first sample. `None` if its settings are invalid.
+    fn begin(&self) -> Option<(Pass, Estimates)> {
+        let scenario = match &self.before {
+            None => self.scenario.clone(),
+            Some(_) => {
+                let knobs = &self.suspect()?.knobs;
+                if knobs.is_empty() {
+                    return None;
+                }
+                Edit::apply_all(knobs, &self.scenario).ok()?
+            }
+        };
+        Some((Pass::new(&scenario, 0, &self.record).ok()?, Pass::history(&scenario, 0).ok()?))
+    }
+
+    fn finish(&mut self, estimates: Estimates) {
+        let diagnostics = Diagnostics::new(&estimates, &self.record);
+        let stopped = diagnostics.stop().is_some();
+        let log_likelihood = if stopped { f64::NEG_INFINITY } else { diagnostics.log_likelihood() };
+        let gains = self.before.as_ref().is_none_or(|before| log_likelihood > before.log_likelihood);
+        let diagnosis = if gains { Diagnosis::new(&diagnostics, &estimates, &self.record, None) } else { None };
+        let achieved = log_likelihood;
+        let anew = self.suspect().filter(|one| one.begins_anew);
+        let anew = anew.and_then(|suspect| self.begun_anew(suspect.samples.as_ref()?.start.checked_sub(self.first)?));
+        let log_likelihood = anew.map_or(log_likelihood, |anew| anew.max(log_likelihood));
+        let scaled = if stopped { f64::NEG_INFINITY } else { scaled_log_likelihood(&diagnostics) };
+        let learnt = self.learnt(&estimates);
+        if self.suspects.is_none() {
+            let Self { scenario, origin, record, .. } = &*self;
+            let of = |diagnosis: &Diagnosis| diagnosis.since(origin, scenario, 0, &diagnostics, &estimates, record);
+            self.suspects = Some(diagnosis.as_ref().map_or_else(Vec::new, of));
+        }
+        let verdict = diagnosis.and_then(|diagnosis| diagnosis.verdict);
+        let outcome = Outcome { log_likelihood, achieved, scaled, learnt, verdict };
+        match &self.before {
+            None => (self.before, self.unturned) = (Some(outcome), Some(estimates)),
+            Some(_) => self.outcomes.push(outcome),
+        }
+    }
+}
+
+impl Trials {
+    /// The final estimate, in standard deviations, of the parameter that chooses the sentence about the current
+    /// suspect.
+    fn learnt(&self, estimates: &Estimates) -> f64 {
+        let place = self.suspect().and_then(|suspect| estimates.place(suspect.sign?.channel));
+        match (place, estimates.len().checked_sub(1)) {
+            (Some(place), Some(last)) => estimates.canonical_mean(last, place) / estimates.std(last, place),
+            _ => f64::NAN,
+        }
+    }
+
+    /// The log likelihood of the filter up to sample `at` of the window plus that of a filter restarted there. The
+    /// restarted filter begins with the means of the first one's belief and with the initial standard deviations.
+    fn begun_anew(&self, at: usize) -> Option<f64> {
+        let unturned = self.unturned.as_ref().filter(|unturned| at > 0 && at < unturned.len())?;
+        let mut scenario = self.scenario.clone();
+        let filter = scenario.filters.first_mut()?;
+        for (place, &channel) in unturned.channels().iter().enumerate() {
+            if !filter.knows(channel) {
+                filter.initial_mean[channel] = unturned.mean(at)[place];
+            }
+        }
+        let rest = self.record.part(at..self.record.len());
+        let mut scores = Scores::new(&Pass::history(&scenario, 0).ok()?, &rest);
+        let mut pass = Pass::new(&scenario, 0, &rest).ok()?;
+        pass.follow(&rest, rest.len(), &mut scores.against(&rest));
+        let before: f64 = (0..=at).map(|k| unturned.log_likelihood(k)).filter(|x| !x.is_nan()).sum();
+        pass.stop().is_none().then(|| before + scores.log_likelihood())
+    }
+}
+
+/// The log likelihood of the filter after P, Q and R are multiplied by the best factor s². The factor changes neither
+/// gains nor innovations.
+///
+/// ```text
+/// s² = Σ NIS / n,  L(s²) = L + ½ Σ NIS - ½ n (1 + ln s²)
+/// ```
+///
+/// Source: Durbin and Koopman (2012), *Time Series Analysis by State Space Methods*, section 2.10.2.
+fn scaled_log_likelihood(diagnostics: &Diagnostics) -> f64 {
+    let total = diagnostics.nis_within(0..diagnostics.len());
+    let n = f64::from(total.degrees);
+    if n == 0.0 || total.sum <= 0.0 {
+        return diagnostics.log_likelihood();
+    }
+    diagnostics.log_likelihood() + 0.5 * total.sum - 0.5 * n * (1.0 + libm::log(total.sum / n))
+}

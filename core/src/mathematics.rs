@@ -1,0 +1,17 @@
+//! What the state of a plant is, how it moves, what sensors read of it, and the filters that follow it. Nothing here knows a
+//! scenario, a record or a run.
+
+pub(crate) mod catalogue;
+pub mod channel;
+pub(crate) mod engine;
+pub mod equation;
+pub mod filter;
+pub(crate) mod gaussian_likelihood;
+pub(crate) mod integrate;
+pub(crate) mod kernel;
+pub(crate) mod linalg;
+pub(crate) mod log_sum;
+pub(crate) mod model;
+pub mod plant;
+pub(crate) mod quantity;
+pub(crate) mod random;

@@ -1,0 +1,70 @@
+//! All channels: those of the plants in the registry, and the augmentations.
+
+use std::sync::{PoisonError, RwLock};
+
+use serde::{Deserialize, Deserializer, de};
+
+use crate::mathematics::channel::augment;
+use crate::mathematics::channel::expected;
+use crate::{Channel, PlantKind};
+
+impl Channel {
+    /// Every channel of every plant in the registry, every augmentation, and those of equations that have been read.
+    pub fn all() -> &'static [Self] {
+        static ALL: RwLock<(usize, &'static [Channel])> = RwLock::new((0, &[]));
+        let own = crate::mathematics::equation::channels();
+        let place = own.as_ptr() as usize;
+        let (of, all) = *ALL.read().unwrap_or_else(PoisonError::into_inner);
+        if of == place && !all.is_empty() {
+            return all;
+        }
+        let mut all = Vec::new();
+        let plants = PlantKind::ALL.iter().flat_map(|kind| kind.channels().iter().copied());
+        for channel in plants.chain(augment::all()).chain(own.iter().copied()) {
+            if !all.contains(&channel) {
+                all.push(channel);
+            }
+        }
+        let all: &'static [Channel] = all.leak();
+        *ALL.write().unwrap_or_else(PoisonError::into_inner) = (place, all);
+        all
+    }
+
+    /// The channel with this key, if there is one.
+    pub fn from_key(key: &str) -> Option<Self> {
+        Self::all().iter().copied().find(|channel| channel.key() == key)
+    }
+}
+
+impl<'de> Deserialize<'de> for Channel {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let key = String::deserialize(deserializer)?;
+        let expected = || expected_channels(|_| true);
+        Self::from_key(&key)
+            .ok_or_else(|| de::Error::custom(format!("unknown variant `{key}`, expected {}", expected())))
+    }
+}
+
+/// The keys of channels, for a message.
+pub(crate) fn expected_channels(has: impl Fn(Channel) -> bool) -> String {
+    expected(Channel::all().iter().filter(|c| c.mass() == 0 && has(**c)).map(|c| c.key()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mathematics::channel::ChannelInfo;
+
+    #[test]
+    fn every_mass_has_a_key_a_name_and_a_symbol_and_no_key_stands_twice() {
+        for &channel in Channel::all() {
+            let ChannelInfo { keys, names, symbols, .. } = channel.info();
+            assert!(keys.len() == names.len() && keys.len() == symbols.len(), "{channel:?}");
+            assert_eq!(Channel::from_key(channel.key()), Some(channel));
+            let same = Channel::all().iter().filter(|c| c.symbol() == channel.symbol());
+            assert_eq!(same.count(), 1, "the symbol of {channel:?}");
+        }
+        assert_eq!(Channel::displacement(9).key(), "displacement_10");
+        assert_eq!(Channel::displacement(3).rate(), Some(Channel::velocity(3)));
+    }
+}

@@ -1,0 +1,349 @@
+//! Columns of numbers: the linear algebra of a step. Matrices are stored column by column; only the lower triangle of a
+//! symmetric one is read.
+
+use super::level::{Baseline, Level};
+use super::number::{Mask, Number};
+
+/// `y + a x` in place of y.
+#[inline(always)]
+pub fn add_times<T: Number>(y: &mut [T], a: T, x: &[T]) {
+    let x = &x[..y.len()];
+    for i in 0..y.len() {
+        y[i] = y[i] + x[i] * a;
+    }
+}
+
+/// `y - a x` in place of y.
+#[inline(always)]
+pub fn take_times<T: Number>(y: &mut [T], a: T, x: &[T]) {
+    let x = &x[..y.len()];
+    for i in 0..y.len() {
+        y[i] = y[i] - x[i] * a;
+    }
+}
+
+/// An entry of a symmetric n × n matrix.
+#[inline(always)]
+pub fn entry<T: Copy>(a: &[T], n: usize, i: usize, j: usize) -> T {
+    if i >= j { a[j * n + i] } else { a[i * n + j] }
+}
+
+/// Makes an n × n matrix symmetric to the last bit, from its lower triangle.
+#[inline(always)]
+pub fn mirror<T: Copy, L: Level>(level: L, a: &mut [T], n: usize) {
+    level.each(
+        1,
+        n,
+        #[inline(always)]
+        |j| {
+            for i in 0..j {
+                a[j * n + i] = a[i * n + j];
+            }
+        },
+    );
+}
+
+/// `out = A x`, with as many rows of A as numbers in `out`, and a function for the k numbers of x. It takes two rows at
+/// a time, so that their sums stay in registers.
+#[inline(always)]
+pub fn apply<T: Number>(out: &mut [T], a: &[T], k: usize, x: impl Fn(usize) -> T) {
+    let rows = out.len();
+    let mut i = 0;
+    while i + 1 < rows {
+        let factor = x(0);
+        let mut sums = [a[i] * factor, a[i + 1] * factor];
+        for l in 1..k {
+            let factor = x(l);
+            let column = &a[l * rows..(l + 1) * rows];
+            sums = [sums[0] + column[i] * factor, sums[1] + column[i + 1] * factor];
+        }
+        out[i..i + 2].copy_from_slice(&sums);
+        i += 2;
+    }
+    if i < rows {
+        let mut sum = a[i] * x(0);
+        for l in 1..k {
+            sum = sum + a[l * rows + i] * x(l);
+        }
+        out[i] = sum;
+    }
+}
+
+/// The rows from which on the columns of a lone run are summed one after the other, several numbers at a time: shorter ones take
+/// longer so.
+const LONG: usize = 7;
+
+/// `out = Σ Aₗ xₗ` over the k columns of A, from row `first` on, four columns at a time; the sums are those of [`apply`].
+#[inline(always)]
+fn add_columns<T: Number>(out: &mut [T], a: &[T], rows: usize, first: usize, k: usize, x: impl Fn(usize) -> T) {
+    let column = |l: usize| &a[l * rows + first..(l + 1) * rows];
+    let out = &mut out[first..rows];
+    let factor = x(0);
+    for (out, a) in out.iter_mut().zip(column(0)) {
+        *out = *a * factor;
+    }
+    let mut l = 1;
+    while l + 4 <= k {
+        let factors = [x(l), x(l + 1), x(l + 2), x(l + 3)];
+        let [a, b, c, d] = [column(l), column(l + 1), column(l + 2), column(l + 3)];
+        for i in 0..out.len() {
+            out[i] = out[i] + a[i] * factors[0] + b[i] * factors[1] + c[i] * factors[2] + d[i] * factors[3];
+        }
+        l += 4;
+    }
+    for l in l..k {
+        add_times(out, x(l), column(l));
+    }
+}
+
+/// `out = A B` with A of `rows` rows and k columns.
+#[inline(always)]
+pub fn multiply<T: Number>(out: &mut [T], a: &[T], b: &[T], rows: usize, k: usize) {
+    if T::LANES == 1 && rows >= LONG {
+        for (out, b) in out.chunks_exact_mut(rows).zip(b.chunks_exact(k)) {
+            add_columns(
+                out,
+                a,
+                rows,
+                0,
+                k,
+                #[inline(always)]
+                |l| b[l],
+            );
+        }
+        return;
+    }
+    for (out, b) in out.chunks_exact_mut(rows).zip(b.chunks_exact(k)) {
+        apply(
+            out,
+            a,
+            k,
+            #[inline(always)]
+            |l| b[l],
+        );
+    }
+}
+
+/// The largest sum of a column's absolute values, of columns of n numbers.
+#[inline(always)]
+pub fn norm<T: Number>(a: &[T], n: usize) -> T {
+    let mut largest = T::of(0.0);
+    for column in a.chunks_exact(n) {
+        let mut sum = column[0].abs();
+        for i in 1..n {
+            sum = sum + column[i].abs();
+        }
+        largest = largest.max(sum);
+    }
+    largest
+}
+
+/// The lower triangle of `Φ P Φᵀ` in place of P, n × n, where `rows` are the upper rows of Φ, `motion` of them, and the others
+/// are those of an identity. `half` is memory for `motion` × n numbers.
+///
+/// ```text
+/// Φ = [T; 0 I],  Φ P Φᵀ = [T P Tᵀ, ·; (T P)ᵀ, P]
+/// ```
+#[inline(always)]
+pub fn congruence<T: Number>(rows: &[T], cov: &mut [T], half: &mut [T], n: usize, motion: usize) {
+    if T::LANES == 1 && motion >= LONG {
+        long_congruence(rows, cov, half, n, motion);
+        return;
+    }
+    for j in 0..n {
+        apply(
+            &mut half[j * motion..(j + 1) * motion],
+            rows,
+            n,
+            #[inline(always)]
+            |k| entry(cov, n, k, j),
+        );
+    }
+    for j in 0..motion {
+        for i in j..motion {
+            let mut sum = half[i] * rows[j];
+            for k in 1..n {
+                sum = sum + half[k * motion + i] * rows[k * motion + j];
+            }
+            cov[j * n + i] = sum;
+        }
+        for i in motion..n {
+            cov[j * n + i] = half[i * motion + j];
+        }
+    }
+}
+
+/// The same for a lone run of many components.
+#[inline(always)]
+fn long_congruence<T: Number>(rows: &[T], cov: &mut [T], half: &mut [T], n: usize, motion: usize) {
+    mirror(Baseline, cov, n);
+    multiply(half, rows, cov, motion, n);
+    for j in 0..motion {
+        let column = &mut cov[j * n..(j + 1) * n];
+        add_columns(
+            column,
+            half,
+            motion,
+            j,
+            n,
+            #[inline(always)]
+            |k| rows[k * motion + j],
+        );
+        for i in motion..n {
+            column[i] = half[i * motion + j];
+        }
+    }
+}
+
+/// The lanes for which a symmetric matrix has a root.
+#[derive(Clone, Copy, Debug)]
+pub struct Rooted<M> {
+    /// It has one.
+    pub holds: M,
+    /// It has one, or lacks it because it is indefinite, not because a number is not finite.
+    pub is_finite: M,
+}
+
+/// The lower triangular root of a symmetric n × n matrix. A variance that is zero to rounding gives a column of zeros, so that
+/// a component known for certain stays so.
+///
+/// Source: Golub and Van Loan (2013), *Matrix Computations*, section 4.2.8 (semidefinite systems).
+#[inline(always)]
+pub fn lower_root<T: Number, L: Level>(level: L, cov: &[T], root: &mut [T], n: usize) -> Rooted<T::Mask> {
+    let zero = T::of(0.0);
+    let (mut holds, mut is_finite) = (T::Mask::of(true), T::Mask::of(true));
+    level.each(
+        0,
+        n,
+        #[inline(always)]
+        |j| {
+            root[j * n..j * n + j].fill(zero);
+            root[j * n + j..(j + 1) * n].copy_from_slice(&cov[j * n + j..(j + 1) * n]);
+        },
+    );
+    level.each(
+        0,
+        n,
+        #[inline(always)]
+        |j| {
+            let (before, after) = root.split_at_mut((j + 1) * n);
+            let column = &mut before[j * n..];
+            let pivot = column[j];
+            let rounding = cov[j * n + j] * (4.0 * n as f64 * f64::EPSILON);
+            let counts = rounding.lt(pivot) & pivot.is_normal();
+            is_finite = is_finite & (!holds | pivot.is_finite());
+            holds = holds & pivot.is_finite() & (counts | (rounding * -1e4).le(pivot));
+            let inverse = T::select(counts, T::of(1.0) / pivot, zero);
+            level.each(
+                j + 1,
+                n,
+                #[inline(always)]
+                |k| take_times(&mut after[(k - j - 1) * n + k..(k - j) * n], column[k] * inverse, &column[k..]),
+            );
+            let scale = inverse * pivot.sqrt();
+            for i in j..n {
+                column[i] = T::select(counts, column[i] * scale, zero);
+            }
+        },
+    );
+    Rooted { holds, is_finite }
+}
+
+/// `S = L D Lᵀ` in place of the lower triangle of S, m × m, with the inverse of D on the diagonal. Returns det S and the lanes
+/// in which S is positive definite.
+///
+/// Source: Golub and Van Loan (2013), *Matrix Computations*, section 4.1.2.
+#[inline(always)]
+pub fn factor<T: Number>(s: &mut [T], m: usize) -> (T, T::Mask) {
+    let mut determinant = T::of(1.0);
+    let mut holds = T::Mask::of(true);
+    for j in 0..m {
+        let pivot = s[j * m + j];
+        let inverse = T::of(1.0) / pivot;
+        holds = holds & T::of(0.0).lt(pivot) & inverse.is_normal();
+        for k in j + 1..m {
+            let share = s[j * m + k] * inverse;
+            for i in k..m {
+                s[k * m + i] = s[k * m + i] - s[j * m + i] * share;
+            }
+        }
+        for k in j + 1..m {
+            s[j * m + k] = s[j * m + k] * inverse;
+        }
+        s[j * m + j] = inverse;
+        determinant = determinant * pivot;
+    }
+    (determinant, holds)
+}
+
+/// `X S⁻¹` in place of X, n × m, by the factor of S.
+#[inline(always)]
+pub fn divide<T: Number>(factor: &[T], m: usize, x: &mut [T], n: usize) {
+    for j in 0..m {
+        let (before, column) = x.split_at_mut(j * n);
+        for k in 0..j {
+            take_times(&mut column[..n], factor[k * m + j], &before[k * n..(k + 1) * n]);
+        }
+    }
+    for j in (0..m).rev() {
+        let (column, after) = x[j * n..].split_at_mut(n);
+        let inverse = factor[j * m + j];
+        for i in 0..n {
+            column[i] = column[i] * inverse;
+        }
+        for k in j + 1..m {
+            take_times(column, factor[j * m + k], &after[(k - j - 1) * n..(k - j) * n]);
+        }
+    }
+}
+
+/// `eᵀ S⁻¹ e` by the factor of S; e becomes white.
+#[inline(always)]
+pub fn square<T: Number>(factor: &[T], m: usize, e: &mut [T]) -> T {
+    let mut sum = T::of(0.0);
+    for j in 0..m {
+        for k in 0..j {
+            e[j] = e[j] - factor[k * m + j] * e[k];
+        }
+        sum = sum + e[j] * e[j] * factor[j * m + j];
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mathematics::engine::lanes::Lanes;
+
+    #[test]
+    fn a_root_leaves_out_what_is_certain_and_tells_what_has_none() {
+        let cov = [
+            Lanes([4.0, 4.0, 1.0, f64::NAN]),
+            Lanes([2.0, 0.0, 2.0, 0.0]),
+            Lanes([0.0; 4]),
+            Lanes([5.0, 0.0, 1.0, 1.0]),
+        ];
+        let mut root = [Lanes([0.0; 4]); 4];
+        let Rooted { holds, is_finite } = lower_root(Baseline, &cov, &mut root, 2);
+        let of = |lane: usize| root.map(|entry| entry.lane(lane));
+        assert_eq!((of(0), of(1)), ([2.0, 1.0, 0.0, 2.0], [2.0, 0.0, 0.0, 0.0]));
+        assert_eq!([0, 1, 2, 3].map(|lane| holds.lane(lane)), [true, true, false, false]);
+        assert_eq!([2, 3].map(|lane| is_finite.lane(lane)), [true, false], "indefinite, and not a number");
+    }
+
+    #[test]
+    fn a_factor_divides_and_squares() {
+        let s = [4.0, 2.0, 0.0, 5.0];
+        let mut lower = s;
+        let (determinant, holds) = factor(&mut lower, 2);
+        assert_eq!((determinant, holds), (16.0, true));
+        let mut x = [1.0, 3.0, -2.0, 0.5];
+        divide(&lower, 2, &mut x, 2);
+        for (row, expected) in [(0, [1.0, -2.0]), (1, [3.0, 0.5])] {
+            let [a, b] = [x[row], x[2 + row]];
+            assert_eq!([4.0 * a + 2.0 * b, 2.0 * a + 5.0 * b], expected);
+        }
+        assert_eq!(square(&lower, 2, &mut [1.0, -2.0]), (5.0 + 8.0 + 16.0) / 16.0);
+        assert!(!factor(&mut [1.0, 2.0, 0.0, 1.0], 2).1, "indefinite");
+    }
+}

@@ -1,0 +1,264 @@
+//! The exponential of the block of A that moves, and its integrals.
+//!
+//! A step's size has a class, and each class its length of the series. If lanes are of different classes, each class is
+//! computed for all of them, and a lane takes its own.
+
+use super::columns::{multiply, norm};
+use super::level::Level;
+use super::number::Number;
+use crate::mathematics::integrate::INVERSE_FACTORIAL;
+
+/// The classes of a size: up to each limit, then one more for each doubling of the last one.
+pub(super) struct Classes<const N: usize>(pub(super) [f64; N]);
+
+impl<const N: usize> Classes<N> {
+    /// The sizes, with zero in place of NaN and of sizes that would overflow: these are of the first class.
+    #[inline(always)]
+    pub(super) fn counted<T: Number>(size: T) -> T {
+        T::select(size.lt(T::of(1e300)), size, T::of(0.0))
+    }
+
+    /// The next class after one that any lane has, or the first one.
+    #[inline(always)]
+    pub(super) fn after<T: Number>(&self, class: Option<usize>, sizes: T) -> Option<usize> {
+        let done = class.map_or(f64::NEG_INFINITY, |class| self.upper(class));
+        let mut least = f64::INFINITY;
+        for lane in 0..T::LANES {
+            let size = sizes.lane(lane);
+            least = if done < size && size < least { size } else { least };
+        }
+        (least < f64::INFINITY).then(|| self.of(least))
+    }
+
+    /// The class of a size.
+    fn of(&self, size: f64) -> usize {
+        let mut class = 0;
+        while self.upper(class) < size {
+            class += 1;
+        }
+        class
+    }
+
+    /// The largest size of a class.
+    #[inline(always)]
+    pub(super) fn upper(&self, class: usize) -> f64 {
+        self.0[class.min(N - 1)] * libm::exp2(Self::doublings(class) as f64)
+    }
+
+    /// The number of times that the step of a class is halved.
+    #[inline(always)]
+    pub(super) fn doublings(class: usize) -> usize {
+        (class + 1).saturating_sub(N)
+    }
+}
+
+/// `Φ = exp(A dt)` and the integrals that give the effect, after `dt`, of an input that is constant or linear in time;
+/// n × n matrices.
+#[derive(Clone, Debug)]
+pub struct Exponential<T> {
+    /// Φ
+    pub transition: Vec<T>,
+    /// `Γ₁ = dt φ₁(A dt)`
+    pub constant: Vec<T>,
+    /// `Γ₂ = dt² φ₂(A dt)`, if the caller wants it.
+    pub slope: Vec<T>,
+    powers: [Vec<T>; 4],
+    work: Vec<T>,
+    /// The three matrices of the lanes of the classes that are done.
+    kept: [Vec<T>; 3],
+}
+
+/// Classes by the root of the norm of `(A dt)²`: 8, 12 and 16 terms exhaust double precision.
+const CLASSES: Classes<3> = Classes([0.0387, 0.28, 0.5]);
+
+impl<T: Number> Exponential<T> {
+    /// Memory for blocks of n × n.
+    pub fn new(n: usize) -> Self {
+        let square = || vec![T::of(0.0); n * n];
+        Self {
+            transition: square(),
+            constant: square(),
+            slope: square(),
+            powers: [square(), square(), square(), square()],
+            work: square(),
+            kept: [square(), square(), square()],
+        }
+    }
+
+    /// The exponential of a block and its integrals, the second one only `with_slope`.
+    ///
+    /// ```text
+    /// Γ₂(t) = Σ Aⁿ tⁿ⁺²/(n+2)!,  Γ₁ = t I + A Γ₂,  Φ = I + A Γ₁
+    /// Γ₂(2t) = Γ₂ + t Γ₁ + Φ Γ₂,  Γ₁(2t) = Γ₁ + Φ Γ₁
+    /// ```
+    ///
+    /// Source: Moler and Van Loan (2003), Nineteen dubious ways to compute the exponential of a matrix, method 3; Van Loan
+    /// (1978), Computing integrals involving the matrix exponential; Paterson and Stockmeyer (1973), On the number of
+    /// nonscalar multiplications necessary to evaluate polynomials.
+    #[inline(always)]
+    pub fn compute<L: Level>(&mut self, level: L, a: &[T], n: usize, dt: f64, with_slope: bool) {
+        let size = level.apart(
+            #[inline(always)]
+            || self.raise(a, n, dt),
+        );
+        let size = Classes::<3>::counted(size);
+        let mut done = None;
+        while let Some(class) = CLASSES.after(done, size) {
+            if done.is_some() {
+                for (kept, part) in self.kept.iter_mut().zip([&self.transition, &self.constant, &self.slope]) {
+                    kept.copy_from_slice(part);
+                }
+            }
+            level.apart(
+                #[inline(always)]
+                || self.sum(a, n, dt, with_slope, class),
+            );
+            if let Some(done) = done {
+                let is_shorter = size.le(T::of(CLASSES.upper(done)));
+                let parts = [&mut self.transition, &mut self.constant, &mut self.slope];
+                for (kept, part) in self.kept.iter().zip(parts) {
+                    for i in 0..n * n {
+                        part[i] = T::select(is_shorter, kept[i], part[i]);
+                    }
+                }
+            }
+            done = Some(class);
+        }
+    }
+
+    /// Takes the powers of `A dt`; returns the size of the step.
+    #[inline(always)]
+    fn raise(&mut self, a: &[T], n: usize, dt: f64) -> T {
+        let [first, second, third, fourth] = &mut self.powers;
+        for i in 0..n * n {
+            first[i] = a[i] * dt;
+        }
+        multiply(second, first, first, n, n);
+        multiply(third, second, first, n, n);
+        multiply(fourth, second, second, n, n);
+        // Rows of different units make the norm of A dt large, but not that of its square.
+        norm(second, n).sqrt()
+    }
+
+    /// Sums the series of a class, four powers at a time.
+    #[inline(always)]
+    fn sum(&mut self, a: &[T], n: usize, dt: f64, with_slope: bool, class: usize) {
+        let Self { transition, constant, slope, powers: [first, second, third, fourth], work, kept: _ } = self;
+        let quartets = (class + 2).min(4);
+        let doublings = Classes::<3>::doublings(class);
+        // A power of two: dividing by it rounds nothing.
+        let scale = libm::exp2(-(doublings as f64));
+        let scales = [1.0, scale, scale * scale, scale * scale * scale];
+        let (k, sum) = if with_slope { (2, &mut *slope) } else { (1, &mut *constant) };
+        for quartet in (0..quartets).rev() {
+            let begins = quartet + 1 == quartets;
+            if !begins {
+                multiply(work, fourth, sum, n, n);
+            }
+            let c = |i: usize| INVERSE_FACTORIAL[4 * quartet + i + k] * scales[i];
+            let (c, far) = ([c(0), c(1), c(2), c(3)], scales[2] * scales[2]);
+            for i in 0..n * n {
+                let terms = first[i] * c[1] + second[i] * c[2] + third[i] * c[3];
+                sum[i] = if begins { terms } else { work[i] * far + terms };
+            }
+            for i in 0..n {
+                sum[i * n + i] = sum[i * n + i] + c[0];
+            }
+        }
+        let mut t = dt * scale;
+        let factor = if with_slope { t * t } else { t };
+        for i in 0..n * n {
+            sum[i] = sum[i] * factor;
+        }
+        for _ in 0..doublings {
+            if with_slope {
+                plus_product(constant, t, a, slope, n);
+            }
+            plus_product(transition, 1.0, a, constant, n);
+            multiply(work, transition, if with_slope { slope } else { constant }, n, n);
+            for i in 0..n * n {
+                if with_slope {
+                    slope[i] = slope[i] + work[i] + constant[i] * t;
+                } else {
+                    constant[i] = constant[i] + work[i];
+                }
+            }
+            t *= 2.0;
+        }
+        if with_slope {
+            plus_product(constant, dt, a, slope, n);
+        }
+        plus_product(transition, 1.0, a, constant, n);
+    }
+}
+
+/// `out = t I + A B`
+#[inline(always)]
+fn plus_product<T: Number>(out: &mut [T], t: f64, a: &[T], b: &[T], n: usize) {
+    multiply(out, a, b, n, n);
+    for j in 0..n {
+        out[j * n + j] = out[j * n + j] + t;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mathematics::engine::lanes::Lanes;
+    use crate::mathematics::engine::level::Baseline;
+    use crate::mathematics::integrate::exponential_integrals;
+    use crate::mathematics::linalg::Matrix;
+
+    /// Sizes of steps of every class, including NaN.
+    const SIZES: [f64; 8] = [1e-3, 3.0, 0.2, 0.4, 1e-6, f64::NAN, 40.0, 1e305];
+
+    /// The rates of two oscillators that pull on each other, this much faster.
+    fn block(i: usize, size: f64) -> f64 {
+        let rates = [0.0, 0.0, -1.0, 0.4, 0.0, 0.0, 0.3, -1.3, 1.0, 0.0, -0.1, 0.0, 0.0, 1.0, 0.05, -0.2];
+        size * rates[i]
+    }
+
+    fn of_lanes<T: Number>(sizes: &[f64], with_slope: bool) -> Exponential<T> {
+        let a: Vec<T> = (0..16).map(|i| T::from_lanes(|lane| block(i, sizes[lane]))).collect();
+        let mut exponential = Exponential::new(4);
+        exponential.compute(Baseline, &a, 4, 1.0, with_slope);
+        exponential
+    }
+
+    #[test]
+    fn each_lane_has_the_series_of_its_own_step() {
+        for with_slope in [false, true] {
+            let lanes = of_lanes::<Lanes<8>>(&SIZES, with_slope);
+            for (lane, size) in SIZES.into_iter().enumerate() {
+                let single = of_lanes::<f64>(&[size], with_slope);
+                let parts = [(&lanes.transition, &single.transition), (&lanes.constant, &single.constant)];
+                for (lanes, single) in parts {
+                    for (lanes, single) in lanes.iter().zip(single) {
+                        let same = lanes.lane(lane).to_bits() == single.to_bits();
+                        assert!(same || (lanes.lane(lane).is_nan() && single.is_nan()), "{size}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_exponential_is_that_of_the_book() {
+        for size in SIZES.into_iter().filter(|size| *size < 100.0) {
+            let a = Matrix::from_column_slice(4, 4, &(0..16).map(|i| block(i, size)).collect::<Vec<_>>());
+            let book = exponential_integrals(&a, 1.0);
+            let single = of_lanes::<f64>(&[size], true);
+            let pairs = [
+                (&book.transition, &single.transition),
+                (&book.constant, &single.constant),
+                (&book.slope, &single.slope),
+            ];
+            for (book, single) in pairs {
+                let error = (book - Matrix::from_column_slice(4, 4, single)).amax() / book.amax();
+                // Each doubling of a step doubles its rounding, in both.
+                let limit = if size > 10.0 { 1e-9 } else { 1e-13 };
+                assert!(error < limit, "{size}: {error:e}");
+            }
+        }
+    }
+}

@@ -1,0 +1,146 @@
+//! A filter: predict and update.
+//!
+//! ```text
+//! predict   y⁻ = g-step of y,  P⁻ = λ cov(g-step of y) + Q
+//! update    e = z - h(y⁻),  S = H P⁻ Hᵀ + R,  K = P⁻ Hᵀ S⁻¹,  y = y⁻ + K e,  P = (I - K H) P⁻ (I - K H)ᵀ + K R Kᵀ
+//! ```
+
+use super::belief::{Belief, Noise};
+use super::columns::Rooted;
+use super::design::{Design, Method};
+use super::fault::Held;
+use super::level::Level;
+use super::linearised::Linearised;
+use super::number::{Mask, Number};
+use super::sigma_points::SigmaPoints;
+use super::step::Step;
+use super::update::{Observation, Told, Update};
+use crate::FilterError;
+
+/// Filters of one design, one a lane, with their memory: a step needs no other.
+#[derive(Clone, Debug)]
+pub struct Filter<T: Number, L> {
+    level: L,
+    design: Design,
+    noise: Noise<T>,
+    /// The variance of the white force.
+    white: T,
+    /// The belief after the last predict or update.
+    pub belief: Belief<T>,
+    linearised: Linearised<T>,
+    points: SigmaPoints<T>,
+    update: Update<T>,
+    /// The lanes for which the parts of the last step hold.
+    held: Held<T::Mask>,
+}
+
+impl<T: Number, L: Level> Filter<T, L> {
+    /// Filters that begin with a belief.
+    pub fn new(level: L, design: Design, belief: Belief<T>, noise: Noise<T>, white: T) -> Self {
+        let Design { model, readings, .. } = &design;
+        Self {
+            linearised: Linearised::new(model),
+            points: SigmaPoints::new(model),
+            update: Update::new(model, readings.len()),
+            held: Held::new(),
+            level,
+            design,
+            noise,
+            white,
+            belief,
+        }
+    }
+
+    /// Carries the beliefs over one step, from a sample to the next, with the recorded forces over mass of both \[m/s²\]. The noise
+    /// is added in the last of its parts.
+    ///
+    /// A white force is another one from the next sample on, or from the middle of the step ([`Course`](super::course::Course)).
+    #[inline(always)]
+    pub fn predict(&mut self, forces: [T; 2]) {
+        let Design { has_slope, dt, substeps, white, .. } = self.design;
+        let [begin, end] = forces;
+        let whole = Step { forces: [begin, if has_slope { end } else { begin }], has_slope, dt };
+        let (parts, renewed) = white.map_or((substeps, 0), |(_, course)| course.steps(substeps));
+        let yes = T::Mask::of(true);
+        let mut held = Rooted { holds: yes, is_finite: yes };
+        for i in 0..parts {
+            let rooted = if parts == 1 { self.advance(&whole) } else { self.advance(&whole.part(i, parts)) };
+            held = Rooted {
+                holds: held.holds & rooted.holds,
+                is_finite: held.is_finite & (!held.holds | rooted.is_finite),
+            };
+            let Self { level, belief, noise, .. } = self;
+            if i + 1 == parts {
+                level.apart(
+                    #[inline(always)]
+                    || belief.spread(*level, noise),
+                );
+            } else {
+                belief.clamp();
+            }
+            if let Some((place, _)) = white.filter(|_| i + 1 == renewed) {
+                self.belief.renew(place, self.white);
+            }
+        }
+        self.held.predicted = held;
+    }
+
+    /// Moves the beliefs, without noise.
+    #[inline(always)]
+    fn advance(&mut self, step: &Step<T>) -> Rooted<T::Mask> {
+        let Self { level, design: Design { model, method, .. }, belief, linearised, points, .. } = self;
+        match *method {
+            Method::Linearised(propagation, _) => {
+                linearised.advance(*level, propagation, model, belief, step);
+                Rooted { holds: T::Mask::of(true), is_finite: T::Mask::of(true) }
+            }
+            Method::SigmaPoints(rule) => points.advance(*level, rule, model, belief, step),
+        }
+    }
+
+    /// Conditions the beliefs on one sample of the sensors, while `force` acts. A measurement that is NaN skips its
+    /// sensor. The last step holds for [some lanes](Told::holds); [`Self::reason`] gives the reason for the others.
+    #[inline(always)]
+    pub fn update(&mut self, force: T, measured: &[T]) -> Told<T> {
+        let Self { level, design, noise, belief, update, held, .. } = self;
+        update.condition(*level, design, belief, noise, Observation { force, measured }, held)
+    }
+
+    /// Makes the covariance symmetric to the last bit, from its lower triangle.
+    #[cfg(not(target_arch = "wasm32"))]
+    #[inline(always)]
+    pub(crate) fn complete(&mut self) {
+        let n = self.level.size(self.belief.size());
+        super::columns::mirror(self.level, &mut self.belief.cov[..n * n], n);
+    }
+
+    #[cfg(not(target_arch = "wasm32"))]
+    /// The belief, and the last update.
+    pub(crate) fn told(&mut self) -> (&Belief<T>, &mut Update<T>) {
+        (&self.belief, &mut self.update)
+    }
+
+    #[cfg(not(target_arch = "wasm32"))]
+    /// Whether the forces that count in a step are finite in all lanes.
+    pub(crate) fn are_finite(&self, [begin, end]: [T; 2]) -> bool {
+        begin.is_finite().all() && (!self.design.has_slope || end.is_finite().all())
+    }
+
+    #[cfg(not(target_arch = "wasm32"))]
+    /// Whether sigma points could be drawn for the last prediction in a lane.
+    pub(crate) fn is_predicted(&self, lane: usize) -> bool {
+        self.held.predicted.holds.lane(lane)
+    }
+
+    /// Why the last step does not hold for a lane.
+    #[cold]
+    pub fn reason(&self, lane: usize) -> FilterError {
+        self.held.reason(lane, || self.update.of_lane(lane))
+    }
+
+    /// ln det S of the last update in a lane.
+    #[cold]
+    pub fn ln_determinant(&self, lane: usize) -> f64 {
+        self.update.ln_determinant(lane)
+    }
+}

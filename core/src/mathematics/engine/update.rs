@@ -1,0 +1,330 @@
+//! The update: a belief conditioned on the measurements of one sample.
+
+use super::belief::{Belief, Noise};
+use super::columns::{add_times, divide, factor, square, take_times};
+use super::design::Design;
+use super::expected::Expected;
+use super::fault::Held;
+use super::level::{Count, Exactly, Level};
+use super::model::Model;
+use super::number::{Mask, Number};
+
+/// The scores of an update, lane by lane.
+#[derive(Clone, Copy, Debug)]
+pub struct Told<T: Number> {
+    /// `eᵀ S⁻¹ e`; zero without a measurement.
+    pub nis: T,
+    /// det S; one without a measurement.
+    pub determinant: T,
+    /// m, the number of measurements.
+    pub measured: T,
+    /// The lanes for which the last step holds.
+    pub holds: T::Mask,
+}
+
+/// One sample of the sensors.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Observation<'a, T> {
+    /// The recorded force over mass that acts meanwhile \[m/s²\].
+    pub(super) force: T,
+    /// A number for each sensor; NaN where it is missing.
+    pub(super) measured: &'a [T],
+}
+
+/// Memory of an update.
+#[derive(Clone, Debug)]
+pub(crate) struct Update<T> {
+    /// The sensors that measure in some lane.
+    active: Vec<usize>,
+    expected: Expected<T>,
+    /// S, m × m, and its factor.
+    innovation_cov: Vec<T>,
+    factor: Vec<T>,
+    /// e, whitened in the end.
+    innovation: Vec<T>,
+    white: Vec<T>,
+    variances: Vec<T>,
+    /// K, n × m.
+    gain: Vec<T>,
+    excess: Vec<T>,
+}
+
+impl<T: Number> Update<T> {
+    /// Memory for a model and a number of sensors.
+    pub(super) fn new(model: &Model, sensors: usize) -> Self {
+        let zeros = |count: usize| vec![T::of(0.0); count];
+        Self {
+            active: Vec::with_capacity(sensors),
+            expected: Expected::new(model, sensors),
+            innovation_cov: zeros(sensors * sensors),
+            factor: zeros(sensors * sensors),
+            innovation: zeros(sensors),
+            white: zeros(sensors),
+            variances: zeros(sensors),
+            gain: zeros(sensors * model.size),
+            excess: zeros(sensors * model.size),
+        }
+    }
+
+    /// Conditions a belief on the measurements that are not NaN.
+    #[inline(always)]
+    pub(super) fn condition<L: Level>(
+        &mut self,
+        level: L,
+        design: &Design,
+        belief: &mut Belief<T>,
+        noise: &Noise<T>,
+        observation: Observation<'_, T>,
+        held: &mut Held<T::Mask>,
+    ) -> Told<T> {
+        let active = &mut self.active;
+        active.clear();
+        for (sensor, value) in observation.measured.iter().enumerate() {
+            // Not a number in any lane.
+            if !(!value.is_number()).all() {
+                active.push(sensor);
+            }
+        }
+        if active.is_empty() {
+            return level.apart(
+                #[inline(always)]
+                || untold(level, belief, held),
+            );
+        }
+        match active.len() {
+            1 if L::IS_KNOWN => self.take_in(level, Exactly::<1>, design, belief, noise, observation, held),
+            2 if L::IS_KNOWN => self.take_in(level, Exactly::<2>, design, belief, noise, observation, held),
+            count => self.take_in(level, count, design, belief, noise, observation, held),
+        }
+    }
+
+    #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "those of the update, and the number of sensors")]
+    fn take_in<L: Level, C: Count>(
+        &mut self,
+        level: L,
+        count: C,
+        design: &Design,
+        belief: &mut Belief<T>,
+        noise: &Noise<T>,
+        observation: Observation<'_, T>,
+        held: &mut Held<T::Mask>,
+    ) -> Told<T> {
+        let Self { active, expected, .. } = self;
+        held.expected = expected.take(level, count, design, belief, active, observation.force);
+        level.apart(
+            #[inline(always)]
+            || {
+                let measured = self.compare(level, count, noise, observation.measured);
+                self.correct(level, count, design, belief, measured, held)
+            },
+        )
+    }
+
+    /// Conditions a belief on the same measurements again, with the sensors linearised in another state.
+    ///
+    /// Source: Bell and Cathey (1993), The iterated Kalman filter update as a Gauss-Newton method.
+    #[expect(clippy::too_many_arguments, reason = "those of the update, and where to linearise")]
+    pub(super) fn condition_at<L: Level>(
+        &mut self,
+        level: L,
+        design: &Design,
+        belief: &mut Belief<T>,
+        noise: &Noise<T>,
+        observation: Observation<'_, T>,
+        at: &[T],
+        held: &mut Held<T::Mask>,
+    ) -> Told<T> {
+        let Observation { force, measured } = observation;
+        let count = self.active.len();
+        self.expected.take_at(level, design, belief, &self.active, force, at);
+        let number = self.compare(level, count, noise, measured);
+        self.correct(level, count, design, belief, number, held)
+    }
+
+    /// `e = z - h(y⁻)` and `S = H P⁻ Hᵀ + R`; returns m. In lanes without a measurement of a sensor, its row has no
+    /// information: e = 0, R = 1, without covariance.
+    #[inline(always)]
+    fn compare<L: Level, C: Count>(&mut self, level: L, count: C, noise: &Noise<T>, measured: &[T]) -> T {
+        let Self { active, expected, innovation_cov: s, innovation, variances, .. } = self;
+        let (m, n) = (count.number(), level.size(expected.size()));
+        let (zero, one) = (T::of(0.0), T::of(1.0));
+        let mut told = zero;
+        let (active, innovation, variances) = (&active[..m], &mut innovation[..m], &mut variances[..m]);
+        let (s, mean) = (&mut s[..m * m], &expected.mean[..m]);
+        s.copy_from_slice(&expected.cov[..m * m]);
+        for row in 0..m {
+            let value = measured[active[row]];
+            let is_there = value.is_number();
+            innovation[row] = value - mean[row];
+            variances[row] = noise.sensors[active[row]];
+            if is_there.all() {
+                told = told + one;
+                continue;
+            }
+            told = told + T::select(is_there, one, zero);
+            innovation[row] = T::select(is_there, innovation[row], zero);
+            variances[row] = T::select(is_there, variances[row], one);
+            for cross in &mut expected.cross[row * n..(row + 1) * n] {
+                *cross = T::select(is_there, *cross, zero);
+            }
+            for other in 0..m {
+                s[other * m + row] = T::select(is_there, s[other * m + row], zero);
+                s[row * m + other] = T::select(is_there, s[row * m + other], zero);
+            }
+        }
+        for row in 0..m {
+            s[row * m + row] = s[row * m + row] + variances[row];
+        }
+        told
+    }
+
+    /// `K = P⁻ Hᵀ S⁻¹`, `y = y⁻ + K e` and the covariance.
+    ///
+    /// Source: Kalman (1960), A new approach to linear filtering and prediction problems.
+    #[inline(always)]
+    fn correct<L: Level, C: Count>(
+        &mut self,
+        level: L,
+        count: C,
+        design: &Design,
+        belief: &mut Belief<T>,
+        measured: T,
+        held: &mut Held<T::Mask>,
+    ) -> Told<T> {
+        let Self { expected, innovation_cov, factor: lower, innovation, white, gain, .. } = self;
+        let (m, n) = (count.number(), level.size(belief.size()));
+        let gain = &mut gain[..m * n];
+        lower[..m * m].copy_from_slice(&innovation_cov[..m * m]);
+        let lower = &mut lower[..m * m];
+        let (determinant, factored) = factor(lower, m);
+        gain.copy_from_slice(&expected.cross[..m * n]);
+        divide(lower, m, gain, n);
+        for row in 0..m {
+            add_times(&mut belief.mean[..n], innovation[row], &gain[row * n..(row + 1) * n]);
+        }
+        white[..m].copy_from_slice(&innovation[..m]);
+        let nis = square(lower, m, &mut white[..m]);
+        if expected.is_linear {
+            self.joseph(level, count, design, belief);
+        } else {
+            self.subtract(level, count, belief);
+        }
+        [held.is_finite, held.is_positive] = belief.check(level);
+        (held.factored, held.is_likely) = (factored, nis.is_finite());
+        Told { nis, determinant, measured, holds: held.all() }
+    }
+
+    /// Replaces P by `(I - K H) P (I - K H)ᵀ + K R Kᵀ`, which stays positive semidefinite even if sensors are far more
+    /// precise than the belief; written as two updates of the sensors' rank:
+    ///
+    /// ```text
+    /// M = P - K (P Hᵀ)ᵀ,  P⁺ = M - (M Hᵀ - K R) Kᵀ
+    /// ```
+    ///
+    /// Source: Bucy and Joseph (1968), *Filtering for Stochastic Processes with Applications to Guidance*.
+    #[inline(always)]
+    fn joseph<L: Level, C: Count>(&mut self, level: L, count: C, design: &Design, belief: &mut Belief<T>) {
+        let Self { active, expected, variances, gain, excess, .. } = self;
+        let (m, n) = (count.number(), level.size(belief.size()));
+        let (cov, gain, excess) = (&mut belief.cov[..n * n], &gain[..m * n], &mut excess[..m * n]);
+        let (active, variances) = (&active[..m], &variances[..m]);
+        subtract_products(cov, gain, &expected.cross, n, m);
+        for row in 0..m {
+            let sensor = active[row];
+            let (excess, gain) = (&mut excess[row * n..(row + 1) * n], &gain[row * n..(row + 1) * n]);
+            expected.times_cov(&design.readings[sensor], row, cov, excess);
+            take_times(excess, variances[row], gain);
+        }
+        subtract_products(cov, excess, gain, n, m);
+    }
+
+    /// Replaces P by `P - K S Kᵀ`, for updates without an H.
+    #[inline(always)]
+    fn subtract<L: Level, C: Count>(&mut self, level: L, count: C, belief: &mut Belief<T>) {
+        let Self { innovation_cov: s, gain, excess, .. } = self;
+        let (m, n) = (count.number(), level.size(belief.size()));
+        for row in 0..m {
+            let excess = &mut excess[row * n..(row + 1) * n];
+            excess.fill(T::of(0.0));
+            for k in 0..m {
+                let entry = if k >= row { s[row * m + k] } else { s[k * m + row] };
+                add_times(excess, entry, &gain[k * n..(k + 1) * n]);
+            }
+        }
+        subtract_products(&mut belief.cov[..n * n], excess, gain, n, m);
+    }
+
+    /// The sensors that measure in some lane.
+    pub(crate) fn active(&self) -> &[usize] {
+        &self.active
+    }
+
+    /// e, m numbers; S, m × m, only its lower triangle; K, n × m.
+    pub(crate) fn parts(&self) -> [&[T]; 3] {
+        let m = self.active.len();
+        let n = self.expected.size();
+        [&self.innovation[..m], &self.innovation_cov[..m * m], &self.gain[..m * n]]
+    }
+
+    #[cfg(not(target_arch = "wasm32"))]
+    /// Makes S symmetric to the last bit, from its lower triangle.
+    pub(crate) fn complete(&mut self) {
+        let m = self.active.len();
+        super::columns::mirror(super::level::Baseline, &mut self.innovation_cov[..m * m], m);
+    }
+
+    /// H, m × n, written over `out`; false if there is none.
+    pub(super) fn jacobian_into(&self, design: &Design, out: &mut [T]) -> bool {
+        if self.expected.is_linear {
+            let m = self.active.len();
+            for (row, &sensor) in self.active.iter().enumerate() {
+                self.expected.row_into(&design.readings[sensor], row, out.iter_mut().skip(row).step_by(m));
+            }
+        }
+        self.expected.is_linear
+    }
+
+    /// S of a lane, and the innovation, of the sensors that measure in it.
+    pub(super) fn of_lane(&self, lane: usize) -> (Vec<f64>, Vec<f64>) {
+        let m = self.active.len();
+        let cov = self.innovation_cov[..m * m].iter().map(|entry| entry.lane(lane)).collect();
+        (cov, self.innovation[..m].iter().map(|e| e.lane(lane)).collect())
+    }
+
+    /// ln det S of a lane, which is a number even where the determinant is none.
+    pub(super) fn ln_determinant(&self, lane: usize) -> f64 {
+        let m = self.active.len();
+        -(0..m).map(|row| libm::log(self.factor[row * m + row].lane(lane))).sum::<f64>()
+    }
+}
+
+/// Without any measurement.
+#[inline(always)]
+fn untold<T: Number, L: Level>(level: L, belief: &Belief<T>, held: &mut Held<T::Mask>) -> Told<T> {
+    let predicted = held.predicted;
+    *held = Held { predicted, ..Held::new() };
+    [held.is_finite, held.is_positive] = belief.check(level);
+    Told { nis: T::of(0.0), determinant: T::of(1.0), measured: T::of(0.0), holds: held.all() }
+}
+
+/// Makes of the lower triangle of X, n × n, that of `X - A Bᵀ`, where A and B have `columns` columns; two at a time.
+#[inline(always)]
+fn subtract_products<T: Number>(x: &mut [T], a: &[T], b: &[T], n: usize, columns: usize) {
+    let (a, b) = (&a[..n * columns], &b[..n * columns]);
+    let mut k = 0;
+    while k < columns {
+        let is_pair = k + 1 < columns;
+        let next = if is_pair { k + 1 } else { k };
+        let (a, b) = ([&a[k * n..(k + 1) * n], &a[next * n..(next + 1) * n]], [&b[k * n..], &b[next * n..]]);
+        for j in 0..n {
+            let column = &mut x[j * n..(j + 1) * n];
+            let factors = [b[0][j], b[1][j]];
+            for i in j..n {
+                let less = column[i] - a[0][i] * factors[0];
+                column[i] = if is_pair { less - a[1][i] * factors[1] } else { less };
+            }
+        }
+        k += 2;
+    }
+}

@@ -1,0 +1,408 @@
+//! The reference filters: predict and update as in textbooks, for any plant, any size and any augmentation.
+//!
+//! ```text
+//! predict   y⁻ = g-step of y,  P⁻ = λ cov(g-step of y) + Q
+//! update    e = z - h(y⁻),  S = H P⁻ Hᵀ + R,  K = P⁻ Hᵀ S⁻¹,  y = y⁻ + K e,  P = (I - K H) P⁻ (I - K H)ᵀ + K R Kᵀ
+//! ```
+//!
+//! [`Filter`] has the part that all filters share. A method of filtering is a [`Belief`] with its prediction and its
+//! update. Each has a file of its own, which ends with the description of its kind; the registry below lists them.
+
+mod adaptation;
+pub(crate) mod correction;
+mod ensemble;
+mod gaussian;
+pub(crate) mod jump;
+pub mod kalman;
+pub mod kind;
+mod linear;
+mod linearised;
+mod marginalised;
+mod measurement_model;
+mod measurements;
+mod moments;
+mod noise;
+mod observation;
+mod particles;
+mod propagation;
+pub mod robust;
+mod rule;
+mod sigma_points;
+mod square_root;
+mod step;
+mod system;
+mod white;
+
+use std::borrow::Cow;
+
+use thiserror::Error;
+
+use jump::Jump;
+use robust::Weighing;
+
+use crate::mathematics::linalg::RootError;
+use crate::mathematics::model::{Hold, Model};
+use crate::mathematics::quantity::Quantity;
+
+pub use crate::mathematics::linalg::{Matrix, Vector};
+pub use crate::mathematics::random::Normal;
+pub use adaptation::Adaptation;
+pub use correction::Correction;
+pub use ensemble::Ensemble;
+pub use gaussian::Gaussian;
+pub use kalman::Expected;
+pub use kind::{FilterInfo, FilterKind, MethodSettings};
+pub use linear::KalmanFilter;
+pub use marginalised::Marginalised;
+pub use measurement_model::MeasurementModel;
+pub use moments::Moments;
+pub use noise::Noise;
+pub use observation::Observation;
+pub use particles::Particles;
+pub use propagation::Propagation;
+pub use robust::Robust;
+pub use rule::Rule;
+pub use square_root::SquareRoot;
+pub use step::Step;
+pub use system::{Shape, SystemError};
+pub use white::{Course, White};
+
+/// The registry: a constant for each kind, and the list of all of them. The file of its method describes a kind.
+macro_rules! registry {
+    ($($(#[$doc:meta])* $name:ident = $info:expr;)*) => {
+        impl FilterKind {
+            $($(#[$doc])* pub const $name: Self = Self::new(&$info);)*
+
+            /// Every kind of the registry.
+            pub const ALL: [Self; [$(stringify!($name)),*].len()] = [$(Self::$name),*];
+        }
+    };
+}
+registry! {
+    /// Kalman filter: the parameters are known, so their standard deviations and `eta` are taken as zero.
+    KF = linearised::KF;
+    /// Extended Kalman filter: local linearisation.
+    EKF = linearised::EKF;
+    /// Iterated extended Kalman filter: the sensors are linearised where the update leads.
+    IEKF = linearised::IEKF;
+    /// Unscented Kalman filter: scaled sigma points.
+    UKF = sigma_points::UKF;
+    /// Unscented Kalman filter on the root of its covariance.
+    SR_UKF = square_root::SR_UKF;
+    /// Cubature Kalman filter.
+    CKF = sigma_points::CKF;
+    /// Ensemble Kalman filter.
+    ENKF = ensemble::ENKF;
+    /// Bootstrap particle filter, regularised.
+    PF = particles::PF;
+    /// Rao-Blackwellised particle filter: particles for the parameters, a Kalman filter of the motion for each.
+    RBPF = marginalised::RBPF;
+}
+
+/// Why a filter cannot go on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+pub enum FilterError {
+    /// A standard deviation of the settings has no finite square, or an initial mean no finite value.
+    #[error("a number of the filter's settings is too large to begin with: its square is not finite")]
+    TooLarge,
+    /// A number of the belief has overflowed or is undefined.
+    #[error("the estimate is no longer a finite number: the filter has diverged")]
+    NotFinite,
+    /// The covariance has a negative variance in some direction.
+    #[error("the covariance is no longer positive semidefinite: rounding has made a variance negative")]
+    IndefiniteCovariance,
+    /// The innovation covariance S cannot be inverted: the filter expects no error in some combination of the sensors,
+    /// or rounding removes the expected error.
+    #[error("the innovation covariance S is singular: some combination of the sensors has no variance left")]
+    SingularInnovation,
+    /// The innovation covariance S has a negative variance in some direction.
+    #[error("the innovation covariance S is not positive definite: rounding has made a variance negative")]
+    IndefiniteInnovation,
+    /// The likelihood of the measurement is not finite: it is too far from the filter's prediction.
+    #[error("a measurement is so far from what the filter expects that its likelihood is zero")]
+    ImpossibleMeasurement,
+    /// A measurement is infinite.
+    #[error("a measurement is infinite")]
+    InfiniteMeasurement,
+    /// The force is infinite or undefined.
+    #[error("the force is not a finite number")]
+    UndefinedForce,
+}
+
+impl From<RootError> for FilterError {
+    /// The error of a covariance without a root.
+    fn from(error: RootError) -> Self {
+        match error {
+            RootError::NotFinite => Self::NotFinite,
+            RootError::Indefinite => Self::IndefiniteCovariance,
+        }
+    }
+}
+
+/// A method of filtering: how a filter holds its belief over the n components of a model's state.
+pub trait Belief: Send {
+    /// Carries the belief over one step and adds noise: `P ← λ P + Q`.
+    ///
+    /// # Errors
+    /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where the covariance or Q has no root.
+    fn predict(&mut self, model: &Model, step: Step, noise: &Noise) -> Result<(), FilterError>;
+
+    /// Conditions the belief on one measurement or more, and writes the update to `correction`.
+    ///
+    /// # Errors
+    /// Any [`FilterError`].
+    fn condition(
+        &mut self,
+        model: &Model,
+        observation: &Observation,
+        correction: &mut Correction,
+    ) -> Result<(), FilterError>;
+
+    /// Replaces a component of the state by an independent one, of mean zero and this variance: a [`White`] force at
+    /// the next sample. See [`Gaussian::renew`].
+    ///
+    /// # Errors
+    /// Any [`FilterError`].
+    fn renew(&mut self, place: usize, variance: f64) -> Result<(), FilterError>;
+
+    /// Mean and covariance.
+    fn gaussian(&self) -> Cow<'_, Gaussian>;
+
+    /// Keeps a copy of the belief for [`Self::restore`], so that an update can be done again with other weights
+    /// ([`robust`]). Returns whether there is one: random samples keep none.
+    fn store(&mut self) -> bool {
+        false
+    }
+
+    /// Makes the belief the copy that was kept.
+    fn restore(&mut self) {}
+
+    /// Φ, n × n: the regression of the state that a step makes on the state now, `cov(next, now) = Φ P`. A smoother must know
+    /// it. From sigma points of mean and covariance, unless the method has a better way.
+    ///
+    /// # Errors
+    /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where the covariance has no root.
+    fn transition(&mut self, model: &Model, step: Step) -> Result<Matrix, FilterError> {
+        sigma_points::transition(&self.gaussian(), Rule::Unscented, model, step)
+    }
+}
+
+/// A part of a prediction.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Part {
+    /// The belief moves.
+    Step(Step),
+    /// The component at this place is another one from now on.
+    Renewal(usize),
+}
+
+/// A recursive estimator of the n-component state of a model, at k = 0 and after.
+///
+/// ```
+/// use kalmanscope_core::filter::{Adaptation, Correction, Filter, Gaussian, Moments, Noise, Rule};
+/// use kalmanscope_core::filter::{Matrix, Vector};
+/// use kalmanscope_core::{Hold, Model, PlantKind, Quantity};
+/// # fn main() -> Result<(), kalmanscope_core::FilterError> {
+/// let model = Model::new(PlantKind::SDOF);
+/// let (mean, std) = ([0.0, 0.0, 8.0, 0.1], [0.1, 0.3, 2.0, 0.1]);
+/// let initial = Gaussian::independent(mean.to_vec().into(), &std.to_vec().into());
+/// let noise = Noise { process: Matrix::identity(4, 4) * 1e-8, sensors: vec![1e-4], fading: 1.0 };
+/// let belief = Box::new(Moments::sigma_points(initial, Rule::Unscented));
+/// let mut filter = Filter::new(model, belief, 0.01, Hold::Zero, noise, &[Quantity::DISPLACEMENT], Adaptation::default());
+/// let mut correction = Correction::default();
+/// filter.predict([1.0, 1.0])?;
+/// filter.update(1.0, &[0.002], &mut correction)?;
+/// assert!(correction.nis < 1.0);
+/// # Ok(())
+/// # }
+/// ```
+pub struct Filter<B: Belief + ?Sized = dyn Belief> {
+    model: Model,
+    dt: f64,
+    hold: Hold,
+    noise: Noise,
+    observation: Observation,
+    adaptation: Adaptation,
+    jump: Option<Jump>,
+    weighing: Option<Weighing>,
+    substeps: usize,
+    white: Option<White>,
+    belief: Box<B>,
+}
+
+impl<B: Belief + ?Sized> Filter<B> {
+    /// A filter at k = 0, with `dt` \[s\] between samples. It ignores a sensor for a quantity that the model does not
+    /// have.
+    pub fn new(
+        model: Model,
+        belief: Box<B>,
+        dt: f64,
+        hold: Hold,
+        noise: Noise,
+        sensors: &[Quantity],
+        adaptation: Adaptation,
+    ) -> Self {
+        let readings = sensors.iter().map(|&quantity| model.reading(quantity)).collect();
+        let (observation, substeps) = (Observation::of(readings), 1);
+        let (jump, weighing, white) = (None, None, None);
+        Self { model, belief, dt, hold, noise, observation, adaptation, jump, weighing, substeps, white }
+    }
+
+    /// The same filter with its predictions divided into this many steps, for plants that are not linear over one: the
+    /// noise is added in the last.
+    #[must_use]
+    pub fn with_substeps(self, substeps: usize) -> Self {
+        Self { substeps: substeps.max(1), ..self }
+    }
+
+    /// The same filter, which widens P once where its innovations grow at once. The belief must be the initial one.
+    #[must_use]
+    pub fn with_jump(self) -> Self {
+        let initial = self.belief.gaussian().cov.diagonal().as_slice().to_vec();
+        Self { jump: Some(Jump::new(initial)), ..self }
+    }
+
+    /// The same filter, which weighs its measurements by a rule.
+    #[must_use]
+    pub fn with_robust(self, rule: Robust) -> Self {
+        Self { weighing: Weighing::new(rule), ..self }
+    }
+
+    /// The same filter with a white force. Its row and column of Q are set to zero: each sample draws it again.
+    #[must_use]
+    pub fn with_white_force(mut self, white: Option<White>) -> Self {
+        self.white = white;
+        white.into_iter().for_each(|white| white.leave_out(&mut self.noise.process));
+        self
+    }
+
+    /// The white force, if the filter has one.
+    pub fn white_force(&self) -> Option<White> {
+        self.white
+    }
+
+    /// The belief after the last predict or update.
+    pub fn belief(&self) -> &B {
+        &self.belief
+    }
+
+    /// The belief, to be changed.
+    pub fn belief_mut(&mut self) -> &mut B {
+        &mut self.belief
+    }
+
+    /// The model.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// The noise that the filter assumes by now.
+    pub fn noise(&self) -> &Noise {
+        &self.noise
+    }
+
+    /// Whether the filter learns its noise.
+    pub(crate) fn is_adaptive(&self) -> bool {
+        self.adaptation.is_on()
+    }
+
+    /// Whether the last prediction has widened P because the innovations had grown at once.
+    pub fn has_widened(&self) -> bool {
+        self.jump.as_ref().is_some_and(Jump::has_widened)
+    }
+
+    /// The step from a sample to the next with the recorded forces over mass of both \[m/s²\].
+    pub(crate) fn step(&self, [begin, end]: [f64; 2]) -> Step {
+        let end = match self.hold {
+            Hold::Zero => begin,
+            Hold::First => end,
+        };
+        Step { forces: [begin, end], dt: self.dt }
+    }
+
+    /// Carries the belief over one step, from a sample to the next, with the recorded forces over mass of both \[m/s²\].
+    /// Where the force is held the second does not matter.
+    ///
+    /// # Errors
+    /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where sigma points cannot be drawn,
+    /// [`FilterError::UndefinedForce`]. Any other prediction that overflows is found by the update.
+    pub fn predict(&mut self, forces: [f64; 2]) -> Result<(), FilterError> {
+        self.predict_by(forces, |_, _, _| Ok(()))
+    }
+
+    /// [`Self::predict`], which calls `before` with model, belief and the next part of the step, before each part.
+    pub(crate) fn predict_by(
+        &mut self,
+        forces: [f64; 2],
+        mut before: impl FnMut(&Model, &mut B, Part) -> Result<(), FilterError>,
+    ) -> Result<(), FilterError> {
+        let whole = self.step(forces);
+        if !whole.forces.iter().all(|force| force.is_finite()) {
+            return Err(FilterError::UndefinedForce);
+        }
+        let Self { model, noise, jump, substeps, belief, white, .. } = self;
+        let mut wide = None;
+        if let Some(widening) = jump.as_mut().and_then(Jump::widening) {
+            let Noise { process, .. } = wide.insert(noise.clone());
+            // A force that is drawn again at each sample always has its full variance.
+            let is_kept = |(i, _): &(usize, f64)| white.is_none_or(|white| white.place != *i);
+            widening.enumerate().filter(is_kept).for_each(|(i, variance)| process[(i, i)] += variance);
+        }
+        let noise = wide.as_ref().unwrap_or(noise);
+        let (steps, renewed) = white.map_or((*substeps, 0), |white| white.course.steps(*substeps));
+        if steps == 1 {
+            before(model, belief, Part::Step(whole))?;
+            belief.predict(model, whole, noise)?;
+        } else {
+            let silent = Noise { process: Matrix::zeros(model.size(), model.size()), sensors: Vec::new(), fading: 1.0 };
+            for i in 0..steps {
+                let part = whole.part(i, steps);
+                before(model, belief, Part::Step(part))?;
+                belief.predict(model, part, if i + 1 < steps { &silent } else { noise })?;
+                if let Some(white) = white.filter(|_| i + 1 == renewed && renewed < steps) {
+                    before(model, belief, Part::Renewal(white.place))?;
+                    white.renew(&mut **belief)?;
+                }
+            }
+        }
+        let Some(white) = white.filter(|_| renewed == steps) else { return Ok(()) };
+        before(model, belief, Part::Renewal(white.place))?;
+        white.renew(&mut **belief)
+    }
+
+    /// Conditions the belief on one sample of the sensors, while `force` acts, and writes the update to `correction`. A
+    /// measurement that is NaN skips its sensor.
+    ///
+    /// # Errors
+    /// [`FilterError::SingularInnovation`] and [`FilterError::IndefiniteInnovation`] where S is not positive definite;
+    /// [`FilterError::IndefiniteCovariance`] where sigma points cannot be drawn or a variance comes out negative;
+    /// [`FilterError::NotFinite`] where the belief overflows; [`FilterError::ImpossibleMeasurement`] where the likelihood
+    /// does; [`FilterError::InfiniteMeasurement`].
+    pub fn update(&mut self, force: f64, measured: &[f64], correction: &mut Correction) -> Result<(), FilterError> {
+        let Self { model, noise, observation, adaptation, jump, weighing, belief, white, .. } = self;
+        correction.clear(model.size(), noise.sensors.len());
+        observation.take(force, measured, &noise.sensors)?;
+        if observation.is_empty() {
+            return belief.gaussian().check();
+        }
+        if let Some(weighing) = weighing {
+            weighing.condition(&mut **belief, model, noise, observation, correction)?;
+            if observation.is_empty() {
+                return belief.gaussian().check();
+            }
+        } else {
+            belief.condition(model, observation, correction)?;
+        }
+        correction.check(observation.sensors())?;
+        if adaptation.is_on() {
+            adaptation.adapt(observation, correction, noise);
+            if let Some(white) = white {
+                white.leave_out(&mut noise.process);
+            }
+        }
+        if let Some(jump) = jump {
+            jump.look(correction.nis, observation.len());
+        }
+        Ok(())
+    }
+}

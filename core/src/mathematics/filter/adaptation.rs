@@ -1,0 +1,69 @@
+//! Noise that a filter learns from its own innovations.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Correction, Noise, Observation};
+use crate::mathematics::linalg::{Ldl, Matrix, Vector};
+
+/// Estimates R, Q or both while filtering, with exponential forgetting.
+///
+/// ```text
+/// ε = R S⁻¹ e                          the residual z - h(y⁺)
+/// R ← a R + (1 - a) diag(ε εᵀ + H P Hᵀ),  H P Hᵀ = R - R S⁻¹ R
+/// Q ← a Q + (1 - a) K e eᵀ Kᵀ
+/// ```
+///
+/// with P after the update. The residual is exact for sensors that are linear in the state. For others, such as
+/// accelerometers, it is the residual of the linearised sensor, not `z - h(y⁺)`; these differ by the curvature of h. R
+/// stays diagonal, as the sensors are independent. A sensor that is missing keeps its variance.
+///
+/// Source: Akhlaghi, Zhou and Huang (2017), Adaptive adjustment of noise covariance in Kalman filter for dynamic state
+/// estimation, equations 10 and 15.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Adaptation {
+    /// Whether R is estimated.
+    pub sensor_noise: bool,
+    /// Whether Q is estimated.
+    pub process_noise: bool,
+    /// a, in (0, 1): the share of the last estimate that stays.
+    pub forgetting: f64,
+}
+
+impl Default for Adaptation {
+    /// R and Q stay as they are.
+    fn default() -> Self {
+        Self { sensor_noise: false, process_noise: false, forgetting: 0.995 }
+    }
+}
+
+impl Adaptation {
+    /// Whether anything is learnt.
+    pub fn is_on(&self) -> bool {
+        self.sensor_noise || self.process_noise
+    }
+    /// Learns from a correction by these measurements.
+    pub(super) fn adapt(&self, observation: &Observation, correction: &Correction, noise: &mut Noise) {
+        let keep = self.forgetting;
+        let sensors = observation.sensors();
+        let m = sensors.len();
+        let innovation = Vector::from_fn(m, |i, _| correction.innovation[sensors[i]]);
+        if self.process_noise {
+            let mut shift = Vector::zeros(correction.gain.nrows());
+            for (&sensor, &e) in sensors.iter().zip(innovation.iter()) {
+                shift.axpy(e, &correction.gain.column(sensor), 1.0);
+            }
+            noise.process.ger(1.0 - keep, &shift, &shift, keep);
+        }
+        if self.sensor_noise {
+            let cov = Matrix::from_fn(m, m, |i, j| correction.innovation_cov[(sensors[i], sensors[j])]);
+            let Some(inverse) = Ldl::new(&cov).map(|factor| factor.divide(&Matrix::identity(m, m))) else { return };
+            let white = &inverse * innovation;
+            for (row, (&sensor, &r)) in sensors.iter().zip(observation.variances()).enumerate() {
+                let residual = r * white[row];
+                let seen = r - r * r * inverse[(row, row)];
+                noise.sensors[sensor] = keep * r + (1.0 - keep) * (residual * residual + seen.max(0.0));
+            }
+        }
+    }
+}

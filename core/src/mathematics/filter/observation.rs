@@ -1,0 +1,167 @@
+//! The measurements of one sample.
+
+use std::sync::Arc;
+
+use super::FilterError;
+use super::measurements::Measurements;
+use crate::Model;
+use crate::mathematics::engine::states::States;
+use crate::mathematics::linalg::{Matrix, Vector, fit};
+use crate::mathematics::model::Reading;
+
+/// The m measurements of one sample that are not missing.
+#[derive(Clone, Debug)]
+pub struct Observation {
+    /// The readings of all sensors, with and without a measurement.
+    readings: Arc<[Option<Reading>]>,
+    measurements: Measurements,
+    force: f64,
+}
+
+impl Observation {
+    /// No measurement yet, of sensors with these readings.
+    pub(super) fn of(readings: Vec<Option<Reading>>) -> Self {
+        Self { readings: Arc::from(readings), measurements: Measurements::new(false), force: 0.0 }
+    }
+
+    /// Takes in a sample: a number for each sensor, NaN where it is missing, and the variance of each.
+    ///
+    /// # Errors
+    /// [`FilterError::InfiniteMeasurement`]
+    pub(super) fn take(&mut self, new_force: f64, measured: &[f64], noise: &[f64]) -> Result<(), FilterError> {
+        let Self { readings, measurements, force } = self;
+        *force = new_force;
+        measurements.take(measured, noise, |sensor| readings[sensor].is_some())
+    }
+
+    /// The numbers without the meaning of their sensors.
+    pub(super) fn measurements(&self) -> &Measurements {
+        &self.measurements
+    }
+
+    /// m, the number of measurements.
+    pub fn len(&self) -> usize {
+        self.measurements.len()
+    }
+
+    /// Whether nothing was measured.
+    pub fn is_empty(&self) -> bool {
+        self.measurements.is_empty()
+    }
+
+    /// The place of each measurement's sensor among all sensors.
+    pub fn sensors(&self) -> &[usize] {
+        self.measurements.sensors()
+    }
+
+    /// The number of all sensors, including those without a measurement.
+    pub fn all_sensors(&self) -> usize {
+        self.readings.len()
+    }
+
+    /// z, in the sensors' units.
+    pub fn values(&self) -> &[f64] {
+        self.measurements.values()
+    }
+
+    /// The diagonal of R, in the sensors' units squared.
+    pub fn variances(&self) -> &[f64] {
+        self.measurements.variances()
+    }
+
+    /// The recorded force over mass at the sample \[m/s²\].
+    pub fn force(&self) -> f64 {
+        self.force
+    }
+
+    /// The readings of all sensors; `None` for those that the model does not have.
+    pub(super) fn all_readings(&self) -> &Arc<[Option<Reading>]> {
+        &self.readings
+    }
+
+    fn readings(&self) -> impl Iterator<Item = &Reading> + Clone {
+        self.sensors().iter().filter_map(|&sensor| self.readings[sensor].as_ref())
+    }
+
+    /// Whether every sensor is linear in the state, whatever the plant.
+    pub fn is_linear(&self) -> bool {
+        self.readings().all(Reading::is_of_components)
+    }
+
+    /// `h(y, f)`, the m numbers that the sensors would read in a state.
+    pub fn read(&self, model: &Model, state: &[f64]) -> Vector {
+        let mut values = Vector::zeros(self.len());
+        self.read_into(model, state, &mut Vec::new(), values.as_mut_slice());
+        values
+    }
+
+    /// The numbers that the sensors would read in several states, each a column; m rows.
+    pub(super) fn read_all(&self, engine: &mut States, states: &Matrix) -> Matrix {
+        let mut values = Matrix::zeros(self.len(), states.ncols());
+        engine.read(states.as_slice(), self.force, self.readings(), values.as_mut_slice());
+        values
+    }
+
+    /// [`Self::read`] of several states, each a column, written over `values`; `rate` is scratch memory.
+    pub fn read_all_into(&self, model: &Model, states: &Matrix, rate: &mut Vec<f64>, values: &mut Matrix) {
+        fit(values, self.len(), states.ncols());
+        let columns = values.as_mut_slice().chunks_exact_mut(self.len());
+        for (state, values) in states.as_slice().chunks_exact(model.size()).zip(columns) {
+            self.read_into(model, state, rate, values);
+        }
+    }
+
+    /// [`Self::read`], written over `values`; `rate` is scratch memory.
+    pub fn read_into(&self, model: &Model, state: &[f64], rate: &mut Vec<f64>, values: &mut [f64]) {
+        if self.readings().any(Reading::is_of_rates) {
+            rate.resize(model.size(), 0.0);
+            model.rate_into(state, self.force, rate);
+        }
+        for (value, reading) in values.iter_mut().zip(self.readings()) {
+            *value = model.read_moving(reading, state, rate, self.force);
+        }
+    }
+
+    /// `H = ∂h/∂y`, m × n, in a state.
+    pub fn jacobian(&self, model: &Model, state: &[f64]) -> Matrix {
+        let mut jacobian = Matrix::zeros(0, 0);
+        self.jacobian_into(model, state, &mut Vec::new(), &mut Matrix::zeros(0, 0), &mut jacobian);
+        jacobian
+    }
+
+    /// [`Self::jacobian`], written over `jacobian`; `rows` and `rates` are scratch memory.
+    pub fn jacobian_into(
+        &self,
+        model: &Model,
+        state: &[f64],
+        rows: &mut Vec<f64>,
+        rates: &mut Matrix,
+        jacobian: &mut Matrix,
+    ) {
+        if self.readings().any(Reading::is_of_rates) {
+            model.jacobian_into(state, self.force, rows, rates);
+        }
+        fit(jacobian, self.len(), model.size());
+        jacobian.as_mut_slice().fill(0.0);
+        for (row, reading) in self.readings().enumerate() {
+            model.read_gradient_into(reading, rates, self.force, |place, part| jacobian[(row, place)] += part);
+        }
+    }
+
+    /// Adds R to a covariance of the readings, m × m, and makes it symmetric to the last bit, from its lower triangle.
+    pub fn add_noise(&self, cov: &mut Matrix) {
+        self.measurements.add_noise(cov);
+    }
+
+    /// The innovation `e = z - h`, where h is `expected`.
+    pub fn innovation(&self, expected: &Vector) -> Vector {
+        let mut innovation = Vector::zeros(0);
+        self.innovation_into(expected, &mut innovation);
+        innovation
+    }
+
+    /// [`Self::innovation`], written over `innovation`.
+    pub fn innovation_into(&self, expected: &Vector, innovation: &mut Vector) {
+        self.measurements.innovation_into(expected, innovation);
+    }
+}

@@ -1,0 +1,231 @@
+//! Beliefs as a weighted sample of states: the bootstrap particle filter.
+
+use std::borrow::Cow;
+
+use super::ensemble::{covariance, stretch, weighted_sum};
+use super::{Belief, Correction, FilterError, FilterInfo, Gaussian, Noise, Normal, Observation, Step, kalman};
+use crate::Model;
+use crate::mathematics::engine::states::States;
+use crate::mathematics::linalg::{Matrix, Vector, lower_root, symmetric};
+
+/// The regularised bootstrap particle filter: every particle moves by a Runge-Kutta step and a draw of Q, and is
+/// weighted by the likelihood of the measurement. Once the effective sample size `1/Σwᵢ²` is below half the particles,
+/// they are resampled systematically and spread by a normal kernel, without the kernel, constant parameters would soon
+/// have a single value left. Fading stretches the sample about its mean.
+///
+/// Innovation, S and gain are those of a Gaussian with the sample's moments, for diagnostics; the log likelihood is the
+/// particles' own.
+///
+/// Source: Gordon, Salmond and Smith (1993), Novel approach to nonlinear/non-Gaussian Bayesian state estimation; Kitagawa
+/// (1996), Monte Carlo filter and smoother for non-Gaussian nonlinear state space models (systematic resampling); Musso,
+/// Oudjane and Le Gland (2001), Improving regularised particle filters; Liu and West (2001), Combined parameter and state
+/// estimation in simulation-based filtering (a kernel that keeps mean and covariance).
+#[derive(Clone, Debug)]
+pub struct Particles {
+    /// Each a column.
+    particles: Matrix,
+    weights: Vec<f64>,
+    normal: Normal,
+    engine: Option<Box<States>>,
+    /// The belief that the particles were drawn from, until they first move.
+    origin: Option<Gaussian>,
+}
+
+impl Particles {
+    /// `size` particles drawn from a Gaussian; at least 2.
+    ///
+    /// # Errors
+    /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where the Gaussian's covariance has no root.
+    pub fn new(belief: Gaussian, size: usize, mut normal: Normal) -> Result<Self, FilterError> {
+        let size = size.max(2);
+        let mut particles = Matrix::from_fn(belief.size(), size, |i, _| belief.mean[i]);
+        add_draws(&mut particles, &lower_root(&belief.cov)?, &mut normal);
+        Ok(Self { particles, weights: vec![1.0 / size as f64; size], normal, engine: None, origin: Some(belief) })
+    }
+
+    fn mean(&self) -> Vector {
+        weighted_mean(&self.particles, &self.weights)
+    }
+
+    fn moments(&self) -> Gaussian {
+        let Self { particles, weights, .. } = self;
+        let mean = self.mean();
+        let cov = covariance([particles, particles], [&mean; 2], |j| weights[j]);
+        Gaussian { mean, cov: symmetric(cov) }
+    }
+
+    /// Makes the weights' sum one.
+    fn normalise(&mut self) -> Result<(), FilterError> {
+        let total: f64 = self.weights.iter().sum();
+        if !(total > 0.0 && total.is_finite()) {
+            return Err(FilterError::NotFinite);
+        }
+        for weight in &mut self.weights {
+            *weight /= total;
+        }
+        Ok(())
+    }
+
+    /// Resamples: copies each particle in proportion to its weight, within one copy, and moves each copy by a draw from
+    /// a kernel, so that copies separate. Shrinking the particles towards their mean first keeps mean and covariance.
+    fn resample(&mut self) {
+        let Gaussian { mean, cov } = self.moments();
+        let Self { particles, weights, normal, .. } = self;
+        let (n, count) = particles.shape();
+        let offset = normal.uniform();
+        let mut drawn = Vec::with_capacity(count);
+        let (mut at, mut reached) = (0, weights[0]);
+        for i in 0..count {
+            let target = (i as f64 + offset) / count as f64;
+            while reached < target && at + 1 < count {
+                at += 1;
+                reached += weights[at];
+            }
+            drawn.push(at);
+        }
+        *particles = particles.select_columns(&drawn);
+        let square = bandwidth_square(n, count);
+        // If rounding makes the covariance of a thin sample indefinite, the particles stay where they were drawn.
+        if let Ok(root) = lower_root(&(cov * square)) {
+            stretch(particles, &mean, (1.0 - square).sqrt());
+            add_draws(particles, &root, normal);
+        }
+        weights.fill(1.0 / count as f64);
+    }
+
+    /// `P ← λ P + Q`
+    fn spread(&mut self, Noise { process, fading, .. }: &Noise) -> Result<(), FilterError> {
+        if *fading != 1.0 {
+            let mean = self.mean();
+            stretch(&mut self.particles, &mean, fading.sqrt());
+        }
+        add_draws(&mut self.particles, &lower_root(process)?, &mut self.normal);
+        Ok(())
+    }
+
+    /// Multiplies the weights by the particles' likelihoods and returns the logarithm of the mean of these.
+    fn weigh(&mut self, readings: &Matrix, observation: &Observation) -> Result<f64, FilterError> {
+        let log_likelihood = |reading: &[f64]| {
+            let errors = observation.values().iter().zip(reading).map(|(value, reading)| value - reading);
+            -0.5 * errors.zip(observation.variances()).map(|(error, variance)| error * error / variance).sum::<f64>()
+        };
+        let log_likelihoods: Vec<f64> =
+            readings.as_slice().chunks_exact(observation.len()).map(log_likelihood).collect();
+        // Relative to the best, so that not all underflow.
+        let best = log_likelihoods.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        for (weight, log_likelihood) in self.weights.iter_mut().zip(&log_likelihoods) {
+            *weight *= libm::exp(log_likelihood - best);
+        }
+        let total: f64 = self.weights.iter().sum();
+        if best == f64::NEG_INFINITY && readings.column_iter().all(|reading| reading.sum().is_finite()) {
+            return Err(FilterError::ImpossibleMeasurement);
+        }
+        if !best.is_finite() {
+            return Err(FilterError::NotFinite);
+        }
+        self.normalise()?;
+        let ln_noise: f64 = observation.variances().iter().map(|r| libm::log(std::f64::consts::TAU * r)).sum();
+        Ok(best + libm::log(total) - 0.5 * ln_noise)
+    }
+}
+
+impl Belief for Particles {
+    fn predict(&mut self, model: &Model, step: Step, noise: &Noise) -> Result<(), FilterError> {
+        self.origin = None;
+        let Self { particles, weights, engine, .. } = self;
+        let mut moved = particles.clone();
+        States::of(engine, model).advance(moved.as_mut_slice(), &step.of_engine());
+        // A diverged particle explains no measurement and loses its weight.
+        let mut lost = false;
+        let places = particles.as_mut_slice().chunks_exact_mut(model.size());
+        for ((next, place), weight) in moved.as_slice().chunks_exact(model.size()).zip(places).zip(weights) {
+            if next.iter().map(|x| x * x).sum::<f64>().is_finite() {
+                place.copy_from_slice(next);
+            } else {
+                (*weight, lost) = (0.0, true);
+            }
+        }
+        if lost {
+            self.normalise()?;
+        }
+        self.spread(noise)
+    }
+
+    fn condition(
+        &mut self,
+        model: &Model,
+        observation: &Observation,
+        correction: &mut Correction,
+    ) -> Result<(), FilterError> {
+        let readings = observation.read_all(States::of(&mut self.engine, model), &self.particles);
+        let weight = |j: usize| self.weights[j];
+        let reading_mean = weighted_mean(&readings, &self.weights);
+        let cross = covariance([&self.particles, &readings], [&self.mean(), &reading_mean], weight);
+        let mut innovation_cov = symmetric(covariance([&readings, &readings], [&reading_mean; 2], weight));
+        observation.add_noise(&mut innovation_cov);
+        if observation.variances().contains(&0.0) {
+            // With a variance of zero, no particle has a finite likelihood.
+            return Err(FilterError::SingularInnovation);
+        }
+        let factor = kalman::factor(&innovation_cov)?;
+        let gain = factor.divide(&cross);
+        if !gain.sum().is_finite() {
+            // The gain moves no particle here, so that nothing after this would report the error.
+            return Err(FilterError::NotFinite);
+        }
+        correction.report(observation, &observation.innovation(&reading_mean), &innovation_cov, &factor, &gain);
+
+        correction.log_likelihood = self.weigh(&readings, observation)?;
+        correction.effective_samples = 1.0 / self.weights.iter().map(|w| w * w).sum::<f64>();
+        if correction.effective_samples < 0.5 * self.weights.len() as f64 {
+            self.resample();
+        }
+        self.gaussian().check()
+    }
+
+    fn renew(&mut self, place: usize, variance: f64) -> Result<(), FilterError> {
+        let Self { particles, normal, .. } = self;
+        for particle in particles.row_mut(place).iter_mut() {
+            *particle = variance.sqrt() * normal.sample();
+        }
+        Ok(())
+    }
+
+    fn gaussian(&self) -> Cow<'_, Gaussian> {
+        self.origin.as_ref().map_or_else(|| Cow::Owned(self.moments()), Cow::Borrowed)
+    }
+}
+
+/// The square of the bandwidth of a normal kernel around each of `count` particles of n components, in the sample's standard
+/// deviations.
+///
+/// Source: Silverman (1986), *Density Estimation for Statistics and Data Analysis*, equation 4.14.
+pub(super) fn bandwidth_square(n: usize, count: usize) -> f64 {
+    let n = n as f64;
+    libm::pow(4.0 / ((n + 2.0) * count as f64), 2.0 / (n + 4.0)).min(1.0)
+}
+
+/// The weighted mean of the columns, taken about the first, so that the mean of equal values is that value to the last
+/// bit.
+pub(super) fn weighted_mean(sample: &Matrix, weights: &[f64]) -> Vector {
+    weighted_sum(sample, |j| weights[j])
+}
+
+/// Adds an independent draw from a normal distribution to every column. `root` is the root of its covariance.
+fn add_draws(sample: &mut Matrix, root: &Matrix, normal: &mut Normal) {
+    let draws = Matrix::from_fn(sample.nrows(), sample.ncols(), |_, _| normal.sample());
+    sample.gemm(1.0, root, &draws, 1.0);
+}
+
+pub(super) static PF: FilterInfo = FilterInfo {
+    key: "pf",
+    name: "PF",
+    description: "moves weighted particles and resamples them systematically",
+    reference: "Gordon, Salmond and Smith (1993), Novel approach to nonlinear/non-Gaussian Bayesian state estimation",
+    is_sampled: true,
+    has_own_likelihood: true,
+    evaluations: |settings, _| 4 * settings.ensemble_size,
+    time: |settings, n| settings.members() * 75.0 * n as f64,
+    has_propagation: false,
+    begin: |initial, settings, normal| Ok(Box::new(Particles::new(initial, settings.ensemble_size, normal)?)),
+};

@@ -1,0 +1,307 @@
+//! Updates that weigh measurements: one that does not fit counts less than others, or not at all.
+//!
+//! ```text
+//! Rᵢ ← Rᵢ / wᵢ,  wᵢ from the misfit of sensor i after the update; again until no weight changes
+//! ```
+//!
+//! A weight of zero leaves a sensor out, as if it had measured nothing. Each rule has a file of its own; the registry below
+//! lists them.
+
+mod gate;
+mod huber;
+mod student_t;
+
+use std::fmt;
+use std::sync::LazyLock;
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
+
+use super::{Belief, Correction, FilterError, Noise, Observation};
+use crate::Model;
+use crate::mathematics::linalg::{Ldl, Matrix};
+
+/// The description of a rule for weights.
+#[derive(Debug)]
+pub struct RobustInfo {
+    /// The key in scenario files.
+    pub key: &'static str,
+    /// The name in running text.
+    pub name: &'static str,
+    /// What it does, in a few words.
+    pub description: &'static str,
+    /// Where it comes from.
+    pub reference: &'static str,
+    /// Limits the updates by one sample with new weights, after the first one, in which all weights are 1.
+    pub passes: usize,
+    /// The weight of a measurement, from 0 to 1 or somewhat above.
+    pub weight: fn(&Misfit) -> f64,
+}
+
+/// How far a sensor is from its prediction, and from the state after the update.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Misfit {
+    /// `e² / S` of the sensor alone, before any weight: 1 on average where the filter is right.
+    pub predicted: f64,
+    /// `ε² / R` with the residual `ε = z - h(y⁺)` of the last update and R without a weight.
+    pub residual: f64,
+    /// `H P⁺ Hᵀ / R`, the variance of the residual that the state's own uncertainty makes.
+    pub uncertainty: f64,
+}
+
+/// A rule for weights, identified by its key.
+#[derive(Clone, Copy)]
+pub struct Robust(&'static RobustInfo);
+
+/// The registry: a constant for each rule, and the list of all of them.
+macro_rules! registry {
+    ($($(#[$doc:meta])* $name:ident = $info:expr;)*) => {
+        impl Robust {
+            $($(#[$doc])* pub const $name: Self = Self(&$info);)*
+
+            /// Every rule.
+            pub const ALL: [Self; [$(stringify!($name)),*].len()] = [$(Self::$name),*];
+        }
+    };
+}
+registry! {
+    /// Every measurement counts as its R says.
+    NONE = NONE;
+    /// Leaves out a measurement that is too far from its prediction.
+    GATE = gate::GATE;
+    /// Huber's weights: beyond a limit, a measurement pulls with constant force.
+    HUBER = huber::HUBER;
+    /// The noise of each sensor follows Student's distribution.
+    STUDENT_T = student_t::STUDENT_T;
+}
+
+static NONE: RobustInfo = RobustInfo {
+    key: "none",
+    name: "none",
+    description: "takes every measurement as its R says",
+    reference: "Kalman (1960), A new approach to linear filtering and prediction problems",
+    passes: 0,
+    weight: |_| 1.0,
+};
+
+impl Robust {
+    /// Its description.
+    pub const fn info(self) -> &'static RobustInfo {
+        self.0
+    }
+
+    /// Whether it weighs anything.
+    pub fn is_on(self) -> bool {
+        self != Self::NONE
+    }
+}
+
+impl Default for Robust {
+    fn default() -> Self {
+        Self::NONE
+    }
+}
+
+impl PartialEq for Robust {
+    fn eq(&self, other: &Self) -> bool {
+        self.0.key == other.0.key
+    }
+}
+
+impl fmt::Debug for Robust {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.0.key)
+    }
+}
+
+impl Serialize for Robust {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.0.key)
+    }
+}
+
+impl<'de> Deserialize<'de> for Robust {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        static KEYS: LazyLock<Vec<&'static str>> =
+            LazyLock::new(|| Robust::ALL.iter().map(|rule| rule.0.key).collect());
+        let key = String::deserialize(deserializer)?;
+        let rule = Self::ALL.into_iter().find(|rule| rule.0.key == key);
+        rule.ok_or_else(|| de::Error::unknown_variant(&key, &KEYS))
+    }
+}
+
+/// A change of a weight that ends the passes.
+const SETTLED: f64 = 1e-3;
+
+/// A rule with its memory.
+#[derive(Clone, Debug)]
+pub(super) struct Weighing {
+    rule: Robust,
+    /// Of each sensor: the measurement and R, weighed; and the parts of the misfit that passes do not change.
+    measured: Vec<f64>,
+    noise: Vec<f64>,
+    weights: Vec<f64>,
+    misfits: Vec<Misfit>,
+}
+
+impl Weighing {
+    /// The memory for a rule; `None` for one that weighs nothing.
+    pub(super) fn new(rule: Robust) -> Option<Self> {
+        let none = Vec::new;
+        rule.is_on().then(|| Self { rule, measured: none(), noise: none(), weights: none(), misfits: Vec::new() })
+    }
+
+    /// Conditions a belief on the measurements of an observation, weighed; those with a weight of zero leave the observation.
+    ///
+    /// # Errors
+    /// Those of [`Belief::condition`].
+    pub(super) fn condition<B: Belief + ?Sized>(
+        &mut self,
+        belief: &mut B,
+        model: &Model,
+        noise: &Noise,
+        observation: &mut Observation,
+        correction: &mut Correction,
+    ) -> Result<(), FilterError> {
+        let can_return = belief.store();
+        belief.condition(model, observation, correction)?;
+        if !can_return {
+            return Ok(());
+        }
+        self.begin(observation, correction, noise);
+        for _ in 0..self.rule.0.passes {
+            if !self.weigh(observation, correction, noise) {
+                break;
+            }
+            belief.restore();
+            correction.clear(model.size(), noise.sensors.len());
+            observation.take(observation.force(), &self.measured, &self.noise)?;
+            if observation.is_empty() {
+                break;
+            }
+            belief.condition(model, observation, correction)?;
+        }
+        Ok(())
+    }
+
+    /// Takes in the first update, without weights.
+    fn begin(&mut self, observation: &Observation, correction: &Correction, noise: &Noise) {
+        let Self { measured, noise: own, weights, misfits, .. } = self;
+        let count = noise.sensors.len();
+        measured.clear();
+        measured.resize(count, f64::NAN);
+        own.clone_from(&noise.sensors);
+        weights.clear();
+        weights.resize(count, 1.0);
+        misfits.clear();
+        misfits.resize(count, Misfit { predicted: 0.0, residual: 0.0, uncertainty: 0.0 });
+        for (&sensor, &value) in observation.sensors().iter().zip(observation.values()) {
+            let e = correction.innovation[sensor];
+            measured[sensor] = value;
+            misfits[sensor].predicted = e * e / correction.innovation_cov[(sensor, sensor)];
+        }
+    }
+
+    /// Takes the weights that follow from the last update. Returns whether any has changed.
+    ///
+    /// ```text
+    /// ε = R S⁻¹ e,  H P⁺ Hᵀ = R - R S⁻¹ R
+    /// ```
+    fn weigh(&mut self, observation: &Observation, correction: &Correction, noise: &Noise) -> bool {
+        let Self { rule, measured, noise: own, weights, misfits } = self;
+        let sensors = observation.sensors();
+        let m = sensors.len();
+        let cov = Matrix::from_fn(m, m, |i, j| correction.innovation_cov[(sensors[i], sensors[j])]);
+        let Some(inverse) = Ldl::new(&cov).map(|factor| factor.divide(&Matrix::identity(m, m))) else { return false };
+        let mut has_changed = false;
+        for (row, (&sensor, &r)) in sensors.iter().zip(observation.variances()).enumerate() {
+            let white: f64 = (0..m).map(|j| inverse[(row, j)] * correction.innovation[sensors[j]]).sum();
+            let (residual, unweighed) = (r * white, noise.sensors[sensor]);
+            misfits[sensor].residual = residual * residual / unweighed;
+            misfits[sensor].uncertainty = (r - r * r * inverse[(row, row)]).max(0.0) / unweighed;
+            let weight = (rule.0.weight)(&misfits[sensor]);
+            // A sensor without noise has no misfit to weigh by.
+            if unweighed == 0.0 || !weight.is_finite() {
+                continue;
+            }
+            has_changed |= (weight - weights[sensor]).abs() > SETTLED * weights[sensor];
+            weights[sensor] = weight;
+            if weight > 0.0 {
+                own[sensor] = unweighed / weight;
+            } else {
+                measured[sensor] = f64::NAN;
+            }
+        }
+        has_changed
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Channel, FilterKind, FilterSettings, Run, Scenario};
+
+    /// A filter of a measured record in which every tenth reading of the first sensor is off by 10 to 30 σ: the error of ωₙ at
+    /// the end, its standard deviation, and the share of the readings in the second half that the filter left out. Before, the
+    /// gate may take readings for outliers because its guess is wrong.
+    fn end(seed: u64, kind: FilterKind, robust: Robust, has_outliers: bool) -> [f64; 3] {
+        let mut scenario =
+            Scenario { duration: 25.0, seed, filters: vec![FilterSettings::default()], ..Scenario::default() };
+        let sensor_std = scenario.sensors.iter().map(|sensor| sensor.noise_std).collect();
+        let std = scenario.sensors[0].noise_std;
+        scenario.filters[0] = FilterSettings { kind, robust, sensor_std, ..scenario.filters[0].clone() };
+        let mut run = Run::new(&scenario).unwrap();
+        run.finish();
+        let far = |sensor: usize, k: usize| {
+            let number = libm::sin((k * k) as f64 + seed as f64);
+            let is_off = has_outliers && sensor == 0 && k % 10 == 7;
+            if is_off { std * (20.0 * number + libm::copysign(10.0, number)) } else { 0.0 }
+        };
+        let record = run.record().clone().with_measured(|sensor, k, z| z + far(sensor, k));
+        let mut run = Run::on_record(&scenario, record.into()).unwrap();
+        run.finish();
+        let estimates = &run.estimates()[0];
+        assert_eq!(estimates.stop(), None);
+        let last = estimates.len() - 1;
+        let late = last / 2..=last;
+        let count = late.clone().count() as f64;
+        let left_out = late.filter(|&k| estimates.innovation(k)[0].is_nan()).count() as f64 / count;
+        let truth = scenario.plant.parameter(Channel::NATURAL_FREQUENCY).unwrap().at(0.0);
+        [estimates.mean(last)[2] - truth, estimates.std(last, 2), left_out]
+    }
+
+    #[test]
+    fn a_tenth_of_outliers_misleads_the_plain_filter_and_no_robust_one() {
+        for kind in [FilterKind::EKF, FilterKind::UKF] {
+            let rms = Robust::ALL.map(|robust| {
+                let mut sum = 0.0;
+                for seed in 1..=8 {
+                    let [error, std, left_out] = end(seed, kind, robust, true);
+                    let what = format!("{kind:?} {robust:?}, seed {seed}: {error} ± {std}, {left_out} left out");
+                    assert!(!robust.is_on() || error.abs() < 4.0 * std, "{what}");
+                    let of_gate = if robust == Robust::GATE { 0.09..0.11 } else { 0.0..1e-9 };
+                    assert!(of_gate.contains(&left_out), "{what}");
+                    sum += error * error / 8.0;
+                }
+                sum.sqrt()
+            });
+            assert!(rms[1..].iter().all(|rms_of_robust| *rms_of_robust < 0.5 * rms[0]), "{kind:?}: {rms:?}");
+        }
+    }
+
+    #[test]
+    fn a_gate_leaves_clean_readings_in() {
+        for seed in 1..=4 {
+            let [error, std, left_out] = end(seed, FilterKind::EKF, Robust::GATE, false);
+            assert!(error.abs() < 4.0 * std && left_out < 0.002, "{error} ± {std}, {left_out}");
+        }
+    }
+
+    #[test]
+    fn weights_are_those_of_their_sources() {
+        let misfit = |predicted: f64, residual: f64| Misfit { predicted, residual, uncertainty: 0.5 };
+        let weigh = |rule: Robust, predicted, residual| (rule.info().weight)(&misfit(predicted, residual));
+        assert_eq!([weigh(Robust::GATE, 15.9, 0.0), weigh(Robust::GATE, 16.1, 0.0)], [1.0, 0.0]);
+        assert_eq!([weigh(Robust::HUBER, 0.0, 1.0), weigh(Robust::HUBER, 0.0, 4.0)], [1.0, 1.345 / 2.0]);
+        assert_eq!(weigh(Robust::STUDENT_T, 0.0, 5.5), 0.5);
+    }
+}

@@ -1,0 +1,347 @@
+//! A plant with everything that surrounds it: augmentations, decay of the parameters, logarithms.
+
+mod reading;
+
+use serde::{Deserialize, Serialize};
+
+use crate::mathematics::linalg::{Matrix, Vector, fit};
+use crate::{Channel, PlantKind};
+
+pub use reading::Reading;
+
+/// The physical meaning of a record's input.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum InputKind {
+    /// A force over mass \[m/s²\].
+    #[default]
+    Force,
+    /// The acceleration of the ground \[m/s²\]: the force over mass is its negative.
+    GroundAcceleration,
+}
+
+impl InputKind {
+    /// The force over mass for a value of the input, both in m/s².
+    #[inline]
+    pub fn force(self, input: f64) -> f64 {
+        match self {
+            Self::Force => input,
+            Self::GroundAcceleration => -input,
+        }
+    }
+}
+
+/// The course of the input between samples.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Hold {
+    /// It keeps the value of a sample until the next one: a zero-order hold.
+    #[default]
+    Zero,
+    /// It is linear from each sample to the next: a first-order hold.
+    First,
+}
+
+/// The n-component state `y` of a plant and its surroundings, its motion, and the readings of sensors.
+///
+/// ```text
+/// y = [motion, parameters, augmentations]
+/// ẏ = g(y, f):  motion as the plant has it under F = g f + o + u + w, parameters ṗ = -η p, augmentations constant
+/// ```
+///
+/// With logarithms the state has `ln θ` in place of every parameter θ that cannot be negative
+/// ([`Channel::is_positive`]), so that no estimate is: `d(ln θ)/dt = θ̇/θ`, `∂g/∂(ln θ) = θ ∂g/∂θ`.
+#[derive(Clone, Debug)]
+pub struct Model {
+    plant: PlantKind,
+    channels: Vec<Channel>,
+    motion: usize,
+    /// The number of components that are the plant's own.
+    own: usize,
+    eta: f64,
+    /// The places of logarithms.
+    logarithms: Vec<usize>,
+    input: InputKind,
+    gain: Option<usize>,
+    /// The places of forces that the record lacks: the offset, the unknown force and the white one.
+    offset: Option<usize>,
+    unknown: Option<usize>,
+    white: Option<usize>,
+}
+
+impl Model {
+    /// A plant without augmentations.
+    pub fn new(plant: PlantKind) -> Self {
+        let channels = plant.channels().to_vec();
+        let (motion, own) = (plant.motion(), channels.len());
+        let (eta, logarithms, input) = (0.0, Vec::new(), InputKind::Force);
+        let (gain, offset, unknown, white) = (None, None, None, None);
+        Self { plant, channels, motion, own, eta, logarithms, input, gain, offset, unknown, white }
+    }
+
+    /// With these augmentations too, each once; channels that are none are left out.
+    #[must_use]
+    pub fn augmented(mut self, augmentations: impl IntoIterator<Item = Channel>) -> Self {
+        for channel in augmentations {
+            if channel.is_augmentation() && !self.channels.contains(&channel) {
+                self.channels.push(channel);
+            }
+        }
+        self.gain = self.place(Channel::INPUT_GAIN);
+        self.offset = self.place(Channel::INPUT_OFFSET);
+        self.unknown = self.place(Channel::UNKNOWN_FORCE);
+        self.white = self.place(Channel::WHITE_FORCE);
+        self
+    }
+
+    /// With parameters that decay at the rate `eta` \[1/s\].
+    #[must_use]
+    pub fn decaying(self, eta: f64) -> Self {
+        Self { eta, ..self }
+    }
+
+    /// With the logarithms of positive parameters in the state if `log_parameters`.
+    #[must_use]
+    pub fn with_logarithms(self, log_parameters: bool) -> Self {
+        let parameters = self.motion..self.own;
+        let logarithms = parameters.filter(|&place| log_parameters && self.channels[place].is_positive()).collect();
+        Self { logarithms, ..self }
+    }
+
+    /// With an input of this kind.
+    #[must_use]
+    pub fn driven_by(self, input: InputKind) -> Self {
+        Self { input, ..self }
+    }
+
+    /// The plant.
+    pub fn plant(&self) -> PlantKind {
+        self.plant
+    }
+
+    /// The components of the state.
+    pub fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    /// The place of a channel in the state.
+    pub fn place(&self, channel: Channel) -> Option<usize> {
+        self.channels.iter().position(|&c| c == channel)
+    }
+
+    /// n, the number of components of the state.
+    pub fn size(&self) -> usize {
+        self.channels.len()
+    }
+
+    /// The number of components that move, which come first.
+    pub fn motion(&self) -> usize {
+        self.motion
+    }
+
+    /// η, the rate at which the plant's parameters decay \[1/s\].
+    pub fn eta(&self) -> f64 {
+        self.eta
+    }
+
+    /// Whether the motion is linear as long as all other components are constant.
+    pub fn is_linear(&self) -> bool {
+        self.plant.info().is_linear
+    }
+
+    /// Whether the state is in the channels' units: nothing of it is a logarithm.
+    pub fn in_units(&self) -> bool {
+        self.logarithms.is_empty()
+    }
+
+    /// Whether a component is a logarithm.
+    pub fn is_logarithm(&self, place: usize) -> bool {
+        self.logarithms.contains(&place)
+    }
+
+    /// The number of components that a step changes, which come first: those of the motion, and with a decay the parameters.
+    pub fn moving(&self) -> usize {
+        if self.eta == 0.0 { self.motion } else { self.own }
+    }
+
+    /// Hands over the plant's own state, logarithms undone.
+    fn with_plain<T>(&self, state: &[f64], take: impl FnOnce(&[f64]) -> T) -> T {
+        /// Limits the states that need no memory of their own: ten masses have 31 components.
+        const FEW: usize = 32;
+        if self.logarithms.is_empty() {
+            return take(&state[..self.own]);
+        }
+        let undo = |plain: &mut [f64]| {
+            plain.copy_from_slice(&state[..self.own]);
+            self.logarithms.iter().for_each(|&place| plain[place] = libm::exp(plain[place]));
+        };
+        if self.own <= FEW {
+            let mut plain = [0.0; FEW];
+            undo(&mut plain[..self.own]);
+            take(&plain[..self.own])
+        } else {
+            let mut plain = vec![0.0; self.own];
+            undo(&mut plain);
+            take(&plain)
+        }
+    }
+
+    /// F, the force over mass that acts in a state under the recorded force over mass `force`, both in m/s².
+    pub fn acting_force(&self, state: &[f64], force: f64) -> f64 {
+        let at = |place: Option<usize>, otherwise: f64| place.map_or(otherwise, |place| state[place]);
+        let lasting = self.recorded_force(state, force) + at(self.unknown, 0.0);
+        self.white.map_or(lasting, |place| lasting + state[place])
+    }
+
+    /// The part of F that comes with the recorded input: `g f + o`.
+    fn recorded_force(&self, state: &[f64], force: f64) -> f64 {
+        let scaled = self.gain.map_or(force, |place| state[place] * force);
+        self.offset.map_or(scaled, |place| scaled + state[place])
+    }
+
+    /// `g(y, f)` with the recorded force over mass `force` \[m/s²\], n numbers; each in its component's unit per second.
+    pub fn rate(&self, state: &[f64], force: f64) -> Vector {
+        let mut rate = Vector::zeros(self.size());
+        self.rate_into(state, force, rate.as_mut_slice());
+        rate
+    }
+
+    /// [`Self::rate`], written over `rate`.
+    pub fn rate_into(&self, state: &[f64], force: f64, rate: &mut [f64]) {
+        self.rate_under_into(state, self.acting_force(state, force), rate);
+    }
+
+    /// The rates of the components that move alone, M numbers, written over `rate`.
+    pub fn motion_rate_into(&self, state: &[f64], force: f64, rate: &mut [f64]) {
+        self.motion_rate_under_into(state, self.acting_force(state, force), rate);
+    }
+
+    /// [`Self::motion_rate_into`] under the total force over mass \[m/s²\].
+    pub(crate) fn motion_rate_under_into(&self, state: &[f64], acting: f64, rate: &mut [f64]) {
+        self.with_plain(state, |plain| self.plant.plant().motion_rate(plain, acting, rate));
+    }
+
+    /// `g` under the total force over mass \[m/s²\].
+    pub fn rate_under(&self, state: &[f64], acting: f64) -> Vector {
+        let mut rate = Vector::zeros(self.size());
+        self.rate_under_into(state, acting, rate.as_mut_slice());
+        rate
+    }
+
+    fn rate_under_into(&self, state: &[f64], acting: f64, rate: &mut [f64]) {
+        let (motion, rest) = rate.split_at_mut(self.motion);
+        self.motion_rate_under_into(state, acting, motion);
+        rest.fill(0.0);
+        if self.eta != 0.0 {
+            for place in self.motion..self.own {
+                rest[place - self.motion] = -self.eta * if self.is_logarithm(place) { 1.0 } else { state[place] };
+            }
+        }
+    }
+
+    /// `A = ∂g/∂y`, n × n, under the recorded force over mass `force` \[m/s²\].
+    pub fn jacobian(&self, state: &[f64], force: f64) -> Matrix {
+        let mut jacobian = Matrix::zeros(0, 0);
+        self.jacobian_into(state, force, &mut Vec::new(), &mut jacobian);
+        jacobian
+    }
+
+    /// [`Self::jacobian`], written over `jacobian`; `rows` is scratch memory.
+    pub fn jacobian_into(&self, state: &[f64], force: f64, rows: &mut Vec<f64>, jacobian: &mut Matrix) {
+        let (n, motion, own) = (self.size(), self.motion, self.own);
+        rows.clear();
+        rows.resize(motion * own, 0.0);
+        fit(jacobian, n, n);
+        jacobian.as_mut_slice().fill(0.0);
+        self.with_plain(state, |plain| {
+            self.plant.plant().motion_jacobian(plain, rows);
+            for (j, column) in jacobian.as_mut_slice().chunks_exact_mut(n).take(own).enumerate() {
+                for (i, entry) in column[..motion].iter_mut().enumerate() {
+                    *entry = rows[i * own + j];
+                }
+            }
+            for &place in &self.logarithms {
+                jacobian.column_mut(place).scale_mut(plain[place]);
+            }
+        });
+        if self.eta != 0.0 {
+            for place in motion..own {
+                // -η θ / θ does not depend on θ.
+                jacobian[(place, place)] = if self.is_logarithm(place) { 0.0 } else { -self.eta };
+            }
+        }
+        if self.gain.or(self.offset).or(self.unknown).or(self.white).is_some() {
+            rows.resize(2 * motion, 0.0);
+            let (by_force, work) = rows.split_at_mut(motion);
+            self.motion_by_force_into(state, by_force, &mut work[..motion]);
+            for (place, factor) in self.force_parts(force) {
+                for (entry, by_force) in jacobian.column_mut(place).iter_mut().zip(&*by_force) {
+                    *entry = by_force * factor;
+                }
+            }
+        }
+    }
+
+    /// The components that are parts of F, with the derivative of F by each.
+    fn force_parts(&self, force: f64) -> impl Iterator<Item = (usize, f64)> {
+        let one = |place: usize| (place, 1.0);
+        let gain = self.gain.map(|place| (place, force));
+        gain.into_iter().chain(self.offset.map(one)).chain(self.unknown.map(one)).chain(self.white.map(one))
+    }
+
+    /// `∂g/∂F`, n numbers: the force enters additively.
+    pub fn by_force(&self, state: &[f64]) -> Vector {
+        let mut by_force = Vector::zeros(self.size());
+        let mut work = vec![0.0; self.motion];
+        self.motion_by_force_into(state, &mut by_force.as_mut_slice()[..self.motion], &mut work);
+        by_force
+    }
+
+    /// The first M numbers of [`Self::by_force`], written over `by_force`; `work` is of the same size.
+    pub fn motion_by_force_into(&self, state: &[f64], by_force: &mut [f64], work: &mut [f64]) {
+        self.with_plain(state, |plain| {
+            self.plant.plant().motion_rate(plain, 1.0, by_force);
+            self.plant.plant().motion_rate(plain, 0.0, work);
+        });
+        for (with, without) in by_force.iter_mut().zip(work) {
+            *with -= *without;
+        }
+    }
+
+    /// `∂F/∂f`: the input gain in a state, 1 where there is none.
+    pub fn gain(&self, state: &[f64]) -> f64 {
+        self.gain.map_or(1.0, |place| state[place])
+    }
+
+    /// `∂g/∂f`, n numbers: [`Self::by_force`] times the gain.
+    pub fn by_recorded_force(&self, state: &[f64]) -> Vector {
+        self.by_force(state) * self.gain(state)
+    }
+
+    /// The state for values in the channels' units, and the size of each channel's unit in the state's unit.
+    pub fn to_state(&self, values: &[f64]) -> (Vector, Vector) {
+        let mut state = Vector::from_column_slice(values);
+        let mut unit = Vector::repeat(values.len(), 1.0);
+        for &i in &self.logarithms {
+            state[i] = libm::log(values[i]);
+            unit[i] = 1.0 / values[i];
+        }
+        (state, unit)
+    }
+
+    /// The values in the channels' units for a state, and the size of each component's unit in its channel's unit.
+    pub fn to_units(&self, state: &[f64]) -> (Vector, Vector) {
+        let (mut values, mut unit) = (Vector::from_column_slice(state), Vector::zeros(state.len()));
+        self.to_units_in_place(values.as_mut_slice(), unit.as_mut_slice());
+        (values, unit)
+    }
+
+    /// [`Self::to_units`], written over `state` and `unit`.
+    pub fn to_units_in_place(&self, state: &mut [f64], unit: &mut [f64]) {
+        unit.fill(1.0);
+        for &place in &self.logarithms {
+            state[place] = libm::exp(state[place]);
+            unit[place] = state[place];
+        }
+    }
+}

@@ -1,0 +1,142 @@
+//! Readings of sensors from a model's state.
+
+use super::{InputKind, Model};
+use crate::Quantity;
+use crate::mathematics::linalg::{Matrix, Vector};
+use crate::mathematics::quantity::Term;
+
+/// The reading of a sensor, in places of a model's state.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reading {
+    /// Components with their factors.
+    state: Vec<(usize, f64)>,
+    /// Rates of components with their factors.
+    rates: Vec<(usize, f64)>,
+    /// The factor of the ground's acceleration.
+    ground: f64,
+    /// The component, if the reading is one component with the factor 1 and nothing else.
+    component: Option<usize>,
+}
+
+impl Model {
+    /// The reading of a sensor for `quantity`, if the plant has it.
+    pub fn reading(&self, quantity: Quantity) -> Option<Reading> {
+        let mut reading = Reading { state: Vec::new(), rates: Vec::new(), ground: 0.0, component: None };
+        for (term, factor) in quantity.reads() {
+            match term {
+                Term::State(channel) => reading.state.push((self.place(channel)?, factor)),
+                Term::Rate(channel) => reading.rates.push((self.place(channel)?, factor)),
+                Term::Ground if self.input == InputKind::GroundAcceleration => reading.ground += factor,
+                Term::Ground => {}
+            }
+        }
+        if let Some(bias) = self.place(quantity.bias()) {
+            reading.state.push((bias, 1.0));
+        }
+        reading.component = match (&reading.state[..], &reading.rates[..], reading.ground) {
+            (&[(place, 1.0)], [], 0.0) => Some(place),
+            _ => None,
+        };
+        Some(reading)
+    }
+
+    /// `h(y, f)`: the reading of a perfect sensor, in its quantity's unit.
+    pub fn read(&self, reading: &Reading, state: &[f64], force: f64) -> f64 {
+        self.read_disturbed(reading, state, force, 0.0)
+    }
+
+    /// [`Self::read`] under an additional, unrecorded force over mass `disturbance` \[m/s²\].
+    pub fn read_disturbed(&self, reading: &Reading, state: &[f64], force: f64, disturbance: f64) -> f64 {
+        if reading.is_of_components() {
+            return self.read_moving(reading, state, &[], force);
+        }
+        let rate = self.rate_under(state, self.acting_force(state, force) + disturbance);
+        self.read_moving(reading, state, rate.as_slice(), force)
+    }
+
+    /// [`Self::read`] in a state that moves at this rate; only readings of rates use it.
+    pub fn read_moving(&self, reading: &Reading, state: &[f64], rate: &[f64], force: f64) -> f64 {
+        let Reading { state: components, rates, ground, .. } = reading;
+        let mut sum: f64 = components.iter().map(|&(place, factor)| factor * state[place]).sum();
+        sum += rates.iter().map(|&(place, factor)| factor * rate[place]).sum::<f64>();
+        if *ground != 0.0 {
+            // The force over mass is the negative of the ground's acceleration.
+            sum -= ground * self.recorded_force(state, force);
+        }
+        sum
+    }
+
+    /// `∂h/∂y`, n numbers.
+    pub fn read_gradient(&self, reading: &Reading, state: &[f64], force: f64) -> Vector {
+        let jacobian = if reading.rates.is_empty() { Matrix::zeros(0, 0) } else { self.jacobian(state, force) };
+        let mut gradient = Vector::zeros(self.size());
+        self.read_gradient_into(reading, &jacobian, force, |place, part| gradient[place] += part);
+        gradient
+    }
+
+    /// Adds the non-zero parts of `∂h/∂y` to their places. A is `jacobian`; only readings of rates use it.
+    pub fn read_gradient_into(
+        &self,
+        reading: &Reading,
+        jacobian: &Matrix,
+        force: f64,
+        mut add: impl FnMut(usize, f64),
+    ) {
+        let Reading { state: components, rates, ground, .. } = reading;
+        for &(place, factor) in components {
+            add(place, factor);
+        }
+        for &(row, factor) in rates {
+            for (place, entry) in jacobian.row(row).iter().enumerate() {
+                add(place, entry * factor);
+            }
+        }
+        if *ground != 0.0 {
+            let unrecorded = [self.unknown, self.white];
+            for (place, factor) in self.force_parts(force).filter(|(place, _)| !unrecorded.contains(&Some(*place))) {
+                add(place, -ground * factor);
+            }
+        }
+    }
+}
+
+impl Reading {
+    /// Components that it reads, with their factors.
+    pub fn components(&self) -> &[(usize, f64)] {
+        &self.state
+    }
+
+    /// Components of the rate that it reads, with their factors.
+    pub fn rates(&self) -> &[(usize, f64)] {
+        &self.rates
+    }
+
+    /// The factor of the ground's acceleration.
+    pub fn ground(&self) -> f64 {
+        self.ground
+    }
+
+    /// The component, if the reading is one component with the factor 1 and nothing else.
+    #[inline(always)]
+    pub fn component(&self) -> Option<usize> {
+        self.component
+    }
+
+    /// The component, if the reading is its rate with the factor 1 and nothing else.
+    pub fn rate_component(&self) -> Option<usize> {
+        match (&self.state[..], &self.rates[..], self.ground) {
+            ([], &[(place, 1.0)], 0.0) => Some(place),
+            _ => None,
+        }
+    }
+
+    /// Whether it reads a rate.
+    pub fn is_of_rates(&self) -> bool {
+        !self.rates.is_empty()
+    }
+
+    /// Whether it is linear in the state for every plant.
+    pub fn is_of_components(&self) -> bool {
+        self.rates.is_empty() && self.ground == 0.0
+    }
+}

@@ -1,0 +1,11 @@
+//! What can be computed from samples: scores, diagnostics, spectra, bounds, free runs, start values.
+
+pub(crate) mod cramer_rao;
+pub mod diagnostics;
+pub(crate) mod fourier;
+pub mod free_run;
+pub mod frequency_response;
+pub mod score;
+pub(crate) mod spectrogram;
+pub(crate) mod spectrum;
+pub mod suggest;

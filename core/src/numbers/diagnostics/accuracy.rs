@@ -1,0 +1,314 @@
+//! The errors of estimates against a known truth, channel by channel.
+
+use std::ops::Range;
+
+use super::range_sums::RangeSums;
+use crate::{Channel, Estimates, Record};
+
+/// Limits the relative error of an estimate that has settled.
+const SETTLED: f64 = 0.05;
+
+/// The tally of a channel's errors over some samples.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Tally {
+    /// Sum of the squared errors, in the channel's unit squared.
+    pub squares: f64,
+    /// The number of samples with a known truth.
+    pub known: u32,
+    /// The number of samples with the truth inside ±2σ.
+    pub inside: u32,
+}
+
+impl Tally {
+    /// The root mean square error, in the channel's unit; NaN without a known truth.
+    pub fn rmse(self) -> f64 {
+        (self.squares / f64::from(self.known)).sqrt()
+    }
+
+    /// The share of samples with the truth inside ±2σ: 0.954 where the errors are normal and σ is right.
+    pub fn share_inside(self) -> f64 {
+        f64::from(self.inside) / f64::from(self.known)
+    }
+}
+
+/// A channel of known truth, with its running sums.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TrackedChannel {
+    pub(crate) channel: Channel,
+    /// The place among the filter's channels.
+    pub(crate) place: usize,
+    /// The place in the record.
+    pub(crate) truth: usize,
+    pub(crate) total: Tally,
+    /// The first absolute error, kept or not; 0 before the first.
+    pub(crate) first_error: f64,
+    /// The largest absolute truth so far, kept or not.
+    pub(crate) largest_truth: f64,
+    /// The number, from the run's beginning, of the sample since which the error has stayed within [`SETTLED`]; the
+    /// number of the next sample if the last one is not within it.
+    pub(crate) settled: usize,
+}
+
+impl TrackedChannel {
+    /// The channels that a record has a truth of. `first` is the number of the first sample.
+    pub(crate) fn of<'a>(
+        channels: &'a [Channel],
+        record: &'a Record,
+        first: usize,
+    ) -> impl Iterator<Item = Self> + use<'a> {
+        channels.iter().enumerate().filter_map(move |(place, &channel)| {
+            let truth = record.truth_place(channel)?;
+            let total = Tally::default();
+            Some(Self { channel, place, truth, total, first_error: 0.0, largest_truth: 0.0, settled: first })
+        })
+    }
+
+    /// The error of a mean in the filter's own form.
+    #[inline]
+    pub(crate) fn error(&self, mean: &[f64], sign: f64, truth: f64) -> f64 {
+        mean[self.place] - if self.channel.is_mirrored() { sign * truth } else { truth }
+    }
+
+    /// Takes in the error of the sample with this number.
+    #[inline]
+    pub(crate) fn take_in(&mut self, error: f64, truth: f64, variance: f64, number: usize) {
+        if error.is_nan() {
+            self.settled += usize::from(self.settled == number);
+            return;
+        }
+        let mut total = self.total;
+        let square = error * error;
+        if total.known == 0 {
+            self.first_error = error.abs();
+        }
+        total.squares += square;
+        total.known += 1;
+        total.inside += u32::from(square <= 4.0 * variance);
+        self.total = total;
+        self.largest_truth = if truth.abs() > self.largest_truth { truth.abs() } else { self.largest_truth };
+        self.settled = if error.abs() <= SETTLED * truth.abs() { self.settled } else { number + 1 };
+    }
+}
+
+/// Whether a truth is lost by errors of this size: more than `limit` standard deviations, than the truth or the first error ever
+/// was, and than was thought possible at first.
+pub(crate) fn is_lost(rmse: f64, std: f64, limit: f64, seen: f64, initial_std: f64) -> bool {
+    std > 0.0 && rmse > limit * std && rmse > seen.max(2.0 * initial_std)
+}
+
+/// The sign of the mirrored channels of a mean: -1 where the natural frequency is negative.
+#[inline]
+pub(crate) fn sign_of(mean: &[f64], frequency: Option<usize>) -> f64 {
+    if frequency.is_some_and(|place| mean[place] < 0.0) { -1.0 } else { 1.0 }
+}
+
+/// The errors of the channels of known truth, in canonical form.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Accuracy {
+    known: Vec<TrackedChannel>,
+    /// The number of the first sample.
+    first: usize,
+    /// The place of the natural frequency; its sign determines the canonical form.
+    frequency: Option<usize>,
+    /// The squared errors: one a known channel and sample.
+    squares: RangeSums,
+    /// The numbers of samples up to each with a known truth, and with the truth inside ±2σ: one a known channel and sample.
+    counts: Vec<(u32, u32)>,
+    /// The errors of the last samples in the filter's own form, a row for each, and the sign that makes mirrored
+    /// channels of the last sample canonical.
+    errors: Vec<f64>,
+    sign: f64,
+}
+
+impl Accuracy {
+    pub(super) fn restart(&mut self, estimates: &Estimates, record: &Record) {
+        let Self { known, first, frequency, squares, counts, errors, sign } = self;
+        *first = estimates.forgotten();
+        known.clear();
+        known.extend(TrackedChannel::of(estimates.channels(), record, *first));
+        *frequency = estimates.place(Channel::NATURAL_FREQUENCY);
+        squares.restart(known.len());
+        counts.clear();
+        errors.clear();
+        errors.resize(known.len(), f64::NAN);
+        *sign = 1.0;
+    }
+
+    /// The errors of some samples in the filter's own form, a row of known channels for each.
+    ///
+    /// Channel by channel, since a channel's sums then stay in registers.
+    pub(super) fn look(&mut self, estimates: &Estimates, record: &Record, samples: Range<usize>) -> &[f64] {
+        let Self { known, frequency, errors, sign, .. } = self;
+        let width = known.len();
+        errors.clear();
+        errors.resize(width * samples.len(), f64::NAN);
+        for (at, one) in known.iter().enumerate() {
+            let column = errors[at..].iter_mut().step_by(width);
+            for (error, k) in column.zip(samples.clone()) {
+                let mean = estimates.mean(k);
+                *error = one.error(mean, sign_of(mean, *frequency), record.truth_at(one.truth, k));
+            }
+        }
+        if let Some(last) = samples.last() {
+            *sign = sign_of(estimates.mean(last), *frequency);
+        }
+        errors
+    }
+
+    /// The same, which are also added to the tallies.
+    pub(super) fn push(&mut self, estimates: &Estimates, record: &Record, samples: Range<usize>) -> &[f64] {
+        self.look(estimates, record, samples.clone());
+        let Self { known, first, squares, counts, errors, .. } = self;
+        let (width, before) = (known.len(), counts.len());
+        counts.resize(before + errors.len(), (0, 0));
+        for (at, one) in known.iter_mut().enumerate() {
+            let mut tracked = *one;
+            let column = errors[at..].iter().zip(&mut counts[before + at..]).step_by(width);
+            for ((&error, count), k) in column.zip(samples.clone()) {
+                let variance = estimates.cov(k)[tracked.place * (estimates.channels().len() + 1)];
+                tracked.take_in(error, record.truth_at(tracked.truth, k), variance, *first + k);
+                *count = (tracked.total.known, tracked.total.inside);
+            }
+            *one = tracked;
+        }
+        for row in errors.chunks_exact(width.max(1)) {
+            squares.push(row.iter().map(|error| if error.is_nan() { 0.0 } else { error * error }));
+        }
+        errors
+    }
+
+    /// The last error of a tracked channel; NaN where the truth is not known.
+    pub(super) fn error(&self, at: usize) -> f64 {
+        let sign = if self.known[at].channel.is_mirrored() { self.sign } else { 1.0 };
+        sign * self.errors[self.errors.len() - self.known.len() + at]
+    }
+
+    /// The number of the sample since which a tracked channel has settled.
+    pub(super) fn settled(&self, at: usize) -> Option<usize> {
+        let TrackedChannel { settled, total, .. } = self.known[at];
+        let end = self.first + self.counts.len() / self.known.len();
+        (total.known > 0 && settled < end).then_some(settled)
+    }
+
+    pub(super) fn clone_tracked(&self) -> Vec<TrackedChannel> {
+        self.known.clone()
+    }
+
+    /// Restores the sums over forgotten samples from `before`, after a restart with the kept samples.
+    pub(super) fn remember(&mut self, before: &[TrackedChannel]) {
+        for (known, before) in self.known.iter_mut().zip(before).filter(|(_, before)| before.total.known > 0) {
+            known.first_error = before.first_error;
+            known.largest_truth = known.largest_truth.max(before.largest_truth);
+            if known.settled == self.first {
+                known.settled = known.settled.min(before.settled);
+            }
+        }
+    }
+
+    pub(super) fn known(&self) -> &[TrackedChannel] {
+        &self.known
+    }
+
+    pub(super) fn place(&self, channel: Channel) -> Option<usize> {
+        self.known.iter().position(|known| known.channel == channel)
+    }
+
+    /// The tally of a tracked channel over the part of `range` that exists.
+    pub(super) fn within(&self, at: usize, range: Range<usize>) -> Tally {
+        let width = self.known.len();
+        let samples = self.counts.len() / width;
+        let end = range.end.min(samples);
+        let start = range.start.min(end);
+        if start == 0 && end == samples {
+            return self.known[at].total;
+        }
+        let until = |end: usize| end.checked_sub(1).map_or((0, 0), |k| self.counts[k * width + at]);
+        let ((known_before, inside_before), (known, inside)) = (until(start), until(end));
+        Tally {
+            squares: self.squares.within(at, start..end),
+            known: known - known_before,
+            inside: inside - inside_before,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mathematics::random::{Normal, Purpose};
+    use crate::samples::sink::Sample;
+    use crate::{FilterSettings, Hold, InputKind, Model, PlantKind};
+
+    const STD: f64 = 0.5;
+
+    /// The accuracy of a frequency and a damping, given as pairs of estimate and truth.
+    fn of(samples: impl IntoIterator<Item = [(f64, f64); 2]>) -> Accuracy {
+        let channels = vec![Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO];
+        let mut estimates = Estimates::new(&FilterSettings::default(), &Model::new(PlantKind::SDOF), Vec::new());
+        let mut record = Record::empty(0.01, InputKind::Force, Hold::Zero, Vec::new(), channels);
+        let mut accuracy = Accuracy::default();
+        accuracy.restart(&estimates, &record);
+        for (k, pairs) in samples.into_iter().enumerate() {
+            let [frequency, damping] = pairs.map(|(mean, _)| mean);
+            let cov: Vec<f64> = (0..16).map(|i| if i % 5 == 0 { STD * STD } else { 0.0 }).collect();
+            estimates.append(&Sample::unmeasured(&[0.0, 0.0, frequency, damping], &cov));
+            record.push(0.0, [], pairs.map(|(_, truth)| truth));
+            accuracy.push(&estimates, &record, k..k + 1);
+        }
+        accuracy
+    }
+
+    fn settled(errors: &[f64]) -> Option<usize> {
+        of(errors.iter().map(|error| [(4.0 + error, if error.is_nan() { f64::NAN } else { 4.0 }), (0.0, 0.0)]))
+            .settled(0)
+    }
+
+    #[test]
+    fn an_estimate_has_settled_from_when_on_it_is_near_the_truth_for_good() {
+        let (near, far, unknown) = (0.199, -0.201, f64::NAN);
+        for (errors, expected) in [
+            (&[far, near, -near, 0.0][..], Some(1)),
+            (&[near, near], Some(0)),
+            (&[near, far, near], Some(2)),
+            (&[near, near, far], None),
+            (&[far, unknown], None),
+            (&[far, unknown, near, unknown], Some(2)),
+            (&[unknown, unknown], None),
+            (&[], None),
+        ] {
+            assert_eq!(settled(errors), expected, "{errors:?}");
+        }
+    }
+
+    #[test]
+    fn errors_are_those_of_the_canonical_form() {
+        let mirrored = of([[(-6.5, 6.0), (-0.04, 0.05)], [(-6.25, 6.0), (-0.03, 0.05)]]);
+        assert_eq!((mirrored.error(0), mirrored.errors[0]), (0.25, -0.25));
+        assert!((mirrored.error(1) + 0.02).abs() < 1e-15);
+        assert!((mirrored.within(0, 0..2).squares - (0.25 + 0.0625)).abs() < 1e-15);
+        assert_eq!(mirrored.settled(0), Some(1));
+        let known = mirrored.known()[0];
+        assert_eq!((known.first_error, known.largest_truth), (0.5, 6.0));
+    }
+
+    #[test]
+    fn normal_errors_are_inside_two_standard_deviations_as_often_as_they_should() {
+        let mut normal = Normal::new(5, Purpose::Force);
+        let accuracy = of((0..20_000).map(|_| [(7.0 + STD * normal.sample(), 7.0), (2.0, 0.0)]));
+        let tally = accuracy.within(0, 0..20_000);
+        // 0.9545 ± three standard deviations of a share of 20 000 samples.
+        assert!((tally.share_inside() - 0.9545).abs() < 0.0045, "{}", tally.share_inside());
+        assert!((tally.rmse() / STD - 1.0).abs() < 0.015, "{}", tally.rmse());
+        assert_eq!(accuracy.within(1, 0..20_000), Tally { squares: 80_000.0, known: 20_000, inside: 0 });
+    }
+
+    #[test]
+    fn ranges_are_as_long_as_there_are_samples() {
+        let accuracy = of([[(1.0, 0.0), (0.0, f64::NAN)], [(3.0, 0.0), (2.0, 0.0)], [(f64::NAN, 0.0), (0.0, 0.0)]]);
+        assert_eq!(accuracy.within(0, 1..99), Tally { squares: 9.0, known: 1, inside: 0 });
+        assert_eq!(accuracy.within(1, 0..1), Tally::default());
+        assert!(accuracy.within(1, 0..1).rmse().is_nan() && accuracy.error(0).is_nan());
+        assert_eq!(accuracy.within(1, 0..3).known, 2);
+        assert_eq!(of([]).within(0, 0..5), Tally::default());
+    }
+}

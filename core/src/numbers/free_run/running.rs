@@ -1,0 +1,123 @@
+//! A free run under way, a piece after the other.
+
+use std::ops::Range;
+
+use super::beginning::Beginning;
+use super::course::{CHUNK, Course};
+use super::{FreeRun, Identified, fit};
+use crate::Record;
+use crate::mathematics::model::Reading;
+use crate::samples::simulate::response::HALVED;
+
+/// A free run under way. The record is the same in all calls; the result does not depend on how the work is divided.
+pub struct Running {
+    identified: Identified,
+    part: Range<usize>,
+    readings: Vec<Option<Reading>>,
+    beginning: Beginning,
+    /// The motion at the next sample, once the motion at the beginning is fitted.
+    course: Option<Course>,
+    predicted: Vec<Vec<f64>>,
+    /// The number of samples that are done.
+    done: usize,
+}
+
+impl Running {
+    pub(super) fn new(identified: Identified, record: &Record, part: Range<usize>) -> Self {
+        let end = part.end.min(record.len());
+        let part = part.start.min(end)..end;
+        let readings: Vec<Option<Reading>> = record.sensors().iter().map(|&q| identified.model.reading(q)).collect();
+        let beginning = Beginning::new(&identified, record, &part, &readings);
+        let predicted = vec![Vec::with_capacity(part.len()); readings.len()];
+        Self { identified, part, readings, beginning, course: None, predicted, done: 0 }
+    }
+
+    /// Goes on until `while_time` returns false, which is called after each piece of about a millisecond. Returns whether
+    /// all samples are done.
+    pub fn advance(&mut self, record: &Record, while_time: &mut dyn FnMut() -> bool) -> bool {
+        while self.done < self.part.len() {
+            match &self.course {
+                Some(_) => self.piece(record),
+                None if self.beginning.advance(&self.identified, record, &self.readings) => {
+                    self.course = Some(Course::new(&self.identified, &self.beginning.motion));
+                }
+                None => {}
+            }
+            if !while_time() {
+                break;
+            }
+        }
+        self.done >= self.part.len()
+    }
+
+    /// The next samples.
+    fn piece(&mut self, record: &Record) {
+        let Self { identified, part, readings, course: Some(course), predicted, done, .. } = self else { return };
+        let samples = (*done + CHUNK).min(part.len());
+        let end = course.halved() + HALVED;
+        while *done < samples && course.halved() < end {
+            let k = part.start + *done;
+            let Some(state) = course.state() else {
+                // The model has run away: no prediction follows.
+                *done = part.len();
+                return;
+            };
+            for (column, reading) in
+                predicted.iter_mut().zip(readings.iter()).filter(|(column, _)| column.len() == *done)
+            {
+                column.push(identified.read(reading.as_ref(), state, record, k));
+            }
+            *done += usize::from(course.advance(identified, record, k, end - course.halved()));
+        }
+    }
+
+    /// The share that is done, from 0 to 1.
+    pub fn progress(&self) -> f64 {
+        self.done as f64 / self.part.len().max(1) as f64
+    }
+
+    /// The free run, as far as it is done.
+    pub fn finish(self, record: &Record) -> FreeRun {
+        let Self { part, readings, beginning, mut predicted, .. } = self;
+        predicted.iter_mut().for_each(|column| column.resize(part.len(), f64::NAN));
+        let fitted = beginning.part.len();
+        let fits = (0..readings.len()).map(|sensor| {
+            let measured = &record.measured(sensor)[part.clone()];
+            readings[sensor].as_ref()?;
+            fit(&measured[fitted..], &predicted[sensor][fitted..])
+        });
+        FreeRun { fits: fits.collect(), fitted, predicted, part }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::samples::simulate::Simulator;
+    use crate::{Pass, Scenario};
+
+    #[test]
+    fn the_fit_of_a_beginning_that_is_hard_to_follow_is_divided() {
+        let text = include_str!("../../../../tests/hostile/hard-truth.toml").replace("plant = \"sdof\"\n", "");
+        let scenario = Scenario { duration: 2.0, ..Scenario::from_toml(&text.replace("\"kf\"", "\"ekf\"")).unwrap() };
+        let mut simulator = Simulator::new(&scenario);
+        let mut record = simulator.empty_record();
+        (0..20).for_each(|_| assert!(simulator.step(&mut record)));
+        let mut estimates = Pass::history(&scenario, 0).unwrap();
+        Pass::new(&scenario, 0, &record).unwrap().follow(&record, 1, &mut estimates);
+        let mut model = Identified::at(&scenario, &scenario.filters[0], &estimates, 0);
+        for (place, channel) in estimates.channels().iter().enumerate() {
+            model.values[place] = record.truth(*channel).unwrap()[0];
+        }
+        let mut running = model.running(&record, 0..record.len());
+        let mut pieces = 0;
+        while running.course.is_none() {
+            assert!(!running.advance(&record, &mut || false));
+            pieces += 1;
+        }
+        // Each error of ten samples halves steps ten thousand times.
+        assert!(pieces > 50, "{pieces}");
+        while !running.advance(&record, &mut || false) {}
+        assert_eq!(running.finish(&record), model.run(&record, 0..record.len()));
+    }
+}

@@ -1,0 +1,263 @@
+//! Running sums of the scores: those of [`Scores`](crate::Scores), in lanes.
+
+use crate::mathematics::engine::belief::Belief;
+use crate::mathematics::engine::error_square::ErrorSquare;
+use crate::mathematics::engine::level::Level;
+use crate::mathematics::engine::number::{Mask, Number};
+use crate::mathematics::engine::update::Told;
+use crate::mathematics::gaussian_likelihood::log_likelihood;
+use crate::mathematics::log_sum::LogSum;
+use crate::numbers::diagnostics::{Tally, Total};
+use crate::numbers::score::outcome::ChannelSums;
+use crate::numbers::score::{Look, Outcome};
+use crate::{Channel, Stop};
+
+/// Limits the relative error of an estimate that has settled.
+const SETTLED: f64 = 0.05;
+
+/// The sums of a channel with a known truth.
+#[derive(Clone, Debug)]
+struct Tracked<T> {
+    channel: Channel,
+    place: usize,
+    squares: T,
+    known: T,
+    inside: T,
+    settled: T,
+    recent: T,
+    recent_known: T,
+    largest_truth: T,
+    first_error: T,
+    /// The last error, in canonical form.
+    error: T,
+    initial_variance: T,
+}
+
+/// A sum of normalised squares: the sum, the degrees of freedom, the samples that count.
+#[derive(Clone, Copy, Debug)]
+struct Squares<T> {
+    sum: T,
+    degrees: T,
+    samples: T,
+}
+
+/// The sums of all lanes.
+#[derive(Clone, Debug)]
+pub(super) struct Scores<T> {
+    /// The place of the natural frequency; its sign determines the canonical form.
+    frequency: Option<usize>,
+    last_fifth: usize,
+    samples: usize,
+    tracked: Vec<Tracked<T>>,
+    square: ErrorSquare<T>,
+    nees: Squares<T>,
+    nis: Squares<T>,
+    /// NEES and NIS of the last sample; NaN where there is none.
+    last: [T; 2],
+    /// The product of determinants, and the sum of logarithms that each lane has taken.
+    product: T,
+    taken: Vec<f64>,
+    /// The last mean and variance of every channel.
+    mean: Vec<T>,
+    variance: Vec<T>,
+}
+
+impl<T: Number> Scores<T> {
+    /// Empty sums for channels over a number of samples. `is_known` says whether the truth of a channel is known.
+    pub(super) fn new(channels: &[Channel], is_known: impl Fn(Channel) -> bool, samples: usize) -> Self {
+        let (zero, none) = (T::of(0.0), T::of(f64::NAN));
+        let track = |(place, &channel)| Tracked {
+            channel,
+            place,
+            squares: zero,
+            known: zero,
+            inside: zero,
+            settled: zero,
+            recent: zero,
+            recent_known: zero,
+            largest_truth: zero,
+            first_error: zero,
+            error: none,
+            initial_variance: none,
+        };
+        let known = channels.iter().enumerate().filter(|(_, channel)| is_known(**channel));
+        let tracked: Vec<_> = known.map(track).collect();
+        let squares = Squares { sum: zero, degrees: zero, samples: zero };
+        Self {
+            frequency: channels.iter().position(|&channel| channel == Channel::NATURAL_FREQUENCY),
+            last_fifth: samples * 4 / 5,
+            samples: 0,
+            square: ErrorSquare::new(tracked.iter().map(|tracked| tracked.place).collect()),
+            tracked,
+            nees: squares,
+            nis: squares,
+            last: [none; 2],
+            product: T::of(1.0),
+            taken: vec![0.0; T::LANES],
+            mean: vec![none; channels.len()],
+            variance: vec![none; channels.len()],
+        }
+    }
+
+    /// Takes in the belief at the next sample, beside the truth of the channels that have one.
+    #[inline(always)]
+    pub(super) fn take_belief<L: Level>(&mut self, level: L, belief: &Belief<T>, truth: &[T]) {
+        let is_whole = self.tracked.len() == level.size(belief.size());
+        level.apart(
+            #[inline(always)]
+            || match is_whole {
+                true if L::IS_KNOWN => self.take_tracked::<L, true>(level, belief, truth),
+                _ => self.take_tracked::<L, false>(level, belief, truth),
+            },
+        );
+    }
+
+    /// The same, where the truth of the whole state is known or not.
+    #[inline(always)]
+    fn take_tracked<L: Level, const WHOLE: bool>(&mut self, level: L, belief: &Belief<T>, truth: &[T]) {
+        let Self { frequency, last_fifth, samples, tracked, square, nees, last, mean, variance, .. } = self;
+        let n = level.size(belief.size());
+        let count = if WHOLE { n } else { tracked.len() };
+        let (tracked, mean, variance) = (&mut tracked[..count], &mut mean[..n], &mut variance[..n]);
+        mean.copy_from_slice(&belief.mean[..n]);
+        for i in 0..n {
+            variance[i] = belief.cov[i * n + i];
+        }
+        let mut sign = T::of(1.0);
+        if let Some(place) = *frequency {
+            sign = T::select(mean[place].lt(T::of(0.0)), T::of(-1.0), sign);
+        }
+        let is_recent = *samples >= *last_fifth;
+        for (at, (tracked, &truth)) in tracked.iter_mut().zip(truth).enumerate() {
+            let sign = if tracked.channel.is_mirrored() { sign } else { T::of(1.0) };
+            let place = if WHOLE { at } else { tracked.place };
+            let error = mean[place] - sign * truth;
+            tracked.take(error, truth, variance[place], *samples, is_recent);
+            tracked.error = sign * error;
+            square.put(at, error);
+        }
+        if *samples == 0 {
+            tracked.iter_mut().for_each(|tracked| tracked.initial_variance = variance[tracked.place]);
+        }
+        *samples += 1;
+        last[0] = T::of(f64::NAN);
+        if !tracked.is_empty() {
+            let (sum, degrees) = square.of::<L, WHOLE>(level, belief);
+            let counts = T::of(0.0).lt(degrees);
+            nees.add(T::select(counts, sum, T::of(0.0)), degrees);
+            last[0] = T::select(counts, sum, last[0]);
+        }
+    }
+
+    /// Adds an update. `ln_determinant` computes ln det S of a lane if det S is too large or too small for a number.
+    #[inline(always)]
+    pub(super) fn take_update(&mut self, told: &Told<T>, ln_determinant: impl Fn(usize) -> f64) {
+        let Told { nis, determinant, measured, .. } = *told;
+        self.nis.add(nis, measured);
+        self.last[1] = T::select(T::of(0.0).lt(measured), nis, T::of(f64::NAN));
+        let next = self.product * determinant;
+        let [low, high] = [*LogSum::RANGE.start(), *LogSum::RANGE.end()].map(T::of);
+        let is_in_range = low.le(next) & next.le(high) & low.le(determinant) & determinant.le(high);
+        if is_in_range.all() {
+            self.product = next;
+        } else {
+            self.take_logarithms(determinant, ln_determinant);
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn take_logarithms(&mut self, determinant: T, ln_determinant: impl Fn(usize) -> f64) {
+        for (lane, taken) in self.taken.iter_mut().enumerate() {
+            let mut sum = LogSum { taken: *taken, product: self.product.lane(lane) };
+            sum.add(determinant.lane(lane), || ln_determinant(lane));
+            *taken = sum.taken;
+            self.product.set_lane(lane, sum.product);
+        }
+    }
+
+    /// A lane at the last sample.
+    pub(super) fn look(&self, lane: usize) -> Look {
+        let mut channels = vec![[f64::NAN; 2]; self.mean.len()];
+        for tracked in &self.tracked {
+            if let Some(score) = self.sums(tracked, lane).score(self.samples) {
+                channels[tracked.place] = [score.error, score.std];
+            }
+        }
+        let [nees, nis] = self.last.map(|last| last.lane(lane));
+        Look { nees, nis, channels }
+    }
+
+    /// The outcome of a lane after the last sample, without looks.
+    pub(super) fn outcome(&self, lane: usize, stop: Option<Stop>) -> Outcome {
+        let sums: Vec<_> = self.tracked.iter().map(|tracked| (tracked.channel, self.sums(tracked, lane))).collect();
+        let nis = self.nis.total(lane);
+        let ln_determinants = LogSum { taken: self.taken[lane], product: self.product.lane(lane) }.value();
+        Outcome {
+            samples: self.samples,
+            nees: self.nees.total(lane),
+            nis,
+            log_likelihood: if nis.degrees > 0 { log_likelihood(nis.sum, ln_determinants, nis.degrees) } else { 0.0 },
+            stop,
+            diverged: stop.is_some() || sums.iter().any(|(_, sums)| sums.is_lost()),
+            channels: sums.iter().filter_map(|(channel, sums)| Some((*channel, sums.score(self.samples)?))).collect(),
+            mean: self.mean.iter().map(|mean| mean.lane(lane)).collect(),
+            std: self.variance.iter().map(|variance| variance.lane(lane).sqrt()).collect(),
+            looks: Vec::new(),
+        }
+    }
+
+    /// The sums of a channel in a lane.
+    fn sums(&self, tracked: &Tracked<T>, lane: usize) -> ChannelSums {
+        let of = |number: T| number.lane(lane);
+        let total =
+            Tally { squares: of(tracked.squares), known: of(tracked.known) as u32, inside: of(tracked.inside) as u32 };
+        ChannelSums {
+            total,
+            first_error: of(tracked.first_error),
+            largest_truth: of(tracked.largest_truth),
+            settled: of(tracked.settled) as usize,
+            recent: (of(tracked.recent), of(tracked.recent_known) as u32),
+            error: of(tracked.error),
+            std: of(self.variance[tracked.place]).sqrt(),
+            initial_std: of(tracked.initial_variance).sqrt(),
+        }
+    }
+}
+
+impl<T: Number> Tracked<T> {
+    /// Takes in an error of the sample with this number; NaN where the truth is not known.
+    #[inline(always)]
+    fn take(&mut self, error: T, truth: T, variance: T, number: usize, is_recent: bool) {
+        let (zero, one) = (T::of(0.0), T::of(1.0));
+        let (square, size, is_known) = (error * error, error.abs(), error.is_number());
+        let (counted, count) = (T::select(is_known, square, zero), T::select(is_known, one, zero));
+        self.first_error = T::select(is_known & self.known.le(zero), size, self.first_error);
+        self.squares = self.squares + counted;
+        self.known = self.known + count;
+        self.inside = self.inside + T::select(square.le(variance * 4.0), one, zero);
+        self.largest_truth = self.largest_truth.max(truth.abs());
+        if is_recent {
+            self.recent = self.recent + counted;
+            self.recent_known = self.recent_known + count;
+        }
+        // An unknown error does not end a settled stretch; it only delays the beginning of the first one.
+        let (now, next) = (T::of(number as f64), T::of((number + 1) as f64));
+        let stays = size.le(truth.abs() * SETTLED) | (!is_known & self.settled.lt(now));
+        self.settled = T::select(stays, self.settled, next);
+    }
+}
+
+impl<T: Number> Squares<T> {
+    #[inline(always)]
+    fn add(&mut self, square: T, degrees: T) {
+        self.sum = self.sum + square;
+        self.degrees = self.degrees + degrees;
+        self.samples = self.samples + T::select(T::of(0.0).lt(degrees), T::of(1.0), T::of(0.0));
+    }
+
+    fn total(&self, lane: usize) -> Total {
+        let Self { sum, degrees, samples } = *self;
+        Total { sum: sum.lane(lane), degrees: degrees.lane(lane) as u32, samples: samples.lane(lane) as u32 }
+    }
+}

@@ -1,0 +1,218 @@
+//! Runs of filters over whole records, side by side.
+
+use std::borrow::Cow;
+
+use crate::mathematics::engine::filter::Filter;
+use crate::mathematics::engine::level::Level;
+use crate::mathematics::engine::number::{Mask, Number};
+use crate::numbers::score::lane_sums::Scores;
+use crate::numbers::score::{Look, Outcome};
+use crate::samples::estimator::setup::{Setup, filter};
+use crate::{Record, Stop};
+
+/// A filter and the record that it runs over.
+#[derive(Clone, Copy, Debug)]
+pub struct Run<'a> {
+    /// The filter.
+    pub setup: &'a Setup,
+    /// The record.
+    pub record: &'a Record,
+}
+
+impl Run<'_> {
+    /// Whether two runs can go side by side: they have one design, records of one length, and the same channels of known truth.
+    pub fn goes_with(&self, other: &Self) -> bool {
+        let knows = |record: &Record, channel| record.truth(channel).is_some();
+        self.record.len() == other.record.len()
+            && self.setup.design == other.setup.design
+            && self.setup.channels == other.setup.channels
+            && (self.setup.channels.iter()).all(|&channel| knows(self.record, channel) == knows(other.record, channel))
+    }
+
+    /// Whether two runs see the same numbers of one record.
+    fn has_columns_of(&self, other: &Self) -> bool {
+        std::ptr::eq(self.record, other.record)
+            && (&self.setup.columns, self.setup.input_delay) == (&other.setup.columns, other.setup.input_delay)
+    }
+}
+
+/// The outcomes of some runs, at most as many as there are lanes, with looks at the filters at these samples, which are in
+/// order. All must [go with](Run::goes_with) the first.
+pub fn outcomes<T: Number, L: Level>(level: L, runs: &[Run<'_>], samples: &[usize]) -> Vec<Outcome> {
+    let [first, ..] = runs else { return Vec::new() };
+    let channels = &first.setup.channels;
+    let of = |lane: usize| runs[lane.min(runs.len() - 1)];
+    let is_shared = runs.iter().all(|run| run.has_columns_of(first));
+    let inputs = Inputs::new(runs, is_shared, T::LANES);
+    let filter = filter(level, |lane| of(lane).setup);
+    let scores = Scores::new(channels, |channel| first.record.truth(channel).is_some(), first.record.len());
+    let batch = Batch {
+        level,
+        count: runs.len(),
+        filter,
+        scores,
+        stopped: T::of(0.0),
+        outcomes: vec![None; runs.len()],
+        looks: vec![Vec::new(); runs.len()],
+    };
+    batch.run(&inputs, first.record.len(), samples)
+}
+
+/// The columns that a batch runs over, each one a lane or one for all.
+struct Inputs<'a> {
+    force: Column<'a>,
+    measured: Vec<Column<'a>>,
+    truth: Vec<Column<'a>>,
+}
+
+/// A number of each sample: the same for all lanes, or one a lane.
+struct Column<'a>(Vec<Cow<'a, [f64]>>);
+
+impl Column<'_> {
+    #[inline(always)]
+    fn at<T: Number>(&self, k: usize) -> T {
+        match &self.0[..] {
+            [shared] => T::of(shared[k]),
+            own => T::from_lanes(|lane| own[lane][k]),
+        }
+    }
+}
+
+impl<'a> Inputs<'a> {
+    fn new(runs: &[Run<'a>], is_shared: bool, lanes: usize) -> Self {
+        let lanes = if is_shared { 1 } else { lanes };
+        let column = |of: &dyn Fn(Run<'a>) -> Cow<'a, [f64]>| {
+            Column((0..lanes).map(|lane| of(runs[lane.min(runs.len() - 1)])).collect())
+        };
+        let force = |Run { setup, record }: Run<'a>| {
+            (0..record.len()).map(|k| record.delayed_force(k, setup.input_delay)).collect()
+        };
+        let measured =
+            |place: usize| column(&|Run { setup, record }| Cow::Borrowed(record.measured(setup.columns[place])));
+        let setup = runs[0].setup;
+        let known = setup.channels.iter().filter(|&&channel| runs[0].record.truth(channel).is_some());
+        let truth = |&channel| column(&|run: Run<'a>| Cow::Borrowed(run.record.truth(channel).unwrap_or_default()));
+        Self {
+            force: column(&force),
+            measured: (0..setup.columns.len()).map(measured).collect(),
+            truth: known.map(truth).collect(),
+        }
+    }
+}
+
+/// A batch of runs.
+struct Batch<T: Number, L> {
+    level: L,
+    /// The number of lanes that count.
+    count: usize,
+    filter: Filter<T, L>,
+    scores: Scores<T>,
+    /// One in each lane with a stopped filter.
+    stopped: T,
+    outcomes: Vec<Option<Outcome>>,
+    looks: Vec<Vec<Look>>,
+}
+
+impl<T: Number, L: Level> Batch<T, L> {
+    /// Runs all filters over the record, sample by sample.
+    fn run(mut self, inputs: &Inputs<'_>, length: usize, samples: &[usize]) -> Vec<Outcome> {
+        let mut samples = samples.iter().copied().peekable();
+        let mut measured = vec![T::of(0.0); inputs.measured.len()];
+        let mut truth = vec![T::of(0.0); inputs.truth.len()];
+        let mut force: T = inputs.force.at(0);
+        for k in 0..length {
+            for (truth, column) in truth.iter_mut().zip(&inputs.truth) {
+                *truth = column.at(k);
+            }
+            if k > 0 {
+                let before = force;
+                force = inputs.force.at(k);
+                for (measured, column) in measured.iter_mut().zip(&inputs.measured) {
+                    *measured = column.at(k);
+                }
+                if !self.step([before, force], &measured, k) {
+                    break;
+                }
+            }
+            let Self { level, scores, filter, .. } = &mut self;
+            scores.take_belief(*level, &filter.belief, &truth);
+            while samples.next_if_eq(&k).is_some() {
+                self.look();
+            }
+        }
+        self.finish()
+    }
+
+    /// One step of all filters. Returns whether any goes on.
+    fn step(&mut self, forces: [T; 2], measured: &[T], k: usize) -> bool {
+        self.filter.predict(forces);
+        let mut told = self.filter.update(forces[1], measured);
+        let has_stopped = T::of(0.5).le(self.stopped);
+        if !(told.holds | has_stopped).all() {
+            self.stop(told.holds, k);
+            if self.outcomes.iter().all(Option::is_some) {
+                return false;
+            }
+        }
+        let is_going = self.stopped.lt(T::of(0.5));
+        if !is_going.all() {
+            told.nis = T::select(is_going, told.nis, T::of(0.0));
+            told.determinant = T::select(is_going, told.determinant, T::of(1.0));
+            self.park();
+        }
+        let Self { level, scores, filter, .. } = self;
+        level.apart(
+            #[inline(always)]
+            || scores.take_update(&told, |lane| filter.ln_determinant(lane)),
+        );
+        true
+    }
+
+    /// Notes where the step to sample `k` does not hold, and why.
+    #[cold]
+    #[inline(never)]
+    fn stop(&mut self, holds: T::Mask, k: usize) {
+        for lane in 0..T::LANES {
+            if holds.lane(lane) || self.stopped.lane(lane) > 0.0 {
+                continue;
+            }
+            self.stopped.set_lane(lane, 1.0);
+            if lane < self.count {
+                let stop = Stop { sample: k, reason: self.filter.reason(lane) };
+                self.outcomes[lane] = Some(self.outcome(lane, Some(stop)));
+            }
+        }
+    }
+
+    /// Gives the lanes that have stopped a belief that makes no trouble.
+    #[cold]
+    #[inline(never)]
+    fn park(&mut self) {
+        for lane in (0..T::LANES).filter(|&lane| self.stopped.lane(lane) > 0.0) {
+            self.filter.belief.park(lane);
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn look(&mut self) {
+        for (lane, looks) in self.looks.iter_mut().enumerate() {
+            if self.stopped.lane(lane) == 0.0 {
+                looks.push(self.scores.look(lane));
+            }
+        }
+    }
+
+    fn outcome(&mut self, lane: usize, stop: Option<Stop>) -> Outcome {
+        Outcome { looks: std::mem::take(&mut self.looks[lane]), ..self.scores.outcome(lane, stop) }
+    }
+
+    fn finish(mut self) -> Vec<Outcome> {
+        (0..self.count)
+            .map(|lane| match self.outcomes[lane].take() {
+                Some(outcome) => outcome,
+                None => self.outcome(lane, None),
+            })
+            .collect()
+    }
+}

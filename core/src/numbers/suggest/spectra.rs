@@ -1,0 +1,275 @@
+//! Spectra of input and measurements over overlapping windows.
+
+use std::f64::consts::{PI, TAU};
+
+use crate::Record;
+use crate::data::sorting::sort_numbers;
+use crate::numbers::fourier::Transform;
+
+/// Limits the length of a window for a noise floor.
+pub(super) const SHORT: usize = 256;
+/// Limits the length of a window for a resonance.
+pub(super) const LONG: usize = 8192;
+/// The least length of a window.
+const SHORTEST: usize = 32;
+/// The number of windows at least, which overlap by half.
+const WINDOWS: usize = 7;
+/// The number of samples at least.
+pub(super) const LEAST: usize = SHORTEST * (WINDOWS + 1) / 2;
+/// The frequencies of the noise floor, as shares of the Nyquist frequency.
+const FLOOR: [f64; 2] = [0.75, 0.96];
+/// Limits a gap that is filled by a straight line, in samples.
+const LINE: usize = 3;
+/// The least share of a window's power weights that must be measured.
+const THERE: f64 = 0.75;
+
+/// What to do where samples are missing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Gaps {
+    /// Take windows between the gaps, shorter ones where need be: the noise at high frequencies is that of the sensor alone.
+    Avoid,
+    /// Fill short gaps by a line and long ones by the mean, and scale up the rest: a resonance needs long windows.
+    Fill,
+}
+
+/// Power of the input and of a measurement, and their product, at the frequencies `j / (L dt)`.
+#[derive(Clone, Debug)]
+pub(super) struct Spectra {
+    length: usize,
+    windows: usize,
+    dt: f64,
+    pub(super) input: Vec<f64>,
+    pub(super) output: Vec<f64>,
+    /// Output times the conjugate of the input, real and imaginary.
+    pub(super) cross: Vec<(f64, f64)>,
+}
+
+impl Spectra {
+    /// Spectra of a record's force and of one of its measurements over windows of at most `longest` samples. `None` if
+    /// too few samples are measured. If an interpolation left samples between measurements empty, the measurements are
+    /// taken at their own rate.
+    ///
+    /// Source: Welch (1967), The use of fast Fourier transform for the estimation of power spectra; Bendat and Piersol
+    /// (2010), *Random Data*, chapter 6.
+    pub(super) fn new(record: &Record, measured: &[f64], longest: usize, gaps: Gaps) -> Option<Self> {
+        let every = stride(measured);
+        let input: Vec<f64> = (0..measured.len()).step_by(every).map(|k| record.force(k)).collect();
+        let mut output: Vec<f64> = measured.iter().copied().step_by(every).collect();
+        if gaps == Gaps::Fill {
+            bridge(&mut output);
+        }
+        let lengths = || {
+            let of_some = move |l: &usize| *l >= SHORTEST;
+            (0..).map(|i| longest >> i).take_while(of_some).filter(|l| l * (WINDOWS + 1) / 2 <= output.len())
+        };
+        let spectra = lengths().find_map(|length| {
+            let begins = match gaps {
+                Gaps::Avoid => between_gaps(&output, length),
+                Gaps::Fill => (0..=output.len() - length).step_by(length / 2).collect(),
+            };
+            let is_covered = gaps == Gaps::Fill || begins.len() * length >= output.len();
+            let spectra = || Self::over(&input, &output, &begins, length, record.dt() * every as f64);
+            if is_covered { spectra() } else { None }
+        });
+        let mut spectra = match (spectra, gaps) {
+            (Some(spectra), _) => spectra,
+            (None, Gaps::Avoid) => return Self::new(record, measured, longest, Gaps::Fill),
+            (None, Gaps::Fill) => return None,
+        };
+        if input.iter().all(|value| *value == input[0]) {
+            // One transform serves both: without this, rounding of the output would pass for an input.
+            spectra.input.fill(0.0);
+            spectra.cross.fill((0.0, 0.0));
+        }
+        Some(spectra)
+    }
+
+    /// The mean over windows that begin at these samples. `None` if too few of them are measured.
+    fn over(input: &[f64], output: &[f64], begins: &[usize], length: usize, dt: f64) -> Option<Self> {
+        let weights: Vec<f64> =
+            (0..length).map(|k| libm::sin(PI * (k as f64 + 0.5) / length as f64)).map(|w| w * w).collect();
+        let all = weights.iter().map(|w| w * w).sum::<f64>();
+        let scale = 1.0 / all;
+        let transform = Transform::new(length);
+        let half = length / 2;
+        let (powers, cross) = (vec![0.0; half], vec![(0.0, 0.0); half]);
+        let mut spectra = Self { length, windows: 0, dt, input: powers.clone(), output: powers, cross };
+        let mut buffer = vec![(0.0, 0.0); length];
+        for &begin in begins {
+            let (input, output) = (&input[begin..begin + length], &output[begin..begin + length]);
+            let (mut sum, mut count, mut there) = (0.0, 0_u32, 0.0);
+            for (value, weight) in output.iter().zip(&weights).filter(|(value, _)| !value.is_nan()) {
+                (sum, count, there) = (sum + value, count + 1, there + weight * weight);
+            }
+            let share = if count as usize == length { 1.0 } else { there / all };
+            if share < THERE {
+                continue;
+            }
+            let (input_mean, output_mean) = (input.iter().sum::<f64>() / length as f64, sum / f64::from(count));
+            // Missing samples are zero; the others are scaled up for them.
+            let filled = |value: f64| if value.is_nan() { 0.0 } else { value - output_mean };
+            for (((slot, weight), input), output) in buffer.iter_mut().zip(&weights).zip(input).zip(output) {
+                *slot = (weight * (input - input_mean), weight * filled(*output));
+            }
+            transform.apply(&mut buffer);
+            spectra.add(&buffer, scale);
+        }
+        if spectra.windows < WINDOWS / 2 {
+            return None;
+        }
+        let share = 1.0 / spectra.windows as f64;
+        spectra.input.iter_mut().chain(&mut spectra.output).for_each(|power| *power *= share);
+        spectra.cross.iter_mut().for_each(|(re, im)| (*re, *im) = (*re * share, *im * share));
+        Some(spectra)
+    }
+
+    /// Adds the transform of a window of input + i · output.
+    fn add(&mut self, buffer: &[(f64, f64)], scale: f64) {
+        self.windows += 1;
+        for j in 1..self.length / 2 {
+            let ((re, im), (mirrored_re, mirrored_im)) = (buffer[j], buffer[self.length - j]);
+            let input = (0.5 * (re + mirrored_re), 0.5 * (im - mirrored_im));
+            let output = (0.5 * (im + mirrored_im), 0.5 * (mirrored_re - re));
+            self.input[j] += scale * (input.0 * input.0 + input.1 * input.1);
+            self.output[j] += scale * (output.0 * output.0 + output.1 * output.1);
+            self.cross[j].0 += scale * (output.0 * input.0 + output.1 * input.1);
+            self.cross[j].1 += scale * (output.1 * input.0 - output.0 * input.1);
+        }
+    }
+
+    /// Time between the samples that it is made of \[s\].
+    pub(super) fn dt(&self) -> f64 {
+        self.dt
+    }
+
+    /// The number of independent windows with the same information: these overlap.
+    pub(super) fn independent(&self) -> f64 {
+        0.5 * (self.windows as f64 + 1.0)
+    }
+
+    /// The frequency at a place \[rad/s\].
+    pub(super) fn frequency(&self, place: usize) -> f64 {
+        TAU * place as f64 / (self.length as f64 * self.dt)
+    }
+
+    /// The 99 % quantile of the coherence of pure noise at a frequency.
+    ///
+    /// Source: Bendat and Piersol (2010), *Random Data*, section 9.2; Carter (1987), Coherence and time delay estimation.
+    pub(super) fn coherence_of_chance(&self) -> f64 {
+        1.0 - libm::pow(0.01, 1.0 / (self.windows as f64 - 1.0).max(1.0))
+    }
+
+    /// The least power of an input that is one: a share of the median power of the frequencies that have nearly all of it.
+    pub(super) fn least_input(&self) -> f64 {
+        /// The share of the power in the input's band.
+        const BAND: f64 = 0.99;
+        /// The least power, over the median of the band.
+        const LEAST: f64 = 1e-3;
+        let mut powers = self.input.clone();
+        sort_numbers(&mut powers);
+        let most = BAND * powers.iter().sum::<f64>();
+        let mut sum = 0.0;
+        let within = powers.iter().rev().take_while(|power| {
+            let is_within = sum < most;
+            sum += **power;
+            is_within
+        });
+        let count = within.count();
+        powers.get(powers.len() - count.div_ceil(2).min(powers.len())).map_or(0.0, |median| LEAST * median)
+    }
+
+    /// The number of frequencies.
+    pub(super) fn len(&self) -> usize {
+        self.output.len()
+    }
+
+    /// The share of the output's power that the input explains, from 0 to 1.
+    pub(super) fn coherence(&self, place: usize) -> f64 {
+        let (re, im) = self.cross[place];
+        let product = self.input[place] * self.output[place];
+        if product > 0.0 { ((re * re + im * im) / product).min(1.0) } else { 0.0 }
+    }
+
+    /// Standard deviation of the white noise that the input does not explain at the highest frequencies.
+    pub(super) fn noise(&self) -> Option<f64> {
+        let [low, high] = FLOOR.map(|share| (share * self.len() as f64) as usize);
+        let left = self.windows as f64 / (self.windows as f64 - 1.0).max(1.0);
+        let mut powers: Vec<f64> =
+            (low..high).map(|place| self.output[place] * (1.0 - self.coherence(place)).max(0.0) * left).collect();
+        sort_numbers(&mut powers);
+        let median = *powers.get(powers.len() / 2)?;
+        (median > 0.0).then(|| libm::sqrt(median))
+    }
+}
+
+/// Fills short gaps by straight lines.
+fn bridge(values: &mut [f64]) {
+    let mut last: Option<usize> = None;
+    for k in 0..values.len() {
+        if values[k].is_nan() {
+            continue;
+        }
+        if let Some(before) = last.filter(|before| (2..=LINE + 1).contains(&(k - before))) {
+            let (from, to, steps) = (values[before], values[k], (k - before) as f64);
+            for (i, value) in values[before + 1..k].iter_mut().enumerate() {
+                *value = from + (to - from) * (i + 1) as f64 / steps;
+            }
+        }
+        last = Some(k);
+    }
+}
+
+/// The first samples of the windows of a length, overlapping by half, in which nothing is missing.
+fn between_gaps(values: &[f64], length: usize) -> Vec<usize> {
+    let (mut begins, mut begin, mut k) = (Vec::new(), 0, 0);
+    while k < values.len() {
+        if values[k].is_nan() {
+            begin = k + 1;
+        } else if k + 1 - begin == length {
+            begins.push(begin);
+            begin += length / 2;
+        }
+        k += 1;
+    }
+    begins
+}
+
+/// The distance between measurements: one, or more if an interpolation put empty samples between them.
+pub(super) fn stride(measured: &[f64]) -> usize {
+    let mut there = measured.iter().enumerate().filter(|(_, value)| !value.is_nan()).map(|(k, _)| k);
+    let Some(first) = there.next().filter(|&first| first == 0) else { return 1 };
+    let stride = there.next().map_or(1, |second| second - first);
+    let is_even = measured.iter().enumerate().take(64 * stride).all(|(k, value)| value.is_nan() == (k % stride != 0));
+    if is_even { stride.max(1) } else { 1 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::record::Input;
+    use crate::mathematics::random::Normal;
+    use crate::{Hold, InputKind, Quantity};
+
+    #[test]
+    fn nothing_follows_an_input_that_does_not_change() {
+        let mut normal = Normal::from_seed(5);
+        let measured: Vec<f64> = (0..4096).map(|_| normal.sample()).collect();
+        let input = Input { kind: InputKind::Force, hold: Hold::Zero, values: vec![0.0; 4096] };
+        let record = Record::new(0.01, input, vec![(Quantity::ACCELERATION, measured.clone())]).unwrap();
+        let spectra = Spectra::new(&record, &measured, SHORT, Gaps::Avoid).unwrap();
+        assert!((0..spectra.len()).all(|place| spectra.coherence(place) == 0.0));
+        let noise = spectra.noise().unwrap();
+        assert!((noise - 1.0).abs() < 0.1, "{noise}");
+    }
+
+    #[test]
+    fn noise_is_what_the_input_does_not_explain() {
+        let mut normal = Normal::from_seed(5);
+        let input: Vec<f64> = (0..8192).map(|_| normal.sample()).collect();
+        let measured: Vec<f64> = input.iter().map(|u| 3.0 * u + 0.2 * normal.sample()).collect();
+        let input = Input { kind: InputKind::Force, hold: Hold::Zero, values: input };
+        let record = Record::new(0.01, input, vec![(Quantity::ACCELERATION, measured.clone())]).unwrap();
+        let noise = Spectra::new(&record, &measured, SHORT, Gaps::Avoid).unwrap().noise().unwrap();
+        assert!((noise / 0.2 - 1.0).abs() < 0.1, "{noise}");
+    }
+}

@@ -1,0 +1,275 @@
+//! Suggestions that are tried out: the making of a [`Suggestion`], a slice after the other.
+
+use super::Suggestion;
+use super::ambient::{Ambient, has_no_input};
+use super::follow::{first_alone, follow, follow_freely, likelihood, surprise};
+use super::gaps::Lost;
+use super::search::Search;
+use crate::data::import::InSlices;
+use crate::{Record, Run, Running, Scenario};
+
+/// The samples of which the likelihood is taken.
+const LIKELY: usize = 4096;
+
+/// The same without an input: the size of an unknown force takes more samples to estimate.
+const LIKELY_AMBIENT: usize = 8192;
+
+/// For a motion that needs no noise, such as a decay, a white force must gain this much log likelihood to count as its
+/// cause.
+const CLEARLY: f64 = 10.0;
+
+/// Parts of the motion's size that are tried for its process noise per step.
+pub(super) const SHARES: [f64; 11] = [0.0, 1e-6, 3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2];
+
+/// The making of suggested settings for a scenario's filters on a measured record: R from the high frequencies that the
+/// input does not explain, ωₙ, ζ and gain from the response to the input (or the peak of the spectrum), the initial belief
+/// from these, and Q by the likelihood of the innovations. Without an input, a white force that moves the plant
+/// ([`crate::mathematics::filter::White`]) is tried too. Where the scenario has a mapping, means are removed and a large gain
+/// goes into the mapping; the record is then to be read again.
+///
+/// Of an equation that a user typed, the parameters that spectra do not tell are searched where there is an input: a filter begins
+/// from points in their ranges. Settings of other plants without a natural frequency are left as they are, but for R and Q.
+pub struct Suggest {
+    suggestion: Suggestion,
+    record: Record,
+    /// The lost readings of the record.
+    gaps: Option<Gaps>,
+    stage: Stage,
+    trial: Option<Run>,
+    /// The free run of the trial's model.
+    free: Option<Running>,
+    search: Option<Search>,
+    likelihoods: Vec<(f64, f64)>,
+    ambient: Option<Ambient>,
+    /// The errors of the free run with the settings so far, and those with other settings.
+    errors: Vec<f64>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stage {
+    /// Noise, guess and spread are read from the spectra.
+    Data,
+    /// A filter with these fills the gaps, and they are read again.
+    Gaps,
+    /// The likelihood from other start values of an equation's parameters.
+    Search,
+    /// The likelihood with one of the shares.
+    Likelihood(usize),
+    /// The likelihood with a white force, where there is no input.
+    WhiteForce,
+    /// The free run of the model so far.
+    FreeRun,
+    /// The free run of the model with larger R and no Q.
+    ModelError,
+    Done,
+}
+
+/// Lost readings, with the record and the settings as they were given.
+struct Gaps {
+    lost: Lost,
+    record: Record,
+    given: Suggestion,
+}
+
+impl Suggest {
+    /// Suggestions for a scenario on a record, none made yet.
+    pub fn new(scenario: &Scenario, record: Record) -> Self {
+        let suggestion = Suggestion { scenario: scenario.clone(), reasons: Vec::new(), is_guessed: true };
+        let (trial, free, search, likelihoods, ambient, errors) = Default::default();
+        let gaps = None;
+        Self { suggestion, record, gaps, stage: Stage::Data, trial, free, search, likelihoods, ambient, errors }
+    }
+
+    /// Takes noise, guess and spread from the data. `lost` names the gaps that were filled.
+    fn begin(&mut self, lost: Option<&Lost>) {
+        // Without a mapping the record stays unchanged, and the filters get its offsets as known.
+        let as_it_is = self.suggestion.scenario.record.is_none().then(|| self.record.clone());
+        if self.suggestion.knows_zero() {
+            let reason = "the means of input and readings stay: an equation that is not linear says where zero is";
+            self.suggestion.reasons.push(reason.to_owned());
+        } else {
+            self.suggestion.remove_means(&mut self.record);
+        }
+        let before = has_no_input(&self.record).then(|| self.suggestion.clone());
+        self.suggestion.sensor_noise(&self.record, lost);
+        let is_decay = self.suggestion.motion(&mut self.record);
+        self.suggestion.substeps(&self.record);
+        self.ambient = before.filter(|_| !is_decay).and_then(|before| {
+            Ambient::new(Suggestion { reasons: before.reasons, ..self.suggestion.clone() }, &mut self.record)
+        });
+        if let Some(record) = as_it_is {
+            self.record = record;
+        }
+    }
+
+    /// Looks at the data again once their gaps can be filled.
+    fn fill(&mut self, run: Option<&Run>) {
+        let Some(Gaps { lost, record, given }) = self.gaps.take() else { return };
+        let Some(filled) = run.and_then(|run| lost.filled(run, &record)) else { return };
+        (self.suggestion, self.record) = (given, filled);
+        self.begin(Some(&lost));
+        lost.lose(&mut self.record);
+    }
+
+    /// Begins to search the parameters of an equation, if there is an input to identify them from.
+    fn begin_search(&mut self) -> Stage {
+        self.search = Search::of(&self.suggestion);
+        if has_no_input(&self.record) {
+            self.search.take().into_iter().for_each(|search| search.give_up(&mut self.suggestion));
+        }
+        Stage::Search
+    }
+
+    /// The samples of a trial.
+    fn likely(&self) -> usize {
+        if self.ambient.is_some() { LIKELY_AMBIENT } else { LIKELY }
+    }
+
+    /// Ends the trials of noise with the most likely result. Returns whether that is a white force.
+    fn choose(&mut self) -> bool {
+        let best = self.likelihoods.iter().max_by(|a, b| a.1.total_cmp(&b.1)).copied();
+        if let Some(mut ambient) = self.ambient.take()
+            && let Some((sizes, likelihood)) = ambient.best()
+            && best.is_none_or(|(share, other)| likelihood > other + if share > 0.0 { 0.0 } else { CLEARLY })
+        {
+            ambient.suggestion.take_white_force(&sizes);
+            self.suggestion = ambient.suggestion;
+            return true;
+        }
+        if let Some((share, _)) = best {
+            self.suggestion.process_noise(share);
+        }
+        false
+    }
+}
+
+impl InSlices for Suggest {
+    type Outcome = Suggestion;
+
+    fn progress(&self) -> f64 {
+        let all = (SHARES.len() + 3) as f64;
+        match self.stage {
+            Stage::Data | Stage::Gaps => 0.0,
+            Stage::Search => self.search.as_ref().map_or(1.0, Search::progress) / all,
+            Stage::Likelihood(place) => (1 + place) as f64 / all,
+            Stage::WhiteForce => {
+                let done = self.ambient.as_ref().map_or(1.0, Ambient::progress);
+                (SHARES.len() as f64 + done) / all
+            }
+            Stage::FreeRun => (1 + SHARES.len()) as f64 / all,
+            Stage::ModelError => (2 + SHARES.len()) as f64 / all,
+            Stage::Done => 1.0,
+        }
+    }
+
+    fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
+        while self.stage != Stage::Done {
+            self.stage = match self.stage {
+                Stage::Data => {
+                    let (record, given) = (self.record.clone(), self.suggestion.clone());
+                    self.begin(None);
+                    let lost = Lost::of(&record).filter(|_| self.suggestion.can_fill());
+                    self.gaps = lost.map(|lost| Gaps { lost, record, given });
+                    match (self.suggestion.scenario.filters.is_empty(), &self.gaps) {
+                        (true, _) => Stage::Done,
+                        (false, None) => self.begin_search(),
+                        (false, Some(_)) => Stage::Gaps,
+                    }
+                }
+                Stage::Gaps => {
+                    let scenario = || self.suggestion.filling();
+                    match follow(&mut self.trial, scenario, &self.record, self.record.len(), while_time) {
+                        None => return false,
+                        Some(run) => self.fill(run.as_ref()),
+                    }
+                    self.begin_search()
+                }
+                Stage::Search => {
+                    let (samples, scenario) = (self.likely(), &self.suggestion.scenario);
+                    let Some(search) = self.search.as_mut().filter(|search| !search.is_done()) else {
+                        self.search.take().into_iter().for_each(|search| search.finish(&mut self.suggestion));
+                        self.stage = Stage::Likelihood(0);
+                        continue;
+                    };
+                    match follow(&mut self.trial, || search.scenario(scenario), &self.record, samples, while_time) {
+                        None => return false,
+                        Some(run) => search.take(run),
+                    }
+                    Stage::Search
+                }
+                Stage::Likelihood(place) => {
+                    let share = SHARES[place];
+                    let samples = self.likely();
+                    let scenario = || {
+                        let mut scenario = self.suggestion.with_share(share);
+                        self.ambient.iter().for_each(|ambient| ambient.leave_out(&mut scenario));
+                        scenario
+                    };
+                    match follow(&mut self.trial, scenario, &self.record, samples, while_time) {
+                        None => return false,
+                        Some(run) => self.likelihoods.extend(run.and_then(|run| Some((share, likelihood(&run)?)))),
+                    }
+                    if place + 1 < SHARES.len() { Stage::Likelihood(place + 1) } else { Stage::WhiteForce }
+                }
+                Stage::WhiteForce => {
+                    let samples = self.likely();
+                    if let Some(ambient) = &mut self.ambient
+                        && let Some(sizes) = ambient.next()
+                    {
+                        let scenario = || ambient.suggestion.trial_of_white_force(&sizes);
+                        match follow(&mut self.trial, scenario, &self.record, samples, while_time) {
+                            None => return false,
+                            Some(run) => ambient.take(run.and_then(|run| likelihood(&run))),
+                        }
+                        Stage::WhiteForce
+                    } else if self.choose() {
+                        Stage::Done
+                    } else {
+                        Stage::FreeRun
+                    }
+                }
+                Stage::FreeRun => {
+                    let scenario = || first_alone(&self.suggestion.scenario);
+                    match follow_freely(&mut self.trial, &mut self.free, scenario, &self.record, while_time) {
+                        None => return false,
+                        // The errors of a default guess are no noise.
+                        Some(Some((_, errors))) if self.suggestion.is_guessed => {
+                            self.errors = errors;
+                            Stage::ModelError
+                        }
+                        Some(None) => {
+                            let has_stopped =
+                                |run: &Run| run.estimates().first().is_some_and(|one| one.stop().is_some());
+                            if self.trial.take().as_ref().is_some_and(has_stopped) {
+                                self.suggestion.keep_from_rounding();
+                            }
+                            Stage::Done
+                        }
+                        Some(_) => Stage::Done,
+                    }
+                }
+                Stage::ModelError => {
+                    let scenario = || first_alone(&self.suggestion.with_error(&self.errors));
+                    match follow_freely(&mut self.trial, &mut self.free, scenario, &self.record, while_time) {
+                        None => return false,
+                        Some(after) => {
+                            if let Some((run, after)) = after {
+                                self.suggestion.model_error(&self.errors, &after, surprise(&run));
+                            }
+                            Stage::Done
+                        }
+                    }
+                }
+                Stage::Done => Stage::Done,
+            };
+            if !while_time() {
+                break;
+            }
+        }
+        self.stage == Stage::Done
+    }
+
+    fn finish(self) -> Suggestion {
+        self.suggestion
+    }
+}

@@ -1,0 +1,23 @@
+//! What a scenario becomes, sample by sample: the simulated record, and the estimates of its filters.
+
+pub(crate) mod bank;
+pub(crate) mod by_channel;
+pub(crate) mod estimates;
+pub(crate) mod estimator;
+pub(crate) mod guesses;
+pub(crate) mod online;
+pub(crate) mod pass;
+pub(crate) mod remarks;
+pub(crate) mod run;
+pub(crate) mod run_error;
+pub(crate) mod sample;
+pub(crate) mod select;
+pub(crate) mod simulate;
+pub(crate) mod sink;
+pub(crate) mod smoothed;
+pub(crate) mod smoother;
+pub(crate) mod source;
+pub(crate) mod spare;
+pub(crate) mod tape;
+pub(crate) mod waste;
+pub(crate) mod window;

@@ -1,0 +1,138 @@
+//! The filters of a scenario, side by side.
+
+use crate::samples::estimator::FilterContext;
+use crate::samples::run_error::sensor_places;
+use crate::samples::select::smoother;
+use crate::samples::smoother::Smoother;
+use crate::samples::tape::Tape;
+use crate::{Estimates, FilterSettings, Pass, Quantity, Record, RunError, Scenario};
+
+/// The filters of a scenario and their histories, over one record.
+pub(crate) struct Bank {
+    scenario: Scenario,
+    quantities: Vec<Quantity>,
+    /// The place of each of the scenario's sensors in the record.
+    sensors: Vec<usize>,
+    pub(crate) passes: Vec<Pass>,
+    pub(crate) estimates: Vec<Estimates>,
+}
+
+impl Bank {
+    /// An empty bank for a scenario and a record of its kind.
+    pub(crate) fn new(scenario: &Scenario, record: &Record) -> Result<Self, RunError> {
+        let quantities = scenario.sensors.iter().map(|s| s.measures).collect();
+        let sensors = sensor_places(scenario, record)?;
+        let mut scenario = scenario.clone();
+        scenario.number_filters();
+        Ok(Self { scenario, quantities, sensors, passes: Vec::new(), estimates: Vec::new() })
+    }
+
+    /// The scenario; each filter has a unique id.
+    pub(crate) fn scenario(&self) -> &Scenario {
+        &self.scenario
+    }
+
+    fn context(&self, dt: f64, place: usize) -> FilterContext<'_> {
+        FilterContext::new(&self.scenario, &self.quantities, dt, &self.scenario.filters[place])
+    }
+
+    /// Adds the scenario's next filter before the first sample. Reserves memory for `samples`, or reuses that of old
+    /// estimates.
+    pub(crate) fn add(&mut self, record: &Record, samples: usize, spare: Option<Estimates>) {
+        let place = self.passes.len();
+        let filter = &self.scenario.filters[place];
+        let pass = Pass::later(filter, self.context(record.dt(), place), self.sensors.clone());
+        let mut estimates = self.empty(filter);
+        estimates.recycle(spare, samples);
+        self.passes.push(pass);
+        self.estimates.push(estimates);
+    }
+
+    /// Takes in the next of all `samples` samples of the filter at a place. Returns false if they are not its own.
+    pub(crate) fn take(&mut self, place: usize, tape: &Tape, samples: usize) -> bool {
+        self.passes[place].take(tape, samples, &mut self.estimates[place])
+    }
+
+    /// Drops the samples that the filter at a place has taken in.
+    pub(crate) fn begin_again(&mut self, place: usize, samples: usize) {
+        let mut estimates = self.empty(&self.scenario.filters[place]);
+        std::mem::swap(&mut estimates, &mut self.estimates[place]);
+        self.estimates[place].recycle(Some(estimates), samples);
+        self.passes[place].begin_again();
+    }
+
+    /// Leaves a gap at the place of the scenario's next filter, which is moved in later.
+    pub(crate) fn leave_place(&mut self) {
+        let filter = &self.scenario.filters[self.passes.len()];
+        self.estimates.push(self.empty(filter));
+        self.passes.push(Pass::idle());
+    }
+
+    /// Empty estimates for a filter.
+    fn empty(&self, filter: &FilterSettings) -> Estimates {
+        let model = filter.model(self.scenario.plant.kind, self.scenario.input);
+        Estimates::new(filter, &model, self.quantities.clone())
+    }
+
+    /// The number of samples beyond its last one that a filter reads of the record, if it takes the record for late.
+    pub(crate) fn lookahead(&self) -> usize {
+        lookahead(&self.scenario)
+    }
+
+    /// The number of samples before its last one that a filter reads of the record.
+    pub(crate) fn reach(&self) -> usize {
+        self.scenario.filters.iter().map(|filter| filter.input_delay.max(0) as usize).max().unwrap_or(0)
+    }
+
+    /// Runs all filters over a record up to `samples`, one filter after the other, because each one's data then stays
+    /// in the cache.
+    pub(crate) fn follow(&mut self, record: &Record, samples: usize) {
+        for place in 0..self.passes.len() {
+            self.follow_one(place, record, samples);
+        }
+    }
+
+    /// Computes the next sample of each filter ahead, one filter after the other, and calls `while_time` after each. Returns
+    /// early if it is false.
+    pub(crate) fn prepare(&mut self, record: &Record, while_time: &mut dyn FnMut() -> bool) -> bool {
+        self.passes.iter_mut().all(|pass| {
+            let is_there = pass.is_prepared();
+            pass.prepare(record);
+            is_there || while_time()
+        })
+    }
+
+    /// Runs the filter at a place over a record up to `samples`.
+    pub(crate) fn follow_one(&mut self, place: usize, record: &Record, samples: usize) {
+        let (pass, estimates) = (&mut self.passes[place], &mut self.estimates[place]);
+        if pass.done() < samples {
+            pass.settle(samples, estimates);
+        }
+        pass.follow(record, samples, estimates);
+    }
+
+    /// Forgets the first samples that are still kept.
+    pub(crate) fn forget(&mut self, samples: usize) {
+        for estimates in &mut self.estimates {
+            estimates.forget(samples);
+        }
+    }
+
+    /// The smoother of the filter at a place, if its settings ask for one and its kind has one.
+    pub(crate) fn smoother(&self, place: usize, dt: f64) -> Option<Smoother> {
+        let filter = self.scenario.filters.get(place).filter(|filter| filter.smoother)?;
+        smoother(filter, self.context(dt, place))
+    }
+
+    /// Empty estimates for the smoother of the filter at a place. They have no innovations; those are the filter's.
+    pub(crate) fn smoothed(&self, place: usize) -> Estimates {
+        let filter = &self.scenario.filters[place];
+        let model = filter.model(self.scenario.plant.kind, self.scenario.input);
+        Estimates::new(filter, &model, Vec::new()).of_smoother()
+    }
+}
+
+/// The number of samples beyond its last one that a filter of a scenario reads of the record.
+pub(crate) fn lookahead(scenario: &Scenario) -> usize {
+    scenario.filters.iter().map(|filter| filter.input_delay.min(0).unsigned_abs() as usize).max().unwrap_or(0)
+}

@@ -1,0 +1,325 @@
+//! The estimates of one filter, sample by sample.
+
+mod columns;
+mod growth;
+
+use crate::data::hash::Hash;
+use crate::data::scenario::SMOOTHED;
+use crate::mathematics::gaussian_likelihood;
+use crate::samples::by_channel::ByChannel;
+use crate::samples::remarks::{Monitor, Remark, Trouble};
+use crate::{Channel, FilterColor, FilterError, FilterKind, FilterSettings, Model, PlantKind, Quantity};
+
+/// Why and where a filter stopped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stop {
+    /// The number, counted from the run's beginning, of the first sample without an estimate.
+    pub sample: usize,
+    /// The error.
+    pub reason: FilterError,
+}
+
+/// The estimates of one filter: the results of every sample, from k = 0 on.
+///
+/// Where a run has forgotten samples ([`Run::forget`](crate::Run::forget)), `k` counts from the first one that is kept,
+/// as in the [`Record`](crate::Record). [`Stop`] and [`Remark`] count samples from the run's beginning.
+///
+/// With n channels and m sensors a sample has n means, an n × n covariance, m innovations, their m × m covariance and an
+/// n × m gain. At the run's first sample and where nothing was measured, innovations and likelihood are NaN and the gain is zero.
+/// Covariances and gains take more than half of the memory; [`Self::drop_matrices`] returns it where they have been used.
+#[derive(Clone, Debug)]
+pub struct Estimates {
+    id: u32,
+    smoothed: bool,
+    name: String,
+    kind: FilterKind,
+    color: Option<FilterColor>,
+    plant: PlantKind,
+    channels: Vec<Channel>,
+    /// The place of the natural frequency; its sign determines the canonical form.
+    frequency: Option<usize>,
+    sensors: Vec<Quantity>,
+    forgotten: usize,
+    /// The number of kept samples, from the first one on, without their matrices: these have been dropped.
+    dropped: usize,
+    initial_mean: Vec<f64>,
+    initial_std: Vec<f64>,
+    mean: Vec<f64>,
+    cov: Vec<f64>,
+    /// The means in canonical form and the diagonals of the covariances, as contiguous columns for plots and sums.
+    canonical: ByChannel,
+    variance: ByChannel,
+    innovation: Vec<f64>,
+    innovation_cov: Vec<f64>,
+    gain: Vec<f64>,
+    nis: Vec<f64>,
+    determinant: Vec<f64>,
+    /// Recorded for a particle filter only.
+    log_likelihood: Vec<f64>,
+    effective_samples: Vec<f64>,
+    /// The particles of a particle filter; 0 for any other filter.
+    particles: usize,
+    monitor: Monitor,
+    stop: Option<Stop>,
+}
+
+impl Estimates {
+    /// Empty estimates of a filter with this model and these sensors.
+    pub(crate) fn new(settings: &FilterSettings, model: &Model, sensors: Vec<Quantity>) -> Self {
+        let (plant, channels) = (model.plant(), model.channels());
+        Self {
+            id: settings.id,
+            smoothed: false,
+            name: settings.name.clone(),
+            kind: settings.kind,
+            color: settings.color,
+            plant,
+            channels: channels.to_vec(),
+            frequency: model.place(Channel::NATURAL_FREQUENCY),
+            monitor: Monitor::new(settings, channels, plant, &sensors),
+            sensors,
+            forgotten: 0,
+            dropped: 0,
+            initial_mean: Vec::new(),
+            initial_std: Vec::new(),
+            mean: Vec::new(),
+            cov: Vec::new(),
+            canonical: ByChannel::new(channels.len()),
+            variance: ByChannel::new(channels.len()),
+            innovation: Vec::new(),
+            innovation_cov: Vec::new(),
+            gain: Vec::new(),
+            nis: Vec::new(),
+            determinant: Vec::new(),
+            log_likelihood: Vec::new(),
+            effective_samples: Vec::new(),
+            particles: if settings.kind.has_own_likelihood() { settings.ensemble_size } else { 0 },
+            stop: None,
+        }
+    }
+
+    /// Empty estimates of the filter's smoother.
+    pub(crate) fn of_smoother(self) -> Self {
+        Self { name: self.name + SMOOTHED, smoothed: true, ..self }
+    }
+
+    /// The filter's id.
+    pub fn id(&self) -> u32 {
+        self.id
+    }
+
+    /// Whether these are smoothed estimates.
+    pub fn is_smoothed(&self) -> bool {
+        self.smoothed
+    }
+
+    /// The name on screen: the filter's, with ", smoothed" for smoothed estimates.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The filter's kind.
+    pub fn kind(&self) -> FilterKind {
+        self.kind
+    }
+
+    /// The colour of the filter.
+    pub fn color(&self) -> FilterColor {
+        self.color.unwrap_or(FilterColor::of(self.id))
+    }
+
+    /// The kind of plant that the filter takes the truth for.
+    pub fn plant(&self) -> PlantKind {
+        self.plant
+    }
+
+    /// The channels, in the order of every mean and covariance.
+    pub fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    /// The place of a channel, if the filter estimates it.
+    pub fn place(&self, channel: Channel) -> Option<usize> {
+        self.channels.iter().position(|&c| c == channel)
+    }
+
+    /// The sensors, in the order of every innovation.
+    pub fn sensors(&self) -> &[Quantity] {
+        &self.sensors
+    }
+
+    /// The number of samples with an estimate that are kept.
+    pub fn len(&self) -> usize {
+        self.nis.len()
+    }
+
+    /// Whether there is no estimate.
+    pub fn is_empty(&self) -> bool {
+        self.nis.is_empty()
+    }
+
+    /// The number of forgotten samples, which is also the number of the first one that is kept.
+    pub fn forgotten(&self) -> usize {
+        self.forgotten
+    }
+
+    /// The mean of one channel at the run's first sample, kept or not; NaN before it.
+    pub fn initial_mean(&self, channel: usize) -> f64 {
+        self.initial_mean.get(channel).copied().unwrap_or(f64::NAN)
+    }
+
+    /// The standard deviation of one channel at the run's first sample, kept or not; NaN before the first sample.
+    pub fn initial_std(&self, channel: usize) -> f64 {
+        self.initial_std.get(channel).copied().unwrap_or(f64::NAN)
+    }
+
+    /// Where and why the filter stopped, if it did.
+    pub fn stop(&self) -> Option<Stop> {
+        self.stop
+    }
+
+    /// Remarks on problems that the filter survived, in the order in which they were noticed. Remarks on forgotten
+    /// samples are dropped.
+    pub fn remarks(&self) -> &[Remark] {
+        self.monitor.remarks()
+    }
+
+    /// The samples, counted from the run's beginning, at which the filter had widened P because its innovations grew at
+    /// once ([`FilterSettings::jump`]); those that are forgotten are left out.
+    pub fn jumps(&self) -> impl Iterator<Item = usize> + '_ {
+        self.remarks().iter().filter(|remark| remark.what == Trouble::Widened).map(|remark| remark.sample)
+    }
+
+    /// The number of kept samples without a measurement of a sensor; the run's first sample does not count.
+    pub fn missing(&self, sensor: usize) -> usize {
+        let m = self.sensors.len();
+        (usize::from(self.forgotten == 0)..self.len()).filter(|k| self.innovation[k * m + sensor].is_nan()).count()
+    }
+
+    /// The mean at sample `k`, one number per channel.
+    #[inline]
+    pub fn mean(&self, k: usize) -> &[f64] {
+        chunk(&self.mean, k, self.channels.len())
+    }
+
+    /// The mean of one channel at sample `k` in canonical form, in which the natural frequency is not negative.
+    ///
+    /// ```text
+    /// (-ωₙ, -ζ) and (ωₙ, ζ) have the same ωₙ² and 2ζωₙ: they describe the same oscillator
+    /// ```
+    #[inline]
+    pub fn canonical_mean(&self, k: usize, channel: usize) -> f64 {
+        self.canonical.of(channel)[k]
+    }
+
+    /// [`Self::canonical_mean`] of one channel at every sample.
+    pub fn canonical_means(&self, channel: usize) -> &[f64] {
+        self.canonical.of(channel)
+    }
+
+    /// The sign that takes one channel at sample `k` to its canonical form: -1 for natural frequency and damping ratio
+    /// where the estimated natural frequency is negative, else 1. A covariance is multiplied by the signs of both its
+    /// channels.
+    #[inline]
+    pub fn canonical_sign(&self, k: usize, channel: usize) -> f64 {
+        let negative = || self.frequency.is_some_and(|place| self.mean(k)[place] < 0.0);
+        if self.channels[channel].is_mirrored() && negative() { -1.0 } else { 1.0 }
+    }
+
+    /// The standard deviation of one channel at sample `k`.
+    #[inline]
+    pub fn std(&self, k: usize, channel: usize) -> f64 {
+        self.variance.of(channel)[k].sqrt()
+    }
+
+    /// The variance of one channel at every sample.
+    pub fn variances(&self, channel: usize) -> &[f64] {
+        self.variance.of(channel)
+    }
+
+    /// The covariance at sample `k`, n × n; empty where it has been dropped.
+    #[inline]
+    pub fn cov(&self, k: usize) -> &[f64] {
+        let n = self.channels.len();
+        k.checked_sub(self.dropped).map_or(&[], |k| chunk(&self.cov, k, n * n))
+    }
+
+    /// The innovations e at sample `k`, one per sensor.
+    #[inline]
+    pub fn innovation(&self, k: usize) -> &[f64] {
+        chunk(&self.innovation, k, self.sensors.len())
+    }
+
+    /// The innovations' covariance S at sample `k`, m × m.
+    #[inline]
+    pub fn innovation_cov(&self, k: usize) -> &[f64] {
+        let m = self.sensors.len();
+        chunk(&self.innovation_cov, k, m * m)
+    }
+
+    /// The gain K at sample `k`: for each sensor in turn, n numbers; empty where it has been dropped.
+    #[inline]
+    pub fn gain(&self, k: usize) -> &[f64] {
+        let size = self.channels.len() * self.sensors.len();
+        k.checked_sub(self.dropped_gains()).map_or(&[], |k| chunk(&self.gain, k, size))
+    }
+
+    /// The number of kept samples without a gain: a particle filter keeps all, since its diagnosis reads them.
+    fn dropped_gains(&self) -> usize {
+        if self.kind.has_own_likelihood() { 0 } else { self.dropped }
+    }
+
+    /// The normalised innovation squared of every sample.
+    pub fn nis(&self) -> &[f64] {
+        &self.nis
+    }
+
+    /// The determinant of S at every sample; NaN where nothing was measured, zero or infinite where it underflows or
+    /// overflows.
+    pub fn determinant(&self) -> &[f64] {
+        &self.determinant
+    }
+
+    /// The log likelihood of the measurements at sample `k`; NaN where there was none.
+    ///
+    /// ```text
+    /// -(NIS + ln det S + m ln 2π) / 2
+    /// ```
+    ///
+    /// For a particle filter, it is the logarithm of the mean likelihood of its particles.
+    pub fn log_likelihood(&self, k: usize) -> f64 {
+        if let Some(&own) = self.log_likelihood.get(k) {
+            return own;
+        }
+        match self.innovation(k).iter().map(|e| u32::from(!e.is_nan())).sum() {
+            0 => f64::NAN,
+            measured => gaussian_likelihood::log_likelihood(self.nis[k], self.ln_determinant(k), measured),
+        }
+    }
+
+    /// ln det S at sample `k`, where something was measured; finite even where the determinant underflows or overflows.
+    pub(crate) fn ln_determinant(&self, k: usize) -> f64 {
+        gaussian_likelihood::ln_determinant(self.determinant[k], self.innovation_cov(k), self.sensors.len())
+    }
+
+    /// The effective sample size of a particle filter at every sample, before it resampled; empty for any other filter.
+    pub fn effective_samples(&self) -> &[f64] {
+        &self.effective_samples
+    }
+
+    /// The number of particles of a particle filter; 0 for any other filter.
+    pub fn particles(&self) -> usize {
+        self.particles
+    }
+
+    /// A hash of every bit of the means and covariances that are kept (64-bit FNV-1a), to compare platforms.
+    pub fn checksum(&self) -> u64 {
+        let mut hash = Hash::default();
+        self.mean.iter().chain(&self.cov).for_each(|x| hash.add(&x.to_bits().to_le_bytes()));
+        hash.value()
+    }
+}
+
+fn chunk(values: &[f64], k: usize, size: usize) -> &[f64] {
+    &values[k * size..(k + 1) * size]
+}

@@ -1,0 +1,97 @@
+//! Filters of any kind over any plant, with types and sizes erased.
+
+pub(crate) mod abreast;
+pub(crate) mod book;
+#[cfg(not(target_arch = "wasm32"))]
+pub(crate) mod engine;
+#[cfg(not(target_arch = "wasm32"))]
+mod in_units;
+pub(crate) mod kernel;
+pub(crate) mod setup;
+
+use crate::mathematics::model::{Hold, InputKind, Model};
+use crate::samples::sink::Sink;
+use crate::{FilterError, FilterSettings, PlantKind, Quantity, Scenario};
+
+/// A filter that computes one sample at a time.
+pub(crate) trait Estimator: Send {
+    /// Reports the initial belief.
+    fn begin(&self, sink: &mut dyn Sink) -> Result<(), FilterError>;
+
+    /// Predicts from the last sample with its force, updates with this sample's measurements, and reports the result.
+    fn step(&mut self, force_before: f64, force: f64, measured: &[f64], sink: &mut dyn Sink)
+    -> Result<(), FilterError>;
+}
+
+/// A filter that fails at the first sample, because its initial covariance has no root to draw samples with.
+pub(crate) struct Failed(pub(crate) FilterError);
+
+impl Estimator for Failed {
+    fn begin(&self, _: &mut dyn Sink) -> Result<(), FilterError> {
+        Err(self.0)
+    }
+
+    fn step(&mut self, _: f64, _: f64, _: &[f64], _: &mut dyn Sink) -> Result<(), FilterError> {
+        Err(self.0)
+    }
+}
+
+/// The inputs of a filter's construction other than its settings.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FilterContext<'a> {
+    /// The truth's kind of plant; the filter uses it unless its settings name another.
+    pub(crate) plant: PlantKind,
+    /// The kind of input.
+    pub(crate) input: InputKind,
+    /// The hold of the input between samples.
+    pub(crate) hold: Hold,
+    /// The quantity of each sensor.
+    pub(crate) sensors: &'a [Quantity],
+    /// Time between samples \[s\].
+    pub(crate) dt: f64,
+    /// Seed of the scenario.
+    pub(crate) seed: u64,
+    /// The number of the filter's random stream, from 0 on.
+    pub(crate) stream: usize,
+}
+
+impl<'a> FilterContext<'a> {
+    /// The context of one of a scenario's filters, with `dt` \[s\] between samples; `sensors` are the quantities of the
+    /// scenario's sensors.
+    pub(crate) fn new(scenario: &Scenario, sensors: &'a [Quantity], dt: f64, filter: &FilterSettings) -> Self {
+        let Scenario { seed, plant, input, hold, .. } = scenario;
+        let stream = filter.id.saturating_sub(1) as usize;
+        Self { plant: plant.kind, input: *input, hold: *hold, sensors, dt, seed: *seed, stream }
+    }
+
+    /// The inputs on their own.
+    pub(crate) fn kept(self, settings: &FilterSettings) -> Recipe {
+        let Self { plant, input, hold, sensors, dt, seed, stream } = self;
+        Recipe { settings: settings.clone(), plant, input, hold, sensors: sensors.to_vec(), dt, seed, stream }
+    }
+
+    /// The model of a filter with these settings.
+    pub(crate) fn model(&self, settings: &FilterSettings) -> Model {
+        settings.model(self.plant, self.input)
+    }
+}
+
+/// A filter that is yet to be built: to draw a large ensemble takes time.
+pub(crate) struct Recipe {
+    settings: FilterSettings,
+    plant: PlantKind,
+    input: InputKind,
+    hold: Hold,
+    sensors: Vec<Quantity>,
+    dt: f64,
+    seed: u64,
+    stream: usize,
+}
+
+impl Recipe {
+    /// The settings, and the other inputs.
+    pub(crate) fn parts(&self) -> (&FilterSettings, FilterContext<'_>) {
+        let &Self { ref settings, plant, input, hold, ref sensors, dt, seed, stream } = self;
+        (settings, FilterContext { plant, input, hold, sensors, dt, seed, stream })
+    }
+}

@@ -1,0 +1,202 @@
+//! Builds a filter from its settings; it reports to its estimates.
+
+use crate::mathematics::filter::{Belief, Correction, Filter, FilterError, Gaussian, Noise, White};
+use crate::mathematics::linalg::{Matrix, Vector, copy, fit_vector};
+use crate::mathematics::random::{Normal, Purpose};
+use crate::samples::estimator::{Estimator, Failed, FilterContext};
+use crate::samples::sink::{AssumedNoise, Sample, Sink};
+use crate::{Channel, FilterSettings, Model, Values};
+
+/// A filter and the result of its last measurement update.
+struct Followed {
+    filter: Filter,
+    correction: Correction,
+    in_units: InUnits,
+    /// The belief before the update, if the sink wants it.
+    prior: Gaussian,
+}
+
+impl Estimator for Followed {
+    fn begin(&self, sink: &mut dyn Sink) -> Result<(), FilterError> {
+        let Self { filter, correction, in_units, prior: _ } = self;
+        let mut prior = sink.wants_prior().then(|| filter.belief().gaussian().into_owned());
+        let Noise { process, sensors, fading: _ } = filter.noise();
+        let is_finite = process.sum().is_finite() && sensors.iter().all(|r| r.is_finite());
+        // An update checks that a belief is finite; nothing has checked the initial one.
+        if !is_finite
+            || !filter.belief().gaussian().is_finite()
+            || report(filter, correction, prior.as_mut(), &mut in_units.clone(), sink).is_err()
+        {
+            return Err(FilterError::TooLarge);
+        }
+        Ok(())
+    }
+
+    fn step(
+        &mut self,
+        force_before: f64,
+        force: f64,
+        measured: &[f64],
+        sink: &mut dyn Sink,
+    ) -> Result<(), FilterError> {
+        let Self { filter, correction, in_units, prior } = self;
+        let wants_prior = sink.wants_prior();
+        filter.predict([force_before, force])?;
+        if wants_prior {
+            prior.copy_from(&filter.belief().gaussian());
+        }
+        filter.update(force, measured, correction)?;
+        report(filter, correction, wants_prior.then_some(prior), in_units, sink)
+    }
+}
+
+/// Writes the belief, and that before the update if there is one, to the sink in the channels' units. `prior` is
+/// converted in place; `in_units` is scratch memory.
+fn report(
+    filter: &Filter,
+    correction: &Correction,
+    mut prior: Option<&mut Gaussian>,
+    in_units: &mut InUnits,
+    sink: &mut dyn Sink,
+) -> Result<(), FilterError> {
+    let belief = filter.belief().gaussian();
+    let (mut belief, mut gain) = (&*belief, &correction.gain);
+    if !filter.model().in_units() {
+        in_units.take(filter.model(), belief, gain);
+        (belief, gain) = (&in_units.belief, &in_units.gain);
+        if !belief.is_finite() || gain.iter().any(|k| !k.is_finite()) {
+            return Err(FilterError::NotFinite);
+        }
+        prior.iter_mut().for_each(|prior| to_units(filter.model(), prior, &mut in_units.unit));
+    }
+    let (prior_mean, prior_cov) =
+        prior.as_ref().map_or((&[][..], &[][..]), |prior| (prior.mean.as_slice(), prior.cov.as_slice()));
+    let process = filter.is_adaptive().then(|| {
+        let mut process = filter.noise().process.diagonal();
+        filter.white_force().into_iter().for_each(|white| process[white.place] = white.variance);
+        process
+    });
+    sink.push(&Sample {
+        mean: belief.mean.as_slice(),
+        cov: belief.cov.as_slice(),
+        prior_mean,
+        prior_cov,
+        innovation: correction.innovation.as_slice(),
+        innovation_cov: correction.innovation_cov.as_slice(),
+        gain: gain.as_slice(),
+        nis: correction.nis,
+        determinant: correction.determinant,
+        log_likelihood: correction.log_likelihood,
+        effective_samples: correction.effective_samples,
+        noise: process
+            .as_ref()
+            .map(|process| AssumedNoise { process: process.as_slice(), sensors: &filter.noise().sensors }),
+        has_widened: filter.has_widened(),
+    });
+    Ok(())
+}
+
+/// A belief and a gain in the channels' units, to first order.
+#[derive(Clone)]
+pub(crate) struct InUnits {
+    pub(crate) belief: Gaussian,
+    gain: Matrix,
+    /// The size of each component's unit in its channel's unit.
+    unit: Vector,
+}
+
+impl Default for InUnits {
+    fn default() -> Self {
+        let none = || Matrix::zeros(0, 0);
+        Self { belief: Gaussian { mean: Vector::zeros(0), cov: none() }, gain: none(), unit: Vector::zeros(0) }
+    }
+}
+
+impl InUnits {
+    /// Converts a belief over a model's state, and the gain of an update of it.
+    pub(crate) fn take(&mut self, model: &Model, from: &Gaussian, from_gain: &Matrix) {
+        let Self { belief, gain, unit } = self;
+        belief.copy_from(from);
+        to_units(model, belief, unit);
+        copy(gain, from_gain);
+        for mut column in gain.column_iter_mut() {
+            column.component_mul_assign(unit);
+        }
+    }
+}
+
+/// Converts a belief over a model's state, to first order. Writes the size of each component's unit, in its channel's
+/// unit, to `unit`.
+fn to_units(model: &Model, belief: &mut Gaussian, unit: &mut Vector) {
+    fit_vector(unit, belief.size());
+    model.to_units_in_place(belief.mean.as_mut_slice(), unit.as_mut_slice());
+    for (mut column, by) in belief.cov.column_iter_mut().zip(unit.iter()) {
+        column.iter_mut().zip(unit.iter()).for_each(|(entry, unit)| *entry *= unit * by);
+    }
+}
+
+/// Builds the filter of some settings.
+pub(crate) fn estimator(settings: &FilterSettings, context: &FilterContext<'_>) -> Box<dyn Estimator> {
+    match initial_belief(settings, context).map(|belief| build_filter(belief, settings, context)) {
+        Ok(filter) => {
+            let filter = if settings.jump { filter.with_jump() } else { filter };
+            let correction = Correction::nothing(filter.model().size(), context.sensors.len());
+            let prior = filter.belief().gaussian().into_owned();
+            Box::new(Followed { filter, correction, in_units: InUnits::default(), prior })
+        }
+        // The initial covariance is diagonal: its root can fail only through a number that is not finite.
+        Err(FilterError::NotFinite) => Box::new(Failed(FilterError::TooLarge)),
+        Err(error) => Box::new(Failed(error)),
+    }
+}
+
+/// The belief that a filter of some settings begins with.
+pub(crate) fn initial_belief(
+    settings: &FilterSettings,
+    context: &FilterContext<'_>,
+) -> Result<Box<dyn Belief>, FilterError> {
+    let normal = Normal::new(context.seed, Purpose::Ensemble(context.stream));
+    (settings.kind.info().begin)(initial_gaussian(&context.model(settings), settings), &settings.method(), normal)
+}
+
+/// Mean and covariance that some settings begin with, in the model's state.
+pub(crate) fn initial_gaussian(model: &Model, settings: &FilterSettings) -> Gaussian {
+    let (mean, unit) = initial_state(model, settings);
+    Gaussian::independent(mean, &spread(model, settings, &settings.initial_std).component_mul(&unit))
+}
+
+/// The filter of some settings that begins with this belief.
+pub(crate) fn build_filter<B: Belief + ?Sized>(
+    belief: Box<B>,
+    settings: &FilterSettings,
+    context: &FilterContext<'_>,
+) -> Filter<B> {
+    let model = context.model(settings);
+    let (mean, unit) = initial_state(&model, settings);
+    let process = spread(&model, settings, &settings.process_std).component_mul(&unit);
+    let mut noise = Noise {
+        process: Matrix::from_diagonal(&process.component_mul(&process)),
+        sensors: settings.sensor_std.iter().map(|s| s * s).collect(),
+        fading: settings.fading,
+    };
+    let white = White::of(&model, settings.process_std[Channel::WHITE_FORCE], context.hold, context.sensors);
+    if let Some(white) = white {
+        white.add_rest(&model, mean.as_slice(), context.dt, &mut noise.process);
+    }
+    let filter = Filter::new(model, belief, context.dt, context.hold, noise, context.sensors, settings.adaptation);
+    filter.with_substeps(settings.substeps).with_white_force(white).with_robust(settings.robust)
+}
+
+/// The initial mean as a state, and the size of each channel's unit in the state's unit. For a logarithm that is one
+/// over the initial mean. It converts all standard deviations of the settings, including that of the process noise, and
+/// stays the same when the estimate moves.
+fn initial_state(model: &Model, settings: &FilterSettings) -> (Vector, Vector) {
+    let mean: Vec<f64> = model.channels().iter().map(|&c| settings.initial_mean[c]).collect();
+    model.to_state(&mean)
+}
+
+/// Standard deviations of a model's components; zero for those that the filter knows.
+fn spread(model: &Model, settings: &FilterSettings, std: &Values) -> Vector {
+    let of = |&channel| if settings.knows(channel) { 0.0 } else { std[channel] };
+    Vector::from_iterator(model.size(), model.channels().iter().map(of))
+}

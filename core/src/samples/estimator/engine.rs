@@ -1,0 +1,160 @@
+//! A filter of the engine for one run, reporting to its estimates.
+
+use crate::FilterError;
+use crate::mathematics::engine::belief::Belief;
+use crate::mathematics::engine::columns::mirror;
+use crate::mathematics::engine::filter::Filter;
+use crate::samples::estimator::in_units::InUnits;
+use crate::mathematics::engine::level::{Baseline, Known, Level};
+use crate::samples::estimator::Estimator;
+use crate::samples::estimator::setup::Setup;
+use crate::samples::estimator::setup::filter;
+use crate::samples::sink::{Sample, Sink};
+
+/// A filter, and memory for its reports.
+struct Followed<L> {
+    filter: Filter<f64, L>,
+    /// The place of each sensor that the model has, among all sensors.
+    places: Vec<usize>,
+    measured: Vec<f64>,
+    /// The belief before the update, where the sink wants it.
+    prior: Belief<f64>,
+    /// Innovation, its covariance and the gain, of all sensors.
+    told: Told,
+    /// Where the state has logarithms.
+    in_units: Option<Box<InUnits>>,
+}
+
+/// The result of an update, for all m sensors: e, m numbers; S, m × m; K, n × m.
+struct Told {
+    innovation: Vec<f64>,
+    innovation_cov: Vec<f64>,
+    gain: Vec<f64>,
+}
+
+/// The filter of a setup, on a record with `sensors` sensors.
+pub(crate) fn estimator(setup: &Setup, sensors: usize) -> Box<dyn Estimator> {
+    let model = &setup.design.model;
+    match (model.size, model.moving()) {
+        (4, 2) => of(Known::<_, 4, 2>(Baseline), setup, sensors),
+        (5, 2) => of(Known::<_, 5, 2>(Baseline), setup, sensors),
+        (6, 2) => of(Known::<_, 6, 2>(Baseline), setup, sensors),
+        _ => of(Baseline, setup, sensors),
+    }
+}
+
+fn of<L: Level + Send + 'static>(level: L, setup: &Setup, sensors: usize) -> Box<dyn Estimator> {
+    let (n, nan) = (setup.design.model.size, f64::NAN);
+    let filter = filter(level, |_| setup);
+    Box::new(Followed {
+        prior: filter.belief.clone(),
+        filter,
+        places: setup.columns.clone(),
+        measured: vec![nan; setup.columns.len()],
+        told: Told {
+            innovation: vec![nan; sensors],
+            innovation_cov: vec![nan; sensors * sensors],
+            gain: vec![0.0; n * sensors],
+        },
+        in_units: InUnits::new(&setup.design.model.logarithms, n, sensors),
+    })
+}
+
+impl<L: Level + Send> Estimator for Followed<L> {
+    fn begin(&self, sink: &mut dyn Sink) -> Result<(), FilterError> {
+        let Self { filter, told, in_units, .. } = self;
+        let unmeasured = told.sample(&filter.belief, [f64::NAN; 2]);
+        let sample = if sink.wants_prior() { unmeasured.with_prior(&filter.belief) } else { unmeasured };
+        let mut in_units = in_units.clone();
+        push(sample, in_units.as_deref_mut(), sink).map_err(|_| FilterError::TooLarge)
+    }
+
+    fn step(
+        &mut self,
+        force_before: f64,
+        force: f64,
+        measured: &[f64],
+        sink: &mut dyn Sink,
+    ) -> Result<(), FilterError> {
+        let Self { filter, places, measured: own, prior, told: all, in_units } = self;
+        // Where the force is held, its end does not count.
+        if !filter.are_finite([force_before, force]) {
+            return Err(FilterError::UndefinedForce);
+        }
+        filter.predict([force_before, force]);
+        let wants_prior = sink.wants_prior();
+        if wants_prior {
+            prior.mean.copy_from_slice(&filter.belief.mean);
+            prior.cov.copy_from_slice(&filter.belief.cov);
+            mirror(Baseline, &mut prior.cov, prior.mean.len());
+        }
+        let mut is_infinite = false;
+        for (own, &place) in own.iter_mut().zip(&*places) {
+            *own = measured[place];
+            is_infinite |= own.is_infinite();
+        }
+        if is_infinite && filter.is_predicted(0) {
+            return Err(FilterError::InfiniteMeasurement);
+        }
+        let told = filter.update(force, own);
+        if !told.holds {
+            return Err(filter.reason(0));
+        }
+        filter.complete();
+        let [nis, determinant] = if told.measured > 0.0 { [told.nis, told.determinant] } else { [f64::NAN; 2] };
+        let m = all.innovation.len();
+        let (belief, update) = filter.told();
+        let sample = if update.active().len() == m {
+            update.complete();
+            let [innovation, innovation_cov, gain] = update.parts();
+            let unmeasured = Sample::unmeasured(&belief.mean, &belief.cov);
+            Sample { innovation, innovation_cov, gain, nis, determinant, ..unmeasured }
+        } else {
+            all.take(places, update.active(), update.parts());
+            all.sample(belief, [nis, determinant])
+        };
+        push(if wants_prior { sample.with_prior(prior) } else { sample }, in_units.as_deref_mut(), sink)
+    }
+}
+
+/// Hands a sample to the sink, in the channels' units.
+#[inline(always)]
+fn push(sample: Sample<'_>, in_units: Option<&mut InUnits>, sink: &mut dyn Sink) -> Result<(), FilterError> {
+    let sample =
+        if let Some(in_units) = in_units { in_units.convert(sample).ok_or(FilterError::NotFinite)? } else { sample };
+    sink.push(&sample);
+    Ok(())
+}
+
+impl<'a> Sample<'a> {
+    pub(super) fn with_prior(self, prior: &'a Belief<f64>) -> Self {
+        Self { prior_mean: &prior.mean, prior_cov: &prior.cov, ..self }
+    }
+}
+
+impl Told {
+    /// Takes in the update by some sensors, each in its place; the others get NaN, and a gain of zero.
+    #[cold]
+    fn take(&mut self, places: &[usize], active: &[usize], [innovation, innovation_cov, gain]: [&[f64]; 3]) {
+        let m = self.innovation.len();
+        self.innovation.fill(f64::NAN);
+        self.innovation_cov.fill(f64::NAN);
+        self.gain.fill(0.0);
+        let (count, n) = (active.len(), self.gain.len() / m.max(1));
+        for (i, &row) in active.iter().enumerate() {
+            let row = places[row];
+            self.innovation[row] = innovation[i];
+            self.gain[row * n..(row + 1) * n].copy_from_slice(&gain[i * n..(i + 1) * n]);
+            for (j, &column) in active.iter().enumerate() {
+                let entry = innovation_cov[i.min(j) * count + i.max(j)];
+                self.innovation_cov[places[column] * m + row] = entry;
+            }
+        }
+    }
+
+    fn sample<'a>(&'a self, belief: &'a Belief<f64>, [nis, determinant]: [f64; 2]) -> Sample<'a> {
+        let Self { innovation, innovation_cov, gain } = self;
+        let unmeasured = Sample::unmeasured(&belief.mean, &belief.cov);
+        Sample { innovation, innovation_cov, gain, nis, determinant, ..unmeasured }
+    }
+}

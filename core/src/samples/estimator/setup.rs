@@ -1,0 +1,182 @@
+//! The filter of a scenario, as plain numbers for a lane.
+
+use crate::mathematics::engine::belief;
+use crate::mathematics::engine::design::{Design, Method};
+use crate::mathematics::engine::filter::Filter;
+use crate::mathematics::engine::level::Level;
+use crate::mathematics::engine::model::Model;
+use crate::mathematics::engine::number::Number;
+use crate::mathematics::filter::{Gaussian, Moments, Noise, Rule as BookRule};
+use crate::samples::estimator::book::{build_filter, initial_gaussian};
+use crate::samples::estimator::{FilterContext, kernel};
+use crate::samples::run_error::sensor_places;
+use crate::{Channel, FilterKind, FilterSettings, Hold, PlantKind, Propagation, Quantity, Record, RunError, Scenario};
+
+/// The most components that the engine serves: beyond, eight lanes of a matrix leave the caches.
+pub const MOST: usize = 16;
+
+/// A filter of a scenario before its first sample.
+#[derive(Clone, Debug)]
+pub struct Setup {
+    /// The part that is the same for all runs of a batch.
+    pub design: Design,
+    /// The components of the state.
+    pub channels: Vec<Channel>,
+    /// The initial mean.
+    pub mean: Vec<f64>,
+    /// The initial variances.
+    pub variance: Vec<f64>,
+    /// The diagonal of Q.
+    pub process: Vec<f64>,
+    /// The diagonal of R.
+    pub sensors: Vec<f64>,
+    /// The fading factor λ.
+    pub fading: f64,
+    /// The variance of the white force.
+    pub white: f64,
+    /// The record's column for each sensor.
+    pub columns: Vec<usize>,
+    /// The number of samples after which the plant feels the input.
+    pub input_delay: i32,
+}
+
+impl Setup {
+    /// The filter at `place` of a scenario, if the engine serves it over a record: a KF, EKF, UKF or CKF of up to
+    /// [`MOST`] components, with any augmentations, that adapts nothing, does not jump, has one guess and no
+    /// logarithms. Filters that other code runs as fast are left to it: plain filters of an oscillator have lanes of
+    /// their own, and the kernel of a chain uses its structure for the plain KF and EKF.
+    ///
+    /// # Errors
+    /// Those of [`Pass::new`](crate::Pass::new).
+    pub fn new(scenario: &Scenario, place: usize, record: &Record) -> Result<Option<Self>, RunError> {
+        Self::unless(scenario, place, record, is_done_as_fast)
+    }
+
+    /// The same, including the plain filters that other code runs as fast.
+    ///
+    /// # Errors
+    /// Those of [`Pass::new`](crate::Pass::new).
+    pub fn of_any(scenario: &Scenario, place: usize, record: &Record) -> Result<Option<Self>, RunError> {
+        Self::unless(scenario, place, record, |_, _| false)
+    }
+
+    fn unless(
+        scenario: &Scenario,
+        place: usize,
+        record: &Record,
+        is_left: impl Fn(&FilterSettings, &FilterContext<'_>) -> bool,
+    ) -> Result<Option<Self>, RunError> {
+        scenario.validate()?;
+        let settings = scenario.filters.get(place).ok_or(RunError::NoFilter(place))?;
+        let columns = sensor_places(scenario, record)?;
+        let quantities: Vec<Quantity> = scenario.sensors.iter().map(|s| s.measures).collect();
+        let context = FilterContext::new(scenario, &quantities, record.dt(), settings);
+        // The scores of lanes are in the state's own units.
+        if settings.log_parameters || is_left(settings, &context) || !is_finite(record, &columns) {
+            return Ok(None);
+        }
+        Ok(Self::of(settings, &context, columns))
+    }
+
+    /// The filter of some settings over sensors in these columns, if the engine has all that they ask for.
+    pub(crate) fn of(settings: &FilterSettings, context: &FilterContext<'_>, columns: Vec<usize>) -> Option<Self> {
+        if !is_usual(settings, context) {
+            return None;
+        }
+        let book = context.model(settings);
+        let (model, method) = (Model::of(&book), method(settings, book.size())?);
+        let initial = initial_gaussian(&book, settings);
+        let belief = Moments::linearised(initial.clone(), Propagation::LocalLinearisation, 1);
+        let filter = build_filter(Box::new(belief), settings, context);
+        let (noise, white) = (filter.noise(), filter.white_force());
+        // Leaves out a sensor for a quantity that the model does not have.
+        let sensor = |(sensor, column): (usize, usize)| {
+            Some((column, book.reading(context.sensors[sensor])?, noise.sensors[sensor]))
+        };
+        let sensors: Vec<_> = columns.into_iter().enumerate().filter_map(sensor).collect();
+        let design = Design {
+            model,
+            method,
+            dt: context.dt,
+            has_slope: context.hold == Hold::First,
+            substeps: settings.substeps.max(1),
+            readings: sensors.iter().map(|(_, reading, _)| reading.clone()).collect(),
+            white: white.map(|white| (white.place, white.course)),
+        };
+        can_begin(&initial, noise).then(|| Self {
+            design,
+            channels: book.channels().to_vec(),
+            mean: initial.mean.as_slice().to_vec(),
+            variance: initial.cov.diagonal().as_slice().to_vec(),
+            process: noise.process.diagonal().as_slice().to_vec(),
+            sensors: sensors.iter().map(|&(_, _, variance)| variance).collect(),
+            fading: noise.fading,
+            white: white.map_or(0.0, |white| white.variance),
+            columns: sensors.iter().map(|&(column, ..)| column).collect(),
+            input_delay: settings.input_delay,
+        })
+    }
+}
+
+/// Whether the engine has all that a filter's settings ask for.
+fn is_usual(settings: &FilterSettings, context: &FilterContext<'_>) -> bool {
+    settings.has_plain_update() && context.model(settings).size() <= MOST
+}
+
+/// Whether lanes of its own or a kernel serve such a filter. The choice must not depend on the processor, since it
+/// decides the bits of the result.
+fn is_done_as_fast(settings: &FilterSettings, context: &FilterContext<'_>) -> bool {
+    const WITH_LANES: [PlantKind; 2] = [PlantKind::SDOF, PlantKind::DUFFING];
+    const WITH_STRUCTURE: [PlantKind; 3] = [PlantKind::SHEAR_2, PlantKind::SHEAR_3, PlantKind::SHEAR_4];
+    let plant = settings.plant.unwrap_or(context.plant);
+    let is_linearised = [FilterKind::KF, FilterKind::EKF].contains(&settings.kind);
+    settings.substeps == 1
+        && (WITH_LANES.contains(&plant) || (is_linearised && WITH_STRUCTURE.contains(&plant)))
+        && kernel::serves(settings, context)
+}
+
+/// Whether input and measurements of a record are finite, except for missing measurements. If not, the single filter
+/// reports the place.
+fn is_finite(record: &Record, columns: &[usize]) -> bool {
+    record.forgotten() == 0
+        && !record.is_empty()
+        && record.input().iter().all(|input| input.is_finite())
+        && columns.iter().all(|&column| record.measured(column).iter().all(|value| !value.is_infinite()))
+}
+
+/// Whether an initial belief and its noise are such as lanes have: finite, and Q a diagonal.
+fn can_begin(initial: &Gaussian, noise: &Noise) -> bool {
+    let is_diagonal = noise.process.lower_triangle() == noise.process.upper_triangle();
+    initial.is_finite() && noise.process.sum().is_finite() && noise.sensors.iter().all(|r| r.is_finite()) && is_diagonal
+}
+
+/// The method of a kind of filters over n components.
+fn method(settings: &FilterSettings, n: usize) -> Option<Method> {
+    let of_rule = |rule: BookRule| Some(Method::SigmaPoints(rule.of_size(n)));
+    match settings.kind {
+        kind if kind == FilterKind::UKF => of_rule(BookRule::Unscented),
+        kind if kind == FilterKind::CKF => of_rule(BookRule::Cubature),
+        kind if kind == FilterKind::KF || kind == FilterKind::EKF => Some(Method::Linearised(settings.propagation, 1)),
+        _ => None,
+    }
+}
+
+/// The filters of some setups of one design, one a lane, before their first sample.
+pub(crate) fn filter<'a, T: Number, L: Level>(level: L, setup: impl Fn(usize) -> &'a Setup) -> Filter<T, L> {
+    let numbers = |count: usize, of_setup: &dyn Fn(&Setup) -> &[f64]| -> Vec<T> {
+        (0..count).map(|i| T::from_lanes(|lane| of_setup(setup(lane))[i])).collect()
+    };
+    let design = setup(0).design.clone();
+    let (n, sensors) = (design.model.size, design.readings.len());
+    let mut belief = belief::Belief { mean: numbers(n, &|setup| &setup.mean), cov: vec![T::of(0.0); n * n] };
+    for (i, variance) in numbers(n, &|setup| &setup.variance).into_iter().enumerate() {
+        belief.cov[i * n + i] = variance;
+    }
+    let noise = belief::Noise {
+        process: numbers(n, &|setup| &setup.process),
+        sensors: numbers(sensors, &|setup| &setup.sensors),
+        fading: T::from_lanes(|lane| setup(lane).fading),
+    };
+    let white = T::from_lanes(|lane| setup(lane).white);
+    Filter::new(level, design, belief, noise, white)
+}

@@ -1,0 +1,184 @@
+//! One filter over one record.
+
+use crate::mathematics::quantity::MAX_SENSORS;
+use crate::samples::estimator::{Estimator, Failed, FilterContext, Recipe};
+use crate::samples::run_error::sensor_places;
+use crate::samples::select;
+use crate::samples::sink::Sink;
+use crate::samples::tape::Tape;
+use crate::{Estimates, FilterError, FilterSettings, Quantity, Record, RunError, Scenario, Stop};
+
+/// A filter that runs over a record sample by sample and reports to a [`Sink`]. Whole records, live mode and maps of
+/// thousands of runs are loops over this.
+pub struct Pass {
+    filter: Built,
+    /// The column of the record for each of the scenario's sensors.
+    sensors: Vec<usize>,
+    input_delay: i32,
+    done: usize,
+    stop: Option<Stop>,
+    /// The next sample, if it has been computed ahead.
+    ahead: Option<Tape>,
+}
+
+/// A filter, which is built when it is first needed.
+#[derive(Default)]
+struct Built {
+    /// None once it is built, and for a pass without a filter.
+    recipe: Option<Box<Recipe>>,
+    estimator: Option<Box<dyn Estimator>>,
+}
+
+impl Built {
+    fn estimator(&mut self) -> &mut dyn Estimator {
+        let Self { recipe, estimator } = self;
+        let build = || match recipe.take() {
+            Some(recipe) => {
+                let (settings, context) = recipe.parts();
+                select::estimator(settings, context)
+            }
+            None => Box::new(Failed(FilterError::NotFinite)),
+        };
+        estimator.get_or_insert_with(build).as_mut()
+    }
+}
+
+impl Pass {
+    /// The filter at `place` of a scenario before the first sample of a record.
+    ///
+    /// # Errors
+    /// [`RunError::Scenario`] where the scenario is impossible, [`RunError::NoFilter`] where there is no such filter,
+    /// [`RunError::MissingSensor`] and [`RunError::InputKind`] where the record does not fit the scenario.
+    pub fn new(scenario: &Scenario, place: usize, record: &Record) -> Result<Self, RunError> {
+        let sensors = Self::columns(scenario, place, record)?;
+        let mut scenario = scenario.clone();
+        scenario.number_filters();
+        let filter = &scenario.filters[place];
+        let quantities: Vec<Quantity> = scenario.sensors.iter().map(|s| s.measures).collect();
+        let context = FilterContext::new(&scenario, &quantities, record.dt(), filter);
+        Ok(Self::with(filter, context, sensors))
+    }
+
+    /// The columns of a record for the sensors of a scenario, over which its filter at `place` can run.
+    ///
+    /// # Errors
+    /// Those of [`Self::new`].
+    pub fn columns(scenario: &Scenario, place: usize, record: &Record) -> Result<Vec<usize>, RunError> {
+        scenario.validate()?;
+        if scenario.filters.get(place).is_none() {
+            return Err(RunError::NoFilter(place));
+        }
+        sensor_places(scenario, record)
+    }
+
+    pub(crate) fn with(settings: &FilterSettings, context: FilterContext<'_>, sensors: Vec<usize>) -> Self {
+        let estimator = Some(select::estimator(settings, context));
+        Self::of(Built { recipe: None, estimator }, settings, sensors)
+    }
+
+    /// The same, but the filter is built with its first sample.
+    pub(crate) fn later(settings: &FilterSettings, context: FilterContext<'_>, sensors: Vec<usize>) -> Self {
+        let recipe = Some(Box::new(context.kept(settings)));
+        Self::of(Built { recipe, estimator: None }, settings, sensors)
+    }
+
+    fn of(filter: Built, settings: &FilterSettings, sensors: Vec<usize>) -> Self {
+        Self { filter, sensors, input_delay: settings.input_delay, done: 0, stop: None, ahead: None }
+    }
+
+    /// A pass without a record, which does nothing.
+    pub(crate) fn idle() -> Self {
+        Self { filter: Built::default(), sensors: Vec::new(), input_delay: 0, done: 0, stop: None, ahead: None }
+    }
+
+    /// An empty history for the filter at `place` of a scenario, to be filled by a pass.
+    ///
+    /// # Errors
+    /// [`RunError::NoFilter`] where there is no such filter.
+    pub fn history(scenario: &Scenario, place: usize) -> Result<Estimates, RunError> {
+        let filter = scenario.filters.get(place).ok_or(RunError::NoFilter(place))?;
+        let quantities = scenario.sensors.iter().map(|s| s.measures).collect();
+        Ok(Estimates::new(filter, &filter.model(scenario.plant.kind, scenario.input), quantities))
+    }
+
+    /// The number of samples done, counted from the record's beginning.
+    pub fn done(&self) -> usize {
+        self.done
+    }
+
+    /// Where and why the filter stopped, if it did.
+    pub fn stop(&self) -> Option<Stop> {
+        self.stop
+    }
+
+    /// Takes in the next samples of the same filter, which another pass has computed, and appends them to its history.
+    /// `samples` is the number of all samples. The pass itself can go on only from the last one. Returns false if they are
+    /// not of this filter.
+    pub(crate) fn take(&mut self, tape: &Tape, samples: usize, estimates: &mut Estimates) -> bool {
+        let Some((count, stop)) = tape.play(estimates) else { return false };
+        self.done = if stop.is_some() { samples } else { (self.done + count).min(samples) };
+        self.stop = stop;
+        true
+    }
+
+    /// Begins again after samples that were only taken in.
+    pub(crate) fn begin_again(&mut self) {
+        (self.done, self.stop, self.ahead) = (0, None, None);
+    }
+
+    /// Computes the next sample of the record ahead, if there is one, and keeps it until [`Self::settle`].
+    pub(crate) fn prepare(&mut self, record: &Record) {
+        let next = self.done;
+        if self.ahead.is_none() && self.stop.is_none() && next < record.forgotten() + record.len() {
+            let mut tape = Tape::default();
+            self.follow(record, next + 1, &mut tape);
+            (self.done, self.stop, self.ahead) = (next, None, Some(tape));
+        }
+    }
+
+    /// Whether the next sample has been computed ahead, or there is none.
+    pub(crate) fn is_prepared(&self) -> bool {
+        self.ahead.is_some() || self.stop.is_some()
+    }
+
+    /// Appends the sample that was computed ahead, if there is one. `samples` is the number of all samples.
+    pub(crate) fn settle(&mut self, samples: usize, estimates: &mut Estimates) {
+        if let Some(tape) = self.ahead.take() {
+            self.take(&tape, samples, estimates);
+        }
+    }
+
+    /// Computes until `samples` samples, counted from the record's beginning, are done, or to the end of the record. A
+    /// filter that fails reports the reason to the sink and computes no further samples.
+    pub fn follow(&mut self, record: &Record, samples: usize, sink: &mut dyn Sink) {
+        let Self { filter, sensors, input_delay, done, stop, ahead: _ } = self;
+        let force = |k: usize| record.delayed_force(k, *input_delay);
+        let goal = samples.min(record.forgotten() + record.len()).max(*done);
+        let mut measured = [f64::NAN; MAX_SENSORS];
+        let measured = &mut measured[..sensors.len()];
+        if goal == *done {
+            return;
+        }
+        let estimator = filter.estimator();
+        for sample in *done..goal {
+            if stop.is_some() {
+                break;
+            }
+            let step = if sample == 0 {
+                estimator.begin(sink)
+            } else {
+                let k = sample - record.forgotten();
+                for (value, &sensor) in measured.iter_mut().zip(sensors.iter()) {
+                    *value = record.measured(sensor)[k];
+                }
+                estimator.step(force(k - 1), force(k), measured, sink)
+            };
+            if let Err(reason) = step {
+                let at = Stop { sample, reason };
+                *stop = Some(at);
+                sink.stop_at(at);
+            }
+        }
+        *done = goal;
+    }
+}

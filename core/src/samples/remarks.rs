@@ -1,0 +1,246 @@
+//! Remarks: problems that a filter survives, but that make its estimates unreliable.
+
+use thiserror::Error;
+
+use crate::mathematics::quantity::MAX_SENSORS;
+use crate::samples::sample::{AssumedNoise, Sample};
+use crate::{Channel, FilterSettings, PlantKind, Quantity, Values};
+
+/// A problem that does not stop the filter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+pub enum Trouble {
+    /// A standard deviation exceeds a thousand times the larger of its initial and its usual value. The usual value of
+    /// a motion is scaled with the noise of the best sensor.
+    #[error(
+        "the covariance winds up: the filter forgets what it knew of the {} faster than the sensors tell it anew",
+        .0.name()
+    )]
+    WindUp(Channel),
+    /// The correlation of two channels exceeds 1 by more than rounding.
+    #[error("rounding has made the covariance indefinite: {} and {} are correlated by more than 1", .0.name(), .1.name())]
+    Indefinite(Channel, Channel),
+    /// A sensor has had no measurement for ten samples or more.
+    #[error("the sensor for {} delivers nothing", .0.key())]
+    Missing(Quantity),
+    /// The filter's plant lacks the quantity that the sensor measures.
+    #[error("the filter's plant has no {}, so that its sensor is ignored", .0.key())]
+    Unknown(Quantity),
+    /// For ten measurements or more, one or two particles, or less than 2 % of them, have had nearly all the weight.
+    #[error("the particles have collapsed: hardly any of them agrees with the measurements")]
+    Collapse,
+    /// The filter has jumped ([`FilterSettings::jump`]).
+    #[error("its innovations grew at once, and it widened its parameters")]
+    Widened,
+    /// R has learnt a standard deviation a thousandth of the initial one.
+    #[error("the noise that the filter learns for the sensor for {} runs to zero", .0.key())]
+    VanishingSensorNoise(Quantity),
+    /// R has learnt a standard deviation a thousand times the initial one.
+    #[error("the noise that the filter learns for the sensor for {} runs away", .0.key())]
+    GrowingSensorNoise(Quantity),
+    /// Q has learnt a standard deviation a thousandth of the initial one.
+    #[error("the process noise that the filter learns for the {} runs to zero", .0.name())]
+    VanishingProcessNoise(Channel),
+    /// Q has learnt a standard deviation a thousand times the initial one.
+    #[error("the process noise that the filter learns for the {} runs away", .0.name())]
+    GrowingProcessNoise(Channel),
+}
+
+/// A problem with the samples at which it occurred; a later occurrence is a new remark.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Remark {
+    /// The problem.
+    pub what: Trouble,
+    /// The first sample that has it, counted from the run's beginning.
+    pub sample: usize,
+    /// The last sample that has it so far.
+    pub last: usize,
+}
+
+/// Limits the ratio of a variance to its usual value: a thousand in the standard deviation.
+const RATIO_LIMIT: f64 = 1e6;
+
+/// Limits the square of a correlation, with a margin for rounding.
+const CORRELATION_LIMIT: f64 = 1.0 + 1e-6;
+
+/// Limits the variances, so that their products cannot overflow.
+const PRODUCT_LIMIT: f64 = 1e150;
+
+/// The number of successive samples that make a remark.
+const LASTING: usize = 10;
+
+/// Limits the number of samples between two occurrences that belong to one remark.
+const PAUSE: usize = 50;
+
+/// Checks every sample of one filter and collects remarks.
+#[derive(Clone, Debug)]
+pub(crate) struct Monitor {
+    channels: Vec<Channel>,
+    sensors: Vec<Quantity>,
+    /// Whether the filter's plant has the quantity of each sensor.
+    known: [bool; MAX_SENSORS],
+    /// Limits of the variances, above which the covariance winds up.
+    limits: Vec<f64>,
+    /// Limits of the variances, above which the covariance is checked in detail.
+    suspicious: Vec<f64>,
+    /// The number of samples for which each sensor has had no measurement.
+    silent: [usize; MAX_SENSORS],
+    any_silent: bool,
+    fewest_particles: f64,
+    collapsed: usize,
+    /// The initial diagonals of R and Q.
+    initial_noise: Option<(Vec<f64>, Vec<f64>)>,
+    remarks: Vec<Remark>,
+}
+
+impl Monitor {
+    /// The monitor of a filter with these settings, for the plant that the filter assumes.
+    pub(crate) fn new(settings: &FilterSettings, channels: &[Channel], plant: PlantKind, sensors: &[Quantity]) -> Self {
+        // The noise of the best sensor determines how well states can be distinguished.
+        let noise = |(sensor, std): (&Quantity, &f64)| std / sensor.aspect().info().usual_noise;
+        let noisier = sensors.iter().zip(&settings.sensor_std).map(noise).fold(f64::INFINITY, f64::min);
+        let noisier = if noisier.is_finite() { noisier.max(1.0) } else { 1.0 };
+        let limit = |&channel: &Channel| {
+            let usual = Values::INITIAL_STD[channel] * if channel.is_parameter() { 1.0 } else { noisier };
+            let size = settings.initial_std[channel].max(usual);
+            RATIO_LIMIT * size * size
+        };
+        let mut known = [true; MAX_SENSORS];
+        for (known, sensor) in known.iter_mut().zip(sensors) {
+            *known = plant.has(*sensor);
+        }
+        let particles = if settings.kind.has_own_likelihood() { settings.ensemble_size } else { 0 };
+        let limits: Vec<f64> = channels.iter().map(limit).collect();
+        Self {
+            channels: channels.to_vec(),
+            sensors: sensors.to_vec(),
+            known,
+            suspicious: limits.iter().map(|limit| limit.min(PRODUCT_LIMIT)).collect(),
+            limits,
+            silent: [0; MAX_SENSORS],
+            any_silent: false,
+            fewest_particles: (0.02 * particles as f64).max(2.0),
+            collapsed: 0,
+            initial_noise: None,
+            remarks: Vec::new(),
+        }
+    }
+
+    pub(crate) fn remarks(&self) -> &[Remark] {
+        &self.remarks
+    }
+
+    /// Drops the remarks that are over before sample `first` and cannot be continued after it.
+    pub(crate) fn forget_before(&mut self, first: usize) {
+        self.remarks.retain(|remark| remark.last + PAUSE >= first);
+    }
+
+    /// Checks sample number `k`.
+    #[inline(always)]
+    pub(crate) fn look(&mut self, k: usize, sample: &Sample<'_>) {
+        let Sample { mean, cov, innovation, effective_samples, noise, has_widened, .. } = *sample;
+        let n = mean.len();
+        let wide = (0..n).zip(&self.suspicious).fold(false, |wide, (i, limit)| wide | (cov[i * n + i] > *limit));
+        let mut beyond = false;
+        for j in 0..n {
+            for i in j + 1..n {
+                // The smallest normal number tolerates underflow.
+                let product = cov[i * n + i] * cov[j * n + j];
+                beyond |= cov[j * n + i] * cov[j * n + i] > CORRELATION_LIMIT * product + f64::MIN_POSITIVE;
+            }
+        }
+        if wide | beyond {
+            self.look_at_covariance(k, cov);
+        }
+        if self.any_silent | innovation.iter().fold(false, |any, e| any | e.is_nan()) {
+            self.look_at_sensors(k, innovation);
+        }
+        if effective_samples < self.fewest_particles {
+            self.collapsed += 1;
+            if self.collapsed >= LASTING {
+                self.note(Trouble::Collapse, k + 1 - self.collapsed, k);
+            }
+        } else if !effective_samples.is_nan() {
+            self.collapsed = 0;
+        }
+        if let Some(noise) = noise {
+            self.look_at_noise(k, noise);
+        }
+        if has_widened {
+            self.note(Trouble::Widened, k, k);
+        }
+    }
+
+    #[cold]
+    fn look_at_covariance(&mut self, k: usize, cov: &[f64]) {
+        let n = self.channels.len();
+        let channels = self.channels.clone();
+        for j in 0..n {
+            if cov[j * n + j] > self.limits[j] {
+                self.note(Trouble::WindUp(channels[j]), k, k);
+            }
+            for i in j + 1..n {
+                let product = cov[i * n + i].sqrt() * cov[j * n + j].sqrt();
+                if cov[j * n + i].abs() > CORRELATION_LIMIT.sqrt() * product + f64::MIN_POSITIVE.sqrt() {
+                    self.note(Trouble::Indefinite(channels[j], channels[i]), k, k);
+                }
+            }
+        }
+    }
+
+    #[cold]
+    fn look_at_sensors(&mut self, k: usize, innovation: &[f64]) {
+        if k == 0 {
+            return;
+        }
+        self.any_silent = false;
+        for (place, value) in innovation.iter().enumerate() {
+            if !value.is_nan() {
+                self.silent[place] = 0;
+                continue;
+            }
+            self.any_silent = true;
+            self.silent[place] += 1;
+            let (sensor, silent) = (self.sensors[place], self.silent[place]);
+            if !self.known[place] {
+                self.note(Trouble::Unknown(sensor), k, k);
+            } else if silent >= LASTING {
+                self.note(Trouble::Missing(sensor), k + 1 - silent, k);
+            }
+        }
+    }
+
+    /// Checks the noise that an adaptive filter assumes at sample `k`.
+    #[cold]
+    fn look_at_noise(&mut self, k: usize, noise: AssumedNoise<'_>) {
+        let AssumedNoise { process, .. } = noise;
+        let Some((first_sensors, first_process)) = self.initial_noise.take() else {
+            self.initial_noise = Some((noise.sensors.to_vec(), process.to_vec()));
+            return;
+        };
+        for (place, (&now, &first)) in noise.sensors.iter().zip(&first_sensors).enumerate() {
+            let sensor = self.sensors[place];
+            self.compare(k, now, first, Trouble::VanishingSensorNoise(sensor), Trouble::GrowingSensorNoise(sensor));
+        }
+        for (place, (&now, &first)) in process.iter().zip(&first_process).enumerate() {
+            let channel = self.channels[place];
+            self.compare(k, now, first, Trouble::VanishingProcessNoise(channel), Trouble::GrowingProcessNoise(channel));
+        }
+        self.initial_noise = Some((first_sensors, first_process));
+    }
+
+    fn compare(&mut self, k: usize, now: f64, first: f64, vanishing: Trouble, growing: Trouble) {
+        // A variance of zero has no ratio.
+        if first > 0.0 && now < first / RATIO_LIMIT {
+            self.note(vanishing, k, k);
+        } else if first > 0.0 && now > first * RATIO_LIMIT {
+            self.note(growing, k, k);
+        }
+    }
+
+    fn note(&mut self, what: Trouble, sample: usize, k: usize) {
+        match self.remarks.iter_mut().rev().find(|remark| remark.what == what) {
+            Some(remark) if k - remark.last <= PAUSE => remark.last = k,
+            _ => self.remarks.push(Remark { what, sample, last: k }),
+        }
+    }
+}

@@ -1,0 +1,262 @@
+//! The engine: a truth or a measured record, and the filters that use it, sample by sample.
+
+pub(crate) mod revision;
+
+use std::sync::Arc;
+
+use crate::samples::bank::Bank;
+use crate::samples::run_error::sensor_places;
+use crate::samples::simulate::TruthStop;
+use crate::samples::source::Recording;
+use crate::samples::spare::Spare;
+use crate::{Channel, Estimates, Record, RunError, Scenario, Source};
+
+use revision::Revision;
+
+/// A scenario in progress.
+///
+/// A simulated run can forget its first samples ([`Self::forget`]) and go on without limit in constant memory.
+/// [`Self::done`] and [`Self::samples`] count from the run's beginning; [`Self::len`] and every index into
+/// [`Self::record`] and [`Self::estimates`] count from the first sample that is kept.
+pub struct Run {
+    recording: Recording,
+    samples: usize,
+    done: usize,
+    bank: Bank,
+}
+
+/// The parts that [`Run::update`] has computed again.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Update {
+    /// Everything: the truth, or the way in which a given record is read, and every filter.
+    Everything,
+    /// The filters with these ids. The truth and the other filters are unchanged; filters that the scenario lacks are
+    /// removed.
+    Filters(Vec<u32>),
+}
+
+impl Run {
+    /// A run over the scenario's own simulated record, before its first sample.
+    ///
+    /// # Errors
+    /// [`RunError::Scenario`] where the scenario is impossible.
+    pub fn new(scenario: &Scenario) -> Result<Self, RunError> {
+        Self::from_source(scenario, Source::Simulated)
+    }
+
+    /// A run of the scenario's filters over a given record. The record's `dt` replaces the scenario's.
+    ///
+    /// # Errors
+    /// [`RunError::Scenario`] where the scenario is impossible, [`RunError::MissingSensor`] where the record lacks one
+    /// of its sensors, [`RunError::InputKind`] where its input is of another kind.
+    pub fn on_record(scenario: &Scenario, record: Arc<Record>) -> Result<Self, RunError> {
+        Self::from_source(scenario, Source::Measured(record))
+    }
+
+    /// A run over either source, before its first sample.
+    ///
+    /// # Errors
+    /// As [`Self::on_record`].
+    pub fn from_source(scenario: &Scenario, source: Source) -> Result<Self, RunError> {
+        Self::over(scenario, source, &mut Spare::default())
+    }
+
+    fn over(scenario: &Scenario, source: Source, spare: &mut Spare) -> Result<Self, RunError> {
+        scenario.validate()?;
+        let recording = Recording::new(scenario, source, spare.record());
+        let samples = recording.samples(scenario);
+        let record = recording.record();
+        let mut bank = Bank::new(scenario, record)?;
+        for _ in &scenario.filters {
+            bank.add(record, samples, spare.estimates());
+        }
+        Ok(Self { recording, samples, done: 0, bank })
+    }
+
+    /// Begins again with another scenario over the same source, and reuses the memory of this run.
+    ///
+    /// # Errors
+    /// As [`Self::on_record`]; this run is then unchanged.
+    pub fn restart(&mut self, scenario: &Scenario) -> Result<(), RunError> {
+        scenario.validate()?;
+        let source = self.source();
+        if let Source::Measured(record) = &source {
+            sensor_places(scenario, record)?;
+        }
+        let mut spare = Spare::default();
+        spare.take(self.take_apart());
+        *self = Self::over(scenario, source, &mut spare)?;
+        Ok(())
+    }
+
+    /// Changes the scenario and computes the run again up to the present sample, with the same bits as a new run. A
+    /// truth and filters with unchanged settings are not computed again, and a given record stays. Begins again where
+    /// the truth has changed or samples have been forgotten.
+    ///
+    /// # Errors
+    /// As [`Self::on_record`]; this run is then unchanged.
+    pub fn update(&mut self, scenario: &Scenario) -> Result<Update, RunError> {
+        let mut spare = Spare::default();
+        let mut revision = Revision::new(self, scenario, None, &mut spare)?;
+        if revision.is_of_everything() {
+            self.restart(scenario)?;
+            return Ok(Update::Everything);
+        }
+        while !revision.advance_to(self.done, self.record(), &mut || true) {}
+        Ok(revision.apply(self, self.done, &mut spare))
+    }
+
+    /// Advances by one sample: the truth moves on, then every filter predicts and updates. The first step reports the
+    /// initial beliefs. A filter that fails keeps its estimates and reports the reason in [`Estimates::stop`]; the
+    /// others go on. Returns whether there was a sample left. A truth that diverges ends the record early and reports
+    /// the reason in [`Self::truth_stop`].
+    pub fn step(&mut self) -> bool {
+        self.advance_to(self.done + 1) > 0
+    }
+
+    /// Steps until `samples` samples, counted from the run's beginning, are done, or to the end. Returns the number of
+    /// steps.
+    pub fn advance_to(&mut self, samples: usize) -> usize {
+        let Self { recording, samples: all, done, bank } = self;
+        let begin = *done;
+        let goal = samples.min(*all);
+        if !recording.advance_to((goal + bank.lookahead()).min(*all)) {
+            *all = recording.len();
+        }
+        *done = goal.min(*all).max(begin);
+        bank.follow(recording.record(), *done);
+        *done - begin
+    }
+
+    /// Simulates the part of the record that [`Self::advance_to`] needs for `samples`, and calls `while_time` between
+    /// portions. Returns false early if `while_time` does.
+    pub(crate) fn simulate(&mut self, samples: usize, while_time: &mut dyn FnMut() -> bool) -> bool {
+        let Self { recording, samples: all, done: _, bank } = self;
+        let goal = (samples.min(*all) + bank.lookahead()).min(*all);
+        while recording.len() < goal.min(*all) {
+            if !recording.advance_some(goal) {
+                *all = recording.len();
+            } else if recording.len() < goal && !while_time() {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// Computes the next sample ahead, of one filter after the other, and calls `while_time` after each. Returns early
+    /// if it is false. The result appears once [`Self::advance_to`] comes to that sample.
+    pub(crate) fn prepare(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
+        let Self { recording, samples: all, done, bank } = self;
+        let goal = (*done + 1).min(*all);
+        if !recording.advance_to((goal + bank.lookahead()).min(*all)) {
+            *all = recording.len();
+        }
+        goal > *all || bank.prepare(recording.record(), while_time)
+    }
+
+    /// Forgets the first `samples` of those that are kept, but never the last one, and everything derived from them.
+    /// The memory stays reserved. Later samples are bit-identical to those of a run that keeps everything. Returns
+    /// false for a given record, which cannot be forgotten.
+    pub fn forget(&mut self, samples: usize) -> bool {
+        let samples = samples.min(self.len().saturating_sub(1 + self.bank.reach()));
+        let forgets = self.recording.forget(samples);
+        if forgets {
+            self.bank.forget(samples);
+        }
+        forgets
+    }
+
+    /// Steps to the end of the record.
+    pub fn finish(&mut self) {
+        self.advance_to(self.samples);
+    }
+
+    /// The scenario.
+    pub fn scenario(&self) -> &Scenario {
+        self.bank.scenario()
+    }
+
+    /// The source of the samples.
+    pub fn source(&self) -> Source {
+        self.recording.source()
+    }
+
+    /// The number of samples done, counted from the run's beginning.
+    pub fn done(&self) -> usize {
+        self.done
+    }
+
+    /// The number of samples done and kept: all, unless some have been forgotten.
+    pub fn len(&self) -> usize {
+        self.done - self.record().forgotten()
+    }
+
+    /// Whether no sample is done yet.
+    pub fn is_empty(&self) -> bool {
+        self.done == 0
+    }
+
+    /// The number of samples of the whole record, counted from the run's beginning, kept or not.
+    pub fn samples(&self) -> usize {
+        self.samples
+    }
+
+    /// Where and why the simulated truth stopped, if it diverged before the record was complete.
+    pub fn truth_stop(&self) -> Option<TruthStop> {
+        self.recording.stop()
+    }
+
+    /// The record: the part that is simulated and kept, or all of a measured one.
+    pub fn record(&self) -> &Record {
+        self.recording.record()
+    }
+
+    /// The kept estimates so far, one per filter.
+    pub fn estimates(&self) -> &[Estimates] {
+        &self.bank.estimates
+    }
+
+    /// The smoothed estimates of every filter with a smoother, given all samples so far. They have means and
+    /// covariances, but no innovations. A run that has forgotten samples has none, because a smoother needs the first
+    /// sample.
+    ///
+    /// Source: Rauch, Tung and Striebel (1965), Maximum likelihood estimates of linear dynamic systems.
+    pub fn smoothed(&self) -> Vec<Estimates> {
+        let record = self.record();
+        if record.forgotten() > 0 {
+            return Vec::new();
+        }
+        let of = |place: usize| {
+            let wants = self.scenario().filters[place].smoother;
+            let mut smoothed = wants.then(|| self.bank.smoothed(place))?;
+            if let Some(mut smoother) = self.bank.smoother(place, record.dt()) {
+                while !smoother.advance(record, self.done, usize::MAX, &mut smoothed) {}
+            }
+            Some(smoothed)
+        };
+        (0..self.scenario().filters.len()).filter_map(of).collect()
+    }
+
+    /// Every channel of the truth and of the filters.
+    pub fn channels(&self) -> Vec<Channel> {
+        let known =
+            |c: &Channel| self.record().truth(*c).is_some() || self.estimates().iter().any(|e| e.place(*c).is_some());
+        Channel::all().iter().copied().filter(known).collect()
+    }
+
+    /// A hash of all estimates that are kept, to compare platforms.
+    pub fn checksum(&self) -> u64 {
+        self.estimates().iter().fold(0, |sum: u64, e| sum.rotate_left(1) ^ e.checksum())
+    }
+
+    pub(crate) fn bank(&self) -> &Bank {
+        &self.bank
+    }
+
+    /// The memory of the run's data. The run cannot be used before it has been given other data.
+    fn take_apart(&mut self) -> (Option<Record>, Vec<Estimates>) {
+        let empty = Recording::Measured(Arc::new(self.record().emptied()));
+        let record = std::mem::replace(&mut self.recording, empty).into_simulated();
+        (record, std::mem::take(&mut self.bank.estimates))
+    }
+}

@@ -1,0 +1,224 @@
+//! A change of a run's scenario, computed beside the run.
+
+use super::{Run, Update};
+use crate::data::scenario::cost;
+use crate::data::sorting::sort_short_by;
+use crate::samples::bank::{Bank, lookahead};
+use crate::samples::source::Recording;
+use crate::samples::spare::Spare;
+use crate::samples::tape::Tape;
+use crate::{Estimates, FilterSettings, Record, RunError, Scenario, Source};
+
+/// Limits the samples of a truth that are simulated between two checks of the time: about 0.3 ms.
+const RECORD_CHUNK: usize = 500;
+
+/// The parts of a run that another scenario changes. The run stays as it is until [`Self::apply`].
+pub(crate) struct Revision {
+    /// The record, if it changes.
+    recording: Option<Recording>,
+    samples: usize,
+    bank: Bank,
+    /// For each unchanged filter, its place in the run.
+    kept: Vec<Option<usize>>,
+    /// The places of the changed filters, from the cheapest step to the costliest.
+    order: Vec<usize>,
+    /// The places of the changed filters that the caller computes.
+    away: Vec<usize>,
+    is_of_everything: bool,
+}
+
+impl Revision {
+    /// The revision that takes a run to another scenario, and to another source if one is given.
+    ///
+    /// # Errors
+    /// [`RunError`] where the scenario is impossible, or the source does not fit it.
+    pub(crate) fn new(
+        run: &Run,
+        scenario: &Scenario,
+        source: Option<Source>,
+        spare: &mut Spare,
+    ) -> Result<Self, RunError> {
+        scenario.validate()?;
+        let same_filters = source.is_none() && same_filters(run, scenario);
+        let same_record = source.is_none() && (same_filters || matches!(run.source(), Source::Measured(_)));
+        let recording =
+            (!same_record).then(|| Recording::new(scenario, source.unwrap_or_else(|| run.source()), spare.record()));
+        let current = recording.as_ref().unwrap_or(&run.recording);
+        let samples = if same_record { run.samples } else { current.samples(scenario) };
+        let mut bank = Bank::new(scenario, current.record())?;
+        let before = &run.scenario().filters;
+        let place_of = |filter: &FilterSettings| before.iter().position(|b| b == filter).filter(|_| same_filters);
+        let kept: Vec<Option<usize>> = bank.scenario().filters.iter().map(place_of).collect();
+        for kept in &kept {
+            if kept.is_some() {
+                bank.leave_place();
+            } else {
+                bank.add(current.record(), samples, spare.estimates());
+            }
+        }
+        let mut order: Vec<usize> = (0..kept.len()).filter(|&place| kept[place].is_none()).collect();
+        sort_short_by(&mut order, |&a, &b| {
+            let of = |place: usize| cost::of_step(&scenario.filters[place], scenario.plant.kind);
+            of(a).total_cmp(&of(b))
+        });
+        Ok(Self { recording, samples, bank, kept, order, away: Vec::new(), is_of_everything: !same_filters })
+    }
+
+    /// Whether the record, or the way in which it is read, changes.
+    pub(crate) fn is_of_everything(&self) -> bool {
+        self.is_of_everything
+    }
+
+    /// The filters; unchanged ones are empty places.
+    pub(crate) fn bank(&self) -> &Bank {
+        &self.bank
+    }
+
+    /// The places of the changed filters.
+    pub(crate) fn changed(&self) -> &[usize] {
+        &self.order
+    }
+
+    /// For each unchanged filter, its place in the run.
+    pub(crate) fn kept(&self) -> &[Option<usize>] {
+        &self.kept
+    }
+
+    /// Whether the filter at a place is unchanged.
+    pub(crate) fn keeps(&self, place: usize) -> bool {
+        self.kept[place].is_some()
+    }
+
+    /// The new record, if it changes.
+    pub(crate) fn own_record(&self) -> Option<&Record> {
+        self.recording.as_ref().map(Recording::record)
+    }
+
+    /// The source of the new record, if it changes.
+    pub(crate) fn source(&self) -> Option<Source> {
+        self.recording.as_ref().map(Recording::source)
+    }
+
+    /// The number of samples of the whole record.
+    pub(crate) fn samples(&self) -> usize {
+        self.samples
+    }
+
+    /// The number of samples of the new record that are done.
+    pub(crate) fn recorded(&self) -> Option<usize> {
+        self.recording.as_ref().map(Recording::len)
+    }
+
+    /// The number of samples that the filter at a place has done.
+    pub(crate) fn done(&self, place: usize) -> usize {
+        self.bank.passes[place].done()
+    }
+
+    /// Leaves the filters at these places to the caller.
+    pub(crate) fn leave(&mut self, places: Vec<usize>) {
+        self.away = places;
+    }
+
+    /// Takes in the next samples of a filter that the caller computes. Returns false if they are not its own.
+    pub(crate) fn take(&mut self, place: usize, tape: &Tape) -> bool {
+        self.away.contains(&place) && self.bank.take(place, tape, self.samples)
+    }
+
+    /// Computes the filters that are away and not complete, from their first sample on.
+    pub(crate) fn take_back(&mut self) {
+        for place in std::mem::take(&mut self.away) {
+            if self.done(place) < self.samples {
+                self.bank.begin_again(place, self.samples);
+            }
+        }
+    }
+
+    /// Forgets the first samples that are still kept, as [`Run::forget`] does.
+    pub(crate) fn forget(&mut self, samples: usize) {
+        if let Some(recording) = &mut self.recording {
+            recording.forget(samples);
+            self.bank.forget(samples);
+        }
+    }
+
+    /// Computes up to `samples` samples, counted from the beginning: first the record, then the filters. `record` is
+    /// the run's, for a record that does not change. Calls `while_time` after each small piece of work and returns
+    /// early if it is false. Returns whether everything is done.
+    pub(crate) fn advance_to(&mut self, samples: usize, record: &Record, while_time: &mut dyn FnMut() -> bool) -> bool {
+        let Self { recording, samples: all, bank, order, away, .. } = self;
+        let goal = samples.min(*all);
+        if let Some(recording) = recording {
+            let recorded = (goal + bank.lookahead()).min(*all);
+            while recording.len() < recorded.min(*all) {
+                let next = (recording.len() + RECORD_CHUNK).min(recorded);
+                if !recording.advance_some(next) {
+                    *all = recording.len();
+                }
+                if !while_time() {
+                    return false;
+                }
+            }
+        }
+        let goal = goal.min(*all);
+        let record = recording.as_ref().map_or(record, Recording::record);
+        for &place in order.iter().filter(|place| !away.contains(place)) {
+            let step = cost::of_step(&bank.scenario().filters[place], bank.scenario().plant.kind);
+            let chunk = cost::chunk(step);
+            while bank.passes[place].done() < goal {
+                let next = (bank.passes[place].done() + chunk).min(goal);
+                bank.follow_one(place, record, next);
+                if !while_time() {
+                    return order.iter().all(|&place| bank.passes[place].done() >= goal);
+                }
+            }
+        }
+        away.iter().all(|&place| bank.passes[place].done() >= goal)
+    }
+
+    /// Puts the result, of `done` samples, into the run, and the parts that it replaces into the spare memory.
+    pub(crate) fn apply(self, run: &mut Run, done: usize, spare: &mut Spare) -> Update {
+        let Self { recording, samples, mut bank, kept, mut order, away: _, is_of_everything } = self;
+        for (place, before) in kept.into_iter().enumerate() {
+            if let Some(before) = before {
+                std::mem::swap(&mut bank.passes[place], &mut run.bank.passes[before]);
+                std::mem::swap(&mut bank.estimates[place], &mut run.bank.estimates[before]);
+            }
+        }
+        order.sort_unstable();
+        let changed = order.into_iter().map(|place| bank.scenario().filters[place].id).collect();
+        let old = std::mem::replace(&mut run.bank, bank);
+        let record = recording.and_then(|new| std::mem::replace(&mut run.recording, new).into_simulated());
+        (run.samples, run.done) = (samples, done.min(samples));
+        let estimates = old.estimates.into_iter().filter(|estimates| !estimates.is_empty()).collect();
+        spare.take((record, estimates));
+        if is_of_everything {
+            return Update::Everything;
+        }
+        Update::Filters(changed)
+    }
+
+    /// The memory of the revision's data.
+    pub(crate) fn take_apart(self) -> (Option<Record>, Vec<Estimates>) {
+        let estimates = self.bank.estimates.into_iter().filter(|estimates| !estimates.is_empty()).collect();
+        (self.recording.and_then(Recording::into_simulated), estimates)
+    }
+}
+
+/// Whether another scenario gives the filters of a run the same input and measurements.
+fn same_filters(run: &Run, scenario: &Scenario) -> bool {
+    let without_filters = |scenario: &Scenario| Scenario { filters: Vec::new(), ..scenario.clone() };
+    let before = run.scenario();
+    match run.source() {
+        Source::Simulated => {
+            let reaches = run.recording.len() >= (run.done() + lookahead(scenario)).min(run.samples);
+            run.record().forgotten() == 0 && reaches && without_filters(before) == without_filters(scenario)
+        }
+        Source::Measured(_) => {
+            let read = |s: &Scenario| {
+                let measures: Vec<_> = s.sensors.iter().map(|sensor| sensor.measures).collect();
+                (s.seed, s.plant.kind, s.input, s.hold, measures)
+            };
+            read(before) == read(scenario)
+        }
+    }
+}

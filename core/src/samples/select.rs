@@ -1,0 +1,123 @@
+//! The choice between a tuned kernel, the engine and the book. Smoothers have no kernel: one pass over a record is enough.
+
+use crate::FilterSettings;
+use crate::samples::estimator::{Estimator, FilterContext, book, kernel};
+#[cfg(not(target_arch = "wasm32"))]
+use crate::samples::estimator::{engine, setup::Setup};
+use crate::samples::guesses::{Guesses, members};
+use crate::samples::smoother::Smoother;
+use crate::samples::smoother::book::beliefs;
+
+/// Builds the filter of some settings, or those of its guesses side by side.
+pub(crate) fn estimator(settings: &FilterSettings, context: FilterContext<'_>) -> Box<dyn Estimator> {
+    if settings.guesses > 1 {
+        return Box::new(Guesses::new(members(settings).iter().map(|member| single(member, context))));
+    }
+    single(settings, context)
+}
+
+/// Builds the filter of one guess: a tuned kernel if there is one, else the engine's, else the reference filter.
+fn single(settings: &FilterSettings, context: FilterContext<'_>) -> Box<dyn Estimator> {
+    let kernel = if settings.substeps == 1 { kernel::estimator(settings, context) } else { None };
+    kernel.or_else(|| of_engine(settings, &context)).unwrap_or_else(|| book::estimator(settings, &context))
+}
+
+/// A page has the book's way to the engine only, to be smaller: the bits are the same.
+#[cfg(target_arch = "wasm32")]
+fn of_engine(_: &FilterSettings, _: &FilterContext<'_>) -> Option<Box<dyn Estimator>> {
+    None
+}
+
+/// The engine's filter, if it has all that the settings ask for.
+#[cfg(not(target_arch = "wasm32"))]
+fn of_engine(settings: &FilterSettings, context: &FilterContext<'_>) -> Option<Box<dyn Estimator>> {
+    let sensors = context.sensors.len();
+    let setup = Setup::of(settings, context, (0..sensors).collect())?;
+    Some(engine::estimator(&setup, sensors))
+}
+
+/// The smoother of a filter, if its kind has one.
+pub(crate) fn smoother(settings: &FilterSettings, context: FilterContext<'_>) -> Option<Smoother> {
+    if settings.kind.is_sampled() {
+        return None;
+    }
+    beliefs(settings, &context).map(|beliefs| Smoother::new(beliefs, settings.input_delay))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::samples::sink::{Sample, Sink};
+    use crate::{Channel, FilterKind, Hold, PlantKind, Propagation, Quantity, Run, Scenario, Stop};
+
+    /// All numbers of all samples.
+    #[derive(Default)]
+    struct Bits(Vec<u64>);
+
+    impl Sink for Bits {
+        fn push(&mut self, sample: &Sample<'_>) {
+            let Sample { mean, cov, prior_mean, prior_cov, innovation, innovation_cov, gain, nis, determinant, .. } =
+                *sample;
+            let parts = [mean, cov, prior_mean, prior_cov, innovation, innovation_cov, gain, &[nis, determinant]];
+            self.0.extend(parts.concat().iter().map(|x| if x.is_nan() { u64::MAX } else { (x + 0.0).to_bits() }));
+        }
+
+        fn stop_at(&mut self, _: Stop) {}
+
+        fn wants_prior(&self) -> bool {
+            true
+        }
+    }
+
+    fn bits(estimator: &mut dyn Estimator, run: &Run, sensors: &[Quantity]) -> Result<Bits, crate::FilterError> {
+        let (mut bits, record) = (Bits::default(), run.record());
+        estimator.begin(&mut bits)?;
+        for k in 1..record.len() {
+            let mut measured = record.sample(k, sensors);
+            if k % 7 == 0 {
+                measured[k % 2] = f64::NAN;
+            }
+            estimator.step(record.force(k - 1), record.force(k), &measured, &mut bits)?;
+        }
+        Ok(bits)
+    }
+
+    /// The engine's estimator and the reference filter with the engine's beliefs give the same bits. A web page has
+    /// only the reference filter.
+    #[test]
+    fn both_ways_to_the_engine_give_the_same_bits() -> Result<(), Box<dyn std::error::Error>> {
+        let augmentations: [&[Channel]; 4] =
+            [&[], &[Channel::INPUT_GAIN, Channel::INPUT_OFFSET], &[Channel::WHITE_FORCE], &[Channel::UNKNOWN_FORCE]];
+        let mut compared = 0;
+        for plant in [PlantKind::SDOF, PlantKind::DUFFING, PlantKind::BOUC_WEN, PlantKind::SHEAR_2] {
+            for (nth, augment) in augmentations.into_iter().enumerate() {
+                for kind in [FilterKind::KF, FilterKind::EKF, FilterKind::UKF, FilterKind::CKF] {
+                    let mut scenario = Scenario { duration: 1.0, hold: Hold::First, ..Scenario::default() };
+                    scenario.plant.kind = plant;
+                    scenario.sensors.truncate(1);
+                    scenario.sensors.push(crate::Sensor { measures: Quantity::ACCELERATION, noise_std: 0.1 });
+                    let filter = &mut scenario.filters[0];
+                    (filter.kind, filter.augment, filter.fading) = (kind, augment.to_vec(), 1.002);
+                    (filter.substeps, filter.eta) = ([1, 1, 2, 3][nth], [0.0, 0.02, 0.0, 0.0][nth]);
+                    filter.log_parameters = nth % 2 == 1;
+                    filter.propagation = Propagation::ALL[nth % 3];
+                    let sensors = [Quantity::DISPLACEMENT, Quantity::ACCELERATION];
+                    let mut run = Run::new(&Scenario { filters: vec![], ..scenario.clone() })?;
+                    run.finish();
+                    let settings = &scenario.filters[0];
+                    let context = FilterContext::new(&scenario, &sensors, run.record().dt(), settings);
+                    let Some(mut engine) = of_engine(settings, &context) else { continue };
+                    let mut book = book::estimator(settings, &context);
+                    let [engine, book] = [&mut engine, &mut book].map(|one| bits(&mut **one, &run, &sensors));
+                    match (engine, book) {
+                        (Ok(engine), Ok(book)) => assert_eq!(engine.0, book.0, "{plant:?} {kind:?} {augment:?}"),
+                        (engine, book) => assert_eq!(engine.err(), book.err(), "{plant:?} {kind:?} {augment:?}"),
+                    }
+                    compared += 1;
+                }
+            }
+        }
+        assert!(compared > 50, "{compared}");
+        Ok(())
+    }
+}

@@ -1,0 +1,253 @@
+//! The simulation of the truth: the plant's response and the sensors' measurements.
+
+mod inputs;
+mod refinement;
+pub(crate) mod response;
+
+use thiserror::Error;
+
+use crate::mathematics::model::{Hold, Model, Reading};
+use crate::mathematics::random::{Normal, Purpose};
+use crate::{Channel, Quantity, Record, Scenario, Signal};
+
+use inputs::Inputs;
+use response::{HALVED, Response};
+
+/// The reason why a truth cannot go on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+pub enum TruthError {
+    /// The plant diverges, as one with a softening spring can, or a parameter's signal overflows.
+    #[error("the true {} is no longer a finite number: the plant has run away", .0.name())]
+    Channel(Channel),
+    /// The force and the disturbance overflow.
+    #[error("the force is no longer a finite number")]
+    Force,
+    /// A sensor's reading overflows.
+    #[error("the sensor for {} no longer reads a finite number", .0.key())]
+    Reading(Quantity),
+    /// The plant oscillates too fast to be integrated between two samples.
+    #[error("the plant swings too fast to be followed from one sample to the next: dt is too long for it")]
+    StepTooLong,
+}
+
+/// The sample at which a truth stopped, and the reason.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TruthStop {
+    /// The number, counted from the run's beginning, of the first sample that the record lacks.
+    pub sample: usize,
+    /// The reason.
+    pub reason: TruthError,
+}
+
+/// Simulates a record sample by sample, without an end.
+///
+/// Disturbance and parameters are held over each step, the input by the scenario's hold. The response of a linear plant
+/// is exact. For other plants, Runge-Kutta steps are refined until their error is below 1e-9 of the signal.
+pub struct Simulator {
+    scenario: Scenario,
+    inputs: Inputs,
+    disturbance_noise: Normal,
+    sensor_noise: Vec<Normal>,
+    model: Model,
+    /// The signals of the components that do not move.
+    signals: Vec<Signal>,
+    readings: Vec<Option<Reading>>,
+    /// The measurements of the next sample, and the state at it.
+    measured: Vec<f64>,
+    state: Vec<f64>,
+    response: Response,
+    /// The load after the next sample, where the response to it is under way.
+    load: Option<Load>,
+    stop: Option<TruthStop>,
+}
+
+/// The load from one sample to the next.
+struct Load {
+    /// The input of the sample, in its unit.
+    recorded: f64,
+    /// The recorded forces over mass at its beginning and at its end \[m/s²\].
+    forces: [f64; 2],
+    /// The unrecorded one \[m/s²\].
+    disturbance: f64,
+}
+
+impl Simulator {
+    /// A simulator at t = 0 of a valid scenario.
+    pub fn new(scenario: &Scenario) -> Self {
+        let stream = |purpose| Normal::new(scenario.seed, purpose);
+        let model = scenario.plant.model(scenario.input);
+        let initial = |channel: &Channel| match *channel {
+            c if c == Channel::DISPLACEMENT => scenario.plant.initial.displacement,
+            c if c == Channel::VELOCITY => scenario.plant.initial.velocity,
+            _ => 0.0,
+        };
+        let signal = |channel: &Channel| scenario.plant.parameter(*channel).unwrap_or(Signal::Constant(0.0));
+        Self {
+            inputs: Inputs::new(scenario.force, scenario.dt, stream(Purpose::Force)),
+            disturbance_noise: stream(Purpose::Disturbance),
+            sensor_noise: scenario.sensors.iter().map(|s| stream(Purpose::Sensor(s.measures))).collect(),
+            signals: model.channels()[model.motion()..].iter().map(signal).collect(),
+            readings: scenario.sensors.iter().map(|s| model.reading(s.measures)).collect(),
+            measured: Vec::with_capacity(scenario.sensors.len()),
+            state: Vec::with_capacity(model.channels().len()),
+            response: Response::new(model.channels().iter().map(initial)),
+            model,
+            scenario: scenario.clone(),
+            load: None,
+            stop: None,
+        }
+    }
+
+    /// An empty record with the columns of the scenario.
+    pub fn empty_record(&self) -> Record {
+        let Scenario { dt, input, hold, sensors, .. } = &self.scenario;
+        let sensors = sensors.iter().map(|s| s.measures).collect();
+        Record::empty(*dt, *input, *hold, sensors, self.model.channels().to_vec())
+    }
+
+    /// Where and why the truth stopped, if it did.
+    pub fn stop(&self) -> Option<TruthStop> {
+        self.stop
+    }
+
+    /// Appends the next sample to `record`. Returns whether there was one: an unstable plant, such as one with a
+    /// softening spring, can diverge beyond the largest number. [`Self::stop`] then has the reason.
+    pub fn step(&mut self, record: &mut Record) -> bool {
+        let before = place_of_next(record);
+        while !self.advance(record, u64::MAX) {}
+        place_of_next(record) > before
+    }
+
+    /// Appends samples until `record` has `samples`, counted from the run's beginning, but stops after about a
+    /// millisecond, even within a sample, if the plant is hard to simulate. Returns whether the truth goes on until
+    /// then.
+    pub fn advance_some(&mut self, record: &mut Record, samples: usize) -> bool {
+        let end = self.response.halved() + HALVED;
+        while place_of_next(record) < samples && self.response.halved() < end {
+            self.advance(record, end - self.response.halved());
+            if self.stop.is_some() {
+                return place_of_next(record) >= samples;
+            }
+        }
+        true
+    }
+
+    /// Goes on with the next sample, and halves steps at most `most` times. Appends it to `record` once the response to its load
+    /// is known. Returns whether the sample is done, or the truth has stopped.
+    fn advance(&mut self, record: &mut Record, most: u64) -> bool {
+        if self.stop.is_some() {
+            return true;
+        }
+        self.try_advance(record, most).unwrap_or_else(|reason| {
+            self.stop = Some(TruthStop { sample: place_of_next(record), reason });
+            true
+        })
+    }
+
+    fn try_advance(&mut self, record: &mut Record, most: u64) -> Result<bool, TruthError> {
+        let load = match self.load.take() {
+            Some(load) => load,
+            None => self.sample(place_of_next(record))?,
+        };
+        let Load { recorded, forces, disturbance } = load;
+        let is_done = self.response.advance(&self.model, forces, disturbance, self.scenario.dt, most);
+        if is_done == Ok(false) {
+            self.load = Some(load);
+        } else {
+            record.push(recorded, self.measured.iter().copied(), self.state.iter().copied());
+        }
+        is_done
+    }
+
+    /// Takes the measurements of sample `k`, and returns the load from there on.
+    fn sample(&mut self, k: usize) -> Result<Load, TruthError> {
+        let Self {
+            scenario, inputs, disturbance_noise, sensor_noise, model, signals, readings, measured, state, ..
+        } = self;
+        let response = &mut self.response;
+        let t = k as f64 * scenario.dt;
+        for (place, signal) in signals.iter().enumerate() {
+            response.set(model.motion() + place, signal.at(t));
+        }
+        // The disturbance has its own random stream, so skipping its draws changes no other number.
+        let disturbance = match scenario.plant.disturbance_std {
+            0.0 => 0.0,
+            std => std * disturbance_noise.sample(),
+        };
+        let recorded = inputs.at(k);
+        let mut acting = |k: usize| scenario.input.force(inputs.delayed(k, scenario.plant.input_delay));
+        let (force, next) = (acting(k), acting(k + 1));
+        state.clear();
+        state.extend_from_slice(response.state());
+        if let Some(place) = state.iter().position(|x| !x.is_finite()) {
+            return Err(TruthError::Channel(model.channels()[place]));
+        }
+        if !(force + disturbance).is_finite() {
+            return Err(TruthError::Force);
+        }
+        measured.clear();
+        for ((sensor, noise), reading) in scenario.sensors.iter().zip(sensor_noise).zip(readings) {
+            let exact = reading.as_ref().map_or(f64::NAN, |r| model.read_disturbed(r, state, force, disturbance));
+            let value = exact + sensor.noise_std * noise.sample();
+            if !value.is_finite() {
+                return Err(TruthError::Reading(sensor.measures));
+            }
+            measured.push(value);
+        }
+        inputs.forget_before((k + 1).saturating_sub(scenario.plant.input_delay.max(0) as usize));
+        let end = match scenario.hold {
+            Hold::Zero => force,
+            Hold::First => next,
+        };
+        Ok(Load { recorded, forces: [force, end], disturbance })
+    }
+}
+
+/// The record of a valid scenario, as far as its truth goes.
+pub fn simulate(scenario: &Scenario) -> Record {
+    let mut simulator = Simulator::new(scenario);
+    let mut record = simulator.empty_record();
+    for _ in 0..scenario.samples() {
+        if !simulator.step(&mut record) {
+            break;
+        }
+    }
+    record
+}
+
+/// The number of the next sample of a record, counted from the run's beginning.
+fn place_of_next(record: &Record) -> usize {
+    record.forgotten() + record.len()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A plant that needs thousands of halved steps for each sample.
+    const HARD: &str = include_str!("../../../tests/hostile/hard-truth.toml");
+
+    #[test]
+    fn a_piece_of_a_hard_truth_halves_few_steps_and_the_record_is_that_of_whole_samples() {
+        const SAMPLES: usize = 6;
+        let scenario = Scenario::from_toml(HARD).unwrap();
+        let mut whole = Simulator::new(&scenario);
+        let mut expected = whole.empty_record();
+        (0..SAMPLES).for_each(|_| assert!(whole.step(&mut expected)));
+        assert!(whole.response.halved() > 1000 * SAMPLES as u64, "the steps of a sample are halved often");
+        let mut simulator = Simulator::new(&scenario);
+        let mut record = simulator.empty_record();
+        let mut pieces = 0;
+        while record.len() < SAMPLES {
+            let before = simulator.response.halved();
+            assert!(simulator.advance_some(&mut record, SAMPLES));
+            assert!(simulator.response.halved() - before <= HALVED);
+            pieces += 1;
+        }
+        assert!(pieces as u64 >= whole.response.halved() / HALVED, "{pieces}");
+        for sensor in 0..record.sensors().len() {
+            assert_eq!(record.measured(sensor), expected.measured(sensor));
+        }
+        assert_eq!(record.truth(Channel::DISPLACEMENT), expected.truth(Channel::DISPLACEMENT));
+    }
+}

@@ -1,0 +1,120 @@
+//! A plant in motion.
+
+use super::TruthError;
+use super::refinement::{Motion, Refinement};
+use crate::mathematics::integrate::exponential_integrals;
+use crate::mathematics::linalg::{Matrix, Vector};
+use crate::mathematics::model::Model;
+
+/// Limits the times that steps are halved in a piece of work: about a millisecond.
+pub(crate) const HALVED: u64 = 400;
+
+/// The state of a plant, as it moves.
+pub(crate) struct Response {
+    state: Vector,
+    /// The largest absolute value of each component so far.
+    size: Vector,
+    /// The constant components of the last step and their exact integrals, which seldom change.
+    exact: Option<(Vec<f64>, Exact)>,
+    /// Memory for the rates of the motion, and for its change over a step.
+    work: [Vector; 2],
+    /// The step of a plant that is not linear, if one is under way.
+    step: Option<Refinement>,
+    /// The number of times that steps have been halved.
+    halved: u64,
+}
+
+/// The effects on the motion of a constant rate and of a slope of the rate over one step; both are square.
+struct Exact {
+    constant: Matrix,
+    slope: Matrix,
+}
+
+impl Response {
+    /// At rest, except for the components in `initial`.
+    pub(crate) fn new(initial: impl Iterator<Item = f64>) -> Self {
+        let state = Vector::from_iterator(initial.size_hint().0, initial);
+        let empty = || Vector::zeros(0);
+        Self { size: Vector::zeros(state.len()), state, exact: None, work: [empty(), empty()], step: None, halved: 0 }
+    }
+
+    /// The state.
+    pub(crate) fn state(&self) -> &[f64] {
+        self.state.as_slice()
+    }
+
+    /// The number of halvings of steps up to now. One sample may take thousands, which last about ten milliseconds.
+    pub(crate) fn halved(&self) -> u64 {
+        self.halved
+    }
+
+    /// Sets the present value of a component that does not move.
+    pub(crate) fn set(&mut self, place: usize, value: f64) {
+        self.state[place] = value;
+    }
+
+    /// Moves on by a step of `dt` \[s\]. The recorded force over mass goes linearly from the first to the second of
+    /// `forces`, an unrecorded one is held \[m/s²\]. Halves steps at most `most` times, and returns whether the step is done;
+    /// otherwise the next call, with the same arguments, goes on with it, and the state stays as it is until then.
+    pub(crate) fn advance(
+        &mut self,
+        model: &Model,
+        forces: [f64; 2],
+        disturbance: f64,
+        dt: f64,
+        most: u64,
+    ) -> Result<bool, TruthError> {
+        let Self { state, size, exact, work: [rate, change], step, halved } = self;
+        let [begin, end] = forces;
+        if !model.is_linear() {
+            let motion = Motion { model, forces, disturbance, dt };
+            let mut under_way = match step.take() {
+                Some(under_way) => under_way,
+                None => {
+                    *size = size.sup(&state.abs());
+                    Refinement::new(&motion, state)
+                }
+            };
+            let before = under_way.halved();
+            let is_done = under_way.advance(&motion, size, most);
+            *halved += under_way.halved() - before;
+            if is_done? {
+                *state = under_way.into_state();
+                return Ok(true);
+            }
+            *step = Some(under_way);
+            return Ok(false);
+        }
+        let motion = model.motion();
+        let constant = &state.as_slice()[motion..];
+        let integrals = match exact {
+            Some((before, integrals)) if before == constant => integrals,
+            _ => &exact.insert((constant.to_vec(), Exact::new(model, state, dt))).1,
+        };
+        for work in [&mut *rate, &mut *change] {
+            if work.len() != motion {
+                *work = Vector::zeros(motion);
+            }
+        }
+        let acting = model.acting_force(state.as_slice(), begin) + disturbance;
+        model.motion_rate_under_into(state.as_slice(), acting, rate.as_mut_slice());
+        integrals.constant.mul_to(rate, change);
+        if begin != end {
+            let by_force = model.by_recorded_force(state.as_slice());
+            *change += &integrals.slope * by_force.rows(0, motion) * ((end - begin) / dt);
+        }
+        for i in 0..motion {
+            state[i] += change[i];
+        }
+        Ok(true)
+    }
+}
+
+impl Exact {
+    fn new(model: &Model, state: &Vector, dt: f64) -> Self {
+        let motion = model.motion();
+        let a = model.jacobian(state.as_slice(), 0.0).view((0, 0), (motion, motion)).into_owned();
+        let integrals = exponential_integrals(&a, dt);
+        Self { constant: integrals.constant, slope: integrals.slope }
+    }
+}

@@ -1,0 +1,116 @@
+//! Sources of samples.
+
+use std::sync::Arc;
+
+use crate::samples::simulate::{Simulator, TruthStop};
+use crate::{Record, Scenario};
+
+/// The source of a run's samples.
+#[derive(Clone, Debug, Default)]
+pub enum Source {
+    /// A simulation of the scenario's truth.
+    #[default]
+    Simulated,
+    /// A given record. Its time between samples replaces the scenario's.
+    Measured(Arc<Record>),
+}
+
+/// A record in simulation, or a given one.
+pub(crate) enum Recording {
+    /// The simulated part that is kept.
+    Simulated {
+        /// The simulator that appends to it.
+        simulator: Box<Simulator>,
+        /// The record.
+        record: Record,
+    },
+    /// The whole record.
+    Measured(Arc<Record>),
+}
+
+impl Recording {
+    /// The empty record of a valid scenario, in the memory of an old one; or a given one.
+    pub(crate) fn new(scenario: &Scenario, source: Source, spare: Option<Record>) -> Self {
+        match source {
+            Source::Measured(record) => Self::Measured(record),
+            Source::Simulated => {
+                let simulator = Box::new(Simulator::new(scenario));
+                let mut record = simulator.empty_record();
+                if let Some(spare) = spare {
+                    record.recycle(spare);
+                }
+                Self::Simulated { simulator, record }
+            }
+        }
+    }
+
+    /// The source of the samples.
+    pub(crate) fn source(&self) -> Source {
+        match self {
+            Self::Simulated { .. } => Source::Simulated,
+            Self::Measured(record) => Source::Measured(Arc::clone(record)),
+        }
+    }
+
+    /// The record.
+    pub(crate) fn record(&self) -> &Record {
+        match self {
+            Self::Simulated { record, .. } => record,
+            Self::Measured(record) => record,
+        }
+    }
+
+    /// The record with its memory, if it is simulated.
+    pub(crate) fn into_simulated(self) -> Option<Record> {
+        match self {
+            Self::Simulated { record, .. } => Some(record),
+            Self::Measured(_) => None,
+        }
+    }
+
+    /// The number of samples of a scenario's whole record.
+    pub(crate) fn samples(&self, scenario: &Scenario) -> usize {
+        match self {
+            Self::Simulated { .. } => scenario.samples(),
+            Self::Measured(record) => record.len(),
+        }
+    }
+
+    /// The number of samples that exist, counted from the beginning.
+    pub(crate) fn len(&self) -> usize {
+        let record = self.record();
+        record.forgotten() + record.len()
+    }
+
+    /// Simulates until there are `samples` samples, counted from the beginning. Returns false if the truth has diverged
+    /// before.
+    pub(crate) fn advance_to(&mut self, samples: usize) -> bool {
+        while self.len() < samples {
+            if !self.advance_some(samples) {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// The same, but stops after about a millisecond, even within a sample, if the plant is hard to simulate.
+    pub(crate) fn advance_some(&mut self, samples: usize) -> bool {
+        let Self::Simulated { simulator, record } = self else { return self.len() >= samples };
+        simulator.advance_some(record, samples)
+    }
+
+    /// Forgets the first samples that are still kept. Returns false for a given record, which cannot be forgotten.
+    pub(crate) fn forget(&mut self, samples: usize) -> bool {
+        let Self::Simulated { record, .. } = self else { return false };
+        record.forget(samples);
+        true
+    }
+
+    /// Where and why the simulated truth stopped, if it did.
+    pub(crate) fn stop(&self) -> Option<TruthStop> {
+        match self {
+            Self::Simulated { simulator, .. } => simulator.stop(),
+            Self::Measured(_) => None,
+        }
+    }
+}

@@ -1,0 +1,47 @@
+//! Memory for reuse.
+
+use crate::samples::waste::Piecewise as _;
+use crate::{Estimates, Record};
+
+/// Old histories and a record to overwrite. Fresh pages from the system cost more than filling them.
+#[derive(Default)]
+pub(crate) struct Spare {
+    record: Option<Record>,
+    estimates: Vec<Estimates>,
+}
+
+impl Spare {
+    /// A record, if there is one.
+    pub(crate) fn record(&mut self) -> Option<Record> {
+        self.record.take()
+    }
+
+    /// A history, if there is one.
+    pub(crate) fn estimates(&mut self) -> Option<Estimates> {
+        self.estimates.pop()
+    }
+
+    /// Adds old data.
+    pub(crate) fn take(&mut self, (record, mut estimates): (Option<Record>, Vec<Estimates>)) {
+        self.record = record.or(self.record.take());
+        // Reversed, because the last is taken first and filters seldom change places.
+        estimates.reverse();
+        self.estimates.extend(estimates);
+    }
+
+    /// Returns one piece of memory to the system; returns whether there was one.
+    pub(crate) fn free_one(&mut self) -> bool {
+        if let Some(last) = self.estimates.last_mut() {
+            if !last.free_piece() {
+                self.estimates.pop();
+            }
+            return true;
+        }
+        self.record.take().is_some()
+    }
+
+    /// The number of samples that the memory has held.
+    pub(crate) fn len(&self) -> usize {
+        self.estimates.iter().map(Estimates::len).sum()
+    }
+}

@@ -1,0 +1,99 @@
+//! The samples of a filter as plain numbers, which a message can carry.
+
+use crate::samples::sink::{AssumedNoise, Sample, Sink};
+use crate::{Estimates, FilterError, Stop};
+
+/// Consecutive samples of one filter, for a history in another thread or worker. A history that takes them in has the
+/// same bits as one that the filter writes to.
+///
+/// The first numbers are the count of samples, and the sample and the reason of a [`Stop`]; NaN where there is none.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tape(Vec<f64>);
+
+/// The numbers before the first sample.
+const HEAD: usize = 3;
+
+/// The numbers of a sample that are not in vectors or matrices.
+const SCALARS: usize = 5;
+
+/// Every reason to stop; its place is its number.
+const REASONS: [FilterError; 8] = [
+    FilterError::TooLarge,
+    FilterError::NotFinite,
+    FilterError::IndefiniteCovariance,
+    FilterError::SingularInnovation,
+    FilterError::IndefiniteInnovation,
+    FilterError::ImpossibleMeasurement,
+    FilterError::InfiniteMeasurement,
+    FilterError::UndefinedForce,
+];
+
+impl Default for Tape {
+    fn default() -> Self {
+        Self(vec![0.0, f64::NAN, f64::NAN])
+    }
+}
+
+impl Tape {
+    /// All its numbers.
+    pub fn numbers(&self) -> &[f64] {
+        &self.0
+    }
+
+    /// The tape with these numbers.
+    pub fn from_numbers(numbers: Vec<f64>) -> Self {
+        Self(numbers)
+    }
+
+    /// Appends its samples to a history. Returns their count and the stop, or none if they are not of the history's filter.
+    pub(crate) fn play(&self, estimates: &mut Estimates) -> Option<(usize, Option<Stop>)> {
+        let (&[count, at, reason], numbers) = self.0.split_first_chunk::<HEAD>()?;
+        let (n, m) = (estimates.channels().len(), estimates.sensors().len());
+        let count = count as usize;
+        let width = numbers.len() / count.max(1);
+        let plain = n + n * n + m + m * m + n * m + SCALARS;
+        let has_noise = width == plain + n + m;
+        if width * count != numbers.len() || (count > 0 && width != plain && !has_noise) {
+            return None;
+        }
+        for numbers in numbers.chunks_exact(width.max(1)) {
+            let mut rest = numbers;
+            let mut next = |size| rest.split_off(..size).unwrap_or_default();
+            let (mean, cov, innovation) = (next(n), next(n * n), next(m));
+            let (innovation_cov, gain, scalars) = (next(m * m), next(n * m), next(SCALARS));
+            let noise = has_noise.then(|| AssumedNoise { process: next(n), sensors: next(m) });
+            let &[nis, determinant, log_likelihood, effective_samples, widened] = scalars else { return None };
+            let update = Sample { innovation, innovation_cov, gain, nis, determinant, ..Sample::unmeasured(mean, cov) };
+            let has_widened = widened != 0.0;
+            estimates.push(&Sample { log_likelihood, effective_samples, noise, has_widened, ..update });
+        }
+        let stop = REASONS.get(reason as usize).filter(|_| !reason.is_nan());
+        let stop = stop.map(|&reason| Stop { sample: at as usize, reason });
+        if let Some(stop) = stop {
+            estimates.stop_at(stop);
+        }
+        Some((count, stop))
+    }
+}
+
+impl Sink for Tape {
+    fn push(&mut self, sample: &Sample<'_>) {
+        let Sample { mean, cov, innovation, innovation_cov, gain, nis, determinant, .. } = *sample;
+        let Self(numbers) = self;
+        numbers[0] += 1.0;
+        for part in [mean, cov, innovation, innovation_cov, gain] {
+            numbers.extend_from_slice(part);
+        }
+        let widened = f64::from(u8::from(sample.has_widened));
+        numbers.extend([nis, determinant, sample.log_likelihood, sample.effective_samples, widened]);
+        if let Some(AssumedNoise { process, sensors }) = sample.noise {
+            numbers.extend(process.iter().chain(sensors));
+        }
+    }
+
+    fn stop_at(&mut self, stop: Stop) {
+        let reason = REASONS.iter().position(|reason| *reason == stop.reason);
+        self.0[1] = stop.sample as f64;
+        self.0[2] = reason.map_or(f64::NAN, |reason| reason as f64);
+    }
+}
