@@ -1,6 +1,6 @@
 //! The results of a run as one document of JSON.
 
-use kalmanscope_core::Final;
+use kalmanscope_core::diagnosis::Final;
 use kalmanscope_core::diagnosis::Finding;
 use kalmanscope_core::{Document, DocumentError, Fit, Summary};
 

@@ -2,7 +2,7 @@
 //! as it was recorded.
 
 use kalmanscope_core::Channel;
-use kalmanscope_core::Final;
+use kalmanscope_core::diagnosis::Final;
 use kalmanscope_core::import::{Dimension, Length, Mapping, unit};
 
 use crate::number::{deviation, fixed, plain, short, with_spread};

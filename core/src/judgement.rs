@@ -4,4 +4,3 @@ pub(crate) mod analysis;
 pub mod diagnosis;
 pub(crate) mod job;
 pub(crate) mod study;
-pub(crate) mod summary;

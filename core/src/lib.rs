@@ -46,6 +46,29 @@
 //! # Ok(())
 //! # }
 //! ```
+//!
+//! # Modules
+//! The types that most programs need stand here, at the root. Modules have what belongs to them, from the lowest of the crate's five
+//! floors to the highest; each folder of `src` is a floor, and imports only from those before it.
+//!
+//! | floor | module | for |
+//! |---|---|---|
+//! | mathematics | [`channel`] | the components of a state, and what can be [added](channel::augment) to it |
+//! | | [`plant`] | equations of motion, and plants of one's own |
+//! | | [`equation`] | equations of motion that a user types |
+//! | | [`filter`] | filters as in textbooks, and filters of one's own |
+//! | data | [`scenario`] | all that a run depends on |
+//! | | [`signal`] | parameters of the truth as functions of time |
+//! | | [`setting`] | each setting with its name, unit, limits and address |
+//! | | [`record`] | the input and the measurements over time |
+//! | | [`import`] | records from files |
+//! | samples | | ([`simulate()`], [`Run`], [`Pass`], [`OnlineFilter`], [`Sink`], [`Estimates`]) |
+//! | numbers | [`score`] | what a map shows of a filter, without its history |
+//! | | [`diagnostics`] | errors, NEES, NIS and whiteness over time |
+//! | | [`free_run`] | what an identified model predicts without measurements |
+//! | | [`frequency_response`] | frequency responses of plants, true and estimated |
+//! | | [`suggest`] | start values of filters from a record's data |
+//! | judgement | [`diagnosis`] | the verdict on a filter, its evidence, causes and remedies |
 
 mod data;
 mod judgement;
@@ -69,17 +92,16 @@ pub use data::record::{Record, RecordError};
 pub use data::scenario::{FilterColor, FilterSettings, Plant, Scenario, ScenarioError, Sensor, Values};
 pub use data::signal::Signal;
 pub use judgement::analysis::{Analysis, Bound, Wanted};
-pub use judgement::diagnosis::{Diagnosis, LiveDiagnosis, Verdict, VerdictKind};
+pub use judgement::diagnosis::{Diagnosis, LiveDiagnosis, Summary, Verdict, VerdictKind};
 pub use judgement::job::{Job, Progress};
 pub use judgement::study::Study;
-pub use judgement::summary::{Final, Summary};
 pub use mathematics::channel::Channel;
 pub use mathematics::filter::{
     Adaptation, FilterError, FilterKind, KalmanFilter, MeasurementModel, Propagation, Robust, SystemError,
 };
 pub use mathematics::model::{Hold, InputKind, Model};
 pub use mathematics::plant::PlantKind;
-pub use mathematics::quantity::{Aspect, Quantity};
+pub use mathematics::quantity::{Aspect, AspectInfo, Quantity, Term};
 pub use numbers::cramer_rao::CramerRao;
 pub use numbers::diagnostics::Diagnostics;
 pub use numbers::free_run::{Fit, FreeRun, Identified, Running};

@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use kalmanscope_core::Final;
+use kalmanscope_core::diagnosis::Final;
 use kalmanscope_core::import::{Builder, read};
 use kalmanscope_core::{Run, Scenario, Summary};
 

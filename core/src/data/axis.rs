@@ -7,7 +7,7 @@ use crate::Scenario;
 use crate::data::setting::{Address, FADING, RECORD_GAIN, SEED};
 
 /// Limits the values on one axis.
-pub const MAX_COUNT: usize = 1_000_000;
+pub(crate) const MAX_COUNT: usize = 1_000_000;
 
 /// Equally spaced values of one setting, both ends included.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -39,6 +39,7 @@ pub enum Spacing {
 
 /// The reason why an axis is impossible.
 #[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum AxisError {
     /// An end is not a number.
     #[error("the axis of `{0}` must have finite ends")]

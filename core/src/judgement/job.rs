@@ -41,6 +41,7 @@ pub struct Job {
 
 /// The progress of a job.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Progress {
     /// The share of each filter that is done, from 0 to 1, in the scenario's order.
     pub filters: Vec<f64>,

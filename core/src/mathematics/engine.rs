@@ -8,10 +8,7 @@
 //!   sigma_points           the prediction of UKF and CKF       (runge_kutta)
 //!   expected, update       the measurements, and the belief after them
 //!   fault                  why a step does not hold
-//! run, scores              a whole record, and what it tells
 //! list, builder, notes     equations as lists of operations
-//! setup                    the filter of a scenario
-//! estimator                one run, which reports sample by sample   (in_units)
 //! single                   one run, whose belief stands elsewhere
 //! states                   many states of one run, several at a time
 //! ```
@@ -26,33 +23,33 @@
     reason = "closures of iterators that are not inlined have no vector instructions; indices are those of the equations"
 )]
 
-pub mod belief;
-pub mod builder;
-pub mod columns;
-pub mod course;
-pub mod design;
+pub(crate) mod belief;
+pub(crate) mod builder;
+pub(crate) mod columns;
+pub(crate) mod course;
+pub(crate) mod design;
 mod differentiated;
-pub mod dual;
+pub(crate) mod dual;
 pub(crate) mod error_square;
 mod expected;
-pub mod exponential;
+pub(crate) mod exponential;
 mod fault;
-pub mod filter;
-pub mod function;
-pub mod impulse;
-pub mod lanes;
-pub mod level;
-pub mod linearised;
-pub mod list;
-pub mod model;
-pub mod notes;
-pub mod number;
+pub(crate) mod filter;
+pub(crate) mod function;
+pub(crate) mod impulse;
+pub(crate) mod lanes;
+pub(crate) mod level;
+pub(crate) mod linearised;
+pub(crate) mod list;
+pub(crate) mod model;
+pub(crate) mod notes;
+pub(crate) mod number;
 mod plain;
-pub mod plants;
-pub mod propagation;
-pub mod runge_kutta;
-pub mod sigma_points;
+pub(crate) mod plants;
+pub(crate) mod propagation;
+pub(crate) mod runge_kutta;
+pub(crate) mod sigma_points;
 pub(crate) mod single;
 pub(crate) mod states;
-pub mod step;
+pub(crate) mod step;
 pub(crate) mod update;

@@ -14,7 +14,7 @@ mod ensemble;
 mod gaussian;
 pub(crate) mod jump;
 pub mod kalman;
-pub mod kind;
+mod kind;
 mod linear;
 mod linearised;
 mod marginalised;
@@ -51,7 +51,7 @@ pub use correction::Correction;
 pub use ensemble::Ensemble;
 pub use gaussian::Gaussian;
 pub use kalman::Expected;
-pub use kind::{FilterInfo, FilterKind, MethodSettings};
+pub use kind::{Begin, FilterInfo, FilterKind, MethodSettings};
 pub use linear::KalmanFilter;
 pub use marginalised::Marginalised;
 pub use measurement_model::MeasurementModel;
@@ -101,6 +101,7 @@ registry! {
 
 /// Why a filter cannot go on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
 pub enum FilterError {
     /// A standard deviation of the settings has no finite square, or an initial mean no finite value.
     #[error("a number of the filter's settings is too large to begin with: its square is not finite")]

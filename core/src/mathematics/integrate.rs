@@ -4,9 +4,11 @@ mod exponential;
 mod impulse_response;
 mod runge_kutta;
 
-pub use exponential::{Integrals, exponential_integrals};
-pub use impulse_response::ImpulseResponse;
-pub use runge_kutta::{RungeKutta, runge_kutta};
+#[cfg(test)]
+pub(crate) use exponential::Integrals;
+pub(crate) use exponential::exponential_integrals;
+pub(crate) use impulse_response::ImpulseResponse;
+pub(crate) use runge_kutta::{RungeKutta, runge_kutta};
 
 /// 1/n! for n = 0..=17.
 #[doc(hidden)]

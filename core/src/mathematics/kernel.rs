@@ -2,13 +2,13 @@
 //! each of them with the reference filters.
 
 mod adaptation;
-pub mod gaussian;
+pub(crate) mod gaussian;
 mod kalman;
 mod linearised;
-pub mod model;
+pub(crate) mod model;
 mod observation;
-pub mod plant;
-pub mod propagation;
+pub(crate) mod plant;
+pub(crate) mod propagation;
 mod sigma_points;
 mod square_root;
 
@@ -22,7 +22,7 @@ use crate::mathematics::kernel::gaussian::{Gaussian, Matrix, Vector};
 use crate::mathematics::kernel::model::{Model, Output};
 
 pub use linearised::Linearised;
-pub use observation::Observation;
+pub(crate) use observation::Observation;
 pub use sigma_points::SigmaPoints;
 pub use square_root::SquareRoot;
 

@@ -7,10 +7,10 @@ mod root;
 
 use nalgebra::{DMatrix, DVector};
 
-pub use givens::{add_to_root, rotate, rotation};
-pub use ldl::Ldl;
-pub use product::{add_product, multiply, multiply_sparse, multiply_symmetric, multiply_transposed};
-pub use root::{RootError, lower_root, lower_root_into};
+pub(crate) use givens::{add_to_root, rotate, rotation};
+pub(crate) use ldl::Ldl;
+pub(crate) use product::{add_product, multiply, multiply_sparse, multiply_symmetric, multiply_transposed};
+pub(crate) use root::{RootError, lower_root};
 
 /// A column of numbers.
 pub type Vector = DVector<f64>;
@@ -19,7 +19,7 @@ pub type Matrix = DMatrix<f64>;
 
 /// Gives a matrix these numbers of rows and columns, and uses its memory again if that is large enough. The entries are
 /// meaningless, unless it had this shape before.
-pub fn fit(matrix: &mut Matrix, rows: usize, columns: usize) {
+pub(crate) fn fit(matrix: &mut Matrix, rows: usize, columns: usize) {
     if matrix.shape() == (rows, columns) {
         return;
     }
@@ -29,7 +29,7 @@ pub fn fit(matrix: &mut Matrix, rows: usize, columns: usize) {
 }
 
 /// [`fit`] for a column.
-pub fn fit_vector(vector: &mut Vector, rows: usize) {
+pub(crate) fn fit_vector(vector: &mut Vector, rows: usize) {
     if vector.len() == rows {
         return;
     }
@@ -39,20 +39,20 @@ pub fn fit_vector(vector: &mut Vector, rows: usize) {
 }
 
 /// Copies to `out`, and uses its memory again if that is large enough.
-pub fn copy(out: &mut Matrix, of: &Matrix) {
+pub(crate) fn copy(out: &mut Matrix, of: &Matrix) {
     fit(out, of.nrows(), of.ncols());
     out.as_mut_slice().copy_from_slice(of.as_slice());
 }
 
 /// [`copy`] for a column.
-pub fn copy_vector(out: &mut Vector, of: &Vector) {
+pub(crate) fn copy_vector(out: &mut Vector, of: &Vector) {
     fit_vector(out, of.len());
     out.as_mut_slice().copy_from_slice(of.as_slice());
 }
 
 /// The lower triangle of a square matrix, mirrored: this makes a matrix symmetric to the last bit again after rounding.
 #[must_use]
-pub fn symmetric(mut matrix: Matrix) -> Matrix {
+pub(crate) fn symmetric(mut matrix: Matrix) -> Matrix {
     matrix.fill_upper_triangle_with_lower_triangle();
     matrix
 }

@@ -1,7 +1,7 @@
 //! Scores of a filter that need no history.
 
 mod lane_sums;
-pub mod lanes;
+pub(crate) mod lanes;
 mod look;
 pub(crate) mod outcome;
 mod scored_pass;

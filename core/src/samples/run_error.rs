@@ -6,6 +6,7 @@ use crate::{InputKind, Quantity, Record, Scenario, ScenarioError};
 
 /// The reason why a run cannot begin.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
 pub enum RunError {
     /// The scenario is impossible.
     #[error(transparent)]

@@ -15,6 +15,7 @@ use response::{HALVED, Response};
 
 /// The reason why a truth cannot go on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
 pub enum TruthError {
     /// The plant diverges, as one with a softening spring can, or a parameter's signal overflows.
     #[error("the true {} is no longer a finite number: the plant has run away", .0.name())]

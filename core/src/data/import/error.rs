@@ -7,6 +7,7 @@ use crate::RecordError;
 
 /// The reason why a file is not a record.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum ImportError {
     /// There is nothing in it.
     #[error("the file is empty")]

@@ -4,6 +4,7 @@ use thiserror::Error;
 
 /// The reason why columns or a file are not a record.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum RecordError {
     /// The time between samples is not positive and finite.
     #[error("dt = {0} s, but must be positive and finite")]

@@ -6,6 +6,7 @@ use crate::DocumentError;
 
 /// The reason why a scenario cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
 pub enum ScenarioError {
     /// The text is not a scenario: the message has the line, the key and the reason.
     #[error("{0}")]

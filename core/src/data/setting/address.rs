@@ -30,6 +30,7 @@ pub struct Address(Place);
 /// The reason why a text is the address of no number.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("the scenario has no number `{key}` to vary{instead}")]
+#[non_exhaustive]
 pub struct UnknownSetting {
     /// The text.
     pub key: String,

@@ -8,6 +8,7 @@ use crate::mathematics::channel::Channel;
 use crate::mathematics::quantity::Quantity;
 
 /// A table of a filter.
+#[non_exhaustive]
 pub struct TableInfo {
     /// The key in scenario files and addresses.
     pub key: &'static str,

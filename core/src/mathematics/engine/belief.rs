@@ -5,7 +5,7 @@ use super::number::{Mask, Number};
 
 /// A normal distribution over n components, in each lane.
 #[derive(Clone, Debug)]
-pub struct Belief<T> {
+pub(crate) struct Belief<T> {
     /// y, n numbers.
     pub mean: Vec<T>,
     /// P, n × n; only the lower triangle is read.
@@ -14,7 +14,7 @@ pub struct Belief<T> {
 
 /// The noise that a filter assumes.
 #[derive(Clone, Debug)]
-pub struct Noise<T> {
+pub(crate) struct Noise<T> {
     /// The diagonal of Q.
     pub process: Vec<T>,
     /// The diagonal of R.
@@ -26,13 +26,13 @@ pub struct Noise<T> {
 impl<T: Number> Belief<T> {
     /// n
     #[inline(always)]
-    pub fn size(&self) -> usize {
+    pub(crate) fn size(&self) -> usize {
         self.mean.len()
     }
 
     /// `λ P + Q` in place of P. A variance that rounding made negative becomes zero.
     #[inline(always)]
-    pub fn spread<L: Level>(&mut self, level: L, noise: &Noise<T>) {
+    pub(crate) fn spread<L: Level>(&mut self, level: L, noise: &Noise<T>) {
         let n = level.size(self.size());
         let (cov, process) = (&mut self.cov[..n * n], &noise.process[..n]);
         for j in 0..n {
@@ -46,7 +46,7 @@ impl<T: Number> Belief<T> {
 
     /// Sets variances to zero that rounding made negative.
     #[inline(always)]
-    pub fn clamp(&mut self) {
+    pub(crate) fn clamp(&mut self) {
         let n = self.size();
         for j in 0..n {
             let variance = self.cov[j * n + j];
@@ -56,7 +56,7 @@ impl<T: Number> Belief<T> {
 
     /// Makes a component another one, which has mean zero and this variance and knows nothing of the others.
     #[inline(always)]
-    pub fn renew(&mut self, place: usize, variance: T) {
+    pub(crate) fn renew(&mut self, place: usize, variance: T) {
         let n = self.size();
         self.mean[place] = T::of(0.0);
         for i in 0..n {
@@ -68,7 +68,7 @@ impl<T: Number> Belief<T> {
 
     /// The lanes with finite numbers, and those without a negative variance.
     #[inline(always)]
-    pub fn check<L: Level>(&self, level: L) -> [T::Mask; 2] {
+    pub(crate) fn check<L: Level>(&self, level: L) -> [T::Mask; 2] {
         let n = level.size(self.size());
         let (mean, cov) = (&self.mean[..n], &self.cov[..n * n]);
         let mut sum = T::of(0.0);
@@ -86,7 +86,7 @@ impl<T: Number> Belief<T> {
     }
 
     /// Gives a lane a belief that makes no trouble.
-    pub fn park(&mut self, lane: usize) {
+    pub(crate) fn park(&mut self, lane: usize) {
         let n = self.size();
         self.mean.iter_mut().for_each(|mean| mean.set_lane(lane, 0.0));
         for (at, entry) in self.cov.iter_mut().enumerate() {

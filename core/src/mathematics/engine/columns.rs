@@ -6,7 +6,7 @@ use super::number::{Mask, Number};
 
 /// `y + a x` in place of y.
 #[inline(always)]
-pub fn add_times<T: Number>(y: &mut [T], a: T, x: &[T]) {
+pub(crate) fn add_times<T: Number>(y: &mut [T], a: T, x: &[T]) {
     let x = &x[..y.len()];
     for i in 0..y.len() {
         y[i] = y[i] + x[i] * a;
@@ -15,7 +15,7 @@ pub fn add_times<T: Number>(y: &mut [T], a: T, x: &[T]) {
 
 /// `y - a x` in place of y.
 #[inline(always)]
-pub fn take_times<T: Number>(y: &mut [T], a: T, x: &[T]) {
+pub(crate) fn take_times<T: Number>(y: &mut [T], a: T, x: &[T]) {
     let x = &x[..y.len()];
     for i in 0..y.len() {
         y[i] = y[i] - x[i] * a;
@@ -24,13 +24,13 @@ pub fn take_times<T: Number>(y: &mut [T], a: T, x: &[T]) {
 
 /// An entry of a symmetric n × n matrix.
 #[inline(always)]
-pub fn entry<T: Copy>(a: &[T], n: usize, i: usize, j: usize) -> T {
+pub(crate) fn entry<T: Copy>(a: &[T], n: usize, i: usize, j: usize) -> T {
     if i >= j { a[j * n + i] } else { a[i * n + j] }
 }
 
 /// Makes an n × n matrix symmetric to the last bit, from its lower triangle.
 #[inline(always)]
-pub fn mirror<T: Copy, L: Level>(level: L, a: &mut [T], n: usize) {
+pub(crate) fn mirror<T: Copy, L: Level>(level: L, a: &mut [T], n: usize) {
     level.each(
         1,
         n,
@@ -46,7 +46,7 @@ pub fn mirror<T: Copy, L: Level>(level: L, a: &mut [T], n: usize) {
 /// `out = A x`, with as many rows of A as numbers in `out`, and a function for the k numbers of x. It takes two rows at
 /// a time, so that their sums stay in registers.
 #[inline(always)]
-pub fn apply<T: Number>(out: &mut [T], a: &[T], k: usize, x: impl Fn(usize) -> T) {
+pub(crate) fn apply<T: Number>(out: &mut [T], a: &[T], k: usize, x: impl Fn(usize) -> T) {
     let rows = out.len();
     let mut i = 0;
     while i + 1 < rows {
@@ -98,7 +98,7 @@ fn add_columns<T: Number>(out: &mut [T], a: &[T], rows: usize, first: usize, k: 
 
 /// `out = A B` with A of `rows` rows and k columns.
 #[inline(always)]
-pub fn multiply<T: Number>(out: &mut [T], a: &[T], b: &[T], rows: usize, k: usize) {
+pub(crate) fn multiply<T: Number>(out: &mut [T], a: &[T], b: &[T], rows: usize, k: usize) {
     if T::LANES == 1 && rows >= LONG {
         for (out, b) in out.chunks_exact_mut(rows).zip(b.chunks_exact(k)) {
             add_columns(
@@ -126,7 +126,7 @@ pub fn multiply<T: Number>(out: &mut [T], a: &[T], b: &[T], rows: usize, k: usiz
 
 /// The largest sum of a column's absolute values, of columns of n numbers.
 #[inline(always)]
-pub fn norm<T: Number>(a: &[T], n: usize) -> T {
+pub(crate) fn norm<T: Number>(a: &[T], n: usize) -> T {
     let mut largest = T::of(0.0);
     for column in a.chunks_exact(n) {
         let mut sum = column[0].abs();
@@ -145,7 +145,7 @@ pub fn norm<T: Number>(a: &[T], n: usize) -> T {
 /// Φ = [T; 0 I],  Φ P Φᵀ = [T P Tᵀ, ·; (T P)ᵀ, P]
 /// ```
 #[inline(always)]
-pub fn congruence<T: Number>(rows: &[T], cov: &mut [T], half: &mut [T], n: usize, motion: usize) {
+pub(crate) fn congruence<T: Number>(rows: &[T], cov: &mut [T], half: &mut [T], n: usize, motion: usize) {
     if T::LANES == 1 && motion >= LONG {
         long_congruence(rows, cov, half, n, motion);
         return;
@@ -197,7 +197,7 @@ fn long_congruence<T: Number>(rows: &[T], cov: &mut [T], half: &mut [T], n: usiz
 
 /// The lanes for which a symmetric matrix has a root.
 #[derive(Clone, Copy, Debug)]
-pub struct Rooted<M> {
+pub(crate) struct Rooted<M> {
     /// It has one.
     pub holds: M,
     /// It has one, or lacks it because it is indefinite, not because a number is not finite.
@@ -209,7 +209,7 @@ pub struct Rooted<M> {
 ///
 /// Source: Golub and Van Loan (2013), *Matrix Computations*, section 4.2.8 (semidefinite systems).
 #[inline(always)]
-pub fn lower_root<T: Number, L: Level>(level: L, cov: &[T], root: &mut [T], n: usize) -> Rooted<T::Mask> {
+pub(crate) fn lower_root<T: Number, L: Level>(level: L, cov: &[T], root: &mut [T], n: usize) -> Rooted<T::Mask> {
     let zero = T::of(0.0);
     let (mut holds, mut is_finite) = (T::Mask::of(true), T::Mask::of(true));
     level.each(
@@ -254,7 +254,7 @@ pub fn lower_root<T: Number, L: Level>(level: L, cov: &[T], root: &mut [T], n: u
 ///
 /// Source: Golub and Van Loan (2013), *Matrix Computations*, section 4.1.2.
 #[inline(always)]
-pub fn factor<T: Number>(s: &mut [T], m: usize) -> (T, T::Mask) {
+pub(crate) fn factor<T: Number>(s: &mut [T], m: usize) -> (T, T::Mask) {
     let mut determinant = T::of(1.0);
     let mut holds = T::Mask::of(true);
     for j in 0..m {
@@ -278,7 +278,7 @@ pub fn factor<T: Number>(s: &mut [T], m: usize) -> (T, T::Mask) {
 
 /// `X S⁻¹` in place of X, n × m, by the factor of S.
 #[inline(always)]
-pub fn divide<T: Number>(factor: &[T], m: usize, x: &mut [T], n: usize) {
+pub(crate) fn divide<T: Number>(factor: &[T], m: usize, x: &mut [T], n: usize) {
     for j in 0..m {
         let (before, column) = x.split_at_mut(j * n);
         for k in 0..j {
@@ -299,7 +299,7 @@ pub fn divide<T: Number>(factor: &[T], m: usize, x: &mut [T], n: usize) {
 
 /// `eᵀ S⁻¹ e` by the factor of S; e becomes white.
 #[inline(always)]
-pub fn square<T: Number>(factor: &[T], m: usize, e: &mut [T]) -> T {
+pub(crate) fn square<T: Number>(factor: &[T], m: usize, e: &mut [T]) -> T {
     let mut sum = T::of(0.0);
     for j in 0..m {
         for k in 0..j {

@@ -55,7 +55,7 @@ impl<const N: usize> Classes<N> {
 /// `Φ = exp(A dt)` and the integrals that give the effect, after `dt`, of an input that is constant or linear in time;
 /// n × n matrices.
 #[derive(Clone, Debug)]
-pub struct Exponential<T> {
+pub(crate) struct Exponential<T> {
     /// Φ
     pub transition: Vec<T>,
     /// `Γ₁ = dt φ₁(A dt)`
@@ -73,7 +73,7 @@ const CLASSES: Classes<3> = Classes([0.0387, 0.28, 0.5]);
 
 impl<T: Number> Exponential<T> {
     /// Memory for blocks of n × n.
-    pub fn new(n: usize) -> Self {
+    pub(crate) fn new(n: usize) -> Self {
         let square = || vec![T::of(0.0); n * n];
         Self {
             transition: square(),
@@ -96,7 +96,7 @@ impl<T: Number> Exponential<T> {
     /// (1978), Computing integrals involving the matrix exponential; Paterson and Stockmeyer (1973), On the number of
     /// nonscalar multiplications necessary to evaluate polynomials.
     #[inline(always)]
-    pub fn compute<L: Level>(&mut self, level: L, a: &[T], n: usize, dt: f64, with_slope: bool) {
+    pub(crate) fn compute<L: Level>(&mut self, level: L, a: &[T], n: usize, dt: f64, with_slope: bool) {
         let size = level.apart(
             #[inline(always)]
             || self.raise(a, n, dt),

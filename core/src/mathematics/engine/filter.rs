@@ -19,7 +19,7 @@ use crate::FilterError;
 
 /// Filters of one design, one a lane, with their memory: a step needs no other.
 #[derive(Clone, Debug)]
-pub struct Filter<T: Number, L> {
+pub(crate) struct Filter<T: Number, L> {
     level: L,
     design: Design,
     noise: Noise<T>,
@@ -36,7 +36,7 @@ pub struct Filter<T: Number, L> {
 
 impl<T: Number, L: Level> Filter<T, L> {
     /// Filters that begin with a belief.
-    pub fn new(level: L, design: Design, belief: Belief<T>, noise: Noise<T>, white: T) -> Self {
+    pub(crate) fn new(level: L, design: Design, belief: Belief<T>, noise: Noise<T>, white: T) -> Self {
         let Design { model, readings, .. } = &design;
         Self {
             linearised: Linearised::new(model),
@@ -56,7 +56,7 @@ impl<T: Number, L: Level> Filter<T, L> {
     ///
     /// A white force is another one from the next sample on, or from the middle of the step ([`Course`](super::course::Course)).
     #[inline(always)]
-    pub fn predict(&mut self, forces: [T; 2]) {
+    pub(crate) fn predict(&mut self, forces: [T; 2]) {
         let Design { has_slope, dt, substeps, white, .. } = self.design;
         let [begin, end] = forces;
         let whole = Step { forces: [begin, if has_slope { end } else { begin }], has_slope, dt };
@@ -101,7 +101,7 @@ impl<T: Number, L: Level> Filter<T, L> {
     /// Conditions the beliefs on one sample of the sensors, while `force` acts. A measurement that is NaN skips its
     /// sensor. The last step holds for [some lanes](Told::holds); [`Self::reason`] gives the reason for the others.
     #[inline(always)]
-    pub fn update(&mut self, force: T, measured: &[T]) -> Told<T> {
+    pub(crate) fn update(&mut self, force: T, measured: &[T]) -> Told<T> {
         let Self { level, design, noise, belief, update, held, .. } = self;
         update.condition(*level, design, belief, noise, Observation { force, measured }, held)
     }
@@ -134,13 +134,13 @@ impl<T: Number, L: Level> Filter<T, L> {
 
     /// Why the last step does not hold for a lane.
     #[cold]
-    pub fn reason(&self, lane: usize) -> FilterError {
+    pub(crate) fn reason(&self, lane: usize) -> FilterError {
         self.held.reason(lane, || self.update.of_lane(lane))
     }
 
     /// ln det S of the last update in a lane.
     #[cold]
-    pub fn ln_determinant(&self, lane: usize) -> f64 {
+    pub(crate) fn ln_determinant(&self, lane: usize) -> f64 {
         self.update.ln_determinant(lane)
     }
 }

@@ -14,7 +14,7 @@ use crate::mathematics::integrate::INVERSE_FACTORIAL;
 /// All are entire functions of a and b: one series serves the underdamped, critical, overdamped and unstable oscillator and
 /// the free mass.
 #[derive(Clone, Copy, Debug)]
-pub struct Impulse<T> {
+pub(crate) struct Impulse<T> {
     /// h \[s\]
     pub h: T,
     /// q \[s²\]
@@ -29,7 +29,7 @@ const CLASSES: Classes<2> = Classes([0.07, 0.25]);
 impl<T: Number> Impulse<T> {
     /// The response with stiffness a \[1/s²\] and damping b \[1/s\] after `dt` \[s\]; p only `with_slope`.
     #[inline(always)]
-    pub fn new<L: Level>(level: L, a: T, b: T, dt: f64, with_slope: bool) -> Self {
+    pub(crate) fn new<L: Level>(level: L, a: T, b: T, dt: f64, with_slope: bool) -> Self {
         let size = Classes::<2>::counted(a.abs().sqrt().max(b.abs()) * dt);
         if size.largest() <= CLASSES.0[0] {
             return Self::terms::<10>(a, b, dt, with_slope);

@@ -78,7 +78,7 @@ impl Level for Baseline {
 }
 
 /// The number of sensors that measure, which the compiler may know.
-pub trait Count: Copy {
+pub(crate) trait Count: Copy {
     /// m
     fn number(self) -> usize;
 }
@@ -92,7 +92,7 @@ impl Count for usize {
 
 /// M sensors.
 #[derive(Clone, Copy, Debug)]
-pub struct Exactly<const M: usize>;
+pub(crate) struct Exactly<const M: usize>;
 
 impl<const M: usize> Count for Exactly<M> {
     #[inline(always)]

@@ -14,7 +14,7 @@ use super::step::Step;
 
 /// The step from the mean, and memory to work in.
 #[derive(Clone, Debug)]
-pub struct Linearised<T> {
+pub(crate) struct Linearised<T> {
     pub(super) derivatives: Derivatives<T>,
     /// The upper rows of Φ, column by column; the others are those of an identity.
     pub rows: Vec<T>,
@@ -31,7 +31,7 @@ pub struct Linearised<T> {
 
 impl<T: Number> Linearised<T> {
     /// Memory for a model.
-    pub fn new(model: &Model) -> Self {
+    pub(crate) fn new(model: &Model) -> Self {
         let (moving, zero) = (model.moving(), T::of(0.0));
         Self {
             derivatives: Derivatives::new(model),
@@ -47,7 +47,7 @@ impl<T: Number> Linearised<T> {
 
     /// Carries a belief over a step: `P⁻ = Φ P Φᵀ`.
     #[inline(always)]
-    pub fn advance<L: Level>(
+    pub(crate) fn advance<L: Level>(
         &mut self,
         level: L,
         propagation: Propagation,
@@ -69,7 +69,7 @@ impl<T: Number> Linearised<T> {
 
     /// Moves a mean, and takes the rows of Φ.
     #[inline(always)]
-    pub fn step<L: Level>(
+    pub(crate) fn step<L: Level>(
         &mut self,
         level: L,
         propagation: Propagation,

@@ -152,7 +152,7 @@ impl Model {
 
 /// The rates of the moving components, and their derivatives.
 #[derive(Clone, Debug)]
-pub struct Derivatives<T> {
+pub(crate) struct Derivatives<T> {
     /// `g(y, F)` of the components that move.
     pub rate: Vec<T>,
     /// The upper rows of `A = ∂g/∂y`, column by column.
@@ -164,7 +164,7 @@ pub struct Derivatives<T> {
 
 impl<T: Number> Derivatives<T> {
     /// Memory for those of a model.
-    pub fn new(model: &Model) -> Self {
+    pub(crate) fn new(model: &Model) -> Self {
         let (zero, moving, own) = (T::of(0.0), model.moving(), model.plant.size());
         Self {
             rate: vec![zero; moving],
@@ -176,7 +176,7 @@ impl<T: Number> Derivatives<T> {
 
     /// Takes them in a state under this recorded force, in a function of its own: it is long, and called from many places.
     #[inline(always)]
-    pub fn take<L: Level>(&mut self, level: L, model: &Model, state: &[T], force: T) {
+    pub(crate) fn take<L: Level>(&mut self, level: L, model: &Model, state: &[T], force: T) {
         level.apart(
             #[inline(always)]
             || self.take_inside(level, model, state, force),
@@ -220,7 +220,7 @@ impl<T: Number> Derivatives<T> {
 
 /// `h(y, f)` in a state that moves at this rate, in the unit of the sensor's quantity.
 #[inline(always)]
-pub fn read<T: Real>(model: &Model, reading: &Reading, state: &[T], rate: &[T], force: T) -> T {
+pub(crate) fn read<T: Real>(model: &Model, reading: &Reading, state: &[T], rate: &[T], force: T) -> T {
     if let Some(place) = reading.component() {
         return state[place];
     }
@@ -240,7 +240,13 @@ pub fn read<T: Real>(model: &Model, reading: &Reading, state: &[T], rate: &[T], 
 
 /// `∂h/∂y` of a sensor that reads rates or the ground, n numbers.
 #[inline(always)]
-pub fn gradient<T: Number>(model: &Model, reading: &Reading, derivatives: &Derivatives<T>, force: T, row: &mut [T]) {
+pub(crate) fn gradient<T: Number>(
+    model: &Model,
+    reading: &Reading,
+    derivatives: &Derivatives<T>,
+    force: T,
+    row: &mut [T],
+) {
     let moving = model.moving();
     for (k, entry) in row.iter_mut().enumerate() {
         *entry = T::of(0.0);

@@ -1,11 +1,11 @@
 //! Plants, each one function: the rates of the moving components. Jacobians follow from it by [duals](super::dual).
 
-pub mod bouc_wen;
-pub mod duffing;
-pub mod own;
-pub mod sdof;
-pub mod shear_chain;
-pub mod typed;
+pub(crate) mod bouc_wen;
+pub(crate) mod duffing;
+pub(crate) mod own;
+pub(crate) mod sdof;
+pub(crate) mod shear_chain;
+pub(crate) mod typed;
 
 use super::dual::Dual;
 use super::level::{Baseline, Level};
@@ -13,7 +13,7 @@ use super::number::{Number, Real};
 use crate::PlantKind;
 
 /// The equation of a plant with the state `y = [motion, parameters]`.
-pub trait Equation: Copy {
+pub(crate) trait Equation: Copy {
     /// Whether the compiler knows the number of components, which then is at most [`FEW`].
     const IS_SMALL: bool = true;
 
@@ -29,7 +29,7 @@ pub trait Equation: Copy {
 }
 
 /// The rates of a plant for numbers of some kind.
-pub trait Rates<T>: Copy {
+pub(crate) trait Rates<T>: Copy {
     /// The number of components.
     fn components(self) -> usize;
 
@@ -215,10 +215,10 @@ impl Plant {
 }
 
 /// The number of derivatives that are taken at once.
-pub const AT_ONCE: usize = 4;
+pub(crate) const AT_ONCE: usize = 4;
 
 /// Limits the components of a small plant: twice the derivatives that are taken at once.
-pub const FEW: usize = 8;
+pub(crate) const FEW: usize = 8;
 
 /// Whether filters of these sizes can have a plant: the compiler leaves out the others.
 #[inline(always)]

@@ -8,7 +8,7 @@ use super::step::Step;
 
 /// The memory of a Runge-Kutta step: where it begins, four rates, and a state without logarithms.
 #[derive(Clone, Debug)]
-pub struct RungeKutta<T> {
+pub(crate) struct RungeKutta<T> {
     start: Vec<T>,
     rates: [Vec<T>; 4],
     plain: Vec<T>,
@@ -16,7 +16,7 @@ pub struct RungeKutta<T> {
 
 impl<T: Number> RungeKutta<T> {
     /// Memory for a model.
-    pub fn new(model: &Model) -> Self {
+    pub(crate) fn new(model: &Model) -> Self {
         let zeros = || vec![T::of(0.0); model.moving()];
         let plain = vec![T::of(0.0); model.size];
         Self { start: zeros(), rates: [zeros(), zeros(), zeros(), zeros()], plain }
@@ -26,7 +26,7 @@ impl<T: Number> RungeKutta<T> {
     ///
     /// Source: Hairer, Nørsett and Wanner (1993), *Solving Ordinary Differential Equations I*, section II.1.
     #[inline(always)]
-    pub fn advance<L: Level>(&mut self, level: L, model: &Model, state: &mut [T], step: &Step<T>) {
+    pub(crate) fn advance<L: Level>(&mut self, level: L, model: &Model, state: &mut [T], step: &Step<T>) {
         with_equation!(model.plant, equation => {
             if fits::<T, L>(level, equation) {
                 self.advance_by(equation, model, state, step);

@@ -11,7 +11,7 @@ use super::step::Step;
 
 /// Memory in which sigma points are drawn and moved.
 #[derive(Clone, Debug)]
-pub struct SigmaPoints<T: Number> {
+pub(crate) struct SigmaPoints<T: Number> {
     /// L, n × n. Of the components that move, the points' odd parts take its place.
     root: Vec<T>,
     /// The points' even parts: a row of n numbers for each component that moves.
@@ -24,7 +24,7 @@ pub struct SigmaPoints<T: Number> {
 
 impl<T: Number> SigmaPoints<T> {
     /// Memory for a model.
-    pub fn new(model: &Model) -> Self {
+    pub(crate) fn new(model: &Model) -> Self {
         let (n, moving) = (model.size, model.moving());
         let zeros = |count: usize| vec![T::of(0.0); count];
         Self {
@@ -49,7 +49,7 @@ impl<T: Number> SigmaPoints<T> {
     /// Source: Julier and Uhlmann (2004), Unscented filtering and nonlinear estimation; Arasaratnam and Haykin (2009), Cubature
     /// Kalman filters.
     #[inline(always)]
-    pub fn advance<L: Level>(
+    pub(crate) fn advance<L: Level>(
         &mut self,
         level: L,
         rule: Rule,
@@ -82,7 +82,7 @@ impl<T: Number> SigmaPoints<T> {
     }
 
     /// The odd parts of the points after a step, n numbers for each pair.
-    pub fn odd(&self) -> &[T] {
+    pub(crate) fn odd(&self) -> &[T] {
         &self.root
     }
 

@@ -11,7 +11,7 @@ use super::number::{Mask, Number};
 
 /// The scores of an update, lane by lane.
 #[derive(Clone, Copy, Debug)]
-pub struct Told<T: Number> {
+pub(crate) struct Told<T: Number> {
     /// `eᵀ S⁻¹ e`; zero without a measurement.
     pub nis: T,
     /// det S; one without a measurement.

@@ -9,6 +9,7 @@ use crate::mathematics::linalg::{Matrix, RootError, lower_root, symmetric};
 
 /// The reason why a [`KalmanFilter`](super::KalmanFilter) cannot begin, or refuses a number.
 #[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum SystemError {
     /// The state has no component.
     #[error("the initial mean is empty, but a state must have a component")]

@@ -5,7 +5,7 @@ use crate::mathematics::linalg::{Matrix, copy, fit, multiply};
 
 /// `Φ = exp(A dt)` and the integrals that give the effect, after `dt`, of an input that is constant or linear in time.
 #[derive(Clone, Debug)]
-pub struct Integrals {
+pub(crate) struct Integrals {
     /// Φ, n × n.
     pub transition: Matrix,
     /// `Γ₁ = ∫₀^dt exp(A s) ds = dt φ₁(A dt)`, n × n: the effect of a constant.
@@ -47,7 +47,7 @@ impl Default for Integrals {
 /// Source: Moler and Van Loan (2003), Nineteen dubious ways to compute the exponential of a matrix, method 3; Van Loan
 /// (1978), Computing integrals involving the matrix exponential; Paterson and Stockmeyer (1973), On the number of nonscalar
 /// multiplications necessary to evaluate polynomials.
-pub fn exponential_integrals(a: &Matrix, dt: f64) -> Integrals {
+pub(crate) fn exponential_integrals(a: &Matrix, dt: f64) -> Integrals {
     let mut integrals = Integrals::default();
     integrals.compute(a, dt, true);
     integrals
@@ -55,7 +55,7 @@ pub fn exponential_integrals(a: &Matrix, dt: f64) -> Integrals {
 
 impl Integrals {
     /// [`exponential_integrals`], written over `self`; Γ₂ only `with_slope`.
-    pub fn compute(&mut self, a: &Matrix, dt: f64, with_slope: bool) {
+    pub(crate) fn compute(&mut self, a: &Matrix, dt: f64, with_slope: bool) {
         let n = a.nrows();
         for matrix in [&mut self.transition, &mut self.constant, &mut self.slope] {
             fit(matrix, n, n);

@@ -11,7 +11,7 @@ use super::{INVERSE_FACTORIAL, doublings};
 /// Both are entire functions of `a` and `b`: one series serves the underdamped, critical, overdamped and unstable
 /// oscillator and the free mass, without a case for each and without cancellation.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ImpulseResponse {
+pub(crate) struct ImpulseResponse {
     /// h(dt) \[s\]
     pub value: f64,
     /// q(dt) \[s²\]
@@ -21,7 +21,7 @@ pub struct ImpulseResponse {
 impl ImpulseResponse {
     /// The response with stiffness `a = -ωₙ²` \[1/s²\] and damping `b = -2ζωₙ` \[1/s\].
     #[inline]
-    pub fn new(a: f64, b: f64, dt: f64) -> Self {
+    pub(crate) fn new(a: f64, b: f64, dt: f64) -> Self {
         let size = a.abs().sqrt().max(b.abs()) * dt;
         if size <= 0.07 {
             return Self::series::<10>(a, b, dt);
@@ -45,7 +45,7 @@ impl ImpulseResponse {
     /// ```text
     /// p = dt³ Σ cₙ/(n+3)!,  p(2t) = p + t q + (1 + a q) p + h q
     /// ```
-    pub fn second_integral(a: f64, b: f64, dt: f64) -> f64 {
+    pub(crate) fn second_integral(a: f64, b: f64, dt: f64) -> f64 {
         let doublings = doublings(2.0 * a.abs().sqrt().max(b.abs()) * dt);
         let mut t = dt / libm::exp2(f64::from(doublings));
         let Self { value: mut h, integral: mut q } = Self::series::<14>(a, b, t);
@@ -66,7 +66,7 @@ impl ImpulseResponse {
 
     /// The response by a classical fourth-order Runge-Kutta step: its Taylor polynomial.
     #[inline]
-    pub fn runge_kutta(a: f64, b: f64, dt: f64) -> Self {
+    pub(crate) fn runge_kutta(a: f64, b: f64, dt: f64) -> Self {
         let (alpha, beta) = (a * dt * dt, b * dt);
         let second = alpha + beta * beta;
         let third = beta * (second + alpha);
@@ -104,7 +104,7 @@ impl ImpulseResponse {
     /// x' = x + (h - b q) v + q ẍ,  v' = v + a q v + h ẍ
     /// ```
     #[inline]
-    pub fn advance(&self, a: f64, b: f64, [x, v]: [f64; 2], acceleration: f64) -> [f64; 2] {
+    pub(crate) fn advance(&self, a: f64, b: f64, [x, v]: [f64; 2], acceleration: f64) -> [f64; 2] {
         let Self { value: h, integral: q } = *self;
         [x + (h - b * q) * v + q * acceleration, v + a * q * v + h * acceleration]
     }

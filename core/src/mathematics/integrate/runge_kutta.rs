@@ -6,7 +6,7 @@ use crate::mathematics::linalg::Vector;
 /// passed, from 0 to 1.
 ///
 /// Source: Hairer, Nørsett and Wanner (1993), *Solving Ordinary Differential Equations I*, section II.1.
-pub fn runge_kutta(state: &Vector, dt: f64, rate: impl Fn(f64, &Vector) -> Vector) -> Vector {
+pub(crate) fn runge_kutta(state: &Vector, dt: f64, rate: impl Fn(f64, &Vector) -> Vector) -> Vector {
     let half = 0.5 * dt;
     let k1 = rate(0.0, state);
     let k2 = rate(0.5, &(state + &k1 * half));

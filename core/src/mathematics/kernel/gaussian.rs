@@ -6,9 +6,9 @@ mod root;
 
 use nalgebra::{SMatrix, SVector};
 
-pub use factor::Factor;
+pub(crate) use factor::Factor;
 pub(crate) use reflection::{Reflection, add_to_root};
-pub use root::{lower_root, square};
+pub(crate) use root::{lower_root, square};
 
 /// A column of numbers.
 pub type Vector<const N: usize> = SVector<f64, N>;

@@ -1,9 +1,9 @@
 //! The common plants, one per file, and the only place where a plant becomes a model of a size known to the compiler.
 
-pub mod bouc_wen;
-pub mod duffing;
-pub mod sdof;
-pub mod shear_chain;
+pub(crate) mod bouc_wen;
+pub(crate) mod duffing;
+pub(crate) mod sdof;
+pub(crate) mod shear_chain;
 
 use super::model::Model;
 use crate::PlantKind;

@@ -7,12 +7,12 @@ mod held;
 use super::gaussian::{Matrix, Vector};
 use crate::mathematics::integrate::{INVERSE_FACTORIAL, doublings};
 
-pub use crate::mathematics::integrate::ImpulseResponse;
+pub(crate) use crate::mathematics::integrate::ImpulseResponse;
 pub(crate) use any_size::shared_exp_and_integral;
 #[doc(hidden)]
 pub use chain::SERIES;
 pub(crate) use chain::chain_step;
-pub use held::{held_parameters_step, oscillator_step};
+pub(crate) use held::{held_parameters_step, oscillator_step};
 pub(crate) use held::{held_rows, held_runge_kutta};
 
 /// `exp(A dt)` and its integral `∫₀^dt exp(A s) ds = dt φ₁(A dt)`, for any `A`, singular or not.
@@ -25,7 +25,7 @@ pub(crate) use held::{held_rows, held_runge_kutta};
 ///
 /// Source: Moler and Van Loan (2003), Nineteen dubious ways to compute the exponential of a matrix, method 3; Paterson and
 /// Stockmeyer (1973), On the number of nonscalar multiplications necessary to evaluate polynomials.
-pub fn exp_and_integral<const N: usize>(a: &Matrix<N, N>, dt: f64) -> (Matrix<N, N>, Matrix<N, N>) {
+pub(crate) fn exp_and_integral<const N: usize>(a: &Matrix<N, N>, dt: f64) -> (Matrix<N, N>, Matrix<N, N>) {
     let identity = Matrix::<N, N>::identity();
     let m = a * dt;
     let square = m * m;
@@ -75,7 +75,11 @@ fn norm<const N: usize>(a: &Matrix<N, N>) -> f64 {
 
 /// One classical fourth-order Runge-Kutta step of `ẏ = rate(y)` over `dt` \[s\].
 #[inline]
-pub fn runge_kutta<const N: usize>(state: &Vector<N>, dt: f64, rate: impl Fn(&Vector<N>) -> Vector<N>) -> Vector<N> {
+pub(crate) fn runge_kutta<const N: usize>(
+    state: &Vector<N>,
+    dt: f64,
+    rate: impl Fn(&Vector<N>) -> Vector<N>,
+) -> Vector<N> {
     let half = 0.5 * dt;
     let k1 = rate(state);
     let k2 = rate(&(state + k1 * half));

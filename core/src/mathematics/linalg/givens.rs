@@ -5,7 +5,7 @@ use super::Matrix;
 /// Replaces the lower triangular root `L`, n × n, by that of `L Lᵀ + d dᵀ`. Overwrites d.
 ///
 /// Source: Golub and Van Loan (2013), *Matrix Computations*, section 6.5.4.
-pub fn add_to_root(root: &mut Matrix, d: &mut [f64]) {
+pub(crate) fn add_to_root(root: &mut Matrix, d: &mut [f64]) {
     let n = d.len().max(1);
     for (j, column) in root.as_mut_slice().chunks_exact_mut(n).enumerate() {
         if let Some((cos, sin)) = rotation(&mut column[j], d[j]) {
@@ -18,7 +18,7 @@ pub fn add_to_root(root: &mut Matrix, d: &mut [f64]) {
 
 /// Rotates the number `added` into `kept`, so that it becomes zero. Returns cosine and sine of the rotation. `None` if
 /// there is nothing to rotate, or `kept` becomes infinite.
-pub fn rotation(kept: &mut f64, added: f64) -> Option<(f64, f64)> {
+pub(crate) fn rotation(kept: &mut f64, added: f64) -> Option<(f64, f64)> {
     if added == 0.0 {
         return None;
     }
@@ -38,7 +38,7 @@ pub fn rotation(kept: &mut f64, added: f64) -> Option<(f64, f64)> {
 
 /// Rotates two columns into each other.
 #[inline]
-pub fn rotate(cos: f64, sin: f64, kept: &mut [f64], added: &mut [f64]) {
+pub(crate) fn rotate(cos: f64, sin: f64, kept: &mut [f64], added: &mut [f64]) {
     for (kept, added) in kept.iter_mut().zip(added) {
         (*kept, *added) = (cos * *kept + sin * *added, cos * *added - sin * *kept);
     }

@@ -3,7 +3,7 @@
 use super::{Matrix, fit};
 
 /// Makes `out` the product `A B`.
-pub fn multiply(out: &mut Matrix, a: &Matrix, b: &Matrix) {
+pub(crate) fn multiply(out: &mut Matrix, a: &Matrix, b: &Matrix) {
     let (rows, inner) = a.shape();
     fit(out, rows, b.ncols());
     out.as_mut_slice().fill(0.0);
@@ -15,12 +15,12 @@ pub fn multiply(out: &mut Matrix, a: &Matrix, b: &Matrix) {
 }
 
 /// Adds `A x` to a sum.
-pub fn add_product(sum: &mut [f64], a: &Matrix, x: &[f64]) {
+pub(crate) fn add_product(sum: &mut [f64], a: &Matrix, x: &[f64]) {
     add_columns(sum, a.as_slice(), a.nrows(), x.iter().copied());
 }
 
 /// Makes `out` the product `A Bᵀ`.
-pub fn multiply_transposed(out: &mut Matrix, a: &Matrix, b: &Matrix) {
+pub(crate) fn multiply_transposed(out: &mut Matrix, a: &Matrix, b: &Matrix) {
     let (r, c) = (a.nrows(), b.nrows());
     fit(out, r, c);
     out.as_mut_slice().fill(0.0);
@@ -31,7 +31,7 @@ pub fn multiply_transposed(out: &mut Matrix, a: &Matrix, b: &Matrix) {
 }
 
 /// Makes `out` the product `A Hᵀ`, where most entries of H are zero: these are left out.
-pub fn multiply_sparse(out: &mut Matrix, a: &Matrix, h: &Matrix) {
+pub(crate) fn multiply_sparse(out: &mut Matrix, a: &Matrix, h: &Matrix) {
     let (r, m) = (a.nrows(), h.nrows());
     fit(out, r, m);
     out.as_mut_slice().fill(0.0);
@@ -49,7 +49,7 @@ pub fn multiply_sparse(out: &mut Matrix, a: &Matrix, h: &Matrix) {
 
 /// Writes the lower triangle of `w A Bᵀ`, which must be symmetric (such as `A Aᵀ`), to the square `out`. If A has fewer
 /// rows than `out`, it writes the first rows and columns only. It reads as many rows of B as A has.
-pub fn multiply_symmetric(out: &mut Matrix, w: f64, a: &Matrix, b: &Matrix) {
+pub(crate) fn multiply_symmetric(out: &mut Matrix, w: f64, a: &Matrix, b: &Matrix) {
     let (r, c, lead) = (a.nrows(), b.nrows(), out.nrows());
     for j in 0..r {
         let column = &mut out.as_mut_slice()[j * lead..][j..r];

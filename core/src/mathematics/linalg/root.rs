@@ -22,7 +22,7 @@ pub enum RootError {
 /// [`RootError`] where a pivot is negative beyond rounding, or no finite number.
 ///
 /// Source: Golub and Van Loan (2013), *Matrix Computations*, section 4.2.8 (semidefinite systems).
-pub fn lower_root(s: &Matrix) -> Result<Matrix, RootError> {
+pub(crate) fn lower_root(s: &Matrix) -> Result<Matrix, RootError> {
     let mut root = Matrix::zeros(0, 0);
     lower_root_into(&mut root, s)?;
     Ok(root)
@@ -32,7 +32,7 @@ pub fn lower_root(s: &Matrix) -> Result<Matrix, RootError> {
 ///
 /// # Errors
 /// As [`lower_root`]; `root` is then meaningless.
-pub fn lower_root_into(root: &mut Matrix, s: &Matrix) -> Result<(), RootError> {
+pub(crate) fn lower_root_into(root: &mut Matrix, s: &Matrix) -> Result<(), RootError> {
     let n = s.nrows();
     fit(root, n, n);
     root.fill_lower_triangle(0.0, 0);

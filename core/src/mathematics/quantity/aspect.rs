@@ -16,6 +16,7 @@ pub enum Term {
 
 /// The data of an aspect.
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct AspectInfo {
     /// Keys in scenario files and columns in CSV files, in the order of the masses; also the names.
     pub keys: &'static [&'static str],

@@ -13,7 +13,7 @@ use crate::samples::run_error::sensor_places;
 use crate::{Channel, FilterKind, FilterSettings, Hold, PlantKind, Propagation, Quantity, Record, RunError, Scenario};
 
 /// The most components that the engine serves: beyond, eight lanes of a matrix leave the caches.
-pub const MOST: usize = 16;
+pub(crate) const MOST: usize = 16;
 
 /// A filter of a scenario before its first sample.
 #[derive(Clone, Debug)]

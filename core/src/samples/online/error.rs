@@ -6,6 +6,7 @@ use crate::{Quantity, Stop};
 
 /// The reason why a sample has no estimate.
 #[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum OnlineError {
     /// The filter has failed, at this sample or before.
     #[error("the filter has stopped at sample {}: {}", .0.sample, .0.reason)]

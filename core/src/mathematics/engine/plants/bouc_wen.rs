@@ -5,7 +5,7 @@ use crate::mathematics::engine::number::Real;
 
 /// `ẍ + 2ζωₙẋ + ωₙ²(α x + (1 - α) z) = f`, `ż = ẋ - β |ẋ| |z| z - γ ẋ z²` with state `[x, v, z, ωₙ, ζ, α, β, γ]`.
 #[derive(Clone, Copy, Debug)]
-pub struct BoucWen;
+pub(crate) struct BoucWen;
 
 impl Equation for BoucWen {
     #[inline(always)]
@@ -29,7 +29,7 @@ impl Equation for BoucWen {
 
 /// The same with `ż = ẋ - β₁ |ẋ| z - γ₁ ẋ |z|` and state `[x, v, z, ωₙ, ζ, α, β₁, γ₁]`.
 #[derive(Clone, Copy, Debug)]
-pub struct BoucWenOne;
+pub(crate) struct BoucWenOne;
 
 impl Equation for BoucWenOne {
     #[inline(always)]

@@ -5,7 +5,7 @@ use crate::mathematics::engine::number::Real;
 
 /// `ẍ + 2ζωₙẋ + ωₙ²x + μx³ = f` with state `[x, v, ωₙ, ζ, μ]`.
 #[derive(Clone, Copy, Debug)]
-pub struct Duffing;
+pub(crate) struct Duffing;
 
 impl Equation for Duffing {
     #[inline(always)]

@@ -5,7 +5,7 @@ use crate::mathematics::engine::number::Real;
 
 /// `ẍ + 2ζωₙẋ + ωₙ²x = f` with state `[x, v, ωₙ, ζ]`.
 #[derive(Clone, Copy, Debug)]
-pub struct Sdof;
+pub(crate) struct Sdof;
 
 impl Equation for Sdof {
     #[inline(always)]

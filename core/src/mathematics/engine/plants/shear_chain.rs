@@ -5,7 +5,7 @@ use crate::mathematics::engine::number::Real;
 
 /// `ẍᵢ = f - sᵢ + sᵢ₊₁` with `sᵢ = κᵢ (xᵢ - xᵢ₋₁) + c (vᵢ - vᵢ₋₁)` and state `[x₁ … x_m, v₁ … v_m, κ₁ … κ_m, c]`.
 #[derive(Clone, Copy, Debug)]
-pub struct ShearChain {
+pub(crate) struct ShearChain {
     /// m, the number of masses.
     pub masses: usize,
 }

@@ -6,7 +6,7 @@ use super::{Matrix, Vector, next_pivot, with_inverse};
 ///
 /// Source: Golub and Van Loan (2013), *Matrix Computations*, section 4.1.2.
 #[derive(Clone, Copy, Debug)]
-pub struct Factor<const M: usize> {
+pub(crate) struct Factor<const M: usize> {
     lower: Matrix<M, M>,
     inverse_pivots: Vector<M>,
     determinant: f64,
@@ -15,7 +15,7 @@ pub struct Factor<const M: usize> {
 impl<const M: usize> Factor<M> {
     /// The factor of the symmetric matrix `s`, or `None` if it is not positive definite.
     #[inline]
-    pub fn new(s: &Matrix<M, M>) -> Option<Self> {
+    pub(crate) fn new(s: &Matrix<M, M>) -> Option<Self> {
         Self::padded(s, M)
     }
 
@@ -51,7 +51,7 @@ impl<const M: usize> Factor<M> {
 
     /// `X S⁻¹`, R × M.
     #[inline]
-    pub fn divide<const R: usize>(&self, x: &Matrix<R, M>) -> Matrix<R, M> {
+    pub(crate) fn divide<const R: usize>(&self, x: &Matrix<R, M>) -> Matrix<R, M> {
         let Self { lower, inverse_pivots, .. } = self;
         let mut result = *x;
         for j in 0..M {
@@ -78,7 +78,7 @@ impl<const M: usize> Factor<M> {
 
     /// `eᵀ S⁻¹ e`
     #[inline]
-    pub fn square(&self, e: &Vector<M>) -> f64 {
+    pub(crate) fn square(&self, e: &Vector<M>) -> f64 {
         let Self { lower, inverse_pivots, .. } = self;
         let mut white = *e;
         let mut sum = 0.0;
@@ -92,7 +92,7 @@ impl<const M: usize> Factor<M> {
     }
 
     /// ln det S, which is finite even if the determinant overflows or underflows.
-    pub fn ln_determinant(&self) -> f64 {
+    pub(crate) fn ln_determinant(&self) -> f64 {
         if self.determinant.is_normal() {
             libm::log(self.determinant)
         } else {
@@ -101,7 +101,7 @@ impl<const M: usize> Factor<M> {
     }
 
     /// det S
-    pub fn determinant(&self) -> f64 {
+    pub(crate) fn determinant(&self) -> f64 {
         self.determinant
     }
 }

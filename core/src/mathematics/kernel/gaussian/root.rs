@@ -14,7 +14,7 @@ use crate::FilterError;
 /// no finite number.
 ///
 /// Source: Golub and Van Loan (2013), *Matrix Computations*, section 4.2.8 (semidefinite systems).
-pub fn lower_root<const N: usize>(cov: &Matrix<N, N>) -> Result<Matrix<N, N>, FilterError> {
+pub(crate) fn lower_root<const N: usize>(cov: &Matrix<N, N>) -> Result<Matrix<N, N>, FilterError> {
     let mut columns = *cov;
     let mut root = Matrix::<N, N>::zeros();
     let mut next = None;
@@ -96,7 +96,7 @@ fn eliminate<const N: usize>(columns: &mut Matrix<N, N>, j: usize, inverse: f64)
 }
 
 /// `L Lᵀ` of a lower triangular L, symmetric to the last bit.
-pub fn square<const N: usize>(root: &Matrix<N, N>) -> Matrix<N, N> {
+pub(crate) fn square<const N: usize>(root: &Matrix<N, N>) -> Matrix<N, N> {
     let mut cov = Matrix::<N, N>::zeros();
     for k in 0..N {
         for j in k..N {

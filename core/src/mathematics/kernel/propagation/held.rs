@@ -12,7 +12,7 @@ use crate::mathematics::kernel::gaussian::{Matrix, Vector};
 /// Φ = [1 + a q, h, q c; a h, 1 + a q + b h, h c; 0, 0, I],  A's second row [a, b, c],  η = 0
 /// ```
 #[inline]
-pub fn oscillator_step<const N: usize>(
+pub(crate) fn oscillator_step<const N: usize>(
     state: &Vector<N>,
     rate: &Vector<N>,
     jacobian: &Matrix<N, N>,
@@ -83,7 +83,7 @@ fn decaying_oscillator_step<const N: usize>(
 /// G = ∫₀^dt exp(F (dt - s)) exp(-η s) ds = exp(-η dt) dt φ₁((F + η I) dt),  y⁻ = y + Γ (g - C p) + G C p
 /// ```
 #[inline]
-pub fn held_parameters_step<const M: usize, const N: usize>(
+pub(crate) fn held_parameters_step<const M: usize, const N: usize>(
     state: &Vector<N>,
     rate: &Vector<N>,
     jacobian: &Matrix<N, N>,

@@ -5,6 +5,7 @@ use crate::{Channel, Diagnosis, Estimates, FilterKind, Quantity, Record, Stop, V
 
 /// The results of one filter over a record.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Summary {
     /// The filter's name.
     pub name: String,
