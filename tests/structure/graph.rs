@@ -5,6 +5,7 @@ use std::fs;
 use std::path::Path as FilePath;
 
 use crate::imports::{Imports, Path};
+use crate::items::{Item, Items};
 use crate::rings::rings;
 use crate::tokens::product;
 
@@ -14,6 +15,8 @@ pub(crate) struct Graph {
     modules: BTreeMap<Path, Imports>,
     /// The full path of each name that a module uses.
     names: BTreeMap<Path, BTreeMap<String, Path>>,
+    /// The public items of each module.
+    items: BTreeMap<Path, Items>,
 }
 
 impl Graph {
@@ -24,6 +27,12 @@ impl Graph {
         Self::from_sources(sources)
     }
 
+    /// The modules of these texts, by their names.
+    pub(crate) fn from_texts(sources: &[(&str, &str)]) -> Self {
+        let module = |path: &str| path.split('/').filter(|word| !word.is_empty()).map(str::to_owned).collect();
+        Self::from_sources(sources.iter().map(|(path, text)| (module(path), (*text).to_owned())).collect())
+    }
+
     /// The modules of these texts.
     fn from_sources(sources: Vec<(Path, String)>) -> Self {
         let mut graph = Self::default();
@@ -31,11 +40,13 @@ impl Graph {
         for (module, source) in sources {
             let (tokens, of_tests) = product(&source);
             tests.extend(of_tests.into_iter().map(|name| [&module[..], &[name]].concat()));
-            let Imports { paths, names } = Imports::of(&tokens);
+            graph.items.insert(module.clone(), Items::of(&tokens));
+            let Imports { paths, names, exported } = Imports::of(&tokens);
             // A library and a program of one crate share the root.
             let known = graph.modules.entry(module).or_default();
             known.paths.extend(paths);
             known.names.extend(names);
+            known.exported.extend(exported);
         }
         graph.modules.retain(|module, _| !tests.iter().any(|test| module.starts_with(test)));
         for (module, imports) in &graph.modules {
@@ -63,19 +74,24 @@ impl Graph {
         }
     }
 
-    /// The module with what a path from the root names: re-exports are followed.
+    /// The module that a path from the root leads into.
     fn owner(&self, path: &[String]) -> &[String] {
+        let longest = (0..=path.len()).rev().find_map(|length| self.modules.get_key_value(&path[..length]));
+        longest.map_or(&[], |(module, _)| module)
+    }
+
+    /// The path to where an item stands that a path from the root names: re-exports are followed.
+    fn home(&self, path: &[String]) -> Path {
         let mut path = path.to_vec();
         // A name that stands for itself would be followed for ever.
         let mut seen = BTreeSet::new();
         loop {
-            let longest = (0..=path.len()).rev().find_map(|length| self.modules.get_key_value(&path[..length]));
-            let Some((module, _)) = longest else { return &[] };
+            let module = self.owner(&path);
             let rest = &path[module.len()..];
             let target = rest.first().and_then(|name| self.names.get(module)?.get(name));
             match target {
                 Some(target) if seen.insert(path.clone()) => path = [target, &rest[1..]].concat(),
-                _ => return module,
+                _ => return path,
             }
         }
     }
@@ -83,7 +99,8 @@ impl Graph {
     /// The modules that each module imports. A module and those inside it are one thing.
     fn edges(&self) -> BTreeMap<&[String], BTreeSet<&[String]>> {
         let of = |(module, imports): (&'_ Path, &'_ Imports)| {
-            let owners = imports.paths.iter().filter_map(|path| Some(self.owner(&self.absolute(module, path)?)));
+            let owners =
+                imports.paths.iter().filter_map(|path| Some(self.owner(&self.home(&self.absolute(module, path)?))));
             let is_other = |owner: &&[String]| !owner.starts_with(module) && !module.starts_with(owner);
             owners.filter(is_other).collect()
         };
@@ -94,6 +111,45 @@ impl Graph {
     pub(crate) fn rings(&self) -> Vec<Vec<String>> {
         let name = |module: &[String]| module.join("/");
         rings(&self.edges()).into_iter().map(|ring| ring.into_iter().map(name).collect()).collect()
+    }
+
+    /// The modules that each module imports, by their names.
+    pub(crate) fn imports(&self) -> BTreeMap<String, BTreeSet<String>> {
+        let name = |module: &[String]| module.join("/");
+        self.edges().into_iter().map(|(module, to)| (name(module), to.into_iter().map(name).collect())).collect()
+    }
+
+    /// The public items that stand in a module, with their places.
+    pub(crate) fn own(&self, module: &[String]) -> Vec<(String, Path)> {
+        let items = self.items.get(module).into_iter().flat_map(|items| &items.own);
+        items.map(|(name, _)| (name.clone(), [module, std::slice::from_ref(name)].concat())).collect()
+    }
+
+    /// The names that a module exports from elsewhere in the crate, with the places of what they stand for.
+    pub(crate) fn exported(&self, module: &[String]) -> Vec<(String, Path)> {
+        let (Some(imports), Some(names)) = (self.modules.get(module), self.names.get(module)) else {
+            return Vec::new();
+        };
+        imports.exported.iter().filter_map(|name| Some((name.clone(), self.home(names.get(name)?)))).collect()
+    }
+
+    /// The kinds of the public items at a place: a module and a function may have one name.
+    pub(crate) fn kinds(&self, place: &[String]) -> Vec<&str> {
+        let Some((name, module)) = place.split_last() else { return Vec::new() };
+        let items = self.items.get(module).into_iter().flat_map(|items| &items.own);
+        items.filter(|item| item.0 == *name).map(|item| item.1.as_str()).collect()
+    }
+
+    /// The public members of types and traits, by the places of these.
+    pub(crate) fn members(&self) -> BTreeMap<Path, Vec<Item>> {
+        let mut members: BTreeMap<Path, Vec<Item>> = BTreeMap::new();
+        for (module, items) in &self.items {
+            for (of, item) in &items.members {
+                let home = self.home(&[&module[..], std::slice::from_ref(of)].concat());
+                members.entry(home).or_default().push(item.clone());
+            }
+        }
+        members
     }
 }
 
@@ -117,8 +173,7 @@ mod tests {
     use super::*;
 
     fn found(sources: &[(&str, &str)]) -> Vec<Vec<String>> {
-        let module = |path: &str| path.split('/').filter(|word| !word.is_empty()).map(str::to_owned).collect();
-        Graph::from_sources(sources.iter().map(|(path, text)| (module(path), (*text).to_owned())).collect()).rings()
+        Graph::from_texts(sources).rings()
     }
 
     #[test]

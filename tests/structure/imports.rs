@@ -12,6 +12,8 @@ pub(crate) struct Imports {
     pub(crate) paths: Vec<Path>,
     /// The names that `use` gives it, with what they stand for. Children see them, and others where they are public.
     pub(crate) names: Vec<(String, Path)>,
+    /// Those of them that it gives to other crates, if these can name the module.
+    pub(crate) exported: Vec<String>,
 }
 
 impl Imports {
@@ -39,7 +41,11 @@ impl Imports {
                 }
                 "use" => {
                     length = rest.iter().position(|token| token == ";").unwrap_or(rest.len());
+                    let known = imports.names.len();
                     imports.add_tree(&rest[1..length], &scope(&inline), &[]);
+                    if inline.is_empty() && at > 0 && tokens[at - 1] == "pub" {
+                        imports.exported.extend(imports.names[known..].iter().map(|(name, _)| name.clone()));
+                    }
                 }
                 "crate" | "super" | "self" if is_path && word(1) == "::" => {
                     let words = rest.chunks(2).take_while(|pair| is_word(&pair[0]));
@@ -123,11 +129,12 @@ fn trees_names_and_inline_modules_are_followed() {
     let (tokens, _) = crate::tokens::product(
         "pub use crate::a::{self, b::{C, D as E}}; use super::f::*; fn g() { crate::h::i(); } mod j { use super::k::L; use super::super::m; }",
     );
-    let Imports { paths, names } = Imports::of(&tokens);
+    let Imports { paths, names, exported } = Imports::of(&tokens);
     let paths: Vec<String> = paths.iter().map(|path| path.join("::")).collect();
     let expected =
         ["crate::a", "crate::a::b::C", "crate::a::b::D", "super::f", "crate::h::i", "self::k::L", "super::m"];
     assert_eq!(paths, expected);
     let names: Vec<&str> = names.iter().map(|(name, _)| name.as_str()).collect();
     assert_eq!(names, ["a", "C", "E", "L", "m"]);
+    assert_eq!(exported, ["a", "C", "E"]);
 }

@@ -1,9 +1,12 @@
 //! The structure of the workspace: which module imports which, and whether the documents fit each other and the program.
 
 mod documents;
+mod floors;
 mod gallery;
 mod graph;
 mod imports;
+mod items;
+mod public;
 mod rings;
 mod tokens;
 
