@@ -28,7 +28,7 @@ fn surface(graph: &Graph) -> String {
                     continue;
                 }
                 for (name, kind) in members.get(&home).into_iter().flatten() {
-                    lines.insert(line(&[&public[..], &[name.clone()]].concat(), kind));
+                    lines.insert(line(&[&public[..], std::slice::from_ref(name)].concat(), kind));
                 }
             }
         }

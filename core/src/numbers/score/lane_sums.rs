@@ -1,5 +1,10 @@
 //! Running sums of the scores: those of [`Scores`](crate::Scores), in lanes.
 
+#![expect(
+    clippy::needless_range_loop,
+    reason = "as in the engine: closures of iterators that are not inlined have no vector instructions"
+)]
+
 use crate::mathematics::engine::belief::Belief;
 use crate::mathematics::engine::error_square::ErrorSquare;
 use crate::mathematics::engine::level::Level;
