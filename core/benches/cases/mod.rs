@@ -7,7 +7,7 @@ use kalmanscope_core::internals::kernel::BoucWen;
 use kalmanscope_core::internals::kernel::Duffing;
 use kalmanscope_core::internals::kernel::Sdof;
 use kalmanscope_core::internals::kernel::ShearChain;
-use kalmanscope_core::internals::kernel::{Belief, Correction, Filter, Linearised, Noise, SigmaPoints, SquareRoot};
+use kalmanscope_core::internals::kernel::{Belief, Correction, Filter, Linearised, Noise, SigmaPoints};
 use kalmanscope_core::internals::kernel::{Gaussian, Matrix, Vector};
 use kalmanscope_core::internals::kernel::{Model, Output};
 use kalmanscope_core::{FilterSettings, InputKind, PlantKind, Propagation, Record, Run, Scenario, Values};
@@ -59,9 +59,7 @@ fn plant<P: Model<N>, const N: usize>(cases: &mut Vec<Case>, kind: PlantKind, pl
         return;
     }
     add("UKF", stepper(plant.clone(), kind, SigmaPoints::new(initial.clone(), Rule::Unscented), &record));
-    add("CKF", stepper(plant.clone(), kind, SigmaPoints::new(initial.clone(), Rule::Cubature), &record));
-    let root = SquareRoot::new(&initial).expect("the covariance is diagonal");
-    add("SR-UKF", stepper(plant, kind, root, &record));
+    add("CKF", stepper(plant, kind, SigmaPoints::new(initial, Rule::Cubature), &record));
 }
 
 fn stepper<P: Model<N>, B: Belief<P, N> + Clone + 'static, const N: usize>(

@@ -6,6 +6,7 @@
 //! design, filter           predict and update
 //!   linearised             the prediction of KF and EKF        (exponential, impulse, differentiated)
 //!   sigma_points           the prediction of UKF and CKF       (runge_kutta)
+//!   square_root            the SR-UKF                          (triangle)
 //!   expected, update       the measurements, and the belief after them
 //!   fault                  why a step does not hold
 //! list, builder, notes     equations as lists of operations
@@ -50,6 +51,8 @@ pub(crate) mod propagation;
 pub(crate) mod runge_kutta;
 pub(crate) mod sigma_points;
 pub(crate) mod single;
+mod square_root;
 pub(crate) mod states;
 pub(crate) mod step;
+mod triangle;
 pub(crate) mod update;

@@ -10,7 +10,6 @@ mod observation;
 pub(crate) mod plant;
 pub(crate) mod propagation;
 mod sigma_points;
-mod square_root;
 
 use std::borrow::Cow;
 
@@ -24,7 +23,6 @@ use crate::mathematics::kernel::model::{Model, Output};
 pub use linearised::Linearised;
 pub(crate) use observation::Observation;
 pub use sigma_points::SigmaPoints;
-pub use square_root::SquareRoot;
 
 /// The most sensors that a kernel serves.
 pub const MAX_SENSORS: usize = 4;
@@ -86,8 +84,8 @@ impl<const N: usize> Correction<N> {
 
 /// A representation of a filter's belief over the N components of a model's state.
 pub trait Belief<P: Model<N>, const N: usize>: Send {
-    /// Whether all observations are padded to [`MAX_SENSORS`]: slower, but the program has the update once instead of once
-    /// for every number of sensors. For beliefs that take their time anyway.
+    /// Whether all observations are padded to [`MAX_SENSORS`], as those of three sensors are on a page. It gives the same bits;
+    /// tests use it.
     const PADDED: bool;
 
     /// Carries the belief over one step of `dt` \[s\] in which the force over mass was `force` \[m/s²\], and adds noise:

@@ -1,15 +1,13 @@
 //! Matrices of any size: nalgebra's, and the factorisations that filters also need.
 
-mod givens;
 mod ldl;
 mod product;
 mod root;
 
 use nalgebra::{DMatrix, DVector};
 
-pub(crate) use givens::{add_to_root, rotate, rotation};
 pub(crate) use ldl::Ldl;
-pub(crate) use product::{add_product, multiply, multiply_sparse, multiply_symmetric, multiply_transposed};
+pub(crate) use product::{add_product, multiply, multiply_sparse, multiply_symmetric};
 pub(crate) use root::{RootError, lower_root};
 
 /// A column of numbers.

@@ -91,7 +91,7 @@ mod tests {
         let mut compared = 0;
         for plant in [PlantKind::SDOF, PlantKind::DUFFING, PlantKind::BOUC_WEN, PlantKind::SHEAR_2] {
             for (nth, augment) in augmentations.into_iter().enumerate() {
-                for kind in [FilterKind::KF, FilterKind::EKF, FilterKind::UKF, FilterKind::CKF] {
+                for kind in [FilterKind::KF, FilterKind::EKF, FilterKind::UKF, FilterKind::SR_UKF, FilterKind::CKF] {
                     let mut scenario = Scenario { duration: 1.0, hold: Hold::First, ..Scenario::default() };
                     scenario.plant.kind = plant;
                     scenario.sensors.truncate(1);
@@ -117,7 +117,7 @@ mod tests {
                 }
             }
         }
-        assert!(compared > 50, "{compared}");
+        assert!(compared > 65, "{compared}");
         Ok(())
     }
 }

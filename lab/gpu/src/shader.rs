@@ -60,6 +60,7 @@ impl Program {
                 });
                 text.push_str(&derived(notes.clone(), "rates", ["M", "BY"], &notes.rates)?);
             }
+            Method::SquareRoot(_) => return None,
             Method::SigmaPoints(_) => {
                 parts.push(include_str!("shader/sigma_points.wgsl"));
                 text.push_str(&apart(&notes, "rates", "M", &notes.rates)?);

@@ -21,6 +21,8 @@ pub enum Method {
     Linearised(Propagation, usize),
     /// UKF and CKF.
     SigmaPoints(Rule),
+    /// SR-UKF, by a rule whose o is one.
+    SquareRoot(Rule),
 }
 
 /// The part of a setup that is the same for all runs of a batch.

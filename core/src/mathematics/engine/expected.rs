@@ -81,7 +81,7 @@ impl<T: Number> Expected<T> {
                 #[inline(always)]
                 || self.linearise(level, count, design, belief, active, force, None),
             );
-        } else if let Method::SigmaPoints(rule) = design.method {
+        } else if let Method::SigmaPoints(rule) | Method::SquareRoot(rule) = design.method {
             self.is_linear = false;
             return level.apart(
                 #[inline(always)]

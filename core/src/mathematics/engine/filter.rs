@@ -13,6 +13,7 @@ use super::level::Level;
 use super::linearised::Linearised;
 use super::number::{Mask, Number};
 use super::sigma_points::SigmaPoints;
+use super::square_root::{SquareRoot, std};
 use super::step::Step;
 use super::update::{Observation, Told, Update};
 use crate::FilterError;
@@ -29,6 +30,8 @@ pub(crate) struct Filter<T: Number, L> {
     pub belief: Belief<T>,
     linearised: Linearised<T>,
     points: SigmaPoints<T>,
+    /// The root of the covariance, of a filter that holds one.
+    root: Option<SquareRoot<T>>,
     update: Update<T>,
     /// The lanes for which the parts of the last step hold.
     held: Held<T::Mask>,
@@ -37,10 +40,20 @@ pub(crate) struct Filter<T: Number, L> {
 impl<T: Number, L: Level> Filter<T, L> {
     /// Filters that begin with a belief.
     pub(crate) fn new(level: L, design: Design, belief: Belief<T>, noise: Noise<T>, white: T) -> Self {
-        let Design { model, readings, .. } = &design;
+        let Design { model, readings, method, .. } = &design;
+        let root = match *method {
+            Method::SquareRoot(rule) => {
+                let mut root = SquareRoot::new(model, rule, readings.len());
+                // The covariance is diagonal: it has a root.
+                root.take(level, &belief.cov);
+                Some(root)
+            }
+            Method::Linearised(..) | Method::SigmaPoints(_) => None,
+        };
         Self {
             linearised: Linearised::new(model),
             points: SigmaPoints::new(model),
+            root,
             update: Update::new(model, readings.len()),
             held: Held::new(),
             level,
@@ -69,17 +82,13 @@ impl<T: Number, L: Level> Filter<T, L> {
                 holds: held.holds & rooted.holds,
                 is_finite: held.is_finite & (!held.holds | rooted.is_finite),
             };
-            let Self { level, belief, noise, .. } = self;
-            if i + 1 == parts {
-                level.apart(
-                    #[inline(always)]
-                    || belief.spread(*level, noise),
-                );
-            } else {
-                belief.clamp();
-            }
+            self.spread(i + 1 == parts);
             if let Some((place, _)) = white.filter(|_| i + 1 == renewed) {
-                self.belief.renew(place, self.white);
+                let Self { level, belief, root, white, .. } = self;
+                match root {
+                    Some(root) => root.renew(*level, belief, place, *white),
+                    None => belief.renew(place, *white),
+                }
             }
         }
         self.held.predicted = held;
@@ -88,13 +97,39 @@ impl<T: Number, L: Level> Filter<T, L> {
     /// Moves the beliefs, without noise.
     #[inline(always)]
     fn advance(&mut self, step: &Step<T>) -> Rooted<T::Mask> {
-        let Self { level, design: Design { model, method, .. }, belief, linearised, points, .. } = self;
-        match *method {
-            Method::Linearised(propagation, _) => {
-                linearised.advance(*level, propagation, model, belief, step);
-                Rooted { holds: T::Mask::of(true), is_finite: T::Mask::of(true) }
+        let Self { level, design: Design { model, method, .. }, belief, linearised, points, root, .. } = self;
+        match (*method, root) {
+            (Method::Linearised(propagation, _), _) => linearised.advance(*level, propagation, model, belief, step),
+            (Method::SquareRoot(_), Some(root)) => root.advance(*level, model, belief, step),
+            (Method::SigmaPoints(rule) | Method::SquareRoot(rule), _) => {
+                return points.advance(*level, rule, model, belief, step);
             }
-            Method::SigmaPoints(rule) => points.advance(*level, rule, model, belief, step),
+        }
+        Rooted { holds: T::Mask::of(true), is_finite: T::Mask::of(true) }
+    }
+
+    /// Ends a part of a prediction, with the noise in the last one.
+    #[inline(always)]
+    fn spread(&mut self, is_last: bool) {
+        let Self { level, belief, noise, root, .. } = self;
+        match (root, is_last) {
+            (Some(root), true) => level.apart(
+                #[inline(always)]
+                || {
+                    root.spread(
+                        *level,
+                        noise.fading,
+                        #[inline(always)]
+                        |i, row| row[i] = std(noise.process[i]),
+                    )
+                },
+            ),
+            (Some(root), false) => root.spread(*level, T::of(1.0), |_, _| ()),
+            (None, true) => level.apart(
+                #[inline(always)]
+                || belief.spread(*level, noise),
+            ),
+            (None, false) => belief.clamp(),
         }
     }
 
@@ -102,8 +137,25 @@ impl<T: Number, L: Level> Filter<T, L> {
     /// sensor. The last step holds for [some lanes](Told::holds); [`Self::reason`] gives the reason for the others.
     #[inline(always)]
     pub(crate) fn update(&mut self, force: T, measured: &[T]) -> Told<T> {
-        let Self { level, design, noise, belief, update, held, .. } = self;
-        update.condition(*level, design, belief, noise, Observation { force, measured }, held)
+        let Self { level, design, noise, belief, update, held, root, .. } = self;
+        update.condition(*level, design, belief, root.as_mut(), noise, Observation { force, measured }, held)
+    }
+
+    /// Gives a lane a belief that makes no trouble.
+    pub(crate) fn park(&mut self, lane: usize) {
+        self.belief.park(lane);
+        if let Some(root) = &mut self.root {
+            root.park(lane);
+        }
+    }
+
+    /// Makes the covariance after a prediction that of the root, if there is one.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(crate) fn square(&mut self) {
+        let Self { level, belief, root, .. } = self;
+        if let Some(root) = root {
+            root.square(*level, &mut belief.cov);
+        }
     }
 
     /// Makes the covariance symmetric to the last bit, from its lower triangle.

@@ -34,6 +34,14 @@ impl<T: Number> RungeKutta<T> {
         });
     }
 
+    /// The rates of the moving components of a state under this recorded force.
+    #[inline(always)]
+    pub(super) fn rate<L: Level>(&mut self, level: L, model: &Model, state: &[T], force: T) -> &[T] {
+        let Self { rates: [rate, ..], plain, .. } = self;
+        model.rate(level, state, force, plain, rate);
+        rate
+    }
+
     #[inline(always)]
     fn advance_by(&mut self, equation: impl Rates<T>, model: &Model, state: &mut [T], step: &Step<T>) {
         let Self { start, rates: [k1, k2, k3, k4], plain } = self;

@@ -31,7 +31,7 @@ impl<T: Number> SigmaPoints<T> {
             root: zeros(n * n),
             even: zeros(moving * n),
             shift: zeros(moving),
-            points: vec![T::Pack::of(0.0); (2 * n + 1).div_ceil(T::POINTS) * n],
+            points: vec![T::Pack::of(0.0); Self::packs(n) * n],
             method: RungeKutta::new(model),
         }
     }
@@ -61,6 +61,20 @@ impl<T: Number> SigmaPoints<T> {
             #[inline(always)]
             || self.draw(level, rule, model, belief),
         );
+        self.travel(level, model, step);
+        level.apart(
+            #[inline(always)]
+            || {
+                self.take_parts(level, rule, model);
+                self.sum(level, rule, model, belief);
+            },
+        );
+        rooted
+    }
+
+    /// Moves the points by a step.
+    #[inline(always)]
+    pub(super) fn travel<L: Level>(&mut self, level: L, model: &Model, step: &Step<T>) {
         let [begin, end] = step.forces;
         let forces = [T::pack(|_| begin), T::pack(|_| end)];
         let step = Step { forces, has_slope: step.has_slope, dt: step.dt };
@@ -71,14 +85,32 @@ impl<T: Number> SigmaPoints<T> {
                 || method.advance(level, model, points, &step),
             );
         }
-        level.apart(
-            #[inline(always)]
-            || {
-                self.take_parts(level, rule, model);
-                self.sum(level, rule, model, belief);
-            },
-        );
-        rooted
+    }
+
+    /// The points of a pack, and the rates of their moving components under this recorded force.
+    #[inline(always)]
+    pub(super) fn rate<L: Level>(
+        &mut self,
+        level: L,
+        model: &Model,
+        pack: usize,
+        force: T::Pack,
+    ) -> (&[T::Pack], &[T::Pack]) {
+        let Self { points, method, .. } = self;
+        let state = &points[pack * model.size..(pack + 1) * model.size];
+        (state, method.rate(level, model, state, force))
+    }
+
+    /// The number of packs of n components' points.
+    #[inline(always)]
+    pub(super) fn packs(n: usize) -> usize {
+        (2 * n + 1).div_ceil(T::POINTS)
+    }
+
+    /// A component of a point, of n.
+    #[inline(always)]
+    pub(super) fn component(&self, n: usize, point: usize, i: usize) -> T {
+        Self::of_point(&self.points, n, point, i)
     }
 
     /// The odd parts of the points after a step, n numbers for each pair.
@@ -90,31 +122,36 @@ impl<T: Number> SigmaPoints<T> {
     #[inline(always)]
     fn draw<L: Level>(&mut self, level: L, rule: Rule, model: &Model, belief: &Belief<T>) -> Rooted<T::Mask> {
         let n = level.size(model.size);
-        let (mean, root) = (&belief.mean[..n], &mut self.root[..n * n]);
-        let rooted = lower_root(level, &belief.cov[..n * n], root, n);
-        let distance = rule.spread.sqrt();
-        let packs = (2 * n + 1).div_ceil(T::POINTS);
-        let points = &mut self.points[..packs * n];
-        level.each(
-            0,
-            packs,
+        let Self { root, points, .. } = self;
+        let rooted = lower_root(level, &belief.cov[..n * n], &mut root[..n * n], n);
+        let root = &root[..n * n];
+        place(
+            level,
+            rule,
+            n,
+            &belief.mean,
+            points,
             #[inline(always)]
-            |pack| {
-                for i in 0..n {
-                    points[pack * n + i] = T::pack(
-                        #[inline(always)]
-                        |k| match pack * T::POINTS + k {
-                            point if point == 0 || point > 2 * n => mean[i],
-                            point if point % 2 == 1 => mean[i] + root[(point - 1) / 2 * n + i] * distance,
-                            point => mean[i] - root[(point - 1) / 2 * n + i] * distance,
-                        },
-                    );
-                }
-            },
+            |pair, i| root[pair * n + i],
         );
         rooted
     }
 
+    /// Places the points of a mean and a root, n × n, row by row.
+    #[inline(always)]
+    pub(super) fn place<L: Level>(&mut self, level: L, rule: Rule, mean: &[T], rows: &[T]) {
+        let n = level.size(mean.len());
+        let rows = &rows[..n * n];
+        place(
+            level,
+            rule,
+            n,
+            mean,
+            &mut self.points,
+            #[inline(always)]
+            |pair, i| rows[i * n + pair],
+        );
+    }
     /// A component of a point.
     #[inline(always)]
     fn of_point(points: &[T::Pack], n: usize, point: usize, i: usize) -> T {
@@ -181,4 +218,36 @@ impl<T: Number> SigmaPoints<T> {
             }
         }
     }
+}
+
+/// Places points in pairs about a mean. `root` gives a component of the direction of a pair.
+#[inline(always)]
+fn place<T: Number, L: Level>(
+    level: L,
+    rule: Rule,
+    n: usize,
+    mean: &[T],
+    points: &mut [T::Pack],
+    root: impl Fn(usize, usize) -> T,
+) {
+    let distance = rule.spread.sqrt();
+    let packs = SigmaPoints::<T>::packs(n);
+    let (mean, points) = (&mean[..n], &mut points[..packs * n]);
+    level.each(
+        0,
+        packs,
+        #[inline(always)]
+        |pack| {
+            for i in 0..n {
+                points[pack * n + i] = T::pack(
+                    #[inline(always)]
+                    |k| match pack * T::POINTS + k {
+                        point if point == 0 || point > 2 * n => mean[i],
+                        point if point % 2 == 1 => mean[i] + root((point - 1) / 2, i) * distance,
+                        point => mean[i] - root((point - 1) / 2, i) * distance,
+                    },
+                );
+            }
+        },
+    );
 }

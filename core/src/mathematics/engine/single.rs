@@ -9,6 +9,7 @@ use super::linearised::Linearised;
 use super::model::Model;
 use super::propagation::Propagation;
 use super::sigma_points::SigmaPoints;
+use super::square_root::{SquareRoot, std};
 use super::step::Step;
 use super::update::{Observation, Told, Update};
 use crate::FilterError;
@@ -21,6 +22,8 @@ pub(crate) struct Moments<'a> {
     pub(crate) mean: &'a mut [f64],
     /// P
     pub(crate) cov: &'a mut [f64],
+    /// The root of P, n × n, row by row, of a filter that holds one; else empty.
+    pub(crate) root: &'a mut [f64],
 }
 
 /// The memory of one filter.
@@ -34,6 +37,7 @@ pub(crate) struct Single {
     noise: Noise<f64>,
     linearised: Linearised<f64>,
     points: SigmaPoints<f64>,
+    root: Option<SquareRoot<f64>>,
     update: Update<f64>,
     measured: Vec<f64>,
     held: Held<bool>,
@@ -66,6 +70,10 @@ impl Single {
             noise: Noise { process: vec![0.0; n], sensors: vec![1.0; sensors], fading: 1.0 },
             linearised: Linearised::new(&model),
             points: SigmaPoints::new(&model),
+            root: match method {
+                Method::SquareRoot(rule) => Some(SquareRoot::new(&model, rule, sensors)),
+                Method::Linearised(..) | Method::SigmaPoints(_) => None,
+            },
             update: Update::new(&model, sensors),
             measured: vec![f64::NAN; sensors],
             held: Held::new(),
@@ -73,19 +81,73 @@ impl Single {
         }
     }
 
-    /// Moves a belief by a step, without noise.
+    /// Moves a belief by a step, without noise. If it has a root, [`Self::spread`] completes it.
     ///
     /// # Errors
     /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where sigma points cannot be drawn.
     pub(crate) fn advance(&mut self, mut moments: Moments<'_>, step: &Step<f64>) -> Result<(), FilterError> {
-        let Self { design: Design { model, method, .. }, belief, linearised, points, .. } = self;
-        belief.take(&moments);
-        match *method {
-            Method::Linearised(propagation, _) => linearised.advance(Baseline, propagation, model, belief, step),
-            Method::SigmaPoints(rule) => rooted(points.advance(Baseline, rule, model, belief, step))?,
+        self.take(&moments);
+        let Self { design: Design { model, method, .. }, belief, linearised, points, root, .. } = self;
+        match (*method, root) {
+            (Method::Linearised(propagation, _), _) => linearised.advance(Baseline, propagation, model, belief, step),
+            (Method::SquareRoot(_), Some(root)) => root.advance(Baseline, model, belief, step),
+            (Method::SigmaPoints(rule) | Method::SquareRoot(rule), _) => {
+                rooted(points.advance(Baseline, rule, model, belief, step))?;
+            }
         }
-        belief.give(&mut moments);
+        self.give(&mut moments);
         Ok(())
+    }
+
+    /// Completes a belief with a root that has moved: `λ P + Q`, Q n × n.
+    ///
+    /// # Errors
+    /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where Q has no root.
+    pub(crate) fn spread(&mut self, mut moments: Moments<'_>, process: &[f64], fading: f64) -> Result<(), FilterError> {
+        let Self { belief, prior, root: Some(root), .. } = self else { return Ok(()) };
+        let n = belief.size();
+        let is_usual = |(at, q): (usize, &f64)| if at % (n + 1) == 0 { *q >= 0.0 && q.is_finite() } else { *q == 0.0 };
+        if process.iter().enumerate().all(is_usual) {
+            root.spread(Baseline, fading, |i, row| row[i] = std(process[i * (n + 1)]));
+        } else {
+            rooted(lower_root(Baseline, process, &mut prior.cov, n))?;
+            root.spread(Baseline, fading, |i, row| (0..=i).for_each(|k| row[k] = prior.cov[k * n + i]));
+        }
+        self.square();
+        self.give(&mut moments);
+        Ok(())
+    }
+
+    /// Makes a component of a belief with a root another one, which has mean zero and this variance and knows nothing of the
+    /// others.
+    pub(crate) fn renew(&mut self, mut moments: Moments<'_>, place: usize, variance: f64) {
+        self.take(&moments);
+        if let Some(root) = &mut self.root {
+            root.renew(Baseline, &mut self.belief, place, variance);
+        }
+        self.square();
+        self.give(&mut moments);
+    }
+
+    /// Makes the covariance that of the root, if there is one.
+    fn square(&mut self) {
+        if let Some(root) = &self.root {
+            root.square(Baseline, &mut self.belief.cov);
+        }
+    }
+
+    fn take(&mut self, moments: &Moments<'_>) {
+        self.belief.take(moments);
+        if let Some(root) = &mut self.root {
+            root.rows_mut().copy_from_slice(moments.root);
+        }
+    }
+
+    fn give(&self, moments: &mut Moments<'_>) {
+        self.belief.give(moments);
+        if let Some(root) = &self.root {
+            moments.root.copy_from_slice(root.rows());
+        }
     }
 
     /// Φ, n × n, written over `out`: the derivative of a step by the state, or its regression on the state.
@@ -107,7 +169,7 @@ impl Single {
         self.belief.take(moments);
         match self.design.method {
             Method::Linearised(propagation, _) => self.step_into(propagation, moments.mean, step, out),
-            Method::SigmaPoints(rule) => {
+            Method::SigmaPoints(rule) | Method::SquareRoot(rule) => {
                 let Self { design: Design { model, .. }, belief, points, prior, .. } = self;
                 let n = model.size;
                 rooted(lower_root(Baseline, &belief.cov, &mut prior.cov, n))?;
@@ -142,16 +204,16 @@ impl Single {
         measured: Measured<'_>,
         mut report: impl FnMut(&Told<f64>, Parts<'_>),
     ) -> Result<(), FilterError> {
-        self.belief.take(&moments);
+        self.take(&moments);
         self.noise.sensors.copy_from_slice(measured.variances);
         self.measured.copy_from_slice(measured.values);
         let iterations = if let Method::Linearised(_, iterations) = self.design.method { iterations } else { 1 };
         if iterations > 1 {
             self.prior.copy_from(&self.belief);
         }
-        let Self { design, belief, noise, update, held, .. } = self;
+        let Self { design, belief, root, noise, update, held, .. } = self;
         let observation = Observation { force: measured.force, measured: &self.measured };
-        let told = update.condition(Baseline, design, belief, noise, observation, held);
+        let told = update.condition(Baseline, design, belief, root.as_mut(), noise, observation, held);
         self.check(&told)?;
         report(&told, self.parts());
         let readings = &self.design.readings;
@@ -159,7 +221,7 @@ impl Single {
             let told = self.descend(measured.force, iterations)?;
             report(&told, self.parts());
         }
-        self.belief.give(&mut moments);
+        self.give(&mut moments);
         Ok(())
     }
 

@@ -8,6 +8,7 @@ use super::fault::Held;
 use super::level::{Count, Exactly, Level};
 use super::model::Model;
 use super::number::{Mask, Number};
+use super::square_root::SquareRoot;
 
 /// The scores of an update, lane by lane.
 #[derive(Clone, Copy, Debug)]
@@ -66,13 +67,15 @@ impl<T: Number> Update<T> {
         }
     }
 
-    /// Conditions a belief on the measurements that are not NaN.
+    /// Conditions a belief, and the root of its covariance if it has one, on the measurements that are not NaN.
     #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "those of the update")]
     pub(super) fn condition<L: Level>(
         &mut self,
         level: L,
         design: &Design,
         belief: &mut Belief<T>,
+        root: Option<&mut SquareRoot<T>>,
         noise: &Noise<T>,
         observation: Observation<'_, T>,
         held: &mut Held<T::Mask>,
@@ -88,13 +91,16 @@ impl<T: Number> Update<T> {
         if active.is_empty() {
             return level.apart(
                 #[inline(always)]
-                || untold(level, belief, held),
+                || {
+                    root.into_iter().for_each(|root| root.square(level, &mut belief.cov));
+                    untold(level, belief, held)
+                },
             );
         }
         match active.len() {
-            1 if L::IS_KNOWN => self.take_in(level, Exactly::<1>, design, belief, noise, observation, held),
-            2 if L::IS_KNOWN => self.take_in(level, Exactly::<2>, design, belief, noise, observation, held),
-            count => self.take_in(level, count, design, belief, noise, observation, held),
+            1 if L::IS_KNOWN => self.take_in(level, Exactly::<1>, design, belief, root, noise, observation, held),
+            2 if L::IS_KNOWN => self.take_in(level, Exactly::<2>, design, belief, root, noise, observation, held),
+            count => self.take_in(level, count, design, belief, root, noise, observation, held),
         }
     }
 
@@ -106,10 +112,17 @@ impl<T: Number> Update<T> {
         count: C,
         design: &Design,
         belief: &mut Belief<T>,
+        root: Option<&mut SquareRoot<T>>,
         noise: &Noise<T>,
         observation: Observation<'_, T>,
         held: &mut Held<T::Mask>,
     ) -> Told<T> {
+        if let Some(root) = root {
+            return level.apart(
+                #[inline(always)]
+                || self.rotate(level, count, design, belief, root, noise, observation, held),
+            );
+        }
         let Self { active, expected, .. } = self;
         held.expected = expected.take(level, count, design, belief, active, observation.force);
         level.apart(
@@ -119,6 +132,39 @@ impl<T: Number> Update<T> {
                 self.correct(level, count, design, belief, measured, held)
             },
         )
+    }
+
+    /// Conditions a belief and its root.
+    #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "those of the update, and the number of sensors")]
+    fn rotate<L: Level, C: Count>(
+        &mut self,
+        level: L,
+        count: C,
+        design: &Design,
+        belief: &mut Belief<T>,
+        root: &mut SquareRoot<T>,
+        noise: &Noise<T>,
+        observation: Observation<'_, T>,
+        held: &mut Held<T::Mask>,
+    ) -> Told<T> {
+        let Self { active, expected, innovation_cov, innovation, .. } = self;
+        let (m, zero) = (count.number(), T::of(0.0));
+        let (active, innovation, mean) = (&active[..m], &mut innovation[..m], &mut expected.mean[..m]);
+        expected.is_linear = false;
+        root.read(level, count, design, belief, active, observation.force, mean);
+        let mut measured = zero;
+        for row in 0..m {
+            let value = observation.measured[active[row]];
+            let is_there = value.is_number();
+            measured = measured + T::select(is_there, T::of(1.0), zero);
+            innovation[row] = T::select(is_there, value - mean[row], zero);
+            root.add_noise(level, count, row, noise.sensors[active[row]], is_there);
+        }
+        root.condition(level, count, innovation_cov, &mut expected.cross);
+        let scores = self.weigh(level, count, belief, held);
+        root.square(level, &mut belief.cov);
+        told(level, belief, scores, measured, held)
     }
 
     /// Conditions a belief on the same measurements again, with the sensors linearised in another state.
@@ -180,8 +226,6 @@ impl<T: Number> Update<T> {
     }
 
     /// `K = P⁻ Hᵀ S⁻¹`, `y = y⁻ + K e` and the covariance.
-    ///
-    /// Source: Kalman (1960), A new approach to linear filtering and prediction problems.
     #[inline(always)]
     fn correct<L: Level, C: Count>(
         &mut self,
@@ -192,6 +236,26 @@ impl<T: Number> Update<T> {
         measured: T,
         held: &mut Held<T::Mask>,
     ) -> Told<T> {
+        let scores = self.weigh(level, count, belief, held);
+        if self.expected.is_linear {
+            self.joseph(level, count, design, belief);
+        } else {
+            self.subtract(level, count, belief);
+        }
+        told(level, belief, scores, measured, held)
+    }
+
+    /// `K = P⁻ Hᵀ S⁻¹` and `y = y⁻ + K e`. Returns NIS and det S.
+    ///
+    /// Source: Kalman (1960), A new approach to linear filtering and prediction problems.
+    #[inline(always)]
+    fn weigh<L: Level, C: Count>(
+        &mut self,
+        level: L,
+        count: C,
+        belief: &mut Belief<T>,
+        held: &mut Held<T::Mask>,
+    ) -> [T; 2] {
         let Self { expected, innovation_cov, factor: lower, innovation, white, gain, .. } = self;
         let (m, n) = (count.number(), level.size(belief.size()));
         let gain = &mut gain[..m * n];
@@ -205,14 +269,8 @@ impl<T: Number> Update<T> {
         }
         white[..m].copy_from_slice(&innovation[..m]);
         let nis = square(lower, m, &mut white[..m]);
-        if expected.is_linear {
-            self.joseph(level, count, design, belief);
-        } else {
-            self.subtract(level, count, belief);
-        }
-        [held.is_finite, held.is_positive] = belief.check(level);
         (held.factored, held.is_likely) = (factored, nis.is_finite());
-        Told { nis, determinant, measured, holds: held.all() }
+        [nis, determinant]
     }
 
     /// Replaces P by `(I - K H) P (I - K H)ᵀ + K R Kᵀ`, which stays positive semidefinite even if sensors are far more
@@ -297,6 +355,19 @@ impl<T: Number> Update<T> {
         let m = self.active.len();
         -(0..m).map(|row| libm::log(self.factor[row * m + row].lane(lane))).sum::<f64>()
     }
+}
+
+/// The end of an update by measurements.
+#[inline(always)]
+fn told<T: Number, L: Level>(
+    level: L,
+    belief: &Belief<T>,
+    [nis, determinant]: [T; 2],
+    measured: T,
+    held: &mut Held<T::Mask>,
+) -> Told<T> {
+    [held.is_finite, held.is_positive] = belief.check(level);
+    Told { nis, determinant, measured, holds: held.all() }
 }
 
 /// Without any measurement.

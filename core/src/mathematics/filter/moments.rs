@@ -30,7 +30,7 @@ enum Way {
 
 /// The engine's memory, made at the first step.
 #[derive(Clone, Debug)]
-struct Engine {
+pub(super) struct Engine {
     single: Single,
     /// The readings of all sensors; `None` for those that the model does not have.
     readings: Arc<[Option<Reading>]>,
@@ -90,25 +90,55 @@ impl Way {
 
 impl Engine {
     /// The engine of a model, with these sensors if they matter.
-    fn of<'a>(
+    pub(super) fn of<'a>(
         engine: &'a mut Option<Box<Self>>,
-        way: Way,
+        method: Method,
         model: &Model,
         readings: Option<&Arc<[Option<Reading>]>>,
     ) -> &'a mut Self {
         let is_right = |engine: &Self| readings.is_none_or(|readings| Arc::ptr_eq(readings, &engine.readings));
         if !engine.as_deref().is_some_and(is_right) {
-            *engine = Some(Box::new(Self::new(way, model, readings.map_or_else(|| Arc::from([]), Arc::clone))));
+            *engine = Some(Box::new(Self::new(method, model, readings.map_or_else(|| Arc::from([]), Arc::clone))));
         }
-        engine.get_or_insert_with(|| Box::new(Self::new(way, model, Arc::from([]))))
+        engine.get_or_insert_with(|| Box::new(Self::new(method, model, Arc::from([]))))
     }
 
-    fn new(way: Way, model: &Model, readings: Arc<[Option<Reading>]>) -> Self {
+    fn new(method: Method, model: &Model, readings: Arc<[Option<Reading>]>) -> Self {
         let known = || readings.iter().enumerate().filter_map(|(sensor, reading)| Some((sensor, reading.clone()?)));
         let sensors: Vec<usize> = known().map(|(sensor, _)| sensor).collect();
-        let single = Single::new(model, way.method(model.size()), known().map(|(_, reading)| reading).collect());
+        let single = Single::new(model, method, known().map(|(_, reading)| reading).collect());
         let (values, variances) = (vec![f64::NAN; sensors.len()], vec![1.0; sensors.len()]);
         Self { single, readings, sensors, values, variances }
+    }
+
+    /// The engine, for a belief that moves.
+    pub(super) fn single(&mut self) -> &mut Single {
+        &mut self.single
+    }
+
+    /// Conditions a belief on the measurements of a sample.
+    ///
+    /// # Errors
+    /// Those of [`Single::condition`].
+    pub(super) fn condition(
+        &mut self,
+        belief: Slices<'_>,
+        observation: &Observation,
+        correction: &mut Correction,
+    ) -> Result<(), FilterError> {
+        let n = belief.mean.len();
+        self.take(observation);
+        let Self { single, values, variances, .. } = self;
+        let measured = Measured { force: observation.force(), values, variances };
+        let mut is_first = true;
+        single.condition(belief, measured, |told, parts| {
+            correction.take(observation, parts, n);
+            if std::mem::take(&mut is_first) {
+                correction.tell(observation, [told.nis, told.determinant]);
+            } else {
+                correction.tell_gain(observation);
+            }
+        })
     }
 
     /// Takes in the measurements of a sample.
@@ -135,7 +165,12 @@ impl Step {
 
 impl Gaussian {
     fn slices(&mut self) -> Slices<'_> {
-        Slices { mean: self.mean.as_mut_slice(), cov: self.cov.as_mut_slice() }
+        self.slices_with(&mut [])
+    }
+
+    /// The same with a root of the covariance.
+    pub(super) fn slices_with<'a>(&'a mut self, root: &'a mut [f64]) -> Slices<'a> {
+        Slices { mean: self.mean.as_mut_slice(), cov: self.cov.as_mut_slice(), root }
     }
 }
 
@@ -143,7 +178,7 @@ impl Belief for Moments {
     /// `y⁻` and `P⁻`, with the noise
     fn predict(&mut self, model: &Model, step: Step, noise: &Noise) -> Result<(), FilterError> {
         let Self { belief, way, engine, .. } = self;
-        Engine::of(engine, *way, model, None).single.advance(belief.slices(), &step.of_engine())?;
+        Engine::of(engine, way.method(model.size()), model, None).single.advance(belief.slices(), &step.of_engine())?;
         noise.spread(&mut belief.cov);
         Ok(())
     }
@@ -155,19 +190,8 @@ impl Belief for Moments {
         correction: &mut Correction,
     ) -> Result<(), FilterError> {
         let Self { belief, way, engine, .. } = self;
-        let engine = Engine::of(engine, *way, model, Some(observation.all_readings()));
-        engine.take(observation);
-        let Engine { single, values, variances, .. } = engine;
-        let measured = Measured { force: observation.force(), values, variances };
-        let mut is_first = true;
-        single.condition(belief.slices(), measured, |told, parts| {
-            correction.take(observation, parts, model.size());
-            if std::mem::take(&mut is_first) {
-                correction.tell(observation, [told.nis, told.determinant]);
-            } else {
-                correction.tell_gain(observation);
-            }
-        })?;
+        let engine = Engine::of(engine, way.method(model.size()), model, Some(observation.all_readings()));
+        engine.condition(belief.slices(), observation, correction)?;
         belief.cov.fill_upper_triangle_with_lower_triangle();
         Ok(())
     }
@@ -196,7 +220,7 @@ impl Belief for Moments {
     fn transition(&mut self, model: &Model, step: Step) -> Result<Matrix, FilterError> {
         let Self { belief, way, engine, .. } = self;
         let mut transition = Matrix::zeros(belief.size(), belief.size());
-        let single = &mut Engine::of(engine, *way, model, None).single;
+        let single = &mut Engine::of(engine, way.method(model.size()), model, None).single;
         // The mean stays: only Φ is wanted.
         let mut belief = belief.clone();
         single.transition_into(&mut belief.slices(), &step.of_engine(), transition.as_mut_slice())?;

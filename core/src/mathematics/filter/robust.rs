@@ -271,7 +271,7 @@ mod tests {
 
     #[test]
     fn a_tenth_of_outliers_misleads_the_plain_filter_and_no_robust_one() {
-        for kind in [FilterKind::EKF, FilterKind::UKF] {
+        for kind in [FilterKind::EKF, FilterKind::UKF, FilterKind::SR_UKF] {
             let rms = Robust::ALL.map(|robust| {
                 let mut sum = 0.0;
                 for seed in 1..=8 {

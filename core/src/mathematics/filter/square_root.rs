@@ -1,29 +1,18 @@
-//! The unscented Kalman filter on the root of its covariance.
+//! The unscented Kalman filter on the root of its covariance, predicted and updated by the engine.
 
 use std::borrow::Cow;
 
-use super::correction::Last;
-use super::kalman;
 use super::kind::time_of_linearised;
+use super::moments::Engine;
 use super::{Belief, Correction, FilterError, FilterInfo, Gaussian, Noise, Observation, Rule, Step};
 use crate::Model;
-use crate::mathematics::integrate::RungeKutta;
-use crate::mathematics::linalg::{
-    Matrix, Vector, add_product, add_to_root, fit, fit_vector, lower_root, multiply_symmetric, multiply_transposed,
-    rotate, rotation,
-};
+use crate::mathematics::engine::design::Method;
+use crate::mathematics::linalg::{Matrix, lower_root};
 
 /// A Gaussian held as mean and lower triangular root L of its covariance `L Lᵀ`, which no rounding can make indefinite.
 ///
-/// With the unscented rule every covariance is a sum of squares, so that a root is only ever updated by addition,
-/// column by column with Givens rotations. The measurement is one such triangularisation of sensors and state together:
-///
-/// ```text
-/// [√R  √W ζ]            [√S   0 ]
-/// [ 0  √W ξ] · Givens = [ C   L⁺],   K = C (√S)⁻¹
-/// ```
-///
-/// with the deviations ζ of the readings and ξ of the sigma points, the offset of the mean among them.
+/// With the unscented rule every covariance is a sum of squares, so that a root is only ever updated by addition. The
+/// engine has the arrays.
 ///
 /// Source: van der Merwe and Wan (2001), The square-root unscented Kalman filter for state and parameter-estimation;
 /// Kailath, Sayed and Hassibi (2000), *Linear Estimation*, section 12.3 (array algorithms).
@@ -31,19 +20,11 @@ use crate::mathematics::linalg::{
 pub struct SquareRoot {
     /// Mean and covariance, which follow from the root.
     belief: Gaussian,
-    root: Matrix,
-    /// The sigma points, and their images.
-    points: Matrix,
-    readings: Matrix,
-    array: Array,
-    method: RungeKutta,
-    rates: Vec<f64>,
-    /// A deviation, and the sum of all.
-    deviation: Vec<f64>,
-    shift: Vec<f64>,
-    /// Q and its root, kept until Q changes.
-    process: Option<(Matrix, Matrix)>,
-    expected: Vector,
+    /// Lᵀ, whose columns are the rows of L.
+    rows: Matrix,
+    /// Copies of both, for an update that is done again.
+    kept: Option<(Gaussian, Matrix)>,
+    engine: Option<Box<Engine>>,
 }
 
 impl SquareRoot {
@@ -52,83 +33,27 @@ impl SquareRoot {
     /// # Errors
     /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where it has none.
     pub fn new(belief: &Gaussian) -> Result<Self, FilterError> {
-        let none = || Matrix::zeros(0, 0);
-        Ok(Self {
-            belief: belief.clone(),
-            root: lower_root(&belief.cov)?,
-            points: none(),
-            readings: none(),
-            array: Array { sensors: none(), cross: none(), state: none() },
-            method: RungeKutta::default(),
-            rates: Vec::new(),
-            deviation: Vec::new(),
-            shift: Vec::new(),
-            process: None,
-            expected: Vector::zeros(0),
-        })
+        Ok(Self { belief: belief.clone(), rows: lower_root(&belief.cov)?.transpose(), kept: None, engine: None })
     }
 
-    /// Draws the sigma points, each a column: the centre, and the pair of each column of the root.
-    fn draw(&mut self) {
-        let Self { belief: Gaussian { mean, .. }, root, points, .. } = self;
-        let n = mean.len();
-        let distance = Rule::Unscented.constants(n).0.sqrt();
-        fit(points, n, 2 * n + 1);
-        let (centre, pairs) = points.as_mut_slice().split_at_mut(n);
-        centre.copy_from_slice(mean.as_slice());
-        for (pair, column) in pairs.chunks_exact_mut(2 * n).zip(root.as_slice().chunks_exact(n)) {
-            let (plus, minus) = pair.split_at_mut(n);
-            for i in 0..n {
-                let from = column[i] * distance;
-                (plus[i], minus[i]) = (centre[i] + from, centre[i] - from);
-            }
-        }
+    /// Makes the covariance symmetric to the last bit.
+    fn complete(&mut self) {
+        self.belief.cov.fill_upper_triangle_with_lower_triangle();
     }
+}
 
-    /// Makes the covariance that of the root.
-    fn square(&mut self) {
-        let Self { belief: Gaussian { cov, .. }, root, .. } = self;
-        multiply_symmetric(cov, 1.0, root, root);
-        cov.fill_upper_triangle_with_lower_triangle();
-    }
-
-    /// `P ← λ P + Q`
-    fn spread(&mut self, Noise { process, fading, .. }: &Noise) -> Result<(), FilterError> {
-        let Self { root, deviation, process: known, .. } = self;
-        *root *= fading.sqrt();
-        if known.as_ref().is_none_or(|(of, _)| of != process) {
-            *known = Some((process.clone(), lower_root(process)?));
-        }
-        for column in known.iter().flat_map(|(_, root)| root.as_slice().chunks_exact(process.nrows())) {
-            deviation.clear();
-            deviation.extend_from_slice(column);
-            add_to_root(root, deviation);
-        }
-        Ok(())
-    }
+/// The engine's method for a model.
+fn method(model: &Model) -> Method {
+    Method::SquareRoot(Rule::Unscented.of_size(model.size()))
 }
 
 impl Belief for SquareRoot {
     fn predict(&mut self, model: &Model, step: Step, noise: &Noise) -> Result<(), FilterError> {
-        let n = model.size();
-        self.draw();
-        let Self { belief: Gaussian { mean, .. }, root, points, method, deviation, shift, .. } = self;
-        let (_, weight, _) = Rule::Unscented.constants(n);
-        step.advance(model, points, method);
-        let (centre, others) = points.as_slice().split_at(n);
-        shift.clear();
-        shift.resize(n, 0.0);
-        root.as_mut_slice().fill(0.0);
-        for image in others.chunks_exact(n) {
-            take_deviation(deviation, shift, image, centre, weight);
-            add_to_root(root, deviation);
-        }
-        for i in 0..n {
-            mean[i] = centre[i] + shift[i];
-        }
-        add_to_root(root, shift);
-        self.spread(noise)?;
-        self.square();
+        let Self { belief, rows, engine, .. } = self;
+        let single = Engine::of(engine, method(model), model, None).single();
+        single.advance(belief.slices_with(rows.as_mut_slice()), &step.of_engine())?;
+        single.spread(belief.slices_with(rows.as_mut_slice()), noise.process.as_slice(), noise.fading)?;
+        self.complete();
         Ok(())
     }
 
@@ -138,112 +63,44 @@ impl Belief for SquareRoot {
         observation: &Observation,
         correction: &mut Correction,
     ) -> Result<(), FilterError> {
-        let (n, m) = (model.size(), observation.len());
-        self.draw();
-        let Self { belief, root, points, readings, array, rates, deviation, shift, expected, .. } = self;
-        let (spread, weight, _) = Rule::Unscented.constants(n);
-        observation.read_all_into(model, points, rates, readings);
-        let (centre, others) = readings.as_slice().split_at(m);
-        array.begin(n, observation);
-        shift.clear();
-        shift.resize(m, 0.0);
-        let distance = (spread * weight).sqrt();
-        for (j, reading) in others.chunks_exact(m).enumerate() {
-            take_deviation(deviation, shift, reading, centre, weight);
-            let sign = if j % 2 == 0 { distance } else { -distance };
-            deviation.extend(root.column(j / 2).iter().map(|column| column * sign));
-            array.add(deviation);
-        }
-        fit_vector(expected, m);
-        for i in 0..m {
-            expected[i] = centre[i] + shift[i];
-        }
-        shift.resize(m + n, 0.0);
-        array.add(shift);
-
-        let Array { sensors, cross, state } = array;
-        let Last { innovation, innovation_cov, gain, has_jacobian, factor, .. } = &mut correction.last;
-        observation.innovation_into(expected, innovation);
-        multiply_transposed(innovation_cov, sensors, sensors);
-        innovation_cov.fill_upper_triangle_with_lower_triangle();
-        kalman::refactor(factor, innovation_cov)?;
-        multiply_transposed(gain, cross, sensors);
-        factor.divide_in_place(gain);
-        *has_jacobian = false;
-        add_product(belief.mean.as_mut_slice(), gain, innovation.as_slice());
-        std::mem::swap(root, state);
-        correction.report_last(observation.sensors());
-        self.square();
-        self.belief.check()
+        let Self { belief, rows, engine, .. } = self;
+        let engine = Engine::of(engine, method(model), model, Some(observation.all_readings()));
+        engine.condition(belief.slices_with(rows.as_mut_slice()), observation, correction)?;
+        self.complete();
+        Ok(())
     }
 
     fn renew(&mut self, place: usize, variance: f64) -> Result<(), FilterError> {
-        let Self { belief, root, deviation, .. } = self;
-        belief.mean[place] = 0.0;
-        root.row_mut(place).fill(0.0);
-        deviation.clear();
-        deviation.resize(root.nrows(), 0.0);
-        deviation[place] = variance.sqrt();
-        add_to_root(root, deviation);
-        self.square();
+        // A belief that has never moved has no engine: its covariance is that of the settings.
+        let Self { belief, rows, engine, .. } = self;
+        match engine {
+            Some(engine) => engine.single().renew(belief.slices_with(rows.as_mut_slice()), place, variance),
+            None => {
+                belief.renew(place, variance);
+                *rows = lower_root(&belief.cov)?.transpose();
+            }
+        }
+        self.complete();
         Ok(())
     }
 
     fn gaussian(&self) -> Cow<'_, Gaussian> {
         Cow::Borrowed(&self.belief)
     }
-}
 
-/// Writes the weighted distance of a point's image from the centre's image to `deviation`, and adds it to `Σ W d`.
-fn take_deviation(deviation: &mut Vec<f64>, shift: &mut [f64], image: &[f64], centre: &[f64], weight: f64) {
-    let scale = weight.sqrt();
-    deviation.clear();
-    deviation.extend(image.iter().zip(centre).map(|(image, centre)| (image - centre) * scale));
-    for ((shift, image), centre) in shift.iter_mut().zip(image).zip(centre) {
-        *shift += (image - centre) * weight;
-    }
-}
-
-/// The lower triangular root of the joint covariance of m readings and n components.
-#[derive(Clone, Debug)]
-struct Array {
-    sensors: Matrix,
-    cross: Matrix,
-    state: Matrix,
-}
-
-impl Array {
-    /// Begins with the sensors' noise alone.
-    fn begin(&mut self, n: usize, observation: &Observation) {
-        let Self { sensors, cross, state } = self;
-        let m = observation.len();
-        fit(sensors, m, m);
-        fit(cross, n, m);
-        fit(state, n, n);
-        for part in [&mut *sensors, cross, state] {
-            part.as_mut_slice().fill(0.0);
-        }
-        for (i, variance) in observation.variances().iter().enumerate() {
-            sensors[(i, i)] = variance.sqrt();
-        }
+    fn store(&mut self) -> bool {
+        let Self { belief, rows, kept, .. } = self;
+        let (kept_belief, kept_rows) = kept.get_or_insert_with(|| (belief.clone(), rows.clone()));
+        kept_belief.copy_from(belief);
+        kept_rows.copy_from(rows);
+        true
     }
 
-    /// Rotates a deviation of readings and state into the array. This overwrites the deviation.
-    fn add(&mut self, deviation: &mut [f64]) {
-        let Self { sensors, cross, state } = self;
-        let (m, n) = (sensors.nrows(), state.nrows());
-        let (reading, deviation) = deviation.split_at_mut(m);
-        let columns = sensors.as_mut_slice().chunks_exact_mut(m).zip(cross.as_mut_slice().chunks_exact_mut(n));
-        for (j, (sensors, cross)) in columns.enumerate() {
-            if let Some((cos, sin)) = rotation(&mut sensors[j], reading[j]) {
-                // `rotation` has already written the rotated number itself.
-                rotate(cos, sin, &mut sensors[j + 1..], &mut reading[j + 1..]);
-                rotate(cos, sin, cross, deviation);
-            } else if !sensors[j].is_finite() {
-                return;
-            }
+    fn restore(&mut self) {
+        if let Some((belief, rows)) = &self.kept {
+            self.belief.copy_from(belief);
+            self.rows.copy_from(rows);
         }
-        add_to_root(state, deviation);
     }
 }
 
@@ -259,3 +116,112 @@ pub(super) static SR_UKF: FilterInfo = FilterInfo {
     has_propagation: false,
     begin: |initial, _, _| Ok(Box::new(SquareRoot::new(&initial)?)),
 };
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mathematics::filter::{Adaptation, Filter, Moments};
+    use crate::mathematics::linalg::Vector;
+    use crate::{FilterSettings, Hold, InputKind, PlantKind, Quantity};
+
+    /// The largest difference to the UKF over some steps, each component against its standard deviation. The last component is
+    /// certain.
+    fn difference(
+        plant: PlantKind,
+        eta: f64,
+        sensors: &[Quantity],
+        adaptation: Adaptation,
+    ) -> Result<f64, FilterError> {
+        let model = FilterSettings { eta, ..FilterSettings::default() }.model(plant, InputKind::default());
+        let (channels, n) = (model.channels().to_vec(), model.size());
+        let mean = Vector::from_fn(n, |i, _| channels[i].usual().mean);
+        let mut std = Vector::from_fn(n, |i, _| 0.1 * channels[i].usual().std);
+        std[n - 1] = 0.0;
+        let process = Vector::from_fn(n, |i, _| if i % 2 == 0 { 0.0 } else { 1e-4 * std[i] * std[i] });
+        let noise = Noise { process: Matrix::from_diagonal(&process), sensors: vec![1e-4, 4e-3, 1e-2], fading: 1.003 };
+        let belief = Gaussian::independent(mean, &std);
+        let root: Box<dyn Belief> = Box::new(SquareRoot::new(&belief)?);
+        let points: Box<dyn Belief> = Box::new(Moments::sigma_points(belief, Rule::Unscented));
+        let [mut root, mut points] = [root, points]
+            .map(|belief| Filter::new(model.clone(), belief, 0.01, Hold::First, noise.clone(), sensors, adaptation));
+        let [mut one, mut other] = [Correction::default(), Correction::default()];
+        let mut worst = 0.0_f64;
+        for k in 0..60 {
+            let number = |seed: i32| libm::sin(f64::from(k * k + seed * k));
+            let velocity = if k % 7 == 0 { f64::NAN } else { 0.1 * number(5) };
+            let measured = [0.01 * number(3), velocity, number(1)];
+            for (filter, correction) in [(&mut root, &mut one), (&mut points, &mut other)] {
+                filter.predict([number(2), number(4)])?;
+                filter.update(number(4), &measured[..sensors.len()], correction)?;
+            }
+            let (a, b) = (root.belief().gaussian(), points.belief().gaussian());
+            let scale = b.cov.diagonal().map(|variance| if variance > 0.0 { variance.sqrt() } else { 1.0 });
+            for j in 0..n {
+                worst = worst.max((a.mean[j] - b.mean[j]).abs() / scale[j]);
+                for i in 0..n {
+                    worst = worst.max((a.cov[(i, j)] - b.cov[(i, j)]).abs() / (scale[i] * scale[j]));
+                }
+            }
+            assert_eq!(a.cov.column(n - 1), Vector::zeros(n));
+            assert!((one.nis - other.nis).abs() < 1e-9 * other.nis.max(1.0));
+        }
+        Ok(worst)
+    }
+
+    const PLANTS: [PlantKind; 5] =
+        [PlantKind::SDOF, PlantKind::DUFFING, PlantKind::BOUC_WEN, PlantKind::SHEAR_2, PlantKind::SHEAR_4];
+
+    #[test]
+    fn a_root_squares_to_the_covariance_of_the_ukf() -> Result<(), FilterError> {
+        let components = [Quantity::DISPLACEMENT, Quantity::VELOCITY];
+        let rates = [Quantity::DISPLACEMENT, Quantity::VELOCITY, Quantity::ACCELERATION];
+        for plant in PLANTS {
+            for eta in [0.0, 0.02] {
+                for sensors in [&components[..], &rates, &rates[2..]] {
+                    let off = difference(plant, eta, sensors, Adaptation::default())?;
+                    assert!(off < 1e-11, "{plant:?}, η = {eta}, {sensors:?}: {off}");
+                }
+            }
+        }
+        Ok(())
+    }
+
+    #[test]
+    fn a_full_process_noise_is_added_too() -> Result<(), FilterError> {
+        let learns = Adaptation { process_noise: true, ..Adaptation::default() };
+        // The last component has no variance, and an adaptive filter learns zero for it too.
+        let off = difference(PlantKind::SDOF, 0.0, &[Quantity::DISPLACEMENT, Quantity::VELOCITY], learns)?;
+        assert!(off < 1e-9, "{off}");
+        Ok(())
+    }
+
+    #[test]
+    fn a_component_that_is_drawn_again_knows_nothing_of_the_others() -> Result<(), FilterError> {
+        let (mut root, model) = (moved()?, crate::Model::new(PlantKind::SDOF));
+        let mut expected = root.gaussian().into_owned();
+        for _ in 0..2 {
+            expected.renew(1, 0.25);
+            root.renew(1, 0.25)?;
+            let off = (&root.gaussian().cov - &expected.cov).amax();
+            assert!(off < 1e-15 && root.gaussian().mean == expected.mean, "{off}");
+            let noise = Noise { process: Matrix::zeros(4, 4), sensors: vec![], fading: 1.0 };
+            root.predict(&model, Step { forces: [1.0, 1.0], dt: 0.01 }, &noise)?;
+            expected = root.gaussian().into_owned();
+        }
+        Ok(())
+    }
+
+    /// A belief whose components know of each other, before its first step.
+    fn moved() -> Result<SquareRoot, FilterError> {
+        let rows = Matrix::from_fn(4, 4, |i, j| libm::sin((3 * i + 5 * j) as f64));
+        SquareRoot::new(&Gaussian { mean: Vector::from_element(4, 1.0), cov: &rows * rows.transpose() })
+    }
+
+    #[test]
+    fn what_is_no_covariance_has_no_root() {
+        let of = |cov| SquareRoot::new(&Gaussian { mean: Vector::zeros(2), cov }).map(|_| ());
+        let indefinite = Matrix::from_row_slice(2, 2, &[1.0, 2.0, 2.0, 1.0]);
+        assert_eq!(of(indefinite), Err(FilterError::IndefiniteCovariance));
+        assert_eq!(of(Matrix::repeat(2, 2, f64::NAN)), Err(FilterError::NotFinite));
+    }
+}

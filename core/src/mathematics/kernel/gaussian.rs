@@ -1,14 +1,12 @@
 //! Normal distributions over states, and their square roots.
 
 mod factor;
-mod reflection;
 mod root;
 
 use nalgebra::{SMatrix, SVector};
 
 pub(crate) use factor::Factor;
-pub(crate) use reflection::{Reflection, add_to_root};
-pub(crate) use root::{lower_root, square};
+pub(crate) use root::lower_root;
 
 /// A column of numbers.
 pub type Vector<const N: usize> = SVector<f64, N>;

@@ -19,17 +19,6 @@ pub(crate) fn add_product(sum: &mut [f64], a: &Matrix, x: &[f64]) {
     add_columns(sum, a.as_slice(), a.nrows(), x.iter().copied());
 }
 
-/// Makes `out` the product `A Bᵀ`.
-pub(crate) fn multiply_transposed(out: &mut Matrix, a: &Matrix, b: &Matrix) {
-    let (r, c) = (a.nrows(), b.nrows());
-    fit(out, r, c);
-    out.as_mut_slice().fill(0.0);
-    for j in 0..c {
-        let factors = b.as_slice()[j..].iter().step_by(c).copied();
-        add_columns(&mut out.as_mut_slice()[j * r..][..r], a.as_slice(), r, factors);
-    }
-}
-
 /// Makes `out` the product `A Hᵀ`, where most entries of H are zero: these are left out.
 pub(crate) fn multiply_sparse(out: &mut Matrix, a: &Matrix, h: &Matrix) {
     let (r, m) = (a.nrows(), h.nrows());
@@ -96,9 +85,6 @@ mod tests {
             let (a, b) = (of(n + 1, n, 0.3), of(n, 6, 0.9));
             multiply(&mut out, &a, &b);
             assert!((&out - &a * &b).amax() < 1e-14);
-            let c = of(5, n, -0.4);
-            multiply_transposed(&mut out, &a, &c);
-            assert!((&out - &a * c.transpose()).amax() < 1e-14);
             let sparse = Matrix::from_fn(2, n, |i, j| if i == j { 0.7 } else { 0.0 });
             multiply_sparse(&mut out, &a, &sparse);
             assert!((&out - &a * sparse.transpose()).amax() < 1e-14);

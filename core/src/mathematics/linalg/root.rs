@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use super::{Matrix, fit};
+use super::Matrix;
 
 /// Why a symmetric matrix has no root.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
@@ -23,20 +23,8 @@ pub enum RootError {
 ///
 /// Source: Golub and Van Loan (2013), *Matrix Computations*, section 4.2.8 (semidefinite systems).
 pub(crate) fn lower_root(s: &Matrix) -> Result<Matrix, RootError> {
-    let mut root = Matrix::zeros(0, 0);
-    lower_root_into(&mut root, s)?;
-    Ok(root)
-}
-
-/// [`lower_root`], written over `root`.
-///
-/// # Errors
-/// As [`lower_root`]; `root` is then meaningless.
-pub(crate) fn lower_root_into(root: &mut Matrix, s: &Matrix) -> Result<(), RootError> {
     let n = s.nrows();
-    fit(root, n, n);
-    root.fill_lower_triangle(0.0, 0);
-    root.fill_upper_triangle(0.0, 1);
+    let mut root = Matrix::zeros(n, n);
     let entries = root.as_mut_slice();
     for j in 0..n {
         // Column j less its part in the columns before.
@@ -64,7 +52,7 @@ pub(crate) fn lower_root_into(root: &mut Matrix, s: &Matrix) -> Result<(), RootE
             column.fill(0.0);
         }
     }
-    Ok(())
+    Ok(root)
 }
 
 #[cfg(test)]

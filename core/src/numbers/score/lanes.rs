@@ -189,7 +189,7 @@ impl<T: Number, L: Level> Batch<T, L> {
     #[inline(never)]
     fn park(&mut self) {
         for lane in (0..T::LANES).filter(|&lane| self.stopped.lane(lane) > 0.0) {
-            self.filter.belief.park(lane);
+            self.filter.park(lane);
         }
     }
 

@@ -39,6 +39,8 @@ pub(crate) fn estimator(setup: &Setup, sensors: usize) -> Box<dyn Estimator> {
         (4, 2) => of(Known::<_, 4, 2>(Baseline), setup, sensors),
         (5, 2) => of(Known::<_, 5, 2>(Baseline), setup, sensors),
         (6, 2) => of(Known::<_, 6, 2>(Baseline), setup, sensors),
+        (7, 4) => of(Known::<_, 7, 4>(Baseline), setup, sensors),
+        (8, 3) => of(Known::<_, 8, 3>(Baseline), setup, sensors),
         _ => of(Baseline, setup, sensors),
     }
 }
@@ -84,6 +86,7 @@ impl<L: Level + Send> Estimator for Followed<L> {
         filter.predict([force_before, force]);
         let wants_prior = sink.wants_prior();
         if wants_prior {
+            filter.square();
             prior.mean.copy_from_slice(&filter.belief.mean);
             prior.cov.copy_from_slice(&filter.belief.cov);
             mirror(Baseline, &mut prior.cov, prior.mean.len());

@@ -4,9 +4,9 @@ use crate::mathematics::filter::Rule;
 use crate::mathematics::kernel::gaussian::{Gaussian, Matrix, Vector};
 use crate::mathematics::kernel::model::{Model, Output};
 use crate::mathematics::kernel::plant::{Visitor, visit};
-use crate::mathematics::kernel::{Belief, Correction, Filter, Linearised, MAX_SENSORS, Noise, SigmaPoints, SquareRoot};
+use crate::mathematics::kernel::{Belief, Correction, Filter, Linearised, MAX_SENSORS, Noise, SigmaPoints};
 use crate::mathematics::model::Hold;
-use crate::samples::estimator::{Estimator, Failed, FilterContext};
+use crate::samples::estimator::{Estimator, FilterContext};
 use crate::samples::sink::{AssumedNoise, Sample, Sink};
 use crate::{Estimates, FilterError, FilterKind, FilterSettings, Quantity, Values};
 
@@ -168,26 +168,12 @@ impl Visitor for Build<'_> {
             _ if const { !P::MOVES_POINTS } => None,
             kind if kind == FilterKind::UKF => Some(self.filter(model, SigmaPoints::new(belief, Rule::Unscented))),
             kind if kind == FilterKind::CKF => Some(self.filter(model, SigmaPoints::new(belief, Rule::Cubature))),
-            kind if kind == FilterKind::SR_UKF => Some(self.try_filter(model, SquareRoot::new(&belief))),
             _ => None,
         }
     }
 }
 
 impl Build<'_> {
-    fn try_filter<P: Model<N>, B: Belief<P, N> + 'static, const N: usize>(
-        &self,
-        model: P,
-        belief: Result<B, FilterError>,
-    ) -> Box<dyn Estimator> {
-        match belief {
-            Ok(belief) => self.filter(model, belief),
-            // The initial covariance is diagonal: its root can fail only through a number that is not finite.
-            Err(FilterError::NotFinite) => Box::new(Failed(FilterError::TooLarge)),
-            Err(error) => Box::new(Failed(error)),
-        }
-    }
-
     fn filter<P: Model<N>, B: Belief<P, N> + 'static, const N: usize>(
         &self,
         model: P,

@@ -41,7 +41,7 @@ pub struct Setup {
 }
 
 impl Setup {
-    /// The filter at `place` of a scenario, if the engine serves it over a record: a KF, EKF, UKF or CKF of up to
+    /// The filter at `place` of a scenario, if the engine serves it over a record: a KF, EKF, UKF, SR-UKF or CKF of up to
     /// [`MOST`] components, with any augmentations, that adapts nothing, does not jump, has one guess and no
     /// logarithms. Filters that other code runs as fast are left to it: plain filters of an oscillator have lanes of
     /// their own, and the kernel of a chain uses its structure for the plain KF and EKF.
@@ -131,6 +131,7 @@ fn is_done_as_fast(settings: &FilterSettings, context: &FilterContext<'_>) -> bo
     let plant = settings.plant.unwrap_or(context.plant);
     let is_linearised = [FilterKind::KF, FilterKind::EKF].contains(&settings.kind);
     settings.substeps == 1
+        && settings.kind != FilterKind::SR_UKF
         && (WITH_LANES.contains(&plant) || (is_linearised && WITH_STRUCTURE.contains(&plant)))
         && kernel::serves(settings, context)
 }
@@ -155,6 +156,7 @@ fn method(settings: &FilterSettings, n: usize) -> Option<Method> {
     let of_rule = |rule: BookRule| Some(Method::SigmaPoints(rule.of_size(n)));
     match settings.kind {
         kind if kind == FilterKind::UKF => of_rule(BookRule::Unscented),
+        kind if kind == FilterKind::SR_UKF => Some(Method::SquareRoot(BookRule::Unscented.of_size(n))),
         kind if kind == FilterKind::CKF => of_rule(BookRule::Cubature),
         kind if kind == FilterKind::KF || kind == FilterKind::EKF => Some(Method::Linearised(settings.propagation, 1)),
         _ => None,

@@ -1,6 +1,6 @@
 //! Lower triangular roots of covariances.
 
-use super::{Matrix, mirrored, next_pivot, with_inverse};
+use super::{Matrix, next_pivot, with_inverse};
 use crate::FilterError;
 
 /// The lower triangular `L` with `L Lᵀ = cov`, zero above the diagonal. A variance that is zero to rounding gives a column of
@@ -95,19 +95,6 @@ fn eliminate<const N: usize>(columns: &mut Matrix<N, N>, j: usize, inverse: f64)
     }
 }
 
-/// `L Lᵀ` of a lower triangular L, symmetric to the last bit.
-pub(crate) fn square<const N: usize>(root: &Matrix<N, N>) -> Matrix<N, N> {
-    let mut cov = Matrix::<N, N>::zeros();
-    for k in 0..N {
-        for j in k..N {
-            for i in j..N {
-                cov[(i, j)] += root[(i, k)] * root[(j, k)];
-            }
-        }
-    }
-    mirrored(cov)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -118,7 +105,7 @@ mod tests {
         let a = Matrix::<4, 4>::from_fn(|i, j| libm::sin(1.0 + (3 * i + 5 * j * j) as f64));
         let cov = a * a.transpose();
         let root = lower_root(&cov).unwrap();
-        assert!((square(&root) - cov).amax() < 1e-14);
+        assert!((root * root.transpose() - cov).amax() < 1e-14);
         assert_eq!(root.upper_triangle(), Matrix::<4, 4>::from_diagonal(&root.diagonal()));
     }
 

@@ -1,0 +1,353 @@
+//! The square-root UKF: a belief held as its mean and the lower triangular root L of its covariance `L Lᵀ`, which no rounding
+//! makes indefinite.
+//!
+//! With the unscented rule every covariance is a sum of squares `A Aᵀ`. Householder reflections bring A to a triangle:
+//!
+//! ```text
+//! predict   [√λ a  √λ b  √λ s  √Q] · Householder = [L⁻  0]
+//!
+//! update    [√R  b  s] · Householder = [√R'  0],   [√R'  a] · Householder = [√S  0   0],   K = C (√S)⁻¹
+//!                                                  [ 0   L]                 [C   L⁺  0]
+//! ```
+//!
+//! with the odd parts a and the even parts b of the pairs of points ([`SigmaPoints`]), a column for each pair, and the shift s
+//! of the mean; in an update they are those of the readings.
+//!
+//! Source: van der Merwe and Wan (2001), The square-root unscented Kalman filter for state and parameter-estimation; Kailath,
+//! Sayed and Hassibi (2000), *Linear Estimation*, section 12.3 (array algorithms).
+
+use super::belief::Belief;
+use super::columns::{Rooted, lower_root};
+use super::design::{Design, Rule};
+use super::level::{Count, Level};
+use super::model::{Model, read};
+use super::number::{Mask, Number, Real};
+use super::sigma_points::SigmaPoints;
+use super::step::Step;
+use super::triangle::{along, triangularise};
+use crate::mathematics::model::Reading;
+
+/// The root of a covariance, and the memory to predict and update it.
+#[derive(Clone, Debug)]
+pub(super) struct SquareRoot<T: Number> {
+    rule: Rule,
+    /// n
+    size: usize,
+    /// The number of components that move.
+    moving: usize,
+    /// L, n × n, row by row.
+    rows: Vec<T>,
+    points: SigmaPoints<T>,
+    /// A, row by row.
+    array: Vec<T>,
+    /// The even parts, the shift and the noise of the sensors, row by row.
+    even: Vec<T>,
+    /// Whether all sensors read components, and thus have no even parts.
+    is_linear: bool,
+    /// Limits the columns of the root that sensors read.
+    columns: usize,
+    /// Its triangle, row by row.
+    triangle: Vec<T>,
+    /// The readings in the points, a number for each sensor and pack.
+    readings: Vec<T::Pack>,
+}
+
+impl<T: Number> SquareRoot<T> {
+    /// Memory for a model and a number of sensors.
+    pub(super) fn new(model: &Model, rule: Rule, sensors: usize) -> Self {
+        let (n, moving, zero) = (model.size, model.moving(), T::of(0.0));
+        Self {
+            rule,
+            size: n,
+            moving,
+            rows: vec![zero; n * n],
+            array: vec![zero; (sensors + n) * (sensors + n).max(3 * n + 1)],
+            even: vec![zero; sensors * (sensors + n + 1)],
+            is_linear: true,
+            columns: n,
+            triangle: vec![zero; (sensors + n) * (sensors + n)],
+            readings: vec![T::Pack::of(0.0); sensors * SigmaPoints::<T>::packs(n)],
+            points: SigmaPoints::new(model),
+        }
+    }
+
+    /// Takes the root of a covariance, where it has one.
+    pub(super) fn take<L: Level>(&mut self, level: L, cov: &[T]) -> Rooted<T::Mask> {
+        let Self { rows, triangle, .. } = self;
+        let n = level.size(self.size);
+        let columns = &mut triangle[..n * n];
+        let rooted = lower_root(level, cov, columns, n);
+        for i in 0..n {
+            for k in 0..n {
+                rows[i * n + k] = columns[k * n + i];
+            }
+        }
+        rooted
+    }
+
+    /// L, n × n, row by row.
+    pub(super) fn rows(&self) -> &[T] {
+        &self.rows
+    }
+
+    /// L, to be written.
+    pub(super) fn rows_mut(&mut self) -> &mut [T] {
+        &mut self.rows
+    }
+
+    /// Moves mean and points by a step; [`Self::spread`] makes a root of them.
+    #[inline(always)]
+    pub(super) fn advance<L: Level>(&mut self, level: L, model: &Model, belief: &mut Belief<T>, step: &Step<T>) {
+        let Self { rule, points, rows, .. } = self;
+        level.apart(
+            #[inline(always)]
+            || points.place(level, *rule, &belief.mean, rows),
+        );
+        points.travel(level, model, step);
+        level.apart(
+            #[inline(always)]
+            || self.take_parts(level, belief),
+        );
+    }
+
+    /// Writes the parts of the points down, and moves the mean.
+    #[inline(always)]
+    fn take_parts<L: Level>(&mut self, level: L, belief: &mut Belief<T>) {
+        let Self { rule, size, moving, points, rows, array, .. } = self;
+        let (n, moving) = (level.size(*size), level.moving(*moving));
+        let (width, zero) = (3 * n + 1, T::of(0.0));
+        let (mean, rows, array) = (&mut belief.mean[..n], &rows[..n * n], &mut array[..n * width]);
+        for i in 0..n {
+            let (odd, even) = array[i * width..i * width + 2 * n + 1].split_at_mut(n);
+            if i < moving {
+                mean[i] = parts(*rule, odd, even, |point| points.component(n, point, i));
+            } else {
+                odd.copy_from_slice(&rows[i * n..(i + 1) * n]);
+                even.fill(zero);
+            }
+        }
+    }
+
+    /// Makes a root of the points that have moved: of `λ P + Q`, where this writes the root of Q, n numbers of a row.
+    #[inline(always)]
+    pub(super) fn spread<L: Level>(&mut self, level: L, fading: T, process: impl Fn(usize, &mut [T])) {
+        let Self { size, rows, array, .. } = self;
+        let n = level.size(*size);
+        let (width, fading) = (3 * n + 1, fading.sqrt());
+        let array = &mut array[..n * width];
+        for i in 0..n {
+            let (points, noise) = array[i * width..(i + 1) * width].split_at_mut(2 * n + 1);
+            for entry in points {
+                *entry = *entry * fading;
+            }
+            noise.fill(T::of(0.0));
+            process(i, noise);
+        }
+        triangularise(
+            level,
+            array,
+            [0, width],
+            #[inline(always)]
+            |i| 2 * n + 2 + i,
+            rows,
+            n,
+        );
+    }
+
+    /// Makes a component another one, which has mean zero and this variance and knows nothing of the others.
+    pub(super) fn renew<L: Level>(&mut self, level: L, belief: &mut Belief<T>, place: usize, variance: T) {
+        let Self { rows, array, .. } = self;
+        let (n, zero) = (belief.size(), T::of(0.0));
+        for (i, (row, old)) in array.chunks_exact_mut(n + 1).zip(rows.chunks_exact(n)).enumerate() {
+            row.fill(zero);
+            if i == place {
+                row[n] = variance.sqrt();
+            } else {
+                row[..n].copy_from_slice(old);
+            }
+        }
+        triangularise(level, array, [0, n + 1], |_| n + 1, rows, n);
+        belief.mean[place] = zero;
+    }
+
+    /// The lower triangle of `P = L Lᵀ`.
+    #[inline(always)]
+    pub(super) fn square<L: Level>(&self, level: L, cov: &mut [T]) {
+        let n = level.size(self.size);
+        let (rows, cov) = (&self.rows[..n * n], &mut cov[..n * n]);
+        for j in 0..n {
+            for i in j..n {
+                cov[j * n + i] = along(rows, n, i, j, j + 1);
+            }
+        }
+    }
+
+    /// Gives a lane a root that makes no trouble.
+    pub(super) fn park(&mut self, lane: usize) {
+        let n = self.size;
+        for (at, entry) in self.rows.iter_mut().enumerate() {
+            entry.set_lane(lane, if at % (n + 1) == 0 { 1.0 } else { 0.0 });
+        }
+    }
+
+    /// Begins an update with what m sensors read, whose mean goes to `expected`.
+    #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "those of the update")]
+    pub(super) fn read<L: Level, C: Count>(
+        &mut self,
+        level: L,
+        count: C,
+        design: &Design,
+        belief: &Belief<T>,
+        active: &[usize],
+        force: T,
+        expected: &mut [T],
+    ) {
+        self.is_linear = design.readings.iter().all(Reading::is_of_components);
+        if !self.is_linear {
+            self.read_points(level, design, belief, active, force);
+        }
+        let Self { rule, size, rows, array, even, columns, readings, .. } = self;
+        let (n, m, zero) = (level.size(*size), count.number(), T::of(0.0));
+        let (width, Design { model, readings: all, .. }) = (m + n, design);
+        let (mean, rows) = (&belief.mean[..n], &rows[..n * n]);
+        let (sensors, states) = array[..(m + n) * width].split_at_mut(m * width);
+        *columns = 0;
+        for sensor in 0..m {
+            let (noise, odd) = sensors[sensor * width..(sensor + 1) * width].split_at_mut(m);
+            let even = &mut even[sensor * (width + 1)..(sensor + 1) * (width + 1)];
+            noise.fill(zero);
+            even.fill(zero);
+            let reading = &all[active[sensor]];
+            if reading.is_of_components() {
+                expected[sensor] = read(model, reading, mean, &[], force);
+                apply(reading, rows, odd);
+                *columns = reading.components().iter().fold(*columns, |most, &(place, _)| most.max(place + 1));
+            } else {
+                let packs = SigmaPoints::<T>::packs(n);
+                let of = |point: usize| T::of_pack(readings[sensor * packs + point / T::POINTS], point % T::POINTS);
+                expected[sensor] = parts(*rule, odd, &mut even[m..], of);
+                *columns = n;
+            }
+        }
+        for i in 0..n {
+            let (noise, odd) = states[i * width..(i + 1) * width].split_at_mut(m);
+            noise.fill(zero);
+            odd.copy_from_slice(&rows[i * n..(i + 1) * n]);
+        }
+    }
+
+    /// What the sensors read in all points.
+    #[inline(always)]
+    fn read_points<L: Level>(&mut self, level: L, design: &Design, belief: &Belief<T>, active: &[usize], force: T) {
+        let Self { rule, size, rows, points, readings, .. } = self;
+        points.place(level, *rule, &belief.mean, rows);
+        let force = T::pack(|_| force);
+        let packs = SigmaPoints::<T>::packs(level.size(*size));
+        for pack in 0..packs {
+            let (state, rate) = points.rate(level, &design.model, pack, force);
+            for (row, &sensor) in active.iter().enumerate() {
+                readings[row * packs + pack] = read(&design.model, &design.readings[sensor], state, rate, force);
+            }
+        }
+    }
+
+    /// Gives a sensor noise of this variance. In lanes without its measurement the row has no information: R = 1, without
+    /// covariance.
+    #[inline(always)]
+    pub(super) fn add_noise<L: Level, C: Count>(
+        &mut self,
+        level: L,
+        count: C,
+        sensor: usize,
+        variance: T,
+        is_there: T::Mask,
+    ) {
+        let Self { size, array, even, is_linear, .. } = self;
+        let width = count.number() + level.size(*size);
+        let row = &mut array[sensor * width..(sensor + 1) * width];
+        let even = &mut even[sensor * (width + 1)..(sensor + 1) * (width + 1)];
+        if !is_there.all() {
+            for entry in row.iter_mut().chain(&mut *even) {
+                *entry = T::select(is_there, *entry, T::of(0.0));
+            }
+        }
+        let std = T::select(is_there, variance.sqrt(), T::of(1.0));
+        (if *is_linear { row } else { even })[sensor] = std;
+    }
+
+    /// Ends an update: S, m × m, its lower triangle, and `P⁻ Hᵀ`, n × m.
+    #[inline(always)]
+    pub(super) fn condition<L: Level, C: Count>(&mut self, level: L, count: C, s: &mut [T], cross: &mut [T]) {
+        let Self { size, rows, array, even, columns, is_linear, triangle, .. } = self;
+        let (n, m) = (level.size(*size), count.number());
+        let (joint, columns) = (m + n, *columns);
+        let (triangle, rows) = (&mut triangle[..joint * joint], &mut rows[..n * n]);
+        let (s, cross) = (&mut s[..m * m], &mut cross[..m * n]);
+        if !*is_linear {
+            triangularise(level, even, [m, n + 1], |_| n + 1, triangle, m);
+            for sensor in 0..m {
+                array[sensor * joint..][..m].copy_from_slice(&triangle[sensor * m..(sensor + 1) * m]);
+            }
+        }
+        triangularise(
+            level,
+            array,
+            [m, n],
+            #[inline(always)]
+            |row| if L::IS_KNOWN { n } else { columns.max((row + 1).saturating_sub(m)) },
+            triangle,
+            joint,
+        );
+        for column in 0..m {
+            for row in column..m {
+                s[column * m + row] = along(triangle, joint, row, column, column + 1);
+            }
+            for i in 0..n {
+                cross[column * n + i] = along(triangle, joint, m + i, column, column + 1);
+            }
+        }
+        for i in 0..n {
+            for k in 0..n {
+                rows[i * n + k] = triangle[(m + i) * joint + m + k];
+            }
+        }
+    }
+}
+
+/// The root of a variance; of one that is subnormal, zero.
+#[inline(always)]
+pub(super) fn std<T: Number>(variance: T) -> T {
+    T::select(variance.is_normal(), variance.sqrt(), T::of(0.0))
+}
+
+/// Writes the odd parts of a number of each point to one row, the even parts and the shift to another, and returns the mean.
+#[inline(always)]
+fn parts<T: Number>(rule: Rule, odd: &mut [T], even: &mut [T], of: impl Fn(usize) -> T) -> T {
+    let (n, inverse) = (odd.len(), 1.0 / rule.spread.sqrt());
+    let (half, centre) = (0.5 * inverse, of(0));
+    let mut shift = T::of(0.0);
+    for pair in 0..n {
+        let (high, low) = (of(2 * pair + 1), of(2 * pair + 2));
+        odd[pair] = (high - low) * half;
+        even[pair] = ((high - centre) + (low - centre)) * half;
+        shift = shift + even[pair];
+    }
+    even[n] = shift * inverse;
+    centre + even[n]
+}
+
+/// `h L` of a sensor that reads components, from L row by row.
+#[inline(always)]
+fn apply<T: Number>(reading: &Reading, rows: &[T], out: &mut [T]) {
+    let n = out.len();
+    if let Some(place) = reading.component() {
+        out.copy_from_slice(&rows[place * n..(place + 1) * n]);
+        return;
+    }
+    for &(place, factor) in reading.components() {
+        for k in 0..n {
+            out[k] = out[k] + rows[place * n + k] * factor;
+        }
+    }
+}
