@@ -62,7 +62,7 @@ impl States {
         &mut self,
         states: &[f64],
         force: f64,
-        readings: impl Iterator<Item = &'a Reading> + Clone,
+        readings: &(impl Iterator<Item = &'a Reading> + Clone),
         values: &mut [f64],
     ) {
         let (n, m) = (self.model.size, readings.clone().count());
@@ -115,7 +115,7 @@ mod tests {
                     let quantities = [Quantity::DISPLACEMENT, Quantity::ACCELERATION];
                     let readings: Vec<_> = quantities.iter().map(|&q| model.reading(q).unwrap()).collect();
                     let mut values = vec![0.0; 2 * count];
-                    engine.read(&states, -0.4, readings.iter(), &mut values);
+                    engine.read(&states, -0.4, &readings.iter(), &mut values);
                     for place in 0..count {
                         let alone = Vector::from_column_slice(&begin[place * n..(place + 1) * n]);
                         let force = |share: f64| 0.7 - 1.1 * share;

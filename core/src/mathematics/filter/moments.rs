@@ -11,7 +11,7 @@ use crate::mathematics::engine::step::Step as EngineStep;
 use crate::mathematics::linalg::{Matrix, Vector};
 use crate::mathematics::model::Reading;
 
-/// A Gaussian that the [engine](crate::mathematics::engine) predicts and updates: KF, EKF, IEKF, UKF and CKF.
+/// A Gaussian that the engine predicts and updates: KF, EKF, IEKF, UKF and CKF.
 #[derive(Clone, Debug)]
 pub struct Moments {
     belief: Gaussian,

@@ -98,7 +98,7 @@ impl Observation {
     /// The numbers that the sensors would read in several states, each a column; m rows.
     pub(super) fn read_all(&self, engine: &mut States, states: &Matrix) -> Matrix {
         let mut values = Matrix::zeros(self.len(), states.ncols());
-        engine.read(states.as_slice(), self.force, self.readings(), values.as_mut_slice());
+        engine.read(states.as_slice(), self.force, &self.readings(), values.as_mut_slice());
         values
     }
 
