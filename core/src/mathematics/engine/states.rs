@@ -40,11 +40,11 @@ impl States {
 
     /// Moves each state by one Runge-Kutta step. Components that do not move keep every bit.
     pub(crate) fn advance(&mut self, states: &mut [f64], step: &Step<f64>) {
-        let (n, moving) = (self.model.size, self.model.moving());
+        let (n, moving, points) = (self.model.size, self.model.moving(), f64::POINTS);
         let [begin, end] = step.forces;
         let forces = [f64::pack(|_| begin), f64::pack(|_| end)];
         let step = Step { forces, has_slope: step.has_slope, dt: step.dt };
-        for own in states.chunks_mut(n * f64::POINTS) {
+        for own in states.chunks_mut(n * points) {
             self.take(own);
             let Self { model, method, states, .. } = self;
             Baseline.apart(|| method.advance(Baseline, model, states, &step));
@@ -65,10 +65,10 @@ impl States {
         readings: &(impl Iterator<Item = &'a Reading> + Clone),
         values: &mut [f64],
     ) {
-        let (n, m) = (self.model.size, readings.clone().count());
+        let (n, m, points) = (self.model.size, readings.clone().count(), f64::POINTS);
         let force = f64::pack(|_| force);
         let has_rates = readings.clone().any(Reading::is_of_rates);
-        for (own, values) in states.chunks(n * f64::POINTS).zip(values.chunks_mut(m * f64::POINTS)) {
+        for (own, values) in states.chunks(n * points).zip(values.chunks_mut(m * points)) {
             self.take(own);
             let Self { model, states, plain, rate, .. } = self;
             if has_rates {
