@@ -143,7 +143,7 @@ mod tests {
 
     #[test]
     fn a_component_without_variance_keeps_none() {
-        let root = triangle(Baseline, &[1.0, -0.7, 0.0, 1e-170, 0.3, 0.0], [0, 2], 3);
+        let root = triangle(Baseline, &[1.0, -0.7, 0.0, 0.0, 0.3, 1e-170], [0, 2], 3);
         let cov = square(&root, 3);
         assert_eq!([cov[1], cov[4], cov[7]], [0.0; 3]);
         assert!((cov[8] - 0.09).abs() < 1e-15);

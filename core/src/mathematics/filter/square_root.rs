@@ -138,7 +138,9 @@ mod tests {
         let mut std = Vector::from_fn(n, |i, _| 0.1 * channels[i].usual().std);
         std[n - 1] = 0.0;
         let process = Vector::from_fn(n, |i, _| if i % 2 == 0 { 0.0 } else { 1e-4 * std[i] * std[i] });
-        let noise = Noise { process: Matrix::from_diagonal(&process), sensors: vec![1e-4, 4e-3, 1e-2], fading: 1.003 };
+        let known = [(Quantity::DISPLACEMENT, 1e-4), (Quantity::VELOCITY, 4e-3), (Quantity::ACCELERATION, 1e-2)];
+        let variances = known.iter().filter(|(quantity, _)| sensors.contains(quantity)).map(|(_, r)| *r).collect();
+        let noise = Noise { process: Matrix::from_diagonal(&process), sensors: variances, fading: 1.003 };
         let belief = Gaussian::independent(mean, &std);
         let root: Box<dyn Belief> = Box::new(SquareRoot::new(&belief)?);
         let points: Box<dyn Belief> = Box::new(Moments::sigma_points(belief, Rule::Unscented));
