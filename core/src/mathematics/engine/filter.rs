@@ -121,7 +121,7 @@ impl<T: Number, L: Level> Filter<T, L> {
                         noise.fading,
                         #[inline(always)]
                         |i, row| row[i] = std(noise.process[i]),
-                    )
+                    );
                 },
             ),
             (Some(root), false) => root.spread(*level, T::of(1.0), |_, _| ()),
