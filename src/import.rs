@@ -21,7 +21,7 @@ use kalmanscope_core::{Record, Scenario};
 use crate::elsewhere::{BETWEEN, Elsewhere};
 use crate::session::RecordFile;
 
-use task::Task;
+use task::Running;
 
 pub use draft::Draft;
 
@@ -44,11 +44,11 @@ pub struct Import {
 
 enum Stage {
     /// The file is read.
-    Reading(Task<Loading, Result<Loaded, String>>),
+    Reading(Running<Loading, Result<Loaded, String>>),
     /// Its columns are given a meaning.
     Asking(Box<Draft>),
     /// Start values are made.
-    Suggesting(Box<Draft>, Box<Task<Suggest, Suggestion>>),
+    Suggesting(Box<Draft>, Box<Running<Suggest, Suggestion>>),
     /// It cannot be read.
     Failed(String),
 }
@@ -70,7 +70,7 @@ impl Import {
     pub fn new(name: &str, bytes: Vec<u8>, elsewhere: Option<Rc<dyn Elsewhere>>) -> Self {
         let there = elsewhere.as_ref().filter(|_| bytes.len() > LONG_FILE).and_then(|it| it.loading(&bytes));
         let loaded = |loaded: Result<Loaded, ImportError>| loaded.map_err(|error| error.to_string());
-        let stage = Stage::Reading(Task::new(Loading::new(bytes), loaded, there));
+        let stage = Stage::Reading(Running::new(Loading::new(bytes), loaded, there));
         Self { name: name.to_owned(), stage, elsewhere }
     }
 
@@ -146,7 +146,7 @@ impl Import {
         if draft.suggest {
             let elsewhere = self.elsewhere.as_ref().filter(|_| record.len() > LONG_RECORD);
             let there = elsewhere.and_then(|it| it.suggest(&scenario, &record));
-            let suggest = Task::new(Suggest::new(&scenario, record), |suggestion| suggestion, there);
+            let suggest = Running::new(Suggest::new(&scenario, record), |suggestion| suggestion, there);
             self.stage = Stage::Suggesting(draft, Box::new(suggest));
             return None;
         }

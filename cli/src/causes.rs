@@ -1,7 +1,7 @@
 //! The causes of each filter's verdict.
 
 use kalmanscope_core::diagnosis::Finding;
-use kalmanscope_core::{Analysis, Diagnosis, Diagnostics, Estimates, Record, Run, Scenario};
+use kalmanscope_core::{Analysis, Diagnosis, Diagnostics, Estimates, Record, Run, Scenario, Task as _};
 
 use crate::telling::{Told, Work};
 
@@ -47,7 +47,7 @@ pub(crate) fn causes_of(
             pieces % PIECES != 0
         };
         if search.advance(&mut while_time) {
-            return search.findings();
+            return search.finish();
         }
     }
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use kalmanscope_core::setting::Address;
 use kalmanscope_core::simulate;
-use kalmanscope_core::{Axis, Scenario};
+use kalmanscope_core::{Axis, Scenario, Task as _};
 use kalmanscope_lab::tune::{Goal, Tuned, Tuner};
 
 use crate::args::TuneArgs;
@@ -31,9 +31,7 @@ pub(crate) fn tune(args: &TuneArgs) -> Result<(), InputError> {
     let axes = axes.collect::<Result<Vec<_>, _>>()?;
     let record = imported.map_or_else(|| simulate(&scenario), |imported| imported.record);
     let tuner = Tuner::new(scenario, place, Arc::new(record), axes.clone(), *goal);
-    let mut tuner = tuner.map_err(|error| bad(file, error.to_string()))?;
-    tuner.advance(&mut || true);
-    let tuned = tuner.finish();
+    let tuned = tuner.map_err(|error| bad(file, error.to_string()))?.run();
     let text = report(&tuned, &axes, *goal);
     // Standard output is the file's that asks for it.
     if out.as_deref().is_some_and(is_standard_output) {

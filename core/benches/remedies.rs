@@ -18,7 +18,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use kalmanscope_core::diagnosis::{Diagnosis, Finding};
 use kalmanscope_core::setting::Edit;
-use kalmanscope_core::{Channel, Diagnostics, Record, Run, Scenario, VerdictKind};
+use kalmanscope_core::{Channel, Diagnostics, Record, Run, Scenario, Task as _, VerdictKind};
 
 use faults::{FOR_LIMITS, FRESH, Fault, Situation, UNTOUCHED, without_truth};
 
@@ -170,9 +170,7 @@ fn judged(
     let mut findings = Vec::new();
     if search && diagnosis.verdict.as_ref().is_some_and(|verdict| !verdict.kind.is_good()) {
         let search = diagnosis.search(told, 0, &diagnostics, estimates, blind);
-        let mut search = search.expect("the scenario is valid");
-        while !search.advance(&mut || true) {}
-        findings = search.findings();
+        findings = search.expect("the scenario is valid").run();
     }
     (diagnosis.verdict.map(|verdict| verdict.kind), errors, findings)
 }

@@ -10,3 +10,4 @@ pub mod scenario;
 pub mod setting;
 pub mod signal;
 pub(crate) mod sorting;
+pub(crate) mod task;

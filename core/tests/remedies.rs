@@ -7,7 +7,7 @@ use kalmanscope_core::diagnosis::{Diagnosis, Finding};
 use kalmanscope_core::record::Input;
 use kalmanscope_core::setting::Edit;
 use kalmanscope_core::simulate;
-use kalmanscope_core::{Channel, Diagnostics, Quantity, Record, Run, Scenario, Signal, VerdictKind, signal};
+use kalmanscope_core::{Channel, Diagnostics, Quantity, Record, Run, Scenario, Signal, Task as _, VerdictKind, signal};
 
 /// A filter that is well tuned, of an oscillator of 6 rad/s.
 fn tuned(plant: &str) -> Scenario {
@@ -42,7 +42,7 @@ fn judged(scenario: &Scenario, record: &Record) -> (VerdictKind, Vec<Finding>) {
         assert!(search.progress() >= last, "{last} and then {}", search.progress());
         last = search.progress();
     }
-    let findings = search.findings();
+    let findings = search.finish();
     for (place, one) in findings.iter().enumerate() {
         let fewer = |other: &Finding| {
             let has = |key: &&str| keys(one).contains(key);

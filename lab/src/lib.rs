@@ -18,7 +18,7 @@
 //! # }
 //! ```
 
-mod cell_work;
+mod cell;
 #[cfg(feature = "threads")]
 mod crew;
 mod ensemble;
@@ -33,7 +33,7 @@ mod trace;
 #[cfg(feature = "tune")]
 pub mod tune;
 
-pub use cell_work::CellWork;
+pub use cell::CellTask;
 #[cfg(feature = "threads")]
 pub use crew::{Crew, Work};
 pub use ensemble::{Ensemble, EnsembleError, MAX_CELLS, channels};

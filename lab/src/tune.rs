@@ -12,7 +12,7 @@ use argmin::solver::neldermead::NelderMead;
 
 use crate::EnsembleError;
 use cost::{Cost, Objective};
-use kalmanscope_core::{Axis, Record, Scenario, VerdictKind};
+use kalmanscope_core::{Axis, Record, Scenario, Task, VerdictKind};
 use point::Point;
 
 pub use goal::Goal;
@@ -116,44 +116,9 @@ impl Tuner {
         }
     }
 
-    /// Tries settings until `while_time` returns false, which is called after each try or two. Returns whether the search is
-    /// done.
-    pub fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
-        loop {
-            self.stage = match std::mem::replace(&mut self.stage, Stage::Done) {
-                Stage::Scanning(axis, place) => self.scan(axis, place),
-                Stage::Searching(search) => self.search(search),
-                Stage::Done => return true,
-            };
-            if !while_time() {
-                return matches!(self.stage, Stage::Done);
-            }
-        }
-    }
-
     /// Each try that was better than all before; the scenario's own values come first.
     pub fn path(&self) -> &[Try] {
         &self.path
-    }
-
-    /// A lower limit of the share of the search that is done, from 0 to 1.
-    pub fn progress(&self) -> f64 {
-        let axes = self.cost.axes.len().max(1) as f64;
-        match &self.stage {
-            Stage::Scanning(axis, place) => 0.2 * (*axis as f64 + *place as f64 / SCAN as f64) / axes,
-            Stage::Searching(search) => 0.2 + 0.8 * search.iterations as f64 / ITERATIONS as f64,
-            Stage::Done => 1.0,
-        }
-    }
-
-    /// The result so far.
-    pub fn finish(self) -> Tuned {
-        let Self { cost, path, runs, .. } = self;
-        let values = path.last().map(|best| best.values.clone()).unwrap_or_default();
-        let scenario = cost.with_values(&values);
-        let verdict = cost.verdict(&scenario);
-        let remarks = remark::all(&cost, &path, verdict);
-        Tuned { scenario, path, verdict, remarks, runs }
     }
 
     fn scan(&mut self, axis: usize, place: usize) -> Stage {
@@ -215,6 +180,44 @@ impl Tuner {
             self.best = shares.to_vec();
             self.path.push(Try { values: self.cost.values(shares), score: -cost });
         }
+    }
+}
+
+impl Task for Tuner {
+    type Outcome = Tuned;
+
+    /// A lower limit of the share of the search that is done, from 0 to 1.
+    fn progress(&self) -> f64 {
+        let axes = self.cost.axes.len().max(1) as f64;
+        match &self.stage {
+            Stage::Scanning(axis, place) => 0.2 * (*axis as f64 + *place as f64 / SCAN as f64) / axes,
+            Stage::Searching(search) => 0.2 + 0.8 * search.iterations as f64 / ITERATIONS as f64,
+            Stage::Done => 1.0,
+        }
+    }
+
+    /// Each try or two are a piece of work.
+    fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
+        loop {
+            self.stage = match std::mem::replace(&mut self.stage, Stage::Done) {
+                Stage::Scanning(axis, place) => self.scan(axis, place),
+                Stage::Searching(search) => self.search(search),
+                Stage::Done => return true,
+            };
+            if !while_time() {
+                return matches!(self.stage, Stage::Done);
+            }
+        }
+    }
+
+    /// The result so far.
+    fn finish(self) -> Tuned {
+        let Self { cost, path, runs, .. } = self;
+        let values = path.last().map(|best| best.values.clone()).unwrap_or_default();
+        let scenario = cost.with_values(&values);
+        let verdict = cost.verdict(&scenario);
+        let remarks = remark::all(&cost, &path, verdict);
+        Tuned { scenario, path, verdict, remarks, runs }
     }
 }
 

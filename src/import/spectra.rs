@@ -3,7 +3,7 @@
 use egui::{Color32, Ui};
 use egui_plot::{Legend, Line, Plot};
 use kalmanscope_core::import::{Builder, Mapping};
-use kalmanscope_core::{Record, Windows};
+use kalmanscope_core::{Record, Task as _, Windows};
 
 use super::source::{Choices, Shared};
 use crate::theme::Palette;

@@ -1,11 +1,11 @@
 //! Work of an import: in a worker or thread, or in slices of the frames.
 
-use kalmanscope_core::InSlices;
+use kalmanscope_core::Task;
 
 use crate::elsewhere::{Report, Work};
 
 /// Work with an outcome. A worker or thread does it; if that fails, it starts again in slices of the frames.
-pub(super) struct Task<H: InSlices, T> {
+pub(super) struct Running<H: Task, T> {
     here: Option<H>,
     /// Converts the outcome to the form in which a worker sends it.
     outcome: fn(H::Outcome) -> T,
@@ -13,7 +13,7 @@ pub(super) struct Task<H: InSlices, T> {
     share: f64,
 }
 
-impl<H: InSlices, T> Task<H, T> {
+impl<H: Task, T> Running<H, T> {
     /// Work that can be done here, and that a worker or thread may have begun.
     pub(super) fn new(here: H, outcome: fn(H::Outcome) -> T, there: Option<Box<dyn Work<Report<T>>>>) -> Self {
         Self { here: Some(here), outcome, there, share: 0.0 }
@@ -74,7 +74,7 @@ mod tests {
     /// Frames until the outcome, with the share that each of them shows.
     fn frames(there: Option<Vec<Option<Report<Outcome>>>>) -> (Vec<f64>, Outcome) {
         let there = there.map(|reports| Box::new(Fake(reports)) as Box<dyn Work<Report<Outcome>>>);
-        let mut task = Task::new(file(), |outcome| outcome, there);
+        let mut task = Running::new(file(), |outcome| outcome, there);
         let mut shares = vec![task.progress()];
         loop {
             if let Some(outcome) = task.advance(&mut || false) {

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use egui::Context;
-use kalmanscope_lab::{CellWork, EnsembleError, Runner};
+use kalmanscope_core::Task as _;
+use kalmanscope_lab::{CellTask, EnsembleError, Runner};
 use web_time::Duration;
 
 use super::engine::{Computer, Engine, Rows, Task, Work};
@@ -35,7 +36,7 @@ struct SlicedWork {
     /// The place of the next cell in the order.
     next: usize,
     /// The next cell, if it is under way.
-    cell: Option<CellWork>,
+    cell: Option<CellTask>,
     budget: Budget,
     ctx: Context,
 }
@@ -46,7 +47,7 @@ impl Work for SlicedWork {
         let mut while_time = self.budget.slice();
         let mut numbers = Vec::new();
         while let Some(&cell) = self.order.get(self.next) {
-            let mut work = self.cell.take().unwrap_or_else(|| CellWork::new(Arc::clone(&self.runner), cell));
+            let mut work = self.cell.take().unwrap_or_else(|| CellTask::new(Arc::clone(&self.runner), cell));
             if !work.advance(&mut while_time) {
                 self.cell = Some(work);
                 break;

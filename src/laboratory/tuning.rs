@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use egui::Context;
 use kalmanscope_core::simulate;
-use kalmanscope_core::{FilterSettings, Run, Scenario, Source};
+use kalmanscope_core::{FilterSettings, Run, Scenario, Source, Task as _};
 use kalmanscope_lab::tune::{Try, Tuned, Tuner};
 
 use super::choice::{is_same_but_for_names, part_of};

@@ -12,7 +12,7 @@ use egui::Context;
 use kalmanscope::elsewhere::{Elsewhere, FilterWork, LoadingWork, Lost, Report, SuggestWork, Work};
 use kalmanscope_core::import::Loading;
 use kalmanscope_core::suggest::Suggest;
-use kalmanscope_core::{InSlices, Pass, Record, Scenario, Tape};
+use kalmanscope_core::{Pass, Record, Scenario, Tape, Task};
 
 /// The time of a portion: parts come soon, and work that is given up ends soon.
 const PORTION: Duration = Duration::from_millis(10);
@@ -74,7 +74,7 @@ impl Errands {
     }
 
     /// Begins work with an outcome.
-    fn begin_slices<S: InSlices + Send + 'static, T: Send + 'static>(
+    fn begin_slices<S: Task + Send + 'static, T: Send + 'static>(
         &self,
         name: &str,
         begin: impl FnOnce() -> S + Send + 'static,

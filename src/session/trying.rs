@@ -1,7 +1,7 @@
 //! Trials of causes for filters with a bad verdict, computed between frames.
 
-use kalmanscope_core::Verdict;
 use kalmanscope_core::diagnosis::{Finding, Search};
+use kalmanscope_core::{Task as _, Verdict};
 
 use super::Session;
 

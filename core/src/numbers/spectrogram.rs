@@ -2,8 +2,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::Record;
 use crate::numbers::fourier::Transform;
+use crate::{Record, Task};
 
 /// Limits the length of a window.
 const WINDOW: [usize; 2] = [64, 1024];
@@ -31,17 +31,12 @@ impl Spectrogram {
     ///
     /// Source: Oppenheim and Schafer (2010), *Discrete-Time Signal Processing*, section 10.3.
     pub fn new(record: &Record, sensor: usize, samples: usize) -> Option<Self> {
-        let mut windows = Windows::new(record, sensor, samples, WINDOWS)?;
-        while !windows.advance(&mut || true) {}
-        let Windows { start, dt, length, hop, power, .. } = windows;
-        let most = power.iter().flatten().fold(f64::MIN_POSITIVE, |most, &p| most.max(p));
-        let decibels = |p: &f64| (10.0 * libm::log10((p / most).max(1e-30))) as f32;
-        Some(Self {
-            start: start + 0.5 * length as f64 * dt,
-            step: hop as f64 * dt,
-            resolution: TAU / (length as f64 * dt),
-            decibels: power.iter().map(|column| column.iter().map(decibels).collect()).collect(),
-        })
+        Self::windows(record, sensor, samples).map(Task::run)
+    }
+
+    /// The same, before its first window.
+    pub fn windows(record: &Record, sensor: usize, samples: usize) -> Option<Windows> {
+        Windows::new(record, sensor, samples, WINDOWS)
     }
 }
 
@@ -92,8 +87,30 @@ impl Windows {
         })
     }
 
-    /// Goes on until `while_time` returns false, which is called after each window. Returns whether all are there.
-    pub fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
+    /// The mean power spectral density of the windows that are there: frequency \[Hz\], and density \[squared unit of the
+    /// sensor per Hz\], from the first frequency above zero up to the Nyquist frequency.
+    ///
+    /// Source: Welch (1967), The use of fast Fourier transform for the estimation of power spectra, *IEEE Transactions on
+    /// Audio and Electroacoustics* 15(2).
+    pub fn density(&self) -> Vec<[f64; 2]> {
+        let Self { dt, length, weights, power, .. } = self;
+        let squares: f64 = weights.iter().map(|weight| weight * weight).sum();
+        let scale = 2.0 * dt / squares / power.len().max(1) as f64;
+        let sum = |row: usize| power.iter().map(|column| column[row]).sum::<f64>();
+        (1..=length / 2).map(|row| [row as f64 / (*length as f64 * dt), scale * sum(row)]).collect()
+    }
+}
+
+impl Task for Windows {
+    type Outcome = Spectrogram;
+
+    fn progress(&self) -> f64 {
+        let all = self.values.len().saturating_sub(self.length) / self.hop + 1;
+        self.power.len() as f64 / all as f64
+    }
+
+    /// Each window is a piece of work.
+    fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
         let Self { values, length, hop, weights, transform, buffer, power, .. } = self;
         while let Some(window) = values.get(power.len() * *hop..power.len() * *hop + *length) {
             let mean = window.iter().sum::<f64>() / *length as f64;
@@ -109,17 +126,16 @@ impl Windows {
         power.len() * *hop + *length > values.len()
     }
 
-    /// The mean power spectral density of the windows that are there: frequency \[Hz\], and density \[squared unit of the
-    /// sensor per Hz\], from the first frequency above zero up to the Nyquist frequency.
-    ///
-    /// Source: Welch (1967), The use of fast Fourier transform for the estimation of power spectra, *IEEE Transactions on
-    /// Audio and Electroacoustics* 15(2).
-    pub fn density(&self) -> Vec<[f64; 2]> {
-        let Self { dt, length, weights, power, .. } = self;
-        let squares: f64 = weights.iter().map(|weight| weight * weight).sum();
-        let scale = 2.0 * dt / squares / power.len().max(1) as f64;
-        let sum = |row: usize| power.iter().map(|column| column[row]).sum::<f64>();
-        (1..=length / 2).map(|row| [row as f64 / (*length as f64 * dt), scale * sum(row)]).collect()
+    fn finish(self) -> Spectrogram {
+        let Self { start, dt, length, hop, power, .. } = self;
+        let most = power.iter().flatten().fold(f64::MIN_POSITIVE, |most, &p| most.max(p));
+        let decibels = |p: &f64| (10.0 * libm::log10((p / most).max(1e-30))) as f32;
+        Spectrogram {
+            start: start + 0.5 * length as f64 * dt,
+            step: hop as f64 * dt,
+            resolution: TAU / (length as f64 * dt),
+            decibels: power.iter().map(|column| column.iter().map(decibels).collect()).collect(),
+        }
     }
 }
 

@@ -23,8 +23,7 @@ mod trials;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Channel, FilterKind, FilterSettings, InSlices as _, InputKind, PlantKind, Propagation, Quantity, Record, Scenario,
-    Sensor,
+    Channel, FilterKind, FilterSettings, InputKind, PlantKind, Propagation, Quantity, Record, Scenario, Sensor, Task as _,
 };
 
 use ambient::has_no_input;
@@ -76,9 +75,7 @@ const BETTER: f64 = 0.8;
 
 /// Suggests settings for a scenario's filters on a measured record, in one go: see [`Suggest`].
 pub fn suggest(scenario: &Scenario, record: &Record) -> Suggestion {
-    let mut suggest = Suggest::new(scenario, record.clone());
-    while !suggest.advance(&mut || true) {}
-    suggest.finish()
+    Suggest::new(scenario, record.clone()).run()
 }
 
 /// The beginning of the reason why there is no guess.

@@ -1,25 +1,25 @@
 //! Work with an outcome in a worker. It sends the share that is done, then the outcome.
 
 use js_sys::Array;
-use kalmanscope_core::InSlices;
+use kalmanscope_core::Task;
 use wasm_bindgen::JsValue;
 
 use crate::work::Work;
 
 /// Work with an outcome, until that has been sent.
-pub(crate) struct Slices<S: InSlices> {
+pub(crate) struct Slices<S: Task> {
     work: Option<S>,
     message: fn(&S::Outcome, &Array) -> JsValue,
 }
 
-impl<S: InSlices> Slices<S> {
+impl<S: Task> Slices<S> {
     /// Work and the function that makes a message of its outcome.
     pub(crate) fn new(work: S, message: fn(&S::Outcome, &Array) -> JsValue) -> Self {
         Self { work: Some(work), message }
     }
 }
 
-impl<S: InSlices> Work for Slices<S> {
+impl<S: Task> Work for Slices<S> {
     fn go_on(&mut self, count: usize, handed_over: &Array) -> JsValue {
         let Some(work) = &mut self.work else { return JsValue::NULL };
         let mut left = count;

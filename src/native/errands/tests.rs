@@ -121,7 +121,7 @@ fn work_that_cannot_be_done_is_lost_and_a_thread_that_is_given_up_ends() {
     assert_eq!((next.next(), next.next()), (Ok(None), Ok(None)), "the end is no loss");
 }
 
-fn finished<S: InSlices>(mut work: S) -> S::Outcome {
+fn finished<S: Task>(mut work: S) -> S::Outcome {
     while !work.advance(&mut || true) {}
     work.finish()
 }

@@ -1,7 +1,7 @@
 //! A file of a record from its bytes: their hash, then the columns.
 
 use super::{Hash, ImportError, Reader, Table};
-use crate::data::import::in_slices::InSlices;
+use crate::data::task::Task;
 
 /// The bytes that are hashed between two checks of the clock: about a millisecond.
 const CHUNK: usize = 500_000;
@@ -21,12 +21,10 @@ pub struct Loaded {
 /// Hashes a file's bytes and reads them, in the dialect that it finds.
 ///
 /// ```
-/// use kalmanscope_core::InSlices;
+/// use kalmanscope_core::Task;
 /// use kalmanscope_core::import::{Loading, hash};
 /// # fn main() -> Result<(), kalmanscope_core::import::ImportError> {
-/// let mut loading = Loading::new(b"t;x\n0,0;1,5\n0,1;2\n".to_vec());
-/// while !loading.advance(&mut || true) {}
-/// let loaded = loading.finish()?;
+/// let loaded = Loading::new(b"t;x\n0,0;1,5\n0,1;2\n".to_vec()).run()?;
 /// assert_eq!(loaded.hash, hash(b"t;x\n0,0;1,5\n0,1;2\n"));
 /// assert_eq!(loaded.table.columns[1].values, [1.5, 2.0]);
 /// # Ok(())
@@ -50,7 +48,7 @@ impl Loading {
     }
 }
 
-impl InSlices for Loading {
+impl Task for Loading {
     /// [`ImportError`] as of [`Reader`].
     type Outcome = Result<Loaded, ImportError>;
 

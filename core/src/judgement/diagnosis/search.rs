@@ -16,6 +16,7 @@ use super::path::Path;
 use super::ranking::{Ranked, WORTH, compare};
 use super::trial::Trials;
 use super::verdict::Verdict;
+use crate::Task;
 use crate::data::sorting::sort_short_by;
 
 /// Limits the causes of one remedy.
@@ -75,38 +76,9 @@ impl Search {
         Self { trials, stage, alone, before: None, likelihood: f64::NAN, origin, paths, filters, law: None }
     }
 
-    /// Goes on while `while_time` returns true; it is called after each small piece of work. Returns whether all is
-    /// done.
-    pub fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
-        while !self.is_done() {
-            let is_ready = match &mut self.stage {
-                Stage::Force { force, .. } => force.advance(self.trials.record(), while_time),
-                _ => self.trials.advance(while_time),
-            };
-            if !is_ready {
-                break;
-            }
-            self.conclude();
-            if !while_time() {
-                break;
-            }
-        }
-        self.is_done()
-    }
-
     /// Whether there is nothing left to try.
     pub fn is_done(&self) -> bool {
         matches!(self.stage, Stage::Done)
-    }
-
-    /// An estimate of the share that is done, from 0 to 1.
-    pub fn progress(&self) -> f64 {
-        match self.stage {
-            Stage::Causes(_) => NEARLY * (self.filters as f64 - 1.0 + self.trials.progress()) / FILTERS as f64,
-            Stage::Without { .. } | Stage::Force { is_last: true, .. } => NEARLY,
-            Stage::Force { is_last: false, .. } => NEARLY / FILTERS as f64,
-            Stage::Done => 1.0,
-        }
     }
 
     /// The verdict on the unchanged filter over the window, once it is known.
@@ -261,5 +233,40 @@ impl Search {
         let suspects = if with_causes { None } else { Some(Vec::new()) };
         let Some(origin) = self.origin.scenario.filters.first().cloned() else { return };
         self.trials = Trials::over(self.trials.record().clone(), path.scenario.clone(), origin, suspects);
+    }
+}
+
+impl Task for Search {
+    type Outcome = Vec<Finding>;
+
+    /// An estimate of the share that is done, from 0 to 1.
+    fn progress(&self) -> f64 {
+        match self.stage {
+            Stage::Causes(_) => NEARLY * (self.filters as f64 - 1.0 + self.trials.progress()) / FILTERS as f64,
+            Stage::Without { .. } | Stage::Force { is_last: true, .. } => NEARLY,
+            Stage::Force { is_last: false, .. } => NEARLY / FILTERS as f64,
+            Stage::Done => 1.0,
+        }
+    }
+
+    fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
+        while !self.is_done() {
+            let is_ready = match &mut self.stage {
+                Stage::Force { force, .. } => force.advance(self.trials.record(), while_time),
+                _ => self.trials.advance(while_time),
+            };
+            if !is_ready {
+                break;
+            }
+            self.conclude();
+            if !while_time() {
+                break;
+            }
+        }
+        self.is_done()
+    }
+
+    fn finish(self) -> Vec<Finding> {
+        self.findings()
     }
 }

@@ -5,8 +5,7 @@ use super::ambient::{Ambient, has_no_input};
 use super::follow::{first_alone, follow, follow_freely, likelihood, surprise};
 use super::gaps::Lost;
 use super::search::Search;
-use crate::data::import::InSlices;
-use crate::{Record, Run, Running, Scenario};
+use crate::{Record, Run, Running, Scenario, Task};
 
 /// The samples of which the likelihood is taken.
 const LIKELY: usize = 4096;
@@ -143,7 +142,7 @@ impl Suggest {
     }
 }
 
-impl InSlices for Suggest {
+impl Task for Suggest {
     type Outcome = Suggestion;
 
     fn progress(&self) -> f64 {

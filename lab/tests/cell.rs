@@ -3,8 +3,8 @@
 
 use std::sync::Arc;
 
-use kalmanscope_core::{Axis, FilterKind, Scenario, Source};
-use kalmanscope_lab::{CellWork, Ensemble, Plan, Runner};
+use kalmanscope_core::{Axis, FilterKind, Scenario, Source, Task as _};
+use kalmanscope_lab::{CellTask, Ensemble, Plan, Runner};
 
 fn runner(scenario: Scenario, measures: &[&str], times: usize) -> Arc<Runner> {
     let axes = ["seed=1:2:2", "filters.EKF.fading=0.5:1.5:3"].map(|text| Axis::parse(text).unwrap()).to_vec();
@@ -15,7 +15,7 @@ fn runner(scenario: Scenario, measures: &[&str], times: usize) -> Arc<Runner> {
 
 /// Runs a cell in slices of one piece. Returns its row and the number of slices.
 fn in_slices(runner: &Arc<Runner>, cell: usize) -> (Vec<f64>, usize) {
-    let (mut work, mut slices) = (CellWork::new(Arc::clone(runner), cell), 1);
+    let (mut work, mut slices) = (CellTask::new(Arc::clone(runner), cell), 1);
     while !work.advance(&mut || false) {
         slices += 1;
     }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use kalmanscope_core::Simulator;
 use kalmanscope_core::score::ScoredPass;
-use kalmanscope_core::{Record, RunError, Scenario};
+use kalmanscope_core::{Record, RunError, Scenario, Task};
 
 use crate::outcome::HistoryPass;
 use crate::runner::{CellRun, Runner};
@@ -17,7 +17,7 @@ const OF_SAMPLE: f64 = 500.0;
 
 /// The run of one cell, as far as it has come. Its row has the bits of [`Runner::rows`], into whatever slices the work
 /// is divided.
-pub struct CellWork {
+pub struct CellTask {
     runner: Arc<Runner>,
     cell: usize,
     stage: Stage,
@@ -48,7 +48,7 @@ enum FilterPass {
     Sums(Box<ScoredPass>),
 }
 
-impl CellWork {
+impl CellTask {
     /// The run of a cell before its first sample.
     pub fn new(runner: Arc<Runner>, cell: usize) -> Self {
         let row = vec![f64::NAN; runner.ensemble().width()];
@@ -62,25 +62,6 @@ impl CellWork {
             Stage::Record { record: simulator.empty_record(), scenario, simulator }
         };
         Self { runner, cell, stage, row, spent: 0.0 }
-    }
-
-    /// Goes on until `while_time` returns false, which is called about every millisecond. Returns whether the row is complete.
-    pub fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
-        while !matches!(self.stage, Stage::Done) {
-            self.piece();
-            if self.spent >= PIECE {
-                self.spent = 0.0;
-                if !while_time() {
-                    break;
-                }
-            }
-        }
-        matches!(self.stage, Stage::Done)
-    }
-
-    /// The row, as far as it is known.
-    pub fn finish(self) -> Vec<f64> {
-        self.row
     }
 
     /// Works for about as long as the time to the next check of the clock.
@@ -155,6 +136,37 @@ impl CellWork {
     fn sums(&self, CellRun { scenario, record }: &CellRun, place: usize) -> Result<FilterPass, RunError> {
         let trace = self.runner.ensemble().trace();
         Ok(FilterPass::Sums(Box::new(ScoredPass::new(scenario, place, record, trace.samples())?)))
+    }
+}
+
+impl Task for CellTask {
+    type Outcome = Vec<f64>;
+
+    fn progress(&self) -> f64 {
+        let filters = self.runner.ensemble().plan().filters.len() as f64;
+        match &self.stage {
+            Stage::Record { .. } => 0.0,
+            Stage::Filter { nth, .. } => *nth as f64 / filters,
+            Stage::Done => 1.0,
+        }
+    }
+
+    fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
+        while !matches!(self.stage, Stage::Done) {
+            self.piece();
+            if self.spent >= PIECE {
+                self.spent = 0.0;
+                if !while_time() {
+                    break;
+                }
+            }
+        }
+        matches!(self.stage, Stage::Done)
+    }
+
+    /// The row, as far as it is known.
+    fn finish(self) -> Vec<f64> {
+        self.row
     }
 }
 
