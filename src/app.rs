@@ -240,6 +240,7 @@ impl eframe::App for App {
         self.session.want(views::wanted(&self.layout.shown()).and(self.visible.wanted()));
         self.session.want_trials(self.tried());
         self.session.want_free_runs(self.model_time());
+        self.session.want_spectrogram(self.layout.in_sight().contains(&ViewKind::Spectrogram));
         // A slow frame (a hidden tab, a breakpoint) must not skip part of the record.
         let elapsed = ctx.input(|input| f64::from(input.stable_dt)).min(0.1);
         // A number that is held is still being changed.
@@ -251,7 +252,11 @@ impl eframe::App for App {
         self.follow_laboratory(ctx);
         let Self { session, importing, .. } = self;
         session.ask_for_frame(ctx);
-        if session.is_before_behind() || session.is_trying() || session.is_free_run_behind() || session.owes_diagnoses()
+        if session.is_before_behind()
+            || session.is_trying_here()
+            || session.is_free_run_behind_here()
+            || session.is_spectrogram_behind_here()
+            || session.owes_diagnoses()
         {
             ctx.request_repaint();
         }

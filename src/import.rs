@@ -8,20 +8,17 @@ mod draft;
 mod source;
 mod spark;
 mod spectra;
-mod task;
 
 use std::rc::Rc;
 use std::sync::Arc;
 
 use egui::Context;
-use kalmanscope_core::import::{ImportError, Loaded, Loading};
+use kalmanscope_core::import::{Loaded, Loading};
 use kalmanscope_core::suggest::{Suggest, Suggestion};
-use kalmanscope_core::{Record, Scenario};
+use kalmanscope_core::{Record, Scenario, Task};
 
-use crate::elsewhere::{BETWEEN, Elsewhere};
 use crate::session::RecordFile;
-
-use task::Running;
+use crate::team::{BETWEEN, Lost, Priority, Running, Team};
 
 pub use draft::Draft;
 
@@ -38,19 +35,38 @@ const LONG_RECORD: usize = 50_000;
 pub struct Import {
     name: String,
     stage: Stage,
-    /// Does long work outside the frames, if there are workers or threads.
-    elsewhere: Option<Rc<dyn Elsewhere>>,
+    /// Does long work beside the frames.
+    team: Rc<dyn Team>,
 }
 
 enum Stage {
     /// The file is read.
-    Reading(Running<Loading, Result<Loaded, String>>),
+    Reading(Running<Reading>),
     /// Its columns are given a meaning.
     Asking(Box<Draft>),
     /// Start values are made.
-    Suggesting(Box<Draft>, Box<Running<Suggest, Suggestion>>),
+    Suggesting(Box<Draft>, Box<Running<Suggest>>),
     /// It cannot be read.
     Failed(String),
+}
+
+/// The reading of a file, with the reason in words if it cannot be read.
+struct Reading(Loading);
+
+impl Task for Reading {
+    type Outcome = Result<Loaded, String>;
+
+    fn progress(&self) -> f64 {
+        self.0.progress()
+    }
+
+    fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
+        self.0.advance(while_time)
+    }
+
+    fn finish(self) -> Self::Outcome {
+        self.0.finish().map_err(|error| error.to_string())
+    }
 }
 
 /// The outcome of an import.
@@ -67,17 +83,17 @@ pub struct Opened {
 
 impl Import {
     /// The import of a file's bytes.
-    pub fn new(name: &str, bytes: Vec<u8>, elsewhere: Option<Rc<dyn Elsewhere>>) -> Self {
-        let there = elsewhere.as_ref().filter(|_| bytes.len() > LONG_FILE).and_then(|it| it.loading(&bytes));
-        let loaded = |loaded: Result<Loaded, ImportError>| loaded.map_err(|error| error.to_string());
-        let stage = Stage::Reading(Running::new(Loading::new(bytes), loaded, there));
-        Self { name: name.to_owned(), stage, elsewhere }
+    pub fn new(name: &str, bytes: Vec<u8>, team: Rc<dyn Team>) -> Self {
+        let is_long = bytes.len() > LONG_FILE;
+        let there = if is_long { team.load(&bytes) } else { None };
+        let stage = Stage::Reading(running(&*team, Reading(Loading::new(bytes)), is_long).in_workers(there));
+        Self { name: name.to_owned(), stage, team }
     }
 
     /// The import of a file that has been read, with the present choices of a scenario.
-    pub fn again(file: &Arc<RecordFile>, scenario: &Scenario, elsewhere: Option<Rc<dyn Elsewhere>>) -> Self {
+    pub fn again(file: &Arc<RecordFile>, scenario: &Scenario, team: Rc<dyn Team>) -> Self {
         let draft = Draft::of_scenario(Arc::clone(file), scenario);
-        Self { name: file.name.clone(), stage: Stage::Asking(Box::new(draft)), elsewhere }
+        Self { name: file.name.clone(), stage: Stage::Asking(Box::new(draft)), team }
     }
 
     /// Goes on until `while_time` returns false. Returns the outcome once there is one.
@@ -85,15 +101,20 @@ impl Import {
         let stage = std::mem::replace(&mut self.stage, Stage::Failed(String::new()));
         self.stage = match stage {
             Stage::Reading(mut reading) => match reading.advance(while_time) {
-                None => Stage::Reading(reading),
-                Some(Ok(Loaded { hash, table })) => {
+                Ok(None) => Stage::Reading(reading),
+                Ok(Some(Ok(Loaded { hash, table }))) => {
                     let file = RecordFile { name: self.name.clone(), hash, table };
                     Stage::Asking(Box::new(Draft::new(Arc::new(file))))
                 }
-                Some(Err(reason)) => Stage::Failed(reason),
+                Ok(Some(Err(reason))) => Stage::Failed(reason),
+                Err(Lost) => Stage::Failed("the thread that read it has failed".to_owned()),
             },
             Stage::Suggesting(draft, mut suggest) => {
-                if let Some(suggestion) = suggest.advance(while_time) {
+                let Ok(suggested) = suggest.advance(while_time) else {
+                    self.stage = Stage::Failed("the thread that made start values of it has failed".to_owned());
+                    return None;
+                };
+                if let Some(suggestion) = suggested {
                     if let Err(error) = suggestion.scenario.validate() {
                         self.stage = Stage::Failed(format!("no start values can be made of it: {error}"));
                         return None;
@@ -117,13 +138,13 @@ impl Import {
 
     /// Asks for the next frame, if something is computed.
     pub(crate) fn ask_for_frame(&self, ctx: &Context) {
-        let (is_busy, is_elsewhere) = match &self.stage {
-            Stage::Reading(reading) => (true, reading.is_elsewhere()),
-            Stage::Suggesting(_, suggest) => (true, suggest.is_elsewhere()),
+        let (is_busy, is_beside) = match &self.stage {
+            Stage::Reading(reading) => (true, reading.is_beside()),
+            Stage::Suggesting(_, suggest) => (true, suggest.is_beside()),
             Stage::Asking(draft) => (draft.is_busy(), false),
             Stage::Failed(_) => (false, false),
         };
-        if is_elsewhere {
+        if is_beside {
             ctx.request_repaint_after(BETWEEN);
         } else if is_busy {
             ctx.request_repaint();
@@ -144,12 +165,17 @@ impl Import {
             return None;
         };
         if draft.suggest {
-            let elsewhere = self.elsewhere.as_ref().filter(|_| record.len() > LONG_RECORD);
-            let there = elsewhere.and_then(|it| it.suggest(&scenario, &record));
-            let suggest = Running::new(Suggest::new(&scenario, record), |suggestion| suggestion, there);
+            let is_long = record.len() > LONG_RECORD;
+            let there = if is_long { self.team.suggest(&scenario, &record) } else { None };
+            let suggest = running(&*self.team, Suggest::new(&scenario, record), is_long).in_workers(there);
             self.stage = Stage::Suggesting(draft, Box::new(suggest));
             return None;
         }
         Some(Opened { file: Arc::clone(draft.file()), scenario, reasons: Vec::new(), problem: None })
     }
+}
+
+/// A task of an import: beside the frames if it is long.
+fn running<T: Task<Outcome: Send> + Send + 'static>(team: &dyn Team, task: T, is_long: bool) -> Running<T> {
+    if is_long { Running::begin(team, Priority::Hand, task, T::progress) } else { Running::here(task, T::progress) }
 }

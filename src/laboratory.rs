@@ -1,20 +1,17 @@
 //! The laboratory: maps of scores over two settings, beside the session that they follow.
 //!
 //! ```text
-//! Session ──scenario, source──▶ Survey ──cells──▶ Engine ──rows──▶ Sheet ──▶ views
+//! Session ──scenario, source──▶ Survey ──cells──▶ Team ──rows──▶ Sheet ──▶ views
 //! ```
 //! A change of the scenario begins another survey. The earlier one stays on screen until the new one covers the map. A
 //! change of the axes' own settings only moves the dot.
 
-mod accelerated;
 mod choice;
 mod choices;
-mod engine;
 mod measures;
 mod monte_carlo;
 mod pace;
 mod settings;
-mod slices;
 mod state;
 mod survey;
 mod table;
@@ -22,31 +19,31 @@ mod table;
 mod tests;
 mod tuning;
 
+use std::rc::Rc;
+
 use egui::Context;
 use kalmanscope_core::{Run, Source};
 
-pub use accelerated::Accelerated;
 pub(crate) use choice::part_of;
 pub use choice::{Choice, MOST};
 pub use choices::Choices;
-pub use engine::{Computer, Engine, Finding, GivenUp, Graphics, GraphicsWork, Precision, Rows, Task, Work};
 pub(crate) use measures::{label as measure_label, name as measure_name, offered};
 pub use monte_carlo::{SEEDS, SeedChoice, SeedRuns, Seeds};
 pub use pace::Pace;
 pub(crate) use settings::{candidates, collide, label as setting_label, name as setting_name, of_filters};
-pub use slices::Slices;
 pub use state::WorkState;
 pub use survey::Survey;
 pub use tuning::{TuneChoice, TuneResult, Tuning};
 
 use crate::session::Session;
+use crate::team::{Finding, Frames, Team};
 
 /// The values on each axis of a map for a small screen.
 const FEW: usize = 32;
 
 /// The maps of the session on screen.
 pub struct Laboratory {
-    engine: Box<dyn Engine>,
+    team: Rc<dyn Team>,
     /// The user's choice. `None` until a map is on screen.
     choice: Option<Choice>,
     survey: Option<Survey>,
@@ -61,9 +58,9 @@ pub struct Laboratory {
 
 impl Laboratory {
     /// An empty laboratory.
-    pub fn new(engine: Box<dyn Engine>) -> Self {
+    pub fn new(team: Rc<dyn Team>) -> Self {
         Self {
-            engine,
+            team,
             choice: None,
             survey: None,
             before: None,
@@ -72,6 +69,13 @@ impl Laboratory {
             state: WorkState::default(),
             edition: 0,
         }
+    }
+
+    /// Leaves the work to a team from now on.
+    pub(crate) fn work_with(&mut self, team: Rc<dyn Team>) {
+        self.rest();
+        self.seeds.rest();
+        self.team = team;
     }
 
     /// The axes, score and filters. `None` until a map has been on screen.
@@ -112,9 +116,9 @@ impl Laboratory {
         &self.state
     }
 
-    /// Whether a graphics processor was found. `None` if the engine uses none.
+    /// Whether a graphics processor was found. `None` if the team uses none.
     pub fn graphics(&self) -> Option<Finding> {
-        self.engine.graphics()
+        self.team.graphics().map(|graphics| graphics.found())
     }
 
     /// A number that changes when another survey is to be shown.
@@ -167,14 +171,14 @@ impl Laboratory {
         &mut self.seeds
     }
 
-    /// Runs the session's scenario with many seeds of some filters while its view is on screen, and rests otherwise. An
-    /// engine has one task at a time: a map under way comes first, because the user may be dragging its dot.
+    /// Runs the session's scenario with many seeds of some filters while its view is on screen, and rests otherwise. A
+    /// map under way comes first, because the user may be dragging its dot.
     pub fn follow_seeds(&mut self, session: &Session, filters: &[u32], is_in_sight: bool, ctx: &Context) {
         if !is_in_sight {
             return self.seeds.rest();
         }
-        let engine = Some(&*self.engine).filter(|_| !self.survey.as_ref().is_some_and(Survey::is_working));
-        self.seeds.follow(session.run(), filters, engine, ctx);
+        let team = Some(&self.team).filter(|_| !self.survey.as_ref().is_some_and(Survey::is_working));
+        self.seeds.follow(session.run(), filters, team, ctx);
     }
 
     /// The tuning of a filter.
@@ -189,8 +193,8 @@ impl Laboratory {
 
     /// Begins to tune, from the best cell of the map if the map varies settings of the tuning.
     pub fn tune(&mut self, session: &Session) {
-        let Self { survey, tuning, .. } = self;
-        tuning.begin(session.run(), session.is_measured(), survey.as_ref());
+        let Self { team, survey, tuning, .. } = self;
+        tuning.begin(&**team, session.run(), session.is_measured(), survey.as_ref());
     }
 
     /// Goes on with the tuning while its view is on screen.
@@ -206,7 +210,7 @@ impl Laboratory {
             return Err(format!("The record has {} samples: too many to run it for every cell.", run.samples()));
         }
         let (scenario, record) = (run.scenario(), run.record());
-        let count = if is_small { FEW } else { self.engine.usual_count() };
+        let count = if is_small { FEW } else { self.team.usual_count() };
         let fitted = self.choice.as_ref().and_then(|choice| choice.fitted(scenario, record, is_measured));
         let choice = fitted.or_else(|| Choice::usual(scenario, record, is_measured, count));
         choice.ok_or_else(|| "There is no filter whose settings could be varied.".to_owned())
@@ -234,9 +238,9 @@ impl Laboratory {
     }
 
     fn work(&mut self, ctx: &Context) {
-        let Self { engine, survey, before, state, edition, .. } = self;
+        let Self { team, survey, before, state, edition, .. } = self;
         let Some(survey) = survey.as_mut().filter(|_| !state.is_stopped()) else { return };
-        match survey.follow(&**engine, ctx) {
+        match survey.follow(team, ctx) {
             Ok(true) => state.show_new(),
             Ok(false) => {}
             Err(error) => state.fail(format!("There is no map: {error}.")),
@@ -258,6 +262,6 @@ impl Laboratory {
 impl Default for Laboratory {
     /// A laboratory in slices of the frames.
     fn default() -> Self {
-        Self::new(Box::new(Slices::FRAME))
+        Self::new(Rc::new(Frames::FRAME))
     }
 }

@@ -15,14 +15,13 @@ mod native {
     mod crash;
     mod crash_page;
     mod desktop;
-    mod errands;
     mod file_dialog;
     mod graphics;
     mod keeper;
     mod signals;
     mod slot;
     mod state_file;
-    mod threads;
+    mod team;
     mod window;
 
     use std::error::Error;
@@ -107,7 +106,6 @@ mod web {
     mod file_input;
     mod messages;
     mod tables;
-    mod worker;
     mod workers;
 
     use std::cell::RefCell;
@@ -119,7 +117,6 @@ mod web {
 
     use messages::{Message, Messages};
     use tables::Tables;
-    use workers::Workers;
 
     #[wasm_bindgen]
     extern "C" {
@@ -209,7 +206,7 @@ mod web {
     pub(super) fn main() {
         eframe::WebLogger::init(log::LevelFilter::Warn).ok();
         if web_sys::window().is_none() {
-            return worker::serve();
+            return kalmanscope_worker::serve();
         }
         wasm_bindgen_futures::spawn_local(async {
             if let Err(error) = start().await {
@@ -241,11 +238,8 @@ mod web {
             let choose = web_sys::window()
                 .and_then(|window| window.document())
                 .and_then(|document| file_input::choose(&document, &creation.egui_ctx, app.inbox()));
-            let (team, software) = (Workers::default(), address::allows_software_graphics(&address));
-            app = app
-                .choosing(choose)
-                .computing_with(workers::engine(&team, software))
-                .working_with(workers::errands(&team, &creation.egui_ctx));
+            let team = workers::team(address::allows_software_graphics(&address), &creation.egui_ctx);
+            app = app.choosing(choose).working_with(team);
             if is_match("(pointer: coarse)") {
                 theme::expect_fingers(&creation.egui_ctx);
             }

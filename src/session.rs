@@ -4,24 +4,28 @@ mod before;
 mod budget;
 mod computing;
 mod difference;
-mod elsewhere;
 mod free_runs;
 mod judging;
 mod library;
+mod long_filters;
 mod playback;
 mod setting;
+mod spectrogram;
 #[cfg(test)]
 mod tests;
 mod trying;
 
+use std::rc::Rc;
 use std::sync::Arc;
 
 use kalmanscope_core::{Diagnostics, Estimates, Job, Quantity, Run, RunError, Scenario, Source, Study};
 use serde::{Deserialize, Serialize};
 
-use elsewhere::Away;
+use crate::team::{Frames, Team};
 use free_runs::FreeRuns;
 use judging::{Hand, Judged};
+use long_filters::LongFilters;
+use spectrogram::Spectrograms;
 use trying::Trying;
 
 pub use before::Before;
@@ -57,7 +61,9 @@ pub struct Session {
     study: Study,
     /// The next one.
     job: Option<Job>,
-    away: Away,
+    /// Does long work of it, and of other views.
+    team: Rc<dyn Team>,
+    long: LongFilters,
     /// The number of slices that it has taken.
     slices: usize,
     /// Whether the scenario has been edited since the job began.
@@ -84,6 +90,7 @@ pub struct Session {
     trying: Trying,
     library: Library,
     free: FreeRuns,
+    spectrograms: Spectrograms,
     /// Counts changes of the picture other than those of the run.
     drawn: u64,
 }
@@ -127,7 +134,8 @@ impl Session {
             can_be_whole: study.run().samples() <= Self::LONGEST_WHOLE + 1,
             study,
             job: None,
-            away: Away::default(),
+            team: Rc::new(Frames::FRAME),
+            long: LongFilters::default(),
             slices: 0,
             waiting: false,
             complete: false,
@@ -149,6 +157,7 @@ impl Session {
             trying: Trying::default(),
             library,
             free: FreeRuns::default(),
+            spectrograms: Spectrograms::default(),
             drawn: 0,
         };
         session.want_of_study();

@@ -1,13 +1,15 @@
 //! Pictures of the app, against those of `tests/snapshots`; `UPDATE_SNAPSHOTS=1 cargo test --test looks` makes them anew.
 
+use std::rc::Rc;
+
 use egui::{Theme, Vec2};
 use egui_kittest::kittest::Queryable as _;
 use egui_kittest::{Harness, SnapshotOptions, SnapshotResults};
 use kalmanscope::App;
-use kalmanscope::laboratory::Slices;
 use kalmanscope::layout::Layout;
 use kalmanscope::request::{Arrangement, ViewKind};
 use kalmanscope::session::{Budget, Mode};
+use kalmanscope::team::Frames;
 use kalmanscope::views::view;
 use kalmanscope_core::Scenario;
 
@@ -79,7 +81,7 @@ fn it_looks_as_it_did() {
             Harness::builder().with_size(Vec2::new(900.0, 620.0)).with_theme(Theme::Light).wgpu().build_eframe(
                 |creation| {
                     let app = App::new(creation).expect("the default scenario can be run");
-                    app.computing_with(Box::new(Slices(Budget::Unlimited)))
+                    app.working_with(Rc::new(Frames(Budget::Unlimited)))
                 },
             );
         let layout = screen.state_mut().layout_mut();

@@ -14,7 +14,7 @@ use std::time::Duration;
 use indicatif::{ProgressBar, ProgressStyle};
 use kalmanscope_core::import::{Hash, hash};
 use kalmanscope_core::{Axis, Record, Scenario, Source, Spacing};
-use kalmanscope_lab::{Crew, Ensemble, Measure, Plan, Runner, Slice, channels};
+use kalmanscope_lab::{Ensemble, Measure, Plan, Priority, Runner, Slice, Threads, channels};
 
 use crate::args::{Shard, SweepArgs};
 use crate::input::InputError;
@@ -77,10 +77,11 @@ fn run_cells(
     append: &mut dyn FnMut(&Slice) -> io::Result<()>,
 ) -> Result<(), InputError> {
     let SweepArgs { scenario: file, out, threads, .. } = args;
-    let crew = Crew::new((*threads).min(MOST_THREADS).min(cells.len().max(1))).map_err(|error| bad(file, &error))?;
+    let threads = (*threads).min(MOST_THREADS).min(cells.len().max(1));
+    let team = Threads::new(threads, 0).map_err(|error| bad(file, &error))?;
     let bar = bar(cells.len(), done);
     let order: Vec<usize> = (cells.start + done..cells.end).collect();
-    let work = crew.start(runner, order, || {});
+    let work = team.rows(Priority::Map, runner, order, |_| {});
     // Rows come in any order, and are written in the order of the cells.
     let mut waiting = BTreeMap::new();
     let mut next = cells.start + done;

@@ -19,8 +19,6 @@
 //! ```
 
 mod cell;
-#[cfg(feature = "threads")]
-mod crew;
 mod ensemble;
 mod measure;
 mod monte_carlo;
@@ -29,17 +27,17 @@ mod outcome;
 mod plan;
 mod runner;
 mod sheet;
+mod threads;
 mod trace;
 #[cfg(feature = "tune")]
 pub mod tune;
 
 pub use cell::CellTask;
-#[cfg(feature = "threads")]
-pub use crew::{Crew, Work};
 pub use ensemble::{Ensemble, EnsembleError, MAX_CELLS, channels};
 pub use measure::{Measure, UnknownMeasure};
 pub use monte_carlo::MonteCarlo;
 pub use plan::Plan;
 pub use runner::{CellRun, Runner, outcomes_of};
 pub use sheet::{Sheet, Slice};
+pub use threads::{Lost, Parts, Priority, Report, Step, Threads, Wanted, fitted};
 pub use trace::Trace;

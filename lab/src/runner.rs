@@ -54,6 +54,11 @@ impl Runner {
         &self.ensemble
     }
 
+    /// The source of the samples.
+    pub fn source(&self) -> &Source {
+        &self.source
+    }
+
     /// The time that the filters of a cell take on an ordinary processor, to within a factor of three \[s\].
     pub fn time_of_cell(&self) -> f64 {
         let scenario = self.ensemble.scenario();

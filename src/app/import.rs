@@ -1,5 +1,7 @@
 //! Measured records: their import, and the scenarios that name them.
 
+use std::rc::Rc;
+
 use egui::Context;
 
 use super::App;
@@ -19,14 +21,14 @@ impl App {
     /// Begins the import of a file. One that the scenario waits for needs no questions.
     pub(super) fn import(&mut self, RawFile { name, bytes }: RawFile) {
         self.inviting = false;
-        self.importing = Some(Import::new(&name, bytes, self.session.elsewhere().cloned()));
+        self.importing = Some(Import::new(&name, bytes, Rc::clone(self.session.team())));
     }
 
     /// Opens the window for the meaning of the columns again, for the record on screen.
     pub(super) fn change_columns(&mut self) {
         let scenario = self.session.scenario();
         let file = scenario.record.as_ref().and_then(|mapping| self.session.library().file(mapping));
-        self.importing = file.map(|file| Import::again(file, scenario, self.session.elsewhere().cloned()));
+        self.importing = file.map(|file| Import::again(file, scenario, Rc::clone(self.session.team())));
     }
 
     /// Goes on with an import.

@@ -7,24 +7,17 @@ use kalmanscope_core::Estimates;
 
 use super::App;
 use super::window::NARROW;
-use crate::elsewhere::Elsewhere;
-use crate::laboratory::{Engine, Laboratory};
+use crate::laboratory::Laboratory;
 use crate::request::ViewKind;
+use crate::team::Team;
 use crate::views::view;
 
 impl App {
-    /// The explorer with an engine for its laboratory, in place of slices of the frames.
+    /// The explorer with a team for long work, in place of slices of the frames.
     #[must_use]
-    pub fn computing_with(self, engine: Box<dyn Engine>) -> Self {
-        let mut laboratory = Laboratory::new(engine);
-        laboratory.restore(self.laboratory.choices());
-        Self { laboratory, ..self }
-    }
-
-    /// The explorer with a computer for long filters and imports, in place of slices of the frames.
-    #[must_use]
-    pub fn working_with(mut self, computer: Rc<dyn Elsewhere>) -> Self {
-        self.session.compute_elsewhere(computer);
+    pub fn working_with(mut self, team: Rc<dyn Team>) -> Self {
+        self.laboratory.work_with(Rc::clone(&team));
+        self.session.work_with(team);
         self
     }
 

@@ -78,11 +78,11 @@ impl Import {
         match stage {
             Stage::Reading(reading) => {
                 ui.label(format!("Reading “{name}”"));
-                progress_ui(ui, reading.progress() as f32)
+                progress_ui(ui, *reading.seen() as f32)
             }
             Stage::Suggesting(_, suggest) => {
                 ui.label(format!("Making start values from “{name}”"));
-                progress_ui(ui, suggest.progress() as f32)
+                progress_ui(ui, *suggest.seen() as f32)
             }
             Stage::Failed(reason) => {
                 ui.colored_label(palette.warning, format!("“{name}” cannot be opened: {reason}."));

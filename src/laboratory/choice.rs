@@ -5,9 +5,9 @@ use kalmanscope_core::{Axis, Channel, Record, Scenario};
 use kalmanscope_lab::Measure;
 use serde::{Deserialize, Serialize};
 
-use super::engine::Precision;
 use super::measures;
 use super::settings::{candidates, collide, is_possible};
+use crate::team::Precision;
 
 /// Limits the values on an axis of a map.
 pub const MOST: usize = 256;

@@ -1,7 +1,7 @@
 //! The statistics of the scenario over many seeds.
 //!
 //! ```text
-//! Session ──scenario──▶ SeedRuns ──seeds──▶ Engine ──rows──▶ MonteCarlo ──▶ view
+//! Session ──scenario──▶ SeedRuns ──seeds──▶ Team ──rows──▶ MonteCarlo ──▶ view
 //! ```
 //! Rows are taken into the statistics as they come and are not kept. The earlier statistics stay on screen until those
 //! of another scenario have enough seeds.
@@ -11,15 +11,17 @@ mod table;
 mod tests;
 
 use std::ops::RangeInclusive;
+use std::rc::Rc;
+use std::sync::Arc;
 
 use egui::Context;
 use kalmanscope_core::{Channel, Run, Scenario, Source};
-use kalmanscope_lab::{Ensemble, MonteCarlo, Slice};
+use kalmanscope_lab::{Ensemble, MonteCarlo, Runner, Slice};
 use serde::{Deserialize, Serialize};
 
 use super::choice::{is_same_but_for_names, part_of};
-use super::engine::{Engine, Precision, Task, Work};
 use super::state::WorkState;
+use crate::team::{Cells, Precision, Priority, Relay, Team};
 
 /// Limits the number of seeds.
 pub const SEEDS: RangeInclusive<usize> = 10..=10_000;
@@ -72,7 +74,7 @@ pub struct SeedRuns {
     filters: Vec<u32>,
     statistics: MonteCarlo,
     known: Vec<bool>,
-    work: Option<Box<dyn Work>>,
+    work: Option<Relay>,
 }
 
 impl SeedRuns {
@@ -122,7 +124,7 @@ impl SeedRuns {
     }
 
     /// Goes on if there is work to do. Returns whether rows have come.
-    fn follow(&mut self, engine: &dyn Engine, ctx: &Context) -> Result<bool, String> {
+    fn follow(&mut self, team: &Rc<dyn Team>, ctx: &Context) -> Result<bool, String> {
         if self.is_complete() {
             self.work = None;
             return Ok(false);
@@ -131,13 +133,13 @@ impl SeedRuns {
         let work = match work {
             Some(work) => work,
             none => {
-                let missing = (0..known.len()).filter(|seed| !known[*seed]).collect();
-                let source = &Source::Simulated;
-                let work = engine.start(Task { ensemble, source, order: missing, precision: Precision::Double }, ctx);
-                none.insert(work.map_err(|error| error.to_string())?)
+                let order = (0..known.len()).filter(|seed| !known[*seed]).collect();
+                let runner = Runner::new(ensemble.clone(), Source::Simulated).map_err(|error| error.to_string())?;
+                let (precision, priority) = (Precision::Double, Priority::Seeds);
+                none.insert(Relay::new(team, Cells { runner: Arc::new(runner), order, precision, priority }, ctx))
             }
         };
-        let rows = work.poll();
+        let rows = work.take();
         let has_come = !rows.is_empty();
         for rows in rows {
             rows.cells.iter().for_each(|cell| known[*cell] = true);
@@ -212,8 +214,8 @@ impl Seeds {
         changes
     }
 
-    /// Follows a run with these filters. Without an engine the work rests.
-    pub(super) fn follow(&mut self, run: &Run, filters: &[u32], engine: Option<&dyn Engine>, ctx: &Context) {
+    /// Follows a run with these filters. Without a team the work rests.
+    pub(super) fn follow(&mut self, run: &Run, filters: &[u32], team: Option<&Rc<dyn Team>>, ctx: &Context) {
         if let Some(problem) = problem(run, filters) {
             self.forget(problem);
             return;
@@ -228,8 +230,8 @@ impl Seeds {
         for runs in [&mut self.runs, &mut self.before].into_iter().flatten() {
             runs.ensemble.call_filters(scenario);
         }
-        match engine.filter(|_| !self.state.is_stopped()) {
-            Some(engine) => self.work(engine, ctx),
+        match team.filter(|_| !self.state.is_stopped()) {
+            Some(team) => self.work(team, ctx),
             None => self.rest(),
         }
     }
@@ -260,9 +262,9 @@ impl Seeds {
         self.show_new();
     }
 
-    fn work(&mut self, engine: &dyn Engine, ctx: &Context) {
+    fn work(&mut self, team: &Rc<dyn Team>, ctx: &Context) {
         let Some(runs) = &mut self.runs else { return };
-        match runs.follow(engine, ctx) {
+        match runs.follow(team, ctx) {
             Ok(true) => self.show_new(),
             Ok(false) => {}
             Err(problem) => self.forget(format!("There are no statistics: {problem}.")),

@@ -1,14 +1,17 @@
 //! One ensemble of a map, with its rows so far.
 
+use std::rc::Rc;
+use std::sync::Arc;
+
 use egui::Context;
 use kalmanscope_core::setting::{Address, TableInfo};
 use kalmanscope_core::{Axis, FilterSettings, Scenario, Source};
-use kalmanscope_lab::{Ensemble, Measure, Plan, Sheet};
+use kalmanscope_lab::{Ensemble, Measure, Plan, Runner, Sheet};
 
 use super::choice::{Choice, is_same_but_for_names, part_of};
-use super::engine::{Computer, Engine, Precision, Task, Work};
 use super::measures;
 use crate::session::is_same;
+use crate::team::{Cells, Computer, Precision, Priority, Relay, Team};
 
 /// An ensemble under way, or complete.
 pub struct Survey {
@@ -17,7 +20,7 @@ pub struct Survey {
     filters: Vec<u32>,
     order: Vec<usize>,
     sheet: Sheet,
-    work: Option<Box<dyn Work>>,
+    work: Option<Relay>,
     precision: Precision,
     /// The threads, workers or graphics processor that have computed the known rows.
     computers: Vec<Computer>,
@@ -176,19 +179,19 @@ impl Survey {
     ///
     /// # Errors
     /// A sentence where the cells cannot be run.
-    pub(super) fn follow(&mut self, engine: &dyn Engine, ctx: &Context) -> Result<bool, String> {
+    pub(super) fn follow(&mut self, team: &Rc<dyn Team>, ctx: &Context) -> Result<bool, String> {
         if self.sheet.is_complete() {
             self.work = None;
             return Ok(false);
         }
         if self.work.is_none() {
-            let Self { ensemble, source, precision, .. } = &*self;
-            let task =
-                Task { ensemble, source, order: self.sheet.missing(&self.order).collect(), precision: *precision };
-            self.work = Some(engine.start(task, ctx).map_err(|error| error.to_string())?);
+            let runner = Runner::new(self.ensemble.clone(), self.source.clone()).map_err(|error| error.to_string())?;
+            let order = self.sheet.missing(&self.order).collect();
+            let cells = Cells { runner: Arc::new(runner), order, precision: self.precision, priority: Priority::Map };
+            self.work = Some(Relay::new(team, cells, ctx));
         }
         let Some(work) = &mut self.work else { return Ok(false) };
-        let rows = work.poll();
+        let rows = work.take();
         for rows in &rows {
             self.sheet.fill(&rows.cells, &rows.numbers);
             if !self.computers.contains(&rows.by) {

@@ -6,6 +6,7 @@ use kalmanscope_lab::{Measure, Runner};
 
 use super::*;
 use crate::session::{Budget, Mode};
+use crate::team::{Frames, Precision};
 
 /// A session of two seconds.
 fn session() -> Session {
@@ -14,7 +15,7 @@ fn session() -> Session {
 
 /// A laboratory that runs one cell of a short record a frame.
 fn slow() -> Laboratory {
-    let mut laboratory = Laboratory::new(Box::new(Slices(Budget::Pieces(1))));
+    let mut laboratory = Laboratory::new(Rc::new(Frames(Budget::Pieces(1))));
     laboratory.choose(Some(choice()));
     laboratory
 }
@@ -231,7 +232,7 @@ fn two_filters_get_the_same_values() {
 #[test]
 fn the_usual_map_is_of_a_guess_and_q() {
     let session = session();
-    let mut laboratory = Laboratory::new(Box::new(Slices(Budget::Pieces(1))));
+    let mut laboratory = Laboratory::new(Rc::new(Frames(Budget::Pieces(1))));
     follow(&mut laboratory, &session, 1);
     let choice = laboratory.choice().unwrap();
     let keys = choice.axes.each_ref().map(|axis| axis.key.as_str());
@@ -301,7 +302,7 @@ fn the_table_has_one_row_a_cell() {
 fn every_ready_made_scenario_has_a_map() {
     for built_in in kalmanscope_lessons::BUILT_IN {
         let session = Session::new(built_in.scenario().unwrap()).unwrap();
-        let mut laboratory = Laboratory::new(Box::new(Slices(Budget::Pieces(1))));
+        let mut laboratory = Laboratory::new(Rc::new(Frames(Budget::Pieces(1))));
         follow(&mut laboratory, &session, 1);
         assert_eq!(laboratory.state().problem(), None, "{}", built_in.title);
         // A frame is a millisecond: a cell takes some of them.
@@ -348,7 +349,7 @@ fn a_map_varies_the_gain_of_a_measured_input_and_stays_as_the_dot_moves() {
         let axes = [across, axis("filters.*.process_std=0.5:2:3:log")];
         assert!(candidates(session.scenario(), true).contains(&axes[0].key), "the menu offers it");
         let usual = Choice::usual(session.scenario(), session.run().record(), true, 3).unwrap();
-        let mut laboratory = Laboratory::new(Box::new(Slices(Budget::Unlimited)));
+        let mut laboratory = Laboratory::new(Rc::new(Frames(Budget::Unlimited)));
         laboratory.choose(Some(Choice { axes, measure: Measure::Nis, ..usual }));
         follow(&mut laboratory, &session, 20);
         assert_eq!((laboratory.state().problem(), done(&laboratory)), (None, 9));

@@ -1,4 +1,4 @@
-//! The search for the best settings of a filter, a slice of each frame.
+//! The search for the best settings of a filter.
 
 mod choice;
 mod on_map;
@@ -15,6 +15,7 @@ use kalmanscope_lab::tune::{Try, Tuned, Tuner};
 use super::choice::{is_same_but_for_names, part_of};
 use super::survey::Survey;
 use crate::session::{Budget, Session};
+use crate::team::{Lost, Priority, Running, Team};
 use on_map::{best_of_map, path_on_map};
 
 pub use choice::TuneChoice;
@@ -60,8 +61,11 @@ impl TuneResult {
 struct Search {
     choice: TuneChoice,
     of: Scenario,
-    tuner: Tuner,
+    tuner: Running<Tuner, Seen>,
 }
+
+/// What is seen of a search under way: the share that is done, and its path.
+type Seen = (f64, Vec<Try>);
 
 /// The tuning of one filter.
 #[derive(Default)]
@@ -92,19 +96,19 @@ impl Tuning {
 
     /// A lower limit of the share of the search that is done, from 0 to 1. `None` if no search is under way.
     pub fn progress(&self) -> Option<f64> {
-        self.search.as_ref().map(|search| search.tuner.progress())
+        self.search.as_ref().map(|search| search.tuner.seen().0)
     }
 
     /// Each try so far that was better than all before, of the search under way or else of the result.
     pub fn path(&self) -> &[Try] {
         let result = self.result.as_ref().map_or(&[][..], |result| &result.tuned.path);
-        self.search.as_ref().map_or(result, |search| search.tuner.path())
+        self.search.as_ref().map_or(result, |search| &search.tuner.seen().1)
     }
 
     /// The path of the search in a map, if the search tunes both of the map's axes: the filter's place in the map, and
     /// the points.
     pub(crate) fn path_in(&self, survey: &Survey) -> Option<(usize, Vec<[f64; 2]>)> {
-        let of_search = |search: &Search| path_on_map(survey, &search.choice, &search.of, search.tuner.path());
+        let of_search = |search: &Search| path_on_map(survey, &search.choice, &search.of, &search.tuner.seen().1);
         let of_result = |result: &TuneResult| path_on_map(survey, &result.choice, &result.of, &result.tuned.path);
         match &self.search {
             Some(search) => of_search(search),
@@ -127,15 +131,15 @@ impl Tuning {
         self.search.take().is_some()
     }
 
-    pub(super) fn begin(&mut self, run: &Run, is_measured: bool, survey: Option<&Survey>) {
+    pub(super) fn begin(&mut self, team: &dyn Team, run: &Run, is_measured: bool, survey: Option<&Survey>) {
         self.result = None;
-        match self.search(run, is_measured, survey) {
+        match self.search(team, run, is_measured, survey) {
             Ok(search) => (self.search, self.problem) = (Some(search), None),
             Err(problem) => (self.search, self.problem) = (None, Some(problem)),
         }
     }
 
-    fn search(&self, run: &Run, is_measured: bool, survey: Option<&Survey>) -> Result<Search, String> {
+    fn search(&self, team: &dyn Team, run: &Run, is_measured: bool, survey: Option<&Survey>) -> Result<Search, String> {
         let choice = self.choice(run.scenario()).ok_or("There is no filter to tune.")?;
         if choice.axes.is_empty() {
             return Err("Tick a setting to tune.".to_owned());
@@ -153,10 +157,12 @@ impl Tuning {
         if let Some(values) = survey.and_then(|survey| best_of_map(survey, &choice, &of)) {
             tuner.try_values(&values);
         }
+        let look = |tuner: &Tuner| (tuner.progress(), tuner.path().to_vec());
+        let tuner = Running::begin(team, Priority::Seeds, tuner, look);
         Ok(Search { choice, of, tuner })
     }
 
-    /// Goes on for as long as a slice of a frame allows. A search of settings that have changed since ends.
+    /// Goes on for as long as a slice of a frame allows, or sees what its thread has done. A search of settings that have changed since ends.
     pub(super) fn follow(&mut self, scenario: &Scenario, budget: Budget, ctx: &Context) {
         let Some(search) = &mut self.search else { return };
         if !is_same_but_for_names(&part_of(scenario, &[search.choice.filter]), &search.of) {
@@ -164,12 +170,16 @@ impl Tuning {
             self.problem = Some("The settings have changed: the search has stopped.".to_owned());
             return;
         }
-        if !search.tuner.advance(&mut budget.slice()) {
-            ctx.request_repaint();
-            return;
-        }
-        if let Some(Search { choice, of, tuner }) = self.search.take() {
-            self.result = Some(TuneResult { choice, of, tuned: tuner.finish() });
+        match search.tuner.advance(&mut budget.slice()) {
+            Ok(None) if search.tuner.is_beside() => {}
+            Ok(None) => ctx.request_repaint(),
+            Ok(Some(tuned)) => {
+                self.result = self.search.take().map(|Search { choice, of, .. }| TuneResult { choice, of, tuned });
+            }
+            Err(Lost) => {
+                self.search = None;
+                self.problem = Some("The search has stopped: its thread has failed.".to_owned());
+            }
         }
     }
 }

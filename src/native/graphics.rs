@@ -1,16 +1,13 @@
 //! Runs maps on the graphics processor, on a thread of their own.
 
 use std::cell::OnceCell;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{self, Receiver, Sender, TryRecvError};
-use std::sync::{Arc, Mutex, PoisonError};
-use std::thread::{self, JoinHandle};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use egui::Context;
-use kalmanscope::laboratory::{Computer, Finding, GivenUp, Graphics, GraphicsWork, Rows, Task};
+use kalmanscope::team::{Cells, Computer, Finding, Graphics, Handle, Priority, Rows};
 use kalmanscope_gpu::{Gpu, GpuError, Software};
-use kalmanscope_lab::Runner;
+use kalmanscope_lab::{Parts, Step, Threads, Wanted};
 
 /// The cells of the first portion: enough for a first picture.
 const FIRST: usize = 64;
@@ -22,40 +19,37 @@ const MOST: usize = 1 << 14;
 /// The graphics processor of this machine. The search begins with the first map.
 pub(super) struct Processor {
     software: Software,
-    found: Arc<Mutex<Finding>>,
-    jobs: OnceCell<Option<(Sender<Job>, JoinHandle<()>)>>,
+    state: Arc<State>,
+    /// The thread, and the search on it.
+    thread: OnceCell<Option<(Threads, Parts<()>)>>,
 }
 
-/// The cells of a map.
-struct Job {
-    runner: Runner,
-    order: Vec<usize>,
-    rows: Sender<Rows>,
-    is_wanted: Arc<AtomicBool>,
-    ctx: Context,
+struct State {
+    gpu: Mutex<Option<Gpu>>,
+    found: Mutex<Finding>,
 }
 
 impl Processor {
     /// A processor, or a software adapter if that is accepted.
     pub(super) fn new(software: Software) -> Self {
-        Self { software, found: Arc::new(Mutex::new(Finding::Searching)), jobs: OnceCell::new() }
+        let state = State { gpu: Mutex::new(None), found: Mutex::new(Finding::Searching) };
+        Self { software, state: Arc::new(state), thread: OnceCell::new() }
     }
 
-    /// The queue of the thread, which the first call starts. `None` if the system gives no thread.
-    fn jobs(&self, ctx: &Context) -> Option<&Sender<Job>> {
+    /// The thread, which the first call starts. `None` if the system gives none.
+    fn thread(&self, ctx: &Context) -> Option<&Threads> {
         let begin = || {
-            let (sender, jobs) = mpsc::channel();
-            let (software, found, ctx) = (self.software, Arc::clone(&self.found), ctx.clone());
-            let thread = thread::Builder::new().name("graphics".to_owned());
-            match thread.spawn(move || serve(software, &found, &jobs, &ctx)) {
-                Ok(thread) => Some((sender, thread)),
-                Err(error) => {
-                    set(&self.found, Finding::Absent(error.to_string()));
-                    None
-                }
-            }
+            let (software, state, ctx) = (self.software, Arc::clone(&self.state), ctx.clone());
+            let search = move |_| {
+                state.search(software);
+                Step::End
+            };
+            let team = Threads::new(1, 0);
+            let team = team.map_err(|error| *lock(&self.state.found) = Finding::Absent(error.to_string())).ok()?;
+            let search = team.begin(Priority::Map, [search], move |_| ctx.request_repaint());
+            Some((team, search))
         };
-        self.jobs.get_or_init(begin).as_ref().map(|(sender, _)| sender)
+        self.thread.get_or_init(begin).as_ref().map(|(team, _)| team)
     }
 }
 
@@ -64,112 +58,76 @@ impl Drop for Processor {
     /// is not waited for, since it may never end.
     fn drop(&mut self) {
         let serves = self.found() == Finding::Ready;
-        if let Some((sender, thread)) = self.jobs.take().flatten() {
-            drop(sender);
-            if serves {
-                thread.join().ok();
-            }
+        if let Some((team, _)) = self.thread.take().flatten()
+            && serves
+        {
+            team.end();
         }
     }
 }
 
 impl Graphics for Processor {
     fn find(&self, ctx: &Context) -> Finding {
-        self.jobs(ctx);
+        self.thread(ctx);
         self.found()
     }
 
     fn found(&self) -> Finding {
-        self.found.lock().unwrap_or_else(PoisonError::into_inner).clone()
+        lock(&self.state.found).clone()
     }
 
-    fn start(&self, task: Task<'_>, ctx: &Context) -> Option<Box<dyn GraphicsWork>> {
-        let runner = Runner::new(task.ensemble.clone(), task.source.clone()).ok()?;
-        let (sender, rows) = mpsc::channel();
-        let is_wanted = Arc::new(AtomicBool::new(true));
-        let job = Job { runner, order: task.order, rows: sender, is_wanted: Arc::clone(&is_wanted), ctx: ctx.clone() };
-        self.jobs(ctx)?.send(job).ok()?;
-        Some(Box::new(Working { rows, is_wanted }))
+    /// Few cells come at first, for a picture, then more.
+    fn cells(&self, cells: &Cells, ctx: &Context) -> Option<Handle<Rows>> {
+        let (cells, state) = (cells.clone(), Arc::clone(&self.state));
+        let (mut next, mut portion) = (0, FIRST);
+        let step = move |wanted: Wanted| {
+            let some = next..(next + portion).min(cells.order.len());
+            next = some.end;
+            // The team does the cells that are not served, which are missing in the rows.
+            let Some(rows) = state.rows(&cells, &cells.order[some], &wanted, &mut portion) else { return Step::Failed };
+            Step::Part(rows)
+        };
+        let ctx = ctx.clone();
+        Some(self.thread(&ctx.clone())?.begin(Priority::Map, [step], move |_| ctx.request_repaint()).into())
     }
 }
 
-struct Working {
-    rows: Receiver<Rows>,
-    is_wanted: Arc<AtomicBool>,
-}
+impl State {
+    fn search(&self, software: Software) {
+        let finding = match pollster::block_on(Gpu::find(software)) {
+            Ok(found) => {
+                *lock(&self.gpu) = Some(found);
+                Finding::Ready
+            }
+            Err(error) => {
+                log::info!("Maps are computed by threads: {error}");
+                Finding::Absent(error.to_string())
+            }
+        };
+        *lock(&self.found) = finding;
+    }
 
-impl GraphicsWork for Working {
-    fn poll(&mut self) -> Result<Vec<Rows>, GivenUp> {
-        let mut all = Vec::new();
-        loop {
-            match self.rows.try_recv() {
-                Ok(rows) => all.push(rows),
-                // The thread has ended. Hands over the last rows before reporting that.
-                Err(TryRecvError::Disconnected) if all.is_empty() => return Err(GivenUp),
-                Err(_) => return Ok(all),
+    /// The rows of some cells, and the size of the next portion. `None` if there are none, or no more will come.
+    fn rows(&self, all: &Cells, some: &[usize], wanted: &Wanted, portion: &mut usize) -> Option<Rows> {
+        let gpu = lock(&self.gpu);
+        let gpu = gpu.as_ref().filter(|_| !some.is_empty() && Gpu::serves(&all.runner))?;
+        let begin = Instant::now();
+        match pollster::block_on(gpu.rows(&all.runner, some, &|| wanted.is_so())) {
+            Ok((cells, numbers)) => {
+                let factor = PORTION.as_secs_f64() / begin.elapsed().as_secs_f64().max(1e-6);
+                *portion = ((*portion as f64 * factor.clamp(0.25, 8.0)) as usize).clamp(FIRST, MOST);
+                Some(Rows { cells, numbers, by: Computer::Graphics(Arc::from(gpu.name())) })
+            }
+            Err(GpuError::Unwanted) => None,
+            Err(error) => {
+                log::warn!("The graphics processor has failed: {error}");
+                *lock(&self.found) = Finding::Lost(error.to_string());
+                None
             }
         }
     }
 }
 
-impl Drop for Working {
-    fn drop(&mut self) {
-        self.is_wanted.store(false, Ordering::Relaxed);
-    }
-}
-
-fn set(found: &Mutex<Finding>, finding: Finding) {
-    *found.lock().unwrap_or_else(PoisonError::into_inner) = finding;
-}
-
-/// Looks for the processor, then serves jobs until the queue is closed.
-fn serve(software: Software, found: &Mutex<Finding>, jobs: &Receiver<Job>, ctx: &Context) {
-    let gpu = pollster::block_on(Gpu::find(software));
-    let gpu = match gpu {
-        Ok(gpu) => gpu,
-        Err(error) => {
-            log::info!("Maps are computed by threads: {error}");
-            return set(found, Finding::Absent(error.to_string()));
-        }
-    };
-    set(found, Finding::Ready);
-    ctx.request_repaint();
-    let name: Arc<str> = Arc::from(gpu.name());
-    while let Ok(job) = jobs.recv() {
-        if let Err(error) = work(&gpu, &name, &job)
-            && error != GpuError::Unwanted
-        {
-            log::warn!("The graphics processor has failed: {error}");
-            set(found, Finding::Lost(error.to_string()));
-            job.ctx.request_repaint();
-            return;
-        }
-        // Dropping the job closes its channel, so that the receiver learns that no more rows come.
-        let ctx = job.ctx.clone();
-        drop(job);
-        ctx.request_repaint();
-    }
-}
-
-/// Runs the cells of a job, few at first for a picture, then more.
-fn work(gpu: &Gpu, name: &Arc<str>, job: &Job) -> Result<(), GpuError> {
-    if !Gpu::serves(&job.runner) {
-        return Ok(());
-    }
-    let is_wanted = || job.is_wanted.load(Ordering::Relaxed);
-    let (mut next, mut portion) = (0, FIRST);
-    while next < job.order.len() {
-        let cells = job.order[next..(next + portion).min(job.order.len())].to_vec();
-        let begin = Instant::now();
-        next += cells.len();
-        // Threads compute the cells that are missing in the rows, after this job has ended.
-        let (cells, numbers) = pollster::block_on(gpu.rows(&job.runner, &cells, &is_wanted))?;
-        if job.rows.send(Rows { cells, numbers, by: Computer::Graphics(Arc::clone(name)) }).is_err() {
-            return Ok(());
-        }
-        job.ctx.request_repaint();
-        let factor = PORTION.as_secs_f64() / begin.elapsed().as_secs_f64().max(1e-6);
-        portion = ((portion as f64 * factor.clamp(0.25, 8.0)) as usize).clamp(FIRST, MOST);
-    }
-    Ok(())
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

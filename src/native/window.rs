@@ -11,7 +11,7 @@ use kalmanscope_gpu::Software;
 
 use super::desktop::{Desktop, Memory, Start};
 use super::slot::Slot;
-use super::{errands, file_dialog, threads};
+use super::{file_dialog, team};
 
 /// The name of the program among the system's, and of the folder of its state.
 const ID: &str = "kalmanscope";
@@ -31,10 +31,7 @@ pub(super) fn open(address: Option<String>, file: Option<PathBuf>) -> eframe::Re
     let creator: eframe::AppCreator<'_> = Box::new(|creation| {
         let start: Start = Box::new(|ctx, storage| {
             let app = App::stored(ctx, storage)?.delivering(Box::new(folder::write));
-            let mut app = app
-                .choosing(Some(file_dialog::choose()))
-                .computing_with(threads::engine(Software::Refused))
-                .working_with(errands::errands(ctx));
+            let mut app = app.choosing(Some(file_dialog::choose())).working_with(team::team(Software::Refused, ctx));
             if let Some(address) = address {
                 app.open_address(&address);
             }

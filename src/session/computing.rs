@@ -48,7 +48,7 @@ impl Session {
 
     /// Gives up the next picture.
     fn give_up_job(&mut self) {
-        self.away.end();
+        self.long.end();
         if let Some(job) = self.job.take() {
             job.cancel(&mut self.study);
         }
@@ -94,7 +94,7 @@ impl Session {
         };
         match Job::new(study, scenario, other_source, goal) {
             Ok(mut job) => {
-                self.away.begin(&mut job);
+                self.long.begin(&mut job, &*self.team);
                 self.job = Some(job);
                 self.can_be_whole = can_be_whole;
                 self.problem = None;
@@ -149,11 +149,11 @@ impl Session {
         let mut while_time = self.budget.slice();
         let shown = self.shown();
         while let Some(mut job) = self.job.take() {
-            self.away.follow(&mut job, &self.study, &mut while_time);
+            self.long.follow(&mut job, &self.study, &*self.team, &mut while_time);
             let is_done = self.study.free(&mut while_time) && job.advance(&self.study, &mut while_time).is_done();
             self.slices += 1;
             if is_done {
-                self.away.end();
+                self.long.end();
                 job.finish(&mut self.study);
                 self.generation += 1;
                 self.clock = self.clock.min(self.end());
@@ -164,7 +164,7 @@ impl Session {
                 self.begin_job();
             }
             let has_time = while_time();
-            self.away.set_alone(has_time);
+            self.long.set_alone(has_time);
             if !is_done || !has_time {
                 break;
             }

@@ -3,9 +3,10 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use kalmanscope_core::{Estimates, Fit, FreeRun, Identified, Record, Running};
+use kalmanscope_core::{Estimates, Fit, FreeRun, Identified, Record, Source, Task};
 
 use super::Session;
+use crate::team::{Priority, Running};
 
 /// The estimates that make the model of a free run, as times \[s\].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -43,9 +44,16 @@ struct Made {
 struct Next {
     filter: u32,
     of: Of,
-    running: Running,
-    /// The run over the record that was held out, with that record.
-    other: Option<(Arc<Record>, Running)>,
+    runs: Running<Runs>,
+}
+
+/// A free run under way, with its record.
+type Under = (Arc<Record>, kalmanscope_core::Running);
+
+/// The run over the record on screen, then that over the record that was held out.
+struct Runs {
+    on_screen: Under,
+    held_out: Option<Under>,
 }
 
 impl FreeRuns {
@@ -81,6 +89,11 @@ impl Session {
         (made.run.part.len() == run.record().len() && made.run.predicted.len() == sensors).then_some(made)
     }
 
+    /// Whether the frames have a free run to make: threads wake the screen when they have made one.
+    pub(crate) fn is_free_run_behind_here(&self) -> bool {
+        self.is_free_run_behind() && !self.free.next.as_ref().is_some_and(|next| next.runs.is_beside())
+    }
+
     /// Whether a free run is yet to be made.
     pub fn is_free_run_behind(&self) -> bool {
         self.free_due().is_some()
@@ -107,12 +120,11 @@ impl Session {
             let filter = self.study.run().estimates()[place].id();
             let next = self.free.next.take().filter(|next| next.filter == filter && next.of == of);
             let Some(mut next) = next.or_else(|| self.begin_free_run(place, of)) else { return };
-            let record = self.study.run().record();
-            if !next.advance(record, &mut while_time) {
+            let Ok(Some((run, held_out))) = next.runs.advance(&mut while_time) else {
                 self.free.next = Some(next);
                 return;
-            }
-            let made = next.finish(record);
+            };
+            let made = Made { filter, of, run, held_out };
             self.free.made.retain(|before| before.filter != filter);
             self.free.made.push(made);
             self.drawn += 1;
@@ -134,26 +146,36 @@ impl Session {
             ModelTime::Over(from, to) => at(from.min(to))..at(from.max(to)) + 1,
         };
         let model = Identified::over(run.scenario(), settings, estimates, samples);
-        let over = |record: &Record| model.running(record, 0..record.len());
-        let other = self.library.held_out().map(|(_, record)| (Arc::clone(record), over(record)));
-        Some(Next { filter: estimates.id(), of, running: over(run.record()), other })
+        let record = match run.source() {
+            Source::Measured(record) => record,
+            Source::Simulated => Arc::new(run.record().clone().without_truth()),
+        };
+        let under = |record: Arc<Record>| {
+            let running = model.running(&record, 0..record.len());
+            (record, running)
+        };
+        let held_out = self.library.held_out().map(|(_, record)| under(Arc::clone(record)));
+        let runs = Runs { on_screen: under(record), held_out };
+        let runs = Running::begin(&*self.team, Priority::Hand, runs, Runs::progress);
+        Some(Next { filter: estimates.id(), of, runs })
     }
 }
 
-impl Next {
-    /// Goes on with the run over the record, then with that over the record that was held out. Returns whether both are
-    /// done.
-    fn advance(&mut self, record: &Record, while_time: &mut dyn FnMut() -> bool) -> bool {
-        if !self.running.advance(record, while_time) {
-            return false;
-        }
-        self.other.as_mut().is_none_or(|(record, running)| running.advance(record, while_time))
+impl Task for Runs {
+    type Outcome = (FreeRun, Vec<Option<Fit>>);
+
+    fn progress(&self) -> f64 {
+        self.on_screen.1.progress()
     }
 
-    fn finish(self, record: &Record) -> Made {
-        let Self { filter, of, running, other } = self;
-        let held_out = other.map_or_else(Vec::new, |(record, running)| running.finish(&record).fits);
-        Made { filter, of, run: running.finish(record), held_out }
+    fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
+        let mut all = [Some(&mut self.on_screen), self.held_out.as_mut()].into_iter().flatten();
+        all.all(|(record, running)| running.advance(record, while_time))
+    }
+
+    fn finish(self) -> Self::Outcome {
+        let finish = |(record, running): Under| running.finish(&record);
+        (finish(self.on_screen), self.held_out.map_or_else(Vec::new, |run| finish(run).fits))
     }
 }
 

@@ -74,6 +74,7 @@ impl Session {
         self.follow_before(&mut while_time);
         self.try_causes(&mut while_time);
         self.run_freely();
+        self.follow_spectrogram();
     }
 
     /// Plays or pauses; at the end, plays from the start.

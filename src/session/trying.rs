@@ -1,9 +1,10 @@
-//! Trials of causes for filters with a bad verdict, computed between frames.
+//! Trials of causes for filters with a bad verdict.
 
 use kalmanscope_core::diagnosis::{Finding, Search};
 use kalmanscope_core::{Task as _, Verdict};
 
 use super::Session;
+use crate::team::{Priority, Running};
 
 /// The trials that are asked for.
 #[derive(Default)]
@@ -20,13 +21,16 @@ pub struct Attempt {
     /// The picture's number and the samples that were done when they began.
     of: (u64, usize),
     /// None once they are done.
-    search: Option<Search>,
+    search: Option<Running<Search, Seen>>,
     progress: f64,
     before: Option<Verdict>,
     findings: Vec<Finding>,
     /// Whether `findings` are all that were found in trials that are done.
     is_complete: bool,
 }
+
+/// What is seen of a search: the share that is done, the verdict on the unchanged filter, and the remedies so far.
+type Seen = (f64, Option<Verdict>, Vec<Finding>);
 
 impl Attempt {
     /// The share of the trials that is done, from 0 to 1.
@@ -58,19 +62,18 @@ impl Attempt {
     /// Goes on while there is time. The earlier results stay until all new ones are complete.
     fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) {
         let Some(search) = &mut self.search else { return };
-        let is_done = search.advance(while_time);
-        self.progress = search.progress();
+        // A search that has failed ends with what it has found.
+        let is_done = !matches!(search.advance(while_time), Ok(None));
+        let (progress, before, findings) = search.seen();
+        self.progress = *progress;
         if is_done || !self.is_complete {
-            self.before = search.before().cloned();
+            self.before.clone_from(before);
         }
         if is_done {
-            self.findings = search.findings();
+            self.findings.clone_from(findings);
+            (self.is_complete, self.search) = (true, None);
         } else if !self.is_complete {
-            self.findings = in_places_of(&self.findings, search.findings());
-        }
-        if is_done {
-            self.is_complete = true;
-            self.search = None;
+            self.findings = in_places_of(&self.findings, findings.clone());
         }
     }
 }
@@ -100,6 +103,12 @@ impl Session {
     /// Whether trials are under way, which every [`Self::advance`] brings nearer to their end.
     pub fn is_trying(&self) -> bool {
         !self.trying.wanted.is_empty() && !self.trying.is_done
+    }
+
+    /// Whether the frames have trials to do: threads wake the screen when they have got further.
+    pub(crate) fn is_trying_here(&self) -> bool {
+        let is_beside = |attempt: &Attempt| attempt.search.as_ref().is_some_and(Running::is_beside);
+        self.is_trying() && !self.trying.attempts.iter().any(is_beside)
     }
 
     /// Tries for as long as there is time. Filters on screen come first.
@@ -146,6 +155,8 @@ impl Session {
         let (diagnostics, estimates) = (&self.diagnostics()[place], &run.estimates()[place]);
         let search = self.diagnosis(place)?.search(run.scenario(), place, diagnostics, estimates, run.record()).ok()?;
         let of = (self.generation, run.done());
+        let look = |search: &Search| (search.progress(), search.before().cloned(), search.findings());
+        let search = Running::begin(&*self.team, Priority::Causes, search, look);
         let (findings, verdict, is_complete) =
             before.map_or((Vec::new(), None, false), |attempt| (attempt.findings, attempt.before, attempt.is_complete));
         Some(Attempt { filter, of, search: Some(search), progress: 0.0, before: verdict, findings, is_complete })

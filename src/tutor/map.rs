@@ -3,7 +3,8 @@
 use kalmanscope_core::{Axis, Scenario};
 use kalmanscope_lessons::Map;
 
-use crate::laboratory::{Choice, Precision};
+use crate::laboratory::Choice;
+use crate::team::Precision;
 
 /// The choice of axes, score and filters that a step asks for.
 ///

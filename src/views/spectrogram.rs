@@ -20,8 +20,8 @@ pub(super) struct SpectrogramView;
 /// A picture of a spectrogram, with its inputs.
 #[derive(Clone)]
 struct Drawn {
-    of: (u64, usize, Id),
-    picture: Option<(TextureHandle, [f64; 4])>,
+    of: ((u64, usize), Id),
+    picture: (TextureHandle, [f64; 4]),
 }
 
 impl View for SpectrogramView {
@@ -45,20 +45,20 @@ impl View for SpectrogramView {
             ui.weak("Nothing is measured.");
             return None;
         };
-        // Draws a growing record again every 200 samples only.
-        let of = (session.generation(), run.len() / 200, Id::unique(quantity.key()));
+        let Some((of, spectrogram)) = session.spectrogram() else {
+            let is_behind = session.is_spectrogram_behind();
+            ui.weak(if is_behind { "The spectrogram is being computed." } else { "There are too few samples yet." });
+            return None;
+        };
+        let of = (of, Id::unique(quantity.key()));
         let id = Id::unique("spectrogram");
         let before: Option<Drawn> = ui.data(|data| data.get_temp(id));
         let drawn = before.filter(|drawn| drawn.of == of).unwrap_or_else(|| {
-            let picture = Spectrogram::new(record, 0, run.len()).map(|spectrogram| picture(ui, &spectrogram));
-            let drawn = Drawn { of, picture };
+            let drawn = Drawn { of, picture: picture(ui, spectrogram) };
             ui.data_mut(|data| data.insert_temp(id, drawn.clone()));
             drawn
         });
-        let Some((texture, [from, to, _, top])) = drawn.picture else {
-            ui.weak("There are too few samples yet.");
-            return None;
-        };
+        let (texture, [from, to, _, top]) = drawn.picture;
         let followed = axis.followed(session);
         let plot = Plot::new("spectrogram")
             .link_axis(Id::unique("time"), Vec2b::new(true, false))

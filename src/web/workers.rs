@@ -1,101 +1,87 @@
-//! Runs ensembles, long filters and imports in workers of the page, one a processor.
+//! The team of a page: its workers, one a processor, and the browser's graphics processor.
 
 mod adapter;
-mod errands;
 mod given;
 mod graphics;
-mod member;
 mod portions;
+mod worker;
 
 use std::cell::RefCell;
 use std::rc::{Rc, Weak};
 
 use egui::Context;
-use js_sys::{Array, Float64Array, Uint32Array};
-use kalmanscope::elsewhere::Elsewhere;
-use kalmanscope::laboratory::{Accelerated, Computer, Engine, Precision, Rows, Slices, Task, Work};
-use kalmanscope_core::Source;
-use kalmanscope_lab::{Ensemble, EnsembleError};
-use wasm_bindgen::JsCast as _;
+use js_sys::Array;
+use kalmanscope::team::{Cells, Computer, Graphics, Handle, Lost, Report, Rows, Team};
+use kalmanscope_core::import::Loaded;
+use kalmanscope_core::suggest::Suggestion;
+use kalmanscope_core::{Record, Scenario, Tape};
+use kalmanscope_worker::{
+    cells_message, file_message, filter_message, loaded, rows, suggest_message, suggestion, tape,
+};
 use wasm_bindgen::closure::Closure;
+use wasm_bindgen::{JsCast as _, JsValue};
 use web_sys::MessageEvent;
 
-use errands::{Errand, Errands};
-use given::Given;
-use member::{Member, Program};
+use given::{Given, Left};
+use worker::{Program, Worker};
 
 /// Limits the workers, for any number of processors.
 const MOST: usize = 8;
 
-/// The workers that serve all maps and errands. They are started with the first one.
-#[derive(Clone, Default)]
-pub(super) struct Workers(Rc<RefCell<Team>>);
+/// The workers that do all tasks. They are started with the first one.
+struct Workers {
+    state: Rc<RefCell<State>>,
+    processor: Rc<graphics::Processor>,
+    ctx: Context,
+}
 
 #[derive(Default)]
-struct Team {
-    members: Vec<Member>,
-    /// The number of the present job.
-    job: u32,
-    task: Option<Given>,
-    /// Errands, and the number of the last one.
-    errands: Vec<Errand>,
-    errand: u32,
+struct State {
+    workers: Vec<Worker>,
+    tasks: Vec<Given>,
+    /// The number of the last task.
+    last: u32,
     /// The reason why there can be no workers.
     broken: Option<String>,
     /// Whether the page computes until they are ready.
     is_bridged: bool,
 }
 
-impl Team {
-    /// Whether there are light cells to compute and no worker is ready yet.
-    fn needs_page(&self) -> bool {
-        let is_light = self.task.as_ref().is_some_and(Given::is_light);
-        self.broken.is_none() && !self.members.iter().any(Member::is_ready) && is_light
-    }
-
-    /// Gives a worker by its place its next cells, if it has none waiting and no errand.
-    fn feed(&mut self, place: usize) {
-        let Self { members, job, task, errands, .. } = self;
-        let (Some(member), Some(task)) = (members.get_mut(place), task) else { return };
-        if !errands.iter().any(|errand| errand.is_of(member)) {
-            task.feed(member, *job, full());
-        }
-    }
-
-    /// Ends a worker that has failed, by its place. Its errands are lost, and others go on. A worker that has cells of a map, or
-    /// never was ready, ends the use of all workers: another one might fail at the same cells.
-    fn lose(&mut self, place: usize, reason: String) {
-        log::warn!("A worker of the page has failed: {reason}");
-        let Self { members, task, errands, broken, .. } = self;
-        let member = &mut members[place];
-        let is_of_errand = errands.iter().any(|errand| errand.is_of(member));
-        if !(is_of_errand && member.is_ready() && member.is_free()) {
-            *broken = Some(reason);
-        }
-        // The next frame notices the loss.
-        task.iter().for_each(Given::wake);
-        errands.iter().for_each(Errand::wake);
-        errands.retain(|errand| !errand.is_of(member));
-        member.end();
-    }
+/// The workers of a page, and its graphics processor, or a software adapter if that is accepted.
+pub(super) fn team(software: bool, ctx: &Context) -> Rc<dyn Team> {
+    let processor = Rc::new(graphics::Processor::new(software));
+    Rc::new(Workers { state: Rc::default(), processor, ctx: ctx.clone() })
 }
 
-/// The browser's graphics processor, or a software adapter if that is accepted, and workers for maps that it does not
-/// serve.
-pub(super) fn engine(workers: &Workers, software: bool) -> Box<dyn Engine> {
-    Box::new(Accelerated::new(Rc::new(graphics::Processor::new(software)), Rc::new(workers.clone())))
-}
+impl Team for Workers {
+    fn is_beside(&self) -> bool {
+        true
+    }
 
-/// Workers for long filters and imports.
-pub(super) fn errands(workers: &Workers, ctx: &Context) -> Rc<dyn Elsewhere> {
-    Rc::new(Errands { team: Rc::clone(&workers.0), ctx: ctx.clone() })
-}
+    fn filter(&self, scenario: &Scenario, place: usize, record: &Record) -> Option<Handle<Tape>> {
+        let message = |number| filter_message(number, scenario, place, record);
+        self.begin(Left::Samples(record.len()), &message, |part, _| tape(part))
+    }
 
-impl Engine for Workers {
-    fn start(&self, task: Task<'_>, ctx: &Context) -> Result<Box<dyn Work>, EnsembleError> {
-        let (ensemble, source) = (task.ensemble.clone(), task.source.clone());
-        let job = begin(&self.0, Given::new(task, ctx)?);
-        Ok(Box::new(WorkInWorkers { team: Rc::clone(&self.0), job, ensemble, source, instead: None }))
+    fn load(&self, bytes: &[u8]) -> Option<Handle<Report<f64, Result<Loaded, String>>>> {
+        self.begin(Left::Outcome, &|number| file_message(number, bytes), |part, _| report(part, loaded))
+    }
+
+    fn suggest(&self, scenario: &Scenario, record: &Record) -> Option<Handle<Report<f64, Suggestion>>> {
+        let message = |number| suggest_message(number, scenario, record);
+        self.begin(Left::Outcome, &message, |part, _| report(part, suggestion))
+    }
+
+    fn cells(&self, cells: &Cells, _: &Context) -> Option<Handle<Rows>> {
+        let message = |number| cells_message(number, &cells.runner);
+        self.begin(Left::cells(cells.clone(), full()), &message, |part, workers| {
+            let by = if given::is_of_page(part) { Computer::Frames } else { Computer::Workers(workers) };
+            rows(part).map(|(cells, numbers)| Rows { cells, numbers, by })
+        })
+    }
+
+    fn graphics(&self) -> Option<Rc<dyn Graphics>> {
+        Some(Rc::<graphics::Processor>::clone(&self.processor))
     }
 
     fn usual_count(&self) -> usize {
@@ -103,90 +89,175 @@ impl Engine for Workers {
     }
 }
 
-struct WorkInWorkers {
-    team: Rc<RefCell<Team>>,
-    job: u32,
-    ensemble: Ensemble,
-    source: Source,
-    /// The work in slices of the frames, if there can be no workers.
-    instead: Option<Box<dyn Work>>,
-}
+impl Workers {
+    /// Gives workers a task: all of them cells, else one. `message` makes the message that begins it, from its number;
+    /// `read` reads a part, and is told the number of workers. `None` if there can be no workers.
+    fn begin<T: 'static>(
+        &self,
+        left: Left,
+        message: &dyn Fn(u32) -> Array,
+        read: fn(&JsValue, usize) -> Option<T>,
+    ) -> Option<Handle<T>> {
+        let number = self.give(left, message)?;
+        let task = Task { state: Rc::clone(&self.state), number };
+        Some(Handle::new(move || {
+            let Some((part, workers)) = task.take()? else { return Ok(None) };
+            read(&part, workers).map(Some).ok_or(Lost)
+        }))
+    }
 
-impl Work for WorkInWorkers {
-    fn poll(&mut self) -> Vec<Rows> {
-        if let Some(instead) = &mut self.instead {
-            return instead.poll();
+    fn give(&self, left: Left, message: &dyn Fn(u32) -> Array) -> Option<u32> {
+        let mut present = self.state.borrow_mut();
+        let is_for_all = left.is_for_all();
+        if is_for_all {
+            // The workers have one map at a time. Those that are busy with a long portion of the one before are replaced.
+            present.end(Given::is_for_all);
         }
-        let mut team = self.team.borrow_mut();
-        if team.job != self.job {
-            return Vec::new();
+        let count = 1 + present.tasks.iter().filter(|task| task.is_for_one()).count();
+        muster(&self.state, &mut present, if is_for_all { MOST } else { count });
+        if present.broken.is_some() {
+            return None;
         }
-        if team.broken.is_some()
-            && let Some(task) = team.task.take()
-        {
-            let Self { ensemble, source, .. } = &*self;
-            let (rows, order, ctx) = task.end();
-            let again = Task { ensemble, source, order, precision: Precision::Double };
-            self.instead = Slices::FRAME.start(again, &ctx).ok();
-            return rows;
+        let State { workers, tasks, last, .. } = &mut *present;
+        let load = |worker: &&Worker| {
+            let is_its = |task: &&Given| task.is_for_one() && task.is_of(worker);
+            (tasks.iter().filter(is_its).count(), tasks.iter().any(|task| task.is_for_all() && task.is_at(worker)))
+        };
+        let worker = if is_for_all { None } else { Some(workers.iter().min_by_key(load)?.number()) };
+        *last += 1;
+        let number = *last;
+        tasks.push(Given::new(number, message(number), left, worker, &self.ctx));
+        (0..workers.len()).for_each(|place| present.feed(place));
+        if present.needs_page() && !std::mem::replace(&mut present.is_bridged, true) {
+            bridge(Rc::downgrade(&self.state));
         }
-        team.task.as_mut().map(Given::take_rows).unwrap_or_default()
+        Some(number)
     }
 }
 
-impl Drop for WorkInWorkers {
+/// The report in a message.
+fn report<T>(part: &JsValue, outcome: impl FnOnce(&JsValue) -> Option<T>) -> Option<Report<f64, T>> {
+    part.as_f64().map(Report::Look).or_else(|| outcome(part).map(Report::Done))
+}
+
+/// A task that workers do, until this is dropped.
+struct Task {
+    state: Rc<RefCell<State>>,
+    number: u32,
+}
+
+impl Task {
+    /// Takes the next part that has come, and the number of workers.
+    fn take(&self) -> Result<Option<(JsValue, usize)>, Lost> {
+        let state = self.state.borrow();
+        let task = state.tasks.iter().find(|task| task.number() == self.number).ok_or(Lost)?;
+        match task.next() {
+            None if state.broken.is_some() => Err(Lost),
+            part => Ok(part.map(|part| (part, state.workers.len()))),
+        }
+    }
+}
+
+impl Drop for Task {
     fn drop(&mut self) {
-        let mut team = self.team.borrow_mut();
-        if team.job == self.job {
-            team.task = None;
-        }
+        self.state.borrow_mut().give_up(self.number);
     }
 }
 
-/// Gives the workers another task. Those that are busy with a long portion of the one before are replaced. Returns the job's
-/// number.
-fn begin(team: &Rc<RefCell<Team>>, task: Given) -> u32 {
-    let mut present = team.borrow_mut();
-    present.job += 1;
-    present.task = Some(task);
-    muster(team, &mut present, MOST);
-    (0..present.members.len()).for_each(|place| present.feed(place));
-    if present.needs_page() && !std::mem::replace(&mut present.is_bridged, true) {
-        bridge(Rc::downgrade(team));
+impl State {
+    /// Whether there are light cells to compute and no worker is ready yet.
+    fn needs_page(&self) -> bool {
+        self.broken.is_none() && !self.workers.iter().any(Worker::is_ready) && self.tasks.iter().any(Given::is_light)
     }
-    present.job
+
+    /// Asks a worker by its place for more of its own tasks, or else for cells.
+    fn feed(&mut self, place: usize) {
+        let Self { workers, tasks, .. } = self;
+        let Some(worker) = workers.get(place) else { return };
+        let has_own = tasks.iter().any(|task| task.is_for_one() && task.is_of(worker));
+        tasks.iter_mut().filter(|task| task.is_for_one() == has_own).for_each(|task| task.feed(worker));
+    }
+
+    /// Ends the tasks that some are. Those with portions under way stay until these are done.
+    fn end(&mut self, which: impl Fn(&Given) -> bool) {
+        let Self { workers, tasks, .. } = self;
+        tasks.iter_mut().filter(|task| which(task)).for_each(|task| task.end(workers));
+        self.sweep();
+    }
+
+    /// Forgets tasks that are over, and what workers that are gone have had.
+    fn sweep(&mut self) {
+        let Self { workers, tasks, .. } = self;
+        tasks.iter_mut().for_each(|task| task.forget_all_but(workers));
+        tasks.retain(|task| !task.is_done_with());
+    }
+
+    /// Ends the task of this number. A worker that is stuck in a long portion of it, and has nothing else, is ended too.
+    fn give_up(&mut self, number: u32) {
+        let Some(task) = self.tasks.iter().position(|task| task.number() == number) else { return };
+        self.tasks[task].end(&self.workers);
+        let Self { workers, tasks, .. } = &mut *self;
+        let (task, others) = (&tasks[task], tasks.iter().filter(|task| task.number() != number));
+        let has_other =
+            |worker: &Worker| others.clone().any(|task| task.is_at(worker) || task.is_for_one() && task.is_of(worker));
+        if !task.is_for_all() {
+            // Only dropping the worker stops it. Another one starts when there is work.
+            workers.retain(|worker| !task.is_stuck(worker) || has_other(worker));
+        }
+        self.sweep();
+        (0..self.workers.len()).for_each(|place| self.feed(place));
+    }
+
+    /// Ends a worker that has failed, by its place. Its own tasks are lost, and others go on. A worker that has cells of a
+    /// map, or never was ready, ends the use of all workers: another one might fail at the same cells.
+    fn lose(&mut self, place: usize, reason: String) {
+        log::warn!("A worker of the page has failed: {reason}");
+        let Self { workers, tasks, broken, .. } = self;
+        let worker = &mut workers[place];
+        let is_its = |task: &Given| task.is_for_one() && task.is_of(worker);
+        let has_cells = tasks.iter().any(|task| task.is_for_all() && task.is_at(worker));
+        if !(tasks.iter().any(is_its) && worker.is_ready() && !has_cells) {
+            *broken = Some(reason);
+        }
+        // The next frame notices the loss.
+        tasks.iter().for_each(Given::wake);
+        tasks.retain(|task| !is_its(task));
+        worker.end();
+    }
 }
 
 /// Starts workers until there are `count`, or one per processor. Replaces a worker that is stuck in a long portion of a
-/// map, unless it also has an errand.
-fn muster(team: &Rc<RefCell<Team>>, present: &mut Team, count: usize) {
-    let Team { members, errands, broken, .. } = present;
+/// map that is over, unless it also has a task of its own.
+fn muster(state: &Rc<RefCell<State>>, present: &mut State, count: usize) {
+    let State { workers, tasks, broken, .. } = present;
     if broken.is_some() {
         return;
     }
-    let is_needed = |member: &Member| errands.iter().any(|errand| errand.is_of(member));
-    members.retain(|member| !member.is_over() && (!member.is_stuck() || is_needed(member)));
-    while members.len() < full().min(count) {
-        let number = free_number(members);
-        match Member::new(number, Program::Page, listener(team, number)) {
-            Ok(member) => members.push(member),
+    let is_stuck = |worker: &Worker| tasks.iter().any(|task| task.is_over() && task.is_stuck(worker));
+    let is_needed = |worker: &Worker| tasks.iter().any(|task| task.is_for_one() && task.is_of(worker));
+    workers.retain(|worker| !worker.is_over() && (!is_stuck(worker) || is_needed(worker)));
+    while workers.len() < full().min(count) {
+        let number = workers.iter().map(Worker::number).max().map_or(0, |number| number + 1);
+        match Worker::new(number, Program::Page, listener(state, number)) {
+            Ok(worker) => workers.push(worker),
             Err(reason) => {
                 *broken = Some(reason);
                 break;
             }
         }
     }
+    present.sweep();
 }
 
 /// Computes cells on the page, a portion between two events of it, until the first worker is ready.
-fn bridge(team: Weak<RefCell<Team>>) {
+fn bridge(state: Weak<RefCell<State>>) {
     let go_on = move || {
-        let Some(present) = team.upgrade() else { return };
+        let Some(present) = state.upgrade() else { return };
         let mut present = present.borrow_mut();
         present.is_bridged = present.needs_page();
         if present.is_bridged {
-            present.task.iter_mut().for_each(Given::compute);
-            bridge(team);
+            present.tasks.iter_mut().for_each(Given::compute);
+            bridge(state);
         }
     };
     let window = web_sys::window();
@@ -196,45 +267,32 @@ fn bridge(team: Weak<RefCell<Team>>) {
     }
 }
 
-fn free_number(members: &[Member]) -> u32 {
-    members.iter().map(Member::number).max().map_or(0, |number| number + 1)
-}
-
 /// Answers the messages of one worker.
-fn listener(team: &Rc<RefCell<Team>>, number: u32) -> impl FnMut(Result<MessageEvent, String>) + 'static {
-    let team = Rc::downgrade(team);
+fn listener(state: &Rc<RefCell<State>>, number: u32) -> impl FnMut(Result<MessageEvent, String>) + 'static {
+    let state = Rc::downgrade(state);
     move |event| {
-        let Some(team) = team.upgrade() else { return };
-        let mut team = team.borrow_mut();
-        let Team { members, job, task, errands, .. } = &mut *team;
-        let by = Computer::Workers(members.len());
-        let is_it = |member: &Member| member.number() == number && !member.is_over();
-        let Some(place) = members.iter().position(is_it) else { return };
-        let member = &mut members[place];
+        let Some(state) = state.upgrade() else { return };
+        let mut state = state.borrow_mut();
+        let State { workers, tasks, .. } = &mut *state;
+        let is_it = |worker: &Worker| worker.number() == number && !worker.is_over();
+        let Some(place) = workers.iter().position(is_it) else { return };
+        let worker = &mut workers[place];
         let words: Array = match event {
             Ok(event) => event.data().unchecked_into(),
-            Err(reason) => return team.lose(place, reason),
+            Err(reason) => return state.lose(place, reason),
         };
         match words.get(0).as_string().as_deref() {
-            Some("ready") => {
-                member.set_ready();
-                errands.iter_mut().filter(|errand| errand.is_of(member)).for_each(|errand| errand.feed(member));
-            }
-            Some("part") => errands::take(errands, member, &words),
-            Some("rows") => {
-                member.take_back(words.get(4).as_f64().unwrap_or_default());
-                if words.get(1).as_f64() == Some(f64::from(*job))
-                    && let Some(task) = task
-                {
-                    let cells = words.get(2).unchecked_into::<Uint32Array>().to_vec();
-                    let cells = cells.into_iter().map(|cell| cell as usize).collect();
-                    let numbers = words.get(3).unchecked_into::<Float64Array>().to_vec();
-                    task.put(Rows { cells, numbers, by });
+            Some("ready") => worker.set_ready(),
+            Some("part") => {
+                let of = words.get(1).as_f64();
+                if let Some(task) = tasks.iter_mut().find(|task| of == Some(f64::from(task.number()))) {
+                    task.take(&words.get(2), words.get(3).as_f64().unwrap_or_default(), worker);
                 }
+                state.sweep();
             }
-            _ => return team.lose(place, words.get(2).as_string().unwrap_or_default()),
+            _ => return state.lose(place, words.get(2).as_string().unwrap_or_default()),
         }
-        team.feed(place);
+        state.feed(place);
     }
 }
 

@@ -5,9 +5,8 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use egui::{Context, Pos2};
-use kalmanscope::laboratory::{
-    Accelerated, Choice, Computer, Engine, Finding, GivenUp, Graphics, GraphicsWork, Precision, Rows, Slices, Task,
-};
+use kalmanscope::laboratory::Choice;
+use kalmanscope::team::{Cells, Computer, Finding, Frames, Graphics, Handle, Lost, Precision, Rows, Team};
 use kalmanscope_core::{Axis, Source};
 use kalmanscope_lab::{Ensemble, Measure, Plan, Runner};
 
@@ -15,14 +14,14 @@ use super::*;
 
 /// A paused screen of a short record with a coarse map; each frame computes all of it.
 fn laboratory(size: Vec2, theme: Theme, second: Option<u32>) -> Screen {
-    laboratory_by(Box::new(Slices(Budget::Unlimited)), size, theme, second)
+    laboratory_by(Rc::new(Frames(Budget::Unlimited)), size, theme, second)
 }
 
-fn laboratory_by(engine: Box<dyn Engine>, size: Vec2, theme: Theme, second: Option<u32>) -> Screen {
+fn laboratory_by(team: Rc<dyn Team>, size: Vec2, theme: Theme, second: Option<u32>) -> Screen {
     let mut screen =
         Harness::builder().with_size(size).with_theme(theme).with_step_dt(1.0 / 60.0).build_eframe(|creation| {
             let app = App::new(creation).expect("the default scenario can be run");
-            app.computing_with(engine)
+            app.working_with(team)
         });
     *screen.state_mut().layout_mut() = Layout::of(Arrangement::Laboratory);
     let session = screen.state_mut().session_mut();
@@ -221,8 +220,6 @@ struct Card {
     is_lost: Rc<Cell<bool>>,
 }
 
-struct CardWork(Option<Rows>);
-
 impl Graphics for Card {
     fn find(&self, _: &Context) -> Finding {
         self.found()
@@ -232,25 +229,28 @@ impl Graphics for Card {
         if self.is_lost.get() { Finding::Lost("it was pulled out".to_owned()) } else { Finding::Ready }
     }
 
-    fn start(&self, task: Task<'_>, _: &Context) -> Option<Box<dyn GraphicsWork>> {
-        let runner = Runner::new(task.ensemble.clone(), task.source.clone()).ok()?;
-        let numbers = runner.rows(&task.order);
-        let rows = Rows { cells: task.order, numbers, by: Computer::Graphics(Arc::from("the card")) };
-        Some(Box::new(CardWork(Some(rows))))
+    fn cells(&self, cells: &Cells, _: &Context) -> Option<Handle<Rows>> {
+        let Cells { runner, order, .. } = cells.clone();
+        let numbers = runner.rows(&order);
+        let mut rows = Some(Rows { cells: order, numbers, by: Computer::Graphics(Arc::from("the card")) });
+        Some(Handle::new(move || rows.take().map(Some).ok_or(Lost)))
     }
 }
 
-impl GraphicsWork for CardWork {
-    fn poll(&mut self) -> Result<Vec<Rows>, GivenUp> {
-        self.0.take().map(|rows| vec![rows]).ok_or(GivenUp)
+impl Team for Card {
+    fn cells(&self, cells: &Cells, ctx: &Context) -> Option<Handle<Rows>> {
+        Frames(Budget::Unlimited).cells(cells, ctx)
+    }
+
+    fn graphics(&self) -> Option<Rc<dyn Graphics>> {
+        Some(Rc::new(self.clone()))
     }
 }
 
 #[test]
 fn the_map_says_what_has_computed_it_and_does_without_the_graphics_processor() {
     let card = Card::default();
-    let engine = Accelerated::new(Rc::new(card.clone()), Rc::new(Slices(Budget::Unlimited)));
-    let mut screen = laboratory_by(Box::new(engine), DESKTOP, Theme::Light, None);
+    let mut screen = laboratory_by(Rc::new(card.clone()), DESKTOP, Theme::Light, None);
     let computers = |screen: &Screen| {
         let survey = screen.state().laboratory().shown().expect("there is a map");
         assert!(survey.sheet().is_complete());

@@ -1,6 +1,9 @@
 //! Monte Carlo: the statistics of many seeds on screen.
 
-use kalmanscope::laboratory::{SeedChoice, Slices};
+use std::rc::Rc;
+
+use kalmanscope::laboratory::SeedChoice;
+use kalmanscope::team::Frames;
 use kalmanscope_core::Source;
 use kalmanscope_lab::{MonteCarlo, Runner, Slice};
 
@@ -11,7 +14,7 @@ fn monte_carlo(size: Vec2, theme: Theme, scenario: Scenario, seeds: usize) -> Sc
     let mut screen =
         Harness::builder().with_size(size).with_theme(theme).with_step_dt(1.0 / 60.0).build_eframe(|creation| {
             let app = App::new(creation).expect("the default scenario can be run");
-            app.computing_with(Box::new(Slices(Budget::Unlimited)))
+            app.working_with(Rc::new(Frames(Budget::Unlimited)))
         });
     *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::MonteCarlo]);
     let session = screen.state_mut().session_mut();

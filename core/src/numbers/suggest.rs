@@ -23,7 +23,8 @@ mod trials;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Channel, FilterKind, FilterSettings, InputKind, PlantKind, Propagation, Quantity, Record, Scenario, Sensor, Task as _,
+    Channel, FilterKind, FilterSettings, InputKind, PlantKind, Propagation, Quantity, Record, Scenario, Sensor,
+    Task as _,
 };
 
 use ambient::has_no_input;

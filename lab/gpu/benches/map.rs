@@ -14,7 +14,7 @@ use kalmanscope_core::score::Outcome;
 use kalmanscope_core::simulate;
 use kalmanscope_core::{Axis, Scenario, Source};
 use kalmanscope_gpu::{Gpu, Software};
-use kalmanscope_lab::{Crew, Ensemble, Measure, MonteCarlo, Plan, Runner, Sheet, channels};
+use kalmanscope_lab::{Ensemble, Measure, MonteCarlo, Plan, Priority, Runner, Sheet, Threads, channels};
 
 /// Cells along each axis of the map, and samples of its record.
 const SIDE: usize = 128;
@@ -48,10 +48,10 @@ fn main() {
         println!("{kind}: a single filter, {:.0} ns a step", nanoseconds(single) / SAMPLES as f64);
         let mut alone = 0.0;
         for threads in [1, 0] {
-            let Ok(crew) = Crew::new(threads) else { continue };
+            let Ok(team) = Threads::new(threads, 0) else { continue };
             let mut first = Duration::MAX;
             let all = least(|| {
-                let (coarse, all) = fill(&crew, &runner);
+                let (coarse, all) = fill(&team, &runner);
                 first = first.min(coarse);
                 all
             });
@@ -61,7 +61,7 @@ fn main() {
             println!(
                 "{kind}: map {SIDE} × {SIDE} × {SAMPLES}, {} threads: first picture {:.0} ms, all {:.2} s, {:.0} ns a step, {:.2} \
                  times as fast as one thread",
-                crew.threads(),
+                team.count(),
                 nanoseconds(first) / 1e6,
                 all.as_secs_f64(),
                 nanoseconds(all) / steps,
@@ -92,11 +92,11 @@ fn main() {
     for times in [0, 60] {
         let Ok(ensemble) = MonteCarlo::ensemble(scenario.clone(), vec![0], SEEDS, times) else { continue };
         let Ok(runner) = Runner::new(ensemble, Source::Simulated).map(Arc::new) else { continue };
-        let Ok(crew) = Crew::new(0) else { continue };
-        let (_, all) = fill(&crew, &runner);
+        let Ok(team) = Threads::new(0, 0) else { continue };
+        let (_, all) = fill(&team, &runner);
         println!(
             "Monte Carlo of {SEEDS} seeds × {LONG} samples, looked at at {times} times, {} threads: {:.1} s, {:.0} ns a sample",
-            crew.threads(),
+            team.count(),
             all.as_secs_f64(),
             nanoseconds(all) / (SEEDS * LONG) as f64
         );
@@ -121,10 +121,10 @@ fn map(kind: &str) -> Arc<Runner> {
 }
 
 /// The time until all is covered coarsely, and until every cell is known.
-fn fill(crew: &Crew, runner: &Arc<Runner>) -> (Duration, Duration) {
+fn fill(team: &Threads, runner: &Arc<Runner>) -> (Duration, Duration) {
     let begin = Instant::now();
     let mut sheet = Sheet::new(runner.ensemble());
-    let work = crew.start(runner, runner.ensemble().coarse_to_fine(), || {});
+    let work = team.rows(Priority::Map, runner, runner.ensemble().coarse_to_fine(), |_| {});
     let mut first = None;
     while let Some(slice) = work.wait() {
         sheet.fill(&slice.cells, &slice.rows);

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use common::{CLOSE, gpu};
 use kalmanscope_core::{Axis, Channel, Quantity, Scenario, Source};
 use kalmanscope_gpu::{Gpu, GpuError, Software};
-use kalmanscope_lab::{Crew, Ensemble, Measure, Plan, Runner, Sheet, Slice};
+use kalmanscope_lab::{Ensemble, Measure, Plan, Priority, Runner, Sheet, Slice, Threads};
 
 /// The samples of a map's record.
 const SAMPLES: usize = 2000;
@@ -70,7 +70,8 @@ fn compare(name: &str, runner: &Arc<Runner>) -> Comparison {
     let cells: Vec<usize> = (0..ensemble.cells()).collect();
     let mut exact = Sheet::new(ensemble);
     let begin = Instant::now();
-    let work = Crew::new(0).unwrap().start(runner, cells.clone(), || {});
+    let team = Threads::new(0, 0).unwrap();
+    let work = team.rows(Priority::Map, runner, cells.clone(), |_| {});
     while let Some(Slice { cells, rows }) = work.wait() {
         exact.fill(&cells, &rows);
     }

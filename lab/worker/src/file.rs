@@ -6,7 +6,7 @@ use kalmanscope_core::import::{ImportError, Loaded, Loading, Table};
 use wasm_bindgen::{JsCast as _, JsValue};
 
 use crate::scope::Words;
-use crate::work::numbers;
+use crate::task::numbers;
 
 /// The message that gives a worker the bytes of a file.
 pub fn file_message(number: u32, bytes: &[u8]) -> Array {

@@ -6,7 +6,7 @@ use wasm_bindgen::{JsCast as _, JsValue};
 
 use crate::record::{filtered, scenario_and_record};
 use crate::scope::Words;
-use crate::work::{Work, numbers};
+use crate::task::{Portioned, count, numbers};
 
 /// A filter over a record, in a worker.
 pub(crate) struct Filter {
@@ -33,10 +33,10 @@ impl Filter {
     }
 }
 
-impl Work for Filter {
-    fn go_on(&mut self, count: usize, handed_over: &Array) -> JsValue {
+impl Portioned for Filter {
+    fn go_on(&mut self, portion: &JsValue, handed_over: &Array) -> JsValue {
         let mut tape = Tape::default();
-        self.pass.follow(&self.record, self.pass.done() + count, &mut tape);
+        self.pass.follow(&self.record, self.pass.done() + count(portion), &mut tape);
         numbers(tape.numbers(), handed_over)
     }
 }

@@ -9,7 +9,7 @@ use wasm_bindgen::{JsCast as _, JsValue};
 const TRUE: &str = "true_";
 
 /// A given record as `[dt, input, [key, column], …]`; null for a simulation.
-pub fn in_message(source: &Source) -> JsValue {
+pub(crate) fn in_message(source: &Source) -> JsValue {
     let Source::Measured(record) = source else { return JsValue::NULL };
     let message = filtered(record);
     for channel in Channel::all() {
@@ -21,7 +21,7 @@ pub fn in_message(source: &Source) -> JsValue {
 }
 
 /// The part of a record that filters see, in the form of a given record.
-pub fn filtered(record: &Record) -> Array {
+pub(crate) fn filtered(record: &Record) -> Array {
     let message = Array::of2(&record.dt().into(), &Float64Array::from(record.input()));
     for (place, quantity) in record.sensors().iter().enumerate() {
         push(&message, quantity.key(), record.measured(place));
@@ -34,7 +34,7 @@ fn push(message: &Array, key: &str, values: &[f64]) {
 }
 
 /// The record of a message, if it is one; its input is of the scenario's kind.
-pub fn measured(record: &Array, scenario: &Scenario) -> Option<Record> {
+pub(crate) fn measured(record: &Array, scenario: &Scenario) -> Option<Record> {
     let numbers = |value: JsValue| Some(value.dyn_into::<Float64Array>().ok()?.to_vec());
     let dt = record.get(0).as_f64()?;
     let input = Input { kind: scenario.input, hold: scenario.hold, values: numbers(record.get(1))? };

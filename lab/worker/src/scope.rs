@@ -1,6 +1,6 @@
 //! The worker's side of the conversation.
 
-use js_sys::{Array, Float64Array, Uint32Array};
+use js_sys::Array;
 use wasm_bindgen::closure::Closure;
 use wasm_bindgen::{JsCast as _, JsValue};
 use web_sys::{DedicatedWorkerGlobalScope, MessageEvent};
@@ -19,8 +19,8 @@ impl Words {
         self.get(at).as_string().unwrap_or_default()
     }
 
-    /// The job that the message belongs to, or NaN.
-    pub fn job(&self) -> f64 {
+    /// The number of the task that the message belongs to, or NaN.
+    pub fn number(&self) -> f64 {
         self.get(1).as_f64().unwrap_or(f64::NAN)
     }
 }
@@ -51,7 +51,7 @@ impl Watch {
     }
 
     /// The time since its begin \[ms\].
-    pub(crate) fn time(&self) -> f64 {
+    fn time(&self) -> f64 {
         now() - self.0
     }
 }
@@ -61,19 +61,16 @@ fn now() -> f64 {
     scope().performance().map_or(0.0, |clock| clock.now())
 }
 
-/// Sends the rows of some cells.
-pub fn answer(job: f64, cells: &[usize], rows: &[f64], watch: &Watch) {
-    let rows = Float64Array::from(rows);
-    let cells: Vec<u32> = cells.iter().map(|&cell| cell as u32).collect();
-    let cells = Uint32Array::from(cells.as_slice());
-    let message = Array::of5(&"rows".into(), &job.into(), &cells, &rows, &watch.time().into());
-    send(&message, &Array::of1(&rows.buffer()));
+/// Sends a part of a task. The browser does not copy buffers in `handed_over`.
+pub fn answer(number: f64, part: &JsValue, handed_over: &Array, watch: &Watch) {
+    let message = Array::of4(&"part".into(), &number.into(), part, &watch.time().into());
+    // A closed page needs no numbers.
+    let _ = scope().post_message_with_transfer(&message, handed_over);
 }
 
-/// Sends a message, and hands over buffers in it.
-pub(crate) fn send(message: &Array, handed_over: &Array) {
-    // A closed page needs no numbers.
-    let _ = scope().post_message_with_transfer(message, handed_over);
+/// Tells the page why a task cannot be done.
+pub fn fail(number: f64, reason: &str) {
+    tell(&Array::of3(&"failed".into(), &number.into(), &reason.into()));
 }
 
 /// Sends a message.

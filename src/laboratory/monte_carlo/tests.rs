@@ -1,12 +1,13 @@
 use kalmanscope_lab::Runner;
 
 use super::*;
-use crate::laboratory::{Laboratory, Slices};
+use crate::laboratory::Laboratory;
 use crate::session::{Budget, Session};
+use crate::team::Frames;
 
 /// A laboratory that runs one seed a frame.
 fn slow(seeds: usize) -> Laboratory {
-    let mut laboratory = Laboratory::new(Box::new(Slices(Budget::Pieces(1))));
+    let mut laboratory = Laboratory::new(Rc::new(Frames(Budget::Pieces(1))));
     laboratory.seeds_mut().choose(SeedChoice { seeds, parameter: None });
     laboratory
 }

@@ -5,7 +5,7 @@ use super::*;
 #[test]
 fn a_map_of_a_filter_by_its_name_stays_when_that_changes() {
     let mut session = session();
-    let mut laboratory = Laboratory::new(Box::new(Slices(Budget::Unlimited)));
+    let mut laboratory = Laboratory::new(Rc::new(Frames(Budget::Unlimited)));
     let axes = ["filters.UKF.fading=1:1.1:3", "filters.*.process_std=0.1:10:3:log"];
     let axes = axes.map(|text| Axis::parse(text).unwrap());
     let chosen = Choice { axes, second: Some(1), filter: 2, ..choice() };

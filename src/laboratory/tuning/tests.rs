@@ -1,5 +1,8 @@
+use std::rc::Rc;
+
 use super::*;
-use crate::laboratory::{Choice, Laboratory, Precision, Slices};
+use crate::laboratory::{Choice, Laboratory};
+use crate::team::{Frames, Precision};
 use kalmanscope_core::setting::Address;
 use kalmanscope_core::{Axis, Channel, Quantity};
 use kalmanscope_lab::Measure;
@@ -13,7 +16,7 @@ fn session() -> Session {
 }
 
 fn laboratory() -> Laboratory {
-    Laboratory::new(Box::new(Slices(Budget::Unlimited)))
+    Laboratory::new(Rc::new(Frames(Budget::Unlimited)))
 }
 
 fn choice(keys: &[&str]) -> TuneChoice {

@@ -6,12 +6,12 @@ use kalmanscope_core::{Axis, Scenario, Spacing};
 
 use crate::controls::number::field;
 use crate::laboratory::{
-    Choice, Computer, Finding, Laboratory, MOST, Precision, Survey, candidates, collide, measure_name, offered,
-    part_of, setting_name,
+    Choice, Laboratory, MOST, Survey, candidates, collide, measure_name, offered, part_of, setting_name,
 };
 use crate::menu::{Closing, menu_ui};
 use crate::probe;
 use crate::request::Request;
+use crate::team::{Computer, Finding, Precision};
 use crate::theme::Palette;
 use crate::view::ViewContext;
 

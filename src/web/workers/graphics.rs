@@ -1,21 +1,21 @@
 //! The page's graphics processor, in a worker of its own.
 
 use std::cell::RefCell;
+use std::collections::VecDeque;
 use std::rc::{Rc, Weak};
 use std::sync::Arc;
 
 use egui::Context;
-use js_sys::{Array, Float64Array, Uint32Array};
-use kalmanscope::laboratory::{Computer, Finding, GivenUp, Graphics, GraphicsWork, Rows, Task};
-use wasm_bindgen::JsCast as _;
+use js_sys::Array;
+use kalmanscope::team::{Cells, Computer, Finding, Graphics, Handle, Lost, Rows};
+use kalmanscope_worker::{cells_message, portion_of, rows};
+use wasm_bindgen::{JsCast as _, JsValue};
 use wasm_bindgen_futures::spawn_local;
 use web_sys::MessageEvent;
 use web_time::{Duration, Instant};
 
-use kalmanscope_worker::in_message;
-
 use super::adapter;
-use super::member::{Member, Program};
+use super::worker::{Program, Worker};
 
 /// The cells of the first portion: enough for a first picture.
 const FIRST: usize = 64;
@@ -35,10 +35,10 @@ struct State {
     /// Whether the browser has been asked for one.
     is_asked: bool,
     finding: Finding,
-    worker: Option<Member>,
+    worker: Option<Worker>,
     name: Arc<str>,
-    /// The number of the present job.
-    job: u32,
+    /// The number of the present task.
+    number: u32,
     task: Option<Given>,
     ctx: Context,
 }
@@ -51,7 +51,7 @@ struct Given {
     given: usize,
     portion: usize,
     begun: Instant,
-    rows: Vec<Rows>,
+    rows: VecDeque<Rows>,
     /// Whether there are cells that it does not serve.
     has_left: bool,
     has_given_up: bool,
@@ -64,7 +64,7 @@ impl Processor {
             finding: Finding::Searching,
             worker: None,
             name: Arc::from(""),
-            job: 0,
+            number: 0,
             task: None,
             ctx: Context::default(),
         };
@@ -86,50 +86,47 @@ impl Graphics for Processor {
         self.state.borrow().finding.clone()
     }
 
-    fn start(&self, task: Task<'_>, ctx: &Context) -> Option<Box<dyn GraphicsWork>> {
+    fn cells(&self, cells: &Cells, ctx: &Context) -> Option<Handle<Rows>> {
         let mut state = self.state.borrow_mut();
         state.ctx = ctx.clone();
-        state.job += 1;
-        let job = state.job;
-        let ensemble = task.ensemble.to_json();
-        let message = Array::of4(&"ensemble".into(), &job.into(), &ensemble.into(), &in_message(task.source));
-        state.worker.as_ref()?.tell(&message);
+        state.number += 1;
+        let number = state.number;
+        state.worker.as_ref()?.tell(&cells_message(number, &cells.runner));
         state.task = Some(Given {
-            order: task.order,
+            order: cells.order.clone(),
             next: 0,
             given: 0,
             portion: FIRST,
             begun: Instant::now(),
-            rows: Vec::new(),
+            rows: VecDeque::new(),
             has_left: false,
             has_given_up: false,
         });
         state.feed();
-        Some(Box::new(Working { state: Rc::clone(&self.state), job }))
+        let working = Working { state: Rc::clone(&self.state), number };
+        Some(Handle::new(move || working.take()))
     }
 }
 
 struct Working {
     state: Rc<RefCell<State>>,
-    job: u32,
+    number: u32,
 }
 
-impl GraphicsWork for Working {
-    fn poll(&mut self) -> Result<Vec<Rows>, GivenUp> {
+impl Working {
+    fn take(&self) -> Result<Option<Rows>, Lost> {
         let mut state = self.state.borrow_mut();
-        if state.job != self.job {
-            return Err(GivenUp);
-        }
-        let task = state.task.as_mut().ok_or(GivenUp)?;
-        let rows = std::mem::take(&mut task.rows);
-        if rows.is_empty() && task.has_given_up { Err(GivenUp) } else { Ok(rows) }
+        let is_present = state.number == self.number;
+        let task = state.task.as_mut().filter(|_| is_present).ok_or(Lost)?;
+        let rows = task.rows.pop_front();
+        if rows.is_none() && task.has_given_up { Err(Lost) } else { Ok(rows) }
     }
 }
 
 impl Drop for Working {
     fn drop(&mut self) {
         let mut state = self.state.borrow_mut();
-        if state.job == self.job {
+        if state.number == self.number {
             state.task = None;
         }
     }
@@ -140,21 +137,20 @@ impl State {
     fn feed(&mut self) {
         let (Some(worker), Some(task)) = (&self.worker, &mut self.task) else { return };
         let end = (task.next + task.portion).min(task.order.len());
-        let cells: Vec<u32> = task.order[task.next..end].iter().map(|&cell| cell as u32).collect();
+        let cells = &task.order[task.next..end];
         if cells.is_empty() {
             task.has_given_up |= task.has_left;
         } else {
-            worker.tell(&Array::of3(&"cells".into(), &self.job.into(), &Uint32Array::from(cells.as_slice())));
+            worker.tell(&Array::of3(&"more".into(), &self.number.into(), &portion_of(cells)));
             (task.given, task.next, task.begun) = (cells.len(), end, Instant::now());
         }
     }
 
-    fn take(&mut self, cells: &Uint32Array, numbers: &Float64Array) {
-        let Some(task) = &mut self.task else { return };
-        let cells: Vec<usize> = cells.to_vec().into_iter().map(|cell| cell as usize).collect();
+    fn take(&mut self, part: &JsValue) {
+        let (Some(task), Some((cells, numbers))) = (&mut self.task, rows(part)) else { return };
         task.has_left |= cells.len() < task.given;
         let by = Computer::Graphics(Arc::clone(&self.name));
-        task.rows.push(Rows { cells, numbers: numbers.to_vec(), by });
+        task.rows.push_back(Rows { cells, numbers, by });
         let factor = PORTION.as_secs_f64() / task.begun.elapsed().as_secs_f64().max(1e-3);
         task.portion = ((task.portion as f64 * factor.clamp(0.25, 8.0)) as usize).clamp(FIRST, MOST);
     }
@@ -188,7 +184,7 @@ impl State {
 async fn start(state: Rc<RefCell<State>>, software: bool) {
     let offer = adapter::ask(software).await;
     let mut present = state.borrow_mut();
-    match offer.and_then(|()| Member::new(0, Program::Graphics, listener(&state, software))) {
+    match offer.and_then(|()| Worker::new(0, Program::Graphics, listener(&state, software))) {
         Ok(worker) => present.worker = Some(worker),
         Err(reason) => present.miss(reason),
     }
@@ -208,7 +204,7 @@ fn listener(state: &Rc<RefCell<State>>, software: bool) -> impl FnMut(Result<Mes
             }
         };
         let text = |at: u32| words.get(at).as_string().unwrap_or_default();
-        let is_present = words.get(1).as_f64() == Some(f64::from(state.job));
+        let is_present = words.get(1).as_f64() == Some(f64::from(state.number));
         match text(0).as_str() {
             "ready" => {
                 if let Some(worker) = &state.worker {
@@ -225,12 +221,12 @@ fn listener(state: &Rc<RefCell<State>>, software: bool) -> impl FnMut(Result<Mes
                     worker.end();
                 }
             }
-            "rows" if is_present => {
-                state.take(words.get(2).unchecked_ref(), words.get(3).unchecked_ref());
+            "part" if is_present => {
+                state.take(&words.get(2));
                 state.feed();
             }
             "refused" if is_present => state.give_up(),
-            "rows" | "refused" => {}
+            "part" | "refused" => {}
             // An ensemble that cannot be used, a device that is lost, a panic.
             "failed" if is_present => state.give_up(),
             _ => state.lose(text(2)),

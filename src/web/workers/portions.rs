@@ -1,5 +1,6 @@
 //! The portions of work that a worker has been given.
 
+use kalmanscope_lab::fitted;
 use web_time::{Duration, Instant};
 
 /// The time of a portion: short, so that rows come often and the worker soon sees other messages.
@@ -27,9 +28,9 @@ pub(super) struct Portions {
 }
 
 impl Portions {
-    /// Nothing is given yet.
-    pub(super) fn new() -> Self {
-        Self { given: Vec::new(), size: 4, last: PORTION }
+    /// Nothing is given yet. The first portion has this size.
+    pub(super) fn new(first: usize) -> Self {
+        Self { given: Vec::new(), size: first, last: PORTION }
     }
 
     /// The size of a first portion where one unit takes this time \[s\] by estimate, so that each worker gets a share
@@ -61,11 +62,6 @@ impl Portions {
         self.size
     }
 
-    /// Begins with this size, for other work.
-    pub(super) fn begin_with(&mut self, size: usize) {
-        (self.size, self.last) = (size, PORTION);
-    }
-
     /// Notes that one has been given.
     pub(super) fn give(&mut self) {
         self.given.push(Instant::now());
@@ -82,10 +78,6 @@ impl Portions {
             *next = Instant::now();
         }
         self.last = Duration::try_from_secs_f64(1e-3 * taken).unwrap_or(PORTION);
-        if self.last < PORTION / 2 {
-            self.size = (self.size * 2).min(MOST);
-        } else if self.last > PORTION * 2 {
-            self.size = (self.size / 2).max(1);
-        }
+        self.size = fitted(self.size, self.last, PORTION, [1, MOST]);
     }
 }

@@ -6,14 +6,14 @@ use std::rc::Rc;
 use js_sys::Array;
 use kalmanscope_gpu::{Gpu, GpuError, Software};
 use kalmanscope_lab::Runner;
-use kalmanscope_worker::{Watch, Words, answer, cells, hear, runner, tell};
+use kalmanscope_worker::{Watch, Words, answer, cells, fail, hear, rows_part, runner, tell};
 use wasm_bindgen_futures::spawn_local;
 
-/// The processor, once it has been found, and the last job.
+/// The processor, once it has been found, and the last task.
 #[derive(Default)]
 struct Graphics {
     gpu: Rc<RefCell<Option<Rc<Gpu>>>>,
-    job: Rc<Cell<f64>>,
+    task: Rc<Cell<f64>>,
     runner: RefCell<Option<Rc<Runner>>>,
 }
 
@@ -22,8 +22,8 @@ pub(crate) fn serve() {
     let graphics = Graphics::default();
     hear(move |words| match words.text(0).as_str() {
         "graphics" => graphics.find(words.get(1).is_truthy()),
-        "ensemble" => graphics.begin(words),
-        "cells" => graphics.take(words.job(), cells(words.get(2))),
+        "cells" => graphics.begin(words),
+        "more" => graphics.take(words.number(), cells(&words.get(2))),
         _ => {}
     });
 }
@@ -44,35 +44,32 @@ impl Graphics {
         });
     }
 
-    /// Takes a new job: the cells of those before are not wanted any more.
+    /// Takes a new task: the cells of those before are not wanted any more.
     fn begin(&self, words: &Words) {
-        let job = words.job();
-        self.job.set(job);
-        *self.runner.borrow_mut() = match runner(&words.text(2), &words.get(3)) {
-            Ok(runner) => Some(Rc::new(runner)),
-            Err(reason) => {
-                tell(&Array::of3(&"failed".into(), &job.into(), &reason.into()));
-                None
-            }
-        };
+        self.task.set(words.number());
+        let runner = runner(words).map_err(|reason| fail(words.number(), &reason));
+        *self.runner.borrow_mut() = runner.ok().map(Rc::new);
     }
 
-    /// Runs some cells of the present job, and answers when they are done.
-    fn take(&self, job: f64, cells: Vec<usize>) {
+    /// Runs some cells of the present task, and answers when they are done.
+    fn take(&self, number: f64, cells: Vec<usize>) {
         let (Some(gpu), Some(runner)) = (self.gpu.borrow().clone(), self.runner.borrow().clone()) else { return };
-        let present = Rc::clone(&self.job);
-        if present.get() != job {
+        let present = Rc::clone(&self.task);
+        if present.get() != number {
             return;
         }
         if !Gpu::serves(&runner) {
-            return tell(&Array::of2(&"refused".into(), &job.into()));
+            return tell(&Array::of2(&"refused".into(), &number.into()));
         }
         let watch = Watch::start();
         spawn_local(async move {
-            match gpu.rows(&runner, &cells, &|| present.get() == job).await {
-                Ok((served, rows)) => answer(job, &served, &rows, &watch),
+            match gpu.rows(&runner, &cells, &|| present.get() == number).await {
+                Ok((served, rows)) => {
+                    let handed_over = Array::new();
+                    answer(number, &rows_part(&served, &rows, &handed_over), &handed_over, &watch);
+                }
                 Err(GpuError::Unwanted) => {}
-                Err(error) => tell(&Array::of3(&"lost".into(), &job.into(), &error.to_string().into())),
+                Err(error) => tell(&Array::of3(&"lost".into(), &number.into(), &error.to_string().into())),
             }
         });
     }

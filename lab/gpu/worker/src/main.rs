@@ -4,10 +4,10 @@
 //! | from the page | from the worker |
 //! |---|---|
 //! | `["graphics", software]` | `["graphics", name]`, or `["no graphics", reason]` |
-//! | `["cells", …]` | `["refused", job]` where the ensemble is not served, `["lost", job, reason]` when the processor fails |
+//! | `["more", …]` | `["refused", number]` where the ensemble is not served, `["lost", number, reason]` when the processor fails |
 //!
 //! `software` is true if a software adapter is accepted. The worker serves no cells before it has found the processor.
-//! Cells that the processor does not serve are missing in the rows, and cells of a job before the last one get no
+//! Cells that the processor does not serve are missing in the rows, and cells of a task before the last one get no
 //! answer.
 
 #[cfg(target_arch = "wasm32")]

@@ -1,41 +1,25 @@
-//! The interface to run ensembles: by threads, workers of a page, slices of the frames, or a graphics processor.
+//! Cells of an ensemble to be run, their rows, and the graphics processor that runs some.
 
 use std::fmt;
 use std::sync::Arc;
 
 use egui::Context;
-use kalmanscope_core::Source;
-use kalmanscope_lab::{Ensemble, EnsembleError};
+use kalmanscope_lab::{Priority, Runner};
 use serde::{Deserialize, Serialize};
 
-/// Runs ensembles.
-pub trait Engine {
-    /// Begins to run cells in the given order, and wakes the context when rows have come.
-    ///
-    /// # Errors
-    /// [`EnsembleError`] where the source does not fit the ensemble.
-    fn start(&self, task: Task<'_>, ctx: &Context) -> Result<Box<dyn Work>, EnsembleError>;
-
-    /// The number of values on each axis of a new map, so that it is complete soon.
-    fn usual_count(&self) -> usize;
-
-    /// Whether a graphics processor was found. `None` if the engine uses none.
-    fn graphics(&self) -> Option<Finding> {
-        None
-    }
-}
+use super::Handle;
 
 /// The cells of an ensemble that are to be run.
 #[derive(Clone)]
-pub struct Task<'a> {
-    /// The ensemble.
-    pub ensemble: &'a Ensemble,
-    /// The source of its samples.
-    pub source: &'a Source,
-    /// The cells.
+pub struct Cells {
+    /// The ensemble and the source of its samples.
+    pub runner: Arc<Runner>,
+    /// The cells, in the order in which they are wanted.
     pub order: Vec<usize>,
     /// The precision of the rows.
     pub precision: Precision,
+    /// The use of the rows.
+    pub priority: Priority,
 }
 
 /// The precision of a map's numbers.
@@ -54,12 +38,6 @@ impl Precision {
     pub fn is_usual(&self) -> bool {
         *self == Self::default()
     }
-}
-
-/// The work on one ensemble. It ends when it is dropped.
-pub trait Work {
-    /// The rows that have come since the last call.
-    fn poll(&mut self) -> Vec<Rows>;
 }
 
 /// The rows of some cells.
@@ -107,7 +85,7 @@ pub trait Graphics {
     fn found(&self) -> Finding;
 
     /// Begins to run cells. `None` if it cannot.
-    fn start(&self, task: Task<'_>, ctx: &Context) -> Option<Box<dyn GraphicsWork>>;
+    fn cells(&self, cells: &Cells, ctx: &Context) -> Option<Handle<Rows>>;
 }
 
 /// The state of the search for a graphics processor.
@@ -122,16 +100,3 @@ pub enum Finding {
     /// There was one, and it has failed, for this reason.
     Lost(String),
 }
-
-/// Work on a graphics processor. It ends when it is dropped.
-pub trait GraphicsWork {
-    /// The rows that have come since the last call.
-    ///
-    /// # Errors
-    /// [`GivenUp`] if no more will come.
-    fn poll(&mut self) -> Result<Vec<Rows>, GivenUp>;
-}
-
-/// A graphics processor does not go on: it does not serve the map, or has been lost. [`Graphics::found`] says which.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct GivenUp;

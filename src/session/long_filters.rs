@@ -1,53 +1,58 @@
-//! Long filters of the next picture, computed by workers or threads if there are any.
+//! Long filters of the next picture, which a team computes beside the frames.
 
 use std::rc::Rc;
 
 use egui::Context;
-use kalmanscope_core::{Job, Study};
+use kalmanscope_core::{Job, Study, Tape};
 
 use super::Session;
-use crate::elsewhere::{BETWEEN, Elsewhere, FilterWork, Lost};
+use crate::team::{BETWEEN, Handle, Lost, Team};
 
 /// Limits the time of a filter that is computed in the frames, over the whole record on an ordinary processor \[s\].
 const LONG: f64 = 0.3;
 
-/// The filters of the present job that workers or threads compute.
+/// The filters of the present job that a team computes.
 #[derive(Default)]
-pub(super) struct Away {
-    computer: Option<Rc<dyn Elsewhere>>,
+pub(super) struct LongFilters {
     /// The place of each filter, and the work on it once it has begun.
-    filters: Vec<(usize, Option<FilterWork>)>,
+    filters: Vec<(usize, Option<Handle<Tape>>)>,
     /// Whether only these filters are left to compute.
     is_alone: bool,
 }
 
-impl Away {
+impl LongFilters {
     /// Ends all work.
     pub(super) fn end(&mut self) {
         self.filters.clear();
         self.is_alone = false;
     }
 
-    /// Leaves the long filters of a job to the computer.
-    pub(super) fn begin(&mut self, job: &mut Job) {
+    /// Leaves the long filters of a job to a team.
+    pub(super) fn begin(&mut self, job: &mut Job, team: &dyn Team) {
         self.end();
-        if self.computer.is_some() {
+        if team.is_beside() {
             self.filters = job.leave_long(LONG).into_iter().map(|place| (place, None)).collect();
         }
     }
 
-    /// Takes in the samples that have come, while there is time. If the computer fails, the job gets the filters back.
-    pub(super) fn follow(&mut self, job: &mut Job, study: &Study, while_time: &mut dyn FnMut() -> bool) {
-        let Self { computer, filters, .. } = self;
+    /// Takes in the samples that have come, while there is time. If the team fails, the job gets the filters back.
+    pub(super) fn follow(
+        &mut self,
+        job: &mut Job,
+        study: &Study,
+        team: &dyn Team,
+        while_time: &mut dyn FnMut() -> bool,
+    ) {
+        let Self { filters, .. } = self;
         if filters.iter().any(|(_, work)| work.is_none()) {
             let Some(record) = job.whole_record(study) else { return };
             for (place, work) in filters.iter_mut() {
-                *work = computer.as_ref().and_then(|computer| computer.filter(job.scenario(), *place, record));
+                *work = team.filter(job.scenario(), *place, record);
             }
         }
         let is_lost = filters.iter_mut().any(|(place, work)| {
             while while_time() {
-                match work.as_mut().map_or(Err(Lost), |work| work.next()) {
+                match work.as_mut().map_or(Err(Lost), Handle::take) {
                     Ok(Some(tape)) if job.take(*place, &tape) => {}
                     Ok(None) => break,
                     _ => return true,
@@ -68,22 +73,22 @@ impl Away {
 }
 
 impl Session {
-    /// Leaves long filters of whole records to a computer from now on.
-    pub fn compute_elsewhere(&mut self, computer: Rc<dyn Elsewhere>) {
-        self.away.computer = Some(computer);
+    /// Leaves long work to a team from now on.
+    pub fn work_with(&mut self, team: Rc<dyn Team>) {
+        self.team = team;
         if self.job.is_some() {
             self.begin_job();
         }
     }
 
-    /// The computer to which long work is left, if there is one.
-    pub(crate) fn elsewhere(&self) -> Option<&Rc<dyn Elsewhere>> {
-        self.away.computer.as_ref()
+    /// The team to which long work is left.
+    pub(crate) fn team(&self) -> &Rc<dyn Team> {
+        &self.team
     }
 
-    /// Whether the next picture lacks only filters that workers or threads compute.
+    /// Whether the next picture lacks only filters that the team computes.
     fn only_waits(&self) -> bool {
-        self.job.is_some() && self.away.is_alone && !self.waiting
+        self.job.is_some() && self.long.is_alone && !self.waiting
     }
 
     /// Asks for the next frame of playback, or of what is being computed.
@@ -103,7 +108,6 @@ mod tests {
     use kalmanscope_core::{FilterKind, FilterSettings, Pass, Record, Scenario, Tape};
 
     use super::*;
-    use crate::elsewhere::{LoadingWork, SuggestWork, Work};
     use crate::session::{Budget, Mode};
 
     /// Counts the filters that it is given, and fails after some portions.
@@ -114,44 +118,36 @@ mod tests {
         portions: usize,
     }
 
-    struct FakeWork {
-        pass: Pass,
-        record: Record,
-        fake: Fake,
+    /// Notes the end of the work on a filter.
+    struct UnderWay(Rc<Cell<usize>>);
+
+    impl Drop for UnderWay {
+        fn drop(&mut self) {
+            self.0.set(self.0.get() - 1);
+        }
     }
 
-    impl Elsewhere for Fake {
-        fn filter(&self, scenario: &Scenario, place: usize, record: &Record) -> Option<FilterWork> {
+    impl Team for Fake {
+        fn is_beside(&self) -> bool {
+            true
+        }
+
+        fn filter(&self, scenario: &Scenario, place: usize, record: &Record) -> Option<Handle<Tape>> {
             self.started.set(self.started.get() + 1);
             self.under_way.set(self.under_way.get() + 1);
-            let pass = Pass::new(scenario, place, record).ok()?;
-            Some(Box::new(FakeWork { pass, record: record.clone(), fake: self.clone() }))
-        }
-
-        fn loading(&self, _: &[u8]) -> Option<LoadingWork> {
-            None
-        }
-
-        fn suggest(&self, _: &Scenario, _: &Record) -> Option<SuggestWork> {
-            None
-        }
-    }
-
-    impl Work<Tape> for FakeWork {
-        fn next(&mut self) -> Result<Option<Tape>, Lost> {
-            self.fake.portions = self.fake.portions.checked_sub(1).ok_or(Lost)?;
-            if self.fake.portions % 2 == 1 {
-                return Ok(None);
-            }
-            let mut tape = Tape::default();
-            self.pass.follow(&self.record, self.pass.done() + 500, &mut tape);
-            Ok(Some(tape))
-        }
-    }
-
-    impl Drop for FakeWork {
-        fn drop(&mut self) {
-            self.fake.under_way.set(self.fake.under_way.get() - 1);
+            let under_way = UnderWay(Rc::clone(&self.under_way));
+            let mut pass = Pass::new(scenario, place, record).ok()?;
+            let (record, mut portions) = (record.clone(), self.portions);
+            Some(Handle::new(move || {
+                let _ = &under_way;
+                portions = portions.checked_sub(1).ok_or(Lost)?;
+                if portions % 2 == 1 {
+                    return Ok(None);
+                }
+                let mut tape = Tape::default();
+                pass.follow(&record, pass.done() + 500, &mut tape);
+                Ok(Some(tape))
+            }))
         }
     }
 
@@ -169,7 +165,7 @@ mod tests {
         let mut session = Session::new(scenario()).unwrap();
         session.pause();
         session.set_budget(Budget::Pieces(4));
-        session.compute_elsewhere(Rc::new(fake.clone()));
+        session.work_with(Rc::new(fake.clone()));
         session.set_mode(Mode::Whole);
         (session, fake)
     }
@@ -191,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn a_long_filter_is_computed_elsewhere_and_a_cheap_one_here() {
+    fn a_long_filter_is_computed_by_the_team_and_a_cheap_one_here() {
         let (mut session, fake) = session(1000);
         let mut shares = vec![session.progress().unwrap()];
         while let Some(share) = session.progress() {
@@ -236,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn a_computer_that_fails_leaves_the_work_to_the_frames() {
+    fn a_team_that_fails_leaves_the_work_to_the_frames() {
         for portions in [0, 1, 5] {
             let (mut session, fake) = session(portions);
             wait(&mut session);

@@ -1,0 +1,303 @@
+//! A team of threads, which do tasks by priority.
+
+use std::collections::BTreeMap;
+use std::collections::btree_map::OccupiedEntry;
+use std::io;
+use std::num::NonZero;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::mpsc::{self, Receiver};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+use kalmanscope_core::Task;
+
+use crate::{Runner, Slice};
+
+/// Limits the time between two parts of the work of one thread, unless the cells that it computes at once take longer.
+const PORTION: Duration = Duration::from_millis(25);
+
+/// The cells of the first portions: as many as run side by side, at most.
+const FIRST: usize = 8;
+
+/// What a task is for. A team does the first of these before the others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Priority {
+    /// The user's last edit, or file.
+    Hand,
+    /// The cells of a map.
+    Map,
+    /// Runs with many seeds.
+    Seeds,
+    /// Causes of a bad verdict.
+    Causes,
+}
+
+/// What a portion of work gives.
+pub enum Step<T> {
+    /// A part; there is more to do.
+    Part(T),
+    /// The last part.
+    Last(T),
+    /// Nothing: all is done.
+    End,
+    /// The work cannot be done.
+    Failed,
+}
+
+/// A message of a task under way.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Report<L, O> {
+    /// The state of the task, such as the share that is done.
+    Look(L),
+    /// The outcome.
+    Done(O),
+}
+
+/// Work has failed, and no more of it will come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Lost;
+
+/// The threads that do all tasks of a program.
+pub struct Threads {
+    queue: Arc<Queue>,
+    count: usize,
+    threads: Vec<JoinHandle<()>>,
+}
+
+/// Whether work is still wanted.
+pub struct Wanted(Arc<State>);
+
+/// The parts of work on threads. It ends when this is dropped: no portion begins after that.
+pub struct Parts<T> {
+    parts: Receiver<T>,
+    state: Arc<State>,
+}
+
+#[derive(Default)]
+struct State {
+    is_unwanted: AtomicBool,
+    is_lost: AtomicBool,
+}
+
+/// Does the next portion of some work. Returns whether there is more.
+type Portion = Box<dyn FnMut() -> bool + Send>;
+
+#[derive(Default)]
+struct Queue {
+    waiting: Mutex<Waiting>,
+    changed: Condvar,
+}
+
+#[derive(Default)]
+struct Waiting {
+    /// By priority, then in the order in which they came.
+    portions: BTreeMap<(Priority, u64), Portion>,
+    last: u64,
+    is_over: bool,
+}
+
+impl Threads {
+    /// A team of `count` threads, 0 for one a processor, and of some more for the user's hand alone, which does not wait
+    /// for a long portion of a map.
+    ///
+    /// # Errors
+    /// If the system gives no threads.
+    pub fn new(count: usize, for_hand: usize) -> io::Result<Self> {
+        let count = if count == 0 { thread::available_parallelism().map_or(1, NonZero::get) } else { count };
+        let mut team = Self { queue: Arc::default(), count, threads: Vec::new() };
+        for nth in 0..count + for_hand {
+            let (queue, lowest) =
+                (Arc::clone(&team.queue), if nth < count { Priority::Causes } else { Priority::Hand });
+            let thread = thread::Builder::new().name(format!("worker {nth}"));
+            team.threads.push(thread.spawn(move || queue.serve(lowest))?);
+        }
+        Ok(team)
+    }
+
+    /// Ends the team, and waits until it has ended.
+    pub fn end(mut self) {
+        let threads = std::mem::take(&mut self.threads);
+        drop(self);
+        threads.into_iter().for_each(|thread| _ = thread.join());
+    }
+
+    /// The number of threads for all tasks.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Begins work that some steps do side by side. `wake` is called after each part, and with true at an end.
+    pub fn begin<T: Send + 'static, S: FnMut(Wanted) -> Step<T> + Send + 'static>(
+        &self,
+        priority: Priority,
+        steps: impl IntoIterator<Item = S>,
+        wake: impl Fn(bool) + Send + Sync + 'static,
+    ) -> Parts<T> {
+        let (sender, parts) = mpsc::channel();
+        let (state, wake) = (Arc::<State>::default(), Arc::new(wake));
+        for mut step in steps {
+            let (sender, state, wake) = (sender.clone(), Arc::clone(&state), Arc::clone(&wake));
+            let portion = move || {
+                if !Wanted(Arc::clone(&state)).is_so() {
+                    return false;
+                }
+                // A panic is the end of this work alone.
+                let (part, goes_on) = match catch_unwind(AssertUnwindSafe(|| step(Wanted(Arc::clone(&state))))) {
+                    Ok(Step::Part(part)) => (Some(part), true),
+                    Ok(Step::Last(part)) => (Some(part), false),
+                    Ok(Step::End) => (None, false),
+                    Ok(Step::Failed) | Err(_) => {
+                        state.is_lost.store(true, Ordering::Release);
+                        (None, false)
+                    }
+                };
+                let is_wanted = part.is_none_or(|part| sender.send(part).is_ok());
+                wake(!goes_on);
+                goes_on && is_wanted
+            };
+            self.queue.lock().put(priority, Box::new(portion));
+        }
+        self.queue.changed.notify_all();
+        Parts { parts, state }
+    }
+
+    /// Begins a task. After each portion it sends what `look` sees of it, and its outcome at the end.
+    pub fn task<T: Task<Outcome: Send> + Send + 'static, L: Send + 'static>(
+        &self,
+        priority: Priority,
+        task: T,
+        look: fn(&T) -> L,
+        wake: impl Fn(bool) + Send + Sync + 'static,
+    ) -> Parts<Report<L, T::Outcome>> {
+        let (mut task, mut is_done) = (Some(task), false);
+        let step = move |wanted: Wanted| {
+            if is_done {
+                return task.take().map_or(Step::End, |task| Step::Last(Report::Done(task.finish())));
+            }
+            let Some(task) = &mut task else { return Step::End };
+            let begin = Instant::now();
+            is_done = task.advance(&mut || begin.elapsed() < PORTION && wanted.is_so());
+            Step::Part(Report::Look(look(task)))
+        };
+        self.begin(priority, [step], wake)
+    }
+
+    /// Begins to run cells in the given order.
+    pub fn rows(
+        &self,
+        priority: Priority,
+        runner: &Arc<Runner>,
+        order: Vec<usize>,
+        wake: impl Fn(bool) + Send + Sync + 'static,
+    ) -> Parts<Slice> {
+        let order = Arc::new((order, AtomicUsize::new(0)));
+        let step = |_| {
+            let (runner, order) = (Arc::clone(runner), Arc::clone(&order));
+            let (mut portion, mut at_once) = (FIRST, None);
+            move |_| {
+                let (order, next) = &*order;
+                let from = next.fetch_add(portion, Ordering::Relaxed);
+                let Some(cells) = order.get(from..(from + portion).min(order.len())).filter(|c| !c.is_empty()) else {
+                    return Step::End;
+                };
+                let begin = Instant::now();
+                let rows = runner.rows(cells);
+                let taken = begin.elapsed();
+                if taken > PORTION * 2 && portion > 1 {
+                    at_once = at_once.or_else(|| cells.first().map(|&cell| runner.at_once(cell)));
+                }
+                portion = fitted(portion, taken, PORTION, [at_once.unwrap_or(1), usize::MAX / 2]);
+                Step::Part(Slice { cells: cells.to_vec(), rows })
+            }
+        };
+        self.begin(priority, (0..self.count).map(step), wake)
+    }
+}
+
+/// The size of the next portion, after one that has taken some time, so that each takes about `aim`.
+pub fn fitted(size: usize, taken: Duration, aim: Duration, [least, most]: [usize; 2]) -> usize {
+    if taken < aim / 2 {
+        (2 * size).min(most)
+    } else if taken > 2 * aim {
+        (size / 2).max(least)
+    } else {
+        size
+    }
+}
+
+impl Drop for Threads {
+    fn drop(&mut self) {
+        self.queue.lock().is_over = true;
+        self.queue.changed.notify_all();
+    }
+}
+
+impl Wanted {
+    /// Whether it is.
+    pub fn is_so(&self) -> bool {
+        !self.0.is_unwanted.load(Ordering::Relaxed)
+    }
+}
+
+impl<T> Parts<T> {
+    /// The next part, if one has come.
+    ///
+    /// # Errors
+    /// [`Lost`] if no more will come because the work has failed.
+    pub fn take(&self) -> Result<Option<T>, Lost> {
+        match self.parts.try_recv() {
+            Ok(part) => Ok(Some(part)),
+            Err(_) if self.state.is_lost.load(Ordering::Acquire) => Err(Lost),
+            Err(_) => Ok(None),
+        }
+    }
+
+    /// Waits for the next part; `None` after the last one.
+    pub fn wait(&self) -> Option<T> {
+        self.parts.recv().ok()
+    }
+}
+
+impl<T> Drop for Parts<T> {
+    fn drop(&mut self) {
+        self.state.is_unwanted.store(true, Ordering::Relaxed);
+    }
+}
+
+impl Queue {
+    fn lock(&self) -> MutexGuard<'_, Waiting> {
+        self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Does portions of this priority or a higher one until the team is over.
+    fn serve(&self, lowest: Priority) {
+        let mut waiting = self.lock();
+        while !waiting.is_over {
+            let next = waiting.portions.first_entry().filter(|next| next.key().0 <= lowest);
+            let Some(((priority, _), mut portion)) = next.map(OccupiedEntry::remove_entry) else {
+                waiting = self.changed.wait(waiting).unwrap_or_else(PoisonError::into_inner);
+                continue;
+            };
+            drop(waiting);
+            let goes_on = portion();
+            // Work that has ended frees its memory before the queue is locked.
+            let rest = goes_on.then_some(portion);
+            waiting = self.lock();
+            if let Some(portion) = rest {
+                waiting.put(priority, portion);
+            }
+        }
+    }
+}
+
+impl Waiting {
+    fn put(&mut self, priority: Priority, portion: Portion) {
+        self.last += 1;
+        self.portions.insert((priority, self.last), portion);
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,217 @@
+//! Work of the team against the same work in the frames.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use kalmanscope::session::{Budget, Mode, Session};
+use kalmanscope::team::{Cells, Finding, Lost, Precision, Priority, Relay, Running};
+use kalmanscope_core::import::{ImportError, Loaded, Loading};
+use kalmanscope_core::simulate;
+use kalmanscope_core::suggest::Suggest;
+use kalmanscope_core::{Axis, FilterKind, FilterSettings, Scenario, Source, Task};
+use kalmanscope_lab::tune::{Goal, Tuner};
+use kalmanscope_lab::{Ensemble, Measure, Plan, Runner, Sheet};
+
+use super::*;
+
+/// Limits the time until work is done, on a slow machine.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+fn desktop() -> Rc<dyn Team> {
+    team(Software::Allowed, &Context::default())
+}
+
+/// A whole record of a cheap filter and of particle filters, which take long.
+fn scenario() -> Scenario {
+    let mut scenario = Scenario { duration: 40.0, ..Scenario::default() };
+    scenario.filters.truncate(1);
+    for size in [1000, 1500] {
+        let name = format!("PF {size}");
+        let filter =
+            FilterSettings { id: 0, name, kind: FilterKind::PF, ensemble_size: size, ..scenario.filters[0].clone() };
+        scenario.filters.push(filter);
+    }
+    scenario.number_filters();
+    scenario
+}
+
+fn session(scenario: Scenario) -> Session {
+    let mut session = Session::new(scenario).expect("it can be run");
+    session.pause();
+    session.set_budget(Budget::FRAME);
+    session.work_with(desktop());
+    session.set_mode(Mode::Whole);
+    session
+}
+
+/// Lets frames pass until all is computed; returns the shares that they show.
+fn wait(session: &mut Session) -> Vec<f64> {
+    let (begin, mut shares) = (Instant::now(), Vec::new());
+    while let Some(share) = session.progress() {
+        shares.push(share);
+        session.advance(0.1);
+        thread::sleep(Duration::from_millis(2));
+        assert!(begin.elapsed() < PATIENCE, "{shares:?}");
+    }
+    shares
+}
+
+fn assert_right(session: &Session) {
+    let mut at_once = Session::new(session.scenario().clone()).expect("it can be run");
+    at_once.set_mode(Mode::Whole);
+    assert!(!session.behind() && session.run().scenario() == session.scenario());
+    assert_eq!(session.run().checksum(), at_once.run().checksum());
+}
+
+#[test]
+fn long_filters_on_threads_have_the_bits_of_those_in_the_frames() {
+    let mut session = session(scenario());
+    let shares = wait(&mut session);
+    assert!(shares.len() > 3 && shares.is_sorted(), "{shares:?}");
+    assert_right(&session);
+    // An edit while a thread is busy gives that work up.
+    session.set_scenario(Scenario { seed: 7, ..session.scenario().clone() });
+    session.advance(0.1);
+    session.set_scenario(Scenario { seed: 8, ..session.scenario().clone() });
+    wait(&mut session);
+    assert_right(&session);
+    // Esc keeps the picture before.
+    session.set_scenario(Scenario { seed: 9, ..session.scenario().clone() });
+    session.advance(0.1);
+    assert!(session.cancel());
+    assert_eq!(session.run().scenario().seed, 8);
+}
+
+#[test]
+fn files_start_values_and_tunings_come_from_threads_as_from_the_frames() {
+    let team = desktop();
+    let mut text = "t,force,displacement\n".to_owned();
+    let scenario = Scenario { duration: 200.0, ..Scenario::default() };
+    let record = simulate(&scenario);
+    for k in 0..record.len() {
+        text.push_str(&format!("{},{},{}\n", record.time(k), record.force(k), record.measured(0)[k]));
+    }
+    let loading = || Loading::new(text.clone().into_bytes());
+    let (loaded, shares) = outcome(&*team, loading());
+    let words = |loaded: Result<Loaded, ImportError>| loaded.map_err(|error| error.to_string());
+    assert_eq!(words(loaded), words(loading().run()));
+    assert!(shares.is_sorted() && shares.iter().all(|share| (0.0..=1.0).contains(share)), "{shares:?}");
+    let (bad, _) = outcome(&*team, Loading::new(Vec::new()));
+    assert!(bad.is_err());
+
+    let suggest = || Suggest::new(&scenario, record.clone());
+    assert_eq!(outcome(&*team, suggest()).0, suggest().run());
+
+    let record = Arc::new(record.clone());
+    let axes = vec![Axis::parse("filters.EKF.process_std=0.1:10:5:log").expect("it is an axis")];
+    let tuner = || {
+        Tuner::new(scenario.clone(), 0, Arc::clone(&record), axes.clone(), Goal::Likelihood).expect("it is possible")
+    };
+    assert_eq!(outcome(&*team, tuner()).0.path, tuner().run().path);
+}
+
+#[test]
+fn a_filter_that_cannot_be_run_is_lost() {
+    let team = desktop();
+    let record = simulate(&Scenario { duration: 1.0, ..Scenario::default() });
+    let mut none = team.filter(&Scenario::default(), 99, &record).expect("there is a thread");
+    let begin = Instant::now();
+    while none.take().map(|tape| assert!(tape.is_none())) != Err(Lost) {
+        assert!(begin.elapsed() < PATIENCE);
+    }
+}
+
+/// The outcome of a task on a thread, and the shares that frames see.
+fn outcome<T: Task<Outcome: Send> + Send + 'static>(team: &dyn Team, task: T) -> (T::Outcome, Vec<f64>) {
+    let mut task = Running::begin(team, Priority::Hand, task, T::progress);
+    assert!(task.is_beside());
+    let (mut shares, begin) = (vec![*task.seen()], Instant::now());
+    loop {
+        if let Some(outcome) = task.advance(&mut || false).expect("it is not lost") {
+            return (outcome, shares);
+        }
+        shares.push(*task.seen());
+        thread::sleep(Duration::from_millis(1));
+        assert!(begin.elapsed() < PATIENCE);
+    }
+}
+
+fn ensemble(measure: Measure, side: usize) -> Ensemble {
+    let scenario = Scenario { duration: 10.0, ..Scenario::default() };
+    let axes = [format!("filters.EKF.process_std=0.1:10:{side}:log"), format!("filters.EKF.sensor_std=0.2:5:{side}")];
+    let axes = axes.iter().map(|text| Axis::parse(text).expect("it is an axis")).collect();
+    let plan = Plan { filters: vec![0], measures: vec![measure], axes, ..Plan::default() };
+    Ensemble::new(scenario, plan).expect("it is possible")
+}
+
+/// Computes an ensemble; returns the sheet and the cells that each has computed.
+fn compute(team: &Rc<dyn Team>, ensemble: &Ensemble, precision: Precision) -> (Sheet, HashMap<String, usize>) {
+    let runner = Runner::new(ensemble.clone(), Source::Simulated).expect("it can be run");
+    let (runner, order) = (Arc::new(runner), ensemble.coarse_to_fine());
+    let mut work = Relay::new(team, Cells { runner, order, precision, priority: Priority::Map }, &Context::default());
+    let (mut sheet, mut by, begin) = (Sheet::new(ensemble), HashMap::new(), Instant::now());
+    while !sheet.is_complete() {
+        for rows in work.take() {
+            sheet.fill(&rows.cells, &rows.numbers);
+            *by.entry(rows.by.to_string()).or_default() += rows.cells.len();
+        }
+        assert!(begin.elapsed() < PATIENCE, "{} of {} cells, {by:?}", sheet.done(), sheet.len());
+        thread::sleep(Duration::from_millis(2));
+    }
+    (sheet, by)
+}
+
+fn finding(team: &Rc<dyn Team>) -> Option<Finding> {
+    team.graphics().map(|graphics| graphics.found())
+}
+
+fn is_by_graphics(by: &str) -> bool {
+    by.starts_with("in single precision by ")
+}
+
+fn rows(ensemble: &Ensemble) -> Vec<f64> {
+    let cells: Vec<usize> = (0..ensemble.cells()).collect();
+    Runner::new(ensemble.clone(), Source::Simulated).expect("it is possible").rows(&cells)
+}
+
+fn all(sheet: &Sheet) -> Vec<f64> {
+    (0..sheet.len()).flat_map(|cell| sheet.row(cell).expect("it is known").to_vec()).collect()
+}
+
+/// Needs a Vulkan driver; a software one such as Mesa's lavapipe is enough.
+#[test]
+fn a_processor_takes_over_and_serves_the_next_map_from_the_beginning() {
+    let team = desktop();
+    let ensemble = ensemble(Measure::Nis, 24);
+    assert_eq!(finding(&team), Some(Finding::Searching), "nobody looks before the first map");
+    let begin = Instant::now();
+    let (first, _) = compute(&team, &ensemble, Precision::Fastest);
+    while finding(&team) == Some(Finding::Searching) && begin.elapsed() < PATIENCE {
+        thread::sleep(Duration::from_millis(10));
+    }
+    assert_eq!(finding(&team), Some(Finding::Ready));
+    let (second, by) = compute(&team, &ensemble, Precision::Fastest);
+    assert!(by.len() == 1 && by.keys().all(|by| is_by_graphics(by)), "{by:?}");
+    for (number, exact) in all(&first).iter().chain(&all(&second)).zip(rows(&ensemble).iter().cycle()) {
+        assert!((number - exact).abs() <= 1e-3 * exact, "{number} {exact}");
+    }
+    let (exact, by) = compute(&team, &ensemble, Precision::Double);
+    assert!(by.keys().all(|by| !is_by_graphics(by)), "{by:?}");
+    assert_eq!(all(&exact), rows(&ensemble));
+}
+
+#[test]
+fn a_map_that_is_not_served_goes_to_the_threads() {
+    let team = desktop();
+    let ensemble = ensemble(Measure::Verdict, 4);
+    for _ in 0..2 {
+        let (sheet, by) = compute(&team, &ensemble, Precision::Fastest);
+        assert!(by.keys().all(|by| !is_by_graphics(by)), "{by:?}");
+        assert_eq!(all(&sheet), rows(&ensemble));
+        let begin = Instant::now();
+        while finding(&team) == Some(Finding::Searching) && begin.elapsed() < PATIENCE {
+            thread::sleep(Duration::from_millis(10));
+        }
+    }
+}

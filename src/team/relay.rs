@@ -1,0 +1,243 @@
+//! Cells that go from one computer to the next: to a graphics processor, to the team, to the frames.
+
+use std::rc::Rc;
+
+use egui::Context;
+
+use super::{Cells, Finding, Frames, Graphics, Handle, Lost, Precision, Rows, Team};
+
+/// Cells under way. The team runs them until a graphics processor is found, and after that has given up; the frames run
+/// them after the team has failed.
+pub struct Relay {
+    team: Rc<dyn Team>,
+    /// The graphics processor, as long as it has not given up these cells.
+    graphics: Option<Rc<dyn Graphics>>,
+    cells: Cells,
+    /// For each cell of the ensemble, whether its row has come or is not wanted.
+    is_done: Vec<bool>,
+    on_graphics: Option<Handle<Rows>>,
+    on_team: Option<Handle<Rows>>,
+    ctx: Context,
+}
+
+impl Relay {
+    /// Cells to be run by a team, and its graphics processor if single precision will do. The context is woken when
+    /// rows have come.
+    pub fn new(team: &Rc<dyn Team>, cells: Cells, ctx: &Context) -> Self {
+        let graphics = team.graphics().filter(|_| cells.precision == Precision::Fastest);
+        graphics.iter().for_each(|graphics| _ = graphics.find(ctx));
+        let mut is_done = vec![true; cells.runner.ensemble().cells()];
+        cells.order.iter().for_each(|cell| is_done[*cell] = false);
+        let (team, ctx) = (Rc::clone(team), ctx.clone());
+        Self { team, graphics, cells, is_done, on_graphics: None, on_team: None, ctx }
+    }
+
+    /// The rows that have come since the last call.
+    pub fn take(&mut self) -> Vec<Rows> {
+        let mut rows = Vec::new();
+        if self.on_graphics.is_none()
+            && let Some(graphics) = self.graphics.as_ref().filter(|graphics| graphics.found() == Finding::Ready)
+        {
+            self.on_graphics = graphics.cells(&self.missing(), &self.ctx);
+            self.graphics.take_if(|_| self.on_graphics.is_none());
+        }
+        if let Some(work) = &mut self.on_graphics {
+            if all(work, &mut rows).is_err() {
+                (self.on_graphics, self.graphics) = (None, None);
+            }
+            if !rows.is_empty() {
+                // The graphics processor has begun: the team stops.
+                self.on_team = None;
+            }
+        }
+        self.note(&rows);
+        if self.on_graphics.is_none() && self.on_team.is_none() && self.is_done.contains(&false) {
+            self.begin();
+        }
+        if let Some(work) = &mut self.on_team {
+            let is_lost = all(work, &mut rows).is_err();
+            self.note(&rows);
+            if is_lost {
+                log::warn!("The frames compute the rest of the cells.");
+                self.team = Rc::new(Frames::FRAME);
+                self.begin();
+            }
+        }
+        rows
+    }
+
+    /// Gives the cells without a row to the team, or to the frames.
+    fn begin(&mut self) {
+        let (Self { team, ctx, .. }, cells) = (&*self, self.missing());
+        self.on_team = team.cells(&cells, ctx).or_else(|| Frames::FRAME.cells(&cells, ctx));
+    }
+
+    fn note(&mut self, rows: &[Rows]) {
+        rows.iter().flat_map(|rows| &rows.cells).for_each(|cell| self.is_done[*cell] = true);
+    }
+
+    /// The cells without a row.
+    fn missing(&self) -> Cells {
+        let order = self.cells.order.iter().copied().filter(|cell| !self.is_done[*cell]).collect();
+        Cells { order, ..self.cells.clone() }
+    }
+}
+
+/// Takes all rows that have come.
+fn all(work: &mut Handle<Rows>, rows: &mut Vec<Rows>) -> Result<(), Lost> {
+    while let Some(new) = work.take()? {
+        rows.push(new);
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::RefCell;
+    use std::sync::Arc;
+
+    use kalmanscope_core::{Axis, Scenario, Source};
+    use kalmanscope_lab::{Ensemble, Measure, Plan, Priority, Runner, Sheet};
+
+    use super::*;
+    use crate::session::Budget;
+    use crate::team::Computer;
+
+    /// A graphics processor that is ready and fails as the test wants.
+    struct Played {
+        finding: RefCell<Finding>,
+        /// The portions of two cells that it computes before it gives up.
+        portions: usize,
+    }
+
+    /// A team whose workers fail after this many rows.
+    struct Failing(usize);
+
+    impl Team for Failing {
+        fn cells(&self, cells: &Cells, _: &Context) -> Option<Handle<Rows>> {
+            let (Cells { runner, mut order, .. }, mut left) = (cells.clone(), self.0);
+            Some(Handle::new(move || {
+                left = left.checked_sub(1).ok_or(Lost)?;
+                let cells = vec![order.remove(0)];
+                Ok(Some(Rows { numbers: runner.rows(&cells), cells, by: Computer::Workers(1) }))
+            }))
+        }
+    }
+
+    /// Runs cells in the frames, and has the graphics processor of a test.
+    struct WithGraphics(Rc<Played>);
+
+    impl Team for WithGraphics {
+        fn cells(&self, cells: &Cells, ctx: &Context) -> Option<Handle<Rows>> {
+            Frames(Budget::Pieces(1)).cells(cells, ctx)
+        }
+
+        fn graphics(&self) -> Option<Rc<dyn Graphics>> {
+            Some(Rc::<Played>::clone(&self.0))
+        }
+    }
+
+    impl Graphics for Played {
+        fn find(&self, _: &Context) -> Finding {
+            self.found()
+        }
+
+        fn found(&self) -> Finding {
+            self.finding.borrow().clone()
+        }
+
+        fn cells(&self, cells: &Cells, _: &Context) -> Option<Handle<Rows>> {
+            let (Cells { runner, mut order, .. }, mut portions) = (cells.clone(), self.portions);
+            let mut is_over = false;
+            Some(Handle::new(move || {
+                // One portion a frame.
+                if std::mem::take(&mut is_over) || order.is_empty() {
+                    return Ok(None);
+                }
+                portions = portions.checked_sub(1).ok_or(Lost)?;
+                is_over = true;
+                let cells: Vec<usize> = order.drain(..order.len().min(2)).collect();
+                Ok(Some(Rows { numbers: runner.rows(&cells), cells, by: named() }))
+            }))
+        }
+    }
+
+    fn named() -> Computer {
+        Computer::Graphics(Arc::from("a graphics processor"))
+    }
+
+    fn ensemble() -> Ensemble {
+        let scenario = Scenario { duration: 1.0, ..Scenario::default() };
+        let axes = vec![Axis::parse("filters.EKF.fading=1:1.1:10").unwrap()];
+        Ensemble::new(scenario, Plan { filters: vec![0], measures: vec![Measure::Nis], axes, ..Plan::default() })
+            .unwrap()
+    }
+
+    /// Takes rows until all cells are known; `before` is called before each time. Returns the computer of each row.
+    fn run(team: &Rc<dyn Team>, precision: Precision, before: impl Fn(usize)) -> Vec<(Computer, usize)> {
+        let (ensemble, ctx) = (ensemble(), Context::default());
+        let runner = Arc::new(Runner::new(ensemble.clone(), Source::Simulated).unwrap());
+        let cells = Cells { runner: Arc::clone(&runner), order: (0..10).collect(), precision, priority: Priority::Map };
+        let mut work = Relay::new(team, cells, &ctx);
+        let (mut sheet, mut by) = (Sheet::new(&ensemble), Vec::new());
+        for nth in 0..40 {
+            before(nth);
+            for rows in work.take() {
+                sheet.fill(&rows.cells, &rows.numbers);
+                by.push((rows.by, rows.cells.len()));
+            }
+            if sheet.is_complete() {
+                break;
+            }
+        }
+        let exact = runner.rows(&(0..10).collect::<Vec<_>>());
+        let rows: Vec<f64> = (0..10).flat_map(|cell| sheet.row(cell).unwrap().to_vec()).collect();
+        assert_eq!(rows, exact);
+        by
+    }
+
+    fn played(finding: Finding, portions: usize) -> (Rc<Played>, Rc<dyn Team>) {
+        let graphics = Rc::new(Played { finding: RefCell::new(finding), portions });
+        (Rc::clone(&graphics), Rc::new(WithGraphics(graphics)))
+    }
+
+    #[test]
+    fn one_that_is_ready_computes_all() {
+        let by = run(&played(Finding::Ready, 99).1, Precision::Fastest, |_| {});
+        assert_eq!(by, vec![(named(), 2); 5]);
+    }
+
+    #[test]
+    fn one_that_gives_up_leaves_the_rest_to_the_other() {
+        let by = run(&played(Finding::Ready, 2).1, Precision::Fastest, |_| {});
+        assert_eq!(by[..2], [(named(), 2), (named(), 2)]);
+        assert_eq!(by[2..], vec![(Computer::Frames, 1); 6]);
+    }
+
+    #[test]
+    fn one_that_is_found_later_takes_over() {
+        let (found, team) = played(Finding::Searching, 99);
+        let by = run(&team, Precision::Fastest, |nth| {
+            if nth == 3 {
+                *found.finding.borrow_mut() = Finding::Ready;
+            }
+        });
+        let others: usize = by.iter().filter(|(by, _)| *by == Computer::Frames).map(|(_, cells)| cells).sum();
+        assert!((3..=5).contains(&others), "{by:?}");
+        assert_eq!(by.last().map(|(by, _)| by.clone()), Some(named()));
+    }
+
+    #[test]
+    fn double_precision_is_for_the_other() {
+        let by = run(&played(Finding::Ready, 99).1, Precision::Double, |_| {});
+        assert_eq!(by, vec![(Computer::Frames, 1); 10]);
+    }
+    #[test]
+    fn a_team_that_fails_leaves_the_rest_to_the_frames() {
+        for rows in [0, 3] {
+            let by = run(&(Rc::new(Failing(rows)) as Rc<dyn Team>), Precision::Fastest, |_| {});
+            assert_eq!(by[..rows], vec![(Computer::Workers(1), 1); rows]);
+            assert!(by[rows..].iter().all(|(by, _)| *by == Computer::Frames));
+        }
+    }
+}
