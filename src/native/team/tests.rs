@@ -4,12 +4,13 @@ use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use kalmanscope::session::{Budget, Mode, Session};
+use kalmanscope::session::{Budget, Mode, ModelTime, Session};
 use kalmanscope::team::{Cells, Finding, Lost, Precision, Priority, Relay, Running};
+use kalmanscope_core::diagnostics::Depth;
 use kalmanscope_core::import::{ImportError, Loaded, Loading};
 use kalmanscope_core::simulate;
 use kalmanscope_core::suggest::Suggest;
-use kalmanscope_core::{Axis, FilterKind, FilterSettings, Scenario, Source, Task};
+use kalmanscope_core::{Axis, FilterKind, FilterSettings, Scenario, Source, Task, Wanted};
 use kalmanscope_lab::tune::{Goal, Tuner};
 use kalmanscope_lab::{Ensemble, Measure, Plan, Runner, Sheet};
 
@@ -109,6 +110,37 @@ fn files_start_values_and_tunings_come_from_threads_as_from_the_frames() {
         Tuner::new(scenario.clone(), 0, Arc::clone(&record), axes.clone(), Goal::Likelihood).expect("it is possible")
     };
     assert_eq!(outcome(&*team, tuner()).0.path, tuner().run().path);
+}
+
+#[test]
+fn causes_free_runs_and_spectrograms_come_from_threads_as_from_the_frames() {
+    let mut scenario = Scenario { duration: 20.0, ..Scenario::default() };
+    scenario.filters.truncate(1);
+    scenario.number_filters();
+    // A filter that is too sure of its sensors has causes.
+    scenario.filters[0].sensor_std.iter_mut().for_each(|std| *std *= 0.2);
+    let id = scenario.filters[0].id;
+    let seen = |team: Option<Rc<dyn Team>>| {
+        let mut session = Session::new(scenario.clone()).expect("it can be run");
+        session.pause();
+        team.into_iter().for_each(|team| session.work_with(team));
+        session.set_mode(Mode::Whole);
+        session.want(Wanted { diagnostics: Some(Depth::All), ..Wanted::default() });
+        session.want_trials(vec![id]);
+        session.want_free_runs(Some(ModelTime::Last));
+        session.want_spectrogram(true);
+        let begin = Instant::now();
+        while session.behind() || session.is_trying() || session.is_free_run_behind() || session.spectrogram().is_none()
+        {
+            session.advance(0.1);
+            thread::sleep(Duration::from_millis(2));
+            assert!(begin.elapsed() < PATIENCE);
+        }
+        let findings = session.attempt(id).expect("it has a bad verdict").findings();
+        assert!(!findings.is_empty());
+        format!("{findings:?} {:?} {:?}", session.free_run(0), session.spectrogram().map(|(_, made)| made))
+    };
+    assert!(seen(Some(desktop())) == seen(None));
 }
 
 #[test]
