@@ -43,6 +43,11 @@ impl Attempt {
         self.search.is_some()
     }
 
+    /// Whether threads do the trials.
+    fn is_beside(&self) -> bool {
+        self.search.as_ref().is_some_and(Running::is_beside)
+    }
+
     /// The number of the picture with the filter that is tried.
     pub(crate) fn picture(&self) -> u64 {
         self.of.0
@@ -107,8 +112,7 @@ impl Session {
 
     /// Whether the frames have trials to do: threads wake the screen when they have got further.
     pub(crate) fn is_trying_here(&self) -> bool {
-        let is_beside = |attempt: &Attempt| attempt.search.as_ref().is_some_and(Running::is_beside);
-        self.is_trying() && !self.trying.attempts.iter().any(is_beside)
+        self.is_trying() && !self.trying.attempts.iter().any(Attempt::is_beside)
     }
 
     /// Tries for as long as there is time. Filters on screen come first.
@@ -131,7 +135,8 @@ impl Session {
                 attempts.extend(self.begin_attempt(filter, place, before));
             }
             let Some(attempt) = attempts.iter_mut().find(|attempt| attempt.filter == filter) else { continue };
-            if attempt.is_under_way() && while_time() {
+            // What threads have found takes no time.
+            if attempt.is_beside() || attempt.is_under_way() && while_time() {
                 attempt.advance(while_time);
             }
             is_done &= !attempt.is_under_way();
