@@ -131,7 +131,7 @@ fn the_engine_agrees_with_the_single_filter() {
                     _ => {}
                 }
                 let record = simulate(&scenario);
-                for kind in [FilterKind::KF, FilterKind::EKF, FilterKind::UKF, FilterKind::SR_UKF, FilterKind::CKF] {
+                for kind in [FilterKind::KF, FilterKind::EKF, FilterKind::UKF, FilterKind::CKF] {
                     scenario.filters[0].kind = kind;
                     // Rounding grows over a record, most of all where an accelerometer takes nearly all of a variance away: as
                     // much between a kernel and the book.
@@ -191,7 +191,6 @@ fn scores_against_a_truth_are_those_of_the_single_filter() {
         (&[Channel::INPUT_GAIN, Channel::UNKNOWN_FORCE], FilterKind::UKF, PlantKind::SDOF),
         (&[Channel::INPUT_OFFSET], FilterKind::CKF, PlantKind::DUFFING),
         (&[], FilterKind::UKF, PlantKind::BOUC_WEN),
-        (&[], FilterKind::SR_UKF, PlantKind::SDOF),
         (&[], FilterKind::EKF, PlantKind::SHEAR_2),
     ] {
         let (scenario, record) = shaken(augment, kind, plant);

@@ -71,8 +71,10 @@ impl Setup {
         let columns = sensor_places(scenario, record)?;
         let quantities: Vec<Quantity> = scenario.sensors.iter().map(|s| s.measures).collect();
         let context = FilterContext::new(scenario, &quantities, record.dt(), settings);
-        // The scores of lanes are in the state's own units.
-        if settings.log_parameters || is_left(settings, &context) || !is_finite(record, &columns) {
+        // The scores of lanes are in the state's own units. The lanes of a square-root filter differ from the run alone where
+        // variances underflow.
+        let goes_alone = settings.log_parameters || settings.kind == FilterKind::SR_UKF;
+        if goes_alone || is_left(settings, &context) || !is_finite(record, &columns) {
             return Ok(None);
         }
         Ok(Self::of(settings, &context, columns))
@@ -131,7 +133,6 @@ fn is_done_as_fast(settings: &FilterSettings, context: &FilterContext<'_>) -> bo
     let plant = settings.plant.unwrap_or(context.plant);
     let is_linearised = [FilterKind::KF, FilterKind::EKF].contains(&settings.kind);
     settings.substeps == 1
-        && settings.kind != FilterKind::SR_UKF
         && (WITH_LANES.contains(&plant) || (is_linearised && WITH_STRUCTURE.contains(&plant)))
         && kernel::serves(settings, context)
 }

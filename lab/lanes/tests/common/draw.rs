@@ -81,7 +81,6 @@ pub(crate) fn ensemble(seed: u64) -> Scenario {
         FilterKind::EKF,
         FilterKind::UKF,
         FilterKind::UKF,
-        FilterKind::SR_UKF,
         FilterKind::CKF,
     ]);
     for _ in 0..1 + draw.below(12) {
