@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Correction, Noise, Observation};
-use crate::mathematics::linalg::{Ldl, Matrix, Vector};
+use crate::mathematics::linalg::Vector;
 
 /// Estimates R, Q or both while filtering, with exponential forgetting.
 ///
@@ -46,23 +46,17 @@ impl Adaptation {
     pub(super) fn adapt(&self, observation: &Observation, correction: &Correction, noise: &mut Noise) {
         let keep = self.forgetting;
         let sensors = observation.sensors();
-        let m = sensors.len();
-        let innovation = Vector::from_fn(m, |i, _| correction.innovation[sensors[i]]);
         if self.process_noise {
             let mut shift = Vector::zeros(correction.gain.nrows());
-            for (&sensor, &e) in sensors.iter().zip(innovation.iter()) {
-                shift.axpy(e, &correction.gain.column(sensor), 1.0);
+            for &sensor in sensors {
+                shift.axpy(correction.innovation[sensor], &correction.gain.column(sensor), 1.0);
             }
             noise.process.ger(1.0 - keep, &shift, &shift, keep);
         }
         if self.sensor_noise {
-            let cov = Matrix::from_fn(m, m, |i, j| correction.innovation_cov[(sensors[i], sensors[j])]);
-            let Some(inverse) = Ldl::new(&cov).map(|factor| factor.divide(&Matrix::identity(m, m))) else { return };
-            let white = &inverse * innovation;
-            for (row, (&sensor, &r)) in sensors.iter().zip(observation.variances()).enumerate() {
-                let residual = r * white[row];
-                let seen = r - r * r * inverse[(row, row)];
-                noise.sensors[sensor] = keep * r + (1.0 - keep) * (residual * residual + seen.max(0.0));
+            let Some(residuals) = correction.residuals(observation) else { return };
+            for ((&sensor, &r), [residual, uncertainty]) in sensors.iter().zip(observation.variances()).zip(residuals) {
+                noise.sensors[sensor] = keep * r + (1.0 - keep) * (residual * residual + uncertainty);
             }
         }
     }

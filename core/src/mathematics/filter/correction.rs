@@ -67,6 +67,23 @@ impl Default for Correction {
 }
 
 impl Correction {
+    /// For each measurement, the residual of the linearised sensor and the variance that the state's own uncertainty gives it;
+    /// `None` where S is singular.
+    ///
+    /// ```text
+    /// ε = R S⁻¹ e,  H P⁺ Hᵀ = R - R S⁻¹ R
+    /// ```
+    pub(super) fn residuals(&self, observation: &Observation) -> Option<Vec<[f64; 2]>> {
+        let sensors = observation.sensors();
+        let m = sensors.len();
+        let innovation = Vector::from_fn(m, |i, _| self.innovation[sensors[i]]);
+        let cov = Matrix::from_fn(m, m, |i, j| self.innovation_cov[(sensors[i], sensors[j])]);
+        let inverse = Ldl::new(&cov)?.divide(&Matrix::identity(m, m));
+        let white = &inverse * innovation;
+        let rows = observation.variances().iter().enumerate();
+        Some(rows.map(|(row, r)| [r * white[row], (r - r * r * inverse[(row, row)]).max(0.0)]).collect())
+    }
+
     /// The correction of n channels by m sensors that all measured nothing.
     pub fn nothing(n: usize, m: usize) -> Self {
         Self {

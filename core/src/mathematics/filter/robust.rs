@@ -18,7 +18,6 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 use super::{Belief, Correction, FilterError, Noise, Observation};
 use crate::Model;
-use crate::mathematics::linalg::{Ldl, Matrix};
 
 /// The description of a rule for weights.
 #[derive(Debug)]
@@ -27,7 +26,7 @@ pub struct RobustInfo {
     pub key: &'static str,
     /// The name in running text.
     pub name: &'static str,
-    /// What it does, in a few words.
+    /// Its effect, in a few words.
     pub description: &'static str,
     /// Where it comes from.
     pub reference: &'static str,
@@ -202,22 +201,14 @@ impl Weighing {
     }
 
     /// Takes the weights that follow from the last update. Returns whether any has changed.
-    ///
-    /// ```text
-    /// ε = R S⁻¹ e,  H P⁺ Hᵀ = R - R S⁻¹ R
-    /// ```
     fn weigh(&mut self, observation: &Observation, correction: &Correction, noise: &Noise) -> bool {
         let Self { rule, measured, noise: own, weights, misfits } = self;
-        let sensors = observation.sensors();
-        let m = sensors.len();
-        let cov = Matrix::from_fn(m, m, |i, j| correction.innovation_cov[(sensors[i], sensors[j])]);
-        let Some(inverse) = Ldl::new(&cov).map(|factor| factor.divide(&Matrix::identity(m, m))) else { return false };
+        let Some(residuals) = correction.residuals(observation) else { return false };
         let mut has_changed = false;
-        for (row, (&sensor, &r)) in sensors.iter().zip(observation.variances()).enumerate() {
-            let white: f64 = (0..m).map(|j| inverse[(row, j)] * correction.innovation[sensors[j]]).sum();
-            let (residual, unweighed) = (r * white, noise.sensors[sensor]);
+        for (&sensor, [residual, uncertainty]) in observation.sensors().iter().zip(residuals) {
+            let unweighed = noise.sensors[sensor];
             misfits[sensor].residual = residual * residual / unweighed;
-            misfits[sensor].uncertainty = (r - r * r * inverse[(row, row)]).max(0.0) / unweighed;
+            misfits[sensor].uncertainty = uncertainty / unweighed;
             let weight = (rule.0.weight)(&misfits[sensor]);
             // A sensor without noise has no misfit to weigh by.
             if unweighed == 0.0 || !weight.is_finite() {
