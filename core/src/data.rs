@@ -1,4 +1,4 @@
-//! What a user gives: scenarios with their settings, measured records, and the texts and files that both are read from.
+//! The input of a user: scenarios with their settings, measured records, and the texts and files that both are read from.
 
 pub(crate) mod axis;
 pub(crate) mod document;

@@ -28,7 +28,7 @@
 //!
 //! [`OnlineFilter`] is a filter of a scenario over samples that come in one by one; [`Pass`] is one over a record. Both report to a
 //! [`Sink`], which a program can be itself. For KF, EKF, IEKF, UKF, SR-UKF and CKF neither reserves memory for a sample, unless
-//! noise is learnt.
+//! noise is learnt or readings are weighed.
 //! [`smoothed()`] looks back from the end of a record.
 //!
 //! [`Scenario::from_document`] reads a scenario from JSON, or from a [`Document`] that a program has made:

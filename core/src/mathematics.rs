@@ -1,5 +1,5 @@
-//! What the state of a plant is, how it moves, what sensors read of it, and the filters that follow it. Nothing here knows a
-//! scenario, a record or a run.
+//! Plants, sensors and filters: the state of a plant, its motion, the readings of sensors, and the filters that estimate it.
+//! Nothing here knows a scenario, a record or a run.
 
 pub(crate) mod catalogue;
 pub mod channel;

@@ -1,4 +1,4 @@
-//! What can be computed from samples: scores, diagnostics, spectra, bounds, free runs, start values.
+//! Numbers that follow from samples: scores, diagnostics, spectra, bounds, free runs, start values.
 
 pub(crate) mod cramer_rao;
 pub mod diagnostics;

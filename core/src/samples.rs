@@ -1,4 +1,4 @@
-//! What a scenario becomes, sample by sample: the simulated record, and the estimates of its filters.
+//! Simulates a scenario's record and runs its filters, sample by sample.
 
 pub(crate) mod bank;
 pub(crate) mod by_channel;

@@ -21,7 +21,7 @@ const PORTION: Duration = Duration::from_millis(25);
 /// The cells of the first portions: as many as run side by side, at most.
 const FIRST: usize = 8;
 
-/// What a task is for. A team does the first of these before the others.
+/// The urgency of a task. A team does tasks of the first kind before the others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Priority {
     /// The user's last edit, or file.
@@ -34,7 +34,7 @@ pub enum Priority {
     Causes,
 }
 
-/// What a portion of work gives.
+/// The result of a portion of work.
 pub enum Step<T> {
     /// A part; there is more to do.
     Part(T),

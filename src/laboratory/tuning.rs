@@ -64,7 +64,7 @@ struct Search {
     tuner: Running<Tuner, Seen>,
 }
 
-/// What is seen of a search under way: the share that is done, and its path.
+/// The state of a search under way: the share that is done, and its path.
 type Seen = (f64, Vec<Try>);
 
 /// The tuning of one filter.

@@ -29,7 +29,7 @@ pub struct Attempt {
     is_complete: bool,
 }
 
-/// What is seen of a search: the share that is done, the verdict on the unchanged filter, and the remedies so far.
+/// The state of a search: the share that is done, the verdict on the unchanged filter, and the remedies so far.
 type Seen = (f64, Option<Verdict>, Vec<Finding>);
 
 impl Attempt {
@@ -135,7 +135,7 @@ impl Session {
                 attempts.extend(self.begin_attempt(filter, place, before));
             }
             let Some(attempt) = attempts.iter_mut().find(|attempt| attempt.filter == filter) else { continue };
-            // What threads have found takes no time.
+            // The findings of threads are complete: to take them needs no time.
             if attempt.is_beside() || attempt.is_under_way() && while_time() {
                 attempt.advance(while_time);
             }

@@ -46,7 +46,7 @@ impl<T: Task, L> Running<T, L> {
         self.there.is_some()
     }
 
-    /// What is seen of it.
+    /// What `look` has returned last.
     pub fn seen(&self) -> &L {
         &self.seen
     }

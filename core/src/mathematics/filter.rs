@@ -11,6 +11,7 @@
 mod adaptation;
 pub(crate) mod correction;
 mod ensemble;
+mod error;
 mod gaussian;
 pub(crate) mod jump;
 pub mod kalman;
@@ -35,12 +36,9 @@ mod white;
 
 use std::borrow::Cow;
 
-use thiserror::Error;
-
 use jump::Jump;
 use robust::Weighing;
 
-use crate::mathematics::linalg::RootError;
 use crate::mathematics::model::{Hold, Model};
 use crate::mathematics::quantity::Quantity;
 
@@ -49,6 +47,7 @@ pub use crate::mathematics::random::Normal;
 pub use adaptation::Adaptation;
 pub use correction::Correction;
 pub use ensemble::Ensemble;
+pub use error::FilterError;
 pub use gaussian::Gaussian;
 pub use kalman::Expected;
 pub use kind::{Begin, FilterInfo, FilterKind, MethodSettings};
@@ -99,47 +98,6 @@ registry! {
     RBPF = marginalised::RBPF;
 }
 
-/// Why a filter cannot go on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
-#[non_exhaustive]
-pub enum FilterError {
-    /// A standard deviation of the settings has no finite square, or an initial mean no finite value.
-    #[error("a number of the filter's settings is too large to begin with: its square is not finite")]
-    TooLarge,
-    /// A number of the belief has overflowed or is undefined.
-    #[error("the estimate is no longer a finite number: the filter has diverged")]
-    NotFinite,
-    /// The covariance has a negative variance in some direction.
-    #[error("the covariance is no longer positive semidefinite: rounding has made a variance negative")]
-    IndefiniteCovariance,
-    /// The innovation covariance S cannot be inverted: the filter expects no error in some combination of the sensors,
-    /// or rounding removes the expected error.
-    #[error("the innovation covariance S is singular: some combination of the sensors has no variance left")]
-    SingularInnovation,
-    /// The innovation covariance S has a negative variance in some direction.
-    #[error("the innovation covariance S is not positive definite: rounding has made a variance negative")]
-    IndefiniteInnovation,
-    /// The likelihood of the measurement is not finite: it is too far from the filter's prediction.
-    #[error("a measurement is so far from what the filter expects that its likelihood is zero")]
-    ImpossibleMeasurement,
-    /// A measurement is infinite.
-    #[error("a measurement is infinite")]
-    InfiniteMeasurement,
-    /// The force is infinite or undefined.
-    #[error("the force is not a finite number")]
-    UndefinedForce,
-}
-
-impl From<RootError> for FilterError {
-    /// The error of a covariance without a root.
-    fn from(error: RootError) -> Self {
-        match error {
-            RootError::NotFinite => Self::NotFinite,
-            RootError::Indefinite => Self::IndefiniteCovariance,
-        }
-    }
-}
-
 /// A method of filtering: how a filter holds its belief over the n components of a model's state.
 pub trait Belief: Send {
     /// Carries the belief over one step and adds noise: `P ← λ P + Q`.
@@ -170,7 +128,7 @@ pub trait Belief: Send {
     fn gaussian(&self) -> Cow<'_, Gaussian>;
 
     /// Keeps a copy of the belief for [`Self::restore`], so that an update can be done again with other weights
-    /// ([`robust`]). Returns whether there is one: random samples keep none.
+    /// ([`robust`]). Returns whether there is one: random samples keep none, and a filter without one weighs nothing.
     fn store(&mut self) -> bool {
         false
     }

@@ -37,7 +37,7 @@ pub(super) struct Given {
     ctx: Context,
 }
 
-/// What the page has not asked for yet.
+/// The parts that the page has not asked for yet.
 pub(super) enum Left {
     /// This many samples.
     Samples(usize),

@@ -310,6 +310,27 @@ pub(crate) fn square<T: Number>(factor: &[T], m: usize, e: &mut [T]) -> T {
     sum
 }
 
+/// Makes of the lower triangle of X, n × n, that of `X - A Bᵀ`, where A and B have `columns` columns; two at a time.
+#[inline(always)]
+pub(super) fn subtract_products<T: Number>(x: &mut [T], a: &[T], b: &[T], n: usize, columns: usize) {
+    let (a, b) = (&a[..n * columns], &b[..n * columns]);
+    let mut k = 0;
+    while k < columns {
+        let is_pair = k + 1 < columns;
+        let next = if is_pair { k + 1 } else { k };
+        let (a, b) = ([&a[k * n..(k + 1) * n], &a[next * n..(next + 1) * n]], [&b[k * n..], &b[next * n..]]);
+        for j in 0..n {
+            let column = &mut x[j * n..(j + 1) * n];
+            let factors = [b[0][j], b[1][j]];
+            for i in j..n {
+                let less = column[i] - a[0][i] * factors[0];
+                column[i] = if is_pair { less - a[1][i] * factors[1] } else { less };
+            }
+        }
+        k += 2;
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -237,7 +237,7 @@ impl<T: Number> SquareRoot<T> {
         }
     }
 
-    /// What the sensors read in all points.
+    /// The readings of the sensors in all points.
     #[inline(always)]
     fn read_points<L: Level>(&mut self, level: L, design: &Design, belief: &Belief<T>, active: &[usize], force: T) {
         let Self { rule, size, rows, points, readings, .. } = self;

@@ -1,7 +1,7 @@
 //! The update: a belief conditioned on the measurements of one sample.
 
 use super::belief::{Belief, Noise};
-use super::columns::{add_times, divide, factor, square, take_times};
+use super::columns::{add_times, divide, factor, square, subtract_products, take_times};
 use super::design::Design;
 use super::expected::Expected;
 use super::fault::Held;
@@ -377,25 +377,4 @@ fn untold<T: Number, L: Level>(level: L, belief: &Belief<T>, held: &mut Held<T::
     *held = Held { predicted, ..Held::new() };
     [held.is_finite, held.is_positive] = belief.check(level);
     Told { nis: T::of(0.0), determinant: T::of(1.0), measured: T::of(0.0), holds: held.all() }
-}
-
-/// Makes of the lower triangle of X, n × n, that of `X - A Bᵀ`, where A and B have `columns` columns; two at a time.
-#[inline(always)]
-fn subtract_products<T: Number>(x: &mut [T], a: &[T], b: &[T], n: usize, columns: usize) {
-    let (a, b) = (&a[..n * columns], &b[..n * columns]);
-    let mut k = 0;
-    while k < columns {
-        let is_pair = k + 1 < columns;
-        let next = if is_pair { k + 1 } else { k };
-        let (a, b) = ([&a[k * n..(k + 1) * n], &a[next * n..(next + 1) * n]], [&b[k * n..], &b[next * n..]]);
-        for j in 0..n {
-            let column = &mut x[j * n..(j + 1) * n];
-            let factors = [b[0][j], b[1][j]];
-            for i in j..n {
-                let less = column[i] - a[0][i] * factors[0];
-                column[i] = if is_pair { less - a[1][i] * factors[1] } else { less };
-            }
-        }
-        k += 2;
-    }
 }
