@@ -3,4 +3,5 @@
 pub(crate) mod analysis;
 pub mod diagnosis;
 pub(crate) mod job;
+pub(crate) mod story;
 pub(crate) mod study;

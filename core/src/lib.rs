@@ -94,6 +94,7 @@ pub use data::task::Task;
 pub use judgement::analysis::{Analysis, Bound, Wanted};
 pub use judgement::diagnosis::{Diagnosis, LiveDiagnosis, Summary, Verdict, VerdictKind};
 pub use judgement::job::{Job, Progress};
+pub use judgement::story::{Adjustable, Phrase, Story};
 pub use judgement::study::Study;
 pub use mathematics::channel::Channel;
 pub use mathematics::filter::{

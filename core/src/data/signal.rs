@@ -108,9 +108,15 @@ impl Signal {
         }
     }
 
-    /// Every number of the signal with its name, for validation.
+    /// Every number of the signal, with its key behind that of the parameter: empty for a constant.
     pub(crate) fn numbers(&self) -> Vec<(&'static str, f64)> {
-        match *self {
+        let mut own = *self;
+        own.numbers_mut().into_iter().map(|(name, number)| (name, *number)).collect()
+    }
+
+    /// The same, to be changed.
+    pub(crate) fn numbers_mut(&mut self) -> Vec<(&'static str, &mut f64)> {
+        match self {
             Self::Constant(value) => vec![("", value)],
             Self::Step(Step { from, to, at }) => vec![(".step.from", from), (".step.to", to), (".step.at", at)],
             Self::Ramp(Ramp { from, to, start, end }) => {

@@ -29,7 +29,7 @@ mod tests;
 mod trial;
 mod verdict;
 mod verdict_kind;
-mod words;
+pub(super) mod words;
 
 use std::ops::Range;
 

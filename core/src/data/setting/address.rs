@@ -12,7 +12,7 @@ use crate::mathematics::channel::Channel;
 
 /// The address of a number of a scenario, or of a factor on several of them.
 ///
-/// In text it is `seed`, `plant.natural_frequency`, `sensors.velocity.noise_std` or `filters.EKF.initial_mean.natural_frequency`. A
+/// In text it is `seed`, `plant.natural_frequency`, `plant.natural_frequency.step.at`, `sensors.velocity.noise_std` or `filters.EKF.initial_mean.natural_frequency`. A
 /// filter is found by its name, or by its id as in `filters#1.fading`, which is how an address is written; `*` stands for all
 /// filters. A whole table of standard deviations, such as `filters.EKF.process_std`, stands for a factor on each of its numbers.
 ///
@@ -92,7 +92,7 @@ impl Address {
             Place::Scenario(info) => **info == super::DISTURBANCE,
             Place::Noise(_) => true,
             Place::Filters(..) => self.table().is_some_and(|table| table.factor.is_some()),
-            Place::Parameter(_) => false,
+            Place::Parameter(_) | Place::Signal(..) => false,
         }
     }
 
@@ -107,7 +107,9 @@ impl Address {
     /// The channel that the number is of, if it is of one.
     pub fn channel(&self) -> Option<Channel> {
         match &self.0 {
-            Place::Parameter(channel) | Place::Filters(_, Member::Entry(_, Entry::Channel(channel))) => Some(*channel),
+            Place::Parameter(channel)
+            | Place::Signal(channel, _)
+            | Place::Filters(_, Member::Entry(_, Entry::Channel(channel))) => Some(*channel),
             _ => None,
         }
     }
@@ -117,6 +119,7 @@ impl Address {
         match &self.0 {
             Place::Scenario(info) => info.unit,
             Place::Parameter(channel) => channel.unit(),
+            Place::Signal(channel, key) => signal_words(key).1.unwrap_or(channel.unit()),
             Place::Noise(quantity) => quantity.unit(),
             Place::Filters(_, Member::Number(info)) => info.unit,
             Place::Filters(_, Member::Entry(_, entry)) => entry.unit(),
@@ -130,6 +133,7 @@ impl Address {
             Place::Scenario(info) if **info == super::DISTURBANCE => format!("true {}", info.name),
             Place::Scenario(info) => info.name.to_owned(),
             Place::Parameter(channel) => format!("true {}", channel.symbol()),
+            Place::Signal(channel, key) => format!("{} of true {}", signal_words(key).0, channel.symbol()),
             Place::Noise(quantity) => format!("true noise of {}", quantity.symbol()),
             Place::Filters(_, Member::Number(info)) => {
                 let label = (info.label)(&FilterSettings::default()).unwrap_or(info.name);
@@ -158,6 +162,10 @@ impl Address {
         let found = match &self.0 {
             Place::Scenario(info) => Some((info.get)(scenario)),
             Place::Parameter(channel) => scenario.plant.parameter(*channel).map(|signal| signal.at(0.0)),
+            Place::Signal(channel, key) => {
+                let numbers = scenario.plant.parameter(*channel).map(|signal| signal.numbers()).unwrap_or_default();
+                numbers.into_iter().find(|(own, _)| own == key).map(|(_, number)| number)
+            }
             Place::Noise(quantity) => {
                 scenario.sensors.iter().find(|sensor| sensor.measures == *quantity).map(|sensor| sensor.noise_std)
             }
@@ -174,6 +182,10 @@ impl Address {
         match &self.0 {
             Place::Scenario(info) => (info.set)(scenario, value),
             Place::Parameter(channel) => scenario.plant.set(*channel, Signal::Constant(value)),
+            Place::Signal(channel, key) => {
+                let numbers = scenario.plant.parameter_mut(*channel).map(Signal::numbers_mut).unwrap_or_default();
+                numbers.into_iter().filter(|(own, _)| own == key).for_each(|(_, number)| *number = value);
+            }
             Place::Noise(quantity) => {
                 let sensors = scenario.sensors.iter_mut().filter(|sensor| sensor.measures == *quantity);
                 sensors.for_each(|sensor| sensor.noise_std = value);
@@ -192,10 +204,26 @@ impl fmt::Display for Address {
         match &self.0 {
             Place::Scenario(info) => f.write_str(info.key),
             Place::Parameter(channel) => write!(f, "plant.{}", channel.key()),
+            Place::Signal(channel, key) => write!(f, "plant.{}{key}", channel.key()),
             Place::Noise(quantity) => write!(f, "sensors.{}.noise_std", quantity.key()),
             Place::Filters(Filters::All, member) => write!(f, "filters.*.{member}"),
             Place::Filters(Filters::Of(id), member) => write!(f, "filters#{id}.{member}"),
         }
+    }
+}
+
+/// The words of a number of a signal, before "of" and its parameter, and its unit where it is not the parameter's.
+fn signal_words(key: &str) -> (&'static str, Option<&'static str>) {
+    match key {
+        ".step.from" | ".ramp.from" => ("value before the change", None),
+        ".step.to" | ".ramp.to" => ("value after the change", None),
+        ".step.at" => ("time of the change", Some("s")),
+        ".ramp.start" => ("begin of the change", Some("s")),
+        ".ramp.end" => ("end of the change", Some("s")),
+        ".sine.mean" => ("mean", None),
+        ".sine.amplitude" => ("amplitude", None),
+        ".sine.period" => ("period", Some("s")),
+        _ => ("value", None),
     }
 }
 
@@ -213,6 +241,8 @@ mod tests {
             ("plant.disturbance_std", 0.3),
             ("plant.input_delay", 2.0),
             ("plant.initial.displacement", 0.1),
+            ("plant.natural_frequency.step.to", 4.0),
+            ("plant.natural_frequency.step.at", 12.0),
             ("plant.natural_frequency", 5.0),
             ("sensors.velocity.noise_std", 0.2),
             ("filters.EKF.fading", 1.01),
@@ -267,6 +297,8 @@ mod tests {
             "",
             "plant.mass",
             "plant.input_gain",
+            "plant.natural_frequency.ramp.to",
+            "plant.natural_frequency.step.by",
             "filters.KF.fading",
             "filters.EKF",
             "filters.EKF.fadng",

@@ -18,6 +18,8 @@ pub(super) enum Place {
     Scenario(&'static SettingInfo<Scenario>),
     /// A parameter of the truth.
     Parameter(Channel),
+    /// A number of the signal of a parameter that moves: the key behind that of the parameter.
+    Signal(Channel, &'static str),
     /// The true noise of a sensor.
     Noise(Quantity),
     /// One of some filters.
@@ -53,6 +55,13 @@ impl Place {
             ["plant", parameter] => {
                 let channel = Channel::from_key(parameter)?;
                 scenario.plant.parameters().find(|c| *c == channel).map(Self::Parameter)
+            }
+            ["plant", parameter, _, _] => {
+                let channel = Channel::from_key(parameter)?;
+                let signal =
+                    scenario.plant.parameters().find(|c| *c == channel).and_then(|c| scenario.plant.parameter(c))?;
+                let key = text.strip_prefix(PLANT)?.strip_prefix(parameter)?;
+                signal.numbers().into_iter().find(|(own, _)| *own == key).map(|(own, _)| Self::Signal(channel, own))
             }
             ["sensors", sensor, "noise_std"] => Some(Self::Noise(quantity(scenario, sensor)?)),
             _ => Self::of_filters(scenario, text),

@@ -1,0 +1,83 @@
+//! A run in a few plain sentences: what happens, what each filter makes of it, and which one to believe.
+//!
+//! ```text
+//! Scenario ──happening──▶ "At 8 s the spring loses 36 % of its stiffness."
+//! Diagnostics, Estimates, Verdict ──outcome──▶ "plain EKF, which forgets nothing, is still 1.4 % off, and does not know it."
+//! Verdicts ──belief──▶ "Believe fading EKF."
+//! ```
+//!
+//! Every number is a result of the run or a setting of its scenario, and no sentence contradicts a verdict.
+
+mod belief;
+mod comparison;
+mod happening;
+mod number;
+mod outcome;
+mod phrase;
+mod record;
+
+use std::fmt;
+
+use crate::{Diagnosis, Diagnostics, Run, Source};
+
+use happening::Happening;
+use outcome::Outcome;
+
+pub use phrase::{Adjustable, Phrase};
+
+/// Limits the filters that a story tells of one by one.
+const TOLD: usize = 3;
+
+/// The story of a run so far.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Story {
+    /// Its sentences, each of some phrases in a row. Spaces and stops are part of the words.
+    pub sentences: Vec<Vec<Phrase>>,
+}
+
+impl Story {
+    /// The story of the part of a run that is done. Each filter has its diagnostics and, if there are enough samples, its
+    /// diagnosis at the same place. Filters without diagnostics are left out.
+    pub fn of(run: &Run, diagnostics: &[Diagnostics], diagnoses: &[Option<&Diagnosis>]) -> Self {
+        let happening = Happening::of(run.scenario());
+        let is_measured = matches!(run.source(), Source::Measured(_));
+        let mut sentences = vec![if is_measured { record::sentence(run) } else { happening.sentence(run) }];
+        let outcomes: Vec<Outcome<'_>> = (run.estimates().iter().zip(diagnostics).zip(&run.scenario().filters))
+            .enumerate()
+            .filter(|(_, ((estimates, _), _))| !estimates.is_empty())
+            .map(|(place, ((estimates, diagnostics), filter))| {
+                let diagnosis = diagnoses.get(place).copied().flatten();
+                Outcome::new(run, filter, (estimates, diagnostics, diagnosis), happening.change.as_ref())
+            })
+            .collect();
+        sentences.extend(outcomes.iter().take(TOLD).map(|outcome| outcome.sentence(happening.change.as_ref())));
+        sentences.extend(belief::sentence(&outcomes, TOLD));
+        sentences.retain(|sentence| !sentence.is_empty());
+        Self { sentences }
+    }
+
+    /// The same, with a sentence that compares filters with themselves before a change, which `words` names. Each filter has its
+    /// id, its name, and its diagnostics before and now.
+    #[must_use]
+    pub fn compared(mut self, words: &str, filters: &[(u32, &str, &Diagnostics, &Diagnostics)]) -> Self {
+        self.sentences.extend(comparison::sentence(words, filters));
+        self
+    }
+
+    /// All phrases in a row.
+    pub fn phrases(&self) -> impl Iterator<Item = &Phrase> {
+        self.sentences.iter().flatten()
+    }
+}
+
+impl fmt::Display for Story {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (place, sentence) in self.sentences.iter().enumerate() {
+            if place > 0 {
+                f.write_str(" ")?;
+            }
+            sentence.iter().try_for_each(|phrase| write!(f, "{phrase}"))?;
+        }
+        Ok(())
+    }
+}

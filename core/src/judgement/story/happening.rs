@@ -1,0 +1,191 @@
+//! What happens to the oscillator: the sentence of the truth.
+
+use super::number::plain;
+use super::phrase::{Adjustable, Phrase, Writer};
+use crate::data::signal::{Ramp, Sine, Step};
+use crate::{Channel, Force, InputKind, PlantKind, Run, Scenario, Signal};
+
+/// What happens in a scenario.
+pub(super) struct Happening {
+    /// The first parameter that changes, if one does.
+    pub(super) change: Option<Change>,
+}
+
+/// A parameter that changes.
+pub(super) struct Change {
+    /// The parameter.
+    pub(super) channel: Channel,
+    /// Its value over time.
+    pub(super) signal: Signal,
+}
+
+impl Change {
+    /// The time from which on it changes no more \[s\].
+    pub(super) fn end(&self) -> f64 {
+        match self.signal {
+            Signal::Constant(_) => 0.0,
+            Signal::Step(Step { at, .. }) => at,
+            Signal::Ramp(Ramp { end, .. }) => end,
+            Signal::Sine(_) => f64::INFINITY,
+        }
+    }
+
+    /// The time at which it begins \[s\].
+    pub(super) fn start(&self) -> f64 {
+        match self.signal {
+            Signal::Ramp(Ramp { start, .. }) => start,
+            Signal::Sine(_) => 0.0,
+            _ => self.end(),
+        }
+    }
+
+    /// The change, if it comes all at once.
+    pub(super) fn step(&self) -> Option<Step> {
+        if let Signal::Step(step) = self.signal { Some(step) } else { None }
+    }
+}
+
+/// Whether a signal moves within a record of this length \[s\].
+fn moves(signal: &Signal, duration: f64) -> bool {
+    match *signal {
+        Signal::Constant(_) => false,
+        Signal::Step(Step { from, to, at }) => from != to && at > 0.0 && at < duration,
+        Signal::Ramp(Ramp { from, to, start, end }) => from != to && end > 0.0 && start < duration,
+        Signal::Sine(Sine { amplitude, .. }) => amplitude != 0.0,
+    }
+}
+
+impl Happening {
+    pub(super) fn of(scenario: &Scenario) -> Self {
+        let change = scenario.plant.parameters().find_map(|channel| {
+            let signal = scenario.plant.parameter(channel)?;
+            moves(&signal, scenario.duration).then_some(Change { channel, signal })
+        });
+        Self { change: change.filter(|_| scenario.record.is_none()) }
+    }
+
+    /// What happens, or will, in a run.
+    pub(super) fn sentence(&self, run: &Run) -> Vec<Phrase> {
+        let scenario = run.scenario();
+        let now = scenario.dt * run.done().saturating_sub(1) as f64;
+        let others = scenario.plant.parameters().filter_map(|channel| scenario.plant.parameter(channel));
+        let others = others.filter(|signal| moves(signal, scenario.duration)).count().saturating_sub(1);
+        let text = match &self.change {
+            Some(change) => change.told(now, scenario.duration),
+            None => still(scenario),
+        };
+        let text = if others > 0 { text.say(", and it is not all that changes") } else { text };
+        let hidden =
+            if scenario.plant.disturbance_std > 0.0 { "; a force that nobody measures shakes it too" } else { "" };
+        text.say(hidden).say(".").done()
+    }
+}
+
+impl Change {
+    fn told(&self, now: f64, duration: f64) -> Writer {
+        let Self { channel, signal } = *self;
+        let key = |end: &str| format!("plant.{}.{end}", channel.key());
+        let time = |end: &str, value: f64| Adjustable::new(key(end), value, (0.0, duration), "s");
+        let value = |end: &str, value: f64| {
+            let (low, high) = channel.usual().slider;
+            Adjustable::new(key(end), value, (low, high), channel.unit())
+        };
+        let text = Writer::default();
+        match signal {
+            Signal::Constant(_) => text,
+            Signal::Step(Step { from, to, at }) => {
+                let is_to_come = now < at;
+                let text = text.say("At ").setting(time("step.at", at));
+                if channel == Channel::NATURAL_FREQUENCY && from > 0.0 && to > 0.0 {
+                    let verb = match (is_to_come, to < from) {
+                        (true, true) => " the spring will lose ",
+                        (true, false) => " the spring will gain ",
+                        (false, true) => " the spring loses ",
+                        (false, false) => " the spring gains ",
+                    };
+                    let share = Adjustable::stiffness(key("step.to"), from, to);
+                    return text.say(verb).setting(share).say(" of its stiffness");
+                }
+                let verb = match (is_to_come, to < from) {
+                    (true, true) => "will fall",
+                    (true, false) => "will rise",
+                    (false, true) => "falls",
+                    (false, false) => "rises",
+                };
+                text.say(format!(" {} {verb} from {} to ", named(channel), plain(from))).setting(value("step.to", to))
+            }
+            Signal::Ramp(Ramp { from, to, start, end }) => {
+                let verb = if to < from { "falls" } else { "rises" };
+                let text = text.say(format!("{} {verb} slowly from {} to ", capital(&named(channel)), plain(from)));
+                let text = text.setting(value("ramp.to", to)).say(", from ");
+                text.setting(time("ramp.start", start)).say(" to ").setting(time("ramp.end", end))
+            }
+            Signal::Sine(Sine { mean, amplitude, period }) => {
+                let text = text.say(format!("{} swings by ", capital(&named(channel))));
+                let text =
+                    text.setting(value("sine.amplitude", amplitude)).say(format!(" around {}, once in ", plain(mean)));
+                text.setting(Adjustable::new(key("sine.period"), period, (0.1, 2.0 * duration), "s"))
+            }
+        }
+    }
+}
+
+/// A parameter in a sentence: one with a number has no article.
+fn named(channel: Channel) -> String {
+    let name = channel.name();
+    if name.ends_with(|letter: char| letter.is_ascii_digit()) { name.to_owned() } else { format!("the {name}") }
+}
+
+/// The text with a capital at its beginning.
+fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// The oscillator whose parameters stay, and what moves it.
+fn still(scenario: &Scenario) -> Writer {
+    let plant = &scenario.plant;
+    let text = Writer::default().say(noun(plant.kind));
+    let named = [Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO];
+    let known = named.into_iter().filter(|channel| plant.kind.parameters().any(|own| own == *channel));
+    let mut text = text;
+    for (place, channel) in known.enumerate() {
+        let signal = plant.parameter(channel).unwrap_or(Signal::Constant(channel.usual_truth()));
+        let before = if place == 0 { " with " } else { " and " };
+        let number =
+            Adjustable::new(format!("plant.{}", channel.key()), signal.at(0.0), channel.usual().slider, channel.unit());
+        text = text.say(format!("{before}{} ", channel.symbol())).setting(number);
+    }
+    text.say(format!(" {}, and nothing about it changes", moved(scenario)))
+}
+
+/// A kind of plant, at the beginning of a sentence.
+fn noun(kind: PlantKind) -> String {
+    let name = kind.name().replace(", ", " of ");
+    match name.as_str() {
+        name if name.starts_with("equation") => format!("A system with an {name}"),
+        name => format!("A {name}"),
+    }
+}
+
+/// What moves a plant.
+fn moved(scenario: &Scenario) -> String {
+    let by_ground = matches!(scenario.input, InputKind::GroundAcceleration);
+    match scenario.force {
+        Force::WhiteNoise { std: 0.0 } | Force::None => {
+            let motion = scenario.plant.initial;
+            if motion.displacement == 0.0 && motion.velocity == 0.0 {
+                "stands still, as nothing moves it"
+            } else {
+                "is pulled aside and let go"
+            }
+            .to_owned()
+        }
+        Force::WhiteNoise { .. } if by_ground => "is shaken by its ground".to_owned(),
+        Force::WhiteNoise { .. } => "is shaken by noise".to_owned(),
+        Force::Sine { frequency, .. } => format!("is driven at {} rad/s", plain(frequency)),
+        Force::Chirp { from, to, .. } => format!("is driven from {} to {} rad/s", plain(from), plain(to)),
+        Force::ImpulseTrain { period, .. } => format!("is struck once in {} s", plain(period)),
+        Force::Step { at, .. } => format!("is pushed from {} s on", plain(at)),
+    }
+}

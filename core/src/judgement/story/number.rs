@@ -1,0 +1,80 @@
+//! Numbers as a sentence says them.
+
+use crate::judgement::diagnosis::words::short;
+
+/// A setting: up to four digits, without zeros at the end.
+pub(super) fn plain(value: f64) -> String {
+    let text = match value.abs() {
+        0.0 => "0".to_owned(),
+        size if !size.is_finite() => return short(value),
+        size if (1e-3..1e6).contains(&size) => {
+            let decimals = (3.0 - libm::floor(libm::log10(size))).clamp(0.0, 6.0) as usize;
+            format!("{value:.decimals$}")
+        }
+        _ => return format!("{value:.1e}"),
+    };
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+/// A share in percent, with a decimal where it is small: `36 %`, `1.4 %`, `less than 0.1 %`.
+pub(super) fn percent(share: f64) -> String {
+    match 100.0 * share.abs() {
+        size if size < 0.1 => "less than 0.1 %".to_owned(),
+        size if size < 9.95 => format!("{size:.1} %"),
+        size if size < 1e4 => format!("{size:.0} %"),
+        _ => "more than a hundred times".to_owned(),
+    }
+}
+
+/// An estimate with its band, to the digits that the band leaves: `429.2 ± 0.1 rad/s`.
+pub(super) fn with_band(mean: f64, band: f64, unit: &str) -> String {
+    let size = if band > 0.0 { band } else { 1e-3 * mean.abs() };
+    let text = if size > 0.0 && size.is_finite() && mean.is_finite() && (1e-6..1e6).contains(&size) {
+        let decimals = decimals(size);
+        if band > 0.0 { format!("{mean:.decimals$} ± {band:.decimals$}") } else { format!("{mean:.decimals$}") }
+    } else if band > 0.0 {
+        format!("{mean:.2e} ± {band:.0e}")
+    } else {
+        plain(mean)
+    };
+    format!("{text} {unit}").trim_end().to_owned()
+}
+
+/// The decimals that show a band with one digit, or with two where the first is a 1.
+fn decimals(band: f64) -> usize {
+    let exponent = libm::floor(libm::log10(band));
+    let is_one = band / libm::pow(10.0, exponent) < 1.95;
+    (f64::from(u8::from(is_one)) - exponent).clamp(0.0, 8.0) as usize
+}
+
+/// A time, to a tenth of a second where it is short \[s\].
+pub(super) fn seconds(time: f64) -> String {
+    match time {
+        time if time < 0.0995 => format!("{} s", plain(time)),
+        time if time < 99.5 => format!("{time:.1} s"),
+        time => format!("{time:.0} s"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_the_digits_that_one_reads() {
+        assert_eq!(
+            [8.0, 1.005, 0.05, 6.28318, 1500.0, 1e-7, -2.5].map(plain),
+            ["8", "1.005", "0.05", "6.283", "1500", "1.0e-7", "-2.5"]
+        );
+        assert_eq!(
+            [0.36, 0.014, 0.0002, 0.0, -0.5].map(percent),
+            ["36 %", "1.4 %", "less than 0.1 %", "less than 0.1 %", "50 %"]
+        );
+        assert_eq!(with_band(429.2134, 0.12, "rad/s"), "429.21 ± 0.12 rad/s");
+        assert_eq!(with_band(429.2134, 0.3, "rad/s"), "429.2 ± 0.3 rad/s");
+        assert_eq!(with_band(0.0478, 0.003, ""), "0.048 ± 0.003");
+        assert_eq!(with_band(1200.0, 45.0, "N"), "1200 ± 45 N");
+        assert_eq!(with_band(6.0, 0.0, "rad/s"), "6.000 rad/s");
+        assert_eq!([0.04, 2.44, 120.0].map(seconds), ["0.04 s", "2.4 s", "120 s"]);
+    }
+}

@@ -1,0 +1,276 @@
+//! What a filter makes of a run.
+
+use super::happening::Change;
+use std::f64::consts::TAU;
+
+use super::number::{percent, plain, seconds, with_band};
+use super::phrase::{Adjustable, Phrase, Writer};
+use crate::data::signal::Step;
+use crate::diagnosis::Subject;
+use crate::numbers::diagnostics::Tally;
+use crate::{Channel, Diagnosis, Diagnostics, Estimates, FilterSettings, Record, Run, Stop, VerdictKind};
+
+/// Limits the relative error of an estimate that has been found.
+const FOUND: f64 = 0.05;
+
+/// Limits the error of an estimate that has found a sudden change, relative to the change.
+const NEAR: f64 = 0.05;
+
+/// A number that is larger than this many standard deviations is surely not zero.
+const SURE: f64 = 3.0;
+
+/// Limits the further parameters of a record without a truth.
+const OTHERS: usize = 2;
+
+/// The results of one filter that a sentence tells.
+pub(super) struct Outcome<'a> {
+    filter: &'a FilterSettings,
+    name: &'a str,
+    kind: Option<VerdictKind>,
+    /// The parameters that the record does not determine.
+    undetermined: Vec<Channel>,
+    /// The parameter that the sentence is about, if the filter estimates one.
+    main: Option<Main>,
+    /// Other estimated parameters, for a record without a truth.
+    others: Vec<Main>,
+    /// Why and when the filter stopped \[s\], if it did.
+    stop: Option<(Stop, f64)>,
+    /// The time of the last sample \[s\].
+    now: f64,
+}
+
+/// The last estimate of a parameter.
+struct Main {
+    channel: Channel,
+    mean: f64,
+    std: f64,
+    truth: Option<Truth>,
+}
+
+/// Its errors.
+struct Truth {
+    /// The last error over the truth.
+    error: f64,
+    /// The root mean square error over the last third, over the truth.
+    lately: f64,
+    /// Whether the last error is within ±2σ.
+    is_inside: bool,
+    /// The time from which on it has stayed near the truth after a sudden change \[s\].
+    since: Option<f64>,
+}
+
+type Results<'a> = (&'a Estimates, &'a Diagnostics, Option<&'a Diagnosis>);
+
+impl<'a> Outcome<'a> {
+    pub(super) fn new(run: &Run, filter: &'a FilterSettings, results: Results<'a>, change: Option<&Change>) -> Self {
+        let (estimates, diagnostics, diagnosis) = results;
+        let record = run.record();
+        let is_uncertain = |place: usize, channel: Channel| {
+            !filter.knows(channel) && (estimates.initial_std(place) > 0.0 || filter.process_std[channel] > 0.0)
+        };
+        let channels = estimates.channels().iter().copied().enumerate();
+        let estimated = channels.filter(|(place, channel)| channel.is_parameter() && is_uncertain(*place, *channel));
+        let mut estimated: Vec<Channel> = estimated.map(|(_, channel)| channel).collect();
+        let wanted = change.map_or(Channel::NATURAL_FREQUENCY, |change| change.channel);
+        if let Some(place) = estimated.iter().position(|channel| *channel == wanted) {
+            estimated[..=place].rotate_right(1);
+        }
+        let mut all =
+            estimated.into_iter().filter_map(|channel| Main::of(channel, run, (estimates, diagnostics), change));
+        let main = all.next();
+        let last = estimates.len().saturating_sub(1);
+        let undetermined = diagnosis.map_or(Vec::new(), |diagnosis| {
+            let speaking =
+                diagnosis.evidence.iter().filter(|one| one.counts && one.speaks_for == VerdictKind::NotIdentifiable);
+            let mut channels: Vec<Channel> = Vec::new();
+            for one in speaking {
+                if let Subject::Channel(channel) = one.subject
+                    && !channels.contains(&channel)
+                {
+                    channels.push(channel);
+                }
+            }
+            channels
+        });
+        Self {
+            filter,
+            name: estimates.name(),
+            kind: diagnosis.and_then(|diagnosis| diagnosis.verdict.as_ref()).map(|verdict| verdict.kind),
+            undetermined,
+            main,
+            others: all.collect(),
+            stop: diagnostics.stop().map(|stop| (stop, record.time_of(stop.sample))),
+            now: record.time(last),
+        }
+    }
+
+    pub(super) fn id(&self) -> u32 {
+        self.filter.id
+    }
+
+    pub(super) fn name(&self) -> &'a str {
+        self.name
+    }
+
+    pub(super) fn kind(&self) -> Option<VerdictKind> {
+        self.kind
+    }
+
+    /// Whether the record leaves a parameter open.
+    pub(super) fn is_undetermined(&self) -> bool {
+        self.kind == Some(VerdictKind::NotIdentifiable)
+    }
+
+    /// Whether the band may be believed: it is right, or says itself that a parameter is not determined.
+    pub(super) fn is_honest(&self) -> bool {
+        self.kind.is_some_and(|kind| kind.is_good() || kind == VerdictKind::NotIdentifiable)
+    }
+
+    /// The width of the band of the parameter that the story is about.
+    pub(super) fn band(&self) -> Option<f64> {
+        self.main.as_ref().map(|main| main.std)
+    }
+
+    /// The sentence on the filter.
+    pub(super) fn sentence(&self, change: Option<&Change>) -> Vec<Phrase> {
+        let text = Writer::default().filter(self.filter.id, self.name);
+        let text = self.memory(text, change);
+        if let Some((stop, at)) = &self.stop {
+            return text.say(" stops at ").result(seconds(*at)).say(format!(": {}.", stop.reason)).done();
+        }
+        let text = match self.kind {
+            Some(VerdictKind::Diverged) => text.say(" has lost the truth"),
+            Some(VerdictKind::Lost) => text.say(" is lost: what it estimates is no such oscillator"),
+            Some(VerdictKind::Collapsed) => text.say(" has one particle left, so its band says nothing"),
+            Some(VerdictKind::WoundUp) => text.say(" forgets faster than it learns, and its band grows"),
+            _ => {
+                let (text, is_off) = self.found(text, change);
+                self.verdict(text, is_off)
+            }
+        };
+        text.say(".").done()
+    }
+
+    /// What the filter remembers, where something changes: that is what two filters then differ in.
+    fn memory(&self, text: Writer, change: Option<&Change>) -> Writer {
+        if change.is_none() {
+            return text;
+        }
+        let fading = Adjustable::new(format!("filters#{}.fading", self.filter.id), self.filter.fading, (1.0, 1.05), "")
+            .with_decimals(3);
+        let words = if self.filter.fading > 1.0 { ", which forgets (λ = " } else { ", which forgets nothing (λ = " };
+        text.say(words).setting(fading).say("),")
+    }
+
+    /// What the filter has found, and whether that is said to be wrong.
+    fn found(&self, text: Writer, change: Option<&Change>) -> (Writer, bool) {
+        let Some(main) = &self.main else {
+            return (text.say(" takes its parameters as known"), false);
+        };
+        let symbol = main.channel.symbol();
+        let Some(truth) = &main.truth else {
+            let text = text.say(format!(" finds {symbol} = ")).result(main.text());
+            let text = text.say(main.hertz().map_or(String::new(), |hertz| format!(" ({hertz})")));
+            let others = self.others.iter().take(OTHERS);
+            let told =
+                |text: Writer, other: &Main| text.say(format!(", {} = ", other.channel.symbol())).result(other.text());
+            return (others.fold(text, told).say(self.spring().unwrap_or_default()), false);
+        };
+        match change.filter(|change| self.now >= change.start()) {
+            Some(change) if change.step().is_some() => match truth.since {
+                Some(since) if since > change.start() => {
+                    (text.say(" finds it after ").result(seconds(since - change.start())), false)
+                }
+                Some(_) => (text.say(" has it to ").result(percent(truth.error)), false),
+                None => (text.say(" is still ").result(percent(truth.error)).say(" off"), true),
+            },
+            Some(_) if truth.lately < FOUND => (text.say(" follows it to ").result(percent(truth.lately)), false),
+            Some(_) => (text.say(" lags behind, ").result(percent(truth.lately)).say(" off"), true),
+            None if truth.error.abs() < FOUND => {
+                (text.say(format!(" has {symbol} to ")).result(percent(truth.error)), false)
+            }
+            None => {
+                let verb = if self.kind.is_none() { "begins with" } else { "has" };
+                (text.say(format!(" {verb} {symbol} ")).result(percent(truth.error)).say(" off"), true)
+            }
+        }
+    }
+
+    /// Whether the spring hardens or softens, where its cubic term is surely not zero.
+    fn spring(&self) -> Option<&'static str> {
+        let cubic = self.others.iter().find(|other| other.channel == Channel::CUBIC_STIFFNESS)?;
+        let is_sure = cubic.mean.abs() > SURE * cubic.std;
+        is_sure.then_some(if cubic.mean > 0.0 { "; the spring hardens" } else { "; the spring softens" })
+    }
+
+    /// What the verdict adds.
+    fn verdict(&self, text: Writer, is_off: bool) -> Writer {
+        let truth = self.main.as_ref().and_then(|main| main.truth.as_ref());
+        let is_outside = truth.is_some_and(|truth| !truth.is_inside);
+        let words = match self.kind {
+            Some(VerdictKind::Overconfident) if is_outside && is_off => ", and does not know it",
+            Some(VerdictKind::Overconfident) => ", but claims more than it knows: its band is too narrow",
+            Some(VerdictKind::Underconfident) => ", and knows more than it claims: its band is too wide",
+            Some(VerdictKind::NotIdentifiable) if !self.undetermined.is_empty() => {
+                let names: Vec<&str> = self.undetermined.iter().map(|channel| channel.symbol()).collect();
+                &format!("; the record does not tell it {}", names.join(" and "))
+            }
+            Some(kind) if kind.is_good() && !is_outside && is_off => ", and its band says so",
+            Some(VerdictKind::Consistent) if !is_outside => ", and its band is right",
+            Some(VerdictKind::Recovered) if !is_outside => ", and its band is right again",
+            _ => "",
+        };
+        text.say(words)
+    }
+}
+
+impl Main {
+    fn of(
+        channel: Channel,
+        run: &Run,
+        (estimates, diagnostics): (&Estimates, &Diagnostics),
+        change: Option<&Change>,
+    ) -> Option<Self> {
+        let place = estimates.place(channel)?;
+        let last = estimates.len().checked_sub(1)?;
+        let (mean, std) = (estimates.canonical_mean(last, place), estimates.std(last, place));
+        let truth = diagnostics.error(channel).and_then(|error| {
+            let true_value = mean - error;
+            let lately = diagnostics.tally(channel, diagnostics.last_third()).map_or(f64::NAN, Tally::rmse);
+            (true_value != 0.0).then(|| Truth {
+                error: error / true_value,
+                lately: lately / true_value.abs(),
+                is_inside: error.abs() <= 2.0 * std,
+                since: change
+                    .and_then(Change::step)
+                    .filter(|_| change.is_some_and(|change| change.channel == channel))
+                    .and_then(|step| near_since(run.record(), estimates, place, &step)),
+            })
+        });
+        Some(Self { channel, mean, std, truth })
+    }
+
+    /// The estimate with its band.
+    fn text(&self) -> String {
+        with_band(self.mean, 2.0 * self.std, self.channel.unit())
+    }
+
+    /// An angular frequency in hertz.
+    fn hertz(&self) -> Option<String> {
+        (self.channel.unit() == "rad/s").then(|| format!("{} Hz", plain(self.mean / TAU)))
+    }
+}
+
+/// The time from which on an estimate has been near the truth for good: within a share of the change, or within its band. `None` if
+/// the last one is not.
+fn near_since(record: &Record, estimates: &Estimates, place: usize, step: &Step) -> Option<f64> {
+    let truth = record.truth(estimates.channels()[place])?;
+    let (means, variances) = (estimates.canonical_means(place), estimates.variances(place));
+    let near = NEAR * (step.to - step.from).abs();
+    let is_near = |k: &usize| {
+        let error = (means[*k] - truth[*k]).abs();
+        error <= near || error * error <= 4.0 * variances[*k]
+    };
+    let first = (0..means.len().min(truth.len())).rev().take_while(is_near).last()?;
+    Some(record.time(first))
+}

@@ -1,0 +1,21 @@
+//! The sentence of a measured record.
+
+use super::number::seconds;
+use super::phrase::{Phrase, Writer};
+use crate::Run;
+
+/// How long the record is, and of what.
+pub(super) fn sentence(run: &Run) -> Vec<Phrase> {
+    let (scenario, record) = (run.scenario(), run.record());
+    let used: Vec<String> = scenario.sensors.iter().map(|sensor| sensor.measures.name()).collect();
+    let of = match used.split_last() {
+        None => "nothing".to_owned(),
+        Some((only, [])) => only.clone(),
+        Some((last, rest)) => format!("{} and {last}", rest.join(", ")),
+    };
+    let length = record.dt() * run.samples().saturating_sub(1) as f64;
+    let has_input = record.input().iter().any(|input| *input != 0.0);
+    let input = if has_input { "" } else { ", and no input" };
+    let text = Writer::default().say("A measured record: ").result(seconds(length));
+    text.say(format!(" of {of}{input}.")).done()
+}
