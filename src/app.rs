@@ -13,6 +13,7 @@ mod window;
 
 use egui::util::undoer::Undoer;
 use egui::{ThemePreference, Ui};
+use kalmanscope_core::diagnostics::Depth;
 use kalmanscope_core::{Estimates, RunError, Scenario};
 
 use crate::drop;
@@ -28,7 +29,7 @@ use crate::plot::time_axis::TimeAxis;
 use crate::probe::ScreenState;
 use crate::request::{Request, ViewKind};
 use crate::ruler::{End, Ruler};
-use crate::session::{Mode, ModelTime, Session};
+use crate::session::{Mode, ModelTime, Session, Wanted};
 use crate::theme;
 use crate::tutor::{Catalogue, Tutor};
 use crate::twin::Twin;
@@ -51,6 +52,10 @@ pub struct App {
     history: Undoer<Scenario>,
     /// Whether the settings are shown; `None` until the user decides.
     controls_open: Option<bool>,
+    /// Whether all settings are shown there, and not only those that the story names.
+    all_settings: bool,
+    /// The id of the filter whose diagnosis is shown beside the plots, if one is.
+    diagnosed: Option<u32>,
     /// The heights of the drawers of a narrow window.
     drawers: window::Drawers,
     presenting: bool,
@@ -110,6 +115,8 @@ impl App {
             tutor: None,
             history: Undoer::default(),
             controls_open: None,
+            all_settings: true,
+            diagnosed: None,
             drawers: window::Drawers::default(),
             presenting: false,
             keys_open: false,
@@ -162,6 +169,11 @@ impl App {
         &mut self.layout
     }
 
+    /// Shows all settings, or only those that the story names.
+    pub fn show_all_settings(&mut self, all: bool) {
+        self.all_settings = all;
+    }
+
     /// The time axis that the plots share.
     pub fn axis(&self) -> &TimeAxis {
         &self.axis
@@ -190,11 +202,15 @@ impl App {
 
     /// The ids of the filters that a causes search is wanted for.
     fn tried(&self) -> Vec<u32> {
-        if !self.layout.in_sight().contains(&ViewKind::Diagnosis) {
-            return Vec::new();
-        }
+        let is_in_view = self.layout.in_sight().contains(&ViewKind::Diagnosis);
         let ids = self.session.run().estimates().iter().map(Estimates::id);
-        ids.filter(|id| self.visible.filter(*id)).collect()
+        ids.filter(|id| (is_in_view && self.visible.filter(*id)) || self.diagnosed == Some(*id)).collect()
+    }
+
+    /// The results that views, verdicts and the diagnosis need besides the estimates.
+    fn wanted(&self) -> Wanted {
+        let of_drawer = if self.diagnosed.is_some() { Wanted::diagnostics(Depth::All) } else { Wanted::NOTHING };
+        views::wanted(&self.layout.shown()).and(self.visible.wanted()).and(of_drawer)
     }
 
     /// The model of the free runs, if a view shows them.
@@ -237,7 +253,7 @@ impl eframe::App for App {
         self.visible.forget_filters_but(&self.session.scenario().filters);
         // A drag becomes one step of the history when it ends.
         self.history.feed_state(ctx.input(|input| input.time), self.session.scenario());
-        self.session.want(views::wanted(&self.layout.shown()).and(self.visible.wanted()));
+        self.session.want(self.wanted());
         self.session.want_trials(self.tried());
         self.session.want_free_runs(self.model_time());
         self.session.want_spectrogram(self.layout.in_sight().contains(&ViewKind::Spectrogram));

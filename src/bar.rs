@@ -1,4 +1,4 @@
-//! The bar at the top: views, lessons and the transport.
+//! The bar at the top: scenarios, views, lessons, exports, appearance and history.
 
 use egui::{Button, RichText, Ui};
 use kalmanscope_lessons::{BUILT_IN, BuiltIn, EQUATIONS};
@@ -10,15 +10,11 @@ use crate::probe;
 use crate::request::{Arrangement, Request, ViewKind};
 use crate::session::{Session, Setting};
 use crate::theme;
-use crate::transport::{Extent, transport_ui};
 use crate::tutor::{self, Catalogue};
 use crate::views::view;
 
 /// Limits the width below which the program's name and the two settings are left out \[points\].
 const ROOMY: f32 = 1000.0;
-
-/// The least width with the transport in the same row: the full one, and the short one \[points\].
-const ONE_ROW: [f32; 2] = [960.0, 780.0];
 
 /// The inputs of the bar.
 pub(crate) struct Bar<'a> {
@@ -29,32 +25,24 @@ pub(crate) struct Bar<'a> {
     pub(crate) controls: bool,
     pub(crate) presenting: bool,
     pub(crate) narrow: bool,
-    /// The parts of the transport that are shown.
-    pub(crate) transport: Extent,
-    /// Whether another page embeds this one: transport only.
-    pub(crate) embedded: bool,
     /// Whether undo and redo are possible.
     pub(crate) history: (bool, bool),
 }
 
 impl Bar<'_> {
     pub(crate) fn ui(&self, ui: &mut Ui, requests: &mut Vec<Request>) {
-        let Self { session, layout, catalogue, controls, presenting, narrow, transport, embedded, history } = *self;
+        let Self { session, layout, catalogue, controls, presenting, narrow, history } = *self;
         ui.horizontal_wrapped(|ui| {
-            if embedded {
-                open_outside_ui(ui, requests);
-                return transport_ui(ui, session, (narrow, transport), requests, |_, _| {});
-            }
             let toggle = ui.selectable_label(controls, RichText::new("☰").size(16.0)).on_hover_text("Settings (S)");
             toggle.ctx.accesskit_node_builder(toggle.id, |node| node.set_label("Settings"));
             probe::remember(ui.ctx(), "Settings", toggle.rect);
             if toggle.clicked() {
                 requests.push(Request::ToggleControls);
             }
-            if !presenting && ui.max_rect().width() > ROOMY {
+            let is_roomy = ui.max_rect().width() > ROOMY;
+            if !presenting && is_roomy {
                 ui.label(RichText::new("Kalmanscope").family(theme::strong()).size(17.0));
             }
-            let is_roomy = ui.max_rect().width() > ROOMY;
             if is_roomy {
                 choose_file_ui(ui, "Open…", requests);
             }
@@ -62,25 +50,20 @@ impl Bar<'_> {
             views_menu_ui(ui, layout, requests);
             tutor::menu_ui(ui, catalogue, requests);
             export_menu::menu_ui(ui, narrow, requests);
-            more_menu_ui(ui, presenting, requests);
-            if !narrow {
-                history_ui(ui, history, requests);
-                if ui.max_rect().width() > ROOMY || session.has_other_setting() {
-                    settings_ui(ui, session, requests);
-                }
-            }
-            let [full, short] = ONE_ROW;
-            let one_row = if transport == Extent::Full { full } else { short };
-            if narrow || ui.max_rect().width() < one_row {
-                ui.end_row();
-            } else {
+            if is_roomy {
                 ui.separator();
             }
-            transport_ui(ui, session, (narrow, transport), requests, |ui, requests| {
-                if narrow {
-                    history_ui(ui, history, requests);
-                }
-            });
+            // On a phone they stand beside the transport, or in the drawer of the settings.
+            if !narrow {
+                history_ui(ui, history, requests);
+            }
+            if is_roomy || session.has_other_setting() {
+                settings_ui(ui, session, requests);
+            }
+            if is_roomy {
+                ui.separator();
+            }
+            more_menu_ui(ui, presenting, requests);
         });
     }
 }
@@ -162,15 +145,6 @@ fn more_menu_ui(ui: &mut Ui, presenting: bool, requests: &mut Vec<Request>) {
     keys.ctx.accesskit_node_builder(keys.id, |node| node.set_label("List of keys"));
     if keys.clicked() {
         requests.push(Request::ToggleKeys);
-    }
-}
-
-/// The way from an embedded picture to the whole explorer.
-fn open_outside_ui(ui: &mut Ui, requests: &mut Vec<Request>) {
-    let button = ui.button("Explore").on_hover_text("This picture in the whole explorer, in a page of its own");
-    probe::remember(ui.ctx(), "Explore", button.rect);
-    if button.clicked() {
-        requests.push(Request::OpenOutside);
     }
 }
 

@@ -7,6 +7,7 @@ mod filter;
 mod force;
 mod general;
 mod lit;
+pub(crate) mod named;
 pub mod number;
 mod options;
 mod plant;
@@ -15,8 +16,8 @@ mod row;
 mod sensors;
 mod signal;
 
-use egui::{RichText, ScrollArea, Ui};
-use kalmanscope_core::Scenario;
+use egui::{Button, RichText, ScrollArea, Ui};
+use kalmanscope_core::{Scenario, Story};
 
 use crate::session::Library;
 use crate::theme::{self, Palette};
@@ -28,6 +29,25 @@ pub enum Asked {
     Columns,
     /// Another equation of the plant.
     Equation,
+    /// Only the settings that the story names.
+    Fewer,
+}
+
+/// The settings that the story names, and the way to all others. Returns whether the scenario has changed, and whether all
+/// settings are wanted.
+pub fn few_controls_ui(ui: &mut Ui, scenario: &mut Scenario, story: &Story) -> (bool, bool) {
+    let before = scenario.clone();
+    let wanted = ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        ui.set_max_width(ui.available_width() - ui.spacing().scroll.bar_width);
+        ui.label(RichText::new("Try it").family(theme::strong()).size(14.5));
+        ui.add_space(6.0);
+        if !named::named_ui(ui, scenario, story) {
+            named::nothing_ui(ui);
+        }
+        let all = Button::new("All settings").min_size(egui::vec2(ui.available_width(), 30.0));
+        ui.add(all).on_hover_text("Every filter, the truth, the force and the sensors").clicked()
+    });
+    (*scenario != before, wanted.inner)
 }
 
 /// Shows every control, those of the settings under the paths `lit` on a lit ground. Returns whether the scenario has
@@ -43,6 +63,13 @@ pub fn controls_ui(
     let before = scenario.clone();
     let mut asked = Vec::new();
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        if ui
+            .small_button("Fewer settings")
+            .on_hover_text("Only those that the sentence above the plots names")
+            .clicked()
+        {
+            asked.push(Asked::Fewer);
+        }
         // The floating scroll bar must not cover the units.
         ui.set_max_width(ui.available_width() - ui.spacing().scroll.bar_width);
         let Scenario {

@@ -4,7 +4,7 @@ use egui::scroll_area::ScrollBarVisibility;
 use egui::{Button, Color32, Painter, Rect, ScrollArea, Sense, Stroke, StrokeKind, TextStyle, Ui, Vec2, WidgetInfo};
 use kalmanscope_core::Estimates;
 
-use crate::request::{LegendEntry, Request, ViewKind};
+use crate::request::{LegendEntry, Request};
 use crate::session::{Before, Session};
 use crate::theme::Palette;
 use crate::trouble::{Trouble, troubles};
@@ -112,7 +112,7 @@ impl Legend<'_> {
         if let Some(verdict) = verdict.filter(|_| visible.verdicts)
             && chip_ui(ui, estimates.name(), verdict, (color, on), palette).clicked()
         {
-            requests.push(Request::ShowView(ViewKind::Diagnosis));
+            requests.push(Request::Diagnose(estimates.id()));
         }
     }
 

@@ -7,7 +7,7 @@ use kalmanscope_core::internals::sort_short_by_key;
 use crate::column::Column;
 use crate::layout::{Layout, simplification};
 use crate::request::{Arrangement, Request, ViewKind};
-use crate::view::{Proportions, ViewContext};
+use crate::view::{Proportions, View, ViewContext};
 use crate::views::view;
 
 /// Limits the height below which views are in one column \[points\].
@@ -28,8 +28,15 @@ pub(crate) enum Way {
     Plots,
 }
 
-/// Fills the rest of `ui` with the views.
-pub(crate) fn panes_ui(ui: &mut Ui, layout: &Layout, context: &ViewContext<'_>, requests: &mut Vec<Request>, way: Way) {
+/// Fills the rest of `ui` with the views, below something that scrolls with them where they are in one column.
+pub(crate) fn panes_ui(
+    ui: &mut Ui,
+    layout: &Layout,
+    context: &ViewContext<'_>,
+    requests: &mut Vec<Request>,
+    way: Way,
+    above: impl FnOnce(&mut Ui, &mut Vec<Request>),
+) {
     let area = ui.available_size();
     if area.x < 1.0 || area.y < 1.0 {
         return;
@@ -48,7 +55,7 @@ pub(crate) fn panes_ui(ui: &mut Ui, layout: &Layout, context: &ViewContext<'_>, 
             // On a phone in landscape the picture of the plant would leave the plots no room.
             sort_short_by_key(&mut kinds, |kind| view(*kind).proportions() == Proportions::Flat);
         }
-        panes.show_column(ui, &kinds);
+        panes.show_column(ui, &kinds, above);
     } else if layout.tree().is_empty() {
         empty_ui(ui, panes.requests);
     } else {
@@ -83,6 +90,22 @@ fn bar_height(ui: &Ui) -> f32 {
     ui.spacing().interact_size.y.max(TARGET)
 }
 
+/// The explanation of a view behind a question mark.
+pub(crate) fn help_ui(ui: &mut Ui, view: &dyn View) {
+    let lines = |ui: &mut Ui| {
+        ui.set_max_width(380.0);
+        for line in view.help() {
+            ui.label(line);
+        }
+    };
+    let side = bar_height(ui);
+    let help = ui.add(Button::new(RichText::new("?").weak()).frame(false).min_size(vec2(side, side)));
+    // On a touch screen nothing hovers.
+    let is_open = egui::Popup::from_toggle_button_response(&help).show(lines).is_some();
+    let help = if is_open { help } else { help.on_hover_ui(lines) };
+    help.ctx.accesskit_node_builder(help.id, |node| node.set_label(format!("About {}", view.name())));
+}
+
 /// Shows each view under its bar.
 struct Panes<'a> {
     context: &'a ViewContext<'a>,
@@ -93,10 +116,11 @@ struct Panes<'a> {
 
 impl Panes<'_> {
     /// Shows views in one column, which scrolls where they would be too low.
-    fn show_column(&mut self, ui: &mut Ui, kinds: &[ViewKind]) {
+    fn show_column(&mut self, ui: &mut Ui, kinds: &[ViewKind], above: impl FnOnce(&mut Ui, &mut Vec<Request>)) {
         let gap = ui.spacing().item_spacing.y;
         let column = Column::new(kinds, ui.available_size(), bar_height(ui) + gap, gap);
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+            above(ui, self.requests);
             let width = ui.available_width() - if column.scrolls { ui.spacing().scroll.bar_width } else { 0.0 };
             for (&kind, height) in kinds.iter().zip(column.heights) {
                 let (rect, _) = ui.allocate_exact_size(vec2(width, height), Sense::hover());
@@ -137,20 +161,9 @@ impl Panes<'_> {
             let sense = if self.draggable { Sense::click_and_drag() } else { Sense::click() };
             let title = ui.add(egui::Label::new(name).selectable(false).sense(sense));
             let title = if self.draggable { title.on_hover_text("Drag to move") } else { title };
-            let [what, good, then] = view.help();
+            help_ui(ui, view);
             let side = bar_height(ui);
             let small = |icon: &str| Button::new(RichText::new(icon).weak()).frame(false).min_size(vec2(side, side));
-            let lines = |ui: &mut Ui| {
-                ui.set_max_width(380.0);
-                for line in [what, good, then] {
-                    ui.label(line);
-                }
-            };
-            let help = ui.add(small("?"));
-            // On a touch screen nothing hovers.
-            let is_open = egui::Popup::from_toggle_button_response(&help).show(lines).is_some();
-            let help = if is_open { help } else { help.on_hover_ui(lines) };
-            help.ctx.accesskit_node_builder(help.id, |node| node.set_label(format!("About {}", view.name())));
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 let close = ui.add(small("×")).on_hover_text("Hide this view");
                 close.ctx.accesskit_node_builder(close.id, |node| node.set_label(format!("Hide {}", view.name())));

@@ -87,6 +87,8 @@ pub enum Request {
     ShowAllChannels,
     /// Show the settings or hide them.
     ToggleControls,
+    /// Show all settings, or only those that the story names.
+    ShowAllSettings(bool),
     /// Switch presenter mode.
     TogglePresenter,
     /// Show or hide the list of keys.
@@ -97,6 +99,10 @@ pub enum Request {
     DismissNotice,
     /// Leave the list of keys, or the enlarged view.
     Leave,
+    /// Show the diagnosis of the filter with an id beside the plots.
+    Diagnose(u32),
+    /// Close it.
+    CloseDiagnosis,
     /// Show or hide a view.
     ToggleView(ViewKind),
     /// Show a view that may be hidden.

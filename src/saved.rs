@@ -37,6 +37,8 @@ pub struct Saved {
     pub(crate) enlarged: Option<ViewKind>,
     pub(crate) ruler: Ruler,
     pub(crate) hidden: Vec<LegendEntry>,
+    /// Whether all settings are shown, and not only those that the story names.
+    pub(crate) all_settings: bool,
     pub(crate) laboratory: Choices,
     pub(crate) studies: Studies,
     /// The text of a session that could not be read in full.
@@ -67,6 +69,7 @@ struct Written<'a> {
     enlarged: Option<ViewKind>,
     marks: Ruler,
     hidden: &'a [LegendEntry],
+    all_settings: bool,
     map: &'a Option<Choice>,
     seeds: &'a Option<SeedChoice>,
     tuning: &'a Option<TuneChoice>,
@@ -85,6 +88,7 @@ impl Default for Saved {
             enlarged: None,
             ruler: Ruler::default(),
             hidden: Vec::new(),
+            all_settings: false,
             laboratory: Choices::default(),
             studies: Studies::default(),
             unreadable: None,
@@ -127,7 +131,20 @@ impl Saved {
     /// # Errors
     /// [`DocumentError`] where the scenario cannot be written.
     pub fn text(&self) -> Result<String, DocumentError> {
-        let Self { scenario, mode, speed, presenting, dark, views, enlarged, ruler, hidden, laboratory, .. } = self;
+        let Self {
+            scenario,
+            mode,
+            speed,
+            presenting,
+            dark,
+            views,
+            enlarged,
+            ruler,
+            hidden,
+            all_settings,
+            laboratory,
+            ..
+        } = self;
         let Choices { map, seeds, tuning } = laboratory;
         Document::json(&Written {
             version: VERSION,
@@ -140,6 +157,7 @@ impl Saved {
             enlarged: *enlarged,
             marks: *ruler,
             hidden,
+            all_settings: *all_settings,
             map,
             seeds,
             tuning,
@@ -179,6 +197,8 @@ impl Saved {
             views,
             ruler: reader.part("marks", usual.ruler),
             hidden: reader.part("hidden", usual.hidden),
+            // Sessions from before it could be chosen had all of them.
+            all_settings: reader.part("all_settings", true),
             laboratory: reader.laboratory(),
             studies: reader.part("lessons", usual.studies),
             unreadable: None,

@@ -1,35 +1,77 @@
-//! The bar at the top: play, pause, step, restart, speed, live or whole record, and the time.
+//! The bar at the foot of the plots: play, step, restart, speed, the timeline, live or whole record, and the time.
 
-use egui::{Button, ComboBox, DragValue, Rect, RichText, Slider, Ui, vec2};
+use egui::{Align, Button, ComboBox, DragValue, Layout, Rect, RichText, Ui, vec2};
 
+use crate::bar::history_ui;
 use crate::hover::hover_text;
 use crate::probe;
 use crate::request::Request;
+use crate::ruler::Ruler;
 use crate::session::{Mode, Session};
 use crate::text::{clock, parse_clock, significant};
+use crate::theme::Palette;
+use crate::timeline::track_ui;
 
 /// The parts of the transport that are shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Extent {
     /// All of it.
     Full,
-    /// The buttons of playback and the time; a lesson chooses the rest.
+    /// The buttons of playback and the timeline; a lesson chooses the rest.
     Short,
     /// Nothing, where settings need the room.
     Nothing,
 }
 
-/// Shows the playback's buttons; where it is narrow, the time has its own row, with `add_contents` at its beginning.
-pub(crate) fn transport_ui(
-    ui: &mut Ui,
-    session: &Session,
-    (narrow, extent): (bool, Extent),
-    requests: &mut Vec<Request>,
-    add_contents: impl FnOnce(&mut Ui, &mut Vec<Request>),
-) {
-    if extent == Extent::Nothing {
-        return;
+/// The inputs of the transport.
+pub(crate) struct Transport<'a> {
+    pub(crate) session: &'a Session,
+    pub(crate) ruler: &'a Ruler,
+    pub(crate) palette: &'a Palette,
+    pub(crate) narrow: bool,
+    pub(crate) extent: Extent,
+    /// Whether another page embeds this one: there is no other bar.
+    pub(crate) embedded: bool,
+    /// Whether undo and redo are possible.
+    pub(crate) history: (bool, bool),
+}
+
+impl Transport<'_> {
+    /// Shows the playback's buttons and the timeline; where it is narrow, speed and mode have a row of their own.
+    pub(crate) fn ui(&self, ui: &mut Ui, requests: &mut Vec<Request>) {
+        let Self { session, ruler, palette, narrow, extent, embedded, history } = *self;
+        let is_full = extent == Extent::Full;
+        ui.spacing_mut().item_spacing.y = 2.0;
+        ui.horizontal(|ui| {
+            playback_ui(ui, session, requests);
+            if is_full && !narrow {
+                speed_ui(ui, session, requests);
+            }
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                if embedded {
+                    open_outside_ui(ui, requests);
+                }
+                if is_full && !narrow {
+                    modes_ui(ui, session, requests);
+                }
+                time_ui(ui, session, requests);
+                let width = (ui.available_width() - ui.spacing().item_spacing.x).max(60.0);
+                track_ui(ui, session, ruler, palette, width, requests);
+            });
+        });
+        if is_full && narrow {
+            ui.horizontal(|ui| {
+                speed_ui(ui, session, requests);
+                if !embedded {
+                    history_ui(ui, history, requests);
+                }
+                ui.with_layout(Layout::right_to_left(Align::Center), |ui| modes_ui(ui, session, requests));
+            });
+        }
     }
+}
+
+fn playback_ui(ui: &mut Ui, session: &Session, requests: &mut Vec<Request>) {
     let (icon, name) = if session.playing() { ("⏸", "Pause") } else { ("▶", "Play") };
     if button(ui, icon, name, "Space") {
         requests.push(Request::TogglePlay);
@@ -40,16 +82,13 @@ pub(crate) fn transport_ui(
     if button(ui, "↺", "Restart", "R") {
         requests.push(Request::Restart);
     }
-    if extent == Extent::Short {
-        return time_ui(ui, session, requests);
-    }
-    speed_ui(ui, session, requests);
-    if !narrow {
-        ui.separator();
-    }
+}
+
+/// Live or whole, from the right.
+fn modes_ui(ui: &mut Ui, session: &Session, requests: &mut Vec<Request>) {
     for (mode, text, hint) in [
-        (Mode::Live, "Live", "The filters run as time goes on"),
         (Mode::Whole, "Whole record", "All of the record, recomputed at once when anything changes"),
+        (Mode::Live, "Live", "The filters run as time goes on"),
     ] {
         let button = Button::selectable(session.mode() == mode, text);
         let possible = mode == Mode::Live || session.can_be_whole();
@@ -60,13 +99,6 @@ pub(crate) fn transport_ui(
             requests.push(Request::SetMode(mode));
         }
     }
-    if narrow {
-        ui.end_row();
-    } else {
-        ui.separator();
-    }
-    add_contents(ui, requests);
-    time_ui(ui, session, requests);
 }
 
 fn button(ui: &mut Ui, icon: &str, name: &str, key: &str) -> bool {
@@ -103,33 +135,42 @@ fn progress_ui(ui: &mut Ui, share: f64) {
 /// Height of the progress bar \[points\].
 const BAR: f32 = 2.0;
 
+/// The way from an embedded picture to the whole explorer.
+fn open_outside_ui(ui: &mut Ui, requests: &mut Vec<Request>) {
+    let button = ui.button("Explore").on_hover_text("This picture in the whole explorer, in a page of its own");
+    probe::remember(ui.ctx(), "Explore", button.rect);
+    if button.clicked() {
+        requests.push(Request::OpenOutside);
+    }
+}
+
+/// The width of the time in figures, so that the timeline does not move \[points\].
+const TIME_WIDTH: f32 = 104.0;
+
+/// The time on screen and the last one.
 fn time_ui(ui: &mut Ui, session: &Session, requests: &mut Vec<Request>) {
     let start = session.run().record().time_of(0);
-    let mut time = session.time() - start;
     let end = start + session.end();
-    let text_width = if end > LONG { 170.0 } else { 130.0 };
-    ui.spacing_mut().slider_width = (ui.available_size_before_wrap().x - text_width).clamp(60.0, 260.0);
-    let slider = ui.add(Slider::new(&mut time, 0.0..=session.end()).show_value(false));
-    slider.ctx.accesskit_node_builder(slider.id, |node| node.set_label("Time"));
-    probe::remember(ui.ctx(), "Time", slider.rect);
-    if slider.changed() {
-        requests.push(Request::Seek(time));
-    }
-    if let Some(share) = session.progress() {
-        progress_ui(ui, share);
-    } else if end > LONG {
-        // A pixel of the slider may be minutes of a day: so a time can be typed, too.
-        let field = DragValue::new(&mut time).range(0.0..=session.end()).speed(1.0).update_while_editing(false);
-        let field = field.custom_formatter(|time, _| clock(start + time));
-        let field = ui.add(field.custom_parser(|text| parse_clock(text).map(|time| time - start)));
-        field.ctx.accesskit_node_builder(field.id, |node| node.set_label("Time, value"));
-        if field.changed() {
-            requests.push(Request::Seek(time));
+    let size = vec2(TIME_WIDTH, ui.spacing().interact_size.y);
+    ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
+        ui.set_min_width(TIME_WIDTH);
+        if let Some(share) = session.progress() {
+            progress_ui(ui, share);
+        } else if end > LONG {
+            // A pixel of the timeline may be minutes of a day: so a time can be typed, too.
+            let mut time = session.time() - start;
+            let field = DragValue::new(&mut time).range(0.0..=session.end()).speed(1.0).update_while_editing(false);
+            let field = field.custom_formatter(|time, _| clock(start + time));
+            let field = ui.add(field.custom_parser(|text| parse_clock(text).map(|time| time - start)));
+            field.ctx.accesskit_node_builder(field.id, |node| node.set_label("Time, value"));
+            if field.changed() {
+                requests.push(Request::Seek(time));
+            }
+            ui.label(format!("/ {}", clock(end)));
+        } else {
+            ui.label(format!("{:6.2} / {} s", session.time(), significant(end, 4)));
         }
-        ui.label(format!("/ {}", clock(end)));
-    } else {
-        ui.label(format!("{:6.2} / {} s", session.time(), significant(end, 4)));
-    }
+    });
 }
 
 /// Limits the times in plain seconds; longer ones are in hours, minutes and seconds \[s\].

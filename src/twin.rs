@@ -8,6 +8,7 @@ use crate::plot::time_axis::TimeAxis;
 use crate::ruler::Ruler;
 use crate::session::Session;
 use crate::sheet::{Column, Sheet};
+use crate::story::story_of;
 use crate::text::{sentence, significant};
 use crate::theme::Palette;
 use crate::trouble::{Trouble, troubles};
@@ -27,13 +28,13 @@ const UNKNOWN: &str = "not known yet";
 /// The screen in words and tables.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Twin {
-    /// The views on screen.
+    /// The story, the verdicts and the views on screen.
     pub parts: Vec<Part>,
     /// Failures and remarks, as sentences.
     pub messages: Vec<String>,
 }
 
-/// The verdicts, or a view.
+/// The story, the verdicts, or a view.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
     /// Its name.
@@ -86,7 +87,7 @@ impl Twin {
         let gaps = Gap::all(session).into_iter().filter(|gap| gap.is_over);
         let gaps = gaps.map(|gap| format!("{}.", sentence(&gap.words())));
         Self {
-            parts: verdicts.into_iter().chain(views).collect(),
+            parts: std::iter::once(story(session)).chain(verdicts).chain(views).collect(),
             messages: notice.map(str::to_owned).into_iter().chain(troubles).chain(gaps).collect(),
         }
     }
@@ -104,6 +105,11 @@ impl Twin {
         let part = self.parts.iter().find(|part| part.name == Self::VERDICTS);
         part.into_iter().flat_map(|part| &part.tables).flat_map(|table| &table.rows).map(Vec::as_slice)
     }
+}
+
+/// The run in a few sentences.
+fn story(session: &Session) -> Part {
+    Part { name: "What happens".to_owned(), about: story_of(session).to_string(), tables: Vec::new() }
 }
 
 /// The verdict on each filter, and its reason.

@@ -3,7 +3,7 @@
 mod autocorrelation;
 mod channels;
 mod consistency;
-mod diagnosis;
+pub(crate) mod diagnosis;
 mod errors;
 mod filters;
 mod frequency_response;

@@ -14,7 +14,8 @@ struct Told {
 impl Told {
     /// The part of a scenario's run before a share of its samples.
     fn new(scenario: &Scenario, share: f64) -> Self {
-        let mut run = Run::from_source(scenario, source(scenario).unwrap()).unwrap();
+        let mut run =
+            Run::from_source(scenario, source(scenario).expect("its record is built in")).expect("it can be run");
         run.advance_to((share * run.samples() as f64) as usize);
         let all = run.estimates().iter();
         let diagnostics: Vec<Diagnostics> = all.map(|estimates| Diagnostics::new(estimates, run.record())).collect();
@@ -67,7 +68,7 @@ impl Told {
                 }
             }
         }
-        let last: String = story.sentences.last().unwrap().iter().map(Phrase::to_string).collect();
+        let last: String = story.sentences.last().expect("it has sentences").iter().map(Phrase::to_string).collect();
         let kinds: Vec<Option<VerdictKind>> = scenario.filters.iter().map(|filter| self.kind(filter.id)).collect();
         let honest = |kind: VerdictKind| kind.is_good() || kind == VerdictKind::NotIdentifiable;
         for filter in &scenario.filters {

@@ -78,6 +78,7 @@ impl App {
             Request::LeaveLesson => self.leave_lesson(),
             Request::ToggleEntry(entry) => visible.toggle(entry),
             Request::ShowAllChannels => visible.only.clear(),
+            Request::ShowAllSettings(all) => self.show_all_settings(all),
             Request::ToggleControls => self.controls_open = Some(!self.controls_open()),
             Request::TogglePresenter => {
                 self.presenting = !self.presenting;
@@ -94,11 +95,14 @@ impl App {
                     || laboratory.set_stopped(true)
                     || laboratory.seeds_mut().set_stopped(true)
                     || laboratory.tuning_mut().cancel()
-                    || self.editor.take().is_some();
+                    || self.editor.take().is_some()
+                    || self.diagnosed.take().is_some();
                 if !is_done {
                     layout.leave_enlarged();
                 }
             }
+            Request::Diagnose(id) => self.diagnosed = Some(id),
+            Request::CloseDiagnosis => self.diagnosed = None,
             Request::ToggleView(view) => layout.toggle(view),
             Request::ShowView(view) => {
                 layout.show(view);

@@ -59,6 +59,7 @@ impl App {
         app.visible = Visibility::without(&saved.hidden);
         app.laboratory.restore(saved.laboratory);
         app.inviting = new_here;
+        app.all_settings = saved.all_settings;
         app.resume(saved.studies);
         app.unreadable = saved.unreadable;
         if let Some(reason) = problem {
@@ -69,7 +70,8 @@ impl App {
 
     /// The state that outlasts the program.
     pub fn saved(&self) -> Saved {
-        let Self { session, layout, laboratory, presenting, theme, ruler, visible, unreadable, .. } = self;
+        let Self { session, layout, laboratory, presenting, theme, ruler, visible, all_settings, unreadable, .. } =
+            self;
         Saved {
             scenario: session.scenario().clone(),
             mode: session.mode(),
@@ -84,6 +86,7 @@ impl App {
             enlarged: layout.enlarged(),
             ruler: ruler.in_nanoseconds(),
             hidden: visible.hidden(),
+            all_settings: *all_settings,
             laboratory: laboratory.choices(),
             studies: self.studies(),
             unreadable: unreadable.clone(),

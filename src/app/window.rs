@@ -4,23 +4,26 @@ use egui::{Align, CentralPanel, Color32, Context, Frame, Layout, Margin, Panel, 
 
 use super::App;
 use crate::bar::{self, Bar};
-use crate::controls::{Asked, controls_ui};
+use crate::controls::{Asked, controls_ui, few_controls_ui};
 use crate::drawer::{Drawer, close_ui};
 use crate::keys;
 use crate::legend::{self, Legend};
 use crate::notice;
-use crate::panes::{Way, panes_ui};
+use crate::panes::{Way, help_ui, panes_ui};
 use crate::reading::{self, Reading};
-use crate::request::Request;
+use crate::request::{Request, ViewKind};
+use crate::story;
 use crate::theme::{self, Palette};
-use crate::transport::Extent;
+use crate::transport::{Extent, Transport};
 use crate::view::ViewContext;
+use crate::views::{diagnosis, view};
 
 /// The drawers of a narrow window.
 #[derive(Default)]
 pub(super) struct Drawers {
     settings: Drawer,
     lesson: Drawer,
+    diagnosis: Drawer,
 }
 
 /// Limits the width of a window that shows its settings in a drawer under the plots \[points\].
@@ -57,13 +60,13 @@ impl App {
         let open = self.controls_open();
         let ground = if self.cleared { Color32::TRANSPARENT } else { palette.ground };
         let frame = Frame::new().fill(ground).inner_margin(Margin::symmetric(10, 6));
-        let transport = self.transport(narrow);
+        let extent = self.transport(narrow);
         let Self { session, layout, catalogue, presenting, embedded, requests, history, .. } = self;
         let history = (history.has_undo(session.scenario()), history.has_redo(session.scenario()));
         let (presenting, embedded) = (*presenting, *embedded);
-        let bar = Bar { session, layout, catalogue, controls: open, presenting, narrow, transport, embedded, history };
-        if !presenting || is_bar_wanted(ui.ctx()) {
-            Panel::top("transport").frame(frame).show(ui, |ui| bar.ui(ui, requests));
+        let bar = Bar { session, layout, catalogue, controls: open, presenting, narrow, history };
+        if !embedded && (!presenting || is_bar_wanted(ui.ctx())) {
+            Panel::top("bar").frame(frame).show(ui, |ui| bar.ui(ui, requests));
         }
         if narrow {
             // The drawer comes first: its height depends on the room that is left.
@@ -72,11 +75,21 @@ impl App {
             legend.show(ui, |ui| self.legend_ui(ui, &palette));
         }
         let drawer = narrow.then_some(height);
+        if narrow {
+            // At the very foot, under the drawers.
+            self.transport_ui(ui, frame, &palette, (narrow, extent, history));
+        }
         if open {
             self.controls_panel_ui(ui, frame, &palette, (drawer, history));
         }
         if !(open && narrow) {
             self.lesson_panel_ui(ui, frame, &palette, drawer);
+        }
+        if !(narrow && (open || self.tutor.is_some())) {
+            self.diagnosis_ui(ui, frame, &palette, drawer);
+        }
+        if !narrow {
+            self.transport_ui(ui, frame, &palette, (narrow, extent, history));
         }
         let centre = CentralPanel::default().frame(frame).show(ui, |ui| self.centre_ui(ui, &palette, narrow));
         if let Some(notice) = &self.notice {
@@ -121,10 +134,17 @@ impl App {
         palette: &Palette,
         (drawer, history): (Option<f32>, (bool, bool)),
     ) {
-        let Self { session, tutor, requests, width, drawers, .. } = self;
+        let Self { session, tutor, requests, width, drawers, all_settings, .. } = self;
         let lit = tutor.as_mut().map_or(vec![], |tutor| tutor.lit(session.scenario()));
+        let is_short = !*all_settings && lit.is_empty();
         let contents = |ui: &mut Ui, requests: &mut Vec<Request>| {
             let mut scenario = session.scenario().clone();
+            if is_short {
+                let (changed, all) = few_controls_ui(ui, &mut scenario, &story::story_of(session));
+                requests.extend(changed.then(|| Request::Edit(Box::new(scenario))));
+                requests.extend(all.then_some(Request::ShowAllSettings(true)));
+                return;
+            }
             let (changed, asked) = controls_ui(ui, &mut scenario, session.library(), palette, lit);
             if changed {
                 requests.push(Request::Edit(Box::new(scenario)));
@@ -132,11 +152,16 @@ impl App {
             requests.extend(asked.into_iter().map(|asked| match asked {
                 Asked::Columns => Request::ChangeColumns,
                 Asked::Equation => Request::EditEquation,
+                Asked::Fewer => Request::ShowAllSettings(false),
             }));
         };
         let Some(height) = drawer else {
-            let panel = Panel::left("controls").default_size((0.29 * *width).clamp(340.0, 420.0));
-            panel.size_range(300.0..=460.0).frame(frame).show(ui, |ui| contents(ui, requests));
+            let panel = if is_short {
+                Panel::left("few controls").default_size(250.0).size_range(200.0..=360.0)
+            } else {
+                Panel::left("controls").default_size((0.29 * *width).clamp(340.0, 420.0)).size_range(300.0..=460.0)
+            };
+            panel.frame(frame).show(ui, |ui| contents(ui, requests));
             return;
         };
         let mut asked = Vec::new();
@@ -174,6 +199,58 @@ impl App {
         requests.append(&mut asked);
     }
 
+    /// Whether the story of the run is told: there is room, and no lesson tells it.
+    fn tells_story(&self) -> bool {
+        self.tutor.is_none() && !self.low
+    }
+
+    /// Shows the diagnosis of a filter, if one is wanted: beside the plots, or in a drawer below them in a window of the height
+    /// `drawer` \[points\].
+    fn diagnosis_ui(&mut self, ui: &mut Ui, frame: Frame, palette: &Palette, drawer: Option<f32>) {
+        let Self { session, axis, ruler, visible, requests, drawers, diagnosed: Some(id), .. } = self else { return };
+        let context = ViewContext::new(session, palette, visible, axis, ruler);
+        let mut asked = Vec::new();
+        let heading = |ui: &mut Ui| {
+            ui.label(RichText::new("Diagnosis").family(theme::strong()).size(15.0));
+            help_ui(ui, view(ViewKind::Diagnosis));
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                if close_ui(ui, "Close the diagnosis") {
+                    asked.push(Request::CloseDiagnosis);
+                }
+            });
+        };
+        let mut contents = |ui: &mut Ui| diagnosis::drawer_ui(ui, &context, *id, requests);
+        match drawer {
+            Some(height) => drawers.diagnosis.show(ui, "diagnosis", (frame, height), heading, contents),
+            None => {
+                let panel = Panel::right("diagnosis").default_size(340.0).size_range(280.0..=560.0);
+                panel.frame(frame).show(ui, |ui| {
+                    ui.set_min_size(ui.available_size());
+                    ui.horizontal(heading);
+                    contents(ui);
+                });
+            }
+        }
+        requests.append(&mut asked);
+    }
+
+    /// Shows the playback and the timeline at the foot of the plots.
+    fn transport_ui(
+        &mut self,
+        ui: &mut Ui,
+        frame: Frame,
+        palette: &Palette,
+        (narrow, extent, history): (bool, Extent, (bool, bool)),
+    ) {
+        if extent == Extent::Nothing {
+            return;
+        }
+        let Self { session, ruler, embedded, requests, .. } = self;
+        let transport = Transport { session, ruler, palette, narrow, extent, embedded: *embedded, history };
+        let frame = if narrow { frame.inner_margin(Margin::symmetric(10, 3)) } else { frame };
+        Panel::bottom("transport").frame(frame).show(ui, |ui| transport.ui(ui, requests));
+    }
+
     /// Legend and problems.
     fn legend_ui(&mut self, ui: &mut Ui, palette: &Palette) {
         let extent = if self.is_tight() { legend::Extent::OneRow } else { legend::Extent::Full };
@@ -185,9 +262,13 @@ impl App {
     /// The views, and the legend if it has no panel of its own.
     fn centre_ui(&mut self, ui: &mut Ui, palette: &Palette, narrow: bool) {
         if !narrow {
+            if self.tells_story() {
+                story::story_ui(ui, &self.session, palette, true, &mut self.requests);
+            }
             self.legend_ui(ui, palette);
         }
         let is_tuning = self.is_tight() && self.controls_open();
+        let is_told = narrow && self.tells_story();
         let Self { session, axis, ruler, visible, layout, laboratory, requests, .. } = self;
         let context = ViewContext::new(session, palette, visible, axis, ruler).in_laboratory(Some(laboratory));
         let way = match (narrow, is_tuning) {
@@ -195,7 +276,11 @@ impl App {
             (true, false) => Way::Column,
             (false, false) => Way::Tiles,
         };
-        panes_ui(ui, layout, &context, requests, way);
+        panes_ui(ui, layout, &context, requests, way, |ui, requests| {
+            if is_told {
+                story::story_ui(ui, session, palette, false, requests);
+            }
+        });
         if let Some(reading) = Reading::of(ruler, session, visible, palette) {
             reading::table_ui(ui.ctx(), &reading, requests);
         }

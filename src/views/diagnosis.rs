@@ -50,6 +50,37 @@ impl View for Diagnosis {
     }
 }
 
+/// Shows the diagnosis of one filter in a drawer, under the names of all of them.
+pub(crate) fn drawer_ui(ui: &mut Ui, context: &ViewContext<'_>, id: u32, requests: &mut Vec<Request>) {
+    let is_held = is_held(ui, "hand on the diagnosis");
+    let all = context.session.run().estimates();
+    if all.len() > 1 {
+        ui.horizontal_wrapped(|ui| {
+            for estimates in all {
+                let is_on = estimates.id() == id;
+                let color = context.palette.shade(estimates.color());
+                let name = RichText::new(estimates.name()).color(if is_on { context.palette.on_accent } else { color });
+                let tab = ui.selectable_label(is_on, name);
+                tab.ctx.accesskit_node_builder(tab.id, |node| {
+                    node.set_label(format!("Diagnosis of {}", estimates.name()));
+                });
+                if tab.clicked() {
+                    requests.push(Request::Diagnose(estimates.id()));
+                }
+            }
+        });
+        ui.add_space(4.0);
+    }
+    let Some(place) = all.iter().position(|estimates| estimates.id() == id) else {
+        ui.weak("This filter is not there any more.");
+        return;
+    };
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        ui.set_width(ui.available_width() - ui.spacing().scroll.bar_width);
+        ui.push_id(id, |ui| filter_ui(ui, context, (place, is_held), &all[place], requests));
+    });
+}
+
 /// The lines reserved for the reason of a verdict.
 const LINES: f32 = 3.0;
 

@@ -15,11 +15,6 @@ fn mistuned() -> Screen {
     screen
 }
 
-fn click(screen: &mut Screen, label: &str) {
-    screen.get_by_label(label).click();
-    screen.run_steps(4);
-}
-
 #[test]
 fn a_verdict_beside_a_filter_opens_the_diagnosis() {
     let mut screen = mistuned();
@@ -81,12 +76,15 @@ fn live_verdicts_come_with_the_record() {
 }
 
 #[test]
-fn a_verdict_on_a_phone_opens_the_diagnosis_alone() {
+fn a_verdict_on_a_phone_opens_the_diagnosis_below_the_plots() {
     let mut screen = screen(PHONE, Theme::Light);
     screen.run_steps(120);
     click(&mut screen, "EKF is consistent");
     assert!(screen.query_by_label("About Diagnosis").is_some());
-    assert!(screen.query_by_label("About Parameters").is_none());
+    let top = screen.get_by_label_contains("Make the diagnosis ").rect().top();
+    assert!(screen.get_by_label("Plot of the natural frequency").rect().top() < top && top > 0.4 * PHONE.y);
+    click(&mut screen, "Close the diagnosis");
+    assert!(screen.query_by_label("About Diagnosis").is_none());
 }
 
 #[test]

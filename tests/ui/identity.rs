@@ -4,11 +4,6 @@ use kalmanscope_core::FilterSettings;
 
 use super::*;
 
-fn click(screen: &mut Screen, label: &str) {
-    screen.get_by_label(label).click();
-    screen.run_steps(3);
-}
-
 /// Whether the legend shows each filter, in order.
 fn shown(screen: &Screen) -> Vec<(String, bool)> {
     let on = |name: &str| {

@@ -21,6 +21,7 @@ mod records;
 mod settings;
 mod share;
 mod sizes;
+mod story;
 mod tune;
 mod twin;
 mod workbench;
@@ -54,12 +55,19 @@ fn screen(size: Vec2, theme: Theme) -> Screen {
         .with_step_dt(1.0 / 60.0)
         .build_eframe(|creation| App::new(creation).expect("the default scenario can be run"));
     *screen.state_mut().layout_mut() = Layout::of(Arrangement::Teach);
+    screen.state_mut().show_all_settings(true);
     let session = screen.state_mut().session_mut();
     session.set_budget(Budget::Unlimited);
     session.set_scenario(Scenario::default());
     session.play_from_start();
     screen.run_steps(2);
     screen
+}
+
+/// Clicks on what has this label.
+fn click(screen: &mut Screen, label: &str) {
+    screen.get_by_label(label).click();
+    screen.run_steps(4);
 }
 
 /// A paused screen with all sections of the controls open.

@@ -19,8 +19,10 @@ fn plots_of_the_first_arrangement_have_room_at_any_size() {
                         let name = format!("Plot of the {}", plot.name());
                         let rect = screen.get_by_label(&name).rect();
                         assert!(rect.width() > 250.0 && rect.height() > 80.0, "{name} has only {rect} of {size}");
+                        // Where they are in one column, they scroll with the story above them.
+                        let is_in_column = size.x < 720.0;
                         assert!(
-                            rect.right() <= size.x && rect.bottom() <= size.y,
+                            rect.right() <= size.x && (is_in_column || rect.bottom() <= size.y),
                             "{name} is cut off: {rect} of {size}"
                         );
                     }

@@ -11,6 +11,7 @@ mod info;
 mod place;
 mod scenario;
 mod table;
+mod wording;
 
 use crate::mathematics::channel::Channel;
 

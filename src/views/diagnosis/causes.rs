@@ -117,13 +117,15 @@ fn knob_ui(
     knobs: &[Edit],
     requests: &mut Vec<Request>,
 ) {
+    let scenario = context.session.scenario();
+    let words: Vec<String> = knobs.iter().map(|knob| knob.in_words(scenario)).collect();
+    let more = if words.len() > SHOWN { format!(", and {} more", words.len() - SHOWN) } else { String::new() };
+    let text = format!("{}{more}", sentence(&words[..words.len().min(SHOWN)].join(", ")));
     let lines: Vec<String> = knobs.iter().map(Edit::toml_line).collect();
-    let more = if lines.len() > SHOWN { format!(" and {} more", lines.len() - SHOWN) } else { String::new() };
-    let text = format!("Set {}{more}", lines[..lines.len().min(SHOWN)].join(", "));
-    let button = ui.add(Button::new(text).wrap()).on_hover_text(lines.join("\n"));
+    let button = ui.add(Button::new(text).wrap()).on_hover_text(format!("In a file:\n{}", lines.join("\n")));
     button.ctx.accesskit_node_builder(button.id, |node| node.set_label(format!("Turn the knob of {filter}: {cause}")));
     if button.clicked()
-        && let Ok(turned) = Edit::apply_all(knobs, context.session.scenario())
+        && let Ok(turned) = Edit::apply_all(knobs, scenario)
     {
         requests.push(Request::Edit(Box::new(turned)));
     }

@@ -73,7 +73,7 @@ impl Edit {
     }
 
     /// The key within the table of the filter, or of the scenario.
-    fn inner(&self) -> &str {
+    pub(super) fn inner(&self) -> &str {
         address::split_id(&self.key).map_or(&self.key, |(_, key)| key)
     }
 

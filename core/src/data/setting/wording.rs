@@ -1,0 +1,96 @@
+//! Edits in words, as a button says them.
+
+use toml::Value;
+
+use super::{Edit, Entry, OF_FILTER, OF_SCENARIO, SENSOR_STD, TableInfo};
+use crate::data::scenario::{FilterSettings, Scenario};
+use crate::mathematics::channel::Channel;
+use crate::mathematics::plant::PlantKind;
+use crate::mathematics::quantity::Quantity;
+
+impl Edit {
+    /// The edit of a scenario in words and symbols, without the name of a filter: `estimate the input gain`, `√Q of ωₙ = 0.0537`.
+    /// What has no words is the line of a file.
+    ///
+    /// ```
+    /// use kalmanscope_core::{Scenario, setting::Edit};
+    ///
+    /// let scenario = Scenario::default();
+    /// let words = |key: &str, value: f64| Edit::of_filter(1, key, value).in_words(&scenario);
+    /// assert_eq!(words("fading", 1.02), "λ = 1.02");
+    /// assert_eq!(words("process_std.natural_frequency", 0.0537), "√Q of ωₙ = 0.0537");
+    /// let gain = Edit::of_filter(1, "augment", vec!["input_gain"]);
+    /// assert_eq!(gain.in_words(&scenario), "estimate the input gain");
+    /// ```
+    pub fn in_words(&self, scenario: &Scenario) -> String {
+        let filter = scenario.filters_at(&self.key).and_then(|(places, _)| scenario.filters.get(*places.first()?));
+        let words = match filter {
+            Some(filter) => self.of_filter_in_words(filter, scenario),
+            None => self.of_scenario_in_words(),
+        };
+        words.unwrap_or_else(|| self.toml_line())
+    }
+
+    fn of_filter_in_words(&self, filter: &FilterSettings, scenario: &Scenario) -> Option<String> {
+        let key = self.inner();
+        match (key, &self.value) {
+            ("augment", Value::Array(wanted)) => {
+                let wanted = wanted.iter().filter_map(|key| Channel::from_key(key.as_str()?));
+                let new: Vec<String> = wanted
+                    .filter(|channel| !filter.augment.contains(channel))
+                    .map(|channel| format!("the {}", channel.name()))
+                    .collect();
+                Some(if new.is_empty() {
+                    "estimate nothing more".to_owned()
+                } else {
+                    format!("estimate {}", new.join(" and "))
+                })
+            }
+            ("plant", Value::String(kind)) => Some(format!("take it for a {}", PlantKind::from_key(kind)?.name())),
+            ("sensor_std", Value::Array(stds)) => {
+                let of = |(sensor, std): (&crate::Sensor, &Value)| {
+                    Some(format!("of {} = {}", sensor.measures.symbol(), number(std)?))
+                };
+                let all: Option<Vec<String>> = scenario.sensors.iter().zip(stds).map(of).collect();
+                Some(format!("{} {}", SENSOR_STD.symbol, all?.join(", ")))
+            }
+            (_, Value::Boolean(on)) => {
+                let info = OF_FILTER.into_iter().flatten().find(|info| info.key == key)?;
+                let label = (info.label)(filter).unwrap_or(info.name);
+                Some(if *on { label.to_owned() } else { format!("no {label}") })
+            }
+            _ => {
+                if let Some(info) = OF_FILTER.into_iter().flatten().find(|info| info.key == key) {
+                    let name = if info.symbol.is_empty() { info.name } else { info.symbol };
+                    return Some(format!("{name} = {}", number(&self.value)?));
+                }
+                let (table, entry) = key.split_once('.')?;
+                let table = TableInfo::from_key(table)?;
+                let entry = if table.is_of_sensors() {
+                    Entry::Sensor(Quantity::from_key(entry)?)
+                } else {
+                    Entry::Channel(Channel::from_key(entry)?)
+                };
+                Some(format!("{} of {} = {}", table.symbol, entry.symbol(), number(&self.value)?))
+            }
+        }
+    }
+
+    fn of_scenario_in_words(&self) -> Option<String> {
+        if self.key == "hold" {
+            let is_first = self.value.as_str() == Some("first");
+            let words =
+                if is_first { "let the input be linear between samples" } else { "hold the input between samples" };
+            return Some(words.to_owned());
+        }
+        let info = OF_SCENARIO.into_iter().find(|info| info.key == self.key)?;
+        Some(format!("{} = {}", info.name, number(&self.value)?))
+    }
+}
+
+/// A number with at most three significant digits.
+fn number(value: &Value) -> Option<String> {
+    let value = value.as_float().or_else(|| value.as_integer().map(|whole| whole as f64))?;
+    let text = format!("{value:.2e}");
+    text.parse::<f64>().ok().map(|short| short.to_string())
+}

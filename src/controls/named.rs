@@ -1,0 +1,70 @@
+//! The settings that the story of the run names: a few sliders, each as wide as the panel.
+
+use egui::{Align, DragValue, Label, Layout, RichText, Slider, SliderClamping, Ui, Widget as _};
+use kalmanscope_core::setting::Address;
+use kalmanscope_core::{Adjustable, Phrase, Scenario, Story};
+
+use crate::probe::remember;
+use crate::text::{parse, sentence_case};
+
+/// The space between two settings \[points\].
+const APART: f32 = 8.0;
+
+/// Shows each setting that the story names once. Returns whether it names any.
+pub(super) fn named_ui(ui: &mut Ui, scenario: &mut Scenario, story: &Story) -> bool {
+    let mut shown: Vec<&str> = Vec::new();
+    for setting in story.phrases().filter_map(Phrase::setting) {
+        let Ok(address) = Address::parse(scenario, &setting.address) else { continue };
+        if shown.contains(&setting.address.as_str()) {
+            continue;
+        }
+        shown.push(&setting.address);
+        if let Some(value) = setting_ui(ui, setting, &name_of(scenario, setting, &address)) {
+            address.set(scenario, value);
+        }
+        ui.add_space(APART);
+    }
+    !shown.is_empty()
+}
+
+/// The name of a setting, with that of its filter.
+pub(crate) fn name_of(scenario: &Scenario, setting: &Adjustable, address: &Address) -> String {
+    let name = setting.name().map_or_else(|| address.name(), str::to_owned);
+    let filter = scenario.filters.iter().find(|filter| setting.address.starts_with(&filter.address("")));
+    let Some(filter) = filter else {
+        let of_truth = address.channel().map(|channel| format!(" of true {}", channel.symbol())).unwrap_or_default();
+        return sentence_case(name.strip_suffix(&of_truth).unwrap_or(&name));
+    };
+    let symbol = setting.address.rsplit('.').next().and_then(kalmanscope_core::setting::symbol);
+    if scenario.filters.len() > 1 { format!("{} of {}", symbol.unwrap_or(&name), filter.name) } else { name }
+}
+
+/// A setting in two rows: its name and its number, and below them the slider. Returns its new value.
+fn setting_ui(ui: &mut Ui, setting: &Adjustable, name: &str) -> Option<f64> {
+    let (low, high) = setting.range;
+    let mut shown = setting.shown;
+    let label = |ui: &Ui, id, text: String| ui.ctx().accesskit_node_builder(id, |node| node.set_label(text));
+    let row = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
+    let row = ui.allocate_ui_with_layout(row, Layout::right_to_left(Align::Center), |ui| {
+        let of = setting.clone();
+        let number =
+            DragValue::new(&mut shown).range(low..=high).clamp_existing_to_range(false).speed((high - low) / 400.0);
+        let number = number.custom_formatter(move |shown, _| of.showing(shown).to_string());
+        let number = number.custom_parser(|text| parse(text.trim_end_matches(|c: char| !c.is_ascii_digit())));
+        let field = ui.add(number);
+        label(ui, field.id, format!("{name}, value"));
+        ui.with_layout(Layout::left_to_right(Align::Center), |ui| ui.add(Label::new(name).truncate()));
+        field
+    });
+    let field = row.inner;
+    ui.spacing_mut().slider_width = ui.available_width();
+    let slider = Slider::new(&mut shown, low..=high).clamping(SliderClamping::Never).show_value(false).ui(ui);
+    label(ui, slider.id, name.to_owned());
+    remember(ui.ctx(), name, slider.rect);
+    (field.changed() || slider.changed()).then(|| setting.value(shown))
+}
+
+/// A sentence where the story names no setting.
+pub(super) fn nothing_ui(ui: &mut Ui) {
+    ui.label(RichText::new("The sentence above the plots names no number to change.").weak());
+}

@@ -1,0 +1,149 @@
+//! The story of the run, in words above the plots. Its bold numbers are dragged in the text.
+
+use egui::{
+    Color32, DragValue, FontId, Id, Label, Rect, Response, RichText, Sense, Stroke, TextStyle, Ui, UiBuilder, Vec2,
+};
+use kalmanscope_core::setting::Address;
+use kalmanscope_core::{Adjustable, Diagnosis, Phrase, Story};
+
+use crate::controls::named::name_of;
+use crate::request::Request;
+use crate::session::Session;
+use crate::text::parse;
+use crate::theme::{self, Palette};
+
+/// The size of the text \[points\].
+const SIZE: f32 = 15.0;
+
+/// Limits the width of a line \[points\].
+const WIDEST: f32 = 1000.0;
+
+/// The usual number of letters of a story: for all, and for each filter that it tells of.
+const LETTERS: [f32; 2] = [180.0, 85.0];
+
+/// The usual width of a letter, and the height of a line \[points\].
+const LETTER: [f32; 2] = [7.0, 21.0];
+
+/// The number of points that a number is dragged from one end of its range to the other.
+const WAY: f64 = 400.0;
+
+/// The story of the run on screen.
+pub(crate) fn story_of(session: &Session) -> Story {
+    let run = session.run();
+    let places = 0..run.estimates().len();
+    let diagnoses: Vec<Option<&Diagnosis>> = places.map(|place| session.diagnosis(place)).collect();
+    let story = Story::of(run, session.diagnostics(), &diagnoses);
+    let Some(before) = session.before() else { return story };
+    let filters: Vec<_> = (run.estimates().iter().zip(session.diagnostics()))
+        .filter_map(|(estimates, now)| {
+            let (was, _) = before.diagnostics(estimates.id())?;
+            Some((estimates.id(), estimates.name(), was, now))
+        })
+        .collect();
+    story.compared(before.words(), &filters)
+}
+
+/// Shows the story of the run. One that is `steady` has the room of a usual story from the beginning.
+pub(crate) fn story_ui(ui: &mut Ui, session: &Session, palette: &Palette, steady: bool, requests: &mut Vec<Request>) {
+    let story = story_of(session);
+    // A shorter text has the room of a usual one, and of the longest so far, so that the plots stay where they are.
+    let filters = session.run().estimates().len();
+    let width = ui.available_width().min(WIDEST);
+    let key = Id::unique(("story", width as i32, filters));
+    let usual = LETTERS[0] + LETTERS[1] * filters.min(3) as f32;
+    let usual = (usual * LETTER[0] / width.max(1.0)).ceil() * LETTER[1];
+    let tallest = ui.data(|data| data.get_temp::<f32>(key)).unwrap_or(if steady { usual } else { 0.0 });
+    // In a child, so that a long word does not widen all that follows.
+    let room = Rect::from_min_size(ui.cursor().min, Vec2::new(width, ui.available_height()));
+    let height = {
+        let ui = &mut ui.new_child(UiBuilder::new().id_salt("story").max_rect(room));
+        let spoken = story.to_string();
+        let text = ui.horizontal_wrapped(|ui| {
+            ui.spacing_mut().item_spacing = Vec2::new(0.0, 3.0);
+            ui.style_mut().text_styles.insert(TextStyle::Body, FontId::new(SIZE, egui::FontFamily::Proportional));
+            for sentence in &story.sentences {
+                for phrase in sentence {
+                    phrase_ui(ui, session, phrase, palette, requests);
+                }
+                // A space at the end of a row is not seen, at its beginning it is.
+                ui.label(" ");
+            }
+        });
+        text.response.ctx.accesskit_node_builder(text.response.id, |node| {
+            node.set_role(egui::accesskit::Role::Group);
+            node.set_label(spoken);
+        });
+        tallest.max(text.response.rect.height())
+    };
+    ui.advance_cursor_after_rect(room.with_max_y(room.top() + height));
+    ui.data_mut(|data| data.insert_temp(key, height));
+}
+
+fn phrase_ui(ui: &mut Ui, session: &Session, phrase: &Phrase, palette: &Palette, requests: &mut Vec<Request>) {
+    let strong = |text: &str, color: Color32| RichText::new(text).family(theme::strong()).size(SIZE).color(color);
+    match phrase {
+        Phrase::Filter { id, name } => {
+            let estimates = session.run().estimates().iter().find(|estimates| estimates.id() == *id);
+            let color = estimates.map_or(palette.text, |estimates| palette.shade(estimates.color()));
+            let name = ui.add(Label::new(strong(name, color)).sense(Sense::click()));
+            if name.on_hover_text("Click for the evidence").clicked() {
+                requests.push(Request::Diagnose(*id));
+            }
+        }
+        Phrase::Result(text) => _ = ui.label(strong(text, palette.text)),
+        Phrase::Setting(setting) => {
+            let Ok(address) = Address::parse(session.scenario(), &setting.address) else {
+                // The scenario of the controls is ahead of the run on screen.
+                ui.label(strong(&setting.to_string(), palette.text));
+                return;
+            };
+            let name = name_of(session.scenario(), setting, &address);
+            if let Some(value) = number_ui(ui, setting, &name, palette) {
+                let mut scenario = session.scenario().clone();
+                address.set(&mut scenario, value);
+                requests.push(Request::Edit(Box::new(scenario)));
+            }
+        }
+        other => _ = ui.label(other.to_string()),
+    }
+}
+
+/// A number that is dragged or typed. Returns the new value of its setting.
+fn number_ui(ui: &mut Ui, setting: &Adjustable, name: &str, palette: &Palette) -> Option<f64> {
+    let mut shown = setting.shown;
+    let (low, high) = setting.range;
+    let number: Response = ui
+        .scope(|ui| {
+            let style = ui.style_mut();
+            let own = TextStyle::Name("story".into());
+            style.text_styles.insert(own.clone(), FontId::new(SIZE, theme::strong()));
+            style.drag_value_text_style = own;
+            style.spacing.button_padding = Vec2::ZERO;
+            style.spacing.interact_size = Vec2::new(0.0, SIZE + 3.0);
+            for widget in [
+                &mut style.visuals.widgets.inactive,
+                &mut style.visuals.widgets.hovered,
+                &mut style.visuals.widgets.active,
+            ] {
+                widget.weak_bg_fill = Color32::TRANSPARENT;
+                widget.bg_stroke = Stroke::NONE;
+                widget.fg_stroke.color = palette.accent;
+                widget.expansion = 0.0;
+            }
+            let of = setting.clone();
+            let number = DragValue::new(&mut shown)
+                .range(low..=high)
+                .clamp_existing_to_range(false)
+                .speed((high - low) / WAY)
+                .custom_formatter(move |shown, _| of.showing(shown).to_string())
+                .custom_parser(|text| parse(text.trim_end_matches(|letter: char| !letter.is_ascii_digit())));
+            ui.add(number)
+        })
+        .inner;
+    let (rect, color) = (number.rect, palette.accent);
+    let dots = egui::Shape::dashed_line(&[rect.left_bottom(), rect.right_bottom()], Stroke::new(1.0, color), 2.0, 2.0);
+    ui.painter().extend(dots);
+    let number = number.on_hover_text(format!("{name}: drag to the sides, or click and type"));
+    number.ctx.accesskit_node_builder(number.id, |node| node.set_label(format!("{name}, in the text")));
+    number.changed().then(|| setting.value(shown))
+}

@@ -1,0 +1,125 @@
+//! The story above the plots, the few settings that it names, and the timeline at the foot.
+
+use super::*;
+
+/// The screen of a first visit, at the end of its record.
+fn first_visit(size: Vec2) -> Screen {
+    let mut screen = Harness::builder()
+        .with_size(size)
+        .with_theme(Theme::Light)
+        .with_step_dt(1.0 / 60.0)
+        .build_eframe(|creation| App::new(creation).expect("the default scenario can be run"));
+    let session = screen.state_mut().session_mut();
+    session.set_budget(Budget::Unlimited);
+    session.set_mode(Mode::Whole);
+    session.seek(20.0);
+    session.pause();
+    screen.run_steps(3);
+    screen
+}
+
+fn story(screen: &Screen) -> String {
+    let node = screen.get_by_label_contains("of its stiffness. fading EKF");
+    node.accesskit_node().label().expect("the story is spoken")
+}
+
+#[test]
+fn the_first_screen_says_what_happens_and_which_filter_to_believe() {
+    for size in [DESKTOP, Vec2::new(1920.0, 1080.0), PHONE] {
+        let screen = first_visit(size);
+        let text = story(&screen);
+        assert!(text.starts_with("At 8 s the spring loses 36 % of its stiffness."), "{text}");
+        assert!(
+            text.contains("plain EKF, which forgets nothing (λ = 1.000), is still 1.4 % off, and does not know it.")
+        );
+        assert!(text.ends_with("Believe fading EKF."), "{text}");
+    }
+}
+
+#[test]
+fn a_number_in_the_text_is_a_setting() {
+    let mut screen = first_visit(DESKTOP);
+    screen.get_by_label("Loss of stiffness, in the text").set_value_accesskit(75.0);
+    screen.run_steps(4);
+    let Some(Signal::Step(step)) = scenario(&screen).plant.parameter(Channel::NATURAL_FREQUENCY) else {
+        panic!("it is no step any more")
+    };
+    assert_eq!((step.from, step.to, step.at), (6.0, 3.0, 8.0));
+    assert!(story(&screen).starts_with("At 8 s the spring loses 75 % of its stiffness."), "{}", story(&screen));
+    screen.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    screen.run_steps(3);
+    assert!(story(&screen).starts_with("At 8 s the spring loses 36 %"));
+}
+
+#[test]
+fn a_change_is_compared_with_what_was_before() {
+    let mut screen = first_visit(DESKTOP);
+    screen.get_by_label("λ of plain EKF, in the text").set_value_accesskit(1.01);
+    screen.run_steps(10);
+    assert_eq!(scenario(&screen).filters[1].fading, 1.01);
+    let text = story(&screen);
+    assert!(text.contains("Before (plain EKF λ = 1), the error of ωₙ by plain EKF was "), "{text}");
+}
+
+#[test]
+fn a_first_visitor_sees_the_settings_that_the_story_names_and_the_way_to_all_others() {
+    let mut screen = first_visit(DESKTOP);
+    for name in ["Time of the change", "Loss of stiffness", "λ of fading EKF", "λ of plain EKF"] {
+        screen.get_by_role_and_label(accesskit::Role::Slider, name);
+    }
+    assert!(screen.query_by_label("fading EKF fading factor").is_none());
+    screen.get_by_role_and_label(accesskit::Role::Slider, "λ of plain EKF").set_value_accesskit(1.02);
+    screen.run_steps(3);
+    assert_eq!(scenario(&screen).filters[1].fading, 1.02);
+    click(&mut screen, "All settings");
+    screen.get_by_label("fading EKF fading factor");
+    click(&mut screen, "Fewer settings");
+    assert!(screen.query_by_label("fading EKF fading factor").is_none());
+    // The choice outlasts the program.
+    click(&mut screen, "All settings");
+    let mut storage = Memory::default();
+    screen.state_mut().save(&mut storage);
+    let again = App::restored(Some(&storage)).expect("it can be run");
+    let text = again.saved().text().expect("it can be written");
+    assert!(text.contains("\"all_settings\":true"), "{text}");
+}
+
+#[test]
+fn showing_a_number_beyond_its_range_does_not_change_it() {
+    let mut screen = first_visit(DESKTOP);
+    let mut wild = scenario(&screen).clone();
+    wild.filters[0].fading = 1.4;
+    screen.state_mut().session_mut().set_scenario(wild.clone());
+    screen.run_steps(5);
+    assert_eq!(scenario(&screen), &wild);
+}
+
+#[test]
+fn a_click_on_the_timeline_goes_to_a_time() {
+    for size in [DESKTOP, PHONE] {
+        let mut screen = first_visit(size);
+        let track = screen.get_by_label("Time").rect();
+        assert!(track.top() > size.y - 100.0, "at the foot: {track}");
+        screen.hover_at(track.center());
+        screen.drag_at(track.center());
+        screen.drop_at(track.center());
+        screen.run_steps(3);
+        assert!((screen.state().session().time() - 10.0).abs() < 0.5, "{}", screen.state().session().time());
+    }
+}
+
+#[test]
+fn a_name_in_the_text_opens_the_diagnosis_of_that_filter() {
+    let mut screen = first_visit(DESKTOP);
+    let place = screen.get_all_by_label("plain EKF").map(|node| node.rect()).min_by(|a, b| a.top().total_cmp(&b.top()));
+    let at = place.expect("it is in the story").center();
+    screen.hover_at(at);
+    screen.drag_at(at);
+    screen.drop_at(at);
+    screen.run_steps(5);
+    screen.get_by_label("Close the diagnosis");
+    screen.get_by_label("Diagnosis of plain EKF");
+    screen.key_press(Key::Escape);
+    screen.run_steps(3);
+    assert!(screen.query_by_label("Close the diagnosis").is_none());
+}
