@@ -19,6 +19,7 @@ use kalmanscope_core::{Estimates, RunError, Scenario};
 use crate::drop;
 use crate::equation::Editor;
 use crate::export::Deliver;
+use crate::finder::Finder;
 use crate::import::Import;
 use crate::inbox::{Choose, Inbox};
 use crate::keys;
@@ -73,6 +74,8 @@ pub struct App {
     importing: Option<Import>,
     /// The equation that is being edited.
     editor: Option<Editor>,
+    /// The open finder.
+    finder: Option<Finder>,
     /// A message, until it is dismissed.
     notice: Option<Notice>,
     /// Writes a file where the user finds it. `None` if the platform has no way to do so.
@@ -128,6 +131,7 @@ impl App {
             notice: None,
             importing: None,
             editor: None,
+            finder: None,
             deliver: None,
             choose: None,
             inbox: Inbox::default(),

@@ -1,6 +1,7 @@
 //! The bar at the top: scenarios, views, lessons, exports, appearance and history.
 
-use egui::{Button, RichText, Ui};
+use egui::text::{LayoutJob, TextFormat};
+use egui::{Button, Response, RichText, TextStyle, Ui, vec2};
 use kalmanscope_lessons::{BUILT_IN, BuiltIn, EQUATIONS};
 
 use crate::export_menu;
@@ -15,6 +16,9 @@ use crate::views::view;
 
 /// Limits the width below which the program's name and the two settings are left out \[points\].
 const ROOMY: f32 = 1000.0;
+
+/// The width of an entry with a sentence, where there is room \[points\].
+const ENTRY: f32 = 420.0;
 
 /// The inputs of the bar.
 pub(crate) struct Bar<'a> {
@@ -57,13 +61,13 @@ impl Bar<'_> {
             if !narrow {
                 history_ui(ui, history, requests);
             }
-            if is_roomy || session.has_other_setting() {
+            if session.has_other_setting() {
                 settings_ui(ui, session, requests);
             }
             if is_roomy {
                 ui.separator();
             }
-            more_menu_ui(ui, presenting, requests);
+            more_menu_ui(ui, session, presenting, requests);
         });
     }
 }
@@ -102,12 +106,24 @@ fn scenario_menu_ui(ui: &mut Ui, session: &Session, is_roomy: bool, requests: &m
 }
 
 fn entries_ui(ui: &mut Ui, entries: &[BuiltIn], requests: &mut Vec<Request>) {
+    ui.set_min_width(ENTRY.min(ui.ctx().content_rect().width() - 40.0));
     for entry in entries {
-        if ui.button(entry.title).on_hover_text(entry.description()).clicked() {
+        if entry_ui(ui, entry.title, entry.description()).clicked() {
             requests.push(Request::Open(*entry));
             ui.close();
         }
     }
+}
+
+/// An entry of a menu: a title, and its sentence below it.
+fn entry_ui(ui: &mut Ui, title: &str, sentence: &str) -> Response {
+    let [body, small] = [TextStyle::Body, TextStyle::Small].map(|style| style.resolve(ui.style()));
+    let mut text = LayoutJob::default();
+    text.append(&format!("{title}\n"), 0.0, TextFormat::simple(body, ui.visuals().strong_text_color()));
+    text.append(sentence, 0.0, TextFormat::simple(small, ui.visuals().weak_text_color()));
+    let button = ui.add(Button::new(text).wrap().frame_when_inactive(false).min_size(vec2(ui.available_width(), 0.0)));
+    button.ctx.accesskit_node_builder(button.id, |node| node.set_label(title));
+    button
 }
 
 fn views_menu_ui(ui: &mut Ui, layout: &Layout, requests: &mut Vec<Request>) {
@@ -132,20 +148,32 @@ fn views_menu_ui(ui: &mut Ui, layout: &Layout, requests: &mut Vec<Request>) {
     probe::remember(ui.ctx(), "Views", button.rect);
 }
 
-/// The menu of appearance and help.
-fn more_menu_ui(ui: &mut Ui, presenting: bool, requests: &mut Vec<Request>) {
-    theme_ui(ui);
-    let mut presenter = presenting;
-    let toggle = ui.toggle_value(&mut presenter, "Aa").on_hover_text("Presenter mode: large type (P)");
-    toggle.ctx.accesskit_node_builder(toggle.id, |node| node.set_label("Presenter mode"));
-    if toggle.clicked() {
-        requests.push(Request::TogglePresenter);
-    }
-    let keys = ui.add(Button::new("?")).on_hover_text("List of keys (?)");
-    keys.ctx.accesskit_node_builder(keys.id, |node| node.set_label("List of keys"));
-    if keys.clicked() {
-        requests.push(Request::ToggleKeys);
-    }
+/// The menu of appearance, comparison and help.
+fn more_menu_ui(ui: &mut Ui, session: &Session, presenting: bool, requests: &mut Vec<Request>) {
+    let button = menu_ui(ui, "More", Closing::AtOnce, |ui| {
+        theme_ui(ui);
+        let commands = [
+            ("Presenter mode", "Large type, and no bar (P)", presenting, Request::TogglePresenter),
+            ("Find…", "Any setting, view, scenario, lesson or command (/)", false, Request::Find),
+            ("List of keys", "All keys and gestures (?)", false, Request::ToggleKeys),
+        ];
+        for (name, hint, is_on, request) in commands {
+            if ui.selectable_label(is_on, name).on_hover_text(hint).clicked() {
+                requests.push(request);
+                ui.close();
+            }
+        }
+        if !session.has_other_setting() {
+            ui.separator();
+            ui.label(RichText::new("Two settings to compare").small().weak());
+            let before = requests.len();
+            ui.horizontal(|ui| settings_ui(ui, session, requests));
+            if requests.len() > before {
+                ui.close();
+            }
+        }
+    });
+    probe::remember(ui.ctx(), "More", button.rect);
 }
 
 /// Takes changes back and makes them again.
@@ -182,11 +210,10 @@ fn settings_ui(ui: &mut Ui, session: &Session, requests: &mut Vec<Request>) {
 
 fn theme_ui(ui: &mut Ui) {
     let dark = ui.ctx().theme() == egui::Theme::Dark;
-    let (icon, name) = if dark { ("☀", "Light theme") } else { ("☾", "Dark theme") };
-    let button = ui.button(RichText::new(icon).size(15.0)).on_hover_text(name);
-    button.ctx.accesskit_node_builder(button.id, |node| node.set_label(name));
-    if button.clicked() {
+    let name = if dark { "Light theme" } else { "Dark theme" };
+    if ui.selectable_label(false, name).clicked() {
         let next = if dark { egui::Theme::Light } else { egui::Theme::Dark };
         ui.ctx().set_theme(next);
+        ui.close();
     }
 }

@@ -83,6 +83,7 @@ const GROUPS: &[(&str, &[Shortcut])] = &[
             plain("Esc", "leave this list, stop computing, or leave an enlarged view", &[Key::Escape], |_| {
                 Request::Leave
             }),
+            plain("/", "find a setting, view, scenario, lesson or command", &[Key::Slash], |_| Request::Find),
             plain("?", "this list", &[Key::Questionmark], |_| Request::ToggleKeys),
         ],
     ),
@@ -127,6 +128,12 @@ const GESTURES: &[(&str, &[(&str, &str)])] = &[
     ),
     ("On a number", &[("Double click", "back to what it was"), ("Alt and wheel", "turn it")]),
 ];
+
+/// All commands that have a key: what each does, the key's label, and its request.
+pub(crate) fn commands(session: &Session) -> impl Iterator<Item = (&'static str, &'static str, Request)> {
+    let all = GROUPS.iter().flat_map(|(_, shortcuts)| *shortcuts);
+    all.map(|shortcut| (shortcut.what, shortcut.name, (shortcut.request)(session)))
+}
 
 /// Pushes the requests of the pressed keys, except while the user types text.
 pub(crate) fn keys(ctx: &egui::Context, session: &Session, requests: &mut Vec<Request>) {

@@ -79,6 +79,24 @@ impl Layout {
         }
     }
 
+    /// The height that the views need where each has at least that which `least` says \[points\].
+    pub(crate) fn height_for(&self, least: &dyn Fn(ViewKind) -> f32) -> f32 {
+        self.tree.root().map_or(0.0, |root| self.height_of(root, least))
+    }
+
+    fn height_of(&self, tile: TileId, least: &dyn Fn(ViewKind) -> f32) -> f32 {
+        let container = match self.tree.tiles.get(tile) {
+            None => return 0.0,
+            Some(Tile::Pane(view)) => return least(*view),
+            Some(Tile::Container(container)) => container,
+        };
+        let heights = container.children_vec().into_iter().map(|child| self.height_of(child, least));
+        match container {
+            Container::Linear(linear) if linear.dir == LinearDir::Vertical => heights.sum(),
+            _ => heights.fold(0.0, f32::max),
+        }
+    }
+
     /// The views of a tile, from left to right.
     fn panes(&self, tile: TileId) -> Vec<ViewKind> {
         let mut to_come = vec![tile];

@@ -14,6 +14,7 @@ mod equation;
 pub mod export;
 mod export_menu;
 pub mod figure;
+mod finder;
 mod gap;
 mod hover;
 pub mod import;

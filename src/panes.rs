@@ -13,6 +13,11 @@ use crate::views::view;
 /// Limits the height below which views are in one column \[points\].
 const LOW: f32 = 340.0;
 
+/// The least heights of a view in tiles, with its bar: of plots, of a picture of the plant, and of a map \[points\].
+const LEAST: f32 = 150.0;
+const LEAST_FLAT: f32 = 90.0;
+const LEAST_TALL: f32 = 240.0;
+
 /// The side of a button above a view, at least \[points\].
 const TARGET: f32 = 24.0;
 
@@ -23,8 +28,8 @@ pub(crate) enum Way {
     Tiles,
     /// In one column.
     Column,
-    /// In one column of views without bars, each with all the room, and without pictures of the plant: while a setting
-    /// is changed on a phone, the curves that it changes are on screen.
+    /// In one column of views without bars, each with all the room, pictures of the plant last: while a setting is
+    /// changed on a phone, and where it lies on its side, the curves are on screen.
     Plots,
 }
 
@@ -61,7 +66,18 @@ pub(crate) fn panes_ui(
     } else {
         // Tiles are dragged in a copy; if its tree changes, the copy is requested as the new layout.
         let mut tree = layout.tree().clone();
-        tree.ui(&mut panes, ui);
+        let height = layout.height_for(&least_height);
+        if height > area.y {
+            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                let width = ui.available_width() - ui.spacing().scroll.bar_width;
+                ui.allocate_ui(vec2(width, height), |ui| {
+                    ui.set_min_size(vec2(width, height));
+                    tree.ui(&mut panes, ui);
+                });
+            });
+        } else {
+            tree.ui(&mut panes, ui);
+        }
         if tree != *layout.tree() {
             panes.requests.push(Request::Rearrange(Box::new(tree)));
         }
@@ -69,6 +85,15 @@ pub(crate) fn panes_ui(
     let Panes { pointed, requests, .. } = panes;
     if pointed != context.axis.pointed {
         requests.push(Request::PointAt(pointed));
+    }
+}
+
+/// The least height of a view in tiles, with its bar \[points\].
+fn least_height(kind: ViewKind) -> f32 {
+    match view(kind).proportions() {
+        Proportions::Flat => LEAST_FLAT,
+        Proportions::Tall => LEAST_TALL,
+        Proportions::Wide | Proportions::Square => LEAST,
     }
 }
 
@@ -136,7 +161,7 @@ impl Panes<'_> {
         let (pictures, plots): (Vec<&ViewKind>, Vec<&ViewKind>) = kinds.iter().partition(is_picture);
         let size = ui.available_size();
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-            for &&kind in if plots.is_empty() { &pictures } else { &plots } {
+            for &&kind in plots.iter().chain(&pictures) {
                 let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
                 let mut child = ui.new_child(UiBuilder::new().id_salt(view(kind).name()).max_rect(rect));
                 self.pointed = view(kind).ui(&mut child, self.context, self.requests).or(self.pointed);

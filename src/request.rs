@@ -91,6 +91,8 @@ pub enum Request {
     ShowAllSettings(bool),
     /// Switch presenter mode.
     TogglePresenter,
+    /// Open the finder of settings, views, scenarios, lessons and commands.
+    Find,
     /// Show or hide the list of keys.
     ToggleKeys,
     /// Show a message about a failure.

@@ -70,7 +70,7 @@ fn it_looks_as_it_did() {
     screen.run_steps(2);
     screen.state_mut().session_mut().seek(38.0);
     screen.key_press(egui::Key::B);
-    screen.get_by_label("EKF fading factor").set_value_accesskit(1.0);
+    screen.get_by_label("λ of EKF, in the text").set_value_accesskit(1.0);
     screen.run_steps(4);
     screen.state_mut().session_mut().seek(50.0);
     screen.run_steps(4);

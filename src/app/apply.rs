@@ -7,6 +7,7 @@ use super::{App, LARGE};
 use crate::controls::number;
 use crate::equation::Editor;
 use crate::export_menu;
+use crate::finder::Finder;
 use crate::layout::Layout;
 use crate::plot::time_axis::TimeAxis;
 use crate::request::{Request, ViewKind};
@@ -86,6 +87,7 @@ impl App {
                 theme::enlarge_readouts(ctx, self.presenting);
                 self.controls_open = None;
             }
+            Request::Find => self.finder = Some(Finder::default()),
             Request::ToggleKeys => self.keys_open = !self.keys_open,
             Request::Report(sentence) => self.notice = Some(sentence.into()),
             Request::DismissNotice => self.notice = None,

@@ -96,6 +96,7 @@ impl App {
             notice::notice_ui(ui.ctx(), notice, centre.response.rect, &palette, &mut self.requests);
         }
         self.keys_ui(ui.ctx());
+        self.finder_ui(ui.ctx(), &palette);
         self.equation_ui(ui.ctx(), &palette);
         self.import_ui(ui.ctx(), &palette);
         if !self.requests.is_empty() {
@@ -253,10 +254,10 @@ impl App {
 
     /// Legend and problems.
     fn legend_ui(&mut self, ui: &mut Ui, palette: &Palette) {
-        let extent = if self.is_tight() { legend::Extent::OneRow } else { legend::Extent::Full };
-        let Self { session, visible, requests, inviting, .. } = self;
+        let extent = if self.is_tight() || self.low { legend::Extent::OneRow } else { legend::Extent::Full };
+        let Self { session, visible, requests, inviting, low, .. } = self;
         let legend = Legend { session, visible, palette };
-        legend.ui(ui, extent, *inviting, requests);
+        legend.ui(ui, extent, *inviting && !*low, requests);
     }
 
     /// The views, and the legend if it has no panel of its own.
@@ -271,7 +272,7 @@ impl App {
         let is_told = narrow && self.tells_story();
         let Self { session, axis, ruler, visible, layout, laboratory, requests, .. } = self;
         let context = ViewContext::new(session, palette, visible, axis, ruler).in_laboratory(Some(laboratory));
-        let way = match (narrow, is_tuning) {
+        let way = match (narrow, is_tuning || (self.low && !narrow)) {
             (_, true) => Way::Plots,
             (true, false) => Way::Column,
             (false, false) => Way::Tiles,
@@ -290,6 +291,11 @@ impl App {
     fn equation_ui(&mut self, ctx: &Context, palette: &Palette) {
         let Self { editor, session, requests, .. } = self;
         editor.take_if(|editor| !editor.ui(ctx, session.scenario(), palette, requests));
+    }
+
+    fn finder_ui(&mut self, ctx: &Context, palette: &Palette) {
+        let Self { finder, session, catalogue, requests, .. } = self;
+        finder.take_if(|finder| !finder.ui(ctx, (session, catalogue), palette, requests));
     }
 
     fn keys_ui(&mut self, ctx: &Context) {

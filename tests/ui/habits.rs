@@ -128,6 +128,8 @@ fn presenter_mode_is_large_and_leaves_the_room_to_the_plots() {
         plot.area() / screen.ctx.content_rect().area()
     };
     let before = (screen.ctx.zoom_factor(), share(&screen));
+    screen.get_by_label("More").click();
+    screen.run_steps(3);
     screen.get_by_label("Presenter mode").click();
     screen.run_steps(5);
     assert!(screen.ctx.zoom_factor() > 1.3 * before.0);
@@ -142,6 +144,8 @@ fn presenter_mode_is_large_and_leaves_the_room_to_the_plots() {
     screen.get_by_label("Settings").click();
     screen.run_steps(20);
     assert!(screen.query_by_label("EKF fading factor").is_some());
+    screen.get_by_label("More").click();
+    screen.run_steps(3);
     screen.get_by_label("Presenter mode").click();
     screen.run_steps(5);
     assert!((screen.ctx.zoom_factor() - before.0).abs() < 1e-6);

@@ -163,6 +163,8 @@ fn every_built_in_scenario_opens_and_plays() {
     for entry in kalmanscope_lessons::BUILT_IN {
         screen.get_by_label("Scenario").click();
         screen.run_steps(3);
+        screen.get_by_label(entry.title).scroll_to_me();
+        screen.run_steps(20);
         screen.get_by_label(entry.title).click();
         screen.run_steps(10);
         assert_eq!(scenario(&screen), &entry.scenario().expect("tested with the library"), "{}", entry.title);

@@ -259,7 +259,7 @@ fn an_embedded_screen_has_plots_and_transport_only_and_leaves_the_saved_session(
     for label in ["Time", "Explore", "Live", "Whole record"] {
         screen.get_by_label(label);
     }
-    for label in ["Settings", "Scenario", "Views", "Lessons", "Presenter mode", "Undo"] {
+    for label in ["Settings", "Scenario", "Views", "Lessons", "More", "Undo"] {
         assert!(screen.query_by_label(label).is_none(), "{label}");
     }
     screen.key_press(Key::S);

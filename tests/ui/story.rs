@@ -123,3 +123,63 @@ fn a_name_in_the_text_opens_the_diagnosis_of_that_filter() {
     screen.run_steps(3);
     assert!(screen.query_by_label("Close the diagnosis").is_none());
 }
+
+#[test]
+fn a_number_is_set_with_five_keys_and_its_digits() {
+    let mut screen = first_visit(DESKTOP);
+    screen.key_press(Key::Slash);
+    screen.run_steps(2);
+    screen.get_by_label("Find by words").type_text("lam pl");
+    screen.run_steps(2);
+    screen.get_by_label("Fading factor λ, plain EKF, setting");
+    screen.key_press(Key::Enter);
+    screen.run_steps(3);
+    screen.get_by_label("Fading factor λ, plain EKF, new value").type_text("1.015");
+    screen.run_steps(2);
+    screen.key_press(Key::Enter);
+    screen.run_steps(3);
+    assert_eq!(scenario(&screen).filters[1].fading, 1.015);
+    assert!(screen.query_by_label("Fading factor λ, plain EKF, new value").is_none(), "it closes");
+}
+
+#[test]
+fn views_scenarios_lessons_and_commands_are_found_by_words() {
+    for (text, entry) in [
+        ("innov", "Innovations, view"),
+        ("bouc", "Bouc-Wen hysteresis, scenario"),
+        ("fading sudden", "Fading memory and a sudden loss, lesson"),
+        ("presenter", "Presenter mode: large type, command"),
+        ("zeta guess", "Guess of ζ, fading EKF, setting"),
+    ] {
+        let mut screen = first_visit(DESKTOP);
+        screen.key_press(Key::Slash);
+        screen.run_steps(2);
+        screen.get_by_label("Find by words").type_text(text);
+        screen.run_steps(2);
+        screen.get_by_label(entry);
+        screen.key_press(Key::Escape);
+        screen.run_steps(2);
+        assert!(screen.query_by_label("Find by words").is_none());
+    }
+    let mut screen = first_visit(DESKTOP);
+    screen.key_press(Key::Slash);
+    screen.run_steps(2);
+    screen.get_by_label("Find by words").type_text("innov");
+    screen.run_steps(2);
+    screen.key_press(Key::Enter);
+    screen.run_steps(3);
+    screen.get_by_label("About Innovations");
+}
+
+#[test]
+fn many_views_keep_their_heights_and_scroll() {
+    let mut screen = first_visit(DESKTOP);
+    for kind in [ViewKind::States, ViewKind::Errors, ViewKind::Innovations, ViewKind::Consistency, ViewKind::Gain] {
+        screen.state_mut().layout_mut().toggle(kind);
+    }
+    screen.run_steps(5);
+    for name in ["natural frequency", "damping ratio"] {
+        let rect = screen.get_by_label(&format!("Plot of the {name}")).rect();
+        assert!(rect.height() > 80.0, "{name}: {rect}");
+    }
+}

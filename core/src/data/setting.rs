@@ -8,6 +8,7 @@ mod allowed;
 mod edit;
 mod filter;
 mod info;
+mod listing;
 mod place;
 mod scenario;
 mod table;
@@ -20,6 +21,7 @@ pub use allowed::Allowed;
 pub use edit::Edit;
 pub use filter::{ENSEMBLE_SIZE, ETA, FADING, FORGETTING, GUESSES, JUMP, MEMORY, OF_FILTER, OPTIONS, SMOOTHER};
 pub use info::SettingInfo;
+pub use listing::{addresses, words_of};
 pub use scenario::{DISTURBANCE, DT, DURATION, MOTION, OF_SCENARIO, RECORD_GAIN, SEED};
 pub use table::{Entry, INITIAL_MEAN, INITIAL_STD, PROCESS_STD, SENSOR_STD, TABLES, TableInfo};
 

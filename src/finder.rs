@@ -1,0 +1,151 @@
+//! The finder: a field that finds any setting, view, scenario, lesson and command by words.
+
+mod entry;
+
+use egui::{Align2, Context, Key, Order, RichText, ScrollArea, TextEdit, Ui, Window, vec2};
+use kalmanscope_core::Scenario;
+use kalmanscope_core::setting::Address;
+
+use crate::request::Request;
+use crate::session::Session;
+use crate::text::{parse, significant};
+use crate::theme::{self, Palette};
+use crate::tutor::Catalogue;
+
+use entry::{Choice, Entry, entries, found};
+
+/// The width of the window \[points\].
+const WIDTH: f32 = 460.0;
+
+/// Limits the entries that are shown.
+const SHOWN: usize = 40;
+
+/// The state of the open finder.
+#[derive(Default)]
+pub(crate) struct Finder {
+    text: String,
+    /// The place of the chosen entry among those found.
+    place: usize,
+    /// The setting that is being changed, once one is chosen.
+    change: Option<Change>,
+    has_begun: bool,
+}
+
+impl Finder {
+    /// Shows the window. Returns whether it stays open.
+    pub(crate) fn ui(
+        &mut self,
+        ctx: &Context,
+        (session, catalogue): (&Session, &Catalogue),
+        palette: &Palette,
+        requests: &mut Vec<Request>,
+    ) -> bool {
+        let width = WIDTH.min(ctx.content_rect().width() - 24.0);
+        let mut is_open = !ctx.input(|input| input.key_pressed(Key::Escape));
+        let window = Window::new("Finder").title_bar(false).resizable(false).order(Order::Foreground);
+        window.anchor(Align2::CENTER_TOP, vec2(0.0, 60.0)).fixed_size(vec2(width, 0.0)).show(ctx, |ui| {
+            ui.set_width(width);
+            match &mut self.change {
+                Some(change) => is_open &= change.ui(ui, session.scenario(), requests),
+                None => is_open &= self.list_ui(ui, (session, catalogue), palette, requests),
+            }
+        });
+        is_open
+    }
+
+    /// The field and the entries that it finds.
+    fn list_ui(
+        &mut self,
+        ui: &mut Ui,
+        (session, catalogue): (&Session, &Catalogue),
+        palette: &Palette,
+        requests: &mut Vec<Request>,
+    ) -> bool {
+        // Arrows choose an entry, they do not move the cursor.
+        let [up, down, enter] = ui.input_mut(|input| {
+            [Key::ArrowUp, Key::ArrowDown, Key::Enter].map(|key| input.consume_key(egui::Modifiers::NONE, key))
+        });
+        let field = TextEdit::singleline(&mut self.text).hint_text("a setting, view, scenario, lesson or command");
+        let field = ui.add(field.desired_width(f32::INFINITY).char_limit(60));
+        field.ctx.accesskit_node_builder(field.id, |node| node.set_label("Find by words"));
+        if !std::mem::replace(&mut self.has_begun, true) || !field.has_focus() {
+            field.request_focus();
+        }
+        if field.changed() {
+            self.place = 0;
+        }
+        let all = entries(session, catalogue);
+        let found: Vec<&Entry> = found(&all, &self.text).into_iter().take(SHOWN).collect();
+        self.place =
+            (self.place + usize::from(down)).min(found.len().saturating_sub(1)) - usize::from(up).min(self.place);
+        let mut chosen = if enter { found.get(self.place).copied() } else { None };
+        ScrollArea::vertical().max_height(320.0).auto_shrink([false, true]).show(ui, |ui| {
+            for (place, entry) in found.iter().enumerate() {
+                let row = entry_ui(ui, entry, place == self.place, palette);
+                if place == self.place && (up || down) {
+                    row.scroll_to_me(None);
+                }
+                if row.clicked() {
+                    chosen = Some(*entry);
+                }
+            }
+            if found.is_empty() {
+                ui.weak("Nothing has these words.");
+            }
+        });
+        match chosen.map(|entry| &entry.choice) {
+            None => return true,
+            Some(Choice::Setting(address)) => {
+                self.change = Some(Change { address: address.clone(), text: String::new() });
+                return true;
+            }
+            Some(Choice::Request(request)) => requests.push((**request).clone()),
+        }
+        false
+    }
+}
+
+/// An entry: its title, and its kind at the right.
+fn entry_ui(ui: &mut Ui, entry: &Entry, is_on: bool, palette: &Palette) -> egui::Response {
+    let row = ui.selectable_label(is_on, entry.title.as_str());
+    let font = egui::TextStyle::Small.resolve(ui.style());
+    let at = row.rect.right_center() + vec2(8.0, 0.0);
+    ui.painter().text(at, Align2::LEFT_CENTER, entry.kind, font, palette.weak);
+    row.ctx.accesskit_node_builder(row.id, |node| node.set_label(format!("{}, {}", entry.title, entry.kind)));
+    if entry.hint.is_empty() { row } else { row.on_hover_text(entry.hint.as_str()) }
+}
+
+/// A chosen setting, and the number that is typed for it.
+struct Change {
+    address: Address,
+    text: String,
+}
+
+impl Change {
+    /// Shows the present number and a field for the new one. Returns whether the finder stays open.
+    fn ui(&mut self, ui: &mut Ui, scenario: &Scenario, requests: &mut Vec<Request>) -> bool {
+        let Self { address, text } = self;
+        let title = entry::title(scenario, address);
+        let unit = address.unit();
+        let now = significant(address.get(scenario), 5);
+        ui.label(RichText::new(format!("{title}: {now} {unit}")).family(theme::strong()));
+        let is_entered = ui.input_mut(|input| input.consume_key(egui::Modifiers::NONE, Key::Enter));
+        let field = TextEdit::singleline(text).hint_text("a number, then Enter").desired_width(f32::INFINITY);
+        let field = ui.add(field.char_limit(30));
+        field.ctx.accesskit_node_builder(field.id, |node| node.set_label(format!("{title}, new value")));
+        if !field.has_focus() {
+            field.request_focus();
+        }
+        if !is_entered {
+            return true;
+        }
+        let Some(value) = parse(text) else {
+            ui.colored_label(ui.visuals().warn_fg_color, "This is no number.");
+            return true;
+        };
+        let mut edited = scenario.clone();
+        address.set(&mut edited, value);
+        requests.push(Request::Edit(Box::new(edited)));
+        false
+    }
+}
