@@ -30,6 +30,7 @@ fn it_looks_as_it_did() {
     let teach = Arrangement::Teach;
     for (name, size, theme, mode, time, arrangement) in [
         ("first-light", DESKTOP, Theme::Light, Mode::Live, 10.0, teach),
+        ("preview", Vec2::new(1200.0, 630.0), Theme::Light, Mode::Whole, 20.0, teach),
         ("hall-dark", Vec2::new(1920.0, 1080.0), Theme::Dark, Mode::Live, 14.0, teach),
         ("live-light", DESKTOP, Theme::Light, Mode::Live, 8.0, teach),
         ("live-dark", DESKTOP, Theme::Dark, Mode::Live, 34.0, teach),
@@ -40,12 +41,12 @@ fn it_looks_as_it_did() {
         ("compare-dark", DESKTOP, Theme::Dark, Mode::Whole, 40.0, Arrangement::Compare),
     ] {
         let mut screen = started(size, theme);
-        if name != "first-light" {
+        if !["first-light", "preview"].contains(&name) {
             *screen.state_mut().layout_mut() = Layout::of(arrangement);
         }
         let session = screen.state_mut().session_mut();
         session.toggle_play();
-        if !["first-light", "hall-dark"].contains(&name) {
+        if !["first-light", "hall-dark", "preview"].contains(&name) {
             session.set_scenario(Scenario::default());
         }
         session.set_mode(mode);
