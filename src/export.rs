@@ -2,6 +2,7 @@
 
 mod everything;
 pub mod folder;
+mod report;
 
 use std::fmt::Display;
 
@@ -31,14 +32,23 @@ pub type Deliver = Box<dyn Fn(&File) -> Result<String, String>>;
 
 impl Export {
     /// The files of results, in the menu's order.
-    pub const DATA: [Self; 7] =
-        [Self::Estimates, Self::Record, Self::Map, Self::MonteCarlo, Self::Scenario, Self::All, Self::Session];
+    pub const DATA: [Self; 8] = [
+        Self::Report,
+        Self::Estimates,
+        Self::Record,
+        Self::Map,
+        Self::MonteCarlo,
+        Self::Scenario,
+        Self::All,
+        Self::Session,
+    ];
 
     /// Its name in the menu.
     pub(crate) fn name(self) -> String {
         match self {
             Self::Figure(format, Picture::Svg) => format!("{} (SVG)", format.name()),
             Self::Figure(format, Picture::Png) => format!("{} (PNG)", format.name()),
+            Self::Report => "Report (HTML)".to_owned(),
             Self::Estimates => "Estimates (CSV)".to_owned(),
             Self::Record => "Record (CSV)".to_owned(),
             Self::Map => "Map (CSV)".to_owned(),
@@ -54,6 +64,7 @@ impl Export {
         match self {
             Self::Figure(_, Picture::Svg) => "The views on screen as outlines and text, for a document",
             Self::Figure(_, Picture::Png) => "The views on screen as pixels",
+            Self::Report => "Verdicts, evidence, estimates, scores and figures as one page, to print or to send",
             Self::Estimates => "Every mean, standard deviation, innovation and prediction of every filter",
             Self::Map => "Every score of every cell of the map in the laboratory",
             Self::MonteCarlo => "Mean NEES and NIS, error quantiles and σ over time, of all seeds in the laboratory",
@@ -80,6 +91,7 @@ pub fn file(export: Export, context: &ViewContext<'_>, layout: &Layout) -> Resul
             };
             File { name: format!("kalmanscope-{}.{end}", format.key()), kind, contents }
         }
+        Export::Report => text("report.html", "text/html", report::html(context, layout)?),
         Export::Estimates => csv("estimates.csv", |out| write_estimates(session.run(), out))?,
         Export::Record => csv("record.csv", |out| session.run().record().write_csv(out))?,
         Export::Map => text("map.csv", "text/csv", map(context)?),

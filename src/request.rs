@@ -160,6 +160,8 @@ pub enum Export {
     Map,
     /// The statistics over many seeds, as CSV.
     MonteCarlo,
+    /// Verdicts, evidence, estimates, scores and figures as one page, as HTML.
+    Report,
     /// Every estimate of every filter, as CSV.
     Estimates,
     /// The record, as CSV.

@@ -26,7 +26,6 @@ pub mod output;
 mod plot;
 mod quality;
 mod remarks;
-#[cfg(feature = "plots")]
 mod report;
 mod results;
 mod rows;
@@ -45,9 +44,8 @@ pub use in_turn::last_estimates;
 pub use markup::escaped;
 pub use number::significant;
 #[cfg(feature = "plots")]
-pub use plot::{PlotError, plot_svg, svg};
-#[cfg(feature = "plots")]
-pub use report::{ReportError, report};
+pub use plot::{PlotError, pages, plot_svg, svg};
+pub use report::{Parts, day, report};
 pub use results::Results;
 pub use table::table;
 pub use telling::{Told, Work};

@@ -93,7 +93,10 @@ pub fn svg(run: &Run) -> Result<String, PlotError> {
 }
 
 /// [`svg`] in pictures of a few plots each, which fit on pages of paper.
-pub(crate) fn pages(run: &Run) -> Result<Vec<String>, PlotError> {
+///
+/// # Errors
+/// [`PlotError::Draw`] where a picture cannot be laid out.
+pub fn pages(run: &Run) -> Result<Vec<String>, PlotError> {
     Panel::all(run).chunks(PER_PAGE).map(|panels| draw(run, panels)).collect()
 }
 

@@ -1,6 +1,6 @@
 //! The command `kalmanscope-cli report`.
 
-use kalmanscope_cli::report;
+use kalmanscope_cli::{Parts, day, pages, report};
 
 use crate::args::ReportArgs;
 use crate::input::InputError;
@@ -17,7 +17,17 @@ pub(crate) fn write_report(args: &ReportArgs) -> Result<(), InputError> {
     let records = prepared.for_free_runs(&run);
     let file = &prepared.file;
     let title = file.file_stem().map_or_else(|| "Kalmanscope".to_owned(), |stem| stem.to_string_lossy().into_owned());
-    let page = report(&title, &run, &analysis, &causes, &records);
-    let page = page.map_err(|error| InputError::Output { file: out.clone(), reason: error.to_string() })?;
+    let failed = |error: &dyn std::fmt::Display| InputError::Output { file: out.clone(), reason: error.to_string() };
+    let figures = pages(&run).map_err(|error| failed(&error))?;
+    let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap_or_default();
+    let parts = Parts {
+        title: &title,
+        day: &day(now.as_secs_f64()),
+        causes: &causes,
+        figures: &figures,
+        free_runs: &records,
+        ..Parts::default()
+    };
+    let page = report(&run, &analysis, &parts).map_err(|error| failed(&error))?;
     write_text(out, &page)
 }

@@ -49,6 +49,20 @@ fn text(file: File) -> String {
 }
 
 #[test]
+fn the_report_has_the_story_the_verdicts_and_the_figures() {
+    let (mut screen, files) = exporting();
+    let file = exported(&mut screen, &files, "Report (HTML)");
+    assert_eq!((file.name.as_str(), file.kind), ("report.html", "text/html"));
+    let page = text(file);
+    for part in ["A linear oscillator with", "nothing about it changes", "made on 2", "kalmanscope-cli run"] {
+        assert!(page.contains(part), "no {part}");
+    }
+    // Oscillator, parameters, states; innovations and predictions.
+    assert_eq!(page.matches("<figure>").count(), 5);
+    assert!(!page.contains("<script"), "nothing runs in it");
+}
+
+#[test]
 fn results_are_exported_by_the_menu() {
     let (mut screen, files) = exporting();
     let estimates = text(exported(&mut screen, &files, "Estimates (CSV)"));
