@@ -15,6 +15,7 @@ pub mod export;
 mod export_menu;
 pub mod figure;
 mod finder;
+mod focus;
 mod gap;
 mod hover;
 pub mod import;

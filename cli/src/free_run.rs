@@ -47,7 +47,6 @@ impl FreeRuns {
 }
 
 /// The free runs of a run's final models over a record, a line a filter and sensor.
-#[cfg(feature = "plots")]
 pub(crate) fn lines(run: &Run, record: &Record) -> Vec<String> {
     let length = Length::of(run.scenario().record.as_ref());
     fits(run, record).iter().map(|fit| line(fit, length)).collect()

@@ -3,6 +3,8 @@
 use egui::{Context, Event, OpenUrl};
 
 use super::App;
+use kalmanscope_lessons::records;
+
 use crate::controls::number;
 use crate::laboratory::Choices;
 use crate::notice::Notice;
@@ -72,10 +74,23 @@ impl App {
         self.notice = Some(match self.link() {
             Ok(link) => {
                 ctx.copy_text(link);
-                Notice::done("A link to this picture is in the clipboard.")
+                Notice::done(&match self.missing_record() {
+                    Some(file) => {
+                        format!(
+                            "A link to this picture is in the clipboard. The record “{file}” is not in it: send that file too."
+                        )
+                    }
+                    None => "A link to this picture is in the clipboard.".to_owned(),
+                })
             }
             Err(error) => format!("There is no link to this picture: {error}.").into(),
         });
+    }
+
+    /// The name of the record's file, where a link cannot bring it: it is not built in.
+    fn missing_record(&self) -> Option<&str> {
+        let mapping = self.session.scenario().record.as_ref()?;
+        records::record(mapping).is_none().then_some(mapping.file.as_str())
     }
 
     pub(super) fn open_outside(&mut self, ctx: &Context) {

@@ -6,6 +6,7 @@ use super::App;
 use crate::bar::{self, Bar};
 use crate::controls::{Asked, controls_ui, few_controls_ui};
 use crate::drawer::{Drawer, close_ui};
+use crate::focus;
 use crate::keys;
 use crate::legend::{self, Legend};
 use crate::notice;
@@ -97,6 +98,7 @@ impl App {
         }
         self.keys_ui(ui.ctx());
         self.finder_ui(ui.ctx(), &palette);
+        focus::ring_ui(ui.ctx(), &palette);
         self.equation_ui(ui.ctx(), &palette);
         self.import_ui(ui.ctx(), &palette);
         if !self.requests.is_empty() {

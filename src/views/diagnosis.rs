@@ -2,6 +2,7 @@
 
 mod causes;
 mod evidence;
+mod numbers;
 mod rows;
 
 use egui::{Label, RichText, ScrollArea, TextStyle, Ui};
@@ -77,6 +78,9 @@ pub(crate) fn drawer_ui(ui: &mut Ui, context: &ViewContext<'_>, id: u32, request
     };
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         ui.set_width(ui.available_width() - ui.spacing().scroll.bar_width);
+        numbers::estimates_ui(ui, context, place, &all[place]);
+        numbers::settings_ui(ui, context, id, requests);
+        ui.add_space(4.0);
         ui.push_id(id, |ui| filter_ui(ui, context, (place, is_held), &all[place], requests));
     });
 }

@@ -9,7 +9,7 @@ use crate::mathematics::plant::PlantKind;
 use crate::mathematics::quantity::Quantity;
 
 impl Edit {
-    /// The edit of a scenario in words and symbols, without the name of a filter: `estimate the input gain`, `√Q of ωₙ = 0.0537`.
+    /// The edit of a scenario in words and symbols, without the name of a filter: `estimate the input gain`, `set √Q of ωₙ = 0.0537`.
     /// What has no words is the line of a file.
     ///
     /// ```
@@ -17,8 +17,8 @@ impl Edit {
     ///
     /// let scenario = Scenario::default();
     /// let words = |key: &str, value: f64| Edit::of_filter(1, key, value).in_words(&scenario);
-    /// assert_eq!(words("fading", 1.02), "λ = 1.02");
-    /// assert_eq!(words("process_std.natural_frequency", 0.0537), "√Q of ωₙ = 0.0537");
+    /// assert_eq!(words("fading", 1.02), "set λ = 1.02");
+    /// assert_eq!(words("process_std.natural_frequency", 0.0537), "set √Q of ωₙ = 0.0537");
     /// let gain = Edit::of_filter(1, "augment", vec!["input_gain"]);
     /// assert_eq!(gain.in_words(&scenario), "estimate the input gain");
     /// ```
@@ -52,7 +52,7 @@ impl Edit {
                     Some(format!("of {} = {}", sensor.measures.symbol(), number(std)?))
                 };
                 let all: Option<Vec<String>> = scenario.sensors.iter().zip(stds).map(of).collect();
-                Some(format!("{} {}", SENSOR_STD.symbol, all?.join(", ")))
+                Some(format!("set {} {}", SENSOR_STD.symbol, all?.join(", ")))
             }
             (_, Value::Boolean(on)) => {
                 let info = OF_FILTER.into_iter().flatten().find(|info| info.key == key)?;
@@ -62,7 +62,7 @@ impl Edit {
             _ => {
                 if let Some(info) = OF_FILTER.into_iter().flatten().find(|info| info.key == key) {
                     let name = if info.symbol.is_empty() { info.name } else { info.symbol };
-                    return Some(format!("{name} = {}", number(&self.value)?));
+                    return Some(format!("set {name} = {}", number(&self.value)?));
                 }
                 let (table, entry) = key.split_once('.')?;
                 let table = TableInfo::from_key(table)?;
@@ -71,7 +71,7 @@ impl Edit {
                 } else {
                     Entry::Channel(Channel::from_key(entry)?)
                 };
-                Some(format!("{} of {} = {}", table.symbol, entry.symbol(), number(&self.value)?))
+                Some(format!("set {} of {} = {}", table.symbol, entry.symbol(), number(&self.value)?))
             }
         }
     }
@@ -84,7 +84,7 @@ impl Edit {
             return Some(words.to_owned());
         }
         let info = OF_SCENARIO.into_iter().find(|info| info.key == self.key)?;
-        Some(format!("{} = {}", info.name, number(&self.value)?))
+        Some(format!("set {} = {}", info.name, number(&self.value)?))
     }
 }
 
