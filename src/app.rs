@@ -31,6 +31,7 @@ use crate::probe::ScreenState;
 use crate::request::{Request, ViewKind};
 use crate::ruler::{End, Ruler};
 use crate::session::{Mode, ModelTime, Session, Wanted};
+use crate::shelf::{Candidate, Shelf};
 use crate::theme;
 use crate::tutor::{Catalogue, Tutor};
 use crate::twin::Twin;
@@ -82,6 +83,10 @@ pub struct App {
     deliver: Option<Deliver>,
     /// Opens the file dialog. `None` if the platform has none.
     choose: Option<Choose>,
+    /// Keeps the record's file for the next start, if the platform has a place for it.
+    shelf: Option<Box<dyn Shelf>>,
+    /// The file whose import was begun last.
+    candidate: Option<Candidate>,
     /// Receives the files that the user chooses.
     inbox: Inbox,
     /// The address at which links begin; empty if no page is known.
@@ -134,6 +139,8 @@ impl App {
             finder: None,
             deliver: None,
             choose: None,
+            shelf: None,
+            candidate: None,
             inbox: Inbox::default(),
             page: link::PAGE.unwrap_or_default().to_owned(),
             embedded: false,

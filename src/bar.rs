@@ -20,6 +20,10 @@ const ROOMY: f32 = 1000.0;
 /// The width of an entry with a sentence, where there is room \[points\].
 const ENTRY: f32 = 420.0;
 
+/// The explanation of the entry that removes a kept record.
+const FORGET: &str =
+    "The record’s file is kept on this device, so that it is there at the next start: remove it from there";
+
 /// The inputs of the bar.
 pub(crate) struct Bar<'a> {
     pub(crate) session: &'a Session,
@@ -162,6 +166,10 @@ fn more_menu_ui(ui: &mut Ui, session: &Session, presenting: bool, requests: &mut
                 requests.push(request);
                 ui.close();
             }
+        }
+        if session.is_measured() && ui.selectable_label(false, "Forget the record").on_hover_text(FORGET).clicked() {
+            requests.push(Request::ForgetRecord);
+            ui.close();
         }
         if !session.has_other_setting() {
             ui.separator();

@@ -12,6 +12,8 @@ pub type Choose = Box<dyn FnMut(&Context, &Inbox)>;
 pub enum Arrival {
     /// A file's name, and its contents or the reason why it cannot be read.
     File(String, Result<Vec<u8>, String>),
+    /// A record's file that was kept at an earlier start: its name and its contents.
+    Kept(String, Vec<u8>),
     /// A sentence that says why no file can be chosen.
     Failure(String),
 }

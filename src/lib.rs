@@ -37,6 +37,7 @@ pub mod session;
 mod session_file;
 pub mod share;
 pub mod sheet;
+pub mod shelf;
 mod steady;
 mod story;
 pub mod team;

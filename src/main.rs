@@ -18,6 +18,7 @@ mod native {
     mod file_dialog;
     mod graphics;
     mod keeper;
+    mod shelf;
     mod signals;
     mod slot;
     mod state_file;
@@ -105,6 +106,7 @@ mod web {
     mod download;
     mod file_input;
     mod messages;
+    mod shelf;
     mod tables;
     mod workers;
 
@@ -240,6 +242,9 @@ mod web {
                 .and_then(|document| file_input::choose(&document, &creation.egui_ctx, app.inbox()));
             let team = workers::team(address::allows_software_graphics(&address), &creation.egui_ctx);
             app = app.choosing(choose).working_with(team);
+            if !embedded {
+                app = app.keeping_records(Box::new(shelf::Browser), &creation.egui_ctx);
+            }
             if is_match("(pointer: coarse)") {
                 theme::expect_fingers(&creation.egui_ctx);
             }

@@ -47,6 +47,8 @@ pub enum Request {
     ChangeColumns,
     /// Edit the equation of the plant.
     EditEquation,
+    /// Forget the record's file that is kept for the next start.
+    ForgetRecord,
     /// Test the identified models on the record that is being imported.
     HoldOut,
     /// Give up the import.

@@ -103,6 +103,7 @@ impl App {
                     layout.leave_enlarged();
                 }
             }
+            Request::ForgetRecord => self.forget_record(),
             Request::Diagnose(id) => self.diagnosed = Some(id),
             Request::CloseDiagnosis => self.diagnosed = None,
             Request::ToggleView(view) => layout.toggle(view),

@@ -37,6 +37,9 @@ impl App {
         for arrival in self.inbox.take() {
             match arrival {
                 Arrival::File(name, contents) => self.open_file(&name, contents),
+                // It is opened without questions, or not at all.
+                Arrival::Kept(name, bytes) if self.waits_for(&bytes) => self.open_file(&name, Ok(bytes)),
+                Arrival::Kept(..) => {}
                 Arrival::Failure(sentence) => self.requests.push(Request::Report(sentence)),
             }
         }

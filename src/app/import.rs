@@ -3,14 +3,17 @@
 use std::rc::Rc;
 
 use egui::Context;
+use kalmanscope_core::import::hash;
 
 use super::App;
 use crate::controls::number;
 use crate::import::{Import, Opened};
 use crate::layout::Layout;
+use crate::notice::Notice;
 use crate::plot::time_axis::TimeAxis;
 use crate::request::{RawFile, ViewKind};
 use crate::session::{Mode, RecordFile, name_of};
+use crate::shelf::{Candidate, Shelf};
 use crate::text::sentence;
 use crate::theme::Palette;
 
@@ -21,7 +24,40 @@ impl App {
     /// Begins the import of a file. One that the scenario waits for needs no questions.
     pub(super) fn import(&mut self, RawFile { name, bytes }: RawFile) {
         self.inviting = false;
+        self.candidate = self.shelf.is_some().then(|| Candidate::of(&name, &bytes)).flatten();
         self.importing = Some(Import::new(&name, bytes, Rc::clone(self.session.team())));
+    }
+
+    /// The explorer with a place that keeps the record's file. It fetches the file that the scenario waits for.
+    #[must_use]
+    pub fn keeping_records(mut self, shelf: Box<dyn Shelf>, ctx: &Context) -> Self {
+        let mapping = self.session.scenario().record.as_ref();
+        if mapping.is_some_and(|mapping| self.session.library().file(mapping).is_none()) {
+            shelf.fetch(ctx, &self.inbox);
+        }
+        self.shelf = Some(shelf);
+        self
+    }
+
+    /// Forgets the file that is kept for the next start.
+    pub(super) fn forget_record(&mut self) {
+        if let Some(shelf) = &self.shelf {
+            shelf.forget();
+            self.notice = Some(Notice::done("The record is no longer kept for the next start."));
+        }
+    }
+
+    /// Keeps the file whose import has ended. Returns the sentence about it.
+    fn shelve(&mut self) -> Option<String> {
+        let (shelf, file) = (self.shelf.as_ref()?, self.candidate.take()?);
+        let said = format!(
+            "“{}” ({}) is kept in {} for the next start: More, *Forget the record*, removes it.",
+            file.name,
+            file.size(),
+            shelf.place()
+        );
+        shelf.keep(&file.name, file.bytes);
+        Some(said.replace('*', ""))
     }
 
     /// Opens the window for the meaning of the columns again, for the record on screen.
@@ -40,6 +76,7 @@ impl App {
         if let Some(file) = file.filter(|file| self.is_awaited(file)) {
             self.importing = None;
             self.session.keep_file(file);
+            self.candidate = None;
             self.notice = None;
         } else if let Some(opened) = opened {
             self.open_record(opened, ctx);
@@ -54,6 +91,13 @@ impl App {
             Err(reason) => Some(format!("The models cannot be tested: {reason}.").into()),
         };
         self.layout.show(ViewKind::Measured);
+    }
+
+    /// Whether the scenario waits for a file with these contents, and no other one is being imported.
+    pub(super) fn waits_for(&self, bytes: &[u8]) -> bool {
+        let Some(mapping) = &self.session.scenario().record else { return false };
+        let is_here = self.session.library().file(mapping).is_some();
+        self.importing.is_none() && !is_here && mapping.hash == hash(bytes)
     }
 
     /// Whether the scenario names this file and waits for it.
@@ -93,7 +137,8 @@ impl App {
             self.session.edit(scenario);
         }
         let problem = problem.map(|problem| format!("{}.", sentence(&problem)));
-        self.notice = problem.clone().map(Into::into);
+        let kept = self.shelve();
+        self.notice = problem.clone().map(Into::into).or_else(|| kept.as_deref().map(Notice::done));
         self.session.explain(reasons, problem);
     }
 }

@@ -11,6 +11,7 @@ use kalmanscope_core::RunError;
 use super::crash::{self, Crash};
 use super::crash_page::{Choice, CrashPage};
 use super::keeper::Keeper;
+use super::shelf::Folder;
 use super::signals;
 use super::slot::Slot;
 use super::state_file::StateFile;
@@ -141,8 +142,9 @@ impl Memory {
 
     /// The explorer in the state that is kept.
     fn start(&self, ctx: &Context, start: Start) -> Result<App, RunError> {
-        let mut app = start(ctx, Some(&*self.keeper.kept().file()))?;
-        let Self { slot, said, .. } = self;
+        let Self { slot, said, keeper } = self;
+        let app = start(ctx, Some(&*keeper.kept().file()))?;
+        let mut app = app.keeping_records(Box::new(Folder::of(slot)), ctx);
         if let Some(sentence) = said {
             app.report(sentence);
         }

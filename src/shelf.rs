@@ -1,0 +1,46 @@
+//! Keeps the file of the record on screen, so that it is there at the next start.
+
+use std::rc::Rc;
+
+use egui::Context;
+
+use crate::inbox::Inbox;
+
+/// Limits the size of a file that is kept \[bytes\].
+pub const LARGEST: usize = 64_000_000;
+
+/// A place for one file, which outlasts the program.
+pub trait Shelf {
+    /// Keeps a file in place of the one before it. A failure is logged: the record on screen does not need it.
+    fn keep(&self, name: &str, bytes: Rc<[u8]>);
+
+    /// Puts the kept file into the inbox, if there is one.
+    fn fetch(&self, ctx: &Context, inbox: &Inbox);
+
+    /// Forgets the kept file.
+    fn forget(&self);
+
+    /// The place, in words: `this browser`.
+    fn place(&self) -> &'static str;
+}
+
+/// A file that becomes the record on screen, if the user opens it.
+pub(crate) struct Candidate {
+    pub(crate) name: String,
+    pub(crate) bytes: Rc<[u8]>,
+}
+
+impl Candidate {
+    /// The file, unless it is too large to be kept.
+    pub(crate) fn of(name: &str, bytes: &[u8]) -> Option<Self> {
+        (bytes.len() <= LARGEST).then(|| Self { name: name.to_owned(), bytes: bytes.into() })
+    }
+
+    /// The size in words.
+    pub(crate) fn size(&self) -> String {
+        match self.bytes.len() {
+            small if small < 100_000 => format!("{} kB", small.div_ceil(1000)),
+            large => format!("{:.1} MB", large as f64 / 1e6),
+        }
+    }
+}
