@@ -226,7 +226,7 @@ fn frames_while_a_slider_is_dragged() {
 
 async fn frames_of_each_slider(page: &Page, browser: u32, views: &str) {
     for (slider, between) in
-        [("fading EKF fading factor", (0.05, 0.6)), ("Noise of the displacement sensor", (0.3, 0.7))]
+        [("λ of fading EKF", (0.05, 0.6)), ("Noise of the displacement sensor", (0.3, 0.7))]
     {
         let frames = frames::drag(page, browser, slider, between, Duration::from_secs(5)).await;
         let frames::Frames { per_second, page, longest, processes } = frames;
@@ -317,7 +317,7 @@ async fn computes_the_same_bits_as_this_machine(page: &Page) {
 
 async fn a_slider_moves_the_estimates(page: &Page) {
     let before = page.summary().await;
-    page.drag("fading EKF fading factor", 0.05, 0.6).await;
+    page.drag("λ of fading EKF", 0.05, 0.6).await;
     let after = page.summary().await;
     assert_eq!(before["samples"], after["samples"], "only estimates of the same sample can be compared");
     let [before, after] = [before, after].map(|summary| std_of_natural_frequency(&summary));

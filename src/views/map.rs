@@ -11,8 +11,9 @@ mod path;
 mod picture;
 mod places;
 mod scale;
+mod sentence;
 
-use egui::{Rect, Sense, Stroke, Ui, Vec2, pos2, vec2};
+use egui::{Label, Rect, Sense, Stroke, Ui, Vec2, pos2, vec2};
 
 use crate::laboratory::{Choice, Laboratory, Survey};
 use crate::plot::medium::Medium;
@@ -59,6 +60,9 @@ impl View for Map {
         let medium = Medium::of(ui.ctx());
         if medium == Medium::Screen {
             head_ui(ui, context, laboratory, choice, requests);
+            if let Some(sentence) = sentence::sentence(survey, choice.measure, context) {
+                ui.add(Label::new(sentence).wrap());
+            }
         }
         let (room, _) = ui.allocate_exact_size(ui.available_size().max(Vec2::splat(1.0)), Sense::hover());
         progress_ui(ui, room, laboratory, context);

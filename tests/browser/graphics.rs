@@ -40,7 +40,7 @@ pub(crate) async fn a_map_is_computed_by_web_gpu(page: &Page, folder: &Path) {
         println!("map {nth}: computed {}", map["computers"]);
         // Another setting of the filter is another map.
         let from = 0.05 + 0.02 * nth as f64;
-        page.drag("fading EKF fading factor", from, from + 0.02).await;
+        page.drag("λ of fading EKF", from, from + 0.02).await;
         map = complete(page, &map["ensemble"]).await;
     }
     let computers = &map["computers"];

@@ -226,7 +226,7 @@ impl Page {
         let height = self.value("innerHeight").await.as_f64().expect("the window has a height");
         for _ in 0..40 {
             let rect = self.rect(name).await;
-            let over = (rect.y + rect.height - (height - 40.0)).ceil();
+            let over = (rect.y + rect.height - height).ceil();
             if over <= 0.0 {
                 return rect;
             }

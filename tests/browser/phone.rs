@@ -43,7 +43,7 @@ pub(crate) async fn fingers_are_expected(page: &Page, picture: &Path) {
 pub(crate) async fn a_lesson_leaves_the_plots_their_room(page: &Page, picture: &Path) {
     page.tap("First lesson").await;
     let before = page.rect("Handle of the lesson").await;
-    let bar = page.rect("Time").await;
+    let bar = page.rect("Scenario").await;
     let between = before.y - (bar.y + bar.height);
     assert!(between >= FOR_PLOTS * f64::from(SIZE.1), "{between} points between bar and lesson");
     let at = (150.0, before.y + 100.0);

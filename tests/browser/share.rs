@@ -64,7 +64,7 @@ pub(crate) async fn links(page: &Page, address: &str) {
 pub(crate) async fn names(page: &Page, address: &str) {
     starts(page, &format!("{address}?scenario=duffing")).await;
     let summary = page.summary().await;
-    assert!(summary["controls"].to_string().contains("Cubic stiffness"), "{summary}");
+    assert!(summary["filters"].to_string().contains("UKF, Duffing"), "{summary}");
     starts(page, &format!("{address}?scenario=none")).await;
     page.wait_until(&format!("{NEWS}.includes('There is no scenario “none”')"), START).await.expect("it is said");
     starts(page, &format!("{address}?lesson=sudden-loss&step=2")).await;
