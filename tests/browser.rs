@@ -225,9 +225,7 @@ fn frames_while_a_slider_is_dragged() {
 }
 
 async fn frames_of_each_slider(page: &Page, browser: u32, views: &str) {
-    for (slider, between) in
-        [("λ of fading EKF", (0.05, 0.6)), ("Noise of the displacement sensor", (0.3, 0.7))]
-    {
+    for (slider, between) in [("λ of fading EKF", (0.05, 0.6)), ("Noise of the displacement sensor", (0.3, 0.7))] {
         let frames = frames::drag(page, browser, slider, between, Duration::from_secs(5)).await;
         let frames::Frames { per_second, page, longest, processes } = frames;
         print!("{:<50} {per_second:>6.1} {page:>9.1} {longest:>9.1} ", format!("{views}, {slider}"));

@@ -90,7 +90,7 @@ fn estimate(last: &Final) -> Document {
         ("std", Document::Number(last.std)),
         ("error", number(score.map(|score| score.error))),
         ("rmse", number(score.map(|score| score.rmse))),
-        ("share_inside", number(score.map(|score| score.share_inside))),
+        ("share_inside", number(score.map(|score| score.coverage))),
         ("settled", number(score.and_then(|score| score.settled))),
     ])
 }

@@ -30,7 +30,7 @@ fn row(last: &Final, length: Length) -> [String; COLUMNS] {
             Some(time) => format!("{} s", plain((time * 1e3).round() / 1e3)),
             None => "never".to_owned(),
         };
-        let inside = if std > 0.0 { format!("{} %", fixed(100.0 * score.share_inside, 1)) } else { String::new() };
+        let inside = if std > 0.0 { format!("{} %", fixed(100.0 * score.coverage, 1)) } else { String::new() };
         [deviation(score.error, std), in_stds, short(score.rmse), short(score.rmse_last_third), inside, settled]
     });
     let [error, in_stds, rmse, last_third, inside, settled] = scored.unwrap_or_default();

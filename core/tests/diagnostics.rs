@@ -6,7 +6,7 @@ mod run;
 
 use std::sync::Arc;
 
-use kalmanscope_core::diagnostics::{Depth, LAGS, Tally};
+use kalmanscope_core::diagnostics::{Depth, ErrorSums, LAGS};
 use kalmanscope_core::{
     Channel, Diagnosis, Diagnostics, Estimates, FilterKind, FilterSettings, Force, Record, Run, Scenario, Signal,
     Summary, Verdict,
@@ -31,7 +31,7 @@ fn guessing(natural_frequency: f64, damping_ratio: f64) -> Scenario {
 /// Every number of the diagnostics, as bits.
 fn bits(diagnostics: &Diagnostics) -> Vec<u64> {
     let n = diagnostics.len();
-    let tally = |Tally { squares, known, inside }: Tally| [squares, f64::from(known), f64::from(inside)];
+    let tally = |ErrorSums { squares, known, inside }: ErrorSums| [squares, f64::from(known), f64::from(inside)];
     let mut numbers: Vec<f64> = diagnostics.nees().to_vec();
     for k in 0..=n {
         for channel in diagnostics.known() {
@@ -178,7 +178,7 @@ fn a_mirrored_oscillator_scores_like_its_mirror_image() {
     for (a, b) in a.finals.iter().zip(&b.finals) {
         let (one, other) = (a.score.unwrap(), b.score.unwrap());
         assert!((one.rmse / other.rmse - 1.0).abs() < 1e-9 && one.settled == other.settled, "{a:?} {b:?}");
-        assert_eq!(one.share_inside, other.share_inside);
+        assert_eq!(one.coverage, other.coverage);
     }
     assert!((a.nees.unwrap().mean / b.nees.unwrap().mean - 1.0).abs() < 1e-6);
 }

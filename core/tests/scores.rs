@@ -39,7 +39,7 @@ fn scores_are_the_diagnostics_to_the_last_bit() {
         for channel in diagnostics.known() {
             let score = scores.channel(channel).unwrap();
             let tally = diagnostics.tally(channel, 0..estimates.len()).unwrap();
-            assert_eq!((score.rmse, score.share_inside), (tally.rmse(), tally.share_inside()));
+            assert_eq!((score.rmse, score.coverage), (tally.rmse(), tally.coverage()));
             assert_eq!((Some(score.error), score.settled), (diagnostics.error(channel), diagnostics.settled(channel)));
             let last = estimates.std(estimates.len() - 1, estimates.place(channel).unwrap());
             assert_eq!(score.std, last);

@@ -215,7 +215,7 @@ fn rows(summaries: &[(usize, Summary)], before: &[Option<Summary>], session: &Se
         }));
         let name = format!("{symbol} in ±2σ, 95 is right [%]");
         rows.push(row(name, "Share of samples with the truth inside ±2σ", 95.0, ALIKE, &|s| {
-            Some(100.0 * score(s)?.share_inside)
+            Some(100.0 * score(s)?.coverage)
         }));
         if channel.is_parameter() {
             let since = if change.is_some() { "after the change" } else { "from the start" };

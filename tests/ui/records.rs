@@ -330,9 +330,12 @@ fn the_window_of_an_import_has_the_keys() {
     check_result(&screen, "trailing.csv");
 }
 
+/// A file's name and contents.
+type Kept = (String, Vec<u8>);
+
 /// A place for one file in memory.
 #[derive(Clone, Default)]
-struct Drawer(std::rc::Rc<std::cell::RefCell<Option<(String, Vec<u8>)>>>);
+struct Drawer(std::rc::Rc<std::cell::RefCell<Option<Kept>>>);
 
 impl kalmanscope::shelf::Shelf for Drawer {
     fn keep(&self, name: &str, bytes: std::rc::Rc<[u8]>) {

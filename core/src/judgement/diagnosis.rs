@@ -4,11 +4,12 @@
 //! Diagnostics, Estimates, Record ──tests──▶ Evidence ──level──▶ Verdict ──causes──▶ Suspects ──trials, search──▶ Findings
 //! ```
 //!
-//! Each test ([`Test`]) is a file in `diagnosis/tests`, each cause ([`Cause`]) one in `diagnosis/cause`.
+//! Each test ([`Test`]) is a file in `diagnosis/checks`, each cause ([`Cause`]) one in `diagnosis/cause`.
 
 mod case;
 mod cause;
 mod change;
+mod checks;
 mod distributions;
 mod errors;
 mod evidence;
@@ -25,7 +26,6 @@ mod periodogram;
 mod ranking;
 mod search;
 mod summary;
-mod tests;
 mod trial;
 mod verdict;
 mod verdict_kind;
@@ -41,13 +41,14 @@ use case::Case;
 use cause::Matter;
 
 pub use cause::{CAUSES, Cause, Suspect};
+pub use checks::TESTS;
 pub use evidence::{Evidence, Subject, Test};
 pub use finding::Finding;
 pub use live::LiveDiagnosis;
 pub use parts::PARTS;
 pub use search::Search;
 pub use summary::{Final, Score, Summary};
-pub use tests::TESTS;
+
 pub use trial::Trials;
 pub use verdict::Verdict;
 pub use verdict_kind::VerdictKind;

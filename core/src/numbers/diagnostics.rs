@@ -19,7 +19,7 @@ use likelihood::Likelihood;
 use nees::Nees;
 use totals::Totals;
 
-pub use accuracy::Tally;
+pub use accuracy::ErrorSums;
 pub use totals::{MeanSquare, Total};
 pub use whiteness::{LAGS, LjungBox, Whiteness};
 
@@ -170,7 +170,7 @@ impl Diagnostics {
 
     /// The tally of a channel's errors over a range of samples. `None` if the truth is not known, or at the depth
     /// [`Depth::Consistency`].
-    pub fn tally(&self, channel: Channel, range: Range<usize>) -> Option<Tally> {
+    pub fn tally(&self, channel: Channel, range: Range<usize>) -> Option<ErrorSums> {
         let tally = self.accuracy.within(self.accuracy.place(channel)?, range);
         (tally.known > 0).then_some(tally)
     }
@@ -239,7 +239,7 @@ impl Diagnostics {
 
     /// The share of samples whose NEES is below the 95 % quantile of χ²: the truth is inside the belief's 95 % ellipsoid.
     pub fn share_in_ellipsoid(&self) -> Option<f64> {
-        Some(self.nees.share_inside()).filter(|share| !share.is_nan())
+        Some(self.nees.coverage()).filter(|share| !share.is_nan())
     }
 
     /// The sum of the NIS over a range of samples.

@@ -77,7 +77,7 @@ pub struct ChannelScore {
     /// Root mean square error over all samples.
     pub rmse: f64,
     /// The share of samples with the truth inside ±2σ.
-    pub share_inside: f64,
+    pub coverage: f64,
     /// The sample since which the estimate has stayed within 5 % of the truth, if it is.
     pub settled: Option<usize>,
 }

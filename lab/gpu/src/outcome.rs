@@ -1,6 +1,6 @@
 //! From the shader's sums to the outcome of a run.
 
-use kalmanscope_core::diagnostics::{Tally, Total};
+use kalmanscope_core::diagnostics::{ErrorSums, Total};
 use kalmanscope_core::internals::ChannelSums;
 use kalmanscope_core::internals::engine::Setup;
 use kalmanscope_core::internals::log_likelihood;
@@ -53,7 +53,7 @@ fn channels(ran: &Ran<'_>, state: &State, samples: usize) -> Vec<(Channel, Chann
             sign * mean[place] - truth(k)
         };
         let sums = ChannelSums {
-            total: Tally { squares: tracked.squares, known: samples as u32, inside: tracked.inside },
+            total: ErrorSums { squares: tracked.squares, known: samples as u32, inside: tracked.inside },
             first_error: error(&setup.mean, 0).abs(),
             largest_truth: tape.largest_truth[(samples - 1) * known + place],
             settled: tracked.settled as usize,

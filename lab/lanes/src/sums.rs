@@ -1,6 +1,6 @@
 //! Running sums of the scores: those of [`Scores`](kalmanscope_core::Scores) in lanes.
 
-use kalmanscope_core::diagnostics::{Tally, Total};
+use kalmanscope_core::diagnostics::{ErrorSums, Total};
 use kalmanscope_core::internals::ChannelSums;
 use kalmanscope_core::internals::kernel::Gaussian;
 use kalmanscope_core::internals::{LogSum, log_likelihood};
@@ -226,7 +226,7 @@ impl<T: Lane, const N: usize> Sums<T, N> {
             let error =
                 |belief: &Gaussian<N>, k: usize| observations.error(lane, k, belief, place).unwrap_or([f64::NAN; 2]);
             let sums = ChannelSums {
-                total: Tally {
+                total: ErrorSums {
                     squares: squares.to_array()[lane],
                     known: samples as u32,
                     inside: inside.to_array()[lane] as u32,

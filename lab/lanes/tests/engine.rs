@@ -209,7 +209,7 @@ fn scores_against_a_truth_are_those_of_the_single_filter() {
             assert_eq!((lane.diverged, lane.channels.len()), (single.diverged, single.channels.len()), "{what}");
             for ((channel, a), (other, b)) in lane.channels.iter().zip(&single.channels) {
                 assert_eq!((channel, a.settled), (other, b.settled), "{what}");
-                let pairs = [(a.error, b.error), (a.std, b.std), (a.rmse, b.rmse), (a.share_inside, b.share_inside)];
+                let pairs = [(a.error, b.error), (a.std, b.std), (a.rmse, b.rmse), (a.coverage, b.coverage)];
                 assert!(pairs.into_iter().all(|(a, b)| is_near(a, b)), "{what}");
             }
             assert_eq!(lane.looks.len(), single.looks.len());

@@ -69,7 +69,7 @@ impl ChannelErrors {
     }
 
     /// The share of samples in some parts with the truth inside ±2σ.
-    pub(crate) fn share_inside(&self, chosen: &Chosen) -> f64 {
+    pub(crate) fn coverage(&self, chosen: &Chosen) -> f64 {
         parts::sum(chosen, |part| self.by_part[part].inside) / self.count(chosen)
     }
 

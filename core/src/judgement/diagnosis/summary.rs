@@ -1,6 +1,6 @@
 //! The results of a filter over the kept part of a record.
 
-use crate::numbers::diagnostics::{Diagnostics, LjungBox, MeanSquare, Tally, Whiteness};
+use crate::numbers::diagnostics::{Diagnostics, ErrorSums, LjungBox, MeanSquare, Whiteness};
 use crate::{Channel, Diagnosis, Estimates, FilterKind, Quantity, Record, Stop, Verdict};
 
 /// The results of one filter over a record.
@@ -54,7 +54,7 @@ pub struct Score {
     /// Root mean square error over the last third of the samples.
     pub rmse_last_third: f64,
     /// The share of samples with the truth inside ±2σ.
-    pub share_inside: f64,
+    pub coverage: f64,
     /// The time since which the estimate has stayed within 5 % of the truth \[s\], if it is.
     pub settled: Option<f64>,
 }
@@ -107,8 +107,8 @@ impl Score {
         Some(Self {
             error: diagnostics.error(channel)?,
             rmse: all.rmse(),
-            rmse_last_third: last_third.map_or(f64::NAN, Tally::rmse),
-            share_inside: all.share_inside(),
+            rmse_last_third: last_third.map_or(f64::NAN, ErrorSums::rmse),
+            coverage: all.coverage(),
             settled: diagnostics.settled(channel).map(|number| record.time_of(number)),
         })
     }

@@ -1,7 +1,7 @@
 //! A filter beside itself before a change.
 
 use super::phrase::{Phrase, Writer};
-use crate::numbers::diagnostics::Tally;
+use crate::numbers::diagnostics::ErrorSums;
 use crate::{Channel, Diagnostics};
 
 /// Two errors that differ by less than this factor are equally large.
@@ -35,7 +35,7 @@ pub(super) fn sentence(words: &str, filters: &[(u32, &str, &Diagnostics, &Diagno
 
 /// The root mean square error over the last third.
 fn lately(diagnostics: &Diagnostics, channel: Channel) -> Option<f64> {
-    diagnostics.tally(channel, diagnostics.last_third()).map(Tally::rmse).filter(|error| *error > 0.0)
+    diagnostics.tally(channel, diagnostics.last_third()).map(ErrorSums::rmse).filter(|error| *error > 0.0)
 }
 
 fn times(ratio: f64) -> String {

@@ -7,7 +7,7 @@ use super::number::{percent, plain, seconds, with_band};
 use super::phrase::{Adjustable, Phrase, Writer};
 use crate::data::signal::Step;
 use crate::diagnosis::Subject;
-use crate::numbers::diagnostics::Tally;
+use crate::numbers::diagnostics::ErrorSums;
 use crate::{Channel, Diagnosis, Diagnostics, Estimates, FilterSettings, Record, Run, Stop, VerdictKind};
 
 /// Limits the relative error of an estimate that has been found.
@@ -236,7 +236,7 @@ impl Main {
         let (mean, std) = (estimates.canonical_mean(last, place), estimates.std(last, place));
         let truth = diagnostics.error(channel).and_then(|error| {
             let true_value = mean - error;
-            let lately = diagnostics.tally(channel, diagnostics.last_third()).map_or(f64::NAN, Tally::rmse);
+            let lately = diagnostics.tally(channel, diagnostics.last_third()).map_or(f64::NAN, ErrorSums::rmse);
             (true_value != 0.0).then(|| Truth {
                 error: error / true_value,
                 lately: lately / true_value.abs(),

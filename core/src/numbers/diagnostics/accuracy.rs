@@ -10,7 +10,7 @@ const SETTLED: f64 = 0.05;
 
 /// The tally of a channel's errors over some samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Tally {
+pub struct ErrorSums {
     /// Sum of the squared errors, in the channel's unit squared.
     pub squares: f64,
     /// The number of samples with a known truth.
@@ -19,14 +19,14 @@ pub struct Tally {
     pub inside: u32,
 }
 
-impl Tally {
+impl ErrorSums {
     /// The root mean square error, in the channel's unit; NaN without a known truth.
     pub fn rmse(self) -> f64 {
         (self.squares / f64::from(self.known)).sqrt()
     }
 
     /// The share of samples with the truth inside ±2σ: 0.954 where the errors are normal and σ is right.
-    pub fn share_inside(self) -> f64 {
+    pub fn coverage(self) -> f64 {
         f64::from(self.inside) / f64::from(self.known)
     }
 }
@@ -39,7 +39,7 @@ pub(crate) struct TrackedChannel {
     pub(crate) place: usize,
     /// The place in the record.
     pub(crate) truth: usize,
-    pub(crate) total: Tally,
+    pub(crate) total: ErrorSums,
     /// The first absolute error, kept or not; 0 before the first.
     pub(crate) first_error: f64,
     /// The largest absolute truth so far, kept or not.
@@ -58,7 +58,7 @@ impl TrackedChannel {
     ) -> impl Iterator<Item = Self> + use<'a> {
         channels.iter().enumerate().filter_map(move |(place, &channel)| {
             let truth = record.truth_place(channel)?;
-            let total = Tally::default();
+            let total = ErrorSums::default();
             Some(Self { channel, place, truth, total, first_error: 0.0, largest_truth: 0.0, settled: first })
         })
     }
@@ -214,7 +214,7 @@ impl Accuracy {
     }
 
     /// The tally of a tracked channel over the part of `range` that exists.
-    pub(super) fn within(&self, at: usize, range: Range<usize>) -> Tally {
+    pub(super) fn within(&self, at: usize, range: Range<usize>) -> ErrorSums {
         let width = self.known.len();
         let samples = self.counts.len() / width;
         let end = range.end.min(samples);
@@ -224,7 +224,7 @@ impl Accuracy {
         }
         let until = |end: usize| end.checked_sub(1).map_or((0, 0), |k| self.counts[k * width + at]);
         let ((known_before, inside_before), (known, inside)) = (until(start), until(end));
-        Tally {
+        ErrorSums {
             squares: self.squares.within(at, start..end),
             known: known - known_before,
             inside: inside - inside_before,
@@ -297,18 +297,18 @@ mod tests {
         let accuracy = of((0..20_000).map(|_| [(7.0 + STD * normal.sample(), 7.0), (2.0, 0.0)]));
         let tally = accuracy.within(0, 0..20_000);
         // 0.9545 ± three standard deviations of a share of 20 000 samples.
-        assert!((tally.share_inside() - 0.9545).abs() < 0.0045, "{}", tally.share_inside());
+        assert!((tally.coverage() - 0.9545).abs() < 0.0045, "{}", tally.coverage());
         assert!((tally.rmse() / STD - 1.0).abs() < 0.015, "{}", tally.rmse());
-        assert_eq!(accuracy.within(1, 0..20_000), Tally { squares: 80_000.0, known: 20_000, inside: 0 });
+        assert_eq!(accuracy.within(1, 0..20_000), ErrorSums { squares: 80_000.0, known: 20_000, inside: 0 });
     }
 
     #[test]
     fn ranges_are_as_long_as_there_are_samples() {
         let accuracy = of([[(1.0, 0.0), (0.0, f64::NAN)], [(3.0, 0.0), (2.0, 0.0)], [(f64::NAN, 0.0), (0.0, 0.0)]]);
-        assert_eq!(accuracy.within(0, 1..99), Tally { squares: 9.0, known: 1, inside: 0 });
-        assert_eq!(accuracy.within(1, 0..1), Tally::default());
+        assert_eq!(accuracy.within(0, 1..99), ErrorSums { squares: 9.0, known: 1, inside: 0 });
+        assert_eq!(accuracy.within(1, 0..1), ErrorSums::default());
         assert!(accuracy.within(1, 0..1).rmse().is_nan() && accuracy.error(0).is_nan());
         assert_eq!(accuracy.within(1, 0..3).known, 2);
-        assert_eq!(of([]).within(0, 0..5), Tally::default());
+        assert_eq!(of([]).within(0, 0..5), ErrorSums::default());
     }
 }

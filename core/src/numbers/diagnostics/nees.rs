@@ -102,7 +102,7 @@ impl Nees {
     }
 
     /// The share of samples below the 95 % quantile of their degrees of freedom; NaN without any.
-    pub(super) fn share_inside(&self) -> f64 {
+    pub(super) fn coverage(&self) -> f64 {
         f64::from(self.inside) / f64::from(self.totals.whole().samples)
     }
 }
@@ -217,7 +217,7 @@ mod tests {
             ([1.0, f64::NAN], [1.0, 0.0, 0.0, 1.0]),
         ] {
             let nees = nees(&[0, 1], &errors, &cov, 2);
-            assert!(nees.values[0].is_nan() && nees.share_inside().is_nan(), "{errors:?} {cov:?}");
+            assert!(nees.values[0].is_nan() && nees.coverage().is_nan(), "{errors:?} {cov:?}");
         }
     }
 }

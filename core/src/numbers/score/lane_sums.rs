@@ -12,7 +12,7 @@ use crate::mathematics::engine::number::{Mask, Number};
 use crate::mathematics::engine::update::Told;
 use crate::mathematics::gaussian_likelihood::log_likelihood;
 use crate::mathematics::log_sum::LogSum;
-use crate::numbers::diagnostics::{Tally, Total};
+use crate::numbers::diagnostics::{ErrorSums, Total};
 use crate::numbers::score::outcome::ChannelSums;
 use crate::numbers::score::{Look, Outcome};
 use crate::{Channel, Stop};
@@ -215,8 +215,11 @@ impl<T: Number> Scores<T> {
     /// The sums of a channel in a lane.
     fn sums(&self, tracked: &Tracked<T>, lane: usize) -> ChannelSums {
         let of = |number: T| number.lane(lane);
-        let total =
-            Tally { squares: of(tracked.squares), known: of(tracked.known) as u32, inside: of(tracked.inside) as u32 };
+        let total = ErrorSums {
+            squares: of(tracked.squares),
+            known: of(tracked.known) as u32,
+            inside: of(tracked.inside) as u32,
+        };
         ChannelSums {
             total,
             first_error: of(tracked.first_error),

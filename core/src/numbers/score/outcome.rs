@@ -2,7 +2,7 @@
 
 use super::{ChannelScore, Look};
 use crate::numbers::diagnostics::accuracy::is_lost;
-use crate::numbers::diagnostics::{Tally, Total};
+use crate::numbers::diagnostics::{ErrorSums, Total};
 use crate::{Channel, Stop};
 
 /// The result of one filter's run over one record.
@@ -39,7 +39,7 @@ const LOST: f64 = 10.0;
 #[derive(Clone, Copy, Debug)]
 pub struct ChannelSums {
     /// All errors.
-    pub total: Tally,
+    pub total: ErrorSums,
     /// The first absolute error.
     pub first_error: f64,
     /// The largest absolute truth.
@@ -64,7 +64,7 @@ impl ChannelSums {
             error,
             std,
             rmse: total.rmse(),
-            share_inside: total.share_inside(),
+            coverage: total.coverage(),
             settled: (settled < samples).then_some(settled),
         })
     }

@@ -8,7 +8,7 @@ pub(crate) fn bits(outcome: &Outcome) -> (Vec<u64>, String) {
     let mut numbers = vec![nees.sum, nis.sum, *log_likelihood];
     numbers.extend(mean.iter().chain(std));
     for (_, score) in channels {
-        numbers.extend([score.error, score.std, score.rmse, score.share_inside]);
+        numbers.extend([score.error, score.std, score.rmse, score.coverage]);
     }
     for look in looks {
         numbers.extend([look.nees, look.nis]);

@@ -64,7 +64,7 @@ fn channels(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
                 sentence: format!(
                     "the {name} is {} times its σ off in the last fifth, and inside ±2σ in {} of it",
                     short(off),
-                    percent(one.share_inside(&late))
+                    percent(one.coverage(&late))
                 ),
                 ..evidence
             });
