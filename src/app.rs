@@ -8,6 +8,7 @@ mod import;
 mod laboratory;
 mod lesson;
 pub mod link;
+mod panels;
 mod state;
 mod window;
 
@@ -59,7 +60,7 @@ pub struct App {
     /// The id of the filter whose diagnosis is shown beside the plots, if one is.
     diagnosed: Option<u32>,
     /// The heights of the drawers of a narrow window.
-    drawers: window::Drawers,
+    drawers: panels::Drawers,
     presenting: bool,
     keys_open: bool,
     /// Width of the window in the last frame \[points\], and its theme.
@@ -125,7 +126,7 @@ impl App {
             controls_open: None,
             all_settings: true,
             diagnosed: None,
-            drawers: window::Drawers::default(),
+            drawers: panels::Drawers::default(),
             presenting: false,
             keys_open: false,
             width: window::WIDE,

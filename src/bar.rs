@@ -1,12 +1,11 @@
 //! The bar at the top: scenarios, views, lessons, exports, appearance and history.
 
-use egui::text::{LayoutJob, TextFormat};
-use egui::{Button, Response, RichText, TextStyle, Ui, vec2};
+use egui::{Button, RichText, Ui};
 use kalmanscope_lessons::{BUILT_IN, BuiltIn, EQUATIONS};
 
 use crate::export_menu;
 use crate::layout::Layout;
-use crate::menu::{Closing, menu_ui};
+use crate::menu::{Closing, entry_ui, menu_ui};
 use crate::probe;
 use crate::request::{Arrangement, Request, ViewKind};
 use crate::session::{Session, Setting};
@@ -16,9 +15,6 @@ use crate::views::view;
 
 /// Limits the width below which the program's name and the two settings are left out \[points\].
 const ROOMY: f32 = 1000.0;
-
-/// The width of an entry with a sentence, where there is room \[points\].
-const ENTRY: f32 = 420.0;
 
 /// The explanation of the entry that removes a kept record.
 const FORGET: &str =
@@ -110,24 +106,12 @@ fn scenario_menu_ui(ui: &mut Ui, session: &Session, is_roomy: bool, requests: &m
 }
 
 fn entries_ui(ui: &mut Ui, entries: &[BuiltIn], requests: &mut Vec<Request>) {
-    ui.set_min_width(ENTRY.min(ui.ctx().content_rect().width() - 40.0));
     for entry in entries {
         if entry_ui(ui, entry.title, entry.description()).clicked() {
             requests.push(Request::Open(*entry));
             ui.close();
         }
     }
-}
-
-/// An entry of a menu: a title, and its sentence below it.
-fn entry_ui(ui: &mut Ui, title: &str, sentence: &str) -> Response {
-    let [body, small] = [TextStyle::Body, TextStyle::Small].map(|style| style.resolve(ui.style()));
-    let mut text = LayoutJob::default();
-    text.append(&format!("{title}\n"), 0.0, TextFormat::simple(body, ui.visuals().strong_text_color()));
-    text.append(sentence, 0.0, TextFormat::simple(small, ui.visuals().weak_text_color()));
-    let button = ui.add(Button::new(text).wrap().frame_when_inactive(false).min_size(vec2(ui.available_width(), 0.0)));
-    button.ctx.accesskit_node_builder(button.id, |node| node.set_label(title));
-    button
 }
 
 fn views_menu_ui(ui: &mut Ui, layout: &Layout, requests: &mut Vec<Request>) {

@@ -1,13 +1,17 @@
 //! A menu that does not cover its button: it scrolls if the window has no room for all of it.
 
 use egui::containers::menu::{MenuConfig, menu_style};
-use egui::{Popup, PopupCloseBehavior, Response, ScrollArea, Ui, UiKind, UiStackInfo};
+use egui::text::{LayoutJob, TextFormat};
+use egui::{Button, Popup, PopupCloseBehavior, Response, ScrollArea, TextStyle, Ui, UiKind, UiStackInfo, vec2};
 
 /// The distance of a menu's contents from its button and from the window's edge, together \[points\].
 const MARGINS: f32 = 28.0;
 
 /// The least height of a menu's contents \[points\].
 const LEAST: f32 = 100.0;
+
+/// The width of an entry with a sentence, where there is room \[points\].
+const ENTRY: f32 = 420.0;
 
 /// When a menu closes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,5 +46,17 @@ pub(crate) fn menu_ui(
         .show(|ui| {
             ScrollArea::vertical().max_height(height).min_scrolled_height(height).show(ui, |ui| add_contents(ui));
         });
+    button
+}
+
+/// An entry of a menu: a title, and its sentence below it.
+pub(crate) fn entry_ui(ui: &mut Ui, title: &str, sentence: &str) -> Response {
+    ui.set_min_width(ENTRY.min(ui.ctx().content_rect().width() - 40.0));
+    let [body, small] = [TextStyle::Body, TextStyle::Small].map(|style| style.resolve(ui.style()));
+    let mut text = LayoutJob::default();
+    text.append(&format!("{title}\n"), 0.0, TextFormat::simple(body, ui.visuals().strong_text_color()));
+    text.append(sentence, 0.0, TextFormat::simple(small, ui.visuals().weak_text_color()));
+    let button = ui.add(Button::new(text).wrap().frame_when_inactive(false).min_size(vec2(ui.available_width(), 0.0)));
+    button.ctx.accesskit_node_builder(button.id, |node| node.set_label(title));
     button
 }

@@ -20,6 +20,7 @@ mod progress;
 mod records;
 mod settings;
 mod share;
+mod shelf;
 mod sizes;
 mod story;
 mod tune;

@@ -20,7 +20,7 @@ fn rows() -> Vec<[f64; 3]> {
 }
 
 /// The six dialects that loggers and spreadsheets write.
-fn dialects() -> [(&'static str, Vec<u8>); 6] {
+pub(super) fn dialects() -> [(&'static str, Vec<u8>); 6] {
     let table = |header: &str, line: &dyn Fn(&[f64; 3]) -> String| {
         let mut text = header.to_owned();
         rows().iter().for_each(|row| writeln!(text, "{}", line(row)).expect("memory"));
@@ -45,7 +45,7 @@ fn dialects() -> [(&'static str, Vec<u8>); 6] {
 
 /// Whether the explorer identifies the oscillator.
 #[track_caller]
-fn check_result(screen: &Screen, name: &str) {
+pub(super) fn check_result(screen: &Screen, name: &str) {
     let session = screen.state().session();
     assert!(session.is_measured(), "{name}: {:?}", session.problem());
     let estimates = &session.run().estimates()[0];
@@ -328,74 +328,4 @@ fn the_window_of_an_import_has_the_keys() {
     screen.key_press(Key::Enter);
     screen.run_steps(6);
     check_result(&screen, "trailing.csv");
-}
-
-/// A file's name and contents.
-type Kept = (String, Vec<u8>);
-
-/// A place for one file in memory.
-#[derive(Clone, Default)]
-struct Drawer(std::rc::Rc<std::cell::RefCell<Option<Kept>>>);
-
-impl kalmanscope::shelf::Shelf for Drawer {
-    fn keep(&self, name: &str, bytes: std::rc::Rc<[u8]>) {
-        *self.0.borrow_mut() = Some((name.to_owned(), bytes.to_vec()));
-    }
-
-    fn fetch(&self, ctx: &egui::Context, inbox: &kalmanscope::inbox::Inbox) {
-        if let Some((name, bytes)) = self.0.borrow().clone() {
-            inbox.put(kalmanscope::inbox::Arrival::Kept(name, bytes), ctx);
-        }
-    }
-
-    fn forget(&self) {
-        self.0.borrow_mut().take();
-    }
-
-    fn place(&self) -> &'static str {
-        "a drawer"
-    }
-}
-
-/// The screen of a state that was saved, with a place for records.
-fn started(saved: Memory, drawer: &Drawer) -> Screen {
-    let drawer = drawer.clone();
-    Harness::builder().with_size(DESKTOP).with_step_dt(1.0 / 60.0).build_eframe(move |creation| {
-        kalmanscope::theme::install(&creation.egui_ctx);
-        let app = App::restored(Some(&saved)).expect("it can be run");
-        app.keeping_records(Box::new(drawer.clone()), &creation.egui_ctx)
-    })
-}
-
-#[test]
-fn a_record_is_there_again_after_a_restart_until_it_is_forgotten() {
-    let drawer = Drawer::default();
-    let mut screen = started(Memory::default(), &drawer);
-    let (name, bytes) = dialects()[0].clone();
-    drop_file(&mut screen, name, &bytes);
-    screen.run_steps(10);
-    screen.get_by_label("Open the record").click();
-    screen.run_steps(30);
-    check_result(&screen, name);
-    let said = screen.state().notice().unwrap_or_default().to_owned();
-    assert!(said.contains(name) && said.contains("is kept in a drawer"), "{said}");
-
-    let state = |screen: &mut Screen| {
-        let mut storage = Memory::default();
-        screen.state_mut().save(&mut storage);
-        storage
-    };
-    let mut again = started(state(&mut screen), &drawer);
-    again.run_steps(30);
-    check_result(&again, "after a restart");
-    assert!(again.query_by_label("Open the record").is_none(), "nothing is asked");
-
-    again.get_by_label("More").click();
-    again.run_steps(3);
-    again.get_by_label("Forget the record").click();
-    again.run_steps(3);
-    let mut empty = started(state(&mut again), &drawer);
-    empty.run_steps(10);
-    assert!(!empty.state().session().is_measured());
-    assert!(empty.state().session().problem().is_some_and(|problem| problem.contains("drop the file")));
 }

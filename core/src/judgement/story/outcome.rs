@@ -37,6 +37,8 @@ pub(super) struct Outcome<'a> {
     stop: Option<(Stop, f64)>,
     /// The time of the last sample \[s\].
     now: f64,
+    /// Whether there are no more samples to come.
+    is_whole: bool,
 }
 
 /// The last estimate of a parameter.
@@ -101,6 +103,7 @@ impl<'a> Outcome<'a> {
             others: all.collect(),
             stop: diagnostics.stop().map(|stop| (stop, record.time_of(stop.sample))),
             now: record.time(last),
+            is_whole: run.done() == run.samples(),
         }
     }
 
@@ -213,7 +216,8 @@ impl<'a> Outcome<'a> {
             Some(VerdictKind::Underconfident) => ", and knows more than it claims: its band is too wide",
             Some(VerdictKind::NotIdentifiable) if !self.undetermined.is_empty() => {
                 let names: Vec<&str> = self.undetermined.iter().map(|channel| channel.symbol()).collect();
-                &format!("; the record does not tell it {}", names.join(" and "))
+                let so_far = if self.is_whole { "" } else { "so far " };
+                &format!("; {so_far}the record does not tell it {}", names.join(" and "))
             }
             Some(kind) if kind.is_good() && !is_outside && is_off => ", and its band says so",
             Some(VerdictKind::Consistent) if !is_outside => ", and its band is right",

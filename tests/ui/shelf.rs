@@ -1,0 +1,82 @@
+//! The file of a measured record outlasts the program.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use egui::Context;
+use kalmanscope::inbox::{Arrival, Inbox};
+use kalmanscope::shelf::Shelf;
+
+use super::files::drop_file;
+use super::records::{check_result, dialects};
+use super::*;
+
+/// A file's name and contents.
+type Kept = (String, Vec<u8>);
+
+/// A place for one file in memory.
+#[derive(Clone, Default)]
+struct Drawer(Rc<RefCell<Option<Kept>>>);
+
+impl Shelf for Drawer {
+    fn keep(&self, name: &str, bytes: Rc<[u8]>) {
+        *self.0.borrow_mut() = Some((name.to_owned(), bytes.to_vec()));
+    }
+
+    fn fetch(&self, ctx: &Context, inbox: &Inbox) {
+        if let Some((name, bytes)) = self.0.borrow().clone() {
+            inbox.put(Arrival::Kept(name, bytes), ctx);
+        }
+    }
+
+    fn forget(&self) {
+        self.0.borrow_mut().take();
+    }
+
+    fn place(&self) -> &'static str {
+        "a drawer"
+    }
+}
+
+/// The screen of a state that was saved, with a place for records.
+fn started(saved: Memory, drawer: &Drawer) -> Screen {
+    let drawer = drawer.clone();
+    Harness::builder().with_size(DESKTOP).with_step_dt(1.0 / 60.0).build_eframe(move |creation| {
+        kalmanscope::theme::install(&creation.egui_ctx);
+        let app = App::restored(Some(&saved)).expect("it can be run");
+        app.keeping_records(Box::new(drawer.clone()), &creation.egui_ctx)
+    })
+}
+
+#[test]
+fn a_record_is_there_again_after_a_restart_until_it_is_forgotten() {
+    let drawer = Drawer::default();
+    let mut screen = started(Memory::default(), &drawer);
+    let (name, bytes) = dialects()[0].clone();
+    drop_file(&mut screen, name, &bytes);
+    screen.run_steps(10);
+    screen.get_by_label("Open the record").click();
+    screen.run_steps(30);
+    check_result(&screen, name);
+    let said = screen.state().notice().unwrap_or_default().to_owned();
+    assert!(said.contains(name) && said.contains("is kept in a drawer"), "{said}");
+
+    let state = |screen: &mut Screen| {
+        let mut storage = Memory::default();
+        screen.state_mut().save(&mut storage);
+        storage
+    };
+    let mut again = started(state(&mut screen), &drawer);
+    again.run_steps(30);
+    check_result(&again, "after a restart");
+    assert!(again.query_by_label("Open the record").is_none(), "nothing is asked");
+
+    again.get_by_label("More").click();
+    again.run_steps(3);
+    again.get_by_label("Forget the record").click();
+    again.run_steps(3);
+    let mut empty = started(state(&mut again), &drawer);
+    empty.run_steps(10);
+    assert!(!empty.state().session().is_measured());
+    assert!(empty.state().session().problem().is_some_and(|problem| problem.contains("drop the file")));
+}
