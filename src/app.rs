@@ -15,7 +15,7 @@ mod window;
 use egui::util::undoer::Undoer;
 use egui::{ThemePreference, Ui};
 use kalmanscope_core::diagnostics::Depth;
-use kalmanscope_core::{Estimates, RunError, Scenario};
+use kalmanscope_core::{Estimates, RunError, Scenario, Story};
 
 use crate::drop;
 use crate::equation::Editor;
@@ -76,6 +76,8 @@ pub struct App {
     importing: Option<Import>,
     /// The equation that is being edited.
     editor: Option<Editor>,
+    /// The story of the run in this frame.
+    story: Story,
     /// The open finder.
     finder: Option<Finder>,
     /// A message, until it is dismissed.
@@ -137,6 +139,7 @@ impl App {
             notice: None,
             importing: None,
             editor: None,
+            story: Story::default(),
             finder: None,
             deliver: None,
             choose: None,

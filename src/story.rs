@@ -43,9 +43,14 @@ pub(crate) fn story_of(session: &Session) -> Story {
     story.compared(before.words(), &filters)
 }
 
-/// Shows the story of the run. One that is `steady` has the room of a usual story from the beginning.
-pub(crate) fn story_ui(ui: &mut Ui, session: &Session, palette: &Palette, steady: bool, requests: &mut Vec<Request>) {
-    let story = story_of(session);
+/// Shows the story of the run on screen. One that is `steady` has the room of a usual story from the beginning.
+pub(crate) fn story_ui(
+    ui: &mut Ui,
+    (story, session): (&Story, &Session),
+    palette: &Palette,
+    steady: bool,
+    requests: &mut Vec<Request>,
+) {
     // A shorter text has the room of a usual one, and of the longest so far, so that the plots stay where they are.
     let filters = session.run().estimates().len();
     let width = ui.available_width().min(WIDEST);

@@ -8,7 +8,6 @@ use crate::controls::{Asked, controls_ui, few_controls_ui};
 use crate::drawer::{Drawer, close_ui};
 use crate::panes::help_ui;
 use crate::request::{Request, ViewKind};
-use crate::story;
 use crate::theme::{self, Palette};
 use crate::view::ViewContext;
 use crate::views::{diagnosis, view};
@@ -30,13 +29,13 @@ impl App {
         palette: &Palette,
         (drawer, history): (Option<f32>, (bool, bool)),
     ) {
-        let Self { session, tutor, requests, width, drawers, all_settings, .. } = self;
+        let Self { session, tutor, requests, width, drawers, all_settings, story, .. } = self;
         let lit = tutor.as_mut().map_or(vec![], |tutor| tutor.lit(session.scenario()));
         let is_short = !*all_settings && lit.is_empty();
         let contents = |ui: &mut Ui, requests: &mut Vec<Request>| {
             let mut scenario = session.scenario().clone();
             if is_short {
-                let (changed, all) = few_controls_ui(ui, &mut scenario, &story::story_of(session));
+                let (changed, all) = few_controls_ui(ui, &mut scenario, story);
                 requests.extend(changed.then(|| Request::Edit(Box::new(scenario))));
                 requests.extend(all.then_some(Request::ShowAllSettings(true)));
                 return;

@@ -41,6 +41,7 @@ impl App {
     /// Fills the window.
     pub(super) fn window_ui(&mut self, ui: &mut Ui) {
         let palette = Palette::of(ui.ctx().theme());
+        self.story = story::story_of(&self.session);
         self.width = ui.available_width();
         let height = ui.available_height();
         self.low = height < LOW;
@@ -151,13 +152,13 @@ impl App {
     fn centre_ui(&mut self, ui: &mut Ui, palette: &Palette, narrow: bool) {
         if !narrow {
             if self.tells_story() {
-                story::story_ui(ui, &self.session, palette, true, &mut self.requests);
+                story::story_ui(ui, (&self.story, &self.session), palette, true, &mut self.requests);
             }
             self.legend_ui(ui, palette);
         }
         let is_tuning = self.is_tight() && self.controls_open();
         let is_told = narrow && self.tells_story();
-        let Self { session, axis, ruler, visible, layout, laboratory, requests, .. } = self;
+        let Self { session, axis, ruler, visible, layout, laboratory, requests, story, .. } = self;
         let context = ViewContext::new(session, palette, visible, axis, ruler).in_laboratory(Some(laboratory));
         let way = match (narrow, is_tuning || (self.low && !narrow)) {
             (_, true) => Way::Plots,
@@ -166,7 +167,7 @@ impl App {
         };
         panes_ui(ui, layout, &context, requests, way, |ui, requests| {
             if is_told {
-                story::story_ui(ui, session, palette, false, requests);
+                story::story_ui(ui, (story, session), palette, false, requests);
             }
         });
         if let Some(reading) = Reading::of(ruler, session, visible, palette) {
