@@ -121,6 +121,13 @@ fn oscillator_ui(ui: &mut Ui, context: &ViewContext<'_>, height: f32, requests: 
     scene.masses(peak.force);
     let equation = session.run().scenario().plant.kind.equation();
     let place = scene.captions(strip);
+    for (number, (slice, id, name)) in scene.slices().into_iter().enumerate() {
+        let mass = ui.interact(slice, response.id.with(("slice", number)), Sense::click());
+        mass.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, format!("{name} on the mass")));
+        if mass.on_hover_text(format!("{name}: click for its numbers and settings")).clicked() {
+            requests.push(Request::Diagnose(id));
+        }
+    }
     // If there is no room for the equation, a click anywhere in the picture counts as one on it.
     let target = place.map_or(rect, touchable);
     let edit = ui.interact(target, response.id.with("equation"), Sense::click());

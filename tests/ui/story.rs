@@ -125,6 +125,16 @@ fn a_name_in_the_text_opens_the_diagnosis_of_that_filter() {
 }
 
 #[test]
+fn a_filter_on_the_mass_is_selected_by_a_click_and_tuned_there() {
+    let mut screen = first_visit(DESKTOP);
+    click(&mut screen, "plain EKF on the mass");
+    screen.get_by_label("Close the diagnosis");
+    screen.get_by_label("λ of plain EKF, in the diagnosis").set_value_accesskit(1.01);
+    screen.run_steps(3);
+    assert_eq!(scenario(&screen).filters[1].fading, 1.01);
+}
+
+#[test]
 fn a_number_is_set_with_five_keys_and_its_digits() {
     let mut screen = first_visit(DESKTOP);
     screen.key_press(Key::Slash);

@@ -55,6 +55,14 @@ pub(super) struct Belief {
     pub(super) color: Color32,
 }
 
+/// The slice of a mass that shows the belief at a place among some: all of its width, and a part of its height.
+pub(super) fn slice(stage: &Stage, mass: usize, (place, count): (usize, usize), mean: f64) -> Rect {
+    let height = stage.body.y / count.max(1) as f32;
+    let whole = stage.body(mass, mean);
+    let top = whole.top() + place as f32 * height;
+    Rect::from_x_y_ranges(whole.x_range(), top..=(top + height)).expand2(vec2(1.6 * stage.unit, 0.0))
+}
+
 /// Draws the beliefs about a mass, each in a slice of its height: an outline, and within it the mean on a bar of ±2σ.
 pub(super) fn ghosts(stage: &Stage, painter: &Painter, mass: usize, beliefs: &[Belief], bands: bool) {
     let unit = stage.unit;
@@ -64,8 +72,7 @@ pub(super) fn ghosts(stage: &Stage, painter: &Painter, mass: usize, beliefs: &[B
     for (place, belief) in beliefs.iter().enumerate() {
         let Belief { mean, std, color } = *belief;
         let whole = stage.body(mass, mean);
-        let top = whole.top() + place as f32 * height;
-        let slice = Rect::from_x_y_ranges(whole.x_range(), top..=(top + height)).expand2(vec2(1.6 * unit, 0.0));
+        let slice = slice(stage, mass, (place, beliefs.len()), mean);
         let outline = slice.shrink2(vec2(0.0, 0.6 * stroke));
         let radius = (0.1 * whole.height()).min(0.3 * height);
         painter.rect_filled(outline, radius, color.gamma_multiply(0.10));

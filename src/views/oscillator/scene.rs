@@ -6,7 +6,7 @@ use kalmanscope_core::plant::Spring;
 use kalmanscope_core::{Aspect, Channel, Estimates, Quantity, Record};
 
 use super::arrow::arrow;
-use super::body::{Belief, body, ghosts, name};
+use super::body::{Belief, body, ghosts, name, slice};
 use super::cloud::cloud;
 use super::force;
 use super::ground::ground;
@@ -81,6 +81,20 @@ impl<'a> Scene<'a> {
                 arrow(stage, painter, stage.body(mass, before.1).center().x, share, palette.force);
             }
         }
+    }
+
+    /// The slices of the masses that show filters, each with the id and the name of its filter.
+    pub(super) fn slices(&self) -> Vec<(Rect, u32, &'a str)> {
+        let of_mass = |mass: usize| {
+            let believed = self.filters(mass).filter_map(|filter| Some((filter.belief(self.k)?, filter.estimates)));
+            let believed: Vec<_> = believed.collect();
+            let count = believed.len();
+            let slices = believed.into_iter().enumerate().map(move |(place, (belief, estimates))| {
+                (slice(self.stage, mass, (place, count), belief.mean), estimates.id(), estimates.name())
+            });
+            slices.collect::<Vec<_>>()
+        };
+        (0..self.stage.masses()).flat_map(of_mass).collect()
     }
 
     /// Draws the trails of the masses on `paper`.
