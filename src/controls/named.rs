@@ -10,10 +10,10 @@ use crate::text::{parse, sentence_case};
 /// The space between two settings \[points\].
 const APART: f32 = 8.0;
 
-/// Shows each setting that the story names once. Returns whether it names any.
+/// Shows each setting that the story names once, and those that it knows besides. Returns whether it names any.
 pub(super) fn named_ui(ui: &mut Ui, scenario: &mut Scenario, story: &Story) -> bool {
     let mut shown: Vec<&str> = Vec::new();
-    for setting in story.phrases().filter_map(Phrase::setting) {
+    for setting in story.phrases().filter_map(Phrase::setting).chain(&story.aside) {
         let Ok(address) = Address::parse(scenario, &setting.address) else { continue };
         if shown.contains(&setting.address.as_str()) {
             continue;
@@ -36,7 +36,9 @@ pub(crate) fn name_of(scenario: &Scenario, setting: &Adjustable, address: &Addre
         return sentence_case(name.strip_suffix(&of_truth).unwrap_or(&name));
     };
     let symbol = setting.address.rsplit('.').next().and_then(kalmanscope_core::setting::symbol);
-    if scenario.filters.len() > 1 { format!("{} of {}", symbol.unwrap_or(&name), filter.name) } else { name }
+    let symbol = symbol.filter(|_| address.table().is_none());
+    let name = symbol.map_or_else(|| sentence_case(&name), str::to_owned);
+    if scenario.filters.len() > 1 { format!("{name} of {}", filter.name) } else { name }
 }
 
 /// A setting in two rows: its name and its number, and below them the slider. Returns its new value.

@@ -33,6 +33,8 @@ const TOLD: usize = 3;
 pub struct Story {
     /// Its sentences, each of some phrases in a row. Spaces and stops are part of the words.
     pub sentences: Vec<Vec<Phrase>>,
+    /// Settings that no sentence names and that are worth a try: memory and guess of the filters that it tells of.
+    pub aside: Vec<Adjustable>,
 }
 
 impl Story {
@@ -53,7 +55,8 @@ impl Story {
         sentences.extend(outcomes.iter().take(TOLD).map(|outcome| outcome.sentence(happening.change.as_ref())));
         sentences.extend(belief::sentence(&outcomes, TOLD));
         sentences.retain(|sentence| !sentence.is_empty());
-        Self { sentences }
+        let aside = outcomes.iter().take(TOLD).flat_map(|outcome| outcome.aside(happening.change.is_some())).collect();
+        Self { sentences, aside }
     }
 
     /// The same, with a sentence that compares filters with themselves before a change, which `words` names. Each filter has its

@@ -159,10 +159,36 @@ impl<'a> Outcome<'a> {
         if change.is_none() {
             return text;
         }
-        let fading = Adjustable::new(format!("filters#{}.fading", self.filter.id), self.filter.fading, (1.0, 1.05), "")
-            .with_decimals(3);
+        let fading = self.fading();
         let words = if self.filter.fading > 1.0 { ", which forgets (λ = " } else { ", which forgets nothing (λ = " };
         text.say(words).setting(fading).say("),")
+    }
+
+    /// The filter's fading factor.
+    fn fading(&self) -> Adjustable {
+        Adjustable::new(self.filter.address("fading"), self.filter.fading, (1.0, 1.05), "").with_decimals(3)
+    }
+
+    /// The settings that are worth a try besides those of the sentence, which has the fading factor where `is_told`.
+    pub(super) fn aside(&self, is_told: bool) -> Vec<Adjustable> {
+        let guess = self.main.as_ref().map(|main| {
+            let channel = main.channel;
+            let guess = self.filter.initial_mean[channel];
+            let (low, high) = channel.usual().slider;
+            let is_usual = [guess, main.mean].iter().all(|value| (low..=high).contains(value));
+            // The last estimate hardly moves while the guess is dragged, and so the range stays.
+            let size = 3.0 * main.mean.abs();
+            let low = if channel.is_positive() { 0.0 } else { -size };
+            let range = if is_usual { channel.usual().slider } else { (low, size) };
+            Adjustable::new(
+                self.filter.address(&format!("initial_mean.{}", channel.key())),
+                guess,
+                range,
+                channel.unit(),
+            )
+        });
+        let fading = (!is_told).then(|| self.fading());
+        fading.into_iter().chain(guess).collect()
     }
 
     /// What the filter has found, and whether that is said to be wrong.
