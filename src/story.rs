@@ -6,10 +6,9 @@ use egui::{
 use kalmanscope_core::setting::Address;
 use kalmanscope_core::{Adjustable, Diagnosis, Phrase, Story};
 
-use crate::controls::named::name_of;
+use crate::controls::named::{first_number, name_of};
 use crate::request::Request;
 use crate::session::Session;
-use crate::text::parse;
 use crate::theme::{self, Palette};
 
 /// The size of the text \[points\].
@@ -105,7 +104,8 @@ fn phrase_ui(ui: &mut Ui, session: &Session, phrase: &Phrase, palette: &Palette,
                 return;
             };
             let name = name_of(session.scenario(), setting, &address);
-            if let Some(value) = number_ui(ui, setting, &name, palette) {
+            let setting = setting.at(address.get(session.scenario()));
+            if let Some(value) = number_ui(ui, &setting, &name, palette) {
                 let mut scenario = session.scenario().clone();
                 address.set(&mut scenario, value);
                 requests.push(Request::Edit(Box::new(scenario)));
@@ -143,7 +143,7 @@ fn number_ui(ui: &mut Ui, setting: &Adjustable, name: &str, palette: &Palette) -
                 .clamp_existing_to_range(false)
                 .speed((high - low) / WAY)
                 .custom_formatter(move |shown, _| of.showing(shown).to_string())
-                .custom_parser(|text| parse(text.trim_end_matches(|letter: char| !letter.is_ascii_digit())));
+                .custom_parser(first_number);
             ui.add(number)
         })
         .inner;

@@ -19,7 +19,8 @@ pub(super) fn named_ui(ui: &mut Ui, scenario: &mut Scenario, story: &Story) -> b
             continue;
         }
         shown.push(&setting.address);
-        if let Some(value) = setting_ui(ui, setting, &name_of(scenario, setting, &address)) {
+        let name = name_of(scenario, setting, &address);
+        if let Some(value) = setting_ui(ui, &setting.at(address.get(scenario)), &name) {
             address.set(scenario, value);
         }
         ui.add_space(APART);
@@ -41,6 +42,11 @@ pub(crate) fn name_of(scenario: &Scenario, setting: &Adjustable, address: &Addre
     if scenario.filters.len() > 1 { format!("{name} of {}", filter.name) } else { name }
 }
 
+/// The number at the beginning of a text, which may have a unit.
+pub(crate) fn first_number(text: &str) -> Option<f64> {
+    text.split_whitespace().next().and_then(|number| parse(number.trim_end_matches('%')))
+}
+
 /// A setting in two rows: its name and its number, and below them the slider. Returns its new value.
 fn setting_ui(ui: &mut Ui, setting: &Adjustable, name: &str) -> Option<f64> {
     let (low, high) = setting.range;
@@ -52,7 +58,7 @@ fn setting_ui(ui: &mut Ui, setting: &Adjustable, name: &str) -> Option<f64> {
         let number =
             DragValue::new(&mut shown).range(low..=high).clamp_existing_to_range(false).speed((high - low) / 400.0);
         let number = number.custom_formatter(move |shown, _| of.showing(shown).to_string());
-        let number = number.custom_parser(|text| parse(text.trim_end_matches(|c: char| !c.is_ascii_digit())));
+        let number = number.custom_parser(first_number);
         let field = ui.add(number);
         label(ui, field.id, format!("{name}, value"));
         ui.with_layout(Layout::left_to_right(Align::Center), |ui| ui.add(Label::new(name).truncate()));
@@ -69,4 +75,18 @@ fn setting_ui(ui: &mut Ui, setting: &Adjustable, name: &str) -> Option<f64> {
 /// A sentence where the story names no setting.
 pub(super) fn nothing_ui(ui: &mut Ui) {
     ui.label(RichText::new("The sentence above the plots names no number to change.").weak());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::first_number;
+
+    #[test]
+    fn a_number_is_read_before_its_unit() {
+        for (text, number) in
+            [("36 %", Some(36.0)), ("75%", Some(75.0)), ("130 1/s²", Some(130.0)), ("x", None), ("", None)]
+        {
+            assert_eq!(first_number(text), number, "{text}");
+        }
+    }
 }

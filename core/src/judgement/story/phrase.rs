@@ -81,6 +81,16 @@ impl Adjustable {
         Self { shown, ..self.clone() }
     }
 
+    /// The same at another value of the setting, as while it is changed and the run does not follow yet.
+    #[must_use]
+    pub fn at(&self, value: f64) -> Self {
+        let shown = match self.form {
+            Form::Plain | Form::Decimals(_) => value,
+            Form::Stiffness { before, sign } => 100.0 * sign * (1.0 - (value / before) * (value / before)),
+        };
+        self.showing(shown)
+    }
+
     /// The value of the setting for a number that the sentence shows.
     pub fn value(&self, shown: f64) -> f64 {
         match self.form {
@@ -165,6 +175,7 @@ mod tests {
         let gain = Adjustable::stiffness("plant.natural_frequency.step.to", 4.0, 6.0);
         assert_eq!((gain.to_string().as_str(), gain.value(gain.shown)), ("125 %", 6.0));
         assert_eq!(loss.showing(50.0).to_string(), "50 %");
+        assert!((loss.at(3.0).shown - 75.0).abs() < 1e-12 && (gain.at(4.0).shown).abs() < 1e-12);
         assert_eq!(Adjustable::new("filters#1.fading", 1.005, (1.0, 1.05), "").to_string(), "1.005");
     }
 
