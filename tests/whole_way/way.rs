@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use kalmanscope_cli::{Results, causes, report, run_scenario, svg, table, write_estimates};
+use kalmanscope_cli::{Parts, Results, causes, pages, report, run_scenario, svg, table, write_estimates};
 use kalmanscope_core::suggest::{scenario_for, suggest};
 use kalmanscope_core::{Analysis, Record, Run, Scenario, Wanted};
 
@@ -114,7 +114,9 @@ fn results(run: &Run, findings: &mut Findings) {
     if let Some(text) = findings.stage("free runs", free_runs) {
         legible("free runs", &text, findings);
     }
-    if let Some(page) = findings.stage("report", || report("case", run, &analysis, &causes, &records)) {
+    let figures = findings.stage("figures", || pages(run)).and_then(Result::ok).unwrap_or_default();
+    let parts = Parts { title: "case", causes: &causes, figures: &figures, free_runs: &records, ..Parts::default() };
+    if let Some(page) = findings.stage("report", || report(run, &analysis, &parts)) {
         match page {
             Ok(page) => {
                 // The scenario stands last, as it is in its file.

@@ -29,9 +29,14 @@ pub(super) fn percent(share: f64) -> String {
 /// An estimate with its band, to the digits that the band leaves: `429.2 ± 0.1 rad/s`.
 pub(super) fn with_band(mean: f64, band: f64, unit: &str) -> String {
     let size = if band > 0.0 { band } else { 1e-3 * mean.abs() };
-    let text = if size > 0.0 && size.is_finite() && mean.is_finite() && (1e-6..1e6).contains(&size) {
-        let decimals = decimals(size);
-        if band > 0.0 { format!("{mean:.decimals$} ± {band:.decimals$}") } else { format!("{mean:.decimals$}") }
+    let text = if size > 0.0 && size.is_finite() && mean.abs() < 1e7 && (1e-6..1e6).contains(&size) {
+        // A band far below the last digit of the number says nothing more.
+        let decimals = decimals(size.max(1e-7 * mean.abs()));
+        match band {
+            band if band <= 0.0 => format!("{mean:.decimals$}"),
+            band if band < size.max(1e-7 * mean.abs()) => format!("{mean:.decimals$} ± {band:.0e}"),
+            band => format!("{mean:.decimals$} ± {band:.decimals$}"),
+        }
     } else if band > 0.0 {
         format!("{mean:.2e} ± {band:.0e}")
     } else {
@@ -52,6 +57,7 @@ pub(super) fn seconds(time: f64) -> String {
     match time {
         time if time < 0.0995 => format!("{} s", plain(time)),
         time if time < 99.5 => format!("{time:.1} s"),
+        time if time >= 1e6 => format!("{} s", plain(time)),
         time => format!("{time:.0} s"),
     }
 }
@@ -75,6 +81,8 @@ mod tests {
         assert_eq!(with_band(0.0478, 0.003, ""), "0.048 ± 0.003");
         assert_eq!(with_band(1200.0, 45.0, "N"), "1200 ± 45 N");
         assert_eq!(with_band(6.0, 0.0, "rad/s"), "6.000 rad/s");
+        assert_eq!(with_band(6.0, 1e-12, "rad/s"), "6.00e0 ± 1e-12 rad/s");
+        assert_eq!(with_band(54_321.123_456, 1e-5, ""), "54321.123 ± 1e-5");
         assert_eq!([0.04, 2.44, 120.0].map(seconds), ["0.04 s", "2.4 s", "120 s"]);
     }
 }

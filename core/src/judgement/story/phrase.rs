@@ -121,8 +121,8 @@ impl fmt::Display for Adjustable {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let number = match self.form {
             Form::Stiffness { .. } => return f.write_str(&percent(0.01 * self.shown)),
-            Form::Decimals(decimals) => format!("{:.decimals$}", self.shown),
-            Form::Plain => plain(self.shown),
+            Form::Decimals(decimals) if self.shown.abs() < 1e3 => format!("{:.decimals$}", self.shown),
+            Form::Decimals(_) | Form::Plain => plain(self.shown),
         };
         f.write_str(format!("{number} {}", self.unit).trim_end())
     }
