@@ -58,12 +58,6 @@ pub fn decimals(channel: Channel) -> usize {
     channel.usual().decimals
 }
 
-/// The text with a capital at its beginning.
-pub(crate) fn sentence_case(text: &str) -> String {
-    let mut chars = text.chars();
-    chars.next().map_or(String::new(), |first| first.to_uppercase().chain(chars).collect())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -5,7 +5,7 @@ use kalmanscope_core::setting::Address;
 use kalmanscope_core::{Adjustable, Phrase, Scenario, Story};
 
 use crate::probe::remember;
-use crate::text::{parse, sentence_case};
+use crate::text::{parse, sentence};
 
 /// The space between two settings \[points\].
 const APART: f32 = 8.0;
@@ -34,11 +34,11 @@ pub(crate) fn name_of(scenario: &Scenario, setting: &Adjustable, address: &Addre
     let filter = scenario.filters.iter().find(|filter| setting.address.starts_with(&filter.address("")));
     let Some(filter) = filter else {
         let of_truth = address.channel().map(|channel| format!(" of true {}", channel.symbol())).unwrap_or_default();
-        return sentence_case(name.strip_suffix(&of_truth).unwrap_or(&name));
+        return sentence(name.strip_suffix(&of_truth).unwrap_or(&name));
     };
     let symbol = setting.address.rsplit('.').next().and_then(kalmanscope_core::setting::symbol);
     let symbol = symbol.filter(|_| address.table().is_none());
-    let name = symbol.map_or_else(|| sentence_case(&name), str::to_owned);
+    let name = symbol.map_or_else(|| sentence(&name), str::to_owned);
     if scenario.filters.len() > 1 { format!("{name} of {}", filter.name) } else { name }
 }
 

@@ -12,7 +12,7 @@ use super::lit::lit;
 use super::row::scenario_row_ui;
 use super::signal::{Parameter, signal_ui};
 use crate::equation;
-use crate::text::sentence_case;
+use crate::text::sentence;
 
 /// Limits the natural frequency from below \[rad/s\].
 const LEAST_POSITIVE: f64 = 0.01;
@@ -53,7 +53,7 @@ fn kind_ui(ui: &mut Ui, scenario: &mut Scenario, asked: &mut Vec<Asked>) {
 
 /// The signal of a parameter or an augmentation; an augmentation can be removed.
 fn parameter_ui(ui: &mut Ui, plant: &mut Plant, channel: Channel) {
-    let name = sentence_case(channel.name());
+    let name = sentence(channel.name());
     let label = format!("{} {}", channel.symbol(), channel.name());
     let least = match channel.role() {
         Role::Parameter(Sign::Positive) => LEAST_POSITIVE,

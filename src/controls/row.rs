@@ -6,7 +6,7 @@ use kalmanscope_core::{FilterSettings, PlantKind, Scenario};
 
 use super::lit::lit;
 use super::number::{Named, Number};
-use crate::text::sentence_case;
+use crate::text::sentence;
 
 /// Shows a setting of a filter. Where it has no effect, a yes is turned into a no.
 pub(super) fn filter_row_ui(
@@ -37,7 +37,7 @@ pub(super) fn filter_row_ui(
 
 /// Shows a number of the scenario, at least as large as this.
 pub(super) fn scenario_row_ui(ui: &mut Ui, info: &SettingInfo<Scenario>, scenario: &mut Scenario, least: f64) {
-    let (label, name) = ((info.label)(scenario).unwrap_or(info.name), sentence_case(info.name));
+    let (label, name) = ((info.label)(scenario).unwrap_or(info.name), sentence(info.name));
     let mut value = (info.get)(scenario);
     let number = Number { least, ..Number::of(info, label, (&name).into()) };
     lit(ui, info.key, |ui| number.show(ui, &mut value));

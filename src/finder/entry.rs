@@ -7,7 +7,7 @@ use kalmanscope_lessons::{BUILT_IN, EQUATIONS};
 use crate::keys;
 use crate::request::{Request, ViewKind};
 use crate::session::Session;
-use crate::text::sentence_case;
+use crate::text::sentence;
 use crate::tutor::Catalogue;
 use crate::views::view;
 
@@ -41,7 +41,7 @@ impl Entry {
 pub(super) fn title(scenario: &Scenario, address: &Address) -> String {
     let key = address.to_string();
     let filter = scenario.filters.iter().find(|filter| key.starts_with(&filter.address("")));
-    let name = sentence_case(&address.name());
+    let name = sentence(&address.name());
     filter.map_or_else(|| name.clone(), |filter| format!("{name}, {}", filter.name))
 }
 
@@ -65,7 +65,7 @@ pub(super) fn entries(session: &Session, catalogue: &Catalogue) -> Vec<Entry> {
     let lessons =
         lessons.map(|(place, one)| Entry::new(&one.title, "lesson", &one.summary, Request::StartLesson(place)));
     let commands = keys::commands(session)
-        .map(|(what, key, request)| Entry::new(sentence_case(what), "command", format!("Key: {key}"), request));
+        .map(|(what, key, request)| Entry::new(sentence(what), "command", format!("Key: {key}"), request));
     settings.chain(views).chain(scenarios).chain(lessons).chain(commands).collect()
 }
 
