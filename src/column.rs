@@ -2,9 +2,7 @@
 
 use egui::Vec2;
 
-use crate::request::ViewKind;
-use crate::view::Proportions;
-use crate::views::view;
+use crate::request::{Proportions, ViewKind};
 
 /// Limits the height per view above which all views fit on screen; below it they scroll \[points\].
 const ENOUGH: f32 = 180.0;
@@ -39,7 +37,7 @@ impl Column {
     /// Views in a room, each under a bar of the height `bar` and above a `gap`. A flat view has the height of its picture; the
     /// others share the rest.
     pub(crate) fn new(kinds: &[ViewKind], room: Vec2, bar: f32, gap: f32) -> Self {
-        let proportions: Vec<Proportions> = kinds.iter().map(|kind| view(*kind).proportions()).collect();
+        let proportions: Vec<Proportions> = kinds.iter().map(|kind| kind.proportions()).collect();
         let others = proportions.iter().filter(|proportions| **proportions != Proportions::Flat).count();
         let share = |proportions: &Proportions| match proportions {
             Proportions::Flat if others > 0 => 0.0,

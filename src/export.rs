@@ -13,7 +13,6 @@ use crate::laboratory::Laboratory;
 use crate::layout::Layout;
 use crate::request::{Export, Picture};
 use crate::session_file;
-use crate::share;
 use crate::view::ViewContext;
 
 /// A file to be written.
@@ -105,7 +104,7 @@ pub fn file(export: Export, context: &ViewContext<'_>, layout: &Layout) -> Resul
 const JSON: &str = "application/json";
 
 fn written(context: &ViewContext<'_>, layout: &Layout) -> Result<String, String> {
-    session_file::text(&share::Picture::on_screen(context, layout)).map_err(reason)
+    session_file::text(&context.picture(layout)).map_err(reason)
 }
 
 /// The numbers of the map on screen.

@@ -3,10 +3,8 @@
 use egui::Id;
 use egui_tiles::{Container, LinearDir, SimplificationOptions, Tile, TileId, Tiles, Tree};
 
-use crate::request::{Arrangement, ViewKind};
+use crate::request::{Arrangement, Proportions, ViewKind};
 use crate::share::Outline;
-use crate::view::Proportions;
-use crate::views::view as of_kind;
 
 /// The height of a tall view that is added, over the mean height of the others.
 const TALL: f32 = 1.7;
@@ -33,7 +31,7 @@ impl Layout {
 
     /// Views one below the other, the first with the most space; a plane is beside the view before it.
     pub fn column(views: &[ViewKind]) -> Self {
-        let proportions = |kind: &ViewKind| of_kind(*kind).proportions();
+        let proportions = |kind: &ViewKind| kind.proportions();
         let share = |i: usize, row: &[ViewKind]| match row {
             [kind] if proportions(kind) == Proportions::Flat => 0.5,
             _ if i == 0 => 1.3,
@@ -187,7 +185,7 @@ impl Layout {
                     let others: Vec<f32> =
                         rows.children.iter().filter(|row| **row != tile).map(|row| rows.shares[*row]).collect();
                     let mean = others.iter().sum::<f32>() / others.len().max(1) as f32;
-                    let factor = if of_kind(view).proportions() == Proportions::Tall { TALL } else { 1.0 };
+                    let factor = if view.proportions() == Proportions::Tall { TALL } else { 1.0 };
                     rows.shares.set_share(tile, factor * mean);
                 }
             }

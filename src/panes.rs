@@ -6,8 +6,8 @@ use kalmanscope_core::internals::sort_short_by_key;
 
 use crate::column::Column;
 use crate::layout::{Layout, simplification};
-use crate::request::{Arrangement, Request, ViewKind};
-use crate::view::{Proportions, View, ViewContext};
+use crate::request::{Arrangement, Proportions, Request, ViewKind};
+use crate::view::{View, ViewContext};
 use crate::views::view;
 
 /// Limits the height below which views are in one column \[points\].
@@ -58,7 +58,7 @@ pub(crate) fn panes_ui(
         let mut kinds = layout.in_order();
         if !narrow {
             // On a phone in landscape the picture of the plant would leave the plots no room.
-            sort_short_by_key(&mut kinds, |kind| view(*kind).proportions() == Proportions::Flat);
+            sort_short_by_key(&mut kinds, |kind| kind.proportions() == Proportions::Flat);
         }
         panes.show_column(ui, &kinds, above);
     } else if layout.tree().is_empty() {
@@ -90,7 +90,7 @@ pub(crate) fn panes_ui(
 
 /// The least height of a view in tiles, with its bar \[points\].
 fn least_height(kind: ViewKind) -> f32 {
-    match view(kind).proportions() {
+    match kind.proportions() {
         Proportions::Flat => LEAST_FLAT,
         Proportions::Tall => LEAST_TALL,
         Proportions::Wide | Proportions::Square => LEAST,
@@ -157,7 +157,7 @@ impl Panes<'_> {
 
     /// Shows views over all the room, one below the other.
     fn show_plots(&mut self, ui: &mut Ui, kinds: &[ViewKind]) {
-        let is_picture = |kind: &&ViewKind| view(**kind).proportions() == Proportions::Flat;
+        let is_picture = |kind: &&ViewKind| kind.proportions() == Proportions::Flat;
         let (pictures, plots): (Vec<&ViewKind>, Vec<&ViewKind>) = kinds.iter().partition(is_picture);
         let size = ui.available_size();
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {

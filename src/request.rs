@@ -14,7 +14,7 @@ use crate::ruler::End;
 use crate::session::Mode;
 use crate::share::Picture as SavedPicture;
 
-pub use kinds::{Arrangement, LegendEntry, ViewKind};
+pub use kinds::{Arrangement, LegendEntry, Proportions, ViewKind};
 
 /// A request, applied after the frame in which it was made.
 #[derive(Clone, Debug, PartialEq)]

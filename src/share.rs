@@ -16,11 +16,10 @@ mod tiles;
 use kalmanscope_core::{Document, DocumentError, Scenario};
 use thiserror::Error;
 
-use crate::laboratory::{Choices, Laboratory};
+use crate::laboratory::Choices;
 use crate::layout::Layout;
 use crate::ruler::Ruler;
 use crate::session::{Mode, Session};
-use crate::view::ViewContext;
 
 pub use outline::Outline;
 pub(crate) use picture::Screen;
@@ -60,19 +59,6 @@ impl Picture {
         let (speed, ruler, hidden) = (Session::DEFAULT_SPEED, Ruler::default(), Vec::new());
         let laboratory = Choices::default();
         Self { scenario, views, enlarged, laboratory, mode, time, speed, ruler, hidden }
-    }
-
-    /// The picture on screen, with all choices in the laboratory.
-    pub(crate) fn on_screen(context: &ViewContext<'_>, layout: &Layout) -> Self {
-        let ViewContext { session, visible, ruler, laboratory, .. } = context;
-        let time = session.time() - session.run().record().time_of(0);
-        Self {
-            laboratory: laboratory.map(Laboratory::choices).unwrap_or_default(),
-            speed: session.speed(),
-            ruler: ruler.in_nanoseconds(),
-            hidden: visible.hidden(),
-            ..Self::new(session.scenario().clone(), layout, session.mode(), time)
-        }
     }
 
     /// The picture as a fragment, from `#` on.

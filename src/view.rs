@@ -7,11 +7,13 @@ use kalmanscope_core::import::Length;
 use kalmanscope_core::{Channel, Diagnostics, Estimates};
 
 use crate::laboratory::Laboratory;
+use crate::layout::Layout;
 use crate::plot::input::PlotInput;
 use crate::plot::time_axis::TimeAxis;
 use crate::request::Request;
 use crate::ruler::Ruler;
 use crate::session::{Before, Session, Wanted};
+use crate::share::Picture;
 use crate::sheet::Sheet;
 use crate::theme::Palette;
 use crate::visibility::Visibility;
@@ -56,6 +58,19 @@ impl<'a> ViewContext<'a> {
     #[must_use]
     pub fn in_laboratory(self, laboratory: Option<&'a Laboratory>) -> Self {
         Self { laboratory, ..self }
+    }
+
+    /// The picture on screen as a link has it, with all choices in the laboratory.
+    pub(crate) fn picture(&self, layout: &Layout) -> Picture {
+        let Self { session, visible, ruler, laboratory, .. } = self;
+        let time = session.time() - session.run().record().time_of(0);
+        Picture {
+            laboratory: laboratory.map(Laboratory::choices).unwrap_or_default(),
+            speed: session.speed(),
+            ruler: ruler.in_nanoseconds(),
+            hidden: visible.hidden(),
+            ..Picture::new(session.scenario().clone(), layout, session.mode(), time)
+        }
     }
 
     /// A unit, with that of the record's motion in place of metres.
@@ -120,11 +135,6 @@ pub trait View: Sync {
         false
     }
 
-    /// The preferred shape.
-    fn proportions(&self) -> Proportions {
-        Proportions::Wide
-    }
-
     /// The numbers of its plots; empty if it has no numbers over time.
     fn sheets<'a>(&self, _context: &ViewContext<'a>) -> Vec<Sheet<'a>> {
         Vec::new()
@@ -132,17 +142,4 @@ pub trait View: Sync {
 
     /// Draws it into all of `ui`. Returns the time that the user points at \[s\].
     fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64>;
-}
-
-/// The preferred shape of a view.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Proportions {
-    /// Plots over time, which need width.
-    Wide,
-    /// A plot over something other than time, about as high as wide.
-    Square,
-    /// A picture that is much wider than high.
-    Flat,
-    /// A picture with choices above it, which needs more height than others.
-    Tall,
 }

@@ -1,19 +1,19 @@
 //! The causes of each filter's verdict.
 
-use kalmanscope_core::diagnosis::Finding;
+use kalmanscope_core::diagnosis::Remedy;
 use kalmanscope_core::{Analysis, Diagnosis, Diagnostics, Estimates, Record, Run, Scenario, Task as _};
 
 use crate::telling::{Told, Work};
 
 /// The remedies of each filter's verdict, each of one cause or of several, the likeliest first. A consistent filter, or
-/// one without a verdict, has none. Running the filter again with the knobs turned, over 10,000 samples at most,
+/// one without a verdict, has none. Running the filter again with the edits made, over 10,000 samples at most,
 /// confirms each remedy.
-pub fn causes(run: &Run, analysis: &Analysis) -> Vec<Vec<Finding>> {
+pub fn causes(run: &Run, analysis: &Analysis) -> Vec<Vec<Remedy>> {
     causes_telling(run, analysis, &mut |_| {})
 }
 
 /// The same; `tell` is called after each piece of work.
-pub fn causes_telling(run: &Run, analysis: &Analysis, tell: &mut dyn FnMut(Told<'_>)) -> Vec<Vec<Finding>> {
+pub fn causes_telling(run: &Run, analysis: &Analysis, tell: &mut dyn FnMut(Told<'_>)) -> Vec<Vec<Remedy>> {
     let of = |(place, (estimates, diagnostics)): (usize, (&Estimates, &Diagnostics))| {
         let of = (analysis.diagnosis(place), diagnostics, estimates, run.record());
         let mut tell = |share: f64| tell(Told { place, name: estimates.name(), work: Work::Causes, share });
@@ -31,7 +31,7 @@ pub(crate) fn causes_of(
     place: usize,
     (diagnosis, diagnostics, estimates, record): (Option<&Diagnosis>, &Diagnostics, &Estimates, &Record),
     tell: &mut dyn FnMut(f64),
-) -> Vec<Finding> {
+) -> Vec<Remedy> {
     let has_causes = |diagnosis: &&Diagnosis| diagnosis.verdict.as_ref().is_some_and(|verdict| !verdict.kind.is_good());
     let diagnosis = diagnosis.filter(has_causes);
     // A run that has begun can begin again.

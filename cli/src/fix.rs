@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use kalmanscope_core::diagnosis::Finding;
+use kalmanscope_core::diagnosis::Remedy;
 use kalmanscope_core::setting::Edit;
 
 use crate::import::path_from;
@@ -15,7 +15,7 @@ use crate::record::named;
 /// `causes` are those of the run.
 pub(crate) fn write_fixed<'a>(
     prepared: &Prepared,
-    causes: impl Iterator<Item = &'a [Finding]>,
+    causes: impl Iterator<Item = &'a [Remedy]>,
     number: usize,
     out: &Path,
 ) -> Result<(), InputError> {
@@ -24,18 +24,18 @@ pub(crate) fn write_fixed<'a>(
     let mut said = Vec::new();
     for (place, causes) in causes.enumerate().filter(|(_, causes)| !causes.is_empty()) {
         let name = &prepared.scenario.filters[place].name;
-        let Some(finding) = causes.get(number - 1) else {
+        let Some(remedy) = causes.get(number - 1) else {
             let count = causes.len();
             return Err(bad(format!("--fix {number}: {name} has remedies 1 to {count}")));
         };
-        if finding.knobs.is_empty() {
-            let hint = finding.suspect.cause.hint;
+        if remedy.edits.is_empty() {
+            let hint = remedy.first.cause.hint;
             return Err(bad(format!("--fix {number}: no setting of {name} takes this cause away. {hint}")));
         }
         let refused = |error| bad(format!("--fix {number}: {name}: {error}"));
-        fixed = Edit::apply_all(&finding.knobs, &fixed).map_err(refused)?;
-        let ends = finding.after.as_ref().map_or("no better", |verdict| verdict.kind.name());
-        let names: Vec<&str> = finding.causes().map(|suspect| suspect.cause.name).collect();
+        fixed = Edit::apply_all(&remedy.edits, &fixed).map_err(refused)?;
+        let ends = remedy.after.as_ref().map_or("no better", |verdict| verdict.kind.name());
+        let names: Vec<&str> = remedy.causes().map(|likely| likely.cause.name).collect();
         said.push(format!("{name}: the remedy against {} is written, then {ends}", names.join(" and then ")));
     }
     if said.is_empty() {

@@ -1,11 +1,11 @@
 //! The results of a run as one document of JSON.
 
 use kalmanscope_core::diagnosis::Final;
-use kalmanscope_core::diagnosis::Finding;
+use kalmanscope_core::diagnosis::Remedy;
 use kalmanscope_core::{Document, DocumentError, Fit, Summary};
 
-use crate::findings::{evidence, likeliest};
 use crate::free_run::FreeFit;
+use crate::in_words::{evidence, likeliest};
 use crate::results::Results;
 
 impl Results<'_> {
@@ -46,14 +46,14 @@ fn filter(
     summary: &Summary,
     is_smoothed: bool,
     evidence: Vec<String>,
-    causes: &[Finding],
+    causes: &[Remedy],
     results: &Results<'_>,
 ) -> Document {
     let Results { scenario, record, .. } = results;
     let verdict = summary.verdict.as_ref().map(|verdict| {
         Document::of_entries([("kind", text(verdict.kind.key())), ("sentence", Document::Text(verdict.to_string()))])
     });
-    let explained = if causes.is_empty() { Document::Null } else { Document::Flag(Finding::is_explained(causes)) };
+    let explained = if causes.is_empty() { Document::Null } else { Document::Flag(Remedy::is_explained(causes)) };
     let causes = likeliest(causes, scenario).into_iter().map(|cause| {
         Document::of_entries([("sentence", Document::Text(cause.sentence)), ("remedies", texts(cause.remedies))])
     });

@@ -12,10 +12,10 @@
 
 mod causes;
 mod estimates_csv;
-mod findings;
 mod free_run;
 #[cfg(feature = "program")]
 mod in_turn;
+mod in_words;
 #[cfg(feature = "program")]
 mod json;
 mod markup;

@@ -4,7 +4,7 @@ mod date;
 mod filter;
 mod html;
 
-use kalmanscope_core::diagnosis::Finding;
+use kalmanscope_core::diagnosis::Remedy;
 use kalmanscope_core::{Analysis, Diagnosis, Record, Run, ScenarioError, Story};
 
 use crate::free_run;
@@ -23,7 +23,7 @@ pub struct Parts<'a> {
     /// The day on which it is made; empty to leave it out.
     pub day: &'a str,
     /// The causes of each filter's verdict, as of [`crate::causes()`], or empty to leave them out.
-    pub causes: &'a [Vec<Finding>],
+    pub causes: &'a [Vec<Remedy>],
     /// The reasons of start values, one sentence each.
     pub reasons: &'a [String],
     /// The figures, as SVG.

@@ -1,6 +1,6 @@
 //! The results of each filter of a run.
 
-use kalmanscope_core::diagnosis::Finding;
+use kalmanscope_core::diagnosis::Remedy;
 use kalmanscope_core::import::Length;
 use kalmanscope_core::{
     Analysis, Channel, CramerRao, Diagnosis, Estimates, Record, Remark, Run, RunError, Scenario, Summary, TruthStop,
@@ -26,7 +26,7 @@ pub(crate) struct FilterResults {
     pub(crate) summary: Summary,
     pub(crate) diagnosis: Option<Diagnosis>,
     /// The causes of its verdict, the likeliest first.
-    pub(crate) causes: Vec<Finding>,
+    pub(crate) causes: Vec<Remedy>,
     /// σ over its Cramér-Rao bound at the last sample, for the channels that have one.
     pub(crate) over_bound: Vec<(Channel, f64)>,
     pub(crate) remarks: Vec<Remark>,
@@ -37,7 +37,7 @@ pub(crate) struct FilterResults {
 impl<'a> Results<'a> {
     /// The results of a finished run. `causes` are those of [`crate::causes()`], one list per filter, or empty to leave
     /// them out. Bounds are included if the analysis has them.
-    pub fn of_run(run: &'a Run, analysis: &Analysis, mut causes: Vec<Vec<Finding>>) -> Self {
+    pub fn of_run(run: &'a Run, analysis: &Analysis, mut causes: Vec<Vec<Remedy>>) -> Self {
         let record = run.record();
         causes.resize_with(run.estimates().len(), Vec::new);
         let filters = run.estimates().iter().zip(analysis.diagnostics()).zip(causes).enumerate();
@@ -105,7 +105,7 @@ impl<'a> Results<'a> {
     }
 
     /// The causes of each filter's verdict, the likeliest first.
-    pub fn causes(&self) -> impl Iterator<Item = &[Finding]> {
+    pub fn causes(&self) -> impl Iterator<Item = &[Remedy]> {
         self.filters.iter().map(|filter| filter.causes.as_slice())
     }
 

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 
 use kalmanscope_cli::{PlotError, Results, Told, causes_telling, svg, write_estimates};
-use kalmanscope_core::diagnosis::Finding;
+use kalmanscope_core::diagnosis::Remedy;
 use kalmanscope_core::{Analysis, DocumentError, RecordError, Run, VerdictKind, Wanted};
 use thiserror::Error;
 
@@ -105,7 +105,7 @@ fn of_history<'a>(prepared: &Prepared, run: &'a Run, quiet: bool) -> Results<'a>
 }
 
 /// The analysis of a run with bounds, and the causes of each filter's verdict.
-pub(crate) fn judged(run: &Run, quiet: bool) -> (Analysis, Vec<Vec<Finding>>) {
+pub(crate) fn judged(run: &Run, quiet: bool) -> (Analysis, Vec<Vec<Remedy>>) {
     let progress = Progress::wait(quiet, "diagnostics and Cramér-Rao bounds");
     let analysis = Analysis::new(run, Wanted { bounds: true, ..Wanted::default() });
     drop(progress);

@@ -2,10 +2,10 @@
 
 use std::fmt::{self, Write as _};
 
-use kalmanscope_core::diagnosis::Finding;
+use kalmanscope_core::diagnosis::Remedy;
 use kalmanscope_core::{Analysis, Channel, Diagnosis, FilterKind, Run, Scenario, Summary};
 
-use crate::findings::{evidence, likeliest, unexplained};
+use crate::in_words::{evidence, likeliest, unexplained};
 use crate::number::{plain, short};
 use crate::quality::quality;
 use crate::remarks::remarks;
@@ -14,7 +14,7 @@ use crate::rows::{COLUMNS, rows};
 
 /// The results of each filter as a table ([`Results::table`]). `causes` are those of [`crate::causes()`], one list per filter, and
 /// `step_times` \[ns\] those of [`crate::step_times`]; empty lists leave them out.
-pub fn table(run: &Run, analysis: &Analysis, causes: &[Vec<Finding>], step_times: &[Option<f64>]) -> String {
+pub fn table(run: &Run, analysis: &Analysis, causes: &[Vec<Remedy>], step_times: &[Option<f64>]) -> String {
     Results::of_run(run, analysis, causes.to_vec()).with_step_times(step_times).table()
 }
 
@@ -90,7 +90,7 @@ fn write_evidence(text: &mut String, diagnosis: Option<&Diagnosis>) -> fmt::Resu
     diagnosis.into_iter().flat_map(evidence).try_for_each(|line| writeln!(text, "    {line}"))
 }
 
-fn write_causes(text: &mut String, causes: &[Finding], scenario: &Scenario) -> fmt::Result {
+fn write_causes(text: &mut String, causes: &[Remedy], scenario: &Scenario) -> fmt::Result {
     unexplained(causes).into_iter().try_for_each(|line| writeln!(text, "  {line}"))?;
     for (number, cause) in (1..).zip(likeliest(causes, scenario)) {
         writeln!(text, "  cause {number}: {}", cause.sentence)?;

@@ -86,15 +86,15 @@ impl Outcome {
                 let trials = diagnosis.trials(&situation.told, 0, &diagnostics, estimates, record);
                 let mut trials = trials.expect("the situation is valid");
                 while !trials.advance(&mut || true) {}
-                let findings = trials.findings();
-                causes.extend(findings.iter().map(|finding| finding.suspect.cause.key));
+                let remedies = trials.remedies();
+                causes.extend(remedies.iter().map(|remedy| remedy.first.cause.key));
                 if verbose {
-                    for finding in &findings {
-                        let after = finding.after.as_ref().map_or("", |verdict| verdict.kind.name());
-                        let knobs: Vec<String> =
-                            finding.suspect.knobs.iter().map(kalmanscope_core::setting::Edit::toml_line).collect();
-                        let sentence = &finding.suspect.sentence;
-                        println!("@{seed} {:.1} {sentence} -> {after}: {}", finding.gain, knobs.join("; "));
+                    for remedy in &remedies {
+                        let after = remedy.after.as_ref().map_or("", |verdict| verdict.kind.name());
+                        let edits: Vec<String> =
+                            remedy.first.edits.iter().map(kalmanscope_core::setting::Edit::toml_line).collect();
+                        let sentence = &remedy.first.sentence;
+                        println!("@{seed} {:.1} {sentence} -> {after}: {}", remedy.gain, edits.join("; "));
                     }
                 }
             }

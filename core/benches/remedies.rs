@@ -16,7 +16,7 @@ mod faults;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use kalmanscope_core::diagnosis::{Diagnosis, Finding};
+use kalmanscope_core::diagnosis::{Diagnosis, Remedy};
 use kalmanscope_core::setting::Edit;
 use kalmanscope_core::{Channel, Diagnostics, Record, Run, Scenario, Task as _, VerdictKind};
 
@@ -113,12 +113,12 @@ impl Outcome {
     fn of(faults: &'static [Fault], seed: u64, verbose: bool) -> Self {
         let Situation { told, record } = Situation::new(faults, seed).expect("the situation is valid");
         let blind = without_truth(&record);
-        let (verdict, before, findings) = judged(&told, &record, &blind, true);
+        let (verdict, before, remedies) = judged(&told, &record, &blind, true);
         let is_bad = verdict.is_none_or(|kind| !kind.is_good());
-        let first = findings.first().filter(|_| is_bad);
-        let causes: Vec<_> = first.map_or(Vec::new(), |one| one.causes().map(|suspect| suspect.cause.key).collect());
-        let turned = first.filter(|one| !one.knobs.is_empty());
-        let turned = turned.map(|one| Edit::apply_all(&one.knobs, &told).expect("the trial did so"));
+        let first = remedies.first().filter(|_| is_bad);
+        let causes: Vec<_> = first.map_or(Vec::new(), |one| one.causes().map(|likely| likely.cause.key).collect());
+        let turned = first.filter(|one| !one.edits.is_empty());
+        let turned = turned.map(|one| Edit::apply_all(&one.edits, &told).expect("the trial did so"));
         let after = turned.map(|turned| {
             let (kind, errors, _) = judged(&turned, &record, &blind, false);
             (errors, kind.is_some_and(VerdictKind::is_good))
@@ -128,8 +128,8 @@ impl Outcome {
         if verbose {
             let kind = verdict.map_or("none", VerdictKind::name);
             println!("{seed} {faults:?} {} {kind} {before:.4?}", told.filters[0].name);
-            for one in findings.iter().take(3) {
-                let told: Vec<_> = one.causes().map(|suspect| suspect.sentence.as_str()).collect();
+            for one in remedies.iter().take(3) {
+                let told: Vec<_> = one.causes().map(|likely| likely.sentence.as_str()).collect();
                 let after = one.after.as_ref().map_or("none", |verdict| verdict.kind.name());
                 println!("    {:+.0} {} -> {after}", one.gain, told.join("; "));
             }
@@ -145,7 +145,7 @@ fn judged(
     record: &Record,
     blind: &std::sync::Arc<Record>,
     search: bool,
-) -> (Option<VerdictKind>, Errors, Vec<Finding>) {
+) -> (Option<VerdictKind>, Errors, Vec<Remedy>) {
     let mut run = Run::on_record(told, blind.clone()).expect("the scenario is valid");
     run.finish();
     let estimates = &run.estimates()[0];
@@ -167,12 +167,12 @@ fn judged(
     let Some(diagnosis) = Diagnosis::new(&diagnostics, estimates, blind, None) else {
         return (None, errors, Vec::new());
     };
-    let mut findings = Vec::new();
+    let mut remedies = Vec::new();
     if search && diagnosis.verdict.as_ref().is_some_and(|verdict| !verdict.kind.is_good()) {
         let search = diagnosis.search(told, 0, &diagnostics, estimates, blind);
-        findings = search.expect("the scenario is valid").run();
+        remedies = search.expect("the scenario is valid").run();
     }
-    (diagnosis.verdict.map(|verdict| verdict.kind), errors, findings)
+    (diagnosis.verdict.map(|verdict| verdict.kind), errors, remedies)
 }
 
 fn print_row(title: &str, outcomes: &[&Outcome], with_causes: bool) {

@@ -1,11 +1,11 @@
 //! Rules about which cause may stand first.
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
-use kalmanscope_core::diagnosis::{Diagnosis, Finding};
+use kalmanscope_core::diagnosis::{Diagnosis, Remedy};
 use kalmanscope_core::{Diagnostics, Run, Scenario};
 
 /// The causes of the first filter's verdict without the truth.
-fn findings(scenario: &Scenario) -> Vec<Finding> {
+fn remedies(scenario: &Scenario) -> Vec<Remedy> {
     let mut run = Run::new(scenario).unwrap();
     run.finish();
     let record = run.record().clone().with_truth(Vec::new()).unwrap();
@@ -14,11 +14,11 @@ fn findings(scenario: &Scenario) -> Vec<Finding> {
     let diagnosis = Diagnosis::new(&diagnostics, estimates, &record, None).unwrap();
     let mut trials = diagnosis.trials(scenario, 0, &diagnostics, estimates, &record).unwrap();
     while !trials.advance(&mut || true) {}
-    trials.findings()
+    trials.remedies()
 }
 
-fn keys(findings: &[Finding]) -> Vec<&'static str> {
-    findings.iter().map(|finding| finding.suspect.cause.key).collect()
+fn keys(remedies: &[Remedy]) -> Vec<&'static str> {
+    remedies.iter().map(|remedy| remedy.first.cause.key).collect()
 }
 
 #[test]
@@ -30,7 +30,7 @@ fn an_accelerometer_under_a_broadband_force_is_not_still() {
              [[sensors]]\nmeasures = \"acceleration\"\nnoise_std = 0.5\n[[filters]]\nkind = \"ekf\"\n"
         ))
         .unwrap();
-        let found = keys(&findings(&scenario));
+        let found = keys(&remedies(&scenario));
         assert_eq!(found.first(), Some(&"input_gain"), "seed {seed}: {found:?}");
         assert!(!found.contains(&"no_excitation"), "seed {seed}: {found:?}");
     }
@@ -42,7 +42,7 @@ fn a_drift_is_no_sudden_change() {
     scenario.filters.truncate(1);
     for seed in 0..3 {
         scenario.seed = seed;
-        let found = findings(&scenario);
+        let found = remedies(&scenario);
         assert_ne!(keys(&found).first(), Some(&"sudden_change"), "seed {seed}: {:?}", keys(&found));
     }
 }
@@ -59,13 +59,13 @@ fn remedies_that_end_good_stand_first() {
     )
     .unwrap();
     for seed in 3..6 {
-        let found = findings(&Scenario { seed, ..scenario.clone() });
-        let ends_good = |finding: &Finding| finding.after.as_ref().is_some_and(|verdict| verdict.kind.is_good());
+        let found = remedies(&Scenario { seed, ..scenario.clone() });
+        let ends_good = |remedy: &Remedy| remedy.after.as_ref().is_some_and(|verdict| verdict.kind.is_good());
         assert!(!found.is_empty());
         if found.iter().any(ends_good) {
             assert!(ends_good(&found[0]), "seed {seed}: {:?}", keys(&found));
         }
         // A factor that silences a sensor is no explanation.
-        assert_ne!(found[0].suspect.cause.key, "sensor_noise", "seed {seed}: {}", found[0].suspect.sentence);
+        assert_ne!(found[0].first.cause.key, "sensor_noise", "seed {seed}: {}", found[0].first.sentence);
     }
 }

@@ -39,7 +39,7 @@ fn outcome(situation: &Situation, seed: u64, with_causes: bool) -> Outcome {
             let trials = diagnosis.trials(&situation.told, 0, &diagnostics, estimates, &record);
             let mut trials = trials.unwrap();
             while !trials.advance(&mut || true) {}
-            causes.extend(trials.findings().iter().map(|finding| finding.suspect.cause.key));
+            causes.extend(trials.remedies().iter().map(|remedy| remedy.first.cause.key));
         }
         diagnosis.verdict.map_or(VerdictKind::Diverged, |verdict| verdict.kind)
     });
@@ -125,8 +125,8 @@ fn of_the_spring(situation: &Situation) -> Option<String> {
     let diagnosis = Diagnosis::new(&diagnostics, estimates, &record, None).unwrap();
     let mut trials = diagnosis.trials(&situation.told, 0, &diagnostics, estimates, &record).unwrap();
     while !trials.advance(&mut || true) {}
-    let findings = trials.findings();
-    findings.into_iter().find(|one| one.suspect.cause.key == "spring").map(|one| one.suspect.sentence)
+    let remedies = trials.remedies();
+    remedies.into_iter().find(|one| one.first.cause.key == "spring").map(|one| one.first.sentence)
 }
 
 #[test]

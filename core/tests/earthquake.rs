@@ -64,7 +64,7 @@ fn a_ground_that_is_held_is_named_as_the_cause() {
             let trials = diagnosis.trials(run.scenario(), filter, diagnostics, estimates, run.record());
             let mut trials = trials.unwrap();
             while !trials.advance(&mut || true) {}
-            let first = trials.findings().first().map(|finding| finding.suspect.cause.key);
+            let first = trials.remedies().first().map(|remedy| remedy.first.cause.key);
             assert_eq!(first, Some("input_hold"), "seed {seed}, filter {filter}");
         }
     }

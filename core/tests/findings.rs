@@ -209,7 +209,7 @@ fn the_disturbance_that_an_accelerometer_feels_is_part_of_its_noise() {
 }
 
 #[test]
-fn the_cause_of_a_felt_disturbance_is_named_and_its_knob_helps() {
+fn the_cause_of_a_felt_disturbance_is_named_and_its_remedy_helps() {
     let mut scenario = finding!("accelerometer-disturbance");
     scenario.filters.truncate(1);
     let run = finished(&scenario);
@@ -222,18 +222,18 @@ fn the_cause_of_a_felt_disturbance_is_named_and_its_knob_helps() {
         slices += 1;
     }
     assert!(slices > 100, "{slices}");
-    let findings = trials.findings();
-    assert_eq!(findings[0].suspect.cause.key, "felt_disturbance", "{findings:?}");
-    assert_eq!(findings[0].after.as_ref().unwrap().kind, Consistent);
+    let remedies = trials.remedies();
+    assert_eq!(remedies[0].first.cause.key, "felt_disturbance", "{remedies:?}");
+    assert_eq!(remedies[0].after.as_ref().unwrap().kind, Consistent);
     // A white force tells what the accelerometer reads of it, which a larger R forgets: it is the better remedy.
-    assert_eq!(findings[0].knobs[0].toml_line(), "augment = [\"white_force\"]", "{findings:?}");
+    assert_eq!(remedies[0].edits[0].toml_line(), "augment = [\"white_force\"]", "{remedies:?}");
     let likelihood = |scenario: &Scenario| {
         let run = finished(scenario);
         Diagnostics::new(&run.estimates()[0], run.record()).log_likelihood()
     };
     let mut inflated = scenario.clone();
     inflated.filters[0].sensor_std[1] = 2.06;
-    let turned = Edit::apply_all(&findings[0].knobs, &scenario).unwrap();
+    let turned = Edit::apply_all(&remedies[0].edits, &scenario).unwrap();
     assert_eq!(turned.filters[0].sensor_std, scenario.filters[0].sensor_std);
     let [with_force, with_noise] = [&turned, &inflated].map(likelihood);
     assert!(with_force > with_noise + 100.0, "{with_force} with a white force, {with_noise} with a larger R");

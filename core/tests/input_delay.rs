@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use kalmanscope_core::diagnosis::Finding;
+use kalmanscope_core::diagnosis::Remedy;
 use kalmanscope_core::record::Input;
 use kalmanscope_core::simulate;
 use kalmanscope_core::{Channel, Diagnosis, Diagnostics, Estimates, FilterKind, Quantity, Record, Run, Scenario};
@@ -40,13 +40,13 @@ fn estimates(scenario: &Scenario, record: &Record) -> Estimates {
     run.estimates()[0].clone()
 }
 
-fn findings(scenario: &Scenario, record: &Record) -> Vec<Finding> {
+fn remedies(scenario: &Scenario, record: &Record) -> Vec<Remedy> {
     let estimates = estimates(scenario, record);
     let diagnostics = Diagnostics::new(&estimates, record);
     let diagnosis = Diagnosis::new(&diagnostics, &estimates, record, None).unwrap();
     let mut trials = diagnosis.trials(scenario, 0, &diagnostics, &estimates, record).unwrap();
     while !trials.advance(&mut || true) {}
-    trials.findings()
+    trials.remedies()
 }
 
 #[test]
@@ -75,18 +75,18 @@ fn a_delay_is_named_with_its_sign_and_its_number_also_with_gaps() {
             let scenario = scenario(delay, seed);
             let whole = simulate(&scenario);
             for record in [with_holes(&whole), whole] {
-                let found = findings(&scenario, &record);
-                let named = found.iter().position(|finding| finding.suspect.cause.key == "input_delay");
+                let found = remedies(&scenario, &record);
+                let named = found.iter().position(|remedy| remedy.first.cause.key == "input_delay");
                 if delay == 0 {
-                    assert_eq!(named, None, "seed {seed}: {:?}", found[0].suspect.sentence);
+                    assert_eq!(named, None, "seed {seed}: {:?}", found[0].first.sentence);
                     continue;
                 }
                 let place = named.unwrap_or_else(|| panic!("delay {delay}, seed {seed}: {found:?}"));
                 assert!(place < 2, "delay {delay}, seed {seed}: place {place}");
-                let suspect = &found[place].suspect;
-                assert_eq!(suspect.knobs[0].toml_line(), format!("input_delay = {delay}"), "seed {seed}");
+                let likely = &found[place].first;
+                assert_eq!(likely.edits[0].toml_line(), format!("input_delay = {delay}"), "seed {seed}");
                 let word = if delay > 0 { "early" } else { "late" };
-                assert!(suspect.sentence.ends_with(word), "delay {delay}: {}", suspect.sentence);
+                assert!(likely.sentence.ends_with(word), "delay {delay}: {}", likely.sentence);
             }
         }
     }

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use kalmanscope_core::diagnosis::{Diagnosis, Finding};
+use kalmanscope_core::diagnosis::{Diagnosis, Remedy};
 use kalmanscope_core::record::Input;
 use kalmanscope_core::setting::Edit;
 use kalmanscope_core::simulate;
@@ -28,7 +28,7 @@ fn record(scenario: &Scenario) -> Record {
 }
 
 /// The verdict on the first filter over a record, and its remedies.
-fn judged(scenario: &Scenario, record: &Record) -> (VerdictKind, Vec<Finding>) {
+fn judged(scenario: &Scenario, record: &Record) -> (VerdictKind, Vec<Remedy>) {
     let mut run = Run::on_record(scenario, Arc::new(record.clone())).unwrap();
     run.finish();
     let estimates = &run.estimates()[0];
@@ -42,31 +42,31 @@ fn judged(scenario: &Scenario, record: &Record) -> (VerdictKind, Vec<Finding>) {
         assert!(search.progress() >= last, "{last} and then {}", search.progress());
         last = search.progress();
     }
-    let findings = search.finish();
-    for (place, one) in findings.iter().enumerate() {
-        let fewer = |other: &Finding| {
+    let remedies = search.finish();
+    for (place, one) in remedies.iter().enumerate() {
+        let fewer = |other: &Remedy| {
             let has = |key: &&str| keys(one).contains(key);
-            !other.suspect.begins_anew && keys(other).len() < keys(one).len() && keys(other).iter().all(has)
+            !other.first.begins_anew && keys(other).len() < keys(one).len() && keys(other).iter().all(has)
         };
-        let enough = |other: &&Finding| fewer(other) && other.gain >= one.gain && other.explains() >= one.explains();
-        let needless = findings.iter().find(enough).map(keys);
-        assert!(needless.is_none(), "remedy {place} has more causes than {needless:?}: {}", told(&findings));
+        let enough = |other: &&Remedy| fewer(other) && other.gain >= one.gain && other.explains() >= one.explains();
+        let needless = remedies.iter().find(enough).map(keys);
+        assert!(needless.is_none(), "remedy {place} has more causes than {needless:?}: {}", told(&remedies));
     }
-    (kind, findings)
+    (kind, remedies)
 }
 
-fn keys(finding: &Finding) -> Vec<&'static str> {
-    finding.causes().map(|suspect| suspect.cause.key).collect()
+fn keys(remedy: &Remedy) -> Vec<&'static str> {
+    remedy.causes().map(|likely| likely.cause.key).collect()
 }
 
-/// The findings in words.
-fn told(findings: &[Finding]) -> String {
-    let of = |finding: &Finding| {
-        let after = finding.after.as_ref().map_or("none", |verdict| verdict.kind.name());
-        let sentences: Vec<&str> = finding.causes().map(|suspect| suspect.sentence.as_str()).collect();
-        format!("{:+.0} {} -> {after}", finding.gain, sentences.join("; "))
+/// The remedies in words.
+fn told(remedies: &[Remedy]) -> String {
+    let of = |remedy: &Remedy| {
+        let after = remedy.after.as_ref().map_or("none", |verdict| verdict.kind.name());
+        let sentences: Vec<&str> = remedy.causes().map(|likely| likely.sentence.as_str()).collect();
+        format!("{:+.0} {} -> {after}", remedy.gain, sentences.join("; "))
     };
-    findings.iter().map(of).collect::<Vec<_>>().join("\n")
+    remedies.iter().map(of).collect::<Vec<_>>().join("\n")
 }
 
 #[test]
@@ -76,18 +76,18 @@ fn two_faults_have_one_remedy_and_its_verdict_is_kept() {
         scenario.filters[0].sensor_std = vec![0.0022, 0.0134];
         scenario.filters[0].process_std[Channel::VELOCITY] = 0.01;
         let record = record(&scenario);
-        let (before, findings) = judged(&scenario, &record);
+        let (before, remedies) = judged(&scenario, &record);
         assert!(!before.is_good(), "seed {seed}: {before:?}");
-        let first = &findings[0];
-        assert_eq!(keys(first), ["input_gain", "sensor_noise"], "seed {seed}: {}", told(&findings));
+        let first = &remedies[0];
+        assert_eq!(keys(first), ["input_gain", "sensor_noise"], "seed {seed}: {}", told(&remedies));
         assert!(first.then[0].sentence.contains("too small"), "{}", first.then[0].sentence);
-        assert!(Finding::is_explained(&findings));
+        assert!(Remedy::is_explained(&remedies));
         let promised = first.after.as_ref().unwrap().kind;
         assert!(promised.is_good(), "seed {seed}: {promised:?}");
-        let repaired = Edit::apply_all(&first.knobs, &scenario).unwrap();
+        let repaired = Edit::apply_all(&first.edits, &scenario).unwrap();
         assert_eq!(judged(&repaired, &record).0, promised, "seed {seed}");
         // No two remedies have the same causes.
-        let mut sets: Vec<_> = findings.iter().map(keys).collect();
+        let mut sets: Vec<_> = remedies.iter().map(keys).collect();
         sets.iter_mut().for_each(|keys| keys.sort_unstable());
         assert!((0..sets.len()).all(|i| !sets[..i].contains(&sets[i])), "{sets:?}");
     }
@@ -97,8 +97,8 @@ fn two_faults_have_one_remedy_and_its_verdict_is_kept() {
 fn one_fault_has_a_remedy_of_one_cause() {
     for (plant, key) in [("input_gain = 1.5", "input_gain"), ("input_delay = 2", "input_delay")] {
         let scenario = Scenario { seed: 5, ..tuned(plant) };
-        let findings = judged(&scenario, &record(&scenario)).1;
-        assert_eq!(keys(&findings[0]), [key]);
+        let remedies = judged(&scenario, &record(&scenario)).1;
+        assert_eq!(keys(&remedies[0]), [key]);
     }
 }
 
@@ -107,8 +107,8 @@ fn a_gain_beside_a_small_r_is_repaired_with_it_also_where_nothing_disturbs() {
     for seed in 21..24 {
         let mut scenario = Scenario { seed, ..tuned("input_gain = 1.5") };
         scenario.filters[0].sensor_std = vec![0.005 / 3.0, 0.01];
-        let findings = judged(&scenario, &record(&scenario)).1;
-        assert_eq!(keys(&findings[0]), ["input_gain", "sensor_noise"], "seed {seed}: {}", told(&findings));
+        let remedies = judged(&scenario, &record(&scenario)).1;
+        assert_eq!(keys(&remedies[0]), ["input_gain", "sensor_noise"], "seed {seed}: {}", told(&remedies));
     }
 }
 
@@ -118,15 +118,11 @@ fn a_frequency_that_drifts_leaves_the_damping_ratio_alone() {
         let mut scenario = Scenario { seed, ..tuned("") };
         let drift = signal::Ramp { from: 6.0, to: 5.3, start: 0.0, end: 30.0 };
         scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Ramp(drift));
-        let findings = judged(&scenario, &record(&scenario)).1;
-        let drift = findings.iter().find(|one| one.suspect.cause.key == "slow_drift").unwrap();
-        let knobs: Vec<&str> = drift.knobs.iter().map(|knob| knob.key.as_str()).collect();
-        assert!(knobs.len() == 1 && knobs[0].ends_with("process_std.natural_frequency"), "seed {seed}: {knobs:?}");
-        assert!(
-            drift.suspect.sentence.starts_with("natural frequency drifts, by about "),
-            "{}",
-            drift.suspect.sentence
-        );
+        let remedies = judged(&scenario, &record(&scenario)).1;
+        let drift = remedies.iter().find(|one| one.first.cause.key == "slow_drift").unwrap();
+        let edits: Vec<&str> = drift.edits.iter().map(|edit| edit.key.as_str()).collect();
+        assert!(edits.len() == 1 && edits[0].ends_with("process_std.natural_frequency"), "seed {seed}: {edits:?}");
+        assert!(drift.first.sentence.starts_with("natural frequency drifts, by about "), "{}", drift.first.sentence);
     }
 }
 
@@ -135,8 +131,8 @@ fn a_sweep_that_comes_late_is_no_wave() {
     for seed in 41..44 {
         let mut scenario = Scenario { seed, ..tuned("input_delay = 3") };
         scenario.force = kalmanscope_core::Force::Chirp { amplitude: 8.0, from: 2.0, to: 18.0, sweep: 9.0 };
-        let findings = judged(&scenario, &record(&scenario)).1;
-        assert_eq!(keys(&findings[0]), ["input_delay"], "seed {seed}: {}", told(&findings));
+        let remedies = judged(&scenario, &record(&scenario)).1;
+        assert_eq!(keys(&remedies[0]), ["input_delay"], "seed {seed}: {}", told(&remedies));
     }
 }
 
@@ -152,11 +148,11 @@ fn an_input_that_stops_is_named_and_nothing_is_turned_for_it() {
         let input = Input { kind: whole.input_kind(), hold: whole.hold(), values };
         let stopped = Record::new(whole.dt(), input, columns.collect()).unwrap();
         let first = &judged(&scenario, &stopped).1[0];
-        assert_eq!((keys(first), first.knobs.len()), (vec!["still_input"], 0), "seed {seed}");
+        assert_eq!((keys(first), first.edits.len()), (vec!["still_input"], 0), "seed {seed}");
         assert!(
-            first.suspect.sentence.starts_with("the input stands still from 22 s on, where "),
+            first.first.sentence.starts_with("the input stands still from 22 s on, where "),
             "{}",
-            first.suspect.sentence
+            first.first.sentence
         );
     }
 }
@@ -167,11 +163,11 @@ fn a_step_is_repaired_by_a_jump() {
         let mut scenario = Scenario { seed, ..tuned("") };
         let step = signal::Step { from: 6.0, to: 5.0, at: 20.0 };
         scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Step(step));
-        let findings = judged(&scenario, &record(&scenario)).1;
-        assert_eq!(keys(&findings[0])[0], "sudden_change", "seed {seed}");
-        assert_eq!(findings[0].knobs[0].toml_line(), "jump = true", "seed {seed}");
-        assert!(findings[0].explains(), "seed {seed}: {:?}", findings[0].after);
-        assert!(findings[0].suspect.sentence.contains("near 2"), "{}", findings[0].suspect.sentence);
+        let remedies = judged(&scenario, &record(&scenario)).1;
+        assert_eq!(keys(&remedies[0])[0], "sudden_change", "seed {seed}");
+        assert_eq!(remedies[0].edits[0].toml_line(), "jump = true", "seed {seed}");
+        assert!(remedies[0].explains(), "seed {seed}: {:?}", remedies[0].after);
+        assert!(remedies[0].first.sentence.contains("near 2"), "{}", remedies[0].first.sentence);
     }
 }
 
@@ -188,12 +184,12 @@ fn noise_that_changes_is_named_with_its_time() {
         let is_later = place == 0 && k >= 1800;
         if is_later { value + 3.0 * (measured[k] - truth[k]) } else { value }
     });
-    let (before, findings) = judged(&scenario, &noisy);
+    let (before, remedies) = judged(&scenario, &noisy);
     assert!(!before.is_good());
-    let found = findings.iter().flat_map(Finding::causes).find(|suspect| suspect.cause.key == "changing_noise");
+    let found = remedies.iter().flat_map(Remedy::causes).find(|likely| likely.cause.key == "changing_noise");
     let sentence = &found.unwrap().sentence;
     assert!(sentence.starts_with("R of the displacement changes, from 18 s on: innovations² are "), "{sentence}");
-    assert!(!judged(&scenario, &quiet).1.iter().any(|one| one.suspect.cause.key == "changing_noise"));
+    assert!(!judged(&scenario, &quiet).1.iter().any(|one| one.first.cause.key == "changing_noise"));
 }
 
 #[test]
@@ -201,9 +197,9 @@ fn a_wave_that_nobody_records_is_named_with_its_frequency() {
     let mut scenario = Scenario { seed: 9, ..tuned("") };
     let wave = signal::Sine { mean: 0.0, amplitude: 4.0, period: std::f64::consts::TAU / 4.0 };
     scenario.plant.set(Channel::UNKNOWN_FORCE, Signal::Sine(wave));
-    let findings = judged(&scenario, &record(&scenario)).1;
-    let force = findings.iter().flat_map(Finding::causes).find(|suspect| suspect.cause.key == "unknown_force");
-    let sentence = &force.unwrap_or_else(|| panic!("{}", told(&findings))).sentence;
+    let remedies = judged(&scenario, &record(&scenario)).1;
+    let force = remedies.iter().flat_map(Remedy::causes).find(|likely| likely.cause.key == "unknown_force");
+    let sentence = &force.unwrap_or_else(|| panic!("{}", told(&remedies))).sentence;
     assert!(sentence.contains("it is a wave of 4.0 rad/s with an amplitude of "), "{sentence}");
 }
 
@@ -215,9 +211,9 @@ fn a_remedy_that_does_not_end_well_does_not_explain() {
         let far = if place == 0 { 0.15 } else { 0.9 };
         if k % 50 == 7 { value + far } else { value }
     });
-    let (before, findings) = judged(&scenario, &spoilt);
-    assert!(!before.is_good() && !findings.is_empty());
-    let ends = findings[0].after.as_ref().unwrap().kind;
-    assert_eq!(Finding::is_explained(&findings), ends.is_good(), "{}", told(&findings));
-    assert!(findings.iter().skip(1).all(|one| ends.is_good() || !one.after.as_ref().is_some_and(|v| v.kind.is_good())));
+    let (before, remedies) = judged(&scenario, &spoilt);
+    assert!(!before.is_good() && !remedies.is_empty());
+    let ends = remedies[0].after.as_ref().unwrap().kind;
+    assert_eq!(Remedy::is_explained(&remedies), ends.is_good(), "{}", told(&remedies));
+    assert!(remedies.iter().skip(1).all(|one| ends.is_good() || !one.after.as_ref().is_some_and(|v| v.kind.is_good())));
 }

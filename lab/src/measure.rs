@@ -40,7 +40,7 @@ pub enum Measure {
     /// The time after which a channel has stayed within 5 % of the truth \[s\]; infinite if it has not.
     Settled(Channel),
     /// The share of samples with a channel's truth inside ±2σ.
-    Inside(Channel),
+    Coverage(Channel),
     /// Root mean square error of the identified model's free run, for one sensor in its unit.
     FreeRun(Quantity),
     /// Root mean square of the innovations of one sensor, in its unit.
@@ -72,7 +72,7 @@ const OF_CHANNELS: [(&str, OfChannel); 6] = [
     ("estimate", Measure::Estimate),
     ("std", Measure::Std),
     ("settled", Measure::Settled),
-    ("inside", Measure::Inside),
+    ("coverage", Measure::Coverage),
 ];
 
 type OfSensor = fn(Quantity) -> Measure;
@@ -86,7 +86,7 @@ impl Measure {
 
     /// Whether the measure needs the truth.
     pub fn needs_truth(self) -> bool {
-        matches!(self, Self::Nees | Self::Error(_) | Self::Rmse(_) | Self::Settled(_) | Self::Inside(_))
+        matches!(self, Self::Nees | Self::Error(_) | Self::Rmse(_) | Self::Settled(_) | Self::Coverage(_))
     }
 
     /// The unit, empty for a pure number.
@@ -116,9 +116,12 @@ impl fmt::Display for Measure {
             Self::FreeRun(sensor) | Self::OneStep(sensor) => {
                 (sensor.key(), OF_SENSORS.iter().find(|(_, of)| of(sensor) == *self).map(|(word, _)| word))
             }
-            Self::Error(c) | Self::Rmse(c) | Self::Estimate(c) | Self::Std(c) | Self::Settled(c) | Self::Inside(c) => {
-                (c.key(), OF_CHANNELS.iter().find(|(_, of)| of(c) == *self).map(|(word, _)| word))
-            }
+            Self::Error(c)
+            | Self::Rmse(c)
+            | Self::Estimate(c)
+            | Self::Std(c)
+            | Self::Settled(c)
+            | Self::Coverage(c) => (c.key(), OF_CHANNELS.iter().find(|(_, of)| of(c) == *self).map(|(word, _)| word)),
             _ => ("", None),
         };
         write!(f, "{}.{key}", word.unwrap_or(&""))
@@ -133,6 +136,8 @@ impl FromStr for Measure {
         let Some((word, key)) = text.split_once('.') else {
             return WORDS.iter().find(|(word, _)| *word == text).map(|(_, measure)| *measure).ok_or_else(unknown);
         };
+        // An older word.
+        let word = if word == "inside" { "coverage" } else { word };
         let channel = || {
             let (_, of) = OF_CHANNELS.iter().find(|(name, _)| *name == word)?;
             Channel::from_key(key).map(of)
@@ -171,6 +176,7 @@ mod tests {
         for measure in all {
             assert_eq!(measure.to_string().parse(), Ok(measure));
         }
+        assert_eq!("inside.damping_ratio".parse(), Ok(Measure::Coverage(Channel::DAMPING_RATIO)));
         assert_eq!(Measure::Rmse(Channel::NATURAL_FREQUENCY).to_string(), "rmse.natural_frequency");
     }
 

@@ -143,7 +143,7 @@ fn of_sum(measure: Measure, outcome: &Outcome, channels: &[Channel], record: &Re
         Measure::Stopped => flag(outcome.stop.is_some()),
         Measure::Error(channel) => of(channel, |score| score.error),
         Measure::Rmse(channel) => of(channel, |score| score.rmse),
-        Measure::Inside(channel) => of(channel, |score| score.coverage),
+        Measure::Coverage(channel) => of(channel, |score| score.coverage),
         Measure::Settled(channel) => score(channel).map_or(f64::NAN, |score| {
             score.settled.filter(|_| outcome.stop.is_none()).map_or(f64::INFINITY, |k| record.time_of(k))
         }),

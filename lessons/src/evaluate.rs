@@ -82,7 +82,7 @@ impl Check {
                 let bound = (at < bound.len()).then(|| bound.place(channel).map(|place| bound.std(at, place)))??;
                 estimates.std(at, place(channel)?) / bound
             }
-            Measure::ShareInside => tally(self.channel?)?.coverage(),
+            Measure::Coverage => tally(self.channel?)?.coverage(),
             Measure::Nees => diagnostics.nees_within(range).per_degree(),
             Measure::Nis => diagnostics.nis_within(range).per_degree(),
             Measure::Autocorrelation => {
@@ -190,7 +190,7 @@ mod tests {
             (of("std"), frequency.std),
             (of("estimate"), frequency.mean),
             (of("settled"), score.settled.unwrap()),
-            (of("share_inside"), score.coverage),
+            (of("coverage"), score.coverage),
             (of("nees"), summary.nees.unwrap().mean / 4.0),
             (of("nis"), summary.nis.unwrap().mean / 2.0),
             (of("log_likelihood"), summary.log_likelihood / 1000.0),

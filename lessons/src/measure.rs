@@ -25,7 +25,8 @@ pub enum Measure {
     /// The same over the posterior Cramér-Rao bound.
     StdOverBound,
     /// Share of the samples with the truth inside ±2σ of a channel.
-    ShareInside,
+    #[serde(alias = "share_inside")]
+    Coverage,
     /// Mean normalised estimation error squared over the number of channels: 1 is expected.
     Nees,
     /// Mean normalised innovation squared over the number of sensors: 1 is expected.
@@ -52,19 +53,11 @@ pub enum Measure {
 impl Measure {
     pub(crate) const fn needs_channel(self) -> bool {
         use Measure::{
-            ErrorInStd, Estimate, Gain, MeanError, Rmse, RmseOverSensor, Settled, ShareInside, Std, StdOverBound,
+            Coverage, ErrorInStd, Estimate, Gain, MeanError, Rmse, RmseOverSensor, Settled, Std, StdOverBound,
         };
         matches!(
             self,
-            Rmse | RmseOverSensor
-                | MeanError
-                | ErrorInStd
-                | Estimate
-                | Std
-                | StdOverBound
-                | ShareInside
-                | Gain
-                | Settled
+            Rmse | RmseOverSensor | MeanError | ErrorInStd | Estimate | Std | StdOverBound | Coverage | Gain | Settled
         )
     }
 

@@ -49,7 +49,7 @@ impl App {
     /// The picture on screen, with the choices of those views of the laboratory that it shows.
     pub fn picture(&self) -> Picture {
         let palette = Palette::of(egui::Theme::Light);
-        let picture = Picture::on_screen(&self.figure_context(&palette), &self.layout);
+        let picture = self.figure_context(&palette).picture(&self.layout);
         let shown = self.layout.shown();
         let shows_map = shown.iter().any(|kind| view(*kind).is_of_laboratory());
         let [shows_seeds, shows_tuning] = [ViewKind::MonteCarlo, ViewKind::Tune].map(|kind| shown.contains(&kind));

@@ -1,7 +1,7 @@
 //! The report on the run: one page for a browser or a printer.
 
 use kalmanscope_cli::{Parts, day, report};
-use kalmanscope_core::diagnosis::Finding;
+use kalmanscope_core::diagnosis::Remedy;
 use kalmanscope_core::diagnostics::Depth;
 use kalmanscope_core::{Analysis, Estimates};
 
@@ -30,8 +30,8 @@ pub(super) fn html(context: &ViewContext<'_>, layout: &Layout) -> Result<String,
     let figures: Vec<String> =
         views.into_iter().map(|kind| Figure::new(context, &[vec![kind]], FigureFormat::Page).svg()).collect();
     let attempts = run.estimates().iter().map(|estimates: &Estimates| session.attempt(estimates.id()));
-    let causes: Vec<Vec<Finding>> = attempts
-        .map(|attempt| attempt.map_or_else(Vec::new, |attempt: &Attempt| attempt.findings().to_vec()))
+    let causes: Vec<Vec<Remedy>> = attempts
+        .map(|attempt| attempt.map_or_else(Vec::new, |attempt: &Attempt| attempt.remedies().to_vec()))
         .collect();
     let title = title(session);
     let records = [(title.as_str(), run.record())];

@@ -11,9 +11,9 @@ use super::legend::legend_ui;
 use super::pen::Pen;
 use crate::plot::medium::Medium;
 use crate::plot::time_axis::TimeAxis;
-use crate::request::{FigureFormat, ViewKind};
+use crate::request::{FigureFormat, Proportions, ViewKind};
 use crate::theme::Palette;
-use crate::view::{Proportions, ViewContext};
+use crate::view::ViewContext;
 use crate::views::view;
 
 /// The margin around a figure, and the space between views \[points of the canvas\].
@@ -113,7 +113,7 @@ impl Sheet<'_> {
         if let Some(natural) = self.text_size(kind, width) {
             return natural.y * (width / natural.x).min(1.0);
         }
-        match view(kind).proportions() {
+        match kind.proportions() {
             Proportions::Flat => (0.26 * width).clamp(70.0, 120.0),
             Proportions::Square => (0.72 * width).clamp(150.0, 270.0),
             Proportions::Tall => {
@@ -179,7 +179,7 @@ impl Sheet<'_> {
         let natural = self.text_size(kind, room.x);
         let scaling = natural.map_or(1.0, |natural| (room / natural).min_elem().min(1.0));
         let mut size = room / scaling;
-        if view(kind).proportions() == Proportions::Flat {
+        if kind.proportions() == Proportions::Flat {
             // Beside a higher view there would be room for trails, which are for a moving picture.
             size.y = size.y.min(0.3 * size.x);
         }
@@ -190,5 +190,5 @@ impl Sheet<'_> {
 /// Whether a view is better in a larger room.
 fn can_grow(kind: ViewKind) -> bool {
     let is_text = matches!(kind, ViewKind::Matrices | ViewKind::Scores | ViewKind::Filters | ViewKind::Diagnosis);
-    !is_text && view(kind).proportions() != Proportions::Flat
+    !is_text && kind.proportions() != Proportions::Flat
 }

@@ -30,14 +30,14 @@ pub(crate) fn offered(scenario: &Scenario, record: &Record) -> Vec<Measure> {
     let sensors: Vec<Quantity> = scenario.sensors.iter().map(|sensor| sensor.measures).collect();
     let mut offered = of(Measure::Rmse);
     offered.extend([Measure::Nis, Measure::Consistency, Measure::LogLikelihood, Measure::Nees]);
-    for each in [Measure::Error, Measure::Estimate, Measure::Std, Measure::Settled, Measure::Inside] {
+    for each in [Measure::Error, Measure::Estimate, Measure::Std, Measure::Settled, Measure::Coverage] {
         offered.extend(of(each));
     }
     offered.extend([Measure::Diverged, Measure::Stopped, Measure::Verdict]);
     offered.extend(sensors.iter().copied().map(Measure::FreeRun));
     offered.extend(sensors.iter().copied().map(Measure::OneStep));
     offered.retain(|measure| match *measure {
-        Measure::Error(c) | Measure::Rmse(c) | Measure::Settled(c) | Measure::Inside(c) => is_known(c),
+        Measure::Error(c) | Measure::Rmse(c) | Measure::Settled(c) | Measure::Coverage(c) => is_known(c),
         Measure::Nees => channels.iter().any(|channel| is_known(*channel)),
         _ => true,
     });
@@ -59,7 +59,7 @@ pub(crate) fn name(measure: Measure) -> String {
         Measure::Estimate(channel) => format!("last estimate of {}", channel.symbol()),
         Measure::Std(channel) => format!("last σ of {}", channel.symbol()),
         Measure::Settled(channel) => format!("settling time of {}", channel.symbol()),
-        Measure::Inside(channel) => format!("share of {} inside ±2σ", channel.symbol()),
+        Measure::Coverage(channel) => format!("share of {} inside ±2σ", channel.symbol()),
         Measure::FreeRun(quantity) => format!("free-run error of {}", quantity.symbol()),
         Measure::OneStep(quantity) => format!("one-step error of {}", quantity.symbol()),
     }

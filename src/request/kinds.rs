@@ -53,7 +53,7 @@ pub enum ViewKind {
     Scores,
     /// The filters' numbers side by side.
     Filters,
-    /// Verdicts with their evidence, causes and knobs.
+    /// Verdicts with their evidence, causes and edits.
     Diagnosis,
     /// A score over two settings.
     Map,
@@ -90,6 +90,31 @@ impl ViewKind {
         Self::MonteCarlo,
         Self::Tune,
     ];
+
+    /// Its preferred shape.
+    pub(crate) const fn proportions(self) -> Proportions {
+        match self {
+            Self::Autocorrelation | Self::Phase | Self::ParameterPlane | Self::FrequencyResponse | Self::Slices => {
+                Proportions::Square
+            }
+            Self::Oscillator => Proportions::Flat,
+            Self::Map | Self::MonteCarlo | Self::Tune => Proportions::Tall,
+            _ => Proportions::Wide,
+        }
+    }
+}
+
+/// The preferred shape of a view.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Proportions {
+    /// Plots over time, which need width.
+    Wide,
+    /// A plot over something other than time, about as high as wide.
+    Square,
+    /// A picture that is much wider than high.
+    Flat,
+    /// A picture with choices above it, which needs more height than others.
+    Tall,
 }
 
 /// A ready-made choice of views.

@@ -1,6 +1,6 @@
 //! Trials of causes for filters with a bad verdict.
 
-use kalmanscope_core::diagnosis::{Finding, Search};
+use kalmanscope_core::diagnosis::{Remedy, Search};
 use kalmanscope_core::{Task as _, Verdict};
 
 use super::Session;
@@ -24,13 +24,13 @@ pub struct Attempt {
     search: Option<Running<Search, Seen>>,
     progress: f64,
     before: Option<Verdict>,
-    findings: Vec<Finding>,
-    /// Whether `findings` are all that were found in trials that are done.
+    remedies: Vec<Remedy>,
+    /// Whether `remedies` are all that were found in trials that are done.
     is_complete: bool,
 }
 
 /// The state of a search: the share that is done, the verdict on the unchanged filter, and the remedies so far.
-type Seen = (f64, Option<Verdict>, Vec<Finding>);
+type Seen = (f64, Option<Verdict>, Vec<Remedy>);
 
 impl Attempt {
     /// The share of the trials that is done, from 0 to 1.
@@ -60,8 +60,8 @@ impl Attempt {
 
     /// The remedies that were found, each of one cause or of several, the likeliest first. While the search is under way for the
     /// first time, each keeps the place at which it was found.
-    pub fn findings(&self) -> &[Finding] {
-        &self.findings
+    pub fn remedies(&self) -> &[Remedy] {
+        &self.remedies
     }
 
     /// Goes on while there is time. The earlier results stay until all new ones are complete.
@@ -69,25 +69,25 @@ impl Attempt {
         let Some(search) = &mut self.search else { return };
         // A search that has failed ends with what it has found.
         let is_done = !matches!(search.advance(while_time), Ok(None));
-        let (progress, before, findings) = search.seen();
+        let (progress, before, remedies) = search.seen();
         self.progress = *progress;
         if is_done || !self.is_complete {
             self.before.clone_from(before);
         }
         if is_done {
-            self.findings.clone_from(findings);
+            self.remedies.clone_from(remedies);
             (self.is_complete, self.search) = (true, None);
         } else if !self.is_complete {
-            self.findings = in_places_of(&self.findings, findings.clone());
+            self.remedies = in_places_of(&self.remedies, remedies.clone());
         }
     }
 }
 
-/// The findings of later trials, those of before at their places and new ones after them.
-fn in_places_of(before: &[Finding], mut found: Vec<Finding>) -> Vec<Finding> {
+/// The remedies of later trials, those of before at their places and new ones after them.
+fn in_places_of(before: &[Remedy], mut found: Vec<Remedy>) -> Vec<Remedy> {
     let mut placed = Vec::with_capacity(found.len());
-    for finding in before {
-        let again = found.iter().position(|other| other.suspect.cause.key == finding.suspect.cause.key);
+    for remedy in before {
+        let again = found.iter().position(|other| other.first.cause.key == remedy.first.cause.key);
         placed.extend(again.map(|place| found.remove(place)));
     }
     placed.append(&mut found);
@@ -120,7 +120,7 @@ impl Session {
         let mut attempts = std::mem::take(&mut self.trying.attempts);
         let wanted = std::mem::take(&mut self.trying.wanted);
         attempts.retain(|attempt| wanted.contains(&attempt.filter) && attempt.of.0 == self.generation);
-        // A diagnosis of an earlier setting has other suspects.
+        // A diagnosis of an earlier setting has other likely causes.
         let is_free = self.job.is_none() && self.complete && !self.owes_diagnoses();
         let mut is_done = is_free;
         for &filter in wanted.iter().filter(|_| is_free) {
@@ -135,7 +135,7 @@ impl Session {
                 attempts.extend(self.begin_attempt(filter, place, before));
             }
             let Some(attempt) = attempts.iter_mut().find(|attempt| attempt.filter == filter) else { continue };
-            // The findings of threads are complete: to take them needs no time.
+            // The remedies of threads are complete: to take them needs no time.
             if attempt.is_beside() || attempt.is_under_way() && while_time() {
                 attempt.advance(while_time);
             }
@@ -160,10 +160,10 @@ impl Session {
         let (diagnostics, estimates) = (&self.diagnostics()[place], &run.estimates()[place]);
         let search = self.diagnosis(place)?.search(run.scenario(), place, diagnostics, estimates, run.record()).ok()?;
         let of = (self.generation, run.done());
-        let look = |search: &Search| (search.progress(), search.before().cloned(), search.findings());
+        let look = |search: &Search| (search.progress(), search.before().cloned(), search.remedies());
         let search = Running::begin(&*self.team, Priority::Causes, search, look);
-        let (findings, verdict, is_complete) =
-            before.map_or((Vec::new(), None, false), |attempt| (attempt.findings, attempt.before, attempt.is_complete));
-        Some(Attempt { filter, of, search: Some(search), progress: 0.0, before: verdict, findings, is_complete })
+        let (remedies, verdict, is_complete) =
+            before.map_or((Vec::new(), None, false), |attempt| (attempt.remedies, attempt.before, attempt.is_complete));
+        Some(Attempt { filter, of, search: Some(search), progress: 0.0, before: verdict, remedies, is_complete })
     }
 }

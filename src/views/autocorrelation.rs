@@ -11,7 +11,7 @@ use crate::plot::plane::plane_ui;
 use crate::request::Request;
 use crate::ruler::End;
 use crate::session::Wanted;
-use crate::view::{Proportions, View, ViewContext};
+use crate::view::{View, ViewContext};
 use kalmanscope_core::diagnostics::{Depth, Whiteness};
 
 /// The samples from A to B, if both are marked.
@@ -39,10 +39,6 @@ impl View for Autocorrelation {
 
     fn wanted(&self) -> Wanted {
         Wanted::diagnostics(Depth::All)
-    }
-
-    fn proportions(&self) -> Proportions {
-        Proportions::Square
     }
 
     fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Request>) -> Option<f64> {

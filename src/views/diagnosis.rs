@@ -1,4 +1,4 @@
-//! The diagnosis of each filter: verdict, evidence, causes, and the knobs that repair them.
+//! The diagnosis of each filter: verdict, evidence, causes, and the edits that repair them.
 
 mod causes;
 mod evidence;

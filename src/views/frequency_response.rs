@@ -13,7 +13,7 @@ use crate::plot::heading::{Readout, heading_ui};
 use crate::plot::plane::log_plane_ui;
 use crate::request::Request;
 use crate::text::{in_hertz, significant};
-use crate::view::{Proportions, View, ViewContext};
+use crate::view::{View, ViewContext};
 use curves::Curves;
 
 /// Height of the heading above the plot \[points\].
@@ -42,10 +42,6 @@ impl View for FrequencyResponse {
             "A peak in the wrong place is a wrong natural frequency, a peak too high or too low a wrong damping.",
             "At the bottom, on a scale of its own, is the spectrum of the force so far: a frequency without excitation gives a filter no information.",
         ]
-    }
-
-    fn proportions(&self) -> Proportions {
-        Proportions::Square
     }
 
     fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Request>) -> Option<f64> {

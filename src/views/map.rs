@@ -18,7 +18,7 @@ use egui::{Label, Rect, Sense, Stroke, Ui, Vec2, pos2, vec2};
 use crate::laboratory::{Choice, Laboratory, Survey};
 use crate::plot::medium::Medium;
 use crate::request::Request;
-use crate::view::{Proportions, View, ViewContext};
+use crate::view::{View, ViewContext};
 use head::head_ui;
 use legend::Legend;
 use panel::PanelView;
@@ -49,10 +49,6 @@ impl View for Map {
 
     fn is_of_laboratory(&self) -> bool {
         true
-    }
-
-    fn proportions(&self) -> Proportions {
-        Proportions::Tall
     }
 
     fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {

@@ -15,7 +15,7 @@ use egui::{Rect, ScrollArea, Sense, Ui, UiBuilder, Vec2, pos2, vec2};
 use crate::plot::medium::Medium;
 use crate::request::Request;
 use crate::session::Wanted;
-use crate::view::{Proportions, View, ViewContext};
+use crate::view::{View, ViewContext};
 use curves::Curves;
 
 /// The statistics over many seeds.
@@ -49,10 +49,6 @@ impl View for MonteCarlo {
 
     fn wanted(&self) -> Wanted {
         Wanted::BOUNDS
-    }
-
-    fn proportions(&self) -> Proportions {
-        Proportions::Tall
     }
 
     fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {

@@ -21,7 +21,7 @@ use self::scene::Scene;
 use self::stage::Stage;
 use crate::request::Request;
 use crate::session::Mode;
-use crate::view::{Proportions, View, ViewContext};
+use crate::view::{View, ViewContext};
 
 /// The moving masses.
 pub(super) struct Oscillator;
@@ -37,10 +37,6 @@ impl View for Oscillator {
             "The dots are the last readings of the displacement, each as far from the mast as it was from the truth. A bar narrower than their cloud shows the gain of filtering.",
             "The arrow is the mean of the force over mass in the last 0.1 s: white noise itself would flicker.",
         ]
-    }
-
-    fn proportions(&self) -> Proportions {
-        Proportions::Flat
     }
 
     fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {

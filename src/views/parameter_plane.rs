@@ -6,7 +6,7 @@ use kalmanscope_core::{Channel, Estimates};
 
 use crate::plot::plane::{aged_path, around, drawable, plane_ui};
 use crate::request::Request;
-use crate::view::{Proportions, View, ViewContext};
+use crate::view::{View, ViewContext};
 
 type Points2 = Vec<[f64; 2]>;
 
@@ -27,10 +27,6 @@ impl View for ParameterPlane {
             "The cross is the truth: the ellipse of a consistent filter contains it 19 times of 20.",
             "A tilted ellipse: the filter cannot tell the two apart, only a combination of them.",
         ]
-    }
-
-    fn proportions(&self) -> Proportions {
-        Proportions::Square
     }
 
     fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Request>) -> Option<f64> {

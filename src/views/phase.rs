@@ -6,7 +6,7 @@ use kalmanscope_core::Channel;
 
 use crate::plot::plane::{aged_path, around, drawable, plane_ui};
 use crate::request::Request;
-use crate::view::{Proportions, View, ViewContext};
+use crate::view::{View, ViewContext};
 
 /// Duration of the past that is drawn \[s\].
 const TAIL: f64 = 5.0;
@@ -25,10 +25,6 @@ impl View for Phase {
             "A free linear oscillator spirals inwards along ellipses; a hardening spring makes them taller than wide.",
             "The dots are where truth and estimates are now.",
         ]
-    }
-
-    fn proportions(&self) -> Proportions {
-        Proportions::Square
     }
 
     fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Request>) -> Option<f64> {

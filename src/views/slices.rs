@@ -10,7 +10,7 @@ use crate::controls::color::color_of;
 use crate::laboratory::{Survey, measure_label, setting_label};
 use crate::plot::graph::{Graph, Scale};
 use crate::request::Request;
-use crate::view::{Proportions, View, ViewContext};
+use crate::view::{View, ViewContext};
 
 /// The slices through the map.
 pub(super) struct Slices;
@@ -49,10 +49,6 @@ impl View for Slices {
 
     fn is_of_laboratory(&self) -> bool {
         true
-    }
-
-    fn proportions(&self) -> Proportions {
-        Proportions::Square
     }
 
     fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Request>) -> Option<f64> {
@@ -183,7 +179,7 @@ fn range(measure: Measure, values: impl Iterator<Item = f64>) -> Scale {
     if low > 0.0 && high > DECADES * low {
         return Scale::new(low / 1.3, high * 1.3, true);
     }
-    let is_flag = matches!(measure, Measure::Diverged | Measure::Stopped | Measure::Inside(_));
+    let is_flag = matches!(measure, Measure::Diverged | Measure::Stopped | Measure::Coverage(_));
     let (low, high) = if is_flag { (0.0, 1.0) } else { (low, high) };
     let margin = 0.06 * (high - low).max(1e-9 + 0.02 * high.abs());
     Scale::new(low - margin, high + margin, false)

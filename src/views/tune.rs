@@ -8,7 +8,7 @@ use egui::{ProgressBar, ScrollArea, Ui, UiBuilder};
 
 use crate::plot::medium::Medium;
 use crate::request::Request;
-use crate::view::{Proportions, View, ViewContext};
+use crate::view::{View, ViewContext};
 
 /// The search for the best settings.
 pub(super) struct Tune;
@@ -28,10 +28,6 @@ impl View for Tune {
             "The likelihood of the innovations finds Q and R where the model is right; the free run, a model to simulate with.",
             "Read the remarks: a flat setting is not told by the record, one at an edge wants a wider range or another model.",
         ]
-    }
-
-    fn proportions(&self) -> Proportions {
-        Proportions::Tall
     }
 
     fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {

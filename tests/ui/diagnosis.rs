@@ -1,4 +1,4 @@
-//! Verdicts: chips, their evidence, causes and knobs, and hiding them.
+//! Verdicts: chips, their evidence, causes and edits, and hiding them.
 
 use super::*;
 
@@ -27,13 +27,13 @@ fn a_verdict_beside_a_filter_opens_the_diagnosis() {
 }
 
 #[test]
-fn a_knob_is_turned_by_its_button_and_turned_back() {
+fn a_remedy_is_applied_by_its_button_and_taken_back() {
     let mut screen = mistuned();
     click(&mut screen, "EKF is overconfident");
     // Long enough for a state to go back to.
     screen.run_steps(80);
     let before = scenario(&screen).clone();
-    click(&mut screen, "Turn the knob of EKF: R of a sensor");
+    click(&mut screen, "Apply the remedy of EKF: R of a sensor");
     screen.run_steps(20);
     let stds = &scenario(&screen).filters[0].sensor_std;
     for (std, right) in stds.iter().zip(&Scenario::default().filters[0].sensor_std) {
@@ -105,10 +105,10 @@ fn nothing_moves_under_the_pointer_when_a_cause_is_repaired() {
     };
     let before = place(&screen);
     let first = |screen: &Screen| {
-        let knobs = screen.query_all_by_label_contains("Turn the knob of EKF");
-        knobs.map(|node| node.rect()).min_by(|a, b| a.top().total_cmp(&b.top()))
+        let edits = screen.query_all_by_label_contains("Apply the remedy of EKF");
+        edits.map(|node| node.rect()).min_by(|a, b| a.top().total_cmp(&b.top()))
     };
-    let button = first(&screen).expect("a cause with a knob");
+    let button = first(&screen).expect("a cause with a edit");
     super::hand::click_at(&mut screen, button.center(), Modifiers::NONE);
     screen.run_steps(20);
     assert!(screen.query_by_label_contains("before: ").is_some(), "there is a chip now");
@@ -116,14 +116,14 @@ fn nothing_moves_under_the_pointer_when_a_cause_is_repaired() {
     assert_eq!(after[0], before[0], "the view has moved");
     if let Some(again) = first(&screen) {
         assert_eq!(after[1], before[1], "the causes have moved");
-        assert!((again.top() - button.top()).abs() < 1.0, "the first knob was at {button} and is at {again}");
+        assert!((again.top() - button.top()).abs() < 1.0, "the first edit was at {button} and is at {again}");
     }
 }
 
 /// The buttons of causes on screen: their labels and the heights at which they are.
-fn knobs_of_ekf(screen: &Screen) -> Vec<(String, f32)> {
-    let knobs = screen.query_all_by_label_contains("Turn the knob of EKF");
-    knobs.map(|node| (node.accesskit_node().label().unwrap_or_default(), node.rect().top())).collect()
+fn remedies_of_ekf(screen: &Screen) -> Vec<(String, f32)> {
+    let edits = screen.query_all_by_label_contains("Apply the remedy of EKF");
+    edits.map(|node| (node.accesskit_node().label().unwrap_or_default(), node.rect().top())).collect()
 }
 
 #[test]
@@ -144,7 +144,7 @@ fn causes_keep_their_places_under_the_pointer_while_others_are_tried() {
         frames += 1;
         let session = screen.state().session();
         is_done = !session.behind() && !session.is_trying() && frames > 5;
-        let now = knobs_of_ekf(&screen);
+        let now = remedies_of_ekf(&screen);
         if seen.is_empty() && !now.is_empty() {
             let button = screen.get_by_label(&now[0].0).rect();
             screen.hover_at(button.center());
@@ -162,7 +162,7 @@ fn causes_keep_their_places_under_the_pointer_while_others_are_tried() {
     assert!(is_done, "the search ends");
     assert!(seen.len() > 1, "{seen:?}");
     screen.run_steps(5);
-    assert_eq!(knobs_of_ekf(&screen), seen, "at the end too");
+    assert_eq!(remedies_of_ekf(&screen), seen, "at the end too");
     // Their order comes once the hand has gone.
     screen.remove_cursor();
     screen.run_steps(150);

@@ -1,10 +1,10 @@
 //! The part of a report about one filter, or one smoother.
 
-use kalmanscope_core::diagnosis::Finding;
+use kalmanscope_core::diagnosis::Remedy;
 use kalmanscope_core::{Diagnosis, Record, Scenario, Summary};
 
 use super::html::Html;
-use crate::findings::{evidence, likeliest, unexplained};
+use crate::in_words::{evidence, likeliest, unexplained};
 use crate::number::plain;
 use crate::quality::quality;
 use crate::rows::{COLUMNS, rows};
@@ -21,7 +21,7 @@ pub(super) fn section(
     page: &mut Html,
     summary: &Summary,
     diagnosis: Option<&Diagnosis>,
-    causes: &[Finding],
+    causes: &[Remedy],
     (record, scenario): (&Record, &Scenario),
 ) {
     page.element("h3", &heading(&summary.name, summary.kind));

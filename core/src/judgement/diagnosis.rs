@@ -1,7 +1,7 @@
 //! The diagnosis of a filter: the verdict, its evidence, and the settings to turn if it is bad.
 //!
 //! ```text
-//! Diagnostics, Estimates, Record ──tests──▶ Evidence ──level──▶ Verdict ──causes──▶ Suspects ──trials, search──▶ Findings
+//! Diagnostics, Estimates, Record ──tests──▶ Evidence ──level──▶ Verdict ──causes──▶ LikelyCauses ──trials, search──▶ Remedies
 //! ```
 //!
 //! Each test ([`Test`]) is a file in `diagnosis/checks`, each cause ([`Cause`]) one in `diagnosis/cause`.
@@ -13,7 +13,6 @@ mod checks;
 mod distributions;
 mod errors;
 mod evidence;
-mod finding;
 mod innovations;
 mod lagged;
 mod law;
@@ -24,6 +23,7 @@ mod parts;
 mod path;
 mod periodogram;
 mod ranking;
+mod remedy;
 mod search;
 mod summary;
 mod trial;
@@ -38,14 +38,14 @@ use crate::numbers::diagnostics::Depth;
 use crate::{CramerRao, Diagnostics, Estimates, FilterSettings, Record, RunError, Scenario};
 
 use case::Case;
-use cause::Matter;
+use cause::BadFilter;
 
-pub use cause::{CAUSES, Cause, Suspect};
+pub use cause::{CAUSES, Cause, LikelyCause};
 pub use checks::TESTS;
 pub use evidence::{Evidence, Subject, Test};
-pub use finding::Finding;
 pub use live::LiveDiagnosis;
 pub use parts::PARTS;
+pub use remedy::Remedy;
 pub use search::Search;
 pub use summary::{Final, Score, Summary};
 
@@ -108,19 +108,19 @@ impl Diagnosis {
 
     /// The possible causes for the filter at `place` of a scenario, the likeliest by the evidence, without a trial,
     /// first. The other arguments are those of [`Self::new`].
-    pub fn suspects(
+    pub fn likely_causes(
         &self,
         scenario: &Scenario,
         place: usize,
         diagnostics: &Diagnostics,
         estimates: &Estimates,
         record: &Record,
-    ) -> Vec<Suspect> {
+    ) -> Vec<LikelyCause> {
         let Some(filter) = scenario.filters.get(place) else { return Vec::new() };
         self.since(filter, scenario, place, diagnostics, estimates, record)
     }
 
-    /// The same for a filter that was made from `origin` by turning knobs.
+    /// The same for a filter that was made from `origin` by making edits.
     fn since(
         &self,
         origin: &FilterSettings,
@@ -129,19 +129,19 @@ impl Diagnosis {
         diagnostics: &Diagnostics,
         estimates: &Estimates,
         record: &Record,
-    ) -> Vec<Suspect> {
+    ) -> Vec<LikelyCause> {
         let Some(filter) = scenario.filters.get(place).filter(|_| !estimates.is_empty()) else { return Vec::new() };
         let case = one_pass::case(diagnostics, estimates, record, None, self.samples.clone());
-        let matter = Matter { case: &case, evidence: &self.evidence, scenario, filter, origin };
-        let mut suspects = Vec::new();
+        let bad = BadFilter { case: &case, evidence: &self.evidence, scenario, filter, origin };
+        let mut likely_causes = Vec::new();
         for cause in CAUSES {
-            (cause.suspects)(&matter, cause, &mut suspects);
+            (cause.likely_causes)(&bad, cause, &mut likely_causes);
         }
-        sort_short_by(&mut suspects, |a, b| b.weight.total_cmp(&a.weight));
-        suspects
+        sort_short_by(&mut likely_causes, |a, b| b.weight.total_cmp(&a.weight));
+        likely_causes
     }
 
-    /// The trials of all suspects of the filter at `place` of a scenario. The other arguments are those of [`Self::new`].
+    /// The trials of all likely causes of the filter at `place` of a scenario. The other arguments are those of [`Self::new`].
     ///
     /// # Errors
     /// [`RunError`] where the scenario has no such filter, or the record is not one of such a scenario.
@@ -153,8 +153,8 @@ impl Diagnosis {
         estimates: &Estimates,
         record: &Record,
     ) -> Result<Trials, RunError> {
-        let suspects = self.suspects(scenario, place, diagnostics, estimates, record);
-        Trials::new(scenario, place, estimates, record, suspects)
+        let likely_causes = self.likely_causes(scenario, place, diagnostics, estimates, record);
+        Trials::new(scenario, place, estimates, record, likely_causes)
     }
 
     /// The search for remedies of the filter at `place` of a scenario, of one cause or of several. The other arguments are those of

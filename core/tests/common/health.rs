@@ -10,14 +10,14 @@ use kalmanscope_core::{
 };
 
 /// The violated invariant, in words.
-pub(crate) type Finding = Result<(), String>;
+pub(crate) type Remedy = Result<(), String>;
 
-fn require(holds: bool, what: impl FnOnce() -> String) -> Finding {
+fn require(holds: bool, what: impl FnOnce() -> String) -> Remedy {
     if holds { Ok(()) } else { Err(what()) }
 }
 
 /// Reads a scenario file: any text is a scenario or an error, and a scenario can be written and read again.
-pub(crate) fn check_file(text: &str) -> Finding {
+pub(crate) fn check_file(text: &str) -> Remedy {
     let scenario = match Scenario::from_toml(text) {
         Ok(scenario) => scenario,
         Err(error) => return require(!error.to_string().is_empty(), || "an error without words".to_owned()),
@@ -76,7 +76,7 @@ pub(crate) fn check_scenario(scenario: &Scenario, gap: u8) -> Result<usize, Stri
     Ok(steps)
 }
 
-fn check_record(record: &Record, k: usize) -> Finding {
+fn check_record(record: &Record, k: usize) -> Remedy {
     let truth = Channel::all().iter().filter_map(|&c| Some(record.truth(c)?[k]));
     require(record.force(k).is_finite() && truth.into_iter().all(f64::is_finite), || format!("the truth at {k}"))?;
     let measured = (0..record.sensors().len()).all(|s| !record.measured(s)[k].is_infinite());
@@ -90,7 +90,7 @@ fn check_sample(
     record: &Record,
     k: usize,
     wound_up: &mut Vec<(Channel, usize)>,
-) -> Finding {
+) -> Remedy {
     let (n, m) = (estimates.channels().len(), estimates.sensors().len());
     let (mean, cov) = (estimates.mean(k), estimates.cov(k));
     require(mean.iter().all(|x| x.is_finite()), || format!("mean {mean:?}"))?;
@@ -161,7 +161,7 @@ fn check_sample(
     Ok(())
 }
 
-fn check_remarks(estimates: &Estimates, wound_up: &[(Channel, usize)]) -> Finding {
+fn check_remarks(estimates: &Estimates, wound_up: &[(Channel, usize)]) -> Remedy {
     for remark in estimates.remarks() {
         let range = remark.sample <= remark.last && remark.last < estimates.len();
         require(range && !remark.what.to_string().is_empty(), || format!("{remark:?}"))?;

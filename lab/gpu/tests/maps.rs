@@ -111,7 +111,7 @@ impl Comparison {
             let size = match measure {
                 // These are about zero: a tenth of the standard deviation is close.
                 Measure::Error(channel) | Measure::Estimate(channel) => 0.1 / CLOSE * of(row, Measure::Std(*channel)),
-                Measure::Inside(_) => 1.0,
+                Measure::Coverage(_) => 1.0,
                 // The time of the last error of 5 % jumps, and the other is about zero and follows the NIS.
                 Measure::Settled(_) | Measure::Consistency => continue,
                 Measure::LogLikelihood => exact.abs().max(0.5 * degrees),

@@ -136,9 +136,9 @@ fn causes_free_runs_and_spectrograms_come_from_threads_as_from_the_frames() {
             thread::sleep(Duration::from_millis(2));
             assert!(begin.elapsed() < PATIENCE);
         }
-        let findings = session.attempt(id).expect("it has a bad verdict").findings();
-        assert!(!findings.is_empty());
-        format!("{findings:?} {:?} {:?}", session.free_run(0), session.spectrogram().map(|(_, made)| made))
+        let remedies = session.attempt(id).expect("it has a bad verdict").remedies();
+        assert!(!remedies.is_empty());
+        format!("{remedies:?} {:?} {:?}", session.free_run(0), session.spectrogram().map(|(_, made)| made))
     };
     assert!(seen(Some(desktop())) == seen(None));
 }

@@ -1,8 +1,8 @@
-//! The likely causes of a filter's verdict, with buttons that turn the knobs.
+//! The likely causes of a filter's verdict, with buttons that make the edits.
 
 use egui::{Button, CollapsingHeader, Label, ProgressBar, RichText, Ui};
 use kalmanscope_core::Estimates;
-use kalmanscope_core::diagnosis::Finding;
+use kalmanscope_core::diagnosis::Remedy;
 use kalmanscope_core::setting::Edit;
 
 use super::rows;
@@ -42,14 +42,14 @@ pub(super) fn causes_ui(
     };
     heading_ui(ui, heading);
     let (first, rest) = rows.split_at(rows.len().min(LIKELIEST));
-    for finding in first {
-        finding_ui(ui, context, (attempt, finding), estimates.name(), requests);
+    for remedy in first {
+        finding_ui(ui, context, (attempt, remedy), estimates.name(), requests);
     }
     if !rest.is_empty() {
         let title = RichText::new(format!("{} less likely", rest.len())).small().weak();
         CollapsingHeader::new(title).id_salt("less likely").show(ui, |ui| {
-            for finding in rest {
-                finding_ui(ui, context, (attempt, finding), estimates.name(), requests);
+            for remedy in rest {
+                finding_ui(ui, context, (attempt, remedy), estimates.name(), requests);
             }
         });
     }
@@ -57,9 +57,9 @@ pub(super) fn causes_ui(
         let bar = ProgressBar::new(attempt.progress() as f32).desired_width(160.0).desired_height(8.0);
         let bar = ui.add(bar).on_hover_text("The filter runs again with one setting after another changed");
         bar.ctx.accesskit_node_builder(bar.id, |node| node.set_label(format!("Trials of {}", estimates.name())));
-    } else if attempt.findings().is_empty() {
+    } else if attempt.remedies().is_empty() {
         ui.weak("None of the causes that are known makes the record likelier.");
-    } else if !Finding::is_explained(attempt.findings()) {
+    } else if !Remedy::is_explained(attempt.remedies()) {
         // Below the rows, so that these do not move.
         ui.label("None of these explains it: with the best of them it is still not to be believed.");
     }
@@ -76,56 +76,58 @@ fn heading_ui(ui: &mut Ui, text: &str) {
 fn finding_ui(
     ui: &mut Ui,
     context: &ViewContext<'_>,
-    (attempt, finding): (&Attempt, &Finding),
+    (attempt, remedy): (&Attempt, &Remedy),
     name: &str,
     requests: &mut Vec<Request>,
 ) {
     let palette = context.palette;
-    let Finding { suspect, then: _, knobs, gain, after } = finding;
+    let Remedy { first, then: _, edits, gain, after } = remedy;
     ui.horizontal_wrapped(|ui| {
-        for (i, suspect) in finding.causes().enumerate() {
-            let name = if i == 0 { sentence(suspect.cause.name) } else { format!("and {}", suspect.cause.name) };
-            ui.label(RichText::new(name).family(theme::strong())).on_hover_text(suspect.cause.hint);
+        for (i, likely) in remedy.causes().enumerate() {
+            let name = if i == 0 { sentence(likely.cause.name) } else { format!("and {}", likely.cause.name) };
+            ui.label(RichText::new(name).family(theme::strong())).on_hover_text(likely.cause.hint);
         }
         if let (Some(before), Some(after)) = (attempt.before(), after) {
             ui.weak(format!("{} {} →", symbol(before.kind), before.kind.name()));
             let text = format!("{} {}", symbol(after.kind), after.kind.name());
             let text = RichText::new(text).color(text_color(after.kind, palette));
-            ui.label(text).on_hover_text(format!("With the knob turned it is {after}"));
+            ui.label(text).on_hover_text(format!("With this change it is {after}"));
         }
     });
-    for suspect in finding.causes() {
-        ui.add(Label::new(format!("{}.", sentence(&suspect.sentence))).wrap());
+    for likely in remedy.causes() {
+        ui.add(Label::new(format!("{}.", sentence(&likely.sentence))).wrap());
     }
-    if !knobs.is_empty() {
-        knob_ui(ui, context, (name, suspect.cause.name), knobs, requests);
+    if !edits.is_empty() {
+        edits_ui(ui, context, (name, first.cause.name), edits, requests);
     }
     let gain = if gain.is_finite() && *gain > 0.0 {
         format!(" The log likelihood gains {}.", significant(*gain, 3))
     } else {
         String::new()
     };
-    ui.add(Label::new(RichText::new(format!("{}{gain}", suspect.cause.hint)).small().weak()).wrap());
+    ui.add(Label::new(RichText::new(format!("{}{gain}", first.cause.hint)).small().weak()).wrap());
     ui.add_space(5.0);
 }
 
-/// The button that turns the knobs of a cause.
-fn knob_ui(
+/// The button that makes the edits of a cause.
+fn edits_ui(
     ui: &mut Ui,
     context: &ViewContext<'_>,
     (filter, cause): (&str, &str),
-    knobs: &[Edit],
+    edits: &[Edit],
     requests: &mut Vec<Request>,
 ) {
     let scenario = context.session.scenario();
-    let words: Vec<String> = knobs.iter().map(|knob| knob.in_words(scenario)).collect();
+    let words: Vec<String> = edits.iter().map(|edit| edit.in_words(scenario)).collect();
     let more = if words.len() > SHOWN { format!(", and {} more", words.len() - SHOWN) } else { String::new() };
     let text = format!("{}{more}", sentence(&words[..words.len().min(SHOWN)].join(", ")));
-    let lines: Vec<String> = knobs.iter().map(Edit::toml_line).collect();
+    let lines: Vec<String> = edits.iter().map(Edit::toml_line).collect();
     let button = ui.add(Button::new(text).wrap()).on_hover_text(format!("In a file:\n{}", lines.join("\n")));
-    button.ctx.accesskit_node_builder(button.id, |node| node.set_label(format!("Turn the knob of {filter}: {cause}")));
+    button
+        .ctx
+        .accesskit_node_builder(button.id, |node| node.set_label(format!("Apply the remedy of {filter}: {cause}")));
     if button.clicked()
-        && let Ok(turned) = Edit::apply_all(knobs, scenario)
+        && let Ok(turned) = Edit::apply_all(edits, scenario)
     {
         requests.push(Request::Edit(Box::new(turned)));
     }

@@ -74,7 +74,7 @@ fn chance(p_value: f64) -> String {
     }
 }
 
-/// A bar that is half full where the effect begins to matter.
+/// A bar that is half full where the effect begins to bad.
 fn bar_ui(ui: &mut Ui, effect: f64, color: Color32, palette: &Palette) {
     let (rect, response) = ui.allocate_exact_size(Vec2::new(BAR.x, 17.0), Sense::hover());
     let rect = Rect::from_center_size(rect.center(), BAR);

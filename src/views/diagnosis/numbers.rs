@@ -34,7 +34,7 @@ pub(super) fn estimates_ui(ui: &mut Ui, context: &ViewContext<'_>, place: usize,
 pub(super) fn settings_ui(ui: &mut Ui, context: &ViewContext<'_>, id: u32, requests: &mut Vec<Request>) {
     let scenario = context.session.scenario();
     let Some(filter) = scenario.filters.iter().find(|filter| filter.id == id) else { return };
-    Grid::new(("knobs", id)).num_columns(4).spacing([8.0, 4.0]).show(ui, |ui| {
+    Grid::new(("edits", id)).num_columns(4).spacing([8.0, 4.0]).show(ui, |ui| {
         for (place, key) in keys(filter, scenario).into_iter().enumerate() {
             if place > 0 && place.is_multiple_of(2) {
                 ui.end_row();

@@ -41,7 +41,7 @@ impl Colors {
         match measure {
             Measure::Diverged | Measure::Stopped => Self::Kinds(vec!["no", "yes"]),
             Measure::Verdict => Self::Kinds(VerdictKind::ALL.iter().map(|kind| word(*kind)).collect()),
-            Measure::Inside(_) => Self::Sequential(Scale::new(0.0, 1.0, false)),
+            Measure::Coverage(_) => Self::Sequential(Scale::new(0.0, 1.0, false)),
             Measure::Nis | Measure::Nees => Self::about_one(&values),
             Measure::Consistency => {
                 let most = quantile(&values, 0.0).abs().max(quantile(&values, 1.0).abs());

@@ -34,7 +34,7 @@ fn distance(measure: Measure, value: f64) -> Option<f64> {
         Measure::Consistency | Measure::Error(_) => value.abs(),
         Measure::LogLikelihood => -value,
         Measure::Rmse(_) | Measure::FreeRun(_) | Measure::OneStep(_) | Measure::Settled(_) => value,
-        Measure::Inside(_) => (value - EXPECTED).abs(),
+        Measure::Coverage(_) => (value - EXPECTED).abs(),
         Measure::Diverged | Measure::Stopped | Measure::Verdict | Measure::Estimate(_) | Measure::Std(_) => {
             return None;
         }

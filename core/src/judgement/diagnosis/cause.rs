@@ -1,4 +1,4 @@
-//! Causes by name, each with its evidence and the knob that repairs it.
+//! Causes by name, each with its evidence and the edit that repairs it.
 
 mod changing_noise;
 mod collapsed_sample;
@@ -59,27 +59,27 @@ pub struct Cause {
     pub name: &'static str,
     /// Its symptoms and its remedy.
     pub hint: &'static str,
-    /// Appends one suspect for each way in which it may be the cause.
-    pub(crate) suspects: fn(&Matter<'_>, &'static Self, &mut Vec<Suspect>),
+    /// Appends one likely cause for each way in which it may be the cause.
+    pub(crate) likely_causes: fn(&BadFilter<'_>, &'static Self, &mut Vec<LikelyCause>),
 }
 
-/// One way in which a cause may be the one: the knob, and how likely it is before it is tried.
+/// One way in which a cause may be the one: the edit, and how likely it is before it is tried.
 #[derive(Clone, Debug)]
-pub struct Suspect {
+pub struct LikelyCause {
     /// The cause.
     pub cause: &'static Cause,
-    /// The cause in words and numbers; empty if it only turns back the knob of an earlier cause.
+    /// The cause in words and numbers; empty if it only undoes the edit of an earlier cause.
     pub sentence: String,
     /// The share of the evidence that it explains, from 0 to 1, estimated without a trial.
     pub weight: f64,
     /// Whether the evidence is enough without a trial: the likelihood cannot decide.
     pub certain: bool,
-    /// The settings to turn.
-    pub knobs: Vec<Edit>,
-    /// The number of values that turning them fits to the record.
+    /// The edits that repair it.
+    pub edits: Vec<Edit>,
+    /// The number of values that they fit to the record.
     pub fitted: f64,
     /// Whether its trial also counts the likelihood of a filter that is restarted at the first of `samples`, and takes
-    /// the larger one: a knob acts too slowly on a sudden change.
+    /// the larger one: an edit acts too slowly on a sudden change.
     pub begins_anew: bool,
     /// The kept samples in which it happened, if it has a time.
     pub samples: Option<Range<usize>>,
@@ -102,16 +102,16 @@ pub(crate) struct Sign {
 }
 
 /// A filter with a bad verdict.
-pub(crate) struct Matter<'a> {
+pub(crate) struct BadFilter<'a> {
     pub(crate) case: &'a Case<'a>,
     pub(crate) evidence: &'a [Evidence],
     pub(crate) scenario: &'a Scenario,
     pub(crate) filter: &'a FilterSettings,
-    /// The filter before the knobs of other causes were turned: sentences compare with it.
+    /// The filter before the edits of other causes were made: sentences compare with it.
     pub(crate) origin: &'a FilterSettings,
 }
 
-impl Matter<'_> {
+impl BadFilter<'_> {
     /// The largest effect of a chosen test, among the evidence that counts, from 0 to 1.
     pub(crate) fn effect_of(&self, is: impl Fn(&Evidence) -> bool) -> f64 {
         let effects = self.evidence.iter().filter(|one| one.counts && is(one)).map(|one| one.effect);
@@ -119,15 +119,15 @@ impl Matter<'_> {
         largest / (1.0 + largest)
     }
 
-    /// A knob of this filter.
-    pub(crate) fn knob(&self, key: &str, value: impl Into<toml::Value>) -> Edit {
+    /// An edit of this filter.
+    pub(crate) fn edit(&self, key: &str, value: impl Into<toml::Value>) -> Edit {
         Edit::of_filter(self.filter.id, key, value)
     }
 
-    /// The knob that gives the filter one augmentation more.
+    /// The edit that gives the filter one augmentation more.
     pub(crate) fn augmented(&self, channel: Channel) -> Edit {
         let keys = self.filter.augment.iter().chain([&channel]).map(|one| one.key().to_owned());
-        self.knob("augment", keys.collect::<Vec<String>>())
+        self.edit("augment", keys.collect::<Vec<String>>())
     }
 
     /// The root mean square of the estimated displacement of the first mass, which loads the springs \[m\].
@@ -142,17 +142,17 @@ impl Matter<'_> {
     }
 }
 
-impl Suspect {
-    /// A suspect whose knobs fit `fitted` numbers to the record.
-    pub(crate) fn new(cause: &'static Cause, weight: f64, fitted: f64, knobs: Vec<Edit>, sentence: String) -> Self {
+impl LikelyCause {
+    /// A likely cause whose edits fit `fitted` numbers to the record.
+    pub(crate) fn new(cause: &'static Cause, weight: f64, fitted: f64, edits: Vec<Edit>, sentence: String) -> Self {
         // Numbers are tried as they are told and written.
-        let knobs = knobs.into_iter().map(|knob| knob.rounded()).collect();
+        let edits = edits.into_iter().map(|edit| edit.rounded()).collect();
         Self {
             cause,
             sentence,
             weight,
             certain: false,
-            knobs,
+            edits,
             fitted,
             begins_anew: false,
             samples: None,

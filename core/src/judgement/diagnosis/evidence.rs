@@ -53,7 +53,7 @@ pub struct Evidence {
     pub counts: bool,
     /// The kept samples that it is about.
     pub samples: Range<usize>,
-    /// The finding, in words and numbers.
+    /// The remedy, in words and numbers.
     pub sentence: String,
 }
 

@@ -10,10 +10,10 @@
 
 mod choice;
 
-use super::finding::Finding;
 use super::law::{ForceInHindsight, Law};
 use super::path::Path;
 use super::ranking::{Ranked, WORTH, compare};
+use super::remedy::Remedy;
 use super::trial::Trials;
 use super::verdict::Verdict;
 use crate::Task;
@@ -88,47 +88,48 @@ impl Search {
 
     /// The remedies that have been found so far, each of one cause or several: those that end in a good verdict come
     /// first, then the likeliest. No two begin with the same cause, or have the same causes.
-    pub fn findings(&self) -> Vec<Finding> {
+    pub fn remedies(&self) -> Vec<Remedy> {
         if matches!(self.stage, Stage::Causes(None)) {
-            return self.trials.findings();
+            return self.trials.remedies();
         }
         let price = |key: &str, rank: f64| if key == UNKNOWN_FORCE { self.priced(rank) } else { rank };
-        let alone = self.alone.iter().map(|Ranked { finding, rank, achieved }| {
-            (finding.clone(), price(finding.suspect.cause.key, *rank), *achieved)
-        });
-        let mut all: Vec<(Finding, f64, f64)> = alone.collect();
+        let alone = self
+            .alone
+            .iter()
+            .map(|Ranked { remedy, rank, achieved }| (remedy.clone(), price(remedy.first.cause.key, *rank), *achieved));
+        let mut all: Vec<(Remedy, f64, f64)> = alone.collect();
         for path in self.paths.iter().filter(|path| path.len() > 1 || path.is_tried) {
             if self.paths.iter().any(|fewer| fewer.is_enough_for(path)) {
                 continue;
             }
-            let Some(finding) = path.finding() else { continue };
-            let (key, path_rank) = (finding.suspect.cause.key, self.rank(path));
-            match all.iter_mut().find(|(other, ..)| other.suspect.cause.key == key) {
+            let Some(remedy) = path.remedy() else { continue };
+            let (key, path_rank) = (remedy.first.cause.key, self.rank(path));
+            match all.iter_mut().find(|(other, ..)| other.first.cause.key == key) {
                 // Remedies that begin with the same cause are compared by their own gain, not by that with all noise
                 // fitted.
-                Some((other, rank, gain)) if compare((&finding, path.gain), (other, *gain)).is_gt() => {
-                    (*other, *rank, *gain) = (finding, rank.max(path_rank), path.gain);
+                Some((other, rank, gain)) if compare((&remedy, path.gain), (other, *gain)).is_gt() => {
+                    (*other, *rank, *gain) = (remedy, rank.max(path_rank), path.gain);
                 }
                 Some(_) => {}
-                None => all.push((finding, path_rank, path.gain)),
+                None => all.push((remedy, path_rank, path.gain)),
             }
         }
         sort_short_by(&mut all, |(a, a_rank, _), (b, b_rank, _)| compare((b, *b_rank), (a, *a_rank)));
         let mut told: Vec<Vec<&str>> = Vec::new();
-        let mut findings: Vec<Finding> = all.into_iter().map(|(finding, ..)| finding).collect();
-        findings.retain(|finding| {
-            let mut keys: Vec<&str> = finding.causes().map(|suspect| suspect.cause.key).collect();
+        let mut remedies: Vec<Remedy> = all.into_iter().map(|(remedy, ..)| remedy).collect();
+        remedies.retain(|remedy| {
+            let mut keys: Vec<&str> = remedy.causes().map(|likely| likely.cause.key).collect();
             keys.sort_unstable();
             let is_new = !told.contains(&keys);
             told.push(keys);
             is_new
         });
         if let Some(law) = &self.law {
-            let causes = findings.iter_mut().flat_map(Finding::causes_mut);
-            let forces = causes.filter(|suspect| suspect.cause.key == UNKNOWN_FORCE);
-            forces.for_each(|suspect| suspect.sentence = format!("{}; {}", suspect.sentence, law.text));
+            let causes = remedies.iter_mut().flat_map(Remedy::causes_mut);
+            let forces = causes.filter(|likely| likely.cause.key == UNKNOWN_FORCE);
+            forces.for_each(|likely| likely.sentence = format!("{}; {}", likely.sentence, law.text));
         }
-        findings
+        remedies
     }
 
     /// Takes in the results of the trials, and begins the next ones.
@@ -138,10 +139,10 @@ impl Search {
                 let ranked = self.trials.ranked();
                 let base = on.map_or(&self.origin, |place| &self.paths[place]);
                 let then = |one: &Ranked| {
-                    let suspect = &one.finding.suspect;
+                    let likely = &one.remedy.first;
                     let path = base.then(one, self.trials.price())?;
-                    let pays = path.gain - base.gain > WORTH || suspect.certain && path.gain.is_finite();
-                    (pays && !suspect.knobs.is_empty() && !suspect.silences).then_some(path)
+                    let pays = path.gain - base.gain > WORTH || likely.certain && path.gain.is_finite();
+                    (pays && !likely.edits.is_empty() && !likely.silences).then_some(path)
                 };
                 let next: Vec<Path> = ranked.iter().filter_map(then).collect();
                 for path in next {
@@ -166,7 +167,7 @@ impl Search {
                     shorter.after = outcome.verdict.clone();
                     shorter.rank += shorter.gain - self.paths[path].gain;
                 }
-                let precedence = |path: &Path| path.finding().map(|finding| finding.precedence());
+                let precedence = |path: &Path| path.remedy().map(|remedy| remedy.precedence());
                 let is_better =
                     shorter.gain >= self.paths[path].gain && precedence(&shorter) >= precedence(&self.paths[path]);
                 if is_better {
@@ -188,22 +189,22 @@ impl Search {
 
     /// Begins to leave out needless causes of the remedy that stands first.
     fn shorten_first(&mut self) {
-        match self.findings().first().and_then(|first| self.place_of(first)) {
+        match self.remedies().first().and_then(|first| self.place_of(first)) {
             Some(path) => self.shorten(path, 0),
             None => self.look_at_force(true),
         }
     }
 
-    /// The place of the path that a finding came from.
-    fn place_of(&self, finding: &Finding) -> Option<usize> {
-        let is_it = |path: &Path| path.finding().is_some_and(|other| other.knobs == finding.knobs);
+    /// The place of the path that a remedy came from.
+    fn place_of(&self, remedy: &Remedy) -> Option<usize> {
+        let is_it = |path: &Path| path.remedy().is_some_and(|other| other.edits == remedy.edits);
         self.paths.iter().position(is_it)
     }
 
     /// Looks at the unknown force of the first remedy that has one, and then goes on or ends.
     fn look_at_force(&mut self, is_last: bool) {
-        let has_force = |finding: &Finding| finding.causes().any(|suspect| suspect.cause.key == UNKNOWN_FORCE);
-        let place = self.findings().iter().find(|one| has_force(one)).and_then(|finding| self.place_of(finding));
+        let has_force = |remedy: &Remedy| remedy.causes().any(|likely| likely.cause.key == UNKNOWN_FORCE);
+        let place = self.remedies().iter().find(|one| has_force(one)).and_then(|remedy| self.place_of(remedy));
         let place = place.filter(|_| self.law.is_none());
         let force = place.and_then(|path| ForceInHindsight::new(&self.paths[path].scenario, self.trials.record()));
         match force {
@@ -230,14 +231,14 @@ impl Search {
 
     /// Runs the filter of a path, and tries its causes if asked to.
     fn run(&mut self, path: &Path, with_causes: bool) {
-        let suspects = if with_causes { None } else { Some(Vec::new()) };
+        let likely_causes = if with_causes { None } else { Some(Vec::new()) };
         let Some(origin) = self.origin.scenario.filters.first().cloned() else { return };
-        self.trials = Trials::over(self.trials.record().clone(), path.scenario.clone(), origin, suspects);
+        self.trials = Trials::over(self.trials.record().clone(), path.scenario.clone(), origin, likely_causes);
     }
 }
 
 impl Task for Search {
-    type Outcome = Vec<Finding>;
+    type Outcome = Vec<Remedy>;
 
     /// An estimate of the share that is done, from 0 to 1.
     fn progress(&self) -> f64 {
@@ -266,7 +267,7 @@ impl Task for Search {
         self.is_done()
     }
 
-    fn finish(self) -> Vec<Finding> {
-        self.findings()
+    fn finish(self) -> Vec<Remedy> {
+        self.remedies()
     }
 }

@@ -1,10 +1,10 @@
-//! Trials: the filter runs again with a knob turned, and its likelihood shows whether that was the cause. No truth is
+//! Trials: the filter runs again with an edit made, and its likelihood shows whether that was the cause. No truth is
 //! needed.
 
 use std::sync::Arc;
 
 use super::Diagnosis;
-use super::cause::Suspect;
+use super::cause::LikelyCause;
 use super::verdict::Verdict;
 use crate::data::setting::Edit;
 use crate::{Diagnostics, Estimates, FilterKind, FilterSettings, Pass, Record, RunError, Scenario, Scores};
@@ -15,24 +15,24 @@ const WINDOW: usize = 10_000;
 /// Limits the samples of a trial between two checks of the time: half a millisecond of the slowest step.
 const CHUNK: usize = 100;
 
-/// The usual number of suspects.
+/// The usual number of likely causes.
 const USUAL: usize = 30;
 
-/// The trials of all suspects of one filter, which can be cut into slices of time.
+/// The trials of all likely causes of one filter, which can be cut into slices of time.
 pub struct Trials {
     record: Arc<Record>,
     /// The scenario with that one filter, as it begins at the window's first sample.
     scenario: Scenario,
-    /// The filter before any knob of a search was turned.
+    /// The filter before any edit of a search was made.
     origin: FilterSettings,
-    /// `None` until the unchanged filter has run, if its suspects follow from that run.
-    suspects: Option<Vec<Suspect>>,
+    /// `None` until the unchanged filter has run, if its likely causes follow from that run.
+    likely_causes: Option<Vec<LikelyCause>>,
     current: Option<(Pass, Estimates)>,
     /// The sample of the run's record at which the window begins.
     first: usize,
-    /// The estimates and likelihoods of the filter with no knob turned; a restarted filter begins from them.
+    /// The estimates and likelihoods of the filter with no edit made; a restarted filter begins from them.
     unturned: Option<Estimates>,
-    /// The result without any knob turned.
+    /// The result without any edit made.
     before: Option<Outcome>,
     outcomes: Vec<Outcome>,
     /// The log likelihood of the filter itself over the window, if a UKF stands in for it.
@@ -43,7 +43,7 @@ pub struct Trials {
 #[derive(Clone, Debug)]
 pub(super) struct Outcome {
     pub(super) log_likelihood: f64,
-    /// The log likelihood of the filter with the knob turned. `log_likelihood` may be that of a filter that is
+    /// The log likelihood of the filter with the edit made. `log_likelihood` may be that of a filter that is
     /// restarted.
     pub(super) achieved: f64,
     /// The same with all covariances multiplied by the factor that maximises the log likelihood.
@@ -62,14 +62,14 @@ impl Outcome {
         verdict: None,
     };
 
-    /// Whether the filter with the knob turned has a good verdict.
+    /// Whether the filter with the edit made has a good verdict.
     pub(super) fn is_good(&self) -> bool {
         self.verdict.as_ref().is_some_and(|verdict| verdict.kind.is_good())
     }
 }
 
 impl Trials {
-    /// The trials of the suspects of the filter at `place` of a scenario, with its estimates on a record. A UKF stands
+    /// The trials of the likely causes of the filter at `place` of a scenario, with its estimates on a record. A UKF stands
     /// in for a sampled filter.
     ///
     /// # Errors
@@ -79,7 +79,7 @@ impl Trials {
         place: usize,
         estimates: &Estimates,
         record: &Record,
-        suspects: Vec<Suspect>,
+        likely_causes: Vec<LikelyCause>,
     ) -> Result<Self, RunError> {
         let filter = scenario.filters.get(place).ok_or(RunError::NoFilter(place))?;
         let mut filter = filter.clone();
@@ -105,23 +105,23 @@ impl Trials {
         // A scenario that cannot begin is an error now, not at the first trial.
         Pass::new(&scenario, 0, &record)?;
         let origin = scenario.filters[0].clone();
-        let trials = Self::over(Arc::new(record), scenario, origin, Some(suspects));
+        let trials = Self::over(Arc::new(record), scenario, origin, Some(likely_causes));
         Ok(Self { first, own, ..trials })
     }
 
-    /// The trials of the only filter of a scenario over a whole record. `origin` is that filter before the knobs of
-    /// other causes were turned. If `suspects` is `None`, they follow from the run of the filter.
+    /// The trials of the only filter of a scenario over a whole record. `origin` is that filter before the edits of
+    /// other causes were turned. If `likely_causes` is `None`, they follow from the run of the filter.
     pub(super) fn over(
         record: Arc<Record>,
         scenario: Scenario,
         origin: FilterSettings,
-        suspects: Option<Vec<Suspect>>,
+        likely_causes: Option<Vec<LikelyCause>>,
     ) -> Self {
         Self {
             record,
             scenario,
             origin,
-            suspects,
+            likely_causes,
             current: None,
             first: 0,
             unturned: None,
@@ -154,13 +154,13 @@ impl Trials {
 
     /// Whether there is nothing left to try.
     pub fn is_done(&self) -> bool {
-        self.before.is_some() && self.suspects.as_ref().is_none_or(|all| self.outcomes.len() == all.len())
+        self.before.is_some() && self.likely_causes.as_ref().is_none_or(|all| self.outcomes.len() == all.len())
     }
 
     /// The share that is done, from 0 to 1.
     pub fn progress(&self) -> f64 {
         let done = usize::from(self.before.is_some()) + self.outcomes.len();
-        let all = self.suspects.as_ref().map_or(USUAL, Vec::len);
+        let all = self.likely_causes.as_ref().map_or(USUAL, Vec::len);
         (done as f64 / (1 + all) as f64).min(1.0)
     }
 
@@ -174,9 +174,9 @@ impl Trials {
         self.before.as_ref()
     }
 
-    /// The suspects that have been tried, with their results.
-    pub(super) fn tried(&self) -> impl Iterator<Item = (&Suspect, &Outcome)> {
-        self.suspects.iter().flatten().zip(&self.outcomes)
+    /// The likely causes that have been tried, with their results.
+    pub(super) fn tried(&self) -> impl Iterator<Item = (&LikelyCause, &Outcome)> {
+        self.likely_causes.iter().flatten().zip(&self.outcomes)
     }
 
     /// The log likelihood of the filter itself, if a UKF stands in for it.
@@ -199,10 +199,10 @@ impl Trials {
         &self.scenario
     }
 
-    /// The suspect that is tried now. `None` while the unchanged filter runs.
-    fn suspect(&self) -> Option<&Suspect> {
+    /// The likely cause that is tried now. `None` while the unchanged filter runs.
+    fn current(&self) -> Option<&LikelyCause> {
         self.before.as_ref()?;
-        self.suspects.as_ref()?.get(self.outcomes.len())
+        self.likely_causes.as_ref()?.get(self.outcomes.len())
     }
 
     /// The next trial at its first sample. `None` if its settings are invalid.
@@ -210,11 +210,11 @@ impl Trials {
         let scenario = match &self.before {
             None => self.scenario.clone(),
             Some(_) => {
-                let knobs = &self.suspect()?.knobs;
-                if knobs.is_empty() {
+                let edits = &self.current()?.edits;
+                if edits.is_empty() {
                     return None;
                 }
-                Edit::apply_all(knobs, &self.scenario).ok()?
+                Edit::apply_all(edits, &self.scenario).ok()?
             }
         };
         Some((Pass::new(&scenario, 0, &self.record).ok()?, Pass::history(&scenario, 0).ok()?))
@@ -227,15 +227,15 @@ impl Trials {
         let gains = self.before.as_ref().is_none_or(|before| log_likelihood > before.log_likelihood);
         let diagnosis = if gains { Diagnosis::new(&diagnostics, &estimates, &self.record, None) } else { None };
         let achieved = log_likelihood;
-        let anew = self.suspect().filter(|one| one.begins_anew);
-        let anew = anew.and_then(|suspect| self.begun_anew(suspect.samples.as_ref()?.start.checked_sub(self.first)?));
+        let anew = self.current().filter(|one| one.begins_anew);
+        let anew = anew.and_then(|likely| self.begun_anew(likely.samples.as_ref()?.start.checked_sub(self.first)?));
         let log_likelihood = anew.map_or(log_likelihood, |anew| anew.max(log_likelihood));
         let scaled = if stopped { f64::NEG_INFINITY } else { scaled_log_likelihood(&diagnostics) };
         let learnt = self.learnt(&estimates);
-        if self.suspects.is_none() {
+        if self.likely_causes.is_none() {
             let Self { scenario, origin, record, .. } = &*self;
             let of = |diagnosis: &Diagnosis| diagnosis.since(origin, scenario, 0, &diagnostics, &estimates, record);
-            self.suspects = Some(diagnosis.as_ref().map_or_else(Vec::new, of));
+            self.likely_causes = Some(diagnosis.as_ref().map_or_else(Vec::new, of));
         }
         let verdict = diagnosis.and_then(|diagnosis| diagnosis.verdict);
         let outcome = Outcome { log_likelihood, achieved, scaled, learnt, verdict };
@@ -248,9 +248,9 @@ impl Trials {
 
 impl Trials {
     /// The final estimate, in standard deviations, of the parameter that chooses the sentence about the current
-    /// suspect.
+    /// likely cause.
     fn learnt(&self, estimates: &Estimates) -> f64 {
-        let place = self.suspect().and_then(|suspect| estimates.place(suspect.sign?.channel));
+        let place = self.current().and_then(|likely| estimates.place(likely.sign?.channel));
         match (place, estimates.len().checked_sub(1)) {
             (Some(place), Some(last)) => estimates.canonical_mean(last, place) / estimates.std(last, place),
             _ => f64::NAN,

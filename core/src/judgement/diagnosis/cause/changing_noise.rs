@@ -1,6 +1,6 @@
 //! The noise of a sensor changes.
 
-use super::{Cause, Matter, Suspect};
+use super::{BadFilter, Cause, LikelyCause};
 use crate::Quantity;
 use crate::judgement::diagnosis::distributions::chi_squared_p;
 use crate::judgement::diagnosis::innovations::SensorInnovations;
@@ -21,7 +21,7 @@ pub(super) static CAUSE: Cause = Cause {
     name: "R that changes with time",
     hint: "A sensor is noisier for a while: another range, a loose cable, more traffic. Let the filter learn R as it goes, or leave \
            out the noisy part.",
-    suspects,
+    likely_causes,
 };
 
 /// Uses the innovations² of each part of the record. The innovations must stay white: a changing parameter would leave
@@ -32,18 +32,18 @@ pub(super) static CAUSE: Cause = Cause {
 /// ```
 ///
 /// Source: Bartlett (1937), Properties of sufficiency and statistical tests, *Proceedings of the Royal Society A* 160.
-fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>) {
-    if matter.filter.adaptation.sensor_noise {
+fn likely_causes(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
+    if bad.filter.adaptation.sensor_noise {
         return;
     }
-    let case = matter.case;
+    let case = bad.case;
     let changes = case.sensors.iter().filter_map(|one| Some((one.sensor, change(one)?)));
     let Some((sensor, change)) = changes.max_by(|a, b| a.1.ratio.total_cmp(&b.1.ratio)) else { return };
-    let sentence = sentence(matter, sensor, &change);
-    let knobs = vec![matter.knob("adaptation.sensor_noise", true)];
+    let sentence = sentence(bad, sensor, &change);
+    let edits = vec![bad.edit("adaptation.sensor_noise", true)];
     let weight = 1.0 - 1.0 / change.ratio;
     let samples = case.part(change.parts.0).start..case.part(change.parts.1 - 1).end;
-    found.push(Suspect { samples: Some(samples), ..Suspect::new(cause, weight, 1.0, knobs, sentence) });
+    found.push(LikelyCause { samples: Some(samples), ..LikelyCause::new(cause, weight, 1.0, edits, sentence) });
 }
 
 /// Successive parts of a record with other innovations² of a sensor than the rest.
@@ -80,9 +80,9 @@ fn change(one: &SensorInnovations) -> Option<Change> {
     (change.ratio > RATIO && !is_chance).then_some(change)
 }
 
-fn sentence(matter: &Matter<'_>, sensor: Quantity, change: &Change) -> String {
+fn sentence(bad: &BadFilter<'_>, sensor: Quantity, change: &Change) -> String {
     let (from, to) = change.parts;
-    let time = |part: usize| short(matter.case.record.time(matter.case.part(part).start));
+    let time = |part: usize| short(bad.case.record.time(bad.case.part(part).start));
     let (rest, there) = (short(change.levels.0), short(change.levels.1));
     let name = sensor.key();
     if to == PARTS {

@@ -1,6 +1,6 @@
 //! An accelerometer feels the disturbance that the process noise stands for.
 
-use super::{Cause, Matter, Suspect};
+use super::{BadFilter, Cause, LikelyCause};
 use crate::Channel;
 use crate::judgement::diagnosis::evidence::Subject;
 use crate::judgement::diagnosis::words::short;
@@ -10,12 +10,12 @@ pub(super) static CAUSE: Cause = Cause {
     name: "a disturbance felt by an accelerometer",
     hint: "An accelerometer reads the disturbance itself, so that its R is its own noise² and the disturbance² besides; or the \
            filter knows it as a white force, which moves the plant and is read.",
-    suspects,
+    likely_causes,
 };
 
-fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>) {
-    let (case, filter) = (matter.case, matter.filter);
-    let model = filter.model(matter.scenario.plant.kind, matter.scenario.input);
+fn likely_causes(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
+    let (case, filter) = (bad.case, bad.filter);
+    let model = filter.model(bad.scenario.plant.kind, bad.scenario.input);
     // The process noise of a velocity in a step is the disturbance times dt.
     let disturbance = filter.process_std[Channel::VELOCITY] / case.record.dt();
     let at_rest = vec![0.0; model.size()];
@@ -32,17 +32,17 @@ fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>
     let turned: Vec<f64> =
         filter.sensor_std.iter().enumerate().map(|(i, std)| libm::hypot(*std, felt(i).unwrap_or(0.0))).collect();
     let of = |subject: Subject| places.iter().any(|&i| subject == Subject::Sensor(case.sensors[i].sensor));
-    let weight = matter.effect_of(|one| of(one.subject));
+    let weight = bad.effect_of(|one| of(one.subject));
     let sentence =
         format!("Q stands for a disturbance of {} m/s², which the accelerometer feels too", short(disturbance));
-    found.push(Suspect::new(cause, weight, 0.0, vec![matter.knob("sensor_std", turned)], sentence.clone()));
+    found.push(LikelyCause::new(cause, weight, 0.0, vec![bad.edit("sensor_std", turned)], sentence.clone()));
     // A white force of the same size also models the accelerometer's reading of it; a larger R does not.
     if !filter.augment.contains(&Channel::WHITE_FORCE) {
-        let knobs = vec![
-            matter.augmented(Channel::WHITE_FORCE),
-            matter.knob(&format!("process_std.{}", Channel::WHITE_FORCE.key()), disturbance),
-            matter.knob(&format!("process_std.{}", Channel::VELOCITY.key()), 0.0),
+        let edits = vec![
+            bad.augmented(Channel::WHITE_FORCE),
+            bad.edit(&format!("process_std.{}", Channel::WHITE_FORCE.key()), disturbance),
+            bad.edit(&format!("process_std.{}", Channel::VELOCITY.key()), 0.0),
         ];
-        found.push(Suspect::new(cause, weight, 0.0, knobs, sentence));
+        found.push(LikelyCause::new(cause, weight, 0.0, edits, sentence));
     }
 }

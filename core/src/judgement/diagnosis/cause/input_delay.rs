@@ -1,6 +1,6 @@
 //! The input is recorded late or early.
 
-use super::{Cause, Matter, Suspect};
+use super::{BadFilter, Cause, LikelyCause};
 use crate::judgement::diagnosis::innovations::FIRST_CROSS_LAG;
 
 /// Limits the tried delays, in samples.
@@ -10,14 +10,14 @@ pub(super) static CAUSE: Cause = Cause {
     key: "input_delay",
     name: "an input that is late or early",
     hint: "Where input and sensors pass different filters or clocks, one is late. Shift the input by whole samples.",
-    suspects,
+    likely_causes,
 };
 
-fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>) {
-    if matter.input_size() == 0.0 {
+fn likely_causes(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
+    if bad.input_size() == 0.0 {
         return;
     }
-    let case = matter.case;
+    let case = bad.case;
     let mut near = 0.0_f64;
     for one in &case.sensors {
         for (lag, r) in (FIRST_CROSS_LAG..).zip(one.cross_correlation(&case.kept)) {
@@ -25,14 +25,14 @@ fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>
         }
     }
     for shift in (-MOST..=MOST).filter(|&shift| shift != 0) {
-        let delay = matter.filter.input_delay + shift;
+        let delay = bad.filter.input_delay + shift;
         // The change since the user's own settings.
-        let since = delay - matter.origin.input_delay;
+        let since = delay - bad.origin.input_delay;
         let (count, word) = (since.abs(), if since < 0 { "late" } else { "early" });
         let plural = if count == 1 { "" } else { "s" };
         let sentence =
             if count == 0 { String::new() } else { format!("the recorded input is {count} sample{plural} {word}") };
         let weight = 2.0 * near / (1.0 + 2.0 * near) / f64::from(shift.abs()).sqrt();
-        found.push(Suspect::new(cause, weight, 1.0, vec![matter.knob("input_delay", i64::from(delay))], sentence));
+        found.push(LikelyCause::new(cause, weight, 1.0, vec![bad.edit("input_delay", i64::from(delay))], sentence));
     }
 }

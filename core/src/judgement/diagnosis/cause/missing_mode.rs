@@ -1,6 +1,6 @@
 //! The plant has a mode that the model lacks.
 
-use super::{Cause, Matter, Suspect};
+use super::{BadFilter, Cause, LikelyCause};
 use crate::judgement::diagnosis::evidence::Subject;
 use crate::judgement::diagnosis::periodogram::Periodogram;
 use crate::judgement::diagnosis::words::short;
@@ -13,53 +13,53 @@ pub(super) static CAUSE: Cause = Cause {
     key: "missing_mode",
     name: "a mode that the model lacks",
     hint: "A line in the spectrum of the innovations is a resonance that the model does not have. Take a plant with one mass more.",
-    suspects,
+    likely_causes,
 };
 
-fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>) {
-    let believed = matter.filter.plant.unwrap_or(matter.scenario.plant.kind);
-    let Some(place) = matter.case.estimates.place(Channel::NATURAL_FREQUENCY) else { return };
+fn likely_causes(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
+    let believed = bad.filter.plant.unwrap_or(bad.scenario.plant.kind);
+    let Some(place) = bad.case.estimates.place(Channel::NATURAL_FREQUENCY) else { return };
     if believed.masses() != 1 {
         return;
     }
-    let case = matter.case;
+    let case = bad.case;
     let lines = case.sensors.iter().filter_map(|one| {
         let (power, turn) = one.periodogram.peak()?;
         Some((power / one.periodogram.mean(), turn / case.record.dt(), one.sensor))
     });
     let line = lines.max_by(|a, b| a.0.total_cmp(&b.0));
-    let weight = 0.6 * matter.effect_of(|one| one.test.name.contains("spectrum") && one.subject != Subject::All);
+    let weight = 0.6 * bad.effect_of(|one| one.test.name.contains("spectrum") && one.subject != Subject::All);
     let when = line.map_or(String::new(), |(_, frequency, _)| format!(", near {} rad/s", short(frequency)));
     // The first mode, as far as the filter and the measurements know it.
     let mut frequencies = vec![case.estimates.initial_mean(place).abs()];
-    frequencies.extend(measured_peak(matter));
+    frequencies.extend(measured_peak(bad));
     for frequency in frequencies {
         let stiffness = STIFFNESS * frequency * frequency;
-        let mut knobs = vec![matter.knob("plant", PlantKind::SHEAR_2.key())];
+        let mut edits = vec![bad.edit("plant", PlantKind::SHEAR_2.key())];
         for mass in 0..2 {
             let key = Channel::stiffness(mass).key();
-            knobs.push(matter.knob(&format!("initial_mean.{key}"), stiffness));
-            knobs.push(matter.knob(&format!("initial_std.{key}"), 0.3 * stiffness));
-            knobs.push(matter.knob(&format!("process_std.{key}"), 0.0));
+            edits.push(bad.edit(&format!("initial_mean.{key}"), stiffness));
+            edits.push(bad.edit(&format!("initial_std.{key}"), 0.3 * stiffness));
+            edits.push(bad.edit(&format!("process_std.{key}"), 0.0));
         }
         let key = Channel::STOREY_DAMPING.key();
-        knobs.push(matter.knob(&format!("initial_mean.{key}"), 0.1 * frequency));
-        knobs.push(matter.knob(&format!("initial_std.{key}"), 0.1 * frequency));
-        knobs.push(matter.knob(&format!("process_std.{key}"), 0.0));
+        edits.push(bad.edit(&format!("initial_mean.{key}"), 0.1 * frequency));
+        edits.push(bad.edit(&format!("initial_std.{key}"), 0.1 * frequency));
+        edits.push(bad.edit(&format!("process_std.{key}"), 0.0));
         for (first, second) in
             [(Channel::DISPLACEMENT, Channel::displacement(1)), (Channel::VELOCITY, Channel::velocity(1))]
         {
-            knobs.push(matter.knob(&format!("initial_std.{}", second.key()), matter.filter.initial_std[first]));
-            knobs.push(matter.knob(&format!("process_std.{}", second.key()), matter.filter.process_std[first]));
+            edits.push(bad.edit(&format!("initial_std.{}", second.key()), bad.filter.initial_std[first]));
+            edits.push(bad.edit(&format!("process_std.{}", second.key()), bad.filter.process_std[first]));
         }
-        found.push(Suspect::new(cause, weight, 1.0, knobs, format!("the model lacks a mode{when}")));
+        found.push(LikelyCause::new(cause, weight, 1.0, edits, format!("the model lacks a mode{when}")));
     }
 }
 
 /// The frequency with the most power in the measurements \[rad/s\].
-fn measured_peak(matter: &Matter<'_>) -> Option<f64> {
-    let record = matter.case.record;
-    let quantity = matter
+fn measured_peak(bad: &BadFilter<'_>) -> Option<f64> {
+    let record = bad.case.record;
+    let quantity = bad
         .case
         .sensors
         .iter()

@@ -1,6 +1,6 @@
 //! R is too small or too large.
 
-use super::{Cause, Matter, Suspect};
+use super::{BadFilter, Cause, LikelyCause};
 use crate::judgement::diagnosis::parts;
 use crate::judgement::diagnosis::words::short;
 
@@ -18,14 +18,14 @@ pub(super) static CAUSE: Cause = Cause {
     name: "R of a sensor",
     hint: "R is the variance of a sensor's noise. Where the innovations are larger than S, or smaller, and S is mostly R, set R \
            to what they are.",
-    suspects,
+    likely_causes,
 };
 
 /// Matches covariances: the mean square of e is H P Hᵀ + R, whatever R was assumed.
 ///
 /// Source: Mehra (1972), Approaches to adaptive filtering, section IV.
-fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>) {
-    let (case, assumed) = (matter.case, &matter.filter.sensor_std);
+fn likely_causes(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
+    let (case, assumed) = (bad.case, &bad.filter.sensor_std);
     let m = assumed.len();
     let mut factors = vec![(1.0, 1.0); m];
     for (i, (factors, std)) in factors.iter_mut().zip(assumed).enumerate() {
@@ -50,7 +50,7 @@ fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>
             return;
         }
         // The change since the user's own settings.
-        let turned_since = |i: usize| assumed[i] / matter.origin.sensor_std.get(i).unwrap_or(&assumed[i]);
+        let turned_since = |i: usize| assumed[i] / bad.origin.sensor_std.get(i).unwrap_or(&assumed[i]);
         let since = |i: usize| which(i) * turned_since(i) * turned_since(i);
         let of = |i: usize| {
             let (name, factor) = (case.sensors[i].sensor.key(), since(i));
@@ -60,9 +60,9 @@ fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>
         let told = (0..m).filter(|&i| far(since(i)));
         let sentence = told.map(of).collect::<Vec<_>>().join(", ");
         let weight = changed.iter().map(|&i| far_by(case.sensors[i].level(&case.kept))).fold(0.0, f64::max);
-        let knobs = vec![matter.knob("sensor_std", turned)];
+        let edits = vec![bad.edit("sensor_std", turned)];
         let silences = (0..m).any(|i| since(i) > SILENCE);
-        found.push(Suspect { silences, ..Suspect::new(cause, weight, changed.len() as f64, knobs, sentence) });
+        found.push(LikelyCause { silences, ..LikelyCause::new(cause, weight, changed.len() as f64, edits, sentence) });
     };
     if m > 1 {
         propose(&|i| factors[i].0);

@@ -1,6 +1,6 @@
 //! A parameter drifts.
 
-use super::{Cause, Matter, Suspect};
+use super::{BadFilter, Cause, LikelyCause};
 use crate::Channel;
 use crate::data::setting::Edit;
 use crate::judgement::diagnosis::words::percent;
@@ -15,21 +15,21 @@ pub(super) static CAUSE: Cause = Cause {
     key: "slow_drift",
     name: "a slow drift, or Q of the parameters",
     hint: "The parameters change, and the filter takes them for constant. Give them a process noise.",
-    suspects,
+    likely_causes,
 };
 
 /// Tries all parameters together, and each alone: a random walk of a constant parameter only adds to its error.
-fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>) {
-    let case = matter.case;
+fn likely_causes(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
+    let case = bad.case;
     let own = |channel: &Channel| channel.is_parameter() && !channel.is_augmentation();
     let all: Vec<(usize, Channel)> =
         case.estimates.channels().iter().copied().enumerate().filter(|(_, c)| own(c)).collect();
     let mut propose = |parameters: &[(usize, Channel)], told: &str| {
         for walk in WALKS {
-            let knobs: Vec<_> = parameters.iter().filter_map(|&one| knob(matter, one, walk)).collect();
-            if !knobs.is_empty() {
+            let edits: Vec<_> = parameters.iter().filter_map(|&one| edit(bad, one, walk)).collect();
+            if !edits.is_empty() {
                 let sentence = format!("{told}, by about {} over the record", percent(walk));
-                found.push(Suspect::new(cause, 0.3, 1.0, knobs, sentence));
+                found.push(LikelyCause::new(cause, 0.3, 1.0, edits, sentence));
             }
         }
     };
@@ -42,9 +42,9 @@ fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>
 }
 
 /// The process noise of a parameter at a place that walks by a share of itself over the record.
-fn knob(matter: &Matter<'_>, (place, channel): (usize, Channel), walk: f64) -> Option<Edit> {
-    let (mean, doubt) = (matter.case.estimates.initial_mean(place).abs(), matter.case.estimates.initial_std(place));
-    let std = walk * mean.max(doubt) / (matter.case.len().max(2) as f64).sqrt();
-    let moves = std > matter.filter.process_std[channel] && doubt > 0.0;
-    moves.then(|| matter.knob(&format!("process_std.{}", channel.key()), std))
+fn edit(bad: &BadFilter<'_>, (place, channel): (usize, Channel), walk: f64) -> Option<Edit> {
+    let (mean, doubt) = (bad.case.estimates.initial_mean(place).abs(), bad.case.estimates.initial_std(place));
+    let std = walk * mean.max(doubt) / (bad.case.len().max(2) as f64).sqrt();
+    let moves = std > bad.filter.process_std[channel] && doubt > 0.0;
+    moves.then(|| bad.edit(&format!("process_std.{}", channel.key()), std))
 }

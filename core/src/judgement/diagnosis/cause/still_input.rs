@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::{Cause, Matter, Suspect};
+use super::{BadFilter, Cause, LikelyCause};
 use crate::judgement::diagnosis::words::short;
 
 /// The least share of a record in which the input must stand still.
@@ -22,11 +22,11 @@ pub(super) static CAUSE: Cause = Cause {
     key: "still_input",
     name: "an input that is not recorded for a while",
     hint: "A cable, an amplifier or a logger has stopped. No setting of a filter makes up for it: leave that part of the record out.",
-    suspects,
+    likely_causes,
 };
 
-fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>) {
-    let case = matter.case;
+fn likely_causes(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
+    let case = bad.case;
     let input = &case.record.input()[case.samples.clone()];
     let Some(still) = still_part(input) else { return };
     let part = case.samples.start + still.start..case.samples.start + still.end;
@@ -51,8 +51,8 @@ fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>
         short(there),
         short(elsewhere)
     );
-    let suspect = Suspect::new(cause, 1.0 - 1.0 / there, 0.0, Vec::new(), sentence);
-    found.push(Suspect { certain: true, of_record: true, samples: Some(part), ..suspect });
+    let likely = LikelyCause::new(cause, 1.0 - 1.0 / there, 0.0, Vec::new(), sentence);
+    found.push(LikelyCause { certain: true, of_record: true, samples: Some(part), ..likely });
 }
 
 /// The longest part in which an input that moves elsewhere stands still, if it is long.

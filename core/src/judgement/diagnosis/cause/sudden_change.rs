@@ -1,6 +1,6 @@
 //! A parameter has changed suddenly.
 
-use super::{Cause, Matter, Suspect};
+use super::{BadFilter, Cause, LikelyCause};
 use crate::judgement::diagnosis::change::{Change, change_point};
 use crate::judgement::diagnosis::words::short;
 
@@ -21,11 +21,11 @@ pub(super) static CAUSE: Cause = Cause {
     name: "a sudden change",
     hint: "Something has changed at once, and a filter that is sure of its parameters does not follow. Let it widen P once, where its \
            innovations jump, or let its memory fade.",
-    suspects,
+    likely_causes,
 };
 
-fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>) {
-    let case = matter.case;
+fn likely_causes(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
+    let case = bad.case;
     let change = change_point(&case.estimates.nis()[case.samples.clone()]);
     let is_one = |change: &Change| change.rise >= RISE && change.p_value < LEVEL;
     let Some(Change { at, rise, p_value }) = change.filter(is_one) else { return };
@@ -34,13 +34,13 @@ fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>
     let time = short(case.record.time(at));
     let chance = if p_value > 0.0 { format!(" (p = {p_value:.0e})") } else { String::new() };
     let weight = 1.0 - 1.0 / rise;
-    let jump = (!matter.filter.jump).then(|| matter.knob("jump", true));
-    let fading = FADING.into_iter().filter(|fading| *fading > matter.filter.fading);
-    let fading = fading.map(|fading| (FADES, matter.knob("fading", fading)));
-    for (share, knob) in jump.map(|jump| (1.0, jump)).into_iter().chain(fading) {
+    let jump = (!bad.filter.jump).then(|| bad.edit("jump", true));
+    let fading = FADING.into_iter().filter(|fading| *fading > bad.filter.fading);
+    let fading = fading.map(|fading| (FADES, bad.edit("fading", fading)));
+    for (share, edit) in jump.map(|jump| (1.0, jump)).into_iter().chain(fading) {
         let sentence =
             format!("something changed at once, near {time} s: innovations² rise {} times there{chance}", short(rise));
-        let suspect = Suspect::new(cause, share * weight, 2.0, vec![knob], sentence);
-        found.push(Suspect { samples: Some(samples.clone()), begins_anew: true, ..suspect });
+        let likely = LikelyCause::new(cause, share * weight, 2.0, vec![edit], sentence);
+        found.push(LikelyCause { samples: Some(samples.clone()), begins_anew: true, ..likely });
     }
 }

@@ -1,6 +1,6 @@
 //! The evidence for a verdict and the causes of it, in words.
 
-use kalmanscope_core::diagnosis::{Evidence, Finding};
+use kalmanscope_core::diagnosis::{Evidence, Remedy};
 use kalmanscope_core::internals::sort_short_by;
 use kalmanscope_core::setting::Edit;
 use kalmanscope_core::{Diagnosis, Scenario};
@@ -24,35 +24,35 @@ pub(crate) fn evidence(diagnosis: &Diagnosis) -> Vec<String> {
 
 /// A cause in words, or several that are repaired one after the other.
 pub(crate) struct CauseInWords {
-    /// The causes in order, the gain in likelihood with all knobs turned, and the verdict then.
+    /// The causes in order, the gain in likelihood with all edits made, and the verdict then.
     pub(crate) sentence: String,
     /// The lines to write into the scenario, or a hint if there is no setting to change.
     pub(crate) remedies: Vec<String>,
 }
 
 /// The sentence before causes that do not explain the verdict. `None` if the first one explains it.
-pub(crate) fn unexplained(causes: &[Finding]) -> Option<String> {
+pub(crate) fn unexplained(causes: &[Remedy]) -> Option<String> {
     let best = causes.first().filter(|first| !first.explains())?;
     let ends = best.after.as_ref().map_or("no better", |verdict| verdict.kind.name());
     Some(format!("none of these causes explains it: with the best remedy it is still {ends}"))
 }
 
 /// The likeliest causes, the first the likeliest, for a filter of a scenario.
-pub(crate) fn likeliest(causes: &[Finding], scenario: &Scenario) -> Vec<CauseInWords> {
-    let words = |(number, finding): (usize, &Finding)| {
+pub(crate) fn likeliest(causes: &[Remedy], scenario: &Scenario) -> Vec<CauseInWords> {
+    let words = |(number, remedy): (usize, &Remedy)| {
         let mut told = Vec::new();
-        if finding.gain.is_finite() {
-            let sign = if finding.gain < 0.0 { "" } else { "+" };
-            told.push(format!("log likelihood {sign}{}", fixed(finding.gain, 0)));
+        if remedy.gain.is_finite() {
+            let sign = if remedy.gain < 0.0 { "" } else { "+" };
+            told.push(format!("log likelihood {sign}{}", fixed(remedy.gain, 0)));
         }
-        told.extend(finding.after.as_ref().map(|verdict| format!("then {}", verdict.kind.name())));
+        told.extend(remedy.after.as_ref().map(|verdict| format!("then {}", verdict.kind.name())));
         let told = if told.is_empty() { String::new() } else { format!(" ({})", told.join(", ")) };
-        let each = finding.causes().map(|suspect| format!("{}: {}", suspect.cause.name, suspect.sentence));
+        let each = remedy.causes().map(|likely| format!("{}: {}", likely.cause.name, likely.sentence));
         let sentence = each.collect::<Vec<_>>().join("; and then ") + &told;
-        let remedies = if finding.knobs.is_empty() {
-            vec![finding.suspect.cause.hint.to_owned()]
+        let remedies = if remedy.edits.is_empty() {
+            vec![remedy.first.cause.hint.to_owned()]
         } else {
-            let mut remedies = lines(&finding.knobs, scenario);
+            let mut remedies = lines(&remedy.edits, scenario);
             remedies.push(format!("or have it written: kalmanscope-cli run ... --fix {number} --out FIXED.toml"));
             remedies
         };
@@ -61,12 +61,12 @@ pub(crate) fn likeliest(causes: &[Finding], scenario: &Scenario) -> Vec<CauseInW
     (1..).zip(causes).take(MOST.1).map(words).collect()
 }
 
-/// The lines that turn some knobs.
-fn lines(knobs: &[Edit], scenario: &Scenario) -> Vec<String> {
+/// The lines of some edits.
+fn lines(edits: &[Edit], scenario: &Scenario) -> Vec<String> {
     let line = |(filter, line): (Option<String>, String)| {
         let place = if filter.is_some() { "in its [[filters]]" } else { "at the top" };
         format!("write {place}: {}", legible(&line))
     };
-    // A trial has turned them: they can be turned.
-    Edit::toml_lines(knobs, scenario).unwrap_or_default().into_iter().map(line).collect()
+    // A trial has made them: they can be made.
+    Edit::toml_lines(edits, scenario).unwrap_or_default().into_iter().map(line).collect()
 }
