@@ -174,6 +174,11 @@ impl App {
         &self.session
     }
 
+    /// The time that the user points at in a plot \[s\].
+    pub fn pointed(&self) -> Option<f64> {
+        self.axis.pointed
+    }
+
     /// The session on screen, for tests to set up.
     pub fn session_mut(&mut self) -> &mut Session {
         &mut self.session

@@ -3,7 +3,7 @@
 use std::cell::OnceCell;
 use std::sync::Arc;
 
-use egui::{Color32, Id, Sense, Ui, Vec2, Vec2b};
+use egui::{Color32, CursorIcon, Id, Sense, Ui, Vec2, Vec2b};
 use egui_plot::{AxisHints, Plot};
 
 use super::cache::cached;
@@ -18,7 +18,9 @@ use super::heading::{Readout, heading_ui};
 use super::input::PlotInput;
 use super::labels::Labels;
 use super::layers::Layer;
+use super::lens::lens_ui;
 use super::medium::Medium;
+use super::pick::filter_at;
 use super::strips::Strips;
 use super::ticks::{LOG_TICKS_FADE, Side, log_tick, tick_inside};
 use super::turns::in_turn;
@@ -149,10 +151,14 @@ impl Chart<'_> {
         });
         let (pointed, transform) = (response.inner, response.transform);
         let response = response.response;
-        cursor_gestures(ui, &self.key, &response, &transform, input, requests);
         if medium == Medium::Figure {
             return ChartResponse { pointed: None, alone: false };
         }
+        let marks = drawn.get().map_or(&[][..], |drawn| drawn.marks());
+        let under = response.hover_pos().and_then(|position| filter_at(marks, &transform, position, input));
+        let response = if under.is_some() { response.on_hover_cursor(CursorIcon::PointingHand) } else { response };
+        let pointed = lens_ui(ui, &response, &transform, &readouts).or(pointed);
+        cursor_gestures(ui, &self.key, (&response, under), &transform, input, requests);
         handles_ui(ui, &self.key, &self.handles, &transform, input, requests);
         let inside = |time: f64| gaps.iter().find(|gap| gap.times.0 <= time && time <= gap.times.1);
         let response = match pointed.and_then(inside) {

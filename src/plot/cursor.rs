@@ -108,11 +108,12 @@ impl Cursors {
     }
 }
 
-/// A click goes to a time, with Shift it sets a mark; marks are dragged.
+/// A click on the line of a filter, `under`, selects that filter; elsewhere it goes to a time, with Shift it sets a mark. Marks
+/// are dragged.
 pub(super) fn cursor_gestures(
     ui: &Ui,
     key: &str,
-    response: &Response,
+    (response, under): (&Response, Option<u32>),
     transform: &PlotTransform,
     input: &PlotInput<'_>,
     requests: &mut Vec<Request>,
@@ -125,7 +126,11 @@ pub(super) fn cursor_gestures(
     if let Some(pointer) = response.interact_pointer_pos().filter(|_| response.clicked_by(PointerButton::Primary)) {
         let time = time_at(pointer.x);
         let marks = ui.input(|input| input.modifiers.shift);
-        requests.push(if marks { Request::MarkTime(time) } else { Request::Seek(time - record.time_of(0)) });
+        requests.push(match under {
+            _ if marks => Request::MarkTime(time),
+            Some(filter) => Request::Diagnose(filter),
+            None => Request::Seek(time - record.time_of(0)),
+        });
     }
     for end in End::BOTH {
         let Some(time) = input.ruler.time(end) else { continue };

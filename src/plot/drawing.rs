@@ -43,4 +43,9 @@ impl Drawing {
     pub(crate) fn show<'a>(&'a self, grid: Grid, plot: &mut PlotUi<'a>) {
         plot.add(Decoration::new("drawing", DrawingItem::new(grid, &self.marks, &self.painted)));
     }
+
+    /// The marks, from the lowest on.
+    pub(super) fn marks(&self) -> &[Mark] {
+        &self.marks
+    }
 }

@@ -205,3 +205,26 @@ fn a_lesson_on_a_phone_on_its_side_leaves_plots_in_sight() {
     tap(&mut screen, "Next");
     assert!(screen.get_by_label("Plot of the natural frequency").rect().height() > 110.0);
 }
+
+#[test]
+fn a_finger_that_is_held_reads_values_and_the_page_stays() {
+    let mut screen = phone(PHONE);
+    let session = screen.state_mut().session_mut();
+    session.set_mode(Mode::Whole);
+    session.pause();
+    screen.run_steps(10);
+    let plot = screen.get_by_label("Plot of the natural frequency").rect();
+    let before = screen.state().session().time();
+    touch(&mut screen, TouchPhase::Start, plot.center());
+    screen.run_steps(120);
+    for step in 1..=8 {
+        touch(&mut screen, TouchPhase::Move, plot.center() + egui::vec2(5.0 * step as f32, -8.0 * step as f32));
+    }
+    screen.run_steps(4);
+    assert_eq!(screen.get_by_label("Plot of the natural frequency").rect(), plot, "the page does not scroll");
+    let time = screen.state().pointed().expect("the finger points at a time");
+    assert!((35.0..42.0).contains(&time), "{time}");
+    touch(&mut screen, TouchPhase::End, plot.center());
+    screen.run_steps(4);
+    assert_eq!(screen.state().session().time(), before, "nothing was clicked");
+}

@@ -1,5 +1,6 @@
 //! The story above the plots, the few settings that it names, and the timeline at the foot.
 
+use super::hand::click_at;
 use super::*;
 
 /// The screen of a first visit, at the end of its record.
@@ -192,4 +193,36 @@ fn many_views_keep_their_heights_and_scroll() {
         let rect = screen.get_by_label(&format!("Plot of the {name}")).rect();
         assert!(rect.height() > 80.0, "{name}: {rect}");
     }
+}
+
+/// A place on a plot where the pointer is a hand, which it is over a line of a filter.
+fn on_a_line(screen: &mut Screen, plot: &str) -> egui::Pos2 {
+    let rect = screen.get_by_label(plot).rect();
+    let x = rect.left() + 0.9 * rect.width();
+    let places = (0..rect.height() as usize / 3).map(|row| egui::pos2(x, rect.top() + 3.0 * row as f32));
+    for place in places {
+        screen.hover_at(place);
+        screen.run_steps(2);
+        if screen.output().platform_output.cursor_icon == egui::CursorIcon::PointingHand {
+            return place;
+        }
+    }
+    panic!("no line of {plot} is under the pointer");
+}
+
+#[test]
+fn a_click_on_a_line_selects_its_filter_and_elsewhere_goes_to_a_time() {
+    let mut screen = first_visit(DESKTOP);
+    let line = on_a_line(&mut screen, "Plot of the natural frequency");
+    click_at(&mut screen, line, Modifiers::NONE);
+    screen.run_steps(4);
+    screen.get_by_label("Close the diagnosis");
+    assert_eq!(screen.state().session().time(), 20.0, "the time stays");
+    screen.key_press(Key::Escape);
+    screen.run_steps(3);
+    let rect = screen.get_by_label("Plot of the natural frequency").rect();
+    click_at(&mut screen, egui::pos2(line.x, rect.top() + 4.0), Modifiers::NONE);
+    screen.run_steps(4);
+    assert!(screen.query_by_label("Close the diagnosis").is_none());
+    assert!(screen.state().session().time() < 20.0, "a click beside the line goes to its time");
 }

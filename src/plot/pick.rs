@@ -1,0 +1,69 @@
+//! The filter whose line is under the pointer.
+
+use egui::{Color32, Pos2};
+use egui_plot::PlotTransform;
+
+use super::input::PlotInput;
+use super::marks::Mark;
+use super::projection::Projection;
+
+/// A line is hit from within this distance \[points\].
+const REACH: f32 = 5.0;
+
+/// The id of the filter with the line nearest to a position, if one is within reach. Each filter has one colour, which its lines have
+/// in all plots.
+pub(super) fn filter_at(
+    marks: &[Mark],
+    transform: &PlotTransform,
+    position: Pos2,
+    input: &PlotInput<'_>,
+) -> Option<u32> {
+    let projection = Projection::new(transform);
+    let (color, _) = marks
+        .iter()
+        .filter_map(|mark| match mark {
+            Mark::Line { points, color, dashed: false, .. } => {
+                // Only points around the pointer can be near: a line goes from left to right.
+                let time = |x: f32| transform.value_from_position(Pos2 { x, ..position }).x;
+                let (from, to) = (time(position.x - REACH), time(position.x + REACH));
+                let first = points.partition_point(|point| point.x < from).saturating_sub(1);
+                let last = (points.partition_point(|point| point.x <= to) + 1).min(points.len());
+                let places: Vec<Pos2> =
+                    points.get(first..last)?.iter().map(|point| projection.at(point.x, point.y)).collect();
+                let nearest = places.windows(2).map(|ends| distance(position, ends[0], ends[1]));
+                Some((*color, nearest.fold(f32::INFINITY, f32::min)))
+            }
+            _ => None,
+        })
+        .filter(|(_, distance)| *distance <= REACH)
+        .min_by(|a, b| a.1.total_cmp(&b.1))?;
+    of_color(color, input)
+}
+
+/// The id of the visible filter with a colour.
+fn of_color(color: Color32, input: &PlotInput<'_>) -> Option<u32> {
+    let PlotInput { session, palette, visible, .. } = *input;
+    let mut filters = session.run().estimates().iter().filter(|estimates| visible.filter(estimates.id()));
+    filters.find(|estimates| palette.shade(estimates.color()) == color).map(|estimates| estimates.id())
+}
+
+/// The distance of a position from a line between two ends.
+fn distance(position: Pos2, from: Pos2, to: Pos2) -> f32 {
+    let along = to - from;
+    let share = ((position - from).dot(along) / along.length_sq().max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
+    position.distance(from + share * along)
+}
+
+#[cfg(test)]
+mod tests {
+    use egui::pos2;
+
+    use super::distance;
+
+    #[test]
+    fn the_distance_from_a_line_ends_at_its_ends() {
+        let of = |x, y| distance(pos2(x, y), pos2(0.0, 0.0), pos2(10.0, 0.0));
+        assert_eq!((of(5.0, 3.0), of(-4.0, 3.0), of(13.0, 4.0)), (3.0, 5.0, 5.0));
+        assert_eq!(distance(pos2(3.0, 4.0), pos2(0.0, 0.0), pos2(0.0, 0.0)), 5.0);
+    }
+}
