@@ -10,6 +10,7 @@ use crate::probe;
 use crate::request::{Arrangement, Request, ViewKind};
 use crate::session::{Session, Setting};
 use crate::theme;
+use crate::thumbnail::thumbnail;
 use crate::tutor::{self, Catalogue};
 use crate::views::view;
 
@@ -107,7 +108,8 @@ fn scenario_menu_ui(ui: &mut Ui, session: &Session, is_roomy: bool, requests: &m
 
 fn entries_ui(ui: &mut Ui, entries: &[BuiltIn], requests: &mut Vec<Request>) {
     for entry in entries {
-        if entry_ui(ui, entry.title, entry.description()).clicked() {
+        let picture = thumbnail(ui.ctx(), entry);
+        if entry_ui(ui, entry.title, entry.description(), picture).clicked() {
             requests.push(Request::Open(*entry));
             ui.close();
         }

@@ -6,7 +6,6 @@ mod conditioning;
 mod dialog;
 mod draft;
 mod source;
-mod spark;
 mod spectra;
 
 use std::rc::Rc;

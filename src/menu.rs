@@ -2,7 +2,14 @@
 
 use egui::containers::menu::{MenuConfig, menu_style};
 use egui::text::{LayoutJob, TextFormat};
-use egui::{Button, Popup, PopupCloseBehavior, Response, ScrollArea, TextStyle, Ui, UiKind, UiStackInfo, vec2};
+use std::sync::Arc;
+
+use egui::{
+    Atom, AtomPaintArgs, Button, Popup, PopupCloseBehavior, Response, ScrollArea, TextStyle, Ui, UiKind, UiStackInfo,
+    Vec2, vec2,
+};
+
+use crate::spark::Spark;
 
 /// The distance of a menu's contents from its button and from the window's edge, together \[points\].
 const MARGINS: f32 = 28.0;
@@ -12,6 +19,9 @@ const LEAST: f32 = 100.0;
 
 /// The width of an entry with a sentence, where there is room \[points\].
 const ENTRY: f32 = 420.0;
+
+/// The size of an entry's picture \[points\].
+const PICTURE: Vec2 = vec2(64.0, 26.0);
 
 /// When a menu closes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,14 +59,23 @@ pub(crate) fn menu_ui(
     button
 }
 
-/// An entry of a menu: a title, and its sentence below it.
-pub(crate) fn entry_ui(ui: &mut Ui, title: &str, sentence: &str) -> Response {
+/// An entry of a menu: a picture, if there is one, and beside it a title with its sentence.
+pub(crate) fn entry_ui(ui: &mut Ui, title: &str, sentence: &str, picture: Option<Arc<Spark>>) -> Response {
     ui.set_min_width(ENTRY.min(ui.ctx().content_rect().width() - 40.0));
     let [body, small] = [TextStyle::Body, TextStyle::Small].map(|style| style.resolve(ui.style()));
     let mut text = LayoutJob::default();
     text.append(&format!("{title}\n"), 0.0, TextFormat::simple(body, ui.visuals().strong_text_color()));
     text.append(sentence, 0.0, TextFormat::simple(small, ui.visuals().weak_text_color()));
-    let button = ui.add(Button::new(text).wrap().frame_when_inactive(false).min_size(vec2(ui.available_width(), 0.0)));
+    let color = ui.visuals().text_color();
+    let paint = move |ui: &Ui, place: AtomPaintArgs| {
+        picture.iter().for_each(|picture| picture.paint(ui.painter(), place.rect, color));
+    };
+    let button = ui.add(
+        Button::new((Atom::paint(PICTURE, paint), text))
+            .wrap()
+            .frame_when_inactive(false)
+            .min_size(vec2(ui.available_width(), 0.0)),
+    );
     button.ctx.accesskit_node_builder(button.id, |node| node.set_label(title));
     button
 }

@@ -7,9 +7,9 @@ use kalmanscope_core::suggest::scenario_for;
 use kalmanscope_core::{Hold, InputKind, PlantKind, Quantity, Scenario};
 
 use super::source::{Choices, Shared};
-use super::spark::Spark;
 use super::spectra::Spectra;
 use crate::session::RecordFile;
+use crate::spark::Spark;
 
 /// The meaning of a file's columns while the user chooses it.
 pub struct Draft {

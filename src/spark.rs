@@ -1,19 +1,19 @@
-//! The shape of a column in a small plot.
+//! The shape of a series of values in a small plot.
 
-use egui::{Color32, Response, Sense, Shape, Stroke, Ui, Vec2, pos2};
+use egui::{Color32, Painter, Rect, Response, Sense, Shape, Stroke, Ui, Vec2, pos2};
 
 /// The columns of pixels.
 const WIDTH: usize = 120;
 const HEIGHT: f32 = 30.0;
 
 /// The lowest and the highest value of each column of pixels, from 0 at the bottom to 1 at the top.
-pub(super) struct Spark {
+pub(crate) struct Spark {
     ranges: Vec<Option<(f32, f32)>>,
 }
 
 impl Spark {
     /// The shape of some values.
-    pub(super) fn new(values: &[f64]) -> Self {
+    pub(crate) fn new(values: &[f64]) -> Self {
         let there = values.iter().filter(|value| value.is_finite());
         let (low, high) = there.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &v| (low.min(v), high.max(v)));
         let span = if high > low { high - low } else { 1.0 };
@@ -28,9 +28,15 @@ impl Spark {
     }
 
     /// Draws it.
-    pub(super) fn ui(&self, ui: &mut Ui, color: Color32) -> Response {
+    pub(crate) fn ui(&self, ui: &mut Ui, color: Color32) -> Response {
         let (response, painter) = ui.allocate_painter(Vec2::new(WIDTH as f32, HEIGHT), Sense::hover());
-        let rect = response.rect.shrink(1.0);
+        self.paint(&painter, response.rect, color);
+        response
+    }
+
+    /// Draws it into a rectangle.
+    pub(crate) fn paint(&self, painter: &Painter, rect: Rect, color: Color32) {
+        let rect = rect.shrink(1.0);
         let step = rect.width() / self.ranges.len().max(1) as f32;
         let height = |share: f32| rect.bottom() - share * rect.height();
         let mut before: Option<(f32, f32)> = None;
@@ -46,6 +52,5 @@ impl Spark {
             }
             before = *range;
         }
-        response
     }
 }
