@@ -50,6 +50,11 @@ pub(crate) enum Command {
         after_help = "Example:\n  kalmanscope-cli sweep scenario.toml --vary filters.EKF.fading=1:1.02:5 --seeds 100 --out table.csv"
     )]
     Sweep(SweepArgs),
+    /// Filter readings while they come in: a line in, the newest estimates out
+    #[command(
+        after_help = "Examples:\n  kalmanscope-cli run scenario.toml --quiet --record-out - | kalmanscope-cli stream scenario.toml\n  mosquitto_sub -t shaker | kalmanscope-cli stream scenario.toml --json\n  kalmanscope-cli stream scenario.toml udp://127.0.0.1:9870 --late 0.5"
+    )]
+    Stream(StreamArgs),
     /// Find the values of some settings of a filter with which it does best on a record
     #[command(
         after_help = "Example:\n  kalmanscope-cli tune record.toml --turn filters.EKF.fading=1:1.02 --out tuned.toml"
@@ -75,6 +80,28 @@ pub(crate) struct LessonArgs {
     /// Number of records to try, with the seeds 1, 2, ...
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..=100_000))]
     pub(crate) seeds: u64,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct StreamArgs {
+    /// The scenario, a TOML file; its force and its truth do not matter
+    pub(crate) scenario: PathBuf,
+    /// Where lines come from: a file, `tcp://HOST:PORT` to connect to, `udp://HOST:PORT` to listen at, `-` for standard input.
+    /// A line is a row of numbers under a header such as `t,force,displacement`, or a JSON object such as
+    /// {"t": 0.01, "displacement": 0.002}. It has what is new: cells may be empty, and sensors may have clocks of their own
+    #[arg(default_value = "-")]
+    pub(crate) source: PathBuf,
+    /// Take in what comes late by up to this time, at its own time
+    #[arg(long, value_name = "SECONDS", default_value_t = 1.0, value_parser = seconds)]
+    pub(crate) late: f64,
+    /// Write JSON objects, one a line, in place of a table
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let seconds = text.parse().ok().filter(|seconds: &f64| (0.0..=3600.0).contains(seconds));
+    seconds.ok_or_else(|| "expected a number from 0 to 3600".to_owned())
 }
 
 #[derive(Debug, Args)]

@@ -14,6 +14,7 @@ mod prepared;
 mod progress;
 mod record;
 mod run;
+mod stream;
 mod sweep;
 mod tune;
 mod write_report;
@@ -35,6 +36,9 @@ fn main() -> ExitCode {
         }),
         Command::Report(args) => write_report::write_report(&args).map(|()| ExitCode::SUCCESS),
         Command::Import(args) => import::import(&args).map(|()| ExitCode::SUCCESS),
+        Command::Stream(args) => {
+            stream::stream(&args).map(|goes_on| if goes_on { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+        }
         Command::Sweep(args) => sweep::sweep(&args).map(|()| ExitCode::SUCCESS),
         Command::Tune(args) => tune::tune(&args).map(|()| ExitCode::SUCCESS),
         Command::Completions { shell } => {

@@ -123,7 +123,7 @@ pub(crate) fn scenario_and_record(
     Ok((scenario, imported))
 }
 
-fn read_scenario(file: &Path, quiet: bool) -> Result<Scenario, InputError> {
+pub(crate) fn read_scenario(file: &Path, quiet: bool) -> Result<Scenario, InputError> {
     let bytes = read_short(file)?;
     let is_toml = std::str::from_utf8(&bytes).is_ok_and(|text| Document::from_toml(text).is_ok());
     if !is_toml && import::read(bytes.as_slice(), None).is_ok() {

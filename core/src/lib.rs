@@ -26,6 +26,7 @@
 //! [`KalmanFilter`] needs no scenario: it filters any linear system of matrices A, B, H, Q and R, with a measurement function of
 //! one's own if need be ([`MeasurementModel`]).
 //!
+//! [`EventFilter`] follows sensors with clocks of their own, whose readings may come late.
 //! [`OnlineFilter`] is a filter of a scenario over samples that come in one by one; [`Pass`] is one over a record. Both report to a
 //! [`Sink`], which a program can be itself. For KF, EKF, IEKF, UKF, SR-UKF and CKF neither reserves memory for a sample, unless
 //! noise is learnt or readings are weighed.
@@ -62,7 +63,7 @@
 //! | | [`setting`] | each setting with its name, unit, limits and address |
 //! | | [`record`] | the input and the measurements over time |
 //! | | [`import`] | records from files |
-//! | samples | | ([`simulate()`], [`Run`], [`Pass`], [`OnlineFilter`], [`Sink`], [`Estimates`]) |
+//! | samples | | ([`simulate()`], [`Run`], [`Pass`], [`OnlineFilter`], [`EventFilter`], [`Sink`], [`Estimates`]) |
 //! | numbers | [`score`] | what a map shows of a filter, without its history |
 //! | | [`diagnostics`] | errors, NEES, NIS and whiteness over time |
 //! | | [`free_run`] | what an identified model predicts without measurements |
@@ -110,6 +111,7 @@ pub use numbers::score::Scores;
 pub use numbers::spectrogram::{Spectrogram, Windows};
 pub use numbers::spectrum::Spectrum;
 pub use samples::estimates::{Estimates, Stop};
+pub use samples::events::{EventError, EventFilter, EventSetupError};
 pub use samples::online::{OnlineError, OnlineFilter};
 pub use samples::pass::Pass;
 pub use samples::remarks::{Remark, Trouble};

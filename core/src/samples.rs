@@ -4,6 +4,7 @@ pub(crate) mod bank;
 pub(crate) mod by_channel;
 pub(crate) mod estimates;
 pub(crate) mod estimator;
+pub(crate) mod events;
 pub(crate) mod guesses;
 pub(crate) mod online;
 pub(crate) mod pass;

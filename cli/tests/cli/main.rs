@@ -10,6 +10,7 @@ mod records;
 mod refused;
 mod report;
 mod run;
+mod stream;
 mod sweep;
 mod tune;
 

@@ -250,6 +250,11 @@ impl<B: Belief + ?Sized> Filter<B> {
         &mut self.belief
     }
 
+    /// Begins from another belief.
+    pub(crate) fn set_belief(&mut self, belief: Box<B>) {
+        self.belief = belief;
+    }
+
     /// The model.
     pub fn model(&self) -> &Model {
         &self.model
@@ -287,6 +292,17 @@ impl<B: Belief + ?Sized> Filter<B> {
     /// [`FilterError::UndefinedForce`]. Any other prediction that overflows is found by the update.
     pub fn predict(&mut self, forces: [f64; 2]) -> Result<(), FilterError> {
         self.predict_by(forces, |_, _, _| Ok(()))
+    }
+
+    /// Carries the belief over some time \[s\] with this noise, with the recorded forces over mass at both ends \[m/s²\].
+    ///
+    /// # Errors
+    /// Those of [`Self::predict`].
+    pub(crate) fn predict_over(&mut self, dt: f64, forces: [f64; 2], noise: &Noise) -> Result<(), FilterError> {
+        if !forces.iter().all(|force| force.is_finite()) {
+            return Err(FilterError::UndefinedForce);
+        }
+        self.belief.predict(&self.model, Step { forces, dt }, noise)
     }
 
     /// [`Self::predict`], which calls `before` with model, belief and the next part of the step, before each part.

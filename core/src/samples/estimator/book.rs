@@ -52,7 +52,7 @@ impl Estimator for Followed {
 
 /// Writes the belief, and that before the update if there is one, to the sink in the channels' units. `prior` is
 /// converted in place; `in_units` is scratch memory.
-fn report(
+pub(crate) fn report(
     filter: &Filter,
     correction: &Correction,
     mut prior: Option<&mut Gaussian>,
@@ -155,8 +155,16 @@ pub(crate) fn initial_belief(
     settings: &FilterSettings,
     context: &FilterContext<'_>,
 ) -> Result<Box<dyn Belief>, FilterError> {
-    let normal = Normal::new(context.seed, Purpose::Ensemble(context.stream));
-    (settings.kind.info().begin)(initial_gaussian(&context.model(settings), settings), &settings.method(), normal)
+    (settings.kind.info().begin)(
+        initial_gaussian(&context.model(settings), settings),
+        &settings.method(),
+        normal(context),
+    )
+}
+
+/// The random numbers of a filter.
+pub(crate) fn normal(context: &FilterContext<'_>) -> Normal {
+    Normal::new(context.seed, Purpose::Ensemble(context.stream))
 }
 
 /// Mean and covariance that some settings begin with, in the model's state.

@@ -1,0 +1,219 @@
+//! One line of a stream: columns under a header, or one JSON object.
+
+use kalmanscope_core::{Document, InputKind, Scenario};
+use thiserror::Error;
+
+/// What a line tells.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Told {
+    /// \[s\]
+    pub(super) time: f64,
+    /// NaN if the line does not tell it.
+    pub(super) input: f64,
+    /// A reading for each sensor of the scenario, NaN where there is none.
+    pub(super) readings: Vec<f64>,
+}
+
+/// The reason why a line tells nothing.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub(super) enum BadLine {
+    #[error("it is longer than {} bytes", super::source::LONGEST)]
+    TooLong,
+    #[error("it is not text")]
+    NoText,
+    #[error("it is no JSON object: {0}")]
+    NoJson(String),
+    #[error("`{key}` is {value}, but must be a number")]
+    NoNumber { key: String, value: String },
+    #[error("it has {found} cells, but the header has {expected}")]
+    Cells { found: usize, expected: usize },
+    #[error("there is no column for the time, `t`; a header such as `{0}` must come first")]
+    NoTime(String),
+    #[error("none of its columns is known; there are {0}")]
+    NothingKnown(String),
+}
+
+/// The meaning of a column.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Column {
+    Time,
+    Input,
+    Sensor(usize),
+    Other,
+}
+
+/// Reads the lines of a stream.
+pub(super) struct Lines {
+    /// The names of input and sensors.
+    input: &'static str,
+    sensors: Vec<&'static str>,
+    /// The columns, once a header has told them, and what is between them.
+    columns: Option<(Vec<Column>, char)>,
+}
+
+impl Lines {
+    /// The lines for the input and the sensors of a scenario.
+    pub(super) fn new(scenario: &Scenario) -> Self {
+        let input = match scenario.input {
+            InputKind::Force => "force",
+            InputKind::GroundAcceleration => "ground_acceleration",
+        };
+        let sensors = scenario.sensors.iter().map(|sensor| sensor.measures.key()).collect();
+        Self { input, sensors, columns: None }
+    }
+
+    /// What a line tells; `None` for an empty line, a comment and a header.
+    pub(super) fn read(&mut self, bytes: &[u8]) -> Result<Option<Told>, BadLine> {
+        if bytes.len() > super::source::LONGEST {
+            return Err(BadLine::TooLong);
+        }
+        let text = std::str::from_utf8(bytes).map_err(|_| BadLine::NoText)?.trim().trim_start_matches('\u{feff}');
+        match text.chars().next() {
+            None | Some('#') => Ok(None),
+            Some('{') => self.of_json(text).map(Some),
+            Some(_) => self.of_cells(text),
+        }
+    }
+
+    fn known(&self) -> String {
+        [&["t", self.input][..], &self.sensors].concat().join(", ")
+    }
+
+    fn column(&self, name: &str) -> Column {
+        match name {
+            "t" | "time" => Column::Time,
+            name if name == "input" || name == self.input => Column::Input,
+            name => self.sensors.iter().position(|sensor| *sensor == name).map_or(Column::Other, Column::Sensor),
+        }
+    }
+
+    fn nothing(&self) -> Told {
+        Told { time: f64::NAN, input: f64::NAN, readings: vec![f64::NAN; self.sensors.len()] }
+    }
+
+    fn of_json(&self, text: &str) -> Result<Told, BadLine> {
+        let Ok(Document::Table(entries)) = Document::from_json(text) else {
+            let error =
+                Document::from_json(text).err().map_or_else(|| "it ends too soon".to_owned(), |e| e.to_string());
+            return Err(BadLine::NoJson(error));
+        };
+        let mut told = self.nothing();
+        for (key, value) in &entries {
+            let number = || match value {
+                Document::Null => Ok(f64::NAN),
+                Document::Number(number) => Ok(*number),
+                Document::Integer(number) => Ok(*number as f64),
+                other => Err(BadLine::NoNumber { key: key.clone(), value: Document::json(other).unwrap_or_default() }),
+            };
+            told.set(self.column(key), number)?;
+        }
+        if told.time.is_nan() { Err(BadLine::NoTime(self.known())) } else { Ok(told) }
+    }
+
+    fn of_cells(&mut self, text: &str) -> Result<Option<Told>, BadLine> {
+        let Some((columns, separator)) = &self.columns else {
+            let separator = [';', '\t', ','].into_iter().find(|mark| text.contains(*mark)).unwrap_or(',');
+            let columns: Vec<Column> =
+                text.split(separator).map(|name| self.column(name.trim().trim_matches('"'))).collect();
+            if !columns.contains(&Column::Time) {
+                return Err(BadLine::NoTime(self.known().replace(", ", ",")));
+            }
+            if !columns.iter().any(|column| matches!(column, Column::Input | Column::Sensor(_))) {
+                return Err(BadLine::NothingKnown(self.known()));
+            }
+            self.columns = Some((columns, separator));
+            return Ok(None);
+        };
+        let cells: Vec<&str> = text.split(*separator).map(|cell| cell.trim().trim_matches('"')).collect();
+        if cells.len() != columns.len() {
+            return Err(BadLine::Cells { found: cells.len(), expected: columns.len() });
+        }
+        let mut told = self.nothing();
+        for (cell, column) in cells.iter().zip(columns) {
+            let number = || match cell.parse() {
+                _ if cell.is_empty() => Ok(f64::NAN),
+                Ok(number) => Ok(number),
+                // A decimal comma can stand only where cells are divided otherwise.
+                Err(_) if *separator == ';' => cell.replacen(',', ".", 1).parse().map_err(|_| cell),
+                Err(_) => Err(cell),
+            };
+            let bad = |cell: &&str| BadLine::NoNumber { key: self.name(*column), value: format!("“{cell}”") };
+            told.set(*column, || number().map_err(bad))?;
+        }
+        Ok(Some(told))
+    }
+
+    fn name(&self, column: Column) -> String {
+        match column {
+            Column::Time => "t",
+            Column::Input => self.input,
+            Column::Sensor(sensor) => self.sensors[sensor],
+            Column::Other => "",
+        }
+        .to_owned()
+    }
+}
+
+impl Told {
+    /// Sets the number of a column; other columns are not read.
+    fn set(&mut self, column: Column, number: impl FnOnce() -> Result<f64, BadLine>) -> Result<(), BadLine> {
+        match column {
+            Column::Time => self.time = number()?,
+            Column::Input => self.input = number()?,
+            Column::Sensor(sensor) => self.readings[sensor] = number()?,
+            Column::Other => {}
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lines() -> Lines {
+        Lines::new(&Scenario::default())
+    }
+
+    fn numbers(told: Result<Option<Told>, BadLine>) -> Vec<Option<f64>> {
+        let Told { time, input, readings } = told.expect("it can be read").expect("it tells something");
+        [time, input].into_iter().chain(readings).map(|x| (!x.is_nan()).then_some(x)).collect()
+    }
+
+    #[test]
+    fn cells_stand_under_their_header_in_any_order() {
+        let mut lines = lines();
+        assert_eq!(lines.read("\u{feff}# a comment".as_bytes()), Ok(None));
+        assert_eq!(lines.read(b"note;velocity;t;force\r\n"), Ok(None));
+        assert_eq!(numbers(lines.read(b"x;0,5;1e-2;")), [Some(0.01), None, None, Some(0.5)]);
+        assert_eq!(numbers(lines.read(b"x;nan;0.02;-3\n")), [Some(0.02), Some(-3.0), None, None]);
+        assert_eq!(lines.read(b"1;2"), Err(BadLine::Cells { found: 2, expected: 4 }));
+        let bad = lines.read(b"x;fast;0.03;").expect_err("it is no number").to_string();
+        assert_eq!(bad, "`velocity` is “fast”, but must be a number");
+    }
+
+    #[test]
+    fn objects_name_what_they_tell() {
+        let mut lines = lines();
+        assert_eq!(
+            numbers(lines.read(br#"{"t": 1, "displacement": 0.25, "who": "me"}"#)),
+            [Some(1.0), None, Some(0.25), None]
+        );
+        assert_eq!(
+            numbers(lines.read(br#"{"time": 2.5, "input": -1, "velocity": null}"#)),
+            [Some(2.5), Some(-1.0), None, None]
+        );
+        for (line, words) in [
+            (&br#"{"displacement": 1}"#[..], "no column for the time"),
+            (br#"{"t": "now"}"#, "`t` is \"now\", but must be a number"),
+            (br#"{"t": 1"#, "it is no JSON object"),
+            (b"\xff\xfe", "it is not text"),
+            (b"0.1,0.2", "a header such as `t,force,displacement,velocity` must come first"),
+            (b"t,speed", "none of its columns is known"),
+        ] {
+            let error = lines.read(line).expect_err(words).to_string();
+            assert!(error.contains(words), "{error}");
+        }
+        assert_eq!(lines.read(&vec![b'1'; 100_000]), Err(BadLine::TooLong));
+    }
+}

@@ -1,0 +1,114 @@
+//! Readings in, estimates out.
+
+use std::io::{BufRead as _, BufReader, Write as _};
+use std::process::{Command, Stdio};
+
+use kalmanscope_core::{Document, Scenario, simulate};
+
+use crate::{SAMPLE, command, ended, file, folder, program, read, succeeds, text};
+
+fn stream() -> Command {
+    let mut command = program();
+    command.arg("stream");
+    command
+}
+
+/// Standard output, standard error and exit code of a stream that is fed a text.
+fn fed(command: &mut Command, input: &str) -> (String, String, Option<i32>) {
+    let mut child =
+        command.arg("-").stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut to = child.stdin.take().unwrap();
+    let input = input.to_owned();
+    let feeder = std::thread::spawn(move || drop(to.write_all(input.as_bytes())));
+    let output = child.wait_with_output().unwrap();
+    feeder.join().unwrap();
+    (text(&output.stdout), text(&output.stderr), output.status.code())
+}
+
+#[test]
+fn a_stream_of_a_record_ends_where_its_run_does() {
+    let folder = folder();
+    let (sample, out) = (file(&folder, "sample.toml", SAMPLE), folder.path().join("estimates.csv"));
+    let record = succeeds(command().arg(&sample).args(["--quiet", "--record-out", "-", "--out"]).arg(&out));
+    let (table, error, code) = fed(stream().arg(&sample), &record);
+    assert_eq!((error.as_str(), code), ("", Some(0)));
+    let scenario = Scenario::from_toml(SAMPLE).unwrap();
+    assert_eq!(table.lines().count(), simulate(&scenario).len() + 1, "a header, and a line a sample");
+    let cells = |line: &str| line.split(',').map(str::to_owned).collect::<Vec<_>>();
+    let (header, last) = (cells(table.lines().next().unwrap()), cells(table.lines().last().unwrap()));
+    let estimates = read(&out);
+    let names = cells(estimates.lines().next().unwrap());
+    let mut compared = 0;
+    for (name, _) in scenario.filters.iter().map(|filter| (filter.name.as_str(), ())) {
+        let row = cells(estimates.lines().rfind(|line| line.starts_with(&format!("{name},"))).unwrap());
+        for (column, value) in names.iter().zip(&row).filter(|(column, _)| column.starts_with("std_")) {
+            let Some(place) = header.iter().position(|one| *one == format!("{name}.{column}")) else { continue };
+            let [found, expected]: [f64; 2] = [&last[place], value].map(|cell| cell.parse().unwrap());
+            assert!((found - expected).abs() <= 1e-6 * expected, "{name} {column}: {found} {expected}");
+            compared += 1;
+        }
+    }
+    assert!(compared >= 4, "{compared}");
+}
+
+#[test]
+fn every_line_is_answered_at_once() {
+    let folder = folder();
+    let sample = file(&folder, "sample.toml", SAMPLE);
+    let mut child = stream().arg(&sample).arg("--json").stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
+    let mut to = child.stdin.take().unwrap();
+    let mut from = BufReader::new(child.stdout.take().unwrap());
+    for k in 0..5 {
+        // A sensor of its own clock, and one that is late by a step and a half.
+        writeln!(to, "{{\"t\": {}, \"force\": 1.0}}", 0.01 * f64::from(k)).unwrap();
+        writeln!(to, "{{\"t\": {}, \"displacement\": 0.001}}", (0.01 * f64::from(k) - 0.015).max(0.001)).unwrap();
+        for _ in 0..2 {
+            let mut line = String::new();
+            from.read_line(&mut line).unwrap();
+            let told = Document::from_json(&line).unwrap();
+            let time = told.get("t").cloned();
+            let Some(Document::Number(time)) = time else { panic!("{line}") };
+            assert!(time >= 0.01 * f64::from(k) - 1e-12, "{line}");
+        }
+    }
+    drop(to);
+    assert!(child.wait().unwrap().success());
+}
+
+#[test]
+fn bad_lines_are_said_and_left_out() {
+    let folder = folder();
+    let sample = file(&folder, "sample.toml", SAMPLE);
+    let lines = "t,displacement\n0,0\n0.01,0.001\noops,1\n0.02\n0.02,inf\n1e300,0\n0.03,0.002\n";
+    let (table, error, code) = fed(stream().arg(&sample), lines);
+    assert_eq!((table.lines().count(), code), (4, Some(0)), "{table}");
+    for words in [
+        "line 4: `t` is “oops”, but must be a number; it is left out",
+        "line 5: it has 1 cells, but the header has 2; it is left out",
+        "line 6: the reading of displacement is infinite, but must be a number or NaN; it is left out",
+        "line 7: the time is 1e300 s",
+    ] {
+        assert!(error.contains(words), "{error}");
+    }
+    let (_, error, code) = fed(stream().arg(&sample), "0.1,0.2\n");
+    assert!(error.contains("a header such as `t,force,displacement,velocity` must come first"), "{error}");
+    assert_eq!(code, Some(0));
+}
+
+#[test]
+fn filters_that_count_samples_are_left_out_in_words() {
+    let folder = folder();
+    let both = "[[filters]]\nname = \"P\"\nkind = \"pf\"\n[[filters]]\nname = \"E\"\nkind = \"ekf\"\n";
+    let path = file(&folder, "both.toml", both);
+    let (table, error, code) = fed(stream().arg(&path), "t,displacement\n0,0\n");
+    assert!(table.starts_with("t,E.displacement,"), "{table}");
+    assert_eq!(
+        (error.trim_end(), code),
+        ("P is left out: a filter with random members follows samples at equal times only", Some(0))
+    );
+    let alone = file(&folder, "alone.toml", "[[filters]]\nkind = \"pf\"\n");
+    let (_, error, code) = fed(stream().arg(&alone), "");
+    assert!(error.contains("random members") && code == Some(2), "{error} {code:?}");
+    let (code, _, error) = ended(stream().arg(&path).arg(folder.path().join("missing.csv")));
+    assert!(error.contains("missing.csv") && code == Some(2), "{error}");
+}

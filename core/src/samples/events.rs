@@ -1,0 +1,329 @@
+//! One filter of a scenario over readings that come at times of their own.
+
+mod error;
+mod timeline;
+
+use crate::mathematics::filter::{Correction, Filter, FilterError, Gaussian, Noise};
+use crate::mathematics::linalg::Matrix;
+use crate::samples::estimator::FilterContext;
+use crate::samples::estimator::book::{self, InUnits};
+use crate::samples::sink::{LastSample, Sample};
+use crate::{Channel, FilterSettings, Pass, Quantity, Record, RunError, Scenario};
+
+use timeline::{Event, Timeline};
+
+pub use error::{EventError, EventSetupError};
+
+/// A filter of a scenario that follows events: readings and inputs with times of their own, sensors at rates of their own,
+/// late ones too.
+///
+/// ```text
+/// from an event to the next, h later, in n = ⌈h / dt⌉ equal parts:
+///     y⁻ = the prediction over h / n,  P⁻ = λ^(h / n dt) Φ P Φᵀ + Q h / (n dt)
+/// ```
+///
+/// Q and λ of the scenario are those of a step of dt; a shorter one has its share. So a clock with steps of dt gives the
+/// estimates of a [`Pass`] to rounding, and on a linear plant with Q = 0 the times of others matter in no digit. dt is the
+/// longest step of a prediction.
+///
+/// What comes late is taken in at its time: the beliefs of the last [`Self::keeping`] seconds are kept, and the filter goes
+/// again over what came after it. With [`Hold::First`](crate::Hold::First) the input is linear from one told value to the
+/// next; after the last one it stays, until the next one says how it went on. Before the first one it is zero.
+///
+/// The first event sets the time. Its estimate is the initial belief, and its readings do not count, as in every run.
+/// What is refused leaves the filter as it was.
+///
+/// ```
+/// use kalmanscope_core::{EventFilter, Scenario};
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let mut filter = EventFilter::new(&Scenario::from_toml("dt = 0.01\n[[filters]]\nkind = \"ekf\"")?, 0)?;
+/// let missing = f64::NAN;
+/// filter.take(0.0, 1.0, &[missing, missing])?;
+/// filter.take(0.0143, missing, &[0.0001, missing])?;
+/// let sample = filter.take(0.0095, missing, &[missing, 0.009])?; // It comes late.
+/// assert_eq!(sample.mean.len(), 4);
+/// assert_eq!(filter.time(), Some(0.0143));
+/// # Ok(())
+/// # }
+/// ```
+pub struct EventFilter {
+    filter: Filter,
+    settings: FilterSettings,
+    scenario: Scenario,
+    sensors: Vec<Quantity>,
+    channels: Vec<Channel>,
+    timeline: Timeline,
+    /// Added to the times of inputs \[s\].
+    input_delay: f64,
+    /// The noise of a step that takes this share of dt.
+    share: f64,
+    noise: Noise,
+    /// No noise, for parts of a step.
+    silent: Noise,
+    correction: Correction,
+    in_units: InUnits,
+    prior: Gaussian,
+    last: LastSample,
+    stopped: Option<(f64, FilterError)>,
+    again: usize,
+    /// The times of the first event and of the newest that was told \[s\]: a delayed input waits for its time.
+    first: f64,
+    now: f64,
+    /// The place of the event whose belief the filter has.
+    followed: usize,
+}
+
+/// A step that differs from dt by less than this share is one of dt: clocks are told in decimals.
+const SAME: f64 = 1e-6;
+
+impl EventFilter {
+    /// Seconds for which beliefs are kept, unless [`Self::keeping`] says otherwise.
+    pub const KEPT: f64 = 1.0;
+
+    /// The filter at `place` of a scenario, before its first event.
+    ///
+    /// # Errors
+    /// [`EventSetupError`] where the scenario is impossible, or where the filter has a setting that counts in samples: random
+    /// members, several guesses, learning of noise, jumps, a white force.
+    pub fn new(scenario: &Scenario, place: usize) -> Result<Self, EventSetupError> {
+        scenario.validate().map_err(RunError::from)?;
+        let mut scenario = scenario.clone();
+        scenario.number_filters();
+        let settings = scenario.filters.get(place).ok_or(RunError::NoFilter(place))?.clone();
+        let refused = [
+            (settings.kind.is_sampled(), "random members"),
+            (settings.guesses > 1, "several guesses"),
+            (settings.adaptation.is_on(), "noise that it learns"),
+            (settings.jump, "jumps"),
+            (settings.augment.contains(&Channel::WHITE_FORCE), "a white force"),
+        ];
+        if let Some((_, what)) = refused.into_iter().find(|(is, _)| *is) {
+            return Err(EventSetupError::Setting(what));
+        }
+        let sensors: Vec<Quantity> = scenario.sensors.iter().map(|sensor| sensor.measures).collect();
+        let record = Record::empty(scenario.dt, scenario.input, scenario.hold, sensors.clone(), Vec::new());
+        Pass::columns(&scenario, place, &record)?;
+        let context = FilterContext::new(&scenario, &sensors, scenario.dt, &settings);
+        let filter = book::build_filter(book::initial_belief(&settings, &context)?, &settings, &context);
+        let n = filter.model().size();
+        let prior = filter.belief().gaussian().into_owned();
+        let silent = Noise { process: Matrix::zeros(n, n), sensors: Vec::new(), fading: 1.0 };
+        Ok(Self {
+            channels: filter.model().channels().to_vec(),
+            noise: filter.noise().clone(),
+            correction: Correction::nothing(n, sensors.len()),
+            timeline: Timeline::new(scenario.hold, Self::KEPT),
+            input_delay: f64::from(settings.input_delay) * scenario.dt,
+            share: 1.0,
+            silent,
+            in_units: InUnits::default(),
+            prior,
+            last: LastSample::default(),
+            stopped: None,
+            again: 0,
+            first: f64::NEG_INFINITY,
+            now: f64::NEG_INFINITY,
+            followed: 0,
+            filter,
+            settings,
+            sensors,
+            scenario,
+        })
+    }
+
+    /// The same filter before its first event, which keeps its beliefs for some seconds: what comes later is refused.
+    #[must_use]
+    pub fn keeping(mut self, seconds: f64) -> Self {
+        self.timeline = Timeline::new(self.scenario.hold, seconds.max(0.0));
+        self
+    }
+
+    /// The components of the state, in the order of every mean and covariance.
+    pub fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    /// The quantity of each reading.
+    pub fn sensors(&self) -> &[Quantity] {
+        &self.sensors
+    }
+
+    /// The time of the newest event \[s\].
+    pub fn time(&self) -> Option<f64> {
+        self.now.is_finite().then_some(self.now)
+    }
+
+    /// The estimate that the last call has returned.
+    pub fn sample(&self) -> Sample<'_> {
+        self.last.sample()
+    }
+
+    /// The events that the last call went over again, because something came late.
+    pub fn again(&self) -> usize {
+        self.again
+    }
+
+    /// Takes in what happened at a time \[s\]: the input from then on \[m/s²\] in the scenario's meaning, NaN if it is not told,
+    /// and a reading for each sensor in the unit of its quantity, NaN where there is none. Returns the estimate at the newest
+    /// event; innovations and NIS are NaN if that has no readings.
+    ///
+    /// # Errors
+    /// [`EventError`]. Only where the filter fails does it stop; all else leaves it as it was.
+    pub fn take(&mut self, time: f64, input: f64, readings: &[f64]) -> Result<Sample<'_>, EventError> {
+        self.check(time, input, readings)?;
+        let force = (!input.is_nan()).then(|| self.scenario.input.force(input));
+        // A delayed input acts at another time than the readings beside it.
+        let felt = force.filter(|_| self.input_delay != 0.0).map(|_| time + self.input_delay);
+        let oldest = self.timeline.oldest().map(|event| event.time);
+        let felt = felt.map(|felt| felt.max(self.first));
+        if let (Some(time), Some(oldest)) = (felt, oldest)
+            && time < oldest
+        {
+            return Err(EventError::TooLate { time, oldest });
+        }
+        (self.again, self.now) = (0, self.now.max(time));
+        let readings = readings.to_vec();
+        let nothing = vec![f64::NAN; readings.len()];
+        match (oldest, felt) {
+            (None, felt) => {
+                self.begin(Event { time, force, readings, belief: None })?;
+                // The first value is felt until the second is.
+                if let Some(felt) = felt.filter(|felt| *felt > time) {
+                    self.put(Event { time: felt, force, readings: nothing, belief: None })?;
+                }
+            }
+            (Some(_), Some(felt)) => {
+                self.put(Event { time: felt, force, readings: nothing, belief: None })?;
+                self.put(Event { time, force: None, readings, belief: None })?;
+            }
+            (Some(_), None) => self.put(Event { time, force, readings, belief: None })?,
+        }
+        self.followed -= self.timeline.forget(self.now, self.followed);
+        Ok(self.last.sample())
+    }
+
+    fn check(&self, time: f64, input: f64, readings: &[f64]) -> Result<(), EventError> {
+        if let Some((time, reason)) = self.stopped {
+            return Err(EventError::Stopped { time, reason });
+        }
+        if readings.len() != self.sensors.len() {
+            return Err(EventError::Readings { found: readings.len(), expected: self.sensors.len() });
+        }
+        if !time.is_finite() {
+            return Err(EventError::Time(time));
+        }
+        if input.is_infinite() {
+            return Err(EventError::Input(input));
+        }
+        if let Some((&sensor, _)) = self.sensors.iter().zip(readings).find(|(_, reading)| reading.is_infinite()) {
+            return Err(EventError::InfiniteReading(sensor));
+        }
+        let Some(oldest) = self.timeline.oldest().map(|event| event.time) else { return Ok(()) };
+        if time < oldest {
+            return Err(EventError::TooLate { time, oldest });
+        }
+        let before = self.time().unwrap_or(oldest);
+        let steps = libm::round((time - before) / self.scenario.dt);
+        if steps > EventError::MOST_STEPS as f64 {
+            return Err(EventError::Gap { time, before, steps });
+        }
+        Ok(())
+    }
+
+    /// Takes in the first event.
+    fn begin(&mut self, event: Event) -> Result<(), EventError> {
+        let time = event.time;
+        (self.first, self.followed) = (time, 0);
+        self.timeline.insert(event);
+        let belief = self.filter.belief().gaussian().into_owned();
+        self.timeline.set_belief(0, &belief);
+        self.report().map_err(|reason| self.stop(time, reason))
+    }
+
+    /// Takes in an event, goes over what comes after it, and on to the newest time.
+    fn put(&mut self, event: Event) -> Result<(), EventError> {
+        let before = self.followed;
+        let first = self.timeline.insert(event).max(1);
+        if first <= before {
+            self.again += before + 1 - first;
+            self.followed = first - 1;
+            if let Some(belief) = self.timeline.event(first - 1).belief.clone()
+                && let Err(reason) = self.begin_at(belief)
+            {
+                return Err(self.stop(self.timeline.event(first).time, reason));
+            }
+        }
+        let newest = self.timeline.last_at(self.now);
+        while self.followed < newest {
+            let place = self.followed + 1;
+            if let Err(reason) = self.follow(place) {
+                return Err(self.stop(self.timeline.event(place).time, reason));
+            }
+            self.followed = place;
+        }
+        self.report().map_err(|reason| self.stop(self.now, reason))
+    }
+
+    fn stop(&mut self, time: f64, reason: FilterError) -> EventError {
+        self.stopped = Some((time, reason));
+        EventError::Stopped { time, reason }
+    }
+
+    /// Goes back to a belief.
+    fn begin_at(&mut self, belief: Gaussian) -> Result<(), FilterError> {
+        let context = FilterContext::new(&self.scenario, &self.sensors, self.scenario.dt, &self.settings);
+        let normal = book::normal(&context);
+        self.filter.set_belief((self.settings.kind.info().begin)(belief, &self.settings.method(), normal)?);
+        Ok(())
+    }
+
+    /// Predicts to an event and takes in its readings.
+    fn follow(&mut self, place: usize) -> Result<(), FilterError> {
+        let (before, now) = (self.timeline.event(place - 1).time, self.timeline.event(place).time);
+        let forces = self.timeline.forces_to(place);
+        self.predict(now - before, forces)?;
+        self.prior.copy_from(&self.filter.belief().gaussian());
+        let force = self.timeline.force_at(place);
+        let Self { filter, timeline, correction, .. } = self;
+        filter.update(force, &timeline.event(place).readings, correction)?;
+        let belief = filter.belief().gaussian();
+        timeline.set_belief(place, &belief);
+        Ok(())
+    }
+
+    /// Carries the belief over a time \[s\], in parts of dt at most, with the forces over mass at both ends \[m/s²\].
+    fn predict(&mut self, time: f64, [begin, end]: [f64; 2]) -> Result<(), FilterError> {
+        let steps = time / self.scenario.dt;
+        let parts = (steps - SAME).ceil().max(1.0);
+        let is_whole = (steps / parts - 1.0).abs() <= SAME;
+        let (share, dt) = if is_whole { (1.0, self.scenario.dt) } else { (steps / parts, time / parts) };
+        if steps <= 0.0 {
+            return Ok(());
+        }
+        if share != self.share {
+            let Noise { process, fading, .. } = self.filter.noise();
+            self.noise.process.copy_from(process);
+            self.noise.process *= share;
+            self.noise.fading = if share == 1.0 { *fading } else { libm::pow(*fading, share) };
+            self.share = share;
+        }
+        let force = |k: f64| begin + (end - begin) * (k / parts);
+        let substeps = self.settings.substeps.max(1);
+        for part in 0..parts as usize {
+            let (k, n) = (part as f64, substeps as f64);
+            for substep in 0..substeps {
+                let i = substep as f64;
+                let forces = [force(k + i / n), force(k + (i + 1.0) / n)];
+                let noise = if substep + 1 < substeps { &self.silent } else { &self.noise };
+                self.filter.predict_over(dt / n, forces, noise)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Keeps the estimate at the newest event.
+    fn report(&mut self) -> Result<(), FilterError> {
+        let Self { filter, correction, in_units, prior, last, .. } = self;
+        book::report(filter, correction, Some(prior), in_units, last)
+    }
+}

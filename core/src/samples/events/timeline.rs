@@ -1,0 +1,105 @@
+//! What has come, in the order of its times, and the course of the input through it.
+
+use std::collections::VecDeque;
+
+use crate::Hold;
+use crate::mathematics::filter::Gaussian;
+
+/// What happened at one time, and the belief after it.
+#[derive(Clone, Debug)]
+pub(super) struct Event {
+    /// \[s\]
+    pub(super) time: f64,
+    /// The force over mass from now on \[m/s²\], if it was told.
+    pub(super) force: Option<f64>,
+    /// A reading for each sensor, NaN where there is none.
+    pub(super) readings: Vec<f64>,
+    /// The belief after the readings; `None` until the filter has been here.
+    pub(super) belief: Option<Gaussian>,
+}
+
+/// Events in the order of their times, the oldest first. Those of one time stand in the order in which they came.
+#[derive(Debug)]
+pub(super) struct Timeline {
+    events: VecDeque<Event>,
+    hold: Hold,
+    /// Events are kept for this time \[s\].
+    kept: f64,
+    /// The last force before the oldest event, with its time.
+    before: Option<(f64, f64)>,
+}
+
+/// Limits the events that are kept.
+const MOST: usize = 1 << 16;
+
+impl Timeline {
+    pub(super) fn new(hold: Hold, kept: f64) -> Self {
+        Self { events: VecDeque::new(), hold, kept, before: None }
+    }
+
+    pub(super) fn event(&self, place: usize) -> &Event {
+        &self.events[place]
+    }
+
+    pub(super) fn oldest(&self) -> Option<&Event> {
+        self.events.front()
+    }
+
+    /// The place of the last event that is not after a time \[s\].
+    pub(super) fn last_at(&self, time: f64) -> usize {
+        self.events.partition_point(|event| event.time <= time).saturating_sub(1)
+    }
+
+    pub(super) fn set_belief(&mut self, place: usize, belief: &Gaussian) {
+        self.events[place].belief.get_or_insert_with(|| belief.clone()).copy_from(belief);
+    }
+
+    /// Puts an event at its place. Returns the first place after which beliefs are no longer right.
+    pub(super) fn insert(&mut self, event: Event) -> usize {
+        let place = self.events.partition_point(|other| other.time <= event.time);
+        let tells_force = event.force.is_some();
+        self.events.insert(place, event);
+        // On a line between inputs, an input changes the force back to the one before it.
+        match (self.hold, tells_force) {
+            (Hold::First, true) => self.input_before(place).map_or(place, |before| before + 1).min(place),
+            _ => place,
+        }
+    }
+
+    fn input_before(&self, place: usize) -> Option<usize> {
+        self.events.range(..place).rposition(|event| event.force.is_some())
+    }
+
+    /// The force over mass from the event before a place to that at the place, at the beginning and at the end \[m/s²\].
+    pub(super) fn forces_to(&self, place: usize) -> [f64; 2] {
+        let told = |event: &Event| event.force.map(|force| (event.time, force));
+        let last = self.events.range(..place).rev().find_map(told).or(self.before);
+        let Some((from, begin)) = last else { return [0.0; 2] };
+        let next = || self.events.range(place..).find_map(told);
+        match (self.hold, if self.hold == Hold::First { next() } else { None }) {
+            (Hold::First, Some((to, end))) if to > from => {
+                let at = |time: f64| begin + (end - begin) * ((time - from) / (to - from));
+                let before = place.checked_sub(1).map_or(from, |before| self.events[before].time);
+                let time = self.events[place].time;
+                [at(before), if time == to { end } else { at(time) }]
+            }
+            _ => [begin; 2],
+        }
+    }
+
+    /// The force over mass while the event at a place is read \[m/s²\].
+    pub(super) fn force_at(&self, place: usize) -> f64 {
+        self.events[place].force.unwrap_or_else(|| self.forces_to(place)[1])
+    }
+
+    /// Forgets events that are no longer kept at a time \[s\], all before a place. Returns their number.
+    pub(super) fn forget(&mut self, now: f64, place: usize) -> usize {
+        let mut forgotten = 0;
+        while forgotten < place && (self.events[1].time < now - self.kept || self.events.len() > MOST) {
+            let Some(Event { time, force, .. }) = self.events.pop_front() else { break };
+            self.before = force.map(|force| (time, force)).or(self.before);
+            forgotten += 1;
+        }
+        forgotten
+    }
+}

@@ -1,0 +1,268 @@
+//! Filters of sensors with clocks of their own.
+
+#[path = "common/random.rs"]
+mod random;
+
+use std::sync::Arc;
+
+use kalmanscope_core::record::{Input, Record};
+use kalmanscope_core::{
+    Channel, EventError, EventFilter, EventSetupError, FilterKind, Hold, InputKind, PlantKind, Quantity, Run, Scenario,
+    Sensor,
+};
+
+use random::Random;
+
+const NONE: f64 = f64::NAN;
+
+/// A scenario with one filter of a kind, without process noise, and its record.
+fn scenario(kind: FilterKind, hold: Hold) -> Scenario {
+    let mut scenario = Scenario { duration: 10.0, hold, ..Scenario::default() };
+    scenario.filters.truncate(1);
+    scenario.filters[0].kind = kind;
+    scenario
+}
+
+fn run(scenario: &Scenario) -> Run {
+    let mut run = Run::new(scenario).expect("the scenario can be run");
+    run.finish();
+    run
+}
+
+/// The largest difference of means and standard deviations from a run's last sample, over the standard deviations.
+fn distance(mean: &[f64], cov: &[f64], run: &Run) -> f64 {
+    let (estimates, n) = (&run.estimates()[0], mean.len());
+    let last = estimates.len() - 1;
+    let each = (0..n).map(|i| {
+        let std = estimates.std(last, i);
+        if std == 0.0 {
+            return if cov[i * n + i] == 0.0 && mean[i] == estimates.mean(last)[i] { 0.0 } else { f64::INFINITY };
+        }
+        let [a, b] = [(mean[i] - estimates.mean(last)[i]) / std, cov[i * n + i].sqrt() / std - 1.0];
+        a.abs().max(b.abs())
+    });
+    each.fold(0.0, f64::max)
+}
+
+#[test]
+fn one_common_clock_gives_the_estimates_of_a_run() {
+    for hold in [Hold::Zero, Hold::First] {
+        for kind in
+            [FilterKind::KF, FilterKind::EKF, FilterKind::IEKF, FilterKind::UKF, FilterKind::CKF, FilterKind::SR_UKF]
+        {
+            for (plant, fading, substeps, delay) in [
+                (PlantKind::SDOF, 1.003, 1, 0),
+                (PlantKind::DUFFING, 1.0, 3, 0),
+                (PlantKind::BOUC_WEN, 1.001, 2, 0),
+                (PlantKind::SDOF, 1.0, 1, 4),
+            ] {
+                let mut scenario = scenario(kind, hold);
+                scenario.set_plant(plant);
+                let filter = &mut scenario.filters[0];
+                (filter.fading, filter.substeps, filter.input_delay) = (fading, substeps, delay);
+                filter.process_std[Channel::NATURAL_FREQUENCY] = 1e-3;
+                let run = run(&scenario);
+                let record = run.record();
+                let mut events = EventFilter::new(&scenario, 0).expect("it follows events");
+                let mut found = 0.0;
+                for k in 0..record.len() {
+                    let readings = [record.measured(0)[k], record.measured(1)[k]];
+                    let sample = events.take(record.time(k), record.input()[k], &readings).expect("it is taken in");
+                    found = if k + 1 == record.len() { distance(sample.mean, sample.cov, &run) } else { found };
+                }
+                assert!(found < 1e-8, "{kind:?} {plant:?} {hold:?}: {found}");
+            }
+        }
+    }
+}
+
+/// Something that a sensor told, with the time at which it came.
+#[derive(Clone, Debug)]
+struct Told {
+    time: f64,
+    came: f64,
+    input: f64,
+    readings: [f64; 2],
+}
+
+/// Sensors with clocks of their own, of a Kalman filter with known parameters: 100 Hz with a jitter of half a step, 7 Hz, and an input
+/// at 20 Hz. Times are multiples of a hundredth of dt. A fifth comes late by up to half a second.
+fn own_clocks(scenario: &Scenario, fine: &Record, seed: u64) -> Vec<Told> {
+    let mut random = Random::new(seed);
+    let tick = scenario.dt / 100.0;
+    let mut told = vec![Told { time: 0.0, came: 0.0, input: fine.input()[0], readings: [NONE; 2] }];
+    let mut add = |nominal: f64, jitter: f64, sensor: Option<usize>| {
+        let k = ((nominal + jitter) / tick).round().max(1.0) as usize;
+        if k >= fine.len() {
+            return;
+        }
+        let late = if random.uniform() < 0.2 && sensor.is_some() { 0.5 * random.uniform() } else { 0.0 };
+        let (mut input, mut readings) = (NONE, [NONE; 2]);
+        match sensor {
+            Some(sensor) => readings[sensor] = fine.measured(sensor)[k],
+            None => input = fine.input()[k],
+        }
+        told.push(Told { time: k as f64 * tick, came: k as f64 * tick + late, input, readings });
+    };
+    let mut jitter = Random::new(seed + 1);
+    for k in 1..(scenario.duration * 100.0) as usize {
+        add(k as f64 * 0.01, 0.005 * (2.0 * jitter.uniform() - 1.0), Some(0));
+    }
+    (1..(scenario.duration * 7.0) as usize).for_each(|k| add(k as f64 / 7.0, 0.0, Some(1)));
+    (1..(scenario.duration * 20.0) as usize).for_each(|k| add(k as f64 / 20.0, 0.0, None));
+    told.sort_by(|a, b| a.came.total_cmp(&b.came));
+    told
+}
+
+/// The same readings on a grid a hundred times finer, as a record in which most are missing.
+fn on_fine_grid(scenario: &Scenario, told: &[Told], len: usize) -> (Scenario, Record) {
+    let tick = scenario.dt / 100.0;
+    let mut fine = Scenario { dt: tick, duration: (len - 1) as f64 * tick, ..scenario.clone() };
+    fine.filters[0].fading = scenario.filters[0].fading.powf(0.01);
+    let (mut input, mut measured) = (vec![NONE; len], vec![vec![NONE; len]; 2]);
+    for one in told {
+        let k = (one.time / tick).round() as usize;
+        if !one.input.is_nan() {
+            input[k] = one.input;
+        }
+        (0..2).filter(|&i| !one.readings[i].is_nan()).for_each(|i| measured[i][k] = one.readings[i]);
+    }
+    let mut held = 0.0;
+    input.iter_mut().for_each(|value| {
+        held = if value.is_nan() { held } else { *value };
+        *value = held;
+    });
+    let columns = [Quantity::DISPLACEMENT, Quantity::VELOCITY].into_iter().zip(measured).collect();
+    let input = Input { values: input, kind: InputKind::Force, hold: Hold::Zero };
+    (fine, Record::new(tick, input, columns).expect("the columns are a record"))
+}
+
+#[test]
+fn clocks_of_their_own_and_late_readings_equal_a_grid_a_hundred_times_finer() {
+    for seed in 1..=3 {
+        let mut scenario = scenario(FilterKind::KF, Hold::Zero);
+        scenario.filters[0].fading = 1.002;
+        scenario.filters[0].process_std = kalmanscope_core::Values::ZERO;
+        scenario.duration = 8.0;
+        let fine = Scenario { dt: 1e-4, seed, filters: Vec::new(), ..scenario.clone() };
+        let truth = run(&fine);
+        let told = own_clocks(&scenario, truth.record(), seed);
+        let len = told.iter().map(|one| (one.time / 1e-4).round() as usize).max().unwrap_or(0) + 1;
+        let (grid, record) = on_fine_grid(&scenario, &told, len);
+        let mut expected = Run::on_record(&grid, Arc::new(record)).expect("it can be run");
+        expected.finish();
+        let mut events = EventFilter::new(&scenario, 0).expect("it follows events");
+        let mut again = 0;
+        let mut found = f64::NAN;
+        for one in &told {
+            let sample = events.take(one.time, one.input, &one.readings).expect("it is taken in");
+            found = distance(sample.mean, sample.cov, &expected);
+            again += events.again();
+        }
+        assert!(again > 500, "few came late: {again}");
+        assert!(found < 1e-9, "seed {seed}: {found}");
+    }
+}
+
+/// A force that moves slowly enough for its clock.
+const CHIRP: &str = "dt = 0.01\n[force]\nchirp = { amplitude = 5.0, from = 3.0, to = 9.0, sweep = 10.0 }";
+
+#[test]
+fn late_readings_end_where_the_same_readings_in_order_do() {
+    for kind in [FilterKind::EKF, FilterKind::UKF, FilterKind::SR_UKF] {
+        for hold in [Hold::Zero, Hold::First] {
+            let mut scenario = scenario(kind, hold);
+            scenario.force = Scenario::from_toml(CHIRP).expect("the scenario is valid").force;
+            let fine = run(&Scenario { dt: 1e-4, filters: Vec::new(), ..scenario.clone() });
+            let told = own_clocks(&scenario, fine.record(), 5);
+            let mut ordered = told.clone();
+            ordered.sort_by(|a, b| a.time.total_cmp(&b.time));
+            let end = |told: &[Told]| {
+                let mut events = EventFilter::new(&scenario, 0).expect("it follows events");
+                let mut mean = Vec::new();
+                for one in told {
+                    mean = events.take(one.time, one.input, &one.readings).expect("it is taken in").mean.to_vec();
+                }
+                mean
+            };
+            let [late, ordered] = [end(&told), end(&ordered)];
+            let largest =
+                late.iter().zip(&ordered).map(|(a, b)| ((a - b) / b.abs().max(1e-3)).abs()).fold(0.0, f64::max);
+            assert!(largest < 1e-9, "{kind:?} {hold:?}: {late:?} {ordered:?}");
+            // An input that moves is linear between its values, and not held.
+            let is_right = (late[2] / 6.0 - 1.0).abs() < 0.02 && (late[3] / 0.05 - 1.0).abs() < 0.2;
+            assert!(hold == Hold::Zero || is_right, "{kind:?}: {late:?}");
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_taken_in_is_refused_in_words_and_changes_nothing() {
+    let scenario = scenario(FilterKind::EKF, Hold::Zero);
+    let mut events = EventFilter::new(&scenario, 0).expect("it follows events").keeping(0.1);
+    for k in 0..100 {
+        events.take(0.01 * f64::from(k), 1.0, &[0.001, NONE]).expect("it is taken in");
+    }
+    let before = events.take(0.99, NONE, &[NONE; 2]).expect("it is taken in").mean.to_vec();
+    for (time, input, readings, words) in [
+        (NONE, 1.0, vec![0.0, 0.0], "the time is NaN"),
+        (f64::INFINITY, 1.0, vec![0.0, 0.0], "the time is inf"),
+        (0.5, 1.0, vec![0.0, 0.0], "it comes too late"),
+        (1e9, 1.0, vec![0.0, 0.0], "begin a new filter"),
+        (1.0, f64::NEG_INFINITY, vec![0.0, 0.0], "the input is -inf"),
+        (1.0, 1.0, vec![0.0], "there are 1 readings, but the scenario has 2 sensors"),
+        (1.0, 1.0, vec![0.0, f64::INFINITY], "the reading of velocity is infinite"),
+    ] {
+        let error = events.take(time, input, &readings).map(|_| ()).expect_err(words);
+        assert!(error.to_string().contains(words), "{error}");
+        assert!(!matches!(error, EventError::Stopped { .. }));
+    }
+    assert_eq!(events.take(0.99, NONE, &[NONE; 2]).expect("it is taken in").mean, before);
+}
+
+#[test]
+fn settings_that_count_in_samples_are_refused_in_words() {
+    let refused = |change: &dyn Fn(&mut Scenario)| {
+        let mut scenario = scenario(FilterKind::EKF, Hold::Zero);
+        change(&mut scenario);
+        let error = EventFilter::new(&scenario, 0).map(|_| ()).expect_err("it is refused");
+        assert!(matches!(error, EventSetupError::Setting(_)), "{error}");
+        error.to_string()
+    };
+    assert!(refused(&|scenario| scenario.filters[0].kind = FilterKind::PF).contains("random members"));
+    assert!(refused(&|scenario| scenario.filters[0].jump = true).contains("jumps"));
+    assert!(refused(&|scenario| scenario.filters[0].augment = vec![Channel::WHITE_FORCE]).contains("a white force"));
+    assert!(refused(&|scenario| scenario.filters[0].adaptation.sensor_noise = true).contains("learns"));
+    assert!(EventFilter::new(&scenario(FilterKind::EKF, Hold::Zero), 3).is_err());
+}
+
+/// Random messages: times forward and back, gaps, bursts, NaN and infinities.
+#[test]
+fn random_messages_end_no_program_and_memory_stays() {
+    let mut scenario = scenario(FilterKind::EKF, Hold::First);
+    scenario.sensors.push(Sensor { measures: Quantity::ACCELERATION, noise_std: 0.1 });
+    scenario.filters[0].sensor_std.push(0.1);
+    let mut random = Random::new(7);
+    let mut events = EventFilter::new(&scenario, 0).expect("it follows events");
+    let (mut time, mut taken, mut refused) = (0.0, 0_u32, 0_u32);
+    for k in 0..20_000_u32 {
+        time += 0.002 + (0.01 * random.normal()).max(-0.02);
+        let odd = |every: u32, value: f64, usual: f64| if k % every == every - 1 { value } else { usual };
+        let at = odd(97, f64::NAN, odd(1009, time + 1e7, odd(53, time - 2.0, time)));
+        let input = odd(89, f64::INFINITY, odd(3, NONE, random.normal()));
+        let readings =
+            [odd(2, NONE, 0.1 * random.normal()), odd(61, f64::NEG_INFINITY, NONE), odd(5, random.normal(), NONE)];
+        match events.take(at, input, &readings) {
+            Ok(sample) => {
+                taken += 1;
+                assert!(sample.mean.iter().all(|x| x.is_finite()), "message {k}");
+            }
+            Err(EventError::Stopped { .. }) => {
+                events = EventFilter::new(&scenario, 0).expect("it follows events");
+                time = 0.0;
+            }
+            Err(_) => refused += 1,
+        }
+    }
+    assert!(taken > 12_000 && refused > 1000, "{taken} {refused}");
+}
