@@ -1,0 +1,167 @@
+//! What the accelerometer of a phone tells of a free decay, from its raw readings to the parameters.
+
+#[path = "common/random.rs"]
+mod random;
+
+use std::sync::Arc;
+
+use kalmanscope_core::import::{Builder, Decay, Mapping, NoDecay, read};
+use kalmanscope_core::suggest::{scenario_for, suggest};
+use kalmanscope_core::{Channel, Hold, Run};
+
+use random::Random;
+
+/// An oscillator with a phone on it, and the phone.
+#[derive(Clone, Copy)]
+struct Phone {
+    seed: u64,
+    /// \[rad/s\]
+    frequency: f64,
+    damping: f64,
+    /// Readings a second, the share of a step by which they come too early or too late, their noise and their grain \[m/s²\].
+    rate: f64,
+    jitter: f64,
+    noise: f64,
+    grain: f64,
+    /// The acceleration after it is let go at 2 s \[m/s²\].
+    amplitude: f64,
+    seconds: f64,
+    /// A second pluck at this time \[s\].
+    again: Option<f64>,
+}
+
+const USUAL: Phone = Phone {
+    seed: 1,
+    frequency: 8.0,
+    damping: 0.004,
+    rate: 60.0,
+    jitter: 0.2,
+    noise: 0.02,
+    grain: 0.01,
+    amplitude: 1.5,
+    seconds: 30.0,
+    again: None,
+};
+
+impl Phone {
+    /// Time and three accelerations with gravity: still for two seconds, pulled aside, let go.
+    fn readings(&self) -> Vec<[f64; 4]> {
+        let mut random = Random::new(self.seed);
+        let direction = {
+            let v: [f64; 3] = std::array::from_fn(|_| random.normal());
+            let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
+            v.map(|x| x / length)
+        };
+        let [w, z] = [self.frequency, self.damping];
+        let moved = w * (1.0 - z * z).sqrt();
+        let free = |t: f64| {
+            // ẍ of x(t) = x₀ exp(-ζωₙt) (cos ω_d t + ζωₙ/ω_d sin ω_d t)
+            let x0 = self.amplitude / (w * w);
+            let ratio = z * w / moved;
+            let e = x0 * (-z * w * t).exp();
+            let x = e * ((moved * t).cos() + ratio * (moved * t).sin());
+            let v = -e * w * w / moved * (moved * t).sin();
+            -2.0 * z * w * v - w * w * x
+        };
+        let count = (self.seconds * self.rate) as usize;
+        (0..count)
+            .map(|k| {
+                let t = (k as f64 + self.jitter * (random.uniform() - 0.5)) / self.rate;
+                let since = self.again.filter(|again| t >= *again).unwrap_or(2.0);
+                let a = match t {
+                    t if t < 1.4 => 0.0,
+                    // The hand pulls, not evenly.
+                    t if t < 2.0 => 0.8 * self.amplitude * (9.0 * (t - 1.4)).sin() * random.uniform(),
+                    t => free(t - since),
+                };
+                let told = |x: f64| (x / self.grain).round() * self.grain;
+                let gravity = [1.2, 9.6, -0.7];
+                let [x, y, z] =
+                    std::array::from_fn(|i| told(gravity[i] + direction[i] * a + self.noise * random.normal()));
+                [t, x, y, z]
+            })
+            .collect()
+    }
+}
+
+/// The last estimates of the first filter that the importer makes of a decay: ωₙ, ζ and their standard deviations.
+fn identified(decay: &Decay) -> [(f64, f64); 2] {
+    let table = read(decay.csv().into_bytes(), None).expect("it is a table");
+    let (mapping, kind) = Mapping::guess(&table);
+    let imported = Builder::new(&table, &mapping, kind, Hold::First).and_then(Builder::finish).expect("it is a record");
+    let mut scenario = suggest(&scenario_for(&imported.record), &imported.record).scenario;
+    scenario.filters.truncate(1);
+    let mut run = Run::on_record(&scenario, Arc::new(imported.record)).expect("it can be run");
+    run.finish();
+    let estimates = &run.estimates()[0];
+    let last = estimates.len() - 1;
+    [Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO].map(|channel| {
+        let place = estimates.place(channel).expect("it is estimated");
+        (estimates.canonical_mean(last, place), estimates.std(last, place))
+    })
+}
+
+/// Situations and seeds were not looked at while the limits in `import/decay.rs` were chosen.
+#[test]
+fn frequency_and_damping_are_found_from_a_phone_that_was_plucked() {
+    let mut inside = [0, 0];
+    let mut count = 0;
+    for seed in 1..=8 {
+        for (frequency, damping, rate, jitter, noise, grain) in [
+            (6.3, 0.004, 100.0, 0.5, 0.02, 0.001),
+            (9.1, 0.02, 60.0, 0.5, 0.03, 0.04),
+            (14.0, 0.008, 60.0, 0.2, 0.02, 0.01),
+            (4.2, 0.012, 50.0, 0.3, 0.01, 0.02),
+        ] {
+            let phone = Phone { seed, frequency, damping, rate, jitter, noise, grain, seconds: 40.0, ..USUAL };
+            let decay = Decay::of(&phone.readings()).expect("it swings");
+            let [(frequency_found, frequency_std), (damping_found, damping_std)] = identified(&decay);
+            let (found, spread) = ([frequency_found, damping_found], [frequency_std, damping_std]);
+            let name = format!("seed {seed}, {frequency} rad/s, {damping}: {found:?} ± {spread:?}");
+            assert!((found[0] / frequency - 1.0).abs() < 0.002, "{name}");
+            assert!((found[1] / damping - 1.0).abs() < 0.15, "{name}");
+            inside[0] += i32::from((found[0] - frequency).abs() < 2.0 * spread[0]);
+            inside[1] += i32::from((found[1] - damping).abs() < 2.0 * spread[1]);
+            count += 1;
+        }
+    }
+    assert_eq!(count, 32);
+    println!("inside ±2σ: {inside:?} of {count}");
+    assert!(inside.iter().all(|inside| *inside >= 26), "inside their bands: {inside:?} of {count}");
+}
+
+#[test]
+fn a_decay_ends_at_rest_or_before_a_second_pluck() {
+    let long = Phone { damping: 0.05, seconds: 60.0, ..USUAL };
+    let decay = Decay::of(&long.readings()).expect("it swings");
+    assert!((2.0..4.0).contains(&decay.begin), "{}", decay.begin);
+    let seconds = decay.times[decay.times.len() - 1];
+    assert!((6.0..25.0).contains(&seconds), "the rest is noise: {seconds} s");
+    assert!((0.01..0.03).contains(&decay.noise), "{}", decay.noise);
+    let twice = Phone { again: Some(15.0), damping: 0.03, ..USUAL };
+    let decay = Decay::of(&twice.readings()).expect("it swings");
+    let end = decay.begin + decay.times[decay.times.len() - 1];
+    assert!(decay.begin > 2.0 && end <= 15.0 || decay.begin > 15.0, "from {} s to {end} s", decay.begin);
+}
+
+#[test]
+fn what_is_no_free_decay_is_said() {
+    let still = Phone { amplitude: 0.0, ..USUAL };
+    assert!(matches!(Decay::of(&still.readings()), Err(NoDecay::Still { .. })));
+    let few = Phone { seconds: 1.5, ..USUAL };
+    assert!(matches!(Decay::of(&few.readings()), Err(NoDecay::TooFew { .. })));
+    let cut = Phone { seconds: 3.0, ..USUAL };
+    let error = Decay::of(&cut.readings()).expect_err("it is cut off").to_string();
+    assert!(error.contains("swung freely for"), "{error}");
+    assert!(Decay::of(&[]).is_err() && Decay::of(&[[f64::NAN; 4]; 500]).is_err());
+    let same = [[1.0, 2.0, 3.0, 4.0]; 500];
+    assert!(matches!(Decay::of(&same), Err(NoDecay::TooFew { readings: 1, .. })));
+    // Numbers of any size end in a sentence, or in numbers.
+    for scale in [1e-300, 1e-3, 1e150, 1e300] {
+        let readings: Vec<[f64; 4]> =
+            USUAL.readings().iter().map(|&[t, x, y, z]| [t, scale * x, scale * y, scale * z]).collect();
+        if let Ok(decay) = Decay::of(&readings) {
+            assert!(decay.acceleration.iter().all(|x| x.is_finite()), "{scale}");
+        }
+    }
+}
