@@ -26,6 +26,8 @@ use crate::inbox::{Choose, Inbox};
 use crate::keys;
 use crate::laboratory::Laboratory;
 use crate::layout::Layout;
+use crate::measure::Measure;
+use crate::motion::Accelerometer;
 use crate::notice::Notice;
 use crate::plot::time_axis::TimeAxis;
 use crate::probe::ScreenState;
@@ -88,6 +90,9 @@ pub struct App {
     choose: Option<Choose>,
     /// Keeps the record's file for the next start, if the platform has a place for it.
     shelf: Option<Box<dyn Shelf>>,
+    /// The accelerometer of this device, and the window in which it measures.
+    accelerometer: Option<Box<dyn Accelerometer>>,
+    measure: Option<Measure>,
     /// The file whose import was begun last.
     candidate: Option<Candidate>,
     /// Receives the files that the user chooses.
@@ -144,6 +149,8 @@ impl App {
             deliver: None,
             choose: None,
             shelf: None,
+            accelerometer: None,
+            measure: None,
             candidate: None,
             inbox: Inbox::default(),
             page: link::PAGE.unwrap_or_default().to_owned(),

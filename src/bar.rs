@@ -32,11 +32,13 @@ pub(crate) struct Bar<'a> {
     pub(crate) narrow: bool,
     /// Whether undo and redo are possible.
     pub(crate) history: (bool, bool),
+    /// Whether this device has an accelerometer.
+    pub(crate) measures: bool,
 }
 
 impl Bar<'_> {
     pub(crate) fn ui(&self, ui: &mut Ui, requests: &mut Vec<Request>) {
-        let Self { session, layout, catalogue, controls, presenting, narrow, history } = *self;
+        let Self { session, layout, catalogue, controls, presenting, narrow, history, measures } = *self;
         ui.horizontal_wrapped(|ui| {
             let toggle = ui.selectable_label(controls, RichText::new("☰").size(16.0)).on_hover_text("Settings (S)");
             toggle.ctx.accesskit_node_builder(toggle.id, |node| node.set_label("Settings"));
@@ -51,7 +53,7 @@ impl Bar<'_> {
             if is_roomy {
                 choose_file_ui(ui, "Open…", requests);
             }
-            scenario_menu_ui(ui, session, is_roomy, requests);
+            scenario_menu_ui(ui, session, [!is_roomy, measures], requests);
             views_menu_ui(ui, layout, requests);
             tutor::menu_ui(ui, catalogue, requests);
             export_menu::menu_ui(ui, narrow, requests);
@@ -84,13 +86,22 @@ fn choose_file_ui(ui: &mut Ui, text: &str, requests: &mut Vec<Request>) -> bool 
     button.clicked()
 }
 
-/// The built-in scenarios; also the entry to open files, if the bar has no room for it.
-fn scenario_menu_ui(ui: &mut Ui, session: &Session, is_roomy: bool, requests: &mut Vec<Request>) {
+/// The built-in scenarios; also the ways to a record of one's own: a file, if the bar has no room for it, and this device.
+fn scenario_menu_ui(ui: &mut Ui, session: &Session, [opens, measures]: [bool; 2], requests: &mut Vec<Request>) {
     let button = menu_ui(ui, "Scenario", Closing::AtOnce, |ui| {
-        if !is_roomy {
-            if choose_file_ui(ui, "Open a file…", requests) {
+        if opens && choose_file_ui(ui, "Open a file…", requests) {
+            ui.close();
+        }
+        if measures {
+            let hint = "A free decay, by the accelerometer of this device";
+            let button = ui.button("Measure with this device…").on_hover_text(hint);
+            probe::remember(ui.ctx(), "Measure with this device…", button.rect);
+            if button.clicked() {
+                requests.push(Request::Measure);
                 ui.close();
             }
+        }
+        if opens || measures {
             ui.separator();
         }
         entries_ui(ui, BUILT_IN, requests);

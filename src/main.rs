@@ -106,6 +106,7 @@ mod web {
     mod download;
     mod file_input;
     mod messages;
+    mod motion;
     mod shelf;
     mod tables;
     mod workers;
@@ -244,6 +245,9 @@ mod web {
             app = app.choosing(choose).working_with(team);
             if !embedded {
                 app = app.keeping_records(Box::new(shelf::Browser), &creation.egui_ctx);
+            }
+            if !embedded && let Some(accelerometer) = motion::Motion::of_page(&creation.egui_ctx) {
+                app = app.measuring_with(Box::new(accelerometer));
             }
             if is_match("(pointer: coarse)") {
                 theme::expect_fingers(&creation.egui_ctx);

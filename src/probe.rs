@@ -3,5 +3,6 @@
 mod places;
 mod screen;
 
+pub use places::place;
 pub(crate) use places::remember;
 pub use screen::{Latest, ScreenState};

@@ -45,6 +45,8 @@ pub enum Request {
     ImportFile(Box<RawFile>),
     /// Choose another meaning of the columns of the record on screen.
     ChangeColumns,
+    /// Measure a free decay with the accelerometer of this device.
+    Measure,
     /// Edit the equation of the plant.
     EditEquation,
     /// Forget the record's file that is kept for the next start.

@@ -20,6 +20,8 @@ mod import;
 mod laboratory;
 #[path = "browser/loading.rs"]
 mod loading;
+#[path = "browser/measure.rs"]
+mod measure;
 #[path = "browser/page.rs"]
 mod page;
 #[path = "browser/phone.rs"]
@@ -109,6 +111,7 @@ fn a_phone_keeps_its_plots_in_sight() {
         phone::fingers_are_expected(&page, &pictures.join("phone-start.png")).await;
         phone::a_lesson_leaves_the_plots_their_room(&page, &pictures.join("phone-lesson.png")).await;
         phone::the_menu_of_views_scrolls(&page, &pictures.join("phone-views.png")).await;
+        measure::a_decay_is_identified(&page, &pictures.join("phone-measure.png")).await;
         reports_no_problems(&page, &address).await;
     });
 }

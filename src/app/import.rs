@@ -9,6 +9,7 @@ use super::App;
 use crate::controls::number;
 use crate::import::{Import, Opened};
 use crate::layout::Layout;
+use crate::motion::Accelerometer;
 use crate::notice::Notice;
 use crate::plot::time_axis::TimeAxis;
 use crate::request::{RawFile, ViewKind};
@@ -37,6 +38,20 @@ impl App {
         }
         self.shelf = Some(shelf);
         self
+    }
+
+    /// The explorer on a device with an accelerometer.
+    #[must_use]
+    pub fn measuring_with(self, accelerometer: Box<dyn Accelerometer>) -> Self {
+        Self { accelerometer: Some(accelerometer), ..self }
+    }
+
+    /// Shows the window of a measurement with this device.
+    pub(super) fn measure_ui(&mut self, ctx: &Context, palette: &Palette) {
+        let (Some(device), Some(measure)) = (&self.accelerometer, &mut self.measure) else { return };
+        if !measure.ui(ctx, &**device, palette, &mut self.requests) {
+            self.measure = None;
+        }
     }
 
     /// Forgets the file that is kept for the next start.

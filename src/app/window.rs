@@ -51,10 +51,11 @@ impl App {
         let ground = if self.cleared { Color32::TRANSPARENT } else { palette.ground };
         let frame = Frame::new().fill(ground).inner_margin(Margin::symmetric(10, 6));
         let extent = self.transport(narrow);
-        let Self { session, layout, catalogue, presenting, embedded, requests, history, .. } = self;
+        let Self { session, layout, catalogue, presenting, embedded, requests, history, accelerometer, .. } = self;
         let history = (history.has_undo(session.scenario()), history.has_redo(session.scenario()));
         let (presenting, embedded) = (*presenting, *embedded);
-        let bar = Bar { session, layout, catalogue, controls: open, presenting, narrow, history };
+        let measures = accelerometer.is_some();
+        let bar = Bar { session, layout, catalogue, controls: open, presenting, narrow, history, measures };
         if !embedded && (!presenting || is_bar_wanted(ui.ctx())) {
             Panel::top("bar").frame(frame).show(ui, |ui| bar.ui(ui, requests));
         }
@@ -89,6 +90,7 @@ impl App {
         self.finder_ui(ui.ctx(), &palette);
         focus::ring_ui(ui.ctx(), &palette);
         self.equation_ui(ui.ctx(), &palette);
+        self.measure_ui(ui.ctx(), &palette);
         self.import_ui(ui.ctx(), &palette);
         if !self.requests.is_empty() {
             ui.ctx().request_repaint();

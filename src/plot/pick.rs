@@ -2,6 +2,7 @@
 
 use egui::{Color32, Pos2};
 use egui_plot::PlotTransform;
+use kalmanscope_core::Estimates;
 
 use super::input::PlotInput;
 use super::marks::Mark;
@@ -44,7 +45,7 @@ pub(super) fn filter_at(
 fn of_color(color: Color32, input: &PlotInput<'_>) -> Option<u32> {
     let PlotInput { session, palette, visible, .. } = *input;
     let mut filters = session.run().estimates().iter().filter(|estimates| visible.filter(estimates.id()));
-    filters.find(|estimates| palette.shade(estimates.color()) == color).map(|estimates| estimates.id())
+    filters.find(|estimates| palette.shade(estimates.color()) == color).map(Estimates::id)
 }
 
 /// The distance of a position from a line between two ends.

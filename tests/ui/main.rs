@@ -12,6 +12,7 @@ mod keyboard;
 mod lessons;
 mod map;
 mod marks;
+mod measure;
 mod memory;
 mod monte_carlo;
 mod phone;

@@ -1,0 +1,104 @@
+//! The accelerometer behind a page: the browser's motion events.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use egui::{Context, pos2};
+use kalmanscope::motion::{Accelerometer, Readings};
+use wasm_bindgen::JsCast as _;
+use wasm_bindgen::prelude::*;
+use wasm_bindgen_futures::JsFuture;
+use web_sys::{DeviceMotionEvent, MouseEvent, Window};
+
+/// The button that begins a measurement.
+const BEGIN: &str = "Begin to measure";
+
+/// The browser's motion events.
+pub(super) struct Motion {
+    shared: Rc<Shared>,
+    /// The page listens to clicks for as long as this lives.
+    _clicks: Closure<dyn FnMut(MouseEvent)>,
+}
+
+/// Hears motion events.
+type Listener = Closure<dyn FnMut(DeviceMotionEvent)>;
+
+#[derive(Default)]
+struct Shared {
+    /// The listener of a measurement that runs.
+    listener: RefCell<Option<Listener>>,
+    /// The answer to the last question for permission, as a promise.
+    asked: RefCell<Option<js_sys::Promise>>,
+}
+
+impl Motion {
+    /// The motion events of this page. `None` where the browser has none.
+    pub(super) fn of_page(ctx: &Context) -> Option<Self> {
+        let window = web_sys::window()?;
+        js_sys::Reflect::get(&window, &"DeviceMotionEvent".into()).ok().filter(|kind| !kind.is_undefined())?;
+        let shared: Rc<Shared> = Rc::default();
+        let clicks = {
+            let (shared, ctx) = (Rc::clone(&shared), ctx.clone());
+            // Safari answers the question only inside the event of a tap, before the frame that sees the tap.
+            Closure::<dyn FnMut(MouseEvent)>::new(move |event: MouseEvent| {
+                let at = pos2(event.client_x() as f32, event.client_y() as f32);
+                if kalmanscope::probe::place(&ctx, BEGIN).is_some_and(|button| button.contains(at)) {
+                    *shared.asked.borrow_mut() = ask();
+                }
+            })
+        };
+        window.add_event_listener_with_callback_and_bool("click", clicks.as_ref().unchecked_ref(), true).ok()?;
+        Some(Self { shared, _clicks: clicks })
+    }
+}
+
+/// Asks for permission where the browser wants to be asked.
+fn ask() -> Option<js_sys::Promise> {
+    let kind = js_sys::Reflect::get(&js_sys::global(), &"DeviceMotionEvent".into()).ok()?;
+    let question = js_sys::Reflect::get(&kind, &"requestPermission".into()).ok()?;
+    let question: js_sys::Function = question.dyn_into().ok()?;
+    question.call0(&kind).ok()?.dyn_into().ok()
+}
+
+impl Accelerometer for Motion {
+    fn begin(&self, ctx: &Context, to: &Readings) {
+        self.end();
+        let Some(window) = web_sys::window() else { return };
+        if !window.is_secure_context() {
+            let reason = "The browser gives motion only to pages that come by https, or from this machine";
+            return to.refuse(reason.to_owned(), ctx);
+        }
+        let question = self.shared.asked.borrow_mut().take().or_else(ask);
+        let (shared, ctx, to) = (Rc::clone(&self.shared), ctx.clone(), to.clone());
+        let Some(question) = question else { return listen(&window, &shared, &ctx, &to) };
+        wasm_bindgen_futures::spawn_local(async move {
+            match JsFuture::from(question).await {
+                Ok(answer) if answer.as_string().as_deref() == Some("granted") => listen(&window, &shared, &ctx, &to),
+                _ => to.refuse("The browser was not allowed to tell the motion of this device".to_owned(), &ctx),
+            }
+        });
+    }
+
+    fn end(&self) {
+        let Some(listener) = self.shared.listener.borrow_mut().take() else { return };
+        if let Some(window) = web_sys::window() {
+            window.remove_event_listener_with_callback("devicemotion", listener.as_ref().unchecked_ref()).ok();
+        }
+    }
+}
+
+/// Listens to the motion events of a window.
+fn listen(window: &Window, shared: &Shared, ctx: &Context, to: &Readings) {
+    let (ctx, to) = (ctx.clone(), to.clone());
+    let listener = Listener::new(move |event: DeviceMotionEvent| {
+        let Some(told) = event.acceleration_including_gravity() else { return };
+        // A computer without the sensor tells events without numbers.
+        if let (Some(x), Some(y), Some(z)) = (told.x(), told.y(), told.z()) {
+            to.put([0.001 * event.time_stamp(), x, y, z], &ctx);
+        }
+    });
+    let added = window.add_event_listener_with_callback("devicemotion", listener.as_ref().unchecked_ref());
+    if added.is_ok() {
+        *shared.listener.borrow_mut() = Some(listener);
+    }
+}

@@ -1,0 +1,95 @@
+//! A free decay that this device measures, from the tap to the parameters.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use kalmanscope::motion::{Accelerometer, Readings};
+
+use super::*;
+
+/// A device that is played by the test.
+#[derive(Clone, Default)]
+struct Device(Rc<RefCell<Option<Readings>>>);
+
+impl Accelerometer for Device {
+    fn begin(&self, _: &egui::Context, to: &Readings) {
+        *self.0.borrow_mut() = Some(to.clone());
+    }
+
+    fn end(&self) {
+        *self.0.borrow_mut() = None;
+    }
+}
+
+fn measuring(size: Vec2) -> (Screen, Device) {
+    let device = Device::default();
+    let own = device.clone();
+    let mut screen = Harness::builder().with_size(size).with_theme(Theme::Light).with_step_dt(1.0 / 60.0).build_eframe(
+        move |creation| App::new(creation).expect("the default scenario can be run").measuring_with(Box::new(own)),
+    );
+    screen.state_mut().session_mut().set_budget(Budget::Unlimited);
+    screen.run_steps(3);
+    click(&mut screen, "Scenario");
+    click(&mut screen, "Measure with this device…");
+    screen.run_steps(3);
+    (screen, device)
+}
+
+/// A swing of 6 rad/s with 1 % damping beside gravity, after two seconds of rest, 60 readings a second with jitter.
+fn swing(k: usize) -> [f64; 4] {
+    let noise = |n: usize| f64::from((n as u32).wrapping_mul(2_654_435_761) >> 8) / f64::from(1 << 24) - 0.5;
+    let t = (k as f64 + 0.4 * noise(7 * k)) / 60.0;
+    let (w, z) = (6.0, 0.01);
+    let a = if t < 2.0 { 0.0 } else { 2.0 * (-z * w * (t - 2.0)).exp() * (w * (t - 2.0)).cos() };
+    [t, 0.3 + 0.6 * a + 0.06 * noise(3 * k + 1), 9.7 + 0.8 * a + 0.06 * noise(3 * k + 2), 0.06 * noise(3 * k + 3)]
+}
+
+#[test]
+fn a_decay_is_measured_and_identified() {
+    for size in [PHONE, DESKTOP] {
+        let (mut screen, device) = measuring(size);
+        click(&mut screen, "Begin to measure");
+        let readings = device.0.borrow().clone().expect("it has begun");
+        for k in 0..1800 {
+            assert!(readings.put(swing(k), &screen.ctx));
+        }
+        screen.run_steps(4);
+        screen.get_by_label_contains("60.0 readings a second");
+        click(&mut screen, "Stop and identify");
+        assert!(device.0.borrow().is_none(), "it has stopped");
+        screen.run_steps(30);
+        click(&mut screen, "Open the record");
+        screen.run_steps(30);
+        let session = screen.state().session();
+        assert!(session.is_measured());
+        let estimates = &session.run().estimates()[0];
+        let last = estimates.len() - 1;
+        let of = |channel| estimates.canonical_mean(last, estimates.place(channel).expect("it is estimated"));
+        let (frequency, damping) = (of(Channel::NATURAL_FREQUENCY), of(Channel::DAMPING_RATIO));
+        assert!((frequency / 6.0 - 1.0).abs() < 0.002 && (damping / 0.01 - 1.0).abs() < 0.15, "{frequency} {damping}");
+    }
+}
+
+#[test]
+fn what_cannot_be_measured_is_said() {
+    let (mut screen, device) = measuring(PHONE);
+    click(&mut screen, "Begin to measure");
+    screen.run_steps(260);
+    screen.get_by_label_contains("No reading has come yet.");
+    device.0.borrow().clone().expect("it has begun").refuse("It was not allowed".to_owned(), &screen.ctx);
+    screen.run_steps(3);
+    screen.get_by_label("It was not allowed.");
+    click(&mut screen, "Again");
+    click(&mut screen, "Begin to measure");
+    let readings = device.0.borrow().clone().expect("it has begun again");
+    for k in 0..600 {
+        let [t, ..] = swing(k);
+        readings.put([t, 0.0, 9.81, 0.01 * f64::from(k as u32 % 2)], &screen.ctx);
+    }
+    screen.run_steps(3);
+    click(&mut screen, "Stop and identify");
+    screen.get_by_label_contains("Nothing swung");
+    screen.key_press(Key::Escape);
+    screen.run_steps(3);
+    assert!(screen.query_by_label("Again").is_none(), "the window is closed");
+}
