@@ -42,7 +42,7 @@ pub(crate) enum Command {
     Report(ReportArgs),
     /// Look at a measured record and write a scenario for it: its columns, and start values from its data
     #[command(
-        after_help = "Examples:\n  kalmanscope-cli import record.csv --out record.toml\n  kalmanscope-cli import raw.txt --rate 200 --input V1 --sensor displacement=V2 --out record.toml\n  zcat record.csv.gz | kalmanscope-cli import - > record.toml"
+        after_help = "Examples:\n  kalmanscope-cli import record.csv --out record.toml\n  kalmanscope-cli import raw.txt --rate 200 --input V1 --sensor displacement=V2 --out record.toml\n  kalmanscope-cli import phyphox.csv --decay decay.csv --out decay.toml\n  zcat record.csv.gz | kalmanscope-cli import - > record.toml"
     )]
     Import(ImportArgs),
     /// Run a scenario with every combination of some settings and write a row of scores for each
@@ -281,6 +281,9 @@ pub(crate) struct ImportArgs {
     /// The scenario to write; standard output if left out or `-`
     #[arg(long, value_name = "SCENARIO.toml")]
     pub(crate) out: Option<PathBuf>,
+    /// Take the free decay from an accelerometer with three axes, as a phone writes it, write it to this file, and go on with it
+    #[arg(long, value_name = "DECAY.csv", conflicts_with_all = ["rate", "time", "time_unit", "input", "sensor", "ground"])]
+    pub(crate) decay: Option<PathBuf>,
     /// Samples in a second, for a file without times
     #[arg(long, value_name = "HZ")]
     pub(crate) rate: Option<f64>,

@@ -3,14 +3,16 @@
 use std::fs;
 use std::path::Path;
 
-use kalmanscope_core::import::{Builder, ColumnGuess, ImportError, MappedColumn, Mapping, Time};
+use kalmanscope_core::import::{
+    self, Builder, ColumnGuess, ImportError, MappedColumn, Mapping, Table, ThreeAxes, Time,
+};
 use kalmanscope_core::scenario::shown;
 use kalmanscope_core::suggest::{scenario_for, suggest};
 use kalmanscope_core::{Hold, InputKind};
 
 use crate::args::{ImportArgs, Missing};
 use crate::input::{InputError, is_standard_input};
-use crate::places::{check, places, say, write_text};
+use crate::places::{check, places, say, write_bytes, write_text};
 use crate::progress::Progress;
 use crate::record::table;
 
@@ -19,6 +21,7 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
     let ImportArgs {
         file,
         out,
+        decay,
         rate,
         time,
         time_unit,
@@ -35,10 +38,15 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
         plant,
     } = args;
     let bad = |error| InputError::Import { file: file.clone(), error };
-    check(&places("the record", [file]), &places("--out", out))?;
+    check(&places("the record", [file]), &[places("--out", out), places("--decay", decay)].concat())?;
     // Errors and remarks come once it is cleared.
     let progress = Progress::wait(false, "reading");
-    let (table, hash) = table(file)?;
+    let (mut table, mut hash) = table(file)?;
+    let mut file = file;
+    if let Some(decay) = decay {
+        (table, hash) = free_decay(&table, file, decay)?;
+        file = decay;
+    }
     let (mut mapping, mut kind, guesses) = Mapping::guess_with_reasons(&table);
     mapping.file = path_from(out.as_deref(), file);
     mapping.hash = hash;
@@ -108,6 +116,25 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
         Some(out) => write_text(out, &text),
         None => write_text(Path::new("-"), &text),
     }
+}
+
+/// Writes the free decay in a file of an accelerometer with three axes to another file. Returns the columns of that, and its hash.
+fn free_decay(table: &Table, file: &Path, to: &Path) -> Result<(Table, String), InputError> {
+    let bad = |reason: String| InputError::Laboratory { file: file.to_owned(), reason };
+    let none = "there are no three accelerations with a time, named as phyphox or an Arduino names them";
+    let axes = ThreeAxes::of(table).ok_or_else(|| bad(none.to_owned()))?;
+    let decay = axes.decay(table).map_err(|reason| bad(reason.to_string()))?;
+    let [x, y, z] = decay.axis;
+    let seconds = decay.times.last().copied().unwrap_or_default();
+    say(&format_args!(
+        "the free decay: {seconds:.1} s from {:.2} s on, along ({x:.2}, {y:.2}, {z:.2}); the noise is {:.3} m/s²",
+        decay.begin, decay.noise
+    ));
+    let bytes = decay.csv().into_bytes();
+    write_bytes(to, &bytes)?;
+    let hash = import::hash(&bytes);
+    let table = import::read(bytes, None).map_err(|error| InputError::Import { file: to.to_owned(), error })?;
+    Ok((table, hash))
 }
 
 /// Words for no column.

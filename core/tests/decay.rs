@@ -5,7 +5,7 @@ mod random;
 
 use std::sync::Arc;
 
-use kalmanscope_core::import::{Builder, Decay, Mapping, NoDecay, read};
+use kalmanscope_core::import::{Builder, Decay, Mapping, NoDecay, ThreeAxes, read};
 use kalmanscope_core::suggest::{scenario_for, suggest};
 use kalmanscope_core::{Channel, Hold, Run};
 
@@ -163,5 +163,59 @@ fn what_is_no_free_decay_is_said() {
         if let Ok(decay) = Decay::of(&readings) {
             assert!(decay.acceleration.iter().all(|x| x.is_finite()), "{scale}");
         }
+    }
+}
+
+/// The files that apps and loggers write of the same readings: their head, and a row.
+type File = (&'static str, fn(&[f64; 4]) -> String);
+
+/// The ten commonest shapes: phyphox with its four ways to divide cells, with and without gravity; Sensor Logger; Physics Toolbox in
+/// m/s² and in g; the lines of an Arduino without and with names.
+const FILES: [File; 10] = [
+    (PHYPHOX, |[t, x, y, z]| format!("{t:.9E},{x:.9E},{y:.9E},{z:.9E},0")),
+    (
+        "\"Time (s)\";\"Acceleration x (m/s^2)\";\"Acceleration y (m/s^2)\";\"Acceleration z (m/s^2)\"",
+        |[t, x, y, z]| format!("{t:.9E};{x:.9E};{y:.9E};{z:.9E}"),
+    ),
+    (
+        "\"Time (s)\"\t\"Acceleration x (m/s^2)\"\t\"Acceleration y (m/s^2)\"\t\"Acceleration z (m/s^2)\"",
+        |[t, x, y, z]| format!("{t:.9E}\t{x:.9E}\t{y:.9E}\t{z:.9E}"),
+    ),
+    (
+        "\"Time (s)\";\"Acceleration x (m/s^2)\";\"Acceleration y (m/s^2)\";\"Acceleration z (m/s^2)\"",
+        |[t, x, y, z]| format!("{t:.9E};{x:.9E};{y:.9E};{z:.9E}").replace('.', ","),
+    ),
+    (LINEAR, |[t, x, y, z]| format!("{t:.6},{:.6},{:.6},{:.6},0", x - 1.2, y - 9.6, z + 0.7)),
+    ("time,seconds_elapsed,z,y,x", |[t, x, y, z]| {
+        format!("{},{t:.9},{z:.9},{y:.9},{x:.9}", 1_700_000_000_000_000_000_u64 + (1e9 * t) as u64)
+    }),
+    ("time,ax,ay,az,aT", |[t, x, y, z]| format!("{t:.5},{x:.5},{y:.5},{z:.5},9.8")),
+    ("time,gFx,gFy,gFz,TgF", |[t, x, y, z]| {
+        let [x, y, z] = [x, y, z].map(|a| a / 9.80665);
+        format!("{t:.5},{x:.6},{y:.6},{z:.6},1.0")
+    }),
+    ("", |[t, x, y, z]| format!("{},{x:.3},{y:.3},{z:.3}", (1000.0 * t) as u64 + 5123)),
+    ("millis\tAccX\tAccY\tAccZ", |[t, x, y, z]| format!("{}\t{x:.3}\t{y:.3}\t{z:.3}", (1000.0 * t) as u64 + 5123)),
+];
+const PHYPHOX: &str = "\"Time (s)\",\"Acceleration x (m/s^2)\",\"Acceleration y (m/s^2)\",\"Acceleration z (m/s^2)\",\"Absolute acceleration (m/s^2)\"";
+const LINEAR: &str = "\"Time (s)\",\"Linear Acceleration x (m/s^2)\",\"Linear Acceleration y (m/s^2)\",\"Linear Acceleration z (m/s^2)\",\"Absolute acceleration (m/s^2)\"";
+
+#[test]
+fn the_files_of_apps_and_loggers_have_the_same_decay() {
+    let phone = Phone { seed: 3, frequency: 7.4, damping: 0.01, ..USUAL };
+    let readings = phone.readings();
+    for (place, (head, row)) in FILES.iter().enumerate() {
+        let rows: Vec<String> = readings.iter().map(row).collect();
+        let text = if head.is_empty() { rows.join("\n") } else { format!("{head}\n{}\n", rows.join("\n")) };
+        let table = read(text.into_bytes(), None).unwrap_or_else(|error| panic!("file {place}: {error}"));
+        let axes = ThreeAxes::of(&table).unwrap_or_else(|| panic!("file {place}: {:?}", table.columns));
+        let decay = axes.decay(&table).unwrap_or_else(|error| panic!("file {place}: {error}"));
+        let [(frequency, _), (damping, _)] = identified(&decay);
+        assert!((frequency / 7.4 - 1.0).abs() < 0.002, "file {place}: {frequency}");
+        assert!((damping / 0.01 - 1.0).abs() < 0.15, "file {place}: {damping}");
+    }
+    for text in ["t,force,displacement\n0,0,0\n0.01,1,2\n0.02,1,3\n", "t,x,y\n0,0,0\n0.1,1,1\n0.2,2,2\n"] {
+        let table = read(text.as_bytes().to_vec(), None).expect("it is a table");
+        assert_eq!(ThreeAxes::of(&table), None, "{text}");
     }
 }

@@ -2,11 +2,13 @@
 
 use egui::{Align2, Button, Context, Key, Popup, ProgressBar, ScrollArea, Ui, Vec2, Window};
 
+use kalmanscope_core::import::{NoDecay, Table, ThreeAxes};
+
 use super::columns::columns_ui;
 use super::conditioning::{conditioning_ui, meaning_ui};
 use super::{Draft, Import, Opened, Stage};
 use crate::probe;
-use crate::request::Request;
+use crate::request::{RawFile, Request};
 use crate::text::significant;
 use crate::theme::Palette;
 
@@ -15,6 +17,8 @@ enum Choice {
     Open,
     HoldOut,
     Cancel,
+    /// Go on with the free decay in the file, as a file of its own.
+    Decay(Result<String, NoDecay>),
 }
 
 impl Import {
@@ -41,6 +45,15 @@ impl Import {
         match choice {
             Some(Choice::Cancel) => {
                 requests.push(Request::CancelImport);
+                None
+            }
+            Some(Choice::Decay(Ok(csv))) => {
+                let name = format!("{}, free decay.csv", self.name.trim_end_matches(".csv"));
+                requests.push(Request::ImportFile(Box::new(RawFile { name, bytes: csv.into_bytes() })));
+                None
+            }
+            Some(Choice::Decay(Err(reason))) => {
+                self.stage = Stage::Failed(reason.to_string());
                 None
             }
             Some(Choice::HoldOut) => {
@@ -104,6 +117,20 @@ fn button(ui: &mut Ui, text: &str, enabled: bool) -> bool {
     button.clicked()
 }
 
+/// Offers the free decay of an accelerometer with three axes.
+fn decay_ui(ui: &mut Ui, table: &Table) -> Option<Choice> {
+    let axes = ThreeAxes::of(table)?;
+    let mut choice = None;
+    ui.horizontal_wrapped(|ui| {
+        ui.label("An accelerometer with three axes.");
+        let hint = "Without gravity, along the axis that moves most, from when the hand is gone until it rests";
+        let take = ui.button("Take its free decay").on_hover_text(hint);
+        probe::remember(ui.ctx(), "Take its free decay", take.rect);
+        choice = take.clicked().then(|| Choice::Decay(axes.decay(table).map(|decay| decay.csv())));
+    });
+    choice
+}
+
 impl Draft {
     fn ui(&mut self, ui: &mut Ui, palette: &Palette, can_hold_out: bool) -> Option<Choice> {
         let file = std::sync::Arc::clone(self.file());
@@ -113,6 +140,9 @@ impl Draft {
             ui.strong(&file.name);
             ui.weak(format!("{rows} rows, {} columns; {}", table.columns.len(), table.form));
         });
+        if let Some(choice) = decay_ui(ui, table) {
+            return Some(choice);
+        }
         ui.add_space(4.0);
         columns_ui(ui, self, palette);
         ui.add_space(6.0);

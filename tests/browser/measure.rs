@@ -49,5 +49,6 @@ pub(crate) async fn a_decay_is_identified(page: &Page, picture: &Path) {
         assert!((of("natural_frequency") / 6.0 - 1.0).abs() < 0.002, "{summary}");
         assert!((of("damping_ratio") / 0.01 - 1.0).abs() < 0.15, "{summary}");
     }
-    std::fs::write(picture.with_file_name("phone-measured.png"), page.screenshot().await).expect("a picture can be written");
+    std::fs::write(picture.with_file_name("phone-measured.png"), page.screenshot().await)
+        .expect("a picture can be written");
 }

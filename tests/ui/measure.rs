@@ -1,10 +1,12 @@
 //! A free decay that this device measures, from the tap to the parameters.
 
 use std::cell::RefCell;
+use std::fmt::Write as _;
 use std::rc::Rc;
 
 use kalmanscope::motion::{Accelerometer, Readings};
 
+use super::files::drop_file;
 use super::*;
 
 /// A device that is played by the test.
@@ -92,4 +94,22 @@ fn what_cannot_be_measured_is_said() {
     screen.key_press(Key::Escape);
     screen.run_steps(3);
     assert!(screen.query_by_label("Again").is_none(), "the window is closed");
+}
+
+#[test]
+fn the_file_of_a_phone_is_dropped_and_its_decay_is_taken() {
+    let mut text =
+        "\"Time (s)\",\"Acceleration x (m/s^2)\",\"Acceleration y (m/s^2)\",\"Acceleration z (m/s^2)\"\n".to_owned();
+    for [t, x, y, z] in (0..1800).map(swing) {
+        writeln!(text, "{t:E},{x:E},{y:E},{z:E}").expect("memory");
+    }
+    let mut screen = screen(DESKTOP, Theme::Light);
+    drop_file(&mut screen, "phone.csv", text.as_bytes());
+    screen.run_steps(10);
+    click(&mut screen, "Take its free decay");
+    screen.run_steps(20);
+    assert!(screen.query_by_label("Take its free decay").is_none(), "the decay has one axis");
+    click(&mut screen, "Open the record");
+    screen.run_steps(20);
+    super::records::check_result(&screen, "phone.csv");
 }

@@ -48,6 +48,7 @@ mod sentinel;
 mod series;
 mod sniff;
 mod table;
+mod three_axes;
 mod times;
 mod timing;
 mod unit;
@@ -68,6 +69,7 @@ pub use number::Decimal;
 pub use reader::Reader;
 pub use sentinel::Sentinel;
 pub use table::{Column, Table, TextCell};
+pub use three_axes::ThreeAxes;
 pub use unit::{Dimension, STANDARD_GRAVITY, unit};
 
 /// The columns of a file, read in one go.
