@@ -5,9 +5,10 @@ mod random;
 
 use std::sync::Arc;
 
+use kalmanscope_core::diagnostics::Depth;
 use kalmanscope_core::import::{Builder, Decay, Mapping, NoDecay, ThreeAxes, read};
 use kalmanscope_core::suggest::{scenario_for, suggest};
-use kalmanscope_core::{Channel, Hold, Run};
+use kalmanscope_core::{Analysis, Channel, Hold, Run, Story, Wanted};
 
 use random::Random;
 
@@ -217,5 +218,32 @@ fn the_files_of_apps_and_loggers_have_the_same_decay() {
     for text in ["t,force,displacement\n0,0,0\n0.01,1,2\n0.02,1,3\n", "t,x,y\n0,0,0\n0.1,1,1\n0.2,2,2\n"] {
         let table = read(text.as_bytes().to_vec(), None).expect("it is a table");
         assert_eq!(ThreeAxes::of(&table), None, "{text}");
+    }
+}
+
+/// The story of a decay has period, half-life and quality factor with their bands, and the truth is inside them.
+#[test]
+fn a_decay_is_told_in_the_words_of_a_hall() {
+    let phone = Phone { seed: 5, frequency: 6.0, damping: 0.01, ..USUAL };
+    let decay = Decay::of(&phone.readings()).expect("it swings");
+    let table = read(decay.csv().into_bytes(), None).expect("it is a table");
+    let (mapping, kind) = Mapping::guess(&table);
+    let imported = Builder::new(&table, &mapping, kind, Hold::First).and_then(Builder::finish).expect("it is a record");
+    let scenario = suggest(&scenario_for(&imported.record), &imported.record).scenario;
+    let mut run = Run::on_record(&scenario, Arc::new(imported.record)).expect("it can be run");
+    run.finish();
+    let analysis = Analysis::new(&run, Wanted { diagnostics: Some(Depth::All), ..Wanted::default() });
+    let diagnoses: Vec<_> = (0..scenario.filters.len()).map(|place| analysis.diagnosis(place)).collect();
+    let story = Story::of(&run, analysis.diagnostics(), &diagnoses).to_string();
+    // T = 2π / 6, t½ = ln 2 / 0.06, Q = 50, δ = 2π 0.01.
+    for (before, expected) in
+        [("swings once in ", 1.0473), (", and in ", 11.552), ("Q = ", 50.0), ("logarithmic decrement ", 0.06283)]
+    {
+        let words = story.split_once(before).unwrap_or_else(|| panic!("{story}")).1;
+        let mut numbers = words.split([' ', ',']).filter(|word| *word != "±").map(|word| word.trim_end_matches('.'));
+        let [value, band]: [f64; 2] =
+            std::array::from_fn(|_| numbers.next().and_then(|word| word.parse().ok()).expect("a number"));
+        assert!((value - expected).abs() < 1.5 * band + 1e-4 * expected, "{before}{value} ± {band}: {story}");
+        assert!(band < 0.2 * expected, "{story}");
     }
 }

@@ -15,6 +15,7 @@ mod number;
 mod outcome;
 mod phrase;
 mod record;
+mod swing;
 
 use std::fmt;
 
@@ -54,6 +55,9 @@ impl Story {
             .collect();
         sentences.extend(outcomes.iter().take(TOLD).map(|outcome| outcome.sentence(happening.change.as_ref())));
         sentences.extend(belief::sentence(&outcomes, TOLD));
+        if is_measured && !record::has_input(run) {
+            sentences.extend(swing::sentence(&outcomes));
+        }
         sentences.retain(|sentence| !sentence.is_empty());
         let aside = outcomes.iter().take(TOLD).flat_map(|outcome| outcome.aside(happening.change.is_some())).collect();
         Self { sentences, aside }

@@ -6,9 +6,9 @@ use thiserror::Error;
 
 /// The free decay of an oscillator along one axis.
 ///
-/// Gravity, and whatever else is constant, is the mean of each axis and is taken away. The axis is that along which the
-/// readings vary most. The decay begins half a swing after the largest reading, when the hand is gone, and ends where the
-/// readings are noise, or before they grow again. Its readings are carried from their own times to equal steps by cubics
+/// Gravity, and whatever else is constant, is the mean of the decay under a Hann window and is taken away. The axis is that
+/// along which the readings vary most. The decay begins half a swing after the largest reading, when the hand is gone, and
+/// ends where the readings are noise, or before they grow again. Its readings are carried from their own times to equal steps by cubics
 /// through four of them: a phone's clock jitters, and a shift by a tenth of a step is as large as the noise.
 ///
 /// Source: Clough and Penzien (2003), *Dynamics of Structures*, section 2.6 (free vibration); Jolliffe (2002), *Principal
@@ -107,7 +107,7 @@ impl Decay {
         if end - begin < MOST_FEW || seconds < SHORTEST {
             return Err(NoDecay::Short { seconds });
         }
-        let rest = mean(&along[begin..end]);
+        let rest = middle(&along[begin..end]);
         let along: Vec<f64> = along[begin..end].iter().map(|x| x - rest).collect();
         let (dt, acceleration) = even(&times[begin..end], &along);
         let times_of = (0..acceleration.len()).map(|k| dt * k as f64);
@@ -213,6 +213,17 @@ fn main_axis(readings: &[[f64; 4]]) -> [f64; 3] {
     }
     let sign = axis[largest(&axis)].signum();
     axis.map(|x| sign * x)
+}
+
+/// The mean of readings that swing, under a Hann window: the part of a swing at either end counts little.
+fn middle(values: &[f64]) -> f64 {
+    let turn = std::f64::consts::TAU / values.len().max(1) as f64;
+    let weight = |k: usize| 1.0 - libm::cos(turn * (k as f64 + 0.5));
+    let (sum, weights) = values.iter().enumerate().fold((0.0, 0.0), |(sum, weights), (k, x)| {
+        let weight = weight(k);
+        (sum + weight * x, weights + weight)
+    });
+    sum / weights
 }
 
 fn mean(values: &[f64]) -> f64 {

@@ -129,6 +129,13 @@ impl<'a> Outcome<'a> {
         self.kind.is_some_and(|kind| kind.is_good() || kind == VerdictKind::NotIdentifiable)
     }
 
+    /// Natural frequency \[rad/s\] and damping ratio, each with its standard deviation, where no truth is known.
+    pub(super) fn swing(&self) -> Option<[(f64, f64); 2]> {
+        let all = self.main.iter().chain(&self.others).filter(|one| one.truth.is_none());
+        let of = |channel: Channel| all.clone().find(|one| one.channel == channel).map(|one| (one.mean, one.std));
+        Some([of(Channel::NATURAL_FREQUENCY)?, of(Channel::DAMPING_RATIO)?])
+    }
+
     /// The width of the band of the parameter that the story is about.
     pub(super) fn band(&self) -> Option<f64> {
         self.main.as_ref().map(|main| main.std)

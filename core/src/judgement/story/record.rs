@@ -14,8 +14,12 @@ pub(super) fn sentence(run: &Run) -> Vec<Phrase> {
         Some((last, rest)) => format!("{} and {last}", rest.join(", ")),
     };
     let length = record.dt() * run.samples().saturating_sub(1) as f64;
-    let has_input = record.input().iter().any(|input| *input != 0.0);
-    let input = if has_input { "" } else { ", and no input" };
+    let input = if has_input(run) { "" } else { ", and no input" };
     let text = Writer::default().say("A measured record: ").result(seconds(length));
     text.say(format!(" of {of}{input}.")).done()
+}
+
+/// Whether anything drives the record.
+pub(super) fn has_input(run: &Run) -> bool {
+    run.record().input().iter().any(|input| *input != 0.0)
 }
