@@ -30,8 +30,8 @@ struct Followed {
     has_stopped: bool,
 }
 
-/// Reads lines until there are no more, and writes the estimates at the newest time after each, flushed. What is refused is said on
-/// standard error. Returns whether a filter is left that has not stopped.
+/// Reads lines until there are no more, and writes the estimates at the newest time after each, flushed. What is refused is
+/// said on standard error. Returns whether a filter is left that has not stopped.
 pub(crate) fn stream(args: &StreamArgs) -> Result<bool, InputError> {
     let StreamArgs { scenario: file, source, late, json } = args;
     let both = [places("SCENARIO", [file]), places("SOURCE", [source])].concat();

@@ -11,8 +11,8 @@ use super::projection::Projection;
 /// A line is hit from within this distance \[points\].
 const REACH: f32 = 5.0;
 
-/// The id of the filter with the line nearest to a position, if one is within reach. Each filter has one colour, which its lines have
-/// in all plots.
+/// The id of the filter with the line nearest to a position, if one is within reach. Each filter has one colour, which its
+/// lines have in all plots.
 pub(super) fn filter_at(
     marks: &[Mark],
     transform: &PlotTransform,

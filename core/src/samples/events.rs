@@ -1,15 +1,16 @@
 //! One filter of a scenario over readings that come at times of their own.
 
 mod error;
+mod share;
 mod timeline;
 
-use crate::mathematics::filter::{Correction, Filter, FilterError, Gaussian, Noise};
-use crate::mathematics::linalg::Matrix;
+use crate::mathematics::filter::{Correction, Filter, FilterError, Gaussian};
 use crate::samples::estimator::FilterContext;
 use crate::samples::estimator::book::{self, InUnits};
 use crate::samples::sink::{LastSample, Sample};
 use crate::{Channel, FilterSettings, Pass, Quantity, Record, RunError, Scenario};
 
+use share::Share;
 use timeline::{Event, Timeline};
 
 pub use error::{EventError, EventSetupError};
@@ -55,11 +56,7 @@ pub struct EventFilter {
     timeline: Timeline,
     /// Added to the times of inputs \[s\].
     input_delay: f64,
-    /// The noise of a step that takes this share of dt.
-    share: f64,
-    noise: Noise,
-    /// No noise, for parts of a step.
-    silent: Noise,
+    noise: Share,
     correction: Correction,
     in_units: InUnits,
     prior: Gaussian,
@@ -107,15 +104,12 @@ impl EventFilter {
         let filter = book::build_filter(book::initial_belief(&settings, &context)?, &settings, &context);
         let n = filter.model().size();
         let prior = filter.belief().gaussian().into_owned();
-        let silent = Noise { process: Matrix::zeros(n, n), sensors: Vec::new(), fading: 1.0 };
         Ok(Self {
             channels: filter.model().channels().to_vec(),
-            noise: filter.noise().clone(),
+            noise: Share::new(filter.noise().clone(), n),
             correction: Correction::nothing(n, sensors.len()),
             timeline: Timeline::new(scenario.hold, Self::KEPT),
             input_delay: f64::from(settings.input_delay) * scenario.dt,
-            share: 1.0,
-            silent,
             in_units: InUnits::default(),
             prior,
             last: LastSample::default(),
@@ -300,13 +294,7 @@ impl EventFilter {
         if steps <= 0.0 {
             return Ok(());
         }
-        if share != self.share {
-            let Noise { process, fading, .. } = self.filter.noise();
-            self.noise.process.copy_from(process);
-            self.noise.process *= share;
-            self.noise.fading = if share == 1.0 { *fading } else { libm::pow(*fading, share) };
-            self.share = share;
-        }
+        self.noise.set(share, self.filter.noise());
         let force = |k: f64| begin + (end - begin) * (k / parts);
         let substeps = self.settings.substeps.max(1);
         for part in 0..parts as usize {
@@ -314,8 +302,7 @@ impl EventFilter {
             for substep in 0..substeps {
                 let i = substep as f64;
                 let forces = [force(k + i / n), force(k + (i + 1.0) / n)];
-                let noise = if substep + 1 < substeps { &self.silent } else { &self.noise };
-                self.filter.predict_over(dt / n, forces, noise)?;
+                self.filter.predict_over(dt / n, forces, self.noise.of(substep + 1 == substeps))?;
             }
         }
         Ok(())

@@ -8,8 +8,8 @@ use thiserror::Error;
 ///
 /// Gravity, and whatever else is constant, is the mean of the decay under a Hann window and is taken away. The axis is that
 /// along which the readings vary most. The decay begins half a swing after the largest reading, when the hand is gone, and
-/// ends where the readings are noise, or before they grow again. Its readings are carried from their own times to equal steps by cubics
-/// through four of them: a phone's clock jitters, and a shift by a tenth of a step is as large as the noise.
+/// ends where the readings are noise, or before they grow again. Its readings are carried from their own times to equal steps
+/// by cubics through four of them: a phone's clock jitters, and a shift by a tenth of a step is as large as the noise.
 ///
 /// Source: Clough and Penzien (2003), *Dynamics of Structures*, section 2.6 (free vibration); Jolliffe (2002), *Principal
 /// Component Analysis*, chapter 1.

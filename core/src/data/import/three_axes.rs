@@ -36,7 +36,8 @@ impl ThreeAxes {
         Some(Self { time: (time, seconds(&columns[time])?), axes: (axes, size(columns, axes)) })
     }
 
-    /// Time \[s\] and three accelerations \[m/s²\] of each row. The time begins at zero: an epoch in nanoseconds has too many digits.
+    /// Time \[s\] and three accelerations \[m/s²\] of each row. The time begins at zero: an epoch in nanoseconds has too many
+    /// digits.
     pub fn readings(&self, table: &Table) -> Vec<[f64; 4]> {
         let Self { time: (time, second), axes: (axes, unit) } = *self;
         let column = |place: usize| &table.columns[place].values;
