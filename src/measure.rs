@@ -1,13 +1,19 @@
 //! The window in which this device measures a free decay.
 
+mod live;
+
+use std::f64::consts::TAU;
+
 use egui::{Align2, Button, Context, Key, RichText, Ui, Vec2, Window};
 use kalmanscope_core::import::Decay;
+
+use live::{Band, Live};
 
 use crate::motion::{Accelerometer, MOST, Readings};
 use crate::probe;
 use crate::request::{RawFile, Request};
 use crate::spark::Spark;
-use crate::text::fixed;
+use crate::text::{fixed, significant};
 use crate::theme::Palette;
 
 /// The width of the window, if there is room \[points\].
@@ -19,12 +25,16 @@ const PATIENCE: f64 = 3.0;
 /// The readings that are drawn.
 const DRAWN: usize = 1200;
 
+/// The size of the estimates \[points\].
+const LARGE: f32 = 26.0;
+
 /// The file of a measurement.
 const FILE: &str = "measured-here.csv";
 
 /// A measurement.
 pub(crate) struct Measure {
     readings: Readings,
+    live: Live,
     stage: Stage,
 }
 
@@ -39,7 +49,7 @@ enum Stage {
 
 impl Measure {
     pub(crate) fn new() -> Self {
-        Self { readings: Readings::default(), stage: Stage::Ready }
+        Self { readings: Readings::default(), live: Live::default(), stage: Stage::Ready }
     }
 
     /// Shows the window. Returns whether it stays open.
@@ -81,7 +91,7 @@ impl Measure {
                 ui.label(RichText::new("Nothing leaves this device.").small().color(palette.weak));
                 let [begin, close] = buttons_ui(ui, "Begin to measure", "Close");
                 if begin {
-                    self.readings = Readings::default();
+                    (self.readings, self.live) = (Readings::default(), Live::default());
                     device.begin(ui.ctx(), &self.readings);
                     self.stage = Stage::Running(ui.input(|input| input.time));
                 }
@@ -116,8 +126,9 @@ impl Measure {
     }
 
     /// What has come so far.
-    fn running_ui(&self, ui: &mut Ui, since: f64, palette: &Palette) {
+    fn running_ui(&mut self, ui: &mut Ui, since: f64, palette: &Palette) {
         let told = self.readings.told();
+        self.live.follow(&told.readings);
         let (Some(first), Some(last)) = (told.readings.first(), told.readings.last()) else {
             let text = if since < PATIENCE {
                 "Waiting for the accelerometer …"
@@ -142,6 +153,10 @@ impl Measure {
         Spark::new(&values).paint(ui.painter(), rect, palette.text);
         let rate = if seconds > 0.0 { (count - 1) as f64 / seconds } else { 0.0 };
         let full = if count >= MOST { " It is full." } else { "" };
+        estimates_ui(ui, self.live.estimates(), palette);
+        if self.live.rests() {
+            ui.label("It is at rest: there is nothing more to learn.");
+        }
         ui.label(format!("{} s, {} readings a second.{full}", fixed(seconds, 1), fixed(rate, 1)));
     }
 
@@ -159,6 +174,22 @@ impl Measure {
                 true
             }
         }
+    }
+}
+
+/// What is known while it swings, large enough for a hall.
+fn estimates_ui(ui: &mut Ui, estimates: Option<[Band; 2]>, palette: &Palette) {
+    let Some([frequency, damping]) = estimates else {
+        ui.label(
+            RichText::new("Pull it aside and let go: frequency and damping come while it swings.").color(palette.weak),
+        );
+        return;
+    };
+    let hertz = Band { mean: frequency.mean / TAU, band: frequency.band / TAU };
+    let percent = Band { mean: 100.0 * damping.mean, band: 100.0 * damping.band };
+    for (band, unit) in [(hertz, "Hz"), (percent, "% damping")] {
+        let text = format!("{} ± {} {unit}", significant(band.mean, 4), significant(band.band, 1));
+        ui.label(RichText::new(text).size(LARGE).color(palette.text));
     }
 }
 

@@ -137,11 +137,14 @@ fn a_decay_ends_at_rest_or_before_a_second_pluck() {
     let decay = Decay::of(&long.readings()).expect("it swings");
     assert!((2.0..4.0).contains(&decay.begin), "{}", decay.begin);
     let seconds = decay.times[decay.times.len() - 1];
-    assert!((6.0..25.0).contains(&seconds), "the rest is noise: {seconds} s");
+    assert!(decay.rests && (6.0..25.0).contains(&seconds), "the rest is noise: {seconds} s");
     assert!((0.01..0.03).contains(&decay.noise), "{}", decay.noise);
+    let along: f64 = decay.axis.iter().zip([1.2, 9.6, -0.7]).map(|(axis, gravity)| axis * gravity).sum();
+    assert!((decay.gravity - along).abs() < 0.01, "{} for {along}", decay.gravity);
     let twice = Phone { again: Some(15.0), damping: 0.03, ..USUAL };
     let decay = Decay::of(&twice.readings()).expect("it swings");
     let end = decay.begin + decay.times[decay.times.len() - 1];
+    assert!(!decay.rests, "it still swings: {end} s");
     assert!(decay.begin > 2.0 && end <= 15.0 || decay.begin > 15.0, "from {} s to {end} s", decay.begin);
 }
 

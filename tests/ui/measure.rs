@@ -57,6 +57,8 @@ fn a_decay_is_measured_and_identified() {
         }
         screen.run_steps(4);
         screen.get_by_label_contains("60.0 readings a second");
+        screen.get_by_label_contains(" Hz");
+        screen.get_by_label_contains("% damping");
         click(&mut screen, "Stop and identify");
         assert!(device.0.borrow().is_none(), "it has stopped");
         screen.run_steps(30);

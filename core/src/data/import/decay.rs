@@ -21,10 +21,14 @@ pub struct Decay {
     pub acceleration: Vec<f64>,
     /// The axis in the device's directions, of length one.
     pub axis: [f64; 3],
+    /// What is constant along the axis and taken away: gravity's share, and what the sensor adds \[m/s²\].
+    pub gravity: f64,
     /// The standard deviation of the readings along the axis in the quietest second \[m/s²\].
     pub noise: f64,
     /// The time of the first reading that is kept, in the clock of the readings \[s\].
     pub begin: f64,
+    /// Whether it has come to rest and rests at the end of the readings: there is nothing more to learn.
+    pub rests: bool,
 }
 
 /// The reason why readings have no free decay.
@@ -102,7 +106,10 @@ impl Decay {
         }
         let crossing = |from: usize| (from + 1..along.len()).find(|&k| along[k] * along[from] < 0.0);
         let begin = crossing(peak).and_then(crossing).unwrap_or(along.len() - 1);
-        let end = end(&times, &along, begin, noise);
+        let (end, rests) = end(&times, &along, begin, noise);
+        let is_quiet = |k: usize| along[k].abs() <= SWING * noise;
+        let rests =
+            rests && (end..along.len()).rev().take_while(|&k| times[k] >= times[times.len() - 1] - REST).all(is_quiet);
         let seconds = times[end - 1] - times[begin];
         if end - begin < MOST_FEW || seconds < SHORTEST {
             return Err(NoDecay::Short { seconds });
@@ -111,7 +118,8 @@ impl Decay {
         let along: Vec<f64> = along[begin..end].iter().map(|x| x - rest).collect();
         let (dt, acceleration) = even(&times[begin..end], &along);
         let times_of = (0..acceleration.len()).map(|k| dt * k as f64);
-        Ok(Self { times: times_of.collect(), acceleration, axis, noise, begin: times[begin] })
+        let (times_of, gravity) = (times_of.collect(), gravity + rest);
+        Ok(Self { times: times_of, acceleration, axis, gravity, noise, begin: times[begin], rests })
     }
 
     /// The decay as a CSV file that the importer reads: time and acceleration, with their units.
@@ -128,24 +136,24 @@ impl Decay {
     }
 }
 
-/// The end of the free decay that begins at a place: where nothing swings any more, or before it swings more.
-fn end(times: &[f64], along: &[f64], begin: usize, noise: f64) -> usize {
+/// The end of the free decay that begins at a place: where nothing swings any more, which is said, or before it swings more.
+fn end(times: &[f64], along: &[f64], begin: usize, noise: f64) -> (usize, bool) {
     let (mut least, mut swung, mut place) = (f64::INFINITY, times[begin], begin);
     while place < times.len() {
         let next = (place..times.len()).find(|&k| times[k] >= times[place] + PART).unwrap_or(times.len());
         let largest = along[place..next].iter().fold(0.0, |a: f64, b| a.max(b.abs()));
         if largest > GROWTH * least + QUIET * noise {
-            return place;
+            return (place, false);
         }
         least = least.min(largest);
         if largest > QUIET * noise {
             swung = times[next - 1];
         } else if times[next - 1] - swung > REST {
-            return next;
+            return (next, true);
         }
         place = next;
     }
-    times.len()
+    (times.len(), false)
 }
 
 /// The mean step of some times \[s\], and the values at equal steps: on a cubic through the four readings around each.
