@@ -148,6 +148,53 @@ fn a_decay_ends_at_rest_or_before_a_second_pluck() {
     assert!(decay.begin > 2.0 && end <= 15.0 || decay.begin > 15.0, "from {} s to {end} s", decay.begin);
 }
 
+/// Each pluck is a decay of its own, and what the hand does before and after spoils none.
+#[test]
+fn every_pluck_is_found_and_the_hand_that_takes_the_phone_spoils_none() {
+    for seed in 1..=5 {
+        let twice = Phone { again: Some(15.0), damping: 0.03, seed, ..USUAL };
+        let decays = Decay::all(&twice.readings()).expect("it swings");
+        assert_eq!(
+            decays.len(),
+            2,
+            "seed {seed}: {:?}",
+            decays
+                .iter()
+                .map(|decay| [
+                    decay.begin,
+                    decay.seconds(),
+                    decay.noise,
+                    decay.acceleration.iter().fold(0.0, |a: f64, b| a.max(b.abs()))
+                ])
+                .collect::<Vec<_>>()
+        );
+        assert!(decays[0].begin + decays[0].seconds() <= 15.0 && decays[1].begin > 15.0, "seed {seed}");
+        for decay in &decays {
+            let [(frequency, _), (damping, _)] = identified(decay);
+            assert!((frequency / twice.frequency - 1.0).abs() < 0.005, "seed {seed}: {frequency}");
+            assert!((damping / twice.damping - 1.0).abs() < 0.15, "seed {seed}: {damping}");
+        }
+    }
+    // It is taken from where it hung, turned and shaken, to stop the measurement.
+    for seed in 1..=5 {
+        let phone = Phone { damping: 0.01, seconds: 20.0, seed, ..USUAL };
+        let mut readings = phone.readings();
+        let mut random = Random::new(100 + seed);
+        for k in 0..150 {
+            let t = 20.0 + k as f64 / 60.0;
+            let turn = (0.02 * k as f64).min(1.2);
+            let mut shaken = || 4.0 * (-1.5 * (t - 20.0)).exp() * random.normal();
+            readings.push([t, 9.6 * turn.sin() + shaken(), 9.6 * turn.cos() + shaken(), -0.7 + shaken()]);
+        }
+        let decay = Decay::of(&readings).unwrap_or_else(|error| panic!("seed {seed}: {error}"));
+        let end = decay.begin + decay.seconds();
+        assert!(decay.begin < 3.5 && (17.0..20.1).contains(&end), "seed {seed}: from {} to {end} s", decay.begin);
+        let [(frequency, _), (damping, _)] = identified(&decay);
+        assert!((frequency / phone.frequency - 1.0).abs() < 0.002, "seed {seed}: {frequency}");
+        assert!((damping / phone.damping - 1.0).abs() < 0.15, "seed {seed}: {damping}");
+    }
+}
+
 #[test]
 fn what_is_no_free_decay_is_said() {
     let still = Phone { amplitude: 0.0, ..USUAL };

@@ -1,18 +1,24 @@
 //! Frequency and damping while it still swings: a filter that follows the readings as they come.
 
-use kalmanscope_core::import::Decay;
+use kalmanscope_core::import::{Decay, NoDecay};
 use kalmanscope_core::record::{Input, Record};
 use kalmanscope_core::suggest::{scenario_for, suggest};
-use kalmanscope_core::{Channel, EventFilter, Hold, InputKind, Quantity};
+use kalmanscope_core::{Channel, EventError, EventFilter, Hold, InputKind, Quantity};
 
-/// The time between two looks at where the decay begins \[s\].
+/// The time between two looks at where decays begin and end \[s\].
 const LOOK: f64 = 1.0;
 
-/// The estimates of a decay that goes on.
+/// A later decay agrees with what is known within this many standard deviations.
+const AGREES: f64 = 3.0;
+
+/// The estimates of decays, the last of which may go on.
 #[derive(Default)]
 pub(super) struct Live {
     following: Option<Following>,
-    /// The time of the reading at the last look \[s\].
+    /// What the decays that have ended tell.
+    known: Option<[Band; 2]>,
+    /// The time from which on the next decay is looked for, and that of the reading at the last look \[s\].
+    from: Option<f64>,
     looked: Option<f64>,
     rests: bool,
 }
@@ -35,23 +41,62 @@ pub(super) struct Band {
 }
 
 impl Live {
-    /// Takes in the new readings. A decay that begins elsewhere, as after another pluck, gets a new filter.
+    /// Takes in the new readings. Another pluck gets a new filter, and what was known before counts on.
     pub(super) fn follow(&mut self, readings: &[[f64; 4]]) {
         let Some(now) = readings.last().map(|reading| reading[0]) else { return };
         if self.looked.is_none_or(|looked| now >= looked + LOOK) {
             self.looked = Some(now);
-            let decay = Decay::of(readings).ok();
-            self.rests = decay.as_ref().is_some_and(|decay| decay.rests);
-            let begin = self.following.as_ref().map(|following| following.begin);
-            if let Some(decay) = decay.filter(|decay| begin != Some(decay.begin)) {
-                self.following = Following::new(&decay);
-            }
+            self.look(readings, now);
         }
         if let Some(following) = &mut self.following
             && !following.take(readings)
         {
             self.following = None;
         }
+    }
+
+    fn look(&mut self, readings: &[[f64; 4]], now: f64) {
+        let first = self.from.map_or(0, |from| readings.partition_point(|reading| reading[0] <= from));
+        let decays = match Decay::all(&readings[first..]) {
+            Ok(decays) => decays,
+            Err(reason) => {
+                self.rests &= !matches!(reason, NoDecay::Short { .. });
+                return;
+            }
+        };
+        for decay in decays {
+            self.rests = decay.rests;
+            let end = decay.begin + decay.seconds();
+            if end < now - 1e-6 {
+                self.known = self.after(&decay, &readings[..readings.partition_point(|reading| reading[0] <= end)]);
+                self.from = Some(end);
+                self.following = None;
+            } else if self.following.as_ref().is_none_or(|following| following.begin != decay.begin) {
+                self.following = Following::new(&decay);
+            }
+        }
+    }
+
+    /// What is known after a decay that has ended.
+    fn after(&self, decay: &Decay, readings: &[[f64; 4]]) -> Option<[Band; 2]> {
+        let mut following = Following::new(decay);
+        let estimates = following.as_mut().and_then(|one| one.take(readings).then(|| one.estimates()).flatten());
+        estimates.map_or(self.known, |estimates| Some(self.together(estimates)))
+    }
+
+    /// What is known with the estimates of another decay: their mean, each weighted by its certainty, where both agree, else
+    /// the later alone.
+    fn together(&self, later: [Band; 2]) -> [Band; 2] {
+        let Some(known) = self.known else { return later };
+        let agrees = |(a, b): (&Band, &Band)| (a.mean - b.mean).abs() <= 0.5 * AGREES * a.band.hypot(b.band);
+        if !known.iter().zip(&later).all(agrees) {
+            return later;
+        }
+        std::array::from_fn(|i| {
+            let weights = [known[i], later[i]].map(|one| one.band.powi(-2));
+            let sum = weights[0] + weights[1];
+            Band { mean: (weights[0] * known[i].mean + weights[1] * later[i].mean) / sum, band: sum.sqrt().recip() }
+        })
     }
 
     /// Whether it has come to rest: there is nothing more to learn.
@@ -61,16 +106,8 @@ impl Live {
 
     /// Natural frequency \[rad/s\] and damping ratio, if both are known by now.
     pub(super) fn estimates(&self) -> Option<[Band; 2]> {
-        let Following { filter, .. } = self.following.as_ref()?;
-        let (sample, n) = (filter.sample(), filter.channels().len());
-        let of = |channel: Channel| {
-            let place = filter.channels().iter().position(|one| *one == channel)?;
-            let band = 2.0 * sample.cov.get(place * n + place)?.sqrt();
-            Some(Band { mean: *sample.mean.get(place)?, band })
-        };
-        let [frequency, damping] = [of(Channel::NATURAL_FREQUENCY)?, of(Channel::DAMPING_RATIO)?];
-        let is_known = frequency.mean > 0.0 && frequency.band < 0.2 * frequency.mean && damping.band.is_finite();
-        is_known.then_some([frequency, damping])
+        let later = self.following.as_ref().and_then(Following::estimates);
+        later.map_or(self.known, |later| Some(self.together(later)))
     }
 }
 
@@ -94,12 +131,25 @@ impl Following {
             let along = axis[0] * x + axis[1] * y + axis[2] * z - *gravity;
             match filter.take(time, f64::NAN, &[along]) {
                 Ok(_) => *taken = time,
-                Err(kalmanscope_core::EventError::Stopped { .. }) => return false,
+                Err(EventError::Stopped { .. }) => return false,
                 // A single reading that cannot be taken in is left out.
                 Err(_) => {}
             }
         }
         true
+    }
+
+    /// Natural frequency and damping ratio, if both are known by now.
+    fn estimates(&self) -> Option<[Band; 2]> {
+        let (sample, n) = (self.filter.sample(), self.filter.channels().len());
+        let of = |channel: Channel| {
+            let place = self.filter.channels().iter().position(|one| *one == channel)?;
+            let band = 2.0 * sample.cov.get(place * n + place)?.sqrt();
+            Some(Band { mean: *sample.mean.get(place)?, band })
+        };
+        let [frequency, damping] = [of(Channel::NATURAL_FREQUENCY)?, of(Channel::DAMPING_RATIO)?];
+        let is_known = frequency.mean > 0.0 && frequency.band < 0.2 * frequency.mean && damping.band.is_finite();
+        is_known.then_some([frequency, damping])
     }
 }
 
@@ -107,31 +157,42 @@ impl Following {
 mod tests {
     use super::*;
 
-    /// A swing of 6 rad/s with 1 % damping, with readings that come unevenly, and again from 20 s on.
-    fn reading(k: usize) -> [f64; 4] {
+    /// A swing of 6 rad/s with 1 % damping, with readings that come unevenly, and a second pluck of another size.
+    fn readings(again: f64, size: f64) -> Vec<[f64; 4]> {
         let noise = |n: usize| f64::from((n as u32).wrapping_mul(2_654_435_761) >> 8) / f64::from(1 << 24) - 0.5;
-        let t = (k as f64 + 0.4 * noise(7 * k)) / 60.0;
-        let since = if t < 20.0 { t - 2.0 } else { t - 20.0 };
-        let a = if t < 2.0 { 0.0 } else { 2.0 * (-0.06 * since).exp() * (6.0 * since).cos() };
-        [t, 0.3 + 0.6 * a + 0.06 * noise(3 * k + 1), 9.7 + 0.8 * a + 0.06 * noise(3 * k + 2), 0.06 * noise(3 * k + 3)]
+        let reading = |k: usize| {
+            let t = (k as f64 + 0.4 * noise(7 * k)) / 60.0;
+            let (since, size) = if t < again { (t - 2.0, 2.0) } else { (t - again, size) };
+            let a = if t < 2.0 { 0.0 } else { size * (-0.06 * since).exp() * (6.0 * since).cos() };
+            let [x, y, z] = [1, 2, 3].map(|axis| 0.06 * noise(3 * k + axis));
+            [t, 0.3 + 0.6 * a + x, 9.7 + 0.8 * a + y, z]
+        };
+        (0..2400).map(reading).collect()
     }
 
     #[test]
-    fn the_estimates_follow_the_readings_and_begin_again_with_another_pluck() {
-        let readings: Vec<[f64; 4]> = (0..2400).map(reading).collect();
-        let mut live = Live::default();
-        let mut known = Vec::new();
-        for count in (1..=readings.len()).step_by(6) {
-            live.follow(&readings[..count]);
-            known.extend(live.estimates().map(|estimates| (readings[count - 1][0], estimates)));
-        }
-        let (first, _) = known[0];
-        assert!((3.0..8.0).contains(&first), "known from {first} s on");
-        for at in [12.0, 19.0, 39.0] {
-            let (_, [frequency, damping]) = known.iter().rfind(|(time, _)| *time <= at).expect("it is known by then");
-            assert!((frequency.mean / 6.0 - 1.0).abs() < 0.005, "{at} s: {frequency:?}");
-            assert!((damping.mean - 0.01).abs() < 0.003, "{at} s: {damping:?}");
-            assert!((damping.mean - 0.01).abs() < 2.5 * damping.band, "{at} s: {damping:?}");
+    fn the_estimates_follow_the_readings_and_go_on_with_another_pluck() {
+        for (again, size) in [(20.0, 2.0), (15.0, 1.8), (25.2, 5.0)] {
+            let readings = readings(again, size);
+            let mut live = Live::default();
+            let mut known = Vec::new();
+            for count in (1..=readings.len()).step_by(6) {
+                live.follow(&readings[..count]);
+                known.extend(live.estimates().map(|estimates| (readings[count - 1][0], estimates)));
+            }
+            let (first, _) = known[0];
+            assert!((3.0..8.0).contains(&first), "known from {first} s on");
+            let mut bands = Vec::new();
+            for at in [10.0, again - 0.5, again + 3.0, again + 8.0, 39.0] {
+                let (_, [frequency, damping]) =
+                    known.iter().rfind(|(time, _)| *time <= at).expect("it is known by then");
+                let name = format!("{again}, {size}, {at} s: {frequency:?} {damping:?}");
+                assert!((frequency.mean / 6.0 - 1.0).abs() < 0.005, "{name}");
+                assert!((damping.mean - 0.01).abs() < 0.003, "{name}");
+                assert!((damping.mean - 0.01).abs() < 2.5 * damping.band, "{name}");
+                bands.push(damping.band);
+            }
+            assert!(bands[4] < 0.85 * bands[1], "both plucks together know more: {bands:?}");
         }
     }
 }

@@ -1,8 +1,12 @@
 //! The free decay in the readings of an accelerometer with three axes: what a phone tells that was plucked and let go.
 
+mod series;
+
 use std::fmt::Write as _;
 
 use thiserror::Error;
+
+use series::{even, main_axis, mean, middle, noise_of};
 
 /// The free decay of an oscillator along one axis.
 ///
@@ -23,7 +27,7 @@ pub struct Decay {
     pub axis: [f64; 3],
     /// What is constant along the axis and taken away: gravity's share, and what the sensor adds \[m/s²\].
     pub gravity: f64,
-    /// The standard deviation of the readings along the axis in the quietest second \[m/s²\].
+    /// The standard deviation of the noise along the axis \[m/s²\].
     pub noise: f64,
     /// The time of the first reading that is kept, in the clock of the readings \[s\].
     pub begin: f64,
@@ -59,9 +63,23 @@ pub enum NoDecay {
     },
 }
 
+impl NoDecay {
+    /// The reason that tells more: something swung, and longer.
+    fn or(self, other: Option<Self>) -> Self {
+        let seconds = |reason: &Self| if let Self::Short { seconds } = reason { *seconds } else { -1.0 };
+        match other {
+            Some(other) if seconds(&other) >= seconds(&self) => other,
+            _ => self,
+        }
+    }
+}
+
 /// The readings and the seconds that a decay has at least.
 const MOST_FEW: usize = 60;
 const SHORTEST: f64 = 2.0;
+
+/// The parts in which decays are looked for: each takes a look at all its readings.
+const MOST_PARTS: usize = 64;
 
 /// The largest reading of a swing over the noise, at least.
 const SWING: f64 = 8.0;
@@ -73,53 +91,87 @@ const PART: f64 = 0.5;
 const QUIET: f64 = 4.0;
 const GROWTH: f64 = 1.4;
 
-/// Readings are missing in an interval of this many steps.
-const MISSING: f64 = 3.0;
-
 /// It is at rest after this time without a swing \[s\].
 const REST: f64 = 2.0;
 
 impl Decay {
-    /// The free decay in readings of time \[s\] and three accelerations \[m/s²\], gravity among them, in any order.
+    /// The longest free decay in readings of time \[s\] and three accelerations \[m/s²\], gravity among them, in any order.
     ///
     /// # Errors
     /// [`NoDecay`].
     pub fn of(readings: &[[f64; 4]]) -> Result<Self, NoDecay> {
+        let longest = |a: &Self, b: &Self| a.seconds().total_cmp(&b.seconds());
+        Ok(Self::all(readings)?.into_iter().max_by(longest).expect("there is one, or the reason why there is none"))
+    }
+
+    /// Every free decay, in the order of time: each pluck has its own. They have their own axis and gravity, so that a device
+    /// that is taken away at the end, or turned, spoils none. They are looked for at the largest reading, then before and after
+    /// what was found, in 64 parts at most.
+    ///
+    /// # Errors
+    /// [`NoDecay`] if there is none.
+    pub fn all(readings: &[[f64; 4]]) -> Result<Vec<Self>, NoDecay> {
         let mut readings: Vec<[f64; 4]> =
             readings.iter().copied().filter(|reading| reading.iter().all(|x| x.is_finite())).collect();
         readings.sort_by(|a, b| a[0].total_cmp(&b[0]));
         readings.dedup_by(|later, before| later[0] <= before[0]);
-        let seconds = readings.last().zip(readings.first()).map_or(0.0, |(last, first)| last[0] - first[0]);
-        if readings.len() < MOST_FEW || seconds < SHORTEST {
-            return Err(NoDecay::TooFew { readings: readings.len(), seconds });
+        if is_too_short(&readings) {
+            return Err(NoDecay::TooFew { readings: readings.len(), seconds: seconds(&readings) });
         }
-        let axis = main_axis(&readings);
+        let (mut found, mut reason) = (Vec::new(), None);
+        let mut parts = std::collections::VecDeque::from([&readings[..]]);
+        for _ in 0..MOST_PARTS {
+            let Some(part) = parts.pop_front() else { break };
+            let (decay, [before, after]) = Self::around_the_peak(part);
+            match decay {
+                Ok(decay) => found.push(decay),
+                Err(why) => reason = Some(why.or(reason)),
+            }
+            parts.extend([before, after].into_iter().filter(|part| !is_too_short(part)));
+        }
+        found.sort_by(|a, b| a.begin.total_cmp(&b.begin));
+        match reason {
+            Some(reason) if found.is_empty() => Err(reason),
+            _ => Ok(found),
+        }
+    }
+
+    /// The decay that begins at the largest reading, and the readings before and after it.
+    fn around_the_peak(readings: &[[f64; 4]]) -> (Result<Self, NoDecay>, [&[[f64; 4]]; 2]) {
+        let axis = main_axis(readings);
         let times: Vec<f64> = readings.iter().map(|reading| reading[0]).collect();
         let along: Vec<f64> = readings.iter().map(|reading| (0..3).map(|i| axis[i] * reading[i + 1]).sum()).collect();
         let gravity = mean(&along);
         let along: Vec<f64> = along.iter().map(|x| x - gravity).collect();
-        let noise = quietest(&times, &along);
+        let noise = noise_of(&times, &along);
         let peak = (0..along.len()).max_by(|&a, &b| along[a].abs().total_cmp(&along[b].abs())).unwrap_or(0);
         let ratio = along[peak].abs() / noise.max(f64::MIN_POSITIVE);
         if ratio < SWING {
-            return Err(NoDecay::Still { ratio, noise });
+            return (Err(NoDecay::Still { ratio, noise }), [&[], &[]]);
         }
         let crossing = |from: usize| (from + 1..along.len()).find(|&k| along[k] * along[from] < 0.0);
         let begin = crossing(peak).and_then(crossing).unwrap_or(along.len() - 1);
         let (end, rests) = end(&times, &along, begin, noise);
+        let before = times.partition_point(|time| *time < times[peak] - PART);
+        let others = [&readings[..before], &readings[end.max(peak + 1)..]];
         let is_quiet = |k: usize| along[k].abs() <= SWING * noise;
         let rests =
             rests && (end..along.len()).rev().take_while(|&k| times[k] >= times[times.len() - 1] - REST).all(is_quiet);
-        let seconds = times[end - 1] - times[begin];
-        if end - begin < MOST_FEW || seconds < SHORTEST {
-            return Err(NoDecay::Short { seconds });
+        let kept = &readings[begin..end.max(begin)];
+        if is_too_short(kept) {
+            return (Err(NoDecay::Short { seconds: seconds(kept) }), others);
         }
         let rest = middle(&along[begin..end]);
         let along: Vec<f64> = along[begin..end].iter().map(|x| x - rest).collect();
         let (dt, acceleration) = even(&times[begin..end], &along);
         let times_of = (0..acceleration.len()).map(|k| dt * k as f64);
         let (times_of, gravity) = (times_of.collect(), gravity + rest);
-        Ok(Self { times: times_of, acceleration, axis, gravity, noise, begin: times[begin], rests })
+        (Ok(Self { times: times_of, acceleration, axis, gravity, noise, begin: times[begin], rests }), others)
+    }
+
+    /// How long it lasts \[s\].
+    pub fn seconds(&self) -> f64 {
+        self.times.last().copied().unwrap_or(0.0)
     }
 
     /// The decay as a CSV file that the importer reads: time and acceleration, with their units.
@@ -134,6 +186,14 @@ impl Decay {
         }
         text
     }
+}
+
+fn seconds(readings: &[[f64; 4]]) -> f64 {
+    readings.last().zip(readings.first()).map_or(0.0, |(last, first)| last[0] - first[0])
+}
+
+fn is_too_short(readings: &[[f64; 4]]) -> bool {
+    readings.len() < MOST_FEW || seconds(readings) < SHORTEST
 }
 
 /// The end of the free decay that begins at a place: where nothing swings any more, which is said, or before it swings more.
@@ -154,86 +214,4 @@ fn end(times: &[f64], along: &[f64], begin: usize, noise: f64) -> (usize, bool) 
         place = next;
     }
     (times.len(), false)
-}
-
-/// The mean step of some times \[s\], and the values at equal steps: on a cubic through the four readings around each.
-fn even(times: &[f64], values: &[f64]) -> (f64, Vec<f64>) {
-    let n = times.len();
-    let dt = (times[n - 1] - times[0]) / (n - 1) as f64;
-    let mut next = 1;
-    let at = |k: usize| {
-        let time = times[0] + dt * k as f64;
-        while next < n - 1 && times[next] < time {
-            next += 1;
-        }
-        if times[next] - times[next - 1] > MISSING * dt {
-            return f64::NAN;
-        }
-        let first = next.saturating_sub(2).min(n - 4);
-        let basis = |i: usize| {
-            let others = (first..first + 4).filter(|&j| j != i);
-            others.map(|j| (time - times[j]) / (times[i] - times[j])).product::<f64>()
-        };
-        (first..first + 4).map(|i| values[i] * basis(i)).sum()
-    };
-    (dt, (0..n).map(at).collect())
-}
-
-/// The standard deviation in the quietest second.
-fn quietest(times: &[f64], along: &[f64]) -> f64 {
-    let mut least = f64::INFINITY;
-    let mut place = 0;
-    while place < times.len() {
-        let next = (place..times.len()).find(|&k| times[k] >= times[place] + 1.0).unwrap_or(times.len());
-        if next - place >= 10 {
-            let middle = mean(&along[place..next]);
-            let square = along[place..next].iter().map(|x| (x - middle) * (x - middle)).sum::<f64>();
-            least = least.min(square / (next - place - 1) as f64);
-        }
-        place = next;
-    }
-    if least.is_finite() { least.sqrt() } else { 0.0 }
-}
-
-/// The direction in which three accelerations vary most: the first eigenvector of their covariance, by repeated products. Its
-/// largest component is positive.
-fn main_axis(readings: &[[f64; 4]]) -> [f64; 3] {
-    let count = readings.len() as f64;
-    let middle: [f64; 3] = std::array::from_fn(|i| readings.iter().map(|reading| reading[i + 1]).sum::<f64>() / count);
-    let mut cov = [[0.0; 3]; 3];
-    for reading in readings {
-        for i in 0..3 {
-            for j in 0..3 {
-                cov[i][j] += (reading[i + 1] - middle[i]) * (reading[j + 1] - middle[j]) / count;
-            }
-        }
-    }
-    let largest = |axis: &[f64; 3]| (0..3).max_by(|&a, &b| axis[a].abs().total_cmp(&axis[b].abs())).unwrap_or(0);
-    let variances: [f64; 3] = std::array::from_fn(|i| cov[i][i]);
-    let mut axis: [f64; 3] = std::array::from_fn(|i| cov[i][largest(&variances)]);
-    for _ in 0..100 {
-        let next: [f64; 3] = std::array::from_fn(|i| (0..3).map(|j| cov[i][j] * axis[j]).sum());
-        let length = next.iter().map(|x| x * x).sum::<f64>().sqrt();
-        if length == 0.0 {
-            return [0.0, 0.0, 1.0];
-        }
-        axis = next.map(|x| x / length);
-    }
-    let sign = axis[largest(&axis)].signum();
-    axis.map(|x| sign * x)
-}
-
-/// The mean of readings that swing, under a Hann window: the part of a swing at either end counts little.
-fn middle(values: &[f64]) -> f64 {
-    let turn = std::f64::consts::TAU / values.len().max(1) as f64;
-    let weight = |k: usize| 1.0 - libm::cos(turn * (k as f64 + 0.5));
-    let (sum, weights) = values.iter().enumerate().fold((0.0, 0.0), |(sum, weights), (k, x)| {
-        let weight = weight(k);
-        (sum + weight * x, weights + weight)
-    });
-    sum / weights
-}
-
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len().max(1) as f64
 }

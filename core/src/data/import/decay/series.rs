@@ -1,0 +1,94 @@
+//! What readings tell as a series: noise, axis, mean, and values at equal steps.
+
+/// Readings are missing in an interval of this many steps.
+const MISSING: f64 = 3.0;
+
+/// The mean step of some times \[s\], and the values at equal steps: on a cubic through the four readings around each.
+pub(super) fn even(times: &[f64], values: &[f64]) -> (f64, Vec<f64>) {
+    let n = times.len();
+    let dt = (times[n - 1] - times[0]) / (n - 1) as f64;
+    let mut next = 1;
+    let at = |k: usize| {
+        let time = times[0] + dt * k as f64;
+        while next < n - 1 && times[next] < time {
+            next += 1;
+        }
+        if times[next] - times[next - 1] > MISSING * dt {
+            return f64::NAN;
+        }
+        let first = next.saturating_sub(2).min(n - 4);
+        let basis = |i: usize| {
+            let others = (first..first + 4).filter(|&j| j != i);
+            others.map(|j| (time - times[j]) / (times[i] - times[j])).product::<f64>()
+        };
+        (first..first + 4).map(|i| values[i] * basis(i)).sum()
+    };
+    (dt, (0..n).map(at).collect())
+}
+
+/// The noise: about the mean in the quietest second, or that of third differences in a usual second, of which a slow swing has
+/// next to none; the smaller. Source: Hamming (1973), *Numerical Methods*, chapter 10 (noise in a table of differences).
+pub(super) fn noise_of(times: &[f64], along: &[f64]) -> f64 {
+    let (mut least, mut differences) = (f64::INFINITY, Vec::new());
+    let mut place = 0;
+    while place < times.len() {
+        let next = (place..times.len()).find(|&k| times[k] >= times[place] + 1.0).unwrap_or(times.len());
+        if next - place >= 10 && times[next - 1] - times[place] > 0.5 {
+            let values = &along[place..next];
+            let middle = mean(values);
+            let square = values.iter().map(|x| (x - middle) * (x - middle)).sum::<f64>();
+            least = least.min(square / (values.len() - 1) as f64);
+            let third = |x: &[f64]| (x[3] - 3.0 * x[2] + 3.0 * x[1] - x[0]).powi(2);
+            // 1 + 9 + 9 + 1 noises.
+            differences.push(values.windows(4).map(third).sum::<f64>() / (20 * (values.len() - 3)) as f64);
+        }
+        place = next;
+    }
+    differences.sort_by(f64::total_cmp);
+    let usual = differences.get(differences.len() / 2).copied().unwrap_or(f64::INFINITY);
+    let least = least.min(usual);
+    if least.is_finite() { least.sqrt() } else { 0.0 }
+}
+
+/// The direction in which three accelerations vary most: the first eigenvector of their covariance, by repeated products. Its
+/// largest component is positive.
+pub(super) fn main_axis(readings: &[[f64; 4]]) -> [f64; 3] {
+    let count = readings.len() as f64;
+    let middle: [f64; 3] = std::array::from_fn(|i| readings.iter().map(|reading| reading[i + 1]).sum::<f64>() / count);
+    let mut cov = [[0.0; 3]; 3];
+    for reading in readings {
+        for i in 0..3 {
+            for j in 0..3 {
+                cov[i][j] += (reading[i + 1] - middle[i]) * (reading[j + 1] - middle[j]) / count;
+            }
+        }
+    }
+    let largest = |axis: &[f64; 3]| (0..3).max_by(|&a, &b| axis[a].abs().total_cmp(&axis[b].abs())).unwrap_or(0);
+    let variances: [f64; 3] = std::array::from_fn(|i| cov[i][i]);
+    let mut axis: [f64; 3] = std::array::from_fn(|i| cov[i][largest(&variances)]);
+    for _ in 0..100 {
+        let next: [f64; 3] = std::array::from_fn(|i| (0..3).map(|j| cov[i][j] * axis[j]).sum());
+        let length = next.iter().map(|x| x * x).sum::<f64>().sqrt();
+        if length == 0.0 {
+            return [0.0, 0.0, 1.0];
+        }
+        axis = next.map(|x| x / length);
+    }
+    let sign = axis[largest(&axis)].signum();
+    axis.map(|x| sign * x)
+}
+
+/// The mean of readings that swing, under a Hann window: the part of a swing at either end counts little.
+pub(super) fn middle(values: &[f64]) -> f64 {
+    let turn = std::f64::consts::TAU / values.len().max(1) as f64;
+    let weight = |k: usize| 1.0 - libm::cos(turn * (k as f64 + 0.5));
+    let (sum, weights) = values.iter().enumerate().fold((0.0, 0.0), |(sum, weights), (k, x)| {
+        let weight = weight(k);
+        (sum + weight * x, weights + weight)
+    });
+    sum / weights
+}
+
+pub(super) fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
+}
