@@ -181,8 +181,8 @@ fn every_pluck_is_found_and_the_hand_that_takes_the_phone_spoils_none() {
         let mut readings = phone.readings();
         let mut random = Random::new(100 + seed);
         for k in 0..150 {
-            let t = 20.0 + k as f64 / 60.0;
-            let turn = (0.02 * k as f64).min(1.2);
+            let t = 20.0 + f64::from(k) / 60.0;
+            let turn = (0.02 * f64::from(k)).min(1.2);
             let mut shaken = || 4.0 * (-1.5 * (t - 20.0)).exp() * random.normal();
             readings.push([t, 9.6 * turn.sin() + shaken(), 9.6 * turn.cos() + shaken(), -0.7 + shaken()]);
         }
