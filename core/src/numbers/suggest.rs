@@ -97,9 +97,9 @@ impl Suggestion {
     fn sensor_noise(&mut self, record: &Record, lost: Option<&Lost>) {
         for (place, sensor) in self.scenario.sensors.clone().into_iter().enumerate() {
             let Some(measured) = record.measured_quantity(sensor.measures) else { continue };
-            let Some(noise) =
-                Spectra::new(record, measured, spectra::SHORT, Gaps::Avoid).and_then(|spectra| spectra.noise())
-            else {
+            let mapping = self.scenario.record.as_ref();
+            let spectra = Spectra::new(record, measured, spectra::SHORT, Gaps::Avoid);
+            let Some(noise) = spectra.and_then(|spectra| spectra.noise(mapping)) else {
                 continue;
             };
             let (_, std) = moments(measured);
@@ -130,9 +130,10 @@ impl Suggestion {
             return false;
         }
         let Some((quantity, measured)) = motion_sensor(record) else { return false };
-        let band = self.scenario.record.as_ref().and_then(|mapping| mapping.band);
+        let mapping = self.scenario.record.as_ref();
+        let band = mapping.and_then(|mapping| mapping.band);
         let driven = response(record, quantity, measured, band);
-        let free = if driven.is_none() && has_no_input(record) { decay(record, measured, band) } else { None };
+        let free = if driven.is_none() && has_no_input(record) { decay(record, measured, mapping) } else { None };
         let decaying = free.map(|free| Response {
             natural_frequency: free.natural_frequency,
             damping_ratio: free.damping_ratio,

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::resample::GUARD;
 use super::{Dialect, ImportError};
 use crate::data::document::{is_default, is_one};
 use crate::{Document, Quantity};
@@ -175,6 +176,14 @@ const MOST_STEPS: usize = 8;
 const MOST_EVERY: usize = 10_000;
 
 impl Mapping {
+    /// The highest frequency that the band and the low-pass before fewer samples let through, as a share of the Nyquist
+    /// frequency of a record with steps of `dt` \[s\]. `None` if all are.
+    pub(crate) fn passed(&self, dt: f64) -> Option<f64> {
+        let band = self.band.map(|[_, high]| 2.0 * high * dt);
+        let fewer = (self.every > 1).then_some(GUARD);
+        band.into_iter().chain(fewer).reduce(f64::min).filter(|share| *share < 1.0)
+    }
+
     /// Checks every number.
     ///
     /// # Errors
