@@ -117,6 +117,22 @@ fn a_phone_keeps_its_plots_in_sight() {
 }
 
 #[test]
+fn a_phone_hears_what_rings() {
+    let pictures = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/browser");
+    fs::create_dir_all(&pictures).unwrap();
+    let address = served().page();
+    let driver = Driver::start();
+    let sound = format!("--use-file-for-fake-audio-capture={}", measure::fork(&pictures).display());
+    let hears = ["--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream", &sound];
+    runtime().block_on(async {
+        let page = driver.open_with(&hears).await;
+        phone::opens(&page, &address).await;
+        measure::a_ring_is_identified(&page, &pictures.join("phone-ring.png")).await;
+        reports_no_problems(&page, &address).await;
+    });
+}
+
+#[test]
 fn maps_are_computed_by_web_gpu() {
     let address = served().page();
     let driver = Driver::start();
