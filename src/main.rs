@@ -122,6 +122,7 @@ mod web {
     mod motion;
     mod shelf;
     mod tables;
+    mod version;
     mod workers;
 
     use std::cell::RefCell;

@@ -1,5 +1,6 @@
 //! The window in which this device measures something that swings or rings.
 
+mod health;
 mod live;
 mod sound;
 mod swing;

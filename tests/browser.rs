@@ -203,6 +203,29 @@ fn large_imports_in_workers() {
     });
 }
 
+/// `cargo test --test browser -- --ignored --nocapture`: frames a second on a slow phone while it measures.
+#[test]
+#[ignore = "a measurement, which wants the machine for itself"]
+fn frames_while_a_phone_measures() {
+    let address = served().page();
+    runtime().block_on(async {
+        for rate in [60, 400] {
+            let driver = Driver::start();
+            let page = driver.open().await;
+            page.prepare(frames::STOPWATCH).await;
+            phone::opens(&page, &address).await;
+            page.throttle(4.0).await;
+            measure::stream(&page, rate).await;
+            let wait = tokio::time::sleep(Duration::from_secs(20));
+            let frames::Frames { per_second, page: own, longest, .. } =
+                frames::during(&page, driver.process(), wait).await;
+            println!(
+                "{rate} readings a second: {per_second:.1} frames a second, {own:.1} ms each, {longest:.1} ms at most"
+            );
+        }
+    });
+}
+
 /// `cargo test --test browser -- --ignored --nocapture`: the time of large maps.
 #[test]
 #[ignore = "a measurement, which wants the machine for itself"]

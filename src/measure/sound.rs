@@ -20,6 +20,10 @@ const LOOKED_AT: f64 = 12.0;
 const DRAWN: f64 = 8.0;
 const POINTS: usize = 600;
 
+/// A sample is cut off from this size on; a blow may have some of them.
+const LOUDEST: f32 = 0.99;
+const FEW: usize = 20;
+
 /// The file of a measurement.
 const FILE: &str = "heard-here.wav";
 
@@ -88,6 +92,12 @@ impl Instrument for Listener {
                 ui.label(format!("It has rung for {} s.", fixed(ring.part[1] - ring.part[0], 2)));
             }
             None => _ = ui.label(RichText::new("Strike it once: its pitch comes while it rings.").color(palette.weak)),
+        }
+        if latest(LOOKED_AT).iter().filter(|x| x.abs() > LOUDEST).count() > FEW {
+            ui.colored_label(
+                palette.warning,
+                "It is too loud: its peaks are cut off. Strike more softly, or further away.",
+            );
         }
         let full = if count >= Sound::MOST { " It is full." } else { "" };
         ui.label(format!("{} s, {} samples a second.{full}", fixed(count as f64 / rate, 1), fixed(rate, 0)));

@@ -7,6 +7,7 @@ use egui::{Context, RichText, Ui, Vec2};
 use kalmanscope_core::Story;
 use kalmanscope_core::import::Decay;
 
+use super::health::Health;
 use super::live::{Band, Live};
 use super::{CURVE, Instrument, large_ui, waiting_ui};
 use crate::request::RawFile;
@@ -25,11 +26,12 @@ pub(super) struct Swing {
     device: Rc<dyn Sensor<Acceleration>>,
     readings: Readings<Acceleration>,
     live: Live,
+    health: Health,
 }
 
 impl Swing {
     pub(super) fn new(device: Rc<dyn Sensor<Acceleration>>) -> Self {
-        Self { device, readings: Readings::default(), live: Live::default() }
+        Self { device, readings: Readings::default(), live: Live::default(), health: Health::default() }
     }
 }
 
@@ -52,7 +54,7 @@ impl Instrument for Swing {
     }
 
     fn begin(&mut self, ctx: &Context) {
-        (self.readings, self.live) = (Readings::default(), Live::default());
+        (self.readings, self.live, self.health) = (Readings::default(), Live::default(), Health::default());
         self.device.begin(ctx, &self.readings);
     }
 
@@ -67,6 +69,7 @@ impl Instrument for Swing {
     fn running_ui(&mut self, ui: &mut Ui, since: f64, palette: &Palette) {
         let told = self.readings.told();
         self.live.follow(&told.readings);
+        self.health.follow(&told.readings);
         let (Some(first), Some(last)) = (told.readings.first(), told.readings.last()) else {
             waiting_ui(ui, since, "Waiting for the accelerometer …", &self.device.hint());
             return;
@@ -89,6 +92,9 @@ impl Instrument for Swing {
         estimates_ui(ui, self.live.estimates(), palette);
         if self.live.rests() {
             ui.label("It is at rest: there is nothing more to learn.");
+        }
+        for sentence in self.health.sentences() {
+            ui.colored_label(palette.warning, sentence);
         }
         ui.label(format!("{} s, {} readings a second.{full}", fixed(seconds, 1), fixed(rate, 1)));
     }

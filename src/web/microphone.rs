@@ -13,8 +13,10 @@ use web_sys::{
     MediaTrackConstraints, MessageEvent,
 };
 
-/// The worklet's file, and the name of its processor there.
-const WORKLET: &str = "./listen.js";
+use super::version::version;
+
+/// The worklet's file but for the page's version, and the name of its processor there.
+const WORKLET: &str = "./listen.js?v=";
 const PROCESSOR: &str = "listen";
 
 /// The microphone of this page.
@@ -98,7 +100,7 @@ impl Listening {
     async fn begin(stream: &MediaStream, ctx: &Context, to: &Readings<Sound>) -> Result<Self, JsValue> {
         let context = AudioContext::new()?;
         let to_close = Closing(Some(context.clone()));
-        JsFuture::from(context.audio_worklet()?.add_module(WORKLET)?).await?;
+        JsFuture::from(context.audio_worklet()?.add_module(&format!("{WORKLET}{}", version()))?).await?;
         let node = AudioWorkletNode::new(&context, PROCESSOR)?;
         to.set_rate(f64::from(context.sample_rate()));
         let messages = {

@@ -69,6 +69,33 @@ async fn identified(page: &Page) -> [f64; 2] {
     })
 }
 
+/// Motion events of a swing at some rate from now on, four at once.
+const STREAM: &str = "(rate => {
+    const begin = performance.now();
+    let k = 0;
+    setInterval(() => {
+        for (; k < rate * 1e-3 * (performance.now() - begin); k += 1) {
+            const t = k / rate;
+            const a = t < 2 ? 0 : 2 * Math.exp(-0.06 * (t - 2)) * Math.cos(6 * (t - 2));
+            const noise = n => 0.05 * Math.sin(12.9898 * (k + 1) * n);
+            const accelerationIncludingGravity = { x: 0.3 + 0.6 * a + noise(3), y: 9.7 + 0.8 * a + noise(5), z: noise(7) };
+            const event = new DeviceMotionEvent('devicemotion', { accelerationIncludingGravity, interval: 1000 / rate });
+            Object.defineProperty(event, 'timeStamp', { value: 1000 * t });
+            window.dispatchEvent(event);
+        }
+    }, 10);
+    return true;
+})";
+
+/// Begins to measure while so many readings come in a second, and waits until it swings.
+pub(crate) async fn stream(page: &Page, rate: u32) {
+    page.tap("Scenario").await;
+    page.tap("Measure with this device…").await;
+    page.tap("Begin to measure").await;
+    page.value(&format!("{STREAM}({rate})")).await;
+    tokio::time::sleep(Duration::from_secs(10)).await;
+}
+
 /// A sound for the browser's microphone: a fork of 440 Hz with a damping of 0.05 % and a second mode, struck after a second.
 pub(crate) fn fork(folder: &Path) -> PathBuf {
     let noise = |n: u32| f64::from(n.wrapping_mul(2_654_435_761) >> 8) / f64::from(1 << 24) - 0.5;

@@ -160,10 +160,11 @@ fn silence_has_no_ring_and_is_said_to_have_none() {
     click(&mut screen, "Begin to listen");
     let readings = device.0.borrow().clone().expect("it has begun again");
     readings.set_rate(48_000.0);
-    let minute = vec![0.1; Sound::MOST];
+    let minute = vec![1.0; Sound::MOST];
     assert!(readings.put(&minute, &screen.ctx) && !readings.put(&minute[..5], &screen.ctx));
     screen.run_steps(2);
     screen.get_by_label_contains("It is full.");
+    screen.get_by_label_contains("It is too loud");
 }
 
 #[test]

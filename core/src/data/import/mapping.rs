@@ -176,12 +176,12 @@ const MOST_STEPS: usize = 8;
 const MOST_EVERY: usize = 10_000;
 
 impl Mapping {
-    /// The highest frequency that the band and the low-pass before fewer samples let through, as a share of the Nyquist
-    /// frequency of a record with steps of `dt` \[s\]. `None` if all are.
-    pub(crate) fn passed(&self, dt: f64) -> Option<f64> {
-        let band = self.band.map(|[_, high]| 2.0 * high * dt);
-        let fewer = (self.every > 1).then_some(GUARD);
-        band.into_iter().chain(fewer).reduce(f64::min).filter(|share| *share < 1.0)
+    /// The frequencies that the band and the low-pass before fewer samples let through, as shares of the Nyquist frequency of a
+    /// record with steps of `dt` \[s\].
+    pub(crate) fn passed(&self, dt: f64) -> [f64; 2] {
+        let [low, high] = self.band.map_or([0.0, 1.0], |band| band.map(|limit| 2.0 * limit * dt));
+        let high = high.min(if self.every > 1 { GUARD } else { 1.0 });
+        [low.clamp(0.0, 0.99 * high), high]
     }
 
     /// Checks every number.

@@ -88,7 +88,7 @@ impl Ring {
         }
         let every = ((rate / (FINENESS * pitch)) as usize).max(1);
         let length = (BLOCK.max(SWINGS / pitch) * rate) as usize;
-        let sizes: Vec<f64> = values.chunks_exact(length).map(|block| size_of_line(block, pitch / rate)).collect();
+        let sizes = sizes_of_line(values, length, pitch / rate);
         let [begin, end] = ring(&sizes, blow / length)?;
         let begin = begin * length;
         let end = (end * length).min(begin + MOST_SAMPLES * every).min(values.len());
@@ -142,18 +142,22 @@ fn ring(sizes: &[f64], blow: usize) -> Option<[usize; 2]> {
     (end > begin).then_some([begin, end])
 }
 
-/// The size of a line of some frequency, in turns a sample, under a Hann window.
-fn size_of_line(values: &[f64], frequency: f64) -> f64 {
+/// The sizes of a line of some frequency, in turns a sample, in blocks of some length, each under a Hann window.
+fn sizes_of_line(values: &[f64], length: usize, frequency: f64) -> Vec<f64> {
     let turn = std::f64::consts::TAU;
-    let n = values.len() as f64;
-    let (mut re, mut im) = (0.0, 0.0);
-    for (k, x) in values.iter().enumerate() {
-        let weight = 1.0 - libm::cos(turn * (k as f64 + 0.5) / n);
-        let (sin, cos) = libm::sincos(turn * frequency * k as f64);
-        re += weight * x * cos;
-        im += weight * x * sin;
-    }
-    2.0 * libm::hypot(re, im) / n
+    let waves: Vec<(f64, f64)> = (0..length)
+        .map(|k| {
+            let weight = 1.0 - libm::cos(turn * (k as f64 + 0.5) / length as f64);
+            let (sin, cos) = libm::sincos(turn * frequency * k as f64);
+            (2.0 * weight * cos / length as f64, 2.0 * weight * sin / length as f64)
+        })
+        .collect();
+    let size = |block: &[f64]| {
+        let sum = |(a, b): (f64, f64), (x, (re, im)): (&f64, &(f64, f64))| (a + x * re, b + x * im);
+        let (re, im) = block.iter().zip(&waves).fold((0.0, 0.0), sum);
+        libm::hypot(re, im)
+    };
+    values.chunks_exact(length).map(size).collect()
 }
 
 /// A line of a spectrum.

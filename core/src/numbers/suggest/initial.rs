@@ -6,7 +6,7 @@ use super::{Suggestion, hysteresis, moments, rounded};
 use crate::{Channel, Quantity, Record, Signal};
 
 /// The spread that a filter of a free decay begins with, in standard deviations of the fit.
-const LOOSE: f64 = 30.0;
+pub(super) const LOOSE: f64 = 30.0;
 
 impl Suggestion {
     /// Lets every filter begin with an oscillator that `quantity` shows, for this reason.
@@ -66,7 +66,7 @@ impl Suggestion {
 
     /// Lets every filter expect a motion as large as the beginning of a decay, which a long record's mean square hides.
     pub(super) fn begin_as_large(&mut self, quantity: Quantity, decay: &Decay) {
-        let Decay { natural_frequency, damping_ratio, spread, amplitude, is_all } = *decay;
+        let Decay { natural_frequency, damping_ratio, spread, amplitude, is_all, .. } = *decay;
         let displacement = amplitude / libm::pow(natural_frequency, f64::from(order(quantity)));
         let sizes = [(Channel::DISPLACEMENT, displacement), (Channel::VELOCITY, displacement * natural_frequency)];
         for filter in self.filters() {

@@ -196,8 +196,8 @@ impl Spectra {
     /// Standard deviation of the white noise that the input does not explain at the highest frequencies: those that the filters of
     /// an import have let through.
     pub(super) fn noise(&self, mapping: Option<&Mapping>) -> Option<f64> {
-        let passed = mapping.and_then(|mapping| mapping.passed(self.dt));
-        let floor = passed.map_or(FLOOR, |passed| FLOOR_BELOW.map(|share| share * passed));
+        let passed = mapping.map_or(1.0, |mapping| mapping.passed(self.dt)[1]);
+        let floor = if passed < 1.0 { FLOOR_BELOW.map(|share| share * passed) } else { FLOOR };
         let [low, high] = floor.map(|share| (share * self.len() as f64) as usize);
         let left = self.windows as f64 / (self.windows as f64 - 1.0).max(1.0);
         let mut powers: Vec<f64> =
