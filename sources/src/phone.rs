@@ -43,9 +43,8 @@ impl Phone {
     }
 
     fn ask(&self, question: &str) -> io::Result<Document> {
-        let mut answer =
-            self.agent.get(format!("{}/{question}", self.address)).call().map_err(|error| error.into_io())?;
-        let text = answer.body_mut().with_config().limit(LARGEST).read_to_string().map_err(|error| error.into_io())?;
+        let mut answer = self.agent.get(format!("{}/{question}", self.address)).call().map_err(ureq::Error::into_io)?;
+        let text = answer.body_mut().with_config().limit(LARGEST).read_to_string().map_err(ureq::Error::into_io)?;
         Document::from_json(&text).map_err(|error| io::Error::other(format!("it is no phone with phyphox: {error}")))
     }
 

@@ -56,7 +56,7 @@ fn estimates_go_to_all_who_listen() {
 }
 
 /// A phone with phyphox: at each question, some more readings.
-fn phone(server: TcpListener) {
+fn phone(server: &TcpListener) {
     let mut there = 0;
     for stream in server.incoming() {
         let mut stream = stream.expect("one comes");
@@ -105,7 +105,7 @@ fn answer(address: &str, there: &mut usize) -> String {
 fn a_phone_is_asked_for_what_is_new() {
     let server = TcpListener::bind("127.0.0.1:0").expect("a port");
     let name = format!("http://{}", server.local_addr().expect("an address"));
-    thread::spawn(move || phone(server));
+    thread::spawn(move || phone(&server));
     let mut accelerations = Accelerations::default();
     for line in lines(&name, 40) {
         accelerations.take(line.as_bytes(), 0.0).expect("they are accelerations");
