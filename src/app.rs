@@ -27,12 +27,12 @@ use crate::keys;
 use crate::laboratory::Laboratory;
 use crate::layout::Layout;
 use crate::measure::Measure;
-use crate::motion::Accelerometer;
 use crate::notice::Notice;
 use crate::plot::time_axis::TimeAxis;
 use crate::probe::ScreenState;
 use crate::request::{Request, ViewKind};
 use crate::ruler::{End, Ruler};
+use crate::sensor::Sensors;
 use crate::session::{Mode, ModelTime, Session, Wanted};
 use crate::shelf::{Candidate, Shelf};
 use crate::theme;
@@ -90,8 +90,8 @@ pub struct App {
     choose: Option<Choose>,
     /// Keeps the record's file for the next start, if the platform has a place for it.
     shelf: Option<Box<dyn Shelf>>,
-    /// The accelerometer of this device, and the window in which it measures.
-    accelerometer: Option<Box<dyn Accelerometer>>,
+    /// The sensors of this device, and the window in which they measure.
+    sensors: Sensors,
     measure: Option<Measure>,
     /// The file whose import was begun last.
     candidate: Option<Candidate>,
@@ -149,7 +149,7 @@ impl App {
             deliver: None,
             choose: None,
             shelf: None,
-            accelerometer: None,
+            sensors: Sensors::default(),
             measure: None,
             candidate: None,
             inbox: Inbox::default(),

@@ -32,7 +32,7 @@ pub(crate) struct Bar<'a> {
     pub(crate) narrow: bool,
     /// Whether undo and redo are possible.
     pub(crate) history: (bool, bool),
-    /// Whether this device has an accelerometer.
+    /// Whether this device has sensors.
     pub(crate) measures: bool,
 }
 
@@ -93,7 +93,7 @@ fn scenario_menu_ui(ui: &mut Ui, session: &Session, [opens, measures]: [bool; 2]
             ui.close();
         }
         if measures {
-            let hint = "A free decay, by the accelerometer of this device";
+            let hint = "Something that swings or rings, by the sensors of this device";
             let button = ui.button("Measure with this device…").on_hover_text(hint);
             probe::remember(ui.ctx(), "Measure with this device…", button.rect);
             if button.clicked() {

@@ -18,6 +18,7 @@ mod native {
     mod file_dialog;
     mod graphics;
     mod keeper;
+    mod listen;
     mod shelf;
     mod signals;
     mod slot;
@@ -34,23 +35,34 @@ mod native {
     use kalmanscope_cli::{plot_svg, run_scenario, step_times, table};
     use kalmanscope_core::{Analysis, Scenario, Wanted};
 
+    use window::Beginning;
+
     /// The file of the plots if there is no display.
     const REPORT: &str = "kalmanscope-report.svg";
+
+    const USAGE: &str = "usage: kalmanscope [LINK or FILE]\n       kalmanscope --listen SOURCE\n\nLINK is an address with #link=…, ?lesson=NAME or \
+                         ?scenario=NAME; FILE is a measured record, a scenario or a lesson. SOURCE tells lines with a time and three \
+                         accelerations, such as serial:/dev/ttyUSB0?baud=115200, http://PHONE:8080 (phyphox), tcp://HOST:PORT, \
+                         udp://HOST:PORT, ws://HOST:PORT, or - for standard input.";
 
     /// The exit code for an argument that cannot be used.
     const INVALID: u8 = 2;
 
     pub(super) fn main() -> ExitCode {
         env_logger::Builder::from_env(env_logger::Env::default().default_filter_or("error")).init();
-        let argument = std::env::args().nth(1);
-        let file = argument.as_deref().map(Path::new).filter(|path| path.is_file()).map(Path::to_owned);
-        let address = argument.filter(|_| file.is_none());
-        let target = match address.as_deref().map(address::target).transpose() {
+        let mut arguments = std::env::args().skip(1);
+        let mut argument = arguments.next();
+        let mut beginning = Beginning::default();
+        if argument.as_deref() == Some("--listen") {
+            beginning.source = arguments.next();
+            // Without a source, the usage is told.
+            argument = argument.filter(|_| beginning.source.is_none());
+        }
+        beginning.file = argument.as_deref().map(Path::new).filter(|path| path.is_file()).map(Path::to_owned);
+        beginning.address = argument.filter(|_| beginning.file.is_none());
+        let target = match beginning.address.as_deref().map(address::target).transpose() {
             Ok(Some(None)) => {
-                eprintln!(
-                    "usage: kalmanscope [LINK or FILE]\n\nLINK is an address with #link=…, ?lesson=NAME or ?scenario=NAME; FILE is a measured record, a scenario \
-                     or a lesson."
-                );
+                eprintln!("{USAGE}");
                 return ExitCode::from(INVALID);
             }
             Err(error) => {
@@ -59,7 +71,7 @@ mod native {
             }
             Ok(target) => target.flatten(),
         };
-        let Err(error) = window::open(address, file) else {
+        let Err(error) = window::open(beginning) else {
             return ExitCode::SUCCESS;
         };
         // The message follows the last colon; a place in the toolkit's source comes before it.
@@ -106,20 +118,34 @@ mod web {
     mod download;
     mod file_input;
     mod messages;
+    mod microphone;
     mod motion;
     mod shelf;
     mod tables;
+    mod version;
     mod workers;
 
     use std::cell::RefCell;
+    use std::rc::Rc;
 
+    use kalmanscope::sensor::Sensors;
     use kalmanscope::share::address;
     use kalmanscope::theme;
     use wasm_bindgen::JsCast as _;
     use wasm_bindgen::prelude::*;
 
     use messages::{Message, Messages};
+    use microphone::Microphone;
+    use motion::Motion;
     use tables::Tables;
+
+    /// The sensors of this page.
+    fn sensors(ctx: &egui::Context) -> Sensors {
+        Sensors {
+            accelerometer: Motion::of_page(ctx).map(|motion| Rc::new(motion) as Rc<_>),
+            microphone: Microphone::of_page().map(|microphone| Rc::new(microphone) as Rc<_>),
+        }
+    }
 
     #[wasm_bindgen]
     extern "C" {
@@ -246,8 +272,8 @@ mod web {
             if !embedded {
                 app = app.keeping_records(Box::new(shelf::Browser), &creation.egui_ctx);
             }
-            if !embedded && let Some(accelerometer) = motion::Motion::of_page(&creation.egui_ctx) {
-                app = app.measuring_with(Box::new(accelerometer));
+            if !embedded {
+                app = app.measuring_with(sensors(&creation.egui_ctx));
             }
             if is_match("(pointer: coarse)") {
                 theme::expect_fingers(&creation.egui_ctx);

@@ -1,40 +1,64 @@
-//! The window in which this device measures a free decay.
+//! The window in which this device measures something that swings or rings.
 
+mod health;
 mod live;
-
-use std::f64::consts::TAU;
+mod sound;
+mod swing;
 
 use egui::{Align2, Button, Context, Key, RichText, Ui, Vec2, Window};
-use kalmanscope_core::import::Decay;
 
-use live::{Band, Live};
+use sound::Listener;
+use swing::Swing;
 
-use crate::motion::{Accelerometer, MOST, Readings};
 use crate::probe;
 use crate::request::{RawFile, Request};
-use crate::spark::Spark;
-use crate::text::{fixed, significant};
+use crate::sensor::Sensors;
+use crate::text::sentence;
 use crate::theme::Palette;
 
 /// The width of the window, if there is room \[points\].
 const WIDTH: f32 = 460.0;
 
-/// The device is still silent after this time \[s\].
-const PATIENCE: f64 = 3.0;
+/// The height of the curve of what comes in \[points\].
+const CURVE: f32 = 120.0;
 
-/// The readings that are drawn.
-const DRAWN: usize = 1200;
+/// A sensor is still silent after this time \[s\].
+const PATIENCE: f64 = 3.0;
 
 /// The size of the estimates \[points\].
 const LARGE: f32 = 26.0;
 
-/// The file of a measurement.
-const FILE: &str = "measured-here.csv";
+/// What measures with a sensor of the device.
+trait Instrument {
+    /// Its name for the choice among several.
+    fn name(&self) -> &'static str;
+
+    /// The words of the button that begins.
+    fn beginning(&self) -> &'static str;
+
+    /// What to do, in sentences.
+    fn directions(&self) -> &'static [&'static str];
+
+    /// Forgets what was measured, and begins.
+    fn begin(&mut self, ctx: &Context);
+
+    fn end(&self);
+
+    /// Why the sensor tells nothing.
+    fn refusal(&self) -> Option<String>;
+
+    /// What has come so far, after some seconds.
+    fn running_ui(&mut self, ui: &mut Ui, since: f64, palette: &Palette);
+
+    /// The file of what was measured, or the reason why nothing can be identified.
+    fn file(&self) -> Result<RawFile, String>;
+}
 
 /// A measurement.
 pub(crate) struct Measure {
-    readings: Readings,
-    live: Live,
+    instruments: Vec<Box<dyn Instrument>>,
+    /// The one that is chosen.
+    chosen: usize,
     stage: Stage,
 }
 
@@ -43,76 +67,69 @@ enum Stage {
     Ready,
     /// It measures since this time of the screen \[s\].
     Running(f64),
-    /// It has ended without a decay, for this reason.
+    /// It has ended with nothing to identify, for this reason.
     Failed(String),
 }
 
 impl Measure {
-    pub(crate) fn new() -> Self {
-        Self { readings: Readings::default(), live: Live::default(), stage: Stage::Ready }
+    /// A measurement with one of some sensors. `None` if there are none.
+    pub(crate) fn new(sensors: &Sensors) -> Option<Self> {
+        let Sensors { accelerometer, microphone } = sensors.clone();
+        let swing = accelerometer.map(|device| Box::new(Swing::new(device)) as Box<dyn Instrument>);
+        let listener = microphone.map(|device| Box::new(Listener::new(device)) as Box<dyn Instrument>);
+        let instruments: Vec<_> = swing.into_iter().chain(listener).collect();
+        (!instruments.is_empty()).then_some(Self { instruments, chosen: 0, stage: Stage::Ready })
     }
 
     /// Shows the window. Returns whether it stays open.
-    pub(crate) fn ui(
-        &mut self,
-        ctx: &Context,
-        device: &dyn Accelerometer,
-        palette: &Palette,
-        requests: &mut Vec<Request>,
-    ) -> bool {
+    pub(crate) fn ui(&mut self, ctx: &Context, palette: &Palette, requests: &mut Vec<Request>) -> bool {
         let width = (ctx.content_rect().width() - 48.0).clamp(1.0, WIDTH);
         let window = Window::new("Measure with this device").collapsible(false).resizable(false);
         let shown = window.anchor(Align2::CENTER_CENTER, Vec2::ZERO).show(ctx, |ui| {
             ui.set_width(width);
-            self.contents_ui(ui, device, palette, requests)
+            self.contents_ui(ui, palette, requests)
         });
         let stays = shown.and_then(|shown| shown.inner).unwrap_or(true);
         let stays = stays && !ctx.input(|input| input.key_pressed(Key::Escape));
         if !stays {
-            device.end();
+            self.instruments[self.chosen].end();
         }
         stays
     }
 
-    fn contents_ui(
-        &mut self,
-        ui: &mut Ui,
-        device: &dyn Accelerometer,
-        palette: &Palette,
-        requests: &mut Vec<Request>,
-    ) -> bool {
+    fn contents_ui(&mut self, ui: &mut Ui, palette: &Palette, requests: &mut Vec<Request>) -> bool {
         match &self.stage {
             Stage::Ready => {
-                ui.label(
-                    "Fix the device to what swings: hang it on a spring or a rubber band, clamp it to the end of a ruler, lay it on a \
-                     plank between two chairs.",
-                );
-                ui.label("Begin, wait for two seconds, pull it aside, let go, and wait until it rests.");
+                self.choice_ui(ui);
+                let instrument = &mut self.instruments[self.chosen];
+                instrument.directions().iter().for_each(|text| _ = ui.label(*text));
                 ui.label(RichText::new("Nothing leaves this device.").small().color(palette.weak));
-                let [begin, close] = buttons_ui(ui, "Begin to measure", "Close");
+                let [begin, close] = buttons_ui(ui, instrument.beginning(), "Close");
                 if begin {
-                    (self.readings, self.live) = (Readings::default(), Live::default());
-                    device.begin(ui.ctx(), &self.readings);
+                    instrument.begin(ui.ctx());
                     self.stage = Stage::Running(ui.input(|input| input.time));
                 }
                 !close
             }
             Stage::Running(since) => {
-                let since = ui.input(|input| input.time) - since;
-                let refusal = self.readings.told().refusal.clone();
-                if let Some(refusal) = refusal {
-                    device.end();
+                let instrument = &mut self.instruments[self.chosen];
+                if let Some(refusal) = instrument.refusal() {
+                    instrument.end();
                     self.stage = Stage::Failed(refusal);
                     return true;
                 }
-                self.running_ui(ui, since, palette);
+                instrument.running_ui(ui, ui.input(|input| input.time) - since, palette);
                 ui.ctx().request_repaint_after(std::time::Duration::from_millis(100));
                 let [stop, close] = buttons_ui(ui, "Stop and identify", "Cancel");
-                if stop {
-                    device.end();
-                    return self.identify(requests);
+                if !stop {
+                    return !close;
                 }
-                !close
+                instrument.end();
+                match instrument.file() {
+                    Ok(file) => requests.push(Request::ImportFile(Box::new(file))),
+                    Err(reason) => self.stage = Stage::Failed(sentence(&reason)),
+                }
+                matches!(self.stage, Stage::Failed(_))
             }
             Stage::Failed(reason) => {
                 ui.colored_label(palette.warning, format!("{reason}."));
@@ -125,72 +142,33 @@ impl Measure {
         }
     }
 
-    /// What has come so far.
-    fn running_ui(&mut self, ui: &mut Ui, since: f64, palette: &Palette) {
-        let told = self.readings.told();
-        self.live.follow(&told.readings);
-        let (Some(first), Some(last)) = (told.readings.first(), told.readings.last()) else {
-            let text = if since < PATIENCE {
-                "Waiting for the accelerometer …"
-            } else {
-                "No reading has come yet. Computers have no accelerometer; a phone has one, and the browser may ask for permission."
-            };
-            ui.label(text);
+    /// The choice among several instruments.
+    fn choice_ui(&mut self, ui: &mut Ui) {
+        if self.instruments.len() < 2 {
             return;
-        };
-        let (count, seconds) = (told.readings.len(), last[0] - first[0]);
-        let drawn = &told.readings[count.saturating_sub(DRAWN)..];
-        // The axis that moves most; gravity is the same everywhere.
-        let spread = |axis: usize| {
-            let ends = drawn.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], reading| {
-                [low.min(reading[axis]), high.max(reading[axis])]
-            });
-            ends[1] - ends[0]
-        };
-        let axis = (1..4).max_by(|&a, &b| spread(a).total_cmp(&spread(b))).unwrap_or(1);
-        let values: Vec<f64> = drawn.iter().map(|reading| reading[axis]).collect();
-        let (rect, _) = ui.allocate_exact_size(Vec2::new(ui.available_width(), 120.0), egui::Sense::hover());
-        Spark::new(&values).paint(ui.painter(), rect, palette.text);
-        let rate = if seconds > 0.0 { (count - 1) as f64 / seconds } else { 0.0 };
-        let full = if count >= MOST { " It is full." } else { "" };
-        estimates_ui(ui, self.live.estimates(), palette);
-        if self.live.rests() {
-            ui.label("It is at rest: there is nothing more to learn.");
         }
-        ui.label(format!("{} s, {} readings a second.{full}", fixed(seconds, 1), fixed(rate, 1)));
-    }
-
-    /// Hands the decay over to the import. Returns whether the window stays open.
-    fn identify(&mut self, requests: &mut Vec<Request>) -> bool {
-        let decay = Decay::of(&self.readings.told().readings);
-        match decay {
-            Ok(decay) => {
-                let file = RawFile { name: FILE.to_owned(), bytes: decay.csv().into_bytes() };
-                requests.push(Request::ImportFile(Box::new(file)));
-                false
+        ui.horizontal(|ui| {
+            for (place, instrument) in self.instruments.iter().enumerate() {
+                let choice = ui.selectable_value(&mut self.chosen, place, instrument.name());
+                probe::remember(ui.ctx(), instrument.name(), choice.rect);
             }
-            Err(reason) => {
-                self.stage = Stage::Failed(crate::text::sentence(&reason.to_string()));
-                true
-            }
-        }
+        });
+        ui.add_space(4.0);
     }
 }
 
-/// What is known while it swings, large enough for a hall.
-fn estimates_ui(ui: &mut Ui, estimates: Option<[Band; 2]>, palette: &Palette) {
-    let Some([frequency, damping]) = estimates else {
-        ui.label(
-            RichText::new("Pull it aside and let go: frequency and damping come while it swings.").color(palette.weak),
-        );
-        return;
-    };
-    let hertz = Band { mean: frequency.mean / TAU, band: frequency.band / TAU };
-    let percent = Band { mean: 100.0 * damping.mean, band: 100.0 * damping.band };
-    for (band, unit) in [(hertz, "Hz"), (percent, "% damping")] {
-        let text = format!("{} ± {} {unit}", significant(band.mean, 4), significant(band.band, 1));
-        ui.label(RichText::new(text).size(LARGE).color(palette.text));
+/// What is said before the first reading.
+fn waiting_ui(ui: &mut Ui, since: f64, text: &str, hint: &str) {
+    if since < PATIENCE {
+        ui.label(text);
+    } else {
+        ui.label(format!("No reading has come yet. {hint}"));
     }
+}
+
+/// An estimate, large enough for a hall.
+fn large_ui(ui: &mut Ui, text: String, palette: &Palette) {
+    ui.label(RichText::new(text).size(LARGE).color(palette.text));
 }
 
 /// Two buttons; says which is clicked.

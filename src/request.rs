@@ -45,7 +45,7 @@ pub enum Request {
     ImportFile(Box<RawFile>),
     /// Choose another meaning of the columns of the record on screen.
     ChangeColumns,
-    /// Measure a free decay with the accelerometer of this device.
+    /// Measure a free decay with a sensor of this device.
     Measure,
     /// Edit the equation of the plant.
     EditEquation,

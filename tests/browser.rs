@@ -117,6 +117,22 @@ fn a_phone_keeps_its_plots_in_sight() {
 }
 
 #[test]
+fn a_phone_hears_what_rings() {
+    let pictures = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/browser");
+    fs::create_dir_all(&pictures).unwrap();
+    let address = served().page();
+    let driver = Driver::start();
+    let sound = format!("--use-file-for-fake-audio-capture={}", measure::fork(&pictures).display());
+    let hears = ["--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream", &sound];
+    runtime().block_on(async {
+        let page = driver.open_with(&hears).await;
+        phone::opens(&page, &address).await;
+        measure::a_ring_is_identified(&page, &pictures.join("phone-ring.png")).await;
+        reports_no_problems(&page, &address).await;
+    });
+}
+
+#[test]
 fn maps_are_computed_by_web_gpu() {
     let address = served().page();
     let driver = Driver::start();
@@ -183,6 +199,29 @@ fn large_imports_in_workers() {
             let driver = Driver::start();
             let page = prepared(&driver, [frames::STOPWATCH, script]).await;
             import::time_of_an_import(&page, &address, &driver.downloads(), name).await;
+        }
+    });
+}
+
+/// `cargo test --test browser -- --ignored --nocapture`: frames a second on a slow phone while it measures.
+#[test]
+#[ignore = "a measurement, which wants the machine for itself"]
+fn frames_while_a_phone_measures() {
+    let address = served().page();
+    runtime().block_on(async {
+        for rate in [60, 400] {
+            let driver = Driver::start();
+            let page = driver.open().await;
+            page.prepare(frames::STOPWATCH).await;
+            phone::opens(&page, &address).await;
+            page.throttle(4.0).await;
+            measure::stream(&page, rate).await;
+            let wait = tokio::time::sleep(Duration::from_secs(20));
+            let frames::Frames { per_second, page: own, longest, .. } =
+                frames::during(&page, driver.process(), wait).await;
+            println!(
+                "{rate} readings a second: {per_second:.1} frames a second, {own:.1} ms each, {longest:.1} ms at most"
+            );
         }
     });
 }

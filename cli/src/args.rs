@@ -86,7 +86,8 @@ pub(crate) struct LessonArgs {
 pub(crate) struct StreamArgs {
     /// The scenario, a TOML file; its force and its truth do not matter
     pub(crate) scenario: PathBuf,
-    /// Where lines come from: a file, `tcp://HOST:PORT` to connect to, `udp://HOST:PORT` to listen at, `-` for standard input.
+    /// Where lines come from: a file, `tcp://HOST:PORT` or `ws://HOST:PORT` to connect to, `udp://HOST:PORT` to listen at,
+    /// `serial:/dev/ttyUSB0?baud=115200`, `-` for standard input.
     /// A line is a row of numbers under a header such as `t,force,displacement`, or a JSON object such as
     /// {"t": 0.01, "displacement": 0.002}. It has what is new: cells may be empty, and sensors may have clocks of their own
     #[arg(default_value = "-")]
@@ -97,6 +98,9 @@ pub(crate) struct StreamArgs {
     /// Write JSON objects, one a line, in place of a table
     #[arg(long)]
     pub(crate) json: bool,
+    /// Send JSON objects to all who connect to a WebSocket here too; `:9000` is a port that only this machine reaches
+    #[arg(long, value_name = "ADDRESS")]
+    pub(crate) ws: Option<String>,
 }
 
 fn seconds(text: &str) -> Result<f64, String> {

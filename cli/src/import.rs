@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use kalmanscope_core::import::{
-    self, Builder, ColumnGuess, ImportError, MappedColumn, Mapping, Table, ThreeAxes, Time,
+    self, Builder, ColumnGuess, ImportError, MappedColumn, Mapping, Ring, Table, ThreeAxes, Time,
 };
 use kalmanscope_core::scenario::shown;
 use kalmanscope_core::suggest::{scenario_for, suggest};
@@ -86,14 +86,19 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
         let all = mapping.input.iter_mut().chain(mapping.sensors.values_mut());
         all.for_each(|mapped| mapped.missing = *missing);
     }
-    (mapping.from, mapping.to, mapping.every, mapping.interpolate) = (*from, *to, *every, *interpolate);
-    mapping.band = band.as_ref().and_then(|band| band.as_slice().try_into().ok());
+    let is_said = from.is_some() || to.is_some() || *every != 1 || band.is_some();
+    let remark = Ring::remark(&table).filter(|_| !is_said);
+    if remark.is_none() {
+        (mapping.from, mapping.to, mapping.every) = (*from, *to, *every);
+        mapping.band = band.as_ref().and_then(|band| band.as_slice().try_into().ok());
+    }
+    mapping.interpolate = *interpolate;
     let imported = Builder::new(&table, &mapping, kind, Hold::First).and_then(Builder::finish).map_err(bad)?;
     drop(progress);
     for guess in &guesses {
         eprintln!("{}", shown(&meaning(guess, &mapping, args)));
     }
-    imported.remarks.iter().for_each(|remark| say(remark));
+    remark.iter().chain(&imported.remarks).for_each(|remark| say(remark));
     if let Some(sensor) = imported.still {
         return Err(bad(ImportError::Still { sensor: sensor.name() }));
     }
@@ -108,7 +113,7 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
     suggestion.scenario.validate().map_err(unsound)?;
     let toml = suggestion.scenario.to_toml().map_err(|error| InputError::Scenario { file: file.clone(), error })?;
     let mut text = format!("# {}\n", table.form);
-    for remark in imported.remarks.iter().chain(&suggestion.reasons) {
+    for remark in remark.iter().chain(&imported.remarks).chain(&suggestion.reasons) {
         text.push_str(&shown(&format!("# {remark}\n")));
     }
     text.push_str(&toml);

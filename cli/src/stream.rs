@@ -1,7 +1,6 @@
 //! The command `kalmanscope-cli stream`: readings come in, estimates go out, line by line.
 
 mod line;
-mod source;
 mod watch;
 mod writer;
 
@@ -9,6 +8,7 @@ use std::io;
 use std::path::Path;
 
 use kalmanscope_core::{EventError, EventFilter, Pass, RunError, Scenario};
+use kalmanscope_sources::{Broadcast, open, read_line};
 
 use crate::args::StreamArgs;
 use crate::input::{InputError, is_standard_input};
@@ -33,16 +33,25 @@ struct Followed {
 /// Reads lines until there are no more, and writes the estimates at the newest time after each, flushed. What is refused is
 /// said on standard error. Returns whether a filter is left that has not stopped.
 pub(crate) fn stream(args: &StreamArgs) -> Result<bool, InputError> {
-    let StreamArgs { scenario: file, source, late, json } = args;
+    let StreamArgs { scenario: file, source, late, json, ws } = args;
     let both = [places("SCENARIO", [file]), places("SOURCE", [source])].concat();
     check(&both.into_iter().filter(|(_, file)| is_standard_input(file)).collect(), &Vec::new())?;
     let scenario = read_scenario(file, false)?;
     let mut filters = followed(file, &scenario, *late)?;
     let unread = |error: io::Error| InputError::Read { file: source.clone(), error };
     let written = |error: io::Error| InputError::Output { file: "-".into(), reason: error.to_string() };
-    let mut input = source::open(source).map_err(unread)?;
+    let mut input = open(&source.to_string_lossy()).map_err(unread)?;
     let mut lines = Lines::new(&scenario);
-    let mut writer = Writer::new(io::stdout().lock(), *json);
+    let broadcast = match ws {
+        Some(address) => {
+            let unheard = |error: io::Error| InputError::Output { file: address.into(), reason: error.to_string() };
+            let broadcast = Broadcast::at(address).map_err(unheard)?;
+            say(&format_args!("estimates at ws://{}", broadcast.address()));
+            Some(broadcast)
+        }
+        None => None,
+    };
+    let mut writer = Writer::new(io::stdout().lock(), *json, broadcast);
     let names: Vec<_> = filters.iter().map(|one| (one.name.as_str(), one.filter.channels())).collect();
     if !writer.begin(&names).map_err(written)? {
         return Ok(true);
@@ -54,7 +63,7 @@ pub(crate) fn stream(args: &StreamArgs) -> Result<bool, InputError> {
             say(&format_args!("line {number}: {reason}; it is left out"));
         }
     };
-    while source::read_line(&mut input, &mut bytes).map_err(unread)? {
+    while read_line(&mut input, &mut bytes).map_err(unread)? {
         number += 1;
         let told = match lines.read(&bytes) {
             Ok(Some(told)) => told,

@@ -6,6 +6,7 @@ pub mod channel;
 pub(crate) mod engine;
 pub mod equation;
 pub mod filter;
+pub(crate) mod fourier;
 pub(crate) mod gaussian_likelihood;
 pub(crate) mod integrate;
 pub(crate) mod kernel;

@@ -2,7 +2,6 @@
 
 pub(crate) mod cramer_rao;
 pub mod diagnostics;
-pub(crate) mod fourier;
 pub mod free_run;
 pub mod frequency_response;
 pub mod score;

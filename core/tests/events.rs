@@ -245,7 +245,7 @@ fn random_messages_end_no_program_and_memory_stays() {
     let mut random = Random::new(7);
     let mut events = EventFilter::new(&scenario, 0).expect("it follows events");
     let (mut time, mut taken, mut refused) = (0.0, 0_u32, 0_u32);
-    for k in 0..20_000_u32 {
+    for k in 0..1_000_000_u32 {
         time += 0.002 + (0.01 * random.normal()).max(-0.02);
         let odd = |every: u32, value: f64, usual: f64| if k % every == every - 1 { value } else { usual };
         let at = odd(97, f64::NAN, odd(1009, time + 1e7, odd(53, time - 2.0, time)));
@@ -264,5 +264,25 @@ fn random_messages_end_no_program_and_memory_stays() {
             Err(_) => refused += 1,
         }
     }
-    assert!(taken > 12_000 && refused > 1000, "{taken} {refused}");
+    assert!(taken > 600_000 && refused > 50_000, "{taken} {refused}");
+}
+
+/// A day of a hundred readings a second, some of them late.
+#[test]
+fn a_day_takes_no_more_memory_than_a_minute() {
+    let scenario = scenario(FilterKind::EKF, Hold::Zero);
+    let mut events = EventFilter::new(&scenario, 0).expect("it follows events");
+    let mut random = Random::new(3);
+    let mut follow = |from: u32, until: u32| {
+        for k in from..until {
+            let late = if k % 31 == 30 { 0.035 } else { 0.0 };
+            let time = 0.01 * f64::from(k) - late;
+            // At resonance: ωₙ = 6 rad/s, ζ = 0.05.
+            let (sin, cos) = (6.0 * time).sin_cos();
+            events.take(time, 0.36 * cos, &[0.1 * sin + 0.01 * random.normal(), NONE]).expect("it is taken");
+        }
+    };
+    follow(0, 6000);
+    let used = allocation_counter::measure(|| follow(6000, 8_640_000));
+    assert!(used.bytes_current < 10_000 && used.bytes_max < 100_000, "{used:?}");
 }

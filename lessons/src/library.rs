@@ -38,6 +38,7 @@ pub const LESSONS: &[(&str, &str)] = files!["lessons":
     "26-fading-against-random-walk",
     "27-how-much-is-luck",
     "28-jump-in-place-of-fading",
+    "29-decay-by-hand",
 ];
 
 /// Every lesson in the menu's order. They are not validated, which takes longer than reading: a test has done it.

@@ -9,7 +9,6 @@ use crate::equation::Editor;
 use crate::export_menu;
 use crate::finder::Finder;
 use crate::layout::Layout;
-use crate::measure::Measure;
 use crate::plot::time_axis::TimeAxis;
 use crate::request::{Request, ViewKind};
 use crate::text::sentence;
@@ -48,7 +47,7 @@ impl App {
             Request::ImportFile(file) => self.import(*file),
             Request::ChangeColumns => self.change_columns(),
             // A page that embeds this one shows plots only.
-            Request::Measure => self.measure = self.accelerometer.is_some().then(Measure::new),
+            Request::Measure => self.measure(),
             Request::EditEquation if self.embedded => {}
             Request::EditEquation => self.editor = Some(Editor::new(session.scenario(), ctx.pointer_latest_pos())),
             Request::HoldOut => self.hold_out(),

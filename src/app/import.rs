@@ -9,10 +9,11 @@ use super::App;
 use crate::controls::number;
 use crate::import::{Import, Opened};
 use crate::layout::Layout;
-use crate::motion::Accelerometer;
+use crate::measure::Measure;
 use crate::notice::Notice;
 use crate::plot::time_axis::TimeAxis;
 use crate::request::{RawFile, ViewKind};
+use crate::sensor::Sensors;
 use crate::session::{Mode, RecordFile, name_of};
 use crate::shelf::{Candidate, Shelf};
 use crate::text::sentence;
@@ -40,16 +41,20 @@ impl App {
         self
     }
 
-    /// The explorer on a device with an accelerometer.
+    /// The explorer on a device with sensors.
     #[must_use]
-    pub fn measuring_with(self, accelerometer: Box<dyn Accelerometer>) -> Self {
-        Self { accelerometer: Some(accelerometer), ..self }
+    pub fn measuring_with(self, sensors: Sensors) -> Self {
+        Self { sensors, ..self }
+    }
+
+    /// Opens the window of a measurement, if there are sensors.
+    pub fn measure(&mut self) {
+        self.measure = Measure::new(&self.sensors);
     }
 
     /// Shows the window of a measurement with this device.
     pub(super) fn measure_ui(&mut self, ctx: &Context, palette: &Palette) {
-        let (Some(device), Some(measure)) = (&self.accelerometer, &mut self.measure) else { return };
-        if !measure.ui(ctx, &**device, palette, &mut self.requests) {
+        if self.measure.as_mut().is_some_and(|measure| !measure.ui(ctx, palette, &mut self.requests)) {
             self.measure = None;
         }
     }

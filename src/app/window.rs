@@ -51,10 +51,10 @@ impl App {
         let ground = if self.cleared { Color32::TRANSPARENT } else { palette.ground };
         let frame = Frame::new().fill(ground).inner_margin(Margin::symmetric(10, 6));
         let extent = self.transport(narrow);
-        let Self { session, layout, catalogue, presenting, embedded, requests, history, accelerometer, .. } = self;
+        let Self { session, layout, catalogue, presenting, embedded, requests, history, sensors, .. } = self;
         let history = (history.has_undo(session.scenario()), history.has_redo(session.scenario()));
         let (presenting, embedded) = (*presenting, *embedded);
-        let measures = accelerometer.is_some();
+        let measures = !sensors.is_empty();
         let bar = Bar { session, layout, catalogue, controls: open, presenting, narrow, history, measures };
         if !embedded && (!presenting || is_bar_wanted(ui.ctx())) {
             Panel::top("bar").frame(frame).show(ui, |ui| bar.ui(ui, requests));

@@ -9,7 +9,7 @@ use super::conditioning::{conditioning_ui, meaning_ui};
 use super::{Draft, Import, Opened, Stage};
 use crate::probe;
 use crate::request::{RawFile, Request};
-use crate::text::significant;
+use crate::text::{sentence, significant};
 use crate::theme::Palette;
 
 /// The choice of the user in this frame.
@@ -142,6 +142,9 @@ impl Draft {
         });
         if let Some(choice) = decay_ui(ui, table) {
             return Some(choice);
+        }
+        if let Some(remark) = &self.remark {
+            ui.label(format!("{}.", sentence(remark)));
         }
         ui.add_space(4.0);
         columns_ui(ui, self, palette);

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use kalmanscope_core::import::{Builder, Imported, MappedColumn, Mapping, Time};
+use kalmanscope_core::import::{Builder, Imported, MappedColumn, Mapping, Ring, Time};
 use kalmanscope_core::suggest::scenario_for;
 use kalmanscope_core::{Hold, InputKind, PlantKind, Quantity, Scenario};
 
@@ -24,6 +24,8 @@ pub struct Draft {
     pub plant: PlantKind,
     /// Whether start values are made from the data.
     pub suggest: bool,
+    /// What is said of a sound.
+    pub(super) remark: Option<String>,
     /// The scenario that goes on with another meaning of the columns, if there is one.
     base: Option<Scenario>,
     pub(super) sparks: Vec<Spark>,
@@ -56,6 +58,7 @@ impl Draft {
         mapping.hash.clone_from(&file.hash);
         let sparks = file.table.columns.iter().map(|column| Spark::new(&column.values)).collect();
         let (hold, plant) = (Hold::First, PlantKind::SDOF);
+        let remark = Ring::remark(&file.table);
         Self {
             file,
             mapping,
@@ -63,6 +66,7 @@ impl Draft {
             hold,
             plant,
             suggest: true,
+            remark,
             base: None,
             sparks,
             outcome: None,

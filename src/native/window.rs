@@ -1,23 +1,37 @@
 //! The window of the desktop program.
 
 use std::path::PathBuf;
+use std::rc::Rc;
 
 use eframe::NativeOptions;
 use egui::{IconData, ViewportBuilder};
 use kalmanscope::App;
 use kalmanscope::drop;
 use kalmanscope::export::folder;
+use kalmanscope::sensor::{Sensor, Sensors};
 use kalmanscope_gpu::Software;
 
 use super::desktop::{Desktop, Memory, Start};
+use super::listen::Listened;
 use super::slot::Slot;
 use super::{file_dialog, team};
 
 /// The name of the program among the system's, and of the folder of its state.
 const ID: &str = "kalmanscope";
 
-/// Opens the window, with an address or a file if there is one, and stays until it is closed.
-pub(super) fn open(address: Option<String>, file: Option<PathBuf>) -> eframe::Result {
+/// What the window begins with.
+#[derive(Default)]
+pub(super) struct Beginning {
+    /// An address that is opened.
+    pub(super) address: Option<String>,
+    /// A file that is opened.
+    pub(super) file: Option<PathBuf>,
+    /// The source of an accelerometer's lines.
+    pub(super) source: Option<String>,
+}
+
+/// Opens the window, and stays until it is closed.
+pub(super) fn open(Beginning { address, file, source }: Beginning) -> eframe::Result {
     let viewport = ViewportBuilder::default()
         .with_title("Kalmanscope")
         .with_app_id(ID)
@@ -37,6 +51,11 @@ pub(super) fn open(address: Option<String>, file: Option<PathBuf>) -> eframe::Re
             }
             if let Some(path) = file {
                 app.open_file(&drop::file_name(&path), drop::read_path(&path));
+            }
+            if let Some(source) = source {
+                let accelerometer: Rc<dyn Sensor<_>> = Rc::new(Listened::new(&source));
+                app = app.measuring_with(Sensors { accelerometer: Some(accelerometer), microphone: None });
+                app.measure();
             }
             Ok(app)
         });

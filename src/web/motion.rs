@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::rc::Rc;
 
 use egui::{Context, pos2};
-use kalmanscope::motion::{Accelerometer, Readings};
+use kalmanscope::sensor::{Acceleration, Readings, Sensor};
 use wasm_bindgen::JsCast as _;
 use wasm_bindgen::prelude::*;
 use wasm_bindgen_futures::JsFuture;
@@ -60,8 +60,8 @@ fn ask() -> Option<js_sys::Promise> {
     question.call0(&kind).ok()?.dyn_into().ok()
 }
 
-impl Accelerometer for Motion {
-    fn begin(&self, ctx: &Context, to: &Readings) {
+impl Sensor<Acceleration> for Motion {
+    fn begin(&self, ctx: &Context, to: &Readings<Acceleration>) {
         self.end();
         let Some(window) = web_sys::window() else { return };
         if !window.is_secure_context() {
@@ -85,16 +85,20 @@ impl Accelerometer for Motion {
             window.remove_event_listener_with_callback("devicemotion", listener.as_ref().unchecked_ref()).ok();
         }
     }
+
+    fn hint(&self) -> String {
+        "Computers have no accelerometer; a phone has one, and the browser may ask for permission.".to_owned()
+    }
 }
 
 /// Listens to the motion events of a window.
-fn listen(window: &Window, shared: &Shared, ctx: &Context, to: &Readings) {
+fn listen(window: &Window, shared: &Shared, ctx: &Context, to: &Readings<Acceleration>) {
     let (ctx, to) = (ctx.clone(), to.clone());
     let listener = Listener::new(move |event: DeviceMotionEvent| {
         let Some(told) = event.acceleration_including_gravity() else { return };
         // A computer without the sensor tells events without numbers.
         if let (Some(x), Some(y), Some(z)) = (told.x(), told.y(), told.z()) {
-            to.put([0.001 * event.time_stamp(), x, y, z], &ctx);
+            to.put(&[[0.001 * event.time_stamp(), x, y, z]], &ctx);
         }
     });
     let added = window.add_event_listener_with_callback("devicemotion", listener.as_ref().unchecked_ref());

@@ -36,9 +36,14 @@ pub(crate) struct Frames {
 
 /// Drags a slider to and fro for about this time.
 pub(crate) async fn drag(page: &Page, browser: u32, name: &str, between: (f64, f64), duration: Duration) -> Frames {
+    during(page, browser, page.sweep(name, between, duration)).await
+}
+
+/// The cost of what a future does.
+pub(crate) async fn during(page: &Page, browser: u32, what: impl Future<Output = ()>) -> Frames {
     let before = (Moment::now(page).await, processor_times(browser));
     page.value("void (window.busy.longest = 0)").await;
-    page.sweep(name, between, duration).await;
+    what.await;
     let after = (Moment::now(page).await, processor_times(browser));
     let frames = after.0.frames - before.0.frames;
     let mut processes: Vec<(String, f64)> = Vec::new();

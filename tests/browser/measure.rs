@@ -1,7 +1,10 @@
-//! A phone measures a free decay with its accelerometer.
+//! A phone measures a free decay with its accelerometer and its microphone.
 
-use std::path::Path;
-use std::time::Duration;
+use std::f64::consts::TAU;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use kalmanscope_core::import::wav;
 
 use crate::page::Page;
 
@@ -32,23 +35,100 @@ pub(crate) async fn a_decay_is_identified(page: &Page, picture: &Path) {
     page.settle().await;
     std::fs::write(picture, page.screenshot().await).expect("a picture can be written");
     page.tap("Stop and identify").await;
+    let [frequency, damping] = identified(page).await;
+    assert!((frequency / 6.0 - 1.0).abs() < 0.002 && (damping / 0.01 - 1.0).abs() < 0.15, "{frequency} {damping}");
+    std::fs::write(picture.with_file_name("phone-measured.png"), page.screenshot().await)
+        .expect("a picture can be written");
+}
+
+/// Opens the record that was measured. Returns ωₙ and ζ of the first filter.
+async fn identified(page: &Page) -> [f64; 2] {
     let asks = "JSON.parse(wasmBindings.kalmanscope_summary()).controls.some(it => it.name === 'Open the record')";
     page.wait_until(asks, PATIENCE).await.expect("the record is read");
     tokio::time::sleep(Duration::from_secs(1)).await;
     page.tap("Open the record").await;
-    let measured = "(it => it.mode === 'whole' && it.samples > 1000 && it.samples < 1800)(JSON.parse(wasmBindings.kalmanscope_summary()))";
+    let measured = "(it => it.mode === 'whole' && it.samples > 1000)(JSON.parse(wasmBindings.kalmanscope_summary()))";
     page.wait_until(measured, PATIENCE).await.expect("the record is open");
     page.settle().await;
-    let summary = page.summary().await;
-    for filter in summary["filters"].as_array().expect("there are filters") {
-        let estimates = filter["estimates"].as_array().expect("they have estimates");
-        let of = |channel: &str| {
-            let one = estimates.iter().find(|it| it["channel"] == channel).expect("it is estimated");
-            one["mean"].as_f64().expect("it is a number")
-        };
-        assert!((of("natural_frequency") / 6.0 - 1.0).abs() < 0.002, "{summary}");
-        assert!((of("damping_ratio") / 0.01 - 1.0).abs() < 0.15, "{summary}");
+    // The filters go through it in the frames.
+    let begin = Instant::now();
+    let mut summary = page.summary().await;
+    loop {
+        tokio::time::sleep(Duration::from_millis(500)).await;
+        let later = page.summary().await;
+        if later["filters"] == summary["filters"] {
+            break;
+        }
+        assert!(begin.elapsed() < PATIENCE, "the filters come to no end");
+        summary = later;
     }
-    std::fs::write(picture.with_file_name("phone-measured.png"), page.screenshot().await)
+    ["natural_frequency", "damping_ratio"].map(|channel| {
+        let estimates = summary["filters"][0]["estimates"].as_array().expect("there are estimates");
+        let one = estimates.iter().find(|it| it["channel"] == channel).expect("it is estimated");
+        one["mean"].as_f64().expect("it is a number")
+    })
+}
+
+/// Motion events of a swing at some rate from now on, four at once.
+const STREAM: &str = "(rate => {
+    const begin = performance.now();
+    let k = 0;
+    setInterval(() => {
+        for (; k < rate * 1e-3 * (performance.now() - begin); k += 1) {
+            const t = k / rate;
+            const a = t < 2 ? 0 : 2 * Math.exp(-0.06 * (t - 2)) * Math.cos(6 * (t - 2));
+            const noise = n => 0.05 * Math.sin(12.9898 * (k + 1) * n);
+            const accelerationIncludingGravity = { x: 0.3 + 0.6 * a + noise(3), y: 9.7 + 0.8 * a + noise(5), z: noise(7) };
+            const event = new DeviceMotionEvent('devicemotion', { accelerationIncludingGravity, interval: 1000 / rate });
+            Object.defineProperty(event, 'timeStamp', { value: 1000 * t });
+            window.dispatchEvent(event);
+        }
+    }, 10);
+    return true;
+})";
+
+/// Begins to measure while so many readings come in a second, and waits until it swings.
+pub(crate) async fn stream(page: &Page, rate: u32) {
+    page.tap("Scenario").await;
+    page.tap("Measure with this device…").await;
+    page.tap("Begin to measure").await;
+    page.value(&format!("{STREAM}({rate})")).await;
+    tokio::time::sleep(Duration::from_secs(10)).await;
+}
+
+/// A sound for the browser's microphone: a fork of 440 Hz with a damping of 0.05 % and a second mode, struck after a second.
+pub(crate) fn fork(folder: &Path) -> PathBuf {
+    let noise = |n: u32| f64::from(n.wrapping_mul(2_654_435_761) >> 8) / f64::from(1 << 24) - 0.5;
+    let sample = |k: u32| {
+        let since = f64::from(k) / 48_000.0 - 1.0;
+        let mode = |hertz: f64, damping: f64| {
+            let w = TAU * hertz;
+            (-damping * w * since).exp() * (w * since).sin()
+        };
+        let rings = if since < 0.0 { 0.0 } else { 0.4 * mode(440.0, 5e-4) + 0.1 * mode(2756.0, 1e-3) };
+        (rings + 0.004 * noise(k)) as f32
+    };
+    let path = folder.join("fork.wav");
+    let bytes = wav(48_000, &(0..384_000).map(sample).collect::<Vec<f32>>()).expect("a sound");
+    std::fs::write(&path, bytes).expect("it can be written");
+    path
+}
+
+/// Listens to what the browser's microphone tells, and finds the parameters of the fork.
+pub(crate) async fn a_ring_is_identified(page: &Page, picture: &Path) {
+    page.tap("Scenario").await;
+    page.tap("Measure with this device…").await;
+    page.tap("It rings").await;
+    page.tap("Begin to listen").await;
+    tokio::time::sleep(Duration::from_secs(8)).await;
+    page.settle().await;
+    std::fs::write(picture, page.screenshot().await).expect("a picture can be written");
+    page.tap("Stop and identify").await;
+    let [frequency, damping] = identified(page).await;
+    std::fs::write(picture.with_file_name("phone-heard.png"), page.screenshot().await)
         .expect("a picture can be written");
+    assert!(
+        (frequency / TAU / 440.0 - 1.0).abs() < 0.002 && (damping / 5e-4 - 1.0).abs() < 0.15,
+        "{frequency} {damping}"
+    );
 }

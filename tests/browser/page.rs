@@ -207,6 +207,12 @@ impl Page {
         self.post("goog/cdp/execute", json!({ "cmd": "Emulation.setEmulatedMedia", "params": params })).await;
     }
 
+    /// Makes the page's processor so many times slower.
+    pub(crate) async fn throttle(&self, times: f64) {
+        let params = json!({ "rate": times });
+        self.post("goog/cdp/execute", json!({ "cmd": "Emulation.setCPUThrottlingRate", "params": params })).await;
+    }
+
     /// Makes the network as slow as this: bits per second, and the time to an answer.
     pub(crate) async fn network(&self, slow: Option<(f64, Duration)>) {
         let (bytes, latency) = slow.map_or((-1.0, 0), |(bits, latency)| (bits / 8.0, latency.as_millis()));

@@ -9,7 +9,7 @@ const CORE: &[&[&str]] = &[&["mathematics"], &["data"], &["samples"], &["numbers
 /// The modules of `src`, from the lowest floor on.
 const EXPLORER: &[&[&str]] = &[
     // What every part of a screen needs, and which knows no run.
-    &["focus", "hover", "inbox", "menu", "motion", "ruler", "spark", "steady", "text", "theme", "verdict"],
+    &["focus", "hover", "inbox", "menu", "ruler", "sensor", "spark", "steady", "text", "theme", "verdict"],
     // What is on screen, as data: the run, the laboratory, the places of views, requests.
     &[
         "comparison",

@@ -1,40 +1,55 @@
-//! A free decay that this device measures, from the tap to the parameters.
+//! A free decay that this device measures or hears, from the tap to the parameters.
 
 use std::cell::RefCell;
+use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::rc::Rc;
 
-use kalmanscope::motion::{Accelerometer, Readings};
+use kalmanscope::sensor::{Acceleration, Reading as _, Readings, Sensor, Sensors, Sound};
 
 use super::files::drop_file;
 use super::*;
 
 /// A device that is played by the test.
-#[derive(Clone, Default)]
-struct Device(Rc<RefCell<Option<Readings>>>);
+struct Device<T>(RefCell<Option<Readings<T>>>);
 
-impl Accelerometer for Device {
-    fn begin(&self, _: &egui::Context, to: &Readings) {
+impl<T> Device<T> {
+    fn new() -> Rc<Self> {
+        Rc::new(Self(RefCell::default()))
+    }
+}
+
+impl<T> Sensor<T> for Device<T> {
+    fn begin(&self, _: &egui::Context, to: &Readings<T>) {
         *self.0.borrow_mut() = Some(to.clone());
     }
 
     fn end(&self) {
         *self.0.borrow_mut() = None;
     }
+
+    fn hint(&self) -> String {
+        "Nothing is there.".to_owned()
+    }
 }
 
-fn measuring(size: Vec2) -> (Screen, Device) {
-    let device = Device::default();
-    let own = device.clone();
+fn measuring(size: Vec2) -> (Screen, Rc<Device<Acceleration>>) {
+    let device = Device::new();
+    let sensors = Sensors { accelerometer: Some(Rc::clone(&device) as Rc<_>), microphone: None };
+    (with_sensors(size, sensors), device)
+}
+
+/// A screen with the window of a measurement.
+fn with_sensors(size: Vec2, sensors: Sensors) -> Screen {
     let mut screen = Harness::builder().with_size(size).with_theme(Theme::Light).with_step_dt(1.0 / 60.0).build_eframe(
-        move |creation| App::new(creation).expect("the default scenario can be run").measuring_with(Box::new(own)),
+        move |creation| App::new(creation).expect("the default scenario can be run").measuring_with(sensors),
     );
     screen.state_mut().session_mut().set_budget(Budget::Unlimited);
     screen.run_steps(3);
     click(&mut screen, "Scenario");
     click(&mut screen, "Measure with this device…");
     screen.run_steps(3);
-    (screen, device)
+    screen
 }
 
 /// A swing of 6 rad/s with 1 % damping beside gravity, after two seconds of rest, 60 readings a second with jitter.
@@ -53,7 +68,7 @@ fn a_decay_is_measured_and_identified() {
         click(&mut screen, "Begin to measure");
         let readings = device.0.borrow().clone().expect("it has begun");
         for k in 0..1800 {
-            assert!(readings.put(swing(k), &screen.ctx));
+            assert!(readings.put(&[swing(k)], &screen.ctx));
         }
         screen.run_steps(4);
         screen.get_by_label_contains("60.0 readings a second");
@@ -74,12 +89,90 @@ fn a_decay_is_measured_and_identified() {
     }
 }
 
+/// A thing that rings at 523 Hz with a damping of 0.06 % after a second of silence, and a second mode.
+fn ring() -> Vec<Sound> {
+    let noise = |n: u32| f64::from(n.wrapping_mul(2_654_435_761) >> 8) / f64::from(1 << 24) - 0.5;
+    let mode = |t: f64, hertz: f64, damping: f64| {
+        let w = TAU * hertz;
+        (-damping * w * t).exp() * (w * t).sin()
+    };
+    let sample = |k: u32| {
+        let since = f64::from(k) / 48_000.0 - 1.0;
+        let rings = if since < 0.0 { 0.0 } else { 0.3 * mode(since, 523.0, 6e-4) + 0.1 * mode(since, 3100.0, 1e-3) };
+        (rings + 0.002 * noise(k)) as Sound
+    };
+    (0..240_000).map(sample).collect()
+}
+
+#[test]
+fn a_ring_is_heard_and_identified() {
+    for size in [PHONE, DESKTOP] {
+        let device = Device::new();
+        let sensors = Sensors {
+            accelerometer: Some(Device::new() as Rc<dyn Sensor<Acceleration>>),
+            microphone: Some(Rc::clone(&device) as Rc<_>),
+        };
+        let mut screen = with_sensors(size, sensors);
+        click(&mut screen, "It rings");
+        click(&mut screen, "Begin to listen");
+        screen.get_by_label("Waiting for the microphone …");
+        let readings = device.0.borrow().clone().expect("it has begun");
+        readings.set_rate(48_000.0);
+        for some in ring().chunks(24_000) {
+            assert!(readings.put(some, &screen.ctx));
+            screen.run_steps(2);
+        }
+        screen.get_by_label("523.0 Hz");
+        screen.get_by_label_contains("48000 samples a second");
+        click(&mut screen, "Stop and identify");
+        assert!(device.0.borrow().is_none(), "it has stopped");
+        screen.run_steps(30);
+        screen.get_by_label_contains("A sound that rings at 523.0 Hz");
+        click(&mut screen, "Open the record");
+        screen.run_steps(60);
+        let session = screen.state().session();
+        assert!(session.is_measured());
+        let estimates = &session.run().estimates()[0];
+        let last = estimates.len() - 1;
+        let of = |channel| estimates.canonical_mean(last, estimates.place(channel).expect("it is estimated"));
+        let (frequency, damping) = (of(Channel::NATURAL_FREQUENCY) / TAU, of(Channel::DAMPING_RATIO));
+        assert!(
+            (frequency / 523.0 - 1.0).abs() < 0.002 && (damping / 6e-4 - 1.0).abs() < 0.15,
+            "{frequency} {damping}"
+        );
+    }
+}
+
+#[test]
+fn silence_has_no_ring_and_is_said_to_have_none() {
+    let device = Device::new();
+    let sensors = Sensors { accelerometer: None, microphone: Some(Rc::clone(&device) as Rc<_>) };
+    let mut screen = with_sensors(PHONE, sensors);
+    click(&mut screen, "Begin to listen");
+    let readings = device.0.borrow().clone().expect("it has begun");
+    readings.set_rate(44_100.0);
+    readings.put(&vec![0.0; 200_000], &screen.ctx);
+    screen.run_steps(3);
+    click(&mut screen, "Stop and identify");
+    screen.get_by_label_contains("Nothing rings in it");
+    click(&mut screen, "Again");
+    screen.get_by_label("Begin to listen");
+    click(&mut screen, "Begin to listen");
+    let readings = device.0.borrow().clone().expect("it has begun again");
+    readings.set_rate(48_000.0);
+    let minute = vec![1.0; Sound::MOST];
+    assert!(readings.put(&minute, &screen.ctx) && !readings.put(&minute[..5], &screen.ctx));
+    screen.run_steps(2);
+    screen.get_by_label_contains("It is full.");
+    screen.get_by_label_contains("It is too loud");
+}
+
 #[test]
 fn what_cannot_be_measured_is_said() {
     let (mut screen, device) = measuring(PHONE);
     click(&mut screen, "Begin to measure");
     screen.run_steps(260);
-    screen.get_by_label_contains("No reading has come yet.");
+    screen.get_by_label_contains("No reading has come yet. Nothing is there.");
     device.0.borrow().clone().expect("it has begun").refuse("It was not allowed".to_owned(), &screen.ctx);
     screen.run_steps(3);
     screen.get_by_label("It was not allowed.");
@@ -88,7 +181,7 @@ fn what_cannot_be_measured_is_said() {
     let readings = device.0.borrow().clone().expect("it has begun again");
     for k in 0..600 {
         let [t, ..] = swing(k);
-        readings.put([t, 0.0, 9.81, 0.01 * f64::from(k as u32 % 2)], &screen.ctx);
+        readings.put(&[[t, 0.0, 9.81, 0.01 * f64::from(k as u32 % 2)]], &screen.ctx);
     }
     screen.run_steps(3);
     click(&mut screen, "Stop and identify");

@@ -17,7 +17,7 @@ pub(super) struct Told {
 /// The reason why a line tells nothing.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub(super) enum BadLine {
-    #[error("it is longer than {} bytes", super::source::LONGEST)]
+    #[error("it is longer than {} bytes", kalmanscope_sources::LONGEST)]
     TooLong,
     #[error("it is not text")]
     NoText,
@@ -64,7 +64,7 @@ impl Lines {
 
     /// What a line tells; `None` for an empty line, a comment and a header.
     pub(super) fn read(&mut self, bytes: &[u8]) -> Result<Option<Told>, BadLine> {
-        if bytes.len() > super::source::LONGEST {
+        if bytes.len() > kalmanscope_sources::LONGEST {
             return Err(BadLine::TooLong);
         }
         let text = std::str::from_utf8(bytes).map_err(|_| BadLine::NoText)?.trim().trim_start_matches('\u{feff}');

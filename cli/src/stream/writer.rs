@@ -4,13 +4,15 @@ use std::io::{self, Write};
 
 use kalmanscope_cli::harmless;
 use kalmanscope_core::{Channel, Document, EventFilter};
+use kalmanscope_sources::Broadcast;
 
 use super::watch::Watch;
 
-/// Writes lines, each flushed. A closed pipe is the end and no error.
+/// Writes lines, each flushed, and sends them as JSON to all who listen at a WebSocket. A closed pipe is the end and no error.
 pub(super) struct Writer<W> {
     output: W,
     json: bool,
+    broadcast: Option<Broadcast>,
     names: Vec<String>,
     line: String,
 }
@@ -19,8 +21,8 @@ pub(super) struct Writer<W> {
 const LAST: [&str; 3] = ["nis", "again", "verdict"];
 
 impl<W: Write> Writer<W> {
-    pub(super) fn new(output: W, json: bool) -> Self {
-        Self { output, json, names: Vec::new(), line: String::new() }
+    pub(super) fn new(output: W, json: bool, broadcast: Option<Broadcast>) -> Self {
+        Self { output, json, broadcast, names: Vec::new(), line: String::new() }
     }
 
     /// Writes the header of a table for these filters with their channels. Returns whether anybody reads it.
@@ -47,11 +49,17 @@ impl<W: Write> Writer<W> {
         let time = filters.iter().filter(|(_, _, stopped)| !stopped).find_map(|(filter, ..)| filter.time());
         let time = time.unwrap_or(f64::NAN);
         self.line.clear();
-        if self.json {
+        if self.json || self.broadcast.is_some() {
             let each = self.names.iter().zip(&filters).map(|(name, one)| (name.clone(), in_json(one)));
             let entries = std::iter::once(("t".to_owned(), number(time))).chain(each);
-            self.line = Document::json(&Document::of_entries(entries)).map_err(io::Error::other)?;
-            return self.flush();
+            let object = Document::json(&Document::of_entries(entries)).map_err(io::Error::other)?;
+            if let Some(broadcast) = &mut self.broadcast {
+                broadcast.send(&object);
+            }
+            if self.json {
+                self.line = object;
+                return self.flush();
+            }
         }
         self.line.push_str(&cell(time));
         for (filter, watch, stopped) in &filters {

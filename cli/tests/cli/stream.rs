@@ -112,3 +112,42 @@ fn filters_that_count_samples_are_left_out_in_words() {
     let (code, _, error) = ended(stream().arg(&path).arg(folder.path().join("missing.csv")));
     assert!(error.contains("missing.csv") && code == Some(2), "{error}");
 }
+
+#[test]
+fn estimates_go_to_a_web_socket() {
+    let folder = folder();
+    let sample = file(&folder, "sample.toml", SAMPLE);
+    let mut child = stream()
+        .arg(&sample)
+        .args(["--ws", ":0"])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut to = child.stdin.take().unwrap();
+    let mut said = String::new();
+    BufReader::new(child.stderr.take().unwrap()).read_line(&mut said).unwrap();
+    let address = said.trim_end().strip_prefix("estimates at ").unwrap_or_else(|| panic!("{said}")).to_owned();
+    assert!(address.starts_with("ws://127.0.0.1:"), "{said}");
+    let heard = std::thread::spawn(move || {
+        let mut source = kalmanscope_sources::open(&address).unwrap();
+        let mut line = Vec::new();
+        assert!(kalmanscope_sources::read_line(&mut source, &mut line).unwrap());
+        String::from_utf8(line).unwrap()
+    });
+    writeln!(to, "t,displacement").unwrap();
+    for k in 0..2000 {
+        if heard.is_finished() {
+            break;
+        }
+        writeln!(to, "{},0.001", 0.01 * f64::from(k)).unwrap();
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    let object = Document::from_json(&heard.join().unwrap()).unwrap();
+    assert!(matches!(object.get("t"), Some(Document::Number(_) | Document::Integer(_))), "{object:?}");
+    drop(to);
+    assert!(child.wait().unwrap().success());
+    let (_, error, code) = fed(stream().arg(&sample).args(["--ws", "nowhere"]), "");
+    assert!(error.contains("nowhere") && code != Some(0), "{error}");
+}

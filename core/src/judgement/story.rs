@@ -39,6 +39,11 @@ pub struct Story {
 }
 
 impl Story {
+    /// An estimate with its band in some unit, to the digits that the band leaves: `429.2 ± 0.1 rad/s`.
+    pub fn estimate(mean: f64, band: f64, unit: &str) -> String {
+        number::with_band(mean, band, unit)
+    }
+
     /// The story of the part of a run that is done. Each filter has its diagnostics and, if there are enough samples, its
     /// diagnosis at the same place. Filters without diagnostics are left out.
     pub fn of(run: &Run, diagnostics: &[Diagnostics], diagnoses: &[Option<&Diagnosis>]) -> Self {

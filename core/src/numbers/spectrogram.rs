@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::numbers::fourier::Transform;
+use crate::mathematics::fourier::Transform;
 use crate::{Record, Task};
 
 /// Limits the length of a window.

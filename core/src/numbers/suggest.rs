@@ -28,7 +28,7 @@ use crate::{
 };
 
 use ambient::has_no_input;
-use decay::decay;
+use decay::{Decay, decay};
 use follow::first_alone;
 use gaps::Lost;
 use response::{Response, free_response, response};
@@ -71,6 +71,9 @@ pub fn scenario_for(record: &Record) -> Scenario {
     scenario
 }
 
+/// From this share on, all frequencies are let through.
+const WHOLE: f64 = 0.99;
+
 /// A free run is better if its error is at most this share of the other's.
 const BETTER: f64 = 0.8;
 
@@ -97,9 +100,9 @@ impl Suggestion {
     fn sensor_noise(&mut self, record: &Record, lost: Option<&Lost>) {
         for (place, sensor) in self.scenario.sensors.clone().into_iter().enumerate() {
             let Some(measured) = record.measured_quantity(sensor.measures) else { continue };
-            let Some(noise) =
-                Spectra::new(record, measured, spectra::SHORT, Gaps::Avoid).and_then(|spectra| spectra.noise())
-            else {
+            let mapping = self.scenario.record.as_ref();
+            let spectra = Spectra::new(record, measured, spectra::SHORT, Gaps::Avoid);
+            let Some(noise) = spectra.and_then(|spectra| spectra.noise(mapping)) else {
                 continue;
             };
             let (_, std) = moments(measured);
@@ -130,9 +133,10 @@ impl Suggestion {
             return false;
         }
         let Some((quantity, measured)) = motion_sensor(record) else { return false };
-        let band = self.scenario.record.as_ref().and_then(|mapping| mapping.band);
+        let mapping = self.scenario.record.as_ref();
+        let band = mapping.and_then(|mapping| mapping.band);
         let driven = response(record, quantity, measured, band);
-        let free = if driven.is_none() && has_no_input(record) { decay(record, measured, band) } else { None };
+        let free = if driven.is_none() && has_no_input(record) { decay(record, measured, mapping) } else { None };
         let decaying = free.map(|free| Response {
             natural_frequency: free.natural_frequency,
             damping_ratio: free.damping_ratio,
@@ -151,8 +155,37 @@ impl Suggestion {
         self.begin_at(record, quantity, &found, reason);
         if let Some(free) = &free {
             self.begin_as_large(quantity, free);
+            self.noise_beside(quantity, free, record.dt());
         }
         free.is_some_and(|free| free.is_all)
+    }
+
+    /// R from what a decay leaves, where that is noise: it uses every frequency. Behind a filter of the import it is what noise of
+    /// that density would be at all frequencies.
+    fn noise_beside(&mut self, quantity: Quantity, decay: &Decay, dt: f64) {
+        let place = self.scenario.sensors.iter().position(|sensor| sensor.measures == quantity);
+        let Some(place) = place.filter(|_| decay.is_all && decay.rest > 0.0) else { return };
+        let passed = self.scenario.record.as_ref().map_or([0.0, 1.0], |mapping| mapping.passed(dt));
+        let share = passed[1] - passed[0];
+        // Where a filter of the import has been, noise has colours, and its density about the decay counts.
+        let nearby = if share > WHOLE { 1.0 } else { decay.nearby.max(1.0) };
+        let noise = rounded(decay.rest * libm::sqrt(nearby / share));
+        self.scenario.sensors[place].noise_std = noise;
+        for filter in self.scenario.filters.iter_mut().filter(|filter| place < filter.sensor_std.len()) {
+            filter.sensor_std[place] = noise;
+        }
+        let (name, unit) = (quantity.name(), quantity.unit());
+        let begin = format!("R of the {name}:");
+        self.reasons.retain(|reason| !reason.starts_with(&begin));
+        let dense = if share > WHOLE {
+            String::new()
+        } else {
+            format!(
+                ", at the density that it has in the band; innovations have {:.0} % of its power, which moves no parameter",
+                100.0 * share / nearby
+            )
+        };
+        self.reasons.push(format!("{begin} {noise} {unit}, what the free decay leaves{dense}"));
     }
 
     /// Whether any filter has a natural frequency.
@@ -161,10 +194,15 @@ impl Suggestion {
         filters.iter().any(|filter| filter.model(plant.kind, *input).place(Channel::NATURAL_FREQUENCY).is_some())
     }
 
-    /// A prediction over a large part of a period is divided, unless it is exact.
+    /// A prediction over a large part of a period is divided. Local linearisation moves the mean of a linear plant exactly, but its
+    /// Jacobian takes the motion for constant over a step. A step of fourth order over an angle h turns by a share of h⁴ / 120 too
+    /// little, which must be small beside what the record tells of ωₙ. Source: Hairer, Nørsett and Wanner (1993), *Solving Ordinary
+    /// Differential Equations I*, section II.2 (the terms of the exponential that four stages lack).
     fn substeps(&mut self, record: &Record) {
         /// The angle by which an oscillator should turn at most in one step \[rad\].
         const MOST: f64 = 0.2;
+        /// A small share.
+        const SMALL: f64 = 0.03;
         let (kind, input) = (self.scenario.plant.kind, self.scenario.input);
         let mut most = 1;
         for filter in self.filters() {
@@ -175,8 +213,15 @@ impl Suggestion {
             let is_exact = model.is_linear()
                 && filter.kind.info().has_propagation
                 && filter.propagation == Propagation::LocalLinearisation;
-            let turn = filter.initial_mean[Channel::NATURAL_FREQUENCY].abs() * record.dt();
-            filter.substeps = if is_exact { 1 } else { libm::ceil(turn / MOST).clamp(1.0, 20.0) as usize };
+            let frequency = filter.initial_mean[Channel::NATURAL_FREQUENCY].abs();
+            let told = filter.initial_std[Channel::NATURAL_FREQUENCY] / (initial::LOOSE * frequency);
+            // A particle knows its parameters.
+            let knows_all =
+                filter.kind.is_sampled() || told == 0.0 && filter.process_std[Channel::NATURAL_FREQUENCY] == 0.0;
+            let is_precise = told > 0.0 && !is_exact;
+            let step = if is_precise { libm::sqrt(libm::sqrt(120.0 * SMALL * told)).min(MOST) } else { MOST };
+            let steps = libm::ceil(frequency * record.dt() / step).clamp(1.0, 40.0);
+            filter.substeps = if is_exact && knows_all { 1 } else { steps as usize };
             most = most.max(filter.substeps);
         }
         if most > 1 {

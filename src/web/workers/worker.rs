@@ -8,6 +8,8 @@ use wasm_bindgen::closure::Closure;
 use wasm_bindgen::{JsCast as _, JsValue};
 use web_sys::{Event, MessageEvent, WorkerOptions, WorkerType};
 
+use super::super::version::version;
+
 /// The program of a worker.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Program {
@@ -94,11 +96,9 @@ impl Drop for Worker {
     }
 }
 
-/// A worker that starts its program. The scripts' names have no hash, so the page's version is in each address.
+/// A worker that starts its program.
 fn start(program: Program) -> Result<web_sys::Worker, JsValue> {
-    let document = web_sys::window().and_then(|window| window.document());
-    let meta = document.and_then(|document| document.query_selector("meta[name=version]").ok().flatten());
-    let version = meta.and_then(|meta| meta.get_attribute("content")).unwrap_or_default();
+    let version = version();
     if program == Program::Graphics {
         return web_sys::Worker::new(&format!("./graphics-worker.js?v={version}"));
     }

@@ -84,14 +84,16 @@ impl<'a> Conditioning<'a> {
         values.drain(..part.start.min(values.len()));
     }
 
-    /// Band-pass, cut and decimation.
+    /// Band-pass, low-pass, cut, and fewer samples.
     fn condition(&self, values: &mut Vec<f64>) {
         if let Some([low, high]) = self.mapping.band {
             let dt = self.timing.dt;
             band_pass(values, low * dt, high * dt);
         }
+        // The low-pass before the cut, so that the record does not begin with its swing-in.
+        resample::anti_alias(values, self.mapping.every);
         self.cut(values);
-        resample::decimate(values, self.mapping.every);
+        resample::keep_every(values, self.mapping.every);
     }
 }
 

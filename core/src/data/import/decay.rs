@@ -12,8 +12,8 @@ use series::{even, main_axis, mean, middle, noise_of};
 ///
 /// Gravity, and whatever else is constant, is the mean of the decay under a Hann window and is taken away. The axis is that
 /// along which the readings vary most. The decay begins half a swing after the largest reading, when the hand is gone, and
-/// ends where the readings are noise, or before they grow again. Its readings are carried from their own times to equal steps
-/// by cubics through four of them: a phone's clock jitters, and a shift by a tenth of a step is as large as the noise.
+/// ends where the readings are noise, or before they grow again. Its readings are carried from their own times to equal steps: a
+/// phone's clock jitters, and a shift by a tenth of a step is as large as the noise.
 ///
 /// Source: Clough and Penzien (2003), *Dynamics of Structures*, section 2.6 (free vibration); Jolliffe (2002), *Principal
 /// Component Analysis*, chapter 1.
@@ -163,7 +163,7 @@ impl Decay {
         }
         let rest = middle(&along[begin..end]);
         let along: Vec<f64> = along[begin..end].iter().map(|x| x - rest).collect();
-        let (dt, acceleration) = even(&times[begin..end], &along);
+        let (dt, acceleration) = even(&times[begin..end], &along, noise);
         let times_of = (0..acceleration.len()).map(|k| dt * k as f64);
         let (times_of, gravity) = (times_of.collect(), gravity + rest);
         (Ok(Self { times: times_of, acceleration, axis, gravity, noise, begin: times[begin], rests }), others)

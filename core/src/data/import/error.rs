@@ -29,6 +29,12 @@ pub enum ImportError {
     /// It is a spreadsheet.
     #[error("this is a spreadsheet; save the sheet as CSV")]
     Spreadsheet,
+    /// It is a sound that cannot be read.
+    #[error("this sound cannot be read: {reason}; save it as WAV with whole numbers or floats")]
+    Sound {
+        /// The reason.
+        reason: String,
+    },
     /// No column has numbers.
     #[error("there is no column of numbers in {lines} line(s)")]
     NoNumbers {

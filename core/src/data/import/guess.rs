@@ -1,7 +1,7 @@
 //! A guess at the meaning of a file's columns.
 
 use super::unit::{Dimension, unit};
-use super::{Column, MappedColumn, Mapping, Table, Time};
+use super::{Column, MappedColumn, Mapping, Ring, Table, Time};
 use crate::{InputKind, Quantity};
 
 /// The meaning of a column, from its header.
@@ -21,7 +21,21 @@ const WORDS: [(&[&str], Role); 7] = [
     (&["acceleration", "accel", "acc", "beschl", "a", "ax", "ay", "az"], Role::Sensor(Quantity::ACCELERATION)),
     (&["velocity", "speed", "geschw", "vel", "v"], Role::Sensor(Quantity::VELOCITY)),
     (
-        &["displacement", "disp", "position", "pos", "angle", "deflection", "weg", "output", "winkel", "x", "y", "v2"],
+        &[
+            "displacement",
+            "disp",
+            "position",
+            "pos",
+            "angle",
+            "deflection",
+            "weg",
+            "output",
+            "winkel",
+            "sound",
+            "x",
+            "y",
+            "v2",
+        ],
         Role::Sensor(Quantity::DISPLACEMENT),
     ),
 ];
@@ -178,7 +192,7 @@ impl Mapping {
     /// then the first column of evenly rising numbers is the time; and of two columns without a meaning the first is
     /// the input and the second the displacement. It leaves out a column if another one already has its meaning, if it
     /// counts the rows, or if its name says that it is something else. If a sensor's column has a name, a single other
-    /// column is the input; several others are not.
+    /// column is the input; several others are not. A sound has the part and the band of its [`Ring`].
     pub fn guess_with_reasons(table: &Table) -> (Self, InputKind, Vec<ColumnGuess>) {
         let columns = &table.columns;
         let mut all = candidates(table);
@@ -233,6 +247,9 @@ impl Mapping {
                 }
                 None => {}
             }
+        }
+        if let Some(ring) = Ring::of(table) {
+            ring.apply(&mut mapping);
         }
         let why = |place: usize| match all.iter().find(|one| one.place == place) {
             Some(one) => one.why,

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::resample::GUARD;
 use super::{Dialect, ImportError};
 use crate::data::document::{is_default, is_one};
 use crate::{Document, Quantity};
@@ -175,6 +176,14 @@ const MOST_STEPS: usize = 8;
 const MOST_EVERY: usize = 10_000;
 
 impl Mapping {
+    /// The frequencies that the band and the low-pass before fewer samples let through, as shares of the Nyquist frequency of a
+    /// record with steps of `dt` \[s\].
+    pub(crate) fn passed(&self, dt: f64) -> [f64; 2] {
+        let [low, high] = self.band.map_or([0.0, 1.0], |band| band.map(|limit| 2.0 * limit * dt));
+        let high = high.min(if self.every > 1 { GUARD } else { 1.0 });
+        [low.clamp(0.0, 0.99 * high), high]
+    }
+
     /// Checks every number.
     ///
     /// # Errors

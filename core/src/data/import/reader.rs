@@ -4,6 +4,7 @@ use super::formats::{self, Layout};
 use super::limits::LONGEST_LINE;
 use super::rows_reader::RowsReader;
 use super::series::SeriesReader;
+use super::sound;
 use super::{Dialect, Encoding, ImportError, Table};
 
 /// Limits the bytes that are looked at to find the dialect.
@@ -43,6 +44,8 @@ pub struct Reader {
 enum Body {
     Rows(RowsReader),
     Series(SeriesReader),
+    /// A sound, which is read at once.
+    Whole(Box<Table>),
 }
 
 impl Reader {
@@ -62,6 +65,11 @@ impl Reader {
         }
         if bytes.starts_with(b"PAR1") {
             return Err(ImportError::Parquet);
+        }
+        if sound::is_sound(&bytes) {
+            let (place, dialect) = (bytes.len(), Dialect::default());
+            let body = Body::Whole(Box::new(sound::table(&bytes)?));
+            return Ok(Self { bytes, place, line: 0, dialect, format: None, body, text: String::new() });
         }
         if bytes.starts_with(b"PK\x03\x04") || bytes.starts_with(b"\xD0\xCF\x11\xE0") {
             return Err(ImportError::Spreadsheet);
@@ -141,6 +149,7 @@ impl Reader {
     pub fn finish(self) -> Result<Table, ImportError> {
         let Self { dialect, format, body, line, .. } = self;
         match body {
+            Body::Whole(table) => Ok(*table),
             Body::Series(series) => series.finish(format.unwrap_or_default(), dialect, line),
             Body::Rows(rows) => {
                 let form = format.map_or_else(|| dialect.to_string(), |name| format!("{name}: {dialect}"));
@@ -175,6 +184,7 @@ impl Reader {
             }
         };
         match body {
+            Body::Whole(_) => {}
             Body::Series(series) => series.line(row, *line)?,
             Body::Rows(rows) => {
                 rows.line(row, *line, *dialect);

@@ -9,15 +9,13 @@ const REACH: isize = 32;
 /// The shape of the window: side lobes below -80 dB.
 const KAISER: f64 = 8.0;
 /// The low-pass before a decimation, as a share of the new Nyquist frequency.
-const GUARD: f64 = 0.8;
+pub(super) const GUARD: f64 = 0.8;
 
-/// Keeps every `every`-th value, after a low-pass. All values must be finite.
-pub(super) fn decimate(values: &mut Vec<f64>, every: usize) {
-    if every <= 1 {
-        return;
+/// The low-pass before every `every`-th value is kept. All values must be finite.
+pub(super) fn anti_alias(values: &mut Vec<f64>, every: usize) {
+    if every > 1 {
+        band_pass(values, 0.0, GUARD * 0.5 / every as f64);
     }
-    band_pass(values, 0.0, GUARD * 0.5 / every as f64);
-    keep_every(values, every);
 }
 
 /// Keeps every `every`-th value unchanged.
@@ -115,7 +113,8 @@ mod tests {
     fn fast_parts_do_not_fold_back() {
         let fast: Vec<f64> = (0..1000).map(|k| (2.0 * PI * 0.23 * f64::from(k)).sin()).collect();
         let mut fewer = fast;
-        decimate(&mut fewer, 4);
+        anti_alias(&mut fewer, 4);
+        keep_every(&mut fewer, 4);
         assert_eq!(fewer.len(), 250);
         assert!(fewer[20..230].iter().all(|value| value.abs() < 0.02));
         let mut kept = vec![0.0, 1.0, 2.0, 3.0, 4.0];

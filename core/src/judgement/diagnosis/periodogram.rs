@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
-use crate::numbers::fourier::Transform;
+use crate::mathematics::fourier::Transform;
 
 /// Limits the length of a window from above: at 100 Hz about ten seconds.
 const LONGEST: usize = 1024;

@@ -10,6 +10,9 @@ use crate::VerdictKind;
 /// Limits the band of a parameter over its size.
 const VAGUE: f64 = 0.5;
 
+/// Below this period nobody counts swings \[s\].
+const QUICK: f64 = 0.05;
+
 /// How the oscillator swings by itself, from the first filter whose band is no narrower than it should be: nothing if none knows
 /// both parameters well enough.
 ///
@@ -29,7 +32,12 @@ pub(super) fn sentence(outcomes: &[Outcome<'_>]) -> Option<Vec<Phrase>> {
     let damped = libm::sqrt(1.0 - zeta * zeta);
     let period = TAU / (frequency * damped);
     let half = LN_2 / (zeta * frequency);
-    let text = Writer::default().say("It swings once in ").result(with_band(period, shares[0] * period, "s"));
+    let text = if period < QUICK {
+        let text = Writer::default().say("It swings ").result(with_band(period.recip(), shares[0] / period, ""));
+        text.say(" times a second")
+    } else {
+        Writer::default().say("It swings once in ").result(with_band(period, shares[0] * period, "s"))
+    };
     let text = text.say(", and in ").result(with_band(half, libm::hypot(shares[0], shares[1]) * half, "s"));
     let text = text.say(" half of the swing is gone: Q = ").result(with_band(0.5 / zeta, 0.5 * shares[1] / zeta, ""));
     let decrement = 2.0 * PI * zeta / damped;

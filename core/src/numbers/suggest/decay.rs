@@ -5,8 +5,9 @@ use nalgebra::{SMatrix, SVector};
 use super::moments;
 use super::response::is_within;
 use crate::Record;
+use crate::data::import::Mapping;
 use crate::data::sorting::sort_numbers;
-use crate::numbers::fourier::Transform;
+use crate::mathematics::fourier::Transform;
 
 /// An oscillator that nothing moves any more, as one sensor shows it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,6 +16,11 @@ pub(super) struct Decay {
     pub(super) natural_frequency: f64,
     /// ζ \[-\]
     pub(super) damping_ratio: f64,
+    /// The standard deviation of what it leaves, in the sensor's unit; and those of ωₙ and ζ, if that is white.
+    pub(super) rest: f64,
+    /// The power of that about the decay's frequency, over its mean power.
+    pub(super) nearby: f64,
+    pub(super) spread: [f64; 2],
     /// The amplitude of the readings where they are largest, in the sensor's unit.
     pub(super) amplitude: f64,
     /// Whether it leaves only noise, so that there is no force to look for.
@@ -48,7 +54,8 @@ const STEPS: usize = 40;
 ///
 /// Source: Levenberg (1944), A method for the solution of certain non-linear problems in least squares; Ewins (2000), *Modal
 /// Testing*, section 4.4 (time domain).
-pub(super) fn decay(record: &Record, measured: &[f64], band: Option<[f64; 2]>) -> Option<Decay> {
+pub(super) fn decay(record: &Record, measured: &[f64], mapping: Option<&Mapping>) -> Option<Decay> {
+    let band = mapping.and_then(|mapping| mapping.band);
     let (mean, _) = moments(measured);
     let size = |value: f64| if value.is_nan() { 0.0 } else { (value - mean).abs() };
     let begin = (0..measured.len()).max_by(|&a, &b| size(measured[a]).total_cmp(&size(measured[b])))?;
@@ -67,8 +74,18 @@ pub(super) fn decay(record: &Record, measured: &[f64], band: Option<[f64; 2]>) -
     let is_sound = is_within(band, natural_frequency) && (1e-4..0.7).contains(&damping_ratio);
     let amplitude = libm::hypot(shape.parts[0], shape.parts[1]);
     let explains = readings.unexplained(&shape) < UNEXPLAINED;
-    let is_all = readings.leaves_noise(&shape);
-    (is_sound && explains).then_some(Decay { natural_frequency, damping_ratio, amplitude, is_all })
+    let (is_all, nearby) = readings.leaves_noise(&shape, mapping);
+    let (rest, [frequency, rate]) = readings.spread(&shape)?;
+    let spread = [frequency, rate / natural_frequency];
+    (is_sound && explains).then_some(Decay {
+        natural_frequency,
+        damping_ratio,
+        rest,
+        nearby,
+        spread,
+        amplitude,
+        is_all,
+    })
 }
 
 /// The power of numbers at the frequencies below half their rate. Their count is a power of two.
@@ -104,8 +121,9 @@ impl Readings<'_> {
         Some(Shape { frequency: frequency(peak), rate: 2.0 / span, parts: [0.0; 3] })
     }
 
-    /// Whether a decay leaves no more power about its own frequency than elsewhere.
-    fn leaves_noise(&self, shape: &Shape) -> bool {
+    /// Whether a decay leaves no more power about its own frequency than elsewhere, where an import lets anything through; and
+    /// the mean power there over that elsewhere.
+    fn leaves_noise(&self, shape: &Shape, mapping: Option<&Mapping>) -> (bool, f64) {
         let [a, b, c] = shape.parts;
         let mut rests = Vec::with_capacity(self.values.len());
         self.each(shape, |_, [re, im], value| rests.push(value - a * re - b * im - c));
@@ -116,8 +134,12 @@ impl Readings<'_> {
         let [low, high] = [NEAR.start, NEAR.end].map(|edge| ((edge * shape.frequency / line) as usize).clamp(1, last));
         let near = &powers[low..(high + 1).min(last)];
         let mean = near.iter().sum::<f64>() / near.len().max(1) as f64;
-        sort_numbers(&mut powers);
-        mean < LOUD * powers[last / 2]
+        let passed = mapping.map_or([0.0, 1.0], |mapping| mapping.passed(self.dt));
+        let [low, high] = passed.map(|share| ((share * last as f64) as usize).min(last));
+        let passed = &mut powers[low.min(high.saturating_sub(1))..high.max(1)];
+        let all = passed.iter().sum::<f64>() / passed.len() as f64;
+        sort_numbers(passed);
+        (mean < LOUD * passed[passed.len() / 2], if all > 0.0 { mean / all } else { 1.0 })
     }
 
     /// Calls with each reading: its time, cosine and sine of the decay, and the reading.
@@ -146,6 +168,15 @@ impl Readings<'_> {
             right += slopes * rest;
         });
         (error, normal, right)
+    }
+
+    /// The standard deviation of what a decay leaves, and those of frequency and rate \[rad/s, 1/s\].
+    fn spread(&self, shape: &Shape) -> Option<(f64, [f64; 2])> {
+        let (error, normal, _) = self.normal(shape);
+        let inverse = normal.try_inverse()?;
+        let there = self.values.iter().filter(|value| !value.is_nan()).count();
+        let variance = error / there.saturating_sub(5).max(1) as f64;
+        Some((libm::sqrt(variance), [3, 4].map(|place| libm::sqrt(variance * inverse[(place, place)].max(0.0)))))
     }
 
     /// The parts that fit best to frequency and rate.

@@ -5,6 +5,9 @@ use super::response::{Response, order};
 use super::{Suggestion, hysteresis, moments, rounded};
 use crate::{Channel, Quantity, Record, Signal};
 
+/// The spread that a filter of a free decay begins with, in standard deviations of the fit.
+pub(super) const LOOSE: f64 = 30.0;
+
 impl Suggestion {
     /// Lets every filter begin with an oscillator that `quantity` shows, for this reason.
     pub(super) fn begin_at(&mut self, record: &mut Record, quantity: Quantity, found: &Response, reason: &str) {
@@ -63,7 +66,7 @@ impl Suggestion {
 
     /// Lets every filter expect a motion as large as the beginning of a decay, which a long record's mean square hides.
     pub(super) fn begin_as_large(&mut self, quantity: Quantity, decay: &Decay) {
-        let Decay { natural_frequency, amplitude, .. } = *decay;
+        let Decay { natural_frequency, damping_ratio, spread, amplitude, is_all, .. } = *decay;
         let displacement = amplitude / libm::pow(natural_frequency, f64::from(order(quantity)));
         let sizes = [(Channel::DISPLACEMENT, displacement), (Channel::VELOCITY, displacement * natural_frequency)];
         for filter in self.filters() {
@@ -71,6 +74,27 @@ impl Suggestion {
                 filter.initial_std[channel] = filter.initial_std[channel].max(rounded(size));
             }
         }
+        if is_all {
+            self.begin_near([natural_frequency, damping_ratio], spread);
+        }
+    }
+
+    /// Lets every filter begin near the parameters of a fit. The readings count again in the filter: a spread far above that
+    /// of the fit says next to nothing, and a linearisation holds within it.
+    fn begin_near(&mut self, fitted: [f64; 2], spread: [f64; 2]) {
+        let eight_digits = |value: f64| format!("{value:.7e}").parse().unwrap_or(value);
+        let [frequency, damping] = spread.map(|std| LOOSE * std);
+        let spread = [frequency.max(1e-5 * fitted[0]), damping.max(0.01 * fitted[1])];
+        let channels = [Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO];
+        for filter in self.filters() {
+            for ((channel, value), spread) in channels.into_iter().zip(fitted).zip(spread) {
+                if rounded(spread) < filter.initial_std[channel] {
+                    filter.initial_std[channel] = rounded(spread);
+                    filter.initial_mean[channel] = eight_digits(value);
+                }
+            }
+        }
+        self.reasons.push(format!("spread of ωₙ and ζ: {LOOSE} times that of the fit at most"));
     }
 
     /// Puts a gain that is far from 1 into the mapping; the filters estimate the rest of it.

@@ -3,8 +3,9 @@
 use std::f64::consts::{PI, TAU};
 
 use crate::Record;
+use crate::data::import::Mapping;
 use crate::data::sorting::sort_numbers;
-use crate::numbers::fourier::Transform;
+use crate::mathematics::fourier::Transform;
 
 /// Limits the length of a window for a noise floor.
 pub(super) const SHORT: usize = 256;
@@ -18,6 +19,8 @@ const WINDOWS: usize = 7;
 pub(super) const LEAST: usize = SHORTEST * (WINDOWS + 1) / 2;
 /// The frequencies of the noise floor, as shares of the Nyquist frequency.
 const FLOOR: [f64; 2] = [0.75, 0.96];
+/// The same as shares of the highest frequency that a filter of the import lets through, below its slope.
+const FLOOR_BELOW: [f64; 2] = [0.6, 0.85];
 /// Limits a gap that is filled by a straight line, in samples.
 const LINE: usize = 3;
 /// The least share of a window's power weights that must be measured.
@@ -190,9 +193,12 @@ impl Spectra {
         if product > 0.0 { ((re * re + im * im) / product).min(1.0) } else { 0.0 }
     }
 
-    /// Standard deviation of the white noise that the input does not explain at the highest frequencies.
-    pub(super) fn noise(&self) -> Option<f64> {
-        let [low, high] = FLOOR.map(|share| (share * self.len() as f64) as usize);
+    /// Standard deviation of the white noise that the input does not explain at the highest frequencies: those that the filters of
+    /// an import have let through.
+    pub(super) fn noise(&self, mapping: Option<&Mapping>) -> Option<f64> {
+        let passed = mapping.map_or(1.0, |mapping| mapping.passed(self.dt)[1]);
+        let floor = if passed < 1.0 { FLOOR_BELOW.map(|share| share * passed) } else { FLOOR };
+        let [low, high] = floor.map(|share| (share * self.len() as f64) as usize);
         let left = self.windows as f64 / (self.windows as f64 - 1.0).max(1.0);
         let mut powers: Vec<f64> =
             (low..high).map(|place| self.output[place] * (1.0 - self.coherence(place)).max(0.0) * left).collect();
@@ -258,7 +264,7 @@ mod tests {
         let record = Record::new(0.01, input, vec![(Quantity::ACCELERATION, measured.clone())]).unwrap();
         let spectra = Spectra::new(&record, &measured, SHORT, Gaps::Avoid).unwrap();
         assert!((0..spectra.len()).all(|place| spectra.coherence(place) == 0.0));
-        let noise = spectra.noise().unwrap();
+        let noise = spectra.noise(None).unwrap();
         assert!((noise - 1.0).abs() < 0.1, "{noise}");
     }
 
@@ -269,7 +275,7 @@ mod tests {
         let measured: Vec<f64> = input.iter().map(|u| 3.0 * u + 0.2 * normal.sample()).collect();
         let input = Input { kind: InputKind::Force, hold: Hold::Zero, values: input };
         let record = Record::new(0.01, input, vec![(Quantity::ACCELERATION, measured.clone())]).unwrap();
-        let noise = Spectra::new(&record, &measured, SHORT, Gaps::Avoid).unwrap().noise().unwrap();
+        let noise = Spectra::new(&record, &measured, SHORT, Gaps::Avoid).unwrap().noise(None).unwrap();
         assert!((noise / 0.2 - 1.0).abs() < 0.1, "{noise}");
     }
 }

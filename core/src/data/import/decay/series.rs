@@ -1,29 +1,69 @@
 //! What readings tell as a series: noise, axis, mean, and values at equal steps.
 
-/// Readings are missing in an interval of this many steps.
-const MISSING: f64 = 3.0;
+use nalgebra::{Matrix4, Vector4};
 
-/// The mean step of some times \[s\], and the values at equal steps: on a cubic through the four readings around each.
-pub(super) fn even(times: &[f64], values: &[f64]) -> (f64, Vec<f64>) {
+/// The share of half a swing, to either side, that a cubic follows; and the fewest readings to either side.
+const FOLLOWED: f64 = 1.0 / 3.0;
+const FEWEST: usize = 3;
+
+/// A reading is on this side of the mean from this many standard deviations on.
+const CLEAR: f64 = 3.0;
+
+/// The mean step of some times \[s\], and the values at equal steps; NaN at a step to which no reading is nearest.
+///
+/// Each reading goes to its nearest step. It is shifted by what the least-squares cubic through a third of half a swing to either
+/// side changes meanwhile: the noise stays as white as it is, which it would not on a curve through the readings. Source: Savitzky
+/// and Golay (1964), Smoothing and differentiation of data by simplified least squares procedures.
+pub(super) fn even(times: &[f64], values: &[f64], noise: f64) -> (f64, Vec<f64>) {
     let n = times.len();
     let dt = (times[n - 1] - times[0]) / (n - 1) as f64;
-    let mut next = 1;
-    let at = |k: usize| {
-        let time = times[0] + dt * k as f64;
-        while next < n - 1 && times[next] < time {
-            next += 1;
+    let side = ((FOLLOWED * half_swing(values, noise)) as usize).clamp(FEWEST, (n - 1) / 2);
+    let mut nearest = vec![None; n];
+    for (k, time) in times.iter().enumerate() {
+        let steps = (time - times[0]) / dt;
+        let place = (libm::round(steps) as usize).min(n - 1);
+        let distance = (steps - place as f64).abs();
+        if nearest[place].is_none_or(|(_, other)| distance < other) {
+            nearest[place] = Some((k, distance));
         }
-        if times[next] - times[next - 1] > MISSING * dt {
-            return f64::NAN;
-        }
-        let first = next.saturating_sub(2).min(n - 4);
-        let basis = |i: usize| {
-            let others = (first..first + 4).filter(|&j| j != i);
-            others.map(|j| (time - times[j]) / (times[i] - times[j])).product::<f64>()
-        };
-        (first..first + 4).map(|i| values[i] * basis(i)).sum()
+    }
+    let at = |(place, reading): (usize, Option<(usize, f64)>)| {
+        let Some((k, _)) = reading else { return f64::NAN };
+        let first = k.saturating_sub(side).min(n - 1 - 2 * side);
+        let around = first..=first + 2 * side;
+        let shift = times[0] + dt * place as f64 - times[k];
+        values[k] + change(&times[around.clone()], &values[around], times[k], shift, dt * side as f64)
     };
-    (dt, (0..n).map(at).collect())
+    (dt, nearest.into_iter().enumerate().map(at).collect())
+}
+
+/// The readings in half a swing, by those that are clearly on one side of the mean.
+fn half_swing(values: &[f64], noise: f64) -> f64 {
+    let (mut turns, mut side) = (0, 0.0);
+    let (mut first, mut last) = (None, 0);
+    for (k, x) in values.iter().enumerate().filter(|(_, x)| x.abs() > CLEAR * noise) {
+        if x.signum() != side {
+            side = x.signum();
+            turns += 1;
+            first = first.or(Some(k));
+            last = k;
+        }
+    }
+    if turns > 1 { (last - first.unwrap_or(0)) as f64 / f64::from(turns - 1) } else { 0.0 }
+}
+
+/// What the least-squares cubic through some values changes from a time to a later one \[s\].
+fn change(times: &[f64], values: &[f64], from: f64, shift: f64, size: f64) -> f64 {
+    let (mut normal, mut right) = (Matrix4::<f64>::zeros(), Vector4::<f64>::zeros());
+    for (time, value) in times.iter().zip(values) {
+        let u = (time - from) / size;
+        let powers = Vector4::new(1.0, u, u * u, u * u * u);
+        normal += powers * powers.transpose();
+        right += powers * *value;
+    }
+    let u = shift / size;
+    let powers = Vector4::new(0.0, u, u * u, u * u * u);
+    normal.cholesky().map_or(0.0, |factor| factor.solve(&right).dot(&powers))
 }
 
 /// The noise: about the mean in the quietest second, or that of third differences in a usual second, of which a slow swing has

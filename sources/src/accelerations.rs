@@ -1,0 +1,210 @@
+//! Time and three accelerations in lines that come one by one.
+
+use kalmanscope_core::import::{Column, Table, ThreeAxes};
+use thiserror::Error;
+
+use crate::cells::Cells;
+
+/// The lines after which the meaning of the columns is settled: with names, and without.
+const NAMED: usize = 3;
+const UNNAMED: usize = 40;
+
+/// Reads accelerations from lines whose columns have names, or are four numbers of which one rises, or three axes alone.
+#[derive(Default)]
+pub struct Accelerations {
+    names: Option<Vec<String>>,
+    /// The rows before their meaning is settled; each has the time of its arrival behind it.
+    waiting: Vec<Vec<f64>>,
+    meaning: Option<Meaning>,
+    readings: Vec<[f64; 4]>,
+    /// The lines that were left out.
+    left_out: usize,
+}
+
+struct Meaning {
+    axes: ThreeAxes,
+    /// The cells of a row, with the time of arrival.
+    width: usize,
+    first: f64,
+}
+
+/// The reason why lines tell no accelerations.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum NoAxes {
+    /// Columns have no names from which they could be known, and are not three axes with gravity.
+    #[error(
+        "a line must have the time and three accelerations, named such as `t,ax,ay,az`, or three accelerations; there are {0} columns"
+    )]
+    Unknown(usize),
+}
+
+/// The name of the column with the times of arrival.
+const ARRIVAL: &str = "arrival";
+
+impl Accelerations {
+    /// Takes in a line that arrived at some time \[s\]. Lines that tell nothing are left out.
+    ///
+    /// # Errors
+    /// [`NoAxes`] once enough lines have come.
+    pub fn take(&mut self, line: &[u8], arrival: f64) -> Result<(), NoAxes> {
+        match Cells::of(line) {
+            Cells::Nothing => self.left_out += 1,
+            // A device that starts anew tells its header again.
+            Cells::Names(names) if self.meaning.is_none() && names.len() > 2 => {
+                (self.names, self.waiting) = (Some(names), Vec::new());
+            }
+            Cells::Names(_) => self.left_out += 1,
+            Cells::Numbers(mut row, names) => {
+                row.push(arrival);
+                if self.meaning.is_none() && self.names.is_none() {
+                    self.names = names;
+                }
+                return self.row(row);
+            }
+        }
+        Ok(())
+    }
+
+    fn row(&mut self, row: Vec<f64>) -> Result<(), NoAxes> {
+        if let Some(meaning) = &self.meaning {
+            if row.len() == meaning.width {
+                self.readings.push(meaning.reading(&row));
+            } else {
+                self.left_out += 1;
+            }
+            return Ok(());
+        }
+        // Rows of another width are the end of what was sent before, or noise.
+        if self.waiting.last().is_some_and(|last| last.len() != row.len()) {
+            self.left_out += self.waiting.len();
+            self.waiting.clear();
+        }
+        self.waiting.push(row);
+        let enough = if self.names.is_some() { NAMED } else { UNNAMED };
+        if self.waiting.len() < enough {
+            return Ok(());
+        }
+        let width = self.waiting[0].len();
+        let Some(meaning) = self.meaning() else { return Err(NoAxes::Unknown(width - 1)) };
+        self.readings.extend(self.waiting.drain(..).map(|row| meaning.reading(&row)));
+        self.meaning = Some(meaning);
+        Ok(())
+    }
+
+    /// What the columns are, from their names and from the rows that wait.
+    fn meaning(&self) -> Option<Meaning> {
+        let width = self.waiting[0].len();
+        let named = self.names.clone().filter(|names| names.len() + 1 == width);
+        let columns = |names: Vec<String>, places: std::ops::Range<usize>| {
+            let of = |(name, place): (String, usize)| {
+                let values = self.waiting.iter().map(|row| row[place]).collect();
+                Column::of_header(&name, None, values)
+            };
+            names.into_iter().zip(places).map(of).collect::<Vec<_>>()
+        };
+        let axes = |columns| ThreeAxes::of(&Table::of_columns("lines", columns, Vec::new()));
+        let axes = match named {
+            Some(mut names) => axes(columns(names.clone(), 0..width - 1)).or_else(|| {
+                names.push(format!("{ARRIVAL} (s)"));
+                axes(columns(names, 0..width))
+            }),
+            None if width == 4 => {
+                let names = ["ax", "ay", "az", "t (s)"].map(str::to_owned).to_vec();
+                axes(columns(names, 0..width))
+            }
+            None => {
+                let names = (1..width).map(|place| format!("column {place}")).collect();
+                axes(columns(names, 0..width - 1))
+            }
+        };
+        let axes = axes?;
+        Some(Meaning { axes, width, first: self.waiting[0][axes.time.0] })
+    }
+
+    /// Takes the readings that have come since the last call: the time since the first one \[s\], and accelerations along three axes
+    /// \[m/s²\].
+    pub fn readings(&mut self) -> Vec<[f64; 4]> {
+        std::mem::take(&mut self.readings)
+    }
+
+    /// How many lines told nothing.
+    pub fn left_out(&self) -> usize {
+        self.left_out
+    }
+}
+
+impl Meaning {
+    fn reading(&self, row: &[f64]) -> [f64; 4] {
+        let ThreeAxes { time: (time, second), axes: (axes, unit) } = self.axes;
+        let [x, y, z] = axes.map(|axis| unit * row[axis]);
+        [second * (row[time] - self.first), x, y, z]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(lines: impl IntoIterator<Item = String>) -> Result<Vec<[f64; 4]>, NoAxes> {
+        let mut accelerations = Accelerations::default();
+        for (k, line) in lines.into_iter().enumerate() {
+            accelerations.take(line.as_bytes(), 5.0 + 0.01 * k as f64)?;
+        }
+        Ok(accelerations.readings())
+    }
+
+    fn rows(row: impl Fn(f64, f64) -> String) -> Vec<String> {
+        (0..60).map(|k| row(f64::from(k), 0.1 * (0.3 * f64::from(k)).sin())).collect()
+    }
+
+    #[test]
+    fn lines_of_all_forms_tell_the_same() {
+        let header = |text: &str| vec![text.to_owned()];
+        let forms = [
+            [header("t,ax,ay,az"), rows(|k, a| format!("{},{a},0,9.8", 0.02 * k))].concat(),
+            [header("# hello\n"), header("z;y;x;millis"), rows(|k, a| format!("9,8;0;{a};{}", 1000.0 + 20.0 * k))]
+                .concat(),
+            rows(|k, a| format!("{} {a} 0 9.8", 20.0 * k + 7.0)),
+            rows(|k, a| {
+                format!("{{\"t\": {}, \"acc_x\": {a}, \"acc_y\": 0, \"acc_z\": 9.8, \"who\": \"me\"}}", 0.02 * k)
+            }),
+            [header("cut,0.1"), header("1,2"), rows(|k, a| format!("{},{a},0,9.8", 0.02 * k))].concat(),
+        ];
+        for lines in forms {
+            let readings = read(lines.clone()).expect("they are accelerations");
+            assert_eq!(readings.len(), 60, "{lines:?}");
+            for (k, [t, x, y, z]) in readings.iter().enumerate() {
+                let a = 0.1 * (0.3 * k as f64).sin();
+                let close = (t - 0.02 * k as f64).abs() < 1e-9 && (x - a).abs() < 1e-12 && *y == 0.0 && *z == 9.8;
+                assert!(close, "{k}: {t} {x} {y} {z} in {}", lines[0]);
+            }
+        }
+    }
+
+    #[test]
+    fn three_axes_alone_have_the_times_of_their_arrival_and_g_is_a_unit() {
+        for lines in [
+            rows(|_, a| format!("{a},0,1.0")),
+            [vec!["gFx,gFy,gFz".to_owned()], rows(|_, a| format!("{a},0,1.0"))].concat(),
+        ] {
+            let readings = read(lines).expect("they are accelerations");
+            assert_eq!(readings.len(), 60);
+            let [t, x, _, z] = readings[10];
+            assert!(
+                (t - 0.1).abs() < 1e-9 && (x - 0.980_665 * 3.0_f64.sin()).abs() < 1e-9 && z == 9.80665,
+                "{t} {x} {z}"
+            );
+        }
+    }
+
+    #[test]
+    fn what_is_no_acceleration_is_said_and_bad_lines_are_left_out() {
+        assert_eq!(read(rows(|k, a| format!("{k},{a}"))), Err(NoAxes::Unknown(2)));
+        assert_eq!(read(rows(|k, a| format!("{k},{a},{a},{a},{a}"))), Err(NoAxes::Unknown(5)));
+        let mut lines = rows(|k, a| format!("{},{a},0,9.8", 0.02 * k));
+        lines[50] = "1,2".to_owned();
+        lines[52] = "1,x,3,4".to_owned();
+        lines[54] = "t,ax,ay,az".to_owned();
+        assert_eq!(read(lines).expect("they are accelerations").len(), 57);
+    }
+}

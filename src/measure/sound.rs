@@ -1,0 +1,125 @@
+//! The microphone: something that was struck rings.
+
+use std::rc::Rc;
+
+use egui::{Context, RichText, Ui, Vec2};
+use kalmanscope_core::import::{Ring, wav};
+
+use super::{CURVE, Instrument, large_ui, waiting_ui};
+use crate::request::RawFile;
+use crate::sensor::{Reading as _, Readings, Sensor, Sound};
+use crate::spark::Spark;
+use crate::text::fixed;
+use crate::theme::Palette;
+
+/// The time between two looks at what rings, and the length of what is looked at \[s\].
+const LOOK: f64 = 1.0;
+const LOOKED_AT: f64 = 12.0;
+
+/// The length of what is drawn \[s\], and the number of its points.
+const DRAWN: f64 = 8.0;
+const POINTS: usize = 600;
+
+/// A sample is cut off from this size on; a blow may have some of them.
+const LOUDEST: f32 = 0.99;
+const FEW: usize = 20;
+
+/// The file of a measurement.
+const FILE: &str = "heard-here.wav";
+
+pub(super) struct Listener {
+    device: Rc<dyn Sensor<Sound>>,
+    readings: Readings<Sound>,
+    /// The samples at the last look at what rings.
+    looked: usize,
+    ring: Option<Ring>,
+}
+
+impl Listener {
+    pub(super) fn new(device: Rc<dyn Sensor<Sound>>) -> Self {
+        Self { device, readings: Readings::default(), looked: 0, ring: None }
+    }
+}
+
+impl Instrument for Listener {
+    fn name(&self) -> &'static str {
+        "It rings"
+    }
+
+    fn beginning(&self) -> &'static str {
+        "Begin to listen"
+    }
+
+    fn directions(&self) -> &'static [&'static str] {
+        &[
+            "Take something that rings when it is struck: a glass, a tuning fork, a bell, a ruler on the edge of a table.",
+            "Begin, be still for a second, strike it once beside the microphone, and wait until it is silent.",
+        ]
+    }
+
+    fn begin(&mut self, ctx: &Context) {
+        (self.readings, self.looked, self.ring) = (Readings::default(), 0, None);
+        self.device.begin(ctx, &self.readings);
+    }
+
+    fn end(&self) {
+        self.device.end();
+    }
+
+    fn refusal(&self) -> Option<String> {
+        self.readings.refusal()
+    }
+
+    fn running_ui(&mut self, ui: &mut Ui, since: f64, palette: &Palette) {
+        let told = self.readings.told();
+        let (Some(rate), false) = (told.rate, told.readings.is_empty()) else {
+            waiting_ui(ui, since, "Waiting for the microphone …", &self.device.hint());
+            return;
+        };
+        let count = told.readings.len();
+        let latest = |seconds: f64| &told.readings[count.saturating_sub((seconds * rate) as usize)..];
+        if (count - self.looked.min(count)) as f64 >= LOOK * rate {
+            self.looked = count;
+            let samples: Vec<f64> = latest(LOOKED_AT).iter().map(|x| f64::from(*x)).collect();
+            // What has rung before stays on screen.
+            self.ring = Ring::in_samples(rate, &samples).or(self.ring);
+        }
+        let (rect, _) = ui.allocate_exact_size(Vec2::new(ui.available_width(), CURVE), egui::Sense::hover());
+        Spark::new(&outline(latest(DRAWN))).paint(ui.painter(), rect, palette.text);
+        match &self.ring {
+            Some(ring) => {
+                large_ui(ui, format!("{} Hz", fixed(ring.pitch, 1)), palette);
+                ui.label(format!("It has rung for {} s.", fixed(ring.part[1] - ring.part[0], 2)));
+            }
+            None => _ = ui.label(RichText::new("Strike it once: its pitch comes while it rings.").color(palette.weak)),
+        }
+        if latest(LOOKED_AT).iter().filter(|x| x.abs() > LOUDEST).count() > FEW {
+            ui.colored_label(
+                palette.warning,
+                "It is too loud: its peaks are cut off. Strike more softly, or further away.",
+            );
+        }
+        let full = if count >= Sound::MOST { " It is full." } else { "" };
+        ui.label(format!("{} s, {} samples a second.{full}", fixed(count as f64 / rate, 1), fixed(rate, 0)));
+    }
+
+    fn file(&self) -> Result<RawFile, String> {
+        let told = self.readings.told();
+        let rate = told.rate.unwrap_or_default();
+        let samples: Vec<f64> = told.readings.iter().map(|x| f64::from(*x)).collect();
+        Ring::in_samples(rate, &samples)
+            .ok_or("nothing rings in it: a line that is louder than the room and fades is looked for".to_owned())?;
+        let bytes = wav(rate as u32, &told.readings).map_err(|error| error.to_string())?;
+        Ok(RawFile { name: FILE.to_owned(), bytes })
+    }
+}
+
+/// The lowest and the highest sample of each of equal pieces, in turns.
+fn outline(samples: &[Sound]) -> Vec<f64> {
+    let ends = |piece: &[Sound]| {
+        let [low, high] =
+            piece.iter().fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], x| [low.min(*x), high.max(*x)]);
+        [f64::from(low), f64::from(high)]
+    };
+    samples.chunks(samples.len().div_ceil(POINTS).max(1)).flat_map(ends).collect()
+}

@@ -1,0 +1,121 @@
+//! The accelerometer: something that the device is fixed to swings.
+
+use std::f64::consts::TAU;
+use std::rc::Rc;
+
+use egui::{Context, RichText, Ui, Vec2};
+use kalmanscope_core::Story;
+use kalmanscope_core::import::Decay;
+
+use super::health::Health;
+use super::live::{Band, Live};
+use super::{CURVE, Instrument, large_ui, waiting_ui};
+use crate::request::RawFile;
+use crate::sensor::{Acceleration, Reading as _, Readings, Sensor};
+use crate::spark::Spark;
+use crate::text::fixed;
+use crate::theme::Palette;
+
+/// The readings that are drawn.
+const DRAWN: usize = 1200;
+
+/// The file of a measurement.
+const FILE: &str = "measured-here.csv";
+
+pub(super) struct Swing {
+    device: Rc<dyn Sensor<Acceleration>>,
+    readings: Readings<Acceleration>,
+    live: Live,
+    health: Health,
+}
+
+impl Swing {
+    pub(super) fn new(device: Rc<dyn Sensor<Acceleration>>) -> Self {
+        Self { device, readings: Readings::default(), live: Live::default(), health: Health::default() }
+    }
+}
+
+impl Instrument for Swing {
+    fn name(&self) -> &'static str {
+        "It swings"
+    }
+
+    // iOS asks for permission at the click on this button.
+    fn beginning(&self) -> &'static str {
+        "Begin to measure"
+    }
+
+    fn directions(&self) -> &'static [&'static str] {
+        &[
+            "Fix the phone, or the sensor, to what swings: hang it on a spring or a rubber band, clamp it to the end of a ruler, lay it on a plank \
+             between two chairs.",
+            "Begin, wait for two seconds, pull it aside, let go, and wait until it rests.",
+        ]
+    }
+
+    fn begin(&mut self, ctx: &Context) {
+        (self.readings, self.live, self.health) = (Readings::default(), Live::default(), Health::default());
+        self.device.begin(ctx, &self.readings);
+    }
+
+    fn end(&self) {
+        self.device.end();
+    }
+
+    fn refusal(&self) -> Option<String> {
+        self.readings.refusal()
+    }
+
+    fn running_ui(&mut self, ui: &mut Ui, since: f64, palette: &Palette) {
+        let told = self.readings.told();
+        self.live.follow(&told.readings);
+        self.health.follow(&told.readings);
+        let (Some(first), Some(last)) = (told.readings.first(), told.readings.last()) else {
+            waiting_ui(ui, since, "Waiting for the accelerometer …", &self.device.hint());
+            return;
+        };
+        let (count, seconds) = (told.readings.len(), last[0] - first[0]);
+        let drawn = &told.readings[count.saturating_sub(DRAWN)..];
+        // The axis that moves most; gravity is the same everywhere.
+        let spread = |axis: usize| {
+            let ends = drawn.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], reading| {
+                [low.min(reading[axis]), high.max(reading[axis])]
+            });
+            ends[1] - ends[0]
+        };
+        let axis = (1..4).max_by(|&a, &b| spread(a).total_cmp(&spread(b))).unwrap_or(1);
+        let values: Vec<f64> = drawn.iter().map(|reading| reading[axis]).collect();
+        let (rect, _) = ui.allocate_exact_size(Vec2::new(ui.available_width(), CURVE), egui::Sense::hover());
+        Spark::new(&values).paint(ui.painter(), rect, palette.text);
+        let rate = if seconds > 0.0 { (count - 1) as f64 / seconds } else { 0.0 };
+        let full = if count >= Acceleration::MOST { " It is full." } else { "" };
+        estimates_ui(ui, self.live.estimates(), palette);
+        if self.live.rests() {
+            ui.label("It is at rest: there is nothing more to learn.");
+        }
+        for sentence in self.health.sentences() {
+            ui.colored_label(palette.warning, sentence);
+        }
+        ui.label(format!("{} s, {} readings a second.{full}", fixed(seconds, 1), fixed(rate, 1)));
+    }
+
+    fn file(&self) -> Result<RawFile, String> {
+        let decay = Decay::of(&self.readings.told().readings).map_err(|reason| reason.to_string())?;
+        Ok(RawFile { name: FILE.to_owned(), bytes: decay.csv().into_bytes() })
+    }
+}
+
+/// What is known while it swings.
+fn estimates_ui(ui: &mut Ui, estimates: Option<[Band; 2]>, palette: &Palette) {
+    let Some([frequency, damping]) = estimates else {
+        ui.label(
+            RichText::new("Pull it aside and let go: frequency and damping come while it swings.").color(palette.weak),
+        );
+        return;
+    };
+    let hertz = Band { mean: frequency.mean / TAU, band: frequency.band / TAU };
+    let percent = Band { mean: 100.0 * damping.mean, band: 100.0 * damping.band };
+    for (Band { mean, band }, unit) in [(hertz, "Hz"), (percent, "% damping")] {
+        large_ui(ui, Story::estimate(mean, band, unit), palette);
+    }
+}

@@ -1,0 +1,116 @@
+//! The sensors of this device, if it has some: an accelerometer, a microphone.
+
+use std::rc::Rc;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use egui::Context;
+
+/// A sensor of a device, with readings of some kind.
+pub trait Sensor<T> {
+    /// Begins to tell readings. They come later, or the reason why there are none.
+    fn begin(&self, ctx: &Context, to: &Readings<T>);
+
+    /// Stops.
+    fn end(&self);
+
+    /// A sentence for a user who waits in vain.
+    fn hint(&self) -> String;
+}
+
+/// A kind of reading.
+pub trait Reading: Copy {
+    /// Limits the readings of one measurement.
+    const MOST: usize;
+}
+
+/// Time \[s\] and three accelerations along the device's axes, with gravity \[m/s²\].
+pub type Acceleration = [f64; 4];
+
+impl Reading for Acceleration {
+    /// Ten minutes of 200 a second.
+    const MOST: usize = 120_000;
+}
+
+/// A sample of a sound, as a share of the loudest one that the microphone can tell.
+pub type Sound = f32;
+
+impl Reading for Sound {
+    /// One minute of 48,000 a second.
+    const MOST: usize = 2_880_000;
+}
+
+/// The sensors of a device.
+#[derive(Clone, Default)]
+pub struct Sensors {
+    /// The accelerometer.
+    pub accelerometer: Option<Rc<dyn Sensor<Acceleration>>>,
+    /// The microphone.
+    pub microphone: Option<Rc<dyn Sensor<Sound>>>,
+}
+
+impl Sensors {
+    pub(crate) fn is_empty(&self) -> bool {
+        self.accelerometer.is_none() && self.microphone.is_none()
+    }
+}
+
+/// What a sensor tells; copies share it.
+pub struct Readings<T>(Arc<Mutex<Told<T>>>);
+
+/// What was told so far.
+pub(crate) struct Told<T> {
+    pub(crate) readings: Vec<T>,
+    /// The readings a second, of a sensor that says so.
+    pub(crate) rate: Option<f64>,
+    /// Why there are none, or no more.
+    pub(crate) refusal: Option<String>,
+}
+
+impl<T> Default for Readings<T> {
+    fn default() -> Self {
+        Self(Arc::new(Mutex::new(Told { readings: Vec::new(), rate: None, refusal: None })))
+    }
+}
+
+impl<T> Clone for Readings<T> {
+    fn clone(&self) -> Self {
+        Self(Arc::clone(&self.0))
+    }
+}
+
+impl<T: Reading> Readings<T> {
+    /// Takes in readings. Returns false if there are enough.
+    pub fn put(&self, readings: &[T], ctx: &Context) -> bool {
+        let mut told = self.told();
+        let room = T::MOST - told.readings.len();
+        told.readings.extend_from_slice(&readings[..readings.len().min(room)]);
+        drop(told);
+        ctx.request_repaint_after(std::time::Duration::from_millis(33));
+        readings.len() <= room
+    }
+
+    /// Says how many readings come in a second.
+    pub fn set_rate(&self, rate: f64) {
+        self.told().rate = Some(rate);
+    }
+
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.told().readings.len()
+    }
+
+    /// Why there are none, or no more.
+    pub fn refusal(&self) -> Option<String> {
+        self.told().refusal.clone()
+    }
+
+    /// Says why there are no readings.
+    pub fn refuse(&self, reason: String, ctx: &Context) {
+        self.told().refusal = Some(reason);
+        ctx.request_repaint();
+    }
+
+    pub(crate) fn told(&self) -> MutexGuard<'_, Told<T>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}

@@ -1,0 +1,171 @@
+//! The microphone behind a page: an audio worklet.
+
+use std::cell::{Cell, RefCell};
+use std::rc::Rc;
+
+use egui::Context;
+use kalmanscope::sensor::{Readings, Sensor, Sound};
+use wasm_bindgen::JsCast as _;
+use wasm_bindgen::prelude::*;
+use wasm_bindgen_futures::JsFuture;
+use web_sys::{
+    AudioContext, AudioWorkletNode, MediaDevices, MediaStream, MediaStreamConstraints, MediaStreamTrack,
+    MediaTrackConstraints, MessageEvent,
+};
+
+use super::version::version;
+
+/// The worklet's file but for the page's version, and the name of its processor there.
+const WORKLET: &str = "./listen.js?v=";
+const PROCESSOR: &str = "listen";
+
+/// The microphone of this page.
+pub(super) struct Microphone {
+    devices: MediaDevices,
+    shared: Rc<Shared>,
+}
+
+#[derive(Default)]
+struct Shared {
+    /// What listens now.
+    listening: RefCell<Option<Listening>>,
+    /// Counts beginnings and ends: an answer that comes after an end begins nothing.
+    turn: Cell<u32>,
+}
+
+/// A worklet that listens for as long as this lives.
+struct Listening {
+    stream: MediaStream,
+    context: AudioContext,
+    node: AudioWorkletNode,
+    _messages: Closure<dyn FnMut(MessageEvent)>,
+}
+
+impl Microphone {
+    /// The microphone of this page. `None` where the browser has no way to it.
+    pub(super) fn of_page() -> Option<Self> {
+        let navigator = web_sys::window()?.navigator();
+        let has =
+            |object: &JsValue, name: &str| js_sys::Reflect::get(object, &name.into()).is_ok_and(|it| it.is_truthy());
+        // A page that did not come by https has none.
+        let can = has(&navigator, "mediaDevices") && has(&js_sys::global(), "AudioWorkletNode");
+        let devices = can.then(|| navigator.media_devices().ok()).flatten()?;
+        Some(Self { devices, shared: Rc::default() })
+    }
+}
+
+impl Sensor<Sound> for Microphone {
+    fn begin(&self, ctx: &Context, to: &Readings<Sound>) {
+        self.end();
+        let turn = self.shared.turn.get();
+        let (devices, shared, ctx, to) = (self.devices.clone(), Rc::clone(&self.shared), ctx.clone(), to.clone());
+        wasm_bindgen_futures::spawn_local(async move {
+            let stream = match stream(&devices).await {
+                Ok(stream) => stream,
+                Err(error) => return to.refuse(reason(&error), &ctx),
+            };
+            match Listening::begin(&stream, &ctx, &to).await {
+                Ok(listening) if shared.turn.get() == turn => *shared.listening.borrow_mut() = Some(listening),
+                Ok(_) => {}
+                Err(error) => {
+                    end(&stream);
+                    to.refuse(format!("The browser cannot listen ({})", words(&error)), &ctx);
+                }
+            }
+        });
+    }
+
+    fn end(&self) {
+        self.shared.turn.set(self.shared.turn.get().wrapping_add(1));
+        self.shared.listening.borrow_mut().take();
+    }
+
+    fn hint(&self) -> String {
+        "The browser may ask for permission.".to_owned()
+    }
+}
+
+/// The sound as it is: what makes speech clear would make a ring shorter and louder.
+async fn stream(devices: &MediaDevices) -> Result<MediaStream, JsValue> {
+    let track = MediaTrackConstraints::new();
+    for feature in ["echoCancellation", "noiseSuppression", "autoGainControl"] {
+        js_sys::Reflect::set(&track, &feature.into(), &JsValue::FALSE)?;
+    }
+    let constraints = MediaStreamConstraints::new();
+    constraints.set_audio(&track);
+    JsFuture::from(devices.get_user_media_with_constraints(&constraints)?).await?.dyn_into()
+}
+
+impl Listening {
+    async fn begin(stream: &MediaStream, ctx: &Context, to: &Readings<Sound>) -> Result<Self, JsValue> {
+        let context = AudioContext::new()?;
+        let to_close = Closing(Some(context.clone()));
+        JsFuture::from(context.audio_worklet()?.add_module(&format!("{WORKLET}{}", version()))?).await?;
+        let node = AudioWorkletNode::new(&context, PROCESSOR)?;
+        to.set_rate(f64::from(context.sample_rate()));
+        let messages = {
+            let (ctx, to) = (ctx.clone(), to.clone());
+            Closure::<dyn FnMut(MessageEvent)>::new(move |event: MessageEvent| {
+                if let Ok(samples) = event.data().dyn_into::<js_sys::Float32Array>() {
+                    to.put(&samples.to_vec(), &ctx);
+                }
+            })
+        };
+        node.port()?.set_onmessage(Some(messages.as_ref().unchecked_ref()));
+        context.create_media_stream_source(stream)?.connect_with_audio_node(&node)?;
+        // Safari's contexts sleep at first.
+        JsFuture::from(context.resume()?).await?;
+        to_close.keep();
+        Ok(Self { stream: stream.clone(), context, node, _messages: messages })
+    }
+}
+
+impl Drop for Listening {
+    fn drop(&mut self) {
+        if let Ok(port) = self.node.port() {
+            port.set_onmessage(None);
+        }
+        end(&self.stream);
+        self.context.close().ok();
+    }
+}
+
+/// Closes a context that was not begun.
+struct Closing(Option<AudioContext>);
+
+impl Closing {
+    fn keep(mut self) {
+        self.0 = None;
+    }
+}
+
+impl Drop for Closing {
+    fn drop(&mut self) {
+        if let Some(context) = &self.0 {
+            context.close().ok();
+        }
+    }
+}
+
+/// Gives the microphone back: the browser takes its sign away.
+fn end(stream: &MediaStream) {
+    for track in stream.get_tracks() {
+        if let Ok(track) = track.dyn_into::<MediaStreamTrack>() {
+            track.stop();
+        }
+    }
+}
+
+/// Why there is no sound, in a sentence without its full stop.
+fn reason(error: &JsValue) -> String {
+    match words(error).split(':').next().unwrap_or_default() {
+        "NotAllowedError" => "The browser was not allowed to hear the microphone".to_owned(),
+        "NotFoundError" => "This device has no microphone".to_owned(),
+        _ => format!("The microphone cannot be heard ({})", words(error)),
+    }
+}
+
+/// An error in the browser's words.
+fn words(error: &JsValue) -> String {
+    js_sys::Error::from(error.clone()).to_string().into()
+}
