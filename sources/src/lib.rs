@@ -47,9 +47,3 @@ pub fn open(name: &str) -> io::Result<Box<dyn BufRead + Send>> {
         _ => Box::new(BufReader::new(File::open(name)?)),
     })
 }
-
-/// Whether a name is that of a source that is no file.
-pub fn is_live(name: &str) -> bool {
-    let scheme = name.split_once(':').map(|(scheme, _)| scheme);
-    name == "-" || scheme.is_some_and(|scheme| ["tcp", "udp", "ws", "serial", "http"].contains(&scheme))
-}

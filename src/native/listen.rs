@@ -24,6 +24,7 @@ struct Shared(Mutex<Told>);
 #[derive(Default)]
 struct Told {
     lines: usize,
+    left_out: usize,
     /// Who wants the readings now.
     to: Option<(Context, Readings<Acceleration>)>,
 }
@@ -61,6 +62,7 @@ impl Shared {
             let readings = accelerations.readings();
             let mut told = self.told();
             told.lines += 1;
+            told.left_out = accelerations.left_out();
             if let Some((ctx, to)) = &told.to {
                 to.put(&readings, ctx);
             }
@@ -98,7 +100,8 @@ impl Sensor<Acceleration> for Listened {
     }
 
     fn hint(&self) -> String {
-        format!("{} lines have come from {}.", self.shared.told().lines, self.name)
+        let told = self.shared.told();
+        format!("{} lines have come from {}, {} of which told nothing.", told.lines, self.name, told.left_out)
     }
 }
 
