@@ -8,6 +8,11 @@ use kalmanscope_core::{Channel, EventError, EventFilter, Hold, InputKind, Quanti
 /// The time between two looks at where decays begin and end \[s\].
 const LOOK: f64 = 1.0;
 
+/// A decay is the same if it begins at the same time \[s\], and what is constant differs by this share of the noise, the axis by
+/// this angle at most.
+const SAME: f64 = 0.1;
+const SLIGHT: f64 = 0.1;
+
 /// A later decay agrees with what is known within this many standard deviations.
 const AGREES: f64 = 3.0;
 
@@ -71,7 +76,7 @@ impl Live {
                 self.known = self.after(&decay, &readings[..readings.partition_point(|reading| reading[0] <= end)]);
                 self.from = Some(end);
                 self.following = None;
-            } else if self.following.as_ref().is_none_or(|following| following.begin != decay.begin) {
+            } else if self.following.as_ref().is_none_or(|following| !following.is_on(&decay)) {
                 self.following = Following::new(&decay);
             }
         }
@@ -112,6 +117,14 @@ impl Live {
 }
 
 impl Following {
+    /// Whether it follows a decay as that is known by now. To begin again costs a pass over all readings.
+    fn is_on(&self, decay: &Decay) -> bool {
+        let cos: f64 = self.axis.iter().zip(&decay.axis).map(|(a, b)| a * b).sum();
+        (self.begin - decay.begin).abs() < SAME
+            && (self.gravity - decay.gravity).abs() < SLIGHT * decay.noise
+            && cos > 1.0 - 0.5 * SLIGHT * SLIGHT
+    }
+
     /// A filter with the start values of a decay. `None` if the decay gives none.
     fn new(decay: &Decay) -> Option<Self> {
         let dt = decay.times.get(1)? - decay.times.first()?;

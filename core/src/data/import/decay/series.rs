@@ -2,9 +2,10 @@
 
 use nalgebra::{Matrix4, Vector4};
 
-/// The share of half a swing, to either side, that a cubic follows; and the fewest readings to either side.
+/// The share of half a swing, to either side, that a cubic follows; and the fewest and the most readings to either side.
 const FOLLOWED: f64 = 1.0 / 3.0;
 const FEWEST: usize = 3;
+const MOST: usize = 12;
 
 /// A reading is on this side of the mean from this many standard deviations on.
 const CLEAR: f64 = 3.0;
@@ -17,7 +18,7 @@ const CLEAR: f64 = 3.0;
 pub(super) fn even(times: &[f64], values: &[f64], noise: f64) -> (f64, Vec<f64>) {
     let n = times.len();
     let dt = (times[n - 1] - times[0]) / (n - 1) as f64;
-    let side = ((FOLLOWED * half_swing(values, noise)) as usize).clamp(FEWEST, (n - 1) / 2);
+    let side = ((FOLLOWED * half_swing(values, noise)) as usize).clamp(FEWEST, MOST.min((n - 1) / 2));
     let mut nearest = vec![None; n];
     for (k, time) in times.iter().enumerate() {
         let steps = (time - times[0]) / dt;
