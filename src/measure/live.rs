@@ -13,6 +13,10 @@ const LOOK: f64 = 1.0;
 const SAME: f64 = 0.1;
 const SLIGHT: f64 = 0.1;
 
+/// The start values are those of so many samples, and a frame takes in so many readings: neither makes it long.
+const LOOKED_AT: usize = 1500;
+const AT_ONCE: usize = 1000;
+
 /// A later decay agrees with what is known within this many standard deviations.
 const AGREES: f64 = 3.0;
 
@@ -54,7 +58,7 @@ impl Live {
             self.look(readings, now);
         }
         if let Some(following) = &mut self.following
-            && !following.take(readings)
+            && !following.take(readings, AT_ONCE)
         {
             self.following = None;
         }
@@ -85,7 +89,8 @@ impl Live {
     /// What is known after a decay that has ended.
     fn after(&self, decay: &Decay, readings: &[[f64; 4]]) -> Option<[Band; 2]> {
         let mut following = Following::new(decay);
-        let estimates = following.as_mut().and_then(|one| one.take(readings).then(|| one.estimates()).flatten());
+        let estimates =
+            following.as_mut().and_then(|one| one.take(readings, usize::MAX).then(|| one.estimates()).flatten());
         estimates.map_or(self.known, |estimates| Some(self.together(estimates)))
     }
 
@@ -128,19 +133,20 @@ impl Following {
     /// A filter with the start values of a decay. `None` if the decay gives none.
     fn new(decay: &Decay) -> Option<Self> {
         let dt = decay.times.get(1)? - decay.times.first()?;
-        let input = Input { kind: InputKind::Force, hold: Hold::First, values: vec![0.0; decay.times.len()] };
-        let record = Record::new(dt, input, vec![(Quantity::ACCELERATION, decay.acceleration.clone())]).ok()?;
+        let first = &decay.acceleration[..decay.acceleration.len().min(LOOKED_AT)];
+        let input = Input { kind: InputKind::Force, hold: Hold::First, values: vec![0.0; first.len()] };
+        let record = Record::new(dt, input, vec![(Quantity::ACCELERATION, first.to_vec())]).ok()?;
         let scenario = suggest(&scenario_for(&record), &record).scenario;
         let filter = EventFilter::new(&scenario, 0).ok()?;
         let Decay { axis, gravity, begin, .. } = *decay;
         Some(Self { filter, axis, gravity, begin, taken: f64::NEG_INFINITY })
     }
 
-    /// Takes in the readings since the last one. Returns false if the filter has stopped.
-    fn take(&mut self, readings: &[[f64; 4]]) -> bool {
+    /// Takes in the readings since the last one, so many at most. Returns false if the filter has stopped.
+    fn take(&mut self, readings: &[[f64; 4]], most: usize) -> bool {
         let Self { filter, axis, gravity, begin, taken } = self;
         let first = readings.partition_point(|reading| reading[0] <= *taken || reading[0] < *begin);
-        for &[time, x, y, z] in &readings[first..] {
+        for &[time, x, y, z] in readings[first..].iter().take(most) {
             let along = axis[0] * x + axis[1] * y + axis[2] * z - *gravity;
             match filter.take(time, f64::NAN, &[along]) {
                 Ok(_) => *taken = time,
