@@ -96,9 +96,17 @@ pub(crate) async fn stream(page: &Page, rate: u32) {
     tokio::time::sleep(Duration::from_secs(10)).await;
 }
 
+/// White noise from -1/2 to 1/2. Source: Steele, Lea and Flood (2014), Fast splittable pseudorandom number generators (its mix).
+fn noise(k: u32) -> f64 {
+    let mut bits = (u64::from(k) + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    for factor in [0xbf58_476d_1ce4_e5b9, 0x94d0_49bb_1331_11eb] {
+        bits = (bits ^ (bits >> 29)).wrapping_mul(factor);
+    }
+    (bits >> 40) as f64 / f64::from(1 << 24) - 0.5
+}
+
 /// A sound for the browser's microphone: a fork of 440 Hz with a damping of 0.05 % and a second mode, struck after a second.
 pub(crate) fn fork(folder: &Path) -> PathBuf {
-    let noise = |n: u32| f64::from(n.wrapping_mul(2_654_435_761) >> 8) / f64::from(1 << 24) - 0.5;
     let sample = |k: u32| {
         let since = f64::from(k) / 48_000.0 - 1.0;
         let mode = |hertz: f64, damping: f64| {

@@ -89,9 +89,17 @@ fn a_decay_is_measured_and_identified() {
     }
 }
 
+/// White noise from -1/2 to 1/2. Source: Steele, Lea and Flood (2014), Fast splittable pseudorandom number generators (its mix).
+fn noise(k: u32) -> f64 {
+    let mut bits = (u64::from(k) + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    for factor in [0xbf58_476d_1ce4_e5b9, 0x94d0_49bb_1331_11eb] {
+        bits = (bits ^ (bits >> 29)).wrapping_mul(factor);
+    }
+    (bits >> 40) as f64 / f64::from(1 << 24) - 0.5
+}
+
 /// A thing that rings at 523 Hz with a damping of 0.06 % after a second of silence, and a second mode.
 fn ring() -> Vec<Sound> {
-    let noise = |n: u32| f64::from(n.wrapping_mul(2_654_435_761) >> 8) / f64::from(1 << 24) - 0.5;
     let mode = |t: f64, hertz: f64, damping: f64| {
         let w = TAU * hertz;
         (-damping * w * t).exp() * (w * t).sin()

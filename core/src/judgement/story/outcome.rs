@@ -24,8 +24,9 @@ const SURE: f64 = 3.0;
 /// The motion turns by this angle in a long step \[rad\].
 const LONG_STEP: f64 = 0.5;
 
-/// Innovations behind a band have at least this share of the power that the band leaves noise.
-const LEAST_BEHIND: f64 = 0.85;
+/// Innovations behind a band have at least this share of the power that the band leaves white noise: noise may have colours, and R
+/// is then that about the line.
+const LEAST_BEHIND: f64 = 0.5;
 
 /// Limits the further parameters of a record without a truth.
 const OTHERS: usize = 2;
