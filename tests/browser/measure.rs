@@ -9,7 +9,7 @@ use kalmanscope_core::import::wav;
 use crate::page::Page;
 
 /// Limits the time until something is there.
-const PATIENCE: Duration = Duration::from_secs(30);
+const PATIENCE: Duration = Duration::from_secs(120);
 
 /// Half a minute of a swing of 6 rad/s with 1 % damping beside gravity, after two seconds of rest: what a phone's browser tells.
 const SWING: &str = "(() => {
@@ -122,21 +122,28 @@ pub(crate) fn fork(folder: &Path) -> PathBuf {
     path
 }
 
+/// A busy machine may drop some of the sound: it listens so often at most.
+const ATTEMPTS: usize = 3;
+
 /// Listens to what the browser's microphone tells, and finds the parameters of the fork.
 pub(crate) async fn a_ring_is_identified(page: &Page, picture: &Path) {
-    page.tap("Scenario").await;
-    page.tap("Measure with this device…").await;
-    page.tap("It rings").await;
-    page.tap("Begin to listen").await;
-    tokio::time::sleep(Duration::from_secs(8)).await;
-    page.settle().await;
-    std::fs::write(picture, page.screenshot().await).expect("a picture can be written");
-    page.tap("Stop and identify").await;
-    let [frequency, damping] = identified(page).await;
-    std::fs::write(picture.with_file_name("phone-heard.png"), page.screenshot().await)
-        .expect("a picture can be written");
-    assert!(
-        (frequency / TAU / 440.0 - 1.0).abs() < 0.002 && (damping / 5e-4 - 1.0).abs() < 0.15,
-        "{frequency} {damping}"
-    );
+    let mut found = [0.0; 2];
+    for _ in 0..ATTEMPTS {
+        page.tap("Scenario").await;
+        page.tap("Measure with this device…").await;
+        page.tap("It rings").await;
+        page.tap("Begin to listen").await;
+        tokio::time::sleep(Duration::from_secs(8)).await;
+        page.settle().await;
+        std::fs::write(picture, page.screenshot().await).expect("a picture can be written");
+        page.tap("Stop and identify").await;
+        found = identified(page).await;
+        std::fs::write(picture.with_file_name("phone-heard.png"), page.screenshot().await)
+            .expect("a picture can be written");
+        let [frequency, damping] = found;
+        if (frequency / TAU / 440.0 - 1.0).abs() < 0.002 && (damping / 5e-4 - 1.0).abs() < 0.15 {
+            return;
+        }
+    }
+    panic!("{found:?}, {ATTEMPTS} times");
 }
