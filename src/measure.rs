@@ -19,7 +19,7 @@ use crate::theme::Palette;
 /// The width of the window, if there is room \[points\].
 const WIDTH: f32 = 460.0;
 
-/// The height of the curve of what comes in \[points\].
+/// The height of the curve that shows the readings \[points\].
 const CURVE: f32 = 120.0;
 
 /// A sensor is still silent after this time \[s\].
@@ -28,7 +28,7 @@ const PATIENCE: f64 = 3.0;
 /// The size of the estimates \[points\].
 const LARGE: f32 = 26.0;
 
-/// What measures with a sensor of the device.
+/// A way to measure with one sensor of the device.
 trait Instrument {
     /// Its name for the choice among several.
     fn name(&self) -> &'static str;
@@ -47,7 +47,7 @@ trait Instrument {
     /// Why the sensor tells nothing.
     fn refusal(&self) -> Option<String>;
 
-    /// What has come so far, after some seconds.
+    /// Shows what has come in, `since` seconds after the beginning.
     fn running_ui(&mut self, ui: &mut Ui, since: f64, palette: &Palette);
 
     /// The file of what was measured, or the reason why nothing can be identified.
@@ -57,7 +57,7 @@ trait Instrument {
 /// A measurement.
 pub(crate) struct Measure {
     instruments: Vec<Box<dyn Instrument>>,
-    /// The one that is chosen.
+    /// The place of the instrument that the user has chosen.
     chosen: usize,
     stage: Stage,
 }
@@ -157,7 +157,7 @@ impl Measure {
     }
 }
 
-/// What is said before the first reading.
+/// Says that no reading has come yet, and after a while what may be the reason.
 fn waiting_ui(ui: &mut Ui, since: f64, text: &str, hint: &str) {
     if since < PATIENCE {
         ui.label(text);

@@ -17,7 +17,7 @@ pub trait Sensor<T> {
     fn hint(&self) -> String;
 }
 
-/// A kind of reading.
+/// A reading of some kind of sensor.
 pub trait Reading: Copy {
     /// Limits the readings of one measurement.
     const MOST: usize;
@@ -54,13 +54,13 @@ impl Sensors {
     }
 }
 
-/// What a sensor tells; copies share it.
+/// Readings that a sensor puts in and a window takes out; copies share them.
 pub struct Readings<T>(Arc<Mutex<Told<T>>>);
 
-/// What was told so far.
+/// The readings of a measurement so far.
 pub(crate) struct Told<T> {
     pub(crate) readings: Vec<T>,
-    /// The readings a second, of a sensor that says so.
+    /// How many readings come in a second, if the sensor says so.
     pub(crate) rate: Option<f64>,
     /// Why there are none, or no more.
     pub(crate) refusal: Option<String>,

@@ -1,15 +1,15 @@
 //! What the accelerometer of a phone tells of a free decay, from its raw readings to the parameters.
 
+#[path = "common/identified.rs"]
+mod identified;
 #[path = "common/random.rs"]
 mod random;
 
-use std::sync::Arc;
-
 use kalmanscope_core::diagnostics::Depth;
-use kalmanscope_core::import::{Builder, Decay, Mapping, NoDecay, ThreeAxes, read};
-use kalmanscope_core::suggest::{scenario_for, suggest};
-use kalmanscope_core::{Analysis, Channel, Hold, Run, Story, Summary, VerdictKind, Wanted};
+use kalmanscope_core::import::{Decay, NoDecay, Table, ThreeAxes, read};
+use kalmanscope_core::{Analysis, Story, Summary, VerdictKind, Wanted};
 
+use identified::identified;
 use random::Random;
 
 /// An oscillator with a phone on it, and the phone.
@@ -85,28 +85,8 @@ impl Phone {
     }
 }
 
-/// The last estimates of the first filter that the importer makes of a decay: ωₙ, ζ and their standard deviations.
-fn identified(decay: &Decay) -> [(f64, f64); 2] {
-    believed(decay).0
-}
-
-/// The same, and the verdict on it.
-fn believed(decay: &Decay) -> ([(f64, f64); 2], Option<VerdictKind>) {
-    let table = read(decay.csv().into_bytes(), None).expect("it is a table");
-    let (mapping, kind) = Mapping::guess(&table);
-    let imported = Builder::new(&table, &mapping, kind, Hold::First).and_then(Builder::finish).expect("it is a record");
-    let mut scenario = suggest(&scenario_for(&imported.record), &imported.record).scenario;
-    scenario.filters.truncate(1);
-    let record = Arc::new(imported.record);
-    let mut run = Run::on_record(&scenario, Arc::clone(&record)).expect("it can be run");
-    run.finish();
-    let estimates = &run.estimates()[0];
-    let last = estimates.len() - 1;
-    let found = [Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO].map(|channel| {
-        let place = estimates.place(channel).expect("it is estimated");
-        (estimates.canonical_mean(last, place), estimates.std(last, place))
-    });
-    (found, Summary::new(estimates, &record).verdict.map(|verdict| verdict.kind))
+fn as_table(decay: &Decay) -> Table {
+    read(decay.csv().into_bytes(), None).expect("it is a table")
 }
 
 /// Situations and seeds were not looked at while the limits in `import/decay.rs` were chosen.
@@ -122,7 +102,8 @@ fn frequency_and_damping_are_found_from_a_phone_that_was_plucked() {
         ] {
             let phone = Phone { seed, frequency, damping, rate, jitter, noise, grain, seconds: 40.0, ..USUAL };
             let decay = Decay::of(&phone.readings()).expect("it swings");
-            let ([(frequency_found, frequency_std), (damping_found, damping_std)], verdict) = believed(&decay);
+            let ([(frequency_found, frequency_std), (damping_found, damping_std)], run) = identified(&as_table(&decay));
+            let verdict = Summary::new(&run.estimates()[0], run.record()).verdict.map(|verdict| verdict.kind);
             let (found, spread) = ([frequency_found, damping_found], [frequency_std, damping_std]);
             let name = format!("seed {seed}, {frequency} rad/s, {damping}: {found:?} ± {spread:?}");
             assert!((found[0] / frequency - 1.0).abs() < 0.002, "{name}");
@@ -178,7 +159,7 @@ fn every_pluck_is_found_and_the_hand_that_takes_the_phone_spoils_none() {
         );
         assert!(decays[0].begin + decays[0].seconds() <= 15.0 && decays[1].begin > 15.0, "seed {seed}");
         for decay in &decays {
-            let [(frequency, _), (damping, _)] = identified(decay);
+            let [(frequency, _), (damping, _)] = identified(&as_table(decay)).0;
             assert!((frequency / twice.frequency - 1.0).abs() < 0.005, "seed {seed}: {frequency}");
             assert!((damping / twice.damping - 1.0).abs() < 0.15, "seed {seed}: {damping}");
         }
@@ -197,7 +178,7 @@ fn every_pluck_is_found_and_the_hand_that_takes_the_phone_spoils_none() {
         let decay = Decay::of(&readings).unwrap_or_else(|error| panic!("seed {seed}: {error}"));
         let end = decay.begin + decay.seconds();
         assert!(decay.begin < 3.5 && (17.0..20.1).contains(&end), "seed {seed}: from {} to {end} s", decay.begin);
-        let [(frequency, _), (damping, _)] = identified(&decay);
+        let [(frequency, _), (damping, _)] = identified(&as_table(&decay)).0;
         assert!((frequency / phone.frequency - 1.0).abs() < 0.002, "seed {seed}: {frequency}");
         assert!((damping / phone.damping - 1.0).abs() < 0.15, "seed {seed}: {damping}");
     }
@@ -269,7 +250,7 @@ fn the_files_of_apps_and_loggers_have_the_same_decay() {
         let table = read(text.into_bytes(), None).unwrap_or_else(|error| panic!("file {place}: {error}"));
         let axes = ThreeAxes::of(&table).unwrap_or_else(|| panic!("file {place}: {:?}", table.columns));
         let decay = axes.decay(&table).unwrap_or_else(|error| panic!("file {place}: {error}"));
-        let [(frequency, _), (damping, _)] = identified(&decay);
+        let [(frequency, _), (damping, _)] = identified(&as_table(&decay)).0;
         assert!((frequency / 7.4 - 1.0).abs() < 0.002, "file {place}: {frequency}");
         assert!((damping / 0.01 - 1.0).abs() < 0.15, "file {place}: {damping}");
     }
@@ -284,14 +265,9 @@ fn the_files_of_apps_and_loggers_have_the_same_decay() {
 fn a_decay_is_told_in_the_words_of_a_hall() {
     let phone = Phone { seed: 5, frequency: 6.0, damping: 0.01, ..USUAL };
     let decay = Decay::of(&phone.readings()).expect("it swings");
-    let table = read(decay.csv().into_bytes(), None).expect("it is a table");
-    let (mapping, kind) = Mapping::guess(&table);
-    let imported = Builder::new(&table, &mapping, kind, Hold::First).and_then(Builder::finish).expect("it is a record");
-    let scenario = suggest(&scenario_for(&imported.record), &imported.record).scenario;
-    let mut run = Run::on_record(&scenario, Arc::new(imported.record)).expect("it can be run");
-    run.finish();
+    let (_, run) = identified(&as_table(&decay));
     let analysis = Analysis::new(&run, Wanted { diagnostics: Some(Depth::All), ..Wanted::default() });
-    let diagnoses: Vec<_> = (0..scenario.filters.len()).map(|place| analysis.diagnosis(place)).collect();
+    let diagnoses: Vec<_> = (0..run.estimates().len()).map(|place| analysis.diagnosis(place)).collect();
     let story = Story::of(&run, analysis.diagnostics(), &diagnoses).to_string();
     // T = 2π / 6, t½ = ln 2 / 0.06, Q = 50, δ = 2π 0.01.
     for (before, expected) in

@@ -1,17 +1,18 @@
 //! What a microphone tells of a thing that was struck, from the sound's file to the parameters.
 
+#[path = "common/identified.rs"]
+mod identified;
 #[path = "common/random.rs"]
 mod random;
 
 use std::f64::consts::TAU;
 use std::io::Cursor;
-use std::sync::Arc;
 
 use kalmanscope_core::diagnostics::Depth;
-use kalmanscope_core::import::{Builder, ImportError, Imported, Mapping, Ring, Table, read};
-use kalmanscope_core::suggest::{scenario_for, suggest};
-use kalmanscope_core::{Analysis, Channel, Hold, Run, Scenario, Story, Wanted};
+use kalmanscope_core::import::{ImportError, Mapping, Ring, read};
+use kalmanscope_core::{Analysis, Run, Scenario, Story, Wanted};
 
+use identified::identified;
 use random::Random;
 
 /// Something that rings, and the room.
@@ -83,28 +84,6 @@ impl Sound {
         writer.finalize().expect("memory");
         bytes.into_inner()
     }
-}
-
-fn imported(table: &Table) -> Imported {
-    let (mapping, kind) = Mapping::guess(table);
-    Builder::new(table, &mapping, kind, Hold::First).and_then(Builder::finish).expect("it is a record")
-}
-
-/// The last ωₙ and ζ of the first filter that the importer makes, with their standard deviations.
-fn identified(table: &Table) -> ([(f64, f64); 2], Run) {
-    let record = imported(table).record;
-    let mut scenario = scenario_for(&record);
-    scenario.record = Some(Mapping::guess(table).0);
-    let scenario = suggest(&scenario, &record).scenario;
-    let mut run = Run::on_record(&scenario, Arc::new(record)).expect("it can be run");
-    run.finish();
-    let estimates = &run.estimates()[0];
-    let last = estimates.len() - 1;
-    let found = [Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO].map(|channel| {
-        let place = estimates.place(channel).expect("it is estimated");
-        (estimates.canonical_mean(last, place), estimates.std(last, place))
-    });
-    (found, run)
 }
 
 #[test]

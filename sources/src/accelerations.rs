@@ -17,13 +17,13 @@ pub struct Accelerations {
     waiting: Vec<Vec<f64>>,
     meaning: Option<Meaning>,
     readings: Vec<[f64; 4]>,
-    /// The lines that were left out.
+    /// The number of lines that were left out.
     left_out: usize,
 }
 
 struct Meaning {
     axes: ThreeAxes,
-    /// The cells of a row, with the time of arrival.
+    /// The number of cells in a row, the time of arrival among them.
     width: usize,
     first: f64,
 }
@@ -54,6 +54,10 @@ impl Accelerations {
                 (self.names, self.waiting) = (Some(names), Vec::new());
             }
             Cells::Names(_) => self.left_out += 1,
+            // An object with other keys has its numbers elsewhere.
+            Cells::Numbers(_, Some(names)) if self.names.as_ref().is_some_and(|known| *known != names) => {
+                self.left_out += 1;
+            }
             Cells::Numbers(mut row, names) => {
                 row.push(arrival);
                 if self.meaning.is_none() && self.names.is_none() {
@@ -179,6 +183,18 @@ mod tests {
                 assert!(close, "{k}: {t} {x} {y} {z} in {}", lines[0]);
             }
         }
+    }
+
+    #[test]
+    fn the_keys_of_objects_come_in_any_order_and_objects_with_others_are_left_out() {
+        let object = |k: usize| match k {
+            7 => "{\"t\": 0.14, \"x\": 1, \"y\": 2, \"temperature\": 20}".to_owned(),
+            k if k % 2 == 0 => format!("{{\"t\": {}, \"x\": 1, \"y\": 2, \"z\": 9}}", 0.02 * k as f64),
+            k => format!("{{\"z\": 9, \"y\": 2, \"t\": {}, \"x\": 1}}", 0.02 * k as f64),
+        };
+        let readings = read((0..50).map(object)).expect("they are accelerations");
+        assert_eq!(readings.len(), 49);
+        assert!(readings.iter().all(|[_, axes @ ..]| *axes == [1.0, 2.0, 9.0]), "{readings:?}");
     }
 
     #[test]

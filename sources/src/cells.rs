@@ -2,11 +2,11 @@
 
 use kalmanscope_core::Document;
 
-/// What a line has.
+/// The contents of a line.
 pub(crate) enum Cells {
     Nothing,
     Names(Vec<String>),
-    /// Numbers, with their names in an object.
+    /// Numbers. Those of an object have names and are in the order of these.
     Numbers(Vec<f64>, Option<Vec<String>>),
 }
 
@@ -31,7 +31,10 @@ fn object(text: &str) -> Cells {
         Document::Integer(number) => Some((key, number as f64)),
         _ => None,
     };
-    let (names, numbers) = entries.into_iter().filter_map(number).unzip();
+    let mut numbers: Vec<(String, f64)> = entries.into_iter().filter_map(number).collect();
+    // Objects may have their keys in any order.
+    numbers.sort_by(|a, b| a.0.cmp(&b.0));
+    let (names, numbers) = numbers.into_iter().unzip();
     Cells::Numbers(numbers, Some(names))
 }
 

@@ -9,7 +9,7 @@ use tungstenite::{Error, Message, WebSocket};
 
 use crate::line::{LONGEST, Pieces};
 
-/// What a server tells.
+/// A connection to a server, whose messages are read as lines.
 pub(crate) struct Messages {
     socket: WebSocket<MaybeTlsStream<TcpStream>>,
     pieces: Pieces,

@@ -24,7 +24,7 @@ pub struct Draft {
     pub plant: PlantKind,
     /// Whether start values are made from the data.
     pub suggest: bool,
-    /// What is said of a sound.
+    /// A sentence about a file that is a sound.
     pub(super) remark: Option<String>,
     /// The scenario that goes on with another meaning of the columns, if there is one.
     base: Option<Scenario>,

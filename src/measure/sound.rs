@@ -33,11 +33,13 @@ pub(super) struct Listener {
     /// The samples at the last look at what rings.
     looked: usize,
     ring: Option<Ring>,
+    /// Whether its peaks were cut off at the last look.
+    is_cut_off: bool,
 }
 
 impl Listener {
     pub(super) fn new(device: Rc<dyn Sensor<Sound>>) -> Self {
-        Self { device, readings: Readings::default(), looked: 0, ring: None }
+        Self { device, readings: Readings::default(), looked: 0, ring: None, is_cut_off: false }
     }
 }
 
@@ -58,7 +60,7 @@ impl Instrument for Listener {
     }
 
     fn begin(&mut self, ctx: &Context) {
-        (self.readings, self.looked, self.ring) = (Readings::default(), 0, None);
+        *self = Self::new(Rc::clone(&self.device));
         self.device.begin(ctx, &self.readings);
     }
 
@@ -80,8 +82,9 @@ impl Instrument for Listener {
         let latest = |seconds: f64| &told.readings[count.saturating_sub((seconds * rate) as usize)..];
         if (count - self.looked.min(count)) as f64 >= LOOK * rate {
             self.looked = count;
+            self.is_cut_off = latest(LOOKED_AT).iter().filter(|x| x.abs() > LOUDEST).count() > FEW;
             let samples: Vec<f64> = latest(LOOKED_AT).iter().map(|x| f64::from(*x)).collect();
-            // What has rung before stays on screen.
+            // The last ring stays on screen when a look finds none.
             self.ring = Ring::in_samples(rate, &samples).or(self.ring);
         }
         let (rect, _) = ui.allocate_exact_size(Vec2::new(ui.available_width(), CURVE), egui::Sense::hover());
@@ -93,7 +96,7 @@ impl Instrument for Listener {
             }
             None => _ = ui.label(RichText::new("Strike it once: its pitch comes while it rings.").color(palette.weak)),
         }
-        if latest(LOOKED_AT).iter().filter(|x| x.abs() > LOUDEST).count() > FEW {
+        if self.is_cut_off {
             ui.colored_label(
                 palette.warning,
                 "It is too loud: its peaks are cut off. Strike more softly, or further away.",

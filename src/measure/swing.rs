@@ -54,7 +54,7 @@ impl Instrument for Swing {
     }
 
     fn begin(&mut self, ctx: &Context) {
-        (self.readings, self.live, self.health) = (Readings::default(), Live::default(), Health::default());
+        *self = Self::new(Rc::clone(&self.device));
         self.device.begin(ctx, &self.readings);
     }
 
@@ -105,7 +105,7 @@ impl Instrument for Swing {
     }
 }
 
-/// What is known while it swings.
+/// Shows frequency and damping while it swings.
 fn estimates_ui(ui: &mut Ui, estimates: Option<[Band; 2]>, palette: &Palette) {
     let Some([frequency, damping]) = estimates else {
         ui.label(

@@ -20,12 +20,11 @@ pub(super) struct Listened {
 #[derive(Default)]
 struct Shared(Mutex<Told>);
 
-/// What the source has told.
+/// The count of the lines so far, and the window that wants their readings.
 #[derive(Default)]
 struct Told {
     lines: usize,
     left_out: usize,
-    /// Who wants the readings now.
     to: Option<(Context, Readings<Acceleration>)>,
 }
 
@@ -34,7 +33,7 @@ impl Shared {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Says why there are no readings, to whom wants them and has none.
+    /// Tells the window that waits for readings, and has none, why there are none.
     fn refuse(&self, reason: String) {
         if let Some((ctx, to)) = &self.told().to
             && to.count() == 0

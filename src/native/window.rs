@@ -19,7 +19,7 @@ use super::{file_dialog, team};
 /// The name of the program among the system's, and of the folder of its state.
 const ID: &str = "kalmanscope";
 
-/// What the window begins with.
+/// The things that the window opens first.
 #[derive(Default)]
 pub(super) struct Beginning {
     /// An address that is opened.

@@ -27,7 +27,7 @@ pub(super) struct Microphone {
 
 #[derive(Default)]
 struct Shared {
-    /// What listens now.
+    /// The worklet of the measurement that runs.
     listening: RefCell<Option<Listening>>,
     /// Counts beginnings and ends: an answer that comes after an end begins nothing.
     turn: Cell<u32>,
@@ -147,7 +147,7 @@ impl Drop for Closing {
     }
 }
 
-/// Gives the microphone back: the browser takes its sign away.
+/// Gives the microphone back, so that the browser no longer shows that the page listens.
 fn end(stream: &MediaStream) {
     for track in stream.get_tracks() {
         if let Ok(track) = track.dyn_into::<MediaStreamTrack>() {

@@ -71,7 +71,7 @@ pub fn scenario_for(record: &Record) -> Scenario {
     scenario
 }
 
-/// From this share on, all frequencies are let through.
+/// An import that lets this share of the frequencies through has no filter.
 const WHOLE: f64 = 0.99;
 
 /// A free run is better if its error is at most this share of the other's.
@@ -201,7 +201,7 @@ impl Suggestion {
     fn substeps(&mut self, record: &Record) {
         /// The angle by which an oscillator should turn at most in one step \[rad\].
         const MOST: f64 = 0.2;
-        /// A small share.
+        /// An error of a step may have this share of what the record tells.
         const SMALL: f64 = 0.03;
         let (kind, input) = (self.scenario.plant.kind, self.scenario.input);
         let mut most = 1;

@@ -7,8 +7,8 @@ use crate::mathematics::fourier::Transform;
 /// The ring of one mode in a sound: a glass, a tuning fork, a ruler on the edge of a table.
 ///
 /// A blow is the loudest block. The pitch is the strongest line after it that was not there before. The ring begins some swings
-/// after the blow, and ends where its line is lost in the noise or grows again. The band keeps noise white about the pitch and
-/// leaves other lines out: a filter that runs forward and backward leaves a decay what it is. At least five samples a swing are
+/// after the blow, and ends where its line is lost in the noise or grows again. The band leaves
+/// other lines out: a filter that runs forward and backward leaves a decay what it is. At least five samples a swing are
 /// kept.
 ///
 /// Source: Ewins (2000), *Modal Testing*, section 4.3 (one mode in a band); Harris (1978), On the use of windows for harmonic
@@ -74,7 +74,7 @@ impl Ring {
         let blocks: Vec<f64> = values.chunks_exact(block).map(loudness).collect();
         let blow = (0..blocks.len()).max_by(|&a, &b| blocks[a].total_cmp(&blocks[b]))? * block;
         let after = values.get(blow + 2 * block..)?;
-        // The block before the loudest one may have its beginning.
+        // The blow may begin in the block before the loudest one.
         let before = &values[..blow.saturating_sub(2 * block)];
         let spectrum = Spectrum::of(rate, after)?;
         let silence = Spectrum::of(rate, &before[before.len().saturating_sub(SPECTRUM)..]);
@@ -96,7 +96,7 @@ impl Ring {
         ((part[1] - part[0]) * pitch >= FEWEST).then_some(Self { pitch, part, band, every })
     }
 
-    /// What is said of a table that is a sound: its ring, or that it has none.
+    /// A sentence about a table that is a sound: its ring, or that it has none. `None` for any other table.
     pub fn remark(table: &Table) -> Option<String> {
         first_channel(table)?;
         let Some(Self { pitch, part: [from, to], band: [low, high], every }) = Self::of(table) else {
@@ -122,7 +122,7 @@ impl Ring {
 fn ring(sizes: &[f64], blow: usize) -> Option<[usize; 2]> {
     let begin = blow + 2;
     let largest = *sizes.get(begin)?;
-    // Before the blow is silence; without that, at the end.
+    // The noise is measured in the silence before the blow, or at the end if there is none.
     let silence = if blow > 5 { &sizes[..blow - 1] } else { &sizes[sizes.len() - (sizes.len() / 5).max(1)..] };
     let mut silence = silence.to_vec();
     silence.sort_by(f64::total_cmp);
