@@ -290,6 +290,7 @@ impl eframe::App for App {
         let is_held = ctx.input(|input| input.pointer.any_down());
         self.session.hold(is_held);
         self.session.rest(if is_held { 0.0 } else { elapsed });
+        self.follow_measure(ctx);
         self.session.advance(elapsed);
         self.follow_import(ctx);
         self.follow_laboratory(ctx);

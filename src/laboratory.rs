@@ -148,7 +148,11 @@ impl Laboratory {
                 self.state.fail(problem);
             }
             Ok(choice) => {
-                let source = run.source();
+                let source = match (&self.survey, run.source()) {
+                    (Some(survey), source) => survey.steady(source),
+                    (None, Source::Live(record)) => Source::Measured(record),
+                    (None, source) => source,
+                };
                 if !self.survey.as_ref().is_some_and(|survey| survey.is_of(run.scenario(), &source, &choice)) {
                     self.begin(run, source, &choice);
                 }

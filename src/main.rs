@@ -40,10 +40,11 @@ mod native {
     /// The file of the plots if there is no display.
     const REPORT: &str = "kalmanscope-report.svg";
 
-    const USAGE: &str = "usage: kalmanscope [LINK or FILE]\n       kalmanscope --listen SOURCE\n\nLINK is an address with #link=…, ?lesson=NAME or \
+    const USAGE: &str = "usage: kalmanscope [LINK or FILE]\n       kalmanscope --listen SOURCE [SCENARIO.toml]\n\nLINK is an address with #link=…, ?lesson=NAME or \
                          ?scenario=NAME; FILE is a measured record, a scenario or a lesson. SOURCE tells lines with a time and three \
                          accelerations, such as serial:/dev/ttyUSB0?baud=115200, http://PHONE:8080 (phyphox), tcp://HOST:PORT, \
-                         udp://HOST:PORT, ws://HOST:PORT, or - for standard input.";
+                         udp://HOST:PORT, ws://HOST:PORT, or - for standard input; with a scenario its filters follow the time, \
+                         the input and the readings of its sensors, under a header such as `t,force,displacement`.";
 
     /// The exit code for an argument that cannot be used.
     const INVALID: u8 = 2;
@@ -54,9 +55,18 @@ mod native {
         let mut argument = arguments.next();
         let mut beginning = Beginning::default();
         if argument.as_deref() == Some("--listen") {
-            beginning.source = arguments.next();
             // Without a source, the usage is told.
-            argument = argument.filter(|_| beginning.source.is_none());
+            if let Some(source) = arguments.next() {
+                argument = None;
+                let scenario = arguments.next().map(|file| read_scenario(&file)).transpose();
+                match scenario {
+                    Ok(scenario) => beginning.source = Some((source, scenario)),
+                    Err(error) => {
+                        eprintln!("error: {error}");
+                        return ExitCode::from(INVALID);
+                    }
+                }
+            }
         }
         beginning.file = argument.as_deref().map(Path::new).filter(|path| path.is_file()).map(Path::to_owned);
         beginning.address = argument.filter(|_| beginning.file.is_none());
@@ -86,6 +96,13 @@ mod native {
                 ExitCode::FAILURE
             }
         }
+    }
+
+    fn read_scenario(file: &str) -> Result<Scenario, String> {
+        let text = std::fs::read_to_string(file).map_err(|error| format!("{file} cannot be read: {error}"))?;
+        let scenario = Scenario::from_toml(&text).map_err(|error| format!("{file}: {error}"))?;
+        scenario.validate().map_err(|error| format!("{file}: {error}"))?;
+        Ok(scenario)
     }
 
     /// The report for a machine without a display: a table, and the plots as a file.
@@ -144,6 +161,7 @@ mod web {
         Sensors {
             accelerometer: Motion::of_page(ctx).map(|motion| Rc::new(motion) as Rc<_>),
             microphone: Microphone::of_page().map(|microphone| Rc::new(microphone) as Rc<_>),
+            stream: None,
         }
     }
 

@@ -3,11 +3,17 @@
 mod health;
 mod live;
 mod sound;
+mod stream;
 mod swing;
 
+use std::sync::Arc;
+use std::time::Duration;
+
 use egui::{Align2, Button, Context, Key, RichText, Ui, Vec2, Window};
+use kalmanscope_core::{Record, Scenario};
 
 use sound::Listener;
+use stream::Stream;
 use swing::Swing;
 
 use crate::probe;
@@ -25,6 +31,9 @@ const CURVE: f32 = 120.0;
 /// A sensor is still silent after this time \[s\].
 const PATIENCE: f64 = 3.0;
 
+/// What is measured is looked at so often at least.
+const AT_LEAST: Duration = Duration::from_millis(100);
+
 /// The size of the estimates \[points\].
 const LARGE: f32 = 26.0;
 
@@ -35,6 +44,11 @@ trait Instrument {
 
     /// The words of the button that begins.
     fn beginning(&self) -> &'static str;
+
+    /// The words of the button that ends.
+    fn ending(&self) -> &'static str {
+        "Stop and identify"
+    }
 
     /// What to do, in sentences.
     fn directions(&self) -> &'static [&'static str];
@@ -47,11 +61,23 @@ trait Instrument {
     /// Why the sensor tells nothing.
     fn refusal(&self) -> Option<String>;
 
+    /// Takes in what has come.
+    fn follow(&mut self) {}
+
+    /// The scenario and the growing record of what is measured, if filters can be watched on it.
+    fn watched(&self) -> Option<(&Scenario, &Arc<Record>)> {
+        None
+    }
+
+    /// Shows what is known, in little room.
+    fn few_ui(&mut self, _: &mut Ui, _: &Palette) {}
+
     /// Shows what has come in, `since` seconds after the beginning.
     fn running_ui(&mut self, ui: &mut Ui, since: f64, palette: &Palette);
 
-    /// The file of what was measured, or the reason why nothing can be identified.
-    fn file(&self) -> Result<RawFile, String>;
+    /// The file of what was measured, to be imported, or the reason why nothing can be identified. `None` if the record that is
+    /// watched is all there is.
+    fn file(&self) -> Option<Result<RawFile, String>>;
 }
 
 /// A measurement.
@@ -60,6 +86,18 @@ pub(crate) struct Measure {
     /// The place of the instrument that the user has chosen.
     chosen: usize,
     stage: Stage,
+    /// Whether the explorer shows the record in place of the window.
+    is_watched: bool,
+    /// The scenario that it shows.
+    shown: Option<Scenario>,
+}
+
+/// What is new in a record that is watched.
+pub(crate) enum News {
+    /// It is another one, under this scenario.
+    Another(Box<Scenario>, Arc<Record>),
+    /// It goes on.
+    Longer(Arc<Record>),
 }
 
 enum Stage {
@@ -74,11 +112,89 @@ enum Stage {
 impl Measure {
     /// A measurement with one of some sensors. `None` if there are none.
     pub(crate) fn new(sensors: &Sensors) -> Option<Self> {
-        let Sensors { accelerometer, microphone } = sensors.clone();
+        let Sensors { accelerometer, microphone, stream } = sensors.clone();
         let swing = accelerometer.map(|device| Box::new(Swing::new(device)) as Box<dyn Instrument>);
         let listener = microphone.map(|device| Box::new(Listener::new(device)) as Box<dyn Instrument>);
-        let instruments: Vec<_> = swing.into_iter().chain(listener).collect();
-        (!instruments.is_empty()).then_some(Self { instruments, chosen: 0, stage: Stage::Ready })
+        let stream = stream.map(|(device, scenario)| Box::new(Stream::new(device, &scenario)) as Box<dyn Instrument>);
+        let instruments: Vec<_> = stream.into_iter().chain(swing).chain(listener).collect();
+        (!instruments.is_empty()).then_some(Self {
+            instruments,
+            chosen: 0,
+            stage: Stage::Ready,
+            is_watched: false,
+            shown: None,
+        })
+    }
+
+    /// Begins with the first instrument, whose record is watched as soon as there is one.
+    pub(crate) fn begin_watched(&mut self, ctx: &Context) {
+        self.instruments[self.chosen].begin(ctx);
+        self.stage = Stage::Running(ctx.input(|input| input.time));
+        self.is_watched = true;
+    }
+
+    /// Takes in what has come. Returns what is new in the record, if it is watched.
+    pub(crate) fn follow(&mut self) -> Option<News> {
+        let Self { instruments, chosen, stage, is_watched, shown } = self;
+        if !matches!(stage, Stage::Running(_)) {
+            return None;
+        }
+        let instrument = &mut instruments[*chosen];
+        instrument.follow();
+        let (scenario, record) = instrument.watched().filter(|_| *is_watched)?;
+        if shown.as_ref() == Some(scenario) {
+            return Some(News::Longer(Arc::clone(record)));
+        }
+        *shown = Some(scenario.clone());
+        Some(News::Another(Box::new(scenario.clone()), Arc::clone(record)))
+    }
+
+    /// Whether the explorer shows the record, and [`Self::strip_ui`] what is measured.
+    pub(crate) fn is_watched(&self) -> bool {
+        self.is_watched && matches!(self.stage, Stage::Running(_))
+    }
+
+    /// Shows what is measured above the views. Returns whether it goes on.
+    pub(crate) fn strip_ui(&mut self, ui: &mut Ui, palette: &Palette, requests: &mut Vec<Request>) -> bool {
+        let instrument = &mut self.instruments[self.chosen];
+        if let Some(refusal) = instrument.refusal() {
+            self.fail(refusal);
+            return true;
+        }
+        let buttons = ui.horizontal_wrapped(|ui| {
+            instrument.few_ui(ui, palette);
+            two_buttons_ui(ui, instrument.ending(), "Larger")
+        });
+        ui.ctx().request_repaint_after(AT_LEAST);
+        let [stop, larger] = buttons.inner;
+        self.is_watched = !larger;
+        !stop || self.stop(requests)
+    }
+
+    /// Ends the measurement and imports it. Returns whether there is something to say about it.
+    fn stop(&mut self, requests: &mut Vec<Request>) -> bool {
+        let instrument = &self.instruments[self.chosen];
+        match instrument.file() {
+            None => {
+                instrument.end();
+                false
+            }
+            Some(Ok(file)) => {
+                instrument.end();
+                requests.push(Request::ImportFile(Box::new(file)));
+                false
+            }
+            Some(Err(reason)) => {
+                self.fail(sentence(&reason));
+                true
+            }
+        }
+    }
+
+    fn fail(&mut self, reason: String) {
+        self.instruments[self.chosen].end();
+        self.stage = Stage::Failed(reason);
+        self.is_watched = false;
     }
 
     /// Shows the window. Returns whether it stays open.
@@ -107,6 +223,7 @@ impl Measure {
                 let [begin, close] = buttons_ui(ui, instrument.beginning(), "Close");
                 if begin {
                     instrument.begin(ui.ctx());
+                    self.shown = None;
                     self.stage = Stage::Running(ui.input(|input| input.time));
                 }
                 !close
@@ -114,22 +231,17 @@ impl Measure {
             Stage::Running(since) => {
                 let instrument = &mut self.instruments[self.chosen];
                 if let Some(refusal) = instrument.refusal() {
-                    instrument.end();
-                    self.stage = Stage::Failed(refusal);
+                    self.fail(refusal);
                     return true;
                 }
                 instrument.running_ui(ui, ui.input(|input| input.time) - since, palette);
-                ui.ctx().request_repaint_after(std::time::Duration::from_millis(100));
-                let [stop, close] = buttons_ui(ui, "Stop and identify", "Cancel");
-                if !stop {
-                    return !close;
+                ui.ctx().request_repaint_after(AT_LEAST);
+                let can_be_watched = instrument.watched().is_some();
+                let [stop, close] = buttons_ui(ui, instrument.ending(), "Cancel");
+                if can_be_watched && one_button_ui(ui, "Watch the filters") {
+                    self.is_watched = true;
                 }
-                instrument.end();
-                match instrument.file() {
-                    Ok(file) => requests.push(Request::ImportFile(Box::new(file))),
-                    Err(reason) => self.stage = Stage::Failed(sentence(&reason)),
-                }
-                matches!(self.stage, Stage::Failed(_))
+                if stop { self.stop(requests) } else { !close }
             }
             Stage::Failed(reason) => {
                 ui.colored_label(palette.warning, format!("{reason}."));
@@ -171,15 +283,18 @@ fn large_ui(ui: &mut Ui, text: String, palette: &Palette) {
     ui.label(RichText::new(text).size(LARGE).color(palette.text));
 }
 
-/// Two buttons; says which is clicked.
+/// Two buttons in a row of their own; says which is clicked.
 fn buttons_ui(ui: &mut Ui, first: &str, second: &str) -> [bool; 2] {
     ui.add_space(6.0);
-    ui.horizontal(|ui| {
-        [first, second].map(|text| {
-            let button = ui.add(Button::new(text));
-            probe::remember(ui.ctx(), text, button.rect);
-            button.clicked()
-        })
-    })
-    .inner
+    ui.horizontal(|ui| two_buttons_ui(ui, first, second)).inner
+}
+
+fn two_buttons_ui(ui: &mut Ui, first: &str, second: &str) -> [bool; 2] {
+    [first, second].map(|text| one_button_ui(ui, text))
+}
+
+fn one_button_ui(ui: &mut Ui, text: &str) -> bool {
+    let button = ui.add(Button::new(text));
+    probe::remember(ui.ctx(), text, button.rect);
+    button.clicked()
 }

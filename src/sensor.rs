@@ -4,6 +4,7 @@ use std::rc::Rc;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use egui::Context;
+use kalmanscope_core::Scenario;
 
 /// A sensor of a device, with readings of some kind.
 pub trait Sensor<T> {
@@ -18,7 +19,7 @@ pub trait Sensor<T> {
 }
 
 /// A reading of some kind of sensor.
-pub trait Reading: Copy {
+pub trait Reading: Clone {
     /// Limits the readings of one measurement.
     const MOST: usize;
 }
@@ -39,6 +40,22 @@ impl Reading for Sound {
     const MOST: usize = 2_880_000;
 }
 
+/// What happened at one time to an oscillator with sensors of its own.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Happened {
+    /// \[s\]
+    pub time: f64,
+    /// The input in the scenario's meaning \[m/s²\]; NaN if it is not told.
+    pub input: f64,
+    /// A reading for each sensor of the scenario in the unit of its quantity, NaN where there is none.
+    pub readings: Vec<f64>,
+}
+
+impl Reading for Happened {
+    /// Those that have not been taken out yet.
+    const MOST: usize = 1_000_000;
+}
+
 /// The sensors of a device.
 #[derive(Clone, Default)]
 pub struct Sensors {
@@ -46,11 +63,13 @@ pub struct Sensors {
     pub accelerometer: Option<Rc<dyn Sensor<Acceleration>>>,
     /// The microphone.
     pub microphone: Option<Rc<dyn Sensor<Sound>>>,
+    /// The sensors of a scenario, with the scenario.
+    pub stream: Option<(Rc<dyn Sensor<Happened>>, Rc<Scenario>)>,
 }
 
 impl Sensors {
     pub(crate) fn is_empty(&self) -> bool {
-        self.accelerometer.is_none() && self.microphone.is_none()
+        self.accelerometer.is_none() && self.microphone.is_none() && self.stream.is_none()
     }
 }
 

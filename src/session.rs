@@ -7,6 +7,7 @@ mod difference;
 mod free_runs;
 mod judging;
 mod library;
+mod live;
 mod long_filters;
 mod playback;
 mod setting;
@@ -285,7 +286,7 @@ impl Session {
 
     /// Whether the samples are measured, not simulated.
     pub fn is_measured(&self) -> bool {
-        matches!(self.run().source(), Source::Measured(_))
+        self.run().source().is_measured()
     }
 
     /// Shows the record as it grows, or the whole record once it is short enough.

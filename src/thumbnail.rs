@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use egui::{Context, Id};
-use kalmanscope_core::{Channel, Source, simulate};
+use kalmanscope_core::{Channel, simulate};
 use kalmanscope_lessons::BuiltIn;
 use kalmanscope_lessons::records::source;
 
@@ -31,10 +31,8 @@ pub(crate) fn thumbnail(ctx: &Context, entry: &BuiltIn) -> Option<Arc<Spark>> {
 
 fn make(entry: &BuiltIn) -> Option<Spark> {
     let scenario = entry.scenario().ok()?;
-    let record = match source(&scenario).ok()? {
-        Source::Measured(record) => record,
-        _ => Arc::new(simulate(&scenario)),
-    };
+    let given = source(&scenario).ok()?.record().map(Arc::clone);
+    let record = given.unwrap_or_else(|| Arc::new(simulate(&scenario)));
     let sensor = || (!record.sensors().is_empty()).then(|| record.measured(0));
     let motion = record.truth(Channel::DISPLACEMENT).or_else(sensor)?;
     Some(Spark::new(motion))

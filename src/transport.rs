@@ -110,6 +110,10 @@ fn button(ui: &mut Ui, icon: &str, name: &str, key: &str) -> bool {
 }
 
 fn speed_ui(ui: &mut Ui, session: &Session, requests: &mut Vec<Request>) {
+    if session.is_live() {
+        // What is being measured has the speed that it has.
+        return;
+    }
     let text = |speed: f64| format!("{}×", significant(speed, 3));
     let combo = ComboBox::from_id_salt("speed").selected_text(text(session.speed())).width(58.0).show_ui(ui, |ui| {
         for speed in Session::SPEEDS {

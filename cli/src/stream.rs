@@ -1,6 +1,5 @@
 //! The command `kalmanscope-cli stream`: readings come in, estimates go out, line by line.
 
-mod line;
 mod watch;
 mod writer;
 
@@ -8,13 +7,12 @@ use std::io;
 use std::path::Path;
 
 use kalmanscope_core::{EventError, EventFilter, Pass, RunError, Scenario};
-use kalmanscope_sources::{Broadcast, open, read_line};
+use kalmanscope_sources::{Broadcast, Lines, Told, open, read_line};
 
 use crate::args::StreamArgs;
 use crate::input::{InputError, is_standard_input};
 use crate::places::{check, places, say};
 use crate::prepared::read_scenario;
-use line::{Lines, Told};
 use watch::Watch;
 use writer::Writer;
 

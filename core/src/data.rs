@@ -5,6 +5,7 @@ pub(crate) mod document;
 pub(crate) mod force;
 pub(crate) mod hash;
 pub mod import;
+mod local_cubic;
 pub mod record;
 pub mod scenario;
 pub mod setting;

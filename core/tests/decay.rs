@@ -2,6 +2,8 @@
 
 #[path = "common/identified.rs"]
 mod identified;
+#[path = "common/phone.rs"]
+mod phone;
 #[path = "common/random.rs"]
 mod random;
 
@@ -10,80 +12,8 @@ use kalmanscope_core::import::{Decay, NoDecay, Table, ThreeAxes, read};
 use kalmanscope_core::{Analysis, Story, Summary, VerdictKind, Wanted};
 
 use identified::identified;
+use phone::{Phone, USUAL};
 use random::Random;
-
-/// An oscillator with a phone on it, and the phone.
-#[derive(Clone, Copy)]
-struct Phone {
-    seed: u64,
-    /// \[rad/s\]
-    frequency: f64,
-    damping: f64,
-    /// Readings a second, the share of a step by which they come too early or too late, their noise and their grain \[m/s²\].
-    rate: f64,
-    jitter: f64,
-    noise: f64,
-    grain: f64,
-    /// The acceleration after it is let go at 2 s \[m/s²\].
-    amplitude: f64,
-    seconds: f64,
-    /// A second pluck at this time \[s\].
-    again: Option<f64>,
-}
-
-const USUAL: Phone = Phone {
-    seed: 1,
-    frequency: 8.0,
-    damping: 0.004,
-    rate: 60.0,
-    jitter: 0.2,
-    noise: 0.02,
-    grain: 0.01,
-    amplitude: 1.5,
-    seconds: 30.0,
-    again: None,
-};
-
-impl Phone {
-    /// Time and three accelerations with gravity: still for two seconds, pulled aside, let go.
-    fn readings(&self) -> Vec<[f64; 4]> {
-        let mut random = Random::new(self.seed);
-        let direction = {
-            let v: [f64; 3] = std::array::from_fn(|_| random.normal());
-            let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
-            v.map(|x| x / length)
-        };
-        let [w, z] = [self.frequency, self.damping];
-        let moved = w * (1.0 - z * z).sqrt();
-        let free = |t: f64| {
-            // ẍ of x(t) = x₀ exp(-ζωₙt) (cos ω_d t + ζωₙ/ω_d sin ω_d t)
-            let x0 = self.amplitude / (w * w);
-            let ratio = z * w / moved;
-            let e = x0 * (-z * w * t).exp();
-            let x = e * ((moved * t).cos() + ratio * (moved * t).sin());
-            let v = -e * w * w / moved * (moved * t).sin();
-            -2.0 * z * w * v - w * w * x
-        };
-        let count = (self.seconds * self.rate) as usize;
-        (0..count)
-            .map(|k| {
-                let t = (k as f64 + self.jitter * (random.uniform() - 0.5)) / self.rate;
-                let since = self.again.filter(|again| t >= *again).unwrap_or(2.0);
-                let a = match t {
-                    t if t < 1.4 => 0.0,
-                    // The hand pulls, not evenly.
-                    t if t < 2.0 => 0.8 * self.amplitude * (9.0 * (t - 1.4)).sin() * random.uniform(),
-                    t => free(t - since),
-                };
-                let told = |x: f64| (x / self.grain).round() * self.grain;
-                let gravity = [1.2, 9.6, -0.7];
-                let [x, y, z] =
-                    std::array::from_fn(|i| told(gravity[i] + direction[i] * a + self.noise * random.normal()));
-                [t, x, y, z]
-            })
-            .collect()
-    }
-}
 
 fn as_table(decay: &Decay) -> Table {
     read(decay.csv().into_bytes(), None).expect("it is a table")

@@ -37,7 +37,7 @@ impl Runner {
     /// [`EnsembleError::Run`] where the given record does not fit the scenario, [`EnsembleError::Fixed`] where an axis would
     /// change a given record.
     pub fn new(ensemble: Ensemble, source: Source) -> Result<Self, EnsembleError> {
-        if let Source::Measured(record) = &source {
+        if let Some(record) = source.record() {
             let mut settings = ensemble.plan().axes.iter().zip(ensemble.settings());
             if let Some((axis, _)) = settings.find(|(_, setting)| !setting.suits_given_record()) {
                 return Err(EnsembleError::Fixed(axis.key.clone()));
@@ -62,10 +62,7 @@ impl Runner {
     /// The time that the filters of a cell take on an ordinary processor, to within a factor of three \[s\].
     pub fn time_of_cell(&self) -> f64 {
         let scenario = self.ensemble.scenario();
-        let samples = match &self.source {
-            Source::Measured(record) => record.len(),
-            Source::Simulated => scenario.samples(),
-        };
+        let samples = self.source.record().map_or_else(|| scenario.samples(), |record| record.len());
         let time = |&place: &usize| scenario.filters[place].time_of_step(scenario.plant.kind);
         1e-9 * samples as f64 * self.ensemble.plan().filters.iter().map(time).sum::<f64>()
     }
@@ -173,7 +170,7 @@ impl Runner {
     /// The same, if it need not be simulated.
     pub(crate) fn record_at_hand(&self, cell: usize, scenario: &Scenario) -> Option<Arc<Record>> {
         let factor = self.input_factor(scenario);
-        if let Source::Measured(record) = &self.source
+        if let Some(record) = self.source.record()
             && factor == 1.0
         {
             return Some(Arc::clone(record));
@@ -182,12 +179,8 @@ impl Runner {
         let records = self.records.lock().unwrap_or_else(PoisonError::into_inner);
         let kept = records.iter().find(|(other, _)| *other == number).map(|(_, record)| Arc::clone(record));
         drop(records);
-        match &self.source {
-            Source::Measured(record) => {
-                kept.or_else(|| Some(self.keep(cell, Record::clone(record).with_input_times(factor))))
-            }
-            Source::Simulated => kept,
-        }
+        let of_given = |record: &Arc<Record>| self.keep(cell, Record::clone(record).with_input_times(factor));
+        kept.or_else(|| self.source.record().map(of_given))
     }
 
     /// Keeps the record of a cell for the next ones.

@@ -10,7 +10,7 @@ const NAMED: usize = 3;
 const UNNAMED: usize = 40;
 
 /// Reads accelerations from lines whose columns have names, or are four numbers of which one rises, or three axes alone.
-#[derive(Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Accelerations {
     names: Option<Vec<String>>,
     /// The rows before their meaning is settled; each has the time of its arrival behind it.
@@ -21,6 +21,7 @@ pub struct Accelerations {
     left_out: usize,
 }
 
+#[derive(Clone, Debug)]
 struct Meaning {
     axes: ThreeAxes,
     /// The number of cells in a row, the time of arrival among them.

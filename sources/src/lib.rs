@@ -15,6 +15,7 @@ mod broadcast;
 mod cells;
 mod datagrams;
 mod line;
+mod lines;
 mod messages;
 mod phone;
 mod serial;
@@ -26,6 +27,7 @@ use std::net::TcpStream;
 pub use accelerations::{Accelerations, NoAxes};
 pub use broadcast::Broadcast;
 pub use line::{LONGEST, read_line};
+pub use lines::{BadLine, Lines, Told};
 
 use datagrams::Datagrams;
 use messages::Messages;

@@ -156,8 +156,13 @@ impl App {
             self.inform(&format!("{}.", sentence(&assumed)));
         }
         self.session.set_scenario(scenario);
-        self.session.begin_anew();
         self.session.play_from_start();
+        self.begin_anew(ctx);
+    }
+
+    /// Forgets what belongs to the scenario before: another one has been opened.
+    pub(super) fn begin_anew(&mut self, ctx: &egui::Context) {
+        self.session.begin_anew();
         self.axis = TimeAxis::default();
         self.ruler.clear();
         self.visible.reset();

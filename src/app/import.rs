@@ -2,22 +2,23 @@
 
 use std::rc::Rc;
 
-use egui::Context;
+use egui::{Context, Frame, Panel, Ui};
 use kalmanscope_core::import::hash;
 
 use super::App;
-use crate::controls::number;
 use crate::import::{Import, Opened};
 use crate::layout::Layout;
-use crate::measure::Measure;
+use crate::measure::{Measure, News};
 use crate::notice::Notice;
-use crate::plot::time_axis::TimeAxis;
-use crate::request::{RawFile, ViewKind};
+use crate::request::{RawFile, Request, ViewKind};
 use crate::sensor::Sensors;
 use crate::session::{Mode, RecordFile, name_of};
 use crate::shelf::{Candidate, Shelf};
 use crate::text::sentence;
 use crate::theme::Palette;
+
+/// The file of a record that was measured on screen.
+const MEASURED: &str = "measured.csv";
 
 /// The views of a measured record.
 const VIEWS: [ViewKind; 3] = [ViewKind::Measured, ViewKind::Parameters, ViewKind::Innovations];
@@ -52,10 +53,55 @@ impl App {
         self.measure = Measure::new(&self.sensors);
     }
 
+    /// Begins to measure with the sensors of a scenario, and shows its filters on what comes.
+    pub fn watch(&mut self, ctx: &Context) {
+        self.measure();
+        self.measure.iter_mut().for_each(|measure| measure.begin_watched(ctx));
+    }
+
+    /// Takes in what is being measured, and shows the filters on it if the user watches them.
+    pub(super) fn follow_measure(&mut self, ctx: &Context) {
+        match self.measure.as_mut().and_then(Measure::follow) {
+            Some(News::Longer(record)) => self.session.lengthen(record),
+            Some(News::Another(scenario, record)) => {
+                self.tutor = None;
+                self.layout = Layout::column(&VIEWS);
+                self.session.follow_live(*scenario, record);
+                self.begin_anew(ctx);
+            }
+            None => {}
+        }
+    }
+
+    /// Shows what is being watched, above the views.
+    pub(super) fn live_ui(&mut self, ui: &mut Ui, frame: Frame, palette: &Palette) {
+        let Self { measure: Some(measure), requests, .. } = self else { return };
+        if !measure.is_watched() {
+            return;
+        }
+        let strip = Panel::top("live").frame(frame);
+        if !strip.show(ui, |ui| measure.strip_ui(ui, palette, requests)).inner {
+            self.end_measure();
+        }
+    }
+
     /// Shows the window of a measurement with this device.
     pub(super) fn measure_ui(&mut self, ctx: &Context, palette: &Palette) {
-        if self.measure.as_mut().is_some_and(|measure| !measure.ui(ctx, palette, &mut self.requests)) {
-            self.measure = None;
+        let Self { measure: Some(measure), requests, .. } = self else { return };
+        if !measure.is_watched() && !measure.ui(ctx, palette, requests) {
+            self.end_measure();
+        }
+    }
+
+    /// Leaves the measurement. What is on screen of it becomes a record of its own.
+    fn end_measure(&mut self) {
+        self.measure = None;
+        let is_imported = self.requests.iter().any(|request| matches!(request, Request::ImportFile(_)));
+        if let Some(bytes) = self.session.end_live(MEASURED).filter(|_| !is_imported) {
+            self.candidate = self.shelf.is_some().then(|| Candidate::of(MEASURED, &bytes)).flatten();
+            if let Some(kept) = self.shelve() {
+                self.inform(&kept);
+            }
         }
     }
 
@@ -147,12 +193,8 @@ impl App {
             self.layout = Layout::column(&VIEWS);
             self.session.set_mode(Mode::Whole);
             self.session.set_scenario(scenario);
-            self.session.begin_anew();
             self.session.pause();
-            self.axis = TimeAxis::default();
-            self.ruler.clear();
-            self.visible.reset();
-            number::begin_anew(ctx);
+            self.begin_anew(ctx);
         } else {
             self.session.edit(scenario);
         }

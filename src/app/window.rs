@@ -59,6 +59,7 @@ impl App {
         if !embedded && (!presenting || is_bar_wanted(ui.ctx())) {
             Panel::top("bar").frame(frame).show(ui, |ui| bar.ui(ui, requests));
         }
+        self.live_ui(ui, frame, &palette);
         if narrow {
             // The drawer comes first: its height depends on the room that is left.
             let frame = frame.inner_margin(Margin { bottom: 0, ..frame.inner_margin });

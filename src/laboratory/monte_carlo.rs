@@ -290,7 +290,7 @@ impl Seeds {
 
 /// Why a run has no statistics over seeds, if so.
 fn problem(run: &Run, filters: &[u32]) -> Option<String> {
-    if matches!(run.source(), Source::Measured(_)) {
+    if run.source().is_measured() {
         let sentence = "This record is measured, and there is only one of it. Monte Carlo simulates the scenario anew for each seed.";
         return Some(sentence.to_owned());
     }

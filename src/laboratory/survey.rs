@@ -146,6 +146,16 @@ impl Survey {
         }
     }
 
+    /// The source for a survey of a run's scenario. A live record that has grown since this survey gets a new one when it is
+    /// a quarter longer, and this one is complete.
+    pub(super) fn steady(&self, source: Source) -> Source {
+        let Source::Live(record) = source else { return source };
+        let shorter = self.source.record().filter(|known| {
+            record.begins_with(known) && (!self.sheet.is_complete() || 4 * record.len() < 5 * known.len())
+        });
+        Source::Measured(Arc::clone(shorter.unwrap_or(&record)))
+    }
+
     /// Takes over the filters' names from a scenario.
     pub(super) fn call_filters(&mut self, scenario: &Scenario) {
         self.ensemble.call_filters(scenario);

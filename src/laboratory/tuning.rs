@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use egui::Context;
 use kalmanscope_core::simulate;
-use kalmanscope_core::{FilterSettings, Run, Scenario, Source, Task as _};
+use kalmanscope_core::{FilterSettings, Run, Scenario, Task as _};
 use kalmanscope_lab::tune::{Try, Tuned, Tuner};
 
 use super::choice::{is_same_but_for_names, part_of};
@@ -148,10 +148,8 @@ impl Tuning {
             return Err(format!("The record has {} samples: too many to run it for every try.", run.samples()));
         }
         let of = part_of(run.scenario(), &[choice.filter]);
-        let record = match run.source() {
-            Source::Measured(record) if is_measured => record,
-            _ => Arc::new(simulate(&of)),
-        };
+        let given = run.source().record().filter(|_| is_measured).map(Arc::clone);
+        let record = given.unwrap_or_else(|| Arc::new(simulate(&of)));
         let tuner = Tuner::new(of.clone(), 0, record, choice.axes.clone(), choice.goal);
         let mut tuner = tuner.map_err(|error| format!("This cannot be tuned: {error}."))?;
         if let Some(values) = survey.and_then(|survey| best_of_map(survey, &choice, &of)) {

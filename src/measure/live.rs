@@ -1,9 +1,14 @@
 //! Frequency and damping while it still swings: a filter that follows the readings as they come.
 
-use kalmanscope_core::import::{Decay, NoDecay};
-use kalmanscope_core::record::{Input, Record};
+use std::sync::Arc;
+
+use kalmanscope_core::import::{Decay, Mapping, NoDecay, read};
+use kalmanscope_core::record::{Input, LiveRecord, Record};
 use kalmanscope_core::suggest::{scenario_for, suggest};
-use kalmanscope_core::{Channel, EventError, EventFilter, Hold, InputKind, Quantity};
+use kalmanscope_core::{Channel, Hold, InputKind, Quantity, Run, Scenario, Source};
+
+/// What the record that grows has in place of a file's name.
+pub(super) const NAME: &str = "measured now";
 
 /// The time between two looks at where decays begin and end \[s\].
 const LOOK: f64 = 1.0;
@@ -32,13 +37,15 @@ pub(super) struct Live {
     rests: bool,
 }
 
-/// A filter, and what it takes from a reading.
+/// A decay that goes on, its record and the filters on it.
 struct Following {
-    filter: EventFilter,
-    axis: [f64; 3],
-    gravity: f64,
-    /// The times of the decay's beginning and of the last reading that was taken \[s\].
-    begin: f64,
+    decay: Decay,
+    live: LiveRecord,
+    record: Arc<Record>,
+    /// The scenario with the meaning of the columns of the decay's file.
+    scenario: Scenario,
+    run: Run,
+    /// The time of the last reading that was taken \[s\].
     taken: f64,
 }
 
@@ -57,10 +64,8 @@ impl Live {
             self.looked = Some(now);
             self.look(readings, now);
         }
-        if let Some(following) = &mut self.following
-            && !following.take(readings, AT_ONCE)
-        {
-            self.following = None;
+        if let Some(following) = &mut self.following {
+            following.take(readings, AT_ONCE);
         }
     }
 
@@ -77,20 +82,21 @@ impl Live {
             self.rests = decay.rests;
             let end = decay.begin + decay.seconds();
             if end < now - 1e-6 {
-                self.known = self.after(&decay, &readings[..readings.partition_point(|reading| reading[0] <= end)]);
+                self.known = self.after(decay, &readings[..readings.partition_point(|reading| reading[0] <= end)]);
                 self.from = Some(end);
                 self.following = None;
             } else if self.following.as_ref().is_none_or(|following| !following.is_on(&decay)) {
-                self.following = Following::new(&decay);
+                self.following = Following::new(decay);
             }
         }
     }
 
     /// What is known after a decay that has ended.
-    fn after(&self, decay: &Decay, readings: &[[f64; 4]]) -> Option<[Band; 2]> {
-        let mut following = Following::new(decay);
-        let estimates =
-            following.as_mut().and_then(|one| one.take(readings, usize::MAX).then(|| one.estimates()).flatten());
+    fn after(&self, decay: Decay, readings: &[[f64; 4]]) -> Option<[Band; 2]> {
+        let estimates = Following::new(decay).and_then(|mut following| {
+            following.take(readings, usize::MAX);
+            following.estimates()
+        });
         estimates.map_or(self.known, |estimates| Some(self.together(estimates)))
     }
 
@@ -114,6 +120,12 @@ impl Live {
         self.rests
     }
 
+    /// The scenario and the record of the decay that goes on. `None` if nothing swings freely.
+    pub(super) fn watched(&self) -> Option<(&Scenario, &Arc<Record>)> {
+        let following = self.following.as_ref()?;
+        Some((&following.scenario, &following.record))
+    }
+
     /// Natural frequency \[rad/s\] and damping ratio, if both are known by now.
     pub(super) fn estimates(&self) -> Option<[Band; 2]> {
         let later = self.following.as_ref().and_then(Following::estimates);
@@ -124,47 +136,50 @@ impl Live {
 impl Following {
     /// Whether it follows a decay as that is known by now. To begin again costs a pass over all readings.
     fn is_on(&self, decay: &Decay) -> bool {
-        let cos: f64 = self.axis.iter().zip(&decay.axis).map(|(a, b)| a * b).sum();
-        (self.begin - decay.begin).abs() < SAME
-            && (self.gravity - decay.gravity).abs() < SLIGHT * decay.noise
+        let before = &self.decay;
+        let cos: f64 = before.axis.iter().zip(&decay.axis).map(|(a, b)| a * b).sum();
+        (before.begin - decay.begin).abs() < SAME
+            && (before.gravity - decay.gravity).abs() < SLIGHT * decay.noise
             && cos > 1.0 - 0.5 * SLIGHT * SLIGHT
     }
 
-    /// A filter with the start values of a decay. `None` if the decay gives none.
-    fn new(decay: &Decay) -> Option<Self> {
-        let dt = decay.times.get(1)? - decay.times.first()?;
-        let first = &decay.acceleration[..decay.acceleration.len().min(LOOKED_AT)];
+    /// Filters with the start values of a decay. `None` if the decay gives none.
+    fn new(decay: Decay) -> Option<Self> {
+        let live = decay.live();
+        let first = decay.acceleration[..decay.acceleration.len().min(LOOKED_AT)].to_vec();
         let input = Input { kind: InputKind::Force, hold: Hold::First, values: vec![0.0; first.len()] };
-        let record = Record::new(dt, input, vec![(Quantity::ACCELERATION, first.to_vec())]).ok()?;
-        let scenario = suggest(&scenario_for(&record), &record).scenario;
-        let filter = EventFilter::new(&scenario, 0).ok()?;
-        let Decay { axis, gravity, begin, .. } = *decay;
-        Some(Self { filter, axis, gravity, begin, taken: f64::NEG_INFINITY })
+        let record = Record::new(live.record().dt(), input, vec![(Quantity::ACCELERATION, first)]).ok()?;
+        let mut scenario = suggest(&scenario_for(&record), &record).scenario;
+        let record = live.so_far();
+        let run = Run::from_source(&scenario, Source::Live(Arc::clone(&record))).ok()?;
+        let table = read(decay.csv().into_bytes(), None).ok()?;
+        scenario.record = Some(Mapping { file: NAME.to_owned(), ..Mapping::guess(&table).0 });
+        Some(Self { decay, live, record, scenario, run, taken: f64::NEG_INFINITY })
     }
 
-    /// Takes in the readings since the last one, so many at most. Returns false if the filter has stopped.
-    fn take(&mut self, readings: &[[f64; 4]], most: usize) -> bool {
-        let Self { filter, axis, gravity, begin, taken } = self;
-        let first = readings.partition_point(|reading| reading[0] <= *taken || reading[0] < *begin);
-        for &[time, x, y, z] in readings[first..].iter().take(most) {
-            let along = axis[0] * x + axis[1] * y + axis[2] * z - *gravity;
-            match filter.take(time, f64::NAN, &[along]) {
-                Ok(_) => *taken = time,
-                Err(EventError::Stopped { .. }) => return false,
-                // A single reading that cannot be taken in is left out.
-                Err(_) => {}
-            }
+    /// Takes in the readings since the last one, so many at most.
+    fn take(&mut self, readings: &[[f64; 4]], most: usize) {
+        let Self { decay, live, record, run, taken, .. } = self;
+        let first = readings.partition_point(|reading| reading[0] <= *taken || reading[0] < decay.begin);
+        for reading in readings[first..].iter().take(most) {
+            // What cannot be taken in is said elsewhere, and stays in the file.
+            let _ = live.take(reading[0], f64::NAN, &[decay.along(*reading)]);
+            *taken = taken.max(reading[0]);
         }
-        true
+        if live.record().len() > record.len() {
+            *record = live.so_far();
+            run.lengthen(Arc::clone(record));
+            run.advance_to(usize::MAX);
+        }
     }
 
     /// Natural frequency and damping ratio, if both are known by now.
     fn estimates(&self) -> Option<[Band; 2]> {
-        let (sample, n) = (self.filter.sample(), self.filter.channels().len());
+        let estimates = self.run.estimates().first()?;
+        let last = estimates.len().checked_sub(1).filter(|_| estimates.stop().is_none())?;
         let of = |channel: Channel| {
-            let place = self.filter.channels().iter().position(|one| *one == channel)?;
-            let band = 2.0 * sample.cov.get(place * n + place)?.sqrt();
-            Some(Band { mean: *sample.mean.get(place)?, band })
+            let place = estimates.place(channel)?;
+            Some(Band { mean: estimates.canonical_mean(last, place), band: 2.0 * estimates.std(last, place) })
         };
         let [frequency, damping] = [of(Channel::NATURAL_FREQUENCY)?, of(Channel::DAMPING_RATIO)?];
         let is_known = frequency.mean > 0.0 && frequency.band < 0.2 * frequency.mean && damping.band.is_finite();

@@ -41,6 +41,17 @@ impl Listener {
     pub(super) fn new(device: Rc<dyn Sensor<Sound>>) -> Self {
         Self { device, readings: Readings::default(), looked: 0, ring: None, is_cut_off: false }
     }
+
+    /// The file of the sound, or the reason why nothing rings in it.
+    fn sound(&self) -> Result<RawFile, String> {
+        let told = self.readings.told();
+        let rate = told.rate.unwrap_or_default();
+        let samples: Vec<f64> = told.readings.iter().map(|x| f64::from(*x)).collect();
+        Ring::in_samples(rate, &samples)
+            .ok_or("nothing rings in it: a line that is louder than the room and fades is looked for".to_owned())?;
+        let bytes = wav(rate as u32, &told.readings).map_err(|error| error.to_string())?;
+        Ok(RawFile { name: FILE.to_owned(), bytes })
+    }
 }
 
 impl Instrument for Listener {
@@ -106,14 +117,8 @@ impl Instrument for Listener {
         ui.label(format!("{} s, {} samples a second.{full}", fixed(count as f64 / rate, 1), fixed(rate, 0)));
     }
 
-    fn file(&self) -> Result<RawFile, String> {
-        let told = self.readings.told();
-        let rate = told.rate.unwrap_or_default();
-        let samples: Vec<f64> = told.readings.iter().map(|x| f64::from(*x)).collect();
-        Ring::in_samples(rate, &samples)
-            .ok_or("nothing rings in it: a line that is louder than the room and fades is looked for".to_owned())?;
-        let bytes = wav(rate as u32, &told.readings).map_err(|error| error.to_string())?;
-        Ok(RawFile { name: FILE.to_owned(), bytes })
+    fn file(&self) -> Option<Result<RawFile, String>> {
+        Some(self.sound())
     }
 }
 

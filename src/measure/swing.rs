@@ -2,10 +2,11 @@
 
 use std::f64::consts::TAU;
 use std::rc::Rc;
+use std::sync::Arc;
 
 use egui::{Context, RichText, Ui, Vec2};
-use kalmanscope_core::Story;
 use kalmanscope_core::import::Decay;
+use kalmanscope_core::{Record, Scenario, Story};
 
 use super::health::Health;
 use super::live::{Band, Live};
@@ -18,6 +19,9 @@ use crate::theme::Palette;
 
 /// The readings that are drawn.
 const DRAWN: usize = 1200;
+
+/// The distance between the numbers of a row \[points\].
+const APART: f32 = 18.0;
 
 /// The file of a measurement.
 const FILE: &str = "measured-here.csv";
@@ -32,6 +36,18 @@ pub(super) struct Swing {
 impl Swing {
     pub(super) fn new(device: Rc<dyn Sensor<Acceleration>>) -> Self {
         Self { device, readings: Readings::default(), live: Live::default(), health: Health::default() }
+    }
+}
+
+impl Swing {
+    /// Says what is wrong, and that there is nothing more to learn.
+    fn remarks_ui(&self, ui: &mut Ui, palette: &Palette) {
+        if self.live.rests() {
+            ui.label("It is at rest: there is nothing more to learn.");
+        }
+        for sentence in self.health.sentences() {
+            ui.colored_label(palette.warning, sentence);
+        }
     }
 }
 
@@ -66,10 +82,24 @@ impl Instrument for Swing {
         self.readings.refusal()
     }
 
-    fn running_ui(&mut self, ui: &mut Ui, since: f64, palette: &Palette) {
+    fn follow(&mut self) {
         let told = self.readings.told();
         self.live.follow(&told.readings);
         self.health.follow(&told.readings);
+    }
+
+    fn watched(&self) -> Option<(&Scenario, &Arc<Record>)> {
+        self.live.watched()
+    }
+
+    fn few_ui(&mut self, ui: &mut Ui, palette: &Palette) {
+        ui.spacing_mut().item_spacing.x = APART;
+        estimates_ui(ui, self.live.estimates(), palette);
+        self.remarks_ui(ui, palette);
+    }
+
+    fn running_ui(&mut self, ui: &mut Ui, since: f64, palette: &Palette) {
+        let told = self.readings.told();
         let (Some(first), Some(last)) = (told.readings.first(), told.readings.last()) else {
             waiting_ui(ui, since, "Waiting for the accelerometer …", &self.device.hint());
             return;
@@ -90,18 +120,13 @@ impl Instrument for Swing {
         let rate = if seconds > 0.0 { (count - 1) as f64 / seconds } else { 0.0 };
         let full = if count >= Acceleration::MOST { " It is full." } else { "" };
         estimates_ui(ui, self.live.estimates(), palette);
-        if self.live.rests() {
-            ui.label("It is at rest: there is nothing more to learn.");
-        }
-        for sentence in self.health.sentences() {
-            ui.colored_label(palette.warning, sentence);
-        }
+        self.remarks_ui(ui, palette);
         ui.label(format!("{} s, {} readings a second.{full}", fixed(seconds, 1), fixed(rate, 1)));
     }
 
-    fn file(&self) -> Result<RawFile, String> {
-        let decay = Decay::of(&self.readings.told().readings).map_err(|reason| reason.to_string())?;
-        Ok(RawFile { name: FILE.to_owned(), bytes: decay.csv().into_bytes() })
+    fn file(&self) -> Option<Result<RawFile, String>> {
+        let decay = Decay::of(&self.readings.told().readings).map_err(|reason| reason.to_string());
+        Some(decay.map(|decay| RawFile { name: FILE.to_owned(), bytes: decay.csv().into_bytes() }))
     }
 }
 

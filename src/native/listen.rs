@@ -1,4 +1,4 @@
-//! An accelerometer elsewhere: a source that tells lines, by the network, a serial port or a pipe.
+//! Sensors elsewhere: a source that tells lines, by the network, a serial port or a pipe.
 
 use std::cell::RefCell;
 use std::io;
@@ -7,35 +7,46 @@ use std::thread::{self, JoinHandle};
 use std::time::Instant;
 
 use egui::Context;
-use kalmanscope::sensor::{Acceleration, Readings, Sensor};
-use kalmanscope_sources::{Accelerations, NoAxes, open, read_line};
+use kalmanscope::sensor::{Acceleration, Happened, Reading, Readings, Sensor};
+use kalmanscope_core::Scenario;
+use kalmanscope_sources::{Accelerations, Lines, Told, open, read_line};
+
+/// Readings in lines.
+pub(super) trait Parser: Clone + Send + 'static {
+    type Reading: Reading + Send;
+
+    /// The readings that a line, which arrived at some time \[s\], makes known; or why no later line can tell any.
+    fn take(&mut self, line: &[u8], arrival: f64) -> Result<Vec<Self::Reading>, String>;
+
+    /// The number of lines that told nothing, and why the last one did not.
+    fn left_out(&self) -> (usize, &str);
+}
 
 /// A source by its name. It stays open once it has been begun: its header comes once.
-pub(super) struct Listened {
+pub(super) struct Listened<P: Parser> {
     name: String,
-    shared: Arc<Shared>,
+    shared: Arc<Shared<P::Reading>>,
+    parser: P,
     thread: RefCell<Option<JoinHandle<()>>>,
 }
 
-#[derive(Default)]
-struct Shared(Mutex<Told>);
+struct Shared<T>(Mutex<Heard<T>>);
 
 /// The count of the lines so far, and the window that wants their readings.
-#[derive(Default)]
-struct Told {
+struct Heard<T> {
     lines: usize,
-    left_out: usize,
-    to: Option<(Context, Readings<Acceleration>)>,
+    left_out: (usize, String),
+    to: Option<(Context, Readings<T>)>,
 }
 
-impl Shared {
-    fn told(&self) -> MutexGuard<'_, Told> {
+impl<T: Reading> Shared<T> {
+    fn heard(&self) -> MutexGuard<'_, Heard<T>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Tells the window that waits for readings, and has none, why there are none.
+    /// Tells the window that waits for readings, and has had none, why there are none.
     fn refuse(&self, reason: String) {
-        if let Some((ctx, to)) = &self.told().to
+        if let Some((ctx, to)) = &self.heard().to
             && to.count() == 0
         {
             to.refuse(reason, ctx);
@@ -43,26 +54,29 @@ impl Shared {
     }
 
     /// Reads the source to its end. Returns why it tells nothing.
-    fn read(&self, name: &str) -> String {
-        match self.follow(name) {
+    fn read(&self, name: &str, parser: impl Parser<Reading = T>) -> String {
+        match self.follow(name, parser) {
             Ok(None) => format!("{name} has ended without a reading"),
-            Ok(Some(reason)) => format!("{name} tells no accelerations: {reason}"),
+            Ok(Some(reason)) => format!("{name} tells no readings: {reason}"),
             Err(error) => format!("{name} cannot be read: {error}"),
         }
     }
 
-    fn follow(&self, name: &str) -> io::Result<Option<NoAxes>> {
+    fn follow(&self, name: &str, mut parser: impl Parser<Reading = T>) -> io::Result<Option<String>> {
         let mut source = open(name)?;
-        let (mut accelerations, mut line, begin) = (Accelerations::default(), Vec::new(), Instant::now());
+        let (mut line, begin) = (Vec::new(), Instant::now());
         while read_line(&mut source, &mut line)? {
-            if let Err(reason) = accelerations.take(&line, begin.elapsed().as_secs_f64()) {
-                return Ok(Some(reason));
+            let readings = match parser.take(&line, begin.elapsed().as_secs_f64()) {
+                Ok(readings) => readings,
+                Err(reason) => return Ok(Some(reason)),
+            };
+            let mut heard = self.heard();
+            heard.lines += 1;
+            let (count, why) = parser.left_out();
+            if count != heard.left_out.0 {
+                heard.left_out = (count, why.to_owned());
             }
-            let readings = accelerations.readings();
-            let mut told = self.told();
-            told.lines += 1;
-            told.left_out = accelerations.left_out();
-            if let Some((ctx, to)) = &told.to {
+            if let Some((ctx, to)) = &heard.to {
                 to.put(&readings, ctx);
             }
         }
@@ -70,22 +84,23 @@ impl Shared {
     }
 }
 
-impl Listened {
-    pub(super) fn new(name: &str) -> Self {
-        Self { name: name.to_owned(), shared: Arc::default(), thread: RefCell::default() }
+impl<P: Parser> Listened<P> {
+    pub(super) fn new(name: &str, parser: P) -> Self {
+        let heard = Heard { lines: 0, left_out: (0, String::new()), to: None };
+        Self { name: name.to_owned(), shared: Arc::new(Shared(Mutex::new(heard))), parser, thread: RefCell::default() }
     }
 }
 
-impl Sensor<Acceleration> for Listened {
-    fn begin(&self, ctx: &Context, to: &Readings<Acceleration>) {
-        self.shared.told().to = Some((ctx.clone(), to.clone()));
+impl<P: Parser> Sensor<P::Reading> for Listened<P> {
+    fn begin(&self, ctx: &Context, to: &Readings<P::Reading>) {
+        self.shared.heard().to = Some((ctx.clone(), to.clone()));
         let mut thread = self.thread.borrow_mut();
         if thread.as_ref().is_some_and(|thread| !thread.is_finished()) {
             return;
         }
-        let (name, shared) = (self.name.clone(), Arc::clone(&self.shared));
+        let (name, parser, shared) = (self.name.clone(), self.parser.clone(), Arc::clone(&self.shared));
         let read = move || {
-            let reason = shared.read(&name);
+            let reason = shared.read(&name, parser);
             shared.refuse(reason);
         };
         match thread::Builder::new().name("listener".to_owned()).spawn(read) {
@@ -95,12 +110,61 @@ impl Sensor<Acceleration> for Listened {
     }
 
     fn end(&self) {
-        self.shared.told().to = None;
+        self.shared.heard().to = None;
     }
 
     fn hint(&self) -> String {
-        let told = self.shared.told();
-        format!("{} lines have come from {}, {} of which told nothing.", told.lines, self.name, told.left_out)
+        let heard = self.shared.heard();
+        let (count, why) = &heard.left_out;
+        let why = if why.is_empty() { String::new() } else { format!(": {why}") };
+        format!("{} lines have come from {}, {count} of which told nothing{why}.", heard.lines, self.name)
+    }
+}
+
+impl Parser for Accelerations {
+    type Reading = Acceleration;
+
+    fn take(&mut self, line: &[u8], arrival: f64) -> Result<Vec<Acceleration>, String> {
+        self.take(line, arrival).map_err(|reason| reason.to_string())?;
+        Ok(self.readings())
+    }
+
+    fn left_out(&self) -> (usize, &str) {
+        (self.left_out(), "")
+    }
+}
+
+/// The input and the sensors of a scenario in lines.
+#[derive(Clone)]
+pub(super) struct OfScenario {
+    lines: Lines,
+    left_out: usize,
+    why: String,
+}
+
+impl OfScenario {
+    pub(super) fn new(scenario: &Scenario) -> Self {
+        Self { lines: Lines::new(scenario), left_out: 0, why: String::new() }
+    }
+}
+
+impl Parser for OfScenario {
+    type Reading = Happened;
+
+    fn take(&mut self, line: &[u8], _: f64) -> Result<Vec<Happened>, String> {
+        Ok(match self.lines.read(line) {
+            Ok(told) => {
+                told.map(|Told { time, input, readings }| Happened { time, input, readings }).into_iter().collect()
+            }
+            Err(reason) => {
+                (self.left_out, self.why) = (self.left_out + 1, reason.to_string());
+                Vec::new()
+            }
+        })
+    }
+
+    fn left_out(&self) -> (usize, &str) {
+        (self.left_out, &self.why)
     }
 }
 
@@ -123,7 +187,8 @@ mod tests {
     #[test]
     fn readings_go_to_whom_wants_them_and_the_source_stays_open() {
         let server = TcpListener::bind("127.0.0.1:0").expect("a port");
-        let listened = Listened::new(&format!("tcp://{}", server.local_addr().expect("an address")));
+        let listened =
+            Listened::new(&format!("tcp://{}", server.local_addr().expect("an address")), Accelerations::default());
         let (ctx, first) = (Context::default(), Readings::default());
         listened.begin(&ctx, &first);
         let (mut to, _) = server.accept().expect("it connects");
@@ -148,10 +213,10 @@ mod tests {
     #[test]
     fn what_tells_nothing_says_why() {
         let folder = std::env::temp_dir().join(format!("kalmanscope-listen-{}.txt", std::process::id()));
-        for (text, words) in [("", "has ended without a reading"), (&"1,2\n".repeat(100), "tells no accelerations")] {
+        for (text, words) in [("", "has ended without a reading"), (&"1,2\n".repeat(100), "tells no readings")] {
             std::fs::write(&folder, text).expect("written");
             let (ctx, to) = (Context::default(), Readings::default());
-            let listened = Listened::new(&folder.to_string_lossy());
+            let listened = Listened::new(&folder.to_string_lossy(), Accelerations::default());
             listened.begin(&ctx, &to);
             wait_until(|| to.refusal().is_some(), words);
             let refusal = to.refusal().expect("it is refused");
@@ -159,7 +224,7 @@ mod tests {
         }
         std::fs::remove_file(folder).expect("it is there");
         let (ctx, to) = (Context::default(), Readings::default());
-        Listened::new("tcp://127.0.0.1:1").begin(&ctx, &to);
+        Listened::new("tcp://127.0.0.1:1", Accelerations::default()).begin(&ctx, &to);
         wait_until(|| to.refusal().is_some_and(|refusal| refusal.contains("refused")), "nobody is there");
     }
 }

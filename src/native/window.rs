@@ -4,15 +4,17 @@ use std::path::PathBuf;
 use std::rc::Rc;
 
 use eframe::NativeOptions;
-use egui::{IconData, ViewportBuilder};
+use egui::{Context, IconData, ViewportBuilder};
 use kalmanscope::App;
 use kalmanscope::drop;
 use kalmanscope::export::folder;
 use kalmanscope::sensor::{Sensor, Sensors};
+use kalmanscope_core::Scenario;
 use kalmanscope_gpu::Software;
+use kalmanscope_sources::Accelerations;
 
 use super::desktop::{Desktop, Memory, Start};
-use super::listen::Listened;
+use super::listen::{Listened, OfScenario};
 use super::slot::Slot;
 use super::{file_dialog, team};
 
@@ -26,8 +28,8 @@ pub(super) struct Beginning {
     pub(super) address: Option<String>,
     /// A file that is opened.
     pub(super) file: Option<PathBuf>,
-    /// The source of an accelerometer's lines.
-    pub(super) source: Option<String>,
+    /// The source of lines: those of an accelerometer, or of the sensors of a scenario.
+    pub(super) source: Option<(String, Option<Scenario>)>,
 }
 
 /// Opens the window, and stays until it is closed.
@@ -53,9 +55,7 @@ pub(super) fn open(Beginning { address, file, source }: Beginning) -> eframe::Re
                 app.open_file(&drop::file_name(&path), drop::read_path(&path));
             }
             if let Some(source) = source {
-                let accelerometer: Rc<dyn Sensor<_>> = Rc::new(Listened::new(&source));
-                app = app.measuring_with(Sensors { accelerometer: Some(accelerometer), microphone: None });
-                app.measure();
+                app = listening(app, &source.0, source.1, ctx);
             }
             Ok(app)
         });
@@ -64,6 +64,20 @@ pub(super) fn open(Beginning { address, file, source }: Beginning) -> eframe::Re
         Ok(Box::new(Desktop::new(creation, memory, start)?))
     });
     eframe::run_native(ID, options, creator)
+}
+
+/// The explorer with a source of lines: it follows the sensors of a scenario, or waits for a click to measure by an accelerometer.
+fn listening(app: App, source: &str, scenario: Option<Scenario>, ctx: &Context) -> App {
+    let Some(scenario) = scenario else {
+        let accelerometer: Rc<dyn Sensor<_>> = Rc::new(Listened::new(source, Accelerations::default()));
+        let mut app = app.measuring_with(Sensors { accelerometer: Some(accelerometer), ..Sensors::default() });
+        app.measure();
+        return app;
+    };
+    let stream: Rc<dyn Sensor<_>> = Rc::new(Listened::new(source, OfScenario::new(&scenario)));
+    let mut app = app.measuring_with(Sensors { stream: Some((stream, Rc::new(scenario))), ..Sensors::default() });
+    app.watch(ctx);
+    app
 }
 
 /// The window's icon, or the toolkit's own where the picture cannot be read.

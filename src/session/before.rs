@@ -1,7 +1,9 @@
 //! The picture from before a change: the filters that the change concerns, with their settings from before, on the record from
 //! before.
 
-use kalmanscope_core::{Channel, Diagnostics, Estimates, FilterSettings, Scenario, Source, Study, Wanted};
+use std::sync::Arc;
+
+use kalmanscope_core::{Channel, Diagnostics, Estimates, FilterSettings, Scenario, Study, Wanted};
 
 use super::difference::difference;
 use super::{Mode, Session, Setting};
@@ -165,10 +167,7 @@ impl Session {
         self.before = None;
         self.generation += 1;
         let Ok(source) = self.library.source(&was) else { return };
-        let samples = match &source {
-            Source::Simulated => was.samples(),
-            Source::Measured(record) => record.len(),
-        };
+        let samples = source.record().map_or_else(|| was.samples(), |record| record.len());
         if samples > MOST {
             return;
         }
@@ -196,6 +195,9 @@ impl Session {
             if let Ok(study) = Study::new(&scenario, source, MOST + 1) {
                 before.study = study;
             }
+        }
+        if let Some(record) = self.library.live().filter(|_| before.study.run().is_live()) {
+            before.study.lengthen(Arc::clone(record));
         }
         before.study.want(Wanted { smoothed: false, bounds: false, ..wanted });
         before.is_complete = before.study.advance_to(goal, while_time) || (was_complete && !is_whole);

@@ -1,6 +1,6 @@
 //! Computes the scenario's picture, a slice of time after the other.
 
-use kalmanscope_core::{Job, Source};
+use kalmanscope_core::Job;
 
 use super::library::is_same;
 use super::{Mode, Session};
@@ -76,10 +76,8 @@ impl Session {
                 return;
             }
         };
-        let (dt, samples) = match &source {
-            Source::Measured(record) => (record.dt(), record.len()),
-            Source::Simulated => (scenario.dt, scenario.samples()),
-        };
+        let (dt, samples) =
+            source.record().map_or_else(|| (scenario.dt, scenario.samples()), |record| (record.dt(), record.len()));
         let other_source = (!is_same(&source, &study.run().source())).then_some(source);
         let can_be_whole = samples <= Self::LONGEST_WHOLE + 1;
         let is_whole = can_be_whole && self.wanted_mode == Mode::Whole;
@@ -168,6 +166,9 @@ impl Session {
             if !is_done || !has_time {
                 break;
             }
+        }
+        if self.job.is_none() {
+            self.catch_up();
         }
         if self.job.is_none() {
             self.study.keep(if self.mode() == Mode::Whole { Self::LONGEST_WHOLE + 1 } else { Self::KEPT });

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use kalmanscope_core::{Estimates, Fit, FreeRun, Identified, Record, Source, Task};
+use kalmanscope_core::{Estimates, Fit, FreeRun, Identified, Record, Task};
 
 use super::Session;
 use crate::team::{Priority, Running};
@@ -103,7 +103,7 @@ impl Session {
     fn free_due(&self) -> Option<(usize, Of)> {
         let run = self.study.run();
         // A record that grows is over by the time its free run is known.
-        let is_still = run.done() == run.samples() && !self.behind() && run.record().forgotten() == 0;
+        let is_still = run.done() == run.samples() && !run.is_live() && !self.behind() && run.record().forgotten() == 0;
         let wanted = self.free.wanted.filter(|_| is_still)?;
         let of = (self.generation, run.done(), wanted);
         let is_due = |estimates: &Estimates| {
@@ -146,10 +146,8 @@ impl Session {
             ModelTime::Over(from, to) => at(from.min(to))..at(from.max(to)) + 1,
         };
         let model = Identified::over(run.scenario(), settings, estimates, samples);
-        let record = match run.source() {
-            Source::Measured(record) => record,
-            Source::Simulated => Arc::new(run.record().clone().without_truth()),
-        };
+        let given = run.source().record().map(Arc::clone);
+        let record = given.unwrap_or_else(|| Arc::new(run.record().clone().without_truth()));
         let under = |record: Arc<Record>| {
             let running = model.running(&record, 0..record.len());
             (record, running)

@@ -122,7 +122,7 @@ impl Session {
 
     /// Whether the record no longer grows: its analysis has the diagnoses.
     fn is_whole(&self) -> bool {
-        self.run().done() == self.run().samples()
+        self.run().done() == self.run().samples() && !self.is_live()
     }
 }
 

@@ -30,6 +30,15 @@ pub struct Library {
     reasons: Vec<String>,
     problem: Option<String>,
     held_out: Option<(String, Arc<Record>)>,
+    live: Option<Live>,
+}
+
+/// A record that is measured now.
+struct Live {
+    mapping: Mapping,
+    record: Arc<Record>,
+    /// Whether nothing is added any more.
+    has_ended: bool,
 }
 
 /// A record and its inputs.
@@ -73,6 +82,10 @@ impl Library {
     /// A sentence where the file is not here, or is not a record.
     pub fn source(&mut self, scenario: &Scenario) -> Result<Source, String> {
         let Some(mapping) = &scenario.record else { return Ok(Source::Simulated) };
+        if let Some(live) = self.live.as_ref().filter(|live| live.mapping == *mapping) {
+            let record = Arc::clone(&live.record);
+            return Ok(if live.has_ended { Source::Measured(record) } else { Source::Live(record) });
+        }
         let is_same =
             |made: &Made| made.mapping == *mapping && made.input == scenario.input && made.hold == scenario.hold;
         if let Some(place) = self.made.iter().position(is_same) {
@@ -102,6 +115,30 @@ impl Library {
             self.made.remove(0);
         }
         Ok(Source::Measured(record))
+    }
+
+    /// The record that is measured now, as long as it is.
+    pub(super) fn live(&self) -> Option<&Arc<Record>> {
+        self.live.as_ref().filter(|live| !live.has_ended).map(|live| &live.record)
+    }
+
+    /// Keeps a record that is measured now, for scenarios with this mapping, in place of the one before.
+    pub(super) fn set_live(&mut self, mapping: Mapping, record: Arc<Record>) {
+        self.live = Some(Live { mapping, record, has_ended: false });
+    }
+
+    /// Takes a longer record in place of the one that is measured now.
+    pub(super) fn lengthen(&mut self, record: Arc<Record>) {
+        if let Some(live) = self.live.as_mut().filter(|live| !live.has_ended) {
+            live.record = record;
+        }
+    }
+
+    /// Adds nothing to the live record from now on. Returns it, if it has just ended.
+    pub(super) fn end_live(&mut self) -> Option<Arc<Record>> {
+        let live = self.live.as_mut().filter(|live| !live.has_ended)?;
+        live.has_ended = true;
+        Some(Arc::clone(&live.record))
     }
 
     /// The record on which models are tested that were made from another, with its name.
@@ -154,7 +191,7 @@ pub fn name_of(mapping: &Mapping) -> &str {
 pub(crate) fn is_same(a: &Source, b: &Source) -> bool {
     match (a, b) {
         (Source::Simulated, Source::Simulated) => true,
-        (Source::Measured(a), Source::Measured(b)) => Arc::ptr_eq(a, b),
+        (Source::Measured(a), Source::Measured(b)) | (Source::Live(a), Source::Live(b)) => Arc::ptr_eq(a, b),
         _ => false,
     }
 }

@@ -95,7 +95,7 @@ impl Session {
     pub(crate) fn ask_for_frame(&self, ctx: &Context) {
         if self.only_waits() {
             ctx.request_repaint_after(BETWEEN);
-        } else if self.playing() || self.behind() {
+        } else if self.playing() && !self.is_live() || self.behind() {
             ctx.request_repaint();
         }
     }

@@ -61,6 +61,9 @@ impl Session {
         let mut while_time = self.budget.slice();
         if self.behind() {
             self.compute();
+        } else if self.is_live() {
+            // The sensor's time is the time, and who measures asks for frames.
+            self.compute();
         } else if self.playing {
             self.clock += elapsed * self.speed;
             if self.clock >= self.end() {
@@ -79,7 +82,7 @@ impl Session {
 
     /// Plays or pauses; at the end, plays from the start.
     pub fn toggle_play(&mut self) {
-        if !self.playing && self.clock >= self.end() {
+        if !self.playing && self.clock >= self.end() && !self.is_live() {
             self.play_from_start();
         } else {
             self.playing = !self.playing;
@@ -114,6 +117,8 @@ impl Session {
     /// Goes to a time after the start \[s\].
     pub fn seek(&mut self, time: f64) {
         self.clock = time.clamp(0.0, self.end());
+        // What is measured now goes on at its end.
+        self.playing &= !self.is_live();
         self.go_back();
         self.compute();
     }

@@ -50,9 +50,11 @@ impl View for Measured {
         if sensors.is_empty() {
             ui.weak("Nothing is measured.");
         }
-        charts_ui(ui, 2 * sensors.len(), &context.plot_input(), requests, &|i, last_row| {
-            let (sensor, quantity) = (i / 2, sensors[i / 2]);
-            if i % 2 == 0 {
+        // A record that is being measured has no free run.
+        let each = if context.session.is_live() { 1 } else { 2 };
+        charts_ui(ui, each * sensors.len(), &context.plot_input(), requests, &|i, last_row| {
+            let (sensor, quantity) = (i / each, sensors[i / each]);
+            if i % each == 0 {
                 signals(sensor, quantity, context, last_row)
             } else {
                 errors(sensor, quantity, context, last_row)
@@ -122,7 +124,7 @@ fn signals<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>, las
         key: format!("measured {}", quantity.key()),
         title: format!("{} measured and predicted", quantity.name()),
         symbol: quantity.symbol().to_owned(),
-        name: format!("{}: measured, predicted, free run", quantity.name()),
+        name: format!("{}: measured, predicted{}", quantity.name(), if session.is_live() { "" } else { ", free run" }),
         unit: context.unit(quantity.unit()),
         readouts: readouts.into_iter().collect(),
         layers,

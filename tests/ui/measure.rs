@@ -5,7 +5,8 @@ use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::rc::Rc;
 
-use kalmanscope::sensor::{Acceleration, Reading as _, Readings, Sensor, Sensors, Sound};
+use kalmanscope::sensor::{Acceleration, Happened, Reading as _, Readings, Sensor, Sensors, Sound};
+use kalmanscope_core::{Run, Scenario};
 
 use super::files::drop_file;
 use super::*;
@@ -35,7 +36,7 @@ impl<T> Sensor<T> for Device<T> {
 
 fn measuring(size: Vec2) -> (Screen, Rc<Device<Acceleration>>) {
     let device = Device::new();
-    let sensors = Sensors { accelerometer: Some(Rc::clone(&device) as Rc<_>), microphone: None };
+    let sensors = Sensors { accelerometer: Some(Rc::clone(&device) as Rc<_>), ..Sensors::default() };
     (with_sensors(size, sensors), device)
 }
 
@@ -89,6 +90,120 @@ fn a_decay_is_measured_and_identified() {
     }
 }
 
+/// The explorer watches while it is measured: the record grows, stands still while one looks at the past, takes edits, and is
+/// imported at the end.
+#[test]
+fn filters_are_watched_while_it_swings() {
+    for size in [PHONE, DESKTOP] {
+        let (mut screen, device) = measuring(size);
+        click(&mut screen, "Begin to measure");
+        let readings = device.0.borrow().clone().expect("it has begun");
+        let mut told = 0;
+        let mut tell = |screen: &mut Screen, until: usize| {
+            while told < until {
+                readings.put(&[swing(told)], &screen.ctx);
+                told += 1;
+                if told % 3 == 0 {
+                    screen.run_steps(1);
+                }
+            }
+            screen.run_steps(2);
+        };
+        tell(&mut screen, 500);
+        click(&mut screen, "Watch the filters");
+        screen.run_steps(3);
+        let seconds = |screen: &Screen| screen.state().session().time();
+        let before = seconds(&screen);
+        assert!(screen.state().session().is_live() && before > 3.0, "{before}");
+        screen.get_by_label_contains("% damping");
+        tell(&mut screen, 800);
+        let later = seconds(&screen);
+        assert!((later - before - 5.0).abs() < 0.3, "it follows: from {before} s to {later} s");
+        screen.state_mut().session_mut().seek(4.0);
+        tell(&mut screen, 900);
+        assert!((seconds(&screen) - 4.0).abs() < 0.1, "the past stands still: {} s", seconds(&screen));
+        let mut scenario = screen.state().session().scenario().clone();
+        scenario.filters[0].fading = 1.001;
+        screen.state_mut().session_mut().edit(scenario);
+        screen.state_mut().session_mut().toggle_play();
+        tell(&mut screen, 1200);
+        let session = screen.state().session();
+        assert!(session.is_live() && session.problem().is_none());
+        assert_eq!(session.run().scenario().filters[0].fading, 1.001);
+        assert!((session.time() - later - 400.0 / 60.0).abs() < 0.3, "{} s", session.time());
+        assert!(session.diagnosis(0).is_some(), "it is judged while it grows");
+        tell(&mut screen, 1800);
+        click(&mut screen, "Stop and identify");
+        screen.run_steps(30);
+        assert!(!screen.state().session().is_live());
+        click(&mut screen, "Open the record");
+        screen.run_steps(30);
+        assert!(screen.state().session().is_measured());
+    }
+}
+
+/// The sensors of a scenario, with clocks of their own and an input, are followed from the first reading on.
+#[test]
+fn the_sensors_of_a_scenario_are_followed_while_they_are_read() {
+    let text = "dt = 0.01\nduration = 40.0\nhold = \"first\"\n[[filters]]\nname = \"one\"\nkind = \"ekf\"\n";
+    let scenario = Scenario::from_toml(text).expect("it is a scenario");
+    let record = kalmanscope_core::simulate(&scenario);
+    let device = Device::new();
+    let stream: (Rc<dyn Sensor<Happened>>, _) = (Rc::clone(&device) as Rc<_>, Rc::new(scenario.clone()));
+    let sensors = Sensors { stream: Some(stream), ..Sensors::default() };
+    let mut screen =
+        Harness::builder().with_size(DESKTOP).with_theme(Theme::Light).with_step_dt(1.0 / 60.0).build_eframe(
+            move |creation| {
+                let mut app = App::new(creation).expect("the default scenario can be run").measuring_with(sensors);
+                app.watch(&creation.egui_ctx);
+                app
+            },
+        );
+    screen.state_mut().session_mut().set_budget(Budget::Unlimited);
+    screen.run_steps(3);
+    screen.get_by_label_contains("Waiting for readings");
+    let readings = device.0.borrow().clone().expect("it has begun");
+    let tell = |screen: &mut Screen, from: usize, until: usize| {
+        for k in from..until {
+            let happened = Happened {
+                time: 3.0 + record.time(k),
+                input: record.input()[k],
+                readings: vec![record.measured(0)[k], record.measured(1)[k]],
+            };
+            readings.put(&[happened], &screen.ctx);
+            if k % 10 == 0 {
+                screen.run_steps(1);
+            }
+        }
+        screen.run_steps(3);
+    };
+    tell(&mut screen, 0, 1000);
+    screen.get_by_label_contains("100.0 readings a second");
+    assert!(screen.state().session().is_live());
+    tell(&mut screen, 1000, 2000);
+    let session = screen.state().session();
+    assert!((session.time() - 19.9).abs() < 0.2, "{} s", session.time());
+    let sample = session.run().done() - 1;
+    let mut whole = Run::new(&scenario).expect("it can be run");
+    whole.advance_to(sample + 1);
+    let numbers = |run: &Run| [0, 1].map(|place| run.estimates()[0].canonical_mean(sample, place));
+    let (followed, simulated) = (numbers(session.run()), numbers(&whole));
+    assert!((followed[0] - simulated[0]).abs() < 1e-9, "{followed:?} for {simulated:?}");
+    // A reading that goes back is refused in a sentence, and nothing else changes.
+    readings.put(&[Happened { time: 5.0, input: 0.0, readings: vec![1e9, 1e9] }], &screen.ctx);
+    screen.run_steps(3);
+    screen.get_by_label_contains("it comes too late");
+    click(&mut screen, "Stop");
+    screen.run_steps(20);
+    let session = screen.state().session();
+    assert!(!session.is_live() && session.is_measured() && session.problem().is_none());
+    let mapping = session.scenario().record.as_ref().expect("it is a record");
+    assert_eq!((mapping.file.as_str(), mapping.hash.is_empty()), ("measured.csv", false));
+    assert_eq!(session.scenario().filters[0].name, "one");
+    assert!(numbers(session.run())[0] == followed[0], "the filters and the record are the same");
+    assert!(device.0.borrow().is_none(), "it has stopped");
+}
+
 /// White noise from -1/2 to 1/2. Source: Steele, Lea and Flood (2014), Fast splittable pseudorandom number generators (its mix).
 fn noise(k: u32) -> f64 {
     let mut bits = (u64::from(k) + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
@@ -119,6 +234,7 @@ fn a_ring_is_heard_and_identified() {
         let sensors = Sensors {
             accelerometer: Some(Device::new() as Rc<dyn Sensor<Acceleration>>),
             microphone: Some(Rc::clone(&device) as Rc<_>),
+            ..Sensors::default()
         };
         let mut screen = with_sensors(size, sensors);
         click(&mut screen, "It rings");
@@ -154,7 +270,7 @@ fn a_ring_is_heard_and_identified() {
 #[test]
 fn silence_has_no_ring_and_is_said_to_have_none() {
     let device = Device::new();
-    let sensors = Sensors { accelerometer: None, microphone: Some(Rc::clone(&device) as Rc<_>) };
+    let sensors = Sensors { microphone: Some(Rc::clone(&device) as Rc<_>), ..Sensors::default() };
     let mut screen = with_sensors(PHONE, sensors);
     click(&mut screen, "Begin to listen");
     let readings = device.0.borrow().clone().expect("it has begun");

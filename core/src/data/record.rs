@@ -2,8 +2,10 @@
 
 mod csv_file;
 mod error;
+mod live;
 
 pub use error::RecordError;
+pub use live::{LiveError, LiveRecord};
 
 use crate::{Channel, Hold, InputKind, Quantity};
 
@@ -143,6 +145,21 @@ impl Record {
             truth_channels: self.truth_channels.clone(),
             ..*self
         }
+    }
+
+    /// Whether this record begins with all samples of another one, of the same quantities at the same times.
+    pub fn begins_with(&self, other: &Self) -> bool {
+        let of =
+            |record: &Self| (record.dt.to_bits(), record.start.to_bits(), record.forgotten, record.kind, record.hold);
+        let begins = |(all, first): (&Vec<f64>, &Vec<f64>)| {
+            all.len() >= first.len() && first.iter().zip(all).all(|(a, b)| a.to_bits() == b.to_bits())
+        };
+        of(self) == of(other)
+            && self.sensors == other.sensors
+            && self.truth_channels == other.truth_channels
+            && begins((&self.input, &other.input))
+            && self.measured.iter().zip(&other.measured).all(begins)
+            && self.truth.iter().zip(&other.truth).all(begins)
     }
 
     pub(crate) fn empty(

@@ -65,7 +65,7 @@ pub(crate) struct Subject<'a> {
     pub(crate) record: &'a Record,
     /// The number of samples done, counted from the beginning of the run.
     pub(crate) done: usize,
-    /// Whether these are all samples of the run.
+    /// Whether these are all samples of the run, and no more come.
     pub(crate) whole: bool,
     /// Filters that have a place here are already analysed.
     pub(crate) known: &'a [Option<usize>],
@@ -77,7 +77,7 @@ impl<'a> Subject<'a> {
     /// The part of a run that is done so far.
     pub(crate) fn of(run: &'a Run) -> Self {
         let (bank, record, done) = (run.bank(), run.record(), run.done());
-        Self { bank, record, done, whole: done == run.samples(), known: &[], bounds: &[] }
+        Self { bank, record, done, whole: done == run.samples() && !run.is_live(), known: &[], bounds: &[] }
     }
 }
 

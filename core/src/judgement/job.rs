@@ -73,7 +73,8 @@ impl Job {
         let source = source.or_else(|| (run.done() != samples.min(run.samples())).then(|| run.source()));
         let revision = Revision::new(run, scenario, source, spare)?;
         let goal = samples.min(revision.samples());
-        let is_simulated = revision.own_record().is_some() && !matches!(revision.source(), Some(Source::Measured(_)));
+        let is_simulated =
+            revision.own_record().is_some() && !revision.source().is_some_and(|source| source.is_measured());
         let stage = if is_simulated { goal.min(*window) } else { goal };
         Ok(Self { revision, analysis: analysis.successor(), goal, stage, done: false })
     }
@@ -164,6 +165,7 @@ fn subject<'a>(revision: &'a Revision, study: &'a Study, stage: usize, goal: usi
     let record = revision.own_record().unwrap_or(study.run.record());
     // Bounds of another truth cannot be reused.
     let bounds = if revision.is_of_everything() { &[] } else { study.analysis.all_bounds() };
-    let whole = done >= goal.min(revision.samples()) && done == revision.samples();
+    let is_live = revision.is_live().unwrap_or(study.run.is_live());
+    let whole = done >= goal.min(revision.samples()) && done == revision.samples() && !is_live;
     Subject { bank: revision.bank(), record, done, whole, known: revision.kept(), bounds }
 }

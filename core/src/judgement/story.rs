@@ -19,7 +19,7 @@ mod swing;
 
 use std::fmt;
 
-use crate::{Diagnosis, Diagnostics, Run, Source};
+use crate::{Diagnosis, Diagnostics, Run};
 
 use happening::Happening;
 use outcome::Outcome;
@@ -48,7 +48,7 @@ impl Story {
     /// diagnosis at the same place. Filters without diagnostics are left out.
     pub fn of(run: &Run, diagnostics: &[Diagnostics], diagnoses: &[Option<&Diagnosis>]) -> Self {
         let happening = Happening::of(run.scenario());
-        let is_measured = matches!(run.source(), Source::Measured(_));
+        let is_measured = run.source().is_measured();
         let mut sentences = vec![if is_measured { record::sentence(run) } else { happening.sentence(run) }];
         let outcomes: Vec<Outcome<'_>> = (run.estimates().iter().zip(diagnostics).zip(&run.scenario().filters))
             .enumerate()

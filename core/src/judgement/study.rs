@@ -1,9 +1,11 @@
 //! A run with its analysis, over the same samples.
 
+use std::sync::Arc;
+
 use crate::data::scenario::cost;
 use crate::judgement::analysis::Subject;
 use crate::samples::spare::Spare;
-use crate::{Analysis, Run, RunError, Scenario, Source, Wanted};
+use crate::{Analysis, Record, Run, RunError, Scenario, Source, Wanted};
 
 /// Keep the memory of at most this many samples for the next edit; return the rest to the system.
 const KEPT_SPARE: usize = 100_000;
@@ -45,6 +47,11 @@ impl Study {
     /// Its analysis.
     pub fn analysis(&self) -> &Analysis {
         &self.analysis
+    }
+
+    /// Takes in a live record that has more samples now, as [`Run::lengthen`] does, for [`Self::advance_to`] to go on.
+    pub fn lengthen(&mut self, record: Arc<Record>) -> bool {
+        self.run.lengthen(record)
     }
 
     /// Limits the samples of a simulated run that are kept from now on.
@@ -98,7 +105,7 @@ impl Study {
         let scenario = run.scenario();
         let costs = scenario.filters.iter().map(|filter| cost::of_step(filter, scenario.plant.kind));
         let chunk = cost::chunk(cost::OF_RECORD + costs.sum::<f64>());
-        let is_measured = matches!(run.source(), Source::Measured(_));
+        let is_measured = run.source().is_measured();
         while run.done() < samples.min(run.samples()) {
             let end = if is_measured { usize::MAX } else { run.record().forgotten().saturating_add(*window) };
             if run.done() >= end {

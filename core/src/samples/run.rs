@@ -80,7 +80,7 @@ impl Run {
     pub fn restart(&mut self, scenario: &Scenario) -> Result<(), RunError> {
         scenario.validate()?;
         let source = self.source();
-        if let Source::Measured(record) = &source {
+        if let Some(record) = source.record() {
             sensor_places(scenario, record)?;
         }
         let mut spare = Spare::default();
@@ -164,6 +164,24 @@ impl Run {
             self.bank.forget(samples);
         }
         forgets
+    }
+
+    /// Takes in a live record that has more samples now. What is done stays, and [`Self::advance_to`] goes on with the same bits
+    /// as over a record that had them from the beginning. Returns false, and changes nothing, if the source is not
+    /// [`Source::Live`] or the record does not begin with the present one: then only a new run is right.
+    ///
+    /// A filter with a negative input delay waits for the inputs that it reads in advance.
+    pub fn lengthen(&mut self, record: Arc<Record>) -> bool {
+        let goes_on = self.recording.lengthen(record);
+        if goes_on {
+            self.samples = self.recording.samples(self.bank.scenario());
+        }
+        goes_on
+    }
+
+    /// Whether samples are still added to the record.
+    pub fn is_live(&self) -> bool {
+        self.recording.is_live()
     }
 
     /// Steps to the end of the record.
@@ -255,7 +273,7 @@ impl Run {
 
     /// The memory of the run's data. The run cannot be used before it has been given other data.
     fn take_apart(&mut self) -> (Option<Record>, Vec<Estimates>) {
-        let empty = Recording::Measured(Arc::new(self.record().emptied()));
+        let empty = Recording::Given { record: Arc::new(self.record().emptied()), is_live: false };
         let record = std::mem::replace(&mut self.recording, empty).into_simulated();
         (record, std::mem::take(&mut self.bank.estimates))
     }

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::samples::bank::lookahead;
 use crate::samples::simulate::{Simulator, TruthStop};
 use crate::{Record, Scenario};
 
@@ -13,6 +14,23 @@ pub enum Source {
     Simulated,
     /// A given record. Its time between samples replaces the scenario's.
     Measured(Arc<Record>),
+    /// A given record to which samples are still added: [`Run::lengthen`](crate::Run::lengthen). What needs its end waits.
+    Live(Arc<Record>),
+}
+
+impl Source {
+    /// The record, if it is given.
+    pub fn record(&self) -> Option<&Arc<Record>> {
+        match self {
+            Self::Simulated => None,
+            Self::Measured(record) | Self::Live(record) => Some(record),
+        }
+    }
+
+    /// Whether the samples are measured, not simulated.
+    pub fn is_measured(&self) -> bool {
+        self.record().is_some()
+    }
 }
 
 /// A record in simulation, or a given one.
@@ -24,15 +42,21 @@ pub(crate) enum Recording {
         /// The record.
         record: Record,
     },
-    /// The whole record.
-    Measured(Arc<Record>),
+    /// A given record.
+    Given {
+        /// All of it so far.
+        record: Arc<Record>,
+        /// Whether samples are still added.
+        is_live: bool,
+    },
 }
 
 impl Recording {
     /// The empty record of a valid scenario, in the memory of an old one; or a given one.
     pub(crate) fn new(scenario: &Scenario, source: Source, spare: Option<Record>) -> Self {
         match source {
-            Source::Measured(record) => Self::Measured(record),
+            Source::Measured(record) => Self::Given { record, is_live: false },
+            Source::Live(record) => Self::Given { record, is_live: true },
             Source::Simulated => {
                 let simulator = Box::new(Simulator::new(scenario));
                 let mut record = simulator.empty_record();
@@ -48,7 +72,8 @@ impl Recording {
     pub(crate) fn source(&self) -> Source {
         match self {
             Self::Simulated { .. } => Source::Simulated,
-            Self::Measured(record) => Source::Measured(Arc::clone(record)),
+            Self::Given { record, is_live: false } => Source::Measured(Arc::clone(record)),
+            Self::Given { record, is_live: true } => Source::Live(Arc::clone(record)),
         }
     }
 
@@ -56,7 +81,7 @@ impl Recording {
     pub(crate) fn record(&self) -> &Record {
         match self {
             Self::Simulated { record, .. } => record,
-            Self::Measured(record) => record,
+            Self::Given { record, .. } => record,
         }
     }
 
@@ -64,15 +89,17 @@ impl Recording {
     pub(crate) fn into_simulated(self) -> Option<Record> {
         match self {
             Self::Simulated { record, .. } => Some(record),
-            Self::Measured(_) => None,
+            Self::Given { .. } => None,
         }
     }
 
-    /// The number of samples of a scenario's whole record.
+    /// The number of samples of a scenario's whole record; of a live one those that a filter can do, which may read the input of
+    /// later ones.
     pub(crate) fn samples(&self, scenario: &Scenario) -> usize {
         match self {
             Self::Simulated { .. } => scenario.samples(),
-            Self::Measured(record) => record.len(),
+            Self::Given { record, is_live: false } => record.len(),
+            Self::Given { record, is_live: true } => record.len().saturating_sub(lookahead(scenario)),
         }
     }
 
@@ -99,6 +126,21 @@ impl Recording {
         simulator.advance_some(record, samples)
     }
 
+    /// Whether samples are still added to a given record.
+    pub(crate) fn is_live(&self) -> bool {
+        matches!(self, Self::Given { is_live: true, .. })
+    }
+
+    /// Takes a longer record in place of a live one. Returns false if it is not live, or the longer one does not begin with it.
+    pub(crate) fn lengthen(&mut self, longer: Arc<Record>) -> bool {
+        let Self::Given { record, is_live: true } = self else { return false };
+        let goes_on = longer.begins_with(record);
+        if goes_on {
+            *record = longer;
+        }
+        goes_on
+    }
+
     /// Forgets the first samples that are still kept. Returns false for a given record, which cannot be forgotten.
     pub(crate) fn forget(&mut self, samples: usize) -> bool {
         let Self::Simulated { record, .. } = self else { return false };
@@ -110,7 +152,7 @@ impl Recording {
     pub(crate) fn stop(&self) -> Option<TruthStop> {
         match self {
             Self::Simulated { simulator, .. } => simulator.stop(),
-            Self::Measured(_) => None,
+            Self::Given { .. } => None,
         }
     }
 }

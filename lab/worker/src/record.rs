@@ -10,7 +10,7 @@ const TRUE: &str = "true_";
 
 /// A given record as `[dt, input, [key, column], …]`; null for a simulation.
 pub(crate) fn in_message(source: &Source) -> JsValue {
-    let Source::Measured(record) = source else { return JsValue::NULL };
+    let Some(record) = source.record() else { return JsValue::NULL };
     let message = filtered(record);
     for channel in Channel::all() {
         if let Some(truth) = record.truth(*channel) {

@@ -6,7 +6,10 @@ use std::fmt::Write as _;
 
 use thiserror::Error;
 
-use series::{even, main_axis, mean, middle, noise_of};
+use crate::record::LiveRecord;
+use crate::{Hold, InputKind, Quantity};
+
+use series::{even, main_axis, mean, middle, noise_of, side};
 
 /// The free decay of an oscillator along one axis.
 ///
@@ -172,6 +175,20 @@ impl Decay {
     /// How long it lasts \[s\].
     pub fn seconds(&self) -> f64 {
         self.times.last().copied().unwrap_or(0.0)
+    }
+
+    /// A reading of time \[s\] and three accelerations along the axis, without what is constant \[m/s²\].
+    pub fn along(&self, [_, x, y, z]: [f64; 4]) -> f64 {
+        self.axis[0] * x + self.axis[1] * y + self.axis[2] * z - self.gravity
+    }
+
+    /// An empty record for a decay that goes on, with the same steps. It takes its readings from [`Self::begin`] on, along the
+    /// axis, and no input.
+    pub fn live(&self) -> LiveRecord {
+        let n = self.times.len();
+        let dt = self.seconds() / n.saturating_sub(1).max(1) as f64;
+        let side = side(&self.acceleration, self.noise).min(n.saturating_sub(1) / 2);
+        LiveRecord::new(dt, InputKind::Force, Hold::First, vec![Quantity::ACCELERATION]).smoothing(side)
     }
 
     /// The decay as a CSV file that the importer reads: time and acceleration, with their units.

@@ -8,9 +8,7 @@ use super::phrase::{Adjustable, Phrase, Writer};
 use crate::data::signal::Step;
 use crate::diagnosis::Subject;
 use crate::numbers::diagnostics::ErrorSums;
-use crate::{
-    Channel, Diagnosis, Diagnostics, Estimates, FilterSettings, Propagation, Record, Run, Source, Stop, VerdictKind,
-};
+use crate::{Channel, Diagnosis, Diagnostics, Estimates, FilterSettings, Propagation, Record, Run, Stop, VerdictKind};
 
 /// Limits the relative error of an estimate that has been found.
 const FOUND: f64 = 0.05;
@@ -304,7 +302,7 @@ fn has_long_steps(filter: &FilterSettings, estimates: &Estimates, record: &Recor
 /// Whether innovations are smaller than expected, and by no more than the share of the frequencies that an import lets through:
 /// noise of the same density has less power there, which moves no parameter.
 fn is_behind_a_band(run: &Run, diagnostics: &Diagnostics) -> bool {
-    let Some(mapping) = run.scenario().record.as_ref().filter(|_| matches!(run.source(), Source::Measured(_))) else {
+    let Some(mapping) = run.scenario().record.as_ref().filter(|_| run.source().is_measured()) else {
         return false;
     };
     let [low, high] = mapping.passed(run.record().dt());

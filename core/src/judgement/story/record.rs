@@ -15,8 +15,10 @@ pub(super) fn sentence(run: &Run) -> Vec<Phrase> {
     };
     let length = record.dt() * run.samples().saturating_sub(1) as f64;
     let input = if has_input(run) { "" } else { ", and no input" };
-    let text = Writer::default().say("A measured record: ").result(seconds(length));
-    text.say(format!(" of {of}{input}.")).done()
+    let (begin, so_far) =
+        if run.is_live() { ("It is being measured: ", " so far") } else { ("A measured record: ", "") };
+    let text = Writer::default().say(begin).result(seconds(length));
+    text.say(format!(" of {of}{so_far}{input}.")).done()
 }
 
 /// Whether anything drives the record.

@@ -40,11 +40,13 @@ impl Revision {
     ) -> Result<Self, RunError> {
         scenario.validate()?;
         let same_filters = source.is_none() && same_filters(run, scenario);
-        let same_record = source.is_none() && (same_filters || matches!(run.source(), Source::Measured(_)));
+        let same_record = source.is_none() && (same_filters || run.source().is_measured());
         let recording =
             (!same_record).then(|| Recording::new(scenario, source.unwrap_or_else(|| run.source()), spare.record()));
         let current = recording.as_ref().unwrap_or(&run.recording);
-        let samples = if same_record { run.samples } else { current.samples(scenario) };
+        // A truth that has diverged has fewer samples than its scenario.
+        let is_simulated = matches!(run.source(), Source::Simulated);
+        let samples = if same_record && is_simulated { run.samples } else { current.samples(scenario) };
         let mut bank = Bank::new(scenario, current.record())?;
         let before = &run.scenario().filters;
         let place_of = |filter: &FilterSettings| before.iter().position(|b| b == filter).filter(|_| same_filters);
@@ -97,6 +99,11 @@ impl Revision {
     /// The source of the new record, if it changes.
     pub(crate) fn source(&self) -> Option<Source> {
         self.recording.as_ref().map(Recording::source)
+    }
+
+    /// Whether samples are still added to the new record; `None` if the record does not change.
+    pub(crate) fn is_live(&self) -> Option<bool> {
+        self.recording.as_ref().map(Recording::is_live)
     }
 
     /// The number of samples of the whole record.
@@ -188,7 +195,9 @@ impl Revision {
         let changed = order.into_iter().map(|place| bank.scenario().filters[place].id).collect();
         let old = std::mem::replace(&mut run.bank, bank);
         let record = recording.and_then(|new| std::mem::replace(&mut run.recording, new).into_simulated());
-        (run.samples, run.done) = (samples, done.min(samples));
+        // A live record may have become longer meanwhile.
+        run.samples = if run.is_live() { run.recording.samples(run.scenario()) } else { samples };
+        run.done = done.min(run.samples);
         let estimates = old.estimates.into_iter().filter(|estimates| !estimates.is_empty()).collect();
         spare.take((record, estimates));
         if is_of_everything {
@@ -213,7 +222,7 @@ fn same_filters(run: &Run, scenario: &Scenario) -> bool {
             let reaches = run.recording.len() >= (run.done() + lookahead(scenario)).min(run.samples);
             run.record().forgotten() == 0 && reaches && without_filters(before) == without_filters(scenario)
         }
-        Source::Measured(_) => {
+        Source::Measured(_) | Source::Live(_) => {
             let read = |s: &Scenario| {
                 let measures: Vec<_> = s.sensors.iter().map(|sensor| sensor.measures).collect();
                 (s.seed, s.plant.kind, s.input, s.hold, measures)

@@ -1,6 +1,6 @@
 //! What readings tell as a series: noise, axis, mean, and values at equal steps.
 
-use nalgebra::{Matrix4, Vector4};
+use crate::data::local_cubic::change;
 
 /// The share of half a swing, to either side, that a cubic follows; and the fewest and the most readings to either side.
 const FOLLOWED: f64 = 1.0 / 3.0;
@@ -12,13 +12,11 @@ const CLEAR: f64 = 3.0;
 
 /// The mean step of some times \[s\], and the values at equal steps; NaN at a step to which no reading is nearest.
 ///
-/// Each reading goes to its nearest step. It is shifted by what the least-squares cubic through a third of half a swing to either
-/// side changes meanwhile: the noise stays as white as it is, which it would not on a curve through the readings. Source: Savitzky
-/// and Golay (1964), Smoothing and differentiation of data by simplified least squares procedures.
+/// Each reading goes to its nearest step, shifted by what the local cubic changes meanwhile.
 pub(super) fn even(times: &[f64], values: &[f64], noise: f64) -> (f64, Vec<f64>) {
     let n = times.len();
     let dt = (times[n - 1] - times[0]) / (n - 1) as f64;
-    let side = ((FOLLOWED * half_swing(values, noise)) as usize).clamp(FEWEST, MOST.min((n - 1) / 2));
+    let side = side(values, noise).min((n - 1) / 2);
     let mut nearest = vec![None; n];
     for (k, time) in times.iter().enumerate() {
         let steps = (time - times[0]) / dt;
@@ -33,9 +31,15 @@ pub(super) fn even(times: &[f64], values: &[f64], noise: f64) -> (f64, Vec<f64>)
         let first = k.saturating_sub(side).min(n - 1 - 2 * side);
         let around = first..=first + 2 * side;
         let shift = times[0] + dt * place as f64 - times[k];
-        values[k] + change(&times[around.clone()], &values[around], times[k], shift, dt * side as f64)
+        let readings = times[around.clone()].iter().zip(&values[around]);
+        values[k] + change(readings, times[k], shift, dt * side as f64)
     };
     (dt, nearest.into_iter().enumerate().map(at).collect())
+}
+
+/// The readings to either side that a cubic follows.
+pub(super) fn side(values: &[f64], noise: f64) -> usize {
+    ((FOLLOWED * half_swing(values, noise)) as usize).clamp(FEWEST, MOST)
 }
 
 /// The readings in half a swing, by those that are clearly on one side of the mean.
@@ -51,20 +55,6 @@ fn half_swing(values: &[f64], noise: f64) -> f64 {
         }
     }
     if turns > 1 { (last - first.unwrap_or(0)) as f64 / f64::from(turns - 1) } else { 0.0 }
-}
-
-/// What the least-squares cubic through some values changes from a time to a later one \[s\].
-fn change(times: &[f64], values: &[f64], from: f64, shift: f64, size: f64) -> f64 {
-    let (mut normal, mut right) = (Matrix4::<f64>::zeros(), Vector4::<f64>::zeros());
-    for (time, value) in times.iter().zip(values) {
-        let u = (time - from) / size;
-        let powers = Vector4::new(1.0, u, u * u, u * u * u);
-        normal += powers * powers.transpose();
-        right += powers * *value;
-    }
-    let u = shift / size;
-    let powers = Vector4::new(0.0, u, u * u, u * u * u);
-    normal.cholesky().map_or(0.0, |factor| factor.solve(&right).dot(&powers))
 }
 
 /// The noise: about the mean in the quietest second, or that of third differences in a usual second, of which a slow swing has

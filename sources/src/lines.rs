@@ -1,34 +1,52 @@
-//! One line of a stream: columns under a header, or one JSON object.
+//! Input and readings of a scenario in lines that come one by one.
 
 use kalmanscope_core::{Document, InputKind, Scenario};
 use thiserror::Error;
 
 /// What a line tells.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Told {
+pub struct Told {
     /// \[s\]
-    pub(super) time: f64,
-    /// NaN if the line does not tell it.
-    pub(super) input: f64,
-    /// A reading for each sensor of the scenario, NaN where there is none.
-    pub(super) readings: Vec<f64>,
+    pub time: f64,
+    /// The input in the scenario's meaning \[m/s²\]; NaN if the line does not tell it.
+    pub input: f64,
+    /// A reading for each sensor of the scenario in the unit of its quantity, NaN where there is none.
+    pub readings: Vec<f64>,
 }
 
 /// The reason why a line tells nothing.
 #[derive(Clone, Debug, PartialEq, Error)]
-pub(super) enum BadLine {
-    #[error("it is longer than {} bytes", kalmanscope_sources::LONGEST)]
+#[non_exhaustive]
+pub enum BadLine {
+    /// It is too long.
+    #[error("it is longer than {} bytes", crate::LONGEST)]
     TooLong,
+    /// It is no UTF-8.
     #[error("it is not text")]
     NoText,
+    /// It begins as an object and is none.
     #[error("it is no JSON object: {0}")]
     NoJson(String),
+    /// A value is no number.
     #[error("`{key}` is {value}, but must be a number")]
-    NoNumber { key: String, value: String },
+    NoNumber {
+        /// The column's name.
+        key: String,
+        /// The value.
+        value: String,
+    },
+    /// It has not as many cells as the header.
     #[error("it has {found} cells, but the header has {expected}")]
-    Cells { found: usize, expected: usize },
+    Cells {
+        /// The number of its cells.
+        found: usize,
+        /// The number of those of the header.
+        expected: usize,
+    },
+    /// There is no time.
     #[error("there is no column for the time, `t`; a header such as `{0}` must come first")]
     NoTime(String),
+    /// Neither input nor sensors are among its columns.
     #[error("none of its columns is known; there are {0}")]
     NothingKnown(String),
 }
@@ -42,8 +60,9 @@ enum Column {
     Other,
 }
 
-/// Reads the lines of a stream.
-pub(super) struct Lines {
+/// Reads the lines of a stream: columns under a header, or JSON objects.
+#[derive(Clone, Debug)]
+pub struct Lines {
     /// The names of input and sensors.
     input: &'static str,
     sensors: Vec<&'static str>,
@@ -53,7 +72,7 @@ pub(super) struct Lines {
 
 impl Lines {
     /// The lines for the input and the sensors of a scenario.
-    pub(super) fn new(scenario: &Scenario) -> Self {
+    pub fn new(scenario: &Scenario) -> Self {
         let input = match scenario.input {
             InputKind::Force => "force",
             InputKind::GroundAcceleration => "ground_acceleration",
@@ -63,8 +82,11 @@ impl Lines {
     }
 
     /// What a line tells; `None` for an empty line, a comment and a header.
-    pub(super) fn read(&mut self, bytes: &[u8]) -> Result<Option<Told>, BadLine> {
-        if bytes.len() > kalmanscope_sources::LONGEST {
+    ///
+    /// # Errors
+    /// [`BadLine`]; later lines can still be read.
+    pub fn read(&mut self, bytes: &[u8]) -> Result<Option<Told>, BadLine> {
+        if bytes.len() > crate::LONGEST {
             return Err(BadLine::TooLong);
         }
         let text = std::str::from_utf8(bytes).map_err(|_| BadLine::NoText)?.trim().trim_start_matches('\u{feff}');

@@ -1,0 +1,170 @@
+//! A record that becomes longer while readings come in.
+
+mod error;
+mod track;
+
+use std::sync::Arc;
+
+use super::Record;
+use crate::{Hold, InputKind, Quantity};
+
+use track::{InputTrack, Track};
+
+pub use error::LiveError;
+
+/// A record to which samples are added as they come in: sensors and input have times of their own, the samples are dt apart.
+///
+/// Each reading goes to its nearest sample; of several the nearest one is kept. Where readings are dense, as
+/// [`Self::smoothing`] says, it is shifted there along the cubic through those around it. The input is that of the scenario's
+/// hold, and zero before the first one that is told. A sample is complete once something comes that is half a step later, and
+/// [`Self::waiting`] seconds more; nothing is added to it then.
+///
+/// ```
+/// use kalmanscope_core::record::LiveRecord;
+/// use kalmanscope_core::{Hold, InputKind, Quantity};
+/// let mut live = LiveRecord::new(0.01, InputKind::Force, Hold::Zero, vec![Quantity::VELOCITY]);
+/// for (time, velocity) in [(5.0, 0.0), (5.0101, 0.1), (5.0199, 0.2), (5.0402, 0.4), (5.05, 0.5)] {
+///     live.take(time, f64::NAN, &[velocity])?;
+/// }
+/// let velocity = live.record().measured(0);
+/// assert_eq!(velocity[..3], [0.0, 0.1, 0.2]);
+/// assert!(velocity[3].is_nan() && velocity[4] == 0.4);
+/// # Ok::<(), kalmanscope_core::record::LiveError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct LiveRecord {
+    record: Record,
+    /// The times of the first sample and of the newest that was told \[s\].
+    begin: Option<f64>,
+    newest: f64,
+    tracks: Vec<Track>,
+    input: InputTrack,
+    wait: f64,
+    side: usize,
+    crowded: usize,
+}
+
+/// A sample waits so long for the input after it, where the input is a line from one value to the next \[s\].
+const PATIENCE: f64 = 1.0;
+
+/// A time may be rounded by this share of a step.
+const ROUNDED: f64 = 1e-6;
+
+impl LiveRecord {
+    /// Limits the samples.
+    pub const MOST: usize = 200_000;
+
+    /// Limits the steps of dt without anything.
+    pub const LONGEST_GAP: usize = 20_000;
+
+    /// Before the first reading, with `dt` \[s\] between samples.
+    pub fn new(dt: f64, kind: InputKind, hold: Hold, sensors: Vec<Quantity>) -> Self {
+        Self {
+            tracks: sensors.iter().map(|_| Track::default()).collect(),
+            record: Record::empty(dt, kind, hold, sensors, Vec::new()),
+            begin: None,
+            newest: f64::NEG_INFINITY,
+            input: InputTrack::new(hold),
+            wait: 0.0,
+            side: 0,
+            crowded: 0,
+        }
+    }
+
+    /// The same, where a sample waits for what comes late by so many seconds.
+    #[must_use]
+    pub fn waiting(self, seconds: f64) -> Self {
+        Self { wait: seconds.max(0.0), ..self }
+    }
+
+    /// The same, where each reading is shifted along the cubic through so many readings to either side. They have to lie within
+    /// a third of half a swing. A sample waits for two more.
+    #[must_use]
+    pub fn smoothing(self, side: usize) -> Self {
+        let wait = if side > 0 { self.wait.max(2.0 * self.record.dt) } else { self.wait };
+        Self { side, wait, ..self }
+    }
+
+    /// The samples that are complete. The first one's time is zero.
+    pub fn record(&self) -> &Record {
+        &self.record
+    }
+
+    /// The record so far.
+    pub fn so_far(&self) -> Arc<Record> {
+        Arc::new(self.record.clone())
+    }
+
+    /// The time of the first sample in the clock of the readings \[s\].
+    pub fn begin(&self) -> Option<f64> {
+        self.begin
+    }
+
+    /// Readings that were left out because another one was nearer to their sample, or taken before they came.
+    pub fn crowded(&self) -> usize {
+        self.crowded
+    }
+
+    /// Takes in what happened at a time \[s\]: the input from then on \[m/s²\], NaN if it is not told, and a reading for each
+    /// sensor in the unit of its quantity, NaN where there is none.
+    ///
+    /// # Errors
+    /// [`LiveError`]; what is refused leaves the record as it was.
+    pub fn take(&mut self, time: f64, input: f64, readings: &[f64]) -> Result<(), LiveError> {
+        self.check(time, input, readings)?;
+        let begin = *self.begin.get_or_insert(time);
+        self.newest = self.newest.max(time);
+        for (track, &reading) in self.tracks.iter_mut().zip(readings).filter(|(_, reading)| !reading.is_nan()) {
+            track.put(time, reading);
+        }
+        if !input.is_nan() {
+            self.input.put(time, input);
+        }
+        while self.record.len() < Self::MOST {
+            let at = begin + self.record.len() as f64 * self.record.dt;
+            let late = self.newest - at - 0.5 * self.record.dt;
+            if late < self.wait || (late < PATIENCE && self.input.waits_at(at, ROUNDED * self.record.dt)) {
+                break;
+            }
+            self.complete(at);
+        }
+        Ok(())
+    }
+
+    fn check(&self, time: f64, input: f64, readings: &[f64]) -> Result<(), LiveError> {
+        if readings.len() != self.tracks.len() {
+            return Err(LiveError::Readings { found: readings.len(), expected: self.tracks.len() });
+        }
+        if !time.is_finite() || input.is_infinite() || readings.iter().any(|reading| reading.is_infinite()) {
+            return Err(LiveError::Infinite);
+        }
+        let Some(begin) = self.begin else { return Ok(()) };
+        if self.record.len() >= Self::MOST {
+            return Err(LiveError::Full);
+        }
+        let complete = begin + (self.record.len() as f64 - 0.5) * self.record.dt;
+        if time < complete {
+            return Err(LiveError::TooLate { time, complete });
+        }
+        let steps = (time - self.newest) / self.record.dt;
+        if steps > Self::LONGEST_GAP as f64 {
+            return Err(LiveError::Gap { time, before: self.newest });
+        }
+        Ok(())
+    }
+
+    /// Adds the sample at a time \[s\].
+    fn complete(&mut self, at: f64) {
+        let Self { record, tracks, input, side, crowded, .. } = self;
+        let dt = record.dt;
+        let measured: Vec<f64> = tracks
+            .iter_mut()
+            .map(|track| {
+                let (value, passed) = track.at(at, dt, *side);
+                *crowded += passed;
+                value
+            })
+            .collect();
+        record.push(input.at(at, ROUNDED * dt), measured, std::iter::empty());
+    }
+}

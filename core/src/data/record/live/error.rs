@@ -1,0 +1,44 @@
+//! The reasons why a reading is refused.
+
+use thiserror::Error;
+
+use super::LiveRecord;
+
+/// The reason why a [`LiveRecord`] does not take in what came.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum LiveError {
+    /// The number of readings is not that of the sensors.
+    #[error("there are {found} readings, but the record has {expected} sensors: a missing reading is NaN")]
+    Readings {
+        /// The number of readings.
+        found: usize,
+        /// The number of sensors.
+        expected: usize,
+    },
+    /// A number is infinite, or the time is none.
+    #[error("a reading, the input or the time is no finite number")]
+    Infinite,
+    /// Its sample is complete.
+    #[error("the time is {time} s, but what was before {complete} s is complete: it comes too late")]
+    TooLate {
+        /// The time \[s\].
+        time: f64,
+        /// The time of the end of the last sample \[s\].
+        complete: f64,
+    },
+    /// Nothing came for too long.
+    #[error(
+        "the time is {time} s, but before it was {before} s: at most {} steps may be empty",
+        LiveRecord::LONGEST_GAP
+    )]
+    Gap {
+        /// The time \[s\].
+        time: f64,
+        /// The newest time before it \[s\].
+        before: f64,
+    },
+    /// There are as many samples as a record may have.
+    #[error("the record is full: it has {} samples", LiveRecord::MOST)]
+    Full,
+}

@@ -1,0 +1,236 @@
+//! A record that becomes longer while filters follow it.
+
+#[path = "common/phone.rs"]
+mod phone;
+#[path = "common/random.rs"]
+mod random;
+
+use std::sync::Arc;
+
+use kalmanscope_core::import::Decay;
+use kalmanscope_core::record::{Input, LiveError, LiveRecord, Record};
+use kalmanscope_core::suggest::{scenario_for, suggest};
+use kalmanscope_core::{
+    Channel, FilterKind, FilterSettings, Hold, InputKind, Job, Quantity, Run, Scenario, Source, Study, Wanted, simulate,
+};
+
+use phone::{Phone, USUAL};
+use random::Random;
+
+/// Filters of every path: kernel, engine, book, one that takes the input for late and one that takes it for early.
+fn scenario(hold: Hold) -> Scenario {
+    let mut scenario = Scenario { duration: 5.0, hold, ..Scenario::default() };
+    let first = scenario.filters[0].clone();
+    for (kind, input_delay) in
+        [(FilterKind::SR_UKF, 0), (FilterKind::ENKF, 0), (FilterKind::EKF, -3), (FilterKind::UKF, 2)]
+    {
+        let ensemble_size = 30;
+        scenario.filters.push(FilterSettings { kind, input_delay, ensemble_size, id: 0, ..first.clone() });
+    }
+    scenario.number_filters();
+    scenario
+}
+
+fn simulated(scenario: &Scenario) -> Record {
+    simulate(scenario).without_truth()
+}
+
+/// The bits of all samples of two runs, which have as many.
+fn assert_same(run: &Run, whole: &Run) {
+    assert_eq!(run.done(), whole.done());
+    for (a, b) in run.estimates().iter().zip(whole.estimates()) {
+        assert_eq!(a.len(), b.len(), "{}", a.name());
+        assert_eq!(a.checksum(), b.checksum(), "{}", a.name());
+    }
+}
+
+#[test]
+fn a_run_over_a_growing_record_has_the_bits_of_one_over_the_whole() {
+    for hold in [Hold::Zero, Hold::First] {
+        let scenario = scenario(hold);
+        let record = simulated(&scenario);
+        let mut run = Run::from_source(&scenario, Source::Live(Arc::new(record.part(0..1)))).expect("it can be run");
+        let mut random = Random::new(3);
+        let mut length = 1;
+        while length < record.len() {
+            run.advance_to(usize::MAX);
+            assert_eq!(run.done(), length.saturating_sub(3), "the delayed filter waits for three inputs");
+            length = (length + 1 + (40.0 * random.uniform()) as usize).min(record.len());
+            assert!(run.lengthen(Arc::new(record.part(0..length))));
+        }
+        run.advance_to(usize::MAX);
+        let mut whole = Run::on_record(&scenario, Arc::new(record.clone())).expect("it can be run");
+        whole.advance_to(record.len() - 3);
+        assert_same(&run, &whole);
+    }
+}
+
+#[test]
+fn what_is_no_longer_record_changes_nothing() {
+    let scenario = scenario(Hold::Zero);
+    let record = simulated(&scenario);
+    let mut run = Run::from_source(&scenario, Source::Live(Arc::new(record.part(0..200)))).expect("it can be run");
+    run.advance_to(usize::MAX);
+    let before = run.checksum();
+    let other = record.clone().with_measured(|_, k, x| if k == 100 { x + 1e-12 } else { x });
+    for wrong in [record.part(0..199), record.part(1..300), other, record.clone().starting_at(1.0)] {
+        assert!(!run.lengthen(Arc::new(wrong)));
+        run.advance_to(usize::MAX);
+        assert_eq!((run.done(), run.checksum()), (197, before));
+    }
+    let mut ended = Run::on_record(&scenario, Arc::new(record.part(0..200))).expect("it can be run");
+    assert!(!ended.lengthen(Arc::new(record)), "a measured record has ended");
+}
+
+/// An edit is computed beside the picture, and the record grows before, between and after.
+#[test]
+fn an_edit_of_a_live_record_gives_the_bits_of_a_new_run() {
+    let mut scenario = scenario(Hold::First);
+    let record = simulated(&scenario);
+    let part = |length: usize| Arc::new(record.part(0..length));
+    let mut study = Study::new(&scenario, Source::Live(part(100)), 1000).expect("it can be run");
+    study.want(Wanted { smoothed: true, ..Wanted::NOTHING });
+    let everything = usize::MAX;
+    study.advance_to(everything, &mut || true);
+    assert!(study.lengthen(part(250)));
+    study.advance_to(everything, &mut || true);
+    scenario.filters[1].fading = 1.02;
+    let done = study.run().done();
+    let mut job = Job::new(&mut study, &scenario, None, done).expect("it is possible");
+    while !job.advance(&study, &mut || false).is_done() {}
+    assert!(study.lengthen(part(300)), "it grows while the job is under way");
+    job.finish(&mut study);
+    study.advance_to(everything, &mut || true);
+    assert_eq!(study.run().done(), 297);
+    assert!(study.analysis().smoothed().is_empty(), "a smoother needs the end, which has not come");
+    let mut whole = Run::on_record(&scenario, part(300)).expect("it can be run");
+    whole.advance_to(297);
+    assert_same(study.run(), &whole);
+}
+
+#[test]
+fn readings_on_the_samples_make_the_record_that_they_are_from() {
+    for hold in [Hold::Zero, Hold::First] {
+        let record = simulated(&Scenario { hold, ..scenario(hold) });
+        let record = record.with_gaps(|sensor, k| k % (7 + sensor) == 3 && k > 0);
+        let mut live = LiveRecord::new(record.dt(), record.input_kind(), hold, record.sensors().to_vec());
+        for k in 0..record.len() {
+            let readings: Vec<f64> = (0..record.sensors().len()).map(|sensor| record.measured(sensor)[k]).collect();
+            live.take(7.5 + record.time(k), record.input()[k], &readings).expect("it is taken in");
+        }
+        let made = live.record();
+        assert!(made.len() >= record.len() - 1);
+        for sensor in 0..record.sensors().len() {
+            let pairs = made.measured(sensor).iter().zip(record.measured(sensor));
+            assert!(pairs.into_iter().all(|(a, b)| a.to_bits() == b.to_bits()));
+        }
+        assert!(made.input().iter().zip(record.input()).all(|(a, b)| (a - b).abs() < 1e-9 * (1.0 + b.abs())));
+    }
+}
+
+#[test]
+fn what_is_late_finds_its_sample_as_long_as_that_waits() {
+    let mut live =
+        LiveRecord::new(0.1, InputKind::Force, Hold::First, vec![Quantity::DISPLACEMENT, Quantity::VELOCITY])
+            .waiting(0.25);
+    let none = f64::NAN;
+    live.take(0.0, 0.0, &[0.0, 0.0]).expect("the first");
+    for k in 1..=20 {
+        let t = 0.1 * f64::from(k);
+        live.take(t, none, &[t, none]).expect("on time");
+        // The slow sensor and the input, which is a line, come 0.2 s late.
+        if k % 5 == 2 && k > 2 {
+            live.take(t - 0.2, 10.0 * (t - 0.2), &[none, 2.0 * (t - 0.2)]).expect("it waits");
+        }
+    }
+    let record = live.record();
+    for k in 0..record.len() {
+        let t = 0.1 * k as f64;
+        assert!((record.measured(0)[k] - t).abs() < 1e-12);
+        assert_eq!(record.measured(1)[k].is_nan(), k % 5 != 0);
+        assert!((record.input()[k] - 10.0 * t).abs() < 1e-9 || k > 15, "{k}: {}", record.input()[k]);
+    }
+    assert!(matches!(live.take(0.7, none, &[1.0, none]), Err(LiveError::TooLate { .. })));
+    assert!(matches!(live.take(1e9, none, &[1.0, none]), Err(LiveError::Gap { .. })));
+    assert_eq!(live.take(2.1, none, &[1.0]), Err(LiveError::Readings { found: 1, expected: 2 }));
+    assert_eq!(live.take(2.1, none, &[f64::INFINITY, 0.0]), Err(LiveError::Infinite));
+    live.take(2.4, none, &[2.4, none]).expect("what was refused has changed nothing");
+}
+
+#[test]
+fn a_record_is_full_in_words_and_no_message_makes_it_panic() {
+    let mut random = Random::new(11);
+    let mut live = LiveRecord::new(1e-3, InputKind::Force, Hold::First, vec![Quantity::VELOCITY]).smoothing(3);
+    let (mut taken, mut time) = (0, 0.0);
+    for _ in 0..300_000 {
+        time += 2e-3 * random.uniform();
+        let odd = random.uniform();
+        let at = match () {
+            () if odd < 0.01 => f64::NAN,
+            () if odd < 0.02 => -f64::INFINITY,
+            () if odd < 0.03 => 1e300,
+            () if odd < 0.1 => time - 0.01 * random.uniform(),
+            () => time,
+        };
+        let value = if random.uniform() < 0.02 { f64::INFINITY } else { random.normal() };
+        let input = if random.uniform() < 0.5 { f64::NAN } else { random.normal() };
+        taken += usize::from(live.take(at, input, &[value]).is_ok());
+    }
+    assert_eq!(live.record().len(), LiveRecord::MOST);
+    assert_eq!(live.take(time, 0.0, &[0.0]), Err(LiveError::Full));
+    assert!(taken > 150_000 && live.crowded() > 0, "{taken}");
+    assert!(live.record().input().iter().all(|x| x.is_finite()));
+}
+
+/// Seeds and situations are others than those with which the smoothing was chosen.
+#[test]
+fn a_swing_with_a_jittering_clock_is_identified_while_it_is_measured() {
+    let (mut inside, mut count) = ([0, 0], 0);
+    for seed in 101..=110 {
+        for (frequency, damping, rate, jitter) in
+            [(5.2, 0.006, 100.0, 0.6), (8.3, 0.015, 60.0, 0.7), (12.5, 0.01, 60.0, 0.4)]
+        {
+            let phone = Phone { seed, frequency, damping, rate, jitter, seconds: 30.0, ..USUAL };
+            let readings = phone.readings();
+            let decay = Decay::of(&readings).expect("it swings");
+            let mut live = decay.live();
+            for reading in readings.iter().filter(|reading| reading[0] >= decay.begin) {
+                live.take(reading[0], f64::NAN, &[decay.along(*reading)]).expect("it is taken in");
+            }
+            let record = live.record();
+            let known = record.measured(0).iter().filter(|x| !x.is_nan()).count();
+            assert!(known as f64 > 0.9 * record.len() as f64, "{known} of {}", record.len());
+            let first = record.part(0..(3.0 * rate) as usize);
+            let scenario = suggest(&scenario_for(&first), &first).scenario;
+            let mut run = Run::from_source(&scenario, Source::Live(live.so_far())).expect("it can be run");
+            run.advance_to(usize::MAX);
+            let estimates = &run.estimates()[0];
+            let last = estimates.len() - 1;
+            for (k, (channel, truth)) in
+                [(Channel::NATURAL_FREQUENCY, frequency), (Channel::DAMPING_RATIO, damping)].into_iter().enumerate()
+            {
+                let place = estimates.place(channel).expect("it is estimated");
+                let (mean, std) = (estimates.canonical_mean(last, place), estimates.std(last, place));
+                let near = if k == 0 { 0.002 } else { 0.15 };
+                assert!((mean / truth - 1.0).abs() < near, "seed {seed}, {frequency} rad/s: {mean} for {truth}");
+                inside[k] += i32::from((mean - truth).abs() < 2.0 * std);
+            }
+            count += 1;
+        }
+    }
+    assert!(inside.iter().all(|inside| 10 * inside >= 9 * count), "inside ±2σ: {inside:?} of {count}");
+}
+
+#[test]
+fn an_empty_record_can_be_made_longer() {
+    let input = Input { kind: InputKind::Force, hold: Hold::Zero, values: vec![0.0; 50] };
+    let record = Record::new(0.01, input, vec![(Quantity::DISPLACEMENT, vec![0.1; 50])]).expect("it is a record");
+    let mut scenario = scenario(Hold::Zero);
+    scenario.set_sensors(&[Quantity::DISPLACEMENT]);
+    let mut run = Run::from_source(&scenario, Source::Live(Arc::new(record.part(0..0)))).expect("it can be run");
+    run.advance_to(usize::MAX);
+    assert_eq!(run.done(), 0);
+    assert!(run.lengthen(Arc::new(record)));
+    run.advance_to(usize::MAX);
+    assert_eq!(run.done(), 47);
+}

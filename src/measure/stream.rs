@@ -1,0 +1,136 @@
+//! The sensors of a scenario, whose readings come from elsewhere.
+
+use std::rc::Rc;
+use std::sync::Arc;
+
+use egui::{Context, Ui};
+use kalmanscope_core::import::Mapping;
+use kalmanscope_core::record::{LiveError, LiveRecord};
+use kalmanscope_core::{Quantity, Record, Scenario};
+
+use super::live::NAME;
+use super::{Instrument, waiting_ui};
+use crate::request::RawFile;
+use crate::sensor::{Happened, Readings, Sensor};
+use crate::text::fixed;
+use crate::theme::Palette;
+
+/// A sample waits so long for what comes late \[s\].
+const WAIT: f64 = 0.1;
+
+pub(super) struct Stream {
+    device: Rc<dyn Sensor<Happened>>,
+    scenario: Scenario,
+    readings: Readings<Happened>,
+    live: LiveRecord,
+    record: Arc<Record>,
+    /// The readings that have come, those that were refused, and why the last one was.
+    taken: usize,
+    refused: usize,
+    refusal: Option<LiveError>,
+    /// The times of the first reading and of the last one \[s\].
+    times: Option<[f64; 2]>,
+}
+
+impl Stream {
+    pub(super) fn new(device: Rc<dyn Sensor<Happened>>, of: &Scenario) -> Self {
+        let mut scenario = of.clone();
+        scenario.record = Some(Mapping { file: NAME.to_owned(), ..Mapping::default() });
+        let sensors: Vec<Quantity> = scenario.sensors.iter().map(|sensor| sensor.measures).collect();
+        let live = LiveRecord::new(scenario.dt, scenario.input, scenario.hold, sensors).waiting(WAIT);
+        let record = live.so_far();
+        let (readings, taken, refused, refusal, times) = (Readings::default(), 0, 0, None, None);
+        Self { device, scenario, readings, live, record, taken, refused, refusal, times }
+    }
+
+    /// What has come so far, and what is wrong with it, in sentences.
+    fn sentences(&self) -> Vec<String> {
+        let mut said = Vec::new();
+        if let Some(reason) = &self.refusal {
+            said.push(format!("{} of {} readings are left out; of the last one {reason}.", self.refused, self.taken));
+        }
+        match self.live.crowded() {
+            0 => {}
+            crowded => said.push(format!(
+                "{crowded} readings had no sample of their own: a smaller dt than {} s keeps them.",
+                self.scenario.dt
+            )),
+        }
+        said
+    }
+}
+
+impl Instrument for Stream {
+    fn name(&self) -> &'static str {
+        "Sensors of a scenario"
+    }
+
+    fn beginning(&self) -> &'static str {
+        "Begin to measure"
+    }
+
+    fn ending(&self) -> &'static str {
+        "Stop"
+    }
+
+    fn directions(&self) -> &'static [&'static str] {
+        &["Readings come from the source that was named at the start, and the scenario's filters follow them."]
+    }
+
+    fn begin(&mut self, ctx: &Context) {
+        *self = Self::new(Rc::clone(&self.device), &self.scenario);
+        self.device.begin(ctx, &self.readings);
+    }
+
+    fn end(&self) {
+        self.device.end();
+    }
+
+    fn refusal(&self) -> Option<String> {
+        self.readings.refusal()
+    }
+
+    fn follow(&mut self) {
+        let Self { readings, live, record, taken, refused, refusal, times, .. } = self;
+        // They are kept in the record.
+        let told = std::mem::take(&mut readings.told().readings);
+        for Happened { time, input, readings } in &told {
+            match live.take(*time, *input, readings) {
+                Ok(()) => *times = Some(times.map_or([*time; 2], |[first, last]| [first, last.max(*time)])),
+                Err(reason) => (*refused, *refusal) = (*refused + 1, Some(reason)),
+            }
+        }
+        *taken += told.len();
+        if live.record().len() > record.len() {
+            *record = live.so_far();
+        }
+    }
+
+    fn watched(&self) -> Option<(&Scenario, &Arc<Record>)> {
+        (!self.record.is_empty()).then_some((&self.scenario, &self.record))
+    }
+
+    fn few_ui(&mut self, ui: &mut Ui, palette: &Palette) {
+        let Some([first, last]) = self.times else {
+            ui.label(format!("Waiting for readings … {}", self.device.hint()));
+            return;
+        };
+        let rate = self.taken.saturating_sub(1) as f64 / (last - first).max(f64::MIN_POSITIVE);
+        ui.label(format!("{} s, {} readings a second.", fixed(last - first, 1), fixed(rate, 1)));
+        for sentence in self.sentences() {
+            ui.colored_label(palette.warning, sentence);
+        }
+    }
+
+    fn running_ui(&mut self, ui: &mut Ui, since: f64, palette: &Palette) {
+        if self.times.is_none() {
+            waiting_ui(ui, since, "Waiting for readings …", &self.device.hint());
+            return;
+        }
+        self.few_ui(ui, palette);
+    }
+
+    fn file(&self) -> Option<Result<RawFile, String>> {
+        None
+    }
+}
