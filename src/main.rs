@@ -27,6 +27,7 @@ mod native {
     mod window;
 
     use std::error::Error;
+    use std::fs::File;
     use std::io::{self, Write as _};
     use std::path::Path;
     use std::process::ExitCode;
@@ -35,16 +36,17 @@ mod native {
     use kalmanscope_cli::{plot_svg, run_scenario, step_times, table};
     use kalmanscope_core::{Analysis, Scenario, Wanted};
 
+    use listen::Listening;
     use window::Beginning;
 
     /// The file of the plots if there is no display.
     const REPORT: &str = "kalmanscope-report.svg";
 
-    const USAGE: &str = "usage: kalmanscope [LINK or FILE]\n       kalmanscope --listen SOURCE [SCENARIO.toml]\n\nLINK is an address with #link=…, ?lesson=NAME or \
+    const USAGE: &str = "usage: kalmanscope [LINK or FILE]\n       kalmanscope --listen SOURCE [SCENARIO.toml] [--keep FILE]\n\nLINK is an address with #link=…, ?lesson=NAME or \
                          ?scenario=NAME; FILE is a measured record, a scenario or a lesson. SOURCE tells lines with a time and three \
                          accelerations, such as serial:/dev/ttyUSB0?baud=115200, http://PHONE:8080 (phyphox), tcp://HOST:PORT, \
                          udp://HOST:PORT, ws://HOST:PORT, or - for standard input; with a scenario its filters follow the time, \
-                         the input and the readings of its sensors, under a header such as `t,force,displacement`.";
+                         the input and the readings of its sensors, under a header such as `t,force,displacement`. FILE gets every line, and must not exist.";
 
     /// The exit code for an argument that cannot be used.
     const INVALID: u8 = 2;
@@ -58,9 +60,8 @@ mod native {
             // Without a source, the usage is told.
             if let Some(source) = arguments.next() {
                 argument = None;
-                let scenario = arguments.next().map(|file| read_scenario(&file)).transpose();
-                match scenario {
-                    Ok(scenario) => beginning.source = Some((source, scenario)),
+                beginning.source = match listening(source, arguments) {
+                    Ok(listening) => Some(listening),
                     Err(error) => {
                         eprintln!("error: {error}");
                         return ExitCode::from(INVALID);
@@ -96,6 +97,21 @@ mod native {
                 ExitCode::FAILURE
             }
         }
+    }
+
+    /// A source with what follows it: a scenario, a file for the lines.
+    fn listening(source: String, mut arguments: impl Iterator<Item = String>) -> Result<Listening, String> {
+        let mut listening = Listening { source, scenario: None, keep: None };
+        while let Some(argument) = arguments.next() {
+            if argument == "--keep" {
+                let file = arguments.next().ok_or("--keep needs a file")?;
+                let kept = File::create_new(&file).map_err(|error| format!("{file} cannot be made: {error}"))?;
+                listening.keep = Some((file, kept));
+            } else {
+                listening.scenario = Some(read_scenario(&argument)?);
+            }
+        }
+        Ok(listening)
     }
 
     fn read_scenario(file: &str) -> Result<Scenario, String> {

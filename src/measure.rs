@@ -9,7 +9,7 @@ mod swing;
 use std::sync::Arc;
 use std::time::Duration;
 
-use egui::{Align2, Button, Context, Key, RichText, Ui, Vec2, Window};
+use egui::{Align2, Button, Context, Key, Label, RichText, Ui, Vec2, Window};
 use kalmanscope_core::{Record, Scenario};
 
 use sound::Listener;
@@ -280,7 +280,7 @@ fn waiting_ui(ui: &mut Ui, since: f64, text: &str, hint: &str) {
 
 /// An estimate, large enough for a hall.
 fn large_ui(ui: &mut Ui, text: String, palette: &Palette) {
-    ui.label(RichText::new(text).size(LARGE).color(palette.text));
+    ui.add(Label::new(RichText::new(text).size(LARGE).color(palette.text)).extend());
 }
 
 /// Two buttons in a row of their own; says which is clicked.

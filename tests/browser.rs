@@ -112,6 +112,7 @@ fn a_phone_keeps_its_plots_in_sight() {
         phone::a_lesson_leaves_the_plots_their_room(&page, &pictures.join("phone-lesson.png")).await;
         phone::the_menu_of_views_scrolls(&page, &pictures.join("phone-views.png")).await;
         measure::a_decay_is_identified(&page, &pictures.join("phone-measure.png")).await;
+        measure::filters_are_watched(&page, &pictures.join("phone-live.png")).await;
         reports_no_problems(&page, &address).await;
     });
 }
@@ -222,6 +223,11 @@ fn frames_while_a_phone_measures() {
             println!(
                 "{rate} readings a second: {per_second:.1} frames a second, {own:.1} ms each, {longest:.1} ms at most"
             );
+            page.tap("Watch the filters").await;
+            let wait = tokio::time::sleep(Duration::from_secs(20));
+            let frames::Frames { per_second, page: own, longest, .. } =
+                frames::during(&page, driver.process(), wait).await;
+            println!("watched: {per_second:.1} frames a second, {own:.1} ms each, {longest:.1} ms at most");
         }
     });
 }

@@ -9,12 +9,11 @@ use kalmanscope::App;
 use kalmanscope::drop;
 use kalmanscope::export::folder;
 use kalmanscope::sensor::{Sensor, Sensors};
-use kalmanscope_core::Scenario;
 use kalmanscope_gpu::Software;
 use kalmanscope_sources::Accelerations;
 
 use super::desktop::{Desktop, Memory, Start};
-use super::listen::{Listened, OfScenario};
+use super::listen::{Listened, Listening, OfScenario};
 use super::slot::Slot;
 use super::{file_dialog, team};
 
@@ -29,7 +28,7 @@ pub(super) struct Beginning {
     /// A file that is opened.
     pub(super) file: Option<PathBuf>,
     /// The source of lines: those of an accelerometer, or of the sensors of a scenario.
-    pub(super) source: Option<(String, Option<Scenario>)>,
+    pub(super) source: Option<Listening>,
 }
 
 /// Opens the window, and stays until it is closed.
@@ -55,7 +54,7 @@ pub(super) fn open(Beginning { address, file, source }: Beginning) -> eframe::Re
                 app.open_file(&drop::file_name(&path), drop::read_path(&path));
             }
             if let Some(source) = source {
-                app = listening(app, &source.0, source.1, ctx);
+                app = listening(app, source, ctx);
             }
             Ok(app)
         });
@@ -67,14 +66,14 @@ pub(super) fn open(Beginning { address, file, source }: Beginning) -> eframe::Re
 }
 
 /// The explorer with a source of lines: it follows the sensors of a scenario, or waits for a click to measure by an accelerometer.
-fn listening(app: App, source: &str, scenario: Option<Scenario>, ctx: &Context) -> App {
+fn listening(app: App, Listening { source, scenario, keep }: Listening, ctx: &Context) -> App {
     let Some(scenario) = scenario else {
-        let accelerometer: Rc<dyn Sensor<_>> = Rc::new(Listened::new(source, Accelerations::default()));
+        let accelerometer: Rc<dyn Sensor<_>> = Rc::new(Listened::new(&source, Accelerations::default(), keep));
         let mut app = app.measuring_with(Sensors { accelerometer: Some(accelerometer), ..Sensors::default() });
         app.measure();
         return app;
     };
-    let stream: Rc<dyn Sensor<_>> = Rc::new(Listened::new(source, OfScenario::new(&scenario)));
+    let stream: Rc<dyn Sensor<_>> = Rc::new(Listened::new(&source, OfScenario::new(&scenario), keep));
     let mut app = app.measuring_with(Sensors { stream: Some((stream, Rc::new(scenario))), ..Sensors::default() });
     app.watch(ctx);
     app

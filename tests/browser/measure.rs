@@ -47,7 +47,7 @@ async fn identified(page: &Page) -> [f64; 2] {
     page.wait_until(asks, PATIENCE).await.expect("the record is read");
     tokio::time::sleep(Duration::from_secs(1)).await;
     page.tap("Open the record").await;
-    let measured = "(it => it.mode === 'whole' && it.samples > 1000)(JSON.parse(wasmBindings.kalmanscope_summary()))";
+    let measured = "(it => it.mode === 'whole' && it.samples > 500)(JSON.parse(wasmBindings.kalmanscope_summary()))";
     page.wait_until(measured, PATIENCE).await.expect("the record is open");
     page.settle().await;
     // The filters go through it in the frames.
@@ -94,6 +94,23 @@ pub(crate) async fn stream(page: &Page, rate: u32) {
     page.tap("Begin to measure").await;
     page.value(&format!("{STREAM}({rate})")).await;
     tokio::time::sleep(Duration::from_secs(10)).await;
+}
+
+/// The filters are on screen while it swings, and their record grows.
+pub(crate) async fn filters_are_watched(page: &Page, picture: &Path) {
+    stream(page, 60).await;
+    page.tap("Watch the filters").await;
+    let mut samples = Vec::new();
+    for _ in 0..2 {
+        tokio::time::sleep(Duration::from_secs(4)).await;
+        let summary = page.summary().await;
+        assert_eq!(summary["mode"], "live");
+        samples.push(summary["samples"].as_u64().expect("it is a number"));
+    }
+    assert!(samples[0] > 300 && samples[1] > samples[0] + 120, "it grows: {samples:?}");
+    std::fs::write(picture, page.screenshot().await).expect("a picture can be written");
+    page.tap("Stop and identify").await;
+    identified(page).await;
 }
 
 /// White noise from -1/2 to 1/2. Source: Steele, Lea and Flood (2014), Fast splittable pseudorandom number generators (its mix).
