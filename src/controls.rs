@@ -3,6 +3,7 @@
 mod belief;
 pub(crate) mod color;
 mod equation;
+mod faults;
 mod filter;
 mod force;
 mod general;

@@ -21,7 +21,7 @@ fn parameters_known() -> Values {
 fn known_parameters(kinds: &[FilterKind], dt: f64) -> Scenario {
     let mut scenario = Scenario { dt, duration: 4.0, ..Scenario::default() };
     scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
-    scenario.add_sensor(Sensor { measures: Quantity::ACCELERATION, noise_std: 0.5 });
+    scenario.add_sensor(Sensor::new(Quantity::ACCELERATION, 0.5));
     let settings = |&kind: &FilterKind| FilterSettings {
         name: kind.name().to_owned(),
         kind,
@@ -45,7 +45,7 @@ fn known_parameters(kinds: &[FilterKind], dt: f64) -> Scenario {
 fn eventful(dt: f64) -> Scenario {
     let mut scenario = Scenario { dt, duration: 700.0 * dt, ..Scenario::default() };
     scenario.plant.disturbance_std = 0.5;
-    scenario.add_sensor(Sensor { measures: Quantity::ACCELERATION, noise_std: 0.5 });
+    scenario.add_sensor(Sensor::new(Quantity::ACCELERATION, 0.5));
     let eta = FilterSettings { name: "η".to_owned(), eta: 0.01, ..scenario.filters[0].clone() };
     scenario.filters.push(eta);
     scenario.filters.push(FilterSettings { kind: FilterKind::KF, ..scenario.filters[0].clone() });

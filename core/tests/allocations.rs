@@ -45,7 +45,7 @@ fn scenarios(kind: FilterKind) -> [(&'static str, Scenario); 6] {
     logarithms.filters[0].log_parameters = true;
     let feeling = |mut scenario: Scenario| {
         scenario.remove_sensor(Quantity::VELOCITY);
-        scenario.add_sensor(Sensor { measures: Quantity::ACCELERATION, noise_std: 0.5 });
+        scenario.add_sensor(Sensor::new(Quantity::ACCELERATION, 0.5));
         scenario
     };
     let one = ("kernel with an accelerometer", feeling(kernel.clone()));

@@ -88,7 +88,7 @@ fn chains_of_five_to_ten_masses_find_their_stiffness() {
         scenario.set_plant(plant);
         for mass in 0..masses {
             let measures = Quantity::new(kalmanscope_core::Aspect::DISPLACEMENT, mass);
-            scenario.add_sensor(Sensor { measures, noise_std: 0.01 });
+            scenario.add_sensor(Sensor::new(measures, 0.01));
         }
         for mass in [0, masses / 2] {
             assert_found(&scenario, Channel::stiffness(mass), 10.0);

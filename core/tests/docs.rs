@@ -1,5 +1,6 @@
 //! The tables of the documents are those of the program: filters, plants, and every key of a scenario.
 
+use kalmanscope_core::scenario::{Fault, Scale};
 use kalmanscope_core::{Channel, FilterKind, PlantKind, Quantity, Robust, Scenario};
 
 const FILTERS: &str = include_str!("../../docs/filters.md");
@@ -27,6 +28,24 @@ fn every_rule_for_outliers_is_in_its_table() {
         format!("| `{}` | {} | {} | {} |", info.key, info.name, info.description, info.reference)
     };
     assert_eq!(table(FILTERS, "| robust | rule | what it does | reference |"), Robust::ALL.map(row));
+}
+
+#[test]
+fn every_fault_is_in_its_table() {
+    let row = |fault: Fault| {
+        let info = fault.info();
+        let unit = |scale: Scale| match scale {
+            Scale::Pure => "",
+            Scale::Sigma => " [σ]",
+            Scale::Unit => " [unit]",
+            Scale::Seconds => " [s]",
+        };
+        let numbers: Vec<String> =
+            info.numbers.iter().map(|number| format!("`{}`{}", number.key, unit(number.scale))).collect();
+        format!("| `{}` | {} | {} | {} |", info.key, info.name, info.description, numbers.join(", "))
+    };
+    let rows = Fault::ALL.map(row);
+    assert_eq!(table(FORMAT, "| fault | name | what it does | numbers |"), rows, "{}", rows.join("\n"));
 }
 
 #[test]

@@ -240,7 +240,7 @@ fn settings_that_count_in_samples_are_refused_in_words() {
 #[test]
 fn random_messages_end_no_program_and_memory_stays() {
     let mut scenario = scenario(FilterKind::EKF, Hold::First);
-    scenario.sensors.push(Sensor { measures: Quantity::ACCELERATION, noise_std: 0.1 });
+    scenario.sensors.push(Sensor::new(Quantity::ACCELERATION, 0.1));
     scenario.filters[0].sensor_std.push(0.1);
     let mut random = Random::new(7);
     let mut events = EventFilter::new(&scenario, 0).expect("it follows events");

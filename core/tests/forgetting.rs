@@ -11,7 +11,7 @@ use kalmanscope_core::{
 fn eventful() -> Scenario {
     let mut scenario = Scenario { duration: 9.0, ..Scenario::default() };
     scenario.plant.disturbance_std = 0.5;
-    scenario.add_sensor(Sensor { measures: Quantity::ACCELERATION, noise_std: 0.5 });
+    scenario.add_sensor(Sensor::new(Quantity::ACCELERATION, 0.5));
     let template = scenario.filters[0].clone();
     let of = |kind: FilterKind| FilterSettings {
         name: kind.name().to_owned(),

@@ -27,7 +27,7 @@ fn scenario(
     scenario.force = Force::WhiteNoise { std: 10.0 };
     scenario.plant.set(NATURAL_FREQUENCY, Signal::Constant(6.0));
     scenario.plant.set(Channel::DAMPING_RATIO, Signal::Constant(0.05));
-    scenario.sensors = vec![Sensor { measures, noise_std }];
+    scenario.sensors = vec![Sensor::new(measures, noise_std)];
     let of = |values: [f64; 4]| {
         let channels = [Channel::DISPLACEMENT, Channel::VELOCITY, NATURAL_FREQUENCY, Channel::DAMPING_RATIO];
         Values::ZERO.with(channels.into_iter().zip(values))

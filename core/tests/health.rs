@@ -152,7 +152,7 @@ fn sensors_that_cannot_err_and_a_state_that_is_known_make_s_singular() {
 #[test]
 fn perfect_sensors_make_s_singular_sooner_or_later() {
     let mut scenario = with_filter(FilterKind::EKF);
-    scenario.sensors.push(Sensor { measures: Quantity::ACCELERATION, noise_std: 0.0 });
+    scenario.sensors.push(Sensor::new(Quantity::ACCELERATION, 0.0));
     let filter = &mut scenario.filters[0];
     filter.sensor_std = vec![1e-200; 3];
     filter.initial_std = Values::ZERO.with([(Channel::DISPLACEMENT, 0.1), (Channel::VELOCITY, 0.3)]);
@@ -280,7 +280,7 @@ fn missing_measurements_are_counted_and_a_run_of_them_is_remarked() {
 fn a_sensor_without_a_quantity_of_the_filters_plant_is_remarked() {
     let mut scenario = Scenario::default();
     scenario.set_plant(PlantKind::SHEAR_2);
-    scenario.add_sensor(Sensor { measures: Quantity::new(Aspect::DISPLACEMENT, 1), noise_std: 0.01 });
+    scenario.add_sensor(Sensor::new(Quantity::new(Aspect::DISPLACEMENT, 1), 0.01));
     scenario.filters.truncate(1);
     scenario.filters[0].plant = Some(PlantKind::SDOF);
     check_scenario(&scenario, 0).unwrap();

@@ -202,7 +202,7 @@ fn bound(scenario: &Scenario, record: &Record) -> CramerRao {
 #[test]
 fn the_bound_of_a_linear_plant_is_the_kalman_filters_covariance() {
     let mut scenario = known(FilterKind::KF, 1000);
-    scenario.add_sensor(Sensor { measures: Quantity::ACCELERATION, noise_std: 0.5 });
+    scenario.add_sensor(Sensor::new(Quantity::ACCELERATION, 0.5));
     let mut chain = scenario.clone();
     chain.set_plant(PlantKind::SHEAR_3);
     for scenario in [scenario, chain] {

@@ -29,7 +29,7 @@ fn benchmark(seed: u64) -> Record {
     ] {
         scenario.plant.set(channel, Signal::Constant(value));
     }
-    scenario.sensors = vec![Sensor { measures: Quantity::DISPLACEMENT, noise_std: 8e-6 }];
+    scenario.sensors = vec![Sensor::new(Quantity::DISPLACEMENT, 8e-6)];
     finished(&scenario).record().clone()
 }
 

@@ -62,7 +62,7 @@ fn force() -> impl Strategy<Value = Force> {
 
 fn sensors() -> impl Strategy<Value = Vec<Sensor>> {
     proptest::sample::subsequence(Quantity::all()[..3].to_vec(), 0..=3).prop_flat_map(|quantities| {
-        let sensor = |measures| zero_or(-5.0..1.0).prop_map(move |noise_std| Sensor { measures, noise_std });
+        let sensor = |measures| zero_or(-5.0..1.0).prop_map(move |noise_std| Sensor::new(measures, noise_std));
         quantities.into_iter().map(sensor).collect::<Vec<_>>()
     })
 }
@@ -210,7 +210,7 @@ proptest! {
 
     #[test]
     fn a_sensor_that_is_always_missing_is_no_sensor(mut scenario in scenario(), which in 0_usize..3) {
-        scenario.add_sensor(Sensor { measures: Quantity::VELOCITY, noise_std: 0.1 });
+        scenario.add_sensor(Sensor::new(Quantity::VELOCITY, 0.1));
         let which = which % scenario.sensors.len();
         let record = simulate(&scenario);
         let gaps = record.clone().with_gaps(|sensor, _| sensor == which);
@@ -284,7 +284,7 @@ proptest! {
         let mut scenario = Scenario { seed, ..Scenario::default() };
         scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(wn));
         scenario.plant.set(Channel::DAMPING_RATIO, Signal::Constant(zeta));
-        scenario.sensors = sensors.iter().map(|&q| Sensor { measures: q, noise_std: noise(q) }).collect();
+        scenario.sensors = sensors.iter().map(|&q| Sensor::new(q, noise(q))).collect();
         for filter in &mut scenario.filters {
             filter.sensor_std = sensors.iter().map(|&q| noise(q)).collect();
             filter.initial_mean[Channel::NATURAL_FREQUENCY] = wn * off.0;

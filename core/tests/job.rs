@@ -232,7 +232,7 @@ fn a_measured_record_stays_when_settings_change() {
     assert!(error.to_string().contains("a force, but the scenario's is the acceleration of the ground"), "{error}");
     assert_eq!((is_measured(&run), run.checksum()), (true, fresh(&current)));
     other = current.clone();
-    other.add_sensor(kalmanscope_core::Sensor { measures: Quantity::ACCELERATION, noise_std: 0.1 });
+    other.add_sensor(kalmanscope_core::Sensor::new(Quantity::ACCELERATION, 0.1));
     if record.measured_quantity(Quantity::ACCELERATION).is_none() {
         assert_eq!(run.restart(&other), Err(RunError::MissingSensor(Quantity::ACCELERATION)));
         assert_eq!(run.checksum(), fresh(&current));

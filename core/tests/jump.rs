@@ -23,7 +23,7 @@ fn stepping(seed: u64, to: f64, sensors: &[(Quantity, f64)]) -> Scenario {
     scenario.plant.set(NATURAL_FREQUENCY, Signal::Step(Step { from: 6.0, to, at: 20.0 }));
     scenario.plant.set(DAMPING_RATIO, Signal::Constant(0.05));
     scenario.plant.disturbance_std = 0.5;
-    scenario.sensors = sensors.iter().map(|&(measures, noise_std)| Sensor { measures, noise_std }).collect();
+    scenario.sensors = sensors.iter().map(|&(measures, noise_std)| Sensor::new(measures, noise_std)).collect();
     scenario
 }
 

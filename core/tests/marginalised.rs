@@ -26,7 +26,7 @@ fn scenario(seed: u64, sensors: &[(Quantity, f64)], filters: &[(FilterKind, usiz
     scenario.plant.set(NATURAL_FREQUENCY, Signal::Constant(6.0));
     scenario.plant.set(DAMPING_RATIO, Signal::Constant(0.05));
     scenario.plant.disturbance_std = 0.5;
-    scenario.sensors = sensors.iter().map(|&(measures, noise_std)| Sensor { measures, noise_std }).collect();
+    scenario.sensors = sensors.iter().map(|&(measures, noise_std)| Sensor::new(measures, noise_std)).collect();
     let of = |values: [f64; 4]| {
         let channels = [Channel::DISPLACEMENT, Channel::VELOCITY, NATURAL_FREQUENCY, DAMPING_RATIO];
         Values::ZERO.with(channels.into_iter().zip(values))

@@ -136,7 +136,7 @@ fn a_prior_is_in_the_channels_units() {
             let mut scenario = scenario(kind, hold);
             scenario.filters[0].log_parameters = true;
             // Nothing is measured at all, so that the belief is what it was before each update.
-            scenario.sensors = vec![Sensor { measures: Quantity::DISPLACEMENT, noise_std: 0.01 }];
+            scenario.sensors = vec![Sensor::new(Quantity::DISPLACEMENT, 0.01)];
             scenario.filters[0].sensor_std = vec![0.01];
             let run = finished(&scenario);
             let missing = {

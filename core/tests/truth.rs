@@ -126,7 +126,7 @@ fn a_changing_plant_under_white_noise_agrees_with_dense_integration() {
 #[test]
 fn the_disturbance_pushes_the_mass_and_is_felt_by_the_accelerometer() {
     let mut scenario = time_varying();
-    scenario.sensors = vec![Sensor { measures: Quantity::ACCELERATION, noise_std: 0.0 }];
+    scenario.sensors = vec![Sensor::new(Quantity::ACCELERATION, 0.0)];
     scenario.plant.disturbance_std = 2.0;
     let record = simulated(&scenario);
     let [x, v, wn, zeta] = SDOF.map(|c| truth(&record, c));
@@ -144,7 +144,7 @@ fn the_disturbance_pushes_the_mass_and_is_felt_by_the_accelerometer() {
 #[test]
 fn each_sensor_has_its_noise() {
     let mut scenario = Scenario { duration: 200.0, ..steady(6.0, 0.05, Force::WhiteNoise { std: 10.0 }) };
-    scenario.add_sensor(Sensor { measures: Quantity::ACCELERATION, noise_std: 0.7 });
+    scenario.add_sensor(Sensor::new(Quantity::ACCELERATION, 0.7));
     let record = simulated(&scenario);
     let [x, v, wn, zeta] = SDOF.map(|c| truth(&record, c));
     let mut noise: Vec<Vec<f64>> = Vec::new();
@@ -175,7 +175,7 @@ fn a_new_sensor_leaves_all_else_to_the_bit() {
     let mut scenario = time_varying();
     scenario.plant.disturbance_std = 1.0;
     let before = simulated(&scenario);
-    scenario.add_sensor(Sensor { measures: Quantity::ACCELERATION, noise_std: 0.7 });
+    scenario.add_sensor(Sensor::new(Quantity::ACCELERATION, 0.7));
     let after = simulated(&scenario);
     assert_eq!(after.sensors().len(), before.sensors().len() + 1);
     assert_eq!(before.input(), after.input());

@@ -164,7 +164,7 @@ fn scenario(kind: FilterKind, hold: Hold, sensors: &[usize]) -> Scenario {
         process_std: Values::ZERO.with([(Channel::WHITE_FORCE, FORCE)]),
         ..FilterSettings::default()
     };
-    let sensors = sensors.iter().map(|&s| Sensor { measures: SENSORS[s].0, noise_std: SENSORS[s].1 });
+    let sensors = sensors.iter().map(|&s| Sensor::new(SENSORS[s].0, SENSORS[s].1));
     Scenario {
         dt: DT,
         duration: DT * (SAMPLES - 1) as f64,

@@ -27,6 +27,7 @@ pub const BUILT_IN: &[BuiltIn] = built_in![
     "scenarios",
     "With and without forgetting": "forgetting",
     "Sudden stiffness loss": "stiffness-loss",
+    "Outliers": "outliers",
     "Constant parameters": "constant",
     "Slow drift": "slow-drift",
     "Acceleration only": "acceleration-only",

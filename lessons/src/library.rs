@@ -39,6 +39,8 @@ pub const LESSONS: &[(&str, &str)] = files!["lessons":
     "27-how-much-is-luck",
     "28-jump-in-place-of-fading",
     "29-decay-by-hand",
+    "30-spike-and-gate",
+    "31-gravity-is-a-bias",
 ];
 
 /// Every lesson in the menu's order. They are not validated, which takes longer than reading: a test has done it.

@@ -4,6 +4,7 @@ use egui::{Checkbox, ComboBox, Ui};
 use kalmanscope_core::scenario::MAX_SENSORS;
 use kalmanscope_core::{Aspect, InputKind, Quantity, Scenario, Sensor};
 
+use super::faults::faults_ui;
 use super::lit::lit;
 use super::number::Number;
 
@@ -25,7 +26,7 @@ pub(super) fn sensors_ui(ui: &mut Ui, scenario: &mut Scenario) {
             let enabled = measured || !full;
             if ui.add_enabled(enabled, Checkbox::new(&mut measured, quantity.key())).changed() {
                 if measured {
-                    scenario.add_sensor(Sensor { measures: quantity, noise_std: usual_noise(quantity) });
+                    scenario.add_sensor(Sensor::new(quantity, usual_noise(quantity)));
                 } else {
                     scenario.remove_sensor(quantity);
                 }
@@ -40,7 +41,7 @@ pub(super) fn sensors_ui(ui: &mut Ui, scenario: &mut Scenario) {
             });
             ui.ctx().accesskit_node_builder(combo.response.id, |node| node.set_label("Add a sensor"));
             if let Some(quantity) = chosen {
-                scenario.add_sensor(Sensor { measures: quantity, noise_std: usual_noise(quantity) });
+                scenario.add_sensor(Sensor::new(quantity, usual_noise(quantity)));
             }
         }
     });
@@ -59,6 +60,7 @@ pub(super) fn sensors_ui(ui: &mut Ui, scenario: &mut Scenario) {
         };
         let path = format!("sensors.{}.noise_std", quantity.key());
         lit(ui, &path, |ui| number.show(ui, &mut sensor.noise_std));
+        faults_ui(ui, sensor);
     }
     if scenario.sensors.is_empty() {
         ui.add_space(2.0);

@@ -16,6 +16,7 @@ pub(crate) fn candidates(scenario: &Scenario, is_measured: bool) -> Vec<String> 
         let sensors = scenario.sensors.iter().map(|sensor| sensor.measures.key());
         keys.extend(scenario.plant.parameters().map(|channel| format!("plant.{}", channel.key())));
         keys.extend(sensors.map(|key| format!("sensors.{key}.noise_std")));
+        keys.extend(scenario.fault_addresses());
         keys.extend(OF_SCENARIO.into_iter().filter(|info| info.is_varied).map(|info| info.key.to_owned()));
     }
     keys.retain(|key| is_possible(scenario, key));

@@ -259,7 +259,7 @@ fn a_record_that_is_too_long_is_live_until_it_is_shorter() {
 #[test]
 fn a_truth_without_a_first_sample_does_no_harm() {
     let mut scenario = Scenario::default();
-    scenario.add_sensor(kalmanscope_core::Sensor { measures: Quantity::ACCELERATION, noise_std: 0.1 });
+    scenario.add_sensor(kalmanscope_core::Sensor::new(Quantity::ACCELERATION, 0.1));
     scenario.plant.initial.displacement = 1e308;
     let mut session = Session::new(scenario).unwrap();
     session.advance(1.0);

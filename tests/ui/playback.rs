@@ -47,7 +47,7 @@ const KEY: &str = "kalmanscope";
 fn saved() -> (App, Memory) {
     let mut edited = Scenario { seed: 5, force: Force::None, ..Scenario::default() };
     edited.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(3.0));
-    edited.add_sensor(kalmanscope_core::Sensor { measures: Quantity::ACCELERATION, noise_std: 0.2 });
+    edited.add_sensor(kalmanscope_core::Sensor::new(Quantity::ACCELERATION, 0.2));
     let mut app = App::with_scenario(edited).expect("the scenario can be run");
     app.session_mut().set_mode(Mode::Whole);
     app.session_mut().set_speed(5.0);

@@ -7,6 +7,28 @@ fn parameter(scenario: &Scenario, channel: Channel) -> Signal {
     scenario.plant.parameter(channel).expect("the plant has it")
 }
 
+/// A fault is added from its list, its numbers are set, and it is removed again; the story says it.
+#[test]
+fn a_sensor_gets_faults_with_numbers_and_loses_them() {
+    use kalmanscope_core::scenario::Fault;
+    let mut screen = workbench();
+    let clean = screen.state().session().scenario().sensors.clone();
+    choose(&mut screen, "Add a fault of the displacement sensor", "outliers");
+    let numbers = |screen: &Screen| {
+        let sensor = screen.state().session().scenario().sensors[0];
+        sensor.faults.numbers(Fault::OUTLIERS).map(<[f64]>::to_vec)
+    };
+    assert_eq!(numbers(&screen), Some(vec![0.1, 10.0, 30.0]));
+    assert!(screen.state().session().problem().is_none());
+    assert!(screen.query_all_by_label_contains("of the displacement readings is off by").next().is_some());
+    set(&mut screen, "Share of outliers of the displacement sensor", 0.2);
+    assert_eq!(numbers(&screen).map(|numbers| numbers[0]), Some(0.2));
+    assert_eq!(screen.state().session().run().scenario().sensors[0], screen.state().session().scenario().sensors[0]);
+    click(&mut screen, "Remove outliers of the displacement sensor");
+    screen.run_steps(3);
+    assert_eq!(screen.state().session().scenario().sensors, clean);
+}
+
 #[test]
 fn every_number_changes_the_scenario_and_with_it_the_estimates() {
     let mut screen = workbench();

@@ -51,7 +51,7 @@ fn change(scenario: &mut Scenario, dice: &mut Dice) {
         1 => {
             let all: Vec<Quantity> = scenario.plant.kind.quantities().collect();
             for _ in 0..1 + dice.below(3) {
-                scenario.add_sensor(Sensor { measures: dice.pick(&all), noise_std: 0.01 });
+                scenario.add_sensor(Sensor::new(dice.pick(&all), 0.01));
             }
         }
         2 => scenario.filters.truncate(dice.below(2)),

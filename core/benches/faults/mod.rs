@@ -80,8 +80,7 @@ impl Situation {
         let sets: &[&[(Quantity, i32)]] = &[&[x, v], &[x, a], &[x, v, a], &[x], &[v], &[a]];
         let set = draw.choice(if several { &sets[..3] } else { sets });
         let relative = draw.log_uniform(0.02, 0.1);
-        let noise =
-            |(measures, rate): (Quantity, i32)| Sensor { measures, noise_std: relative * base.size * wn.powi(rate) };
+        let noise = |(measures, rate): (Quantity, i32)| Sensor::new(measures, relative * base.size * wn.powi(rate));
         truth.sensors = set.iter().map(|&one| noise(one)).collect();
         truth.plant.disturbance_std = draw.log_uniform(0.05, 0.2) * (power / dt).sqrt();
         let mut filter = Self::well_tuned(&truth, &mut draw, &base);

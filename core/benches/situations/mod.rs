@@ -87,8 +87,7 @@ impl Situation {
             _ => draw.choice(sets),
         };
         let noise = |draw: &mut Draw, rate: i32| relative * draw.log_uniform(0.7, 1.4) * size * wn.powi(rate);
-        truth.sensors =
-            set.iter().map(|&(measures, rate)| Sensor { measures, noise_std: noise(&mut draw, rate) }).collect();
+        truth.sensors = set.iter().map(|&(measures, rate)| Sensor::new(measures, noise(&mut draw, rate))).collect();
         let disturbed = match fault {
             Fault::ProcessNoiseTooSmall
             | Fault::ProcessNoiseTooLarge

@@ -6,6 +6,7 @@ pub(crate) mod cost;
 mod document;
 mod equation;
 mod error;
+pub(crate) mod fault;
 mod filter;
 mod identity;
 mod name;
@@ -26,6 +27,7 @@ use crate::{Force, PlantKind, Quantity};
 
 pub use color::FilterColor;
 pub use error::ScenarioError;
+pub use fault::{Fault, FaultInfo, FaultNumber, Faults, Scale};
 pub use filter::FilterSettings;
 pub(crate) use identity::SMOOTHED;
 pub use name::{is_text, shown};
@@ -75,6 +77,16 @@ pub struct Sensor {
     pub measures: Quantity,
     /// Standard deviation of its white normal noise, in the quantity's unit.
     pub noise_std: f64,
+    /// What else it does to its readings.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub faults: Faults,
+}
+
+impl Sensor {
+    /// A sensor with white normal noise of a standard deviation, in the quantity's unit.
+    pub const fn new(measures: Quantity, noise_std: f64) -> Self {
+        Self { measures, noise_std, faults: Faults::NONE }
+    }
 }
 
 impl Default for Scenario {
@@ -88,10 +100,7 @@ impl Default for Scenario {
             force: Force::default(),
             input: InputKind::default(),
             hold: Hold::default(),
-            sensors: vec![
-                Sensor { measures: Quantity::DISPLACEMENT, noise_std: 0.01 },
-                Sensor { measures: Quantity::VELOCITY, noise_std: 0.06 },
-            ],
+            sensors: vec![Sensor::new(Quantity::DISPLACEMENT, 0.01), Sensor::new(Quantity::VELOCITY, 0.06)],
             filters: default_filters(),
             record: None,
         };
@@ -123,7 +132,7 @@ impl Scenario {
         self.sensors.clear();
         self.filters.iter_mut().for_each(|filter| filter.sensor_std.clear());
         for &measures in quantities {
-            self.add_sensor(Sensor { measures, noise_std: measures.aspect().info().usual_noise });
+            self.add_sensor(Sensor::new(measures, measures.aspect().info().usual_noise));
         }
     }
 

@@ -50,6 +50,9 @@ impl Story {
         let happening = Happening::of(run.scenario());
         let is_measured = run.source().is_measured();
         let mut sentences = vec![if is_measured { record::sentence(run) } else { happening.sentence(run) }];
+        if !is_measured {
+            sentences.extend(happening::faults(run.scenario()));
+        }
         let outcomes: Vec<Outcome<'_>> = (run.estimates().iter().zip(diagnostics).zip(&run.scenario().filters))
             .enumerate()
             .filter(|(_, ((estimates, _), _))| !estimates.is_empty())

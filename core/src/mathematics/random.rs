@@ -16,6 +16,8 @@ pub(crate) enum Purpose {
     Force,
     Disturbance,
     Sensor(crate::Quantity),
+    /// A fault of a sensor, by its place among the families.
+    Fault(crate::Quantity, usize),
     /// The members of a filter's ensemble, by the number of the filter's stream.
     Ensemble(usize),
 }
@@ -26,6 +28,9 @@ const ENSEMBLES: u64 = 64;
 /// The streams from here on are those of the other sensors.
 const LATER_SENSORS: u64 = 1 << 32;
 
+/// From each multiple of this on are the streams of a family of faults, one a sensor.
+const FAULTS: u64 = 1 << 40;
+
 /// The streams from here on are those of ensembles that would reach into the sensors'.
 const FAR_ENSEMBLES: u64 = 1 << 63;
 
@@ -35,6 +40,7 @@ impl Purpose {
             Self::Force => 0,
             Self::Disturbance => 1,
             Self::Sensor(quantity) => quantity.stream(),
+            Self::Fault(quantity, place) => FAULTS * (1 + place as u64) + quantity.stream(),
             Self::Ensemble(number) => match number as u64 {
                 number if number < LATER_SENSORS - ENSEMBLES => ENSEMBLES + number,
                 number => FAR_ENSEMBLES | number,

@@ -50,8 +50,7 @@ pub struct Suggestion {
 
 /// A new scenario for a measured record: an EKF and a UKF that forget nothing, with a sensor for each of the record's.
 pub fn scenario_for(record: &Record) -> Scenario {
-    let sensors =
-        record.sensors().iter().map(|&measures| Sensor { measures, noise_std: measures.aspect().info().usual_noise });
+    let sensors = record.sensors().iter().map(|&measures| Sensor::new(measures, measures.aspect().info().usual_noise));
     let filter = |kind: FilterKind| FilterSettings {
         kind,
         name: kind.name().to_owned(),

@@ -95,7 +95,7 @@ mod tests {
                     let mut scenario = Scenario { duration: 1.0, hold: Hold::First, ..Scenario::default() };
                     scenario.plant.kind = plant;
                     scenario.sensors.truncate(1);
-                    scenario.sensors.push(crate::Sensor { measures: Quantity::ACCELERATION, noise_std: 0.1 });
+                    scenario.sensors.push(crate::Sensor::new(Quantity::ACCELERATION, 0.1));
                     let filter = &mut scenario.filters[0];
                     (filter.kind, filter.augment, filter.fading) = (kind, augment.to_vec(), 1.002);
                     (filter.substeps, filter.eta) = ([1, 1, 2, 3][nth], [0.0, 0.02, 0.0, 0.0][nth]);

@@ -6,6 +6,7 @@ pub(crate) mod response;
 
 use thiserror::Error;
 
+use crate::data::scenario::fault::{Act, Moment};
 use crate::mathematics::model::{Hold, Model, Reading};
 use crate::mathematics::random::{Normal, Purpose};
 use crate::{Channel, Quantity, Record, Scenario, Signal};
@@ -49,6 +50,8 @@ pub struct Simulator {
     inputs: Inputs,
     disturbance_noise: Normal,
     sensor_noise: Vec<Normal>,
+    /// The faults of each sensor, at work.
+    faults: Vec<Vec<Box<dyn Act>>>,
     model: Model,
     /// The signals of the components that do not move.
     signals: Vec<Signal>,
@@ -87,6 +90,7 @@ impl Simulator {
             inputs: Inputs::new(scenario.force, scenario.dt, stream(Purpose::Force)),
             disturbance_noise: stream(Purpose::Disturbance),
             sensor_noise: scenario.sensors.iter().map(|s| stream(Purpose::Sensor(s.measures))).collect(),
+            faults: scenario.sensors.iter().map(|s| s.faults.acts(s.measures, scenario.seed)).collect(),
             signals: model.channels()[model.motion()..].iter().map(signal).collect(),
             readings: scenario.sensors.iter().map(|s| model.reading(s.measures)).collect(),
             measured: Vec::with_capacity(scenario.sensors.len()),
@@ -163,7 +167,17 @@ impl Simulator {
     /// Takes the measurements of sample `k`, and returns the load from there on.
     fn sample(&mut self, k: usize) -> Result<Load, TruthError> {
         let Self {
-            scenario, inputs, disturbance_noise, sensor_noise, model, signals, readings, measured, state, ..
+            scenario,
+            inputs,
+            disturbance_noise,
+            sensor_noise,
+            faults,
+            model,
+            signals,
+            readings,
+            measured,
+            state,
+            ..
         } = self;
         let response = &mut self.response;
         let t = k as f64 * scenario.dt;
@@ -187,13 +201,22 @@ impl Simulator {
             return Err(TruthError::Force);
         }
         measured.clear();
-        for ((sensor, noise), reading) in scenario.sensors.iter().zip(sensor_noise).zip(readings) {
+        for (((sensor, noise), faults), reading) in scenario.sensors.iter().zip(sensor_noise).zip(faults).zip(readings)
+        {
+            let moment = Moment { time: t, dt: scenario.dt, noise_std: sensor.noise_std };
             let exact = reading.as_ref().map_or(f64::NAN, |r| model.read_disturbed(r, state, force, disturbance));
-            let value = exact + sensor.noise_std * noise.sample();
+            let exact = faults.iter_mut().fold(exact, |exact, fault| fault.exact(exact));
+            let noise = faults.iter_mut().fold(noise.sample(), |noise, fault| fault.noise(noise, &moment));
+            let value = exact + sensor.noise_std * noise;
             if !value.is_finite() {
                 return Err(TruthError::Reading(sensor.measures));
             }
-            measured.push(value);
+            // What is missing is NaN.
+            let told = faults.iter_mut().fold(value, |reading, fault| fault.reading(reading, &moment));
+            if told.is_infinite() {
+                return Err(TruthError::Reading(sensor.measures));
+            }
+            measured.push(told);
         }
         inputs.forget_before((k + 1).saturating_sub(scenario.plant.input_delay.max(0) as usize));
         let end = match scenario.hold {

@@ -292,7 +292,7 @@ impl Dice<'_> {
             let measures = self.pick(&quantities);
             let noise_std = self.size(0.01);
             if sensors.iter().all(|s| s.measures != measures) {
-                sensors.push(Sensor { measures, noise_std });
+                sensors.push(Sensor::new(measures, noise_std));
             }
         }
         sensors

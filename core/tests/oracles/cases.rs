@@ -10,10 +10,7 @@ pub(crate) fn scenario(plant: PlantKind, kind: FilterKind) -> Scenario {
     let mut scenario = Scenario { dt: 0.01, duration: 2.5, ..Scenario::default() };
     scenario.set_plant(plant);
     scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
-    scenario.sensors = vec![
-        Sensor { measures: Quantity::DISPLACEMENT, noise_std: 0.01 },
-        Sensor { measures: Quantity::ACCELERATION, noise_std: 0.5 },
-    ];
+    scenario.sensors = vec![Sensor::new(Quantity::DISPLACEMENT, 0.01), Sensor::new(Quantity::ACCELERATION, 0.5)];
     scenario.filters = vec![FilterSettings {
         name: kind.name().to_owned(),
         kind,

@@ -38,7 +38,7 @@ fn sensors_that_the_filters_plant_does_not_have_are_ignored() {
         scenario.filters[0].plant = Some(PlantKind::SDOF);
         let without = finished(&scenario);
         for measures in [Quantity::new(Aspect::DISPLACEMENT, 1), Quantity::new(Aspect::ACCELERATION, 1)] {
-            scenario.add_sensor(Sensor { measures, noise_std: 0.01 });
+            scenario.add_sensor(Sensor::new(measures, 0.01));
         }
         let with = finished(&scenario);
         let (a, b) = (&without.estimates()[0], &with.estimates()[0]);

@@ -195,10 +195,7 @@ fn a_plant_that_runs_away_ends_its_record() {
         let mut scenario = Scenario { dt, ..shaken(PlantKind::DUFFING, 0.01) };
         scenario.plant.set(Channel::CUBIC_STIFFNESS, Signal::Constant(-300.0));
         scenario.plant.initial.displacement = 0.36;
-        scenario.add_sensor(kalmanscope_core::Sensor {
-            measures: kalmanscope_core::Quantity::ACCELERATION,
-            noise_std: 0.5,
-        });
+        scenario.add_sensor(kalmanscope_core::Sensor::new(kalmanscope_core::Quantity::ACCELERATION, 0.5));
         let mut run = Run::new(&scenario).unwrap();
         while run.step() {}
         let stop = run.truth_stop().unwrap().sample;

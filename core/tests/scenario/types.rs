@@ -50,7 +50,7 @@ fn an_unknown_key_is_refused_with_line_path_and_the_keys_that_exist() {
         ),
         (
             "[[sensors]]\nmeasures = \"velocity\"\nnoise_std = 1\nbias = 2",
-            "line 4: `sensors[0].bias`: unknown field `bias`, expected `measures` or `noise_std`",
+            "line 4: `sensors[0].bias`: unknown field `bias`, expected one of `measures`, `noise_std`, `faults`",
         ),
         ("[[filters]]\ninitial_std = { mass = 1 }", &channels),
     ]);

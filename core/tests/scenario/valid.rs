@@ -31,10 +31,7 @@ fn the_sample_has_the_expected_settings() {
         input: InputKind::Force,
         hold: Hold::Zero,
         force: Force::WhiteNoise { std: 10.0 },
-        sensors: vec![
-            Sensor { measures: Quantity::DISPLACEMENT, noise_std: 0.01 },
-            Sensor { measures: Quantity::VELOCITY, noise_std: 0.06 },
-        ],
+        sensors: vec![Sensor::new(Quantity::DISPLACEMENT, 0.01), Sensor::new(Quantity::VELOCITY, 0.06)],
         record: None,
         filters: vec![FilterSettings {
             id: 1,

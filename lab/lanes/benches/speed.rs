@@ -52,7 +52,7 @@ fn main() {
             *scenario = Scenario { sensors: vec![], ..scenario.clone() };
             scenario.filters[0].sensor_std.clear();
             let measures = Quantity::ACCELERATION;
-            scenario.add_sensor(kalmanscope_core::Sensor { measures, noise_std: 0.1 });
+            scenario.add_sensor(kalmanscope_core::Sensor::new(measures, 0.1));
         });
         report("acceleration", &accelerated, &one(&accelerated[0]));
         let cubic = |scenario: &mut Scenario| scenario.set_plant(PlantKind::DUFFING);

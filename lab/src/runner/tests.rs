@@ -158,7 +158,7 @@ fn a_given_record_stays_as_it_is() {
     assert!(refused.to_string().contains("`seed`"), "{refused}");
     let mut other = scenario;
     other.remove_sensor(kalmanscope_core::Quantity::VELOCITY);
-    other.add_sensor(kalmanscope_core::Sensor { measures: kalmanscope_core::Quantity::ACCELERATION, noise_std: 0.1 });
+    other.add_sensor(kalmanscope_core::Sensor::new(kalmanscope_core::Quantity::ACCELERATION, 0.1));
     let refused = runner("filters.EKF.process_std", &other).err().unwrap();
     assert!(matches!(refused, EnsembleError::Run(RunError::MissingSensor(_))));
 }

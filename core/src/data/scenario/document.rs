@@ -69,7 +69,7 @@ impl Scenario {
         let Some(record) = self.record.as_ref().filter(|record| !record.sensors.is_empty()) else { return };
         let usual = |quantity: Quantity| quantity.aspect().info().usual_noise;
         let sensors = record.sensors.keys();
-        self.sensors = sensors.map(|&measures| Sensor { measures, noise_std: usual(measures) }).collect();
+        self.sensors = sensors.map(|&measures| Sensor::new(measures, usual(measures))).collect();
     }
 
     /// The scenario without channels that no plant of it has, numbers with their default value, and ids that equal the

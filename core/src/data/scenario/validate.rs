@@ -52,6 +52,13 @@ impl Scenario {
                 format_args!("something that a {} has", plant.kind.name()),
             )?;
             number(format_args!("sensors[{i}].noise_std"), sensor.noise_std, Allowed::AtLeast(0.0))?;
+            for fault in sensor.faults.families() {
+                let numbers = sensor.faults.numbers(fault).unwrap_or_default();
+                for (info, &value) in fault.info().numbers.iter().zip(numbers) {
+                    let key = format_args!("sensors[{i}].faults.{}.{}", fault.info().key, info.key);
+                    number(key, value, info.allowed)?;
+                }
+            }
             require(
                 sensors[..i].iter().all(|s| s.measures != sensor.measures),
                 format_args!("sensors[{i}].measures"),

@@ -63,6 +63,7 @@ impl Address {
         match &self.0 {
             Place::Scenario(info) => info.allowed.is_whole(),
             Place::Filters(_, Member::Number(info)) => info.allowed.is_whole(),
+            Place::Fault(_, _, info) => info.allowed.is_whole(),
             _ => false,
         }
     }
@@ -92,7 +93,7 @@ impl Address {
             Place::Scenario(info) => **info == super::DISTURBANCE,
             Place::Noise(_) => true,
             Place::Filters(..) => self.table().is_some_and(|table| table.factor.is_some()),
-            Place::Parameter(_) | Place::Signal(..) => false,
+            Place::Parameter(_) | Place::Signal(..) | Place::Fault(..) => false,
         }
     }
 
@@ -121,6 +122,7 @@ impl Address {
             Place::Parameter(channel) => channel.unit(),
             Place::Signal(channel, key) => signal_words(key).1.unwrap_or(channel.unit()),
             Place::Noise(quantity) => quantity.unit(),
+            Place::Fault(quantity, _, info) => info.scale.unit(*quantity),
             Place::Filters(_, Member::Number(info)) => info.unit,
             Place::Filters(_, Member::Entry(_, entry)) => entry.unit(),
             Place::Filters(_, Member::Factor(..)) => "",
@@ -135,6 +137,7 @@ impl Address {
             Place::Parameter(channel) => format!("true {}", channel.symbol()),
             Place::Signal(channel, key) => format!("{} of true {}", signal_words(key).0, channel.symbol()),
             Place::Noise(quantity) => format!("true noise of {}", quantity.symbol()),
+            Place::Fault(quantity, _, info) => format!("{} of {}", info.name, quantity.symbol()),
             Place::Filters(_, Member::Number(info)) => {
                 let label = (info.label)(&FilterSettings::default()).unwrap_or(info.name);
                 let words = label.strip_prefix(info.symbol).unwrap_or(label);
@@ -169,6 +172,11 @@ impl Address {
             Place::Noise(quantity) => {
                 scenario.sensors.iter().find(|sensor| sensor.measures == *quantity).map(|sensor| sensor.noise_std)
             }
+            Place::Fault(quantity, fault, info) => {
+                let sensor = scenario.sensors.iter().find(|sensor| sensor.measures == *quantity);
+                let place = fault.info().numbers.iter().position(|own| own.key == info.key);
+                sensor.zip(place).and_then(|(sensor, place)| sensor.faults.numbers(*fault)?.get(place).copied())
+            }
             Place::Filters(filters, member) => {
                 let filter = scenario.filters.iter().find(|filter| filters.has(filter));
                 filter.and_then(|filter| member.get(filter, &scenario.sensors))
@@ -190,6 +198,12 @@ impl Address {
                 let sensors = scenario.sensors.iter_mut().filter(|sensor| sensor.measures == *quantity);
                 sensors.for_each(|sensor| sensor.noise_std = value);
             }
+            Place::Fault(quantity, fault, info) => {
+                let place = fault.info().numbers.iter().position(|own| own.key == info.key);
+                let sensors = scenario.sensors.iter_mut().filter(|sensor| sensor.measures == *quantity);
+                let numbers = sensors.filter_map(|sensor| sensor.faults.numbers_mut(*fault)?.get_mut(place?));
+                numbers.for_each(|number| *number = value);
+            }
             Place::Filters(filters, member) => {
                 let Scenario { filters: all, sensors, .. } = scenario;
                 let meant = all.iter_mut().filter(|filter| filters.has(filter));
@@ -206,6 +220,9 @@ impl fmt::Display for Address {
             Place::Parameter(channel) => write!(f, "plant.{}", channel.key()),
             Place::Signal(channel, key) => write!(f, "plant.{}{key}", channel.key()),
             Place::Noise(quantity) => write!(f, "sensors.{}.noise_std", quantity.key()),
+            Place::Fault(quantity, fault, info) => {
+                write!(f, "sensors.{}.faults.{}.{}", quantity.key(), fault.info().key, info.key)
+            }
             Place::Filters(Filters::All, member) => write!(f, "filters.*.{member}"),
             Place::Filters(Filters::Of(id), member) => write!(f, "filters#{id}.{member}"),
         }
@@ -316,7 +333,7 @@ mod tests {
                     "; its plant has `natural_frequency`, `damping_ratio`, `initial.displacement`, "
                 }
                 None if key.starts_with("sensors") => {
-                    "; a sensor has `noise_std`, and its sensors are `displacement`, `velocity`"
+                    "; a sensor has `noise_std` and numbers of its `faults`, and its sensors are `displacement`, `velocity`"
                 }
                 None => "; it has `seed`, `dt`, `duration`, and numbers of its `plant`, `sensors` and `filters`",
             };

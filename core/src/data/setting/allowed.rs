@@ -13,6 +13,8 @@ pub enum Allowed {
     AtLeast(f64),
     /// A number between these two.
     Between(f64, f64),
+    /// A number from the first to the last.
+    Within(f64, f64),
     /// A number without fractions, from the first to the last.
     Whole(i64, i64),
     /// Yes or no: 1 or 0.
@@ -28,6 +30,7 @@ impl Allowed {
                 Self::Above(limit) => value > limit,
                 Self::AtLeast(limit) => value >= limit,
                 Self::Between(low, high) => value > low && value < high,
+                Self::Within(low, high) => value >= low && value <= high,
                 Self::Whole(first, last) => value >= first as f64 && value <= last as f64,
                 Self::Flag => value == 0.0 || value == 1.0,
             }
@@ -37,7 +40,7 @@ impl Allowed {
     pub fn least(self) -> f64 {
         match self {
             Self::Finite => f64::NEG_INFINITY,
-            Self::AtLeast(limit) => limit,
+            Self::AtLeast(limit) | Self::Within(limit, _) => limit,
             Self::Above(limit) | Self::Between(limit, _) => limit + 1e-9,
             Self::Whole(first, _) => first as f64,
             Self::Flag => 0.0,
@@ -57,6 +60,7 @@ impl fmt::Display for Allowed {
             Self::Above(limit) => write!(f, "a finite number above {limit}"),
             Self::AtLeast(limit) => write!(f, "a finite number, at least {limit}"),
             Self::Between(low, high) => write!(f, "between {low} and {high}"),
+            Self::Within(first, last) => write!(f, "from {first} to {last}"),
             Self::Whole(first, last) => write!(f, "from {first} to {last}"),
             Self::Flag => f.write_str("true or false"),
         }
@@ -74,6 +78,7 @@ mod tests {
             (Allowed::Above(0.0), 1e-300, 0.0, "a finite number above 0"),
             (Allowed::AtLeast(1.0), 1.0, 0.999, "a finite number, at least 1"),
             (Allowed::Between(0.0, 1.0), 0.5, 1.0, "between 0 and 1"),
+            (Allowed::Within(0.0, 1.0), 1.0, 1.001, "from 0 to 1"),
             (Allowed::Whole(2, 9), 9.0, 10.0, "from 2 to 9"),
             (Allowed::Flag, 1.0, 2.0, "true or false"),
         ] {

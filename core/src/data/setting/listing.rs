@@ -22,6 +22,7 @@ pub fn addresses(scenario: &Scenario) -> Vec<Address> {
         keys.extend(numbers.into_iter().map(|(name, _)| format!("plant.{}{name}", channel.key())));
     }
     keys.extend(scenario.sensors.iter().map(|sensor| format!("sensors.{}.noise_std", sensor.measures.key())));
+    keys.extend(scenario.fault_addresses());
     let rows = OF_SCENARIO.iter().filter(|info| (info.serves)(scenario, scenario.plant.kind));
     keys.extend(rows.map(|info| info.key.to_owned()));
     keys.iter().filter_map(|key| Address::parse(scenario, key).ok()).collect()

@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::{Entry, OF_FILTER, OF_SCENARIO, SettingInfo, TABLES, TableInfo};
 use crate::data::scenario::address::is_of_all;
-use crate::data::scenario::{FilterSettings, Scenario, Sensor};
+use crate::data::scenario::{Fault, FaultNumber, FilterSettings, Scenario, Sensor};
 use crate::mathematics::channel::Channel;
 use crate::mathematics::quantity::Quantity;
 
@@ -22,6 +22,8 @@ pub(super) enum Place {
     Signal(Channel, &'static str),
     /// The true noise of a sensor.
     Noise(Quantity),
+    /// A number of a fault of a sensor.
+    Fault(Quantity, Fault, &'static FaultNumber),
     /// One of some filters.
     Filters(Filters, Member),
 }
@@ -64,6 +66,12 @@ impl Place {
                 signal.numbers().into_iter().find(|(own, _)| *own == key).map(|(own, _)| Self::Signal(channel, own))
             }
             ["sensors", sensor, "noise_std"] => Some(Self::Noise(quantity(scenario, sensor)?)),
+            ["sensors", sensor, "faults", fault, number] => {
+                let (quantity, fault) = (quantity(scenario, sensor)?, Fault::from_key(fault)?);
+                let has = scenario.sensors.iter().any(|s| s.measures == quantity && s.faults.numbers(fault).is_some());
+                let number = fault.info().numbers.iter().find(|info| info.key == number).filter(|_| has)?;
+                Some(Self::Fault(quantity, fault, number))
+            }
             _ => Self::of_filters(scenario, text),
         }
     }
@@ -128,7 +136,7 @@ impl Place {
                 [] => "; it has no sensor".to_owned(),
                 sensors => {
                     let keys = listed(sensors.iter().map(|sensor| sensor.measures.key()));
-                    format!("; a sensor has `noise_std`, and its sensors are {keys}")
+                    format!("; a sensor has `noise_std` and numbers of its `faults`, and its sensors are {keys}")
                 }
             };
         }

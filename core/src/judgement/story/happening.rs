@@ -2,8 +2,12 @@
 
 use super::number::plain;
 use super::phrase::{Adjustable, Phrase, Writer};
+use crate::data::scenario::{Fault, Sensor};
 use crate::data::signal::{Ramp, Sine, Step};
 use crate::{Channel, Force, InputKind, PlantKind, Run, Scenario, Signal};
+
+/// Limits the sentences about faults of sensors.
+const MOST_FAULTS: usize = 2;
 
 /// What happens in a scenario.
 pub(super) struct Happening {
@@ -79,6 +83,28 @@ impl Happening {
             if scenario.plant.disturbance_std > 0.0 { "; a force that nobody measures shakes it too" } else { "" };
         text.say(hidden).say(".").done()
     }
+}
+
+/// What is wrong with the sensors of a scenario: a sentence for each fault, so many at most.
+pub(super) fn faults(scenario: &Scenario) -> Vec<Vec<Phrase>> {
+    let all = scenario.sensors.iter().flat_map(|sensor| sensor.faults.families().map(move |fault| (sensor, fault)));
+    all.take(MOST_FAULTS).map(|(sensor, fault)| fault_sentence(sensor, fault)).collect()
+}
+
+fn fault_sentence(sensor: &Sensor, fault: Fault) -> Vec<Phrase> {
+    let (quantity, info) = (sensor.measures, fault.info());
+    let words = info.sentence.replace('@', &quantity.name());
+    let numbers = sensor.faults.numbers(fault).unwrap_or_default();
+    let mut pieces = words.split("{}");
+    let mut text = Writer::default().say(pieces.next().unwrap_or_default());
+    for ((piece, number), &value) in pieces.zip(info.numbers).zip(numbers) {
+        let key = format!("sensors.{}.faults.{}.{}", quantity.key(), info.key, number.key);
+        let size = number.scale.size(quantity);
+        let (low, high) = number.slider;
+        let range = (low * size, high * size);
+        text = text.setting(Adjustable::new(key, value, range, number.scale.unit(quantity))).say(piece);
+    }
+    text.say(".").done()
 }
 
 impl Change {

@@ -114,6 +114,29 @@ impl Correction {
         }
     }
 
+    /// Reports e and S of the sensors that measured as if S had this much more of a sensor's own noise; one with `None` is
+    /// reported as skipped. What the update did to the belief stays.
+    pub(super) fn report_with(&mut self, measured: &[usize], more: impl Fn(usize) -> Option<f64>) {
+        let mut kept = Vec::with_capacity(measured.len());
+        for &sensor in measured {
+            let Some(more) = more(sensor) else {
+                self.innovation[sensor] = f64::NAN;
+                self.innovation_cov.row_mut(sensor).fill(f64::NAN);
+                self.innovation_cov.column_mut(sensor).fill(f64::NAN);
+                continue;
+            };
+            self.innovation_cov[(sensor, sensor)] += more;
+            kept.push(sensor);
+        }
+        let m = kept.len();
+        let innovation = Vector::from_fn(m, |i, _| self.innovation[kept[i]]);
+        let factor = Ldl::new(&Matrix::from_fn(m, m, |i, j| self.innovation_cov[(kept[i], kept[j])]));
+        [self.nis, self.determinant] = match factor.filter(|_| m > 0) {
+            Some(factor) => [factor.square(&innovation), factor.determinant()],
+            None => [f64::NAN; 2],
+        };
+    }
+
     /// Takes in e, S with its factor, and K of the sensors that measured; each number goes to the place of its sensor.
     pub fn report(
         &mut self,

@@ -4,7 +4,8 @@
 //! Rᵢ ← Rᵢ / wᵢ,  wᵢ from the misfit of sensor i after the update; again until no weight changes
 //! ```
 //!
-//! A weight of zero leaves a sensor out, as if it had measured nothing. Each rule has a file of its own; the registry below
+//! A weight of zero leaves a sensor out, as if it had measured nothing; one of next to nothing is reported so. Misfits are taken over
+//! the usual one of the last readings, where that is large: a filter that is lost must not take all that it reads for outliers. Each rule has a file of its own; the registry below
 //! lists them.
 
 mod gate;
@@ -128,6 +129,23 @@ impl<'de> Deserialize<'de> for Robust {
     }
 }
 
+/// A reading with a smaller weight is reported as left out.
+const NEXT_TO_NOTHING: f64 = 0.15;
+
+/// The median of e² / S where the filter is right: that of χ² with one degree of freedom.
+const MEDIAN: f64 = 0.454_936;
+
+/// The usual misfit goes by this share towards each reading's, and not below this level.
+const STEP: f64 = 0.2;
+const LEAST_LEVEL: f64 = 0.5;
+
+impl Misfit {
+    /// The misfit where so much more is usual.
+    fn over(self, level: f64) -> Self {
+        Self { predicted: self.predicted / level, residual: self.residual / level, uncertainty: self.uncertainty }
+    }
+}
+
 /// A change of a weight that ends the passes.
 const SETTLED: f64 = 1e-3;
 
@@ -140,13 +158,22 @@ pub(super) struct Weighing {
     noise: Vec<f64>,
     weights: Vec<f64>,
     misfits: Vec<Misfit>,
+    /// The usual predicted misfit of each sensor, over that of a filter that is right.
+    levels: Vec<f64>,
 }
 
 impl Weighing {
     /// The memory for a rule; `None` for one that weighs nothing.
     pub(super) fn new(rule: Robust) -> Option<Self> {
         let none = Vec::new;
-        rule.is_on().then(|| Self { rule, measured: none(), noise: none(), weights: none(), misfits: Vec::new() })
+        rule.is_on().then(|| Self {
+            rule,
+            measured: none(),
+            noise: none(),
+            weights: none(),
+            misfits: Vec::new(),
+            levels: none(),
+        })
     }
 
     /// Conditions a belief on the measurements of an observation, weighed; those with a weight of zero leave the observation.
@@ -179,37 +206,50 @@ impl Weighing {
             }
             belief.condition(model, observation, correction)?;
         }
+        // e² / S with the R of the settings is what the settings claim. A reading that counts next to nothing is no sample of it.
+        let weight = |sensor: usize| self.weights[sensor];
+        if observation.sensors().iter().any(|sensor| weight(*sensor) != 1.0) {
+            correction.report_with(observation.sensors(), |sensor| {
+                let own = noise.sensors[sensor];
+                (weight(sensor) >= NEXT_TO_NOTHING).then(|| own - own / weight(sensor))
+            });
+        }
         Ok(())
     }
 
     /// Takes in the first update, without weights.
     fn begin(&mut self, observation: &Observation, correction: &Correction, noise: &Noise) {
-        let Self { measured, noise: own, weights, misfits, .. } = self;
+        let Self { measured, noise: own, weights, misfits, levels, .. } = self;
         let count = noise.sensors.len();
         measured.clear();
         measured.resize(count, f64::NAN);
         own.clone_from(&noise.sensors);
         weights.clear();
         weights.resize(count, 1.0);
+        levels.resize(count, LEAST_LEVEL);
         misfits.clear();
         misfits.resize(count, Misfit { predicted: 0.0, residual: 0.0, uncertainty: 0.0 });
         for (&sensor, &value) in observation.sensors().iter().zip(observation.values()) {
             let e = correction.innovation[sensor];
             measured[sensor] = value;
-            misfits[sensor].predicted = e * e / correction.innovation_cov[(sensor, sensor)];
+            let misfit = e * e / correction.innovation_cov[(sensor, sensor)];
+            misfits[sensor].predicted = misfit;
+            let level = &mut levels[sensor];
+            let is_above = misfit > MEDIAN * *level;
+            *level = (*level * libm::exp(if is_above { STEP } else { -STEP })).max(LEAST_LEVEL);
         }
     }
 
     /// Takes the weights that follow from the last update. Returns whether any has changed.
     fn weigh(&mut self, observation: &Observation, correction: &Correction, noise: &Noise) -> bool {
-        let Self { rule, measured, noise: own, weights, misfits } = self;
+        let Self { rule, measured, noise: own, weights, misfits, levels } = self;
         let Some(residuals) = correction.residuals(observation) else { return false };
         let mut has_changed = false;
         for (&sensor, [residual, uncertainty]) in observation.sensors().iter().zip(residuals) {
             let unweighed = noise.sensors[sensor];
             misfits[sensor].residual = residual * residual / unweighed;
             misfits[sensor].uncertainty = uncertainty / unweighed;
-            let weight = (rule.0.weight)(&misfits[sensor]);
+            let weight = (rule.0.weight)(&misfits[sensor].over(levels[sensor].max(1.0)));
             // A sensor without noise has no misfit to weigh by.
             if unweighed == 0.0 || !weight.is_finite() {
                 continue;

@@ -41,7 +41,7 @@ impl Shaken {
             duration: f64::from(steps) * dt,
             plant,
             force: Force::WhiteNoise { std: force },
-            sensors: measured.iter().map(|&measures| Sensor { measures, noise_std: 0.02 }).collect(),
+            sensors: measured.iter().map(|&measures| Sensor::new(measures, 0.02)).collect(),
             filters,
             ..Scenario::default()
         }

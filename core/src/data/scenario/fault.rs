@@ -1,0 +1,305 @@
+//! What a real sensor does to its readings beside white normal noise of one size.
+//!
+//! ```text
+//! reading = acts(scale h(y) + σ acts(n)),  n standard normal
+//! ```
+//!
+//! Each family has a file of its own; the registry below lists them in the order in which they act. Each draws from its own
+//! random stream: with the same seed a record without it has the same noise otherwise.
+
+mod bias;
+mod changing;
+mod clipped;
+mod coloured;
+mod dropouts;
+mod late;
+mod outliers;
+mod quantised;
+mod scaled;
+mod spells;
+mod stuck;
+mod student_t;
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::sync::LazyLock;
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
+
+use super::{Scenario, Sensor};
+use crate::Quantity;
+use crate::data::setting::Allowed;
+use crate::mathematics::random::{Normal, Purpose};
+
+/// The description of a family of faults.
+pub struct FaultInfo {
+    /// The key in scenario files.
+    pub key: &'static str,
+    /// The name in running text.
+    pub name: &'static str,
+    /// What it does, in a few words.
+    pub description: &'static str,
+    /// Its numbers.
+    pub numbers: &'static [FaultNumber],
+    /// A sentence, without its stop, in which `@` stands for the sensor's name and each `{}` for a number, in their order.
+    pub sentence: &'static str,
+    act: fn(&[f64; MOST], Normal) -> Box<dyn Act>,
+}
+
+impl Scenario {
+    /// The addresses of all numbers of its sensors' faults.
+    pub fn fault_addresses(&self) -> Vec<String> {
+        let of_fault = |sensor: &Sensor, fault: Fault| -> Vec<String> {
+            let key = |number: &FaultNumber| {
+                format!("sensors.{}.faults.{}.{}", sensor.measures.key(), fault.info().key, number.key)
+            };
+            fault.info().numbers.iter().map(key).collect()
+        };
+        self.sensors
+            .iter()
+            .flat_map(|sensor| sensor.faults.families().flat_map(|fault| of_fault(sensor, fault)))
+            .collect()
+    }
+}
+
+/// A number of a fault.
+#[derive(Debug, PartialEq)]
+pub struct FaultNumber {
+    /// The key in scenario files.
+    pub key: &'static str,
+    /// The name in running text.
+    pub name: &'static str,
+    /// What it is measured in.
+    pub scale: Scale,
+    /// The usual value on that scale.
+    pub usual: f64,
+    /// The limits of a slider on that scale.
+    pub slider: (f64, f64),
+    /// The values that it may have.
+    pub allowed: Allowed,
+}
+
+/// What the number of a fault is measured in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scale {
+    /// A pure number.
+    Pure,
+    /// Standard deviations of the sensor's noise.
+    Sigma,
+    /// The unit of the sensor's quantity. Usual values and limits are in its usual noises.
+    Unit,
+    /// Seconds.
+    Seconds,
+}
+
+/// Limits the numbers of a fault.
+const MOST: usize = 3;
+
+/// A fault at work, with its memory.
+pub(crate) trait Act: Send + Sync {
+    /// Changes what the sensor would read without noise.
+    fn exact(&mut self, exact: f64) -> f64 {
+        exact
+    }
+
+    /// Changes the noise, in standard deviations.
+    fn noise(&mut self, noise: f64, _: &Moment) -> f64 {
+        noise
+    }
+
+    /// Changes the reading; NaN is none.
+    fn reading(&mut self, reading: f64, _: &Moment) -> f64 {
+        reading
+    }
+}
+
+/// The time of a sample, and the sensor.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Moment {
+    /// \[s\]
+    pub(crate) time: f64,
+    /// \[s\]
+    pub(crate) dt: f64,
+    /// The standard deviation of the sensor's noise.
+    pub(crate) noise_std: f64,
+}
+
+/// A family of faults, identified by its key.
+#[derive(Clone, Copy)]
+pub struct Fault(&'static FaultInfo);
+
+/// The registry: a constant for each family, and the list of all of them in the order in which they act.
+macro_rules! registry {
+    ($($(#[$doc:meta])* $name:ident = $info:expr;)*) => {
+        impl Fault {
+            $($(#[$doc])* pub const $name: Self = Self(&$info);)*
+
+            /// Every family, in the order in which they act.
+            pub const ALL: [Self; FAMILIES] = [$(Self::$name),*];
+        }
+
+        const FAMILIES: usize = [$(stringify!($name)),*].len();
+    };
+}
+registry! {
+    /// Another scale, or sign.
+    SCALED = scaled::SCALED;
+    /// Student's distribution.
+    STUDENT_T = student_t::STUDENT_T;
+    /// Noise that is correlated over time.
+    COLOURED = coloured::COLOURED;
+    /// Noise whose size changes.
+    CHANGING = changing::CHANGING;
+    /// A constant error.
+    BIAS = bias::BIAS;
+    /// Readings that come late.
+    LATE = late::LATE;
+    /// Readings that are far off, to either side.
+    OUTLIERS = outliers::OUTLIERS;
+    /// Readings that are far off, upwards.
+    OUTLIERS_ABOVE = outliers::OUTLIERS_ABOVE;
+    /// Readings beyond a limit are at the limit.
+    CLIPPED = clipped::CLIPPED;
+    /// Readings are whole numbers of steps.
+    QUANTISED = quantised::QUANTISED;
+    /// A reading is told again and again.
+    STUCK = stuck::STUCK;
+    /// There is no reading.
+    DROPOUTS = dropouts::DROPOUTS;
+}
+
+impl Fault {
+    /// Its description.
+    pub const fn info(self) -> &'static FaultInfo {
+        self.0
+    }
+
+    /// The family with a key.
+    pub fn from_key(key: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|fault| fault.0.key == key)
+    }
+
+    fn place(self) -> usize {
+        Self::ALL.iter().position(|fault| *fault == self).unwrap_or(0)
+    }
+
+    /// Usual numbers for a sensor of a quantity.
+    fn usual(self, quantity: Quantity) -> [f64; MOST] {
+        let mut numbers = [0.0; MOST];
+        for (number, info) in numbers.iter_mut().zip(self.0.numbers) {
+            *number = info.usual * info.scale.size(quantity);
+        }
+        numbers
+    }
+}
+
+impl Scale {
+    /// One on the scale, for a sensor of a quantity.
+    pub fn size(self, quantity: Quantity) -> f64 {
+        if self == Self::Unit { quantity.aspect().info().usual_noise } else { 1.0 }
+    }
+
+    /// The unit, for a sensor of a quantity.
+    pub fn unit(self, quantity: Quantity) -> &'static str {
+        match self {
+            Self::Pure => "",
+            Self::Sigma => "σ",
+            Self::Unit => quantity.unit(),
+            Self::Seconds => "s",
+        }
+    }
+}
+
+impl PartialEq for Fault {
+    fn eq(&self, other: &Self) -> bool {
+        self.0.key == other.0.key
+    }
+}
+
+impl fmt::Debug for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.0.key)
+    }
+}
+
+/// The faults of a sensor, with their numbers.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Faults([Option<[f64; MOST]>; FAMILIES]);
+
+impl Faults {
+    /// No fault.
+    pub const NONE: Self = Self([None; FAMILIES]);
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.0.iter().all(Option::is_none)
+    }
+
+    /// The faults that there are, in the order in which they act.
+    pub fn families(&self) -> impl Iterator<Item = Fault> {
+        Fault::ALL.into_iter().zip(self.0).filter_map(|(fault, numbers)| numbers.map(|_| fault))
+    }
+
+    /// The numbers of a fault, if there is it.
+    pub fn numbers(&self, fault: Fault) -> Option<&[f64]> {
+        self.0[fault.place()].as_ref().map(|numbers| &numbers[..fault.0.numbers.len()])
+    }
+
+    /// The same, to be set.
+    pub fn numbers_mut(&mut self, fault: Fault) -> Option<&mut [f64]> {
+        self.0[fault.place()].as_mut().map(|numbers| &mut numbers[..fault.0.numbers.len()])
+    }
+
+    /// Adds a fault with numbers that are usual for a sensor of a quantity.
+    pub fn add(&mut self, fault: Fault, quantity: Quantity) {
+        self.0[fault.place()].get_or_insert_with(|| fault.usual(quantity));
+    }
+
+    /// Removes a fault.
+    pub fn remove(&mut self, fault: Fault) {
+        self.0[fault.place()] = None;
+    }
+
+    /// The faults at work, before the first sample of a record with a seed.
+    pub(crate) fn acts(&self, quantity: Quantity, seed: u64) -> Vec<Box<dyn Act>> {
+        let act = |(place, (fault, numbers)): (usize, (Fault, Option<[f64; MOST]>))| {
+            let stream = Normal::new(seed, Purpose::Fault(quantity, place));
+            numbers.map(|numbers| (fault.0.act)(&numbers, stream))
+        };
+        Fault::ALL.into_iter().zip(self.0).enumerate().filter_map(act).collect()
+    }
+}
+
+impl Serialize for Faults {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let entries = self.families().map(|fault| {
+            let numbers = self.numbers(fault).unwrap_or_default();
+            let own: BTreeMap<&str, f64> =
+                fault.0.numbers.iter().map(|info| info.key).zip(numbers.iter().copied()).collect();
+            (fault.0.key, own)
+        });
+        serializer.collect_map(entries)
+    }
+}
+
+impl<'de> Deserialize<'de> for Faults {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        static KEYS: LazyLock<Vec<&'static str>> =
+            LazyLock::new(|| Fault::ALL.iter().map(|fault| fault.0.key).collect());
+        let mut faults = Self::NONE;
+        for (key, own) in BTreeMap::<String, BTreeMap<String, f64>>::deserialize(deserializer)? {
+            let fault = Fault::from_key(&key).ok_or_else(|| de::Error::unknown_field(&key, &KEYS))?;
+            let known = fault.0.numbers.iter().map(|info| info.key);
+            if let Some(other) = own.keys().find(|key| !known.clone().any(|known| known == *key)) {
+                let known = known.collect::<Vec<_>>().join("`, `");
+                return Err(de::Error::custom(format_args!("unknown field `{other}`, expected `{known}`")));
+            }
+            let mut numbers = [0.0; MOST];
+            for (number, info) in numbers.iter_mut().zip(fault.0.numbers) {
+                *number = *own.get(info.key).ok_or_else(|| de::Error::missing_field(info.key))?;
+            }
+            faults.0[fault.place()] = Some(numbers);
+        }
+        Ok(faults)
+    }
+}

@@ -1,0 +1,129 @@
+//! What a tenth of outliers in one sensor does to plain and to robust filters.
+
+use kalmanscope_core::diagnostics::Depth;
+use kalmanscope_core::scenario::Fault;
+use kalmanscope_core::{Analysis, Channel, FilterKind, FilterSettings, Quantity, Robust, Run, Scenario, Wanted};
+
+/// Sums over seeds of one filter with one rule.
+#[derive(Clone, Copy, Default)]
+struct Sums {
+    /// The squares of the errors of ωₙ and ζ in the last third of the record.
+    squares: [f64; 2],
+    /// The sum of the NEES at the end, one a seed.
+    nees: f64,
+    seeds: u32,
+    /// Readings that were left out rightly, left out wrongly, taken in wrongly.
+    flags: [u32; 3],
+}
+
+/// An oscillator that stays, watched in displacement and velocity; outliers of 10 to 30 σ in every tenth displacement.
+fn scenario(seed: u64, kind: FilterKind, robust: Robust, is_clean: bool) -> Scenario {
+    let mut scenario =
+        Scenario { seed, duration: 60.0, filters: vec![FilterSettings::default()], ..Scenario::default() };
+    scenario.filters[0] = FilterSettings { kind, robust, ..scenario.filters[0].clone() };
+    for (channel, value) in [(Channel::NATURAL_FREQUENCY, 6.0), (Channel::DAMPING_RATIO, 0.05)] {
+        let signal = scenario.plant.parameter_mut(channel).expect("it is a parameter");
+        *signal = kalmanscope_core::Signal::Constant(value);
+    }
+    scenario.plant.disturbance_std = 0.3;
+    // What the filter knows of the noise is true but for the outliers.
+    let (sensor_std, process_std) = scenario.true_noise();
+    (scenario.filters[0].sensor_std, scenario.filters[0].process_std) = (sensor_std, process_std);
+    if !is_clean {
+        scenario.sensors[0].faults.add(Fault::OUTLIERS, Quantity::DISPLACEMENT);
+    }
+    scenario
+}
+
+fn add(sums: &mut Sums, seed: u64, kind: FilterKind, robust: Robust, is_clean: bool) {
+    let scenario = scenario(seed, kind, robust, is_clean);
+    let mut run = Run::new(&scenario).expect("it can be run");
+    run.finish();
+    let clean = Run::new(&self::scenario(seed, kind, robust, true)).map(|mut run| {
+        run.finish();
+        run
+    });
+    let clean = clean.expect("it can be run");
+    let analysis = Analysis::new(&run, Wanted::diagnostics(Depth::All));
+    let estimates = &run.estimates()[0];
+    assert_eq!(estimates.stop(), None, "seed {seed}");
+    let late = 2 * estimates.len() / 3..estimates.len();
+    for (square, (channel, truth)) in
+        sums.squares.iter_mut().zip([(Channel::NATURAL_FREQUENCY, 6.0), (Channel::DAMPING_RATIO, 0.05)])
+    {
+        let place = estimates.place(channel).expect("it is estimated");
+        let errors = late.clone().map(|k| estimates.canonical_mean(k, place) - truth);
+        *square += errors.map(|e| e * e).sum::<f64>() / late.len() as f64;
+    }
+    let nees = analysis.diagnostics()[0].nees()[estimates.len() - 1];
+    sums.nees += nees;
+    sums.seeds += 1;
+    for k in late {
+        let is_outlier = run.record().measured(0)[k] != clean.record().measured(0)[k];
+        let is_left_out = estimates.innovation(k)[0].is_nan();
+        let place = match (is_outlier, is_left_out) {
+            (true, true) => 0,
+            (false, true) => 1,
+            (true, false) => 2,
+            (false, false) => continue,
+        };
+        sums.flags[place] += 1;
+    }
+}
+
+/// Prints the table and asserts the goals over some seeds.
+fn judge(seeds: std::ops::RangeInclusive<u64>) {
+    for kind in [FilterKind::EKF, FilterKind::UKF] {
+        let over = |robust: Robust, is_clean: bool| {
+            let mut sums = Sums::default();
+            seeds.clone().for_each(|seed| add(&mut sums, seed, kind, robust, is_clean));
+            sums
+        };
+        let plain = over(Robust::NONE, true);
+        let ratio = |sums: &Sums| [0, 1].map(|i| (sums.squares[i] / plain.squares[i]).sqrt());
+        for robust in Robust::ALL {
+            let (clean, sums) = (over(robust, true), over(robust, false));
+            let [of_clean, with] = [&clean, &sums].map(ratio);
+            let nees = [&clean, &sums].map(|sums| sums.nees / f64::from(sums.seeds));
+            let [hit, wrong, missed] = sums.flags.map(f64::from);
+            println!(
+                "{} {:10} clean {of_clean:.3?}, with outliers {with:.3?}, mean NEES {nees:.2?} of 4, precision {:.3}, recall {:.3}",
+                kind.name(),
+                robust.info().key,
+                hit / (hit + wrong),
+                hit / (hit + missed)
+            );
+            if !robust.is_on() {
+                assert!(with[0] > 1.3, "the plain filter is misled: {with:?}");
+                continue;
+            }
+            assert!(of_clean.iter().all(|ratio| *ratio <= LIMIT_CLEAN), "{robust:?}: {of_clean:?}");
+            let limit = if robust == Robust::GATE { LIMIT_GATE } else { LIMIT };
+            assert!(with.iter().all(|ratio| *ratio <= limit), "{robust:?}: {with:?}");
+            // The mean of n NEES of four components has a standard deviation of √(8 / n).
+            let right = plain.nees / f64::from(sums.seeds);
+            assert!((right - 4.0).abs() < 3.0 * (8.0 / f64::from(sums.seeds)).sqrt(), "{right}");
+            assert!(nees.iter().all(|nees| (nees - right).abs() < 0.8), "{robust:?}: {nees:?} for {right}");
+            if robust == Robust::GATE {
+                assert!(hit / (hit + wrong) >= 0.95 && hit / (hit + missed) >= 0.95, "{hit} {wrong} {missed}");
+            }
+        }
+    }
+}
+
+/// The late RMSE against that of the plain filter on the clean record. Before a gate knows the motion, it lets outliers pass.
+const LIMIT: f64 = 1.15;
+const LIMIT_GATE: f64 = 1.3;
+const LIMIT_CLEAN: f64 = 1.02;
+
+#[test]
+fn robust_filters_hold_where_a_tenth_of_the_readings_is_off() {
+    judge(1..=20);
+}
+
+/// `cargo test --release -p kalmanscope-core --test outliers -- --ignored --nocapture`
+#[test]
+#[ignore = "a table over 200 seeds"]
+fn robust_filters_over_two_hundred_seeds() {
+    judge(3001..=3200);
+}
