@@ -27,7 +27,6 @@ pub const BUILT_IN: &[BuiltIn] = built_in![
     "scenarios",
     "With and without forgetting": "forgetting",
     "Sudden stiffness loss": "stiffness-loss",
-    "Outliers": "outliers",
     "Constant parameters": "constant",
     "Slow drift": "slow-drift",
     "Acceleration only": "acceleration-only",
@@ -45,6 +44,7 @@ pub const BUILT_IN: &[BuiltIn] = built_in![
     "Q too small": "q-too-small",
     "Q too large": "q-too-large",
     "R wrong by ten": "r-wrong-by-ten",
+    "Outliers": "outliers",
 ];
 
 /// Scenarios with an equation as their plant, in the menu's order.
