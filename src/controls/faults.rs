@@ -59,7 +59,7 @@ fn number_ui(
     let name = format!("{} of the {} sensor", sentence(info.name), quantity.key());
     let size = info.scale.size(quantity);
     let number = Number {
-        label: info.name,
+        label: info.key,
         name: super::number::Named { text: &name, key: &path },
         unit: info.scale.unit(quantity),
         range: (info.slider.0 * size, info.slider.1 * size),
