@@ -10,6 +10,7 @@ mod frequency_response;
 mod gain;
 mod handles;
 mod innovations;
+mod left_out;
 mod map;
 mod matrices;
 mod measured;

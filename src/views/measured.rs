@@ -12,6 +12,7 @@ use crate::request::Request;
 use crate::sheet::{Column, Sheet};
 use crate::text::significant;
 use crate::view::{View, ViewContext};
+use crate::views::left_out;
 
 /// Width of a line of predictions \[points\].
 const PREDICTED: f32 = 2.2;
@@ -26,7 +27,7 @@ impl View for Measured {
 
     fn help(&self) -> [&'static str; 3] {
         [
-            "Dots are measured; lines are predicted one step ahead; dashed lines are the free run: the identified model alone, driven by the input.",
+            "Dots are measured, those in a filter's colour left out by it; lines are predicted one step ahead; dashed lines are the free run: the identified model alone, driven by the input.",
             "The fit is 100 % where the free run has no error and 0 % where it is no better than the mean. It is the number by which a model is judged.",
             "The model is the last estimate, or that at the mark A, or the mean from A to B (keys A and B).",
         ]
@@ -103,6 +104,7 @@ fn signals<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>, las
     let mut layers: Vec<Layer<'a>> = Vec::new();
     if visible.measured {
         layers.push(Layer::Dots { series: Series::of(all), color: palette.measured });
+        layers.extend(left_out::layers(quantity, all, context));
     }
     for (place, estimates) in context.filters() {
         let Some(values) = predicted(estimates, all, quantity) else { continue };
@@ -126,7 +128,7 @@ fn signals<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>, las
         symbol: quantity.symbol().to_owned(),
         name: format!("{}: measured, predicted{}", quantity.name(), if session.is_live() { "" } else { ", free run" }),
         unit: context.unit(quantity.unit()),
-        readouts: readouts.into_iter().collect(),
+        readouts: readouts.into_iter().chain(left_out::shares(quantity, all, context)).collect(),
         layers,
         last_row,
         ..Chart::default()

@@ -309,8 +309,8 @@ mod tests {
                     let [error, std, left_out] = end(seed, kind, robust, true);
                     let what = format!("{kind:?} {robust:?}, seed {seed}: {error} ± {std}, {left_out} left out");
                     assert!(!robust.is_on() || error.abs() < 4.0 * std, "{what}");
-                    let of_gate = if robust == Robust::GATE { 0.09..0.11 } else { 0.0..1e-9 };
-                    assert!(of_gate.contains(&left_out), "{what}");
+                    let expected = if robust.is_on() { 0.08..0.11 } else { 0.0..1e-9 };
+                    assert!(expected.contains(&left_out), "{what}");
                     sum += error * error / 8.0;
                 }
                 sum.sqrt()
