@@ -40,7 +40,7 @@ impl Reading for Sound {
     const MOST: usize = 2_880_000;
 }
 
-/// What happened at one time to an oscillator with sensors of its own.
+/// A time with the input and the sensors' readings of a scenario at it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Happened {
     /// \[s\]
@@ -79,6 +79,10 @@ pub struct Readings<T>(Arc<Mutex<Told<T>>>);
 /// The readings of a measurement so far.
 pub(crate) struct Told<T> {
     pub(crate) readings: Vec<T>,
+    /// How many have come, those that were taken out among them.
+    count: usize,
+    /// Whether no more come.
+    pub(crate) has_ended: bool,
     /// How many readings come in a second, if the sensor says so.
     pub(crate) rate: Option<f64>,
     /// Why there are none, or no more.
@@ -87,7 +91,7 @@ pub(crate) struct Told<T> {
 
 impl<T> Default for Readings<T> {
     fn default() -> Self {
-        Self(Arc::new(Mutex::new(Told { readings: Vec::new(), rate: None, refusal: None })))
+        Self(Arc::new(Mutex::new(Told { readings: Vec::new(), count: 0, has_ended: false, rate: None, refusal: None })))
     }
 }
 
@@ -102,6 +106,7 @@ impl<T: Reading> Readings<T> {
     pub fn put(&self, readings: &[T], ctx: &Context) -> bool {
         let mut told = self.told();
         let room = T::MOST - told.readings.len();
+        told.count += readings.len().min(room);
         told.readings.extend_from_slice(&readings[..readings.len().min(room)]);
         drop(told);
         ctx.request_repaint_after(std::time::Duration::from_millis(33));
@@ -113,9 +118,15 @@ impl<T: Reading> Readings<T> {
         self.told().rate = Some(rate);
     }
 
-    /// How many there are.
+    /// How many have come.
     pub fn count(&self) -> usize {
-        self.told().readings.len()
+        self.told().count
+    }
+
+    /// Says that no more come.
+    pub fn end(&self, ctx: &Context) {
+        self.told().has_ended = true;
+        ctx.request_repaint();
     }
 
     /// Why there are none, or no more.

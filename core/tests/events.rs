@@ -7,8 +7,8 @@ use std::sync::Arc;
 
 use kalmanscope_core::record::{Input, Record};
 use kalmanscope_core::{
-    Channel, EventError, EventFilter, EventSetupError, FilterKind, Hold, InputKind, PlantKind, Quantity, Run, Scenario,
-    Sensor,
+    Channel, EventError, EventFilter, EventSetupError, FilterKind, Hold, InputKind, PlantKind, Quantity, Robust, Run,
+    Scenario, Sensor,
 };
 
 use random::Random;
@@ -169,9 +169,11 @@ const CHIRP: &str = "dt = 0.01\n[force]\nchirp = { amplitude = 5.0, from = 3.0, 
 
 #[test]
 fn late_readings_end_where_the_same_readings_in_order_do() {
-    for kind in [FilterKind::EKF, FilterKind::UKF, FilterKind::SR_UKF] {
+    let plain = [FilterKind::EKF, FilterKind::UKF, FilterKind::SR_UKF].map(|kind| (kind, Robust::NONE));
+    for (kind, robust) in plain.into_iter().chain([(FilterKind::EKF, Robust::STUDENT_T)]) {
         for hold in [Hold::Zero, Hold::First] {
             let mut scenario = scenario(kind, hold);
+            scenario.filters[0].robust = robust;
             scenario.force = Scenario::from_toml(CHIRP).expect("the scenario is valid").force;
             let fine = run(&Scenario { dt: 1e-4, filters: Vec::new(), ..scenario.clone() });
             let told = own_clocks(&scenario, fine.record(), 5);

@@ -1,4 +1,4 @@
-//! What sensors do to their readings: each family against its law, and old records with their bits.
+//! Each family of sensor faults follows its law, and changes nothing else.
 
 use kalmanscope_core::scenario::{Fault, Faults};
 use kalmanscope_core::{Force, Quantity, Record, Scenario, Sensor, simulate};
@@ -120,6 +120,7 @@ fn outliers_have_their_share_and_their_size() {
 fn spells_have_their_share_and_their_length() {
     for (wanted, length) in [(0.1, 0.2), (0.3, 1.0), (0.2, 0.0), (1.0, 0.5)] {
         let [dropouts, clean] = both(&format!("dropouts = {{ share = {wanted}, length = {length} }}"));
+        assert!(wanted < 1.0 || dropouts.iter().all(|x| x.is_nan()), "all are missing");
         assert_near(share(&dropouts, f64::is_nan), wanted, 0.12 * wanted.min(1.0 - wanted) + 1e-9);
         assert!(dropouts.iter().zip(&clean).all(|(a, b)| a.is_nan() || a == b));
         if (0.05..0.9).contains(&wanted) {
@@ -130,6 +131,8 @@ fn spells_have_their_share_and_their_length() {
             assert_near(mean_length, f64::max(length, 0.01) / (1.0 - q), 0.1 * f64::max(length, 0.01));
         }
     }
+    let long = readings(&at_rest("dropouts = { share = 1.0, length = 1e300 }"));
+    assert!(long.iter().all(|x| x.is_nan()), "a spell without an end");
     let [stuck, _] = both("stuck = { share = 0.2, length = 0.3 }");
     let repeated = stuck.windows(2).filter(|x| x[0] == x[1]).count() as f64 / stuck.len() as f64;
     assert_near(repeated, 0.2, 0.02);

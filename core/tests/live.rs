@@ -158,6 +158,20 @@ fn what_is_late_finds_its_sample_as_long_as_that_waits() {
 }
 
 #[test]
+fn a_clock_that_stands_still_takes_no_memory_without_end_and_the_end_is_completed() {
+    let mut live = LiveRecord::new(0.01, InputKind::Force, Hold::Zero, vec![Quantity::VELOCITY]).waiting(0.1);
+    let refused = (0..150_000).filter(|_| live.take(1.0, f64::NAN, &[2.0]) == Err(LiveError::Burst)).count();
+    assert_eq!(refused, 150_000 - LiveRecord::MOST_WAITING);
+    live.take(3.0, f64::NAN, &[3.0]).expect("the clock goes on");
+    let before = live.record().len();
+    let mut earlier = live.so_far();
+    live.finish();
+    assert_eq!((before, live.record().len()), (190, 201));
+    assert!(live.update(&mut earlier) && !live.update(&mut earlier));
+    assert_eq!((earlier.measured(0)[0], earlier.measured(0)[200]), (2.0, 3.0));
+}
+
+#[test]
 fn a_record_is_full_in_words_and_no_message_makes_it_panic() {
     let mut random = Random::new(11);
     let mut live = LiveRecord::new(1e-3, InputKind::Force, Hold::First, vec![Quantity::VELOCITY]).smoothing(3);

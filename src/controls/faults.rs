@@ -55,7 +55,7 @@ fn number_ui(
     info: &'static FaultNumber,
     value: &mut f64,
 ) {
-    let path = format!("sensors.{}.faults.{}.{}", quantity.key(), fault.info().key, info.key);
+    let path = fault.address(quantity, info);
     let name = format!("{} of the {} sensor", sentence(info.name), quantity.key());
     let size = info.scale.size(quantity);
     let number = Number {

@@ -369,3 +369,34 @@ fn a_map_varies_the_gain_of_a_measured_input_and_stays_as_the_dot_moves() {
         assert_eq!(survey.present(session.scenario())[0], 0.5 * own);
     }
 }
+
+/// The map of a record that is being measured is of the samples at its beginning, until it is complete and there are a quarter
+/// more.
+#[test]
+fn a_map_of_a_growing_record_is_of_one_length() {
+    let circuit = kalmanscope_lessons::BuiltIn::named("circuit").unwrap().scenario().unwrap();
+    let measured = Session::new(circuit.clone()).unwrap();
+    let record = measured.run().record().clone();
+    let mut scenario = circuit;
+    scenario.record.as_mut().unwrap().file = "measured now".to_owned();
+    scenario.record.as_mut().unwrap().hash = String::new();
+    let part = |length: usize| std::sync::Arc::new(record.part(0..length));
+    let mut session = Session::new(Scenario::default()).unwrap();
+    session.follow_live(scenario, part(200));
+    session.advance(0.0);
+    assert!(session.is_live());
+    let usual = Choice::usual(session.scenario(), session.run().record(), true, 3).unwrap();
+    let mut laboratory = Laboratory::new(Rc::new(Frames(Budget::Unlimited)));
+    laboratory.choose(Some(usual));
+    let mut editions = Vec::new();
+    for length in [200, 220, 249, 250, 300] {
+        session.lengthen(part(length));
+        assert_eq!(session.run().record().len(), length);
+        follow(&mut laboratory, &session, 20);
+        assert_eq!(laboratory.state().problem(), None);
+        assert!(laboratory.shown().unwrap().sheet().is_complete(), "{length} samples");
+        editions.push(laboratory.edition());
+    }
+    editions.dedup();
+    assert!((2..=3).contains(&editions.len()), "it begins again at 250 samples alone: {editions:?}");
+}

@@ -157,7 +157,7 @@ impl Following {
         Some(Self { decay, live, record, scenario, run, taken: f64::NEG_INFINITY })
     }
 
-    /// Takes in the readings since the last one, so many at most.
+    /// Takes in the readings that are later than the last one taken, at most this number of them.
     fn take(&mut self, readings: &[[f64; 4]], most: usize) {
         let Self { decay, live, record, run, taken, .. } = self;
         let first = readings.partition_point(|reading| reading[0] <= *taken || reading[0] < decay.begin);
@@ -166,8 +166,7 @@ impl Following {
             let _ = live.take(reading[0], f64::NAN, &[decay.along(*reading)]);
             *taken = taken.max(reading[0]);
         }
-        if live.record().len() > record.len() {
-            *record = live.so_far();
+        if live.update(record) {
             run.lengthen(Arc::clone(record));
             run.advance_to(usize::MAX);
         }

@@ -30,6 +30,7 @@ pub(super) struct Stream {
     refusal: Option<LiveError>,
     /// The times of the first reading and of the last one \[s\].
     times: Option<[f64; 2]>,
+    has_ended: bool,
 }
 
 impl Stream {
@@ -39,8 +40,8 @@ impl Stream {
         let sensors: Vec<Quantity> = scenario.sensors.iter().map(|sensor| sensor.measures).collect();
         let live = LiveRecord::new(scenario.dt, scenario.input, scenario.hold, sensors).waiting(WAIT);
         let record = live.so_far();
-        let (readings, taken, refused, refusal, times) = (Readings::default(), 0, 0, None, None);
-        Self { device, scenario, readings, live, record, taken, refused, refusal, times }
+        let (readings, taken, refused, refusal) = (Readings::default(), 0, 0, None);
+        Self { device, scenario, readings, live, record, taken, refused, refusal, times: None, has_ended: false }
     }
 
     /// What has come so far, and what is wrong with it, in sentences.
@@ -48,6 +49,9 @@ impl Stream {
         let mut said = Vec::new();
         if let Some(reason) = &self.refusal {
             said.push(format!("{} of {} readings are left out; of the last one {reason}.", self.refused, self.taken));
+        }
+        if self.has_ended {
+            said.push("The source has ended.".to_owned());
         }
         match self.live.crowded() {
             0 => {}
@@ -91,9 +95,13 @@ impl Instrument for Stream {
     }
 
     fn follow(&mut self) {
-        let Self { readings, live, record, taken, refused, refusal, times, .. } = self;
+        let Self { readings, live, record, taken, refused, refusal, times, has_ended, .. } = self;
         // They are kept in the record.
-        let told = std::mem::take(&mut readings.told().readings);
+        let told = {
+            let mut all = readings.told();
+            *has_ended = all.has_ended;
+            std::mem::take(&mut all.readings)
+        };
         for Happened { time, input, readings } in &told {
             match live.take(*time, *input, readings) {
                 Ok(()) => *times = Some(times.map_or([*time; 2], |[first, last]| [first, last.max(*time)])),
@@ -101,9 +109,10 @@ impl Instrument for Stream {
             }
         }
         *taken += told.len();
-        if live.record().len() > record.len() {
-            *record = live.so_far();
+        if *has_ended {
+            live.finish();
         }
+        live.update(record);
     }
 
     fn watched(&self) -> Option<(&Scenario, &Arc<Record>)> {

@@ -58,12 +58,12 @@ impl<T: Reading> Shared<T> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Tells the window that waits for readings, and has had none, why there are none.
-    fn refuse(&self, reason: String) {
-        if let Some((ctx, to)) = &self.heard().to
-            && to.count() == 0
-        {
-            to.refuse(reason, ctx);
+    /// Tells the window that waits for readings that no more come, or why there have been none.
+    fn end(&self, reason: String) {
+        match &self.heard().to {
+            Some((ctx, to)) if to.count() == 0 => to.refuse(reason, ctx),
+            Some((ctx, to)) => to.end(ctx),
+            None => {}
         }
     }
 
@@ -134,7 +134,7 @@ impl<P: Parser> Sensor<P::Reading> for Listened<P> {
         let keep = self.keep.clone();
         let read = move || {
             let reason = shared.read(&name, parser, keep.as_deref());
-            shared.refuse(reason);
+            shared.end(reason);
         };
         match thread::Builder::new().name("listener".to_owned()).spawn(read) {
             Ok(begun) => *thread = Some(begun),

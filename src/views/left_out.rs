@@ -7,6 +7,9 @@ use crate::plot::layers::Layer;
 use crate::plot::series::Series;
 use crate::view::ViewContext;
 
+/// Limits the samples that are counted in a frame.
+const MOST_COUNTED: usize = 20_000;
+
 /// The filters on screen that weigh the readings of a quantity, with the place of that sensor among theirs.
 fn weighing<'a>(
     quantity: Quantity,
@@ -39,12 +42,15 @@ pub(super) fn layers<'a>(quantity: Quantity, measured: &'a [f64], context: &View
 /// The share of the readings of a quantity that each filter leaves out, in words.
 pub(super) fn shares(quantity: Quantity, measured: &[f64], context: &ViewContext<'_>) -> Vec<Readout> {
     let share = |(sensor, estimates): (usize, &Estimates)| {
-        let samples = 0..estimates.len().min(measured.len());
+        let len = estimates.len().min(measured.len());
+        let samples = len.saturating_sub(MOST_COUNTED)..len;
         let readings = samples.clone().filter(|&k| !measured[k].is_nan()).count();
         let out = samples.filter(|&k| is_left_out(estimates, sensor, measured, k)).count();
         let percent = 100.0 * out as f64 / readings.max(1) as f64;
-        let hint =
-            format!("{out} of {readings} readings count for nothing, or next to nothing, in {}", estimates.name());
+        let hint = format!(
+            "{out} of the last {readings} readings count for nothing, or next to nothing, in {}",
+            estimates.name()
+        );
         Readout::new(format!("{percent:.1} % left out"), context.palette.shade(estimates.color()), hint)
     };
     weighing(quantity, context).map(share).collect()

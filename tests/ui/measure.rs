@@ -186,13 +186,19 @@ fn the_sensors_of_a_scenario_are_followed_while_they_are_read() {
     let sample = session.run().done() - 1;
     let mut whole = Run::new(&scenario).expect("it can be run");
     whole.advance_to(sample + 1);
-    let numbers = |run: &Run| [0, 1].map(|place| run.estimates()[0].canonical_mean(sample, place));
-    let (followed, simulated) = (numbers(session.run()), numbers(&whole));
+    let numbers = |run: &Run, sample: usize| [0, 1].map(|place| run.estimates()[0].canonical_mean(sample, place));
+    let (followed, simulated) = (numbers(session.run(), sample), numbers(&whole, sample));
     assert!((followed[0] - simulated[0]).abs() < 1e-9, "{followed:?} for {simulated:?}");
     // A reading that goes back is refused in a sentence, and nothing else changes.
     readings.put(&[Happened { time: 5.0, input: 0.0, readings: vec![1e9, 1e9] }], &screen.ctx);
     screen.run_steps(3);
     screen.get_by_label_contains("it comes too late");
+    readings.end(&screen.ctx);
+    screen.run_steps(3);
+    screen.get_by_label_contains("The source has ended.");
+    assert!(screen.state().session().is_live(), "what was read stays on screen");
+    let sample = screen.state().session().run().done() - 1;
+    let followed = numbers(screen.state().session().run(), sample);
     click(&mut screen, "Stop");
     screen.run_steps(20);
     let session = screen.state().session();
@@ -200,7 +206,7 @@ fn the_sensors_of_a_scenario_are_followed_while_they_are_read() {
     let mapping = session.scenario().record.as_ref().expect("it is a record");
     assert_eq!((mapping.file.as_str(), mapping.hash.is_empty()), ("measured.csv", false));
     assert_eq!(session.scenario().filters[0].name, "one");
-    assert!(numbers(session.run())[0] == followed[0], "the filters and the record are the same");
+    assert!(numbers(session.run(), sample) == followed, "the filters and the record are the same");
     assert!(device.0.borrow().is_none(), "it has stopped");
 }
 

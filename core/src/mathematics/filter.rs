@@ -255,6 +255,18 @@ impl<B: Belief + ?Sized> Filter<B> {
         self.belief = belief;
     }
 
+    /// The usual misfits of the sensors, to which a robust filter compares those of a sample; none for any other filter.
+    pub(crate) fn usual_misfits(&self) -> &[f64] {
+        self.weighing.as_ref().map_or(&[], Weighing::levels)
+    }
+
+    /// Goes back to the usual misfits of an earlier sample.
+    pub(crate) fn set_usual_misfits(&mut self, misfits: &[f64]) {
+        if let Some(weighing) = &mut self.weighing {
+            weighing.set_levels(misfits);
+        }
+    }
+
     /// The model.
     pub fn model(&self) -> &Model {
         &self.model

@@ -230,7 +230,7 @@ impl EventFilter {
         (self.first, self.followed) = (time, 0);
         self.timeline.insert(event);
         let belief = self.filter.belief().gaussian().into_owned();
-        self.timeline.set_belief(0, &belief);
+        self.timeline.set_belief(0, &belief, self.filter.usual_misfits());
         self.report().map_err(|reason| self.stop(time, reason))
     }
 
@@ -241,8 +241,8 @@ impl EventFilter {
         if first <= before {
             self.again += before + 1 - first;
             self.followed = first - 1;
-            if let Some(belief) = self.timeline.event(first - 1).belief.clone()
-                && let Err(reason) = self.begin_at(belief)
+            if let Some((belief, misfits)) = self.timeline.event(first - 1).belief.clone()
+                && let Err(reason) = self.begin_at(belief, &misfits)
             {
                 return Err(self.stop(self.timeline.event(first).time, reason));
             }
@@ -263,10 +263,11 @@ impl EventFilter {
         EventError::Stopped { time, reason }
     }
 
-    /// Goes back to a belief.
-    fn begin_at(&mut self, belief: Gaussian) -> Result<(), FilterError> {
+    /// Goes back to a belief, and to the usual misfits at it.
+    fn begin_at(&mut self, belief: Gaussian, misfits: &[f64]) -> Result<(), FilterError> {
         let context = FilterContext::new(&self.scenario, &self.sensors, self.scenario.dt, &self.settings);
         let normal = book::normal(&context);
+        self.filter.set_usual_misfits(misfits);
         self.filter.set_belief((self.settings.kind.info().begin)(belief, &self.settings.method(), normal)?);
         Ok(())
     }
@@ -281,7 +282,7 @@ impl EventFilter {
         let Self { filter, timeline, correction, .. } = self;
         filter.update(force, &timeline.event(place).readings, correction)?;
         let belief = filter.belief().gaussian();
-        timeline.set_belief(place, &belief);
+        timeline.set_belief(place, &belief, filter.usual_misfits());
         Ok(())
     }
 

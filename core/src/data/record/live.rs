@@ -47,12 +47,18 @@ pub struct LiveRecord {
 /// A sample waits so long for the input after it, where the input is a line from one value to the next \[s\].
 const PATIENCE: f64 = 1.0;
 
+/// A record is copied once it is longer by one part in so many.
+const SHARE: usize = 5000;
+
 /// A time may be rounded by this share of a step.
 const ROUNDED: f64 = 1e-6;
 
 impl LiveRecord {
     /// Limits the samples.
     pub const MOST: usize = 200_000;
+
+    /// Limits the readings of a sensor that wait for their samples.
+    pub const MOST_WAITING: usize = 100_000;
 
     /// Limits the steps of dt without anything.
     pub const LONGEST_GAP: usize = 20_000;
@@ -95,6 +101,21 @@ impl LiveRecord {
         Arc::new(self.record.clone())
     }
 
+    /// Puts the record so far in place of an earlier one, if it is longer by a small share: the copy takes time. Returns whether
+    /// it did.
+    pub fn update(&self, earlier: &mut Arc<Record>) -> bool {
+        let is_longer = self.record.len() > earlier.len() + earlier.len() / SHARE;
+        if is_longer {
+            *earlier = self.so_far();
+        }
+        is_longer
+    }
+
+    /// Completes all samples up to the newest time: nothing more comes.
+    pub fn finish(&mut self) {
+        self.complete_until(|newest, _, at| at > newest);
+    }
+
     /// The time of the first sample in the clock of the readings \[s\].
     pub fn begin(&self) -> Option<f64> {
         self.begin
@@ -112,7 +133,7 @@ impl LiveRecord {
     /// [`LiveError`]; what is refused leaves the record as it was.
     pub fn take(&mut self, time: f64, input: f64, readings: &[f64]) -> Result<(), LiveError> {
         self.check(time, input, readings)?;
-        let begin = *self.begin.get_or_insert(time);
+        self.begin.get_or_insert(time);
         self.newest = self.newest.max(time);
         for (track, &reading) in self.tracks.iter_mut().zip(readings).filter(|(_, reading)| !reading.is_nan()) {
             track.put(time, reading);
@@ -120,15 +141,23 @@ impl LiveRecord {
         if !input.is_nan() {
             self.input.put(time, input);
         }
+        self.complete_until(|newest, live, at| {
+            let late = newest - at - 0.5 * live.record.dt;
+            late < live.wait || (late < PATIENCE && live.input.waits_at(at, ROUNDED * live.record.dt))
+        });
+        Ok(())
+    }
+
+    /// Completes samples until one has to wait, which is asked with the newest time and that of the sample \[s\].
+    fn complete_until(&mut self, waits: impl Fn(f64, &Self, f64) -> bool) {
+        let Some(begin) = self.begin else { return };
         while self.record.len() < Self::MOST {
             let at = begin + self.record.len() as f64 * self.record.dt;
-            let late = self.newest - at - 0.5 * self.record.dt;
-            if late < self.wait || (late < PATIENCE && self.input.waits_at(at, ROUNDED * self.record.dt)) {
+            if waits(self.newest, self, at) {
                 break;
             }
             self.complete(at);
         }
-        Ok(())
     }
 
     fn check(&self, time: f64, input: f64, readings: &[f64]) -> Result<(), LiveError> {
@@ -145,6 +174,10 @@ impl LiveRecord {
         let complete = begin + (self.record.len() as f64 - 0.5) * self.record.dt;
         if time < complete {
             return Err(LiveError::TooLate { time, complete });
+        }
+        let is_behind = time <= self.newest + self.wait + PATIENCE + self.record.dt;
+        if is_behind && self.tracks.iter().any(|track| track.len() >= Self::MOST_WAITING) {
+            return Err(LiveError::Burst);
         }
         let steps = (time - self.newest) / self.record.dt;
         if steps > Self::LONGEST_GAP as f64 {

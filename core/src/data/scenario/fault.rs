@@ -50,10 +50,7 @@ impl Scenario {
     /// The addresses of all numbers of its sensors' faults.
     pub fn fault_addresses(&self) -> Vec<String> {
         let of_fault = |sensor: &Sensor, fault: Fault| -> Vec<String> {
-            let key = |number: &FaultNumber| {
-                format!("sensors.{}.faults.{}.{}", sensor.measures.key(), fault.info().key, number.key)
-            };
-            fault.info().numbers.iter().map(key).collect()
+            fault.info().numbers.iter().map(|number| fault.address(sensor.measures, number)).collect()
         };
         self.sensors
             .iter()
@@ -177,6 +174,11 @@ impl Fault {
     /// The family with a key.
     pub fn from_key(key: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|fault| fault.0.key == key)
+    }
+
+    /// The address of one of its numbers, of the sensor of a quantity.
+    pub fn address(self, quantity: Quantity, number: &FaultNumber) -> String {
+        format!("sensors.{}.faults.{}.{}", quantity.key(), self.0.key, number.key)
     }
 
     fn place(self) -> usize {

@@ -220,9 +220,7 @@ impl fmt::Display for Address {
             Place::Parameter(channel) => write!(f, "plant.{}", channel.key()),
             Place::Signal(channel, key) => write!(f, "plant.{}{key}", channel.key()),
             Place::Noise(quantity) => write!(f, "sensors.{}.noise_std", quantity.key()),
-            Place::Fault(quantity, fault, info) => {
-                write!(f, "sensors.{}.faults.{}.{}", quantity.key(), fault.info().key, info.key)
-            }
+            Place::Fault(quantity, fault, info) => f.write_str(&fault.address(*quantity, info)),
             Place::Filters(Filters::All, member) => write!(f, "filters.*.{member}"),
             Place::Filters(Filters::Of(id), member) => write!(f, "filters#{id}.{member}"),
         }

@@ -85,7 +85,7 @@ impl Happening {
     }
 }
 
-/// What is wrong with the sensors of a scenario: a sentence for each fault, so many at most.
+/// A sentence for each fault of a scenario's sensors, [`MOST_FAULTS`] at most.
 pub(super) fn faults(scenario: &Scenario) -> Vec<Vec<Phrase>> {
     let all = scenario.sensors.iter().flat_map(|sensor| sensor.faults.families().map(move |fault| (sensor, fault)));
     all.take(MOST_FAULTS).map(|(sensor, fault)| fault_sentence(sensor, fault)).collect()
@@ -98,7 +98,7 @@ fn fault_sentence(sensor: &Sensor, fault: Fault) -> Vec<Phrase> {
     let mut pieces = words.split("{}");
     let mut text = Writer::default().say(pieces.next().unwrap_or_default());
     for ((piece, number), &value) in pieces.zip(info.numbers).zip(numbers) {
-        let key = format!("sensors.{}.faults.{}.{}", quantity.key(), info.key, number.key);
+        let key = fault.address(quantity, number);
         let size = number.scale.size(quantity);
         let (low, high) = number.slider;
         let range = (low * size, high * size);

@@ -176,6 +176,17 @@ impl Weighing {
         })
     }
 
+    /// The usual misfits, which the next sample goes on from.
+    pub(super) fn levels(&self) -> &[f64] {
+        &self.levels
+    }
+
+    /// Goes back to the usual misfits of an earlier sample.
+    pub(super) fn set_levels(&mut self, levels: &[f64]) {
+        self.levels.clear();
+        self.levels.extend_from_slice(levels);
+    }
+
     /// Conditions a belief on the measurements of an observation, weighed; those with a weight of zero leave the observation.
     ///
     /// # Errors

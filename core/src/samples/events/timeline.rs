@@ -14,8 +14,8 @@ pub(super) struct Event {
     pub(super) force: Option<f64>,
     /// A reading for each sensor, NaN where there is none.
     pub(super) readings: Vec<f64>,
-    /// The belief after the readings; `None` until the filter has been here.
-    pub(super) belief: Option<Gaussian>,
+    /// The belief after the readings, and the usual misfits of a robust filter; `None` until the filter has been here.
+    pub(super) belief: Option<(Gaussian, Vec<f64>)>,
 }
 
 /// Events in the order of their times, the oldest first. Those of one time stand in the order in which they came.
@@ -50,8 +50,11 @@ impl Timeline {
         self.events.partition_point(|event| event.time <= time).saturating_sub(1)
     }
 
-    pub(super) fn set_belief(&mut self, place: usize, belief: &Gaussian) {
-        self.events[place].belief.get_or_insert_with(|| belief.clone()).copy_from(belief);
+    pub(super) fn set_belief(&mut self, place: usize, belief: &Gaussian, misfits: &[f64]) {
+        let (kept, kept_misfits) = self.events[place].belief.get_or_insert_with(|| (belief.clone(), Vec::new()));
+        kept.copy_from(belief);
+        kept_misfits.clear();
+        kept_misfits.extend_from_slice(misfits);
     }
 
     /// Puts an event at its place. Returns the first place after which beliefs are no longer right.

@@ -27,6 +27,9 @@ pub enum LiveError {
         /// The time of the end of the last sample \[s\].
         complete: f64,
     },
+    /// The clock stands still, or is far too slow, while readings come.
+    #[error("{} readings of a sensor wait for their samples: the clock hardly goes on", LiveRecord::MOST_WAITING)]
+    Burst,
     /// Nothing came for too long.
     #[error(
         "the time is {time} s, but before it was {before} s: at most {} steps may be empty",

@@ -21,6 +21,10 @@ impl Default for Track {
 }
 
 impl Track {
+    pub(super) fn len(&self) -> usize {
+        self.times.len()
+    }
+
     pub(super) fn put(&mut self, time: f64, value: f64) {
         let place = self.times.partition_point(|other| *other <= time);
         self.times.insert(place, time);

@@ -28,22 +28,30 @@ pub(super) const NUMBERS: [FaultNumber; 2] = [
 pub(super) struct Spells {
     share: f64,
     length: f64,
-    is_in: bool,
+    /// `None` before the first sample.
+    is_in: Option<bool>,
     random: Normal,
 }
 
 impl Spells {
     pub(super) fn new(share: f64, length: f64, random: Normal) -> Self {
-        Self { share, length, is_in: false, random }
+        Self { share, length, is_in: None, random }
     }
 
     /// Whether the next sample is in a spell.
     pub(super) fn next(&mut self, dt: f64) -> bool {
         let ends = (dt / self.length).min(1.0);
-        // A spell begins so often that it is in one for the share of the time.
-        let begins = self.share * ends / (1.0 - self.share + self.share * ends);
+        // Spells begin so often that a sample is in one with the probability of the share.
+        let begins = match self.share {
+            share if share < 1.0 => share * ends / (1.0 - share + share * ends),
+            _ => 1.0,
+        };
         let [stay, begin] = [(); 2].map(|()| self.random.uniform());
-        self.is_in = self.is_in && stay > ends || begin <= begins;
-        self.is_in
+        let is_in = match self.is_in {
+            Some(is_in) => is_in && stay > ends || begin <= begins,
+            None => begin <= self.share,
+        };
+        self.is_in = Some(is_in);
+        is_in
     }
 }
