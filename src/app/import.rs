@@ -93,7 +93,7 @@ impl App {
         }
     }
 
-    /// Leaves the measurement. What is on screen of it becomes a record of its own.
+    /// Leaves the measurement. The record on screen becomes a measured record with a file.
     fn end_measure(&mut self) {
         self.measure = None;
         let is_imported = self.requests.iter().any(|request| matches!(request, Request::ImportFile(_)));

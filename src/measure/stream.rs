@@ -15,7 +15,7 @@ use crate::sensor::{Happened, Readings, Sensor};
 use crate::text::fixed;
 use crate::theme::Palette;
 
-/// A sample waits so long for what comes late \[s\].
+/// A sample waits this time for late readings \[s\].
 const WAIT: f64 = 0.1;
 
 pub(super) struct Stream {

@@ -134,7 +134,7 @@ impl Library {
         }
     }
 
-    /// Adds nothing to the live record from now on. Returns it, if it has just ended.
+    /// Ends the live record. Returns it, unless it had ended before.
     pub(super) fn end_live(&mut self) -> Option<Arc<Record>> {
         let live = self.live.as_mut().filter(|live| !live.has_ended)?;
         live.has_ended = true;

@@ -28,7 +28,7 @@ const ENSEMBLES: u64 = 64;
 /// The streams from here on are those of the other sensors.
 const LATER_SENSORS: u64 = 1 << 32;
 
-/// From each multiple of this on are the streams of a family of faults, one a sensor.
+/// The streams of each family of faults begin at a multiple of this number; each sensor has one of them.
 const FAULTS: u64 = 1 << 40;
 
 /// The streams from here on are those of ensembles that would reach into the sensors'.

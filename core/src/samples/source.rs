@@ -14,7 +14,7 @@ pub enum Source {
     Simulated,
     /// A given record. Its time between samples replaces the scenario's.
     Measured(Arc<Record>),
-    /// A given record to which samples are still added: [`Run::lengthen`](crate::Run::lengthen). What needs its end waits.
+    /// A given record to which samples are still added: [`Run::lengthen`](crate::Run::lengthen). Smoothers and free runs, which need the end, wait.
     Live(Arc<Record>),
 }
 

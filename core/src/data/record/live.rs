@@ -44,10 +44,10 @@ pub struct LiveRecord {
     crowded: usize,
 }
 
-/// A sample waits so long for the input after it, where the input is a line from one value to the next \[s\].
+/// The time for which a sample waits for the next input, where the input is linear between two values \[s\].
 const PATIENCE: f64 = 1.0;
 
-/// A record is copied once it is longer by one part in so many.
+/// [`LiveRecord::update`] copies a record when it is longer by 1 / SHARE.
 const SHARE: usize = 5000;
 
 /// A time may be rounded by this share of a step.
@@ -60,7 +60,7 @@ impl LiveRecord {
     /// Limits the readings of a sensor that wait for their samples.
     pub const MOST_WAITING: usize = 100_000;
 
-    /// Limits the steps of dt without anything.
+    /// Limits the steps of dt between two times.
     pub const LONGEST_GAP: usize = 20_000;
 
     /// Before the first reading, with `dt` \[s\] between samples.
@@ -77,13 +77,13 @@ impl LiveRecord {
         }
     }
 
-    /// The same, where a sample waits for what comes late by so many seconds.
+    /// The same, where a sample waits this many seconds for late readings.
     #[must_use]
     pub fn waiting(self, seconds: f64) -> Self {
         Self { wait: seconds.max(0.0), ..self }
     }
 
-    /// The same, where each reading is shifted along the cubic through so many readings to either side. They have to lie within
+    /// The same, where each reading is shifted along the cubic through this many readings to either side. They have to lie within
     /// a third of half a swing. A sample waits for two more.
     #[must_use]
     pub fn smoothing(self, side: usize) -> Self {

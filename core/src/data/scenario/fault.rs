@@ -196,7 +196,7 @@ impl Fault {
 }
 
 impl Scale {
-    /// One on the scale, for a sensor of a quantity.
+    /// The unit of the scale in that of a quantity: its usual noise for [`Self::Unit`], else 1.
     pub fn size(self, quantity: Quantity) -> f64 {
         if self == Self::Unit { quantity.aspect().info().usual_noise } else { 1.0 }
     }

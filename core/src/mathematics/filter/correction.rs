@@ -114,8 +114,8 @@ impl Correction {
         }
     }
 
-    /// Reports e and S of the sensors that measured as if S had this much more of a sensor's own noise; one with `None` is
-    /// reported as skipped. What the update did to the belief stays.
+    /// Reports S with the variance that `more` gives added to the diagonal, and e and NIS to that S. A sensor for which it gives
+    /// `None` is reported as skipped. What the update did to the belief stays.
     pub(super) fn report_with(&mut self, measured: &[usize], more: impl Fn(usize) -> Option<f64>) {
         let mut kept = Vec::with_capacity(measured.len());
         for &sensor in measured {

@@ -4,9 +4,9 @@
 //! Rᵢ ← Rᵢ / wᵢ,  wᵢ from the misfit of sensor i after the update; again until no weight changes
 //! ```
 //!
-//! A weight of zero leaves a sensor out, as if it had measured nothing; one of next to nothing is reported so. Misfits are taken over
-//! the usual one of the last readings, where that is large: a filter that is lost must not take all that it reads for outliers. Each rule has a file of its own; the registry below
-//! lists them.
+//! A weight of zero leaves a sensor out, as if it had measured nothing; a weight near zero is reported in the same way. Each misfit
+//! is divided by the usual one of the sensor's last readings, where that is large: otherwise a filter that is lost would take all
+//! readings for outliers. Each rule has a file of its own; the registry below lists them.
 
 mod gate;
 mod huber;

@@ -16,7 +16,7 @@ pub enum LiveError {
         /// The number of sensors.
         expected: usize,
     },
-    /// A number is infinite, or the time is none.
+    /// A number is infinite, or the time is NaN.
     #[error("a reading, the input or the time is no finite number")]
     Infinite,
     /// Its sample is complete.
