@@ -16,7 +16,7 @@ const NUMBERS: [FaultNumber; 3] = [
     },
     FaultNumber {
         key: "from",
-        name: "least error of an outlier",
+        name: "least outlier",
         scale: Scale::Sigma,
         usual: 10.0,
         slider: (0.0, 100.0),
@@ -24,7 +24,7 @@ const NUMBERS: [FaultNumber; 3] = [
     },
     FaultNumber {
         key: "to",
-        name: "largest error of an outlier",
+        name: "largest outlier",
         scale: Scale::Sigma,
         usual: 30.0,
         slider: (0.0, 100.0),
