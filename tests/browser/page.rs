@@ -108,6 +108,14 @@ impl Page {
         self.touch(at, at).await;
     }
 
+    /// Taps a control if it is there.
+    pub(crate) async fn tap_if_there(&self, name: &str) {
+        if let Some(rect) = place(&self.summary().await, name) {
+            let at = rect.at(0.5);
+            self.touch(at, at).await;
+        }
+    }
+
     /// Touches the page at a place and lets go at another, and waits until what scrolls rests.
     pub(crate) async fn touch(&self, from: (f64, f64), to: (f64, f64)) {
         const STEPS: u32 = 8;
@@ -255,17 +263,21 @@ impl Page {
     /// The place of a control.
     pub(crate) async fn rect(&self, name: &str) -> Rect {
         let summary = self.summary().await;
-        let controls = summary["controls"].as_array().expect("controls are a list");
-        let control = controls.iter().find(|control| control["name"] == name);
-        let control = control.unwrap_or_else(|| panic!("there is no control `{name}` among {controls:?}"));
-        let number = |key: &str| control[key].as_f64().expect("a rectangle is numbers");
-        Rect { x: number("x"), y: number("y"), width: number("width"), height: number("height") }
+        place(&summary, name).unwrap_or_else(|| panic!("there is no control `{name}` among {}", summary["controls"]))
     }
 
     async fn post(&self, command: &'static str, body: Value) -> Value {
         let command = Vendor { command, body };
         self.client.issue_cmd(command).await.unwrap_or_else(|error| panic!("{error}"))
     }
+}
+
+/// The place of a control in a summary.
+fn place(summary: &Value, name: &str) -> Option<Rect> {
+    let controls = summary["controls"].as_array().expect("controls are a list");
+    let control = controls.iter().find(|control| control["name"] == name)?;
+    let number = |key: &str| control[key].as_f64().expect("a rectangle is numbers");
+    Some(Rect { x: number("x"), y: number("y"), width: number("width"), height: number("height") })
 }
 
 /// A command of chromedriver only.
