@@ -19,7 +19,7 @@ mod trying;
 use std::rc::Rc;
 use std::sync::Arc;
 
-use kalmanscope_core::{Diagnostics, Estimates, Job, Quantity, Run, RunError, Scenario, Source, Study};
+use kalmanscope_core::{Diagnostics, Estimates, Hindsight, Job, Quantity, Run, RunError, Scenario, Source, Study};
 use serde::{Deserialize, Serialize};
 
 use crate::team::{Frames, Team};
@@ -222,13 +222,13 @@ impl Session {
         self.compute();
     }
 
-    /// Only whole records are smoothed.
+    /// Where a run goes on, only smoothers with a fixed look-ahead go along.
     fn want_of_study(&mut self) {
-        let smoothed = self.mode() == Mode::Whole;
+        let smoothed = if self.mode() == Mode::Whole { Hindsight::All } else { Hindsight::Lagged };
         self.study.want(Wanted { smoothed, ..self.wanted });
     }
 
-    /// The smoothed estimates over the whole record, of the filters that have a smoother.
+    /// The smoothed estimates of the filters that have a smoother: over the whole record, or with a fixed look-ahead.
     pub fn smoothed(&self) -> &[Estimates] {
         self.study.analysis().smoothed()
     }

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use kalmanscope_core::{
-    Analysis, CramerRao, Diagnosis, Diagnostics, Pass, Record, Run, RunError, Scenario, Summary, Wanted, Window,
+    Analysis, CramerRao, Diagnosis, Diagnostics, Hindsight, Pass, Record, Run, RunError, Scenario, Summary, Wanted,
+    Window,
 };
 
 use crate::causes::causes_of;
@@ -111,7 +112,7 @@ fn smoothed(scenario: &Scenario, place: usize, record: &Record) -> Result<Option
     let alone = Scenario { filters: vec![settings.clone()], ..scenario.clone() };
     let mut run = Run::on_record(&alone, Arc::new(record.clone()))?;
     run.finish();
-    let analysis = Analysis::new(&run, Wanted { smoothed: true, ..Wanted::NOTHING });
+    let analysis = Analysis::new(&run, Wanted { smoothed: Hindsight::All, ..Wanted::NOTHING });
     Ok(analysis.smoothed().first().map(|smoothed| Summary::new(smoothed, record)))
 }
 

@@ -92,7 +92,7 @@ pub use data::record::{Record, RecordError};
 pub use data::scenario::{FilterColor, FilterSettings, Plant, Scenario, ScenarioError, Sensor, Values};
 pub use data::signal::Signal;
 pub use data::task::Task;
-pub use judgement::analysis::{Analysis, Bound, Wanted};
+pub use judgement::analysis::{Analysis, Bound, Hindsight, Wanted};
 pub use judgement::diagnosis::{Diagnosis, LiveDiagnosis, Summary, Verdict, VerdictKind};
 pub use judgement::job::{Job, Progress};
 pub use judgement::story::{Adjustable, Phrase, Story};

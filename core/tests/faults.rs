@@ -1,7 +1,7 @@
 //! Each family of sensor faults follows its law, and changes nothing else.
 
 use kalmanscope_core::scenario::{Fault, Faults};
-use kalmanscope_core::{Force, Quantity, Record, Scenario, Sensor, simulate};
+use kalmanscope_core::{Channel, Force, Quantity, Record, Scenario, Sensor, Signal, simulate};
 
 /// A sensor of displacement at rest, with noise of 0.02 m and a fault.
 fn at_rest(fault: &str) -> Scenario {
@@ -47,10 +47,7 @@ fn a_fault_of_one_sensor_leaves_the_truth_and_the_other_sensor_alone() {
         let column =
             |record: &Record, sensor: usize| record.measured(sensor).iter().map(|x| x.to_bits()).collect::<Vec<_>>();
         assert_eq!(column(&records[0], 1), column(&records[1], 1), "{fault:?}");
-        assert_eq!(
-            records[0].truth(kalmanscope_core::Channel::VELOCITY),
-            records[1].truth(kalmanscope_core::Channel::VELOCITY)
-        );
+        assert_eq!(records[0].truth(Channel::VELOCITY), records[1].truth(Channel::VELOCITY));
         let differ = column(&records[0], 0) != column(&records[1], 0);
         assert!(differ || fault == Fault::CHANGING, "{fault:?} does something");
     }
@@ -79,6 +76,27 @@ fn noise_changes_at_its_time() {
     let [changing, clean] = both("changing = { at = 1000.0, factor = 5.0 }");
     assert_eq!(changing[..100_000], clean[..100_000]);
     assert!(changing[100_001..].iter().zip(&clean[100_001..]).all(|(a, b)| (a - 5.0 * b).abs() < 1e-12));
+}
+
+/// An error of the time is an error of the reading that is the speed times it; uniform, it is of 0.5/√3 steps.
+#[test]
+fn jitter_is_an_error_of_the_time() {
+    let moving = |fault: &str| {
+        let mut scenario = at_rest(fault);
+        (scenario.duration, scenario.plant.initial.displacement, scenario.sensors[0].noise_std) = (100.0, 1.0, 0.0);
+        scenario.plant.set(Channel::DAMPING_RATIO, Signal::Constant(0.001));
+        readings(&scenario)
+    };
+    let (clean, jittered) = (moving(""), moving("jitter = { spread = 0.5 }"));
+    let shift = |k: usize| {
+        let slope = 0.5 * (clean[k + 1] - clean[k - 1]);
+        (slope.abs() > 0.03).then(|| (jittered[k] - clean[k]) / slope)
+    };
+    let shifts: Vec<f64> = (2..clean.len() - 1).filter_map(shift).collect();
+    assert!(shifts.len() > 1000, "{}", shifts.len());
+    assert_near(mean(shifts.iter().copied()), 0.0, 0.02);
+    assert_near(mean(shifts.iter().map(|x| x * x)), 0.25 / 3.0, 0.005);
+    assert!(shifts.iter().all(|x| x.abs() < 0.51));
 }
 
 #[test]

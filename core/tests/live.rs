@@ -11,7 +11,8 @@ use kalmanscope_core::import::Decay;
 use kalmanscope_core::record::{Input, LiveError, LiveRecord, Record};
 use kalmanscope_core::suggest::{scenario_for, suggest};
 use kalmanscope_core::{
-    Channel, FilterKind, FilterSettings, Hold, InputKind, Job, Quantity, Run, Scenario, Source, Study, Wanted, simulate,
+    Channel, FilterKind, FilterSettings, Hindsight, Hold, InputKind, Job, Quantity, Run, Scenario, Source, Study,
+    Wanted, simulate,
 };
 
 use phone::{Phone, USUAL};
@@ -89,7 +90,7 @@ fn an_edit_of_a_live_record_gives_the_bits_of_a_new_run() {
     let record = simulated(&scenario);
     let part = |length: usize| Arc::new(record.part(0..length));
     let mut study = Study::new(&scenario, Source::Live(part(100)), 1000).expect("it can be run");
-    study.want(Wanted { smoothed: true, ..Wanted::NOTHING });
+    study.want(Wanted { smoothed: Hindsight::All, ..Wanted::NOTHING });
     let everything = usize::MAX;
     study.advance_to(everything, &mut || true);
     assert!(study.lengthen(part(250)));

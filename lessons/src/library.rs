@@ -41,6 +41,8 @@ pub const LESSONS: &[(&str, &str)] = files!["lessons":
     "29-decay-by-hand",
     "30-spike-and-gate",
     "31-gravity-is-a-bias",
+    "32-live-lag-and-look-ahead",
+    "33-sampling-that-jitters",
 ];
 
 /// Every lesson in the menu's order. They are not validated, which takes longer than reading: a test has done it.

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use kalmanscope_core::{Channel, Diagnostics, Estimates, FilterSettings, Scenario, Study, Wanted};
+use kalmanscope_core::{Channel, Diagnostics, Estimates, FilterSettings, Hindsight, Scenario, Study, Wanted};
 
 use super::difference::difference;
 use super::{Mode, Session, Setting};
@@ -199,7 +199,7 @@ impl Session {
         if let Some(record) = self.library.live().filter(|_| before.study.run().is_live()) {
             before.study.lengthen(Arc::clone(record));
         }
-        before.study.want(Wanted { smoothed: false, bounds: false, ..wanted });
+        before.study.want(Wanted { smoothed: Hindsight::None, bounds: false, ..wanted });
         before.is_complete = before.study.advance_to(goal, while_time) || (was_complete && !is_whole);
         if before.is_complete != was_complete {
             self.generation += 1;

@@ -1,20 +1,19 @@
 //! Diagnostics, smoothed estimates and Cramér-Rao bounds of a run.
 
 mod bounds;
+mod smoothing;
 mod wanted;
 
-use crate::data::scenario::cost;
-use crate::data::sorting::sort_short_by_key;
 use crate::numbers::diagnostics::Depth;
 use crate::samples::bank::Bank;
-use crate::samples::smoother::Smoother;
 use crate::samples::waste::Waste;
-use crate::{CramerRao, Diagnosis, Diagnostics, Estimates, Record, Run, Scenario, Update};
+use crate::{CramerRao, Diagnosis, Diagnostics, Estimates, Record, Run, Update};
 
 use bounds::bounds_of;
+use smoothing::Smoothing;
 
 pub use bounds::Bound;
-pub use wanted::Wanted;
+pub use wanted::{Hindsight, Wanted};
 
 /// Limits the samples that the diagnostics take in between two checks of the time: about 0.5 ms.
 const DIAGNOSTICS_CHUNK: usize = 10_000;
@@ -40,9 +39,7 @@ pub struct Analysis {
     /// Whether new diagnoses are put off. The old ones stay until then.
     waits: bool,
     diagnosed: bool,
-    smoothed: Vec<Estimates>,
-    smoothing: Option<InProgress>,
-    all_smoothed: bool,
+    smoothing: Smoothing,
     bounds: Vec<Bound>,
     /// Whether the bounds belong to the present scenario.
     chosen: bool,
@@ -51,12 +48,6 @@ pub struct Analysis {
     spare: Vec<Diagnostics>,
     /// The rest of the unused memory.
     waste: Waste,
-}
-
-/// A smoother that has not finished.
-struct InProgress {
-    smoother: Smoother,
-    estimates: Estimates,
 }
 
 /// The run that an analysis follows.
@@ -106,9 +97,10 @@ impl Analysis {
         self.diagnoses.get(place).filter(|_| self.diagnosed)?.0.as_ref()
     }
 
-    /// The smoothed estimates of the filters that have a smoother; empty until they are complete.
+    /// The smoothed estimates of the filters that have a smoother. Those with a fixed look-ahead go along with the run, and end
+    /// that much before its last sample; the others need the whole run, and all are empty until they are complete.
     pub fn smoothed(&self) -> &[Estimates] {
-        if self.all_smoothed { &self.smoothed } else { &[] }
+        self.smoothing.estimates()
     }
 
     /// The bounds. Filters with the same initial belief and process noise share one.
@@ -141,7 +133,7 @@ impl Analysis {
             self.diagnosed = false;
         }
         if self.wanted.smoothed != wanted.smoothed {
-            self.discard_smoothed();
+            self.smoothing.discard(&mut self.waste);
         }
         if self.wanted.bounds != wanted.bounds {
             self.waste.extend(self.bounds.drain(..).map(|of| of.bound));
@@ -177,25 +169,21 @@ impl Analysis {
 
     /// Takes over the memory of an unused analysis.
     pub(crate) fn recycle(&mut self, mut old: Self) {
-        old.discard_smoothed();
+        old.smoothing.discard(&mut old.waste);
         self.spare.append(&mut old.spare);
         self.spare.append(&mut old.diagnostics);
         self.waste.append(&mut old.waste);
         self.waste.extend(old.bounds.drain(..).map(|of| of.bound));
     }
 
+    /// Forgets the smoothed estimates of the samples before one, counted from the run's beginning.
+    pub(crate) fn forget_before(&mut self, sample: usize) {
+        self.smoothing.forget_before(sample);
+    }
+
     /// Returns one piece of unused memory to the system. Returns whether there was one.
     pub(crate) fn free_one(&mut self) -> bool {
         self.waste.free_one()
-    }
-
-    fn discard_smoothed(&mut self) {
-        self.waste.extend(self.smoothed.drain(..));
-        if let Some(InProgress { smoother, estimates }) = self.smoothing.take() {
-            self.waste.extend([smoother]);
-            self.waste.extend([estimates]);
-        }
-        self.all_smoothed = false;
     }
 
     /// Takes over the results for another run, or for changed filters of the same run.
@@ -232,15 +220,12 @@ impl Analysis {
                 self.spare.push(diagnostics);
             }
         }
-        let is_kept = |smoothed: &Estimates| ids.contains(&smoothed.id()) && !changed.contains(&smoothed.id());
-        let (kept, gone): (Vec<_>, Vec<_>) = old.smoothed.drain(..).partition(is_kept);
-        self.smoothed.extend(kept);
-        old.smoothed = gone;
-        sort_short_by_key(&mut self.smoothed, |smoothed| ids.iter().position(|&id| id == smoothed.id()));
+        let smoothed = std::mem::take(&mut old.smoothing);
+        self.smoothing.take_over(smoothed, &ids, changed, &mut self.waste);
         old.bounds.append(&mut self.bounds);
         self.bounds = bounds_of(run.scenario(), run.record().dt(), std::mem::take(&mut old.bounds), |_| true);
         self.chosen = true;
-        (self.diagnosed, self.all_smoothed, self.all_bounded) = (false, false, false);
+        (self.diagnosed, self.all_bounded) = (false, false);
         self.recycle(old);
     }
 
@@ -251,13 +236,8 @@ impl Analysis {
         if self.wanted.diagnostics.is_some() && !self.diagnosed {
             return false;
         }
-        if self.wanted.smoothed && subject.whole && subject.record.forgotten() == 0 {
-            self.all_smoothed = self.smooth(subject, while_time);
-            if !self.all_smoothed {
-                return false;
-            }
-        } else if !self.smoothed.is_empty() || self.smoothing.is_some() {
-            self.discard_smoothed();
+        if !self.smoothing.follow(subject, self.wanted.smoothed, &mut self.waste, while_time) {
+            return false;
         }
         self.all_bounded = self.wanted.bounds && self.follow_bounds(subject, while_time);
         self.all_bounded || !self.wanted.bounds
@@ -300,41 +280,6 @@ impl Analysis {
         true
     }
 
-    fn smooth(&mut self, subject: &Subject<'_>, while_time: &mut dyn FnMut() -> bool) -> bool {
-        let Self { smoothed, smoothing, waste, .. } = self;
-        let Subject { bank, record, done, known, .. } = subject;
-        let Scenario { filters, plant, .. } = bank.scenario();
-        for place in (0..filters.len()).filter(|&place| filters[place].smoother && !is_known(known, place)) {
-            if smoothed.iter().any(|of| of.id() == filters[place].id) {
-                continue;
-            }
-            let Some(current) = smoothing.take().or_else(|| {
-                let smoother = bank.smoother(place, record.dt())?;
-                let mut estimates = bank.smoothed(place);
-                // Memory that grows is copied, which takes as long as a frame.
-                estimates.recycle(None, *done);
-                Some(InProgress { smoother, estimates })
-            }) else {
-                smoothed.push(bank.smoothed(place));
-                continue;
-            };
-            let InProgress { mut smoother, mut estimates } = current;
-            let chunk = cost::chunk(2.0 * cost::of_step(&filters[place], plant.kind));
-            loop {
-                if smoother.advance(record, *done, chunk, &mut estimates) {
-                    smoothed.push(estimates);
-                    waste.extend([smoother]);
-                    break;
-                }
-                if !while_time() {
-                    *smoothing = Some(InProgress { smoother, estimates });
-                    return false;
-                }
-            }
-        }
-        true
-    }
-
     fn follow_bounds(&mut self, subject: &Subject<'_>, while_time: &mut dyn FnMut() -> bool) -> bool {
         let Subject { bank, record, bounds: there, .. } = subject;
         if !self.chosen {
@@ -370,17 +315,9 @@ impl Analysis {
                 so_far += DIAGNOSTICS_COST * (followed as f64).min(samples);
                 all += DIAGNOSTICS_COST * samples;
             }
-            if self.wanted.smoothed && subject.whole && filter.smoother && !filter.kind.is_sampled() {
-                let cost = 2.0 * samples * cost::of_step(filter, scenario.plant.kind);
-                let current = self.smoothing.as_ref().filter(|current| current.estimates.id() == filter.id);
-                let share = if self.smoothed.iter().any(|of| of.id() == filter.id) {
-                    1.0
-                } else {
-                    current.map_or(0.0, |current| current.smoother.progress(*done))
-                };
-                so_far += share * cost;
-                all += cost;
-            }
+            let (done, whole) = self.smoothing.work(filter, subject, self.wanted.smoothed);
+            so_far += done;
+            all += whole;
         }
         (so_far, all)
     }

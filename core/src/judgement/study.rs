@@ -111,6 +111,7 @@ impl Study {
             if run.done() >= end {
                 // The analysis covers everything that is forgotten.
                 run.forget(forgotten_of(*window));
+                analysis.forget_before(run.record().forgotten());
                 continue;
             }
             let goal = samples.min(run.done() + chunk).min(end);

@@ -119,7 +119,7 @@ impl Bank {
     }
 
     /// The smoother of the filter at a place, if its settings ask for one and its kind has one.
-    pub(crate) fn smoother(&self, place: usize, dt: f64) -> Option<Smoother> {
+    pub(crate) fn smoother(&self, place: usize, dt: f64) -> Option<Box<dyn Smoother>> {
         let filter = self.scenario.filters.get(place).filter(|filter| filter.smoother)?;
         smoother(filter, self.context(dt, place))
     }

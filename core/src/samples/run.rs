@@ -235,7 +235,8 @@ impl Run {
     }
 
     /// The smoothed estimates of every filter with a smoother, given all samples so far. They have means and
-    /// covariances, but no innovations. A run that has forgotten samples has none, because a smoother needs the first
+    /// covariances, but no innovations. Those with a fixed look-ahead end that much before the last sample, up to the end
+    /// of the run. A run that has forgotten samples has none, because a smoother needs the first
     /// sample.
     ///
     /// Source: Rauch, Tung and Striebel (1965), Maximum likelihood estimates of linear dynamic systems.
@@ -244,11 +245,12 @@ impl Run {
         if record.forgotten() > 0 {
             return Vec::new();
         }
+        let is_whole = self.done == self.samples && !self.is_live();
         let of = |place: usize| {
             let wants = self.scenario().filters[place].smoother;
             let mut smoothed = wants.then(|| self.bank.smoothed(place))?;
             if let Some(mut smoother) = self.bank.smoother(place, record.dt()) {
-                while !smoother.advance(record, self.done, usize::MAX, &mut smoothed) {}
+                while !smoother.advance(record, self.done, is_whole, usize::MAX, &mut smoothed) {}
             }
             Some(smoothed)
         };

@@ -6,7 +6,9 @@ use crate::samples::estimator::{Estimator, FilterContext, book, kernel};
 use crate::samples::estimator::{engine, setup::Setup};
 use crate::samples::guesses::{Guesses, members};
 use crate::samples::smoother::Smoother;
-use crate::samples::smoother::book::beliefs;
+use crate::samples::smoother::forward::Forward;
+use crate::samples::smoother::interval::FixedInterval;
+use crate::samples::smoother::lag::FixedLag;
 
 /// Builds the filter of some settings, or those of its guesses side by side.
 pub(crate) fn estimator(settings: &FilterSettings, context: FilterContext<'_>) -> Box<dyn Estimator> {
@@ -36,12 +38,19 @@ fn of_engine(settings: &FilterSettings, context: &FilterContext<'_>) -> Option<B
     Some(engine::estimator(&setup, sensors))
 }
 
-/// The smoother of a filter, if its kind has one.
-pub(crate) fn smoother(settings: &FilterSettings, context: FilterContext<'_>) -> Option<Smoother> {
-    if settings.kind.is_sampled() {
-        return None;
-    }
-    beliefs(settings, &context).map(|beliefs| Smoother::new(beliefs, settings.input_delay))
+/// The smoother that the settings of a filter ask for, if its kind has one.
+pub(crate) fn smoother(settings: &FilterSettings, context: FilterContext<'_>) -> Option<Box<dyn Smoother>> {
+    let Some(lag) = settings.lag(context.dt) else { return whole_smoother(settings, context) };
+    Some(Box::new(FixedLag::new(forward(settings, context)?, lag)))
+}
+
+/// The smoother of a filter over the whole record, if its kind has one.
+pub(crate) fn whole_smoother(settings: &FilterSettings, context: FilterContext<'_>) -> Option<Box<dyn Smoother>> {
+    Some(Box::new(FixedInterval::new(forward(settings, context)?)))
+}
+
+fn forward(settings: &FilterSettings, context: FilterContext<'_>) -> Option<Forward> {
+    (!settings.kind.is_sampled()).then(|| Forward::new(settings, &context)).flatten()
 }
 
 #[cfg(test)]

@@ -12,6 +12,7 @@ mod changing;
 mod clipped;
 mod coloured;
 mod dropouts;
+mod jitter;
 mod late;
 mod outliers;
 mod quantised;
@@ -163,6 +164,8 @@ registry! {
     STUCK = stuck::STUCK;
     /// There is no reading.
     DROPOUTS = dropouts::DROPOUTS;
+    /// Readings at other times than those that are told.
+    JITTER = jitter::JITTER;
 }
 
 impl Fault {

@@ -64,6 +64,9 @@ pub struct FilterSettings {
     pub robust: Robust,
     /// Whether the whole record is smoothed once the filter has seen it. Fading counts as process noise then.
     pub smoother: bool,
+    /// The time after each sample of which its smoothed estimate knows \[s\]; 0 for all of the record.
+    #[serde(skip_serializing_if = "is_default")]
+    pub look_ahead: f64,
     /// Fading factor λ ≥ 1 on the predicted covariance; 1 forgets nothing.
     pub fading: f64,
     /// Rate η ≥ 0 at which the model lets the parameters decay \[1/s\]; 0 keeps them constant.
@@ -102,6 +105,7 @@ impl Default for FilterSettings {
             jump: false,
             robust: Robust::NONE,
             smoother: false,
+            look_ahead: 0.0,
             fading: 1.0,
             eta: 0.0,
             sensor_std: Vec::new(),
@@ -119,6 +123,11 @@ impl FilterSettings {
         let eta = if self.kind == FilterKind::KF { 0.0 } else { self.eta };
         let model = Model::new(self.plant.unwrap_or(truth)).augmented(self.augment.iter().copied());
         model.decaying(eta).with_logarithms(self.log_parameters).driven_by(input)
+    }
+
+    /// The samples, at least one, after each one of which its smoothed estimate knows; `None` for all of the record.
+    pub(crate) fn lag(&self, dt: f64) -> Option<usize> {
+        (self.look_ahead > 0.0).then(|| ((self.look_ahead / dt).round() as usize).max(1))
     }
 
     /// The settings that its method reads.

@@ -102,6 +102,19 @@ pub static SMOOTHER: Row = row! { "smoother", smoother,
     serves: |filter, _| !filter.kind.is_sampled() && filter.guesses == 1,
 };
 
+/// The time after each sample of which hindsight knows.
+static LOOK_AHEAD: Row = row! { "look_ahead", look_ahead,
+    name: "look-ahead of hindsight",
+    label: |_| Some("look-ahead"),
+    unit: "s",
+    allowed: Allowed::AtLeast(0.0),
+    note: "0 waits for the whole record",
+    slider: (0.0, 5.0),
+    hint: "Hindsight of so many seconds goes along with the filter, and stays that much behind it; 0 waits for the whole \
+           record",
+    serves: |filter, _| filter.smoother,
+};
+
 static LEARNS_R: Row = row! { "adaptation.sensor_noise", adaptation.sensor_noise,
     name: "learn R from the innovations",
     allowed: Allowed::Flag,
@@ -130,8 +143,8 @@ static INPUT_DELAY: Row = row! { "input_delay", input_delay,
 pub static MEMORY: [&Row; 3] = [&FADING, &JUMP, &ETA];
 
 /// The less common settings.
-pub static OPTIONS: [&Row; 8] =
-    [&GUESSES, &SUBSTEPS, &ITERATIONS, &ENSEMBLE_SIZE, &LOG_PARAMETERS, &SMOOTHER, &LEARNS_R, &LEARNS_Q];
+pub static OPTIONS: [&Row; 9] =
+    [&GUESSES, &SUBSTEPS, &ITERATIONS, &ENSEMBLE_SIZE, &LOG_PARAMETERS, &SMOOTHER, &LOOK_AHEAD, &LEARNS_R, &LEARNS_Q];
 
 /// The settings that files alone have.
 static OF_FILES: [&Row; 2] = [&INPUT_DELAY, &FORGETTING];

@@ -7,15 +7,26 @@ use crate::numbers::diagnostics::Depth;
 pub struct Wanted {
     /// Diagnostics and their depth; `None` for no diagnostics.
     pub diagnostics: Option<Depth>,
-    /// Smoothed estimates of the filters that have a smoother, once the run is complete.
-    pub smoothed: bool,
+    /// Smoothed estimates of the filters that have a smoother.
+    pub smoothed: Hindsight,
     /// The Cramér-Rao bounds, each of which costs as much as a filter.
     pub bounds: bool,
 }
 
+/// The smoothed estimates to compute.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Hindsight {
+    /// None.
+    None,
+    /// Those with a fixed look-ahead, as the run goes on.
+    Lagged,
+    /// Also those of the whole run, once it is complete.
+    All,
+}
+
 impl Wanted {
     /// The estimates alone.
-    pub const NOTHING: Self = Self { diagnostics: None, smoothed: false, bounds: false };
+    pub const NOTHING: Self = Self { diagnostics: None, smoothed: Hindsight::None, bounds: false };
 
     /// The Cramér-Rao bounds.
     pub const BOUNDS: Self = Self { bounds: true, ..Self::NOTHING };
@@ -30,7 +41,7 @@ impl Wanted {
     pub fn and(self, other: Self) -> Self {
         Self {
             diagnostics: self.diagnostics.max(other.diagnostics),
-            smoothed: self.smoothed || other.smoothed,
+            smoothed: self.smoothed.max(other.smoothed),
             bounds: self.bounds || other.bounds,
         }
     }
@@ -39,6 +50,6 @@ impl Wanted {
 impl Default for Wanted {
     /// All diagnostics and smoothed estimates, no bounds.
     fn default() -> Self {
-        Self { diagnostics: Some(Depth::All), smoothed: true, bounds: false }
+        Self { diagnostics: Some(Depth::All), smoothed: Hindsight::All, bounds: false }
     }
 }

@@ -34,7 +34,7 @@ const CHUNK: usize = 100;
 
 /// The smoothed unknown force of a filter, computed in slices of time: the filter's own estimate comes late.
 pub(super) struct ForceInHindsight {
-    smoother: Smoother,
+    smoother: Box<dyn Smoother>,
     estimates: Estimates,
 }
 
@@ -45,7 +45,7 @@ impl ForceInHindsight {
         filter.augment.contains(&Channel::UNKNOWN_FORCE).then_some(())?;
         let quantities: Vec<Quantity> = scenario.sensors.iter().map(|sensor| sensor.measures).collect();
         let context = FilterContext::new(scenario, &quantities, record.dt(), filter);
-        let smoother = select::smoother(filter, context)?;
+        let smoother = select::whole_smoother(filter, context)?;
         let model = filter.model(scenario.plant.kind, scenario.input);
         let estimates = Estimates::new(filter, &model, Vec::new()).of_smoother();
         Some(Self { smoother, estimates })
@@ -54,7 +54,7 @@ impl ForceInHindsight {
     /// Goes on while there is time. Returns whether all is done.
     pub(super) fn advance(&mut self, record: &Record, while_time: &mut dyn FnMut() -> bool) -> bool {
         loop {
-            if self.smoother.advance(record, record.len(), CHUNK, &mut self.estimates) {
+            if self.smoother.advance(record, record.len(), true, CHUNK, &mut self.estimates) {
                 return true;
             }
             if !while_time() {

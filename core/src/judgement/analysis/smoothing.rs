@@ -1,0 +1,127 @@
+//! The smoothed estimates of a run's filters.
+
+use super::{Hindsight, Subject, is_known};
+use crate::data::scenario::cost;
+use crate::data::sorting::sort_short_by_key;
+use crate::samples::smoother::Smoother;
+use crate::samples::waste::Waste;
+use crate::{Estimates, FilterSettings};
+
+/// The smoothed estimates of those filters that have a smoother, in the order of the filters.
+#[derive(Default)]
+pub(super) struct Smoothing {
+    estimates: Vec<Estimates>,
+    /// The smoother of each of the estimates; `None` once it has finished.
+    smoothers: Vec<Option<Box<dyn Smoother>>>,
+    is_complete: bool,
+}
+
+impl Smoothing {
+    /// The estimates; while some wait for the end of the run, none until all are complete.
+    pub(super) fn estimates(&self) -> &[Estimates] {
+        let go_along = self.smoothers.iter().flatten().all(|smoother| smoother.goes_along());
+        if self.is_complete || go_along { &self.estimates } else { &[] }
+    }
+
+    /// Takes in new samples. Returns whether all is done that can be done.
+    pub(super) fn follow(
+        &mut self,
+        subject: &Subject<'_>,
+        wanted: Hindsight,
+        waste: &mut Waste,
+        while_time: &mut dyn FnMut() -> bool,
+    ) -> bool {
+        let Subject { bank, record, done, known, whole, .. } = *subject;
+        self.is_complete = false;
+        if !(whole && wanted == Hindsight::All && record.forgotten() == 0) {
+            self.keep(waste, |_, smoother| smoother.is_some_and(Smoother::goes_along));
+        }
+        let scenario = bank.scenario();
+        for (place, filter) in scenario.filters.iter().enumerate() {
+            if is_known(known, place) || !is_wanted(filter, subject, wanted) {
+                continue;
+            }
+            let at = self.estimates.iter().position(|of| of.id() == filter.id).or_else(|| {
+                // A smoother needs the first sample.
+                (record.forgotten() == 0)
+                    .then(|| self.begin(bank.smoother(place, record.dt()), bank.smoothed(place), done))
+            });
+            let Some(at) = at else { continue };
+            let Some(smoother) = &mut self.smoothers[at] else { continue };
+            let chunk = cost::chunk(2.0 * cost::of_step(filter, scenario.plant.kind));
+            while !smoother.advance(record, done, whole, chunk, &mut self.estimates[at]) {
+                if !while_time() {
+                    return false;
+                }
+            }
+            if whole {
+                waste.extend(self.smoothers[at].take());
+            }
+        }
+        self.is_complete = true;
+        true
+    }
+
+    /// Begins with a filter. Returns its place here. A filter that cannot begin has no estimates.
+    fn begin(&mut self, smoother: Option<Box<dyn Smoother>>, mut estimates: Estimates, samples: usize) -> usize {
+        // Memory that grows is copied, which takes as long as a frame.
+        estimates.recycle(None, samples);
+        self.estimates.push(estimates);
+        self.smoothers.push(smoother);
+        self.estimates.len() - 1
+    }
+
+    /// Forgets the samples before one, counted from the run's beginning.
+    pub(super) fn forget_before(&mut self, sample: usize) {
+        for estimates in &mut self.estimates {
+            estimates.forget(sample.saturating_sub(estimates.forgotten()));
+        }
+    }
+
+    /// Drops all.
+    pub(super) fn discard(&mut self, waste: &mut Waste) {
+        self.keep(waste, |_, _| false);
+        self.is_complete = false;
+    }
+
+    /// Adds the estimates of another run's filters that have these ids and are not changed, in the order of the ids.
+    pub(super) fn take_over(&mut self, mut old: Self, ids: &[u32], changed: &[u32], waste: &mut Waste) {
+        old.keep(waste, |of, _| ids.contains(&of.id()) && !changed.contains(&of.id()));
+        let all = self.estimates.drain(..).zip(self.smoothers.drain(..));
+        let mut all: Vec<_> = all.chain(old.estimates.into_iter().zip(old.smoothers)).collect();
+        sort_short_by_key(&mut all, |(of, _)| ids.iter().position(|&id| id == of.id()));
+        (self.estimates, self.smoothers) = all.into_iter().unzip();
+        self.is_complete = false;
+    }
+
+    fn keep(&mut self, waste: &mut Waste, is_kept: impl Fn(&Estimates, Option<&dyn Smoother>) -> bool) {
+        for (estimates, smoother) in self.estimates.drain(..).zip(self.smoothers.drain(..)).collect::<Vec<_>>() {
+            if is_kept(&estimates, smoother.as_deref()) {
+                self.estimates.push(estimates);
+                self.smoothers.push(smoother);
+            } else {
+                waste.extend([estimates]);
+                waste.extend(smoother);
+            }
+        }
+    }
+
+    /// The work for a filter that is done and the whole work, in nanoseconds.
+    pub(super) fn work(&self, filter: &FilterSettings, subject: &Subject<'_>, wanted: Hindsight) -> (f64, f64) {
+        if !is_wanted(filter, subject, wanted) || filter.kind.is_sampled() {
+            return (0.0, 0.0);
+        }
+        let cost = 2.0 * subject.done as f64 * cost::of_step(filter, subject.bank.scenario().plant.kind);
+        let share = match self.estimates.iter().position(|of| of.id() == filter.id) {
+            None => 0.0,
+            Some(at) => self.smoothers[at].as_ref().map_or(1.0, |smoother| smoother.progress(subject.done)),
+        };
+        (share * cost, cost)
+    }
+}
+
+/// Whether the smoothed estimates of a filter are wanted of the samples so far.
+fn is_wanted(filter: &FilterSettings, subject: &Subject<'_>, wanted: Hindsight) -> bool {
+    let least = if filter.lag(subject.record.dt()).is_some() { Hindsight::Lagged } else { Hindsight::All };
+    filter.smoother && wanted >= least && (least == Hindsight::Lagged || subject.whole)
+}

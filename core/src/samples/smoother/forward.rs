@@ -1,0 +1,109 @@
+//! A filter on its way forward, with all that a way back needs.
+
+use crate::mathematics::filter::correction::Last;
+use crate::mathematics::filter::{Correction, Filter, FilterError, Gaussian, Part, kalman};
+use crate::mathematics::linalg::{Ldl, Matrix, Vector};
+use crate::samples::estimator::FilterContext;
+use crate::samples::estimator::book::{InUnits, build_filter, initial_belief};
+use crate::samples::sink::Sample;
+use crate::{Estimates, FilterSettings, Quantity, Record};
+
+/// A filter whose beliefs are smoothed later.
+pub(crate) struct Forward {
+    filter: Filter,
+    input_delay: i32,
+    sensors: Vec<Quantity>,
+    correction: Correction,
+    in_units: InUnits,
+    is_begun: bool,
+}
+
+/// The passage of a filter from one sample to the next.
+pub(crate) struct Passage {
+    /// Φ, n × n.
+    pub(super) transition: Matrix,
+    /// The update at the latter sample. `None` if nothing was measured.
+    pub(super) update: Option<Update>,
+}
+
+/// An update by m measurements.
+pub(super) struct Update {
+    /// `I - K H`, n × n.
+    pub(super) kept: Matrix,
+    /// `Hᵀ S⁻¹ H`, n × n.
+    pub(super) information: Matrix,
+    /// `Hᵀ S⁻¹ e`, n numbers.
+    pub(super) score: Vector,
+}
+
+impl Update {
+    /// The last update of `correction`, with `predicted`, the covariance before it.
+    ///
+    /// # Errors
+    /// Those of [`kalman::factor`].
+    fn new(correction: &Correction, predicted: &Matrix) -> Result<Self, FilterError> {
+        let Last { innovation, innovation_cov, gain, jacobian, has_jacobian, .. } = &correction.last;
+        let transposed = if *has_jacobian {
+            jacobian.transpose()
+        } else {
+            Ldl::semidefinite(predicted).divide(&(innovation_cov * gain.transpose())).transpose()
+        };
+        let weighted = kalman::factor(innovation_cov)?.divide(&transposed);
+        let n = predicted.nrows();
+        Ok(Self {
+            kept: Matrix::identity(n, n) - gain * transposed.transpose(),
+            information: &weighted * transposed.transpose(),
+            score: weighted * innovation,
+        })
+    }
+}
+
+impl Forward {
+    /// The filter with these settings before its first sample. `None` if it cannot begin.
+    pub(crate) fn new(settings: &FilterSettings, context: &FilterContext<'_>) -> Option<Self> {
+        let filter = build_filter(initial_belief(settings, context).ok()?, settings, context);
+        Some(Self {
+            filter: if settings.jump { filter.with_jump() } else { filter },
+            input_delay: settings.input_delay,
+            sensors: context.sensors.to_vec(),
+            correction: Correction::default(),
+            in_units: InUnits::default(),
+            is_begun: false,
+        })
+    }
+
+    /// The belief after the next sample, which is sample `k` of those that the record keeps, and the passage to it: `None` for
+    /// the first one, where the filter begins.
+    ///
+    /// # Errors
+    /// Those of the filter.
+    pub(crate) fn filter(&mut self, record: &Record, k: usize) -> Result<(Gaussian, Option<Passage>), FilterError> {
+        let Self { filter, input_delay, sensors, correction, is_begun, .. } = self;
+        if !std::mem::replace(is_begun, true) {
+            return Ok((filter.belief().gaussian().into_owned(), None));
+        }
+        let forces = [k.saturating_sub(1), k].map(|k| record.delayed_force(k, *input_delay));
+        let n = filter.model().size();
+        let mut transition = Matrix::identity(n, n);
+        filter.predict_by(forces, |model, belief, part| {
+            match part {
+                Part::Step(step) => transition = belief.transition(model, step)? * &transition,
+                Part::Renewal(place) => transition.row_mut(place).fill(0.0),
+            }
+            Ok(())
+        })?;
+        let predicted = filter.belief().gaussian().into_owned();
+        filter.update(forces[1], &record.sample(k, sensors), correction)?;
+        let is_updated = correction.innovation.iter().any(|e| !e.is_nan());
+        let update = if is_updated { Some(Update::new(correction, &predicted.cov)?) } else { None };
+        Ok((filter.belief().gaussian().into_owned(), Some(Passage { transition, update })))
+    }
+
+    /// Appends a belief in the channels' units.
+    pub(crate) fn report(&mut self, belief: &Gaussian, estimates: &mut Estimates) {
+        let Self { filter, in_units, .. } = self;
+        in_units.take(filter.model(), belief, &Matrix::zeros(belief.size(), 0));
+        let Gaussian { mean, cov } = &in_units.belief;
+        estimates.append(&Sample::unmeasured(mean.as_slice(), cov.as_slice()));
+    }
+}
