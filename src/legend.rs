@@ -19,6 +19,7 @@ pub(crate) enum Mark {
     Dots,
     Band,
     Chip,
+    Dashes,
 }
 
 /// The room for a legend.
@@ -116,9 +117,13 @@ impl Legend<'_> {
         }
     }
 
-    /// Bands and verdicts, shown or not.
+    /// Smoothed estimates, bands and verdicts, shown or not.
     fn switches_ui(&self, ui: &mut Ui, requests: &mut Vec<Request>) {
-        let Self { session: _, visible, palette } = self;
+        let Self { session, visible, palette } = self;
+        if session.scenario().filters.iter().any(|filter| filter.smoother) {
+            let shown = (Mark::Dashes, palette.weak, visible.hindsight);
+            entry_ui(ui, LegendEntry::Hindsight, "hindsight", shown, requests);
+        }
         entry_ui(ui, LegendEntry::Bands, "±2σ", (Mark::Band, palette.weak, visible.bands), requests);
         entry_ui(ui, LegendEntry::Verdicts, "verdicts", (Mark::Chip, palette.weak, visible.verdicts), requests);
     }
@@ -229,6 +234,12 @@ pub(crate) fn paint_mark(painter: &Painter, sample: Rect, mark: Mark, color: Col
     match mark {
         Mark::Line => {
             painter.hline(sample.x_range(), sample.center().y, Stroke::new(2.0, color));
+        }
+        Mark::Dashes => {
+            for part in [[0.0, 0.4], [0.6, 1.0]] {
+                let [from, to] = part.map(|x| sample.lerp_inside(egui::vec2(x, 0.5)).x);
+                painter.hline(from..=to, sample.center().y, Stroke::new(1.4, color));
+            }
         }
         Mark::Dots => {
             for (x, y) in [(0.2, 0.7), (0.5, 0.25), (0.8, 0.6)] {

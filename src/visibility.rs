@@ -18,6 +18,8 @@ pub struct Visibility {
     pub bands: bool,
     /// The verdicts, and the marks of bad parts.
     pub verdicts: bool,
+    /// The smoothed estimates.
+    pub hindsight: bool,
     /// The channels with a chart; `None` for all.
     pub only: Vec<Channel>,
     /// The ids of the filters that are hidden.
@@ -31,6 +33,7 @@ impl Default for Visibility {
             measured: true,
             bands: true,
             verdicts: true,
+            hindsight: true,
             only: Vec::new(),
             hidden_filters: BTreeSet::new(),
         }
@@ -68,12 +71,13 @@ impl Visibility {
 
     /// The entries of the legend that are hidden.
     pub(crate) fn hidden(&self) -> Vec<LegendEntry> {
-        let Self { truth, measured, bands, verdicts, only: _, hidden_filters } = self;
+        let Self { truth, measured, bands, verdicts, hindsight, only: _, hidden_filters } = self;
         let parts = [
             (LegendEntry::Truth, *truth),
             (LegendEntry::Measured, *measured),
             (LegendEntry::Bands, *bands),
             (LegendEntry::Verdicts, *verdicts),
+            (LegendEntry::Hindsight, *hindsight),
         ];
         let parts = parts.into_iter().filter(|(_, shown)| !shown).map(|(entry, _)| entry);
         parts.chain(hidden_filters.iter().map(|id| LegendEntry::Filter(*id))).collect()
@@ -91,6 +95,7 @@ impl Visibility {
             LegendEntry::Measured => self.measured = !self.measured,
             LegendEntry::Bands => self.bands = !self.bands,
             LegendEntry::Verdicts => self.verdicts = !self.verdicts,
+            LegendEntry::Hindsight => self.hindsight = !self.hindsight,
             LegendEntry::Filter(id) => {
                 if !self.hidden_filters.remove(&id) {
                     self.hidden_filters.insert(id);

@@ -1,5 +1,4 @@
 //! Smoothers with a fixed look-ahead.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 #[path = "common/run.rs"]
 mod run;

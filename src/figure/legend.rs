@@ -28,6 +28,9 @@ pub(super) fn legend_ui(ui: &mut Ui, context: &ViewContext<'_>) {
             let end = if visible.bands { " ±2σ" } else { "" };
             entry_ui(ui, &format!("{}{end}", estimates.name()), mark, palette.shade(estimates.color()));
         }
+        if visible.hindsight && !session.smoothed().is_empty() {
+            entry_ui(ui, "hindsight", Mark::Dashes, palette.weak);
+        }
         if let Some(words) = session.before().map(Before::words) {
             entry_ui(ui, &format!("before: {words}"), Mark::Line, palette.weak);
         }

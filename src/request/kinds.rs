@@ -14,6 +14,8 @@ pub enum LegendEntry {
     Bands,
     /// The verdicts on the filters, and the marks of bad parts.
     Verdicts,
+    /// The smoothed estimates.
+    Hindsight,
     /// The filter with an id.
     Filter(u32),
 }

@@ -120,7 +120,7 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Cha
             line_width(place, ESTIMATE),
         ));
     }
-    for estimates in session.smoothed().iter().filter(|of| visible.filter(of.id())) {
+    for estimates in session.smoothed().iter().filter(|of| visible.hindsight && visible.filter(of.id())) {
         let Some(at) = estimates.place(channel) else { continue };
         layers.push(Layer::dashed(Series::of(estimates.canonical_means(at)), palette.shade(estimates.color()), 1.4));
     }

@@ -243,6 +243,26 @@ fn smoothed_estimates_are_shown_of_the_whole_record() {
 }
 
 #[test]
+fn hindsight_with_a_look_ahead_goes_along() {
+    let mut screen = workbench();
+    screen.get_all_by_label("Options").next().expect("each filter has options").click();
+    screen.run_steps(12);
+    assert!(screen.query_by_label("EKF look-ahead of hindsight").is_none(), "there is no hindsight");
+    screen.get_by_label("EKF: hindsight").click();
+    screen.run_steps(3);
+    set(&mut screen, "EKF look-ahead of hindsight", 0.5);
+    assert_eq!(scenario(&screen).filters[0].look_ahead, 0.5);
+    screen.state_mut().session_mut().toggle_play();
+    screen.run_steps(60);
+    screen.state_mut().session_mut().toggle_play();
+    screen.run_steps(3);
+    let session = screen.state().session();
+    let [smoothed] = session.smoothed() else { panic!("one filter has hindsight") };
+    assert!(session.run().done() > 60);
+    assert_eq!(smoothed.len(), session.run().done() - 50);
+}
+
+#[test]
 fn a_plot_can_be_seen_alone() {
     let mut screen = screen(DESKTOP, Theme::Light);
     let plots = |screen: &Screen| {
