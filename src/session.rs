@@ -19,7 +19,9 @@ mod trying;
 use std::rc::Rc;
 use std::sync::Arc;
 
-use kalmanscope_core::{Diagnostics, Estimates, Hindsight, Job, Quantity, Run, RunError, Scenario, Source, Study};
+use kalmanscope_core::{
+    Diagnostics, Estimates, Evidence, Hindsight, Job, Quantity, Run, RunError, Scenario, Source, Study,
+};
 use serde::{Deserialize, Serialize};
 
 use crate::team::{Frames, Team};
@@ -200,6 +202,11 @@ impl Session {
     /// The diagnostics of the estimates that are kept, one a filter, if they are wanted.
     pub fn diagnostics(&self) -> &[Diagnostics] {
         self.study.analysis().diagnostics()
+    }
+
+    /// The evidence of each filter over time, if it is wanted.
+    pub fn evidence(&self) -> &[Evidence] {
+        self.study.analysis().evidence()
     }
 
     /// The Cramér-Rao bounds, if they are wanted: filters that know as much at first share one.

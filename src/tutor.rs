@@ -224,6 +224,7 @@ fn kind(view: ViewName) -> ViewKind {
         ViewName::Errors => ViewKind::Errors,
         ViewName::Innovations => ViewKind::Innovations,
         ViewName::NisNees => ViewKind::Consistency,
+        ViewName::ModelClasses => ViewKind::Classes,
         ViewName::Autocorrelation => ViewKind::Autocorrelation,
         ViewName::Gain => ViewKind::Gain,
         ViewName::Phase => ViewKind::Phase,

@@ -14,6 +14,7 @@ mod left_out;
 mod map;
 mod matrices;
 mod measured;
+mod model_classes;
 mod monte_carlo;
 mod oscillator;
 mod parameter_plane;
@@ -36,6 +37,7 @@ pub fn view(kind: ViewKind) -> &'static dyn View {
         ViewKind::Errors => &errors::Errors,
         ViewKind::Measured => &measured::Measured,
         ViewKind::Innovations => &innovations::Innovations,
+        ViewKind::Classes => &model_classes::Classes,
         ViewKind::Consistency => &consistency::Consistency,
         ViewKind::Autocorrelation => &autocorrelation::Autocorrelation,
         ViewKind::Gain => &gain::Gain,

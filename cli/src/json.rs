@@ -16,7 +16,8 @@ impl Results<'_> {
     /// filters: [{ name, kind, smoothed, samples, verdict: { kind, sentence }, evidence: [sentence], causes: [{ sentence, remedies }],
     ///             explained: whether the first cause leaves a good verdict,
     ///             estimates: [{ channel, unit, mean, std, error, rmse, share_inside, settled }],
-    ///             mean_nis, mean_nees, log_likelihood, stopped: { sample, time, reason } }]
+    ///             mean_nis, mean_nees, log_likelihood,
+    ///             probability: of the filter as a model class, stopped: { sample, time, reason } }]
     /// free_runs: [{ record, filter, sensor, rms, percent, one_step_rms, one_step_percent }]
     /// ```
     ///
@@ -24,11 +25,12 @@ impl Results<'_> {
     /// [`DocumentError`] where a number cannot be written, which no run causes.
     pub fn json(&self) -> Result<String, DocumentError> {
         let record = self.record;
-        let filters = self.filters.iter().map(|one| {
+        let probabilities = self.probabilities();
+        let filters = self.filters.iter().enumerate().map(|(place, one)| {
             let evidence = one.diagnosis.as_ref().map_or_else(Vec::new, evidence);
-            filter(&one.summary, false, evidence, &one.causes, self)
+            filter(&one.summary, probabilities.get(place).copied(), Some(evidence), &one.causes, self)
         });
-        let smoothers = self.smoothers.iter().map(|summary| filter(summary, true, Vec::new(), &[], self));
+        let smoothers = self.smoothers.iter().map(|summary| filter(summary, None, None, &[], self));
         let free_runs = self.free_runs.iter().flat_map(|runs| runs.fits.iter().map(|fit| free_run(&runs.name, fit)));
         Document::json_lines(&Document::of_entries([
             ("samples", count(record.len())),
@@ -41,11 +43,11 @@ impl Results<'_> {
     }
 }
 
-/// One filter, or one smoother.
+/// One filter, or one smoother, which has no evidence.
 fn filter(
     summary: &Summary,
-    is_smoothed: bool,
-    evidence: Vec<String>,
+    probability: Option<f64>,
+    evidence: Option<Vec<String>>,
     causes: &[Remedy],
     results: &Results<'_>,
 ) -> Document {
@@ -67,16 +69,17 @@ fn filter(
     Document::of_entries([
         ("name", text(&summary.name)),
         ("kind", text(summary.kind.name())),
-        ("smoothed", Document::Flag(is_smoothed)),
+        ("smoothed", Document::Flag(evidence.is_none())),
         ("samples", count(summary.samples)),
         ("verdict", verdict.unwrap_or(Document::Null)),
-        ("evidence", texts(evidence)),
+        ("evidence", texts(evidence.unwrap_or_default())),
         ("causes", Document::List(causes.collect())),
         ("explained", explained),
         ("estimates", Document::List(summary.finals.iter().map(estimate).collect())),
         ("mean_nis", number(summary.nis.as_ref().map(|nis| nis.mean))),
         ("mean_nees", number(summary.nees.as_ref().map(|nees| nees.mean))),
         ("log_likelihood", number(summary.nis.as_ref().map(|_| summary.log_likelihood))),
+        ("probability", number(probability)),
         ("stopped", stopped.unwrap_or(Document::Null)),
     ])
 }

@@ -3,8 +3,8 @@
 use kalmanscope_core::diagnosis::Remedy;
 use kalmanscope_core::import::Length;
 use kalmanscope_core::{
-    Analysis, Channel, CramerRao, Diagnosis, Estimates, Record, Remark, Run, RunError, Scenario, Summary, TruthStop,
-    VerdictKind,
+    Analysis, Channel, CramerRao, Diagnosis, Estimates, ModelClasses, Record, Remark, Run, RunError, Scenario, Summary,
+    TruthStop, VerdictKind,
 };
 
 use crate::free_run::{FreeRuns, fits};
@@ -96,6 +96,18 @@ impl<'a> Results<'a> {
         let samples: Vec<usize> = self.filters.iter().map(|filter| filter.summary.samples).collect();
         let times = step_times_of(scenario, self.record, &samples)?;
         Ok(self.with_step_times(&times))
+    }
+
+    /// The probability of each filter as a model class; none of a single one.
+    pub(crate) fn probabilities(&self) -> Vec<f64> {
+        if self.filters.len() < 2 {
+            return Vec::new();
+        }
+        let of = |Summary { stop, log_likelihood, .. }: &Summary| match stop {
+            Some(_) => f64::NEG_INFINITY,
+            None => *log_likelihood,
+        };
+        ModelClasses::new(self.filters.iter().map(|filter| of(&filter.summary))).probabilities().to_vec()
     }
 
     /// The name of each filter, and the kind of its verdict if there is one.

@@ -52,6 +52,7 @@ fn write_table(text: &mut String, results: &Results<'_>) -> fmt::Result {
     let mapping = scenario.record.as_ref();
     let rows: Vec<Vec<[String; COLUMNS]>> =
         all.iter().map(|(s, _)| s.finals.iter().flat_map(|last| rows(last, mapping)).collect()).collect();
+    let mut probabilities = results.probabilities().into_iter();
     let widths: [usize; COLUMNS] =
         std::array::from_fn(|i| rows.iter().flatten().map(|row| width(&row[i])).max().unwrap_or(0));
     for ((summary, filter), rows) in all.into_iter().zip(&rows) {
@@ -72,6 +73,9 @@ fn write_table(text: &mut String, results: &Results<'_>) -> fmt::Result {
             write_bound(text, &filter.over_bound)?;
         }
         write_quality(text, summary, filter.is_some())?;
+        if let Some(p) = filter.and(probabilities.next()) {
+            writeln!(text, "  probability     {} % among these models", short(100.0 * p))?;
+        }
         if let Some(time) = filter.and_then(|filter| filter.step_time) {
             writeln!(text, "  time per step   {time:.0} ns")?;
         }

@@ -107,6 +107,7 @@ pub use mathematics::quantity::{Aspect, AspectInfo, Quantity, Term};
 pub use numbers::cramer_rao::CramerRao;
 pub use numbers::diagnostics::Diagnostics;
 pub use numbers::free_run::{Fit, FreeRun, Identified, Running};
+pub use numbers::model_classes::{Evidence, ModelClasses};
 pub use numbers::score::Scores;
 pub use numbers::spectrogram::{Spectrogram, Windows};
 pub use numbers::spectrum::Spectrum;

@@ -4,6 +4,7 @@ pub(crate) mod cramer_rao;
 pub mod diagnostics;
 pub mod free_run;
 pub mod frequency_response;
+pub(crate) mod model_classes;
 pub mod score;
 pub(crate) mod spectrogram;
 pub(crate) mod spectrum;

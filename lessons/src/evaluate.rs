@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use kalmanscope_core::{Channel, Diagnosis, Trouble};
+use kalmanscope_core::{Channel, Diagnosis, Evidence, ModelClasses, Trouble};
 
 use crate::check::{Check, Times};
 use crate::measure::Measure;
@@ -99,6 +99,10 @@ impl Check {
                 let values = range.map(|k| estimates.log_likelihood(k)).filter(|value| !value.is_nan());
                 let (sum, count) = values.fold((0.0, 0), |(sum, count), value| (sum + value, count + 1));
                 sum / f64::from(count)
+            }
+            Measure::Probability => {
+                let evidence = outcome.run().estimates().iter().map(|of| Evidence::new(of).at(at));
+                ModelClasses::new(evidence.map(|ln| ln.unwrap_or(f64::NEG_INFINITY))).probabilities()[filter.place]
             }
             Measure::Evaluations => evaluations_per_step(filter.settings(), outcome.scenario().plant.kind) as f64,
             Measure::Verdict | Measure::Stopped | Measure::Remark => return None,

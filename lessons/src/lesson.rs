@@ -109,6 +109,8 @@ pub enum ViewName {
     Innovations,
     /// NIS and NEES over time.
     NisNees,
+    /// Probabilities of the filters as model classes over time.
+    ModelClasses,
     /// Autocorrelation of the innovations.
     Autocorrelation,
     /// Gain over time.

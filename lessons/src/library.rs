@@ -43,6 +43,7 @@ pub const LESSONS: &[(&str, &str)] = files!["lessons":
     "31-gravity-is-a-bias",
     "32-live-lag-and-look-ahead",
     "33-sampling-that-jitters",
+    "34-straight-or-hard",
 ];
 
 /// Every lesson in the menu's order. They are not validated, which takes longer than reading: a test has done it.

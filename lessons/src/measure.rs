@@ -40,6 +40,8 @@ pub enum Measure {
     Settled,
     /// Log likelihood per sample with a measurement.
     LogLikelihood,
+    /// Probability of the filter as a model class among all filters at a time, from 0 to 1.
+    Probability,
     /// Evaluations of the plant's rate per predicted step: [`crate::evaluations_per_step`].
     Evaluations,
     /// The verdict on the whole record, as a word.

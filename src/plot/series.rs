@@ -66,6 +66,15 @@ impl<'a> Band<'a> {
         Self { len: means.len(), reduce: Box::new(move |range, columns| reduce_between(range, columns, edges)) }
     }
 
+    /// `make` makes both edges at some of the samples up to `len`; it is called once for all that are shown.
+    pub(crate) fn made(len: usize, make: impl Fn(Range<usize>) -> Vec<(f64, f64)> + 'a) -> Self {
+        let reduce = move |range: Range<usize>, columns| {
+            let (first, edges) = (range.start, make(range.clone()));
+            reduce_between(range, columns, |samples| edges[samples.start - first..samples.end - first].iter().copied())
+        };
+        Self { len, reduce: Box::new(reduce) }
+    }
+
     /// Two standard deviations on either side of zero; `variances` gives those of some of the samples up to `len`.
     pub(crate) fn around_zero<I: Iterator<Item = f64>>(len: usize, variances: impl Fn(Range<usize>) -> I + 'a) -> Self {
         // One root per column instead of one per sample.

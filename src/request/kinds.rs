@@ -37,6 +37,8 @@ pub enum ViewKind {
     Innovations,
     /// NIS and NEES.
     Consistency,
+    /// Probabilities of the filters as model classes.
+    Classes,
     /// Autocorrelation of the innovations.
     Autocorrelation,
     /// Kalman gain over time.
@@ -69,7 +71,7 @@ pub enum ViewKind {
 
 impl ViewKind {
     /// Every view, in the menu's order.
-    pub const ALL: [Self; 21] = [
+    pub const ALL: [Self; 22] = [
         Self::Oscillator,
         Self::Parameters,
         Self::States,
@@ -77,6 +79,7 @@ impl ViewKind {
         Self::Measured,
         Self::Innovations,
         Self::Consistency,
+        Self::Classes,
         Self::Autocorrelation,
         Self::Gain,
         Self::Phase,

@@ -1,11 +1,11 @@
 //! Filters side by side: verdict and scores.
 
 use egui::{Grid, Id, Label, RichText, ScrollArea, Ui};
-use kalmanscope_core::Summary;
 use kalmanscope_core::diagnostics::{Depth, MeanSquare};
 use kalmanscope_core::import::Length;
 use kalmanscope_core::internals::{sort_short_by, sort_short_by_key};
 use kalmanscope_core::{Channel, Signal, Source, Verdict};
+use kalmanscope_core::{ModelClasses, Summary};
 
 use crate::plot::medium::Medium;
 use crate::request::Request;
@@ -236,6 +236,15 @@ fn rows(summaries: &[(usize, Summary)], before: &[Option<Summary>], session: &Se
     // A difference of 2 is a likelihood ratio of 7.
     let hint = "Of all measurements; the larger, the better the filter has predicted them";
     rows.push(row("log likelihood".to_owned(), hint, f64::INFINITY, 2.0, &|s| Some(s.log_likelihood)));
+    if summaries.len() > 1 {
+        let of = |s: &Summary| if s.stop.is_some() { f64::NEG_INFINITY } else { s.log_likelihood };
+        let classes = ModelClasses::new(summaries.iter().map(|(_, summary)| of(summary)));
+        let values = classes.probabilities().iter().map(|p| Some(100.0 * p)).collect();
+        let hint = "Of the filter as a model class, if one of these is right and all were as probable at first";
+        let name = "probability of the model [%]".to_owned();
+        let before = vec![None; summaries.len()];
+        rows.push(Row { name, hint, values, before, ideal: f64::INFINITY, alike: 1.0 });
+    }
     rows
 }
 

@@ -1,15 +1,17 @@
 //! Diagnostics, smoothed estimates and Cramér-Rao bounds of a run.
 
 mod bounds;
+mod evidences;
 mod smoothing;
 mod wanted;
 
 use crate::numbers::diagnostics::Depth;
 use crate::samples::bank::Bank;
 use crate::samples::waste::Waste;
-use crate::{CramerRao, Diagnosis, Diagnostics, Estimates, Record, Run, Update};
+use crate::{CramerRao, Diagnosis, Diagnostics, Estimates, Evidence, Record, Run, Update};
 
 use bounds::bounds_of;
+use evidences::Evidences;
 use smoothing::Smoothing;
 
 pub use bounds::Bound;
@@ -40,6 +42,7 @@ pub struct Analysis {
     waits: bool,
     diagnosed: bool,
     smoothing: Smoothing,
+    evidences: Evidences,
     bounds: Vec<Bound>,
     /// Whether the bounds belong to the present scenario.
     chosen: bool,
@@ -103,6 +106,11 @@ impl Analysis {
         self.smoothing.estimates()
     }
 
+    /// The evidence of each filter; empty until it is complete.
+    pub fn evidence(&self) -> &[Evidence] {
+        self.evidences.all()
+    }
+
     /// The bounds. Filters with the same initial belief and process noise share one.
     pub fn bounds(&self) -> &[Bound] {
         if self.all_bounded { &self.bounds } else { &[] }
@@ -134,6 +142,9 @@ impl Analysis {
         }
         if self.wanted.smoothed != wanted.smoothed {
             self.smoothing.discard(&mut self.waste);
+        }
+        if self.wanted.evidence != wanted.evidence {
+            self.evidences = Evidences::default();
         }
         if self.wanted.bounds != wanted.bounds {
             self.waste.extend(self.bounds.drain(..).map(|of| of.bound));
@@ -176,9 +187,10 @@ impl Analysis {
         self.waste.extend(old.bounds.drain(..).map(|of| of.bound));
     }
 
-    /// Forgets the smoothed estimates of the samples before one, counted from the run's beginning.
+    /// Forgets smoothed estimates and evidence of the samples before one, counted from the run's beginning.
     pub(crate) fn forget_before(&mut self, sample: usize) {
         self.smoothing.forget_before(sample);
+        self.evidences.forget_before(sample);
     }
 
     /// Returns one piece of unused memory to the system. Returns whether there was one.
@@ -222,6 +234,7 @@ impl Analysis {
         }
         let smoothed = std::mem::take(&mut old.smoothing);
         self.smoothing.take_over(smoothed, &ids, changed, &mut self.waste);
+        self.evidences = Evidences::default();
         old.bounds.append(&mut self.bounds);
         self.bounds = bounds_of(run.scenario(), run.record().dt(), std::mem::take(&mut old.bounds), |_| true);
         self.chosen = true;
@@ -237,6 +250,9 @@ impl Analysis {
             return false;
         }
         if !self.smoothing.follow(subject, self.wanted.smoothed, &mut self.waste, while_time) {
+            return false;
+        }
+        if self.wanted.evidence && !self.evidences.follow(subject, while_time) {
             return false;
         }
         self.all_bounded = self.wanted.bounds && self.follow_bounds(subject, while_time);

@@ -9,6 +9,7 @@
 //! Every number is a result of the run or a setting of its scenario, and no sentence contradicts a verdict.
 
 mod belief;
+mod classes;
 mod comparison;
 mod happening;
 mod number;
@@ -63,6 +64,7 @@ impl Story {
             .collect();
         sentences.extend(outcomes.iter().take(TOLD).map(|outcome| outcome.sentence(happening.change.as_ref())));
         sentences.extend(belief::sentence(&outcomes, TOLD));
+        sentences.extend(classes::sentence(run, diagnostics));
         if is_measured && !record::has_input(run) {
             sentences.extend(swing::sentence(&outcomes));
         }

@@ -9,6 +9,8 @@ pub struct Wanted {
     pub diagnostics: Option<Depth>,
     /// Smoothed estimates of the filters that have a smoother.
     pub smoothed: Hindsight,
+    /// The evidence of each filter over time.
+    pub evidence: bool,
     /// The Cramér-Rao bounds, each of which costs as much as a filter.
     pub bounds: bool,
 }
@@ -26,10 +28,13 @@ pub enum Hindsight {
 
 impl Wanted {
     /// The estimates alone.
-    pub const NOTHING: Self = Self { diagnostics: None, smoothed: Hindsight::None, bounds: false };
+    pub const NOTHING: Self = Self { diagnostics: None, smoothed: Hindsight::None, evidence: false, bounds: false };
 
     /// The Cramér-Rao bounds.
     pub const BOUNDS: Self = Self { bounds: true, ..Self::NOTHING };
+
+    /// The evidence of each filter.
+    pub const EVIDENCE: Self = Self { evidence: true, ..Self::NOTHING };
 
     /// Diagnostics of some depth.
     pub const fn diagnostics(depth: Depth) -> Self {
@@ -42,6 +47,7 @@ impl Wanted {
         Self {
             diagnostics: self.diagnostics.max(other.diagnostics),
             smoothed: self.smoothed.max(other.smoothed),
+            evidence: self.evidence || other.evidence,
             bounds: self.bounds || other.bounds,
         }
     }
@@ -50,6 +56,6 @@ impl Wanted {
 impl Default for Wanted {
     /// All diagnostics and smoothed estimates, no bounds.
     fn default() -> Self {
-        Self { diagnostics: Some(Depth::All), smoothed: Hindsight::All, bounds: false }
+        Self { diagnostics: Some(Depth::All), smoothed: Hindsight::All, ..Self::NOTHING }
     }
 }

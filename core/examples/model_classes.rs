@@ -1,0 +1,131 @@
+//! Which model: seven plants, each filtered by all seven as model classes, and the share of seeds in which the right one is found.
+//!
+//! ```text
+//! cargo run --release -p kalmanscope-core --example model_classes -- [SEEDS [FIRST]]
+//! ```
+//!
+//! Each row is a true plant. The columns: the share of seeds in which its own class has a probability of at least 95 % at the end,
+//! the mean probability of each class then, and the median of the times from which on its own class keeps 95 %.
+
+use std::error::Error;
+
+use kalmanscope_core::{Evidence, ModelClasses, Run, Scenario};
+
+/// A plant as truth and as class: its name, its plant, the numbers of the truth, and what a filter believes at first.
+struct Class {
+    name: &'static str,
+    plant: &'static str,
+    truth: &'static str,
+    mean: &'static str,
+    std: &'static str,
+}
+
+const OSCILLATOR: [&str; 3] = [
+    "natural_frequency = 6.0\ndamping_ratio = 0.05\n",
+    "natural_frequency = 7.0, damping_ratio = 0.1",
+    "natural_frequency = 2.0, damping_ratio = 0.1",
+];
+
+const CLASSES: [Class; 7] = [
+    Class { name: "linear", plant: "kind = \"sdof\"", truth: "", mean: "", std: "" },
+    Class {
+        name: "Duffing",
+        plant: "kind = \"duffing\"",
+        truth: "cubic_stiffness = 200.0",
+        mean: ", cubic_stiffness = 0.0",
+        std: ", cubic_stiffness = 200.0",
+    },
+    Class {
+        name: "Bouc-Wen",
+        plant: "kind = \"bouc_wen\"",
+        truth: "post_yield_ratio = 0.1\nhysteresis_beta = 60.0\nhysteresis_gamma = 40.0",
+        mean: ", post_yield_ratio = 0.1, hysteresis_beta = 50.0, hysteresis_gamma = 25.0",
+        std: ", post_yield_ratio = 0.0, hysteresis_beta = 30.0, hysteresis_gamma = 30.0",
+    },
+    Class {
+        name: "dry friction",
+        plant: "equation = \"x'' + 2 ζ ωₙ x' + ωₙ² x + d tanh(x'/0.05) = f\"\nparameters = { d = { guess = 0.5, sign = \"not_negative\" } }",
+        truth: "d = 1.0",
+        mean: ", d = 0.5",
+        std: ", d = 0.5",
+    },
+    Class {
+        name: "drag",
+        plant: "equation = \"x'' + 2 ζ ωₙ x' + ωₙ² x + c x' abs(x') = f\"\nparameters = { c = { guess = 0.5, sign = \"not_negative\" } }",
+        truth: "c = 1.0",
+        mean: ", c = 0.5",
+        std: ", c = 0.5",
+    },
+    Class {
+        name: "pendulum", plant: "equation = \"x'' + 2 ζ ωₙ x' + ωₙ² sin(x) = f\"", truth: "", mean: "", std: ""
+    },
+    Class {
+        name: "two masses",
+        plant: "equation = \"x1'' = f - k x1 - c x1' + q (x2 - x1) + c (x2' - x1'); x2'' = - q (x2 - x1) - c (x2' - x1')\"\nparameters = { k = { guess = 40.0 }, q = { guess = 80.0 }, c = { guess = 0.5 } }",
+        truth: "k = 36.0\nq = 60.0\nc = 0.4",
+        mean: "k = 40.0, q = 80.0, c = 0.5",
+        std: "k = 10.0, q = 30.0, c = 0.3",
+    },
+];
+
+impl Class {
+    fn is_oscillator(&self) -> bool {
+        !self.mean.starts_with('k')
+    }
+
+    fn filter(&self) -> String {
+        let [mean, std] = if self.is_oscillator() { [OSCILLATOR[1], OSCILLATOR[2]] } else { ["", ""] };
+        let x = if self.is_oscillator() { "displacement = 0.0, velocity = 0.0, " } else { "" };
+        let lines = self.plant.replace('\n', ", ");
+        let plant = if lines.starts_with("kind") { lines.replace("kind = ", "") } else { format!("{{ {lines} }}") };
+        format!(
+            "\n[[filters]]\nname = \"{}\"\nkind = \"ukf\"\nplant = {plant}\ninitial_mean = {{ {x}{mean}{} }}\ninitial_std = {{ {std}{} }}\n",
+            self.name, self.mean, self.std
+        )
+    }
+
+    /// The truth of this class, and a filter of every class.
+    fn scenario(&self, seed: u64) -> String {
+        let truth = if self.is_oscillator() { OSCILLATOR[0] } else { "" };
+        let filters: String = CLASSES.iter().map(Self::filter).collect();
+        format!(
+            "seed = {seed}\ndt = 0.01\nduration = 60.0\n[plant]\n{}\n{truth}{}\n[force]\nwhite_noise = {{ std = 20.0 }}\n\
+             [[sensors]]\nmeasures = \"displacement\"\nnoise_std = 0.01\n[[sensors]]\nmeasures = \"velocity\"\nnoise_std = 0.06\n{filters}",
+            self.plant, self.truth
+        )
+    }
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut arguments = std::env::args().skip(1).map(|text| text.parse::<u64>());
+    let (seeds, first) = (arguments.next().transpose()?.unwrap_or(200), arguments.next().transpose()?.unwrap_or(1));
+    println!(
+        "{:14}{:>9}{:>9}   mean probabilities of {}",
+        "truth",
+        "found %",
+        "median s",
+        CLASSES.map(|class| class.name).join(", ")
+    );
+    for (place, class) in CLASSES.iter().enumerate() {
+        let (mut found, mut mean, mut since) = (0, [0.0; CLASSES.len()], Vec::new());
+        for seed in first..first + seeds {
+            let scenario = Scenario::from_toml(&class.scenario(seed))?;
+            let mut run = Run::new(&scenario)?;
+            run.finish();
+            let evidence: Vec<Evidence> = run.estimates().iter().map(Evidence::new).collect();
+            let at = |k: usize| ModelClasses::new(evidence.iter().map(|of| of.at(k).unwrap_or(f64::NAN)));
+            let last = at(run.len() - 1);
+            mean.iter_mut().zip(last.probabilities()).for_each(|(sum, p)| *sum += p / seeds as f64);
+            let doubtful = (0..run.len()).rev().find(|k| at(*k).probabilities()[place] < 0.95);
+            if last.probabilities()[place] >= 0.95 {
+                found += 1;
+                since.push(doubtful.map_or(0.0, |k| run.record().time(k)));
+            }
+        }
+        since.sort_by(f64::total_cmp);
+        let median = since.get(since.len() / 2).copied().unwrap_or(f64::INFINITY);
+        let mean = mean.map(|p| format!("{p:.3}")).join(" ");
+        println!("{:14}{:>9.1}{median:>9.1}   {mean}", class.name, 100.0 * f64::from(found) / seeds as f64);
+    }
+    Ok(())
+}

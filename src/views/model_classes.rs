@@ -1,0 +1,225 @@
+//! Which model: the probabilities of the filters as model classes over time, and their average.
+
+use std::ops::Range;
+use std::rc::Rc;
+
+use egui::Ui;
+use kalmanscope_core::{Channel, Estimates, Evidence, ModelClasses};
+
+use crate::plot::chart::Chart;
+use crate::plot::charts::charts_ui;
+use crate::plot::layers::Layer;
+use crate::plot::series::{Band, Series};
+use crate::request::Request;
+use crate::session::Wanted;
+use crate::sheet::{Column, Sheet, readouts};
+use crate::text::{decimals, fixed};
+use crate::view::{View, ViewContext};
+
+/// Limits the samples at which classes are weighed for one picture; the nearest before holds between them.
+const WEIGHED: usize = 2_000;
+
+/// Probabilities of the filters that are shown, as model classes.
+pub(super) struct Classes;
+
+impl View for Classes {
+    fn name(&self) -> &'static str {
+        "Which model"
+    }
+
+    fn help(&self) -> [&'static str; 3] {
+        [
+            "The filters that are shown as model classes: each has a share of the height, the probability that the readings so far give it. All begin alike.",
+            "A class gains where it predicts the readings better, by the likelihood of each; one that can fit more predicts more widely, and pays for it.",
+            "The plots below are averages over the classes, with what their disagreement adds to ±2σ. If no class is right, one of them is still the likeliest.",
+        ]
+    }
+
+    fn wanted(&self) -> Wanted {
+        Wanted::EVIDENCE
+    }
+
+    fn sheets<'a>(&self, context: &ViewContext<'a>) -> Vec<Sheet<'a>> {
+        let classes = Rc::new(Weighed::new(context));
+        let probabilities = Sheet {
+            title: "probabilities of the model classes".to_owned(),
+            unit: "",
+            columns: probabilities(&classes, context),
+        };
+        let average = |channel: Channel| Sheet {
+            title: title(channel),
+            unit: context.unit(channel.unit()),
+            columns: averages(&classes, channel, context),
+        };
+        std::iter::once(probabilities).chain(channels(context).into_iter().map(average)).collect()
+    }
+
+    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
+        let classes = Rc::new(Weighed::new(context));
+        if classes.all.len() < 2 {
+            ui.weak("Show at least two filters: each is a model class.");
+            return None;
+        }
+        let channels = channels(context);
+        charts_ui(ui, 1 + channels.len(), &context.plot_input(), requests, &|i, last_row| {
+            let channel = i.checked_sub(1).map(|i| channels[i]);
+            match channel {
+                None => shares(&classes, context, last_row),
+                Some(channel) => average(&classes, channel, context, last_row),
+            }
+        })
+    }
+}
+
+/// The classes that are weighed against each other.
+struct Weighed<'a> {
+    all: Vec<(&'a Estimates, &'a Evidence)>,
+    len: usize,
+}
+
+impl<'a> Weighed<'a> {
+    /// The filters that are shown; none until their evidence is known.
+    fn new(context: &ViewContext<'a>) -> Self {
+        let evidence = context.session.evidence();
+        let all: Vec<_> = context.filters().filter_map(|(place, of)| Some((of, evidence.get(place)?))).collect();
+        let len = if all.is_empty() { 0 } else { context.session.run().len() };
+        Self { all, len }
+    }
+
+    /// The classes at a sample.
+    fn at(&self, k: usize) -> ModelClasses {
+        ModelClasses::new(self.all.iter().map(|(_, evidence)| evidence.at(k).unwrap_or(f64::NEG_INFINITY)))
+    }
+
+    /// A number of the classes at each of some samples.
+    fn each<T: Copy>(&self, samples: Range<usize>, of: impl Fn(usize, &ModelClasses) -> T) -> Vec<T> {
+        let stride = samples.len().div_ceil(WEIGHED).max(1);
+        samples
+            .clone()
+            .step_by(stride)
+            .flat_map(|k| std::iter::repeat_n(of(k, &self.at(k)), stride))
+            .take(samples.len())
+            .collect()
+    }
+
+    /// The average of a channel at a sample and its standard deviation.
+    fn average(&self, channel: Channel, k: usize, classes: &ModelClasses) -> Option<(f64, f64)> {
+        let of = |class: usize| {
+            let (estimates, _) = self.all[class];
+            let at = estimates.place(channel).filter(|_| k < estimates.len())?;
+            let std = estimates.std(k, at);
+            Some((estimates.canonical_mean(k, at), std * std))
+        };
+        classes.average(of).map(|(mean, variance)| (mean, variance.sqrt()))
+    }
+}
+
+/// The parameters that at least two of the classes estimate.
+fn channels(context: &ViewContext<'_>) -> Vec<Channel> {
+    let have = |channel: Channel| context.filters().filter(|(_, of)| of.place(channel).is_some()).count();
+    let shared = |c: &Channel| c.is_parameter() && have(*c) > 1 && context.in_doubt(*c);
+    context.visible.channels(context.session.run().channels().into_iter().filter(shared).collect())
+}
+
+fn title(channel: Channel) -> String {
+    format!("average {}", channel.name())
+}
+
+fn probabilities<'a>(classes: &Rc<Weighed<'a>>, context: &ViewContext<'a>) -> Vec<Column<'a>> {
+    let column = |(class, (estimates, _)): (usize, &(&'a Estimates, &'a Evidence))| {
+        let classes = Rc::clone(classes);
+        let text = move |k: usize| (k < classes.len).then(|| in_percent(classes.at(k).probabilities()[class]));
+        Column::new(estimates.name(), context.palette.shade(estimates.color()), text)
+    };
+    classes.all.iter().enumerate().map(column).collect()
+}
+
+/// A probability, with as many digits as tell it from certainty.
+fn in_percent(p: f64) -> String {
+    match 100.0 * p {
+        x if x > 99.99 => "> 99.99 %".to_owned(),
+        x if x < 0.01 => "< 0.01 %".to_owned(),
+        x => format!("{} %", fixed(x, 2)),
+    }
+}
+
+fn averages<'a>(classes: &Rc<Weighed<'a>>, channel: Channel, context: &ViewContext<'a>) -> Vec<Column<'a>> {
+    let ViewContext { session, palette, .. } = *context;
+    let decimals = decimals(channel);
+    let truth = session
+        .run()
+        .record()
+        .truth(channel)
+        .map(|truth| Column::new("truth", palette.truth, move |k| Some(fixed(*truth.get(k)?, decimals))));
+    let classes = Rc::clone(classes);
+    let text = move |k: usize| {
+        let (mean, std) = (k < classes.len).then(|| classes.average(channel, k, &classes.at(k)))??;
+        Some(format!("{} ±{}", fixed(mean, decimals), fixed(2.0 * std, decimals)))
+    };
+    truth.into_iter().chain([Column::new("average", palette.text, text)]).collect()
+}
+
+/// The probabilities, one upon the other.
+fn shares<'a>(classes: &Rc<Weighed<'a>>, context: &ViewContext<'a>, last_row: bool) -> Chart<'a> {
+    let ViewContext { session, palette, axis, .. } = *context;
+    let mut layers = Vec::new();
+    for (class, (estimates, _)) in classes.all.iter().enumerate() {
+        let color = palette.shade(estimates.color());
+        let below = |count: usize| {
+            let classes = Rc::clone(classes);
+            move |samples| classes.each(samples, |_, all| all.probabilities()[..count].iter().sum::<f64>())
+        };
+        let (low, high) = (below(class), below(class + 1));
+        let edges = move |samples: Range<usize>| low(samples.clone()).into_iter().zip(high(samples)).collect();
+        layers.push(Layer::Band { band: Band::made(classes.len, edges), color, under: 0.0 });
+        if class > 0 {
+            layers.push(Layer::line(Series::made(classes.len, below(class)), palette.weak, 1.0));
+        }
+    }
+    Chart {
+        key: "model classes".to_owned(),
+        title: "probabilities of the model classes".to_owned(),
+        symbol: "P".to_owned(),
+        name: "of each class".to_owned(),
+        readouts: readouts(&probabilities(classes, context), axis.readout(session)),
+        layers,
+        last_row,
+        least: Some((0.0, 1.0)),
+        ..Chart::default()
+    }
+}
+
+/// The average of a parameter within ±2σ, and the truth.
+fn average<'a>(classes: &Rc<Weighed<'a>>, channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Chart<'a> {
+    let ViewContext { session, palette, visible, axis, .. } = *context;
+    let run = session.run();
+    let of = |sigmas: f64| {
+        let classes = Rc::clone(classes);
+        move |samples| {
+            classes.each(samples, |k, all| {
+                classes.average(channel, k, all).map_or(f64::NAN, |(mean, std)| mean + sigmas * std)
+            })
+        }
+    };
+    let mut layers = Vec::new();
+    if visible.bands {
+        let (low, high) = (of(-2.0), of(2.0));
+        let edges = move |samples: Range<usize>| low(samples.clone()).into_iter().zip(high(samples)).collect();
+        layers.push(Layer::Band { band: Band::made(classes.len, edges), color: palette.text, under: 2.0 });
+    }
+    if let Some(truth) = run.record().truth(channel).filter(|_| visible.truth) {
+        layers.push(Layer::line(Series::of(&truth[..run.len()]), palette.truth, 4.0));
+    }
+    layers.push(Layer::line(Series::made(classes.len, of(0.0)), palette.text, 2.0));
+    Chart {
+        key: format!("average {}", channel.key()),
+        title: title(channel),
+        symbol: channel.symbol().to_owned(),
+        name: title(channel),
+        unit: context.unit(channel.unit()),
+        readouts: readouts(&averages(classes, channel, context), axis.readout(session)),
+        layers,
+        last_row,
+        ..Chart::default()
+    }
+}
