@@ -156,7 +156,7 @@ fn averages<'a>(classes: &Rc<Weighed<'a>>, channel: Channel, context: &ViewConte
         let (mean, std) = (k < classes.len).then(|| classes.average(channel, k, &classes.at(k)))??;
         Some(format!("{} ±{}", fixed(mean, decimals), fixed(2.0 * std, decimals)))
     };
-    truth.into_iter().chain([Column::new("average", palette.text, text)]).collect()
+    truth.into_iter().chain([Column::new("average", palette.weak, text)]).collect()
 }
 
 /// The probabilities, one upon the other.
@@ -205,12 +205,12 @@ fn average<'a>(classes: &Rc<Weighed<'a>>, channel: Channel, context: &ViewContex
     if visible.bands {
         let (low, high) = (of(-2.0), of(2.0));
         let edges = move |samples: Range<usize>| low(samples.clone()).into_iter().zip(high(samples)).collect();
-        layers.push(Layer::Band { band: Band::made(classes.len, edges), color: palette.text, under: 2.0 });
+        layers.push(Layer::Band { band: Band::made(classes.len, edges), color: palette.weak, under: 2.0 });
     }
     if let Some(truth) = run.record().truth(channel).filter(|_| visible.truth) {
         layers.push(Layer::line(Series::of(&truth[..run.len()]), palette.truth, 4.0));
     }
-    layers.push(Layer::line(Series::made(classes.len, of(0.0)), palette.text, 2.0));
+    layers.push(Layer::line(Series::made(classes.len, of(0.0)), palette.weak, 2.0));
     Chart {
         key: format!("average {}", channel.key()),
         title: title(channel),

@@ -2,6 +2,7 @@
 
 use kalmanscope::text::significant;
 use kalmanscope::twin::{Part, Table, Twin};
+use kalmanscope_core::ModelClasses;
 
 use super::*;
 
@@ -58,6 +59,7 @@ fn every_view_over_time_has_tables() {
         (ViewKind::Errors, "error of the natural frequency [rad/s]"),
         (ViewKind::Innovations, "innovations of the displacement sensor [m]"),
         (ViewKind::Consistency, "NIS, normalised innovation squared, over expectation, mean of 2 s"),
+        (ViewKind::Classes, "probabilities of the model classes"),
         (ViewKind::Gain, "gain of the displacement by the displacement sensor [m]"),
     ] {
         *screen.state_mut().layout_mut() = Layout::column(&[kind]);
@@ -71,6 +73,34 @@ fn every_view_over_time_has_tables() {
             assert!(row[1..].iter().all(|text| text.chars().any(|c| c.is_ascii_digit())), "{kind:?}: {row:?}");
         }
     }
+}
+
+/// The probabilities of the filters that are shown add up to one, and one that is hidden is no class.
+#[test]
+fn filters_that_are_shown_are_model_classes() {
+    let mut screen = at_rest();
+    *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Classes]);
+    screen.run_steps(20);
+    let twin = screen.state().twin();
+    let table = &part(&twin, "Which model").tables[0];
+    let evidence = screen.state().session().evidence();
+    for (row, k) in [("0 s", 0), ("6 s", 600), ("60 s", 6000)] {
+        let classes = ModelClasses::new(evidence.iter().map(|of| of.at(k).unwrap()));
+        for (name, p) in ["EKF", "UKF"].iter().zip(classes.probabilities()) {
+            let text = cell(table, row, name);
+            match 100.0 * p {
+                p if p > 99.99 => assert_eq!(text, "> 99.99 %"),
+                p if p < 0.01 => assert_eq!(text, "< 0.01 %"),
+                p => assert_eq!(text, format!("{p:.2} %")),
+            }
+        }
+    }
+    screen.get_by_label("Plot of the probabilities of the model classes");
+    screen.get_by_label("Plot of the average natural frequency");
+    screen.get_by_label("Show UKF").click();
+    screen.run_steps(5);
+    assert!(screen.query_by_label("Plot of the probabilities of the model classes").is_none(), "one is no choice");
+    assert!(screen.query_by_label_contains("Show at least two filters").is_some());
 }
 
 #[test]
