@@ -68,7 +68,8 @@ pub(crate) fn story_ui(
             ui.spacing_mut().interact_size.y = SIZE + 3.0;
             ui.style_mut().text_styles.insert(TextStyle::Body, FontId::new(SIZE, egui::FontFamily::Proportional));
             for sentence in &story.sentences {
-                for phrase in sentence {
+                for (place, phrase) in sentence.iter().enumerate() {
+                    keep_stop_ui(ui, phrase, sentence.get(place + 1));
                     phrase_ui(ui, session, phrase, palette, requests);
                 }
                 // A space at the end of a row is not seen, at its beginning it is.
@@ -83,6 +84,22 @@ pub(crate) fn story_ui(
     };
     ui.advance_cursor_after_rect(room.with_max_y(room.top() + height));
     ui.data_mut(|data| data.insert_temp(key, height));
+}
+
+/// Begins a new line where there is room for a phrase, but not for the stop or comma after it.
+fn keep_stop_ui(ui: &mut Ui, phrase: &Phrase, next: Option<&Phrase>) {
+    let Some(Phrase::Words(next)) = next else { return };
+    let stop: String = next.chars().take_while(|c| ",.;:)".contains(*c)).collect();
+    if stop.is_empty() || matches!(phrase, Phrase::Words(_)) {
+        return;
+    }
+    let width = |text: String, family: egui::FontFamily| {
+        ui.painter().layout_no_wrap(text, FontId::new(SIZE, family), Color32::WHITE).size().x
+    };
+    let needed = width(phrase.to_string(), theme::strong()) + width(stop, egui::FontFamily::Proportional);
+    if needed > ui.available_size_before_wrap().x && needed <= ui.max_rect().width() {
+        ui.end_row();
+    }
 }
 
 fn phrase_ui(ui: &mut Ui, session: &Session, phrase: &Phrase, palette: &Palette, requests: &mut Vec<Request>) {

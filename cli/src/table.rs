@@ -74,7 +74,12 @@ fn write_table(text: &mut String, results: &Results<'_>) -> fmt::Result {
         }
         write_quality(text, summary, filter.is_some())?;
         if let Some(p) = filter.and(probabilities.next()) {
-            writeln!(text, "  probability     {} % among these models", short(100.0 * p))?;
+            let percent = match 100.0 * p {
+                x if x > 99.99 => "more than 99.99".to_owned(),
+                x if x < 0.01 => "less than 0.01".to_owned(),
+                x => short(x),
+            };
+            writeln!(text, "  probability     {percent} % among these models")?;
         }
         if let Some(time) = filter.and_then(|filter| filter.step_time) {
             writeln!(text, "  time per step   {time:.0} ns")?;

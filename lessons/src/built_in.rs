@@ -45,6 +45,7 @@ pub const BUILT_IN: &[BuiltIn] = built_in![
     "Q too large": "q-too-large",
     "R wrong by ten": "r-wrong-by-ten",
     "Outliers": "outliers",
+    "Which damping": "which-damping",
 ];
 
 /// Scenarios with an equation as their plant, in the menu's order.

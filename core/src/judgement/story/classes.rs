@@ -7,6 +7,9 @@ use crate::{Diagnostics, ModelClasses, PlantKind, Run};
 /// From this probability on a model is found.
 const FOUND: f64 = 0.95;
 
+/// From this probability on two decimals tell it from certainty.
+const CLOSE: f64 = 0.99;
+
 /// The odds of a probability that is told no more exactly.
 const CERTAIN: f64 = 1e4;
 
@@ -30,6 +33,10 @@ pub(super) fn sentence(run: &Run, diagnostics: &[Diagnostics]) -> Option<Vec<Phr
         return Some(text.say(".").done());
     }
     let text = text.say("Of these models the readings are for ").filter(estimates.id(), estimates.name());
-    let certainty = if p >= 1.0 - 1.0 / CERTAIN { "more than 99.99 %".to_owned() } else { percent(p) };
+    let certainty = match p {
+        _ if p >= 1.0 - 1.0 / CERTAIN => "more than 99.99 %".to_owned(),
+        _ if p > CLOSE => format!("{:.2} %", 100.0 * p),
+        _ => percent(p),
+    };
     Some(text.say(", with a probability of ").result(certainty).say(".").done())
 }
