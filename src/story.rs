@@ -96,8 +96,10 @@ fn keep_stop_ui(ui: &mut Ui, phrase: &Phrase, next: Option<&Phrase>) {
     let width = |text: String, family: egui::FontFamily| {
         ui.painter().layout_no_wrap(text, FontId::new(SIZE, family), Color32::WHITE).size().x
     };
-    let needed = width(phrase.to_string(), theme::strong()) + width(stop, egui::FontFamily::Proportional);
-    if needed > ui.available_size_before_wrap().x && needed <= ui.max_rect().width() {
+    let alone = width(phrase.to_string(), theme::strong());
+    let (room, needed) = (ui.available_size_before_wrap().x, alone + width(stop, egui::FontFamily::Proportional));
+    // What has no room itself goes to the next line anyway.
+    if alone <= room && needed > room && needed <= ui.max_rect().width() {
         ui.end_row();
     }
 }
