@@ -151,9 +151,11 @@ fn a_look_ahead_is_at_least_a_step() {
         scenario.filters[0].look_ahead = look_ahead;
         finished(&scenario).smoothed().pop().unwrap()
     };
+    let endless = of(1e300);
     let [least, step, long, whole] = [1e-9, 0.01, 100.0, 0.0].map(of);
     assert_eq!(difference((&least, 50), (&step, 50)), 0.0);
     assert!(difference((&long, 50), (&whole, 50)) < 1e-6 && difference((&step, 50), (&whole, 50)) > 1e-3);
+    assert_eq!(difference((&endless, 50), (&long, 50)), 0.0);
     for wrong in [-0.1, f64::NAN, f64::INFINITY] {
         scenario.filters[0].look_ahead = wrong;
         assert!(scenario.validate().is_err(), "{wrong}");

@@ -9,6 +9,9 @@ use crate::mathematics::filter::{Adaptation, FilterKind, MethodSettings, Propaga
 use crate::mathematics::model::{InputKind, Model};
 use crate::{Channel, PlantKind};
 
+/// Limits the samples that a smoother keeps which goes along with a run without an end.
+const LONGEST_LAG: usize = 10_000;
+
 /// One filter: its initial belief and the noise that it assumes of the model and the sensors.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields, expecting = "a table")]
@@ -64,7 +67,7 @@ pub struct FilterSettings {
     pub robust: Robust,
     /// Whether the whole record is smoothed once the filter has seen it. Fading counts as process noise then.
     pub smoother: bool,
-    /// The time after each sample of which its smoothed estimate knows \[s\]; 0 for all of the record.
+    /// The time after each sample of which its smoothed estimate knows \[s\], 10,000 samples at most; 0 for all of the record.
     #[serde(skip_serializing_if = "is_default")]
     pub look_ahead: f64,
     /// Fading factor λ ≥ 1 on the predicted covariance; 1 forgets nothing.
@@ -127,7 +130,7 @@ impl FilterSettings {
 
     /// The samples, at least one, after each one of which its smoothed estimate knows; `None` for all of the record.
     pub(crate) fn lag(&self, dt: f64) -> Option<usize> {
-        (self.look_ahead > 0.0).then(|| ((self.look_ahead / dt).round() as usize).max(1))
+        (self.look_ahead > 0.0).then(|| ((self.look_ahead / dt).round() as usize).clamp(1, LONGEST_LAG))
     }
 
     /// The settings that its method reads.

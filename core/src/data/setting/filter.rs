@@ -110,8 +110,8 @@ static LOOK_AHEAD: Row = row! { "look_ahead", look_ahead,
     allowed: Allowed::AtLeast(0.0),
     note: "0 waits for the whole record",
     slider: (0.0, 5.0),
-    hint: "Hindsight of so many seconds goes along with the filter, and stays that much behind it; 0 waits for the whole \
-           record",
+    hint: "Hindsight of so many seconds goes along with the filter, and stays that much behind it, 10,000 samples at \
+           most; 0 waits for the whole record",
     serves: |filter, _| filter.smoother,
 };
 
