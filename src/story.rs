@@ -98,7 +98,7 @@ fn keep_stop_ui(ui: &mut Ui, phrase: &Phrase, next: Option<&Phrase>) {
     };
     let alone = width(phrase.to_string(), theme::strong());
     let (room, needed) = (ui.available_size_before_wrap().x, alone + width(stop, egui::FontFamily::Proportional));
-    // What has no room itself goes to the next line anyway.
+    // A phrase that has no room wraps by itself.
     if alone <= room && needed > room && needed <= ui.max_rect().width() {
         ui.end_row();
     }

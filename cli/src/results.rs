@@ -103,11 +103,8 @@ impl<'a> Results<'a> {
         if self.filters.len() < 2 {
             return Vec::new();
         }
-        let of = |Summary { stop, log_likelihood, .. }: &Summary| match stop {
-            Some(_) => f64::NEG_INFINITY,
-            None => *log_likelihood,
-        };
-        ModelClasses::new(self.filters.iter().map(|filter| of(&filter.summary))).probabilities().to_vec()
+        let evidence = self.filters.iter().map(|filter| filter.summary.log_evidence());
+        ModelClasses::new(evidence).probabilities().to_vec()
     }
 
     /// The name of each filter, and the kind of its verdict if there is one.

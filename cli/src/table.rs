@@ -3,7 +3,7 @@
 use std::fmt::{self, Write as _};
 
 use kalmanscope_core::diagnosis::Remedy;
-use kalmanscope_core::{Analysis, Channel, Diagnosis, FilterKind, Run, Scenario, Summary};
+use kalmanscope_core::{Analysis, Channel, Diagnosis, FilterKind, ModelClasses, Run, Scenario, Summary};
 
 use crate::in_words::{evidence, likeliest, unexplained};
 use crate::number::{plain, short};
@@ -74,12 +74,7 @@ fn write_table(text: &mut String, results: &Results<'_>) -> fmt::Result {
         }
         write_quality(text, summary, filter.is_some())?;
         if let Some(p) = filter.and(probabilities.next()) {
-            let percent = match 100.0 * p {
-                x if x > 99.99 => "more than 99.99".to_owned(),
-                x if x < 0.01 => "less than 0.01".to_owned(),
-                x => short(x),
-            };
-            writeln!(text, "  probability     {percent} % among these models")?;
+            writeln!(text, "  probability     {} among these models", ModelClasses::in_percent(p))?;
         }
         if let Some(time) = filter.and_then(|filter| filter.step_time) {
             writeln!(text, "  time per step   {time:.0} ns")?;

@@ -129,6 +129,23 @@ fn it_grows_with_a_live_record_and_has_all_of_it_at_the_end() {
     }
 }
 
+/// At the end of a run it is complete, and nothing is computed again.
+#[test]
+fn it_stays_at_the_end_of_a_run() {
+    let mut scenario = Scenario { duration: 5.0, ..Scenario::default() };
+    (scenario.filters[0].smoother, scenario.filters[0].look_ahead) = (true, 0.5);
+    let mut study = Study::new(&scenario, Source::Simulated, 1000).unwrap();
+    study.want(Wanted { smoothed: Hindsight::Lagged, ..Wanted::NOTHING });
+    let there = |study: &mut Study| {
+        study.advance_to(usize::MAX, &mut || true);
+        let [one] = study.analysis().smoothed() else { panic!("one filter has a smoother") };
+        (one.len(), one.nis().as_ptr())
+    };
+    let first = there(&mut study);
+    assert_eq!(first.0, 501);
+    assert_eq!(first, there(&mut study));
+}
+
 /// A filter that stops has smoothed estimates of the samples before, and says why there are no more.
 #[test]
 fn it_ends_where_its_filter_stops() {

@@ -1,5 +1,6 @@
 //! Which model: the probabilities of the filters as model classes over time, and their average.
 
+use std::cell::RefCell;
 use std::ops::Range;
 use std::rc::Rc;
 
@@ -75,6 +76,8 @@ impl View for Classes {
 struct Weighed<'a> {
     all: Vec<(&'a Estimates, &'a Evidence)>,
     len: usize,
+    /// The classes at some samples of a range, which all layers of a picture share.
+    last: RefCell<(Range<usize>, Rc<[ModelClasses]>)>,
 }
 
 impl<'a> Weighed<'a> {
@@ -83,7 +86,7 @@ impl<'a> Weighed<'a> {
         let evidence = context.session.evidence();
         let all: Vec<_> = context.filters().filter_map(|(place, of)| Some((of, evidence.get(place)?))).collect();
         let len = if all.is_empty() { 0 } else { context.session.run().len() };
-        Self { all, len }
+        Self { all, len, last: RefCell::new((0..0, Rc::new([]))) }
     }
 
     /// The classes at a sample.
@@ -92,14 +95,15 @@ impl<'a> Weighed<'a> {
     }
 
     /// A number of the classes at each of some samples.
-    fn each<T: Copy>(&self, samples: Range<usize>, of: impl Fn(usize, &ModelClasses) -> T) -> Vec<T> {
+    fn each(&self, samples: Range<usize>, of: impl Fn(usize, &ModelClasses) -> f64) -> Vec<f64> {
         let stride = samples.len().div_ceil(WEIGHED).max(1);
-        samples
-            .clone()
-            .step_by(stride)
-            .flat_map(|k| std::iter::repeat_n(of(k, &self.at(k)), stride))
-            .take(samples.len())
-            .collect()
+        if self.last.borrow().0 != samples {
+            let weighed = samples.clone().step_by(stride).map(|k| self.at(k)).collect();
+            self.last.replace((samples.clone(), weighed));
+        }
+        let weighed = Rc::clone(&self.last.borrow().1);
+        let held = |(k, classes): (usize, &ModelClasses)| std::iter::repeat_n(of(k, classes), stride);
+        samples.clone().step_by(stride).zip(weighed.iter()).flat_map(held).take(samples.len()).collect()
     }
 
     /// The average of a channel at a sample and its standard deviation.
@@ -128,19 +132,11 @@ fn title(channel: Channel) -> String {
 fn probabilities<'a>(classes: &Rc<Weighed<'a>>, context: &ViewContext<'a>) -> Vec<Column<'a>> {
     let column = |(class, (estimates, _)): (usize, &(&'a Estimates, &'a Evidence))| {
         let classes = Rc::clone(classes);
-        let text = move |k: usize| (k < classes.len).then(|| in_percent(classes.at(k).probabilities()[class]));
+        let text =
+            move |k: usize| (k < classes.len).then(|| ModelClasses::in_percent(classes.at(k).probabilities()[class]));
         Column::new(estimates.name(), context.palette.shade(estimates.color()), text)
     };
     classes.all.iter().enumerate().map(column).collect()
-}
-
-/// A probability, with as many digits as tell it from certainty.
-fn in_percent(p: f64) -> String {
-    match 100.0 * p {
-        x if x > 99.99 => "> 99.99 %".to_owned(),
-        x if x < 0.01 => "< 0.01 %".to_owned(),
-        x => format!("{} %", fixed(x, 2)),
-    }
 }
 
 fn averages<'a>(classes: &Rc<Weighed<'a>>, channel: Channel, context: &ViewContext<'a>) -> Vec<Column<'a>> {

@@ -237,13 +237,18 @@ fn rows(summaries: &[(usize, Summary)], before: &[Option<Summary>], session: &Se
     let hint = "Of all measurements; the larger, the better the filter has predicted them";
     rows.push(row("log likelihood".to_owned(), hint, f64::INFINITY, 2.0, &|s| Some(s.log_likelihood)));
     if summaries.len() > 1 {
-        let of = |s: &Summary| if s.stop.is_some() { f64::NEG_INFINITY } else { s.log_likelihood };
-        let classes = ModelClasses::new(summaries.iter().map(|(_, summary)| of(summary)));
+        let classes = ModelClasses::new(summaries.iter().map(|(_, summary)| summary.log_evidence()));
         let values = classes.probabilities().iter().map(|p| Some(100.0 * p)).collect();
         let hint = "Of the filter as a model class, if one of these is right and all were as probable at first";
         let name = "probability of the model [%]".to_owned();
-        let before = vec![None; summaries.len()];
-        rows.push(Row { name, hint, values, before, ideal: f64::INFINITY, alike: 1.0 });
+        let before = || vec![None; summaries.len()];
+        rows.push(Row { name, hint, values, before: before(), ideal: f64::INFINITY, alike: 1.0 });
+        let of = |class: usize| Some(classes.ln_bayes_factor(class, classes.likeliest()?)).filter(|ln| ln.is_finite());
+        let values = (0..summaries.len()).map(of).collect();
+        let hint =
+            "Logarithm of the Bayes factor over the likeliest model: below -5, the readings are clearly against it";
+        let name = "ln Bayes factor".to_owned();
+        rows.push(Row { name, hint, values, before: before(), ideal: 0.0, alike: 1.0 });
     }
     rows
 }

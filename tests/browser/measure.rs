@@ -45,7 +45,7 @@ pub(crate) async fn a_decay_is_identified(page: &Page, picture: &Path) {
 async fn identified(page: &Page) -> [f64; 2] {
     let asks = "JSON.parse(wasmBindings.kalmanscope_summary()).controls.some(it => it.name === 'Open the record')";
     page.wait_until(asks, PATIENCE).await.expect("the record is read");
-    // What is read moves the button, and it takes no tap before the record is whole.
+    // The button moves while the file is read, and it ignores a tap before the file is read to its end.
     let asked = Instant::now();
     loop {
         let summary = page.summary().await;

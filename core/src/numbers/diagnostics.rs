@@ -269,6 +269,11 @@ impl Diagnostics {
     pub fn log_likelihood(&self) -> f64 {
         self.likelihood.value(self.nis.whole())
     }
+
+    /// The same as the evidence of a model class ([`ModelClasses`](crate::ModelClasses)): minus infinity where the filter stopped.
+    pub fn log_evidence(&self) -> f64 {
+        if self.stop.is_some() { f64::NEG_INFINITY } else { self.log_likelihood() }
+    }
 }
 
 impl Piecewise for Diagnostics {

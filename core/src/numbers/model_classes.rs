@@ -17,14 +17,14 @@ use crate::Estimates;
 #[derive(Clone, Debug, Default)]
 pub struct Evidence {
     forgotten: usize,
-    /// Of each sample that is kept, with all before it.
+    /// For each kept sample, the sum of the log likelihoods up to it.
     sums: Vec<f64>,
     total: f64,
     is_stopped: bool,
 }
 
 impl Evidence {
-    /// That of all estimates of a filter so far.
+    /// The evidence in all estimates of a filter so far.
     pub fn new(estimates: &Estimates) -> Self {
         let mut evidence = Self { forgotten: estimates.forgotten(), ..Self::default() };
         evidence.follow_to(estimates.len(), estimates);
@@ -89,6 +89,15 @@ impl ModelClasses {
     /// The probability of each class, from 0 to 1; all are 0 where none is possible.
     pub fn probabilities(&self) -> &[f64] {
         &self.probabilities
+    }
+
+    /// A probability in per cent, with two decimals; what these do not tell from certainty is said to be above or below.
+    pub fn in_percent(probability: f64) -> String {
+        match 100.0 * probability {
+            x if x > 99.99 => "> 99.99 %".to_owned(),
+            x if x < 0.01 => "< 0.01 %".to_owned(),
+            x => format!("{x:.2} %"),
+        }
     }
 
     /// The likeliest class, if any is possible.

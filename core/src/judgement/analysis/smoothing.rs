@@ -11,7 +11,7 @@ use crate::{Estimates, FilterSettings};
 #[derive(Default)]
 pub(super) struct Smoothing {
     estimates: Vec<Estimates>,
-    /// The smoother of each of the estimates; `None` once it has finished.
+    /// The smoother of each of the estimates; `None` once it has no more to do.
     smoothers: Vec<Option<Box<dyn Smoother>>>,
     is_complete: bool,
 }
@@ -33,10 +33,13 @@ impl Smoothing {
     ) -> bool {
         let Subject { bank, record, done, known, whole, .. } = *subject;
         self.is_complete = false;
-        if !(whole && wanted == Hindsight::All && record.forgotten() == 0) {
-            self.keep(waste, |_, smoother| smoother.is_some_and(Smoother::goes_along));
-        }
         let scenario = bank.scenario();
+        let wanted_of = |of: &Estimates| {
+            scenario.filters.iter().any(|filter| filter.id == of.id() && is_wanted(filter, subject, wanted))
+        };
+        if !self.estimates.iter().all(wanted_of) {
+            self.keep(waste, wanted_of);
+        }
         for (place, filter) in scenario.filters.iter().enumerate() {
             if is_known(known, place) || !is_wanted(filter, subject, wanted) {
                 continue;
@@ -54,7 +57,7 @@ impl Smoothing {
                     return false;
                 }
             }
-            if whole {
+            if !smoother.goes_along() {
                 waste.extend(self.smoothers[at].take());
             }
         }
@@ -80,13 +83,13 @@ impl Smoothing {
 
     /// Drops all.
     pub(super) fn discard(&mut self, waste: &mut Waste) {
-        self.keep(waste, |_, _| false);
+        self.keep(waste, |_| false);
         self.is_complete = false;
     }
 
     /// Adds the estimates of another run's filters that have these ids and are not changed, in the order of the ids.
     pub(super) fn take_over(&mut self, mut old: Self, ids: &[u32], changed: &[u32], waste: &mut Waste) {
-        old.keep(waste, |of, _| ids.contains(&of.id()) && !changed.contains(&of.id()));
+        old.keep(waste, |of| ids.contains(&of.id()) && !changed.contains(&of.id()));
         let all = self.estimates.drain(..).zip(self.smoothers.drain(..));
         let mut all: Vec<_> = all.chain(old.estimates.into_iter().zip(old.smoothers)).collect();
         sort_short_by_key(&mut all, |(of, _)| ids.iter().position(|&id| id == of.id()));
@@ -94,9 +97,9 @@ impl Smoothing {
         self.is_complete = false;
     }
 
-    fn keep(&mut self, waste: &mut Waste, is_kept: impl Fn(&Estimates, Option<&dyn Smoother>) -> bool) {
+    fn keep(&mut self, waste: &mut Waste, is_kept: impl Fn(&Estimates) -> bool) {
         for (estimates, smoother) in self.estimates.drain(..).zip(self.smoothers.drain(..)).collect::<Vec<_>>() {
-            if is_kept(&estimates, smoother.as_deref()) {
+            if is_kept(&estimates) {
                 self.estimates.push(estimates);
                 self.smoothers.push(smoother);
             } else {
@@ -122,6 +125,9 @@ impl Smoothing {
 
 /// Whether the smoothed estimates of a filter are wanted of the samples so far.
 fn is_wanted(filter: &FilterSettings, subject: &Subject<'_>, wanted: Hindsight) -> bool {
-    let least = if filter.lag(subject.record.dt()).is_some() { Hindsight::Lagged } else { Hindsight::All };
-    filter.smoother && wanted >= least && (least == Hindsight::Lagged || subject.whole)
+    let is_possible = match filter.lag(subject.record.dt()) {
+        Some(_) => wanted >= Hindsight::Lagged,
+        None => wanted == Hindsight::All && subject.whole && subject.record.forgotten() == 0,
+    };
+    filter.smoother && is_possible
 }

@@ -60,6 +60,12 @@ pub struct Score {
 }
 
 impl Summary {
+    /// The log likelihood as the evidence of a model class ([`ModelClasses`](crate::ModelClasses)): minus infinity where the
+    /// filter stopped.
+    pub fn log_evidence(&self) -> f64 {
+        if self.stop.is_some() { f64::NEG_INFINITY } else { self.log_likelihood }
+    }
+
     /// Sums up the estimates of a filter against the record that it followed.
     pub fn new(estimates: &Estimates, record: &Record) -> Self {
         let diagnostics = Diagnostics::new(estimates, record);

@@ -7,12 +7,6 @@ use crate::{Diagnostics, ModelClasses, PlantKind, Run};
 /// From this probability on a model is found.
 const FOUND: f64 = 0.95;
 
-/// From this probability on two decimals tell it from certainty.
-const CLOSE: f64 = 0.99;
-
-/// The odds of a probability that is told no more exactly.
-const CERTAIN: f64 = 1e4;
-
 /// The likeliest model, if the filters assume plants of several kinds; nothing before there are readings.
 pub(super) fn sentence(run: &Run, diagnostics: &[Diagnostics]) -> Option<Vec<Phrase>> {
     let truth = run.scenario().plant.kind;
@@ -21,8 +15,7 @@ pub(super) fn sentence(run: &Run, diagnostics: &[Diagnostics]) -> Option<Vec<Phr
     if !differ || diagnostics.len() < plants.len() || diagnostics.iter().all(|d| d.log_likelihood() == 0.0) {
         return None;
     }
-    let of = |d: &Diagnostics| if d.stop().is_some() { f64::NEG_INFINITY } else { d.log_likelihood() };
-    let classes = ModelClasses::new(diagnostics.iter().map(of));
+    let classes = ModelClasses::new(diagnostics.iter().map(Diagnostics::log_evidence));
     let best = classes.likeliest()?;
     let estimates = &run.estimates()[best];
     let p = classes.probabilities()[best];
@@ -33,10 +26,6 @@ pub(super) fn sentence(run: &Run, diagnostics: &[Diagnostics]) -> Option<Vec<Phr
         return Some(text.say(".").done());
     }
     let text = text.say("Of these models the readings are for ").filter(estimates.id(), estimates.name());
-    let certainty = match p {
-        _ if p >= 1.0 - 1.0 / CERTAIN => "more than 99.99 %".to_owned(),
-        _ if p > CLOSE => format!("{:.2} %", 100.0 * p),
-        _ => percent(p),
-    };
+    let certainty = ModelClasses::in_percent(p).replace('>', "more than");
     Some(text.say(", with a probability of ").result(certainty).say(".").done())
 }

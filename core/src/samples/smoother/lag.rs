@@ -17,7 +17,7 @@ use crate::mathematics::linalg::{Matrix, Vector};
 use crate::samples::waste::Piecewise;
 use crate::{Estimates, Record, Stop};
 
-/// Each sample in the light of so many after it.
+/// Smooths each sample with the readings of the next `lag` samples.
 pub(crate) struct FixedLag {
     forward: Forward,
     lag: usize,
