@@ -7,8 +7,9 @@ use kalmanscope_core::{Channel, Record, Scenario};
 
 use crate::adapter::{Gpu, LARGEST_BUFFER};
 use crate::error::GpuError;
-use crate::layout::{Cell, Settings};
+use crate::layout::{Cell, Settings, State};
 use crate::outcome::{Ran, outcome};
+use crate::parallel;
 use crate::program::Job;
 use crate::shader::Program;
 use crate::tape::{LARGEST, Tape, known};
@@ -111,9 +112,14 @@ impl Gpu {
             let samples = tapes.iter().flat_map(|tape| &tape.words).copied().collect();
             let job = Job { program, settings, samples, cells };
             let states = self.programs.run(&job, &self.trouble, is_wanted).await?;
-            for (member, state) in members.iter().zip(&states) {
+            let of = |(member, state): &(&Member<'_>, &State)| {
                 let ran = Ran { setup: &member.setup, record: member.record, tape: &tapes[member.tape] };
-                outcomes[member.place] = Some(outcome(&ran, state));
+                outcome(&ran, state)
+            };
+            let done: Vec<(&Member<'_>, &State)> = members.iter().zip(&states).collect();
+            let of_batch = parallel::in_parts(&done, |done| done.iter().map(of).collect());
+            for (member, outcome) in members.iter().zip(of_batch) {
+                outcomes[member.place] = Some(outcome);
             }
         }
         Ok(outcomes)
@@ -136,8 +142,9 @@ impl Batch<'_> {
 /// The batches of the runs that are served.
 fn batches<'a>(runs: &[GpuRun<'a>]) -> Vec<Batch<'a>> {
     let mut batches: Vec<Batch<'a>> = Vec::new();
-    for (place, run) in runs.iter().enumerate() {
-        let Some((setup, known)) = prepare(run) else { continue };
+    let prepared = parallel::in_parts(runs, |runs| runs.iter().map(prepare).collect());
+    for ((place, run), prepared) in runs.iter().enumerate().zip(prepared) {
+        let Some((setup, known)) = prepared else { continue };
         let samples = run.record.len();
         let is_its = |batch: &&mut Batch<'_>| {
             let Kind { design, channels, known: others, samples: length } = &batch.kind;

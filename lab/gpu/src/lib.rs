@@ -34,6 +34,7 @@ mod browser;
 mod error;
 mod layout;
 mod outcome;
+mod parallel;
 mod program;
 mod rows;
 mod shader;

@@ -6,6 +6,7 @@ use kalmanscope_lab::{CellRun, Ensemble, Runner};
 use crate::adapter::Gpu;
 use crate::batch::{GpuRun, serves};
 use crate::error::GpuError;
+use crate::parallel;
 
 impl Gpu {
     /// Whether the graphics processor is of use for an ensemble: it serves all its filters, in the first cell at least, and no
@@ -31,7 +32,7 @@ impl Gpu {
         cells: &[usize],
         is_wanted: &dyn Fn() -> bool,
     ) -> Result<(Vec<usize>, Vec<f64>), GpuError> {
-        let runs = runner.runs(cells);
+        let runs = parallel::in_parts(cells, |cells| runner.runs(cells));
         let mut outcomes: Vec<Vec<Option<Outcome>>> = vec![Vec::new(); cells.len()];
         for &place in &runner.ensemble().plan().filters {
             let possible: Vec<GpuRun<'_>> =
@@ -41,15 +42,14 @@ impl Gpu {
                 outcomes.push(of_filter.next().flatten());
             }
         }
-        let (mut served, mut rows) = (Vec::new(), Vec::new());
-        for ((&cell, run), outcomes) in cells.iter().zip(&runs).zip(&outcomes) {
+        let row = |&((&cell, run), outcomes): &((&usize, &Option<CellRun>), &Vec<Option<Outcome>>)| {
             let all: Option<Vec<&Outcome>> = outcomes.iter().map(Option::as_ref).collect();
-            if let Some(outcomes) = all {
-                served.push(cell);
-                rows.extend(runner.row_of_sums(run.as_ref(), &outcomes));
-            }
-        }
-        Ok((served, rows))
+            all.map(|outcomes| (cell, runner.row_of_sums(run.as_ref(), &outcomes)))
+        };
+        let done: Vec<_> = cells.iter().zip(&runs).zip(&outcomes).collect();
+        let rows_of_cells = parallel::in_parts(&done, |done| done.iter().filter_map(row).collect());
+        let (served, rows): (Vec<usize>, Vec<Vec<f64>>) = rows_of_cells.into_iter().unzip();
+        Ok((served, rows.concat()))
     }
 }
 

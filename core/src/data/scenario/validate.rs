@@ -1,6 +1,6 @@
 //! The validation of scenarios.
 
-use std::fmt::Display;
+use std::fmt::{Arguments, Display};
 
 use super::{FilterSettings, Plant, Scenario, ScenarioError};
 use crate::data::scenario::cost::largest_ensemble;
@@ -28,7 +28,7 @@ impl Scenario {
         }
         require(i64::try_from(*seed).is_ok(), "seed", seed, "a whole number from 0 to 2⁶³ - 1")?;
         for info in OF_SCENARIO.into_iter().filter(|info| (info.serves)(self, plant.kind)) {
-            check("", info, self)?;
+            check(format_args!(""), info, self)?;
         }
         require(
             *duration >= *dt && duration / dt <= (MAX_SAMPLES - 1) as f64,
@@ -73,7 +73,7 @@ impl Scenario {
             format_args!("at most {MAX_FILTERS}"),
         )?;
         for (i, filter) in filters.iter().enumerate() {
-            filter.validate(&format!("filters[{i}]"), sensors.len(), plant.kind)?;
+            filter.validate(format_args!("filters[{i}]"), sensors.len(), plant.kind)?;
         }
         Ok(())
     }
@@ -89,21 +89,22 @@ impl Plant {
         own_key(self.kind.is_impostor(), "plant.kind", self.kind.key())?;
         let own = self.kind.parameters().filter_map(|channel| Some((channel, self.parameter(channel)?)));
         for (channel, parameter) in own.chain(self.signals()) {
-            let key = format!("plant.{}", channel.key());
-            validate_signal(&key, &parameter)?;
-            let low = || format!("{} at its lowest", parameter.minimum());
+            let minimum = parameter.minimum();
+            let key = format_args!("plant.{}", channel.key());
+            validate_signal(key, &parameter)?;
+            let low = format_args!("{minimum} at its lowest");
             require(
                 channel != Channel::WHITE_FORCE,
-                &key,
+                key,
                 "set",
                 "left out: the truth's white force is its disturbance_std",
             )?;
             match channel.role() {
                 Role::Parameter(Sign::Positive) => {
-                    require(parameter.minimum() > 0.0, key, low(), "above 0 at all times")?;
+                    require(minimum > 0.0, key, low, "above 0 at all times")?;
                 }
                 Role::Parameter(Sign::NotNegative) => {
-                    require(parameter.minimum() >= 0.0, key, low(), "at least 0 at all times")?;
+                    require(minimum >= 0.0, key, low, "at least 0 at all times")?;
                 }
                 Role::Parameter(Sign::Any) | Role::Augmentation | Role::Motion => {}
             }
@@ -113,7 +114,7 @@ impl Plant {
 }
 
 impl FilterSettings {
-    fn validate(&self, path: &str, sensors: usize, truth: PlantKind) -> Result<(), ScenarioError> {
+    fn validate(&self, path: Arguments<'_>, sensors: usize, truth: PlantKind) -> Result<(), ScenarioError> {
         let Self {
             kind,
             plant,
@@ -134,7 +135,7 @@ impl FilterSettings {
             own_key(plant.is_impostor(), format_args!("{path}.plant"), plant.key())?;
         }
         for info in OF_FILTER.into_iter().flatten() {
-            check(&format!("{path}."), info, self)?;
+            check(format_args!("{path}."), info, self)?;
         }
         require(
             *guesses == 1 || (GUESSES.serves)(self, truth),
@@ -191,7 +192,7 @@ impl FilterSettings {
             format_args!("a list of {sensors}, one for each sensor"),
         )?;
         for table in TABLES {
-            for (entry, value) in table.entries(self) {
+            if let Some((entry, value)) = table.first_refused(self) {
                 number(format_args!("{path}.{}{entry}", table.key), value, table.allowed)?;
             }
         }
@@ -200,12 +201,15 @@ impl FilterSettings {
 }
 
 /// Refuses a value that a setting may not have.
-fn check<T>(path: &str, info: &SettingInfo<T>, of: &T) -> Result<(), ScenarioError> {
+fn check<T>(path: Arguments<'_>, info: &SettingInfo<T>, of: &T) -> Result<(), ScenarioError> {
     let SettingInfo { key, unit, allowed, note, .. } = *info;
     let value = (info.get)(of);
+    if allowed.admits(value) {
+        return Ok(());
+    }
     let unit = if allowed.is_whole() && !unit.is_empty() { format!(" {unit}") } else { String::new() };
     let note = if note.is_empty() { String::new() } else { format!(" ({note})") };
-    require(allowed.admits(value), format_args!("{path}{key}"), value, format_args!("{allowed}{unit}{note}"))
+    require(false, format_args!("{path}{key}"), value, format_args!("{allowed}{unit}{note}"))
 }
 
 /// Refuses a number that is not allowed.
@@ -238,9 +242,9 @@ fn validate_force(force: &Force) -> Result<(), ScenarioError> {
     }
 }
 
-fn validate_signal(path: &str, signal: &Signal) -> Result<(), ScenarioError> {
+fn validate_signal(path: Arguments<'_>, signal: &Signal) -> Result<(), ScenarioError> {
     for (name, value) in signal.numbers() {
-        number(format!("{path}{name}"), value, Allowed::Finite)?;
+        number(format_args!("{path}{name}"), value, Allowed::Finite)?;
     }
     match signal {
         Signal::Ramp(ramp) => require(
@@ -249,7 +253,7 @@ fn validate_signal(path: &str, signal: &Signal) -> Result<(), ScenarioError> {
             ramp.end,
             format_args!("at least ramp.start = {}", ramp.start),
         ),
-        Signal::Sine(sine) => number(format!("{path}.sine.period"), sine.period, Allowed::Above(0.0)),
+        Signal::Sine(sine) => number(format_args!("{path}.sine.period"), sine.period, Allowed::Above(0.0)),
         Signal::Constant(_) | Signal::Step(_) => Ok(()),
     }
 }

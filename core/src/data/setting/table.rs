@@ -124,17 +124,23 @@ impl TableInfo {
 
     /// The numbers of a filter that have been set, in their order.
     pub fn numbers(&self, filter: &FilterSettings) -> Vec<f64> {
-        self.entries(filter).into_iter().map(|(_, number)| number).collect()
+        match self.column {
+            Column::Channels(of, _) => of(filter).iter().map(|(_, number)| number).collect(),
+            Column::Sensors => filter.sensor_std.clone(),
+        }
     }
 
-    /// The same, each with its place behind the table's key in a file.
-    pub(crate) fn entries(&self, filter: &FilterSettings) -> Vec<(String, f64)> {
+    /// The first of them that is not allowed, with its place behind the table's key in a file.
+    pub(crate) fn first_refused(&self, filter: &FilterSettings) -> Option<(String, f64)> {
+        let is_refused = |value: f64| !self.allowed.admits(value);
         match self.column {
             Column::Channels(of, _) => {
-                of(filter).iter().map(|(channel, number)| (format!(".{}", channel.key()), number)).collect()
+                let (channel, value) = of(filter).iter().find(|&(_, value)| is_refused(value))?;
+                Some((format!(".{}", channel.key()), value))
             }
             Column::Sensors => {
-                filter.sensor_std.iter().enumerate().map(|(place, std)| (format!("[{place}]"), *std)).collect()
+                let place = filter.sensor_std.iter().position(|&std| is_refused(std))?;
+                Some((format!("[{place}]"), filter.sensor_std[place]))
             }
         }
     }
