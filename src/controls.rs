@@ -84,6 +84,7 @@ pub fn controls_ui(
             sensors: _,
             filters,
             record: _,
+            draw: _,
         } = scenario;
         let filters = filters.len();
         // First what one tunes.

@@ -37,8 +37,8 @@ pub(crate) fn opened(name: &str, bytes: Result<Vec<u8>, String>) -> Request {
     };
     let opened = bytes.and_then(text).and_then(|text| Contents::from_toml(&text).map_err(|error| error.to_string()));
     match opened {
-        Ok(Contents::Lesson(lesson)) => Request::StudyLesson(Box::new(lesson)),
-        Ok(Contents::Scenario(scenario)) => Request::OpenScenario(Box::new(scenario)),
+        Ok(Contents::Lesson(lesson)) => Request::StudyLesson(lesson),
+        Ok(Contents::Scenario(scenario)) => Request::OpenScenario(scenario),
         Err(reason) => refused(name, &reason),
     }
 }

@@ -142,6 +142,7 @@ fn scenario() -> impl Strategy<Value = Scenario> {
             sensors: sensors.clone(),
             filters,
             record: None,
+            draw: std::collections::BTreeMap::new(),
         })
     })
 }

@@ -5,13 +5,15 @@ use thiserror::Error;
 use crate::order;
 use crate::plan::Plan;
 use crate::trace::Trace;
-use kalmanscope_core::setting::{Address, UnknownSetting};
+use kalmanscope_core::setting::{Address, SEED, UnknownSetting};
 use kalmanscope_core::{Axis, AxisError, Channel, Document, DocumentError, RunError, Scenario};
 
 /// Limits the cells of an ensemble.
 pub const MAX_CELLS: usize = 100_000_000;
 
 /// A grid over some settings of a scenario, with scores of some of its filters in each cell.
+///
+/// With an axis of seeds, a scenario that draws numbers ([`Scenario::draw`]) is a population: each seed is a member of it.
 ///
 /// Cells are numbered in the order of the axes, the last axis fastest. A cell's row has the measures of the first
 /// filter, then those of the next. If the plan has times, the trace of each filter follows ([`Trace`]).
@@ -20,6 +22,8 @@ pub struct Ensemble {
     scenario: Scenario,
     plan: Plan,
     settings: Vec<Address>,
+    /// The numbers that are drawn for each seed.
+    drawn: Vec<Address>,
 }
 
 /// The reason why an ensemble is impossible.
@@ -40,6 +44,9 @@ pub enum EnsembleError {
     /// The scenario or the record does not fit.
     #[error(transparent)]
     Run(#[from] RunError),
+    /// An axis varies what the population draws.
+    #[error("`{0}` is drawn for each seed, and cannot be an axis beside the seed")]
+    Drawn(String),
     /// An axis would change a record that is given.
     #[error("the record is given, so only settings of filters can be varied, and `{0}` is none")]
     Fixed(String),
@@ -73,7 +80,11 @@ impl Ensemble {
         if let Some(&place) = plan.filters.iter().find(|place| **place >= scenario.filters.len()) {
             return Err(RunError::NoFilter(place).into());
         }
-        Ok(Self { scenario, plan, settings })
+        let drawn = drawn(&scenario, &settings)?;
+        if let Some((axis, _)) = plan.axes.iter().zip(&settings).find(|(_, s)| drawn.iter().any(|d| d.overlaps(s))) {
+            return Err(EnsembleError::Drawn(axis.key.clone()));
+        }
+        Ok(Self { scenario, plan, settings, drawn })
     }
 
     /// The ensemble as JSON, for another thread of a page: `[scenario, plan]`.
@@ -113,6 +124,11 @@ impl Ensemble {
     /// The settings of the axes.
     pub fn settings(&self) -> &[Address] {
         &self.settings
+    }
+
+    /// The numbers that are drawn for each seed, in the order of [`Self::member`].
+    pub fn drawn(&self) -> &[Address] {
+        &self.drawn
     }
 
     /// The number of values on each axis.
@@ -173,13 +189,39 @@ impl Ensemble {
         axes.map(|((axis, setting), place)| setting.rounded(axis.value(place))).collect()
     }
 
+    /// The numbers that are drawn in a cell, one a number of [`Self::drawn`].
+    pub fn member(&self, cell: usize) -> Vec<f64> {
+        match self.seed(cell).filter(|_| !self.drawn.is_empty()) {
+            Some(seed) => self.scenario.drawn(seed).into_iter().map(|(_, value)| value).collect(),
+            None => Vec::new(),
+        }
+    }
+
     /// The scenario of a cell. It may be impossible.
     pub fn at(&self, cell: usize) -> Scenario {
         let mut scenario = self.scenario.clone();
+        for (setting, value) in self.drawn.iter().zip(self.member(cell)) {
+            setting.set(&mut scenario, value);
+        }
         for (setting, value) in self.settings.iter().zip(self.values(cell)) {
             setting.set(&mut scenario, value);
         }
         scenario
+    }
+
+    /// The seed of a cell, if an axis varies it.
+    fn seed(&self, cell: usize) -> Option<u64> {
+        let place = self.settings.iter().position(is_seed)?;
+        Some(self.values(cell)[place] as u64)
+    }
+
+    /// The first axis that a given record cannot follow. It follows those of filters, its input's gain, and the seeds of a population
+    /// of filters.
+    pub(crate) fn first_that_changes_record(&self) -> Option<&str> {
+        let is_of_filters = !self.drawn.is_empty() && self.drawn.iter().all(Address::is_of_filters);
+        let suits = |setting: &Address| setting.suits_given_record() || (is_seed(setting) && is_of_filters);
+        let mut settings = self.plan.axes.iter().zip(&self.settings);
+        settings.find(|(_, setting)| !suits(setting)).map(|(axis, _)| axis.key.as_str())
     }
 
     /// The cell nearest to the scenario's present values, if these lie within the axes.
@@ -205,6 +247,19 @@ impl Ensemble {
     pub fn channels(&self) -> Vec<Channel> {
         channels(&self.scenario, &self.plan.filters)
     }
+}
+
+/// The numbers that a scenario draws for each seed, if an axis varies it.
+fn drawn(scenario: &Scenario, settings: &[Address]) -> Result<Vec<Address>, UnknownSetting> {
+    if !settings.iter().any(is_seed) {
+        return Ok(Vec::new());
+    }
+    scenario.draw.keys().map(|key| Address::parse(scenario, key)).collect()
+}
+
+/// Whether a setting is the seed.
+fn is_seed(setting: &Address) -> bool {
+    setting.is_of_scenario(&SEED)
 }
 
 /// The channels that the filters at these places of a scenario have, each once.

@@ -1,4 +1,4 @@
-//! The statistics of many runs that differ in their seeds.
+//! The statistics of many runs that differ in their seeds: other noise each time, or the members of a population.
 
 use std::ops::RangeInclusive;
 
@@ -6,7 +6,7 @@ use kalmanscope_core::diagnostics::chi_squared;
 use kalmanscope_core::internals::sort_numbers;
 
 use crate::{Ensemble, EnsembleError, Measure, Plan, Slice, Trace};
-use kalmanscope_core::{Axis, Channel, Scenario, Spacing};
+use kalmanscope_core::{Axis, Channel, Scenario, Spacing, VerdictKind};
 
 /// Statistics over the seeds of an ensemble, which grow as rows come in.
 ///
@@ -17,6 +17,7 @@ pub struct MonteCarlo {
     measures: usize,
     filters: Vec<Filter>,
     done: usize,
+    impossible: usize,
 }
 
 /// The runs of one filter.
@@ -29,14 +30,41 @@ struct Filter {
     errors: Vec<Vec<Vec<f32>>>,
     /// For each time and channel the sum of the variances and the number of runs in it.
     variances: Vec<Vec<(f64, u32)>>,
-    /// For each channel the last estimates.
+    /// For each channel the last estimates, and their errors where the truth is known.
     finals: Vec<Vec<f64>>,
+    last: Vec<Vec<LastError>>,
+    /// The runs with each verdict, in the order of [`VerdictKind::ALL`].
+    verdicts: [usize; VerdictKind::ALL.len()],
     diverged: usize,
     stopped: usize,
 }
 
+/// The last error of a channel in one run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LastError {
+    /// Estimate minus truth, in the channel's unit.
+    pub error: f64,
+    /// The truth.
+    pub truth: f64,
+    /// The standard deviation that the filter states.
+    pub std: f64,
+}
+
+impl LastError {
+    /// Whether the estimate is within this share of the truth.
+    pub fn is_within(&self, share: f64) -> bool {
+        self.error.abs() <= share * self.truth.abs()
+    }
+
+    /// Whether the truth is within ±2σ.
+    pub fn is_covered(&self) -> bool {
+        self.error.abs() <= 2.0 * self.std
+    }
+}
+
 impl MonteCarlo {
-    /// The ensemble of a scenario's filters with the seeds 1 to `seeds`, and a trace of `times` times for each run.
+    /// The ensemble of a scenario's filters with the seeds 1 to `seeds`, and a trace of `times` times for each run. Verdicts take
+    /// longer than the runs.
     ///
     /// # Errors
     /// [`EnsembleError`] where the scenario is impossible or lacks a filter.
@@ -45,10 +73,12 @@ impl MonteCarlo {
         filters: Vec<usize>,
         seeds: usize,
         times: usize,
+        verdicts: bool,
     ) -> Result<Ensemble, EnsembleError> {
         let channels = crate::channels(&scenario, &filters);
-        let flags = [Measure::Diverged, Measure::Stopped];
-        let measures = flags.into_iter().chain(channels.into_iter().map(Measure::Estimate)).collect();
+        let flags = [Measure::Diverged, Measure::Stopped].into_iter().chain(verdicts.then_some(Measure::Verdict));
+        let of = |channel| [Measure::Estimate(channel), Measure::Error(channel), Measure::Std(channel)];
+        let measures = flags.chain(channels.into_iter().flat_map(of)).collect();
         let axis = Axis { key: "seed".to_owned(), from: 1.0, to: seeds as f64, count: seeds, spacing: Spacing::Linear };
         Ensemble::new(scenario, Plan { filters, measures, times, axes: vec![axis] })
     }
@@ -64,19 +94,26 @@ impl MonteCarlo {
                 errors: vec![vec![Vec::new(); channels.len()]; times],
                 variances: vec![vec![(0.0, 0); channels.len()]; times],
                 finals: vec![Vec::new(); channels.len()],
+                last: vec![Vec::new(); channels.len()],
+                verdicts: [0; VerdictKind::ALL.len()],
                 channels,
                 diverged: 0,
                 stopped: 0,
             }
         };
         let filters = (0..ensemble.plan().filters.len()).map(filter).collect();
-        Self { filters, trace, measures: ensemble.plan().measures.len(), done: 0 }
+        Self { filters, trace, measures: ensemble.plan().measures.len(), done: 0, impossible: 0 }
     }
 
     /// Takes in the rows of some seeds, each once.
     pub fn take(&mut self, ensemble: &Ensemble, slice: &Slice) {
         for row in slice.rows.chunks_exact(ensemble.width()) {
             self.done += 1;
+            // The row of an impossible member has no number.
+            if row.iter().all(|number| number.is_nan()) {
+                self.impossible += 1;
+                continue;
+            }
             for (nth, filter) in self.filters.iter_mut().enumerate() {
                 let measures = &ensemble.plan().measures;
                 let number = |measure: Measure| {
@@ -85,8 +122,18 @@ impl MonteCarlo {
                 };
                 filter.diverged += usize::from(number(Measure::Diverged) == 1.0);
                 filter.stopped += usize::from(number(Measure::Stopped) == 1.0);
-                for (channel, finals) in filter.channels.iter().zip(&mut filter.finals) {
-                    finals.push(number(Measure::Estimate(*channel)));
+                let verdict = number(Measure::Verdict);
+                if verdict.is_finite() {
+                    filter.verdicts[verdict as usize] += 1;
+                }
+                let Filter { channels, finals, last, .. } = &mut *filter;
+                for (&channel, (finals, last)) in channels.iter().zip(finals.iter_mut().zip(last)) {
+                    let estimate = number(Measure::Estimate(channel));
+                    finals.push(estimate);
+                    let (error, std) = (number(Measure::Error(channel)), number(Measure::Std(channel)));
+                    if error.is_finite() {
+                        last.push(LastError { error, truth: estimate - error, std });
+                    }
                 }
                 for time in 0..self.trace.samples().len() {
                     for (sum, square) in filter.squares[time].iter_mut().zip(self.trace.squares(row, nth, time)) {
@@ -107,6 +154,11 @@ impl MonteCarlo {
         }
     }
 
+    /// The number of members that are done and impossible, as with a damping ratio below 0. They are in no other number.
+    pub fn impossible(&self) -> usize {
+        self.impossible
+    }
+
     /// The number of seeds that are done.
     pub fn done(&self) -> usize {
         self.done
@@ -124,7 +176,8 @@ impl MonteCarlo {
 
     /// The shares of the `nth` filter's runs that lost the truth or stopped, and that stopped.
     pub fn diverged(&self, nth: usize) -> [f64; 2] {
-        [self.filters[nth].diverged, self.filters[nth].stopped].map(|count| count as f64 / self.done as f64)
+        let runs = (self.done - self.impossible) as f64;
+        [self.filters[nth].diverged, self.filters[nth].stopped].map(|count| count as f64 / runs)
     }
 
     /// The mean NEES over the runs at each time; NaN where there is none.
@@ -169,6 +222,16 @@ impl MonteCarlo {
         })
     }
 
+    /// The last errors of a channel, one for each run that knows its truth, in the order in which they came.
+    pub fn last_errors(&self, nth: usize, channel: usize) -> &[LastError] {
+        &self.filters[nth].last[channel]
+    }
+
+    /// The number of runs of the `nth` filter with each verdict, in the order of [`VerdictKind::ALL`].
+    pub fn verdicts(&self, nth: usize) -> &[usize] {
+        &self.filters[nth].verdicts
+    }
+
     /// The last estimates of a channel, one a seed in the order in which they came.
     pub fn finals(&self, nth: usize, channel: usize) -> &[f64] {
         &self.filters[nth].finals[channel]
@@ -208,7 +271,7 @@ mod tests {
     }
 
     fn statistics(scenario: Scenario, seeds: usize) -> (MonteCarlo, Ensemble) {
-        let ensemble = MonteCarlo::ensemble(scenario, vec![0], seeds, 20).unwrap();
+        let ensemble = MonteCarlo::ensemble(scenario, vec![0], seeds, 20, false).unwrap();
         let runner = Runner::new(ensemble.clone(), Source::Simulated).unwrap();
         let mut statistics = MonteCarlo::new(&ensemble);
         for cell in 0..seeds {
@@ -263,8 +326,60 @@ mod tests {
     #[test]
     fn times_are_no_more_than_the_samples() {
         let short = Scenario { duration: 0.1, ..Scenario::default() };
-        let ensemble = MonteCarlo::ensemble(short, vec![0, 1], 3, 200).unwrap();
+        let ensemble = MonteCarlo::ensemble(short, vec![0, 1], 3, 200, false).unwrap();
         assert_eq!(ensemble.trace().samples(), (1..=10).collect::<Vec<_>>());
-        assert_eq!(ensemble.width(), 2 * 6 + 2 * 10 * 10);
+        assert_eq!(ensemble.width(), 2 * (2 + 3 * 4) + 2 * 10 * 10);
+    }
+
+    /// Oscillators and guesses drawn at random, some of them impossible.
+    #[test]
+    fn a_population_is_counted() {
+        let mut scenario = Scenario { duration: 20.0, ..Scenario::default() };
+        scenario.filters.truncate(1);
+        let law = |text: &str| (text.to_owned(), kalmanscope_core::scenario::Law::Normal([0.05, 0.05]));
+        scenario.draw.extend([law("plant.damping_ratio"), law("filters.1.initial_mean.damping_ratio")]);
+        let seeds = 200;
+        let ensemble = MonteCarlo::ensemble(scenario.clone(), vec![0], seeds, 5, true).unwrap();
+        let runner = Runner::new(ensemble.clone(), Source::Simulated).unwrap();
+        let mut statistics = MonteCarlo::new(&ensemble);
+        let cells: Vec<usize> = (0..seeds).collect();
+        let rows = runner.rows(&cells);
+        statistics.take(&ensemble, &Slice { cells, rows });
+        let is_possible = |cell: &usize| ensemble.at(*cell).validate().is_ok();
+        let possible: Vec<usize> = (0..seeds).filter(is_possible).collect();
+        assert_eq!((statistics.done(), statistics.impossible()), (seeds, seeds - possible.len()));
+        assert!((20..45).contains(&statistics.impossible()), "{}", statistics.impossible());
+        // A member is what its seed draws.
+        let places = ensemble.trace();
+        let damping = places.channels(0).iter().position(|&channel| channel == Channel::DAMPING_RATIO).unwrap();
+        let truth = |cell: usize| ensemble.at(cell).plant.parameter(Channel::DAMPING_RATIO).unwrap().at(0.0);
+        for (last, &cell) in statistics.last_errors(0, damping).iter().zip(&possible) {
+            assert!((last.truth - truth(cell)).abs() < 1e-12);
+        }
+        assert_eq!(ensemble.member(3), [ensemble.at(3).filters[0].initial_mean[Channel::DAMPING_RATIO], truth(3)]);
+        assert_eq!(statistics.verdicts(0).iter().sum::<usize>(), possible.len());
+        // A draw is of no use without seeds, and may not be an axis beside them.
+        let plan = |axis: &str| Plan { filters: vec![0], axes: vec![Axis::parse(axis).unwrap()], ..Plan::default() };
+        let other = Ensemble::new(scenario.clone(), plan("filters.1.fading=1:1.1:3")).unwrap();
+        assert_eq!((other.drawn().len(), other.at(0).plant), (0, scenario.plant.clone()));
+        let mut both = plan("seed=1:9:9");
+        both.axes.push(Axis::parse("plant.damping_ratio=0.01:0.1:3").unwrap());
+        assert!(Ensemble::new(scenario, both).unwrap_err().to_string().contains("is drawn for each seed"));
+    }
+
+    /// Guesses drawn at random over one measured record.
+    #[test]
+    fn guesses_are_drawn_over_a_given_record() {
+        let mut scenario = Scenario { duration: 10.0, ..Scenario::default() };
+        let record = std::sync::Arc::new(kalmanscope_core::simulate(&scenario));
+        let law = kalmanscope_core::scenario::Law::LogUniform([3.0, 20.0]);
+        scenario.draw.insert("filters.*.initial_mean.natural_frequency".to_owned(), law);
+        let ensemble = MonteCarlo::ensemble(scenario.clone(), vec![0, 1], 12, 0, false).unwrap();
+        let runner = Runner::new(ensemble, Source::Measured(std::sync::Arc::clone(&record))).unwrap();
+        assert!(runner.runs(&[0, 5, 11]).iter().flatten().all(|run| std::sync::Arc::ptr_eq(&run.record, &record)));
+        scenario.draw.insert("plant.damping_ratio".to_owned(), law);
+        let ensemble = MonteCarlo::ensemble(scenario, vec![0], 12, 0, false).unwrap();
+        let error = Runner::new(ensemble, Source::Measured(record)).err().unwrap().to_string();
+        assert!(error.contains("`seed` is none"), "{error}");
     }
 }

@@ -38,9 +38,8 @@ impl Runner {
     /// change a given record.
     pub fn new(ensemble: Ensemble, source: Source) -> Result<Self, EnsembleError> {
         if let Some(record) = source.record() {
-            let mut settings = ensemble.plan().axes.iter().zip(ensemble.settings());
-            if let Some((axis, _)) = settings.find(|(_, setting)| !setting.suits_given_record()) {
-                return Err(EnsembleError::Fixed(axis.key.clone()));
+            if let Some(key) = ensemble.first_that_changes_record() {
+                return Err(EnsembleError::Fixed(key.to_owned()));
             }
             for &place in &ensemble.plan().filters {
                 Pass::columns(ensemble.scenario(), place, record)?;

@@ -11,9 +11,9 @@ const OF_LESSONS: [&str; 4] = ["title", "group", "summary", "steps"];
 #[derive(Clone, Debug, PartialEq)]
 pub enum File {
     /// A lesson.
-    Lesson(Lesson),
+    Lesson(Box<Lesson>),
     /// A scenario.
-    Scenario(Scenario),
+    Scenario(Box<Scenario>),
 }
 
 impl File {
@@ -24,9 +24,9 @@ impl File {
     pub fn from_toml(text: &str) -> Result<Self, LessonError> {
         let document = Document::from_toml(text)?;
         if OF_LESSONS.iter().any(|key| document.get(key).is_some()) {
-            Lesson::from_toml(text).map(Self::Lesson)
+            Lesson::from_toml(text).map(|lesson| Self::Lesson(Box::new(lesson)))
         } else {
-            Ok(Self::Scenario(Scenario::from_toml(text)?))
+            Ok(Self::Scenario(Box::new(Scenario::from_toml(text)?)))
         }
     }
 }
@@ -40,7 +40,7 @@ mod tests {
     fn lessons_and_scenarios_are_told_apart() {
         assert!(matches!(File::from_toml(LESSONS[0].1), Ok(File::Lesson(_))));
         assert!(matches!(File::from_toml(BUILT_IN[0].toml()), Ok(File::Scenario(_))));
-        assert_eq!(File::from_toml("").unwrap(), File::Scenario(Scenario::default()));
+        assert_eq!(File::from_toml("").unwrap(), File::Scenario(Box::default()));
     }
 
     #[test]

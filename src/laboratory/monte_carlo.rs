@@ -80,7 +80,7 @@ pub struct SeedRuns {
 impl SeedRuns {
     fn new(scenario: &Scenario, filters: &[u32], seeds: usize) -> Result<Self, String> {
         let places = (0..filters.len()).collect();
-        let ensemble = MonteCarlo::ensemble(bare(scenario, filters), places, seeds, TIMES);
+        let ensemble = MonteCarlo::ensemble(bare(scenario, filters), places, seeds, TIMES, false);
         let ensemble = ensemble.map_err(|error| error.to_string())?;
         let statistics = MonteCarlo::new(&ensemble);
         Ok(Self { ensemble, filters: filters.to_vec(), statistics, known: vec![false; seeds], work: None })

@@ -38,7 +38,7 @@ fn the_statistics_are_those_of_the_seeds_run_alone() {
     let seeds = screen.state().laboratory().seeds();
     assert_eq!((seeds.progress(), seeds.state().problem()), (None, None));
     let shown = seeds.shown().expect("there are some").statistics();
-    let ensemble = MonteCarlo::ensemble(scenario(&screen).clone(), vec![0, 1], 30, shown.samples().len());
+    let ensemble = MonteCarlo::ensemble(scenario(&screen).clone(), vec![0, 1], 30, shown.samples().len(), false);
     let ensemble = ensemble.expect("it is possible");
     let runner = Runner::new(ensemble.clone(), Source::Simulated).expect("it is possible");
     let mut expected = MonteCarlo::new(&ensemble);

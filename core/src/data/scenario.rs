@@ -11,10 +11,13 @@ mod filter;
 mod identity;
 mod name;
 mod plant;
+mod population;
 mod toml;
 mod true_noise;
 mod validate;
 mod values;
+
+use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
@@ -32,6 +35,7 @@ pub use filter::FilterSettings;
 pub(crate) use identity::SMOOTHED;
 pub use name::{is_text, shown};
 pub use plant::{Motion, Plant};
+pub use population::{Law, LawInfo, is_drawable};
 pub use values::Values;
 
 use true_noise::usable_std;
@@ -67,6 +71,10 @@ pub struct Scenario {
     /// [`crate::data::import`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub record: Option<Mapping>,
+    /// The laws of numbers that are drawn for each member of a population, by their addresses: [`Self::member`]. A run alone has the
+    /// numbers of the scenario.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub draw: BTreeMap<String, Law>,
 }
 
 /// A sensor and its true noise.
@@ -103,6 +111,7 @@ impl Default for Scenario {
             sensors: vec![Sensor::new(Quantity::DISPLACEMENT, 0.01), Sensor::new(Quantity::VELOCITY, 0.06)],
             filters: default_filters(),
             record: None,
+            draw: BTreeMap::new(),
         };
         scenario.fill_in();
         scenario

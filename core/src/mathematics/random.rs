@@ -20,6 +20,8 @@ pub(crate) enum Purpose {
     Fault(crate::Quantity, usize),
     /// The members of a filter's ensemble, by the number of the filter's stream.
     Ensemble(usize),
+    /// A number of a member of a population, by the hash of its key.
+    Draw(u64),
 }
 
 /// The stream of the first ensemble; those of the others follow. Before it are the force's, the disturbance's and most sensors'.
@@ -31,6 +33,9 @@ const LATER_SENSORS: u64 = 1 << 32;
 /// The streams of each family of faults begin at a multiple of this number; each sensor has one of them.
 const FAULTS: u64 = 1 << 40;
 
+/// The streams from here on are those of drawn numbers.
+const DRAWS: u64 = 1 << 62;
+
 /// The streams from here on are those of ensembles that would reach into the sensors'.
 const FAR_ENSEMBLES: u64 = 1 << 63;
 
@@ -41,6 +46,7 @@ impl Purpose {
             Self::Disturbance => 1,
             Self::Sensor(quantity) => quantity.stream(),
             Self::Fault(quantity, place) => FAULTS * (1 + place as u64) + quantity.stream(),
+            Self::Draw(hash) => DRAWS | (hash >> 2),
             Self::Ensemble(number) => match number as u64 {
                 number if number < LATER_SENSORS - ENSEMBLES => ENSEMBLES + number,
                 number => FAR_ENSEMBLES | number,
@@ -115,7 +121,10 @@ mod tests {
     fn no_two_purposes_share_a_stream() {
         let sensors = Quantity::all().iter().map(|&quantity| Purpose::Sensor(quantity));
         let ensembles = (0..1000).map(Purpose::Ensemble);
-        let purposes = [Purpose::Force, Purpose::Disturbance].into_iter().chain(sensors).chain(ensembles);
+        let purposes = [Purpose::Force, Purpose::Disturbance, Purpose::Draw(0), Purpose::Draw(u64::MAX)]
+            .into_iter()
+            .chain(sensors)
+            .chain(ensembles);
         let streams: Vec<u64> = purposes.map(Purpose::stream).collect();
         let different: std::collections::HashSet<u64> = streams.iter().copied().collect();
         assert_eq!(different.len(), streams.len());

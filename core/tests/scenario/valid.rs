@@ -33,6 +33,7 @@ fn the_sample_has_the_expected_settings() {
         force: Force::WhiteNoise { std: 10.0 },
         sensors: vec![Sensor::new(Quantity::DISPLACEMENT, 0.01), Sensor::new(Quantity::VELOCITY, 0.06)],
         record: None,
+        draw: std::collections::BTreeMap::new(),
         filters: vec![FilterSettings {
             id: 1,
             name: "EKF with fading memory".to_owned(),

@@ -145,7 +145,8 @@ fn line(name: &str, runner: &Arc<Runner>, team: &Threads, gpu: Option<&Gpu>) {
 fn monte_carlo(team: &Threads) {
     let scenario = Scenario { duration: LONG as f64 * 0.01, ..Scenario::default() };
     for times in [0, 60] {
-        let ensemble = MonteCarlo::ensemble(scenario.clone(), vec![0], SEEDS, times).expect("Monte Carlo is possible");
+        let ensemble =
+            MonteCarlo::ensemble(scenario.clone(), vec![0], SEEDS, times, false).expect("Monte Carlo is possible");
         let runner = Arc::new(Runner::new(ensemble, Source::Simulated).expect("Monte Carlo can run"));
         let (_, all) = fill(team, &runner);
         let each = all.as_secs_f64() * 1e9 / (SEEDS * LONG) as f64;

@@ -3,6 +3,7 @@
 //! ```text
 //! filters#3.process_std.velocity      by id: stays right when the filter is renamed
 //! filters.EKF.process_std.velocity    by name
+//! filters.1.process_std.velocity      by number, where no filter has it as its name
 //! filters.*.process_std.velocity      of all filters
 //! ```
 
@@ -41,7 +42,7 @@ pub(crate) fn split_id(address: &str) -> Option<(u32, &str)> {
 }
 
 impl Scenario {
-    /// The places of the filters that an address means, and the key behind it: one filter by its id or its name, all by `*`. A
+    /// The places of the filters that an address means, and the key behind it: one filter by its id, its name or its number, all by `*`. A
     /// name may have dots in it: the longest one that fits is meant. `None` where the address is of no filter of the scenario.
     pub fn filters_at<'a>(&self, address: &'a str) -> Option<(Vec<usize>, &'a str)> {
         if let Some((id, key)) = split_id(address) {
@@ -57,8 +58,15 @@ impl Scenario {
         });
         match named.max_by_key(|(length, ..)| *length) {
             Some((_, place, key)) => Some((vec![place], key)),
-            None => Some(((0..self.filters.len()).collect(), key_behind(ALL)?)),
+            None => self.by_number(rest).or_else(|| Some(((0..self.filters.len()).collect(), key_behind(ALL)?))),
         }
+    }
+
+    /// The place of the filter with a number, counted from 1, and the key behind it: no filter has this name.
+    fn by_number<'a>(&self, rest: &'a str) -> Option<(Vec<usize>, &'a str)> {
+        let (number, key) = rest.split_once('.')?;
+        let place = number.parse::<usize>().ok()?.checked_sub(1)?;
+        (place < self.filters.len()).then(|| (vec![place], key))
     }
 
     /// The same address by the filter's id, if it is of one filter of the scenario; else the address as it is.
@@ -125,13 +133,22 @@ mod tests {
             ("filters#2.process_std.velocity", &[1], "process_std.velocity"),
             ("filters.EKF.fading", &[0], "fading"),
             ("filters.EKF.2.fading", &[1], "fading"),
+            ("filters.2.sensor_std.velocity", &[1], "sensor_std.velocity"),
             ("filters.*.eta", &[0, 1], "eta"),
         ] {
             assert_eq!(scenario.filters_at(address), Some((places.to_vec(), key)), "{address}");
         }
-        for address in
-            ["filters#3.fading", "filters#x.fading", "filters.UKF.fading", "filters#1", "seed", "filters.", ""]
-        {
+        for address in [
+            "filters#3.fading",
+            "filters.3.fading",
+            "filters.0.fading",
+            "filters#x.fading",
+            "filters.UKF.fading",
+            "filters#1",
+            "seed",
+            "filters.",
+            "",
+        ] {
             assert_eq!(scenario.filters_at(address), None, "{address}");
         }
     }

@@ -60,6 +60,7 @@ impl Scenario {
         let mut remarks = scenario.part_names();
         scenario.fill_in();
         scenario.validate()?;
+        scenario.read_draws()?;
         remarks.extend(scenario.assumed_parameters());
         Ok((scenario, remarks))
     }

@@ -22,7 +22,7 @@ impl Scenario {
     /// # Errors
     /// [`ScenarioError::Value`] for the first impossible one, with its key and what is allowed.
     pub fn validate(&self) -> Result<(), ScenarioError> {
-        let Self { seed, dt, duration, plant, force, input: _, hold: _, sensors, filters, record } = self;
+        let Self { seed, dt, duration, plant, force, input: _, hold: _, sensors, filters, record, draw } = self;
         if let Some(record) = record {
             record.validate().map_err(|error| ScenarioError::Syntax(error.to_string()))?;
         }
@@ -74,6 +74,12 @@ impl Scenario {
         )?;
         for (i, filter) in filters.iter().enumerate() {
             filter.validate(format_args!("filters[{i}]"), sensors.len(), plant.kind)?;
+        }
+        for (key, law) in draw {
+            if let Some(allowed) = law.problem() {
+                let [a, b] = law.numbers();
+                require(false, format_args!("draw.\"{key}\".{}", law.info().key), format_args!("[{a}, {b}]"), allowed)?;
+            }
         }
         Ok(())
     }

@@ -77,6 +77,11 @@ impl Address {
         }
     }
 
+    /// Whether it is this number of the scenario.
+    pub fn is_of_scenario(&self, info: &SettingInfo<Scenario>) -> bool {
+        matches!(self.0, Place::Scenario(own) if own == info)
+    }
+
     /// Whether it is this number of a filter, or of all.
     pub fn is_of(&self, info: &SettingInfo<FilterSettings>) -> bool {
         matches!(self.0, Place::Filters(_, Member::Number(own)) if own == info)
