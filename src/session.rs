@@ -126,6 +126,7 @@ impl Session {
     /// [`RunError`] where the scenario is impossible.
     pub fn with_budget(mut scenario: Scenario, budget: Budget) -> Result<Self, RunError> {
         scenario.number_filters();
+        scenario.keep_draws();
         let mut library = Library::default();
         let (source, problem) = match library.source(&scenario) {
             Ok(source) => (source, None),
@@ -308,6 +309,7 @@ impl Session {
     /// impossible scenario is kept for editing, while the run stays that of the last possible one.
     pub fn set_scenario(&mut self, mut scenario: Scenario) {
         scenario.number_filters();
+        scenario.keep_draws();
         self.scenario = scenario;
         self.edited();
         self.want_of_study();

@@ -50,6 +50,11 @@ pub(crate) enum Command {
         after_help = "Example:\n  kalmanscope-cli sweep scenario.toml --vary filters.EKF.fading=1:1.02:5 --seeds 100 --out table.csv"
     )]
     Sweep(SweepArgs),
+    /// Run the members of a population and print how often each filter identifies, is lost, covers the truth, and why
+    #[command(
+        after_help = "Example:\n  kalmanscope-cli population scenario.toml --members 100 --causes\nwith a table such as\n  [draw]\n  \"plant.natural_frequency\" = { lognormal = [6.0, 0.2] }\n  \"filters.1.initial_mean.natural_frequency\" = { normal = [8.0, 2.0] }"
+    )]
+    Population(PopulationArgs),
     /// Filter readings while they come in: a line in, the newest estimates out
     #[command(
         after_help = "Examples:\n  kalmanscope-cli run scenario.toml --quiet --record-out - | kalmanscope-cli stream scenario.toml\n  mosquitto_sub -t shaker | kalmanscope-cli stream scenario.toml --json\n  kalmanscope-cli stream scenario.toml udp://127.0.0.1:9870 --late 0.5"
@@ -144,6 +149,36 @@ pub(crate) struct SweepArgs {
     /// Number of threads, at most 256 and one a combination; 0 for one a processor
     #[arg(long, value_name = "K", default_value_t = 0)]
     pub(crate) threads: usize,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct PopulationArgs {
+    /// The scenario, a TOML file; `-` for standard input. Its table `[draw]` has laws for some of its numbers
+    pub(crate) scenario: PathBuf,
+    /// Number of members, which have the seeds 1, 2, ...
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub(crate) members: u32,
+    /// Run this filter only; may be given for several
+    #[arg(long, value_name = "NAME")]
+    pub(crate) filter: Vec<String>,
+    /// Search the causes of each bad verdict: up to seconds a member
+    #[arg(long)]
+    pub(crate) causes: bool,
+    /// Filter this record instead of simulated ones; then only numbers of filters can be drawn
+    #[arg(long, value_name = "RECORD.csv")]
+    pub(crate) record: Option<PathBuf>,
+    /// The meaning of the record's columns, as `[record]` in a scenario has it
+    #[arg(long, value_name = "MAP.toml", requires = "record")]
+    pub(crate) map: Option<PathBuf>,
+    /// Print the numbers as JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Number of threads, at most 256; 0 for one a processor
+    #[arg(long, value_name = "K", default_value_t = 0)]
+    pub(crate) threads: usize,
+    /// Show no progress
+    #[arg(long)]
+    pub(crate) quiet: bool,
 }
 
 #[derive(Debug, Args)]

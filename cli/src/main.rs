@@ -10,6 +10,7 @@ mod input;
 mod lesson;
 mod parquet_file;
 mod places;
+mod population;
 mod prepared;
 mod progress;
 mod record;
@@ -40,6 +41,7 @@ fn main() -> ExitCode {
             stream::stream(&args).map(|goes_on| if goes_on { ExitCode::SUCCESS } else { ExitCode::FAILURE })
         }
         Command::Sweep(args) => sweep::sweep(&args).map(|()| ExitCode::SUCCESS),
+        Command::Population(args) => population::population(&args).map(|()| ExitCode::SUCCESS),
         Command::Tune(args) => tune::tune(&args).map(|()| ExitCode::SUCCESS),
         Command::Completions { shell } => {
             places::write_bytes(Path::new("-"), &CommandLine::completions(shell)).map(|()| ExitCode::SUCCESS)

@@ -25,7 +25,7 @@ use part::Part;
 use table::Format;
 
 /// Limits the threads.
-const MOST_THREADS: usize = 256;
+pub(crate) const MOST_THREADS: usize = 256;
 
 /// Runs all cells of a shard and writes their table: as a file, which continues that of an interrupted call of the same
 /// sweep, or row by row on standard output.
@@ -146,7 +146,7 @@ fn hash_of(record: &Record) -> String {
 }
 
 /// The places of the filters with these names; of all if there is no name.
-fn filters(scenario: &Scenario, names: &[String]) -> Result<Vec<usize>, String> {
+pub(crate) fn filters(scenario: &Scenario, names: &[String]) -> Result<Vec<usize>, String> {
     if names.is_empty() {
         return Ok((0..scenario.filters.len()).collect());
     }

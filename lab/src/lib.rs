@@ -35,7 +35,7 @@ pub mod tune;
 pub use cell::CellTask;
 pub use ensemble::{Ensemble, EnsembleError, MAX_CELLS, channels};
 pub use measure::{Measure, UnknownMeasure};
-pub use monte_carlo::{LastError, MonteCarlo};
+pub use monte_carlo::{LastError, MonteCarlo, share_interval};
 pub use plan::Plan;
 pub use runner::{CellRun, Runner, outcomes_of};
 pub use sheet::{Sheet, Slice};

@@ -105,7 +105,9 @@ pub(crate) fn part_of(scenario: &Scenario, filters: &[u32]) -> Scenario {
     let filter = |id: &u32| scenario.filters.iter().find(|filter| filter.id == *id).cloned();
     let mut filters: Vec<_> = filters.iter().filter_map(filter).collect();
     filters.iter_mut().for_each(|filter| filter.color = None);
-    Scenario { filters, ..scenario.clone() }
+    let mut part = Scenario { filters, ..scenario.clone() };
+    part.keep_draws();
+    part
 }
 
 /// Whether two scenarios differ at most in the names of their filters: no number depends on these.

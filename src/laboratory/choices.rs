@@ -42,7 +42,7 @@ impl Laboratory {
     pub fn choices(&self) -> Choices {
         Choices {
             map: self.choice().cloned(),
-            seeds: Some(self.seeds().choice().clone()),
+            seeds: Some(*self.seeds().choice()),
             tuning: self.tuning().chosen().cloned(),
         }
     }

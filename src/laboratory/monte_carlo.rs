@@ -16,7 +16,7 @@ use std::sync::Arc;
 
 use egui::Context;
 use kalmanscope_core::{Channel, Run, Scenario, Source};
-use kalmanscope_lab::{Ensemble, MonteCarlo, Runner, Slice};
+use kalmanscope_lab::{Ensemble, Measure, MonteCarlo, Runner, Slice};
 use serde::{Deserialize, Serialize};
 
 use super::choice::{is_same_but_for_names, part_of};
@@ -36,7 +36,7 @@ const TIMES: usize = 60;
 const ENOUGH: usize = 10;
 
 /// The user's choice of runs, as plain data.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SeedChoice {
     /// The number of seeds: 1 up to this one.
@@ -44,11 +44,14 @@ pub struct SeedChoice {
     /// The parameter to show errors and estimates of. `None` for the first one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub parameter: Option<Channel>,
+    /// Whether each run gets its verdict.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub verdicts: bool,
 }
 
 impl Default for SeedChoice {
     fn default() -> Self {
-        Self { seeds: USUAL, parameter: None }
+        Self { seeds: USUAL, parameter: None, verdicts: false }
     }
 }
 
@@ -78,9 +81,10 @@ pub struct SeedRuns {
 }
 
 impl SeedRuns {
-    fn new(scenario: &Scenario, filters: &[u32], seeds: usize) -> Result<Self, String> {
+    fn new(scenario: &Scenario, filters: &[u32], choice: &SeedChoice) -> Result<Self, String> {
+        let SeedChoice { seeds, verdicts, .. } = *choice;
         let places = (0..filters.len()).collect();
-        let ensemble = MonteCarlo::ensemble(bare(scenario, filters), places, seeds, TIMES, false);
+        let ensemble = MonteCarlo::ensemble(bare(scenario, filters), places, seeds, TIMES, verdicts);
         let ensemble = ensemble.map_err(|error| error.to_string())?;
         let statistics = MonteCarlo::new(&ensemble);
         Ok(Self { ensemble, filters: filters.to_vec(), statistics, known: vec![false; seeds], work: None })
@@ -110,6 +114,11 @@ impl SeedRuns {
         self.statistics.done() >= self.seeds()
     }
 
+    /// Whether each run gets its verdict.
+    fn has_verdicts(&self) -> bool {
+        self.ensemble.plan().measures.contains(&Measure::Verdict)
+    }
+
     /// Whether these are runs of a scenario, whatever its own seed.
     fn is_of(&self, scenario: &Scenario, filters: &[u32]) -> bool {
         self.filters == filters && is_same_but_for_names(self.scenario(), &bare(scenario, filters))
@@ -117,7 +126,8 @@ impl SeedRuns {
 
     /// Takes over the statistics of the same runs with fewer seeds.
     fn continue_from(&mut self, before: &Self) {
-        if before.is_of(self.scenario(), &self.filters) && before.seeds() <= self.seeds() {
+        let is_same = before.is_of(self.scenario(), &self.filters) && before.has_verdicts() == self.has_verdicts();
+        if is_same && before.seeds() <= self.seeds() {
             self.statistics = before.statistics.clone();
             self.known[..before.seeds()].copy_from_slice(&before.known);
         }
@@ -220,9 +230,11 @@ impl Seeds {
             self.forget(problem);
             return;
         }
-        let (scenario, seeds) = (run.scenario(), self.choice.seeds);
-        if !self.runs.as_ref().is_some_and(|runs| runs.seeds() == seeds && runs.is_of(scenario, filters)) {
-            match SeedRuns::new(scenario, filters, seeds) {
+        let (scenario, SeedChoice { seeds, verdicts, .. }) = (run.scenario(), self.choice);
+        let is_it =
+            |runs: &SeedRuns| runs.seeds() == seeds && runs.has_verdicts() == verdicts && runs.is_of(scenario, filters);
+        if !self.runs.as_ref().is_some_and(is_it) {
+            match SeedRuns::new(scenario, filters, &self.choice) {
                 Ok(next) => self.begin(next),
                 Err(problem) => return self.forget(format!("There are no statistics: {problem}.")),
             }

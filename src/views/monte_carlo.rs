@@ -7,6 +7,7 @@ mod histogram;
 mod last_estimates;
 mod legend;
 mod over_time;
+mod population;
 
 use std::sync::Arc;
 
@@ -41,7 +42,7 @@ impl View for MonteCarlo {
 
     fn help(&self) -> [&'static str; 3] {
         [
-            "The scenario with many seeds: other noise each time. NEES and NIS are means over the seeds, over their expectation.",
+            "The scenario with many seeds: other noise each time, and other numbers where some are drawn. NEES and NIS are means over the seeds, over their expectation.",
             "A consistent filter has both in the grey band, which 95 % of its means are in, and 95 % of its errors, between the thin lines, in its own ±2σ.",
             "Thin lines outside the filled band: the filter is overconfident. Dashed is ±2 times the Cramér-Rao bound, which no unbiased filter passes.",
         ]

@@ -5,6 +5,7 @@ use std::rc::Rc;
 use kalmanscope::laboratory::SeedChoice;
 use kalmanscope::team::Frames;
 use kalmanscope_core::Source;
+use kalmanscope_core::scenario::Law;
 use kalmanscope_lab::{MonteCarlo, Runner, Slice};
 
 use super::*;
@@ -23,7 +24,7 @@ fn monte_carlo(size: Vec2, theme: Theme, scenario: Scenario, seeds: usize) -> Sc
     session.set_mode(Mode::Whole);
     session.pause();
     session.seek(5.0);
-    screen.state_mut().laboratory_mut().seeds_mut().choose(SeedChoice { seeds, parameter: None });
+    screen.state_mut().laboratory_mut().seeds_mut().choose(SeedChoice { seeds, ..SeedChoice::default() });
     screen.run_steps(5);
     screen
 }
@@ -91,7 +92,7 @@ fn a_link_and_a_saved_session_keep_the_seeds() {
     other.event(egui::Event::Paste(link));
     other.run_steps(4);
     assert_eq!(other.state().notice(), None);
-    assert_eq!(other.state().picture().laboratory.seeds, Some(SeedChoice { seeds: 44, parameter: None }));
+    assert_eq!(other.state().picture().laboratory.seeds, Some(SeedChoice { seeds: 44, ..SeedChoice::default() }));
     let mut memory = Memory::default();
     screen.state_mut().save(&mut memory);
     let restored = App::restored(Some(&memory)).expect("it can be run");
@@ -108,4 +109,44 @@ fn a_measured_record_has_one_noise() {
     screen.run_steps(4);
     assert!(screen.state().session().is_measured());
     assert!(screen.query_by_label_contains("This record is measured").is_some());
+}
+
+/// A truth and guesses that are drawn: other truths for each seed, in the view, the table and a link.
+#[test]
+fn a_population_is_drawn_in_the_view() {
+    let mut drawn = short();
+    drawn.draw.insert("plant.natural_frequency".to_owned(), Law::Lognormal([6.0, 0.2]));
+    let mut screen = monte_carlo(DESKTOP, Theme::Light, drawn, 30);
+    assert!(screen.query_by_label_contains("drawn: true ωₙ lognormal (6, 0.2)").is_some());
+    assert!(screen.query_by_label_contains("Histogram, last error of ωₙ").is_some());
+    assert_eq!(screen.query_all_by_label_contains("ωₙ within 1 %: ").count(), 2);
+    let statistics = screen.state().laboratory().seeds().shown().expect("there are some").statistics().clone();
+    let truths: Vec<f64> = statistics.last_errors(0, 2).iter().map(|last| last.truth).collect();
+    assert!(truths.iter().any(|truth| (truth - truths[0]).abs() > 0.5), "{truths:?}");
+    // One more number is drawn, with a law of one's own.
+    click(&mut screen, "Drawn numbers");
+    choose(&mut screen, "Draw another number", "guess of ωₙ");
+    let law = |screen: &Screen| scenario(screen).draw.get("filters.*.initial_mean.natural_frequency").copied();
+    assert_eq!(law(&screen), Some(Law::Lognormal([8.0, 0.2])));
+    choose(&mut screen, "Law of guess of ωₙ", "normal");
+    assert_eq!(law(&screen), Some(Law::Normal([8.0, 1.6])));
+    set(&mut screen, "σ of guess of ωₙ", 2.5);
+    assert_eq!(law(&screen), Some(Law::Normal([8.0, 2.5])));
+    let shown = screen.state().laboratory().seeds().shown().expect("there are some");
+    assert_eq!((shown.statistics().done(), shown.scenario().draw.len()), (30, 2));
+    click(&mut screen, "Draw true ωₙ no more");
+    assert_eq!(scenario(&screen).draw.len(), 1);
+}
+
+#[test]
+fn each_run_gets_its_verdict_if_one_wants_it() {
+    let mut screen = monte_carlo(DESKTOP, Theme::Light, short(), 12);
+    let verdicts = |screen: &Screen| -> usize {
+        screen.state().laboratory().seeds().shown().expect("there are some").statistics().verdicts(0).iter().sum()
+    };
+    assert_eq!(verdicts(&screen), 0);
+    click(&mut screen, "verdicts");
+    screen.run_steps(5);
+    assert_eq!(verdicts(&screen), 12);
+    assert!(screen.query_all_by_label_contains("100 % ").count() >= 1);
 }

@@ -33,7 +33,7 @@ impl Part {
         let unwritten = |error| unwritten(out, &error);
         let path = beside(out, ".part");
         let header = format!("{FIRST}{fingerprint}\n{}\n", heading(ensemble));
-        let columns = ensemble.plan().axes.len() + ensemble.width();
+        let columns = names(ensemble).len();
         let file = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path);
         let mut file = file.map_err(unwritten)?;
         // Two programs would write into each other's rows. A file system without locks is used without.
@@ -92,7 +92,8 @@ pub(super) fn write_rows(file: &mut dyn Write, ensemble: &Ensemble, slice: &Slic
     let width = ensemble.width();
     for (at, &cell) in slice.cells.iter().enumerate() {
         let row = &slice.rows[at * width..(at + 1) * width];
-        let numbers: Vec<String> = ensemble.values(cell).iter().chain(row).map(f64::to_string).collect();
+        let (values, drawn) = (ensemble.values(cell), ensemble.member(cell));
+        let numbers: Vec<String> = values.iter().chain(&drawn).chain(row).map(f64::to_string).collect();
         writeln!(file, "{}", numbers.join(","))?;
     }
     Ok(())
@@ -106,10 +107,12 @@ fn begins_as_part(file: &mut File) -> io::Result<bool> {
     Ok(head == FIRST.as_bytes())
 }
 
-/// The names of the table's columns: the axes' keys, then those of the scores.
+/// The names of the table's columns: the axes' keys, those of drawn numbers, then those of the scores.
 fn names(ensemble: &Ensemble) -> Vec<String> {
     let axes = ensemble.plan().axes.iter().map(|axis| axis.key.clone());
-    axes.chain(ensemble.columns()).map(|name| name.replace([',', '\n', '"'], "_")).collect()
+    let scenario = ensemble.scenario();
+    let drawn = ensemble.drawn().iter().map(|address| scenario.address_by_name(&address.to_string()));
+    axes.chain(drawn).chain(ensemble.columns()).map(|name| name.replace([',', '\n', '"'], "_")).collect()
 }
 
 fn beside(out: &Path, ending: &str) -> PathBuf {

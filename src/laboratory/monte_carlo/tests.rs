@@ -8,7 +8,7 @@ use crate::team::Frames;
 /// A laboratory that runs one seed a frame.
 fn slow(seeds: usize) -> Laboratory {
     let mut laboratory = Laboratory::new(Rc::new(Frames(Budget::Pieces(1))));
-    laboratory.seeds_mut().choose(SeedChoice { seeds, parameter: None });
+    laboratory.seeds_mut().choose(SeedChoice { seeds, ..SeedChoice::default() });
     laboratory
 }
 
@@ -96,12 +96,12 @@ fn more_seeds_go_on_from_those_that_are_done() {
     let session = session();
     let mut laboratory = slow(12);
     follow(&mut laboratory, &session, 12);
-    laboratory.seeds_mut().choose(SeedChoice { seeds: 20, parameter: None });
+    laboratory.seeds_mut().choose(SeedChoice { seeds: 20, ..SeedChoice::default() });
     follow(&mut laboratory, &session, 1);
     assert_eq!((done(&laboratory), laboratory.seeds().progress()), (13, Some([13, 20])));
     follow(&mut laboratory, &session, 7);
     assert_eq!(laboratory.seeds().progress(), None);
-    laboratory.seeds_mut().choose(SeedChoice { seeds: 11, parameter: None });
+    laboratory.seeds_mut().choose(SeedChoice { seeds: 11, ..SeedChoice::default() });
     follow(&mut laboratory, &session, 11);
     assert_eq!((done(&laboratory), laboratory.seeds().progress()), (11, None), "fewer begin anew");
 }
@@ -149,6 +149,6 @@ fn without_filters_a_sentence_says_so() {
 #[test]
 fn impossible_numbers_of_seeds_are_refused() {
     for (seeds, is_possible) in [(9, false), (10, true), (10_000, true), (10_001, false)] {
-        assert_eq!(SeedChoice { seeds, parameter: None }.check().is_ok(), is_possible, "{seeds}");
+        assert_eq!(SeedChoice { seeds, ..SeedChoice::default() }.check().is_ok(), is_possible, "{seeds}");
     }
 }

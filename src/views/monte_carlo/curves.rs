@@ -4,10 +4,11 @@ use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 use egui::{Context, Id};
-use kalmanscope_core::Channel;
-use kalmanscope_lab::MonteCarlo;
+use kalmanscope_core::{Channel, VerdictKind};
+use kalmanscope_lab::{LastError, MonteCarlo};
 
 use super::histogram::Histogram;
+use super::population;
 use crate::laboratory::{SeedRuns, Seeds};
 use crate::plot::cache::cached;
 use crate::view::ViewContext;
@@ -30,8 +31,14 @@ pub(super) struct Curves {
     pub(super) parameter: Option<Channel>,
     /// The parameters that can be chosen.
     pub(super) parameters: Vec<Channel>,
-    /// The truth of the parameter at the end.
+    /// The truth of the parameter at the end, if it is the same for all seeds.
     pub(super) truth: Option<f64>,
+    /// Whether the histogram is of the last errors, since the truth is another one for each seed.
+    pub(super) is_of_errors: bool,
+    /// What is drawn for each seed.
+    pub(super) drawn: Option<String>,
+    /// The members that are impossible.
+    pub(super) impossible: usize,
     pub(super) filters: Vec<FilterCurves>,
     pub(super) histogram: Histogram,
 }
@@ -51,6 +58,10 @@ pub(super) struct FilterCurves {
     pub(super) std: Vec<f64>,
     /// The share of the runs that lost the truth or stopped, and that stopped.
     pub(super) diverged: [f64; 2],
+    /// The shares of the runs with the parameter within 1 % at the end, and inside ±2σ.
+    pub(super) shares: Option<[f64; 2]>,
+    /// The shares of the runs with each verdict that occurs, the commonest first.
+    pub(super) verdicts: Vec<(VerdictKind, f64)>,
 }
 
 /// The curves of the runs on screen.
@@ -89,6 +100,16 @@ fn made(runs: &SeedRuns, wanted: Option<Channel>, context: &ViewContext<'_>) -> 
         at.map_or(&[][..], |at| statistics.finals(nth, at))
     };
     let finals: Vec<&[f64]> = (0..filters.len()).map(finals).collect();
+    let errors: Vec<Vec<f64>> = (0..filters.len())
+        .map(|nth| last_errors(statistics, nth, parameter).iter().map(|last| last.error).collect())
+        .collect();
+    let is_of_errors = (0..filters.len()).any(|nth| differ(last_errors(statistics, nth, parameter)));
+    let truth = truth.filter(|_| !is_of_errors);
+    let histogram = if is_of_errors {
+        Histogram::new(&errors.iter().map(Vec::as_slice).collect::<Vec<_>>(), Some(0.0))
+    } else {
+        Histogram::new(&finals, truth)
+    };
     let samples = statistics.samples().to_vec();
     Curves {
         seeds: statistics.done(),
@@ -98,7 +119,10 @@ fn made(runs: &SeedRuns, wanted: Option<Channel>, context: &ViewContext<'_>) -> 
         parameter,
         parameters,
         truth,
-        histogram: Histogram::new(&finals, truth),
+        is_of_errors,
+        drawn: population::sentence(scenario),
+        impossible: statistics.impossible(),
+        histogram,
         filters,
     }
 }
@@ -140,5 +164,37 @@ fn of_filter(
         quantiles: at.map_or_else(Vec::new, |at| statistics.quantiles(nth, at, SHARES)),
         std: at.map_or_else(Vec::new, |at| stds[at].clone()),
         diverged: statistics.diverged(nth),
+        shares: shares(last_errors(statistics, nth, parameter)),
+        verdicts: verdicts(statistics.verdicts(nth)),
     }
+}
+
+/// The last errors of a parameter, one a run.
+fn last_errors(statistics: &MonteCarlo, nth: usize, parameter: Option<Channel>) -> &[LastError] {
+    let at = parameter.and_then(|channel| statistics.channels(nth).iter().position(|other| *other == channel));
+    at.map_or(&[], |at| statistics.last_errors(nth, at))
+}
+
+/// Whether the truth is not the same for all runs.
+fn differ(errors: &[LastError]) -> bool {
+    let Some(first) = errors.first() else { return false };
+    errors.iter().any(|last| (last.truth - first.truth).abs() > 1e-6 * first.truth.abs())
+}
+
+/// The shares of the runs within 1 % of the truth, and with the truth inside ±2σ.
+fn shares(errors: &[LastError]) -> Option<[f64; 2]> {
+    let share = |is: fn(&LastError) -> bool| errors.iter().filter(|last| is(last)).count() as f64 / errors.len() as f64;
+    (!errors.is_empty()).then(|| [share(|last| last.is_within(0.01)), share(LastError::is_covered)])
+}
+
+fn verdicts(counts: &[usize]) -> Vec<(VerdictKind, f64)> {
+    let all: usize = counts.iter().sum();
+    let mut shares: Vec<(VerdictKind, f64)> = VerdictKind::ALL
+        .into_iter()
+        .zip(counts)
+        .filter(|(_, n)| **n > 0)
+        .map(|(kind, &n)| (kind, n as f64 / all as f64))
+        .collect();
+    shares.sort_by(|(_, a), (_, b)| b.total_cmp(a));
+    shares
 }

@@ -2,7 +2,7 @@
 
 use egui::{ComboBox, DragValue, Ui};
 
-use super::curves;
+use super::{curves, population};
 use crate::laboratory::{SEEDS, Seeds};
 use crate::menu::{Closing, menu_ui};
 use crate::request::Request;
@@ -13,12 +13,12 @@ const USUAL: [usize; 4] = [100, 1000, 3000, 10_000];
 
 /// Shows the choices, and requests other runs if one of them changes.
 pub(super) fn head_ui(ui: &mut Ui, context: &ViewContext<'_>, seeds: &Seeds, requests: &mut Vec<Request>) {
-    let mut next = seeds.choice().clone();
+    let mut next = *seeds.choice();
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 5.0;
         let speed = (0.02 * next.seeds as f64).max(0.2);
         let number = ui.add(DragValue::new(&mut next.seeds).range(SEEDS).speed(speed).update_while_editing(false));
-        let hint = "Runs with the seeds 1 up to this number: the same truth, other noise";
+        let hint = "Runs with the seeds 1 up to this number: other noise each time";
         let number = number.on_hover_text(hint);
         number.ctx.accesskit_node_builder(number.id, |node| node.set_label("Seeds"));
         ui.weak("seeds");
@@ -30,6 +30,7 @@ pub(super) fn head_ui(ui: &mut Ui, context: &ViewContext<'_>, seeds: &Seeds, req
             }
         });
         button.on_hover_text("Usual numbers of seeds");
+        population::population_ui(ui, context, requests);
         if let Some(runs) = seeds.shown() {
             let curves = curves::of(ui.ctx(), seeds, runs, context);
             if let Some(shown) = curves.parameter {
@@ -47,6 +48,8 @@ pub(super) fn head_ui(ui: &mut Ui, context: &ViewContext<'_>, seeds: &Seeds, req
                 ui.ctx().accesskit_node_builder(combo.response.id, |node| node.set_label("Parameter of the errors"));
             }
         }
+        let hint = "The verdict on each run too, which takes longer than the runs";
+        ui.checkbox(&mut next.verdicts, "verdicts").on_hover_text(hint);
         if let Some([done, all]) = seeds.progress() {
             let is_stopped = seeds.state().is_stopped();
             if ui.button(if is_stopped { "Go on" } else { "Stop" }).clicked() {

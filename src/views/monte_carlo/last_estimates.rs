@@ -20,7 +20,8 @@ pub(super) fn last_estimates_ui(ui: &mut Ui, room: Rect, curves: &Curves, contex
         Scale::new(histogram.from, histogram.to, false),
         Scale::new(0.0, 1.08 * highest as f64, false),
     );
-    let name = named("last estimate of ", channel, context);
+    let what = if curves.is_of_errors { "last error of " } else { "last estimate of " };
+    let name = named(what, channel, context);
     graph.axes_ui(ui, [&name, "seeds"], palette, true);
     let painter = ui.painter_at(graph.rect.expand(1.0));
     for (filter, counts) in curves.filters.iter().zip(&histogram.counts) {
@@ -33,7 +34,7 @@ pub(super) fn last_estimates_ui(ui: &mut Ui, room: Rect, curves: &Curves, contex
         band(&painter, &graph, steps.iter().map(|[x, y]| (*x, [0.0, *y])), color.gamma_multiply(0.16));
         line(&painter, &graph, steps.into_iter(), Stroke::new(1.6, color), false);
     }
-    if let Some(truth) = curves.truth {
+    if let Some(truth) = curves.truth.or(curves.is_of_errors.then_some(0.0)) {
         let x = graph.at([truth, f64::NAN]).x;
         painter
             .line_segment([pos2(x, graph.rect.top()), pos2(x, graph.rect.bottom())], Stroke::new(1.6, palette.truth));

@@ -1,6 +1,7 @@
 //! The lines above the charts: the seeds, each filter's share of lost runs, and the marks.
 
 use egui::{RichText, Ui};
+use kalmanscope_core::Channel;
 
 use super::curves::{Curves, FilterCurves};
 use super::over_time::color;
@@ -12,10 +13,18 @@ pub(super) fn legend_ui(ui: &mut Ui, curves: &Curves, context: &ViewContext<'_>,
     let lines = |ui: &mut Ui| {
         let of = if is_old { ", of the settings before" } else { "" };
         ui.small(format!("{} seeds{of}", curves.seeds));
-        for filter in &curves.filters {
-            ui.label(RichText::new(lost(filter)).small().color(color(context, filter.id)));
+        if curves.impossible > 0 {
+            ui.small(format!("{} of them are impossible and left out", curves.impossible));
         }
-        let has_bounds = !context.session.bounds().is_empty() && curves.parameter.is_some();
+        if let Some(drawn) = &curves.drawn {
+            ui.small(drawn);
+        }
+        for filter in &curves.filters {
+            for text in [Some(lost(filter)), near(filter, curves.parameter), verdicts(filter)].into_iter().flatten() {
+                ui.label(RichText::new(text).small().color(color(context, filter.id)));
+            }
+        }
+        let has_bounds = !context.session.bounds().is_empty() && curves.parameter.is_some() && !curves.is_of_errors;
         let all = [
             (true, "grey: 95 % of the means of a consistent filter"),
             (curves.parameter.is_some(), "filled: ±2σ of the filter"),
@@ -36,13 +45,29 @@ pub(super) fn legend_ui(ui: &mut Ui, curves: &Curves, context: &ViewContext<'_>,
     }
 }
 
-fn lost(filter: &FilterCurves) -> String {
-    let FilterCurves { name, diverged: [diverged, stopped], .. } = filter;
-    let percent = |share: f64| match 100.0 * share {
+/// How often the parameter is right at the end.
+fn near(filter: &FilterCurves, parameter: Option<Channel>) -> Option<String> {
+    let ([within, inside], symbol) = (filter.shares?, parameter?.symbol());
+    Some(format!("{symbol} within 1 %: {}, inside ±2σ: {}", percent(within), percent(inside)))
+}
+
+/// The verdicts, the commonest first.
+fn verdicts(filter: &FilterCurves) -> Option<String> {
+    let all: Vec<String> =
+        filter.verdicts.iter().map(|(kind, share)| format!("{} {}", percent(*share), kind.name())).collect();
+    (!all.is_empty()).then(|| all.join(", "))
+}
+
+fn percent(share: f64) -> String {
+    match 100.0 * share {
         0.0 => "0 %".to_owned(),
         small if small < 1.0 => format!("{small:.1} %"),
         share => format!("{share:.0} %"),
-    };
+    }
+}
+
+fn lost(filter: &FilterCurves) -> String {
+    let FilterCurves { name, diverged: [diverged, stopped], .. } = filter;
     let stopped = if *stopped > 0.0 { format!(", {} stopped", percent(*stopped)) } else { String::new() };
     format!("{name}: {} lost the truth{stopped}", percent(*diverged))
 }

@@ -211,7 +211,8 @@ fn paint_errors(painter: &Painter, graph: &Graph, curves: &Curves, context: &Vie
 
 /// The Cramér-Rao bounds of the run on screen at the times of the curves, each with the first filter that it is for.
 fn bounds(curves: &Curves, context: &ViewContext<'_>) -> Vec<(u32, Vec<f64>)> {
-    let Some(channel) = curves.parameter else { return Vec::new() };
+    // The bound is that of one truth.
+    let Some(channel) = curves.parameter.filter(|_| !curves.is_of_errors) else { return Vec::new() };
     let one = |Bound { bound, filters }: &Bound| {
         let first = curves.filters.iter().find(|filter| filters.contains(&filter.id))?;
         let at = bound.place(channel)?;

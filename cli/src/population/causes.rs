@@ -1,0 +1,109 @@
+//! The first cause of each bad verdict among the members of a population.
+
+use std::collections::BTreeMap;
+use std::sync::Mutex;
+use std::sync::PoisonError;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use kalmanscope_cli::causes;
+use kalmanscope_core::diagnosis::Remedy;
+use kalmanscope_core::{Analysis, Run, Source, VerdictKind, Wanted};
+use kalmanscope_lab::{Measure, Runner, Slice};
+
+use crate::progress::Progress;
+
+/// Of one filter, over the members.
+#[derive(Clone, Debug, Default)]
+pub(super) struct FirstCauses {
+    /// The members with a bad verdict.
+    pub(super) bad: usize,
+    /// The members with each first cause, by its name, the commonest first after [`Self::sort`].
+    pub(super) first: Vec<(&'static str, usize)>,
+    /// The members whose verdict no cause explains.
+    pub(super) unexplained: usize,
+}
+
+/// The first causes of each filter, searched by some threads.
+pub(super) fn of_members(runner: &Runner, slices: &[Slice], threads: usize, quiet: bool) -> Vec<FirstCauses> {
+    let ensemble = runner.ensemble();
+    let cells: Vec<usize> = slices.iter().flat_map(|slice| bad_cells(runner, slice)).collect();
+    let progress = Mutex::new(Progress::new(cells.len(), quiet));
+    let next = AtomicUsize::new(0);
+    let work = || {
+        let mut found = Vec::new();
+        loop {
+            let at = next.fetch_add(1, Ordering::Relaxed);
+            let Some(&cell) = cells.get(at) else { return found };
+            progress.lock().unwrap_or_else(PoisonError::into_inner).tell(at, "causes");
+            found.extend(of_member(runner, cell));
+        }
+    };
+    let found: Vec<Vec<Option<Found>>> = std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..threads.max(1)).map(|_| scope.spawn(work)).collect();
+        let join = |thread: std::thread::ScopedJoinHandle<'_, Vec<Vec<Option<Found>>>>| {
+            thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+        };
+        threads.into_iter().flat_map(join).collect()
+    });
+    let of_filter = |nth: usize| {
+        let mut causes = FirstCauses::default();
+        let mut counts: BTreeMap<&'static str, usize> = BTreeMap::new();
+        for found in found.iter().filter_map(|member| member.get(nth).copied().flatten()) {
+            causes.bad += 1;
+            match found {
+                Found::Cause(name) => *counts.entry(name).or_default() += 1,
+                Found::None => causes.unexplained += 1,
+            }
+        }
+        causes.first = counts.into_iter().collect();
+        causes.first.sort_by_key(|&(_, count)| std::cmp::Reverse(count));
+        causes
+    };
+    (0..ensemble.plan().filters.len()).map(of_filter).collect()
+}
+
+/// What is found of a bad verdict.
+#[derive(Clone, Copy)]
+enum Found {
+    Cause(&'static str),
+    None,
+}
+
+/// The members of a slice of which a filter has a bad verdict.
+fn bad_cells(runner: &Runner, slice: &Slice) -> Vec<usize> {
+    let plan = runner.ensemble().plan();
+    let verdict = plan.measures.iter().position(|measure| *measure == Measure::Verdict);
+    let is_bad = |row: &[f64]| {
+        let of = |nth: usize| verdict.map_or(f64::NAN, |place| row[nth * plan.measures.len() + place]);
+        (0..plan.filters.len()).any(|nth| kind(of(nth)).is_some_and(|kind| !kind.is_good()))
+    };
+    let rows = slice.rows.chunks_exact(runner.ensemble().width());
+    slice.cells.iter().zip(rows).filter(|(_, row)| is_bad(row)).map(|(&cell, _)| cell).collect()
+}
+
+/// The kind of a verdict from its number in a row.
+fn kind(number: f64) -> Option<VerdictKind> {
+    number.is_finite().then(|| VerdictKind::ALL[number as usize])
+}
+
+/// What is found of the verdict on each filter of a member; `None` where it is good, or where there is none.
+fn of_member(runner: &Runner, cell: usize) -> Option<Vec<Option<Found>>> {
+    let scenario = runner.ensemble().at(cell);
+    let run = match runner.source() {
+        Source::Measured(record) | Source::Live(record) => Run::on_record(&scenario, record.clone()),
+        Source::Simulated => Run::new(&scenario),
+    };
+    let mut run = run.ok()?;
+    run.finish();
+    let analysis = Analysis::new(&run, Wanted::default());
+    let remedies = causes(&run, &analysis);
+    let of = |(place, remedies): (usize, &Vec<Remedy>)| {
+        let verdict = analysis.diagnosis(place)?.verdict.as_ref()?;
+        if verdict.kind.is_good() {
+            return None;
+        }
+        let cause = remedies.first().filter(|_| Remedy::is_explained(remedies));
+        Some(cause.map_or(Found::None, |remedy| Found::Cause(remedy.first.cause.name)))
+    };
+    Some(remedies.iter().enumerate().map(of).collect())
+}
