@@ -31,7 +31,7 @@ pub(crate) fn troubles(session: &Session) -> Vec<Trouble> {
         let jumps: Vec<String> = estimates.jumps().map(|sample| format!("{:.2}", record.time_of(sample))).collect();
         if let [others @ .., last] = jumps.as_slice() {
             let times = if others.is_empty() { last.clone() } else { format!("{} and {last}", others.join(", ")) };
-            say(false, format!("{name} widened its parameters at {times} s, where its innovations grew at once."));
+            say(false, format!("{name} let its parameters move at {times} s, where its innovations grew at once."));
         }
         // Gaps have a sentence of their own.
         let is_other = |remark: &&Remark| !matches!(remark.what, Told::Widened | Told::Missing(_));

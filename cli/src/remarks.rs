@@ -9,7 +9,7 @@ pub(crate) fn remarks(remarks: &[Remark], record: &Record) -> Vec<String> {
     let line = |remark: &Remark| {
         let [from, to] = [remark.sample, remark.last].map(|number| plain(record.time_of(number)));
         match remark.what {
-            Trouble::Widened => format!("widened its parameters at {from} s, where its innovations grew at once"),
+            Trouble::Widened => format!("let its parameters move at {from} s, where its innovations grew at once"),
             what => format!("from {from} s to {to} s: {what}"),
         }
     };

@@ -182,7 +182,7 @@ mod tests {
             "duration = 25.0\n[plant]\nnatural_frequency = { step = { from = 6.0, to = 4.8, at = 20.0 } }\n\
              [[filters]]\nfading = 1.0\njump = true",
         );
-        let line = text.lines().find(|line| line.contains("widened its parameters at 20.")).unwrap();
+        let line = text.lines().find(|line| line.contains("let its parameters move at 20.")).unwrap();
         assert!(line.ends_with(" s, where its innovations grew at once"), "{line}");
     }
 

@@ -1,6 +1,6 @@
 //! The tables of the documents are those of the program: filters, plants, and every key of a scenario.
 
-use kalmanscope_core::scenario::{Fault, Scale};
+use kalmanscope_core::scenario::{Fault, Law, LawInfo, Scale};
 use kalmanscope_core::{Channel, FilterKind, PlantKind, Quantity, Robust, Scenario};
 
 const FILTERS: &str = include_str!("../../docs/filters.md");
@@ -46,6 +46,15 @@ fn every_fault_is_in_its_table() {
     };
     let rows = Fault::ALL.map(row);
     assert_eq!(table(FORMAT, "| fault | name | what it does | numbers |"), rows, "{}", rows.join("\n"));
+}
+
+#[test]
+fn every_law_is_in_its_table() {
+    let row = |law: Law| {
+        let LawInfo { key, name, numbers } = law.info();
+        format!("| `{key}` | {name} | {} |", numbers.join(", "))
+    };
+    assert_eq!(table(FORMAT, "| law | name | its two numbers |"), Law::about(6.0, 0.2).map(row));
 }
 
 #[test]

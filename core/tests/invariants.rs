@@ -107,23 +107,26 @@ fn filter(sensors: usize) -> impl Strategy<Value = FilterSettings> {
     (
         proptest::sample::select(FilterKind::ALL.to_vec()),
         prop_oneof![Just(1.0), 1.0..1.5],
-        prop_oneof![Just(0.0), 0.0..2.0],
+        (prop_oneof![Just(0.0), 0.0..2.0], prop_oneof![3 => Just(0.0), 1 => 0.0..2.0]),
         proptest::collection::vec(size(-5.0..2.0), sensors),
         initial_mean(),
         per_channel(|| zero_or(-6.0..2.0)),
         per_channel(|| zero_or(-9.0..0.0)),
     )
-        .prop_map(|(kind, fading, eta, sensor_std, initial_mean, initial_std, process_std)| FilterSettings {
-            name: format!("any {}", kind.name()),
-            kind,
-            fading,
-            eta,
-            sensor_std,
-            initial_mean,
-            initial_std,
-            process_std,
-            ensemble_size: 20,
-            ..FilterSettings::default()
+        .prop_map(|(kind, fading, (eta, walk), sensor_std, initial_mean, initial_std, process_std)| {
+            FilterSettings {
+                name: format!("any {}", kind.name()),
+                kind,
+                fading,
+                walk: if kind.is_sampled() || kind == FilterKind::KF { 0.0 } else { walk },
+                eta,
+                sensor_std,
+                initial_mean,
+                initial_std,
+                process_std,
+                ensemble_size: 20,
+                ..FilterSettings::default()
+            }
         })
 }
 
@@ -211,6 +214,8 @@ proptest! {
 
     #[test]
     fn a_sensor_that_is_always_missing_is_no_sensor(mut scenario in scenario(), which in 0_usize..3) {
+        // A bank weighs its filters by NIS and det S, whose last digits depend on the number of sensors.
+        scenario.filters.iter_mut().for_each(|filter| filter.walk = 0.0);
         scenario.add_sensor(Sensor::new(Quantity::VELOCITY, 0.1));
         let which = which % scenario.sensors.len();
         let record = simulate(&scenario);

@@ -184,5 +184,5 @@ fn counted(key: &str, name: &str, count: usize) -> Document {
 fn line(text: &mut String, name: &str, Share { count, of }: Share) -> fmt::Result {
     let [low, high] = share_interval(count, of);
     let share = 100.0 * count as f64 / of as f64;
-    writeln!(text, "  {name:<34}{share:>6.1} %   ({:.1} to {:.1})", 100.0 * low, 100.0 * high)
+    writeln!(text, "  {name:<42}{share:>6.1} %   ({:.1} to {:.1})", 100.0 * low, 100.0 * high)
 }

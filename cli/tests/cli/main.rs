@@ -7,6 +7,7 @@ mod fix;
 mod hostile;
 mod import;
 mod lessons;
+mod population;
 mod records;
 mod refused;
 mod report;

@@ -19,7 +19,7 @@ use crate::mathematics::channel::Channel;
 pub use address::{Address, UnknownSetting};
 pub use allowed::Allowed;
 pub use edit::Edit;
-pub use filter::{ENSEMBLE_SIZE, ETA, FADING, FORGETTING, GUESSES, JUMP, MEMORY, OF_FILTER, OPTIONS, SMOOTHER};
+pub use filter::{ENSEMBLE_SIZE, ETA, FADING, FORGETTING, GUESSES, JUMP, MEMORY, OF_FILTER, OPTIONS, SMOOTHER, WALK};
 pub use info::SettingInfo;
 pub use listing::{addresses, words_of};
 pub use scenario::{DISTURBANCE, DT, DURATION, MOTION, OF_SCENARIO, RECORD_GAIN, SEED};

@@ -136,6 +136,14 @@ pub trait Belief: Send {
     /// Makes the belief the copy that was kept.
     fn restore(&mut self) {}
 
+    /// Takes over a mean and a covariance, as a bank of filters that mix must. Returns whether it can: a random sample cannot.
+    ///
+    /// # Errors
+    /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where the covariance has no root, and one is needed.
+    fn replace(&mut self, _: &Gaussian) -> Result<bool, FilterError> {
+        Ok(false)
+    }
+
     /// Φ, n × n: the regression of the state that a step makes on the state now, `cov(next, now) = Φ P`. A smoother must know
     /// it. From sigma points of mean and covariance, unless the method has a better way.
     ///

@@ -8,6 +8,7 @@ pub(crate) mod engine;
 mod in_units;
 pub(crate) mod kernel;
 pub(crate) mod setup;
+pub(crate) mod walk;
 
 use crate::mathematics::model::{Hold, InputKind, Model};
 use crate::samples::sink::Sink;

@@ -81,7 +81,7 @@ impl EventFilter {
     ///
     /// # Errors
     /// [`EventSetupError`] where the scenario is impossible, or where the filter has a setting that counts in samples: random
-    /// members, several guesses, learning of noise, jumps, a white force.
+    /// members, several guesses, learning of noise, jumps, a bank, a white force.
     pub fn new(scenario: &Scenario, place: usize) -> Result<Self, EventSetupError> {
         scenario.validate().map_err(RunError::from)?;
         let mut scenario = scenario.clone();
@@ -92,6 +92,7 @@ impl EventFilter {
             (settings.guesses > 1, "several guesses"),
             (settings.adaptation.is_on(), "noise that it learns"),
             (settings.jump, "jumps"),
+            (settings.walk > 0.0, "a bank"),
             (settings.augment.contains(&Channel::WHITE_FORCE), "a white force"),
         ];
         if let Some((_, what)) = refused.into_iter().find(|(is, _)| *is) {

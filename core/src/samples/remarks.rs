@@ -29,7 +29,7 @@ pub enum Trouble {
     #[error("the particles have collapsed: hardly any of them agrees with the measurements")]
     Collapse,
     /// The filter has jumped ([`FilterSettings::jump`]).
-    #[error("its innovations grew at once, and it widened its parameters")]
+    #[error("its innovations grew at once, and it let its parameters move")]
     Widened,
     /// R has learnt a standard deviation a thousandth of the initial one.
     #[error("the noise that the filter learns for the sensor for {} runs to zero", .0.key())]

@@ -32,7 +32,8 @@ pub struct Sample<'a> {
     pub effective_samples: f64,
     /// For an adaptive filter, the present variances of process and sensor noise.
     pub noise: Option<AssumedNoise<'a>>,
-    /// Whether the filter widened P in the step to this sample, because its innovations had grown at once.
+    /// Whether the filter widened P in the step to this sample, because its innovations had grown at once; of a bank, whether it is
+    /// from this sample on more probable that its parameters walk.
     pub has_widened: bool,
 }
 

@@ -1,7 +1,7 @@
 //! The choice between a tuned kernel, the engine and the book. Smoothers have no kernel: one pass over a record is enough.
 
 use crate::FilterSettings;
-use crate::samples::estimator::{Estimator, FilterContext, book, kernel};
+use crate::samples::estimator::{Estimator, FilterContext, book, kernel, walk};
 #[cfg(not(target_arch = "wasm32"))]
 use crate::samples::estimator::{engine, setup::Setup};
 use crate::samples::guesses::{Guesses, members};
@@ -18,8 +18,12 @@ pub(crate) fn estimator(settings: &FilterSettings, context: FilterContext<'_>) -
     single(settings, context)
 }
 
-/// Builds the filter of one guess: a tuned kernel if there is one, else the engine's, else the reference filter.
+/// Builds the filter of one guess: a bank where its parameters may walk; else a tuned kernel if there is one, else the engine's,
+/// else the reference filter.
 fn single(settings: &FilterSettings, context: FilterContext<'_>) -> Box<dyn Estimator> {
+    if settings.walk > 0.0 {
+        return walk::estimator(settings, &context);
+    }
     let kernel = if settings.substeps == 1 { kernel::estimator(settings, context) } else { None };
     kernel.or_else(|| of_engine(settings, &context)).unwrap_or_else(|| book::estimator(settings, &context))
 }

@@ -17,7 +17,7 @@ fn an_unknown_key_is_refused_with_line_path_and_the_keys_that_exist() {
         (
             "\nsed = 1",
             "line 2: `sed`: unknown field `sed`, expected one of `seed`, `dt`, `duration`, `plant`, `force`, `input`, `hold`, \
-             `sensors`, `filters`, `record`",
+             `sensors`, `filters`, `record`, `draw`",
         ),
         (
             "[plant]\nmass = 1",

@@ -81,10 +81,8 @@ fn law_ui(ui: &mut Ui, scenario: &mut Scenario, key: &str) {
         let scale = number.abs().max(1e-9);
         let hint = if unit.is_empty() { label.clone() } else { format!("{label} [{unit}]") };
         let size = vec2(FIELD, ui.spacing().interact_size.y);
-        ui.horizontal(|ui| {
-            ui.weak(word);
-            ui.allocate_ui(size, |ui| field(ui, number, f64::NEG_INFINITY, scale, label.as_str(), &hint));
-        });
+        ui.weak(word);
+        ui.allocate_ui(size, |ui| field(ui, number, f64::NEG_INFINITY, scale, label.as_str(), &hint));
     }
     // Ignores half-typed, impossible laws.
     let edited = law.with(numbers);

@@ -62,6 +62,10 @@ pub struct FilterSettings {
     /// change it learns anew, and before it forgets nothing.
     #[serde(skip_serializing_if = "is_default")]
     pub jump: bool,
+    /// The walk w \[1/√s\] of the second model of a bank, whose parameters walk by so many initial standard deviations in a second,
+    /// beside the filter's own model, whose parameters are still; 0 for no bank.
+    #[serde(skip_serializing_if = "is_default")]
+    pub walk: f64,
     /// How measurements that do not fit are weighed. A filter that learns R or samples its belief weighs none.
     #[serde(skip_serializing_if = "is_default")]
     pub robust: Robust,
@@ -106,6 +110,7 @@ impl Default for FilterSettings {
             ensemble_size: 500,
             adaptation: Adaptation::default(),
             jump: false,
+            walk: 0.0,
             robust: Robust::NONE,
             smoother: false,
             look_ahead: 0.0,
@@ -142,12 +147,18 @@ impl FilterSettings {
     /// Whether an update is that of textbooks: one filter, whose noise is known and whose measurements all count. Kernels, lanes
     /// and the engine have no other.
     pub(crate) fn has_plain_update(&self) -> bool {
-        !self.adaptation.is_on() && !self.jump && !self.robust.is_on() && self.guesses == 1
+        !self.adaptation.is_on() && !self.jump && !self.robust.is_on() && self.guesses == 1 && self.walk == 0.0
     }
 
     /// Whether measurements can be weighed.
     pub fn can_weigh(&self) -> bool {
         !self.kind.is_sampled() && !self.adaptation.sensor_noise
+    }
+
+    /// Whether the filter can be one of two that mix: mean and covariance are all of its belief, and nothing else follows from its
+    /// innovations.
+    pub fn can_mix(&self) -> bool {
+        !self.kind.is_sampled() && !self.adaptation.is_on() && !self.jump && !self.robust.is_on() && !self.smoother
     }
 
     /// Whether the filter takes a channel as known and exact, whatever its standard deviations: a KF does so for the

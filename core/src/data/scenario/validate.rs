@@ -4,7 +4,7 @@ use std::fmt::{Arguments, Display};
 
 use super::{FilterSettings, Plant, Scenario, ScenarioError};
 use crate::data::scenario::cost::largest_ensemble;
-use crate::data::setting::{Allowed, GUESSES, JUMP, OF_FILTER, OF_SCENARIO, SettingInfo, TABLES};
+use crate::data::setting::{Allowed, GUESSES, JUMP, OF_FILTER, OF_SCENARIO, SettingInfo, TABLES, WALK};
 use crate::mathematics::channel::{Role, Sign};
 use crate::mathematics::quantity::MAX_SENSORS;
 use crate::{Channel, Force, InputKind, PlantKind, Signal};
@@ -130,6 +130,7 @@ impl FilterSettings {
             guesses,
             ensemble_size,
             jump,
+            walk,
             robust,
             smoother,
             sensor_std,
@@ -164,6 +165,12 @@ impl FilterSettings {
             format_args!("{path}.jump"),
             jump,
             "false for a KF, which takes its parameters for known and has none to widen",
+        )?;
+        require(
+            *walk == 0.0 || (WALK.serves)(self, truth),
+            format_args!("{path}.walk"),
+            walk,
+            "0 for a filter that samples its belief, jumps, weighs readings, learns noise, has a smoother, or has no parameter to estimate",
         )?;
         require(
             !robust.is_on() || self.can_weigh(),

@@ -32,6 +32,21 @@ pub static JUMP: Row = row! { "jump", jump,
     serves: |filter, _| filter.kind != FilterKind::KF || !filter.augment.is_empty(),
 };
 
+/// w: how far the parameters walk in the second model of a bank.
+pub static WALK: Row = row! { "walk", walk,
+    symbol: "w",
+    name: "walk of a bank's second model",
+    label: |_| Some("w walk of a bank"),
+    unit: "1/√s",
+    allowed: Allowed::AtLeast(0.0),
+    note: "0 for no bank",
+    slider: (0.0, 2.0),
+    hint: "Two filters that mix by the likelihood of their readings: parameters are still in one, and walk in the other, by so many \
+           initial σ in a second; 0 for one filter (IMM: Blom and Bar-Shalom 1988)",
+    serves: |filter, truth| (JUMP.serves)(filter, truth) && filter.can_mix(),
+    is_varied: true,
+};
+
 /// η: how fast the parameters decay in the filter's model. Those of a KF are known and do not.
 pub static ETA: Row = row! { "eta", eta,
     symbol: "η",
@@ -140,7 +155,7 @@ static INPUT_DELAY: Row = row! { "input_delay", input_delay,
 };
 
 /// The settings that are shown first: how long the filter remembers.
-pub static MEMORY: [&Row; 3] = [&FADING, &JUMP, &ETA];
+pub static MEMORY: [&Row; 4] = [&FADING, &JUMP, &WALK, &ETA];
 
 /// The less common settings.
 pub static OPTIONS: [&Row; 9] =

@@ -217,6 +217,11 @@ impl Belief for Moments {
         }
     }
 
+    fn replace(&mut self, gaussian: &Gaussian) -> Result<bool, FilterError> {
+        self.belief.copy_from(gaussian);
+        Ok(true)
+    }
+
     fn transition(&mut self, model: &Model, step: Step) -> Result<Matrix, FilterError> {
         let Self { belief, way, engine, .. } = self;
         let mut transition = Matrix::zeros(belief.size(), belief.size());

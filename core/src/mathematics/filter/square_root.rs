@@ -88,6 +88,12 @@ impl Belief for SquareRoot {
         Cow::Borrowed(&self.belief)
     }
 
+    fn replace(&mut self, gaussian: &Gaussian) -> Result<bool, FilterError> {
+        self.rows = lower_root(&gaussian.cov)?.transpose();
+        self.belief.copy_from(gaussian);
+        Ok(true)
+    }
+
     fn store(&mut self) -> bool {
         let Self { belief, rows, kept, .. } = self;
         let (kept_belief, kept_rows) = kept.get_or_insert_with(|| (belief.clone(), rows.clone()));

@@ -55,27 +55,52 @@ impl Estimator for Followed {
 pub(crate) fn report(
     filter: &Filter,
     correction: &Correction,
-    mut prior: Option<&mut Gaussian>,
+    prior: Option<&mut Gaussian>,
     in_units: &mut InUnits,
     sink: &mut dyn Sink,
 ) -> Result<(), FilterError> {
     let belief = filter.belief().gaussian();
-    let (mut belief, mut gain) = (&*belief, &correction.gain);
-    if !filter.model().in_units() {
-        in_units.take(filter.model(), belief, gain);
-        (belief, gain) = (&in_units.belief, &in_units.gain);
-        if !belief.is_finite() || gain.iter().any(|k| !k.is_finite()) {
-            return Err(FilterError::NotFinite);
-        }
-        prior.iter_mut().for_each(|prior| to_units(filter.model(), prior, &mut in_units.unit));
-    }
-    let (prior_mean, prior_cov) =
-        prior.as_ref().map_or((&[][..], &[][..]), |prior| (prior.mean.as_slice(), prior.cov.as_slice()));
     let process = filter.is_adaptive().then(|| {
         let mut process = filter.noise().process.diagonal();
         filter.white_force().into_iter().for_each(|white| process[white.place] = white.variance);
         process
     });
+    let noise =
+        process.as_ref().map(|process| AssumedNoise { process: process.as_slice(), sensors: &filter.noise().sensors });
+    let told = Told { model: filter.model(), belief: &belief, correction, noise, has_widened: filter.has_widened() };
+    push(&told, prior, in_units, sink)
+}
+
+/// What a filter tells of a sample.
+pub(crate) struct Told<'a> {
+    pub(crate) model: &'a Model,
+    /// The belief after the update, over the model's state.
+    pub(crate) belief: &'a Gaussian,
+    pub(crate) correction: &'a Correction,
+    /// The noise of a filter that learns it.
+    pub(crate) noise: Option<AssumedNoise<'a>>,
+    pub(crate) has_widened: bool,
+}
+
+/// Writes what a filter tells to the sink in the channels' units, as [`report`] does.
+pub(crate) fn push(
+    told: &Told<'_>,
+    mut prior: Option<&mut Gaussian>,
+    in_units: &mut InUnits,
+    sink: &mut dyn Sink,
+) -> Result<(), FilterError> {
+    let &Told { model, belief, correction, noise, has_widened } = told;
+    let (mut belief, mut gain) = (belief, &correction.gain);
+    if !model.in_units() {
+        in_units.take(model, belief, gain);
+        (belief, gain) = (&in_units.belief, &in_units.gain);
+        if !belief.is_finite() || gain.iter().any(|k| !k.is_finite()) {
+            return Err(FilterError::NotFinite);
+        }
+        prior.iter_mut().for_each(|prior| to_units(model, prior, &mut in_units.unit));
+    }
+    let (prior_mean, prior_cov) =
+        prior.as_ref().map_or((&[][..], &[][..]), |prior| (prior.mean.as_slice(), prior.cov.as_slice()));
     sink.push(&Sample {
         mean: belief.mean.as_slice(),
         cov: belief.cov.as_slice(),
@@ -88,10 +113,8 @@ pub(crate) fn report(
         determinant: correction.determinant,
         log_likelihood: correction.log_likelihood,
         effective_samples: correction.effective_samples,
-        noise: process
-            .as_ref()
-            .map(|process| AssumedNoise { process: process.as_slice(), sensors: &filter.noise().sensors }),
-        has_widened: filter.has_widened(),
+        noise,
+        has_widened,
     });
     Ok(())
 }

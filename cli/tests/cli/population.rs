@@ -1,0 +1,93 @@
+//! Populations of the built command: shares, verdicts and causes.
+
+use std::path::{Path, PathBuf};
+
+use kalmanscope_core::Document;
+
+use crate::{file, program};
+
+/// The population files of the project.
+fn of_project(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/populations").join(name).with_extension("toml")
+}
+
+#[track_caller]
+fn run(scenario: &Path, arguments: &[&str]) -> String {
+    let output = program().arg("population").arg(scenario).args(arguments).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// The first causes of the first filter's bad verdicts, with their numbers of members, and the members with a good verdict.
+fn causes(name: &str, members: &str) -> Vec<(String, i64)> {
+    let text = run(&of_project(name), &["--members", members, "--causes", "--json"]);
+    let document = Document::from_json(&text).unwrap();
+    let filters = document.get("filters").unwrap().children().next().unwrap();
+    let named = |cause: &Document| {
+        let Some(Document::Text(name)) = cause.get("name") else { panic!("a cause has a name") };
+        let Some(Document::Integer(members)) = cause.get("members") else { panic!("a cause has members") };
+        (name.clone(), *members)
+    };
+    filters.get("causes").unwrap().children().map(named).collect()
+}
+
+#[test]
+fn what_is_wrong_with_a_population_is_found() {
+    for (name, cause) in [
+        ("input-gain", "the gain of the input"),
+        ("sensor-bias", "a sensor's bias or drift"),
+        ("hardening-spring", "a spring that hardens, softens or yields"),
+        ("noise-too-small", "R of a sensor"),
+    ] {
+        let causes = causes(name, "5");
+        let right: i64 = causes.iter().filter(|(found, _)| found == cause).map(|(_, members)| members).sum();
+        assert!(right >= 4, "{name}: {causes:?}");
+    }
+    assert_eq!(causes("well-tuned", "8"), []);
+}
+
+#[test]
+fn shares_are_told_with_their_intervals() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "duration = 5.0\n[plant]\nnatural_frequency = 6.0\n[[filters]]\nkind = \"ekf\"\n[[filters]]\nname = \"b\"\nkind = \"ukf\"\n\
+                [draw]\n\"filters.2.initial_mean.natural_frequency\" = { normal = [8.0, 1.0] }\n\
+                \"plant.damping_ratio\" = { normal = [0.05, 0.04] }\n";
+    let scenario = file(&folder, "population.toml", text);
+    let all = run(&scenario, &["--members", "60", "--quiet"]);
+    assert!(all.starts_with("60 members, "), "{all}");
+    assert!(all.contains("which are impossible scenarios and left out"), "{all}");
+    assert!(all.contains("drawn: filters.b.initial_mean.natural_frequency, normal: mean 8, σ 1"), "{all}");
+    assert!(all.contains("verdict: ") && all.contains("ζ inside ±2σ at the end"), "{all}");
+    // One filter of them has the numbers that it has beside the others.
+    let one = run(&scenario, &["--members", "60", "--quiet", "--filter", "b"]);
+    let of_b = |text: &str| text[text.find("\nb\n").unwrap()..].to_owned();
+    assert_eq!(of_b(&one), of_b(&all));
+    // The same on any number of threads, and in a sweep.
+    assert_eq!(run(&scenario, &["--members", "60", "--threads", "1"]), all);
+    let sweep = program().arg("sweep").arg(&scenario).args(["--seeds", "4", "--score", "nis", "--out", "-"]).output();
+    let table = String::from_utf8(sweep.unwrap().stdout).unwrap();
+    let heading = "seed,filters.b.initial_mean.natural_frequency,plant.damping_ratio,EKF.nis,b.nis";
+    assert_eq!(table.lines().next(), Some(heading));
+    assert_eq!(table.lines().count(), 5);
+}
+
+#[test]
+fn guesses_are_drawn_over_a_measured_record_and_no_truth_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "duration = 5.0\n[plant]\nnatural_frequency = 6.0\n[[filters]]\nkind = \"ekf\"\n[draw]\n\
+                \"filters.1.initial_mean.natural_frequency\" = { log_uniform = [2.0, 20.0] }\n";
+    let scenario = file(&folder, "guesses.toml", text);
+    let record = folder.path().join("record.csv");
+    let made = program().arg("run").arg(&scenario).args(["--quiet", "--record-out"]).arg(&record).status();
+    assert!(made.unwrap().success());
+    let of_record = ["--members", "20", "--record", record.to_str().unwrap()];
+    assert!(run(&scenario, &of_record).contains("ωₙ within 1 % at the end"));
+    let truth = file(&folder, "truth.toml", &text.replace("filters.1.initial_mean", "plant"));
+    let refused = program().arg("population").arg(&truth).args(of_record).output().unwrap();
+    assert_eq!(refused.status.code(), Some(2));
+    let told = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(told.contains("the record is given"), "{told}");
+    let unknown = file(&folder, "unknown.toml", "[draw]\n\"plant.mass\" = { normal = [1.0, 0.1] }\n");
+    let refused = program().arg("population").arg(&unknown).output().unwrap();
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("no number `plant.mass`"));
+}
