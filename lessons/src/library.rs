@@ -44,6 +44,7 @@ pub const LESSONS: &[(&str, &str)] = files!["lessons":
     "32-live-lag-and-look-ahead",
     "33-sampling-that-jitters",
     "34-straight-or-hard",
+    "35-jump-fade-walk-or-bank",
 ];
 
 /// Every lesson in the menu's order. They are not validated, which takes longer than reading: a test has done it.
