@@ -73,8 +73,10 @@ fn report(tuned: &Tuned, axes: &[Axis], goal: Goal) -> String {
     };
     if let (Some(before), Some(after)) = (tuned.path.first(), tuned.path.last()) {
         let _ = writeln!(text, "{name}: {:.6} before, {:.6} after {} runs", before.score, after.score, tuned.runs);
-        for (axis, (before, after)) in axes.iter().zip(before.values.iter().zip(&after.values)) {
-            let _ = writeln!(text, "{}: {before:.6e} before, {after:.6e} after", axis.key);
+        for (place, (axis, (before, after))) in axes.iter().zip(before.values.iter().zip(&after.values)).enumerate() {
+            let band = tuned.bands.as_ref().and_then(|bands| bands.get(place));
+            let band = band.map_or(String::new(), |[low, high]| format!(", ±2σ from {low:.4e} to {high:.4e}"));
+            let _ = writeln!(text, "{}: {before:.6e} before, {after:.6e} after{band}", axis.key);
         }
     }
     let verdict = tuned.verdict.map_or("not enough measurements for one", kalmanscope_core::VerdictKind::name);

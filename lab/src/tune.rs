@@ -2,6 +2,7 @@
 
 mod cost;
 mod goal;
+mod information;
 mod point;
 mod remark;
 
@@ -12,6 +13,7 @@ use argmin::solver::neldermead::NelderMead;
 
 use crate::EnsembleError;
 use cost::{Cost, Objective};
+use information::Information;
 use kalmanscope_core::{Axis, Record, Scenario, Task, VerdictKind};
 use point::Point;
 
@@ -40,6 +42,7 @@ pub struct Tuner {
     /// The best place so far, in shares of the axes.
     best: Vec<f64>,
     path: Vec<Try>,
+    bands: Option<Vec<[f64; 2]>>,
     runs: u64,
 }
 
@@ -47,6 +50,8 @@ enum Stage {
     /// The axis, and the place on it, to try next.
     Scanning(usize, usize),
     Searching(Box<Search>),
+    /// How far each setting may be off is being found out.
+    Looking(Box<Information>),
     Done,
 }
 
@@ -73,6 +78,9 @@ pub struct Tuned {
     pub scenario: Scenario,
     /// Each try that was better than all before; the scenario's own values come first.
     pub path: Vec<Try>,
+    /// The values two standard deviations below and above the best one of each setting, by the curvature of the likelihood; `None` for
+    /// another goal, and where the likelihood has no maximum there.
+    pub bands: Option<Vec<[f64; 2]>>,
     /// The verdict on the tuned filter, if there are enough measurements for one.
     pub verdict: Option<VerdictKind>,
     /// Warnings about the result.
@@ -98,7 +106,7 @@ impl Tuner {
         let best = cost.present();
         // The present values count even if they are beyond an axis.
         let path = vec![Try { values: cost.present_values(), score: -cost.of_scenario(&cost.scenario) }];
-        Ok(Self { cost, stage: Stage::Scanning(0, 0), best, path, runs: 1 })
+        Ok(Self { cost, stage: Stage::Scanning(0, 0), best, path, bands: None, runs: 1 })
     }
 
     /// Tries these values of the settings before the search, one an axis, such as the best ones of a map. Values beyond an axis
@@ -170,9 +178,17 @@ impl Tuner {
         *state = Some(after);
         if is_done {
             self.runs += runs;
-            return Stage::Done;
+            return self.look();
         }
         Stage::Searching(search)
+    }
+
+    /// The likelihood's maximum is looked at; another goal has no curvature that means anything.
+    fn look(&self) -> Stage {
+        match self.path.last().filter(|_| self.cost.goal == Goal::Likelihood) {
+            Some(best) => Stage::Looking(Box::new(Information::new(&self.cost, best.values.clone(), best.score))),
+            None => Stage::Done,
+        }
     }
 
     fn keep(&mut self, shares: &[f64], cost: f64) {
@@ -191,7 +207,8 @@ impl Task for Tuner {
         let axes = self.cost.axes.len().max(1) as f64;
         match &self.stage {
             Stage::Scanning(axis, place) => 0.2 * (*axis as f64 + *place as f64 / SCAN as f64) / axes,
-            Stage::Searching(search) => 0.2 + 0.8 * search.iterations as f64 / ITERATIONS as f64,
+            Stage::Searching(search) => 0.2 + 0.7 * search.iterations as f64 / ITERATIONS as f64,
+            Stage::Looking(_) => 0.9,
             Stage::Done => 1.0,
         }
     }
@@ -202,6 +219,15 @@ impl Task for Tuner {
             self.stage = match std::mem::replace(&mut self.stage, Stage::Done) {
                 Stage::Scanning(axis, place) => self.scan(axis, place),
                 Stage::Searching(search) => self.search(search),
+                Stage::Looking(mut information) => {
+                    if information.advance(&self.cost) {
+                        self.runs += information.runs();
+                        self.bands = information.bands(&self.cost);
+                        Stage::Done
+                    } else {
+                        Stage::Looking(information)
+                    }
+                }
                 Stage::Done => return true,
             };
             if !while_time() {
@@ -212,12 +238,12 @@ impl Task for Tuner {
 
     /// The result so far.
     fn finish(self) -> Tuned {
-        let Self { cost, path, runs, .. } = self;
+        let Self { cost, path, bands, runs, .. } = self;
         let values = path.last().map(|best| best.values.clone()).unwrap_or_default();
         let scenario = cost.with_values(&values);
         let verdict = cost.verdict(&scenario);
         let remarks = remark::all(&cost, &path, verdict);
-        Tuned { scenario, path, verdict, remarks, runs }
+        Tuned { scenario, path, bands, verdict, remarks, runs }
     }
 }
 

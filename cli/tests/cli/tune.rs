@@ -34,6 +34,7 @@ fn the_noise_of_a_sensor_is_found_and_written() {
     let tuned = Scenario::from_toml(&std::fs::read_to_string(out).unwrap()).unwrap();
     let std = tuned.filters[0].sensor_std[0];
     assert!((std / 0.01 - 1.0).abs() < 0.05, "{std}");
+    assert!(text.contains(", ±2σ from 9.") && text.contains(" to 1.0"), "{text}");
 }
 
 #[test]

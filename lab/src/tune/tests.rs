@@ -111,3 +111,38 @@ fn values_that_are_known_to_be_good_are_where_the_search_begins() {
     assert_eq!(path.len(), 2);
     assert!((path[1].values[0] / 0.02 - 1.0).abs() < 1e-12 && path[1].score > path[0].score);
 }
+
+/// The logarithm of σ has the standard deviation 1/√(2 n) from n readings of noise alone.
+#[test]
+fn the_band_of_a_noise_is_that_of_theory() {
+    let mut scenario = scenario(6);
+    scenario.plant.disturbance_std = 0.0;
+    scenario.plant.set(Channel::NATURAL_FREQUENCY, kalmanscope_core::Signal::Constant(6.0));
+    let damping = scenario.plant.parameter(Channel::DAMPING_RATIO).unwrap().at(0.0);
+    let filter = &mut scenario.filters[0];
+    filter.kind = kalmanscope_core::FilterKind::KF;
+    filter.initial_mean[Channel::NATURAL_FREQUENCY] = 6.0;
+    filter.initial_mean[Channel::DAMPING_RATIO] = damping;
+    for channel in [Channel::DISPLACEMENT, Channel::VELOCITY] {
+        (filter.initial_std[channel], filter.process_std[channel]) = (0.0, 0.0);
+    }
+    let readings = scenario.samples() - 1;
+    let tuned = tune(scenario, axes()[..1].to_vec(), Goal::Likelihood);
+    let [low, high] = tuned.bands.unwrap()[0];
+    let width = (high / low).ln() / 4.0;
+    let theory = 1.0 / (2.0 * readings as f64).sqrt();
+    assert!((width / theory - 1.0).abs() < 0.02, "{width} in place of {theory}");
+    let best = tuned.path.last().unwrap().values[0];
+    assert!(((low * high).sqrt() / best - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn bands_are_of_a_maximum_of_the_likelihood_only() {
+    let bands = (8..18).map(|seed| tune(scenario(seed), axes(), Goal::Likelihood).bands.unwrap());
+    let is_inside = |bands: &Vec<[f64; 2]>| bands.iter().all(|[low, high]| (*low..=*high).contains(&0.02));
+    assert!(bands.filter(is_inside).count() >= 7, "σ of the sensor, and of the force's impulse in a step, are 0.02");
+    assert_eq!(tune(scenario(7), axes(), Goal::Consistency).bands, None);
+    // The best value is beyond the end of its range.
+    let beyond = vec![Axis::parse("filters.EKF.sensor_std.displacement=0.05:0.5:2:log").unwrap()];
+    assert_eq!(tune(scenario(7), beyond, Goal::Likelihood).bands, None);
+}

@@ -20,15 +20,18 @@ pub(super) fn result_ui(ui: &mut Ui, result: &TuneResult, context: &ViewContext<
     };
     let goal = result.choice().goal;
     Grid::new("result of the tuning").spacing(vec2(14.0, 3.0)).show(ui, |ui| {
-        for text in ["", "before", "after"] {
+        for text in ["", "before", "after"].into_iter().chain(tuned.bands.is_some().then_some("±2σ")) {
             ui.weak(text);
         }
         ui.end_row();
         let values = first.values.iter().zip(&last.values);
-        for (axis, (before, after)) in result.choice().axes.iter().zip(values) {
+        for (place, (axis, (before, after))) in result.choice().axes.iter().zip(values).enumerate() {
             ui.label(setting_label(&axis.key, &tuned.scenario));
             ui.label(significant(*before, 4));
             ui.label(significant(*after, 4));
+            if let Some([low, high]) = tuned.bands.as_ref().and_then(|bands| bands.get(place)) {
+                ui.label(format!("{} to {}", significant(*low, 3), significant(*high, 3))).on_hover_text(BAND);
+            }
             ui.end_row();
         }
         ui.label(score_name(goal));
@@ -57,6 +60,10 @@ pub(super) fn result_ui(ui: &mut Ui, result: &TuneResult, context: &ViewContext<
         ui.weak("The settings have changed since: tune again.");
     }
 }
+
+/// What the band of a tuned setting is.
+const BAND: &str = "How far the record tells it: where the log likelihood falls by 2, by its curvature at the best values, with the \
+                    other settings free";
 
 fn score_name(goal: Goal) -> &'static str {
     match goal {

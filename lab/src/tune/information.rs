@@ -1,0 +1,137 @@
+//! The information that a record has on the settings that were tuned: how far each may be off.
+
+use kalmanscope_core::Spacing;
+use kalmanscope_core::filter::Matrix;
+
+use super::cost::{Cost, FORBIDDEN};
+
+/// The curvature of the log likelihood at its maximum, from differences, one run or two at a time.
+///
+/// Settings on a logarithmic axis count by their logarithms. The inverse of the matrix of second derivatives, the observed
+/// information, is the covariance of the error of a maximum-likelihood estimate over a long record.
+///
+/// Source: Efron and Hinkley (1978), Assessing the accuracy of the maximum likelihood estimator: observed versus expected Fisher
+/// information; Åström (1980), Maximum likelihood and prediction error methods (for the likelihood of innovations).
+pub(super) struct Information {
+    values: Vec<f64>,
+    best: f64,
+    steps: Vec<f64>,
+    /// The costs a step below and above on each axis, as far as they are known.
+    beside: Vec<[f64; 2]>,
+    /// The second derivatives of pairs, in the order of [`pairs`].
+    mixed: Vec<f64>,
+    /// The changes of the step on the present axis.
+    tries: usize,
+    runs: u64,
+}
+
+/// The first step: a share of the value, or of a linear axis.
+const FIRST: f64 = 0.05;
+
+/// A step is right where the log likelihood falls by something between these, in the mean of both sides.
+const FALL: std::ops::RangeInclusive<f64> = 0.1..=1.0;
+
+/// The fall that a step is changed to.
+const WANTED: f64 = 0.4;
+
+/// Limits the changes of a step.
+const TRIES: usize = 8;
+
+/// Limits how much further the maximum may be away, in its own σ.
+const NEAR: f64 = 0.5;
+
+impl Information {
+    /// At these values of the settings.
+    pub(super) fn new(cost: &Cost, values: Vec<f64>, score: f64) -> Self {
+        let step = |axis: &kalmanscope_core::Axis| match axis.spacing {
+            Spacing::Logarithmic => FIRST,
+            Spacing::Linear => FIRST * (axis.to - axis.from),
+        };
+        let steps = cost.axes.iter().map(step).collect();
+        Self { values, best: -score, steps, beside: Vec::new(), mixed: Vec::new(), tries: 0, runs: 0 }
+    }
+
+    /// The runs that it took.
+    pub(super) fn runs(&self) -> u64 {
+        self.runs
+    }
+
+    /// Does the next runs. Returns whether all are done.
+    pub(super) fn advance(&mut self, cost: &Cost) -> bool {
+        let n = self.steps.len();
+        if self.beside.len() < n {
+            self.look_beside(cost);
+            return false;
+        }
+        let Some((i, j)) = pairs(n).nth(self.mixed.len()) else { return true };
+        let both: f64 = [-1.0, 1.0].iter().map(|sign| self.cost_at(cost, &[(i, *sign), (j, *sign)])).sum();
+        let alone: f64 = [i, j].iter().map(|&axis| self.beside[axis].iter().sum::<f64>()).sum();
+        self.mixed.push((both - alone + 2.0 * self.best) / (2.0 * self.steps[i] * self.steps[j]));
+        false
+    }
+
+    /// The costs on both sides of the next axis, or another step for it.
+    fn look_beside(&mut self, cost: &Cost) {
+        let axis = self.beside.len();
+        let sides = [-1.0, 1.0].map(|sign| self.cost_at(cost, &[(axis, sign)]));
+        let fall = 0.5 * (sides[0] + sides[1]) - self.best;
+        self.tries += 1;
+        if FALL.contains(&fall) || self.tries > TRIES {
+            self.beside.push(sides);
+            self.tries = 0;
+        } else if fall > 0.0 && fall < FORBIDDEN / 4.0 {
+            self.steps[axis] *= (WANTED / fall).sqrt().clamp(0.1, 10.0);
+        } else {
+            self.steps[axis] *= if fall > 0.0 { 0.2 } else { 3.0 };
+        }
+    }
+
+    /// The cost some steps away on some axes.
+    fn cost_at(&mut self, cost: &Cost, moves: &[(usize, f64)]) -> f64 {
+        let mut values = self.values.clone();
+        for &(axis, sign) in moves {
+            values[axis] = moved(cost.axes[axis].spacing, values[axis], sign * self.steps[axis]);
+        }
+        self.runs += 1;
+        cost.of_scenario(&cost.with_values(&values))
+    }
+
+    /// The values two standard deviations below and above each setting, where all of them have a maximum here.
+    pub(super) fn bands(&self, cost: &Cost) -> Option<Vec<[f64; 2]>> {
+        let n = self.steps.len();
+        let mut second = vec![0.0; n * n];
+        let mut slope = vec![0.0; n];
+        for (axis, ([below, above], step)) in self.beside.iter().zip(&self.steps).enumerate() {
+            second[axis * n + axis] = (above + below - 2.0 * self.best) / (step * step);
+            slope[axis] = (above - below) / (2.0 * step);
+        }
+        for ((i, j), mixed) in pairs(n).zip(&self.mixed) {
+            (second[i * n + j], second[j * n + i]) = (*mixed, *mixed);
+        }
+        let is_known = self.beside.len() == n && self.beside.iter().flatten().all(|cost| *cost < FORBIDDEN);
+        let factor = Matrix::from_column_slice(n, n, &second).cholesky().filter(|_| is_known)?;
+        let cov = factor.inverse();
+        // The distance to the maximum of the parabola.
+        let away: Vec<f64> = (0..n).map(|i| (0..n).map(|j| cov[(i, j)] * slope[j]).sum::<f64>()).collect();
+        let square: f64 = away.iter().zip(&slope).map(|(a, b)| a * b).sum();
+        let is_here = square <= NEAR * NEAR * n as f64;
+        let band = |axis: usize| {
+            let spread = 2.0 * cov[(axis, axis)].sqrt();
+            [-spread, spread].map(|by| moved(cost.axes[axis].spacing, self.values[axis], by))
+        };
+        is_here.then(|| (0..n).map(band).collect())
+    }
+}
+
+/// A value moved on its axis: by a difference, or by a difference of logarithms.
+fn moved(spacing: Spacing, value: f64, by: f64) -> f64 {
+    match spacing {
+        Spacing::Logarithmic => value * libm::exp(by),
+        Spacing::Linear => value + by,
+    }
+}
+
+/// All pairs of n things.
+fn pairs(n: usize) -> impl Iterator<Item = (usize, usize)> {
+    (0..n).flat_map(move |i| (i + 1..n).map(move |j| (i, j)))
+}
