@@ -16,13 +16,13 @@ use crate::prepared::scenario_and_record;
 use crate::progress::Progress;
 use crate::sweep::{MOST_THREADS, filters};
 
-use causes::FirstCauses;
+use causes::Causes;
 
 /// The members that have run, with the first cause of each bad verdict if causes were looked for.
 struct Population {
     runner: Arc<Runner>,
     statistics: MonteCarlo,
-    causes: Option<Vec<FirstCauses>>,
+    causes: Option<Vec<Causes>>,
 }
 
 /// Runs the members and prints what became of each filter.

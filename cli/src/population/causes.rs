@@ -1,4 +1,4 @@
-//! The first cause of each bad verdict among the members of a population.
+//! The causes of each bad verdict among the members of a population.
 
 use std::collections::BTreeMap;
 use std::sync::Mutex;
@@ -14,17 +14,18 @@ use crate::progress::Progress;
 
 /// Of one filter, over the members.
 #[derive(Clone, Debug, Default)]
-pub(super) struct FirstCauses {
+pub(super) struct Causes {
     /// The members with a bad verdict.
     pub(super) bad: usize,
-    /// The members with each first cause, by its name, the commonest first after [`Self::sort`].
-    pub(super) first: Vec<(&'static str, usize)>,
-    /// The members whose verdict no cause explains.
+    /// The members in which each cause is the first, and in which it is among the first two, the commonest first.
+    pub(super) named: Vec<(&'static str, [usize; 2])>,
+    /// The members without any cause, and those whose verdict is not explained by the first one.
+    pub(super) none: usize,
     pub(super) unexplained: usize,
 }
 
-/// The first causes of each filter, searched by some threads.
-pub(super) fn of_members(runner: &Runner, slices: &[Slice], threads: usize, quiet: bool) -> Vec<FirstCauses> {
+/// The causes of each filter, searched by some threads.
+pub(super) fn of_members(runner: &Runner, slices: &[Slice], threads: usize, quiet: bool) -> Vec<Causes> {
     let ensemble = runner.ensemble();
     let cells: Vec<usize> = slices.iter().flat_map(|slice| bad_cells(runner, slice)).collect();
     let progress = Mutex::new(Progress::new(cells.len(), quiet));
@@ -46,27 +47,31 @@ pub(super) fn of_members(runner: &Runner, slices: &[Slice], threads: usize, quie
         threads.into_iter().flat_map(join).collect()
     });
     let of_filter = |nth: usize| {
-        let mut causes = FirstCauses::default();
-        let mut counts: BTreeMap<&'static str, usize> = BTreeMap::new();
-        for found in found.iter().filter_map(|member| member.get(nth).copied().flatten()) {
+        let mut causes = Causes::default();
+        let mut counts: BTreeMap<&'static str, [usize; 2]> = BTreeMap::new();
+        for found in found.iter().filter_map(|member| member.get(nth)?.as_ref()) {
             causes.bad += 1;
-            match found {
-                Found::Cause(name) => *counts.entry(name).or_default() += 1,
-                Found::None => causes.unexplained += 1,
+            causes.none += usize::from(found.causes.is_empty());
+            causes.unexplained += usize::from(!found.is_explained);
+            for (place, name) in found.causes.iter().enumerate() {
+                let [first, among] = counts.entry(name).or_default();
+                *first += usize::from(place == 0);
+                *among += 1;
             }
         }
-        causes.first = counts.into_iter().collect();
-        causes.first.sort_by_key(|&(_, count)| std::cmp::Reverse(count));
+        causes.named = counts.into_iter().collect();
+        causes.named.sort_by_key(|&(_, counts)| std::cmp::Reverse(counts));
         causes
     };
     (0..ensemble.plan().filters.len()).map(of_filter).collect()
 }
 
 /// What is found of a bad verdict.
-#[derive(Clone, Copy)]
-enum Found {
-    Cause(&'static str),
-    None,
+struct Found {
+    /// The names of the first two causes.
+    causes: Vec<&'static str>,
+    /// Whether the first one explains the verdict.
+    is_explained: bool,
 }
 
 /// The members of a slice of which a filter has a bad verdict.
@@ -102,8 +107,8 @@ fn of_member(runner: &Runner, cell: usize) -> Option<Vec<Option<Found>>> {
         if verdict.kind.is_good() {
             return None;
         }
-        let cause = remedies.first().filter(|_| Remedy::is_explained(remedies));
-        Some(cause.map_or(Found::None, |remedy| Found::Cause(remedy.first.cause.name)))
+        let causes = remedies.iter().take(2).map(|remedy| remedy.first.cause.name).collect();
+        Some(Found { causes, is_explained: Remedy::is_explained(remedies) })
     };
     Some(remedies.iter().enumerate().map(of).collect())
 }

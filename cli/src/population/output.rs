@@ -7,7 +7,6 @@ use kalmanscope_core::{Channel, Document, DocumentError, Scenario, VerdictKind};
 use kalmanscope_lab::{LastError, share_interval};
 
 use super::Population;
-use super::causes::FirstCauses;
 
 /// The share of the truth within which a parameter counts as identified.
 const NEAR: f64 = 0.01;
@@ -94,10 +93,13 @@ impl Population {
                 line(text, &format!("verdict: {}", kind.name()), share)?;
             }
             if let Some(causes) = self.causes.as_ref().and_then(|causes| causes.get(nth)).filter(|one| one.bad > 0) {
-                writeln!(text, "  first causes of the {} bad verdicts", causes.bad)?;
-                for (name, share) in shares(causes) {
-                    line(text, name, share)?;
+                writeln!(text, "  causes of the {} bad verdicts: as the first, and among the first two", causes.bad)?;
+                for (name, [first, among]) in &causes.named {
+                    let [first, among] = [*first, *among].map(|count| 100.0 * count as f64 / causes.bad as f64);
+                    writeln!(text, "  {name:<42}{first:>6.1} % {among:>6.1} %")?;
                 }
+                line(text, "no cause", Share { count: causes.none, of: causes.bad })?;
+                line(text, "not explained by the first cause", Share { count: causes.unexplained, of: causes.bad })?;
             }
         }
         Ok(())
@@ -108,7 +110,7 @@ impl Population {
     /// ```text
     /// members, impossible, drawn: [{ key, law, numbers }]
     /// filters: [{ name, lost, stopped, parameters: [{ channel, within_1_percent, inside_2_sigma, rmse }],
-    ///             verdicts: [{ kind, members }], causes: [{ name, members }] }]
+    ///             verdicts: [{ kind, members }], causes: [{ name, first, among_first_two }], unexplained }]
     /// ```
     pub(super) fn json(&self) -> Result<String, DocumentError> {
         let scenario = self.scenario();
@@ -130,16 +132,26 @@ impl Population {
                     ("rmse", Document::Number((squares / errors.len() as f64).sqrt())),
                 ])
             });
-            let verdicts = self.verdicts(nth).map(|(kind, share)| counted("kind", kind.name(), share.count));
+            let verdicts = self.verdicts(nth).map(|(kind, share)| {
+                Document::of_entries([("kind", kind.name().into()), ("members", number(share.count))])
+            });
             let causes = self.causes.as_ref().and_then(|causes| causes.get(nth));
-            let causes = causes.into_iter().flat_map(shares).map(|(name, share)| counted("name", name, share.count));
+            let named = causes.into_iter().flat_map(|causes| &causes.named).map(|(name, [first, among])| {
+                Document::of_entries([
+                    ("name", (*name).into()),
+                    ("first", number(*first)),
+                    ("among_first_two", number(*among)),
+                ])
+            });
+            let unexplained = causes.map_or(Document::Null, |causes| number(causes.unexplained));
             Document::of_entries([
                 ("name", filter.name.as_str().into()),
                 ("lost", lost.number()),
                 ("stopped", stopped.number()),
                 ("parameters", Document::List(parameters.collect())),
                 ("verdicts", Document::List(verdicts.collect())),
-                ("causes", Document::List(causes.collect())),
+                ("causes", Document::List(named.collect())),
+                ("unexplained", unexplained),
             ])
         });
         let text = Document::json_lines(&Document::of_entries([
@@ -158,12 +170,6 @@ impl Share {
     }
 }
 
-/// The causes that were found, and how often none was.
-fn shares(causes: &FirstCauses) -> impl Iterator<Item = (&'static str, Share)> {
-    let none = (causes.unexplained > 0).then_some(("none that explains it", causes.unexplained));
-    causes.first.iter().copied().chain(none).map(|(name, count)| (name, Share { count, of: causes.bad }))
-}
-
 fn near(errors: &[LastError]) -> Share {
     Share { count: errors.iter().filter(|last| last.is_within(NEAR)).count(), of: errors.len() }
 }
@@ -174,10 +180,6 @@ fn covered(errors: &[LastError]) -> Share {
 
 fn number(count: usize) -> Document {
     i64::try_from(count).map_or(Document::Null, Document::Integer)
-}
-
-fn counted(key: &str, name: &str, count: usize) -> Document {
-    Document::of_entries([(key, name.into()), ("members", number(count))])
 }
 
 /// A share with its 95 % interval.

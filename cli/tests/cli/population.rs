@@ -25,7 +25,7 @@ fn causes(name: &str, members: &str) -> Vec<(String, i64)> {
     let filters = document.get("filters").unwrap().children().next().unwrap();
     let named = |cause: &Document| {
         let Some(Document::Text(name)) = cause.get("name") else { panic!("a cause has a name") };
-        let Some(Document::Integer(members)) = cause.get("members") else { panic!("a cause has members") };
+        let Some(Document::Integer(members)) = cause.get("first") else { panic!("a cause has members") };
         (name.clone(), *members)
     };
     filters.get("causes").unwrap().children().map(named).collect()

@@ -6,6 +6,7 @@
 //!
 //! Each test ([`Test`]) is a file in `diagnosis/checks`, each cause ([`Cause`]) one in `diagnosis/cause`.
 
+mod agreement;
 mod case;
 mod cause;
 mod change;
@@ -23,6 +24,7 @@ mod parts;
 mod path;
 mod periodogram;
 mod ranking;
+mod readings;
 mod remedy;
 mod search;
 mod summary;

@@ -1,7 +1,10 @@
 //! Causes by name, each with its evidence and the edit that repairs it.
 
 mod changing_noise;
+mod clipped;
+mod coarse;
 mod collapsed_sample;
+mod disagreement;
 mod felt_disturbance;
 mod initial_guess;
 mod input_delay;
@@ -10,11 +13,13 @@ mod input_hold;
 mod input_offset;
 mod missing_mode;
 mod no_excitation;
+mod outliers;
 mod process_noise;
 mod sensor_bias;
 mod sensor_noise;
 mod slow_drift;
 mod spring;
+mod sticking;
 mod still_input;
 mod sudden_change;
 mod unknown_force;
@@ -32,6 +37,13 @@ pub static CAUSES: &[&Cause] = &[
     &wind_up::CAUSE,
     &collapsed_sample::CAUSE,
     &no_excitation::CAUSE,
+    &disagreement::SIGN,
+    &disagreement::SCALE_OF,
+    &disagreement::LATENESS,
+    &outliers::CAUSE,
+    &clipped::CAUSE,
+    &sticking::CAUSE,
+    &coarse::CAUSE,
     &sensor_noise::CAUSE,
     &changing_noise::CAUSE,
     &felt_disturbance::CAUSE,

@@ -35,10 +35,10 @@ impl Remedy {
     }
 
     /// Whether nothing is left to explain. Either the filter with the edits made has a good verdict, or its only
-    /// fault is a parameter that is not identifiable; or the cause is certain and has no edit.
+    /// fault is a parameter that is not identifiable; or the cause is certain and has no edit, or is a fault of the record.
     pub fn explains(&self) -> bool {
         let of_nothing = self.first.certain && self.edits.is_empty();
-        of_nothing || self.after.as_ref().is_some_and(|verdict| rests(verdict.kind) > 0)
+        of_nothing || self.first.of_record || self.after.as_ref().is_some_and(|verdict| rests(verdict.kind) > 0)
     }
 
     /// Whether the first of some remedies, the likeliest first, explains the verdict: otherwise none of them does.

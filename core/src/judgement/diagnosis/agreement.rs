@@ -1,0 +1,200 @@
+//! Whether one sensor reads the change of another, without a model.
+
+/// The comparison of the change of a quantity with the integral of its rate, over the same times.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Agreement {
+    /// The factor of the change on the integral: 1 if both are right.
+    pub(super) factor: f64,
+    /// Its standard deviation.
+    pub(super) std: f64,
+    /// The time by which the rate is late, in samples.
+    pub(super) late: f64,
+    /// The standard deviation of that time.
+    pub(super) late_std: f64,
+}
+
+/// Limits the lateness that is looked for, in samples.
+const MOST_LATE: usize = 60;
+
+/// The least correlation by which two sensors can be compared.
+const CLEAR: f64 = 0.9;
+
+/// The spans over which changes are taken, in samples: the one in which both are most alike is used.
+const SPANS: [usize; 8] = [2, 4, 8, 16, 32, 64, 128, 256];
+
+impl Agreement {
+    /// Of readings of a quantity and of its rate, `dt` \[s\] apart, the rate with noise of this standard deviation. `None` where
+    /// they are too few, or too unlike each other to be compared.
+    ///
+    /// ```text
+    /// x(k + m) - x(k) = c + b ∫ v dt
+    /// ```
+    /// b by least squares, with the attenuation by the rate's noise undone.
+    pub(super) fn of(values: &[f64], rates: &[f64], dt: f64, noise: f64) -> Option<Self> {
+        let count = values.len().min(rates.len());
+        // The integral of the rate up to each sample; a missing reading leaves a hole behind it.
+        let mut integral = vec![0.0; count];
+        for k in 1..count {
+            integral[k] = integral[k - 1] + 0.5 * dt * (rates[k - 1] + rates[k]);
+            if integral[k].is_nan() && !rates[k].is_nan() {
+                integral[k] = f64::NAN;
+            }
+        }
+        let integral = if integral.iter().any(|x| x.is_nan()) { bridged(rates, dt) } else { integral };
+        let spans = SPANS.into_iter().filter(|span| 20 * span < count);
+        let at = |span: usize, late: isize| Sums::of(values, &integral, span, late);
+        let lates = -(MOST_LATE as isize)..=MOST_LATE as isize;
+        // Coarse in lateness first.
+        let coarse = spans.flat_map(|span| lates.clone().step_by(5).map(move |late| (span, late)));
+        let likeness = |sums: &Option<Sums>| sums.as_ref().map_or(0.0, |sums| sums.correlation().abs());
+        let (span, near) = coarse.max_by(|a, b| likeness(&at(a.0, a.1)).total_cmp(&likeness(&at(b.0, b.1))))?;
+        let fine = (near - 5).max(-(MOST_LATE as isize))..=(near + 5).min(MOST_LATE as isize);
+        let best = fine.max_by(|a, b| likeness(&at(span, *a)).total_cmp(&likeness(&at(span, *b))))?;
+        let sums = at(span, best)?;
+        let r = sums.correlation();
+        if r.abs() < CLEAR {
+            return None;
+        }
+        // The peak of the parabola through three likenesses.
+        let [before, here, after] = [best - 1, best, best + 1].map(|late| likeness(&at(span, late)));
+        let curvature = before - 2.0 * here + after;
+        let peak = if curvature < 0.0 { (0.5 * (before - after) / curvature).clamp(-0.5, 0.5) } else { 0.0 };
+        let independent = (sums.count / span as f64).max(3.0);
+        let attenuation = 1.0 - span as f64 * (dt * noise).powi(2) / sums.variances()[1];
+        let factor = sums.slope() / attenuation.max(0.5);
+        let std = factor.abs() * ((1.0 / (r * r) - 1.0) / independent).sqrt();
+        // The scatter of the likeness, over its curvature.
+        let scatter = ((1.0 - r * r) / independent).sqrt();
+        let late_std =
+            if curvature < 0.0 { (scatter * (1.0 - r * r).sqrt() / -curvature).sqrt() } else { f64::INFINITY };
+        Some(Self { factor, std, late: best as f64 + peak, late_std })
+    }
+}
+
+/// The integral of a rate whose missing readings count as those before them.
+fn bridged(rates: &[f64], dt: f64) -> Vec<f64> {
+    let mut last = rates.iter().copied().find(|rate| !rate.is_nan()).unwrap_or(0.0);
+    let mut sum = 0.0;
+    let step = |rate: &f64| {
+        let before = last;
+        if !rate.is_nan() {
+            last = *rate;
+        }
+        sum += 0.5 * dt * (before + last);
+        sum
+    };
+    rates.iter().map(step).collect()
+}
+
+/// The sums of the changes of two columns over a span, the second one late by some samples.
+struct Sums {
+    count: f64,
+    means: [f64; 2],
+    squares: [f64; 2],
+    product: f64,
+}
+
+impl Sums {
+    fn of(values: &[f64], integral: &[f64], span: usize, late: isize) -> Option<Self> {
+        let count = values.len().min(integral.len());
+        let first = late.min(0).unsigned_abs();
+        let end = count.checked_sub(span + late.max(0).unsigned_abs())?;
+        // About 4000 pairs are enough.
+        let stride = (end.saturating_sub(first) / 4000).max(1);
+        let mut sums = Self { count: 0.0, means: [0.0; 2], squares: [0.0; 2], product: 0.0 };
+        for k in (first..end).step_by(stride) {
+            let other = k.checked_add_signed(late)?;
+            let pair = [values[k + span] - values[k], integral[other + span] - integral[other]];
+            if pair.iter().any(|x| !x.is_finite()) {
+                continue;
+            }
+            // Welford (1962), Note on a method for calculating corrected sums of squares and products.
+            sums.count += 1.0;
+            let before = [pair[0] - sums.means[0], pair[1] - sums.means[1]];
+            for (mean, difference) in sums.means.iter_mut().zip(before) {
+                *mean += difference / sums.count;
+            }
+            let after = [pair[0] - sums.means[0], pair[1] - sums.means[1]];
+            for ((square, before), after) in sums.squares.iter_mut().zip(before).zip(after) {
+                *square += before * after;
+            }
+            sums.product += before[0] * after[1];
+        }
+        (sums.count > 50.0 && sums.squares.iter().all(|square| *square > 0.0)).then_some(sums)
+    }
+
+    fn correlation(&self) -> f64 {
+        self.product / (self.squares[0] * self.squares[1]).sqrt()
+    }
+
+    fn slope(&self) -> f64 {
+        self.product / self.squares[1]
+    }
+
+    fn variances(&self) -> [f64; 2] {
+        self.squares.map(|square| square / self.count)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::filter::Normal;
+
+    /// Displacement and velocity of two swings together, read with noise, changed in some way.
+    fn readings(change: impl Fn(f64) -> [f64; 2], seed: u64) -> [Vec<f64>; 2] {
+        let mut normal = Normal::from_seed(seed);
+        let mut columns = [Vec::new(), Vec::new()];
+        for k in 0..4000 {
+            let [x, v] = change(0.01 * f64::from(k));
+            columns[0].push(x + 0.01 * normal.sample());
+            columns[1].push(v + 0.06 * normal.sample());
+        }
+        columns
+    }
+
+    fn x(t: f64) -> f64 {
+        0.3 * (6.0 * t).sin() + 0.1 * (4.1 * t + 1.0).cos()
+    }
+
+    fn v(t: f64) -> f64 {
+        1.8 * (6.0 * t).cos() - 0.41 * (4.1 * t + 1.0).sin()
+    }
+
+    fn agreement(change: impl Fn(f64) -> [f64; 2], seed: u64) -> Agreement {
+        let [values, rates] = readings(change, seed);
+        Agreement::of(&values, &rates, 0.01, 0.06).unwrap()
+    }
+
+    #[test]
+    fn right_sensors_agree() {
+        for seed in 0..20 {
+            let Agreement { factor, std, late, late_std } = agreement(|t| [x(t), v(t)], seed);
+            assert!((factor - 1.0).abs() < 4.0 * std + 0.005, "{factor} ± {std}");
+            assert!(late.abs() < 4.0 * late_std + 0.3, "{late} ± {late_std}");
+        }
+    }
+
+    #[test]
+    fn scale_sign_and_lateness_are_found() {
+        for seed in 0..5 {
+            assert!((agreement(|t| [1.2 * x(t), v(t)], seed).factor / 1.2 - 1.0).abs() < 0.01);
+            assert!((agreement(|t| [x(t), 1.2 * v(t)], seed).factor * 1.2 - 1.0).abs() < 0.01);
+            assert!((agreement(|t| [x(t), -v(t)], seed).factor + 1.0).abs() < 0.01);
+            for late in [-7.0, 3.0, 20.0] {
+                let found = agreement(|t| [x(t), v(t - 0.01 * late)], seed);
+                assert!((found.late - late).abs() < 0.5, "{late}: {found:?}");
+            }
+            assert!((agreement(|t| [x(t), v(t) + 0.5], seed).factor - 1.0).abs() < 0.01, "a bias");
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_compared_is_not() {
+        let mut normal = Normal::from_seed(1);
+        let noise: Vec<f64> = (0..1000).map(|_| normal.sample()).collect();
+        assert!(Agreement::of(&noise, &noise, 0.01, 1.0).is_none());
+        assert!(Agreement::of(&[], &[], 0.01, 1.0).is_none());
+        assert!(Agreement::of(&[0.0; 500], &[0.0; 500], 0.01, 1.0).is_none());
+    }
+}
