@@ -155,11 +155,21 @@ static INPUT_DELAY: Row = row! { "input_delay", input_delay,
 };
 
 /// The settings that are shown first: how long the filter remembers.
-pub static MEMORY: [&Row; 4] = [&FADING, &JUMP, &WALK, &ETA];
+pub static MEMORY: [&Row; 3] = [&FADING, &JUMP, &ETA];
 
 /// The less common settings.
-pub static OPTIONS: [&Row; 9] =
-    [&GUESSES, &SUBSTEPS, &ITERATIONS, &ENSEMBLE_SIZE, &LOG_PARAMETERS, &SMOOTHER, &LOOK_AHEAD, &LEARNS_R, &LEARNS_Q];
+pub static OPTIONS: [&Row; 10] = [
+    &WALK,
+    &GUESSES,
+    &SUBSTEPS,
+    &ITERATIONS,
+    &ENSEMBLE_SIZE,
+    &LOG_PARAMETERS,
+    &SMOOTHER,
+    &LOOK_AHEAD,
+    &LEARNS_R,
+    &LEARNS_Q,
+];
 
 /// The settings that files alone have.
 static OF_FILES: [&Row; 2] = [&INPUT_DELAY, &FORGETTING];

@@ -5,8 +5,12 @@ use toml::Value;
 use super::{Edit, Entry, OF_FILTER, OF_SCENARIO, SENSOR_STD, TableInfo};
 use crate::data::scenario::{FilterSettings, Scenario};
 use crate::mathematics::channel::Channel;
+use crate::mathematics::filter::Robust;
 use crate::mathematics::plant::PlantKind;
 use crate::mathematics::quantity::Quantity;
+
+/// A σ that is so many times the present one leaves its sensor out.
+const LEFT_OUT: f64 = 500.0;
 
 impl Edit {
     /// The edit of a scenario in words and symbols, without the name of a filter: `estimate the input gain`, `set √Q of ωₙ = 0.0537`.
@@ -47,7 +51,15 @@ impl Edit {
                 })
             }
             ("plant", Value::String(kind)) => Some(format!("take it for a {}", PlantKind::from_key(kind)?.name())),
+            ("robust", Value::String(rule)) => {
+                let rule = Robust::ALL.into_iter().find(|known| known.info().key == rule)?;
+                Some(format!("weigh readings: {}", rule.info().name))
+            }
             ("sensor_std", Value::Array(stds)) => {
+                let is_left_out = |(std, own): (&Value, &f64)| std.as_float().is_some_and(|std| std >= LEFT_OUT * own);
+                if let Some(place) = stds.iter().zip(&filter.sensor_std).position(is_left_out) {
+                    return Some(format!("leave out the {}", scenario.sensors.get(place)?.measures.name()));
+                }
                 let of = |(sensor, std): (&crate::Sensor, &Value)| {
                     Some(format!("of {} = {}", sensor.measures.symbol(), number(std)?))
                 };
