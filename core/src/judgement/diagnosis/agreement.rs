@@ -16,6 +16,9 @@ pub(super) struct Agreement {
 /// Limits the lateness that is looked for, in samples.
 const MOST_LATE: usize = 60;
 
+/// The changes that are compared, of all that there are: more would tell little more.
+const PAIRS: usize = 1000;
+
 /// The least correlation by which two sensors can be compared.
 const CLEAR: f64 = 0.9;
 
@@ -32,15 +35,7 @@ impl Agreement {
     /// b by least squares, with the attenuation by the rate's noise undone.
     pub(super) fn of(values: &[f64], rates: &[f64], dt: f64, noise: f64) -> Option<Self> {
         let count = values.len().min(rates.len());
-        // The integral of the rate up to each sample; a missing reading leaves a hole behind it.
-        let mut integral = vec![0.0; count];
-        for k in 1..count {
-            integral[k] = integral[k - 1] + 0.5 * dt * (rates[k - 1] + rates[k]);
-            if integral[k].is_nan() && !rates[k].is_nan() {
-                integral[k] = f64::NAN;
-            }
-        }
-        let integral = if integral.iter().any(|x| x.is_nan()) { bridged(rates, dt) } else { integral };
+        let integral = integral(rates, dt);
         let spans = SPANS.into_iter().filter(|span| 20 * span < count);
         let at = |span: usize, late: isize| Sums::of(values, &integral, span, late);
         let lates = -(MOST_LATE as isize)..=MOST_LATE as isize;
@@ -59,7 +54,7 @@ impl Agreement {
         let [before, here, after] = [best - 1, best, best + 1].map(|late| likeness(&at(span, late)));
         let curvature = before - 2.0 * here + after;
         let peak = if curvature < 0.0 { (0.5 * (before - after) / curvature).clamp(-0.5, 0.5) } else { 0.0 };
-        let independent = (sums.count / span as f64).max(3.0);
+        let independent = (count as f64 / span as f64).max(3.0);
         let attenuation = 1.0 - span as f64 * (dt * noise).powi(2) / sums.variances()[1];
         let factor = sums.slope() / attenuation.max(0.5);
         let std = factor.abs() * ((1.0 / (r * r) - 1.0) / independent).sqrt();
@@ -71,8 +66,8 @@ impl Agreement {
     }
 }
 
-/// The integral of a rate whose missing readings count as those before them.
-fn bridged(rates: &[f64], dt: f64) -> Vec<f64> {
+/// The integral of a rate up to each sample; its missing readings count as those before them.
+fn integral(rates: &[f64], dt: f64) -> Vec<f64> {
     let mut last = rates.iter().copied().find(|rate| !rate.is_nan()).unwrap_or(0.0);
     let mut sum = 0.0;
     let step = |rate: &f64| {
@@ -99,8 +94,7 @@ impl Sums {
         let count = values.len().min(integral.len());
         let first = late.min(0).unsigned_abs();
         let end = count.checked_sub(span + late.max(0).unsigned_abs())?;
-        // About 4000 pairs are enough.
-        let stride = (end.saturating_sub(first) / 4000).max(1);
+        let stride = (end.saturating_sub(first) / PAIRS).max(1);
         let mut sums = Self { count: 0.0, means: [0.0; 2], squares: [0.0; 2], product: 0.0 };
         for k in (first..end).step_by(stride) {
             let other = k.checked_add_signed(late)?;

@@ -88,7 +88,7 @@ fn likely_causes(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
             let mut stds = bad.filter.sensor_std.clone();
             stds[which] *= SILENCE;
             let name = sensors[which].measures.name();
-            let sentence = format!("{sentence}; without the {name} the others are the likelier");
+            let sentence = format!("{sentence}; the other readings fit better without the {name}");
             let likely = LikelyCause::new(cause, size, 1.0, vec![bad.edit("sensor_std", stds)], sentence);
             found.push(LikelyCause { certain: true, of_record: true, ..likely });
         }
