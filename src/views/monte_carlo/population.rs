@@ -15,6 +15,9 @@ use crate::view::ViewContext;
 /// The spread of a number that is drawn from now on, as a share of its value.
 const SHARE: f64 = 0.2;
 
+/// The width of a window below which a row does not fit into it \[points\].
+const NARROW: f32 = 620.0;
+
 /// The width of a number's field \[points\].
 const FIELD: f32 = 72.0;
 
@@ -59,7 +62,7 @@ pub(super) fn name(key: &str, scenario: &Scenario) -> String {
     setting_name(key, scenario) + &filter.unwrap_or_default()
 }
 
-/// A row: the number, its law, and the law's two numbers.
+/// A row: the number, its law, and the law's two numbers; on a narrow screen the numbers are a row of their own.
 fn law_ui(ui: &mut Ui, scenario: &mut Scenario, key: &str) {
     let name = name(key, scenario);
     let unit = Address::parse(scenario, key).map_or("", |setting| setting.unit());
@@ -75,23 +78,39 @@ fn law_ui(ui: &mut Ui, scenario: &mut Scenario, key: &str) {
         }
     });
     ui.ctx().accesskit_node_builder(menu.response.id, |node| node.set_label(format!("Law of {name}")));
+    let is_narrow = ui.ctx().content_rect().width() < NARROW;
+    let remove = |ui: &mut Ui| {
+        let button = ui.small_button("✕").on_hover_text("Draw it no more");
+        button.ctx.accesskit_node_builder(button.id, |node| node.set_label(format!("Draw {name} no more")));
+        button.clicked()
+    };
+    let mut is_removed = false;
+    if is_narrow {
+        is_removed = remove(ui);
+        ui.end_row();
+    }
     let mut numbers = law.numbers();
     for (number, word) in numbers.iter_mut().zip(law.info().numbers) {
         let label = format!("{word} of {name}");
         let scale = number.abs().max(1e-9);
         let hint = if unit.is_empty() { label.clone() } else { format!("{label} [{unit}]") };
         let size = vec2(FIELD, ui.spacing().interact_size.y);
-        ui.weak(word);
-        ui.allocate_ui(size, |ui| field(ui, number, f64::NEG_INFINITY, scale, label.as_str(), &hint));
+        let mut field_ui = |ui: &mut Ui, word: &str| {
+            ui.weak(word);
+            ui.allocate_ui(size, |ui| field(ui, number, f64::NEG_INFINITY, scale, label.as_str(), &hint));
+        };
+        if is_narrow {
+            ui.horizontal(|ui| field_ui(ui, word.split(" of ").next().unwrap_or(word)));
+        } else {
+            field_ui(ui, word);
+        }
     }
     // Ignores half-typed, impossible laws.
     let edited = law.with(numbers);
     if edited.problem().is_none() {
         *law = edited;
     }
-    let remove = ui.small_button("✕").on_hover_text("Draw it no more");
-    remove.ctx.accesskit_node_builder(remove.id, |node| node.set_label(format!("Draw {name} no more")));
-    if remove.clicked() {
+    if is_removed || (!is_narrow && remove(ui)) {
         scenario.draw.remove(key);
     }
 }
