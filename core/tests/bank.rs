@@ -30,7 +30,7 @@ fn scenario(kind: FilterKind, walk: f64) -> Scenario {
 const KINDS: [FilterKind; 5] =
     [FilterKind::EKF, FilterKind::IEKF, FilterKind::UKF, FilterKind::SR_UKF, FilterKind::CKF];
 
-/// The same filter, written down as the book has it: two filters, and a page of sums.
+/// An independent bank, written down as the book has it: two filters, and a page of sums.
 struct Book {
     filters: [Filter<Moments>; 2],
     probability: [f64; 2],
@@ -155,7 +155,7 @@ fn without_a_walk_both_are_one() {
     }
 }
 
-/// What it is for: a band that is narrow while nothing changes, and right when something has.
+/// A bank finds a sudden loss, and its band is right before and after it.
 #[test]
 fn a_sudden_loss_is_found_and_the_band_is_right() {
     let mut good = 0;

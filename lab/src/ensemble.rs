@@ -199,10 +199,10 @@ impl Ensemble {
 
     /// The scenario of a cell. It may be impossible.
     pub fn at(&self, cell: usize) -> Scenario {
-        let mut scenario = self.scenario.clone();
-        for (setting, value) in self.drawn.iter().zip(self.member(cell)) {
-            setting.set(&mut scenario, value);
-        }
+        let mut scenario = match self.seed(cell).filter(|_| !self.drawn.is_empty()) {
+            Some(seed) => self.scenario.member(seed),
+            None => self.scenario.clone(),
+        };
         for (setting, value) in self.settings.iter().zip(self.values(cell)) {
             setting.set(&mut scenario, value);
         }

@@ -159,6 +159,11 @@ impl MonteCarlo {
         self.impossible
     }
 
+    /// The number of runs: of seeds that are done and possible.
+    pub fn runs(&self) -> usize {
+        self.done - self.impossible
+    }
+
     /// The number of seeds that are done.
     pub fn done(&self) -> usize {
         self.done
@@ -176,7 +181,7 @@ impl MonteCarlo {
 
     /// The shares of the `nth` filter's runs that lost the truth or stopped, and that stopped.
     pub fn diverged(&self, nth: usize) -> [f64; 2] {
-        let runs = (self.done - self.impossible) as f64;
+        let runs = self.runs() as f64;
         [self.filters[nth].diverged, self.filters[nth].stopped].map(|count| count as f64 / runs)
     }
 
@@ -360,6 +365,7 @@ mod tests {
         let is_possible = |cell: &usize| ensemble.at(*cell).validate().is_ok();
         let possible: Vec<usize> = (0..seeds).filter(is_possible).collect();
         assert_eq!((statistics.done(), statistics.impossible()), (seeds, seeds - possible.len()));
+        assert_eq!(statistics.runs(), possible.len());
         assert!((20..45).contains(&statistics.impossible()), "{}", statistics.impossible());
         // A member is what its seed draws.
         let places = ensemble.trace();

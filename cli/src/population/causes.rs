@@ -12,7 +12,7 @@ use kalmanscope_lab::{Measure, Runner, Slice};
 
 use crate::progress::Progress;
 
-/// Of one filter, over the members.
+/// The causes of one filter's bad verdicts, counted over the members.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Causes {
     /// The members with a bad verdict.
@@ -66,7 +66,7 @@ pub(super) fn of_members(runner: &Runner, slices: &[Slice], threads: usize, quie
     (0..ensemble.plan().filters.len()).map(of_filter).collect()
 }
 
-/// What is found of a bad verdict.
+/// The result of a search for the causes of a bad verdict.
 struct Found {
     /// The names of the first two causes.
     causes: Vec<&'static str>,
@@ -91,7 +91,7 @@ fn kind(number: f64) -> Option<VerdictKind> {
     number.is_finite().then(|| VerdictKind::ALL[number as usize])
 }
 
-/// What is found of the verdict on each filter of a member; `None` where it is good, or where there is none.
+/// The causes of the verdict on each filter of a member; `None` where the verdict is good, or where there is none.
 fn of_member(runner: &Runner, cell: usize) -> Option<Vec<Option<Found>>> {
     let scenario = runner.ensemble().at(cell);
     let run = match runner.source() {

@@ -23,11 +23,6 @@ impl Population {
         self.runner.ensemble().scenario()
     }
 
-    /// The members that are possible.
-    fn possible(&self) -> usize {
-        self.statistics.done() - self.statistics.impossible()
-    }
-
     /// The channels of the `nth` filter that do not move by themselves, with their last errors.
     fn parameters(&self, nth: usize) -> impl Iterator<Item = (Channel, &[LastError])> {
         let channels = self.statistics.channels(nth).iter().enumerate();
@@ -41,7 +36,7 @@ impl Population {
 
     /// Lost and stopped runs of the `nth` filter.
     fn lost(&self, nth: usize) -> [Share; 2] {
-        let of = self.possible();
+        let of = self.statistics.runs();
         self.statistics.diverged(nth).map(|share| Share { count: (share * of as f64).round() as usize, of })
     }
 
@@ -184,6 +179,9 @@ fn number(count: usize) -> Document {
 
 /// A share with its 95 % interval.
 fn line(text: &mut String, name: &str, Share { count, of }: Share) -> fmt::Result {
+    if of == 0 {
+        return writeln!(text, "  {name:<42}     –");
+    }
     let [low, high] = share_interval(count, of);
     let share = 100.0 * count as f64 / of as f64;
     writeln!(text, "  {name:<42}{share:>6.1} %   ({:.1} to {:.1})", 100.0 * low, 100.0 * high)

@@ -58,6 +58,9 @@ fn shares_are_told_with_their_intervals() {
     assert!(all.contains("which are impossible scenarios and left out"), "{all}");
     assert!(all.contains("drawn: filters.b.initial_mean.natural_frequency, normal: mean 8, σ 1"), "{all}");
     assert!(all.contains("verdict: ") && all.contains("ζ inside ±2σ at the end"), "{all}");
+    let none = file(&folder, "none.toml", &text.replace("[0.05, 0.04]", "[-1.0, 0.01]"));
+    let told = run(&none, &["--members", "5", "--quiet"]);
+    assert!(told.contains("5 of which are impossible") && !told.contains("NaN"), "{told}");
     // One filter of them has the numbers that it has beside the others.
     let one = run(&scenario, &["--members", "60", "--quiet", "--filter", "b"]);
     let of_b = |text: &str| text[text.find("\nb\n").unwrap()..].to_owned();

@@ -59,7 +59,7 @@ fn main() {
     monte_carlo(&team);
 }
 
-/// What is mapped: plants of several sizes, an equation, and a measured record.
+/// The maps that are timed: of plants of several sizes, an equation, and a measured record.
 fn situations() -> Vec<(&'static str, Scenario, Source)> {
     let built_in = |plant: PlantKind| {
         let mut scenario = Scenario { duration: (SAMPLES - 1) as f64 * 0.01, ..Scenario::default() };

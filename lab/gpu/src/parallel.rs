@@ -4,7 +4,7 @@
 #[cfg(not(target_arch = "wasm32"))]
 const LEAST: usize = 256;
 
-/// What some work makes of all items, in their order. It is done in parts of the items, side by side.
+/// Does some work on all items and returns its results in their order. Each core takes a part of the items.
 #[cfg(not(target_arch = "wasm32"))]
 pub(crate) fn in_parts<T: Sync, R: Send>(items: &[T], work: impl Fn(&[T]) -> Vec<R> + Sync) -> Vec<R> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);

@@ -35,7 +35,7 @@ pub(super) struct Curves {
     pub(super) truth: Option<f64>,
     /// Whether the histogram is of the last errors, since the truth is another one for each seed.
     pub(super) is_of_errors: bool,
-    /// What is drawn for each seed.
+    /// A sentence about the numbers that are drawn for each seed.
     pub(super) drawn: Option<String>,
     /// The members that are impossible.
     pub(super) impossible: usize,
@@ -139,7 +139,7 @@ fn of_filter(
     // Channels of variance zero do not count in NEES.
     let degrees = |time: usize| stds.iter().filter(|std| std[time] > 0.0).count();
     let band = |degrees: usize| {
-        let interval = MonteCarlo::interval(degrees, statistics.done())?;
+        let interval = MonteCarlo::interval(degrees, statistics.runs())?;
         Some(interval.start() / degrees as f64..=interval.end() / degrees as f64)
     };
     let mut bands: Vec<(usize, Option<RangeInclusive<f64>>)> = Vec::new();

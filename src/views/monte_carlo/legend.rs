@@ -60,6 +60,7 @@ fn verdicts(filter: &FilterCurves) -> Option<String> {
 
 fn percent(share: f64) -> String {
     match 100.0 * share {
+        none if none.is_nan() => "–".to_owned(),
         0.0 => "0 %".to_owned(),
         small if small < 1.0 => format!("{small:.1} %"),
         share => format!("{share:.0} %"),

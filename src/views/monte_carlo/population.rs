@@ -27,30 +27,31 @@ pub(super) fn population_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &m
     if context.session.is_measured() {
         return;
     }
-    let mut next = scenario.clone();
+    let mut edited = None;
     let text = match scenario.draw.len() {
         0 => "One truth".to_owned(),
         1 => "1 drawn number".to_owned(),
         several => format!("{several} drawn numbers"),
     };
     let button = menu_ui(ui, text, Closing::Beside, |ui| {
+        let next = edited.insert(scenario.clone());
         ui.visuals_mut().widgets.inactive.weak_bg_fill = context.palette.faint;
         if scenario.draw.is_empty() {
             ui.weak("All seeds have the numbers of the scenario, with other noise. A number that is drawn is another one for each seed.");
         } else {
             Grid::new("drawn numbers").spacing([8.0, 4.0]).show(ui, |ui| {
                 for key in scenario.draw.keys() {
-                    law_ui(ui, &mut next, key);
+                    law_ui(ui, next, key);
                     ui.end_row();
                 }
             });
         }
-        add_ui(ui, &mut next);
+        add_ui(ui, next);
     });
     let hint = "What is another number for each seed: a population in place of one truth";
     let button = button.on_hover_text(hint);
     button.ctx.accesskit_node_builder(button.id, |node| node.set_label("Drawn numbers"));
-    if next != *scenario && next.validate().is_ok() {
+    if let Some(next) = edited.filter(|next| next != scenario && next.validate().is_ok()) {
         requests.push(Request::Edit(Box::new(next)));
     }
 }

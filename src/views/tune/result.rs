@@ -61,7 +61,7 @@ pub(super) fn result_ui(ui: &mut Ui, result: &TuneResult, context: &ViewContext<
     }
 }
 
-/// What the band of a tuned setting is.
+/// An explanation of the band of a tuned setting.
 const BAND: &str = "How far the record tells it: where the log likelihood falls by 2, by its curvature at the best values, with the \
                     other settings free";
 

@@ -62,8 +62,8 @@ pub struct FilterSettings {
     /// change it learns anew, and before it forgets nothing.
     #[serde(skip_serializing_if = "is_default")]
     pub jump: bool,
-    /// The walk w \[1/√s\] of the second model of a bank, whose parameters walk by so many initial standard deviations in a second,
-    /// beside the filter's own model, whose parameters are still; 0 for no bank.
+    /// w \[1/√s\] of a bank of two models: the parameters are still in the first, and walk by w initial standard deviations in a
+    /// second in the other. 0 for one model.
     #[serde(skip_serializing_if = "is_default")]
     pub walk: f64,
     /// How measurements that do not fit are weighed. A filter that learns R or samples its belief weighs none.

@@ -33,7 +33,7 @@ pub struct LawInfo {
     pub key: &'static str,
     /// The name in running text.
     pub name: &'static str,
-    /// What its two numbers are.
+    /// The names of its two numbers.
     pub numbers: [&'static str; 2],
 }
 
@@ -82,7 +82,7 @@ impl Law {
         }
     }
 
-    /// What its numbers must be, where they are not.
+    /// The numbers that it may have, if its own are others.
     pub fn problem(&self) -> Option<&'static str> {
         let [a, b] = self.numbers();
         if !(a.is_finite() && b.is_finite()) {
@@ -142,7 +142,7 @@ impl Scenario {
         self.draw = kept.collect();
     }
 
-    /// The same for a file, whose keys must all be right.
+    /// Does the same for a file, but refuses a key that is wrong.
     ///
     /// # Errors
     /// [`ScenarioError::Syntax`] with the first key that names no number, or that may not be drawn.

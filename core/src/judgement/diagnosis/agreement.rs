@@ -26,8 +26,8 @@ const CLEAR: f64 = 0.9;
 const SPANS: [usize; 8] = [2, 4, 8, 16, 32, 64, 128, 256];
 
 impl Agreement {
-    /// Of readings of a quantity and of its rate, `dt` \[s\] apart, the rate with noise of this standard deviation. `None` where
-    /// they are too few, or too unlike each other to be compared.
+    /// Compares readings of a quantity with those of its rate, `dt` \[s\] apart; `noise` is the standard deviation of the rate's noise.
+    /// `None` where there are too few readings, or where the two are too unlike to be compared.
     ///
     /// ```text
     /// x(k + m) - x(k) = c + b ∫ v dt
@@ -42,9 +42,11 @@ impl Agreement {
         // Coarse in lateness first.
         let coarse = spans.flat_map(|span| lates.clone().step_by(5).map(move |late| (span, late)));
         let likeness = |sums: &Option<Sums>| sums.as_ref().map_or(0.0, |sums| sums.correlation().abs());
-        let (span, near) = coarse.max_by(|a, b| likeness(&at(a.0, a.1)).total_cmp(&likeness(&at(b.0, b.1))))?;
+        let likenesses = coarse.map(|(span, late)| (likeness(&at(span, late)), span, late));
+        let (_, span, near) = likenesses.max_by(|a, b| a.0.total_cmp(&b.0))?;
         let fine = (near - 5).max(-(MOST_LATE as isize))..=(near + 5).min(MOST_LATE as isize);
-        let best = fine.max_by(|a, b| likeness(&at(span, *a)).total_cmp(&likeness(&at(span, *b))))?;
+        let likenesses = fine.map(|late| (likeness(&at(span, late)), late));
+        let (_, best) = likenesses.max_by(|a, b| a.0.total_cmp(&b.0))?;
         let sums = at(span, best)?;
         let r = sums.correlation();
         if r.abs() < CLEAR {

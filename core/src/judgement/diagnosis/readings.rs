@@ -17,7 +17,7 @@ pub(super) struct Marked {
 }
 
 impl Readings {
-    /// Those of the sensor at a place of the filter's sensors. `None` if the record has no column for it.
+    /// The readings of the sensor at a place among the filter's. `None` if the record has no column for it.
     pub(super) fn of(case: &Case<'_>, place: usize) -> Option<Self> {
         let column = case.record.measured_quantity(case.sensors.get(place)?.sensor)?;
         let m = case.sensors.len();
@@ -31,7 +31,7 @@ impl Readings {
         })
     }
 
-    /// The readings with these marks, if there are any, and others.
+    /// Compares the marked readings with the others. `None` if there are only some of one kind.
     fn marked(&self, marks: &[bool]) -> Option<Marked> {
         let mut sums = [(0.0, 0.0); 2];
         for (innovation, marked) in self.innovations.iter().zip(marks).filter(|(innovation, _)| innovation.is_finite())
@@ -51,7 +51,7 @@ impl Readings {
         if ends.is_empty() { None } else { self.marked(&marks) }
     }
 
-    /// The readings that repeat the one before, in spells of three and more, of a sensor that else never does.
+    /// The readings that repeat the one before, in spells of three or more. The sensor must not repeat itself elsewhere.
     pub(super) fn stuck(&self) -> Option<Marked> {
         // A sensor that is clipped repeats the end of its range.
         let known = || self.values.iter().copied().filter(|value| !value.is_nan());
@@ -76,7 +76,7 @@ impl Readings {
         if is_so { self.marked(&marks).filter(|marked| marked.share < 0.9) } else { None }
     }
 
-    /// The step of a sensor all of whose readings are multiples of one, where that is seen.
+    /// The step of a coarse sensor: all its readings are multiples of one number.
     pub(super) fn step(&self) -> Option<f64> {
         let mut values: Vec<f64> = self.values.iter().copied().filter(|value| !value.is_nan()).collect();
         let count = values.len();

@@ -128,6 +128,11 @@ impl Correction {
             self.innovation_cov[(sensor, sensor)] += more;
             kept.push(sensor);
         }
+        self.take_squares(&kept);
+    }
+
+    /// NIS and det S of e and S as they are reported, over these sensors; NaN without any.
+    pub(crate) fn take_squares(&mut self, kept: &[usize]) {
         let m = kept.len();
         let innovation = Vector::from_fn(m, |i, _| self.innovation[kept[i]]);
         let factor = Ldl::new(&Matrix::from_fn(m, m, |i, j| self.innovation_cov[(kept[i], kept[j])]));

@@ -14,6 +14,11 @@ pub struct Noise {
 }
 
 impl Noise {
+    /// Whether every number of Q and R is finite.
+    pub(crate) fn is_finite(&self) -> bool {
+        self.process.sum().is_finite() && self.sensors.iter().all(|r| r.is_finite())
+    }
+
     /// Replaces the covariance P by `λ P + Q`, symmetric to the last bit. A variance that rounding made negative
     /// becomes zero.
     pub fn spread(&self, cov: &mut Matrix) {

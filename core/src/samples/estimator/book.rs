@@ -20,10 +20,8 @@ impl Estimator for Followed {
     fn begin(&self, sink: &mut dyn Sink) -> Result<(), FilterError> {
         let Self { filter, correction, in_units, prior: _ } = self;
         let mut prior = sink.wants_prior().then(|| filter.belief().gaussian().into_owned());
-        let Noise { process, sensors, fading: _ } = filter.noise();
-        let is_finite = process.sum().is_finite() && sensors.iter().all(|r| r.is_finite());
         // An update checks that a belief is finite; nothing has checked the initial one.
-        if !is_finite
+        if !filter.noise().is_finite()
             || !filter.belief().gaussian().is_finite()
             || report(filter, correction, prior.as_mut(), &mut in_units.clone(), sink).is_err()
         {

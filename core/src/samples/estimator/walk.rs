@@ -1,7 +1,7 @@
 //! Two filters that mix: one whose parameters are still, and one whose parameters walk.
 
 use crate::mathematics::filter::{Correction, Filter, FilterError, Gaussian};
-use crate::mathematics::linalg::{Ldl, Matrix, Vector, fit, fit_vector};
+use crate::mathematics::linalg::{Vector, fit, fit_vector};
 use crate::samples::estimator::book::{InUnits, Told, build_filter, initial_belief, push};
 use crate::samples::estimator::{Estimator, Failed, FilterContext};
 use crate::samples::sink::{Sample, Sink};
@@ -159,13 +159,7 @@ impl Walk {
             }
         }
         correction.gain.copy_from(&(&a.gain * probability[0] + &b.gain * probability[1]));
-        let count = kept.len();
-        let innovation = Vector::from_fn(count, |i, _| correction.innovation[kept[i]]);
-        let factor = Ldl::new(&Matrix::from_fn(count, count, |i, j| correction.innovation_cov[(kept[i], kept[j])]));
-        [correction.nis, correction.determinant] = match factor.filter(|_| count > 0) {
-            Some(factor) => [factor.square(&innovation), factor.determinant()],
-            None => [f64::NAN; 2],
-        };
+        correction.take_squares(&kept);
     }
 
     fn report(&mut self, has_prior: bool, has_widened: bool, sink: &mut dyn Sink) -> Result<(), FilterError> {
@@ -178,9 +172,7 @@ impl Walk {
 impl Estimator for Walk {
     fn begin(&self, sink: &mut dyn Sink) -> Result<(), FilterError> {
         let [Member { filter, .. }, walking] = &self.members;
-        let is_finite = [filter, &walking.filter].iter().all(|filter| {
-            filter.noise().process.sum().is_finite() && filter.noise().sensors.iter().all(|r| r.is_finite())
-        });
+        let is_finite = [filter, &walking.filter].iter().all(|filter| filter.noise().is_finite());
         let mut prior = sink.wants_prior().then(|| self.belief.clone());
         let told = Told {
             model: filter.model(),
@@ -251,7 +243,7 @@ fn mixture(weights: [f64; 2], parts: [&Gaussian; 2], into: &mut Gaussian) {
     let n = a.size();
     fit_vector(&mut into.mean, n);
     fit(&mut into.cov, n, n);
-    // What is the same in both stays the same to the bit.
+    // A number that both parts share keeps its bits.
     let mixed = |one: f64, other: f64| one + weights[1] * (other - one);
     for i in 0..n {
         into.mean[i] = mixed(a.mean[i], b.mean[i]);

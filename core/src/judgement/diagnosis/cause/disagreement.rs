@@ -6,9 +6,11 @@ use crate::judgement::diagnosis::readings::clipped_ends;
 use crate::judgement::diagnosis::words::short;
 use crate::mathematics::quantity::{Aspect, Quantity};
 
-/// The least deviation of a factor from 1, and the least lateness in samples, that are said; and both in standard deviations.
+/// The least deviation of a factor from 1 that is a fault, and the least lateness in samples.
 const SCALE: f64 = 0.04;
 const LATE: f64 = 1.0;
+
+/// A fault must be so many of its standard deviations.
 const SURE: f64 = 5.0;
 
 /// The factor on a σ that leaves a sensor out.
@@ -35,7 +37,7 @@ pub(super) static LATENESS: Cause = Cause {
     likely_causes: |bad, cause, found| likely_causes(bad, cause, found, Fault::Late),
 };
 
-/// What a sensor may measure, and its rate.
+/// Quantities with the quantity that is their rate.
 const RATES: [(Aspect, Aspect); 2] =
     [(Aspect::DISPLACEMENT, Aspect::VELOCITY), (Aspect::VELOCITY, Aspect::ACCELERATION)];
 
@@ -55,10 +57,15 @@ fn likely_causes(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
         let Some(rate) = rate else { continue };
         let is_rate = |other: &crate::Sensor| other.measures == Quantity::new(rate, one.measures.mass());
         let Some(other) = sensors.iter().position(is_rate) else { continue };
+        // An earlier repair has left one of them out.
+        let is_left_out = |place: usize| bad.filter.sensor_std[place] >= SILENCE * bad.origin.sensor_std[place];
+        if [place, other].into_iter().any(is_left_out) {
+            continue;
+        }
         let columns = [place, other].map(|place| case.record.measured_quantity(sensors[place].measures));
         let [Some(values), Some(rates)] = columns else { continue };
         let part = |column: &[f64]| without_ends(&column[case.samples.clone()]);
-        let noise = bad.filter.sensor_std.get(other).copied().unwrap_or(0.0);
+        let noise = bad.filter.sensor_std[other];
         let Some(agreement) = Agreement::of(&part(values), &part(rates), case.record.dt(), noise) else { continue };
         let Agreement { factor, std, late, late_std } = agreement;
         let names = [place, other].map(|place| sensors[place].measures.name());
@@ -71,7 +78,7 @@ fn likely_causes(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
             }
             Fault::Scale => {
                 let sentence =
-                    format!("the {} changes {} times as much as the {} says", names[0], short(factor.abs()), names[1]);
+                    format!("the {name} changes {} times as much as the {rate_name} says", short(factor.abs()));
                 (off > SCALE && off > SURE * std, off / (1.0 + off), sentence)
             }
             Fault::Late => {
