@@ -26,8 +26,8 @@ const CLEAR: f64 = 0.9;
 const SPANS: [usize; 8] = [2, 4, 8, 16, 32, 64, 128, 256];
 
 impl Agreement {
-    /// Compares readings of a quantity with those of its rate, `dt` \[s\] apart; `noise` is the standard deviation of the rate's noise.
-    /// `None` where there are too few readings, or where the two are too unlike to be compared.
+    /// Compares readings of a quantity with those of its rate, `dt` \[s\] apart; `noise` is the standard deviation of the noise of the
+    /// rate. `None` where there are too few readings, or where the two are too unlike to be compared.
     ///
     /// ```text
     /// x(k + m) - x(k) = c + b ∫ v dt
