@@ -38,6 +38,7 @@ fn main() {
             (PlantKind::SHEAR_4, &[], Hold::Zero),
             (PlantKind::SHEAR_5, &[], Hold::Zero),
             (PlantKind::SHEAR_5, &[], Hold::First),
+            (PlantKind::SHEAR_10, &[], Hold::Zero),
         ] {
             measure(kind, plant, augment, hold);
         }

@@ -192,6 +192,8 @@ fn scores_against_a_truth_are_those_of_the_single_filter() {
         (&[Channel::INPUT_OFFSET], FilterKind::CKF, PlantKind::DUFFING),
         (&[], FilterKind::UKF, PlantKind::BOUC_WEN),
         (&[], FilterKind::EKF, PlantKind::SHEAR_2),
+        (&[], FilterKind::EKF, PlantKind::SHEAR_10),
+        (&[], FilterKind::UKF, PlantKind::SHEAR_7),
     ] {
         let (scenario, record) = shaken(augment, kind, plant);
         let record = record.with_gaps(|sensor, k| k % 9 == sensor);

@@ -12,8 +12,8 @@ use crate::samples::estimator::{FilterContext, kernel};
 use crate::samples::run_error::sensor_places;
 use crate::{Channel, FilterKind, FilterSettings, Hold, PlantKind, Propagation, Quantity, Record, RunError, Scenario};
 
-/// The most components that the engine serves: beyond, eight lanes of a matrix leave the caches.
-pub(crate) const MOST: usize = 16;
+/// The most components that the engine serves, enough for ten masses: beyond, eight lanes of a matrix leave the caches.
+pub(crate) const MOST: usize = 32;
 
 /// A filter of a scenario before its first sample.
 #[derive(Clone, Debug)]

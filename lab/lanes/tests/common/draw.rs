@@ -29,7 +29,7 @@ impl Draw {
 }
 
 /// Every plant that the engine has.
-pub(crate) const PLANTS: [PlantKind; 8] = [
+pub(crate) const PLANTS: [PlantKind; 9] = [
     PlantKind::SDOF,
     PlantKind::DUFFING,
     PlantKind::BOUC_WEN,
@@ -38,6 +38,7 @@ pub(crate) const PLANTS: [PlantKind; 8] = [
     PlantKind::SHEAR_3,
     PlantKind::SHEAR_4,
     PlantKind::SHEAR_5,
+    PlantKind::SHEAR_8,
 ];
 
 /// The truth of an ensemble, with its sensors.
@@ -63,7 +64,7 @@ pub(crate) fn ensemble(seed: u64) -> Scenario {
     while quantities.len() > 4 || (!quantities.is_empty() && draw.once_in(3)) {
         quantities.remove(draw.below(quantities.len()));
     }
-    let room = 16 - plant.channels().len();
+    let room = 32 - plant.channels().len();
     let mut augment: Vec<Channel> = augment::OF_INPUT.to_vec();
     augment.extend(quantities.iter().map(|quantity| quantity.bias()));
     while augment.len() > room || (!augment.is_empty() && draw.once_in(2)) {
