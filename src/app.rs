@@ -10,6 +10,7 @@ mod lesson;
 pub mod link;
 mod panels;
 mod state;
+mod trials;
 mod window;
 
 use egui::util::undoer::Undoer;

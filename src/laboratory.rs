@@ -17,6 +17,7 @@ mod survey;
 mod table;
 #[cfg(test)]
 mod tests;
+mod trials;
 mod tuning;
 
 use std::rc::Rc;
@@ -33,6 +34,7 @@ pub use pace::Pace;
 pub(crate) use settings::{candidates, collide, label as setting_label, name as setting_name, of_filters};
 pub use state::WorkState;
 pub use survey::Survey;
+pub use trials::{Trials, trial_of};
 pub use tuning::{TuneChoice, TuneResult, Tuning};
 
 use crate::session::Session;
@@ -51,6 +53,7 @@ pub struct Laboratory {
     before: Option<Survey>,
     seeds: Seeds,
     tuning: Tuning,
+    trials: Trials,
     state: WorkState,
     /// Counts the surveys that have been shown.
     edition: u64,
@@ -66,6 +69,7 @@ impl Laboratory {
             before: None,
             seeds: Seeds::default(),
             tuning: Tuning::default(),
+            trials: Trials::default(),
             state: WorkState::default(),
             edition: 0,
         }
@@ -193,6 +197,16 @@ impl Laboratory {
     /// The tuning of a filter, mutable.
     pub fn tuning_mut(&mut self) -> &mut Tuning {
         &mut self.tuning
+    }
+
+    /// What several records tell.
+    pub fn trials(&self) -> &Trials {
+        &self.trials
+    }
+
+    /// The same, mutable.
+    pub fn trials_mut(&mut self) -> &mut Trials {
+        &mut self.trials
     }
 
     /// Begins to tune, from the best cell of the map if the map varies settings of the tuning.

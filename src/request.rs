@@ -6,6 +6,7 @@ use std::fmt;
 
 use egui_tiles::Tree;
 use kalmanscope_core::Scenario;
+use kalmanscope_lab::Trial;
 use kalmanscope_lessons::{BuiltIn, Lesson};
 use serde::{Deserialize, Serialize};
 
@@ -151,6 +152,12 @@ pub enum Request {
     ChooseTuning(Box<TuneChoice>),
     /// Begin to tune, or stop that.
     Tune(bool),
+    /// Keep these trials in place of those in the table.
+    KeepTrials(Vec<Trial>),
+    /// Add the trials of all links in a text.
+    CollectTrials(String),
+    /// Bring back the trials from before some were removed.
+    RestoreTrials,
     /// Restore a session from a file.
     OpenSession(Box<SavedPicture>),
 }
@@ -164,6 +171,8 @@ pub enum Export {
     Map,
     /// The statistics over many seeds, as CSV.
     MonteCarlo,
+    /// What several records tell, as CSV.
+    Trials,
     /// Verdicts, evidence, estimates, scores and figures as one page, as HTML.
     Report,
     /// Every estimate of every filter, as CSV.

@@ -2,11 +2,12 @@
 
 use egui::ThemePreference;
 use kalmanscope_core::{Document, DocumentError, Scenario};
+use kalmanscope_lab::Trial;
 use kalmanscope_lessons::BuiltIn;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use crate::laboratory::{Choice, Choices, SeedChoice, TuneChoice};
+use crate::laboratory::{Choice, Choices, SeedChoice, Trials, TuneChoice};
 use crate::layout::Layout;
 use crate::request::{LegendEntry, ViewKind};
 use crate::ruler::Ruler;
@@ -73,6 +74,8 @@ struct Written<'a> {
     map: &'a Option<Choice>,
     seeds: &'a Option<SeedChoice>,
     tuning: &'a Option<TuneChoice>,
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    trials: &'a [Trial],
     lessons: &'a Studies,
 }
 
@@ -145,7 +148,7 @@ impl Saved {
             laboratory,
             ..
         } = self;
-        let Choices { map, seeds, tuning } = laboratory;
+        let Choices { map, seeds, tuning, trials } = laboratory;
         Document::json(&Written {
             version: VERSION,
             scenario: scenario.to_toml().map_err(serde::ser::Error::custom)?,
@@ -161,6 +164,7 @@ impl Saved {
             map,
             seeds,
             tuning,
+            trials,
             lessons: &self.studies,
         })
     }
@@ -246,7 +250,10 @@ impl Reader {
         let seeds: Option<SeedChoice> = self.part("seeds", None);
         let checked = seeds.map(|seeds| seeds.check().map(|()| seeds));
         let seeds = checked.and_then(|seeds| self.note("seeds", seeds));
-        Choices { map: self.part("map", None), seeds, tuning: self.part("tuning", None) }
+        let trials: Vec<Trial> = self.part("trials", Vec::new());
+        let checked = Trials::check(&trials).map(|()| trials);
+        let trials = self.note("trials", checked).unwrap_or_default();
+        Choices { map: self.part("map", None), seeds, tuning: self.part("tuning", None), trials }
     }
 
     fn views(&mut self, version: u64) -> Option<Outline> {

@@ -22,6 +22,7 @@ mod phase;
 mod scores;
 mod slices;
 mod spectrogram;
+mod trials;
 mod tune;
 
 use crate::request::ViewKind;
@@ -53,6 +54,7 @@ pub fn view(kind: ViewKind) -> &'static dyn View {
         ViewKind::Slices => &slices::Slices,
         ViewKind::MonteCarlo => &monte_carlo::MonteCarlo,
         ViewKind::Tune => &tune::Tune,
+        ViewKind::Trials => &trials::Trials,
     }
 }
 

@@ -29,6 +29,7 @@ mod runner;
 mod sheet;
 mod threads;
 mod trace;
+mod trials;
 #[cfg(feature = "tune")]
 pub mod tune;
 
@@ -41,3 +42,4 @@ pub use runner::{CellRun, Runner, outcomes_of};
 pub use sheet::{Sheet, Slice};
 pub use threads::{Lost, Parts, Priority, Report, Step, Threads, Wanted, fitted};
 pub use trace::Trace;
+pub use trials::{Estimated, Spread, Spring, Trial};

@@ -142,6 +142,9 @@ impl App {
             Request::Tune(false) => {
                 laboratory.tuning_mut().cancel();
             }
+            Request::KeepTrials(rows) => laboratory.trials_mut().keep(rows),
+            Request::CollectTrials(text) => self.collect_trials(&text),
+            Request::RestoreTrials => laboratory.trials_mut().restore(),
             Request::OpenSession(saved) => self.open_session(*saved, ctx),
         }
     }

@@ -11,7 +11,7 @@ use crate::notice::Notice;
 use crate::plot::time_axis::TimeAxis;
 use crate::request::{Request, ViewKind};
 use crate::share::address::{self, Target};
-use crate::share::{LinkError, Picture};
+use crate::share::{LinkError, MARK, Picture};
 use crate::theme::Palette;
 use crate::views::view;
 use crate::visibility::Visibility;
@@ -52,12 +52,14 @@ impl App {
         let picture = self.figure_context(&palette).picture(&self.layout);
         let shown = self.layout.shown();
         let shows_map = shown.iter().any(|kind| view(*kind).is_of_laboratory());
-        let [shows_seeds, shows_tuning] = [ViewKind::MonteCarlo, ViewKind::Tune].map(|kind| shown.contains(&kind));
-        let Choices { map, seeds, tuning } = picture.laboratory;
+        let [shows_seeds, shows_tuning, shows_trials] =
+            [ViewKind::MonteCarlo, ViewKind::Tune, ViewKind::Trials].map(|kind| shown.contains(&kind));
+        let Choices { map, seeds, tuning, trials } = picture.laboratory;
         let laboratory = Choices {
             map: map.filter(|_| shows_map),
             seeds: seeds.filter(|_| shows_seeds),
             tuning: tuning.filter(|_| shows_tuning),
+            trials: if shows_trials { trials } else { Vec::new() },
         };
         Picture { laboratory, ..picture }
     }
@@ -130,6 +132,10 @@ pub(super) fn pasted(ctx: &Context, requests: &mut Vec<Request>) {
     }
     let pasted = |event: &Event| if let Event::Paste(text) = event { Some(text.clone()) } else { None };
     if let Some(text) = ctx.input(|input| input.events.iter().find_map(pasted)) {
-        requests.push(Request::OpenAddress(text.trim().to_owned()));
+        requests.push(match text.matches(MARK).count() {
+            0 | 1 => Request::OpenAddress(text.trim().to_owned()),
+            // Nobody wants to see all of them in turn.
+            _ => Request::CollectTrials(text),
+        });
     }
 }

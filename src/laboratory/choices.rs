@@ -1,8 +1,9 @@
 //! The user's choices in the laboratory, for links and sessions.
 
 use kalmanscope_core::Scenario;
+use kalmanscope_lab::Trial;
 
-use super::{Choice, Laboratory, SeedChoice, TuneChoice};
+use super::{Choice, Laboratory, SeedChoice, Trials, TuneChoice};
 
 /// The choices of all views of the laboratory. `None` stands for the usual choice.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -13,6 +14,8 @@ pub struct Choices {
     pub seeds: Option<SeedChoice>,
     /// The settings to tune and the goal.
     pub tuning: Option<TuneChoice>,
+    /// What several records tell.
+    pub trials: Vec<Trial>,
 }
 
 impl Choices {
@@ -21,7 +24,8 @@ impl Choices {
     /// # Errors
     /// A sentence that says what is wrong.
     pub fn check(&self, scenario: &Scenario) -> Result<(), String> {
-        let Self { map, seeds, tuning } = self;
+        let Self { map, seeds, tuning, trials } = self;
+        Trials::check(trials).map_err(|reason| format!("Your own oscillator: {reason}"))?;
         map.as_ref().map_or(Ok(()), |map| map.check(scenario))?;
         seeds.as_ref().map_or(Ok(()), SeedChoice::check).map_err(|reason| format!("Monte Carlo: {reason}"))?;
         tuning
@@ -30,10 +34,17 @@ impl Choices {
             .map_err(|reason| format!("Tune for me: {reason}"))
     }
 
-    /// These choices; those that are `None` come from `others`.
+    /// These choices; those that are `None` come from `others`, and their trials go before these.
     pub(crate) fn or(self, others: Self) -> Self {
-        let Self { map, seeds, tuning } = self;
-        Self { map: map.or(others.map), seeds: seeds.or(others.seeds), tuning: tuning.or(others.tuning) }
+        let Self { map, seeds, tuning, trials } = self;
+        let mut all = Trials::of(others.trials);
+        all.add(trials);
+        Self {
+            map: map.or(others.map),
+            seeds: seeds.or(others.seeds),
+            tuning: tuning.or(others.tuning),
+            trials: all.rows().to_vec(),
+        }
     }
 }
 
@@ -44,13 +55,15 @@ impl Laboratory {
             map: self.choice().cloned(),
             seeds: Some(*self.seeds().choice()),
             tuning: self.tuning().chosen().cloned(),
+            trials: self.trials().rows().to_vec(),
         }
     }
 
     /// Takes over the choices of all views.
-    pub fn restore(&mut self, Choices { map, seeds, tuning }: Choices) {
+    pub fn restore(&mut self, Choices { map, seeds, tuning, trials }: Choices) {
         self.choose(map);
         self.seeds_mut().choose(seeds.unwrap_or_default());
         self.tuning_mut().choose(tuning);
+        *self.trials_mut() = Trials::of(trials);
     }
 }

@@ -67,11 +67,13 @@ pub enum ViewKind {
     MonteCarlo,
     /// A search for the best settings of a filter.
     Tune,
+    /// What several records tell, and a spring's stiffness from several masses.
+    Trials,
 }
 
 impl ViewKind {
     /// Every view, in the menu's order.
-    pub const ALL: [Self; 22] = [
+    pub const ALL: [Self; 23] = [
         Self::Oscillator,
         Self::Parameters,
         Self::States,
@@ -94,6 +96,7 @@ impl ViewKind {
         Self::Slices,
         Self::MonteCarlo,
         Self::Tune,
+        Self::Trials,
     ];
 
     /// Its preferred shape.
@@ -103,7 +106,7 @@ impl ViewKind {
                 Proportions::Square
             }
             Self::Oscillator => Proportions::Flat,
-            Self::Map | Self::MonteCarlo | Self::Tune => Proportions::Tall,
+            Self::Map | Self::MonteCarlo | Self::Tune | Self::Trials => Proportions::Tall,
             _ => Proportions::Wide,
         }
     }

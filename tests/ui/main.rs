@@ -24,6 +24,7 @@ mod share;
 mod shelf;
 mod sizes;
 mod story;
+mod trials;
 mod tune;
 mod twin;
 mod workbench;
