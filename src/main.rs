@@ -153,6 +153,7 @@ mod web {
     mod messages;
     mod microphone;
     mod motion;
+    mod serial;
     mod shelf;
     mod tables;
     mod version;
@@ -170,12 +171,14 @@ mod web {
     use messages::{Message, Messages};
     use microphone::Microphone;
     use motion::Motion;
+    use serial::Serial;
     use tables::Tables;
 
     /// The sensors of this page.
     fn sensors(ctx: &egui::Context) -> Sensors {
         Sensors {
             accelerometer: Motion::of_page(ctx).map(|motion| Rc::new(motion) as Rc<_>),
+            wire: Serial::of_page().map(|serial| Rc::new(serial) as Rc<_>),
             microphone: Microphone::of_page().map(|microphone| Rc::new(microphone) as Rc<_>),
             stream: None,
         }

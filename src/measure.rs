@@ -112,11 +112,12 @@ enum Stage {
 impl Measure {
     /// A measurement with one of some sensors. `None` if there are none.
     pub(crate) fn new(sensors: &Sensors) -> Option<Self> {
-        let Sensors { accelerometer, microphone, stream } = sensors.clone();
+        let Sensors { accelerometer, wire, microphone, stream } = sensors.clone();
         let swing = accelerometer.map(|device| Box::new(Swing::new(device)) as Box<dyn Instrument>);
+        let wire = wire.map(|device| Box::new(Swing::on_a_wire(device)) as Box<dyn Instrument>);
         let listener = microphone.map(|device| Box::new(Listener::new(device)) as Box<dyn Instrument>);
         let stream = stream.map(|(device, scenario)| Box::new(Stream::new(device, &scenario)) as Box<dyn Instrument>);
-        let instruments: Vec<_> = stream.into_iter().chain(swing).chain(listener).collect();
+        let instruments: Vec<_> = stream.into_iter().chain(swing).chain(listener).chain(wire).collect();
         (!instruments.is_empty()).then_some(Self {
             instruments,
             chosen: 0,

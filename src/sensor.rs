@@ -1,4 +1,4 @@
-//! The sensors of this device, if it has some: an accelerometer, a microphone.
+//! The sensors of this device, if it has some: an accelerometer, one on a wire, a microphone.
 
 use std::rc::Rc;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -61,6 +61,8 @@ impl Reading for Happened {
 pub struct Sensors {
     /// The accelerometer.
     pub accelerometer: Option<Rc<dyn Sensor<Acceleration>>>,
+    /// An accelerometer behind a serial port that the user chooses.
+    pub wire: Option<Rc<dyn Sensor<Acceleration>>>,
     /// The microphone.
     pub microphone: Option<Rc<dyn Sensor<Sound>>>,
     /// The sensors of a scenario, with the scenario.
@@ -69,7 +71,8 @@ pub struct Sensors {
 
 impl Sensors {
     pub(crate) fn is_empty(&self) -> bool {
-        self.accelerometer.is_none() && self.microphone.is_none() && self.stream.is_none()
+        let Self { accelerometer, wire, microphone, stream } = self;
+        accelerometer.is_none() && wire.is_none() && microphone.is_none() && stream.is_none()
     }
 }
 

@@ -129,6 +129,7 @@ fn a_phone_hears_what_rings() {
         let page = driver.open_with(&hears).await;
         phone::opens(&page, &address).await;
         measure::a_ring_is_identified(&page, &pictures.join("phone-ring.png")).await;
+        measure::a_sensor_on_a_wire_is_identified(&page, &pictures.join("wire.png")).await;
         reports_no_problems(&page, &address).await;
     });
 }

@@ -3,7 +3,8 @@
 use std::io::{self, Read};
 use std::net::UdpSocket;
 
-use crate::line::{LONGEST, Pieces};
+use crate::line::LONGEST;
+use crate::pieces::Pieces;
 
 /// The datagrams that arrive at an address. An empty one tells nothing.
 pub(crate) struct Datagrams {

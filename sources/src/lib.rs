@@ -11,41 +11,30 @@
 //! ```
 
 mod accelerations;
-mod broadcast;
 mod cells;
-mod datagrams;
 mod line;
 mod lines;
+
+// A page has no way to these.
+#[cfg(not(target_arch = "wasm32"))]
+mod broadcast;
+#[cfg(not(target_arch = "wasm32"))]
+mod datagrams;
+#[cfg(not(target_arch = "wasm32"))]
 mod messages;
+#[cfg(not(target_arch = "wasm32"))]
+mod open;
+#[cfg(not(target_arch = "wasm32"))]
 mod phone;
+#[cfg(not(target_arch = "wasm32"))]
+mod pieces;
+#[cfg(not(target_arch = "wasm32"))]
 mod serial;
 
-use std::fs::File;
-use std::io::{self, BufRead, BufReader};
-use std::net::TcpStream;
-
 pub use accelerations::{Accelerations, NoAxes};
+#[cfg(not(target_arch = "wasm32"))]
 pub use broadcast::Broadcast;
 pub use line::{LONGEST, read_line};
 pub use lines::{BadLine, Lines, Told};
-
-use datagrams::Datagrams;
-use messages::Messages;
-use phone::Phone;
-
-/// Opens a source by its name: `-`, a file, `tcp://HOST:PORT` to connect to, `udp://HOST:PORT` to listen at, `ws://HOST:PORT`,
-/// `serial:PORT?baud=RATE`, `http://PHONE:8080` of a phone with phyphox.
-///
-/// # Errors
-/// Where it cannot be opened.
-pub fn open(name: &str) -> io::Result<Box<dyn BufRead + Send>> {
-    Ok(match name.split_once(':') {
-        _ if name == "-" => Box::new(BufReader::new(io::stdin())),
-        Some(("tcp", address)) => Box::new(BufReader::new(TcpStream::connect(address.trim_start_matches('/'))?)),
-        Some(("udp", address)) => Box::new(BufReader::new(Datagrams::bind(address.trim_start_matches('/'))?)),
-        Some(("ws", _)) => Box::new(BufReader::new(Messages::connect(name)?)),
-        Some(("serial", port)) => Box::new(BufReader::new(serial::open(port)?)),
-        Some(("http", _)) => Box::new(BufReader::new(Phone::connect(name)?)),
-        _ => Box::new(BufReader::new(File::open(name)?)),
-    })
-}
+#[cfg(not(target_arch = "wasm32"))]
+pub use open::open;

@@ -7,7 +7,8 @@ use tungstenite::protocol::WebSocketConfig;
 use tungstenite::stream::MaybeTlsStream;
 use tungstenite::{Error, Message, WebSocket};
 
-use crate::line::{LONGEST, Pieces};
+use crate::line::LONGEST;
+use crate::pieces::Pieces;
 
 /// A connection to a server, whose messages are read as lines.
 pub(crate) struct Messages {

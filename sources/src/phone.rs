@@ -7,7 +7,7 @@ use std::time::Duration;
 use kalmanscope_core::Document;
 use ureq::Agent;
 
-use crate::line::Pieces;
+use crate::pieces::Pieces;
 
 /// The time between two questions, and the longest wait for an answer.
 const BETWEEN: Duration = Duration::from_millis(100);
