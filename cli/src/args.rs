@@ -323,6 +323,15 @@ pub(crate) struct ImportArgs {
     /// Take the free decay from an accelerometer with three axes, as a phone writes it, write it to this file, and go on with it
     #[arg(long, value_name = "DECAY.csv", conflicts_with_all = ["rate", "time", "time_unit", "input", "sensor", "ground"])]
     pub(crate) decay: Option<PathBuf>,
+    /// A second file of the same time with a clock of its own, such as that of another logger
+    #[arg(long, value_name = "OTHER.csv", requires = "joined", conflicts_with_all = ["decay", "rate", "time", "time_unit"])]
+    pub(crate) with: Option<PathBuf>,
+    /// What is added to the times of the second file [s]; without it, what both files measured tells it
+    #[arg(long, value_name = "SECONDS", requires = "with", allow_negative_numbers = true, value_parser = offset)]
+    pub(crate) offset: Option<f64>,
+    /// The file to write with the columns of both, at the steps of the faster clock
+    #[arg(long, value_name = "BOTH.csv", requires = "with")]
+    pub(crate) joined: Option<PathBuf>,
     /// Samples in a second, for a file without times
     #[arg(long, value_name = "HZ")]
     pub(crate) rate: Option<f64>,
@@ -371,6 +380,11 @@ fn sensor(text: &str) -> Result<(Quantity, String), String> {
     let (key, column) = text.split_once('=').ok_or("expected QUANTITY=COLUMN, such as displacement=V2")?;
     let quantity = Quantity::from_key(key.trim()).ok_or_else(|| format!("there is no quantity `{key}`"))?;
     Ok((quantity, column.trim().to_owned()))
+}
+
+fn offset(text: &str) -> Result<f64, String> {
+    let seconds = text.parse().ok().filter(|seconds: &f64| seconds.is_finite());
+    seconds.ok_or_else(|| "expected a number of seconds".to_owned())
 }
 
 fn time_unit(text: &str) -> Result<String, String> {

@@ -15,30 +15,14 @@ use crate::input::{InputError, is_standard_input};
 use crate::places::{check, places, say, write_bytes, write_text};
 use crate::progress::Progress;
 use crate::record::table;
+use crate::two_files::two_files;
 
 /// Looks at a record and writes a scenario for it.
 pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
-    let ImportArgs {
-        file,
-        out,
-        decay,
-        rate,
-        time,
-        time_unit,
-        missing,
-        input,
-        no_input,
-        ground,
-        sensor,
-        from,
-        to,
-        band,
-        every,
-        interpolate,
-        plant,
-    } = args;
+    let ImportArgs { file, with, offset, joined, out, decay, from, to, band, every, interpolate, plant, .. } = args;
     let bad = |error| InputError::Import { file: file.clone(), error };
-    check(&places("the record", [file]), &[places("--out", out), places("--decay", decay)].concat())?;
+    let inputs = [places("the record", [file]), places("--with", with)].concat();
+    check(&inputs, &[places("--out", out), places("--decay", decay), places("--joined", joined)].concat())?;
     // Errors and remarks come once it is cleared.
     let progress = Progress::wait(false, "reading");
     let (mut table, mut hash) = table(file)?;
@@ -47,45 +31,13 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
         (table, hash) = free_decay(&table, file, decay)?;
         file = decay;
     }
-    let (mut mapping, mut kind, guesses) = Mapping::guess_with_reasons(&table);
+    if let (Some(with), Some(joined)) = (with, joined) {
+        (table, hash) = two_files([(file, &table), (with, &crate::record::table(with)?.0)], *offset, joined, args)?;
+        file = joined;
+    }
+    let (mut mapping, kind, guesses) = mapping(&table, args);
     mapping.file = path_from(out.as_deref(), file);
     mapping.hash = hash;
-    if let Some(rate) = rate {
-        mapping.time = Time { rate: Some(*rate), ..Time::default() };
-    }
-    if let Some(column) = time {
-        let unit = MappedColumn::of(&table, column).unit;
-        mapping.time = Time { column: Some(column.clone()), unit, rate: None };
-    }
-    if let (Some(unit), Some(_)) = (time_unit, &mapping.time.column) {
-        mapping.time.unit.clone_from(unit);
-    }
-    let mapped = |column: &String| MappedColumn::of(&table, column);
-    let is_nothing = |column: &&String| NOTHING.contains(&column.as_str()) && table.place(column).is_none();
-    if *no_input || input.as_ref().is_some_and(|column| is_nothing(&column)) {
-        (mapping.input, mapping.no_input) = (None, true);
-    } else if let Some(column) = input {
-        mapping.input = Some(mapped(column));
-        mapping.sensors.retain(|_, sensor| sensor.column != *column);
-    }
-    if *ground {
-        kind = InputKind::GroundAcceleration;
-    }
-    if !sensor.is_empty() {
-        // A user with named sensors knows the columns: no other column is guessed to be the input.
-        let is_said = |mapped: &MappedColumn| {
-            guesses.iter().any(|guess| guess.column == mapped.column && !guess.is_a_guess())
-                && !sensor.iter().any(|(_, column)| *column == mapped.column)
-        };
-        if input.is_none() && !mapping.input.as_ref().is_some_and(is_said) {
-            mapping.input = None;
-        }
-        mapping.sensors = sensor.iter().map(|(quantity, column)| (*quantity, mapped(column))).collect();
-    }
-    if let Some(Missing(missing)) = missing {
-        let all = mapping.input.iter_mut().chain(mapping.sensors.values_mut());
-        all.for_each(|mapped| mapped.missing = *missing);
-    }
     let is_said = from.is_some() || to.is_some() || *every != 1 || band.is_some();
     let remark = Ring::remark(&table).filter(|_| !is_said);
     if remark.is_none() {
@@ -121,6 +73,49 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
         Some(out) => write_text(out, &text),
         None => write_text(Path::new("-"), &text),
     }
+}
+
+/// The meaning of the columns: the guess, and what the user says.
+pub(crate) fn mapping(table: &Table, args: &ImportArgs) -> (Mapping, InputKind, Vec<ColumnGuess>) {
+    let ImportArgs { rate, time, time_unit, missing, input, no_input, ground, sensor, .. } = args;
+    let (mut mapping, mut kind, guesses) = Mapping::guess_with_reasons(table);
+    if let Some(rate) = rate {
+        mapping.time = Time { rate: Some(*rate), ..Time::default() };
+    }
+    if let Some(column) = time {
+        let unit = MappedColumn::of(table, column).unit;
+        mapping.time = Time { column: Some(column.clone()), unit, rate: None };
+    }
+    if let (Some(unit), Some(_)) = (time_unit, &mapping.time.column) {
+        mapping.time.unit.clone_from(unit);
+    }
+    let mapped = |column: &String| MappedColumn::of(table, column);
+    let is_nothing = |column: &&String| NOTHING.contains(&column.as_str()) && table.place(column).is_none();
+    if *no_input || input.as_ref().is_some_and(|column| is_nothing(&column)) {
+        (mapping.input, mapping.no_input) = (None, true);
+    } else if let Some(column) = input {
+        mapping.input = Some(mapped(column));
+        mapping.sensors.retain(|_, sensor| sensor.column != *column);
+    }
+    if *ground {
+        kind = InputKind::GroundAcceleration;
+    }
+    if !sensor.is_empty() {
+        // A user with named sensors knows the columns: no other column is guessed to be the input.
+        let is_said = |mapped: &MappedColumn| {
+            guesses.iter().any(|guess| guess.column == mapped.column && !guess.is_a_guess())
+                && !sensor.iter().any(|(_, column)| *column == mapped.column)
+        };
+        if input.is_none() && !mapping.input.as_ref().is_some_and(is_said) {
+            mapping.input = None;
+        }
+        mapping.sensors = sensor.iter().map(|(quantity, column)| (*quantity, mapped(column))).collect();
+    }
+    if let Some(Missing(missing)) = missing {
+        let all = mapping.input.iter_mut().chain(mapping.sensors.values_mut());
+        all.for_each(|mapped| mapped.missing = *missing);
+    }
+    (mapping, kind, guesses)
 }
 
 /// Writes the free decay in a file of an accelerometer with three axes to another file. Returns the columns of that, and its hash.

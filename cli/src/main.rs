@@ -18,6 +18,7 @@ mod run;
 mod stream;
 mod sweep;
 mod tune;
+mod two_files;
 mod write_report;
 
 use std::path::Path;

@@ -15,6 +15,7 @@ mod run;
 mod stream;
 mod sweep;
 mod tune;
+mod two_files;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

@@ -205,6 +205,13 @@ impl Decay {
     }
 }
 
+/// The readings to either side of one that a cubic follows, for readings whose mean may be anything.
+pub(super) fn side_of(times: &[f64], values: &[f64]) -> usize {
+    let middle = mean(values);
+    let around: Vec<f64> = values.iter().map(|value| value - middle).collect();
+    side(&around, noise_of(times, &around))
+}
+
 fn seconds(readings: &[[f64; 4]]) -> f64 {
     readings.last().zip(readings.first()).map_or(0.0, |(last, first)| last[0] - first[0])
 }

@@ -111,6 +111,24 @@ pub enum ImportError {
         /// The number of samples.
         found: usize,
     },
+    /// Two files have no time in common.
+    #[error("one file is from {} to {} s, the other from {} to {} s: they have fewer than {FEWEST} samples in common", first[0], first[1], second[0], second[1])]
+    Apart {
+        /// Beginning and end of the first file \[s\].
+        first: [f64; 2],
+        /// Those of the second one, in the first one's clock \[s\].
+        second: [f64; 2],
+    },
+    /// Nothing tells how the clocks of two files differ.
+    #[error(
+        "`{first}` and `{second}` have nothing in common that tells how the clocks of both files differ: state the offset"
+    )]
+    NoOffset {
+        /// A column of the first file.
+        first: String,
+        /// A column of the second one.
+        second: String,
+    },
     /// No sensor has a column.
     #[error("no column is chosen for a sensor")]
     NoSensor,

@@ -18,6 +18,8 @@ pub(super) struct Timing {
     /// The number of samples.
     pub(super) samples: usize,
     pub(super) places: Places,
+    /// By how much a time is off at most, as a share of the step.
+    worst: f64,
     /// A sentence about times that are not as even as they should be.
     pub(super) remark: Option<String>,
 }
@@ -39,7 +41,7 @@ impl Timing {
         if rows < FEWEST {
             return Err(ImportError::TooShort(rows));
         }
-        Ok(Self { start: 0.0, dt: 1.0 / rate, samples: rows, places: Places::Rows, remark: None })
+        Ok(Self { start: 0.0, dt: 1.0 / rate, samples: rows, places: Places::Rows, worst: 0.0, remark: None })
     }
 
     /// The timing of rows with these times \[s\]; `line` is the line of a row.
@@ -69,7 +71,7 @@ impl Timing {
                     100.0 * worst
                 )
             });
-            return Ok(Self { start, dt, samples: times.len(), places: Places::Rows, remark });
+            return Ok(Self { start, dt, samples: times.len(), places: Places::Rows, worst, remark });
         }
         let median = median_step(times);
         let mut places = Vec::with_capacity(times.len());
@@ -94,7 +96,7 @@ impl Timing {
                 "{missing} samples are missing; the longest gap has {most} and ends in line {}",
                 line(row)
             ));
-            return Ok(Self { start, dt, samples, places: Places::Gaps(places), remark });
+            return Ok(Self { start, dt, samples, places: Places::Gaps(places), worst, remark });
         }
         let samples = libm::floor((last - start) / median + 1e-9) as usize + 1;
         if samples > MOST {
@@ -102,7 +104,12 @@ impl Timing {
         }
         let times = times.iter().map(|time| (time - start) / median).collect();
         let remark = Some(format!("the times are irregular; values are interpolated at even steps of {median} s"));
-        Ok(Self { start, dt: median, samples, places: Places::Times(times), remark })
+        Ok(Self { start, dt: median, samples, places: Places::Times(times), worst, remark })
+    }
+
+    /// Whether the times are those of the samples.
+    pub(super) fn is_exact(&self) -> bool {
+        matches!(self.places, Places::Rows | Places::Gaps(_)) && self.worst <= EXACT
     }
 
     /// The values of the samples from those of the rows; NaN where there is none.

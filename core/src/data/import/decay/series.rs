@@ -1,6 +1,6 @@
 //! What readings tell as a series: noise, axis, mean, and values at equal steps.
 
-use crate::data::local_cubic::change;
+use super::super::steps::Steps;
 
 /// The share of half a swing, to either side, that a cubic follows; and the fewest and the most readings to either side.
 const FOLLOWED: f64 = 1.0 / 3.0;
@@ -16,25 +16,8 @@ const CLEAR: f64 = 3.0;
 pub(super) fn even(times: &[f64], values: &[f64], noise: f64) -> (f64, Vec<f64>) {
     let n = times.len();
     let dt = (times[n - 1] - times[0]) / (n - 1) as f64;
-    let side = side(values, noise).min((n - 1) / 2);
-    let mut nearest = vec![None; n];
-    for (k, time) in times.iter().enumerate() {
-        let steps = (time - times[0]) / dt;
-        let place = (libm::round(steps) as usize).min(n - 1);
-        let distance = (steps - place as f64).abs();
-        if nearest[place].is_none_or(|(_, other)| distance < other) {
-            nearest[place] = Some((k, distance));
-        }
-    }
-    let at = |(place, reading): (usize, Option<(usize, f64)>)| {
-        let Some((k, _)) = reading else { return f64::NAN };
-        let first = k.saturating_sub(side).min(n - 1 - 2 * side);
-        let around = first..=first + 2 * side;
-        let shift = times[0] + dt * place as f64 - times[k];
-        let readings = times[around.clone()].iter().zip(&values[around]);
-        values[k] + change(readings, times[k], shift, dt * side as f64)
-    };
-    (dt, nearest.into_iter().enumerate().map(at).collect())
+    let steps = Steps { start: times[0], dt, count: n };
+    (dt, steps.of(times, values, side(values, noise)))
 }
 
 /// The readings to either side that a cubic follows.

@@ -1,0 +1,86 @@
+//! Two files with clocks of their own are imported as one record.
+
+use kalmanscope_core::{Channel, Force, Hold, Quantity, Scenario, Sensor, simulate};
+
+use crate::{command, ended, file, folder, program};
+
+/// The files of two loggers: the force in steps of 4 ms, and the displacement in steps of 15 ms, whose clock is 2.5 s behind.
+fn loggers() -> [String; 2] {
+    let force = Force::Chirp { amplitude: 3.0, from: 1.0, to: 20.0, sweep: 50.0 };
+    let mut scenario = Scenario { dt: 0.001, duration: 50.0, hold: Hold::First, force, ..Scenario::default() };
+    scenario.plant.set(Channel::NATURAL_FREQUENCY, 8.0);
+    scenario.plant.set(Channel::DAMPING_RATIO, 0.04);
+    scenario.sensors.clear();
+    scenario.add_sensor(Sensor::new(Quantity::DISPLACEMENT, 0.001));
+    let record = simulate(&scenario);
+    let input = record.input().iter().enumerate().step_by(4);
+    let input = input.map(|(k, value)| format!("{:.3},{value}\n", k as f64 * 0.001));
+    let readings = record.measured(0).iter().enumerate().skip(3000).step_by(15);
+    let readings = readings.map(|(k, value)| format!("{};{}\n", k as f64 - 2500.0, 1000.0 * value));
+    [
+        "t [s],force over mass [m/s²]\n".to_owned() + &input.collect::<String>(),
+        "time [ms];displacement [mm]\n".to_owned() + &readings.collect::<String>(),
+    ]
+}
+
+#[test]
+fn two_loggers_are_one_record() {
+    let folder = folder();
+    let [force, sensor] = loggers();
+    let force = file(&folder, "force.csv", &force);
+    let sensor = file(&folder, "sensor.csv", &sensor);
+    let [both, scenario] = ["both.csv", "both.toml"].map(|name| folder.path().join(name));
+    for given in [None, Some("2.5")] {
+        let mut import = program();
+        import
+            .arg("import")
+            .arg(&force)
+            .arg("--with")
+            .arg(&sensor)
+            .arg("--joined")
+            .arg(&both)
+            .arg("--out")
+            .arg(&scenario);
+        if let Some(offset) = given {
+            import.arg("--offset").arg(offset);
+        }
+        let (code, _, said) = ended(&mut import);
+        assert_eq!(code, Some(0), "{said}");
+        assert!(said.contains("s in common, at the steps of the first one"), "{said}");
+        if given.is_none() {
+            let offset = said
+                .lines()
+                .find_map(|line| line.split(" s are added").next()?.split_whitespace().last()?.parse().ok());
+            let offset: f64 = offset.expect("it is said");
+            assert!((offset - 2.5).abs() < 0.015, "{said}");
+        }
+        let (_, table, _) = ended(command().arg(&scenario));
+        let line = table.lines().find(|line| line.contains("natural frequency")).expect("it is estimated");
+        let frequency: f64 = line.split_whitespace().nth(3).and_then(|number| number.parse().ok()).expect("a number");
+        assert!((frequency / 8.0 - 1.0).abs() < 0.003, "{line}");
+    }
+}
+
+#[test]
+fn files_that_cannot_be_joined_say_why() {
+    let folder = folder();
+    let [force, sensor] = loggers();
+    let force = file(&folder, "force.csv", &force);
+    let sensor = file(&folder, "sensor.csv", &sensor);
+    let both = folder.path().join("both.csv");
+    let (code, _, said) = ended(program().arg("import").arg(&force).arg("--with").arg(&sensor));
+    assert!(code == Some(2) && said.contains("--joined"), "{said}");
+    let mut import = program();
+    let (code, _, said) =
+        ended(import.arg("import").arg(&force).arg("--with").arg(&sensor).arg("--joined").arg(&sensor));
+    assert_eq!(code, Some(2), "an input is not overwritten: {said}");
+    let mut import = program();
+    import.arg("import").arg(&force).arg("--with").arg(&sensor).arg("--joined").arg(&both).args(["--offset", "500"]);
+    let (code, _, said) = ended(&mut import);
+    assert!(code == Some(2) && said.contains("fewer than 2 samples in common"), "{said}");
+    let hiss: String = (0..3000).map(|k| format!("{},{}\n", f64::from(k) * 0.015, f64::from(k * k % 977))).collect();
+    let other = file(&folder, "other.csv", &format!("t [s],displacement [mm]\n{hiss}"));
+    let (code, _, said) =
+        ended(program().arg("import").arg(&force).arg("--with").arg(&other).arg("--joined").arg(&both));
+    assert!(code == Some(2) && said.contains("state the offset"), "{said}");
+}

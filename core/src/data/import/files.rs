@@ -1,0 +1,121 @@
+//! Two files whose clocks differ, as one table.
+
+use std::borrow::Cow;
+
+use super::decay::side_of;
+use super::limits::FEWEST;
+use super::steps::Steps;
+use super::table::{Column, free_name};
+use super::timing::Timing;
+use super::{ImportError, Mapping, Table, times};
+
+/// The readings of a file's clock \[s\].
+pub(super) struct Clock<'a> {
+    /// The place of the column of times.
+    pub(super) place: usize,
+    pub(super) times: Cow<'a, [f64]>,
+    pub(super) timing: Timing,
+}
+
+impl<'a> Clock<'a> {
+    /// The clock of a file, by the guess at its column of times.
+    ///
+    /// # Errors
+    /// [`ImportError`] where it has none, or where its times are not usable.
+    pub(super) fn of(table: &'a Table, remarks: &mut Vec<String>) -> Result<Self, ImportError> {
+        let time = Mapping::guess(table).0.time;
+        let place = time.column.and_then(|name| table.place(&name)).ok_or(ImportError::NoTime)?;
+        let column = &table.columns[place];
+        if let Some(text) = &column.text {
+            let (line, text) = (text.line, text.text.clone());
+            return Err(ImportError::Text { line, column: column.name.clone(), text });
+        }
+        let times = times::of(table, column, &time.unit, remarks);
+        let timing = Timing::of_times(&times, &column.name, |row| table.line(row))?;
+        Ok(Self { place, times, timing })
+    }
+
+    /// The first time and the last one \[s\].
+    pub(super) fn ends(&self) -> [f64; 2] {
+        [self.times[0], self.times[self.times.len() - 1]]
+    }
+}
+
+/// The offset with which the second file begins where the first one does \[s\].
+///
+/// # Errors
+/// [`ImportError`] where a file has no usable times.
+pub fn apart([first, second]: [&Table; 2]) -> Result<f64, ImportError> {
+    let start = |table| Clock::of(table, &mut Vec::new()).map(|clock| clock.ends()[0]);
+    Ok(start(first)? - start(second)?)
+}
+
+/// Two files as one table.
+#[derive(Clone, Debug)]
+pub struct Joined {
+    /// The table; its first column has the times.
+    pub table: Table,
+    /// For each column behind the times, whether it is of the second file, and its name there.
+    pub sources: Vec<(bool, String)>,
+}
+
+/// Both files as one table, at the steps of the faster clock, where they have time in common. `offset` is added to the times of the
+/// second file \[s\]. Even times keep their readings. Every other reading goes to its nearest step, shifted along the cubic through
+/// its neighbours; cells without a reading are missing.
+///
+/// # Errors
+/// [`ImportError`] where a file has no usable times, or where they have no time in common.
+pub fn join(first: &Table, second: &Table, offset: f64) -> Result<Joined, ImportError> {
+    let mut remarks: Vec<String> = [first, second].into_iter().flat_map(|table| table.remarks.clone()).collect();
+    let clocks = [Clock::of(first, &mut remarks)?, Clock::of(second, &mut remarks)?];
+    let added = [0.0, offset];
+    let fast = usize::from(clocks[1].timing.dt < clocks[0].timing.dt);
+    let Timing { start, dt, samples, .. } = clocks[fast].timing;
+    let start = start + added[fast];
+    let ends: [[f64; 2]; 2] = std::array::from_fn(|file| clocks[file].ends().map(|time| time + added[file]));
+    // Half a step beyond its ends, the slower file has a nearest step.
+    let from = libm::ceil((ends[0][0].max(ends[1][0]) - start) / dt - 0.5).max(0.0);
+    let to = libm::floor((ends[0][1].min(ends[1][1]) - start) / dt + 0.5).min((samples - 1) as f64);
+    if to - from + 1.0 < FEWEST as f64 {
+        return Err(ImportError::Apart { first: ends[0], second: ends[1] });
+    }
+    let part = from as usize..to as usize + 1;
+    let steps = Steps { start: start + from * dt, dt, count: part.len() };
+    let mut columns = vec![Column {
+        name: first.columns[clocks[0].place].name.clone(),
+        unit: Some("s".to_owned()),
+        values: (0..part.len()).map(|k| steps.start + dt * k as f64).collect(),
+        ..Column::default()
+    }];
+    let mut sources = Vec::new();
+    for (file, table) in [first, second].into_iter().enumerate() {
+        let clock = &clocks[file];
+        for (place, column) in table.columns.iter().enumerate().filter(|(place, _)| *place != clock.place) {
+            if column.text.is_some() || table.is_without_numbers(place) {
+                remarks.push(format!("`{}` has text, or no numbers: it is left out", column.name));
+                continue;
+            }
+            let values = if file == fast && clock.timing.is_exact() {
+                clock.timing.spread(&column.values)[part.clone()].to_vec()
+            } else {
+                let (times, values) = known(&clock.times, &column.values, added[file]);
+                steps.of(&times, &values, side_of(&times, &values))
+            };
+            let name = free_name(&column.name, |name| columns.iter().any(|column| column.name == name));
+            columns.push(Column { name, unit: column.unit.clone(), values, ..Column::default() });
+            sources.push((file == 1, column.name.clone()));
+        }
+    }
+    let [slow_dt, seconds] = [clocks[1 - fast].timing.dt, to * dt - from * dt];
+    remarks.push(format!(
+        "the files have {seconds:.3} s in common, at the steps of the {} one, {dt} s apart; the readings of the other one, about {slow_dt} s \
+         apart, and all with uneven times go to the nearest step",
+        if fast == 0 { "first" } else { "second" }
+    ));
+    Ok(Joined { table: Table::of_columns("two files with clocks of their own", columns, remarks), sources })
+}
+
+/// The readings that are numbers, and their times with an offset.
+pub(super) fn known(times: &[f64], values: &[f64], offset: f64) -> (Vec<f64>, Vec<f64>) {
+    times.iter().zip(values).filter(|(_, value)| value.is_finite()).map(|(time, value)| (time + offset, *value)).unzip()
+}
