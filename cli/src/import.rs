@@ -3,18 +3,17 @@
 use std::fs;
 use std::path::Path;
 
-use kalmanscope_core::import::{
-    self, Builder, ColumnGuess, ImportError, MappedColumn, Mapping, Ring, Table, ThreeAxes, Time,
-};
+use kalmanscope_core::Hold;
+use kalmanscope_core::import::{self, Builder, ColumnGuess, ImportError, Mapping, Ring, Table, ThreeAxes};
 use kalmanscope_core::scenario::shown;
 use kalmanscope_core::suggest::{scenario_for, suggest};
-use kalmanscope_core::{Hold, InputKind};
 
-use crate::args::{ImportArgs, Missing};
+use crate::args::ImportArgs;
 use crate::input::{InputError, is_standard_input};
+use crate::meaning::mapping;
 use crate::places::{check, places, say, write_bytes, write_text};
 use crate::progress::Progress;
-use crate::record::table;
+use crate::record::table as columns_of;
 use crate::two_files::two_files;
 
 /// Looks at a record and writes a scenario for it.
@@ -25,14 +24,14 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
     check(&inputs, &[places("--out", out), places("--decay", decay), places("--joined", joined)].concat())?;
     // Errors and remarks come once it is cleared.
     let progress = Progress::wait(false, "reading");
-    let (mut table, mut hash) = table(file)?;
+    let (mut table, mut hash) = columns_of(file)?;
     let mut file = file;
     if let Some(decay) = decay {
         (table, hash) = free_decay(&table, file, decay)?;
         file = decay;
     }
     if let (Some(with), Some(joined)) = (with, joined) {
-        (table, hash) = two_files([(file, &table), (with, &crate::record::table(with)?.0)], *offset, joined, args)?;
+        (table, hash) = two_files([(file, &table), (with, &columns_of(with)?.0)], *offset, joined, args)?;
         file = joined;
     }
     let (mut mapping, kind, guesses) = mapping(&table, args);
@@ -75,49 +74,6 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
     }
 }
 
-/// The meaning of the columns: the guess, and what the user says.
-pub(crate) fn mapping(table: &Table, args: &ImportArgs) -> (Mapping, InputKind, Vec<ColumnGuess>) {
-    let ImportArgs { rate, time, time_unit, missing, input, no_input, ground, sensor, .. } = args;
-    let (mut mapping, mut kind, guesses) = Mapping::guess_with_reasons(table);
-    if let Some(rate) = rate {
-        mapping.time = Time { rate: Some(*rate), ..Time::default() };
-    }
-    if let Some(column) = time {
-        let unit = MappedColumn::of(table, column).unit;
-        mapping.time = Time { column: Some(column.clone()), unit, rate: None };
-    }
-    if let (Some(unit), Some(_)) = (time_unit, &mapping.time.column) {
-        mapping.time.unit.clone_from(unit);
-    }
-    let mapped = |column: &String| MappedColumn::of(table, column);
-    let is_nothing = |column: &&String| NOTHING.contains(&column.as_str()) && table.place(column).is_none();
-    if *no_input || input.as_ref().is_some_and(|column| is_nothing(&column)) {
-        (mapping.input, mapping.no_input) = (None, true);
-    } else if let Some(column) = input {
-        mapping.input = Some(mapped(column));
-        mapping.sensors.retain(|_, sensor| sensor.column != *column);
-    }
-    if *ground {
-        kind = InputKind::GroundAcceleration;
-    }
-    if !sensor.is_empty() {
-        // A user with named sensors knows the columns: no other column is guessed to be the input.
-        let is_said = |mapped: &MappedColumn| {
-            guesses.iter().any(|guess| guess.column == mapped.column && !guess.is_a_guess())
-                && !sensor.iter().any(|(_, column)| *column == mapped.column)
-        };
-        if input.is_none() && !mapping.input.as_ref().is_some_and(is_said) {
-            mapping.input = None;
-        }
-        mapping.sensors = sensor.iter().map(|(quantity, column)| (*quantity, mapped(column))).collect();
-    }
-    if let Some(Missing(missing)) = missing {
-        let all = mapping.input.iter_mut().chain(mapping.sensors.values_mut());
-        all.for_each(|mapped| mapped.missing = *missing);
-    }
-    (mapping, kind, guesses)
-}
-
 /// Writes the free decay in a file of an accelerometer with three axes to another file. Returns the columns of that, and its hash.
 fn free_decay(table: &Table, file: &Path, to: &Path) -> Result<(Table, String), InputError> {
     let bad = |reason: String| InputError::Laboratory { file: file.to_owned(), reason };
@@ -136,9 +92,6 @@ fn free_decay(table: &Table, file: &Path, to: &Path) -> Result<(Table, String), 
     let table = import::read(bytes, None).map_err(|error| InputError::Import { file: to.to_owned(), error })?;
     Ok((table, hash))
 }
-
-/// Words for no column.
-const NOTHING: [&str; 2] = ["none", "nothing"];
 
 /// The guessed meaning of a column, and the reason, in one line.
 fn meaning(guess: &ColumnGuess, mapping: &Mapping, args: &ImportArgs) -> String {

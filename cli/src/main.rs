@@ -8,6 +8,7 @@ mod fix;
 mod import;
 mod input;
 mod lesson;
+mod meaning;
 mod parquet_file;
 mod places;
 mod population;

@@ -6,8 +6,8 @@ use kalmanscope_core::Quantity;
 use kalmanscope_core::import::{self, ClockOffset, Clocked, ImportError, Joined, Table, join};
 
 use crate::args::ImportArgs;
-use crate::import::mapping;
 use crate::input::InputError;
+use crate::meaning::mapping;
 use crate::places::{say, write_bytes};
 
 /// Writes the columns of two files into a third one, at the steps of the faster clock. Without an offset, it is the one with which
