@@ -8,7 +8,7 @@ use kalmanscope_core::{Channel, Estimates, Quantity, Record, Run};
 /// Writes one row per filter and sample, first the filters, then the smoothers, under the header `filter, k, t`, the
 /// means and standard deviations of all channels of truth and filters, `nis, log_likelihood`, and for each sensor
 /// `innovation_`, `innovation_std_` and `predicted_`: the innovation, the root of its variance in S, and the reading that
-/// the filter predicted. Numbers have 17 significant digits, so that every bit survives; undefined values are `nan`. Means
+/// the filter predicted; where a filter weighs its readings, also `weight_`. Numbers have 17 significant digits, so that every bit survives; undefined values are `nan`. Means
 /// are in canonical form ([`Estimates::canonical_mean`]), as in the table.
 ///
 /// # Errors
@@ -20,7 +20,8 @@ pub fn write_estimates(run: &Run, output: impl Write) -> Result<(), csv::Error> 
     let stds = channels.iter().map(|c| format!("std_{}", c.key()));
     let header = ["filter", "k", "t"].map(str::to_owned).into_iter().chain(means).chain(stds);
     let sensors = run.record().sensors();
-    let readings = ["innovation", "innovation_std", "predicted"].into_iter();
+    let weighs = run.estimates().iter().any(Estimates::weighs);
+    let readings = ["innovation", "innovation_std", "predicted"].into_iter().chain(weighs.then_some("weight"));
     let readings = readings.flat_map(|what| sensors.iter().map(move |sensor| format!("{what}_{}", sensor.key())));
     writer.write_record(header.chain(["nis", "log_likelihood"].map(str::to_owned)).chain(readings))?;
     for estimates in run.estimates().iter().chain(&run.smoothed()) {
@@ -33,7 +34,9 @@ pub fn write_estimates(run: &Run, output: impl Write) -> Result<(), csv::Error> 
             let innovations = readings.iter().map(|reading| reading.innovation);
             let stds = readings.iter().map(|reading| reading.std);
             let predicted = readings.iter().map(|reading| reading.predicted);
-            for value in values(estimates, &channels, k).chain(innovations).chain(stds).chain(predicted) {
+            let weights = readings.iter().filter(|_| weighs).map(|reading| reading.weight);
+            for value in values(estimates, &channels, k).chain(innovations).chain(stds).chain(predicted).chain(weights)
+            {
                 writer.write_field(number(value))?;
             }
             writer.write_record(None::<&[u8]>)?;
@@ -56,6 +59,8 @@ pub(crate) struct Reading {
     pub(crate) std: f64,
     /// The prediction from all samples before.
     pub(crate) predicted: f64,
+    /// How much the reading counts, if the filter weighs it.
+    pub(crate) weight: f64,
 }
 
 impl Reading {
@@ -66,9 +71,11 @@ impl Reading {
             let innovation = *estimates.innovation(k).get(place)?;
             let variance = *estimates.innovation_cov(k).get(place * (estimates.sensors().len() + 1))?;
             let measured = record.measured_quantity(sensor)?[k];
-            Some(Self { innovation, std: variance.sqrt(), predicted: measured - innovation })
+            let weight = estimates.weights(k).get(place).copied().unwrap_or(f64::NAN);
+            Some(Self { innovation, std: variance.sqrt(), predicted: measured - innovation, weight })
         };
-        found().unwrap_or(Self { innovation: f64::NAN, std: f64::NAN, predicted: f64::NAN })
+        let nan = f64::NAN;
+        found().unwrap_or(Self { innovation: nan, std: nan, predicted: nan, weight: nan })
     }
 }
 

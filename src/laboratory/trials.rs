@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use kalmanscope_cli::harmless;
 use kalmanscope_core::{Channel, VerdictKind};
 use kalmanscope_lab::{Estimated, Trial};
 
@@ -75,7 +76,7 @@ impl Trials {
         let names = "name,mass_kg,natural_frequency_hz,natural_frequency_hz_2sigma,period_s,period_s_2sigma,damping_ratio,damping_ratio_2sigma,believed";
         let mut text = format!("{names}\n");
         for trial in &self.rows {
-            // Writing to a string cannot fail.
+            // Writing to a string cannot fail. Names come from other people's links.
             let _ = write!(text, "{},{}", quoted(&harmless(&trial.name)), trial.mass);
             for number in [trial.hertz(), trial.period(), trial.damping] {
                 let _ = write!(text, ",{},{}", short(number.mean), short(number.band()));
@@ -89,12 +90,6 @@ impl Trials {
 /// A number to nine digits, which are enough for a band and keep links short.
 fn short(number: f64) -> f64 {
     format!("{number:.8e}").parse().unwrap_or(number)
-}
-
-/// A name that no spreadsheet takes for a formula: names come from other people's links.
-fn harmless(name: &str) -> String {
-    let is_formula = name.starts_with(['=', '+', '-', '@']);
-    if is_formula { format!("'{name}") } else { name.to_owned() }
 }
 
 /// What the run so far tells of ωₙ and ζ: the estimates of the first filter that its verdict lets one believe, else of the first

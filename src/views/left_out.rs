@@ -1,6 +1,6 @@
-//! Readings that robust filters leave out.
+//! What robust filters make of readings: those that count less than others, or nothing.
 
-use kalmanscope_core::{Estimates, Quantity};
+use kalmanscope_core::{Estimates, Quantity, Robust};
 
 use crate::plot::heading::Readout;
 use crate::plot::layers::Layer;
@@ -10,42 +10,71 @@ use crate::view::ViewContext;
 /// Limits the samples that are counted in a frame.
 const MOST_COUNTED: usize = 20_000;
 
-/// The filters on screen that weigh the readings of a quantity, with the place of that sensor among theirs.
+/// The weights below which a reading gets a dot in the filter's colour, each with the opacity of the dot: the fuller, the less it
+/// counts.
+const SHADES: [(f64, f32); 3] = [(0.9, 0.35), (0.5, 0.65), (LEFT_OUT, 1.0)];
+
+/// A reading with a smaller weight counts as left out, as in the filter's report.
+const LEFT_OUT: f64 = 0.15;
+
+/// The filters on screen that weigh the readings of a quantity, with the place of that sensor among theirs, and their rule.
 fn weighing<'a>(
     quantity: Quantity,
     context: &ViewContext<'a>,
-) -> impl Iterator<Item = (usize, &'a Estimates)> + use<'a> {
+) -> impl Iterator<Item = (usize, &'a Estimates, Robust)> + use<'a> {
     let settings = &context.session.run().scenario().filters;
     context.filters().filter_map(move |(place, estimates)| {
-        let is_robust = settings.get(place).is_some_and(|filter| filter.robust.is_on());
+        let rule = settings.get(place)?.robust;
         let sensor = estimates.sensors().iter().position(|own| *own == quantity)?;
-        is_robust.then_some((sensor, estimates))
+        estimates.weighs().then_some((sensor, estimates, rule))
     })
 }
 
-/// Whether a filter has left out the reading of a sensor at a sample. The first one counts for no filter.
-fn is_left_out(estimates: &Estimates, sensor: usize, measured: &[f64], k: usize) -> bool {
-    estimates.forgotten() + k > 0 && !measured[k].is_nan() && estimates.innovation(k)[sensor].is_nan()
+/// The weight of a sensor's reading at a sample; NaN where there is none.
+fn weight(estimates: &Estimates, sensor: usize, k: usize) -> f64 {
+    estimates.weights(k).get(sensor).copied().unwrap_or(f64::NAN)
 }
 
-/// Dots in a filter's colour at the readings of a quantity that it leaves out.
+/// Dots in a filter's colour at the readings of a quantity that count less for it than others.
 pub(super) fn layers<'a>(quantity: Quantity, measured: &'a [f64], context: &ViewContext<'a>) -> Vec<Layer<'a>> {
     let palette = context.palette;
-    let layer = |(sensor, estimates): (usize, &'a Estimates)| {
-        let value = move |k: usize| if is_left_out(estimates, sensor, measured, k) { measured[k] } else { f64::NAN };
-        let series = Series::new(estimates.len().min(measured.len()), move |samples| samples.map(value));
-        Layer::Dots { series, color: palette.shade(estimates.color()) }
+    let layers = |(sensor, estimates, _): (usize, &'a Estimates, Robust)| {
+        let next = SHADES.iter().skip(1).map(|(below, _)| *below).chain([f64::NEG_INFINITY]);
+        SHADES.iter().zip(next).map(move |(&(below, opacity), least)| {
+            let value = move |k: usize| {
+                let weight = weight(estimates, sensor, k);
+                if weight < below && weight >= least { measured[k] } else { f64::NAN }
+            };
+            let series = Series::new(estimates.len().min(measured.len()), move |samples| samples.map(value));
+            Layer::Dots { series, color: palette.shade(estimates.color()).gamma_multiply(opacity) }
+        })
     };
-    weighing(quantity, context).map(layer).collect()
+    weighing(quantity, context).flat_map(layers).collect()
+}
+
+/// What each filter makes of the reading of a quantity at a sample, in a few words; nothing of a reading that counts fully.
+pub(super) fn at<'a>(quantity: Quantity, k: usize, context: &ViewContext<'a>) -> Vec<Readout> {
+    let said = |(sensor, estimates, rule): (usize, &'a Estimates, Robust)| {
+        let weight =
+            (k < estimates.len()).then(|| weight(estimates, sensor, k)).filter(|weight| *weight < SHADES[0].0)?;
+        let (text, hint) = if rule == Robust::MIXTURE {
+            (format!("{:.2} an outlier", 1.0 - weight), "The probability that this reading is an outlier, in")
+        } else {
+            (format!("{weight:.2} of a reading"), "The weight of this reading in")
+        };
+        let color = context.palette.shade(estimates.color());
+        Some(Readout::new(text, color, format!("{hint} {}", estimates.name())))
+    };
+    weighing(quantity, context).filter_map(said).collect()
 }
 
 /// The share of the readings of a quantity that each filter leaves out, in words.
 pub(super) fn shares(quantity: Quantity, measured: &[f64], context: &ViewContext<'_>) -> Vec<Readout> {
-    let share = |(sensor, estimates): (usize, &Estimates)| {
+    let share = |(sensor, estimates, _): (usize, &Estimates, Robust)| {
         let len = estimates.len().min(measured.len());
         let samples = len.saturating_sub(MOST_COUNTED)..len;
         let readings = samples.clone().filter(|&k| !measured[k].is_nan()).count();
-        let out = samples.filter(|&k| is_left_out(estimates, sensor, measured, k)).count();
+        let out = samples.filter(|&k| weight(estimates, sensor, k) < LEFT_OUT).count();
         let percent = 100.0 * out as f64 / readings.max(1) as f64;
         let hint = format!(
             "{out} of the last {readings} readings count for nothing, or next to nothing, in {}",
@@ -83,11 +112,16 @@ mod tests {
             (layers(quantity, measured, &context).len(), words)
         };
         let (drawn, words) = of(Quantity::DISPLACEMENT);
-        assert_eq!((drawn, words.len()), (2, 2), "the plain filter leaves out none");
+        assert_eq!((drawn, words.len()), (2 * SHADES.len(), 2), "the plain filter leaves out none");
         for text in words {
             let percent: f64 = text.split(' ').next().and_then(|number| number.parse().ok()).expect("a number");
             assert!((9.0..11.0).contains(&percent), "{text}");
         }
+        // Each of both tells how much the same outlier counts.
+        let estimates = &session.run().estimates()[1];
+        let k = (1000..estimates.len()).find(|&k| weight(estimates, 0, k) == 0.0).expect("one is left out");
+        let said: Vec<String> = at(Quantity::DISPLACEMENT, k, &context).into_iter().map(|one| one.text).collect();
+        assert_eq!((said.len(), said[0].as_str()), (2, "0.00 of a reading"), "{said:?}");
         let (_, words) = of(Quantity::VELOCITY);
         assert!(words.iter().all(|text| text.starts_with("0.0 %")), "{words:?}");
     }

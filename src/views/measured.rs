@@ -27,7 +27,7 @@ impl View for Measured {
 
     fn help(&self) -> [&'static str; 3] {
         [
-            "Dots are measured, those in a filter's colour left out by it; lines are predicted one step ahead; dashed lines are the free run: the identified model alone, driven by the input.",
+            "Dots are measured; those in a filter's colour count less for it, full ones nothing; lines are predicted one step ahead; dashed lines are the free run: the identified model alone, driven by the input.",
             "The fit is 100 % where the free run has no error and 0 % where it is no better than the mean. It is the number by which a model is judged.",
             "The model is the last estimate, or that at the mark A, or the mean from A to B (keys A and B).",
         ]
@@ -122,13 +122,15 @@ fn signals<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>, las
     let k = axis.readout(session);
     let now = all.get(k).filter(|value| !value.is_nan());
     let readouts = now.map(|value| Readout::new(significant(*value, 4), palette.measured, "measured".to_owned()));
+    let said = left_out::at(quantity, k, context);
+    let said = if said.is_empty() { left_out::shares(quantity, all, context) } else { said };
     Chart {
         key: format!("measured {}", quantity.key()),
         title: format!("{} measured and predicted", quantity.name()),
         symbol: quantity.symbol().to_owned(),
         name: format!("{}: measured, predicted{}", quantity.name(), if session.is_live() { "" } else { ", free run" }),
         unit: context.unit(quantity.unit()),
-        readouts: readouts.into_iter().chain(left_out::shares(quantity, all, context)).collect(),
+        readouts: readouts.into_iter().chain(said).collect(),
         layers,
         last_row,
         ..Chart::default()

@@ -232,7 +232,7 @@ impl<B: Belief + ?Sized> Filter<B> {
     /// The same filter, which weighs its measurements by a rule.
     #[must_use]
     pub fn with_robust(self, rule: Robust) -> Self {
-        Self { weighing: Weighing::new(rule), ..self }
+        Self { weighing: Weighing::new(rule, self.noise.sensors.len()), ..self }
     }
 
     /// The same filter with a white force. Its row and column of Q are set to zero: each sample draws it again.
@@ -266,6 +266,12 @@ impl<B: Belief + ?Sized> Filter<B> {
     /// The usual misfits of the sensors, to which a robust filter compares those of a sample; none for any other filter.
     pub(crate) fn usual_misfits(&self) -> &[f64] {
         self.weighing.as_ref().map_or(&[], Weighing::levels)
+    }
+
+    /// The weight of each sensor's reading in the last update, from 0 to about 1, and NaN where it measured nothing; empty for a
+    /// filter that weighs none.
+    pub fn weights(&self) -> &[f64] {
+        self.weighing.as_ref().map_or(&[], Weighing::weights)
     }
 
     /// Goes back to the usual misfits of an earlier sample.
@@ -376,13 +382,17 @@ impl<B: Belief + ?Sized> Filter<B> {
     pub fn update(&mut self, force: f64, measured: &[f64], correction: &mut Correction) -> Result<(), FilterError> {
         let Self { model, noise, observation, adaptation, jump, weighing, belief, white, .. } = self;
         correction.clear(model.size(), noise.sensors.len());
+        if let Some(weighing) = weighing {
+            weighing.clear(noise.sensors.len());
+        }
         observation.take(force, measured, &noise.sensors)?;
         if observation.is_empty() {
             return belief.gaussian().check();
         }
         if let Some(weighing) = weighing {
             weighing.condition(&mut **belief, model, noise, observation, correction)?;
-            if observation.is_empty() {
+            // Readings that count for next to nothing are reported as none.
+            if observation.sensors().iter().all(|&sensor| correction.innovation[sensor].is_nan()) {
                 return belief.gaussian().check();
             }
         } else {

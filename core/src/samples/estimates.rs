@@ -57,6 +57,9 @@ pub struct Estimates {
     /// Recorded for a particle filter only.
     log_likelihood: Vec<f64>,
     effective_samples: Vec<f64>,
+    /// Whether the filter weighs its readings; only then there are weights.
+    weighs: bool,
+    weights: Vec<f64>,
     /// The particles of a particle filter; 0 for any other filter.
     particles: usize,
     monitor: Monitor,
@@ -93,6 +96,8 @@ impl Estimates {
             determinant: Vec::new(),
             log_likelihood: Vec::new(),
             effective_samples: Vec::new(),
+            weighs: settings.robust.is_on() && settings.can_weigh(),
+            weights: Vec::new(),
             particles: if settings.kind.has_own_likelihood() { settings.ensemble_size } else { 0 },
             stop: None,
         }
@@ -100,7 +105,7 @@ impl Estimates {
 
     /// Empty estimates of the filter's smoother.
     pub(crate) fn of_smoother(self) -> Self {
-        Self { name: self.name + SMOOTHED, smoothed: true, ..self }
+        Self { name: self.name + SMOOTHED, smoothed: true, weighs: false, ..self }
     }
 
     /// The filter's id.
@@ -305,6 +310,18 @@ impl Estimates {
     /// The effective sample size of a particle filter at every sample, before it resampled; empty for any other filter.
     pub fn effective_samples(&self) -> &[f64] {
         &self.effective_samples
+    }
+
+    /// Whether the filter weighs its readings.
+    pub fn weighs(&self) -> bool {
+        self.weighs
+    }
+
+    /// The weight of each sensor's reading at sample `k`, from 0 for none to about 1, and NaN where it measured nothing; empty for a
+    /// filter that weighs none.
+    pub fn weights(&self, k: usize) -> &[f64] {
+        let m = self.sensors.len();
+        self.weights.get(k * m..(k + 1) * m).unwrap_or(&[])
     }
 
     /// The number of particles of a particle filter; 0 for any other filter.

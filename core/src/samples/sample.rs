@@ -32,6 +32,9 @@ pub struct Sample<'a> {
     pub effective_samples: f64,
     /// For an adaptive filter, the present variances of process and sensor noise.
     pub noise: Option<AssumedNoise<'a>>,
+    /// For a filter that weighs its readings, the weight of each sensor's, from 0 for none to about 1, m numbers; NaN where a sensor
+    /// measured nothing, and empty for any other filter.
+    pub weights: &'a [f64],
     /// Whether the filter widened P in the step to this sample, because its innovations had grown at once; of a bank, whether it is
     /// from this sample on more probable that its parameters walk.
     pub has_widened: bool,
@@ -54,6 +57,7 @@ impl<'a> Sample<'a> {
             log_likelihood: nan,
             effective_samples: nan,
             noise: None,
+            weights: &[],
             has_widened: false,
         }
     }

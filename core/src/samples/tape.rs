@@ -52,6 +52,8 @@ impl Tape {
         let count = count as usize;
         let width = numbers.len() / count.max(1);
         let plain = n + n * n + m + m * m + n * m + SCALARS;
+        let weights = if estimates.weighs() { m } else { 0 };
+        let plain = plain + weights;
         let has_noise = width == plain + n + m;
         if width * count != numbers.len() || (count > 0 && width != plain && !has_noise) {
             return None;
@@ -61,11 +63,12 @@ impl Tape {
             let mut next = |size| rest.split_off(..size).unwrap_or_default();
             let (mean, cov, innovation) = (next(n), next(n * n), next(m));
             let (innovation_cov, gain, scalars) = (next(m * m), next(n * m), next(SCALARS));
+            let weights = next(weights);
             let noise = has_noise.then(|| AssumedNoise { process: next(n), sensors: next(m) });
             let &[nis, determinant, log_likelihood, effective_samples, widened] = scalars else { return None };
             let update = Sample { innovation, innovation_cov, gain, nis, determinant, ..Sample::unmeasured(mean, cov) };
             let has_widened = widened != 0.0;
-            estimates.push(&Sample { log_likelihood, effective_samples, noise, has_widened, ..update });
+            estimates.push(&Sample { log_likelihood, effective_samples, noise, weights, has_widened, ..update });
         }
         let stop = REASONS.get(reason as usize).filter(|_| !reason.is_nan());
         let stop = stop.map(|&reason| Stop { sample: at as usize, reason });
@@ -86,6 +89,7 @@ impl Sink for Tape {
         }
         let widened = f64::from(u8::from(sample.has_widened));
         numbers.extend([nis, determinant, sample.log_likelihood, sample.effective_samples, widened]);
+        numbers.extend_from_slice(sample.weights);
         if let Some(AssumedNoise { process, sensors }) = sample.noise {
             numbers.extend(process.iter().chain(sensors));
         }
@@ -95,5 +99,35 @@ impl Sink for Tape {
         let reason = REASONS.iter().position(|reason| *reason == stop.reason);
         self.0[1] = stop.sample as f64;
         self.0[2] = reason.map_or(f64::NAN, |reason| reason as f64);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Pass, Robust, Run, Scenario};
+
+    #[test]
+    fn weights_go_along_with_or_without_learnt_noise() {
+        for learns in [false, true] {
+            let mut scenario = Scenario { duration: 4.0, ..Scenario::default() };
+            scenario.filters[0].robust = Robust::MIXTURE;
+            scenario.filters[0].adaptation.process_noise = learns;
+            let mut run = Run::new(&scenario).expect("it can be run");
+            run.finish();
+            let whole = &run.estimates()[0];
+            let mut pass = Pass::new(&scenario, 0, run.record()).expect("it can be run");
+            let mut tape = Tape::default();
+            pass.follow(run.record(), usize::MAX, &mut tape);
+            let mut played = Pass::history(&scenario, 0).expect("it can be run");
+            assert_eq!(tape.play(&mut played), Some((whole.len(), None)));
+            assert!(whole.weights(0).iter().all(|weight| weight.is_nan()), "the first sample has no update");
+            played.forget(100);
+            for k in 100..whole.len() {
+                assert_eq!(played.weights(k - 100), whole.weights(k), "{k}");
+                assert!(whole.weights(k).iter().all(|weight| (0.0..=1.0).contains(weight)), "{k}");
+            }
+            assert_eq!(run.estimates()[1].weights(5), [0.0; 0]);
+        }
     }
 }

@@ -10,6 +10,7 @@
 
 mod gate;
 mod huber;
+mod mixture;
 mod student_t;
 
 use std::fmt;
@@ -72,6 +73,8 @@ registry! {
     HUBER = huber::HUBER;
     /// The noise of each sensor follows Student's distribution.
     STUDENT_T = student_t::STUDENT_T;
+    /// Each reading is good or an outlier, with a probability.
+    MIXTURE = mixture::MIXTURE;
 }
 
 static NONE: RobustInfo = RobustInfo {
@@ -163,14 +166,14 @@ pub(super) struct Weighing {
 }
 
 impl Weighing {
-    /// The memory for a rule; `None` for one that weighs nothing.
-    pub(super) fn new(rule: Robust) -> Option<Self> {
+    /// The memory for a rule over some sensors; `None` for one that weighs nothing.
+    pub(super) fn new(rule: Robust, sensors: usize) -> Option<Self> {
         let none = Vec::new;
         rule.is_on().then(|| Self {
             rule,
             measured: none(),
             noise: none(),
-            weights: none(),
+            weights: vec![f64::NAN; sensors],
             misfits: Vec::new(),
             levels: none(),
         })
@@ -179,6 +182,17 @@ impl Weighing {
     /// The usual misfits, which the next sample goes on from.
     pub(super) fn levels(&self) -> &[f64] {
         &self.levels
+    }
+
+    /// The weight of each sensor's reading in the last update; NaN where it measured nothing.
+    pub(super) fn weights(&self) -> &[f64] {
+        &self.weights
+    }
+
+    /// Forgets the weights of the last update, before one of `count` sensors.
+    pub(super) fn clear(&mut self, count: usize) {
+        self.weights.clear();
+        self.weights.resize(count, f64::NAN);
     }
 
     /// Goes back to the usual misfits of an earlier sample.
@@ -235,14 +249,12 @@ impl Weighing {
         measured.clear();
         measured.resize(count, f64::NAN);
         own.clone_from(&noise.sensors);
-        weights.clear();
-        weights.resize(count, 1.0);
         levels.resize(count, LEAST_LEVEL);
         misfits.clear();
         misfits.resize(count, Misfit { predicted: 0.0, residual: 0.0, uncertainty: 0.0 });
         for (&sensor, &value) in observation.sensors().iter().zip(observation.values()) {
             let e = correction.innovation[sensor];
-            measured[sensor] = value;
+            (measured[sensor], weights[sensor]) = (value, 1.0);
             let misfit = e * e / correction.innovation_cov[(sensor, sensor)];
             misfits[sensor].predicted = misfit;
             let level = &mut levels[sensor];
@@ -280,7 +292,7 @@ impl Weighing {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Channel, FilterKind, FilterSettings, Run, Scenario};
+    use crate::{Channel, FilterKind, FilterSettings, Quantity, Run, Scenario};
 
     /// A filter of a measured record in which every tenth reading of the first sensor is off by 10 to 30 σ: the error of ωₙ at
     /// the end, its standard deviation, and the share of the readings in the second half that the filter left out. Before, the
@@ -345,5 +357,30 @@ mod tests {
         assert_eq!([weigh(Robust::GATE, 15.9, 0.0), weigh(Robust::GATE, 16.1, 0.0)], [1.0, 0.0]);
         assert_eq!([weigh(Robust::HUBER, 0.0, 1.0), weigh(Robust::HUBER, 0.0, 4.0)], [1.0, 1.345 / 2.0]);
         assert_eq!(weigh(Robust::STUDENT_T, 0.0, 5.5), 0.5);
+    }
+
+    #[test]
+    fn a_reading_that_counts_for_nothing_is_no_reason_to_stop() {
+        for robust in Robust::ALL {
+            for kind in [FilterKind::EKF, FilterKind::UKF, FilterKind::SR_UKF, FilterKind::CKF, FilterKind::IEKF] {
+                let mut scenario =
+                    Scenario { duration: 20.0, filters: vec![FilterSettings::default()], ..Scenario::default() };
+                scenario.set_sensors(&[Quantity::DISPLACEMENT]);
+                (scenario.filters[0].kind, scenario.filters[0].robust) = (kind, robust);
+                let std = scenario.sensors[0].noise_std;
+                let mut run = Run::new(&scenario).unwrap();
+                run.finish();
+                let record = run.record().clone();
+                let far = |k: usize| if k > 1000 && k.is_multiple_of(50) { 30.0 * std } else { 0.0 };
+                let record = record.with_measured(|_, k, z| z + far(k));
+                let mut run = Run::on_record(&scenario, record.into()).unwrap();
+                run.finish();
+                let estimates = &run.estimates()[0];
+                assert_eq!(estimates.stop(), None, "{kind:?} {robust:?}");
+                let left_out = (1001..estimates.len()).filter(|&k| estimates.innovation(k)[0].is_nan()).count();
+                let expected = if robust.is_on() { 18..24 } else { 0..1 };
+                assert!(expected.contains(&left_out), "{kind:?} {robust:?}: {left_out}");
+            }
+        }
     }
 }

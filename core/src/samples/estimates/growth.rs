@@ -17,6 +17,7 @@ impl Estimates {
     pub(crate) fn recycle(&mut self, old: Option<Self>, samples: usize) {
         let (n, m) = (self.channels.len(), self.sensors.len());
         let sampled = usize::from(self.kind.has_own_likelihood());
+        let weighed = if self.weighs { m } else { 0 };
         let mut old = old.unwrap_or_else(|| self.clone());
         for (new, old, per_sample) in [
             (&mut self.mean, &mut old.mean, n),
@@ -28,6 +29,7 @@ impl Estimates {
             (&mut self.determinant, &mut old.determinant, 1),
             (&mut self.log_likelihood, &mut old.log_likelihood, sampled),
             (&mut self.effective_samples, &mut old.effective_samples, sampled),
+            (&mut self.weights, &mut old.weights, weighed),
         ] {
             *new = std::mem::take(old);
             new.clear();
@@ -56,7 +58,7 @@ impl Estimates {
         let with_gain = samples.saturating_sub(self.dropped_gains());
         self.dropped = self.dropped.saturating_sub(samples);
         let Self { mean, cov, innovation, innovation_cov, gain, nis, .. } = self;
-        let Self { determinant, log_likelihood, effective_samples, .. } = self;
+        let Self { determinant, log_likelihood, effective_samples, weights, .. } = self;
         for (values, samples, per_sample) in [
             (mean, samples, n),
             (cov, with_cov, n * n),
@@ -67,6 +69,7 @@ impl Estimates {
             (determinant, samples, 1),
             (log_likelihood, samples, 1),
             (effective_samples, samples, 1),
+            (weights, samples, m),
         ] {
             values.drain(..(samples * per_sample).min(values.len()));
         }
@@ -103,6 +106,7 @@ impl Estimates {
             self.log_likelihood.push(sample.log_likelihood);
             self.effective_samples.push(sample.effective_samples);
         }
+        self.weights.extend_from_slice(sample.weights);
         self.monitor.look(self.forgotten + self.nis.len() - 1, sample);
     }
 
@@ -114,9 +118,10 @@ impl Estimates {
 impl Piecewise for Estimates {
     fn free_piece(&mut self) -> bool {
         let Self { mean, cov, canonical, variance, innovation, innovation_cov, gain, .. } = self;
-        let Self { nis, determinant, log_likelihood, effective_samples, .. } = self;
+        let Self { nis, determinant, log_likelihood, effective_samples, weights, .. } = self;
         // The NIS last: it has one number per sample, also without matrices.
-        let whole = [mean, cov, innovation, innovation_cov, gain, determinant, log_likelihood, effective_samples];
+        let whole =
+            [mean, cov, innovation, innovation_cov, gain, determinant, log_likelihood, effective_samples, weights];
         let mut all = whole.into_iter().chain(canonical.columns()).chain(variance.columns()).chain([nis]);
         let Some(values) = all.find(|values| values.capacity() > 0) else { return false };
         values.clear();

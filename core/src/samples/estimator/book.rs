@@ -65,7 +65,14 @@ pub(crate) fn report(
     });
     let noise =
         process.as_ref().map(|process| AssumedNoise { process: process.as_slice(), sensors: &filter.noise().sensors });
-    let told = Told { model: filter.model(), belief: &belief, correction, noise, has_widened: filter.has_widened() };
+    let told = Told {
+        model: filter.model(),
+        belief: &belief,
+        correction,
+        noise,
+        weights: filter.weights(),
+        has_widened: filter.has_widened(),
+    };
     push(&told, prior, in_units, sink)
 }
 
@@ -77,6 +84,8 @@ pub(crate) struct Told<'a> {
     pub(crate) correction: &'a Correction,
     /// The noise of a filter that learns it.
     pub(crate) noise: Option<AssumedNoise<'a>>,
+    /// The weights of a filter that weighs its readings.
+    pub(crate) weights: &'a [f64],
     pub(crate) has_widened: bool,
 }
 
@@ -87,7 +96,7 @@ pub(crate) fn push(
     in_units: &mut InUnits,
     sink: &mut dyn Sink,
 ) -> Result<(), FilterError> {
-    let &Told { model, belief, correction, noise, has_widened } = told;
+    let &Told { model, belief, correction, noise, weights, has_widened } = told;
     let (mut belief, mut gain) = (belief, &correction.gain);
     if !model.in_units() {
         in_units.take(model, belief, gain);
@@ -112,6 +121,7 @@ pub(crate) fn push(
         log_likelihood: correction.log_likelihood,
         effective_samples: correction.effective_samples,
         noise,
+        weights,
         has_widened,
     });
     Ok(())

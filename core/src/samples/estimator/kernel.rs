@@ -140,6 +140,7 @@ fn sample<'a, const N: usize>(
         determinant: correction.determinant,
         log_likelihood: f64::NAN,
         effective_samples: f64::NAN,
+        weights: &[],
         noise,
         has_widened,
     }

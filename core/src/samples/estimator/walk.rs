@@ -164,7 +164,8 @@ impl Walk {
 
     fn report(&mut self, has_prior: bool, has_widened: bool, sink: &mut dyn Sink) -> Result<(), FilterError> {
         let Self { members, belief, prior, correction, in_units, .. } = self;
-        let told = Told { model: members[0].filter.model(), belief, correction, noise: None, has_widened };
+        let told =
+            Told { model: members[0].filter.model(), belief, correction, noise: None, weights: &[], has_widened };
         push(&told, has_prior.then_some(prior), in_units, sink)
     }
 }
@@ -179,6 +180,7 @@ impl Estimator for Walk {
             belief: &self.belief,
             correction: &self.correction,
             noise: None,
+            weights: &[],
             has_widened: false,
         };
         if !is_finite

@@ -17,6 +17,7 @@ pub struct LastSample {
     numbers: [f64; 4],
     /// Diagonals of Q and R, where the filter learns them.
     noise: [Vec<f64>; 2],
+    weights: Vec<f64>,
     is_adaptive: bool,
     has_widened: bool,
     without_prior: bool,
@@ -46,6 +47,7 @@ impl LastSample {
             log_likelihood,
             effective_samples,
             noise,
+            weights: &self.weights,
             has_widened: self.has_widened,
         }
     }
@@ -53,7 +55,8 @@ impl LastSample {
 
 impl Sink for LastSample {
     fn push(&mut self, sample: &Sample<'_>) {
-        let Self { mean, cov, prior_mean, prior_cov, innovation, innovation_cov, gain, noise: [q, r], .. } = self;
+        let Self { mean, cov, prior_mean, prior_cov, innovation, innovation_cov, gain, noise: [q, r], weights, .. } =
+            self;
         let (process, sensors) = sample.noise.map_or((&[][..], &[][..]), |noise| (noise.process, noise.sensors));
         for (kept, part) in [
             (mean, sample.mean),
@@ -65,6 +68,7 @@ impl Sink for LastSample {
             (gain, sample.gain),
             (q, process),
             (r, sensors),
+            (weights, sample.weights),
         ] {
             kept.clear();
             kept.extend_from_slice(part);
