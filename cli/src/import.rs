@@ -19,7 +19,6 @@ use crate::two_files::two_files;
 /// Looks at a record and writes a scenario for it.
 pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
     let ImportArgs { file, with, offset, joined, out, decay, from, to, band, every, interpolate, plant, .. } = args;
-    let bad = |error| InputError::Import { file: file.clone(), error };
     let inputs = [places("the record", [file]), places("--with", with)].concat();
     check(&inputs, &[places("--out", out), places("--decay", decay), places("--joined", joined)].concat())?;
     // Errors and remarks come once it is cleared.
@@ -34,6 +33,7 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
         (table, hash) = two_files([(file, &table), (with, &columns_of(with)?.0)], *offset, joined, args)?;
         file = joined;
     }
+    let bad = |error| InputError::Import { file: file.clone(), error };
     let (mut mapping, kind, guesses) = mapping(&table, args);
     mapping.file = path_from(out.as_deref(), file);
     mapping.hash = hash;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use kalmanscope_core::Quantity;
 use kalmanscope_core::import::{self, ClockOffset, Clocked, ImportError, Joined, Table, join};
 
-use crate::args::ImportArgs;
+use crate::args::{ImportArgs, Missing};
 use crate::input::InputError;
 use crate::meaning::mapping;
 use crate::places::{say, write_bytes};
@@ -19,6 +19,8 @@ pub(crate) fn two_files(
     args: &ImportArgs,
 ) -> Result<(Table, String), InputError> {
     let bad = |error| InputError::Import { file: other.to_owned(), error };
+    // A cubic through a number that is no reading would spoil its neighbours.
+    let [first, second] = &[first, second].map(|table| with_gaps(table, args.missing));
     let offset = match offset {
         Some(offset) => offset,
         None => estimated([first, second], args, [file, other]).map_err(bad)?,
@@ -30,6 +32,23 @@ pub(crate) fn two_files(
     let hash = import::hash(&bytes);
     let table = import::read(bytes, None).map_err(|error| InputError::Import { file: PathBuf::from(to), error })?;
     Ok((table, hash))
+}
+
+/// A table in which cells that are no readings are empty: those with the number that the user names, else those that the importer
+/// would take for missing.
+fn with_gaps(table: &Table, missing: Option<Missing>) -> Table {
+    let mut with_gaps = table.clone();
+    for (place, column) in with_gaps.columns.iter_mut().enumerate() {
+        let told =
+            missing.map_or_else(|| table.sentinel(place).map(|sentinel| sentinel.value), |Missing(number)| number);
+        let Some(number) = told else { continue };
+        let cells = column.values.iter_mut().filter(|value| **value == number);
+        let count = cells.map(|value| *value = f64::NAN).count();
+        if count > 0 {
+            say(&format_args!("{number} in {count} cells of `{}` is taken for missing", column.name));
+        }
+    }
+    with_gaps
 }
 
 /// The offset of the second file, from the columns that agree best.

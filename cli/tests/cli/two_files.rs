@@ -62,6 +62,30 @@ fn two_loggers_are_one_record() {
 }
 
 #[test]
+fn numbers_that_are_no_readings_are_not_moved_into_others() {
+    let folder = folder();
+    let [force, sensor] = loggers();
+    let sensor: String = sensor
+        .lines()
+        .enumerate()
+        .map(|(k, line)| match line.split_once(';') {
+            Some((time, _)) if k > 0 && k % 40 == 0 => format!("{time};-9999\n"),
+            _ => format!("{line}\n"),
+        })
+        .collect();
+    let (force, sensor) = (file(&folder, "force.csv", &force), file(&folder, "sensor.csv", &sensor));
+    let both = folder.path().join("both.csv");
+    let mut import = program();
+    import.arg("import").arg(&force).arg("--with").arg(&sensor).arg("--joined").arg(&both).args(["--offset", "2.5"]);
+    let (code, _, said) = ended(&mut import);
+    assert!(code == Some(0) && said.contains("-9999 in 78 cells of `displacement` is taken for missing"), "{said}");
+    let text = std::fs::read_to_string(&both).expect("it is written");
+    let readings = text.lines().skip(1).filter_map(|line| line.rsplit(',').next()?.parse::<f64>().ok());
+    let largest = readings.map(f64::abs).fold(0.0, f64::max);
+    assert!(largest > 10.0 && largest < 500.0, "{largest}");
+}
+
+#[test]
 fn files_that_cannot_be_joined_say_why() {
     let folder = folder();
     let [force, sensor] = loggers();

@@ -61,7 +61,7 @@ pub struct Joined {
 
 /// Both files as one table, at the steps of the faster clock, where they have time in common. `offset` is added to the times of the
 /// second file \[s\]. Even times keep their readings. Every other reading goes to its nearest step, shifted along the cubic through
-/// its neighbours; cells without a reading are missing.
+/// its neighbours; cells without a reading, which must be NaN, are missing.
 ///
 /// # Errors
 /// [`ImportError`] where a file has no usable times, or where they have no time in common.
