@@ -39,8 +39,8 @@ pub(crate) fn two_files(
 fn with_gaps(table: &Table, missing: Option<Missing>) -> Table {
     let mut with_gaps = table.clone();
     for (place, column) in with_gaps.columns.iter_mut().enumerate() {
-        let told =
-            missing.map_or_else(|| table.sentinel(place).map(|sentinel| sentinel.value), |Missing(number)| number);
+        let guessed = || table.sentinel(place).filter(|sentinel| sentinel.is_usual).map(|sentinel| sentinel.value);
+        let told = missing.map_or_else(guessed, |Missing(number)| number);
         let Some(number) = told else { continue };
         let cells = column.values.iter_mut().filter(|value| **value == number);
         let count = cells.map(|value| *value = f64::NAN).count();
