@@ -5,6 +5,7 @@ mod columns;
 mod conditioning;
 mod dialog;
 mod draft;
+mod second;
 mod source;
 mod spectra;
 
@@ -21,6 +22,8 @@ use crate::team::{BETWEEN, Lost, Priority, Running, Team};
 
 pub use draft::Draft;
 
+use second::Second;
+
 /// Limits the size of a record's file \[bytes\].
 pub const LARGEST: usize = 500_000_000;
 
@@ -36,6 +39,14 @@ pub struct Import {
     stage: Stage,
     /// Does long work beside the frames.
     team: Rc<dyn Team>,
+    /// Whether the next file is joined to this one.
+    wants_second: bool,
+    /// The files of a record that are joined.
+    second: Option<Second>,
+    /// Why a second file is not joined.
+    refusal: Option<String>,
+    /// The contents of both files as one, until they are taken.
+    joined: Option<Vec<u8>>,
 }
 
 enum Stage {
@@ -86,13 +97,49 @@ impl Import {
         let is_long = bytes.len() > LONG_FILE;
         let there = if is_long { team.load(&bytes) } else { None };
         let stage = Stage::Reading(running(&*team, Reading(Loading::new(bytes)), is_long).in_workers(there));
-        Self { name: name.to_owned(), stage, team }
+        Self::at(name.to_owned(), stage, team)
     }
 
     /// The import of a file that has been read, with the present choices of a scenario.
     pub fn again(file: &Arc<RecordFile>, scenario: &Scenario, team: Rc<dyn Team>) -> Self {
         let draft = Draft::of_scenario(Arc::clone(file), scenario);
-        Self { name: file.name.clone(), stage: Stage::Asking(Box::new(draft)), team }
+        Self::at(file.name.clone(), Stage::Asking(Box::new(draft)), team)
+    }
+
+    fn at(name: String, stage: Stage, team: Rc<dyn Team>) -> Self {
+        Self { name, stage, team, wants_second: false, second: None, refusal: None, joined: None }
+    }
+
+    /// Joins a file with a clock of its own, if the user has asked for one. Returns whether it was taken.
+    pub(crate) fn take_second(&mut self, name: &str, bytes: Vec<u8>) -> Option<Vec<u8>> {
+        let first = self.file().cloned().filter(|_| std::mem::take(&mut self.wants_second));
+        let Some(first) = first else { return Some(bytes) };
+        match Second::new(first, name.to_owned(), bytes) {
+            Ok(second) => {
+                self.second = Some(second);
+                self.join();
+            }
+            Err(reason) => self.refusal = Some(format!("“{name}” cannot be joined: {reason}")),
+        }
+        None
+    }
+
+    /// Goes on with both files as one.
+    fn join(&mut self) {
+        let Some(second) = &self.second else { return };
+        match second.both() {
+            Ok((bytes, file)) => {
+                (self.joined, self.refusal) = (Some(bytes), None);
+                self.name.clone_from(&file.name);
+                self.stage = Stage::Asking(Box::new(Draft::new(Arc::new(file))));
+            }
+            Err(reason) => self.refusal = Some(format!("the files cannot be joined: {reason}")),
+        }
+    }
+
+    /// The name and the contents of both files as one, once after each change.
+    pub(crate) fn take_joined(&mut self) -> Option<(String, Vec<u8>)> {
+        Some((self.name.clone(), self.joined.take()?))
     }
 
     /// Goes on until `while_time` returns false. Returns the outcome once there is one.

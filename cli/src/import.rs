@@ -18,7 +18,7 @@ use crate::two_files::two_files;
 
 /// Looks at a record and writes a scenario for it.
 pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
-    let ImportArgs { file, with, offset, joined, out, decay, from, to, band, every, interpolate, plant, .. } = args;
+    let ImportArgs { file, with, joined, out, decay, from, to, band, every, interpolate, plant, .. } = args;
     let inputs = [places("the record", [file]), places("--with", with)].concat();
     check(&inputs, &[places("--out", out), places("--decay", decay), places("--joined", joined)].concat())?;
     // Errors and remarks come once it is cleared.
@@ -30,7 +30,7 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
         file = decay;
     }
     if let (Some(with), Some(joined)) = (with, joined) {
-        (table, hash) = two_files([(file, &table), (with, &columns_of(with)?.0)], *offset, joined, args)?;
+        (table, hash) = two_files(&table, (with, &columns_of(with)?.0), joined, args)?;
         file = joined;
     }
     let bad = |error| InputError::Import { file: file.clone(), error };

@@ -27,6 +27,11 @@ impl App {
     /// Begins the import of a file. One that the scenario waits for needs no questions.
     pub(super) fn import(&mut self, RawFile { name, bytes }: RawFile) {
         self.inviting = false;
+        let bytes = match &mut self.importing {
+            Some(importing) => importing.take_second(&name, bytes),
+            None => Some(bytes),
+        };
+        let Some(bytes) = bytes else { return };
         self.candidate = self.shelf.is_some().then(|| Candidate::of(&name, &bytes)).flatten();
         self.importing = Some(Import::new(&name, bytes, Rc::clone(self.session.team())));
     }
@@ -136,6 +141,9 @@ impl App {
     /// Goes on with an import.
     pub(super) fn follow_import(&mut self, ctx: &Context) {
         let Some(import) = &mut self.importing else { return };
+        if let Some((name, bytes)) = import.take_joined() {
+            self.candidate = self.shelf.is_some().then(|| Candidate::of(&name, &bytes)).flatten();
+        }
         let mut while_time = self.session.budget().slice();
         let opened = import.advance(&mut while_time);
         let file = import.file().cloned();

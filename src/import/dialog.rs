@@ -6,6 +6,7 @@ use kalmanscope_core::import::{NoDecay, Table, ThreeAxes};
 
 use super::columns::columns_ui;
 use super::conditioning::{conditioning_ui, meaning_ui};
+use super::second::Second;
 use super::{Draft, Import, Opened, Stage};
 use crate::probe;
 use crate::request::{RawFile, Request};
@@ -19,6 +20,10 @@ enum Choice {
     Cancel,
     /// Go on with the free decay in the file, as a file of its own.
     Decay(Result<String, NoDecay>),
+    /// Join another file.
+    Second,
+    /// Join it with another offset.
+    Offset,
 }
 
 impl Import {
@@ -56,6 +61,15 @@ impl Import {
                 self.stage = Stage::Failed(reason.to_string());
                 None
             }
+            Some(Choice::Second) => {
+                self.wants_second = true;
+                requests.push(Request::ChooseFile);
+                None
+            }
+            Some(Choice::Offset) => {
+                self.join();
+                None
+            }
             Some(Choice::HoldOut) => {
                 requests.push(Request::HoldOut);
                 None
@@ -87,7 +101,7 @@ impl Import {
     }
 
     fn stage_ui(&mut self, ui: &mut Ui, palette: &Palette, can_hold_out: bool) -> Option<Choice> {
-        let Self { name, stage, .. } = self;
+        let Self { name, stage, wants_second, second, refusal, .. } = self;
         match stage {
             Stage::Reading(reading) => {
                 ui.label(format!("Reading “{name}”"));
@@ -101,7 +115,11 @@ impl Import {
                 ui.colored_label(palette.warning, format!("“{name}” cannot be opened: {reason}."));
                 button(ui, "Close", true).then_some(Choice::Cancel)
             }
-            Stage::Asking(draft) => draft.ui(ui, palette, can_hold_out),
+            Stage::Asking(draft) => {
+                let join = second_ui(ui, palette, (*wants_second, second.as_mut(), refusal.as_deref()));
+                let choice = draft.ui(ui, palette, can_hold_out);
+                choice.or(join.filter(|_| !draft.is_of_scenario()))
+            }
         }
     }
 }
@@ -115,6 +133,34 @@ fn button(ui: &mut Ui, text: &str, enabled: bool) -> bool {
     let button = ui.add_enabled(enabled, Button::new(text));
     probe::remember(ui.ctx(), text, button.rect);
     button.clicked()
+}
+
+/// Offers to join a file with a clock of its own, and shows the one that is joined.
+fn second_ui(
+    ui: &mut Ui,
+    palette: &Palette,
+    (is_wanted, second, refusal): (bool, Option<&mut Second>, Option<&str>),
+) -> Option<Choice> {
+    let mut choice = None;
+    if let Some(second) = second {
+        choice = second.ui(ui, palette).then_some(Choice::Offset);
+    } else {
+        ui.horizontal_wrapped(|ui| {
+            let join = ui.button("Join a file of another logger…");
+            let join = join.on_hover_text(
+                "A file of the same time with a clock of its own: the offset is found from what both measured",
+            );
+            probe::remember(ui.ctx(), "Join a file of another logger…", join.rect);
+            choice = join.clicked().then_some(Choice::Second);
+            if is_wanted {
+                ui.label("Choose it, or drop it here.");
+            }
+        });
+    }
+    if let Some(refusal) = refusal {
+        ui.colored_label(palette.warning, format!("{}.", sentence(refusal)));
+    }
+    choice
 }
 
 /// Offers the free decay of an accelerometer with three axes.

@@ -329,3 +329,39 @@ fn the_window_of_an_import_has_the_keys() {
     screen.run_steps(6);
     check_result(&screen, "trailing.csv");
 }
+
+/// The force of [`rows`] in one file, and the displacement in another one whose clock is 12.3 s behind.
+fn two_loggers() -> [Vec<u8>; 2] {
+    let (mut force, mut sensor) = ("t [s],force\n".to_owned(), "time [s],x [mm]\n".to_owned());
+    for (k, [t, f, x]) in rows().into_iter().enumerate() {
+        writeln!(force, "{t},{f}").expect("memory");
+        if k >= 40 {
+            writeln!(sensor, "{},{x}", t - 12.3).expect("memory");
+        }
+    }
+    [force.into_bytes(), sensor.into_bytes()]
+}
+
+#[test]
+fn a_second_file_with_a_clock_of_its_own_is_joined() {
+    let [force, sensor] = two_loggers();
+    let mut screen = screen(DESKTOP, Theme::Light);
+    screen.state_mut().open_file("force.csv", Ok(force));
+    screen.run_steps(8);
+    click(&mut screen, "Join a file of another logger…");
+    // What cannot be joined says why, and the first file stays.
+    screen.state_mut().open_file("letter.csv", Ok(b"dear\nreader\n".to_vec()));
+    screen.run_steps(8);
+    assert!(screen.query_by_label_contains("“letter.csv” cannot be joined").is_some());
+    click(&mut screen, "Join a file of another logger…");
+    screen.state_mut().open_file("camera.csv", Ok(sensor));
+    screen.run_steps(8);
+    let said = screen.get_by_label_contains("agree best, with a correlation of");
+    let said = said.accesskit_node().label().or_else(|| said.accesskit_node().value()).expect("it has words");
+    let offset: f64 = said.split(' ').next().and_then(|number| number.parse().ok()).expect("a number");
+    assert!((offset - 12.3).abs() < 0.03, "{said}");
+    assert!(screen.query_by_label("force and camera.csv").is_some());
+    screen.get_by_label("Open the record").click();
+    screen.run_steps(80);
+    check_result(&screen, "two loggers");
+}

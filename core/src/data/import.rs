@@ -67,7 +67,7 @@ pub use encoding::Encoding;
 pub use error::ImportError;
 pub use files::{Joined, apart, join};
 pub use guess::ColumnGuess;
-pub use lag::{ClockOffset, Clocked};
+pub use lag::{Agreement, ClockOffset, Clocked};
 pub use length::Length;
 pub use limits::MOST;
 pub use loading::{Loaded, Loading};

@@ -6,8 +6,10 @@ use kalmanscope_lab::{Estimated, Spread, Spring, Trial};
 
 use crate::text::significant;
 
-/// Points lie far from a line, and trials differ more than their bands, from this multiple on.
+/// Points lie far from a line, and trials differ more than their bands, from this multiple on. Less is chance, and said from the
+/// second multiple on.
 const FAR: f64 = 2.0;
+const SOME: f64 = 1.1;
 
 /// Shows the sentences above the picture.
 pub(super) fn sentence_ui(ui: &mut Ui, rows: &[Trial]) {
@@ -44,6 +46,11 @@ fn of_spring(rows: &[Trial]) -> Vec<String> {
         said.push(format!(
             "The points lie {} times as far from the line as their bands allow, so these bands are that much wider: masses, or \
              the oscillator, were not as thought.",
+            significant(spring.excess(), 2)
+        ));
+    } else if spring.excess() > SOME {
+        said.push(format!(
+            "The points lie {} times as far from the line as their bands allow, which may be chance; these bands are that much wider.",
             significant(spring.excess(), 2)
         ));
     } else {

@@ -119,6 +119,11 @@ pub enum ImportError {
         /// Those of the second one, in the first one's clock \[s\].
         second: [f64; 2],
     },
+    /// Two files have no columns that could tell how their clocks differ.
+    #[error(
+        "one file must have a sensor, and the other one a sensor too or the input, to tell how their clocks differ: state the offset"
+    )]
+    NoCommonSignal,
     /// Nothing tells how the clocks of two files differ.
     #[error(
         "`{first}` and `{second}` have nothing in common that tells how the clocks of both files differ: state the offset"

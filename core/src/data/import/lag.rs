@@ -6,10 +6,11 @@
 //! ```
 
 use std::f64::consts::TAU;
+use std::fmt;
 
-use super::files::{Clock, known};
+use super::files::{Clock, Joined, apart, join, known};
 use super::samples::fill;
-use super::{ImportError, Table};
+use super::{ImportError, Mapping, Table};
 use crate::Quantity;
 use crate::mathematics::fourier::Transform;
 
@@ -33,6 +34,60 @@ pub struct ClockOffset {
     pub correlation: f64,
     /// Whether they have opposite signs.
     pub is_turned: bool,
+}
+
+/// How well two files agree, by the columns that do so best.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Agreement {
+    /// The offset between their clocks.
+    pub offset: ClockOffset,
+    /// The column of each file.
+    pub columns: [String; 2],
+}
+
+impl Agreement {
+    /// The agreement of two files. `meaning` tells what the columns of both mean, each by its name in a table that has all.
+    ///
+    /// # Errors
+    /// [`ImportError`] where a file has no usable times, or where no two columns tell an offset.
+    pub fn of(tables: [&Table; 2], meaning: impl FnOnce(&Table) -> Mapping) -> Result<Self, ImportError> {
+        // What the columns mean does not depend on their times: begin both at the same one.
+        let Joined { table, sources } = join(tables[0], tables[1], apart(tables)?)?;
+        let mapping = meaning(&table);
+        let source = |column: &str| sources.get(table.place(column)?.checked_sub(1)?);
+        let told: Vec<(&(bool, String), Option<Quantity>)> = (mapping.input.iter().map(|input| (&input.column, None)))
+            .chain(mapping.sensors.iter().map(|(quantity, sensor)| (&sensor.column, Some(*quantity))))
+            .filter_map(|(column, measures)| Some((source(column)?, measures)))
+            .collect();
+        let of = |is_second: bool| {
+            let table = tables[usize::from(is_second)];
+            let own = told.iter().filter(move |((second, _), _)| *second == is_second);
+            own.map(move |((_, column), measures)| Clocked { table, column, measures: *measures })
+        };
+        let mut best: Option<Self> = None;
+        let mut reason = ImportError::NoCommonSignal;
+        for (first, second) in of(false).flat_map(|first| of(true).map(move |second| (first, second))) {
+            match ClockOffset::between(first, second) {
+                Ok(offset) if best.as_ref().is_none_or(|best| offset.correlation > best.offset.correlation) => {
+                    best = Some(Self { offset, columns: [first.column.to_owned(), second.column.to_owned()] });
+                }
+                Ok(_) => {}
+                Err(error) => reason = error,
+            }
+        }
+        best.ok_or(reason)
+    }
+}
+
+impl fmt::Display for Agreement {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { offset: ClockOffset { seconds, correlation, is_turned }, columns: [first, second] } = self;
+        write!(
+            f,
+            "{seconds:.4} s are added to the times of the second file: then `{first}` and `{second}` agree best, with a correlation of {correlation:.2}"
+        )?;
+        if *is_turned { f.write_str(", with opposite signs: one of them is turned") } else { Ok(()) }
+    }
 }
 
 /// Less than this correlation is no agreement.

@@ -51,6 +51,24 @@ impl Table {
         };
         of(low, high).or_else(|| of(high, low))
     }
+
+    /// The table with empty cells in place of numbers that are no readings, and a remark on each column that had some: of `missing`,
+    /// or without it of the numbers that loggers write for a missing reading.
+    #[must_use]
+    pub fn with_gaps(&self, missing: Option<f64>) -> Self {
+        let mut with_gaps = self.clone();
+        for (place, column) in with_gaps.columns.iter_mut().enumerate() {
+            let guessed = || self.sentinel(place).filter(|sentinel| sentinel.is_usual).map(|sentinel| sentinel.value);
+            let Some(number) = missing.or_else(guessed) else { continue };
+            let cells = column.values.iter_mut().filter(|value| **value == number);
+            let count = cells.map(|value| *value = f64::NAN).count();
+            if count > 0 {
+                let remark = format!("{number} in {count} cells of `{}` is taken for missing", column.name);
+                with_gaps.remarks.push(remark);
+            }
+        }
+        with_gaps
+    }
 }
 
 /// The lowest number for a sign of 1, the highest for -1.

@@ -1,5 +1,7 @@
 //! Columns of numbers, as a file has them.
 
+use std::fmt::Write as _;
+
 use serde::{Deserialize, Serialize};
 
 use super::Dialect;
@@ -80,6 +82,30 @@ impl Table {
     pub fn place(&self, name: &str) -> Option<usize> {
         let exact = self.columns.iter().position(|column| column.name == name);
         exact.or_else(|| self.columns.iter().position(|column| column.name.eq_ignore_ascii_case(name)))
+    }
+
+    /// The numbers as CSV, with the units in the header; cells without a number are empty.
+    pub fn csv(&self) -> String {
+        let name = |column: &Column| {
+            let name = match column.unit.as_deref() {
+                Some(unit) if !unit.is_empty() => format!("{} [{unit}]", column.name),
+                _ => column.name.clone(),
+            };
+            if name.contains([',', '"']) { format!("\"{}\"", name.replace('"', "\"\"")) } else { name }
+        };
+        let mut text = self.columns.iter().map(name).collect::<Vec<_>>().join(",") + "\n";
+        for row in 0..self.rows() {
+            for (place, column) in self.columns.iter().enumerate() {
+                let comma = if place > 0 { "," } else { "" };
+                // A text takes whatever is written.
+                let _ = match column.values[row] {
+                    value if value.is_finite() => write!(text, "{comma}{value}"),
+                    _ => write!(text, "{comma}"),
+                };
+            }
+            text.push('\n');
+        }
+        text
     }
 
     /// Whether every cell of a column is empty or text.
