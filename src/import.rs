@@ -22,7 +22,7 @@ use crate::team::{BETWEEN, Lost, Priority, Running, Team};
 
 pub use draft::Draft;
 
-use second::Second;
+use second::{Joining, Second};
 
 /// Limits the size of a record's file \[bytes\].
 pub const LARGEST: usize = 500_000_000;
@@ -41,7 +41,8 @@ pub struct Import {
     team: Rc<dyn Team>,
     /// Whether the next file is joined to this one.
     wants_second: bool,
-    /// The files of a record that are joined.
+    /// The name of that file, and the files of a record once they are joined.
+    second_name: String,
     second: Option<Second>,
     /// Why a second file is not joined.
     refusal: Option<String>,
@@ -54,6 +55,8 @@ enum Stage {
     Reading(Running<Reading>),
     /// Its columns are given a meaning.
     Asking(Box<Draft>),
+    /// A second file is read, and the offset between both clocks is searched.
+    Joining(Box<Draft>, Box<Running<Joining>>),
     /// Start values are made.
     Suggesting(Box<Draft>, Box<Running<Suggest>>),
     /// It cannot be read.
@@ -107,21 +110,37 @@ impl Import {
     }
 
     fn at(name: String, stage: Stage, team: Rc<dyn Team>) -> Self {
-        Self { name, stage, team, wants_second: false, second: None, refusal: None, joined: None }
+        Self {
+            name,
+            stage,
+            team,
+            wants_second: false,
+            second_name: String::new(),
+            second: None,
+            refusal: None,
+            joined: None,
+        }
     }
 
-    /// Joins a file with a clock of its own, if the user has asked for one. Returns whether it was taken.
+    /// Joins a file with a clock of its own, if the user has asked for one. Returns its contents if not.
     pub(crate) fn take_second(&mut self, name: &str, bytes: Vec<u8>) -> Option<Vec<u8>> {
-        let first = self.file().cloned().filter(|_| std::mem::take(&mut self.wants_second));
-        let Some(first) = first else { return Some(bytes) };
-        match Second::new(first, name.to_owned(), bytes) {
-            Ok(second) => {
-                self.second = Some(second);
-                self.join();
-            }
-            Err(reason) => self.refusal = Some(format!("“{name}” cannot be joined: {reason}")),
+        if !std::mem::take(&mut self.wants_second) {
+            return Some(bytes);
         }
-        None
+        match std::mem::replace(&mut self.stage, Stage::Failed(String::new())) {
+            Stage::Asking(draft) => {
+                let is_long = bytes.len() > LONG_FILE;
+                let joining = Joining::new(Arc::clone(draft.file()), name, bytes);
+                let joining = running(&*self.team, joining, is_long);
+                (self.stage, self.refusal) = (Stage::Joining(draft, Box::new(joining)), None);
+                name.clone_into(&mut self.second_name);
+                None
+            }
+            other => {
+                self.stage = other;
+                Some(bytes)
+            }
+        }
     }
 
     /// Goes on with both files as one.
@@ -173,6 +192,25 @@ impl Import {
                 }
                 Stage::Suggesting(draft, suggest)
             }
+            Stage::Joining(draft, mut joining) => {
+                let outcome = match joining.advance(while_time) {
+                    Ok(None) => {
+                        self.stage = Stage::Joining(draft, joining);
+                        return None;
+                    }
+                    Ok(Some(outcome)) => outcome,
+                    Err(Lost) => Err("the thread that read it has failed".to_owned()),
+                };
+                self.stage = Stage::Asking(draft);
+                match outcome {
+                    Ok(second) => {
+                        self.second = Some(second);
+                        self.join();
+                    }
+                    Err(reason) => self.refusal = Some(format!("“{}” cannot be joined: {reason}", self.second_name)),
+                }
+                return None;
+            }
             Stage::Asking(mut draft) => {
                 draft.advance(while_time);
                 Stage::Asking(draft)
@@ -187,6 +225,7 @@ impl Import {
         let (is_busy, is_beside) = match &self.stage {
             Stage::Reading(reading) => (true, reading.is_beside()),
             Stage::Suggesting(_, suggest) => (true, suggest.is_beside()),
+            Stage::Joining(_, joining) => (true, joining.is_beside()),
             Stage::Asking(draft) => (draft.is_busy(), false),
             Stage::Failed(_) => (false, false),
         };

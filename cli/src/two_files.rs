@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use kalmanscope_core::import::{self, Agreement, Joined, Table, join};
+use kalmanscope_core::Task as _;
+use kalmanscope_core::import::{self, Joined, OffsetSearch, Table, join};
 
 use crate::args::{ImportArgs, Missing};
 use crate::input::InputError;
@@ -27,7 +28,8 @@ pub(crate) fn two_files(
     let offset = match args.offset {
         Some(offset) => offset,
         None => {
-            let agreement = Agreement::of([first, second], |table| mapping(table, args).0).map_err(bad)?;
+            let search = OffsetSearch::new([first, second], |table| mapping(table, args).0).map_err(bad)?;
+            let agreement = search.run().map_err(bad)?;
             say(&agreement);
             agreement.offset.seconds
         }

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use egui::{DragValue, Ui};
-use kalmanscope_core::import::{Agreement, ImportError, Joined, Mapping, Table, apart, hash, join, read};
+use kalmanscope_core::Task;
+use kalmanscope_core::import::{ImportError, Joined, Loading, Mapping, OffsetSearch, Table, apart, hash, join, read};
 
 use crate::session::RecordFile;
 use crate::text::sentence;
@@ -24,23 +25,79 @@ pub(super) struct Second {
 /// Both files as one: its contents, and how it is read.
 pub(super) type Both = (Vec<u8>, RecordFile);
 
-impl Second {
-    /// Two files, with the offset with which both agree best. Where none is found, they begin at the same time.
-    ///
-    /// # Errors
+/// The way to two files: the second one is read, and the offset is searched.
+pub(super) struct Joining {
+    first: Arc<RecordFile>,
+    name: String,
+    stage: Stage,
+}
+
+enum Stage {
+    Reading(Box<Loading>),
+    Searching(Box<Table>, Box<OffsetSearch>),
+    Failed(ImportError),
+}
+
+/// The share of the reading in the progress.
+const READING: f64 = 0.3;
+
+impl Joining {
+    pub(super) fn new(first: Arc<RecordFile>, name: &str, bytes: Vec<u8>) -> Self {
+        Self { first, name: name.to_owned(), stage: Stage::Reading(Box::new(Loading::new(bytes))) }
+    }
+
+    /// The search of a file that has been read.
+    fn search(&self, loading: Loading) -> Result<Stage, ImportError> {
+        let table = loading.finish()?.table.with_gaps(None);
+        let search = OffsetSearch::new([&self.first.table.with_gaps(None), &table], |both| Mapping::guess(both).0)?;
+        Ok(Stage::Searching(Box::new(table), Box::new(search)))
+    }
+}
+
+impl Task for Joining {
     /// The reason why the second file cannot be read, or has no usable times.
-    pub(super) fn new(first: Arc<RecordFile>, name: String, bytes: Vec<u8>) -> Result<Self, ImportError> {
-        let table = read(bytes, None)?.with_gaps(None);
-        let begins = apart([&first.table, &table])?;
-        let gaps = first.table.with_gaps(None);
-        let found = Agreement::of([&gaps, &table], |both| Mapping::guess(both).0);
-        let (offset, said, is_found) = match found {
+    type Outcome = Result<Second, String>;
+
+    fn progress(&self) -> f64 {
+        match &self.stage {
+            Stage::Reading(loading) => READING * loading.progress(),
+            Stage::Searching(_, search) => READING + (1.0 - READING) * search.progress(),
+            Stage::Failed(_) => 1.0,
+        }
+    }
+
+    fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
+        if let Stage::Reading(loading) = &mut self.stage {
+            if !loading.advance(while_time) {
+                return false;
+            }
+            let Stage::Reading(loading) = std::mem::replace(&mut self.stage, Stage::Failed(ImportError::Empty)) else {
+                return true;
+            };
+            self.stage = self.search(*loading).unwrap_or_else(Stage::Failed);
+        }
+        if let Stage::Searching(_, search) = &mut self.stage { search.advance(while_time) } else { true }
+    }
+
+    /// Where no offset is found, both begin at the same time.
+    fn finish(mut self) -> Self::Outcome {
+        while !self.advance(&mut || true) {}
+        let Self { first, name, stage } = self;
+        let (table, search) = match stage {
+            Stage::Searching(table, search) => (*table, *search),
+            Stage::Failed(reason) => return Err(reason.to_string()),
+            Stage::Reading(_) => return Err(ImportError::Empty.to_string()),
+        };
+        let begins = apart([&first.table, &table]).map_err(|reason| reason.to_string())?;
+        let (offset, said, is_found) = match search.finish() {
             Ok(agreement) => (agreement.offset.seconds, agreement.to_string(), true),
             Err(reason) => (begins, format!("both begin at the same time now: {reason}"), false),
         };
-        Ok(Self { first, name, table, offset, said, is_found })
+        Ok(Second { first, name, table, offset, said, is_found })
     }
+}
 
+impl Second {
     /// Both files as one.
     ///
     /// # Errors
