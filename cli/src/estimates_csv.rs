@@ -8,8 +8,9 @@ use kalmanscope_core::{Channel, Estimates, Quantity, Record, Run};
 /// Writes one row per filter and sample, first the filters, then the smoothers, under the header `filter, k, t`, the
 /// means and standard deviations of all channels of truth and filters, `nis, log_likelihood`, and for each sensor
 /// `innovation_`, `innovation_std_` and `predicted_`: the innovation, the root of its variance in S, and the reading that
-/// the filter predicted; where a filter weighs its readings, also `weight_`. Numbers have 17 significant digits, so that every bit survives; undefined values are `nan`. Means
-/// are in canonical form ([`Estimates::canonical_mean`]), as in the table.
+/// the filter predicted; where a filter weighs its readings, also `weight_`. Numbers have 17 significant digits, so that
+/// every bit survives; undefined values are `nan`. Means are in canonical form ([`Estimates::canonical_mean`]), as in the
+/// table.
 ///
 /// # Errors
 /// [`csv::Error`] where `output` cannot be written.

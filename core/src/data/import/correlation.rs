@@ -2,14 +2,25 @@
 
 use std::f64::consts::TAU;
 
-use super::ImportError;
 use super::files::{Clock, known};
-use super::lag::Clocked;
 use super::samples::{fill, mean};
+use super::{ImportError, Table};
+use crate::Quantity;
 use crate::mathematics::fourier::Transform;
 
 /// The band around the strongest swing in which two sensors are compared, in its frequencies.
 const BAND: [f64; 2] = [0.3, 3.0];
+
+/// A column of a file that tells of the oscillator.
+#[derive(Clone, Copy, Debug)]
+pub struct Clocked<'a> {
+    /// The file.
+    pub table: &'a Table,
+    /// The column's name.
+    pub column: &'a str,
+    /// What its sensor measures; `None` for the input.
+    pub measures: Option<Quantity>,
+}
 
 /// A complex number.
 pub(super) type Complex = (f64, f64);

@@ -8,21 +8,10 @@
 use std::collections::VecDeque;
 use std::fmt;
 
-use super::correlation::{Peak, Spectra, times};
+use super::correlation::{Clocked, Peak, Spectra, times};
 use super::files::{Clock, Joined, apart, join};
 use super::{ImportError, Mapping, Table};
 use crate::{Quantity, Task};
-
-/// A column of a file that tells of the oscillator.
-#[derive(Clone, Copy, Debug)]
-pub struct Clocked<'a> {
-    /// The file.
-    pub table: &'a Table,
-    /// The column's name.
-    pub column: &'a str,
-    /// What its sensor measures; `None` for the input.
-    pub measures: Option<Quantity>,
-}
 
 /// The offset between two clocks.
 #[derive(Clone, Copy, Debug, PartialEq)]
