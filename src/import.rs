@@ -41,8 +41,7 @@ pub struct Import {
     team: Rc<dyn Team>,
     /// Whether the next file is joined to this one.
     wants_second: bool,
-    /// The name of that file, and the files of a record once they are joined.
-    second_name: String,
+    /// Both files, once they are joined.
     second: Option<Second>,
     /// Why a second file is not joined.
     refusal: Option<String>,
@@ -110,16 +109,7 @@ impl Import {
     }
 
     fn at(name: String, stage: Stage, team: Rc<dyn Team>) -> Self {
-        Self {
-            name,
-            stage,
-            team,
-            wants_second: false,
-            second_name: String::new(),
-            second: None,
-            refusal: None,
-            joined: None,
-        }
+        Self { name, stage, team, wants_second: false, second: None, refusal: None, joined: None }
     }
 
     /// Joins a file with a clock of its own, if the user has asked for one. Returns its contents if not.
@@ -133,7 +123,6 @@ impl Import {
                 let joining = Joining::new(Arc::clone(draft.file()), name, bytes);
                 let joining = running(&*self.team, joining, is_long);
                 (self.stage, self.refusal) = (Stage::Joining(draft, Box::new(joining)), None);
-                name.clone_into(&mut self.second_name);
                 None
             }
             other => {
@@ -143,17 +132,24 @@ impl Import {
         }
     }
 
-    /// Goes on with both files as one.
-    fn join(&mut self) {
+    /// Goes on with both files as one, and the draft that is made of it.
+    fn join(&mut self, draft: impl FnOnce(Arc<RecordFile>) -> Draft) {
         let Some(second) = &self.second else { return };
         match second.both() {
             Ok((bytes, file)) => {
                 (self.joined, self.refusal) = (Some(bytes), None);
                 self.name.clone_from(&file.name);
-                self.stage = Stage::Asking(Box::new(Draft::new(Arc::new(file))));
+                self.stage = Stage::Asking(Box::new(draft(Arc::new(file))));
             }
             Err(reason) => self.refusal = Some(format!("the files cannot be joined: {reason}")),
         }
+    }
+
+    /// Joins both files again, with another offset. The meaning of the columns stays.
+    fn join_again(&mut self) {
+        let Stage::Asking(draft) = &self.stage else { return };
+        let choices = draft.choices();
+        self.join(|file| Draft::new(file).with_choices(choices));
     }
 
     /// The name and the contents of both files as one, once after each change.
@@ -199,15 +195,15 @@ impl Import {
                         return None;
                     }
                     Ok(Some(outcome)) => outcome,
-                    Err(Lost) => Err("the thread that read it has failed".to_owned()),
+                    Err(Lost) => Err("the thread that read the second file has failed".to_owned()),
                 };
                 self.stage = Stage::Asking(draft);
                 match outcome {
                     Ok(second) => {
                         self.second = Some(second);
-                        self.join();
+                        self.join(Draft::new);
                     }
-                    Err(reason) => self.refusal = Some(format!("“{}” cannot be joined: {reason}", self.second_name)),
+                    Err(reason) => self.refusal = Some(reason),
                 }
                 return None;
             }

@@ -10,7 +10,7 @@ mod frequency_response;
 mod gain;
 mod handles;
 mod innovations;
-mod left_out;
+
 mod map;
 mod matrices;
 mod measured;
@@ -24,6 +24,7 @@ mod slices;
 mod spectrogram;
 mod trials;
 mod tune;
+mod weights;
 
 use crate::request::ViewKind;
 use crate::session::Wanted;

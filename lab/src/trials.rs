@@ -1,8 +1,8 @@
-//! Trials: what several records tell of one oscillator, or of many alike.
+//! Trials: the results of several records of one oscillator, or of many alike.
 //!
 //! ```text
 //! Run ──last estimates──▶ Trial ─┬─▶ Spring   T² against the added mass: stiffness, and what swings beside it
-//!                                └─▶ Spread   how far trials differ, beside what each filter doubts
+//!                                └─▶ Spread   the differences among trials, beside the σ of each filter
 //! ```
 
 mod spread;
@@ -35,17 +35,17 @@ impl Estimated {
     pub fn times(self, factor: f64) -> Self {
         Self { mean: self.mean * factor, std: self.std * factor }
     }
-
-    fn is_finite(&self) -> bool {
-        self.mean.is_finite() && self.std.is_finite() && self.std >= 0.0
-    }
 }
 
-/// What one record tells of an oscillator.
+/// Limits σ of a natural frequency over its mean, and the size of a damping ratio and its σ.
+const SHARES: std::ops::RangeInclusive<f64> = 1e-12..=1e3;
+const LARGEST: f64 = 1e6;
+
+/// The results of one record.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Trial {
-    /// Whose it is, or what is different in it.
+    /// The name that the user gives it, such as a student's.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub name: String,
     /// The mass that was added to the oscillator \[kg\].
@@ -108,15 +108,16 @@ impl Trial {
         if !(0.0..=Self::HEAVIEST).contains(mass) {
             return Err(format!("a mass of {mass} kg was added, but it must be from 0 to {} kg", Self::HEAVIEST));
         }
-        // The square of a period outside is no number.
-        if !(frequency.is_finite() && (1e-9..=1e9).contains(&frequency.mean) && frequency.std > 0.0) {
+        // Outside, squares of periods and of their σ are no numbers.
+        let share = frequency.std / frequency.mean;
+        if !((1e-9..=1e9).contains(&frequency.mean) && SHARES.contains(&share)) {
             return Err(format!(
                 "a natural frequency of {} ± {} rad/s is impossible",
                 frequency.mean,
                 frequency.band()
             ));
         }
-        if !damping.is_finite() {
+        if !(damping.mean.abs() <= LARGEST && (0.0..=LARGEST).contains(&damping.std)) {
             return Err(format!("a damping ratio of {} ± {} is impossible", damping.mean, damping.band()));
         }
         Ok(())

@@ -18,19 +18,17 @@ impl App {
         let trials: Vec<Trial> = told.into_iter().flatten().collect();
         let count = trials.len();
         let added = self.laboratory.trials_mut().add(trials);
-        let all = match links().count() {
-            0 => "There is no link in this text".to_owned(),
-            1 => format!("1 link: {added} new trials"),
-            several => format!("{several} links: {added} new trials"),
-        };
-        let remarks = [
-            (count - added, "were there already, or had no room"),
-            (without, "links have no trial: they were copied while Your own oscillator was not on screen"),
-            (damaged, "links are damaged"),
+        let counts = [
+            (links().count(), "Links"),
+            (added, "new trials"),
+            (count - added, "there already, or without room"),
+            (without, "links that were copied while Your own oscillator was not on screen"),
+            (damaged, "damaged links"),
         ];
-        let remarks = remarks.iter().filter(|(count, _)| *count > 0);
-        let said: String = remarks.map(|(count, words)| format!("; {count} {words}")).collect();
-        let sentence = format!("{all}{said}.");
+        // The first two are told even if there are none.
+        let told = counts.iter().enumerate().filter(|(place, (count, _))| *place < 2 || *count > 0);
+        let told: Vec<String> = told.map(|(_, (count, words))| format!("{words}: {count}")).collect();
+        let sentence = told.join(", ") + ".";
         self.notice = Some(if added > 0 { Notice::done(&sentence) } else { sentence.into() });
         self.layout.show(ViewKind::Trials);
     }

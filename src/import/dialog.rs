@@ -67,7 +67,7 @@ impl Import {
                 None
             }
             Some(Choice::Offset) => {
-                self.join();
+                self.join_again();
                 None
             }
             Some(Choice::HoldOut) => {
@@ -101,14 +101,14 @@ impl Import {
     }
 
     fn stage_ui(&mut self, ui: &mut Ui, palette: &Palette, can_hold_out: bool) -> Option<Choice> {
-        let Self { name, stage, wants_second, second_name, second, refusal, .. } = self;
+        let Self { name, stage, wants_second, second, refusal, .. } = self;
         match stage {
             Stage::Reading(reading) => {
                 ui.label(format!("Reading “{name}”"));
                 progress_ui(ui, *reading.seen() as f32)
             }
             Stage::Joining(_, joining) => {
-                ui.label(format!("Reading “{second_name}”, and looking for the offset between both clocks"));
+                ui.label("Reading the second file, and looking for the offset between both clocks");
                 progress_ui(ui, *joining.seen() as f32)
             }
             Stage::Suggesting(_, suggest) => {
@@ -120,9 +120,10 @@ impl Import {
                 button(ui, "Close", true).then_some(Choice::Cancel)
             }
             Stage::Asking(draft) => {
-                let join = second_ui(ui, palette, (*wants_second, second.as_mut(), refusal.as_deref()));
-                let choice = draft.ui(ui, palette, can_hold_out);
-                choice.or(join.filter(|_| !draft.is_of_scenario()))
+                let can_join = !draft.is_of_scenario();
+                let second =
+                    can_join.then(|| second_ui(ui, palette, *wants_second, second.as_mut(), refusal.as_deref()));
+                draft.ui(ui, palette, can_hold_out).or(second.flatten())
             }
         }
     }
@@ -143,7 +144,9 @@ fn button(ui: &mut Ui, text: &str, enabled: bool) -> bool {
 fn second_ui(
     ui: &mut Ui,
     palette: &Palette,
-    (is_wanted, second, refusal): (bool, Option<&mut Second>, Option<&str>),
+    is_wanted: bool,
+    second: Option<&mut Second>,
+    refusal: Option<&str>,
 ) -> Option<Choice> {
     let mut choice = None;
     if let Some(second) = second {

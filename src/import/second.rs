@@ -10,14 +10,14 @@ use crate::session::RecordFile;
 use crate::text::sentence;
 use crate::theme::Palette;
 
-/// Two files, and what is added to the times of the second one.
+/// Two files, and the offset that is added to the times of the second one.
 pub(super) struct Second {
-    first: Arc<RecordFile>,
-    name: String,
-    table: Table,
+    names: [String; 2],
+    /// Both tables, with empty cells where there is no reading.
+    tables: [Table; 2],
     /// \[s\]
     offset: f64,
-    /// What is said about the offset: how it was found, or why not.
+    /// A sentence on the offset: how it was found, or why it was not.
     said: String,
     is_found: bool,
 }
@@ -25,7 +25,7 @@ pub(super) struct Second {
 /// Both files as one: its contents, and how it is read.
 pub(super) type Both = (Vec<u8>, RecordFile);
 
-/// The way to two files: the second one is read, and the offset is searched.
+/// Reads the second file, then searches the offset.
 pub(super) struct Joining {
     first: Arc<RecordFile>,
     name: String,
@@ -34,7 +34,7 @@ pub(super) struct Joining {
 
 enum Stage {
     Reading(Box<Loading>),
-    Searching(Box<Table>, Box<OffsetSearch>),
+    Searching(Box<[Table; 2]>, Box<OffsetSearch>),
     Failed(ImportError),
 }
 
@@ -48,14 +48,14 @@ impl Joining {
 
     /// The search of a file that has been read.
     fn search(&self, loading: Loading) -> Result<Stage, ImportError> {
-        let table = loading.finish()?.table.with_gaps(None);
-        let search = OffsetSearch::new([&self.first.table.with_gaps(None), &table], |both| Mapping::guess(both).0)?;
-        Ok(Stage::Searching(Box::new(table), Box::new(search)))
+        let tables = [&self.first.table, &loading.finish()?.table].map(|table| table.with_gaps(None));
+        let search = OffsetSearch::new(tables.each_ref(), |both| Mapping::guess(both).0)?;
+        Ok(Stage::Searching(Box::new(tables), Box::new(search)))
     }
 }
 
 impl Task for Joining {
-    /// The reason why the second file cannot be read, or has no usable times.
+    /// A sentence: why the second file cannot be read, or has no usable times.
     type Outcome = Result<Second, String>;
 
     fn progress(&self) -> f64 {
@@ -83,17 +83,21 @@ impl Task for Joining {
     fn finish(mut self) -> Self::Outcome {
         while !self.advance(&mut || true) {}
         let Self { first, name, stage } = self;
-        let (table, search) = match stage {
-            Stage::Searching(table, search) => (*table, *search),
-            Stage::Failed(reason) => return Err(reason.to_string()),
-            Stage::Reading(_) => return Err(ImportError::Empty.to_string()),
+        let refused = |reason: ImportError| format!("“{name}” cannot be joined: {reason}");
+        let (tables, search) = match stage {
+            Stage::Searching(tables, search) => (*tables, *search),
+            Stage::Failed(reason) => return Err(refused(reason)),
+            Stage::Reading(_) => return Err(refused(ImportError::Empty)),
         };
-        let begins = apart([&first.table, &table]).map_err(|reason| reason.to_string())?;
         let (offset, said, is_found) = match search.finish() {
             Ok(agreement) => (agreement.offset.seconds, agreement.to_string(), true),
-            Err(reason) => (begins, format!("both begin at the same time now: {reason}"), false),
+            Err(reason) => {
+                let begins = apart(tables.each_ref()).map_err(refused)?;
+                (begins, format!("both begin at the same time now: {reason}"), false)
+            }
         };
-        Ok(Second { first, name, table, offset, said, is_found })
+        let names = [first.name.clone(), name];
+        Ok(Second { names, tables, offset, said, is_found })
     }
 }
 
@@ -103,21 +107,21 @@ impl Second {
     /// # Errors
     /// The reason why they cannot be joined.
     pub(super) fn both(&self) -> Result<Both, ImportError> {
-        let Self { first, name, table, offset, .. } = self;
-        let Joined { table, .. } = join(&first.table.with_gaps(None), table, *offset)?;
+        let Self { names, tables: [first, second], offset, .. } = self;
+        let Joined { table, .. } = join(first, second, *offset)?;
         let remarks = table.remarks.clone();
         let bytes = table.csv().into_bytes();
         let mut table = read(bytes.clone(), None)?;
         table.remarks.splice(0..0, remarks);
-        let stem = |name: &str| name.rsplit_once('.').map_or(name, |(stem, _)| stem).to_owned();
-        let name = format!("{} and {}.csv", stem(&first.name), stem(name));
+        let [first, second] = names.each_ref().map(|name| name.rsplit_once('.').map_or(&**name, |(stem, _)| stem));
+        let name = format!("{first} and {second}.csv");
         let hash = hash(&bytes);
         Ok((bytes, RecordFile { name, hash, table }))
     }
 
-    /// Shows the offset. Returns whether the user has changed it.
+    /// Shows the offset. Returns whether the user has set another one.
     pub(super) fn ui(&mut self, ui: &mut Ui, palette: &Palette) -> bool {
-        let Self { name, offset, said, is_found, .. } = self;
+        let Self { names: [_, name], offset, said, is_found, .. } = self;
         let color = if *is_found { palette.text } else { palette.warning };
         ui.colored_label(color, format!("{}.", sentence(said)));
         ui.horizontal_wrapped(|ui| {
@@ -126,11 +130,11 @@ impl Second {
             let field = ui.add(field).on_hover_text("The offset between the clocks of both files");
             field.ctx.accesskit_node_builder(field.id, |node| node.set_label(text.clone()));
             ui.label(text);
-            let changed = field.changed() && offset.is_finite();
-            if changed {
+            if field.changed() {
                 (*said, *is_found) = ("the offset is as stated".to_owned(), true);
             }
-            changed
+            // While it is dragged, nothing is joined: that takes long with large files.
+            field.drag_stopped() || (field.changed() && !field.dragged())
         })
         .inner
     }

@@ -14,7 +14,7 @@ pub struct Choices {
     pub seeds: Option<SeedChoice>,
     /// The settings to tune and the goal.
     pub tuning: Option<TuneChoice>,
-    /// What several records tell.
+    /// The results of several records.
     pub trials: Vec<Trial>,
 }
 
@@ -34,17 +34,10 @@ impl Choices {
             .map_err(|reason| format!("Tune for me: {reason}"))
     }
 
-    /// These choices; those that are `None` come from `others`, and their trials go before these.
+    /// These choices; those that are `None` come from `others`.
     pub(crate) fn or(self, others: Self) -> Self {
         let Self { map, seeds, tuning, trials } = self;
-        let mut all = Trials::of(others.trials);
-        all.add(trials);
-        Self {
-            map: map.or(others.map),
-            seeds: seeds.or(others.seeds),
-            tuning: tuning.or(others.tuning),
-            trials: all.rows().to_vec(),
-        }
+        Self { map: map.or(others.map), seeds: seeds.or(others.seeds), tuning: tuning.or(others.tuning), trials }
     }
 }
 
@@ -59,11 +52,12 @@ impl Laboratory {
         }
     }
 
-    /// Takes over the choices of all views.
+    /// Takes over the choices of all views, and adds the trials.
     pub fn restore(&mut self, Choices { map, seeds, tuning, trials }: Choices) {
         self.choose(map);
         self.seeds_mut().choose(seeds.unwrap_or_default());
         self.tuning_mut().choose(tuning);
-        *self.trials_mut() = Trials::of(trials);
+        // Results of a user are never replaced by those of another file or link.
+        self.trials_mut().add(trials);
     }
 }

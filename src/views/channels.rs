@@ -11,7 +11,7 @@ use crate::request::Request;
 use crate::sheet::{Column, Sheet, readouts};
 use crate::text::{decimals, fixed, in_hertz};
 use crate::view::{View, ViewContext};
-use crate::views::{handles, left_out};
+use crate::views::{handles, weights};
 
 /// The width of the first filter's line \[points\].
 const ESTIMATE: f32 = 2.4;
@@ -87,7 +87,7 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Cha
     let quantity = Quantity::all().iter().find(|q| q.channel() == Some(channel));
     if let Some(z) = quantity.and_then(|q| record.measured_quantity(*q)).filter(|_| visible.measured) {
         layers.push(Layer::Dots { series: Series::of(&z[..run.len()]), color: palette.measured });
-        layers.extend(quantity.into_iter().flat_map(|q| left_out::layers(*q, &z[..run.len()], context)));
+        layers.extend(quantity.into_iter().flat_map(|q| weights::layers(*q, &z[..run.len()], context)));
     }
     if let Some(truth) = record.truth(channel).filter(|_| visible.truth) {
         layers.push(Layer::Line {

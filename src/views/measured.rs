@@ -12,7 +12,7 @@ use crate::request::Request;
 use crate::sheet::{Column, Sheet};
 use crate::text::significant;
 use crate::view::{View, ViewContext};
-use crate::views::left_out;
+use crate::views::weights;
 
 /// Width of a line of predictions \[points\].
 const PREDICTED: f32 = 2.2;
@@ -104,7 +104,7 @@ fn signals<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>, las
     let mut layers: Vec<Layer<'a>> = Vec::new();
     if visible.measured {
         layers.push(Layer::Dots { series: Series::of(all), color: palette.measured });
-        layers.extend(left_out::layers(quantity, all, context));
+        layers.extend(weights::layers(quantity, all, context));
     }
     for (place, estimates) in context.filters() {
         let Some(values) = predicted(estimates, all, quantity) else { continue };
@@ -122,8 +122,8 @@ fn signals<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>, las
     let k = axis.readout(session);
     let now = all.get(k).filter(|value| !value.is_nan());
     let readouts = now.map(|value| Readout::new(significant(*value, 4), palette.measured, "measured".to_owned()));
-    let said = left_out::at(quantity, k, context);
-    let said = if said.is_empty() { left_out::shares(quantity, all, context) } else { said };
+    let said = weights::at(quantity, k, context);
+    let said = if said.is_empty() { weights::shares(quantity, all, context) } else { said };
     Chart {
         key: format!("measured {}", quantity.key()),
         title: format!("{} measured and predicted", quantity.name()),

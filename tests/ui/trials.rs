@@ -85,8 +85,8 @@ fn links_of_a_class_are_collected_once() {
         teacher.run_steps(4);
         assert_eq!(teacher.state().laboratory().trials().rows().len(), expected);
     }
-    assert!(teacher.query_by_label_contains("5 links: 0 new trials; 3 were there already").is_some());
-    assert!(teacher.query_by_label_contains("1 links are damaged").is_some());
+    assert!(teacher.query_by_label_contains("Links: 5, new trials: 0, there already, or without room: 3").is_some());
+    assert!(teacher.query_by_label_contains("damaged links: 1.").is_some());
     assert!(teacher.query_by_label_contains("3 trials:").is_some());
     // A link to the teacher's picture brings all of them, beside those that are there.
     let link = teacher.state().link().expect("it is short enough");

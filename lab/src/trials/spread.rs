@@ -1,8 +1,8 @@
-//! How far trials differ from each other.
+//! The differences among trials.
 
 use super::Estimated;
 
-/// What some numbers of the same kind, each with its σ, have in common.
+/// Statistics of numbers of one kind, each with its own σ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
     /// How many there are.

@@ -83,6 +83,23 @@ fn without_two_masses_or_with_a_period_that_falls_there_is_no_spring() {
 }
 
 #[test]
+fn all_that_is_possible_has_a_finite_line() {
+    let ends = |mean: f64| [1e-12, 1.0, 1e3].map(|share| share * mean);
+    for first in [1e-9, 1.0, 1e9] {
+        for second in [1e-9, 1.0, 1e9] {
+            for (a, b) in ends(first).into_iter().zip(ends(second)) {
+                for mass in [1e-300, 1.0, Trial::HEAVIEST] {
+                    let trials = [trial(0.0, first, a), trial(mass, second, b)];
+                    trials.iter().for_each(|trial| assert_eq!(trial.check(), Ok(())));
+                    let spring = Spring::of(&trials);
+                    assert!(spring.is_none_or(|spring| spring.own_mass.mean.is_finite()), "{trials:?} {spring:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
 fn a_spread_has_both_kinds_of_doubt() {
     let of = |mean: f64, std: f64| Estimated { mean, std };
     assert_eq!(Spread::of(&[of(1.0, 0.1)]), None);

@@ -1,6 +1,7 @@
 //! The line above the table: add what the record on screen tells, take in links, save.
 
 use egui::{Id, ScrollArea, TextEdit, Ui};
+use kalmanscope_lab::Trial;
 
 use crate::laboratory::{Trials, trial_of};
 use crate::menu::{Closing, menu_ui};
@@ -16,7 +17,9 @@ const FIELD: f32 = 320.0;
 
 pub(super) fn head_ui(ui: &mut Ui, context: &ViewContext<'_>, trials: &Trials, requests: &mut Vec<Request>) {
     ui.horizontal_wrapped(|ui| {
-        let trial = trial_of(context.session);
+        let is_full = trials.rows().len() >= Trial::MOST;
+        let full = || Err(format!("there are {} rows, and no room for more", Trial::MOST));
+        let trial = if is_full { full() } else { trial_of(context.session) };
         let button = ui.add_enabled(trial.is_ok(), egui::Button::new("Add this run"));
         let button =
             button.on_hover_text("Keep frequency and damping of the run on screen, with their bands, as a row");

@@ -34,6 +34,8 @@ pub struct RobustInfo {
     pub reference: &'static str,
     /// Limits the updates by one sample with new weights, after the first one, in which all weights are 1.
     pub passes: usize,
+    /// Whether 1 less the weight is the probability that the measurement is an outlier.
+    pub is_probable: bool,
     /// The weight of a measurement, from 0 to 1 or somewhat above.
     pub weight: fn(&Misfit) -> f64,
 }
@@ -83,10 +85,14 @@ static NONE: RobustInfo = RobustInfo {
     description: "takes every measurement as its R says",
     reference: "Kalman (1960), A new approach to linear filtering and prediction problems",
     passes: 0,
+    is_probable: false,
     weight: |_| 1.0,
 };
 
 impl Robust {
+    /// A reading with a smaller weight is reported as left out.
+    pub const LEFT_OUT: f64 = 0.15;
+
     /// Its description.
     pub const fn info(self) -> &'static RobustInfo {
         self.0
@@ -131,9 +137,6 @@ impl<'de> Deserialize<'de> for Robust {
         rule.ok_or_else(|| de::Error::unknown_variant(&key, &KEYS))
     }
 }
-
-/// A reading with a smaller weight is reported as left out.
-const NEXT_TO_NOTHING: f64 = 0.15;
 
 /// The median of e² / S where the filter is right: that of χ² with one degree of freedom.
 const MEDIAN: f64 = 0.454_936;
@@ -236,7 +239,7 @@ impl Weighing {
         if observation.sensors().iter().any(|sensor| weight(*sensor) != 1.0) {
             correction.report_with(observation.sensors(), |sensor| {
                 let own = noise.sensors[sensor];
-                (weight(sensor) >= NEXT_TO_NOTHING).then(|| own - own / weight(sensor))
+                (weight(sensor) >= Robust::LEFT_OUT).then(|| own - own / weight(sensor))
             });
         }
         Ok(())

@@ -12,5 +12,6 @@ pub(super) static GATE: RobustInfo = RobustInfo {
     description: "leaves out a reading more than 4 standard deviations from its prediction",
     reference: "Bar-Shalom, Li and Kirubarajan (2001), *Estimation with Applications to Tracking and Navigation*, section 5.4",
     passes: 1,
+    is_probable: false,
     weight: |misfit| if misfit.predicted <= LIMIT * LIMIT { 1.0 } else { 0.0 },
 };

@@ -12,5 +12,6 @@ pub(super) static HUBER: RobustInfo = RobustInfo {
     description: "lets a reading beyond 1.345 standard deviations pull with constant force",
     reference: "Huber (1964), Robust estimation of a location parameter; Karlgaard and Schaub (2007), Huber-based divided difference filtering",
     passes: 10,
+    is_probable: false,
     weight: |misfit| if misfit.residual <= LIMIT * LIMIT { 1.0 } else { LIMIT / misfit.residual.sqrt() },
 };

@@ -23,6 +23,7 @@ pub(super) static MIXTURE: RobustInfo = RobustInfo {
     description: "weighs each reading by the probability that it is no outlier, of which there are 5 % with 10 times the noise",
     reference: "Box and Tiao (1968), A Bayesian approach to some outlier problems",
     passes: 10,
+    is_probable: true,
     weight: |misfit| {
         let square = misfit.residual + misfit.uncertainty;
         let odds = SHARE / (1.0 - SHARE) / WIDER * libm::exp(0.5 * square * (1.0 - 1.0 / (WIDER * WIDER)));

@@ -16,5 +16,6 @@ pub(super) static STUDENT_T: RobustInfo = RobustInfo {
     description: "takes each sensor's noise for Student's with 4 degrees of freedom",
     reference: "Agamennoni, Nieto and Nebot (2012), Approximate inference in state-space models with heavy-tailed noise",
     passes: 10,
+    is_probable: false,
     weight: |misfit| (DEGREES + 1.0) / (DEGREES + misfit.residual + misfit.uncertainty),
 };

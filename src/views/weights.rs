@@ -1,4 +1,4 @@
-//! What robust filters make of readings: those that count less than others, or nothing.
+//! Shows how much each reading counts for a robust filter.
 
 use kalmanscope_core::{Estimates, Quantity, Robust};
 
@@ -12,10 +12,7 @@ const MOST_COUNTED: usize = 20_000;
 
 /// The weights below which a reading gets a dot in the filter's colour, each with the opacity of the dot: the fuller, the less it
 /// counts.
-const SHADES: [(f64, f32); 3] = [(0.9, 0.35), (0.5, 0.65), (LEFT_OUT, 1.0)];
-
-/// A reading with a smaller weight counts as left out, as in the filter's report.
-const LEFT_OUT: f64 = 0.15;
+const SHADES: [(f64, f32); 3] = [(0.9, 0.35), (0.5, 0.65), (Robust::LEFT_OUT, 1.0)];
 
 /// The filters on screen that weigh the readings of a quantity, with the place of that sensor among theirs, and their rule.
 fn weighing<'a>(
@@ -52,12 +49,12 @@ pub(super) fn layers<'a>(quantity: Quantity, measured: &'a [f64], context: &View
     weighing(quantity, context).flat_map(layers).collect()
 }
 
-/// What each filter makes of the reading of a quantity at a sample, in a few words; nothing of a reading that counts fully.
+/// The weight of a reading for each filter, in words. A reading with its full weight gets none.
 pub(super) fn at<'a>(quantity: Quantity, k: usize, context: &ViewContext<'a>) -> Vec<Readout> {
     let said = |(sensor, estimates, rule): (usize, &'a Estimates, Robust)| {
         let weight =
             (k < estimates.len()).then(|| weight(estimates, sensor, k)).filter(|weight| *weight < SHADES[0].0)?;
-        let (text, hint) = if rule == Robust::MIXTURE {
+        let (text, hint) = if rule.info().is_probable {
             (format!("{:.2} an outlier", 1.0 - weight), "The probability that this reading is an outlier, in")
         } else {
             (format!("{weight:.2} of a reading"), "The weight of this reading in")
@@ -74,7 +71,7 @@ pub(super) fn shares(quantity: Quantity, measured: &[f64], context: &ViewContext
         let len = estimates.len().min(measured.len());
         let samples = len.saturating_sub(MOST_COUNTED)..len;
         let readings = samples.clone().filter(|&k| !measured[k].is_nan()).count();
-        let out = samples.filter(|&k| weight(estimates, sensor, k) < LEFT_OUT).count();
+        let out = samples.filter(|&k| weight(estimates, sensor, k) < Robust::LEFT_OUT).count();
         let percent = 100.0 * out as f64 / readings.max(1) as f64;
         let hint = format!(
             "{out} of the last {readings} readings count for nothing, or next to nothing, in {}",
