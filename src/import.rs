@@ -43,7 +43,7 @@ pub struct Import {
     wants_second: bool,
     /// Both files, once they are joined.
     second: Option<Second>,
-    /// Why a second file is not joined.
+    /// The reason why a second file is not joined.
     refusal: Option<String>,
     /// The contents of both files as one, until they are taken.
     joined: Option<Vec<u8>>,

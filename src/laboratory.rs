@@ -199,7 +199,7 @@ impl Laboratory {
         &mut self.tuning
     }
 
-    /// What several records tell.
+    /// The results of several records.
     pub fn trials(&self) -> &Trials {
         &self.trials
     }

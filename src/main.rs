@@ -153,6 +153,7 @@ mod web {
     mod messages;
     mod microphone;
     mod motion;
+    mod object;
     mod serial;
     mod shelf;
     mod tables;

@@ -171,7 +171,7 @@ pub enum Export {
     Map,
     /// The statistics over many seeds, as CSV.
     MonteCarlo,
-    /// What several records tell, as CSV.
+    /// The results of several records, as CSV.
     Trials,
     /// Verdicts, evidence, estimates, scores and figures as one page, as HTML.
     Report,

@@ -125,11 +125,10 @@ impl Second {
         let color = if *is_found { palette.text } else { palette.warning };
         ui.colored_label(color, format!("{}.", sentence(said)));
         ui.horizontal_wrapped(|ui| {
-            let text = format!("added to the times of “{name}” [s]");
             let field = DragValue::new(offset).speed(0.01).max_decimals(6).update_while_editing(false);
             let field = ui.add(field).on_hover_text("The offset between the clocks of both files");
-            field.ctx.accesskit_node_builder(field.id, |node| node.set_label(text.clone()));
-            ui.label(text);
+            field.ctx.accesskit_node_builder(field.id, |node| node.set_label("Offset of the second file"));
+            ui.label(format!("added to the times of “{name}” [s]"));
             if field.changed() {
                 (*said, *is_found) = ("the offset is as stated".to_owned(), true);
             }

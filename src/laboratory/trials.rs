@@ -1,4 +1,4 @@
-//! The trials of a user, or of a class: what the record on screen tells, kept beside what others told.
+//! Keeps the results of several records: those of the user, and those from other people's links.
 
 use std::fmt::Write as _;
 
@@ -92,8 +92,8 @@ fn short(number: f64) -> f64 {
     format!("{number:.8e}").parse().unwrap_or(number)
 }
 
-/// What the run so far tells of ωₙ and ζ: the estimates of the first filter that its verdict lets one believe, else of the first
-/// one that has not lost them.
+/// The estimates of ωₙ and ζ of the run so far. They are of the first filter with a good verdict, else of the first one that has
+/// not lost them.
 ///
 /// # Errors
 /// The reason why there is nothing to keep, as a part of a sentence.
@@ -131,7 +131,12 @@ pub fn trial_of(session: &Session) -> Result<Trial, String> {
 
 #[cfg(test)]
 mod tests {
+    use std::rc::Rc;
+
     use super::*;
+    use crate::laboratory::{Choices, Laboratory};
+    use crate::session::Budget;
+    use crate::team::Frames;
 
     fn trial(name: &str, frequency: f64) -> Trial {
         let of = |mean: f64, std: f64| Estimated { mean, std };
@@ -169,5 +174,15 @@ mod tests {
         assert!(Trials::check(&many).is_err());
         trials.add(many);
         assert_eq!(trials.rows().len(), Trial::MOST);
+    }
+
+    #[test]
+    fn a_link_or_a_session_adds_trials_and_replaces_none() {
+        let mut laboratory = Laboratory::new(Rc::new(Frames(Budget::Unlimited)));
+        laboratory.trials_mut().add(vec![trial("mine", 1.0)]);
+        laboratory.restore(Choices::default());
+        laboratory.restore(Choices { trials: vec![trial("hers", 2.0)], ..Choices::default() });
+        let names: Vec<&str> = laboratory.trials().rows().iter().map(|trial| &*trial.name).collect();
+        assert_eq!(names, ["mine", "hers"]);
     }
 }

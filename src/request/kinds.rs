@@ -67,7 +67,7 @@ pub enum ViewKind {
     MonteCarlo,
     /// A search for the best settings of a filter.
     Tune,
-    /// What several records tell, and a spring's stiffness from several masses.
+    /// The results of several records, and a spring's stiffness from several masses.
     Trials,
 }
 

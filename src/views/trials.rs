@@ -1,4 +1,4 @@
-//! A laboratory for one's own oscillator: what to build, the trials of several records, and what they tell together.
+//! A laboratory for one's own oscillator: set-ups, a table of trials, and the picture of all.
 
 mod head;
 mod picture;

@@ -13,6 +13,7 @@ use web_sys::{
     MediaTrackConstraints, MessageEvent,
 };
 
+use super::object::{get, words};
 use super::version::version;
 
 /// The worklet's file but for the page's version, and the name of its processor there.
@@ -45,8 +46,7 @@ impl Microphone {
     /// The microphone of this page. `None` where the browser has no way to it.
     pub(super) fn of_page() -> Option<Self> {
         let navigator = web_sys::window()?.navigator();
-        let has =
-            |object: &JsValue, name: &str| js_sys::Reflect::get(object, &name.into()).is_ok_and(|it| it.is_truthy());
+        let has = |object: &JsValue, name: &str| get(object, name).is_some_and(|it| it.is_truthy());
         // A page that did not come by https has none.
         let can = has(&navigator, "mediaDevices") && has(&js_sys::global(), "AudioWorkletNode");
         let devices = can.then(|| navigator.media_devices().ok()).flatten()?;
@@ -163,9 +163,4 @@ fn reason(error: &JsValue) -> String {
         "NotFoundError" => "This device has no microphone".to_owned(),
         _ => format!("The microphone cannot be heard ({})", words(error)),
     }
-}
-
-/// An error in the browser's words.
-fn words(error: &JsValue) -> String {
-    js_sys::Error::from(error.clone()).to_string().into()
 }

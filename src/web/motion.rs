@@ -10,6 +10,8 @@ use wasm_bindgen::prelude::*;
 use wasm_bindgen_futures::JsFuture;
 use web_sys::{DeviceMotionEvent, MouseEvent, Window};
 
+use super::object::{call, get};
+
 /// The button that begins a measurement.
 const BEGIN: &str = "Begin to measure";
 
@@ -35,7 +37,7 @@ impl Motion {
     /// The motion events of this page. `None` where the browser has none.
     pub(super) fn of_page(ctx: &Context) -> Option<Self> {
         let window = web_sys::window()?;
-        js_sys::Reflect::get(&window, &"DeviceMotionEvent".into()).ok().filter(|kind| !kind.is_undefined())?;
+        get(&window, "DeviceMotionEvent").filter(|kind| !kind.is_undefined())?;
         let shared: Rc<Shared> = Rc::default();
         let clicks = {
             let (shared, ctx) = (Rc::clone(&shared), ctx.clone());
@@ -54,10 +56,8 @@ impl Motion {
 
 /// Asks for permission where the browser wants to be asked.
 fn ask() -> Option<js_sys::Promise> {
-    let kind = js_sys::Reflect::get(&js_sys::global(), &"DeviceMotionEvent".into()).ok()?;
-    let question = js_sys::Reflect::get(&kind, &"requestPermission".into()).ok()?;
-    let question: js_sys::Function = question.dyn_into().ok()?;
-    question.call0(&kind).ok()?.dyn_into().ok()
+    let kind = get(&js_sys::global(), "DeviceMotionEvent")?;
+    call(&kind, "requestPermission", &[]).ok()?.dyn_into().ok()
 }
 
 impl Sensor<Acceleration> for Motion {

@@ -6,12 +6,13 @@ use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 
 use egui::Context;
-use js_sys::{Function, Promise, Reflect, Uint8Array};
+use js_sys::{Reflect, Uint8Array};
 use kalmanscope::sensor::{Acceleration, Readings, Sensor};
 use kalmanscope_sources::{Accelerations, LONGEST};
 use wasm_bindgen::JsCast as _;
 use wasm_bindgen::prelude::*;
-use wasm_bindgen_futures::JsFuture;
+
+use super::object::{awaited, call, get, words};
 
 /// The rates that are tried, the likeliest first \[bits a second\].
 const RATES: [u32; 6] = [115_200, 9_600, 57_600, 230_400, 38_400, 19_200];
@@ -37,9 +38,9 @@ struct Shared {
     rate: Cell<u32>,
 }
 
-/// Why a rate is given up.
+/// The reason to stop reading.
 enum End {
-    /// What came is no text.
+    /// The bytes are no text.
     Unreadable,
     /// The port has no more, or an error.
     Over(String),
@@ -69,6 +70,10 @@ impl Sensor<Acceleration> for Serial {
                 Ok(port) => port,
                 Err(error) => return to.refuse(format!("No port was chosen ({})", words(&error)), &ctx),
             };
+            // The user may have left the measurement while the browser asked.
+            if shared.turn.get() != turn {
+                return;
+            }
             for rate in RATES {
                 shared.rate.set(rate);
                 let end = read(&port, rate, turn, &shared, &ctx, &to).await;
@@ -86,7 +91,7 @@ impl Sensor<Acceleration> for Serial {
     fn end(&self) {
         self.shared.turn.set(self.shared.turn.get().wrapping_add(1));
         if let Some(reader) = self.shared.reader.borrow_mut().take() {
-            // What reads gets an end, and closes the port.
+            // The reading task then gets an end, and closes the port.
             let _ = call(&reader, "cancel", &[]);
         }
     }
@@ -178,23 +183,4 @@ async fn follow(reader: &JsValue, turn: u32, shared: &Shared, ctx: &Context, to:
             line.clear();
         }
     }
-}
-
-/// Calls a method of an object: browsers have Web Serial in different states.
-fn call(object: &JsValue, name: &str, arguments: &[&JsValue]) -> Result<JsValue, JsValue> {
-    let method: Function = Reflect::get(object, &name.into())?.dyn_into()?;
-    method.apply(object, &arguments.iter().copied().collect())
-}
-
-async fn awaited(promise: Result<JsValue, JsValue>) -> Result<JsValue, JsValue> {
-    JsFuture::from(Promise::resolve(&promise?)).await
-}
-
-fn get(object: &JsValue, key: &str) -> Option<JsValue> {
-    Reflect::get(object, &key.into()).ok()
-}
-
-/// An error in the browser's words.
-fn words(error: &JsValue) -> String {
-    js_sys::Error::from(error.clone()).to_string().into()
 }

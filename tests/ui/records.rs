@@ -349,7 +349,7 @@ fn a_second_file_with_a_clock_of_its_own_is_joined() {
     screen.state_mut().open_file("force.csv", Ok(force));
     screen.run_steps(8);
     click(&mut screen, "Join a file of another logger…");
-    // What cannot be joined says why, and the first file stays.
+    // A file that cannot be joined is refused with a reason, and the first file stays.
     screen.state_mut().open_file("letter.csv", Ok(b"dear\nreader\n".to_vec()));
     screen.run_steps(8);
     assert!(screen.query_by_label_contains("“letter.csv” cannot be joined").is_some());
@@ -361,6 +361,16 @@ fn a_second_file_with_a_clock_of_its_own_is_joined() {
     let offset: f64 = said.split(' ').next().and_then(|number| number.parse().ok()).expect("a number");
     assert!((offset - 12.3).abs() < 0.03, "{said}");
     assert!(screen.query_by_label("force and camera.csv").is_some());
+    // Another offset leaves the user's choices.
+    click(&mut screen, "make start values from the data: R, guess, gain, Q");
+    set(&mut screen, "Offset of the second file", 12.3);
+    screen.run_steps(8);
+    assert!(screen.query_by_label("The offset is as stated.").is_some());
+    assert!(screen.query_by_label_contains("761 samples from 2 s to 40 s").is_some());
+    let suggests = screen.get_by_label("make start values from the data: R, guess, gain, Q");
+    assert_eq!(suggests.accesskit_node().toggled(), Some(accesskit::Toggled::False));
+    suggests.click();
+    screen.run_steps(4);
     screen.get_by_label("Open the record").click();
     screen.run_steps(80);
     check_result(&screen, "two loggers");

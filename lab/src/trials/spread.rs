@@ -5,7 +5,7 @@ use super::Estimated;
 /// Statistics of numbers of one kind, each with its own σ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
-    /// How many there are.
+    /// Their number.
     pub count: usize,
     /// The smallest and the largest one.
     pub ends: [f64; 2],

@@ -1,4 +1,4 @@
-//! The line above the table: add what the record on screen tells, take in links, save.
+//! The line above the table: buttons to add the run on screen, to take in links, and to save.
 
 use egui::{Id, ScrollArea, TextEdit, Ui};
 use kalmanscope_lab::Trial;

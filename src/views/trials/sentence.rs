@@ -1,4 +1,4 @@
-//! What the trials tell together, in sentences.
+//! Sentences about all trials together.
 
 use egui::{Label, RichText, Ui};
 use kalmanscope_core::Story;

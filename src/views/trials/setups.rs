@@ -1,4 +1,4 @@
-//! What can be hung, taped or clamped, in drawings, and what to do.
+//! Drawings of oscillators that one can build, and the steps of an experiment.
 
 use egui::epaint::QuadraticBezierShape;
 use egui::{Align, Color32, Layout, Pos2, Rect, RichText, Sense, Shape, Stroke, StrokeKind, Ui, UiBuilder, pos2, vec2};
@@ -11,13 +11,13 @@ enum Part {
     Curve([[f32; 2]; 3]),
     /// Corner and size of a phone or a clamp.
     Frame([f32; 4]),
-    /// How it swings: the place across, and both ends.
+    /// An arrow along the motion: the place across, and both ends.
     Arrow(f32, [f32; 2]),
 }
 
 use Part::{Arrow, Curve, Frame, Line};
 
-/// A set-up: drawing, what it is, what to take care of, and what is usual.
+/// A set-up: its drawing and name, an advice, and the usual frequency and damping.
 struct SetUp {
     parts: &'static [Part],
     name: &'static str,
@@ -107,7 +107,7 @@ const STEPS: [&str; 4] = [
     "4. With several masses, the slope of T² over the mass is the spring's stiffness.",
 ];
 
-/// Shows all set-ups, and what to do.
+/// Shows the steps, and all set-ups.
 pub(super) fn setups_ui(ui: &mut Ui, palette: &Palette) {
     ui.add_space(4.0);
     for step in STEPS {

@@ -32,7 +32,7 @@ pub(super) fn times((a, b): Complex, (c, d): Complex) -> Complex {
 /// The largest correlation.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Peak {
-    /// By how many steps the predicted one comes later.
+    /// The other column comes so many steps later than its prediction.
     pub(super) lag: f64,
     pub(super) correlation: f64,
     /// The largest size at lags further away than a swing.

@@ -1,4 +1,4 @@
-//! How much later a second file's clock is, from what both files measured of one oscillator.
+//! Finds the offset between the clocks of two files, from their readings of one oscillator.
 //!
 //! ```text
 //! input ──H(ω; ωₙ, ζ)──▶ prediction ┐
@@ -16,15 +16,15 @@ use crate::{Quantity, Task};
 /// The offset between two clocks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClockOffset {
-    /// What is to be added to the times of the second file \[s\].
+    /// The seconds to add to the times of the second file \[s\].
     pub seconds: f64,
-    /// How well both files agree then: 1 if one predicts the other without an error.
+    /// The correlation of both files then: 1 if one predicts the other without an error.
     pub correlation: f64,
     /// Whether they have opposite signs.
     pub is_turned: bool,
 }
 
-/// How well two files agree, by the columns that do so best.
+/// The pair of columns by which two files agree best, and its offset.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Agreement {
     /// The offset between their clocks.
@@ -144,7 +144,7 @@ impl Task for OffsetSearch {
     }
 }
 
-/// How often what a sensor measures is a derivative of the displacement; `None` for an angle and the like.
+/// The order of the derivative of the displacement that a sensor measures; `None` for an angle and the like.
 fn order(measures: Quantity) -> Option<i32> {
     [Quantity::DISPLACEMENT, Quantity::VELOCITY, Quantity::ACCELERATION]
         .iter()
@@ -152,7 +152,7 @@ fn order(measures: Quantity) -> Option<i32> {
         .map(|place| place as i32)
 }
 
-/// What predicts the other column.
+/// The way to predict the other column.
 #[derive(Clone, Copy)]
 enum Prediction {
     /// A derivative of a sensor of the first file.

@@ -18,7 +18,7 @@ pub(super) struct Timing {
     /// The number of samples.
     pub(super) samples: usize,
     pub(super) places: Places,
-    /// By how much a time is off at most, as a share of the step.
+    /// The largest error of a time, as a share of the step.
     worst: f64,
     /// A sentence about times that are not as even as they should be.
     pub(super) remark: Option<String>,

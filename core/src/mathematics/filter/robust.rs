@@ -187,7 +187,7 @@ impl Weighing {
         &self.levels
     }
 
-    /// The weight of each sensor's reading in the last update; NaN where it measured nothing.
+    /// The weight of each sensor's reading in the last update; NaN for a sensor without a reading.
     pub(super) fn weights(&self) -> &[f64] {
         &self.weights
     }

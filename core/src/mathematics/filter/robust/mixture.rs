@@ -5,7 +5,7 @@ use super::RobustInfo;
 /// The share of readings that are outliers, before one is seen.
 const SHARE: f64 = 0.05;
 
-/// How much wider the noise of an outlier is than that of a good reading.
+/// The noise of an outlier over that of a good reading.
 const WIDER: f64 = 10.0;
 
 /// A reading with larger odds is left out.

@@ -1,0 +1,33 @@
+//! Objects of the browser that have no types here, since browsers have them in different states.
+
+use js_sys::{Function, Promise, Reflect};
+use wasm_bindgen::JsCast as _;
+use wasm_bindgen::prelude::*;
+use wasm_bindgen_futures::JsFuture;
+
+/// The value of a key; undefined if the object has none.
+pub(super) fn get(object: &JsValue, key: &str) -> Option<JsValue> {
+    Reflect::get(object, &key.into()).ok()
+}
+
+/// Calls a method.
+///
+/// # Errors
+/// What it throws, or that there is none.
+pub(super) fn call(object: &JsValue, name: &str, arguments: &[&JsValue]) -> Result<JsValue, JsValue> {
+    let method: Function = Reflect::get(object, &name.into())?.dyn_into()?;
+    method.apply(object, &arguments.iter().copied().collect())
+}
+
+/// Waits for the answer of a method.
+///
+/// # Errors
+/// What the method throws, or the reason why its promise is rejected.
+pub(super) async fn awaited(answer: Result<JsValue, JsValue>) -> Result<JsValue, JsValue> {
+    JsFuture::from(Promise::resolve(&answer?)).await
+}
+
+/// An error in the browser's words.
+pub(super) fn words(error: &JsValue) -> String {
+    js_sys::Error::from(error.clone()).to_string().into()
+}
