@@ -1,7 +1,7 @@
 //! The picture of all trials: T² over the added mass with the line of a spring, or damping over frequency.
 
 use egui::{Color32, Ui};
-use egui_plot::{Line, PlotUi, Points, Polygon};
+use egui_plot::{FilledArea, Line, PlotUi, Points};
 use kalmanscope_lab::{Estimated, Spring, Trial};
 
 use super::sentence::is_weighed;
@@ -40,15 +40,13 @@ fn line_ui(ui: &mut Ui, rows: &[Trial], palette: &Palette) {
     });
     let range = ranges(&crosses, &line);
     plane_ui(ui, "period squared over added mass", ["added mass m [g]", "T² [s²]"], palette, range, |plot| {
-        let band = |sign: f64| line.iter().map(move |[x, y, band]| [*x, y + sign * band]);
-        let ring: Vec<[f64; 2]> = band(1.0).chain(band(-1.0).collect::<Vec<_>>().into_iter().rev()).collect();
+        // A band narrows towards the middle of the points, so it is no convex polygon.
+        let edge = |sign: f64| -> (Vec<f64>, Vec<f64>) {
+            line.iter().map(|[x, y, band]| drawable(plot, [*x, y + sign * band])).map(|[x, y]| (x, y)).unzip()
+        };
+        let ((across, low), (_, high)) = (edge(-1.0), edge(1.0));
         let fill = palette.accent.gamma_multiply(0.2);
-        let ring: Vec<[f64; 2]> = ring.into_iter().map(|point| drawable(plot, point)).collect();
-        if !ring.is_empty() {
-            plot.polygon(
-                Polygon::new("band of the line", ring).fill_color(fill).stroke((0.0, fill)).allow_hover(false),
-            );
-        }
+        plot.add(FilledArea::new("band of the line", &across, &low, &high).fill_color(fill).allow_hover(false));
         let mean: Vec<[f64; 2]> = line.iter().map(|[x, y, _]| drawable(plot, [*x, *y])).collect();
         plot.line(Line::new("line of the spring", mean).color(palette.accent).width(1.8).allow_hover(false));
         draw(plot, rows, &crosses, palette);
