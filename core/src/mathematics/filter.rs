@@ -16,6 +16,7 @@ mod gaussian;
 pub(crate) mod jump;
 pub mod kalman;
 mod kind;
+mod learning;
 mod linear;
 mod linearised;
 mod marginalised;
@@ -32,12 +33,13 @@ mod sigma_points;
 mod square_root;
 mod step;
 mod system;
+mod weighing;
 mod white;
 
 use std::borrow::Cow;
 
 use jump::Jump;
-use robust::Weighing;
+use weighing::Weighing;
 
 use crate::mathematics::model::{Hold, Model};
 use crate::mathematics::quantity::Quantity;
@@ -391,12 +393,13 @@ impl<B: Belief + ?Sized> Filter<B> {
         }
         if let Some(weighing) = weighing {
             weighing.condition(&mut **belief, model, noise, observation, correction)?;
-            // Readings that count for next to nothing are reported as none.
-            if observation.sensors().iter().all(|&sensor| correction.innovation[sensor].is_nan()) {
-                return belief.gaussian().check();
-            }
         } else {
             belief.condition(model, observation, correction)?;
+        }
+        // Readings that count for next to nothing are reported as none.
+        let counted = observation.sensors().iter().filter(|&&sensor| !correction.innovation[sensor].is_nan()).count();
+        if counted == 0 && weighing.is_some() {
+            return belief.gaussian().check();
         }
         correction.check(observation.sensors())?;
         if adaptation.is_on() {
@@ -406,7 +409,7 @@ impl<B: Belief + ?Sized> Filter<B> {
             }
         }
         if let Some(jump) = jump {
-            jump.look(correction.nis, observation.len());
+            jump.look(correction.nis, counted);
         }
         Ok(())
     }

@@ -2,9 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Correction, Noise, Observation};
-use crate::mathematics::linalg::Vector;
-
 /// Estimates R, Q or both while filtering, with exponential forgetting.
 ///
 /// ```text
@@ -41,23 +38,5 @@ impl Adaptation {
     /// Whether anything is learnt.
     pub fn is_on(&self) -> bool {
         self.sensor_noise || self.process_noise
-    }
-    /// Learns from a correction by these measurements.
-    pub(super) fn adapt(&self, observation: &Observation, correction: &Correction, noise: &mut Noise) {
-        let keep = self.forgetting;
-        let sensors = observation.sensors();
-        if self.process_noise {
-            let mut shift = Vector::zeros(correction.gain.nrows());
-            for &sensor in sensors {
-                shift.axpy(correction.innovation[sensor], &correction.gain.column(sensor), 1.0);
-            }
-            noise.process.ger(1.0 - keep, &shift, &shift, keep);
-        }
-        if self.sensor_noise {
-            let Some(residuals) = correction.residuals(observation) else { return };
-            for ((&sensor, &r), [residual, uncertainty]) in sensors.iter().zip(observation.variances()).zip(residuals) {
-                noise.sensors[sensor] = keep * r + (1.0 - keep) * (residual * residual + uncertainty);
-            }
-        }
     }
 }
