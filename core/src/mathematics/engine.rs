@@ -8,7 +8,9 @@
 //!   sigma_points           the prediction of UKF and CKF       (runge_kutta)
 //!   square_root            the SR-UKF                          (triangle)
 //!   expected, update       the measurements, and the belief after them
+//!   learning               weights, noise and jumps from innovations   (weighing)
 //!   fault                  why a step does not hold
+//! logarithms               a belief over them in units
 //! list, builder, notes     equations as lists of operations
 //! single                   one run, whose belief stands elsewhere
 //! states                   many states of one run, several at a time
@@ -39,9 +41,11 @@ pub(crate) mod filter;
 pub(crate) mod function;
 pub(crate) mod impulse;
 pub(crate) mod lanes;
+mod learning;
 pub(crate) mod level;
 pub(crate) mod linearised;
 pub(crate) mod list;
+pub(crate) mod logarithms;
 pub(crate) mod model;
 pub(crate) mod notes;
 pub(crate) mod number;
@@ -56,3 +60,4 @@ pub(crate) mod states;
 pub(crate) mod step;
 mod triangle;
 pub(crate) mod update;
+mod weighing;

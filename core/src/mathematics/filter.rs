@@ -8,7 +8,7 @@
 //! [`Filter`] has the part that all filters share. A method of filtering is a [`Belief`] with its prediction and its
 //! update. Each has a file of its own, which ends with the description of its kind; the registry below lists them.
 
-mod adaptation;
+pub(crate) mod adaptation;
 pub(crate) mod correction;
 mod ensemble;
 mod error;

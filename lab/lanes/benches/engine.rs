@@ -10,10 +10,11 @@
 use std::hint::black_box;
 use std::time::Instant;
 
+use kalmanscope_core::filter::{Adaptation, Robust};
 use kalmanscope_core::import::{Builder, read};
 use kalmanscope_core::score::Outcome;
 use kalmanscope_core::simulate;
-use kalmanscope_core::{Channel, FilterKind, Hold, PlantKind, Record, Scenario};
+use kalmanscope_core::{Channel, FilterKind, FilterSettings, Hold, PlantKind, Record, Scenario};
 use kalmanscope_lanes::{LaneRun, Level, outcomes_with, serves};
 
 /// Runs side by side, samples of a record, and measurements of each number.
@@ -40,7 +41,19 @@ fn main() {
             (PlantKind::SHEAR_5, &[], Hold::First),
             (PlantKind::SHEAR_10, &[], Hold::Zero),
         ] {
-            measure(kind, plant, augment, hold);
+            measure(kind, plant, augment, hold, "", |_| ());
+        }
+        let learns = |settings: &mut FilterSettings, sensor_noise, process_noise| {
+            settings.adaptation = Adaptation { sensor_noise, process_noise, ..settings.adaptation };
+        };
+        for (plant, augment, hold) in [(PlantKind::SDOF, &[][..], Hold::Zero), (PlantKind::SDOF, gain, Hold::First)] {
+            for rule in &Robust::ALL[1..] {
+                measure(kind, plant, augment, hold, rule.info().key, |settings| settings.robust = *rule);
+            }
+            measure(kind, plant, augment, hold, "learns R", |settings| learns(settings, true, false));
+            measure(kind, plant, augment, hold, "learns Q", |settings| learns(settings, false, true));
+            measure(kind, plant, augment, hold, "jumps", |settings| settings.jump = true);
+            measure(kind, plant, augment, hold, "logarithms", |settings| settings.log_parameters = true);
         }
     }
     let file = |path: &str| std::fs::read(format!("{}/../../assets/{path}", env!("CARGO_MANIFEST_DIR")));
@@ -80,13 +93,21 @@ fn guesses(base: &Scenario) -> Vec<Scenario> {
     (0..RUNS).map(guess).collect()
 }
 
-/// Prints a line for a filter, over a record without its truth, as a measured one is.
-fn measure(kind: FilterKind, plant: PlantKind, augment: &[Channel], hold: Hold) {
+/// Prints a line for a filter with some settings changed, over a record without its truth, as a measured one is.
+fn measure(
+    kind: FilterKind,
+    plant: PlantKind,
+    augment: &[Channel],
+    hold: Hold,
+    what: &str,
+    change: impl Fn(&mut FilterSettings),
+) {
     let mut base = Scenario { duration: (SAMPLES - 1) as f64 * 0.01, hold, ..Scenario::default() };
     base.filters.truncate(1);
     base.filters[0].kind = kind;
     base.filters[0].augment = augment.to_vec();
     base.set_plant(plant);
+    change(&mut base.filters[0]);
     let record = simulate(&base).without_truth();
     let scenarios = guesses(&base);
     let runs: Vec<LaneRun<'_>> =
@@ -102,7 +123,7 @@ fn measure(kind: FilterKind, plant: PlantKind, augment: &[Channel], hold: Hold) 
     }
     let [single, baseline, avx2] = least.map(|time| time / SAMPLES as f64);
     let augment: Vec<&str> = augment.iter().map(|channel| channel.key()).collect();
-    let case = format!("{} {} {:?} {}", kind.name(), plant.key(), hold, augment.join(" "));
+    let case = format!("{} {} {:?} {} {what}", kind.name(), plant.key(), hold, augment.join(" "));
     let n = plant.channels().len() + augment.len();
     if !is_served {
         println!("{case:<44}{n:>5}{single:>10.0}{:>28}", "by itself");

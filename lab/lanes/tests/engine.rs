@@ -8,13 +8,15 @@ mod draw;
 mod outcome_bits;
 
 use draw::{PLANTS, ensemble, truth};
+use kalmanscope_core::filter::{Adaptation, Robust};
 use kalmanscope_core::internals::engine::Baseline;
 use kalmanscope_core::internals::engine::{self, Setup};
 use kalmanscope_core::score::{Look, Outcome};
+use kalmanscope_core::signal::Step;
 use kalmanscope_core::simulate;
 use kalmanscope_core::{
     Aspect, Channel, FilterError, FilterKind, FilterSettings, Hold, PlantKind, Propagation, Quantity, Record, Scenario,
-    Values,
+    Signal, Values,
 };
 use kalmanscope_lanes::{LaneRun, Level, outcomes_with, serves};
 use outcome_bits::bits;
@@ -197,28 +199,95 @@ fn scores_against_a_truth_are_those_of_the_single_filter() {
     ] {
         let (scenario, record) = shaken(augment, kind, plant);
         let record = record.with_gaps(|sensor, k| k % 9 == sensor);
-        let last = record.len() - 1;
-        let samples = [0, 1, 9, 500, last];
-        let runs: Vec<LaneRun<'_>> =
-            (0..3).map(|place| LaneRun { scenario: &scenario, place, record: &record }).collect();
-        for (place, lane) in outcomes_with(Level::best(), &runs, &samples).unwrap().iter().enumerate() {
-            let single = Outcome::at(&scenario, place, &record, &samples).unwrap();
-            let is_near = |a: f64, b: f64| (a.is_nan() && b.is_nan()) || (a - b).abs() <= 1e-8 * a.abs().max(1e-6);
-            let what = format!("{plant:?} {kind:?} {place}\n{lane:?}\n{single:?}");
-            assert!(difference(&single, lane) < 1e-8, "{what}");
-            assert_eq!((lane.nees.degrees, lane.nees.samples), (single.nees.degrees, single.nees.samples), "{what}");
-            assert!(is_near(single.nees.sum, lane.nees.sum) && single.nees.samples > 900, "{what}");
-            assert_eq!((lane.diverged, lane.channels.len()), (single.diverged, single.channels.len()), "{what}");
-            for ((channel, a), (other, b)) in lane.channels.iter().zip(&single.channels) {
-                assert_eq!((channel, a.settled), (other, b.settled), "{what}");
-                let pairs = [(a.error, b.error), (a.std, b.std), (a.rmse, b.rmse), (a.coverage, b.coverage)];
-                assert!(pairs.into_iter().all(|(a, b)| is_near(a, b)), "{what}");
+        let samples = check_scores(&scenario, &record, &format!("{plant:?} {kind:?}"), 1e-8);
+        assert!(samples.iter().all(|samples| *samples > 900));
+    }
+}
+
+/// Holds the scores of lanes over all of a scenario's filters to those of the single filter. Returns the samples that their NEES
+/// count.
+fn check_scores(scenario: &Scenario, record: &Record, what: &str, limit: f64) -> Vec<u32> {
+    let last = record.len() - 1;
+    let samples = [0, 1, 9, 500, last];
+    let runs: Vec<LaneRun<'_>> = (0..scenario.filters.len()).map(|place| LaneRun { scenario, place, record }).collect();
+    assert!(runs.iter().all(|run| serves(run).unwrap()), "{what}");
+    let compare = |(place, lane): (usize, Outcome)| {
+        let single = Outcome::at(scenario, place, record, &samples).unwrap();
+        let is_near = |a: f64, b: f64| (a.is_nan() && b.is_nan()) || (a - b).abs() <= limit * a.abs().max(1e-6);
+        let what = format!("{what} {place}\n{lane:?}\n{single:?}");
+        assert!(difference(&single, &lane) < limit, "{what}");
+        assert_eq!((lane.nees.degrees, lane.nees.samples), (single.nees.degrees, single.nees.samples), "{what}");
+        assert!(is_near(single.nees.sum, lane.nees.sum), "{what}");
+        assert_eq!((lane.diverged, lane.channels.len()), (single.diverged, single.channels.len()), "{what}");
+        for ((channel, a), (other, b)) in lane.channels.iter().zip(&single.channels) {
+            assert_eq!((channel, a.settled), (other, b.settled), "{what}");
+            let pairs = [(a.error, b.error), (a.std, b.std), (a.rmse, b.rmse), (a.coverage, b.coverage)];
+            assert!(pairs.into_iter().all(|(a, b)| is_near(a, b)), "{what}");
+        }
+        assert_eq!(lane.looks.len(), single.looks.len());
+        for (a, b) in lane.looks.iter().zip(&single.looks) {
+            let numbers = |look: &Look| [vec![look.nees, look.nis], look.channels.as_flattened().to_vec()].concat();
+            assert!(numbers(a).into_iter().zip(numbers(b)).all(|(a, b)| is_near(a, b)), "{what}");
+        }
+        single.nees.samples
+    };
+    outcomes_with(Level::best(), &runs, &samples).unwrap().into_iter().enumerate().map(compare).collect()
+}
+
+/// A record with readings that are far off, and a spring that breaks.
+fn troubled(plant: PlantKind, kind: FilterKind) -> (Scenario, Record) {
+    let (mut scenario, _) = shaken(&[], kind, plant);
+    let fast = [Channel::NATURAL_FREQUENCY, Channel::stiffness(0)];
+    for channel in fast.into_iter().filter(|channel| plant.channels().contains(channel)) {
+        let before = scenario.plant.parameter(channel).unwrap().at(0.0);
+        scenario.plant.set(channel, Signal::Step(Step { from: before, to: 0.6 * before, at: 6.0 }));
+    }
+    let std = scenario.sensors[0].noise_std;
+    let far = |k: usize| if k % 10 == 7 { std * (20.0 * ((k * k) as f64).sin()) } else { 0.0 };
+    let record = simulate(&scenario).with_measured(|sensor, k, z| if sensor == 0 { z + far(k) } else { z });
+    (scenario, record.with_gaps(|sensor, k| k % 9 == sensor))
+}
+
+#[test]
+fn filters_that_learn_from_innovations_agree_with_the_single_filter() {
+    let learnt = |sensor_noise, process_noise| Adaptation { sensor_noise, process_noise, forgetting: 0.98 };
+    let mut cases: Vec<(Robust, Adaptation, bool, bool)> =
+        Robust::ALL.into_iter().map(|rule| (rule, Adaptation::default(), false, rule == Robust::HUBER)).collect();
+    cases.extend([
+        (Robust::NONE, learnt(true, false), false, false),
+        (Robust::NONE, learnt(false, true), false, true),
+        (Robust::NONE, learnt(true, true), true, false),
+        (Robust::NONE, Adaptation::default(), true, false),
+        (Robust::NONE, Adaptation::default(), true, true),
+        (Robust::MIXTURE, Adaptation::default(), true, true),
+        (Robust::HUBER, learnt(false, true), false, false),
+    ]);
+    for (plant, kind) in [
+        (PlantKind::SDOF, FilterKind::EKF),
+        (PlantKind::SDOF, FilterKind::UKF),
+        (PlantKind::DUFFING, FilterKind::CKF),
+        (PlantKind::BOUC_WEN, FilterKind::UKF),
+        (PlantKind::SHEAR_2, FilterKind::EKF),
+    ] {
+        let (mut scenario, record) = troubled(plant, kind);
+        let mut seen: Vec<Outcome> = Vec::new();
+        for &(robust, adaptation, jump, log_parameters) in &cases {
+            for filter in &mut scenario.filters {
+                *filter = FilterSettings { robust, adaptation, jump, log_parameters, ..filter.clone() };
             }
-            assert_eq!(lane.looks.len(), single.looks.len());
-            for (a, b) in lane.looks.iter().zip(&single.looks) {
-                let numbers = |look: &Look| [vec![look.nees, look.nis], look.channels.as_flattened().to_vec()].concat();
-                assert!(numbers(a).into_iter().zip(numbers(b)).all(|(a, b)| is_near(a, b)), "{what}");
-            }
+            let what = format!("{plant:?} {kind:?} {robust:?} {adaptation:?} {jump} {log_parameters}");
+            check_scores(&scenario, &record, &what, 1e-7);
+            let run = |place| LaneRun { scenario: &scenario, place, record: &record };
+            let runs: Vec<LaneRun<'_>> = (0..scenario.filters.len()).map(run).collect();
+            let outcome = if seen.is_empty() {
+                // Plain filters of an oscillator have lanes of their own.
+                outcomes_with(Level::best(), &runs, &[]).unwrap().remove(0)
+            } else {
+                check(&runs, &what).remove(0)
+            };
+            let is_other = |other: &Outcome| (other.log_likelihood - outcome.log_likelihood).abs() > 0.01;
+            assert!(seen.iter().all(is_other), "{what} makes a difference");
+            seen.push(outcome);
         }
     }
 }

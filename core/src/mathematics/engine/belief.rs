@@ -17,10 +17,27 @@ pub(crate) struct Belief<T> {
 pub(crate) struct Noise<T> {
     /// The diagonal of Q.
     pub process: Vec<T>,
+    /// Q, n × n, its lower triangle, where it is not diagonal; else empty.
+    pub matrix: Vec<T>,
     /// The diagonal of R.
     pub sensors: Vec<T>,
     /// The fading factor λ ≥ 1 on the predicted covariance.
     pub fading: T,
+}
+
+impl<T: Number> Noise<T> {
+    /// Gives Q a whole matrix.
+    pub(super) fn fill_matrix(&mut self) {
+        let n = self.process.len();
+        self.matrix = vec![T::of(0.0); n * n];
+        self.process.iter().enumerate().for_each(|(i, variance)| self.matrix[i * (n + 1)] = *variance);
+    }
+
+    /// A number on the diagonal of Q.
+    pub(super) fn variance(&mut self, i: usize) -> &mut T {
+        let n = self.process.len();
+        if self.matrix.is_empty() { &mut self.process[i] } else { &mut self.matrix[i * (n + 1)] }
+    }
 }
 
 impl<T: Number> Belief<T> {
@@ -34,6 +51,14 @@ impl<T: Number> Belief<T> {
     #[inline(always)]
     pub(crate) fn spread<L: Level>(&mut self, level: L, noise: &Noise<T>) {
         let n = level.size(self.size());
+        if !noise.matrix.is_empty() {
+            for j in 0..n {
+                for at in j * n + j..(j + 1) * n {
+                    self.cov[at] = self.cov[at] * noise.fading + noise.matrix[at];
+                }
+            }
+            return self.clamp();
+        }
         let (cov, process) = (&mut self.cov[..n * n], &noise.process[..n]);
         for j in 0..n {
             for entry in &mut cov[j * n + j..(j + 1) * n] {

@@ -3,6 +3,8 @@
 use super::course::Course;
 use super::model::Model;
 use super::propagation::Propagation;
+use crate::mathematics::filter::adaptation::Adaptation;
+use crate::mathematics::filter::robust::Robust;
 use crate::mathematics::model::Reading;
 
 /// The places and weights of sigma points.
@@ -42,4 +44,10 @@ pub struct Design {
     pub readings: Vec<Reading>,
     /// The place of a white force and its course between samples.
     pub white: Option<(usize, Course)>,
+    /// The rule by which measurements are weighed.
+    pub robust: Robust,
+    /// The noise that is learnt.
+    pub adaptation: Adaptation,
+    /// Whether P widens where the innovations grow at once.
+    pub jumps: bool,
 }

@@ -37,6 +37,11 @@ impl<M: Mask> Held<M> {
         predicted.holds & expected.holds & factored & is_finite & is_positive & is_likely
     }
 
+    /// The lanes for which all parts hold but the likelihood.
+    pub(super) fn but_likely(&self) -> M {
+        Self { is_likely: M::of(true), ..*self }.all()
+    }
+
     /// The first part that does not hold for a lane. `update` gives S of that lane with its size, and the innovation.
     pub(super) fn reason(&self, lane: usize, update: impl FnOnce() -> (Vec<f64>, Vec<f64>)) -> FilterError {
         for rooted in [self.predicted, self.expected] {

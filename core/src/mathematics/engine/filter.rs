@@ -9,6 +9,7 @@ use super::belief::{Belief, Noise};
 use super::columns::Rooted;
 use super::design::{Design, Method};
 use super::fault::Held;
+use super::learning::Learning;
 use super::level::Level;
 use super::linearised::Linearised;
 use super::number::{Mask, Number};
@@ -33,13 +34,14 @@ pub(crate) struct Filter<T: Number, L> {
     /// The root of the covariance, of a filter that holds one.
     root: Option<SquareRoot<T>>,
     update: Update<T>,
+    learning: Option<Box<Learning<T>>>,
     /// The lanes for which the parts of the last step hold.
     held: Held<T::Mask>,
 }
 
 impl<T: Number, L: Level> Filter<T, L> {
     /// Filters that begin with a belief.
-    pub(crate) fn new(level: L, design: Design, belief: Belief<T>, noise: Noise<T>, white: T) -> Self {
+    pub(crate) fn new(level: L, design: Design, belief: Belief<T>, mut noise: Noise<T>, white: T) -> Self {
         let Design { model, readings, method, .. } = &design;
         let root = match *method {
             Method::SquareRoot(rule) => {
@@ -55,6 +57,7 @@ impl<T: Number, L: Level> Filter<T, L> {
             points: SigmaPoints::new(model),
             root,
             update: Update::new(model, readings.len()),
+            learning: Learning::new(&design, &belief, &mut noise),
             held: Held::new(),
             level,
             design,
@@ -70,6 +73,16 @@ impl<T: Number, L: Level> Filter<T, L> {
     /// A white force is another one from the next sample on, or from the middle of the step ([`Course`](super::course::Course)).
     #[inline(always)]
     pub(crate) fn predict(&mut self, forces: [T; 2]) {
+        let Self { learning, design, noise, .. } = self;
+        let has_widened = learning.as_mut().is_some_and(|learning| learning.widen(design, noise));
+        self.carry(forces);
+        if let Some(learning) = self.learning.as_ref().filter(|_| has_widened) {
+            learning.narrow(&mut self.noise);
+        }
+    }
+
+    #[inline(always)]
+    fn carry(&mut self, forces: [T; 2]) {
         let Design { has_slope, dt, substeps, white, .. } = self.design;
         let [begin, end] = forces;
         let whole = Step { forces: [begin, if has_slope { end } else { begin }], has_slope, dt };
@@ -137,8 +150,12 @@ impl<T: Number, L: Level> Filter<T, L> {
     /// sensor. The last step holds for [some lanes](Told::holds); [`Self::reason`] gives the reason for the others.
     #[inline(always)]
     pub(crate) fn update(&mut self, force: T, measured: &[T]) -> Told<T> {
-        let Self { level, design, noise, belief, update, held, root, .. } = self;
-        update.condition(*level, design, belief, root.as_mut(), noise, Observation { force, measured }, held)
+        let Self { level, design, noise, belief, update, held, root, learning, .. } = self;
+        let observation = Observation { force, measured };
+        match learning {
+            None => update.condition(*level, design, belief, root.as_mut(), noise, observation, held),
+            Some(learning) => learning.condition(*level, design, belief, noise, observation, update, held),
+        }
     }
 
     /// Gives a lane a belief that makes no trouble.

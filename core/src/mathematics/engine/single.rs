@@ -13,6 +13,8 @@ use super::square_root::{SquareRoot, std};
 use super::step::Step;
 use super::update::{Observation, Told, Update};
 use crate::FilterError;
+use crate::mathematics::filter::adaptation::Adaptation;
+use crate::mathematics::filter::robust::Robust;
 use crate::mathematics::model::Reading;
 
 /// Mean and covariance, n and n × n numbers; of the covariance the lower triangle counts.
@@ -67,7 +69,7 @@ impl Single {
             prior: belief.clone(),
             belief,
             at: vec![0.0; n],
-            noise: Noise { process: vec![0.0; n], sensors: vec![1.0; sensors], fading: 1.0 },
+            noise: Noise { process: vec![0.0; n], matrix: Vec::new(), sensors: vec![1.0; sensors], fading: 1.0 },
             linearised: Linearised::new(&model),
             points: SigmaPoints::new(&model),
             root: match method {
@@ -77,7 +79,18 @@ impl Single {
             update: Update::new(&model, sensors),
             measured: vec![f64::NAN; sensors],
             held: Held::new(),
-            design: Design { model, method, dt: 0.0, has_slope: true, substeps: 1, readings, white: None },
+            design: Design {
+                model,
+                method,
+                dt: 0.0,
+                has_slope: true,
+                substeps: 1,
+                readings,
+                white: None,
+                robust: Robust::NONE,
+                adaptation: Adaptation::default(),
+                jumps: false,
+            },
         }
     }
 

@@ -36,14 +36,14 @@ pub(super) struct Observation<'a, T> {
 #[derive(Clone, Debug)]
 pub(crate) struct Update<T> {
     /// The sensors that measure in some lane.
-    active: Vec<usize>,
+    pub(super) active: Vec<usize>,
     expected: Expected<T>,
     /// S, m × m, and its factor.
-    innovation_cov: Vec<T>,
-    factor: Vec<T>,
+    pub(super) innovation_cov: Vec<T>,
+    pub(super) factor: Vec<T>,
     /// e, whitened in the end.
-    innovation: Vec<T>,
-    white: Vec<T>,
+    pub(super) innovation: Vec<T>,
+    pub(super) white: Vec<T>,
     variances: Vec<T>,
     /// K, n × m.
     gain: Vec<T>,
@@ -341,6 +341,23 @@ impl<T: Number> Update<T> {
             }
         }
         self.expected.is_linear
+    }
+
+    /// For each measurement, the residual of the linearised sensor and the variance that the state's own uncertainty gives it,
+    /// over `residuals`: `ε = R S⁻¹ e` and `H P⁺ Hᵀ = R - R S⁻¹ R`.
+    pub(super) fn residuals_into(&self, inverse: &mut Vec<T>, residuals: &mut Vec<[T; 2]>) {
+        let m = self.active.len();
+        inverse.clear();
+        inverse.extend((0..m * m).map(|at| T::of(if at % (m + 1) == 0 { 1.0 } else { 0.0 })));
+        divide(&self.factor[..m * m], m, inverse, m);
+        residuals.clear();
+        for row in 0..m {
+            let (r, mut white) = (self.variances[row], T::of(0.0));
+            for k in 0..m {
+                white = white + inverse[k * m + row] * self.innovation[k];
+            }
+            residuals.push([r * white, (r - r * r * inverse[row * m + row]).max(T::of(0.0))]);
+        }
     }
 
     /// S of a lane, and the innovation, of the sensors that measure in it.

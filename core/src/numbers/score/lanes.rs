@@ -2,13 +2,15 @@
 
 use std::borrow::Cow;
 
+use crate::mathematics::engine::belief::Belief;
 use crate::mathematics::engine::filter::Filter;
 use crate::mathematics::engine::level::Level;
+use crate::mathematics::engine::logarithms::convert;
 use crate::mathematics::engine::number::{Mask, Number};
 use crate::numbers::score::lane_sums::Scores;
 use crate::numbers::score::{Look, Outcome};
 use crate::samples::estimator::setup::{Setup, filter};
-use crate::{Record, Stop};
+use crate::{FilterError, Record, Stop};
 
 /// A filter and the record that it runs over.
 #[derive(Clone, Copy, Debug)]
@@ -46,10 +48,12 @@ pub fn outcomes<T: Number, L: Level>(level: L, runs: &[Run<'_>], samples: &[usiz
     let inputs = Inputs::new(runs, is_shared, T::LANES);
     let filter = filter(level, |lane| of(lane).setup);
     let scores = Scores::new(channels, |channel| first.record.truth(channel).is_some(), first.record.len());
+    let in_units = InUnits::new(&first.setup.design.model.logarithms, &filter.belief);
     let batch = Batch {
         level,
         count: runs.len(),
         filter,
+        in_units,
         scores,
         stopped: T::of(0.0),
         outcomes: vec![None; runs.len()],
@@ -100,12 +104,34 @@ impl<'a> Inputs<'a> {
     }
 }
 
+/// The beliefs of filters with logarithms in their state, in the channels' units.
+struct InUnits<T> {
+    logarithms: Vec<usize>,
+    unit: Vec<T>,
+    belief: Belief<T>,
+}
+
+impl<T: Number> InUnits<T> {
+    /// The initial belief; `None` where no component is a logarithm.
+    fn new(logarithms: &[usize], belief: &Belief<T>) -> Option<Self> {
+        let unit = vec![T::of(1.0); belief.mean.len()];
+        let mut in_units = Self { logarithms: logarithms.to_vec(), unit, belief: belief.clone() };
+        in_units.take(belief);
+        (!logarithms.is_empty()).then_some(in_units)
+    }
+
+    fn take(&mut self, belief: &Belief<T>) {
+        convert(&self.logarithms, &mut self.unit, [&belief.mean, &belief.cov], &mut self.belief);
+    }
+}
+
 /// A batch of runs.
 struct Batch<T: Number, L> {
     level: L,
     /// The number of lanes that count.
     count: usize,
     filter: Filter<T, L>,
+    in_units: Option<InUnits<T>>,
     scores: Scores<T>,
     /// One in each lane with a stopped filter.
     stopped: T,
@@ -134,8 +160,9 @@ impl<T: Number, L: Level> Batch<T, L> {
                     break;
                 }
             }
-            let Self { level, scores, filter, .. } = &mut self;
-            scores.take_belief(*level, &filter.belief, &truth);
+            let Self { level, scores, filter, in_units, .. } = &mut self;
+            let belief = in_units.as_ref().map_or(&filter.belief, |in_units| &in_units.belief);
+            scores.take_belief(*level, belief, &truth);
             while samples.next_if_eq(&k).is_some() {
                 self.look();
             }
@@ -148,8 +175,13 @@ impl<T: Number, L: Level> Batch<T, L> {
         self.filter.predict(forces);
         let mut told = self.filter.update(forces[1], measured);
         let has_stopped = T::of(0.5).le(self.stopped);
-        if !(told.holds | has_stopped).all() {
-            self.stop(told.holds, k);
+        let mut fits = T::Mask::of(true);
+        if let Some(in_units) = &mut self.in_units {
+            in_units.take(&self.filter.belief);
+            [fits, _] = in_units.belief.check(self.level);
+        }
+        if !((told.holds & fits) | has_stopped).all() {
+            self.stop(told.holds, fits, k);
             if self.outcomes.iter().all(Option::is_some) {
                 return false;
             }
@@ -168,17 +200,18 @@ impl<T: Number, L: Level> Batch<T, L> {
         true
     }
 
-    /// Notes where the step to sample `k` does not hold, and why.
+    /// Notes where the step to sample `k` does not hold or is no number in the channels' units, and why.
     #[cold]
     #[inline(never)]
-    fn stop(&mut self, holds: T::Mask, k: usize) {
+    fn stop(&mut self, holds: T::Mask, fits: T::Mask, k: usize) {
         for lane in 0..T::LANES {
-            if holds.lane(lane) || self.stopped.lane(lane) > 0.0 {
+            if (holds & fits).lane(lane) || self.stopped.lane(lane) > 0.0 {
                 continue;
             }
             self.stopped.set_lane(lane, 1.0);
             if lane < self.count {
-                let stop = Stop { sample: k, reason: self.filter.reason(lane) };
+                let reason = if holds.lane(lane) { FilterError::NotFinite } else { self.filter.reason(lane) };
+                let stop = Stop { sample: k, reason };
                 self.outcomes[lane] = Some(self.outcome(lane, Some(stop)));
             }
         }

@@ -1,10 +1,10 @@
 //! Samples of a filter with logarithms in its state, in the channels' units.
 
 use crate::mathematics::engine::belief::Belief;
+use crate::mathematics::engine::logarithms::convert;
 use crate::samples::sink::Sample;
 
-/// Memory to convert samples to first order: the mean of θ is `exp` of the mean of `ln θ`, its standard deviation θ times
-/// that of `ln θ`.
+/// Memory to [convert] samples.
 #[derive(Clone, Debug)]
 pub(super) struct InUnits {
     /// The places of logarithms.
@@ -41,18 +41,5 @@ impl InUnits {
         let sample = Sample { mean: &belief.mean, cov: &belief.cov, gain, ..sample };
         let has_prior = !sample.prior_mean.is_empty();
         is_finite.then_some(if has_prior { sample.with_prior(prior) } else { sample })
-    }
-}
-
-/// Converts a belief, and writes the size of each component's unit to `unit`.
-fn convert(logarithms: &[usize], unit: &mut [f64], [mean, cov]: [&[f64]; 2], belief: &mut Belief<f64>) {
-    belief.mean.copy_from_slice(mean);
-    belief.cov.copy_from_slice(cov);
-    for &place in logarithms {
-        belief.mean[place] = libm::exp(mean[place]);
-        unit[place] = belief.mean[place];
-    }
-    for (column, by) in belief.cov.chunks_exact_mut(unit.len()).zip(&*unit) {
-        column.iter_mut().zip(&*unit).for_each(|(entry, unit)| *entry *= unit * by);
     }
 }

@@ -41,23 +41,26 @@ pub struct Setup {
 }
 
 impl Setup {
-    /// The filter at `place` of a scenario, if the engine serves it over a record: a KF, EKF, UKF, SR-UKF or CKF of up to
-    /// [`MOST`] components, with any augmentations, that adapts nothing, does not jump, has one guess and no
-    /// logarithms. Filters that other code runs as fast are left to it: plain filters of an oscillator have lanes of
-    /// their own, and the kernel of a chain uses its structure for the plain KF and EKF.
+    /// The filter at `place` of a scenario, if the engine serves it over a record: a KF, EKF, UKF or CKF of up to [`MOST`]
+    /// components, with any augmentations, logarithms, weights, noise that is learnt and jumps, but one guess only and no
+    /// walk. Filters that other code runs as fast are left to it: plain filters of an oscillator have lanes of their own, and
+    /// the kernel of a chain uses its structure for the plain KF and EKF.
     ///
     /// # Errors
     /// Those of [`Pass::new`](crate::Pass::new).
     pub fn new(scenario: &Scenario, place: usize, record: &Record) -> Result<Option<Self>, RunError> {
-        Self::unless(scenario, place, record, is_done_as_fast)
+        Self::unless(scenario, place, record, |settings, context| {
+            !is_single(settings) || is_done_as_fast(settings, context)
+        })
     }
 
-    /// The same, including the plain filters that other code runs as fast.
+    /// The same for filters whose update is that of textbooks, of a state without logarithms, including those that other code
+    /// runs as fast.
     ///
     /// # Errors
     /// Those of [`Pass::new`](crate::Pass::new).
     pub fn of_any(scenario: &Scenario, place: usize, record: &Record) -> Result<Option<Self>, RunError> {
-        Self::unless(scenario, place, record, |_, _| false)
+        Self::unless(scenario, place, record, |settings, _| settings.log_parameters || !settings.has_plain_update())
     }
 
     fn unless(
@@ -71,18 +74,22 @@ impl Setup {
         let columns = sensor_places(scenario, record)?;
         let quantities: Vec<Quantity> = scenario.sensors.iter().map(|s| s.measures).collect();
         let context = FilterContext::new(scenario, &quantities, record.dt(), settings);
-        // The scores of lanes are in the state's own units. The lanes of a square-root filter differ from the run alone where
-        // variances underflow.
-        let goes_alone = settings.log_parameters || settings.kind == FilterKind::SR_UKF;
+        // The lanes of a square-root filter differ from the run alone where variances underflow.
+        let goes_alone = settings.kind == FilterKind::SR_UKF;
         if goes_alone || is_left(settings, &context) || !is_finite(record, &columns) {
             return Ok(None);
         }
-        Ok(Self::of(settings, &context, columns))
+        Ok(Self::design(settings, &context, columns))
     }
 
-    /// The filter of some settings over sensors in these columns, if the engine has all that they ask for.
+    /// The filter of some settings over sensors in these columns, if the engine has all that a single run of it reports.
+    #[cfg(not(target_arch = "wasm32"))]
     pub(crate) fn of(settings: &FilterSettings, context: &FilterContext<'_>, columns: Vec<usize>) -> Option<Self> {
-        if !is_usual(settings, context) {
+        if settings.has_plain_update() { Self::design(settings, context, columns) } else { None }
+    }
+
+    fn design(settings: &FilterSettings, context: &FilterContext<'_>, columns: Vec<usize>) -> Option<Self> {
+        if context.model(settings).size() > MOST {
             return None;
         }
         let book = context.model(settings);
@@ -104,6 +111,9 @@ impl Setup {
             substeps: settings.substeps.max(1),
             readings: sensors.iter().map(|(_, reading, _)| reading.clone()).collect(),
             white: white.map(|white| (white.place, white.course)),
+            robust: settings.robust,
+            adaptation: settings.adaptation,
+            jumps: settings.jump,
         };
         can_begin(&initial, noise).then(|| Self {
             design,
@@ -120,9 +130,9 @@ impl Setup {
     }
 }
 
-/// Whether the engine has all that a filter's settings ask for.
-fn is_usual(settings: &FilterSettings, context: &FilterContext<'_>) -> bool {
-    settings.has_plain_update() && context.model(settings).size() <= MOST
+/// Whether some settings ask for one filter only.
+fn is_single(settings: &FilterSettings) -> bool {
+    settings.guesses == 1 && settings.walk == 0.0
 }
 
 /// Whether lanes of its own or a kernel serve such a filter. The choice must not depend on the processor, since it
@@ -132,7 +142,8 @@ fn is_done_as_fast(settings: &FilterSettings, context: &FilterContext<'_>) -> bo
     const WITH_STRUCTURE: [PlantKind; 3] = [PlantKind::SHEAR_2, PlantKind::SHEAR_3, PlantKind::SHEAR_4];
     let plant = settings.plant.unwrap_or(context.plant);
     let is_linearised = [FilterKind::KF, FilterKind::EKF].contains(&settings.kind);
-    settings.substeps == 1
+    settings.has_plain_update()
+        && settings.substeps == 1
         && (WITH_LANES.contains(&plant) || (is_linearised && WITH_STRUCTURE.contains(&plant)))
         && kernel::serves(settings, context)
 }
@@ -179,6 +190,7 @@ pub(crate) fn filter<'a, T: Number, L: Level>(level: L, setup: impl Fn(usize) ->
     }
     let noise = belief::Noise {
         process: numbers(n, &|setup| &setup.process),
+        matrix: Vec::new(),
         sensors: numbers(sensors, &|setup| &setup.sensors),
         fading: T::from_lanes(|lane| setup(lane).fading),
     };

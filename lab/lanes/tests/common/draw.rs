@@ -1,6 +1,7 @@
 //! Random ensembles of filters that the engine serves, from seeds.
 
 use kalmanscope_core::channel::augment;
+use kalmanscope_core::filter::{Adaptation, Robust};
 use kalmanscope_core::{Channel, FilterKind, FilterSettings, Hold, InputKind, PlantKind, Quantity, Scenario, Signal};
 
 /// Numbers that look random, the same for the same seed.
@@ -88,8 +89,36 @@ pub(crate) fn ensemble(seed: u64) -> Scenario {
         let filter = FilterSettings { kind, ..good.clone() };
         scenario.filters.push(changed(filter, plant, &augment, &mut draw));
     }
+    let (robust, adapts, logs) = (draw.one(&ROBUST), draw.one(&ADAPTS), draw.once_in(4));
+    for filter in &mut scenario.filters {
+        filter.robust = robust;
+        filter.adaptation =
+            Adaptation { sensor_noise: adapts[0] && !robust.is_on(), process_noise: adapts[1], ..ADAPTS_FAST };
+        filter.log_parameters = logs;
+    }
+    if logs {
+        // A logarithm has a sign.
+        let is_negative = |filter: &FilterSettings| {
+            plant.channels().iter().any(|&c| c.is_parameter() && filter.initial_mean[c] <= 0.0)
+        };
+        scenario.filters.retain(|filter| !is_negative(filter));
+    }
     scenario
 }
+
+/// The rules and the noise that is learnt, mostly none.
+const ROBUST: [Robust; 8] = [
+    Robust::NONE,
+    Robust::NONE,
+    Robust::NONE,
+    Robust::NONE,
+    Robust::GATE,
+    Robust::HUBER,
+    Robust::STUDENT_T,
+    Robust::MIXTURE,
+];
+const ADAPTS: [[bool; 2]; 5] = [[false; 2], [false; 2], [true, false], [false, true], [true; 2]];
+const ADAPTS_FAST: Adaptation = Adaptation { sensor_noise: false, process_noise: false, forgetting: 0.9 };
 
 /// The same filter with other numbers.
 fn changed(mut filter: FilterSettings, plant: PlantKind, augment: &[Channel], draw: &mut Draw) -> FilterSettings {

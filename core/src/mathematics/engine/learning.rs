@@ -1,0 +1,137 @@
+//! What filters take from their innovations besides the update, lane by lane: weights of the measurements, noise, and jumps.
+
+use super::belief::{Belief, Noise};
+use super::design::Design;
+use super::fault::Held;
+use super::level::Level;
+use super::number::{Mask, Number};
+use super::update::{Observation, Told, Update};
+use super::weighing::Weighing;
+use crate::mathematics::filter::jump::Jump;
+
+/// The memory of that.
+#[derive(Clone, Debug)]
+pub(super) struct Learning<T> {
+    weighing: Option<Weighing<T>>,
+    /// One in each lane, or none.
+    jumps: Vec<Jump>,
+    /// The diagonal of Q without what jumps add.
+    narrow: Vec<T>,
+    /// The change of the mean by an update.
+    shift: Vec<T>,
+    /// ε and `H P⁺ Hᵀ` of each measurement.
+    residuals: Vec<[T; 2]>,
+    inverse: Vec<T>,
+}
+
+impl<T: Number> Learning<T> {
+    /// The memory for a design whose filters begin so; `None` where nothing is to be learnt. Q gets a whole matrix where it is.
+    pub(super) fn new(design: &Design, belief: &Belief<T>, noise: &mut Noise<T>) -> Option<Box<Self>> {
+        let Design { robust, adaptation, jumps, .. } = design;
+        if !robust.is_on() && !adaptation.is_on() && !jumps {
+            return None;
+        }
+        let n = belief.size();
+        if adaptation.process_noise {
+            noise.fill_matrix();
+        }
+        let variances = |lane: usize| (0..n).map(|i| belief.cov[i * n + i].lane(lane)).collect();
+        Some(Box::new(Self {
+            weighing: robust.is_on().then(|| Weighing::new(*robust, belief, noise)),
+            jumps: (0..if *jumps { T::LANES } else { 0 }).map(|lane| Jump::new(variances(lane))).collect(),
+            narrow: vec![T::of(0.0); n],
+            shift: vec![T::of(0.0); n],
+            residuals: Vec::new(),
+            inverse: Vec::new(),
+        }))
+    }
+
+    /// Adds what jumps add to Q for one prediction. Returns whether any lane jumps; then [`Self::narrow`] takes it away again.
+    pub(super) fn widen(&mut self, design: &Design, noise: &mut Noise<T>) -> bool {
+        let Self { jumps, narrow, .. } = self;
+        let mut has_widened = false;
+        for (lane, jump) in jumps.iter_mut().enumerate() {
+            let Some(widening) = jump.widening() else { continue };
+            if !std::mem::replace(&mut has_widened, true) {
+                narrow.iter_mut().enumerate().for_each(|(i, variance)| *variance = *noise.variance(i));
+            }
+            // A force that is drawn again at each sample always has its full variance.
+            let is_kept = |i: usize| design.white.is_none_or(|(place, _)| place != i);
+            for (i, more) in widening.enumerate().filter(|(i, _)| is_kept(*i)) {
+                let variance = noise.variance(i);
+                variance.set_lane(lane, variance.lane(lane) + more);
+            }
+        }
+        has_widened
+    }
+
+    /// Makes Q what it was before [`Self::widen`].
+    pub(super) fn narrow(&self, noise: &mut Noise<T>) {
+        self.narrow.iter().enumerate().for_each(|(i, variance)| *noise.variance(i) = *variance);
+    }
+
+    /// Conditions a belief on measurements, and learns from them.
+    #[expect(clippy::too_many_arguments, reason = "those of the update")]
+    pub(super) fn condition<L: Level>(
+        &mut self,
+        level: L,
+        design: &Design,
+        belief: &mut Belief<T>,
+        noise: &mut Noise<T>,
+        observation: Observation<'_, T>,
+        update: &mut Update<T>,
+        held: &mut Held<T::Mask>,
+    ) -> Told<T> {
+        let told = match &mut self.weighing {
+            Some(weighing) => weighing.condition(level, design, belief, noise, observation, update, held),
+            None => update.condition(level, design, belief, None, noise, observation, held),
+        };
+        let has_measured = T::of(0.0).lt(told.measured);
+        if design.adaptation.process_noise {
+            self.adapt_process(design, noise, update, has_measured);
+        }
+        if design.adaptation.sensor_noise {
+            self.adapt_sensors(design, noise, observation.measured, update);
+        }
+        for (lane, jump) in self.jumps.iter_mut().enumerate() {
+            if has_measured.lane(lane) {
+                jump.look(told.nis.lane(lane), told.measured.lane(lane) as usize);
+            }
+        }
+        told
+    }
+
+    /// `Q ← a Q + (1 - a) K e eᵀ Kᵀ`, as [`Adaptation`](crate::filter::Adaptation) has it.
+    fn adapt_process(&mut self, design: &Design, noise: &mut Noise<T>, update: &Update<T>, has_measured: T::Mask) {
+        let (shift, n) = (&mut self.shift, self.narrow.len());
+        shift.fill(T::of(0.0));
+        let [innovation, _, gain] = update.parts();
+        for (&e, gain) in innovation.iter().zip(gain.chunks_exact(n)) {
+            for i in 0..n {
+                shift[i] = shift[i] + gain[i] * e;
+            }
+        }
+        let keep = design.adaptation.forgetting;
+        let white = design.white.map(|(place, _)| place);
+        for j in 0..n {
+            for i in j..n {
+                let old = noise.matrix[j * n + i];
+                let learnt = shift[i] * (shift[j] * (1.0 - keep)) + old * keep;
+                let is_kept = white == Some(i) || white == Some(j);
+                noise.matrix[j * n + i] = if is_kept { old } else { T::select(has_measured, learnt, old) };
+            }
+        }
+    }
+
+    /// `R ← a R + (1 - a) diag(ε εᵀ + H P Hᵀ)`, as [`Adaptation`](crate::filter::Adaptation) has it.
+    fn adapt_sensors(&mut self, design: &Design, noise: &mut Noise<T>, measured: &[T], update: &Update<T>) {
+        let keep = design.adaptation.forgetting;
+        let Self { inverse, residuals, .. } = self;
+        update.residuals_into(inverse, residuals);
+        for (&sensor, &[residual, uncertainty]) in update.active().iter().zip(&*residuals) {
+            let old = noise.sensors[sensor];
+            let learnt = old * keep + (residual * residual + uncertainty) * (1.0 - keep);
+            noise.sensors[sensor] = T::select(measured[sensor].is_number(), learnt, old);
+        }
+    }
+}
