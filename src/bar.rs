@@ -10,7 +10,7 @@ use crate::probe;
 use crate::request::{Arrangement, Request, ViewKind};
 use crate::session::{Session, Setting};
 use crate::theme;
-use crate::thumbnail::thumbnail;
+use crate::thumbnail;
 use crate::tutor::{self, Catalogue};
 use crate::views::view;
 
@@ -119,7 +119,7 @@ fn scenario_menu_ui(ui: &mut Ui, session: &Session, [opens, measures]: [bool; 2]
 
 fn entries_ui(ui: &mut Ui, entries: &[BuiltIn], requests: &mut Vec<Request>) {
     for entry in entries {
-        let picture = thumbnail(ui.ctx(), entry);
+        let picture = thumbnail::of_scenario(ui.ctx(), entry);
         if entry_ui(ui, entry.title, entry.description(), picture).clicked() {
             requests.push(Request::Open(*entry));
             ui.close();

@@ -9,7 +9,7 @@ use egui::{
     Vec2, vec2,
 };
 
-use crate::spark::Spark;
+use crate::thumbnail::Picture;
 
 /// The distance of a menu's contents from its button and from the window's edge, together \[points\].
 const MARGINS: f32 = 28.0;
@@ -60,15 +60,17 @@ pub(crate) fn menu_ui(
 }
 
 /// An entry of a menu: a picture, if there is one, and beside it a title with its sentence.
-pub(crate) fn entry_ui(ui: &mut Ui, title: &str, sentence: &str, picture: Option<Arc<Spark>>) -> Response {
-    ui.set_min_width(ENTRY.min(ui.ctx().content_rect().width() - 40.0));
+pub(crate) fn entry_ui(ui: &mut Ui, title: &str, sentence: &str, picture: Option<Arc<Picture>>) -> Response {
+    ui.set_min_width(ENTRY.min(ui.available_width()));
     let [body, small] = [TextStyle::Body, TextStyle::Small].map(|style| style.resolve(ui.style()));
     let mut text = LayoutJob::default();
     text.append(&format!("{title}\n"), 0.0, TextFormat::simple(body, ui.visuals().strong_text_color()));
     text.append(sentence, 0.0, TextFormat::simple(small, ui.visuals().weak_text_color()));
-    let color = ui.visuals().text_color();
+    let (color, faint) = (ui.visuals().text_color(), ui.visuals().weak_text_color().gamma_multiply(0.6));
     let paint = move |ui: &Ui, place: AtomPaintArgs| {
-        picture.iter().for_each(|picture| picture.paint(ui.painter(), place.rect, color));
+        let Some(picture) = &picture else { return };
+        picture.truth.iter().for_each(|truth| truth.paint(ui.painter(), place.rect, faint));
+        picture.course.paint(ui.painter(), place.rect, color);
     };
     let button = ui.add(
         Button::new((Atom::paint(PICTURE, paint), text))

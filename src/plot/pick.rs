@@ -1,44 +1,71 @@
-//! The filter whose line is under the pointer.
+//! The filter whose line, or the edge of whose band, is under the pointer.
 
 use egui::{Color32, Pos2};
 use egui_plot::PlotTransform;
 use kalmanscope_core::Estimates;
 
 use super::input::PlotInput;
-use super::marks::Mark;
+use super::marks::{Mark, Rung};
 use super::projection::Projection;
 
 /// A line is hit from within this distance \[points\].
 const REACH: f32 = 5.0;
 
-/// The id of the filter with the line nearest to a position, if one is within reach. Each filter has one colour, which its
-/// lines have in all plots.
+/// The id of the filter with the line or the edge of a band nearest to a position, if one is within reach. Each filter has one
+/// colour in all plots.
 pub(super) fn filter_at(
     marks: &[Mark],
     transform: &PlotTransform,
     position: Pos2,
     input: &PlotInput<'_>,
 ) -> Option<u32> {
-    let projection = Projection::new(transform);
+    // Only points around the pointer can be near: a line goes from left to right.
+    let time = |x: f32| transform.value_from_position(Pos2 { x, ..position }).x;
+    let pointer = Pointer {
+        position,
+        times: (time(position.x - REACH), time(position.x + REACH)),
+        projection: Projection::new(transform),
+    };
     let (color, _) = marks
         .iter()
         .filter_map(|mark| match mark {
             Mark::Line { points, color, dashed: false, .. } => {
-                // Only points around the pointer can be near: a line goes from left to right.
-                let time = |x: f32| transform.value_from_position(Pos2 { x, ..position }).x;
-                let (from, to) = (time(position.x - REACH), time(position.x + REACH));
-                let first = points.partition_point(|point| point.x < from).saturating_sub(1);
-                let last = (points.partition_point(|point| point.x <= to) + 1).min(points.len());
-                let places: Vec<Pos2> =
-                    points.get(first..last)?.iter().map(|point| projection.at(point.x, point.y)).collect();
-                let nearest = places.windows(2).map(|ends| distance(position, ends[0], ends[1]));
-                Some((*color, nearest.fold(f32::INFINITY, f32::min)))
+                Some((*color, pointer.distance(points, |point| (point.x, point.y))))
+            }
+            Mark::Band { parts, color, .. } => {
+                let edge =
+                    |part: &Vec<Rung>, of: fn(&Rung) -> f64| pointer.distance(part, |rung| (rung.time, of(rung)));
+                let edges = parts.iter().map(|part| edge(part, |rung| rung.low).min(edge(part, |rung| rung.high)));
+                Some((*color, edges.fold(f32::INFINITY, f32::min)))
             }
             _ => None,
         })
         .filter(|(_, distance)| *distance <= REACH)
         .min_by(|a, b| a.1.total_cmp(&b.1))?;
     of_color(color, input)
+}
+
+/// A position, with the times that are within reach of it.
+struct Pointer {
+    position: Pos2,
+    times: (f64, f64),
+    projection: Projection,
+}
+
+impl Pointer {
+    /// The distance from a line through some points, `of` which this gives time and value.
+    fn distance<P>(&self, points: &[P], of: impl Fn(&P) -> (f64, f64)) -> f32 {
+        let Self { position, times: (from, to), projection } = self;
+        let first = points.partition_point(|point| of(point).0 < *from).saturating_sub(1);
+        let last = (points.partition_point(|point| of(point).0 <= *to) + 1).min(points.len());
+        let near = points.get(first..last).unwrap_or_default().iter().map(|point| {
+            let (time, value) = of(point);
+            projection.at(time, value)
+        });
+        let places: Vec<Pos2> = near.collect();
+        let distances = places.windows(2).map(|ends| distance(*position, ends[0], ends[1]));
+        distances.fold(f32::INFINITY, f32::min)
+    }
 }
 
 /// The id of the visible filter with a colour.

@@ -3,19 +3,19 @@
 use std::ops::Range;
 
 use egui::{Button, RichText, TextWrapMode, Ui};
-use kalmanscope_lessons::Lesson;
 
 use super::Catalogue;
 use crate::menu::{self, Closing};
 use crate::probe;
 use crate::request::Request;
-use crate::theme;
+use crate::thumbnail;
 
-/// A window of this width has room for two columns \[points\].
-const TWO_COLUMNS: f32 = 720.0;
+/// The width of the window that the menu leaves, and the least width of a column \[points\].
+const AROUND: f32 = 40.0;
+const LEAST: f32 = 380.0;
 
-/// The space between two lessons, for a pointer \[points\].
-const LINES_APART: f32 = 2.0;
+/// Limits the columns.
+const MOST: usize = 3;
 
 /// An invitation to the first lesson, for new users.
 pub(crate) fn invitation_ui(ui: &mut Ui, requests: &mut Vec<Request>) {
@@ -30,22 +30,19 @@ pub(crate) fn invitation_ui(ui: &mut Ui, requests: &mut Vec<Request>) {
 /// The menu of all lessons, by group; finished ones have a tick.
 pub(crate) fn menu_ui(ui: &mut Ui, catalogue: &Catalogue, requests: &mut Vec<Request>) {
     let button = menu::menu_ui(ui, "Lessons", Closing::AtOnce, |ui| {
-        if !theme::is_for_fingers(ui.ctx()) {
-            // All of them in a window of usual height.
-            ui.spacing_mut().item_spacing.y = LINES_APART;
-        }
         let lessons = catalogue.lessons();
-        let is_in_last_group = |lesson: &&Lesson| lessons.last().is_some_and(|last| last.group == lesson.group);
-        let last_group = lessons.len() - lessons.iter().rev().take_while(is_in_last_group).count();
-        if theme::is_for_fingers(ui.ctx()) || ui.ctx().content_rect().width() < TWO_COLUMNS {
-            lessons_ui(ui, catalogue, 0..lessons.len(), requests);
-        } else {
-            ui.horizontal_top(|ui| {
-                for places in [0..last_group, last_group..lessons.len()] {
-                    ui.vertical(|ui| lessons_ui(ui, catalogue, places, requests));
-                }
-            });
-        }
+        let room = ui.ctx().content_rect().width() - AROUND;
+        let columns = ((room / LEAST) as usize).clamp(1, MOST);
+        let of_column = lessons.len().div_ceil(columns);
+        ui.horizontal_top(|ui| {
+            for column in 0..columns {
+                let places = column * of_column..((column + 1) * of_column).min(lessons.len());
+                ui.vertical(|ui| {
+                    ui.set_width(room / columns as f32 - ui.spacing().item_spacing.x);
+                    lessons_ui(ui, catalogue, places, requests);
+                });
+            }
+        });
     });
     probe::remember(ui.ctx(), "Lessons", button.rect);
 }
@@ -61,7 +58,7 @@ fn lessons_ui(ui: &mut Ui, catalogue: &Catalogue, places: Range<usize>, requests
         }
         let finished = catalogue.is_finished(lesson);
         let text = if finished { format!("{} ✓", lesson.title) } else { lesson.title.clone() };
-        let button = ui.button(text).on_hover_text(lesson.summary.as_str());
+        let button = menu::entry_ui(ui, &text, &lesson.summary, thumbnail::of_lesson(ui.ctx(), lesson));
         if finished {
             let name = format!("{}, finished", lesson.title);
             button.ctx.accesskit_node_builder(button.id, |node| node.set_label(name));

@@ -226,3 +226,28 @@ fn a_click_on_a_line_selects_its_filter_and_elsewhere_goes_to_a_time() {
     assert!(screen.query_by_label("Close the diagnosis").is_none());
     assert!(screen.state().session().time() < 20.0, "a click beside the line goes to its time");
 }
+
+#[test]
+fn the_edge_of_a_band_selects_its_filter_too() {
+    let mut screen = first_visit(DESKTOP);
+    let rect = screen.get_by_label("Plot of the natural frequency").rect();
+    // The filters are not sure yet, and their bands are wide.
+    let rows = (0..rect.height() as usize / 3).map(|row| egui::pos2(rect.left() + 12.0, rect.top() + 3.0 * row as f32));
+    let places: Vec<egui::Pos2> = rows.collect();
+    let mut selecting = |screen: &mut Screen| -> Vec<egui::Pos2> {
+        let is_hand = |place: &&egui::Pos2| {
+            screen.hover_at(**place);
+            screen.run_steps(2);
+            screen.output().platform_output.cursor_icon == egui::CursorIcon::PointingHand
+        };
+        places.iter().filter(is_hand).copied().collect()
+    };
+    let with_bands = selecting(&mut screen);
+    click(&mut screen, "Show ±2σ");
+    let without = selecting(&mut screen);
+    let edge = with_bands.iter().find(|place| !without.contains(place)).expect("an edge is away from all lines");
+    click(&mut screen, "Show ±2σ");
+    click_at(&mut screen, *edge, Modifiers::NONE);
+    screen.run_steps(4);
+    screen.get_by_label("Close the diagnosis");
+}
