@@ -103,6 +103,8 @@ fn meaning(guess: &ColumnGuess, mapping: &Mapping, args: &ImportArgs) -> String 
         ("the input".to_owned(), args.input.as_ref() == name)
     } else if let Some((quantity, _)) = sensor {
         (quantity.name(), args.sensor.iter().any(|(_, column)| *column == guess.column))
+    } else if guess.is_own_clock() {
+        return format!("column `{}`: a clock of its own: {}", guess.column, guess.why);
     } else {
         let why = if guess.is_left_out() { guess.why } else { "not asked for" };
         return format!("column `{}`: left out: {why}", guess.column);

@@ -149,7 +149,7 @@ fn columns_without_meaning(mapping: &Mapping, columns: &[ColumnGuess]) -> Option
     let sensors = mapping.sensors.values().chain(&mapping.input).map(|mapped| &mapped.column);
     let used: Vec<&String> = sensors.chain(&mapping.time.column).collect();
     let is_left_out = |name: &&String| !used.contains(name) && !name.starts_with("true_");
-    let names = columns.iter().map(|guess| &guess.column).filter(is_left_out);
+    let names = columns.iter().filter(|guess| !guess.is_own_clock()).map(|guess| &guess.column).filter(is_left_out);
     let names: Vec<String> = names.map(|name| format!("`{name}`")).collect();
     (!names.is_empty()).then(|| format!("left out: {}", names.join(", ")))
 }

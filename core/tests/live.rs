@@ -130,6 +130,25 @@ fn readings_on_the_samples_make_the_record_that_they_are_from() {
 }
 
 #[test]
+fn an_input_goes_to_the_sample_of_the_readings_that_come_with_it() {
+    let scenario = Scenario { dt: 1.0 / 60.0, duration: 20.0, ..scenario(Hold::Zero) };
+    let record = simulated(&scenario);
+    let jitter = |k: usize| 0.4 * record.dt() * libm::sin((k * k) as f64);
+    let rounded = |time: f64| (1e3 * time).round() / 1e3;
+    for time_of in [&(|k| rounded(record.time(k))) as &dyn Fn(usize) -> f64, &|k| record.time(k) + jitter(k)] {
+        let mut live = LiveRecord::new(record.dt(), record.input_kind(), Hold::Zero, record.sensors().to_vec());
+        for k in 0..record.len() {
+            let readings: Vec<f64> = (0..record.sensors().len()).map(|sensor| record.measured(sensor)[k]).collect();
+            live.take(time_of(k), record.input()[k], &readings).expect("it is taken in");
+        }
+        let made = live.record();
+        assert!(made.len() >= record.len() - 1);
+        assert_eq!(made.input(), &record.input()[..made.len()]);
+        assert_eq!(made.measured(0), &record.measured(0)[..made.len()]);
+    }
+}
+
+#[test]
 fn what_is_late_finds_its_sample_as_long_as_that_waits() {
     let mut live =
         LiveRecord::new(0.1, InputKind::Force, Hold::First, vec![Quantity::DISPLACEMENT, Quantity::VELOCITY])

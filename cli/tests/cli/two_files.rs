@@ -46,7 +46,7 @@ fn two_loggers_are_one_record() {
         }
         let (code, _, said) = ended(&mut import);
         assert_eq!(code, Some(0), "{said}");
-        assert!(said.contains("s in common, at the steps of the first one"), "{said}");
+        assert!(said.contains("s in common, at the steps of the first file"), "{said}");
         if given.is_none() {
             let offset = said
                 .lines()
@@ -107,4 +107,26 @@ fn files_that_cannot_be_joined_say_why() {
     let (code, _, said) =
         ended(program().arg("import").arg(&force).arg("--with").arg(&other).arg("--joined").arg(&both));
     assert!(code == Some(2) && said.contains("state the offset"), "{said}");
+}
+
+#[test]
+fn columns_with_times_of_their_own_are_one_record() {
+    let folder = folder();
+    let [force, sensor] = loggers();
+    let mut sensors = sensor.lines().skip(1).map(|line| {
+        let (time, reading) = line.split_once(';').expect("two cells");
+        format!("{},{reading}", time.parse::<f64>().expect("a number") + 2500.0)
+    });
+    let rows = force.lines().skip(1).map(|line| format!("{line},{}\n", sensors.next().unwrap_or(",".to_owned())));
+    let head = "t [s],force over mass [m/s²],t2 [ms],displacement [mm]\n";
+    let both = file(&folder, "both.csv", &(head.to_owned() + &rows.collect::<String>()));
+    let scenario = folder.path().join("both.toml");
+    let (code, _, said) = ended(program().arg("import").arg(&both).arg("--out").arg(&scenario));
+    assert_eq!(code, Some(0), "{said}");
+    assert!(said.contains("column `t2`: a clock of its own"), "{said}");
+    assert!(said.contains("s in common, at the steps of the clock `t`"), "{said}");
+    let (_, table, _) = ended(command().arg(&scenario));
+    let line = table.lines().find(|line| line.contains("natural frequency")).expect("it is estimated");
+    let frequency: f64 = line.split_whitespace().nth(3).and_then(|number| number.parse().ok()).expect("a number");
+    assert!((frequency / 8.0 - 1.0).abs() < 0.003, "{line}");
 }

@@ -42,6 +42,7 @@ mod limits;
 mod loading;
 mod mapping;
 mod number;
+mod own_clocks;
 mod reader;
 mod remarks;
 mod resample;

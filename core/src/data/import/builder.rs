@@ -1,10 +1,11 @@
 //! A record from a file's columns.
 
-use std::borrow::Borrow;
+use std::borrow::{Borrow, Cow};
 
 use super::band::above_nyquist;
 use super::conditioning::Conditioning;
 use super::limits::{FEWEST, MOST};
+use super::own_clocks::on_one_clock;
 use super::remarks::{cells_without_readings, is_still, stillness};
 use super::samples::{fill, mean, shift};
 use super::timing::Timing;
@@ -57,11 +58,19 @@ impl<'a> Builder<'a> {
         hold: Hold,
     ) -> Result<Self, ImportError> {
         mapping.validate()?;
-        let table = (*source).borrow();
         if mapping.sensors.is_empty() {
             return Err(ImportError::NoSensor);
         }
-        let mut remarks = table.remarks.clone();
+        let mut remarks = (*source).borrow().remarks.clone();
+        let joined = on_one_clock((*source).borrow(), mapping, &mut remarks)?;
+        let (source, mapping): (Box<dyn Borrow<Table> + 'a>, _) = match joined {
+            Some((joined, mapping)) => {
+                remarks.extend(joined.remarks.clone());
+                (Box::new(joined), Cow::Owned(mapping))
+            }
+            None => (source, Cow::Borrowed(mapping)),
+        };
+        let table = (*source).borrow();
         let timing = match (&mapping.time.column, mapping.time.rate) {
             (Some(name), _) => {
                 let column = &table.columns[place(table, name)?];
@@ -79,7 +88,7 @@ impl<'a> Builder<'a> {
         };
         remarks.extend(timing.remark.clone());
         remarks.extend(above_nyquist(mapping.band, 0.5 / timing.dt)?);
-        let (mapping, sensors) = (mapping.clone(), Vec::new());
+        let (mapping, sensors) = (mapping.into_owned(), Vec::new());
         Ok(Self { table: source, mapping, kind, hold, timing, input: None, sensors, remarks })
     }
 

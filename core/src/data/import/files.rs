@@ -66,6 +66,14 @@ pub struct Joined {
 /// # Errors
 /// [`ImportError`] where a file has no usable times, or where they have no time in common.
 pub fn join(first: &Table, second: &Table, offset: f64) -> Result<Joined, ImportError> {
+    join_named([first, second], offset, ["the first file", "the second file"])
+}
+
+/// [`join`] of two tables that the remarks call so.
+///
+/// # Errors
+/// Those of [`join`].
+pub(super) fn join_named([first, second]: [&Table; 2], offset: f64, names: [&str; 2]) -> Result<Joined, ImportError> {
     let mut remarks: Vec<String> = [first, second].into_iter().flat_map(|table| table.remarks.clone()).collect();
     let clocks = [Clock::of(first, &mut remarks)?, Clock::of(second, &mut remarks)?];
     let added = [0.0, offset];
@@ -107,10 +115,11 @@ pub fn join(first: &Table, second: &Table, offset: f64) -> Result<Joined, Import
         }
     }
     let [slow_dt, seconds] = [clocks[1 - fast].timing.dt, to * dt - from * dt];
+    let [one, other] = names;
+    let (quick, slow) = (names[fast], names[1 - fast]);
     remarks.push(format!(
-        "the files have {seconds:.3} s in common, at the steps of the {} one, {dt} s apart; the readings of the other one, about {slow_dt} s \
-         apart, and all with uneven times go to the nearest step",
-        if fast == 0 { "first" } else { "second" }
+        "{one} and {other} have {seconds:.3} s in common, at the steps of {quick}, {dt} s apart; the readings of {slow}, about \
+         {slow_dt} s apart, and all with uneven times go to the nearest step"
     ));
     Ok(Joined { table: Table::of_columns("two files with clocks of their own", columns, remarks), sources })
 }

@@ -1,5 +1,6 @@
 //! A guess at the meaning of a file's columns.
 
+use super::own_clocks::clocks;
 use super::unit::{Dimension, unit};
 use super::{Column, MappedColumn, Mapping, Ring, Table, Time};
 use crate::{InputKind, Quantity};
@@ -86,6 +87,11 @@ impl ColumnGuess {
         self.why == FIRST_FREE
     }
 
+    /// Whether the column has the times of those behind it, beside the column of times.
+    pub fn is_own_clock(&self) -> bool {
+        self.why == CLOCK
+    }
+
     /// Whether the column got no meaning.
     pub fn is_left_out(&self) -> bool {
         [LOST, UNKNOWN, NO_NUMBERS, TRUTH, OTHER, COUNTER, SEVERAL].contains(&self.why)
@@ -103,6 +109,7 @@ const OTHER: &str = "its name says that it is something else";
 const COUNTER: &str = "it counts the rows";
 const SEVERAL: &str = "it may be the input, but others may be too: name it, if one is";
 const NO_NUMBERS: &str = "it has no numbers";
+const CLOCK: &str = "it has the times of the columns behind it";
 const TRUTH: &str = "the truth of a simulated record";
 
 fn role_of(column: &Column) -> Option<(Role, &'static str)> {
@@ -133,6 +140,11 @@ fn role_of(column: &Column) -> Option<(Role, &'static str)> {
     named.map(|role| (role, NAMED)).or_else(|| of_unit().map(|role| (role, BY_UNIT)))
 }
 
+/// Whether a column is one of times, by its cells, its name or its unit.
+pub(super) fn is_named_time(column: &Column) -> bool {
+    matches!(role_of(column), Some((Role::Time, _)))
+}
+
 /// Whether a name has one of some words; those of one or two letters must be whole.
 fn has_word(name: &str, words: &[&str]) -> bool {
     let name = name.to_lowercase();
@@ -156,9 +168,11 @@ fn is_like_time(values: &[f64]) -> bool {
     mean > 0.0 && values.windows(2).all(|pair| pair[1] > pair[0] && pair[1] - pair[0] < 100.0 * mean)
 }
 
-/// Whether most numbers are larger than the one before: a column of that name is the time, even if a line is wrong.
+/// Whether most numbers, up to the last one, are larger than the one before: a column of that name is the time, even if a line is
+/// wrong.
 fn mostly_rises(values: &[f64]) -> bool {
-    2 * values.windows(2).filter(|pair| pair[1] > pair[0]).count() >= values.len().saturating_sub(1)
+    let rows = values.iter().rposition(|value| !value.is_nan()).map_or(0, |last| last + 1);
+    2 * values[..rows].windows(2).filter(|pair| pair[1] > pair[0]).count() >= rows.saturating_sub(1)
 }
 
 /// Whether a column belongs to the truth of a simulated record.
@@ -251,7 +265,9 @@ impl Mapping {
         if let Some(ring) = Ring::of(table) {
             ring.apply(&mut mapping);
         }
+        let clocks = clocks(table);
         let why = |place: usize| match all.iter().find(|one| one.place == place) {
+            Some(one) if one.why == LOST && clocks.contains(&place) => CLOCK,
             Some(one) => one.why,
             None if is_truth(&columns[place]) => TRUTH,
             None => NO_NUMBERS,

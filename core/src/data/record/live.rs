@@ -16,7 +16,7 @@ pub use error::LiveError;
 ///
 /// Each reading goes to its nearest sample; of several the nearest one is kept. Where readings are dense, as
 /// [`Self::smoothing`] says, it is shifted there along the cubic through those around it. The input is that of the scenario's
-/// hold, and zero before the first one that is told. A sample is complete once something comes that is half a step later, and
+/// hold, and zero before the first one that is told; one that is held counts from its nearest sample on. A sample is complete once something comes that is half a step later, and
 /// [`Self::waiting`] seconds more; nothing is added to it then.
 ///
 /// ```
@@ -198,6 +198,6 @@ impl LiveRecord {
                 value
             })
             .collect();
-        record.push(input.at(at, ROUNDED * dt), measured, std::iter::empty());
+        record.push(input.at(at, dt), measured, std::iter::empty());
     }
 }

@@ -90,8 +90,10 @@ impl InputTrack {
         self.hold == Hold::First && self.told.back().is_some_and(|(time, _)| *time < at - slack)
     }
 
-    /// The input at a time \[s\]; zero before the first one. Forgets what no later time needs. Times may be rounded by `slack`.
-    pub(super) fn at(&mut self, at: f64, slack: f64) -> f64 {
+    /// The input at a sample \[s\]; zero before the first one. Forgets what no later sample needs.
+    pub(super) fn at(&mut self, at: f64, dt: f64) -> f64 {
+        // A held input changes at its nearest sample, where its line's readings go too.
+        let slack = if self.hold == Hold::Zero { 0.5 * dt } else { 0.0 };
         let next = self.told.partition_point(|(time, _)| *time <= at + slack);
         self.told.drain(..next.saturating_sub(1));
         let Some(&(from, value)) = self.told.front().filter(|_| next > 0) else { return 0.0 };
