@@ -70,6 +70,9 @@ fn column_ui(ui: &mut Ui, draft: &mut Draft, place: usize, palette: &Palette) {
                 mapped_ui(ui, &name, mapped, table);
             }
         }
+        Role::Unused if draft.is_own_clock[place] => {
+            ui.weak("times of the next columns");
+        }
         Role::Unused => {}
     }
 }

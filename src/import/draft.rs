@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use kalmanscope_core::import::{Builder, Imported, MappedColumn, Mapping, Ring, Time};
+use kalmanscope_core::import::{Builder, ColumnGuess, Imported, MappedColumn, Mapping, Ring, Time};
 use kalmanscope_core::suggest::scenario_for;
 use kalmanscope_core::{Hold, InputKind, PlantKind, Quantity, Scenario};
 
@@ -29,6 +29,8 @@ pub struct Draft {
     /// The scenario that goes on with another meaning of the columns, if there is one.
     base: Option<Scenario>,
     pub(super) sparks: Vec<Spark>,
+    /// Whether each column has times that only the columns behind it have.
+    pub(super) is_own_clock: Vec<bool>,
     /// The last choices that are complete, with their record or the reason why there is none.
     outcome: Option<(Choices, Result<Imported, String>)>,
     /// The present choices, with their record in the making.
@@ -53,7 +55,8 @@ pub enum Role {
 impl Draft {
     /// A guess at the meaning of a file's columns.
     pub fn new(file: Arc<RecordFile>) -> Self {
-        let (mut mapping, input) = Mapping::guess(&file.table);
+        let (mut mapping, input, guesses) = Mapping::guess_with_reasons(&file.table);
+        let is_own_clock = guesses.iter().map(ColumnGuess::is_own_clock).collect();
         mapping.file.clone_from(&file.name);
         mapping.hash.clone_from(&file.hash);
         let sparks = file.table.columns.iter().map(|column| Spark::new(&column.values)).collect();
@@ -69,6 +72,7 @@ impl Draft {
             remark,
             base: None,
             sparks,
+            is_own_clock,
             outcome: None,
             making: None,
             spectra: None,
