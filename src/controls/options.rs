@@ -1,6 +1,6 @@
 //! The less common settings of a filter: its plant, what else it estimates, its propagation, and those with rows.
 
-use egui::{ComboBox, Ui};
+use egui::{ComboBox, Response, Ui};
 use kalmanscope_core::channel::augment;
 use kalmanscope_core::setting::{GUESSES, OPTIONS, SMOOTHER};
 use kalmanscope_core::{Channel, FilterSettings, PlantKind, Propagation, Robust, Sensor};
@@ -13,6 +13,7 @@ pub(super) fn options_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantK
     egui::CollapsingHeader::new("Options").id_salt(("options", filter.id)).show_unindented(ui, |ui| {
         plant_ui(ui, filter);
         augment_ui(ui, filter, filter.plant.unwrap_or(truth), sensors);
+        consider_ui(ui, filter, truth);
         if filter.kind.info().has_propagation {
             lit(ui, &filter.address("propagation"), |ui| propagation_ui(ui, filter));
         }
@@ -38,29 +39,66 @@ fn augment_ui(ui: &mut Ui, filter: &mut FilterSettings, plant: PlantKind, sensor
     let FilterSettings { id, name, augment, .. } = filter;
     let biases = sensors.iter().map(|sensor| sensor.measures.bias());
     let offered: Vec<Channel> = augment::OF_INPUT.into_iter().chain(biases).collect();
-    let summary = if augment.is_empty() {
-        "nothing".to_owned()
-    } else {
-        augment.iter().map(|channel| channel.symbol()).collect::<Vec<_>>().join(", ")
-    };
+    let summary = if augment.is_empty() { "nothing".to_owned() } else { symbols(augment, "") };
     let hint = "Properties of the input and the sensors that the filter estimates too: gain, offset, a force that \
          changes slowly (u) or is another one at each sample (w: wind, traffic), bias";
-    ui.horizontal(|ui| {
-        ui.label("estimates also").on_hover_text(hint);
-        let combo = ComboBox::from_id_salt(("augment", *id)).selected_text(summary).show_ui(ui, |ui| {
-            for channel in offered {
-                let mut on = augment.contains(&channel);
-                let text = format!("{} {}", channel.symbol(), channel.name());
-                if ui.checkbox(&mut on, text).changed() {
-                    augment.retain(|c| *c != channel);
-                    augment.extend(on.then_some(channel));
-                }
+    let combo = choose_ui(ui, ("estimates also", hint), summary, ("augment", *id), &mut |ui| {
+        for &channel in &offered {
+            let mut on = augment.contains(&channel);
+            let text = format!("{} {}", channel.symbol(), channel.name());
+            if ui.checkbox(&mut on, text).changed() {
+                augment.retain(|c| *c != channel);
+                augment.extend(on.then_some(channel));
             }
-        });
-        ui.ctx().accesskit_node_builder(combo.response.id, |node| node.set_label(format!("{name} augmentations")));
+        }
     });
+    ui.ctx().accesskit_node_builder(combo.id, |node| node.set_label(format!("{name} augmentations")));
     // A removed sensor's bias goes too, and so does that of a quantity that the plant lacks.
     augment.retain(|channel| augment::of(plant).any(|c| c == *channel));
+}
+
+/// The channels that the filter counts and does not estimate.
+fn consider_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantKind) {
+    let offered: Vec<Channel> = if filter.can_consider() { filter.considerable(truth).collect() } else { Vec::new() };
+    let FilterSettings { id, name, consider, .. } = filter;
+    // What is no longer in the state, or of no use to this kind of filter, goes.
+    consider.retain(|channel| offered.contains(channel));
+    if offered.is_empty() {
+        return;
+    }
+    let summary = if consider.is_empty() { "all of it".to_owned() } else { symbols(consider, "all but ") };
+    let hint = "What is left out keeps its mean and its σ: the filter does not estimate it, but counts what is not known of it in all \
+         other bands (Schmidt 1966)";
+    let combo = choose_ui(ui, ("learns", hint), summary, ("consider", *id), &mut |ui| {
+        for channel in &offered {
+            let mut on = !consider.contains(channel);
+            if ui.checkbox(&mut on, format!("{} {}", channel.symbol(), channel.name())).changed() {
+                consider.retain(|other| other != channel);
+                consider.extend((!on).then_some(*channel));
+            }
+        }
+    });
+    ui.ctx().accesskit_node_builder(combo.id, |node| node.set_label(format!("{name} learns")));
+}
+
+/// The symbols of some channels in a row.
+fn symbols(channels: &[Channel], before: &str) -> String {
+    before.to_owned() + &channels.iter().map(|channel| channel.symbol()).collect::<Vec<_>>().join(", ")
+}
+
+/// A label with a hint, and a box that opens on a list of choices.
+fn choose_ui(
+    ui: &mut Ui,
+    (label, hint): (&str, &str),
+    summary: String,
+    salt: (&str, u32),
+    list: &mut dyn FnMut(&mut Ui),
+) -> Response {
+    ui.horizontal(|ui| {
+        ui.label(label).on_hover_text(hint);
+        ComboBox::from_id_salt(salt).selected_text(summary).show_ui(ui, |ui| list(ui)).response
+    })
+    .inner
 }
 
 fn plant_ui(ui: &mut Ui, filter: &mut FilterSettings) {

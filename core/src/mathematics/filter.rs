@@ -9,6 +9,7 @@
 //! update. Each has a file of its own, which ends with the description of its kind; the registry below lists them.
 
 pub(crate) mod adaptation;
+mod considered;
 pub(crate) mod correction;
 mod ensemble;
 mod error;
@@ -38,6 +39,7 @@ mod white;
 
 use std::borrow::Cow;
 
+use considered::Considered;
 use jump::Jump;
 use weighing::Weighing;
 
@@ -196,6 +198,7 @@ pub struct Filter<B: Belief + ?Sized = dyn Belief> {
     weighing: Option<Weighing>,
     substeps: usize,
     white: Option<White>,
+    considered: Option<Considered>,
     belief: Box<B>,
 }
 
@@ -213,8 +216,8 @@ impl<B: Belief + ?Sized> Filter<B> {
     ) -> Self {
         let readings = sensors.iter().map(|&quantity| model.reading(quantity)).collect();
         let (observation, substeps) = (Observation::of(readings), 1);
-        let (jump, weighing, white) = (None, None, None);
-        Self { model, belief, dt, hold, noise, observation, adaptation, jump, weighing, substeps, white }
+        let (jump, weighing, white, considered) = (None, None, None, None);
+        Self { model, belief, dt, hold, noise, observation, adaptation, jump, weighing, substeps, white, considered }
     }
 
     /// The same filter with its predictions divided into this many steps, for plants that are not linear over one: the
@@ -235,6 +238,15 @@ impl<B: Belief + ?Sized> Filter<B> {
     #[must_use]
     pub fn with_robust(self, rule: Robust) -> Self {
         Self { weighing: Weighing::new(rule, self.noise.sensors.len()), ..self }
+    }
+
+    /// The same filter, which does not estimate the components at these places but counts their uncertainty: an update keeps their
+    /// means and covariance, and its gain for them is zero. A belief that is a random sample estimates them all the same.
+    ///
+    /// Source: Schmidt (1966), Application of state-space methods to navigation problems.
+    #[must_use]
+    pub fn with_considered(self, places: &[usize]) -> Self {
+        Self { considered: Considered::new(places), ..self }
     }
 
     /// The same filter with a white force. Its row and column of Q are set to zero: each sample draws it again.
@@ -382,7 +394,7 @@ impl<B: Belief + ?Sized> Filter<B> {
     /// [`FilterError::NotFinite`] where the belief overflows; [`FilterError::ImpossibleMeasurement`] where the likelihood
     /// does; [`FilterError::InfiniteMeasurement`].
     pub fn update(&mut self, force: f64, measured: &[f64], correction: &mut Correction) -> Result<(), FilterError> {
-        let Self { model, noise, observation, adaptation, jump, weighing, belief, white, .. } = self;
+        let Self { model, noise, observation, adaptation, jump, weighing, belief, white, considered, .. } = self;
         correction.clear(model.size(), noise.sensors.len());
         if let Some(weighing) = weighing {
             weighing.clear(noise.sensors.len());
@@ -391,10 +403,16 @@ impl<B: Belief + ?Sized> Filter<B> {
         if observation.is_empty() {
             return belief.gaussian().check();
         }
+        if let Some(considered) = considered {
+            considered.store(&belief.gaussian());
+        }
         if let Some(weighing) = weighing {
             weighing.condition(&mut **belief, model, noise, observation, correction)?;
         } else {
             belief.condition(model, observation, correction)?;
+        }
+        if let Some(considered) = considered {
+            considered.restore(&mut **belief, correction)?;
         }
         // Readings that count for next to nothing are reported as none.
         let counted = observation.sensors().iter().filter(|&&sensor| !correction.innovation[sensor].is_nan()).count();

@@ -57,6 +57,8 @@ pub struct Estimates {
     /// Recorded for a particle filter only.
     log_likelihood: Vec<f64>,
     effective_samples: Vec<f64>,
+    /// What the filter counts and does not estimate.
+    considered: Vec<Channel>,
     /// Whether the filter weighs its readings; only then there are weights.
     weighs: bool,
     weights: Vec<f64>,
@@ -96,6 +98,7 @@ impl Estimates {
             determinant: Vec::new(),
             log_likelihood: Vec::new(),
             effective_samples: Vec::new(),
+            considered: settings.consider.clone(),
             weighs: settings.robust.is_on() && settings.can_weigh(),
             weights: Vec::new(),
             particles: if settings.kind.has_own_likelihood() { settings.ensemble_size } else { 0 },
@@ -310,6 +313,11 @@ impl Estimates {
     /// The effective sample size of a particle filter at every sample, before it resampled; empty for any other filter.
     pub fn effective_samples(&self) -> &[f64] {
         &self.effective_samples
+    }
+
+    /// Whether the filter only counts the uncertainty of a channel, and does not estimate it.
+    pub fn considers(&self, channel: Channel) -> bool {
+        self.considered.contains(&channel)
     }
 
     /// Whether the filter weighs its readings.

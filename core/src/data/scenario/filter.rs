@@ -36,6 +36,11 @@ pub struct FilterSettings {
     /// constant.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub augment: Vec<Channel>,
+    /// The parameters and augmentations that the filter does not estimate, but whose uncertainty it counts: their means and standard
+    /// deviations stay as no reading had come, and what is not known of them widens the other bands
+    /// ([`Filter::with_considered`](crate::filter::Filter::with_considered)).
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub consider: Vec<Channel>,
     /// The number of samples after which the plant feels the recorded input, as the filter assumes; negative where the
     /// record is late. Outside the record, its first or last value holds.
     #[serde(skip_serializing_if = "is_default")]
@@ -101,6 +106,7 @@ impl Default for FilterSettings {
             color: None,
             plant: None,
             augment: Vec::new(),
+            consider: Vec::new(),
             input_delay: 0,
             log_parameters: false,
             propagation: Propagation::LocalLinearisation,
@@ -147,7 +153,21 @@ impl FilterSettings {
     /// Whether an update is that of textbooks: one filter, whose noise is known and whose measurements all count. Kernels, lanes
     /// and the engine have no other.
     pub(crate) fn has_plain_update(&self) -> bool {
-        !self.adaptation.is_on() && !self.jump && !self.robust.is_on() && self.guesses == 1 && self.walk == 0.0
+        let takes_all = !self.robust.is_on() && self.consider.is_empty();
+        !self.adaptation.is_on() && !self.jump && takes_all && self.guesses == 1 && self.walk == 0.0
+    }
+
+    /// Whether the filter can consider channels without estimating them: mean and covariance are all of its belief, and nothing else
+    /// changes them.
+    pub fn can_consider(&self) -> bool {
+        let is_one = self.guesses == 1 && self.walk == 0.0 && !self.kind.is_sampled();
+        is_one && !self.adaptation.is_on() && !self.jump && !self.smoother
+    }
+
+    /// The channels of a filter of this truth that it can consider.
+    pub fn considerable(&self, truth: PlantKind) -> impl Iterator<Item = Channel> {
+        let of_plant = self.plant.unwrap_or(truth).parameters().filter(|channel| !self.knows(*channel));
+        of_plant.chain(self.augment.iter().copied().filter(|channel| *channel != Channel::WHITE_FORCE))
     }
 
     /// Whether measurements can be weighed.
@@ -158,7 +178,8 @@ impl FilterSettings {
     /// Whether the filter can be one of two that mix: mean and covariance are all of its belief, and nothing else follows from its
     /// innovations.
     pub fn can_mix(&self) -> bool {
-        !self.kind.is_sampled() && !self.adaptation.is_on() && !self.jump && !self.robust.is_on() && !self.smoother
+        let is_plain = !self.adaptation.is_on() && !self.jump && !self.robust.is_on() && self.consider.is_empty();
+        !self.kind.is_sampled() && is_plain && !self.smoother
     }
 
     /// Whether the filter takes a channel as known and exact, whatever its standard deviations: a KF does so for the

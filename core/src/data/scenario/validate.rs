@@ -125,6 +125,7 @@ impl FilterSettings {
             kind,
             plant,
             augment,
+            consider,
             log_parameters,
             substeps,
             guesses,
@@ -190,6 +191,20 @@ impl FilterSettings {
                 format_args!("{path}.augment[{i}]"),
                 format_args!("\"{}\"", channel.key()),
                 "an augmentation, each once: input_gain, input_offset, unknown_force, white_force, or bias_ and a sensor",
+            )?;
+        }
+        require(
+            consider.is_empty() || self.can_consider(),
+            format_args!("{path}.consider"),
+            format_args!("a list of {}", consider.len()),
+            "[] for a filter that samples its belief, jumps, learns noise, has a smoother, several guesses or a walk",
+        )?;
+        for (i, channel) in consider.iter().enumerate() {
+            require(
+                self.considerable(truth).any(|known| known == *channel) && !consider[..i].contains(channel),
+                format_args!("{path}.consider[{i}]"),
+                format_args!("\"{}\"", channel.key()),
+                "a parameter that the filter does not know, or one of its augmentations but the white force, each once",
             )?;
         }
         if *log_parameters {

@@ -51,6 +51,7 @@ impl Edit {
                 })
             }
             ("plant", Value::String(kind)) => Some(format!("take it for a {}", PlantKind::from_key(kind)?.name())),
+            ("plant", Value::Table(plant)) => Some(format!("take the equation {}", plant.get("equation")?.as_str()?)),
             ("robust", Value::String(rule)) => {
                 let rule = Robust::ALL.into_iter().find(|known| known.info().key == rule)?;
                 Some(format!("weigh readings: {}", rule.info().name))

@@ -5,6 +5,8 @@ mod clipped;
 mod coarse;
 mod collapsed_sample;
 mod disagreement;
+mod drag;
+mod dry_friction;
 mod felt_disturbance;
 mod initial_guess;
 mod input_delay;
@@ -14,6 +16,8 @@ mod input_offset;
 mod missing_mode;
 mod no_excitation;
 mod outliers;
+mod own_equation;
+mod periodic_force;
 mod process_noise;
 mod sensor_bias;
 mod sensor_noise;
@@ -54,8 +58,11 @@ pub static CAUSES: &[&Cause] = &[
     &input_offset::CAUSE,
     &still_input::CAUSE,
     &unknown_force::CAUSE,
+    &periodic_force::CAUSE,
     &sensor_bias::CAUSE,
     &spring::CAUSE,
+    &dry_friction::CAUSE,
+    &drag::CAUSE,
     &missing_mode::CAUSE,
     &sudden_change::CAUSE,
     &slow_drift::CAUSE,

@@ -79,7 +79,8 @@ impl<'a> Outcome<'a> {
         let (estimates, diagnostics, diagnosis) = results;
         let record = run.record();
         let is_uncertain = |place: usize, channel: Channel| {
-            !filter.knows(channel) && (estimates.initial_std(place) > 0.0 || filter.process_std[channel] > 0.0)
+            let is_taken = filter.knows(channel) || filter.consider.contains(&channel);
+            !is_taken && (estimates.initial_std(place) > 0.0 || filter.process_std[channel] > 0.0)
         };
         let channels = estimates.channels().iter().copied().enumerate();
         let estimated = channels.filter(|(place, channel)| channel.is_parameter() && is_uncertain(*place, *channel));

@@ -345,6 +345,7 @@ fn apply<T: Number>(reading: &Reading, rows: &[T], out: &mut [T]) {
         out.copy_from_slice(&rows[place * n..(place + 1) * n]);
         return;
     }
+    out.fill(T::of(0.0));
     for &(place, factor) in reading.components() {
         for k in 0..n {
             out[k] = out[k] + rows[place * n + k] * factor;

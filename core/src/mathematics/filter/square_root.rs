@@ -128,7 +128,7 @@ mod tests {
     use super::*;
     use crate::mathematics::filter::{Adaptation, Filter, Moments};
     use crate::mathematics::linalg::Vector;
-    use crate::{FilterSettings, Hold, InputKind, PlantKind, Quantity};
+    use crate::{Channel, FilterSettings, Hold, InputKind, PlantKind, Quantity};
 
     /// The largest difference to the UKF over some steps, each component against its standard deviation. The last component is
     /// certain.
@@ -137,8 +137,10 @@ mod tests {
         eta: f64,
         sensors: &[Quantity],
         adaptation: Adaptation,
+        augment: &[Channel],
     ) -> Result<f64, FilterError> {
-        let model = FilterSettings { eta, ..FilterSettings::default() }.model(plant, InputKind::default());
+        let settings = FilterSettings { eta, augment: augment.to_vec(), ..FilterSettings::default() };
+        let model = settings.model(plant, InputKind::default());
         let (channels, n) = (model.channels().to_vec(), model.size());
         let mean = Vector::from_fn(n, |i, _| channels[i].usual().mean);
         let mut std = Vector::from_fn(n, |i, _| 0.1 * channels[i].usual().std);
@@ -186,9 +188,23 @@ mod tests {
         for plant in PLANTS {
             for eta in [0.0, 0.02] {
                 for sensors in [&components[..], &rates, &rates[2..]] {
-                    let off = difference(plant, eta, sensors, Adaptation::default())?;
+                    let off = difference(plant, eta, sensors, Adaptation::default(), &[])?;
                     assert!(off < 1e-11, "{plant:?}, η = {eta}, {sensors:?}: {off}");
                 }
+            }
+        }
+        Ok(())
+    }
+
+    #[test]
+    fn a_reading_of_several_components_is_their_sum() -> Result<(), FilterError> {
+        let sensors = [Quantity::DISPLACEMENT, Quantity::VELOCITY, Quantity::ACCELERATION];
+        let biases = sensors.map(Quantity::bias);
+        for plant in PLANTS {
+            for count in 1..=sensors.len() {
+                let augment = [&biases[..], &[Channel::INPUT_OFFSET]].concat();
+                let off = difference(plant, 0.0, &sensors[..count], Adaptation::default(), &augment)?;
+                assert!(off < 1e-11, "{plant:?}, {count} sensors: {off}");
             }
         }
         Ok(())
@@ -198,7 +214,7 @@ mod tests {
     fn a_full_process_noise_is_added_too() -> Result<(), FilterError> {
         let learns = Adaptation { process_noise: true, ..Adaptation::default() };
         // The last component has no variance, and an adaptive filter learns zero for it too.
-        let off = difference(PlantKind::SDOF, 0.0, &[Quantity::DISPLACEMENT, Quantity::VELOCITY], learns)?;
+        let off = difference(PlantKind::SDOF, 0.0, &[Quantity::DISPLACEMENT, Quantity::VELOCITY], learns, &[])?;
         assert!(off < 1e-9, "{off}");
         Ok(())
     }

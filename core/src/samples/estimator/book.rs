@@ -223,6 +223,8 @@ pub(crate) fn build_filter<B: Belief + ?Sized>(
         white.add_rest(&model, mean.as_slice(), context.dt, &mut noise.process);
     }
     let filter = Filter::new(model, belief, context.dt, context.hold, noise, context.sensors, settings.adaptation);
+    let places: Vec<usize> = settings.consider.iter().filter_map(|channel| filter.model().place(*channel)).collect();
+    let filter = filter.with_considered(&places);
     filter.with_substeps(settings.substeps).with_white_force(white).with_robust(settings.robust)
 }
 

@@ -42,8 +42,8 @@ pub struct Setup {
 
 impl Setup {
     /// The filter at `place` of a scenario, if the engine serves it over a record: a KF, EKF, UKF or CKF of up to [`MOST`]
-    /// components, with any augmentations, logarithms, weights, noise that is learnt and jumps, but one guess only and no
-    /// walk. Filters that other code runs as fast are left to it: plain filters of an oscillator have lanes of their own, and
+    /// components, with any augmentations, logarithms, weights, noise that is learnt and jumps, but one guess only, no
+    /// walk and nothing that it considers. Filters that other code runs as fast are left to it: plain filters of an oscillator have lanes of their own, and
     /// the kernel of a chain uses its structure for the plain KF and EKF.
     ///
     /// # Errors
@@ -130,9 +130,9 @@ impl Setup {
     }
 }
 
-/// Whether some settings ask for one filter only.
+/// Whether some settings ask for one filter only, which estimates all of its state.
 fn is_single(settings: &FilterSettings) -> bool {
-    settings.guesses == 1 && settings.walk == 0.0
+    settings.guesses == 1 && settings.walk == 0.0 && settings.consider.is_empty()
 }
 
 /// Whether lanes of its own or a kernel serve such a filter. The choice must not depend on the processor, since it

@@ -35,7 +35,8 @@ pub(super) static UNLEARNT: Test = Test {
 
 fn wind_up(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
     let Some(last) = case.last() else { return };
-    for (place, &channel) in case.estimates.channels().iter().enumerate().filter(|(_, c)| c.is_parameter()) {
+    let is_estimated = |channel: crate::Channel| channel.is_parameter() && !case.estimates.considers(channel);
+    for (place, &channel) in case.estimates.channels().iter().enumerate().filter(|(_, c)| is_estimated(**c)) {
         let first = case.estimates.initial_std(place);
         let (third, now) =
             (case.estimates.std(case.samples.start + case.len() * 2 / 3, place), case.estimates.std(last, place));
@@ -55,7 +56,8 @@ fn wind_up(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
 
 fn unlearnt(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
     let Some(last) = case.last() else { return };
-    let of = |channel: crate::Channel| channel.is_parameter() && !channel.is_augmentation();
+    let is_considered = |channel| case.estimates.considers(channel);
+    let of = |channel: crate::Channel| channel.is_parameter() && !channel.is_augmentation() && !is_considered(channel);
     for (place, &channel) in case.estimates.channels().iter().enumerate().filter(|(_, c)| of(**c)) {
         let first = case.estimates.initial_std(place);
         if first <= 0.0 {

@@ -1,0 +1,133 @@
+//! What a filter counts and does not estimate.
+#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
+
+use kalmanscope_core::Record;
+use kalmanscope_core::filter::{
+    Adaptation, Correction, Filter, Gaussian, Matrix, Moments, Noise, Rule, SquareRoot, Vector,
+};
+use kalmanscope_core::{
+    Channel, FilterKind, FilterSettings, Hold, Model, PlantKind, Quantity, Run, Scenario, Sensor, simulate,
+};
+
+/// A filter of a displacement and a velocity whose bias is considered, beside the formula of Schmidt with H.
+#[test]
+fn an_update_is_that_of_schmidt() {
+    let bias = Quantity::DISPLACEMENT.bias();
+    let model = Model::new(PlantKind::SDOF).augmented([bias]);
+    let (mean, std) = ([0.1, 0.0, 6.0, 0.05, 0.02], [0.1, 0.3, 1.0, 0.03, 0.05]);
+    let initial = Gaussian::independent(mean.to_vec().into(), &std.to_vec().into());
+    let noise = Noise { process: Matrix::identity(5, 5) * 1e-7, sensors: vec![1e-4, 1e-3], fading: 1.0 };
+    let sensors = [Quantity::DISPLACEMENT, Quantity::VELOCITY];
+    let begin = |belief| {
+        let filter = Filter::<dyn kalmanscope_core::filter::Belief>::new(
+            model.clone(),
+            belief,
+            0.01,
+            Hold::Zero,
+            noise.clone(),
+            &sensors,
+            Adaptation::default(),
+        );
+        filter.with_considered(&[3, 4])
+    };
+    let mut h = Matrix::zeros(2, 5);
+    (h[(0, 0)], h[(0, 4)], h[(1, 1)]) = (1.0, 1.0, 1.0);
+    let r = Matrix::from_diagonal(&Vector::from(vec![1e-4, 1e-3]));
+    for belief in [
+        Box::new(Moments::sigma_points(initial.clone(), Rule::Unscented)) as Box<dyn kalmanscope_core::filter::Belief>,
+        Box::new(SquareRoot::new(&initial).unwrap()),
+    ] {
+        let mut filter = begin(belief);
+        let mut correction = Correction::default();
+        for k in 0..60 {
+            filter.predict([2.0 * f64::from(k).sin(), 0.0]).unwrap();
+            let mut before = filter.belief().gaussian().into_owned();
+            before.cov.fill_upper_triangle_with_lower_triangle();
+            let z = Vector::from(vec![0.1 * (0.06 * f64::from(k)).cos(), -0.6 * (0.06 * f64::from(k)).sin()]);
+            filter.update(0.0, z.as_slice(), &mut correction).unwrap();
+            let s = &h * &before.cov * h.transpose() + &r;
+            let mut gain = &before.cov * h.transpose() * s.clone().try_inverse().unwrap();
+            gain.row_mut(3).fill(0.0);
+            gain.row_mut(4).fill(0.0);
+            let less = Matrix::identity(5, 5) - &gain * &h;
+            let cov = &less * &before.cov * less.transpose() + &gain * &r * gain.transpose();
+            let mean = &before.mean + &gain * (z - &h * &before.mean);
+            let after = filter.belief().gaussian();
+            assert!((&after.mean - mean).amax() < 1e-10, "sample {k}");
+            assert!((&after.cov - cov).amax() < 1e-10, "sample {k}");
+            assert!((&correction.gain - gain).amax() < 1e-9, "sample {k}");
+        }
+    }
+}
+
+/// An oscillator whose input has another gain for each seed, and three filters: the gain is taken for known, estimated, considered.
+fn shaken(seed: u64) -> (Scenario, Record) {
+    let mut scenario = Scenario { seed, duration: 20.0, filters: Vec::new(), ..Scenario::default() };
+    scenario.plant.set(Channel::NATURAL_FREQUENCY, 6.0);
+    scenario.sensors.clear();
+    scenario.add_sensor(Sensor::new(Quantity::DISPLACEMENT, 0.01));
+    let gain = 1.0 + 0.15 * [1.1, -0.4, 0.7, -1.5, 0.2, -0.9, 1.6, -0.1, 0.5, -1.2][seed as usize % 10];
+    scenario.plant.set(Channel::INPUT_GAIN, gain);
+    for (std, consider) in [(0.0, vec![]), (0.15, vec![]), (0.15, vec![Channel::INPUT_GAIN])] {
+        let mut filter = FilterSettings { augment: vec![Channel::INPUT_GAIN], consider, ..FilterSettings::default() };
+        filter.sensor_std = vec![0.01];
+        filter.initial_mean[Channel::NATURAL_FREQUENCY] = 6.2;
+        filter.initial_std[Channel::NATURAL_FREQUENCY] = 0.3;
+        filter.initial_std[Channel::INPUT_GAIN] = std;
+        filter.process_std[Channel::INPUT_GAIN] = 0.0;
+        scenario.filters.push(filter);
+    }
+    scenario.number_filters();
+    let record = simulate(&scenario);
+    (scenario, record)
+}
+
+#[test]
+fn a_gain_that_is_considered_keeps_its_band_and_makes_the_others_honest() {
+    let mut inside = [0; 3];
+    for seed in 0..20 {
+        let (scenario, record) = shaken(seed);
+        let mut run = Run::on_record(&scenario, record.into()).unwrap();
+        run.finish();
+        for (filter, inside) in run.estimates().iter().zip(&mut inside) {
+            let last = filter.len() - 1;
+            let place = filter.place(Channel::DAMPING_RATIO).unwrap();
+            let truth = run.record().truth(Channel::DAMPING_RATIO).unwrap()[last];
+            *inside += u32::from((filter.mean(last)[place] - truth).abs() < 2.0 * filter.std(last, place));
+        }
+        let considered = &run.estimates()[2];
+        let place = considered.place(Channel::INPUT_GAIN).unwrap();
+        for k in 0..considered.len() {
+            assert_eq!((considered.mean(k)[place], considered.std(k, place)), (1.0, 0.15));
+            assert_eq!(considered.gain(k)[place], 0.0);
+        }
+        assert!(considered.considers(Channel::INPUT_GAIN));
+    }
+    assert!(inside[0] < 12 && inside[1] >= 18 && inside[2] >= 18, "{inside:?} of 20 bands of ζ have the truth");
+}
+
+#[test]
+fn what_does_not_go_with_it_is_refused_in_words() {
+    let (scenario, _) = shaken(0);
+    let with = |change: &dyn Fn(&mut FilterSettings)| {
+        let mut scenario = scenario.clone();
+        change(&mut scenario.filters[2]);
+        scenario.validate().map_err(|error| error.to_string())
+    };
+    assert_eq!(with(&|_| ()), Ok(()));
+    let all: [(&str, &dyn Fn(&mut FilterSettings)); 5] = [
+        ("jumps", &|filter| filter.jump = true),
+        ("learns noise", &|filter| filter.adaptation.process_noise = true),
+        ("smoother", &|filter| filter.smoother = true),
+        ("samples its belief", &|filter| filter.kind = FilterKind::ENKF),
+        ("several guesses", &|filter| filter.guesses = 3),
+    ];
+    for (words, change) in all {
+        let error = with(change).unwrap_err();
+        assert!(error.contains("consider") && error.contains(words), "{error}");
+    }
+    let unknown = with(&|filter| filter.consider = vec![Channel::DISPLACEMENT]).unwrap_err();
+    assert!(unknown.contains("filters[2].consider[0]"), "{unknown}");
+    let known = with(&|filter| (filter.kind, filter.consider) = (FilterKind::KF, vec![Channel::DAMPING_RATIO]));
+    assert!(known.unwrap_err().contains("does not know"));
+}
