@@ -46,6 +46,7 @@ pub const BUILT_IN: &[BuiltIn] = built_in![
     "R wrong by ten": "r-wrong-by-ten",
     "Outliers": "outliers",
     "Which damping": "which-damping",
+    "A hum": "hum",
 ];
 
 /// Scenarios with an equation as their plant, in the menu's order.
