@@ -251,3 +251,27 @@ fn a_number_that_a_filter_lacks_is_not_called_known() {
     assert_eq!(screen.query_all_by_label("–").count(), 3, "guess, σ and √Q of the gain of the UKF");
     assert_eq!(screen.query_all_by_label("known").count(), 0);
 }
+
+#[test]
+fn a_parameter_can_be_counted_and_not_learnt() {
+    let mut screen = workbench();
+    screen.state_mut().session_mut().set_scenario(Scenario::default());
+    screen.run_steps(2);
+    screen.get_all_by_label("Options").next().expect("the first filter has options").click();
+    screen.run_steps(4);
+    choose(&mut screen, "EKF learns", "ζ damping ratio");
+    assert_eq!(scenario(&screen).filters[0].consider, [Channel::DAMPING_RATIO]);
+    assert_eq!(screen.state().session().problem(), None);
+    let estimates = &screen.state().session().run().estimates()[0];
+    let place = estimates.place(Channel::DAMPING_RATIO).expect("it is in the state");
+    let last = estimates.len() - 1;
+    // Its process noise alone moves the band.
+    let grown = estimates.std(last, place) / estimates.initial_std(place);
+    assert!(last > 3 && (grown - 1.0).abs() < 0.01, "{last} {grown}");
+    // A smoother does not go with it.
+    screen.key_press(Key::Escape);
+    screen.run_steps(2);
+    click(&mut screen, "EKF hindsight");
+    screen.run_steps(3);
+    assert_eq!((scenario(&screen).filters[0].consider.len(), screen.state().session().problem()), (0, None));
+}

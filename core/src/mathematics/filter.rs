@@ -241,7 +241,7 @@ impl<B: Belief + ?Sized> Filter<B> {
     }
 
     /// The same filter, which does not estimate the components at these places but counts their uncertainty: an update keeps their
-    /// means and covariance, and its gain for them is zero. A belief that is a random sample estimates them all the same.
+    /// means and covariance, its gain for them is zero, and fading does not widen them. A belief that is a random sample estimates them all the same.
     ///
     /// Source: Schmidt (1966), Application of state-space methods to navigation problems.
     #[must_use]
@@ -342,7 +342,9 @@ impl<B: Belief + ?Sized> Filter<B> {
         if !forces.iter().all(|force| force.is_finite()) {
             return Err(FilterError::UndefinedForce);
         }
-        self.belief.predict(&self.model, Step { forces, dt }, noise)
+        let Self { model, belief, considered, .. } = self;
+        belief.predict(model, Step { forces, dt }, noise)?;
+        considered.as_ref().map_or(Ok(()), |considered| considered.keep(&mut **belief, noise))
     }
 
     /// [`Self::predict`], which calls `before` with model, belief and the next part of the step, before each part.
@@ -355,7 +357,7 @@ impl<B: Belief + ?Sized> Filter<B> {
         if !whole.forces.iter().all(|force| force.is_finite()) {
             return Err(FilterError::UndefinedForce);
         }
-        let Self { model, noise, jump, substeps, belief, white, .. } = self;
+        let Self { model, noise, jump, substeps, belief, white, considered, .. } = self;
         let mut wide = None;
         if let Some(widening) = jump.as_mut().and_then(Jump::widening) {
             let Noise { process, .. } = wide.insert(noise.clone());
@@ -379,6 +381,9 @@ impl<B: Belief + ?Sized> Filter<B> {
                     white.renew(&mut **belief)?;
                 }
             }
+        }
+        if let Some(considered) = considered {
+            considered.keep(&mut **belief, noise)?;
         }
         let Some(white) = white.filter(|_| renewed == steps) else { return Ok(()) };
         before(model, belief, Part::Renewal(white.place))?;

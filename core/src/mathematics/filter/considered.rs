@@ -7,8 +7,11 @@
 //!
 //! with the Kₓ of an ordinary update: its other blocks are those of that update, so that only the mean and the covariance of what
 //! is considered have to be put back. The sum of the ordinary P⁺ and `Kc S Kcᵀ` is a covariance.
+//!
+//! What is not learnt is not forgotten either: fading does not widen it. With λ on all of P the prediction is undone to
+//! `D (P⁻ - Q) D + Q`, where D has `1/√λ` for what is considered, and else 1.
 
-use super::{Belief, Correction, FilterError, Gaussian};
+use super::{Belief, Correction, FilterError, Gaussian, Noise};
 
 /// The places of such components, with what is known of all components before an update.
 #[derive(Clone, Debug)]
@@ -22,6 +25,26 @@ impl Considered {
     pub(super) fn new(places: &[usize]) -> Option<Self> {
         let nothing = Gaussian { mean: super::Vector::zeros(0), cov: super::Matrix::zeros(0, 0) };
         (!places.is_empty()).then(|| Self { places: places.to_vec(), before: nothing })
+    }
+
+    /// Takes the fading of a prediction with this noise away.
+    ///
+    /// # Errors
+    /// Those of [`Belief::replace`].
+    pub(super) fn keep<B: Belief + ?Sized>(&self, belief: &mut B, noise: &Noise) -> Result<(), FilterError> {
+        if noise.fading == 1.0 {
+            return Ok(());
+        }
+        let mut after = belief.gaussian().into_owned();
+        after.cov.fill_upper_triangle_with_lower_triangle();
+        after.cov -= &noise.process;
+        let scale = 1.0 / noise.fading.sqrt();
+        for &i in &self.places {
+            after.cov.row_mut(i).scale_mut(scale);
+            after.cov.column_mut(i).scale_mut(scale);
+        }
+        after.cov += &noise.process;
+        belief.replace(&after).map(|_| ())
     }
 
     /// Takes in a belief before an update.
