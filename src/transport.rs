@@ -148,16 +148,18 @@ fn open_outside_ui(ui: &mut Ui, requests: &mut Vec<Request>) {
     }
 }
 
-/// The width of the time in figures, so that the timeline does not move \[points\].
+/// The width of the time in figures, so that the timeline does not move \[points\]; and that in hours, minutes and seconds.
 const TIME_WIDTH: f32 = 104.0;
+const CLOCK_WIDTH: f32 = 146.0;
 
 /// The time on screen and the last one.
 fn time_ui(ui: &mut Ui, session: &Session, requests: &mut Vec<Request>) {
     let start = session.run().record().time_of(0);
     let end = start + session.end();
-    let size = vec2(TIME_WIDTH, ui.spacing().interact_size.y);
+    let width = if end > LONG { CLOCK_WIDTH } else { TIME_WIDTH };
+    let size = vec2(width, ui.spacing().interact_size.y);
     ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
-        ui.set_min_width(TIME_WIDTH);
+        ui.set_min_width(width);
         if let Some(share) = session.progress() {
             progress_ui(ui, share);
         } else if end > LONG {

@@ -260,10 +260,12 @@ fn frames_while_a_slider_is_dragged() {
         page.prepare(frames::STOPWATCH).await;
         starts(&page, &address).await;
         page.click("Whole record", 0.5).await;
+        page.click("All settings", 0.5).await;
         println!("{:<50} {:>6} {:>9} {:>9}  processor [ms]", "", "1/s", "page [ms]", "most [ms]");
         frames_of_each_slider(&page, driver.process(), "default views").await;
         // The settings are scrolled to the second slider: begin at the top again.
         starts(&page, &address).await;
+        page.click("All settings", 0.5).await;
         page.click("Views", 0.5).await;
         for view in ["Errors", "Innovations", "NIS and NEES"] {
             page.click(view, 0.5).await;

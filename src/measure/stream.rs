@@ -124,7 +124,7 @@ impl Instrument for Stream {
             ui.label(format!("Waiting for readings … {}", self.device.hint()));
             return;
         };
-        let rate = self.taken.saturating_sub(1) as f64 / (last - first).max(f64::MIN_POSITIVE);
+        let rate = (self.taken - self.refused).saturating_sub(1) as f64 / (last - first).max(f64::MIN_POSITIVE);
         ui.label(format!("{} s, {} readings a second.", fixed(last - first, 1), fixed(rate, 1)));
         for sentence in self.sentences() {
             ui.colored_label(palette.warning, sentence);

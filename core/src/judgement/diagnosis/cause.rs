@@ -33,8 +33,9 @@ use std::ops::Range;
 
 use super::case::Case;
 use super::evidence::Evidence;
+use super::periodogram::Periodogram;
 use crate::data::setting::Edit;
-use crate::{Channel, FilterSettings, Scenario};
+use crate::{Channel, FilterSettings, Quantity, Scenario};
 
 /// Every cause. A new one is a file and a line here.
 pub static CAUSES: &[&Cause] = &[
@@ -106,6 +107,8 @@ pub struct LikelyCause {
     pub(crate) sign: Option<Sign>,
     /// Whether a hardening spring, once found, rules it out.
     pub(crate) softens: bool,
+    /// Whether its remedy begins with another guess of the frequency too.
+    pub(crate) renews_guess: bool,
     /// Whether it is a fault of the record that no setting can mend: it comes before every other cause.
     pub(crate) of_record: bool,
     /// Whether its remedy silences a sensor instead of explaining it: it comes after every other cause.
@@ -155,6 +158,18 @@ impl BadFilter<'_> {
         rms(&self.case.estimates.canonical_means(place)[self.case.samples.clone()])
     }
 
+    /// The frequency with the most power in the measurements of displacement or velocity \[rad/s\].
+    pub(crate) fn measured_peak(&self) -> Option<f64> {
+        let record = self.case.record;
+        let is_motion = |sensor: &Quantity| [Quantity::DISPLACEMENT, Quantity::VELOCITY].contains(sensor);
+        let quantity = self.case.sensors.iter().map(|one| one.sensor).find(is_motion)?;
+        let measured = record.measured_quantity(quantity)?.iter();
+        let values: Vec<f64> = measured.map(|x| if x.is_nan() { 0.0 } else { *x }).collect();
+        let all = 0..values.len();
+        let (_, turn) = Periodogram::of_all(&[&values], &[all]).first()?.peak()?;
+        Some(turn / record.dt())
+    }
+
     /// The root mean square of the input \[m/s²\].
     pub(crate) fn input_size(&self) -> f64 {
         rms(&self.case.record.input()[self.case.samples.clone()])
@@ -177,6 +192,7 @@ impl LikelyCause {
             samples: None,
             sign: None,
             softens: false,
+            renews_guess: false,
             of_record: false,
             silences: false,
         }

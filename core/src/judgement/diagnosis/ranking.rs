@@ -56,8 +56,13 @@ impl Trials {
                     && (outcome.is_good() || !softening.is_good())
             })
         };
+        // Another plant begins with another guess: where that alone is enough, the plant was right.
+        let is_of_guess = tried().any(|(likely, outcome)| likely.cause.key == "initial_guess" && outcome.is_good());
+        let is_explained = |likely: &LikelyCause, outcome: &Outcome| {
+            (likely.softens && hardens(outcome)) || (likely.renews_guess && is_of_guess)
+        };
         let mut all: Vec<Ranked> = Vec::new();
-        for (likely, outcome) in tried().filter(|(likely, outcome)| !(likely.softens && hardens(outcome))) {
+        for (likely, outcome) in tried().filter(|(likely, outcome)| !is_explained(likely, outcome)) {
             let mut gain = outcome.log_likelihood - before.log_likelihood - penalty * likely.fitted;
             if let Some(own) = self.own_likelihood().filter(|_| likely.cause.key == "collapsed_sample") {
                 gain = before.log_likelihood - own;

@@ -2,9 +2,8 @@
 
 use super::{BadFilter, Cause, LikelyCause};
 use crate::judgement::diagnosis::evidence::Subject;
-use crate::judgement::diagnosis::periodogram::Periodogram;
 use crate::judgement::diagnosis::words::short;
-use crate::{Channel, PlantKind, Quantity};
+use crate::{Channel, PlantKind};
 
 /// The stiffness of both storeys over the square of the lower frequency of two equal storeys: `(1 + √5)² / 4`.
 const STIFFNESS: f64 = 2.618;
@@ -32,7 +31,7 @@ fn likely_causes(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
     let when = line.map_or(String::new(), |(_, frequency, _)| format!(", near {} rad/s", short(frequency)));
     // The first mode, as far as the filter and the measurements know it.
     let mut frequencies = vec![case.estimates.initial_mean(place).abs()];
-    frequencies.extend(measured_peak(bad));
+    frequencies.extend(bad.measured_peak());
     for frequency in frequencies {
         let stiffness = STIFFNESS * frequency * frequency;
         let mut edits = vec![bad.edit("plant", PlantKind::SHEAR_2.key())];
@@ -52,22 +51,7 @@ fn likely_causes(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
             edits.push(bad.edit(&format!("initial_std.{}", second.key()), bad.filter.initial_std[first]));
             edits.push(bad.edit(&format!("process_std.{}", second.key()), bad.filter.process_std[first]));
         }
-        found.push(LikelyCause::new(cause, weight, 1.0, edits, format!("the model lacks a mode{when}")));
+        let likely = LikelyCause::new(cause, weight, 1.0, edits, format!("the model lacks a mode{when}"));
+        found.push(LikelyCause { renews_guess: true, ..likely });
     }
-}
-
-/// The frequency with the most power in the measurements \[rad/s\].
-fn measured_peak(bad: &BadFilter<'_>) -> Option<f64> {
-    let record = bad.case.record;
-    let quantity = bad
-        .case
-        .sensors
-        .iter()
-        .map(|one| one.sensor)
-        .find(|&sensor| sensor == Quantity::DISPLACEMENT || sensor == Quantity::VELOCITY)?;
-    let values: Vec<f64> =
-        record.measured_quantity(quantity)?.iter().map(|x| if x.is_nan() { 0.0 } else { *x }).collect();
-    let all = 0..values.len();
-    let (_, turn) = Periodogram::of_all(&[&values], &[all]).first()?.peak()?;
-    Some(turn / record.dt())
 }
