@@ -9,7 +9,7 @@ use egui::{
     Vec2, vec2,
 };
 
-use crate::thumbnail::Picture;
+use crate::spark::Picture;
 
 /// The distance of a menu's contents from its button and from the window's edge, together \[points\].
 const MARGINS: f32 = 28.0;
@@ -66,11 +66,9 @@ pub(crate) fn entry_ui(ui: &mut Ui, title: &str, sentence: &str, picture: Option
     let mut text = LayoutJob::default();
     text.append(&format!("{title}\n"), 0.0, TextFormat::simple(body, ui.visuals().strong_text_color()));
     text.append(sentence, 0.0, TextFormat::simple(small, ui.visuals().weak_text_color()));
-    let (color, faint) = (ui.visuals().text_color(), ui.visuals().weak_text_color().gamma_multiply(0.6));
+    let colors = [ui.visuals().text_color(), ui.visuals().weak_text_color().gamma_multiply(0.6)];
     let paint = move |ui: &Ui, place: AtomPaintArgs| {
-        let Some(picture) = &picture else { return };
-        picture.truth.iter().for_each(|truth| truth.paint(ui.painter(), place.rect, faint));
-        picture.course.paint(ui.painter(), place.rect, color);
+        picture.iter().for_each(|picture| picture.paint(ui.painter(), place.rect, colors));
     };
     let button = ui.add(
         Button::new((Atom::paint(PICTURE, paint), text))

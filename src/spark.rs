@@ -70,3 +70,19 @@ impl Spark {
         painter.add(mesh);
     }
 }
+
+/// A small picture of a course over time.
+pub(crate) struct Picture {
+    /// The course.
+    pub(crate) course: Spark,
+    /// The truth, if that is another one.
+    pub(crate) truth: Option<Spark>,
+}
+
+impl Picture {
+    /// Draws it into a rectangle, the truth in a faint colour below the course.
+    pub(crate) fn paint(&self, painter: &Painter, rect: Rect, [color, faint]: [Color32; 2]) {
+        self.truth.iter().for_each(|truth| truth.paint(painter, rect, faint));
+        self.course.paint(painter, rect, color);
+    }
+}

@@ -7,15 +7,7 @@ use kalmanscope_core::{Channel, Run, Scenario, simulate};
 use kalmanscope_lessons::records::source;
 use kalmanscope_lessons::{BuiltIn, Lesson};
 
-use crate::spark::{Spark, range};
-
-/// A picture of a menu.
-pub(crate) struct Picture {
-    /// The course.
-    pub(crate) course: Spark,
-    /// The truth, if that is another one.
-    pub(crate) truth: Option<Spark>,
-}
+use crate::spark::{Picture, Spark, range};
 
 /// The share of a record at its beginning in which an estimate may leave the picture.
 const BEGINNING: usize = 20;

@@ -100,7 +100,7 @@ fn a_sine_of_unknown_frequency_is_an_oscillator_in_the_equation() {
                 initial_mean = { w = 10.0 }\ninitial_std = { u = 3.0, s = 30.0, w = 1.0 }\n\
                 process_std = { natural_frequency = 0, damping_ratio = 0, displacement = 0, velocity = 1e-4, u = 0, s = 0, w = 0 }\n";
     let counts = inside(&format!("{PLAIN}{told}"), 16, |normal| {
-        let (frequency, phase) = (9.0 + 2.0 * normal.uniform(), 6.28 * normal.uniform());
+        let (frequency, phase) = (9.0 + 2.0 * normal.uniform(), std::f64::consts::TAU * normal.uniform());
         Box::new(move |k, _| 3.0 * (frequency * DT * k as f64 + phase).sin())
     });
     assert!(counts[0] < 12 && counts[1] >= 27, "{counts:?} of 32 bands");

@@ -234,7 +234,7 @@ fn the_edge_of_a_band_selects_its_filter_too() {
     // The filters are not sure yet, and their bands are wide.
     let rows = (0..rect.height() as usize / 3).map(|row| egui::pos2(rect.left() + 12.0, rect.top() + 3.0 * row as f32));
     let places: Vec<egui::Pos2> = rows.collect();
-    let mut selecting = |screen: &mut Screen| -> Vec<egui::Pos2> {
+    let selecting = |screen: &mut Screen| -> Vec<egui::Pos2> {
         let is_hand = |place: &&egui::Pos2| {
             screen.hover_at(**place);
             screen.run_steps(2);

@@ -47,6 +47,7 @@ mod reader;
 mod remarks;
 mod resample;
 mod ring;
+mod role;
 mod rows_reader;
 mod samples;
 mod sentinel;

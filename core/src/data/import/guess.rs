@@ -1,45 +1,9 @@
 //! A guess at the meaning of a file's columns.
 
 use super::own_clocks::clocks;
-use super::unit::{Dimension, unit};
+use super::role::{Role, has_word, role_of};
 use super::{Column, MappedColumn, Mapping, Ring, Table, Time};
 use crate::{InputKind, Quantity};
-
-/// The meaning of a column, from its header.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Role {
-    Time,
-    Input(InputKind),
-    Sensor(Quantity),
-}
-
-/// Words in names, in the order in which they are looked for. Those of one or two letters must be the whole name.
-const WORDS: [(&[&str], Role); 7] = [
-    (&["ground_acceleration", "ground", "base", "boden"], Role::Input(InputKind::GroundAcceleration)),
-    (&["total_acceleration"], Role::Sensor(Quantity::TOTAL_ACCELERATION)),
-    (&["force", "input", "load", "kraft", "excitation", "drive", "f", "u", "in", "v1"], Role::Input(InputKind::Force)),
-    (&["time", "zeit", "seconds", "stamp", "temps", "t", "s"], Role::Time),
-    (&["acceleration", "accel", "acc", "beschl", "a", "ax", "ay", "az"], Role::Sensor(Quantity::ACCELERATION)),
-    (&["velocity", "speed", "geschw", "vel", "v"], Role::Sensor(Quantity::VELOCITY)),
-    (
-        &[
-            "displacement",
-            "disp",
-            "position",
-            "pos",
-            "angle",
-            "deflection",
-            "weg",
-            "output",
-            "winkel",
-            "sound",
-            "x",
-            "y",
-            "v2",
-        ],
-        Role::Sensor(Quantity::DISPLACEMENT),
-    ),
-];
 
 /// Words in names of columns that are neither input nor motion of the oscillator. Those of one or two letters must be the whole
 /// word.
@@ -98,9 +62,6 @@ impl ColumnGuess {
     }
 }
 
-const NAMED: &str = "its name says so";
-const BY_UNIT: &str = "its unit says so";
-const BY_CLOCK: &str = "its cells are times of day";
 const BY_SHAPE: &str = "its numbers rise evenly";
 const FIRST_FREE: &str = "guessed: the first column without a meaning, and no other is one";
 const LOST: &str = "another column has that meaning already";
@@ -111,46 +72,6 @@ const SEVERAL: &str = "it may be the input, but others may be too: name it, if o
 const NO_NUMBERS: &str = "it has no numbers";
 const CLOCK: &str = "it has the times of the columns behind it";
 const TRUTH: &str = "the truth of a simulated record";
-
-fn role_of(column: &Column) -> Option<(Role, &'static str)> {
-    if let Some(quantity) = Quantity::from_key(&column.name) {
-        return Some((Role::Sensor(quantity), NAMED));
-    }
-    if column.is_dated || column.is_time_of_day {
-        return Some((Role::Time, BY_CLOCK));
-    }
-    let named = WORDS.iter().find(|(words, _)| has_word(&column.name, words)).map(|(_, role)| *role);
-    let of_unit = || match unit(column.unit.as_deref()?)?.0 {
-        Dimension::Time => Some(Role::Time),
-        Dimension::Length | Dimension::Angle => Some(Role::Sensor(Quantity::DISPLACEMENT)),
-        Dimension::Velocity => Some(Role::Sensor(Quantity::VELOCITY)),
-        Dimension::Acceleration => Some(Role::Sensor(Quantity::ACCELERATION)),
-        Dimension::Force => Some(Role::Input(InputKind::Force)),
-        Dimension::Voltage => None,
-    };
-    // A unit is more reliable than a word: the A in a channel's name may be a station.
-    let agrees = |role: Role| match of_unit() {
-        Some(of_unit) if matches!(role, Role::Sensor(_)) => {
-            let is_total = role == Role::Sensor(Quantity::TOTAL_ACCELERATION);
-            of_unit == role || (is_total && of_unit == Role::Sensor(Quantity::ACCELERATION))
-        }
-        _ => true,
-    };
-    let named = named.filter(|role| agrees(*role));
-    named.map(|role| (role, NAMED)).or_else(|| of_unit().map(|role| (role, BY_UNIT)))
-}
-
-/// Whether a column is one of times, by its cells, its name or its unit.
-pub(super) fn is_named_time(column: &Column) -> bool {
-    matches!(role_of(column), Some((Role::Time, _)))
-}
-
-/// Whether a name has one of some words; those of one or two letters must be whole.
-fn has_word(name: &str, words: &[&str]) -> bool {
-    let name = name.to_lowercase();
-    let whole: Vec<&str> = name.split(|c: char| !c.is_alphanumeric()).collect();
-    words.iter().any(|word| if word.len() > 2 { name.contains(word) } else { whole.contains(word) })
-}
 
 /// The reason why a column, by its name, is neither time, input nor motion.
 fn is_something_else(column: &Column) -> Option<&'static str> {

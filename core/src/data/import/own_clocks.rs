@@ -1,8 +1,8 @@
 //! A file in which columns have times of their own: `t1, force, t2, displacement`.
 
 use super::files::{Joined, join_named};
-use super::guess::is_named_time;
 use super::limits::FEWEST;
+use super::role::is_named_time;
 use super::{Column, ImportError, MappedColumn, Mapping, Table, Time, times};
 
 /// Two clocks that differ by less than this share of a step tell the same times.
@@ -153,11 +153,11 @@ mod tests {
             "{remarks:?}"
         );
         let (measured, mut there) = (record.measured_quantity(Quantity::DISPLACEMENT).unwrap(), 0);
-        for k in 0..record.len() {
+        for (k, (input, measured)) in record.input().iter().zip(measured).enumerate() {
             let time = record.time(k);
-            assert!((record.input()[k] - libm::sin(3.0 * time)).abs() < 1e-6, "the input at {time} s");
-            if !measured[k].is_nan() {
-                assert!((measured[k] - 1e-3 * libm::cos(2.0 * time)).abs() < 1e-6, "the reading at {time} s");
+            assert!((input - libm::sin(3.0 * time)).abs() < 1e-6, "the input at {time} s");
+            if !measured.is_nan() {
+                assert!((measured - 1e-3 * libm::cos(2.0 * time)).abs() < 1e-6, "the reading at {time} s");
                 there += 1;
             }
         }
