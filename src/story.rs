@@ -93,8 +93,6 @@ fn keep_stop_ui(ui: &mut Ui, phrase: &Phrase, next: Option<&Phrase>) {
     if stop.is_empty() || matches!(phrase, Phrase::Words(_)) {
         return;
     }
-    // A row ends behind the space.
-    let stop = stop + " ";
     let width = |text: String, family: egui::FontFamily| {
         ui.painter().layout_no_wrap(text, FontId::new(SIZE, family), Color32::WHITE).size().x
     };

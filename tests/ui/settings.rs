@@ -271,7 +271,7 @@ fn a_parameter_can_be_counted_and_not_learnt() {
     // A smoother does not go with it.
     screen.key_press(Key::Escape);
     screen.run_steps(2);
-    click(&mut screen, "EKF hindsight");
+    click(&mut screen, "EKF: hindsight");
     screen.run_steps(3);
     assert_eq!((scenario(&screen).filters[0].consider.len(), screen.state().session().problem()), (0, None));
 }

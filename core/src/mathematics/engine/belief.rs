@@ -47,6 +47,12 @@ impl<T: Number> Belief<T> {
         self.mean.len()
     }
 
+    /// Makes it a copy of another one of the same size, in its own memory, which a derived `clone_from` would not use.
+    pub(super) fn copy_from(&mut self, other: &Self) {
+        self.mean.copy_from_slice(&other.mean);
+        self.cov.copy_from_slice(&other.cov);
+    }
+
     /// `λ P + Q` in place of P. A variance that rounding made negative becomes zero.
     #[inline(always)]
     pub(crate) fn spread<L: Level>(&mut self, level: L, noise: &Noise<T>) {

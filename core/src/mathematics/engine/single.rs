@@ -296,12 +296,6 @@ impl<'a> Parts<'a> {
 }
 
 impl Belief<f64> {
-    /// Makes it a copy of another one of the same size, in its own memory, which a derived `clone_from` would not use.
-    fn copy_from(&mut self, other: &Self) {
-        self.mean.copy_from_slice(&other.mean);
-        self.cov.copy_from_slice(&other.cov);
-    }
-
     fn take(&mut self, moments: &Moments<'_>) {
         self.mean.copy_from_slice(moments.mean);
         self.cov.copy_from_slice(moments.cov);

@@ -63,7 +63,7 @@ impl<T: Number> Weighing<T> {
         update: &mut Update<T>,
         held: &mut Held<T::Mask>,
     ) -> Told<T> {
-        self.before.clone_from(belief);
+        self.before.copy_from(belief);
         let mut told = update.condition(level, design, belief, None, noise, observation, held);
         self.begin(update, noise, observation.measured);
         let mut settled = !held.but_likely();
@@ -72,7 +72,7 @@ impl<T: Number> Weighing<T> {
             if settled.all() {
                 break;
             }
-            belief.clone_from(&self.before);
+            belief.copy_from(&self.before);
             let Self { measured, noise, .. } = &*self;
             let observation = Observation { measured, ..observation };
             told = update.condition(level, design, belief, None, noise, observation, held);
