@@ -37,8 +37,8 @@ fn likely_causes(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
     };
     let there = level(std::slice::from_ref(&part));
     let elsewhere = level(&[case.samples.start..part.start, part.end..case.samples.end]);
-    // Without readings the level is NaN, which is no evidence.
-    let rises = there > RISE * elsewhere.max(1.0);
+    // Without readings, there or elsewhere, the level is NaN, which is no evidence.
+    let rises = there > RISE && there > RISE * elsewhere;
     if !rises {
         return;
     }
