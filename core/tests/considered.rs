@@ -1,11 +1,11 @@
-//! What a filter counts and does not estimate.
+//! Filters that count the uncertainty of some parameters without estimating them.
 
 use kalmanscope_core::Record;
 use kalmanscope_core::filter::{
-    Adaptation, Correction, Filter, Gaussian, Matrix, Moments, Noise, Rule, SquareRoot, Vector,
+    Adaptation, Correction, Filter, Gaussian, Matrix, Moments, Noise, Robust, Rule, SquareRoot, Vector,
 };
 use kalmanscope_core::{
-    Channel, FilterKind, FilterSettings, Hold, Model, PlantKind, Quantity, Run, Scenario, Sensor, simulate,
+    Channel, EventFilter, FilterKind, FilterSettings, Hold, Model, PlantKind, Quantity, Run, Scenario, Sensor, simulate,
 };
 
 /// A filter of a displacement and a velocity whose bias is considered, beside the formula of Schmidt with H.
@@ -111,6 +111,38 @@ fn a_gain_that_is_considered_keeps_its_band_and_makes_the_others_honest() {
         inside[0] < 12 && inside[1] >= 18 && inside[2] >= 18 && inside[3] >= 18,
         "{inside:?} of 20 bands of ζ have the truth"
     );
+}
+
+#[test]
+fn every_filter_that_may_consider_a_gain_leaves_it_alone() {
+    let (mut scenario, record) = shaken(3);
+    scenario.filters.drain(..2);
+    let record = std::sync::Arc::new(record);
+    let kinds = FilterKind::ALL.into_iter().filter(|kind| !kind.is_sampled());
+    for (kind, robust) in kinds.flat_map(|kind| Robust::ALL.map(|rule| (kind, rule))) {
+        for filter in &mut scenario.filters {
+            (filter.kind, filter.robust) = (kind, robust);
+        }
+        let mut run = Run::on_record(&scenario, record.clone()).unwrap();
+        run.finish();
+        let mut events = EventFilter::new(&scenario, 1).unwrap();
+        for k in 0..record.len() {
+            events.take(record.time(k), record.input()[k], &[record.measured(0)[k]]).unwrap();
+        }
+        let last = record.len() - 1;
+        for estimates in run.estimates() {
+            assert_eq!((estimates.stop(), estimates.len()), (None, record.len()), "{kind:?} {robust:?}");
+            let place = estimates.place(Channel::INPUT_GAIN).unwrap();
+            let (mean, std) = (estimates.mean(last)[place], estimates.std(last, place));
+            assert!(mean == 1.0 && (std - 0.15).abs() < 1e-9, "{kind:?} {robust:?}: {mean} ± {std}");
+        }
+        // A filter that follows events does the same, and one that forgets.
+        let estimates = &run.estimates()[1];
+        let n = estimates.channels().len();
+        let sample = events.take(record.time(last) + record.dt(), f64::NAN, &[f64::NAN]).unwrap();
+        let place = estimates.place(Channel::INPUT_GAIN).unwrap();
+        assert!(sample.mean[place] == 1.0 && (sample.cov[place * (n + 1)].sqrt() - 0.15).abs() < 1e-9, "{kind:?}");
+    }
 }
 
 #[test]

@@ -43,7 +43,7 @@ fn record(normal: &mut Normal, mut acts: impl FnMut(usize, &mut Normal) -> f64) 
     Record::new(DT, input, vec![(Quantity::DISPLACEMENT, measured)]).unwrap()
 }
 
-/// How many of the filters' bands of ωₙ and ζ have the truth at the end.
+/// Counts the bands of ωₙ and ζ that have the truth at the end, for each filter.
 fn inside(
     filters: &str,
     seeds: u64,

@@ -61,7 +61,7 @@ fn augment_ui(ui: &mut Ui, filter: &mut FilterSettings, plant: PlantKind, sensor
 fn consider_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantKind) {
     let offered: Vec<Channel> = if filter.can_consider() { filter.considerable(truth).collect() } else { Vec::new() };
     let FilterSettings { id, name, consider, .. } = filter;
-    // What is no longer in the state, or of no use to this kind of filter, goes.
+    // A filter that cannot consider a channel, or no longer has it, estimates it again or leaves it out.
     consider.retain(|channel| offered.contains(channel));
     if offered.is_empty() {
         return;

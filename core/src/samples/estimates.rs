@@ -57,7 +57,7 @@ pub struct Estimates {
     /// Recorded for a particle filter only.
     log_likelihood: Vec<f64>,
     effective_samples: Vec<f64>,
-    /// What the filter counts and does not estimate.
+    /// The channels whose uncertainty the filter counts without estimating them.
     considered: Vec<Channel>,
     /// Whether the filter weighs its readings; only then there are weights.
     weighs: bool,

@@ -1,4 +1,4 @@
-//! What the header of a column says of its meaning.
+//! The meaning of a column by its header.
 
 use super::Column;
 use super::unit::{Dimension, unit};

@@ -16,8 +16,8 @@ pub use error::LiveError;
 ///
 /// Each reading goes to its nearest sample; of several the nearest one is kept. Where readings are dense, as
 /// [`Self::smoothing`] says, it is shifted there along the cubic through those around it. The input is that of the scenario's
-/// hold, and zero before the first one that is told; one that is held counts from its nearest sample on. A sample is complete once something comes that is half a step later, and
-/// [`Self::waiting`] seconds more; nothing is added to it then.
+/// hold, and zero before the first one that is told; one that is held counts from its nearest sample on. A sample is complete
+/// once something comes that is half a step later, and [`Self::waiting`] seconds more; nothing is added to it then.
 ///
 /// ```
 /// use kalmanscope_core::record::LiveRecord;

@@ -158,6 +158,15 @@ impl BadFilter<'_> {
         rms(&self.case.estimates.canonical_means(place)[self.case.samples.clone()])
     }
 
+    /// The highest line in the spectra of the innovations: its power over the mean, and its frequency \[rad/s\].
+    pub(crate) fn line(&self) -> Option<(f64, f64)> {
+        let lines = self.case.sensors.iter().filter_map(|one| {
+            let (power, turn) = one.periodogram.peak()?;
+            Some((power / one.periodogram.mean(), turn / self.case.record.dt()))
+        });
+        lines.max_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
     /// The frequency with the most power in the measurements of displacement or velocity \[rad/s\].
     pub(crate) fn measured_peak(&self) -> Option<f64> {
         let record = self.case.record;

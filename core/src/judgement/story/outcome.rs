@@ -163,7 +163,7 @@ impl<'a> Outcome<'a> {
 
     /// The sentence on the filter.
     pub(super) fn sentence(&self, change: Option<&Change>) -> Vec<Phrase> {
-        // What a filter does not estimate, it cannot follow.
+        // A filter cannot follow a channel that it does not estimate.
         let is_told = |change: &&Change| self.main.as_ref().is_none_or(|main| main.channel == change.channel);
         let change = change.filter(is_told);
         let text = Writer::default().filter(self.filter.id, self.name);

@@ -1,4 +1,4 @@
-//! What filters take from their innovations besides the update, lane by lane: weights of the measurements, noise, and jumps.
+//! Filters that learn from their innovations, lane by lane: they weigh measurements, estimate their noise, and jump.
 
 use super::belief::{Belief, Noise};
 use super::design::Design;
@@ -9,13 +9,13 @@ use super::update::{Observation, Told, Update};
 use super::weighing::Weighing;
 use crate::mathematics::filter::jump::Jump;
 
-/// The memory of that.
+/// The memory of a filter that learns.
 #[derive(Clone, Debug)]
 pub(super) struct Learning<T> {
     weighing: Option<Weighing<T>>,
     /// One in each lane, or none.
     jumps: Vec<Jump>,
-    /// The diagonal of Q without what jumps add.
+    /// The diagonal of Q before a jump.
     narrow: Vec<T>,
     /// The change of the mean by an update.
     shift: Vec<T>,
@@ -25,7 +25,7 @@ pub(super) struct Learning<T> {
 }
 
 impl<T: Number> Learning<T> {
-    /// The memory for a design whose filters begin so; `None` where nothing is to be learnt. Q gets a whole matrix where it is.
+    /// The memory for filters that begin with this belief; `None` where they learn nothing. If they learn Q, it becomes a whole matrix.
     pub(super) fn new(design: &Design, belief: &Belief<T>, noise: &mut Noise<T>) -> Option<Box<Self>> {
         let Design { robust, adaptation, jumps, .. } = design;
         if !robust.is_on() && !adaptation.is_on() && !jumps {
@@ -46,7 +46,7 @@ impl<T: Number> Learning<T> {
         }))
     }
 
-    /// Adds what jumps add to Q for one prediction. Returns whether any lane jumps; then [`Self::narrow`] takes it away again.
+    /// Adds the variances of jumps to Q for one prediction. Returns whether any lane jumps; then [`Self::narrow`] restores Q.
     pub(super) fn widen(&mut self, design: &Design, noise: &mut Noise<T>) -> bool {
         let Self { jumps, narrow, .. } = self;
         let mut has_widened = false;

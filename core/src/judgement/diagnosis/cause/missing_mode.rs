@@ -21,16 +21,10 @@ fn likely_causes(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
     if believed.masses() != 1 {
         return;
     }
-    let case = bad.case;
-    let lines = case.sensors.iter().filter_map(|one| {
-        let (power, turn) = one.periodogram.peak()?;
-        Some((power / one.periodogram.mean(), turn / case.record.dt(), one.sensor))
-    });
-    let line = lines.max_by(|a, b| a.0.total_cmp(&b.0));
     let weight = 0.6 * bad.effect_of(|one| one.test.name.contains("spectrum") && one.subject != Subject::All);
-    let when = line.map_or(String::new(), |(_, frequency, _)| format!(", near {} rad/s", short(frequency)));
+    let when = bad.line().map_or(String::new(), |(_, frequency)| format!(", near {} rad/s", short(frequency)));
     // The first mode, as far as the filter and the measurements know it.
-    let mut frequencies = vec![case.estimates.initial_mean(place).abs()];
+    let mut frequencies = vec![bad.case.estimates.initial_mean(place).abs()];
     frequencies.extend(bad.measured_peak());
     for frequency in frequencies {
         let stiffness = STIFFNESS * frequency * frequency;

@@ -19,11 +19,7 @@ const LINE: f64 = 8.0;
 fn likely_causes(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
     let Some(oscillator) = Oscillator::of(bad) else { return };
     let case = bad.case;
-    let lines = case.sensors.iter().filter_map(|one| {
-        let (power, turn) = one.periodogram.peak()?;
-        Some((power / one.periodogram.mean(), turn / case.record.dt()))
-    });
-    let Some((height, line)) = lines.max_by(|a, b| a.0.total_cmp(&b.0)) else { return };
+    let Some((height, line)) = bad.line() else { return };
     if height < LINE || line <= 0.0 {
         return;
     }
