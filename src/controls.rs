@@ -20,7 +20,6 @@ mod signal;
 use egui::{Button, RichText, ScrollArea, Ui};
 use kalmanscope_core::{Scenario, Story};
 
-use crate::probe;
 use crate::session::Library;
 use crate::theme::{self, Palette};
 
@@ -47,9 +46,7 @@ pub fn few_controls_ui(ui: &mut Ui, scenario: &mut Scenario, story: &Story) -> (
             named::nothing_ui(ui);
         }
         let all = Button::new("All settings").min_size(egui::vec2(ui.available_width(), 30.0));
-        let all = ui.add(all).on_hover_text("Every filter, the truth, the force and the sensors");
-        probe::remember(ui.ctx(), "All settings", all.rect);
-        all.clicked()
+        ui.add(all).on_hover_text("Every filter, the truth, the force and the sensors").clicked()
     });
     (*scenario != before, wanted.inner)
 }

@@ -260,12 +260,8 @@ fn frames_while_a_slider_is_dragged() {
         page.prepare(frames::STOPWATCH).await;
         starts(&page, &address).await;
         page.click("Whole record", 0.5).await;
-        page.click("All settings", 0.5).await;
         println!("{:<50} {:>6} {:>9} {:>9}  processor [ms]", "", "1/s", "page [ms]", "most [ms]");
         frames_of_each_slider(&page, driver.process(), "default views").await;
-        // The settings are scrolled to the second slider: begin at the top again.
-        starts(&page, &address).await;
-        page.click("All settings", 0.5).await;
         page.click("Views", 0.5).await;
         for view in ["Errors", "Innovations", "NIS and NEES"] {
             page.click(view, 0.5).await;
@@ -276,7 +272,7 @@ fn frames_while_a_slider_is_dragged() {
 }
 
 async fn frames_of_each_slider(page: &Page, browser: u32, views: &str) {
-    for (slider, between) in [("λ of fading EKF", (0.05, 0.6)), ("Noise of the displacement sensor", (0.3, 0.7))] {
+    for (slider, between) in [("λ of fading EKF", (0.05, 0.6)), ("Loss of stiffness", (0.3, 0.7))] {
         let frames = frames::drag(page, browser, slider, between, Duration::from_secs(5)).await;
         let frames::Frames { per_second, page, longest, processes } = frames;
         print!("{:<50} {per_second:>6.1} {page:>9.1} {longest:>9.1} ", format!("{views}, {slider}"));
