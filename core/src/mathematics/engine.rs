@@ -8,7 +8,7 @@
 //!   sigma_points           the prediction of UKF and CKF       (runge_kutta)
 //!   square_root            the SR-UKF                          (triangle)
 //!   expected, update       the measurements, and the belief after them
-//!   learning               weights, noise and jumps from innovations   (weighing)
+//!   learning               weights, noise and jumps from innovations   (weighing, weights, residuals)
 //!   fault                  why a step does not hold
 //! logarithms               a belief over them in units
 //! list, builder, notes     equations as lists of operations
@@ -52,6 +52,7 @@ pub(crate) mod number;
 mod plain;
 pub(crate) mod plants;
 pub(crate) mod propagation;
+pub(crate) mod residuals;
 pub(crate) mod runge_kutta;
 pub(crate) mod sigma_points;
 pub(crate) mod single;
@@ -61,3 +62,4 @@ pub(crate) mod step;
 mod triangle;
 pub(crate) mod update;
 mod weighing;
+pub(crate) mod weights;

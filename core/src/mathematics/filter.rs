@@ -29,6 +29,7 @@ mod observation;
 mod particles;
 mod propagation;
 mod recursion;
+mod reported;
 pub mod robust;
 mod rule;
 mod sigma_points;

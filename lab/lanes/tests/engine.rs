@@ -43,9 +43,27 @@ fn check(runs: &[LaneRun<'_>], what: &str) -> Vec<Outcome> {
     singles
 }
 
+/// Whether the book or the engine runs a filter that is alone, and no kernel, whose bits are others.
+fn is_of_engine(scenario: &Scenario, place: usize) -> bool {
+    let filter = &scenario.filters[place];
+    let is_wide = !filter.augment.is_empty() || filter.log_parameters || filter.substeps > 1;
+    is_wide || filter.robust.is_on() || scenario.hold == Hold::First
+}
+
+/// Holds the lanes of a scenario's filters to their runs alone, over a record without a truth. Returns how many were compared.
+fn check_alone(scenario: &Scenario, record: &Record, what: &str) -> usize {
+    let of_engine: Vec<usize> = (0..scenario.filters.len()).filter(|place| is_of_engine(scenario, *place)).collect();
+    let runs: Vec<LaneRun<'_>> = of_engine.iter().map(|&place| LaneRun { scenario, place, record }).collect();
+    for (lane, &place) in outcomes_with(Level::best(), &runs, &[]).unwrap().iter().zip(&of_engine) {
+        let alone = Outcome::of(scenario, place, record).unwrap();
+        assert_eq!(bits(lane), bits(&alone), "{what}, filter {place}");
+    }
+    of_engine.len()
+}
+
 #[test]
 fn lanes_have_the_bits_of_a_single_number() {
-    let (mut runs_in_all, mut stopped, mut kinds) = (0, 0, Vec::new());
+    let (mut runs_in_all, mut stopped, mut alone, mut kinds) = (0, 0, 0, Vec::new());
     for seed in 0..250 {
         let scenario = ensemble(seed);
         let own = simulate(&scenario);
@@ -67,7 +85,9 @@ fn lanes_have_the_bits_of_a_single_number() {
             continue;
         }
         assert!(runs.iter().all(|run| serves(run).unwrap()));
-        let outcomes = check(&runs, &format!("seed {seed} {:?} {:?}", scenario.plant.kind, scenario.filters[0]));
+        let what = format!("seed {seed} {:?} {:?}", scenario.plant.kind, scenario.filters[0]);
+        let outcomes = check(&runs, &what);
+        alone += check_alone(&scenario, &records[0].clone().without_truth(), &what);
         runs_in_all += outcomes.len();
         stopped += outcomes.iter().filter(|outcome| outcome.stop.is_some()).count();
         for reason in outcomes.iter().filter_map(|outcome| outcome.stop).map(|stop| stop.reason) {
@@ -78,6 +98,7 @@ fn lanes_have_the_bits_of_a_single_number() {
     }
     assert!(runs_in_all > 1000, "{runs_in_all} runs go in lanes");
     assert!(stopped > runs_in_all / 20 && stopped < runs_in_all / 2, "{stopped} of {runs_in_all} runs stop");
+    assert!(alone > 1000, "{alone} filters are compared with themselves alone");
     assert!(kinds.len() >= 3, "they stop for these reasons: {kinds:?}");
 }
 
@@ -277,6 +298,7 @@ fn filters_that_learn_from_innovations_agree_with_the_single_filter() {
             }
             let what = format!("{plant:?} {kind:?} {robust:?} {adaptation:?} {jump} {log_parameters}");
             check_scores(&scenario, &record, &what, 1e-7);
+            check_alone(&scenario, &record.clone().without_truth(), &what);
             let run = |place| LaneRun { scenario: &scenario, place, record: &record };
             let runs: Vec<LaneRun<'_>> = (0..scenario.filters.len()).map(run).collect();
             let outcome = if seen.is_empty() {

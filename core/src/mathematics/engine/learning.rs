@@ -5,6 +5,7 @@ use super::design::Design;
 use super::fault::Held;
 use super::level::Level;
 use super::number::{Mask, Number};
+use super::residuals::Residuals;
 use super::update::{Observation, Told, Update};
 use super::weighing::Weighing;
 use crate::mathematics::filter::jump::Jump;
@@ -19,9 +20,7 @@ pub(super) struct Learning<T> {
     narrow: Vec<T>,
     /// The change of the mean by an update.
     shift: Vec<T>,
-    /// ε and `H P⁺ Hᵀ` of each measurement.
-    residuals: Vec<[T; 2]>,
-    inverse: Vec<T>,
+    residuals: Residuals<T>,
 }
 
 impl<T: Number> Learning<T> {
@@ -41,8 +40,7 @@ impl<T: Number> Learning<T> {
             jumps: (0..if *jumps { T::LANES } else { 0 }).map(|lane| Jump::new(variances(lane))).collect(),
             narrow: vec![T::of(0.0); n],
             shift: vec![T::of(0.0); n],
-            residuals: Vec::new(),
-            inverse: Vec::new(),
+            residuals: Residuals::default(),
         }))
     }
 
@@ -126,9 +124,7 @@ impl<T: Number> Learning<T> {
     /// `R ← a R + (1 - a) diag(ε εᵀ + H P Hᵀ)`, as [`Adaptation`](crate::filter::Adaptation) has it.
     fn adapt_sensors(&mut self, design: &Design, noise: &mut Noise<T>, measured: &[T], update: &Update<T>) {
         let keep = design.adaptation.forgetting;
-        let Self { inverse, residuals, .. } = self;
-        update.residuals_into(inverse, residuals);
-        for (&sensor, &[residual, uncertainty]) in update.active().iter().zip(&*residuals) {
+        for (&sensor, &[residual, uncertainty]) in update.active().iter().zip(self.residuals.of(&update.innovations())) {
             let old = noise.sensors[sensor];
             let learnt = old * keep + (residual * residual + uncertainty) * (1.0 - keep);
             noise.sensors[sensor] = T::select(measured[sensor].is_number(), learnt, old);

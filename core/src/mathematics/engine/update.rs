@@ -8,6 +8,7 @@ use super::fault::Held;
 use super::level::{Count, Exactly, Level};
 use super::model::Model;
 use super::number::{Mask, Number};
+use super::residuals::Innovations;
 use super::square_root::SquareRoot;
 
 /// The scores of an update, lane by lane.
@@ -343,20 +344,16 @@ impl<T: Number> Update<T> {
         self.expected.is_linear
     }
 
-    /// For each measurement, the residual of the linearised sensor and the variance that the state's own uncertainty gives it,
-    /// over `residuals`: `ε = R S⁻¹ e` and `H P⁺ Hᵀ = R - R S⁻¹ R`.
-    pub(super) fn residuals_into(&self, inverse: &mut Vec<T>, residuals: &mut Vec<[T; 2]>) {
-        let m = self.active.len();
-        inverse.clear();
-        inverse.extend((0..m * m).map(|at| T::of(if at % (m + 1) == 0 { 1.0 } else { 0.0 })));
-        divide(&self.factor[..m * m], m, inverse, m);
-        residuals.clear();
-        for row in 0..m {
-            let (r, mut white) = (self.variances[row], T::of(0.0));
-            for k in 0..m {
-                white = white + inverse[k * m + row] * self.innovation[k];
-            }
-            residuals.push([r * white, (r - r * r * inverse[row * m + row]).max(T::of(0.0))]);
+    /// The measurements of the update.
+    pub(super) fn innovations(&self) -> Innovations<'_, T> {
+        let Self { active, innovation, innovation_cov, factor, variances, .. } = self;
+        let m = active.len();
+        Innovations {
+            sensors: active,
+            innovation: &innovation[..m],
+            innovation_cov: &innovation_cov[..m * m],
+            factor: &factor[..m * m],
+            variances: &variances[..m],
         }
     }
 

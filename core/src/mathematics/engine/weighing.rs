@@ -1,4 +1,4 @@
-//! Updates that weigh measurements, lane by lane: those of [`Weighing`](crate::mathematics::filter) of a single filter.
+//! Updates that weigh measurements, lane by lane.
 //!
 //! A lane whose weights have settled keeps its measurements and R through the passes of the others, and so has the same update
 //! again.
@@ -10,24 +10,17 @@ use super::fault::Held;
 use super::level::Level;
 use super::number::{Mask, Number};
 use super::update::{Observation, Told, Update};
-use crate::mathematics::filter::robust::{FIRST_LEVEL, Misfit, Robust, SETTLED, usual_after};
+use super::weights::Weights;
+use crate::mathematics::filter::robust::Robust;
 
-/// A rule with its memory.
+/// The weights with memory for an update that is done again.
 #[derive(Clone, Debug)]
 pub(super) struct Weighing<T> {
-    rule: Robust,
+    weights: Weights<T>,
     /// The belief before the update.
     before: Belief<T>,
-    /// Of each sensor: the measurement and R, weighed.
-    measured: Vec<T>,
+    /// The noise with the weighed R.
     noise: Noise<T>,
-    weights: Vec<T>,
-    /// Of each sensor: `e² / S` before any weight, and the usual one.
-    predicted: Vec<T>,
-    usual: Vec<T>,
-    /// ε and `H P⁺ Hᵀ` of each measurement.
-    residuals: Vec<[T; 2]>,
-    inverse: Vec<T>,
     /// S with the R of the settings, m × m, and its factor in the end.
     claimed: Vec<T>,
 }
@@ -35,20 +28,8 @@ pub(super) struct Weighing<T> {
 impl<T: Number> Weighing<T> {
     /// The memory for a rule.
     pub(super) fn new(rule: Robust, belief: &Belief<T>, noise: &Noise<T>) -> Self {
-        let sensors = noise.sensors.len();
-        let numbers = |number: f64| vec![T::of(number); sensors];
-        Self {
-            rule,
-            before: belief.clone(),
-            measured: numbers(f64::NAN),
-            noise: noise.clone(),
-            weights: numbers(1.0),
-            predicted: numbers(0.0),
-            usual: numbers(FIRST_LEVEL),
-            residuals: Vec::new(),
-            inverse: Vec::new(),
-            claimed: Vec::new(),
-        }
+        let weights = Weights::new(rule, noise.sensors.len());
+        Self { weights, before: belief.clone(), noise: noise.clone(), claimed: Vec::new() }
     }
 
     /// Conditions a belief on measurements, weighed.
@@ -65,78 +46,31 @@ impl<T: Number> Weighing<T> {
     ) -> Told<T> {
         self.before.copy_from(belief);
         let mut told = update.condition(level, design, belief, None, noise, observation, held);
-        self.begin(update, noise, observation.measured);
+        self.weights.begin(&update.innovations(), &noise.sensors, observation.measured);
         let mut settled = !held.but_likely();
-        for _ in 0..self.rule.info().passes {
-            settled = settled | !self.weigh(update, noise, settled);
+        for _ in 0..self.weights.passes() {
+            settled = settled | !self.weights.weigh(&update.innovations(), &noise.sensors, settled);
             if settled.all() {
                 break;
             }
             belief.copy_from(&self.before);
-            let Self { measured, noise, .. } = &*self;
+            let [measured, variances] = self.weights.weighed();
+            self.noise.sensors.copy_from_slice(variances);
             let observation = Observation { measured, ..observation };
-            told = update.condition(level, design, belief, None, noise, observation, held);
+            told = update.condition(level, design, belief, None, &self.noise, observation, held);
             settled = settled | !held.but_likely();
         }
         self.report(update, noise, told, held)
     }
 
-    /// Takes in the first update, without weights.
-    fn begin(&mut self, update: &Update<T>, noise: &Noise<T>, measured: &[T]) {
-        let m = update.active.len();
-        self.measured.copy_from_slice(measured);
-        self.noise.sensors.copy_from_slice(&noise.sensors);
-        self.weights.fill(T::of(1.0));
-        for (row, &sensor) in update.active.iter().enumerate() {
-            let e = update.innovation[row];
-            let predicted = e * e / update.innovation_cov[row * m + row];
-            let usual = self.usual[sensor];
-            let next = T::from_lanes(|lane| usual_after(usual.lane(lane), predicted.lane(lane)));
-            self.predicted[sensor] = predicted;
-            self.usual[sensor] = T::select(measured[sensor].is_number(), next, usual);
-        }
-    }
-
-    /// Takes the weights that follow from the last update, but for lanes that have settled. Returns the lanes in which one has
-    /// changed.
-    fn weigh(&mut self, update: &Update<T>, noise: &Noise<T>, settled: T::Mask) -> T::Mask {
-        let Self { rule, measured, noise: own, weights, predicted, usual, residuals, inverse, .. } = self;
-        update.residuals_into(inverse, residuals);
-        let mut changed = T::Mask::of(false);
-        for (&sensor, &[residual, uncertainty]) in update.active.iter().zip(&*residuals) {
-            let unweighed = noise.sensors[sensor];
-            let (residual, uncertainty) = (residual * residual / unweighed, uncertainty / unweighed);
-            let is_weighed = measured[sensor].is_number() & !settled;
-            let weight = T::from_lanes(|lane| {
-                let misfit = Misfit {
-                    predicted: predicted[sensor].lane(lane),
-                    residual: residual.lane(lane),
-                    uncertainty: uncertainty.lane(lane),
-                };
-                if is_weighed.lane(lane) { rule.weight(misfit, usual[sensor].lane(lane)) } else { f64::NAN }
-            });
-            // A sensor without noise has no misfit to weigh by.
-            let is_weighed = is_weighed & weight.is_finite() & T::of(0.0).lt(unweighed);
-            let old = weights[sensor];
-            changed = changed | (is_weighed & (old * SETTLED).lt((weight - old).abs()));
-            weights[sensor] = T::select(is_weighed, weight, old);
-        }
-        for &sensor in &update.active {
-            let (weight, nan) = (weights[sensor], T::of(f64::NAN));
-            own.sensors[sensor] = T::select(changed, noise.sensors[sensor] / weight, own.sensors[sensor]);
-            measured[sensor] = T::select(changed & !T::of(0.0).lt(weight), nan, measured[sensor]);
-        }
-        changed
-    }
-
     /// The scores by S with the R of the settings, which is what they claim. A reading that counts next to nothing is no sample of
     /// it.
     fn report(&mut self, update: &mut Update<T>, noise: &Noise<T>, told: Told<T>, held: &mut Held<T::Mask>) -> Told<T> {
-        let Self { measured, weights, claimed, .. } = self;
+        let Self { weights, claimed, .. } = self;
+        let (is_there, weights) = (|sensor: usize| weights.is_there(sensor), weights.each());
         let (one, zero) = (T::of(1.0), T::of(0.0));
         let Update { active, innovation_cov, factor: lower, innovation, white, .. } = update;
         let m = active.len();
-        let is_there = |sensor: usize| measured[sensor].is_number();
         let is_weighed = active.iter().fold(T::Mask::of(false), |any, &sensor| {
             let is_one = weights[sensor].le(one) & one.le(weights[sensor]);
             any | (is_there(sensor) & !is_one)

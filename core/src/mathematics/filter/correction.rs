@@ -1,5 +1,6 @@
 //! The result of an update.
 
+use super::reported::Reported;
 use super::{FilterError, Observation};
 use crate::mathematics::engine::single::Parts;
 use crate::mathematics::linalg::{Ldl, Matrix, Vector, copy, copy_vector, fit, fit_vector};
@@ -57,6 +58,8 @@ pub struct Correction {
     pub effective_samples: f64,
     /// The last update. With several iterations it is not the one that is reported.
     pub(crate) last: Last,
+    /// Memory to work in.
+    reported: Reported,
 }
 
 impl Default for Correction {
@@ -67,23 +70,6 @@ impl Default for Correction {
 }
 
 impl Correction {
-    /// For each measurement, the residual of the linearised sensor and the variance that the state's own uncertainty gives it;
-    /// `None` where S is singular.
-    ///
-    /// ```text
-    /// ε = R S⁻¹ e,  H P⁺ Hᵀ = R - R S⁻¹ R
-    /// ```
-    pub(super) fn residuals(&self, observation: &Observation) -> Option<Vec<[f64; 2]>> {
-        let sensors = observation.sensors();
-        let m = sensors.len();
-        let innovation = Vector::from_fn(m, |i, _| self.innovation[sensors[i]]);
-        let cov = Matrix::from_fn(m, m, |i, j| self.innovation_cov[(sensors[i], sensors[j])]);
-        let inverse = Ldl::new(&cov)?.divide(&Matrix::identity(m, m));
-        let white = &inverse * innovation;
-        let rows = observation.variances().iter().enumerate();
-        Some(rows.map(|(row, r)| [r * white[row], (r - r * r * inverse[(row, row)]).max(0.0)]).collect())
-    }
-
     /// The correction of n channels by m sensors that all measured nothing.
     pub fn nothing(n: usize, m: usize) -> Self {
         Self {
@@ -95,6 +81,7 @@ impl Correction {
             log_likelihood: f64::NAN,
             effective_samples: f64::NAN,
             last: Last::default(),
+            reported: Reported::default(),
         }
     }
 
@@ -104,8 +91,7 @@ impl Correction {
             *self = Self::nothing(n, m);
             return;
         }
-        let Self { innovation, innovation_cov, gain, nis, determinant, log_likelihood, effective_samples, last: _ } =
-            self;
+        let Self { innovation, innovation_cov, gain, nis, determinant, log_likelihood, effective_samples, .. } = self;
         innovation.fill(f64::NAN);
         innovation_cov.fill(f64::NAN);
         gain.fill(0.0);
@@ -133,13 +119,9 @@ impl Correction {
 
     /// NIS and det S of e and S as they are reported, over these sensors; NaN without any.
     pub(crate) fn take_squares(&mut self, kept: &[usize]) {
-        let m = kept.len();
-        let innovation = Vector::from_fn(m, |i, _| self.innovation[kept[i]]);
-        let factor = Ldl::new(&Matrix::from_fn(m, m, |i, j| self.innovation_cov[(kept[i], kept[j])]));
-        [self.nis, self.determinant] = match factor.filter(|_| m > 0) {
-            Some(factor) => [factor.square(&innovation), factor.determinant()],
-            None => [f64::NAN; 2],
-        };
+        let mut reported = std::mem::take(&mut self.reported);
+        [self.nis, self.determinant] = reported.squares(self, kept).unwrap_or([f64::NAN; 2]);
+        self.reported = reported;
     }
 
     /// Takes in e, S with its factor, and K of the sensors that measured; each number goes to the place of its sensor.

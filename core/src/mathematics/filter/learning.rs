@@ -1,25 +1,50 @@
 //! Noise that a filter learns from an update.
 
+use super::reported::Reported;
 use super::{Adaptation, Correction, Noise, Observation};
-use crate::mathematics::linalg::Vector;
+use crate::mathematics::engine::residuals::Residuals;
+use crate::mathematics::linalg::{Vector, fit_vector};
 
-impl Adaptation {
+/// What is learnt, with memory to work in.
+#[derive(Clone, Debug)]
+pub(super) struct Learning {
+    adaptation: Adaptation,
+    reported: Reported,
+    residuals: Residuals<f64>,
+    /// K e
+    shift: Vector,
+}
+
+impl Learning {
+    /// The memory to learn this.
+    pub(super) fn new(adaptation: Adaptation) -> Self {
+        Self { adaptation, reported: Reported::default(), residuals: Residuals::default(), shift: Vector::zeros(0) }
+    }
+
+    /// Whether anything is learnt.
+    pub(super) fn is_on(&self) -> bool {
+        self.adaptation.is_on()
+    }
+
     /// Learns from a correction by these measurements.
-    pub(super) fn adapt(&self, observation: &Observation, correction: &Correction, noise: &mut Noise) {
-        let keep = self.forgetting;
+    pub(super) fn adapt(&mut self, observation: &Observation, correction: &Correction, noise: &mut Noise) {
+        let Self { adaptation, reported, residuals, shift } = self;
+        let keep = adaptation.forgetting;
         let sensors = observation.sensors();
-        if self.process_noise {
-            let mut shift = Vector::zeros(correction.gain.nrows());
+        if adaptation.process_noise {
+            fit_vector(shift, correction.gain.nrows());
+            shift.fill(0.0);
             let counts = |sensor: &&usize| !correction.innovation[**sensor].is_nan();
             for &sensor in sensors.iter().filter(counts) {
                 shift.axpy(correction.innovation[sensor], &correction.gain.column(sensor), 1.0);
             }
-            noise.process.ger(1.0 - keep, &shift, &shift, keep);
+            noise.process.ger(1.0 - keep, shift, shift, keep);
         }
-        if self.sensor_noise {
-            let Some(residuals) = correction.residuals(observation) else { return };
-            for ((&sensor, &r), [residual, uncertainty]) in sensors.iter().zip(observation.variances()).zip(residuals) {
-                noise.sensors[sensor] = keep * r + (1.0 - keep) * (residual * residual + uncertainty);
+        if adaptation.sensor_noise {
+            let Some(update) = reported.innovations(correction, observation) else { return };
+            for (&sensor, &[residual, uncertainty]) in sensors.iter().zip(residuals.of(&update)) {
+                let old = noise.sensors[sensor];
+                noise.sensors[sensor] = old * keep + (residual * residual + uncertainty) * (1.0 - keep);
             }
         }
     }

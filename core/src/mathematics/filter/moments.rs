@@ -9,7 +9,7 @@ use crate::mathematics::engine::design::Method;
 use crate::mathematics::engine::single::{Measured, Moments as Slices, Single};
 use crate::mathematics::engine::step::Step as EngineStep;
 use crate::mathematics::linalg::{Matrix, Vector};
-use crate::mathematics::model::Reading;
+use crate::mathematics::model::{Hold, Reading};
 
 /// A Gaussian that the engine predicts and updates: KF, EKF, IEKF, UKF and CKF.
 #[derive(Clone, Debug)]
@@ -158,8 +158,8 @@ impl Engine {
 impl Step {
     /// The engine's form of it.
     pub(super) fn of_engine(self) -> EngineStep<f64> {
-        let Self { forces, dt } = self;
-        EngineStep { forces, has_slope: forces[0] != forces[1], dt }
+        let Self { forces, hold, dt } = self;
+        EngineStep { forces, has_slope: hold == Hold::First, dt }
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::considered::Considered;
 use super::jump::Jump;
+use super::learning::Learning;
 use super::weighing::Weighing;
 use super::{Adaptation, Belief, Correction, FilterError, Matrix, Noise, Observation, Robust, Step, White};
 use crate::mathematics::model::{Hold, Model};
@@ -42,7 +43,7 @@ pub struct Filter<B: Belief + ?Sized = dyn Belief> {
     hold: Hold,
     noise: Noise,
     observation: Observation,
-    adaptation: Adaptation,
+    learning: Learning,
     jump: Option<Jump>,
     weighing: Option<Weighing>,
     substeps: usize,
@@ -64,9 +65,9 @@ impl<B: Belief + ?Sized> Filter<B> {
         adaptation: Adaptation,
     ) -> Self {
         let readings = sensors.iter().map(|&quantity| model.reading(quantity)).collect();
-        let (observation, substeps) = (Observation::of(readings), 1);
+        let (observation, learning, substeps) = (Observation::of(readings), Learning::new(adaptation), 1);
         let (jump, weighing, white, considered) = (None, None, None, None);
-        Self { model, belief, dt, hold, noise, observation, adaptation, jump, weighing, substeps, white, considered }
+        Self { model, belief, dt, hold, noise, observation, learning, jump, weighing, substeps, white, considered }
     }
 
     /// The same filter with its predictions divided into this many steps, for plants that are not linear over one: the
@@ -129,19 +130,19 @@ impl<B: Belief + ?Sized> Filter<B> {
 
     /// The usual misfits of the sensors, to which a robust filter compares those of a sample; none for any other filter.
     pub(crate) fn usual_misfits(&self) -> &[f64] {
-        self.weighing.as_ref().map_or(&[], Weighing::levels)
+        self.weighing.as_ref().map_or(&[], |weighing| weighing.weights().usual())
     }
 
     /// The weight of each sensor's reading in the last update, from 0 to about 1, and NaN where it measured nothing; empty for a
     /// filter that weighs none.
     pub fn weights(&self) -> &[f64] {
-        self.weighing.as_ref().map_or(&[], Weighing::weights)
+        self.weighing.as_ref().map_or(&[], |weighing| weighing.weights().each())
     }
 
     /// Goes back to the usual misfits of an earlier sample.
     pub(crate) fn set_usual_misfits(&mut self, misfits: &[f64]) {
         if let Some(weighing) = &mut self.weighing {
-            weighing.set_levels(misfits);
+            weighing.weights_mut().set_usual(misfits);
         }
     }
 
@@ -157,7 +158,7 @@ impl<B: Belief + ?Sized> Filter<B> {
 
     /// Whether the filter learns its noise.
     pub(crate) fn is_adaptive(&self) -> bool {
-        self.adaptation.is_on()
+        self.learning.is_on()
     }
 
     /// Whether the last prediction has widened P because the innovations had grown at once.
@@ -171,7 +172,7 @@ impl<B: Belief + ?Sized> Filter<B> {
             Hold::Zero => begin,
             Hold::First => end,
         };
-        Step { forces: [begin, end], dt: self.dt }
+        Step { forces: [begin, end], hold: self.hold, dt: self.dt }
     }
 
     /// Carries the belief over one step, from a sample to the next, with the recorded forces over mass of both \[m/s²\].
@@ -192,8 +193,8 @@ impl<B: Belief + ?Sized> Filter<B> {
         if !forces.iter().all(|force| force.is_finite()) {
             return Err(FilterError::UndefinedForce);
         }
-        let Self { model, belief, considered, .. } = self;
-        belief.predict(model, Step { forces, dt }, noise)?;
+        let Self { model, belief, considered, hold, .. } = self;
+        belief.predict(model, Step { forces, hold: *hold, dt }, noise)?;
         considered.as_mut().map_or(Ok(()), |considered| considered.keep(&mut **belief, noise))
     }
 
@@ -249,10 +250,10 @@ impl<B: Belief + ?Sized> Filter<B> {
     /// [`FilterError::NotFinite`] where the belief overflows; [`FilterError::ImpossibleMeasurement`] where the likelihood
     /// does; [`FilterError::InfiniteMeasurement`].
     pub fn update(&mut self, force: f64, measured: &[f64], correction: &mut Correction) -> Result<(), FilterError> {
-        let Self { model, noise, observation, adaptation, jump, weighing, belief, white, considered, .. } = self;
+        let Self { model, noise, observation, learning, jump, weighing, belief, white, considered, .. } = self;
         correction.clear(model.size(), noise.sensors.len());
         if let Some(weighing) = weighing {
-            weighing.clear(noise.sensors.len());
+            weighing.weights_mut().clear();
         }
         observation.take(force, measured, &noise.sensors)?;
         if observation.is_empty() {
@@ -262,7 +263,7 @@ impl<B: Belief + ?Sized> Filter<B> {
             considered.store(&belief.gaussian());
         }
         if let Some(weighing) = weighing {
-            weighing.condition(&mut **belief, model, noise, observation, correction)?;
+            weighing.condition(&mut **belief, model, noise, measured, observation, correction)?;
         } else {
             belief.condition(model, observation, correction)?;
         }
@@ -275,8 +276,8 @@ impl<B: Belief + ?Sized> Filter<B> {
             return belief.gaussian().check();
         }
         correction.check(observation.sensors())?;
-        if adaptation.is_on() {
-            adaptation.adapt(observation, correction, noise);
+        if learning.is_on() {
+            learning.adapt(observation, correction, noise);
             if let Some(white) = white {
                 white.leave_out(&mut noise.process);
             }

@@ -229,7 +229,7 @@ mod tests {
             let off = (&root.gaussian().cov - &expected.cov).amax();
             assert!(off < 1e-15 && root.gaussian().mean == expected.mean, "{off}");
             let noise = Noise { process: Matrix::zeros(4, 4), sensors: vec![], fading: 1.0 };
-            root.predict(&model, Step { forces: [1.0, 1.0], dt: 0.01 }, &noise)?;
+            root.predict(&model, Step { forces: [1.0, 1.0], hold: Hold::Zero, dt: 0.01 }, &noise)?;
             expected = root.gaussian().into_owned();
         }
         Ok(())

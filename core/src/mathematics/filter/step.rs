@@ -3,12 +3,15 @@
 use crate::Model;
 use crate::mathematics::integrate::RungeKutta;
 use crate::mathematics::linalg::Matrix;
+use crate::mathematics::model::Hold;
 
 /// A step from one sample to the next.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
-    /// The recorded force over mass at its beginning and at its end, linear in between \[m/s²\].
+    /// The recorded force over mass at its beginning and at its end, linear in between \[m/s²\]; the same where it is held.
     pub forces: [f64; 2],
+    /// The course of the force between samples.
+    pub hold: Hold,
     /// The time that it takes \[s\].
     pub dt: f64,
 }
@@ -28,7 +31,7 @@ impl Step {
             i if i == parts => end,
             i => self.force(i as f64 / parts as f64),
         };
-        Self { forces: [force(i), force(i + 1)], dt: self.dt / parts as f64 }
+        Self { forces: [force(i), force(i + 1)], dt: self.dt / parts as f64, ..*self }
     }
 
     /// The slope of the force over mass \[m/s³\].

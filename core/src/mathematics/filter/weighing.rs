@@ -1,59 +1,36 @@
 //! The update of a filter that weighs its measurements by a [rule](Robust).
 
-use super::robust::{FIRST_LEVEL, Misfit, Robust, SETTLED, usual_after};
+use super::reported::Reported;
+use super::robust::Robust;
 use super::{Belief, Correction, FilterError, Noise, Observation};
 use crate::Model;
+use crate::mathematics::engine::weights::Weights;
 
-/// A rule with its memory.
+/// The weights of a rule, with memory to find them.
 #[derive(Clone, Debug)]
 pub(super) struct Weighing {
-    rule: Robust,
-    /// Of each sensor: the measurement and R, weighed; and the parts of the misfit that passes do not change.
-    measured: Vec<f64>,
-    noise: Vec<f64>,
-    weights: Vec<f64>,
-    misfits: Vec<Misfit>,
-    /// The usual predicted misfit of each sensor, over that of a filter that is right.
-    levels: Vec<f64>,
+    weights: Weights<f64>,
+    reported: Reported,
 }
 
 impl Weighing {
     /// The memory for a rule over some sensors; `None` for one that weighs nothing.
     pub(super) fn new(rule: Robust, sensors: usize) -> Option<Self> {
-        let none = Vec::new;
-        rule.is_on().then(|| Self {
-            rule,
-            measured: none(),
-            noise: none(),
-            weights: vec![f64::NAN; sensors],
-            misfits: Vec::new(),
-            levels: none(),
-        })
+        rule.is_on().then(|| Self { weights: Weights::new(rule, sensors), reported: Reported::default() })
     }
 
-    /// The usual misfits, which the next sample goes on from.
-    pub(super) fn levels(&self) -> &[f64] {
-        &self.levels
-    }
-
-    /// The weight of each sensor's reading in the last update; NaN for a sensor without a reading.
-    pub(super) fn weights(&self) -> &[f64] {
+    /// The weights of the last update.
+    pub(super) fn weights(&self) -> &Weights<f64> {
         &self.weights
     }
 
-    /// Forgets the weights of the last update, before one of `count` sensors.
-    pub(super) fn clear(&mut self, count: usize) {
-        self.weights.clear();
-        self.weights.resize(count, f64::NAN);
-    }
-
-    /// Goes back to the usual misfits of an earlier sample.
-    pub(super) fn set_levels(&mut self, levels: &[f64]) {
-        self.levels.clear();
-        self.levels.extend_from_slice(levels);
+    /// The weights, to be changed.
+    pub(super) fn weights_mut(&mut self) -> &mut Weights<f64> {
+        &mut self.weights
     }
 
     /// Conditions a belief on the measurements of an observation, weighed; those with a weight of zero leave the observation.
+    /// `measured` has those of all sensors.
     ///
     /// # Errors
     /// Those of [`Belief::condition`].
@@ -62,6 +39,7 @@ impl Weighing {
         belief: &mut B,
         model: &Model,
         noise: &Noise,
+        measured: &[f64],
         observation: &mut Observation,
         correction: &mut Correction,
     ) -> Result<(), FilterError> {
@@ -70,72 +48,33 @@ impl Weighing {
         if !can_return {
             return Ok(());
         }
-        self.begin(observation, correction, noise);
-        for _ in 0..self.rule.info().passes {
-            if !self.weigh(observation, correction, noise) {
+        let Self { weights, reported } = self;
+        for pass in 0..weights.passes() {
+            let Some(update) = reported.innovations(correction, observation) else { break };
+            if pass == 0 {
+                weights.begin(&update, &noise.sensors, measured);
+            }
+            if !weights.weigh(&update, &noise.sensors, false) {
                 break;
             }
             belief.restore();
             correction.clear(model.size(), noise.sensors.len());
-            observation.take(observation.force(), &self.measured, &self.noise)?;
+            let [measured, variances] = weights.weighed();
+            observation.take(observation.force(), measured, variances)?;
             if observation.is_empty() {
                 break;
             }
             belief.condition(model, observation, correction)?;
         }
         // e² / S with the R of the settings is what the settings claim. A reading that counts next to nothing is no sample of it.
-        let weight = |sensor: usize| self.weights[sensor];
-        if observation.sensors().iter().any(|sensor| weight(*sensor) != 1.0) {
+        let weights = weights.each();
+        if observation.sensors().iter().any(|sensor| weights[*sensor] != 1.0) {
             correction.report_with(observation.sensors(), |sensor| {
-                let own = noise.sensors[sensor];
-                (weight(sensor) >= Robust::LEFT_OUT).then(|| own - own / weight(sensor))
+                let (own, weight) = (noise.sensors[sensor], weights[sensor]);
+                (weight >= Robust::LEFT_OUT).then(|| own - own / weight)
             });
         }
         Ok(())
-    }
-
-    /// Takes in the first update, without weights.
-    fn begin(&mut self, observation: &Observation, correction: &Correction, noise: &Noise) {
-        let Self { measured, noise: own, weights, misfits, levels, .. } = self;
-        let count = noise.sensors.len();
-        measured.clear();
-        measured.resize(count, f64::NAN);
-        own.clone_from(&noise.sensors);
-        levels.resize(count, FIRST_LEVEL);
-        misfits.clear();
-        misfits.resize(count, Misfit { predicted: 0.0, residual: 0.0, uncertainty: 0.0 });
-        for (&sensor, &value) in observation.sensors().iter().zip(observation.values()) {
-            let e = correction.innovation[sensor];
-            (measured[sensor], weights[sensor]) = (value, 1.0);
-            let misfit = e * e / correction.innovation_cov[(sensor, sensor)];
-            misfits[sensor].predicted = misfit;
-            levels[sensor] = usual_after(levels[sensor], misfit);
-        }
-    }
-
-    /// Takes the weights that follow from the last update. Returns whether any has changed.
-    fn weigh(&mut self, observation: &Observation, correction: &Correction, noise: &Noise) -> bool {
-        let Self { rule, measured, noise: own, weights, misfits, levels } = self;
-        let Some(residuals) = correction.residuals(observation) else { return false };
-        let mut has_changed = false;
-        for (&sensor, [residual, uncertainty]) in observation.sensors().iter().zip(residuals) {
-            let unweighed = noise.sensors[sensor];
-            misfits[sensor].residual = residual * residual / unweighed;
-            misfits[sensor].uncertainty = uncertainty / unweighed;
-            let weight = rule.weight(misfits[sensor], levels[sensor]);
-            // A sensor without noise has no misfit to weigh by.
-            if unweighed == 0.0 || !weight.is_finite() {
-                continue;
-            }
-            has_changed |= (weight - weights[sensor]).abs() > SETTLED * weights[sensor];
-            weights[sensor] = weight;
-            if weight > 0.0 {
-                own[sensor] = unweighed / weight;
-            } else {
-                measured[sensor] = f64::NAN;
-            }
-        }
-        has_changed
     }
 }
 
