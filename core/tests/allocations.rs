@@ -1,7 +1,6 @@
 //! Filters that go over a record into a sink of one's own reserve no memory for a sample.
 
-use kalmanscope_core::filter::Gaussian;
-use kalmanscope_core::filter::{Matrix, Vector};
+use kalmanscope_core::filter::{Adaptation, Gaussian, Matrix, Robust, Vector};
 use kalmanscope_core::simulate;
 use kalmanscope_core::{
     Channel, FilterKind, Hold, KalmanFilter, MeasurementModel, OnlineFilter, Pass, Quantity, Record, Scenario, Sensor,
@@ -33,8 +32,8 @@ impl Sink for Count {
 const KINDS: [FilterKind; 6] =
     [FilterKind::KF, FilterKind::EKF, FilterKind::IEKF, FilterKind::UKF, FilterKind::SR_UKF, FilterKind::CKF];
 
-/// Tuned kernels, filters by the book because of the hold, and because of the state.
-fn scenarios(kind: FilterKind) -> [(&'static str, Scenario); 6] {
+/// Tuned kernels, filters by the book because of the hold, because of the state, and because they weigh or learn.
+fn scenarios(kind: FilterKind) -> Vec<(&'static str, Scenario)> {
     let mut kernel = Scenario { duration: 5.0, ..Scenario::default() };
     kernel.filters.truncate(1);
     kernel.filters[0].kind = kind;
@@ -50,7 +49,18 @@ fn scenarios(kind: FilterKind) -> [(&'static str, Scenario); 6] {
     };
     let one = ("kernel with an accelerometer", feeling(kernel.clone()));
     let other = ("book with an accelerometer", feeling(book.clone()));
-    [("kernel", kernel), ("book", book), ("augmented", augmented), ("logarithms", logarithms), one, other]
+    let mut all = vec![("augmented", augmented), ("logarithms", logarithms), one, other];
+    for rule in Robust::ALL {
+        let mut robust = kernel.clone();
+        robust.filters[0].robust = rule;
+        all.push((rule.info().key, robust));
+    }
+    let mut learning = book.clone();
+    learning.filters[0].adaptation = Adaptation { sensor_noise: true, process_noise: true, forgetting: 0.99 };
+    let mut jumping = book.clone();
+    jumping.filters[0].jump = kind != FilterKind::KF;
+    all.extend([("learns its noise", learning), ("jumps", jumping), ("kernel", kernel), ("book", book)]);
+    all
 }
 
 /// A record of a scenario in which readings are missing now and then.

@@ -25,6 +25,7 @@ mod monte_carlo;
 pub mod order;
 mod outcome;
 mod plan;
+pub mod posterior;
 mod runner;
 mod sheet;
 mod threads;

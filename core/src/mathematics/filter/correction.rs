@@ -60,6 +60,7 @@ pub struct Correction {
     pub(crate) last: Last,
     /// Memory to work in.
     reported: Reported,
+    kept: Vec<usize>,
 }
 
 impl Default for Correction {
@@ -82,6 +83,7 @@ impl Correction {
             effective_samples: f64::NAN,
             last: Last::default(),
             reported: Reported::default(),
+            kept: Vec::new(),
         }
     }
 
@@ -103,7 +105,8 @@ impl Correction {
     /// Reports S with the variance that `more` gives added to the diagonal, and e and NIS to that S. A sensor for which it gives
     /// `None` is reported as skipped. What the update did to the belief stays.
     pub(super) fn report_with(&mut self, measured: &[usize], more: impl Fn(usize) -> Option<f64>) {
-        let mut kept = Vec::with_capacity(measured.len());
+        let mut kept = std::mem::take(&mut self.kept);
+        kept.clear();
         for &sensor in measured {
             let Some(more) = more(sensor) else {
                 self.innovation[sensor] = f64::NAN;
@@ -115,6 +118,7 @@ impl Correction {
             kept.push(sensor);
         }
         self.take_squares(&kept);
+        self.kept = kept;
     }
 
     /// NIS and det S of e and S as they are reported, over these sensors; NaN without any.

@@ -58,13 +58,14 @@ pub(crate) fn report(
     sink: &mut dyn Sink,
 ) -> Result<(), FilterError> {
     let belief = filter.belief().gaussian();
-    let process = filter.is_adaptive().then(|| {
-        let mut process = filter.noise().process.diagonal();
+    let mut process = std::mem::take(&mut in_units.process);
+    process.clear();
+    let noise = filter.is_adaptive().then(|| {
+        let Noise { process: matrix, sensors, .. } = filter.noise();
+        process.extend((0..matrix.nrows()).map(|i| matrix[(i, i)]));
         filter.white_force().into_iter().for_each(|white| process[white.place] = white.variance);
-        process
+        AssumedNoise { process: &process, sensors }
     });
-    let noise =
-        process.as_ref().map(|process| AssumedNoise { process: process.as_slice(), sensors: &filter.noise().sensors });
     let told = Told {
         model: filter.model(),
         belief: &belief,
@@ -73,7 +74,9 @@ pub(crate) fn report(
         weights: filter.weights(),
         has_widened: filter.has_widened(),
     };
-    push(&told, prior, in_units, sink)
+    let pushed = push(&told, prior, in_units, sink);
+    in_units.process = process;
+    pushed
 }
 
 /// What a filter tells of a sample.
@@ -134,19 +137,21 @@ pub(crate) struct InUnits {
     gain: Matrix,
     /// The size of each component's unit in its channel's unit.
     unit: Vector,
+    /// The diagonal of Q, of a filter that learns it.
+    process: Vec<f64>,
 }
 
 impl Default for InUnits {
     fn default() -> Self {
         let none = || Matrix::zeros(0, 0);
-        Self { belief: Gaussian { mean: Vector::zeros(0), cov: none() }, gain: none(), unit: Vector::zeros(0) }
+        Self { belief: Gaussian { mean: Vector::zeros(0), cov: none() }, gain: none(), unit: Vector::zeros(0), process: Vec::new() }
     }
 }
 
 impl InUnits {
     /// Converts a belief over a model's state, and the gain of an update of it.
     pub(crate) fn take(&mut self, model: &Model, from: &Gaussian, from_gain: &Matrix) {
-        let Self { belief, gain, unit } = self;
+        let Self { belief, gain, unit, .. } = self;
         belief.copy_from(from);
         to_units(model, belief, unit);
         copy(gain, from_gain);

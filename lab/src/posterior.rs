@@ -1,0 +1,156 @@
+//! The posterior of the parameters of a filter's plant, without the filter's assumption that it is normal.
+//!
+//! ```text
+//! p(θ | z) ∝ p(θ) p(z | θ),  p(z | θ) by the same filter, which takes θ for known
+//! ```
+//!
+//! θ are the parameters of the plant that the filter estimates, constant over the record, and p(θ) is its initial belief. Motion and
+//! augmentations stay in the filter. Where the plant is linear for a known θ, p(z | θ) is exact; for other plants it is as good as the
+//! filter's prediction of the motion alone.
+
+mod population;
+mod solutions;
+mod target;
+#[cfg(test)]
+mod tests;
+
+use std::sync::Arc;
+
+use kalmanscope_core::{Channel, FilterSettings, PlantKind, Record, RunError, Scenario, Task};
+
+use population::Population;
+use target::Target;
+
+pub use solutions::Solutions;
+
+/// The points that are run in one piece of work.
+const PIECE: usize = 16;
+
+/// Limits the points, and the samples that all of them go over between two temperatures, about.
+const POINTS: [usize; 2] = [128, 512];
+const SAMPLES: usize = 700_000;
+
+/// Why there is no posterior to compare a filter with.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum NoPosterior {
+    /// The filter estimates no parameter.
+    #[error("the filter estimates no parameter of its plant")]
+    Known,
+    /// Readings are weighed, so they have no likelihood.
+    #[error("the filter weighs its readings, which then have no likelihood")]
+    Weighs,
+    /// Noise is learnt, so that nobody knows the likelihood beforehand.
+    #[error("the filter learns its noise, so the likelihood is not known beforehand")]
+    Learns,
+    /// The filter cannot run over the record.
+    #[error(transparent)]
+    Run(#[from] RunError),
+}
+
+/// A search for points of the posterior: they begin as draws of the initial belief, and the likelihood is turned on by
+/// degrees. At each degree the points are drawn again by their weights, and move by differences of others.
+///
+/// Source: Del Moral, Doucet and Jasra (2006), Sequential Monte Carlo samplers; Neal (2001), Annealed importance sampling; ter Braak
+/// (2006), A Markov chain Monte Carlo version of the genetic algorithm differential evolution.
+pub struct Posterior {
+    target: Target,
+    population: Population,
+    /// The points whose likelihood is wanted, and the likelihoods that are known.
+    wanted: Vec<Vec<f64>>,
+    known: Vec<f64>,
+    runs: u64,
+}
+
+impl Posterior {
+    /// The posterior of the filter at `place` of a scenario, given a record up to its end. Equal arguments give equal points.
+    ///
+    /// # Errors
+    /// [`NoPosterior`]
+    pub fn new(scenario: &Scenario, place: usize, record: Arc<Record>) -> Result<Self, NoPosterior> {
+        let points = (SAMPLES / record.len().max(1)).clamp(POINTS[0], POINTS[1]) / PIECE * PIECE;
+        let target = Target::new(scenario, place, record)?;
+        let mut population = Population::new(points, target.channels().len(), scenario.seed);
+        let wanted = population.wanted();
+        Ok(Self { target, population, wanted, known: Vec::new(), runs: 0 })
+    }
+}
+
+impl Task for Posterior {
+    type Outcome = Option<Sampled>;
+
+    fn progress(&self) -> f64 {
+        let piece = self.known.len() as f64 / self.wanted.len().max(1) as f64;
+        self.population.progress(piece)
+    }
+
+    fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
+        let Self { target, population, wanted, known, runs } = self;
+        loop {
+            if wanted.is_empty() {
+                return true;
+            }
+            let piece = &wanted[known.len()..(known.len() + PIECE).min(wanted.len())];
+            *runs += piece.len() as u64;
+            known.extend(target.log_likelihoods(piece));
+            if known.len() == wanted.len() {
+                population.take(std::mem::take(wanted), known);
+                known.clear();
+                *wanted = population.wanted();
+            }
+            if !while_time() {
+                return wanted.is_empty();
+            }
+        }
+    }
+
+    /// The points. `None` where no draw of the initial belief explains the record.
+    fn finish(self) -> Option<Sampled> {
+        let Self { target, population, runs, .. } = self;
+        let log_evidence = population.log_evidence()?;
+        let points = population.points().map(|point| target.values(point)).collect();
+        Some(Sampled { channels: target.channels().to_vec(), points, log_evidence, runs })
+    }
+}
+
+/// Points of a posterior, which all count the same.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sampled {
+    /// The parameters.
+    pub channels: Vec<Channel>,
+    /// A value for each parameter in its unit, canonical: a natural frequency is not negative.
+    pub points: Vec<Vec<f64>>,
+    /// ln p(z), the logarithm of the probability density of the record.
+    pub log_evidence: f64,
+    /// The number of runs that it took.
+    pub runs: u64,
+}
+
+impl Sampled {
+    /// The values of one parameter; `None` if the filter does not estimate it.
+    pub fn values(&self, channel: Channel) -> Option<Vec<f64>> {
+        let place = self.channels.iter().position(|other| *other == channel)?;
+        Some(self.points.iter().map(|point| point[place]).collect())
+    }
+
+    /// Mean and standard deviation of one parameter.
+    pub fn moments(&self, channel: Channel) -> Option<[f64; 2]> {
+        let values = self.values(channel)?;
+        let count = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / count;
+        let variance = values.iter().map(|value| (value - mean) * (value - mean)).sum::<f64>() / (count - 1.0);
+        Some([mean, libm::sqrt(variance)])
+    }
+
+    /// The two solutions of the parameter that has them furthest apart; `None` where all points are of one.
+    pub fn solutions(&self) -> Option<(Channel, Solutions)> {
+        let of = |&channel: &Channel| Some((channel, Solutions::of(self.values(channel)?)?));
+        self.channels.iter().filter_map(of).max_by(|a, b| a.1.distance.total_cmp(&b.1.distance))
+    }
+}
+
+/// The parameters that a filter estimates: neither known nor certain.
+fn parameters(filter: &FilterSettings, truth: PlantKind) -> Vec<Channel> {
+    let of_plant = filter.plant.unwrap_or(truth).parameters();
+    let is_estimated = |channel: &Channel| !filter.knows(*channel) && filter.initial_std[*channel] > 0.0;
+    of_plant.filter(|channel| !channel.is_augmentation()).filter(is_estimated).collect()
+}

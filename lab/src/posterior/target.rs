@@ -1,0 +1,118 @@
+//! The likelihood of parameters that a filter takes for known.
+
+use std::sync::Arc;
+
+use kalmanscope_core::filter::{Adaptation, Robust};
+use kalmanscope_core::{Channel, FilterKind, FilterSettings, Pass, Record, Scenario};
+
+use super::{NoPosterior, parameters};
+use crate::{CellRun, outcomes_of};
+
+/// A filter that takes its parameters for known, over a record.
+pub(super) struct Target {
+    scenario: Scenario,
+    record: Arc<Record>,
+    channels: Vec<Channel>,
+    /// The initial belief of each parameter: mean, and standard deviation.
+    belief: Vec<[f64; 2]>,
+    /// Whether the belief is one of logarithms.
+    of_logarithms: bool,
+}
+
+impl Target {
+    /// The target of the filter at a place of a scenario.
+    pub(super) fn new(scenario: &Scenario, place: usize, record: Arc<Record>) -> Result<Self, NoPosterior> {
+        // The record fits the filter as it is.
+        Pass::new(scenario, place, &record)?;
+        let filter = scenario.filters[place].clone();
+        let channels = parameters(&filter, scenario.plant.kind);
+        if channels.is_empty() {
+            return Err(NoPosterior::Known);
+        }
+        if filter.robust.is_on() {
+            return Err(NoPosterior::Weighs);
+        }
+        if filter.adaptation.is_on() {
+            return Err(NoPosterior::Learns);
+        }
+        let belief = channels.iter().map(|&c| [filter.initial_mean[c], filter.initial_std[c]]).collect();
+        let of_logarithms = filter.log_parameters;
+        let filter = knowing(filter, &channels, scenario);
+        let scenario = Scenario { filters: vec![filter], ..scenario.clone() };
+        Pass::new(&scenario, 0, &record)?;
+        let record = Arc::new(Record::clone(&record).without_truth());
+        Ok(Self { scenario, record, channels, belief, of_logarithms })
+    }
+
+    /// The parameters.
+    pub(super) fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    /// The values of the parameters at a point, which is in standard deviations of the initial belief.
+    fn at(&self, point: &[f64]) -> Vec<f64> {
+        let value = |(&[mean, std], &by): (&[f64; 2], &f64)| {
+            if self.of_logarithms { mean * libm::exp(std / mean * by) } else { mean + std * by }
+        };
+        self.belief.iter().zip(point).map(value).collect()
+    }
+
+    /// The same in the canonical form of the oscillator.
+    pub(super) fn values(&self, point: &[f64]) -> Vec<f64> {
+        let mut values = self.at(point);
+        let frequency = self.channels.iter().position(|channel| *channel == Channel::NATURAL_FREQUENCY);
+        if frequency.is_some_and(|place| values[place] < 0.0) {
+            let mirrored = values.iter_mut().zip(&self.channels).filter(|(_, channel)| channel.is_mirrored());
+            mirrored.for_each(|(value, _)| *value = -*value);
+        }
+        values
+    }
+
+    /// ln p(z | θ) at some points; -∞ where the filter cannot run.
+    pub(super) fn log_likelihoods(&self, points: &[Vec<f64>]) -> Vec<f64> {
+        let run = |point: &Vec<f64>| {
+            let mut scenario = self.scenario.clone();
+            for (&channel, value) in self.channels.iter().zip(self.at(point)) {
+                scenario.filters[0].initial_mean[channel] = value;
+            }
+            let is_possible = scenario.validate().is_ok();
+            is_possible.then(|| CellRun { scenario, record: Arc::clone(&self.record) })
+        };
+        let runs: Vec<Option<CellRun>> = points.iter().map(run).collect();
+        let outcomes = outcomes_of(&runs, 0, &[]);
+        let likelihood = |outcome: kalmanscope_core::score::Outcome| {
+            let is_whole = outcome.stop.is_none() && outcome.log_likelihood.is_finite();
+            if is_whole { outcome.log_likelihood } else { f64::NEG_INFINITY }
+        };
+        outcomes.into_iter().map(|outcome| outcome.map_or(f64::NEG_INFINITY, likelihood)).collect()
+    }
+}
+
+/// The filter that takes these parameters for known and constant, and forgets nothing.
+fn knowing(filter: FilterSettings, channels: &[Channel], scenario: &Scenario) -> FilterSettings {
+    let is_linear = filter.plant.unwrap_or(scenario.plant.kind).info().is_linear;
+    let kind = match filter.kind {
+        _ if is_linear => FilterKind::EKF,
+        kind if kind.is_sampled() => FilterKind::UKF,
+        kind => kind,
+    };
+    let mut knowing = FilterSettings {
+        kind,
+        adaptation: Adaptation::default(),
+        robust: Robust::NONE,
+        consider: Vec::new(),
+        jump: false,
+        smoother: false,
+        log_parameters: false,
+        guesses: 1,
+        walk: 0.0,
+        fading: 1.0,
+        eta: 0.0,
+        ..filter
+    };
+    for &channel in channels {
+        knowing.initial_std[channel] = 0.0;
+        knowing.process_std[channel] = 0.0;
+    }
+    knowing
+}

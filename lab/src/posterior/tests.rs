@@ -1,0 +1,188 @@
+use kalmanscope_core::filter::{Normal, Robust};
+use kalmanscope_core::{FilterKind, Signal, Values, simulate};
+
+use super::*;
+
+fn scenario(plant: PlantKind, kind: FilterKind, seed: u64) -> Scenario {
+    let mut scenario = Scenario { duration: 12.0, seed, ..Scenario::default() };
+    scenario.filters.truncate(1);
+    scenario.set_plant(plant);
+    scenario.filters[0].kind = kind;
+    scenario.filters[0].process_std = Values::ZERO;
+    scenario.filters[0].sensor_std = scenario.sensors.iter().map(|sensor| sensor.noise_std).collect();
+    scenario
+}
+
+fn sampled(scenario: &Scenario) -> Sampled {
+    Posterior::new(scenario, 0, Arc::new(simulate(scenario))).unwrap().run().unwrap()
+}
+
+/// Means, standard deviations and ln p(z) over a fine grid of both parameters about the posterior.
+fn on_grid(scenario: &Scenario, about: &Sampled) -> ([[f64; 2]; 2], f64) {
+    const STEPS: i32 = 40;
+    let target = Target::new(scenario, 0, Arc::new(simulate(scenario))).unwrap();
+    let belief = [0, 1].map(|i| {
+        let (filter, channel) = (&scenario.filters[0], about.channels[i]);
+        [filter.initial_mean[channel], filter.initial_std[channel]]
+    });
+    // In standard deviations of the belief.
+    let centre = [0, 1].map(|i| {
+        let [mean, std] = about.moments(about.channels[i]).unwrap();
+        [(mean - belief[i][0]) / belief[i][1], 6.0 * std / belief[i][1]]
+    });
+    let mut points = Vec::new();
+    for i in -STEPS..=STEPS {
+        for j in -STEPS..=STEPS {
+            let share = [i, j].map(|step| f64::from(step) / f64::from(STEPS));
+            points.push(vec![centre[0][0] + centre[0][1] * share[0], centre[1][0] + centre[1][1] * share[1]]);
+        }
+    }
+    let log = |(likelihood, at): (f64, &Vec<f64>)| likelihood - 0.5 * (at[0] * at[0] + at[1] * at[1]);
+    let logs: Vec<f64> = target.log_likelihoods(&points).into_iter().zip(&points).map(log).collect();
+    let highest = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let weights: Vec<f64> = logs.iter().map(|log| (log - highest).exp()).collect();
+    let sum: f64 = weights.iter().sum();
+    let mean = |i: usize| weights.iter().zip(&points).map(|(w, at)| w * at[i]).sum::<f64>() / sum;
+    let moments = [0, 1].map(|i| {
+        let mean = mean(i);
+        let squares = weights.iter().zip(&points).map(|(w, at)| w * (at[i] - mean) * (at[i] - mean));
+        [belief[i][0] + belief[i][1] * mean, belief[i][1] * (squares.sum::<f64>() / sum).sqrt()]
+    });
+    let cell = centre.iter().map(|[_, half]| half / f64::from(STEPS)).product::<f64>();
+    (moments, highest + (sum * cell / std::f64::consts::TAU).ln())
+}
+
+#[test]
+fn points_have_the_moments_and_the_evidence_of_a_fine_grid() {
+    for (plant, kind, seed) in [
+        (PlantKind::SDOF, FilterKind::EKF, 1),
+        (PlantKind::SDOF, FilterKind::UKF, 2),
+        (PlantKind::SDOF, FilterKind::PF, 3),
+        (PlantKind::SDOF, FilterKind::EKF, 4),
+    ] {
+        let scenario = scenario(plant, kind, seed);
+        let points = sampled(&scenario);
+        let (moments, evidence) = on_grid(&scenario, &points);
+        for (&channel, [mean, std]) in points.channels.iter().zip(moments) {
+            let [own_mean, own_std] = points.moments(channel).unwrap();
+            assert!((own_mean - mean).abs() < 0.2 * std, "{channel:?}");
+            assert!((own_std / std - 1.0).abs() < 0.15, "{channel:?}");
+        }
+        assert!((points.log_evidence - evidence).abs() < 0.7, "{} {evidence}", points.log_evidence);
+        assert_eq!(points.solutions(), None);
+    }
+}
+
+/// A truth that is drawn from the filter's initial belief stands anywhere among the points of the posterior, with equal probability.
+///
+/// Source: Talts, Betancourt, Simpson, Vehtari and Gelman (2018), Validating Bayesian inference algorithms with simulation-based
+/// calibration.
+#[test]
+fn a_truth_from_the_initial_belief_has_any_rank_among_the_points() {
+    const SEEDS: u64 = 16;
+    for plant in [PlantKind::SDOF, PlantKind::DUFFING] {
+        let mut ranks = Vec::new();
+        for seed in 0..SEEDS {
+            let mut scenario = Scenario { duration: 2.0, ..scenario(plant, FilterKind::UKF, 100 + seed) };
+            let mut random = Normal::from_seed(seed);
+            for channel in parameters(&scenario.filters[0], plant) {
+                let filter = &mut scenario.filters[0];
+                filter.initial_std[channel] = 0.1 * filter.initial_mean[channel];
+                let truth = filter.initial_mean[channel] + filter.initial_std[channel] * random.sample();
+                scenario.plant.set(channel, Signal::Constant(truth));
+            }
+            let sampled = sampled(&scenario);
+            for &channel in &sampled.channels {
+                let truth = scenario.plant.parameter(channel).unwrap().at(0.0);
+                let values = sampled.values(channel).unwrap();
+                let below = values.iter().filter(|value| **value < truth).count();
+                ranks.push(below as f64 / values.len() as f64);
+            }
+        }
+        // The largest distance of the distribution from the uniform one, by Kolmogorov's test at 0.1 %.
+        ranks.sort_by(f64::total_cmp);
+        let count = ranks.len() as f64;
+        let distance = |(i, rank): (usize, &f64)| (rank - i as f64 / count).abs().max((rank - (i + 1) as f64 / count).abs());
+        let furthest = ranks.iter().enumerate().map(distance).fold(0.0, f64::max);
+        assert!(furthest < 1.95 / count.sqrt(), "{plant:?}: {furthest}");
+        let inside = ranks.iter().filter(|rank| (0.025..0.975).contains(*rank)).count() as f64 / count;
+        assert!(inside > 0.88, "{plant:?}: {inside}");
+    }
+}
+
+/// A free oscillation that is read at 2 Hz has two frequencies: read so, 4 rad/s and 2 π 2 - 4 = 8.57 rad/s are the same.
+#[test]
+fn a_frequency_and_its_alias_are_two_solutions() {
+    for seed in 1..=4 {
+        let mut scenario = Scenario::from_toml(ALIASED).unwrap();
+        scenario.seed = seed;
+        let sampled = sampled(&scenario);
+        let (channel, Solutions { means, shares, .. }) = sampled.solutions().expect("there are two");
+        assert_eq!(channel, Channel::NATURAL_FREQUENCY);
+        assert!((means[0] - 4.0).abs() < 0.03 && (means[1] - 8.57).abs() < 0.05, "{means:?}");
+        assert!(shares.iter().all(|share| *share > 0.15), "{shares:?}");
+        scenario.filters[0].initial_std[Channel::NATURAL_FREQUENCY] = 0.3;
+        scenario.filters[0].initial_mean[Channel::NATURAL_FREQUENCY] = 4.2;
+        assert_eq!(self::sampled(&scenario).solutions(), None, "the initial belief knows which");
+    }
+}
+
+const ALIASED: &str = r#"
+dt = 0.5
+duration = 30.0
+[plant]
+kind = "sdof"
+initial = { displacement = 1.0, velocity = 0.0 }
+natural_frequency = 4.0
+damping_ratio = 0.01
+[force]
+none = {}
+[[sensors]]
+measures = "displacement"
+noise_std = 0.02
+[[filters]]
+kind = "ekf"
+initial_mean = { displacement = 0.0, velocity = 0.0, natural_frequency = 6.3, damping_ratio = 0.02 }
+initial_std = { displacement = 2.0, velocity = 6.0, natural_frequency = 2.0, damping_ratio = 0.02 }
+process_std = { displacement = 0.0, velocity = 0.0, natural_frequency = 0.0, damping_ratio = 0.0 }
+sensor_std = [0.02]
+"#;
+
+#[test]
+fn equal_arguments_give_equal_points_however_the_work_is_divided() {
+    let scenario = Scenario { duration: 2.0, ..scenario(PlantKind::SDOF, FilterKind::EKF, 7) };
+    let record = Arc::new(simulate(&scenario));
+    let mut task = Posterior::new(&scenario, 0, Arc::clone(&record)).unwrap();
+    let mut shares = vec![task.progress()];
+    while !task.advance(&mut || false) {
+        shares.push(task.progress());
+    }
+    assert!(shares.is_sorted() && shares.len() > 100, "{shares:?}");
+    assert_eq!(shares[0], 0.0);
+    assert_eq!(task.finish(), Posterior::new(&scenario, 0, record).unwrap().run());
+}
+
+#[test]
+fn filters_without_a_likelihood_of_constant_parameters_are_refused() {
+    let plain = Scenario { duration: 1.0, ..scenario(PlantKind::SDOF, FilterKind::EKF, 1) };
+    let record = Arc::new(simulate(&plain));
+    let reason = |change: fn(&mut FilterSettings)| {
+        let mut scenario = plain.clone();
+        change(&mut scenario.filters[0]);
+        Posterior::new(&scenario, 0, Arc::clone(&record)).err()
+    };
+    assert_eq!(reason(|filter| filter.kind = FilterKind::KF), Some(NoPosterior::Known));
+    assert_eq!(reason(|filter| filter.initial_std = Values::ZERO), Some(NoPosterior::Known));
+    assert_eq!(reason(|filter| filter.robust = Robust::HUBER), Some(NoPosterior::Weighs));
+    assert_eq!(reason(|filter| filter.adaptation.sensor_noise = true), Some(NoPosterior::Learns));
+    assert!(matches!(Posterior::new(&plain, 1, Arc::clone(&record)), Err(NoPosterior::Run(_))));
+}
+
+#[test]
+fn a_record_that_nothing_explains_has_no_posterior() {
+    let mut scenario = Scenario { duration: 1.0, ..scenario(PlantKind::SDOF, FilterKind::EKF, 1) };
+    let record = simulate(&scenario).with_measured(|_, _, _| 1e200);
+    scenario.filters[0].sensor_std.fill(1e-3);
+    let posterior = Posterior::new(&scenario, 0, Arc::new(record)).unwrap();
+    assert_eq!(posterior.run(), None);
+}
