@@ -11,6 +11,7 @@ mod choices;
 mod measures;
 mod monte_carlo;
 mod pace;
+mod posterior;
 mod settings;
 mod state;
 mod survey;
@@ -31,6 +32,7 @@ pub use choices::Choices;
 pub(crate) use measures::{label as measure_label, name as measure_name, offered};
 pub use monte_carlo::{SEEDS, SeedChoice, SeedRuns, Seeds};
 pub use pace::Pace;
+pub use posterior::{Posteriors, Shown};
 pub(crate) use settings::{candidates, collide, label as setting_label, name as setting_name, of_filters};
 pub use state::WorkState;
 pub use survey::Survey;
@@ -53,6 +55,7 @@ pub struct Laboratory {
     before: Option<Survey>,
     seeds: Seeds,
     tuning: Tuning,
+    posteriors: Posteriors,
     trials: Trials,
     state: WorkState,
     /// Counts the surveys that have been shown.
@@ -69,6 +72,7 @@ impl Laboratory {
             before: None,
             seeds: Seeds::default(),
             tuning: Tuning::default(),
+            posteriors: Posteriors::default(),
             trials: Trials::default(),
             state: WorkState::default(),
             edition: 0,
@@ -199,6 +203,16 @@ impl Laboratory {
         &mut self.tuning
     }
 
+    /// The posterior of a filter's parameters.
+    pub fn posteriors(&self) -> &Posteriors {
+        &self.posteriors
+    }
+
+    /// The same, mutable.
+    pub fn posteriors_mut(&mut self) -> &mut Posteriors {
+        &mut self.posteriors
+    }
+
     /// The results of several records.
     pub fn trials(&self) -> &Trials {
         &self.trials
@@ -219,6 +233,13 @@ impl Laboratory {
     pub fn follow_tuning(&mut self, session: &Session, is_in_sight: bool, ctx: &Context) {
         if is_in_sight {
             self.tuning.follow(session.run().scenario(), session.budget(), ctx);
+        }
+    }
+
+    /// Follows the session with the posterior while its view is on screen.
+    pub fn follow_posterior(&mut self, session: &Session, is_in_sight: bool, ctx: &Context) {
+        if is_in_sight {
+            self.posteriors.follow(&*self.team, session, session.budget(), ctx);
         }
     }
 

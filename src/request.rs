@@ -152,6 +152,8 @@ pub enum Request {
     ChooseTuning(Box<TuneChoice>),
     /// Begin to tune, or stop that.
     Tune(bool),
+    /// Show the posterior of the parameters of the filter with an id, or of none.
+    ChoosePosterior(Option<u32>),
     /// Keep these trials in place of those in the table.
     KeepTrials(Vec<Trial>),
     /// Add the trials of all links in a text.

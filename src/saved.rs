@@ -74,6 +74,7 @@ struct Written<'a> {
     map: &'a Option<Choice>,
     seeds: &'a Option<SeedChoice>,
     tuning: &'a Option<TuneChoice>,
+    posterior: Option<u32>,
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     trials: &'a [Trial],
     lessons: &'a Studies,
@@ -148,7 +149,7 @@ impl Saved {
             laboratory,
             ..
         } = self;
-        let Choices { map, seeds, tuning, trials } = laboratory;
+        let Choices { map, seeds, tuning, posterior, trials } = laboratory;
         Document::json(&Written {
             version: VERSION,
             scenario: scenario.to_toml().map_err(serde::ser::Error::custom)?,
@@ -164,6 +165,7 @@ impl Saved {
             map,
             seeds,
             tuning,
+            posterior: *posterior,
             trials,
             lessons: &self.studies,
         })
@@ -253,7 +255,9 @@ impl Reader {
         let trials: Vec<Trial> = self.part("trials", Vec::new());
         let checked = Trials::check(&trials).map(|()| trials);
         let trials = self.note("trials", checked).unwrap_or_default();
-        Choices { map: self.part("map", None), seeds, tuning: self.part("tuning", None), trials }
+        let (map, tuning, posterior) =
+            (self.part("map", None), self.part("tuning", None), self.part("posterior", None));
+        Choices { map, seeds, tuning, posterior, trials }
     }
 
     fn views(&mut self, version: u64) -> Option<Outline> {

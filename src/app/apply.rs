@@ -142,6 +142,7 @@ impl App {
             Request::Tune(false) => {
                 laboratory.tuning_mut().cancel();
             }
+            Request::ChoosePosterior(filter) => laboratory.posteriors_mut().choose(filter),
             Request::KeepTrials(rows) => laboratory.trials_mut().keep(rows),
             Request::CollectTrials(text) => self.collect_trials(&text),
             Request::RestoreTrials => laboratory.trials_mut().restore(),

@@ -41,5 +41,7 @@ impl App {
         self.laboratory.follow_seeds(&self.session, &filters, is_in_sight, ctx);
         let is_in_sight = self.layout.in_sight().contains(&ViewKind::Tune);
         self.laboratory.follow_tuning(&self.session, is_in_sight, ctx);
+        let is_in_sight = self.layout.in_sight().contains(&ViewKind::ParameterPlane);
+        self.laboratory.follow_posterior(&self.session, is_in_sight, ctx);
     }
 }

@@ -52,13 +52,15 @@ impl App {
         let picture = self.figure_context(&palette).picture(&self.layout);
         let shown = self.layout.shown();
         let shows_map = shown.iter().any(|kind| view(*kind).is_of_laboratory());
-        let [shows_seeds, shows_tuning, shows_trials] =
-            [ViewKind::MonteCarlo, ViewKind::Tune, ViewKind::Trials].map(|kind| shown.contains(&kind));
-        let Choices { map, seeds, tuning, trials } = picture.laboratory;
+        let [shows_seeds, shows_tuning, shows_plane, shows_trials] =
+            [ViewKind::MonteCarlo, ViewKind::Tune, ViewKind::ParameterPlane, ViewKind::Trials]
+                .map(|kind| shown.contains(&kind));
+        let Choices { map, seeds, tuning, posterior, trials } = picture.laboratory;
         let laboratory = Choices {
             map: map.filter(|_| shows_map),
             seeds: seeds.filter(|_| shows_seeds),
             tuning: tuning.filter(|_| shows_tuning),
+            posterior: posterior.filter(|_| shows_plane),
             trials: if shows_trials { trials } else { Vec::new() },
         };
         Picture { laboratory, ..picture }

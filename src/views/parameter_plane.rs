@@ -1,9 +1,12 @@
 //! Two parameters against each other, with the covariance between them.
 
+mod posterior;
+
 use egui::{Align2, Color32, RichText, Ui};
 use egui_plot::{Line, MarkerShape, Points, Text};
 use kalmanscope_core::{Channel, Estimates};
 
+use crate::laboratory::{Laboratory, Posteriors};
 use crate::plot::plane::{aged_path, around, drawable, plane_ui};
 use crate::request::Request;
 use crate::view::{View, ViewContext};
@@ -25,11 +28,11 @@ impl View for ParameterPlane {
         [
             "The path of each filter's estimate in the plane of the first two parameters, and its 95 % ellipse.",
             "The cross is the truth: the ellipse of a consistent filter contains it 19 times of 20.",
-            "A tilted ellipse: the filter cannot tell the two apart, only a combination of them.",
+            "A tilted ellipse: the filter cannot tell the two apart, only a combination of them. *Posterior of* draws what the readings say without the belief that it is normal.",
         ]
     }
 
-    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Request>) -> Option<f64> {
+    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
         let ViewContext { session, palette, visible, axis, .. } = *context;
         let run = session.run();
         let parameters: Vec<Channel> = run.channels().into_iter().filter(|c| c.is_parameter()).collect();
@@ -37,6 +40,11 @@ impl View for ParameterPlane {
             ui.weak("There are not two parameters.");
             return None;
         };
+        let posteriors = context.laboratory.map(Laboratory::posteriors);
+        if let Some(posteriors) = posteriors {
+            posterior::head_ui(ui, context, posteriors, requests);
+        }
+        let cloud = posteriors.and_then(|posteriors| cloud(context, posteriors, [x, y]));
         let k = axis.readout(session);
         let mut paths: Vec<(Points2, Points2, Color32)> = Vec::new();
         for (_, estimates) in context.filters() {
@@ -55,6 +63,7 @@ impl View for ParameterPlane {
                 .iter()
                 .flat_map(|(path, ellipse, _)| ellipse.iter().chain(path.first()))
                 .chain(&truth)
+                .chain(cloud.iter().flat_map(|(points, _)| points))
                 .map(move |p| p[axis])
         };
         let range = around(seen(0)).zip(around(seen(1))).map(|(x, y)| [x, y]);
@@ -64,10 +73,18 @@ impl View for ParameterPlane {
         };
         let mut labelled = false;
         plane_ui(ui, "parameter plane", [&label(x), &label(y)], palette, range, |plot| {
+            // Behind points a path is only a hint.
+            let strength = if cloud.is_some() { 0.4 } else { 1.0 };
+            for (path, _, color) in &paths {
+                aged_path(plot, path, color.gamma_multiply(strength), 1.4);
+            }
+            if let Some((points, color)) = cloud {
+                let points: Points2 = points.into_iter().map(|point| drawable(plot, point)).collect();
+                plot.points(Points::new("posterior", points).color(color).radius(1.8).allow_hover(false));
+            }
             for (path, ellipse, color) in paths {
                 let now = path.first().map(|now| drawable(plot, *now));
                 let ellipse: Points2 = ellipse.into_iter().map(|point| drawable(plot, point)).collect();
-                aged_path(plot, &path, color, 1.4);
                 if visible.bands {
                     if let Some(top) = ellipse.iter().max_by(|a, b| a[1].total_cmp(&b[1])).filter(|_| !labelled) {
                         labelled = true;
@@ -89,6 +106,16 @@ impl View for ParameterPlane {
         });
         None
     }
+}
+
+/// The points of the posterior in the plane, and their colour: the filter's, fainter where they are of another time.
+fn cloud(context: &ViewContext<'_>, posteriors: &Posteriors, [x, y]: [Channel; 2]) -> Option<(Points2, Color32)> {
+    let shown = posteriors.shown()?;
+    let (_, estimates) = context.filters().find(|(_, estimates)| estimates.id() == shown.filter())?;
+    let [x, y] = [shown.sampled().values(x)?, shown.sampled().values(y)?];
+    let points = x.into_iter().zip(y).map(|(x, y)| [x, y]).collect();
+    let strength = if shown.is_of_now() { 0.6 } else { 0.25 };
+    Some((points, context.palette.shade(estimates.color()).gamma_multiply(strength)))
 }
 
 /// The 95 % ellipse of two components of the belief at sample `k`.

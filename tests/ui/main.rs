@@ -17,6 +17,7 @@ mod memory;
 mod monte_carlo;
 mod phone;
 mod playback;
+mod posterior;
 mod progress;
 mod records;
 mod settings;

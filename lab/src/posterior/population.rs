@@ -10,7 +10,7 @@ const MOVES: [f64; 2] = [1.0, 6.0];
 const TRIES: [u32; 2] = [8, 30];
 
 /// The share of moves by the whole difference of two others, which lead from one mode to another.
-const LEAPS: f64 = 0.1;
+const LEAPS: f64 = 0.3;
 
 /// A move is disturbed by this share of the points' standard deviations.
 const NOISE: f64 = 1e-2;
@@ -39,7 +39,11 @@ enum Stage {
     /// The draws of the initial belief wait for their likelihoods.
     Drawn,
     /// The half of the points that tries to move, the sweeps that have ended, and the moves so far.
-    Moving { half: usize, sweeps: u32, moves: usize },
+    Moving {
+        half: usize,
+        sweeps: u32,
+        moves: usize,
+    },
     Done,
     /// No draw has a likelihood.
     Failed,

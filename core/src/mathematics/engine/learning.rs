@@ -124,7 +124,8 @@ impl<T: Number> Learning<T> {
     /// `R ← a R + (1 - a) diag(ε εᵀ + H P Hᵀ)`, as [`Adaptation`](crate::filter::Adaptation) has it.
     fn adapt_sensors(&mut self, design: &Design, noise: &mut Noise<T>, measured: &[T], update: &Update<T>) {
         let keep = design.adaptation.forgetting;
-        for (&sensor, &[residual, uncertainty]) in update.active().iter().zip(self.residuals.of(&update.innovations())) {
+        for (&sensor, &[residual, uncertainty]) in update.active().iter().zip(self.residuals.of(&update.innovations()))
+        {
             let old = noise.sensors[sensor];
             let learnt = old * keep + (residual * residual + uncertainty) * (1.0 - keep);
             noise.sensors[sensor] = T::select(measured[sensor].is_number(), learnt, old);

@@ -144,7 +144,12 @@ pub(crate) struct InUnits {
 impl Default for InUnits {
     fn default() -> Self {
         let none = || Matrix::zeros(0, 0);
-        Self { belief: Gaussian { mean: Vector::zeros(0), cov: none() }, gain: none(), unit: Vector::zeros(0), process: Vec::new() }
+        Self {
+            belief: Gaussian { mean: Vector::zeros(0), cov: none() },
+            gain: none(),
+            unit: Vector::zeros(0),
+            process: Vec::new(),
+        }
     }
 }
 
