@@ -1,17 +1,18 @@
 //! The command line.
 
 mod import;
+mod of_filter;
 
 use std::path::PathBuf;
 use std::str::FromStr;
 
 use clap::{Args, CommandFactory as _, Parser, Subcommand};
 use clap_complete::Shell;
-use kalmanscope_core::{Axis, Quantity, VerdictKind};
+use kalmanscope_core::{Axis, VerdictKind};
 use kalmanscope_lab::Measure;
-use kalmanscope_lab::tune::Goal;
 
 pub(crate) use import::{ImportArgs, Missing};
+pub(crate) use of_filter::{PosteriorArgs, TuneArgs};
 
 use crate::places::{Places, places};
 
@@ -67,6 +68,9 @@ pub(crate) enum Command {
         after_help = "Example:\n  kalmanscope-cli tune record.toml --turn filters.EKF.fading=1:1.02 --out tuned.toml"
     )]
     Tune(TuneArgs),
+    /// Find what a record says about a filter's parameters without the belief that it is normal, beside the filter's ±2σ
+    #[command(after_help = "Example:\n  kalmanscope-cli posterior record.toml --filter UKF --out points.csv")]
+    Posterior(PosteriorArgs),
     /// Read a lesson and try each of its claims on several records
     #[command(after_help = "Example:\n  kalmanscope-cli lesson lesson.toml --seeds 100")]
     Lesson(LessonArgs),
@@ -181,42 +185,6 @@ pub(crate) struct PopulationArgs {
     /// Show no progress
     #[arg(long)]
     pub(crate) quiet: bool,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct TuneArgs {
-    /// The scenario, a TOML file; `-` for standard input
-    pub(crate) scenario: PathBuf,
-    /// A setting of the filter to turn, as lessons name it, and the range to stay in; without a range two decades each way or as
-    /// far as the slider goes. May be given for several
-    #[arg(long, value_name = "KEY[=FROM:TO[:log]]", required = true)]
-    pub(crate) turn: Vec<String>,
-    /// The filter; the first one if left out
-    #[arg(long, value_name = "NAME")]
-    pub(crate) filter: Option<String>,
-    /// The number to make best: likelihood, consistency, or free_run with a sensor behind a dot, as in free_run.displacement
-    #[arg(long, value_name = "GOAL", default_value = "likelihood", value_parser = goal)]
-    pub(crate) goal: Goal,
-    /// Use this record instead of a simulated one
-    #[arg(long, value_name = "RECORD.csv")]
-    pub(crate) record: Option<PathBuf>,
-    /// The meaning of the record's columns, as `[record]` in a scenario has it
-    #[arg(long, value_name = "MAP.toml", requires = "record")]
-    pub(crate) map: Option<PathBuf>,
-    /// Write the scenario with the tuned filter
-    #[arg(long, value_name = "SCENARIO.toml")]
-    pub(crate) out: Option<PathBuf>,
-}
-
-fn goal(text: &str) -> Result<Goal, String> {
-    match text.split_once('.') {
-        None if text == "likelihood" => Ok(Goal::Likelihood),
-        None if text == "consistency" => Ok(Goal::Consistency),
-        Some(("free_run", sensor)) => {
-            Quantity::from_key(sensor).map(Goal::FreeRun).ok_or_else(|| format!("there is no quantity `{sensor}`"))
-        }
-        _ => Err("expected likelihood, consistency or free_run.SENSOR".to_owned()),
-    }
 }
 
 /// A part of a table's rows.

@@ -12,6 +12,7 @@ mod meaning;
 mod parquet_file;
 mod places;
 mod population;
+mod posterior;
 mod prepared;
 mod progress;
 mod record;
@@ -44,6 +45,7 @@ fn main() -> ExitCode {
         }
         Command::Sweep(args) => sweep::sweep(&args).map(|()| ExitCode::SUCCESS),
         Command::Population(args) => population::population(&args).map(|()| ExitCode::SUCCESS),
+        Command::Posterior(args) => posterior::posterior(&args).map(|()| ExitCode::SUCCESS),
         Command::Tune(args) => tune::tune(&args).map(|()| ExitCode::SUCCESS),
         Command::Completions { shell } => {
             places::write_bytes(Path::new("-"), &CommandLine::completions(shell)).map(|()| ExitCode::SUCCESS)

@@ -18,15 +18,7 @@ use crate::prepared::scenario_and_record;
 pub(crate) fn tune(args: &TuneArgs) -> Result<(), InputError> {
     let TuneArgs { scenario: file, turn, filter, goal, record, map, out } = args;
     let (scenario, imported) = scenario_and_record(file, record.as_ref(), map.as_ref(), &places("--out", out))?;
-    let place = match filter {
-        None => 0,
-        Some(name) => {
-            let place = scenario.filters.iter().position(|filter| filter.name == *name);
-            place.ok_or_else(|| {
-                bad(file, format!("the scenario has no filter `{name}`{}", scenario.filters_in_words()))
-            })?
-        }
-    };
+    let place = place_of(file, &scenario, filter.as_deref())?;
     let axes = turn.iter().map(|text| axis(text, &scenario).map_err(|reason| bad(file, reason)));
     let axes = axes.collect::<Result<Vec<_>, _>>()?;
     let record = imported.map_or_else(|| simulate(&scenario), |imported| imported.record);
@@ -44,6 +36,19 @@ pub(crate) fn tune(args: &TuneArgs) -> Result<(), InputError> {
         write_text(out, &toml)?;
     }
     Ok(())
+}
+
+/// The place of the filter with a name, or of the first one.
+///
+/// # Errors
+/// [`InputError`] where the scenario has none.
+pub(crate) fn place_of(file: &Path, scenario: &Scenario, name: Option<&str>) -> Result<usize, InputError> {
+    let Some(name) = name else {
+        let first = (!scenario.filters.is_empty()).then_some(0);
+        return first.ok_or_else(|| bad(file, "the scenario has no filter".to_owned()));
+    };
+    let place = scenario.filters.iter().position(|filter| filter.name == name);
+    place.ok_or_else(|| bad(file, format!("the scenario has no filter `{name}`{}", scenario.filters_in_words())))
 }
 
 fn bad(file: &Path, reason: String) -> InputError {

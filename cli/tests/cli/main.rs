@@ -8,6 +8,7 @@ mod hostile;
 mod import;
 mod lessons;
 mod population;
+mod posterior;
 mod records;
 mod refused;
 mod report;
