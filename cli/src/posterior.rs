@@ -2,7 +2,6 @@
 
 use std::fmt::Write as _;
 use std::path::Path;
-use std::sync::Arc;
 
 use kalmanscope_cli::{harmless, run_scenario, significant};
 use kalmanscope_core::{Estimates, Scenario, Task as _};
@@ -22,10 +21,13 @@ pub(crate) fn posterior(args: &PosteriorArgs) -> Result<(), InputError> {
     let place = place_of(file, &scenario, filter.as_deref())?;
     let alone = Scenario { filters: vec![scenario.filters[place].clone()], ..scenario };
     let run = run_scenario(&alone, imported.map(|imported| imported.record)).map_err(|error| bad(&error))?;
-    let posterior = Posterior::new(&alone, 0, Arc::new(run.record().clone()));
+    let posterior = Posterior::new(&alone, 0, run.record());
     let posterior = posterior.map_err(|reason| bad(&format!("there is no posterior: {reason}")))?;
     let sampled = posterior.run().ok_or_else(|| bad(&"no guess within the initial belief explains the record"))?;
-    let text = report(&sampled, &run.estimates()[0]);
+    let mut text = report(&sampled, &run.estimates()[0]);
+    if sampled.is_let_change(&alone.filters[0], run.record().len()) {
+        text += "the filter lets the parameters change, the posterior does not\n";
+    }
     // Standard output is the file's that asks for it.
     if out.as_deref().is_some_and(is_standard_output) {
         say(&text.trim_end());

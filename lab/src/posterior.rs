@@ -14,8 +14,6 @@ mod target;
 #[cfg(test)]
 mod tests;
 
-use std::sync::Arc;
-
 use kalmanscope_core::{Channel, FilterSettings, PlantKind, Record, RunError, Scenario, Task};
 
 use population::Population;
@@ -66,7 +64,7 @@ impl Posterior {
     ///
     /// # Errors
     /// [`NoPosterior`]
-    pub fn new(scenario: &Scenario, place: usize, record: Arc<Record>) -> Result<Self, NoPosterior> {
+    pub fn new(scenario: &Scenario, place: usize, record: &Record) -> Result<Self, NoPosterior> {
         let points = (SAMPLES / record.len().max(1)).clamp(POINTS[0], POINTS[1]) / PIECE * PIECE;
         let target = Target::new(scenario, place, record)?;
         let mut population = Population::new(points, target.channels().len(), scenario.seed);
@@ -141,12 +139,25 @@ impl Sampled {
         Some([mean, libm::sqrt(variance)])
     }
 
+    /// Whether a filter lets the parameters change over some steps, by more than a part of the width of these points, which take them
+    /// for constant.
+    pub fn is_let_change(&self, filter: &FilterSettings, steps: usize) -> bool {
+        let walks = |channel: &Channel| {
+            let way = filter.process_std[*channel] * libm::sqrt(steps as f64);
+            self.moments(*channel).is_some_and(|[_, std]| way > PART * std)
+        };
+        filter.fading > 1.0 || filter.jump || filter.walk > 0.0 || filter.eta > 0.0 || self.channels.iter().any(walks)
+    }
+
     /// The two solutions of the parameter that has them furthest apart; `None` where all points are of one.
     pub fn solutions(&self) -> Option<(Channel, Solutions)> {
         let of = |&channel: &Channel| Some((channel, Solutions::of(self.values(channel)?)?));
         self.channels.iter().filter_map(of).max_by(|a, b| a.1.distance.total_cmp(&b.1.distance))
     }
 }
+
+/// A random walk of parameters counts if it goes over this part of the posterior's standard deviation.
+const PART: f64 = 0.3;
 
 /// The parameters that a filter estimates: neither known nor certain.
 fn parameters(filter: &FilterSettings, truth: PlantKind) -> Vec<Channel> {

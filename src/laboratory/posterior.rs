@@ -52,8 +52,8 @@ impl Subject {
     }
 
     fn search(&self, team: &dyn Team, session: &Session) -> Result<Running<Posterior>, NoPosterior> {
-        let record = Arc::new(session.run().record().part(0..self.sample + 1));
-        let posterior = Posterior::new(&self.of, 0, record)?;
+        let record = session.run().record().part(0..self.sample + 1);
+        let posterior = Posterior::new(&self.of, 0, &record)?;
         Ok(Running::begin(team, Priority::Seeds, posterior, Posterior::progress))
     }
 }

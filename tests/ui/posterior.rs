@@ -24,7 +24,7 @@ fn wait(screen: &mut Screen) {
     for _ in 0..3000 {
         screen.step();
         let posteriors = screen.state().laboratory().posteriors();
-        if posteriors.problem().is_some() || posteriors.shown().is_some_and(|shown| shown.is_of_now()) {
+        if posteriors.problem().is_some() || posteriors.shown().is_some_and(kalmanscope::laboratory::Shown::is_of_now) {
             break;
         }
     }

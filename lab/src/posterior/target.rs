@@ -21,9 +21,9 @@ pub(super) struct Target {
 
 impl Target {
     /// The target of the filter at a place of a scenario.
-    pub(super) fn new(scenario: &Scenario, place: usize, record: Arc<Record>) -> Result<Self, NoPosterior> {
+    pub(super) fn new(scenario: &Scenario, place: usize, record: &Record) -> Result<Self, NoPosterior> {
         // The record fits the filter as it is.
-        Pass::new(scenario, place, &record)?;
+        Pass::new(scenario, place, record)?;
         let filter = scenario.filters[place].clone();
         let channels = parameters(&filter, scenario.plant.kind);
         if channels.is_empty() {
@@ -39,8 +39,8 @@ impl Target {
         let of_logarithms = filter.log_parameters;
         let filter = knowing(filter, &channels, scenario);
         let scenario = Scenario { filters: vec![filter], ..scenario.clone() };
-        Pass::new(&scenario, 0, &record)?;
-        let record = Arc::new(Record::clone(&record).without_truth());
+        Pass::new(&scenario, 0, record)?;
+        let record = Arc::new(record.clone().without_truth());
         Ok(Self { scenario, record, channels, belief, of_logarithms })
     }
 

@@ -14,13 +14,13 @@ fn scenario(plant: PlantKind, kind: FilterKind, seed: u64) -> Scenario {
 }
 
 fn sampled(scenario: &Scenario) -> Sampled {
-    Posterior::new(scenario, 0, Arc::new(simulate(scenario))).unwrap().run().unwrap()
+    Posterior::new(scenario, 0, &simulate(scenario)).unwrap().run().unwrap()
 }
 
 /// Means, standard deviations and ln p(z) over a fine grid of both parameters about the posterior.
 fn on_grid(scenario: &Scenario, about: &Sampled) -> ([[f64; 2]; 2], f64) {
     const STEPS: i32 = 40;
-    let target = Target::new(scenario, 0, Arc::new(simulate(scenario))).unwrap();
+    let target = Target::new(scenario, 0, &simulate(scenario)).unwrap();
     let belief = [0, 1].map(|i| {
         let (filter, channel) = (&scenario.filters[0], about.channels[i]);
         [filter.initial_mean[channel], filter.initial_std[channel]]
@@ -152,31 +152,31 @@ sensor_std = [0.02]
 #[test]
 fn equal_arguments_give_equal_points_however_the_work_is_divided() {
     let scenario = Scenario { duration: 2.0, ..scenario(PlantKind::SDOF, FilterKind::EKF, 7) };
-    let record = Arc::new(simulate(&scenario));
-    let mut task = Posterior::new(&scenario, 0, Arc::clone(&record)).unwrap();
+    let record = simulate(&scenario);
+    let mut task = Posterior::new(&scenario, 0, &record).unwrap();
     let mut shares = vec![task.progress()];
     while !task.advance(&mut || false) {
         shares.push(task.progress());
     }
     assert!(shares.is_sorted() && shares.len() > 100, "{shares:?}");
     assert_eq!(shares[0], 0.0);
-    assert_eq!(task.finish(), Posterior::new(&scenario, 0, record).unwrap().run());
+    assert_eq!(task.finish(), Posterior::new(&scenario, 0, &record).unwrap().run());
 }
 
 #[test]
 fn filters_without_a_likelihood_of_constant_parameters_are_refused() {
     let plain = Scenario { duration: 1.0, ..scenario(PlantKind::SDOF, FilterKind::EKF, 1) };
-    let record = Arc::new(simulate(&plain));
+    let record = simulate(&plain);
     let reason = |change: fn(&mut FilterSettings)| {
         let mut scenario = plain.clone();
         change(&mut scenario.filters[0]);
-        Posterior::new(&scenario, 0, Arc::clone(&record)).err()
+        Posterior::new(&scenario, 0, &record).err()
     };
     assert_eq!(reason(|filter| filter.kind = FilterKind::KF), Some(NoPosterior::Known));
     assert_eq!(reason(|filter| filter.initial_std = Values::ZERO), Some(NoPosterior::Known));
     assert_eq!(reason(|filter| filter.robust = Robust::HUBER), Some(NoPosterior::Weighs));
     assert_eq!(reason(|filter| filter.adaptation.sensor_noise = true), Some(NoPosterior::Learns));
-    assert!(matches!(Posterior::new(&plain, 1, Arc::clone(&record)), Err(NoPosterior::Run(_))));
+    assert!(matches!(Posterior::new(&plain, 1, &record), Err(NoPosterior::Run(_))));
 }
 
 #[test]
@@ -184,6 +184,6 @@ fn a_record_that_nothing_explains_has_no_posterior() {
     let mut scenario = Scenario { duration: 1.0, ..scenario(PlantKind::SDOF, FilterKind::EKF, 1) };
     let record = simulate(&scenario).with_measured(|_, _, _| 1e200);
     scenario.filters[0].sensor_std.fill(1e-3);
-    let posterior = Posterior::new(&scenario, 0, Arc::new(record)).unwrap();
+    let posterior = Posterior::new(&scenario, 0, &record).unwrap();
     assert_eq!(posterior.run(), None);
 }

@@ -1,7 +1,7 @@
 //! The posterior of a filter's parameters: the choice above the plane, and what the points say about the filter's ±2σ.
 
 use egui::{ComboBox, Ui};
-use kalmanscope_core::{Channel, Estimates, FilterSettings};
+use kalmanscope_core::Estimates;
 
 use crate::laboratory::{Posteriors, Shown};
 use crate::request::Request;
@@ -10,9 +10,6 @@ use crate::view::ViewContext;
 
 /// A mean is worth a word if it is so many standard deviations of the posterior away from the posterior's mean.
 const AWAY: f64 = 1.0;
-
-/// A random walk of parameters is worth a word if it goes over this part of the posterior's standard deviation.
-const PART: f64 = 0.3;
 
 /// The line above the plane.
 pub(super) fn head_ui(ui: &mut Ui, context: &ViewContext<'_>, posteriors: &Posteriors, requests: &mut Vec<Request>) {
@@ -58,7 +55,7 @@ pub(super) fn sentences(context: &ViewContext<'_>, shown: &Shown) -> Option<Stri
         let symbol = channel.symbol();
         text += &format!(" Two solutions: {symbol} {low} ({one:.0} %) or {high} ({other:.0} %).");
     }
-    if lets_change(filter, shown) {
+    if shown.sampled().is_let_change(filter, shown.last().0) {
         text += " The filter lets the parameters change, the posterior does not.";
     }
     Some(text)
@@ -94,14 +91,4 @@ fn listed(words: &[String]) -> String {
         }
         _ => words.concat(),
     }
-}
-
-/// Whether a filter takes its parameters for something that changes by more than a part of the posterior's width.
-fn lets_change(filter: &FilterSettings, shown: &Shown) -> bool {
-    let (steps, sampled) = (shown.last().0 as f64, shown.sampled());
-    let walks = |channel: &Channel| {
-        let way = filter.process_std[*channel] * steps.sqrt();
-        sampled.moments(*channel).is_some_and(|[_, std]| way > PART * std)
-    };
-    filter.fading > 1.0 || filter.jump || filter.walk > 0.0 || filter.eta > 0.0 || sampled.channels.iter().any(walks)
 }

@@ -71,6 +71,11 @@ impl Default for Correction {
 }
 
 impl Correction {
+    /// e and S of all sensors, as they are reported.
+    pub(super) fn reported(&self) -> (&Vector, &Matrix) {
+        (&self.innovation, &self.innovation_cov)
+    }
+
     /// The correction of n channels by m sensors that all measured nothing.
     pub fn nothing(n: usize, m: usize) -> Self {
         Self {
@@ -123,9 +128,9 @@ impl Correction {
 
     /// NIS and det S of e and S as they are reported, over these sensors; NaN without any.
     pub(crate) fn take_squares(&mut self, kept: &[usize]) {
-        let mut reported = std::mem::take(&mut self.reported);
-        [self.nis, self.determinant] = reported.squares(self, kept).unwrap_or([f64::NAN; 2]);
-        self.reported = reported;
+        let Self { reported, innovation, innovation_cov, .. } = self;
+        let squares = reported.squares((innovation, innovation_cov), kept);
+        [self.nis, self.determinant] = squares.unwrap_or([f64::NAN; 2]);
     }
 
     /// Takes in e, S with its factor, and K of the sensors that measured; each number goes to the place of its sensor.

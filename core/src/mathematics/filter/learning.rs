@@ -41,7 +41,7 @@ impl Learning {
             noise.process.ger(1.0 - keep, shift, shift, keep);
         }
         if adaptation.sensor_noise {
-            let Some(update) = reported.innovations(correction, observation) else { return };
+            let Some(update) = reported.innovations(correction.reported(), observation) else { return };
             for (&sensor, &[residual, uncertainty]) in sensors.iter().zip(residuals.of(&update)) {
                 let old = noise.sensors[sensor];
                 noise.sensors[sensor] = old * keep + (residual * residual + uncertainty) * (1.0 - keep);

@@ -50,7 +50,7 @@ impl Weighing {
         }
         let Self { weights, reported } = self;
         for pass in 0..weights.passes() {
-            let Some(update) = reported.innovations(correction, observation) else { break };
+            let Some(update) = reported.innovations(correction.reported(), observation) else { break };
             if pass == 0 {
                 weights.begin(&update, &noise.sensors, measured);
             }
