@@ -10,6 +10,7 @@ mod frequency_response;
 mod gain;
 mod handles;
 mod innovations;
+mod learnt_noise;
 
 mod map;
 mod matrices;

@@ -8,9 +8,9 @@ use kalmanscope_core::{Channel, Estimates, Quantity, Record, Run};
 /// Writes one row per filter and sample, first the filters, then the smoothers, under the header `filter, k, t`, the
 /// means and standard deviations of all channels of truth and filters, `nis, log_likelihood`, and for each sensor
 /// `innovation_`, `innovation_std_` and `predicted_`: the innovation, the root of its variance in S, and the reading that
-/// the filter predicted; where a filter weighs its readings, also `weight_`. Numbers have 17 significant digits, so that
-/// every bit survives; undefined values are `nan`. Means are in canonical form ([`Estimates::canonical_mean`]), as in the
-/// table.
+/// the filter predicted; where a filter weighs its readings, also `weight_`, and where one learns R, `noise_` and `noise_std_`: the
+/// learnt standard deviation of the sensor's noise, and that of this number. Numbers have 17 significant digits, so that every bit
+/// survives; undefined values are `nan`. Means are in canonical form ([`Estimates::canonical_mean`]), as in the table.
 ///
 /// # Errors
 /// [`csv::Error`] where `output` cannot be written.
@@ -21,9 +21,9 @@ pub fn write_estimates(run: &Run, output: impl Write) -> Result<(), csv::Error> 
     let stds = channels.iter().map(|c| format!("std_{}", c.key()));
     let header = ["filter", "k", "t"].map(str::to_owned).into_iter().chain(means).chain(stds);
     let sensors = run.record().sensors();
-    let weighs = run.estimates().iter().any(Estimates::weighs);
-    let readings = ["innovation", "innovation_std", "predicted"].into_iter().chain(weighs.then_some("weight"));
-    let readings = readings.flat_map(|what| sensors.iter().map(move |sensor| format!("{what}_{}", sensor.key())));
+    let columns: Vec<&ReadingColumn> =
+        READING.iter().filter(|(_, is_told, _)| run.estimates().iter().any(is_told)).collect();
+    let readings = columns.iter().flat_map(|(what, ..)| sensors.iter().map(move |sensor| format!("{what}_{}", sensor.key())));
     writer.write_record(header.chain(["nis", "log_likelihood"].map(str::to_owned)).chain(readings))?;
     for estimates in run.estimates().iter().chain(&run.smoothed()) {
         let name = harmless(estimates.name());
@@ -32,12 +32,8 @@ pub fn write_estimates(run: &Run, output: impl Write) -> Result<(), csv::Error> 
             writer.write_field(k.to_string())?;
             writer.write_field(number(run.record().time(k)))?;
             let readings: Vec<Reading> = sensors.iter().map(|s| Reading::of(estimates, run.record(), *s, k)).collect();
-            let innovations = readings.iter().map(|reading| reading.innovation);
-            let stds = readings.iter().map(|reading| reading.std);
-            let predicted = readings.iter().map(|reading| reading.predicted);
-            let weights = readings.iter().filter(|_| weighs).map(|reading| reading.weight);
-            for value in values(estimates, &channels, k).chain(innovations).chain(stds).chain(predicted).chain(weights)
-            {
+            let of_readings = columns.iter().flat_map(|(.., of)| readings.iter().map(of));
+            for value in values(estimates, &channels, k).chain(of_readings) {
                 writer.write_field(number(value))?;
             }
             writer.write_record(None::<&[u8]>)?;
@@ -52,6 +48,18 @@ pub fn harmless(name: &str) -> Cow<'_, str> {
     if name.starts_with(['=', '+', '-', '@', '\t', '\r']) { format!("'{name}").into() } else { name.into() }
 }
 
+/// A number of each sensor: its name, whether a filter tells it, and the number.
+type ReadingColumn = (&'static str, fn(&Estimates) -> bool, fn(&Reading) -> f64);
+
+const READING: [ReadingColumn; 6] = [
+    ("innovation", |_| true, |reading| reading.innovation),
+    ("innovation_std", |_| true, |reading| reading.std),
+    ("predicted", |_| true, |reading| reading.predicted),
+    ("weight", Estimates::weighs, |reading| reading.weight),
+    ("noise", Estimates::learns_sensor_noise, |reading| reading.noise[0]),
+    ("noise_std", Estimates::learns_sensor_noise, |reading| reading.noise[1]),
+];
+
 /// A filter's view of one sensor at one sample; NaN where nothing was measured, or where it does not use the sensor.
 pub(crate) struct Reading {
     /// The measurement less its prediction.
@@ -62,6 +70,8 @@ pub(crate) struct Reading {
     pub(crate) predicted: f64,
     /// How much the reading counts, if the filter weighs it.
     pub(crate) weight: f64,
+    /// The standard deviation of the sensor's noise, if the filter learns it, and that of this number.
+    pub(crate) noise: [f64; 2],
 }
 
 impl Reading {
@@ -73,10 +83,11 @@ impl Reading {
             let variance = *estimates.innovation_cov(k).get(place * (estimates.sensors().len() + 1))?;
             let measured = record.measured_quantity(sensor)?[k];
             let weight = estimates.weights(k).get(place).copied().unwrap_or(f64::NAN);
-            Some(Self { innovation, std: variance.sqrt(), predicted: measured - innovation, weight })
+            let noise = estimates.sensor_noise(k, place).unwrap_or([f64::NAN; 2]);
+            Some(Self { innovation, std: variance.sqrt(), predicted: measured - innovation, weight, noise })
         };
         let nan = f64::NAN;
-        found().unwrap_or(Self { innovation: nan, std: nan, predicted: nan, weight: nan })
+        found().unwrap_or(Self { innovation: nan, std: nan, predicted: nan, weight: nan, noise: [nan; 2] })
     }
 }
 

@@ -12,7 +12,7 @@ use crate::request::Request;
 use crate::sheet::{Column, Sheet};
 use crate::text::significant;
 use crate::view::{View, ViewContext};
-use crate::views::handles;
+use crate::views::{handles, learnt_noise};
 
 /// Limits the number of charts if each filter has its own.
 const ROWS: usize = 8;
@@ -29,7 +29,7 @@ impl View for Innovations {
         [
             "Measurement minus prediction, in its ±2√S band.",
             "For a well tuned filter they are white noise, and 95 % are in the band.",
-            "A rhythm in them, or a band that does not fit, shows that model, Q or R is wrong, without knowledge of the truth.",
+            "A rhythm in them, or a band that does not fit, shows that model, Q or R is wrong, without knowledge of the truth. Filters that learn R show it below.",
         ]
     }
 
@@ -39,7 +39,8 @@ impl View for Innovations {
             unit: context.unit(quantity.unit()),
             columns: columns(sensor, context),
         };
-        context.session.sensors().into_iter().enumerate().map(sheet).collect()
+        let innovations = context.session.sensors().into_iter().enumerate().map(sheet);
+        innovations.chain(learnt_noise::sheets(context)).collect()
     }
 
     fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
@@ -50,7 +51,12 @@ impl View for Innovations {
         // The innovations of several filters in one chart would be one block of colour.
         let filters: Vec<&Estimates> = context.filters().map(|(_, estimates)| estimates).collect();
         let rows = if sensors.len() * filters.len() <= ROWS { filters.len().max(1) } else { 1 };
-        charts_ui(ui, sensors.len() * rows, &context.plot_input(), requests, &|i, last_row| {
+        let own = sensors.len() * rows;
+        let count = own + if learnt_noise::is_shown(context) { sensors.len() } else { 0 };
+        charts_ui(ui, count, &context.plot_input(), requests, &|i, last_row| {
+            if let Some(sensor) = i.checked_sub(own) {
+                return learnt_noise::chart(sensor, sensors[sensor], context, last_row);
+            }
             let (sensor, row) = (i / rows, i % rows);
             let filters = if rows > 1 { &filters[row..=row] } else { &filters[..] };
             chart(sensor, sensors[sensor], filters, context, last_row)

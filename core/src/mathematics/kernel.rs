@@ -123,6 +123,8 @@ pub struct Filter<P, B, const N: usize> {
     noise: Noise<N>,
     outputs: Vec<Option<Output>>,
     adaptation: Adaptation,
+    /// The variance of each R that is learnt.
+    uncertainty: Vec<f64>,
     jump: Option<Jump>,
 }
 
@@ -137,7 +139,8 @@ impl<P: Model<N>, B: Belief<P, N>, const N: usize> Filter<P, B, N> {
         outputs: Vec<Option<Output>>,
         adaptation: Adaptation,
     ) -> Self {
-        Self { model, belief, dt, noise, outputs, adaptation, jump: None }
+        let uncertainty = adaptation.initial_uncertainty(&noise.sensors);
+        Self { model, belief, dt, noise, outputs, adaptation, uncertainty, jump: None }
     }
 
     /// The same filter, which widens P once where its innovations grow at once. The belief must be the initial one.
@@ -170,6 +173,11 @@ impl<P: Model<N>, B: Belief<P, N>, const N: usize> Filter<P, B, N> {
     /// The noise that the filter assumes by now.
     pub fn noise(&self) -> &Noise<N> {
         &self.noise
+    }
+
+    /// The variance of each R, where the filter learns R; zero elsewhere.
+    pub(crate) fn noise_uncertainty(&self) -> &[f64] {
+        &self.uncertainty
     }
 
     /// Whether the filter learns its noise.
@@ -253,7 +261,8 @@ impl<P: Model<N>, B: Belief<P, N>, const N: usize> Filter<P, B, N> {
             return Err(if surprising { FilterError::ImpossibleMeasurement } else { FilterError::NotFinite });
         }
         if self.adaptation.is_on() {
-            self.adaptation.adapt_kernel(observation.measured(), correction, &mut self.noise);
+            let Self { adaptation, noise, uncertainty, .. } = self;
+            adaptation.adapt_kernel(observation.measured(), correction, noise, uncertainty);
         }
         if let Some(jump) = &mut self.jump {
             jump.look(correction.nis, count);

@@ -62,6 +62,9 @@ pub struct Estimates {
     /// Whether the filter weighs its readings; only then there are weights.
     weighs: bool,
     weights: Vec<f64>,
+    /// Whether the filter learns R; only then there are these: R of each sensor, then the variance of each R.
+    learns: bool,
+    learnt: Vec<f64>,
     /// The particles of a particle filter; 0 for any other filter.
     particles: usize,
     monitor: Monitor,
@@ -101,6 +104,8 @@ impl Estimates {
             considered: settings.consider.clone(),
             weighs: settings.robust.is_on() && settings.can_weigh(),
             weights: Vec::new(),
+            learns: settings.adaptation.sensor_noise,
+            learnt: Vec::new(),
             particles: if settings.kind.has_own_likelihood() { settings.ensemble_size } else { 0 },
             stop: None,
         }
@@ -108,7 +113,7 @@ impl Estimates {
 
     /// Empty estimates of the filter's smoother.
     pub(crate) fn of_smoother(self) -> Self {
-        Self { name: self.name + SMOOTHED, smoothed: true, weighs: false, ..self }
+        Self { name: self.name + SMOOTHED, smoothed: true, weighs: false, learns: false, ..self }
     }
 
     /// The filter's id.
@@ -323,6 +328,20 @@ impl Estimates {
     /// Whether the filter weighs its readings.
     pub fn weighs(&self) -> bool {
         self.weighs
+    }
+
+    /// Whether the filter learns R.
+    pub fn learns_sensor_noise(&self) -> bool {
+        self.learns
+    }
+
+    /// The standard deviation of a sensor's noise that the filter has learnt by sample `k`, in the sensor's unit, and the standard
+    /// deviation of that number: `√R` and `√var R / (2 √R)`. `None` for a filter that does not learn R.
+    pub fn sensor_noise(&self, k: usize, sensor: usize) -> Option<[f64; 2]> {
+        let m = self.sensors.len();
+        let of_sample = self.learnt.get(2 * m * k..2 * m * (k + 1))?;
+        let [std, spread] = [*of_sample.get(sensor)?, of_sample[m + sensor]].map(f64::sqrt);
+        Some([std, if std > 0.0 { spread / (2.0 * std) } else { 0.0 }])
     }
 
     /// The weight of each sensor's reading at sample `k`, from 0 for none to about 1, and NaN where it measured nothing; empty for a

@@ -87,4 +87,6 @@ pub struct AssumedNoise<'a> {
     pub process: &'a [f64],
     /// Diagonal of R, m numbers, in the sensors' units squared.
     pub sensors: &'a [f64],
+    /// The variance of each number of [`Self::sensors`]; zero where R is not learnt.
+    pub uncertainty: &'a [f64],
 }

@@ -54,7 +54,7 @@ impl Tape {
         let plain = n + n * n + m + m * m + n * m + SCALARS;
         let weights = if estimates.weighs() { m } else { 0 };
         let plain = plain + weights;
-        let has_noise = width == plain + n + m;
+        let has_noise = width == plain + n + 2 * m;
         if width * count != numbers.len() || (count > 0 && width != plain && !has_noise) {
             return None;
         }
@@ -64,7 +64,11 @@ impl Tape {
             let (mean, cov, innovation) = (next(n), next(n * n), next(m));
             let (innovation_cov, gain, scalars) = (next(m * m), next(n * m), next(SCALARS));
             let weights = next(weights);
-            let noise = has_noise.then(|| AssumedNoise { process: next(n), sensors: next(m) });
+            let noise = has_noise.then(|| AssumedNoise {
+                process: next(n),
+                sensors: next(m),
+                uncertainty: next(m),
+            });
             let &[nis, determinant, log_likelihood, effective_samples, widened] = scalars else { return None };
             let update = Sample { innovation, innovation_cov, gain, nis, determinant, ..Sample::unmeasured(mean, cov) };
             let has_widened = widened != 0.0;
@@ -90,8 +94,8 @@ impl Sink for Tape {
         let widened = f64::from(u8::from(sample.has_widened));
         numbers.extend([nis, determinant, sample.log_likelihood, sample.effective_samples, widened]);
         numbers.extend_from_slice(sample.weights);
-        if let Some(AssumedNoise { process, sensors }) = sample.noise {
-            numbers.extend(process.iter().chain(sensors));
+        if let Some(AssumedNoise { process, sensors, uncertainty }) = sample.noise {
+            numbers.extend(process.iter().chain(sensors).chain(uncertainty));
         }
     }
 

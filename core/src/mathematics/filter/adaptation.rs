@@ -14,6 +14,15 @@ use serde::{Deserialize, Serialize};
 /// accelerometers, it is the residual of the linearised sensor, not `z - h(y⁺)`; these differ by the curvature of h. R
 /// stays diagonal, as the sensors are independent. A sensor that is missing keeps its variance.
 ///
+/// R has an uncertainty of its own. `ε²` has the variance `2 (s R)²` where `s = R S⁻¹`, and R comes back in ε, which slows the
+/// forgetting down:
+///
+/// ```text
+/// var R ← c² var R + 2 ((1 - a) s R)²,  c = 1 - (1 - a) s²
+/// ```
+///
+/// It begins with `R²`: that of the settings may be all wrong.
+///
 /// Source: Akhlaghi, Zhou and Huang (2017), Adaptive adjustment of noise covariance in Kalman filter for dynamic state
 /// estimation, equations 10 and 15.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -35,6 +44,20 @@ impl Default for Adaptation {
 }
 
 impl Adaptation {
+    /// R of a sensor and the variance of that R, after a measurement with this residual ε and `H P⁺ Hᵀ`.
+    pub(crate) fn learn([r, variance]: [f64; 2], [residual, uncertainty]: [f64; 2], keep: f64) -> [f64; 2] {
+        let share = 1.0 - keep;
+        let noise = share * (r - uncertainty);
+        let stays = if r > 0.0 { 1.0 - share * ((r - uncertainty) / r) * ((r - uncertainty) / r) } else { 1.0 };
+        let next = r * keep + (residual * residual + uncertainty) * share;
+        [next, stays * stays * variance + 2.0 * noise * noise]
+    }
+
+    /// The variance of each R before the first measurement; zero where R is not learnt.
+    pub(crate) fn initial_uncertainty(&self, sensors: &[f64]) -> Vec<f64> {
+        sensors.iter().map(|r| if self.sensor_noise { r * r } else { 0.0 }).collect()
+    }
+
     /// Whether anything is learnt.
     pub fn is_on(&self) -> bool {
         self.sensor_noise || self.process_noise

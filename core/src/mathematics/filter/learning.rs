@@ -13,12 +13,25 @@ pub(super) struct Learning {
     residuals: Residuals<f64>,
     /// K e
     shift: Vector,
+    /// The variance of each R.
+    uncertainty: Vec<f64>,
 }
 
 impl Learning {
-    /// The memory to learn this.
-    pub(super) fn new(adaptation: Adaptation) -> Self {
-        Self { adaptation, reported: Reported::default(), residuals: Residuals::default(), shift: Vector::zeros(0) }
+    /// The memory to learn this, from this noise on.
+    pub(super) fn new(adaptation: Adaptation, noise: &Noise) -> Self {
+        Self {
+            adaptation,
+            reported: Reported::default(),
+            residuals: Residuals::default(),
+            shift: Vector::zeros(0),
+            uncertainty: adaptation.initial_uncertainty(&noise.sensors),
+        }
+    }
+
+    /// The variance of each R by now.
+    pub(super) fn uncertainty(&self) -> &[f64] {
+        &self.uncertainty
     }
 
     /// Whether anything is learnt.
@@ -28,7 +41,7 @@ impl Learning {
 
     /// Learns from a correction by these measurements.
     pub(super) fn adapt(&mut self, observation: &Observation, correction: &Correction, noise: &mut Noise) {
-        let Self { adaptation, reported, residuals, shift } = self;
+        let Self { adaptation, reported, residuals, shift, uncertainty } = self;
         let keep = adaptation.forgetting;
         let sensors = observation.sensors();
         if adaptation.process_noise {
@@ -42,9 +55,9 @@ impl Learning {
         }
         if adaptation.sensor_noise {
             let Some(update) = reported.innovations(correction.reported(), observation) else { return };
-            for (&sensor, &[residual, uncertainty]) in sensors.iter().zip(residuals.of(&update)) {
-                let old = noise.sensors[sensor];
-                noise.sensors[sensor] = old * keep + (residual * residual + uncertainty) * (1.0 - keep);
+            for (&sensor, &residual) in sensors.iter().zip(residuals.of(&update)) {
+                let known = [noise.sensors[sensor], uncertainty[sensor]];
+                [noise.sensors[sensor], uncertainty[sensor]] = Adaptation::learn(known, residual, keep);
             }
         }
     }

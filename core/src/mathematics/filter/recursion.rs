@@ -65,7 +65,7 @@ impl<B: Belief + ?Sized> Filter<B> {
         adaptation: Adaptation,
     ) -> Self {
         let readings = sensors.iter().map(|&quantity| model.reading(quantity)).collect();
-        let (observation, learning, substeps) = (Observation::of(readings), Learning::new(adaptation), 1);
+        let (observation, learning, substeps) = (Observation::of(readings), Learning::new(adaptation, &noise), 1);
         let (jump, weighing, white, considered) = (None, None, None, None);
         Self { model, belief, dt, hold, noise, observation, learning, jump, weighing, substeps, white, considered }
     }
@@ -154,6 +154,11 @@ impl<B: Belief + ?Sized> Filter<B> {
     /// The noise that the filter assumes by now.
     pub fn noise(&self) -> &Noise {
         &self.noise
+    }
+
+    /// The variance of each R, where the filter learns R; zero elsewhere.
+    pub(crate) fn noise_uncertainty(&self) -> &[f64] {
+        self.learning.uncertainty()
     }
 
     /// Whether the filter learns its noise.

@@ -13,6 +13,7 @@ impl Adaptation {
         measured: &[Active],
         correction: &Correction<N>,
         noise: &mut Noise<N>,
+        uncertainty: &mut [f64],
     ) {
         let Correction { innovation, innovation_cov, gain, .. } = correction;
         if self.process_noise {
@@ -24,7 +25,7 @@ impl Adaptation {
             noise.process = noise.process * keep + shift * shift.transpose() * (1.0 - keep);
         }
         if self.sensor_noise {
-            self.adapt_sensors(measured, innovation, innovation_cov, &mut noise.sensors);
+            self.adapt_sensors(measured, innovation, innovation_cov, [&mut noise.sensors, uncertainty]);
         }
     }
 
@@ -34,7 +35,7 @@ impl Adaptation {
         measured: &[Active],
         innovation: &Readings,
         innovation_cov: &[Readings; MAX_SENSORS],
-        variances: &mut [f64],
+        [variances, uncertainties]: [&mut [f64]; 2],
     ) {
         // Sensors without a measurement keep a row of the identity.
         let mut cov = Matrix::<MAX_SENSORS, MAX_SENSORS>::identity();
@@ -48,12 +49,13 @@ impl Adaptation {
         let Some(factor) = Factor::new(&cov) else { return };
         let inverse = factor.divide(&Matrix::<MAX_SENSORS, MAX_SENSORS>::identity());
         let white = inverse * innovations;
-        let keep = self.forgetting;
         for (row, active) in measured.iter().enumerate() {
             let r = active.variance;
             let residual = r * white[row];
             let seen = r - r * r * inverse[(row, row)];
-            variances[active.sensor] = keep * r + (1.0 - keep) * (residual * residual + seen.max(0.0));
+            let known = [r, uncertainties[active.sensor]];
+            [variances[active.sensor], uncertainties[active.sensor]] =
+                Self::learn(known, [residual, seen.max(0.0)], self.forgetting);
         }
     }
 }

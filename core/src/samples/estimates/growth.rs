@@ -17,7 +17,7 @@ impl Estimates {
     pub(crate) fn recycle(&mut self, old: Option<Self>, samples: usize) {
         let (n, m) = (self.channels.len(), self.sensors.len());
         let sampled = usize::from(self.kind.has_own_likelihood());
-        let weighed = if self.weighs { m } else { 0 };
+        let [weighed, learnt] = [self.weighs, self.learns].map(|does| if does { m } else { 0 });
         let mut old = old.unwrap_or_else(|| self.clone());
         for (new, old, per_sample) in [
             (&mut self.mean, &mut old.mean, n),
@@ -30,6 +30,7 @@ impl Estimates {
             (&mut self.log_likelihood, &mut old.log_likelihood, sampled),
             (&mut self.effective_samples, &mut old.effective_samples, sampled),
             (&mut self.weights, &mut old.weights, weighed),
+            (&mut self.learnt, &mut old.learnt, 2 * learnt),
         ] {
             *new = std::mem::take(old);
             new.clear();
@@ -58,7 +59,7 @@ impl Estimates {
         let with_gain = samples.saturating_sub(self.dropped_gains());
         self.dropped = self.dropped.saturating_sub(samples);
         let Self { mean, cov, innovation, innovation_cov, gain, nis, .. } = self;
-        let Self { determinant, log_likelihood, effective_samples, weights, .. } = self;
+        let Self { determinant, log_likelihood, effective_samples, weights, learnt, .. } = self;
         for (values, samples, per_sample) in [
             (mean, samples, n),
             (cov, with_cov, n * n),
@@ -70,6 +71,7 @@ impl Estimates {
             (log_likelihood, samples, 1),
             (effective_samples, samples, 1),
             (weights, samples, m),
+            (learnt, samples, 2 * m),
         ] {
             values.drain(..(samples * per_sample).min(values.len()));
         }
@@ -107,6 +109,9 @@ impl Estimates {
             self.effective_samples.push(sample.effective_samples);
         }
         self.weights.extend_from_slice(sample.weights);
+        if let Some(noise) = sample.noise.filter(|_| self.learns) {
+            self.learnt.extend(noise.sensors.iter().chain(noise.uncertainty));
+        }
         self.monitor.look(self.forgotten + self.nis.len() - 1, sample);
     }
 
@@ -118,11 +123,11 @@ impl Estimates {
 impl Piecewise for Estimates {
     fn free_piece(&mut self) -> bool {
         let Self { mean, cov, canonical, variance, innovation, innovation_cov, gain, .. } = self;
-        let Self { nis, determinant, log_likelihood, effective_samples, weights, .. } = self;
+        let Self { nis, determinant, log_likelihood, effective_samples, weights, learnt, .. } = self;
         // The NIS last: it has one number per sample, also without matrices.
-        let whole =
-            [mean, cov, innovation, innovation_cov, gain, determinant, log_likelihood, effective_samples, weights];
-        let mut all = whole.into_iter().chain(canonical.columns()).chain(variance.columns()).chain([nis]);
+        let matrices = [mean, cov, innovation, innovation_cov, gain];
+        let numbers = [determinant, log_likelihood, effective_samples, weights, learnt];
+        let mut all = matrices.into_iter().chain(numbers).chain(canonical.columns()).chain(variance.columns()).chain([nis]);
         let Some(values) = all.find(|values| values.capacity() > 0) else { return false };
         values.clear();
         values.shrink_to(values.capacity().saturating_sub(FREED));

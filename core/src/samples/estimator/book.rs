@@ -64,7 +64,7 @@ pub(crate) fn report(
         let Noise { process: matrix, sensors, .. } = filter.noise();
         process.extend((0..matrix.nrows()).map(|i| matrix[(i, i)]));
         filter.white_force().into_iter().for_each(|white| process[white.place] = white.variance);
-        AssumedNoise { process: &process, sensors }
+        AssumedNoise { process: &process, sensors, uncertainty: filter.noise_uncertainty() }
     });
     let told = Told {
         model: filter.model(),

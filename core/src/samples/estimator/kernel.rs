@@ -51,7 +51,7 @@ fn report<P: Model<N>, B: Belief<P, N>, const N: usize>(
     sink: &mut dyn Sink,
 ) {
     let belief = filter.belief().gaussian();
-    let noise = filter.is_adaptive().then(|| filter.noise());
+    let noise = filter.is_adaptive().then(|| (filter.noise(), filter.noise_uncertainty()));
     let has_widened = filter.has_widened();
     let told = Told { belief: &belief, prior, correction, sensors: filter.sensors(), noise, has_widened };
     told.push(sink);
@@ -67,8 +67,8 @@ struct Told<'a, const N: usize> {
     correction: &'a Correction<N>,
     /// The number of sensors.
     sensors: usize,
-    /// The noise, if it is learnt.
-    noise: Option<&'a Noise<N>>,
+    /// The noise, if it is learnt, and the variance of each R.
+    noise: Option<(&'a Noise<N>, &'a [f64])>,
     has_widened: bool,
 }
 
@@ -78,9 +78,9 @@ impl<const N: usize> Told<'_, N> {
     fn push(self, sink: &mut dyn Sink) {
         let Self { belief, prior, correction, sensors: m, noise, has_widened } = self;
         let process;
-        let noise = if let Some(Noise { process: matrix, sensors, fading: _ }) = noise {
+        let noise = if let Some((Noise { process: matrix, sensors, fading: _ }, uncertainty)) = noise {
             process = matrix.diagonal();
-            Some(AssumedNoise { process: process.as_slice(), sensors })
+            Some(AssumedNoise { process: process.as_slice(), sensors, uncertainty })
         } else {
             None
         };

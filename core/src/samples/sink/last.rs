@@ -15,8 +15,8 @@ pub struct LastSample {
     gain: Vec<f64>,
     /// NIS, det S, own log likelihood, effective sample size.
     numbers: [f64; 4],
-    /// Diagonals of Q and R, where the filter learns them.
-    noise: [Vec<f64>; 2],
+    /// Diagonals of Q and R, where the filter learns them, and the variance of each R.
+    noise: [Vec<f64>; 3],
     weights: Vec<f64>,
     is_adaptive: bool,
     has_widened: bool,
@@ -32,8 +32,9 @@ impl LastSample {
     /// The sample; without numbers before the first one.
     pub fn sample(&self) -> Sample<'_> {
         let Self { mean, cov, prior_mean, prior_cov, innovation, innovation_cov, gain, .. } = self;
-        let ([nis, determinant, log_likelihood, effective_samples], [process, sensors]) = (self.numbers, &self.noise);
-        let noise = self.is_adaptive.then_some(AssumedNoise { process, sensors });
+        let ([nis, determinant, log_likelihood, effective_samples], [process, sensors, uncertainty]) =
+            (self.numbers, &self.noise);
+        let noise = self.is_adaptive.then_some(AssumedNoise { process, sensors, uncertainty });
         Sample {
             mean,
             cov,
@@ -55,9 +56,10 @@ impl LastSample {
 
 impl Sink for LastSample {
     fn push(&mut self, sample: &Sample<'_>) {
-        let Self { mean, cov, prior_mean, prior_cov, innovation, innovation_cov, gain, noise: [q, r], weights, .. } =
+        let Self { mean, cov, prior_mean, prior_cov, innovation, innovation_cov, gain, noise: [q, r, of_r], weights, .. } =
             self;
-        let (process, sensors) = sample.noise.map_or((&[][..], &[][..]), |noise| (noise.process, noise.sensors));
+        let noise = sample.noise.map(|noise| [noise.process, noise.sensors, noise.uncertainty]);
+        let [process, sensors, uncertainty] = noise.unwrap_or_default();
         for (kept, part) in [
             (mean, sample.mean),
             (cov, sample.cov),
@@ -68,6 +70,7 @@ impl Sink for LastSample {
             (gain, sample.gain),
             (q, process),
             (r, sensors),
+            (of_r, uncertainty),
             (weights, sample.weights),
         ] {
             kept.clear();
