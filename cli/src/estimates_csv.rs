@@ -23,7 +23,8 @@ pub fn write_estimates(run: &Run, output: impl Write) -> Result<(), csv::Error> 
     let sensors = run.record().sensors();
     let columns: Vec<&ReadingColumn> =
         READING.iter().filter(|(_, is_told, _)| run.estimates().iter().any(is_told)).collect();
-    let readings = columns.iter().flat_map(|(what, ..)| sensors.iter().map(move |sensor| format!("{what}_{}", sensor.key())));
+    let readings =
+        columns.iter().flat_map(|(what, ..)| sensors.iter().map(move |sensor| format!("{what}_{}", sensor.key())));
     writer.write_record(header.chain(["nis", "log_likelihood"].map(str::to_owned)).chain(readings))?;
     for estimates in run.estimates().iter().chain(&run.smoothed()) {
         let name = harmless(estimates.name());

@@ -3,7 +3,12 @@
 use kalmanscope_core::{FilterKind, FilterSettings, Hold, PlantKind, Quantity, Run, Scenario};
 
 /// The share of late samples of many records at which ±2σ of the learnt noise holds the true one, of each sensor.
-fn coverage(kind: FilterKind, plant: PlantKind, change: impl Fn(&mut Scenario), seeds: std::ops::Range<u64>) -> Vec<f64> {
+fn coverage(
+    kind: FilterKind,
+    plant: PlantKind,
+    change: impl Fn(&mut Scenario),
+    seeds: std::ops::Range<u64>,
+) -> Vec<f64> {
     let mut counts = Vec::new();
     for seed in seeds {
         let mut scenario = Scenario { duration: 30.0, seed, ..Scenario::default() };

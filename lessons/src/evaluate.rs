@@ -90,6 +90,21 @@ impl Check {
                 first.max_by(f64::total_cmp)?
             }
             Measure::Gain => self.mean_gain(filter, range)?,
+            Measure::LearntNoise => {
+                let (sensor, truth) = self.noise_of(filter)?;
+                estimates.sensor_noise(at, sensor)?[0] / truth
+            }
+            Measure::LearntNoiseStd => {
+                let [std, spread] = estimates.sensor_noise(at, self.noise_of(filter)?.0)?;
+                spread / std
+            }
+            Measure::LearntNoiseCoverage => {
+                let (sensor, truth) = self.noise_of(filter)?;
+                let is_inside = |[std, spread]: [f64; 2]| (std - truth).abs() <= 2.0 * spread;
+                let all: Vec<bool> =
+                    range.map(|k| Some(is_inside(estimates.sensor_noise(k, sensor)?))).collect::<Option<_>>()?;
+                all.iter().filter(|inside| **inside).count() as f64 / all.len() as f64
+            }
             Measure::Settled => {
                 let settled = diagnostics.settled(self.channel?).map_or(f64::INFINITY, |n| filter.record().time_of(n));
                 (settled - times.from.unwrap_or(0.0)).max(0.0)
@@ -107,6 +122,12 @@ impl Check {
             Measure::Evaluations => evaluations_per_step(filter.settings(), outcome.scenario().plant.kind) as f64,
             Measure::Verdict | Measure::Stopped | Measure::Remark => return None,
         })
+    }
+
+    /// The place of the check's sensor, or of the first one, and its true noise.
+    fn noise_of(&self, filter: FilterOutcome<'_>) -> Option<(usize, f64)> {
+        let place = self.sensor.map_or(Some(0), |q| filter.estimates.sensors().iter().position(|&s| s == q))?;
+        Some((place, *filter.outcome.scenario().true_noise().0.get(place)?))
     }
 
     fn mean_gain(&self, filter: FilterOutcome<'_>, range: Range<usize>) -> Option<f64> {

@@ -35,6 +35,12 @@ pub enum Measure {
     Autocorrelation,
     /// Mean absolute gain of a channel for a sensor.
     Gain,
+    /// The standard deviation of a sensor's noise that the filter has learnt by a time, over the true one.
+    LearntNoise,
+    /// The standard deviation of that number over the number itself.
+    LearntNoiseStd,
+    /// Share of the samples with the true noise of a sensor inside ±2σ of the learnt one.
+    LearntNoiseCoverage,
     /// The time from `from`, or else the first sample, until a channel's estimate stays within 5 % of the truth \[s\];
     /// infinite if it never does.
     Settled,

@@ -54,7 +54,8 @@ fn truth(sensor: usize, context: &ViewContext<'_>) -> Option<f64> {
 /// The chart of a sensor.
 pub(super) fn chart<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>, last_row: bool) -> Chart<'a> {
     let ViewContext { session, palette, visible, axis, .. } = *context;
-    let (k, mut layers, mut readouts): (usize, Vec<Layer<'a>>, Vec<Readout>) = (axis.readout(session), Vec::new(), Vec::new());
+    let (k, mut layers, mut readouts): (usize, Vec<Layer<'a>>, Vec<Readout>) =
+        (axis.readout(session), Vec::new(), Vec::new());
     for estimates in learning(context) {
         let color = palette.shade(estimates.color());
         let of = move |k: usize| estimates.sensor_noise(k, sensor).unwrap_or([f64::NAN; 2]);

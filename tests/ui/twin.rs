@@ -75,6 +75,26 @@ fn every_view_over_time_has_tables() {
     }
 }
 
+#[test]
+fn filters_that_learn_their_noise_show_it_under_the_innovations() {
+    let mut screen = at_rest();
+    *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Innovations]);
+    screen.run_steps(4);
+    assert!(screen.query_by_label("Plot of the learnt noise of the displacement sensor").is_none());
+    let mut learning = scenario(&screen).clone();
+    learning.filters[1].adaptation.sensor_noise = true;
+    screen.state_mut().session_mut().set_scenario(learning);
+    screen.run_steps(60);
+    screen.get_by_label("Plot of the learnt noise of the displacement sensor");
+    let twin = screen.state().twin();
+    let captions = &part(&twin, "Innovations").tables;
+    let table = captions.iter().find(|table| table.caption == "learnt noise of the displacement sensor [m]");
+    let text = cell(table.expect("it is there"), "60 s", "UKF");
+    let (std, band) = text.split_once(" ±").expect("it has a band");
+    let [std, band] = [std, band].map(|text| text.parse::<f64>().expect("a number"));
+    assert!((std - 0.01).abs() < 1.5 * band && (0.0005..0.002).contains(&band), "{text}");
+}
+
 /// The probabilities of the filters that are shown add up to one, and one that is hidden is no class.
 #[test]
 fn filters_that_are_shown_are_model_classes() {

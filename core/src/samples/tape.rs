@@ -64,11 +64,7 @@ impl Tape {
             let (mean, cov, innovation) = (next(n), next(n * n), next(m));
             let (innovation_cov, gain, scalars) = (next(m * m), next(n * m), next(SCALARS));
             let weights = next(weights);
-            let noise = has_noise.then(|| AssumedNoise {
-                process: next(n),
-                sensors: next(m),
-                uncertainty: next(m),
-            });
+            let noise = has_noise.then(|| AssumedNoise { process: next(n), sensors: next(m), uncertainty: next(m) });
             let &[nis, determinant, log_likelihood, effective_samples, widened] = scalars else { return None };
             let update = Sample { innovation, innovation_cov, gain, nis, determinant, ..Sample::unmeasured(mean, cov) };
             let has_widened = widened != 0.0;

@@ -127,7 +127,8 @@ impl Piecewise for Estimates {
         // The NIS last: it has one number per sample, also without matrices.
         let matrices = [mean, cov, innovation, innovation_cov, gain];
         let numbers = [determinant, log_likelihood, effective_samples, weights, learnt];
-        let mut all = matrices.into_iter().chain(numbers).chain(canonical.columns()).chain(variance.columns()).chain([nis]);
+        let mut all =
+            matrices.into_iter().chain(numbers).chain(canonical.columns()).chain(variance.columns()).chain([nis]);
         let Some(values) = all.find(|values| values.capacity() > 0) else { return false };
         values.clear();
         values.shrink_to(values.capacity().saturating_sub(FREED));

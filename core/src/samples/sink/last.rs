@@ -56,8 +56,18 @@ impl LastSample {
 
 impl Sink for LastSample {
     fn push(&mut self, sample: &Sample<'_>) {
-        let Self { mean, cov, prior_mean, prior_cov, innovation, innovation_cov, gain, noise: [q, r, of_r], weights, .. } =
-            self;
+        let Self {
+            mean,
+            cov,
+            prior_mean,
+            prior_cov,
+            innovation,
+            innovation_cov,
+            gain,
+            noise: [q, r, of_r],
+            weights,
+            ..
+        } = self;
         let noise = sample.noise.map(|noise| [noise.process, noise.sensors, noise.uncertainty]);
         let [process, sensors, uncertainty] = noise.unwrap_or_default();
         for (kept, part) in [
