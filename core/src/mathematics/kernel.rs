@@ -139,7 +139,7 @@ impl<P: Model<N>, B: Belief<P, N>, const N: usize> Filter<P, B, N> {
         outputs: Vec<Option<Output>>,
         adaptation: Adaptation,
     ) -> Self {
-        let uncertainty = adaptation.initial_uncertainty(&noise.sensors);
+        let uncertainty = noise.sensors.iter().map(|r| adaptation.initial_uncertainty(*r)).collect();
         Self { model, belief, dt, noise, outputs, adaptation, uncertainty, jump: None }
     }
 

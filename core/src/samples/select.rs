@@ -61,7 +61,7 @@ fn forward(settings: &FilterSettings, context: FilterContext<'_>) -> Option<Forw
 mod tests {
     use super::*;
     use crate::samples::sink::{Sample, Sink};
-    use crate::{Channel, FilterKind, Hold, PlantKind, Propagation, Quantity, Run, Scenario, Stop};
+    use crate::{Channel, FilterKind, Hold, PlantKind, Propagation, Quantity, Robust, Run, Scenario, Stop};
 
     /// All numbers of all samples.
     #[derive(Default)]
@@ -71,7 +71,11 @@ mod tests {
         fn push(&mut self, sample: &Sample<'_>) {
             let Sample { mean, cov, prior_mean, prior_cov, innovation, innovation_cov, gain, nis, determinant, .. } =
                 *sample;
-            let parts = [mean, cov, prior_mean, prior_cov, innovation, innovation_cov, gain, &[nis, determinant]];
+            let numbers = [nis, determinant, f64::from(u8::from(sample.has_widened))];
+            let [q, r, of_r] =
+                sample.noise.map(|noise| [noise.process, noise.sensors, noise.uncertainty]).unwrap_or_default();
+            let learnt = [q, r, of_r, sample.weights].concat();
+            let parts = [mean, cov, prior_mean, prior_cov, innovation, innovation_cov, gain, &numbers, &learnt];
             self.0.extend(parts.concat().iter().map(|x| if x.is_nan() { u64::MAX } else { (x + 0.0).to_bits() }));
         }
 
@@ -91,6 +95,9 @@ mod tests {
             let mut measured = record.sample(k, sensors);
             if k % 7 == 0 {
                 measured[k % 2] = f64::NAN;
+            }
+            if k % 11 == 5 {
+                measured[k % 2] += 0.5;
             }
             estimator.step(force(k - 1), force(k), &measured, &mut bits)?;
         }
@@ -116,6 +123,11 @@ mod tests {
                     (filter.substeps, filter.eta) = ([1, 1, 2, 3][nth], [0.0, 0.02, 0.0, 0.0][nth]);
                     filter.log_parameters = nth % 2 == 1;
                     filter.propagation = Propagation::ALL[nth % 3];
+                    let learns = kind != FilterKind::SR_UKF;
+                    filter.robust = if learns { Robust::ALL[(nth + compared) % 5] } else { Robust::NONE };
+                    filter.adaptation.process_noise = learns && compared % 3 == 1;
+                    filter.adaptation.sensor_noise = learns && compared % 2 == 1 && !filter.robust.is_on();
+                    filter.jump = learns && compared % 4 == 2 && kind != FilterKind::KF;
                     let sensors = [Quantity::DISPLACEMENT, Quantity::ACCELERATION];
                     let mut run = Run::new(&Scenario { filters: vec![], ..scenario.clone() })?;
                     run.finish();

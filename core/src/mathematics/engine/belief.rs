@@ -33,6 +33,13 @@ impl<T: Number> Noise<T> {
         self.process.iter().enumerate().for_each(|(i, variance)| self.matrix[i * (n + 1)] = *variance);
     }
 
+    /// The diagonal of Q.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(crate) fn diagonal(&self) -> impl Iterator<Item = T> {
+        let n = self.process.len();
+        (0..n).map(move |i| if self.matrix.is_empty() { self.process[i] } else { self.matrix[i * (n + 1)] })
+    }
+
     /// A number on the diagonal of Q.
     pub(super) fn variance(&mut self, i: usize) -> &mut T {
         let n = self.process.len();

@@ -10,6 +10,8 @@ use super::columns::Rooted;
 use super::design::{Design, Method};
 use super::fault::Held;
 use super::learning::Learning;
+#[cfg(not(target_arch = "wasm32"))]
+use super::learning::Learnt;
 use super::level::Level;
 use super::linearised::Linearised;
 use super::number::{Mask, Number};
@@ -37,6 +39,36 @@ pub(crate) struct Filter<T: Number, L> {
     learning: Option<Box<Learning<T>>>,
     /// The lanes for which the parts of the last step hold.
     held: Held<T::Mask>,
+}
+
+/// The last update of a filter of one run, and what it has learnt.
+#[cfg(not(target_arch = "wasm32"))]
+pub(crate) struct Parts<'a> {
+    pub(crate) belief: &'a Belief<f64>,
+    pub(crate) update: &'a mut Update<f64>,
+    pub(crate) noise: &'a Noise<f64>,
+    /// The place of a white force and its variance.
+    pub(crate) white: Option<(usize, f64)>,
+    /// `None` of a filter that learns nothing.
+    pub(crate) learnt: Option<Learnt<'a>>,
+    /// Whether it learns Q or R.
+    pub(crate) is_adaptive: bool,
+}
+
+#[cfg(not(target_arch = "wasm32"))]
+impl<L: Level> Filter<f64, L> {
+    /// The last update and what the filter has learnt.
+    pub(crate) fn parts(&mut self) -> Parts<'_> {
+        let Self { design, belief, update, noise, learning, white, .. } = self;
+        Parts {
+            belief,
+            update,
+            noise,
+            white: design.white.map(|(place, _)| (place, *white)),
+            learnt: learning.as_ref().map(|learning| learning.learnt()),
+            is_adaptive: design.adaptation.is_on(),
+        }
+    }
 }
 
 impl<T: Number, L: Level> Filter<T, L> {
@@ -181,12 +213,6 @@ impl<T: Number, L: Level> Filter<T, L> {
     pub(crate) fn complete(&mut self) {
         let n = self.level.size(self.belief.size());
         super::columns::mirror(self.level, &mut self.belief.cov[..n * n], n);
-    }
-
-    #[cfg(not(target_arch = "wasm32"))]
-    /// The belief, and the last update.
-    pub(crate) fn told(&mut self) -> (&Belief<T>, &mut Update<T>) {
-        (&self.belief, &mut self.update)
     }
 
     #[cfg(not(target_arch = "wasm32"))]

@@ -21,6 +21,20 @@ pub(super) struct Learning<T> {
     /// The change of the mean by an update.
     shift: Vec<T>,
     residuals: Residuals<T>,
+    /// The variance of each R.
+    uncertainty: Vec<T>,
+}
+
+/// What a filter of one run has learnt by now.
+#[cfg(not(target_arch = "wasm32"))]
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Learnt<'a> {
+    /// The weight of each sensor's reading; `None` of a filter that weighs none.
+    pub(crate) weights: Option<&'a [f64]>,
+    /// The variance of each R.
+    pub(crate) uncertainty: &'a [f64],
+    /// Whether the last prediction has widened P.
+    pub(crate) has_widened: bool,
 }
 
 impl<T: Number> Learning<T> {
@@ -41,6 +55,7 @@ impl<T: Number> Learning<T> {
             narrow: vec![T::of(0.0); n],
             shift: vec![T::of(0.0); n],
             residuals: Residuals::default(),
+            uncertainty: noise.sensors.iter().map(|r| adaptation.initial_uncertainty(*r)).collect(),
         }))
     }
 
@@ -123,12 +138,25 @@ impl<T: Number> Learning<T> {
 
     /// `R ← a R + (1 - a) diag(ε εᵀ + H P Hᵀ)`, as [`Adaptation`](crate::filter::Adaptation) has it.
     fn adapt_sensors(&mut self, design: &Design, noise: &mut Noise<T>, measured: &[T], update: &Update<T>) {
-        let keep = design.adaptation.forgetting;
-        for (&sensor, &[residual, uncertainty]) in update.active().iter().zip(self.residuals.of(&update.innovations()))
-        {
-            let old = noise.sensors[sensor];
-            let learnt = old * keep + (residual * residual + uncertainty) * (1.0 - keep);
-            noise.sensors[sensor] = T::select(measured[sensor].is_number(), learnt, old);
+        let Self { residuals, uncertainty, .. } = self;
+        for (&sensor, &residual) in update.active().iter().zip(residuals.of(&update.innovations())) {
+            let old = [noise.sensors[sensor], uncertainty[sensor]];
+            let [r, variance] = design.adaptation.learn(old, residual);
+            let is_there = measured[sensor].is_number();
+            noise.sensors[sensor] = T::select(is_there, r, old[0]);
+            uncertainty[sensor] = T::select(is_there, variance, old[1]);
+        }
+    }
+}
+
+#[cfg(not(target_arch = "wasm32"))]
+impl Learning<f64> {
+    /// What it has learnt.
+    pub(super) fn learnt(&self) -> Learnt<'_> {
+        Learnt {
+            weights: self.weighing.as_ref().map(|weighing| weighing.weights().each()),
+            uncertainty: &self.uncertainty,
+            has_widened: self.jumps.iter().any(Jump::has_widened),
         }
     }
 }

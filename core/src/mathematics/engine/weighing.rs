@@ -32,6 +32,12 @@ impl<T: Number> Weighing<T> {
         Self { weights, before: belief.clone(), noise: noise.clone(), claimed: Vec::new() }
     }
 
+    /// The weights of the last update.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(super) fn weights(&self) -> &Weights<T> {
+        &self.weights
+    }
+
     /// Conditions a belief on measurements, weighed.
     #[expect(clippy::too_many_arguments, reason = "those of the update")]
     pub(super) fn condition<L: Level>(

@@ -1,5 +1,6 @@
 //! Noise that a filter learns from its own innovations.
 
+use crate::mathematics::engine::number::Number;
 use serde::{Deserialize, Serialize};
 
 /// Estimates R, Q or both while filtering, with exponential forgetting.
@@ -45,17 +46,18 @@ impl Default for Adaptation {
 
 impl Adaptation {
     /// R of a sensor and the variance of that R, after a measurement with this residual ε and `H P⁺ Hᵀ`.
-    pub(crate) fn learn([r, variance]: [f64; 2], [residual, uncertainty]: [f64; 2], keep: f64) -> [f64; 2] {
-        let share = 1.0 - keep;
-        let noise = share * (r - uncertainty);
-        let stays = if r > 0.0 { 1.0 - share * ((r - uncertainty) / r) * ((r - uncertainty) / r) } else { 1.0 };
+    pub(crate) fn learn<T: Number>(&self, [r, variance]: [T; 2], [residual, uncertainty]: [T; 2]) -> [T; 2] {
+        let (keep, share) = (self.forgetting, 1.0 - self.forgetting);
+        let of_sensor = r - uncertainty;
+        let s = T::select(T::of(0.0).lt(r), of_sensor / r, T::of(0.0));
+        let (stays, noise) = (T::of(1.0) - s * s * share, of_sensor * share);
         let next = r * keep + (residual * residual + uncertainty) * share;
-        [next, stays * stays * variance + 2.0 * noise * noise]
+        [next, stays * stays * variance + noise * noise * 2.0]
     }
 
-    /// The variance of each R before the first measurement; zero where R is not learnt.
-    pub(crate) fn initial_uncertainty(&self, sensors: &[f64]) -> Vec<f64> {
-        sensors.iter().map(|r| if self.sensor_noise { r * r } else { 0.0 }).collect()
+    /// The variance of R before the first measurement; zero where R is not learnt.
+    pub(crate) fn initial_uncertainty<T: Number>(&self, r: T) -> T {
+        if self.sensor_noise { r * r } else { T::of(0.0) }
     }
 
     /// Whether anything is learnt.

@@ -25,7 +25,7 @@ impl Learning {
             reported: Reported::default(),
             residuals: Residuals::default(),
             shift: Vector::zeros(0),
-            uncertainty: adaptation.initial_uncertainty(&noise.sensors),
+            uncertainty: noise.sensors.iter().map(|r| adaptation.initial_uncertainty(*r)).collect(),
         }
     }
 
@@ -42,9 +42,9 @@ impl Learning {
     /// Learns from a correction by these measurements.
     pub(super) fn adapt(&mut self, observation: &Observation, correction: &Correction, noise: &mut Noise) {
         let Self { adaptation, reported, residuals, shift, uncertainty } = self;
-        let keep = adaptation.forgetting;
         let sensors = observation.sensors();
         if adaptation.process_noise {
+            let keep = adaptation.forgetting;
             fit_vector(shift, correction.gain.nrows());
             shift.fill(0.0);
             let counts = |sensor: &&usize| !correction.innovation[**sensor].is_nan();
@@ -57,7 +57,7 @@ impl Learning {
             let Some(update) = reported.innovations(correction.reported(), observation) else { return };
             for (&sensor, &residual) in sensors.iter().zip(residuals.of(&update)) {
                 let known = [noise.sensors[sensor], uncertainty[sensor]];
-                [noise.sensors[sensor], uncertainty[sensor]] = Adaptation::learn(known, residual, keep);
+                [noise.sensors[sensor], uncertainty[sensor]] = adaptation.learn(known, residual);
             }
         }
     }

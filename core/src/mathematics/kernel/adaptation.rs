@@ -54,8 +54,7 @@ impl Adaptation {
             let residual = r * white[row];
             let seen = r - r * r * inverse[(row, row)];
             let known = [r, uncertainties[active.sensor]];
-            [variances[active.sensor], uncertainties[active.sensor]] =
-                Self::learn(known, [residual, seen.max(0.0)], self.forgetting);
+            [variances[active.sensor], uncertainties[active.sensor]] = self.learn(known, [residual, seen.max(0.0)]);
         }
     }
 }

@@ -3,13 +3,14 @@
 use crate::FilterError;
 use crate::mathematics::engine::belief::Belief;
 use crate::mathematics::engine::columns::mirror;
-use crate::mathematics::engine::filter::Filter;
+use crate::mathematics::engine::filter::{Filter, Parts};
 use crate::mathematics::engine::level::{Baseline, Known, Level};
+use crate::mathematics::filter::robust::Robust;
 use crate::samples::estimator::Estimator;
 use crate::samples::estimator::in_units::InUnits;
 use crate::samples::estimator::setup::Setup;
 use crate::samples::estimator::setup::filter;
-use crate::samples::sink::{Sample, Sink};
+use crate::samples::sink::{AssumedNoise, Sample, Sink};
 
 /// A filter, and memory for its reports.
 struct Followed<L> {
@@ -23,6 +24,8 @@ struct Followed<L> {
     told: Told,
     /// Where the state has logarithms.
     in_units: Option<Box<InUnits>>,
+    /// The diagonal of Q, of a filter that learns its noise.
+    process: Vec<f64>,
 }
 
 /// The result of an update, for all m sensors: e, m numbers; S, m × m; K, n × m.
@@ -59,16 +62,19 @@ fn of<L: Level + Send + 'static>(level: L, setup: &Setup, sensors: usize) -> Box
             gain: vec![0.0; n * sensors],
         },
         in_units: InUnits::new(&setup.design.model.logarithms, n, sensors),
+        process: Vec::new(),
     })
 }
 
 impl<L: Level + Send> Estimator for Followed<L> {
     fn begin(&self, sink: &mut dyn Sink) -> Result<(), FilterError> {
         let Self { filter, told, in_units, .. } = self;
-        let unmeasured = told.sample(&filter.belief, [f64::NAN; 2]);
-        let sample = if sink.wants_prior() { unmeasured.with_prior(&filter.belief) } else { unmeasured };
+        let (mut filter, mut process) = (filter.clone(), Vec::new());
+        let parts = filter.parts();
+        let unmeasured = told.sample(parts.belief, [f64::NAN; 2]);
+        let sample = if sink.wants_prior() { unmeasured.with_prior(parts.belief) } else { unmeasured };
         let mut in_units = in_units.clone();
-        push(sample, in_units.as_deref_mut(), sink).map_err(|_| FilterError::TooLarge)
+        push(sample.with_learnt(&parts, &mut process), in_units.as_deref_mut(), sink).map_err(|_| FilterError::TooLarge)
     }
 
     fn step(
@@ -78,7 +84,7 @@ impl<L: Level + Send> Estimator for Followed<L> {
         measured: &[f64],
         sink: &mut dyn Sink,
     ) -> Result<(), FilterError> {
-        let Self { filter, places, measured: own, prior, told: all, in_units } = self;
+        let Self { filter, places, measured: own, prior, told: all, in_units, process } = self;
         // Where the force is held, its end does not count.
         if !filter.are_finite([force_before, force]) {
             return Err(FilterError::UndefinedForce);
@@ -106,16 +112,27 @@ impl<L: Level + Send> Estimator for Followed<L> {
         filter.complete();
         let [nis, determinant] = if told.measured > 0.0 { [told.nis, told.determinant] } else { [f64::NAN; 2] };
         let m = all.innovation.len();
-        let (belief, update) = filter.told();
-        let sample = if update.active().len() == m {
-            update.complete();
+        let parts = filter.parts();
+        let weights = parts.learnt.and_then(|learnt| learnt.weights);
+        let is_one = |sensor: &usize| weights.is_none_or(|weights| weights[*sensor] == 1.0);
+        let is_weighed = !parts.update.active().iter().all(is_one);
+        let is_whole = parts.update.active().len() == m && !is_weighed;
+        if is_whole {
+            parts.update.complete();
+        }
+        let Parts { belief, update, noise, learnt, .. } = &parts;
+        let sample = if is_whole {
             let [innovation, innovation_cov, gain] = update.parts();
             let unmeasured = Sample::unmeasured(&belief.mean, &belief.cov);
             Sample { innovation, innovation_cov, gain, nis, determinant, ..unmeasured }
         } else {
             all.take(places, update.active(), update.parts());
+            if let Some(weights) = weights.filter(|_| is_weighed) {
+                all.claim(update.active(), weights, &noise.sensors);
+            }
             all.sample(belief, [nis, determinant])
         };
+        let sample = if learnt.is_some() { sample.with_learnt(&parts, process) } else { sample };
         push(if wants_prior { sample.with_prior(prior) } else { sample }, in_units.as_deref_mut(), sink)
     }
 }
@@ -130,6 +147,18 @@ fn push(sample: Sample<'_>, in_units: Option<&mut InUnits>, sink: &mut dyn Sink)
 }
 
 impl<'a> Sample<'a> {
+    /// With what a filter that learns tells besides. `process` is memory.
+    fn with_learnt(self, parts: &Parts<'a>, process: &'a mut Vec<f64>) -> Self {
+        let Some(learnt) = parts.learnt else { return self };
+        let noise = parts.is_adaptive.then(|| {
+            process.clear();
+            process.extend(parts.noise.diagonal());
+            parts.white.into_iter().for_each(|(place, variance)| process[place] = variance);
+            AssumedNoise { process, sensors: &parts.noise.sensors, uncertainty: learnt.uncertainty }
+        });
+        Self { noise, weights: learnt.weights.unwrap_or_default(), has_widened: learnt.has_widened, ..self }
+    }
+
     pub(super) fn with_prior(self, prior: &'a Belief<f64>) -> Self {
         Self { prior_mean: &prior.mean, prior_cov: &prior.cov, ..self }
     }
@@ -151,6 +180,24 @@ impl Told {
             for (j, &column) in active.iter().enumerate() {
                 let entry = innovation_cov[i.min(j) * count + i.max(j)];
                 self.innovation_cov[places[column] * m + row] = entry;
+            }
+        }
+    }
+
+    /// S with the R of the settings, which is what they claim. A reading that counts next to nothing is reported as none.
+    #[cold]
+    fn claim(&mut self, active: &[usize], weights: &[f64], variances: &[f64]) {
+        let m = self.innovation.len();
+        for &sensor in active {
+            let (own, weight) = (variances[sensor], weights[sensor]);
+            if weight >= Robust::LEFT_OUT {
+                self.innovation_cov[sensor * (m + 1)] += own - own / weight;
+                continue;
+            }
+            self.innovation[sensor] = f64::NAN;
+            for other in 0..m {
+                self.innovation_cov[sensor * m + other] = f64::NAN;
+                self.innovation_cov[other * m + sensor] = f64::NAN;
             }
         }
     }

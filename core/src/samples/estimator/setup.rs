@@ -85,7 +85,11 @@ impl Setup {
     /// The filter of some settings over sensors in these columns, if the engine has all that a single run of it reports.
     #[cfg(not(target_arch = "wasm32"))]
     pub(crate) fn of(settings: &FilterSettings, context: &FilterContext<'_>, columns: Vec<usize>) -> Option<Self> {
-        if settings.has_plain_update() { Self::design(settings, context, columns) } else { None }
+        // A square-root filter that weighs or learns, and sensors that its model lacks, are the book's.
+        let sensors = columns.len();
+        let has_all = |setup: &Self| settings.has_plain_update() || setup.columns.len() == sensors;
+        let is_served = settings.has_plain_update() || (is_single(settings) && settings.kind != FilterKind::SR_UKF);
+        if is_served { Self::design(settings, context, columns).filter(has_all) } else { None }
     }
 
     fn design(settings: &FilterSettings, context: &FilterContext<'_>, columns: Vec<usize>) -> Option<Self> {
