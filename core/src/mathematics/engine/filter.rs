@@ -45,7 +45,7 @@ pub(crate) struct Filter<T: Number, L> {
 #[cfg(not(target_arch = "wasm32"))]
 pub(crate) struct Parts<'a> {
     pub(crate) belief: &'a Belief<f64>,
-    pub(crate) update: &'a mut Update<f64>,
+    pub(crate) update: &'a Update<f64>,
     pub(crate) noise: &'a Noise<f64>,
     /// The place of a white force and its variance.
     pub(crate) white: Option<(usize, f64)>,
@@ -68,6 +68,19 @@ impl<L: Level> Filter<f64, L> {
             learnt: learning.as_ref().map(|learning| learning.learnt()),
             is_adaptive: design.adaptation.is_on(),
         }
+    }
+}
+
+#[cfg(not(target_arch = "wasm32"))]
+impl<T: Number, L: Level> Filter<T, L> {
+    /// Whether the filters weigh, learn or jump.
+    pub(crate) fn learns(&self) -> bool {
+        self.learning.is_some()
+    }
+
+    /// The belief, and the last update.
+    pub(crate) fn told(&mut self) -> (&Belief<T>, &mut Update<T>) {
+        (&self.belief, &mut self.update)
     }
 }
 

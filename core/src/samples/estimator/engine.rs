@@ -112,28 +112,29 @@ impl<L: Level + Send> Estimator for Followed<L> {
         filter.complete();
         let [nis, determinant] = if told.measured > 0.0 { [told.nis, told.determinant] } else { [f64::NAN; 2] };
         let m = all.innovation.len();
-        let parts = filter.parts();
-        let weights = parts.learnt.and_then(|learnt| learnt.weights);
-        let is_one = |sensor: &usize| weights.is_none_or(|weights| weights[*sensor] == 1.0);
-        let is_weighed = !parts.update.active().iter().all(is_one);
-        let is_whole = parts.update.active().len() == m && !is_weighed;
-        if is_whole {
-            parts.update.complete();
+        let prior = wants_prior.then_some(&*prior);
+        if filter.learns() {
+            return all.report(
+                filter.parts(),
+                places,
+                [nis, determinant],
+                process,
+                prior,
+                in_units.as_deref_mut(),
+                sink,
+            );
         }
-        let Parts { belief, update, noise, learnt, .. } = &parts;
-        let sample = if is_whole {
+        let (belief, update) = filter.told();
+        let sample = if update.active().len() == m {
+            update.complete();
             let [innovation, innovation_cov, gain] = update.parts();
             let unmeasured = Sample::unmeasured(&belief.mean, &belief.cov);
             Sample { innovation, innovation_cov, gain, nis, determinant, ..unmeasured }
         } else {
             all.take(places, update.active(), update.parts());
-            if let Some(weights) = weights.filter(|_| is_weighed) {
-                all.claim(update.active(), weights, &noise.sensors);
-            }
             all.sample(belief, [nis, determinant])
         };
-        let sample = if learnt.is_some() { sample.with_learnt(&parts, process) } else { sample };
-        push(if wants_prior { sample.with_prior(prior) } else { sample }, in_units.as_deref_mut(), sink)
+        push(if let Some(prior) = prior { sample.with_prior(prior) } else { sample }, in_units.as_deref_mut(), sink)
     }
 }
 
@@ -182,6 +183,29 @@ impl Told {
                 self.innovation_cov[places[column] * m + row] = entry;
             }
         }
+    }
+
+    /// Hands over the update of a filter that weighs, learns or jumps. `process` is memory.
+    #[cold]
+    #[expect(clippy::too_many_arguments, reason = "the parts of a filter and of its report")]
+    fn report(
+        &mut self,
+        parts: Parts<'_>,
+        places: &[usize],
+        squares: [f64; 2],
+        process: &mut Vec<f64>,
+        prior: Option<&Belief<f64>>,
+        in_units: Option<&mut InUnits>,
+        sink: &mut dyn Sink,
+    ) -> Result<(), FilterError> {
+        let active = parts.update.active();
+        self.take(places, active, parts.update.parts());
+        let weights = parts.learnt.and_then(|learnt| learnt.weights);
+        if let Some(weights) = weights.filter(|weights| active.iter().any(|sensor| weights[*sensor] != 1.0)) {
+            self.claim(active, weights, &parts.noise.sensors);
+        }
+        let sample = self.sample(parts.belief, squares).with_learnt(&parts, process);
+        push(if let Some(prior) = prior { sample.with_prior(prior) } else { sample }, in_units, sink)
     }
 
     /// S with the R of the settings, which is what they claim. A reading that counts next to nothing is reported as none.
