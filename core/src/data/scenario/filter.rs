@@ -150,7 +150,8 @@ impl FilterSettings {
         MethodSettings { propagation, iterations, ensemble_size }
     }
 
-    /// Whether an update is that of textbooks: one filter, whose noise is known and whose measurements all count. The kernels and their lanes have no other.
+    /// Whether an update is that of textbooks: one filter, whose noise is known and whose measurements all count. Kernels and their
+    /// lanes weigh nothing.
     pub(crate) fn has_plain_update(&self) -> bool {
         let takes_all = !self.robust.is_on() && self.consider.is_empty();
         !self.adaptation.is_on() && !self.jump && takes_all && self.guesses == 1 && self.walk == 0.0

@@ -115,7 +115,7 @@ impl<L: Level + Send> Estimator for Followed<L> {
         let prior = wants_prior.then_some(&*prior);
         if filter.learns() {
             return all.report(
-                filter.parts(),
+                &filter.parts(),
                 places,
                 [nis, determinant],
                 process,
@@ -190,7 +190,7 @@ impl Told {
     #[expect(clippy::too_many_arguments, reason = "the parts of a filter and of its report")]
     fn report(
         &mut self,
-        parts: Parts<'_>,
+        parts: &Parts<'_>,
         places: &[usize],
         squares: [f64; 2],
         process: &mut Vec<f64>,
@@ -204,7 +204,7 @@ impl Told {
         if let Some(weights) = weights.filter(|weights| active.iter().any(|sensor| weights[*sensor] != 1.0)) {
             self.claim(active, weights, &parts.noise.sensors);
         }
-        let sample = self.sample(parts.belief, squares).with_learnt(&parts, process);
+        let sample = self.sample(parts.belief, squares).with_learnt(parts, process);
         push(if let Some(prior) = prior { sample.with_prior(prior) } else { sample }, in_units, sink)
     }
 
