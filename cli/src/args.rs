@@ -139,12 +139,8 @@ pub(crate) struct SweepArgs {
     /// Score this filter only; may be given for several
     #[arg(long, value_name = "NAME")]
     pub(crate) filter: Vec<String>,
-    /// Filter this record instead of simulated ones; `-` for standard input
-    #[arg(long, value_name = "RECORD.csv")]
-    pub(crate) record: Option<PathBuf>,
-    /// The meaning of the record's columns, as `[record]` in a scenario has it
-    #[arg(long, value_name = "MAP.toml", requires = "record")]
-    pub(crate) map: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) record: RecordArgs,
     /// The table to write, a .csv or a .parquet file. What is done stands in a file of this name with .part behind it: the same
     /// command goes on from there. `-` for rows of CSV on standard output, which begin anew each time
     #[arg(long, value_name = "TABLE")]
@@ -159,7 +155,8 @@ pub(crate) struct SweepArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct PopulationArgs {
-    /// The scenario, a TOML file; `-` for standard input. Its table `[draw]` has laws for some of its numbers
+    /// The scenario, a TOML file; `-` for standard input. Its table `[draw]` has laws for some of its numbers, with a
+    /// record for those of filters only
     pub(crate) scenario: PathBuf,
     /// Number of members, which have the seeds 1, 2, ...
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
@@ -170,12 +167,8 @@ pub(crate) struct PopulationArgs {
     /// Search the causes of each bad verdict: up to seconds a member
     #[arg(long)]
     pub(crate) causes: bool,
-    /// Filter this record instead of simulated ones; then only numbers of filters can be drawn
-    #[arg(long, value_name = "RECORD.csv")]
-    pub(crate) record: Option<PathBuf>,
-    /// The meaning of the record's columns, as `[record]` in a scenario has it
-    #[arg(long, value_name = "MAP.toml", requires = "record")]
-    pub(crate) map: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) record: RecordArgs,
     /// Print the numbers as JSON
     #[arg(long)]
     pub(crate) json: bool,
@@ -185,6 +178,17 @@ pub(crate) struct PopulationArgs {
     /// Show no progress
     #[arg(long)]
     pub(crate) quiet: bool,
+}
+
+/// A measured record in place of simulated ones.
+#[derive(Debug, Args)]
+pub(crate) struct RecordArgs {
+    /// Filter this record instead of simulated ones; `-` for standard input
+    #[arg(long, value_name = "RECORD.csv")]
+    pub(crate) record: Option<PathBuf>,
+    /// The meaning of the record's columns, as `[record]` in a scenario has it
+    #[arg(long, value_name = "MAP.toml", requires = "record")]
+    pub(crate) map: Option<PathBuf>,
 }
 
 /// A part of a table's rows.

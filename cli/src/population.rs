@@ -27,9 +27,9 @@ struct Population {
 
 /// Runs the members and prints what became of each filter.
 pub(crate) fn population(args: &PopulationArgs) -> Result<(), InputError> {
-    let PopulationArgs { scenario: file, members, filter, causes, record, map, json, threads, quiet } = args;
+    let PopulationArgs { scenario: file, members, filter, causes, record, json, threads, quiet } = args;
     let bad = |reason: &dyn ToString| bad(file, reason);
-    let (mut scenario, imported) = scenario_and_record(file, record.as_ref(), map.as_ref(), &Vec::new())?;
+    let (mut scenario, imported) = scenario_and_record(file, record, &Vec::new())?;
     // Draws name filters by their ids.
     scenario.number_filters();
     let places = filters(&scenario, filter).map_err(|reason| bad(&reason))?;

@@ -15,8 +15,8 @@ use crate::tune::place_of;
 
 /// Prints the posterior of a filter's parameters beside the filter's own belief, and writes its points.
 pub(crate) fn posterior(args: &PosteriorArgs) -> Result<(), InputError> {
-    let PosteriorArgs { scenario: file, filter, record, map, out } = args;
-    let (scenario, imported) = scenario_and_record(file, record.as_ref(), map.as_ref(), &places("--out", out))?;
+    let PosteriorArgs { scenario: file, filter, record, out } = args;
+    let (scenario, imported) = scenario_and_record(file, record, &places("--out", out))?;
     let bad = |reason: &dyn ToString| InputError::Laboratory { file: file.clone(), reason: reason.to_string() };
     let place = place_of(file, &scenario, filter.as_deref())?;
     let alone = Scenario { filters: vec![scenario.filters[place].clone()], ..scenario };
@@ -25,7 +25,7 @@ pub(crate) fn posterior(args: &PosteriorArgs) -> Result<(), InputError> {
     let posterior = posterior.map_err(|reason| bad(&format!("there is no posterior: {reason}")))?;
     let sampled = posterior.run().ok_or_else(|| bad(&"no guess within the initial belief explains the record"))?;
     let mut text = report(&sampled, &run.estimates()[0]);
-    if sampled.is_let_change(&alone.filters[0], run.record().len()) {
+    if sampled.is_stiller_than(&alone.filters[0], run.record().len()) {
         text += "the filter lets the parameters change, the posterior does not\n";
     }
     // Standard output is the file's that asks for it.

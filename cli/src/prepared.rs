@@ -7,7 +7,7 @@ use kalmanscope_cli::last_estimates;
 use kalmanscope_core::import::{self, Imported};
 use kalmanscope_core::{Document, Estimates, Record, Run, RunError, Scenario, Source, Window};
 
-use crate::args::SourceArgs;
+use crate::args::{RecordArgs, SourceArgs};
 use crate::input::{InputError, read_short, to_text};
 use crate::places::{Places, check, places, say};
 use crate::progress::Progress;
@@ -103,14 +103,13 @@ impl Prepared {
 /// A scenario, and the measured record that it or the arguments name.
 pub(crate) fn scenario_and_record(
     file: &Path,
-    record: Option<&PathBuf>,
-    map: Option<&PathBuf>,
+    RecordArgs { record, map }: &RecordArgs,
     outputs: &Places<'_>,
 ) -> Result<(Scenario, Option<Imported>), InputError> {
     let source = SourceArgs {
         scenario: file.to_owned(),
-        record: record.cloned(),
-        map: map.cloned(),
+        record: record.clone(),
+        map: map.clone(),
         holdout: Vec::new(),
         then: Vec::new(),
         no_input: false,

@@ -111,8 +111,8 @@ fn bad(file: &Path, reason: &dyn ToString) -> InputError {
 
 /// The runner of the cells, and a hash of the measured record.
 fn runner(args: &SweepArgs) -> Result<(Runner, String), InputError> {
-    let SweepArgs { scenario: file, vary, seeds, score, filter, record, map, .. } = args;
-    let (scenario, imported) = scenario_and_record(file, record.as_ref(), map.as_ref(), &places("--out", [&args.out]))?;
+    let SweepArgs { scenario: file, vary, seeds, score, filter, record, .. } = args;
+    let (scenario, imported) = scenario_and_record(file, record, &places("--out", [&args.out]))?;
     let hash = imported.as_ref().map_or_else(String::new, |imported| hash_of(&imported.record));
     let source = imported.map_or(Source::Simulated, |imported| Source::Measured(Arc::new(imported.record)));
     let filters = filters(&scenario, filter).map_err(|reason| bad(file, &reason))?;

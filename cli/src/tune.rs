@@ -16,8 +16,8 @@ use crate::prepared::scenario_and_record;
 
 /// Tunes a filter, prints the result, and writes the scenario.
 pub(crate) fn tune(args: &TuneArgs) -> Result<(), InputError> {
-    let TuneArgs { scenario: file, turn, filter, goal, record, map, out } = args;
-    let (scenario, imported) = scenario_and_record(file, record.as_ref(), map.as_ref(), &places("--out", out))?;
+    let TuneArgs { scenario: file, turn, filter, goal, record, out } = args;
+    let (scenario, imported) = scenario_and_record(file, record, &places("--out", out))?;
     let place = place_of(file, &scenario, filter.as_deref())?;
     let axes = turn.iter().map(|text| axis(text, &scenario).map_err(|reason| bad(file, reason)));
     let axes = axes.collect::<Result<Vec<_>, _>>()?;

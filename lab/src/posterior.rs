@@ -40,6 +40,9 @@ pub enum NoPosterior {
     /// Noise is learnt, so that nobody knows the likelihood beforehand.
     #[error("the filter learns its noise, so the likelihood is not known beforehand")]
     Learns,
+    /// Parameters are considered: their ±2σ is that of the initial belief on purpose.
+    #[error("the filter considers parameters that it does not estimate")]
+    Considers,
     /// The filter cannot run over the record.
     #[error(transparent)]
     Run(#[from] RunError),
@@ -132,16 +135,17 @@ impl Sampled {
 
     /// Mean and standard deviation of one parameter.
     pub fn moments(&self, channel: Channel) -> Option<[f64; 2]> {
-        let values = self.values(channel)?;
-        let count = values.len() as f64;
-        let mean = values.iter().sum::<f64>() / count;
-        let variance = values.iter().map(|value| (value - mean) * (value - mean)).sum::<f64>() / (count - 1.0);
+        let place = self.channels.iter().position(|other| *other == channel)?;
+        let values = || self.points.iter().map(|point| point[place]);
+        let count = self.points.len() as f64;
+        let mean = values().sum::<f64>() / count;
+        let variance = values().map(|value| (value - mean) * (value - mean)).sum::<f64>() / (count - 1.0);
         Some([mean, libm::sqrt(variance)])
     }
 
     /// Whether a filter lets the parameters change over some steps, by more than a part of the width of these points, which take them
     /// for constant.
-    pub fn is_let_change(&self, filter: &FilterSettings, steps: usize) -> bool {
+    pub fn is_stiller_than(&self, filter: &FilterSettings, steps: usize) -> bool {
         let walks = |channel: &Channel| {
             let way = filter.process_std[*channel] * libm::sqrt(steps as f64);
             self.moments(*channel).is_some_and(|[_, std]| way > PART * std)

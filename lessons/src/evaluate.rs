@@ -127,7 +127,7 @@ impl Check {
     /// The place of the check's sensor, or of the first one, and its true noise.
     fn noise_of(&self, filter: FilterOutcome<'_>) -> Option<(usize, f64)> {
         let place = self.sensor.map_or(Some(0), |q| filter.estimates.sensors().iter().position(|&s| s == q))?;
-        Some((place, *filter.outcome.scenario().true_noise().0.get(place)?))
+        Some((place, *filter.outcome.scenario().true_noise_for(filter.settings()).0.get(place)?))
     }
 
     fn mean_gain(&self, filter: FilterOutcome<'_>, range: Range<usize>) -> Option<f64> {

@@ -98,6 +98,7 @@ impl App {
                     || laboratory.set_stopped(true)
                     || laboratory.seeds_mut().set_stopped(true)
                     || laboratory.tuning_mut().cancel()
+                    || laboratory.posteriors_mut().cancel()
                     || self.editor.take().is_some()
                     || self.diagnosed.take().is_some();
                 if !is_done {

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use egui::Context;
-use kalmanscope_core::{Record, Scenario, Task as _};
-use kalmanscope_lab::posterior::{NoPosterior, Posterior, Sampled};
+use kalmanscope_core::{Channel, Record, Scenario, Task as _};
+use kalmanscope_lab::posterior::{NoPosterior, Posterior, Sampled, Solutions};
 
 use super::choice::{is_same_but_for_names, part_of};
 use crate::session::{Budget, Session};
@@ -62,6 +62,7 @@ impl Subject {
 pub struct Shown {
     subject: Subject,
     sampled: Sampled,
+    solutions: Option<(Channel, Solutions)>,
     /// Whether they are of the time on screen.
     is_of_now: bool,
 }
@@ -77,6 +78,11 @@ impl Shown {
         &self.sampled
     }
 
+    /// The two solutions of the parameter that has them furthest apart.
+    pub fn solutions(&self) -> Option<(Channel, Solutions)> {
+        self.solutions
+    }
+
     /// The sample up to which they know the record, and its time \[s\].
     pub fn last(&self) -> (usize, f64) {
         (self.subject.sample, self.subject.time)
@@ -88,16 +94,22 @@ impl Shown {
     }
 }
 
+/// The subject on screen.
+struct Seen {
+    subject: Subject,
+    /// The generation of the session's samples and the sample, which change with it.
+    key: (u64, usize),
+    /// The time since when it has been there \[s\].
+    since: f64,
+}
+
 /// The posterior of the filter that the user has chosen.
 #[derive(Default)]
 pub struct Posteriors {
     /// The id of the filter.
     chosen: Option<u32>,
-    /// The subject on screen, and the time since when it has been there \[s\].
-    seen: Option<(Subject, f64)>,
+    seen: Option<Seen>,
     search: Option<Running<Posterior>>,
-    /// Whether the subject has been searched, with whatever result.
-    is_done: bool,
     shown: Option<Shown>,
     problem: Option<String>,
 }
@@ -118,6 +130,15 @@ impl Posteriors {
         self.search.as_ref().map(|search| *search.seen())
     }
 
+    /// Stops a search. Returns whether there was one.
+    pub fn cancel(&mut self) -> bool {
+        let has_stopped = self.search.is_some();
+        if has_stopped {
+            self.choose(None);
+        }
+        has_stopped
+    }
+
     /// The points on screen.
     pub fn shown(&self) -> Option<&Shown> {
         self.shown.as_ref()
@@ -131,27 +152,40 @@ impl Posteriors {
     /// Follows the session while its view is on screen.
     pub(super) fn follow(&mut self, team: &dyn Team, session: &Session, budget: Budget, ctx: &Context) {
         let Some(filter) = self.chosen else { return };
-        let now = ctx.input(|input| input.time);
-        let Some(subject) = Subject::of(session, filter) else {
+        let (now, key) = (ctx.input(|input| input.time), (session.generation(), session.index()));
+        if self.seen.as_ref().is_none_or(|seen| seen.key != key) && !self.look(session, filter, key, now) {
             return self.choose(None);
-        };
-        if !self.seen.as_ref().is_some_and(|(seen, _)| seen.is_same(&subject)) {
-            (self.search, self.problem, self.is_done) = (None, None, false);
-            self.shown = self.shown.take().filter(|shown| shown.subject.is_of_same(&subject));
-            if let Some(shown) = &mut self.shown {
-                shown.is_of_now = shown.subject.is_same(&subject);
-                self.is_done = shown.is_of_now;
-            }
-            self.seen = Some((subject, now));
         }
-        if !self.is_done && self.search.is_none() {
+        if self.search.is_none() && !self.is_done() {
             self.begin(team, session, now, ctx);
         }
         self.go_on(budget, ctx);
     }
 
+    /// Takes in the subject on screen. Returns whether there is one.
+    fn look(&mut self, session: &Session, filter: u32, key: (u64, usize), now: f64) -> bool {
+        let Some(subject) = Subject::of(session, filter) else { return false };
+        match &mut self.seen {
+            Some(seen) if seen.subject.is_same(&subject) => seen.key = key,
+            seen => {
+                (self.search, self.problem) = (None, None);
+                self.shown = self.shown.take().filter(|shown| shown.subject.is_of_same(&subject));
+                if let Some(shown) = &mut self.shown {
+                    shown.is_of_now = shown.subject.is_same(&subject);
+                }
+                *seen = Some(Seen { subject, key, since: now });
+            }
+        }
+        true
+    }
+
+    /// Whether the subject has been searched, with whatever result.
+    fn is_done(&self) -> bool {
+        self.problem.is_some() || self.shown.as_ref().is_some_and(Shown::is_of_now)
+    }
+
     fn begin(&mut self, team: &dyn Team, session: &Session, now: f64, ctx: &Context) {
-        let Some((subject, since)) = &self.seen else { return };
+        let Some(Seen { subject, since, .. }) = &self.seen else { return };
         if session.run().samples() > Session::LONGEST_WHOLE + 1 {
             let count = session.run().samples();
             return self.fail(format!("The record has {count} samples: too many to run it for every point."));
@@ -175,10 +209,11 @@ impl Posteriors {
             Ok(None) if search.is_beside() => {}
             Ok(None) => ctx.request_repaint(),
             Ok(Some(sampled)) => {
-                (self.search, self.is_done) = (None, true);
+                self.search = None;
                 match (sampled, &self.seen) {
-                    (Some(sampled), Some((subject, _))) => {
-                        self.shown = Some(Shown { subject: subject.clone(), sampled, is_of_now: true });
+                    (Some(sampled), Some(Seen { subject, .. })) => {
+                        let (subject, solutions) = (subject.clone(), sampled.solutions());
+                        self.shown = Some(Shown { subject, sampled, solutions, is_of_now: true });
                     }
                     _ => self.fail(
                         "There is no posterior: no guess within the initial belief explains the record.".to_owned(),
@@ -190,7 +225,7 @@ impl Posteriors {
     }
 
     fn fail(&mut self, problem: String) {
-        (self.search, self.shown, self.is_done) = (None, None, true);
+        (self.search, self.shown) = (None, None);
         self.problem = Some(problem);
     }
 }

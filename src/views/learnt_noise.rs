@@ -30,7 +30,7 @@ fn words(estimates: &Estimates, sensor: usize, k: usize) -> Option<String> {
     Some(format!("{} ±{}", significant(std, 3), significant(2.0 * spread, 2)))
 }
 
-/// The numbers of each sensor; none where no filter learns R.
+/// A table of √R for each sensor; there is none where no filter learns R.
 pub(super) fn sheets<'a>(context: &ViewContext<'a>) -> Vec<Sheet<'a>> {
     let sheet = |(sensor, quantity): (usize, Quantity)| {
         let column = |estimates: &'a Estimates| {
@@ -44,11 +44,13 @@ pub(super) fn sheets<'a>(context: &ViewContext<'a>) -> Vec<Sheet<'a>> {
     sensors.into_iter().enumerate().map(sheet).collect()
 }
 
-/// The true standard deviation of a sensor's noise; known of simulated sensors without faults only.
+/// The true standard deviation of a sensor's noise for the first filter that learns it; known of simulated sensors without faults only.
 fn truth(sensor: usize, context: &ViewContext<'_>) -> Option<f64> {
     let scenario = context.session.run().scenario();
+    let filter = learning(context).next()?.id();
+    let filter = scenario.filters.iter().find(|settings| settings.id == filter)?;
     let is_plain = scenario.sensors.get(sensor)?.faults.is_empty() && !context.session.is_measured();
-    scenario.true_noise().0.get(sensor).copied().filter(|_| is_plain)
+    scenario.true_noise_for(filter).0.get(sensor).copied().filter(|_| is_plain)
 }
 
 /// The chart of a sensor.

@@ -113,3 +113,25 @@ fn a_link_and_a_saved_session_carry_the_choice() {
     *screen.state_mut().layout_mut() = Layout::of(Arrangement::Teach);
     assert_eq!(screen.state().picture().laboratory, Choices::default());
 }
+
+#[test]
+fn it_waits_for_the_playback_and_esc_stops_it() {
+    let mut screen = plane(DESKTOP, Theme::Light, |_| ());
+    screen.state_mut().session_mut().seek(1.0);
+    screen.state_mut().session_mut().toggle_play();
+    choose(&mut screen, "Filter of the posterior", "EKF");
+    screen.run_steps(2);
+    assert!(screen.query_by_label_contains("It is found when the playback stops").is_some());
+    screen.state_mut().session_mut().pause();
+    screen.state_mut().session_mut().set_budget(kalmanscope::session::Budget::Pieces(1));
+    for _ in 0..3000 {
+        screen.step();
+        if screen.state().laboratory().posteriors().progress().is_some() {
+            break;
+        }
+    }
+    assert!(screen.state().laboratory().posteriors().progress().is_some_and(|share| share < 1.0));
+    screen.key_press(egui::Key::Escape);
+    screen.run_steps(2);
+    assert_eq!((chosen(&screen), screen.state().laboratory().posteriors().progress()), (None, None));
+}

@@ -6,6 +6,8 @@ use clap::Args;
 use kalmanscope_core::Quantity;
 use kalmanscope_lab::tune::Goal;
 
+use super::RecordArgs;
+
 #[derive(Debug, Args)]
 pub(crate) struct TuneArgs {
     /// The scenario, a TOML file; `-` for standard input
@@ -20,12 +22,8 @@ pub(crate) struct TuneArgs {
     /// The number to make best: likelihood, consistency, or free_run with a sensor behind a dot, as in free_run.displacement
     #[arg(long, value_name = "GOAL", default_value = "likelihood", value_parser = goal)]
     pub(crate) goal: Goal,
-    /// Use this record instead of a simulated one
-    #[arg(long, value_name = "RECORD.csv")]
-    pub(crate) record: Option<PathBuf>,
-    /// The meaning of the record's columns, as `[record]` in a scenario has it
-    #[arg(long, value_name = "MAP.toml", requires = "record")]
-    pub(crate) map: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) record: RecordArgs,
     /// Write the scenario with the tuned filter
     #[arg(long, value_name = "SCENARIO.toml")]
     pub(crate) out: Option<PathBuf>,
@@ -38,12 +36,8 @@ pub(crate) struct PosteriorArgs {
     /// The filter; the first one if left out
     #[arg(long, value_name = "NAME")]
     pub(crate) filter: Option<String>,
-    /// Use this record instead of a simulated one
-    #[arg(long, value_name = "RECORD.csv")]
-    pub(crate) record: Option<PathBuf>,
-    /// The meaning of the record's columns, as `[record]` in a scenario has it
-    #[arg(long, value_name = "MAP.toml", requires = "record")]
-    pub(crate) map: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) record: RecordArgs,
     /// Write the points, a row each
     #[arg(long, value_name = "POINTS.csv")]
     pub(crate) out: Option<PathBuf>,

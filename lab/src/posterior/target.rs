@@ -35,6 +35,9 @@ impl Target {
         if filter.adaptation.is_on() {
             return Err(NoPosterior::Learns);
         }
+        if channels.iter().any(|channel| filter.consider.contains(channel)) {
+            return Err(NoPosterior::Considers);
+        }
         let belief = channels.iter().map(|&c| [filter.initial_mean[c], filter.initial_std[c]]).collect();
         let of_logarithms = filter.log_parameters;
         let filter = knowing(filter, &channels, scenario);
@@ -100,7 +103,6 @@ fn knowing(filter: FilterSettings, channels: &[Channel], scenario: &Scenario) ->
         kind,
         adaptation: Adaptation::default(),
         robust: Robust::NONE,
-        consider: Vec::new(),
         jump: false,
         smoother: false,
         log_parameters: false,

@@ -175,6 +175,7 @@ fn filters_without_a_likelihood_of_constant_parameters_are_refused() {
     assert_eq!(reason(|filter| filter.kind = FilterKind::KF), Some(NoPosterior::Known));
     assert_eq!(reason(|filter| filter.initial_std = Values::ZERO), Some(NoPosterior::Known));
     assert_eq!(reason(|filter| filter.robust = Robust::HUBER), Some(NoPosterior::Weighs));
+    assert_eq!(reason(|filter| filter.consider = vec![Channel::DAMPING_RATIO]), Some(NoPosterior::Considers));
     assert_eq!(reason(|filter| filter.adaptation.sensor_noise = true), Some(NoPosterior::Learns));
     assert!(matches!(Posterior::new(&plain, 1, &record), Err(NoPosterior::Run(_))));
 }

@@ -19,43 +19,50 @@ pub(super) fn head_ui(ui: &mut Ui, context: &ViewContext<'_>, posteriors: &Poste
         ui.spacing_mut().item_spacing.x = 5.0;
         ui.label("Posterior of").on_hover_text(HINT);
         let chosen = posteriors.chosen();
-        let name = |id: u32| context.filters().find(|(_, of)| of.id() == id).map_or("none", |(_, of)| of.name());
-        let combo = ComboBox::from_id_salt("posterior").selected_text(chosen.map_or("none", name)).width(72.0);
+        let all = context.session.run().estimates();
+        let filter = chosen.and_then(|id| all.iter().find(|of| of.id() == id));
+        let combo =
+            ComboBox::from_id_salt("posterior").selected_text(filter.map_or("none", Estimates::name)).width(72.0);
         let combo = combo.show_ui(ui, |ui| {
-            let all =
-                std::iter::once((None, "none")).chain(context.filters().map(|(_, of)| (Some(of.id()), of.name())));
-            for (id, name) in all {
+            let choices = all.iter().map(|of| (Some(of.id()), of.name()));
+            for (id, name) in std::iter::once((None, "none")).chain(choices) {
                 if ui.selectable_label(chosen == id, name).clicked() && chosen != id {
                     requests.push(Request::ChoosePosterior(id));
                 }
             }
         });
         ui.ctx().accesskit_node_builder(combo.response.id, |node| node.set_label("Filter of the posterior"));
-        if let Some(share) = posteriors.progress() {
-            ui.weak(format!("{:.0} %", 100.0 * share));
-        }
-        if let Some(problem) = posteriors.problem() {
-            ui.weak(problem);
-        }
-        if let Some(sentences) = posteriors.shown().and_then(|shown| sentences(context, shown)) {
-            ui.weak(sentences);
+        if let Some(filter) = filter {
+            ui.weak(words(context, posteriors, filter));
         }
     });
 }
 
-/// What the points say about the filter's belief at their time.
-pub(super) fn sentences(context: &ViewContext<'_>, shown: &Shown) -> Option<String> {
-    let (_, estimates) = context.filters().find(|(_, of)| of.id() == shown.filter())?;
+/// The words beside the choice: the state of the search, or its result.
+fn words(context: &ViewContext<'_>, posteriors: &Posteriors, filter: &Estimates) -> String {
+    let is_hidden = !context.visible.filter(filter.id());
+    let result = || posteriors.shown().and_then(|shown| sentences(context, shown, filter));
+    match (posteriors.progress(), posteriors.problem()) {
+        _ if is_hidden => format!("{} is hidden.", filter.name()),
+        (Some(share), _) => format!("{:.0} %", 100.0 * share),
+        (_, Some(problem)) => problem.to_owned(),
+        _ if context.session.playing() => "It is found when the playback stops.".to_owned(),
+        _ => result().unwrap_or_default(),
+    }
+}
+
+/// Sentences that compare the filter's belief with the points.
+fn sentences(context: &ViewContext<'_>, shown: &Shown, estimates: &Estimates) -> Option<String> {
     let run = context.session.run();
     let filter = run.scenario().filters.iter().find(|filter| filter.id == shown.filter())?;
     let mut text = comparison(estimates, shown)?;
-    if let Some((channel, solutions)) = shown.sampled().solutions() {
+    if let Some((channel, solutions)) = shown.solutions() {
         let [low, high] = solutions.means.map(|mean| fixed(mean, decimals(channel)));
         let [one, other] = solutions.shares.map(|share| 100.0 * share);
         let symbol = channel.symbol();
         text += &format!(" Two solutions: {symbol} {low} ({one:.0} %) or {high} ({other:.0} %).");
     }
-    if shown.sampled().is_let_change(filter, shown.last().0) {
+    if shown.sampled().is_stiller_than(filter, shown.last().0) {
         text += " The filter lets the parameters change, the posterior does not.";
     }
     Some(text)
@@ -83,12 +90,8 @@ fn comparison(estimates: &Estimates, shown: &Shown) -> Option<String> {
 }
 
 fn listed(words: &[String]) -> String {
-    match words {
-        [all @ .., before, last] => {
-            let mut text: String = all.iter().map(|word| format!("{word}, ")).collect();
-            text += &format!("{before} and {last}");
-            text
-        }
+    match words.split_last() {
+        Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
         _ => words.concat(),
     }
 }

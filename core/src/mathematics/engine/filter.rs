@@ -58,7 +58,7 @@ pub(crate) struct Parts<'a> {
 #[cfg(not(target_arch = "wasm32"))]
 impl<L: Level> Filter<f64, L> {
     /// The last update and what the filter has learnt.
-    pub(crate) fn parts(&mut self) -> Parts<'_> {
+    pub(crate) fn parts(&self) -> Parts<'_> {
         let Self { design, belief, update, noise, learning, white, .. } = self;
         Parts {
             belief,

@@ -25,7 +25,7 @@ pub(super) struct Learning<T> {
     uncertainty: Vec<T>,
 }
 
-/// What a filter of one run has learnt by now.
+/// The weights, the variances of R and the jump of one run.
 #[cfg(not(target_arch = "wasm32"))]
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Learnt<'a> {
@@ -151,7 +151,7 @@ impl<T: Number> Learning<T> {
 
 #[cfg(not(target_arch = "wasm32"))]
 impl Learning<f64> {
-    /// What it has learnt.
+    /// The weights, the variances of R and whether the last prediction has jumped.
     pub(super) fn learnt(&self) -> Learnt<'_> {
         Learnt {
             weights: self.weighing.as_ref().map(|weighing| weighing.weights().each()),

@@ -69,8 +69,7 @@ fn of<L: Level + Send + 'static>(level: L, setup: &Setup, sensors: usize) -> Box
 impl<L: Level + Send> Estimator for Followed<L> {
     fn begin(&self, sink: &mut dyn Sink) -> Result<(), FilterError> {
         let Self { filter, told, in_units, .. } = self;
-        let (mut filter, mut process) = (filter.clone(), Vec::new());
-        let parts = filter.parts();
+        let (parts, mut process) = (filter.parts(), Vec::new());
         let unmeasured = told.sample(parts.belief, [f64::NAN; 2]);
         let sample = if sink.wants_prior() { unmeasured.with_prior(parts.belief) } else { unmeasured };
         let mut in_units = in_units.clone();
@@ -84,7 +83,7 @@ impl<L: Level + Send> Estimator for Followed<L> {
         measured: &[f64],
         sink: &mut dyn Sink,
     ) -> Result<(), FilterError> {
-        let Self { filter, places, measured: own, prior, told: all, in_units, process } = self;
+        let Self { filter, places, measured: own, prior, told: all, in_units, .. } = self;
         // Where the force is held, its end does not count.
         if !filter.are_finite([force_before, force]) {
             return Err(FilterError::UndefinedForce);
@@ -111,19 +110,10 @@ impl<L: Level + Send> Estimator for Followed<L> {
         }
         filter.complete();
         let [nis, determinant] = if told.measured > 0.0 { [told.nis, told.determinant] } else { [f64::NAN; 2] };
-        let m = all.innovation.len();
-        let prior = wants_prior.then_some(&*prior);
         if filter.learns() {
-            return all.report(
-                &filter.parts(),
-                places,
-                [nis, determinant],
-                process,
-                prior,
-                in_units.as_deref_mut(),
-                sink,
-            );
+            return self.report_learnt([nis, determinant], sink);
         }
+        let m = all.innovation.len();
         let (belief, update) = filter.told();
         let sample = if update.active().len() == m {
             update.complete();
@@ -134,7 +124,24 @@ impl<L: Level + Send> Estimator for Followed<L> {
             all.take(places, update.active(), update.parts());
             all.sample(belief, [nis, determinant])
         };
-        push(if let Some(prior) = prior { sample.with_prior(prior) } else { sample }, in_units.as_deref_mut(), sink)
+        push(if wants_prior { sample.with_prior(prior) } else { sample }, in_units.as_deref_mut(), sink)
+    }
+}
+
+impl<L: Level> Followed<L> {
+    /// Hands over the update of a filter that weighs, learns or jumps, with its NIS and det S.
+    #[inline(never)]
+    fn report_learnt(&mut self, squares: [f64; 2], sink: &mut dyn Sink) -> Result<(), FilterError> {
+        let Self { filter, places, prior, told, in_units, process, .. } = self;
+        let parts = filter.parts();
+        let active = parts.update.active();
+        told.take(places, active, parts.update.parts());
+        let weights = parts.learnt.and_then(|learnt| learnt.weights);
+        if let Some(weights) = weights.filter(|weights| active.iter().any(|sensor| weights[*sensor] != 1.0)) {
+            told.claim(active, weights, &parts.noise.sensors);
+        }
+        let sample = told.sample(parts.belief, squares).with_learnt(&parts, process);
+        push(if sink.wants_prior() { sample.with_prior(prior) } else { sample }, in_units.as_deref_mut(), sink)
     }
 }
 
@@ -167,7 +174,7 @@ impl<'a> Sample<'a> {
 
 impl Told {
     /// Takes in the update by some sensors, each in its place; the others get NaN, and a gain of zero.
-    #[cold]
+    #[inline(never)]
     fn take(&mut self, places: &[usize], active: &[usize], [innovation, innovation_cov, gain]: [&[f64]; 3]) {
         let m = self.innovation.len();
         self.innovation.fill(f64::NAN);
@@ -185,31 +192,7 @@ impl Told {
         }
     }
 
-    /// Hands over the update of a filter that weighs, learns or jumps. `process` is memory.
-    #[cold]
-    #[expect(clippy::too_many_arguments, reason = "the parts of a filter and of its report")]
-    fn report(
-        &mut self,
-        parts: &Parts<'_>,
-        places: &[usize],
-        squares: [f64; 2],
-        process: &mut Vec<f64>,
-        prior: Option<&Belief<f64>>,
-        in_units: Option<&mut InUnits>,
-        sink: &mut dyn Sink,
-    ) -> Result<(), FilterError> {
-        let active = parts.update.active();
-        self.take(places, active, parts.update.parts());
-        let weights = parts.learnt.and_then(|learnt| learnt.weights);
-        if let Some(weights) = weights.filter(|weights| active.iter().any(|sensor| weights[*sensor] != 1.0)) {
-            self.claim(active, weights, &parts.noise.sensors);
-        }
-        let sample = self.sample(parts.belief, squares).with_learnt(parts, process);
-        push(if let Some(prior) = prior { sample.with_prior(prior) } else { sample }, in_units, sink)
-    }
-
     /// S with the R of the settings, which is what they claim. A reading that counts next to nothing is reported as none.
-    #[cold]
     fn claim(&mut self, active: &[usize], weights: &[f64], variances: &[f64]) {
         let m = self.innovation.len();
         for &sensor in active {
