@@ -1,5 +1,7 @@
 //! A plant with its surroundings: estimated parts of the force, and the readings of sensors.
 
+use std::ops::Range;
+
 use super::dual::Dual;
 use super::function::Function;
 use super::level::Level;
@@ -65,6 +67,11 @@ impl Model {
     #[inline(always)]
     pub fn is_oscillator(&self) -> bool {
         self.plant.is_oscillator() && self.moving() == 2
+    }
+
+    /// [`Plant::coupling`] of a plant whose parameters stand still.
+    pub(crate) fn coupling(&self) -> Option<Vec<Range<usize>>> {
+        self.plant.coupling().filter(|masses| self.moving() == 2 * masses.len())
     }
 
     /// `g f + o`, the part of the force over mass that comes with the recorded input \[m/s²\].

@@ -7,6 +7,8 @@ pub(crate) mod sdof;
 pub(crate) mod shear_chain;
 pub(crate) mod typed;
 
+use std::ops::Range;
+
 use super::dual::Dual;
 use super::level::{Baseline, Level};
 use super::number::{Number, Real};
@@ -158,6 +160,16 @@ impl Plant {
             Self::Sdof | Self::Duffing => true,
             Self::Typed(typed) => typed.motion == 2,
             _ => false,
+        }
+    }
+
+    /// Of a plant whose motion is `[x, v]` of several masses, with `ẋ = v`: for each mass the masses whose accelerations may
+    /// depend on its motion, and those between them.
+    pub fn coupling(self) -> Option<Vec<Range<usize>>> {
+        match self {
+            Self::ShearChain(masses) => Some((0..masses).map(|i| i.saturating_sub(1)..masses.min(i + 2)).collect()),
+            Self::Typed(typed) if typed.masses > 1 && typed.motion == 2 * typed.masses => Some(typed.coupling()),
+            _ => None,
         }
     }
 

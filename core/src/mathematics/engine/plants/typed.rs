@@ -1,5 +1,7 @@
 //! The plant of an equation that a user types: lists of operations.
 
+use std::ops::Range;
+
 use super::Equation;
 use crate::mathematics::engine::list::List;
 use crate::mathematics::engine::number::Real;
@@ -11,6 +13,8 @@ pub struct Typed {
     pub size: usize,
     /// The number of components that move, which come first.
     pub motion: usize,
+    /// The number of displacements, which come first; the rates of these are the next components.
+    pub masses: usize,
     /// The rates of the moving components, from the components and the force.
     pub rates: List,
     /// The derivatives of the rates that are not zero, to places column by column.
@@ -27,6 +31,17 @@ impl PartialEq for Typed {
 impl Eq for Typed {}
 
 impl Typed {
+    /// [`Plant::coupling`](super::Plant::coupling)
+    pub fn coupling(&self) -> Vec<Range<usize>> {
+        let Self { motion, masses, jacobian, .. } = self;
+        let of = |mass: usize| {
+            let is_own = |place: &usize| place / motion % masses == mass && place / motion < *motion;
+            let rows = || jacobian.places().filter(is_own).filter_map(|place| (place % motion).checked_sub(*masses));
+            rows().min().unwrap_or(mass)..rows().max().unwrap_or(mass) + 1
+        };
+        (0..*masses).map(of).collect()
+    }
+
     /// The rates, and their derivatives by the components, column by column, with `rows` numbers a column.
     #[inline(always)]
     pub fn linearise<T: Real>(&self, state: &[T], force: T, rate: &mut [T], columns: &mut [T], rows: usize) {
