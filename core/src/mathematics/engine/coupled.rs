@@ -1,8 +1,8 @@
 //! The response of coupled oscillators: their exponential from matrices of the number of masses.
 
-use std::ops::Range;
-
-use super::columns::{multiply, norm};
+#[cfg(doc)]
+use super::columns::combine;
+use super::columns::{add_times, multiply};
 use super::exponential::Classes;
 use super::level::Level;
 use super::number::Number;
@@ -17,25 +17,48 @@ use crate::mathematics::integrate::INVERSE_FACTORIAL;
 /// ```
 ///
 /// It is the closed form of one [oscillator](super::impulse) with matrices in place of numbers.
+///
+/// K and C stand in bands, one for each distance of a row from its column, and a product is a sum over bands: `(A B)ᵢⱼ = Σ_d
+/// A_{i,j+d} B_{j+d,j}`.
 #[derive(Clone, Debug)]
 pub(super) struct Coupled<T> {
-    /// The rows of each column of K and C that may differ from zero.
-    reach: Vec<Range<usize>>,
-    /// h \[s\]
-    pub(super) value: Vec<T>,
+    masses: usize,
+    /// w, the largest distance of a row of K and C from its column, of those that may differ from zero.
+    reach: usize,
+    /// The bands of K and C, m numbers each.
+    stiffness: Vec<T>,
+    damping: Vec<T>,
+    /// `t² K` and `t C`
+    scaled: [Vec<T>; 2],
+    /// h \[s\], with w columns of zeros before and after, as all matrices that are multiplied by bands.
+    value: Vec<T>,
     /// q \[s²\]
-    pub(super) integral: Vec<T>,
+    integral: Vec<T>,
     /// p \[s³\], if the caller wants it.
-    pub(super) second: Vec<T>,
-    /// K and C.
-    pub(super) stiffness: Vec<T>,
-    pub(super) damping: Vec<T>,
-    /// The terms cₙ of the series, and the two before.
+    second: Vec<T>,
+    /// The terms cₙ₊₁, cₙ and cₙ₋₁ of the series.
     terms: [Vec<T>; 3],
     /// `q K`, `h K` and `q K + h C`
-    pub(super) products: [Vec<T>; 3],
+    products: [Vec<T>; 3],
     /// h, q and p of the lanes of the classes that are done.
     kept: [Vec<T>; 3],
+}
+
+/// The matrices of a response, m × m.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Parts<'a, T> {
+    /// h
+    pub(super) value: &'a [T],
+    /// q
+    pub(super) integral: &'a [T],
+    /// p
+    pub(super) second: &'a [T],
+    /// `q K`
+    pub(super) displaced: &'a [T],
+    /// `h K`
+    pub(super) pulled: &'a [T],
+    /// `q K + h C`
+    pub(super) kept: &'a [T],
 }
 
 /// Classes by the size of a step. The first term of a class that is left out is below rounding.
@@ -45,29 +68,56 @@ const CLASSES: Classes<4> = Classes([0.05, 0.14, 0.3, 0.6]);
 const TERMS: [usize; 4] = [8, 10, 12, 15];
 
 impl<T: Number> Coupled<T> {
-    /// Memory for masses whose K and C have these rows in each column.
-    pub(super) fn new(reach: Vec<Range<usize>>) -> Self {
-        let square = || vec![T::of(0.0); reach.len() * reach.len()];
+    /// Memory for masses that reach others up to this distance in their row.
+    pub(super) fn new(masses: usize, reach: usize) -> Self {
+        let zeros = |columns: usize| vec![T::of(0.0); columns * masses];
+        let bands = || zeros(2 * reach + 1);
+        let padded = || zeros(masses + 2 * reach);
+        let square = || zeros(masses);
         Self {
-            value: square(),
-            integral: square(),
-            second: square(),
-            stiffness: square(),
-            damping: square(),
-            terms: [square(), square(), square()],
-            products: [square(), square(), square()],
-            kept: [square(), square(), square()],
+            masses,
             reach,
+            stiffness: bands(),
+            damping: bands(),
+            scaled: [bands(), bands()],
+            value: padded(),
+            integral: padded(),
+            second: padded(),
+            terms: [padded(), padded(), padded()],
+            products: [square(), square(), square()],
+            kept: [padded(), padded(), padded()],
         }
     }
 
-    /// Takes the response from the derivatives of the rates by the moving components, m of them displacements and m velocities;
-    /// p only `with_slope`.
+    /// The response that was computed last.
     #[inline(always)]
-    pub(super) fn compute<L: Level>(&mut self, level: L, a: &[T], m: usize, dt: f64, with_slope: bool) {
+    pub(super) fn parts<L: Level>(&self, level: L) -> Parts<'_, T> {
+        let Self { reach, value, integral, second, products: [displaced, pulled, kept], .. } = self;
+        let m = self.count(level);
+        let inner = reach * m..reach * m + m * m;
+        Parts {
+            value: &value[inner.clone()],
+            integral: &integral[inner.clone()],
+            second: &second[inner],
+            displaced: &displaced[..m * m],
+            pulled: &pulled[..m * m],
+            kept: &kept[..m * m],
+        }
+    }
+
+    /// m, which the compiler may know.
+    #[inline(always)]
+    fn count<L: Level>(&self, level: L) -> usize {
+        level.moving(2 * self.masses) / 2
+    }
+
+    /// Takes the response after `dt` \[s\] from the derivatives of the rates by the moving components, the displacements and then the
+    /// velocities; p only `with_slope`.
+    #[inline(always)]
+    pub(super) fn compute<L: Level>(&mut self, level: L, a: &[T], dt: f64, with_slope: bool) {
         let size = level.apart(
             #[inline(always)]
-            || self.take(a, m),
+            || self.take(level, a),
         );
         let size = Classes::<4>::counted(size * dt);
         let mut done = None;
@@ -79,13 +129,13 @@ impl<T: Number> Coupled<T> {
             }
             level.apart(
                 #[inline(always)]
-                || self.sum(m, dt, with_slope, class),
+                || self.sum(level, dt, with_slope, class),
             );
             if let Some(done) = done {
                 let is_shorter = size.le(T::of(CLASSES.upper(done)));
                 let parts = [&mut self.value, &mut self.integral, &mut self.second];
                 for (kept, part) in self.kept.iter().zip(parts) {
-                    for i in 0..m * m {
+                    for i in 0..part.len() {
                         part[i] = T::select(is_shorter, kept[i], part[i]);
                     }
                 }
@@ -94,31 +144,38 @@ impl<T: Number> Coupled<T> {
         }
         level.apart(
             #[inline(always)]
-            || self.take_products(m),
+            || self.take_products(level),
         );
     }
 
     /// Copies K and C; returns a bound on the rate at which terms grow \[1/s\]: the positive root of `s² = ‖C‖ s + ‖K‖`.
     #[inline(always)]
-    fn take(&mut self, a: &[T], m: usize) -> T {
-        let Self { stiffness, damping, .. } = self;
+    fn take<L: Level>(&mut self, level: L, a: &[T]) -> T {
+        let m = self.count(level);
+        let Self { reach, stiffness, damping, .. } = self;
+        let (w, mut norms) = (*reach, [T::of(0.0); 2]);
         for j in 0..m {
-            stiffness[j * m..(j + 1) * m].copy_from_slice(&a[j * 2 * m + m..(j + 1) * 2 * m]);
-            damping[j * m..(j + 1) * m].copy_from_slice(&a[(m + j) * 2 * m + m..(m + j + 1) * 2 * m]);
+            let mut sums = [T::of(0.0); 2];
+            for l in j.saturating_sub(w)..m.min(j + w + 1) {
+                let (k, c) = (a[j * 2 * m + m + l], a[(m + j) * 2 * m + m + l]);
+                sums = [sums[0] + k.abs(), sums[1] + c.abs()];
+                (stiffness[(l + w - j) * m + j], damping[(l + w - j) * m + j]) = (k, c);
+            }
+            norms = [norms[0].max(sums[0]), norms[1].max(sums[1])];
         }
-        let (stiffness, damping) = (norm(&stiffness[..m * m], m), norm(&damping[..m * m], m));
+        let [stiffness, damping] = norms;
         (damping + (damping * damping + stiffness * 4.0).sqrt()) * 0.5
     }
 
     /// Sums the series of a class over its part of the step, then doubles that part.
     #[inline(always)]
-    fn sum(&mut self, m: usize, dt: f64, with_slope: bool, class: usize) {
+    fn sum<L: Level>(&mut self, level: L, dt: f64, with_slope: bool, class: usize) {
         let doublings = Classes::<4>::doublings(class);
         let mut t = dt * libm::exp2(-(doublings as f64));
-        self.series(m, t, with_slope, TERMS[class.min(TERMS.len() - 1)]);
+        self.series(level, t, with_slope, TERMS[class.min(TERMS.len() - 1)]);
         for _ in 0..doublings {
-            self.take_products(m);
-            self.double(m, t, with_slope);
+            self.take_products(level);
+            self.double(level, t, with_slope);
             t *= 2.0;
         }
     }
@@ -127,84 +184,66 @@ impl<T: Number> Coupled<T> {
     /// h = t Σ cₙ/(n+1)!,  q = t² Σ cₙ/(n+2)!,  p = t³ Σ cₙ/(n+3)!,  cₙ₊₁ = cₙ C t + cₙ₋₁ K t²,  c₀ = I
     /// ```
     #[inline(always)]
-    fn series(&mut self, m: usize, t: f64, with_slope: bool, count: usize) {
-        let Self { reach, value, integral, second, stiffness, damping, terms, products, .. } = self;
-        let (reach, [next, now, before]) = (&reach[..m], terms);
-        let [by_stiffness, by_damping, _] = products;
-        for i in 0..m * m {
+    fn series<L: Level>(&mut self, level: L, t: f64, with_slope: bool, count: usize) {
+        let m = self.count(level);
+        let Self { reach, stiffness, damping, scaled, value, integral, second, terms, .. } = self;
+        let ([by_stiffness, by_damping], [next, now, before], begin) = (scaled, terms, *reach * m);
+        for i in 0..stiffness.len() {
             (by_stiffness[i], by_damping[i]) = (stiffness[i] * (t * t), damping[i] * t);
         }
-        let sums = &mut [&mut value[..m * m], &mut integral[..m * m], &mut second[..m * m]];
-        let sums = &mut sums[..if with_slope { 3 } else { 2 }];
-        now[..m * m].fill(T::of(0.0));
-        before[..m * m].fill(T::of(0.0));
-        for i in 0..m {
-            now[i * m + i] = T::of(1.0);
-        }
-        for (k, sum) in sums.iter_mut().enumerate() {
-            for i in 0..m * m {
-                sum[i] = now[i] * INVERSE_FACTORIAL[k + 1];
-            }
+        let square = m * m;
+        let (value, integral) = (&mut value[begin..][..square], &mut integral[begin..][..square]);
+        let second = &mut second[begin..][..square];
+        for i in 0..square {
+            let one = T::of(if i % (m + 1) == 0 { 1.0 } else { 0.0 });
+            (now[begin + i], before[begin + i]) = (one, T::of(0.0));
+            (value[i], integral[i], second[i]) = (one, one * INVERSE_FACTORIAL[2], one * INVERSE_FACTORIAL[3]);
         }
         for n in 1..count {
-            for j in 0..m {
-                let column = &mut next[j * m..(j + 1) * m];
-                for l in reach[j].clone() {
-                    let (c, k) = (by_damping[j * m + l], by_stiffness[j * m + l]);
-                    let (now, before) = (&now[l * m..(l + 1) * m], &before[l * m..(l + 1) * m]);
-                    for i in 0..m {
-                        let term = now[i] * c + before[i] * k;
-                        column[i] = if l == reach[j].start { term } else { column[i] + term };
-                    }
-                }
-                for (k, sum) in sums.iter_mut().enumerate() {
-                    let sum = &mut sum[j * m..(j + 1) * m];
-                    for i in 0..m {
-                        sum[i] = sum[i] + column[i] * INVERSE_FACTORIAL[n + k + 1];
-                    }
+            {
+                let bands = Bands { m, count: 2 * *reach + 1, by: [by_damping, by_stiffness] };
+                let term = &mut next[begin..][..square];
+                bands.multiply([now, before], term);
+                add_times(value, T::of(INVERSE_FACTORIAL[n + 1]), term);
+                add_times(integral, T::of(INVERSE_FACTORIAL[n + 2]), term);
+                if with_slope {
+                    add_times(second, T::of(INVERSE_FACTORIAL[n + 3]), term);
                 }
             }
             std::mem::swap(before, now);
             std::mem::swap(now, next);
         }
-        let mut factor = 1.0;
-        for sum in sums {
-            factor *= t;
-            for i in 0..m * m {
-                sum[i] = sum[i] * factor;
-            }
+        for i in 0..square {
+            value[i] = value[i] * t;
+            integral[i] = integral[i] * (t * t);
+            second[i] = second[i] * (t * t * t);
         }
     }
 
     /// `q K`, `h K` and `q K + h C`
     #[inline(always)]
-    fn take_products(&mut self, m: usize) {
-        let Self { reach, value, integral, stiffness, damping, products, .. } = self;
-        let (reach, [displaced, pulled, kept]) = (&reach[..m], products);
-        for j in 0..m {
-            let own = j * m..(j + 1) * m;
-            let (displaced, pulled, kept) = (&mut displaced[own.clone()], &mut pulled[own.clone()], &mut kept[own]);
-            for l in reach[j].clone() {
-                let (k, c) = (stiffness[j * m + l], damping[j * m + l]);
-                let (h, q) = (&value[l * m..(l + 1) * m], &integral[l * m..(l + 1) * m]);
-                let begins = l == reach[j].start;
-                for i in 0..m {
-                    let (by_q, by_h) = (q[i] * k, h[i] * k);
-                    let both = by_q + h[i] * c;
-                    displaced[i] = if begins { by_q } else { displaced[i] + by_q };
-                    pulled[i] = if begins { by_h } else { pulled[i] + by_h };
-                    kept[i] = if begins { both } else { kept[i] + both };
-                }
-            }
-        }
+    fn take_products<L: Level>(&mut self, level: L) {
+        let m = self.count(level);
+        let Self { reach, value, integral, stiffness, damping, products: [displaced, pulled, kept], .. } = self;
+        let count = 2 * *reach + 1;
+        let by_stiffness = Bands { m, count, by: [stiffness] };
+        by_stiffness.multiply([integral], &mut displaced[..m * m]);
+        by_stiffness.multiply([value], &mut pulled[..m * m]);
+        Bands { m, count, by: [stiffness, damping] }.multiply([integral, value], &mut kept[..m * m]);
     }
 
     /// ```text
     /// q(2t) = 2 q + q K q + h h,  h(2t) = 2 h + h K q + (q K + h C) h,  p(2t) = 2 p + q t + q K p + h q
     /// ```
     #[inline(always)]
-    fn double(&mut self, m: usize, t: f64, with_slope: bool) {
-        let Self { value, integral, second, terms: [sum, half, rest], products: [displaced, pulled, kept], .. } = self;
+    fn double<L: Level>(&mut self, level: L, t: f64, with_slope: bool) {
+        let m = self.count(level);
+        let Self { reach, value, integral, second, terms: [sum, half, rest], products, .. } = self;
+        let [displaced, pulled, kept] = products;
+        let inner = *reach * m..*reach * m + m * m;
+        let (value, integral) = (&mut value[inner.clone()], &mut integral[inner.clone()]);
+        let (second, sum) = (&mut second[inner], &mut sum[..m * m]);
+        let (half, rest) = (&mut half[..m * m], &mut rest[..m * m]);
         if with_slope {
             multiply(half, displaced, second, m, m);
             multiply(rest, value, integral, m, m);
@@ -222,7 +261,58 @@ impl<T: Number> Coupled<T> {
         for i in 0..m * m {
             value[i] = value[i] * 2.0 + half[i] + rest[i];
         }
-        std::mem::swap(integral, sum);
+        integral.copy_from_slice(sum);
+        // The columns beside the terms are zero.
+        for terms in &mut self.terms {
+            terms.fill(T::of(0.0));
+        }
+    }
+}
+
+/// Bands of N matrices.
+struct Bands<'a, T, const N: usize> {
+    m: usize,
+    /// The number of bands of each.
+    count: usize,
+    by: [&'a [T]; N],
+}
+
+impl<T: Number, const N: usize> Bands<'_, T, N> {
+    /// `Σ A B`, m × m, of matrices A with their columns of zeros. It takes a few rows at a time, as [`combine`] does.
+    #[inline(always)]
+    fn multiply(&self, a: [&[T]; N], out: &mut [T]) {
+        for (j, out) in out.chunks_exact_mut(self.m).enumerate() {
+            let mut row = 0;
+            if T::LANES == 1 {
+                while row + 4 <= self.m {
+                    self.rows::<4>(a, j, row, &mut out[row..row + 4]);
+                    row += 4;
+                }
+            }
+            while row + 2 <= self.m {
+                self.rows::<2>(a, j, row, &mut out[row..row + 2]);
+                row += 2;
+            }
+            if row < self.m {
+                self.rows::<1>(a, j, row, &mut out[row..=row]);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn rows<const R: usize>(&self, a: [&[T]; N], j: usize, row: usize, out: &mut [T]) {
+        let Self { m, count, by } = self;
+        let mut sums = [T::of(0.0); R];
+        for band in 0..*count {
+            for matrix in 0..N {
+                let factor = by[matrix][band * m + j];
+                let column = &a[matrix][(band + j) * m + row..][..R];
+                for r in 0..R {
+                    sums[r] = sums[r] + column[r] * factor;
+                }
+            }
+        }
+        out.copy_from_slice(&sums);
     }
 }
 
@@ -249,8 +339,8 @@ mod tests {
 
     fn of<T: Number>(sizes: &[f64], with_slope: bool) -> Coupled<T> {
         let a: Vec<T> = (0..36).map(|i| T::from_lanes(|lane| block(i, sizes[lane]))).collect();
-        let mut coupled = Coupled::new(vec![0..2, 0..3, 1..3]);
-        coupled.compute(Baseline, &a, 3, 0.5, with_slope);
+        let mut coupled = Coupled::new(3, 1);
+        coupled.compute(Baseline, &a, 0.5, with_slope);
         coupled
     }
 
@@ -282,7 +372,7 @@ mod tests {
             let mut exponential = Exponential::new(6);
             exponential.compute(Baseline, &a, 6, 0.5, true);
             let coupled = of::<f64>(&[size], true);
-            let Coupled { value, integral, second, products: [displaced, pulled, kept], .. } = &coupled;
+            let Parts { value, integral, second, displaced, pulled, kept } = coupled.parts(Baseline);
             let one = |i: usize| f64::from(u8::from(i % 4 == 0));
             let parts: [(&[f64], [usize; 2], &dyn Fn(usize) -> f64); 6] = [
                 (&exponential.transition, [0, 3], &|i| value[i]),

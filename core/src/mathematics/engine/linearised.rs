@@ -3,8 +3,8 @@
 //! Local linearisation is here; Euler's step and that of Runge and Kutta are in `differentiated`.
 
 use super::belief::Belief;
-use super::columns::{add_times, apply, congruence, multiply};
-use super::coupled::Coupled;
+use super::columns::{add_times, apply, combine, congruence, multiply};
+use super::coupled::{Coupled, Parts};
 use super::exponential::Exponential;
 use super::impulse::Impulse;
 use super::level::Level;
@@ -36,7 +36,7 @@ impl<T: Number> Linearised<T> {
     /// Memory for a model.
     pub(crate) fn new(model: &Model) -> Self {
         let (moving, zero) = (model.moving(), T::of(0.0));
-        let coupled = model.coupling().map(Coupled::new);
+        let coupled = model.coupling().map(|[masses, reach]| Coupled::new(masses, reach));
         Self {
             derivatives: Derivatives::new(model),
             rows: vec![zero; moving * model.size],
@@ -118,7 +118,7 @@ impl<T: Number> Linearised<T> {
         let moving = level.moving(model.moving());
         let block = &self.derivatives.columns[..moving * moving];
         if let Some(coupled) = self.coupled.as_mut().filter(|_| moving.is_multiple_of(2)) {
-            coupled.compute(level, block, moving / 2, step.dt, step.has_slope);
+            coupled.compute(level, block, step.dt, step.has_slope);
             level.apart(
                 #[inline(always)]
                 || self.swing_together(level, model, mean, step),
@@ -162,36 +162,41 @@ impl<T: Number> Linearised<T> {
         let Self { derivatives: Derivatives { rate, columns, .. }, rows, effect, coupled, .. } = self;
         let Some(coupled) = coupled else { return };
         let (n, m) = (level.size(model.size), level.moving(model.moving()) / 2);
-        let Coupled { value, integral, second, damping, products: [displaced, pulled, kept], .. } = coupled;
+        let Parts { value, integral, second, displaced, pulled, kept } = coupled.parts(level);
         let (rate, columns, rows) = (&rate[..2 * m], &columns[..2 * m * n], &mut rows[..2 * m * n]);
-        let (effect, begun) = (&mut effect[..2 * m], &mut self.begun[..m]);
+        let (effect, free) = (&mut effect[..2 * m], &mut self.begun[..m]);
 
         // Γ₁ ẏ = [h v + q (a - C v); q K v + h a]
         let (velocity, acceleration) = rate.split_at(m);
-        apply(
-            begun,
-            damping,
+        combine(
+            free,
+            &columns[2 * m * m..],
+            [2 * m, m],
             m,
             #[inline(always)]
             |l| velocity[l],
         );
         for i in 0..m {
-            begun[i] = acceleration[i] - begun[i];
+            free[i] = acceleration[i] - free[i];
         }
-        let (displacements, velocities) = effect.split_at_mut(m);
-        let products: [(&mut [T], &[T], &[T], &[T], &[T]); 2] =
-            [(displacements, value, velocity, integral, begun), (velocities, displaced, velocity, value, acceleration)];
-        for (out, a, x, b, y) in products {
-            apply(
-                out,
-                a,
-                m,
-                #[inline(always)]
-                |l| x[l],
-            );
-            for l in 0..m {
-                add_times(out, y[l], &b[l * m..(l + 1) * m]);
-            }
+        let (x, v) = effect.split_at_mut(m);
+        apply(
+            x,
+            value,
+            m,
+            #[inline(always)]
+            |l| velocity[l],
+        );
+        apply(
+            v,
+            displaced,
+            m,
+            #[inline(always)]
+            |l| velocity[l],
+        );
+        for l in 0..m {
+            add_times(x, free[l], &integral[l * m..(l + 1) * m]);
+            add_times(v, acceleration[l], &value[l * m..(l + 1) * m]);
         }
         for i in 0..2 * m {
             mean[i] = mean[i] + effect[i];

@@ -1,7 +1,5 @@
 //! The plant of an equation that a user types: lists of operations.
 
-use std::ops::Range;
-
 use super::Equation;
 use crate::mathematics::engine::list::List;
 use crate::mathematics::engine::number::Real;
@@ -31,15 +29,14 @@ impl PartialEq for Typed {
 impl Eq for Typed {}
 
 impl Typed {
-    /// [`Plant::coupling`](super::Plant::coupling)
-    pub fn coupling(&self) -> Vec<Range<usize>> {
+    /// The largest distance of two masses that act on each other.
+    pub fn reach(&self) -> usize {
         let Self { motion, masses, jacobian, .. } = self;
-        let of = |mass: usize| {
-            let is_own = |place: &usize| place / motion % masses == mass && place / motion < *motion;
-            let rows = || jacobian.places().filter(is_own).filter_map(|place| (place % motion).checked_sub(*masses));
-            rows().min().unwrap_or(mass)..rows().max().unwrap_or(mass) + 1
+        let of = |place: usize| {
+            let (row, column) = (place % motion, place / motion);
+            (row >= *masses && column < *motion).then(|| (row % masses).abs_diff(column % masses))
         };
-        (0..*masses).map(of).collect()
+        jacobian.places().filter_map(of).max().unwrap_or(0)
     }
 
     /// The rates, and their derivatives by the components, column by column, with `rows` numbers a column.
