@@ -21,7 +21,7 @@ use target::Target;
 
 pub use solutions::Solutions;
 
-/// The points that are run in one piece of work.
+/// The points that one thread runs in a piece of work, which it has for itself outside a browser.
 const PIECE: usize = 16;
 
 /// Limits the points, and the samples that all of them go over between two temperatures, about.
@@ -86,11 +86,12 @@ impl Task for Posterior {
 
     fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
         let Self { target, population, wanted, known, runs } = self;
+        let count = PIECE * target.threads();
         loop {
             if wanted.is_empty() {
                 return true;
             }
-            let piece = &wanted[known.len()..(known.len() + PIECE).min(wanted.len())];
+            let piece = &wanted[known.len()..(known.len() + count).min(wanted.len())];
             *runs += piece.len() as u64;
             known.extend(target.log_likelihoods(piece));
             if known.len() == wanted.len() {

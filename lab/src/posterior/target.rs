@@ -1,11 +1,14 @@
 //! The likelihood of parameters that a filter takes for known.
 
+use std::num::NonZero;
+use std::panic::resume_unwind;
 use std::sync::Arc;
+use std::thread;
 
 use kalmanscope_core::filter::{Adaptation, Robust};
 use kalmanscope_core::{Channel, FilterKind, FilterSettings, Pass, Record, Scenario};
 
-use super::{NoPosterior, parameters};
+use super::{NoPosterior, PIECE, parameters};
 use crate::{CellRun, outcomes_of};
 
 /// A filter that takes its parameters for known, over a record.
@@ -71,8 +74,34 @@ impl Target {
         values
     }
 
-    /// ln p(z | θ) at some points; -∞ where the filter cannot run.
+    /// The threads that share the points, one a processor; a browser has one.
+    pub(super) fn threads(&self) -> usize {
+        if cfg!(target_family = "wasm") { 1 } else { thread::available_parallelism().map_or(1, NonZero::get) }
+    }
+
+    /// ln p(z | θ) at some points, on this thread and others for [`PIECE`] points each; -∞ where the filter cannot run.
     pub(super) fn log_likelihoods(&self, points: &[Vec<f64>]) -> Vec<f64> {
+        let (own, others) = points.split_at(points.len().min(PIECE));
+        if others.is_empty() {
+            return self.piece(own);
+        }
+        thread::scope(|scope| {
+            let begin =
+                |piece| thread::Builder::new().spawn_scoped(scope, move || self.piece(piece)).map_err(|_| piece);
+            let begun: Vec<_> = others.chunks(PIECE).map(begin).collect();
+            let mut all = self.piece(own);
+            for other in begun {
+                all.extend(match other {
+                    Ok(thread) => thread.join().unwrap_or_else(|panic| resume_unwind(panic)),
+                    // The system gives no thread.
+                    Err(piece) => self.piece(piece),
+                });
+            }
+            all
+        })
+    }
+
+    fn piece(&self, points: &[Vec<f64>]) -> Vec<f64> {
         let run = |point: &Vec<f64>| {
             let mut scenario = self.scenario.clone();
             for (&channel, value) in self.channels.iter().zip(self.at(point)) {

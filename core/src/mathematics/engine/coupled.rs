@@ -373,23 +373,24 @@ mod tests {
             exponential.compute(Baseline, &a, 6, 0.5, true);
             let coupled = of::<f64>(&[size], true);
             let Parts { value, integral, second, displaced, pulled, kept } = coupled.parts(Baseline);
-            let one = |i: usize| f64::from(u8::from(i % 4 == 0));
-            let parts: [(&[f64], [usize; 2], &dyn Fn(usize) -> f64); 6] = [
-                (&exponential.transition, [0, 3], &|i| value[i]),
-                (&exponential.transition, [0, 0], &|i| displaced[i] + one(i)),
-                (&exponential.transition, [3, 0], &|i| pulled[i]),
-                (&exponential.transition, [3, 3], &|i| kept[i] + one(i)),
-                (&exponential.constant, [0, 3], &|i| integral[i]),
-                (&exponential.slope, [0, 3], &|i| second[i]),
-            ];
-            for (place, (whole, [row, column], part)) in parts.into_iter().enumerate() {
-                let of_whole = |i: usize| whole[(column + i / 3) * 6 + row + i % 3];
-                let largest = (0..9).map(|i| of_whole(i).abs()).fold(0.0, f64::max);
-                let error = (0..9).map(|i| (of_whole(i) - part(i)).abs()).fold(0.0, f64::max) / largest;
+            let whole = |matrix: &[f64]| {
+                matrix.iter().enumerate().map(|(i, x)| x + f64::from(u8::from(i.is_multiple_of(4)))).collect()
+            };
+            let (displaced, kept): (Vec<f64>, Vec<f64>) = (whole(displaced), whole(kept));
+            let check = |place: &str, matrix: &[f64], [row, column]: [usize; 2], part: &[f64]| {
+                let of_matrix = |i: usize| matrix[(column + i / 3) * 6 + row + i % 3];
+                let largest = (0..9).map(|i| of_matrix(i).abs()).fold(0.0, f64::max);
+                let error = (0..9).map(|i| (of_matrix(i) - part[i]).abs()).fold(0.0, f64::max) / largest;
                 // Each doubling of a step doubles its rounding, in both.
                 let limit = if size > 10.0 { 1e-9 } else { 1e-13 };
-                assert!(error < limit, "{size}: part {place}: {error:e}");
-            }
+                assert!(error < limit, "{size}: {place}: {error:e}");
+            };
+            check("x by v", &exponential.transition, [0, 3], value);
+            check("x by x", &exponential.transition, [0, 0], &displaced);
+            check("v by x", &exponential.transition, [3, 0], pulled);
+            check("v by v", &exponential.transition, [3, 3], &kept);
+            check("x by a constant", &exponential.constant, [0, 3], integral);
+            check("x by a slope", &exponential.slope, [0, 3], second);
         }
     }
 }
