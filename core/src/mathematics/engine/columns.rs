@@ -92,7 +92,9 @@ fn combine_rows<T: Number, const R: usize>(
 }
 
 /// `out = A B` with A of `rows` rows and k columns.
-#[inline(always)]
+// A page has this once, to be smaller.
+#[cfg_attr(target_arch = "wasm32", inline(never))]
+#[cfg_attr(not(target_arch = "wasm32"), inline(always))]
 pub(crate) fn multiply<T: Number>(out: &mut [T], a: &[T], b: &[T], rows: usize, k: usize) {
     for (out, b) in out.chunks_exact_mut(rows).zip(b.chunks_exact(k)) {
         apply(
@@ -125,7 +127,9 @@ pub(crate) fn norm<T: Number>(a: &[T], n: usize) -> T {
 /// ```text
 /// Φ = [T; 0 I],  Φ P Φᵀ = [T P Tᵀ, ·; (T P)ᵀ, P]
 /// ```
-#[inline(always)]
+// A page has this once, to be smaller.
+#[cfg_attr(target_arch = "wasm32", inline(never))]
+#[cfg_attr(not(target_arch = "wasm32"), inline(always))]
 pub(crate) fn congruence<T: Number>(rows: &[T], cov: &mut [T], half: &mut [T], n: usize, motion: usize) {
     if T::LANES == 1 && motion >= LONG {
         long_congruence(rows, cov, half, n, motion);

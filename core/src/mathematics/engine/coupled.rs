@@ -279,7 +279,9 @@ struct Bands<'a, T, const N: usize> {
 
 impl<T: Number, const N: usize> Bands<'_, T, N> {
     /// `Σ A B`, m × m, of matrices A with their columns of zeros. It takes a few rows at a time, as [`combine`] does.
-    #[inline(always)]
+    // A page has this once for each N, to be smaller.
+    #[cfg_attr(target_arch = "wasm32", inline(never))]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn multiply(&self, a: [&[T]; N], out: &mut [T]) {
         for (j, out) in out.chunks_exact_mut(self.m).enumerate() {
             let mut row = 0;
