@@ -21,7 +21,7 @@ use target::Target;
 
 pub use solutions::Solutions;
 
-/// The points that one thread runs in a piece of work, which it has for itself outside a browser.
+/// The points of a thread in a piece of work.
 const PIECE: usize = 16;
 
 /// Limits the points, and the samples that all of them go over between two temperatures, about.
@@ -86,7 +86,7 @@ impl Task for Posterior {
 
     fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
         let Self { target, population, wanted, known, runs } = self;
-        let count = PIECE * target.threads();
+        let count = PIECE * target.threads;
         loop {
             if wanted.is_empty() {
                 return true;

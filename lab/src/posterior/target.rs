@@ -20,6 +20,8 @@ pub(super) struct Target {
     belief: Vec<[f64; 2]>,
     /// Whether the belief is one of logarithms.
     of_logarithms: bool,
+    /// The threads that share points, one a processor; a browser has one.
+    pub(super) threads: usize,
 }
 
 impl Target {
@@ -47,7 +49,9 @@ impl Target {
         let scenario = Scenario { filters: vec![filter], ..scenario.clone() };
         Pass::new(&scenario, 0, record)?;
         let record = Arc::new(record.clone().without_truth());
-        Ok(Self { scenario, record, channels, belief, of_logarithms })
+        let count = || thread::available_parallelism().map_or(1, NonZero::get);
+        let threads = if cfg!(target_family = "wasm") { 1 } else { count() };
+        Ok(Self { scenario, record, channels, belief, of_logarithms, threads })
     }
 
     /// The parameters.
@@ -74,21 +78,17 @@ impl Target {
         values
     }
 
-    /// The threads that share the points, one a processor; a browser has one.
-    pub(super) fn threads(&self) -> usize {
-        if cfg!(target_family = "wasm") { 1 } else { thread::available_parallelism().map_or(1, NonZero::get) }
-    }
-
-    /// ln p(z | θ) at some points, on this thread and others for [`PIECE`] points each; -∞ where the filter cannot run.
+    /// ln p(z | θ) at some points, which threads share; -∞ where the filter cannot run.
     pub(super) fn log_likelihoods(&self, points: &[Vec<f64>]) -> Vec<f64> {
-        let (own, others) = points.split_at(points.len().min(PIECE));
+        let each = points.len().div_ceil(self.threads).max(PIECE);
+        let (own, others) = points.split_at(points.len().min(each));
         if others.is_empty() {
             return self.piece(own);
         }
         thread::scope(|scope| {
             let begin =
                 |piece| thread::Builder::new().spawn_scoped(scope, move || self.piece(piece)).map_err(|_| piece);
-            let begun: Vec<_> = others.chunks(PIECE).map(begin).collect();
+            let begun: Vec<_> = others.chunks(each).map(begin).collect();
             let mut all = self.piece(own);
             for other in begun {
                 all.extend(match other {

@@ -154,13 +154,16 @@ fn equal_arguments_give_equal_points_however_the_work_is_divided() {
     let scenario = Scenario { duration: 2.0, ..scenario(PlantKind::SDOF, FilterKind::EKF, 7) };
     let record = simulate(&scenario);
     let mut task = Posterior::new(&scenario, 0, &record).unwrap();
+    task.target.threads = 3;
     let mut shares = vec![task.progress()];
     while !task.advance(&mut || false) {
         shares.push(task.progress());
     }
     assert!(shares.is_sorted() && shares.len() > 100, "{shares:?}");
     assert_eq!(shares[0], 0.0);
-    assert_eq!(task.finish(), Posterior::new(&scenario, 0, &record).unwrap().run());
+    let mut alone = Posterior::new(&scenario, 0, &record).unwrap();
+    alone.target.threads = 1;
+    assert_eq!(task.finish(), alone.run());
 }
 
 #[test]
