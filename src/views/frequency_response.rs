@@ -106,14 +106,15 @@ impl<'a> Drawn<'a> {
         let visible = context.visible;
         let of_filter = |(believed, estimates): (&Option<Arc<Believed>>, &Estimates)| {
             let Believed { mean, band } = believed.as_deref()?;
-            let band = band.as_ref().filter(|_| visible.bands).map(|(low, high)| [logarithms(low), logarithms(high)]);
+            let band = band.as_ref().filter(|_| visible.bands);
+            let band = band.and_then(|(low, high)| Some([logarithms(low)?, logarithms(high)?]));
             let color = context.palette.shade(estimates.color());
-            Some(Filter { color, mean: logarithms(mean), band })
+            Some(Filter { color, mean: logarithms(mean)?, band })
         };
         Self {
             curves,
-            frequencies: logarithms(&curves.frequencies),
-            truth: curves.truth.as_ref().filter(|_| visible.truth).map(|truth| logarithms(truth)),
+            frequencies: curves.frequencies.iter().map(|w| w.log10()).collect(),
+            truth: curves.truth.as_ref().filter(|_| visible.truth).and_then(|truth| logarithms(truth)),
             filters: curves.filters.iter().zip(context.session.run().estimates()).filter_map(of_filter).collect(),
         }
     }
@@ -195,9 +196,10 @@ impl<'a> Drawn<'a> {
     }
 }
 
-/// Logarithms to the base of ten, all finite so that they can be drawn.
-fn logarithms(values: &[f64]) -> Vec<f64> {
-    values.iter().map(|x| x.log10().clamp(-BOUNDLESS, BOUNDLESS)).collect()
+/// Logarithms to the base of ten, all finite so that they can be drawn; `None` if a value overflowed on the way and is no number.
+fn logarithms(values: &[f64]) -> Option<Vec<f64>> {
+    let logarithm = |x: &f64| (!x.is_nan()).then(|| x.log10().clamp(-BOUNDLESS, BOUNDLESS));
+    values.iter().map(logarithm).collect()
 }
 
 impl Curves {

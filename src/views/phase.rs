@@ -52,7 +52,8 @@ impl View for Phase {
         let begin = last.saturating_sub((3.0 * TAIL / record.dt()) as usize);
         let past = || (begin..last + 1).step_by(((last - begin) / 600).max(1));
         let reach = |channel: Channel| match record.truth(channel) {
-            Some(truth) => around(past().map(|k| truth[k])),
+            // A simulation that overflows at once has no sample.
+            Some(truth) => around(past().filter_map(|k| truth.get(k).copied())),
             None => {
                 around(paths.iter().flat_map(|(path, ..)| path).map(|p| p[usize::from(channel == Channel::VELOCITY)]))
             }

@@ -79,6 +79,21 @@ fn a_stopped_filter_says_so_and_the_rest_goes_on() {
 }
 
 #[test]
+fn a_simulation_without_a_sample_leaves_every_view_standing() {
+    let mut screen = workbench();
+    let mut endless = Scenario { force: Force::ImpulseTrain { impulse: -1e308, period: 0.5 }, ..Scenario::default() };
+    endless.filters.clear();
+    let session = screen.state_mut().session_mut();
+    session.set_scenario(endless);
+    session.set_mode(Mode::Whole);
+    for kind in ViewKind::ALL {
+        *screen.state_mut().layout_mut() = Layout::column(&[kind]);
+        screen.run_steps(3);
+        assert!(screen.query_by_label(&format!("About {}", view(kind).name())).is_some(), "{kind:?}");
+    }
+}
+
+#[test]
 fn a_third_view_leaves_the_oscillator_its_height_on_a_phone() {
     let picture = "The oscillator: springs, dampers and masses, with each filter's estimate of the displacement";
     for size in [PHONE, Vec2::new(844.0, 390.0)] {

@@ -11,7 +11,7 @@ use crate::clock::{Elapsed, Moment};
 /// Limits the processor time of one stage, in an explorer without optimisation, which takes at least twice as long as a release
 /// \[ms\]: of one that a screen cannot interrupt, such as a frame, and of one that is divided on a screen, such as a run or the
 /// search for remedies.
-const FREEZE: [f64; 2] = [2000.0, 40_000.0];
+const FREEZE: [f64; 2] = [2000.0, 20_000.0];
 
 /// The stages that a screen divides into slices of time.
 const DIVIDED: [&str; 8] = [

@@ -4,7 +4,7 @@
 //! number, lanes, dual      the numbers that equations are written for
 //! plants, model            how a state moves, and what sensors read
 //! design, filter           predict and update
-//!   linearised             the prediction of KF and EKF        (exponential, impulse, differentiated)
+//!   linearised             the prediction of KF and EKF        (impulse, coupled, exponential, differentiated)
 //!   sigma_points           the prediction of UKF and CKF       (runge_kutta)
 //!   square_root            the SR-UKF                          (triangle)
 //!   expected, update       the measurements, and the belief after them
@@ -29,6 +29,7 @@
 pub(crate) mod belief;
 pub(crate) mod builder;
 pub(crate) mod columns;
+mod coupled;
 pub(crate) mod course;
 pub(crate) mod design;
 mod differentiated;

@@ -22,15 +22,13 @@ pub const INVERSE_FACTORIAL: [f64; 18] = {
     table
 };
 
-/// The number of times that a step must be halved until `size`, a norm of `A dt`, is at most one half.
+/// The number of times that a step must be halved until `size`, a norm of `A dt`, is at most one half; zero for one that is
+/// NaN or has [no number](LARGEST).
 #[doc(hidden)]
 pub fn doublings(size: f64) -> u32 {
-    if size <= 0.5 {
-        0
-    } else if size < 1e300 {
-        libm::ceil(libm::log2(2.0 * size)) as u32
-    } else {
-        // Zero doublings let the series overflow, which callers detect; a step halved to zero would hide the error.
-        0
-    }
+    if size > 0.5 && size < LARGEST { libm::ceil(libm::log2(2.0 * size)) as u32 } else { 0 }
 }
+
+/// Limits the size of a step that is halved. Rounding has left no digit of a longer one, and without halving six of its terms
+/// overflow, which callers detect.
+pub(crate) const LARGEST: f64 = 1e60;

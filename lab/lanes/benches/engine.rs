@@ -2,7 +2,7 @@
 //! one run.
 //!
 //! ```text
-//! cargo bench -p kalmanscope-lanes --bench engine
+//! cargo bench -p kalmanscope-lanes --bench engine -- [PART OF A CASE'S NAME]
 //! ```
 //!
 //! Measurements take turns, and the least of many counts: whatever else the machine does only adds.
@@ -40,6 +40,7 @@ fn main() {
             (PlantKind::SHEAR_5, &[], Hold::Zero),
             (PlantKind::SHEAR_5, &[], Hold::First),
             (PlantKind::SHEAR_10, &[], Hold::Zero),
+            (PlantKind::SHEAR_10, &[], Hold::First),
         ] {
             measure(kind, plant, augment, hold, "", |_| ());
         }
@@ -55,6 +56,19 @@ fn main() {
             measure(kind, plant, augment, hold, "jumps", |settings| settings.jump = true);
             measure(kind, plant, augment, hold, "logarithms", |settings| settings.log_parameters = true);
         }
+    }
+    measured_record();
+}
+
+/// The part of a case's name that the command line asks for.
+fn wanted() -> String {
+    std::env::args().skip(1).find(|argument| !argument.starts_with('-')).unwrap_or_default()
+}
+
+/// Prints the times of maps of a measured record and of simulated ones.
+fn measured_record() {
+    if !"map".contains(&wanted()) {
+        return;
     }
     let file = |path: &str| std::fs::read(format!("{}/../../assets/{path}", env!("CARGO_MANIFEST_DIR")));
     let text = file("scenarios/circuit.toml").expect("the scenario is there");
@@ -102,6 +116,12 @@ fn measure(
     what: &str,
     change: impl Fn(&mut FilterSettings),
 ) {
+    let n = plant.channels().len() + augment.len();
+    let keys: Vec<&str> = augment.iter().map(|channel| channel.key()).collect();
+    let case = format!("{} {} {:?} {} {what}", kind.name(), plant.key(), hold, keys.join(" "));
+    if !case.contains(&wanted()) {
+        return;
+    }
     let mut base = Scenario { duration: (SAMPLES - 1) as f64 * 0.01, hold, ..Scenario::default() };
     base.filters.truncate(1);
     base.filters[0].kind = kind;
@@ -122,9 +142,6 @@ fn measure(
         }
     }
     let [single, baseline, avx2] = least.map(|time| time / SAMPLES as f64);
-    let augment: Vec<&str> = augment.iter().map(|channel| channel.key()).collect();
-    let case = format!("{} {} {:?} {} {what}", kind.name(), plant.key(), hold, augment.join(" "));
-    let n = plant.channels().len() + augment.len();
     if !is_served {
         println!("{case:<44}{n:>5}{single:>10.0}{:>28}", "by itself");
         return;

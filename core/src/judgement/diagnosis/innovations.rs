@@ -115,7 +115,8 @@ impl SensorInnovations {
     pub(crate) fn autocorrelation(&self, chosen: &Chosen) -> [f64; LAGS - 1] {
         let product = |lag: usize| parts::sum(chosen, |part| self.by_part[part].products[lag]);
         let square = product(0);
-        std::array::from_fn(|i| if square > 0.0 { product(i + 1) / square } else { 0.0 })
+        // The samples before a part may be larger than all in it.
+        std::array::from_fn(|i| if square > 0.0 { (product(i + 1) / square).clamp(-1.0, 1.0) } else { 0.0 })
     }
 
     /// The correlation of ν with the input at each lag over some parts; zeros without an input.
@@ -124,7 +125,8 @@ impl SensorInnovations {
         let input = parts::sum(chosen, |part| self.by_part[part].input_square);
         let scale = (square * input).sqrt();
         std::array::from_fn(|lag| {
-            if scale > 0.0 { parts::sum(chosen, |part| self.by_part[part].cross[lag]) / scale } else { 0.0 }
+            let product = || parts::sum(chosen, |part| self.by_part[part].cross[lag]);
+            if scale > 0.0 { (product() / scale).clamp(-1.0, 1.0) } else { 0.0 }
         })
     }
 }
@@ -141,4 +143,28 @@ fn limited_input(record: &Record, samples: &Range<usize>) -> Vec<f64> {
     let mean = input.iter().sum::<f64>() / count;
     let rms = (input.iter().map(|f| (f - mean) * (f - mean)).sum::<f64>() / count).sqrt();
     input.iter().map(|f| (f - mean).clamp(-LARGEST * rms, LARGEST * rms)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::judgement::diagnosis::parts::ALL;
+
+    #[test]
+    fn a_part_after_a_much_louder_one_is_correlated_by_one_at_most() {
+        // ν = 5 in the first part and 1e-40 in the others, with an input of the same kind.
+        let mut by_part = [Sums::default(); PARTS];
+        for (part, sums) in by_part.iter_mut().enumerate() {
+            let (size, before) = if part == 0 { (5.0, 5.0) } else { (1e-40, if part == 1 { 5.0 } else { 1e-40 }) };
+            sums.products = [size * before; LAGS];
+            sums.products[0] = size * size;
+            (sums.cross, sums.input_square) = ([-size * before; CROSS_LAGS], size * size);
+        }
+        let quiet = std::array::from_fn(|part| part > 0);
+        let innovations = SensorInnovations::new(Quantity::DISPLACEMENT, by_part);
+        for chosen in [ALL, quiet] {
+            assert!(innovations.autocorrelation(&chosen).iter().all(|r| (r - 1.0).abs() < 1e-12));
+            assert!(innovations.cross_correlation(&chosen).iter().all(|r| (r + 1.0).abs() < 1e-12));
+        }
+    }
 }

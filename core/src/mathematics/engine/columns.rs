@@ -28,6 +28,9 @@ pub(crate) fn entry<T: Copy>(a: &[T], n: usize, i: usize, j: usize) -> T {
     if i >= j { a[j * n + i] } else { a[i * n + j] }
 }
 
+/// The rows from which on a lone run mirrors its covariance first, and then takes several numbers of a column at a time.
+const LONG: usize = 7;
+
 /// Makes an n × n matrix symmetric to the last bit, from its lower triangle.
 #[inline(always)]
 pub(crate) fn mirror<T: Copy, L: Level>(level: L, a: &mut [T], n: usize) {
@@ -43,76 +46,56 @@ pub(crate) fn mirror<T: Copy, L: Level>(level: L, a: &mut [T], n: usize) {
     );
 }
 
-/// `out = A x`, with as many rows of A as numbers in `out`, and a function for the k numbers of x. It takes two rows at
-/// a time, so that their sums stay in registers.
+/// `out = A x`, with as many rows of A as numbers in `out`, and a function for the k numbers of x.
 #[inline(always)]
 pub(crate) fn apply<T: Number>(out: &mut [T], a: &[T], k: usize, x: impl Fn(usize) -> T) {
-    let rows = out.len();
-    let mut i = 0;
-    while i + 1 < rows {
-        let factor = x(0);
-        let mut sums = [a[i] * factor, a[i + 1] * factor];
-        for l in 1..k {
-            let factor = x(l);
-            let column = &a[l * rows..(l + 1) * rows];
-            sums = [sums[0] + column[i] * factor, sums[1] + column[i + 1] * factor];
+    combine(out, a, [out.len(), 0], k, x);
+}
+
+/// `out = Σ aₗ xₗ` of the first k columns of `rows` numbers, of each from row `first` on. It takes a few rows at a time, so that
+/// their sums stay in registers: two in lanes, four of a lone run.
+#[inline(always)]
+pub(super) fn combine<T: Number>(out: &mut [T], a: &[T], [rows, first]: [usize; 2], k: usize, x: impl Fn(usize) -> T) {
+    let mut done = 0;
+    if T::LANES == 1 {
+        while done + 4 <= out.len() {
+            combine_rows::<T, 4>(&mut out[done..done + 4], a, [rows, first + done], k, &x);
+            done += 4;
         }
-        out[i..i + 2].copy_from_slice(&sums);
-        i += 2;
     }
-    if i < rows {
-        let mut sum = a[i] * x(0);
-        for l in 1..k {
-            sum = sum + a[l * rows + i] * x(l);
-        }
-        out[i] = sum;
+    while done + 2 <= out.len() {
+        combine_rows::<T, 2>(&mut out[done..done + 2], a, [rows, first + done], k, &x);
+        done += 2;
+    }
+    if done < out.len() {
+        combine_rows::<T, 1>(&mut out[done..=done], a, [rows, first + done], k, &x);
     }
 }
 
-/// The rows from which on the columns of a lone run are summed one after the other, several numbers at a time: shorter ones take
-/// longer so.
-const LONG: usize = 7;
-
-/// `out = Σ Aₗ xₗ` over the k columns of A, from row `first` on, four columns at a time; the sums are those of [`apply`].
 #[inline(always)]
-fn add_columns<T: Number>(out: &mut [T], a: &[T], rows: usize, first: usize, k: usize, x: impl Fn(usize) -> T) {
-    let column = |l: usize| &a[l * rows + first..(l + 1) * rows];
-    let out = &mut out[first..rows];
-    let factor = x(0);
-    for (out, a) in out.iter_mut().zip(column(0)) {
-        *out = *a * factor;
-    }
-    let mut l = 1;
-    while l + 4 <= k {
-        let factors = [x(l), x(l + 1), x(l + 2), x(l + 3)];
-        let [a, b, c, d] = [column(l), column(l + 1), column(l + 2), column(l + 3)];
-        for i in 0..out.len() {
-            out[i] = out[i] + a[i] * factors[0] + b[i] * factors[1] + c[i] * factors[2] + d[i] * factors[3];
+fn combine_rows<T: Number, const R: usize>(
+    out: &mut [T],
+    a: &[T],
+    [rows, first]: [usize; 2],
+    k: usize,
+    x: &impl Fn(usize) -> T,
+) {
+    let mut sums = [x(0); R];
+    for (l, column) in a.chunks_exact(rows).take(k).enumerate() {
+        // The bounds are the same for all columns.
+        let (column, factor) = (&column[first..first + R], x(l));
+        for r in 0..R {
+            sums[r] = if l == 0 { column[r] * factor } else { sums[r] + column[r] * factor };
         }
-        l += 4;
     }
-    for l in l..k {
-        add_times(out, x(l), column(l));
-    }
+    out.copy_from_slice(&sums);
 }
 
 /// `out = A B` with A of `rows` rows and k columns.
-#[inline(always)]
+// A page has this once, to be smaller.
+#[cfg_attr(target_arch = "wasm32", inline(never))]
+#[cfg_attr(not(target_arch = "wasm32"), inline(always))]
 pub(crate) fn multiply<T: Number>(out: &mut [T], a: &[T], b: &[T], rows: usize, k: usize) {
-    if T::LANES == 1 && rows >= LONG {
-        for (out, b) in out.chunks_exact_mut(rows).zip(b.chunks_exact(k)) {
-            add_columns(
-                out,
-                a,
-                rows,
-                0,
-                k,
-                #[inline(always)]
-                |l| b[l],
-            );
-        }
-        return;
-    }
     for (out, b) in out.chunks_exact_mut(rows).zip(b.chunks_exact(k)) {
         apply(
             out,
@@ -144,7 +127,9 @@ pub(crate) fn norm<T: Number>(a: &[T], n: usize) -> T {
 /// ```text
 /// Φ = [T; 0 I],  Φ P Φᵀ = [T P Tᵀ, ·; (T P)ᵀ, P]
 /// ```
-#[inline(always)]
+// A page has this once, to be smaller.
+#[cfg_attr(target_arch = "wasm32", inline(never))]
+#[cfg_attr(not(target_arch = "wasm32"), inline(always))]
 pub(crate) fn congruence<T: Number>(rows: &[T], cov: &mut [T], half: &mut [T], n: usize, motion: usize) {
     if T::LANES == 1 && motion >= LONG {
         long_congruence(rows, cov, half, n, motion);
@@ -180,11 +165,10 @@ fn long_congruence<T: Number>(rows: &[T], cov: &mut [T], half: &mut [T], n: usiz
     multiply(half, rows, cov, motion, n);
     for j in 0..motion {
         let column = &mut cov[j * n..(j + 1) * n];
-        add_columns(
-            column,
+        combine(
+            &mut column[j..motion],
             half,
-            motion,
-            j,
+            [motion, j],
             n,
             #[inline(always)]
             |k| rows[k * motion + j],

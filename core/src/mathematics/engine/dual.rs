@@ -8,9 +8,9 @@ use super::number::{Number, Real};
 /// A number and its derivatives by K others. `on` marks those that may be other than zero: after inlining an equation
 /// the compiler knows `on`, and leaves out the operations with zeros.
 #[derive(Clone, Copy, Debug)]
-pub struct Dual<T, const K: usize> {
+pub(crate) struct Dual<T, const K: usize> {
     /// The number.
-    pub value: T,
+    pub(crate) value: T,
     part: [T; K],
     on: [bool; K],
 }
@@ -18,13 +18,13 @@ pub struct Dual<T, const K: usize> {
 impl<T: Number, const K: usize> Dual<T, K> {
     /// A number that depends on none of the others.
     #[inline(always)]
-    pub fn constant(value: T) -> Self {
+    pub(crate) fn constant(value: T) -> Self {
         Self { value, part: [value; K], on: [false; K] }
     }
 
     /// The variable at place `k`, or a constant if there is none.
     #[inline(always)]
-    pub fn variable(value: T, k: usize) -> Self {
+    pub(crate) fn variable(value: T, k: usize) -> Self {
         let mut dual = Self::constant(value);
         if k < K {
             (dual.part[k], dual.on[k]) = (T::of(1.0), true);
@@ -34,7 +34,7 @@ impl<T: Number, const K: usize> Dual<T, K> {
 
     /// The derivative by the other at place `k`.
     #[inline(always)]
-    pub fn derivative(&self, k: usize) -> T {
+    pub(crate) fn derivative(&self, k: usize) -> T {
         if self.on[k] { self.part[k] } else { T::of(0.0) }
     }
 }

@@ -6,16 +6,16 @@
 use super::columns::{multiply, norm};
 use super::level::Level;
 use super::number::Number;
-use crate::mathematics::integrate::INVERSE_FACTORIAL;
+use crate::mathematics::integrate::{INVERSE_FACTORIAL, LARGEST};
 
 /// The classes of a size: up to each limit, then one more for each doubling of the last one.
 pub(super) struct Classes<const N: usize>(pub(super) [f64; N]);
 
 impl<const N: usize> Classes<N> {
-    /// The sizes, with zero in place of NaN and of sizes that would overflow: these are of the first class.
+    /// The sizes, with zero in place of NaN and of sizes [without a number](LARGEST): these are of the first class.
     #[inline(always)]
     pub(super) fn counted<T: Number>(size: T) -> T {
-        T::select(size.lt(T::of(1e300)), size, T::of(0.0))
+        T::select(size.lt(T::of(LARGEST)), size, T::of(0.0))
     }
 
     /// The next class after one that any lane has, or the first one.
@@ -32,7 +32,9 @@ impl<const N: usize> Classes<N> {
 
     /// The class of a size.
     fn of(&self, size: f64) -> usize {
-        let mut class = 0;
+        // One doubling less than the quotient says, as it is rounded.
+        let doublings = libm::ilogb(size / self.0[N - 1]).max(1) - 1;
+        let mut class = if doublings > 0 { N - 1 + doublings as usize } else { 0 };
         while self.upper(class) < size {
             class += 1;
         }
@@ -42,7 +44,7 @@ impl<const N: usize> Classes<N> {
     /// The largest size of a class.
     #[inline(always)]
     pub(super) fn upper(&self, class: usize) -> f64 {
-        self.0[class.min(N - 1)] * libm::exp2(Self::doublings(class) as f64)
+        libm::scalbn(self.0[class.min(N - 1)], Self::doublings(class) as i32)
     }
 
     /// The number of times that the step of a class is halved.
@@ -209,8 +211,8 @@ mod tests {
     use crate::mathematics::integrate::exponential_integrals;
     use crate::mathematics::linalg::Matrix;
 
-    /// Sizes of steps of every class, including NaN.
-    const SIZES: [f64; 8] = [1e-3, 3.0, 0.2, 0.4, 1e-6, f64::NAN, 40.0, 1e305];
+    /// Sizes of steps of every class, of NaN and of one that has no number.
+    const SIZES: [f64; 8] = [1e-3, 3.0, 0.2, 0.4, 1e-6, f64::NAN, 40.0, 1e61];
 
     /// The rates of two oscillators that pull on each other, this much faster.
     fn block(i: usize, size: f64) -> f64 {
@@ -236,6 +238,7 @@ mod tests {
                     for (lanes, single) in lanes.iter().zip(single) {
                         let same = lanes.lane(lane).to_bits() == single.to_bits();
                         assert!(same || (lanes.lane(lane).is_nan() && single.is_nan()), "{size}");
+                        assert!(single.is_finite() == (size < 100.0), "{size}: {single}");
                     }
                 }
             }

@@ -3,7 +3,8 @@
 //! Local linearisation is here; Euler's step and that of Runge and Kutta are in `differentiated`.
 
 use super::belief::Belief;
-use super::columns::{add_times, apply, congruence, multiply};
+use super::columns::{add_times, apply, combine, congruence, multiply};
+use super::coupled::{Coupled, Parts};
 use super::exponential::Exponential;
 use super::impulse::Impulse;
 use super::level::Level;
@@ -23,6 +24,8 @@ pub(crate) struct Linearised<T> {
     /// The effect of a constant input, or of a slope.
     effect: Vec<T>,
     exponential: Exponential<T>,
+    /// Takes the place of the exponential where masses are coupled.
+    coupled: Option<Coupled<T>>,
     /// The state that a step began with, a stage of it, and the derivative of the stage before.
     pub(super) begun: Vec<T>,
     pub(super) stage: Vec<T>,
@@ -33,12 +36,14 @@ impl<T: Number> Linearised<T> {
     /// Memory for a model.
     pub(crate) fn new(model: &Model) -> Self {
         let (moving, zero) = (model.moving(), T::of(0.0));
+        let coupled = model.coupling().map(|[masses, reach]| Coupled::new(masses, reach));
         Self {
             derivatives: Derivatives::new(model),
             rows: vec![zero; moving * model.size],
             half: vec![zero; moving * model.size],
             effect: vec![zero; moving],
-            exponential: Exponential::new(if model.is_oscillator() { 0 } else { moving }),
+            exponential: Exponential::new(if model.is_oscillator() || coupled.is_some() { 0 } else { moving }),
+            coupled,
             begun: vec![zero; model.size],
             stage: vec![zero; model.size],
             before: vec![zero; moving * model.size],
@@ -108,9 +113,17 @@ impl<T: Number> Linearised<T> {
                 #[inline(always)]
                 || self.swing(level, model, mean, step),
             );
+            return;
+        }
+        let moving = level.moving(model.moving());
+        let block = &self.derivatives.columns[..moving * moving];
+        if let Some(coupled) = self.coupled.as_mut().filter(|_| moving.is_multiple_of(2)) {
+            coupled.compute(level, block, step.dt, step.has_slope);
+            level.apart(
+                #[inline(always)]
+                || self.swing_together(level, model, mean, step),
+            );
         } else {
-            let moving = level.moving(model.moving());
-            let block = &self.derivatives.columns[..moving * moving];
             self.exponential.compute(level, block, moving, step.dt, step.has_slope);
             level.apart(
                 #[inline(always)]
@@ -139,6 +152,103 @@ impl<T: Number> Linearised<T> {
             let push = step.slope() * model.by_force[1];
             self.effect[0] = p * push;
             self.effect[1] = q * push;
+            self.push(level, model, mean);
+        }
+    }
+
+    /// The same for coupled masses, by their response.
+    #[inline(always)]
+    fn swing_together<L: Level>(&mut self, level: L, model: &Model, mean: &mut [T], step: &Step<T>) {
+        let Self { derivatives: Derivatives { rate, columns, .. }, rows, effect, coupled, .. } = self;
+        let Some(coupled) = coupled else { return };
+        let (n, m) = (level.size(model.size), level.moving(model.moving()) / 2);
+        let Parts { value, integral, second, displaced, pulled, kept } = coupled.parts(level);
+        let (rate, columns, rows) = (&rate[..2 * m], &columns[..2 * m * n], &mut rows[..2 * m * n]);
+        let (effect, free) = (&mut effect[..2 * m], &mut self.begun[..m]);
+
+        // Γ₁ ẏ = [h v + q (a - C v); q K v + h a]
+        let (velocity, acceleration) = rate.split_at(m);
+        combine(
+            free,
+            &columns[2 * m * m..],
+            [2 * m, m],
+            m,
+            #[inline(always)]
+            |l| velocity[l],
+        );
+        for i in 0..m {
+            free[i] = acceleration[i] - free[i];
+        }
+        let (x, v) = effect.split_at_mut(m);
+        apply(
+            x,
+            value,
+            m,
+            #[inline(always)]
+            |l| velocity[l],
+        );
+        apply(
+            v,
+            displaced,
+            m,
+            #[inline(always)]
+            |l| velocity[l],
+        );
+        for l in 0..m {
+            add_times(x, free[l], &integral[l * m..(l + 1) * m]);
+            add_times(v, acceleration[l], &value[l * m..(l + 1) * m]);
+        }
+        for i in 0..2 * m {
+            mean[i] = mean[i] + effect[i];
+        }
+
+        for j in 0..m {
+            let column = |matrix: &[T], out: &mut [T]| out.copy_from_slice(&matrix[j * m..(j + 1) * m]);
+            let (x, v) = rows[j * 2 * m..(j + 1) * 2 * m].split_at_mut(m);
+            column(displaced, x);
+            column(pulled, v);
+            x[j] = x[j] + 1.0;
+            let (x, v) = rows[(m + j) * 2 * m..(m + j + 1) * 2 * m].split_at_mut(m);
+            column(value, x);
+            column(kept, v);
+            v[j] = v[j] + 1.0;
+        }
+        for k in 2 * m..n {
+            let (x, v) = rows[k * 2 * m..(k + 1) * 2 * m].split_at_mut(m);
+            let pushed = &columns[k * 2 * m + m..(k + 1) * 2 * m];
+            apply(
+                x,
+                integral,
+                m,
+                #[inline(always)]
+                |l| pushed[l],
+            );
+            apply(
+                v,
+                value,
+                m,
+                #[inline(always)]
+                |l| pushed[l],
+            );
+        }
+        if step.has_slope {
+            let push = step.slope();
+            let by_force = &model.by_force[m..];
+            let (x, v) = effect.split_at_mut(m);
+            apply(
+                x,
+                second,
+                m,
+                #[inline(always)]
+                |l| push * by_force[l],
+            );
+            apply(
+                v,
+                integral,
+                m,
+                #[inline(always)]
+                |l| push * by_force[l],
+            );
             self.push(level, model, mean);
         }
     }

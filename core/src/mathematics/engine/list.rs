@@ -154,6 +154,11 @@ impl List {
         self.steps.len()
     }
 
+    /// The places of the outputs.
+    pub fn places(&self) -> impl Iterator<Item = usize> {
+        self.outputs.iter().map(|(place, _)| *place)
+    }
+
     /// Computes the outputs from the inputs and the last input, `last`, and hands each over with its place.
     #[inline(always)]
     pub fn run<T: Real>(&self, inputs: &[T], last: T, take: impl FnMut(usize, T)) {

@@ -1,10 +1,9 @@
 //! A plant with its surroundings: estimated parts of the force, and the readings of sensors.
 
-use super::dual::Dual;
 use super::function::Function;
 use super::level::Level;
 use super::number::{Number, Real};
-use super::plants::{AT_ONCE, Plant, Rates, fits, with_equation};
+use super::plants::{Plant, Rates, fits, with_equation};
 use crate::Channel;
 use crate::mathematics::model::Reading;
 
@@ -65,6 +64,11 @@ impl Model {
     #[inline(always)]
     pub fn is_oscillator(&self) -> bool {
         self.plant.is_oscillator() && self.moving() == 2
+    }
+
+    /// [`Plant::coupling`] of a plant whose parameters stand still.
+    pub(crate) fn coupling(&self) -> Option<[usize; 2]> {
+        self.plant.coupling().filter(|[masses, _]| self.moving() == 2 * masses)
     }
 
     /// `g f + o`, the part of the force over mass that comes with the recorded input \[m/s²\].
@@ -159,19 +163,13 @@ pub(crate) struct Derivatives<T> {
     pub columns: Vec<T>,
     /// Memory for the state without logarithms.
     pub plain: Vec<T>,
-    duals: Vec<Dual<T, AT_ONCE>>,
 }
 
 impl<T: Number> Derivatives<T> {
     /// Memory for those of a model.
     pub(crate) fn new(model: &Model) -> Self {
-        let (zero, moving, own) = (T::of(0.0), model.moving(), model.plant.size());
-        Self {
-            rate: vec![zero; moving],
-            columns: vec![zero; moving * model.size],
-            plain: vec![zero; model.size],
-            duals: vec![Dual::constant(zero); own + model.plant.motion()],
-        }
+        let (zero, moving) = (T::of(0.0), model.moving());
+        Self { rate: vec![zero; moving], columns: vec![zero; moving * model.size], plain: vec![zero; model.size] }
     }
 
     /// Takes them in a state under this recorded force, in a function of its own: it is long, and called from many places.
@@ -185,11 +183,11 @@ impl<T: Number> Derivatives<T> {
 
     #[inline(always)]
     fn take_inside<L: Level>(&mut self, level: L, model: &Model, state: &[T], force: T) {
-        let Self { rate, columns, plain, duals } = self;
+        let Self { rate, columns, plain } = self;
         let (n, moving) = (level.size(model.size), level.moving(model.moving()));
         let (state, rate, columns) = (&state[..n], &mut rate[..moving], &mut columns[..moving * n]);
         let own = model.plain(state, plain);
-        model.plant.linearise(level, own, model.acting(state, force), rate, columns, moving, duals);
+        model.plant.linearise(level, own, model.acting(state, force), rate, columns, moving);
         model.decay(own, rate);
         if model.eta != 0.0 {
             for place in model.plant.motion()..moving {

@@ -161,12 +161,22 @@ impl Plant {
         }
     }
 
+    /// Of a plant whose motion is `[x, v]` of several masses, with `ẋ = v`: their number, and the largest distance of two masses in
+    /// their row that act on each other.
+    pub fn coupling(self) -> Option<[usize; 2]> {
+        match self {
+            Self::ShearChain(masses) => Some([masses, 1]),
+            Self::Typed(typed) if typed.masses > 1 && typed.motion == 2 * typed.masses => {
+                Some([typed.masses, typed.reach()])
+            }
+            _ => None,
+        }
+    }
+
     /// The rates, and their derivatives by the plant's components, column by column, with `rows` numbers a column.
-    /// `duals` is scratch memory.
     // A page has this once, to be smaller.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     #[cfg_attr(target_arch = "wasm32", inline(never))]
-    #[expect(clippy::too_many_arguments, reason = "in slices, so that nothing is copied")]
     pub fn linearise<T: Number, L: Level>(
         self,
         level: L,
@@ -175,15 +185,16 @@ impl Plant {
         rate: &mut [T],
         columns: &mut [T],
         rows: usize,
-        duals: &mut [Dual<T, AT_ONCE>],
     ) {
         let out = Slopes { rate, columns, rows };
         match self {
-            Self::Sdof => linearise(level, sdof::Sdof, state, force, out, duals),
-            Self::Duffing => linearise(level, duffing::Duffing, state, force, out, duals),
-            Self::BoucWen => linearise(level, bouc_wen::BoucWen, state, force, out, duals),
-            Self::BoucWenOne => linearise(level, bouc_wen::BoucWenOne, state, force, out, duals),
-            Self::ShearChain(masses) => linearise(level, shear_chain::ShearChain { masses }, state, force, out, duals),
+            Self::Sdof => linearise(level, sdof::Sdof, state, force, out),
+            Self::Duffing => linearise(level, duffing::Duffing, state, force, out),
+            Self::BoucWen => linearise(level, bouc_wen::BoucWen, state, force, out),
+            Self::BoucWenOne => linearise(level, bouc_wen::BoucWenOne, state, force, out),
+            Self::ShearChain(masses) => {
+                shear_chain::ShearChain { masses }.linearise(state, force, rate, columns, rows);
+            }
             Self::Typed(typed) => typed.linearise(state, force, rate, columns, rows),
             Self::Own(own) => own.linearise(state, force, rate, columns, rows),
         }
@@ -193,8 +204,7 @@ impl Plant {
     pub(crate) fn jacobian(self, state: &[f64], out: &mut [f64]) {
         let (own, motion) = (self.size(), self.motion());
         let (mut rate, mut columns) = (vec![0.0; motion], vec![0.0; motion * own]);
-        let mut duals = vec![Dual::constant(0.0); own + motion];
-        self.linearise(Baseline, state, 0.0, &mut rate, &mut columns, motion, &mut duals);
+        self.linearise(Baseline, state, 0.0, &mut rate, &mut columns, motion);
         for (i, row) in out.chunks_exact_mut(own).enumerate() {
             for (j, entry) in row.iter_mut().enumerate() {
                 *entry = columns[j * motion + i];
@@ -234,30 +244,18 @@ struct Slopes<'a, T> {
     rows: usize,
 }
 
+/// Takes them for a small plant.
 #[inline(always)]
-fn linearise<E: Equation, T: Number, L: Level>(
-    level: L,
-    equation: E,
-    state: &[T],
-    force: T,
-    mut out: Slopes<'_, T>,
-    duals: &mut [Dual<T, AT_ONCE>],
-) {
+fn linearise<E: Equation, T: Number, L: Level>(level: L, equation: E, state: &[T], force: T, mut out: Slopes<'_, T>) {
     let own = equation.size();
     if !fits::<T, L>(level, equation) {
         return;
     }
-    if E::IS_SMALL {
-        // A local array, which the compiler can keep in registers.
-        let mut duals = [Dual::constant(T::of(0.0)); 2 * FEW];
-        differentiate(equation, state, force, 0, &mut out, &mut duals);
-        if own > AT_ONCE {
-            differentiate(equation, state, force, AT_ONCE, &mut out, &mut duals);
-        }
-    } else {
-        for first in (0..own).step_by(AT_ONCE) {
-            differentiate(equation, state, force, first, &mut out, duals);
-        }
+    // A local array, which the compiler can keep in registers.
+    let mut duals = [Dual::constant(T::of(0.0)); 2 * FEW];
+    differentiate(equation, state, force, 0, &mut out, &mut duals);
+    if own > AT_ONCE {
+        differentiate(equation, state, force, AT_ONCE, &mut out, &mut duals);
     }
 }
 

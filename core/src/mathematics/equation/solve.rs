@@ -102,7 +102,7 @@ fn solved(equations: &[Sides]) -> Result<Solved, EquationError> {
     let outputs: Vec<(usize, Node)> = rates.iter().copied().enumerate().collect();
     let rates = builder.list(n + 1, &outputs).ok_or_else(too_long)?;
     let jacobian = builder.list(n + 1, &entries).ok_or_else(too_long)?;
-    let typed = Typed { size: n, motion, rates, jacobian };
+    let typed = Typed { size: n, motion, masses, rates, jacobian };
     Ok(Solved { components, typed, is_linear })
 }
 

@@ -173,6 +173,9 @@ mod tests {
     fn rates_without_bounds_give_no_number_and_no_endless_loop() {
         assert!(!ImpulseResponse::new(f64::NEG_INFINITY, -1.0, 0.1).value.is_finite());
         assert!(ImpulseResponse::new(f64::NAN, -1.0, 0.1).value.is_nan());
-        assert!(!ImpulseResponse::new(-1e307, -1e307, 10.0).value.is_finite());
+        for (a, b) in [(-1e307, -1e307), (-1e120, 0.0), (0.0, -1e60), (-1e120, -1e60)] {
+            assert!(!ImpulseResponse::new(a, b, 10.0).value.is_finite(), "{a} {b}");
+            assert!(!ImpulseResponse::second_integral(a, b, 10.0).is_finite(), "{a} {b}");
+        }
     }
 }

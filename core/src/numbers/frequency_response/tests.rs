@@ -31,6 +31,24 @@ fn one_mass_answers_as_the_textbook_says() {
 }
 
 #[test]
+fn a_hum_beside_the_force_changes_nothing_not_even_at_its_own_frequency() {
+    let kind = r#"{ equation = "x'' + 2 ζ ωₙ x' + ωₙ² x = f + u; u' = s; s' = -w² u", parameters = { w = {} } }"#;
+    let document = format!("kind = {kind}");
+    #[derive(serde::Deserialize)]
+    struct Document {
+        kind: PlantKind,
+    }
+    let kind = toml::from_str::<Document>(&document).unwrap().kind;
+    let frequencies = [9.0, 10.0, 11.0];
+    let value = |channel| sdof(6.0, 0.05)(channel).max(if channel.key() == "w" { 10.0 } else { 0.0 });
+    let found = transfer_function(kind, value).magnitude(&frequencies);
+    let expected = transfer_function(PlantKind::SDOF, sdof(6.0, 0.05)).magnitude(&frequencies);
+    for (found, expected) in found.into_iter().zip(expected) {
+        assert!((found / expected - 1.0).abs() < 1e-5, "{found} instead of {expected}");
+    }
+}
+
+#[test]
 fn nonlinear_plants_at_rest_respond_like_linear_ones() {
     let frequencies = spaced(0.5, 50.0, 101);
     let expected = transfer_function(PlantKind::SDOF, sdof(6.0, 0.05)).magnitude(&frequencies);

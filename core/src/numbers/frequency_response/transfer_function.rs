@@ -66,8 +66,10 @@ impl TransferFunction {
     pub(super) fn magnitude_into(&self, frequencies: &[f64], magnitude: &mut Vec<f64>) {
         let Self { numerator, denominator, degree: _, unit } = self;
         let at = |w: f64| (square_at(numerator, w / unit) / square_at(denominator, w / unit)).sqrt();
+        // Where a zero meets a pole, as that of a hum that the force does not drive, the limit is that of a frequency beside it.
+        let limit = |w: f64| Some(at(w)).filter(|h| !h.is_nan()).unwrap_or_else(|| at(w * (1.0 + BESIDE)));
         magnitude.clear();
-        magnitude.extend(frequencies.iter().map(|&w| at(w)));
+        magnitude.extend(frequencies.iter().map(|&w| limit(w)));
     }
 
     /// Two frequencies that enclose all natural frequencies, close to the least and the greatest where damping is small
@@ -87,6 +89,9 @@ impl TransferFunction {
         (least.is_normal() && greatest.is_finite()).then_some((unit * least.min(greatest), unit * greatest))
     }
 }
+
+/// The distance from a zero that meets a pole, as a ratio: rounding leaves ten digits there.
+const BESIDE: f64 = 1e-6;
 
 /// The largest degree of polynomials that need no unit of time.
 const FEW: usize = 8;

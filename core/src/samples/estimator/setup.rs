@@ -43,19 +43,18 @@ pub struct Setup {
 impl Setup {
     /// The filter at `place` of a scenario, if the engine serves it over a record: a KF, EKF, UKF or CKF of up to [`MOST`]
     /// components, with any augmentations, logarithms, weights, noise that is learnt and jumps, but one guess only, no
-    /// walk and nothing that it considers. Filters that other code runs as fast are left to it: plain filters of an oscillator have lanes of their own, and
-    /// the kernel of a chain uses its structure for the plain KF and EKF.
+    /// walk and nothing that it considers. Plain filters of an oscillator are left to lanes of their own.
     ///
     /// # Errors
     /// Those of [`Pass::new`](crate::Pass::new).
     pub fn new(scenario: &Scenario, place: usize, record: &Record) -> Result<Option<Self>, RunError> {
         Self::unless(scenario, place, record, |settings, context| {
-            !is_single(settings) || is_done_as_fast(settings, context)
+            !is_single(settings) || has_own_lanes(settings, context)
         })
     }
 
-    /// The same for filters whose update is that of textbooks, of a state without logarithms, including those that other code
-    /// runs as fast.
+    /// The same for filters whose update is that of textbooks, of a state without logarithms, including those that have
+    /// lanes of their own.
     ///
     /// # Errors
     /// Those of [`Pass::new`](crate::Pass::new).
@@ -139,16 +138,13 @@ fn is_single(settings: &FilterSettings) -> bool {
     settings.guesses == 1 && settings.walk == 0.0 && settings.consider.is_empty()
 }
 
-/// Whether lanes of its own or a kernel serve such a filter. The choice must not depend on the processor, since it
-/// decides the bits of the result.
-fn is_done_as_fast(settings: &FilterSettings, context: &FilterContext<'_>) -> bool {
+/// Whether lanes of its own serve such a filter. The choice must not depend on the processor, since it decides the bits of the
+/// result.
+fn has_own_lanes(settings: &FilterSettings, context: &FilterContext<'_>) -> bool {
     const WITH_LANES: [PlantKind; 2] = [PlantKind::SDOF, PlantKind::DUFFING];
-    const WITH_STRUCTURE: [PlantKind; 3] = [PlantKind::SHEAR_2, PlantKind::SHEAR_3, PlantKind::SHEAR_4];
-    let plant = settings.plant.unwrap_or(context.plant);
-    let is_linearised = [FilterKind::KF, FilterKind::EKF].contains(&settings.kind);
     settings.has_plain_update()
         && settings.substeps == 1
-        && (WITH_LANES.contains(&plant) || (is_linearised && WITH_STRUCTURE.contains(&plant)))
+        && WITH_LANES.contains(&settings.plant.unwrap_or(context.plant))
         && kernel::serves(settings, context)
 }
 

@@ -20,7 +20,9 @@ fn likely_causes(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
     let weight = 0.4 * bad.effect_of(|one| one.test.name.contains("spectrum") || one.test.name.contains("whiteness"));
     // Two digits, as a person would write it.
     let slow = SLOW * frequency * size;
-    let slow: f64 = format!("{slow:.1e}").parse().unwrap_or(slow);
+    let scaled = format!("{slow:.1e}");
+    let rounded = scaled.parse().unwrap_or(slow);
+    let slow = if (1e-4..1e6).contains(&rounded) { rounded.to_string() } else { scaled };
     let equation = format!("x'' + 2 ζ ωₙ x' + ωₙ² x + d tanh(x'/{slow}) = f");
     let force = 0.05 * frequency * frequency * size;
     let parameter = Some(["friction", "m/s²", "not_negative"]);

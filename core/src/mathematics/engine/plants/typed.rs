@@ -11,6 +11,8 @@ pub struct Typed {
     pub size: usize,
     /// The number of components that move, which come first.
     pub motion: usize,
+    /// The number of displacements, which come first; the rates of these are the next components.
+    pub masses: usize,
     /// The rates of the moving components, from the components and the force.
     pub rates: List,
     /// The derivatives of the rates that are not zero, to places column by column.
@@ -27,6 +29,16 @@ impl PartialEq for Typed {
 impl Eq for Typed {}
 
 impl Typed {
+    /// The largest distance of two masses that act on each other.
+    pub fn reach(&self) -> usize {
+        let Self { motion, masses, jacobian, .. } = self;
+        let of = |place: usize| {
+            let (row, column) = (place % motion, place / motion);
+            (row >= *masses && column < *motion).then(|| (row % masses).abs_diff(column % masses))
+        };
+        jacobian.places().filter_map(of).max().unwrap_or(0)
+    }
+
     /// The rates, and their derivatives by the components, column by column, with `rows` numbers a column.
     #[inline(always)]
     pub fn linearise<T: Real>(&self, state: &[T], force: T, rate: &mut [T], columns: &mut [T], rows: usize) {

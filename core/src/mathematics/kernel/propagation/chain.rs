@@ -100,7 +100,7 @@ impl<const M: usize> Chain<M> {
         match SERIES.iter().find(|(longest, _)| size <= *longest) {
             Some(&(_, terms)) => self.series(eta, dt, terms),
             // If the step's square leaves the range of numbers, the result overflows, and the update reports it.
-            None => self.doubled(eta, dt, if size * size < 1e300 { doublings(size) } else { 0 }),
+            None => self.doubled(eta, dt, doublings(size)),
         }
     }
 
