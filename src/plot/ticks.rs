@@ -74,7 +74,9 @@ pub(crate) fn log_ticks((low, high): (f64, f64), length: f32, apart: f32) -> Vec
     // The condition is two labels within 0.3 decades, the distance from 1 to 2.
     let labelled = |digit: i32| digit == 1 || (decade >= 1.8 && matches!(digit, 2 | 5));
     let every = if decade < 0.5 { (0.5 / decade).ceil() as i32 } else { 1 };
-    let powers = (low.floor() as i32..=high.ceil() as i32).filter(|power| power % every == 0);
+    // A plot may be zoomed out without end, but there are no more powers than these.
+    let powers = low.max(-MOST_DECADES).floor() as i32..=high.min(MOST_DECADES).ceil() as i32;
+    let powers = powers.filter(|power| power % every == 0);
     let mark = |power: i32, digit: i32| GridMark {
         value: f64::from(power) + f64::from(digit).log10(),
         step_size: match digit {
@@ -92,6 +94,8 @@ pub(crate) fn log_ticks((low, high): (f64, f64), length: f32, apart: f32) -> Vec
 pub(crate) const LOG_TICKS_FADE: egui::Rangef = egui::Rangef { min: 6.0, max: 10.0 };
 /// Limits the range in which multiples of a power of ten would be too few \[decades\].
 const LESS_THAN_A_DECADE: f64 = 0.7;
+/// Limits the powers of ten that are marked: there are no greater numbers.
+const MOST_DECADES: f64 = 308.0;
 /// The step of a tick of [`log_ticks`] that is not a power of ten, with a label and without.
 const LABELLED: f64 = 0.3;
 const UNLABELLED: f64 = 0.05;
@@ -107,6 +111,17 @@ mod tests {
 
     fn values(bounds: (f64, f64), count: f32) -> Vec<f64> {
         ticks(bounds, count).iter().map(|mark| mark.value).collect()
+    }
+
+    #[test]
+    fn an_axis_without_an_end_has_few_ticks() {
+        for wide in [400.0, 1e6, 1e12, 1e300] {
+            for (low, high) in [(-wide, wide), (-wide, 0.0), (0.0, wide)] {
+                assert!((1..=20).contains(&log_ticks((low, high), 600.0, 75.0).len()), "{low} to {high}");
+                assert!((1..=20).contains(&ticks((low, high), 8.0).len()), "{low} to {high}");
+            }
+        }
+        assert_eq!(log_ticks((1e9, 2e9), 600.0, 75.0).len(), 0);
     }
 
     #[test]

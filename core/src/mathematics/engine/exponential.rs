@@ -32,9 +32,9 @@ impl<const N: usize> Classes<N> {
 
     /// The class of a size.
     fn of(&self, size: f64) -> usize {
+        let longest = self.0[N - 1];
         // One doubling less than the quotient says, as it is rounded.
-        let doublings = libm::ilogb(size / self.0[N - 1]).max(1) - 1;
-        let mut class = if doublings > 0 { N - 1 + doublings as usize } else { 0 };
+        let mut class = if size > longest { N - 2 + (libm::ilogb(size / longest) as usize).max(1) } else { 0 };
         while self.upper(class) < size {
             class += 1;
         }

@@ -38,12 +38,11 @@ fn run(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
     if let Some((fall, k, channel)) = falls.max_by(|a, b| a.0.total_cmp(&b.0)) {
         let at = case.samples.start + k;
         let time = short(case.record.time(at));
-        let sentence = format!(
-            "σ of the {} falls by {} times at {time} s, with {} particles in effect",
-            channel.name(),
-            short(fall),
-            short(sizes[k])
-        );
+        let with = match sizes[k] {
+            size if size.is_nan() => "where nothing is measured".to_owned(),
+            size => format!("with {} particles in effect", short(size)),
+        };
+        let sentence = format!("σ of the {} falls by {} times at {time} s, {with}", channel.name(), short(fall));
         let evidence = Evidence::new(test, Subject::Channel(channel), case);
         let one = evidence.certain(VerdictKind::Collapsed, fall / FALL, sentence);
         found.push(Evidence { statistic: fall, samples: at..case.samples.end, ..one });
