@@ -34,7 +34,8 @@ impl<const N: usize> Classes<N> {
     fn of(&self, size: f64) -> usize {
         let longest = self.0[N - 1];
         // One doubling less than the quotient says, as it is rounded.
-        let mut class = if size > longest { N - 2 + (libm::ilogb(size / longest) as usize).max(1) } else { 0 };
+        let exponent = || ((size / longest).to_bits() >> 52) as usize - 1023;
+        let mut class = if size > longest { N - 2 + exponent().max(1) } else { 0 };
         while self.upper(class) < size {
             class += 1;
         }
@@ -44,7 +45,7 @@ impl<const N: usize> Classes<N> {
     /// The largest size of a class.
     #[inline(always)]
     pub(super) fn upper(&self, class: usize) -> f64 {
-        libm::scalbn(self.0[class.min(N - 1)], Self::doublings(class) as i32)
+        self.0[class.min(N - 1)] * libm::exp2(Self::doublings(class) as f64)
     }
 
     /// The number of times that the step of a class is halved.
