@@ -66,10 +66,10 @@ impl TransferFunction {
     pub(super) fn magnitude_into(&self, frequencies: &[f64], magnitude: &mut Vec<f64>) {
         let Self { numerator, denominator, degree: _, unit } = self;
         let at = |w: f64| (square_at(numerator, w / unit) / square_at(denominator, w / unit)).sqrt();
-        // Where a zero meets a pole, as that of a hum that the force does not drive, the limit is that of a frequency beside it.
-        let limit = |w: f64| Some(at(w)).filter(|h| !h.is_nan()).unwrap_or_else(|| at(w * (1.0 + BESIDE)));
+        // Where a zero meets a pole, as that of a hum that the force does not drive, both are rounding; beside them is the limit.
+        let meet = |w: f64| is_rounding(numerator, w / unit) && is_rounding(denominator, w / unit);
         magnitude.clear();
-        magnitude.extend(frequencies.iter().map(|&w| limit(w)));
+        magnitude.extend(frequencies.iter().map(|&w| if meet(w) { at(w * (1.0 + BESIDE)) } else { at(w) }));
     }
 
     /// Two frequencies that enclose all natural frequencies, close to the least and the greatest where damping is small
@@ -90,8 +90,11 @@ impl TransferFunction {
     }
 }
 
-/// The distance from a zero that meets a pole, as a ratio: rounding leaves ten digits there.
+/// The distance from a zero that meets a pole, as a ratio.
 const BESIDE: f64 = 1e-6;
+
+/// A polynomial's share of the sum of its terms' sizes, below which it is taken for rounding.
+const ROUNDING: f64 = 1e-12;
 
 /// The largest degree of polynomials that need no unit of time.
 const FEW: usize = 8;
@@ -112,4 +115,10 @@ fn square_at(polynomial: &[f64], frequency: f64) -> f64 {
         odd = odd * square + pair[1];
     }
     even * even + frequency * frequency * odd * odd
+}
+
+/// Whether nothing but rounding is left of a polynomial of iω.
+fn is_rounding(polynomial: &[f64], frequency: f64) -> bool {
+    let whole = polynomial.iter().rev().fold(0.0, |sum, c| sum * frequency + c.abs());
+    square_at(polynomial, frequency) <= (ROUNDING * whole) * (ROUNDING * whole)
 }

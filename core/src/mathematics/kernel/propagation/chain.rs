@@ -99,7 +99,7 @@ impl<const M: usize> Chain<M> {
         let size = self.size(eta) * dt;
         match SERIES.iter().find(|(longest, _)| size <= *longest) {
             Some(&(_, terms)) => self.series(eta, dt, terms),
-            // If the step's square leaves the range of numbers, the result overflows, and the update reports it.
+            // A step that is too long to be halved overflows, and the update reports it.
             None => self.doubled(eta, dt, doublings(size)),
         }
     }
