@@ -34,10 +34,8 @@ pub enum Asked {
     Fewer,
 }
 
-/// The settings that the story names, and the way to all others. Returns whether the scenario has changed, and whether all
-/// settings are wanted.
-pub fn few_controls_ui(ui: &mut Ui, scenario: &mut Scenario, story: &Story) -> (bool, bool) {
-    let before = scenario.clone();
+/// The settings that the story names, and the way to all others. Returns whether all are wanted.
+pub fn few_controls_ui(ui: &mut Ui, scenario: &mut Scenario, story: &Story) -> bool {
     let wanted = ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         ui.set_max_width(ui.available_width() - ui.spacing().scroll.bar_width);
         ui.label(RichText::new("Try it").family(theme::strong()).size(14.5));
@@ -48,20 +46,18 @@ pub fn few_controls_ui(ui: &mut Ui, scenario: &mut Scenario, story: &Story) -> (
         let all = Button::new("All settings").min_size(egui::vec2(ui.available_width(), 30.0));
         ui.add(all).on_hover_text("Every filter, the truth, the force and the sensors").clicked()
     });
-    (*scenario != before, wanted.inner)
+    wanted.inner
 }
 
-/// Shows every control, those of the settings under the paths `lit` on a lit ground. Returns whether the scenario has
-/// changed.
+/// Shows every control, those of the settings under the paths `lit` on a lit ground. Returns what is asked besides.
 pub fn controls_ui(
     ui: &mut Ui,
     scenario: &mut Scenario,
     library: &Library,
     palette: &Palette,
     lit: Vec<String>,
-) -> (bool, Vec<Asked>) {
+) -> Vec<Asked> {
     lit::light(ui, lit, scenario);
-    let before = scenario.clone();
     let mut asked = Vec::new();
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         if ui
@@ -107,7 +103,7 @@ pub fn controls_ui(
         section(ui, "Record", false, |ui| general::general_ui(ui, scenario));
         ui.add_space(12.0);
     });
-    (*scenario != before, asked)
+    asked
 }
 
 /// A section of the controls that can be collapsed.

@@ -145,7 +145,7 @@ impl Change {
         };
         let mut edited = scenario.clone();
         address.set(&mut edited, value);
-        requests.push(Request::Edit(Box::new(edited)));
+        requests.extend(Request::edit(scenario, &edited));
         false
     }
 }

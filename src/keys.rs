@@ -4,6 +4,9 @@ mod list;
 
 use egui::{Key, Modifiers};
 
+use kalmanscope_core::Scenario;
+use kalmanscope_core::setting::Change;
+
 use crate::comparison;
 use crate::request::{LegendEntry, Request};
 use crate::ruler::End;
@@ -67,10 +70,10 @@ const GROUPS: &[(&str, &[Shortcut])] = &[
                 request: |_| Request::Undo,
             },
             plain("H", "the input held, or linear between samples", &[Key::H], |session| {
-                Request::Edit(Box::new(comparison::with_other_hold(session.scenario())))
+                edit(session, comparison::with_other_hold)
             }),
             plain("G", "the gain of the input estimated, or known", &[Key::G], |session| {
-                Request::Edit(Box::new(comparison::with_other_gain(session.scenario())))
+                edit(session, comparison::with_other_gain)
             }),
         ],
     ),
@@ -162,4 +165,9 @@ pub(crate) fn keys(ctx: &egui::Context, session: &Session, requests: &mut Vec<Re
             }
         }
     });
+}
+
+fn edit(session: &Session, edited: fn(&Scenario) -> Scenario) -> Request {
+    let before = session.scenario();
+    Request::Edit(Change::between(before, &edited(before)))
 }

@@ -6,6 +6,7 @@ use std::fmt;
 
 use egui_tiles::Tree;
 use kalmanscope_core::Scenario;
+use kalmanscope_core::setting::Change;
 use kalmanscope_lab::Trial;
 use kalmanscope_lessons::{BuiltIn, Lesson};
 use serde::{Deserialize, Serialize};
@@ -62,8 +63,8 @@ pub enum Request {
     CopyLink,
     /// Open this picture in the whole explorer, beside the page that embeds this one.
     OpenOutside,
-    /// Use an edited scenario.
-    Edit(Box<Scenario>),
+    /// Change these settings of the scenario.
+    Edit(Change),
     /// Undo the last change of the scenario.
     Undo,
     /// Redo it.
@@ -162,6 +163,13 @@ pub enum Request {
     RestoreTrials,
     /// Restore a session from a file.
     OpenSession(Box<SavedPicture>),
+}
+
+impl Request {
+    /// The request for what `now` has otherwise than the scenario on screen; `None` where they are the same.
+    pub(crate) fn edit(before: &Scenario, now: &Scenario) -> Option<Self> {
+        (before != now).then(|| Self::Edit(Change::between(before, now)))
+    }
 }
 
 /// A file that leaves the explorer.

@@ -127,7 +127,7 @@ fn phrase_ui(ui: &mut Ui, session: &Session, phrase: &Phrase, palette: &Palette,
             if let Some(value) = number_ui(ui, &setting, &name, palette) {
                 let mut scenario = session.scenario().clone();
                 address.set(&mut scenario, value);
-                requests.push(Request::Edit(Box::new(scenario)));
+                requests.extend(Request::edit(session.scenario(), &scenario));
             }
         }
         other => _ = ui.label(other.to_string()),

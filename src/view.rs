@@ -8,6 +8,8 @@ use kalmanscope_core::{Channel, Diagnostics, Estimates};
 
 use crate::laboratory::Laboratory;
 use crate::layout::Layout;
+use crate::plot::chart::Chart;
+use crate::plot::charts::charts_ui;
 use crate::plot::input::PlotInput;
 use crate::plot::time_axis::TimeAxis;
 use crate::request::Request;
@@ -135,11 +137,27 @@ pub trait View: Sync {
         false
     }
 
-    /// The numbers of its plots; empty if it has no numbers over time.
-    fn sheets<'a>(&self, _context: &ViewContext<'a>) -> Vec<Sheet<'a>> {
+    /// Its charts over time, from above.
+    fn charts<'a>(&self, _context: &ViewContext<'a>) -> Vec<Chart<'a>> {
         Vec::new()
     }
 
+    /// The words in place of charts where there is none.
+    fn without_charts(&self) -> &'static str {
+        ""
+    }
+
+    /// The numbers of its plots; empty if it has no numbers over time.
+    fn sheets<'a>(&self, context: &ViewContext<'a>) -> Vec<Sheet<'a>> {
+        self.charts(context).into_iter().map(Chart::into_sheet).collect()
+    }
+
     /// Draws it into all of `ui`. Returns the time that the user points at \[s\].
-    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64>;
+    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
+        let charts = self.charts(context);
+        if charts.is_empty() {
+            ui.weak(self.without_charts());
+        }
+        charts_ui(ui, charts, &context.plot_input(), requests)
+    }
 }

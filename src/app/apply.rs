@@ -55,7 +55,10 @@ impl App {
             Request::OpenAddress(address) => self.go_to_address(&address, ctx),
             Request::CopyLink => self.copy_link(ctx),
             Request::OpenOutside => self.open_outside(ctx),
-            Request::Edit(scenario) => session.edit(*scenario),
+            Request::Edit(change) => match change.apply(session.scenario()) {
+                Ok(scenario) => session.edit(scenario),
+                Err(error) => self.notice = Some(format!("This cannot be changed: {error}.").into()),
+            },
             Request::SwapSettings => session.swap_settings(),
             Request::ForgetBefore => session.forget_before(),
             Request::Undo => {

@@ -35,15 +35,13 @@ impl App {
         let contents = |ui: &mut Ui, requests: &mut Vec<Request>| {
             let mut scenario = session.scenario().clone();
             if is_short {
-                let (changed, all) = few_controls_ui(ui, &mut scenario, story);
-                requests.extend(changed.then(|| Request::Edit(Box::new(scenario))));
+                let all = few_controls_ui(ui, &mut scenario, story);
+                requests.extend(Request::edit(session.scenario(), &scenario));
                 requests.extend(all.then_some(Request::ShowAllSettings(true)));
                 return;
             }
-            let (changed, asked) = controls_ui(ui, &mut scenario, session.library(), palette, lit);
-            if changed {
-                requests.push(Request::Edit(Box::new(scenario)));
-            }
+            let asked = controls_ui(ui, &mut scenario, session.library(), palette, lit);
+            requests.extend(Request::edit(session.scenario(), &scenario));
             requests.extend(asked.into_iter().map(|asked| match asked {
                 Asked::Columns => Request::ChangeColumns,
                 Asked::Equation => Request::EditEquation,

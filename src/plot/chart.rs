@@ -27,13 +27,14 @@ use super::turns::in_turn;
 use super::window::Window;
 use crate::gap::Gap;
 use crate::request::Request;
+use crate::sheet::{Column, Sheet, readouts};
 
 /// Labels of ticks are opaque from this distance on \[points\].
 const TICKS_FADE: egui::Rangef = egui::Rangef { min: 14.0, max: 18.0 };
 
 /// One chart: its heading and its layers.
 #[derive(Default)]
-pub(crate) struct Chart<'a> {
+pub struct Chart<'a> {
     /// Unique among all charts on screen.
     pub(crate) key: String,
     /// Its name for screen readers.
@@ -41,12 +42,13 @@ pub(crate) struct Chart<'a> {
     pub(crate) symbol: String,
     pub(crate) name: String,
     pub(crate) unit: &'static str,
-    pub(crate) readouts: Vec<Readout>,
+    /// The numbers of the truth and the filters.
+    pub(crate) columns: Vec<Column<'a>>,
+    /// What the heading says; the numbers at the cursor where this is not given.
+    pub(crate) readouts: Option<Vec<Readout>>,
     pub(crate) layers: Vec<Layer<'a>>,
     /// The settings that can be dragged in it.
     pub(crate) handles: Vec<Handle<'a>>,
-    /// Whether the chart is the lowest of the view, which has the time axis.
-    pub(crate) last_row: bool,
     /// The range that the vertical axis shows at least.
     pub(crate) least: Option<(f64, f64)>,
     /// Whether the values are logarithms to the base of ten; the axis is labelled with the numbers themselves.
@@ -61,14 +63,28 @@ pub(crate) struct ChartResponse {
     pub(crate) alone: bool,
 }
 
-impl Chart<'_> {
-    /// Draws the chart with its heading into all of `ui`.
-    pub(crate) fn show(self, ui: &mut Ui, input: &PlotInput<'_>, requests: &mut Vec<Request>) -> ChartResponse {
+impl<'a> Chart<'a> {
+    /// Its numbers as a table.
+    pub(crate) fn into_sheet(self) -> Sheet<'a> {
+        Sheet { title: self.title, unit: self.unit, columns: self.columns }
+    }
+
+    /// Draws the chart with its heading into all of `ui`. The lowest ones of a view have the time axis.
+    pub(crate) fn show(
+        self,
+        ui: &mut Ui,
+        input: &PlotInput<'_>,
+        last_row: bool,
+        requests: &mut Vec<Request>,
+    ) -> ChartResponse {
         let shown = time_text(input, input.axis.shown_time(input.session));
         let time = Readout::new(format!("t\u{a0}{shown}"), Color32::TRANSPARENT, "time [s]".to_owned());
         let medium = Medium::of(ui.ctx());
         let readouts: Vec<Readout> = match medium {
-            Medium::Screen => std::iter::once(time).chain(self.readouts).collect(),
+            Medium::Screen => {
+                let numbers = || readouts(&self.columns, input.axis.readout(input.session));
+                std::iter::once(time).chain(self.readouts.unwrap_or_else(numbers)).collect()
+            }
             Medium::Figure => Vec::new(),
         };
         let symbol = heading_ui(ui, &self.symbol, &self.name, self.unit, &readouts);
@@ -81,7 +97,7 @@ impl Chart<'_> {
         let followed = axis.followed(session);
         let group = Id::unique("time");
         let has_room = size.y >= 150.0 || medium == Medium::Figure;
-        let time_label = if self.last_row && has_room { "time [s]" } else { "" };
+        let time_label = if last_row && has_room { "time [s]" } else { "" };
         let logarithmic = self.logarithmic;
         let values = AxisHints::new_y().min_thickness(Y_AXIS);
         let values = if logarithmic {
@@ -101,7 +117,7 @@ impl Chart<'_> {
             .height(size.y)
             .show_x(false)
             .show_y(false)
-            .show_axes([self.last_row, true])
+            .show_axes([last_row, true])
             .show_background(false)
             .sense(sense(ui))
             .link_axis(group, Vec2b::new(true, false))
@@ -142,11 +158,11 @@ impl Chart<'_> {
                     plot.set_plot_bounds_y(low..=high);
                 }
             }
-            plot.add(Decoration::new("gaps", Gaps::of(&gaps, self.last_row, palette)));
+            plot.add(Decoration::new("gaps", Gaps::of(&gaps, last_row, palette)));
             plot.add(Decoration::new("bad parts", strips));
             drawn.show(grid, plot);
             plot.add(Decoration::new("labels", Labels::of(&self.layers)));
-            plot.add(Decoration::new("cursors", Cursors::of(input, self.last_row, medium)));
+            plot.add(Decoration::new("cursors", Cursors::of(input, last_row, medium)));
             plot.pointer_coordinate().filter(|_| plot.response().hovered()).map(|point| point.x)
         });
         let (pointed, transform) = (response.inner, response.transform);

@@ -63,11 +63,10 @@ pub(super) fn handles_ui(
         }
         if let Some(pointer) = response.interact_pointer_pos().filter(|_| response.dragged()) {
             let to = transform.value_from_position(frame.clamp(pointer));
-            let mut scenario = input.session.scenario().clone();
+            let before = input.session.scenario();
+            let mut scenario = before.clone();
             (handle.set)(&mut scenario, to.x, to.y);
-            if &scenario != input.session.scenario() {
-                requests.push(Request::Edit(Box::new(scenario)));
-            }
+            requests.extend(Request::edit(before, &scenario));
         }
         if response.drag_stopped() && ui.data_mut(|data| data.remove_temp::<bool>(id)).is_some() {
             requests.push(Request::Follow);

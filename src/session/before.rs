@@ -3,7 +3,8 @@
 
 use std::sync::Arc;
 
-use kalmanscope_core::{Channel, Diagnostics, Estimates, FilterSettings, Hindsight, Scenario, Study, Wanted};
+use kalmanscope_core::setting::Change;
+use kalmanscope_core::{Channel, Diagnostics, Estimates, Hindsight, Scenario, Study, Wanted};
 
 use super::difference::difference;
 use super::{Mode, Session, Setting};
@@ -21,6 +22,8 @@ pub struct Before {
     study: Study,
     /// The settings that differed, with their values before the change.
     words: String,
+    /// Whether filters alone differed: the record is the same.
+    is_of_filters: bool,
     /// Whether it is computed as far as the picture itself.
     is_complete: bool,
 }
@@ -44,9 +47,8 @@ impl Before {
     }
 
     /// The truth from before, if it was another one.
-    pub fn truth(&self, channel: Channel, now: &Scenario) -> Option<&[f64]> {
-        let is_other = !is_same_record(&self.scenario, now);
-        self.study.run().record().truth(channel).filter(|_| is_other)
+    pub fn truth(&self, channel: Channel) -> Option<&[f64]> {
+        self.study.run().record().truth(channel).filter(|_| !self.is_of_filters)
     }
 
     /// The number of samples.
@@ -63,23 +65,6 @@ impl Before {
     pub fn record(&self) -> &kalmanscope_core::Record {
         self.study.run().record()
     }
-}
-
-/// Whether two scenarios simulate the same record.
-fn is_same_record(a: &Scenario, b: &Scenario) -> bool {
-    let bare = |scenario: &Scenario| Scenario { filters: Vec::new(), ..scenario.clone() };
-    bare(a) == bare(b)
-}
-
-/// The filters of `before` with other results than those of `now`.
-fn concerned(before: &Scenario, now: &Scenario) -> Vec<FilterSettings> {
-    let same_record = is_same_record(before, now);
-    let is_same = |filter: &FilterSettings| {
-        let bare = |filter: &FilterSettings| FilterSettings { name: String::new(), color: None, ..filter.clone() };
-        now.filters.iter().any(|other| bare(other) == bare(filter))
-    };
-    let was_kept = |filter: &&FilterSettings| now.filters.iter().any(|other| other.id == filter.id);
-    before.filters.iter().filter(was_kept).filter(|filter| !same_record || !is_same(filter)).cloned().collect()
 }
 
 impl Session {
@@ -151,8 +136,11 @@ impl Session {
     }
 
     fn remember(&mut self, was: Scenario) {
-        let filters = concerned(&was, &self.scenario);
-        let words = difference(&was, &self.scenario).unwrap_or_default();
+        let change = Change::between(&was, &self.scenario);
+        let is_kept = |id: u32| self.scenario.filters.iter().any(|filter| filter.id == id);
+        let filters = was.filters.iter().filter(|filter| is_kept(filter.id) && change.concerns(filter.id));
+        let filters: Vec<_> = filters.cloned().collect();
+        let (words, is_of_filters) = (difference(&change, &was).unwrap_or_default(), change.is_of_filters());
         let words = match (&self.other, words.is_empty()) {
             (Some(_), false) => format!("setting {}: {words}", self.setting.other().name()),
             _ => words,
@@ -161,7 +149,7 @@ impl Session {
             && before.scenario == was
             && before.study.run().scenario().filters == filters
         {
-            before.words = words;
+            (before.words, before.is_of_filters) = (words, is_of_filters);
             return;
         }
         self.before = None;
@@ -174,7 +162,7 @@ impl Session {
         let shown = Scenario { filters, ..was.clone() };
         // An impossible scenario has no picture.
         if let Ok(study) = Study::new(&shown, source, MOST + 1) {
-            self.before = Some(Before { scenario: was, study, words, is_complete: false });
+            self.before = Some(Before { scenario: was, study, words, is_of_filters, is_complete: false });
         }
     }
 

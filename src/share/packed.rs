@@ -4,6 +4,7 @@
 //! result does not include it, so that a link has little more than its differences from the dictionary. The dictionary
 //! belongs to the format: a change of it needs a new version, and the old one must be kept.
 
+use kalmanscope_core::internals::short_hash;
 use miniz_oxide::deflate::core::{CompressorOxide, TDEFLFlush, compress_to_output, create_comp_flags_from_zip_params};
 use miniz_oxide::inflate::TINFLStatus;
 use miniz_oxide::inflate::core::inflate_flags::TINFL_FLAG_USING_NON_WRAPPING_OUTPUT_BUF;
@@ -30,7 +31,7 @@ pub(super) fn pack(text: &str) -> Vec<u8> {
         bytes.extend_from_slice(part);
         true
     });
-    bytes.extend_from_slice(&check(text.as_bytes()));
+    bytes.extend_from_slice(&short_hash(text.as_bytes()).to_be_bytes());
     bytes
 }
 
@@ -43,11 +44,6 @@ pub(super) fn unpack(bytes: &[u8]) -> Option<String> {
     let flags = TINFL_FLAG_USING_NON_WRAPPING_OUTPUT_BUF;
     let (status, read, written) = decompress(&mut decompressor, bytes, &mut buffer, DICTIONARY.len(), flags);
     let text = buffer.get(DICTIONARY.len()..DICTIONARY.len() + written)?;
-    let is_whole = status == TINFLStatus::Done && read == bytes.len() && check(text) == *expected;
+    let is_whole = status == TINFLStatus::Done && read == bytes.len() && short_hash(text).to_be_bytes() == *expected;
     is_whole.then(|| String::from_utf8(text.to_vec()).ok()).flatten()
-}
-
-/// A hash (FNV-1a), which finds accidents and no intent.
-fn check(text: &[u8]) -> [u8; 4] {
-    text.iter().fold(0x811c_9dc5_u32, |hash, byte| (hash ^ u32::from(*byte)).wrapping_mul(0x0100_0193)).to_be_bytes()
 }

@@ -1,14 +1,11 @@
 //! States and parameters over time: truth, measurement, each filter's estimate and its ±2σ band.
 
-use egui::Ui;
 use kalmanscope_core::{Channel, Quantity};
 
 use crate::plot::chart::Chart;
-use crate::plot::charts::charts_ui;
 use crate::plot::layers::{Layer, line_width};
 use crate::plot::series::{Band, Series};
-use crate::request::Request;
-use crate::sheet::{Column, Sheet, readouts};
+use crate::sheet::Column;
 use crate::text::{decimals, fixed, in_hertz};
 use crate::view::{View, ViewContext};
 use crate::views::{handles, weights};
@@ -47,34 +44,15 @@ impl View for Channels {
         }
     }
 
-    fn sheets<'a>(&self, context: &ViewContext<'a>) -> Vec<Sheet<'a>> {
-        let sheet = |channel: Channel| Sheet {
-            title: channel.name().to_owned(),
-            unit: context.unit(channel.unit()),
-            columns: columns(channel, context),
-        };
-        self.channels(context).into_iter().map(sheet).collect()
-    }
-
-    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
-        let channels = self.channels(context);
-        charts_ui(ui, channels.len(), &context.plot_input(), requests, &|i, last_row| {
-            chart(channels[i], context, last_row)
-        })
-    }
-}
-
-impl Channels {
-    /// The channels with a chart.
-    fn channels(&self, context: &ViewContext<'_>) -> Vec<Channel> {
+    fn charts<'a>(&self, context: &ViewContext<'a>) -> Vec<Chart<'a>> {
         let is_wanted = |channel: &Channel| channel.is_parameter() == matches!(self, Self::Parameters);
-        let channels: Vec<Channel> = context.session.run().channels().into_iter().filter(is_wanted).collect();
-        context.visible.channels(channels)
+        let channels = context.session.run().channels().into_iter().filter(is_wanted).collect();
+        context.visible.channels(channels).into_iter().map(|channel| chart(channel, context)).collect()
     }
 }
 
 /// One channel's chart: bands under measurements under truth under estimates.
-fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Chart<'a> {
+fn chart<'a>(channel: Channel, context: &ViewContext<'a>) -> Chart<'a> {
     let ViewContext { session, palette, visible, .. } = *context;
     let run = session.run();
     let record = run.record();
@@ -98,7 +76,7 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Cha
             bounds: true,
         });
     }
-    let truth_before = session.before().and_then(|before| before.truth(channel, session.scenario()));
+    let truth_before = session.before().and_then(|before| before.truth(channel));
     if let Some(truth) = truth_before.filter(|_| visible.truth) {
         let series = Series::of(truth);
         layers.push(Layer::dashed(series, palette.weak, 1.2));
@@ -130,10 +108,9 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Cha
         symbol: channel.symbol().to_owned(),
         name: channel.name().to_owned(),
         unit: context.unit(channel.unit()),
-        readouts: readouts(&columns(channel, context), context.axis.readout(session)),
+        columns: columns(channel, context),
         layers,
         handles: handles::of_channel(channel, context).into_iter().chain(handles::of_noise(channel, context)).collect(),
-        last_row,
         ..Chart::default()
     }
 }

@@ -2,17 +2,14 @@
 
 use std::ops::Range;
 
-use egui::Ui;
 use kalmanscope_core::Estimates;
 use kalmanscope_core::diagnostics::{Depth, Diagnostics, Total, chi_squared};
 
 use crate::plot::chart::Chart;
-use crate::plot::charts::charts_ui;
 use crate::plot::layers::{Layer, line_width};
 use crate::plot::series::Series;
-use crate::request::Request;
 use crate::session::Wanted;
-use crate::sheet::{Column, Sheet, readouts};
+use crate::sheet::Column;
 use crate::text::significant;
 use crate::view::{View, ViewContext};
 
@@ -39,19 +36,8 @@ impl View for Consistency {
         Wanted::diagnostics(Depth::Consistency)
     }
 
-    fn sheets<'a>(&self, context: &ViewContext<'a>) -> Vec<Sheet<'a>> {
-        let sheet = |square: &Square| Sheet {
-            title: format!("{}, {}, {}", square.symbol, square.name, remark()),
-            unit: "",
-            columns: columns(square, context),
-        };
-        [NIS, NEES].iter().map(sheet).collect()
-    }
-
-    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
-        charts_ui(ui, 2, &context.plot_input(), requests, &|i, last_row| {
-            chart(if i == 0 { &NIS } else { &NEES }, context, last_row)
-        })
+    fn charts<'a>(&self, context: &ViewContext<'a>) -> Vec<Chart<'a>> {
+        [NIS, NEES].iter().map(|square| chart(square, context)).collect()
     }
 }
 
@@ -97,8 +83,8 @@ fn columns<'a>(square: &Square, context: &ViewContext<'a>) -> Vec<Column<'a>> {
     context.diagnostics().map(column).collect()
 }
 
-fn chart<'a>(square: &Square, context: &ViewContext<'a>, last_row: bool) -> Chart<'a> {
-    let ViewContext { session, palette, axis, .. } = *context;
+fn chart<'a>(square: &Square, context: &ViewContext<'a>) -> Chart<'a> {
+    let palette = context.palette;
     let Square { symbol, name, within, moving } = *square;
     let window = window(context);
     let mut layers: Vec<Layer<'a>> = vec![Layer::Level { value: 0.0, color: palette.truth, label: "" }];
@@ -124,13 +110,11 @@ fn chart<'a>(square: &Square, context: &ViewContext<'a>, last_row: bool) -> Char
     }
     Chart {
         key: symbol.to_owned(),
-        title: name.to_owned(),
+        title: format!("{symbol}, {name}, {}", remark()),
         symbol: symbol.to_owned(),
         name: remark(),
-        unit: "",
-        readouts: readouts(&columns(square, context), axis.readout(session)),
+        columns: columns(square, context),
         layers,
-        last_row,
         least: Some((-0.5, 0.5)),
         logarithmic: true,
         ..Chart::default()

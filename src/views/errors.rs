@@ -1,15 +1,12 @@
 //! Estimation errors over time within their ±2σ, and the Cramér-Rao bound.
 
-use egui::Ui;
 use kalmanscope_core::{Channel, Estimates};
 
 use crate::plot::chart::Chart;
-use crate::plot::charts::charts_ui;
 use crate::plot::layers::{Layer, line_width};
 use crate::plot::series::{Band, Series};
-use crate::request::Request;
 use crate::session::{Bound, Wanted};
-use crate::sheet::{Column, Sheet, readouts};
+use crate::sheet::Column;
 use crate::text::{decimals, error_in_hertz, fixed};
 use crate::view::{View, ViewContext};
 
@@ -33,23 +30,12 @@ impl View for Errors {
         Wanted::BOUNDS
     }
 
-    fn sheets<'a>(&self, context: &ViewContext<'a>) -> Vec<Sheet<'a>> {
-        let sheet = |channel: Channel| Sheet {
-            title: title(channel),
-            unit: context.unit(channel.unit()),
-            columns: columns(channel, context),
-        };
-        channels(context).into_iter().map(sheet).collect()
+    fn charts<'a>(&self, context: &ViewContext<'a>) -> Vec<Chart<'a>> {
+        channels(context).into_iter().map(|channel| chart(channel, context)).collect()
     }
 
-    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
-        let channels = channels(context);
-        if channels.is_empty() {
-            ui.weak("The truth of this record is not known.");
-        }
-        charts_ui(ui, channels.len(), &context.plot_input(), requests, &|i, last_row| {
-            chart(channels[i], context, last_row)
-        })
+    fn without_charts(&self) -> &'static str {
+        "The truth of this record is not known."
     }
 }
 
@@ -62,10 +48,6 @@ fn channels(context: &ViewContext<'_>) -> Vec<Channel> {
         .filter(|c| record.truth(*c).is_some() && context.in_doubt(*c))
         .partition(|c| c.is_parameter());
     context.visible.channels([parameters, states].concat())
-}
-
-fn title(channel: Channel) -> String {
-    format!("error of the {}", channel.name())
 }
 
 /// The errors.
@@ -87,8 +69,8 @@ fn columns<'a>(channel: Channel, context: &ViewContext<'a>) -> Vec<Column<'a>> {
     context.filters().filter_map(column).collect()
 }
 
-fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Chart<'a> {
-    let ViewContext { session, palette, visible, axis, .. } = *context;
+fn chart<'a>(channel: Channel, context: &ViewContext<'a>) -> Chart<'a> {
+    let ViewContext { session, palette, visible, .. } = *context;
     let run = session.run();
     let truth = run.record().truth(channel).unwrap_or_default();
     let mut layers: Vec<Layer<'a>> = Vec::new();
@@ -125,13 +107,12 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Cha
     }
     Chart {
         key: format!("error of {}", channel.key()),
-        title: title(channel),
+        title: format!("error of the {}", channel.name()),
         symbol: format!("{} error", channel.symbol()),
         name: channel.name().to_owned(),
         unit: context.unit(channel.unit()),
-        readouts: readouts(&columns(channel, context), axis.readout(session)),
+        columns: columns(channel, context),
         layers,
-        last_row,
         ..Chart::default()
     }
 }

@@ -57,9 +57,7 @@ impl View for Filters {
                 }
             });
         });
-        if &scenario != context.session.scenario() {
-            requests.push(Request::Edit(Box::new(scenario)));
-        }
+        requests.extend(Request::edit(context.session.scenario(), &scenario));
         None
     }
 }

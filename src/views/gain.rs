@@ -8,7 +8,7 @@ use crate::plot::charts::charts_ui;
 use crate::plot::layers::Layer;
 use crate::plot::series::Series;
 use crate::request::Request;
-use crate::sheet::{Column, Sheet, readouts};
+use crate::sheet::{Column, Sheet};
 use crate::text::significant;
 use crate::view::{View, ViewContext};
 
@@ -29,27 +29,17 @@ impl View for Gain {
     }
 
     fn sheets<'a>(&self, context: &ViewContext<'a>) -> Vec<Sheet<'a>> {
-        let sheets = |(sensor, quantity): (usize, Quantity)| {
-            let sheet = move |channel: Channel| Sheet {
-                title: format!("{} by the {} sensor", title(channel), quantity.key()),
-                unit: context.unit(channel.unit()),
-                columns: columns(channel, sensor, context),
-            };
-            channels(context).into_iter().map(sheet)
-        };
-        context.session.sensors().into_iter().enumerate().flat_map(sheets).collect()
+        let sensors = 0..context.session.sensors().len();
+        sensors.flat_map(|sensor| charts(sensor, context)).map(Chart::into_sheet).collect()
     }
 
     fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
-        let channels = channels(context);
         if context.session.run().scenario().sensors.is_empty() {
             ui.weak("Nothing is measured.");
             return None;
         }
         let sensor = sensor_ui(ui, &context.session.sensors());
-        charts_ui(ui, channels.len(), &context.plot_input(), requests, &|i, last_row| {
-            chart(channels[i], sensor, context, last_row)
-        })
+        charts_ui(ui, charts(sensor, context), &context.plot_input(), requests)
     }
 }
 
@@ -69,15 +59,12 @@ fn sensor_ui(ui: &mut Ui, sensors: &[Quantity]) -> usize {
     chosen
 }
 
-/// The channels with a chart.
-fn channels(context: &ViewContext<'_>) -> Vec<Channel> {
+/// What a sensor moves, channel by channel.
+fn charts<'a>(sensor: usize, context: &ViewContext<'a>) -> Vec<Chart<'a>> {
     let channels = context.session.run().channels().into_iter().filter(|c| context.in_doubt(*c));
     let (parameters, states): (Vec<Channel>, Vec<Channel>) = channels.partition(|c| c.is_parameter());
-    context.visible.channels([parameters, states].concat())
-}
-
-fn title(channel: Channel) -> String {
-    format!("gain of the {}", channel.name())
+    let channels = context.visible.channels([parameters, states].concat());
+    channels.into_iter().map(|channel| chart(channel, sensor, context)).collect()
 }
 
 /// Whether a sensor measures a channel: its gain is then a share of the innovation.
@@ -104,8 +91,8 @@ fn columns<'a>(channel: Channel, sensor: usize, context: &ViewContext<'a>) -> Ve
     context.filters().filter_map(column).collect()
 }
 
-fn chart<'a>(channel: Channel, sensor: usize, context: &ViewContext<'a>, last_row: bool) -> Chart<'a> {
-    let ViewContext { session, palette, axis, .. } = *context;
+fn chart<'a>(channel: Channel, sensor: usize, context: &ViewContext<'a>) -> Chart<'a> {
+    let palette = context.palette;
     let is_measured = is_measured(channel, sensor, context);
     let mut layers: Vec<Layer<'a>> = vec![Layer::Level { value: 0.0, color: palette.weak, label: "" }];
     for (_, estimates) in context.filters() {
@@ -117,15 +104,16 @@ fn chart<'a>(channel: Channel, sensor: usize, context: &ViewContext<'a>, last_ro
             1.2,
         ));
     }
+    let sensor_of = context.session.sensors().get(sensor).copied();
+    let by = sensor_of.map_or_else(String::new, |quantity| format!(" by the {} sensor", quantity.key()));
     Chart {
         key: format!("gain of {} from {sensor}", channel.key()),
-        title: title(channel),
+        title: format!("gain of the {}{by}", channel.name()),
         symbol: if is_measured { "K".to_owned() } else { format!("K√S → {}", channel.symbol()) },
         name: if is_measured { "share of the innovation taken".to_owned() } else { channel.name().to_owned() },
         unit: if is_measured { "" } else { context.unit(channel.unit()) },
-        readouts: readouts(&columns(channel, sensor, context), axis.readout(session)),
+        columns: columns(channel, sensor, context),
         layers,
-        last_row,
         ..Chart::default()
     }
 }

@@ -1,14 +1,11 @@
 //! Innovations within ±2√S: the new information of each measurement.
 
-use egui::Ui;
 use kalmanscope_core::{Estimates, Quantity};
 
 use crate::plot::chart::Chart;
-use crate::plot::charts::charts_ui;
 use crate::plot::heading::Readout;
 use crate::plot::layers::Layer;
 use crate::plot::series::{Band, Series};
-use crate::request::Request;
 use crate::sheet::{Column, Sheet};
 use crate::text::significant;
 use crate::view::{View, ViewContext};
@@ -34,38 +31,29 @@ impl View for Innovations {
     }
 
     fn sheets<'a>(&self, context: &ViewContext<'a>) -> Vec<Sheet<'a>> {
-        let sheet = |(sensor, quantity): (usize, Quantity)| Sheet {
-            title: title(quantity),
-            unit: context.unit(quantity.unit()),
-            columns: columns(sensor, context),
-        };
-        let innovations = context.session.sensors().into_iter().enumerate().map(sheet);
-        innovations.chain(learnt_noise::sheets(context)).collect()
+        charts(usize::MAX, context).into_iter().map(Chart::into_sheet).collect()
     }
 
-    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
-        let sensors: Vec<Quantity> = context.session.sensors();
-        if sensors.is_empty() {
-            ui.weak("Nothing is measured.");
-        }
+    fn charts<'a>(&self, context: &ViewContext<'a>) -> Vec<Chart<'a>> {
         // The innovations of several filters in one chart would be one block of colour.
-        let filters: Vec<&Estimates> = context.filters().map(|(_, estimates)| estimates).collect();
-        let rows = if sensors.len() * filters.len() <= ROWS { filters.len().max(1) } else { 1 };
-        let own = sensors.len() * rows;
-        let count = own + if learnt_noise::is_shown(context) { sensors.len() } else { 0 };
-        charts_ui(ui, count, &context.plot_input(), requests, &|i, last_row| {
-            if let Some(sensor) = i.checked_sub(own) {
-                return learnt_noise::chart(sensor, sensors[sensor], context, last_row);
-            }
-            let (sensor, row) = (i / rows, i % rows);
-            let filters = if rows > 1 { &filters[row..=row] } else { &filters[..] };
-            chart(sensor, sensors[sensor], filters, context, last_row)
-        })
+        let (sensors, filters) = (context.session.sensors().len(), context.filters().count());
+        charts(if sensors * filters <= ROWS { 1 } else { usize::MAX }, context)
+    }
+
+    fn without_charts(&self) -> &'static str {
+        "Nothing is measured."
     }
 }
 
-fn title(quantity: Quantity) -> String {
-    format!("innovations of the {} sensor", quantity.key())
+/// The charts of each sensor, for so many filters together at most, and what is learnt of its noise.
+fn charts<'a>(together: usize, context: &ViewContext<'a>) -> Vec<Chart<'a>> {
+    let filters: Vec<&Estimates> = context.filters().map(|(_, estimates)| estimates).collect();
+    let groups: Vec<&[&Estimates]> = if filters.is_empty() { vec![&[]] } else { filters.chunks(together).collect() };
+    let of = |(sensor, quantity): (usize, Quantity)| {
+        groups.iter().map(move |filters| chart(sensor, quantity, filters, context))
+    };
+    let own = context.session.sensors().into_iter().enumerate().flat_map(of);
+    own.chain(learnt_noise::charts(context)).collect()
 }
 
 /// The variance that a filter expects of a sensor's innovation.
@@ -74,8 +62,8 @@ fn variance(estimates: &Estimates, sensor: usize, k: usize) -> f64 {
 }
 
 /// The innovations with their ±2√S.
-fn columns<'a>(sensor: usize, context: &ViewContext<'a>) -> Vec<Column<'a>> {
-    let column = |(_, estimates): (usize, &'a Estimates)| {
+fn columns<'a>(sensor: usize, filters: &[&'a Estimates], context: &ViewContext<'a>) -> Vec<Column<'a>> {
+    let column = |&estimates: &&'a Estimates| {
         let text = move |k: usize| {
             let innovation = (k < estimates.len()).then(|| estimates.innovation(k)[sensor])?;
             let numbers = [innovation, 2.0 * variance(estimates, sensor, k).sqrt()];
@@ -84,16 +72,10 @@ fn columns<'a>(sensor: usize, context: &ViewContext<'a>) -> Vec<Column<'a>> {
         };
         Column::new(estimates.name(), context.palette.shade(estimates.color()), text)
     };
-    context.filters().map(column).collect()
+    filters.iter().map(column).collect()
 }
 
-fn chart<'a>(
-    sensor: usize,
-    quantity: Quantity,
-    filters: &[&'a Estimates],
-    context: &ViewContext<'a>,
-    last_row: bool,
-) -> Chart<'a> {
+fn chart<'a>(sensor: usize, quantity: Quantity, filters: &[&'a Estimates], context: &ViewContext<'a>) -> Chart<'a> {
     let ViewContext { session, palette, visible, axis, .. } = *context;
     let k = axis.readout(session);
     let mut layers: Vec<Layer<'a>> = Vec::new();
@@ -124,14 +106,14 @@ fn chart<'a>(
     };
     Chart {
         key: format!("innovation of {}{of}", quantity.key()),
-        title: format!("{}{of}", title(quantity)),
+        title: format!("innovations of the {} sensor{of}", quantity.key()),
         symbol: format!("e({})", quantity.symbol()),
         name: format!("innovation of {}{of}", quantity.key()),
         unit: context.unit(quantity.unit()),
-        readouts,
+        columns: columns(sensor, filters, context),
+        readouts: Some(readouts),
         layers,
         handles: handles::of_sensor(sensor, quantity, filters, context),
-        last_row,
         ..Chart::default()
     }
 }

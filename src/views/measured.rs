@@ -1,14 +1,11 @@
 //! Measurements against predictions: one step ahead, and by the identified model alone.
 
-use egui::Ui;
 use kalmanscope_core::{Estimates, Quantity};
 
 use crate::plot::chart::Chart;
-use crate::plot::charts::charts_ui;
 use crate::plot::heading::Readout;
 use crate::plot::layers::{Layer, line_width};
 use crate::plot::series::Series;
-use crate::request::Request;
 use crate::sheet::{Column, Sheet};
 use crate::text::significant;
 use crate::view::{View, ViewContext};
@@ -38,35 +35,26 @@ impl View for Measured {
     }
 
     fn sheets<'a>(&self, context: &ViewContext<'a>) -> Vec<Sheet<'a>> {
-        let sheet = |(sensor, quantity): (usize, Quantity)| Sheet {
-            title: format!("{} measured and predicted", quantity.name()),
-            unit: context.unit(quantity.unit()),
-            columns: columns((sensor, quantity), context),
-        };
-        sensors(context).iter().copied().enumerate().map(sheet).collect()
+        sensors(context).map(|(sensor, quantity)| signals(sensor, quantity, context).into_sheet()).collect()
     }
 
-    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
-        let sensors = sensors(context);
-        if sensors.is_empty() {
-            ui.weak("Nothing is measured.");
-        }
-        // A record that is being measured has no free run.
-        let each = if context.session.is_live() { 1 } else { 2 };
-        charts_ui(ui, each * sensors.len(), &context.plot_input(), requests, &|i, last_row| {
-            let (sensor, quantity) = (i / each, sensors[i / each]);
-            if i % each == 0 {
-                signals(sensor, quantity, context, last_row)
-            } else {
-                errors(sensor, quantity, context, last_row)
-            }
-        })
+    fn charts<'a>(&self, context: &ViewContext<'a>) -> Vec<Chart<'a>> {
+        let of = |(sensor, quantity): (usize, Quantity)| {
+            // A record that is being measured has no free run.
+            let errors = (!context.session.is_live()).then(|| errors(sensor, quantity, context));
+            std::iter::once(signals(sensor, quantity, context)).chain(errors)
+        };
+        sensors(context).flat_map(of).collect()
+    }
+
+    fn without_charts(&self) -> &'static str {
+        "Nothing is measured."
     }
 }
 
 /// The quantities of the record, including those that no filter uses.
-fn sensors<'a>(context: &ViewContext<'a>) -> &'a [Quantity] {
-    context.session.run().record().sensors()
+fn sensors<'a>(context: &ViewContext<'a>) -> impl Iterator<Item = (usize, Quantity)> + use<'a> {
+    context.session.run().record().sensors().iter().copied().enumerate()
 }
 
 /// The prediction of a quantity one step ahead, if the filter uses it.
@@ -98,7 +86,7 @@ fn columns<'a>((sensor, quantity): (usize, Quantity), context: &ViewContext<'a>)
 }
 
 /// Measured, predicted and free run.
-fn signals<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>, last_row: bool) -> Chart<'a> {
+fn signals<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>) -> Chart<'a> {
     let ViewContext { session, palette, visible, axis, .. } = *context;
     let all = measured(sensor, context);
     let mut layers: Vec<Layer<'a>> = Vec::new();
@@ -130,15 +118,15 @@ fn signals<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>, las
         symbol: quantity.symbol().to_owned(),
         name: format!("{}: measured, predicted{}", quantity.name(), if session.is_live() { "" } else { ", free run" }),
         unit: context.unit(quantity.unit()),
-        readouts: readouts.into_iter().chain(said).collect(),
+        columns: columns((sensor, quantity), context),
+        readouts: Some(readouts.into_iter().chain(said).collect()),
         layers,
-        last_row,
         ..Chart::default()
     }
 }
 
 /// The errors of the free run, with its fit and RMS error, and those of predictions one step ahead.
-fn errors<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>, last_row: bool) -> Chart<'a> {
+fn errors<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>) -> Chart<'a> {
     let ViewContext { session, palette, .. } = *context;
     let all = measured(sensor, context);
     let mut layers: Vec<Layer<'a>> = vec![Layer::Level { value: 0.0, color: palette.weak, label: "" }];
@@ -169,9 +157,8 @@ fn errors<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>, last
         symbol: format!("Δ{}", quantity.symbol()),
         name: "error of the free run".to_owned(),
         unit: context.unit(quantity.unit()),
-        readouts,
+        readouts: Some(readouts),
         layers,
-        last_row,
         ..Chart::default()
     }
 }

@@ -4,16 +4,13 @@ use std::cell::RefCell;
 use std::ops::Range;
 use std::rc::Rc;
 
-use egui::Ui;
 use kalmanscope_core::{Channel, Estimates, Evidence, ModelClasses};
 
 use crate::plot::chart::Chart;
-use crate::plot::charts::charts_ui;
 use crate::plot::layers::Layer;
 use crate::plot::series::{Band, Series};
-use crate::request::Request;
 use crate::session::Wanted;
-use crate::sheet::{Column, Sheet, readouts};
+use crate::sheet::Column;
 use crate::text::{decimals, fixed};
 use crate::view::{View, ViewContext};
 
@@ -40,35 +37,17 @@ impl View for Classes {
         Wanted::EVIDENCE
     }
 
-    fn sheets<'a>(&self, context: &ViewContext<'a>) -> Vec<Sheet<'a>> {
-        let classes = Rc::new(Weighed::new(context));
-        let probabilities = Sheet {
-            title: "probabilities of the model classes".to_owned(),
-            unit: "",
-            columns: probabilities(&classes, context),
-        };
-        let average = |channel: Channel| Sheet {
-            title: title(channel),
-            unit: context.unit(channel.unit()),
-            columns: averages(&classes, channel, context),
-        };
-        std::iter::once(probabilities).chain(channels(context).into_iter().map(average)).collect()
-    }
-
-    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
+    fn charts<'a>(&self, context: &ViewContext<'a>) -> Vec<Chart<'a>> {
         let classes = Rc::new(Weighed::new(context));
         if classes.all.len() < 2 {
-            ui.weak("Show at least two filters: each is a model class.");
-            return None;
+            return Vec::new();
         }
-        let channels = channels(context);
-        charts_ui(ui, 1 + channels.len(), &context.plot_input(), requests, &|i, last_row| {
-            let channel = i.checked_sub(1).map(|i| channels[i]);
-            match channel {
-                None => shares(&classes, context, last_row),
-                Some(channel) => average(&classes, channel, context, last_row),
-            }
-        })
+        let averages = channels(context).into_iter().map(|channel| average(&classes, channel, context));
+        std::iter::once(shares(&classes, context)).chain(averages).collect()
+    }
+
+    fn without_charts(&self) -> &'static str {
+        "Show at least two filters: each is a model class."
     }
 }
 
@@ -156,8 +135,8 @@ fn averages<'a>(classes: &Rc<Weighed<'a>>, channel: Channel, context: &ViewConte
 }
 
 /// The probabilities, one upon the other.
-fn shares<'a>(classes: &Rc<Weighed<'a>>, context: &ViewContext<'a>, last_row: bool) -> Chart<'a> {
-    let ViewContext { session, palette, axis, .. } = *context;
+fn shares<'a>(classes: &Rc<Weighed<'a>>, context: &ViewContext<'a>) -> Chart<'a> {
+    let palette = context.palette;
     let mut layers = Vec::new();
     for (class, (estimates, _)) in classes.all.iter().enumerate() {
         let color = palette.shade(estimates.color());
@@ -177,17 +156,16 @@ fn shares<'a>(classes: &Rc<Weighed<'a>>, context: &ViewContext<'a>, last_row: bo
         title: "probabilities of the model classes".to_owned(),
         symbol: "P".to_owned(),
         name: "of each class".to_owned(),
-        readouts: readouts(&probabilities(classes, context), axis.readout(session)),
+        columns: probabilities(classes, context),
         layers,
-        last_row,
         least: Some((0.0, 1.0)),
         ..Chart::default()
     }
 }
 
 /// The average of a parameter within ±2σ, and the truth.
-fn average<'a>(classes: &Rc<Weighed<'a>>, channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Chart<'a> {
-    let ViewContext { session, palette, visible, axis, .. } = *context;
+fn average<'a>(classes: &Rc<Weighed<'a>>, channel: Channel, context: &ViewContext<'a>) -> Chart<'a> {
+    let ViewContext { session, palette, visible, .. } = *context;
     let run = session.run();
     let of = |sigmas: f64| {
         let classes = Rc::clone(classes);
@@ -213,9 +191,8 @@ fn average<'a>(classes: &Rc<Weighed<'a>>, channel: Channel, context: &ViewContex
         symbol: channel.symbol().to_owned(),
         name: title(channel),
         unit: context.unit(channel.unit()),
-        readouts: readouts(&averages(classes, channel, context), axis.readout(session)),
+        columns: averages(classes, channel, context),
         layers,
-        last_row,
         ..Chart::default()
     }
 }

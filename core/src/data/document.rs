@@ -74,6 +74,38 @@ impl Document {
         entries.iter().find(|(name, _)| name == key).map(|(_, value)| value)
     }
 
+    /// Puts a value at a path of keys and places from 0 on, with dots between them; [`Self::Null`] takes an entry of a table away.
+    /// Returns whether the path leads to a table, or to a place of a list.
+    pub fn put(&mut self, path: &str, value: &Self) -> bool {
+        let (first, rest) = path.split_once('.').map_or((path, None), |(first, rest)| (first, Some(rest)));
+        let place = match self {
+            Self::Table(entries) => {
+                let place = entries.iter().position(|(key, _)| key == first);
+                match (place, rest, value) {
+                    (_, None, Self::Null) => {
+                        entries.retain(|(key, _)| key != first);
+                        return true;
+                    }
+                    (None, None, _) => {
+                        entries.push((first.to_owned(), value.clone()));
+                        return true;
+                    }
+                    _ => place.map(|place| &mut entries[place].1),
+                }
+            }
+            Self::List(items) => first.parse().ok().and_then(|at: usize| items.get_mut(at)),
+            _ => None,
+        };
+        match (place, rest) {
+            (Some(place), Some(rest)) => place.put(rest, value),
+            (Some(place), None) => {
+                place.clone_from(value);
+                true
+            }
+            (None, _) => false,
+        }
+    }
+
     /// The values of a table or a list, in order; empty for anything else.
     pub fn children(&self) -> impl Iterator<Item = &Self> {
         let (entries, values): (&[_], &[_]) = match self {

@@ -5,6 +5,7 @@
 
 mod address;
 mod allowed;
+mod change;
 mod edit;
 mod filter;
 mod info;
@@ -18,6 +19,7 @@ use crate::mathematics::channel::Channel;
 
 pub use address::{Address, UnknownSetting};
 pub use allowed::Allowed;
+pub use change::Change;
 pub use edit::Edit;
 pub use filter::{ENSEMBLE_SIZE, ETA, FADING, FORGETTING, GUESSES, JUMP, MEMORY, OF_FILTER, OPTIONS, SMOOTHER, WALK};
 pub use info::SettingInfo;

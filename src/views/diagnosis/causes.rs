@@ -129,6 +129,6 @@ fn edits_ui(
     if button.clicked()
         && let Ok(turned) = Edit::apply_all(edits, scenario)
     {
-        requests.push(Request::Edit(Box::new(turned)));
+        requests.extend(Request::edit(scenario, &turned));
     }
 }

@@ -51,7 +51,7 @@ pub(super) fn settings_ui(ui: &mut Ui, context: &ViewContext<'_>, id: u32, reque
             if number.changed() {
                 let mut edited = scenario.clone();
                 address.set(&mut edited, value);
-                requests.push(Request::Edit(Box::new(edited)));
+                requests.extend(Request::edit(scenario, &edited));
             }
         }
     });

@@ -139,11 +139,8 @@ pub(super) fn dot_ui(
             moved = Some([0, 1].map(|at| stepped(survey.axes()[at], present[at], steps[at])));
         }
     }
-    if let Some(scenario) = moved.and_then(|values| survey.with(scenario, values))
-        && &scenario != context.session.scenario()
-    {
-        requests.push(Request::Edit(Box::new(scenario)));
-    }
+    let edited = moved.and_then(|values| survey.with(scenario, values));
+    requests.extend(edited.and_then(|edited| Request::edit(context.session.scenario(), &edited)));
 }
 
 fn paint(ui: &Ui, at: egui::Pos2, is_lit: bool, is_inside: bool, palette: &Palette) {

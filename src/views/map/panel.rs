@@ -125,8 +125,9 @@ impl PanelView<'_> {
         let cell = ensemble.cell(&[place(0), place(1)]);
         let values = ensemble.values(cell);
         if response.clicked() {
-            let chosen = survey.with(context.session.scenario(), [values[0], values[1]]);
-            requests.extend(chosen.map(|scenario| Request::Edit(Box::new(scenario))));
+            let scenario = context.session.scenario();
+            let chosen = survey.with(scenario, [values[0], values[1]]);
+            requests.extend(chosen.and_then(|chosen| Request::edit(scenario, &chosen)));
         }
         if response.hovered() {
             Tooltip::for_widget(&response).at_pointer().gap(12.0).show(|ui| self.cell_ui(ui, cell, &values));

@@ -51,9 +51,8 @@ pub(super) fn population_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &m
     let hint = "What is another number for each seed: a population in place of one truth";
     let button = button.on_hover_text(hint);
     button.ctx.accesskit_node_builder(button.id, |node| node.set_label("Drawn numbers"));
-    if let Some(next) = edited.filter(|next| next != scenario && next.validate().is_ok()) {
-        requests.push(Request::Edit(Box::new(next)));
-    }
+    let edited = edited.filter(|next| next.validate().is_ok());
+    requests.extend(edited.and_then(|next| Request::edit(scenario, &next)));
 }
 
 /// The name of a drawn number, with that of its filter where there are several.

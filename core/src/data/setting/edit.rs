@@ -131,35 +131,12 @@ fn set(document: &mut Document, scenario: &Scenario, address: &str, value: &Docu
         let of_sensor = key.split_once('.').filter(|(table, _)| *table == SENSOR_STD.key);
         let key = of_sensor.map_or(Some(key.to_owned()), |(table, key)| Some(format!("{table}.{}", sensor(key)?)));
         return key.is_some_and(|key| {
-            places.iter().all(|place| put(document, &format!("filters.{place}.{key}"), value)) && !places.is_empty()
+            places.iter().all(|place| document.put(&format!("filters.{place}.{key}"), value)) && !places.is_empty()
         });
     }
     match address.strip_prefix("sensors.").and_then(|rest| rest.split_once('.')) {
-        Some((key, rest)) => sensor(key).is_some_and(|at| put(document, &format!("sensors.{at}.{rest}"), value)),
-        None => !address.starts_with("filters") && put(document, address, value),
-    }
-}
-
-/// Puts a value at a path of keys and places from 0 on. Returns whether the path leads to a table, or to a place of a list.
-fn put(document: &mut Document, path: &str, value: &Document) -> bool {
-    let (first, rest) = path.split_once('.').map_or((path, None), |(first, rest)| (first, Some(rest)));
-    let place = match document {
-        Document::Table(entries) => {
-            if rest.is_none() && entries.iter().all(|(key, _)| key != first) {
-                entries.push((first.to_owned(), Document::Null));
-            }
-            entries.iter_mut().find(|(key, _)| key == first).map(|(_, value)| value)
-        }
-        Document::List(items) => first.parse().ok().and_then(|at: usize| items.get_mut(at)),
-        _ => None,
-    };
-    match (place, rest) {
-        (Some(place), Some(rest)) => put(place, rest, value),
-        (Some(place), None) => {
-            place.clone_from(value);
-            true
-        }
-        (None, _) => false,
+        Some((key, rest)) => sensor(key).is_some_and(|at| document.put(&format!("sensors.{at}.{rest}"), value)),
+        None => !address.starts_with("filters") && document.put(address, value),
     }
 }
 

@@ -1,23 +1,21 @@
 //! Division by a covariance.
 
-use super::{Matrix, Vector, copy, fit_vector};
+use super::root::partial_root;
+use super::{Matrix, Vector, copy};
+use crate::mathematics::engine::columns;
 
 /// `S = L D Lᵀ` with a unit lower triangular L and a positive diagonal D, m × m: a Cholesky factor without square roots.
-///
-/// Source: Golub and Van Loan (2013), *Matrix Computations*, section 4.1.2.
 #[derive(Clone, Debug)]
 pub struct Ldl {
-    /// L below the diagonal; the rest is of no meaning.
-    lower: Matrix,
-    /// The inverse of D; zero in a direction that is left out.
-    inverse_pivots: Vector,
+    /// L below the diagonal and D⁻¹ on it, zero in a direction that is left out; the rest is of no meaning.
+    factor: Matrix,
     determinant: f64,
 }
 
 impl Default for Ldl {
     /// The factor of no matrix, m = 0.
     fn default() -> Self {
-        Self { lower: Matrix::zeros(0, 0), inverse_pivots: Vector::zeros(0), determinant: 1.0 }
+        Self { factor: Matrix::zeros(0, 0), determinant: 1.0 }
     }
 }
 
@@ -31,47 +29,26 @@ impl Ldl {
     /// [`Self::new`], written over `self`. Returns whether the matrix is positive definite: if not, the factor is of no
     /// meaning.
     pub fn refactor(&mut self, s: &Matrix) -> bool {
-        self.eliminate(s, |pivot, _| pivot > 0.0 && (1.0 / pivot).is_normal());
-        !self.inverse_pivots.iter().any(|&inverse| inverse == 0.0)
+        copy(&mut self.factor, s);
+        let (determinant, is_definite) = columns::factor(self.factor.as_mut_slice(), s.nrows());
+        self.determinant = determinant;
+        is_definite
     }
 
     /// The factor of a symmetric matrix that may be only semidefinite: a direction of no variance is left out, and a
     /// quotient has no part in it.
     pub fn semidefinite(s: &Matrix) -> Self {
-        let rounding = 4.0 * s.nrows() as f64 * f64::EPSILON;
-        let mut factor = Self::default();
-        factor.eliminate(s, |pivot, variance| pivot > rounding * variance);
-        factor
-    }
-
-    /// Eliminates column by column. Skips a column if `counts` rejects its pivot against its original variance.
-    fn eliminate(&mut self, s: &Matrix, counts: impl Fn(f64, f64) -> bool) {
-        let Self { lower: rest, inverse_pivots, determinant } = self;
-        let m = s.nrows();
-        copy(rest, s);
-        fit_vector(inverse_pivots, m);
-        *determinant = 1.0;
-        for j in 0..m {
-            let pivot = rest[(j, j)];
-            if !counts(pivot, s[(j, j)]) {
-                (inverse_pivots[j], *determinant) = (0.0, 0.0);
-                rest.as_mut_slice()[j * m..][j..m].fill(0.0);
-                continue;
+        let (mut factor, _) = partial_root(s);
+        let mut determinant = 1.0;
+        for j in 0..s.nrows() {
+            let root = factor[(j, j)];
+            determinant *= root * root;
+            if root > 0.0 {
+                factor.column_mut(j).unscale_mut(root);
+                factor[(j, j)] = 1.0 / (root * root);
             }
-            let inverse = 1.0 / pivot;
-            for k in j + 1..m {
-                let share = rest[(k, j)] * inverse;
-                for i in k..m {
-                    let product = rest[(i, j)] * share;
-                    rest[(i, k)] -= product;
-                }
-            }
-            for k in j + 1..m {
-                rest[(k, j)] *= inverse;
-            }
-            inverse_pivots[j] = inverse;
-            *determinant *= pivot;
         }
+        Self { factor, determinant }
     }
 
     /// `X S⁻¹` for X of r × m.
@@ -83,27 +60,12 @@ impl Ldl {
 
     /// Makes of X the matrix `X S⁻¹`.
     pub fn divide_in_place(&self, x: &mut Matrix) {
-        let Self { lower, inverse_pivots, .. } = self;
         let (r, m) = x.shape();
-        let entries = x.as_mut_slice();
-        for j in 0..m {
-            let (before, column) = entries.split_at_mut(j * r);
-            for k in 0..j {
-                subtract(&mut column[..r], &before[k * r..][..r], lower[(j, k)]);
-            }
-        }
-        for j in (0..m).rev() {
-            let (column, after) = entries[j * r..].split_at_mut(r);
-            column.iter_mut().for_each(|entry| *entry *= inverse_pivots[j]);
-            for k in j + 1..m {
-                subtract(column, &after[(k - j - 1) * r..][..r], lower[(k, j)]);
-            }
-        }
+        columns::divide(self.factor.as_slice(), m, x.as_mut_slice(), r);
     }
 
     /// `eᵀ S⁻¹ e`
     pub fn square(&self, e: &Vector) -> f64 {
-        let Self { lower, inverse_pivots, .. } = self;
         // Up to this many numbers need no memory of their own.
         let (mut few, mut many) = ([0.0; 8], Vec::new());
         let white = if e.len() <= few.len() {
@@ -112,15 +74,8 @@ impl Ldl {
             many.resize(e.len(), 0.0);
             &mut many[..]
         };
-        let mut sum = 0.0;
-        for j in 0..e.len() {
-            white[j] = e[j];
-            for k in 0..j {
-                white[j] -= lower[(j, k)] * white[k];
-            }
-            sum += white[j] * white[j] * inverse_pivots[j];
-        }
-        sum
+        white.copy_from_slice(e.as_slice());
+        columns::square(self.factor.as_slice(), e.len(), white)
     }
 
     /// ln det S, which is a number even where the determinant is none.
@@ -128,20 +83,14 @@ impl Ldl {
         if self.determinant.is_normal() {
             libm::log(self.determinant)
         } else {
-            -self.inverse_pivots.iter().map(|&inverse| libm::log(inverse)).sum::<f64>()
+            let m = self.factor.nrows();
+            -(0..m).map(|j| libm::log(self.factor[(j, j)])).sum::<f64>()
         }
     }
 
     /// det S; zero or infinite where it leaves the range of numbers.
     pub fn determinant(&self) -> f64 {
         self.determinant
-    }
-}
-
-/// Takes from a column another one times its share in it.
-fn subtract(column: &mut [f64], other: &[f64], share: f64) {
-    for (entry, other) in column.iter_mut().zip(other) {
-        *entry -= other * share;
     }
 }
 

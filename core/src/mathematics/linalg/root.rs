@@ -3,6 +3,8 @@
 use thiserror::Error;
 
 use super::Matrix;
+use crate::mathematics::engine::columns::{self, Rooted};
+use crate::mathematics::engine::level::Baseline;
 
 /// Why a symmetric matrix has no root.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
@@ -20,39 +22,21 @@ pub enum RootError {
 ///
 /// # Errors
 /// [`RootError`] where a pivot is negative beyond rounding, or no finite number.
-///
-/// Source: Golub and Van Loan (2013), *Matrix Computations*, section 4.2.8 (semidefinite systems).
 pub(crate) fn lower_root(s: &Matrix) -> Result<Matrix, RootError> {
+    let (root, Rooted { holds, is_finite }) = partial_root(s);
+    match (holds, is_finite) {
+        (true, _) => Ok(root),
+        (false, true) => Err(RootError::Indefinite),
+        (false, false) => Err(RootError::NotFinite),
+    }
+}
+
+/// The same, with a column of zeros for each pivot that has no root, and whether there is such a one.
+pub(super) fn partial_root(s: &Matrix) -> (Matrix, Rooted<bool>) {
     let n = s.nrows();
     let mut root = Matrix::zeros(n, n);
-    let entries = root.as_mut_slice();
-    for j in 0..n {
-        // Column j less its part in the columns before.
-        let (before, column) = entries.split_at_mut(j * n);
-        let column = &mut column[j..n];
-        column.copy_from_slice(&s.as_slice()[j * n..][j..n]);
-        for earlier in before.chunks_exact(n) {
-            let share = earlier[j];
-            if share != 0.0 {
-                for (entry, earlier) in column.iter_mut().zip(&earlier[j..]) {
-                    *entry -= earlier * share;
-                }
-            }
-        }
-        let pivot = column[0];
-        let rounding = 4.0 * n as f64 * f64::EPSILON * s[(j, j)];
-        if pivot > rounding && pivot.is_normal() {
-            let scale = 1.0 / pivot.sqrt();
-            column.iter_mut().for_each(|entry| *entry *= scale);
-        } else if !pivot.is_finite() {
-            return Err(RootError::NotFinite);
-        } else if pivot < -1e4 * rounding {
-            return Err(RootError::Indefinite);
-        } else {
-            column.fill(0.0);
-        }
-    }
-    Ok(root)
+    let rooted = columns::lower_root(Baseline, s.as_slice(), root.as_mut_slice(), n);
+    (root, rooted)
 }
 
 #[cfg(test)]

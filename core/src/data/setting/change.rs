@@ -1,0 +1,276 @@
+//! What one scenario has otherwise than another.
+
+use super::symbol;
+use crate::data::document::Document;
+use crate::data::scenario::{FilterSettings, Scenario, ScenarioError, address};
+use crate::data::sorting::sort_short_by_key;
+
+/// What one scenario has otherwise than another: the settings, by their addresses.
+///
+/// ```
+/// use kalmanscope_core::{Scenario, setting::Change};
+///
+/// let before = Scenario::default();
+/// let mut now = before.clone();
+/// now.filters[0].fading = 1.0;
+/// let change = Change::between(&before, &now);
+/// assert_eq!(change.keys().collect::<Vec<_>>(), ["filters#1.fading"]);
+/// assert_eq!(change.apply(&before).unwrap(), now);
+/// ```
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Change {
+    settings: Vec<Difference>,
+    added: Vec<(usize, FilterSettings)>,
+    /// The ids and names of the filters that are gone.
+    removed: Vec<(u32, String)>,
+}
+
+/// A setting with its values; null where none is written and the setting has its default.
+#[derive(Clone, Debug, PartialEq)]
+struct Difference {
+    key: String,
+    before: Document,
+    now: Document,
+}
+
+impl Change {
+    /// What `now` has otherwise than `before`. Filters are told apart by their ids.
+    pub fn between(before: &Scenario, now: &Scenario) -> Self {
+        let mut change = Self::default();
+        let find = |scenario: &Scenario, id: u32| scenario.filters.iter().position(|filter| filter.id == id);
+        let ids = |one: &Scenario, other: &Scenario| -> Vec<u32> {
+            one.filters.iter().map(|filter| filter.id).filter(|&id| find(other, id).is_some()).collect()
+        };
+        // Filters in another order are taken away and put back in their new places.
+        let stay = Some(ids(before, now)).filter(|stay| *stay == ids(now, before)).unwrap_or_default();
+        for filter in &before.filters {
+            match find(now, filter.id).filter(|_| stay.contains(&filter.id)) {
+                Some(place) => {
+                    let documents = [filter, &now.filters[place]].map(document);
+                    change.compare(&documents[0], &documents[1], &address::of_filter(filter.id, ""));
+                }
+                None => change.removed.push((filter.id, filter.name.clone())),
+            }
+        }
+        let added = now.filters.iter().enumerate().filter(|(_, filter)| !stay.contains(&filter.id));
+        change.added = added.map(|(place, filter)| (place, filter.clone())).collect();
+        let [before, now] = [before, now].map(|all| document(&Scenario { filters: Vec::new(), ..all.clone() }));
+        change.compare(&before, &now, "");
+        change
+    }
+
+    /// Notes every setting below a path in which the two differ. The path ends with a dot, or is empty.
+    fn compare(&mut self, before: &Document, now: &Document, path: &str) {
+        match (before, now) {
+            _ if before == now => {}
+            (Document::Table(one), Document::Table(other)) => {
+                let mut keys: Vec<&String> = one.iter().chain(other).map(|(key, _)| key).collect();
+                sort_short_by_key(&mut keys, |key| *key);
+                keys.dedup();
+                if keys.iter().any(|key| key.contains('.')) {
+                    return self.note(before, now, path);
+                }
+                for key in keys {
+                    let of = |document: &Document| document.get(key).cloned().unwrap_or(Document::Null);
+                    self.compare(&of(before), &of(now), &format!("{path}{key}."));
+                }
+            }
+            (Document::List(one), Document::List(other)) if one.len() == other.len() => {
+                for (i, (one, other)) in one.iter().zip(other).enumerate() {
+                    self.compare(one, other, &format!("{path}{i}."));
+                }
+            }
+            _ => self.note(before, now, path),
+        }
+    }
+
+    fn note(&mut self, before: &Document, now: &Document, path: &str) {
+        let key = path.trim_end_matches('.').to_owned();
+        self.settings.push(Difference { key, before: before.clone(), now: now.clone() });
+    }
+
+    /// Whether both scenarios are the same.
+    pub fn is_empty(&self) -> bool {
+        self.settings.is_empty() && self.added.is_empty() && self.removed.is_empty()
+    }
+
+    /// The addresses of the settings that differ, those of filters that are new or gone apart.
+    pub fn keys(&self) -> impl Iterator<Item = &str> {
+        self.settings.iter().map(|setting| setting.key.as_str())
+    }
+
+    /// Whether filters alone differ: both scenarios have the same record.
+    pub fn is_of_filters(&self) -> bool {
+        self.keys().all(|key| address::split_id(key).is_some())
+    }
+
+    /// Whether the results of a filter of both scenarios differ: by a setting of its own, other than its name and its colour, or by
+    /// the record.
+    pub fn concerns(&self, id: u32) -> bool {
+        let of_look = |key: &str| matches!(key, "name" | "color");
+        let is_own = |key: &str| address::split_id(key).is_some_and(|(of, key)| of == id && !of_look(key));
+        !self.is_of_filters() || self.keys().any(is_own)
+    }
+
+    /// Another scenario with the same change: each of these settings has its new value, all others stay. The result may be impossible.
+    ///
+    /// # Errors
+    /// [`ScenarioError`] where the scenario has no place for a setting.
+    pub fn apply(&self, scenario: &Scenario) -> Result<Scenario, ScenarioError> {
+        let mut document = Document::of(scenario)?;
+        for Difference { key, now, .. } in &self.settings {
+            let path = match (address::split_id(key), scenario.filters_at(key)) {
+                (Some(_), Some((places, key))) => places.first().map(|place| format!("filters.{place}.{key}")),
+                (Some(_), None) => None,
+                (None, _) => Some(key.clone()),
+            };
+            let is_found = path.is_some_and(|path| document.put(&path, now));
+            let unknown = || ScenarioError::Syntax(format!("the scenario has no setting `{key}`"));
+            is_found.then_some(()).ok_or_else(unknown)?;
+        }
+        let mut changed: Scenario = document.read()?;
+        changed.filters.retain(|filter| self.removed.iter().all(|(id, _)| *id != filter.id));
+        for (place, filter) in &self.added {
+            changed.filters.insert((*place).min(changed.filters.len()), filter.clone());
+        }
+        Ok(changed)
+    }
+
+    /// What was before, setting by setting: `EKF λ = 1`, `with UKF` of a filter that is gone. `scenario` is the one before; `number`
+    /// writes a number.
+    pub fn what_was(&self, scenario: &Scenario, number: impl Fn(f64) -> String) -> Vec<String> {
+        let several = scenario.filters.len() > 1;
+        let said = |Difference { key, before, .. }: &Difference| {
+            let (owner, key) = match (scenario.filters_at(key), address::split_id(key)) {
+                (Some((places, key)), Some(_)) => {
+                    let name = places.first().and_then(|place| scenario.filters.get(*place)).filter(|_| several);
+                    (name.map_or_else(String::new, |filter| format!("{} ", filter.name)), key)
+                }
+                _ => (String::new(), key.as_str()),
+            };
+            format!("{owner}{} = {}", name(key), words(before, &number))
+        };
+        let (of_filters, of_scenario): (Vec<&Difference>, Vec<&Difference>) =
+            self.settings.iter().partition(|setting| address::split_id(&setting.key).is_some());
+        let is_back = |id: u32| self.added.iter().any(|(_, filter)| filter.id == id);
+        let gone = self.removed.iter().filter(|(id, _)| !is_back(*id)).map(|(_, name)| format!("with {name}"));
+        let is_new = |filter: &FilterSettings| self.removed.iter().all(|(id, _)| *id != filter.id);
+        let new = self.added.iter().filter(|(_, filter)| is_new(filter));
+        let new = new.map(|(_, filter)| format!("without {}", filter.name));
+        of_filters.into_iter().map(said).chain(gone).chain(new).chain(of_scenario.into_iter().map(said)).collect()
+    }
+}
+
+fn document(of: &impl serde::Serialize) -> Document {
+    Document::of(of).unwrap_or(Document::Null)
+}
+
+/// The name of a setting: the field's symbols if there are any, else the words of its key. Places count from 1.
+fn name(key: &str) -> String {
+    let part = |part: &str| match (symbol(part), part.parse::<usize>()) {
+        (Some(symbol), _) => symbol.to_owned(),
+        (None, Ok(place)) => (place + 1).to_string(),
+        (None, Err(_)) => part.replace('_', " "),
+    };
+    key.split('.').map(part).collect::<Vec<_>>().join(" ")
+}
+
+fn words(value: &Document, number: &impl Fn(f64) -> String) -> String {
+    match value {
+        Document::Null => "none".to_owned(),
+        Document::Flag(on) => if *on { "yes" } else { "no" }.to_owned(),
+        Document::Integer(whole) => number(*whole as f64),
+        Document::Large(whole) => number(*whole as f64),
+        Document::Single(value) => number(f64::from(*value)),
+        Document::Number(value) => number(*value),
+        Document::Text(text) => text.clone(),
+        Document::List(_) | Document::Table(_) => "other".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Channel, FilterKind, Force, Hold, PlantKind, Quantity, Sensor, Signal};
+
+    type Step = fn(&mut Scenario);
+
+    /// Changes of every kind of place: numbers, choices, tables, lists, filters that come, go and turn.
+    const STEPS: [(&str, Step); 12] = [
+        ("λ", |scenario| scenario.filters[1].fading = 1.5),
+        ("a guess", |scenario| scenario.filters[0].initial_mean[Channel::NATURAL_FREQUENCY] = 9.0),
+        ("a default", |scenario| scenario.filters[0].eta = 0.0),
+        ("a kind", |scenario| scenario.filters[0].kind = FilterKind::CKF),
+        ("a signal", |scenario| {
+            let sine = crate::signal::Sine { mean: 5.0, amplitude: 1.0, period: 9.0 };
+            scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Sine(sine));
+        }),
+        ("a force", |scenario| scenario.force = Force::Step { amplitude: 1.0, at: 2.0 }),
+        ("a hold", |scenario| scenario.hold = Hold::First),
+        ("a plant", |scenario| scenario.set_plant(PlantKind::DUFFING)),
+        ("a sensor more", |scenario| scenario.add_sensor(Sensor::new(Quantity::ACCELERATION, 0.3))),
+        ("no sensor", |scenario| scenario.remove_sensor(Quantity::DISPLACEMENT)),
+        ("a filter less", |scenario| _ = scenario.filters.remove(0)),
+        ("filters in another order", |scenario| scenario.filters.reverse()),
+    ];
+
+    fn scenario() -> Scenario {
+        let mut scenario = Scenario::default();
+        scenario.draw.insert("plant.natural_frequency".to_owned(), crate::scenario::Law::Normal([6.0, 0.1]));
+        scenario.number_filters();
+        scenario
+    }
+
+    #[test]
+    fn a_change_makes_of_one_scenario_the_other() {
+        let all = STEPS.map(|(name, step)| {
+            let mut changed = scenario();
+            step(&mut changed);
+            (name, changed)
+        });
+        for (name, before) in &all {
+            for (other, now) in &all {
+                let change = Change::between(before, now);
+                assert_eq!(change.apply(before).as_ref(), Ok(now), "from {name} to {other}");
+                assert_eq!(change.is_empty(), before == now, "from {name} to {other}");
+            }
+        }
+    }
+
+    #[test]
+    fn two_changes_of_one_picture_both_count() {
+        let base = scenario();
+        let mut together = base.clone();
+        for (_, one) in &STEPS[..4] {
+            let mut changed = base.clone();
+            one(&mut changed);
+            together = Change::between(&base, &changed).apply(&together).unwrap();
+        }
+        let mut expected = base;
+        STEPS[..4].iter().for_each(|(_, step)| step(&mut expected));
+        assert_eq!(together, expected);
+    }
+
+    #[test]
+    fn a_change_tells_whose_results_it_concerns() {
+        let concerned = |step: Step| {
+            let mut changed = scenario();
+            step(&mut changed);
+            let change = Change::between(&scenario(), &changed);
+            (change.is_of_filters(), [1, 2].map(|id| change.concerns(id)))
+        };
+        assert_eq!(concerned(|scenario| scenario.filters[0].fading = 1.5), (true, [true, false]));
+        assert_eq!(concerned(|scenario| scenario.filters[1].name = "other".to_owned()), (true, [false, false]));
+        assert_eq!(concerned(|scenario| scenario.seed = 7), (false, [true, true]));
+    }
+
+    #[test]
+    fn a_setting_that_is_gone_is_not_changed() {
+        let mut changed = scenario();
+        changed.filters[0].fading = 1.5;
+        let mut without = scenario();
+        without.filters.remove(0);
+        let error = Change::between(&scenario(), &changed).apply(&without).unwrap_err();
+        assert_eq!(error.to_string(), "the scenario has no setting `filters#1.fading`");
+    }
+}
