@@ -99,6 +99,10 @@ impl Finder {
                 self.change = Some(Change { address: address.clone(), text: String::new() });
                 return true;
             }
+            Some(Choice::Edit(edit)) => {
+                let edited = edit.apply(session.scenario()).ok();
+                requests.extend(edited.and_then(|edited| Request::edit(session.scenario(), &edited)));
+            }
             Some(Choice::Request(request)) => requests.push((**request).clone()),
         }
         false

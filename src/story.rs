@@ -14,6 +14,9 @@ use crate::theme::{self, Palette};
 /// The size of the text \[points\].
 const SIZE: f32 = 15.0;
 
+/// The space between sentences \[points\].
+const SPACE: f32 = 4.0;
+
 /// Limits the width of a line \[points\].
 const WIDEST: f32 = 1000.0;
 
@@ -72,8 +75,8 @@ pub(crate) fn story_ui(
                     keep_stop_ui(ui, phrase, sentence.get(place + 1));
                     phrase_ui(ui, session, phrase, palette, requests);
                 }
-                // A space at the end of a row is not seen, at its beginning it is.
-                ui.label(" ");
+                // As text, it could begin a row.
+                ui.add_space(SPACE);
             }
         });
         text.response.ctx.accesskit_node_builder(text.response.id, |node| {

@@ -1,7 +1,7 @@
 //! The control of a setting, from its row.
 
-use egui::{Checkbox, DragValue, Ui};
-use kalmanscope_core::setting::{Allowed, SettingInfo};
+use egui::{Align, Checkbox, ComboBox, DragValue, Layout, Ui};
+use kalmanscope_core::setting::{Allowed, ChoiceInfo, SettingInfo};
 use kalmanscope_core::{FilterSettings, PlantKind, Scenario};
 
 use super::lit::lit;
@@ -44,6 +44,40 @@ pub(super) fn scenario_row_ui(ui: &mut Ui, info: &SettingInfo<Scenario>, scenari
     if value != (info.get)(scenario) {
         (info.set)(scenario, value);
     }
+}
+
+/// Shows a choice, under a name for screen readers.
+pub(super) fn choice_row_ui<T>(ui: &mut Ui, info: &ChoiceInfo<T>, of: &mut T, name: &str) {
+    let (options, now) = ((info.options)(), (info.get)(of));
+    let mut chosen = now;
+    chooser_ui(ui, (info.label, info.hint), options.get(now).map_or("", |option| option.name), name, &mut |ui| {
+        for (place, option) in options.iter().enumerate() {
+            let label = ui.selectable_value(&mut chosen, place, option.name);
+            if !option.hint.is_empty() {
+                label.on_hover_text(option.hint);
+            }
+        }
+    });
+    if chosen != now {
+        (info.set)(of, chosen);
+    }
+}
+
+/// A label with a hint, and at the right a box that opens on a list of choices.
+pub(super) fn chooser_ui(
+    ui: &mut Ui,
+    (label, hint): (&str, &str),
+    summary: &str,
+    name: &str,
+    list: &mut dyn FnMut(&mut Ui),
+) {
+    ui.horizontal(|ui| {
+        ui.label(label).on_hover_text(hint);
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            let combo = ComboBox::from_id_salt(name).selected_text(summary).width(140.0).show_ui(ui, |ui| list(ui));
+            ui.ctx().accesskit_node_builder(combo.response.id, |node| node.set_label(name));
+        });
+    });
 }
 
 fn control_ui<T>(ui: &mut Ui, info: &SettingInfo<T>, label: &str, name: Named<'_>, value: &mut f64) {

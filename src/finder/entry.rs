@@ -1,7 +1,7 @@
 //! What the finder can find.
 
 use kalmanscope_core::Scenario;
-use kalmanscope_core::setting::{Address, addresses, words_of};
+use kalmanscope_core::setting::{Address, Edit, addresses, other_choices, words_of};
 use kalmanscope_lessons::{BUILT_IN, EQUATIONS};
 
 use crate::keys;
@@ -25,6 +25,8 @@ pub(super) struct Entry {
 pub(super) enum Choice {
     /// Its number can be changed.
     Setting(Address),
+    /// It is made.
+    Edit(Edit),
     /// It is done.
     Request(Box<Request>),
 }
@@ -55,6 +57,12 @@ pub(super) fn entries(session: &Session, catalogue: &Catalogue) -> Vec<Entry> {
         words: words_of(scenario, &address),
         choice: Choice::Setting(address),
     });
+    let choices = other_choices(scenario).into_iter().map(|edit| {
+        let filter = scenario.filters.iter().find(|filter| edit.key.starts_with(&filter.address("")));
+        let words = sentence(&edit.in_words(scenario));
+        let title = filter.map_or_else(|| words.clone(), |filter| format!("{words}, {}", filter.name));
+        Entry { words: title.to_lowercase(), title, kind: "choice", hint: String::new(), choice: Choice::Edit(edit) }
+    });
     let views = ViewKind::ALL.into_iter().map(|kind| {
         let [about, ..] = view(kind).help();
         Entry::new(view(kind).name(), "view", about, Request::ShowView(kind))
@@ -66,7 +74,7 @@ pub(super) fn entries(session: &Session, catalogue: &Catalogue) -> Vec<Entry> {
         lessons.map(|(place, one)| Entry::new(&one.title, "lesson", &one.summary, Request::StartLesson(place)));
     let commands = keys::commands(session)
         .map(|(what, key, request)| Entry::new(sentence(what), "command", format!("Key: {key}"), request));
-    settings.chain(views).chain(scenarios).chain(lessons).chain(commands).collect()
+    settings.chain(choices).chain(views).chain(scenarios).chain(lessons).chain(commands).collect()
 }
 
 /// The entries that have all words of a text, those with the words in their titles first.

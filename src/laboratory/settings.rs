@@ -2,7 +2,7 @@
 
 use kalmanscope_core::Scenario;
 use kalmanscope_core::setting::{
-    Address, INITIAL_MEAN, INITIAL_STD, OF_FILTER, OF_SCENARIO, PROCESS_STD, RECORD_GAIN, SENSOR_STD, TableInfo,
+    Address, INITIAL_MEAN, INITIAL_STD, OF_FILTER, PROCESS_STD, RECORD_GAIN, SENSOR_STD, TableInfo, of_scenario,
 };
 use kalmanscope_lab::channels;
 
@@ -17,7 +17,7 @@ pub(crate) fn candidates(scenario: &Scenario, is_measured: bool) -> Vec<String> 
         keys.extend(scenario.plant.parameters().map(|channel| format!("plant.{}", channel.key())));
         keys.extend(sensors.map(|key| format!("sensors.{key}.noise_std")));
         keys.extend(scenario.fault_addresses());
-        keys.extend(OF_SCENARIO.into_iter().filter(|info| info.is_varied).map(|info| info.key.to_owned()));
+        keys.extend(of_scenario().filter(|info| info.is_varied).map(|info| info.key.to_owned()));
     }
     keys.retain(|key| is_possible(scenario, key));
     keys

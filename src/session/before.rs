@@ -140,7 +140,7 @@ impl Session {
         let is_kept = |id: u32| self.scenario.filters.iter().any(|filter| filter.id == id);
         let filters = was.filters.iter().filter(|filter| is_kept(filter.id) && change.concerns(filter.id));
         let filters: Vec<_> = filters.cloned().collect();
-        let (words, is_of_filters) = (difference(&change, &was).unwrap_or_default(), change.is_of_filters());
+        let (words, is_of_filters) = (difference(&change).unwrap_or_default(), change.is_of_filters());
         let words = match (&self.other, words.is_empty()) {
             (Some(_), false) => format!("setting {}: {words}", self.setting.other().name()),
             _ => words,

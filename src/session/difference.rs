@@ -1,6 +1,5 @@
 //! Names the settings in which two scenarios differ.
 
-use kalmanscope_core::Scenario;
 use kalmanscope_core::setting::Change;
 
 use crate::text::significant;
@@ -9,8 +8,8 @@ use crate::text::significant;
 const NAMED: usize = 2;
 
 /// The settings that a change of a scenario concerns, with their values before: `EKF λ = 1`. `None` if nothing differs.
-pub(super) fn difference(change: &Change, before: &Scenario) -> Option<String> {
-    let all = change.what_was(before, |number| significant(number, 4));
+pub(super) fn difference(change: &Change) -> Option<String> {
+    let all = change.what_was(|number| significant(number, 4));
     let more = if all.len() > NAMED { ", …" } else { "" };
     (!all.is_empty()).then(|| all.into_iter().take(NAMED).collect::<Vec<_>>().join(", ") + more)
 }
@@ -18,21 +17,21 @@ pub(super) fn difference(change: &Change, before: &Scenario) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use kalmanscope_core::Channel;
+    use kalmanscope_core::{Channel, Scenario};
 
     #[test]
     fn a_change_is_named_by_what_was_before() {
         let now = Scenario::default();
-        assert_eq!(difference(&Change::between(&now, &now), &now), None);
+        assert_eq!(difference(&Change::between(&now, &now)), None);
         let mut before = now.clone();
         before.filters[0].fading = 1.0;
-        assert_eq!(difference(&Change::between(&before, &now), &before).unwrap(), "EKF λ = 1");
+        assert_eq!(difference(&Change::between(&before, &now)).unwrap(), "EKF λ = 1");
         before.filters[0].initial_mean[Channel::NATURAL_FREQUENCY] = 9.0;
         before.seed = 7;
-        assert_eq!(difference(&Change::between(&before, &now), &before).unwrap(), "EKF λ = 1, EKF guess ωₙ = 9, …");
+        assert_eq!(difference(&Change::between(&before, &now)).unwrap(), "EKF λ = 1, EKF guess ωₙ = 9, …");
         let mut fewer = now.clone();
         let removed = fewer.filters.remove(1);
-        assert_eq!(difference(&Change::between(&now, &fewer), &now).unwrap(), format!("with {}", removed.name));
-        assert_eq!(difference(&Change::between(&fewer, &now), &fewer).unwrap(), format!("without {}", removed.name));
+        assert_eq!(difference(&Change::between(&now, &fewer)).unwrap(), format!("with {}", removed.name));
+        assert_eq!(difference(&Change::between(&fewer, &now)).unwrap(), format!("without {}", removed.name));
     }
 }

@@ -42,7 +42,7 @@ use kalmanscope::request::{Arrangement, ViewKind};
 use kalmanscope::ruler::End;
 use kalmanscope::session::{Budget, Mode};
 use kalmanscope::views::view;
-use kalmanscope_core::{Channel, FilterKind, Force, PlantKind, Quantity, Scenario, Signal};
+use kalmanscope_core::{Channel, FilterKind, Force, Hold, PlantKind, Quantity, Scenario, Signal};
 
 use memory::Memory;
 

@@ -44,7 +44,7 @@ fn every_number_changes_the_scenario_and_with_it_the_estimates() {
         ("Initial displacement", 0.25, |s| s.plant.initial.displacement),
         ("Initial velocity", -1.5, |s| s.plant.initial.velocity),
         ("Disturbance", 2.0, |s| s.plant.disturbance_std),
-        ("Force, ± σ", 20.0, |s| match s.force {
+        ("Std of the force", 20.0, |s| match s.force {
             Force::WhiteNoise { std } => std,
             _ => f64::NAN,
         }),

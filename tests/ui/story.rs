@@ -154,6 +154,22 @@ fn a_number_is_set_with_five_keys_and_its_digits() {
 }
 
 #[test]
+fn a_choice_is_found_by_its_words_and_made() {
+    let mut screen = first_visit(DESKTOP);
+    assert_eq!(scenario(&screen).hold, Hold::Zero);
+    screen.key_press(Key::Slash);
+    screen.run_steps(2);
+    screen.get_by_label("Find by words").type_text("between linear");
+    screen.run_steps(2);
+    screen.get_by_label("Input between samples: linear, choice");
+    screen.key_press(Key::Enter);
+    screen.run_steps(20);
+    assert_eq!(scenario(&screen).hold, Hold::First);
+    assert!(screen.query_by_label("Find by words").is_none(), "it closes");
+    assert_eq!(screen.state().session().before().map(|before| before.words()), Some("input between samples = held"));
+}
+
+#[test]
 fn views_scenarios_lessons_and_commands_are_found_by_words() {
     for (text, entry) in [
         ("innov", "Innovations, view"),
@@ -161,6 +177,8 @@ fn views_scenarios_lessons_and_commands_are_found_by_words() {
         ("fading sudden", "Fading memory and a sudden loss, lesson"),
         ("presenter", "Presenter mode: large type, command"),
         ("zeta guess", "Guess of ζ, fading EKF, setting"),
+        ("std force", "Std of the force, setting"),
+        ("euler plain", "Steps: Euler, plain EKF, choice"),
     ] {
         let mut screen = first_visit(DESKTOP);
         screen.key_press(Key::Slash);

@@ -60,7 +60,7 @@ fn every_view_over_time_has_tables() {
         (ViewKind::Innovations, "innovations of the displacement sensor [m]"),
         (ViewKind::Consistency, "NIS, normalised innovation squared, over expectation, mean of 2 s"),
         (ViewKind::Classes, "probabilities of the model classes"),
-        (ViewKind::Gain, "gain of the displacement by the displacement sensor [m]"),
+        (ViewKind::Gain, "gain of the displacement by the displacement sensor"),
     ] {
         *screen.state_mut().layout_mut() = Layout::column(&[kind]);
         screen.run_steps(20);

@@ -6,8 +6,10 @@
 mod address;
 mod allowed;
 mod change;
+mod choice;
 mod edit;
 mod filter;
+mod force;
 mod info;
 mod listing;
 mod place;
@@ -20,17 +22,19 @@ use crate::mathematics::channel::Channel;
 pub use address::{Address, UnknownSetting};
 pub use allowed::Allowed;
 pub use change::Change;
+pub use choice::{CHOICES_OF_FILTER, CHOICES_OF_SCENARIO, Choice, ChoiceInfo, ROBUST, other_choices};
 pub use edit::Edit;
 pub use filter::{ENSEMBLE_SIZE, ETA, FADING, FORGETTING, GUESSES, JUMP, MEMORY, OF_FILTER, OPTIONS, SMOOTHER, WALK};
+pub use force::FORCE;
 pub use info::SettingInfo;
 pub use listing::{addresses, words_of};
-pub use scenario::{DISTURBANCE, DT, DURATION, MOTION, OF_SCENARIO, RECORD_GAIN, SEED};
+pub use scenario::{DISTURBANCE, DT, DURATION, MOTION, RECORD_GAIN, SEED, of_scenario};
 pub use table::{Entry, INITIAL_MEAN, INITIAL_STD, PROCESS_STD, SENSOR_STD, TABLES, TableInfo};
 
 /// The symbol of a setting, a table or a channel with a key, if it has one.
 pub fn symbol(key: &str) -> Option<&'static str> {
     let of_filter = OF_FILTER.into_iter().flatten().map(|info| (info.key, info.symbol));
-    let of_scenario = OF_SCENARIO.into_iter().map(|info| (info.key, info.symbol));
+    let of_scenario = of_scenario().map(|info| (info.key, info.symbol));
     let tables = TABLES.into_iter().map(|table| (table.key, table.symbol));
     let mut all = of_filter.chain(of_scenario).chain(tables).filter(|(_, symbol)| !symbol.is_empty());
     let found = all.find(|(known, _)| *known == key).map(|(_, symbol)| symbol);

@@ -4,10 +4,10 @@ use std::fmt::{Arguments, Display};
 
 use super::{FilterSettings, Plant, Scenario, ScenarioError};
 use crate::data::scenario::cost::largest_ensemble;
-use crate::data::setting::{Allowed, GUESSES, JUMP, OF_FILTER, OF_SCENARIO, SettingInfo, TABLES, WALK};
+use crate::data::setting::{Allowed, GUESSES, JUMP, OF_FILTER, SettingInfo, TABLES, WALK, of_scenario};
 use crate::mathematics::channel::{Role, Sign};
 use crate::mathematics::quantity::MAX_SENSORS;
-use crate::{Channel, Force, InputKind, PlantKind, Signal};
+use crate::{Channel, InputKind, PlantKind, Signal};
 
 /// Limits the samples of one record: more than a day at 1 kHz. A run that keeps them all needs tens of gigabytes per
 /// filter; one that forgets ([`crate::Run::forget`]) does not.
@@ -22,12 +22,12 @@ impl Scenario {
     /// # Errors
     /// [`ScenarioError::Value`] for the first impossible one, with its key and what is allowed.
     pub fn validate(&self) -> Result<(), ScenarioError> {
-        let Self { seed, dt, duration, plant, force, input: _, hold: _, sensors, filters, record, draw } = self;
+        let Self { seed, dt, duration, plant, force: _, input: _, hold: _, sensors, filters, record, draw } = self;
         if let Some(record) = record {
             record.validate().map_err(|error| ScenarioError::Syntax(error.to_string()))?;
         }
         require(i64::try_from(*seed).is_ok(), "seed", seed, "a whole number from 0 to 2⁶³ - 1")?;
-        for info in OF_SCENARIO.into_iter().filter(|info| (info.serves)(self, plant.kind)) {
+        for info in of_scenario().filter(|info| (info.serves)(self, plant.kind)) {
             check(format_args!(""), info, self)?;
         }
         require(
@@ -37,7 +37,6 @@ impl Scenario {
             format_args!("from 1 to {} times dt", MAX_SAMPLES - 1),
         )?;
         plant.validate()?;
-        validate_force(force)?;
         require(
             sensors.len() <= MAX_SENSORS,
             "sensors",
@@ -243,31 +242,6 @@ fn check<T>(path: Arguments<'_>, info: &SettingInfo<T>, of: &T) -> Result<(), Sc
 /// Refuses a number that is not allowed.
 fn number(key: impl Display, value: f64, allowed: Allowed) -> Result<(), ScenarioError> {
     require(allowed.admits(value), key, value, allowed)
-}
-
-fn validate_force(force: &Force) -> Result<(), ScenarioError> {
-    match *force {
-        Force::None => Ok(()),
-        Force::WhiteNoise { std } => number("force.white_noise.std", std, Allowed::AtLeast(0.0)),
-        Force::Sine { amplitude, frequency } => {
-            number("force.sine.amplitude", amplitude, Allowed::Finite)?;
-            number("force.sine.frequency", frequency, Allowed::Finite)
-        }
-        Force::Chirp { amplitude, from, to, sweep } => {
-            number("force.chirp.amplitude", amplitude, Allowed::Finite)?;
-            number("force.chirp.from", from, Allowed::Finite)?;
-            number("force.chirp.to", to, Allowed::Finite)?;
-            number("force.chirp.sweep", sweep, Allowed::Above(0.0))
-        }
-        Force::ImpulseTrain { impulse, period } => {
-            number("force.impulse_train.impulse", impulse, Allowed::Finite)?;
-            number("force.impulse_train.period", period, Allowed::Above(0.0))
-        }
-        Force::Step { amplitude, at } => {
-            number("force.step.amplitude", amplitude, Allowed::Finite)?;
-            number("force.step.at", at, Allowed::Finite)
-        }
-    }
 }
 
 fn validate_signal(path: Arguments<'_>, signal: &Signal) -> Result<(), ScenarioError> {

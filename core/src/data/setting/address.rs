@@ -338,7 +338,9 @@ mod tests {
                 None if key.starts_with("sensors") => {
                     "; a sensor has `noise_std` and numbers of its `faults`, and its sensors are `displacement`, `velocity`"
                 }
-                None => "; it has `seed`, `dt`, `duration`, and numbers of its `plant`, `sensors` and `filters`",
+                None => {
+                    "; it has `seed`, `dt`, `duration`, `force.white_noise.std`, and numbers of its `plant`, `sensors` and `filters`"
+                }
             };
             let (begin, unknown) =
                 (format!("the scenario has no number `{key}` to vary{instead}"), unknown.to_string());

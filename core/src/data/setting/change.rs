@@ -1,8 +1,8 @@
 //! What one scenario has otherwise than another.
 
-use super::symbol;
+use super::{CHOICES_OF_FILTER, CHOICES_OF_SCENARIO, ChoiceInfo, symbol};
 use crate::data::document::Document;
-use crate::data::scenario::{FilterSettings, Scenario, ScenarioError, address};
+use crate::data::scenario::{Scenario, ScenarioError, address};
 use crate::data::sorting::sort_short_by_key;
 
 /// What one scenario has otherwise than another: the settings, by their addresses.
@@ -17,12 +17,15 @@ use crate::data::sorting::sort_short_by_key;
 /// assert_eq!(change.keys().collect::<Vec<_>>(), ["filters#1.fading"]);
 /// assert_eq!(change.apply(&before).unwrap(), now);
 /// ```
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Change {
+    before: Box<Scenario>,
+    now: Box<Scenario>,
     settings: Vec<Difference>,
-    added: Vec<(usize, FilterSettings)>,
-    /// The ids and names of the filters that are gone.
-    removed: Vec<(u32, String)>,
+    /// The places of the filters that are new.
+    added: Vec<usize>,
+    /// The places before of the filters that are gone.
+    removed: Vec<usize>,
 }
 
 /// A setting with its values; null where none is written and the setting has its default.
@@ -36,24 +39,26 @@ struct Difference {
 impl Change {
     /// What `now` has otherwise than `before`. Filters are told apart by their ids.
     pub fn between(before: &Scenario, now: &Scenario) -> Self {
-        let mut change = Self::default();
+        let (settings, added, removed) = (Vec::new(), Vec::new(), Vec::new());
+        let mut change =
+            Self { before: Box::new(before.clone()), now: Box::new(now.clone()), settings, added, removed };
         let find = |scenario: &Scenario, id: u32| scenario.filters.iter().position(|filter| filter.id == id);
         let ids = |one: &Scenario, other: &Scenario| -> Vec<u32> {
             one.filters.iter().map(|filter| filter.id).filter(|&id| find(other, id).is_some()).collect()
         };
         // Filters in another order are taken away and put back in their new places.
         let stay = Some(ids(before, now)).filter(|stay| *stay == ids(now, before)).unwrap_or_default();
-        for filter in &before.filters {
+        for (own, filter) in before.filters.iter().enumerate() {
             match find(now, filter.id).filter(|_| stay.contains(&filter.id)) {
                 Some(place) => {
                     let documents = [filter, &now.filters[place]].map(document);
                     change.compare(&documents[0], &documents[1], &address::of_filter(filter.id, ""));
                 }
-                None => change.removed.push((filter.id, filter.name.clone())),
+                None => change.removed.push(own),
             }
         }
         let added = now.filters.iter().enumerate().filter(|(_, filter)| !stay.contains(&filter.id));
-        change.added = added.map(|(place, filter)| (place, filter.clone())).collect();
+        change.added = added.map(|(place, _)| place).collect();
         let [before, now] = [before, now].map(|all| document(&Scenario { filters: Vec::new(), ..all.clone() }));
         change.compare(&before, &now, "");
         change
@@ -89,11 +94,6 @@ impl Change {
         self.settings.push(Difference { key, before: before.clone(), now: now.clone() });
     }
 
-    /// Whether both scenarios are the same.
-    pub fn is_empty(&self) -> bool {
-        self.settings.is_empty() && self.added.is_empty() && self.removed.is_empty()
-    }
-
     /// The addresses of the settings that differ, those of filters that are new or gone apart.
     pub fn keys(&self) -> impl Iterator<Item = &str> {
         self.settings.iter().map(|setting| setting.key.as_str())
@@ -117,6 +117,9 @@ impl Change {
     /// # Errors
     /// [`ScenarioError`] where the scenario has no place for a setting.
     pub fn apply(&self, scenario: &Scenario) -> Result<Scenario, ScenarioError> {
+        if *scenario == *self.before {
+            return Ok((*self.now).clone());
+        }
         let mut document = Document::of(scenario)?;
         for Difference { key, now, .. } in &self.settings {
             let path = match (address::split_id(key), scenario.filters_at(key)) {
@@ -129,40 +132,49 @@ impl Change {
             is_found.then_some(()).ok_or_else(unknown)?;
         }
         let mut changed: Scenario = document.read()?;
-        changed.filters.retain(|filter| self.removed.iter().all(|(id, _)| *id != filter.id));
-        for (place, filter) in &self.added {
-            changed.filters.insert((*place).min(changed.filters.len()), filter.clone());
+        changed.filters.retain(|filter| self.removed.iter().all(|&place| self.before.filters[place].id != filter.id));
+        for &place in &self.added {
+            changed.filters.insert(place.min(changed.filters.len()), self.now.filters[place].clone());
         }
         Ok(changed)
     }
 
-    /// What was before, setting by setting: `EKF λ = 1`, `with UKF` of a filter that is gone. `scenario` is the one before; `number`
-    /// writes a number.
-    pub fn what_was(&self, scenario: &Scenario, number: impl Fn(f64) -> String) -> Vec<String> {
+    /// What was before, setting by setting: `EKF λ = 1`, `with UKF` of a filter that is gone. `number` writes a number.
+    pub fn what_was(&self, number: impl Fn(f64) -> String) -> Vec<String> {
+        let Self { before: scenario, now, .. } = self;
         let several = scenario.filters.len() > 1;
         let said = |Difference { key, before, .. }: &Difference| {
-            let (owner, key) = match (scenario.filters_at(key), address::split_id(key)) {
-                (Some((places, key)), Some(_)) => {
-                    let name = places.first().and_then(|place| scenario.filters.get(*place)).filter(|_| several);
-                    (name.map_or_else(String::new, |filter| format!("{} ", filter.name)), key)
-                }
-                _ => (String::new(), key.as_str()),
+            let filter = address::split_id(key).and_then(|(id, _)| scenario.filters.iter().find(|own| own.id == id));
+            let key = address::split_id(key).map_or(key.as_str(), |(_, key)| key);
+            let owner = filter.filter(|_| several).map_or_else(String::new, |filter| format!("{} ", filter.name));
+            let choice = match filter {
+                Some(filter) => chosen(&CHOICES_OF_FILTER, key, filter),
+                None => chosen(&CHOICES_OF_SCENARIO, key, scenario),
             };
-            format!("{owner}{} = {}", name(key), words(before, &number))
+            let (name, value) = choice.unwrap_or_else(|| (name(key), words(before, &number)));
+            format!("{owner}{name} = {value}")
         };
         let (of_filters, of_scenario): (Vec<&Difference>, Vec<&Difference>) =
             self.settings.iter().partition(|setting| address::split_id(&setting.key).is_some());
-        let is_back = |id: u32| self.added.iter().any(|(_, filter)| filter.id == id);
-        let gone = self.removed.iter().filter(|(id, _)| !is_back(*id)).map(|(_, name)| format!("with {name}"));
-        let is_new = |filter: &FilterSettings| self.removed.iter().all(|(id, _)| *id != filter.id);
-        let new = self.added.iter().filter(|(_, filter)| is_new(filter));
-        let new = new.map(|(_, filter)| format!("without {}", filter.name));
+        let only = |places: &[usize], own: &Scenario, other: &Scenario, word: &str| -> Vec<String> {
+            let lacks = |id: u32| other.filters.iter().all(|filter| filter.id != id);
+            let filters = places.iter().map(|&place| &own.filters[place]).filter(|filter| lacks(filter.id));
+            filters.map(|filter| format!("{word} {}", filter.name)).collect()
+        };
+        let gone = only(&self.removed, scenario, now, "with");
+        let new = only(&self.added, now, scenario, "without");
         of_filters.into_iter().map(said).chain(gone).chain(new).chain(of_scenario.into_iter().map(said)).collect()
     }
 }
 
 fn document(of: &impl serde::Serialize) -> Document {
     Document::of(of).unwrap_or(Document::Null)
+}
+
+/// The name of the choice with a key, and of its option in a `T`.
+fn chosen<T>(all: &[&ChoiceInfo<T>], key: &str, of: &T) -> Option<(String, String)> {
+    let info = all.iter().find(|info| info.key == key)?;
+    Some((info.name.to_owned(), info.chosen(of)?.name.to_owned()))
 }
 
 /// The name of a setting: the field's symbols if there are any, else the words of its key. Places count from 1.
@@ -232,7 +244,10 @@ mod tests {
             for (other, now) in &all {
                 let change = Change::between(before, now);
                 assert_eq!(change.apply(before).as_ref(), Ok(now), "from {name} to {other}");
-                assert_eq!(change.is_empty(), before == now, "from {name} to {other}");
+                // On a scenario that has become another one, the settings that the change is of turn alone.
+                let elsewhere = Scenario { seed: 77, ..before.clone() };
+                let expected = Scenario { seed: 77, ..now.clone() };
+                assert_eq!(change.apply(&elsewhere), Ok(expected), "from {name} to {other}, elsewhere");
             }
         }
     }

@@ -1,6 +1,6 @@
 //! All numbers of a scenario that have an address, with the words by which one finds them.
 
-use super::{Address, Entry, OF_FILTER, OF_SCENARIO, TABLES};
+use super::{Address, Entry, OF_FILTER, TABLES, of_scenario};
 use crate::data::scenario::Scenario;
 
 /// The address of every number of a scenario, one filter's after the other's.
@@ -23,7 +23,7 @@ pub fn addresses(scenario: &Scenario) -> Vec<Address> {
     }
     keys.extend(scenario.sensors.iter().map(|sensor| format!("sensors.{}.noise_std", sensor.measures.key())));
     keys.extend(scenario.fault_addresses());
-    let rows = OF_SCENARIO.iter().filter(|info| (info.serves)(scenario, scenario.plant.kind));
+    let rows = of_scenario().filter(|info| (info.serves)(scenario, scenario.plant.kind));
     keys.extend(rows.map(|info| info.key.to_owned()));
     keys.iter().filter_map(|key| Address::parse(scenario, key).ok()).collect()
 }

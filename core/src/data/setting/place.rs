@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{Entry, OF_FILTER, OF_SCENARIO, SettingInfo, TABLES, TableInfo};
+use super::{Entry, OF_FILTER, SettingInfo, TABLES, TableInfo, of_scenario};
 use crate::data::scenario::address::is_of_all;
 use crate::data::scenario::{Fault, FaultNumber, FilterSettings, Scenario, Sensor};
 use crate::mathematics::channel::Channel;
@@ -48,8 +48,8 @@ impl Place {
     /// The place in a text.
     pub(super) fn parse(scenario: &Scenario, text: &str) -> Option<Self> {
         let is_it =
-            |info: &&&'static SettingInfo<Scenario>| info.key == text && (info.serves)(scenario, scenario.plant.kind);
-        if let Some(info) = OF_SCENARIO.iter().find(is_it) {
+            |info: &&'static SettingInfo<Scenario>| info.key == text && (info.serves)(scenario, scenario.plant.kind);
+        if let Some(info) = of_scenario().find(is_it) {
             return Some(Self::Scenario(info));
         }
         let keys: Vec<&str> = text.split('.').collect();
@@ -121,7 +121,7 @@ impl Place {
         if text.starts_with("filters") {
             return scenario.filters_instead_of(text);
         }
-        let serving = OF_SCENARIO.iter().filter(|info| (info.serves)(scenario, scenario.plant.kind));
+        let serving = of_scenario().filter(|info| (info.serves)(scenario, scenario.plant.kind));
         let (of_plant, others): (Vec<&str>, Vec<&str>) =
             serving.map(|info| info.key).partition(|key| key.starts_with(PLANT));
         if text.starts_with(PLANT) {

@@ -1,8 +1,8 @@
 //! The settings of a scenario besides its filters that are one number each.
 
-use super::Allowed;
 use super::filter::MAX_DELAY;
 use super::info::{Field, SettingInfo, row};
+use super::{Allowed, FORCE};
 use crate::data::scenario::Scenario;
 
 type Row = SettingInfo<Scenario>;
@@ -91,6 +91,9 @@ pub static RECORD_GAIN: Row = SettingInfo {
 /// The settings of the motion at the start and of the force that filters are not told.
 pub static MOTION: [&Row; 3] = [&DISPLACEMENT, &VELOCITY, &DISTURBANCE];
 
+static OWN: [&Row; 8] = [&SEED, &DT, &DURATION, &DISPLACEMENT, &VELOCITY, &DISTURBANCE, &INPUT_DELAY, &RECORD_GAIN];
+
 /// All settings of a scenario besides its filters that are one number each.
-pub static OF_SCENARIO: [&Row; 8] =
-    [&SEED, &DT, &DURATION, &DISPLACEMENT, &VELOCITY, &DISTURBANCE, &INPUT_DELAY, &RECORD_GAIN];
+pub fn of_scenario() -> impl Iterator<Item = &'static Row> {
+    OWN.into_iter().chain(&FORCE)
+}

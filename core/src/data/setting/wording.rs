@@ -2,10 +2,9 @@
 
 use toml::Value;
 
-use super::{Edit, Entry, OF_FILTER, OF_SCENARIO, SENSOR_STD, TableInfo};
+use super::{CHOICES_OF_FILTER, CHOICES_OF_SCENARIO, Edit, Entry, OF_FILTER, SENSOR_STD, TableInfo, of_scenario};
 use crate::data::scenario::{FilterSettings, Scenario};
 use crate::mathematics::channel::Channel;
-use crate::mathematics::filter::Robust;
 use crate::mathematics::plant::PlantKind;
 use crate::mathematics::quantity::Quantity;
 
@@ -52,10 +51,6 @@ impl Edit {
             }
             ("plant", Value::String(kind)) => Some(format!("take it for a {}", PlantKind::from_key(kind)?.name())),
             ("plant", Value::Table(plant)) => Some(format!("take the equation {}", plant.get("equation")?.as_str()?)),
-            ("robust", Value::String(rule)) => {
-                let rule = Robust::ALL.into_iter().find(|known| known.info().key == rule)?;
-                Some(format!("weigh readings: {}", rule.info().name))
-            }
             ("sensor_std", Value::Array(stds)) => {
                 let is_left_out = |(std, own): (&Value, &f64)| std.as_float().is_some_and(|std| std >= LEFT_OUT * own);
                 if let Some(place) = stds.iter().zip(&filter.sensor_std).position(is_left_out) {
@@ -73,6 +68,9 @@ impl Edit {
                 Some(if *on { label.to_owned() } else { format!("no {label}") })
             }
             _ => {
+                if let Some(info) = CHOICES_OF_FILTER.into_iter().find(|info| info.key == key) {
+                    return Some(format!("{}: {}", info.name, info.name_of(&self.value)?));
+                }
                 if let Some(info) = OF_FILTER.into_iter().flatten().find(|info| info.key == key) {
                     let name = if info.symbol.is_empty() { info.name } else { info.symbol };
                     return Some(format!("set {name} = {}", number(&self.value)?));
@@ -90,13 +88,10 @@ impl Edit {
     }
 
     fn of_scenario_in_words(&self) -> Option<String> {
-        if self.key == "hold" {
-            let is_first = self.value.as_str() == Some("first");
-            let words =
-                if is_first { "let the input be linear between samples" } else { "hold the input between samples" };
-            return Some(words.to_owned());
+        if let Some(info) = CHOICES_OF_SCENARIO.into_iter().find(|info| info.key == self.key) {
+            return Some(format!("{}: {}", info.name, info.name_of(&self.value)?));
         }
-        let info = OF_SCENARIO.into_iter().find(|info| info.key == self.key)?;
+        let info = of_scenario().find(|info| info.key == self.key)?;
         Some(format!("set {} = {}", info.name, number(&self.value)?))
     }
 }

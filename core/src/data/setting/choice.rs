@@ -1,0 +1,226 @@
+//! The settings that are one of several words: one row each.
+
+use std::fmt;
+
+use toml::Value;
+
+use super::Edit;
+use crate::data::document::Document;
+use crate::data::force::Force;
+use crate::data::scenario::{FilterSettings, Scenario};
+use crate::mathematics::filter::Robust;
+use crate::{Hold, InputKind, Propagation};
+
+/// A choice of a `T`: a scenario or the settings of a filter.
+#[non_exhaustive]
+pub struct ChoiceInfo<T> {
+    /// The key in scenario files and addresses.
+    pub key: &'static str,
+    /// The name in running text.
+    pub name: &'static str,
+    /// The text beside its control.
+    pub label: &'static str,
+    /// An explanation in one sentence.
+    pub hint: &'static str,
+    /// What there is to choose, in order.
+    pub options: fn() -> Vec<Choice>,
+    /// Whether it has an effect in a `T`.
+    pub serves: fn(&T) -> bool,
+    /// The place of the chosen option.
+    pub get: fn(&T) -> usize,
+    /// Chooses the option at a place.
+    pub set: fn(&mut T, usize),
+}
+
+/// One option of a choice.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Choice {
+    /// Its value in scenario files.
+    pub value: Value,
+    /// Its name in running text.
+    pub name: &'static str,
+    /// Its effect in a few words; empty for none.
+    pub hint: &'static str,
+}
+
+impl Choice {
+    fn new(key: &'static str, name: &'static str, hint: &'static str) -> Self {
+        Self { value: key.into(), name, hint }
+    }
+}
+
+impl<T> ChoiceInfo<T> {
+    /// The option that is chosen.
+    pub fn chosen(&self, of: &T) -> Option<Choice> {
+        (self.options)().into_iter().nth((self.get)(of))
+    }
+
+    /// The name of the option with a value in a scenario file.
+    pub(super) fn name_of(&self, value: &Value) -> Option<&'static str> {
+        (self.options)().into_iter().find(|option| option.value == *value).map(|option| option.name)
+    }
+}
+
+impl<T> fmt::Debug for ChoiceInfo<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.key)
+    }
+}
+
+/// The kind of the input.
+static INPUT: ChoiceInfo<Scenario> = ChoiceInfo {
+    key: "input",
+    name: "kind of input",
+    label: "the input is a",
+    hint: "The input that is recorded: a force over mass, or the acceleration of the ground under the oscillator",
+    options: || {
+        vec![Choice::new("force", "force over mass", ""), Choice::new("ground_acceleration", "ground acceleration", "")]
+    },
+    serves: |_| true,
+    get: |scenario| usize::from(scenario.input == InputKind::GroundAcceleration),
+    set: |scenario, at| scenario.input = if at == 0 { InputKind::Force } else { InputKind::GroundAcceleration },
+};
+
+/// The input between samples.
+static HOLD: ChoiceInfo<Scenario> = ChoiceInfo {
+    key: "hold",
+    name: "input between samples",
+    label: "between samples it is",
+    hint: "Between samples the input keeps its value (zero-order hold) or is linear (first-order hold)",
+    options: || vec![Choice::new("zero", "held", ""), Choice::new("first", "linear", "")],
+    serves: |_| true,
+    get: |scenario| usize::from(scenario.hold == Hold::First),
+    set: |scenario, at| scenario.hold = if at == 0 { Hold::Zero } else { Hold::First },
+};
+
+/// The shapes of a force, with the numbers that each has at first.
+const SHAPES: [(&str, Force); 6] = [
+    ("white noise", Force::WhiteNoise { std: 10.0 }),
+    ("sine", Force::Sine { amplitude: 5.0, frequency: 6.0 }),
+    ("chirp", Force::Chirp { amplitude: 8.0, from: 1.0, to: 20.0, sweep: 20.0 }),
+    ("hammer blows", Force::ImpulseTrain { impulse: 1.0, period: 5.0 }),
+    ("step", Force::Step { amplitude: 5.0, at: 1.0 }),
+    ("none", Force::None),
+];
+
+/// The shape of the force.
+static SHAPE: ChoiceInfo<Scenario> = ChoiceInfo {
+    key: "force",
+    name: "force over time",
+    label: "over time",
+    hint: "The shape of the force; the filters are told it exactly",
+    options: || {
+        let option = |(name, force): (&'static str, Force)| {
+            let value = Document::table(&Scenario { force, ..Scenario::default() }).ok();
+            let value = value.and_then(|mut file| file.remove("force")).unwrap_or(Value::Boolean(false));
+            Choice { value, name, hint: "" }
+        };
+        SHAPES.map(option).into()
+    },
+    serves: |_| true,
+    get: |scenario| {
+        let same =
+            |(_, shape): &(&str, Force)| std::mem::discriminant(shape) == std::mem::discriminant(&scenario.force);
+        SHAPES.iter().position(same).unwrap_or(0)
+    },
+    set: |scenario, at| scenario.force = SHAPES.get(at).map_or(Force::None, |(_, shape)| *shape),
+};
+
+/// How the mean moves from sample to sample.
+static PROPAGATION: ChoiceInfo<FilterSettings> = ChoiceInfo {
+    key: "propagation",
+    name: "steps",
+    label: "its steps",
+    hint: "How the mean moves from sample to sample",
+    options: || {
+        vec![
+            Choice::new("local_linearisation", "local linearisation", ""),
+            Choice::new("runge_kutta", "Runge-Kutta", ""),
+            Choice::new("euler", "Euler", ""),
+        ]
+    },
+    serves: |filter| filter.kind.info().has_propagation,
+    get: |filter| Propagation::ALL.iter().position(|way| *way == filter.propagation).unwrap_or(0),
+    set: |filter, at| filter.propagation = Propagation::ALL.get(at).copied().unwrap_or_default(),
+};
+
+/// How readings that do not fit are weighed.
+pub static ROBUST: ChoiceInfo<FilterSettings> = ChoiceInfo {
+    key: "robust",
+    name: "outliers",
+    label: "outliers",
+    hint: "How readings that do not fit are weighed",
+    options: || {
+        let option = |rule: Robust| Choice::new(rule.info().key, rule.info().name, rule.info().description);
+        Robust::ALL.map(option).into()
+    },
+    serves: FilterSettings::can_weigh,
+    get: |filter| Robust::ALL.iter().position(|rule| *rule == filter.robust).unwrap_or(0),
+    set: |filter, at| filter.robust = Robust::ALL.get(at).copied().unwrap_or(Robust::NONE),
+};
+
+/// The choices of a scenario besides its filters.
+pub static CHOICES_OF_SCENARIO: [&ChoiceInfo<Scenario>; 3] = [&INPUT, &HOLD, &SHAPE];
+
+/// The choices of a filter.
+pub static CHOICES_OF_FILTER: [&ChoiceInfo<FilterSettings>; 2] = [&PROPAGATION, &ROBUST];
+
+/// Every option that a scenario could have in place of its own, as an edit.
+pub fn other_choices(scenario: &Scenario) -> Vec<Edit> {
+    fn others<T>(info: &ChoiceInfo<T>, of: &T, key: &str) -> Vec<Edit> {
+        let own = (info.get)(of);
+        let options = (info.options)().into_iter().enumerate().filter(|(place, _)| *place != own);
+        if (info.serves)(of) { options.map(|(_, option)| Edit::new(key, option.value)).collect() } else { Vec::new() }
+    }
+    let of_filters = scenario.filters.iter().flat_map(|filter| {
+        CHOICES_OF_FILTER.into_iter().flat_map(|info| others(info, filter, &filter.address(info.key)))
+    });
+    let of_scenario = CHOICES_OF_SCENARIO.into_iter().flat_map(|info| others(info, scenario, info.key));
+    of_filters.chain(of_scenario).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn each<T>(info: &ChoiceInfo<T>, of: &mut T, file: impl Fn(&T) -> Value) {
+        for (place, option) in (info.options)().into_iter().enumerate() {
+            (info.set)(of, place);
+            assert_eq!(((info.get)(of), info.chosen(of)), (place, Some(option.clone())), "{info:?}");
+            assert_eq!(file(of), option.value, "{info:?} in a file");
+            assert_eq!(info.name_of(&option.value), Some(option.name));
+        }
+    }
+
+    #[test]
+    fn every_option_is_set_found_and_written_in_files_as_the_row_says() {
+        let value = |document: Document| Value::try_from(document).unwrap();
+        for info in CHOICES_OF_SCENARIO {
+            // What is at its default stands in no file.
+            let default = (info.options)()[(info.get)(&Scenario::default())].value.clone();
+            let file = |scenario: &Scenario| {
+                Document::of(scenario).unwrap().get(info.key).cloned().map_or_else(|| default.clone(), value)
+            };
+            each(info, &mut Scenario::default(), file);
+        }
+        for info in CHOICES_OF_FILTER {
+            let default = (info.options)()[(info.get)(&FilterSettings::default())].value.clone();
+            let file = |filter: &FilterSettings| {
+                Document::of(filter).unwrap().get(info.key).cloned().map_or_else(|| default.clone(), value)
+            };
+            each(info, &mut FilterSettings::default(), file);
+        }
+    }
+
+    #[test]
+    fn other_choices_can_be_made() {
+        let scenario = Scenario::default();
+        let all = other_choices(&scenario);
+        assert_eq!(all.len(), 1 + 1 + 5 + 2 * (2 + Robust::ALL.len() - 1) - 2, "a UKF has no steps of its own");
+        for edit in &all {
+            let edited = edit.apply(&scenario).unwrap();
+            assert_ne!(edited, scenario, "{}", edit.key);
+            assert!(!edit.in_words(&scenario).contains(" = "), "{}", edit.in_words(&scenario));
+        }
+    }
+}
