@@ -29,7 +29,7 @@ use kalmanscope_core::{Run, Source};
 pub(crate) use choice::part_of;
 pub use choice::{Choice, MOST};
 pub use choices::Choices;
-pub(crate) use measures::{label as measure_label, name as measure_name, offered};
+pub(crate) use measures::{label as measure_label, offered};
 pub use monte_carlo::{SEEDS, SeedChoice, SeedRuns, Seeds};
 pub use pace::Pace;
 pub use posterior::{Posteriors, Shown};

@@ -117,7 +117,7 @@ fn runner(args: &SweepArgs) -> Result<(Runner, String), InputError> {
     let source = imported.map_or(Source::Simulated, |imported| Source::Measured(Arc::new(imported.record)));
     let filters = filters(&scenario, filter).map_err(|reason| bad(file, &reason))?;
     let measures = if score.is_empty() {
-        let is_known = |measure: &Measure| !measure.needs_truth() || matches!(source, Source::Simulated);
+        let is_known = |measure: &Measure| !measure.info().needs_truth || matches!(source, Source::Simulated);
         Measure::of_sums(&channels(&scenario, &filters)).into_iter().filter(is_known).collect()
     } else {
         score.clone()

@@ -36,7 +36,7 @@ pub mod tune;
 
 pub use cell::CellTask;
 pub use ensemble::{Ensemble, EnsembleError, MAX_CELLS, channels};
-pub use measure::{Measure, UnknownMeasure};
+pub use measure::{Best, Measure, MeasureInfo, UnknownMeasure};
 pub use monte_carlo::{LastError, MonteCarlo, share_interval};
 pub use plan::Plan;
 pub use runner::{CellRun, Runner, outcomes_of};

@@ -47,84 +47,191 @@ pub enum Measure {
     OneStep(Quantity),
 }
 
-/// The reason why a text is no measure.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("`{0}` is no score; there are {words}, and with a channel behind a dot {channels}, with a sensor {sensors}",
-    words = WORDS.map(|(word, _)| word).join(", "),
-    channels = OF_CHANNELS.map(|(word, _)| word).join(", "),
-    sensors = OF_SENSORS.map(|(word, _)| word).join(", "))]
-pub struct UnknownMeasure(pub String);
+/// The description of a measure: one row each.
+#[derive(Debug)]
+pub struct MeasureInfo {
+    /// Its word in text.
+    pub word: &'static str,
+    /// Its name in a menu, with `@` for the symbol of its channel or sensor.
+    pub name: &'static str,
+    /// Whether it needs the truth.
+    pub needs_truth: bool,
+    /// Whether it needs every estimate of the run; sums are not enough.
+    pub needs_history: bool,
+    /// Its best value.
+    pub best: Best,
+    of: Of,
+}
 
-const WORDS: [(&str, Measure); 7] = [
-    ("nis", Measure::Nis),
-    ("nees", Measure::Nees),
-    ("consistency", Measure::Consistency),
-    ("log_likelihood", Measure::LogLikelihood),
-    ("diverged", Measure::Diverged),
-    ("stopped", Measure::Stopped),
-    ("verdict", Measure::Verdict),
+/// The best value that a measure can have.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Best {
+    /// A ratio of one.
+    One,
+    /// Nought, to either side.
+    Zero,
+    /// As small as can be.
+    Smallest,
+    /// As large as can be.
+    Largest,
+    /// This value.
+    At(f64),
+    /// None: it is no matter of good or bad.
+    None,
+}
+
+/// What a measure is of.
+#[derive(Clone, Copy, Debug)]
+enum Of {
+    /// The filter.
+    Filter(Measure),
+    /// A channel, in its unit or another one.
+    Channel(fn(Channel) -> Measure, Option<&'static str>),
+    /// A sensor, in its unit.
+    Sensor(fn(Quantity) -> Measure),
+}
+
+/// The share of samples inside ±2σ that a filter with the right σ has.
+const EXPECTED_INSIDE: f64 = 0.954;
+
+/// Every measure, in the order of tables.
+static ALL: [MeasureInfo; 15] = [
+    row("nis", "mean NIS, 1 expected", Best::One, Of::Filter(Measure::Nis)),
+    row("nees", "mean NEES, 1 expected", Best::One, Of::Filter(Measure::Nees)).with_truth(),
+    row("consistency", "mean NIS, distance in σ", Best::Zero, Of::Filter(Measure::Consistency)),
+    row("log_likelihood", "log likelihood", Best::Largest, Of::Filter(Measure::LogLikelihood)),
+    row("diverged", "lost the truth", Best::None, Of::Filter(Measure::Diverged)),
+    row("stopped", "stopped", Best::None, Of::Filter(Measure::Stopped)),
+    row("verdict", "verdict", Best::None, Of::Filter(Measure::Verdict)).with_history(),
+    row("error", "last error of @", Best::Zero, Of::Channel(Measure::Error, None)).with_truth(),
+    row("rmse", "RMS error of @", Best::Smallest, Of::Channel(Measure::Rmse, None)).with_truth(),
+    row("estimate", "last estimate of @", Best::None, Of::Channel(Measure::Estimate, None)),
+    row("std", "last σ of @", Best::None, Of::Channel(Measure::Std, None)),
+    row("settled", "settling time of @", Best::Smallest, Of::Channel(Measure::Settled, Some("s"))).with_truth(),
+    row("coverage", "share of @ inside ±2σ", Best::At(EXPECTED_INSIDE), Of::Channel(Measure::Coverage, Some("")))
+        .with_truth(),
+    row("free_run", "free-run error of @", Best::Smallest, Of::Sensor(Measure::FreeRun)).with_history(),
+    row("one_step", "one-step error of @", Best::Smallest, Of::Sensor(Measure::OneStep)).with_history(),
 ];
 
-type OfChannel = fn(Channel) -> Measure;
-const OF_CHANNELS: [(&str, OfChannel); 6] = [
-    ("error", Measure::Error),
-    ("rmse", Measure::Rmse),
-    ("estimate", Measure::Estimate),
-    ("std", Measure::Std),
-    ("settled", Measure::Settled),
-    ("coverage", Measure::Coverage),
-];
+const fn row(word: &'static str, name: &'static str, best: Best, of: Of) -> MeasureInfo {
+    MeasureInfo { word, name, needs_truth: false, needs_history: false, best, of }
+}
 
-type OfSensor = fn(Quantity) -> Measure;
-const OF_SENSORS: [(&str, OfSensor); 2] = [("free_run", Measure::FreeRun), ("one_step", Measure::OneStep)];
-
-impl Measure {
-    /// Whether the measure needs every estimate of the run; sums are not enough.
-    pub fn needs_history(self) -> bool {
-        matches!(self, Self::Verdict | Self::FreeRun(_) | Self::OneStep(_))
+impl MeasureInfo {
+    const fn with_truth(self) -> Self {
+        Self { needs_truth: true, ..self }
     }
 
-    /// Whether the measure needs the truth.
-    pub fn needs_truth(self) -> bool {
-        matches!(self, Self::Nees | Self::Error(_) | Self::Rmse(_) | Self::Settled(_) | Self::Coverage(_))
-    }
-
-    /// The unit, empty for a pure number.
-    pub fn unit(self) -> &'static str {
-        match self {
-            Self::Error(channel) | Self::Rmse(channel) | Self::Estimate(channel) | Self::Std(channel) => channel.unit(),
-            Self::Settled(_) => "s",
-            Self::FreeRun(sensor) | Self::OneStep(sensor) => sensor.unit(),
-            _ => "",
-        }
-    }
-
-    /// All measures from sums alone, of filters with these channels.
-    pub fn of_sums(channels: &[Channel]) -> Vec<Self> {
-        let plain = WORDS.map(|(_, measure)| measure).into_iter();
-        let of_channels = channels.iter().flat_map(|&channel| OF_CHANNELS.map(|(_, measure)| measure(channel)));
-        plain.chain(of_channels).filter(|measure| !measure.needs_history()).collect()
+    const fn with_history(self) -> Self {
+        Self { needs_history: true, ..self }
     }
 }
 
-impl fmt::Display for Measure {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let Some((word, _)) = WORDS.iter().find(|(_, measure)| measure == self) {
-            return f.write_str(word);
-        }
-        let (key, word) = match *self {
-            Self::FreeRun(sensor) | Self::OneStep(sensor) => {
-                (sensor.key(), OF_SENSORS.iter().find(|(_, of)| of(sensor) == *self).map(|(word, _)| word))
-            }
+/// The reason why a text is no measure.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("`{0}` is no score; there are {plain}, and with a channel behind a dot {of_channels}, with a sensor {of_sensors}",
+    plain = words(|of| matches!(of, Of::Filter(_))),
+    of_channels = words(|of| matches!(of, Of::Channel(..))),
+    of_sensors = words(|of| matches!(of, Of::Sensor(_))))]
+pub struct UnknownMeasure(pub String);
+
+fn words(is_it: fn(&Of) -> bool) -> String {
+    ALL.iter().filter(|info| is_it(&info.of)).map(|info| info.word).collect::<Vec<_>>().join(", ")
+}
+
+impl Measure {
+    /// Its row, and the channel or the sensor that it is of.
+    fn parts(self) -> (&'static MeasureInfo, Option<Channel>, Option<Quantity>) {
+        let (channel, sensor) = match self {
             Self::Error(c)
             | Self::Rmse(c)
             | Self::Estimate(c)
             | Self::Std(c)
             | Self::Settled(c)
-            | Self::Coverage(c) => (c.key(), OF_CHANNELS.iter().find(|(_, of)| of(c) == *self).map(|(word, _)| word)),
-            _ => ("", None),
+            | Self::Coverage(c) => (Some(c), None),
+            Self::FreeRun(quantity) | Self::OneStep(quantity) => (None, Some(quantity)),
+            _ => (None, None),
         };
-        write!(f, "{}.{key}", word.unwrap_or(&""))
+        let is_own = |info: &&MeasureInfo| match (info.of, channel, sensor) {
+            (Of::Filter(measure), None, None) => measure == self,
+            (Of::Channel(of, _), Some(channel), None) => of(channel) == self,
+            (Of::Sensor(of), None, Some(sensor)) => of(sensor) == self,
+            _ => false,
+        };
+        (ALL.iter().find(is_own).unwrap_or(&ALL[0]), channel, sensor)
+    }
+
+    /// Its description.
+    pub fn info(self) -> &'static MeasureInfo {
+        self.parts().0
+    }
+
+    /// The channel that it is of.
+    pub fn channel(self) -> Option<Channel> {
+        self.parts().1
+    }
+
+    /// Its name in a menu: `last error of ωₙ`.
+    pub fn name(self) -> String {
+        let (info, channel, sensor) = self.parts();
+        info.name.replace('@', channel.map(Channel::symbol).or(sensor.map(Quantity::symbol)).unwrap_or_default())
+    }
+
+    /// The unit, empty for a pure number.
+    pub fn unit(self) -> &'static str {
+        match self.parts() {
+            (MeasureInfo { of: Of::Channel(_, unit), .. }, Some(channel), _) => unit.unwrap_or(channel.unit()),
+            (_, _, Some(sensor)) => sensor.unit(),
+            _ => "",
+        }
+    }
+
+    /// The distance of a value from the best one; smaller is better. `None` where there is no best one.
+    pub fn distance(self, value: f64) -> Option<f64> {
+        let distance = match self.info().best {
+            Best::One => libm::log(value).abs(),
+            Best::Zero => value.abs(),
+            Best::Smallest => value,
+            Best::Largest => -value,
+            Best::At(best) => (value - best).abs(),
+            Best::None => return None,
+        };
+        (!distance.is_nan()).then_some(distance)
+    }
+
+    /// All measures of filters with these channels, beside these sensors.
+    pub fn all<'a>(channels: &'a [Channel], sensors: &'a [Quantity]) -> impl Iterator<Item = Self> + 'a {
+        let of_filter = ALL.iter().filter_map(|info| match info.of {
+            Of::Filter(measure) => Some(measure),
+            _ => None,
+        });
+        let of_channels = channels.iter().flat_map(|&channel| {
+            ALL.iter().filter_map(move |info| match info.of {
+                Of::Channel(of, _) => Some(of(channel)),
+                _ => None,
+            })
+        });
+        let of_sensors = sensors.iter().flat_map(|&sensor| {
+            ALL.iter().filter_map(move |info| match info.of {
+                Of::Sensor(of) => Some(of(sensor)),
+                _ => None,
+            })
+        });
+        of_filter.chain(of_channels).chain(of_sensors)
+    }
+
+    /// All measures from sums alone, of filters with these channels.
+    pub fn of_sums(channels: &[Channel]) -> Vec<Self> {
+        Self::all(channels, &[]).filter(|measure| !measure.info().needs_history).collect()
+    }
+}
+
+impl fmt::Display for Measure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (info, channel, sensor) = self.parts();
+        f.write_str(info.word)?;
+        channel.map(Channel::key).or(sensor.map(Quantity::key)).map_or(Ok(()), |key| write!(f, ".{key}"))
     }
 }
 
@@ -132,21 +239,16 @@ impl FromStr for Measure {
     type Err = UnknownMeasure;
 
     fn from_str(text: &str) -> Result<Self, UnknownMeasure> {
-        let unknown = || UnknownMeasure(text.to_owned());
-        let Some((word, key)) = text.split_once('.') else {
-            return WORDS.iter().find(|(word, _)| *word == text).map(|(_, measure)| *measure).ok_or_else(unknown);
-        };
+        let (word, key) = text.split_once('.').map_or((text, None), |(word, key)| (word, Some(key)));
         // An older word.
         let word = if word == "inside" { "coverage" } else { word };
-        let channel = || {
-            let (_, of) = OF_CHANNELS.iter().find(|(name, _)| *name == word)?;
-            Channel::from_key(key).map(of)
-        };
-        let sensor = || {
-            let (_, of) = OF_SENSORS.iter().find(|(name, _)| *name == word)?;
-            Quantity::from_key(key).map(of)
-        };
-        channel().or_else(sensor).ok_or_else(unknown)
+        let measure = ALL.iter().find(|info| info.word == word).and_then(|info| match (info.of, key) {
+            (Of::Filter(measure), None) => Some(measure),
+            (Of::Channel(of, _), Some(key)) => Channel::from_key(key).map(of),
+            (Of::Sensor(of), Some(key)) => Quantity::from_key(key).map(of),
+            _ => None,
+        });
+        measure.ok_or_else(|| UnknownMeasure(text.to_owned()))
     }
 }
 
@@ -173,9 +275,15 @@ mod tests {
         let mut all = Measure::of_sums(&[Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO]);
         assert_eq!(all.len(), 6 + 12);
         all.extend([Measure::Verdict, Measure::FreeRun(Quantity::DISPLACEMENT), Measure::OneStep(Quantity::VELOCITY)]);
-        for measure in all {
-            assert_eq!(measure.to_string().parse(), Ok(measure));
+        for measure in &all {
+            assert_eq!(measure.to_string().parse(), Ok(*measure));
         }
+        let rows: std::collections::BTreeSet<&str> = all.iter().map(|measure| measure.info().word).collect();
+        assert_eq!(rows.len(), ALL.len(), "each has its own row");
+        assert_eq!(Measure::Coverage(Channel::NATURAL_FREQUENCY).name(), "share of ωₙ inside ±2σ");
+        let units =
+            [Measure::Rmse, Measure::Settled, Measure::Coverage].map(|of| of(Channel::NATURAL_FREQUENCY).unit());
+        assert_eq!(units, ["rad/s", "s", ""]);
         assert_eq!("inside.damping_ratio".parse(), Ok(Measure::Coverage(Channel::DAMPING_RATIO)));
         assert_eq!(Measure::Rmse(Channel::NATURAL_FREQUENCY).to_string(), "rmse.natural_frequency");
     }

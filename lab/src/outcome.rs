@@ -19,7 +19,7 @@ pub(crate) fn any(
     record: &Record,
     measures: &[Measure],
 ) -> Result<Vec<f64>, RunError> {
-    if measures.iter().any(|measure| measure.needs_history()) {
+    if measures.iter().any(|measure| measure.info().needs_history) {
         return of_history(scenario, place, record, measures);
     }
     let outcome = Outcome::of(scenario, place, record)?;

@@ -22,53 +22,24 @@ pub(crate) fn taken(scenario: &Scenario) -> Vec<Measure> {
     Measure::of_sums(&scored(scenario))
 }
 
-/// The scores that can be shown, in the order of a menu.
+/// The scores that can be shown, in the order of a menu: errors first.
 pub(crate) fn offered(scenario: &Scenario, record: &Record) -> Vec<Measure> {
     let channels = scored(scenario);
     let is_known = |channel: Channel| record.truth(channel).is_some();
-    let of = |of: fn(Channel) -> Measure| channels.iter().copied().map(of).collect::<Vec<_>>();
     let sensors: Vec<Quantity> = scenario.sensors.iter().map(|sensor| sensor.measures).collect();
-    let mut offered = of(Measure::Rmse);
-    offered.extend([Measure::Nis, Measure::Consistency, Measure::LogLikelihood, Measure::Nees]);
-    for each in [Measure::Error, Measure::Estimate, Measure::Std, Measure::Settled, Measure::Coverage] {
-        offered.extend(of(each));
-    }
-    offered.extend([Measure::Diverged, Measure::Stopped, Measure::Verdict]);
-    offered.extend(sensors.iter().copied().map(Measure::FreeRun));
-    offered.extend(sensors.iter().copied().map(Measure::OneStep));
-    offered.retain(|measure| match *measure {
-        Measure::Error(c) | Measure::Rmse(c) | Measure::Settled(c) | Measure::Coverage(c) => is_known(c),
-        Measure::Nees => channels.iter().any(|channel| is_known(*channel)),
-        _ => true,
-    });
+    let is_offered = |measure: &Measure| {
+        let has_truth = || measure.channel().map_or(channels.iter().any(|channel| is_known(*channel)), is_known);
+        !measure.info().needs_truth || has_truth()
+    };
+    let mut offered: Vec<Measure> = Measure::all(&channels, &sensors).filter(is_offered).collect();
+    sort_short_by_key(&mut offered, |measure| !matches!(measure, Measure::Rmse(_)));
     offered
-}
-
-/// The name of a score, for a menu.
-pub(crate) fn name(measure: Measure) -> String {
-    match measure {
-        Measure::Nis => "mean NIS, 1 expected".to_owned(),
-        Measure::Nees => "mean NEES, 1 expected".to_owned(),
-        Measure::Consistency => "mean NIS, distance in σ".to_owned(),
-        Measure::LogLikelihood => "log likelihood".to_owned(),
-        Measure::Diverged => "lost the truth".to_owned(),
-        Measure::Stopped => "stopped".to_owned(),
-        Measure::Verdict => "verdict".to_owned(),
-        Measure::Error(channel) => format!("last error of {}", channel.symbol()),
-        Measure::Rmse(channel) => format!("RMS error of {}", channel.symbol()),
-        Measure::Estimate(channel) => format!("last estimate of {}", channel.symbol()),
-        Measure::Std(channel) => format!("last σ of {}", channel.symbol()),
-        Measure::Settled(channel) => format!("settling time of {}", channel.symbol()),
-        Measure::Coverage(channel) => format!("share of {} inside ±2σ", channel.symbol()),
-        Measure::FreeRun(quantity) => format!("free-run error of {}", quantity.symbol()),
-        Measure::OneStep(quantity) => format!("one-step error of {}", quantity.symbol()),
-    }
 }
 
 /// The name of a score with its unit.
 pub(crate) fn label(measure: Measure) -> String {
     let unit = measure.unit();
-    if unit.is_empty() { name(measure) } else { format!("{} [{unit}]", name(measure)) }
+    if unit.is_empty() { measure.name() } else { format!("{} [{unit}]", measure.name()) }
 }
 
 #[cfg(test)]
@@ -81,8 +52,8 @@ mod tests {
         let scenario = Scenario { duration: 1.0, ..Scenario::default() };
         let (offered, taken) = (offered(&scenario, &simulate(&scenario)), taken(&scenario));
         assert_eq!(offered[0], Measure::Rmse(Channel::NATURAL_FREQUENCY));
-        assert!(offered.iter().all(|measure| measure.needs_history() || taken.contains(measure)));
-        let names: std::collections::BTreeSet<String> = offered.iter().map(|measure| name(*measure)).collect();
+        assert!(offered.iter().all(|measure| measure.info().needs_history || taken.contains(measure)));
+        let names: std::collections::BTreeSet<String> = offered.iter().map(|measure| measure.name()).collect();
         assert_eq!(names.len(), offered.len(), "no two scores have one name");
     }
 }

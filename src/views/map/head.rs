@@ -5,9 +5,7 @@ use kalmanscope_core::setting::Address;
 use kalmanscope_core::{Axis, Scenario, Spacing};
 
 use crate::controls::number::field;
-use crate::laboratory::{
-    Choice, Laboratory, MOST, Survey, candidates, collide, measure_name, offered, part_of, setting_name,
-};
+use crate::laboratory::{Choice, Laboratory, MOST, Survey, candidates, collide, offered, part_of, setting_name};
 use crate::menu::{Closing, menu_ui};
 use crate::probe;
 use crate::request::Request;
@@ -74,9 +72,9 @@ fn axis_ui(ui: &mut Ui, choice: &mut Choice, at: usize, part: &Scenario, keys: &
 }
 
 fn measure_ui(ui: &mut Ui, choice: &mut Choice, offered: &[kalmanscope_lab::Measure]) {
-    combo(ui, "Score", measure_name(choice.measure), 150.0, |ui| {
+    combo(ui, "Score", choice.measure.name(), 150.0, |ui| {
         for measure in offered {
-            ui.selectable_value(&mut choice.measure, *measure, measure_name(*measure));
+            ui.selectable_value(&mut choice.measure, *measure, measure.name());
         }
     });
 }

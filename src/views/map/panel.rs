@@ -145,7 +145,7 @@ impl PanelView<'_> {
             let value = |measure: Measure| survey.value(cell, at, measure).unwrap_or(f64::NAN);
             ui.label(RichText::new(&filter.name).family(theme::strong()));
             let score = super::legend::score_text(*measure, value(*measure));
-            ui.label(format!("{}: {score}", crate::laboratory::measure_name(*measure)));
+            ui.label(format!("{}: {score}", measure.name()));
             let is_inside = value(Measure::Consistency).abs() < CONSISTENT;
             let end = if value(Measure::Stopped) == 1.0 {
                 "it stopped".to_owned()

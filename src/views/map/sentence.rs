@@ -2,15 +2,12 @@
 
 use kalmanscope_lab::Measure;
 
-use crate::laboratory::{Survey, measure_name, setting_name};
+use crate::laboratory::{Survey, setting_name};
 use crate::text::significant;
 use crate::view::ViewContext;
 
 /// Limits the filters that the sentence tells of.
 const TOLD: usize = 2;
-
-/// The share of samples inside ±2σ that a filter with the right σ has.
-const EXPECTED: f64 = 0.954;
 
 /// What a complete map says of each filter. `None` while it is computed, and for a score that has no best value.
 pub(super) fn sentence(survey: &Survey, measure: Measure, context: &ViewContext<'_>) -> Option<String> {
@@ -27,25 +24,10 @@ pub(super) fn sentence(survey: &Survey, measure: Measure, context: &ViewContext<
     (!told.is_empty()).then(|| told.join(" "))
 }
 
-/// The distance of a value from the best that it can have; smaller is better. `None` for a score without a best value.
-fn distance(measure: Measure, value: f64) -> Option<f64> {
-    let distance = match measure {
-        Measure::Nis | Measure::Nees => value.ln().abs(),
-        Measure::Consistency | Measure::Error(_) => value.abs(),
-        Measure::LogLikelihood => -value,
-        Measure::Rmse(_) | Measure::FreeRun(_) | Measure::OneStep(_) | Measure::Settled(_) => value,
-        Measure::Coverage(_) => (value - EXPECTED).abs(),
-        Measure::Diverged | Measure::Stopped | Measure::Verdict | Measure::Estimate(_) | Measure::Std(_) => {
-            return None;
-        }
-    };
-    (!distance.is_nan()).then_some(distance)
-}
-
 /// The best cell of a filter.
 fn best(survey: &Survey, filter: usize, measure: Measure) -> Option<usize> {
     let distances = (0..survey.sheet().len())
-        .filter_map(|cell| Some((cell, distance(measure, survey.value(cell, filter, measure)?)?)));
+        .filter_map(|cell| Some((cell, measure.distance(survey.value(cell, filter, measure)?)?)));
     distances.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(cell, _)| cell)
 }
 
@@ -67,5 +49,5 @@ fn of_filter(survey: &Survey, filter: usize, measure: Measure, best: usize, cont
         _ => None,
     };
     let here = here.map_or_else(String::new, |here| format!("; on screen it is {}", significant(here, 3)));
-    format!("{} is best, {value}, at {at}{here}.", measure_name(measure))
+    format!("{} is best, {value}, at {at}{here}.", measure.name())
 }
