@@ -5,7 +5,7 @@ use egui::Vec2;
 use crate::request::{Proportions, ViewKind};
 
 /// Limits the height per view above which all views fit on screen; below it they scroll \[points\].
-const ENOUGH: f32 = 180.0;
+const ENOUGH: f32 = 250.0;
 
 /// The least height of views that are not flat, if views scroll \[points\].
 const LEAST: f32 = 300.0;

@@ -65,10 +65,10 @@ pub(crate) fn story_ui(
     let height = {
         let ui = &mut ui.new_child(UiBuilder::new().id_salt("story").max_rect(room));
         let spoken = story.to_string();
+        ui.spacing_mut().item_spacing = Vec2::new(0.0, 3.0);
+        // Lines of text are as high as text, for fingers too.
+        ui.spacing_mut().interact_size.y = SIZE + 3.0;
         let text = ui.horizontal_wrapped(|ui| {
-            ui.spacing_mut().item_spacing = Vec2::new(0.0, 3.0);
-            // Lines of text are as high as text, for fingers too.
-            ui.spacing_mut().interact_size.y = SIZE + 3.0;
             ui.style_mut().text_styles.insert(TextStyle::Body, FontId::new(SIZE, egui::FontFamily::Proportional));
             for sentence in &story.sentences {
                 for (place, phrase) in sentence.iter().enumerate() {

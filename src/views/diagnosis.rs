@@ -76,14 +76,28 @@ pub(crate) fn drawer_ui(ui: &mut Ui, context: &ViewContext<'_>, id: u32, request
         ui.weak("This filter is not there any more.");
         return;
     };
+    // In a low drawer, as on a phone, the verdict and its cures are in sight and the numbers below them.
+    let is_low = ui.available_height() < LOW;
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         ui.set_width(ui.available_width() - ui.spacing().scroll.bar_width);
+        let verdict_ui = |ui: &mut Ui, requests: &mut Vec<Request>| {
+            ui.push_id(id, |ui| filter_ui(ui, context, (place, is_held), &all[place], requests));
+            ui.add_space(4.0);
+        };
+        if is_low {
+            verdict_ui(ui, requests);
+        }
         numbers::estimates_ui(ui, context, place, &all[place]);
         numbers::settings_ui(ui, context, id, requests);
         ui.add_space(4.0);
-        ui.push_id(id, |ui| filter_ui(ui, context, (place, is_held), &all[place], requests));
+        if !is_low {
+            verdict_ui(ui, requests);
+        }
     });
 }
+
+/// The height of a low drawer \[points\].
+const LOW: f32 = 420.0;
 
 /// The lines reserved for the reason of a verdict.
 const LINES: f32 = 3.0;

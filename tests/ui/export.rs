@@ -9,13 +9,13 @@ use serde_json::Value;
 
 use super::*;
 
-type Files = Rc<RefCell<Vec<File>>>;
+pub(super) type Files = Rc<RefCell<Vec<File>>>;
 
 /// A screen of the whole record whose exports are kept.
-fn exporting() -> (Screen, Files) {
+pub(super) fn exporting(size: Vec2) -> (Screen, Files) {
     let files = Files::default();
     let kept = Rc::clone(&files);
-    let mut screen = Harness::builder().with_size(DESKTOP).with_step_dt(1.0 / 60.0).build_eframe(move |creation| {
+    let mut screen = Harness::builder().with_size(size).with_step_dt(1.0 / 60.0).build_eframe(move |creation| {
         let kept = Rc::clone(&kept);
         App::new(creation).expect("the default scenario can be run").delivering(Box::new(move |file| {
             kept.borrow_mut().push(file.clone());
@@ -50,7 +50,7 @@ fn text(file: File) -> String {
 
 #[test]
 fn the_report_has_the_story_the_verdicts_and_the_figures() {
-    let (mut screen, files) = exporting();
+    let (mut screen, files) = exporting(DESKTOP);
     let file = exported(&mut screen, &files, "Report (HTML)");
     assert_eq!((file.name.as_str(), file.kind), ("report.html", "text/html"));
     let page = text(file);
@@ -64,7 +64,7 @@ fn the_report_has_the_story_the_verdicts_and_the_figures() {
 
 #[test]
 fn results_are_exported_by_the_menu() {
-    let (mut screen, files) = exporting();
+    let (mut screen, files) = exporting(DESKTOP);
     let estimates = text(exported(&mut screen, &files, "Estimates (CSV)"));
     let mut lines = estimates.lines();
     let header = lines.next().expect("there is a header");
@@ -84,7 +84,7 @@ fn results_are_exported_by_the_menu() {
 
 #[test]
 fn the_map_of_the_laboratory_is_exported_as_numbers_and_as_a_figure() {
-    let (mut screen, files) = exporting();
+    let (mut screen, files) = exporting(DESKTOP);
     screen.state_mut().layout_mut().toggle(ViewKind::Map);
     screen.run_steps(3);
     let table = text(exported(&mut screen, &files, "Map (CSV)"));
@@ -104,7 +104,7 @@ fn the_map_of_the_laboratory_is_exported_as_numbers_and_as_a_figure() {
 
 #[test]
 fn everything_is_one_json() {
-    let (mut screen, files) = exporting();
+    let (mut screen, files) = exporting(DESKTOP);
     let all: Value =
         serde_json::from_str(&text(exported(&mut screen, &files, "Everything (JSON)"))).expect("it is JSON");
     assert_eq!(all["kalmanscope"], env!("CARGO_PKG_VERSION"));
@@ -127,7 +127,7 @@ fn everything_is_one_json() {
 
 #[test]
 fn a_session_is_opened_again_by_drop() {
-    let (mut screen, files) = exporting();
+    let (mut screen, files) = exporting(DESKTOP);
     screen.state_mut().layout_mut().toggle(ViewKind::Phase);
     screen.key_press(Key::A);
     screen.run_steps(2);
@@ -157,7 +157,7 @@ fn a_session_is_opened_again_by_drop() {
 
 #[test]
 fn a_bad_session_is_refused_and_changes_nothing() {
-    let (mut screen, files) = exporting();
+    let (mut screen, files) = exporting(DESKTOP);
     let good: Value =
         serde_json::from_slice(&exported(&mut screen, &files, "Session, to open again").contents).expect("it is JSON");
     let with = |key: &str, value: Value| {
@@ -180,7 +180,7 @@ fn a_bad_session_is_refused_and_changes_nothing() {
 
 #[test]
 fn figures_are_exported_by_keyboard_too() {
-    let (mut screen, files) = exporting();
+    let (mut screen, files) = exporting(DESKTOP);
     screen.key_press(Key::E);
     screen.run_steps(3);
     screen.get_by_label("Paper, 84 mm (SVG)").click();
@@ -204,7 +204,7 @@ fn attribute(element: &str, name: &str) -> f32 {
 
 #[test]
 fn figures_have_the_size_type_and_lines_of_a_paper() {
-    let (screen, _) = exporting();
+    let (screen, _) = exporting(DESKTOP);
     for (format, width) in [(FigureFormat::Column, 84.0), (FigureFormat::Page, 174.0)] {
         let figure = screen.state().figure(format);
         let svg = figure.svg();
@@ -241,7 +241,7 @@ fn nothing_of_a_figure_is_cut_off_at_its_edges() {
         vec![ViewKind::Scores, ViewKind::Matrices],
         vec![ViewKind::Diagnosis],
     ] {
-        let (mut screen, _) = exporting();
+        let (mut screen, _) = exporting(DESKTOP);
         *screen.state_mut().layout_mut() = Layout::column(&views);
         screen.run_steps(4);
         for format in FigureFormat::ALL {
@@ -275,7 +275,7 @@ fn decoded(png: &[u8]) -> (usize, usize, Vec<u8>) {
 #[test]
 fn a_figure_looks_as_it_did() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/snapshots/figure-84mm.png");
-    let (mut screen, _) = exporting();
+    let (mut screen, _) = exporting(DESKTOP);
     *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Oscillator, ViewKind::Parameters, ViewKind::Phase]);
     screen.run_steps(4);
     let png = screen.state().figure(FigureFormat::Column).png().expect("it can be encoded");

@@ -25,6 +25,7 @@ mod share;
 mod shelf;
 mod sizes;
 mod story;
+mod thumb;
 mod trials;
 mod tune;
 mod twin;

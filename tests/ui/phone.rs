@@ -12,7 +12,7 @@ const SIDE: Vec2 = Vec2::new(844.0, 390.0);
 const FOR_PLOTS: f32 = 0.45;
 
 /// A screen that expects fingers.
-fn phone(size: Vec2) -> Screen {
+pub(super) fn phone(size: Vec2) -> Screen {
     let mut screen = screen(size, Theme::Light);
     theme::expect_fingers(&screen.ctx);
     screen.run_steps(4);
@@ -20,7 +20,7 @@ fn phone(size: Vec2) -> Screen {
 }
 
 /// Tells of a finger as a browser does: of its touch, and of a pointer that follows it.
-fn touch(screen: &mut Screen, phase: TouchPhase, pos: Pos2) {
+pub(super) fn touch(screen: &mut Screen, phase: TouchPhase, pos: Pos2) {
     let (device_id, id, force) = (egui::TouchDeviceId(0), egui::TouchId(0), None);
     screen.event(Event::Touch { device_id, id, phase, pos, force });
     let button = |pressed| {
@@ -41,7 +41,7 @@ fn touch(screen: &mut Screen, phase: TouchPhase, pos: Pos2) {
     screen.run_steps(2);
 }
 
-fn tap(screen: &mut Screen, label: &str) {
+pub(super) fn tap(screen: &mut Screen, label: &str) {
     let at = screen.get_by_label(label).rect().center();
     touch(screen, TouchPhase::Start, at);
     touch(screen, TouchPhase::End, at);
@@ -49,7 +49,7 @@ fn tap(screen: &mut Screen, label: &str) {
 }
 
 /// Swipes, and waits until everything rests.
-fn swipe(screen: &mut Screen, from: Pos2, way: Vec2) {
+pub(super) fn swipe(screen: &mut Screen, from: Pos2, way: Vec2) {
     touch(screen, TouchPhase::Start, from);
     for step in 1..=8 {
         touch(screen, TouchPhase::Move, from + way * (step as f32 / 8.0));
