@@ -178,6 +178,42 @@ fn what_is_late_finds_its_sample_as_long_as_that_waits() {
 }
 
 #[test]
+fn a_prompt_record_waits_for_none_that_has_gone_on_and_for_all_once_one_is_late() {
+    let none = f64::NAN;
+    let sensors = vec![Quantity::DISPLACEMENT, Quantity::VELOCITY];
+    let mut live = LiveRecord::new(0.01, InputKind::Force, Hold::Zero, sensors).waiting(0.1).prompt();
+    // The velocity is told 20 ms after the displacement and the input of the same time.
+    for k in 0..50 {
+        let time = f64::from(k) * 0.01;
+        live.take(time, time, &[1.0, none]).expect("it is taken in");
+        if k >= 2 {
+            live.take(time - 0.02, none, &[none, 2.0]).expect("it is taken in");
+        }
+    }
+    assert_eq!(live.record().len(), 47, "one sample after the sensor that is told last");
+    assert!((0..47).all(|k| live.record().measured(0)[k] == 1.0 && live.record().measured(1)[k] == 2.0));
+    // A sensor that is silent is waited for.
+    for k in 50..80 {
+        let time = f64::from(k) * 0.01;
+        live.take(time, time, &[1.0, none]).expect("it is taken in");
+    }
+    assert_eq!(live.record().len(), 69, "0.1 s and half a step");
+    // The first reading out of order comes too late; from then on all are waited for.
+    live.take(0.79, none, &[none, 3.0]).expect("it is taken in");
+    assert_eq!(live.record().len(), 79);
+    assert!(matches!(live.take(0.78, none, &[none, 4.0]), Err(LiveError::TooLate { .. })));
+    for k in 80..100 {
+        let time = f64::from(k) * 0.01;
+        live.take(time, time, &[1.0, none]).expect("it is taken in");
+        if k >= 82 {
+            live.take(time - 0.02, none, &[none, 5.0]).expect("it is taken in");
+            live.take(time - 0.03, none, &[none, 6.0]).expect("it is waited for");
+        }
+    }
+    assert_eq!(live.record().len(), 89, "0.1 s and half a step");
+}
+
+#[test]
 fn a_clock_that_stands_still_takes_no_memory_without_end_and_the_end_is_completed() {
     let mut live = LiveRecord::new(0.01, InputKind::Force, Hold::Zero, vec![Quantity::VELOCITY]).waiting(0.1);
     let refused = (0..150_000).filter(|_| live.take(1.0, f64::NAN, &[2.0]) == Err(LiveError::Burst)).count();

@@ -15,7 +15,7 @@ use crate::sensor::{Happened, Readings, Sensor};
 use crate::text::fixed;
 use crate::theme::Palette;
 
-/// A sample waits this time for late readings \[s\].
+/// A sample waits this time for late readings where they come out of order, or one sensor has none \[s\].
 const WAIT: f64 = 0.1;
 
 pub(super) struct Stream {
@@ -38,7 +38,7 @@ impl Stream {
         let mut scenario = of.clone();
         scenario.record = Some(Mapping { file: NAME.to_owned(), ..Mapping::default() });
         let sensors: Vec<Quantity> = scenario.sensors.iter().map(|sensor| sensor.measures).collect();
-        let live = LiveRecord::new(scenario.dt, scenario.input, scenario.hold, sensors).waiting(WAIT);
+        let live = LiveRecord::new(scenario.dt, scenario.input, scenario.hold, sensors).waiting(WAIT).prompt();
         let record = live.so_far();
         let (readings, taken, refused, refusal) = (Readings::default(), 0, 0, None);
         Self { device, scenario, readings, live, record, taken, refused, refusal, times: None, has_ended: false }

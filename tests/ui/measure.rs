@@ -142,12 +142,8 @@ fn filters_are_watched_while_it_swings() {
     }
 }
 
-/// The sensors of a scenario, with clocks of their own and an input, are followed from the first reading on.
-#[test]
-fn the_sensors_of_a_scenario_are_followed_while_they_are_read() {
-    let text = "dt = 0.01\nduration = 40.0\nhold = \"first\"\n[[filters]]\nname = \"one\"\nkind = \"ekf\"\n";
-    let scenario = Scenario::from_toml(text).expect("it is a scenario");
-    let record = kalmanscope_core::simulate(&scenario);
+/// A screen that follows the sensors of a scenario.
+fn following(scenario: &Scenario) -> (Screen, Rc<Device<Happened>>) {
     let device = Device::new();
     let stream: (Rc<dyn Sensor<Happened>>, _) = (Rc::clone(&device) as Rc<_>, Rc::new(scenario.clone()));
     let sensors = Sensors { stream: Some(stream), ..Sensors::default() };
@@ -162,6 +158,48 @@ fn the_sensors_of_a_scenario_are_followed_while_they_are_read() {
     screen.state_mut().session_mut().set_budget(Budget::Unlimited);
     screen.run_steps(3);
     screen.get_by_label_contains("Waiting for readings");
+    (screen, device)
+}
+
+/// In the clock of the readings: what a frame takes to compute and to draw comes on top, as the benchmark of frames tells.
+#[test]
+fn a_reading_is_on_screen_in_the_frame_in_which_it_comes() {
+    for (rate, hold) in [(60, Hold::Zero), (100, Hold::First), (400, Hold::Zero)] {
+        let hold = if hold == Hold::First { "first" } else { "zero" };
+        let dt = 1.0 / f64::from(rate);
+        let text =
+            format!("dt = {dt}\nduration = 8.0\nhold = \"{hold}\"\n[[filters]]\nname = \"one\"\nkind = \"ekf\"\n");
+        let scenario = Scenario::from_toml(&text).expect("it is a scenario");
+        let record = kalmanscope_core::simulate(&scenario);
+        let (mut screen, device) = following(&scenario);
+        let readings = device.0.borrow().clone().expect("it has begun");
+        let mut told = 0;
+        for frame in 0..480 {
+            let now = f64::from(frame) / 60.0;
+            while told < record.len() && record.time(told) <= now {
+                let measured = vec![record.measured(0)[told], record.measured(1)[told]];
+                let (time, input) = (record.time(told), record.input()[told]);
+                readings.put(&[Happened { time, input, readings: measured }], &screen.ctx);
+                told += 1;
+            }
+            screen.run_steps(1);
+            let session = screen.state().session();
+            if frame > 120 {
+                let shown = session.time() - session.run().record().time_of(0);
+                let late = record.time(told - 1) - shown;
+                assert!(late <= dt + 1e-9, "{rate} Hz: {late} s late at {now} s");
+            }
+        }
+    }
+}
+
+/// The sensors of a scenario, with clocks of their own and an input, are followed from the first reading on.
+#[test]
+fn the_sensors_of_a_scenario_are_followed_while_they_are_read() {
+    let text = "dt = 0.01\nduration = 40.0\nhold = \"first\"\n[[filters]]\nname = \"one\"\nkind = \"ekf\"\n";
+    let scenario = Scenario::from_toml(text).expect("it is a scenario");
+    let record = kalmanscope_core::simulate(&scenario);
+    let (mut screen, device) = following(&scenario);
     let readings = device.0.borrow().clone().expect("it has begun");
     let tell = |screen: &mut Screen, from: usize, until: usize| {
         for k in from..until {

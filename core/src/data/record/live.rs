@@ -17,7 +17,8 @@ pub use error::LiveError;
 /// Each reading goes to its nearest sample; of several the nearest one is kept. Where readings are dense, as
 /// [`Self::smoothing`] says, it is shifted there along the cubic through those around it. The input is that of the scenario's
 /// hold, and zero before the first one that is told; one that is held counts from its nearest sample on. A sample is complete
-/// once something comes that is half a step later, and [`Self::waiting`] seconds more; nothing is added to it then.
+/// once something comes that is half a step later, and [`Self::waiting`] seconds more, unless it is [`Self::prompt`]; nothing is added to
+/// it then.
 ///
 /// ```
 /// use kalmanscope_core::record::LiveRecord;
@@ -39,6 +40,10 @@ pub struct LiveRecord {
     newest: f64,
     tracks: Vec<Track>,
     input: InputTrack,
+    /// The newest time of each sensor, then that of the input \[s\].
+    latest: Vec<f64>,
+    /// Whether a sample waits no longer once all have told something later; until one tells them out of order.
+    prompt: bool,
     wait: f64,
     side: usize,
     crowded: usize,
@@ -48,7 +53,7 @@ pub struct LiveRecord {
 const PATIENCE: f64 = 1.0;
 
 /// [`LiveRecord::update`] copies a record when it is longer by 1 / SHARE.
-const SHARE: usize = 5000;
+const SHARE: usize = 20_000;
 
 /// A time may be rounded by this share of a step.
 const ROUNDED: f64 = 1e-6;
@@ -67,6 +72,8 @@ impl LiveRecord {
     pub fn new(dt: f64, kind: InputKind, hold: Hold, sensors: Vec<Quantity>) -> Self {
         Self {
             tracks: sensors.iter().map(|_| Track::default()).collect(),
+            latest: vec![f64::NEG_INFINITY; sensors.len() + 1],
+            prompt: false,
             record: Record::empty(dt, kind, hold, sensors, Vec::new()),
             begin: None,
             newest: f64::NEG_INFINITY,
@@ -81,6 +88,14 @@ impl LiveRecord {
     #[must_use]
     pub fn waiting(self, seconds: f64) -> Self {
         Self { wait: seconds.max(0.0), ..self }
+    }
+
+    /// The same, where a sample does not wait once every sensor, and the input if any was told, has told something that is half a step
+    /// later: then nothing more comes as long as each tells its readings in order. The first that comes too late is refused; from then
+    /// on samples wait.
+    #[must_use]
+    pub fn prompt(self) -> Self {
+        Self { prompt: true, ..self }
     }
 
     /// The same, where each reading is shifted along the cubic through this many readings to either side. They have to lie within
@@ -130,9 +145,11 @@ impl LiveRecord {
     /// sensor in the unit of its quantity, NaN where there is none.
     ///
     /// # Errors
-    /// [`LiveError`]; what is refused leaves the record as it was.
+    /// [`LiveError`]; what is refused leaves the samples as they were.
     pub fn take(&mut self, time: f64, input: f64, readings: &[f64]) -> Result<(), LiveError> {
-        self.check(time, input, readings)?;
+        self.check(time, input, readings).inspect_err(|error| {
+            self.prompt &= !matches!(error, LiveError::TooLate { .. });
+        })?;
         self.begin.get_or_insert(time);
         self.newest = self.newest.max(time);
         for (track, &reading) in self.tracks.iter_mut().zip(readings).filter(|(_, reading)| !reading.is_nan()) {
@@ -141,11 +158,27 @@ impl LiveRecord {
         if !input.is_nan() {
             self.input.put(time, input);
         }
+        for (latest, value) in self.latest.iter_mut().zip(readings.iter().chain([&input])) {
+            if !value.is_nan() {
+                self.prompt &= time >= *latest;
+                *latest = latest.max(time);
+            }
+        }
         self.complete_until(|newest, live, at| {
             let late = newest - at - 0.5 * live.record.dt;
-            late < live.wait || (late < PATIENCE && live.input.waits_at(at, ROUNDED * live.record.dt))
+            let wait = if live.all_are_later(at) { 0.0 } else { live.wait };
+            late < wait || (late < PATIENCE && live.input.waits_at(at, ROUNDED * live.record.dt))
         });
         Ok(())
+    }
+
+    /// Whether nothing more can come for a sample at a time \[s\], as long as all tell their readings in order.
+    fn all_are_later(&self, at: f64) -> bool {
+        let end = at + 0.5 * self.record.dt;
+        let (input, sensors) =
+            self.latest.split_last().map_or((f64::NEG_INFINITY, &[][..]), |(input, all)| (*input, all));
+        let is_told = input > f64::NEG_INFINITY;
+        self.prompt && self.side == 0 && sensors.iter().all(|latest| *latest >= end) && (input >= end || !is_told)
     }
 
     /// Completes samples until one has to wait, which is asked with the newest time and that of the sample \[s\].
