@@ -166,7 +166,10 @@ fn a_choice_is_found_by_its_words_and_made() {
     screen.run_steps(20);
     assert_eq!(scenario(&screen).hold, Hold::First);
     assert!(screen.query_by_label("Find by words").is_none(), "it closes");
-    assert_eq!(screen.state().session().before().map(|before| before.words()), Some("input between samples = held"));
+    assert_eq!(
+        screen.state().session().before().map(kalmanscope::session::Before::words),
+        Some("input between samples = held")
+    );
 }
 
 #[test]
