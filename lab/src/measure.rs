@@ -80,6 +80,21 @@ pub enum Best {
     None,
 }
 
+impl Best {
+    /// The distance of a value from the best one; smaller is better. `None` where there is no best one.
+    pub fn distance(self, value: f64) -> Option<f64> {
+        let distance = match self {
+            Self::One => libm::log(value).abs(),
+            Self::Zero => value.abs(),
+            Self::Smallest => value,
+            Self::Largest => -value,
+            Self::At(best) => (value - best).abs(),
+            Self::None => return None,
+        };
+        (!distance.is_nan()).then_some(distance)
+    }
+}
+
 /// What a measure is of.
 #[derive(Clone, Copy, Debug)]
 enum Of {
@@ -185,19 +200,6 @@ impl Measure {
             (_, _, Some(sensor)) => sensor.unit(),
             _ => "",
         }
-    }
-
-    /// The distance of a value from the best one; smaller is better. `None` where there is no best one.
-    pub fn distance(self, value: f64) -> Option<f64> {
-        let distance = match self.info().best {
-            Best::One => libm::log(value).abs(),
-            Best::Zero => value.abs(),
-            Best::Smallest => value,
-            Best::Largest => -value,
-            Best::At(best) => (value - best).abs(),
-            Best::None => return None,
-        };
-        (!distance.is_nan()).then_some(distance)
     }
 
     /// All measures of filters with these channels, beside these sensors.

@@ -26,8 +26,9 @@ pub(super) fn sentence(survey: &Survey, measure: Measure, context: &ViewContext<
 
 /// The best cell of a filter.
 fn best(survey: &Survey, filter: usize, measure: Measure) -> Option<usize> {
-    let distances = (0..survey.sheet().len())
-        .filter_map(|cell| Some((cell, measure.distance(survey.value(cell, filter, measure)?)?)));
+    let goal = measure.info().best;
+    let distances =
+        (0..survey.sheet().len()).filter_map(|cell| Some((cell, goal.distance(survey.value(cell, filter, measure)?)?)));
     distances.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(cell, _)| cell)
 }
 

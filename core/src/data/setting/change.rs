@@ -1,6 +1,6 @@
 //! What one scenario has otherwise than another.
 
-use super::{CHOICES_OF_FILTER, CHOICES_OF_SCENARIO, ChoiceInfo, symbol};
+use super::{Allowed, CHOICES_OF_FILTER, CHOICES_OF_SCENARIO, ChoiceInfo, OF_FILTER, SettingInfo, of_scenario, symbol};
 use crate::data::document::Document;
 use crate::data::scenario::{Scenario, ScenarioError, address};
 use crate::data::sorting::sort_short_by_key;
@@ -72,7 +72,9 @@ impl Change {
                 let mut keys: Vec<&String> = one.iter().chain(other).map(|(key, _)| key).collect();
                 sort_short_by_key(&mut keys, |key| *key);
                 keys.dedup();
-                if keys.iter().any(|key| key.contains('.')) {
+                // A table with one key that becomes another is another shape: of a force, of a signal.
+                let is_reshaped = one.len() == 1 && other.len() == 1 && keys.len() == 2;
+                if is_reshaped || keys.iter().any(|key| key.contains('.')) {
                     return self.note(before, now, path);
                 }
                 for key in keys {
@@ -147,11 +149,14 @@ impl Change {
             let filter = address::split_id(key).and_then(|(id, _)| scenario.filters.iter().find(|own| own.id == id));
             let key = address::split_id(key).map_or(key.as_str(), |(_, key)| key);
             let owner = filter.filter(|_| several).map_or_else(String::new, |filter| format!("{} ", filter.name));
-            let choice = match filter {
-                Some(filter) => chosen(&CHOICES_OF_FILTER, key, filter),
-                None => chosen(&CHOICES_OF_SCENARIO, key, scenario),
+            let rows = || OF_FILTER.into_iter().flatten().copied();
+            let said = match filter {
+                Some(filter) => chosen(&CHOICES_OF_FILTER, key, filter).or_else(|| set(rows(), key, filter, &number)),
+                None => {
+                    chosen(&CHOICES_OF_SCENARIO, key, scenario).or_else(|| set(of_scenario(), key, scenario, &number))
+                }
             };
-            let (name, value) = choice.unwrap_or_else(|| (name(key), words(before, &number)));
+            let (name, value) = said.unwrap_or_else(|| (name(key), words(before, &number)));
             format!("{owner}{name} = {value}")
         };
         let (of_filters, of_scenario): (Vec<&Difference>, Vec<&Difference>) =
@@ -175,6 +180,21 @@ fn document(of: &impl serde::Serialize) -> Document {
 fn chosen<T>(all: &[&ChoiceInfo<T>], key: &str, of: &T) -> Option<(String, String)> {
     let info = all.iter().find(|info| info.key == key)?;
     Some((info.name.to_owned(), info.chosen(of)?.name.to_owned()))
+}
+
+/// The name of the number with a key, and its value in a `T`, which is in no file where it is the default.
+fn set<T: 'static>(
+    mut rows: impl Iterator<Item = &'static SettingInfo<T>>,
+    key: &str,
+    of: &T,
+    number: &impl Fn(f64) -> String,
+) -> Option<(String, String)> {
+    let info = rows.find(|info| info.key == key)?;
+    let name = if info.symbol.is_empty() { info.name } else { info.symbol };
+    let value = (info.get)(of);
+    let value =
+        if info.allowed == Allowed::Flag { words(&Document::Flag(value != 0.0), number) } else { number(value) };
+    Some((name.to_owned(), value))
 }
 
 /// The name of a setting: the field's symbols if there are any, else the words of its key. Places count from 1.
@@ -264,6 +284,25 @@ mod tests {
         let mut expected = base;
         STEPS[..4].iter().for_each(|(_, step)| step(&mut expected));
         assert_eq!(together, expected);
+    }
+
+    #[test]
+    fn what_was_before_is_said_in_the_words_of_the_settings() {
+        let said = |step: Step| {
+            let mut changed = scenario();
+            step(&mut changed);
+            Change::between(&scenario(), &changed).what_was(|number| number.to_string()).join(", ")
+        };
+        assert_eq!(
+            said(|scenario| scenario.force = Force::Step { amplitude: 1.0, at: 2.0 }),
+            "force over time = white noise"
+        );
+        assert_eq!(said(|scenario| scenario.hold = Hold::First), "input between samples = held");
+        assert_eq!(said(|scenario| scenario.filters[0].substeps = 4), "EKF steps a sample = 1");
+        assert_eq!(said(|scenario| scenario.filters[0].jump = true), "EKF jump at a sudden change = no");
+        assert_eq!(said(|scenario| scenario.seed = 9), "seed = 1");
+        assert_eq!(said(|scenario| scenario.filters[1].robust = crate::Robust::GATE), "UKF outliers = none");
+        assert_eq!(said(|scenario| _ = scenario.filters.pop()), "with UKF");
     }
 
     #[test]

@@ -24,6 +24,8 @@ pub struct ChoiceInfo<T> {
     pub hint: &'static str,
     /// What there is to choose, in order.
     pub options: fn() -> Vec<Choice>,
+    /// The value of the option at a place in scenario files.
+    pub value: fn(usize) -> Value,
     /// Whether it has an effect in a `T`.
     pub serves: fn(&T) -> bool,
     /// The place of the chosen option.
@@ -33,20 +35,22 @@ pub struct ChoiceInfo<T> {
 }
 
 /// One option of a choice.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Choice {
-    /// Its value in scenario files.
-    pub value: Value,
     /// Its name in running text.
     pub name: &'static str,
     /// Its effect in a few words; empty for none.
     pub hint: &'static str,
 }
 
-impl Choice {
-    fn new(key: &'static str, name: &'static str, hint: &'static str) -> Self {
-        Self { value: key.into(), name, hint }
-    }
+/// Options without hints.
+fn named<const N: usize>(names: [&'static str; N]) -> Vec<Choice> {
+    names.map(|name| Choice { name, hint: "" }).into()
+}
+
+/// The word at a place.
+fn word(words: &[&str], at: usize) -> Value {
+    words.get(at).copied().unwrap_or_default().into()
 }
 
 impl<T> ChoiceInfo<T> {
@@ -57,7 +61,8 @@ impl<T> ChoiceInfo<T> {
 
     /// The name of the option with a value in a scenario file.
     pub(super) fn name_of(&self, value: &Value) -> Option<&'static str> {
-        (self.options)().into_iter().find(|option| option.value == *value).map(|option| option.name)
+        let mut options = (self.options)().into_iter().enumerate();
+        options.find(|(place, _)| (self.value)(*place) == *value).map(|(_, option)| option.name)
     }
 }
 
@@ -73,9 +78,8 @@ static INPUT: ChoiceInfo<Scenario> = ChoiceInfo {
     name: "kind of input",
     label: "the input is a",
     hint: "The input that is recorded: a force over mass, or the acceleration of the ground under the oscillator",
-    options: || {
-        vec![Choice::new("force", "force over mass", ""), Choice::new("ground_acceleration", "ground acceleration", "")]
-    },
+    options: || named(["force over mass", "ground acceleration"]),
+    value: |at| word(&["force", "ground_acceleration"], at),
     serves: |_| true,
     get: |scenario| usize::from(scenario.input == InputKind::GroundAcceleration),
     set: |scenario, at| scenario.input = if at == 0 { InputKind::Force } else { InputKind::GroundAcceleration },
@@ -87,7 +91,8 @@ static HOLD: ChoiceInfo<Scenario> = ChoiceInfo {
     name: "input between samples",
     label: "between samples it is",
     hint: "Between samples the input keeps its value (zero-order hold) or is linear (first-order hold)",
-    options: || vec![Choice::new("zero", "held", ""), Choice::new("first", "linear", "")],
+    options: || named(["held", "linear"]),
+    value: |at| word(&["zero", "first"], at),
     serves: |_| true,
     get: |scenario| usize::from(scenario.hold == Hold::First),
     set: |scenario, at| scenario.hold = if at == 0 { Hold::Zero } else { Hold::First },
@@ -109,13 +114,10 @@ static SHAPE: ChoiceInfo<Scenario> = ChoiceInfo {
     name: "force over time",
     label: "over time",
     hint: "The shape of the force; the filters are told it exactly",
-    options: || {
-        let option = |(name, force): (&'static str, Force)| {
-            let value = Document::table(&Scenario { force, ..Scenario::default() }).ok();
-            let value = value.and_then(|mut file| file.remove("force")).unwrap_or(Value::Boolean(false));
-            Choice { value, name, hint: "" }
-        };
-        SHAPES.map(option).into()
+    options: || named(SHAPES.map(|(name, _)| name)),
+    value: |at| {
+        let document = SHAPES.get(at).and_then(|(_, force)| Document::of(force).ok());
+        document.and_then(|document| Value::try_from(document).ok()).unwrap_or_else(|| word(&[], at))
     },
     serves: |_| true,
     get: |scenario| {
@@ -132,13 +134,8 @@ static PROPAGATION: ChoiceInfo<FilterSettings> = ChoiceInfo {
     name: "steps",
     label: "its steps",
     hint: "How the mean moves from sample to sample",
-    options: || {
-        vec![
-            Choice::new("local_linearisation", "local linearisation", ""),
-            Choice::new("runge_kutta", "Runge-Kutta", ""),
-            Choice::new("euler", "Euler", ""),
-        ]
-    },
+    options: || named(["local linearisation", "Runge-Kutta", "Euler"]),
+    value: |at| word(&["local_linearisation", "runge_kutta", "euler"], at),
     serves: |filter| filter.kind.info().has_propagation,
     get: |filter| Propagation::ALL.iter().position(|way| *way == filter.propagation).unwrap_or(0),
     set: |filter, at| filter.propagation = Propagation::ALL.get(at).copied().unwrap_or_default(),
@@ -151,9 +148,10 @@ pub static ROBUST: ChoiceInfo<FilterSettings> = ChoiceInfo {
     label: "outliers",
     hint: "How readings that do not fit are weighed",
     options: || {
-        let option = |rule: Robust| Choice::new(rule.info().key, rule.info().name, rule.info().description);
+        let option = |rule: Robust| Choice { name: rule.info().name, hint: rule.info().description };
         Robust::ALL.map(option).into()
     },
+    value: |at| word(&Robust::ALL.map(|rule| rule.info().key), at),
     serves: FilterSettings::can_weigh,
     get: |filter| Robust::ALL.iter().position(|rule| *rule == filter.robust).unwrap_or(0),
     set: |filter, at| filter.robust = Robust::ALL.get(at).copied().unwrap_or(Robust::NONE),
@@ -169,8 +167,8 @@ pub static CHOICES_OF_FILTER: [&ChoiceInfo<FilterSettings>; 2] = [&PROPAGATION, 
 pub fn other_choices(scenario: &Scenario) -> Vec<Edit> {
     fn others<T>(info: &ChoiceInfo<T>, of: &T, key: &str) -> Vec<Edit> {
         let own = (info.get)(of);
-        let options = (info.options)().into_iter().enumerate().filter(|(place, _)| *place != own);
-        if (info.serves)(of) { options.map(|(_, option)| Edit::new(key, option.value)).collect() } else { Vec::new() }
+        let others = (0..(info.options)().len()).filter(|place| *place != own && (info.serves)(of));
+        others.map(|place| Edit::new(key, (info.value)(place))).collect()
     }
     let of_filters = scenario.filters.iter().flat_map(|filter| {
         CHOICES_OF_FILTER.into_iter().flat_map(|info| others(info, filter, &filter.address(info.key)))
@@ -186,9 +184,9 @@ mod tests {
     fn each<T>(info: &ChoiceInfo<T>, of: &mut T, file: impl Fn(&T) -> Value) {
         for (place, option) in (info.options)().into_iter().enumerate() {
             (info.set)(of, place);
-            assert_eq!(((info.get)(of), info.chosen(of)), (place, Some(option.clone())), "{info:?}");
-            assert_eq!(file(of), option.value, "{info:?} in a file");
-            assert_eq!(info.name_of(&option.value), Some(option.name));
+            assert_eq!(((info.get)(of), info.chosen(of)), (place, Some(option)), "{info:?}");
+            assert_eq!(file(of), (info.value)(place), "{info:?} in a file");
+            assert_eq!(info.name_of(&(info.value)(place)), Some(option.name));
         }
     }
 
@@ -197,14 +195,14 @@ mod tests {
         let value = |document: Document| Value::try_from(document).unwrap();
         for info in CHOICES_OF_SCENARIO {
             // What is at its default stands in no file.
-            let default = (info.options)()[(info.get)(&Scenario::default())].value.clone();
+            let default = (info.value)((info.get)(&Scenario::default()));
             let file = |scenario: &Scenario| {
                 Document::of(scenario).unwrap().get(info.key).cloned().map_or_else(|| default.clone(), value)
             };
             each(info, &mut Scenario::default(), file);
         }
         for info in CHOICES_OF_FILTER {
-            let default = (info.options)()[(info.get)(&FilterSettings::default())].value.clone();
+            let default = (info.value)((info.get)(&FilterSettings::default()));
             let file = |filter: &FilterSettings| {
                 Document::of(filter).unwrap().get(info.key).cloned().map_or_else(|| default.clone(), value)
             };
