@@ -43,8 +43,17 @@ pub(crate) async fn a_decay_is_identified(page: &Page, picture: &Path) {
 
 /// Opens the record that was measured. Returns ωₙ and ζ of the first filter.
 async fn identified(page: &Page) -> [f64; 2] {
-    let asks = "JSON.parse(wasmBindings.kalmanscope_summary()).controls.some(it => it.name === 'Open the record')";
-    page.wait_until(asks, PATIENCE).await.expect("the record is read");
+    identified_if_heard(page).await.expect("there is something to identify")
+}
+
+/// The same; `None` where the page says that there is nothing to identify.
+async fn identified_if_heard(page: &Page) -> Option<[f64; 2]> {
+    let asks = "JSON.parse(wasmBindings.kalmanscope_summary()).controls.some(it => ['Open the record', 'Again'].includes(it.name))";
+    page.wait_until(asks, PATIENCE).await.expect("the record is read, or the reason why not is said");
+    if page.summary().await["controls"].as_array().is_some_and(|all| all.iter().any(|it| it["name"] == "Again")) {
+        page.tap("Close").await;
+        return None;
+    }
     // The button moves while the file is read, and it ignores a tap before the file is read to its end.
     let asked = Instant::now();
     loop {
@@ -71,11 +80,11 @@ async fn identified(page: &Page) -> [f64; 2] {
         assert!(begin.elapsed() < PATIENCE, "the filters come to no end");
         summary = later;
     }
-    ["natural_frequency", "damping_ratio"].map(|channel| {
+    Some(["natural_frequency", "damping_ratio"].map(|channel| {
         let estimates = summary["filters"][0]["estimates"].as_array().expect("there are estimates");
         let one = estimates.iter().find(|it| it["channel"] == channel).expect("it is estimated");
         one["mean"].as_f64().expect("it is a number")
-    })
+    }))
 }
 
 /// Motion events of a swing at some rate from now on, four at once.
@@ -194,7 +203,7 @@ const ATTEMPTS: usize = 3;
 
 /// Listens to what the browser's microphone tells, and finds the parameters of the fork.
 pub(crate) async fn a_ring_is_identified(page: &Page, picture: &Path) {
-    let mut found = [0.0; 2];
+    let mut found = None;
     for _ in 0..ATTEMPTS {
         page.tap("Scenario").await;
         page.tap("Measure with this device…").await;
@@ -204,10 +213,10 @@ pub(crate) async fn a_ring_is_identified(page: &Page, picture: &Path) {
         page.settle().await;
         std::fs::write(picture, page.screenshot().await).expect("a picture can be written");
         page.tap("Stop and identify").await;
-        found = identified(page).await;
+        found = identified_if_heard(page).await;
         std::fs::write(picture.with_file_name("phone-heard.png"), page.screenshot().await)
             .expect("a picture can be written");
-        let [frequency, damping] = found;
+        let Some([frequency, damping]) = found else { continue };
         if (frequency / TAU / 440.0 - 1.0).abs() < 0.002 && (damping / 5e-4 - 1.0).abs() < 0.15 {
             return;
         }
