@@ -1,6 +1,10 @@
 //! The true noise of a scenario, as the settings of a filter express it.
 
+use std::f64::consts::TAU;
+use std::ops::Range;
+
 use super::{FilterSettings, Scenario, Values};
+use crate::signal::{Ramp, Sine, Step};
 use crate::{Channel, Quantity, Signal};
 
 impl Scenario {
@@ -54,12 +58,41 @@ impl Scenario {
         self.sensors.iter().map(|s| usable_std(s.measures, libm::hypot(s.noise_std, felt(s.measures)))).collect()
     }
 
-    /// The root mean square change of a signal from one sample to the next.
+    /// The root mean square change of a signal from one sample to the next. It takes no longer for a longer record.
     fn change_per_step(&self, signal: Signal) -> f64 {
         let steps = self.samples() - 1;
         let change = |k: usize| signal.at((k + 1) as f64 * self.dt) - signal.at(k as f64 * self.dt);
-        let square: f64 = (0..steps).map(|k| change(k) * change(k)).sum();
-        (square / steps.max(1) as f64).sqrt()
+        let sum = |range: Range<usize>| range.map(|k| change(k) * change(k)).sum::<f64>();
+        // The steps around a time, a few more than needed.
+        let around = |time: f64| {
+            let step = (time / self.dt) as usize;
+            [step.saturating_sub(1).min(steps), step.saturating_add(2).min(steps)]
+        };
+        let squares = match signal {
+            Signal::Constant(_) => 0.0,
+            Signal::Step(Step { at, .. }) => {
+                let [first, end] = around(at);
+                sum(first..end)
+            }
+            Signal::Ramp(Ramp { start, end, .. }) => {
+                let ([first, inside], [outside, end]) = (around(start), around(end));
+                if outside <= inside {
+                    sum(first..end)
+                } else {
+                    // All changes within the ramp are the same.
+                    sum(first..inside) + (outside - inside) as f64 * sum(inside..inside + 1) + sum(outside..end)
+                }
+            }
+            Signal::Sine(Sine { amplitude, period, .. }) => {
+                // Δ = 2 A sin(θ/2) cos(θ (k + 1/2)), and Σ cos((2k + 1) θ) = sin(2 N θ) / (2 sin θ).
+                let (theta, count) = (TAU * self.dt / period, steps as f64);
+                let (sin, cos) = (libm::sin(theta), libm::cos(theta));
+                let cosines = if sin.abs() < 1e-9 { count * cos } else { libm::sin(2.0 * count * theta) / (2.0 * sin) };
+                let largest = 2.0 * amplitude * libm::sin(0.5 * theta);
+                largest * largest * 0.5 * (count + cosines).max(0.0)
+            }
+        };
+        (squares / steps.max(1) as f64).sqrt()
     }
 }
 
@@ -69,4 +102,39 @@ const LEAST_NOISE: f64 = 1e-9;
 
 pub(super) fn usable_std(quantity: Quantity, noise_std: f64) -> f64 {
     noise_std.max(LEAST_NOISE * quantity.aspect().info().usual_noise)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_change_per_step_is_that_of_all_steps() {
+        for (duration, dt) in [(60.0, 0.01), (59.987, 0.013), (5.0, 1.0), (0.03, 0.01)] {
+            let scenario = Scenario { duration, dt, ..Scenario::default() };
+            for signal in [
+                Signal::Constant(5.0),
+                Signal::Step(Step { from: 6.0, to: 4.8, at: 30.0 }),
+                Signal::Step(Step { from: 6.0, to: 4.8, at: 0.0 }),
+                Signal::Step(Step { from: 6.0, to: 4.8, at: 1e300 }),
+                Signal::Ramp(Ramp { from: 6.0, to: 4.8, start: 10.0, end: 30.0 }),
+                Signal::Ramp(Ramp { from: 6.0, to: 4.8, start: 10.003, end: 10.0171 }),
+                Signal::Ramp(Ramp { from: 6.0, to: 4.8, start: 0.0, end: 1e6 }),
+                Signal::Ramp(Ramp { from: 6.0, to: 4.8, start: 20.0, end: 20.0 }),
+                Signal::Sine(Sine { mean: 6.0, amplitude: 1.0, period: 20.0 }),
+                Signal::Sine(Sine { mean: 6.0, amplitude: 1.0, period: 0.0137 }),
+                Signal::Sine(Sine { mean: 6.0, amplitude: 1.0, period: 2.0 * dt }),
+                Signal::Sine(Sine { mean: 6.0, amplitude: 1.0, period: 1e9 }),
+            ] {
+                let steps = scenario.samples() - 1;
+                let change = |k: usize| signal.at((k + 1) as f64 * dt) - signal.at(k as f64 * dt);
+                let squares: f64 = (0..steps).map(|k| change(k) * change(k)).sum();
+                let (found, expected) = (scenario.change_per_step(signal), (squares / steps as f64).sqrt());
+                assert!(
+                    (found - expected).abs() <= 1e-9 * expected + 1e-11,
+                    "{signal:?}, {dt}: {found} for {expected}"
+                );
+            }
+        }
+    }
 }
