@@ -166,7 +166,7 @@ pub enum Request {
 }
 
 impl Request {
-    /// The request for what `now` has otherwise than the scenario on screen; `None` where they are the same.
+    /// The request that makes `now` of the scenario on screen; `None` where they are the same.
     pub(crate) fn edit(before: &Scenario, now: &Scenario) -> Option<Self> {
         (before != now).then(|| Self::Edit(Change::between(before, now)))
     }

@@ -75,7 +75,7 @@ pub(crate) fn story_ui(
                     keep_stop_ui(ui, phrase, sentence.get(place + 1));
                     phrase_ui(ui, session, phrase, palette, requests);
                 }
-                // As text, it could begin a row.
+                // A space that is text could begin a row.
                 ui.add_space(SPACE);
             }
         });

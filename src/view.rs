@@ -142,7 +142,7 @@ pub trait View: Sync {
         Vec::new()
     }
 
-    /// The words in place of charts where there is none.
+    /// The sentence that takes the place of charts where there are none.
     fn without_charts(&self) -> &'static str {
         ""
     }

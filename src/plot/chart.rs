@@ -44,7 +44,7 @@ pub struct Chart<'a> {
     pub(crate) unit: &'static str,
     /// The numbers of the truth and the filters.
     pub(crate) columns: Vec<Column<'a>>,
-    /// What the heading says; the numbers at the cursor where this is not given.
+    /// The values in the heading; without them it shows the columns at the cursor.
     pub(crate) readouts: Option<Vec<Readout>>,
     pub(crate) layers: Vec<Layer<'a>>,
     /// The settings that can be dragged in it.

@@ -59,7 +59,7 @@ fn sensor_ui(ui: &mut Ui, sensors: &[Quantity]) -> usize {
     chosen
 }
 
-/// What a sensor moves, channel by channel.
+/// The charts of a sensor's gains, one for each channel.
 fn charts<'a>(sensor: usize, context: &ViewContext<'a>) -> Vec<Chart<'a>> {
     let channels = context.session.run().channels().into_iter().filter(|c| context.in_doubt(*c));
     let (parameters, states): (Vec<Channel>, Vec<Channel>) = channels.partition(|c| c.is_parameter());

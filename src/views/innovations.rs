@@ -45,7 +45,7 @@ impl View for Innovations {
     }
 }
 
-/// The charts of each sensor, for so many filters together at most, and what is learnt of its noise.
+/// The charts of each sensor, then those of its learnt noise. One chart shows at most `together` filters.
 fn charts<'a>(together: usize, context: &ViewContext<'a>) -> Vec<Chart<'a>> {
     let filters: Vec<&Estimates> = context.filters().map(|(_, estimates)| estimates).collect();
     let groups: Vec<&[&Estimates]> = if filters.is_empty() { vec![&[]] } else { filters.chunks(together).collect() };

@@ -135,13 +135,18 @@ fn a_filter_on_the_mass_is_selected_by_a_click_and_tuned_there() {
     assert_eq!(scenario(&screen).filters[1].fading, 1.01);
 }
 
+/// Opens the finder and types words.
+fn find(screen: &mut Screen, words: &str) {
+    screen.key_press(Key::Slash);
+    screen.run_steps(2);
+    screen.get_by_label("Find by words").type_text(words);
+    screen.run_steps(2);
+}
+
 #[test]
 fn a_number_is_set_with_five_keys_and_its_digits() {
     let mut screen = first_visit(DESKTOP);
-    screen.key_press(Key::Slash);
-    screen.run_steps(2);
-    screen.get_by_label("Find by words").type_text("lam pl");
-    screen.run_steps(2);
+    find(&mut screen, "lam pl");
     screen.get_by_label("Fading factor λ, plain EKF, setting");
     screen.key_press(Key::Enter);
     screen.run_steps(3);
@@ -157,10 +162,7 @@ fn a_number_is_set_with_five_keys_and_its_digits() {
 fn a_choice_is_found_by_its_words_and_made() {
     let mut screen = first_visit(DESKTOP);
     assert_eq!(scenario(&screen).hold, Hold::Zero);
-    screen.key_press(Key::Slash);
-    screen.run_steps(2);
-    screen.get_by_label("Find by words").type_text("between linear");
-    screen.run_steps(2);
+    find(&mut screen, "between linear");
     screen.get_by_label("Input between samples: linear, choice");
     screen.key_press(Key::Enter);
     screen.run_steps(20);
@@ -184,20 +186,14 @@ fn views_scenarios_lessons_and_commands_are_found_by_words() {
         ("euler plain", "Steps: Euler, plain EKF, choice"),
     ] {
         let mut screen = first_visit(DESKTOP);
-        screen.key_press(Key::Slash);
-        screen.run_steps(2);
-        screen.get_by_label("Find by words").type_text(text);
-        screen.run_steps(2);
+        find(&mut screen, text);
         screen.get_by_label(entry);
         screen.key_press(Key::Escape);
         screen.run_steps(2);
         assert!(screen.query_by_label("Find by words").is_none());
     }
     let mut screen = first_visit(DESKTOP);
-    screen.key_press(Key::Slash);
-    screen.run_steps(2);
-    screen.get_by_label("Find by words").type_text("innov");
-    screen.run_steps(2);
+    find(&mut screen, "innov");
     screen.key_press(Key::Enter);
     screen.run_steps(3);
     screen.get_by_label("About Innovations");

@@ -42,7 +42,7 @@ pub struct LiveRecord {
     input: InputTrack,
     /// The newest time of each sensor, then that of the input \[s\].
     latest: Vec<f64>,
-    /// Whether a sample waits no longer once all have told something later; until one tells them out of order.
+    /// Whether a sample is complete as soon as all sensors have told something later. A reading out of order ends this.
     prompt: bool,
     wait: f64,
     side: usize,

@@ -1,11 +1,11 @@
-//! What one scenario has otherwise than another.
+//! The difference between two scenarios.
 
 use super::{Allowed, CHOICES_OF_FILTER, CHOICES_OF_SCENARIO, ChoiceInfo, OF_FILTER, SettingInfo, of_scenario, symbol};
 use crate::data::document::Document;
 use crate::data::scenario::{Scenario, ScenarioError, address};
 use crate::data::sorting::sort_short_by_key;
 
-/// What one scenario has otherwise than another: the settings, by their addresses.
+/// The difference between two scenarios: the settings that changed, by their addresses.
 ///
 /// ```
 /// use kalmanscope_core::{Scenario, setting::Change};
@@ -37,7 +37,7 @@ struct Difference {
 }
 
 impl Change {
-    /// What `now` has otherwise than `before`. Filters are told apart by their ids.
+    /// The change from `before` to `now`. An id tells which filter is which.
     pub fn between(before: &Scenario, now: &Scenario) -> Self {
         let (settings, added, removed) = (Vec::new(), Vec::new(), Vec::new());
         let mut change =
@@ -182,7 +182,7 @@ fn chosen<T>(all: &[&ChoiceInfo<T>], key: &str, of: &T) -> Option<(String, Strin
     Some((info.name.to_owned(), info.chosen(of)?.name.to_owned()))
 }
 
-/// The name of the number with a key, and its value in a `T`, which is in no file where it is the default.
+/// The name of the number with a key, and its value in a `T`. A file leaves out a default, so the value comes from the `T`.
 fn set<T: 'static>(
     mut rows: impl Iterator<Item = &'static SettingInfo<T>>,
     key: &str,
@@ -264,7 +264,7 @@ mod tests {
             for (other, now) in &all {
                 let change = Change::between(before, now);
                 assert_eq!(change.apply(before).as_ref(), Ok(now), "from {name} to {other}");
-                // On a scenario that has become another one, the settings that the change is of turn alone.
+                // Another scenario takes the changed settings and keeps all others.
                 let elsewhere = Scenario { seed: 77, ..before.clone() };
                 let expected = Scenario { seed: 77, ..now.clone() };
                 assert_eq!(change.apply(&elsewhere), Ok(expected), "from {name} to {other}, elsewhere");

@@ -22,7 +22,7 @@ pub struct ChoiceInfo<T> {
     pub label: &'static str,
     /// An explanation in one sentence.
     pub hint: &'static str,
-    /// What there is to choose, in order.
+    /// The options, in the order of a menu.
     pub options: fn() -> Vec<Choice>,
     /// The value of the option at a place in scenario files.
     pub value: fn(usize) -> Value,
@@ -194,7 +194,7 @@ mod tests {
     fn every_option_is_set_found_and_written_in_files_as_the_row_says() {
         let value = |document: Document| Value::try_from(document).unwrap();
         for info in CHOICES_OF_SCENARIO {
-            // What is at its default stands in no file.
+            // A file leaves out a default.
             let default = (info.value)((info.get)(&Scenario::default()));
             let file = |scenario: &Scenario| {
                 Document::of(scenario).unwrap().get(info.key).cloned().map_or_else(|| default.clone(), value)
