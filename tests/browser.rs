@@ -32,7 +32,7 @@ mod server;
 mod share;
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use kalmanscope::share::address;
@@ -79,6 +79,28 @@ fn the_page_works_in_a_browser() {
         failures_can_be_read(&page).await;
         accessible::failure_can_be_read(&page).await;
     });
+}
+
+#[test]
+fn a_program_that_does_not_come_whole_is_said() {
+    let damages: [(loading::Damage, &str); 3] = [
+        (|_| None, "404"),
+        (|bytes| Some(bytes[..bytes.len() / 2].to_vec()), "The program ends after"),
+        (|_| Some(b"<!doctype html><title>Please log in</title>".to_vec()), "LZMA"),
+    ];
+    for (damage, sentence) in damages {
+        let folder = loading::damaged(&dist(), damage);
+        let server = Server::start(folder.path().to_owned()).unwrap();
+        let driver = Driver::start();
+        runtime().block_on(async {
+            let page = driver.open().await;
+            page.go(&server.page()).await;
+            page.wait_until(&format!("({FAILURE}) !== ''"), START).await.expect("the page says that it failed");
+            let text = page.value(FAILURE).await;
+            let text = text.as_str().unwrap();
+            assert!(text.contains("could not start") && text.contains(sentence), "{text}");
+        });
+    }
 }
 
 #[test]
@@ -297,9 +319,14 @@ async fn prepared(driver: &Driver, scripts: [&str; 2]) -> Page {
 
 /// A server of the page that has been built.
 fn served() -> Server {
+    Server::start(dist()).unwrap()
+}
+
+/// The folder of the page that has been built.
+fn dist() -> PathBuf {
     let dist = Path::new(env!("CARGO_MANIFEST_DIR")).join("dist");
     assert!(dist.join("index.html").is_file(), "there is no page in {}: run ./check, which builds it", dist.display());
-    Server::start(dist).unwrap()
+    dist
 }
 
 fn runtime() -> tokio::runtime::Runtime {

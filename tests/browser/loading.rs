@@ -1,6 +1,10 @@
 //! The way to the first frame: progress by bytes, and the page without a network.
 
+use std::fs;
+use std::path::Path;
 use std::time::Duration;
+
+use tempfile::TempDir;
 
 use crate::page::Page;
 use crate::server::Server;
@@ -29,7 +33,7 @@ pub(crate) async fn prepare(page: &Page) {
 pub(crate) async fn first_load(page: &Page) {
     page.network(None).await;
     let (bits, latency) = NETWORK;
-    let loaded = "performance.getEntriesByType('resource').find(entry => entry.name.endsWith('.wasm')).responseEnd";
+    let loaded = "performance.getEntriesByType('resource').find(entry => entry.name.endsWith('.lzma')).responseEnd";
     println!(
         "at {} Mbit/s with {} ms: all bytes after {:.2} s, first frame after {:.2} s",
         bits / 1e6,
@@ -75,4 +79,23 @@ pub(crate) async fn opens_without_a_network(page: &Page, server: &Server) {
     let script =
         "fetch('./worker.js?program=' + document.querySelector('meta[name=version]').content).then(it => it.ok)";
     assert_eq!(page.value(script).await, true, "its workers start too");
+}
+
+/// What comes instead of the packed program, or nothing.
+pub(crate) type Damage = fn(&[u8]) -> Option<Vec<u8>>;
+
+/// A copy of the page whose program is damaged.
+pub(crate) fn damaged(dist: &Path, damage: Damage) -> TempDir {
+    let copy = tempfile::tempdir().unwrap();
+    for file in fs::read_dir(dist).unwrap().map(|file| file.unwrap().path()) {
+        let to = copy.path().join(file.file_name().unwrap());
+        if file.extension().is_some_and(|extension| extension == "lzma") {
+            if let Some(bytes) = damage(&fs::read(file).unwrap()) {
+                fs::write(to, bytes).unwrap();
+            }
+        } else {
+            fs::copy(file, to).unwrap();
+        }
+    }
+    copy
 }
