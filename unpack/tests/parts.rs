@@ -1,6 +1,6 @@
 //! A packed file comes in parts of any size and is the same again; what is broken is refused.
 
-use std::io::Write;
+use std::io::{self, Write};
 
 use kalmanscope_unpack::Unpacker;
 use lzma_rust2::{LzmaOptions, LzmaWriter};
@@ -12,17 +12,17 @@ fn file() -> Vec<u8> {
         .collect()
 }
 
-fn packed(file: &[u8]) -> Vec<u8> {
+fn packed(file: &[u8]) -> io::Result<Vec<u8>> {
     let options = LzmaOptions { lc: 8, pb: 0, ..LzmaOptions::with_preset(6) };
-    let mut writer = LzmaWriter::new_use_header(Vec::new(), &options, Some(file.len() as u64)).unwrap();
-    writer.write_all(file).unwrap();
-    writer.finish().unwrap()
+    let mut writer = LzmaWriter::new_use_header(Vec::new(), &options, Some(file.len() as u64))?;
+    writer.write_all(file)?;
+    writer.finish()
 }
 
 #[test]
 fn parts_of_any_size_unpack_to_the_file() {
     let file = file();
-    let packed = packed(&file);
+    let packed = packed(&file).unwrap();
     assert!(packed.len() < file.len() / 2, "{}", packed.len());
     for size in [1, 7, 1000, 65_536, packed.len()] {
         let mut unpacker = Unpacker::new();
@@ -39,7 +39,7 @@ fn parts_of_any_size_unpack_to_the_file() {
 
 #[test]
 fn a_file_that_ends_early_is_not_complete() {
-    let packed = packed(&file());
+    let packed = packed(&file()).unwrap();
     let mut unpacker = Unpacker::new();
     unpacker.push(&packed[..packed.len() - 100]).unwrap();
     assert!(!unpacker.is_complete());
@@ -50,5 +50,5 @@ fn what_is_not_packed_is_refused() {
     let mut unpacker = Unpacker::new();
     let sentence = unpacker.push(b"<!doctype html><title>404 Not Found</title>").unwrap_err();
     assert!(!sentence.is_empty());
-    assert!(unpacker.push(&packed(&file())).is_err(), "and it stays refused");
+    assert!(unpacker.push(&packed(&file()).unwrap()).is_err(), "and it stays refused");
 }
