@@ -181,6 +181,7 @@ fn long_work_goes_in_workers() {
             let page = prepared(&driver, [elsewhere::WATCH, trouble]).await;
             elsewhere::the_page_computes_where_workers_do_not(&page, &address, is_begun).await;
         }
+        laboratory::maps_of_other_filters(&page, &address).await;
     });
 }
 

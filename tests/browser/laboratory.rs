@@ -7,11 +7,12 @@ use kalmanscope::laboratory::Choice;
 use kalmanscope::layout::Layout;
 use kalmanscope::request::ViewKind;
 use kalmanscope::session::Mode;
-use kalmanscope_core::{Scenario, Source};
+use kalmanscope_core::{Channel, FilterKind, Hold, PlantKind, Robust, Scenario, Source};
 use kalmanscope_lab::{Ensemble, Runner, Sheet};
 use serde_json::Value;
 
 use crate::page::Page;
+use crate::starts;
 
 /// Limits the time until a map is complete, on a slow machine.
 const PATIENCE: Duration = Duration::from_secs(90);
@@ -22,10 +23,44 @@ pub(crate) async fn a_map_is_made_in_workers(page: &Page) {
     let begun = Instant::now();
     page.click("Map", 0.5).await;
     page.click("Views", 0.5).await;
-    let complete = "(map => map !== null && map.done > 0 && map.done === map.cells)\
-                    (JSON.parse(wasmBindings.kalmanscope_summary()).map)";
-    page.wait_until(complete, PATIENCE).await.unwrap();
+    page.wait_until(COMPLETE, PATIENCE).await.unwrap();
     println!("the map is complete after {:.1} s", begun.elapsed().as_secs_f64());
+    has_the_bits_of_this_machine(page).await;
+    let loaded = page.value("performance.getEntriesByType('resource').map(it => it.name).join(' ')").await;
+    assert!(loaded.as_str().unwrap().contains("/worker.js?program=kalmanscope-"), "{loaded}");
+}
+
+/// Maps of filters that only the engine runs side by side have the bits of this machine's too.
+pub(crate) async fn maps_of_other_filters(page: &Page, address: &str) {
+    let edits: [fn(&mut Scenario); 3] = [
+        |scenario| {
+            scenario.hold = Hold::First;
+            scenario.filters[0].augment = vec![Channel::INPUT_GAIN];
+        },
+        |scenario| {
+            scenario.set_plant(PlantKind::BOUC_WEN);
+            scenario.filters[0].kind = FilterKind::UKF;
+        },
+        |scenario| {
+            scenario.set_plant(PlantKind::DUFFING);
+            scenario.filters[0].robust = Robust::STUDENT_T;
+        },
+    ];
+    for edit in edits {
+        let mut scenario = Scenario { duration: 5.0, ..Scenario::default() };
+        scenario.filters.truncate(1);
+        edit(&mut scenario);
+        starts(page, &format!("{address}{}", map_of(scenario, 32))).await;
+        page.wait_until(COMPLETE, PATIENCE).await.unwrap();
+        has_the_bits_of_this_machine(page).await;
+    }
+}
+
+/// Whether all cells of the map are there.
+const COMPLETE: &str = "(map => map !== null && map.done > 0 && map.done === map.cells)\
+                        (JSON.parse(wasmBindings.kalmanscope_summary()).map)";
+
+async fn has_the_bits_of_this_machine(page: &Page) {
     let map = page.summary().await["map"].clone();
     let ensemble = Ensemble::from_json(map["ensemble"].as_str().unwrap()).unwrap();
     assert_eq!(map["cells"], Value::from(ensemble.cells()));
@@ -35,8 +70,6 @@ pub(crate) async fn a_map_is_made_in_workers(page: &Page) {
     let runner = Runner::new(ensemble, Source::Simulated).unwrap();
     sheet.fill(&cells, &runner.rows(&cells));
     assert_eq!(map["checksum"], Value::from(format!("{:016x}", sheet.checksum())));
-    let loaded = page.value("performance.getEntriesByType('resource').map(it => it.name).join(' ')").await;
-    assert!(loaded.as_str().unwrap().contains("/worker.js?program=kalmanscope-"), "{loaded}");
 }
 
 /// Notes the time of the first rows of a map, of a picture from every eighth cell each way, and of the last row \[ms\]. It asks
@@ -58,10 +91,15 @@ pub(crate) const STOPWATCH: &str = "
 pub(crate) fn large_map(filter: &str) -> String {
     let mut scenario = Scenario { duration: 20.0, ..Scenario::default() };
     scenario.filters.retain(|other| other.name == filter);
+    map_of(scenario, 128)
+}
+
+/// The link to the usual map of a scenario's first filter, with so many cells each way.
+fn map_of(scenario: Scenario, cells: usize) -> String {
     let mut app = App::with_scenario(scenario).unwrap();
     *app.layout_mut() = Layout::column(&[ViewKind::Map]);
     let run = app.session().run();
-    let choice = Choice::usual(run.scenario(), run.record(), false, 128).unwrap();
+    let choice = Choice::usual(run.scenario(), run.record(), false, cells).unwrap();
     app.laboratory_mut().choose(Some(choice));
     // A picture that moves takes time from the workers where there is no graphics processor.
     app.session_mut().set_mode(Mode::Whole);

@@ -12,11 +12,10 @@ use crate::level::Level;
 use crate::observation::{MOST, Observations, Run, knows_truth};
 use crate::plant::{Plant, Visitor, visit};
 
-/// Whether lanes serve a run: a KF, EKF or UKF of the linear oscillator, or outside a browser of the Duffing
-/// oscillator, with at most three sensors, for displacement, velocity or acceleration, with or without fading, decay of
-/// the parameters and a delay of the input, under an input that is held; outside a browser also any run that the
-/// [engine](kalmanscope_core::internals::engine::Setup::new) serves. [`outcomes`] runs all others too, at the speed of a single
-/// filter.
+/// Whether lanes serve a run: a KF, EKF or UKF of the linear or the Duffing oscillator, with at most three sensors, for
+/// displacement, velocity or acceleration, with or without fading, decay of the parameters and a delay of the input, under
+/// an input that is held; also any run that the [engine](kalmanscope_core::internals::engine::Setup::new) serves.
+/// [`outcomes`] runs all others too, at the speed of a single filter.
 ///
 /// # Errors
 /// Those of [`Pass::new`].

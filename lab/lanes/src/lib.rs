@@ -6,9 +6,9 @@
 //!                    └ a lane whose step is special: the single filter takes it
 //! ```
 //!
-//! KF, EKF and UKF of the linear oscillator and, outside a browser, of the Duffing oscillator run in lanes of their own
-//! ([`serves`]). Outside a browser, the engine's lanes serve further plants, augmentations, inputs that are not held, logarithms,
-//! weights of measurements, noise that is learnt, and jumps. [`outcomes`] runs any other filter by itself. A step in lanes is straight-line code: the kernel's operations
+//! KF, EKF and UKF of the linear and the Duffing oscillator run in lanes of their own ([`serves`]). The engine's lanes serve
+//! further plants, augmentations, inputs that are not held, logarithms, weights of measurements, noise that is learnt, and
+//! jumps. [`outcomes`] runs any other filter by itself. A step in lanes is straight-line code: the kernel's operations
 //! in the kernel's order, and a mask of the lanes for which they hold. The instruction set is chosen while running;
 //! since no operation is fused, all give the same bits. A plant is one file and one line in `plant.rs`.
 //!

@@ -1,15 +1,11 @@
 //! The plants with filters that run in lanes, one per file.
 
-#[cfg(not(target_arch = "wasm32"))]
 mod duffing;
 mod sdof;
 
 use std::marker::PhantomData;
 
-#[cfg(not(target_arch = "wasm32"))]
-use kalmanscope_core::internals::kernel::Duffing;
-use kalmanscope_core::internals::kernel::Oscillator;
-use kalmanscope_core::internals::kernel::Sdof;
+use kalmanscope_core::internals::kernel::{Duffing, Oscillator, Sdof};
 
 use crate::lane::Lane;
 use crate::runge_kutta::{Rate, runge_kutta};
@@ -47,9 +43,8 @@ pub(crate) trait Visitor {
     fn visit<P: Plant<N>, const N: usize, const E: usize>(&mut self);
 }
 
-/// Calls the visitor with each plant. The page includes only one, to stay small.
+/// Calls the visitor with each plant.
 pub(crate) fn visit(visitor: &mut impl Visitor) {
     visitor.visit::<Sdof, 4, 10>();
-    #[cfg(not(target_arch = "wasm32"))]
     visitor.visit::<Duffing, 5, 15>();
 }
