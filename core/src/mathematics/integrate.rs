@@ -8,7 +8,7 @@ mod runge_kutta;
 pub(crate) use exponential::Integrals;
 pub(crate) use exponential::exponential_integrals;
 pub(crate) use impulse_response::ImpulseResponse;
-pub(crate) use runge_kutta::{RungeKutta, runge_kutta};
+pub(crate) use runge_kutta::RungeKutta;
 
 /// 1/n! for n = 0..=17.
 #[doc(hidden)]

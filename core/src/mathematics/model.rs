@@ -228,7 +228,8 @@ impl Model {
         rate
     }
 
-    fn rate_under_into(&self, state: &[f64], acting: f64, rate: &mut [f64]) {
+    /// [`Self::rate_under`], written over `rate`.
+    pub(crate) fn rate_under_into(&self, state: &[f64], acting: f64, rate: &mut [f64]) {
         let (motion, rest) = rate.split_at_mut(self.motion);
         self.motion_rate_under_into(state, acting, motion);
         rest.fill(0.0);

@@ -96,8 +96,7 @@ impl States {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mathematics::integrate::runge_kutta;
-    use crate::mathematics::linalg::Vector;
+    use crate::mathematics::integrate;
     use crate::{Channel, PlantKind, Quantity};
 
     /// 1 to 9 states, so that the last pack is full or not.
@@ -117,9 +116,11 @@ mod tests {
                     let mut values = vec![0.0; 2 * count];
                     engine.read(&states, -0.4, &readings.iter(), &mut values);
                     for place in 0..count {
-                        let alone = Vector::from_column_slice(&begin[place * n..(place + 1) * n]);
+                        let mut moved = begin[place * n..(place + 1) * n].to_vec();
                         let force = |share: f64| 0.7 - 1.1 * share;
-                        let moved = runge_kutta(&alone, 0.01, |share, y| model.rate(y.as_slice(), force(share)));
+                        integrate::RungeKutta::default().advance(&mut moved, n, 0.01, |share, y, rate| {
+                            rate.copy_from_slice(model.rate(y, force(share)).as_slice());
+                        });
                         for i in 0..n {
                             let (own, other) = (states[place * n + i], moved[i]);
                             assert!(

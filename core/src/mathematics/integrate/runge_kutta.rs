@@ -1,20 +1,5 @@
 //! Classical Runge-Kutta steps.
 
-use crate::mathematics::linalg::Vector;
-
-/// One classical fourth-order Runge-Kutta step of `ẏ = rate(s, y)` over `dt` \[s\]; s is the share of the step that has
-/// passed, from 0 to 1.
-///
-/// Source: Hairer, Nørsett and Wanner (1993), *Solving Ordinary Differential Equations I*, section II.1.
-pub(crate) fn runge_kutta(state: &Vector, dt: f64, rate: impl Fn(f64, &Vector) -> Vector) -> Vector {
-    let half = 0.5 * dt;
-    let k1 = rate(0.0, state);
-    let k2 = rate(0.5, &(state + &k1 * half));
-    let k3 = rate(0.5, &(state + &k2 * half));
-    let k4 = rate(1.0, &(state + &k3 * dt));
-    state + (k1 + (k2 + k3) * 2.0 + k4) * (dt / 6.0)
-}
-
 /// The memory that Runge-Kutta steps take, for one step after the other.
 #[derive(Clone, Debug, Default)]
 pub struct RungeKutta {
@@ -23,8 +8,10 @@ pub struct RungeKutta {
 }
 
 impl RungeKutta {
-    /// [`runge_kutta`] of a state, in place. Its first `moving` components move; `rate` writes their rates into the
-    /// slice.
+    /// One classical fourth-order step of `ẏ = rate(s, y)` over `dt` \[s\], in place; s is the share of the step that has passed,
+    /// from 0 to 1. The first `moving` components move; `rate` writes their rates into the slice.
+    ///
+    /// Source: Hairer, Nørsett and Wanner (1993), *Solving Ordinary Differential Equations I*, section II.1.
     pub fn advance(&mut self, state: &mut [f64], moving: usize, dt: f64, rate: impl Fn(f64, &[f64], &mut [f64])) {
         let Self { stage, rates } = self;
         stage.clear();
@@ -59,9 +46,9 @@ mod tests {
     fn runge_kutta_is_of_fourth_order() {
         let error = |steps: u32| {
             let dt = 1.0 / f64::from(steps);
-            let mut y = Vector::from_column_slice(&[1.0, 0.0]);
+            let (mut y, mut method) = ([1.0, 0.0], RungeKutta::default());
             for _ in 0..steps {
-                y = runge_kutta(&y, dt, |_, y| Vector::from_column_slice(&[y[1], -4.0 * y[0]]));
+                method.advance(&mut y, 2, dt, |_, y, rate| rate.copy_from_slice(&[y[1], -4.0 * y[0]]));
             }
             (y[0] - libm::cos(2.0)).abs()
         };
@@ -71,7 +58,8 @@ mod tests {
 
     #[test]
     fn a_rate_that_is_linear_in_time_is_integrated_exactly() {
-        let y = runge_kutta(&Vector::zeros(1), 0.5, |s, _| Vector::repeat(1, 2.0 + 3.0 * s));
+        let mut y = [0.0];
+        RungeKutta::default().advance(&mut y, 1, 0.5, |s, _, rate| rate[0] = 2.0 + 3.0 * s);
         assert_eq!(y[0], 0.5 * 3.5);
     }
 }

@@ -1,8 +1,7 @@
 //! One step of a plant that is not linear, by Runge-Kutta steps that are halved where needed, such as around kinks of the rate.
 
 use super::TruthError;
-use crate::mathematics::integrate::runge_kutta;
-use crate::mathematics::linalg::Vector;
+use crate::mathematics::integrate::RungeKutta;
 use crate::mathematics::model::Model;
 
 /// Limits the difference between a Runge-Kutta step and two steps of half its length, relative to the largest value of
@@ -26,37 +25,48 @@ pub(super) struct Motion<'a> {
 }
 
 impl Motion<'_> {
-    /// One Runge-Kutta step over a share of the sample.
-    fn step(&self, state: &Vector, from: f64, share: f64) -> Vector {
+    /// Makes `to` the state after one Runge-Kutta step from another one, over a share of the sample.
+    fn step(&self, method: &mut RungeKutta, to: &mut Vec<f64>, state: &[f64], (from, share): (f64, f64)) {
         let [begin, end] = self.forces;
-        runge_kutta(state, share * self.dt, |s, y| {
+        to.clear();
+        to.extend_from_slice(state);
+        method.advance(to, state.len(), share * self.dt, |s, y, rate| {
             let force = if begin == end { begin } else { begin + (end - begin) * (from + share * s) };
-            let acting = self.model.acting_force(y.as_slice(), force) + self.disturbance;
-            self.model.rate_under(y.as_slice(), acting)
-        })
+            let acting = self.model.acting_force(y, force) + self.disturbance;
+            self.model.rate_under_into(y, acting, rate);
+        });
     }
 }
 
 /// A step under way: the sample is divided into parts that are halved until the difference of one step to two is small enough.
 ///
 /// Source: Hairer, Nørsett and Wanner (1993), *Solving Ordinary Differential Equations I*, section II.4.
+#[derive(Default)]
 pub(super) struct Refinement {
-    /// The state at the beginning of the part.
-    state: Vector,
+    /// The state at the beginning of the part, and at the end of the step once that is done.
+    state: Vec<f64>,
     /// Where the part begins and its length, as shares of the sample.
     part: (f64, f64),
     /// The result of one step over the part.
-    coarse: Vector,
+    coarse: Vec<f64>,
+    /// The results of two steps over its halves.
+    middle: Vec<f64>,
+    fine: Vec<f64>,
     /// The parts after this one, the next one last.
     rest: Vec<(f64, f64)>,
     halved: u64,
+    method: RungeKutta,
 }
 
 impl Refinement {
-    /// The step from a state, before its first halving.
-    pub(super) fn new(motion: &Motion<'_>, state: &Vector) -> Self {
-        let coarse = motion.step(state, 0.0, 1.0);
-        Self { state: state.clone(), part: (0.0, 1.0), coarse, rest: Vec::new(), halved: 0 }
+    /// Begins the step from a state, before its first halving.
+    pub(super) fn begin(&mut self, motion: &Motion<'_>, from: &[f64]) {
+        let Self { state, part, coarse, rest, halved, method, .. } = self;
+        state.clear();
+        state.extend_from_slice(from);
+        (*part, *halved) = ((0.0, 1.0), 0);
+        rest.clear();
+        motion.step(method, coarse, state, *part);
     }
 
     /// The number of times that steps have been halved.
@@ -65,44 +75,47 @@ impl Refinement {
     }
 
     /// The state at the end of the step, once it is done.
-    pub(super) fn into_state(self) -> Vector {
-        self.state
+    pub(super) fn state(&self) -> &[f64] {
+        &self.state
     }
 
     /// Goes on until all parts are done, or steps have been halved `most` times. Returns whether the step is done. `size` is the
     /// largest absolute value of each component so far.
-    pub(super) fn advance(&mut self, motion: &Motion<'_>, size: &Vector, most: u64) -> Result<bool, TruthError> {
-        let begin = self.halved;
+    pub(super) fn advance(&mut self, motion: &Motion<'_>, size: &[f64], most: u64) -> Result<bool, TruthError> {
+        let Self { state, part, coarse, middle, fine, rest, halved, method } = self;
+        let begin = *halved;
         loop {
-            let (from, share) = self.part;
+            let (from, share) = *part;
             let half = 0.5 * share;
-            let middle = motion.step(&self.state, from, half);
-            let fine = motion.step(&middle, from + half, half);
-            let difference = &fine - &self.coarse;
-            let close = |i: usize| difference[i].abs() <= ACCURACY * size[i].max(fine[i].abs());
+            motion.step(method, middle, state, (from, half));
+            motion.step(method, fine, middle, (from + half, half));
+            let close = |i: usize| (fine[i] - coarse[i]).abs() <= ACCURACY * size[i].max(fine[i].abs());
             let is_close = (0..fine.len()).all(close);
             if is_close || fine.iter().any(|x| !x.is_finite()) {
                 // A plant that diverges ends with the next sample, which reports it.
-                self.state = if is_close { fine + difference / 15.0 } else { fine };
-                let Some((from, share)) = self.rest.pop() else { return Ok(true) };
-                self.coarse = motion.step(&self.state, from, share);
-                self.part = (from, share);
+                for ((state, fine), coarse) in state.iter_mut().zip(&*fine).zip(&*coarse) {
+                    *state = if is_close { fine + (fine - coarse) / 15.0 } else { *fine };
+                }
+                let Some(next) = rest.pop() else { return Ok(true) };
+                motion.step(method, coarse, state, next);
+                *part = next;
                 continue;
             }
-            if self.halved >= MOST {
+            if *halved >= MOST {
                 return Err(self.failure(motion, size));
             }
-            self.halved += 1;
-            self.rest.push((from + half, half));
-            (self.part, self.coarse) = ((from, half), middle);
-            if self.halved - begin >= most {
+            *halved += 1;
+            rest.push((from + half, half));
+            *part = (from, half);
+            std::mem::swap(coarse, middle);
+            if *halved - begin >= most {
                 return Ok(false);
             }
         }
     }
 
     /// The reason why no number of halvings is enough: a diverging plant does so within ever shorter times.
-    fn failure(&self, motion: &Motion<'_>, size: &Vector) -> TruthError {
+    fn failure(&self, motion: &Motion<'_>, size: &[f64]) -> TruthError {
         let far = (0..size.len()).find(|&i| size[i] > 0.0 && self.state[i].abs() > RUNAWAY * size[i]);
         far.map_or(TruthError::StepTooLong, |i| TruthError::Channel(motion.model.channels()[i]))
     }

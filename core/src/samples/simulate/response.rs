@@ -18,8 +18,9 @@ pub(crate) struct Response {
     exact: Option<(Vec<f64>, Exact)>,
     /// Memory for the rates of the motion, and for its change over a step.
     work: [Vector; 2],
-    /// The step of a plant that is not linear, if one is under way.
-    step: Option<Refinement>,
+    /// The step of a plant that is not linear, and whether it is under way.
+    step: Refinement,
+    is_under_way: bool,
     /// The number of times that steps have been halved.
     halved: u64,
 }
@@ -35,7 +36,15 @@ impl Response {
     pub(crate) fn new(initial: impl Iterator<Item = f64>) -> Self {
         let state = Vector::from_iterator(initial.size_hint().0, initial);
         let empty = || Vector::zeros(0);
-        Self { size: Vector::zeros(state.len()), state, exact: None, work: [empty(), empty()], step: None, halved: 0 }
+        Self {
+            size: Vector::zeros(state.len()),
+            state,
+            exact: None,
+            work: [empty(), empty()],
+            step: Refinement::default(),
+            is_under_way: false,
+            halved: 0,
+        }
     }
 
     /// The state.
@@ -64,26 +73,22 @@ impl Response {
         dt: f64,
         most: u64,
     ) -> Result<bool, TruthError> {
-        let Self { state, size, exact, work: [rate, change], step, halved } = self;
+        let Self { state, size, exact, work: [rate, change], step, is_under_way, halved } = self;
         let [begin, end] = forces;
         if !model.is_linear() {
             let motion = Motion { model, forces, disturbance, dt };
-            let mut under_way = match step.take() {
-                Some(under_way) => under_way,
-                None => {
-                    *size = size.sup(&state.abs());
-                    Refinement::new(&motion, state)
-                }
-            };
-            let before = under_way.halved();
-            let is_done = under_way.advance(&motion, size, most);
-            *halved += under_way.halved() - before;
-            if is_done? {
-                *state = under_way.into_state();
-                return Ok(true);
+            if !*is_under_way {
+                size.zip_apply(state, |size, x| *size = size.max(x.abs()));
+                step.begin(&motion, state.as_slice());
             }
-            *step = Some(under_way);
-            return Ok(false);
+            let before = step.halved();
+            let is_done = step.advance(&motion, size.as_slice(), most);
+            *halved += step.halved() - before;
+            *is_under_way = is_done == Ok(false);
+            if is_done == Ok(true) {
+                state.copy_from_slice(step.state());
+            }
+            return is_done;
         }
         let motion = model.motion();
         let constant = &state.as_slice()[motion..];
