@@ -1,8 +1,4 @@
 //! Different computations of the same numbers agree.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
-
-#[path = "common/run.rs"]
-mod run;
 
 use std::sync::Arc;
 
@@ -11,7 +7,8 @@ use kalmanscope_core::{
 };
 
 use nalgebra::{Matrix2, Matrix3, Matrix3x2, Vector2, Vector3};
-use run::finished;
+
+use crate::run::finished;
 
 fn parameters_known() -> Values {
     Values::ZERO.with([(Channel::DISPLACEMENT, 0.3), (Channel::VELOCITY, 1.0)])

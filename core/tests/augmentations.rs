@@ -1,5 +1,4 @@
 //! Filters identify properties of input and sensors besides the plant's, and inputs that are linear between samples.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 use kalmanscope_core::filter::{Matrix, Vector};
 use kalmanscope_core::filter::{Propagation, Step};

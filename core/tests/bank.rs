@@ -1,5 +1,4 @@
 //! A bank of still and walking parameters: its arithmetic, its limits, and what it is for.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 use kalmanscope_core::filter::{
     Adaptation, Belief as _, Correction, Filter, Gaussian, Matrix, Moments, Noise, Rule, Vector,

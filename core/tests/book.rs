@@ -1,5 +1,4 @@
 //! The kernels agree with the reference filters: the same scenario by both, over a whole record, sample by sample.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 use std::sync::Arc;
 

@@ -1,5 +1,4 @@
 //! Rules about which cause may stand first.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 use kalmanscope_core::diagnosis::{Diagnosis, Remedy};
 use kalmanscope_core::{Diagnostics, Run, Scenario};

@@ -1,19 +1,12 @@
 //! What the accelerometer of a phone tells of a free decay, from its raw readings to the parameters.
 
-#[path = "common/identified.rs"]
-mod identified;
-#[path = "common/phone.rs"]
-mod phone;
-#[path = "common/random.rs"]
-mod random;
-
 use kalmanscope_core::diagnostics::Depth;
 use kalmanscope_core::import::{Decay, NoDecay, Table, ThreeAxes, read};
 use kalmanscope_core::{Analysis, Story, Summary, VerdictKind, Wanted};
 
-use identified::identified;
-use phone::{Phone, USUAL};
-use random::Random;
+use crate::identified::identified;
+use crate::phone::{Phone, USUAL};
+use crate::random::Random;
 
 fn as_table(decay: &Decay) -> Table {
     read(decay.csv().into_bytes(), None).expect("it is a table")

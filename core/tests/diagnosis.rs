@@ -1,14 +1,10 @@
 //! The diagnosis on situations drawn at random, of seeds that no limit was set on: part of the tables that
 //! `cargo bench -p kalmanscope-core --bench diagnosis` prints.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
-
-#[path = "../benches/situations/mod.rs"]
-mod situations;
 
 use kalmanscope_core::diagnosis::{CAUSES, Diagnosis, TESTS, VerdictKind};
 use kalmanscope_core::{Channel, Diagnostics, Run};
 
-use situations::{Fault, Situation, largest_error, without_truth};
+use crate::situations::{Fault, Situation, largest_error, without_truth};
 
 /// The first seed that no limit was set on.
 const FIRST: u64 = 1_000_000;

@@ -1,8 +1,4 @@
 //! Diagnostics of whole runs: against direct computations, for any portions, in the canonical form.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
-
-#[path = "common/run.rs"]
-mod run;
 
 use std::sync::Arc;
 
@@ -12,7 +8,7 @@ use kalmanscope_core::{
     Summary, Verdict,
 };
 
-use run::finished;
+use crate::run::finished;
 
 fn verdict(diagnostics: &Diagnostics, estimates: &Estimates, record: &Record) -> Option<Verdict> {
     Diagnosis::new(diagnostics, estimates, record, None)?.verdict

@@ -1,18 +1,12 @@
 //! A structure in an earthquake: total acceleration, and a ground whose acceleration is linear between samples.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
-
-#[path = "../../lessons/src/records/earthquake.rs"]
-mod earthquake;
-#[path = "../../lessons/src/records/oscillator.rs"]
-mod oscillator;
-#[path = "../../lessons/src/records/random.rs"]
-mod random;
 
 use std::sync::Arc;
 
 use kalmanscope_core::diagnosis::VerdictKind;
 use kalmanscope_core::import::{Builder, read};
 use kalmanscope_core::{Analysis, Channel, Hold, Run, Scenario, Wanted};
+
+use crate::lesson_records::earthquake;
 
 /// Records of other noise than the one that comes along.
 const SEEDS: std::ops::RangeInclusive<u64> = 101..=110;

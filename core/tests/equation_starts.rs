@@ -1,5 +1,4 @@
 //! Start values of typed equations from records: where the filters that begin with them end.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 use std::path::Path;
 

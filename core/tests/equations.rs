@@ -1,5 +1,4 @@
 //! Equations that a user types are plants like any other.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 use kalmanscope_core::equation::EquationSettings;
 use kalmanscope_core::{Channel, FilterKind, PlantKind, Run, Scenario};

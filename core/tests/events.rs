@@ -1,8 +1,5 @@
 //! Filters of sensors with clocks of their own.
 
-#[path = "common/random.rs"]
-mod random;
-
 use std::sync::Arc;
 
 use kalmanscope_core::record::{Input, Record};
@@ -11,7 +8,7 @@ use kalmanscope_core::{
     Scenario, Sensor,
 };
 
-use random::Random;
+use crate::random::Random;
 
 const NONE: f64 = f64::NAN;
 

@@ -1,8 +1,4 @@
 //! Scenarios that were once judged wrongly, each with the verdict that it must have.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
-
-#[path = "common/run.rs"]
-mod run;
 
 use std::sync::Arc;
 
@@ -13,7 +9,8 @@ use kalmanscope_core::diagnosis::{Diagnosis, Evidence, Verdict};
 use kalmanscope_core::setting::Edit;
 use kalmanscope_core::simulate;
 use kalmanscope_core::{Channel, CramerRao, Diagnostics, Estimates, Record, Run, Scenario};
-use run::finished;
+
+use crate::run::finished;
 
 macro_rules! finding {
     ($name:literal) => {

@@ -1,5 +1,4 @@
 //! The response to an input that is linear between samples, against scipy's `lsim`.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 use kalmanscope_core::{Channel, Force, Hold, PlantKind, Run, Scenario};
 

@@ -1,5 +1,4 @@
 //! Twelve equations of the gallery are identified from simulated records.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 use std::path::Path;
 

@@ -1,14 +1,10 @@
 //! Filters that begin from several guesses of the natural frequency, side by side.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
-
-#[path = "common/run.rs"]
-mod run;
 
 use kalmanscope_core::{
     Channel, Estimates, FilterKind, FilterSettings, Force, Quantity, Run, Scenario, Sensor, Signal, Values,
 };
 
-use run::finished;
+use crate::run::finished;
 
 const NATURAL_FREQUENCY: Channel = Channel::NATURAL_FREQUENCY;
 

@@ -1,8 +1,4 @@
 //! The smoother and the Cramér-Rao bound.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
-
-#[path = "common/run.rs"]
-mod run;
 
 use kalmanscope_core::simulate;
 use kalmanscope_core::{
@@ -11,7 +7,8 @@ use kalmanscope_core::{
 };
 
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
-use run::finished;
+
+use crate::run::finished;
 
 /// A KF, or another filter with the same settings, of an oscillator with known parameters.
 fn known(kind: FilterKind, samples: usize) -> Scenario {

@@ -1,8 +1,5 @@
 //! Bouc-Wen hysteresis of exponent 1: the benchmark of Noël and Schoukens (2016), identified from its record.
 
-#[path = "common/run.rs"]
-mod run;
-
 use std::sync::Arc;
 
 use kalmanscope_core::plant::PlantKind;
@@ -11,7 +8,7 @@ use kalmanscope_core::{
     Channel, FilterKind, FilterSettings, Force, Identified, Quantity, Record, Run, Scenario, Sensor, Signal,
 };
 
-use run::finished;
+use crate::run::finished;
 
 /// 8 s at 750 Hz of the benchmark: m = 2 kg, c = 10 N s/m, k = α = 5e4 N/m, β = 1e3, γ = 0.8, δ = -1.1, ν = 1, noise of
 /// 8e-6 m, under a force of 50 N from 5 to 150 Hz, here white to 375 Hz.

@@ -1,9 +1,6 @@
 //! Files that are broken on purpose, by the thousand. `core/fuzz` has the same check for as long as one likes.
 
-#[path = "common/import.rs"]
-mod import;
-
-use import::check_import;
+use crate::import::check_import;
 
 /// Files of usual dialects, to be broken.
 const FILES: [&str; 15] = [

@@ -1,5 +1,4 @@
 //! Inputs that are recorded late or early: filters that know, filters that do not, and the cause that is named.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 use std::sync::Arc;
 

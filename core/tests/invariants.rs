@@ -1,8 +1,5 @@
 //! Invariants of every valid scenario.
 
-#[path = "common/run.rs"]
-mod run;
-
 use std::sync::Arc;
 
 use kalmanscope_core::scenario::Motion;
@@ -14,7 +11,8 @@ use kalmanscope_core::{
 
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
-use run::finished;
+
+use crate::run::finished;
 
 /// The same cases every time, so that a failure is reproducible.
 fn config(cases: u32) -> ProptestConfig {

@@ -1,8 +1,4 @@
 //! Jobs give the same bits as a run in one go, for any slices.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
-
-#[path = "common/run.rs"]
-mod run;
 
 use std::sync::Arc;
 
@@ -11,7 +7,8 @@ use kalmanscope_core::{
     FilterKind, FilterSettings, Hold, InputKind, Job, Quantity, Record, Run, RunError, Scenario, Source, Study, Update,
     Wanted,
 };
-use run::finished;
+
+use crate::run::finished;
 
 const WINDOW: usize = 100_000;
 

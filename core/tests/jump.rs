@@ -1,8 +1,4 @@
 //! Filters that widen P once where their innovations grow at once.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
-
-#[path = "common/run.rs"]
-mod run;
 
 use kalmanscope_core::filter::FilterInfo;
 use kalmanscope_core::signal::Step;
@@ -11,7 +7,7 @@ use kalmanscope_core::{
     Trouble, Values,
 };
 
-use run::finished;
+use crate::run::finished;
 
 const NATURAL_FREQUENCY: Channel = Channel::NATURAL_FREQUENCY;
 const DAMPING_RATIO: Channel = Channel::DAMPING_RATIO;

@@ -1,10 +1,5 @@
 //! A record that becomes longer while filters follow it.
 
-#[path = "common/phone.rs"]
-mod phone;
-#[path = "common/random.rs"]
-mod random;
-
 use std::sync::Arc;
 
 use kalmanscope_core::import::Decay;
@@ -15,8 +10,8 @@ use kalmanscope_core::{
     Wanted, simulate,
 };
 
-use phone::{Phone, USUAL};
-use random::Random;
+use crate::phone::{Phone, USUAL};
+use crate::random::Random;
 
 /// Filters of every path: kernel, engine, book, one that takes the input for late and one that takes it for early.
 fn scenario(hold: Hold) -> Scenario {

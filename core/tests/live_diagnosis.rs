@@ -1,9 +1,4 @@
 //! The diagnosis of a growing record is that of one pass over the same samples.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
-
-#[path = "../benches/situations/mod.rs"]
-#[expect(dead_code, reason = "the situations are wanted, and not whether verdict and causes are right")]
-mod situations;
 
 use std::sync::Arc;
 
@@ -11,7 +6,7 @@ use kalmanscope_core::diagnosis::{Diagnosis, Evidence, LiveDiagnosis};
 use kalmanscope_core::record::Input;
 use kalmanscope_core::{Channel, Diagnostics, Record, Run, Scenario};
 
-use situations::{Fault, Situation, without_truth};
+use crate::situations::{Fault, Situation, without_truth};
 
 /// The samples of a window.
 const WINDOW: usize = 2000;

@@ -1,8 +1,5 @@
 //! Smoothers with a fixed look-ahead.
 
-#[path = "common/run.rs"]
-mod run;
-
 use std::sync::Arc;
 
 use kalmanscope_core::{
@@ -10,7 +7,7 @@ use kalmanscope_core::{
     Wanted, simulate, smoothed,
 };
 
-use run::finished;
+use crate::run::finished;
 
 /// A record with gaps, and filters whose smoothers take every way: gains and Jacobians, fading, jumps, logarithms, an input that
 /// comes late, a white force, several masses.

@@ -1,13 +1,10 @@
 //! The Rao-Blackwellised particle filter: its parameters do not impoverish.
 
-#[path = "common/run.rs"]
-mod run;
-
 use kalmanscope_core::{
     Channel, CramerRao, FilterKind, FilterSettings, Force, PlantKind, Quantity, Scenario, Sensor, Signal, Values,
 };
 
-use run::finished;
+use crate::run::finished;
 
 const NATURAL_FREQUENCY: Channel = Channel::NATURAL_FREQUENCY;
 const DAMPING_RATIO: Channel = Channel::DAMPING_RATIO;

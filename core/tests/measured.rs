@@ -1,5 +1,4 @@
 //! Records as they are measured: a file in some dialect, a guess at its columns, suggested settings, and what comes out.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 use std::f64::consts::TAU;
 use std::fmt::Write as _;

@@ -1,14 +1,11 @@
 //! Filters as model classes: the probability of each, given the readings.
 
-#[path = "common/run.rs"]
-mod run;
-
 use kalmanscope_core::{
     Channel, Evidence, FilterKind, FilterSettings, ModelClasses, Run, Scenario, Signal, Source, Study, Values, Wanted,
 };
 use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 
-use run::finished;
+use crate::run::finished;
 
 /// A Kalman filter of an oscillator with this frequency and damping.
 fn known([frequency, damping]: [f64; 2]) -> FilterSettings {

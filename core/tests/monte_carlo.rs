@@ -2,7 +2,6 @@
 //! are claimed to be consistent, and errors are as small as they can be.
 //!
 //! Source: Bar-Shalom, Li and Kirubarajan (2001), *Estimation with Applications to Tracking and Navigation*, section 5.4.2.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 use kalmanscope_core::diagnostics::chi_squared;
 use kalmanscope_core::filter::Normal;

@@ -127,7 +127,7 @@ fn robust_filters_hold_where_a_tenth_of_the_readings_is_off() {
     judge(1..=20);
 }
 
-/// `cargo test --release -p kalmanscope-core --test outliers -- --ignored --nocapture`
+/// `cargo test --release -p kalmanscope-core --test all outliers -- --ignored --nocapture`
 #[test]
 #[ignore = "a table over 200 seeds"]
 fn robust_filters_over_two_hundred_seeds() {

@@ -1,5 +1,4 @@
 //! Forces that are not recorded and have a course of their own are part of a filter's equation.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 use kalmanscope_core::record::{Input, Record};
 use kalmanscope_core::{Channel, Hold, InputKind, Quantity, Run, Scenario};

@@ -1,12 +1,9 @@
 //! The belief before the update, which a sink can ask for.
 
-#[path = "common/run.rs"]
-mod run;
-
 use kalmanscope_core::{Channel, FilterKind, Hold, Pass, Quantity, Run, Scenario, Sensor, Stop};
 use kalmanscope_core::{Sample, Sink};
 
-use run::finished;
+use crate::run::finished;
 
 /// The numbers of a sample.
 #[derive(Clone, Debug)]

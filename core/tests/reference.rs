@@ -1,5 +1,4 @@
 //! The results of an independent program are reproduced to 1e-8.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -1,5 +1,4 @@
 //! Remedies of several causes, and causes that need a look at the record.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 use std::sync::Arc;
 

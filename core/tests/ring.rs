@@ -1,10 +1,5 @@
 //! What a microphone tells of a thing that was struck, from the sound's file to the parameters.
 
-#[path = "common/identified.rs"]
-mod identified;
-#[path = "common/random.rs"]
-mod random;
-
 use std::f64::consts::TAU;
 use std::io::Cursor;
 
@@ -12,8 +7,8 @@ use kalmanscope_core::diagnostics::Depth;
 use kalmanscope_core::import::{ImportError, Mapping, Ring, read};
 use kalmanscope_core::{Analysis, Run, Scenario, Story, Wanted};
 
-use identified::identified;
-use random::Random;
+use crate::identified::identified;
+use crate::random::Random;
 
 /// Something that rings, and the room.
 #[derive(Clone, Copy)]

@@ -1,20 +1,12 @@
 //! A stiffness that goes up and down in steps, under a force that nobody measures.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
-
-#[path = "../../lessons/src/records/oscillator.rs"]
-#[expect(dead_code, reason = "other tests need the force of the spring")]
-mod oscillator;
-#[path = "../../lessons/src/records/random.rs"]
-mod random;
-#[path = "../../lessons/src/records/staircase.rs"]
-mod staircase;
 
 use std::sync::Arc;
 
 use kalmanscope_core::import::{Builder, read};
 use kalmanscope_core::{Channel, Run, Scenario};
 
-use staircase::{DWELL, FREQUENCIES, RATE};
+use crate::lesson_records::staircase;
+use crate::lesson_records::staircase::{DWELL, FREQUENCIES, RATE};
 
 /// Records of other forces and noise than the one that comes along.
 const SEEDS: std::ops::RangeInclusive<u64> = 101..=110;

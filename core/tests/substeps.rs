@@ -1,5 +1,4 @@
 //! Predictions that are divided into several steps.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 use std::sync::Arc;
 

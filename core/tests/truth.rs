@@ -1,5 +1,4 @@
 //! The simulator against independent solutions.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 use kalmanscope_core::signal::{Ramp, Sine, Step};
 use kalmanscope_core::simulate;

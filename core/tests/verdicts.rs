@@ -1,7 +1,6 @@
 //! The verdicts, over ten seeds of each situation that they must distinguish.
 //!
 //! The limits of the tests are set elsewhere, on situations drawn at random (`benches/diagnosis.rs`).
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 use std::sync::Arc;
 

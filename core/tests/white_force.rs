@@ -1,5 +1,4 @@
 //! The white force against the normal distribution of all samples at once, made here and not by the core.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 use kalmanscope_core::record::Input;
 use kalmanscope_core::{

@@ -1,19 +1,12 @@
 //! Start values of records without an input, made here and not by the core: the guess, and the end of the filter that begins
 //! with it.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
-#[path = "common/ambient.rs"]
-mod ambient;
-#[path = "common/ambient_end.rs"]
-mod ambient_end;
-#[path = "common/random.rs"]
-mod random;
-
-use ambient::Accelerometer;
-use ambient_end::{End, SETS, building, end, mass};
 use kalmanscope_core::record::Input;
 use kalmanscope_core::suggest::{scenario_for, suggest};
 use kalmanscope_core::{Channel, Hold, InputKind, Quantity, Record, VerdictKind};
+
+use crate::ambient::Accelerometer;
+use crate::ambient_end::{End, SETS, building, end, mass};
 
 /// An end that is right: within half a per cent of ωₙ, or three standard deviations where the record tells no more, within a
 /// fifth of ζ, and consistent. `most` limits the error of ζ in standard deviations.
@@ -92,7 +85,7 @@ fn three_minutes_of_an_accelerometer_on_a_mass_are_within_three_sigma() {
 #[test]
 fn a_decay_needs_no_force() {
     let (wn, zeta, dt) = (6.0_f64, 0.01_f64, 0.02);
-    let mut random = random::Random::new(4);
+    let mut random = crate::random::Random::new(4);
     let at = |k: usize| (-zeta * wn * k as f64 * dt).exp() * (wn * k as f64 * dt).cos();
     let measured = (0..4000).map(|k| at(k) + 0.003 * random.normal()).collect();
     let input = Input { kind: InputKind::Force, hold: Hold::First, values: vec![0.0; 4000] };

@@ -1,15 +1,8 @@
 //! Numerical problems are reported at their sample, without panics and without silent NaN.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
-
-#[path = "common/health.rs"]
-mod health;
-#[path = "common/run.rs"]
-mod run;
 
 use std::cell::Cell;
 use std::sync::Arc;
 
-use health::{check_file, check_scenario, scenario_of};
 use kalmanscope_core::simulate;
 use kalmanscope_core::{
     Adaptation, Aspect, Channel, Estimates, FilterError, FilterKind, FilterSettings, Force, Plant, PlantKind, Quantity,
@@ -17,7 +10,9 @@ use kalmanscope_core::{
 };
 use proptest::prelude::*;
 use proptest::test_runner::{RngSeed, TestError, TestRunner};
-use run::finished;
+
+use crate::health::{check_file, check_scenario, scenario_of};
+use crate::run::finished;
 
 /// The same cases every time, so that a failure is reproducible; other ones with another `KALMANSCOPE_TEST_SEED`.
 fn config(cases: u32) -> ProptestConfig {

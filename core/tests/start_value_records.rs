@@ -1,18 +1,11 @@
 //! Start values on records of many excitations, sensors and dampings, made here and not by the core: the guess, and the end
 //! of the filter that begins with it.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
-#[path = "common/excitation.rs"]
-mod excitation;
-#[path = "common/random.rs"]
-mod random;
-#[path = "common/start_values.rs"]
-mod start_values;
-
-use excitation::{Excitation, Oscillator, record};
 use kalmanscope_core::suggest::{scenario_for, suggest};
 use kalmanscope_core::{FilterKind, FilterSettings, Propagation, Quantity, Record};
-use start_values::{SENSORS, grid, outcome, shares, suggestion, worst_of_losses};
+
+use crate::excitation::{Excitation, Oscillator, record};
+use crate::start_values::{SENSORS, grid, outcome, shares, suggestion, worst_of_losses};
 
 #[test]
 fn the_guess_is_right_under_every_excitation() {

@@ -1,13 +1,8 @@
 //! Start values of free decays without an input, made here and not by the core.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
-
-#[path = "common/random.rs"]
-mod random;
-#[path = "common/ring_down.rs"]
-mod ring_down;
 
 use kalmanscope_core::Quantity;
-use ring_down::{RingDown, right};
+
+use crate::ring_down::{RingDown, right};
 
 #[test]
 fn start_values_of_a_decay_are_right() {

@@ -1,0 +1,91 @@
+//! All tests of the core from outside but the oracles, those that count memory, and one that adds a plant to the lists: one
+//! program, which is linked once and keeps all processors busy. `cargo test -p kalmanscope-core --test all NAME::` runs those
+//! of one file.
+#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
+
+// What several files share, and benchmarks and the fuzzer too.
+#[path = "common/ambient.rs"]
+mod ambient;
+#[path = "common/ambient_end.rs"]
+mod ambient_end;
+#[path = "common/excitation.rs"]
+mod excitation;
+#[path = "common/health.rs"]
+mod health;
+#[path = "common/identified.rs"]
+mod identified;
+#[path = "common/import.rs"]
+mod import;
+#[path = "common/lesson_records.rs"]
+mod lesson_records;
+#[path = "common/phone.rs"]
+mod phone;
+#[path = "common/random.rs"]
+mod random;
+#[path = "common/ring_down.rs"]
+mod ring_down;
+#[path = "common/run.rs"]
+mod run;
+#[path = "../benches/situations/mod.rs"]
+mod situations;
+#[path = "common/start_values.rs"]
+mod start_values;
+
+mod agreement;
+mod ambient_vibration;
+mod augmentations;
+mod bank;
+mod book;
+mod causes;
+mod considered;
+mod decay;
+mod diagnosis;
+mod diagnostics;
+mod docs;
+mod documents;
+mod earthquake;
+mod equation_starts;
+mod equations;
+mod events;
+mod faults;
+mod findings;
+mod first_order_hold;
+mod forgetting;
+mod gallery;
+mod guesses;
+mod heavy;
+mod hindsight;
+mod hysteresis;
+mod import_health;
+mod input_delay;
+mod invariants;
+mod job;
+mod jump;
+mod kalman_filter;
+mod learnt_noise;
+mod libreoffice;
+mod live;
+mod live_diagnosis;
+mod look_ahead;
+mod marginalised;
+mod measured;
+mod million_steps;
+mod model_classes;
+mod monte_carlo;
+mod online;
+mod outliers;
+mod own_disturbances;
+mod prior;
+mod records;
+mod reference;
+mod remedies;
+mod ring;
+mod ring_down_bank;
+mod scores;
+mod staircase;
+mod start_value_records;
+mod substeps;
+mod truth;
+mod two_files;
+mod verdicts;
+mod white_force;
