@@ -1,6 +1,5 @@
-//! All tests of the core from outside but the oracles, those that count memory, and one that adds a plant to the lists: one
-//! program, which is linked once and keeps all processors busy. `cargo test -p kalmanscope-core --test all NAME::` runs those
-//! of one file.
+//! The tests of the core from outside: one program, which is linked once and keeps all processors busy. `Cargo.toml` says
+//! which ones have programs of their own. `cargo test -p kalmanscope-core --test all NAME::` runs those of one file.
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 // What several files share, and benchmarks and the fuzzer too.
@@ -41,7 +40,6 @@ mod considered;
 mod decay;
 mod diagnosis;
 mod diagnostics;
-mod docs;
 mod documents;
 mod earthquake;
 mod equation_starts;
