@@ -76,29 +76,20 @@ fn the_page_works_in_a_browser() {
         page.theme("dark").await;
         loading::opens_without_a_network(&page, &server).await;
         accessible::cover_can_be_read(&page).await;
-        failures_can_be_read(&page).await;
+        loading::failures_can_be_read(&page).await;
         accessible::failure_can_be_read(&page).await;
     });
 }
 
 #[test]
 fn a_program_that_does_not_come_whole_is_said() {
-    let damages: [(loading::Damage, &str); 3] = [
-        (|_| None, "404"),
-        (|bytes| Some(bytes[..bytes.len() / 2].to_vec()), "The program ends after"),
-        (|_| Some(b"<!doctype html><title>Please log in</title>".to_vec()), "LZMA"),
-    ];
-    for (damage, sentence) in damages {
+    for (damage, sentence) in loading::DAMAGES {
         let folder = loading::damaged(&dist(), damage);
         let server = Server::start(folder.path().to_owned()).unwrap();
         let driver = Driver::start();
         runtime().block_on(async {
             let page = driver.open().await;
-            page.go(&server.page()).await;
-            page.wait_until(&format!("({FAILURE}) !== ''"), START).await.expect("the page says that it failed");
-            let text = page.value(FAILURE).await;
-            let text = text.as_str().unwrap();
-            assert!(text.contains("could not start") && text.contains(sentence), "{text}");
+            loading::says_why_it_does_not_start(&page, &server.page(), sentence).await;
         });
     }
 }
@@ -405,11 +396,4 @@ fn std_of_natural_frequency(summary: &Value) -> f64 {
     };
     let filter = named(&summary["filters"], "name", "fading EKF");
     named(&filter["estimates"], "channel", "natural_frequency")["std"].as_f64().unwrap()
-}
-
-async fn failures_can_be_read(page: &Page) {
-    page.value("window.kalmanscopeFailed('the reason in full')").await;
-    let text = page.value(FAILURE).await;
-    let text = text.as_str().unwrap();
-    assert!(text.contains("Kalmanscope has stopped") && text.contains("the reason in full"), "{text}");
 }

@@ -2,7 +2,7 @@
 //! which ones have programs of their own. `cargo test -p kalmanscope-core --test all NAME::` runs those of one file.
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
-// What several files share, and benchmarks and the fuzzer too.
+// Several of the files below use these modules. Benchmarks and the fuzzer use some of them too.
 #[path = "common/ambient.rs"]
 mod ambient;
 #[path = "common/ambient_end.rs"]

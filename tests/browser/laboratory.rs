@@ -94,7 +94,7 @@ pub(crate) fn large_map(filter: &str) -> String {
     map_of(scenario, 128)
 }
 
-/// The link to the usual map of a scenario's first filter, with so many cells each way.
+/// A link that opens the usual map of a scenario's first filter. The map has `cells` rows and as many columns.
 fn map_of(scenario: Scenario, cells: usize) -> String {
     let mut app = App::with_scenario(scenario).unwrap();
     *app.layout_mut() = Layout::column(&[ViewKind::Map]);

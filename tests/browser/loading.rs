@@ -8,6 +8,7 @@ use tempfile::TempDir;
 
 use crate::page::Page;
 use crate::server::Server;
+use crate::{FAILURE, START};
 
 /// The network on which the first load is timed: bits per second, and the time to an answer.
 const NETWORK: (f64, Duration) = (9e6, Duration::from_millis(20));
@@ -81,8 +82,24 @@ pub(crate) async fn opens_without_a_network(page: &Page, server: &Server) {
     assert_eq!(page.value(script).await, true, "its workers start too");
 }
 
-/// What comes instead of the packed program, or nothing.
-pub(crate) type Damage = fn(&[u8]) -> Option<Vec<u8>>;
+/// Makes what the server sends of the packed program; `None` if it has no such file.
+type Damage = fn(&[u8]) -> Option<Vec<u8>>;
+
+/// Damages, and words of the sentence about each.
+pub(crate) const DAMAGES: [(Damage, &str); 3] = [
+    (|_| None, "404"),
+    (|bytes| Some(bytes[..bytes.len() / 2].to_vec()), "The program ends after"),
+    (|_| Some(b"<!doctype html><title>Please log in</title>".to_vec()), "LZMA"),
+];
+
+/// The page says that it could not start, and why.
+pub(crate) async fn says_why_it_does_not_start(page: &Page, address: &str, sentence: &str) {
+    page.go(address).await;
+    page.wait_until(&format!("({FAILURE}) !== ''"), START).await.expect("the page says that it failed");
+    let text = page.value(FAILURE).await;
+    let text = text.as_str().unwrap();
+    assert!(text.contains("could not start") && text.contains(sentence), "{text}");
+}
 
 /// A copy of the page whose program is damaged.
 pub(crate) fn damaged(dist: &Path, damage: Damage) -> TempDir {
@@ -98,4 +115,12 @@ pub(crate) fn damaged(dist: &Path, damage: Damage) -> TempDir {
         }
     }
     copy
+}
+
+/// A program that stops says why.
+pub(crate) async fn failures_can_be_read(page: &Page) {
+    page.value("window.kalmanscopeFailed('the reason in full')").await;
+    let text = page.value(FAILURE).await;
+    let text = text.as_str().unwrap();
+    assert!(text.contains("Kalmanscope has stopped") && text.contains("the reason in full"), "{text}");
 }
