@@ -8,8 +8,7 @@ use std::str::FromStr;
 
 use clap::{Args, CommandFactory as _, Parser, Subcommand};
 use clap_complete::Shell;
-use kalmanscope_core::{Axis, VerdictKind};
-use kalmanscope_lab::Measure;
+use kalmanscope_core::{Axis, Measure, MeasureKind, VerdictKind};
 
 pub(crate) use import::{ImportArgs, Missing};
 pub(crate) use of_filter::{PosteriorArgs, TuneArgs};
@@ -131,10 +130,7 @@ pub(crate) struct SweepArgs {
     /// Run each combination with the seeds 1 to N; the seed is then the last axis
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) seeds: Option<u32>,
-    /// The scores to write: nis, nees, consistency, log_likelihood, diverged, stopped, verdict; of a channel error, rmse,
-    /// estimate, std, settled, inside, as in rmse.natural_frequency; of a sensor free_run, one_step, as in
-    /// free_run.displacement [default: all that need no history]
-    #[arg(long, value_name = "SCORES", value_delimiter = ',')]
+    #[arg(long, value_name = "SCORES", value_delimiter = ',', help = score_help())]
     pub(crate) score: Vec<Measure>,
     /// Score this filter only; may be given for several
     #[arg(long, value_name = "NAME")]
@@ -285,6 +281,21 @@ pub(crate) struct ReportArgs {
     /// The report to write
     #[arg(long, value_name = "REPORT.html")]
     pub(crate) out: PathBuf,
+}
+
+/// The help of `--score`: a list of all scores.
+fn score_help() -> String {
+    let words = |of: fn(MeasureKind) -> bool| {
+        let kinds = MeasureKind::all().filter(|kind| kind.info().is_number() && !kind.info().needs_others && of(*kind));
+        kinds.map(String::from).collect::<Vec<_>>().join(", ")
+    };
+    format!(
+        "The scores to write: {}; of a channel {}, as in rmse.natural_frequency; of a sensor {}, as in free_run.displacement \
+        [default: all that need no history]",
+        words(|kind| !kind.needs_channel() && !kind.needs_sensor()),
+        words(MeasureKind::needs_channel),
+        words(MeasureKind::needs_sensor),
+    )
 }
 
 fn verdict(word: &str) -> Result<VerdictKind, String> {

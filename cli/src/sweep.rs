@@ -13,8 +13,8 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use kalmanscope_core::import::{Hash, hash};
-use kalmanscope_core::{Axis, Record, Scenario, Source, Spacing};
-use kalmanscope_lab::{Ensemble, Measure, Plan, Priority, Runner, Slice, Threads, channels};
+use kalmanscope_core::{Axis, Measure, Record, Scenario, Source, Spacing};
+use kalmanscope_lab::{Ensemble, Plan, Priority, Runner, Slice, Threads, channels};
 
 use crate::args::{Shard, SweepArgs};
 use crate::input::InputError;

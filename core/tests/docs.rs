@@ -1,10 +1,11 @@
 //! The tables of the documents are those of the program: filters, plants, and every key of a scenario.
 
 use kalmanscope_core::scenario::{Fault, Law, LawInfo, Scale};
-use kalmanscope_core::{Channel, FilterKind, PlantKind, Quantity, Robust, Scenario};
+use kalmanscope_core::{Channel, FilterKind, MeasureKind, PlantKind, Quantity, Robust, Scenario};
 
 const FILTERS: &str = include_str!("../../docs/filters.md");
 const PLANTS: &str = include_str!("../../docs/plants.md");
+const LABORATORY: &str = include_str!("../../docs/laboratory.md");
 const FORMAT: &str = include_str!("../../docs/scenario-format.md");
 
 /// The rows of the table under a heading line.
@@ -46,6 +47,25 @@ fn every_fault_is_in_its_table() {
     };
     let rows = Fault::ALL.map(row);
     assert_eq!(table(FORMAT, "| fault | name | what it does | numbers |"), rows, "{}", rows.join("\n"));
+}
+
+#[test]
+fn every_score_is_in_its_table() {
+    let row = |kind: MeasureKind| {
+        let of = match (kind.needs_channel(), kind.needs_sensor()) {
+            (true, _) => ".CHANNEL",
+            (_, true) => ".SENSOR",
+            _ => "",
+        };
+        let info = kind.info();
+        let is_of_lessons = info.needs_others || !info.is_number();
+        let marks =
+            [(info.needs_truth, "the truth"), (info.needs_history(), "all estimates"), (is_of_lessons, "a lesson")];
+        let needs: Vec<&str> = marks.iter().filter(|(is, _)| *is).map(|(_, mark)| *mark).collect();
+        format!("| `{kind}{of}` | {} | {} |", info.name.replace('@', "…"), needs.join(", "))
+    };
+    let rows: Vec<String> = MeasureKind::all().map(row).collect();
+    assert_eq!(table(LABORATORY, "| score | what it is | needs |"), rows, "{}", rows.join("\n"));
 }
 
 #[test]

@@ -6,7 +6,7 @@ use crate::order;
 use crate::plan::Plan;
 use crate::trace::Trace;
 use kalmanscope_core::setting::{Address, SEED, UnknownSetting};
-use kalmanscope_core::{Axis, AxisError, Channel, Document, DocumentError, RunError, Scenario};
+use kalmanscope_core::{Axis, AxisError, Channel, Document, DocumentError, Measure, RunError, Scenario};
 
 /// Limits the cells of an ensemble.
 pub const MAX_CELLS: usize = 100_000_000;
@@ -38,6 +38,9 @@ pub enum EnsembleError {
     /// Two axes vary one setting.
     #[error("two axes vary `{0}`")]
     Repeated(String),
+    /// A measure is no number of a single filter's run.
+    #[error("`{0}` is no number of one filter's run by itself, which a cell has")]
+    Measure(Measure),
     /// There are too many cells.
     #[error("the axes have {0} cells, but there may be at most {MAX_CELLS}")]
     Cells(f64),
@@ -72,6 +75,10 @@ impl Ensemble {
                 return Err(EnsembleError::Repeated(axis.key.clone()));
             }
             settings.push(setting);
+        }
+        let is_served = |measure: &&Measure| measure.info().is_number() && !measure.info().needs_others;
+        if let Some(measure) = plan.measures.iter().find(|measure| !is_served(measure)) {
+            return Err(EnsembleError::Measure(*measure));
         }
         let cells = plan.axes.iter().map(|axis| axis.count as f64).product::<f64>();
         if cells > MAX_CELLS as f64 {
@@ -278,13 +285,12 @@ pub fn channels(scenario: &Scenario, filters: &[usize]) -> Vec<Channel> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Measure;
 
     fn ensemble(axes: &[&str]) -> Result<Ensemble, EnsembleError> {
         let axes = axes.iter().map(|text| Axis::parse(text).unwrap()).collect();
         Ensemble::new(
             Scenario::default(),
-            Plan { filters: vec![0, 1], measures: vec![Measure::Nis], axes, ..Plan::default() },
+            Plan { filters: vec![0, 1], measures: vec![Measure::NIS], axes, ..Plan::default() },
         )
     }
 
@@ -329,6 +335,11 @@ mod tests {
         assert_eq!(errors(&["seed=1:2:2", "seed=1:3:3"]), "two axes vary `seed`");
         assert!(errors(&["plant.mass=1:2:2"]).contains("plant.mass"));
         assert!(errors(&["seed=1:2:100000", "filters.EKF.fading=1:2:100000"]).contains("at most"));
+        for word in ["remark", "probability"] {
+            let plan = Plan { filters: vec![0], measures: vec![word.parse().unwrap()], ..Plan::default() };
+            let error = Ensemble::new(Scenario::default(), plan).unwrap_err().to_string();
+            assert_eq!(error, format!("`{word}` is no number of one filter's run by itself, which a cell has"));
+        }
         let plan = Plan { filters: vec![2], ..Plan::default() };
         assert!(Ensemble::new(Scenario::default(), plan).unwrap_err().to_string().contains("no filter number 3"));
     }

@@ -20,7 +20,6 @@
 
 mod cell;
 mod ensemble;
-mod measure;
 mod monte_carlo;
 pub mod order;
 mod outcome;
@@ -36,7 +35,6 @@ pub mod tune;
 
 pub use cell::CellTask;
 pub use ensemble::{Ensemble, EnsembleError, MAX_CELLS, channels};
-pub use measure::{Best, Measure, MeasureInfo, UnknownMeasure};
 pub use monte_carlo::{LastError, MonteCarlo, share_interval};
 pub use plan::Plan;
 pub use runner::{CellRun, Runner, outcomes_of};

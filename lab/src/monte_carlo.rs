@@ -5,8 +5,8 @@ use std::ops::RangeInclusive;
 use kalmanscope_core::diagnostics::chi_squared;
 use kalmanscope_core::internals::sort_numbers;
 
-use crate::{Ensemble, EnsembleError, Measure, Plan, Slice, Trace};
-use kalmanscope_core::{Axis, Channel, Scenario, Spacing, VerdictKind};
+use crate::{Ensemble, EnsembleError, Plan, Slice, Trace};
+use kalmanscope_core::{Axis, Channel, Measure, Scenario, Spacing, VerdictKind};
 
 /// Statistics over the seeds of an ensemble, which grow as rows come in.
 ///
@@ -76,8 +76,8 @@ impl MonteCarlo {
         verdicts: bool,
     ) -> Result<Ensemble, EnsembleError> {
         let channels = crate::channels(&scenario, &filters);
-        let flags = [Measure::Diverged, Measure::Stopped].into_iter().chain(verdicts.then_some(Measure::Verdict));
-        let of = |channel| [Measure::Estimate(channel), Measure::Error(channel), Measure::Std(channel)];
+        let flags = [Measure::DIVERGED, Measure::STOPPED].into_iter().chain(verdicts.then_some(Measure::VERDICT));
+        let of = |channel| [Measure::estimate(channel), Measure::error(channel), Measure::std(channel)];
         let measures = flags.chain(channels.into_iter().flat_map(of)).collect();
         let axis = Axis { key: "seed".to_owned(), from: 1.0, to: seeds as f64, count: seeds, spacing: Spacing::Linear };
         Ensemble::new(scenario, Plan { filters, measures, times, axes: vec![axis] })
@@ -120,17 +120,17 @@ impl MonteCarlo {
                     let place = measures.iter().position(|other| *other == measure);
                     place.map_or(f64::NAN, |place| row[nth * self.measures + place])
                 };
-                filter.diverged += usize::from(number(Measure::Diverged) == 1.0);
-                filter.stopped += usize::from(number(Measure::Stopped) == 1.0);
-                let verdict = number(Measure::Verdict);
+                filter.diverged += usize::from(number(Measure::DIVERGED) == 1.0);
+                filter.stopped += usize::from(number(Measure::STOPPED) == 1.0);
+                let verdict = number(Measure::VERDICT);
                 if verdict.is_finite() {
                     filter.verdicts[verdict as usize] += 1;
                 }
                 let Filter { channels, finals, last, .. } = &mut *filter;
                 for (&channel, (finals, last)) in channels.iter().zip(finals.iter_mut().zip(last)) {
-                    let estimate = number(Measure::Estimate(channel));
+                    let estimate = number(Measure::estimate(channel));
                     finals.push(estimate);
-                    let (error, std) = (number(Measure::Error(channel)), number(Measure::Std(channel)));
+                    let (error, std) = (number(Measure::error(channel)), number(Measure::std(channel)));
                     if error.is_finite() {
                         last.push(LastError { error, truth: estimate - error, std });
                     }

@@ -1,13 +1,9 @@
 //! The result of one filter's run over one record, as numbers.
 
-use kalmanscope_core::free_run::one_step;
-use kalmanscope_core::score::{ChannelScore, Outcome, Scoring};
+use kalmanscope_core::score::{Outcome, Scoring};
 use kalmanscope_core::{
-    Channel, Diagnosis, Diagnostics, Estimates, Identified, Pass, Record, RunError, Sample, Scenario, Scores, Sink,
-    Stop, VerdictKind,
+    Estimates, Measure, Observed, Pass, Record, RunError, Sample, Scenario, Scores, Sink, Stop, Times, Whole,
 };
-
-use crate::Measure;
 
 /// Any measures of the filter at `place` of a scenario over a record.
 ///
@@ -19,7 +15,7 @@ pub(crate) fn any(
     record: &Record,
     measures: &[Measure],
 ) -> Result<Vec<f64>, RunError> {
-    if measures.iter().any(|measure| measure.info().needs_history) {
+    if measures.iter().any(|measure| measure.info().needs_history()) {
         return of_history(scenario, place, record, measures);
     }
     let outcome = Outcome::of(scenario, place, record)?;
@@ -76,19 +72,11 @@ impl HistoryPass {
     ) -> Vec<f64> {
         let Self { estimates, scores, .. } = self;
         let outcome = scores.outcome();
-        let number = |measure: &Measure| match *measure {
-            Measure::Verdict => verdict(estimates, record),
-            Measure::FreeRun(quantity) => {
-                let Some(last) = estimates.len().checked_sub(1) else { return f64::NAN };
-                let model = Identified::at(scenario, &scenario.filters[place], estimates, last);
-                model.run(record, 0..record.len()).fit(record, quantity).map_or(f64::NAN, |fit| fit.rms)
-            }
-            Measure::OneStep(quantity) => {
-                let sensor = record.sensors().iter().position(|sensor| *sensor == quantity);
-                let fit = sensor.and_then(|sensor| one_step(estimates, record, sensor, 0..record.len()));
-                fit.map_or(f64::NAN, |fit| fit.rms)
-            }
-            other => of_sum(other, &outcome, estimates.channels(), record),
+        let whole = Whole::new(record, &outcome, estimates.channels());
+        let observed = Observed::new(scenario, place, record, estimates);
+        let number = |measure: &Measure| match measure.info().needs_history() {
+            true => measure.of(&observed, Times::default()).number(),
+            false => measure.of_whole(&whole),
         };
         measures.iter().map(number).collect()
     }
@@ -118,52 +106,6 @@ pub(crate) fn of_sums(
     outcome: &Outcome,
 ) -> Vec<f64> {
     let model = scenario.filters[place].model(scenario.plant.kind, scenario.input);
-    measures.iter().map(|&measure| of_sum(measure, outcome, model.channels(), record)).collect()
-}
-
-fn verdict(estimates: &Estimates, record: &Record) -> f64 {
-    let diagnostics = Diagnostics::new(estimates, record);
-    let diagnosis = Diagnosis::new(&diagnostics, estimates, record, None);
-    let kind = diagnosis.and_then(|diagnosis| diagnosis.verdict).map(|verdict| verdict.kind);
-    let place = kind.and_then(|kind| VerdictKind::ALL.iter().position(|other| *other == kind));
-    place.map_or(f64::NAN, |place| place as f64)
-}
-
-fn of_sum(measure: Measure, outcome: &Outcome, channels: &[Channel], record: &Record) -> f64 {
-    let flag = |is: bool| if is { 1.0 } else { 0.0 };
-    let score = |channel: Channel| outcome.channels.iter().find(|(other, _)| *other == channel).map(|(_, score)| score);
-    let of = |channel, number: fn(&ChannelScore) -> f64| score(channel).map_or(f64::NAN, number);
-    let place = |channel| channels.iter().position(|other| *other == channel);
-    match measure {
-        Measure::Nis => outcome.nis.per_degree(),
-        Measure::Nees => outcome.nees.per_degree(),
-        Measure::Consistency => consistency(outcome),
-        Measure::LogLikelihood => outcome.log_likelihood,
-        Measure::Diverged => flag(outcome.diverged),
-        Measure::Stopped => flag(outcome.stop.is_some()),
-        Measure::Error(channel) => of(channel, |score| score.error),
-        Measure::Rmse(channel) => of(channel, |score| score.rmse),
-        Measure::Coverage(channel) => of(channel, |score| score.coverage),
-        Measure::Settled(channel) => score(channel).map_or(f64::NAN, |score| {
-            score.settled.filter(|_| outcome.stop.is_none()).map_or(f64::INFINITY, |k| record.time_of(k))
-        }),
-        Measure::Estimate(channel) => place(channel).map_or(f64::NAN, |place| canonical(outcome, channels, place)),
-        Measure::Std(channel) => place(channel).map_or(f64::NAN, |place| outcome.std[place]),
-        Measure::Verdict | Measure::FreeRun(_) | Measure::OneStep(_) => f64::NAN,
-    }
-}
-
-/// The last mean of a channel in the canonical form of the oscillator, with a natural frequency that is not negative.
-fn canonical(outcome: &Outcome, channels: &[Channel], place: usize) -> f64 {
-    let frequency = channels.iter().position(|channel| *channel == Channel::NATURAL_FREQUENCY);
-    let is_mirrored = frequency.is_some_and(|place| outcome.mean[place] < 0.0);
-    if is_mirrored && channels[place].is_mirrored() { -outcome.mean[place] } else { outcome.mean[place] }
-}
-
-/// The sum of d squares of white normalised innovations has the mean d and the variance 2d.
-///
-/// Source: Bar-Shalom, Li and Kirubarajan (2001), section 5.4.
-fn consistency(outcome: &Outcome) -> f64 {
-    let degrees = f64::from(outcome.nis.degrees);
-    (outcome.nis.sum - degrees) / libm::sqrt(2.0 * degrees)
+    let whole = Whole::new(record, outcome, model.channels());
+    measures.iter().map(|measure| measure.of_whole(&whole)).collect()
 }

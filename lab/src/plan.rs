@@ -2,8 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::Measure;
-use kalmanscope_core::Axis;
+use kalmanscope_core::{Axis, Measure};
 
 /// The axes, filters and measures of an ensemble, without its scenario: plain data for files and messages.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

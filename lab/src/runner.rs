@@ -104,7 +104,7 @@ impl Runner {
 
     /// Whether the rows need every estimate of a run, not its outcome alone.
     pub fn needs_history(&self) -> bool {
-        self.ensemble.plan().measures.iter().any(|measure| measure.info().needs_history)
+        self.ensemble.plan().measures.iter().any(|measure| measure.info().needs_history())
     }
 
     /// The rows of some runs, from their outcomes: for each filter of the plan those of all runs. Missing outcomes are

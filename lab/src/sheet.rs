@@ -105,14 +105,14 @@ impl Sheet {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Measure, Plan};
-    use kalmanscope_core::{Axis, Scenario};
+    use crate::Plan;
+    use kalmanscope_core::{Axis, Measure, Scenario};
 
     #[test]
     fn a_coarse_picture_is_complete_long_before_the_fine_one() {
         let axes = ["filters.EKF.fading=1:1.2:40", "filters.EKF.eta=0:1:20"];
         let axes = axes.iter().map(|text| Axis::parse(text).unwrap()).collect();
-        let plan = Plan { filters: vec![0], measures: vec![Measure::Nis, Measure::Nees], axes, ..Plan::default() };
+        let plan = Plan { filters: vec![0], measures: vec![Measure::NIS, Measure::NEES], axes, ..Plan::default() };
         let ensemble = Ensemble::new(Scenario::default(), plan).unwrap();
         let mut sheet = Sheet::new(&ensemble);
         let order = ensemble.coarse_to_fine();

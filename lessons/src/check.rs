@@ -2,13 +2,12 @@
 
 mod display;
 
-use kalmanscope_core::{Channel, Quantity, Scenario};
+use kalmanscope_core::{Channel, Measure, MeasureKind, Quantity, Scenario, Times, Value, ValueKind};
 use serde::Deserialize;
 
 use crate::cells::Cells;
 use crate::limits::Limits;
-use crate::measure::Measure;
-use crate::value::{Expected, Value};
+use crate::value::Expected;
 use crate::{LessonError, Outcome};
 
 /// The share of all records in which a check holds that states none.
@@ -24,7 +23,7 @@ pub struct Check {
     #[serde(default)]
     pub smoothed: bool,
     /// The measure.
-    pub measure: Measure,
+    pub measure: MeasureKind,
     /// The channel to measure.
     pub channel: Option<Channel>,
     /// The sensor to measure; the first if left out.
@@ -69,17 +68,6 @@ fn nearly_all() -> f64 {
     NEARLY_ALL
 }
 
-/// The samples of a measure.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Times {
-    /// The time of a single sample \[s\].
-    pub at: Option<f64>,
-    /// The beginning of a range \[s\].
-    pub from: Option<f64>,
-    /// The end of a range \[s\].
-    pub to: Option<f64>,
-}
-
 impl Check {
     /// The samples that are measured.
     pub fn times(&self) -> Times {
@@ -89,7 +77,7 @@ impl Check {
     /// The samples to compare with.
     pub fn reference_times(&self) -> Times {
         let other = Times { at: self.than_at, from: self.than_from, to: self.than_to };
-        if other == (Times { at: None, from: None, to: None }) { self.times() } else { other }
+        if other == Times::default() { self.times() } else { other }
     }
 
     /// The filter to compare with, and whether its smoothed estimates are meant.
@@ -98,6 +86,16 @@ impl Check {
             Some(than) => (than, self.than_smoothed),
             None => (&self.filter, self.smoothed || self.than_smoothed),
         }
+    }
+
+    /// The measure, of the channel and the sensor. `None` if it needs one that is not given.
+    pub(crate) fn whole_measure(&self) -> Option<Measure> {
+        Measure::new(self.measure, self.channel, self.sensor)
+    }
+
+    /// Whether it is about a verdict.
+    pub fn is_of_verdict(&self) -> bool {
+        self.measure.info().kind == ValueKind::Verdict
     }
 
     /// Whether the result is a ratio.
@@ -147,13 +145,20 @@ impl Check {
         // Those of the measure; a check over cells has others for their share.
         let Limits { above, below, is } = self.cells.as_ref().map_or(own, Cells::limits);
         let number = above.is_some() || below.is_some();
-        let word = matches!(is, Some(Expected::Word(_) | Expected::OneOf(_))) && self.measure != Measure::Stopped;
-        let flag = matches!(is, Some(Expected::Flag(_))) && self.measure == Measure::Stopped;
+        let kind = self.measure.info().kind;
+        let is_number = !matches!(kind, ValueKind::Verdict | ValueKind::Words | ValueKind::Flag);
+        let fits = match is {
+            Some(Expected::Flag(_)) => kind == ValueKind::Flag,
+            Some(Expected::Word(_) | Expected::OneOf(_)) => matches!(kind, ValueKind::Verdict | ValueKind::Words),
+            None => is_number,
+        };
         let wrong = if self.measure.needs_channel() && self.channel.is_none() {
             "lacks a `channel`"
-        } else if self.measure.is_number() && !(number && is.is_none()) {
+        } else if self.measure.needs_sensor() && self.sensor.is_none() {
+            "lacks a `sensor`"
+        } else if is_number && !(number && fits) {
             "needs `above` or `below`"
-        } else if !self.measure.is_number() && (number || self.is_relative() || !(word || flag)) {
+        } else if !is_number && (number || self.is_relative() || !fits) {
             "needs `is`, and nothing to compare with"
         } else if self.cells.is_some() && (self.before || own.is.is_some() || own.above.or(own.below).is_none()) {
             "over cells needs `above` or `below` for their share, and cannot compare with `before`"

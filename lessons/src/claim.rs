@@ -1,10 +1,10 @@
 //! Claims: the results of a lesson's checks.
 
+use kalmanscope_core::Value;
 use kalmanscope_core::internals::sort_numbers;
 use std::fmt;
 
 use crate::check::{Check, NEARLY_ALL};
-use crate::value::Value;
 
 /// A check of a lesson with its result for each seed.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,14 +1,10 @@
 //! The value of a check's measure in an outcome.
 
-use std::ops::Range;
+use kalmanscope_core::{Observed, Times, Value};
 
-use kalmanscope_core::{Channel, Diagnosis, Evidence, ModelClasses, Trouble};
-
-use crate::check::{Check, Times};
-use crate::measure::Measure;
+use crate::check::Check;
 use crate::outcome::FilterOutcome;
-use crate::value::Value;
-use crate::{LessonError, Outcome, evaluations_per_step};
+use crate::{LessonError, Outcome};
 
 impl Check {
     /// The value of the check's measure in an outcome, divided by the reference value if the check compares. `before`
@@ -34,153 +30,17 @@ impl Check {
     }
 
     fn measured(&self, filter: FilterOutcome<'_>, times: Times) -> Value {
-        let FilterOutcome { outcome, diagnostics, estimates, .. } = filter;
-        match self.measure {
-            Measure::Verdict => {
-                let diagnosis = Diagnosis::new(diagnostics, estimates, outcome.run().record(), None);
-                let verdict = diagnosis.and_then(|diagnosis| diagnosis.verdict);
-                Value::Words(vec![verdict.map_or("none", |verdict| verdict.kind.name())])
-            }
-            Measure::Stopped => Value::Flag(estimates.stop().is_some()),
-            Measure::Remark => {
-                let mut keys: Vec<_> = estimates.remarks().iter().map(|remark| trouble_key(remark.what)).collect();
-                keys.dedup();
-                Value::Words(if keys.is_empty() { vec!["none"] } else { keys })
-            }
-            _ => Value::Number(self.number(filter, times).unwrap_or(f64::NAN)),
-        }
-    }
-
-    fn number(&self, filter: FilterOutcome<'_>, times: Times) -> Option<f64> {
-        let FilterOutcome { outcome, diagnostics, estimates, .. } = filter;
-        let (range, at) = (range(filter, times), sample(filter, times)?);
-        let tally = |channel: Channel| diagnostics.tally(channel, range.clone());
-        let place = |channel: Channel| estimates.place(channel);
-        Some(match self.measure {
-            Measure::Rmse => tally(self.channel?)?.rmse(),
-            Measure::RmseOverSensor => {
-                let channel = self.channel?;
-                let mut sensors = outcome.scenario().sensors.iter();
-                let sensor = sensors.find(|sensor| sensor.measures.channel() == Some(channel))?;
-                tally(channel)?.rmse() / sensor.noise_std
-            }
-            Measure::MeanError => {
-                let errors = errors(filter, self.channel?, range)?;
-                (errors.iter().map(|(error, _)| error).sum::<f64>() / errors.len() as f64).abs()
-            }
-            Measure::ErrorInStd => {
-                let range = if times.at.is_some() { at..at + 1 } else { range };
-                let errors = errors(filter, self.channel?, range)?;
-                let squares = errors.iter().map(|(error, std)| error * error / (std * std));
-                (squares.sum::<f64>() / errors.len() as f64).sqrt()
-            }
-            Measure::Estimate => estimates.mean(at)[place(self.channel?)?],
-            Measure::Std => estimates.std(at, place(self.channel?)?),
-            Measure::StdOverBound => {
-                let channel = self.channel?;
-                let bound = outcome.bound(filter.place)?;
-                let bound = (at < bound.len()).then(|| bound.place(channel).map(|place| bound.std(at, place)))??;
-                estimates.std(at, place(channel)?) / bound
-            }
-            Measure::Coverage => tally(self.channel?)?.coverage(),
-            Measure::Nees => diagnostics.nees_within(range).per_degree(),
-            Measure::Nis => diagnostics.nis_within(range).per_degree(),
-            Measure::Autocorrelation => {
-                let first = diagnostics.whiteness().iter().map(|whiteness| whiteness.autocorrelation()[0]);
-                first.max_by(f64::total_cmp)?
-            }
-            Measure::Gain => self.mean_gain(filter, range)?,
-            Measure::LearntNoise => {
-                let (sensor, truth) = self.noise_of(filter)?;
-                estimates.sensor_noise(at, sensor)?[0] / truth
-            }
-            Measure::LearntNoiseStd => {
-                let [std, spread] = estimates.sensor_noise(at, self.noise_of(filter)?.0)?;
-                spread / std
-            }
-            Measure::LearntNoiseCoverage => {
-                let (sensor, truth) = self.noise_of(filter)?;
-                let is_inside = |[std, spread]: [f64; 2]| (std - truth).abs() <= 2.0 * spread;
-                let all: Vec<bool> =
-                    range.map(|k| Some(is_inside(estimates.sensor_noise(k, sensor)?))).collect::<Option<_>>()?;
-                all.iter().filter(|inside| **inside).count() as f64 / all.len() as f64
-            }
-            Measure::Settled => {
-                let settled = diagnostics.settled(self.channel?).map_or(f64::INFINITY, |n| filter.record().time_of(n));
-                (settled - times.from.unwrap_or(0.0)).max(0.0)
-            }
-            Measure::LogLikelihood => {
-                let range = Some(range).filter(|r| r.start <= r.end && r.end <= estimates.len())?;
-                let values = range.map(|k| estimates.log_likelihood(k)).filter(|value| !value.is_nan());
-                let (sum, count) = values.fold((0.0, 0), |(sum, count), value| (sum + value, count + 1));
-                sum / f64::from(count)
-            }
-            Measure::Probability => {
-                let evidence = outcome.run().estimates().iter().map(|of| Evidence::new(of).at(at));
-                ModelClasses::new(evidence.map(|ln| ln.unwrap_or(f64::NEG_INFINITY))).probabilities()[filter.place]
-            }
-            Measure::Evaluations => evaluations_per_step(filter.settings(), outcome.scenario().plant.kind) as f64,
-            Measure::Verdict | Measure::Stopped | Measure::Remark => return None,
-        })
-    }
-
-    /// The place of the check's sensor, or of the first one, and its true noise.
-    fn noise_of(&self, filter: FilterOutcome<'_>) -> Option<(usize, f64)> {
-        let place = self.sensor.map_or(Some(0), |q| filter.estimates.sensors().iter().position(|&s| s == q))?;
-        Some((place, *filter.outcome.scenario().true_noise_for(filter.settings()).0.get(place)?))
-    }
-
-    fn mean_gain(&self, filter: FilterOutcome<'_>, range: Range<usize>) -> Option<f64> {
-        let estimates = filter.estimates;
-        let n = estimates.channels().len();
-        let sensor = self.sensor.map_or(Some(0), |q| estimates.sensors().iter().position(|&s| s == q))?;
-        let entry = sensor * n + estimates.place(self.channel?)?;
-        let count = range.len() as f64;
-        Some(range.map(|k| estimates.gain(k)[entry].abs()).sum::<f64>() / count)
-    }
-}
-
-/// The samples of a range of time, as far as there are estimates.
-fn range(filter: FilterOutcome<'_>, times: Times) -> Range<usize> {
-    let len = filter.estimates.len();
-    let k = |t: f64| ((t / filter.record().dt()).round() as usize).min(len);
-    times.from.map_or(0, k)..times.to.map_or(len, k)
-}
-
-/// The sample at a time, if there is an estimate.
-fn sample(filter: FilterOutcome<'_>, times: Times) -> Option<usize> {
-    let last = filter.estimates.len().checked_sub(1)?;
-    let k = times.at.map_or(last, |t| (t / filter.record().dt()).round() as usize);
-    (k <= last).then_some(k)
-}
-
-/// A channel's errors and standard deviations.
-fn errors(filter: FilterOutcome<'_>, channel: Channel, range: Range<usize>) -> Option<Vec<(f64, f64)>> {
-    let truth = filter.record().truth(channel)?;
-    let place = filter.estimates.place(channel)?;
-    let error = |k: usize| (filter.estimates.canonical_mean(k, place) - truth[k], filter.estimates.std(k, place));
-    Some(range.map(error).collect())
-}
-
-const fn trouble_key(trouble: Trouble) -> &'static str {
-    match trouble {
-        Trouble::WindUp(_) => "wind_up",
-        Trouble::Indefinite(..) => "indefinite",
-        Trouble::Missing(_) => "missing",
-        Trouble::Unknown(_) => "unknown",
-        Trouble::Collapse => "collapse",
-        Trouble::Widened => "widened",
-        Trouble::VanishingSensorNoise(_) => "vanishing_sensor_noise",
-        Trouble::GrowingSensorNoise(_) => "growing_sensor_noise",
-        Trouble::VanishingProcessNoise(_) => "vanishing_process_noise",
-        Trouble::GrowingProcessNoise(_) => "growing_process_noise",
+        let FilterOutcome { outcome, place, estimates, diagnostics } = filter;
+        let run = Observed::new(outcome.scenario(), place, outcome.run().record(), estimates);
+        let run = run.with(diagnostics).among(outcome.run().estimates());
+        self.whole_measure().map_or(Value::Number(f64::NAN), |measure| measure.of(&run, times))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use kalmanscope_core::{Scenario, Summary};
+    use kalmanscope_core::{Scenario, Summary, VerdictKind};
 
     fn outcome() -> Outcome {
         let mut scenario = Scenario { duration: 10.0, ..Scenario::default() };
@@ -218,15 +78,16 @@ mod tests {
             (of("coverage"), score.coverage),
             (of("nees"), summary.nees.unwrap().mean / 4.0),
             (of("nis"), summary.nis.unwrap().mean / 2.0),
-            (of("log_likelihood"), summary.log_likelihood / 1000.0),
+            (of("log_likelihood"), summary.log_likelihood),
+            (of("log_likelihood_per_sample"), summary.log_likelihood / 1000.0),
             (of("evaluations"), 5.0),
         ] {
             assert!((measured / expected - 1.0).abs() < 1e-12, "{measured} instead of {expected}");
         }
         assert!(of("mean_error") < of("rmse") && of("std_over_bound") > 0.9);
         assert!(number(&outcome, "EKF", "measure = \"rmse_over_sensor\"\nchannel = \"displacement\"") < 0.5);
-        assert_eq!(value(&outcome, "EKF", "measure = \"verdict\""), Value::Words(vec!["consistent"]));
-        assert_eq!(value(&outcome, "EKF", "measure = \"remark\""), Value::Words(vec!["none"]));
+        assert_eq!(value(&outcome, "EKF", "measure = \"verdict\""), Value::Verdict(Some(VerdictKind::Consistent)));
+        assert_eq!(value(&outcome, "EKF", "measure = \"remark\""), Value::Words(vec![]));
     }
 
     #[test]

@@ -5,7 +5,7 @@ use serde::Deserialize;
 use toml::Table;
 
 use crate::adjustment::{self, Adjustment, Change};
-use crate::{BuiltIn, Check, LessonError, Map, Measure, Question};
+use crate::{BuiltIn, Check, LessonError, Map, Question};
 
 /// An experiment in steps. Each step includes the changes of the steps before it.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -87,7 +87,7 @@ pub struct Step {
 impl Step {
     /// Whether the step makes a claim about a verdict.
     pub fn speaks_of_verdicts(&self) -> bool {
-        self.checks.iter().any(|check| check.measure == Measure::Verdict)
+        self.checks.iter().any(Check::is_of_verdict)
     }
 }
 
@@ -288,6 +288,8 @@ mod tests {
             let error = Lesson::from_toml(&text).unwrap_err().to_string();
             assert!(error.starts_with(message), "{error}");
         }
+        let no_score = Lesson::from_toml(&check("measure = \"speed\", below = 1")).unwrap_err().to_string();
+        assert!(no_score.contains("`speed` is no score; there are nis"), "{no_score}");
         let unknown = Lesson::from_toml(&check("measure = \"nis\", belov = 1")).unwrap_err().to_string();
         assert!(unknown.contains("belov") && unknown.contains("below"), "{unknown}");
     }

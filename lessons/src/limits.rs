@@ -1,6 +1,8 @@
 //! The limits of a measured value.
 
-use crate::value::{Expected, Value};
+use kalmanscope_core::Value;
+
+use crate::value::Expected;
 
 /// The limits of a value.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,9 +22,9 @@ impl Limits<'_> {
                     && self.below.is_none_or(|limit| *value < limit)
             }
             (Value::Flag(value), Some(Expected::Flag(expected))) => value == expected,
-            (Value::Words(words), Some(Expected::Word(expected))) => words.contains(&expected.as_str()),
-            (Value::Words(words), Some(Expected::OneOf(all))) => all.iter().any(|one| words.contains(&one.as_str())),
-            _ => false,
+            (Value::Flag(_), _) | (_, None | Some(Expected::Flag(_))) => false,
+            (words, Some(Expected::Word(expected))) => words.words().contains(&expected.as_str()),
+            (words, Some(Expected::OneOf(all))) => words.words().iter().any(|word| all.iter().any(|one| one == word)),
         }
     }
 }

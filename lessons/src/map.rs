@@ -1,6 +1,6 @@
 //! The map that a step shows in the laboratory.
 
-use kalmanscope_core::Scenario;
+use kalmanscope_core::{Measure, Scenario};
 use serde::Deserialize;
 
 use crate::LessonError;
@@ -16,7 +16,7 @@ pub struct Map {
     /// The setting up.
     pub y: String,
     /// The score, such as `rmse.natural_frequency`.
-    pub measure: String,
+    pub measure: Measure,
     /// The filter's name.
     pub filter: String,
     /// The name of a second filter beside it.
@@ -24,7 +24,7 @@ pub struct Map {
 }
 
 impl Map {
-    /// Checks that the scenario has filters and settings of the map. The score is checked where it is shown.
+    /// Checks that the scenario has filters and settings of the map.
     ///
     /// # Errors
     /// [`LessonError`] where the scenario lacks one of them.

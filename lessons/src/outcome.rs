@@ -1,10 +1,6 @@
 //! Complete runs of scenarios, with the results that checks need.
 
-use std::cell::OnceCell;
-
-use kalmanscope_core::{
-    Analysis, CramerRao, Diagnostics, Estimates, FilterSettings, Record, Run, Scenario, Source, Wanted,
-};
+use kalmanscope_core::{Analysis, Diagnostics, Estimates, Run, Scenario, Source, Wanted};
 
 use crate::{LessonError, records};
 
@@ -15,8 +11,6 @@ pub struct Outcome {
     analysis: Analysis,
     /// The diagnostics of the smoothed estimates.
     diagnostics: Vec<Diagnostics>,
-    /// The Cramér-Rao bounds, computed on first use.
-    bounds: OnceCell<Analysis>,
 }
 
 /// One filter of an outcome, with its estimates or the smoothed ones.
@@ -48,7 +42,7 @@ impl Outcome {
         let analysis = Analysis::new(&run, Wanted::default());
         let of = |smoothed: &Estimates| Diagnostics::new(smoothed, run.record());
         let diagnostics = analysis.smoothed().iter().map(of).collect();
-        Ok(Self { scenario: scenario.clone(), run, analysis, diagnostics, bounds: OnceCell::new() })
+        Ok(Self { scenario: scenario.clone(), run, analysis, diagnostics })
     }
 
     /// The scenario.
@@ -72,21 +66,5 @@ impl Outcome {
         };
         let (estimates, diagnostics) = all.iter().zip(of_all).find(|(of, _)| of.id() == id)?;
         Some(FilterOutcome { outcome: self, place, estimates, diagnostics })
-    }
-
-    /// The Cramér-Rao bound of the filter at a place, computed on first use.
-    pub(crate) fn bound(&self, place: usize) -> Option<&CramerRao> {
-        let id = self.run.estimates().get(place)?.id();
-        self.bounds.get_or_init(|| Analysis::new(&self.run, Wanted::BOUNDS)).bound(id)
-    }
-}
-
-impl FilterOutcome<'_> {
-    pub(crate) fn settings(&self) -> &FilterSettings {
-        &self.outcome.scenario.filters[self.place]
-    }
-
-    pub(crate) fn record(&self) -> &Record {
-        self.outcome.run.record()
     }
 }

@@ -1,6 +1,4 @@
-//! Values of measures, measured and expected.
-
-use std::fmt;
+//! The expected values of measures.
 
 use kalmanscope_core::Document;
 use serde::Deserialize;
@@ -25,28 +23,6 @@ impl TryFrom<Document> for Expected {
             Document::Flag(flag) => Ok(Self::Flag(flag)),
             Document::Text(word) => Ok(Self::Word(word)),
             other => other.read().map(Self::OneOf).map_err(|_| "expected `true`, `false`, a word or a list of words"),
-        }
-    }
-}
-
-/// The result of a measure.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Value {
-    /// A number, or a ratio of two.
-    Number(f64),
-    /// Yes or no.
-    Flag(bool),
-    /// A verdict, or every remark.
-    Words(Vec<&'static str>),
-}
-
-impl fmt::Display for Value {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Number(x) if *x == 0.0 || (0.01..1e4).contains(&x.abs()) => write!(f, "{x:.3}"),
-            Self::Number(x) => write!(f, "{x:.2e}"),
-            Self::Flag(flag) => write!(f, "{flag}"),
-            Self::Words(words) => f.write_str(&words.join(" + ")),
         }
     }
 }

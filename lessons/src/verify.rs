@@ -3,10 +3,9 @@
 use std::num::NonZero;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use kalmanscope_core::{Scenario, Source};
+use kalmanscope_core::{Scenario, Source, Value};
 
 use crate::check::Check;
-use crate::value::Value;
 use crate::{Claim, Lesson, LessonError, Outcome, records, shares};
 
 /// Runs a lesson with each seed and evaluates its checks, in the order of the file. A measured record is the same with

@@ -1,8 +1,7 @@
 //! The user's choice of a map, as plain data.
 
 use kalmanscope_core::setting::Address;
-use kalmanscope_core::{Axis, Channel, Record, Scenario};
-use kalmanscope_lab::Measure;
+use kalmanscope_core::{Axis, Channel, Measure, Record, Scenario};
 use serde::{Deserialize, Serialize};
 
 use super::measures;
@@ -140,8 +139,10 @@ fn usual_axes(part: &Scenario, is_measured: bool, kept: [Option<&Axis>; 2], coun
 
 /// The error of the natural frequency, or of another parameter, if its truth is known; else the mean NIS.
 fn usual_measure(part: &Scenario, record: &Record) -> Measure {
-    let wish = Measure::Rmse(Channel::NATURAL_FREQUENCY);
+    let wish = Measure::rmse(Channel::NATURAL_FREQUENCY);
     let offered = measures::offered(part, record);
-    let is_error = |measure: &&Measure| matches!(measure, Measure::Rmse(channel) if channel.is_parameter());
-    if offered.contains(&wish) { wish } else { offered.iter().find(is_error).copied().unwrap_or(Measure::Nis) }
+    let is_error = |measure: &&Measure| {
+        measure.channel().is_some_and(|channel| channel.is_parameter() && **measure == Measure::rmse(channel))
+    };
+    if offered.contains(&wish) { wish } else { offered.iter().find(is_error).copied().unwrap_or(Measure::NIS) }
 }

@@ -1,8 +1,8 @@
 //! The scores that a map can show, and their names.
 
 use kalmanscope_core::internals::sort_short_by_key;
-use kalmanscope_core::{Channel, Quantity, Record, Scenario};
-use kalmanscope_lab::{Measure, channels};
+use kalmanscope_core::{Channel, Measure, Quantity, Record, Scenario};
+use kalmanscope_lab::channels;
 
 /// Limits the channels that a map keeps scores of: a wide row for every cell would fill the memory.
 const MOST_CHANNELS: usize = 8;
@@ -29,10 +29,12 @@ pub(crate) fn offered(scenario: &Scenario, record: &Record) -> Vec<Measure> {
     let sensors: Vec<Quantity> = scenario.sensors.iter().map(|sensor| sensor.measures).collect();
     let is_offered = |measure: &Measure| {
         let has_truth = || measure.channel().map_or(channels.iter().any(|channel| is_known(*channel)), is_known);
-        !measure.info().needs_truth || has_truth()
+        !measure.info().needs_others && (!measure.info().needs_truth || has_truth())
     };
-    let mut offered: Vec<Measure> = Measure::all(&channels, &sensors).filter(is_offered).collect();
-    sort_short_by_key(&mut offered, |measure| !matches!(measure, Measure::Rmse(_)));
+    let mut offered: Vec<Measure> = Measure::all(&channels, &sensors).into_iter().filter(is_offered).collect();
+    sort_short_by_key(&mut offered, |measure| {
+        measure.info().word != Measure::rmse(Channel::NATURAL_FREQUENCY).info().word
+    });
     offered
 }
 
@@ -51,8 +53,8 @@ mod tests {
     fn what_is_offered_is_taken_or_needs_a_history() {
         let scenario = Scenario { duration: 1.0, ..Scenario::default() };
         let (offered, taken) = (offered(&scenario, &simulate(&scenario)), taken(&scenario));
-        assert_eq!(offered[0], Measure::Rmse(Channel::NATURAL_FREQUENCY));
-        assert!(offered.iter().all(|measure| measure.info().needs_history || taken.contains(measure)));
+        assert_eq!(offered[0], Measure::rmse(Channel::NATURAL_FREQUENCY));
+        assert!(offered.iter().all(|measure| measure.info().needs_history() || taken.contains(measure)));
         let names: std::collections::BTreeSet<String> = offered.iter().map(|measure| measure.name()).collect();
         assert_eq!(names.len(), offered.len(), "no two scores have one name");
     }

@@ -15,8 +15,8 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use egui::Context;
-use kalmanscope_core::{Channel, Run, Scenario, Source};
-use kalmanscope_lab::{Ensemble, Measure, MonteCarlo, Runner, Slice};
+use kalmanscope_core::{Channel, Measure, Run, Scenario, Source};
+use kalmanscope_lab::{Ensemble, MonteCarlo, Runner, Slice};
 use serde::{Deserialize, Serialize};
 
 use super::choice::{is_same_but_for_names, part_of};
@@ -116,7 +116,7 @@ impl SeedRuns {
 
     /// Whether each run gets its verdict.
     fn has_verdicts(&self) -> bool {
-        self.ensemble.plan().measures.contains(&Measure::Verdict)
+        self.ensemble.plan().measures.contains(&Measure::VERDICT)
     }
 
     /// Whether these are runs of a scenario, whatever its own seed.

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use egui::Context;
 use kalmanscope_core::setting::{Address, TableInfo};
-use kalmanscope_core::{Axis, FilterSettings, Scenario, Source};
-use kalmanscope_lab::{Ensemble, Measure, Plan, Runner, Sheet};
+use kalmanscope_core::{Axis, FilterSettings, Measure, Scenario, Source};
+use kalmanscope_lab::{Ensemble, Plan, Runner, Sheet};
 
 use super::choice::{Choice, is_same_but_for_names, part_of};
 use super::measures;

@@ -1,8 +1,8 @@
 mod names;
 
 use egui::Context;
-use kalmanscope_core::{Axis, Channel, FilterSettings, Scenario, Spacing};
-use kalmanscope_lab::{Measure, Runner};
+use kalmanscope_core::{Axis, Channel, FilterSettings, Measure, Scenario, Spacing};
+use kalmanscope_lab::Runner;
 
 use super::*;
 use crate::session::{Budget, Mode};
@@ -25,7 +25,7 @@ fn choice() -> Choice {
     let axes = axes.map(|text| Axis::parse(text).unwrap());
     Choice {
         axes,
-        measure: Measure::Rmse(Channel::NATURAL_FREQUENCY),
+        measure: Measure::rmse(Channel::NATURAL_FREQUENCY),
         filter: 1,
         second: None,
         precision: Precision::default(),
@@ -201,10 +201,10 @@ fn another_score_is_shown_at_once_unless_it_needs_every_estimate() {
     let session = session();
     let mut laboratory = slow();
     follow(&mut laboratory, &session, 20);
-    laboratory.choose(Some(Choice { measure: Measure::LogLikelihood, ..choice() }));
+    laboratory.choose(Some(Choice { measure: Measure::LOG_LIKELIHOOD, ..choice() }));
     follow(&mut laboratory, &session, 1);
     assert_eq!(done(&laboratory), 15);
-    laboratory.choose(Some(Choice { measure: Measure::Verdict, ..choice() }));
+    laboratory.choose(Some(Choice { measure: Measure::VERDICT, ..choice() }));
     follow(&mut laboratory, &session, 1);
     assert_eq!(done(&laboratory), 1);
     follow(&mut laboratory, &session, 20);
@@ -223,7 +223,7 @@ fn two_filters_get_the_same_values() {
     let cell = survey.ensemble().at(14);
     let guess = |at: usize| cell.filters[at].initial_mean[Channel::NATURAL_FREQUENCY];
     assert_eq!([guess(0), guess(1)], [14.0, 14.0]);
-    let value = |filter| survey.value(14, filter, Measure::Nis).unwrap();
+    let value = |filter| survey.value(14, filter, Measure::NIS).unwrap();
     assert!(value(0) > 0.0 && value(1) > 0.0 && value(0) != value(1));
     let set = survey.with(session.scenario(), [9.0, 1.0]).unwrap();
     assert!(set.filters.iter().all(|filter| filter.initial_mean[Channel::NATURAL_FREQUENCY] == 9.0));
@@ -237,7 +237,7 @@ fn the_usual_map_is_of_a_guess_and_q() {
     let choice = laboratory.choice().unwrap();
     let keys = choice.axes.each_ref().map(|axis| axis.key.as_str());
     assert_eq!(keys, ["filters.*.initial_mean.natural_frequency", "filters.*.process_std"]);
-    assert_eq!(choice.measure, Measure::Rmse(Channel::NATURAL_FREQUENCY));
+    assert_eq!(choice.measure, Measure::rmse(Channel::NATURAL_FREQUENCY));
     assert_eq!(choice.axes[1].spacing, Spacing::Logarithmic);
     assert!(choice.check(session.scenario()).is_ok());
 }
@@ -293,7 +293,7 @@ fn the_table_has_one_row_a_cell() {
     for (cell, row) in rows.iter().enumerate() {
         let values = survey.ensemble().values(cell);
         assert_eq!([row[0].parse(), row[1].parse()], [Ok(values[0]), Ok(values[1])]);
-        let value = survey.value(cell, 0, Measure::Rmse(Channel::NATURAL_FREQUENCY)).unwrap();
+        let value = survey.value(cell, 0, Measure::rmse(Channel::NATURAL_FREQUENCY)).unwrap();
         assert_eq!(row[column].parse(), Ok(value));
     }
 }
@@ -316,7 +316,7 @@ fn every_ready_made_scenario_has_a_map() {
         let choice = laboratory.choice().unwrap();
         if session.is_measured() {
             assert!(choice.axes.iter().all(|axis| axis.key.starts_with("filters.")), "{}", built_in.title);
-            assert_eq!(choice.measure, Measure::Nis, "{}", built_in.title);
+            assert_eq!(choice.measure, Measure::NIS, "{}", built_in.title);
         }
         let [x, y] = laboratory.shown().unwrap().present(session.scenario());
         assert!(x.is_finite() && y.is_finite(), "{}: there is a dot", built_in.title);
@@ -350,11 +350,11 @@ fn a_map_varies_the_gain_of_a_measured_input_and_stays_as_the_dot_moves() {
         assert!(candidates(session.scenario(), true).contains(&axes[0].key), "the menu offers it");
         let usual = Choice::usual(session.scenario(), session.run().record(), true, 3).unwrap();
         let mut laboratory = Laboratory::new(Rc::new(Frames(Budget::Unlimited)));
-        laboratory.choose(Some(Choice { axes, measure: Measure::Nis, ..usual }));
+        laboratory.choose(Some(Choice { axes, measure: Measure::NIS, ..usual }));
         follow(&mut laboratory, &session, 20);
         assert_eq!((laboratory.state().problem(), done(&laboratory)), (None, 9));
         let survey = laboratory.shown().unwrap();
-        let value = survey.value(survey.ensemble().cell(&[0, 2]), 0, Measure::Nis).unwrap();
+        let value = survey.value(survey.ensemble().cell(&[0, 2]), 0, Measure::NIS).unwrap();
         let opened = survey.with(session.scenario(), [0.5 * own, 2.0]).unwrap();
         session.set_scenario(opened);
         assert_eq!(gain(&session), 0.5 * own);

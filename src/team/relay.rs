@@ -96,8 +96,8 @@ mod tests {
     use std::cell::RefCell;
     use std::sync::Arc;
 
-    use kalmanscope_core::{Axis, Scenario, Source};
-    use kalmanscope_lab::{Ensemble, Measure, Plan, Priority, Runner, Sheet};
+    use kalmanscope_core::{Axis, Measure, Scenario, Source};
+    use kalmanscope_lab::{Ensemble, Plan, Priority, Runner, Sheet};
 
     use super::*;
     use crate::session::Budget;
@@ -169,7 +169,7 @@ mod tests {
     fn ensemble() -> Ensemble {
         let scenario = Scenario { duration: 1.0, ..Scenario::default() };
         let axes = vec![Axis::parse("filters.EKF.fading=1:1.1:10").unwrap()];
-        Ensemble::new(scenario, Plan { filters: vec![0], measures: vec![Measure::Nis], axes, ..Plan::default() })
+        Ensemble::new(scenario, Plan { filters: vec![0], measures: vec![Measure::NIS], axes, ..Plan::default() })
             .unwrap()
     }
 

@@ -21,7 +21,7 @@ pub(super) fn choice(map: &Map, scenario: &Scenario) -> Result<Choice, String> {
     let axis = |text: &String| Axis::parse(text).map_err(|error| error.to_string());
     let choice = Choice {
         axes: [axis(x)?, axis(y)?],
-        measure: measure.parse().map_err(|error| format!("{error}"))?,
+        measure: *measure,
         filter: id(filter)?,
         second: second.as_ref().map(id).transpose()?,
         precision: Precision::default(),
@@ -33,6 +33,7 @@ pub(super) fn choice(map: &Map, scenario: &Scenario) -> Result<Choice, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use kalmanscope_core::{Channel, Measure};
 
     #[test]
     fn the_maps_of_all_lessons_are_possible() {
@@ -58,7 +59,7 @@ mod tests {
         let map = Map {
             x: "seed=1:9:9".to_owned(),
             y: "filters.*.fading=1:1.1:5".to_owned(),
-            measure: "rmse.natural_frequency".to_owned(),
+            measure: Measure::rmse(Channel::NATURAL_FREQUENCY),
             filter: "EKF".to_owned(),
             second: Some("UKF".to_owned()),
         };
@@ -66,7 +67,6 @@ mod tests {
         let of = |map: &Map| choice(map, &scenario).map(|choice| (choice.filter, choice.second));
         assert!(of(&map).is_ok_and(|(first, second)| second.is_some_and(|second| second != first)));
         let error = |map: Map| of(&map).unwrap_err();
-        assert!(error(Map { measure: "speed".to_owned(), ..map.clone() }).contains("is no score"));
         assert!(error(Map { filter: "KF".to_owned(), ..map.clone() }).contains("no filter `KF`"));
         assert!(error(Map { y: map.x.clone(), ..map.clone() }).contains("both axes"));
         assert!(error(Map { x: "seed=1:999:999".to_owned(), ..map }).contains("may have 256"));

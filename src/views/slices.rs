@@ -2,8 +2,7 @@
 
 use egui::{Align2, Pos2, Rect, Sense, Shape, Stroke, TextStyle, Tooltip, Ui, UiBuilder, Vec2, pos2, vec2};
 use kalmanscope_core::internals::sort_numbers;
-use kalmanscope_core::{Axis, Spacing};
-use kalmanscope_lab::Measure;
+use kalmanscope_core::{Axis, Measure, Spacing, ValueKind};
 
 use super::map::contents;
 use crate::controls::color::color_of;
@@ -53,7 +52,7 @@ impl View for Slices {
 
     fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Request>) -> Option<f64> {
         let (_, choice, survey) = contents(ui, context)?;
-        if choice.measure == Measure::Verdict {
+        if choice.measure.info().kind == ValueKind::Verdict {
             ui.weak("A verdict is no number: choose another score above the map.");
             return None;
         }
@@ -144,7 +143,7 @@ impl Slice<'_> {
         let point = |place: usize| {
             let places = if at == 0 { [place, across] } else { [across, place] };
             let value = survey.value(ensemble.cell(&places), filter, measure).unwrap_or(f64::NAN);
-            let is_size = matches!(measure, Measure::Error(_));
+            let is_size = measure.info().kind == ValueKind::Error;
             [axes[at].value(place), if is_size { value.abs() } else { value }]
         };
         (0..axes[at].count).map(point).collect()
@@ -174,12 +173,13 @@ impl Slice<'_> {
 fn range(measure: Measure, values: impl Iterator<Item = f64>) -> Scale {
     let values: Vec<f64> = values.filter(|value| value.is_finite()).collect();
     let ends = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
-    let ends = if measure == Measure::LogLikelihood { (ends.0.max(least_shown(values, ends.1)), ends.1) } else { ends };
+    let kind = measure.info().kind;
+    let ends = if kind == ValueKind::LogLikelihood { (ends.0.max(least_shown(values, ends.1)), ends.1) } else { ends };
     let (low, high) = if ends.0 <= ends.1 { ends } else { (0.0, 1.0) };
     if low > 0.0 && high > DECADES * low {
         return Scale::new(low / 1.3, high * 1.3, true);
     }
-    let is_flag = matches!(measure, Measure::Diverged | Measure::Stopped | Measure::Coverage(_));
+    let is_flag = matches!(kind, ValueKind::Flag | ValueKind::Share);
     let (low, high) = if is_flag { (0.0, 1.0) } else { (low, high) };
     let margin = 0.06 * (high - low).max(1e-9 + 0.02 * high.abs());
     Scale::new(low - margin, high + margin, false)
@@ -200,7 +200,7 @@ mod tests {
     #[test]
     fn impossible_settings_do_not_flatten_the_likelihood() {
         let values = (-20..=20).map(|x: i32| 9000.0 - f64::from(x).powi(2) - 1e-9 * f64::from(x.min(0)).powi(12));
-        let scale = range(Measure::LogLikelihood, values);
+        let scale = range(Measure::LOG_LIKELIHOOD, values);
         let share = |value: f64| scale.share(value);
         assert!(share(9000.0) > 0.9 && share(8600.0) > 0.05 && share(8600.0) < 0.8, "{}", share(8600.0));
         assert!(share(-1e6) < 0.0, "out of sight");

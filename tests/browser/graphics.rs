@@ -4,8 +4,8 @@ use std::fs;
 use std::path::Path;
 use std::time::Duration;
 
-use kalmanscope_core::{Channel, Source};
-use kalmanscope_lab::{Ensemble, Measure, Runner};
+use kalmanscope_core::{Channel, Measure, Source};
+use kalmanscope_lab::{Ensemble, Runner};
 use serde_json::Value;
 
 use crate::export::downloaded;
@@ -89,13 +89,13 @@ fn agrees(csv: &str, ensemble: Ensemble) {
     for (row, exact) in rows.iter().map(|row| &row[axes..]).zip(exact.chunks(width)) {
         let channel = Channel::NATURAL_FREQUENCY;
         let class = |row: &[f64]| {
-            let is_near = of(row, Measure::Error(channel)).abs() <= 0.05 * of(row, Measure::Estimate(channel));
-            (of(row, Measure::Stopped) > 0.0, of(row, Measure::Diverged) > 0.0, is_near)
+            let is_near = of(row, Measure::error(channel)).abs() <= 0.05 * of(row, Measure::estimate(channel));
+            (of(row, Measure::STOPPED) > 0.0, of(row, Measure::DIVERGED) > 0.0, is_near)
         };
         same += usize::from(class(row) == class(exact));
         if class(row) == (false, false, true) && class(exact) == class(row) {
             converged += 1;
-            let scores = [Measure::Rmse(channel), Measure::Nis, Measure::Nees, Measure::Std(channel)];
+            let scores = [Measure::rmse(channel), Measure::NIS, Measure::NEES, Measure::std(channel)];
             let is_close = |measure: Measure| (of(row, measure) / of(exact, measure) - 1.0).abs() <= 0.02;
             close += usize::from(scores.into_iter().all(is_close));
         }

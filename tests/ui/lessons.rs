@@ -1,6 +1,6 @@
 //! The screen of a lesson's step, its question, and the way from lesson to lesson.
 
-use kalmanscope_lessons::{Lesson, Measure, Step};
+use kalmanscope_lessons::{Lesson, Step};
 
 use super::*;
 
@@ -268,7 +268,7 @@ fn a_verdict_that_a_lesson_speaks_of_is_in_sight() {
             for (number, step) in steps.iter().enumerate() {
                 reveal(&mut screen, step);
                 screen.run_steps(3);
-                for check in step.checks.iter().filter(|check| check.measure == Measure::Verdict) {
+                for check in step.checks.iter().filter(|check| check.is_of_verdict()) {
                     let name = format!("{} is ", check.filter);
                     let chip = screen.query_by_label_contains(&name);
                     let chip = chip.unwrap_or_else(|| panic!("{title}, step {}: no verdict", number + 1)).rect();

@@ -7,8 +7,8 @@ use std::sync::Arc;
 use egui::{Context, Pos2};
 use kalmanscope::laboratory::Choice;
 use kalmanscope::team::{Cells, Computer, Finding, Frames, Graphics, Handle, Lost, Precision, Rows, Team};
-use kalmanscope_core::{Axis, Source};
-use kalmanscope_lab::{Ensemble, Measure, Plan, Runner};
+use kalmanscope_core::{Axis, Measure, Source};
+use kalmanscope_lab::{Ensemble, Plan, Runner};
 
 use super::*;
 
@@ -32,7 +32,7 @@ fn laboratory_by(team: Rc<dyn Team>, size: Vec2, theme: Theme, second: Option<u3
     session.seek(5.0);
     let axes = ["filters.*.initial_mean.natural_frequency=2:14:9", "filters.*.process_std=0.01:100:7:log"];
     let axes = axes.map(|text| Axis::parse(text).expect("it is an axis"));
-    let measure = Measure::Rmse(Channel::NATURAL_FREQUENCY);
+    let measure = Measure::rmse(Channel::NATURAL_FREQUENCY);
     screen.state_mut().laboratory_mut().choose(Some(Choice {
         axes,
         measure,
@@ -72,7 +72,7 @@ fn the_map_has_the_numbers_of_a_sweep_of_the_scenario() {
     let survey = laboratory.shown().expect("there is a map");
     for (at, name) in ["EKF", "UKF"].into_iter().enumerate() {
         let axes = survey.axes().map(|axis| Axis { key: axis.key.replace('*', name), ..axis.clone() }).to_vec();
-        let measures = vec![Measure::Rmse(Channel::NATURAL_FREQUENCY), Measure::Nis, Measure::Diverged];
+        let measures = vec![Measure::rmse(Channel::NATURAL_FREQUENCY), Measure::NIS, Measure::DIVERGED];
         let plan = Plan { filters: vec![at], measures: measures.clone(), axes, ..Plan::default() };
         let ensemble = Ensemble::new(scenario(&screen).clone(), plan).expect("it is possible");
         let runner = Runner::new(ensemble, Source::Simulated).expect("it is possible");
@@ -134,7 +134,7 @@ fn a_click_on_a_cell_takes_its_setting() {
     let estimates = &run.estimates()[1];
     let expected = kalmanscope_core::Diagnostics::new(estimates, run.record()).mean_nis().expect("it is measured");
     let survey = screen.state().laboratory().shown().expect("there is a map");
-    let shown = survey.value(survey.ensemble().cell(&[6, 1]), 1, Measure::Nis).expect("it is known");
+    let shown = survey.value(survey.ensemble().cell(&[6, 1]), 1, Measure::NIS).expect("it is known");
     assert!((shown - expected.mean / expected.expected).abs() < 1e-12 * shown, "the run is that of the cell");
 }
 
@@ -145,7 +145,7 @@ fn axes_score_and_filters_are_chosen_by_menus_and_the_dot_moves_by_arrows() {
     choose(&mut screen, "Setting up", "fading factor λ");
     choose(&mut screen, "Second filter", "and UKF");
     let choice = screen.state().laboratory().choice().expect("there is one").clone();
-    assert_eq!((choice.measure, choice.second), (Measure::LogLikelihood, Some(2)));
+    assert_eq!((choice.measure, choice.second), (Measure::LOG_LIKELIHOOD, Some(2)));
     assert_eq!(choice.axes[1].key, "filters.*.fading");
     for name in ["EKF", "UKF", "comparison"] {
         assert!(screen.query_by_label(&format!("Map of {name}, log likelihood")).is_some(), "{name}");

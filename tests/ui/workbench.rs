@@ -1,7 +1,5 @@
 //! Lessons, views, filters side by side, undo and messages about problems.
 
-use kalmanscope_lessons::Measure;
-
 use super::*;
 
 #[test]
@@ -31,7 +29,7 @@ fn every_lesson_can_be_taken_from_beginning_to_end() {
             assert_eq!(scenario(&screen), &lesson.scenario_at(i).unwrap(), "{}, step {}", lesson.title, i + 1);
             assert_eq!(screen.state().session().problem(), None);
             assert!(screen.query_by_label(&step.why).is_some(), "{}, step {}", lesson.title, i + 1);
-            for check in step.checks.iter().filter(|check| check.measure == Measure::Verdict) {
+            for check in step.checks.iter().filter(|check| check.is_of_verdict()) {
                 let chip = format!("{} is ", check.filter);
                 let mut chips = screen.query_all_by_label_contains(&chip);
                 assert!(chips.next().is_some(), "{}, step {}: no verdict is in sight", lesson.title, i + 1);

@@ -7,8 +7,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use kalmanscope_cli::causes;
 use kalmanscope_core::diagnosis::Remedy;
-use kalmanscope_core::{Analysis, Run, Source, VerdictKind, Wanted};
-use kalmanscope_lab::{Measure, Runner, Slice};
+use kalmanscope_core::{Analysis, Measure, Run, Source, VerdictKind, Wanted};
+use kalmanscope_lab::{Runner, Slice};
 
 use crate::progress::Progress;
 
@@ -77,7 +77,7 @@ struct Found {
 /// The members of a slice of which a filter has a bad verdict.
 fn bad_cells(runner: &Runner, slice: &Slice) -> Vec<usize> {
     let plan = runner.ensemble().plan();
-    let verdict = plan.measures.iter().position(|measure| *measure == Measure::Verdict);
+    let verdict = plan.measures.iter().position(|measure| *measure == Measure::VERDICT);
     let is_bad = |row: &[f64]| {
         let of = |nth: usize| verdict.map_or(f64::NAN, |place| row[nth * plan.measures.len() + place]);
         (0..plan.filters.len()).any(|nth| kind(of(nth)).is_some_and(|kind| !kind.is_good()))

@@ -45,6 +45,24 @@ pub enum Trouble {
     GrowingProcessNoise(Channel),
 }
 
+impl Trouble {
+    /// Its word in text.
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::WindUp(_) => "wind_up",
+            Self::Indefinite(..) => "indefinite",
+            Self::Missing(_) => "missing",
+            Self::Unknown(_) => "unknown",
+            Self::Collapse => "collapse",
+            Self::Widened => "widened",
+            Self::VanishingSensorNoise(_) => "vanishing_sensor_noise",
+            Self::GrowingSensorNoise(_) => "growing_sensor_noise",
+            Self::VanishingProcessNoise(_) => "vanishing_process_noise",
+            Self::GrowingProcessNoise(_) => "growing_process_noise",
+        }
+    }
+}
+
 /// A problem with the samples at which it occurred; a later occurrence is a new remark.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Remark {

@@ -13,9 +13,9 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use kalmanscope_core::import::{Builder, read};
-use kalmanscope_core::{Axis, FilterKind, PlantKind, Quantity, Scenario, Source};
+use kalmanscope_core::{Axis, FilterKind, Measure, PlantKind, Quantity, Scenario, Source};
 use kalmanscope_gpu::{Gpu, Software};
-use kalmanscope_lab::{Ensemble, Measure, MonteCarlo, Plan, Priority, Runner, Sheet, Threads, channels};
+use kalmanscope_lab::{Ensemble, MonteCarlo, Plan, Priority, Runner, Sheet, Threads, channels};
 
 /// Cells along each axis of the maps, and of the largest one, and samples of a simulated record.
 const SIDE: usize = 128;

@@ -7,9 +7,9 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use common::{CLOSE, gpu};
-use kalmanscope_core::{Axis, Channel, Quantity, Scenario, Source};
+use kalmanscope_core::{Axis, Channel, Measure, Quantity, Scenario, Source, ValueKind};
 use kalmanscope_gpu::{Gpu, GpuError, Software};
-use kalmanscope_lab::{Ensemble, Measure, Plan, Priority, Runner, Sheet, Slice, Threads};
+use kalmanscope_lab::{Ensemble, Plan, Priority, Runner, Sheet, Slice, Threads};
 
 /// The samples of a map's record.
 const SAMPLES: usize = 2000;
@@ -95,8 +95,8 @@ impl Comparison {
         let channel = Channel::NATURAL_FREQUENCY;
         let truth = scenario.plant.parameter(channel).unwrap().at(scenario.duration);
         let class = |row: &[f64]| {
-            let is_near = of(row, Measure::Error(channel)).abs() <= 0.05 * truth;
-            (of(row, Measure::Stopped), of(row, Measure::Diverged), is_near)
+            let is_near = of(row, Measure::error(channel)).abs() <= 0.05 * truth;
+            (of(row, Measure::STOPPED), of(row, Measure::DIVERGED), is_near)
         };
         let (class, other) = (class(exact), class(row));
         self.same += usize::from(class == other);
@@ -108,13 +108,13 @@ impl Comparison {
         let degrees = (scenario.sensors.len() * SAMPLES) as f64;
         let mut largest = 0.0_f64;
         for (measure, (&exact, &number)) in measures.iter().zip(exact.iter().zip(row)) {
-            let size = match measure {
+            let size = match (measure.info().kind, measure.channel()) {
                 // These are about zero: a tenth of the standard deviation is close.
-                Measure::Error(channel) | Measure::Estimate(channel) => 0.1 / CLOSE * of(row, Measure::Std(*channel)),
-                Measure::Coverage(_) => 1.0,
+                (ValueKind::Error | ValueKind::Signed, Some(channel)) => 0.1 / CLOSE * of(row, Measure::std(channel)),
+                (ValueKind::Share, _) => 1.0,
                 // The time of the last error of 5 % jumps, and the other is about zero and follows the NIS.
-                Measure::Settled(_) | Measure::Consistency => continue,
-                Measure::LogLikelihood => exact.abs().max(0.5 * degrees),
+                (ValueKind::Time | ValueKind::Distance, _) => continue,
+                (ValueKind::LogLikelihood, _) => exact.abs().max(0.5 * degrees),
                 _ => exact.abs(),
             };
             let difference = if number == exact { 0.0 } else { (number - exact).abs() / size };

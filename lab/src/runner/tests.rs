@@ -1,7 +1,7 @@
 use super::*;
-use crate::{Measure, Plan};
+use crate::Plan;
 use kalmanscope_core::diagnostics::MeanSquare;
-use kalmanscope_core::{Axis, Channel, Diagnostics, Run, RunError};
+use kalmanscope_core::{Axis, Channel, Diagnostics, Measure, Run, RunError};
 
 fn runner(axes: &[&str], measures: &[&str]) -> Runner {
     let scenario = Scenario { duration: 5.0, ..Scenario::default() };
@@ -70,7 +70,7 @@ fn a_map_of_the_duffing_oscillator_is_served_by_lanes_and_has_the_numbers_of_the
     scenario.set_plant(kalmanscope_core::PlantKind::DUFFING);
     let axes = ["seed=1:2:2", "filters.*.initial_mean.natural_frequency=3:9:6"];
     let axes = axes.iter().map(|text| Axis::parse(text).unwrap()).collect();
-    let measures = vec![Measure::Nis, Measure::Nees, "estimate.cubic_stiffness".parse().unwrap()];
+    let measures = vec![Measure::NIS, Measure::NEES, "estimate.cubic_stiffness".parse().unwrap()];
     let plan = Plan { filters: vec![0, 1], measures, axes, ..Plan::default() };
     let runner = Runner::new(Ensemble::new(scenario, plan).unwrap(), Source::Simulated).unwrap();
     let cells: Vec<usize> = (0..12).collect();
@@ -94,7 +94,7 @@ fn measured() -> Scenario {
 #[test]
 fn the_row_of_a_cell_does_not_depend_on_those_beside_it() {
     let axes = vec![Axis::parse("filters.*.initial_mean.natural_frequency=3:9:11").unwrap()];
-    let measures = vec![Measure::Nis, Measure::LogLikelihood, "estimate.input_gain".parse().unwrap()];
+    let measures = vec![Measure::NIS, Measure::LOG_LIKELIHOOD, "estimate.input_gain".parse().unwrap()];
     let plan = Plan { filters: vec![0, 1], measures, axes, ..Plan::default() };
     let runner = Runner::new(Ensemble::new(measured(), plan).unwrap(), Source::Simulated).unwrap();
     let all = runner.rows(&(0..11).collect::<Vec<_>>());
@@ -120,10 +120,10 @@ fn cells_that_lanes_take_are_computed_together() {
         scenario.filters[0].kind = kind;
         scenario
     };
-    assert_eq!(at_once(measured(), Measure::Nis), 8);
-    assert_eq!(at_once(Scenario { duration: 5.0, ..Scenario::default() }, Measure::Nis), 8);
-    assert_eq!(at_once(measured(), Measure::Verdict), 1);
-    assert_eq!(at_once(alone(kalmanscope_core::FilterKind::SR_UKF), Measure::Nis), 1);
+    assert_eq!(at_once(measured(), Measure::NIS), 8);
+    assert_eq!(at_once(Scenario { duration: 5.0, ..Scenario::default() }, Measure::NIS), 8);
+    assert_eq!(at_once(measured(), Measure::VERDICT), 1);
+    assert_eq!(at_once(alone(kalmanscope_core::FilterKind::SR_UKF), Measure::NIS), 1);
 }
 
 #[test]
@@ -147,7 +147,7 @@ fn a_given_record_stays_as_it_is() {
     let record = Arc::new(simulate(&scenario));
     let plan = |key: &str| {
         let axes = vec![Axis::parse(&format!("{key}=1:2:2")).unwrap()];
-        Plan { filters: vec![0], measures: vec![Measure::Nis], axes, ..Plan::default() }
+        Plan { filters: vec![0], measures: vec![Measure::NIS], axes, ..Plan::default() }
     };
     let runner = |key: &str, scenario: &Scenario| {
         let ensemble = Ensemble::new(scenario.clone(), plan(key)).unwrap();
@@ -172,7 +172,7 @@ fn a_given_record_follows_the_gain_of_its_input() {
     let record = Arc::new(simulate(&scenario));
     let scenario = Scenario { record: Some(mapping), ..scenario };
     let axes = vec![Axis::parse("record.input.gain=1:3:3").unwrap()];
-    let plan = Plan { filters: vec![0], measures: vec![Measure::Nis], axes, ..Plan::default() };
+    let plan = Plan { filters: vec![0], measures: vec![Measure::NIS], axes, ..Plan::default() };
     let source = Source::Measured(Arc::clone(&record));
     let runner = Runner::new(Ensemble::new(scenario, plan).unwrap(), source).unwrap();
     let runs = runner.runs(&[0, 1, 2]);

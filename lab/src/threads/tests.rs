@@ -1,9 +1,9 @@
 use std::sync::Barrier;
 
-use kalmanscope_core::{Axis, Scenario, Source};
+use kalmanscope_core::{Axis, Measure, Scenario, Source};
 
 use super::*;
-use crate::{Ensemble, Measure, Plan, Sheet};
+use crate::{Ensemble, Plan, Sheet};
 
 fn runner() -> Arc<Runner> {
     let scenario = Scenario { duration: 3.0, ..Scenario::default() };
@@ -11,7 +11,8 @@ fn runner() -> Arc<Runner> {
         Axis::parse("seed=1:3:3").unwrap(),
         Axis::parse("filters.EKF.initial_mean.natural_frequency=2:20:40").unwrap(),
     ];
-    let plan = Plan { filters: vec![0], measures: vec![Measure::Nis, Measure::LogLikelihood], axes, ..Plan::default() };
+    let plan =
+        Plan { filters: vec![0], measures: vec![Measure::NIS, Measure::LOG_LIKELIHOOD], axes, ..Plan::default() };
     Arc::new(Runner::new(Ensemble::new(scenario, plan).unwrap(), Source::Simulated).unwrap())
 }
 

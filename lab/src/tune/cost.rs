@@ -7,8 +7,8 @@ use kalmanscope_core::setting::Address;
 
 use super::Goal;
 use super::point::Point;
-use crate::{EnsembleError, Measure, outcome};
-use kalmanscope_core::{Axis, Pass, Record, Scenario, VerdictKind};
+use crate::{EnsembleError, outcome};
+use kalmanscope_core::{Axis, Measure, Pass, Record, Scenario, VerdictKind};
 
 /// The cost of settings that are impossible, beyond their axes, or stop the filter.
 pub(super) const FORBIDDEN: f64 = 1e100;
@@ -95,7 +95,7 @@ impl Cost {
 
     /// The cost of a scenario: the goal's number with its sign turned.
     pub(super) fn of_scenario(&self, scenario: &Scenario) -> f64 {
-        let measures = [Measure::Stopped, self.goal.measure()];
+        let measures = [Measure::STOPPED, self.goal.measure()];
         let Ok(row) = outcome::any(scenario, self.place, &self.record, &measures) else { return FORBIDDEN };
         let cost = -self.goal.score(row[1]);
         if row[0] == 0.0 && cost.is_finite() { cost.min(FORBIDDEN) } else { FORBIDDEN }
@@ -103,7 +103,7 @@ impl Cost {
 
     /// The verdict on the filter of a scenario.
     pub(super) fn verdict(&self, scenario: &Scenario) -> Option<VerdictKind> {
-        let row = outcome::any(scenario, self.place, &self.record, &[Measure::Verdict]).ok()?;
+        let row = outcome::any(scenario, self.place, &self.record, &[Measure::VERDICT]).ok()?;
         VerdictKind::ALL.get(row[0] as usize).copied().filter(|_| row[0] >= 0.0)
     }
 }

@@ -1,9 +1,7 @@
 //! The goal of tuning.
 
-use kalmanscope_core::Quantity;
+use kalmanscope_core::{Measure, Quantity};
 use serde::{Deserialize, Serialize};
-
-use crate::Measure;
 
 /// The number that tuning optimises. In files it is the name of its measure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -23,9 +21,9 @@ impl Goal {
     /// The measure that it is about.
     pub const fn measure(self) -> Measure {
         match self {
-            Self::Likelihood => Measure::LogLikelihood,
-            Self::FreeRun(sensor) => Measure::FreeRun(sensor),
-            Self::Consistency => Measure::Nis,
+            Self::Likelihood => Measure::LOG_LIKELIHOOD,
+            Self::FreeRun(sensor) => Measure::free_run(sensor),
+            Self::Consistency => Measure::NIS,
         }
     }
 
@@ -58,13 +56,12 @@ impl TryFrom<Measure> for Goal {
     type Error = String;
 
     fn try_from(measure: Measure) -> Result<Self, Self::Error> {
-        match measure {
-            Measure::LogLikelihood => Ok(Self::Likelihood),
-            Measure::FreeRun(sensor) => Ok(Self::FreeRun(sensor)),
-            Measure::Nis => Ok(Self::Consistency),
-            other => {
-                Err(format!("`{other}` is no goal of tuning: it may be `log_likelihood`, `nis` or `free_run.SENSOR`"))
-            }
+        if let Some(sensor) = measure.sensor().filter(|sensor| Measure::free_run(*sensor) == measure) {
+            return Ok(Self::FreeRun(sensor));
         }
+        let goals = [Self::Likelihood, Self::Consistency];
+        goals.into_iter().find(|goal| goal.measure() == measure).ok_or_else(|| {
+            format!("`{measure}` is no goal of tuning: it may be `log_likelihood`, `nis` or `free_run.SENSOR`")
+        })
     }
 }

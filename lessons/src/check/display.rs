@@ -2,7 +2,9 @@
 
 use std::fmt;
 
-use super::{Check, Times};
+use kalmanscope_core::Times;
+
+use super::Check;
 use crate::cells::Cells;
 use crate::value::Expected;
 

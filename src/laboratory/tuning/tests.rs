@@ -4,8 +4,7 @@ use super::*;
 use crate::laboratory::{Choice, Laboratory};
 use crate::team::{Frames, Precision};
 use kalmanscope_core::setting::Address;
-use kalmanscope_core::{Axis, Channel, Quantity};
-use kalmanscope_lab::Measure;
+use kalmanscope_core::{Axis, Channel, Measure, Quantity};
 use kalmanscope_lab::tune::Goal;
 
 /// A session with a first filter that assumes five times the sensors' true noise.
@@ -102,7 +101,7 @@ fn the_search_begins_at_the_best_cell_of_a_map_of_its_settings() {
     let axes = [("filters.*.sensor_std", 4), ("filters.*.process_std", 3)];
     let part = part_of(session.scenario(), &[1]);
     let axis = |(key, count): (&str, usize)| Axis::usual(&Address::parse(&part, key).unwrap(), &part, count);
-    let measure = Measure::Rmse(Channel::NATURAL_FREQUENCY);
+    let measure = Measure::rmse(Channel::NATURAL_FREQUENCY);
     laboratory.choose(Some(Choice {
         axes: axes.map(axis),
         measure,
@@ -113,7 +112,7 @@ fn the_search_begins_at_the_best_cell_of_a_map_of_its_settings() {
     laboratory.follow(&session, true, false, &Context::default());
     let survey = laboratory.shown().unwrap();
     assert!(survey.sheet().is_complete());
-    let likelihood = |cell: usize| survey.value(cell, 0, Measure::LogLikelihood).unwrap();
+    let likelihood = |cell: usize| survey.value(cell, 0, Measure::LOG_LIKELIHOOD).unwrap();
     let best = (0..12).max_by(|a, b| likelihood(*a).total_cmp(&likelihood(*b))).unwrap();
     let (expected, score) = (survey.ensemble().values(best), likelihood(best));
     laboratory.tuning_mut().choose(Some(choice(&["filters.*.process_std", "filters.*.sensor_std"])));

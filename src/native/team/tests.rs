@@ -10,9 +10,9 @@ use kalmanscope_core::diagnostics::Depth;
 use kalmanscope_core::import::{ImportError, Loaded, Loading};
 use kalmanscope_core::simulate;
 use kalmanscope_core::suggest::Suggest;
-use kalmanscope_core::{Axis, FilterKind, FilterSettings, Scenario, Source, Task, Wanted};
+use kalmanscope_core::{Axis, FilterKind, FilterSettings, Measure, Scenario, Source, Task, Wanted};
 use kalmanscope_lab::tune::{Goal, Tuner};
-use kalmanscope_lab::{Ensemble, Measure, Plan, Runner, Sheet};
+use kalmanscope_lab::{Ensemble, Plan, Runner, Sheet};
 
 use super::*;
 
@@ -215,7 +215,7 @@ fn all(sheet: &Sheet) -> Vec<f64> {
 #[test]
 fn a_processor_takes_over_and_serves_the_next_map_from_the_beginning() {
     let team = desktop();
-    let ensemble = ensemble(Measure::Nis, 24);
+    let ensemble = ensemble(Measure::NIS, 24);
     assert_eq!(finding(&team), Some(Finding::Searching), "nobody looks before the first map");
     let begin = Instant::now();
     let (first, _) = compute(&team, &ensemble, Precision::Fastest);
@@ -236,7 +236,7 @@ fn a_processor_takes_over_and_serves_the_next_map_from_the_beginning() {
 #[test]
 fn a_map_that_is_not_served_goes_to_the_threads() {
     let team = desktop();
-    let ensemble = ensemble(Measure::Verdict, 4);
+    let ensemble = ensemble(Measure::VERDICT, 4);
     for _ in 0..2 {
         let (sheet, by) = compute(&team, &ensemble, Precision::Fastest);
         assert!(by.keys().all(|by| !is_by_graphics(by)), "{by:?}");

@@ -1,6 +1,6 @@
 //! The numbers of a map's cells, and the outcomes of the runs.
 
-use kalmanscope_lab::Measure;
+use kalmanscope_core::{Measure, ValueKind};
 
 use crate::laboratory::Survey;
 
@@ -27,11 +27,11 @@ pub(super) enum End {
 
 /// The cells of one filter.
 pub(super) fn of_filter(survey: &Survey, filter: usize, measure: Measure) -> Vec<Cell> {
-    let columns = [measure, Measure::Stopped, Measure::Diverged].map(|measure| survey.column(filter, measure));
+    let columns = [measure, Measure::STOPPED, Measure::DIVERGED].map(|measure| survey.column(filter, measure));
     let cell = |cell: usize| {
         let Some(row) = survey.sheet().shown(cell) else { return Cell { value: f64::NAN, end: End::Unknown } };
         let [value, stopped, diverged] = columns.map(|column| column.map_or(f64::NAN, |at| row[at]));
-        let value = if matches!(measure, Measure::Error(_)) { value.abs() } else { value };
+        let value = if measure.info().kind == ValueKind::Error { value.abs() } else { value };
         let end = match (stopped == 0.0, diverged == 1.0) {
             (false, _) => End::Stopped,
             (true, true) => End::Lost,
@@ -44,26 +44,11 @@ pub(super) fn of_filter(survey: &Survey, filter: usize, measure: Measure) -> Vec
 
 /// The ratio or the difference of two filters' cells.
 pub(super) fn compared(a: &[Cell], b: &[Cell], measure: Measure) -> Vec<Cell> {
-    let is_ratio = is_ratio(measure);
+    let is_ratio = measure.info().kind.is_ratio();
     let worst = |a: End, b: End| [End::Unknown, End::Stopped, End::Lost].into_iter().find(|end| [a, b].contains(end));
     let cell = |(a, b): (&Cell, &Cell)| Cell {
         value: if is_ratio { a.value / b.value } else { a.value - b.value },
         end: worst(a.end, b.end).unwrap_or(End::Followed),
     };
     a.iter().zip(b).map(cell).collect()
-}
-
-/// Whether two filters' scores are compared by their ratio: true for sizes, false for numbers with a sign.
-pub(super) fn is_ratio(measure: Measure) -> bool {
-    matches!(
-        measure,
-        Measure::Nis
-            | Measure::Nees
-            | Measure::Error(_)
-            | Measure::Rmse(_)
-            | Measure::Std(_)
-            | Measure::Settled(_)
-            | Measure::FreeRun(_)
-            | Measure::OneStep(_)
-    )
 }

@@ -1,6 +1,6 @@
 //! The edge of the region in which a filter is consistent.
 
-use kalmanscope_lab::Measure;
+use kalmanscope_core::Measure;
 
 use super::scale::{CONSISTENT, spread};
 use crate::laboratory::Survey;
@@ -17,7 +17,7 @@ pub(super) struct Piece {
 /// The lines on which the mean NIS leaves its 99 % interval, at either end of it.
 pub(super) fn consistent(survey: &Survey, filter: usize) -> Vec<Piece> {
     let [across, up] = survey.axes().map(|axis| axis.count);
-    let Some(column) = survey.column(filter, Measure::Consistency) else { return Vec::new() };
+    let Some(column) = survey.column(filter, Measure::CONSISTENCY) else { return Vec::new() };
     let value = |cell: usize| survey.sheet().shown(cell).map_or(f64::NAN, |row| spread(row[column]));
     let values: Vec<f64> = (0..across * up).map(value).collect();
     [-CONSISTENT, CONSISTENT].into_iter().flat_map(|level| edge(&values, across, up, spread(level))).collect()

@@ -71,7 +71,7 @@ fn axis_ui(ui: &mut Ui, choice: &mut Choice, at: usize, part: &Scenario, keys: &
     });
 }
 
-fn measure_ui(ui: &mut Ui, choice: &mut Choice, offered: &[kalmanscope_lab::Measure]) {
+fn measure_ui(ui: &mut Ui, choice: &mut Choice, offered: &[kalmanscope_core::Measure]) {
     combo(ui, "Score", choice.measure.name(), 150.0, |ui| {
         for measure in offered {
             ui.selectable_value(&mut choice.measure, *measure, measure.name());

@@ -3,8 +3,7 @@
 use std::sync::Arc;
 
 use egui::{Color32, Galley, Pos2, Rect, Stroke, TextStyle, Ui, Vec2, vec2};
-use kalmanscope_core::VerdictKind;
-use kalmanscope_lab::Measure;
+use kalmanscope_core::{Measure, ValueKind, VerdictKind};
 
 use super::cells::End;
 use super::path;
@@ -55,7 +54,7 @@ impl Legend {
     ) -> Self {
         let any = |end: End| panels.iter().any(|panel| panel.has(end));
         let has_contour = panels.iter().any(|panel| !panel.contour.is_empty());
-        let is_never = matches!(measure, Measure::Settled(_));
+        let is_never = measure.info().kind == ValueKind::Time;
         let all = [
             (true, Mark::Dot, "setting on screen"),
             (has_contour, Mark::Line, "consistent: mean NIS in its 99 % interval"),
@@ -128,13 +127,13 @@ impl Mark {
 
 /// A score in words, with its unit.
 pub(in crate::views) fn score_text(measure: Measure, value: f64) -> String {
-    match measure {
-        Measure::Diverged | Measure::Stopped if !value.is_nan() => if value == 0.0 { "no" } else { "yes" }.to_owned(),
-        Measure::Verdict => {
+    match measure.info().kind {
+        ValueKind::Flag if !value.is_nan() => if value == 0.0 { "no" } else { "yes" }.to_owned(),
+        ValueKind::Verdict => {
             let kind = (value >= 0.0).then(|| VerdictKind::ALL.get(value as usize)).flatten();
             kind.map_or("not known", |kind| kind.name()).to_owned()
         }
-        Measure::Settled(_) if value == f64::INFINITY => "never".to_owned(),
+        ValueKind::Time if value == f64::INFINITY => "never".to_owned(),
         _ => format!("{} {}", significant(value, 4), measure.unit()).trim_end().to_owned(),
     }
 }

@@ -1,11 +1,9 @@
 //! One panel: its title, the cells, the axes, the bar of colours, and its gestures.
 
 use egui::{Rect, RichText, Sense, TextStyle, Tooltip, Ui, UiBuilder, pos2, vec2};
-use kalmanscope_core::Spacing;
-use kalmanscope_lab::Measure;
+use kalmanscope_core::{Measure, Spacing};
 
 use super::bar::{self, bar_ui};
-use super::cells::is_ratio;
 use super::marks::{contour_ui, dot_ui, hatching_ui, said, truth_ui, truths};
 use super::path::{Path, path_ui};
 use super::picture::{Contents, Panel};
@@ -82,7 +80,7 @@ impl PanelView<'_> {
         let filters = &survey.ensemble().scenario().filters;
         let label = measure_label(*measure);
         let text = match (panel.contents, &filters[..]) {
-            (Contents::Comparison, [a, b, ..]) if is_ratio(*measure) => format!("{} ÷ {}", a.name, b.name),
+            (Contents::Comparison, [a, b, ..]) if measure.info().kind.is_ratio() => format!("{} ÷ {}", a.name, b.name),
             (Contents::Comparison, [a, b, ..]) => format!("{} − {}", a.name, b.name),
             (Contents::Filter(at), _) if filters.len() > 1 => format!("{}: {label}", filters[at].name),
             _ => label,
@@ -146,13 +144,13 @@ impl PanelView<'_> {
             ui.label(RichText::new(&filter.name).family(theme::strong()));
             let score = super::legend::score_text(*measure, value(*measure));
             ui.label(format!("{}: {score}", measure.name()));
-            let is_inside = value(Measure::Consistency).abs() < CONSISTENT;
-            let end = if value(Measure::Stopped) == 1.0 {
+            let is_inside = value(Measure::CONSISTENCY).abs() < CONSISTENT;
+            let end = if value(Measure::STOPPED) == 1.0 {
                 "it stopped".to_owned()
-            } else if value(Measure::Diverged) == 1.0 {
+            } else if value(Measure::DIVERGED) == 1.0 {
                 "it lost the truth".to_owned()
             } else {
-                let nis = significant(value(Measure::Nis), 3);
+                let nis = significant(value(Measure::NIS), 3);
                 format!("mean NIS {nis}, {} its 99 % interval", if is_inside { "inside" } else { "outside" })
             };
             ui.label(end);

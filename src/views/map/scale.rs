@@ -1,11 +1,10 @@
 //! From scores to colours.
 
 use egui::Color32;
-use kalmanscope_core::VerdictKind;
 use kalmanscope_core::internals::sort_numbers;
-use kalmanscope_lab::Measure;
+use kalmanscope_core::{Measure, ValueKind, VerdictKind};
 
-use super::cells::{Cell, End, is_ratio};
+use super::cells::{Cell, End};
 use crate::plot::graph::Scale;
 use crate::theme::Palette;
 use crate::theme::ramps::{diverging, kind, sequential};
@@ -38,29 +37,29 @@ impl Colors {
     /// The colours of a score of one or two filters.
     pub(super) fn of(measure: Measure, cells: &[&[Cell]]) -> Self {
         let values = sorted(cells);
-        match measure {
-            Measure::Diverged | Measure::Stopped => Self::Kinds(vec!["no", "yes"]),
-            Measure::Verdict => Self::Kinds(VerdictKind::ALL.iter().map(|kind| word(*kind)).collect()),
-            Measure::Coverage(_) => Self::Sequential(Scale::new(0.0, 1.0, false)),
-            Measure::Nis | Measure::Nees => Self::about_one(&values),
-            Measure::Consistency => {
+        match measure.info().kind {
+            ValueKind::Flag => Self::Kinds(vec!["no", "yes"]),
+            ValueKind::Verdict => Self::Kinds(VerdictKind::ALL.iter().map(|kind| word(*kind)).collect()),
+            ValueKind::Share => Self::Sequential(Scale::new(0.0, 1.0, false)),
+            ValueKind::Ratio => Self::about_one(&values),
+            ValueKind::Distance => {
                 let most = quantile(&values, 0.0).abs().max(quantile(&values, 1.0).abs());
                 Self::Distance(most.clamp(2.0 * CONSISTENT, 1e6))
             }
-            Measure::LogLikelihood => {
+            ValueKind::LogLikelihood => {
                 let (middle, best) = (quantile(&values, 0.5), quantile(&values, 1.0));
                 linear(best - (best - middle).max(10.0), best)
             }
-            Measure::Settled(_) => linear(0.0, quantile(&values, 1.0)),
-            Measure::Estimate(_) => linear(quantile(&values, BEYOND), quantile(&values, 1.0 - BEYOND)),
-            _ => sizes(&values),
+            ValueKind::Time => linear(0.0, quantile(&values, 1.0)),
+            ValueKind::Signed => linear(quantile(&values, BEYOND), quantile(&values, 1.0 - BEYOND)),
+            ValueKind::Words | ValueKind::Error | ValueKind::Size => sizes(&values),
         }
     }
 
     /// The colours of a comparison of two filters.
     pub(super) fn of_comparison(measure: Measure, cells: &[Cell]) -> Self {
         let values = sorted(&[cells]);
-        if is_ratio(measure) {
+        if measure.info().kind.is_ratio() {
             return Self::about_one(&values);
         }
         let most = quantile(&values, BEYOND).abs().max(quantile(&values, 1.0 - BEYOND).abs());

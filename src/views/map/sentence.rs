@@ -1,6 +1,6 @@
 //! The map in a sentence: where it is best, and what is on screen.
 
-use kalmanscope_lab::Measure;
+use kalmanscope_core::Measure;
 
 use crate::laboratory::{Survey, setting_name};
 use crate::text::significant;

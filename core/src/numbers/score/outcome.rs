@@ -32,7 +32,7 @@ pub struct Outcome {
 
 /// Limits the error, in standard deviations: above it, and above the truth and the initial uncertainty, the truth is
 /// lost.
-const LOST: f64 = 10.0;
+pub(crate) const LOST: f64 = 10.0;
 
 /// The running sums of one channel of known truth, in its unit.
 #[doc(hidden)]

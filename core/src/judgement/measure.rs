@@ -1,0 +1,299 @@
+//! Measures: what one can ask of a filter's run, by a word.
+
+mod info;
+mod observed;
+mod rows;
+#[cfg(test)]
+mod tests;
+mod value;
+mod whole;
+
+use std::fmt;
+use std::hash::{Hash, Hasher};
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use crate::{Channel, Quantity};
+
+pub use info::{Best, MeasureInfo, ValueKind};
+pub use observed::{Observed, Times};
+pub use value::Value;
+pub use whole::Whole;
+
+use info::Of;
+use rows::ALL;
+
+/// A measure of one filter's run over one record: a number, or one of the few with a word or a flag.
+///
+/// In text it is a word, with the channel or the sensor behind a dot where it has one: `nis`, `error.natural_frequency`,
+/// `free_run.displacement`. Each is one row of a table, with its formula.
+///
+/// ```
+/// use kalmanscope_core::{Channel, Measure};
+/// # fn main() -> Result<(), kalmanscope_core::UnknownMeasure> {
+/// let measure: Measure = "error.natural_frequency".parse()?;
+/// assert_eq!(measure, Measure::error(Channel::NATURAL_FREQUENCY));
+/// assert_eq!(measure.name(), "last error of ωₙ");
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub struct Measure {
+    kind: MeasureKind,
+    channel: Option<Channel>,
+    sensor: Option<Quantity>,
+}
+
+/// A measure without the channel or the sensor that it is of. In text it is a word.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub struct MeasureKind(&'static MeasureInfo);
+
+/// The reason why a text is no measure.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("`{0}` is no score; there are {plain}, and with a channel behind a dot {of_channels}, with a sensor {of_sensors}",
+    plain = words(|of| matches!(of, Of::Filter)),
+    of_channels = words(|of| matches!(of, Of::Channel(_) | Of::Gain)),
+    of_sensors = words(|of| matches!(of, Of::Sensor(_))))]
+pub struct UnknownMeasure(pub String);
+
+fn words(is_it: fn(&Of) -> bool) -> String {
+    ALL.iter().filter(|info| is_it(&info.of)).map(|info| info.word).collect::<Vec<_>>().join(", ")
+}
+
+impl Measure {
+    /// Mean normalised innovation squared over its degrees of freedom: 1 is expected.
+    pub const NIS: Self = Self::of_filter(&rows::NIS);
+    /// Mean normalised estimation error squared over its degrees of freedom: 1 is expected.
+    pub const NEES: Self = Self::of_filter(&rows::NEES);
+    /// The distance of the mean NIS from its expectation, in standard deviations of the mean of white innovations.
+    pub const CONSISTENCY: Self = Self::of_filter(&rows::CONSISTENCY);
+    /// Log likelihood of all measurements.
+    pub const LOG_LIKELIHOOD: Self = Self::of_filter(&rows::LOG_LIKELIHOOD);
+    /// Whether the filter stopped or lost the truth.
+    pub const DIVERGED: Self = Self::of_filter(&rows::DIVERGED);
+    /// Whether the filter stopped.
+    pub const STOPPED: Self = Self::of_filter(&rows::STOPPED);
+    /// The verdict.
+    pub const VERDICT: Self = Self::of_filter(&rows::VERDICT);
+
+    const fn of_filter(info: &'static MeasureInfo) -> Self {
+        Self { kind: MeasureKind(info), channel: None, sensor: None }
+    }
+
+    const fn of_channel(info: &'static MeasureInfo, channel: Channel) -> Self {
+        Self { kind: MeasureKind(info), channel: Some(channel), sensor: None }
+    }
+
+    const fn of_sensor(info: &'static MeasureInfo, sensor: Quantity) -> Self {
+        Self { kind: MeasureKind(info), channel: None, sensor: Some(sensor) }
+    }
+
+    /// The last error of a channel, estimate minus truth, in its unit.
+    pub const fn error(channel: Channel) -> Self {
+        Self::of_channel(&rows::ERROR, channel)
+    }
+
+    /// Root mean square error of a channel over all samples.
+    pub const fn rmse(channel: Channel) -> Self {
+        Self::of_channel(&rows::RMSE, channel)
+    }
+
+    /// The last estimate of a channel.
+    pub const fn estimate(channel: Channel) -> Self {
+        Self::of_channel(&rows::ESTIMATE, channel)
+    }
+
+    /// The last standard deviation of a channel.
+    pub const fn std(channel: Channel) -> Self {
+        Self::of_channel(&rows::STD, channel)
+    }
+
+    /// Root mean square error of the identified model's free run, for one sensor in its unit.
+    pub const fn free_run(sensor: Quantity) -> Self {
+        Self::of_sensor(&rows::FREE_RUN, sensor)
+    }
+
+    /// A measure of a channel or a sensor, as far as its kind has one. `None` if it needs a channel or a sensor that is not given.
+    pub fn new(kind: MeasureKind, channel: Option<Channel>, sensor: Option<Quantity>) -> Option<Self> {
+        let (channel, sensor) = match kind.0.of {
+            Of::Filter => (None, None),
+            Of::Channel(_) => (Some(channel?), None),
+            Of::Sensor(_) => (None, Some(sensor?)),
+            Of::Gain => (Some(channel?), sensor),
+        };
+        Some(Self { kind, channel, sensor })
+    }
+
+    /// Its description.
+    pub fn info(self) -> &'static MeasureInfo {
+        self.kind.0
+    }
+
+    /// The channel that it is of.
+    pub fn channel(self) -> Option<Channel> {
+        self.channel
+    }
+
+    /// The sensor that it is of.
+    pub fn sensor(self) -> Option<Quantity> {
+        self.sensor
+    }
+
+    /// Its name in a menu: `last error of ωₙ`.
+    pub fn name(self) -> String {
+        let of = self.channel.map(Channel::symbol).or(self.sensor.map(Quantity::symbol)).unwrap_or_default();
+        self.info().name.replace('@', of)
+    }
+
+    /// The unit, empty for a pure number.
+    pub fn unit(self) -> &'static str {
+        match (self.info().of, self.channel, self.sensor) {
+            (Of::Channel(unit), Some(channel), _) => unit.unwrap_or(channel.unit()),
+            (Of::Sensor(unit), _, Some(sensor)) => unit.unwrap_or(sensor.unit()),
+            _ => "",
+        }
+    }
+
+    /// All measures with a number of filters with these channels, beside these sensors.
+    pub fn all(channels: &[Channel], sensors: &[Quantity]) -> Vec<Self> {
+        let rows = || ALL.iter().filter(|info| info.is_number());
+        let mut all: Vec<Self> =
+            rows().filter(|info| matches!(info.of, Of::Filter)).map(|info| Self::of_filter(info)).collect();
+        for &channel in channels {
+            let of_channel = rows().filter(|info| matches!(info.of, Of::Channel(_) | Of::Gain));
+            all.extend(of_channel.map(|info| Self::of_channel(info, channel)));
+        }
+        for &sensor in sensors {
+            let of_sensor = rows().filter(|info| matches!(info.of, Of::Sensor(_)));
+            all.extend(of_sensor.map(|info| Self::of_sensor(info, sensor)));
+        }
+        all
+    }
+
+    /// All measures from sums alone, of filters with these channels.
+    pub fn of_sums(channels: &[Channel]) -> Vec<Self> {
+        Self::all(channels, &[]).into_iter().filter(|measure| !measure.info().needs_history()).collect()
+    }
+
+    /// The number of a run from its sums; NaN where it needs more than they have, or is not known.
+    pub fn of_whole(self, whole: &Whole<'_>) -> f64 {
+        self.info().whole.map_or(f64::NAN, |of| of(&whole.of(self)))
+    }
+
+    /// What a run has at these times, from all its estimates. A number that does not exist is NaN.
+    pub fn of(self, run: &Observed<'_>, times: Times) -> Value {
+        (self.info().within)(&run.at(self, times))
+    }
+}
+
+impl MeasureKind {
+    /// Every kind, in the order of tables.
+    pub fn all() -> impl Iterator<Item = Self> {
+        ALL.iter().map(|info| Self(info))
+    }
+
+    /// The kind of this word.
+    pub fn from_word(word: &str) -> Option<Self> {
+        // Older words.
+        let word = if ["inside", "share_inside"].contains(&word) { "coverage" } else { word };
+        ALL.iter().find(|info| info.word == word).map(|info| Self(info))
+    }
+
+    /// Its description.
+    pub fn info(self) -> &'static MeasureInfo {
+        self.0
+    }
+
+    /// Whether it is of a channel.
+    pub fn needs_channel(self) -> bool {
+        matches!(self.0.of, Of::Channel(_) | Of::Gain)
+    }
+
+    /// Whether it is of a sensor.
+    pub fn needs_sensor(self) -> bool {
+        matches!(self.0.of, Of::Sensor(_))
+    }
+}
+
+impl PartialEq for MeasureKind {
+    fn eq(&self, other: &Self) -> bool {
+        self.0.word == other.0.word
+    }
+}
+
+impl Eq for MeasureKind {}
+
+impl Hash for MeasureKind {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        self.0.word.hash(state);
+    }
+}
+
+impl fmt::Display for MeasureKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.0.word)
+    }
+}
+
+impl TryFrom<String> for MeasureKind {
+    type Error = UnknownMeasure;
+
+    fn try_from(word: String) -> Result<Self, UnknownMeasure> {
+        Self::from_word(&word).ok_or(UnknownMeasure(word))
+    }
+}
+
+impl From<MeasureKind> for String {
+    fn from(kind: MeasureKind) -> Self {
+        kind.to_string()
+    }
+}
+
+impl fmt::Display for Measure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.kind)?;
+        for key in self.channel.map(Channel::key).into_iter().chain(self.sensor.map(Quantity::key)) {
+            write!(f, ".{key}")?;
+        }
+        Ok(())
+    }
+}
+
+impl FromStr for Measure {
+    type Err = UnknownMeasure;
+
+    fn from_str(text: &str) -> Result<Self, UnknownMeasure> {
+        read(text).ok_or_else(|| UnknownMeasure(text.to_owned()))
+    }
+}
+
+fn read(text: &str) -> Option<Measure> {
+    let mut parts = text.split('.');
+    let kind = MeasureKind::from_word(parts.next()?)?;
+    let channel = if kind.needs_channel() { Some(Channel::from_key(parts.next()?)?) } else { None };
+    let sensor = match parts.next() {
+        Some(key) => Some(Quantity::from_key(key)?),
+        None => None,
+    };
+    let measure = Measure::new(kind, channel, sensor)?;
+    // A sensor that the measure does not have, or one more word.
+    (measure.sensor == sensor && parts.next().is_none()).then_some(measure)
+}
+
+impl TryFrom<String> for Measure {
+    type Error = UnknownMeasure;
+
+    fn try_from(text: String) -> Result<Self, UnknownMeasure> {
+        text.parse()
+    }
+}
+
+impl From<Measure> for String {
+    fn from(measure: Measure) -> Self {
+        measure.to_string()
+    }
+}

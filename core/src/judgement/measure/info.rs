@@ -1,0 +1,141 @@
+//! What is said of a measure beside its formulas.
+
+use super::Value;
+use super::observed::Part;
+use super::whole::Sums;
+
+/// The description of a measure.
+#[derive(Debug)]
+pub struct MeasureInfo {
+    /// Its word in text.
+    pub word: &'static str,
+    /// Its name in a menu, with `@` for the symbol of its channel or sensor.
+    pub name: &'static str,
+    /// The kind of its values.
+    pub kind: ValueKind,
+    /// Its best value.
+    pub best: Best,
+    /// Whether it needs the truth.
+    pub needs_truth: bool,
+    /// Whether it needs the other filters of the run.
+    pub needs_others: bool,
+    pub(super) of: Of,
+    /// From the sums of a whole run, where they are enough.
+    pub(super) whole: Option<fn(&Sums<'_>) -> f64>,
+    /// From all estimates.
+    pub(super) within: fn(&Part<'_>) -> Value,
+}
+
+/// The kind of a measure's values, by which they are compared and drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ValueKind {
+    /// Yes or no.
+    Flag,
+    /// The place of a verdict.
+    Verdict,
+    /// Words.
+    Words,
+    /// A share of all, from 0 to 1.
+    Share,
+    /// A ratio to what is expected.
+    Ratio,
+    /// A distance in standard deviations, to either side.
+    Distance,
+    /// A logarithm of a likelihood, of which differences count.
+    LogLikelihood,
+    /// A time \[s\], which may never come.
+    Time,
+    /// A number of either sign.
+    Signed,
+    /// A number of either sign, of which the size counts.
+    Error,
+    /// A number that is not negative.
+    Size,
+}
+
+impl ValueKind {
+    /// Whether two values are compared by their ratio, not by their difference.
+    pub const fn is_ratio(self) -> bool {
+        matches!(self, Self::Ratio | Self::Time | Self::Error | Self::Size)
+    }
+}
+
+/// The best value that a measure can have.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Best {
+    /// A ratio of one.
+    One,
+    /// Nought, to either side.
+    Zero,
+    /// As small as can be.
+    Smallest,
+    /// As large as can be.
+    Largest,
+    /// This value.
+    At(f64),
+    /// None: it is no matter of good or bad.
+    None,
+}
+
+impl Best {
+    /// The distance of a value from the best one; smaller is better. `None` where there is no best one.
+    pub fn distance(self, value: f64) -> Option<f64> {
+        let distance = match self {
+            Self::One => libm::log(value).abs(),
+            Self::Zero => value.abs(),
+            Self::Smallest => value,
+            Self::Largest => -value,
+            Self::At(best) => (value - best).abs(),
+            Self::None => return None,
+        };
+        (!distance.is_nan()).then_some(distance)
+    }
+}
+
+/// What a measure is of, with its unit if that is another than the channel's or the sensor's.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Of {
+    Filter,
+    Channel(Option<&'static str>),
+    Sensor(Option<&'static str>),
+    /// A channel and a sensor, the first one if none is named.
+    Gain,
+}
+
+pub(super) const fn row(
+    word: &'static str,
+    name: &'static str,
+    kind: ValueKind,
+    of: Of,
+    within: fn(&Part<'_>) -> Value,
+) -> MeasureInfo {
+    MeasureInfo { word, name, kind, best: Best::None, needs_truth: false, needs_others: false, of, whole: None, within }
+}
+
+impl MeasureInfo {
+    pub(super) const fn best(self, best: Best) -> Self {
+        Self { best, ..self }
+    }
+
+    pub(super) const fn with_truth(self) -> Self {
+        Self { needs_truth: true, ..self }
+    }
+
+    pub(super) const fn with_others(self) -> Self {
+        Self { needs_others: true, ..self }
+    }
+
+    pub(super) const fn with_sums(self, whole: fn(&Sums<'_>) -> f64) -> Self {
+        Self { whole: Some(whole), ..self }
+    }
+
+    /// Whether its value is a number, or can be written as one: [`Value::number`].
+    pub fn is_number(&self) -> bool {
+        self.kind != ValueKind::Words
+    }
+
+    /// Whether it needs every estimate of the run; sums are not enough.
+    pub const fn needs_history(&self) -> bool {
+        self.whole.is_none()
+    }
+}

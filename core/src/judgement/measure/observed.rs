@@ -1,0 +1,162 @@
+//! All estimates of a run, as measures look at them.
+
+use std::cell::OnceCell;
+use std::ops::Range;
+
+use super::Measure;
+use crate::numbers::diagnostics::ErrorSums;
+use crate::{Channel, CramerRao, Diagnostics, Estimates, FilterSettings, Quantity, Record, Scenario};
+
+/// One filter's run over one record, with all its estimates, or the smoothed ones.
+pub struct Observed<'a> {
+    pub(super) scenario: &'a Scenario,
+    /// The filter's place in the scenario.
+    pub(super) place: usize,
+    pub(super) record: &'a Record,
+    pub(super) estimates: &'a Estimates,
+    /// The estimates of all filters of the run, in the order of the scenario; empty if they are not known.
+    pub(super) all: &'a [Estimates],
+    given: Option<&'a Diagnostics>,
+    own: OnceCell<Diagnostics>,
+    bound: OnceCell<Option<CramerRao>>,
+}
+
+/// The samples of a measure: the last one, and all of them, if nothing is said.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Times {
+    /// The time of a single sample \[s\].
+    pub at: Option<f64>,
+    /// The beginning of a range \[s\].
+    pub from: Option<f64>,
+    /// The end of a range, excluded \[s\].
+    pub to: Option<f64>,
+}
+
+impl<'a> Observed<'a> {
+    /// The run of the filter at `place` of a scenario over a record.
+    pub fn new(scenario: &'a Scenario, place: usize, record: &'a Record, estimates: &'a Estimates) -> Self {
+        let (own, bound) = (OnceCell::new(), OnceCell::new());
+        Self { scenario, place, record, estimates, all: &[], given: None, own, bound }
+    }
+
+    /// With the diagnostics of the same estimates, which are otherwise computed when they are needed.
+    #[must_use]
+    pub fn with(self, diagnostics: &'a Diagnostics) -> Self {
+        Self { given: Some(diagnostics), ..self }
+    }
+
+    /// With the estimates of all filters of the scenario.
+    #[must_use]
+    pub fn among(self, all: &'a [Estimates]) -> Self {
+        Self { all, ..self }
+    }
+
+    pub(super) fn settings(&self) -> &FilterSettings {
+        &self.scenario.filters[self.place]
+    }
+
+    pub(super) fn diagnostics(&self) -> &Diagnostics {
+        self.given.unwrap_or_else(|| self.own.get_or_init(|| Diagnostics::new(self.estimates, self.record)))
+    }
+
+    /// The posterior Cramér-Rao bound over the whole record.
+    fn bound(&self) -> Option<&CramerRao> {
+        let bound = self.bound.get_or_init(|| {
+            let mut bound = CramerRao::new(self.scenario, self.place, self.record.dt())?;
+            bound.follow(self.record);
+            Some(bound)
+        });
+        bound.as_ref()
+    }
+
+    pub(super) fn at(&self, measure: Measure, times: Times) -> Part<'_> {
+        Part { run: self, channel: measure.channel, sensor: measure.sensor, times }
+    }
+}
+
+/// The part of a run that a measure looks at.
+pub(super) struct Part<'a> {
+    pub(super) run: &'a Observed<'a>,
+    channel: Option<Channel>,
+    pub(super) sensor: Option<Quantity>,
+    pub(super) times: Times,
+}
+
+impl Part<'_> {
+    /// The samples of the range of times, as far as there are estimates.
+    pub(super) fn range(&self) -> Range<usize> {
+        self.samples_up_to(self.run.estimates.len())
+    }
+
+    /// The same of the record.
+    pub(super) fn range_of_record(&self) -> Range<usize> {
+        self.samples_up_to(self.run.record.len())
+    }
+
+    fn samples_up_to(&self, len: usize) -> Range<usize> {
+        let end = self.times.to.map_or(len, |t| self.sample_of(t).min(len));
+        self.times.from.map_or(0, |t| self.sample_of(t).min(end))..end
+    }
+
+    /// The single sample, or else the last one, if there is an estimate.
+    pub(super) fn sample(&self) -> Option<usize> {
+        let last = self.run.estimates.len().checked_sub(1)?;
+        let k = self.times.at.map_or(last, |t| self.sample_of(t));
+        (k <= last).then_some(k)
+    }
+
+    fn sample_of(&self, t: f64) -> usize {
+        (t / self.run.record.dt()).round() as usize
+    }
+
+    /// The place of the channel in the filter.
+    pub(super) fn place(&self) -> Option<usize> {
+        self.run.estimates.place(self.channel?)
+    }
+
+    /// The place of the sensor, or of the first one if none is named.
+    pub(super) fn place_of_sensor(&self) -> Option<usize> {
+        let sensors = self.run.estimates.sensors();
+        self.sensor.map_or(Some(0), |sensor| sensors.iter().position(|other| *other == sensor))
+    }
+
+    /// The sums of the channel's errors over the range.
+    pub(super) fn tally(&self) -> Option<ErrorSums> {
+        self.run.diagnostics().tally(self.channel?, self.range())
+    }
+
+    /// The sample since which the channel's error has stayed small.
+    pub(super) fn settled(&self) -> Option<usize> {
+        self.run.diagnostics().settled(self.channel?)
+    }
+
+    /// The channel's errors over some samples, each with its standard deviation; empty where there are none.
+    pub(super) fn errors(&self, samples: Range<usize>) -> Option<Vec<[f64; 2]>> {
+        let (truth, place, estimates) = (self.run.record.truth(self.channel?)?, self.place()?, self.run.estimates);
+        let error = |k: usize| [estimates.canonical_mean(k, place) - truth[k], estimates.std(k, place)];
+        Some(samples.map(error).collect())
+    }
+
+    /// The true noise of the sensor that measures the channel.
+    pub(super) fn sensor_noise_of_channel(&self) -> Option<f64> {
+        let mut sensors = self.run.scenario.sensors.iter();
+        sensors.find(|sensor| sensor.measures.channel() == self.channel).map(|sensor| sensor.noise_std)
+    }
+
+    /// The true standard deviation of the sensor's noise, as the filter would have to set it.
+    pub(super) fn true_noise(&self) -> Option<f64> {
+        let noise = self.run.scenario.true_noise_for(self.run.settings()).0;
+        noise.get(self.place_of_sensor()?).copied()
+    }
+
+    /// The learnt standard deviation of the sensor's noise at a sample, and its own standard deviation.
+    pub(super) fn learnt_noise(&self, k: usize) -> Option<[f64; 2]> {
+        self.run.estimates.sensor_noise(k, self.place_of_sensor()?)
+    }
+
+    /// The posterior Cramér-Rao bound of the channel at a sample.
+    pub(super) fn bound(&self, k: usize) -> Option<f64> {
+        let bound = self.run.bound()?;
+        (k < bound.len()).then(|| bound.place(self.channel?).map(|place| bound.std(k, place)))?
+    }
+}
