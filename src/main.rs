@@ -156,6 +156,7 @@ mod web {
     mod object;
     mod serial;
     mod shelf;
+    mod socket;
     mod tables;
     mod version;
     mod workers;
@@ -173,6 +174,7 @@ mod web {
     use microphone::Microphone;
     use motion::Motion;
     use serial::Serial;
+    use socket::Socket;
     use tables::Tables;
 
     /// The sensors of this page.
@@ -182,6 +184,7 @@ mod web {
             wire: Serial::of_page().map(|serial| Rc::new(serial) as Rc<_>),
             microphone: Microphone::of_page().map(|microphone| Rc::new(microphone) as Rc<_>),
             stream: None,
+            socket: Some(Rc::new(|scenario, port| Rc::new(Socket::new(scenario, port)))),
         }
     }
 

@@ -1,4 +1,4 @@
-//! The sensors of this device, if it has some: an accelerometer, one on a wire, a microphone.
+//! The sensors of this device, if it has some: an accelerometer, one on a wire, a microphone, a socket.
 
 use std::rc::Rc;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -51,10 +51,20 @@ pub struct Happened {
     pub readings: Vec<f64>,
 }
 
+impl From<kalmanscope_sources::Told> for Happened {
+    fn from(told: kalmanscope_sources::Told) -> Self {
+        let kalmanscope_sources::Told { time, input, readings } = told;
+        Self { time, input, readings }
+    }
+}
+
 impl Reading for Happened {
     /// Those that have not been taken out yet.
     const MOST: usize = 1_000_000;
 }
+
+/// Connects to a port of this device, which tells the input and the sensors of a scenario.
+pub type Connect = Rc<dyn Fn(&Scenario, u16) -> Rc<dyn Sensor<Happened>>>;
 
 /// The sensors of a device.
 #[derive(Clone, Default)]
@@ -67,12 +77,14 @@ pub struct Sensors {
     pub microphone: Option<Rc<dyn Sensor<Sound>>>,
     /// The sensors of a scenario, with the scenario.
     pub stream: Option<(Rc<dyn Sensor<Happened>>, Rc<Scenario>)>,
+    /// Those of the scenario on screen, behind a port of this device.
+    pub socket: Option<Connect>,
 }
 
 impl Sensors {
     pub(crate) fn is_empty(&self) -> bool {
-        let Self { accelerometer, wire, microphone, stream } = self;
-        accelerometer.is_none() && wire.is_none() && microphone.is_none() && stream.is_none()
+        let Self { accelerometer, wire, microphone, stream, socket } = self;
+        accelerometer.is_none() && wire.is_none() && microphone.is_none() && stream.is_none() && socket.is_none()
     }
 }
 

@@ -50,8 +50,7 @@ pub(crate) fn stream(args: &StreamArgs) -> Result<bool, InputError> {
         None => None,
     };
     let mut writer = Writer::new(io::stdout().lock(), *json, broadcast);
-    let names: Vec<_> = filters.iter().map(|one| (one.name.as_str(), one.filter.channels())).collect();
-    if !writer.begin(&names).map_err(written)? {
+    if !writer.begin(filters.iter().map(|one| (one.name.as_str(), &one.filter))).map_err(written)? {
         return Ok(true);
     }
     let (mut bytes, mut number, mut refused) = (Vec::new(), 0_u64, 0);
@@ -74,10 +73,8 @@ pub(crate) fn stream(args: &StreamArgs) -> Result<bool, InputError> {
         match take(&mut filters, &told) {
             Some(reason) => refuse(number, &reason),
             None => {
-                if !writer
-                    .write(filters.iter().map(|one| (&one.filter, &one.watch, one.has_stopped)))
-                    .map_err(written)?
-                {
+                let told = filters.iter_mut().map(|one| (&mut one.filter, &one.watch, one.has_stopped));
+                if !writer.write(told).map_err(written)? {
                     break;
                 }
             }

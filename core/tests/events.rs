@@ -161,6 +161,73 @@ fn clocks_of_their_own_and_late_readings_equal_a_grid_a_hundred_times_finer() {
     }
 }
 
+/// On one clock, hindsight is the smoother with a fixed lag.
+#[test]
+fn hindsight_is_the_smoother_with_a_look_ahead() {
+    for kind in [FilterKind::EKF, FilterKind::UKF] {
+        for (hold, substeps, robust) in
+            [(Hold::Zero, 1, Robust::NONE), (Hold::First, 3, Robust::NONE), (Hold::Zero, 1, Robust::STUDENT_T)]
+        {
+            let mut scenario = scenario(kind, hold);
+            let filter = &mut scenario.filters[0];
+            (filter.smoother, filter.look_ahead, filter.substeps, filter.robust) = (true, 0.25, substeps, robust);
+            filter.process_std[Channel::NATURAL_FREQUENCY] = 1e-3;
+            let run = run(&scenario);
+            let record = run.record();
+            let record = record.clone().with_gaps(|sensor, k| k > 0 && (k % 7 == sensor || (300..340).contains(&k)));
+            let expected = kalmanscope_core::smoothed(&scenario, 0, &record).expect("it has a smoother");
+            let mut events = EventFilter::new(&scenario, 0).expect("it follows events");
+            assert!(events.looks_back());
+            let mut compared = 0;
+            for k in 0..record.len() {
+                let readings = [record.measured(0)[k], record.measured(1)[k]];
+                events.take(record.time(k), record.input()[k], &readings).expect("it is taken in");
+                let Some((time, sample)) = events.hindsight() else { continue };
+                let then = k - 25;
+                assert!((time - record.time(then)).abs() < 1e-9, "{time} at {k}");
+                for i in 0..4 {
+                    let (mean, std) = (expected.mean(then)[i], expected.std(then, i));
+                    let far = ((sample.mean[i] - mean) / std).abs().max((sample.cov[5 * i].sqrt() / std - 1.0).abs());
+                    assert!(far < 1e-6, "{kind:?} {hold:?} at {k}: {far}");
+                }
+                compared += 1;
+            }
+            assert_eq!(compared, record.len() - 25);
+        }
+    }
+}
+
+/// Hindsight of a filter whose readings came late is that of the same readings in order.
+#[test]
+fn hindsight_does_not_depend_on_the_order() {
+    let base = Scenario::from_toml(CHIRP).expect("it can be read");
+    let mut scenario = Scenario { force: base.force, duration: 6.0, ..scenario(FilterKind::EKF, Hold::Zero) };
+    (scenario.filters[0].smoother, scenario.filters[0].look_ahead) = (true, 0.4);
+    let fine = Scenario { dt: 1e-4, filters: Vec::new(), ..scenario.clone() };
+    let told = own_clocks(&scenario, run(&fine).record(), 5);
+    let mut ordered = told.clone();
+    ordered.sort_by(|a, b| a.time.total_cmp(&b.time));
+    let [late, in_order] = [told, ordered].map(|told| {
+        let mut events = EventFilter::new(&scenario, 0).expect("it follows events");
+        let mut waited = 0;
+        for one in told {
+            events.take(one.time, one.input, &one.readings).expect("it is taken in");
+            waited += usize::from(events.hindsight().is_none());
+        }
+        assert!((30..70).contains(&waited), "it waits for the look-ahead: {waited}");
+        let (newest, known) = (events.time().expect("it has begun"), events.sample().cov[10]);
+        let (time, sample) = events.hindsight().expect("it is known");
+        assert!((0.4..0.42).contains(&(newest - time)), "{time} of {newest}");
+        assert!(sample.cov[10] <= known * (1.0 + 1e-9), "a constant is known then as well as now");
+        (time, sample.mean.to_vec(), sample.cov.to_vec())
+    });
+    assert_eq!(late.0, in_order.0);
+    for i in 0..4 {
+        let far = (late.1[i] - in_order.1[i]).abs() / in_order.2[5 * i].sqrt();
+        assert!(far < 1e-6, "{far}");
+    }
+}
+
 /// A force that moves slowly enough for its clock.
 const CHIRP: &str = "dt = 0.01\n[force]\nchirp = { amplitude = 5.0, from = 3.0, to = 9.0, sweep = 10.0 }";
 

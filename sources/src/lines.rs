@@ -97,8 +97,13 @@ impl Lines {
         }
     }
 
+    /// The columns that are known, the time first.
+    pub fn columns(&self) -> Vec<&'static str> {
+        [&["t", self.input][..], &self.sensors].concat()
+    }
+
     fn known(&self) -> String {
-        [&["t", self.input][..], &self.sensors].concat().join(", ")
+        self.columns().join(", ")
     }
 
     fn column(&self, name: &str) -> Column {

@@ -55,7 +55,7 @@ impl App {
 
     /// Opens the window of a measurement, if there are sensors.
     pub fn measure(&mut self) {
-        self.measure = Measure::new(&self.sensors);
+        self.measure = Measure::new(&self.sensors, self.session.scenario());
     }
 
     /// Begins to measure with the sensors of a scenario, and shows its filters on what comes.

@@ -10,7 +10,7 @@ use std::time::Instant;
 use egui::Context;
 use kalmanscope::sensor::{Acceleration, Happened, Reading, Readings, Sensor};
 use kalmanscope_core::Scenario;
-use kalmanscope_sources::{Accelerations, Lines, Told, open, read_line};
+use kalmanscope_sources::{Accelerations, Lines, open, read_line};
 
 /// A source of lines.
 pub(super) struct Listening {
@@ -189,9 +189,7 @@ impl Parser for OfScenario {
 
     fn take(&mut self, line: &[u8], _: f64) -> Result<Vec<Happened>, String> {
         Ok(match self.lines.read(line) {
-            Ok(told) => {
-                told.map(|Told { time, input, readings }| Happened { time, input, readings }).into_iter().collect()
-            }
+            Ok(told) => told.map(Happened::from).into_iter().collect(),
             Err(reason) => {
                 (self.left_out, self.why) = (self.left_out + 1, reason.to_string());
                 Vec::new()

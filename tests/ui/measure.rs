@@ -193,6 +193,66 @@ fn a_reading_is_on_screen_in_the_frame_in_which_it_comes() {
     }
 }
 
+/// A socket of this device tells the readings of the scenario on screen.
+#[test]
+fn the_scenario_on_screen_follows_a_socket() {
+    for size in [DESKTOP, PHONE] {
+        let device: Rc<Device<Happened>> = Device::new();
+        let asked = Rc::new(std::cell::Cell::new((0, 0.0)));
+        let connect = {
+            let (device, asked) = (Rc::clone(&device), Rc::clone(&asked));
+            Rc::new(move |scenario: &Scenario, port: u16| {
+                asked.set((port, scenario.dt));
+                Rc::clone(&device) as Rc<dyn Sensor<Happened>>
+            })
+        };
+        let microphone: Rc<Device<f32>> = Device::new();
+        let (socket, microphone) = (Some(connect as kalmanscope::sensor::Connect), Some(microphone as Rc<_>));
+        let mut screen = with_sensors(size, Sensors { socket, microphone, ..Sensors::default() });
+        click(&mut screen, "A socket");
+        screen.run_steps(2);
+        screen.get_by_label_contains("Known columns: t, force, displacement, velocity");
+        click(&mut screen, "Connect");
+        screen.run_steps(3);
+        assert_eq!(asked.get(), (8765, 0.01));
+        screen.get_by_label_contains("Waiting for readings … Nothing is there.");
+        let scenario = Scenario { duration: 20.0, ..Scenario::default() };
+        let record = kalmanscope_core::simulate(&scenario);
+        let readings = device.0.borrow().clone().expect("it has begun");
+        for k in 0..record.len() {
+            let measured = vec![record.measured(0)[k], record.measured(1)[k]];
+            readings
+                .put(&[Happened { time: 0.01 * k as f64, input: record.input()[k], readings: measured }], &screen.ctx);
+        }
+        screen.run_steps(10);
+        assert!(screen.state().session().is_live());
+        let estimates = &screen.state().session().run().estimates()[0];
+        assert!(
+            (estimates.mean(estimates.len() - 1)[2] - 6.0).abs() < 0.3,
+            "{}",
+            estimates.mean(estimates.len() - 1)[2]
+        );
+        readings.end(&screen.ctx);
+        screen.run_steps(3);
+        screen.get_by_label_contains("The source has ended.");
+        click(&mut screen, "Stop");
+        screen.run_steps(3);
+        assert!(device.0.borrow().is_none(), "it is closed");
+        // Nobody answers.
+        click(&mut screen, "Scenario");
+        click(&mut screen, "Measure with this device…");
+        screen.run_steps(2);
+        click(&mut screen, "A socket");
+        click(&mut screen, "Connect");
+        screen.run_steps(2);
+        let readings = device.0.borrow().clone().expect("it has begun");
+        readings.refuse("Nothing answers at ws://localhost:8765".to_owned(), &screen.ctx);
+        screen.run_steps(3);
+        screen.get_by_label_contains("Nothing answers at ws://localhost:8765.");
+        click(&mut screen, "Close");
+    }
+}
+
 /// The sensors of a scenario, with clocks of their own and an input, are followed from the first reading on.
 #[test]
 fn the_sensors_of_a_scenario_are_followed_while_they_are_read() {

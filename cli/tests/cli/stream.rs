@@ -51,6 +51,43 @@ fn a_stream_of_a_record_ends_where_its_run_does() {
     assert!(compared >= 4, "{compared}");
 }
 
+/// A filter with a look-ahead tells what it knows in hindsight, which waits for that time.
+#[test]
+fn hindsight_comes_with_a_look_ahead() {
+    let folder = folder();
+    let text = format!("{SAMPLE}\n[[filters]]\nname = \"late\"\nsmoother = true\nlook_ahead = 0.2\n");
+    let sample = file(&folder, "late.toml", &text);
+    let dt = Scenario::from_toml(&text).unwrap().dt;
+    let record = succeeds(command().arg(&sample).args(["--quiet", "--record-out", "-"]));
+    let (table, error, code) = fed(stream().arg(&sample), &record);
+    assert_eq!((error.as_str(), code), ("", Some(0)));
+    let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
+    assert!(rows.iter().all(|row| row.len() == rows[0].len()), "every row has every column");
+    let column =
+        |name: &str| rows[0].iter().position(|one| *one == name).unwrap_or_else(|| panic!("{name}: {:?}", rows[0]));
+    assert_eq!(rows[0].iter().filter(|name| name.ends_with("hindsight_t")).count(), 1, "of that filter alone");
+    let [t, then] = ["t", "late.hindsight_t"].map(column);
+    let [at_once, later] = ["late.std_displacement", "late.hindsight_std_displacement"].map(column);
+    let waits = (0.2 / dt).round() as usize;
+    let number = |row: usize, column: usize| rows[row][column].parse::<f64>().unwrap();
+    for row in 1..rows.len() {
+        if row <= waits {
+            assert_eq!(rows[row][then], "", "row {row}");
+            continue;
+        }
+        assert!((number(row, t) - number(row, then) - 0.2).abs() < 1e-9);
+        assert!(number(row, later) <= number(row - waits, at_once), "row {row}");
+    }
+    let (lines, _, _) = fed(stream().arg(&sample).arg("--json"), &record);
+    let Ok(Document::Table(last)) = Document::from_json(lines.lines().last().unwrap()) else { panic!("an object") };
+    let of =
+        |table: &[(String, Document)], key: &str| table.iter().find(|(k, _)| k == key).map(|(_, value)| value.clone());
+    let Some(Document::Table(late)) = of(&last, "late") else { panic!("the filter") };
+    let Some(Document::Table(hindsight)) = of(&late, "hindsight") else { panic!("hindsight: {late:?}") };
+    assert!(of(&hindsight, "t").is_some() && of(&hindsight, "natural_frequency").is_some());
+    assert!(lines.lines().next().is_some_and(|line| !line.contains("hindsight")), "nothing is old enough");
+}
+
 #[test]
 fn every_line_is_answered_at_once() {
     let folder = folder();

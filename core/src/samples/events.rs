@@ -5,9 +5,12 @@ mod share;
 mod timeline;
 
 use crate::mathematics::filter::{Correction, Filter, FilterError, Gaussian};
+use crate::mathematics::linalg::Matrix;
 use crate::samples::estimator::FilterContext;
 use crate::samples::estimator::book::{self, InUnits};
 use crate::samples::sink::{LastSample, Sample};
+use crate::samples::smoother::adjoint::Adjoint;
+use crate::samples::smoother::forward::Passage;
 use crate::{Channel, FilterSettings, Pass, Quantity, Record, RunError, Scenario};
 
 use share::Share;
@@ -30,6 +33,9 @@ pub use error::{EventError, EventSetupError};
 /// What comes late is taken in at its time: the beliefs of the last [`Self::keeping`] seconds are kept, and the filter goes
 /// again over what came after it. With [`Hold::First`](crate::Hold::First) the input is linear from one told value to the
 /// next; after the last one it stays, until the next one says how it went on. Before the first one it is zero.
+///
+/// With a smoother and a look-ahead ([`FilterSettings::look_ahead`]) the filter also tells what it knows in hindsight
+/// ([`Self::hindsight`]).
 ///
 /// The first event sets the time. Its estimate is the initial belief, and its readings do not count, as in every run.
 /// What is refused leaves the filter as it was.
@@ -54,11 +60,14 @@ pub struct EventFilter {
     sensors: Vec<Quantity>,
     channels: Vec<Channel>,
     timeline: Timeline,
+    /// The time for which hindsight waits \[s\], if it is asked for.
+    look_ahead: Option<f64>,
     /// Added to the times of inputs \[s\].
     input_delay: f64,
     noise: Share,
     correction: Correction,
     in_units: InUnits,
+    in_hindsight: InUnits,
     prior: Gaussian,
     last: LastSample,
     stopped: Option<(f64, FilterError)>,
@@ -87,6 +96,7 @@ impl EventFilter {
         let mut scenario = scenario.clone();
         scenario.number_filters();
         let settings = scenario.filters.get(place).ok_or(RunError::NoFilter(place))?.clone();
+        let look_ahead = Some(settings.look_ahead).filter(|seconds| settings.smoother && *seconds > 0.0);
         let refused = [
             (settings.kind.is_sampled(), "random members"),
             (settings.guesses > 1, "several guesses"),
@@ -94,6 +104,7 @@ impl EventFilter {
             (settings.jump, "jumps"),
             (settings.walk > 0.0, "a bank"),
             (settings.augment.contains(&Channel::WHITE_FORCE), "a white force"),
+            (look_ahead.is_some() && !settings.consider.is_empty(), "hindsight beside parameters that it considers"),
         ];
         if let Some((_, what)) = refused.into_iter().find(|(is, _)| *is) {
             return Err(EventSetupError::Setting(what));
@@ -109,9 +120,11 @@ impl EventFilter {
             channels: filter.model().channels().to_vec(),
             noise: Share::new(filter.noise().clone(), n),
             correction: Correction::nothing(n, sensors.len()),
-            timeline: Timeline::new(scenario.hold, Self::KEPT),
+            timeline: Timeline::new(scenario.hold, Self::KEPT.max(look_ahead.unwrap_or(0.0))),
+            look_ahead,
             input_delay: f64::from(settings.input_delay) * scenario.dt,
             in_units: InUnits::default(),
+            in_hindsight: InUnits::default(),
             prior,
             last: LastSample::default(),
             stopped: None,
@@ -129,7 +142,7 @@ impl EventFilter {
     /// The same filter before its first event, which keeps its beliefs for some seconds: what comes later is refused.
     #[must_use]
     pub fn keeping(mut self, seconds: f64) -> Self {
-        self.timeline = Timeline::new(self.scenario.hold, seconds.max(0.0));
+        self.timeline = Timeline::new(self.scenario.hold, seconds.max(self.look_ahead.unwrap_or(0.0)));
         self
     }
 
@@ -158,6 +171,32 @@ impl EventFilter {
         self.again
     }
 
+    /// Whether it tells what it knows in hindsight.
+    pub fn looks_back(&self) -> bool {
+        self.look_ahead.is_some()
+    }
+
+    /// The time of the last event that is at least the look-ahead before the newest one \[s\], and the estimate there in the light of
+    /// all that came since, without innovations. `None` where there is no such event, or no look-ahead.
+    ///
+    /// A smoother with a fixed lag, over the passages that are kept: the cost is that of the events of the look-ahead.
+    pub fn hindsight(&mut self) -> Option<(f64, Sample<'_>)> {
+        let newest = self.timeline.last_at(self.now);
+        // Clocks are told in decimals.
+        let then = self.now - self.look_ahead? * (1.0 - SAME);
+        let place = self.timeline.place_until(then)?;
+        let (mut belief, _) = self.timeline.event(place).belief.clone()?;
+        let mut adjoint = Adjoint::nothing(belief.size());
+        for later in (place + 1..=newest).rev() {
+            adjoint.pass(self.timeline.event(later).passage.as_ref()?);
+        }
+        adjoint.tell(&mut belief);
+        let Self { filter, in_hindsight, timeline, .. } = self;
+        in_hindsight.take(filter.model(), &belief, &Matrix::zeros(belief.size(), 0));
+        let Gaussian { mean, cov } = &in_hindsight.belief;
+        Some((timeline.event(place).time, Sample::unmeasured(mean.as_slice(), cov.as_slice())))
+    }
+
     /// Takes in what happened at a time \[s\]: the input from then on \[m/s²\] in the scenario's meaning, NaN if it is not told,
     /// and a reading for each sensor in the unit of its quantity, NaN where there is none. Returns the estimate at the newest
     /// event; innovations and NIS are NaN if that has no readings.
@@ -181,17 +220,17 @@ impl EventFilter {
         let nothing = vec![f64::NAN; readings.len()];
         match (oldest, felt) {
             (None, felt) => {
-                self.begin(Event { time, force, readings, belief: None })?;
+                self.begin(Event::new(time, force, readings))?;
                 // The first value is felt until the second is.
                 if let Some(felt) = felt.filter(|felt| *felt > time) {
-                    self.put(Event { time: felt, force, readings: nothing, belief: None })?;
+                    self.put(Event::new(felt, force, nothing))?;
                 }
             }
             (Some(_), Some(felt)) => {
-                self.put(Event { time: felt, force, readings: nothing, belief: None })?;
-                self.put(Event { time, force: None, readings, belief: None })?;
+                self.put(Event::new(felt, force, nothing))?;
+                self.put(Event::new(time, None, readings))?;
             }
-            (Some(_), None) => self.put(Event { time, force, readings, belief: None })?,
+            (Some(_), None) => self.put(Event::new(time, force, readings))?,
         }
         self.followed -= self.timeline.forget(self.now, self.followed);
         Ok(self.last.sample())
@@ -277,24 +316,30 @@ impl EventFilter {
     fn follow(&mut self, place: usize) -> Result<(), FilterError> {
         let (before, now) = (self.timeline.event(place - 1).time, self.timeline.event(place).time);
         let forces = self.timeline.forces_to(place);
-        self.predict(now - before, forces)?;
+        let transition = self.predict(now - before, forces)?;
         self.prior.copy_from(&self.filter.belief().gaussian());
         let force = self.timeline.force_at(place);
-        let Self { filter, timeline, correction, .. } = self;
+        let Self { filter, timeline, correction, prior, .. } = self;
         filter.update(force, &timeline.event(place).readings, correction)?;
+        if let Some(transition) = transition {
+            timeline.set_passage(place, Passage::new(transition, correction, &prior.cov)?);
+        }
         let belief = filter.belief().gaussian();
         timeline.set_belief(place, &belief, filter.usual_misfits());
         Ok(())
     }
 
-    /// Carries the belief over a time \[s\], in parts of dt at most, with the forces over mass at both ends \[m/s²\].
-    fn predict(&mut self, time: f64, [begin, end]: [f64; 2]) -> Result<(), FilterError> {
+    /// Carries the belief over a time \[s\], in parts of dt at most, with the forces over mass at both ends \[m/s²\]. Returns Φ if
+    /// hindsight needs it.
+    fn predict(&mut self, time: f64, [begin, end]: [f64; 2]) -> Result<Option<Matrix>, FilterError> {
+        let n = self.prior.size();
+        let mut transition = self.look_ahead.map(|_| Matrix::identity(n, n));
         let steps = time / self.scenario.dt;
         let parts = (steps - SAME).ceil().max(1.0);
         let is_whole = (steps / parts - 1.0).abs() <= SAME;
         let (share, dt) = if is_whole { (1.0, self.scenario.dt) } else { (steps / parts, time / parts) };
         if steps <= 0.0 {
-            return Ok(());
+            return Ok(transition);
         }
         self.noise.set(share, self.filter.noise());
         let force = |k: f64| begin + (end - begin) * (k / parts);
@@ -304,10 +349,16 @@ impl EventFilter {
             for substep in 0..substeps {
                 let i = substep as f64;
                 let forces = [force(k + i / n), force(k + (i + 1.0) / n)];
-                self.filter.predict_over(dt / n, forces, self.noise.of(substep + 1 == substeps))?;
+                let noise = self.noise.of(substep + 1 == substeps);
+                self.filter.predict_over(dt / n, forces, noise, |model, belief, step| {
+                    if let Some(transition) = &mut transition {
+                        *transition = belief.transition(model, step)? * &*transition;
+                    }
+                    Ok(())
+                })?;
             }
         }
-        Ok(())
+        Ok(transition)
     }
 
     /// Keeps the estimate at the newest event.

@@ -190,16 +190,25 @@ impl<B: Belief + ?Sized> Filter<B> {
         self.predict_by(forces, |_, _, _| Ok(()))
     }
 
-    /// Carries the belief over some time \[s\] with this noise, with the recorded forces over mass at both ends \[m/s²\].
+    /// Carries the belief over some time \[s\] with this noise, with the recorded forces over mass at both ends \[m/s²\]. It calls
+    /// `before` with model, belief and the step, before the step.
     ///
     /// # Errors
     /// Those of [`Self::predict`].
-    pub(crate) fn predict_over(&mut self, dt: f64, forces: [f64; 2], noise: &Noise) -> Result<(), FilterError> {
+    pub(crate) fn predict_over(
+        &mut self,
+        dt: f64,
+        forces: [f64; 2],
+        noise: &Noise,
+        before: impl FnOnce(&Model, &mut B, Step) -> Result<(), FilterError>,
+    ) -> Result<(), FilterError> {
         if !forces.iter().all(|force| force.is_finite()) {
             return Err(FilterError::UndefinedForce);
         }
         let Self { model, belief, considered, hold, .. } = self;
-        belief.predict(model, Step { forces, hold: *hold, dt }, noise)?;
+        let step = Step { forces, hold: *hold, dt };
+        before(model, belief, step)?;
+        belief.predict(model, step, noise)?;
         considered.as_mut().map_or(Ok(()), |considered| considered.keep(&mut **belief, noise))
     }
 

@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 
 use crate::Hold;
 use crate::mathematics::filter::Gaussian;
+use crate::samples::smoother::forward::Passage;
 
 /// What happened at one time, and the belief after it.
 #[derive(Clone, Debug)]
@@ -16,6 +17,15 @@ pub(super) struct Event {
     pub(super) readings: Vec<f64>,
     /// The belief after the readings, and the usual misfits of a robust filter; `None` until the filter has been here.
     pub(super) belief: Option<(Gaussian, Vec<f64>)>,
+    /// The way of the filter from the event before, if it is asked for what it knows in hindsight.
+    pub(super) passage: Option<Passage>,
+}
+
+impl Event {
+    /// What happened, before the filter has been here.
+    pub(super) fn new(time: f64, force: Option<f64>, readings: Vec<f64>) -> Self {
+        Self { time, force, readings, belief: None, passage: None }
+    }
 }
 
 /// Events in the order of their times, the oldest first. Those of one time stand in the order in which they came.
@@ -47,7 +57,12 @@ impl Timeline {
 
     /// The place of the last event that is not after a time \[s\].
     pub(super) fn last_at(&self, time: f64) -> usize {
-        self.events.partition_point(|event| event.time <= time).saturating_sub(1)
+        self.place_until(time).unwrap_or(0)
+    }
+
+    /// The place of the last event up to a time \[s\], if it is still kept.
+    pub(super) fn place_until(&self, time: f64) -> Option<usize> {
+        self.events.partition_point(|event| event.time <= time).checked_sub(1)
     }
 
     pub(super) fn set_belief(&mut self, place: usize, belief: &Gaussian, misfits: &[f64]) {
@@ -55,6 +70,10 @@ impl Timeline {
         kept.copy_from(belief);
         kept_misfits.clear();
         kept_misfits.extend_from_slice(misfits);
+    }
+
+    pub(super) fn set_passage(&mut self, place: usize, passage: Passage) {
+        self.events[place].passage = Some(passage);
     }
 
     /// Puts an event at its place. Returns the first place after which beliefs are no longer right.

@@ -26,19 +26,19 @@ use crate::mathematics::filter::Gaussian;
 use crate::mathematics::linalg::{Matrix, Vector, multiply, multiply_symmetric};
 
 /// The information in all later measurements about a state: `λ`, n numbers, and `Λ`, n × n.
-pub(super) struct Adjoint {
+pub(crate) struct Adjoint {
     pub(super) score: Vector,
     pub(super) information: Matrix,
 }
 
 impl Adjoint {
     /// No later measurement, about a state of n components.
-    pub(super) fn nothing(n: usize) -> Self {
+    pub(crate) fn nothing(n: usize) -> Self {
         Self { score: Vector::zeros(n), information: Matrix::zeros(n, n) }
     }
 
     /// Adds what it knows to the belief of a filter.
-    pub(super) fn tell(&self, Gaussian { mean, cov }: &mut Gaussian) {
+    pub(crate) fn tell(&self, Gaussian { mean, cov }: &mut Gaussian) {
         *mean -= &*cov * &self.score;
         let mut told = self.information.clone();
         congruence(&mut told, cov, &mut Matrix::zeros(0, 0));
@@ -50,7 +50,7 @@ impl Adjoint {
     }
 
     /// Goes back over an update, then over the step before it.
-    pub(super) fn pass(&mut self, Passage { transition, update }: &Passage) {
+    pub(crate) fn pass(&mut self, Passage { transition, update }: &Passage) {
         let Self { score, information } = self;
         let mut work = Matrix::zeros(0, 0);
         if let Some(Update { kept, information: gained, score: told }) = update {

@@ -19,6 +19,7 @@ pub(crate) struct Forward {
 }
 
 /// The passage of a filter from one sample to the next.
+#[derive(Clone, Debug)]
 pub(crate) struct Passage {
     /// Φ, n × n.
     pub(super) transition: Matrix,
@@ -27,6 +28,7 @@ pub(crate) struct Passage {
 }
 
 /// An update by m measurements.
+#[derive(Clone, Debug)]
 pub(super) struct Update {
     /// `I - K H`, n × n.
     pub(super) kept: Matrix,
@@ -34,6 +36,17 @@ pub(super) struct Update {
     pub(super) information: Matrix,
     /// `Hᵀ S⁻¹ e`, n numbers.
     pub(super) score: Vector,
+}
+
+impl Passage {
+    /// By a transition and the update after it, with `predicted`, the covariance between them.
+    ///
+    /// # Errors
+    /// Those of [`kalman::factor`].
+    pub(crate) fn new(transition: Matrix, correction: &Correction, predicted: &Matrix) -> Result<Self, FilterError> {
+        let is_updated = correction.innovation.iter().any(|e| !e.is_nan());
+        Ok(Self { transition, update: if is_updated { Some(Update::new(correction, predicted)?) } else { None } })
+    }
 }
 
 impl Update {
@@ -94,9 +107,8 @@ impl Forward {
         })?;
         let predicted = filter.belief().gaussian().into_owned();
         filter.update(forces[1], &record.sample(k, sensors), correction)?;
-        let is_updated = correction.innovation.iter().any(|e| !e.is_nan());
-        let update = if is_updated { Some(Update::new(correction, &predicted.cov)?) } else { None };
-        Ok((filter.belief().gaussian().into_owned(), Some(Passage { transition, update })))
+        let passage = Passage::new(transition, correction, &predicted.cov)?;
+        Ok((filter.belief().gaussian().into_owned(), Some(passage)))
     }
 
     /// Appends a belief in the channels' units.
