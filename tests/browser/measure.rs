@@ -194,6 +194,8 @@ pub(crate) async fn a_socket_is_followed(page: &Page, address: &str, picture: &P
     page.tap("A socket").await;
     page.tap("Connect").await;
     page.wait_until(&has("Again"), PATIENCE).await.expect("nobody answers, and that is said");
+    // The browser says so too.
+    assert!(page.console().await.iter().all(|(_, text)| text.contains("ERR_CONNECTION_REFUSED")));
     page.tap("Again").await;
     let mut server = Broadcast::at(":8765").expect("the port that is offered first is free");
     page.settle().await;
