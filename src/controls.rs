@@ -1,6 +1,7 @@
 //! The settings: the only code that writes to the scenario.
 
 mod belief;
+mod bounds;
 pub(crate) mod color;
 mod equation;
 mod faults;

@@ -16,3 +16,4 @@ pub(crate) mod model;
 pub mod plant;
 pub(crate) mod quantity;
 pub(crate) mod random;
+pub(crate) mod truncated_normal;

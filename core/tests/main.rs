@@ -35,6 +35,7 @@ mod ambient_vibration;
 mod augmentations;
 mod bank;
 mod book;
+mod bounded;
 mod causes;
 mod considered;
 mod decay;

@@ -5,8 +5,9 @@ use kalmanscope_core::channel::augment;
 use kalmanscope_core::setting::{CHOICES_OF_FILTER, GUESSES, OPTIONS, ROBUST, SMOOTHER};
 use kalmanscope_core::{Channel, FilterSettings, PlantKind, Robust, Sensor};
 
+use super::bounds::bounds_ui;
 use super::lit::lit;
-use super::row::{choice_row_ui, chooser_ui, filter_row_ui};
+use super::row::{choice_row_ui, choices_ui, chooser_ui, filter_row_ui};
 
 /// The less common settings of a filter.
 pub(super) fn options_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantKind, sensors: &[Sensor]) {
@@ -14,6 +15,7 @@ pub(super) fn options_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantK
         plant_ui(ui, filter);
         augment_ui(ui, filter, filter.plant.unwrap_or(truth), sensors);
         consider_ui(ui, filter, truth);
+        bounds_ui(ui, filter, truth);
         for info in CHOICES_OF_FILTER {
             if (info.serves)(filter) {
                 let name = format!("{} {}", filter.name, info.name);
@@ -43,7 +45,7 @@ fn augment_ui(ui: &mut Ui, filter: &mut FilterSettings, plant: PlantKind, sensor
     let summary = if augment.is_empty() { "nothing".to_owned() } else { symbols(augment, "") };
     let hint = "Properties of the input and the sensors that the filter estimates too: gain, offset, a force that \
          changes slowly (u) or is another one at each sample (w: wind, traffic), bias";
-    chooser_ui(ui, ("estimates also", hint), &summary, &format!("{name} augmentations"), &mut |ui| {
+    choices_ui(ui, ("estimates also", hint), &summary, &format!("{name} augmentations"), &mut |ui| {
         for &channel in &offered {
             let mut on = augment.contains(&channel);
             let text = format!("{} {}", channel.symbol(), channel.name());
@@ -69,7 +71,7 @@ fn consider_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantKind) {
     let summary = if consider.is_empty() { "all of it".to_owned() } else { symbols(consider, "all but ") };
     let hint = "What is left out keeps its mean and its σ: the filter does not estimate it, but counts what is not known of it in all \
          other bands (Schmidt 1966)";
-    chooser_ui(ui, ("learns", hint), &summary, &format!("{name} learns"), &mut |ui| {
+    choices_ui(ui, ("learns", hint), &summary, &format!("{name} learns"), &mut |ui| {
         for channel in &offered {
             let mut on = !consider.contains(channel);
             if ui.checkbox(&mut on, format!("{} {}", channel.symbol(), channel.name())).changed() {

@@ -1,6 +1,6 @@
 //! The control of a setting, from its row.
 
-use egui::{Align, Checkbox, ComboBox, DragValue, Layout, Ui};
+use egui::{Align, Checkbox, ComboBox, DragValue, Layout, PopupCloseBehavior, Ui};
 use kalmanscope_core::setting::{Allowed, ChoiceInfo, SettingInfo};
 use kalmanscope_core::{FilterSettings, PlantKind, Scenario};
 
@@ -66,15 +66,38 @@ pub(super) fn choice_row_ui<T>(ui: &mut Ui, info: &ChoiceInfo<T>, of: &mut T, na
 /// A label with a hint, and at the right a box that opens on a list of choices.
 pub(super) fn chooser_ui(
     ui: &mut Ui,
+    label_and_hint: (&str, &str),
+    summary: &str,
+    name: &str,
+    list: &mut dyn FnMut(&mut Ui),
+) {
+    list_ui(ui, label_and_hint, summary, name, PopupCloseBehavior::CloseOnClick, list);
+}
+
+/// The same with a list of several choices or numbers, which stays open until there is a click elsewhere.
+pub(super) fn choices_ui(
+    ui: &mut Ui,
+    label_and_hint: (&str, &str),
+    summary: &str,
+    name: &str,
+    list: &mut dyn FnMut(&mut Ui),
+) {
+    list_ui(ui, label_and_hint, summary, name, PopupCloseBehavior::CloseOnClickOutside, list);
+}
+
+fn list_ui(
+    ui: &mut Ui,
     (label, hint): (&str, &str),
     summary: &str,
     name: &str,
+    closes: PopupCloseBehavior,
     list: &mut dyn FnMut(&mut Ui),
 ) {
     ui.horizontal(|ui| {
         ui.label(label).on_hover_text(hint);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            let combo = ComboBox::from_id_salt(name).selected_text(summary).width(140.0).show_ui(ui, |ui| list(ui));
+            let combo = ComboBox::from_id_salt(name).selected_text(summary).width(140.0).close_behavior(closes);
+            let combo = combo.show_ui(ui, |ui| list(ui));
             ui.ctx().accesskit_node_builder(combo.response.id, |node| node.set_label(name));
         });
     });

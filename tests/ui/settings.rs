@@ -275,3 +275,23 @@ fn a_parameter_can_be_counted_and_not_learnt() {
     screen.run_steps(3);
     assert_eq!((scenario(&screen).filters[0].consider.len(), screen.state().session().problem()), (0, None));
 }
+
+#[test]
+fn a_parameter_can_have_bounds() {
+    let mut screen = workbench();
+    screen.state_mut().session_mut().set_scenario(Scenario::default());
+    screen.run_steps(2);
+    screen.get_all_by_label("Options").next().expect("the first filter has options").click();
+    screen.run_steps(4);
+    choose(&mut screen, "EKF bounds", "ζ at least");
+    let bounds = |screen: &Screen| scenario(screen).filters[0].bounds.of(Channel::DAMPING_RATIO).ends();
+    assert_eq!(bounds(&screen), [0.0, f64::INFINITY]);
+    screen.get_by_label("EKF ζ at least");
+    assert_eq!(screen.state().session().problem(), None);
+    screen.key_press(Key::Escape);
+    screen.run_steps(3);
+    // A smoother does not go with it.
+    click(&mut screen, "EKF: hindsight");
+    screen.run_steps(3);
+    assert_eq!((scenario(&screen).filters[0].bounds.is_empty(), screen.state().session().problem()), (true, None));
+}

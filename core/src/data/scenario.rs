@@ -1,6 +1,7 @@
 //! The settings of a run.
 
 pub(crate) mod address;
+mod bounds;
 mod color;
 pub(crate) mod cost;
 mod document;
@@ -28,6 +29,7 @@ use crate::mathematics::model::{Hold, InputKind};
 pub use crate::mathematics::quantity::MAX_SENSORS;
 use crate::{Force, PlantKind, Quantity};
 
+pub use bounds::{Between, Bounds};
 pub use color::FilterColor;
 pub use error::ScenarioError;
 pub use fault::{Fault, FaultInfo, FaultNumber, Faults, Scale};

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::values;
-use super::{FilterColor, Values};
+use super::{Bounds, FilterColor, Values};
 use crate::data::document::{is_default, is_one};
 use crate::mathematics::filter::{Adaptation, FilterKind, MethodSettings, Propagation, Robust};
 use crate::mathematics::model::{InputKind, Model};
@@ -41,6 +41,10 @@ pub struct FilterSettings {
     /// ([`Filter::with_considered`](crate::filter::Filter::with_considered)).
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub consider: Vec<Channel>,
+    /// The least and the most that parameters and augmentations can be
+    /// ([`Filter::with_bounds`](crate::filter::Filter::with_bounds)).
+    #[serde(skip_serializing_if = "Bounds::is_empty")]
+    pub bounds: Bounds,
     /// The number of samples after which the plant feels the recorded input, as the filter assumes; negative where the
     /// record is late. Outside the record, its first or last value holds.
     #[serde(skip_serializing_if = "is_default")]
@@ -107,6 +111,7 @@ impl Default for FilterSettings {
             plant: None,
             augment: Vec::new(),
             consider: Vec::new(),
+            bounds: Bounds::default(),
             input_delay: 0,
             log_parameters: false,
             propagation: Propagation::LocalLinearisation,
@@ -153,7 +158,7 @@ impl FilterSettings {
     /// Whether an update is that of textbooks: one filter, whose noise is known and whose measurements all count. Kernels and their
     /// lanes weigh nothing.
     pub(crate) fn has_plain_update(&self) -> bool {
-        let takes_all = !self.robust.is_on() && self.consider.is_empty();
+        let takes_all = !self.robust.is_on() && self.consider.is_empty() && self.bounds.is_empty();
         !self.adaptation.is_on() && !self.jump && takes_all && self.guesses == 1 && self.walk == 0.0
     }
 
@@ -164,7 +169,12 @@ impl FilterSettings {
         is_one && !self.adaptation.is_on() && !self.jump && !self.smoother
     }
 
-    /// The channels of a filter of this truth that it can consider.
+    /// Whether what the filter estimates can have bounds. Logarithms have some of their own.
+    pub fn can_be_bounded(&self) -> bool {
+        self.can_consider() && !self.log_parameters
+    }
+
+    /// The channels of a filter of this truth that it can consider, or that can have bounds.
     pub fn considerable(&self, truth: PlantKind) -> impl Iterator<Item = Channel> {
         let of_plant = self.plant.unwrap_or(truth).parameters().filter(|channel| !self.knows(*channel));
         of_plant.chain(self.augment.iter().copied().filter(|channel| *channel != Channel::WHITE_FORCE))
@@ -178,7 +188,8 @@ impl FilterSettings {
     /// Whether the filter can be one of two that mix: mean and covariance are all of its belief, and nothing else follows from its
     /// innovations.
     pub fn can_mix(&self) -> bool {
-        let is_plain = !self.adaptation.is_on() && !self.jump && !self.robust.is_on() && self.consider.is_empty();
+        let takes_all = !self.robust.is_on() && self.consider.is_empty() && self.bounds.is_empty();
+        let is_plain = !self.adaptation.is_on() && !self.jump && takes_all;
         !self.kind.is_sampled() && is_plain && !self.smoother
     }
 

@@ -125,6 +125,7 @@ impl FilterSettings {
             plant,
             augment,
             consider,
+            bounds,
             log_parameters,
             substeps,
             guesses,
@@ -204,6 +205,35 @@ impl FilterSettings {
                 format_args!("{path}.consider[{i}]"),
                 format_args!("\"{}\"", channel.key()),
                 "a parameter that the filter does not know, or one of its augmentations but the white force, each once",
+            )?;
+        }
+        require(
+            bounds.is_empty() || self.can_be_bounded(),
+            format_args!("{path}.bounds"),
+            "set",
+            "left out for a filter that samples its belief, jumps, learns noise, has logarithms, a smoother, several guesses or a walk",
+        )?;
+        for (channel, between) in bounds.iter() {
+            let key = format_args!("{path}.bounds.{}", channel.key());
+            let [least, most] = between.ends();
+            require(
+                self.considerable(truth).any(|known| known == channel),
+                key,
+                "set",
+                "left out: it is no parameter that the filter does not know, and none of its augmentations but the white force",
+            )?;
+            let is_finite = between.least.into_iter().chain(between.most).all(f64::is_finite);
+            require(
+                is_finite && least < most,
+                key,
+                format_args!("from {least} to {most}"),
+                "from a number to a larger one",
+            )?;
+            require(
+                (least..=most).contains(&initial_mean[channel]),
+                format_args!("{path}.initial_mean.{}", channel.key()),
+                initial_mean[channel],
+                format_args!("between its bounds, {least} and {most}"),
             )?;
         }
         if *log_parameters {

@@ -149,7 +149,7 @@ impl<'de> Visitor<'de> for Table {
 }
 
 /// A channel as a key. An unknown key fails here, as a key, so that the message names its line.
-struct Key(Channel);
+pub(super) struct Key(pub(super) Channel);
 
 impl<'de> Deserialize<'de> for Key {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
