@@ -108,7 +108,8 @@ impl Task for Posterior {
     /// The points. `None` where no draw of the initial belief explains the record.
     fn finish(self) -> Option<Sampled> {
         let Self { target, population, runs, .. } = self;
-        let log_evidence = population.log_evidence()?;
+        // Draws of the whole belief have begun, of which those beyond its ends count for nothing.
+        let log_evidence = population.log_evidence()? - target.log_share();
         let points = population.points().map(|point| target.values(point)).collect();
         Some(Sampled { channels: target.channels().to_vec(), points, log_evidence, runs })
     }

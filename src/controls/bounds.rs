@@ -18,11 +18,11 @@ pub(super) fn bounds_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantKi
     if offered.is_empty() {
         return;
     }
-    let hint = "What a parameter cannot be: an estimate beyond an end is brought back to it, and the band is that of the belief between \
-         the ends (Simon 2010)";
+    let hint = "What a parameter cannot be: estimate and band are those of the belief between the ends (truncation; Simon 2010). The filter \
+         itself goes on as without them";
     let summary = summary(filter);
     let name = filter.name.clone();
-    choices_ui(ui, ("keeps within", hint), &summary, &format!("{name} bounds"), &mut |ui| {
+    choices_ui(ui, ("tells within", hint), &summary, &format!("{name} bounds"), &mut |ui| {
         for &channel in &offered {
             let (mean, std) = (filter.initial_mean[channel], filter.initial_std[channel]);
             let mut between = filter.bounds.of(channel);

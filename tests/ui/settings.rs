@@ -290,8 +290,8 @@ fn a_parameter_can_have_bounds() {
     assert_eq!(screen.state().session().problem(), None);
     screen.key_press(Key::Escape);
     screen.run_steps(3);
-    // A smoother does not go with it.
-    click(&mut screen, "EKF: hindsight");
+    // Logarithms do not go with it.
+    click(&mut screen, "EKF: logarithms of positive parameters");
     screen.run_steps(3);
     assert_eq!((scenario(&screen).filters[0].bounds.is_empty(), screen.state().session().problem()), (true, None));
 }

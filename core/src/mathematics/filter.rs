@@ -9,7 +9,6 @@
 //! update. Each has a file of its own, which ends with the description of its kind; the registry below lists them.
 
 pub(crate) mod adaptation;
-pub(crate) mod bounded;
 mod considered;
 pub(crate) mod correction;
 mod ensemble;

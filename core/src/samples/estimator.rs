@@ -2,6 +2,7 @@
 
 pub(crate) mod abreast;
 pub(crate) mod book;
+pub(crate) mod bounded;
 #[cfg(not(target_arch = "wasm32"))]
 pub(crate) mod engine;
 #[cfg(not(target_arch = "wasm32"))]

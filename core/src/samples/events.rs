@@ -8,6 +8,7 @@ use crate::mathematics::filter::{Correction, Filter, FilterError, Gaussian};
 use crate::mathematics::linalg::Matrix;
 use crate::samples::estimator::FilterContext;
 use crate::samples::estimator::book::{self, InUnits};
+use crate::samples::estimator::bounded::{Truncating, Truncation};
 use crate::samples::sink::{LastSample, Sample};
 use crate::samples::smoother::adjoint::Adjoint;
 use crate::samples::smoother::forward::Passage;
@@ -68,6 +69,7 @@ pub struct EventFilter {
     correction: Correction,
     in_units: InUnits,
     in_hindsight: InUnits,
+    truncation: Truncation,
     prior: Gaussian,
     last: LastSample,
     stopped: Option<(f64, FilterError)>,
@@ -125,6 +127,7 @@ impl EventFilter {
             input_delay: f64::from(settings.input_delay) * scenario.dt,
             in_units: InUnits::default(),
             in_hindsight: InUnits::default(),
+            truncation: Truncation::of(&settings, filter.model().channels()),
             prior,
             last: LastSample::default(),
             stopped: None,
@@ -191,10 +194,11 @@ impl EventFilter {
             adjoint.pass(self.timeline.event(later).passage.as_ref()?);
         }
         adjoint.tell(&mut belief);
-        let Self { filter, in_hindsight, timeline, .. } = self;
+        let Self { filter, in_hindsight, timeline, truncation, .. } = self;
         in_hindsight.take(filter.model(), &belief, &Matrix::zeros(belief.size(), 0));
         let Gaussian { mean, cov } = &in_hindsight.belief;
-        Some((timeline.event(place).time, Sample::unmeasured(mean.as_slice(), cov.as_slice())))
+        let (mean, cov) = truncation.apply(mean.as_slice(), cov.as_slice());
+        Some((timeline.event(place).time, Sample::unmeasured(mean, cov)))
     }
 
     /// Takes in what happened at a time \[s\]: the input from then on \[m/s²\] in the scenario's meaning, NaN if it is not told,
@@ -363,7 +367,7 @@ impl EventFilter {
 
     /// Keeps the estimate at the newest event.
     fn report(&mut self) -> Result<(), FilterError> {
-        let Self { filter, correction, in_units, prior, last, .. } = self;
-        book::report(filter, correction, Some(prior), in_units, last)
+        let Self { filter, correction, in_units, prior, truncation, last, .. } = self;
+        book::report(filter, correction, Some(prior), in_units, &mut Truncating { truncation, sink: last })
     }
 }

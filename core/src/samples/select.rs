@@ -1,6 +1,7 @@
 //! The choice between a tuned kernel, the engine and the book. Smoothers have no kernel: one pass over a record is enough.
 
 use crate::FilterSettings;
+use crate::samples::estimator::bounded::{Bounded, Truncation};
 use crate::samples::estimator::{Estimator, FilterContext, book, kernel, walk};
 #[cfg(not(target_arch = "wasm32"))]
 use crate::samples::estimator::{engine, setup::Setup};
@@ -9,9 +10,15 @@ use crate::samples::smoother::Smoother;
 use crate::samples::smoother::forward::Forward;
 use crate::samples::smoother::interval::FixedInterval;
 use crate::samples::smoother::lag::FixedLag;
+use crate::scenario::Bounds;
 
 /// Builds the filter of some settings, or those of its guesses side by side.
 pub(crate) fn estimator(settings: &FilterSettings, context: FilterContext<'_>) -> Box<dyn Estimator> {
+    if !settings.bounds.is_empty() {
+        let truncation = Truncation::of(settings, context.model(settings).channels());
+        let free = FilterSettings { bounds: Bounds::default(), ..settings.clone() };
+        return Box::new(Bounded::new(estimator(&free, context), truncation));
+    }
     if settings.guesses > 1 {
         return Box::new(Guesses::new(members(settings).iter().map(|member| single(member, context))));
     }

@@ -18,6 +18,8 @@ pub(super) struct Target {
     channels: Vec<Channel>,
     /// The initial belief of each parameter: mean, and standard deviation.
     belief: Vec<[f64; 2]>,
+    /// The ends of each parameter.
+    bounds: Vec<[f64; 2]>,
     /// Whether the belief is one of logarithms.
     of_logarithms: bool,
     /// The threads that share points, one a processor; a browser has one.
@@ -44,6 +46,7 @@ impl Target {
             return Err(NoPosterior::Considers);
         }
         let belief = channels.iter().map(|&c| [filter.initial_mean[c], filter.initial_std[c]]).collect();
+        let bounds = channels.iter().map(|channel| filter.bounds.of(*channel).ends()).collect();
         let of_logarithms = filter.log_parameters;
         let filter = knowing(filter, &channels, scenario);
         let scenario = Scenario { filters: vec![filter], ..scenario.clone() };
@@ -51,7 +54,7 @@ impl Target {
         let record = Arc::new(record.clone().without_truth());
         let count = || thread::available_parallelism().map_or(1, NonZero::get);
         let threads = if cfg!(target_family = "wasm") { 1 } else { count() };
-        Ok(Self { scenario, record, channels, belief, of_logarithms, threads })
+        Ok(Self { scenario, record, channels, belief, bounds, of_logarithms, threads })
     }
 
     /// The parameters.
@@ -78,7 +81,17 @@ impl Target {
         values
     }
 
-    /// ln p(z | θ) at some points, which threads share; -∞ where the filter cannot run.
+    /// ln of the share of the initial belief that lies between the ends.
+    pub(super) fn log_share(&self) -> f64 {
+        let share = |(&[mean, std], ends): (&[f64; 2], &[f64; 2])| {
+            // Φ of either end.
+            let below = ends.map(|end| 0.5 * libm::erfc((mean - end) / (std * std::f64::consts::SQRT_2)));
+            libm::log(below[1] - below[0])
+        };
+        self.belief.iter().zip(&self.bounds).map(share).sum()
+    }
+
+    /// ln p(z | θ) at some points, which threads share; -∞ where the filter cannot run, and beyond the ends.
     pub(super) fn log_likelihoods(&self, points: &[Vec<f64>]) -> Vec<f64> {
         let each = points.len().div_ceil(self.threads).max(PIECE);
         let (own, others) = points.split_at(points.len().min(each));
@@ -104,10 +117,13 @@ impl Target {
     fn piece(&self, points: &[Vec<f64>]) -> Vec<f64> {
         let run = |point: &Vec<f64>| {
             let mut scenario = self.scenario.clone();
-            for (&channel, value) in self.channels.iter().zip(self.at(point)) {
+            let values = self.at(point);
+            let is_within =
+                values.iter().zip(&self.bounds).all(|(value, [least, most])| (least..=most).contains(&value));
+            for (&channel, value) in self.channels.iter().zip(values) {
                 scenario.filters[0].initial_mean[channel] = value;
             }
-            let is_possible = scenario.validate().is_ok();
+            let is_possible = is_within && scenario.validate().is_ok();
             is_possible.then(|| CellRun { scenario, record: Arc::clone(&self.record) })
         };
         let runs: Vec<Option<CellRun>> = points.iter().map(run).collect();
@@ -141,6 +157,7 @@ fn knowing(filter: FilterSettings, channels: &[Channel], scenario: &Scenario) ->
         eta: 0.0,
         ..filter
     };
+    knowing.bounds.retain(|channel| !channels.contains(&channel));
     for &channel in channels {
         knowing.initial_std[channel] = 0.0;
         knowing.process_std[channel] = 0.0;

@@ -149,6 +149,42 @@ process_std = { displacement = 0.0, velocity = 0.0, natural_frequency = 0.0, dam
 sensor_std = [0.02]
 "#;
 
+/// What a filter with bounds tells is near the posterior, and the belief without its share beyond the ends is the prior.
+#[test]
+fn bounds_are_those_of_the_posterior() {
+    let mut scenario = Scenario { duration: 10.0, ..scenario(PlantKind::SDOF, FilterKind::UKF, 11) };
+    scenario.sensors.truncate(1);
+    scenario.sensors[0].noise_std = 0.4;
+    let filter = &mut scenario.filters[0];
+    let set = |values: &Values, frequency: f64, damping: f64| {
+        values.clone().with([(Channel::NATURAL_FREQUENCY, frequency), (Channel::DAMPING_RATIO, damping)])
+    };
+    (filter.sensor_std, filter.fading) = (vec![0.4], 1.0);
+    (filter.initial_mean, filter.initial_std) =
+        (set(&filter.initial_mean, 6.0, 0.0), set(&filter.initial_std, 0.02, 0.01));
+    scenario.plant.set(Channel::DAMPING_RATIO, Signal::Constant(0.0));
+    let free = sampled(&scenario);
+    let ends = kalmanscope_core::scenario::Between { least: Some(0.0), most: None };
+    scenario.filters[0].bounds.set(Channel::DAMPING_RATIO, ends);
+    let points = sampled(&scenario);
+    let values = |points: &Sampled| points.values(Channel::DAMPING_RATIO).unwrap();
+    let share = |points: &Sampled| {
+        values(points).iter().filter(|value| **value >= 0.0).count() as f64 / values(points).len() as f64
+    };
+    assert!((0.2..0.95).contains(&share(&free)), "{}: the end must matter here", share(&free));
+    assert_eq!(share(&points), 1.0);
+    let mut run = kalmanscope_core::Run::new(&scenario).unwrap();
+    run.finish();
+    let told = &run.estimates()[0];
+    let (last, place) = (told.len() - 1, told.place(Channel::DAMPING_RATIO).unwrap());
+    let [mean, std] = points.moments(Channel::DAMPING_RATIO).unwrap();
+    let (found, spread) = (told.mean(last)[place], told.std(last, place));
+    assert!((found - mean).abs() < 0.25 * std && (spread / std - 1.0).abs() < 0.25, "{found} {spread}, {mean} {std}");
+    // p(z) = p(z | within) P(within) / P(within | z), and half of the belief lies within.
+    let expected = free.log_evidence + (share(&free) / 0.5).ln();
+    assert!((points.log_evidence - expected).abs() < 0.3, "{} {expected}", points.log_evidence);
+}
+
 #[test]
 fn equal_arguments_give_equal_points_however_the_work_is_divided() {
     let scenario = Scenario { duration: 2.0, ..scenario(PlantKind::SDOF, FilterKind::EKF, 7) };

@@ -123,6 +123,10 @@ fn cells_that_lanes_take_are_computed_together() {
     assert_eq!(at_once(measured(), Measure::NIS), 8);
     assert_eq!(at_once(Scenario { duration: 5.0, ..Scenario::default() }, Measure::NIS), 8);
     assert_eq!(at_once(measured(), Measure::VERDICT), 1);
+    let mut bounded = measured();
+    let ends = kalmanscope_core::scenario::Between { least: Some(0.0), most: None };
+    bounded.filters[0].bounds.set(Channel::DAMPING_RATIO, ends);
+    assert_eq!(at_once(bounded, Measure::NIS), 1);
     assert_eq!(at_once(alone(kalmanscope_core::FilterKind::SR_UKF), Measure::NIS), 1);
 }
 

@@ -41,8 +41,8 @@ pub struct FilterSettings {
     /// ([`Filter::with_considered`](crate::filter::Filter::with_considered)).
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub consider: Vec<Channel>,
-    /// The least and the most that parameters and augmentations can be
-    /// ([`Filter::with_bounds`](crate::filter::Filter::with_bounds)).
+    /// The least and the most that parameters and augmentations can be: what the filter tells are mean and covariance of its belief
+    /// between them.
     #[serde(skip_serializing_if = "Bounds::is_empty")]
     pub bounds: Bounds,
     /// The number of samples after which the plant feels the recorded input, as the filter assumes; negative where the
@@ -169,9 +169,9 @@ impl FilterSettings {
         is_one && !self.adaptation.is_on() && !self.jump && !self.smoother
     }
 
-    /// Whether what the filter estimates can have bounds. Logarithms have some of their own.
+    /// Whether what the filter tells can have bounds. A random sample is no normal belief, and logarithms have a bound of their own.
     pub fn can_be_bounded(&self) -> bool {
-        self.can_consider() && !self.log_parameters
+        !self.kind.is_sampled() && !self.log_parameters
     }
 
     /// The channels of a filter of this truth that it can consider, or that can have bounds.
@@ -188,8 +188,7 @@ impl FilterSettings {
     /// Whether the filter can be one of two that mix: mean and covariance are all of its belief, and nothing else follows from its
     /// innovations.
     pub fn can_mix(&self) -> bool {
-        let takes_all = !self.robust.is_on() && self.consider.is_empty() && self.bounds.is_empty();
-        let is_plain = !self.adaptation.is_on() && !self.jump && takes_all;
+        let is_plain = !self.adaptation.is_on() && !self.jump && !self.robust.is_on() && self.consider.is_empty();
         !self.kind.is_sampled() && is_plain && !self.smoother
     }
 

@@ -211,7 +211,7 @@ impl FilterSettings {
             bounds.is_empty() || self.can_be_bounded(),
             format_args!("{path}.bounds"),
             "set",
-            "left out for a filter that samples its belief, jumps, learns noise, has logarithms, a smoother, several guesses or a walk",
+            "left out for a filter that samples its belief or has logarithms",
         )?;
         for (channel, between) in bounds.iter() {
             let key = format_args!("{path}.bounds.{}", channel.key());

@@ -1,6 +1,5 @@
 //! Predict and update, sample after sample: the part that all filters share.
 
-use super::bounded::Bounded;
 use super::considered::Considered;
 use super::jump::Jump;
 use super::learning::Learning;
@@ -50,7 +49,6 @@ pub struct Filter<B: Belief + ?Sized = dyn Belief> {
     substeps: usize,
     white: Option<White>,
     considered: Option<Considered>,
-    bounded: Option<Bounded>,
     belief: Box<B>,
 }
 
@@ -68,22 +66,8 @@ impl<B: Belief + ?Sized> Filter<B> {
     ) -> Self {
         let readings = sensors.iter().map(|&quantity| model.reading(quantity)).collect();
         let (observation, learning, substeps) = (Observation::of(readings), Learning::new(adaptation, &noise), 1);
-        let (jump, weighing, white, considered, bounded) = (None, None, None, None, None);
-        Self {
-            model,
-            belief,
-            dt,
-            hold,
-            noise,
-            observation,
-            learning,
-            jump,
-            weighing,
-            substeps,
-            white,
-            considered,
-            bounded,
-        }
+        let (jump, weighing, white, considered) = (None, None, None, None);
+        Self { model, belief, dt, hold, noise, observation, learning, jump, weighing, substeps, white, considered }
     }
 
     /// The same filter with its predictions divided into this many steps, for plants that are not linear over one: the
@@ -114,21 +98,6 @@ impl<B: Belief + ?Sized> Filter<B> {
     #[must_use]
     pub fn with_considered(self, places: &[usize]) -> Self {
         Self { considered: Considered::new(places), ..self }
-    }
-
-    /// The same filter, whose components at these places, in the state's units, are known to lie between two ends, the first below
-    /// the second. An estimate beyond an end is brought back to it after each update. What is reported of such a filter is truncated, while
-    /// [`Self::belief`] is not. A belief that is a random sample has no bounds.
-    ///
-    /// Source: Simon (2010), Kalman filtering with state constraints: a survey of linear and nonlinear algorithms.
-    #[must_use]
-    pub fn with_bounds(self, places: &[(usize, [f64; 2])]) -> Self {
-        Self { bounded: Bounded::new(places), ..self }
-    }
-
-    /// The bounds of its components, if there are some.
-    pub(crate) fn bounded(&self) -> Option<&Bounded> {
-        self.bounded.as_ref()
     }
 
     /// The same filter with a white force. Its row and column of Q are set to zero: each sample draws it again.
@@ -295,7 +264,7 @@ impl<B: Belief + ?Sized> Filter<B> {
     /// [`FilterError::NotFinite`] where the belief overflows; [`FilterError::ImpossibleMeasurement`] where the likelihood
     /// does; [`FilterError::InfiniteMeasurement`].
     pub fn update(&mut self, force: f64, measured: &[f64], correction: &mut Correction) -> Result<(), FilterError> {
-        let Self { model, noise, observation, learning, jump, weighing, belief, white, considered, bounded, .. } = self;
+        let Self { model, noise, observation, learning, jump, weighing, belief, white, considered, .. } = self;
         correction.clear(model.size(), noise.sensors.len());
         if let Some(weighing) = weighing {
             weighing.weights_mut().clear();
@@ -314,9 +283,6 @@ impl<B: Belief + ?Sized> Filter<B> {
         }
         if let Some(considered) = considered {
             considered.restore(&mut **belief, correction)?;
-        }
-        if let Some(bounded) = bounded {
-            bounded.project(&mut **belief)?;
         }
         // Readings that count for next to nothing are reported as none.
         let counted = observation.sensors().iter().filter(|&&sensor| !correction.innovation[sensor].is_nan()).count();

@@ -58,14 +58,6 @@ pub(crate) fn report(
     sink: &mut dyn Sink,
 ) -> Result<(), FilterError> {
     let belief = filter.belief().gaussian();
-    // States with bounds are in the channels' units.
-    let within = filter.bounded().map(|bounded| {
-        let mut within = std::mem::take(&mut in_units.within).unwrap_or_else(|| belief.clone().into_owned());
-        within.copy_from(&belief);
-        within.cov.fill_upper_triangle_with_lower_triangle();
-        bounded.truncate(&mut within);
-        within
-    });
     let mut process = std::mem::take(&mut in_units.process);
     process.clear();
     let noise = filter.is_adaptive().then(|| {
@@ -76,14 +68,14 @@ pub(crate) fn report(
     });
     let told = Told {
         model: filter.model(),
-        belief: within.as_ref().unwrap_or(&belief),
+        belief: &belief,
         correction,
         noise,
         weights: filter.weights(),
         has_widened: filter.has_widened(),
     };
     let pushed = push(&told, prior, in_units, sink);
-    (in_units.process, in_units.within) = (process, within);
+    in_units.process = process;
     pushed
 }
 
@@ -147,8 +139,6 @@ pub(crate) struct InUnits {
     unit: Vector,
     /// The diagonal of Q, of a filter that learns it.
     process: Vec<f64>,
-    /// The belief of a filter with bounds, truncated.
-    within: Option<Gaussian>,
 }
 
 impl Default for InUnits {
@@ -159,7 +149,6 @@ impl Default for InUnits {
             gain: none(),
             unit: Vector::zeros(0),
             process: Vec::new(),
-            within: None,
         }
     }
 }
@@ -245,12 +234,7 @@ pub(crate) fn build_filter<B: Belief + ?Sized>(
     }
     let filter = Filter::new(model, belief, context.dt, context.hold, noise, context.sensors, settings.adaptation);
     let places: Vec<usize> = settings.consider.iter().filter_map(|channel| filter.model().place(*channel)).collect();
-    let bounds: Vec<(usize, [f64; 2])> = settings
-        .bounds
-        .iter()
-        .filter_map(|(channel, between)| Some((filter.model().place(channel)?, between.ends())))
-        .collect();
-    let filter = filter.with_considered(&places).with_bounds(&bounds);
+    let filter = filter.with_considered(&places);
     filter.with_substeps(settings.substeps).with_white_force(white).with_robust(settings.robust)
 }
 

@@ -220,7 +220,6 @@ pub(crate) fn serves(settings: &FilterSettings, context: &FilterContext<'_>) -> 
     let reads = |quantity: &Quantity| model.reading(*quantity).is_none_or(|reading| Output::of(&reading).is_some());
     settings.augment.is_empty()
         && settings.consider.is_empty()
-        && settings.bounds.is_empty()
         && !settings.log_parameters
         && !settings.robust.is_on()
         && context.hold == Hold::Zero

@@ -5,6 +5,7 @@ use crate::mathematics::filter::{Correction, Filter, FilterError, Gaussian, Part
 use crate::mathematics::linalg::{Ldl, Matrix, Vector};
 use crate::samples::estimator::FilterContext;
 use crate::samples::estimator::book::{InUnits, build_filter, initial_belief};
+use crate::samples::estimator::bounded::Truncation;
 use crate::samples::sink::Sample;
 use crate::{Estimates, FilterSettings, Quantity, Record};
 
@@ -15,6 +16,7 @@ pub(crate) struct Forward {
     sensors: Vec<Quantity>,
     correction: Correction,
     in_units: InUnits,
+    truncation: Truncation,
     is_begun: bool,
 }
 
@@ -75,7 +77,9 @@ impl Forward {
     /// The filter with these settings before its first sample. `None` if it cannot begin.
     pub(crate) fn new(settings: &FilterSettings, context: &FilterContext<'_>) -> Option<Self> {
         let filter = build_filter(initial_belief(settings, context).ok()?, settings, context);
+        let truncation = Truncation::of(settings, filter.model().channels());
         Some(Self {
+            truncation,
             filter: if settings.jump { filter.with_jump() } else { filter },
             input_delay: settings.input_delay,
             sensors: context.sensors.to_vec(),
@@ -113,9 +117,9 @@ impl Forward {
 
     /// Appends a belief in the channels' units.
     pub(crate) fn report(&mut self, belief: &Gaussian, estimates: &mut Estimates) {
-        let Self { filter, in_units, .. } = self;
+        let Self { filter, in_units, truncation, .. } = self;
         in_units.take(filter.model(), belief, &Matrix::zeros(belief.size(), 0));
-        let Gaussian { mean, cov } = &in_units.belief;
-        estimates.append(&Sample::unmeasured(mean.as_slice(), cov.as_slice()));
+        let (mean, cov) = truncation.apply(in_units.belief.mean.as_slice(), in_units.belief.cov.as_slice());
+        estimates.append(&Sample::unmeasured(mean, cov));
     }
 }
