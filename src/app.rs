@@ -25,7 +25,7 @@ use crate::finder::Finder;
 use crate::import::Import;
 use crate::inbox::{Choose, Inbox};
 use crate::keys;
-use crate::laboratory::Laboratory;
+use crate::laboratory::{Laboratory, Shown};
 use crate::layout::Layout;
 use crate::measure::Measure;
 use crate::notice::Notice;
@@ -260,7 +260,8 @@ impl App {
     /// The state of the screen, as data.
     pub fn screen_state(&self, ctx: &egui::Context) -> ScreenState {
         let lesson = self.tutor.as_ref().map(|tutor| (tutor.title().to_owned(), tutor.step() + 1));
-        ScreenState::new(&self.session, lesson, self.laboratory.shown(), ctx)
+        let posterior = self.laboratory.posteriors().shown().map(Shown::sampled);
+        ScreenState::new(&self.session, lesson, self.laboratory.shown(), posterior, ctx)
     }
 }
 

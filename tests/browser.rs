@@ -174,6 +174,7 @@ fn long_work_goes_in_workers() {
             elsewhere::the_page_computes_where_workers_do_not(&page, &address, is_begun).await;
         }
         laboratory::maps_of_other_filters(&page, &address).await;
+        laboratory::a_posterior_is_found_in_a_worker(&page, &address).await;
     });
 }
 

@@ -56,7 +56,8 @@ fn scenarios(kind: FilterKind) -> Vec<(&'static str, Scenario)> {
         all.push((rule.info().key, robust));
     }
     let mut learning = book.clone();
-    learning.filters[0].adaptation = Adaptation { sensor_noise: true, process_noise: true, forgetting: 0.99 };
+    learning.filters[0].adaptation =
+        Adaptation { sensor_noise: true, process_noise: true, forgetting: 0.99, training: 0.0 };
     let mut jumping = book.clone();
     jumping.filters[0].jump = kind != FilterKind::KF;
     all.extend([("learns its noise", learning), ("jumps", jumping), ("kernel", kernel), ("book", book)]);

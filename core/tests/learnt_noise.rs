@@ -36,6 +36,49 @@ fn coverage(
     counts.into_iter().map(|[inside, all]| inside as f64 / all as f64).collect()
 }
 
+/// In training a filter learns as one that always does; then it works with what it has learnt.
+#[test]
+fn training_ends_and_what_was_learnt_stays() {
+    for (kind, hold) in
+        [(FilterKind::EKF, Hold::Zero), (FilterKind::UKF, Hold::First), (FilterKind::SR_UKF, Hold::Zero)]
+    {
+        let mut scenario = Scenario { duration: 20.0, hold, ..Scenario::default() };
+        scenario.filters.truncate(1);
+        let filter = &mut scenario.filters[0];
+        (filter.kind, filter.fading) = (kind, 1.0);
+        filter.sensor_std.iter_mut().for_each(|std| *std *= 3.0);
+        (filter.adaptation.sensor_noise, filter.adaptation.process_noise) = (true, true);
+        filter.adaptation.forgetting = 0.99;
+        let always = filter.clone();
+        (filter.id, filter.name, filter.adaptation.training) = (2, "trained".to_owned(), 8.0);
+        scenario.filters.insert(0, always);
+        let mut run = Run::new(&scenario).expect("it can be run");
+        run.finish();
+        let [always, trained] = [0, 1].map(|place| &run.estimates()[place]);
+        let noise = |of: &kalmanscope_core::Estimates, k: usize| of.sensor_noise(k, 0).expect("it learns R");
+        // A filter with a kernel sums in another order.
+        let far = |k: usize| (noise(always, k)[0] / noise(trained, k)[0] - 1.0).abs();
+        assert!((0..=800).all(|k| far(k) < 1e-6), "{kind:?}");
+        assert!((801..=2000).all(|k| noise(trained, k) == noise(trained, 800)), "{kind:?}");
+        assert!(far(2000) > 1e-3, "{kind:?}: the other one goes on");
+    }
+}
+
+/// ±2σ of what a training has found hold the true noise as often as they say, on records that were not looked at.
+#[test]
+fn two_sigma_after_a_training_hold_the_true_noise() {
+    let trained = |scenario: &mut Scenario| {
+        (scenario.filters[0].adaptation.training, scenario.filters[0].adaptation.forgetting) = (12.0, 0.995);
+    };
+    let shares = [(FilterKind::EKF, 1000..1200), (FilterKind::UKF, 1200..1400)]
+        .map(|(kind, seeds)| coverage(kind, PlantKind::SDOF, trained, seeds));
+    println!("after training: {shares:?}");
+    // What was learnt stays, so that each record counts once: three standard deviations of 200 and of 800 are 4.4 % and 2.2 %.
+    let all: Vec<f64> = shares.into_iter().flatten().collect();
+    let mean = all.iter().sum::<f64>() / all.len() as f64;
+    assert!(all.iter().all(|share| *share >= 0.91) && (0.932..=0.976).contains(&mean), "{all:?}");
+}
+
 #[test]
 fn two_sigma_of_learnt_noise_hold_the_true_one() {
     for (what, shares) in [

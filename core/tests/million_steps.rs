@@ -302,7 +302,7 @@ fn particles_collapse_where_sensors_are_much_more_precise_than_they_are_many() {
 
 #[test]
 fn learnt_noise_that_vanishes_or_grows_is_remarked() {
-    let adaptation = Adaptation { sensor_noise: true, process_noise: true, forgetting: 0.9 };
+    let adaptation = Adaptation { sensor_noise: true, process_noise: true, forgetting: 0.9, training: 0.0 };
     let mut scenario = Scenario { force: Force::None, ..with_filter(FilterKind::EKF) };
     scenario.sensors.iter_mut().for_each(|sensor| sensor.noise_std = 0.0);
     scenario.filters[0].adaptation = adaptation;

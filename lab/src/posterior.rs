@@ -15,6 +15,7 @@ mod target;
 mod tests;
 
 use kalmanscope_core::{Channel, FilterSettings, PlantKind, Record, RunError, Scenario, Task};
+use serde::{Deserialize, Serialize};
 
 use population::Population;
 use target::Target;
@@ -116,7 +117,7 @@ impl Task for Posterior {
 }
 
 /// Points of a posterior, which all count the same.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sampled {
     /// The parameters.
     pub channels: Vec<Channel>,

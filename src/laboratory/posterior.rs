@@ -54,7 +54,10 @@ impl Subject {
     fn search(&self, team: &dyn Team, session: &Session) -> Result<Running<Posterior>, NoPosterior> {
         let record = session.run().record().part(0..self.sample + 1);
         let posterior = Posterior::new(&self.of, 0, &record)?;
-        Ok(Running::begin(team, Priority::Seeds, posterior, Posterior::progress))
+        Ok(match team.posterior(&self.of, &record) {
+            Some(there) => Running::here(posterior, Posterior::progress).in_workers(Some(there)),
+            None => Running::begin(team, Priority::Seeds, posterior, Posterior::progress),
+        })
     }
 }
 

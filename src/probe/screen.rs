@@ -1,6 +1,7 @@
 //! The state of the screen as data, for tests that drive it from outside.
 
 use kalmanscope_core::{Channel, Estimates};
+use kalmanscope_lab::posterior::Sampled;
 use serde::Serialize;
 
 use super::places;
@@ -24,6 +25,8 @@ pub struct ScreenState {
     pub checksum: String,
     /// The map, if one has been made.
     pub map: Option<MapState>,
+    /// The points of the posterior on screen, if there are some.
+    pub posterior: Option<PosteriorState>,
     /// Frames drawn since the start.
     pub frames: u64,
     /// Positions of the named controls.
@@ -53,6 +56,15 @@ impl MapState {
         let computers = survey.computers().iter().map(ToString::to_string).collect();
         Self { cells: sheet.len(), done: sheet.done(), checksum, computers, ensemble: survey.ensemble().to_json() }
     }
+}
+
+/// The points of a posterior.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct PosteriorState {
+    /// Their number.
+    pub points: usize,
+    /// ln p(z), the logarithm of the probability density of the record.
+    pub log_evidence: f64,
 }
 
 /// A filter's latest estimate.
@@ -92,7 +104,13 @@ pub struct Control {
 
 impl ScreenState {
     /// The present state.
-    pub fn new(session: &Session, lesson: Option<(String, usize)>, map: Option<&Survey>, ctx: &egui::Context) -> Self {
+    pub fn new(
+        session: &Session,
+        lesson: Option<(String, usize)>,
+        map: Option<&Survey>,
+        posterior: Option<&Sampled>,
+        ctx: &egui::Context,
+    ) -> Self {
         let estimates = session.run().estimates();
         Self {
             mode: match session.mode() {
@@ -105,6 +123,7 @@ impl ScreenState {
             filters: estimates.iter().map(Latest::of).collect(),
             checksum: format!("{:016x}", session.run().checksum()),
             map: map.map(MapState::of),
+            posterior: posterior.map(|of| PosteriorState { points: of.points.len(), log_evidence: of.log_evidence }),
             frames: ctx.cumulative_frame_nr(),
             controls: places::all(ctx).into_iter().map(control).collect(),
         }

@@ -1,10 +1,11 @@
 //! Scenarios to try: built-in ones and new ones, with hostile numbers.
 
-use kalmanscope_core::scenario::Motion;
+use kalmanscope_core::scenario::{Between, Motion};
+use kalmanscope_core::setting::{GUESSES, JUMP, WALK};
 use kalmanscope_core::signal::{Ramp, Sine, Step};
 use kalmanscope_core::{
     Adaptation, Channel, Document, FilterKind, FilterSettings, Force, Hold, InputKind, PlantKind, Propagation,
-    Quantity, Scenario, Sensor, Signal,
+    Quantity, Robust, Scenario, Sensor, Signal,
 };
 use kalmanscope_lessons::BUILT_IN;
 
@@ -107,7 +108,7 @@ fn filter(scenario: &Scenario, dice: &mut Dice) -> FilterSettings {
             augment.push(channel);
         }
     }
-    FilterSettings {
+    let mut filter = FilterSettings {
         kind,
         name: format!("{} tried", kind.name()),
         plant: dice.one_in(4).then(|| dice.pick(&PlantKind::ALL)),
@@ -122,12 +123,42 @@ fn filter(scenario: &Scenario, dice: &mut Dice) -> FilterSettings {
             sensor_noise: dice.one_in(4),
             process_noise: dice.one_in(4),
             forgetting: dice.pick(&[0.99, 0.9, 0.5]),
+            training: dice.pick(&[0.0, 0.0, 1e-9, 0.3, 1e9]),
         },
         smoother: !kind.is_sampled() && dice.one_in(3),
         fading: dice.pick(&[1.0, 1.0, 1.005, 1.1, 3.0]),
         eta: dice.pick(&[0.0, 0.0, 0.01, 10.0]),
         sensor_std: scenario.sensors.iter().map(|sensor| sensor.noise_std.max(1e-9)).collect(),
         ..FilterSettings::default()
+    };
+    more(&mut filter, scenario.plant.kind, dice);
+    filter
+}
+
+/// What not every filter may have.
+fn more(filter: &mut FilterSettings, truth: PlantKind, dice: &mut Dice) {
+    if filter.can_weigh() && dice.one_in(3) {
+        filter.robust = dice.pick(&Robust::ALL);
+    }
+    filter.jump = dice.one_in(5) && (JUMP.serves)(filter, truth);
+    if dice.one_in(5) && (WALK.serves)(filter, truth) {
+        filter.walk = dice.pick(&[1e-6, 0.1, 10.0]);
+    }
+    if dice.one_in(5) && (GUESSES.serves)(filter, truth) {
+        filter.guesses = 2 + dice.below(4);
+    }
+    filter.look_ahead = if filter.smoother { dice.pick(&[0.0, 0.0, 1e-9, 0.3, 1e6]) } else { 0.0 };
+    let channels: Vec<Channel> = filter.considerable(truth).collect();
+    let (considers, is_bounded) = (filter.can_consider(), filter.can_be_bounded());
+    for channel in channels {
+        if considers && dice.one_in(6) {
+            filter.consider.push(channel);
+        }
+        if is_bounded && dice.one_in(6) {
+            let (mean, far) = (filter.initial_mean[channel], dice.pick(&[0.0, 1e-12, 0.1, 1e9]));
+            let least = (!dice.one_in(3)).then_some(mean - far);
+            filter.bounds.set(channel, Between { least, most: (!dice.one_in(3)).then_some(mean + 0.1 + far) });
+        }
     }
 }
 

@@ -134,6 +134,7 @@ mod tests {
                     filter.robust = if learns { Robust::ALL[(nth + compared) % 5] } else { Robust::NONE };
                     filter.adaptation.process_noise = learns && compared % 3 == 1;
                     filter.adaptation.sensor_noise = learns && compared % 2 == 1 && !filter.robust.is_on();
+                    filter.adaptation.training = [0.0, 0.4][compared / 2 % 2];
                     filter.jump = learns && compared % 4 == 2 && kind != FilterKind::KF;
                     let sensors = [Quantity::DISPLACEMENT, Quantity::ACCELERATION];
                     let mut run = Run::new(&Scenario { filters: vec![], ..scenario.clone() })?;

@@ -314,6 +314,7 @@ impl Dice<'_> {
                 sensor_noise: self.one_in(4),
                 process_noise: self.one_in(4),
                 forgetting: self.pick(&[0.995, 0.9, 0.5, 1e-9, 1.0 - 1e-9]),
+                training: self.pick(&[0.0, 0.0, 0.1, 1e-9, 1e300]),
             },
             fading: self.pick(&[1.0, 1.0, 1.0, 1.005, 1.02, 1.1, 3.0]),
             eta: if self.one_in(4) { self.size(0.1) } else { 0.0 },

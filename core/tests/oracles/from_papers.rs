@@ -85,7 +85,7 @@ fn noise_that_is_learnt() {
     for plant in [PlantKind::SDOF, PlantKind::DUFFING] {
         for kind in DETERMINISTIC {
             for (sensor_noise, process_noise) in [(true, false), (false, true), (true, true)] {
-                let adaptation = Adaptation { sensor_noise, process_noise, forgetting: 0.99 };
+                let adaptation = Adaptation { sensor_noise, process_noise, forgetting: 0.99, training: 0.0 };
                 let settings = FilterSettings { kind, adaptation, ..FilterSettings::default() };
                 let mut scenario = with(plant, &settings);
                 // The residual assumes sensors linear in the state, so that R is compared for these only.

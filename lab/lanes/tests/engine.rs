@@ -271,7 +271,8 @@ fn troubled(plant: PlantKind, kind: FilterKind) -> (Scenario, Record) {
 
 #[test]
 fn filters_that_learn_from_innovations_agree_with_the_single_filter() {
-    let learnt = |sensor_noise, process_noise| Adaptation { sensor_noise, process_noise, forgetting: 0.98 };
+    let learnt =
+        |sensor_noise, process_noise| Adaptation { sensor_noise, process_noise, forgetting: 0.98, training: 0.0 };
     let mut cases: Vec<(Robust, Adaptation, bool, bool)> =
         Robust::ALL.into_iter().map(|rule| (rule, Adaptation::default(), false, rule == Robust::HUBER)).collect();
     cases.extend([

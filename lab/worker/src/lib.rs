@@ -8,6 +8,7 @@
 //! | `["filter", number, scenario, record, place]` | the same |
 //! | `["file", number, Uint8Array]` | |
 //! | `["suggest", number, scenario, record]` | the same |
+//! | `["posterior", number, scenario, record]`, of its first filter | the same |
 //! | `["more", number, portion]` | `["part", number, part, time]` |
 //! | `["forget", number]` | |
 //!
@@ -19,7 +20,7 @@
 //! | cells | `Uint32Array` of cells | `[Uint32Array, Float64Array]`: the cells and their rows |
 //! | filter | number of samples | `Float64Array`: the numbers of a tape |
 //! | file | number of pieces of work | the share that is done; last `[hash, table, column, …]`, or why it cannot be read |
-//! | suggest | number of pieces of work | the share that is done; last JSON |
+//! | suggest, posterior | number of pieces of work | the share that is done; last JSON |
 //!
 //! Columns of numbers are handed over, not copied.
 
@@ -28,6 +29,7 @@
 mod cells;
 mod file;
 mod filter;
+mod posterior;
 mod record;
 mod scope;
 mod serve;
@@ -37,6 +39,7 @@ mod task;
 pub use cells::{cells, cells_message, portion_of, rows, rows_part, runner};
 pub use file::{file_message, loaded};
 pub use filter::{filter_message, tape};
+pub use posterior::{posterior_message, sampled};
 pub use scope::{Watch, Words, answer, fail, hear, tell};
 pub use serve::serve;
 pub use suggestion::{suggest_message, suggestion};

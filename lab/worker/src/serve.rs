@@ -5,6 +5,7 @@ use js_sys::Array;
 use crate::cells::{Rows, runner};
 use crate::file::{file, loaded_message};
 use crate::filter::Filter;
+use crate::posterior::{posterior, sampled_message};
 use crate::scope::{Watch, Words, answer, fail, hear};
 use crate::suggestion::{suggest, suggestion_message};
 use crate::task::{Portioned, Whole};
@@ -37,6 +38,7 @@ fn begin(kind: &str, words: &Words) -> Result<Box<dyn Portioned>, String> {
         "cells" => Box::new(Rows(runner(words)?)),
         "filter" => Box::new(Filter::new(words)?),
         "file" => Box::new(Whole::new(file(words), loaded_message)),
+        "posterior" => Box::new(Whole::new(posterior(words)?, sampled_message)),
         "suggest" => Box::new(Whole::new(suggest(words)?, suggestion_message)),
         _ => return Err(format!("`{kind}` is no task")),
     })

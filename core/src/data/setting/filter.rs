@@ -148,6 +148,18 @@ pub static FORGETTING: Row = row! { "adaptation.forgetting", adaptation.forgetti
     allowed: Allowed::Between(0.0, 1.0),
 };
 
+/// The time for which a filter learns R or Q.
+static TRAINING: Row = row! { "adaptation.training", adaptation.training,
+    name: "training of the learnt noise",
+    label: |_| Some("training"),
+    unit: "s",
+    allowed: Allowed::AtLeast(0.0),
+    note: "0 learns all the time",
+    slider: (0.0, 60.0),
+    hint: "Learns R and Q for so many seconds, then works with what it has learnt; 0 learns all the time",
+    serves: |filter, _| filter.adaptation.is_on(),
+};
+
 static INPUT_DELAY: Row = row! { "input_delay", input_delay,
     name: "delay of the input",
     unit: "samples",
@@ -158,7 +170,7 @@ static INPUT_DELAY: Row = row! { "input_delay", input_delay,
 pub static MEMORY: [&Row; 3] = [&FADING, &JUMP, &ETA];
 
 /// The less common settings.
-pub static OPTIONS: [&Row; 10] = [
+pub static OPTIONS: [&Row; 11] = [
     &WALK,
     &GUESSES,
     &SUBSTEPS,
@@ -169,6 +181,7 @@ pub static OPTIONS: [&Row; 10] = [
     &LOOK_AHEAD,
     &LEARNS_R,
     &LEARNS_Q,
+    &TRAINING,
 ];
 
 /// The settings that files alone have.

@@ -23,6 +23,8 @@ pub(super) struct Learning<T> {
     residuals: Residuals<T>,
     /// The variance of each R.
     uncertainty: Vec<T>,
+    /// The sample.
+    sample: usize,
 }
 
 /// The weights, the variances of R and the jump of one run.
@@ -56,12 +58,14 @@ impl<T: Number> Learning<T> {
             shift: vec![T::of(0.0); n],
             residuals: Residuals::default(),
             uncertainty: noise.sensors.iter().map(|r| adaptation.initial_uncertainty(*r)).collect(),
+            sample: 0,
         }))
     }
 
-    /// Adds the variances of jumps to Q for one prediction. Returns whether any lane jumps; then [`Self::narrow`] restores Q.
+    /// Goes on to the next sample, and adds the variances of jumps to Q for its prediction. Returns whether any lane jumps; then [`Self::narrow`] restores Q.
     pub(super) fn widen(&mut self, design: &Design, noise: &mut Noise<T>) -> bool {
-        let Self { jumps, narrow, .. } = self;
+        let Self { jumps, narrow, sample, .. } = self;
+        *sample += 1;
         let mut has_widened = false;
         for (lane, jump) in jumps.iter_mut().enumerate() {
             let Some(widening) = jump.widening() else { continue };
@@ -100,10 +104,11 @@ impl<T: Number> Learning<T> {
             None => update.condition(level, design, belief, None, noise, observation, held),
         };
         let has_measured = T::of(0.0).lt(told.measured);
-        if design.adaptation.process_noise {
+        let learns = design.adaptation.learns_at(self.sample, design.dt);
+        if learns && design.adaptation.process_noise {
             self.adapt_process(design, noise, update, has_measured);
         }
-        if design.adaptation.sensor_noise {
+        if learns && design.adaptation.sensor_noise {
             self.adapt_sensors(design, noise, observation.measured, update);
         }
         for (lane, jump) in self.jumps.iter_mut().enumerate() {

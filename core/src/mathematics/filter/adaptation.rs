@@ -35,12 +35,17 @@ pub struct Adaptation {
     pub process_noise: bool,
     /// a, in (0, 1): the share of the last estimate that stays.
     pub forgetting: f64,
+    /// The time for which it learns \[s\]: then it works with what it has learnt. 0 for all of the record.
+    pub training: f64,
 }
+
+/// Times are told in decimals.
+const ROUNDING: f64 = 1e-9;
 
 impl Default for Adaptation {
     /// R and Q stay as they are.
     fn default() -> Self {
-        Self { sensor_noise: false, process_noise: false, forgetting: 0.995 }
+        Self { sensor_noise: false, process_noise: false, forgetting: 0.995, training: 0.0 }
     }
 }
 
@@ -58,6 +63,11 @@ impl Adaptation {
     /// The variance of R before the first measurement; zero where R is not learnt.
     pub(crate) fn initial_uncertainty<T: Number>(&self, r: T) -> T {
         if self.sensor_noise { r * r } else { T::of(0.0) }
+    }
+
+    /// Whether it still learns from the sample at a place, counted from 0, with `dt` \[s\] between samples.
+    pub(crate) fn learns_at(&self, sample: usize, dt: f64) -> bool {
+        self.training == 0.0 || sample as f64 * dt <= self.training * (1.0 + ROUNDING)
     }
 
     /// Whether anything is learnt.

@@ -15,17 +15,22 @@ pub(super) struct Learning {
     shift: Vector,
     /// The variance of each R.
     uncertainty: Vec<f64>,
+    /// The sample, and the time between samples \[s\].
+    sample: usize,
+    dt: f64,
 }
 
 impl Learning {
-    /// The memory to learn this, from this noise on.
-    pub(super) fn new(adaptation: Adaptation, noise: &Noise) -> Self {
+    /// The memory to learn this, from this noise on, with `dt` \[s\] between samples.
+    pub(super) fn new(adaptation: Adaptation, noise: &Noise, dt: f64) -> Self {
         Self {
             adaptation,
             reported: Reported::default(),
             residuals: Residuals::default(),
             shift: Vector::zeros(0),
             uncertainty: noise.sensors.iter().map(|r| adaptation.initial_uncertainty(*r)).collect(),
+            sample: 0,
+            dt,
         }
     }
 
@@ -34,14 +39,24 @@ impl Learning {
         &self.uncertainty
     }
 
+    /// Goes on to the next sample.
+    pub(super) fn go_on(&mut self) {
+        self.sample += 1;
+    }
+
     /// Whether anything is learnt.
     pub(super) fn is_on(&self) -> bool {
         self.adaptation.is_on()
     }
 
+    /// Whether anything is learnt from this sample.
+    pub(super) fn is_on_now(&self) -> bool {
+        self.is_on() && self.adaptation.learns_at(self.sample, self.dt)
+    }
+
     /// Learns from a correction by these measurements.
     pub(super) fn adapt(&mut self, observation: &Observation, correction: &Correction, noise: &mut Noise) {
-        let Self { adaptation, reported, residuals, shift, uncertainty } = self;
+        let Self { adaptation, reported, residuals, shift, uncertainty, .. } = self;
         let sensors = observation.sensors();
         if adaptation.process_noise {
             let keep = adaptation.forgetting;

@@ -65,7 +65,7 @@ impl<B: Belief + ?Sized> Filter<B> {
         adaptation: Adaptation,
     ) -> Self {
         let readings = sensors.iter().map(|&quantity| model.reading(quantity)).collect();
-        let (observation, learning, substeps) = (Observation::of(readings), Learning::new(adaptation, &noise), 1);
+        let (observation, learning, substeps) = (Observation::of(readings), Learning::new(adaptation, &noise, dt), 1);
         let (jump, weighing, white, considered) = (None, None, None, None);
         Self { model, belief, dt, hold, noise, observation, learning, jump, weighing, substeps, white, considered }
     }
@@ -266,6 +266,7 @@ impl<B: Belief + ?Sized> Filter<B> {
     pub fn update(&mut self, force: f64, measured: &[f64], correction: &mut Correction) -> Result<(), FilterError> {
         let Self { model, noise, observation, learning, jump, weighing, belief, white, considered, .. } = self;
         correction.clear(model.size(), noise.sensors.len());
+        learning.go_on();
         if let Some(weighing) = weighing {
             weighing.weights_mut().clear();
         }
@@ -290,7 +291,7 @@ impl<B: Belief + ?Sized> Filter<B> {
             return belief.gaussian().check();
         }
         correction.check(observation.sensors())?;
-        if learning.is_on() {
+        if learning.is_on_now() {
             learning.adapt(observation, correction, noise);
             if let Some(white) = white {
                 white.leave_out(&mut noise.process);

@@ -220,6 +220,7 @@ pub(crate) fn serves(settings: &FilterSettings, context: &FilterContext<'_>) -> 
     let reads = |quantity: &Quantity| model.reading(*quantity).is_none_or(|reading| Output::of(&reading).is_some());
     settings.augment.is_empty()
         && settings.consider.is_empty()
+        && settings.adaptation.training == 0.0
         && !settings.log_parameters
         && !settings.robust.is_on()
         && context.hold == Hold::Zero

@@ -90,10 +90,15 @@ pub(crate) fn ensemble(seed: u64) -> Scenario {
         scenario.filters.push(changed(filter, plant, &augment, &mut draw));
     }
     let (robust, adapts, logs) = (draw.one(&ROBUST), draw.one(&ADAPTS), draw.once_in(4));
+    let training = draw.one(&[0.0, 0.2]);
     for filter in &mut scenario.filters {
         filter.robust = robust;
-        filter.adaptation =
-            Adaptation { sensor_noise: adapts[0] && !robust.is_on(), process_noise: adapts[1], ..ADAPTS_FAST };
+        filter.adaptation = Adaptation {
+            sensor_noise: adapts[0] && !robust.is_on(),
+            process_noise: adapts[1],
+            training,
+            ..ADAPTS_FAST
+        };
         filter.log_parameters = logs;
     }
     if logs {
@@ -118,7 +123,8 @@ const ROBUST: [Robust; 8] = [
     Robust::MIXTURE,
 ];
 const ADAPTS: [[bool; 2]; 5] = [[false; 2], [false; 2], [true, false], [false, true], [true; 2]];
-const ADAPTS_FAST: Adaptation = Adaptation { sensor_noise: false, process_noise: false, forgetting: 0.9 };
+const ADAPTS_FAST: Adaptation =
+    Adaptation { sensor_noise: false, process_noise: false, forgetting: 0.9, training: 0.0 };
 
 /// The same filter with other numbers.
 fn changed(mut filter: FilterSettings, plant: PlantKind, augment: &[Channel], draw: &mut Draw) -> FilterSettings {
