@@ -186,7 +186,7 @@ impl Measure {
 
     /// What a run has at these times, from all its estimates. A number that does not exist is NaN.
     pub fn of(self, run: &Observed<'_>, times: Times) -> Value {
-        (self.info().within)(&run.at(self, times))
+        rows::within(self.info(), &run.at(self, times))
     }
 }
 

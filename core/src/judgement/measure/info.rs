@@ -1,7 +1,5 @@
 //! What is said of a measure beside its formulas.
 
-use super::Value;
-use super::observed::Part;
 use super::whole::Sums;
 
 /// The description of a measure.
@@ -22,8 +20,6 @@ pub struct MeasureInfo {
     pub(super) of: Of,
     /// From the sums of a whole run, where they are enough.
     pub(super) whole: Option<fn(&Sums<'_>) -> f64>,
-    /// From all estimates.
-    pub(super) within: fn(&Part<'_>) -> Value,
 }
 
 /// The kind of a measure's values, by which they are compared and drawn.
@@ -102,14 +98,8 @@ pub(super) enum Of {
     Gain,
 }
 
-pub(super) const fn row(
-    word: &'static str,
-    name: &'static str,
-    kind: ValueKind,
-    of: Of,
-    within: fn(&Part<'_>) -> Value,
-) -> MeasureInfo {
-    MeasureInfo { word, name, kind, best: Best::None, needs_truth: false, needs_others: false, of, whole: None, within }
+pub(super) const fn row(word: &'static str, name: &'static str, kind: ValueKind, of: Of) -> MeasureInfo {
+    MeasureInfo { word, name, kind, best: Best::None, needs_truth: false, needs_others: false, of, whole: None }
 }
 
 impl MeasureInfo {

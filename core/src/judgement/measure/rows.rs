@@ -15,219 +15,222 @@ const PURE: Option<&str> = Some("");
 /// The share of samples inside ±2σ that a filter with the right σ has.
 const EXPECTED_INSIDE: f64 = 0.954;
 
-/// The statics of the rows, and [`ALL`] of them in the order of tables.
+/// What a part of a run has of a measure.
+type Within = fn(&Part<'_>) -> Value;
+
+/// The statics of the rows, [`ALL`] of them in the order of tables, and in the same order what a part of a run has of each: apart,
+/// so that a program that has sums alone is smaller.
 macro_rules! measures {
-    ($($name:ident = $row:expr;)*) => {
+    ($($name:ident = $row:expr => $within:expr;)*) => {
         $(pub(super) static $name: MeasureInfo = $row;)*
         pub(super) static ALL: [&MeasureInfo; [$(stringify!($name)),*].len()] = [$(&$name),*];
+        static WITHIN: [Within; ALL.len()] = [$($within),*];
     };
 }
 
+/// What a part of a run has of a measure.
+pub(super) fn within(info: &MeasureInfo, part: &Part<'_>) -> Value {
+    let place = ALL.iter().position(|other| other.word == info.word);
+    place.map_or(Value::Number(f64::NAN), |place| WITHIN[place](part))
+}
+
 measures! {
-    NIS = row("nis", "mean NIS, 1 expected", ValueKind::Ratio, Of::Filter, |part| number(nis(part).per_degree()))
+    NIS = row("nis", "mean NIS, 1 expected", ValueKind::Ratio, Of::Filter)
         .best(Best::One)
-        .with_sums(|sums| sums.whole.outcome.nis.per_degree());
+        .with_sums(|sums| sums.whole.outcome.nis.per_degree())
+        => |part| number(nis(part).per_degree());
 
-    NEES = row("nees", "mean NEES, 1 expected", ValueKind::Ratio, Of::Filter, |part| {
-        number(part.run.diagnostics().nees_within(part.range()).per_degree())
-    })
-    .best(Best::One)
-    .with_truth()
-    .with_sums(|sums| sums.whole.outcome.nees.per_degree());
+    NEES = row("nees", "mean NEES, 1 expected", ValueKind::Ratio, Of::Filter)
+        .best(Best::One)
+        .with_truth()
+        .with_sums(|sums| sums.whole.outcome.nees.per_degree())
+        => |part| number(part.run.diagnostics().nees_within(part.range()).per_degree());
 
-    CONSISTENCY =
-        row("consistency", "mean NIS, distance in σ", ValueKind::Distance, Of::Filter, |part| number(distance(nis(part))))
-            .best(Best::Zero)
-            .with_sums(|sums| distance(sums.whole.outcome.nis));
+    CONSISTENCY = row("consistency", "mean NIS, distance in σ", ValueKind::Distance, Of::Filter)
+        .best(Best::Zero)
+        .with_sums(|sums| distance(sums.whole.outcome.nis))
+        => |part| number(distance(nis(part)));
 
-    LOG_LIKELIHOOD = row("log_likelihood", "log likelihood", ValueKind::LogLikelihood, Of::Filter, |part| {
-        number(log_likelihood(part).0)
-    })
-    .best(Best::Largest)
-    .with_sums(|sums| sums.whole.outcome.log_likelihood);
+    LOG_LIKELIHOOD = row("log_likelihood", "log likelihood", ValueKind::LogLikelihood, Of::Filter)
+        .best(Best::Largest)
+        .with_sums(|sums| sums.whole.outcome.log_likelihood)
+        => |part| number(log_likelihood(part).0);
 
     LOG_LIKELIHOOD_PER_SAMPLE = row(
-        "log_likelihood_per_sample",
-        "log likelihood per measured sample",
-        ValueKind::LogLikelihood,
-        Of::Filter,
-        |part| {
+            "log_likelihood_per_sample",
+            "log likelihood per measured sample",
+            ValueKind::LogLikelihood,
+            Of::Filter,
+        )
+        .best(Best::Largest)
+        => |part| {
             let (sum, samples) = log_likelihood(part);
             number(sum / f64::from(samples))
-        },
-    )
-    .best(Best::Largest);
+        };
 
-    DIVERGED = row("diverged", "lost the truth", ValueKind::Flag, Of::Filter, |part| {
-        let diagnostics = part.run.diagnostics();
-        Value::Flag(diagnostics.stop().is_some() || !diagnostics.lost(part.run.estimates, LOST).is_empty())
-    })
-    .with_sums(|sums| Value::Flag(sums.whole.outcome.diverged).number());
+    DIVERGED = row("diverged", "lost the truth", ValueKind::Flag, Of::Filter)
+        .with_sums(|sums| Value::Flag(sums.whole.outcome.diverged).number())
+        => |part| {
+            let diagnostics = part.run.diagnostics();
+            Value::Flag(diagnostics.stop().is_some() || !diagnostics.lost(part.run.estimates, LOST).is_empty())
+        };
 
-    STOPPED = row("stopped", "stopped", ValueKind::Flag, Of::Filter, |part| {
-        Value::Flag(part.run.estimates.stop().is_some())
-    })
-    .with_sums(|sums| Value::Flag(sums.whole.outcome.stop.is_some()).number());
+    STOPPED = row("stopped", "stopped", ValueKind::Flag, Of::Filter)
+        .with_sums(|sums| Value::Flag(sums.whole.outcome.stop.is_some()).number())
+        => |part| Value::Flag(part.run.estimates.stop().is_some());
 
-    VERDICT = row("verdict", "verdict", ValueKind::Verdict, Of::Filter, |part| {
-        let diagnosis = Diagnosis::new(part.run.diagnostics(), part.run.estimates, part.run.record, None);
-        Value::Verdict(diagnosis.and_then(|diagnosis| diagnosis.verdict).map(|verdict| verdict.kind))
-    });
+    VERDICT = row("verdict", "verdict", ValueKind::Verdict, Of::Filter)
+        => |part| {
+            let diagnosis = Diagnosis::new(part.run.diagnostics(), part.run.estimates, part.run.record, None);
+            Value::Verdict(diagnosis.and_then(|diagnosis| diagnosis.verdict).map(|verdict| verdict.kind))
+        };
 
-    REMARK = row("remark", "remarks", ValueKind::Words, Of::Filter, |part| {
-        let mut keys: Vec<_> = part.run.estimates.remarks().iter().map(|remark| remark.what.key()).collect();
-        keys.dedup();
-        Value::Words(keys)
-    });
+    REMARK = row("remark", "remarks", ValueKind::Words, Of::Filter)
+        => |part| {
+            let mut keys: Vec<_> = part.run.estimates.remarks().iter().map(|remark| remark.what.key()).collect();
+            keys.dedup();
+            Value::Words(keys)
+        };
 
-    AUTOCORRELATION = row(
-        "autocorrelation",
-        "largest autocorrelation of innovations",
-        ValueKind::Signed,
-        Of::Filter,
-        |part| {
+    AUTOCORRELATION = row("autocorrelation", "largest autocorrelation of innovations", ValueKind::Signed, Of::Filter)
+        .best(Best::Zero)
+        => |part| {
             let first = part.run.diagnostics().whiteness().iter().map(|whiteness| whiteness.autocorrelation()[0]);
             number(first.max_by(f64::total_cmp))
-        },
-    )
-    .best(Best::Zero);
+        };
 
-    PROBABILITY = row("probability", "probability among the filters", ValueKind::Share, Of::Filter, |part| {
-        number(probability(part))
-    })
-    .best(Best::Largest)
-    .with_others();
+    PROBABILITY = row("probability", "probability among the filters", ValueKind::Share, Of::Filter)
+        .best(Best::Largest)
+        .with_others()
+        => |part| number(probability(part));
 
-    EVALUATIONS = row("evaluations", "evaluations of the rate per step", ValueKind::Size, Of::Filter, |part| {
-        number(evaluations(part.run.settings(), part.run.scenario.plant.kind))
-    });
+    EVALUATIONS = row("evaluations", "evaluations of the rate per step", ValueKind::Size, Of::Filter)
+        => |part| number(evaluations(part.run.settings(), part.run.scenario.plant.kind));
 
-    ERROR = row("error", "last error of @", ValueKind::Error, Of::Channel(None), |part| {
-        let errors = part.sample().and_then(|k| part.errors(k..k + 1));
-        number(errors.map(|errors| errors[0][0]))
-    })
-    .best(Best::Zero)
-    .with_truth()
-    .with_sums(|sums| sums.score(|score| score.error));
+    ERROR = row("error", "last error of @", ValueKind::Error, Of::Channel(None))
+        .best(Best::Zero)
+        .with_truth()
+        .with_sums(|sums| sums.score(|score| score.error))
+        => |part| {
+            let errors = part.sample().and_then(|k| part.errors(k..k + 1));
+            number(errors.map(|errors| errors[0][0]))
+        };
 
-    RMSE = row("rmse", "RMS error of @", ValueKind::Size, Of::Channel(None), |part| {
-        number(part.tally().map(ErrorSums::rmse))
-    })
-    .best(Best::Smallest)
-    .with_truth()
-    .with_sums(|sums| sums.score(|score| score.rmse));
+    RMSE = row("rmse", "RMS error of @", ValueKind::Size, Of::Channel(None))
+        .best(Best::Smallest)
+        .with_truth()
+        .with_sums(|sums| sums.score(|score| score.rmse))
+        => |part| number(part.tally().map(ErrorSums::rmse));
 
-    MEAN_ERROR = row("mean_error", "size of the mean error of @", ValueKind::Size, Of::Channel(None), |part| {
-        number(part.errors(part.range()).map(|errors| mean(errors.iter().map(|[error, _]| *error)).abs()))
-    })
-    .best(Best::Smallest)
-    .with_truth();
+    MEAN_ERROR = row("mean_error", "size of the mean error of @", ValueKind::Size, Of::Channel(None))
+        .best(Best::Smallest)
+        .with_truth()
+        => |part| number(part.errors(part.range()).map(|errors| mean(errors.iter().map(|[error, _]| *error)).abs()));
 
-    ERROR_IN_STD = row("error_in_std", "RMS error of @ in σ", ValueKind::Ratio, Of::Channel(PURE), |part| {
-        let range = if part.times.at.is_some() { part.sample().map(|k| k..k + 1) } else { Some(part.range()) };
-        let square = |[error, std]: &[f64; 2]| error * error / (std * std);
-        number(range.and_then(|range| part.errors(range)).map(|errors| mean(errors.iter().map(square)).sqrt()))
-    })
-    .best(Best::One)
-    .with_truth();
+    ERROR_IN_STD = row("error_in_std", "RMS error of @ in σ", ValueKind::Ratio, Of::Channel(PURE))
+        .best(Best::One)
+        .with_truth()
+        => |part| {
+            let range = if part.times.at.is_some() { part.sample().map(|k| k..k + 1) } else { Some(part.range()) };
+            let square = |[error, std]: &[f64; 2]| error * error / (std * std);
+            number(range.and_then(|range| part.errors(range)).map(|errors| mean(errors.iter().map(square)).sqrt()))
+        };
 
     RMSE_OVER_SENSOR = row(
-        "rmse_over_sensor",
-        "RMS error of @ over its sensor's noise",
-        ValueKind::Size,
-        Of::Channel(PURE),
-        |part| number(part.tally().zip(part.sensor_noise_of_channel()).map(|(tally, noise)| tally.rmse() / noise)),
-    )
-    .best(Best::Smallest)
-    .with_truth();
+            "rmse_over_sensor",
+            "RMS error of @ over its sensor's noise",
+            ValueKind::Size,
+            Of::Channel(PURE),
+        )
+        .best(Best::Smallest)
+        .with_truth()
+        => |part| number(part.tally().zip(part.sensor_noise_of_channel()).map(|(tally, noise)| tally.rmse() / noise));
 
-    ESTIMATE = row("estimate", "last estimate of @", ValueKind::Signed, Of::Channel(None), |part| {
-        number(part.sample().zip(part.place()).map(|(k, place)| part.run.estimates.canonical_mean(k, place)))
-    })
-    .with_sums(whole::estimate);
+    ESTIMATE = row("estimate", "last estimate of @", ValueKind::Signed, Of::Channel(None))
+        .with_sums(whole::estimate)
+        => |part| number(part.sample().zip(part.place()).map(|(k, place)| part.run.estimates.canonical_mean(k, place)));
 
-    RAW_ESTIMATE = row(
-        "raw_estimate",
-        "last estimate of @, mirrored or not",
-        ValueKind::Signed,
-        Of::Channel(None),
-        |part| number(part.sample().zip(part.place()).map(|(k, place)| part.run.estimates.mean(k)[place])),
-    );
+    RAW_ESTIMATE = row("raw_estimate", "last estimate of @, mirrored or not", ValueKind::Signed, Of::Channel(None))
+        => |part| number(part.sample().zip(part.place()).map(|(k, place)| part.run.estimates.mean(k)[place]));
 
-    STD = row("std", "last σ of @", ValueKind::Size, Of::Channel(None), |part| {
-        number(part.sample().zip(part.place()).map(|(k, place)| part.run.estimates.std(k, place)))
-    })
-    .with_sums(whole::std);
+    STD = row("std", "last σ of @", ValueKind::Size, Of::Channel(None))
+        .with_sums(whole::std)
+        => |part| number(part.sample().zip(part.place()).map(|(k, place)| part.run.estimates.std(k, place)));
 
-    STD_OVER_BOUND = row("std_over_bound", "last σ of @ over its bound", ValueKind::Ratio, Of::Channel(PURE), |part| {
-        let of = |(k, place)| Some(part.run.estimates.std(k, place) / part.bound(k)?);
-        number(part.sample().zip(part.place()).and_then(of))
-    })
-    .with_truth();
+    STD_OVER_BOUND = row("std_over_bound", "last σ of @ over its bound", ValueKind::Ratio, Of::Channel(PURE))
+        .with_truth()
+        => |part| {
+            let of = |(k, place)| Some(part.run.estimates.std(k, place) / part.bound(k)?);
+            number(part.sample().zip(part.place()).and_then(of))
+        };
 
-    SETTLED = row("settled", "settling time of @", ValueKind::Time, Of::Channel(Some("s")), |part| {
-        let settled = part.settled().map_or(f64::INFINITY, |k| part.run.record.time_of(k));
-        number((settled - part.times.from.unwrap_or(0.0)).max(0.0))
-    })
-    .best(Best::Smallest)
-    .with_truth()
-    .with_sums(|sums| {
-        let whole = sums.whole;
-        let time = |settled: Option<usize>| settled.filter(|_| whole.outcome.stop.is_none());
-        sums.score(|score| time(score.settled).map_or(f64::INFINITY, |k| whole.record.time_of(k)))
-    });
+    SETTLED = row("settled", "settling time of @", ValueKind::Time, Of::Channel(Some("s")))
+        .best(Best::Smallest)
+        .with_truth()
+        .with_sums(|sums| {
+                let whole = sums.whole;
+                let time = |settled: Option<usize>| settled.filter(|_| whole.outcome.stop.is_none());
+                sums.score(|score| time(score.settled).map_or(f64::INFINITY, |k| whole.record.time_of(k)))
+            })
+        => |part| {
+            let settled = part.settled().map_or(f64::INFINITY, |k| part.run.record.time_of(k));
+            number((settled - part.times.from.unwrap_or(0.0)).max(0.0))
+        };
 
-    COVERAGE = row("coverage", "share of @ inside ±2σ", ValueKind::Share, Of::Channel(PURE), |part| {
-        number(part.tally().map(ErrorSums::coverage))
-    })
-    .best(Best::At(EXPECTED_INSIDE))
-    .with_truth()
-    .with_sums(|sums| sums.score(|score| score.coverage));
+    COVERAGE = row("coverage", "share of @ inside ±2σ", ValueKind::Share, Of::Channel(PURE))
+        .best(Best::At(EXPECTED_INSIDE))
+        .with_truth()
+        .with_sums(|sums| sums.score(|score| score.coverage))
+        => |part| number(part.tally().map(ErrorSums::coverage));
 
-    GAIN = row("gain", "mean size of the gain of @", ValueKind::Size, Of::Gain, |part| number(gain(part)));
+    GAIN = row("gain", "mean size of the gain of @", ValueKind::Size, Of::Gain)
+        => |part| number(gain(part));
 
-    FREE_RUN = row("free_run", "free-run error of @", ValueKind::Size, Of::Sensor(None), |part| {
-        let run = part.run;
-        let model = part.sample().map(|k| Identified::at(run.scenario, run.settings(), run.estimates, k));
-        let fit = model.zip(part.sensor).and_then(|(model, sensor)| {
-            model.run(run.record, part.range_of_record()).fit(run.record, sensor)
-        });
-        number(fit.map(|fit| fit.rms))
-    })
-    .best(Best::Smallest);
+    FREE_RUN = row("free_run", "free-run error of @", ValueKind::Size, Of::Sensor(None))
+        .best(Best::Smallest)
+        => |part| {
+            let run = part.run;
+            let model = part.sample().map(|k| Identified::at(run.scenario, run.settings(), run.estimates, k));
+            let fit = model.zip(part.sensor).and_then(|(model, sensor)| {
+                model.run(run.record, part.range_of_record()).fit(run.record, sensor)
+            });
+            number(fit.map(|fit| fit.rms))
+        };
 
-    ONE_STEP = row("one_step", "one-step error of @", ValueKind::Size, Of::Sensor(None), |part| {
-        let record = part.run.record;
-        let sensor = record.sensors().iter().position(|sensor| Some(*sensor) == part.sensor);
-        let fit = sensor.and_then(|sensor| one_step(part.run.estimates, record, sensor, part.range_of_record()));
-        number(fit.map(|fit| fit.rms))
-    })
-    .best(Best::Smallest);
+    ONE_STEP = row("one_step", "one-step error of @", ValueKind::Size, Of::Sensor(None))
+        .best(Best::Smallest)
+        => |part| {
+            let record = part.run.record;
+            let sensor = record.sensors().iter().position(|sensor| Some(*sensor) == part.sensor);
+            let fit = sensor.and_then(|sensor| one_step(part.run.estimates, record, sensor, part.range_of_record()));
+            number(fit.map(|fit| fit.rms))
+        };
 
-    LEARNT_NOISE = row("learnt_noise", "learnt σ of @ over the true one", ValueKind::Ratio, Of::Sensor(PURE), |part| {
-        let learnt = part.sample().and_then(|k| part.learnt_noise(k));
-        number(learnt.zip(part.true_noise()).map(|([std, _], truth)| std / truth))
-    })
-    .best(Best::One)
-    .with_truth();
+    LEARNT_NOISE = row("learnt_noise", "learnt σ of @ over the true one", ValueKind::Ratio, Of::Sensor(PURE))
+        .best(Best::One)
+        .with_truth()
+        => |part| {
+            let learnt = part.sample().and_then(|k| part.learnt_noise(k));
+            number(learnt.zip(part.true_noise()).map(|([std, _], truth)| std / truth))
+        };
 
     LEARNT_NOISE_STD = row(
-        "learnt_noise_std",
-        "uncertainty of the learnt σ of @, as a share of it",
-        ValueKind::Size,
-        Of::Sensor(PURE),
-        |part| number(part.sample().and_then(|k| part.learnt_noise(k)).map(|[std, spread]| spread / std)),
-    );
+            "learnt_noise_std",
+            "uncertainty of the learnt σ of @, as a share of it",
+            ValueKind::Size,
+            Of::Sensor(PURE),
+        )
+        => |part| number(part.sample().and_then(|k| part.learnt_noise(k)).map(|[std, spread]| spread / std));
 
     LEARNT_NOISE_COVERAGE = row(
-        "learnt_noise_coverage",
-        "share of the true σ of @ inside ±2σ of the learnt one",
-        ValueKind::Share,
-        Of::Sensor(PURE),
-        |part| number(coverage_of_learnt_noise(part)),
-    )
-    .best(Best::At(EXPECTED_INSIDE))
-    .with_truth();
+            "learnt_noise_coverage",
+            "share of the true σ of @ inside ±2σ of the learnt one",
+            ValueKind::Share,
+            Of::Sensor(PURE),
+        )
+        .best(Best::At(EXPECTED_INSIDE))
+        .with_truth()
+        => |part| number(coverage_of_learnt_noise(part));
 }
 
 fn number(number: impl Into<Option<f64>>) -> Value {
