@@ -29,7 +29,7 @@ pub(crate) fn offered(scenario: &Scenario, record: &Record) -> Vec<Measure> {
     let sensors: Vec<Quantity> = scenario.sensors.iter().map(|sensor| sensor.measures).collect();
     let is_offered = |measure: &Measure| {
         let has_truth = || measure.channel().map_or(channels.iter().any(|channel| is_known(*channel)), is_known);
-        !measure.info().needs_others && (!measure.info().needs_truth || has_truth())
+        !measure.info().is_special && (!measure.info().needs_truth || has_truth())
     };
     let mut offered: Vec<Measure> = Measure::all(&channels, &sensors).into_iter().filter(is_offered).collect();
     sort_short_by_key(&mut offered, |measure| {

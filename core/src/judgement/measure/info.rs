@@ -17,6 +17,8 @@ pub struct MeasureInfo {
     pub needs_truth: bool,
     /// Whether it needs the other filters of the run.
     pub needs_others: bool,
+    /// Whether it is for tables and lessons, and in no menu of a map.
+    pub is_special: bool,
     pub(super) of: Of,
     /// From the sums of a whole run, where they are enough.
     pub(super) whole: Option<fn(&Sums<'_>) -> f64>,
@@ -99,7 +101,17 @@ pub(super) enum Of {
 }
 
 pub(super) const fn row(word: &'static str, name: &'static str, kind: ValueKind, of: Of) -> MeasureInfo {
-    MeasureInfo { word, name, kind, best: Best::None, needs_truth: false, needs_others: false, of, whole: None }
+    MeasureInfo {
+        word,
+        name,
+        kind,
+        best: Best::None,
+        needs_truth: false,
+        needs_others: false,
+        is_special: false,
+        of,
+        whole: None,
+    }
 }
 
 impl MeasureInfo {
@@ -113,6 +125,10 @@ impl MeasureInfo {
 
     pub(super) const fn with_others(self) -> Self {
         Self { needs_others: true, ..self }
+    }
+
+    pub(super) const fn special(self) -> Self {
+        Self { is_special: true, ..self }
     }
 
     pub(super) const fn with_sums(self, whole: fn(&Sums<'_>) -> f64) -> Self {

@@ -63,6 +63,7 @@ measures! {
             Of::Filter,
         )
         .best(Best::Largest)
+        .special()
         => |part| {
             let (sum, samples) = log_likelihood(part);
             number(sum / f64::from(samples))
@@ -86,6 +87,7 @@ measures! {
         };
 
     REMARK = row("remark", "remarks", ValueKind::Words, Of::Filter)
+        .special()
         => |part| {
             let mut keys: Vec<_> = part.run.estimates.remarks().iter().map(|remark| remark.what.key()).collect();
             keys.dedup();
@@ -102,9 +104,11 @@ measures! {
     PROBABILITY = row("probability", "probability among the filters", ValueKind::Share, Of::Filter)
         .best(Best::Largest)
         .with_others()
+        .special()
         => |part| number(probability(part));
 
     EVALUATIONS = row("evaluations", "evaluations of the rate per step", ValueKind::Size, Of::Filter)
+        .special()
         => |part| number(evaluations(part.run.settings(), part.run.scenario.plant.kind));
 
     ERROR = row("error", "last error of @", ValueKind::Error, Of::Channel(None))
@@ -125,6 +129,7 @@ measures! {
     MEAN_ERROR = row("mean_error", "size of the mean error of @", ValueKind::Size, Of::Channel(None))
         .best(Best::Smallest)
         .with_truth()
+        .special()
         => |part| number(part.errors(part.range()).map(|errors| mean(errors.iter().map(|[error, _]| *error)).abs()));
 
     ERROR_IN_STD = row("error_in_std", "RMS error of @ in σ", ValueKind::Ratio, Of::Channel(PURE))
@@ -144,6 +149,7 @@ measures! {
         )
         .best(Best::Smallest)
         .with_truth()
+        .special()
         => |part| number(part.tally().zip(part.sensor_noise_of_channel()).map(|(tally, noise)| tally.rmse() / noise));
 
     ESTIMATE = row("estimate", "last estimate of @", ValueKind::Signed, Of::Channel(None))
@@ -151,6 +157,7 @@ measures! {
         => |part| number(part.sample().zip(part.place()).map(|(k, place)| part.run.estimates.canonical_mean(k, place)));
 
     RAW_ESTIMATE = row("raw_estimate", "last estimate of @, mirrored or not", ValueKind::Signed, Of::Channel(None))
+        .special()
         => |part| number(part.sample().zip(part.place()).map(|(k, place)| part.run.estimates.mean(k)[place]));
 
     STD = row("std", "last σ of @", ValueKind::Size, Of::Channel(None))
@@ -184,6 +191,7 @@ measures! {
         => |part| number(part.tally().map(ErrorSums::coverage));
 
     GAIN = row("gain", "mean size of the gain of @", ValueKind::Size, Of::Gain)
+        .special()
         => |part| number(gain(part));
 
     FREE_RUN = row("free_run", "free-run error of @", ValueKind::Size, Of::Sensor(None))
@@ -209,6 +217,7 @@ measures! {
     LEARNT_NOISE = row("learnt_noise", "learnt σ of @ over the true one", ValueKind::Ratio, Of::Sensor(PURE))
         .best(Best::One)
         .with_truth()
+        .special()
         => |part| {
             let learnt = part.sample().and_then(|k| part.learnt_noise(k));
             number(learnt.zip(part.true_noise()).map(|([std, _], truth)| std / truth))
@@ -220,6 +229,7 @@ measures! {
             ValueKind::Size,
             Of::Sensor(PURE),
         )
+        .special()
         => |part| number(part.sample().and_then(|k| part.learnt_noise(k)).map(|[std, spread]| spread / std));
 
     LEARNT_NOISE_COVERAGE = row(
@@ -230,6 +240,7 @@ measures! {
         )
         .best(Best::At(EXPECTED_INSIDE))
         .with_truth()
+        .special()
         => |part| number(coverage_of_learnt_noise(part));
 }
 
