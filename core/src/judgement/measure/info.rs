@@ -135,7 +135,7 @@ impl MeasureInfo {
         Self { whole: Some(whole), ..self }
     }
 
-    /// Whether its value is a number, or can be written as one: [`Value::number`].
+    /// Whether its value is a number, or can be written as one ([`Value::number`](crate::Value::number)).
     pub fn is_number(&self) -> bool {
         self.kind != ValueKind::Words
     }

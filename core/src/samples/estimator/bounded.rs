@@ -8,7 +8,7 @@
 //! on from its own belief. So what is told is exact where that is: a constant with a normal prior that is cut at the ends has the
 //! normal posterior, cut there. If the filter went on from what is told, the same end would count anew at each sample.
 //!
-//! Source: Simon (2010), Kalman filtering with state constraints: a survey of linear and nonlinear algorithms, section 2.5.
+//! Source: Simon (2010), Kalman filtering with state constraints: a survey of linear and nonlinear algorithms.
 
 use super::Estimator;
 use crate::mathematics::truncated_normal::truncated;
