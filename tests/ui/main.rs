@@ -25,6 +25,7 @@ mod share;
 mod shelf;
 mod sizes;
 mod story;
+mod streams;
 mod thumb;
 mod trials;
 mod tune;

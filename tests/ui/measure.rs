@@ -5,17 +5,16 @@ use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::rc::Rc;
 
-use kalmanscope::sensor::{Acceleration, Happened, Reading as _, Readings, Sensor, Sensors, Sound};
-use kalmanscope_core::{Run, Scenario};
+use kalmanscope::sensor::{Acceleration, Reading as _, Readings, Sensor, Sensors, Sound};
 
 use super::files::drop_file;
 use super::*;
 
 /// A device that is played by the test.
-struct Device<T>(RefCell<Option<Readings<T>>>);
+pub(crate) struct Device<T>(pub(crate) RefCell<Option<Readings<T>>>);
 
 impl<T> Device<T> {
-    fn new() -> Rc<Self> {
+    pub(crate) fn new() -> Rc<Self> {
         Rc::new(Self(RefCell::default()))
     }
 }
@@ -41,7 +40,7 @@ fn measuring(size: Vec2) -> (Screen, Rc<Device<Acceleration>>) {
 }
 
 /// A screen with the window of a measurement.
-fn with_sensors(size: Vec2, sensors: Sensors) -> Screen {
+pub(crate) fn with_sensors(size: Vec2, sensors: Sensors) -> Screen {
     let mut screen = Harness::builder().with_size(size).with_theme(Theme::Light).with_step_dt(1.0 / 60.0).build_eframe(
         move |creation| App::new(creation).expect("the default scenario can be run").measuring_with(sensors),
     );
@@ -140,172 +139,6 @@ fn filters_are_watched_while_it_swings() {
         screen.run_steps(30);
         assert!(screen.state().session().is_measured());
     }
-}
-
-/// A screen that follows the sensors of a scenario.
-fn following(scenario: &Scenario) -> (Screen, Rc<Device<Happened>>) {
-    let device = Device::new();
-    let stream: (Rc<dyn Sensor<Happened>>, _) = (Rc::clone(&device) as Rc<_>, Rc::new(scenario.clone()));
-    let sensors = Sensors { stream: Some(stream), ..Sensors::default() };
-    let mut screen =
-        Harness::builder().with_size(DESKTOP).with_theme(Theme::Light).with_step_dt(1.0 / 60.0).build_eframe(
-            move |creation| {
-                let mut app = App::new(creation).expect("the default scenario can be run").measuring_with(sensors);
-                app.watch(&creation.egui_ctx);
-                app
-            },
-        );
-    screen.state_mut().session_mut().set_budget(Budget::Unlimited);
-    screen.run_steps(3);
-    screen.get_by_label_contains("Waiting for readings");
-    (screen, device)
-}
-
-/// In the clock of the readings: what a frame takes to compute and to draw comes on top, as the benchmark of frames tells.
-#[test]
-fn a_reading_is_on_screen_in_the_frame_in_which_it_comes() {
-    for (rate, hold) in [(60, Hold::Zero), (100, Hold::First), (400, Hold::Zero)] {
-        let hold = if hold == Hold::First { "first" } else { "zero" };
-        let dt = 1.0 / f64::from(rate);
-        let text =
-            format!("dt = {dt}\nduration = 8.0\nhold = \"{hold}\"\n[[filters]]\nname = \"one\"\nkind = \"ekf\"\n");
-        let scenario = Scenario::from_toml(&text).expect("it is a scenario");
-        let record = kalmanscope_core::simulate(&scenario);
-        let (mut screen, device) = following(&scenario);
-        let readings = device.0.borrow().clone().expect("it has begun");
-        let mut told = 0;
-        for frame in 0..480 {
-            let now = f64::from(frame) / 60.0;
-            while told < record.len() && record.time(told) <= now {
-                let measured = vec![record.measured(0)[told], record.measured(1)[told]];
-                let (time, input) = (record.time(told), record.input()[told]);
-                readings.put(&[Happened { time, input, readings: measured }], &screen.ctx);
-                told += 1;
-            }
-            screen.run_steps(1);
-            let session = screen.state().session();
-            if frame > 120 {
-                let shown = session.time() - session.run().record().time_of(0);
-                let late = record.time(told - 1) - shown;
-                assert!(late <= dt + 1e-9, "{rate} Hz: {late} s late at {now} s");
-            }
-        }
-    }
-}
-
-/// A socket of this device tells the readings of the scenario on screen.
-#[test]
-fn the_scenario_on_screen_follows_a_socket() {
-    for size in [DESKTOP, PHONE] {
-        let device: Rc<Device<Happened>> = Device::new();
-        let asked = Rc::new(std::cell::Cell::new((0, 0.0)));
-        let connect = {
-            let (device, asked) = (Rc::clone(&device), Rc::clone(&asked));
-            Rc::new(move |scenario: &Scenario, port: u16| {
-                asked.set((port, scenario.dt));
-                Rc::clone(&device) as Rc<dyn Sensor<Happened>>
-            })
-        };
-        let microphone: Rc<Device<f32>> = Device::new();
-        let (socket, microphone) = (Some(connect as kalmanscope::sensor::Connect), Some(microphone as Rc<_>));
-        let mut screen = with_sensors(size, Sensors { socket, microphone, ..Sensors::default() });
-        click(&mut screen, "A socket");
-        screen.run_steps(2);
-        screen.get_by_label_contains("Known columns: t, force, displacement, velocity");
-        click(&mut screen, "Connect");
-        screen.run_steps(3);
-        assert_eq!(asked.get(), (8765, 0.01));
-        screen.get_by_label_contains("Waiting for readings … Nothing is there.");
-        let scenario = Scenario { duration: 20.0, ..Scenario::default() };
-        let record = kalmanscope_core::simulate(&scenario);
-        let readings = device.0.borrow().clone().expect("it has begun");
-        for k in 0..record.len() {
-            let measured = vec![record.measured(0)[k], record.measured(1)[k]];
-            readings
-                .put(&[Happened { time: 0.01 * k as f64, input: record.input()[k], readings: measured }], &screen.ctx);
-        }
-        screen.run_steps(10);
-        assert!(screen.state().session().is_live());
-        let estimates = &screen.state().session().run().estimates()[0];
-        assert!(
-            (estimates.mean(estimates.len() - 1)[2] - 6.0).abs() < 0.3,
-            "{}",
-            estimates.mean(estimates.len() - 1)[2]
-        );
-        readings.end(&screen.ctx);
-        screen.run_steps(3);
-        screen.get_by_label_contains("The source has ended.");
-        click(&mut screen, "Stop");
-        screen.run_steps(3);
-        assert!(device.0.borrow().is_none(), "it is closed");
-        // Nobody answers.
-        click(&mut screen, "Scenario");
-        click(&mut screen, "Measure with this device…");
-        screen.run_steps(2);
-        click(&mut screen, "A socket");
-        click(&mut screen, "Connect");
-        screen.run_steps(2);
-        let readings = device.0.borrow().clone().expect("it has begun");
-        readings.refuse("Nothing answers at ws://localhost:8765".to_owned(), &screen.ctx);
-        screen.run_steps(3);
-        screen.get_by_label_contains("Nothing answers at ws://localhost:8765.");
-        click(&mut screen, "Close");
-    }
-}
-
-/// The sensors of a scenario, with clocks of their own and an input, are followed from the first reading on.
-#[test]
-fn the_sensors_of_a_scenario_are_followed_while_they_are_read() {
-    let text = "dt = 0.01\nduration = 40.0\nhold = \"first\"\n[[filters]]\nname = \"one\"\nkind = \"ekf\"\n";
-    let scenario = Scenario::from_toml(text).expect("it is a scenario");
-    let record = kalmanscope_core::simulate(&scenario);
-    let (mut screen, device) = following(&scenario);
-    let readings = device.0.borrow().clone().expect("it has begun");
-    let tell = |screen: &mut Screen, from: usize, until: usize| {
-        for k in from..until {
-            let happened = Happened {
-                time: 3.0 + record.time(k),
-                input: record.input()[k],
-                readings: vec![record.measured(0)[k], record.measured(1)[k]],
-            };
-            readings.put(&[happened], &screen.ctx);
-            if k % 10 == 0 {
-                screen.run_steps(1);
-            }
-        }
-        screen.run_steps(3);
-    };
-    tell(&mut screen, 0, 1000);
-    screen.get_by_label_contains("100.0 readings a second");
-    assert!(screen.state().session().is_live());
-    tell(&mut screen, 1000, 2000);
-    let session = screen.state().session();
-    assert!((session.time() - 19.9).abs() < 0.2, "{} s", session.time());
-    let sample = session.run().done() - 1;
-    let mut whole = Run::new(&scenario).expect("it can be run");
-    whole.advance_to(sample + 1);
-    let numbers = |run: &Run, sample: usize| [0, 1].map(|place| run.estimates()[0].canonical_mean(sample, place));
-    let (followed, simulated) = (numbers(session.run(), sample), numbers(&whole, sample));
-    assert!((followed[0] - simulated[0]).abs() < 1e-9, "{followed:?} for {simulated:?}");
-    // A reading that goes back is refused in a sentence, and nothing else changes.
-    readings.put(&[Happened { time: 5.0, input: 0.0, readings: vec![1e9, 1e9] }], &screen.ctx);
-    screen.run_steps(3);
-    screen.get_by_label_contains("it comes too late");
-    readings.end(&screen.ctx);
-    screen.run_steps(3);
-    screen.get_by_label_contains("The source has ended.");
-    assert!(screen.state().session().is_live(), "what was read stays on screen");
-    let sample = screen.state().session().run().done() - 1;
-    let followed = numbers(screen.state().session().run(), sample);
-    click(&mut screen, "Stop");
-    screen.run_steps(20);
-    let session = screen.state().session();
-    assert!(!session.is_live() && session.is_measured() && session.problem().is_none());
-    let mapping = session.scenario().record.as_ref().expect("it is a record");
-    assert_eq!((mapping.file.as_str(), mapping.hash.is_empty()), ("measured.csv", false));
-    assert_eq!(session.scenario().filters[0].name, "one");
-    assert!(numbers(session.run(), sample) == followed, "the filters and the record are the same");
-    assert!(device.0.borrow().is_none(), "it has stopped");
 }
 
 /// White noise from -1/2 to 1/2. Source: Steele, Lea and Flood (2014), Fast splittable pseudorandom number generators (its mix).
