@@ -55,7 +55,7 @@ trait Instrument {
     /// What to do, in sentences.
     fn directions(&self) -> &'static [&'static str];
 
-    /// What has to be set before it begins.
+    /// Shows the numbers that the user sets before it begins.
     fn settings_ui(&mut self, _: &mut Ui) {}
 
     /// Whether the filters are watched from the beginning.

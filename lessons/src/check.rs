@@ -88,7 +88,7 @@ impl Check {
         }
     }
 
-    /// The measure, of the channel and the sensor. `None` if it needs one that is not given.
+    /// The measure with its channel and its sensor. `None` if it needs one of them and the check does not give it.
     pub(crate) fn whole_measure(&self) -> Option<Measure> {
         Measure::new(self.measure, self.channel, self.sensor)
     }

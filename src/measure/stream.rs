@@ -7,7 +7,6 @@ use egui::{Context, Ui};
 use kalmanscope_core::import::Mapping;
 use kalmanscope_core::record::{LiveError, LiveRecord};
 use kalmanscope_core::{Quantity, Record, Scenario};
-
 use kalmanscope_sources::Lines;
 
 use super::live::NAME;

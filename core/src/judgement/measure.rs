@@ -1,4 +1,4 @@
-//! Measures: what one can ask of a filter's run, by a word.
+//! Measures: numbers, words and flags about a filter's run, each with a word as its name.
 
 mod info;
 mod observed;
@@ -184,7 +184,7 @@ impl Measure {
         self.info().whole.map_or(f64::NAN, |of| of(&whole.of(self)))
     }
 
-    /// What a run has at these times, from all its estimates. A number that does not exist is NaN.
+    /// Computes the value over a part of a run, from all its estimates. A number that does not exist is NaN.
     pub fn of(self, run: &Observed<'_>, times: Times) -> Value {
         rows::within(self.info(), &run.at(self, times))
     }

@@ -149,7 +149,7 @@ process_std = { displacement = 0.0, velocity = 0.0, natural_frequency = 0.0, dam
 sensor_std = [0.02]
 "#;
 
-/// What a filter with bounds tells is near the posterior, and the belief without its share beyond the ends is the prior.
+/// A filter with bounds tells nearly what the posterior says. The prior is the initial belief, cut at the ends.
 #[test]
 fn bounds_are_those_of_the_posterior() {
     let mut scenario = Scenario { duration: 10.0, ..scenario(PlantKind::SDOF, FilterKind::UKF, 11) };

@@ -2,7 +2,7 @@
 
 use egui::{ComboBox, Grid, Ui, vec2};
 use kalmanscope_core::setting::Address;
-use kalmanscope_core::{Axis, Scenario, Spacing};
+use kalmanscope_core::{Axis, Measure, Scenario, Spacing};
 
 use crate::controls::number::field;
 use crate::laboratory::{Choice, Laboratory, MOST, Survey, candidates, collide, offered, part_of, setting_name};
@@ -71,7 +71,7 @@ fn axis_ui(ui: &mut Ui, choice: &mut Choice, at: usize, part: &Scenario, keys: &
     });
 }
 
-fn measure_ui(ui: &mut Ui, choice: &mut Choice, offered: &[kalmanscope_core::Measure]) {
+fn measure_ui(ui: &mut Ui, choice: &mut Choice, offered: &[Measure]) {
     combo(ui, "Score", choice.measure.name(), 150.0, |ui| {
         for measure in offered {
             ui.selectable_value(&mut choice.measure, *measure, measure.name());

@@ -15,11 +15,11 @@ const PURE: Option<&str> = Some("");
 /// The share of samples inside ±2σ that a filter with the right σ has.
 const EXPECTED_INSIDE: f64 = 0.954;
 
-/// What a part of a run has of a measure.
+/// Computes the value of a measure over a part of a run.
 type Within = fn(&Part<'_>) -> Value;
 
-/// The statics of the rows, [`ALL`] of them in the order of tables, and in the same order what a part of a run has of each: apart,
-/// so that a program that has sums alone is smaller.
+/// Makes a static of each row, [`ALL`] of them in the order of tables, and in the same order the functions that compute them from all
+/// estimates. Those stand apart, so that a program that has sums alone does not contain them.
 macro_rules! measures {
     ($($name:ident = $row:expr => $within:expr;)*) => {
         $(pub(super) static $name: MeasureInfo = $row;)*
@@ -28,7 +28,7 @@ macro_rules! measures {
     };
 }
 
-/// What a part of a run has of a measure.
+/// Computes the value of a measure over a part of a run.
 pub(super) fn within(info: &MeasureInfo, part: &Part<'_>) -> Value {
     let place = ALL.iter().position(|other| other.word == info.word);
     place.map_or(Value::Number(f64::NAN), |place| WITHIN[place](part))

@@ -1,4 +1,4 @@
-//! What a filter tells where some channels have bounds: the moments of its belief between the ends.
+//! Bounds of channels: a filter reports the moments of its belief between the ends.
 //!
 //! ```text
 //! y ← y + k (μ - yᵢ),  P ← P + k (s² - Pᵢᵢ) kᵀ,  k = P eᵢ / Pᵢᵢ
@@ -26,14 +26,14 @@ pub(crate) struct Truncation {
 }
 
 impl Truncation {
-    /// That of some settings, over the channels of the filter.
+    /// The bounds in the settings of a filter that has these channels.
     pub(crate) fn of(settings: &FilterSettings, channels: &[Channel]) -> Self {
         let place = |channel| channels.iter().position(|other| *other == channel);
         let places = settings.bounds.iter().filter_map(|(channel, between)| Some((place(channel)?, between.ends())));
         Self { places: places.collect(), ..Self::default() }
     }
 
-    /// A mean and a covariance, truncated.
+    /// Truncates a mean and a covariance.
     pub(crate) fn apply<'a>(&'a mut self, mean: &'a [f64], cov: &'a [f64]) -> (&'a [f64], &'a [f64]) {
         if self.places.is_empty() {
             return (mean, cov);
@@ -69,7 +69,7 @@ impl Truncation {
     }
 }
 
-/// A filter that tells what is between the ends.
+/// A filter that reports its belief between the ends.
 pub(crate) struct Bounded {
     inner: Box<dyn Estimator>,
     truncation: Truncation,
@@ -92,7 +92,7 @@ impl Estimator for Bounded {
     }
 }
 
-/// A sink for truncated samples.
+/// Truncates samples, and hands them on to another sink.
 pub(crate) struct Truncating<'a> {
     pub(crate) truncation: &'a mut Truncation,
     pub(crate) sink: &'a mut dyn Sink,
