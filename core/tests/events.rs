@@ -75,16 +75,16 @@ fn one_common_clock_gives_the_estimates_of_a_run() {
 
 /// Something that a sensor told, with the time at which it came.
 #[derive(Clone, Debug)]
-struct Told {
-    time: f64,
-    came: f64,
-    input: f64,
-    readings: [f64; 2],
+pub(crate) struct Told {
+    pub(crate) time: f64,
+    pub(crate) came: f64,
+    pub(crate) input: f64,
+    pub(crate) readings: [f64; 2],
 }
 
 /// Sensors with clocks of their own, of a Kalman filter with known parameters: 100 Hz with a jitter of half a step, 7 Hz, and an input
 /// at 20 Hz. Times are multiples of a hundredth of dt. A fifth comes late by up to half a second.
-fn own_clocks(scenario: &Scenario, fine: &Record, seed: u64) -> Vec<Told> {
+pub(crate) fn own_clocks(scenario: &Scenario, fine: &Record, seed: u64) -> Vec<Told> {
     let mut random = Random::new(seed);
     let tick = scenario.dt / 100.0;
     let mut told = vec![Told { time: 0.0, came: 0.0, input: fine.input()[0], readings: [NONE; 2] }];
@@ -112,7 +112,7 @@ fn own_clocks(scenario: &Scenario, fine: &Record, seed: u64) -> Vec<Told> {
 }
 
 /// The same readings on a grid a hundred times finer, as a record in which most are missing.
-fn on_fine_grid(scenario: &Scenario, told: &[Told], len: usize) -> (Scenario, Record) {
+pub(crate) fn on_fine_grid(scenario: &Scenario, told: &[Told], len: usize) -> (Scenario, Record) {
     let tick = scenario.dt / 100.0;
     let mut fine = Scenario { dt: tick, duration: (len - 1) as f64 * tick, ..scenario.clone() };
     fine.filters[0].fading = scenario.filters[0].fading.powf(0.01);

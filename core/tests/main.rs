@@ -37,6 +37,7 @@ mod bank;
 mod book;
 mod bounded;
 mod causes;
+mod clocks;
 mod considered;
 mod decay;
 mod diagnosis;

@@ -1,11 +1,18 @@
 //! The input and the measurements, simulated or from a file.
 
+mod clocks;
 mod csv_file;
 mod error;
 mod live;
 
+pub(crate) use clocks::Parts;
+pub use clocks::{Clocks, ClocksError, Timed};
 pub use error::RecordError;
 pub use live::{LiveError, LiveRecord};
+
+use std::sync::Arc;
+
+use clocks::Course;
 
 use crate::{Channel, Hold, InputKind, Quantity};
 
@@ -13,6 +20,9 @@ use crate::{Channel, Hold, InputKind, Quantity};
 ///
 /// A run can forget its first samples ([`Run::forget`](crate::Run::forget)). Indices count from the first sample that
 /// is kept; only [`Self::time_of`] counts from the run's beginning.
+///
+/// A measured record can also have the [times that readings and input have](Clocks): filters then go from one to the next, and
+/// what the columns say at the samples is for plots, spectra and start values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Record {
     dt: f64,
@@ -25,6 +35,7 @@ pub struct Record {
     measured: Vec<Vec<f64>>,
     truth_channels: Vec<Channel>,
     truth: Vec<Vec<f64>>,
+    clocks: Option<Arc<Clocks>>,
 }
 
 /// The input of a record.
@@ -80,6 +91,23 @@ impl Record {
         Ok(Self { truth_channels, truth, ..self })
     }
 
+    /// The same record, with times of their own for its readings, and maybe for its input.
+    ///
+    /// A reading counts in the step in which it falls, and its column should tell at the end of that step what it was: a filter
+    /// reports the innovation there.
+    ///
+    /// # Errors
+    /// [`RecordError::Clocks`].
+    pub fn with_clocks(self, clocks: Clocks) -> Result<Self, RecordError> {
+        let clocks = clocks.checked(self.sensors.len())?;
+        Ok(Self { clocks: Some(Arc::new(clocks)), ..self })
+    }
+
+    /// The times that readings and input have, if they are not those of the samples.
+    pub fn clocks(&self) -> Option<&Clocks> {
+        self.clocks.as_deref()
+    }
+
     /// The same record, of which nothing is known but what was measured.
     #[must_use]
     pub fn without_truth(self) -> Self {
@@ -92,6 +120,9 @@ impl Record {
     pub fn with_measured(mut self, change: impl Fn(usize, usize, f64) -> f64) -> Self {
         for (sensor, column) in self.measured.iter_mut().enumerate() {
             column.iter_mut().enumerate().for_each(|(k, value)| *value = change(sensor, k, *value));
+        }
+        if let Some(clocks) = &mut self.clocks {
+            Arc::make_mut(clocks).change(change);
         }
         self
     }
@@ -118,14 +149,20 @@ impl Record {
     /// Changes every value of the input.
     pub(crate) fn change_input(&mut self, change: impl Fn(f64) -> f64) {
         self.input.iter_mut().for_each(|value| *value = change(*value));
+        if let Some(clocks) = &mut self.clocks {
+            Arc::make_mut(clocks).change_input(change);
+        }
     }
 
     /// Changes every measurement of a sensor.
     pub(crate) fn change_measured(&mut self, sensor: usize, change: impl Fn(f64) -> f64) {
         self.measured[sensor].iter_mut().for_each(|value| *value = change(*value));
+        if let Some(clocks) = &mut self.clocks {
+            Arc::make_mut(clocks).change(|of, _, value| if of == sensor { change(value) } else { value });
+        }
     }
 
-    /// The measurements of a sensor, to be changed.
+    /// The measurements of a sensor at the samples, to be changed. Readings at times of their own stay.
     pub(crate) fn measured_mut(&mut self, sensor: usize) -> &mut [f64] {
         &mut self.measured[sensor]
     }
@@ -143,6 +180,7 @@ impl Record {
             truth: self.truth.iter().map(cut).collect(),
             sensors: self.sensors.clone(),
             truth_channels: self.truth_channels.clone(),
+            clocks: self.clocks.as_ref().map(|clocks| Arc::new(clocks.part(samples.clone()))),
             ..*self
         }
     }
@@ -157,6 +195,7 @@ impl Record {
         of(self) == of(other)
             && self.sensors == other.sensors
             && self.truth_channels == other.truth_channels
+            && self.clocks == other.clocks
             && begins((&self.input, &other.input))
             && self.measured.iter().zip(&other.measured).all(begins)
             && self.truth.iter().zip(&other.truth).all(begins)
@@ -180,6 +219,7 @@ impl Record {
             sensors,
             truth: vec![Vec::new(); truth_channels.len()],
             truth_channels,
+            clocks: None,
         }
     }
 
@@ -212,6 +252,7 @@ impl Record {
             measured,
             truth_channels: _,
             truth,
+            clocks: _,
         } = self;
         *forgotten += samples;
         for column in std::iter::once(input).chain(measured).chain(truth) {
@@ -292,6 +333,16 @@ impl Record {
     pub fn delayed_force(&self, k: usize, delay: i32) -> f64 {
         let place = if delay < 0 { k + delay.unsigned_abs() as usize } else { k.saturating_sub(delay as usize) };
         self.force(place.min(self.len() - 1))
+    }
+
+    /// What happens in the step to sample `k`, of the sensors in these columns, where the plant feels the input `delay` samples after
+    /// it is recorded. Returns false if readings and input have the samples' times.
+    pub(crate) fn parts_to(&self, k: usize, delay: i32, columns: &[usize], into: &mut Parts) -> bool {
+        let Some(clocks) = &self.clocks else { return false };
+        let of_samples = [k - 1, k].map(|k| self.delayed_force(k, delay));
+        let course = Course { kind: self.kind, hold: self.hold, delay: f64::from(delay), of_samples };
+        clocks.to(k, columns, &course, into);
+        true
     }
 
     /// The measured quantities.

@@ -32,6 +32,7 @@ mod recursion;
 mod reported;
 pub mod robust;
 mod rule;
+pub(crate) mod share;
 mod sigma_points;
 mod square_root;
 mod step;

@@ -47,7 +47,8 @@ impl CramerRao {
         let sensors: Vec<Quantity> = scenario.sensors.iter().map(|s| s.measures).collect();
         let plant = scenario.plant.kind;
         let (input, hold) = (scenario.input, scenario.hold);
-        let context = FilterContext { plant, input, hold, sensors: &sensors, dt, seed: scenario.seed, stream: 0 };
+        let seed = scenario.seed;
+        let context = FilterContext { plant, input, hold, sensors: &sensors, dt, seed, stream: 0, is_timed: false };
         let channels = context.model(&settings).channels().to_vec();
         let recursion = with_model(&settings, &context, Start { settings: &settings, context })
             .unwrap_or_else(|| Box::new(DynamicBoundFilter::new(&settings, &context)));

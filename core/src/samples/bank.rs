@@ -1,6 +1,6 @@
 //! The filters of a scenario, side by side.
 
-use crate::samples::estimator::FilterContext;
+use crate::samples::estimator::{FilterContext, counts_in_samples};
 use crate::samples::run_error::sensor_places;
 use crate::samples::select::smoother;
 use crate::samples::smoother::Smoother;
@@ -13,6 +13,8 @@ pub(crate) struct Bank {
     quantities: Vec<Quantity>,
     /// The place of each of the scenario's sensors in the record.
     sensors: Vec<usize>,
+    /// The samples between two readings of each sensor, where they have times of their own.
+    apart: Option<Vec<usize>>,
     pub(crate) passes: Vec<Pass>,
     pub(crate) estimates: Vec<Estimates>,
 }
@@ -24,7 +26,11 @@ impl Bank {
         let sensors = sensor_places(scenario, record)?;
         let mut scenario = scenario.clone();
         scenario.number_filters();
-        Ok(Self { scenario, quantities, sensors, passes: Vec::new(), estimates: Vec::new() })
+        let apart = record.clocks().map(|clocks| {
+            let of = |&sensor: &usize| record.len() / clocks.readings[sensor].times.len().max(1);
+            sensors.iter().map(of).collect()
+        });
+        Ok(Self { scenario, quantities, sensors, apart, passes: Vec::new(), estimates: Vec::new() })
     }
 
     /// The scenario; each filter has a unique id.
@@ -32,8 +38,9 @@ impl Bank {
         &self.scenario
     }
 
-    fn context(&self, dt: f64, place: usize) -> FilterContext<'_> {
-        FilterContext::new(&self.scenario, &self.quantities, dt, &self.scenario.filters[place])
+    fn context(&self, record: &Record, place: usize) -> FilterContext<'_> {
+        let filter = &self.scenario.filters[place];
+        FilterContext::new(&self.scenario, &self.quantities, record.dt(), filter).over(record, filter)
     }
 
     /// Adds the scenario's next filter before the first sample. Reserves memory for `samples`, or reuses that of old
@@ -41,7 +48,7 @@ impl Bank {
     pub(crate) fn add(&mut self, record: &Record, samples: usize, spare: Option<Estimates>) {
         let place = self.passes.len();
         let filter = &self.scenario.filters[place];
-        let pass = Pass::later(filter, self.context(record.dt(), place), self.sensors.clone());
+        let pass = Pass::later(filter, self.context(record, place), self.sensors.clone());
         let mut estimates = self.empty(filter);
         estimates.recycle(spare, samples);
         self.passes.push(pass);
@@ -71,7 +78,11 @@ impl Bank {
     /// Empty estimates for a filter.
     fn empty(&self, filter: &FilterSettings) -> Estimates {
         let model = filter.model(self.scenario.plant.kind, self.scenario.input);
-        Estimates::new(filter, &model, self.quantities.clone())
+        let estimates = Estimates::new(filter, &model, self.quantities.clone());
+        match &self.apart {
+            Some(apart) => estimates.with_clocks(apart, counts_in_samples(filter)),
+            None => estimates,
+        }
     }
 
     /// The number of samples beyond its last one that a filter reads of the record, if it takes the record for late.
@@ -119,9 +130,9 @@ impl Bank {
     }
 
     /// The smoother of the filter at a place, if its settings ask for one and its kind has one.
-    pub(crate) fn smoother(&self, place: usize, dt: f64) -> Option<Box<dyn Smoother>> {
+    pub(crate) fn smoother(&self, place: usize, record: &Record) -> Option<Box<dyn Smoother>> {
         let filter = self.scenario.filters.get(place).filter(|filter| filter.smoother)?;
-        smoother(filter, self.context(dt, place))
+        smoother(filter, self.context(record, place))
     }
 
     /// Empty estimates for the smoother of the filter at a place. They have no innovations; those are the filter's.

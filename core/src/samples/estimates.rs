@@ -111,6 +111,11 @@ impl Estimates {
         }
     }
 
+    /// Empty estimates over readings with times of their own.
+    pub(crate) fn with_clocks(self, apart: &[usize], moved: Option<&'static str>) -> Self {
+        Self { monitor: self.monitor.with_clocks(apart, moved), ..self }
+    }
+
     /// Empty estimates of the filter's smoother.
     pub(crate) fn of_smoother(self) -> Self {
         Self { name: self.name + SMOOTHED, smoothed: true, weighs: false, learns: false, ..self }

@@ -11,9 +11,10 @@ pub(crate) mod kernel;
 pub(crate) mod setup;
 pub(crate) mod walk;
 
+use crate::data::record::Parts;
 use crate::mathematics::model::{Hold, InputKind, Model};
 use crate::samples::sink::Sink;
-use crate::{FilterError, FilterSettings, PlantKind, Quantity, Scenario};
+use crate::{Channel, FilterError, FilterSettings, PlantKind, Quantity, Record, Scenario};
 
 /// A filter that computes one sample at a time.
 pub(crate) trait Estimator: Send {
@@ -23,6 +24,25 @@ pub(crate) trait Estimator: Send {
     /// Predicts from the last sample with its force, updates with this sample's measurements, and reports the result.
     fn step(&mut self, force_before: f64, force: f64, measured: &[f64], sink: &mut dyn Sink)
     -> Result<(), FilterError>;
+
+    /// The same through the parts of a step, each with readings at its end. Only filters that [`counts_in_samples`] does not name are
+    /// built for it.
+    fn step_through(&mut self, _: &Parts, _: &mut dyn Sink) -> Result<(), FilterError> {
+        Err(FilterError::NotFinite)
+    }
+}
+
+/// What it is about some settings that counts in samples, so that the filter cannot go from one reading to the next: then the reading
+/// counts at the sample after it.
+pub(crate) fn counts_in_samples(settings: &FilterSettings) -> Option<&'static str> {
+    let such = [
+        (settings.kind.is_sampled(), "random members"),
+        (settings.adaptation.is_on(), "noise that it learns"),
+        (settings.jump, "jumps"),
+        (settings.walk > 0.0, "a bank"),
+        (settings.augment.contains(&Channel::WHITE_FORCE), "a white force"),
+    ];
+    such.into_iter().find_map(|(is, what)| is.then_some(what))
 }
 
 /// A filter that fails at the first sample, because its initial covariance has no root to draw samples with.
@@ -55,6 +75,8 @@ pub(crate) struct FilterContext<'a> {
     pub(crate) seed: u64,
     /// The number of the filter's random stream, from 0 on.
     pub(crate) stream: usize,
+    /// Whether it goes from one reading of the record to the next, at the times that they have.
+    pub(crate) is_timed: bool,
 }
 
 impl<'a> FilterContext<'a> {
@@ -63,13 +85,20 @@ impl<'a> FilterContext<'a> {
     pub(crate) fn new(scenario: &Scenario, sensors: &'a [Quantity], dt: f64, filter: &FilterSettings) -> Self {
         let Scenario { seed, plant, input, hold, .. } = scenario;
         let stream = filter.id.saturating_sub(1) as usize;
-        Self { plant: plant.kind, input: *input, hold: *hold, sensors, dt, seed: *seed, stream }
+        Self { plant: plant.kind, input: *input, hold: *hold, sensors, dt, seed: *seed, stream, is_timed: false }
+    }
+
+    /// The same over a record.
+    pub(crate) fn over(self, record: &Record, settings: &FilterSettings) -> Self {
+        let is_timed = record.clocks().is_some() && counts_in_samples(settings).is_none();
+        Self { is_timed, ..self }
     }
 
     /// The inputs on their own.
     pub(crate) fn kept(self, settings: &FilterSettings) -> Recipe {
-        let Self { plant, input, hold, sensors, dt, seed, stream } = self;
-        Recipe { settings: settings.clone(), plant, input, hold, sensors: sensors.to_vec(), dt, seed, stream }
+        let Self { plant, input, hold, sensors, dt, seed, stream, is_timed } = self;
+        let (settings, sensors) = (settings.clone(), sensors.to_vec());
+        Recipe { settings, plant, input, hold, sensors, dt, seed, stream, is_timed }
     }
 
     /// The model of a filter with these settings.
@@ -88,12 +117,13 @@ pub(crate) struct Recipe {
     dt: f64,
     seed: u64,
     stream: usize,
+    is_timed: bool,
 }
 
 impl Recipe {
     /// The settings, and the other inputs.
     pub(crate) fn parts(&self) -> (&FilterSettings, FilterContext<'_>) {
-        let &Self { ref settings, plant, input, hold, ref sensors, dt, seed, stream } = self;
-        (settings, FilterContext { plant, input, hold, sensors, dt, seed, stream })
+        let &Self { ref settings, plant, input, hold, ref sensors, dt, seed, stream, is_timed } = self;
+        (settings, FilterContext { plant, input, hold, sensors, dt, seed, stream, is_timed })
     }
 }

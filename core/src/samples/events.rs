@@ -1,20 +1,19 @@
 //! One filter of a scenario over readings that come at times of their own.
 
 mod error;
-mod share;
 mod timeline;
 
+use crate::mathematics::filter::share::Share;
 use crate::mathematics::filter::{Correction, Filter, FilterError, Gaussian};
 use crate::mathematics::linalg::Matrix;
-use crate::samples::estimator::FilterContext;
 use crate::samples::estimator::book::{self, InUnits};
 use crate::samples::estimator::bounded::{Truncating, Truncation};
+use crate::samples::estimator::{FilterContext, counts_in_samples};
 use crate::samples::sink::{LastSample, Sample};
 use crate::samples::smoother::adjoint::Adjoint;
 use crate::samples::smoother::forward::Passage;
 use crate::{Channel, FilterSettings, Pass, Quantity, Record, RunError, Scenario};
 
-use share::Share;
 use timeline::{Event, Timeline};
 
 pub use error::{EventError, EventSetupError};
@@ -100,15 +99,11 @@ impl EventFilter {
         let settings = scenario.filters.get(place).ok_or(RunError::NoFilter(place))?.clone();
         let look_ahead = Some(settings.look_ahead).filter(|seconds| settings.smoother && *seconds > 0.0);
         let refused = [
-            (settings.kind.is_sampled(), "random members"),
             (settings.guesses > 1, "several guesses"),
-            (settings.adaptation.is_on(), "noise that it learns"),
-            (settings.jump, "jumps"),
-            (settings.walk > 0.0, "a bank"),
-            (settings.augment.contains(&Channel::WHITE_FORCE), "a white force"),
             (look_ahead.is_some() && !settings.consider.is_empty(), "hindsight beside parameters that it considers"),
         ];
-        if let Some((_, what)) = refused.into_iter().find(|(is, _)| *is) {
+        let refused = refused.into_iter().find_map(|(is, what)| is.then_some(what));
+        if let Some(what) = counts_in_samples(&settings).or(refused) {
             return Err(EventSetupError::Setting(what));
         }
         let sensors: Vec<Quantity> = scenario.sensors.iter().map(|sensor| sensor.measures).collect();
@@ -341,26 +336,19 @@ impl EventFilter {
         let steps = time / self.scenario.dt;
         let parts = (steps - SAME).ceil().max(1.0);
         let is_whole = (steps / parts - 1.0).abs() <= SAME;
-        let (share, dt) = if is_whole { (1.0, self.scenario.dt) } else { (steps / parts, time / parts) };
+        let share = if is_whole { 1.0 } else { steps / parts };
         if steps <= 0.0 {
             return Ok(transition);
         }
-        self.noise.set(share, self.filter.noise());
-        let force = |k: f64| begin + (end - begin) * (k / parts);
-        let substeps = self.settings.substeps.max(1);
+        let force = |part: f64| begin + (end - begin) * (part / parts);
         for part in 0..parts as usize {
-            let (k, n) = (part as f64, substeps as f64);
-            for substep in 0..substeps {
-                let i = substep as f64;
-                let forces = [force(k + i / n), force(k + (i + 1.0) / n)];
-                let noise = self.noise.of(substep + 1 == substeps);
-                self.filter.predict_over(dt / n, forces, noise, |model, belief, step| {
-                    if let Some(transition) = &mut transition {
-                        *transition = belief.transition(model, step)? * &*transition;
-                    }
-                    Ok(())
-                })?;
-            }
+            let forces = [force(part as f64), force(part as f64 + 1.0)];
+            self.filter.predict_share(share, forces, &mut self.noise, |model, belief, step| {
+                if let Some(transition) = &mut transition {
+                    *transition = belief.transition(model, step)? * &*transition;
+                }
+                Ok(())
+            })?;
         }
         Ok(transition)
     }

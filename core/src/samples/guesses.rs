@@ -1,5 +1,6 @@
 //! Several filters side by side from guesses of the natural frequency that are far apart.
 
+use crate::data::record::Parts;
 use crate::samples::estimator::Estimator;
 use crate::samples::sink::{LastSample, Sink};
 use crate::{Channel, FilterError, FilterSettings};
@@ -93,11 +94,29 @@ impl Estimator for Guesses {
         measured: &[f64],
         sink: &mut dyn Sink,
     ) -> Result<(), FilterError> {
+        let is_measured = measured.iter().any(|value| !value.is_nan());
+        self.step_all(is_measured, sink, |member, sink| member.step(force_before, force, measured, sink))
+    }
+
+    fn step_through(&mut self, parts: &Parts, sink: &mut dyn Sink) -> Result<(), FilterError> {
+        let is_measured = parts.iter().any(|(_, readings)| readings.iter().any(|value| !value.is_nan()));
+        self.step_all(is_measured, sink, |member, sink| member.step_through(parts, sink))
+    }
+}
+
+impl Guesses {
+    /// Lets all filters take a step, and reports the likeliest.
+    fn step_all(
+        &mut self,
+        is_measured: bool,
+        sink: &mut dyn Sink,
+        step: impl Fn(&mut dyn Estimator, &mut dyn Sink) -> Result<(), FilterError>,
+    ) -> Result<(), FilterError> {
         let mut reason = FilterError::NotFinite;
         let wants_prior = sink.wants_prior();
         self.members.retain_mut(|member| {
             member.last.want_prior(wants_prior);
-            let step = member.estimator.step(force_before, force, measured, &mut member.last);
+            let step = step(&mut *member.estimator, &mut member.last);
             reason = step.err().unwrap_or(reason);
             let gained = member.last.sample().ln_likelihood();
             member.log_likelihood += if gained.is_nan() { 0.0 } else { gained };
@@ -108,7 +127,7 @@ impl Estimator for Guesses {
         let likeliest = (0..self.members.len()).rev().max_by(|a, b| likelihood(a).total_cmp(&likelihood(b)));
         self.leader = likeliest.ok_or(reason)?;
         sink.push(&self.members[self.leader].last.sample());
-        if measured.iter().any(|value| !value.is_nan()) {
+        if is_measured {
             self.measured += 1;
             if self.measured.is_multiple_of(LOOK) {
                 self.look();

@@ -1,5 +1,6 @@
 //! One filter over one record.
 
+use crate::data::record::Parts;
 use crate::mathematics::quantity::MAX_SENSORS;
 use crate::samples::estimator::{Estimator, Failed, FilterContext, Recipe};
 use crate::samples::run_error::sensor_places;
@@ -15,6 +16,8 @@ pub struct Pass {
     /// The column of the record for each of the scenario's sensors.
     sensors: Vec<usize>,
     input_delay: i32,
+    /// Memory for the parts of a step, of a filter that goes from one reading to the next.
+    parts: Option<Parts>,
     done: usize,
     stop: Option<Stop>,
     /// The next sample, if it has been computed ahead.
@@ -55,7 +58,7 @@ impl Pass {
         scenario.number_filters();
         let filter = &scenario.filters[place];
         let quantities: Vec<Quantity> = scenario.sensors.iter().map(|s| s.measures).collect();
-        let context = FilterContext::new(&scenario, &quantities, record.dt(), filter);
+        let context = FilterContext::new(&scenario, &quantities, record.dt(), filter).over(record, filter);
         Ok(Self::with(filter, context, sensors))
     }
 
@@ -73,22 +76,23 @@ impl Pass {
 
     pub(crate) fn with(settings: &FilterSettings, context: FilterContext<'_>, sensors: Vec<usize>) -> Self {
         let estimator = Some(select::estimator(settings, context));
-        Self::of(Built { recipe: None, estimator }, settings, sensors)
+        Self::of(Built { recipe: None, estimator }, settings, context.is_timed, sensors)
     }
 
     /// The same, but the filter is built with its first sample.
     pub(crate) fn later(settings: &FilterSettings, context: FilterContext<'_>, sensors: Vec<usize>) -> Self {
         let recipe = Some(Box::new(context.kept(settings)));
-        Self::of(Built { recipe, estimator: None }, settings, sensors)
+        Self::of(Built { recipe, estimator: None }, settings, context.is_timed, sensors)
     }
 
-    fn of(filter: Built, settings: &FilterSettings, sensors: Vec<usize>) -> Self {
-        Self { filter, sensors, input_delay: settings.input_delay, done: 0, stop: None, ahead: None }
+    fn of(filter: Built, settings: &FilterSettings, is_timed: bool, sensors: Vec<usize>) -> Self {
+        let parts = is_timed.then(Parts::default);
+        Self { filter, sensors, input_delay: settings.input_delay, parts, done: 0, stop: None, ahead: None }
     }
 
     /// A pass without a record, which does nothing.
     pub(crate) fn idle() -> Self {
-        Self { filter: Built::default(), sensors: Vec::new(), input_delay: 0, done: 0, stop: None, ahead: None }
+        Self::of(Built::default(), &FilterSettings::default(), false, Vec::new())
     }
 
     /// An empty history for the filter at `place` of a scenario, to be filled by a pass.
@@ -151,7 +155,7 @@ impl Pass {
     /// Computes until `samples` samples, counted from the record's beginning, are done, or to the end of the record. A
     /// filter that fails reports the reason to the sink and computes no further samples.
     pub fn follow(&mut self, record: &Record, samples: usize, sink: &mut dyn Sink) {
-        let Self { filter, sensors, input_delay, done, stop, ahead: _ } = self;
+        let Self { filter, sensors, input_delay, parts, done, stop, ahead: _ } = self;
         let force = |k: usize| record.delayed_force(k, *input_delay);
         let goal = samples.min(record.forgotten() + record.len()).max(*done);
         let mut measured = [f64::NAN; MAX_SENSORS];
@@ -168,10 +172,16 @@ impl Pass {
                 estimator.begin(sink)
             } else {
                 let k = sample - record.forgotten();
-                for (value, &sensor) in measured.iter_mut().zip(sensors.iter()) {
-                    *value = record.measured(sensor)[k];
+                if let Some(parts) = parts.as_mut()
+                    && record.parts_to(k, *input_delay, sensors, parts)
+                {
+                    estimator.step_through(parts, sink)
+                } else {
+                    for (value, &sensor) in measured.iter_mut().zip(sensors.iter()) {
+                        *value = record.measured(sensor)[k];
+                    }
+                    estimator.step(force(k - 1), force(k), measured, sink)
                 }
-                estimator.step(force(k - 1), force(k), measured, sink)
             };
             if let Err(reason) = step {
                 let at = Stop { sample, reason };

@@ -25,6 +25,9 @@ pub enum Trouble {
     /// The filter's plant lacks the quantity that the sensor measures.
     #[error("the filter's plant has no {}, so that its sensor is ignored", .0.key())]
     Unknown(Quantity),
+    /// The record's readings have times of their own, and this option counts in samples.
+    #[error("each reading counts at the sample after it, not at its own time, because the filter has {0}")]
+    Moved(&'static str),
     /// For ten measurements or more, one or two particles, or less than 2 % of them, have had nearly all the weight.
     #[error("the particles have collapsed: hardly any of them agrees with the measurements")]
     Collapse,
@@ -53,6 +56,7 @@ impl Trouble {
             Self::Indefinite(..) => "indefinite",
             Self::Missing(_) => "missing",
             Self::Unknown(_) => "unknown",
+            Self::Moved(_) => "moved",
             Self::Collapse => "collapse",
             Self::Widened => "widened",
             Self::VanishingSensorNoise(_) => "vanishing_sensor_noise",
@@ -86,6 +90,9 @@ const PRODUCT_LIMIT: f64 = 1e150;
 /// The number of successive samples that make a remark.
 const LASTING: usize = 10;
 
+/// A sensor that measures seldom is silent after so many times its usual gap.
+const SILENT: usize = 3;
+
 /// Limits the number of samples between two occurrences that belong to one remark.
 const PAUSE: usize = 50;
 
@@ -102,6 +109,8 @@ pub(crate) struct Monitor {
     suspicious: Vec<f64>,
     /// The number of samples for which each sensor has had no measurement.
     silent: [usize; MAX_SENSORS],
+    /// The number of samples without a measurement after which a sensor is silent.
+    lasting: [usize; MAX_SENSORS],
     any_silent: bool,
     fewest_particles: f64,
     collapsed: usize,
@@ -135,12 +144,22 @@ impl Monitor {
             suspicious: limits.iter().map(|limit| limit.min(PRODUCT_LIMIT)).collect(),
             limits,
             silent: [0; MAX_SENSORS],
+            lasting: [LASTING; MAX_SENSORS],
             any_silent: false,
             fewest_particles: (0.02 * particles as f64).max(2.0),
             collapsed: 0,
             initial_noise: None,
             remarks: Vec::new(),
         }
+    }
+
+    /// The same over readings with times of their own: `apart` tells for each sensor how many samples lie between two of them. `moved`
+    /// names the option for which they count at samples.
+    pub(crate) fn with_clocks(mut self, apart: &[usize], moved: Option<&'static str>) -> Self {
+        let lasting = apart.iter().map(|apart| LASTING.max(SILENT * apart));
+        self.lasting.iter_mut().zip(lasting).for_each(|(own, lasting)| *own = lasting);
+        self.remarks.extend(moved.map(|what| Remark { what: Trouble::Moved(what), sample: 0, last: 0 }));
+        self
     }
 
     pub(crate) fn remarks(&self) -> &[Remark] {
@@ -221,7 +240,7 @@ impl Monitor {
             let (sensor, silent) = (self.sensors[place], self.silent[place]);
             if !self.known[place] {
                 self.note(Trouble::Unknown(sensor), k, k);
-            } else if silent >= LASTING {
+            } else if silent >= self.lasting[place] {
                 self.note(Trouble::Missing(sensor), k + 1 - silent, k);
             }
         }

@@ -249,7 +249,7 @@ impl Run {
         let of = |place: usize| {
             let wants = self.scenario().filters[place].smoother;
             let mut smoothed = wants.then(|| self.bank.smoothed(place))?;
-            if let Some(mut smoother) = self.bank.smoother(place, record.dt()) {
+            if let Some(mut smoother) = self.bank.smoother(place, record) {
                 while !smoother.advance(record, self.done, is_whole, usize::MAX, &mut smoothed) {}
             }
             Some(smoothed)

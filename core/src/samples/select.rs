@@ -28,6 +28,9 @@ pub(crate) fn estimator(settings: &FilterSettings, context: FilterContext<'_>) -
 /// Builds the filter of one guess: a bank where its parameters may walk; else a tuned kernel if there is one, else the engine's,
 /// else the reference filter.
 fn single(settings: &FilterSettings, context: FilterContext<'_>) -> Box<dyn Estimator> {
+    if context.is_timed {
+        return book::estimator(settings, &context);
+    }
     if settings.walk > 0.0 {
         return walk::estimator(settings, &context);
     }

@@ -38,7 +38,7 @@ pub fn smoothed(scenario: &Scenario, place: usize, record: &Record) -> Result<Es
     }
     let bank = Bank::new(&scenario, record)?;
     let mut estimates = bank.smoothed(place);
-    match bank.smoother(place, record.dt()) {
+    match bank.smoother(place, record) {
         Some(mut smoother) => while !smoother.advance(record, record.len(), true, usize::MAX, &mut estimates) {},
         // A filter that cannot begin says why at its first sample.
         None => Pass::new(&scenario, place, record)?.follow(record, 1, &mut estimates),

@@ -2,6 +2,8 @@
 
 use thiserror::Error;
 
+use super::ClocksError;
+
 /// The reason why columns or a file are not a record.
 #[derive(Debug, Error)]
 #[non_exhaustive]
@@ -72,6 +74,9 @@ pub enum RecordError {
     /// There are too few samples to determine the time between them.
     #[error("{0} sample(s), but at least 2 are needed")]
     TooShort(usize),
+    /// The times that readings have do not fit.
+    #[error(transparent)]
+    Clocks(#[from] ClocksError),
     /// The times do not increase.
     #[error("t must rise, but goes from {first} s to {last} s")]
     NotRising {

@@ -46,8 +46,7 @@ impl Smoothing {
             }
             let at = self.estimates.iter().position(|of| of.id() == filter.id).or_else(|| {
                 // A smoother needs the first sample.
-                (record.forgotten() == 0)
-                    .then(|| self.begin(bank.smoother(place, record.dt()), bank.smoothed(place), done))
+                (record.forgotten() == 0).then(|| self.begin(bank.smoother(place, record), bank.smoothed(place), done))
             });
             let Some(at) = at else { continue };
             let Some(smoother) = &mut self.smoothers[at] else { continue };

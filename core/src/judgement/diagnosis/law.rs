@@ -44,7 +44,7 @@ impl ForceInHindsight {
         let filter = scenario.filters.first()?;
         filter.augment.contains(&Channel::UNKNOWN_FORCE).then_some(())?;
         let quantities: Vec<Quantity> = scenario.sensors.iter().map(|sensor| sensor.measures).collect();
-        let context = FilterContext::new(scenario, &quantities, record.dt(), filter);
+        let context = FilterContext::new(scenario, &quantities, record.dt(), filter).over(record, filter);
         let smoother = select::whole_smoother(filter, context)?;
         let model = filter.model(scenario.plant.kind, scenario.input);
         let estimates = Estimates::new(filter, &model, Vec::new()).of_smoother();

@@ -93,7 +93,7 @@ impl Correction {
     }
 
     /// Makes it [`Self::nothing`], in the same memory where the sizes are the same.
-    pub(super) fn clear(&mut self, n: usize, m: usize) {
+    pub(crate) fn clear(&mut self, n: usize, m: usize) {
         if self.gain.shape() != (n, m) {
             *self = Self::nothing(n, m);
             return;
@@ -124,6 +124,28 @@ impl Correction {
         }
         self.take_squares(&kept);
         self.kept = kept;
+    }
+
+    /// Adds the effect of a later update within the same sample, which is independent of this one. A sensor that is in both is
+    /// reported as in the later one.
+    pub(crate) fn add(&mut self, later: &Self) {
+        let has = |correction: &Self, sensor: usize| !correction.innovation[sensor].is_nan();
+        let m = self.innovation.len();
+        let in_later = |sensor: &usize| has(later, *sensor);
+        for sensor in (0..m).filter(in_later) {
+            self.innovation[sensor] = later.innovation[sensor];
+            self.gain.set_column(sensor, &later.gain.column(sensor));
+            for other in 0..m {
+                let both = match (in_later(&other), has(self, other)) {
+                    (true, _) => later.innovation_cov[(sensor, other)],
+                    (false, true) => 0.0,
+                    (false, false) => f64::NAN,
+                };
+                (self.innovation_cov[(sensor, other)], self.innovation_cov[(other, sensor)]) = (both, both);
+            }
+        }
+        let kept: Vec<usize> = (0..m).filter(|&sensor| has(self, sensor)).collect();
+        self.take_squares(&kept);
     }
 
     /// NIS and det S of e and S as they are reported, over these sensors; NaN without any.

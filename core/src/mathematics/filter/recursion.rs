@@ -3,6 +3,7 @@
 use super::considered::Considered;
 use super::jump::Jump;
 use super::learning::Learning;
+use super::share::Share;
 use super::weighing::Weighing;
 use super::{Adaptation, Belief, Correction, FilterError, Matrix, Noise, Observation, Robust, Step, White};
 use crate::mathematics::model::{Hold, Model};
@@ -190,26 +191,37 @@ impl<B: Belief + ?Sized> Filter<B> {
         self.predict_by(forces, |_, _, _| Ok(()))
     }
 
-    /// Carries the belief over some time \[s\] with this noise, with the recorded forces over mass at both ends \[m/s²\]. It calls
-    /// `before` with model, belief and the step, before the step.
+    /// Carries the belief over a share of a step, of dt at most, with the recorded forces over mass at both ends \[m/s²\], and with its
+    /// share of the noise. It calls `before` with model, belief and the step, before each substep. A white force and jumps belong
+    /// to whole samples: it has none of them.
     ///
     /// # Errors
     /// Those of [`Self::predict`].
-    pub(crate) fn predict_over(
+    pub(crate) fn predict_share(
         &mut self,
-        dt: f64,
-        forces: [f64; 2],
-        noise: &Noise,
-        before: impl FnOnce(&Model, &mut B, Step) -> Result<(), FilterError>,
+        share: f64,
+        [begin, end]: [f64; 2],
+        of_share: &mut Share,
+        mut before: impl FnMut(&Model, &mut B, Step) -> Result<(), FilterError>,
     ) -> Result<(), FilterError> {
-        if !forces.iter().all(|force| force.is_finite()) {
+        if ![begin, end].iter().all(|force| force.is_finite()) {
             return Err(FilterError::UndefinedForce);
         }
-        let Self { model, belief, considered, hold, .. } = self;
-        let step = Step { forces, hold: *hold, dt };
-        before(model, belief, step)?;
-        belief.predict(model, step, noise)?;
-        considered.as_mut().map_or(Ok(()), |considered| considered.keep(&mut **belief, noise))
+        of_share.set(share, &self.noise);
+        let Self { model, belief, considered, hold, dt, substeps, .. } = self;
+        let (n, dt) = (*substeps as f64, share * *dt);
+        let force = |substep: f64| begin + (end - begin) * (substep / n);
+        for substep in 0..*substeps {
+            let i = substep as f64;
+            let step = Step { forces: [force(i), force(i + 1.0)], hold: *hold, dt: dt / n };
+            let noise = of_share.of(substep + 1 == *substeps);
+            before(model, belief, step)?;
+            belief.predict(model, step, noise)?;
+            if let Some(considered) = considered {
+                considered.keep(&mut **belief, noise)?;
+            }
+        }
+        Ok(())
     }
 
     /// [`Self::predict`], which calls `before` with model, belief and the next part of the step, before each part.

@@ -103,13 +103,14 @@ impl<P: Oscillator<N>, const N: usize> OscillatorFilter<P, N> {
         scenario.validate()?;
         let columns = sensor_places(scenario, record)?;
         let quantities: Vec<Quantity> = scenario.sensors.iter().map(|s| s.measures).collect();
-        let context = FilterContext::new(scenario, &quantities, record.dt(), settings);
+        let context = FilterContext::new(scenario, &quantities, record.dt(), settings).over(record, settings);
         let method = match settings.kind {
             kind if kind == FilterKind::UKF => Method::SigmaPoints,
             kind if kind == FilterKind::KF || kind == FilterKind::EKF => Method::Linearised,
             _ => return Ok(None),
         };
         let usual = settings.has_plain_update()
+            && !context.is_timed
             && settings.substeps == 1
             && (method == Method::SigmaPoints || settings.propagation == Propagation::LocalLinearisation)
             && serves(settings, &context);

@@ -1,5 +1,7 @@
 //! Builds a filter from its settings; it reports to its estimates.
 
+use crate::data::record::Parts;
+use crate::mathematics::filter::share::Share;
 use crate::mathematics::filter::{Belief, Correction, Filter, FilterError, Gaussian, Noise, White};
 use crate::mathematics::linalg::{Matrix, Vector, copy, fit_vector};
 use crate::mathematics::random::{Normal, Purpose};
@@ -14,11 +16,15 @@ struct Followed {
     in_units: InUnits,
     /// The belief before the update, if the sink wants it.
     prior: Gaussian,
+    /// The noise of parts of steps.
+    of_share: Share,
+    of_part: Correction,
+    weights: Vec<f64>,
 }
 
 impl Estimator for Followed {
     fn begin(&self, sink: &mut dyn Sink) -> Result<(), FilterError> {
-        let Self { filter, correction, in_units, prior: _ } = self;
+        let Self { filter, correction, in_units, .. } = self;
         let mut prior = sink.wants_prior().then(|| filter.belief().gaussian().into_owned());
         // An update checks that a belief is finite; nothing has checked the initial one.
         if !filter.noise().is_finite()
@@ -37,7 +43,7 @@ impl Estimator for Followed {
         measured: &[f64],
         sink: &mut dyn Sink,
     ) -> Result<(), FilterError> {
-        let Self { filter, correction, in_units, prior } = self;
+        let Self { filter, correction, in_units, prior, .. } = self;
         let wants_prior = sink.wants_prior();
         filter.predict([force_before, force])?;
         if wants_prior {
@@ -45,6 +51,38 @@ impl Estimator for Followed {
         }
         filter.update(force, measured, correction)?;
         report(filter, correction, wants_prior.then_some(prior), in_units, sink)
+    }
+
+    /// The belief before the update is that before the last reading.
+    fn step_through(&mut self, parts: &Parts, sink: &mut dyn Sink) -> Result<(), FilterError> {
+        let Self { filter, correction, in_units, prior, of_share, of_part, weights } = self;
+        let (n, m) = (filter.model().size(), filter.noise().sensors.len());
+        let mut has_prior = false;
+        correction.clear(n, m);
+        weights.clear();
+        weights.resize(filter.weights().len(), f64::NAN);
+        for (part, readings) in parts.iter() {
+            filter.predict_share(part.share, part.forces, of_share, |_, _, _| Ok(()))?;
+            let is_read = readings.iter().any(|reading| !reading.is_nan());
+            if is_read && sink.wants_prior() {
+                prior.copy_from(&filter.belief().gaussian());
+                has_prior = true;
+            }
+            filter.update(part.force, readings, of_part)?;
+            if is_read {
+                correction.add(of_part);
+                for (weight, own) in weights.iter_mut().zip(filter.weights()).filter(|(_, own)| !own.is_nan()) {
+                    *weight = *own;
+                }
+            }
+        }
+        let belief = filter.belief().gaussian();
+        if !has_prior {
+            prior.copy_from(&belief);
+        }
+        let model = filter.model();
+        let told = Told { model, belief: &belief, correction, noise: None, weights, has_widened: false };
+        push(&told, sink.wants_prior().then_some(prior), in_units, sink)
     }
 }
 
@@ -183,7 +221,9 @@ pub(crate) fn estimator(settings: &FilterSettings, context: &FilterContext<'_>) 
             let filter = if settings.jump { filter.with_jump() } else { filter };
             let correction = Correction::nothing(filter.model().size(), context.sensors.len());
             let prior = filter.belief().gaussian().into_owned();
-            Box::new(Followed { filter, correction, in_units: InUnits::default(), prior })
+            let of_share = Share::new(filter.noise().clone(), filter.model().size());
+            let (of_part, weights, in_units) = (correction.clone(), Vec::new(), InUnits::default());
+            Box::new(Followed { filter, correction, in_units, prior, of_share, of_part, weights })
         }
         // The initial covariance is diagonal: its root can fail only through a number that is not finite.
         Err(FilterError::NotFinite) => Box::new(Failed(FilterError::TooLarge)),

@@ -11,6 +11,7 @@
 //! Source: Simon (2010), Kalman filtering with state constraints: a survey of linear and nonlinear algorithms.
 
 use super::Estimator;
+use crate::data::record::Parts;
 use crate::mathematics::truncated_normal::truncated;
 use crate::samples::sink::{Sample, Sink};
 use crate::{Channel, FilterError, FilterSettings, Stop};
@@ -89,6 +90,11 @@ impl Estimator for Bounded {
     fn step(&mut self, before: f64, force: f64, measured: &[f64], sink: &mut dyn Sink) -> Result<(), FilterError> {
         let Self { inner, truncation } = self;
         inner.step(before, force, measured, &mut Truncating { truncation, sink })
+    }
+
+    fn step_through(&mut self, parts: &Parts, sink: &mut dyn Sink) -> Result<(), FilterError> {
+        let Self { inner, truncation } = self;
+        inner.step_through(parts, &mut Truncating { truncation, sink })
     }
 }
 

@@ -43,7 +43,8 @@ pub struct Setup {
 impl Setup {
     /// The filter at `place` of a scenario, if the engine serves it over a record: a KF, EKF, UKF or CKF of up to [`MOST`]
     /// components, with any augmentations, logarithms, weights, noise that is learnt and jumps, but one guess only, no
-    /// walk and nothing that it considers. Plain filters of an oscillator are left to lanes of their own.
+    /// walk and nothing that it considers, over readings at the samples' times. Plain filters of an oscillator are left to lanes of
+    /// their own.
     ///
     /// # Errors
     /// Those of [`Pass::new`](crate::Pass::new).
@@ -72,10 +73,10 @@ impl Setup {
         let settings = scenario.filters.get(place).ok_or(RunError::NoFilter(place))?;
         let columns = sensor_places(scenario, record)?;
         let quantities: Vec<Quantity> = scenario.sensors.iter().map(|s| s.measures).collect();
-        let context = FilterContext::new(scenario, &quantities, record.dt(), settings);
+        let context = FilterContext::new(scenario, &quantities, record.dt(), settings).over(record, settings);
         // The lanes of a square-root filter differ from the run alone where variances underflow.
         let goes_alone = settings.kind == FilterKind::SR_UKF;
-        if goes_alone || is_left(settings, &context) || !is_finite(record, &columns) {
+        if goes_alone || context.is_timed || is_left(settings, &context) || !is_finite(record, &columns) {
             return Ok(None);
         }
         Ok(Self::design(settings, &context, columns))

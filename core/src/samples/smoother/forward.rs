@@ -1,6 +1,8 @@
 //! A filter on its way forward, with all that a way back needs.
 
+use crate::data::record::Parts;
 use crate::mathematics::filter::correction::Last;
+use crate::mathematics::filter::share::Share;
 use crate::mathematics::filter::{Correction, Filter, FilterError, Gaussian, Part, kalman};
 use crate::mathematics::linalg::{Ldl, Matrix, Vector};
 use crate::samples::estimator::FilterContext;
@@ -17,7 +19,15 @@ pub(crate) struct Forward {
     correction: Correction,
     in_units: InUnits,
     truncation: Truncation,
+    /// Of a filter that goes from one reading to the next.
+    timed: Option<Timed>,
     is_begun: bool,
+}
+
+/// What a filter needs that goes from one reading to the next.
+struct Timed {
+    of_share: Share,
+    parts: Parts,
 }
 
 /// The passage of a filter from one sample to the next.
@@ -80,6 +90,10 @@ impl Forward {
         let truncation = Truncation::of(settings, filter.model().channels());
         Some(Self {
             truncation,
+            timed: context.is_timed.then(|| Timed {
+                of_share: Share::new(filter.noise().clone(), filter.model().size()),
+                parts: Parts::default(),
+            }),
             filter: if settings.jump { filter.with_jump() } else { filter },
             input_delay: settings.input_delay,
             sensors: context.sensors.to_vec(),
@@ -89,16 +103,51 @@ impl Forward {
         })
     }
 
-    /// The belief after the next sample, which is sample `k` of those that the record keeps, and the passage to it: `None` for
-    /// the first one, where the filter begins.
+    /// The belief after the next sample, which is sample `k` of those that the record keeps, and the passages to it, one after the
+    /// other: none for the first one, where the filter begins.
     ///
     /// # Errors
     /// Those of the filter.
-    pub(crate) fn filter(&mut self, record: &Record, k: usize) -> Result<(Gaussian, Option<Passage>), FilterError> {
-        let Self { filter, input_delay, sensors, correction, is_begun, .. } = self;
-        if !std::mem::replace(is_begun, true) {
-            return Ok((filter.belief().gaussian().into_owned(), None));
+    pub(crate) fn filter(&mut self, record: &Record, k: usize) -> Result<(Gaussian, Vec<Passage>), FilterError> {
+        if !std::mem::replace(&mut self.is_begun, true) {
+            return Ok((self.filter.belief().gaussian().into_owned(), Vec::new()));
         }
+        let passages = match self.timed.take() {
+            Some(mut timed) => {
+                let passages = self.go_through(&mut timed, record, k);
+                self.timed = Some(timed);
+                passages?
+            }
+            None => vec![self.go_on(record, k)?],
+        };
+        Ok((self.filter.belief().gaussian().into_owned(), passages))
+    }
+
+    /// Goes through the parts of the step to a sample.
+    fn go_through(&mut self, timed: &mut Timed, record: &Record, k: usize) -> Result<Vec<Passage>, FilterError> {
+        let Self { filter, input_delay, sensors, correction, .. } = self;
+        let Timed { of_share, parts } = timed;
+        let columns: Vec<usize> =
+            sensors.iter().filter_map(|quantity| record.sensors().iter().position(|other| other == quantity)).collect();
+        record.parts_to(k, *input_delay, &columns, parts);
+        let n = filter.model().size();
+        let mut passages = Vec::new();
+        for (part, readings) in parts.iter() {
+            let mut transition = Matrix::identity(n, n);
+            filter.predict_share(part.share, part.forces, of_share, |model, belief, step| {
+                transition = belief.transition(model, step)? * &transition;
+                Ok(())
+            })?;
+            let predicted = filter.belief().gaussian().into_owned();
+            filter.update(part.force, readings, correction)?;
+            passages.push(Passage::new(transition, correction, &predicted.cov)?);
+        }
+        Ok(passages)
+    }
+
+    /// Goes on to a sample.
+    fn go_on(&mut self, record: &Record, k: usize) -> Result<Passage, FilterError> {
+        let Self { filter, input_delay, sensors, correction, .. } = self;
         let forces = [k.saturating_sub(1), k].map(|k| record.delayed_force(k, *input_delay));
         let n = filter.model().size();
         let mut transition = Matrix::identity(n, n);
@@ -111,8 +160,7 @@ impl Forward {
         })?;
         let predicted = filter.belief().gaussian().into_owned();
         filter.update(forces[1], &record.sample(k, sensors), correction)?;
-        let passage = Passage::new(transition, correction, &predicted.cov)?;
-        Ok((filter.belief().gaussian().into_owned(), Some(passage)))
+        Passage::new(transition, correction, &predicted.cov)
     }
 
     /// Appends a belief in the channels' units.

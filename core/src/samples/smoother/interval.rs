@@ -15,8 +15,8 @@ pub(crate) struct FixedInterval {
     forward: Forward,
     /// The belief after each sample: of the filter, then of the smoother.
     beliefs: Vec<Gaussian>,
-    /// From each sample to the next.
-    passages: Vec<Passage>,
+    /// From each sample to the next, one or several.
+    passages: Vec<Vec<Passage>>,
     adjoint: Adjoint,
     stop: Option<Stop>,
     stage: Stage,
@@ -46,7 +46,7 @@ impl FixedInterval {
         if k + 1 == passages.len() {
             *adjoint = Adjoint::nothing(beliefs[k].size());
         }
-        adjoint.pass(&passages[k]);
+        passages[k].iter().rev().for_each(|passage| adjoint.pass(passage));
         adjoint.tell(&mut beliefs[k]);
     }
 }
@@ -71,7 +71,9 @@ impl Smoother for FixedInterval {
                     match forward.filter(record, k) {
                         Ok((belief, passage)) => {
                             beliefs.push(belief);
-                            passages.extend(passage);
+                            if k > 0 {
+                                passages.push(passage);
+                            }
                         }
                         Err(reason) => *stop = Some(Stop { sample: k, reason }),
                     }

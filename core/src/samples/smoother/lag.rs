@@ -71,9 +71,9 @@ impl Smoother for FixedLag {
                 return true;
             } else {
                 match self.forward.filter(record, filtered - record.forgotten()) {
-                    Ok((belief, passage)) => {
+                    Ok((belief, passages)) => {
                         self.beliefs.push_back(belief);
-                        passage.into_iter().for_each(|passage| self.window.push(&passage));
+                        self.window.push(&passages);
                     }
                     Err(reason) => self.stop = Some(Stop { sample: filtered, reason }),
                 }
@@ -146,12 +146,17 @@ struct Window {
 }
 
 impl Window {
-    fn push(&mut self, passage: &Passage) {
-        let one = WayBack::over(passage);
-        self.over_newer = Some(match &self.over_newer {
-            Some(over) => over.after(&one),
-            None => WayBack::over(passage),
-        });
+    /// Adds the passages from a sample to the next, if there are any.
+    fn push(&mut self, passages: &[Passage]) {
+        let over = |passages: &[Passage]| {
+            let ways = passages.iter().map(WayBack::over);
+            ways.reduce(|before, next| before.after(&next))
+        };
+        let Some(one) = over(passages) else { return };
+        self.over_newer = match &self.over_newer {
+            Some(newer) => Some(newer.after(&one)),
+            None => over(passages),
+        };
         self.newer.push(one);
     }
 

@@ -1,11 +1,11 @@
 //! The noise of a part of a step.
 
-use crate::mathematics::filter::Noise;
+use super::Noise;
 use crate::mathematics::linalg::Matrix;
 
 /// The noise of a filter for steps that are shorter than dt: their share of Q, and of λ as a power. It is kept from one step
 /// to the next of the same length.
-pub(super) struct Share {
+pub(crate) struct Share {
     share: f64,
     noise: Noise,
     silent: Noise,
@@ -13,13 +13,13 @@ pub(super) struct Share {
 
 impl Share {
     /// The noise of whole steps, over n components.
-    pub(super) fn new(noise: Noise, n: usize) -> Self {
+    pub(crate) fn new(noise: Noise, n: usize) -> Self {
         let silent = Noise { process: Matrix::zeros(n, n), sensors: Vec::new(), fading: 1.0 };
         Self { share: 1.0, noise, silent }
     }
 
     /// Takes the noise for a share of a step, from that of a whole one.
-    pub(super) fn set(&mut self, share: f64, whole: &Noise) {
+    pub(crate) fn set(&mut self, share: f64, whole: &Noise) {
         if share == self.share {
             return;
         }
@@ -30,7 +30,7 @@ impl Share {
     }
 
     /// The noise of a substep: none before the last.
-    pub(super) fn of(&self, is_last: bool) -> &Noise {
+    pub(crate) fn of(&self, is_last: bool) -> &Noise {
         if is_last { &self.noise } else { &self.silent }
     }
 }

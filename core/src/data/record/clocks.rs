@@ -1,0 +1,241 @@
+//! Readings and inputs at times of their own.
+
+use thiserror::Error;
+
+use crate::{Hold, InputKind};
+
+/// Values with their times.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Timed {
+    /// The times, which rise, in steps of dt after the record's first sample.
+    pub times: Vec<f64>,
+    /// A value for each time.
+    pub values: Vec<f64>,
+}
+
+/// The exact times of a record's readings, and of its input if they are not those of the samples.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Clocks {
+    /// The input \[m/s²\]; `None` if its times are those of the samples.
+    pub input: Option<Timed>,
+    /// The readings of each sensor, in its quantity's unit.
+    pub readings: Vec<Timed>,
+}
+
+/// Times that a record cannot have.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum ClocksError {
+    /// There must be a series for each sensor.
+    #[error("{found} series of readings, but the record has {expected} sensor(s)")]
+    Sensors {
+        /// The series.
+        found: usize,
+        /// The sensors.
+        expected: usize,
+    },
+    /// There must be a value for each time.
+    #[error("{times} times, but {values} values")]
+    Length {
+        /// The times.
+        times: usize,
+        /// The values.
+        values: usize,
+    },
+    /// Times must rise, and all numbers be finite.
+    #[error("value {0}: the times must rise, and all numbers be finite")]
+    Number(usize),
+    /// An input has a first value.
+    #[error("an input with times of its own needs a value")]
+    NoInput,
+}
+
+impl Timed {
+    fn check(&self) -> Result<(), ClocksError> {
+        let Self { times, values } = self;
+        if times.len() != values.len() {
+            return Err(ClocksError::Length { times: times.len(), values: values.len() });
+        }
+        let is_bad =
+            |k: &usize| !(times[*k].is_finite() && values[*k].is_finite()) || (*k > 0 && times[*k] <= times[*k - 1]);
+        (0..times.len()).find(is_bad).map_or(Ok(()), |k| Err(ClocksError::Number(k)))
+    }
+
+    /// Clocks are told in decimals: what is next to a step is there.
+    fn snap(&mut self) {
+        for time in &mut self.times {
+            let whole = libm::round(*time);
+            if (*time - whole).abs() <= SAME {
+                *time = whole;
+            }
+        }
+    }
+
+    /// The value at a time; before the first told one it is that, after the last one the last.
+    fn at(&self, time: f64, hold: Hold) -> f64 {
+        let Self { times, values } = self;
+        let next = times.partition_point(|other| *other <= time + SAME);
+        let Some(known) = next.checked_sub(1) else { return values[0] };
+        match hold {
+            Hold::First if next < times.len() => {
+                let share = (time - times[known]) / (times[next] - times[known]);
+                values[known] + (values[next] - values[known]) * share.max(0.0)
+            }
+            _ => values[known],
+        }
+    }
+
+    /// The places of the times that are after the first one, and not after the second.
+    fn within(&self, after: f64, until: f64) -> std::ops::Range<usize> {
+        let place = |bound: f64| self.times.partition_point(|time| *time <= bound);
+        place(after)..place(until)
+    }
+}
+
+/// Times that differ by less than this share of a step are the same.
+const SAME: f64 = 1e-6;
+
+/// The time between two events of a sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Part {
+    /// The share of a step.
+    pub(crate) share: f64,
+    /// The forces over mass at its beginning and just before its end \[m/s²\].
+    pub(crate) forces: [f64; 2],
+    /// The force over mass at its end \[m/s²\].
+    pub(crate) force: f64,
+}
+
+/// What happens from one sample to the next: at least one part, with the readings at the end of each.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Parts {
+    parts: Vec<Part>,
+    /// m readings at the end of each part; NaN where there is none.
+    readings: Vec<f64>,
+    cuts: Vec<f64>,
+}
+
+impl Parts {
+    /// Each part, and the readings at its end.
+    pub(crate) fn iter(&self) -> impl Iterator<Item = (Part, &[f64])> {
+        let m = self.readings.len() / self.parts.len().max(1);
+        self.parts.iter().enumerate().map(move |(k, part)| (*part, &self.readings[k * m..(k + 1) * m]))
+    }
+}
+
+impl Clocks {
+    /// For a record with so many sensors.
+    ///
+    /// # Errors
+    /// [`ClocksError`].
+    pub(super) fn checked(mut self, sensors: usize) -> Result<Self, ClocksError> {
+        let Self { input, readings } = &mut self;
+        if readings.len() != sensors {
+            return Err(ClocksError::Sensors { found: readings.len(), expected: sensors });
+        }
+        if input.as_ref().is_some_and(|input| input.times.is_empty()) {
+            return Err(ClocksError::NoInput);
+        }
+        for timed in input.iter_mut().chain(readings) {
+            timed.check()?;
+            timed.snap();
+        }
+        Ok(self)
+    }
+
+    /// Changes the readings: `change` gets the place of a sensor, the sample that has it and the reading.
+    pub(super) fn change(&mut self, change: impl Fn(usize, usize, f64) -> f64) {
+        for (sensor, Timed { times, values }) in self.readings.iter_mut().enumerate() {
+            for (time, value) in times.iter().zip(&mut *values) {
+                *value = change(sensor, libm::ceil(time.max(0.0)) as usize, *value);
+            }
+            // A reading that is taken away is none.
+            let mut is_there = values.iter().map(|value| !value.is_nan()).collect::<Vec<_>>().into_iter();
+            times.retain(|_| is_there.next().unwrap_or(false));
+            values.retain(|value| !value.is_nan());
+        }
+    }
+
+    /// Changes the values of the input.
+    pub(super) fn change_input(&mut self, change: impl Fn(f64) -> f64) {
+        let values = self.input.iter_mut().flat_map(|input| &mut input.values);
+        values.for_each(|value| *value = change(*value));
+    }
+
+    /// Those of the samples from one on, up to another one.
+    pub(super) fn part(&self, samples: std::ops::Range<usize>) -> Self {
+        let (first, last) = (samples.start as f64, samples.end.saturating_sub(1) as f64);
+        let moved = |timed: &Timed, places: std::ops::Range<usize>| Timed {
+            times: timed.times[places.clone()].iter().map(|time| time - first).collect(),
+            values: timed.values[places].to_vec(),
+        };
+        // The input before the part still acts in it.
+        let of_input = |input: &Timed| {
+            let known = input.times.partition_point(|time| *time <= first).saturating_sub(1);
+            let end = (input.times.partition_point(|time| *time < last) + 1).min(input.times.len());
+            moved(input, known..end.max(known + 1))
+        };
+        Self {
+            input: self.input.as_ref().map(of_input),
+            readings: self.readings.iter().map(|timed| moved(timed, timed.within(first - 1.0, last))).collect(),
+        }
+    }
+
+    /// What happens in the step to a sample, of the sensors in these columns.
+    pub(super) fn to(&self, k: usize, columns: &[usize], course: &Course, into: &mut Parts) {
+        let end = k as f64;
+        let begin = end - 1.0;
+        let Parts { parts, readings, cuts } = into;
+        cuts.clear();
+        cuts.push(end);
+        for timed in columns.iter().map(|column| &self.readings[*column]) {
+            cuts.extend_from_slice(&timed.times[timed.within(begin, end)]);
+        }
+        if let Some(input) = &self.input {
+            let delay = course.delay;
+            cuts.extend(input.times[input.within(begin - delay, end - delay)].iter().map(|time| time + delay));
+        }
+        cuts.sort_by(f64::total_cmp);
+        cuts.dedup_by(|later, before| *later - *before <= SAME);
+        // The end itself is exact.
+        if let Some(last) = cuts.last_mut() {
+            *last = end;
+        }
+        (parts.clear(), readings.clear());
+        let mut from = begin;
+        for &cut in &*cuts {
+            let [before, force] = [from, cut].map(|time| course.at(time, self.input.as_ref(), [begin, end]));
+            let ahead = if course.hold == Hold::Zero { before } else { force };
+            parts.push(Part { share: cut - from, forces: [before, ahead], force });
+            for timed in columns.iter().map(|column| &self.readings[*column]) {
+                let place = timed.within(from + SAME, cut + SAME).next_back();
+                readings.push(place.map_or(f64::NAN, |place| timed.values[place]));
+            }
+            from = cut;
+        }
+    }
+}
+
+/// The course of the force over a step.
+pub(super) struct Course {
+    pub(super) kind: InputKind,
+    pub(super) hold: Hold,
+    /// The samples after which the plant feels the input.
+    pub(super) delay: f64,
+    /// The forces over mass at both samples \[m/s²\], for an input at the samples' times.
+    pub(super) of_samples: [f64; 2],
+}
+
+impl Course {
+    /// The force over mass at a time between two samples \[m/s²\].
+    fn at(&self, time: f64, input: Option<&Timed>, [begin, end]: [f64; 2]) -> f64 {
+        let Some(input) = input else {
+            let [before, after] = self.of_samples;
+            return match self.hold {
+                Hold::Zero if time < end => before,
+                Hold::Zero => after,
+                Hold::First => before + (after - before) * (time - begin),
+            };
+        };
+        self.kind.force(input.at(time - self.delay, self.hold))
+    }
+}

@@ -1,0 +1,230 @@
+//! Records whose readings have times of their own.
+
+use std::sync::Arc;
+
+use kalmanscope_core::Trouble;
+use kalmanscope_core::record::{Clocks, Input, Record, Timed};
+use kalmanscope_core::{
+    Channel, Estimates, FilterKind, FilterSettings, Force, Hold, InputKind, Quantity, Robust, Run, Scenario, Values,
+};
+
+use crate::events::{Told, on_fine_grid, own_clocks};
+
+const DT: f64 = 0.01;
+
+fn scenario(kind: FilterKind, seed: u64) -> Scenario {
+    let mut scenario = Scenario { duration: 8.0, dt: DT, seed, ..Scenario::default() };
+    scenario.filters.truncate(1);
+    (scenario.filters[0].kind, scenario.filters[0].process_std) = (kind, Values::ZERO);
+    scenario
+}
+
+fn told(scenario: &Scenario, seed: u64) -> Vec<Told> {
+    let fine = Scenario { dt: 1e-4, filters: Vec::new(), ..scenario.clone() };
+    let mut truth = Run::new(&fine).expect("it can be run");
+    truth.finish();
+    let mut told = own_clocks(scenario, truth.record(), seed);
+    told.sort_by(|a, b| a.time.total_cmp(&b.time));
+    told
+}
+
+/// The values that are there, with their times.
+fn timed(told: &[Told], of: impl Fn(&Told) -> f64) -> Timed {
+    let there: Vec<&Told> = told.iter().filter(|one| !of(one).is_nan()).collect();
+    Timed { times: there.iter().map(|one| one.time / DT).collect(), values: there.iter().map(|one| of(one)).collect() }
+}
+
+/// A record with these times: its columns have each reading at the end of its step.
+fn record(told: &[Told], len: usize) -> Record {
+    let input = timed(told, |one| one.input);
+    let readings = [0, 1].map(|sensor| timed(told, |one| one.readings[sensor]));
+    let at_samples = |Timed { times, values }: &Timed| {
+        let mut column = vec![f64::NAN; len];
+        for (time, value) in times.iter().zip(values) {
+            let k = (time - 1e-6).ceil() as usize;
+            if k < len {
+                column[k] = *value;
+            }
+        }
+        column
+    };
+    let [one, other] = [0, 1].map(|sensor: usize| at_samples(&readings[sensor]));
+    let columns = vec![(Quantity::DISPLACEMENT, one), (Quantity::VELOCITY, other)];
+    let held = Input { kind: InputKind::Force, hold: Hold::Zero, values: vec![0.0; len] };
+    let record = Record::new(DT, held, columns).expect("the columns are a record");
+    let clocks = Clocks { input: Some(input), readings: readings.to_vec() };
+    record.with_clocks(clocks).expect("the times are usable")
+}
+
+fn run(scenario: &Scenario, record: Record) -> Run {
+    let mut run = Run::on_record(scenario, Arc::new(record)).expect("it can be run");
+    run.finish();
+    assert_eq!(run.estimates()[0].stop(), None);
+    run
+}
+
+/// The largest difference of means and standard deviations, over the standard deviations, at the samples of the coarser grid.
+fn distance(coarse: &Estimates, fine: &Estimates, from: usize) -> f64 {
+    let mut worst = 0.0_f64;
+    for k in from..coarse.len() {
+        for i in 0..coarse.channels().len() {
+            let std = fine.std(100 * k, i);
+            if std > 0.0 {
+                let apart = (coarse.mean(k)[i] - fine.mean(100 * k)[i]) / std;
+                worst = worst.max(apart.abs()).max((coarse.std(k, i) / std - 1.0).abs());
+            }
+        }
+    }
+    worst
+}
+
+/// Both runs: over the times as they are, and over the grid that is a hundred times finer.
+fn pair(scenario: &Scenario, seed: u64) -> [Run; 2] {
+    let mut told = told(scenario, seed);
+    let len = (told.last().expect("there are some").time / DT).floor() as usize + 1;
+    // A smoother would know what came after the last sample.
+    told.retain(|one| one.time <= (len - 1) as f64 * DT + 1e-9);
+    let (grid, fine) = on_fine_grid(scenario, &told, 100 * len);
+    [run(scenario, record(&told, len)), run(&grid, fine)]
+}
+
+#[test]
+fn clocks_of_their_own_equal_a_grid_a_hundred_times_finer() {
+    for seed in 1..=3 {
+        let mut scenario = scenario(FilterKind::KF, seed);
+        scenario.filters[0].fading = 1.002;
+        scenario.filters[0].smoother = true;
+        let [own, grid] = pair(&scenario, seed);
+        let found = distance(&own.estimates()[0], &grid.estimates()[0], 0);
+        assert!(found < 1e-9, "seed {seed}: {found}");
+        let [own, grid] = [own, grid].map(|run| run.smoothed().remove(0));
+        let found = distance(&own, &grid, 0);
+        assert!(found < 1e-6, "smoothed, seed {seed}: {found}");
+    }
+}
+
+/// A filter that is not linear agrees to the error of its step.
+#[test]
+fn filters_of_parameters_agree_with_a_finer_grid() {
+    for (kind, robust) in
+        [(FilterKind::EKF, Robust::NONE), (FilterKind::UKF, Robust::NONE), (FilterKind::EKF, Robust::HUBER)]
+    {
+        // An input that is told at 20 Hz tells all of this force.
+        let force = Force::Step { amplitude: 3.0, at: 0.0 };
+        let mut scenario = Scenario { force, ..scenario(kind, 4) };
+        let filter = &mut scenario.filters[0];
+        // From a good guess, a linearisation is good over either step.
+        for (channel, truth) in [(Channel::NATURAL_FREQUENCY, 6.0), (Channel::DAMPING_RATIO, 0.05)] {
+            filter.initial_mean[channel] = truth;
+            filter.initial_std[channel] = 0.01 * truth;
+        }
+        filter.robust = robust;
+        filter.process_std[Channel::NATURAL_FREQUENCY] = 1e-3;
+        let [own, mut grid] = pair(&scenario, 4);
+        // Q is that of a step.
+        let mut finer = grid.scenario().clone();
+        finer.filters[0].process_std[Channel::NATURAL_FREQUENCY] = 1e-4;
+        grid.update(&finer).expect("it can be run");
+        let found = distance(&own.estimates()[0], &grid.estimates()[0], 1);
+        assert!(found < 0.1, "{kind:?} {robust:?}: {found}");
+    }
+}
+
+/// Readings at the samples' times give the same estimates as a record without times.
+#[test]
+fn times_of_the_samples_change_nothing() {
+    for hold in [Hold::Zero, Hold::First] {
+        for (delay, guesses) in [(0, 1), (3, 1), (-2, 1), (0, 5)] {
+            let mut scenario = Scenario { hold, ..scenario(FilterKind::EKF, 9) };
+            (scenario.filters[0].input_delay, scenario.filters[0].guesses) = (delay, guesses);
+            let mut simulated = Run::new(&Scenario { filters: Vec::new(), ..scenario.clone() }).expect("it can be run");
+            simulated.finish();
+            let even = simulated.record().clone().without_truth().with_gaps(|sensor, k| k % 9 == sensor);
+            let all: Vec<f64> = (0..even.len()).map(|k| k as f64).collect();
+            let of = |values: &[f64]| {
+                let there = |k: &usize| !values[*k].is_nan();
+                let places: Vec<usize> = (0..values.len()).filter(there).collect();
+                let times = places.iter().map(|k| *k as f64).collect();
+                Timed { times, values: places.iter().map(|k| values[*k]).collect() }
+            };
+            let readings = (0..2).map(|sensor| of(even.measured(sensor))).collect::<Vec<_>>();
+            for input in [None, Some(Timed { times: all.clone(), values: even.input().to_vec() })] {
+                let clocks = Clocks { input, readings: readings.clone() };
+                let own = run(&scenario, even.clone().with_clocks(clocks).expect("the times are usable"));
+                let expected = run(&scenario, even.clone());
+                let [own, expected] = [&own, &expected].map(|run| &run.estimates()[0]);
+                for k in 0..own.len() {
+                    for i in 0..4 {
+                        let far = (own.mean(k)[i] - expected.mean(k)[i]) / expected.std(k, i);
+                        assert!(far.abs() < 1e-8, "{hold:?} {delay} {guesses} at {k}: {far}");
+                    }
+                    let [a, b] = [own, expected].map(|estimates| estimates.nis()[k]);
+                    assert!(
+                        a.is_nan() == b.is_nan() && (a.is_nan() || (a - b).abs() < 1e-6 * b.max(1.0)),
+                        "{k}: {a} {b}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// What counts in samples says that it does not follow the times.
+#[test]
+fn an_option_that_counts_in_samples_says_so() {
+    let base = scenario(FilterKind::EKF, 2);
+    let told = told(&base, 2);
+    let record = record(&told, 700);
+    let jump: fn(&mut FilterSettings) = |filter| filter.jump = true;
+    let learn: fn(&mut FilterSettings) = |filter| filter.adaptation.sensor_noise = true;
+    let plain: fn(&mut FilterSettings) = |_| {};
+    for (change, expected) in [(plain, None), (jump, Some("jumps")), (learn, Some("noise that it learns"))] {
+        let mut scenario = base.clone();
+        change(&mut scenario.filters[0]);
+        let run = run(&scenario, record.clone());
+        let found = run.estimates()[0].remarks().iter().find_map(|remark| match remark.what {
+            Trouble::Moved(what) => Some(what),
+            _ => None,
+        });
+        assert_eq!(found, expected);
+        // A sensor of 7 Hz is not silent.
+        let silent = |remark: &kalmanscope_core::Remark| matches!(remark.what, Trouble::Missing(_));
+        assert!(!run.estimates()[0].remarks().iter().any(silent), "{:?}", run.estimates()[0].remarks());
+    }
+}
+
+#[test]
+fn a_part_of_a_record_keeps_its_times() {
+    let base = scenario(FilterKind::KF, 6);
+    let told = told(&base, 6);
+    let whole = record(&told, 700);
+    let part = whole.part(200..600);
+    let clocks = part.clocks().expect("it has times");
+    assert!(clocks.readings[0].times.iter().all(|time| (-1.0..=399.0).contains(time)));
+    assert_eq!(clocks.readings[0].times.len(), {
+        let all = &whole.clocks().expect("it has times").readings[0].times;
+        all.iter().filter(|time| (199.0..=599.0).contains(*time) && **time > 199.0).count()
+    });
+    let turned = whole.with_measured(|sensor, _, value| if sensor == 0 { -value } else { f64::NAN });
+    let clocks = turned.clocks().expect("it has times");
+    assert_eq!(clocks.readings[1], Timed::default());
+    assert_eq!(
+        clocks.readings[0].values[5],
+        -told.iter().filter(|one| !one.readings[0].is_nan()).nth(5).expect("there are some").readings[0]
+    );
+}
+
+#[test]
+fn impossible_times_are_refused() {
+    let base = scenario(FilterKind::KF, 6);
+    let even = record(&told(&base, 6), 300);
+    let with = |readings: Vec<Timed>, input: Option<Timed>| {
+        even.clone().with_clocks(Clocks { input, readings }).unwrap_err().to_string()
+    };
+    let timed = |times: &[f64]| Timed { times: times.to_vec(), values: vec![1.0; 2] };
+    assert_eq!(with(vec![timed(&[1.0, 2.0])], None), "1 series of readings, but the record has 2 sensor(s)");
+    assert!(with(vec![timed(&[1.0, 1.0]), Timed::default()], None).starts_with("value 1: the times must rise"));
+    assert!(with(vec![timed(&[1.0, f64::NAN]), Timed::default()], None).starts_with("value 1: the times must rise"));
+    assert_eq!(with(vec![timed(&[1.0]), Timed::default()], None), "1 times, but 2 values");
+    assert_eq!(with(vec![Timed::default(); 2], Some(Timed::default())), "an input with times of its own needs a value");
+}
