@@ -10,18 +10,19 @@ const NOTHING: [&str; 2] = ["none", "nothing"];
 
 /// The meaning of the columns: the guess, and what the user says.
 pub(crate) fn mapping(table: &Table, args: &ImportArgs) -> (Mapping, InputKind, Vec<ColumnGuess>) {
-    let ImportArgs { rate, time, time_unit, missing, input, no_input, ground, sensor, .. } = args;
+    let ImportArgs { rate, time, time_unit, even, missing, input, no_input, ground, sensor, .. } = args;
     let (mut mapping, mut kind, guesses) = Mapping::guess_with_reasons(table);
     if let Some(rate) = rate {
         mapping.time = Time { rate: Some(*rate), ..Time::default() };
     }
     if let Some(column) = time {
         let unit = MappedColumn::of(table, column).unit;
-        mapping.time = Time { column: Some(column.clone()), unit, rate: None };
+        mapping.time = Time { column: Some(column.clone()), unit, ..Time::default() };
     }
     if let (Some(unit), Some(_)) = (time_unit, &mapping.time.column) {
         mapping.time.unit.clone_from(unit);
     }
+    mapping.time.even |= *even;
     let mapped = |column: &String| MappedColumn::of(table, column);
     let is_nothing = |column: &&String| NOTHING.contains(&column.as_str()) && table.place(column).is_none();
     if *no_input || input.as_ref().is_some_and(|column| is_nothing(&column)) {

@@ -3,15 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use kalmanscope_core::Task as _;
-use kalmanscope_core::import::{self, Joined, OffsetSearch, Table, join};
+use kalmanscope_core::import::{self, OffsetSearch, Table, join};
 
 use crate::args::{ImportArgs, Missing};
 use crate::input::InputError;
 use crate::meaning::mapping;
 use crate::places::{say, write_bytes};
 
-/// Writes the columns of two files into a third one, at the steps of the faster clock. Without an offset, it is the one with which
-/// both agree best. Returns the columns of the third file, and its hash.
+/// Writes the columns of two files into a third one, each with its times. Without an offset, it is the one with which both agree
+/// best. Returns the columns of the third file, and its hash.
 pub(crate) fn two_files(
     first: &Table,
     (other, second): (&Path, &Table),
@@ -34,7 +34,7 @@ pub(crate) fn two_files(
             agreement.offset.seconds
         }
     };
-    let Joined { table, .. } = join(first, second, offset).map_err(bad)?;
+    let table = join(first, second, offset).map_err(bad)?;
     table.remarks.iter().for_each(|remark| say(remark));
     let bytes = table.csv().into_bytes();
     write_bytes(to, &bytes)?;

@@ -113,10 +113,10 @@ fn both_files_are_one_record_that_identifies_the_oscillator() {
         let record = truth(6.0, 0.05, 21, SLOW, &[Quantity::DISPLACEMENT]);
         let input = file(&record, record.input(), "force", (every[0], 0.0, 60.0, 0.0, 0.0));
         let sensor = file(&record, record.measured(0), "x [m]", (every[1], 4.0, 50.0, jitter, 100.0));
-        let both = join(&input, &sensor, -100.0).expect("they overlap").table;
-        assert_eq!(both.columns.len(), 3);
+        let both = join(&input, &sensor, -100.0).expect("they overlap");
+        assert_eq!(both.columns.len(), 4, "each has its column of times");
         assert!(both.remarks.iter().any(|remark| remark.contains("s in common")), "{:?}", both.remarks);
-        let readings = both.columns[2].values.iter().filter(|value| value.is_finite()).count();
+        let readings = both.columns[3].values.iter().filter(|value| value.is_finite()).count();
         assert!(readings as f64 > 0.97 * 46.0 / (0.002 * every[1] as f64), "no reading is lost: {readings}");
         let (mapping, kind) = Mapping::guess(&both);
         let imported = Builder::new(&both, &mapping, kind, Hold::First).and_then(Builder::finish).expect("a record");

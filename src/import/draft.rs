@@ -136,7 +136,7 @@ impl Draft {
         let mapped = MappedColumn::of(&self.file.table, column.name.clone());
         match role {
             Role::Unused => {}
-            Role::Time => mapping.time = Time { column: Some(column.name.clone()), unit, rate: None },
+            Role::Time => mapping.time = Time { column: Some(column.name.clone()), unit, ..Time::default() },
             Role::Input => (mapping.input, mapping.no_input) = (Some(mapped), false),
             Role::Sensor(quantity) => {
                 mapping.sensors.insert(quantity, mapped);

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use egui::{DragValue, Ui};
 use kalmanscope_core::Task;
-use kalmanscope_core::import::{ImportError, Joined, Loading, Mapping, OffsetSearch, Table, apart, hash, join, read};
+use kalmanscope_core::import::{ImportError, Loading, Mapping, OffsetSearch, Table, apart, hash, join, read};
 
 use crate::session::RecordFile;
 use crate::text::sentence;
@@ -108,7 +108,7 @@ impl Second {
     /// The reason why they cannot be joined.
     pub(super) fn both(&self) -> Result<Both, ImportError> {
         let Self { names, tables: [first, second], offset, .. } = self;
-        let Joined { table, .. } = join(first, second, *offset)?;
+        let table = join(first, second, *offset)?;
         let remarks = table.remarks.clone();
         let bytes = table.csv().into_bytes();
         let mut table = read(bytes.clone(), None)?;

@@ -18,7 +18,9 @@ const CELLS: [&str; 10] = ["", "nan", "NaN", "0", "-0", "1e300", "-1e300", "1.7e
 pub(crate) fn file(record: &Record, dice: &mut Dice) -> Vec<u8> {
     let has_times = !dice.one_in(4);
     let scale = dice.pick(&[1.0, 1.0, 1.0, 1e-6, 1e6, 1e-300, 1e300]);
-    let (rare, jitter) = (dice.pick(&[0, 200, 30, 3, 1]), if dice.one_in(6) { 0.3 } else { 0.0 });
+    let (rare, jitter) = (dice.pick(&[0, 200, 30, 3, 1]), if dice.one_in(4) { dice.pick(&[0.3, 0.9]) } else { 0.0 });
+    // The sensors may have a clock of their own.
+    let own = (has_times && dice.one_in(4)).then(|| (dice.pick(&[0.5, 1.0, 1.37, 9.0]), dice.pick(&[0.0, 0.3, -7.0])));
     let rows = if dice.one_in(6) { record.len().min(dice.below(5)) } else { record.len().min(MOST) };
     let input = match record.input_kind() {
         InputKind::Force => "force",
@@ -26,6 +28,7 @@ pub(crate) fn file(record: &Record, dice: &mut Dice) -> Vec<u8> {
     };
     let mut text = String::from(if has_times { "t," } else { "" });
     text += input;
+    text += if own.is_some() { ",t2" } else { "" };
     record.sensors().iter().for_each(|sensor| text += &format!(",{}", sensor.key()));
     for k in 0..rows {
         text.push('\n');
@@ -34,6 +37,10 @@ pub(crate) fn file(record: &Record, dice: &mut Dice) -> Vec<u8> {
             let _ = write!(text, "{:e},", (k as f64 + odd) * record.dt() * scale);
         }
         let _ = write!(text, "{:e}", record.input()[k]);
+        if let Some((step, from)) = own {
+            let odd = jitter * (dice.below(1000) as f64 / 1000.0 - 0.5);
+            let _ = write!(text, ",{:e}", ((k as f64 + odd) * step + from) * record.dt() * scale);
+        }
         for sensor in 0..record.sensors().len() {
             if rare > 0 && dice.one_in(rare) {
                 text += &format!(",{}", dice.pick(&CELLS));

@@ -23,7 +23,7 @@ pub(crate) struct ImportArgs {
     /// What is added to the times of the second file [s]; without it, what both files measured tells it
     #[arg(long, value_name = "SECONDS", requires = "with", allow_negative_numbers = true, value_parser = offset)]
     pub(crate) offset: Option<f64>,
-    /// The file to write with the columns of both, at the steps of the faster clock
+    /// The file to write with the columns of both, each with its times
     #[arg(long, value_name = "BOTH.csv", requires = "with")]
     pub(crate) joined: Option<PathBuf>,
     /// Samples in a second, for a file without times
@@ -35,6 +35,9 @@ pub(crate) struct ImportArgs {
     /// The unit of the times, such as ms, where the file does not tell it
     #[arg(long, value_name = "UNIT", value_parser = time_unit, conflicts_with = "rate")]
     pub(crate) time_unit: Option<String>,
+    /// The samples are equally spaced: put them at even steps, whatever the times say
+    #[arg(long, conflicts_with = "rate")]
+    pub(crate) even: bool,
     /// The number that stands in cells without a reading, such as -9999; `none` if all numbers are readings
     #[arg(long, value_name = "NUMBER", value_parser = missing, allow_negative_numbers = true)]
     pub(crate) missing: Option<Missing>,

@@ -46,7 +46,7 @@ fn two_loggers_are_one_record() {
         }
         let (code, _, said) = ended(&mut import);
         assert_eq!(code, Some(0), "{said}");
-        assert!(said.contains("s in common, at the steps of the first file"), "{said}");
+        assert!(said.contains("s in common; each keeps its times"), "{said}");
         if given.is_none() {
             let offset = said
                 .lines()
@@ -124,7 +124,12 @@ fn columns_with_times_of_their_own_are_one_record() {
     let (code, _, said) = ended(program().arg("import").arg(&both).arg("--out").arg(&scenario));
     assert_eq!(code, Some(0), "{said}");
     assert!(said.contains("column `t2`: a clock of its own"), "{said}");
+    assert!(said.contains("the filters take each reading at its own time"), "{said}");
+    let at_even = folder.path().join("even.toml");
+    let (code, _, said) = ended(program().arg("import").arg(&both).arg("--even").arg("--out").arg(&at_even));
+    assert_eq!(code, Some(0), "{said}");
     assert!(said.contains("s in common, at the steps of the clock `t`"), "{said}");
+    assert!(std::fs::read_to_string(&at_even).expect("it is written").contains("even = true"));
     let (_, table, _) = ended(command().arg(&scenario));
     let line = table.lines().find(|line| line.contains("natural frequency")).expect("it is estimated");
     let frequency: f64 = line.split_whitespace().nth(3).and_then(|number| number.parse().ok()).expect("a number");

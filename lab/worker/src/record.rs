@@ -1,14 +1,17 @@
 //! Records in messages.
 
 use js_sys::{Array, Float64Array};
-use kalmanscope_core::record::Input;
+use kalmanscope_core::record::{Clocks, Input, Timed};
 use kalmanscope_core::{Channel, Document, Quantity, Record, Scenario, Source};
 use wasm_bindgen::{JsCast as _, JsValue};
 
 /// The keys of the truth's columns begin with this.
 const TRUE: &str = "true_";
 
-/// A given record as `[dt, input, [key, column], …]`; null for a simulation.
+/// The keys of readings with times of their own begin with this; that of the input is nothing more.
+const TIMED: &str = "@";
+
+/// A given record as `[dt, input, [key, column], …, [key, times, values], …]`; null for a simulation.
 pub(crate) fn in_message(source: &Source) -> JsValue {
     let Some(record) = source.record() else { return JsValue::NULL };
     let message = filtered(record);
@@ -26,6 +29,13 @@ pub(crate) fn filtered(record: &Record) -> Array {
     for (place, quantity) in record.sensors().iter().enumerate() {
         push(&message, quantity.key(), record.measured(place));
     }
+    if let Some(Clocks { input, readings }) = record.clocks() {
+        let sensors = record.sensors().iter().map(|quantity| quantity.key()).zip(readings);
+        for (key, Timed { times, values }) in input.iter().map(|input| ("", input)).chain(sensors) {
+            let [times, values] = [times, values].map(|numbers| Float64Array::from(&numbers[..]));
+            message.push(&Array::of3(&format!("{TIMED}{key}").into(), &times, &values));
+        }
+    }
     message
 }
 
@@ -38,16 +48,26 @@ pub(crate) fn measured(record: &Array, scenario: &Scenario) -> Option<Record> {
     let numbers = |value: JsValue| Some(value.dyn_into::<Float64Array>().ok()?.to_vec());
     let dt = record.get(0).as_f64()?;
     let input = Input { kind: scenario.input, hold: scenario.hold, values: numbers(record.get(1))? };
-    let (mut sensors, mut truth) = (Vec::new(), Vec::new());
+    let (mut sensors, mut truth, mut clocks) = (Vec::new(), Vec::new(), Clocks::default());
     for column in record.iter().skip(2) {
         let column: Array = column.dyn_into().ok()?;
         let (key, values) = (column.get(0).as_string()?, numbers(column.get(1))?);
+        if let Some(sensor) = key.strip_prefix(TIMED) {
+            let timed = Timed { times: values, values: numbers(column.get(2))? };
+            if sensor.is_empty() {
+                clocks.input = Some(timed)
+            } else {
+                clocks.readings.push(timed)
+            }
+            continue;
+        }
         match key.strip_prefix(TRUE) {
             Some(channel) => truth.push((Channel::from_key(channel)?, values)),
             None => sensors.push((Quantity::from_key(&key)?, values)),
         }
     }
-    Record::new(dt, input, sensors).ok()?.with_truth(truth).ok()
+    let record = Record::new(dt, input, sensors).ok()?.with_truth(truth).ok()?;
+    if clocks.readings.is_empty() { Some(record) } else { record.with_clocks(clocks).ok() }
 }
 
 /// The scenario of a text, and the record of a message for it.

@@ -5,9 +5,11 @@ use std::borrow::{Borrow, Cow};
 use super::band::above_nyquist;
 use super::conditioning::Conditioning;
 use super::limits::{FEWEST, MOST};
-use super::own_clocks::on_one_clock;
+use super::own_clocks::{OneClock, on_one_clock};
+use super::own_times::OwnTimes;
 use super::remarks::{cells_without_readings, is_still, stillness};
 use super::samples::{fill, mean, shift};
+use super::steps::Steps;
 use super::timing::Timing;
 use super::unit::unit;
 use super::{ImportError, MappedColumn, Mapping, Offset, Table, times};
@@ -34,6 +36,8 @@ pub struct Builder<'a> {
     timing: Timing,
     input: Option<Vec<f64>>,
     sensors: Vec<(Quantity, Vec<f64>)>,
+    /// Readings at times of their own, where the record keeps them.
+    own: Option<OwnTimes>,
     remarks: Vec<String>,
 }
 
@@ -63,15 +67,21 @@ impl<'a> Builder<'a> {
         }
         let mut remarks = (*source).borrow().remarks.clone();
         let joined = on_one_clock((*source).borrow(), mapping, &mut remarks)?;
+        let (mut own, mut is_even) = (None, true);
         let (source, mapping): (Box<dyn Borrow<Table> + 'a>, _) = match joined {
-            Some((joined, mapping)) => {
-                remarks.extend(joined.remarks.clone());
-                (Box::new(joined), Cow::Owned(mapping))
+            Some(OneClock { table, mapping: on_one, own: at_own, is_even: is, said }) => {
+                if mapping.needs_even_steps() {
+                    remarks.extend(table.remarks.clone());
+                } else {
+                    remarks.push(said);
+                    (own, is_even) = (Some(at_own), is);
+                }
+                (Box::new(table), Cow::Owned(on_one))
             }
             None => (source, Cow::Borrowed(mapping)),
         };
         let table = (*source).borrow();
-        let timing = match (&mapping.time.column, mapping.time.rate) {
+        let mut timing = match (&mapping.time.column, mapping.time.rate) {
             (Some(name), _) => {
                 let column = &table.columns[place(table, name)?];
                 if let Some(text) = &column.text {
@@ -81,15 +91,27 @@ impl<'a> Builder<'a> {
                 let times = times::of(table, column, &mapping.time.unit, &mut remarks);
                 let timing = Timing::of_times(&times, name, |row| table.line(row))?;
                 remarks.extend(times::question(column, &mapping.time.unit, timing.dt));
+                if own.is_none() && !timing.is_even() && !mapping.needs_even_steps() {
+                    own = Some(OwnTimes::of_rows(table, &mapping, &times));
+                    is_even = false;
+                    remarks.push(timing.kept());
+                }
                 timing
             }
             (None, Some(rate)) => Timing::of_rate(rate, table.rows())?,
             (None, None) => return Err(ImportError::NoTime),
         };
-        remarks.extend(timing.remark.clone());
+        remarks.extend(timing.gaps.clone());
+        if own.is_none() {
+            remarks.extend(timing.remark.clone());
+        }
+        if !is_even {
+            // A reading that comes too early or too late by less than half a step is the only one in its step.
+            timing.start += 0.5 * timing.dt;
+        }
         remarks.extend(above_nyquist(mapping.band, 0.5 / timing.dt)?);
         let (mapping, sensors) = (mapping.into_owned(), Vec::new());
-        Ok(Self { table: source, mapping, kind, hold, timing, input: None, sensors, remarks })
+        Ok(Self { table: source, mapping, kind, hold, timing, input: None, sensors, own, remarks })
     }
 
     /// Makes the next columns until `while_time` returns false, which is called after each. Returns whether all are
@@ -108,7 +130,11 @@ impl<'a> Builder<'a> {
             let next = self.mapping.sensors.iter().nth(self.sensors.len());
             let Some((&quantity, mapped)) = next else { break };
             let (values, remarks) = self.mapped(mapped)?;
-            let values = self.conditioning().sensor(values);
+            let (by, steps) = (by(mapped), self.steps());
+            let values = match &mut self.own {
+                Some(own) => own.sensor(&mapped.column, by, steps),
+                None => self.conditioning().sensor(values),
+            };
             self.remarks.extend(remarks);
             self.sensors.push((quantity, values));
             if !while_time() {
@@ -126,7 +152,7 @@ impl<'a> Builder<'a> {
         while !self.advance(&mut || true)? {}
         let (start, dt) = (self.conditioning().start(), self.conditioning().dt());
         let truth = self.truth()?;
-        let Self { kind, hold, input, sensors, mut remarks, .. } = self;
+        let Self { kind, hold, input, sensors, own, mut remarks, .. } = self;
         let still = sensors.iter().find(|(_, values)| is_still(values)).map(|(quantity, _)| *quantity);
         remarks.extend(still.map(stillness));
         let input = Input { kind, hold, values: input.unwrap_or_default() };
@@ -137,7 +163,10 @@ impl<'a> Builder<'a> {
         if samples > MOST {
             return Err(ImportError::TooLong { found: samples });
         }
-        let record = Record::new(dt, input, sensors)?.with_truth(truth)?.starting_at(start);
+        let mut record = Record::new(dt, input, sensors)?.with_truth(truth)?.starting_at(start);
+        if let Some(own) = own {
+            record = record.with_clocks(own.clocks())?;
+        }
         Ok(Imported { record, remarks, still })
     }
 
@@ -152,6 +181,17 @@ impl<'a> Builder<'a> {
         };
         let (mut values, remarks) = self.mapped(mapped)?;
         self.remarks.extend(remarks);
+        let (by, hold, steps) = (by(mapped), self.hold, self.steps());
+        if let Some(own) = &mut self.own
+            && let Some(values) = own.input(&mapped.column, by, hold, steps)
+        {
+            let count = own.empty(&mapped.column);
+            if count > 0 {
+                let how = if hold == Hold::Zero { "stays as it was" } else { "is interpolated" };
+                self.remarks.push(format!("the input is missing in {count} row(s); it {how} there"));
+            }
+            return Ok(values);
+        }
         if let Some(missing) = fill(&mut values) {
             self.remarks.push(format!(
                 "the input is missing in {} sample(s), the first at {} s; it is interpolated there",
@@ -187,12 +227,18 @@ impl<'a> Builder<'a> {
                 mean(&values[place(from)..place(to).max(place(from))])
             }
         };
-        let factor = mapped.gain * unit(&mapped.unit).map_or(1.0, |(_, size)| size);
+        let (factor, ..) = by(mapped);
         if factor != 1.0 || offset != 0.0 {
             values.iter_mut().for_each(|value| *value = factor * (*value - offset));
         }
         shift(&mut values, mapped.delay);
         Ok((values, remarks))
+    }
+
+    /// The samples' times.
+    fn steps(&self) -> Steps {
+        let conditioning = self.conditioning();
+        Steps { start: conditioning.start(), dt: conditioning.dt(), count: conditioning.samples() }
     }
 
     /// The columns with the truth of a simulated record.
@@ -205,13 +251,26 @@ impl<'a> Builder<'a> {
         let mut truth = Vec::new();
         for &channel in Channel::all() {
             if let Some(place) = table.place(&format!("true_{}", channel.key())) {
-                let mut values = self.timing.spread(&table.columns[place].values);
-                self.conditioning().cut(&mut values);
+                let column = &table.columns[place];
+                let values = match &self.own {
+                    Some(own) => own.truth(&column.name, self.steps()),
+                    None => {
+                        let mut values = self.timing.spread(&column.values);
+                        self.conditioning().cut(&mut values);
+                        values
+                    }
+                };
                 truth.push((channel, values));
             }
         }
         Ok(truth)
     }
+}
+
+/// The factor, the offset and the delay of a column.
+fn by(mapped: &MappedColumn) -> (f64, Offset, i32) {
+    let factor = mapped.gain * unit(&mapped.unit).map_or(1.0, |(_, size)| size);
+    (factor, mapped.offset, mapped.delay)
 }
 
 fn place(table: &Table, name: &str) -> Result<usize, ImportError> {

@@ -171,7 +171,7 @@ impl Mapping {
             match one.role {
                 Some(Role::Time) => {
                     let unit = column.unit.clone().unwrap_or_default();
-                    mapping.time = Time { column: Some(column.name.clone()), unit, rate: None };
+                    mapping.time = Time { column: Some(column.name.clone()), unit, ..Time::default() };
                 }
                 Some(Role::Input(of)) => {
                     kind = of;

@@ -9,7 +9,7 @@ use std::collections::VecDeque;
 use std::fmt;
 
 use super::correlation::{Clocked, Peak, Spectra, times};
-use super::files::{Clock, Joined, apart, join};
+use super::files::{Clock, Joined, apart, join_on_steps};
 use super::{ImportError, Mapping, Table};
 use crate::{Quantity, Task};
 
@@ -90,7 +90,8 @@ impl OffsetSearch {
     /// [`ImportError`] where a file has no usable times.
     pub fn new(tables: [&Table; 2], meaning: impl FnOnce(&Table) -> Mapping) -> Result<Self, ImportError> {
         // What the columns mean does not depend on their times: begin both at the same one.
-        let Joined { table, sources } = join(tables[0], tables[1], apart(tables)?)?;
+        let names = ["the first file", "the second file"];
+        let Joined { table, sources, .. } = join_on_steps(tables, apart(tables)?, names)?;
         let mapping = meaning(&table);
         let source = |column: &str| sources.get(table.place(column)?.checked_sub(1)?);
         let told: Vec<(&(bool, String), Option<Quantity>)> = (mapping.input.iter().map(|input| (&input.column, None)))

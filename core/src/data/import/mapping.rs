@@ -70,6 +70,10 @@ pub struct Time {
     /// Samples in a second, for a file without times \[Hz\].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rate: Option<f64>,
+    /// Whether the samples are equally spaced, and only their times are not. Without it, times that differ by more than rounding are
+    /// those of the readings.
+    #[serde(skip_serializing_if = "is_default")]
+    pub even: bool,
 }
 
 /// The use of a column: `gain · (cell - offset)`, in SI units where the column's unit is known.
@@ -127,6 +131,13 @@ impl TryFrom<Document> for Offset {
         let part = || document.get("mean")?.read().ok().map(|mean| Self::Part { mean });
         let offset = number().or_else(|_| word()).ok().or_else(part);
         offset.ok_or("expected a number, \"mean\" or { mean = [from, to] } in seconds")
+    }
+}
+
+impl Mapping {
+    /// Whether a record needs even steps, because they are asked for, or for a band-pass, fewer samples or more.
+    pub(super) fn needs_even_steps(&self) -> bool {
+        self.time.even || self.band.is_some() || self.every != 1 || self.interpolate != 1
     }
 }
 

@@ -1,7 +1,8 @@
 //! A file in which columns have times of their own: `t1, force, t2, displacement`.
 
-use super::files::{Joined, join_named};
+use super::files::{Joined, join_on_steps};
 use super::limits::FEWEST;
+use super::own_times::{OwnTimes, of_rows};
 use super::role::is_named_time;
 use super::{Column, ImportError, MappedColumn, Mapping, Table, Time, times};
 
@@ -31,8 +32,22 @@ fn rises(table: &Table, place: usize) -> Option<Vec<f64>> {
     is_clock.then(|| times.into_owned())
 }
 
-/// The columns of a mapping at the steps of one clock, and the mapping with that clock, where the columns have clocks of their own.
-/// A file whose clocks have no time in common is read row by row: then a sentence goes to the remarks.
+/// Columns with clocks of their own.
+pub(super) struct OneClock {
+    /// The columns at the steps of one clock.
+    pub(super) table: Table,
+    /// The mapping with that clock.
+    pub(super) mapping: Mapping,
+    /// The columns at their own times.
+    pub(super) own: OwnTimes,
+    /// Whether the faster clock has even steps.
+    pub(super) is_even: bool,
+    /// A sentence on the clocks.
+    pub(super) said: String,
+}
+
+/// The columns of a mapping at the steps of one clock, and at their own times, where they have clocks of their own. A file whose
+/// clocks have no time in common is read row by row: then a sentence goes to the remarks.
 ///
 /// # Errors
 /// Those of [`join`](super::join).
@@ -40,7 +55,7 @@ pub(super) fn on_one_clock(
     table: &Table,
     mapping: &Mapping,
     remarks: &mut Vec<String>,
-) -> Result<Option<(Table, Mapping)>, ImportError> {
+) -> Result<Option<OneClock>, ImportError> {
     let clocks = clocks(table);
     let stated = mapping.time.column.as_deref().and_then(|name| table.place(name));
     let Some(stated) = stated.filter(|place| clocks.contains(place)) else { return Ok(None) };
@@ -60,12 +75,21 @@ pub(super) fn on_one_clock(
     }
     // The stated clock names the times.
     parts.sort_by_key(|(clock, _)| (*clock != stated, *clock));
+    let mut own = OwnTimes::default();
+    for (clock, columns) in &parts {
+        let times = of_part(table, mapping, *clock);
+        for (_, mapped) in columns {
+            own.add(table, &mapped.column, &times, mapped.missing);
+        }
+    }
+    let all: Vec<String> = parts.iter().map(|(clock, _)| format!("`{}`", table.columns[*clock].name)).collect();
+    let mut is_even = true;
     let mut names = parts.iter().map(|(clock, _)| format!("the clock `{}`", table.columns[*clock].name));
     let mut tables = parts.iter().map(|(clock, columns)| part(table, mapping, *clock, columns));
     let (Some(mut whole), Some(mut name)) = (tables.next(), names.next()) else { return Ok(None) };
     for (other, other_name) in tables.zip(names) {
-        match join_named([&whole, &other], 0.0, [&name, &other_name]) {
-            Ok(Joined { table, .. }) => whole = table,
+        match join_on_steps([&whole, &other], 0.0, [&name, &other_name]) {
+            Ok(Joined { table, is_even: is, .. }) => (whole, is_even) = (table, is_even && is),
             Err(ImportError::Apart { .. }) => {
                 let apart = format!(
                     "{name} and {other_name} have no time in common: the columns are read row by row, at the times of {name}"
@@ -78,8 +102,14 @@ pub(super) fn on_one_clock(
         name = format!("{name} and {other_name}");
     }
     let clock = &whole.columns[0];
-    let time = Time { column: Some(clock.name.clone()), unit: clock.unit.clone().unwrap_or_default(), rate: None };
-    Ok(Some((whole, Mapping { time, ..mapping.clone() })))
+    let (column, unit) = (Some(clock.name.clone()), clock.unit.clone().unwrap_or_default());
+    let time = Time { column, unit, ..mapping.time.clone() };
+    let said = format!(
+        "the columns have clocks of their own, {}: the filters take each reading at its own time, and tell what they know at the steps \
+         of the fastest one",
+        all.join(" and ")
+    );
+    Ok(Some(OneClock { table: whole, mapping: Mapping { time, ..mapping.clone() }, own, is_even, said }))
 }
 
 /// Whether two columns tell the same times, maybe in other units.
@@ -94,6 +124,14 @@ fn is_same(table: &Table, one: usize, other: usize) -> bool {
     let is_other_unit = scale.max(1.0 / scale) > UNITS;
     let (zero, scale) = if is_other_unit { (b[0] - scale * a[0], scale) } else { (0.0, 1.0) };
     a.len() == b.len() && a.iter().zip(&b).all(|(a, b)| (zero + scale * a - b).abs() <= limit)
+}
+
+/// The times of a clock \[s\].
+fn of_part(table: &Table, mapping: &Mapping, clock: usize) -> Vec<f64> {
+    let column = &table.columns[clock];
+    let is_stated = mapping.time.column.as_deref() == Some(&column.name) && !mapping.time.unit.is_empty();
+    let unit = if is_stated { &mapping.time.unit } else { column.unit.as_deref().unwrap_or_default() };
+    of_rows(table, &column.name, unit)
 }
 
 /// A clock with its columns, in which cells without a reading are empty.
@@ -148,10 +186,7 @@ mod tests {
         let (record, remarks) = import(&text(0.2));
         assert_eq!(remarks.len(), 1, "{remarks:?}");
         assert!((record.dt() - 0.01).abs() < 1e-12, "the steps of the faster clock");
-        assert!(
-            remarks.iter().any(|remark| remark.starts_with("the clock `t1` and the clock `t2` have")),
-            "{remarks:?}"
-        );
+        assert!(remarks[0].starts_with("the columns have clocks of their own, `t1` and `t2`"), "{remarks:?}");
         let (measured, mut there) = (record.measured_quantity(Quantity::DISPLACEMENT).unwrap(), 0);
         for (k, (input, measured)) in record.input().iter().zip(measured).enumerate() {
             let time = record.time(k);
@@ -160,6 +195,13 @@ mod tests {
                 assert!((measured - 1e-3 * libm::cos(2.0 * time)).abs() < 1e-6, "the reading at {time} s");
                 there += 1;
             }
+        }
+        let clocks = record.clocks().unwrap();
+        assert_eq!(clocks.readings[0].times.len(), 160);
+        for (k, (step, value)) in clocks.readings[0].times.iter().zip(&clocks.readings[0].values).enumerate() {
+            let time = 0.2 + k as f64 / 30.0;
+            assert!((record.time(0) + step * record.dt() - time).abs() < 1e-6, "its time is kept");
+            assert!((value - 1e-3 * libm::cos(2.0 * time)).abs() < 1e-9, "the reading is the file's");
         }
         assert!((155..=161).contains(&there), "{there} readings");
     }

@@ -15,13 +15,23 @@ impl Steps {
     ///
     /// Each reading goes to its nearest step, shifted by what the cubic through `side` readings to either side changes meanwhile.
     pub(super) fn of(self, times: &[f64], values: &[f64], side: usize) -> Vec<f64> {
+        self.placed(times, values, side, libm::round)
+    }
+
+    /// The same, but each reading goes to the end of the step in which it falls, to which the last of several goes.
+    pub(super) fn at_ends(self, times: &[f64], values: &[f64], side: usize) -> Vec<f64> {
+        // Clocks are told in decimals.
+        self.placed(times, values, side, |steps| libm::ceil(steps - 1e-6))
+    }
+
+    fn placed(self, times: &[f64], values: &[f64], side: usize, place: impl Fn(f64) -> f64) -> Vec<f64> {
         let Self { start, dt, count } = self;
         let n = times.len();
         let side = side.min(n.saturating_sub(1) / 2);
         let mut nearest = vec![None; count];
         for (k, time) in times.iter().enumerate() {
             let steps = (time - start) / dt;
-            let place = libm::round(steps);
+            let place = place(steps);
             if !(0.0..count as f64).contains(&place) {
                 continue;
             }

@@ -20,8 +20,12 @@ pub(super) struct Timing {
     pub(super) places: Places,
     /// The largest error of a time, as a share of the step.
     worst: f64,
-    /// A sentence about times that are not as even as they should be.
+    /// Whether such an error is one of rounding.
+    is_rounded: bool,
+    /// A sentence about times that are not as even as they should be, where values are at even steps all the same.
     pub(super) remark: Option<String>,
+    /// A sentence about gaps between the times.
+    pub(super) gaps: Option<String>,
 }
 
 /// The rows of the samples.
@@ -41,7 +45,8 @@ impl Timing {
         if rows < FEWEST {
             return Err(ImportError::TooShort(rows));
         }
-        Ok(Self { start: 0.0, dt: 1.0 / rate, samples: rows, places: Places::Rows, worst: 0.0, remark: None })
+        let (places, remark, gaps) = (Places::Rows, None, None);
+        Ok(Self { start: 0.0, dt: 1.0 / rate, samples: rows, places, worst: 0.0, is_rounded: true, remark, gaps })
     }
 
     /// The timing of rows with these times \[s\]; `line` is the line of a row.
@@ -64,14 +69,18 @@ impl Timing {
         let dt = if exact { step } else { even };
         let off = |k: usize, place: f64, dt: f64| ((times[k] - start) / dt - place).abs();
         let worst = (0..times.len()).map(|k| off(k, k as f64, dt)).fold(0.0, f64::max);
+        let resolution = resolution(times);
+        let is_rounded = |worst: f64, dt: f64| worst * dt <= ROUNDED * resolution;
+        let off_by = |worst: f64, dt: f64| {
+            let why = if is_rounded(worst, dt) { ", as rounded ones are" } else { "" };
+            let percent = 100.0 * worst;
+            format!("the times are off by up to {percent:.0} % of a step{why}; even steps of {} s are used", told(dt))
+        };
         if worst <= CLOSE {
-            let remark = (worst > EXACT).then(|| {
-                format!(
-                    "the times are off by up to {:.0} % of a step, as rounded ones are; even steps of {dt} s are used",
-                    100.0 * worst
-                )
-            });
-            return Ok(Self { start, dt, samples: times.len(), places: Places::Rows, worst, remark });
+            let remark = (worst > EXACT).then(|| off_by(worst, dt));
+            let is_rounded = is_rounded(worst, dt);
+            let (samples, places) = (times.len(), Places::Rows);
+            return Ok(Self { start, dt, samples, places, worst, is_rounded, remark, gaps: None });
         }
         let median = median_step(times);
         let mut places = Vec::with_capacity(times.len());
@@ -92,24 +101,47 @@ impl Timing {
         if worst <= CLOSE {
             let missing = samples - times.len();
             let (most, row) = longest;
-            let remark = Some(format!(
+            let gaps = Some(format!(
                 "{missing} samples are missing; the longest gap has {most} and ends in line {}",
                 line(row)
             ));
-            return Ok(Self { start, dt, samples, places: Places::Gaps(places), worst, remark });
+            let is_rounded = is_rounded(worst, dt);
+            let remark = (worst > EXACT && !is_rounded).then(|| off_by(worst, dt));
+            return Ok(Self { start, dt, samples, places: Places::Gaps(places), worst, is_rounded, remark, gaps });
         }
         let samples = libm::floor((last - start) / median + 1e-9) as usize + 1;
         if samples > MOST {
             return Err(ImportError::TooLong { found: samples });
         }
         let times = times.iter().map(|time| (time - start) / median).collect();
-        let remark = Some(format!("the times are irregular; values are interpolated at even steps of {median} s"));
-        Ok(Self { start, dt: median, samples, places: Places::Times(times), worst, remark })
+        let remark =
+            Some(format!("the times are irregular; values are interpolated at even steps of {} s", told(median)));
+        let (dt, places) = (median, Places::Times(times));
+        Ok(Self { start, dt, samples, places, worst, is_rounded: false, remark, gaps: None })
     }
 
     /// Whether the times are those of the samples.
     pub(super) fn is_exact(&self) -> bool {
         matches!(self.places, Places::Rows | Places::Gaps(_)) && self.worst <= EXACT
+    }
+
+    /// Whether the samples are at even steps, and only their times are rounded, if anything.
+    pub(super) fn is_even(&self) -> bool {
+        self.is_exact() || (self.is_rounded && !matches!(self.places, Places::Times(_)))
+    }
+
+    /// A sentence on uneven times that are kept.
+    pub(super) fn kept(&self) -> String {
+        let dt = told(self.dt);
+        match self.places {
+            Places::Times(_) => format!(
+                "the times are irregular: the filters take each reading at its own time, and tell what they know at steps of {dt} s"
+            ),
+            _ => format!(
+                "the times are off by up to {:.0} % of a step of {dt} s: the filters take each reading at its own time",
+                100.0 * self.worst
+            ),
+        }
     }
 
     /// The values of the samples from those of the rows; NaN where there is none.
@@ -148,6 +180,26 @@ impl Timing {
 /// Values further apart than this many steps are not interpolated.
 const MOST_APART: f64 = 3.0;
 
+/// Times that are off even steps by at most so many units of their last decimal are rounded.
+const ROUNDED: f64 = 1.01;
+
+/// The unit of the last decimal that any of some times has \[s\]; zero if it is below a nanosecond.
+fn resolution(times: &[f64]) -> f64 {
+    let is_told = |unit: &f64| {
+        let is_whole = |time: &f64| {
+            let units = time / unit;
+            (units - libm::round(units)).abs() <= 1e-3
+        };
+        times.iter().all(is_whole)
+    };
+    (0..=9).map(|decimals| libm::pow(10.0, -f64::from(decimals))).find(is_told).unwrap_or(0.0)
+}
+
+/// A step to six digits.
+fn told(dt: f64) -> f64 {
+    format!("{dt:.5e}").parse().unwrap_or(dt)
+}
+
 fn median_step(times: &[f64]) -> f64 {
     let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let middle = steps.len() / 2;
@@ -176,7 +228,18 @@ mod tests {
         let found = timing(&times).unwrap();
         assert!((found.dt / 1.6384e-3 - 1.0).abs() < 1e-3, "{}", found.dt);
         assert_eq!(found.places, Places::Rows);
+        assert!(found.is_even() && !found.is_exact());
         assert!(found.remark.unwrap().contains("rounded"));
+    }
+
+    #[test]
+    fn jitter_that_is_finer_than_rounding_is_one() {
+        // The step jitters by a fifth, in microseconds.
+        let times: Vec<f64> = (0..500).map(|k| f64::from(k) * 0.01 + 2e-3 * f64::from(k * 7 % 5 - 2) / 2.0).collect();
+        let times: Vec<f64> = times.iter().map(|time| (time * 1e6).round() * 1e-6).collect();
+        let found = timing(&times).unwrap();
+        assert!(!found.is_even(), "{found:?}");
+        assert!(found.kept().contains(" % of a step of 0.01"), "{}", found.kept());
     }
 
     #[test]
@@ -187,7 +250,7 @@ mod tests {
         let values = found.spread(&[0.0, 1.0, 2.0, 3.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0]);
         assert!(values[4].is_nan() && values[5].is_nan());
         assert_eq!(values[6], 6.0);
-        let remark = found.remark.unwrap();
+        let remark = found.gaps.unwrap();
         assert_eq!(remark, "2 samples are missing; the longest gap has 2 and ends in line 6");
     }
 

@@ -71,7 +71,7 @@ impl Timed {
     }
 
     /// The value at a time; before the first told one it is that, after the last one the last.
-    fn at(&self, time: f64, hold: Hold) -> f64 {
+    pub(crate) fn at(&self, time: f64, hold: Hold) -> f64 {
         let Self { times, values } = self;
         let next = times.partition_point(|other| *other <= time + SAME);
         let Some(known) = next.checked_sub(1) else { return values[0] };
