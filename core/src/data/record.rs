@@ -108,11 +108,6 @@ impl Record {
         self.clocks.as_deref()
     }
 
-    /// The same record, as its columns tell it at the samples.
-    pub(crate) fn at_samples(self) -> Self {
-        Self { clocks: None, ..self }
-    }
-
     /// The same record, of which nothing is known but what was measured.
     #[must_use]
     pub fn without_truth(self) -> Self {

@@ -11,6 +11,7 @@ mod ambient_fit;
 mod climb;
 mod conditioning;
 mod decay;
+mod differences;
 mod follow;
 mod gaps;
 mod hysteresis;
@@ -29,6 +30,7 @@ use crate::{
 
 use ambient::has_no_input;
 use decay::{Decay, decay};
+use differences::noise;
 use follow::first_alone;
 use gaps::Lost;
 use response::{Response, free_response, response};
@@ -101,14 +103,16 @@ impl Suggestion {
             let Some(measured) = record.measured_quantity(sensor.measures) else { continue };
             let mapping = self.scenario.record.as_ref();
             let spectra = Spectra::new(record, measured, spectra::SHORT, Gaps::Avoid);
-            let Some(noise) = spectra.and_then(|spectra| spectra.noise(mapping)) else {
-                continue;
-            };
-            let (_, std) = moments(measured);
-            // A filled reading has no noise of its own.
             let column = record.sensors().iter().position(|quantity| *quantity == sensor.measures);
+            // A filled reading has no noise of its own.
             let there = lost.zip(column).map_or(1.0, |(lost, column)| lost.there(column, record.len()));
-            let noise = rounded((noise / libm::sqrt(there)).max(1e-6 * std));
+            let floor = spectra.and_then(|spectra| spectra.noise(mapping)).map(|noise| noise / libm::sqrt(there));
+            // Where readings were moved to samples, so was a part of the motion: what is less is the sensor's.
+            let own = record.clocks().zip(column).and_then(|(clocks, column)| noise(&clocks.readings[column]));
+            let is_own = own.is_some_and(|own| floor.is_none_or(|floor| own < floor));
+            let Some(noise) = own.filter(|_| is_own).or(floor) else { continue };
+            let (_, std) = moments(measured);
+            let noise = rounded(noise.max(1e-6 * std));
             if noise <= 0.0 {
                 continue;
             }
@@ -117,9 +121,12 @@ impl Suggestion {
                 filter.sensor_std[place] = noise;
             }
             let (name, unit) = (sensor.measures.name(), sensor.measures.unit());
-            self.reasons.push(format!(
-                "R of the {name}: {noise} {unit}, the noise at the highest frequencies, where the input explains nothing"
-            ));
+            let why = if is_own {
+                "what is left of its readings in differences over their times, in which a motion is next to nothing"
+            } else {
+                "the noise at the highest frequencies, where the input explains nothing"
+            };
+            self.reasons.push(format!("R of the {name}: {noise} {unit}, {why}"));
         }
     }
 

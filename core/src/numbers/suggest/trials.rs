@@ -71,11 +71,11 @@ struct Gaps {
 }
 
 impl Suggest {
-    /// Suggestions for a scenario on a record, none made yet. They are from what its columns tell at the samples.
+    /// Suggestions for a scenario on a record, none made yet.
     pub fn new(scenario: &Scenario, record: Record) -> Self {
         let suggestion = Suggestion { scenario: scenario.clone(), reasons: Vec::new(), is_guessed: true };
         let (trial, free, search, likelihoods, ambient, errors) = Default::default();
-        let (record, gaps) = (record.at_samples(), None);
+        let gaps = None;
         Self { suggestion, record, gaps, stage: Stage::Data, trial, free, search, likelihoods, ambient, errors }
     }
 
