@@ -17,7 +17,7 @@ pub struct Pass {
     sensors: Vec<usize>,
     input_delay: i32,
     /// Memory for the parts of a step, of a filter that goes from one reading to the next.
-    parts: Option<Parts>,
+    parts: Option<Box<Parts>>,
     done: usize,
     stop: Option<Stop>,
     /// The next sample, if it has been computed ahead.
@@ -86,7 +86,7 @@ impl Pass {
     }
 
     fn of(filter: Built, settings: &FilterSettings, is_timed: bool, sensors: Vec<usize>) -> Self {
-        let parts = is_timed.then(Parts::default);
+        let parts = is_timed.then(Box::default);
         Self { filter, sensors, input_delay: settings.input_delay, parts, done: 0, stop: None, ahead: None }
     }
 

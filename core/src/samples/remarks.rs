@@ -110,7 +110,7 @@ pub(crate) struct Monitor {
     /// The number of samples for which each sensor has had no measurement.
     silent: [usize; MAX_SENSORS],
     /// The number of samples without a measurement after which a sensor is silent.
-    lasting: [usize; MAX_SENSORS],
+    lasting: Vec<usize>,
     any_silent: bool,
     fewest_particles: f64,
     collapsed: usize,
@@ -144,7 +144,7 @@ impl Monitor {
             suspicious: limits.iter().map(|limit| limit.min(PRODUCT_LIMIT)).collect(),
             limits,
             silent: [0; MAX_SENSORS],
-            lasting: [LASTING; MAX_SENSORS],
+            lasting: vec![LASTING; sensors.len()],
             any_silent: false,
             fewest_particles: (0.02 * particles as f64).max(2.0),
             collapsed: 0,
@@ -156,8 +156,7 @@ impl Monitor {
     /// The same over readings with times of their own: `apart` tells for each sensor how many samples lie between two of them. `moved`
     /// names the option for which they count at samples.
     pub(crate) fn with_clocks(mut self, apart: &[usize], moved: Option<&'static str>) -> Self {
-        let lasting = apart.iter().map(|apart| LASTING.max(SILENT * apart));
-        self.lasting.iter_mut().zip(lasting).for_each(|(own, lasting)| *own = lasting);
+        self.lasting = apart.iter().map(|apart| LASTING.max(SILENT * apart)).collect();
         self.remarks.extend(moved.map(|what| Remark { what: Trouble::Moved(what), sample: 0, last: 0 }));
         self
     }

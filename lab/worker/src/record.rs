@@ -54,16 +54,14 @@ pub(crate) fn measured(record: &Array, scenario: &Scenario) -> Option<Record> {
         let (key, values) = (column.get(0).as_string()?, numbers(column.get(1))?);
         if let Some(sensor) = key.strip_prefix(TIMED) {
             let timed = Timed { times: values, values: numbers(column.get(2))? };
-            if sensor.is_empty() {
-                clocks.input = Some(timed)
-            } else {
-                clocks.readings.push(timed)
+            match sensor {
+                "" => clocks.input = Some(timed),
+                _ => clocks.readings.push(timed),
             }
-            continue;
-        }
-        match key.strip_prefix(TRUE) {
-            Some(channel) => truth.push((Channel::from_key(channel)?, values)),
-            None => sensors.push((Quantity::from_key(&key)?, values)),
+        } else if let Some(channel) = key.strip_prefix(TRUE) {
+            truth.push((Channel::from_key(channel)?, values));
+        } else {
+            sensors.push((Quantity::from_key(&key)?, values));
         }
     }
     let record = Record::new(dt, input, sensors).ok()?.with_truth(truth).ok()?;

@@ -200,7 +200,8 @@ impl Clocks {
         if let Some(last) = cuts.last_mut() {
             *last = end;
         }
-        (parts.clear(), readings.clear());
+        parts.clear();
+        readings.clear();
         let mut from = begin;
         for &cut in &*cuts {
             let [before, force] = [from, cut].map(|time| course.at(time, self.input.as_ref(), [begin, end]));

@@ -35,7 +35,7 @@ const CHUNK: usize = 100;
 /// The smoothed unknown force of a filter, computed in slices of time: the filter's own estimate comes late.
 pub(super) struct ForceInHindsight {
     smoother: Box<dyn Smoother>,
-    estimates: Estimates,
+    estimates: Box<Estimates>,
 }
 
 impl ForceInHindsight {
@@ -48,7 +48,7 @@ impl ForceInHindsight {
         let smoother = select::whole_smoother(filter, context)?;
         let model = filter.model(scenario.plant.kind, scenario.input);
         let estimates = Estimates::new(filter, &model, Vec::new()).of_smoother();
-        Some(Self { smoother, estimates })
+        Some(Self { smoother, estimates: Box::new(estimates) })
     }
 
     /// Goes on while there is time. Returns whether all is done.

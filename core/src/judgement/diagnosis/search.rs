@@ -57,7 +57,7 @@ enum Stage {
     Without {
         path: usize,
         step: usize,
-        shorter: Path,
+        shorter: Box<Path>,
     },
     /// The smoothed unknown force of a remedy, before the search goes on or at its end.
     Force {
@@ -171,7 +171,7 @@ impl Search {
                 let is_better =
                     shorter.gain >= self.paths[path].gain && precedence(&shorter) >= precedence(&self.paths[path]);
                 if is_better {
-                    self.paths[path] = shorter;
+                    self.paths[path] = *shorter;
                     self.shorten(path, 0);
                 } else {
                     self.shorten(path, step + 1);
@@ -223,7 +223,7 @@ impl Search {
         match shorter {
             Some((step, shorter)) => {
                 self.run(&shorter, false);
-                self.stage = Stage::Without { path, step, shorter };
+                self.stage = Stage::Without { path, step, shorter: Box::new(shorter) };
             }
             None => self.look_at_force(true),
         }

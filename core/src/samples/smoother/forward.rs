@@ -20,7 +20,7 @@ pub(crate) struct Forward {
     in_units: InUnits,
     truncation: Truncation,
     /// Of a filter that goes from one reading to the next.
-    timed: Option<Timed>,
+    timed: Option<Box<Timed>>,
     is_begun: bool,
 }
 
@@ -90,9 +90,9 @@ impl Forward {
         let truncation = Truncation::of(settings, filter.model().channels());
         Some(Self {
             truncation,
-            timed: context.is_timed.then(|| Timed {
-                of_share: Share::new(filter.noise().clone(), filter.model().size()),
-                parts: Parts::default(),
+            timed: context.is_timed.then(|| {
+                let of_share = Share::new(filter.noise().clone(), filter.model().size());
+                Box::new(Timed { of_share, parts: Parts::default() })
             }),
             filter: if settings.jump { filter.with_jump() } else { filter },
             input_delay: settings.input_delay,
