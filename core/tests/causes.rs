@@ -1,13 +1,19 @@
 //! Rules about which cause may stand first.
 
+use std::sync::Arc;
+
 use kalmanscope_core::diagnosis::{Diagnosis, Remedy};
-use kalmanscope_core::{Diagnostics, Run, Scenario};
+use kalmanscope_core::record::{Input, Record};
+use kalmanscope_core::{Channel, Diagnostics, Quantity, Run, Scenario, Sensor, simulate};
 
 /// The causes of the first filter's verdict without the truth.
 fn remedies(scenario: &Scenario) -> Vec<Remedy> {
-    let mut run = Run::new(scenario).unwrap();
+    on_record(scenario, simulate(scenario).without_truth())
+}
+
+fn on_record(scenario: &Scenario, record: Record) -> Vec<Remedy> {
+    let mut run = Run::on_record(scenario, Arc::new(record.clone())).unwrap();
     run.finish();
-    let record = run.record().clone().with_truth(Vec::new()).unwrap();
     let estimates = &run.estimates()[0];
     let diagnostics = Diagnostics::new(estimates, &record);
     let diagnosis = Diagnosis::new(&diagnostics, estimates, &record, None).unwrap();
@@ -66,5 +72,43 @@ fn remedies_that_end_good_stand_first() {
         }
         // A factor that silences a sensor is no explanation.
         assert_ne!(found[0].first.cause.key, "sensor_noise", "seed {seed}: {}", found[0].first.sentence);
+    }
+}
+
+/// Records of displacement, velocity and acceleration whose times are told wrongly, or whose scales are: `change` gets the place of a
+/// sensor and a reading.
+fn three_sensors(seed: u64, told: f64, change: impl Fn(usize, f64) -> f64) -> Vec<Remedy> {
+    let sensors = [(Quantity::DISPLACEMENT, 0.002), (Quantity::VELOCITY, 0.01), (Quantity::ACCELERATION, 0.1)];
+    let mut scenario = Scenario { seed, duration: 40.0, ..Scenario::default() };
+    scenario.plant.set(Channel::NATURAL_FREQUENCY, 4.0 + seed as f64 % 5.0);
+    scenario.plant.set(Channel::DAMPING_RATIO, 0.03);
+    scenario.sensors = Vec::new();
+    for (quantity, std) in sensors {
+        scenario.add_sensor(Sensor::new(quantity, std));
+    }
+    scenario.filters.truncate(1);
+    scenario.filters[0].sensor_std = sensors.iter().map(|(_, std)| *std).collect();
+    let record = simulate(&scenario);
+    let columns: Vec<_> = (0..3)
+        .map(|place| (sensors[place].0, record.measured(place).iter().map(|value| change(place, *value)).collect()))
+        .collect();
+    let input = Input { kind: record.input_kind(), hold: record.hold(), values: record.input().to_vec() };
+    let record = Record::new(told * record.dt(), input, columns).expect("the columns are a record");
+    on_record(&scenario, record)
+}
+
+#[test]
+fn wrong_times_are_told_from_a_wrong_scale() {
+    let first = |remedies: &[Remedy]| remedies.first().map_or("none", |remedy| remedy.first.cause.key);
+    for (seed, told) in [(1, 0.8), (2, 1.25), (3, 1.1), (4, 0.5)] {
+        let found = three_sensors(seed, told, |_, value| value);
+        assert_eq!(first(&found), "times", "{told}: {found:?}");
+        let sentence = &found[0].first.sentence;
+        assert!(sentence.contains(&format!("about {:.2}", 1.0 / told)), "{sentence}");
+    }
+    for (seed, scaled, by) in [(5, 0, 1.2), (6, 1, 0.8), (7, 2, 1.3), (8, 1, 1.25)] {
+        let found = three_sensors(seed, 1.0, |place, value| if place == scaled { by * value } else { value });
+        assert!(!keys(&found).contains(&"times"), "{scaled} by {by}: {found:?}");
+        assert_eq!(first(&found), "sensor_scale", "{scaled} by {by}: {found:?}");
     }
 }

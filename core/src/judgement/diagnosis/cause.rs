@@ -43,6 +43,7 @@ pub static CAUSES: &[&Cause] = &[
     &collapsed_sample::CAUSE,
     &no_excitation::CAUSE,
     &disagreement::SIGN,
+    &disagreement::TIMES,
     &disagreement::SCALE_OF,
     &disagreement::LATENESS,
     &outliers::CAUSE,

@@ -1,4 +1,4 @@
-//! Two sensors of one mass do not agree: one has a wrong sign, a wrong scale, or is late.
+//! Two sensors of one mass do not agree: one has a wrong sign, a wrong scale, or is late; or the times of all are wrong.
 
 use super::{BadFilter, Cause, LikelyCause};
 use crate::judgement::diagnosis::agreement::Agreement;
@@ -12,6 +12,9 @@ const LATE: f64 = 1.0;
 
 /// A fault must be so many of its standard deviations.
 const SURE: f64 = 5.0;
+
+/// Factors that differ by less than this share are the same.
+const ALIKE: f64 = 0.02;
 
 /// The factor on a σ that leaves a sensor out.
 const SILENCE: f64 = 1000.0;
@@ -28,6 +31,14 @@ pub(super) static SCALE_OF: Cause = Cause {
     name: "the scale of a sensor",
     hint: "One of two sensors reads too much or too little by a factor: a unit, a gain, a calibration. Give its column the right gain.",
     likely_causes: |bad, cause, found| likely_causes(bad, cause, found, Fault::Scale),
+};
+
+pub(super) static TIMES: Cause = Cause {
+    key: "times",
+    name: "the time between samples",
+    hint: "All sensors agree with each other once the times are stretched: the sample rate or the unit of the times is wrong. Give the \
+           record the right one.",
+    likely_causes: wrong_times,
 };
 
 pub(super) static LATENESS: Cause = Cause {
@@ -48,26 +59,75 @@ enum Fault {
     Late,
 }
 
+/// A sensor and that of its rate, by their places, and how they agree.
+struct Pair {
+    places: [usize; 2],
+    agreement: Agreement,
+}
+
+/// All pairs of a sensor with that of its rate, unless an earlier repair has left one out.
+fn pairs(bad: &BadFilter<'_>) -> Vec<Pair> {
+    let case = bad.case;
+    let sensors = &bad.scenario.sensors;
+    let of = |(place, one): (usize, &crate::Sensor)| {
+        let (_, rate) = RATES.iter().find(|(of, _)| *of == one.measures.aspect())?;
+        let other = sensors.iter().position(|other| other.measures == Quantity::new(*rate, one.measures.mass()))?;
+        let is_left_out = |place: usize| bad.filter.sensor_std[place] >= SILENCE * bad.origin.sensor_std[place];
+        if [place, other].into_iter().any(is_left_out) {
+            return None;
+        }
+        let part = |place: usize| {
+            let column = case.record.measured_quantity(sensors[place].measures)?;
+            Some(without_ends(&column[case.samples.clone()]))
+        };
+        let (values, rates) = (part(place)?, part(other)?);
+        let agreement = Agreement::of(&values, &rates, case.record.dt(), bad.filter.sensor_std[other])?;
+        Some(Pair { places: [place, other], agreement })
+    };
+    sensors.iter().enumerate().filter_map(of).collect()
+}
+
+fn is_off(Agreement { factor, std, .. }: &Agreement) -> bool {
+    let off = (factor.abs() - 1.0).abs();
+    off > SCALE && off > SURE * std
+}
+
+/// The factor by which all sensors change more than those of their rates say, where there are two pairs or more and it is the same
+/// one: then the times are wrong, and no sensor is.
+fn common_factor(pairs: &[Pair]) -> Option<f64> {
+    let [first, others @ ..] = pairs else { return None };
+    let Agreement { factor, std, .. } = first.agreement;
+    let is_same = |pair: &Pair| {
+        let Agreement { factor: other, std: other_std, .. } = pair.agreement;
+        (other - factor).abs() <= ALIKE * factor.abs() + SURE * libm::hypot(std, other_std)
+    };
+    let is_common = !others.is_empty() && factor > 0.0 && others.iter().all(is_same);
+    (is_common && pairs.iter().all(|pair| is_off(&pair.agreement))).then_some(factor)
+}
+
+fn wrong_times(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
+    let Some(factor) = common_factor(&pairs(bad)) else { return };
+    let dt = bad.case.record.dt();
+    let sentence = format!(
+        "each sensor changes {} times as much as the next one says: the time between samples is about {factor:.3} times the {dt} s that \
+         are told, and no setting mends that",
+        short(factor)
+    );
+    let off = (factor - 1.0).abs();
+    let likely = LikelyCause::new(cause, off / (1.0 + off), 0.0, Vec::new(), sentence);
+    found.push(LikelyCause { certain: true, of_record: true, ..likely });
+}
+
 /// Compares each sensor with that of its rate, and tries the filter without either: the likelihood tells which one is wrong.
 fn likely_causes(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>, fault: Fault) {
     let case = bad.case;
     let sensors = &bad.scenario.sensors;
-    for (place, one) in sensors.iter().enumerate() {
-        let rate = RATES.iter().find(|(of, _)| *of == one.measures.aspect()).map(|(_, rate)| *rate);
-        let Some(rate) = rate else { continue };
-        let is_rate = |other: &crate::Sensor| other.measures == Quantity::new(rate, one.measures.mass());
-        let Some(other) = sensors.iter().position(is_rate) else { continue };
-        // An earlier repair has left one of them out.
-        let is_left_out = |place: usize| bad.filter.sensor_std[place] >= SILENCE * bad.origin.sensor_std[place];
-        if [place, other].into_iter().any(is_left_out) {
-            continue;
-        }
-        let columns = [place, other].map(|place| case.record.measured_quantity(sensors[place].measures));
-        let [Some(values), Some(rates)] = columns else { continue };
-        let part = |column: &[f64]| without_ends(&column[case.samples.clone()]);
-        let noise = bad.filter.sensor_std[other];
-        let Some(agreement) = Agreement::of(&part(values), &part(rates), case.record.dt(), noise) else { continue };
-        let Agreement { factor, std, late, late_std } = agreement;
+    let pairs = pairs(bad);
+    if fault == Fault::Scale && common_factor(&pairs).is_some() {
+        return;
+    }
+    for Pair { places: [place, other], agreement } in pairs {
+        let Agreement { factor, late, late_std, .. } = agreement;
         let names = [place, other].map(|place| sensors[place].measures.name());
         let [name, rate_name] = names.each_ref().map(String::as_str);
         let off = (factor.abs() - 1.0).abs();
@@ -79,7 +139,7 @@ fn likely_causes(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
             Fault::Scale => {
                 let sentence =
                     format!("the {name} changes {} times as much as the {rate_name} says", short(factor.abs()));
-                (off > SCALE && off > SURE * std, off / (1.0 + off), sentence)
+                (is_off(&agreement), off / (1.0 + off), sentence)
             }
             Fault::Late => {
                 let (first, second) = if late > 0.0 { (rate_name, name) } else { (name, rate_name) };
