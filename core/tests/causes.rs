@@ -12,12 +12,13 @@ fn remedies(scenario: &Scenario) -> Vec<Remedy> {
 }
 
 fn on_record(scenario: &Scenario, record: Record) -> Vec<Remedy> {
-    let mut run = Run::on_record(scenario, Arc::new(record.clone())).unwrap();
+    let mut run = Run::on_record(scenario, Arc::new(record)).unwrap();
     run.finish();
+    let record = run.record();
     let estimates = &run.estimates()[0];
-    let diagnostics = Diagnostics::new(estimates, &record);
-    let diagnosis = Diagnosis::new(&diagnostics, estimates, &record, None).unwrap();
-    let mut trials = diagnosis.trials(scenario, 0, &diagnostics, estimates, &record).unwrap();
+    let diagnostics = Diagnostics::new(estimates, record);
+    let diagnosis = Diagnosis::new(&diagnostics, estimates, record, None).unwrap();
+    let mut trials = diagnosis.trials(scenario, 0, &diagnostics, estimates, record).unwrap();
     while !trials.advance(&mut || true) {}
     trials.remedies()
 }

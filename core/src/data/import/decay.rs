@@ -15,8 +15,8 @@ use series::{even, main_axis, mean, middle, noise_of, side};
 ///
 /// Gravity, and whatever else is constant, is the mean of the decay under a Hann window and is taken away. The axis is that
 /// along which the readings vary most. The decay begins half a swing after the largest reading, when the hand is gone, and
-/// ends where the readings are noise, or before they grow again. Its readings are carried from their own times to equal steps: a
-/// phone's clock jitters, and a shift by a tenth of a step is as large as the noise.
+/// ends where the readings are noise, or before they grow again. A phone's clock jitters, and a shift by a tenth of a step is as
+/// large as the noise: its file ([`Self::csv`]) has the readings at their own times, and its series are carried to equal steps.
 ///
 /// Source: Clough and Penzien (2003), *Dynamics of Structures*, section 2.6 (free vibration); Jolliffe (2002), *Principal
 /// Component Analysis*, chapter 1.
@@ -34,6 +34,8 @@ pub struct Decay {
     pub noise: f64,
     /// The time of the first reading that is kept, in the clock of the readings \[s\].
     pub begin: f64,
+    /// Each reading at its own time: that after the beginning \[s\], and the acceleration \[m/s²\].
+    readings: Vec<[f64; 2]>,
     /// Whether it has come to rest and rests at the end of the readings: there is nothing more to learn.
     pub rests: bool,
 }
@@ -169,7 +171,9 @@ impl Decay {
         let (dt, acceleration) = even(&times[begin..end], &along, noise);
         let times_of = (0..acceleration.len()).map(|k| dt * k as f64);
         let (times_of, gravity) = (times_of.collect(), gravity + rest);
-        (Ok(Self { times: times_of, acceleration, axis, gravity, noise, begin: times[begin], rests }), others)
+        let readings = times[begin..end].iter().zip(&along).map(|(time, x)| [time - times[begin], *x]).collect();
+        let begin = times[begin];
+        (Ok(Self { times: times_of, acceleration, axis, gravity, noise, begin, readings, rests }), others)
     }
 
     /// How long it lasts \[s\].
@@ -191,15 +195,12 @@ impl Decay {
         LiveRecord::new(dt, InputKind::Force, Hold::First, vec![Quantity::ACCELERATION]).smoothing(side)
     }
 
-    /// The decay as a CSV file that the importer reads: time and acceleration, with their units.
+    /// The decay as a CSV file that the importer reads: each reading with its own time, with their units.
     pub fn csv(&self) -> String {
         let mut text = "t [s],acceleration [m/s²]\n".to_owned();
-        for (time, acceleration) in self.times.iter().zip(&self.acceleration) {
+        for [time, acceleration] in &self.readings {
             // A text takes whatever is written.
-            let _ = match acceleration.is_nan() {
-                true => writeln!(text, "{time:.6},"),
-                false => writeln!(text, "{time:.6},{acceleration:.6}"),
-            };
+            let _ = writeln!(text, "{time:.6},{acceleration:.6}");
         }
         text
     }
