@@ -58,7 +58,7 @@ fn one(
 ) -> Result<FilterResults, RunError> {
     let record = results.record;
     let mut pass = Pass::new(scenario, place, record)?;
-    let mut history = Pass::history(scenario, place)?;
+    let mut history = Pass::history_over(scenario, place, record)?;
     let mut diagnostics = Diagnostics::new(&history, record);
     let name = history.name().to_owned();
     while pass.done() < record.len() && pass.stop().is_none() {

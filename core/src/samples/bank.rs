@@ -1,6 +1,7 @@
 //! The filters of a scenario, side by side.
 
 use crate::samples::estimator::{FilterContext, counts_in_samples};
+use crate::samples::pass::apart;
 use crate::samples::run_error::sensor_places;
 use crate::samples::select::smoother;
 use crate::samples::smoother::Smoother;
@@ -22,14 +23,10 @@ pub(crate) struct Bank {
 impl Bank {
     /// An empty bank for a scenario and a record of its kind.
     pub(crate) fn new(scenario: &Scenario, record: &Record) -> Result<Self, RunError> {
-        let quantities = scenario.sensors.iter().map(|s| s.measures).collect();
-        let sensors = sensor_places(scenario, record)?;
+        let quantities: Vec<Quantity> = scenario.sensors.iter().map(|s| s.measures).collect();
+        let (sensors, apart) = (sensor_places(scenario, record)?, apart(record, &quantities));
         let mut scenario = scenario.clone();
         scenario.number_filters();
-        let apart = record.clocks().map(|clocks| {
-            let of = |&sensor: &usize| record.len() / clocks.readings[sensor].times.len().max(1);
-            sensors.iter().map(of).collect()
-        });
         Ok(Self { scenario, quantities, sensors, apart, passes: Vec::new(), estimates: Vec::new() })
     }
 

@@ -2,7 +2,7 @@
 
 use crate::data::record::Parts;
 use crate::mathematics::quantity::MAX_SENSORS;
-use crate::samples::estimator::{Estimator, Failed, FilterContext, Recipe};
+use crate::samples::estimator::{Estimator, Failed, FilterContext, Recipe, counts_in_samples};
 use crate::samples::run_error::sensor_places;
 use crate::samples::select;
 use crate::samples::sink::Sink;
@@ -105,6 +105,19 @@ impl Pass {
         Ok(Estimates::new(filter, &filter.model(scenario.plant.kind, scenario.input), quantities))
     }
 
+    /// [`Self::history`] over a record, whose readings may have times of their own: its remarks say so where the filter does not follow
+    /// them, and a sensor that measures seldom is not taken for a silent one.
+    ///
+    /// # Errors
+    /// Those of [`Self::history`].
+    pub fn history_over(scenario: &Scenario, place: usize, record: &Record) -> Result<Estimates, RunError> {
+        let history = Self::history(scenario, place)?;
+        Ok(match apart(record, history.sensors()) {
+            Some(apart) => history.with_clocks(&apart, counts_in_samples(&scenario.filters[place])),
+            None => history,
+        })
+    }
+
     /// The number of samples done, counted from the record's beginning.
     pub fn done(&self) -> usize {
         self.done
@@ -191,4 +204,14 @@ impl Pass {
         }
         *done = goal;
     }
+}
+
+/// The samples between two readings of each sensor, where the readings of a record have times of their own.
+pub(crate) fn apart(record: &Record, sensors: &[Quantity]) -> Option<Vec<usize>> {
+    let clocks = record.clocks()?;
+    let readings = |quantity: &Quantity| {
+        let column = record.sensors().iter().position(|other| other == quantity);
+        column.map_or(0, |column| clocks.readings[column].times.len())
+    };
+    Some(sensors.iter().map(|quantity| record.len() / readings(quantity).max(1)).collect())
 }
