@@ -16,8 +16,9 @@ use crate::{reports_no_problems, starts};
 /// Limits the time until a record is open.
 const PATIENCE: Duration = Duration::from_secs(30);
 
-/// The record of an oscillator of 6 rad/s as a spreadsheet writes it, with semicolons, decimal commas and millimetres.
-fn sheet(duration: f64) -> String {
+/// The record of an oscillator of 6 rad/s as a spreadsheet writes it, with semicolons, decimal commas and millimetres. Its clock tells
+/// times that are off by up to so many seconds.
+fn sheet(duration: f64, jitter: f64) -> String {
     let text = "dt = 0.05\nhold = \"first\"\n[plant]\nnatural_frequency = 6.0\n[[sensors]]\n\
                 measures = \"displacement\"\nnoise_std = 0.002\n";
     let scenario = Scenario { duration, ..Scenario::from_toml(text).unwrap() };
@@ -26,7 +27,8 @@ fn sheet(duration: f64) -> String {
     let record = run.record();
     let mut sheet = "Zeit [s];Kraft;Weg [mm]\n".to_owned();
     for k in 0..record.len() {
-        let row = format!("{:.3};{:.12};{:.12}", record.time(k), record.input()[k], 1000.0 * record.measured(0)[k]);
+        let time = record.time(k) + jitter * (k * 7919 % 101) as f64 / 100.0;
+        let row = format!("{time:.5};{:.12};{:.12}", record.input()[k], 1000.0 * record.measured(0)[k]);
         writeln!(sheet, "{}", row.replace('.', ",")).unwrap();
     }
     sheet
@@ -40,7 +42,7 @@ pub(crate) async fn a_record_is_chosen(page: &Page, folder: &Path) {
     page.wait_until("window.asked === 1", PATIENCE).await.unwrap();
     std::fs::create_dir_all(folder).unwrap();
     let path = folder.join("chosen.csv");
-    std::fs::write(&path, sheet(40.0)).unwrap();
+    std::fs::write(&path, sheet(40.0, 0.0)).unwrap();
     page.choose_file("#file", &path).await;
     let button = offers("Cancel the import");
     page.wait_until(&button, PATIENCE).await.unwrap();
@@ -79,7 +81,7 @@ pub(crate) async fn a_record_is_opened_by_drop(page: &Page) {
             }}
             return data.files.length;
         }})(new DataTransfer())",
-        serde_json::to_string(&sheet(40.0)).unwrap()
+        serde_json::to_string(&sheet(40.0, 0.0)).unwrap()
     );
     assert_eq!(page.value(&drop).await, 1);
     opens(page).await;
@@ -96,14 +98,14 @@ pub(crate) async fn a_record_is_opened_by_drop(page: &Page) {
     }
 }
 
-/// A large file is read, and its start values are made, in workers as often as is said, and with the bits of this machine.
+/// A large file of uneven times is read, and its start values are made, in workers as often as is said, and with the bits of this machine.
 pub(crate) async fn a_large_record_is_opened(
     page: &Page,
     address: &str,
     folder: &Path,
     [files, suggestions]: [u64; 2],
 ) {
-    let (name, text) = ("large.csv", sheet(6000.0));
+    let (name, text) = ("large.csv", sheet(6000.0, 0.02));
     assert!(text.len() > 4_500_000);
     std::fs::create_dir_all(folder).unwrap();
     std::fs::write(folder.join(name), &text).unwrap();
@@ -121,7 +123,7 @@ pub(crate) async fn a_large_record_is_opened(
 pub(crate) async fn an_import_is_given_up_in_its_worker(page: &Page, address: &str, folder: &Path) {
     let path = folder.join("large.csv");
     std::fs::create_dir_all(folder).unwrap();
-    std::fs::write(&path, sheet(6000.0)).unwrap();
+    std::fs::write(&path, sheet(6000.0, 0.0)).unwrap();
     starts(page, address).await;
     page.choose_file("#file", &path).await;
     page.wait_until("told.held === 1", PATIENCE).await.unwrap();
@@ -137,7 +139,7 @@ pub(crate) async fn an_import_is_given_up_in_its_worker(page: &Page, address: &s
 
 /// Prints how long reading a large file and making its start values takes, and the page's own time in its frames meanwhile.
 pub(crate) async fn time_of_an_import(page: &Page, address: &str, folder: &Path, name: &str) {
-    let text = sheet(40_000.0);
+    let text = sheet(40_000.0, 0.0);
     std::fs::create_dir_all(folder).unwrap();
     std::fs::write(folder.join("large.csv"), &text).unwrap();
     starts(page, address).await;
@@ -164,6 +166,7 @@ fn checksum(name: &str, bytes: &[u8]) -> String {
     let record =
         |mapping: &Mapping| Builder::new(&table, mapping, input, Hold::First).unwrap().finish().unwrap().record;
     let raw = record(&mapping);
+    assert!(raw.clocks().is_some(), "it keeps its times");
     let scenario = Scenario { input, hold: Hold::First, record: Some(mapping), ..scenario_for(&raw) };
     let scenario = suggest(&scenario, &raw).scenario;
     let mut run = Run::on_record(&scenario, record(scenario.record.as_ref().unwrap()).into()).unwrap();
