@@ -13,7 +13,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use egui::Context;
-use kalmanscope_core::import::{Loaded, Loading};
+use kalmanscope_core::import::{ImportError, Loaded, Loading};
 use kalmanscope_core::suggest::{Suggest, Suggestion};
 use kalmanscope_core::{Record, Scenario, Task};
 
@@ -22,7 +22,7 @@ use crate::team::{BETWEEN, Lost, Priority, Running, Team};
 
 pub use draft::Draft;
 
-use second::{Joining, Second};
+use second::{Both, Joining, Second};
 
 /// Limits the size of a record's file \[bytes\].
 pub const LARGEST: usize = 500_000_000;
@@ -41,6 +41,8 @@ pub struct Import {
     team: Rc<dyn Team>,
     /// Whether the next file is joined to this one.
     wants_second: bool,
+    /// Whether both are being joined with another offset.
+    joins_again: bool,
     /// Both files, once they are joined.
     second: Option<Second>,
     /// The reason why a second file is not joined.
@@ -109,7 +111,8 @@ impl Import {
     }
 
     fn at(name: String, stage: Stage, team: Rc<dyn Team>) -> Self {
-        Self { name, stage, team, wants_second: false, second: None, refusal: None, joined: None }
+        let (wants_second, joins_again, second, refusal, joined) = Default::default();
+        Self { name, stage, team, wants_second, joins_again, second, refusal, joined }
     }
 
     /// Joins a file with a clock of its own, if the user has asked for one. Returns its contents if not.
@@ -132,24 +135,37 @@ impl Import {
         }
     }
 
-    /// Goes on with both files as one, and the draft that is made of it.
-    fn join(&mut self, draft: impl FnOnce(Arc<RecordFile>) -> Draft) {
-        let Some(second) = &self.second else { return };
-        match second.both() {
+    /// Goes on with both files as one, and the draft that is made of it: the meaning of the columns stays where they were joined
+    /// before.
+    fn take_up(&mut self, before: Box<Draft>, second: Second, both: Result<Both, ImportError>) {
+        let is_again = std::mem::take(&mut self.joins_again);
+        self.second = Some(second);
+        match both {
             Ok((bytes, file)) => {
                 (self.joined, self.refusal) = (Some(bytes), None);
                 self.name.clone_from(&file.name);
-                self.stage = Stage::Asking(Box::new(draft(Arc::new(file))));
+                let draft = Draft::new(Arc::new(file));
+                let draft = if is_again { draft.with_choices(before.choices()) } else { draft };
+                self.stage = Stage::Asking(Box::new(draft));
             }
-            Err(reason) => self.refusal = Some(format!("the files cannot be joined: {reason}")),
+            Err(reason) => {
+                self.stage = Stage::Asking(before);
+                self.refusal = Some(format!("the files cannot be joined: {reason}"));
+            }
         }
     }
 
-    /// Joins both files again, with another offset. The meaning of the columns stays.
+    /// Joins both files again, with another offset.
     fn join_again(&mut self) {
-        let Stage::Asking(draft) = &self.stage else { return };
-        let choices = draft.choices();
-        self.join(|file| Draft::new(file).with_choices(choices));
+        let Some(second) = self.second.take() else { return };
+        match std::mem::replace(&mut self.stage, Stage::Failed(String::new())) {
+            Stage::Asking(draft) => {
+                let is_long = second.is_long();
+                let joining = running(&*self.team, Joining::again(Arc::clone(draft.file()), second), is_long);
+                (self.stage, self.joins_again) = (Stage::Joining(draft, Box::new(joining)), true);
+            }
+            other => (self.stage, self.second) = (other, Some(second)),
+        }
     }
 
     /// The name and the contents of both files as one, once after each change.
@@ -197,13 +213,9 @@ impl Import {
                     Ok(Some(outcome)) => outcome,
                     Err(Lost) => Err("the thread that read the second file has failed".to_owned()),
                 };
-                self.stage = Stage::Asking(draft);
                 match outcome {
-                    Ok(second) => {
-                        self.second = Some(second);
-                        self.join(Draft::new);
-                    }
-                    Err(reason) => self.refusal = Some(reason),
+                    Ok((second, both)) => self.take_up(draft, second, both),
+                    Err(reason) => (self.stage, self.refusal) = (Stage::Asking(draft), Some(reason)),
                 }
                 return None;
             }

@@ -101,14 +101,18 @@ impl Import {
     }
 
     fn stage_ui(&mut self, ui: &mut Ui, palette: &Palette, can_hold_out: bool) -> Option<Choice> {
-        let Self { name, stage, wants_second, second, refusal, .. } = self;
+        let Self { name, stage, wants_second, joins_again, second, refusal, .. } = self;
         match stage {
             Stage::Reading(reading) => {
                 ui.label(format!("Reading “{name}”"));
                 progress_ui(ui, *reading.seen() as f32)
             }
             Stage::Joining(_, joining) => {
-                ui.label("Reading the second file, and looking for the offset between both clocks");
+                ui.label(if *joins_again {
+                    "Joining both files with this offset"
+                } else {
+                    "Reading the second file, and looking for the offset between both clocks"
+                });
                 progress_ui(ui, *joining.seen() as f32)
             }
             Stage::Suggesting(_, suggest) => {

@@ -2,7 +2,7 @@
 
 use super::files::{Joined, join_on_steps};
 use super::limits::FEWEST;
-use super::own_times::{OwnTimes, of_rows};
+use super::own_times::{OwnTimes, times_of};
 use super::role::is_named_time;
 use super::{Column, ImportError, MappedColumn, Mapping, Table, Time, times};
 
@@ -131,7 +131,7 @@ fn of_part(table: &Table, mapping: &Mapping, clock: usize) -> Vec<f64> {
     let column = &table.columns[clock];
     let is_stated = mapping.time.column.as_deref() == Some(&column.name) && !mapping.time.unit.is_empty();
     let unit = if is_stated { &mapping.time.unit } else { column.unit.as_deref().unwrap_or_default() };
-    of_rows(table, &column.name, unit)
+    times_of(table, &column.name, unit)
 }
 
 /// A clock with its columns, in which cells without a reading are empty.

@@ -46,7 +46,7 @@ impl OwnTimes {
     }
 
     /// A column in the meaning that a mapping gives it: `factor · (cell - offset)`, that much earlier, with times in steps after the
-    /// first one. Cells out of the steps are left out.
+    /// first one.
     fn scaled(&self, name: &str, factor: f64, offset: Offset, delay: i32, steps: Steps) -> Timed {
         let Steps { start, dt, count } = steps;
         let Some(Timed { times, values }) = self.columns.get(name) else { return Timed::default() };
@@ -110,7 +110,7 @@ impl OwnTimes {
 }
 
 /// The times of a table's rows \[s\].
-pub(super) fn of_rows(table: &Table, column: &str, unit: &str) -> Vec<f64> {
+pub(super) fn times_of(table: &Table, column: &str, unit: &str) -> Vec<f64> {
     let place = table.place(column);
     place.map(|place| times::of(table, &table.columns[place], unit, &mut Vec::new()).into_owned()).unwrap_or_default()
 }

@@ -86,6 +86,13 @@ impl Table {
 
     /// The numbers as CSV, with the units in the header; cells without a number are empty.
     pub fn csv(&self) -> String {
+        let mut text = self.csv_header();
+        self.csv_rows(0..self.rows(), &mut text);
+        text
+    }
+
+    /// The first line of [`Self::csv`].
+    pub fn csv_header(&self) -> String {
         let name = |column: &Column| {
             let name = match column.unit.as_deref() {
                 Some(unit) if !unit.is_empty() => format!("{} [{unit}]", column.name),
@@ -93,8 +100,12 @@ impl Table {
             };
             if name.contains([',', '"']) { format!("\"{}\"", name.replace('"', "\"\"")) } else { name }
         };
-        let mut text = self.columns.iter().map(name).collect::<Vec<_>>().join(",") + "\n";
-        for row in 0..self.rows() {
+        self.columns.iter().map(name).collect::<Vec<_>>().join(",") + "\n"
+    }
+
+    /// Appends some rows of [`Self::csv`] to a text.
+    pub fn csv_rows(&self, rows: std::ops::Range<usize>, text: &mut String) {
+        for row in rows {
             for (place, column) in self.columns.iter().enumerate() {
                 let comma = if place > 0 { "," } else { "" };
                 // A text takes whatever is written.
@@ -105,7 +116,6 @@ impl Table {
             }
             text.push('\n');
         }
-        text
     }
 
     /// Whether every cell of a column is empty or text.
