@@ -222,7 +222,7 @@ mod tests {
 
     use super::*;
 
-    /// A file of a wave, so many readings a second.
+    /// A file with a wave; `rate` is the number of readings in a second.
     fn file(name: &str, rate: f64, rows: usize, column: &str) -> (RecordFile, Vec<u8>) {
         let row = |k: usize| {
             let time = k as f64 / rate;

@@ -30,6 +30,7 @@ mod thumb;
 mod trials;
 mod tune;
 mod twin;
+mod uneven_times;
 mod workbench;
 
 use std::collections::HashMap;

@@ -9,7 +9,7 @@ use super::*;
 
 /// An oscillator of 6 rad/s with a damping ratio of 5 %, driven by a force that is linear between samples, as a table of
 /// time, force and displacement in millimetres.
-fn rows() -> Vec<[f64; 3]> {
+pub(super) fn rows() -> Vec<[f64; 3]> {
     let text = "duration = 40.0\ndt = 0.05\nhold = \"first\"\n[plant]\nnatural_frequency = 6.0\n[[sensors]]\n\
                 measures = \"displacement\"\nnoise_std = 0.002\n";
     let mut run = kalmanscope_core::Run::new(&Scenario::from_toml(text).expect("a scenario")).expect("a run");
@@ -222,37 +222,6 @@ fn band_pass_and_decimation_show_what_they_do() {
     screen.get_by_label("Open the record").click();
     screen.run_steps(6);
     check_result(&screen, "decimated");
-}
-
-#[test]
-fn irregular_times_are_kept_unless_even_steps_are_asked_for() {
-    let mut screen = screen(Vec2::new(1280.0, 1000.0), Theme::Light);
-    let mut text = "time,force,x (mm)\n".to_owned();
-    // Two of three rows, each at a time of its own.
-    for (k, [t, f, x]) in rows().into_iter().enumerate().filter(|(k, _)| k % 3 > 0) {
-        writeln!(text, "{:.4},{f:.5},{x:.5}", t + 0.001 * (k * 7 % 13) as f64).expect("memory");
-    }
-    drop_file(&mut screen, "irregular.csv", text.as_bytes());
-    screen.run_steps(3);
-    screen.get_by_label_contains("the filters take each reading at its own time");
-    screen.get_by_label("Part, band and rate").click();
-    screen.run_steps(30);
-    screen.get_by_label("at even steps").click();
-    screen.run_steps(30);
-    screen.get_by_label_contains("even steps of");
-    screen.get_by_label("at even steps").click();
-    screen.run_steps(30);
-    screen.get_by_label("Open the record").click();
-    screen.run_steps(6);
-    let session = screen.state_mut().session_mut();
-    assert!(session.run().record().clocks().is_some());
-    let said =
-        |screen: &Screen| screen.query_all_by_label_contains("each reading counts at the sample after it").count();
-    let mut scenario = session.scenario().clone();
-    scenario.filters[0].jump = true;
-    session.set_scenario(scenario);
-    screen.run_steps(6);
-    assert_eq!(said(&screen), 1);
 }
 
 #[test]

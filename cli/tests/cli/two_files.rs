@@ -135,7 +135,7 @@ fn columns_with_times_of_their_own_are_one_record() {
     let frequency: f64 = line.split_whitespace().nth(3).and_then(|number| number.parse().ok()).expect("a number");
     assert!((frequency / 8.0 - 1.0).abs() < 0.003, "{line}");
     assert!(!table.contains("delivers nothing"), "it measures seldom: {table}");
-    // What counts in samples says so.
+    // A filter that jumps cannot follow the times, and its remark says this.
     let text = std::fs::read_to_string(&scenario).expect("it is written");
     std::fs::write(&scenario, text.replace("kind = \"ekf\"", "kind = \"ekf\"\njump = true")).expect("it is written");
     let (_, table, _) = ended(command().arg(&scenario));

@@ -32,8 +32,8 @@ pub(crate) trait Estimator: Send {
     }
 }
 
-/// What it is about some settings that counts in samples, so that the filter cannot go from one reading to the next: then the reading
-/// counts at the sample after it.
+/// The option of a filter that counts in samples, if it has one. Such a filter cannot go from one reading to the next: it takes each
+/// reading at the sample after it.
 pub(crate) fn counts_in_samples(settings: &FilterSettings) -> Option<&'static str> {
     let such = [
         (settings.kind.is_sampled(), "random members"),

@@ -90,7 +90,7 @@ const PRODUCT_LIMIT: f64 = 1e150;
 /// The number of successive samples that make a remark.
 const LASTING: usize = 10;
 
-/// A sensor that measures seldom is silent after so many times its usual gap.
+/// A slow sensor counts as silent when it has told nothing for this many of its usual gaps.
 const SILENT: usize = 3;
 
 /// Limits the number of samples between two occurrences that belong to one remark.

@@ -180,7 +180,7 @@ impl Timing {
 /// Values further apart than this many steps are not interpolated.
 const MOST_APART: f64 = 3.0;
 
-/// Times that are off even steps by at most so many units of their last decimal are rounded.
+/// Rounding moves a time from its even step by at most this many units of its last decimal.
 const ROUNDED: f64 = 1.01;
 
 /// The unit of the last decimal that any of some times has \[s\]; zero if it is below a nanosecond.

@@ -144,8 +144,11 @@ impl Correction {
                 (self.innovation_cov[(sensor, other)], self.innovation_cov[(other, sensor)]) = (both, both);
             }
         }
-        let kept: Vec<usize> = (0..m).filter(|&sensor| has(self, sensor)).collect();
+        let mut kept = std::mem::take(&mut self.kept);
+        kept.clear();
+        kept.extend((0..m).filter(|&sensor| has(self, sensor)));
         self.take_squares(&kept);
+        self.kept = kept;
     }
 
     /// NIS and det S of e and S as they are reported, over these sensors; NaN without any.

@@ -57,14 +57,14 @@ impl Estimator for Followed {
     fn step_through(&mut self, parts: &Parts, sink: &mut dyn Sink) -> Result<(), FilterError> {
         let Self { filter, correction, in_units, prior, of_share, of_part, weights } = self;
         let (n, m) = (filter.model().size(), filter.noise().sensors.len());
-        let mut has_prior = false;
+        let (wants_prior, mut has_prior) = (sink.wants_prior(), false);
         correction.clear(n, m);
         weights.clear();
         weights.resize(filter.weights().len(), f64::NAN);
         for (part, readings) in parts.iter() {
             filter.predict_share(part.share, part.forces, of_share, |_, _, _| Ok(()))?;
             let is_read = readings.iter().any(|reading| !reading.is_nan());
-            if is_read && sink.wants_prior() {
+            if is_read && wants_prior {
                 prior.copy_from(&filter.belief().gaussian());
                 has_prior = true;
             }
@@ -77,12 +77,12 @@ impl Estimator for Followed {
             }
         }
         let belief = filter.belief().gaussian();
-        if !has_prior {
+        if wants_prior && !has_prior {
             prior.copy_from(&belief);
         }
         let model = filter.model();
         let told = Told { model, belief: &belief, correction, noise: None, weights, has_widened: false };
-        push(&told, sink.wants_prior().then_some(prior), in_units, sink)
+        push(&told, wants_prior.then_some(prior), in_units, sink)
     }
 }
 
