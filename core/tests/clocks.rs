@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use kalmanscope_core::import::{Builder, Imported, Mapping, read};
-use kalmanscope_core::record::{Clocks, Input, Record, Timed};
+use kalmanscope_core::record::{Clocks, Input, LiveRecord, Record, Timed};
 use kalmanscope_core::suggest::{scenario_for, suggest};
 use kalmanscope_core::{
-    Channel, Estimates, FilterKind, FilterSettings, Force, Hold, InputKind, Quantity, Robust, Run, Scenario, Trouble,
-    Values,
+    Channel, Estimates, FilterKind, FilterSettings, Force, Hold, InputKind, Quantity, Robust, Run, Scenario, Source,
+    Trouble, Values,
 };
 
 use crate::events::{Told, on_fine_grid, own_clocks};
@@ -81,6 +81,17 @@ fn distance(coarse: &Estimates, fine: &Estimates, from: usize) -> f64 {
     worst
 }
 
+/// The sum of NIS, and the readings in it.
+fn squares(estimates: &Estimates) -> (f64, u32) {
+    let measured = (0..estimates.len()).filter(|k| !estimates.nis()[*k].is_nan());
+    measured.fold((0.0, 0), |(nis, readings), k| (nis + estimates.nis()[k], readings + estimates.readings(k)))
+}
+
+/// The log likelihood of all readings.
+fn likelihood(estimates: &Estimates) -> f64 {
+    (0..estimates.len()).map(|k| estimates.log_likelihood(k)).filter(|ln| !ln.is_nan()).sum()
+}
+
 /// Both runs: over the times as they are, and over the grid that is a hundred times finer.
 fn pair(scenario: &Scenario, seed: u64) -> [Run; 2] {
     let mut told = told(scenario, seed);
@@ -100,9 +111,64 @@ fn clocks_of_their_own_equal_a_grid_a_hundred_times_finer() {
         let [own, grid] = pair(&scenario, seed);
         let found = distance(&own.estimates()[0], &grid.estimates()[0], 0);
         assert!(found < 1e-9, "seed {seed}: {found}");
+        let [(nis, readings), all] = [&own, &grid].map(|run| squares(&run.estimates()[0]));
+        assert_eq!(readings, all.1, "each reading counts, also of two in a step");
+        assert!((nis / all.0 - 1.0).abs() < 1e-9, "seed {seed}: {nis} {}", all.0);
+        let [own_likelihood, likelihood] = [&own, &grid].map(|run| likelihood(&run.estimates()[0]));
+        assert!((own_likelihood / likelihood - 1.0).abs() < 1e-9, "seed {seed}: {own_likelihood} {likelihood}");
         let [own, grid] = [own, grid].map(|run| run.smoothed().remove(0));
         let found = distance(&own, &grid, 0);
         assert!(found < 1e-6, "smoothed, seed {seed}: {found}");
+    }
+}
+
+/// What comes late, and in any order, is in the record at its time, and filters that follow have what they would have at the end.
+#[test]
+fn a_live_record_has_the_times_that_its_readings_have() {
+    for (seed, kind) in [(21, FilterKind::KF), (22, FilterKind::EKF), (23, FilterKind::UKF)] {
+        let scenario = scenario(kind, seed);
+        let mut told = told(&scenario, seed);
+        let len = (told.last().expect("there are some").time / DT).floor() as usize + 1;
+        told.retain(|one| one.time <= (len - 1) as f64 * DT + 1e-9);
+        let whole = run(&scenario, record(&told, len));
+        told.sort_by(|a, b| a.came.total_cmp(&b.came));
+        let sensors = vec![Quantity::DISPLACEMENT, Quantity::VELOCITY];
+        let mut live = LiveRecord::new(DT, InputKind::Force, Hold::Zero, sensors).waiting(0.55);
+        let mut growing: Option<Run> = None;
+        for one in &told {
+            live.take(40.0 + one.time, one.input, &one.readings).expect("it waits");
+            if live.record().len() < 2 {
+                continue;
+            }
+            let so_far = live.so_far();
+            let begin = || Run::from_source(&scenario, Source::Live(Arc::clone(&so_far))).expect("it can be run");
+            let growing = growing.get_or_insert_with(begin);
+            growing.lengthen(so_far);
+            growing.advance_to(usize::MAX);
+        }
+        live.finish();
+        let mut growing = growing.expect("it has begun");
+        growing.lengthen(live.so_far());
+        growing.advance_to(usize::MAX);
+        let [found, wanted] = [growing.record(), whole.record()].map(|record| record.clocks().expect("it has clocks"));
+        let done = growing.estimates()[0].len();
+        assert!(done + 1 >= len, "{done} of {len}");
+        for (found, wanted) in
+            found.readings.iter().chain(&found.input).zip(wanted.readings.iter().chain(&wanted.input))
+        {
+            let count = wanted.times.partition_point(|time| *time <= (done - 1) as f64);
+            assert_eq!(found.values, wanted.values[..count]);
+            assert!(found.times.iter().zip(&wanted.times).all(|(a, b)| (a - b).abs() < 1e-9));
+        }
+        for k in 0..done {
+            for i in 0..4 {
+                let [(one, std), (other, _)] = [&growing, &whole].map(|run| {
+                    let estimates = &run.estimates()[0];
+                    (estimates.mean(k)[i], estimates.std(k, i))
+                });
+                assert!((one - other).abs() <= 1e-6 * std, "{kind:?}, sample {k}: {one} {other}");
+            }
+        }
     }
 }
 
@@ -353,4 +419,14 @@ fn a_file_of_a_record_keeps_its_times() {
             assert_eq!(found.values[k], own.values[from + k]);
         }
     }
+    // At steps that are asked for, the filters know the same at the end.
+    let mut at_steps = mapping.clone();
+    at_steps.time.dt = Some(0.25);
+    let coarse = Builder::new(&table, &at_steps, kind, Hold::Zero).and_then(Builder::finish).expect("a record").record;
+    assert!((coarse.dt(), coarse.time(0)) == (0.25, again.time(0)) || coarse.time(0) < again.time(0));
+    let count = |record: &Record| record.clocks().map(|clocks| clocks.readings[0].times.len());
+    assert!(count(&coarse) > Some(600) && coarse.len() < 40, "{:?} in {}", count(&coarse), coarse.len());
+    at_steps.time.dt = Some(1e-12);
+    let refused = Builder::new(&table, &at_steps, kind, Hold::Zero).err().expect("it is too long").to_string();
+    assert!(refused.contains("samples"), "{refused}");
 }

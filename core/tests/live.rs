@@ -125,21 +125,66 @@ fn readings_on_the_samples_make_the_record_that_they_are_from() {
 }
 
 #[test]
-fn an_input_goes_to_the_sample_of_the_readings_that_come_with_it() {
-    let scenario = Scenario { dt: 1.0 / 60.0, duration: 20.0, ..scenario(Hold::Zero) };
-    let record = simulated(&scenario);
-    let jitter = |k: usize| 0.4 * record.dt() * libm::sin((k * k) as f64);
-    let rounded = |time: f64| (1e3 * time).round() / 1e3;
-    for time_of in [&(|k| rounded(record.time(k))) as &dyn Fn(usize) -> f64, &|k| record.time(k) + jitter(k)] {
-        let mut live = LiveRecord::new(record.dt(), record.input_kind(), Hold::Zero, record.sensors().to_vec());
+fn an_input_and_the_readings_that_come_with_it_keep_their_time() {
+    for hold in [Hold::Zero, Hold::First] {
+        let scenario = Scenario { dt: 1.0 / 60.0, duration: 20.0, ..scenario(hold) };
+        let record = simulated(&scenario);
+        let jitter = |k: usize| if k > 0 { 0.4 * record.dt() * libm::sin((k * k) as f64) } else { 0.0 };
+        let time_of = |k: usize| 3.0 + record.time(k) + jitter(k);
+        let mut live = LiveRecord::new(record.dt(), record.input_kind(), hold, record.sensors().to_vec());
         for k in 0..record.len() {
             let readings: Vec<f64> = (0..record.sensors().len()).map(|sensor| record.measured(sensor)[k]).collect();
             live.take(time_of(k), record.input()[k], &readings).expect("it is taken in");
         }
         let made = live.record();
-        assert!(made.len() >= record.len() - 1);
-        assert_eq!(made.input(), &record.input()[..made.len()]);
-        assert_eq!(made.measured(0), &record.measured(0)[..made.len()]);
+        assert!(made.len() >= record.len() - 2);
+        let clocks = made.clocks().expect("it has clocks");
+        let input = clocks.input.as_ref().expect("it was told");
+        for (place, reading) in clocks.readings[0].values.iter().enumerate() {
+            assert_eq!(*reading, record.measured(0)[place]);
+            let time = clocks.readings[0].times[place];
+            assert!((3.0 + time * record.dt() - time_of(place)).abs() < 1e-9, "{place}");
+            let same = input.times.iter().position(|other| *other == time).expect("they came together");
+            assert_eq!(input.values[same], record.input()[place]);
+        }
+        assert!(made.clone().with_clocks(clocks.clone()).is_ok(), "the times rise");
+        // A line has a value at each sample too, and is no other line.
+        let between = input.times.len() - clocks.readings[0].times.len();
+        assert_eq!(between == 0, hold == Hold::Zero, "{between}");
+    }
+}
+
+/// An input that is first told after a while was zero before, and the run goes on.
+#[test]
+fn an_input_that_is_told_late_was_zero() {
+    for hold in [Hold::Zero, Hold::First] {
+        let mut live = LiveRecord::new(0.1, InputKind::Force, hold, vec![Quantity::DISPLACEMENT]);
+        let mut scenario = Scenario { hold, dt: 0.1, ..Scenario::default() };
+        scenario.set_sensors(&[Quantity::DISPLACEMENT]);
+        let mut run: Option<Run> = None;
+        for k in 0..40 {
+            let time = 0.1 * f64::from(k) + 0.02 * libm::sin(f64::from(k));
+            live.take(time, if k < 20 { f64::NAN } else { 1.0 }, &[0.01 * libm::cos(6.0 * time)]).expect("it comes");
+            let so_far = live.so_far();
+            match &mut run {
+                Some(run) => assert!(so_far.len() == run.record().len() || run.lengthen(so_far), "{k}"),
+                None if so_far.len() > 2 => {
+                    run = Some(Run::from_source(&scenario, Source::Live(so_far)).expect("it can be run"));
+                }
+                None => {}
+            }
+            if let Some(run) = &mut run {
+                run.advance_to(usize::MAX);
+            }
+        }
+        let record = live.so_far();
+        let input = record.clocks().and_then(|clocks| clocks.input.as_ref()).expect("it was told");
+        let rise = input.values.iter().position(|value| *value == 1.0).expect("it was told");
+        assert!((19.5..20.5).contains(&input.times[rise]) && input.times[0] == 0.0, "{:?}", &input.times[..=rise]);
+        assert!(input.values[..rise].iter().all(|value| *value == 0.0));
+        let mut whole = Run::on_record(&scenario, Arc::clone(&record)).expect("it can be run");
+        whole.finish();
+        assert_same(&run.expect("it has begun"), &whole);
     }
 }
 
@@ -185,14 +230,14 @@ fn a_prompt_record_waits_for_none_that_has_gone_on_and_for_all_once_one_is_late(
             live.take(time - 0.02, none, &[none, 2.0]).expect("it is taken in");
         }
     }
-    assert_eq!(live.record().len(), 47, "one sample after the sensor that is told last");
+    assert_eq!(live.record().len(), 48, "as far as the sensor that is told last");
     assert!((0..47).all(|k| live.record().measured(0)[k] == 1.0 && live.record().measured(1)[k] == 2.0));
     // A sensor that is silent is waited for.
     for k in 50..80 {
         let time = f64::from(k) * 0.01;
         live.take(time, time, &[1.0, none]).expect("it is taken in");
     }
-    assert_eq!(live.record().len(), 69, "0.1 s and half a step");
+    assert_eq!(live.record().len(), 70, "0.1 s");
     // The first reading out of order comes too late; from then on all are waited for.
     live.take(0.79, none, &[none, 3.0]).expect("it is taken in");
     assert_eq!(live.record().len(), 79);
@@ -205,19 +250,24 @@ fn a_prompt_record_waits_for_none_that_has_gone_on_and_for_all_once_one_is_late(
             live.take(time - 0.03, none, &[none, 6.0]).expect("it is waited for");
         }
     }
-    assert_eq!(live.record().len(), 89, "0.1 s and half a step");
+    assert_eq!(live.record().len(), 90, "0.1 s");
 }
 
 #[test]
 fn a_clock_that_stands_still_takes_no_memory_without_end_and_the_end_is_completed() {
     let mut live = LiveRecord::new(0.01, InputKind::Force, Hold::Zero, vec![Quantity::VELOCITY]).waiting(0.1);
-    let refused = (0..150_000).filter(|_| live.take(1.0, f64::NAN, &[2.0]) == Err(LiveError::Burst)).count();
-    assert_eq!(refused, 150_000 - LiveRecord::MOST_WAITING);
+    for _ in 0..150_000 {
+        live.take(1.0, f64::NAN, &[2.0]).expect("one is kept");
+    }
+    assert_eq!(live.repeated(), 149_999);
+    let creeping = |k: u32| live.take(1.0 + 1e-7 * f64::from(k), f64::NAN, &[2.0]) == Err(LiveError::Burst);
+    let refused = (1..=150_000).map(creeping).filter(|is_refused| *is_refused).count();
+    assert_eq!(refused, 150_001 - LiveRecord::MOST_WAITING, "the first one waits too");
     live.take(3.0, f64::NAN, &[3.0]).expect("the clock goes on");
     let before = live.record().len();
     let mut earlier = live.so_far();
     live.finish();
-    assert_eq!((before, live.record().len()), (190, 201));
+    assert_eq!((before, live.record().len()), (191, 201));
     assert!(live.update(&mut earlier) && !live.update(&mut earlier));
     assert_eq!((earlier.measured(0)[0], earlier.measured(0)[200]), (2.0, 3.0));
 }
@@ -243,7 +293,9 @@ fn a_record_is_full_in_words_and_no_message_makes_it_panic() {
     }
     assert_eq!(live.record().len(), LiveRecord::MOST);
     assert_eq!(live.take(time, 0.0, &[0.0]), Err(LiveError::Full));
-    assert!(taken > 150_000 && live.crowded() > 0, "{taken}");
+    assert!(taken > 150_000, "{taken}");
+    let clocks = live.record().clocks().expect("it has clocks").clone();
+    assert!(live.record().clone().with_clocks(clocks).is_ok(), "the times rise");
     assert!(live.record().input().iter().all(|x| x.is_finite()));
 }
 
@@ -263,8 +315,10 @@ fn a_swing_with_a_jittering_clock_is_identified_while_it_is_measured() {
                 live.take(reading[0], f64::NAN, &[decay.along(*reading)]).expect("it is taken in");
             }
             let record = live.record();
-            let known = record.measured(0).iter().filter(|x| !x.is_nan()).count();
-            assert!(known as f64 > 0.9 * record.len() as f64, "{known} of {}", record.len());
+            let clocks = record.clocks().expect("it has clocks");
+            let end = live.begin().expect("it has begun") + record.time(record.len() - 1);
+            let taken = readings.iter().filter(|reading| (decay.begin..=end).contains(&reading[0])).count();
+            assert_eq!(clocks.readings[0].times.len(), taken, "each reading is there");
             let first = record.part(0..(3.0 * rate) as usize);
             let scenario = suggest(&scenario_for(&first), &first).scenario;
             let mut run = Run::from_source(&scenario, Source::Live(live.so_far())).expect("it can be run");

@@ -46,13 +46,17 @@ pub(super) fn meaning_ui(ui: &mut Ui, draft: &mut Draft) {
 pub(super) fn conditioning_ui(ui: &mut Ui, draft: &mut Draft, palette: &Palette) {
     let made = draft.outcome().and_then(Result::ok);
     let end = made.map_or(10.0, |imported| imported.record.time(imported.record.len().saturating_sub(1)));
-    let nyquist = made.map_or(50.0, |imported| 0.5 / imported.record.dt());
+    let dt = made.map_or(0.01, |imported| imported.record.dt());
+    let nyquist = 0.5 / dt;
     let has_clocks = made.is_some_and(|imported| imported.record.clocks().is_some());
     egui::CollapsingHeader::new("Part, band and rate").id_salt("conditioning").show(ui, |ui| {
         let mapping = &mut draft.mapping;
         if has_clocks || mapping.time.even {
             let hint = "The samples are equally spaced, and only their times are not";
             ui.checkbox(&mut mapping.time.even, "at even steps").on_hover_text(hint);
+        }
+        if has_clocks {
+            ui.horizontal_wrapped(|ui| optional_ui(ui, "steps of", &mut mapping.time.dt, dt, "s"));
         }
         ui.horizontal_wrapped(|ui| {
             optional_ui(ui, "from", &mut mapping.from, 0.0, "s");

@@ -59,12 +59,9 @@ impl Stream {
         if self.has_ended {
             said.push("The source has ended.".to_owned());
         }
-        match self.live.crowded() {
-            0 => {}
-            crowded => said.push(format!(
-                "{crowded} readings had no sample of their own: a smaller dt than {} s keeps them.",
-                self.scenario.dt
-            )),
+        let repeated = self.live.repeated();
+        if repeated > 0 {
+            said.push(format!("{repeated} readings are left out: another one of their sensor has their time."));
         }
         said
     }

@@ -32,7 +32,9 @@ impl Session {
         let mut bytes = Vec::new();
         record.write_csv(&mut bytes).ok()?;
         let table = read(bytes.clone(), None).ok()?;
-        let (mapping, _) = Mapping::guess(&table);
+        let (mut mapping, _) = Mapping::guess(&table);
+        // Q is that of a step: the steps stay as they are.
+        mapping.time.dt = record.clocks().map(|_| record.dt());
         let file = RecordFile { name: name.to_owned(), hash: hash(&bytes), table };
         let record = Some(Mapping { file: name.to_owned(), hash: file.hash.clone(), ..mapping });
         self.library.insert(Arc::new(file));

@@ -20,7 +20,7 @@ impl Watch {
     /// Looks at a sample.
     pub(super) fn look(&mut self, sample: &Sample<'_>) {
         self.nis = sample.nis;
-        let readings = sample.innovation.iter().filter(|innovation| innovation.is_finite()).count() as u32;
+        let readings = sample.readings();
         if readings == 0 || !sample.nis.is_finite() {
             return;
         }

@@ -8,6 +8,7 @@
 //!   sigma_points           the prediction of UKF and CKF       (runge_kutta)
 //!   square_root            the SR-UKF                          (triangle)
 //!   expected, update       the measurements, and the belief after them
+//!   share                  the noise of a part of a step
 //!   learning               weights, noise and jumps from innovations   (weighing, weights, residuals)
 //!   fault                  why a step does not hold
 //! logarithms               a belief over them in units
@@ -55,6 +56,7 @@ pub(crate) mod plants;
 pub(crate) mod propagation;
 pub(crate) mod residuals;
 pub(crate) mod runge_kutta;
+mod share;
 pub(crate) mod sigma_points;
 pub(crate) mod single;
 mod square_root;

@@ -127,8 +127,7 @@ impl Diagnostics {
         for (row, k) in samples.enumerate() {
             nees.push(&errors[row * channels..][..channels], estimates.mean(k), estimates.cov(k));
             let innovation = estimates.innovation(k);
-            let measured = innovation.iter().filter(|innovation| !innovation.is_nan()).count();
-            nis.push(estimates.nis()[k], measured as u32);
+            nis.push(estimates.nis()[k], estimates.readings(k));
             let determinant = estimates.determinant()[k];
             likelihood.push(determinant, || estimates.ln_determinant(k), || estimates.log_likelihood(k));
             let (m, cov) = (whiteness.len(), estimates.innovation_cov(k));

@@ -2,6 +2,7 @@
 
 mod lane_sums;
 pub(crate) mod lanes;
+mod log_products;
 mod look;
 pub(crate) mod outcome;
 mod scored_pass;
@@ -233,7 +234,7 @@ impl Sink for Scoring<'_> {
         let (square, degrees) = square.of(errors, sample.mean, sample.cov);
         *last_squares = [if degrees > 0 { square } else { f64::NAN }, sample.nis];
         nees.add(square, degrees);
-        nis.add(sample.nis, sample.innovation.iter().map(|e| u32::from(!e.is_nan())).sum());
+        nis.add(sample.nis, sample.readings());
         let ln = || ln_determinant(sample.determinant, sample.innovation_cov, sensors);
         likelihood.push(sample.determinant, ln, || sample.log_likelihood);
     }

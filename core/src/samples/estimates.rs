@@ -8,6 +8,7 @@ use crate::data::scenario::SMOOTHED;
 use crate::mathematics::gaussian_likelihood;
 use crate::samples::by_channel::ByChannel;
 use crate::samples::remarks::{Monitor, Remark, Trouble};
+use crate::samples::sample::readings;
 use crate::{Channel, FilterColor, FilterError, FilterKind, FilterSettings, Model, PlantKind, Quantity};
 
 /// Why and where a filter stopped.
@@ -50,6 +51,8 @@ pub struct Estimates {
     canonical: ByChannel,
     variance: ByChannel,
     innovation: Vec<f64>,
+    /// The samples with more than one reading of a sensor, counted from the record's beginning, and how many more.
+    earlier: Vec<(usize, u32)>,
     innovation_cov: Vec<f64>,
     gain: Vec<f64>,
     nis: Vec<f64>,
@@ -95,6 +98,7 @@ impl Estimates {
             canonical: ByChannel::new(channels.len()),
             variance: ByChannel::new(channels.len()),
             innovation: Vec::new(),
+            earlier: Vec::new(),
             innovation_cov: Vec::new(),
             gain: Vec::new(),
             nis: Vec::new(),
@@ -268,6 +272,15 @@ impl Estimates {
         chunk(&self.innovation, k, self.sensors.len())
     }
 
+    /// The number of readings in the update at sample `k`: more than there are innovations where a sensor was read more than once
+    /// since the sample before.
+    #[inline]
+    pub fn readings(&self, k: usize) -> u32 {
+        let sample = self.forgotten + k;
+        let earlier = self.earlier.binary_search_by_key(&sample, |(sample, _)| *sample);
+        earlier.map_or(0, |place| self.earlier[place].1) + readings(self.innovation(k))
+    }
+
     /// The innovations' covariance S at sample `k`, m × m.
     #[inline]
     pub fn innovation_cov(&self, k: usize) -> &[f64] {
@@ -309,7 +322,7 @@ impl Estimates {
         if let Some(&own) = self.log_likelihood.get(k) {
             return own;
         }
-        match self.innovation(k).iter().map(|e| u32::from(!e.is_nan())).sum() {
+        match self.readings(k) {
             0 => f64::NAN,
             measured => gaussian_likelihood::log_likelihood(self.nis[k], self.ln_determinant(k), measured),
         }

@@ -21,6 +21,9 @@ pub struct Sample<'a> {
     pub innovation_cov: &'a [f64],
     /// K: for each sensor, the change of each channel by a unit of innovation; m × n.
     pub gain: &'a [f64],
+    /// The readings of the step to this sample that one of the same sensor follows in it. e, S and K are those of the last one; NIS
+    /// and det S count all.
+    pub earlier: u32,
     /// Normalised innovation squared.
     pub nis: f64,
     /// det S over the sensors with a measurement; zero or infinite where it underflows or overflows.
@@ -52,6 +55,7 @@ impl<'a> Sample<'a> {
             innovation: &[],
             innovation_cov: &[],
             gain: &[],
+            earlier: 0,
             nis: nan,
             determinant: nan,
             log_likelihood: nan,
@@ -62,6 +66,11 @@ impl<'a> Sample<'a> {
         }
     }
 
+    /// The number of readings in its update.
+    pub fn readings(&self) -> u32 {
+        self.earlier + readings(self.innovation)
+    }
+
     /// The log likelihood of the measurements, of every kind of filter; NaN where there was none.
     ///
     /// ```text
@@ -69,7 +78,7 @@ impl<'a> Sample<'a> {
     /// ```
     pub fn ln_likelihood(&self) -> f64 {
         let Self { innovation, innovation_cov, nis, determinant, log_likelihood: own, .. } = *self;
-        match innovation.iter().map(|e| u32::from(!e.is_nan())).sum() {
+        match self.readings() {
             0 => f64::NAN,
             _ if !own.is_nan() => own,
             measured => {
@@ -78,6 +87,12 @@ impl<'a> Sample<'a> {
             }
         }
     }
+}
+
+/// The sensors with an innovation.
+#[inline]
+pub(crate) fn readings(innovation: &[f64]) -> u32 {
+    innovation.iter().map(|e| u32::from(!e.is_nan())).sum()
 }
 
 /// The variances of an adaptive filter.

@@ -29,7 +29,9 @@ pub(crate) fn estimator(settings: &FilterSettings, context: FilterContext<'_>) -
 /// else the reference filter.
 fn single(settings: &FilterSettings, context: FilterContext<'_>) -> Box<dyn Estimator> {
     if context.is_timed {
-        return book::estimator(settings, &context);
+        // The weights of the readings of one sensor within a step are the book's.
+        let engine = if settings.robust.is_on() { None } else { of_engine(settings, &context) };
+        return engine.unwrap_or_else(|| book::estimator(settings, &context));
     }
     if settings.walk > 0.0 {
         return walk::estimator(settings, &context);

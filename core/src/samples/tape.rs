@@ -14,7 +14,7 @@ pub struct Tape(Vec<f64>);
 const HEAD: usize = 3;
 
 /// The numbers of a sample that are not in vectors or matrices.
-const SCALARS: usize = 5;
+const SCALARS: usize = 6;
 
 /// Every reason to stop; its place is its number.
 const REASONS: [FilterError; 8] = [
@@ -65,10 +65,18 @@ impl Tape {
             let (innovation_cov, gain, scalars) = (next(m * m), next(n * m), next(SCALARS));
             let weights = next(weights);
             let noise = has_noise.then(|| AssumedNoise { process: next(n), sensors: next(m), uncertainty: next(m) });
-            let &[nis, determinant, log_likelihood, effective_samples, widened] = scalars else { return None };
+            let &[nis, determinant, log_likelihood, effective_samples, widened, earlier] = scalars else { return None };
             let update = Sample { innovation, innovation_cov, gain, nis, determinant, ..Sample::unmeasured(mean, cov) };
-            let has_widened = widened != 0.0;
-            estimates.push(&Sample { log_likelihood, effective_samples, noise, weights, has_widened, ..update });
+            let (has_widened, earlier) = (widened != 0.0, earlier as u32);
+            estimates.push(&Sample {
+                earlier,
+                log_likelihood,
+                effective_samples,
+                noise,
+                weights,
+                has_widened,
+                ..update
+            });
         }
         let stop = REASONS.get(reason as usize).filter(|_| !reason.is_nan());
         let stop = stop.map(|&reason| Stop { sample: at as usize, reason });
@@ -88,7 +96,8 @@ impl Sink for Tape {
             numbers.extend_from_slice(part);
         }
         let widened = f64::from(u8::from(sample.has_widened));
-        numbers.extend([nis, determinant, sample.log_likelihood, sample.effective_samples, widened]);
+        let earlier = f64::from(sample.earlier);
+        numbers.extend([nis, determinant, sample.log_likelihood, sample.effective_samples, widened, earlier]);
         numbers.extend_from_slice(sample.weights);
         if let Some(AssumedNoise { process, sensors, uncertainty }) = sample.noise {
             numbers.extend(process.iter().chain(sensors).chain(uncertainty));

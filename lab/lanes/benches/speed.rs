@@ -10,6 +10,7 @@
 use std::hint::black_box;
 use std::time::Instant;
 
+use kalmanscope_core::record::{Clocks, Timed};
 use kalmanscope_core::score::Outcome;
 use kalmanscope_core::simulate;
 use kalmanscope_core::{Channel, PlantKind, Quantity, Record, Scenario};
@@ -44,6 +45,7 @@ fn main() {
         report("a record a lane", &usual, &own);
         let unknown = one(&base)[0].clone().without_truth();
         report("truth unknown", &usual, &[unknown]);
+        report("readings at times of their own", &usual, &[with_own_times(one(&base).remove(0))]);
         let displacement = of(&|scenario| scenario.remove_sensor(Quantity::VELOCITY));
         report("displacement", &displacement, &one(&base));
         let decaying = of(&|scenario| scenario.filters[0].eta = 0.01);
@@ -78,6 +80,17 @@ fn guesses(scenario: &Scenario) -> Vec<Scenario> {
 
 fn simulated(scenario: &Scenario, seed: u64) -> Record {
     simulate(&Scenario { seed, ..scenario.clone() })
+}
+
+/// The record with each reading up to half a step early or late.
+fn with_own_times(record: Record) -> Record {
+    let moved = |k: usize, column: usize| k as f64 + 0.45 * ((7 * k + column) as f64).sin();
+    let reading = |column: usize| Timed {
+        times: (1..record.len()).map(|k| moved(k, column)).collect(),
+        values: record.measured(column)[1..].to_vec(),
+    };
+    let readings = (0..record.sensors().len()).map(reading).collect();
+    record.with_clocks(Clocks { input: None, readings }).expect("the times rise")
 }
 
 /// Prints a line for the single filter and one for each instruction set.

@@ -4,13 +4,15 @@
 
 #[path = "common/draw.rs"]
 mod draw;
+#[path = "common/held.rs"]
+mod held;
 #[path = "common/outcome_bits.rs"]
 mod outcome_bits;
 
 use draw::{PLANTS, ensemble, truth};
+use held::{check, check_alone};
 use kalmanscope_core::filter::{Adaptation, Robust};
-use kalmanscope_core::internals::engine::Baseline;
-use kalmanscope_core::internals::engine::{self, Setup};
+use kalmanscope_core::internals::engine::Setup;
 use kalmanscope_core::score::{Look, Outcome};
 use kalmanscope_core::signal::Step;
 use kalmanscope_core::simulate;
@@ -20,46 +22,6 @@ use kalmanscope_core::{
 };
 use kalmanscope_lanes::{LaneRun, Level, outcomes_with, serves};
 use outcome_bits::bits;
-
-/// The outcome by the engine over plain numbers.
-fn single(run: &LaneRun<'_>, samples: &[usize]) -> Outcome {
-    let setup = Setup::new(run.scenario, run.place, run.record).unwrap().unwrap();
-    let run = engine::Run { setup: &setup, record: run.record };
-    engine::outcomes::<f64, _>(Baseline, &[run], samples).remove(0)
-}
-
-/// Holds every lane at every instruction set to the same filter over plain numbers. Returns their outcomes.
-fn check(runs: &[LaneRun<'_>], what: &str) -> Vec<Outcome> {
-    let last = runs[0].record.len() - 1;
-    let samples = [0, 0, 1, 2, last / 3, last / 2, last, last, last + 3];
-    let singles: Vec<Outcome> = runs.iter().map(|run| single(run, &samples)).collect();
-    for level in Level::available() {
-        let lanes = outcomes_with(level, runs, &samples).unwrap();
-        assert_eq!(lanes.len(), singles.len());
-        for (place, (lane, single)) in lanes.iter().zip(&singles).enumerate() {
-            assert_eq!(bits(lane), bits(single), "{what}, run {place} at {level:?}\n{lane:?}\n{single:?}");
-        }
-    }
-    singles
-}
-
-/// Whether the book or the engine runs a filter that is alone, and no kernel, whose bits are others.
-fn is_of_engine(scenario: &Scenario, place: usize) -> bool {
-    let filter = &scenario.filters[place];
-    let is_wide = !filter.augment.is_empty() || filter.log_parameters || filter.substeps > 1;
-    is_wide || filter.robust.is_on() || scenario.hold == Hold::First
-}
-
-/// Holds the lanes of a scenario's filters to their runs alone, over a record without a truth. Returns how many were compared.
-fn check_alone(scenario: &Scenario, record: &Record, what: &str) -> usize {
-    let of_engine: Vec<usize> = (0..scenario.filters.len()).filter(|place| is_of_engine(scenario, *place)).collect();
-    let runs: Vec<LaneRun<'_>> = of_engine.iter().map(|&place| LaneRun { scenario, place, record }).collect();
-    for (lane, &place) in outcomes_with(Level::best(), &runs, &[]).unwrap().iter().zip(&of_engine) {
-        let alone = Outcome::of(scenario, place, record).unwrap();
-        assert_eq!(bits(lane), bits(&alone), "{what}, filter {place}");
-    }
-    of_engine.len()
-}
 
 #[test]
 fn lanes_have_the_bits_of_a_single_number() {

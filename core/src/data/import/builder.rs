@@ -105,7 +105,9 @@ impl<'a> Builder<'a> {
         if own.is_none() {
             remarks.extend(timing.remark.clone());
         }
-        if !is_even {
+        if let Some(dt) = mapping.time.dt.filter(|_| own.is_some()) {
+            timing = timing.at_steps(dt)?;
+        } else if !is_even {
             // A reading that comes too early or too late by less than half a step is the only one in its step.
             timing.start += 0.5 * timing.dt;
         }
@@ -182,9 +184,11 @@ impl<'a> Builder<'a> {
         let (mut values, remarks) = self.mapped(mapped)?;
         self.remarks.extend(remarks);
         let (by, hold, steps) = (by(mapped), self.hold, self.steps());
-        if let Some(own) = &mut self.own
-            && let Some(values) = own.input(&mapped.column, by, hold, steps)
-        {
+        if let Some(own) = &mut self.own {
+            let Some(values) = own.input(&mapped.column, by, hold, steps) else {
+                self.remarks.push("the input is missing in all rows; it is taken for zero".to_owned());
+                return Ok(vec![0.0; steps.count]);
+            };
             let count = own.empty(&mapped.column);
             if count > 0 {
                 let how = if hold == Hold::Zero { "stays as it was" } else { "is interpolated" };
@@ -202,7 +206,7 @@ impl<'a> Builder<'a> {
         Ok(self.conditioning().input(values))
     }
 
-    /// A column at even times, with unit, gain, offset and delay, and remarks on its cells.
+    /// A column at even times, with unit, gain, offset and delay, and remarks on its cells. It is empty where readings keep their times.
     fn mapped(&self, mapped: &MappedColumn) -> Result<(Vec<f64>, Vec<String>), ImportError> {
         let table = (*self.table).borrow();
         let column_place = place(table, &mapped.column)?;
@@ -216,8 +220,12 @@ impl<'a> Builder<'a> {
         }
         let without = |missing: f64| column.values.iter().map(|&x| if x == missing { f64::NAN } else { x }).collect();
         let cells: Option<Vec<f64>> = mapped.missing.map(without);
-        let mut values = self.timing.spread(cells.as_ref().unwrap_or(&column.values));
         let remarks = cells_without_readings(table, column_place, mapped);
+        if self.own.is_some() {
+            // It has the values with their times.
+            return Ok((Vec::new(), remarks));
+        }
+        let mut values = self.timing.spread(cells.as_ref().unwrap_or(&column.values));
         let offset = match mapped.offset {
             Offset::Number(number) => number,
             Offset::Mean(_) => mean(&values[self.conditioning().part()]),

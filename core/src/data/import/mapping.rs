@@ -74,6 +74,10 @@ pub struct Time {
     /// those of the readings.
     #[serde(skip_serializing_if = "is_default")]
     pub even: bool,
+    /// Time between samples \[s\] of a record whose readings keep their times; without it, that of the fastest clock. Filters go
+    /// from reading to reading all the same: it sets where they tell what they know, and the time that Q is for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dt: Option<f64>,
 }
 
 /// The use of a column: `gain · (cell - offset)`, in SI units where the column's unit is known.
@@ -209,6 +213,9 @@ impl Mapping {
         if let Some(rate) = time.rate {
             let allowed = "positive and finite";
             require(rate.is_finite() && rate > 0.0, "time.rate", rate.to_string(), allowed)?;
+        }
+        if let Some(dt) = time.dt {
+            require(dt.is_finite() && dt > 0.0, "time.dt", dt.to_string(), "positive and finite")?;
         }
         let is_one = !no_input || input.is_none();
         require(is_one, "no_input", no_input.to_string(), "false where there is an input")?;

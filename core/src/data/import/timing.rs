@@ -125,6 +125,18 @@ impl Timing {
         matches!(self.places, Places::Rows | Places::Gaps(_)) && self.worst <= EXACT
     }
 
+    /// The same time at other steps \[s\], for columns that do not need the rows at even ones.
+    ///
+    /// # Errors
+    /// [`ImportError::TooLong`].
+    pub(super) fn at_steps(self, dt: f64) -> Result<Self, ImportError> {
+        let samples = libm::floor((self.samples - 1) as f64 * self.dt / dt + 1e-6) + 1.0;
+        if samples > MOST as f64 {
+            return Err(ImportError::TooLong { found: samples.min(1e15) as usize });
+        }
+        Ok(Self { dt, samples: samples as usize, ..self })
+    }
+
     /// Whether the samples are at even steps, and only their times are rounded, if anything.
     pub(super) fn is_even(&self) -> bool {
         self.is_exact() || (self.is_rounded && !matches!(self.places, Places::Times(_)))

@@ -5,48 +5,50 @@ mod track;
 
 use std::sync::Arc;
 
-use super::Record;
+use super::{Clocks, Record, Timed};
 use crate::{Hold, InputKind, Quantity};
 
-use track::{InputTrack, Track};
+use track::{Grid, InputTrack, Track};
 
 pub use error::LiveError;
 
-/// A record to which samples are added as they come in: sensors and input have times of their own, the samples are dt apart.
+/// A record to which samples are added as they come in: readings and input keep their times ([`Record::clocks`]), the samples are dt
+/// apart, from the first reading on, or from half a step after it where readings are shifted.
 ///
-/// Each reading goes to its nearest sample; of several the nearest one is kept. Where readings are dense, as
-/// [`Self::smoothing`] says, it is shifted there along the cubic through those around it. The input is that of the scenario's
-/// hold, and zero before the first one that is told; one that is held counts from its nearest sample on. A sample is complete
-/// once something comes that is half a step later, and [`Self::waiting`] seconds more, unless it is [`Self::prompt`]; nothing is added to
-/// it then.
+/// A reading counts in the step in which it falls, and its column has the last one of each step: shifted to the step's end along the
+/// cubic through those around it, where they are dense, as [`Self::smoothing`] says. Of two readings of a sensor at one time the first
+/// is kept. The input is that of the scenario's hold, and zero before the first one that is told. A sample is complete once something
+/// later comes, and [`Self::waiting`] seconds after it, unless it is [`Self::prompt`]; nothing is added to its step then.
 ///
 /// ```
 /// use kalmanscope_core::record::LiveRecord;
 /// use kalmanscope_core::{Hold, InputKind, Quantity};
 /// let mut live = LiveRecord::new(0.01, InputKind::Force, Hold::Zero, vec![Quantity::VELOCITY]);
-/// for (time, velocity) in [(5.0, 0.0), (5.0101, 0.1), (5.0199, 0.2), (5.0402, 0.4), (5.05, 0.5)] {
+/// for (time, velocity) in [(5.0, 0.0), (5.0099, 0.1), (5.0196, 0.2), (5.0404, 0.4), (5.05, 0.5)] {
 ///     live.take(time, f64::NAN, &[velocity])?;
 /// }
 /// let velocity = live.record().measured(0);
 /// assert_eq!(velocity[..3], [0.0, 0.1, 0.2]);
-/// assert!(velocity[3].is_nan() && velocity[4] == 0.4);
+/// assert!(velocity[3].is_nan() && velocity[4].is_nan());
+/// let times = &live.record().clocks().unwrap().readings[0].times;
+/// assert!((times[2] - 1.96).abs() < 1e-9, "in steps of dt after the first");
 /// # Ok::<(), kalmanscope_core::record::LiveError>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct LiveRecord {
     record: Record,
-    /// The times of the first sample and of the newest that was told \[s\].
-    begin: Option<f64>,
+    grid: Option<Grid>,
+    /// The newest time that was told \[s\].
     newest: f64,
     tracks: Vec<Track>,
     input: InputTrack,
-    /// The newest time of each sensor, then that of the input \[s\].
+    /// The newest time of each sensor, then that of the input, in steps.
     latest: Vec<f64>,
     /// Whether a sample is complete as soon as all sensors have told something later. A reading out of order ends this.
     prompt: bool,
     wait: f64,
     side: usize,
-    crowded: usize,
+    repeated: usize,
 }
 
 /// The time for which a sample waits for the next input, where the input is linear between two values \[s\].
@@ -54,9 +56,6 @@ const PATIENCE: f64 = 1.0;
 
 /// [`LiveRecord::update`] copies a record when it is longer by 1 / SHARE.
 const SHARE: usize = 20_000;
-
-/// A time may be rounded by this share of a step.
-const ROUNDED: f64 = 1e-6;
 
 impl LiveRecord {
     /// Limits the samples.
@@ -70,17 +69,18 @@ impl LiveRecord {
 
     /// Before the first reading, with `dt` \[s\] between samples.
     pub fn new(dt: f64, kind: InputKind, hold: Hold, sensors: Vec<Quantity>) -> Self {
+        let clocks = Clocks { input: None, readings: vec![Timed::default(); sensors.len()] };
         Self {
             tracks: sensors.iter().map(|_| Track::default()).collect(),
             latest: vec![f64::NEG_INFINITY; sensors.len() + 1],
             prompt: false,
-            record: Record::empty(dt, kind, hold, sensors, Vec::new()),
-            begin: None,
+            record: Record { clocks: Some(Arc::new(clocks)), ..Record::empty(dt, kind, hold, sensors, Vec::new()) },
+            grid: None,
             newest: f64::NEG_INFINITY,
             input: InputTrack::new(hold),
             wait: 0.0,
             side: 0,
-            crowded: 0,
+            repeated: 0,
         }
     }
 
@@ -90,23 +90,23 @@ impl LiveRecord {
         Self { wait: seconds.max(0.0), ..self }
     }
 
-    /// The same, where a sample does not wait once every sensor, and the input if any was told, has told something that is half a step
-    /// later: then nothing more comes as long as each tells its readings in order. The first that comes too late is refused; from then
+    /// The same, where a sample does not wait once every sensor, and the input if any was told, has told something at its time or later:
+    /// then nothing more comes as long as each tells its readings in order. The first that comes too late is refused; from then
     /// on samples wait.
     #[must_use]
     pub fn prompt(self) -> Self {
         Self { prompt: true, ..self }
     }
 
-    /// The same, where each reading is shifted along the cubic through this many readings to either side. They have to lie within
-    /// a third of half a swing. A sample waits for two more.
+    /// The same, where the columns have the readings shifted along the cubic through this many to either side. They have to lie within a
+    /// third of half a swing. A sample waits for two more.
     #[must_use]
     pub fn smoothing(self, side: usize) -> Self {
         let wait = if side > 0 { self.wait.max(2.0 * self.record.dt) } else { self.wait };
         Self { side, wait, ..self }
     }
 
-    /// The samples that are complete. The first one's time is zero.
+    /// The samples that are complete, with the times of the readings in them. The first one's time is zero.
     pub fn record(&self) -> &Record {
         &self.record
     }
@@ -128,17 +128,17 @@ impl LiveRecord {
 
     /// Completes all samples up to the newest time: nothing more comes.
     pub fn finish(&mut self) {
-        self.complete_until(|newest, _, at| at > newest);
+        self.complete_until(|newest, _, sample| sample > newest);
     }
 
     /// The time of the first sample in the clock of the readings \[s\].
     pub fn begin(&self) -> Option<f64> {
-        self.begin
+        Some(self.grid?.begin)
     }
 
-    /// Readings that were left out because another one was nearer to their sample, or taken before they came.
-    pub fn crowded(&self) -> usize {
-        self.crowded
+    /// Readings that were left out because another one of their sensor has their time.
+    pub fn repeated(&self) -> usize {
+        self.repeated
     }
 
     /// Takes in what happened at a time \[s\]: the input from then on \[m/s²\], NaN if it is not told, and a reading for each
@@ -150,10 +150,14 @@ impl LiveRecord {
         self.check(time, input, readings).inspect_err(|error| {
             self.prompt &= !matches!(error, LiveError::TooLate { .. });
         })?;
-        self.begin.get_or_insert(time);
+        let dt = self.record.dt;
+        // A reading that comes too early or too late by less than half a step is then the only one in its step.
+        let begin = if self.side > 0 { time + 0.5 * dt } else { time };
+        let grid = *self.grid.get_or_insert(Grid { begin, dt });
         self.newest = self.newest.max(time);
+        let time = grid.steps(time);
         for (track, &reading) in self.tracks.iter_mut().zip(readings).filter(|(_, reading)| !reading.is_nan()) {
-            track.put(time, reading);
+            self.repeated += usize::from(!track.put(time, reading));
         }
         if !input.is_nan() {
             self.input.put(time, input);
@@ -164,32 +168,35 @@ impl LiveRecord {
                 *latest = latest.max(time);
             }
         }
-        self.complete_until(|newest, live, at| {
-            let late = newest - at - 0.5 * live.record.dt;
-            let wait = if live.all_are_later(at) { 0.0 } else { live.wait };
-            late < wait || (late < PATIENCE && live.input.waits_at(at, ROUNDED * live.record.dt))
+        self.complete_until(|newest, live, sample| {
+            let late = (newest - sample) * live.record.dt;
+            let wait = if live.all_are_told(sample) { 0.0 } else { live.wait };
+            newest <= sample || late < wait || (late < PATIENCE && live.input.waits_at(sample))
         });
         Ok(())
     }
 
-    /// Whether nothing more can come for a sample at a time \[s\], as long as all tell their readings in order.
-    fn all_are_later(&self, at: f64) -> bool {
-        let end = at + 0.5 * self.record.dt;
+    /// Whether nothing more can come for a sample, as long as all tell their readings in order.
+    fn all_are_told(&self, sample: f64) -> bool {
         let (input, sensors) =
             self.latest.split_last().map_or((f64::NEG_INFINITY, &[][..]), |(input, all)| (*input, all));
-        let is_told = input > f64::NEG_INFINITY;
-        self.prompt && self.side == 0 && sensors.iter().all(|latest| *latest >= end) && (input >= end || !is_told)
+        let has_input = input > f64::NEG_INFINITY;
+        self.prompt
+            && self.side == 0
+            && sensors.iter().all(|latest| *latest >= sample)
+            && (input >= sample || !has_input)
     }
 
-    /// Completes samples until one has to wait, which is asked with the newest time and that of the sample \[s\].
+    /// Completes samples until one has to wait, which is asked with the newest time and the sample's, in steps.
     fn complete_until(&mut self, waits: impl Fn(f64, &Self, f64) -> bool) {
-        let Some(begin) = self.begin else { return };
+        let Some(grid) = self.grid else { return };
+        let newest = grid.steps(self.newest);
         while self.record.len() < Self::MOST {
-            let at = begin + self.record.len() as f64 * self.record.dt;
-            if waits(self.newest, self, at) {
+            let sample = self.record.len() as f64;
+            if waits(newest, self, sample) {
                 break;
             }
-            self.complete(at);
+            self.complete(sample);
         }
     }
 
@@ -200,16 +207,17 @@ impl LiveRecord {
         if !time.is_finite() || input.is_infinite() || readings.iter().any(|reading| reading.is_infinite()) {
             return Err(LiveError::Infinite);
         }
-        let Some(begin) = self.begin else { return Ok(()) };
+        let Some(grid) = self.grid else { return Ok(()) };
         if self.record.len() >= Self::MOST {
             return Err(LiveError::Full);
         }
-        let complete = begin + (self.record.len() as f64 - 0.5) * self.record.dt;
-        if time < complete {
+        let last = self.record.len() as f64 - 1.0;
+        if grid.steps(time) <= last {
+            let complete = grid.begin + last * grid.dt;
             return Err(LiveError::TooLate { time, complete });
         }
         let is_behind = time <= self.newest + self.wait + PATIENCE + self.record.dt;
-        if is_behind && self.tracks.iter().any(|track| track.len() >= Self::MOST_WAITING) {
+        if is_behind && self.tracks.iter().any(|track| track.waiting() >= Self::MOST_WAITING) {
             return Err(LiveError::Burst);
         }
         let steps = (time - self.newest) / self.record.dt;
@@ -219,18 +227,13 @@ impl LiveRecord {
         Ok(())
     }
 
-    /// Adds the sample at a time \[s\].
-    fn complete(&mut self, at: f64) {
-        let Self { record, tracks, input, side, crowded, .. } = self;
-        let dt = record.dt;
-        let measured: Vec<f64> = tracks
-            .iter_mut()
-            .map(|track| {
-                let (value, passed) = track.at(at, dt, *side);
-                *crowded += passed;
-                value
-            })
-            .collect();
-        record.push(input.at(at, dt), measured, std::iter::empty());
+    /// Adds a sample.
+    fn complete(&mut self, sample: f64) {
+        let Self { record, tracks, input, side, .. } = self;
+        let Clocks { input: told, readings } = Arc::make_mut(record.clocks.get_or_insert_default());
+        let measured: Vec<f64> =
+            tracks.iter_mut().zip(readings).map(|(track, timed)| track.step_to(sample, *side, timed)).collect();
+        let input = input.step_to(sample, told);
+        record.push(input, measured, std::iter::empty());
     }
 }

@@ -55,7 +55,7 @@ impl<T: Number> Belief<T> {
     }
 
     /// Makes it a copy of another one of the same size, in its own memory, which a derived `clone_from` would not use.
-    pub(super) fn copy_from(&mut self, other: &Self) {
+    pub(crate) fn copy_from(&mut self, other: &Self) {
         self.mean.copy_from_slice(&other.mean);
         self.cov.copy_from_slice(&other.cov);
     }

@@ -15,6 +15,7 @@ use super::learning::Learnt;
 use super::level::Level;
 use super::linearised::Linearised;
 use super::number::{Mask, Number};
+use super::share::Share;
 use super::sigma_points::SigmaPoints;
 use super::square_root::{SquareRoot, std};
 use super::step::Step;
@@ -27,6 +28,7 @@ pub(crate) struct Filter<T: Number, L> {
     level: L,
     design: Design,
     noise: Noise<T>,
+    of_share: Share<T>,
     /// The variance of the white force.
     white: T,
     /// The belief after the last predict or update.
@@ -106,6 +108,7 @@ impl<T: Number, L: Level> Filter<T, L> {
             held: Held::new(),
             level,
             design,
+            of_share: Share::new(&noise),
             noise,
             white,
             belief,
@@ -118,19 +121,25 @@ impl<T: Number, L: Level> Filter<T, L> {
     /// A white force is another one from the next sample on, or from the middle of the step ([`Course`](super::course::Course)).
     #[inline(always)]
     pub(crate) fn predict(&mut self, forces: [T; 2]) {
+        self.predict_share(1.0, forces);
+    }
+
+    /// The same over a share of a step, with its share of the noise. A white force and jumps belong to whole steps.
+    #[inline(always)]
+    pub(crate) fn predict_share(&mut self, share: f64, forces: [T; 2]) {
         let Self { learning, design, noise, .. } = self;
         let has_widened = learning.as_mut().is_some_and(|learning| learning.widen(design, noise));
-        self.carry(forces);
+        self.carry(share, forces);
         if let Some(learning) = self.learning.as_ref().filter(|_| has_widened) {
             learning.narrow(&mut self.noise);
         }
     }
 
     #[inline(always)]
-    fn carry(&mut self, forces: [T; 2]) {
+    fn carry(&mut self, share: f64, forces: [T; 2]) {
         let Design { has_slope, dt, substeps, white, .. } = self.design;
         let [begin, end] = forces;
-        let whole = Step { forces: [begin, if has_slope { end } else { begin }], has_slope, dt };
+        let whole = Step { forces: [begin, if has_slope { end } else { begin }], has_slope, dt: dt * share };
         let (parts, renewed) = white.map_or((substeps, 0), |(_, course)| course.steps(substeps));
         let yes = T::Mask::of(true);
         let mut held = Rooted { holds: yes, is_finite: yes };
@@ -140,7 +149,7 @@ impl<T: Number, L: Level> Filter<T, L> {
                 holds: held.holds & rooted.holds,
                 is_finite: held.is_finite & (!held.holds | rooted.is_finite),
             };
-            self.spread(i + 1 == parts);
+            self.spread(share, i + 1 == parts);
             if let Some((place, _)) = white.filter(|_| i + 1 == renewed) {
                 let Self { level, belief, root, white, .. } = self;
                 match root {
@@ -168,8 +177,9 @@ impl<T: Number, L: Level> Filter<T, L> {
 
     /// Ends a part of a prediction, with the noise in the last one.
     #[inline(always)]
-    fn spread(&mut self, is_last: bool) {
-        let Self { level, belief, noise, root, .. } = self;
+    fn spread(&mut self, share: f64, is_last: bool) {
+        let Self { level, belief, noise, of_share, root, .. } = self;
+        let noise = of_share.of(share, noise);
         match (root, is_last) {
             (Some(root), true) => level.apart(
                 #[inline(always)]

@@ -47,6 +47,8 @@ pub struct Correction {
     pub innovation_cov: Matrix,
     /// K, n × m. The column of a sensor is the change of each channel per unit of its innovation.
     pub gain: Matrix,
+    /// The readings before those of e, S and K within the same sample, by the same sensors; NIS and det S count them too.
+    pub earlier: u32,
     /// Normalised innovation squared `eᵀ S⁻¹ e`.
     pub nis: f64,
     /// det S over the sensors that were not skipped; zero or infinite if it leaves the range of numbers.
@@ -82,6 +84,7 @@ impl Correction {
             innovation: Vector::repeat(m, f64::NAN),
             innovation_cov: Matrix::repeat(m, m, f64::NAN),
             gain: Matrix::zeros(n, m),
+            earlier: 0,
             nis: f64::NAN,
             determinant: f64::NAN,
             log_likelihood: f64::NAN,
@@ -98,6 +101,7 @@ impl Correction {
             *self = Self::nothing(n, m);
             return;
         }
+        self.earlier = 0;
         let Self { innovation, innovation_cov, gain, nis, determinant, log_likelihood, effective_samples, .. } = self;
         innovation.fill(f64::NAN);
         innovation_cov.fill(f64::NAN);
@@ -126,13 +130,14 @@ impl Correction {
         self.kept = kept;
     }
 
-    /// Adds the effect of a later update within the same sample, which is independent of this one. A sensor that is in both is
-    /// reported as in the later one.
+    /// Adds the effect of a later update within the same sample, which is independent of this one. e, S and K of a sensor that is in
+    /// both are those of the later one.
     pub(crate) fn add(&mut self, later: &Self) {
         let has = |correction: &Self, sensor: usize| !correction.innovation[sensor].is_nan();
         let m = self.innovation.len();
         let in_later = |sensor: &usize| has(later, *sensor);
         for sensor in (0..m).filter(in_later) {
+            self.earlier += u32::from(has(self, sensor));
             self.innovation[sensor] = later.innovation[sensor];
             self.gain.set_column(sensor, &later.gain.column(sensor));
             for other in 0..m {
@@ -144,11 +149,11 @@ impl Correction {
                 (self.innovation_cov[(sensor, other)], self.innovation_cov[(other, sensor)]) = (both, both);
             }
         }
-        let mut kept = std::mem::take(&mut self.kept);
-        kept.clear();
-        kept.extend((0..m).filter(|&sensor| has(self, sensor)));
-        self.take_squares(&kept);
-        self.kept = kept;
+        if self.nis.is_nan() {
+            (self.nis, self.determinant) = (later.nis, later.determinant);
+        } else if !later.nis.is_nan() {
+            (self.nis, self.determinant) = (self.nis + later.nis, self.determinant * later.determinant);
+        }
     }
 
     /// NIS and det S of e and S as they are reported, over these sensors; NaN without any.

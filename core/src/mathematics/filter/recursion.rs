@@ -209,11 +209,9 @@ impl<B: Belief + ?Sized> Filter<B> {
         }
         of_share.set(share, &self.noise);
         let Self { model, belief, considered, hold, dt, substeps, .. } = self;
-        let (n, dt) = (*substeps as f64, share * *dt);
-        let force = |substep: f64| begin + (end - begin) * (substep / n);
+        let whole = Step { forces: [begin, end], hold: *hold, dt: *dt * share };
         for substep in 0..*substeps {
-            let i = substep as f64;
-            let step = Step { forces: [force(i), force(i + 1.0)], hold: *hold, dt: dt / n };
+            let step = whole.part(substep, *substeps);
             let noise = of_share.of(substep + 1 == *substeps);
             before(model, belief, step)?;
             belief.predict(model, step, noise)?;

@@ -8,11 +8,11 @@
 use crate::mathematics::engine::belief::Belief;
 use crate::mathematics::engine::error_square::ErrorSquare;
 use crate::mathematics::engine::level::Level;
-use crate::mathematics::engine::number::{Mask, Number};
+use crate::mathematics::engine::number::Number;
 use crate::mathematics::engine::update::Told;
 use crate::mathematics::gaussian_likelihood::log_likelihood;
-use crate::mathematics::log_sum::LogSum;
 use crate::numbers::diagnostics::{ErrorSums, Total};
+use crate::numbers::score::log_products::LogProducts;
 use crate::numbers::score::outcome::ChannelSums;
 use crate::numbers::score::{Look, Outcome};
 use crate::{Channel, Stop};
@@ -59,9 +59,7 @@ pub(super) struct Scores<T> {
     nis: Squares<T>,
     /// NEES and NIS of the last sample; NaN where there is none.
     last: [T; 2],
-    /// The product of determinants, and the sum of logarithms that each lane has taken.
-    product: T,
-    taken: Vec<f64>,
+    ln_determinants: LogProducts<T>,
     /// The last mean and variance of every channel.
     mean: Vec<T>,
     variance: Vec<T>,
@@ -97,8 +95,7 @@ impl<T: Number> Scores<T> {
             nees: squares,
             nis: squares,
             last: [none; 2],
-            product: T::of(1.0),
-            taken: vec![0.0; T::LANES],
+            ln_determinants: LogProducts::new(),
             mean: vec![none; channels.len()],
             variance: vec![none; channels.len()],
         }
@@ -157,28 +154,20 @@ impl<T: Number> Scores<T> {
     /// Adds an update. `ln_determinant` computes ln det S of a lane if det S is too large or too small for a number.
     #[inline(always)]
     pub(super) fn take_update(&mut self, told: &Told<T>, ln_determinant: impl Fn(usize) -> f64) {
-        let Told { nis, determinant, measured, .. } = *told;
-        self.nis.add(nis, measured);
-        self.last[1] = T::select(T::of(0.0).lt(measured), nis, T::of(f64::NAN));
-        let next = self.product * determinant;
-        let [low, high] = [*LogSum::RANGE.start(), *LogSum::RANGE.end()].map(T::of);
-        let is_in_range = low.le(next) & next.le(high) & low.le(determinant) & determinant.le(high);
-        if is_in_range.all() {
-            self.product = next;
-        } else {
-            self.take_logarithms(determinant, ln_determinant);
-        }
+        self.take_square(told.nis, told.measured);
+        self.ln_determinants.add(told.determinant, ln_determinant);
     }
 
-    #[cold]
-    #[inline(never)]
-    fn take_logarithms(&mut self, determinant: T, ln_determinant: impl Fn(usize) -> f64) {
-        for (lane, taken) in self.taken.iter_mut().enumerate() {
-            let mut sum = LogSum { taken: *taken, product: self.product.lane(lane) };
-            sum.add(determinant.lane(lane), || ln_determinant(lane));
-            *taken = sum.taken;
-            self.product.set_lane(lane, sum.product);
-        }
+    /// Adds the updates of the parts of a step: their NIS, the number of readings and ln det S, which is empty afterwards.
+    pub(super) fn take_updates(&mut self, [nis, measured]: [T; 2], ln_determinants: &mut LogProducts<T>) {
+        self.take_square(nis, measured);
+        self.ln_determinants.absorb(ln_determinants);
+    }
+
+    #[inline(always)]
+    fn take_square(&mut self, nis: T, measured: T) {
+        self.nis.add(nis, measured);
+        self.last[1] = T::select(T::of(0.0).lt(measured), nis, T::of(f64::NAN));
     }
 
     /// A lane at the last sample.
@@ -197,7 +186,7 @@ impl<T: Number> Scores<T> {
     pub(super) fn outcome(&self, lane: usize, stop: Option<Stop>) -> Outcome {
         let sums: Vec<_> = self.tracked.iter().map(|tracked| (tracked.channel, self.sums(tracked, lane))).collect();
         let nis = self.nis.total(lane);
-        let ln_determinants = LogSum { taken: self.taken[lane], product: self.product.lane(lane) }.value();
+        let ln_determinants = self.ln_determinants.value(lane);
         Outcome {
             samples: self.samples,
             nees: self.nees.total(lane),

@@ -2,12 +2,15 @@
 
 use std::borrow::Cow;
 
+use crate::data::record::Parts;
 use crate::mathematics::engine::belief::Belief;
 use crate::mathematics::engine::filter::Filter;
 use crate::mathematics::engine::level::Level;
 use crate::mathematics::engine::logarithms::convert;
 use crate::mathematics::engine::number::{Mask, Number};
+use crate::mathematics::engine::update::Told;
 use crate::numbers::score::lane_sums::Scores;
+use crate::numbers::score::log_products::LogProducts;
 use crate::numbers::score::{Look, Outcome};
 use crate::samples::estimator::setup::{Setup, filter};
 use crate::{FilterError, Record, Stop};
@@ -22,11 +25,14 @@ pub struct Run<'a> {
 }
 
 impl Run<'_> {
-    /// Whether two runs can go side by side: they have one design, records of one length, and the same channels of known truth.
+    /// Whether two runs can go side by side: they have one design, records of one length, and the same channels of known truth; and
+    /// readings at times of their own, if they have such, are those of one record.
     pub fn goes_with(&self, other: &Self) -> bool {
         let knows = |record: &Record, channel| record.truth(channel).is_some();
         self.record.len() == other.record.len()
             && self.setup.design == other.setup.design
+            && self.setup.is_timed == other.setup.is_timed
+            && (!self.setup.is_timed || self.has_columns_of(other))
             && self.setup.channels == other.setup.channels
             && (self.setup.channels.iter()).all(|&channel| knows(self.record, channel) == knows(other.record, channel))
     }
@@ -56,6 +62,7 @@ pub fn outcomes<T: Number, L: Level>(level: L, runs: &[Run<'_>], samples: &[usiz
         in_units,
         scores,
         stopped: T::of(0.0),
+        of_parts: LogProducts::new(),
         outcomes: vec![None; runs.len()],
         looks: vec![Vec::new(); runs.len()],
     };
@@ -64,6 +71,8 @@ pub fn outcomes<T: Number, L: Level>(level: L, runs: &[Run<'_>], samples: &[usiz
 
 /// The columns that a batch runs over, each one a lane or one for all.
 struct Inputs<'a> {
+    /// The run whose record has readings at times of their own, which all lanes share.
+    timed: Option<Run<'a>>,
     force: Column<'a>,
     measured: Vec<Column<'a>>,
     truth: Vec<Column<'a>>,
@@ -97,6 +106,7 @@ impl<'a> Inputs<'a> {
         let known = setup.channels.iter().filter(|&&channel| runs[0].record.truth(channel).is_some());
         let truth = |&channel| column(&|run: Run<'a>| Cow::Borrowed(run.record.truth(channel).unwrap_or_default()));
         Self {
+            timed: setup.is_timed.then_some(runs[0]),
             force: column(&force),
             measured: (0..setup.columns.len()).map(measured).collect(),
             truth: known.map(truth).collect(),
@@ -135,6 +145,8 @@ struct Batch<T: Number, L> {
     scores: Scores<T>,
     /// One in each lane with a stopped filter.
     stopped: T,
+    /// ln det S of the parts of a step.
+    of_parts: LogProducts<T>,
     outcomes: Vec<Option<Outcome>>,
     looks: Vec<Vec<Look>>,
 }
@@ -146,6 +158,7 @@ impl<T: Number, L: Level> Batch<T, L> {
         let mut measured = vec![T::of(0.0); inputs.measured.len()];
         let mut truth = vec![T::of(0.0); inputs.truth.len()];
         let mut force: T = inputs.force.at(0);
+        let mut parts = Parts::default();
         for k in 0..length {
             for (truth, column) in truth.iter_mut().zip(&inputs.truth) {
                 *truth = column.at(k);
@@ -153,10 +166,20 @@ impl<T: Number, L: Level> Batch<T, L> {
             if k > 0 {
                 let before = force;
                 force = inputs.force.at(k);
-                for (measured, column) in measured.iter_mut().zip(&inputs.measured) {
-                    *measured = column.at(k);
-                }
-                if !self.step([before, force], &measured, k) {
+                let goes_on = match inputs.timed {
+                    Some(Run { setup, record })
+                        if record.parts_to(k, setup.input_delay, &setup.columns, &mut parts) =>
+                    {
+                        self.step_through(&parts, &mut measured, k)
+                    }
+                    _ => {
+                        for (measured, column) in measured.iter_mut().zip(&inputs.measured) {
+                            *measured = column.at(k);
+                        }
+                        self.step([before, force], &measured, k)
+                    }
+                };
+                if !goes_on {
                     break;
                 }
             }
@@ -172,8 +195,35 @@ impl<T: Number, L: Level> Batch<T, L> {
 
     /// One step of all filters. Returns whether any goes on.
     fn step(&mut self, forces: [T; 2], measured: &[T], k: usize) -> bool {
-        self.filter.predict(forces);
-        let mut told = self.filter.update(forces[1], measured);
+        let Some(told) = self.advance(1.0, forces, forces[1], measured, k) else { return false };
+        let Self { level, scores, filter, .. } = self;
+        level.apart(
+            #[inline(always)]
+            || scores.take_update(&told, |lane| filter.ln_determinant(lane)),
+        );
+        true
+    }
+
+    /// The same from one reading to the next, where they have times of their own. `measured` is memory.
+    fn step_through(&mut self, parts: &Parts, measured: &mut [T], k: usize) -> bool {
+        let mut squares = [T::of(0.0); 2];
+        for (part, readings) in parts.iter() {
+            measured.iter_mut().zip(readings).for_each(|(measured, reading)| *measured = T::of(*reading));
+            let told = self.advance(part.share, part.forces.map(T::of), T::of(part.force), measured, k);
+            let Some(Told { nis, determinant, measured, .. }) = told else { return false };
+            let Self { filter, of_parts, .. } = self;
+            of_parts.add(determinant, |lane| filter.ln_determinant(lane));
+            squares = [squares[0] + nis, squares[1] + measured];
+        }
+        self.scores.take_updates(squares, &mut self.of_parts);
+        true
+    }
+
+    /// Predicts over a share of the step to sample `k`, and updates under `force`. Returns `None` if no filter goes on.
+    #[inline(never)]
+    fn advance(&mut self, share: f64, forces: [T; 2], force: T, measured: &[T], k: usize) -> Option<Told<T>> {
+        self.filter.predict_share(share, forces);
+        let mut told = self.filter.update(force, measured);
         let has_stopped = T::of(0.5).le(self.stopped);
         let mut fits = T::Mask::of(true);
         if let Some(in_units) = &mut self.in_units {
@@ -183,7 +233,7 @@ impl<T: Number, L: Level> Batch<T, L> {
         if !((told.holds & fits) | has_stopped).all() {
             self.stop(told.holds, fits, k);
             if self.outcomes.iter().all(Option::is_some) {
-                return false;
+                return None;
             }
         }
         let is_going = self.stopped.lt(T::of(0.5));
@@ -192,12 +242,7 @@ impl<T: Number, L: Level> Batch<T, L> {
             told.determinant = T::select(is_going, told.determinant, T::of(1.0));
             self.park();
         }
-        let Self { level, scores, filter, .. } = self;
-        level.apart(
-            #[inline(always)]
-            || scores.take_update(&told, |lane| filter.ln_determinant(lane)),
-        );
-        true
+        Some(told)
     }
 
     /// Notes where the step to sample `k` does not hold or is no number in the channels' units, and why.

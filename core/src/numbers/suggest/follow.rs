@@ -88,11 +88,10 @@ pub(super) fn surprise(run: &Run) -> f64 {
     let Some(estimates) = run.estimates().first() else { return 1.0 };
     // The filter finds its parameters in the first half.
     let half = estimates.len() / 2..estimates.len();
-    let measured = |k: usize| estimates.innovation(k).iter().filter(|e| !e.is_nan()).count();
     let (sum, count) = half
         .filter(|&k| !estimates.nis()[k].is_nan())
-        .fold((0.0, 0), |(sum, count), k| (sum + estimates.nis()[k], count + measured(k)));
-    let ratio = libm::sqrt(sum / f64::from(u32::try_from(count.max(1)).unwrap_or(u32::MAX)));
+        .fold((0.0, 0), |(sum, count), k| (sum + estimates.nis()[k], count + estimates.readings(k)));
+    let ratio = libm::sqrt(sum / f64::from(count.max(1)));
     if ratio.is_finite() { ratio.clamp(0.1, 10.0) } else { 1.0 }
 }
 

@@ -75,6 +75,8 @@ impl Estimates {
         ] {
             values.drain(..(samples * per_sample).min(values.len()));
         }
+        let first = self.forgotten + samples;
+        self.earlier.drain(..self.earlier.partition_point(|(sample, _)| *sample < first));
         self.canonical.forget(samples);
         self.variance.forget(samples);
         self.forgotten += samples;
@@ -100,6 +102,9 @@ impl Estimates {
             self.canonical.push(mean.iter().copied());
         }
         self.innovation.extend_from_slice(innovation);
+        if sample.earlier > 0 {
+            self.earlier.push((self.forgotten + self.nis.len(), sample.earlier));
+        }
         self.innovation_cov.extend_from_slice(innovation_cov);
         self.gain.extend_from_slice(gain);
         self.nis.push(nis);

@@ -157,6 +157,7 @@ pub(crate) fn push(
         innovation: correction.innovation.as_slice(),
         innovation_cov: correction.innovation_cov.as_slice(),
         gain: gain.as_slice(),
+        earlier: correction.earlier,
         nis: correction.nis,
         determinant: correction.determinant,
         log_likelihood: correction.log_likelihood,

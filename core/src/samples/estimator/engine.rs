@@ -1,6 +1,7 @@
 //! A filter of the engine for one run, reporting to its estimates.
 
 use crate::FilterError;
+use crate::data::record::Parts as PartsOfStep;
 use crate::mathematics::engine::belief::Belief;
 use crate::mathematics::engine::columns::mirror;
 use crate::mathematics::engine::filter::{Filter, Parts};
@@ -91,27 +92,11 @@ impl<L: Level + Send> Estimator for Followed<L> {
         filter.predict([force_before, force]);
         let wants_prior = sink.wants_prior();
         if wants_prior {
-            filter.square();
-            prior.mean.copy_from_slice(&filter.belief.mean);
-            prior.cov.copy_from_slice(&filter.belief.cov);
-            mirror(Baseline, &mut prior.cov, prior.mean.len());
+            keep(filter, prior);
         }
-        let mut is_infinite = false;
-        for (own, &place) in own.iter_mut().zip(&*places) {
-            *own = measured[place];
-            is_infinite |= own.is_infinite();
-        }
-        if is_infinite && filter.is_predicted(0) {
-            return Err(FilterError::InfiniteMeasurement);
-        }
-        let told = filter.update(force, own);
-        if !told.holds {
-            return Err(filter.reason(0));
-        }
-        filter.complete();
-        let [nis, determinant] = if told.measured > 0.0 { [told.nis, told.determinant] } else { [f64::NAN; 2] };
+        let squares = update(filter, places, own, force, measured)?;
         if filter.learns() {
-            return self.report_learnt([nis, determinant], sink);
+            return self.report_learnt(squares, sink);
         }
         let m = all.innovation.len();
         let (belief, update) = filter.told();
@@ -119,13 +104,81 @@ impl<L: Level + Send> Estimator for Followed<L> {
             update.complete();
             let [innovation, innovation_cov, gain] = update.parts();
             let unmeasured = Sample::unmeasured(&belief.mean, &belief.cov);
+            let [nis, determinant] = squares;
             Sample { innovation, innovation_cov, gain, nis, determinant, ..unmeasured }
         } else {
-            all.take(places, update.active(), update.parts());
-            all.sample(belief, [nis, determinant])
+            all.clear();
+            all.add(places, update.active(), update.parts());
+            all.sample(belief, squares)
         };
         push(if wants_prior { sample.with_prior(prior) } else { sample }, in_units.as_deref_mut(), sink)
     }
+
+    /// The belief before the update is that before the last reading.
+    fn step_through(&mut self, parts: &PartsOfStep, sink: &mut dyn Sink) -> Result<(), FilterError> {
+        let Self { filter, places, measured: own, prior, told: all, in_units, .. } = self;
+        let (wants_prior, mut has_prior) = (sink.wants_prior(), false);
+        let (mut squares, mut earlier) = ([f64::NAN; 2], 0);
+        all.clear();
+        for (part, readings) in parts.iter() {
+            if !part.forces.iter().all(|force| force.is_finite()) {
+                return Err(FilterError::UndefinedForce);
+            }
+            filter.predict_share(part.share, part.forces);
+            let is_read = readings.iter().any(|reading| !reading.is_nan());
+            if is_read && wants_prior {
+                keep(filter, prior);
+                has_prior = true;
+            }
+            let [nis, determinant] = update(filter, places, own, part.force, readings)?;
+            if !nis.is_nan() {
+                let [all_nis, all_determinant] = squares;
+                let is_first = all_nis.is_nan();
+                squares = if is_first { [nis, determinant] } else { [all_nis + nis, all_determinant * determinant] };
+                let (_, update) = filter.told();
+                earlier += all.add(places, update.active(), update.parts());
+            }
+        }
+        let (belief, _) = filter.told();
+        if wants_prior && !has_prior {
+            prior.copy_from(belief);
+        }
+        let sample = Sample { earlier, ..all.sample(belief, squares) };
+        push(if wants_prior { sample.with_prior(prior) } else { sample }, in_units.as_deref_mut(), sink)
+    }
+}
+
+/// Keeps the belief after a prediction.
+fn keep<L: Level>(filter: &mut Filter<f64, L>, prior: &mut Belief<f64>) {
+    filter.square();
+    prior.copy_from(filter.told().0);
+    mirror(Baseline, &mut prior.cov, prior.mean.len());
+}
+
+/// Updates by the measurements of all sensors, of which `own` takes those that the model has. Returns NIS and det S; NaN without a
+/// measurement.
+#[inline(always)]
+fn update<L: Level>(
+    filter: &mut Filter<f64, L>,
+    places: &[usize],
+    own: &mut [f64],
+    force: f64,
+    measured: &[f64],
+) -> Result<[f64; 2], FilterError> {
+    let mut is_infinite = false;
+    for (own, &place) in own.iter_mut().zip(places) {
+        *own = measured[place];
+        is_infinite |= own.is_infinite();
+    }
+    if is_infinite && filter.is_predicted(0) {
+        return Err(FilterError::InfiniteMeasurement);
+    }
+    let told = filter.update(force, own);
+    if !told.holds {
+        return Err(filter.reason(0));
+    }
+    filter.complete();
+    Ok(if told.measured > 0.0 { [told.nis, told.determinant] } else { [f64::NAN; 2] })
 }
 
 impl<L: Level> Followed<L> {
@@ -135,7 +188,8 @@ impl<L: Level> Followed<L> {
         let Self { filter, places, prior, told, in_units, process, .. } = self;
         let parts = filter.parts();
         let active = parts.update.active();
-        told.take(places, active, parts.update.parts());
+        told.clear();
+        told.add(places, active, parts.update.parts());
         let weights = parts.learnt.and_then(|learnt| learnt.weights);
         if let Some(weights) = weights.filter(|weights| active.iter().any(|sensor| weights[*sensor] != 1.0)) {
             told.claim(active, weights, &parts.noise.sensors);
@@ -173,23 +227,36 @@ impl<'a> Sample<'a> {
 }
 
 impl Told {
-    /// Takes in the update by some sensors, each in its place; the others get NaN, and a gain of zero.
-    #[inline(never)]
-    fn take(&mut self, places: &[usize], active: &[usize], [innovation, innovation_cov, gain]: [&[f64]; 3]) {
-        let m = self.innovation.len();
+    /// No update.
+    fn clear(&mut self) {
         self.innovation.fill(f64::NAN);
         self.innovation_cov.fill(f64::NAN);
         self.gain.fill(0.0);
+    }
+
+    /// Takes in an update by some sensors, each in its place, after those that it has, of which it is independent. Returns how many of
+    /// the sensors were in them.
+    #[inline(never)]
+    fn add(&mut self, places: &[usize], active: &[usize], [innovation, innovation_cov, gain]: [&[f64]; 3]) -> u32 {
+        let m = self.innovation.len();
         let (count, n) = (active.len(), self.gain.len() / m.max(1));
+        let mut earlier = 0;
         for (i, &row) in active.iter().enumerate() {
             let row = places[row];
+            earlier += u32::from(!self.innovation[row].is_nan());
             self.innovation[row] = innovation[i];
             self.gain[row * n..(row + 1) * n].copy_from_slice(&gain[i * n..(i + 1) * n]);
-            for (j, &column) in active.iter().enumerate() {
-                let entry = innovation_cov[i.min(j) * count + i.max(j)];
-                self.innovation_cov[places[column] * m + row] = entry;
+            for other in (0..m).filter(|other| !self.innovation[*other].is_nan()) {
+                (self.innovation_cov[other * m + row], self.innovation_cov[row * m + other]) = (0.0, 0.0);
             }
         }
+        for (i, &row) in active.iter().enumerate() {
+            for (j, &column) in active.iter().enumerate() {
+                let entry = innovation_cov[i.min(j) * count + i.max(j)];
+                self.innovation_cov[places[column] * m + places[row]] = entry;
+            }
+        }
+        earlier
     }
 
     /// S with the R of the settings, which is what they claim. A reading that counts next to nothing is reported as none.

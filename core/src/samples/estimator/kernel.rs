@@ -136,6 +136,7 @@ fn sample<'a, const N: usize>(
         innovation: &correction.innovation[..m],
         innovation_cov,
         gain: correction.gain[..m].as_flattened(),
+        earlier: 0,
         nis: correction.nis,
         determinant: correction.determinant,
         log_likelihood: f64::NAN,

@@ -38,13 +38,15 @@ pub struct Setup {
     pub columns: Vec<usize>,
     /// The number of samples after which the plant feels the input.
     pub input_delay: i32,
+    /// Whether it goes from one reading of the record to the next, at the times that they have.
+    pub is_timed: bool,
 }
 
 impl Setup {
     /// The filter at `place` of a scenario, if the engine serves it over a record: a KF, EKF, UKF or CKF of up to [`MOST`]
     /// components, with any augmentations, logarithms, weights, noise that is learnt and jumps, but one guess only, no
-    /// walk and nothing that it considers, over readings at the samples' times. Plain filters of an oscillator are left to lanes of
-    /// their own.
+    /// walk and nothing that it considers. Plain filters of an oscillator are left to lanes of their own, unless the readings have
+    /// times of theirs.
     ///
     /// # Errors
     /// Those of [`Pass::new`](crate::Pass::new).
@@ -54,13 +56,15 @@ impl Setup {
         })
     }
 
-    /// The same for filters whose update is that of textbooks, of a state without logarithms, including those that have
-    /// lanes of their own.
+    /// The same for filters whose update is that of textbooks, of a state without logarithms, over readings at the samples' times,
+    /// including those that have lanes of their own.
     ///
     /// # Errors
     /// Those of [`Pass::new`](crate::Pass::new).
     pub fn of_any(scenario: &Scenario, place: usize, record: &Record) -> Result<Option<Self>, RunError> {
-        Self::unless(scenario, place, record, |settings, _| settings.log_parameters || !settings.has_plain_update())
+        Self::unless(scenario, place, record, |settings, context| {
+            settings.log_parameters || context.is_timed || !settings.has_plain_update()
+        })
     }
 
     fn unless(
@@ -76,7 +80,7 @@ impl Setup {
         let context = FilterContext::new(scenario, &quantities, record.dt(), settings).over(record, settings);
         // The lanes of a square-root filter differ from the run alone where variances underflow.
         let goes_alone = settings.kind == FilterKind::SR_UKF;
-        if goes_alone || context.is_timed || is_left(settings, &context) || !is_finite(record, &columns) {
+        if goes_alone || is_left(settings, &context) || !is_finite(record, &columns) {
             return Ok(None);
         }
         Ok(Self::design(settings, &context, columns))
@@ -130,6 +134,7 @@ impl Setup {
             white: white.map_or(0.0, |white| white.variance),
             columns: sensors.iter().map(|&(column, ..)| column).collect(),
             input_delay: settings.input_delay,
+            is_timed: context.is_timed,
         })
     }
 }
@@ -144,6 +149,7 @@ fn is_single(settings: &FilterSettings) -> bool {
 fn has_own_lanes(settings: &FilterSettings, context: &FilterContext<'_>) -> bool {
     const WITH_LANES: [PlantKind; 2] = [PlantKind::SDOF, PlantKind::DUFFING];
     settings.has_plain_update()
+        && !context.is_timed
         && settings.substeps == 1
         && WITH_LANES.contains(&settings.plant.unwrap_or(context.plant))
         && kernel::serves(settings, context)

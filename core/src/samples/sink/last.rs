@@ -13,6 +13,7 @@ pub struct LastSample {
     innovation: Vec<f64>,
     innovation_cov: Vec<f64>,
     gain: Vec<f64>,
+    earlier: u32,
     /// NIS, det S, own log likelihood, effective sample size.
     numbers: [f64; 4],
     /// Diagonals of Q and R, where the filter learns them, and the variance of each R.
@@ -43,6 +44,7 @@ impl LastSample {
             innovation,
             innovation_cov,
             gain,
+            earlier: self.earlier,
             nis,
             determinant,
             log_likelihood,
@@ -87,6 +89,7 @@ impl Sink for LastSample {
             kept.extend_from_slice(part);
         }
         self.numbers = [sample.nis, sample.determinant, sample.log_likelihood, sample.effective_samples];
+        self.earlier = sample.earlier;
         self.is_adaptive = sample.noise.is_some();
         self.has_widened = sample.has_widened;
     }

@@ -20,11 +20,11 @@ pub enum LiveError {
     #[error("a reading, the input or the time is no finite number")]
     Infinite,
     /// Its sample is complete.
-    #[error("the time is {time} s, but what was before {complete} s is complete: it comes too late")]
+    #[error("the time is {time} s, but what was until {complete} s is complete: it comes too late")]
     TooLate {
         /// The time \[s\].
         time: f64,
-        /// The time of the end of the last sample \[s\].
+        /// The time of the last complete sample \[s\].
         complete: f64,
     },
     /// The clock stands still, or is far too slow, while readings come.

@@ -4,59 +4,74 @@ use std::collections::VecDeque;
 
 use crate::Hold;
 use crate::data::local_cubic::change;
+use crate::data::record::Timed;
 
-/// The times \[s\] and readings of one sensor, in the order of their times.
-#[derive(Clone, Debug)]
+/// The samples of a record in the clock of its readings.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Grid {
+    /// The time of the first one \[s\].
+    pub(super) begin: f64,
+    pub(super) dt: f64,
+}
+
+impl Grid {
+    /// A time \[s\] in steps after the first sample. One that is next to a sample's is that.
+    pub(super) fn steps(self, time: f64) -> f64 {
+        let steps = (time - self.begin) / self.dt;
+        let whole = libm::round(steps);
+        if (steps - whole).abs() <= ROUNDED { whole } else { steps }
+    }
+}
+
+/// A time may be rounded by this share of a step.
+const ROUNDED: f64 = 1e-6;
+
+/// The times, in steps, and readings of one sensor, in the order of their times.
+#[derive(Clone, Debug, Default)]
 pub(super) struct Track {
     times: VecDeque<f64>,
     values: VecDeque<f64>,
-    /// The time of the last reading that a sample has taken \[s\].
-    used: f64,
-}
-
-impl Default for Track {
-    fn default() -> Self {
-        Self { times: VecDeque::new(), values: VecDeque::new(), used: f64::NEG_INFINITY }
-    }
+    /// The number of those that samples have taken.
+    taken: usize,
 }
 
 impl Track {
-    pub(super) fn len(&self) -> usize {
-        self.times.len()
+    /// The readings that wait for their sample.
+    pub(super) fn waiting(&self) -> usize {
+        self.times.len() - self.taken
     }
 
-    pub(super) fn put(&mut self, time: f64, value: f64) {
-        let place = self.times.partition_point(|other| *other <= time);
-        self.times.insert(place, time);
-        self.values.insert(place, value);
-    }
-
-    /// The reading at a sample, NaN if there is none, and the number of those that were passed over. Forgets what no later sample
-    /// needs.
-    ///
-    /// Where readings are dense, a sample without one of its own takes one that a neighbour leaves over.
-    pub(super) fn at(&mut self, at: f64, dt: f64, side: usize) -> (f64, usize) {
-        let Self { times, used, .. } = self;
-        let place_of = |limit: f64| times.partition_point(|time| *time < limit);
-        let [before, first, end, after] = [-1.0, -0.5, 0.5, 1.5].map(|steps| place_of(at + steps * dt));
-        let fresh = times.partition_point(|time| *time <= *used);
-        let distance = |k: &usize| (times[*k] - at).abs();
-        let own = (first.max(fresh)..end).min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        let left_over = || (before.max(fresh)..first).next_back().or((after >= end + 2).then_some(end));
-        let taken = if side > 0 { own.or_else(left_over) } else { own };
-        let value = taken.map_or(f64::NAN, |k| self.values[k] + self.shift(k, at, dt, side));
-        let passed = taken.map_or(0, |k| k - fresh);
-        if let Some(k) = taken {
-            self.used = self.times[k];
+    /// Returns whether its time is new.
+    pub(super) fn put(&mut self, time: f64, value: f64) -> bool {
+        let place = self.times.partition_point(|other| *other < time);
+        let is_new = self.times.get(place) != Some(&time);
+        if is_new {
+            self.times.insert(place, time);
+            self.values.insert(place, value);
         }
-        let old = first.saturating_sub(2 * side + 1);
+        is_new
+    }
+
+    /// Hands over the readings of the step to a sample. Returns the last one, shifted to the sample along the cubic through `side`
+    /// readings to either side; NaN if there is none. Forgets what no later sample needs.
+    pub(super) fn step_to(&mut self, sample: f64, side: usize, into: &mut Timed) -> f64 {
+        let Self { times, values, taken } = self;
+        let end = times.partition_point(|time| *time <= sample);
+        let own = *taken..end.max(*taken);
+        into.times.extend(times.range(own.clone()));
+        into.values.extend(values.range(own.clone()));
+        *taken = own.end;
+        let last = own.last();
+        let value = last.map_or(f64::NAN, |last| self.values[last] + self.shift(last, sample, side));
+        let old = self.taken.saturating_sub(2 * side + 1);
         self.times.drain(..old);
         self.values.drain(..old);
-        (value, passed)
+        self.taken -= old;
+        value
     }
 
     /// What the reading at a place changes until a time.
-    fn shift(&self, place: usize, to: f64, dt: f64, side: usize) -> f64 {
+    fn shift(&self, place: usize, to: f64, side: usize) -> f64 {
         let length = 2 * side + 1;
         if side == 0 || self.times.len() < length {
             return 0.0;
@@ -64,42 +79,73 @@ impl Track {
         let begin = place.saturating_sub(side).min(self.times.len() - length);
         let around = begin..begin + length;
         let readings = self.times.range(around.clone()).zip(self.values.range(around));
-        change(readings, self.times[place], to - self.times[place], dt * side as f64)
+        change(readings, self.times[place], to - self.times[place], side as f64)
     }
 }
 
-/// The input as it is told.
+/// The input as it is told, with times in steps.
 #[derive(Clone, Debug)]
 pub(super) struct InputTrack {
     told: VecDeque<(f64, f64)>,
+    /// The number of those that samples have taken; all but the last one are forgotten.
+    taken: usize,
     hold: Hold,
 }
 
 impl InputTrack {
     pub(super) fn new(hold: Hold) -> Self {
-        Self { told: VecDeque::new(), hold }
+        Self { told: VecDeque::new(), taken: 0, hold }
     }
 
+    /// Of several values at a time the last one counts.
     pub(super) fn put(&mut self, time: f64, value: f64) {
-        let place = self.told.partition_point(|(other, _)| *other <= time);
-        self.told.insert(place, (time, value));
-    }
-
-    /// Whether the value at a time \[s\] depends on one that has not come yet.
-    pub(super) fn waits_at(&self, at: f64, slack: f64) -> bool {
-        self.hold == Hold::First && self.told.back().is_some_and(|(time, _)| *time < at - slack)
-    }
-
-    /// The input at a sample \[s\]; zero before the first one. Forgets what no later sample needs.
-    pub(super) fn at(&mut self, at: f64, dt: f64) -> f64 {
-        // A held input changes at its nearest sample, where its line's readings go too.
-        let slack = if self.hold == Hold::Zero { 0.5 * dt } else { 0.0 };
-        let next = self.told.partition_point(|(time, _)| *time <= at + slack);
-        self.told.drain(..next.saturating_sub(1));
-        let Some(&(from, value)) = self.told.front().filter(|_| next > 0) else { return 0.0 };
-        match self.told.get(1).filter(|_| self.hold == Hold::First) {
-            Some(&(to, then)) if to > from => value + (then - value) * (at - from) / (to - from),
-            _ => value,
+        let place = self.told.partition_point(|(other, _)| *other < time);
+        match self.told.get_mut(place) {
+            Some(same) if same.0 == time => same.1 = value,
+            _ => self.told.insert(place, (time, value)),
         }
+    }
+
+    /// Whether the value at a sample depends on one that has not come yet.
+    pub(super) fn waits_at(&self, sample: f64) -> bool {
+        self.hold == Hold::First && self.told.back().is_some_and(|(time, _)| *time < sample)
+    }
+
+    /// Hands over what was told in the step to a sample, and the value there, of a line between two values also that; it is zero before
+    /// the first one. `into` is `None` until something is told.
+    pub(super) fn step_to(&mut self, sample: f64, into: &mut Option<Timed>) -> f64 {
+        let Self { told, taken, hold } = self;
+        let next = told.partition_point(|(time, _)| *time <= sample).max(*taken);
+        if next > 0 && into.is_none() {
+            // Until then it was zero: from the first sample on, and on a line up to the last one.
+            let mut times = vec![0.0];
+            if *hold == Hold::First && sample > 1.0 {
+                times.push(sample - 1.0);
+            }
+            times.retain(|zero| *zero < told[0].0);
+            *into = Some(Timed { values: vec![0.0; times.len()], times });
+        }
+        let value = match (next.checked_sub(1).map(|last| told[last]), told.get(next)) {
+            (None, _) => 0.0,
+            (Some((from, value)), Some(&(to, then))) if *hold == Hold::First => {
+                value + (then - value) * (sample - from) / (to - from)
+            }
+            (Some((_, value)), _) => value,
+        };
+        if let Some(Timed { times, values }) = into {
+            for (time, value) in told.range(*taken..next) {
+                times.push(*time);
+                values.push(*value);
+            }
+            if *hold == Hold::First && times.last().is_some_and(|last| *last < sample) {
+                times.push(sample);
+                values.push(value);
+            }
+        }
+        // The last one still counts.
+        let old = next.saturating_sub(1);
+        told.drain(..old);
+        *taken = next - old;
+        value
     }
 }
