@@ -7,7 +7,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use kalmanscope_core::Source;
-use kalmanscope_lab::{MonteCarlo, Priority, Runner, Slice, Threads};
+use kalmanscope_lab::{Judged, MonteCarlo, Priority, Runner, Slice, Threads};
 
 use crate::args::PopulationArgs;
 use crate::input::InputError;
@@ -37,7 +37,7 @@ pub(crate) fn population(args: &PopulationArgs) -> Result<(), InputError> {
     scenario.keep_draws();
     let source = imported.map_or(Source::Simulated, |imported| Source::Measured(Arc::new(imported.record)));
     let all = (0..scenario.filters.len()).collect();
-    let ensemble = MonteCarlo::ensemble(scenario, all, *members as usize, 0, true);
+    let ensemble = MonteCarlo::ensemble(scenario, all, *members as usize, 0, Judged::Verdicts);
     let runner = ensemble.and_then(|ensemble| Runner::new(ensemble, source)).map_err(|error| bad(&error))?;
     let runner = Arc::new(runner);
     let threads = (*threads).min(MOST_THREADS).min(*members as usize);

@@ -96,7 +96,7 @@ pub use judgement::analysis::{Analysis, Bound, Hindsight, Wanted};
 pub use judgement::diagnosis::{Diagnosis, LiveDiagnosis, Summary, Verdict, VerdictKind};
 pub use judgement::job::{Job, Progress};
 pub use judgement::measure::{
-    Best, Measure, MeasureInfo, MeasureKind, Observed, Times, UnknownMeasure, Value, ValueKind, Whole,
+    Best, FirstCause, Measure, MeasureInfo, MeasureKind, Observed, Times, UnknownMeasure, Value, ValueKind, Whole,
 };
 pub use judgement::story::{Adjustable, Phrase, Story};
 pub use judgement::study::Study;

@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use kalmanscope_core::Simulator;
 use kalmanscope_core::score::ScoredPass;
-use kalmanscope_core::{Record, RunError, Scenario, Task};
+use kalmanscope_core::{FirstCause, Record, RunError, Scenario, Task};
 
-use crate::outcome::HistoryPass;
+use crate::outcome::{HistoryPass, number_of, place_of_cause};
 use crate::runner::{CellRun, Runner};
 
 /// Limits the time between two checks of the clock on an ordinary processor \[ns\].
@@ -38,6 +38,12 @@ enum Stage {
         run: CellRun,
         nth: usize,
         pass: Option<FilterPass>,
+    },
+    /// The first cause of the verdict on the plan's `nth` filter is searched.
+    Cause {
+        run: CellRun,
+        nth: usize,
+        search: Box<FirstCause>,
     },
     Done,
 }
@@ -83,6 +89,16 @@ impl CellTask {
                 }
             }
             Stage::Filter { run, nth, pass } => self.filter(run, nth, pass),
+            Stage::Cause { run, nth, mut search } => {
+                // It asks after each piece of about the same time.
+                self.spent = PIECE;
+                if search.advance(&mut || false) {
+                    self.fill_cause(nth, *search);
+                    self.after_history(run, nth)
+                } else {
+                    Stage::Cause { run, nth, search }
+                }
+            }
             Stage::Done => Stage::Done,
         };
     }
@@ -108,13 +124,15 @@ impl CellTask {
             return Stage::Filter { run, nth, pass: Some(pass) };
         }
         let CellRun { scenario, record } = &run;
-        let next = match pass {
+        match pass {
             FilterPass::History(pass) => {
                 let scores = pass.measures(scenario, place, record, &self.runner.ensemble().plan().measures);
                 self.runner.fill_scores(nth, &scores, &mut self.row);
-                // Without samples to look at, no second run is needed.
-                let is_looked_at = !self.runner.ensemble().trace().samples().is_empty();
-                if is_looked_at { self.sums(&run, place).ok() } else { None }
+                if place_of_cause(&self.runner.ensemble().plan().measures).is_some() {
+                    let search = Box::new(pass.first_cause(scenario, place, record));
+                    return Stage::Cause { run, nth, search };
+                }
+                return self.after_history(run, nth);
             }
             FilterPass::Sums(pass) => {
                 let outcome = pass.outcome();
@@ -123,10 +141,24 @@ impl CellTask {
                 } else {
                     self.runner.fill(nth, &run, &outcome, &mut self.row);
                 }
-                None
             }
-        };
-        Stage::Filter { run, nth: if next.is_some() { nth } else { nth + 1 }, pass: next }
+        }
+        Stage::Filter { run, nth: nth + 1, pass: None }
+    }
+
+    /// After all estimates of the plan's `nth` filter: the looks at it. Without samples to look at, no second run is needed.
+    fn after_history(&self, run: CellRun, nth: usize) -> Stage {
+        let place = self.runner.ensemble().plan().filters[nth];
+        let is_looked_at = !self.runner.ensemble().trace().samples().is_empty();
+        let pass = if is_looked_at { self.sums(&run, place).ok() } else { None };
+        Stage::Filter { run, nth: if pass.is_some() { nth } else { nth + 1 }, pass }
+    }
+
+    fn fill_cause(&mut self, nth: usize, search: FirstCause) {
+        let measures = &self.runner.ensemble().plan().measures;
+        if let Some(place) = place_of_cause(measures) {
+            self.row[nth * measures.len() + place] = number_of(search);
+        }
     }
 
     fn history(&self, CellRun { scenario, record }: &CellRun, place: usize) -> Result<FilterPass, RunError> {
@@ -147,6 +179,7 @@ impl Task for CellTask {
         match &self.stage {
             Stage::Record { .. } => 0.0,
             Stage::Filter { nth, .. } => *nth as f64 / filters,
+            Stage::Cause { nth, search, .. } => (*nth as f64 + search.progress()) / filters,
             Stage::Done => 1.0,
         }
     }

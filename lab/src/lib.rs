@@ -20,12 +20,14 @@
 
 mod cell;
 mod ensemble;
+mod last_error;
 mod monte_carlo;
 pub mod order;
 mod outcome;
 mod plan;
 pub mod posterior;
 mod runner;
+mod share;
 mod sheet;
 mod threads;
 mod trace;
@@ -35,9 +37,11 @@ pub mod tune;
 
 pub use cell::CellTask;
 pub use ensemble::{Ensemble, EnsembleError, MAX_CELLS, channels};
-pub use monte_carlo::{LastError, MonteCarlo, share_interval};
+pub use last_error::LastError;
+pub use monte_carlo::{Judged, MonteCarlo};
 pub use plan::Plan;
 pub use runner::{CellRun, Runner, outcomes_of};
+pub use share::share_interval;
 pub use sheet::{Sheet, Slice};
 pub use threads::{Lost, Parts, Priority, Report, Step, Threads, Wanted, fitted};
 pub use trace::Trace;

@@ -1,11 +1,15 @@
 //! The statistics of many runs that differ in their seeds: other noise each time, or the members of a population.
 
+#[cfg(test)]
+mod tests;
+
 use std::ops::RangeInclusive;
 
+use kalmanscope_core::diagnosis::CAUSES;
 use kalmanscope_core::diagnostics::chi_squared;
 use kalmanscope_core::internals::sort_numbers;
 
-use crate::{Ensemble, EnsembleError, Plan, Slice, Trace};
+use crate::{Ensemble, EnsembleError, LastError, Plan, Slice, Trace};
 use kalmanscope_core::{Axis, Channel, Measure, Scenario, Spacing, VerdictKind};
 
 /// Statistics over the seeds of an ensemble, which grow as rows come in.
@@ -18,6 +22,17 @@ pub struct MonteCarlo {
     filters: Vec<Filter>,
     done: usize,
     impossible: usize,
+}
+
+/// What is said of each run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Judged {
+    /// Nothing.
+    Not,
+    /// Its verdict, which takes longer than the run.
+    Verdicts,
+    /// Also the first cause of a bad verdict, which takes up to seconds.
+    Causes,
 }
 
 /// The runs of one filter.
@@ -35,36 +50,15 @@ struct Filter {
     last: Vec<Vec<LastError>>,
     /// The runs with each verdict, in the order of [`VerdictKind::ALL`].
     verdicts: [usize; VerdictKind::ALL.len()],
+    /// The runs of a bad verdict with each first cause, in the order of [`CAUSES`], and those without any.
+    causes: [usize; CAUSES.len()],
+    unexplained: usize,
     diverged: usize,
     stopped: usize,
 }
 
-/// The last error of a channel in one run.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LastError {
-    /// Estimate minus truth, in the channel's unit.
-    pub error: f64,
-    /// The truth.
-    pub truth: f64,
-    /// The standard deviation that the filter states.
-    pub std: f64,
-}
-
-impl LastError {
-    /// Whether the estimate is within this share of the truth.
-    pub fn is_within(&self, share: f64) -> bool {
-        self.error.abs() <= share * self.truth.abs()
-    }
-
-    /// Whether the truth is within ±2σ.
-    pub fn is_covered(&self) -> bool {
-        self.error.abs() <= 2.0 * self.std
-    }
-}
-
 impl MonteCarlo {
-    /// The ensemble of a scenario's filters with the seeds 1 to `seeds`, and a trace of `times` times for each run. Verdicts take
-    /// longer than the runs.
+    /// The ensemble of a scenario's filters with the seeds 1 to `seeds`, and a trace of `times` times for each run.
     ///
     /// # Errors
     /// [`EnsembleError`] where the scenario is impossible or lacks a filter.
@@ -73,10 +67,15 @@ impl MonteCarlo {
         filters: Vec<usize>,
         seeds: usize,
         times: usize,
-        verdicts: bool,
+        judged: Judged,
     ) -> Result<Ensemble, EnsembleError> {
         let channels = crate::channels(&scenario, &filters);
-        let flags = [Measure::DIVERGED, Measure::STOPPED].into_iter().chain(verdicts.then_some(Measure::VERDICT));
+        let judged: &[Measure] = match judged {
+            Judged::Not => &[],
+            Judged::Verdicts => &[Measure::VERDICT],
+            Judged::Causes => &[Measure::VERDICT, Measure::CAUSE],
+        };
+        let flags = [Measure::DIVERGED, Measure::STOPPED].into_iter().chain(judged.iter().copied());
         let of = |channel| [Measure::estimate(channel), Measure::error(channel), Measure::std(channel)];
         let measures = flags.chain(channels.into_iter().flat_map(of)).collect();
         let axis = Axis { key: "seed".to_owned(), from: 1.0, to: seeds as f64, count: seeds, spacing: Spacing::Linear };
@@ -96,6 +95,8 @@ impl MonteCarlo {
                 finals: vec![Vec::new(); channels.len()],
                 last: vec![Vec::new(); channels.len()],
                 verdicts: [0; VerdictKind::ALL.len()],
+                causes: [0; CAUSES.len()],
+                unexplained: 0,
                 channels,
                 diverged: 0,
                 stopped: 0,
@@ -124,7 +125,13 @@ impl MonteCarlo {
                 filter.stopped += usize::from(number(Measure::STOPPED) == 1.0);
                 let verdict = number(Measure::VERDICT);
                 if verdict.is_finite() {
-                    filter.verdicts[verdict as usize] += 1;
+                    let place = verdict as usize;
+                    filter.verdicts[place] += 1;
+                    let cause = number(Measure::CAUSE);
+                    match cause.is_finite().then_some(cause as usize) {
+                        Some(cause) => filter.causes[cause] += 1,
+                        None => filter.unexplained += usize::from(!VerdictKind::ALL[place].is_good()),
+                    }
                 }
                 let Filter { channels, finals, last, .. } = &mut *filter;
                 for (&channel, (finals, last)) in channels.iter().zip(finals.iter_mut().zip(last)) {
@@ -237,22 +244,17 @@ impl MonteCarlo {
         &self.filters[nth].verdicts
     }
 
+    /// The causes that come first in the `nth` filter's runs with a bad verdict, in the order of [`CAUSES`], with their number; and
+    /// the number of those without any cause. Of runs whose causes were not searched, none has one.
+    pub fn causes(&self, nth: usize) -> (&[usize], usize) {
+        let Filter { causes, unexplained, .. } = &self.filters[nth];
+        (causes, *unexplained)
+    }
+
     /// The last estimates of a channel, one a seed in the order in which they came.
     pub fn finals(&self, nth: usize, channel: usize) -> &[f64] {
         &self.filters[nth].finals[channel]
     }
-}
-
-/// The 95 % interval of a share, of which `count` of `of` were seen. NaN if none was looked at.
-///
-/// Source: Wilson (1927), Probable inference, the law of succession, and statistical inference, *Journal of the American
-/// Statistical Association* 22.
-pub fn share_interval(count: usize, of: usize) -> [f64; 2] {
-    const Z: f64 = 1.959_963_984_540_054;
-    let (n, share) = (of as f64, count as f64 / of as f64);
-    let middle = share + Z * Z / (2.0 * n);
-    let half = Z * libm::sqrt(share * (1.0 - share) / n + Z * Z / (4.0 * n * n));
-    [middle - half, middle + half].map(|end| (end / (1.0 + Z * Z / n)).clamp(0.0, 1.0))
 }
 
 /// Interpolated between neighbours.
@@ -262,142 +264,4 @@ fn quantile(sorted: &[f64], share: f64) -> f64 {
     let (low, rest) = (place.floor() as usize, place.fract());
     let (a, b) = (sorted[low], sorted[(low + 1).min(last)]);
     a + rest * (b - a)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::Runner;
-    use kalmanscope_core::{FilterKind, Run, Source};
-
-    /// A linear filter that knows the true model: its theory is exact.
-    fn scenario(noise: f64) -> Scenario {
-        let text = "duration = 10.0\n[plant]\nnatural_frequency = 6.0\ndisturbance_std = 2.0\n[plant.initial]\ndisplacement = 0.0\n\
-                    [[sensors]]\nmeasures = \"displacement\"\nnoise_std = 0.02\n[[filters]]\nkind = \"kf\"\n\
-                    [filters.initial_mean]\nnatural_frequency = 6.0\ndamping_ratio = 0.05\n\
-                    [filters.initial_std]\ndisplacement = 0.0\nvelocity = 0.0\n\
-                    [filters.process_std]\ndisplacement = 0.0\nvelocity = 0.02\n";
-        let mut scenario = Scenario::from_toml(text).unwrap();
-        assert_eq!(scenario.filters[0].kind, FilterKind::KF);
-        let damping = scenario.plant.parameter(Channel::DAMPING_RATIO).unwrap().at(0.0);
-        scenario.filters[0].initial_mean[Channel::DAMPING_RATIO] = damping;
-        let (sensors, process) = scenario.true_noise();
-        scenario.filters[0].sensor_std = sensors.iter().map(|std| noise * std).collect();
-        scenario.filters[0].process_std = process;
-        scenario
-    }
-
-    fn statistics(scenario: Scenario, seeds: usize) -> (MonteCarlo, Ensemble) {
-        let ensemble = MonteCarlo::ensemble(scenario, vec![0], seeds, 20, false).unwrap();
-        let runner = Runner::new(ensemble.clone(), Source::Simulated).unwrap();
-        let mut statistics = MonteCarlo::new(&ensemble);
-        for cell in 0..seeds {
-            statistics.take(&ensemble, &Slice { cells: vec![cell], rows: runner.rows(&[cell]) });
-        }
-        (statistics, ensemble)
-    }
-
-    #[test]
-    fn the_theory_of_a_linear_filter_holds() {
-        let (all, _) = statistics(scenario(1.0), 400);
-        assert_eq!((all.done(), all.diverged(0)), (400, [0.0, 0.0]));
-        let inside = |values: Vec<f64>, degrees: usize| {
-            let interval = MonteCarlo::interval(degrees, 400).unwrap();
-            values.iter().filter(|value| interval.contains(value)).count()
-        };
-        // 20 times; 95 % of them are expected.
-        assert!(inside(all.nees(0).collect(), 2) >= 15, "{:?}", all.nees(0).collect::<Vec<_>>());
-        assert!(inside(all.nis(0).collect(), 1) >= 15, "{:?}", all.nis(0).collect::<Vec<_>>());
-        for (rmse, std) in all.rmse(0, 0).zip(all.std(0, 0)).skip(2) {
-            assert!((rmse / std - 1.0).abs() < 0.15, "{rmse} {std}");
-        }
-        for ([low, middle, high], std) in
-            all.quantiles(0, 0, [0.025, 0.5, 0.975]).into_iter().zip(all.std(0, 0)).skip(2)
-        {
-            assert!(low < middle && middle < high);
-            assert!(((high - low) / (3.92 * std) - 1.0).abs() < 0.25, "{low} {high} {std}");
-        }
-    }
-
-    #[test]
-    fn a_filter_that_takes_its_sensor_for_better_is_found_out() {
-        let (all, _) = statistics(scenario(0.3), 100);
-        let interval = MonteCarlo::interval(1, 100).unwrap();
-        assert!(all.nis(0).all(|nis| nis > *interval.end()));
-    }
-
-    #[test]
-    fn a_trace_has_the_numbers_of_the_run_on_a_screen() {
-        let (all, ensemble) = statistics(scenario(1.0), 1);
-        let mut run = Run::new(&ensemble.at(0)).unwrap();
-        run.finish();
-        let estimates = &run.estimates()[0];
-        let truth = run.record().truth(Channel::DISPLACEMENT).unwrap();
-        for ((&k, nis), [error]) in all.samples().iter().zip(all.nis(0)).zip(all.quantiles(0, 0, [0.5])) {
-            assert_eq!(nis, estimates.nis()[k]);
-            assert!((error - (estimates.mean(k)[0] - truth[k])).abs() < 1e-7);
-        }
-        assert_eq!(all.finals(0, 0), [estimates.mean(estimates.len() - 1)[0]]);
-    }
-
-    #[test]
-    fn times_are_no_more_than_the_samples() {
-        let short = Scenario { duration: 0.1, ..Scenario::default() };
-        let ensemble = MonteCarlo::ensemble(short, vec![0, 1], 3, 200, false).unwrap();
-        assert_eq!(ensemble.trace().samples(), (1..=10).collect::<Vec<_>>());
-        assert_eq!(ensemble.width(), 2 * (2 + 3 * 4) + 2 * 10 * 10);
-    }
-
-    /// Oscillators and guesses drawn at random, some of them impossible.
-    #[test]
-    fn a_population_is_counted() {
-        let mut scenario = Scenario { duration: 20.0, ..Scenario::default() };
-        scenario.filters.truncate(1);
-        let law = |text: &str| (text.to_owned(), kalmanscope_core::scenario::Law::Normal([0.05, 0.05]));
-        scenario.draw.extend([law("plant.damping_ratio"), law("filters.1.initial_mean.damping_ratio")]);
-        let seeds = 200;
-        let ensemble = MonteCarlo::ensemble(scenario.clone(), vec![0], seeds, 5, true).unwrap();
-        let runner = Runner::new(ensemble.clone(), Source::Simulated).unwrap();
-        let mut statistics = MonteCarlo::new(&ensemble);
-        let cells: Vec<usize> = (0..seeds).collect();
-        let rows = runner.rows(&cells);
-        statistics.take(&ensemble, &Slice { cells, rows });
-        let is_possible = |cell: &usize| ensemble.at(*cell).validate().is_ok();
-        let possible: Vec<usize> = (0..seeds).filter(is_possible).collect();
-        assert_eq!((statistics.done(), statistics.impossible()), (seeds, seeds - possible.len()));
-        assert_eq!(statistics.runs(), possible.len());
-        assert!((20..45).contains(&statistics.impossible()), "{}", statistics.impossible());
-        // A member is what its seed draws.
-        let places = ensemble.trace();
-        let damping = places.channels(0).iter().position(|&channel| channel == Channel::DAMPING_RATIO).unwrap();
-        let truth = |cell: usize| ensemble.at(cell).plant.parameter(Channel::DAMPING_RATIO).unwrap().at(0.0);
-        for (last, &cell) in statistics.last_errors(0, damping).iter().zip(&possible) {
-            assert!((last.truth - truth(cell)).abs() < 1e-12);
-        }
-        assert_eq!(ensemble.member(3), [ensemble.at(3).filters[0].initial_mean[Channel::DAMPING_RATIO], truth(3)]);
-        assert_eq!(statistics.verdicts(0).iter().sum::<usize>(), possible.len());
-        // A draw is of no use without seeds, and may not be an axis beside them.
-        let plan = |axis: &str| Plan { filters: vec![0], axes: vec![Axis::parse(axis).unwrap()], ..Plan::default() };
-        let other = Ensemble::new(scenario.clone(), plan("filters.1.fading=1:1.1:3")).unwrap();
-        assert_eq!((other.drawn().len(), other.at(0).plant), (0, scenario.plant.clone()));
-        let mut both = plan("seed=1:9:9");
-        both.axes.push(Axis::parse("plant.damping_ratio=0.01:0.1:3").unwrap());
-        assert!(Ensemble::new(scenario, both).unwrap_err().to_string().contains("is drawn for each seed"));
-    }
-
-    /// Guesses drawn at random over one measured record.
-    #[test]
-    fn guesses_are_drawn_over_a_given_record() {
-        let mut scenario = Scenario { duration: 10.0, ..Scenario::default() };
-        let record = std::sync::Arc::new(kalmanscope_core::simulate(&scenario));
-        let law = kalmanscope_core::scenario::Law::LogUniform([3.0, 20.0]);
-        scenario.draw.insert("filters.*.initial_mean.natural_frequency".to_owned(), law);
-        let ensemble = MonteCarlo::ensemble(scenario.clone(), vec![0, 1], 12, 0, false).unwrap();
-        let runner = Runner::new(ensemble, Source::Measured(std::sync::Arc::clone(&record))).unwrap();
-        assert!(runner.runs(&[0, 5, 11]).iter().flatten().all(|run| std::sync::Arc::ptr_eq(&run.record, &record)));
-        scenario.draw.insert("plant.damping_ratio".to_owned(), law);
-        let ensemble = MonteCarlo::ensemble(scenario, vec![0], 12, 0, false).unwrap();
-        let error = Runner::new(ensemble, Source::Measured(record)).err().unwrap().to_string();
-        assert!(error.contains("`seed` is none"), "{error}");
-    }
 }

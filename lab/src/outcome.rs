@@ -2,7 +2,8 @@
 
 use kalmanscope_core::score::{Outcome, Scoring};
 use kalmanscope_core::{
-    Estimates, Measure, Observed, Pass, Record, RunError, Sample, Scenario, Scores, Sink, Stop, Times, Whole,
+    Estimates, FirstCause, Measure, Observed, Pass, Record, RunError, Sample, Scenario, Scores, Sink, Stop, Task,
+    Times, Value, Whole,
 };
 
 /// Any measures of the filter at `place` of a scenario over a record.
@@ -29,7 +30,23 @@ pub(crate) fn any(
 fn of_history(scenario: &Scenario, place: usize, record: &Record, measures: &[Measure]) -> Result<Vec<f64>, RunError> {
     let mut pass = HistoryPass::new(scenario, place, record)?;
     pass.advance(record, record.len());
-    Ok(pass.measures(scenario, place, record, measures))
+    let mut numbers = pass.measures(scenario, place, record, measures);
+    if let Some(place_of_cause) = place_of_cause(measures) {
+        let mut search = pass.first_cause(scenario, place, record);
+        while !search.advance(&mut || true) {}
+        numbers[place_of_cause] = number_of(search);
+    }
+    Ok(numbers)
+}
+
+/// The place among some measures of the first cause, which takes far longer than the others.
+pub(crate) fn place_of_cause(measures: &[Measure]) -> Option<usize> {
+    measures.iter().position(|measure| *measure == Measure::CAUSE)
+}
+
+/// The number of the cause that a search has found.
+pub(crate) fn number_of(search: FirstCause) -> f64 {
+    Value::Cause(search.finish()).number()
 }
 
 /// A filter's run over a record, as far as it has come. It keeps all estimates.
@@ -62,7 +79,12 @@ impl HistoryPass {
         pass.done() >= record.len()
     }
 
-    /// The measures of the whole run; NaN where one is not known.
+    /// The search for the first cause of a bad verdict.
+    pub(crate) fn first_cause(&self, scenario: &Scenario, place: usize, record: &Record) -> FirstCause {
+        FirstCause::new(scenario, place, &self.estimates, record)
+    }
+
+    /// The measures of the whole run; NaN where one is not known, and for the first cause.
     pub(crate) fn measures(
         &self,
         scenario: &Scenario,
@@ -75,6 +97,7 @@ impl HistoryPass {
         let whole = Whole::new(record, &outcome, estimates.channels());
         let observed = Observed::new(scenario, place, record, estimates);
         let number = |measure: &Measure| match measure.info().needs_history() {
+            true if *measure == Measure::CAUSE => f64::NAN,
             true => measure.of(&observed, Times::default()).number(),
             false => measure.of_whole(&whole),
         };

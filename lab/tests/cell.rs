@@ -29,17 +29,22 @@ fn bits(row: &[f64]) -> Vec<u64> {
 #[test]
 fn a_cell_in_slices_has_the_row_of_one_in_one_go() {
     let scenario = Scenario { duration: 3.0, ..Scenario::default() };
+    let mut causes = 0;
     for (measures, times) in [
         (&["nis", "nees", "log_likelihood"][..], 0),
         (&["rmse.velocity"], 5),
         (&["verdict", "nis"], 0),
         (&["verdict"], 5),
+        (&["verdict", "cause", "nis"], 5),
     ] {
         let runner = runner(scenario.clone(), measures, times);
         for cell in 0..6 {
-            assert_eq!(bits(&in_slices(&runner, cell).0), bits(&runner.rows(&[cell])), "{measures:?} {times} {cell}");
+            let row = runner.rows(&[cell]);
+            assert_eq!(bits(&in_slices(&runner, cell).0), bits(&row), "{measures:?} {times} {cell}");
+            causes += usize::from(measures.contains(&"cause") && row[1].is_finite());
         }
     }
+    assert!(causes > 0, "one of the filters is wrong");
 }
 
 #[test]

@@ -146,13 +146,15 @@ impl Check {
         let Limits { above, below, is } = self.cells.as_ref().map_or(own, Cells::limits);
         let number = above.is_some() || below.is_some();
         let kind = self.measure.info().kind;
-        let is_number = !matches!(kind, ValueKind::Verdict | ValueKind::Words | ValueKind::Flag);
+        let is_number = !matches!(kind, ValueKind::Verdict | ValueKind::Cause | ValueKind::Words | ValueKind::Flag);
         let fits = match is {
             Some(Expected::Flag(_)) => kind == ValueKind::Flag,
             Some(Expected::Word(_) | Expected::OneOf(_)) => matches!(kind, ValueKind::Verdict | ValueKind::Words),
             None => is_number,
         };
-        let wrong = if self.measure.needs_channel() && self.channel.is_none() {
+        let wrong = if kind == ValueKind::Cause {
+            "cannot be of `cause`: a search takes too long"
+        } else if self.measure.needs_channel() && self.channel.is_none() {
             "lacks a `channel`"
         } else if self.measure.needs_sensor() && self.sensor.is_none() {
             "lacks a `sensor`"

@@ -15,8 +15,8 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use egui::Context;
-use kalmanscope_core::{Channel, Measure, Run, Scenario, Source};
-use kalmanscope_lab::{Ensemble, MonteCarlo, Runner, Slice};
+use kalmanscope_core::{Channel, Run, Scenario, Source};
+use kalmanscope_lab::{Ensemble, Judged, MonteCarlo, Runner, Slice};
 use serde::{Deserialize, Serialize};
 
 use super::choice::{is_same_but_for_names, part_of};
@@ -47,15 +47,26 @@ pub struct SeedChoice {
     /// Whether each run gets its verdict.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub verdicts: bool,
+    /// Whether the first cause of each bad verdict is searched too.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub causes: bool,
 }
 
 impl Default for SeedChoice {
     fn default() -> Self {
-        Self { seeds: USUAL, parameter: None, verdicts: false }
+        Self { seeds: USUAL, parameter: None, verdicts: false, causes: false }
     }
 }
 
 impl SeedChoice {
+    fn judged(&self) -> Judged {
+        match (self.verdicts, self.causes) {
+            (_, true) => Judged::Causes,
+            (true, false) => Judged::Verdicts,
+            (false, false) => Judged::Not,
+        }
+    }
+
     /// Whether the number of seeds is possible.
     ///
     /// # Errors
@@ -73,6 +84,7 @@ impl SeedChoice {
 /// The runs of one scenario with many seeds: under way, or complete.
 pub struct SeedRuns {
     ensemble: Ensemble,
+    judged: Judged,
     /// The ids of the filters.
     filters: Vec<u32>,
     statistics: MonteCarlo,
@@ -82,12 +94,12 @@ pub struct SeedRuns {
 
 impl SeedRuns {
     fn new(scenario: &Scenario, filters: &[u32], choice: &SeedChoice) -> Result<Self, String> {
-        let SeedChoice { seeds, verdicts, .. } = *choice;
+        let (seeds, judged) = (choice.seeds, choice.judged());
         let places = (0..filters.len()).collect();
-        let ensemble = MonteCarlo::ensemble(bare(scenario, filters), places, seeds, TIMES, verdicts);
+        let ensemble = MonteCarlo::ensemble(bare(scenario, filters), places, seeds, TIMES, judged);
         let ensemble = ensemble.map_err(|error| error.to_string())?;
         let statistics = MonteCarlo::new(&ensemble);
-        Ok(Self { ensemble, filters: filters.to_vec(), statistics, known: vec![false; seeds], work: None })
+        Ok(Self { ensemble, judged, filters: filters.to_vec(), statistics, known: vec![false; seeds], work: None })
     }
 
     /// The scenario, with the filters that are shown only.
@@ -114,11 +126,6 @@ impl SeedRuns {
         self.statistics.done() >= self.seeds()
     }
 
-    /// Whether each run gets its verdict.
-    fn has_verdicts(&self) -> bool {
-        self.ensemble.plan().measures.contains(&Measure::VERDICT)
-    }
-
     /// Whether these are runs of a scenario, whatever its own seed.
     fn is_of(&self, scenario: &Scenario, filters: &[u32]) -> bool {
         self.filters == filters && is_same_but_for_names(self.scenario(), &bare(scenario, filters))
@@ -126,7 +133,7 @@ impl SeedRuns {
 
     /// Takes over the statistics of the same runs with fewer seeds.
     fn continue_from(&mut self, before: &Self) {
-        let is_same = before.is_of(self.scenario(), &self.filters) && before.has_verdicts() == self.has_verdicts();
+        let is_same = before.is_of(self.scenario(), &self.filters) && before.judged == self.judged;
         if is_same && before.seeds() <= self.seeds() {
             self.statistics = before.statistics.clone();
             self.known[..before.seeds()].copy_from_slice(&before.known);
@@ -230,9 +237,8 @@ impl Seeds {
             self.forget(problem);
             return;
         }
-        let (scenario, SeedChoice { seeds, verdicts, .. }) = (run.scenario(), self.choice);
-        let is_it =
-            |runs: &SeedRuns| runs.seeds() == seeds && runs.has_verdicts() == verdicts && runs.is_of(scenario, filters);
+        let (scenario, seeds, judged) = (run.scenario(), self.choice.seeds, self.choice.judged());
+        let is_it = |runs: &SeedRuns| runs.seeds() == seeds && runs.judged == judged && runs.is_of(scenario, filters);
         if !self.runs.as_ref().is_some_and(is_it) {
             match SeedRuns::new(scenario, filters, &self.choice) {
                 Ok(next) => self.begin(next),

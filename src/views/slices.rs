@@ -52,8 +52,8 @@ impl View for Slices {
 
     fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Request>) -> Option<f64> {
         let (_, choice, survey) = contents(ui, context)?;
-        if choice.measure.info().kind == ValueKind::Verdict {
-            ui.weak("A verdict is no number: choose another score above the map.");
+        if choice.measure.info().kind.is_of_kinds() {
+            ui.weak("It is no number: choose another score above the map.");
             return None;
         }
         let (room, _) = ui.allocate_exact_size(ui.available_size().max(Vec2::splat(1.0)), Sense::hover());

@@ -6,7 +6,7 @@ use kalmanscope::laboratory::SeedChoice;
 use kalmanscope::team::Frames;
 use kalmanscope_core::Source;
 use kalmanscope_core::scenario::Law;
-use kalmanscope_lab::{MonteCarlo, Runner, Slice};
+use kalmanscope_lab::{Judged, MonteCarlo, Runner, Slice};
 
 use super::*;
 
@@ -39,7 +39,7 @@ fn the_statistics_are_those_of_the_seeds_run_alone() {
     let seeds = screen.state().laboratory().seeds();
     assert_eq!((seeds.progress(), seeds.state().problem()), (None, None));
     let shown = seeds.shown().expect("there are some").statistics();
-    let ensemble = MonteCarlo::ensemble(scenario(&screen).clone(), vec![0, 1], 30, shown.samples().len(), false);
+    let ensemble = MonteCarlo::ensemble(scenario(&screen).clone(), vec![0, 1], 30, shown.samples().len(), Judged::Not);
     let ensemble = ensemble.expect("it is possible");
     let runner = Runner::new(ensemble.clone(), Source::Simulated).expect("it is possible");
     let mut expected = MonteCarlo::new(&ensemble);
@@ -149,4 +149,25 @@ fn each_run_gets_its_verdict_if_one_wants_it() {
     screen.run_steps(5);
     assert_eq!(verdicts(&screen), 12);
     assert!(screen.query_all_by_label_contains("100 % ").count() >= 1);
+}
+
+/// The first cause of each bad verdict, which the view counts.
+#[test]
+fn the_causes_of_bad_verdicts_are_counted() {
+    let text = include_str!("../../assets/populations/input-gain.toml");
+    let wrong = Scenario { duration: 20.0, ..Scenario::from_toml(text).expect("it is a scenario") };
+    let mut screen = monte_carlo(DESKTOP, Theme::Light, wrong, 10);
+    click(&mut screen, "causes");
+    screen.run_steps(5);
+    let choice = *screen.state().laboratory().seeds().choice();
+    assert!(choice.causes && choice.verdicts);
+    let statistics = screen.state().laboratory().seeds().shown().expect("there are some").statistics().clone();
+    let named: usize = statistics.causes(0).0.iter().sum();
+    assert!(named >= 8, "{named} of 10");
+    assert!(screen.query_by_label_contains("causes of bad verdicts: 1").is_some(), "100 % of one cause");
+    // Without verdicts there are no causes.
+    click(&mut screen, "verdicts");
+    screen.run_steps(5);
+    assert!(!screen.state().laboratory().seeds().choice().causes);
+    assert!(screen.query_by_label_contains("causes of bad verdicts").is_none());
 }

@@ -1,5 +1,6 @@
 //! Measures: numbers, words and flags about a filter's run, each with a word as its name.
 
+mod first_cause;
 mod info;
 mod observed;
 mod rows;
@@ -17,6 +18,7 @@ use thiserror::Error;
 
 use crate::{Channel, Quantity};
 
+pub use first_cause::FirstCause;
 pub use info::{Best, MeasureInfo, ValueKind};
 pub use observed::{Observed, Times};
 pub use value::Value;
@@ -79,6 +81,8 @@ impl Measure {
     pub const STOPPED: Self = Self::of_filter(&rows::STOPPED);
     /// The verdict.
     pub const VERDICT: Self = Self::of_filter(&rows::VERDICT);
+    /// The first cause of a bad verdict, of the whole run. To find it takes up to seconds ([`FirstCause`]).
+    pub const CAUSE: Self = Self::of_filter(&rows::CAUSE);
 
     const fn of_filter(info: &'static MeasureInfo) -> Self {
         Self { kind: MeasureKind(info), channel: None, sensor: None }

@@ -65,7 +65,7 @@ impl Tape {
             let (innovation_cov, gain, scalars) = (next(m * m), next(n * m), next(SCALARS));
             let weights = next(weights);
             let noise = has_noise.then(|| AssumedNoise { process: next(n), sensors: next(m), uncertainty: next(m) });
-            let &[nis, determinant, log_likelihood, effective_samples, widened, earlier] = scalars else { return None };
+            let &[nis, determinant, log_likelihood, effective_samples, earlier, widened] = scalars else { return None };
             let update = Sample { innovation, innovation_cov, gain, nis, determinant, ..Sample::unmeasured(mean, cov) };
             let (has_widened, earlier) = (widened != 0.0, earlier as u32);
             estimates.push(&Sample {
@@ -97,7 +97,7 @@ impl Sink for Tape {
         }
         let widened = f64::from(u8::from(sample.has_widened));
         let earlier = f64::from(sample.earlier);
-        numbers.extend([nis, determinant, sample.log_likelihood, sample.effective_samples, widened, earlier]);
+        numbers.extend([nis, determinant, sample.log_likelihood, sample.effective_samples, earlier, widened]);
         numbers.extend_from_slice(sample.weights);
         if let Some(AssumedNoise { process, sensors, uncertainty }) = sample.noise {
             numbers.extend(process.iter().chain(sensors).chain(uncertainty));

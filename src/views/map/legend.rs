@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use egui::{Color32, Galley, Pos2, Rect, Stroke, TextStyle, Ui, Vec2, vec2};
+use kalmanscope_core::diagnosis::CAUSES;
 use kalmanscope_core::{Measure, ValueKind, VerdictKind};
 
 use super::cells::End;
@@ -132,6 +133,10 @@ pub(in crate::views) fn score_text(measure: Measure, value: f64) -> String {
         ValueKind::Verdict => {
             let kind = (value >= 0.0).then(|| VerdictKind::ALL.get(value as usize)).flatten();
             kind.map_or("not known", |kind| kind.name()).to_owned()
+        }
+        ValueKind::Cause => {
+            let cause = (value >= 0.0).then(|| CAUSES.get(value as usize)).flatten();
+            cause.map_or("none", |cause| cause.name).to_owned()
         }
         ValueKind::Time if value == f64::INFINITY => "never".to_owned(),
         _ => format!("{} {}", significant(value, 4), measure.unit()).trim_end().to_owned(),

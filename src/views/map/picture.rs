@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use egui::{Color32, ColorImage, Context, Id, Mesh, Rect, Shape, TextureHandle, TextureOptions, Theme, pos2};
-use kalmanscope_core::{Measure, ValueKind};
+use kalmanscope_core::Measure;
 use web_time::{Duration, Instant};
 
 use super::cells::{Cell, End, compared, of_filter};
@@ -84,7 +84,7 @@ fn made(ctx: &Context, survey: &Survey, measure: Measure, palette: &Palette) -> 
     let filters: Vec<Vec<Cell>> = (0..survey.filters().len()).map(|at| of_filter(survey, at, measure)).collect();
     let colors = Colors::of(measure, &filters.iter().map(Vec::as_slice).collect::<Vec<_>>());
     let comparison = match &filters[..] {
-        [a, b] if measure.info().kind != ValueKind::Verdict => Some(compared(a, b, measure)),
+        [a, b] if !measure.info().kind.is_of_kinds() => Some(compared(a, b, measure)),
         _ => None,
     };
     let comparison = comparison.map(|cells| (Contents::Comparison, Colors::of_comparison(measure, &cells), cells));

@@ -1,6 +1,7 @@
 //! From scores to colours.
 
 use egui::Color32;
+use kalmanscope_core::diagnosis::CAUSES;
 use kalmanscope_core::internals::sort_numbers;
 use kalmanscope_core::{Measure, ValueKind, VerdictKind};
 
@@ -40,6 +41,7 @@ impl Colors {
         match measure.info().kind {
             ValueKind::Flag => Self::Kinds(vec!["no", "yes"]),
             ValueKind::Verdict => Self::Kinds(VerdictKind::ALL.iter().map(|kind| word(*kind)).collect()),
+            ValueKind::Cause => Self::Kinds(CAUSES.iter().map(|cause| cause.name).collect()),
             ValueKind::Share => Self::Sequential(Scale::new(0.0, 1.0, false)),
             ValueKind::Ratio => Self::about_one(&values),
             ValueKind::Distance => {

@@ -4,6 +4,7 @@ use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 use egui::{Context, Id};
+use kalmanscope_core::diagnosis::CAUSES;
 use kalmanscope_core::{Channel, VerdictKind};
 use kalmanscope_lab::{LastError, MonteCarlo};
 
@@ -62,6 +63,8 @@ pub(super) struct FilterCurves {
     pub(super) shares: Option<[f64; 2]>,
     /// The shares of the runs with each verdict that occurs, the commonest first.
     pub(super) verdicts: Vec<(VerdictKind, f64)>,
+    /// The share of bad verdicts with each first cause, `None` for those without any; the commonest first.
+    pub(super) causes: Vec<(Option<&'static str>, f64)>,
 }
 
 /// The curves of the runs on screen.
@@ -166,6 +169,7 @@ fn of_filter(
         diverged: statistics.diverged(nth),
         shares: shares(last_errors(statistics, nth, parameter)),
         verdicts: verdicts(statistics.verdicts(nth)),
+        causes: causes(statistics.causes(nth)),
     }
 }
 
@@ -185,6 +189,15 @@ fn differ(errors: &[LastError]) -> bool {
 fn shares(errors: &[LastError]) -> Option<[f64; 2]> {
     let share = |is: fn(&LastError) -> bool| errors.iter().filter(|last| is(last)).count() as f64 / errors.len() as f64;
     (!errors.is_empty()).then(|| [share(|last| last.is_within(0.01)), share(LastError::is_covered)])
+}
+
+fn causes((counts, unexplained): (&[usize], usize)) -> Vec<(Option<&'static str>, f64)> {
+    let named: usize = counts.iter().sum();
+    let named_causes = CAUSES.iter().zip(counts).map(|(cause, count)| (Some(cause.name), *count));
+    let all = named_causes.chain([(None, unexplained)]).filter(|(_, count)| *count > 0 && named > 0);
+    let mut shares: Vec<_> = all.map(|(name, count)| (name, count as f64 / (named + unexplained) as f64)).collect();
+    shares.sort_by(|(_, a), (_, b)| b.total_cmp(a));
+    shares
 }
 
 fn verdicts(counts: &[usize]) -> Vec<(VerdictKind, f64)> {

@@ -49,7 +49,14 @@ pub(super) fn head_ui(ui: &mut Ui, context: &ViewContext<'_>, seeds: &Seeds, req
             }
         }
         let hint = "The verdict on each run too, which takes longer than the runs";
-        ui.checkbox(&mut next.verdicts, "verdicts").on_hover_text(hint);
+        let mut verdicts = next.verdicts || next.causes;
+        if ui.checkbox(&mut verdicts, "verdicts").on_hover_text(hint).changed() {
+            (next.verdicts, next.causes) = (verdicts, false);
+        }
+        let hint = "The first cause of each bad verdict too, which takes up to seconds a run";
+        if ui.checkbox(&mut next.causes, "causes").on_hover_text(hint).changed() {
+            next.verdicts |= next.causes;
+        }
         if let Some([done, all]) = seeds.progress() {
             let is_stopped = seeds.state().is_stopped();
             if ui.button(if is_stopped { "Go on" } else { "Stop" }).clicked() {

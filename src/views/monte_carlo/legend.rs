@@ -20,7 +20,8 @@ pub(super) fn legend_ui(ui: &mut Ui, curves: &Curves, context: &ViewContext<'_>,
             ui.small(drawn);
         }
         for filter in &curves.filters {
-            for text in [Some(lost(filter)), near(filter, curves.parameter), verdicts(filter)].into_iter().flatten() {
+            let all = [Some(lost(filter)), near(filter, curves.parameter), verdicts(filter), causes(filter)];
+            for text in all.into_iter().flatten() {
                 ui.label(RichText::new(text).small().color(color(context, filter.id)));
             }
         }
@@ -56,6 +57,13 @@ fn verdicts(filter: &FilterCurves) -> Option<String> {
     let all: Vec<String> =
         filter.verdicts.iter().map(|(kind, share)| format!("{} {}", percent(*share), kind.name())).collect();
     (!all.is_empty()).then(|| all.join(", "))
+}
+
+/// The first causes of bad verdicts, the commonest first.
+fn causes(filter: &FilterCurves) -> Option<String> {
+    let one = |(name, share): &(Option<&str>, f64)| format!("{} {}", percent(*share), name.unwrap_or("none found"));
+    let all: Vec<String> = filter.causes.iter().map(one).collect();
+    (!all.is_empty()).then(|| format!("causes of bad verdicts: {}", all.join(", ")))
 }
 
 fn percent(share: f64) -> String {

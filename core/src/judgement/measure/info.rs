@@ -31,6 +31,8 @@ pub enum ValueKind {
     Flag,
     /// The place of a verdict.
     Verdict,
+    /// The place of a cause.
+    Cause,
     /// Words.
     Words,
     /// A share of all, from 0 to 1.
@@ -52,6 +54,11 @@ pub enum ValueKind {
 }
 
 impl ValueKind {
+    /// Whether it is one of several kinds, and no size: numbers stand for their places.
+    pub const fn is_of_kinds(self) -> bool {
+        matches!(self, Self::Verdict | Self::Cause)
+    }
+
     /// Whether two values are compared by their ratio, not by their difference.
     pub const fn is_ratio(self) -> bool {
         matches!(self, Self::Ratio | Self::Time | Self::Error | Self::Size)

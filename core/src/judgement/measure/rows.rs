@@ -1,13 +1,14 @@
 //! The table of measures: a row each, with its formulas.
 
 use super::Value;
+use super::first_cause::FirstCause;
 use super::info::{Best, MeasureInfo, Of, ValueKind, row};
-use super::observed::Part;
+use super::observed::{Observed, Part};
 use super::whole;
 use crate::free_run::one_step;
 use crate::numbers::diagnostics::{ErrorSums, Total};
 use crate::numbers::score::outcome::LOST;
-use crate::{Diagnosis, Evidence, FilterSettings, Identified, InputKind, ModelClasses, PlantKind};
+use crate::{Diagnosis, Evidence, FilterSettings, Identified, InputKind, ModelClasses, PlantKind, Task};
 
 /// A pure number.
 const PURE: Option<&str> = Some("");
@@ -84,6 +85,15 @@ measures! {
         => |part| {
             let diagnosis = Diagnosis::new(part.run.diagnostics(), part.run.estimates, part.run.record, None);
             Value::Verdict(diagnosis.and_then(|diagnosis| diagnosis.verdict).map(|verdict| verdict.kind))
+        };
+
+    CAUSE = row("cause", "first cause of a bad verdict", ValueKind::Cause, Of::Filter)
+        .special()
+        => |part| {
+            let Observed { scenario, place, record, estimates, .. } = *part.run;
+            let mut search = FirstCause::with(scenario, place, (part.run.diagnostics(), estimates), record);
+            while !search.advance(&mut || true) {}
+            Value::Cause(search.finish())
         };
 
     REMARK = row("remark", "remarks", ValueKind::Words, Of::Filter)

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use crate::VerdictKind;
+use crate::judgement::diagnosis::CAUSES;
 
 /// The value of a measure.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,13 +14,15 @@ pub enum Value {
     Flag(bool),
     /// A verdict, if there is one.
     Verdict(Option<VerdictKind>),
+    /// The place of a cause in [`CAUSES`], if there is one.
+    Cause(Option<usize>),
     /// Every remark.
     Words(Vec<&'static str>),
 }
 
 impl Value {
-    /// The value as a number: 1 for yes and 0 for no; the place of the verdict in [`VerdictKind::ALL`]. NaN for words, and
-    /// where there is no verdict.
+    /// The value as a number: 1 for yes and 0 for no; the place of the verdict in [`VerdictKind::ALL`], and of the
+    /// cause in [`CAUSES`]. NaN for words, and where there is none.
     pub fn number(&self) -> f64 {
         match self {
             Self::Number(number) => *number,
@@ -28,6 +31,7 @@ impl Value {
                 let place = kind.and_then(|kind| VerdictKind::ALL.iter().position(|other| *other == kind));
                 place.map_or(f64::NAN, |place| place as f64)
             }
+            Self::Cause(place) => place.map_or(f64::NAN, |place| place as f64),
             Self::Words(_) => f64::NAN,
         }
     }
@@ -37,6 +41,7 @@ impl Value {
         let words = match self {
             Self::Number(_) | Self::Flag(_) => return Vec::new(),
             Self::Verdict(kind) => kind.iter().map(|kind| kind.name()).collect(),
+            Self::Cause(place) => place.iter().map(|place| CAUSES[*place].name).collect(),
             Self::Words(words) => words.clone(),
         };
         if words.is_empty() { vec!["none"] } else { words }
