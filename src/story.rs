@@ -72,7 +72,7 @@ pub(crate) fn story_ui(
             ui.style_mut().text_styles.insert(TextStyle::Body, FontId::new(SIZE, egui::FontFamily::Proportional));
             for sentence in &story.sentences {
                 for (place, phrase) in sentence.iter().enumerate() {
-                    keep_stop_ui(ui, phrase, sentence.get(place + 1));
+                    keep_together_ui(ui, phrase, sentence.get(place + 1));
                     phrase_ui(ui, session, phrase, palette, requests);
                 }
                 // A space that is text could begin a row.
@@ -89,11 +89,14 @@ pub(crate) fn story_ui(
     ui.data_mut(|data| data.insert_temp(key, height));
 }
 
-/// Begins a new line where there is room for a phrase, but not for the stop or comma after it.
-fn keep_stop_ui(ui: &mut Ui, phrase: &Phrase, next: Option<&Phrase>) {
-    let Some(Phrase::Words(next)) = next else { return };
-    let stop: String = next.chars().take_while(|c| ",.;:)".contains(*c)).collect();
-    if stop.is_empty() || matches!(phrase, Phrase::Words(_)) {
+/// Begins a new line where there is no room for a number, or for a phrase but not for the stop or comma after it.
+fn keep_together_ui(ui: &mut Ui, phrase: &Phrase, next: Option<&Phrase>) {
+    let stop: String = match next {
+        Some(Phrase::Words(next)) => next.chars().take_while(|c| ",.;:)".contains(*c)).collect(),
+        _ => String::new(),
+    };
+    let is_number = matches!(phrase, Phrase::Setting(_));
+    if matches!(phrase, Phrase::Words(_)) || (stop.is_empty() && !is_number) {
         return;
     }
     let width = |text: String, family: egui::FontFamily| {
@@ -101,8 +104,8 @@ fn keep_stop_ui(ui: &mut Ui, phrase: &Phrase, next: Option<&Phrase>) {
     };
     let alone = width(phrase.to_string(), theme::strong());
     let (room, needed) = (ui.available_size_before_wrap().x, alone + width(stop, egui::FontFamily::Proportional));
-    // A phrase that has no room wraps by itself.
-    if alone <= room && needed > room && needed <= ui.max_rect().width() {
+    // Another phrase that has no room wraps by itself.
+    if needed > room && needed <= ui.max_rect().width() && (is_number || alone <= room) {
         ui.end_row();
     }
 }

@@ -1,6 +1,6 @@
 //! The evidence for a verdict and the causes of it, in words.
 
-use kalmanscope_core::diagnosis::{Evidence, Remedy};
+use kalmanscope_core::diagnosis::{Evidence, Remedy, in_percent};
 use kalmanscope_core::internals::sort_short_by;
 use kalmanscope_core::setting::Edit;
 use kalmanscope_core::{Diagnosis, Scenario};
@@ -24,10 +24,12 @@ pub(crate) fn evidence(diagnosis: &Diagnosis) -> Vec<String> {
 
 /// A cause in words, or several that are repaired one after the other.
 pub(crate) struct CauseInWords {
-    /// The causes in order, the gain in likelihood with all edits made, and the verdict then.
+    /// The causes in order, the probability of the first one, the gain in likelihood with all edits made, and the verdict then.
     pub(crate) sentence: String,
     /// The lines to write into the scenario, or a hint if there is no setting to change.
     pub(crate) remedies: Vec<String>,
+    /// The probability that the first cause is the right one.
+    pub(crate) probability: f64,
 }
 
 /// The sentence before causes that do not explain the verdict. `None` if the first one explains it.
@@ -39,14 +41,16 @@ pub(crate) fn unexplained(causes: &[Remedy]) -> Option<String> {
 
 /// The likeliest causes, the first the likeliest, for a filter of a scenario.
 pub(crate) fn likeliest(causes: &[Remedy], scenario: &Scenario) -> Vec<CauseInWords> {
+    let probabilities = Remedy::probabilities(causes);
     let words = |(number, remedy): (usize, &Remedy)| {
-        let mut told = Vec::new();
+        let probability = probabilities[number - 1];
+        let mut told = vec![format!("probability {}", in_percent(probability))];
         if remedy.gain.is_finite() {
             let sign = if remedy.gain < 0.0 { "" } else { "+" };
             told.push(format!("log likelihood {sign}{}", fixed(remedy.gain, 0)));
         }
         told.extend(remedy.after.as_ref().map(|verdict| format!("then {}", verdict.kind.name())));
-        let told = if told.is_empty() { String::new() } else { format!(" ({})", told.join(", ")) };
+        let told = format!(" ({})", told.join(", "));
         let each = remedy.causes().map(|likely| format!("{}: {}", likely.cause.name, likely.sentence));
         let sentence = each.collect::<Vec<_>>().join("; and then ") + &told;
         let remedies = if remedy.edits.is_empty() {
@@ -56,7 +60,7 @@ pub(crate) fn likeliest(causes: &[Remedy], scenario: &Scenario) -> Vec<CauseInWo
             remedies.push(format!("or have it written: kalmanscope-cli run ... --fix {number} --out FIXED.toml"));
             remedies
         };
-        CauseInWords { sentence, remedies }
+        CauseInWords { sentence, remedies, probability }
     };
     (1..).zip(causes).take(MOST.1).map(words).collect()
 }

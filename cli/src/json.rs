@@ -13,7 +13,7 @@ impl Results<'_> {
     ///
     /// ```text
     /// samples, start [s], dt [s], measured: [quantity]
-    /// filters: [{ name, kind, smoothed, samples, verdict: { kind, sentence }, evidence: [sentence], causes: [{ sentence, remedies }],
+    /// filters: [{ name, kind, smoothed, samples, verdict: { kind, sentence }, evidence: [sentence], causes: [{ sentence, probability, remedies }],
     ///             explained: whether the first cause leaves a good verdict,
     ///             estimates: [{ channel, unit, mean, std, error, rmse, share_inside, settled }],
     ///             mean_nis, mean_nees, log_likelihood,
@@ -57,7 +57,11 @@ fn filter(
     });
     let explained = if causes.is_empty() { Document::Null } else { Document::Flag(Remedy::is_explained(causes)) };
     let causes = likeliest(causes, scenario).into_iter().map(|cause| {
-        Document::of_entries([("sentence", Document::Text(cause.sentence)), ("remedies", texts(cause.remedies))])
+        Document::of_entries([
+            ("sentence", Document::Text(cause.sentence)),
+            ("probability", Document::Number(cause.probability)),
+            ("remedies", texts(cause.remedies)),
+        ])
     });
     let stopped = summary.stop.map(|stop| {
         Document::of_entries([

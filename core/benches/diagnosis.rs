@@ -12,8 +12,8 @@ mod situations;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use kalmanscope_core::diagnosis::{Diagnosis, VerdictKind};
-use kalmanscope_core::{Diagnostics, Record, Run};
+use kalmanscope_core::diagnosis::{Diagnosis, Remedy, VerdictKind};
+use kalmanscope_core::{Diagnostics, Record, Run, Task as _};
 
 use situations::{Fault, Situation, largest_error, without_truth};
 
@@ -51,6 +51,7 @@ fn main() {
     print_mistakes(&outcomes);
     if trials {
         print_causes(&outcomes);
+        print_probabilities(&outcomes);
     }
 }
 
@@ -64,6 +65,8 @@ struct Outcome {
     off: f64,
     /// The keys of the causes, the likeliest first.
     causes: Vec<&'static str>,
+    /// The probability of each.
+    said: Vec<f64>,
 }
 
 impl Outcome {
@@ -72,7 +75,7 @@ impl Outcome {
         let fault = situation.fault;
         let record = situation.record().expect("the situation is valid");
         let mut verdicts = [None; 2];
-        let mut causes = Vec::new();
+        let (mut causes, mut said) = (Vec::new(), Vec::new());
         let mut run = Run::on_record(&situation.told, record.clone()).expect("the situation is valid");
         run.finish();
         let off = largest_error(&run.estimates()[0], &record);
@@ -83,11 +86,12 @@ impl Outcome {
             let Some(diagnosis) = Diagnosis::new(&diagnostics, estimates, record, None) else { continue };
             verdicts[place] = diagnosis.verdict.as_ref().map(|verdict| verdict.kind);
             if with_trials && verdicts[place] != Some(VerdictKind::Consistent) && causes.is_empty() {
-                let trials = diagnosis.trials(&situation.told, 0, &diagnostics, estimates, record);
-                let mut trials = trials.expect("the situation is valid");
-                while !trials.advance(&mut || true) {}
-                let remedies = trials.remedies();
+                let search = diagnosis.search(&situation.told, 0, &diagnostics, estimates, record);
+                let mut search = search.expect("the situation is valid");
+                while !search.advance(&mut || true) {}
+                let remedies = search.finish();
                 causes.extend(remedies.iter().map(|remedy| remedy.first.cause.key));
+                said = Remedy::probabilities(&remedies);
                 if verbose {
                     for remedy in &remedies {
                         let after = remedy.after.as_ref().map_or("", |verdict| verdict.kind.name());
@@ -109,7 +113,7 @@ impl Outcome {
                 }
             }
         }
-        Self { seed, fault, verdicts, off, causes }
+        Self { seed, fault, verdicts, off, causes, said }
     }
 }
 
@@ -147,6 +151,31 @@ fn print_causes(outcomes: &[Outcome]) {
         (hits, runs) = (hits + named(2), runs + all.len());
     }
     println!("all: {hits} of {runs} among the first two");
+}
+
+/// How often causes are right that have a probability between two ends: the first ones, and all.
+fn print_probabilities(outcomes: &[Outcome]) {
+    const ENDS: [f64; 8] = [0.0, 0.05, 0.15, 0.3, 0.7, 0.85, 0.95, 1.0];
+    println!(
+        "\nprobabilities of causes: from, to; of the first ones the number, mean said, share right; of all the same"
+    );
+    for ends in ENDS.windows(2) {
+        let mut line = format!("{:5.2} to {:4.2}", ends[0], ends[1]);
+        for most in [1, usize::MAX] {
+            let (mut count, mut sum, mut right) = (0, 0.0, 0);
+            for outcome in outcomes.iter().filter(|outcome| !outcome.fault.causes().is_empty()) {
+                for (cause, said) in outcome.causes.iter().zip(&outcome.said).take(most) {
+                    if (ends[0]..ends[1]).contains(said) {
+                        (count, sum) = (count + 1, sum + said);
+                        right += usize::from(outcome.fault.causes().contains(cause));
+                    }
+                }
+            }
+            let [mean, share] = [sum, right as f64].map(|sum| 100.0 * sum / f64::from(count));
+            line += &format!("   {count:5} {mean:5.1} % {share:5.1} %");
+        }
+        println!("{line}");
+    }
 }
 
 /// Alarms without a fault, verdicts that are the contrary of what is true, and filters far off that pass for good.

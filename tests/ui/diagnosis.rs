@@ -100,7 +100,7 @@ fn nothing_moves_under_the_pointer_when_a_cause_is_repaired() {
     screen.set_size(DESKTOP);
     screen.run_steps(20);
     let place = |screen: &Screen| {
-        ["About Diagnosis", "Causes: what cures stands first, then the likeliest"]
+        ["About Diagnosis", "Causes and their probability; what cures stands first"]
             .map(|label| screen.query_all_by_label(label).map(|node| node.rect().top()).next())
     };
     let before = place(&screen);
@@ -166,5 +166,5 @@ fn causes_keep_their_places_under_the_pointer_while_others_are_tried() {
     // Their order comes once the hand has gone.
     screen.remove_cursor();
     screen.run_steps(150);
-    screen.get_by_label("Causes: what cures stands first, then the likeliest");
+    screen.get_by_label("Causes and their probability; what cures stands first");
 }

@@ -22,6 +22,8 @@ pub(super) struct Causes {
     /// The members without any cause, and those whose verdict is not explained by the first one.
     pub(super) none: usize,
     pub(super) unexplained: usize,
+    /// The sum of the probabilities that the first causes are the right ones.
+    pub(super) said: f64,
 }
 
 /// The causes of each filter, searched by some threads.
@@ -52,6 +54,7 @@ pub(super) fn of_members(runner: &Runner, slices: &[Slice], threads: usize, quie
         for found in found.iter().filter_map(|member| member.get(nth)?.as_ref()) {
             causes.bad += 1;
             causes.none += usize::from(found.causes.is_empty());
+            causes.said += found.said;
             causes.unexplained += usize::from(!found.is_explained);
             for (place, name) in found.causes.iter().enumerate() {
                 let [first, among] = counts.entry(name).or_default();
@@ -72,6 +75,8 @@ struct Found {
     causes: Vec<&'static str>,
     /// Whether the first one explains the verdict.
     is_explained: bool,
+    /// The probability of the first one; 0 where there is none.
+    said: f64,
 }
 
 /// The members of a slice of which a filter has a bad verdict.
@@ -108,7 +113,8 @@ fn of_member(runner: &Runner, cell: usize) -> Option<Vec<Option<Found>>> {
             return None;
         }
         let causes = remedies.iter().take(2).map(|remedy| remedy.first.cause.name).collect();
-        Some(Found { causes, is_explained: Remedy::is_explained(remedies) })
+        let said = Remedy::probabilities(remedies).first().copied().unwrap_or_default();
+        Some(Found { causes, is_explained: Remedy::is_explained(remedies), said })
     };
     Some(remedies.iter().enumerate().map(of).collect())
 }

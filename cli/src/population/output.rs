@@ -93,6 +93,8 @@ impl Population {
                     let [first, among] = [*first, *among].map(|count| 100.0 * count as f64 / causes.bad as f64);
                     writeln!(text, "  {name:<42}{first:>6.1} % {among:>6.1} %")?;
                 }
+                let said = 100.0 * causes.said / causes.bad as f64;
+                writeln!(text, "  {:<42}{said:>6.1} %", "mean probability of the first cause")?;
                 line(text, "no cause", Share { count: causes.none, of: causes.bad })?;
                 line(text, "not explained by the first cause", Share { count: causes.unexplained, of: causes.bad })?;
             }
@@ -105,7 +107,8 @@ impl Population {
     /// ```text
     /// members, impossible, drawn: [{ key, law, numbers }]
     /// filters: [{ name, lost, stopped, parameters: [{ channel, within_1_percent, inside_2_sigma, rmse }],
-    ///             verdicts: [{ kind, members }], causes: [{ name, first, among_first_two }], unexplained }]
+    ///             verdicts: [{ kind, members }], causes: [{ name, first, among_first_two }], mean_probability,
+    ///             unexplained }]
     /// ```
     pub(super) fn json(&self) -> Result<String, DocumentError> {
         let scenario = self.scenario();
@@ -138,6 +141,8 @@ impl Population {
                     ("among_first_two", number(*among)),
                 ])
             });
+            let said = causes.filter(|causes| causes.bad > 0);
+            let said = said.map_or(Document::Null, |causes| Document::Number(causes.said / causes.bad as f64));
             let unexplained = causes.map_or(Document::Null, |causes| number(causes.unexplained));
             Document::of_entries([
                 ("name", filter.name.as_str().into()),
@@ -146,6 +151,7 @@ impl Population {
                 ("parameters", Document::List(parameters.collect())),
                 ("verdicts", Document::List(verdicts.collect())),
                 ("causes", Document::List(named.collect())),
+                ("mean_probability", said),
                 ("unexplained", unexplained),
             ])
         });

@@ -43,9 +43,7 @@ fn the_theory_of_a_linear_filter_holds() {
     for (rmse, std) in all.rmse(0, 0).zip(all.std(0, 0)).skip(2) {
         assert!((rmse / std - 1.0).abs() < 0.15, "{rmse} {std}");
     }
-    for ([low, middle, high], std) in
-        all.quantiles(0, 0, [0.025, 0.5, 0.975]).into_iter().zip(all.std(0, 0)).skip(2)
-    {
+    for ([low, middle, high], std) in all.quantiles(0, 0, [0.025, 0.5, 0.975]).into_iter().zip(all.std(0, 0)).skip(2) {
         assert!(low < middle && middle < high);
         assert!(((high - low) / (3.92 * std) - 1.0).abs() < 0.25, "{low} {high} {std}");
     }

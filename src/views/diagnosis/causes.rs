@@ -2,7 +2,7 @@
 
 use egui::{Button, CollapsingHeader, Label, ProgressBar, RichText, Ui};
 use kalmanscope_core::Estimates;
-use kalmanscope_core::diagnosis::Remedy;
+use kalmanscope_core::diagnosis::{Remedy, in_percent};
 use kalmanscope_core::setting::Edit;
 
 use super::rows;
@@ -41,15 +41,21 @@ pub(super) fn causes_ui(
         (false, false) => "Causes, as they were found: in order once the pointer leaves",
     };
     heading_ui(ui, heading);
+    let said = Remedy::probabilities(attempt.remedies());
+    // A row that is held may have become another remedy.
+    let probability = |row: &Remedy| {
+        let is_same = |other: &Remedy| other.first.cause.key == row.first.cause.key;
+        attempt.remedies().iter().position(is_same).map(|place| said[place])
+    };
     let (first, rest) = rows.split_at(rows.len().min(LIKELIEST));
     for remedy in first {
-        finding_ui(ui, context, (attempt, remedy), estimates.name(), requests);
+        finding_ui(ui, context, (attempt, remedy, probability(remedy)), estimates.name(), requests);
     }
     if !rest.is_empty() {
         let title = RichText::new(format!("{} less likely", rest.len())).small().weak();
         CollapsingHeader::new(title).id_salt("less likely").show(ui, |ui| {
             for remedy in rest {
-                finding_ui(ui, context, (attempt, remedy), estimates.name(), requests);
+                finding_ui(ui, context, (attempt, remedy, probability(remedy)), estimates.name(), requests);
             }
         });
     }
@@ -66,7 +72,10 @@ pub(super) fn causes_ui(
 }
 
 /// The heading of causes in their order.
-const SORTED: &str = "Causes: what cures stands first, then the likeliest";
+const SORTED: &str = "Causes and their probability; what cures stands first";
+
+/// The meaning of the number beside a cause.
+const PROBABILITY: &str = "How often a cause that is found like this one was right, where one of the known faults was put into random situations";
 
 /// A heading of exactly one line.
 fn heading_ui(ui: &mut Ui, text: &str) {
@@ -76,7 +85,7 @@ fn heading_ui(ui: &mut Ui, text: &str) {
 fn finding_ui(
     ui: &mut Ui,
     context: &ViewContext<'_>,
-    (attempt, remedy): (&Attempt, &Remedy),
+    (attempt, remedy, probability): (&Attempt, &Remedy, Option<f64>),
     name: &str,
     requests: &mut Vec<Request>,
 ) {
@@ -86,6 +95,9 @@ fn finding_ui(
         for (i, likely) in remedy.causes().enumerate() {
             let name = if i == 0 { sentence(likely.cause.name) } else { format!("and {}", likely.cause.name) };
             ui.label(RichText::new(name).family(theme::strong())).on_hover_text(likely.cause.hint);
+        }
+        if let Some(probability) = probability {
+            ui.weak(in_percent(probability)).on_hover_text(PROBABILITY);
         }
         if let (Some(before), Some(after)) = (attempt.before(), after) {
             ui.weak(format!("{} {} →", symbol(before.kind), before.kind.name()));

@@ -119,6 +119,7 @@ impl<T: Number, L: Level> Filter<T, L> {
     /// is added in the last of its parts.
     ///
     /// A white force is another one from the next sample on, or from the middle of the step ([`Course`](super::course::Course)).
+    #[cfg(not(target_arch = "wasm32"))]
     #[inline(always)]
     pub(crate) fn predict(&mut self, forces: [T; 2]) {
         self.predict_share(1.0, forces);
