@@ -28,8 +28,6 @@ pub(crate) struct CauseInWords {
     pub(crate) sentence: String,
     /// The lines to write into the scenario, or a hint if there is no setting to change.
     pub(crate) remedies: Vec<String>,
-    /// The probability that the first cause is the right one.
-    pub(crate) probability: f64,
 }
 
 /// The sentence before causes that do not explain the verdict. `None` if the first one explains it.
@@ -43,8 +41,7 @@ pub(crate) fn unexplained(causes: &[Remedy]) -> Option<String> {
 pub(crate) fn likeliest(causes: &[Remedy], scenario: &Scenario) -> Vec<CauseInWords> {
     let probabilities = Remedy::probabilities(causes);
     let words = |(number, remedy): (usize, &Remedy)| {
-        let probability = probabilities[number - 1];
-        let mut told = vec![format!("probability {}", in_percent(probability))];
+        let mut told = vec![format!("probability {}", in_percent(probabilities[number - 1]))];
         if remedy.gain.is_finite() {
             let sign = if remedy.gain < 0.0 { "" } else { "+" };
             told.push(format!("log likelihood {sign}{}", fixed(remedy.gain, 0)));
@@ -60,7 +57,7 @@ pub(crate) fn likeliest(causes: &[Remedy], scenario: &Scenario) -> Vec<CauseInWo
             remedies.push(format!("or have it written: kalmanscope-cli run ... --fix {number} --out FIXED.toml"));
             remedies
         };
-        CauseInWords { sentence, remedies, probability }
+        CauseInWords { sentence, remedies }
     };
     (1..).zip(causes).take(MOST.1).map(words).collect()
 }

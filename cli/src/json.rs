@@ -56,13 +56,14 @@ fn filter(
         Document::of_entries([("kind", text(verdict.kind.key())), ("sentence", Document::Text(verdict.to_string()))])
     });
     let explained = if causes.is_empty() { Document::Null } else { Document::Flag(Remedy::is_explained(causes)) };
-    let causes = likeliest(causes, scenario).into_iter().map(|cause| {
-        Document::of_entries([
-            ("sentence", Document::Text(cause.sentence)),
-            ("probability", Document::Number(cause.probability)),
-            ("remedies", texts(cause.remedies)),
-        ])
-    });
+    let causes =
+        likeliest(causes, scenario).into_iter().zip(Remedy::probabilities(causes)).map(|(cause, probability)| {
+            Document::of_entries([
+                ("sentence", Document::Text(cause.sentence)),
+                ("probability", Document::Number(probability)),
+                ("remedies", texts(cause.remedies)),
+            ])
+        });
     let stopped = summary.stop.map(|stop| {
         Document::of_entries([
             ("sample", count(stop.sample)),
