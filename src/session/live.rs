@@ -60,3 +60,46 @@ impl Session {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use kalmanscope_core::record::LiveRecord;
+    use kalmanscope_core::{Hold, InputKind, Quantity};
+
+    use super::*;
+    use crate::session::Budget;
+
+    /// Readings ten times as far apart as the steps: the file has their times, and the steps stay, since Q is that of a step.
+    #[test]
+    fn a_record_that_ends_keeps_its_times_and_its_steps() {
+        for hold in [Hold::Zero, Hold::First] {
+            let mut scenario = Scenario { dt: 0.01, hold, ..Scenario::default() };
+            scenario.set_sensors(&[Quantity::DISPLACEMENT]);
+            scenario.record = Some(Mapping { file: "now".to_owned(), ..Mapping::default() });
+            let mut live = LiveRecord::new(0.01, InputKind::Force, hold, vec![Quantity::DISPLACEMENT]);
+            for k in 0..300 {
+                let time = 0.1 * f64::from(k) + 0.03 * f64::from(k).sin();
+                live.take(time, time.sin(), &[0.01 * (6.0 * time).cos()]).expect("it is taken in");
+            }
+            let mut session = Session::new(Scenario::default()).expect("it can be run");
+            session.set_budget(Budget::Unlimited);
+            session.follow_live(scenario, live.so_far());
+            session.advance(0.0);
+            assert!(session.is_live());
+            session.end_live("measured.csv").expect("it becomes a file");
+            session.advance(0.0);
+            let (before, after) = (live.record(), session.run().record());
+            assert!(!session.is_live() && (after.dt() - 0.01).abs() < 1e-12, "{hold:?}: {}", after.dt());
+            let [before, after] =
+                [before, after].map(|record| record.clocks().expect("it has times").readings[0].clone());
+            assert!(after.times.len() > 290 && after.times.len() <= before.times.len());
+            let first = before.values.iter().position(|value| *value == after.values[0]).expect("it is among them");
+            for k in 1..after.times.len() {
+                assert_eq!(after.values[k], before.values[first + k]);
+                let apart = [&after.times[k..], &before.times[first + k..]].map(|times| times[0]);
+                let since = [after.times[0], before.times[first]];
+                assert!(((apart[0] - since[0]) - (apart[1] - since[1])).abs() < 1e-6, "{hold:?} {k}");
+            }
+        }
+    }
+}
