@@ -299,6 +299,18 @@ fn a_record_is_full_in_words_and_no_message_makes_it_panic() {
     assert!(live.record().input().iter().all(|x| x.is_finite()));
 }
 
+/// Far more readings than samples: all are kept, up to a bound.
+#[test]
+fn a_record_of_many_readings_a_step_is_full_in_words() {
+    let mut live = LiveRecord::new(1.0, InputKind::Force, Hold::Zero, vec![Quantity::VELOCITY]);
+    let taken = (0..2_000_000).filter(|k| live.take(2e-5 * f64::from(*k), f64::NAN, &[1.0]).is_ok()).count();
+    let kept = live.record().clocks().expect("it has clocks").readings[0].times.len();
+    assert!((LiveRecord::MOST_READINGS..LiveRecord::MOST_READINGS + 100_001).contains(&kept), "{kept}");
+    assert!((kept..=kept + 100_000).contains(&taken), "{taken}");
+    assert_eq!(live.take(100.0, f64::NAN, &[1.0]), Err(LiveError::Full));
+    assert!(LiveError::Full.to_string().contains("1000000 readings"), "{}", LiveError::Full);
+}
+
 /// Seeds and situations are others than those with which the smoothing was chosen.
 #[test]
 fn a_swing_with_a_jittering_clock_is_identified_while_it_is_measured() {

@@ -325,6 +325,18 @@ pub(super) mod tests {
     }
 
     #[test]
+    fn an_input_without_a_number_at_irregular_times_is_said_and_zero() {
+        let text = "t,force,x\n0,,1\n0.1,,2\n0.25,,3\n0.31,,4\n0.5,,5\n";
+        let Imported { record, remarks, .. } = import(text, |mapping| {
+            mapping.input = Some(MappedColumn::new("force"));
+            mapping.sensors = [(Quantity::DISPLACEMENT, MappedColumn::new("x"))].into();
+        })
+        .unwrap();
+        assert!(record.clocks().is_some() && record.input().iter().all(|input| *input == 0.0));
+        assert!(remarks.iter().any(|remark| remark.contains("missing in all rows")), "{remarks:?}");
+    }
+
+    #[test]
     fn what_cannot_be_used_is_said_with_line_and_column() {
         let message = |text: &str| import(text, |_| {}).unwrap_err().to_string();
         assert_eq!(message("t,force,x\n0,1,2\n1,2,oops\n2,3,4\n"), "line 3, column `x`: `oops` is not a number");

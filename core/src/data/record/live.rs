@@ -61,6 +61,9 @@ impl LiveRecord {
     /// Limits the samples.
     pub const MOST: usize = 200_000;
 
+    /// Limits the readings of a sensor, and the values of the input: all are kept.
+    pub const MOST_READINGS: usize = 1_000_000;
+
     /// Limits the readings of a sensor that wait for their samples.
     pub const MOST_WAITING: usize = 100_000;
 
@@ -208,7 +211,7 @@ impl LiveRecord {
             return Err(LiveError::Infinite);
         }
         let Some(grid) = self.grid else { return Ok(()) };
-        if self.record.len() >= Self::MOST {
+        if self.record.len() >= Self::MOST || self.kept() >= Self::MOST_READINGS {
             return Err(LiveError::Full);
         }
         let last = self.record.len() as f64 - 1.0;
@@ -225,6 +228,12 @@ impl LiveRecord {
             return Err(LiveError::Gap { time, before: self.newest });
         }
         Ok(())
+    }
+
+    /// The readings of the sensor that has most, or the values of the input.
+    fn kept(&self) -> usize {
+        let all = self.record.clocks().into_iter().flat_map(|clocks| clocks.readings.iter().chain(&clocks.input));
+        all.map(|timed| timed.times.len()).max().unwrap_or(0)
     }
 
     /// Adds a sample.

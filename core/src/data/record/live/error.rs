@@ -41,7 +41,11 @@ pub enum LiveError {
         /// The newest time before it \[s\].
         before: f64,
     },
-    /// There are as many samples as a record may have.
-    #[error("the record is full: it has {} samples", LiveRecord::MOST)]
+    /// There are as many samples, or readings of a sensor, as a record may have.
+    #[error(
+        "the record is full: it has at most {} samples and {} readings of a sensor",
+        LiveRecord::MOST,
+        LiveRecord::MOST_READINGS
+    )]
     Full,
 }
