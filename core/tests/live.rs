@@ -7,7 +7,7 @@ use kalmanscope_core::record::{Input, LiveError, LiveRecord, Record};
 use kalmanscope_core::suggest::{scenario_for, suggest};
 use kalmanscope_core::{
     Channel, FilterKind, FilterSettings, Hindsight, Hold, InputKind, Job, Quantity, Run, Scenario, Source, Study,
-    Wanted, simulate,
+    Trouble, Wanted, simulate,
 };
 
 use crate::phone::{Phone, USUAL};
@@ -297,6 +297,38 @@ fn a_record_is_full_in_words_and_no_message_makes_it_panic() {
     let clocks = live.record().clocks().expect("it has clocks").clone();
     assert!(live.record().clone().with_clocks(clocks).is_ok(), "the times rise");
     assert!(live.record().input().iter().all(|x| x.is_finite()));
+}
+
+/// A slow sensor is not taken for a silent one, also while nobody knows how long the record will be; one that falls silent is.
+#[test]
+fn a_slow_sensor_that_is_measured_now_is_not_silent() {
+    let sensors = [Quantity::DISPLACEMENT, Quantity::VELOCITY];
+    let mut scenario = Scenario { dt: 0.01, ..Scenario::default() };
+    scenario.set_sensors(&sensors);
+    let mut live = LiveRecord::new(0.01, InputKind::Force, Hold::Zero, sensors.to_vec());
+    let mut run: Option<Run> = None;
+    let missing = |run: &Run| -> Vec<usize> {
+        let remarks = run.estimates()[0].remarks().iter();
+        let of_velocity = remarks.filter(|remark| remark.what == Trouble::Missing(Quantity::VELOCITY));
+        of_velocity.map(|remark| remark.sample).collect()
+    };
+    for k in 0..1200 {
+        let time = 0.01 * f64::from(k) + 0.003 * libm::sin(f64::from(k));
+        // 4 Hz, and nothing from 8 s on.
+        let velocity = if k % 25 == 10 && k < 800 { 0.0 } else { f64::NAN };
+        live.take(time, f64::NAN, &[0.0, velocity]).expect("it comes");
+        let so_far = live.so_far();
+        let run = run.get_or_insert_with(|| {
+            Run::from_source(&scenario, Source::Live(Arc::clone(&so_far))).expect("it can be run")
+        });
+        run.lengthen(so_far);
+        run.advance_to(usize::MAX);
+        if k == 799 {
+            assert!(missing(run).iter().all(|first| *first < 11), "{:?}", missing(run));
+        }
+    }
+    let silent = missing(&run.expect("it has begun"));
+    assert!(silent.iter().any(|first| (780..800).contains(first)), "{silent:?}");
 }
 
 /// Far more readings than samples: all are kept, up to a bound.

@@ -111,6 +111,10 @@ pub(crate) struct Monitor {
     silent: [usize; MAX_SENSORS],
     /// The number of samples without a measurement after which a sensor is silent.
     lasting: Vec<usize>,
+    /// Whether readings have times of their own: then a sensor may become slower than it was, and a record may grow.
+    is_timed: bool,
+    /// The samples in which each sensor has had no measurement.
+    missing: [usize; MAX_SENSORS],
     any_silent: bool,
     fewest_particles: f64,
     collapsed: usize,
@@ -145,6 +149,8 @@ impl Monitor {
             limits,
             silent: [0; MAX_SENSORS],
             lasting: vec![LASTING; sensors.len()],
+            is_timed: false,
+            missing: [0; MAX_SENSORS],
             any_silent: false,
             fewest_particles: (0.02 * particles as f64).max(2.0),
             collapsed: 0,
@@ -157,6 +163,7 @@ impl Monitor {
     /// names the option for which they count at samples.
     pub(crate) fn with_clocks(mut self, apart: &[usize], moved: Option<&'static str>) -> Self {
         self.lasting = apart.iter().map(|apart| LASTING.max(SILENT * apart)).collect();
+        self.is_timed = true;
         self.remarks.extend(moved.map(|what| Remark { what: Trouble::Moved(what), sample: 0, last: 0 }));
         self
     }
@@ -236,13 +243,20 @@ impl Monitor {
             }
             self.any_silent = true;
             self.silent[place] += 1;
+            self.missing[place] += 1;
             let (sensor, silent) = (self.sensors[place], self.silent[place]);
             if !self.known[place] {
                 self.note(Trouble::Unknown(sensor), k, k);
-            } else if silent >= self.lasting[place] {
+            } else if silent >= self.lasting[place].max(self.usual_gaps(place, k)) {
                 self.note(Trouble::Missing(sensor), k + 1 - silent, k);
             }
         }
+    }
+
+    /// So many of the gaps that a sensor usually had until its last reading before sample `k`, where readings have times of their own.
+    fn usual_gaps(&self, place: usize, k: usize) -> usize {
+        let told = k - self.missing[place];
+        if self.is_timed { SILENT * (k - self.silent[place]) / told.max(1) } else { 0 }
     }
 
     /// Checks the noise that an adaptive filter assumes at sample `k`.
