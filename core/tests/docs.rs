@@ -1,11 +1,13 @@
 //! The tables of the documents are those of the program: filters, plants, and every key of a scenario.
 
+use kalmanscope_core::diagnosis::{CAUSES, Cause};
 use kalmanscope_core::scenario::{Fault, Law, LawInfo, Scale};
 use kalmanscope_core::{Channel, FilterKind, MeasureKind, PlantKind, Quantity, Robust, Scenario};
 
 const FILTERS: &str = include_str!("../../docs/filters.md");
 const PLANTS: &str = include_str!("../../docs/plants.md");
 const LABORATORY: &str = include_str!("../../docs/laboratory.md");
+const VERDICTS: &str = include_str!("../../docs/verdicts.md");
 const FORMAT: &str = include_str!("../../docs/scenario-format.md");
 
 /// The rows of the table under a heading line.
@@ -47,6 +49,13 @@ fn every_fault_is_in_its_table() {
     };
     let rows = Fault::ALL.map(row);
     assert_eq!(table(FORMAT, "| fault | name | what it does | numbers |"), rows, "{}", rows.join("\n"));
+}
+
+#[test]
+fn every_cause_is_in_its_table() {
+    let row = |(place, cause): (usize, &&Cause)| format!("| {place} | `{}` | {} |", cause.key, cause.name);
+    let rows: Vec<String> = CAUSES.iter().enumerate().map(row).collect();
+    assert_eq!(table(VERDICTS, "| place | cause | name |"), rows, "{}", rows.join("\n"));
 }
 
 #[test]
