@@ -14,14 +14,14 @@ pub(super) fn whole_ui(ui: &mut Ui, name: &str, value: &mut usize, range: std::o
     field.ctx.accesskit_node_builder(field.id, |node| node.set_label(name.to_owned()));
 }
 
-/// A check box that gives a number its value, and a field while it has one.
-pub(super) fn optional_ui(ui: &mut Ui, name: &str, value: &mut Option<f64>, usual: f64, unit: &str) {
+/// A check box that gives a number its value, and a field while it has one, which moves by `speed` for each point.
+pub(super) fn optional_ui(ui: &mut Ui, name: &str, value: &mut Option<f64>, (usual, speed): (f64, f64), unit: &str) {
     let mut on = value.is_some();
     if ui.checkbox(&mut on, name).changed() {
         *value = on.then_some(usual);
     }
     if let Some(value) = value {
-        number_ui(ui, &format!("{name} [{unit}]"), value, 0.1);
+        number_ui(ui, &format!("{name} [{unit}]"), value, speed);
         ui.label(unit);
     }
 }

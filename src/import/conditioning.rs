@@ -42,6 +42,9 @@ pub(super) fn meaning_ui(ui: &mut Ui, draft: &mut Draft) {
     });
 }
 
+/// The shortest step that can be asked for \[s\].
+const SHORTEST: f64 = 1e-6;
+
 /// Widgets for the part of the record to use, and for its conditioning.
 pub(super) fn conditioning_ui(ui: &mut Ui, draft: &mut Draft, palette: &Palette) {
     let made = draft.outcome().and_then(Result::ok);
@@ -55,12 +58,14 @@ pub(super) fn conditioning_ui(ui: &mut Ui, draft: &mut Draft, palette: &Palette)
             let hint = "The samples are equally spaced, and only their times are not";
             ui.checkbox(&mut mapping.time.even, "at even steps").on_hover_text(hint);
         }
-        if has_clocks {
-            ui.horizontal_wrapped(|ui| optional_ui(ui, "steps of", &mut mapping.time.dt, dt, "s"));
+        // It stays while the steps are too short for a record.
+        if has_clocks || mapping.time.dt.is_some() {
+            ui.horizontal_wrapped(|ui| optional_ui(ui, "steps of", &mut mapping.time.dt, (dt, 0.01 * dt), "s"));
+            mapping.time.dt.iter_mut().for_each(|dt| *dt = dt.max(SHORTEST));
         }
         ui.horizontal_wrapped(|ui| {
-            optional_ui(ui, "from", &mut mapping.from, 0.0, "s");
-            optional_ui(ui, "to", &mut mapping.to, end, "s");
+            optional_ui(ui, "from", &mut mapping.from, (0.0, 0.1), "s");
+            optional_ui(ui, "to", &mut mapping.to, (end, 0.1), "s");
         });
         ui.horizontal_wrapped(|ui| {
             let mut on = mapping.band.is_some();

@@ -36,3 +36,30 @@ fn irregular_times_are_kept_unless_even_steps_are_asked_for() {
     screen.run_steps(6);
     assert_eq!(said(&screen), 1);
 }
+
+/// The steps at which filters tell what they know are the user's choice, where readings keep their times.
+#[test]
+fn the_steps_of_a_record_with_its_own_times_are_chosen() {
+    let mut screen = screen(Vec2::new(1280.0, 1000.0), Theme::Light);
+    let mut text = "time,force,x (mm)\n".to_owned();
+    for (k, [t, f, x]) in rows().into_iter().enumerate().filter(|(k, _)| k % 3 > 0) {
+        writeln!(text, "{:.4},{f:.5},{x:.5}", t + 0.001 * (k * 7 % 13) as f64).expect("memory");
+    }
+    drop_file(&mut screen, "irregular.csv", text.as_bytes());
+    screen.run_steps(3);
+    screen.get_by_label("Part, band and rate").click();
+    screen.run_steps(30);
+    screen.get_by_label("steps of").click();
+    screen.run_steps(30);
+    // Steps that are too short are refused, and can be made longer.
+    set(&mut screen, "steps of [s]", 0.0);
+    screen.run_steps(30);
+    screen.get_by_label_contains("samples, but at most");
+    set(&mut screen, "steps of [s]", 0.25);
+    screen.run_steps(30);
+    screen.get_by_label("Open the record").click();
+    screen.run_steps(6);
+    let record = screen.state().session().run().record();
+    let readings = record.clocks().expect("it keeps its times").readings[0].times.len();
+    assert!((record.dt() - 0.25).abs() < 1e-12 && readings > record.len(), "{readings} in {}", record.len());
+}
