@@ -369,6 +369,11 @@ fn a_swing_with_a_jittering_clock_is_identified_while_it_is_measured() {
             run.advance_to(usize::MAX);
             let estimates = &run.estimates()[0];
             let last = estimates.len() - 1;
+            let settled = last / 2..=last;
+            let nis: f64 = settled.clone().map(|k| estimates.nis()[k]).filter(|nis| !nis.is_nan()).sum();
+            let readings: u32 = settled.map(|k| estimates.readings(k)).sum();
+            let mean = nis / f64::from(readings);
+            assert!((0.7..1.4).contains(&mean), "seed {seed}, {frequency} rad/s: a mean NIS of {mean}");
             for (k, (channel, truth)) in
                 [(Channel::NATURAL_FREQUENCY, frequency), (Channel::DAMPING_RATIO, damping)].into_iter().enumerate()
             {

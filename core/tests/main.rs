@@ -62,6 +62,7 @@ mod invariants;
 mod job;
 mod jump;
 mod kalman_filter;
+mod kept_times;
 mod learnt_noise;
 mod libreoffice;
 mod live;

@@ -126,9 +126,16 @@ impl CellTask {
         let CellRun { scenario, record } = &run;
         match pass {
             FilterPass::History(pass) => {
-                let scores = pass.measures(scenario, place, record, &self.runner.ensemble().plan().measures);
+                // The first cause is searched in slices of its own.
+                let mut measures = self.runner.ensemble().plan().measures.clone();
+                let place_of_cause = place_of_cause(&measures);
+                place_of_cause.map(|place| measures.remove(place));
+                let mut scores = pass.measures(scenario, place, record, &measures);
+                if let Some(place) = place_of_cause {
+                    scores.insert(place, f64::NAN);
+                }
                 self.runner.fill_scores(nth, &scores, &mut self.row);
-                if place_of_cause(&self.runner.ensemble().plan().measures).is_some() {
+                if place_of_cause.is_some() {
                     let search = Box::new(pass.first_cause(scenario, place, record));
                     return Stage::Cause { run, nth, search };
                 }

@@ -24,7 +24,7 @@ pub struct MonteCarlo {
     impossible: usize,
 }
 
-/// What is said of each run.
+/// The judgement on each run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Judged {
     /// Nothing.
@@ -128,9 +128,10 @@ impl MonteCarlo {
                     let place = verdict as usize;
                     filter.verdicts[place] += 1;
                     let cause = number(Measure::CAUSE);
-                    match cause.is_finite().then_some(cause as usize) {
-                        Some(cause) => filter.causes[cause] += 1,
-                        None => filter.unexplained += usize::from(!VerdictKind::ALL[place].is_good()),
+                    if cause.is_finite() {
+                        filter.causes[cause as usize] += 1;
+                    } else if measures.contains(&Measure::CAUSE) && !VerdictKind::ALL[place].is_good() {
+                        filter.unexplained += 1;
                     }
                 }
                 let Filter { channels, finals, last, .. } = &mut *filter;
@@ -245,7 +246,7 @@ impl MonteCarlo {
     }
 
     /// The causes that come first in the `nth` filter's runs with a bad verdict, in the order of [`CAUSES`], with their number; and
-    /// the number of those without any cause. Of runs whose causes were not searched, none has one.
+    /// the number of those without any cause.
     pub fn causes(&self, nth: usize) -> (&[usize], usize) {
         let Filter { causes, unexplained, .. } = &self.filters[nth];
         (causes, *unexplained)

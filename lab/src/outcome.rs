@@ -30,13 +30,7 @@ pub(crate) fn any(
 fn of_history(scenario: &Scenario, place: usize, record: &Record, measures: &[Measure]) -> Result<Vec<f64>, RunError> {
     let mut pass = HistoryPass::new(scenario, place, record)?;
     pass.advance(record, record.len());
-    let mut numbers = pass.measures(scenario, place, record, measures);
-    if let Some(place_of_cause) = place_of_cause(measures) {
-        let mut search = pass.first_cause(scenario, place, record);
-        while !search.advance(&mut || true) {}
-        numbers[place_of_cause] = number_of(search);
-    }
-    Ok(numbers)
+    Ok(pass.measures(scenario, place, record, measures))
 }
 
 /// The place among some measures of the first cause, which takes far longer than the others.
@@ -84,7 +78,7 @@ impl HistoryPass {
         FirstCause::new(scenario, place, &self.estimates, record)
     }
 
-    /// The measures of the whole run; NaN where one is not known, and for the first cause.
+    /// The measures of the whole run; NaN where one is not known.
     pub(crate) fn measures(
         &self,
         scenario: &Scenario,
@@ -97,7 +91,6 @@ impl HistoryPass {
         let whole = Whole::new(record, &outcome, estimates.channels());
         let observed = Observed::new(scenario, place, record, estimates);
         let number = |measure: &Measure| match measure.info().needs_history() {
-            true if *measure == Measure::CAUSE => f64::NAN,
             true => measure.of(&observed, Times::default()).number(),
             false => measure.of_whole(&whole),
         };

@@ -6,16 +6,21 @@ use super::files::drop_file;
 use super::records::rows;
 use super::*;
 
-#[test]
-fn irregular_times_are_kept_unless_even_steps_are_asked_for() {
+/// The import of a file with two of three rows, each at a time of its own.
+fn irregular() -> Screen {
     let mut screen = screen(Vec2::new(1280.0, 1000.0), Theme::Light);
     let mut text = "time,force,x (mm)\n".to_owned();
-    // Two of three rows, each at a time of its own.
     for (k, [t, f, x]) in rows().into_iter().enumerate().filter(|(k, _)| k % 3 > 0) {
         writeln!(text, "{:.4},{f:.5},{x:.5}", t + 0.001 * (k * 7 % 13) as f64).expect("memory");
     }
     drop_file(&mut screen, "irregular.csv", text.as_bytes());
     screen.run_steps(3);
+    screen
+}
+
+#[test]
+fn irregular_times_are_kept_unless_even_steps_are_asked_for() {
+    let mut screen = irregular();
     screen.get_by_label_contains("the filters take each reading at its own time");
     screen.get_by_label("Part, band and rate").click();
     screen.run_steps(30);
@@ -40,13 +45,7 @@ fn irregular_times_are_kept_unless_even_steps_are_asked_for() {
 /// The steps at which filters tell what they know are the user's choice, where readings keep their times.
 #[test]
 fn the_steps_of_a_record_with_its_own_times_are_chosen() {
-    let mut screen = screen(Vec2::new(1280.0, 1000.0), Theme::Light);
-    let mut text = "time,force,x (mm)\n".to_owned();
-    for (k, [t, f, x]) in rows().into_iter().enumerate().filter(|(k, _)| k % 3 > 0) {
-        writeln!(text, "{:.4},{f:.5},{x:.5}", t + 0.001 * (k * 7 % 13) as f64).expect("memory");
-    }
-    drop_file(&mut screen, "irregular.csv", text.as_bytes());
-    screen.run_steps(3);
+    let mut screen = irregular();
     screen.get_by_label("Part, band and rate").click();
     screen.run_steps(30);
     screen.get_by_label("steps of").click();

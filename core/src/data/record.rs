@@ -50,7 +50,7 @@ pub struct Input {
     pub values: Vec<f64>,
 }
 
-/// Whether clocks begin with others of so many samples.
+/// Whether clocks begin with those of a shorter record, which has so many samples.
 fn clocks_begin(all: Option<&Clocks>, first: Option<&Clocks>, samples: usize) -> bool {
     match (all, first) {
         (Some(all), Some(first)) => all.begin_with(first, samples),

@@ -192,10 +192,10 @@ fn shares(errors: &[LastError]) -> Option<[f64; 2]> {
 }
 
 fn causes((counts, unexplained): (&[usize], usize)) -> Vec<(Option<&'static str>, f64)> {
-    let named: usize = counts.iter().sum();
-    let named_causes = CAUSES.iter().zip(counts).map(|(cause, count)| (Some(cause.name), *count));
-    let all = named_causes.chain([(None, unexplained)]).filter(|(_, count)| *count > 0 && named > 0);
-    let mut shares: Vec<_> = all.map(|(name, count)| (name, count as f64 / (named + unexplained) as f64)).collect();
+    let runs = counts.iter().sum::<usize>() + unexplained;
+    let named = CAUSES.iter().zip(counts).map(|(cause, count)| (Some(cause.name), *count));
+    let all = named.chain([(None, unexplained)]).filter(|(_, count)| *count > 0);
+    let mut shares: Vec<_> = all.map(|(name, count)| (name, count as f64 / runs as f64)).collect();
     shares.sort_by(|(_, a), (_, b)| b.total_cmp(a));
     shares
 }

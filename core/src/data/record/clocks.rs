@@ -142,7 +142,8 @@ impl Clocks {
         Ok(self)
     }
 
-    /// Whether these are others of so many samples, and later times. An input that was told later was zero before.
+    /// Whether these begin with the clocks of a shorter record, which has so many samples. A record without an input may begin one with an
+    /// input, as long as that is zero.
     pub(super) fn begin_with(&self, first: &Self, samples: usize) -> bool {
         let same = |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits();
         let begins = |(all, first): (&Timed, &Timed)| {
