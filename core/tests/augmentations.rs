@@ -49,6 +49,56 @@ fn a_bias_of_each_kind_of_sensor_is_found() {
     }
 }
 
+/// Also of one that is upside down, and beside its own bias.
+#[test]
+fn a_gain_of_each_kind_of_sensor_is_found() {
+    for kind in [FilterKind::KF, FilterKind::EKF, FilterKind::UKF, FilterKind::SR_UKF, FilterKind::IEKF] {
+        for quantity in PlantKind::SDOF.quantities() {
+            for gain in [1.3, -0.8] {
+                let sensors = [Quantity::DISPLACEMENT, Quantity::VELOCITY, Quantity::ACCELERATION, quantity];
+                let mut scenario = scenario(&sensors, kind, &[quantity.gain(), quantity.bias()]);
+                let noise = quantity.aspect().info().usual_noise;
+                scenario.plant.set(quantity.gain(), Signal::Constant(gain));
+                scenario.plant.set(quantity.bias(), Signal::Constant(2.0 * noise));
+                scenario.filters[0].initial_mean[quantity.gain()] = gain.signum();
+                assert_found(&scenario, quantity.gain(), 0.02);
+                assert_found(&scenario, quantity.bias(), 0.5 * noise);
+            }
+        }
+    }
+}
+
+/// A filter that knows the gain of a sensor has the estimates of one whose sensor is right: readings and noise are both multiplied.
+#[test]
+fn a_known_gain_is_another_unit() {
+    let quantity = Quantity::VELOCITY;
+    for kind in FilterKind::ALL {
+        let mut right = scenario(&[Quantity::DISPLACEMENT, quantity], kind, &[quantity.gain()]);
+        (right.duration, right.filters[0].ensemble_size) = (5.0, 50);
+        right.filters[0].initial_std[quantity.gain()] = 0.0;
+        let mut other = right.clone();
+        other.plant.set(quantity.gain(), Signal::Constant(4.0));
+        other.filters[0].initial_mean[quantity.gain()] = 4.0;
+        other.sensors[1].noise_std *= 4.0;
+        other.filters[0].sensor_std[1] *= 4.0;
+        let [one, two] = [&right, &other].map(|scenario| {
+            let mut run = Run::new(scenario).unwrap();
+            run.finish();
+            run
+        });
+        let [one, two] = [&one, &two].map(|run| &run.estimates()[0]);
+        assert_eq!(one.len(), right.samples(), "{kind:?}: {:?}", one.stop());
+        for k in 1..one.len() {
+            for place in 0..4 {
+                let off = (one.mean(k)[place] - two.mean(k)[place]).abs() / one.std(k, place).max(1e-9);
+                assert!(off < 1e-6, "{kind:?}, sample {k}, component {place}: {off}");
+            }
+            let nis = (one.nis()[k] - two.nis()[k]).abs() / one.nis()[k];
+            assert!(nis < 1e-6, "{kind:?}, sample {k}: {nis}");
+        }
+    }
+}
+
 #[test]
 fn gain_and_offset_of_the_input_are_found() {
     let sensors = [Quantity::DISPLACEMENT, Quantity::ACCELERATION];

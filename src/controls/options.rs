@@ -40,11 +40,10 @@ pub(super) fn options_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantK
 /// The augmentations that the filter estimates.
 fn augment_ui(ui: &mut Ui, filter: &mut FilterSettings, plant: PlantKind, sensors: &[Sensor]) {
     let FilterSettings { name, augment, .. } = filter;
-    let biases = sensors.iter().map(|sensor| sensor.measures.bias());
-    let offered: Vec<Channel> = augment::OF_INPUT.into_iter().chain(biases).collect();
+    let offered: Vec<Channel> = augment::of_all(sensors.iter().map(|sensor| sensor.measures)).collect();
     let summary = if augment.is_empty() { "nothing".to_owned() } else { symbols(augment, "") };
     let hint = "Properties of the input and the sensors that the filter estimates too: gain, offset, a force that \
-         changes slowly (u) or is another one at each sample (w: wind, traffic), bias";
+         changes slowly (u) or is another one at each sample (w: wind, traffic), bias and gain of a sensor";
     choices_ui(ui, ("estimates also", hint), &summary, &format!("{name} augmentations"), &mut |ui| {
         for &channel in &offered {
             let mut on = augment.contains(&channel);
@@ -55,7 +54,7 @@ fn augment_ui(ui: &mut Ui, filter: &mut FilterSettings, plant: PlantKind, sensor
             }
         }
     });
-    // A removed sensor's bias goes too, and so does that of a quantity that the plant lacks.
+    // Bias and gain of a removed sensor go too, and so do those of a quantity that the plant lacks.
     augment.retain(|channel| augment::of(plant).any(|c| c == *channel));
 }
 

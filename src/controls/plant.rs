@@ -84,7 +84,7 @@ fn augmentation_ui(ui: &mut Ui, plant: &mut Plant) {
             ui.selectable_value(&mut chosen, Some(channel), format!("{} {}", channel.symbol(), channel.name()));
         }
     });
-    let hint = "The recorded input may be wrong by a gain or an offset, a sensor by a bias: the filters are not told";
+    let hint = "The recorded input may be wrong by a gain or an offset, a sensor by a bias or a gain: the filters are not told";
     combo.response.clone().on_hover_text(hint);
     ui.ctx().accesskit_node_builder(combo.response.id, |node| node.set_label("Add a property to the truth"));
     if let Some(channel) = chosen {

@@ -5,9 +5,10 @@ mod reading;
 use serde::{Deserialize, Serialize};
 
 use crate::mathematics::linalg::{Matrix, Vector, fit};
-use crate::{Channel, PlantKind};
+use crate::{Channel, PlantKind, Quantity};
 
 pub use reading::Reading;
+pub(crate) use reading::{Moving, Scale};
 
 /// The physical meaning of a record's input.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -317,6 +318,17 @@ impl Model {
     /// `∂g/∂f`, n numbers: [`Self::by_force`] times the gain.
     pub fn by_recorded_force(&self, state: &[f64]) -> Vector {
         self.by_force(state) * self.gain(state)
+    }
+
+    /// A state where all is zero but the gains of sensors, as these are told by quantity.
+    pub(crate) fn at_rest(&self, gain: impl Fn(Quantity) -> f64) -> Vec<f64> {
+        let mut state = vec![0.0; self.size()];
+        for &quantity in Quantity::all() {
+            if let Some(place) = self.place(quantity.gain()) {
+                state[place] = gain(quantity);
+            }
+        }
+        state
     }
 
     /// The state for values in the channels' units, and the size of each channel's unit in the state's unit.

@@ -186,7 +186,7 @@ impl PlantKind {
     }
 
     /// The measurable quantities of the plant.
-    pub fn quantities(self) -> impl Iterator<Item = Quantity> {
+    pub fn quantities(self) -> impl Iterator<Item = Quantity> + Clone {
         Quantity::all().iter().copied().filter(move |&quantity| self.has(quantity))
     }
 

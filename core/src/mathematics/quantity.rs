@@ -102,6 +102,11 @@ impl Quantity {
         Channel::of_mass(&self.aspect.info().bias, self.mass as usize)
     }
 
+    /// The gain of a sensor for it.
+    pub const fn gain(self) -> Channel {
+        Channel::of_mass(&self.aspect.info().gain, self.mass as usize)
+    }
+
     /// The number of the random stream of its noise.
     pub(crate) const fn stream(self) -> u64 {
         let (first, distance) = self.aspect.info().streams;
@@ -172,6 +177,7 @@ mod tests {
             assert_eq!(quantity.place(), place);
             assert_eq!(toml::Value::try_from(quantity).unwrap().as_str(), Some(quantity.key()));
             assert_eq!(quantity.bias().key(), format!("bias_{}", quantity.key()));
+            assert_eq!(quantity.gain().key(), format!("sensor_gain_{}", quantity.key()));
         }
         let drift = Quantity::new(Aspect::DRIFT, 2);
         let terms = [(Term::State(Channel::displacement(2)), 1.0), (Term::State(Channel::displacement(1)), -1.0)];

@@ -47,7 +47,8 @@ impl Scenario {
     /// ```
     pub fn true_sensor_std(&self) -> Vec<f64> {
         let model = self.plant.model(self.input);
-        let at_rest = vec![0.0; model.size()];
+        let gain = |quantity| self.plant.parameter(Quantity::gain(quantity)).map_or(1.0, |gain| gain.at(0.0));
+        let at_rest = model.at_rest(gain);
         let felt = |quantity: Quantity| {
             let reading = model.reading(quantity);
             let under = |disturbance| {

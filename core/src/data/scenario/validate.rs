@@ -190,7 +190,7 @@ impl FilterSettings {
                 channel.is_augmentation() && !augment[..i].contains(channel),
                 format_args!("{path}.augment[{i}]"),
                 format_args!("\"{}\"", channel.key()),
-                "an augmentation, each once: input_gain, input_offset, unknown_force, white_force, or bias_ and a sensor",
+                "an augmentation, each once: input_gain, input_offset, unknown_force, white_force, or bias_ or sensor_gain_ and a sensor",
             )?;
         }
         require(

@@ -1,11 +1,11 @@
 //! Properties of the input and of the sensors, which can be added to any plant and to the state of any filter.
 //!
 //! ```text
-//! F = g f + o + u + w,  zᵢ = hᵢ(y, F) + bᵢ
+//! F = g f + o + u + w,  zᵢ = gᵢ hᵢ(y, F) + bᵢ
 //! ```
 //!
 //! with the recorded force over mass f, its gain g, its offset o, an unknown force over mass u, a white force over mass
-//! w and the bias bᵢ of a sensor. Each is one more component of the state, constant except for its process noise, so
+//! w, the gain gᵢ and the bias bᵢ of a sensor. Each is one more component of the state, constant except for its process noise, so
 //! that an unknown force is a random walk. The white force alone does not last: each sample has an independent one,
 //! with the process noise as its standard deviation ([`crate::mathematics::filter::White`]).
 //!
@@ -76,12 +76,17 @@ impl Channel {
 pub const OF_INPUT: [Channel; 4] =
     [Channel::INPUT_GAIN, Channel::INPUT_OFFSET, Channel::UNKNOWN_FORCE, Channel::WHITE_FORCE];
 
-/// Every augmentation: those of the input, then the bias of each sensor.
+/// Every augmentation: those of the input, then the bias and the gain of each sensor.
 pub fn all() -> impl Iterator<Item = Channel> {
-    OF_INPUT.into_iter().chain(Quantity::all().iter().map(|quantity| quantity.bias()))
+    of_all(Quantity::all().iter().copied())
 }
 
-/// The augmentations that a plant can have: those of the input, then the biases of its measurable quantities.
+/// The augmentations that a plant can have: those of the input and of its measurable quantities.
 pub fn of(plant: PlantKind) -> impl Iterator<Item = Channel> {
-    OF_INPUT.into_iter().chain(plant.quantities().map(Quantity::bias))
+    of_all(plant.quantities())
+}
+
+/// The augmentations of the input, then the biases of sensors for these quantities, then their gains.
+pub fn of_all(quantities: impl Iterator<Item = Quantity> + Clone) -> impl Iterator<Item = Channel> {
+    OF_INPUT.into_iter().chain(quantities.clone().map(Quantity::bias)).chain(quantities.map(Quantity::gain))
 }

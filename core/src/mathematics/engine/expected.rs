@@ -151,9 +151,10 @@ impl<T: Number> Expected<T> {
             let (reading, range) = (&readings[active[row]], row * n..(row + 1) * n);
             let h = &mut rows[range.clone()];
             let own = if reading.is_of_components() { None } else { at };
-            mean[row] = read(model, reading, own.unwrap_or(belief.0), &derivatives.rate, force);
+            let state = own.unwrap_or(belief.0);
+            mean[row] = read(model, reading, state, &derivatives.rate, force);
             if !reading.is_of_components() {
-                gradient(model, reading, derivatives, force, h);
+                gradient(model, reading, state, derivatives, force, h);
             }
             if let Some(at) = own {
                 for k in 0..n {

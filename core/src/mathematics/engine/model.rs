@@ -5,7 +5,7 @@ use super::level::Level;
 use super::number::{Number, Real};
 use super::plants::{Plant, Rates, fits, with_equation};
 use crate::Channel;
-use crate::mathematics::model::Reading;
+use crate::mathematics::model::{Reading, Scale};
 
 /// The n-component state of a plant and its surroundings, and how it moves.
 ///
@@ -222,6 +222,17 @@ pub(crate) fn read<T: Real>(model: &Model, reading: &Reading, state: &[T], rate:
     if let Some(place) = reading.component() {
         return state[place];
     }
+    let exact = read_exact(model, reading, state, rate, force);
+    match reading.gain() {
+        None => exact,
+        Some(Scale { gain, bias: None }) => state[gain] * exact,
+        Some(Scale { gain, bias: Some(bias) }) => state[gain] * exact + state[bias],
+    }
+}
+
+/// What a sensor without gain reads.
+#[inline(always)]
+fn read_exact<T: Real>(model: &Model, reading: &Reading, state: &[T], rate: &[T], force: T) -> T {
     let mut sum = T::of(0.0);
     for &(place, factor) in reading.components() {
         sum = sum + state[place] * factor;
@@ -236,11 +247,12 @@ pub(crate) fn read<T: Real>(model: &Model, reading: &Reading, state: &[T], rate:
     sum
 }
 
-/// `∂h/∂y` of a sensor that reads rates or the ground, n numbers.
+/// `∂h/∂y` of a sensor that reads more than components in a state, n numbers.
 #[inline(always)]
 pub(crate) fn gradient<T: Number>(
     model: &Model,
     reading: &Reading,
+    state: &[T],
     derivatives: &Derivatives<T>,
     force: T,
     row: &mut [T],
@@ -261,6 +273,13 @@ pub(crate) fn gradient<T: Number>(
         }
         if let Some(place) = model.offset {
             row[place] = row[place] + -reading.ground();
+        }
+    }
+    if let Some(Scale { gain, bias }) = reading.gain() {
+        row.iter_mut().for_each(|entry| *entry = *entry * state[gain]);
+        row[gain] = row[gain] + read_exact(model, reading, state, &derivatives.rate, force);
+        if let Some(bias) = bias {
+            row[bias] = row[bias] + 1.0;
         }
     }
 }

@@ -7,7 +7,7 @@ use super::measurements::Measurements;
 use crate::Model;
 use crate::mathematics::engine::states::States;
 use crate::mathematics::linalg::{Matrix, Vector, fit};
-use crate::mathematics::model::Reading;
+use crate::mathematics::model::{Moving, Reading};
 
 /// The m measurements of one sample that are not missing.
 #[derive(Clone, Debug)]
@@ -138,13 +138,17 @@ impl Observation {
         rates: &mut Matrix,
         jacobian: &mut Matrix,
     ) {
+        let mut rate = Vec::new();
         if self.readings().any(Reading::is_of_rates) {
             model.jacobian_into(state, self.force, rows, rates);
+            rate.resize(model.size(), 0.0);
+            model.rate_into(state, self.force, &mut rate);
         }
+        let at = Moving { state, rate: &rate, jacobian: rates };
         fit(jacobian, self.len(), model.size());
         jacobian.as_mut_slice().fill(0.0);
         for (row, reading) in self.readings().enumerate() {
-            model.read_gradient_into(reading, rates, self.force, |place, part| jacobian[(row, place)] += part);
+            model.read_gradient_into(reading, at, self.force, |place, part| jacobian[(row, place)] += part);
         }
     }
 

@@ -16,12 +16,30 @@ pub struct Reading {
     ground: f64,
     /// The component, if the reading is one component with the factor 1 and nothing else.
     component: Option<usize>,
+    /// What multiplies all this.
+    gain: Option<Scale>,
+}
+
+/// The gain of a sensor, in places of a model's state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Scale {
+    pub(crate) gain: usize,
+    /// The bias, which is not multiplied. Without a gain it is one of the components.
+    pub(crate) bias: Option<usize>,
+}
+
+/// A state that moves: n numbers, and where a sensor reads rates also ẏ, n numbers, and A, n × n.
+#[derive(Clone, Copy)]
+pub(crate) struct Moving<'a> {
+    pub(crate) state: &'a [f64],
+    pub(crate) rate: &'a [f64],
+    pub(crate) jacobian: &'a Matrix,
 }
 
 impl Model {
     /// The reading of a sensor for `quantity`, if the plant has it.
     pub fn reading(&self, quantity: Quantity) -> Option<Reading> {
-        let mut reading = Reading { state: Vec::new(), rates: Vec::new(), ground: 0.0, component: None };
+        let mut reading = Reading { state: Vec::new(), rates: Vec::new(), ground: 0.0, component: None, gain: None };
         for (term, factor) in quantity.reads() {
             match term {
                 Term::State(channel) => reading.state.push((self.place(channel)?, factor)),
@@ -30,11 +48,13 @@ impl Model {
                 Term::Ground => {}
             }
         }
-        if let Some(bias) = self.place(quantity.bias()) {
+        let bias = self.place(quantity.bias());
+        reading.gain = self.place(quantity.gain()).map(|gain| Scale { gain, bias });
+        if let Some(bias) = bias.filter(|_| reading.gain.is_none()) {
             reading.state.push((bias, 1.0));
         }
-        reading.component = match (&reading.state[..], &reading.rates[..], reading.ground) {
-            (&[(place, 1.0)], [], 0.0) => Some(place),
+        reading.component = match (&reading.state[..], &reading.rates[..], reading.ground, reading.gain) {
+            (&[(place, 1.0)], [], 0.0, None) => Some(place),
             _ => None,
         };
         Some(reading)
@@ -56,6 +76,12 @@ impl Model {
 
     /// [`Self::read`] in a state that moves at this rate; only readings of rates use it.
     pub fn read_moving(&self, reading: &Reading, state: &[f64], rate: &[f64], force: f64) -> f64 {
+        let exact = self.read_exact(reading, state, rate, force);
+        reading.gain.map_or(exact, |Scale { gain, bias }| state[gain] * exact + bias.map_or(0.0, |bias| state[bias]))
+    }
+
+    /// What a sensor without gain reads.
+    fn read_exact(&self, reading: &Reading, state: &[f64], rate: &[f64], force: f64) -> f64 {
         let Reading { state: components, rates, ground, .. } = reading;
         let mut sum: f64 = components.iter().map(|&(place, factor)| factor * state[place]).sum();
         sum += rates.iter().map(|&(place, factor)| factor * rate[place]).sum::<f64>();
@@ -68,14 +94,36 @@ impl Model {
 
     /// `∂h/∂y`, n numbers.
     pub fn read_gradient(&self, reading: &Reading, state: &[f64], force: f64) -> Vector {
-        let jacobian = if reading.rates.is_empty() { Matrix::zeros(0, 0) } else { self.jacobian(state, force) };
+        let of_rates = !reading.rates.is_empty();
+        let jacobian = if of_rates { self.jacobian(state, force) } else { Matrix::zeros(0, 0) };
+        let rate = if of_rates { self.rate(state, force) } else { Vector::zeros(0) };
         let mut gradient = Vector::zeros(self.size());
-        self.read_gradient_into(reading, &jacobian, force, |place, part| gradient[place] += part);
+        let at = Moving { state, rate: rate.as_slice(), jacobian: &jacobian };
+        self.read_gradient_into(reading, at, force, |place, part| gradient[place] += part);
         gradient
     }
 
-    /// Adds the non-zero parts of `∂h/∂y` to their places. A is `jacobian`; only readings of rates use it.
-    pub fn read_gradient_into(
+    /// Adds the non-zero parts of `∂h/∂y` to their places.
+    pub(crate) fn read_gradient_into(
+        &self,
+        reading: &Reading,
+        at: Moving<'_>,
+        force: f64,
+        mut add: impl FnMut(usize, f64),
+    ) {
+        let Some(Scale { gain, bias }) = reading.gain else {
+            return self.gradient_of_exact(reading, at.jacobian, force, add);
+        };
+        let factor = at.state[gain];
+        self.gradient_of_exact(reading, at.jacobian, force, |place, part| add(place, factor * part));
+        add(gain, self.read_exact(reading, at.state, at.rate, force));
+        if let Some(bias) = bias {
+            add(bias, 1.0);
+        }
+    }
+
+    /// The same of a sensor without gain.
+    fn gradient_of_exact(
         &self,
         reading: &Reading,
         jacobian: &Matrix,
@@ -124,8 +172,8 @@ impl Reading {
 
     /// The component, if the reading is its rate with the factor 1 and nothing else.
     pub fn rate_component(&self) -> Option<usize> {
-        match (&self.state[..], &self.rates[..], self.ground) {
-            ([], &[(place, 1.0)], 0.0) => Some(place),
+        match (&self.state[..], &self.rates[..], self.ground, self.gain) {
+            ([], &[(place, 1.0)], 0.0, None) => Some(place),
             _ => None,
         }
     }
@@ -137,6 +185,11 @@ impl Reading {
 
     /// Whether it is linear in the state for every plant.
     pub fn is_of_components(&self) -> bool {
-        self.rates.is_empty() && self.ground == 0.0
+        self.rates.is_empty() && self.ground == 0.0 && self.gain.is_none()
+    }
+
+    /// The gain of the sensor, which multiplies components, rates and ground.
+    pub(crate) fn gain(&self) -> Option<Scale> {
+        self.gain
     }
 }

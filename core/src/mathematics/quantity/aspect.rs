@@ -33,6 +33,8 @@ pub struct AspectInfo {
     pub streams: (u64, u64),
     /// The bias of such a sensor.
     pub bias: ChannelInfo,
+    /// The gain of such a sensor: its reading over what it measures.
+    pub gain: ChannelInfo,
 }
 
 /// The measured aspect of a mass, such as its displacement.
@@ -62,6 +64,22 @@ macro_rules! bias {
     };
 }
 
+/// The gain of a sensor.
+macro_rules! gain {
+    ($key:literal, $name:literal, $symbol:literal) => {
+        ChannelInfo {
+            keys: by_mass!($key, "_"),
+            names: by_mass!($name, " "),
+            symbols: symbols_by_mass!($symbol, $symbol),
+            unit: "",
+            role: Role::Augmentation,
+            rate: None,
+            mirrored: false,
+            usual: Usual { mean: 1.0, std: 0.2, process: 0.0, truth: &[1.0], slider: (-2.0, 3.0), decimals: 4 },
+        }
+    };
+}
+
 static DISPLACEMENT: AspectInfo = AspectInfo {
     keys: by_mass!("displacement", "_"),
     symbols: symbols_by_mass!("x", "x"),
@@ -70,6 +88,7 @@ static DISPLACEMENT: AspectInfo = AspectInfo {
     reads: |mass| vec![(Term::State(Channel::displacement(mass)), 1.0)],
     streams: (16, 3),
     bias: bias!("bias_displacement", "bias of the displacement", "bˣ", "m", 0.01),
+    gain: gain!("sensor_gain_displacement", "sensor gain of the displacement", "gˣ"),
 };
 
 static VELOCITY: AspectInfo = AspectInfo {
@@ -80,6 +99,7 @@ static VELOCITY: AspectInfo = AspectInfo {
     reads: |mass| vec![(Term::State(Channel::velocity(mass)), 1.0)],
     streams: (17, 3),
     bias: bias!("bias_velocity", "bias of the velocity", "bᵛ", "m/s", 0.06),
+    gain: gain!("sensor_gain_velocity", "sensor gain of the velocity", "gᵛ"),
 };
 
 static ACCELERATION: AspectInfo = AspectInfo {
@@ -90,6 +110,7 @@ static ACCELERATION: AspectInfo = AspectInfo {
     reads: |mass| vec![(Term::Rate(Channel::velocity(mass)), 1.0)],
     streams: (18, 3),
     bias: bias!("bias_acceleration", "bias of the acceleration", "bᵃ", "m/s²", 0.3),
+    gain: gain!("sensor_gain_acceleration", "sensor gain of the acceleration", "gᵃ"),
 };
 
 static TOTAL_ACCELERATION: AspectInfo = AspectInfo {
@@ -100,6 +121,7 @@ static TOTAL_ACCELERATION: AspectInfo = AspectInfo {
     reads: |mass| vec![(Term::Rate(Channel::velocity(mass)), 1.0), (Term::Ground, 1.0)],
     streams: (1 << 32, 1),
     bias: bias!("bias_total_acceleration", "bias of the total acceleration", "bᵗ", "m/s²", 0.3),
+    gain: gain!("sensor_gain_total_acceleration", "sensor gain of the total acceleration", "gᵗ"),
 };
 
 static DRIFT: AspectInfo = AspectInfo {
@@ -114,6 +136,7 @@ static DRIFT: AspectInfo = AspectInfo {
     },
     streams: (2 << 32, 1),
     bias: bias!("bias_drift", "bias of the drift", "bᵈ", "m", 0.01),
+    gain: gain!("sensor_gain_drift", "sensor gain of the drift", "gᵈ"),
 };
 
 impl Aspect {

@@ -16,7 +16,7 @@ impl<T: Number> LogProducts<T> {
         Self { product: T::of(1.0), taken: vec![0.0; T::LANES] }
     }
 
-    /// Adds the logarithm of a factor. `ln` computes it in a lane where the factor is too large or too small to be multiplied.
+    /// Adds the logarithm of a factor. `ln` computes it in a lane where the factor is too large or too small for a number.
     #[inline(always)]
     pub(super) fn add(&mut self, factor: T, ln: impl Fn(usize) -> f64) {
         let next = self.product * factor;
@@ -34,7 +34,9 @@ impl<T: Number> LogProducts<T> {
     fn take_logarithms(&mut self, factor: T, ln: impl Fn(usize) -> f64) {
         for (lane, taken) in self.taken.iter_mut().enumerate() {
             let mut sum = LogSum { taken: *taken, product: self.product.lane(lane) };
-            sum.add(factor.lane(lane), || ln(lane));
+            let own = factor.lane(lane);
+            // As a history has it.
+            sum.add(own, || if own.is_normal() { libm::log(own) } else { ln(lane) });
             *taken = sum.taken;
             self.product.set_lane(lane, sum.product);
         }

@@ -66,8 +66,7 @@ pub(crate) fn ensemble(seed: u64) -> Scenario {
         quantities.remove(draw.below(quantities.len()));
     }
     let room = 32 - plant.channels().len();
-    let mut augment: Vec<Channel> = augment::OF_INPUT.to_vec();
-    augment.extend(quantities.iter().map(|quantity| quantity.bias()));
+    let mut augment: Vec<Channel> = augment::of_all(quantities.iter().copied()).collect();
     while augment.len() > room || (!augment.is_empty() && draw.once_in(2)) {
         augment.remove(draw.below(augment.len()));
     }

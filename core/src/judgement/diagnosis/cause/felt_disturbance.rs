@@ -18,7 +18,7 @@ fn likely_causes(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
     let model = filter.model(bad.scenario.plant.kind, bad.scenario.input);
     // The process noise of a velocity in a step is the disturbance times dt.
     let disturbance = filter.process_std[Channel::VELOCITY] / case.record.dt();
-    let at_rest = vec![0.0; model.size()];
+    let at_rest = model.at_rest(|quantity| filter.initial_mean[quantity.gain()]);
     let felt = |i: usize| {
         let reading = model.reading(case.sensors[i].sensor)?;
         let read = |force| model.read_disturbed(&reading, &at_rest, 0.0, force);
