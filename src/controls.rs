@@ -3,6 +3,7 @@
 mod belief;
 mod bounds;
 pub(crate) mod color;
+mod delays;
 mod equation;
 mod faults;
 mod filter;

@@ -34,11 +34,15 @@ pub(crate) fn troubles(session: &Session) -> Vec<Trouble> {
             say(false, format!("{name} let its parameters move at {times} s, where its innovations grew at once."));
         }
         // It is so from the beginning to the end.
-        if let Some(remark) = estimates.remarks().iter().find(|remark| matches!(remark.what, Told::Moved(_))) {
+        if let Some(remark) =
+            estimates.remarks().iter().find(|remark| matches!(remark.what, Told::Moved(_) | Told::Rounded(_)))
+        {
             say(false, format!("{name}: {}.", remark.what));
         }
         // Gaps have a sentence of their own.
-        let is_other = |remark: &&Remark| !matches!(remark.what, Told::Widened | Told::Missing(_) | Told::Moved(_));
+        let is_other = |remark: &&Remark| {
+            !matches!(remark.what, Told::Widened | Told::Missing(_) | Told::Moved(_) | Told::Rounded(_))
+        };
         if let Some(remark) = estimates.remarks().iter().rfind(is_other) {
             let time = record.time_of(remark.sample);
             say(false, format!("{name} from {time:.2} s: {}.", remark.what));

@@ -10,7 +10,7 @@ pub(crate) fn remarks(remarks: &[Remark], record: &Record) -> Vec<String> {
         let [from, to] = [remark.sample, remark.last].map(|number| plain(record.time_of(number)));
         match remark.what {
             Trouble::Widened => format!("let its parameters move at {from} s, where its innovations grew at once"),
-            what @ Trouble::Moved(_) => what.to_string(),
+            what @ (Trouble::Moved(_) | Trouble::Rounded(_)) => what.to_string(),
             what => format!("from {from} s to {to} s: {what}"),
         }
     };

@@ -113,3 +113,34 @@ fn wrong_times_are_told_from_a_wrong_scale() {
         assert_eq!(first(&found), "sensor_scale", "{scaled} by {by}: {found:?}");
     }
 }
+
+/// What a sensor does wrong is put right, and the filter is to be believed again: the remedy tells by how much.
+#[test]
+fn a_sensor_that_disagrees_is_put_right() {
+    let repaired = |found: &[Remedy], cause: &str, key: &str| {
+        let first = &found[0];
+        assert_eq!(first.first.cause.key, cause, "{found:?}");
+        assert!(first.after.as_ref().is_some_and(|verdict| verdict.kind.is_good()), "{cause}: {first:?}");
+        let edit = first.edits.iter().find(|edit| edit.key.ends_with(key));
+        edit.unwrap_or_else(|| panic!("{key} is not among {:?}", first.edits)).value.clone()
+    };
+    for (seed, scaled, by) in [(11, 0, 1.15), (12, 1, 0.7), (13, 0, -1.0), (14, 1, -1.0)] {
+        let found = three_sensors(seed, 1.0, |place, value| if place == scaled { by * value } else { value });
+        let cause = if by < 0.0 { "sensor_sign" } else { "sensor_scale" };
+        let key = ["initial_mean.sensor_gain_displacement", "initial_mean.sensor_gain_velocity"][scaled];
+        let gain = repaired(&found, cause, key).as_float().unwrap();
+        assert!((gain / by - 1.0).abs() < 0.05, "{gain} for {by}");
+    }
+    for (seed, late) in [(21, 0.06), (22, 0.04), (23, 0.11)] {
+        let mut scenario = Scenario { seed, duration: 40.0, ..Scenario::default() };
+        scenario.plant.set(Channel::NATURAL_FREQUENCY, 5.0);
+        scenario.filters.truncate(1);
+        let text = scenario.to_toml().unwrap();
+        let faults = format!("measures = \"velocity\"\nfaults = {{ late = {{ delay = {late} }} }}\n");
+        let scenario = Scenario::from_toml(&text.replace("measures = \"velocity\"\n", &faults)).unwrap();
+        let found = on_record(&scenario, simulate(&scenario).without_truth());
+        let delays = repaired(&found, "sensor_late", "sensor_delay");
+        let delays: Vec<f64> = delays.as_array().unwrap().iter().map(|one| one.as_float().unwrap()).collect();
+        assert!(delays[0] == 0.0 && (delays[1] - late).abs() < 0.01, "{delays:?} for {late}");
+    }
+}

@@ -83,6 +83,7 @@ mod remedies;
 mod ring;
 mod ring_down_bank;
 mod scores;
+mod sensor_delay;
 mod staircase;
 mod start_value_records;
 mod substeps;

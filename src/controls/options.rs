@@ -6,6 +6,7 @@ use kalmanscope_core::setting::{CHOICES_OF_FILTER, GUESSES, OPTIONS, ROBUST, SMO
 use kalmanscope_core::{Channel, FilterSettings, PlantKind, Robust, Sensor};
 
 use super::bounds::bounds_ui;
+use super::delays::delays_ui;
 use super::lit::lit;
 use super::row::{choice_row_ui, choices_ui, chooser_ui, filter_row_ui};
 
@@ -16,6 +17,7 @@ pub(super) fn options_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantK
         augment_ui(ui, filter, filter.plant.unwrap_or(truth), sensors);
         consider_ui(ui, filter, truth);
         bounds_ui(ui, filter, truth);
+        delays_ui(ui, filter, sensors);
         for info in CHOICES_OF_FILTER {
             if (info.serves)(filter) {
                 let name = format!("{} {}", filter.name, info.name);

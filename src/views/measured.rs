@@ -1,6 +1,6 @@
 //! Measurements against predictions: one step ahead, and by the identified model alone.
 
-use kalmanscope_core::{Estimates, Quantity};
+use kalmanscope_core::{Estimates, Quantity, Record};
 
 use crate::plot::chart::Chart;
 use crate::plot::heading::Readout;
@@ -60,11 +60,12 @@ fn sensors<'a>(context: &ViewContext<'a>) -> impl Iterator<Item = (usize, Quanti
 /// The prediction of a quantity one step ahead, if the filter uses it.
 fn predicted<'a>(
     estimates: &'a Estimates,
-    measured: &'a [f64],
+    record: &'a Record,
     quantity: Quantity,
 ) -> Option<impl Fn(usize) -> f64 + Copy + 'a> {
     let place = estimates.sensors().iter().position(|own| *own == quantity)?;
-    Some(move |k: usize| measured[k] - estimates.innovation(k)[place])
+    let measured = estimates.measured(record, place)?;
+    Some(move |k: usize| measured(k) - estimates.innovation(k)[place])
 }
 
 /// The measurements of a sensor up to the last computed sample.
@@ -78,7 +79,7 @@ fn columns<'a>((sensor, quantity): (usize, Quantity), context: &ViewContext<'a>)
     let number = |value: f64| (!value.is_nan()).then(|| significant(value, 4));
     let measured = Column::new("measured", context.palette.measured, move |k| number(*all.get(k)?));
     let one_step = context.filters().filter_map(move |(_, estimates)| {
-        let predicted = predicted(estimates, all, quantity)?;
+        let predicted = predicted(estimates, context.session.run().record(), quantity)?;
         let text = move |k: usize| number((k < estimates.len().min(all.len())).then(|| predicted(k))?);
         Some(Column::new(estimates.name(), context.palette.shade(estimates.color()), text))
     });
@@ -95,7 +96,7 @@ fn signals<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>) -> 
         layers.extend(weights::layers(quantity, all, context));
     }
     for (place, estimates) in context.filters() {
-        let Some(values) = predicted(estimates, all, quantity) else { continue };
+        let Some(values) = predicted(estimates, context.session.run().record(), quantity) else { continue };
         layers.push(Layer::line(
             Series::new(estimates.len().min(all.len()), move |samples| samples.map(values)),
             palette.shade(estimates.color()).gamma_multiply(0.7),

@@ -129,6 +129,11 @@ fn filter(scenario: &Scenario, dice: &mut Dice) -> FilterSettings {
         fading: dice.pick(&[1.0, 1.0, 1.005, 1.1, 3.0]),
         eta: dice.pick(&[0.0, 0.0, 0.01, 10.0]),
         sensor_std: scenario.sensors.iter().map(|sensor| sensor.noise_std.max(1e-9)).collect(),
+        sensor_delay: if dice.one_in(5) {
+            scenario.sensors.iter().map(|_| dice.pick(&[0.0, 0.01, -0.013, 0.5, 10.0])).collect()
+        } else {
+            Vec::new()
+        },
         ..FilterSettings::default()
     };
     more(&mut filter, scenario.plant.kind, dice);

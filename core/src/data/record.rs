@@ -3,17 +3,19 @@
 mod changed;
 mod clocks;
 mod csv_file;
+mod delays;
 mod error;
 mod live;
 
 pub(crate) use clocks::Parts;
 pub use clocks::{Clocks, ClocksError, Timed};
+pub use delays::Delays;
 pub use error::RecordError;
 pub use live::{LiveError, LiveRecord};
 
 use std::sync::Arc;
 
-use clocks::Course;
+use clocks::{Course, Readings};
 
 use crate::{Channel, Hold, InputKind, Quantity};
 
@@ -273,14 +275,32 @@ impl Record {
         self.force(place.min(self.len() - 1))
     }
 
-    /// What happens in the step to sample `k`, of the sensors in these columns, where the plant feels the input `delay` samples after
-    /// it is recorded. Returns false if readings and input have the samples' times.
-    pub(crate) fn parts_to(&self, k: usize, delay: i32, columns: &[usize], into: &mut Parts) -> bool {
-        let Some(clocks) = &self.clocks else { return false };
-        let of_samples = [k - 1, k].map(|k| self.delayed_force(k, delay));
-        let course = Course { kind: self.kind, hold: self.hold, delay: f64::from(delay), of_samples };
-        clocks.to(k, columns, &course, into);
+    /// What happens in the step to sample `k`, of the sensors in these columns, where input and sensors are late. Returns false if
+    /// readings and input have the samples' times.
+    pub(crate) fn parts_to(&self, k: usize, delays: &Delays, columns: &[usize], into: &mut Parts) -> bool {
+        let clocks = self.clocks.as_deref();
+        if clocks.is_none() && !delays.is_of_sensors() {
+            return false;
+        }
+        let of_samples = [k - 1, k].map(|k| self.delayed_force(k, delays.input));
+        let course = Course { kind: self.kind, hold: self.hold, delay: f64::from(delays.input), of_samples };
+        let of = |place: usize| Readings {
+            // Samples count from this one: a record that has forgotten some gives the same bits.
+            times: clocks.map(|clocks| clocks.readings[columns[place]].times.as_slice()).ok_or(k),
+            values: clocks.map_or(&self.measured[columns[place]], |clocks| &clocks.readings[columns[place]].values),
+            late: delays.of(place),
+        };
+        let end = if clocks.is_some() { k as f64 } else { 0.0 };
+        into.take(end, columns.len(), of, clocks.and_then(|clocks| clocks.input.as_ref()), &course);
         true
+    }
+
+    /// The reading of a column that tells of sample `k` where its sensor is late by these steps, to the nearest sample; NaN where there is
+    /// none.
+    #[inline]
+    pub(crate) fn late_reading(&self, column: usize, k: usize, late: f64) -> f64 {
+        let place = if late == 0.0 { Some(k) } else { k.checked_add_signed(libm::round(late) as isize) };
+        place.and_then(|place| self.measured[column].get(place)).copied().unwrap_or(f64::NAN)
     }
 
     /// The measured quantities.
@@ -298,9 +318,13 @@ impl Record {
         self.sensors.iter().position(|&s| s == quantity).map(|i| self.measured(i))
     }
 
-    /// The measurements of some quantities at sample `k`; NaN where one is missing or not measured.
-    pub(crate) fn sample(&self, k: usize, quantities: &[Quantity]) -> Vec<f64> {
-        quantities.iter().map(|&q| self.measured_quantity(q).map_or(f64::NAN, |values| values[k])).collect()
+    /// The measurements of some quantities at sample `k`, where their sensors are late; NaN where one is missing or not measured.
+    pub(crate) fn sample(&self, k: usize, quantities: &[Quantity], delays: &Delays) -> Vec<f64> {
+        let of = |(place, quantity): (usize, &Quantity)| {
+            let column = self.sensors.iter().position(|own| own == quantity);
+            column.map_or(f64::NAN, |column| self.late_reading(column, k, delays.of(place)))
+        };
+        quantities.iter().enumerate().map(of).collect()
     }
 
     /// The true values of a channel, if they are known; NaN where one is missing.

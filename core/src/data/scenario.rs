@@ -135,13 +135,19 @@ impl Scenario {
         self.sensors.insert(place, sensor);
         for filter in &mut self.filters {
             filter.sensor_std.insert(place.min(filter.sensor_std.len()), usable_std(sensor.measures, sensor.noise_std));
+            if place <= filter.sensor_delay.len() && !filter.sensor_delay.is_empty() {
+                filter.sensor_delay.insert(place, 0.0);
+            }
         }
     }
 
     /// Has sensors for these quantities alone, each with its usual noise, which every filter assumes.
     pub fn set_sensors(&mut self, quantities: &[Quantity]) {
         self.sensors.clear();
-        self.filters.iter_mut().for_each(|filter| filter.sensor_std.clear());
+        for filter in &mut self.filters {
+            filter.sensor_std.clear();
+            filter.sensor_delay.clear();
+        }
         for &measures in quantities {
             self.add_sensor(Sensor::new(measures, measures.aspect().info().usual_noise));
         }
@@ -151,8 +157,10 @@ impl Scenario {
     pub fn remove_sensor(&mut self, quantity: Quantity) {
         while let Some(place) = self.sensors.iter().position(|s| s.measures == quantity) {
             self.sensors.remove(place);
-            for filter in self.filters.iter_mut().filter(|f| place < f.sensor_std.len()) {
-                filter.sensor_std.remove(place);
+            for list in self.filters.iter_mut().flat_map(|filter| [&mut filter.sensor_std, &mut filter.sensor_delay]) {
+                if place < list.len() {
+                    list.remove(place);
+                }
             }
         }
     }

@@ -29,7 +29,7 @@ pub use force::FORCE;
 pub use info::SettingInfo;
 pub use listing::{addresses, words_of};
 pub use scenario::{DISTURBANCE, DT, DURATION, MOTION, RECORD_GAIN, SEED, of_scenario};
-pub use table::{Entry, INITIAL_MEAN, INITIAL_STD, PROCESS_STD, SENSOR_STD, TABLES, TableInfo};
+pub use table::{Entry, INITIAL_MEAN, INITIAL_STD, PROCESS_STD, SENSOR_DELAY, SENSOR_STD, TABLES, TableInfo};
 
 /// The symbol of a setting, a table or a channel with a key, if it has one.
 pub fn symbol(key: &str) -> Option<&'static str> {

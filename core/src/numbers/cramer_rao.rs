@@ -258,7 +258,11 @@ impl Recursion for DynamicBoundFilter {
                 filter.belief_mut().move_to(truth(before));
                 filter.predict([record.force(before), record.force(k)])?;
                 filter.belief_mut().move_to(truth(k));
-                filter.update(record.force(k), &record.sample(k, sensors), &mut correction)?;
+                filter.update(
+                    record.force(k),
+                    &record.sample(k, sensors, &crate::record::Delays::default()),
+                    &mut correction,
+                )?;
             }
             let belief = filter::Belief::gaussian(filter.belief());
             std.extend(belief.cov.diagonal().iter().map(|variance| variance.sqrt()));

@@ -22,6 +22,8 @@ pub struct Identified {
     /// One value for each channel of the model, in the channel's unit.
     values: Vec<f64>,
     input_delay: i32,
+    /// The sensors that the filter takes to be late, with the time \[s\].
+    late: Vec<(Quantity, f64)>,
 }
 
 /// The free run of a model over a part of a record.
@@ -59,7 +61,16 @@ impl Identified {
         for place in [Channel::UNKNOWN_FORCE, Channel::WHITE_FORCE].into_iter().filter_map(|force| model.place(force)) {
             values[place] = 0.0;
         }
-        Self { model, values, input_delay: settings.input_delay }
+        let quantities = scenario.sensors.iter().map(|sensor| sensor.measures);
+        let late = quantities.zip(settings.sensor_delay.iter().copied()).collect();
+        Self { model, values, input_delay: settings.input_delay, late }
+    }
+
+    /// What a sensor of the record has read of sample `k`, to the nearest sample where it is late.
+    fn measured(&self, record: &Record, sensor: usize, k: usize) -> f64 {
+        let quantity = record.sensors()[sensor];
+        let late = self.late.iter().find(|(own, _)| *own == quantity).map_or(0.0, |(_, late)| late / record.dt());
+        record.late_reading(sensor, k, late)
     }
 
     /// The channels of the model with their values, in the channels' units; those of the motion have no meaning.

@@ -12,6 +12,8 @@ use crate::{Estimates, FilterSettings, Pass, Quantity, Record, RunError, Scenari
 pub(crate) struct Bank {
     scenario: Scenario,
     quantities: Vec<Quantity>,
+    /// Time between samples \[s\].
+    dt: f64,
     /// The place of each of the scenario's sensors in the record.
     sensors: Vec<usize>,
     /// The samples between two readings of each sensor, where they have times of their own.
@@ -27,7 +29,8 @@ impl Bank {
         let (sensors, apart) = (sensor_places(scenario, record)?, apart(record, &quantities));
         let mut scenario = scenario.clone();
         scenario.number_filters();
-        Ok(Self { scenario, quantities, sensors, apart, passes: Vec::new(), estimates: Vec::new() })
+        let dt = record.dt();
+        Ok(Self { scenario, quantities, dt, sensors, apart, passes: Vec::new(), estimates: Vec::new() })
     }
 
     /// The scenario; each filter has a unique id.
@@ -76,20 +79,17 @@ impl Bank {
     fn empty(&self, filter: &FilterSettings) -> Estimates {
         let model = filter.model(self.scenario.plant.kind, self.scenario.input);
         let estimates = Estimates::new(filter, &model, self.quantities.clone());
-        match &self.apart {
-            Some(apart) => estimates.with_clocks(apart, counts_in_samples(filter)),
-            None => estimates,
-        }
+        estimates.over(self.apart.as_deref(), self.dt, counts_in_samples(filter))
     }
 
     /// The number of samples beyond its last one that a filter reads of the record, if it takes the record for late.
     pub(crate) fn lookahead(&self) -> usize {
-        lookahead(&self.scenario)
+        lookahead(&self.scenario, self.dt)
     }
 
     /// The number of samples before its last one that a filter reads of the record.
     pub(crate) fn reach(&self) -> usize {
-        self.scenario.filters.iter().map(|filter| filter.input_delay.max(0) as usize).max().unwrap_or(0)
+        self.scenario.filters.iter().map(|filter| filter.delays(self.dt).reach()).max().unwrap_or(0)
     }
 
     /// Runs all filters over a record up to `samples`, one filter after the other, because each one's data then stays
@@ -140,7 +140,7 @@ impl Bank {
     }
 }
 
-/// The number of samples beyond its last one that a filter of a scenario reads of the record.
-pub(crate) fn lookahead(scenario: &Scenario) -> usize {
-    scenario.filters.iter().map(|filter| filter.input_delay.min(0).unsigned_abs() as usize).max().unwrap_or(0)
+/// The number of samples, `dt` \[s\] apart, beyond its last one that a filter of a scenario reads of the record.
+pub(crate) fn lookahead(scenario: &Scenario, dt: f64) -> usize {
+    scenario.filters.iter().map(|filter| filter.delays(dt).lookahead()).max().unwrap_or(0)
 }

@@ -9,7 +9,7 @@ use crate::mathematics::gaussian_likelihood;
 use crate::samples::by_channel::ByChannel;
 use crate::samples::remarks::{Monitor, Remark, Trouble};
 use crate::samples::sample::readings;
-use crate::{Channel, FilterColor, FilterError, FilterKind, FilterSettings, Model, PlantKind, Quantity};
+use crate::{Channel, FilterColor, FilterError, FilterKind, FilterSettings, Model, PlantKind, Quantity, Record};
 
 /// Why and where a filter stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,6 +62,8 @@ pub struct Estimates {
     effective_samples: Vec<f64>,
     /// The channels whose uncertainty the filter counts without estimating them.
     considered: Vec<Channel>,
+    /// The time by which the filter takes each sensor to be late \[s\]; empty where none is.
+    sensor_delay: Vec<f64>,
     /// Whether the filter weighs its readings; only then there are weights.
     weighs: bool,
     weights: Vec<f64>,
@@ -106,6 +108,7 @@ impl Estimates {
             log_likelihood: Vec::new(),
             effective_samples: Vec::new(),
             considered: settings.consider.clone(),
+            sensor_delay: settings.sensor_delay.clone(),
             weighs: settings.robust.is_on() && settings.can_weigh(),
             weights: Vec::new(),
             learns: settings.adaptation.sensor_noise,
@@ -115,9 +118,25 @@ impl Estimates {
         }
     }
 
-    /// Empty estimates over readings with times of their own.
-    pub(crate) fn with_clocks(self, apart: &[usize], moved: Option<&'static str>) -> Self {
-        Self { monitor: self.monitor.with_clocks(apart, moved), ..self }
+    /// Empty estimates over readings that are `dt` \[s\] apart, or have times of their own: `apart` tells for each sensor how many
+    /// samples lie between two of them then. `option` is what makes the filter count in samples.
+    pub(crate) fn over(self, apart: Option<&[usize]>, dt: f64, option: Option<&'static str>) -> Self {
+        let has_parts = self.sensor_delay.iter().any(|late| (late / dt - libm::round(late / dt)).abs() > 1e-6);
+        let monitor = match (apart, option) {
+            (Some(apart), option) => self.monitor.with_clocks(apart, option),
+            (None, Some(option)) if has_parts => self.monitor.with_rounded_delays(option),
+            (None, _) => self.monitor,
+        };
+        Self { monitor, ..self }
+    }
+
+    /// The readings of a sensor, by its place among the filter's, as the filter has them: where it takes the sensor to be late, each
+    /// sample has the one that tells of it, to the nearest sample. `None` where the record has no such sensor.
+    pub fn measured<'a>(&self, record: &'a Record, place: usize) -> Option<impl Fn(usize) -> f64 + Copy + 'a> {
+        let quantity = self.sensors.get(place)?;
+        let column = record.sensors().iter().position(|own| own == quantity)?;
+        let late = self.sensor_delay.get(place).copied().unwrap_or(0.0) / record.dt();
+        Some(move |k| record.late_reading(column, k, late))
     }
 
     /// Empty estimates of the filter's smoother.

@@ -90,8 +90,13 @@ impl<'a> FilterContext<'a> {
 
     /// The same over a record.
     pub(crate) fn over(self, record: &Record, settings: &FilterSettings) -> Self {
-        let is_timed = record.clocks().is_some() && counts_in_samples(settings).is_none();
-        Self { is_timed, ..self }
+        let has_times = record.clocks().is_some() || settings.delays(record.dt()).is_of_sensors();
+        Self { is_timed: has_times && counts_in_samples(settings).is_none(), ..self }
+    }
+
+    /// Whether a reading does not tell of its sample.
+    pub(crate) fn is_late(&self, settings: &FilterSettings) -> bool {
+        self.is_timed || settings.delays(self.dt).is_of_sensors()
     }
 
     /// The inputs on their own.

@@ -64,6 +64,8 @@ pub struct EventFilter {
     look_ahead: Option<f64>,
     /// Added to the times of inputs \[s\].
     input_delay: f64,
+    /// Taken from the times of each sensor's readings \[s\]; empty where none is late.
+    sensor_delay: Vec<f64>,
     noise: Share,
     correction: Correction,
     in_units: InUnits,
@@ -117,8 +119,12 @@ impl EventFilter {
             channels: filter.model().channels().to_vec(),
             noise: Share::new(filter.noise().clone(), n),
             correction: Correction::nothing(n, sensors.len()),
-            timeline: Timeline::new(scenario.hold, Self::KEPT.max(look_ahead.unwrap_or(0.0))),
+            timeline: Timeline::new(
+                scenario.hold,
+                Self::least_kept(&settings, scenario.dt, look_ahead).max(Self::KEPT),
+            ),
             look_ahead,
+            sensor_delay: settings.sensor_delay.clone(),
             input_delay: f64::from(settings.input_delay) * scenario.dt,
             in_units: InUnits::default(),
             in_hindsight: InUnits::default(),
@@ -140,8 +146,14 @@ impl EventFilter {
     /// The same filter before its first event, which keeps its beliefs for some seconds: what comes later is refused.
     #[must_use]
     pub fn keeping(mut self, seconds: f64) -> Self {
-        self.timeline = Timeline::new(self.scenario.hold, seconds.max(self.look_ahead.unwrap_or(0.0)));
+        let least = Self::least_kept(&self.settings, self.scenario.dt, self.look_ahead);
+        self.timeline = Timeline::new(self.scenario.hold, seconds.max(least));
         self
+    }
+
+    /// The seconds for which beliefs must be kept: for hindsight, and for sensors that are late.
+    fn least_kept(settings: &FilterSettings, dt: f64, look_ahead: Option<f64>) -> f64 {
+        settings.sensor_delay.iter().map(|late| late + dt).fold(look_ahead.unwrap_or(0.0), f64::max)
     }
 
     /// The components of the state, in the order of every mean and covariance.
@@ -214,8 +226,13 @@ impl EventFilter {
         {
             return Err(EventError::TooLate { time, oldest });
         }
+        let (readings, others) = self.by_time(time, readings);
+        if let Some(oldest) = oldest
+            && let Some(&(time, _)) = others.iter().find(|(time, _)| *time < oldest)
+        {
+            return Err(EventError::TooLate { time, oldest });
+        }
         (self.again, self.now) = (0, self.now.max(time));
-        let readings = readings.to_vec();
         let nothing = vec![f64::NAN; readings.len()];
         match (oldest, felt) {
             (None, felt) => {
@@ -231,8 +248,28 @@ impl EventFilter {
             }
             (Some(_), None) => self.put(Event::new(time, force, readings))?,
         }
+        for (time, readings) in others {
+            self.put(Event::new(time, None, readings))?;
+        }
         self.followed -= self.timeline.forget(self.now, self.followed);
         Ok(self.last.sample())
+    }
+
+    /// The readings that tell of this time \[s\], and those of late or early sensors, each with the time that it tells of. What tells of a
+    /// time before the first event does not count, as no reading of the first does.
+    fn by_time(&self, time: f64, readings: &[f64]) -> (Vec<f64>, Vec<(f64, Vec<f64>)>) {
+        let (mut own, mut others) = (readings.to_vec(), Vec::new());
+        let first = if self.first.is_finite() { self.first } else { time };
+        for (place, late) in self.sensor_delay.iter().enumerate().filter(|(_, late)| **late != 0.0) {
+            let reading = std::mem::replace(&mut own[place], f64::NAN);
+            let then = time - late;
+            if !reading.is_nan() && then > first + SAME * self.scenario.dt {
+                let mut alone = vec![f64::NAN; readings.len()];
+                alone[place] = reading;
+                others.push((then, alone));
+            }
+        }
+        (own, others)
     }
 
     fn check(&self, time: f64, input: f64, readings: &[f64]) -> Result<(), EventError> {

@@ -19,9 +19,10 @@ pub use error::OnlineError;
 /// [`Hold::Zero`], on the line to the value after it with [`Hold::First`].
 ///
 /// A first-order hold asks for nothing more: the step to a sample needs the inputs at both its ends, which are there. A
-/// negative input delay of d samples ([`FilterSettings::input_delay`](crate::FilterSettings::input_delay)) does: the plant
-/// feels an input d samples before it is recorded, so that the estimate of a sample is computed when the d-th sample after it
-/// comes in ([`Self::latency`]). [`Self::finish`] computes the last d.
+/// negative input delay of d samples ([`FilterSettings::input_delay`](crate::FilterSettings::input_delay)) does, and so does a sensor
+/// that is late by d ([`FilterSettings::sensor_delay`](crate::FilterSettings::sensor_delay)): the plant feels an input d samples before it
+/// is recorded, so that the estimate of a sample is computed when the d-th sample after it comes in ([`Self::latency`]).
+/// [`Self::finish`] computes the last d.
 ///
 /// A sample that is refused leaves the filter as it was.
 ///
@@ -70,8 +71,8 @@ impl OnlineFilter {
         let record = Record::empty(scenario.dt, scenario.input, scenario.hold, quantities, Vec::new());
         let pass = Pass::new(scenario, place, &record)?;
         let channels = Pass::history(scenario, place)?.channels().to_vec();
-        let delay = scenario.filters[place].input_delay;
-        let (latency, reach) = (delay.min(0).unsigned_abs() as usize, delay.max(0) as usize);
+        let delays = scenario.filters[place].delays(scenario.dt);
+        let (latency, reach) = (delays.lookahead(), delays.reach());
         let clock = Clock::new(scenario.dt);
         Ok(Self { pass, clock, channels, record, nothing, latency, reach, last: LastSample::default() })
     }
@@ -86,7 +87,7 @@ impl OnlineFilter {
         self.record.sensors()
     }
 
-    /// The number of samples by which an estimate is behind the sample that comes in: 0 unless the input delay is negative.
+    /// The number of samples by which an estimate is behind the sample that comes in: 0 unless the input delay is negative or a sensor late.
     pub fn latency(&self) -> usize {
         self.latency
     }

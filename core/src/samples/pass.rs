@@ -1,6 +1,6 @@
 //! One filter over one record.
 
-use crate::data::record::Parts;
+use crate::data::record::{Delays, Parts};
 use crate::mathematics::quantity::MAX_SENSORS;
 use crate::samples::estimator::{Estimator, Failed, FilterContext, Recipe, counts_in_samples};
 use crate::samples::run_error::sensor_places;
@@ -15,7 +15,7 @@ pub struct Pass {
     filter: Built,
     /// The column of the record for each of the scenario's sensors.
     sensors: Vec<usize>,
-    input_delay: i32,
+    delays: Delays,
     /// Memory for the parts of a step, of a filter that goes from one reading to the next.
     parts: Option<Box<Parts>>,
     done: usize,
@@ -76,23 +76,23 @@ impl Pass {
 
     pub(crate) fn with(settings: &FilterSettings, context: FilterContext<'_>, sensors: Vec<usize>) -> Self {
         let estimator = Some(select::estimator(settings, context));
-        Self::of(Built { recipe: None, estimator }, settings, context.is_timed, sensors)
+        Self::of(Built { recipe: None, estimator }, settings.delays(context.dt), context.is_timed, sensors)
     }
 
     /// The same, but the filter is built with its first sample.
     pub(crate) fn later(settings: &FilterSettings, context: FilterContext<'_>, sensors: Vec<usize>) -> Self {
         let recipe = Some(Box::new(context.kept(settings)));
-        Self::of(Built { recipe, estimator: None }, settings, context.is_timed, sensors)
+        Self::of(Built { recipe, estimator: None }, settings.delays(context.dt), context.is_timed, sensors)
     }
 
-    fn of(filter: Built, settings: &FilterSettings, is_timed: bool, sensors: Vec<usize>) -> Self {
+    fn of(filter: Built, delays: Delays, is_timed: bool, sensors: Vec<usize>) -> Self {
         let parts = is_timed.then(Box::default);
-        Self { filter, sensors, input_delay: settings.input_delay, parts, done: 0, stop: None, ahead: None }
+        Self { filter, sensors, delays, parts, done: 0, stop: None, ahead: None }
     }
 
     /// A pass without a record, which does nothing.
     pub(crate) fn idle() -> Self {
-        Self::of(Built::default(), &FilterSettings::default(), false, Vec::new())
+        Self::of(Built::default(), Delays::default(), false, Vec::new())
     }
 
     /// An empty history for the filter at `place` of a scenario, to be filled by a pass.
@@ -112,10 +112,8 @@ impl Pass {
     /// Those of [`Self::history`].
     pub fn history_over(scenario: &Scenario, place: usize, record: &Record) -> Result<Estimates, RunError> {
         let history = Self::history(scenario, place)?;
-        Ok(match apart(record, history.sensors()) {
-            Some(apart) => history.with_clocks(&apart, counts_in_samples(&scenario.filters[place])),
-            None => history,
-        })
+        let apart = apart(record, history.sensors());
+        Ok(history.over(apart.as_deref(), record.dt(), counts_in_samples(&scenario.filters[place])))
     }
 
     /// The number of samples done, counted from the record's beginning.
@@ -168,8 +166,8 @@ impl Pass {
     /// Computes until `samples` samples, counted from the record's beginning, are done, or to the end of the record. A
     /// filter that fails reports the reason to the sink and computes no further samples.
     pub fn follow(&mut self, record: &Record, samples: usize, sink: &mut dyn Sink) {
-        let Self { filter, sensors, input_delay, parts, done, stop, ahead: _ } = self;
-        let force = |k: usize| record.delayed_force(k, *input_delay);
+        let Self { filter, sensors, delays, parts, done, stop, ahead: _ } = self;
+        let force = |k: usize| record.delayed_force(k, delays.input);
         let goal = samples.min(record.forgotten() + record.len()).max(*done);
         let mut measured = [f64::NAN; MAX_SENSORS];
         let measured = &mut measured[..sensors.len()];
@@ -186,12 +184,12 @@ impl Pass {
             } else {
                 let k = sample - record.forgotten();
                 if let Some(parts) = parts.as_mut()
-                    && record.parts_to(k, *input_delay, sensors, parts)
+                    && record.parts_to(k, delays, sensors, parts)
                 {
                     estimator.step_through(parts, sink)
                 } else {
-                    for (value, &sensor) in measured.iter_mut().zip(sensors.iter()) {
-                        *value = record.measured(sensor)[k];
+                    for (place, (value, &sensor)) in measured.iter_mut().zip(sensors.iter()).enumerate() {
+                        *value = record.late_reading(sensor, k, delays.of(place));
                     }
                     estimator.step(force(k - 1), force(k), measured, sink)
                 }

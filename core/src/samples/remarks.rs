@@ -28,6 +28,9 @@ pub enum Trouble {
     /// The record's readings have times of their own, and this option counts in samples.
     #[error("each reading counts at the sample after it, not at its own time, because the filter has {0}")]
     Moved(&'static str),
+    /// A sensor is late by part of a step, and this option counts in samples.
+    #[error("a late reading counts at the nearest sample, not at its own time, because the filter has {0}")]
+    Rounded(&'static str),
     /// For ten measurements or more, one or two particles, or less than 2 % of them, have had nearly all the weight.
     #[error("the particles have collapsed: hardly any of them agrees with the measurements")]
     Collapse,
@@ -57,6 +60,7 @@ impl Trouble {
             Self::Missing(_) => "missing",
             Self::Unknown(_) => "unknown",
             Self::Moved(_) => "moved",
+            Self::Rounded(_) => "rounded",
             Self::Collapse => "collapse",
             Self::Widened => "widened",
             Self::VanishingSensorNoise(_) => "vanishing_sensor_noise",
@@ -165,6 +169,12 @@ impl Monitor {
         self.lasting = apart.iter().map(|apart| LASTING.max(SILENT * apart)).collect();
         self.is_timed = true;
         self.remarks.extend(moved.map(|what| Remark { what: Trouble::Moved(what), sample: 0, last: 0 }));
+        self
+    }
+
+    /// The same where late readings count at the nearest samples for this option.
+    pub(crate) fn with_rounded_delays(mut self, option: &'static str) -> Self {
+        self.remarks.push(Remark { what: Trouble::Rounded(option), sample: 0, last: 0 });
         self
     }
 

@@ -104,7 +104,7 @@ mod tests {
         let force = |k: usize| record.force(k - k % 3);
         estimator.begin(&mut bits)?;
         for k in 1..record.len() {
-            let mut measured = record.sample(k, sensors);
+            let mut measured = record.sample(k, sensors, &crate::record::Delays::default());
             if k % 7 == 0 {
                 measured[k % 2] = f64::NAN;
             }

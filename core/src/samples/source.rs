@@ -99,7 +99,7 @@ impl Recording {
         match self {
             Self::Simulated { .. } => scenario.samples(),
             Self::Given { record, is_live: false } => record.len(),
-            Self::Given { record, is_live: true } => record.len().saturating_sub(lookahead(scenario)),
+            Self::Given { record, is_live: true } => record.len().saturating_sub(lookahead(scenario, record.dt())),
         }
     }
 

@@ -166,8 +166,7 @@ fn batches<'a>(runs: &[GpuRun<'a>]) -> Vec<Batch<'a>> {
         }
         let same = |member: &&Member<'_>| {
             let (other, own) = (&member.setup, &setup);
-            std::ptr::eq(member.record, run.record)
-                && (&other.columns, other.input_delay) == (&own.columns, own.input_delay)
+            std::ptr::eq(member.record, run.record) && (&other.columns, &other.delays) == (&own.columns, &own.delays)
         };
         let tape = match batch.members.iter().rev().find(same) {
             Some(member) => member.tape,

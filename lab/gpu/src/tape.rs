@@ -35,7 +35,7 @@ impl Tape {
         let (mut counts, mut most) = ([0; 2], vec![0.0_f64; known]);
         for k in 0..record.len() {
             let of = |columns: &[&[f64]]| -> Vec<f64> { columns.iter().map(|column| column[k]).collect() };
-            let (own, numbers, force) = (of(&truth), of(&columns), record.delayed_force(k, setup.input_delay));
+            let (own, numbers, force) = (of(&truth), of(&columns), record.delayed_force(k, setup.delays.input));
             let is_fine = |number: &f64| number.abs() <= LARGEST;
             let is_missing = |number: &f64| number.is_nan() || is_fine(number);
             if !(own.iter().all(is_fine) && is_fine(&force) && numbers.iter().all(is_missing)) {

@@ -1,5 +1,7 @@
 //! Readings and inputs at times of their own.
 
+use std::ops::Range;
+
 use thiserror::Error;
 
 use crate::{Hold, InputKind};
@@ -85,9 +87,8 @@ impl Timed {
     }
 
     /// The places of the times that are after the first one, and not after the second.
-    fn within(&self, after: f64, until: f64) -> std::ops::Range<usize> {
-        let place = |bound: f64| self.times.partition_point(|time| *time <= bound);
-        place(after)..place(until)
+    fn within(&self, after: f64, until: f64) -> Range<usize> {
+        within(&self.times, after, until)
     }
 }
 
@@ -114,11 +115,91 @@ pub(crate) struct Parts {
     cuts: Vec<f64>,
 }
 
+/// The readings of one sensor, which is late by some steps.
+pub(super) struct Readings<'a> {
+    /// The times, in steps; or the sample from which those of the samples are counted.
+    pub(super) times: Result<&'a [f64], usize>,
+    /// NaN where one is missing.
+    pub(super) values: &'a [f64],
+    pub(super) late: f64,
+}
+
+impl Readings<'_> {
+    /// The places of the readings that tell of a time after the first one, and not after the second.
+    fn within(&self, after: f64, until: f64) -> Range<usize> {
+        let (after, until) = (after + self.late, until + self.late);
+        match self.times {
+            Ok(times) => within(times, after, until),
+            Err(origin) => {
+                let place = |bound: f64| origin.saturating_add_signed(libm::floor(bound) as isize + 1);
+                let end = place(until).min(self.values.len());
+                place(after).min(end)..end
+            }
+        }
+    }
+
+    /// The time that a reading tells of, in steps.
+    fn time(&self, place: usize) -> f64 {
+        match self.times {
+            Ok(times) => times[place] - self.late,
+            Err(origin) => place as f64 - origin as f64 - self.late,
+        }
+    }
+}
+
+/// The places of the times that are after the first one, and not after the second.
+fn within(times: &[f64], after: f64, until: f64) -> Range<usize> {
+    let place = |bound: f64| times.partition_point(|time| *time <= bound);
+    place(after)..place(until)
+}
+
 impl Parts {
     /// Each part, and the readings at its end.
     pub(crate) fn iter(&self) -> impl Iterator<Item = (Part, &[f64])> {
         let m = self.readings.len() / self.parts.len().max(1);
         self.parts.iter().enumerate().map(move |(k, part)| (*part, &self.readings[k * m..(k + 1) * m]))
+    }
+
+    /// Takes what happens in the step to a time, in steps, of so many sensors, with an input at times of its own if it has such.
+    pub(super) fn take<'a>(
+        &mut self,
+        end: f64,
+        sensors: usize,
+        of: impl Fn(usize) -> Readings<'a>,
+        input: Option<&Timed>,
+        course: &Course,
+    ) {
+        let begin = end - 1.0;
+        let Self { parts, readings, cuts } = self;
+        cuts.clear();
+        cuts.push(end);
+        for sensor in (0..sensors).map(&of) {
+            let there = sensor.within(begin + SAME, end + SAME).filter(|place| !sensor.values[*place].is_nan());
+            cuts.extend(there.map(|place| sensor.time(place)));
+        }
+        if let Some(input) = input {
+            let delay = course.delay;
+            cuts.extend(input.times[input.within(begin - delay, end - delay)].iter().map(|time| time + delay));
+        }
+        cuts.sort_by(f64::total_cmp);
+        cuts.dedup_by(|later, before| *later - *before <= SAME);
+        // The end itself is exact.
+        if let Some(last) = cuts.last_mut() {
+            *last = end;
+        }
+        parts.clear();
+        readings.clear();
+        let mut from = begin;
+        for &cut in &*cuts {
+            let [before, force] = [from, cut].map(|time| course.at(time, input, [begin, end]));
+            let ahead = if course.hold == Hold::Zero { before } else { force };
+            parts.push(Part { share: cut - from, forces: [before, ahead], force });
+            for sensor in (0..sensors).map(&of) {
+                let place = sensor.within(from + SAME, cut + SAME).next_back();
+                readings.push(place.map_or(f64::NAN, |place| sensor.values[place]));
+            }
+            from = cut;
+        }
     }
 }
 
@@ -182,9 +263,9 @@ impl Clocks {
     }
 
     /// Those of the samples from one on, up to another one.
-    pub(super) fn part(&self, samples: std::ops::Range<usize>) -> Self {
+    pub(super) fn part(&self, samples: Range<usize>) -> Self {
         let (first, last) = (samples.start as f64, samples.end.saturating_sub(1) as f64);
-        let moved = |timed: &Timed, places: std::ops::Range<usize>| Timed {
+        let moved = |timed: &Timed, places: Range<usize>| Timed {
             times: timed.times[places.clone()].iter().map(|time| time - first).collect(),
             values: timed.values[places].to_vec(),
         };
@@ -197,41 +278,6 @@ impl Clocks {
         Self {
             input: self.input.as_ref().map(of_input),
             readings: self.readings.iter().map(|timed| moved(timed, timed.within(first - 1.0, last))).collect(),
-        }
-    }
-
-    /// What happens in the step to a sample, of the sensors in these columns.
-    pub(super) fn to(&self, k: usize, columns: &[usize], course: &Course, into: &mut Parts) {
-        let end = k as f64;
-        let begin = end - 1.0;
-        let Parts { parts, readings, cuts } = into;
-        cuts.clear();
-        cuts.push(end);
-        for timed in columns.iter().map(|column| &self.readings[*column]) {
-            cuts.extend_from_slice(&timed.times[timed.within(begin, end)]);
-        }
-        if let Some(input) = &self.input {
-            let delay = course.delay;
-            cuts.extend(input.times[input.within(begin - delay, end - delay)].iter().map(|time| time + delay));
-        }
-        cuts.sort_by(f64::total_cmp);
-        cuts.dedup_by(|later, before| *later - *before <= SAME);
-        // The end itself is exact.
-        if let Some(last) = cuts.last_mut() {
-            *last = end;
-        }
-        parts.clear();
-        readings.clear();
-        let mut from = begin;
-        for &cut in &*cuts {
-            let [before, force] = [from, cut].map(|time| course.at(time, self.input.as_ref(), [begin, end]));
-            let ahead = if course.hold == Hold::Zero { before } else { force };
-            parts.push(Part { share: cut - from, forces: [before, ahead], force });
-            for timed in columns.iter().map(|column| &self.readings[*column]) {
-                let place = timed.within(from + SAME, cut + SAME).next_back();
-                readings.push(place.map_or(f64::NAN, |place| timed.values[place]));
-            }
-            from = cut;
         }
     }
 }

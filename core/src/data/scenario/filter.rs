@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::values;
 use super::{Bounds, FilterColor, Values};
 use crate::data::document::{is_default, is_one};
+use crate::data::record::Delays;
 use crate::mathematics::filter::{Adaptation, FilterKind, MethodSettings, Propagation, Robust};
 use crate::mathematics::model::{InputKind, Model};
 use crate::{Channel, PlantKind};
@@ -90,6 +91,10 @@ pub struct FilterSettings {
     /// Standard deviations that the filter assumes of the sensors, in their order: the square roots of the diagonal of
     /// R. The sensors' true ones if the list is empty in a file.
     pub sensor_std: Vec<f64>,
+    /// The time by which each sensor is late, as the filter assumes, in their order \[s\]: a reading tells of so long before its own time;
+    /// negative where it is early. Filters that count in samples take the nearest. No sensor is if the list is empty.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub sensor_delay: Vec<f64>,
     /// Mean of the initial belief.
     #[serde(deserialize_with = "values::initial_mean")]
     pub initial_mean: Values,
@@ -128,6 +133,7 @@ impl Default for FilterSettings {
             fading: 1.0,
             eta: 0.0,
             sensor_std: Vec::new(),
+            sensor_delay: Vec::new(),
             initial_mean: Values::INITIAL_MEAN,
             initial_std: Values::INITIAL_STD,
             process_std: Values::PROCESS_STD,
@@ -136,6 +142,11 @@ impl Default for FilterSettings {
 }
 
 impl FilterSettings {
+    /// What the filter takes for late, in steps of `dt` \[s\].
+    pub fn delays(&self, dt: f64) -> Delays {
+        Delays::new(self.input_delay, self.sensor_delay.iter().map(|late| late / dt))
+    }
+
     /// The filter's model of a truth of this kind under this input.
     pub fn model(&self, truth: PlantKind, input: InputKind) -> Model {
         // The parameters of a KF are known and do not decay.

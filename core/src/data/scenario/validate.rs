@@ -135,6 +135,7 @@ impl FilterSettings {
             robust,
             smoother,
             sensor_std,
+            sensor_delay,
             initial_mean,
             ..
         } = self;
@@ -247,6 +248,12 @@ impl FilterSettings {
             format_args!("{path}.sensor_std"),
             format_args!("a list of {}", sensor_std.len()),
             format_args!("a list of {sensors}, one for each sensor"),
+        )?;
+        require(
+            sensor_delay.is_empty() || sensor_delay.len() == sensors,
+            format_args!("{path}.sensor_delay"),
+            format_args!("a list of {}", sensor_delay.len()),
+            format_args!("[], or a list of {sensors}, one for each sensor"),
         )?;
         for table in TABLES {
             if let Some((entry, value)) = table.first_refused(self) {

@@ -129,7 +129,7 @@ impl Address {
             Place::Noise(quantity) => quantity.unit(),
             Place::Fault(quantity, _, info) => info.scale.unit(*quantity),
             Place::Filters(_, Member::Number(info)) => info.unit,
-            Place::Filters(_, Member::Entry(_, entry)) => entry.unit(),
+            Place::Filters(_, Member::Entry(table, entry)) => table.unit_of(*entry),
             Place::Filters(_, Member::Factor(..)) => "",
         }
     }

@@ -25,12 +25,16 @@ pub struct TableInfo {
     /// An explanation in one sentence.
     pub hint: &'static str,
     column: Column,
+    /// The number of each sensor where the list is empty, if it may be.
+    otherwise: Option<f64>,
+    /// The unit of its numbers, if it is not that of their channels or quantities.
+    unit: Option<&'static str>,
 }
 
 /// The numbers of a table.
 enum Column {
     Channels(fn(&FilterSettings) -> &Values, fn(&mut FilterSettings) -> &mut Values),
-    Sensors,
+    Sensors(fn(&FilterSettings) -> &Vec<f64>, fn(&mut FilterSettings) -> &mut Vec<f64>),
 }
 
 /// The channel or the sensor whose number an entry of a table is.
@@ -52,6 +56,8 @@ pub static INITIAL_MEAN: TableInfo = TableInfo {
     allowed: Allowed::Finite,
     hint: "Mean of the initial belief",
     column: Column::Channels(|filter| &filter.initial_mean, |filter| &mut filter.initial_mean),
+    otherwise: None,
+    unit: None,
 };
 
 /// The standard deviations of the initial belief.
@@ -64,6 +70,8 @@ pub static INITIAL_STD: TableInfo = TableInfo {
     allowed: Allowed::AtLeast(0.0),
     hint: "How sure the filter is of its guess",
     column: Column::Channels(|filter| &filter.initial_std, |filter| &mut filter.initial_std),
+    otherwise: None,
+    unit: None,
 };
 
 /// The standard deviations of the process noise per step.
@@ -76,6 +84,8 @@ pub static PROCESS_STD: TableInfo = TableInfo {
     allowed: Allowed::AtLeast(0.0),
     hint: "0: the model is exact",
     column: Column::Channels(|filter| &filter.process_std, |filter| &mut filter.process_std),
+    otherwise: None,
+    unit: None,
 };
 
 /// The standard deviations that the filter assumes of the sensors.
@@ -87,11 +97,30 @@ pub static SENSOR_STD: TableInfo = TableInfo {
     factor: Some("√R"),
     allowed: Allowed::Above(0.0),
     hint: "Standard deviation that the filter ascribes to the sensor",
-    column: Column::Sensors,
+    column: Column::Sensors(|filter| &filter.sensor_std, |filter| &mut filter.sensor_std),
+    otherwise: None,
+    unit: None,
 };
 
+/// The times by which the filter takes the sensors to be late.
+pub static SENSOR_DELAY: TableInfo = TableInfo {
+    key: "sensor_delay",
+    symbol: "delay",
+    words: "delay",
+    name: "sensor delay",
+    factor: None,
+    allowed: Allowed::Within(-LATEST, LATEST),
+    hint: "A reading tells of so long before its own time; negative where it is early",
+    column: Column::Sensors(|filter| &filter.sensor_delay, |filter| &mut filter.sensor_delay),
+    otherwise: Some(0.0),
+    unit: Some("s"),
+};
+
+/// The most by which a sensor is late \[s\].
+const LATEST: f64 = 10.0;
+
 /// All tables of a filter.
-pub static TABLES: [&TableInfo; 4] = [&INITIAL_MEAN, &INITIAL_STD, &PROCESS_STD, &SENSOR_STD];
+pub static TABLES: [&TableInfo; 5] = [&INITIAL_MEAN, &INITIAL_STD, &PROCESS_STD, &SENSOR_STD, &SENSOR_DELAY];
 
 impl TableInfo {
     /// The table with a key.
@@ -99,16 +128,24 @@ impl TableInfo {
         TABLES.into_iter().find(|table| table.key == key)
     }
 
+    /// The unit of an entry, empty for a pure number.
+    pub fn unit_of(&self, entry: Entry) -> &'static str {
+        self.unit.unwrap_or(entry.unit())
+    }
+
     /// Whether the table has a number for each sensor, and not for each channel.
     pub fn is_of_sensors(&self) -> bool {
-        matches!(self.column, Column::Sensors)
+        matches!(self.column, Column::Sensors(..))
     }
 
     /// The number of an entry in a filter beside these sensors; `None` where the table has no such entry.
     pub fn get(&self, filter: &FilterSettings, entry: Entry, sensors: &[Sensor]) -> Option<f64> {
         match (&self.column, entry) {
             (Column::Channels(of, _), Entry::Channel(channel)) => Some(of(filter)[channel]),
-            (Column::Sensors, Entry::Sensor(quantity)) => filter.sensor_std.get(place(sensors, quantity)?).copied(),
+            (Column::Sensors(of, _), Entry::Sensor(quantity)) => {
+                let place = place(sensors, quantity)?;
+                of(filter).get(place).copied().or(self.otherwise)
+            }
             _ => None,
         }
     }
@@ -117,7 +154,13 @@ impl TableInfo {
     pub fn get_mut<'a>(&self, filter: &'a mut FilterSettings, entry: Entry, sensors: &[Sensor]) -> Option<&'a mut f64> {
         match (&self.column, entry) {
             (Column::Channels(_, of), Entry::Channel(channel)) => Some(&mut of(filter)[channel]),
-            (Column::Sensors, Entry::Sensor(quantity)) => filter.sensor_std.get_mut(place(sensors, quantity)?),
+            (Column::Sensors(_, of), Entry::Sensor(quantity)) => {
+                let (place, list) = (place(sensors, quantity)?, of(filter));
+                if let Some(otherwise) = self.otherwise.filter(|_| list.len() < sensors.len()) {
+                    list.resize(sensors.len(), otherwise);
+                }
+                list.get_mut(place)
+            }
             _ => None,
         }
     }
@@ -126,7 +169,7 @@ impl TableInfo {
     pub fn numbers(&self, filter: &FilterSettings) -> Vec<f64> {
         match self.column {
             Column::Channels(of, _) => of(filter).iter().map(|(_, number)| number).collect(),
-            Column::Sensors => filter.sensor_std.clone(),
+            Column::Sensors(of, _) => of(filter).clone(),
         }
     }
 
@@ -138,9 +181,9 @@ impl TableInfo {
                 let (channel, value) = of(filter).iter().find(|&(_, value)| is_refused(value))?;
                 Some((format!(".{}", channel.key()), value))
             }
-            Column::Sensors => {
-                let place = filter.sensor_std.iter().position(|&std| is_refused(std))?;
-                Some((format!("[{place}]"), filter.sensor_std[place]))
+            Column::Sensors(of, _) => {
+                let place = of(filter).iter().position(|&number| is_refused(number))?;
+                Some((format!("[{place}]"), of(filter)[place]))
             }
         }
     }
@@ -162,7 +205,7 @@ impl TableInfo {
                     of_mut(filter)[channel] = factor * std;
                 }
             }
-            Column::Sensors => filter.sensor_std = base.sensor_std.iter().map(|std| factor * std).collect(),
+            Column::Sensors(of, of_mut) => *of_mut(filter) = of(base).iter().map(|number| factor * number).collect(),
         }
     }
 }

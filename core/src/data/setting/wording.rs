@@ -2,7 +2,9 @@
 
 use toml::Value;
 
-use super::{CHOICES_OF_FILTER, CHOICES_OF_SCENARIO, Edit, Entry, OF_FILTER, SENSOR_STD, TableInfo, of_scenario};
+use super::{
+    CHOICES_OF_FILTER, CHOICES_OF_SCENARIO, Edit, Entry, OF_FILTER, SENSOR_DELAY, SENSOR_STD, TableInfo, of_scenario,
+};
 use crate::data::scenario::{FilterSettings, Scenario};
 use crate::mathematics::channel::Channel;
 use crate::mathematics::plant::PlantKind;
@@ -61,6 +63,16 @@ impl Edit {
                 };
                 let all: Option<Vec<String>> = scenario.sensors.iter().zip(stds).map(of).collect();
                 Some(format!("set {} {}", SENSOR_STD.symbol, all?.join(", ")))
+            }
+            ("sensor_delay", Value::Array(delays)) => {
+                let before = |place: usize| filter.sensor_delay.get(place).copied().unwrap_or(0.0);
+                let of = |(place, sensor): (usize, &crate::Sensor)| {
+                    let delay = delays.get(place)?;
+                    let changes = delay.as_float() != Some(before(place));
+                    changes.then(|| Some(format!("of {} = {} s", sensor.measures.symbol(), number(delay)?)))
+                };
+                let all: Option<Vec<String>> = scenario.sensors.iter().enumerate().filter_map(of).collect();
+                Some(format!("set the {} {}", SENSOR_DELAY.symbol, all?.join(", ")))
             }
             (_, Value::Boolean(on)) => {
                 let info = OF_FILTER.into_iter().flatten().find(|info| info.key == key)?;

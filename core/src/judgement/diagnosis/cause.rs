@@ -110,7 +110,7 @@ pub struct LikelyCause {
     pub(crate) softens: bool,
     /// Whether its remedy begins with another guess of the frequency too.
     pub(crate) renews_guess: bool,
-    /// Whether it is a fault of the record that no setting can mend: it comes before every other cause.
+    /// Whether the record itself shows it, without a model: it comes before every other cause.
     pub(crate) of_record: bool,
     /// Whether its remedy silences a sensor instead of explaining it: it comes after every other cause.
     pub(crate) silences: bool,

@@ -19,14 +19,14 @@ pub(super) struct Marked {
 impl Readings {
     /// The readings of the sensor at a place among the filter's. `None` if the record has no column for it.
     pub(super) fn of(case: &Case<'_>, place: usize) -> Option<Self> {
-        let column = case.record.measured_quantity(case.sensors.get(place)?.sensor)?;
+        let column = case.estimates.measured(case.record, place)?;
         let m = case.sensors.len();
         let innovation = |k: usize| {
             let (e, s) = (case.estimates.innovation(k)[place], case.estimates.innovation_cov(k)[place * (m + 1)]);
             e / s.sqrt()
         };
         Some(Self {
-            values: column[case.samples.clone()].to_vec(),
+            values: case.samples.clone().map(column).collect(),
             innovations: case.samples.clone().map(innovation).collect(),
         })
     }

@@ -123,13 +123,7 @@ impl Model {
     }
 
     /// The same of a sensor without gain.
-    fn gradient_of_exact(
-        &self,
-        reading: &Reading,
-        jacobian: &Matrix,
-        force: f64,
-        mut add: impl FnMut(usize, f64),
-    ) {
+    fn gradient_of_exact(&self, reading: &Reading, jacobian: &Matrix, force: f64, mut add: impl FnMut(usize, f64)) {
         let Reading { state: components, rates, ground, .. } = reading;
         for &(place, factor) in components {
             add(place, factor);

@@ -150,7 +150,8 @@ impl Beginning {
                 for (sensor, reading) in
                     readings.iter().enumerate().filter(|(sensor, _)| has(record, readings, k, *sensor))
                 {
-                    let error = record.measured(sensor)[k] - identified.read(reading.as_ref(), state, record, k);
+                    let error =
+                        identified.measured(record, sensor, k) - identified.read(reading.as_ref(), state, record, k);
                     errors.push(if error.is_nan() { 0.0 } else { error / scales[sensor] });
                 }
             }

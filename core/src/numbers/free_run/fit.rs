@@ -44,11 +44,11 @@ pub fn one_step(estimates: &Estimates, record: &Record, sensor: usize, part: Ran
     let place = estimates.sensors().iter().position(|&own| own == quantity)?;
     let end = part.end.min(estimates.len()).min(record.len());
     let part = part.start.min(end)..end;
-    let measured = &record.measured(sensor)[part.clone()];
-    let predicted: Vec<f64> =
-        part.clone().map(|k| record.measured(sensor)[k] - estimates.innovation(k)[place]).collect();
+    let all = estimates.measured(record, place)?;
+    let measured: Vec<f64> = part.clone().map(all).collect();
+    let predicted: Vec<f64> = part.clone().map(|k| all(k) - estimates.innovation(k)[place]).collect();
     // The first sample has no prediction.
-    let skip = predicted.iter().zip(measured).take_while(|(p, m)| p.is_nan() && !m.is_nan()).count();
+    let skip = predicted.iter().zip(&measured).take_while(|(p, m)| p.is_nan() && !m.is_nan()).count();
     fit(&measured[skip..], &predicted[skip..])
 }
 

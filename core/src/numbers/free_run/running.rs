@@ -78,12 +78,12 @@ impl Running {
 
     /// The free run, as far as it is done.
     pub fn finish(self, record: &Record) -> FreeRun {
-        let Self { part, readings, beginning, mut predicted, .. } = self;
+        let Self { identified, part, readings, beginning, mut predicted, .. } = self;
         predicted.iter_mut().for_each(|column| column.resize(part.len(), f64::NAN));
         let fitted = beginning.part.len();
         let fits = (0..readings.len()).map(|sensor| {
-            let measured = &record.measured(sensor)[part.clone()];
             readings[sensor].as_ref()?;
+            let measured: Vec<f64> = part.clone().map(|k| identified.measured(record, sensor, k)).collect();
             fit(&measured[fitted..], &predicted[sensor][fitted..])
         });
         FreeRun { fits: fits.collect(), fitted, predicted, part }

@@ -40,7 +40,7 @@ impl Run<'_> {
     /// Whether two runs see the same numbers of one record.
     fn has_columns_of(&self, other: &Self) -> bool {
         std::ptr::eq(self.record, other.record)
-            && (&self.setup.columns, self.setup.input_delay) == (&other.setup.columns, other.setup.input_delay)
+            && (&self.setup.columns, &self.setup.delays) == (&other.setup.columns, &other.setup.delays)
     }
 }
 
@@ -98,10 +98,15 @@ impl<'a> Inputs<'a> {
             Column((0..lanes).map(|lane| of(runs[lane.min(runs.len() - 1)])).collect())
         };
         let force = |Run { setup, record }: Run<'a>| {
-            (0..record.len()).map(|k| record.delayed_force(k, setup.input_delay)).collect()
+            (0..record.len()).map(|k| record.delayed_force(k, setup.delays.input)).collect()
         };
-        let measured =
-            |place: usize| column(&|Run { setup, record }| Cow::Borrowed(record.measured(setup.columns[place])));
+        let measured = |place: usize| {
+            column(&|Run { setup, record }| {
+                let (from, late) = (setup.columns[place], setup.delays.of(place));
+                let readings = || (0..record.len()).map(|k| record.late_reading(from, k, late)).collect();
+                if late == 0.0 { Cow::Borrowed(record.measured(from)) } else { Cow::Owned(readings()) }
+            })
+        };
         let setup = runs[0].setup;
         let known = setup.channels.iter().filter(|&&channel| runs[0].record.truth(channel).is_some());
         let truth = |&channel| column(&|run: Run<'a>| Cow::Borrowed(run.record.truth(channel).unwrap_or_default()));
@@ -167,9 +172,7 @@ impl<T: Number, L: Level> Batch<T, L> {
                 let before = force;
                 force = inputs.force.at(k);
                 let goes_on = match inputs.timed {
-                    Some(Run { setup, record })
-                        if record.parts_to(k, setup.input_delay, &setup.columns, &mut parts) =>
-                    {
+                    Some(Run { setup, record }) if record.parts_to(k, &setup.delays, &setup.columns, &mut parts) => {
                         self.step_through(&parts, &mut measured, k)
                     }
                     _ => {

@@ -110,7 +110,7 @@ impl<P: Oscillator<N>, const N: usize> OscillatorFilter<P, N> {
             _ => return Ok(None),
         };
         let usual = settings.has_plain_update()
-            && !context.is_timed
+            && !context.is_late(settings)
             && settings.substeps == 1
             && (method == Method::SigmaPoints || settings.propagation == Propagation::LocalLinearisation)
             && serves(settings, &context);

@@ -1,5 +1,6 @@
 //! The filter of a scenario, as plain numbers for a lane.
 
+use crate::data::record::Delays;
 use crate::mathematics::engine::belief;
 use crate::mathematics::engine::design::{Design, Method};
 use crate::mathematics::engine::filter::Filter;
@@ -36,8 +37,8 @@ pub struct Setup {
     pub white: f64,
     /// The record's column for each sensor.
     pub columns: Vec<usize>,
-    /// The number of samples after which the plant feels the input.
-    pub input_delay: i32,
+    /// What is late: the input, and each sensor by its place among the columns.
+    pub delays: Delays,
     /// Whether it goes from one reading of the record to the next, at the times that they have.
     pub is_timed: bool,
 }
@@ -63,7 +64,7 @@ impl Setup {
     /// Those of [`Pass::new`](crate::Pass::new).
     pub fn of_any(scenario: &Scenario, place: usize, record: &Record) -> Result<Option<Self>, RunError> {
         Self::unless(scenario, place, record, |settings, context| {
-            settings.log_parameters || context.is_timed || !settings.has_plain_update()
+            settings.log_parameters || context.is_late(settings) || !settings.has_plain_update()
         })
     }
 
@@ -107,17 +108,19 @@ impl Setup {
         let filter = build_filter(Box::new(belief), settings, context);
         let (noise, white) = (filter.noise(), filter.white_force());
         // Leaves out a sensor for a quantity that the model does not have.
+        let late = settings.delays(context.dt);
         let sensor = |(sensor, column): (usize, usize)| {
-            Some((column, book.reading(context.sensors[sensor])?, noise.sensors[sensor]))
+            Some((column, book.reading(context.sensors[sensor])?, noise.sensors[sensor], late.of(sensor)))
         };
         let sensors: Vec<_> = columns.into_iter().enumerate().filter_map(sensor).collect();
+        let delays = Delays::new(late.input, sensors.iter().map(|&(.., late)| late));
         let design = Design {
             model,
             method,
             dt: context.dt,
             has_slope: context.hold == Hold::First,
             substeps: settings.substeps.max(1),
-            readings: sensors.iter().map(|(_, reading, _)| reading.clone()).collect(),
+            readings: sensors.iter().map(|(_, reading, ..)| reading.clone()).collect(),
             white: white.map(|white| (white.place, white.course)),
             robust: settings.robust,
             adaptation: settings.adaptation,
@@ -129,11 +132,11 @@ impl Setup {
             mean: initial.mean.as_slice().to_vec(),
             variance: initial.cov.diagonal().as_slice().to_vec(),
             process: noise.process.diagonal().as_slice().to_vec(),
-            sensors: sensors.iter().map(|&(_, _, variance)| variance).collect(),
+            sensors: sensors.iter().map(|&(_, _, variance, _)| variance).collect(),
             fading: noise.fading,
             white: white.map_or(0.0, |white| white.variance),
             columns: sensors.iter().map(|&(column, ..)| column).collect(),
-            input_delay: settings.input_delay,
+            delays,
             is_timed: context.is_timed,
         })
     }
@@ -149,7 +152,7 @@ fn is_single(settings: &FilterSettings) -> bool {
 fn has_own_lanes(settings: &FilterSettings, context: &FilterContext<'_>) -> bool {
     const WITH_LANES: [PlantKind; 2] = [PlantKind::SDOF, PlantKind::DUFFING];
     settings.has_plain_update()
-        && !context.is_timed
+        && !context.is_late(settings)
         && settings.substeps == 1
         && WITH_LANES.contains(&settings.plant.unwrap_or(context.plant))
         && kernel::serves(settings, context)

@@ -219,7 +219,7 @@ fn same_filters(run: &Run, scenario: &Scenario) -> bool {
     let before = run.scenario();
     match run.source() {
         Source::Simulated => {
-            let reaches = run.recording.len() >= (run.done() + lookahead(scenario)).min(run.samples);
+            let reaches = run.recording.len() >= (run.done() + lookahead(scenario, run.record().dt())).min(run.samples);
             run.record().forgotten() == 0 && reaches && without_filters(before) == without_filters(scenario)
         }
         Source::Measured(_) | Source::Live(_) => {

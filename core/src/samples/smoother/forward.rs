@@ -1,6 +1,6 @@
 //! A filter on its way forward, with all that a way back needs.
 
-use crate::data::record::Parts;
+use crate::data::record::{Delays, Parts};
 use crate::mathematics::filter::correction::Last;
 use crate::mathematics::filter::share::Share;
 use crate::mathematics::filter::{Correction, Filter, FilterError, Gaussian, Part, kalman};
@@ -14,7 +14,7 @@ use crate::{Estimates, FilterSettings, Quantity, Record};
 /// A filter whose beliefs are smoothed later.
 pub(crate) struct Forward {
     filter: Filter,
-    input_delay: i32,
+    delays: Delays,
     sensors: Vec<Quantity>,
     correction: Correction,
     in_units: InUnits,
@@ -95,7 +95,7 @@ impl Forward {
                 Box::new(Timed { of_share, parts: Parts::default() })
             }),
             filter: if settings.jump { filter.with_jump() } else { filter },
-            input_delay: settings.input_delay,
+            delays: settings.delays(context.dt),
             sensors: context.sensors.to_vec(),
             correction: Correction::default(),
             in_units: InUnits::default(),
@@ -125,11 +125,11 @@ impl Forward {
 
     /// Goes through the parts of the step to a sample.
     fn go_through(&mut self, timed: &mut Timed, record: &Record, k: usize) -> Result<Vec<Passage>, FilterError> {
-        let Self { filter, input_delay, sensors, correction, .. } = self;
+        let Self { filter, delays, sensors, correction, .. } = self;
         let Timed { of_share, parts } = timed;
         let columns: Vec<usize> =
             sensors.iter().filter_map(|quantity| record.sensors().iter().position(|other| other == quantity)).collect();
-        record.parts_to(k, *input_delay, &columns, parts);
+        record.parts_to(k, delays, &columns, parts);
         let n = filter.model().size();
         let mut passages = Vec::new();
         for (part, readings) in parts.iter() {
@@ -147,8 +147,8 @@ impl Forward {
 
     /// Goes on to a sample.
     fn go_on(&mut self, record: &Record, k: usize) -> Result<Passage, FilterError> {
-        let Self { filter, input_delay, sensors, correction, .. } = self;
-        let forces = [k.saturating_sub(1), k].map(|k| record.delayed_force(k, *input_delay));
+        let Self { filter, delays, sensors, correction, .. } = self;
+        let forces = [k.saturating_sub(1), k].map(|k| record.delayed_force(k, delays.input));
         let n = filter.model().size();
         let mut transition = Matrix::identity(n, n);
         filter.predict_by(forces, |model, belief, part| {
@@ -159,7 +159,7 @@ impl Forward {
             Ok(())
         })?;
         let predicted = filter.belief().gaussian().into_owned();
-        filter.update(forces[1], &record.sample(k, sensors), correction)?;
+        filter.update(forces[1], &record.sample(k, sensors, delays), correction)?;
         Passage::new(transition, correction, &predicted.cov)
     }
 

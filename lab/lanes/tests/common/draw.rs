@@ -129,6 +129,10 @@ const ADAPTS_FAST: Adaptation =
 fn changed(mut filter: FilterSettings, plant: PlantKind, augment: &[Channel], draw: &mut Draw) -> FilterSettings {
     filter.fading = draw.one(&[1.0, 1.002, 1.05]);
     filter.input_delay = draw.below(6) as i32 - 2;
+    if draw.once_in(6) {
+        // In seconds: whole steps and parts of them, at some dt.
+        filter.sensor_delay = filter.sensor_std.iter().map(|_| draw.one(&[0.0, 0.01, 0.0337, -0.02])).collect();
+    }
     filter.sensor_std.iter_mut().for_each(|std| *std *= 10_f64.powf(draw.between(-0.5, 0.5)));
     for &channel in plant.channels().iter().chain(augment) {
         filter.initial_mean[channel] *= draw.between(0.7, 1.4);

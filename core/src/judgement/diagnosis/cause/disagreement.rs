@@ -1,6 +1,7 @@
 //! Two sensors of one mass do not agree: one has a wrong sign, a wrong scale, or is late; or the times of all are wrong.
 
 use super::{BadFilter, Cause, LikelyCause};
+use crate::data::setting::Edit;
 use crate::judgement::diagnosis::agreement::Agreement;
 use crate::judgement::diagnosis::readings::clipped_ends;
 use crate::judgement::diagnosis::words::short;
@@ -16,20 +17,24 @@ const SURE: f64 = 5.0;
 /// Factors that differ by less than this share are the same.
 const ALIKE: f64 = 0.02;
 
-/// The factor on a σ that leaves a sensor out.
+/// A σ that is so many times its first one leaves a sensor out.
 const SILENCE: f64 = 1000.0;
+
+/// The initial standard deviation of a gain, relative to the gain.
+const GAIN_STD: f64 = 0.05;
 
 pub(super) static SIGN: Cause = Cause {
     key: "sensor_sign",
     name: "the sign of a sensor",
-    hint: "One of two sensors counts in the other direction. Give its column the gain -1.",
+    hint: "One of two sensors counts in the other direction. Let the filter estimate its gain, or give its column the gain -1.",
     likely_causes: |bad, cause, found| likely_causes(bad, cause, found, Fault::Sign),
 };
 
 pub(super) static SCALE_OF: Cause = Cause {
     key: "sensor_scale",
     name: "the scale of a sensor",
-    hint: "One of two sensors reads too much or too little by a factor: a unit, a gain, a calibration. Give its column the right gain.",
+    hint: "One of two sensors reads too much or too little by a factor: a unit, a gain, a calibration. Let the filter estimate its gain, or \
+           give its column the right one.",
     likely_causes: |bad, cause, found| likely_causes(bad, cause, found, Fault::Scale),
 };
 
@@ -44,7 +49,8 @@ pub(super) static TIMES: Cause = Cause {
 pub(super) static LATENESS: Cause = Cause {
     key: "sensor_late",
     name: "a sensor that is late",
-    hint: "One of two sensors reads later than the other: a filter of its amplifier, or another clock. Give its column the delay.",
+    hint: "One of two sensors reads later than the other: a filter of its amplifier, or another clock. Give the filter, or its column, the \
+           delay.",
     likely_causes: |bad, cause, found| likely_causes(bad, cause, found, Fault::Late),
 };
 
@@ -77,8 +83,8 @@ fn pairs(bad: &BadFilter<'_>) -> Vec<Pair> {
             return None;
         }
         let part = |place: usize| {
-            let column = case.record.measured_quantity(sensors[place].measures)?;
-            Some(without_ends(&column[case.samples.clone()]))
+            let column = case.estimates.measured(case.record, place)?;
+            Some(without_ends(&case.samples.clone().map(column).collect::<Vec<f64>>()))
         };
         let (values, rates) = (part(place)?, part(other)?);
         let agreement = Agreement::of(&values, &rates, case.record.dt(), bad.filter.sensor_std[other])?;
@@ -118,48 +124,74 @@ fn wrong_times(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Likel
     found.push(LikelyCause { certain: true, of_record: true, ..likely });
 }
 
-/// Compares each sensor with that of its rate, and tries the filter without either: the likelihood tells which one is wrong.
+/// Compares each sensor with that of its rate, and tries the filter with either one put right: the likelihood tells which one is wrong.
 fn likely_causes(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>, fault: Fault) {
-    let case = bad.case;
-    let sensors = &bad.scenario.sensors;
     let pairs = pairs(bad);
     if fault == Fault::Scale && common_factor(&pairs).is_some() {
         return;
     }
-    for Pair { places: [place, other], agreement } in pairs {
-        let Agreement { factor, late, late_std, .. } = agreement;
-        let names = [place, other].map(|place| sensors[place].measures.name());
-        let [name, rate_name] = names.each_ref().map(String::as_str);
-        let off = (factor.abs() - 1.0).abs();
-        let (is_so, size, sentence) = match fault {
-            Fault::Sign => {
-                let sentence = format!("the {name} falls where the {rate_name} says that it rises");
-                (factor < 0.0, 1.0, sentence)
-            }
-            Fault::Scale => {
-                let sentence =
-                    format!("the {name} changes {} times as much as the {rate_name} says", short(factor.abs()));
-                (is_off(&agreement), off / (1.0 + off), sentence)
-            }
-            Fault::Late => {
-                let (first, second) = if late > 0.0 { (rate_name, name) } else { (name, rate_name) };
-                let time = short(late.abs() * case.record.dt());
-                let is_so = late.abs() > LATE && late.abs() > SURE * late_std;
-                (is_so, late.abs() / (1.0 + late.abs()), format!("the {first} is {time} s later than the {second}"))
-            }
-        };
-        if !is_so {
-            continue;
-        }
-        for which in [place, other] {
-            let mut stds = bad.filter.sensor_std.clone();
-            stds[which] *= SILENCE;
-            let name = sensors[which].measures.name();
-            let sentence = format!("{sentence}; the other readings fit better without the {name}");
-            let likely = LikelyCause::new(cause, size, 1.0, vec![bad.edit("sensor_std", stds)], sentence);
+    for pair in pairs {
+        let sensors = pair.places.map(|place| bad.scenario.sensors[place].measures);
+        let Some((size, sentence)) = disagreement(&pair, sensors, fault, bad.case.record.dt()) else { continue };
+        let Agreement { factor, late, .. } = pair.agreement;
+        // The sensor itself reads so much more, or later; or its rate so much less, or earlier.
+        for (which, gain, steps) in [(0, factor, -late), (1, 1.0 / factor, late)] {
+            let name = sensors[which].name();
+            let (edits, end) = match fault {
+                Fault::Sign | Fault::Scale => {
+                    let channel = sensors[which].gain();
+                    if bad.filter.augment.contains(&channel) {
+                        continue;
+                    }
+                    let edit = |table: &str, value: f64| bad.edit(&format!("{table}.{}", channel.key()), value);
+                    let (mean, std) = (edit("initial_mean", gain), edit("initial_std", GAIN_STD * gain.abs()));
+                    let end = match fault {
+                        Fault::Sign => format!("so it is if the {name} counts in the other direction"),
+                        _ => format!("so it is if the {name} reads {} times what it should", short(gain.abs())),
+                    };
+                    (vec![bad.augmented(channel), mean, std], end)
+                }
+                Fault::Late => {
+                    let time = steps * bad.case.record.dt();
+                    let word = if steps > 0.0 { "late" } else { "early" };
+                    let end = format!("so it is if the {name} is {} s {word}", short(time.abs()));
+                    (vec![later(bad, pair.places[which], time)], end)
+                }
+            };
+            let likely = LikelyCause::new(cause, size, 1.0, edits, format!("{sentence}: {end}"));
             found.push(LikelyCause { certain: true, of_record: true, ..likely });
         }
     }
+}
+
+/// How large a fault of a pair of sensors is, and what is seen of it. `None` if they do not have it.
+fn disagreement(pair: &Pair, sensors: [Quantity; 2], fault: Fault, dt: f64) -> Option<(f64, String)> {
+    let Agreement { factor, late, late_std, .. } = pair.agreement;
+    let [name, rate_name] = sensors.map(Quantity::name);
+    let off = (factor.abs() - 1.0).abs();
+    let (is_so, size, sentence) = match fault {
+        Fault::Sign => (factor < 0.0, 1.0, format!("the {name} falls where the {rate_name} says that it rises")),
+        Fault::Scale => {
+            let times = short(factor.abs());
+            let sentence = format!("the {name} changes {times} times as much as the {rate_name} says");
+            (is_off(&pair.agreement), off / (1.0 + off), sentence)
+        }
+        Fault::Late => {
+            let (first, second) = if late > 0.0 { (&rate_name, &name) } else { (&name, &rate_name) };
+            let sentence = format!("the {first} comes {} s after the {second}", short(late.abs() * dt));
+            let is_so = late.abs() > LATE && late.abs() > SURE * late_std;
+            (is_so, late.abs() / (1.0 + late.abs()), sentence)
+        }
+    };
+    is_so.then_some((size, sentence))
+}
+
+/// The edit that takes a sensor for late by so much more \[s\].
+fn later(bad: &BadFilter<'_>, place: usize, time: f64) -> Edit {
+    let mut delays = bad.filter.sensor_delay.clone();
+    delays.resize(bad.scenario.sensors.len(), 0.0);
+    delays[place] += time;
+    bad.edit("sensor_delay", delays)
 }
 
 /// The readings without those at the end of a sensor's range.
