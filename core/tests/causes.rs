@@ -124,17 +124,27 @@ fn a_sensor_that_disagrees_is_put_right() {
         let edit = first.edits.iter().find(|edit| edit.key.ends_with(key));
         edit.unwrap_or_else(|| panic!("{key} is not among {:?}", first.edits)).value.clone()
     };
-    for (seed, scaled, by) in [(11, 0, 1.15), (12, 1, 0.7), (13, 0, -1.0), (14, 1, -1.0)] {
-        let found = three_sensors(seed, 1.0, |place, value| if place == scaled { by * value } else { value });
-        let cause = if by < 0.0 { "sensor_sign" } else { "sensor_scale" };
-        let key = ["initial_mean.sensor_gain_displacement", "initial_mean.sensor_gain_velocity"][scaled];
-        let gain = repaired(&found, cause, key).as_float().unwrap();
-        assert!((gain / by - 1.0).abs() < 0.05, "{gain} for {by}");
-    }
-    for (seed, late) in [(21, 0.06), (22, 0.04), (23, 0.11)] {
+    let scenario = |seed: u64| {
         let mut scenario = Scenario { seed, duration: 40.0, ..Scenario::default() };
         scenario.plant.set(Channel::NATURAL_FREQUENCY, 5.0);
         scenario.filters.truncate(1);
+        scenario
+    };
+    for (seed, quantity, by) in [
+        (11, Quantity::DISPLACEMENT, 1.15),
+        (12, Quantity::VELOCITY, 0.7),
+        (13, Quantity::DISPLACEMENT, -1.0),
+        (14, Quantity::VELOCITY, -1.0),
+    ] {
+        let mut scenario = scenario(seed);
+        scenario.plant.set(quantity.gain(), by);
+        let found = on_record(&scenario, simulate(&scenario).without_truth());
+        let cause = if by < 0.0 { "sensor_sign" } else { "sensor_scale" };
+        let gain = repaired(&found, cause, &format!("initial_mean.{}", quantity.gain().key())).as_float().unwrap();
+        assert!((gain / by - 1.0).abs() < 0.05, "{gain} for {by}");
+    }
+    for (seed, late) in [(21, 0.06), (22, 0.04), (23, 0.11)] {
+        let scenario = scenario(seed);
         let text = scenario.to_toml().unwrap();
         let faults = format!("measures = \"velocity\"\nfaults = {{ late = {{ delay = {late} }} }}\n");
         let scenario = Scenario::from_toml(&text.replace("measures = \"velocity\"\n", &faults)).unwrap();
