@@ -132,6 +132,10 @@ fn likely_causes(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
     }
     for pair in pairs {
         let sensors = pair.places.map(|place| bad.scenario.sensors[place].measures);
+        // With the gain of either the filter can make them agree.
+        if fault != Fault::Late && sensors.iter().any(|sensor| bad.filter.augment.contains(&sensor.gain())) {
+            continue;
+        }
         let Some((size, sentence)) = disagreement(&pair, sensors, fault, bad.case.record.dt()) else { continue };
         let Agreement { factor, late, .. } = pair.agreement;
         // The sensor itself reads so much more, or later; or its rate so much less, or earlier.
@@ -140,9 +144,6 @@ fn likely_causes(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
             let (edits, end) = match fault {
                 Fault::Sign | Fault::Scale => {
                     let channel = sensors[which].gain();
-                    if bad.filter.augment.contains(&channel) {
-                        continue;
-                    }
                     let edit = |table: &str, value: f64| bad.edit(&format!("{table}.{}", channel.key()), value);
                     let (mean, std) = (edit("initial_mean", gain), edit("initial_std", GAIN_STD * gain.abs()));
                     let end = match fault {
