@@ -206,6 +206,10 @@ fn delays_follow_the_sensors_and_impossible_ones_are_refused() {
         let error = Scenario::from_toml(&text).expect_err("it is refused").to_string();
         assert!(error.contains(what), "{error}");
     }
+    // A record that is sampled more finely than its scenario says is no trouble.
+    let error =
+        Scenario::from_toml("dt = 1e-6\nduration = 1e-4\n[[filters]]\nkind = \"ekf\"\nsensor_delay = [0.0, 0.2]\n");
+    assert!(error.expect_err("it is refused").to_string().contains("within 100000 steps"));
     let live = LiveRecord::new(0.01, again.input, again.hold, vec![Quantity::DISPLACEMENT, Quantity::VELOCITY]);
     assert!(Run::from_source(&again, Source::Live(live.so_far())).is_ok(), "an empty record");
 }

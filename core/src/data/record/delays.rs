@@ -13,10 +13,13 @@ pub struct Delays {
 const SAME: f64 = 1e-6;
 
 impl Delays {
-    /// Those of an input and of sensors, which may be none, in steps.
+    /// Limits the steps by which a sensor is late or early.
+    pub const MOST: f64 = 100_000.0;
+
+    /// Those of an input and of sensors, which may be none, in steps; none of these are beyond [`Self::MOST`].
     pub(crate) fn new(input: i32, sensors: impl Iterator<Item = f64>) -> Self {
         let snapped = |steps: f64| if (steps - libm::round(steps)).abs() <= SAME { libm::round(steps) } else { steps };
-        let mut sensors: Vec<f64> = sensors.map(snapped).collect();
+        let mut sensors: Vec<f64> = sensors.map(|steps| snapped(steps.clamp(-Self::MOST, Self::MOST))).collect();
         if sensors.iter().all(|steps| *steps == 0.0) {
             sensors.clear();
         }

@@ -3,6 +3,7 @@
 use std::fmt::{Arguments, Display};
 
 use super::{FilterSettings, Plant, Scenario, ScenarioError};
+use crate::data::record::Delays;
 use crate::data::scenario::cost::largest_ensemble;
 use crate::data::setting::{Allowed, GUESSES, JUMP, OF_FILTER, SettingInfo, TABLES, WALK, of_scenario};
 use crate::mathematics::channel::{Role, Sign};
@@ -72,7 +73,7 @@ impl Scenario {
             format_args!("at most {MAX_FILTERS}"),
         )?;
         for (i, filter) in filters.iter().enumerate() {
-            filter.validate(format_args!("filters[{i}]"), sensors.len(), plant.kind)?;
+            filter.validate(format_args!("filters[{i}]"), sensors.len(), *dt, plant.kind)?;
         }
         for (key, law) in draw {
             if let Some(allowed) = law.problem() {
@@ -119,7 +120,7 @@ impl Plant {
 }
 
 impl FilterSettings {
-    fn validate(&self, path: Arguments<'_>, sensors: usize, truth: PlantKind) -> Result<(), ScenarioError> {
+    fn validate(&self, path: Arguments<'_>, sensors: usize, dt: f64, truth: PlantKind) -> Result<(), ScenarioError> {
         let Self {
             kind,
             plant,
@@ -255,6 +256,14 @@ impl FilterSettings {
             format_args!("a list of {}", sensor_delay.len()),
             format_args!("[], or a list of {sensors}, one for each sensor"),
         )?;
+        if let Some(place) = sensor_delay.iter().position(|late| late.abs() > Delays::MOST * dt) {
+            require(
+                false,
+                format_args!("{path}.sensor_delay[{place}]"),
+                sensor_delay[place],
+                format_args!("within {} steps of {dt} s", Delays::MOST),
+            )?;
+        }
         for table in TABLES {
             if let Some((entry, value)) = table.first_refused(self) {
                 number(format_args!("{path}.{}{entry}", table.key), value, table.allowed)?;
