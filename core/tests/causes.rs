@@ -153,4 +153,11 @@ fn a_sensor_that_disagrees_is_put_right() {
         let delays: Vec<f64> = delays.as_array().unwrap().iter().map(|one| one.as_float().unwrap()).collect();
         assert!(delays[0] == 0.0 && (delays[1] - late).abs() < 0.01, "{delays:?} for {late}");
     }
+    // A filter that takes a sensor for late which is in time.
+    let mut wrong = scenario(31);
+    wrong.filters[0].sensor_delay = vec![0.0, 0.055];
+    let found = on_record(&wrong, simulate(&wrong).without_truth());
+    let delays = repaired(&found, "sensor_late", "sensor_delay");
+    let delays: Vec<f64> = delays.as_array().unwrap().iter().map(|one| one.as_float().unwrap()).collect();
+    assert!(delays.iter().all(|delay| delay.abs() < 0.002), "{delays:?}");
 }

@@ -295,3 +295,23 @@ fn a_parameter_can_have_bounds() {
     screen.run_steps(3);
     assert_eq!((scenario(&screen).filters[0].bounds.is_empty(), screen.state().session().problem()), (true, None));
 }
+
+#[test]
+fn a_sensor_can_be_late_and_have_a_gain() {
+    let mut screen = workbench();
+    screen.state_mut().session_mut().set_scenario(Scenario::default());
+    screen.run_steps(2);
+    screen.get_all_by_label("Options").next().expect("the first filter has options").click();
+    screen.run_steps(4);
+    assert_eq!(scenario(&screen).filters[0].sensor_delay, [0.0; 0], "what is not touched is not written");
+    screen.get_by_label("EKF delays").click();
+    screen.run_steps(3);
+    set(&mut screen, "EKF sensor delay of velocity", 0.025);
+    assert_eq!(scenario(&screen).filters[0].sensor_delay, [0.0, 0.025]);
+    screen.key_press(Key::Escape);
+    screen.run_steps(3);
+    choose(&mut screen, "EKF augmentations", "gˣ sensor gain of the displacement");
+    assert_eq!(scenario(&screen).filters[0].augment, [Quantity::DISPLACEMENT.gain()]);
+    let session = screen.state().session();
+    assert_eq!((session.problem(), session.run().estimates()[0].stop()), (None, None));
+}

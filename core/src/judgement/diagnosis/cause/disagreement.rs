@@ -1,7 +1,6 @@
 //! Two sensors of one mass do not agree: one has a wrong sign, a wrong scale, or is late; or the times of all are wrong.
 
 use super::{BadFilter, Cause, LikelyCause};
-use crate::data::setting::Edit;
 use crate::judgement::diagnosis::agreement::Agreement;
 use crate::judgement::diagnosis::readings::clipped_ends;
 use crate::judgement::diagnosis::words::short;
@@ -19,6 +18,9 @@ const ALIKE: f64 = 0.02;
 
 /// A σ that is so many times its first one leaves a sensor out.
 const SILENCE: f64 = 1000.0;
+
+/// A sensor that is late by less than this share of a step is in time.
+const IN_TIME: f64 = 0.1;
 
 /// The initial standard deviation of a gain, relative to the gain.
 const GAIN_STD: f64 = 0.05;
@@ -153,10 +155,17 @@ fn likely_causes(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
                     (vec![bad.augmented(channel), mean, std], end)
                 }
                 Fault::Late => {
-                    let time = steps * bad.case.record.dt();
-                    let word = if steps > 0.0 { "late" } else { "early" };
-                    let end = format!("so it is if the {name} is {} s {word}", short(time.abs()));
-                    (vec![later(bad, pair.places[which], time)], end)
+                    let (own, other) = (pair.places[which], pair.places[1 - which]);
+                    let delay = delay_of(bad, own, other, steps);
+                    let mut delays = bad.filter.sensor_delay.clone();
+                    delays.resize(bad.scenario.sensors.len(), 0.0);
+                    delays[own] = delay;
+                    let end = match delay {
+                        0.0 => format!("so it is if the {name} is in time"),
+                        late if late > 0.0 => format!("so it is if the {name} is {} s late", short(late)),
+                        early => format!("so it is if the {name} is {} s early", short(-early)),
+                    };
+                    (vec![bad.edit("sensor_delay", delays)], end)
                 }
             };
             let likely = LikelyCause::new(cause, size, 1.0, edits, format!("{sentence}: {end}"));
@@ -187,12 +196,14 @@ fn disagreement(pair: &Pair, sensors: [Quantity; 2], fault: Fault, dt: f64) -> O
     is_so.then_some((size, sentence))
 }
 
-/// The edit that takes a sensor for late by so much more \[s\].
-fn later(bad: &BadFilter<'_>, place: usize, time: f64) -> Edit {
-    let mut delays = bad.filter.sensor_delay.clone();
-    delays.resize(bad.scenario.sensors.len(), 0.0);
-    delays[place] += time;
-    bad.edit("sensor_delay", delays)
+/// The delay by which a sensor agrees with another one, if it is later by so many steps than the filter takes it to be \[s\].
+fn delay_of(bad: &BadFilter<'_>, own: usize, other: usize, steps: f64) -> f64 {
+    let dt = bad.case.record.dt();
+    let delays = bad.filter.delays(dt);
+    // The two were compared at whole steps of each.
+    let between = libm::round(delays.of(own)) - libm::round(delays.of(other));
+    let delay = delays.of(other) + between + steps;
+    if delay.abs() < IN_TIME { 0.0 } else { delay * dt }
 }
 
 /// The readings without those at the end of a sensor's range.
