@@ -114,7 +114,7 @@ fn wrong_times_are_told_from_a_wrong_scale() {
     }
 }
 
-/// What a sensor does wrong is put right, and the filter is to be believed again: the remedy tells by how much.
+/// The remedy corrects the sensor by the right amount, and the filter then gets a good verdict.
 #[test]
 fn a_sensor_that_disagrees_is_put_right() {
     let repaired = |found: &[Remedy], cause: &str, key: &str| {

@@ -87,7 +87,7 @@ fn a_delay_of_whole_steps_is_a_column_that_is_moved() {
         if let ([known], [told]) = (&known.smoothed()[..], &told.smoothed()[..]) {
             assert!(distance(known, told) < 1e-6, "{kind:?} smoothed");
         }
-        // What the filter has read is what its innovations are of.
+        // Sample 100 has the reading that comes five samples later.
         let measured = known.estimates()[0].measured(&record, 0).expect("there is such a sensor");
         assert_eq!(measured(100).to_bits(), record.measured(0)[105].to_bits());
     }

@@ -2,6 +2,7 @@
 
 mod columns;
 mod growth;
+mod late;
 
 use crate::data::hash::Hash;
 use crate::data::scenario::SMOOTHED;
@@ -9,7 +10,7 @@ use crate::mathematics::gaussian_likelihood;
 use crate::samples::by_channel::ByChannel;
 use crate::samples::remarks::{Monitor, Remark, Trouble};
 use crate::samples::sample::readings;
-use crate::{Channel, FilterColor, FilterError, FilterKind, FilterSettings, Model, PlantKind, Quantity, Record};
+use crate::{Channel, FilterColor, FilterError, FilterKind, FilterSettings, Model, PlantKind, Quantity};
 
 /// Why and where a filter stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -116,27 +117,6 @@ impl Estimates {
             particles: if settings.kind.has_own_likelihood() { settings.ensemble_size } else { 0 },
             stop: None,
         }
-    }
-
-    /// Empty estimates over readings that are `dt` \[s\] apart, or have times of their own: `apart` tells for each sensor how many
-    /// samples lie between two of them then. `option` is what makes the filter count in samples.
-    pub(crate) fn over(self, apart: Option<&[usize]>, dt: f64, option: Option<&'static str>) -> Self {
-        let has_parts = self.sensor_delay.iter().any(|late| (late / dt - libm::round(late / dt)).abs() > 1e-6);
-        let monitor = match (apart, option) {
-            (Some(apart), option) => self.monitor.with_clocks(apart, option),
-            (None, Some(option)) if has_parts => self.monitor.with_rounded_delays(option),
-            (None, _) => self.monitor,
-        };
-        Self { monitor, ..self }
-    }
-
-    /// The readings of a sensor, by its place among the filter's, as the filter has them: where it takes the sensor to be late, each
-    /// sample has the one that tells of it, to the nearest sample. `None` where the record has no such sensor.
-    pub fn measured<'a>(&self, record: &'a Record, place: usize) -> Option<impl Fn(usize) -> f64 + Copy + 'a> {
-        let quantity = self.sensors.get(place)?;
-        let column = record.sensors().iter().position(|own| own == quantity)?;
-        let late = self.sensor_delay.get(place).copied().unwrap_or(0.0) / record.dt();
-        Some(move |k| record.late_reading(column, k, late))
     }
 
     /// Empty estimates of the filter's smoother.

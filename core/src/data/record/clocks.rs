@@ -160,7 +160,7 @@ impl Parts {
         self.parts.iter().enumerate().map(move |(k, part)| (*part, &self.readings[k * m..(k + 1) * m]))
     }
 
-    /// Takes what happens in the step to a time, in steps, of so many sensors, with an input at times of its own if it has such.
+    /// Divides the step that ends at `end`, in steps, at the readings of so many sensors, and at the input's values if those have times.
     pub(super) fn take<'a>(
         &mut self,
         end: f64,

@@ -230,7 +230,7 @@ pub(crate) fn read<T: Real>(model: &Model, reading: &Reading, state: &[T], rate:
     }
 }
 
-/// What a sensor without gain reads.
+/// The reading before the gain multiplies it.
 #[inline(always)]
 fn read_exact<T: Real>(model: &Model, reading: &Reading, state: &[T], rate: &[T], force: T) -> T {
     let mut sum = T::of(0.0);

@@ -80,7 +80,7 @@ impl Model {
         reading.gain.map_or(exact, |Scale { gain, bias }| state[gain] * exact + bias.map_or(0.0, |bias| state[bias]))
     }
 
-    /// What a sensor without gain reads.
+    /// The reading before the gain multiplies it.
     fn read_exact(&self, reading: &Reading, state: &[f64], rate: &[f64], force: f64) -> f64 {
         let Reading { state: components, rates, ground, .. } = reading;
         let mut sum: f64 = components.iter().map(|&(place, factor)| factor * state[place]).sum();
