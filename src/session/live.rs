@@ -102,4 +102,29 @@ mod tests {
             }
         }
     }
+
+    /// A long record must not be copied for each frame: nobody keeps the one of the frame before.
+    #[test]
+    fn a_record_that_grows_on_screen_is_not_copied() {
+        let mut scenario = Scenario { dt: 0.01, ..Scenario::default() };
+        scenario.set_sensors(&[Quantity::DISPLACEMENT]);
+        scenario.record = Some(Mapping { file: "now".to_owned(), ..Mapping::default() });
+        let mut live = LiveRecord::new(0.01, InputKind::Force, Hold::Zero, vec![Quantity::DISPLACEMENT]);
+        let mut record = live.so_far();
+        let mut session = Session::new(Scenario::default()).expect("it can be run");
+        session.set_budget(Budget::Unlimited);
+        session.follow_live(scenario, Arc::clone(&record));
+        for k in 0..2000 {
+            let time = 0.01 * f64::from(k);
+            live.take(time, time.sin(), &[0.01 * (6.0 * time).cos()]).expect("it is taken in");
+            let before = Arc::downgrade(&record);
+            if live.update(&mut record) {
+                session.lengthen(Arc::clone(&record));
+                session.advance(0.01);
+                assert_eq!(session.run().record().len(), record.len());
+                assert!(k < 10 || before.strong_count() == 1, "{k}: the live record alone keeps the one before");
+            }
+        }
+        assert!(session.run().record().len() > 1990);
+    }
 }

@@ -5,6 +5,7 @@ mod clocks;
 mod csv_file;
 mod delays;
 mod error;
+mod growth;
 mod live;
 
 pub(crate) use clocks::Parts;
@@ -50,14 +51,6 @@ pub struct Input {
     pub hold: Hold,
     /// The value at every sample \[m/s²\].
     pub values: Vec<f64>,
-}
-
-/// Whether clocks begin with those of a shorter record, which has so many samples.
-fn clocks_begin(all: Option<&Clocks>, first: Option<&Clocks>, samples: usize) -> bool {
-    match (all, first) {
-        (Some(all), Some(first)) => all.begin_with(first, samples),
-        (all, first) => all.is_none() && first.is_none(),
-    }
 }
 
 /// Values that a measurement or a truth may have.
@@ -123,22 +116,6 @@ impl Record {
     #[must_use]
     pub fn without_truth(self) -> Self {
         Self { truth_channels: Vec::new(), truth: Vec::new(), ..self }
-    }
-
-    /// Whether this record begins with all samples of another one, of the same quantities at the same times.
-    pub fn begins_with(&self, other: &Self) -> bool {
-        let of =
-            |record: &Self| (record.dt.to_bits(), record.start.to_bits(), record.forgotten, record.kind, record.hold);
-        let begins = |(all, first): (&Vec<f64>, &Vec<f64>)| {
-            all.len() >= first.len() && first.iter().zip(all).all(|(a, b)| a.to_bits() == b.to_bits())
-        };
-        of(self) == of(other)
-            && self.sensors == other.sensors
-            && self.truth_channels == other.truth_channels
-            && clocks_begin(self.clocks(), other.clocks(), other.len())
-            && begins((&self.input, &other.input))
-            && self.measured.iter().zip(&other.measured).all(begins)
-            && self.truth.iter().zip(&other.truth).all(begins)
     }
 
     pub(crate) fn empty(

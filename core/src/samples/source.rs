@@ -131,10 +131,10 @@ impl Recording {
         matches!(self, Self::Given { is_live: true, .. })
     }
 
-    /// Takes a longer record in place of a live one. Returns false if it is not live, or the longer one does not begin with it.
+    /// Takes a longer record in place of a live one. Returns false if it is not live, or the longer one does not go on from it.
     pub(crate) fn lengthen(&mut self, longer: Arc<Record>) -> bool {
         let Self::Given { record, is_live: true } = self else { return false };
-        let goes_on = longer.begins_with(record);
+        let goes_on = longer.goes_on_from(record);
         if goes_on {
             *record = longer;
         }

@@ -223,26 +223,6 @@ impl Clocks {
         Ok(self)
     }
 
-    /// Whether these begin with the clocks of a shorter record, which has so many samples. A record without an input may begin one with an
-    /// input, as long as that is zero.
-    pub(super) fn begin_with(&self, first: &Self, samples: usize) -> bool {
-        let same = |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits();
-        let begins = |(all, first): (&Timed, &Timed)| {
-            let are_first = |all: &[f64], first: &[f64]| all.len() >= first.len() && all.iter().zip(first).all(same);
-            are_first(&all.times, &first.times) && are_first(&all.values, &first.values)
-        };
-        let is_zero = |input: &Timed| {
-            let until = input.times.partition_point(|time| *time <= samples as f64 - 1.0);
-            input.values[..until].iter().all(|value| *value == 0.0)
-        };
-        let input = match (&self.input, &first.input) {
-            (Some(all), Some(first)) => begins((all, first)),
-            (Some(all), None) => is_zero(all),
-            (all, _) => all.is_none() && first.input.is_none(),
-        };
-        input && self.readings.len() == first.readings.len() && self.readings.iter().zip(&first.readings).all(begins)
-    }
-
     /// Changes the readings: `change` gets the place of a sensor, the sample that has it and the reading.
     pub(super) fn change(&mut self, change: impl Fn(usize, usize, f64) -> f64) {
         for (sensor, Timed { times, values }) in self.readings.iter_mut().enumerate() {

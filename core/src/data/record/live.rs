@@ -49,12 +49,14 @@ pub struct LiveRecord {
     wait: f64,
     side: usize,
     repeated: usize,
+    /// The record that was told before the newest one. Once nobody else keeps it, only what it lacks has to be copied.
+    spare: Option<Arc<Record>>,
 }
 
 /// The time for which a sample waits for the next input, where the input is linear between two values \[s\].
 const PATIENCE: f64 = 1.0;
 
-/// [`LiveRecord::update`] copies a record when it is longer by 1 / SHARE.
+/// [`LiveRecord::update`] copies a whole record when it is longer by 1 / SHARE.
 const SHARE: usize = 20_000;
 
 impl LiveRecord {
@@ -84,6 +86,7 @@ impl LiveRecord {
             wait: 0.0,
             side: 0,
             repeated: 0,
+            spare: None,
         }
     }
 
@@ -119,14 +122,23 @@ impl LiveRecord {
         Arc::new(self.record.clone())
     }
 
-    /// Puts the record so far in place of an earlier one, if it is longer by a small share: the copy takes time. Returns whether
-    /// it did.
-    pub fn update(&self, earlier: &mut Arc<Record>) -> bool {
-        let is_longer = self.record.len() > earlier.len() + earlier.len() / SHARE;
-        if is_longer {
-            *earlier = self.so_far();
+    /// Puts the record so far in place of an earlier one of this live record. Returns whether it did: a longer one costs what is new,
+    /// as long as nobody else keeps the one before; else it is copied, once it is longer by a small share.
+    pub fn update(&mut self, earlier: &mut Arc<Record>) -> bool {
+        if self.record.len() <= earlier.len() {
+            return false;
         }
-        is_longer
+        let is_much = self.record.len() > earlier.len() + earlier.len() / SHARE;
+        let spare = self.spare.get_or_insert_with(|| Arc::clone(earlier));
+        if let Some(spare) = Arc::get_mut(spare).filter(|spare| self.record.goes_on_from(spare)) {
+            spare.append(&self.record);
+        } else if is_much {
+            *spare = Arc::new(self.record.clone());
+        } else {
+            return false;
+        }
+        std::mem::swap(earlier, spare);
+        true
     }
 
     /// Completes all samples up to the newest time: nothing more comes.

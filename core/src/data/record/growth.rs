@@ -1,0 +1,151 @@
+//! A record that goes on: whether a longer one does, and what it adds.
+
+use std::sync::Arc;
+
+use super::{Clocks, Record, Timed};
+
+/// The last values that are compared where a record goes on.
+const COMPARED: usize = 1000;
+
+/// Whether a column begins with another one, of which the last values are compared.
+fn begins(all: &[f64], first: &[f64], compared: usize) -> bool {
+    let from = first.len().saturating_sub(compared);
+    all.len() >= first.len() && first[from..].iter().zip(&all[from..]).all(|(a, b)| a.to_bits() == b.to_bits())
+}
+
+/// Adds what a longer column has more.
+fn append(column: &mut Vec<f64>, longer: &[f64]) {
+    column.extend_from_slice(&longer[column.len()..]);
+}
+
+impl Timed {
+    fn begins_with(&self, first: &Self, compared: usize) -> bool {
+        begins(&self.times, &first.times, compared) && begins(&self.values, &first.values, compared)
+    }
+
+    fn append(&mut self, longer: &Self) {
+        append(&mut self.times, &longer.times);
+        append(&mut self.values, &longer.values);
+    }
+}
+
+impl Clocks {
+    /// Whether these begin with the clocks of a shorter record, which has so many samples. A record without an input may begin one with an
+    /// input, as long as that is zero.
+    fn begin_with(&self, first: &Self, samples: usize, compared: usize) -> bool {
+        let is_zero = |input: &Timed| {
+            let until = input.times.partition_point(|time| *time <= samples as f64 - 1.0);
+            input.values[..until].iter().all(|value| *value == 0.0)
+        };
+        let input = match (&self.input, &first.input) {
+            (Some(all), Some(first)) => all.begins_with(first, compared),
+            (Some(all), None) => is_zero(all),
+            (all, _) => all.is_none() && first.input.is_none(),
+        };
+        let begins = |(all, first): (&Timed, &Timed)| all.begins_with(first, compared);
+        input && self.readings.len() == first.readings.len() && self.readings.iter().zip(&first.readings).all(begins)
+    }
+
+    /// Adds what longer clocks have more.
+    fn append(&mut self, longer: &Self) {
+        match (&mut self.input, &longer.input) {
+            (Some(input), Some(longer)) => input.append(longer),
+            (input, longer) => input.clone_from(longer),
+        }
+        self.readings.iter_mut().zip(&longer.readings).for_each(|(timed, longer)| timed.append(longer));
+    }
+}
+
+impl Record {
+    /// Whether this record begins with all samples of another one, of the same quantities at the same times.
+    pub fn begins_with(&self, other: &Self) -> bool {
+        self.has_first(other, usize::MAX)
+    }
+
+    /// Whether this record goes on where another one ends: it has the same quantities at the same times, and the last 1,000 samples of the
+    /// other at their place. A record that is measured now becomes longer many times a second: to compare all is too slow.
+    pub(crate) fn goes_on_from(&self, other: &Self) -> bool {
+        self.has_first(other, COMPARED)
+    }
+
+    /// Whether another record's samples are the first ones here. So many of the last values of each column are compared.
+    fn has_first(&self, other: &Self, compared: usize) -> bool {
+        let of =
+            |record: &Self| (record.dt.to_bits(), record.start.to_bits(), record.forgotten, record.kind, record.hold);
+        let begins = |(all, first): (&Vec<f64>, &Vec<f64>)| begins(all, first, compared);
+        let clocks = match (self.clocks(), other.clocks()) {
+            (Some(all), Some(first)) => all.begin_with(first, other.len(), compared),
+            (all, first) => all.is_none() && first.is_none(),
+        };
+        of(self) == of(other)
+            && self.sensors == other.sensors
+            && self.truth_channels == other.truth_channels
+            && clocks
+            && begins((&self.input, &other.input))
+            && self.measured.iter().zip(&other.measured).all(begins)
+            && self.truth.iter().zip(&other.truth).all(begins)
+    }
+
+    /// Adds what a longer record has more that [goes on](Self::goes_on_from) from this one.
+    pub(super) fn append(&mut self, longer: &Self) {
+        append(&mut self.input, &longer.input);
+        self.measured.iter_mut().zip(&longer.measured).for_each(|(column, longer)| append(column, longer));
+        self.truth.iter_mut().zip(&longer.truth).for_each(|(column, longer)| append(column, longer));
+        match (&mut self.clocks, &longer.clocks) {
+            (Some(clocks), Some(longer)) => Arc::make_mut(clocks).append(longer),
+            (clocks, longer) => clocks.clone_from(longer),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::LiveRecord;
+    use super::*;
+    use crate::{Hold, InputKind, Quantity};
+
+    /// Takes in a reading that comes at an uneven time, now and then with an input.
+    fn take(live: &mut LiveRecord, k: usize) {
+        let time = 0.013 * k as f64 + 0.004 * (k as f64).sin();
+        let input = if k > 60 && k.is_multiple_of(7) { k as f64 } else { f64::NAN };
+        live.take(time, input, &[f64::NAN, 0.1 * k as f64]).expect("it is in order");
+    }
+
+    #[test]
+    fn a_longer_record_is_that_of_before_with_what_is_new() {
+        let mut live =
+            LiveRecord::new(0.01, InputKind::Force, Hold::First, vec![Quantity::DISPLACEMENT, Quantity::VELOCITY]);
+        let mut record = live.so_far();
+        let (mut places, mut kept) = (Vec::new(), None);
+        for k in 0..3000 {
+            take(&mut live, k);
+            let updated = live.update(&mut record);
+            assert!(!updated || (record.begins_with(live.record()) && live.record().begins_with(&record)));
+            assert!(kept.as_deref().is_none_or(|kept| record.begins_with(kept)));
+            if updated && !places.contains(&Arc::as_ptr(&record)) {
+                places.push(Arc::as_ptr(&record));
+            }
+            if k % 1000 == 500 {
+                // A job that goes on keeps what it began with.
+                kept = Some(Arc::clone(&record));
+            }
+        }
+        assert!(record.len() > 3500 && record.len() == live.record().len());
+        assert!(places.len() <= 2 + 3, "two records, and one in place of each that is kept: {places:?}");
+    }
+
+    #[test]
+    fn a_long_record_goes_on_if_its_last_values_are_there() {
+        let mut live =
+            LiveRecord::new(0.01, InputKind::Force, Hold::Zero, vec![Quantity::DISPLACEMENT, Quantity::VELOCITY]);
+        (0..4000).for_each(|k| take(&mut live, k));
+        let record = live.record();
+        let first = record.part(0..record.len() - 500);
+        let changed = |at: usize| first.clone().with_measured(|_, k, x| if k == at { x + 1e-12 } else { x });
+        assert!(record.goes_on_from(&first) && record.begins_with(&first));
+        assert!(!first.goes_on_from(record));
+        let late = changed(first.len() - 20);
+        assert!(!record.goes_on_from(&late) && !record.begins_with(&late));
+        assert!(!record.begins_with(&changed(20)), "all are compared here");
+    }
+}
