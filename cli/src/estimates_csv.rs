@@ -6,7 +6,8 @@ use std::io::Write;
 use kalmanscope_core::{Channel, Estimates, Quantity, Record, Run};
 
 /// Writes one row per filter and sample, first the filters, then the smoothers, under the header `filter, k, t`, the
-/// means and standard deviations of all channels of truth and filters, `nis, log_likelihood`, and for each sensor
+/// means and standard deviations of all channels of truth and filters, `nis, log_likelihood`, where a filter has several scales of Q
+/// also `process_scale` and `process_scale_std`, mean and standard deviation of ln s where √Q is s times as large as set, and for each sensor
 /// `innovation_`, `innovation_std_` and `predicted_`: the innovation, the root of its variance in S, and the reading that
 /// the filter predicted; where a filter weighs its readings, also `weight_`, and where one learns R, `noise_` and `noise_std_`: the
 /// learnt standard deviation of the sensor's noise, and that of this number. Numbers have 17 significant digits, so that every bit
@@ -25,7 +26,10 @@ pub fn write_estimates(run: &Run, output: impl Write) -> Result<(), csv::Error> 
         READING.iter().filter(|(_, is_told, _)| run.estimates().iter().any(is_told)).collect();
     let readings =
         columns.iter().flat_map(|(what, ..)| sensors.iter().map(move |sensor| format!("{what}_{}", sensor.key())));
-    writer.write_record(header.chain(["nis", "log_likelihood"].map(str::to_owned)).chain(readings))?;
+    let scales = run.estimates().iter().any(Estimates::tells_process_scale);
+    let of_process: &[&str] = if scales { &["process_scale", "process_scale_std"] } else { &[] };
+    let numbers = ["nis", "log_likelihood"].iter().chain(of_process).map(|name| (*name).to_owned());
+    writer.write_record(header.chain(numbers).chain(readings))?;
     for estimates in run.estimates().iter().chain(&run.smoothed()) {
         let name = harmless(estimates.name());
         for k in 0..estimates.len() {
@@ -34,7 +38,9 @@ pub fn write_estimates(run: &Run, output: impl Write) -> Result<(), csv::Error> 
             writer.write_field(number(run.record().time(k)))?;
             let readings: Vec<Reading> = sensors.iter().map(|s| Reading::of(estimates, run.record(), *s, k)).collect();
             let of_readings = columns.iter().flat_map(|(.., of)| readings.iter().map(of));
-            for value in values(estimates, &channels, k).chain(of_readings) {
+            let of_process = scales.then(|| estimates.process_scale(k).unwrap_or([f64::NAN; 2]));
+            let of_process = of_process.into_iter().flatten();
+            for value in values(estimates, &channels, k).chain(of_process).chain(of_readings) {
                 writer.write_field(number(value))?;
             }
             writer.write_record(None::<&[u8]>)?;

@@ -13,6 +13,7 @@ pub(crate) mod kernel;
 pub(crate) mod linalg;
 pub(crate) mod log_sum;
 pub(crate) mod model;
+pub(crate) mod noise_scale;
 pub mod plant;
 pub(crate) mod quantity;
 pub(crate) mod random;

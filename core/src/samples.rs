@@ -12,6 +12,7 @@ pub(crate) mod remarks;
 pub(crate) mod run;
 pub(crate) mod run_error;
 pub(crate) mod sample;
+pub(crate) mod scales;
 pub(crate) mod select;
 pub(crate) mod simulate;
 pub(crate) mod sink;

@@ -77,6 +77,7 @@ mod online;
 mod outliers;
 mod own_disturbances;
 mod prior;
+mod process_scales;
 mod records;
 mod reference;
 mod remedies;

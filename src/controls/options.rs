@@ -2,7 +2,7 @@
 
 use egui::Ui;
 use kalmanscope_core::channel::augment;
-use kalmanscope_core::setting::{CHOICES_OF_FILTER, GUESSES, OPTIONS, ROBUST, SMOOTHER};
+use kalmanscope_core::setting::{CHOICES_OF_FILTER, GUESSES, OPTIONS, PROCESS_SCALES, ROBUST, SMOOTHER};
 use kalmanscope_core::{Channel, FilterSettings, PlantKind, Robust, Sensor};
 
 use super::bounds::bounds_ui;
@@ -29,6 +29,9 @@ pub(super) fn options_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantK
         }
         if !(GUESSES.serves)(filter, truth) {
             filter.guesses = 1;
+        }
+        if !(PROCESS_SCALES.serves)(filter, truth) {
+            filter.process_scales = 1;
         }
         filter.smoother &= (SMOOTHER.serves)(filter, truth);
         for info in OPTIONS {

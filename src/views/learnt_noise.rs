@@ -1,4 +1,6 @@
-//! The noise of a sensor that filters have learnt, with ±2σ.
+//! The noise that filters have learnt, with ±2σ: of each sensor, and how large Q is.
+
+use std::f64::consts::LN_10;
 
 use kalmanscope_core::{Estimates, Quantity};
 
@@ -20,10 +22,54 @@ fn words(estimates: &Estimates, sensor: usize, k: usize) -> Option<String> {
     Some(format!("{} ±{}", significant(std, 3), significant(2.0 * spread, 2)))
 }
 
-/// √R of each sensor; there is none where no filter learns R.
+/// √R of each sensor, and the scale of √Q; there is none where no filter learns it.
 pub(super) fn charts<'a>(context: &ViewContext<'a>) -> Vec<Chart<'a>> {
     let sensors = if learning(context).next().is_some() { context.session.sensors() } else { Vec::new() };
-    sensors.into_iter().enumerate().map(|(sensor, quantity)| chart(sensor, quantity, context)).collect()
+    let of_sensors = sensors.into_iter().enumerate().map(|(sensor, quantity)| chart(sensor, quantity, context));
+    of_sensors.chain(of_process(context)).collect()
+}
+
+/// s, where √Q is s times that of the settings, for the filters that have several scales of it.
+fn of_process<'a>(context: &ViewContext<'a>) -> Option<Chart<'a>> {
+    let ViewContext { palette, visible, .. } = *context;
+    let scaling = || context.filters().map(|(_, estimates)| estimates).filter(|of| of.tells_process_scale());
+    let (mut layers, mut columns): (Vec<Layer<'a>>, Vec<Column<'a>>) = (Vec::new(), Vec::new());
+    for estimates in scaling() {
+        let color = palette.shade(estimates.color());
+        let of = move |k: usize| estimates.process_scale(k).unwrap_or([f64::NAN; 2]);
+        if visible.bands {
+            let edges = move |[mean, std]: [f64; 2]| ((mean - 2.0 * std) / LN_10, (mean + 2.0 * std) / LN_10);
+            let band = Band::made(estimates.len(), move |samples| samples.map(|k| edges(of(k))).collect());
+            layers.push(Layer::Band { band, color, under: 0.0 });
+        }
+        columns.push(Column::new(estimates.name(), color, move |k| {
+            let [mean, std] = estimates.process_scale(k)?;
+            let [low, middle, high] = [-2.0, 0.0, 2.0].map(|sigmas| significant((mean + sigmas * std).exp(), 3));
+            Some(format!("{middle} ({low} to {high})"))
+        }));
+    }
+    let scenario = context.session.run().scenario();
+    let first = scaling().next()?.id();
+    let settings = scenario.filters.iter().find(|settings| settings.id == first);
+    let truth = settings.filter(|_| !context.session.is_measured()).and_then(|of| scenario.true_process_scale(of));
+    if let Some(value) = truth.filter(|_| visible.truth) {
+        layers.push(Layer::Level { value: value.log10(), color: palette.truth, label: "truth" });
+    }
+    for estimates in scaling() {
+        let value = move |k: usize| estimates.process_scale(k).map_or(f64::NAN, |[mean, _]| mean / LN_10);
+        let series = Series::new(estimates.len(), move |samples| samples.map(value));
+        layers.push(Layer::line(series, palette.shade(estimates.color()), 1.2));
+    }
+    Some(Chart {
+        key: "learnt scale of Q".to_owned(),
+        title: "learnt √Q over the one that is set".to_owned(),
+        symbol: "s(√Q)".to_owned(),
+        name: "scale of √Q".to_owned(),
+        columns,
+        layers,
+        logarithmic: true,
+        ..Chart::default()
+    })
 }
 
 /// The true standard deviation of a sensor's noise for the first filter that learns it; known of simulated sensors without faults only.

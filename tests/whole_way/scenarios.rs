@@ -1,7 +1,7 @@
 //! Scenarios to try: built-in ones and new ones, with hostile numbers.
 
 use kalmanscope_core::scenario::{Between, Motion};
-use kalmanscope_core::setting::{GUESSES, JUMP, WALK};
+use kalmanscope_core::setting::{GUESSES, JUMP, PROCESS_SCALES, WALK};
 use kalmanscope_core::signal::{Ramp, Sine, Step};
 use kalmanscope_core::{
     Adaptation, Channel, Document, FilterKind, FilterSettings, Force, Hold, InputKind, PlantKind, Propagation,
@@ -151,6 +151,9 @@ fn more(filter: &mut FilterSettings, truth: PlantKind, dice: &mut Dice) {
     }
     if dice.one_in(5) && (GUESSES.serves)(filter, truth) {
         filter.guesses = 2 + dice.below(4);
+    }
+    if dice.one_in(6) && (PROCESS_SCALES.serves)(filter, truth) {
+        filter.process_scales = dice.pick(&[2, 3, 9]);
     }
     filter.look_ahead = if filter.smoother { dice.pick(&[0.0, 0.0, 1e-9, 0.3, 1e6]) } else { 0.0 };
     let channels: Vec<Channel> = filter.considerable(truth).collect();

@@ -24,7 +24,9 @@ pub use allowed::Allowed;
 pub use change::Change;
 pub use choice::{CHOICES_OF_FILTER, CHOICES_OF_SCENARIO, Choice, ChoiceInfo, ROBUST, other_choices};
 pub use edit::Edit;
-pub use filter::{ENSEMBLE_SIZE, ETA, FADING, FORGETTING, GUESSES, JUMP, MEMORY, OF_FILTER, OPTIONS, SMOOTHER, WALK};
+pub use filter::{
+    ENSEMBLE_SIZE, ETA, FADING, FORGETTING, GUESSES, JUMP, MEMORY, OF_FILTER, OPTIONS, PROCESS_SCALES, SMOOTHER, WALK,
+};
 pub use force::FORCE;
 pub use info::SettingInfo;
 pub use listing::{addresses, words_of};

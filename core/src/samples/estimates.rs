@@ -71,6 +71,9 @@ pub struct Estimates {
     /// Whether the filter learns R; only then there are these: R of each sensor, then the variance of each R.
     learns: bool,
     learnt: Vec<f64>,
+    /// Whether the filter knows how large Q is, and what it knows: two numbers a sample.
+    scales: bool,
+    process_scale: Vec<f64>,
     /// The particles of a particle filter; 0 for any other filter.
     particles: usize,
     monitor: Monitor,
@@ -114,6 +117,8 @@ impl Estimates {
             weights: Vec::new(),
             learns: settings.adaptation.sensor_noise,
             learnt: Vec::new(),
+            scales: settings.process_scales > 1,
+            process_scale: Vec::new(),
             particles: if settings.kind.has_own_likelihood() { settings.ensemble_size } else { 0 },
             stop: None,
         }
@@ -121,7 +126,7 @@ impl Estimates {
 
     /// Empty estimates of the filter's smoother.
     pub(crate) fn of_smoother(self) -> Self {
-        Self { name: self.name + SMOOTHED, smoothed: true, weighs: false, learns: false, ..self }
+        Self { name: self.name + SMOOTHED, smoothed: true, weighs: false, learns: false, scales: false, ..self }
     }
 
     /// The filter's id.
@@ -359,6 +364,18 @@ impl Estimates {
         let of_sample = self.learnt.get(2 * m * k..2 * m * (k + 1))?;
         let [std, spread] = [*of_sample.get(sensor)?, of_sample[m + sensor]].map(f64::sqrt);
         Some([std, if std > 0.0 { spread / (2.0 * std) } else { 0.0 }])
+    }
+
+    /// Whether the filter tells how large Q is ([`FilterSettings::process_scales`]).
+    pub fn tells_process_scale(&self) -> bool {
+        self.scales
+    }
+
+    /// What the filter knows by sample `k` of s, where √Q is s times that of the settings: mean and standard deviation of ln s. `None` for a
+    /// filter that knows of one scale only.
+    pub fn process_scale(&self, k: usize) -> Option<[f64; 2]> {
+        let &[mean, std] = self.process_scale.get(2 * k..2 * (k + 1))? else { return None };
+        Some([mean, std])
     }
 
     /// The weight of each sensor's reading at sample `k`, from 0 for none to about 1, and NaN where it measured nothing; empty for a

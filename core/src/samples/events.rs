@@ -93,7 +93,7 @@ impl EventFilter {
     ///
     /// # Errors
     /// [`EventSetupError`] where the scenario is impossible, or where the filter has a setting that counts in samples: random
-    /// members, several guesses, learning of noise, jumps, a bank, a white force.
+    /// members, several guesses, scales of Q, learning of noise, jumps, a bank, a white force.
     pub fn new(scenario: &Scenario, place: usize) -> Result<Self, EventSetupError> {
         scenario.validate().map_err(RunError::from)?;
         let mut scenario = scenario.clone();
@@ -102,6 +102,7 @@ impl EventFilter {
         let look_ahead = Some(settings.look_ahead).filter(|seconds| settings.smoother && *seconds > 0.0);
         let refused = [
             (settings.guesses > 1, "several guesses"),
+            (settings.process_scales > 1, "scales of Q"),
             (look_ahead.is_some() && !settings.consider.is_empty(), "hindsight beside parameters that it considers"),
         ];
         let refused = refused.into_iter().find_map(|(is, what)| is.then_some(what));

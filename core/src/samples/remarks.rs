@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 
+use crate::mathematics::noise_scale;
 use crate::mathematics::quantity::MAX_SENSORS;
 use crate::samples::sample::{AssumedNoise, Sample};
 use crate::{Channel, FilterSettings, PlantKind, Quantity, Values};
@@ -43,6 +44,9 @@ pub enum Trouble {
     /// R has learnt a standard deviation a thousand times the initial one.
     #[error("the noise that the filter learns for the sensor for {} runs away", .0.key())]
     GrowingSensorNoise(Quantity),
+    /// Q may be beyond the scales of it that the filter has ([`FilterSettings::process_scales`]), for 200 samples or more.
+    #[error("the process noise may be beyond the scales of Q that the filter has: from 1/30 to 30 times √Q")]
+    ScaleAtEnd,
     /// Q has learnt a standard deviation a thousandth of the initial one.
     #[error("the process noise that the filter learns for the {} runs to zero", .0.name())]
     VanishingProcessNoise(Channel),
@@ -65,6 +69,7 @@ impl Trouble {
             Self::Widened => "widened",
             Self::VanishingSensorNoise(_) => "vanishing_sensor_noise",
             Self::GrowingSensorNoise(_) => "growing_sensor_noise",
+            Self::ScaleAtEnd => "scale_at_end",
             Self::VanishingProcessNoise(_) => "vanishing_process_noise",
             Self::GrowingProcessNoise(_) => "growing_process_noise",
         }
@@ -97,6 +102,12 @@ const LASTING: usize = 10;
 /// A slow sensor counts as silent when it has told nothing for this many of its usual gaps.
 const SILENT: usize = 3;
 
+/// The number of successive samples at which the scale of Q may be beyond the end.
+const LONG: usize = 200;
+
+/// The scale of Q is not known at all while ln s is less certain than this.
+const UNKNOWN: f64 = 1.0;
+
 /// Limits the number of samples between two occurrences that belong to one remark.
 const PAUSE: usize = 50;
 
@@ -122,6 +133,8 @@ pub(crate) struct Monitor {
     any_silent: bool,
     fewest_particles: f64,
     collapsed: usize,
+    /// The successive samples at which the scale of Q may be beyond the end.
+    at_end: usize,
     /// The initial diagonals of R and Q.
     initial_noise: Option<(Vec<f64>, Vec<f64>)>,
     remarks: Vec<Remark>,
@@ -158,6 +171,7 @@ impl Monitor {
             any_silent: false,
             fewest_particles: (0.02 * particles as f64).max(2.0),
             collapsed: 0,
+            at_end: 0,
             initial_noise: None,
             remarks: Vec::new(),
         }
@@ -272,7 +286,12 @@ impl Monitor {
     /// Checks the noise that an adaptive filter assumes at sample `k`.
     #[cold]
     fn look_at_noise(&mut self, k: usize, noise: AssumedNoise<'_>) {
-        let AssumedNoise { process, .. } = noise;
+        let AssumedNoise { process, process_scale: [mean, std], .. } = noise;
+        let is_at_end = std < UNKNOWN && mean.abs() + 2.0 * std > libm::log(noise_scale::REACH);
+        self.at_end = if is_at_end { self.at_end + 1 } else { 0 };
+        if self.at_end >= LONG {
+            self.note(Trouble::ScaleAtEnd, k + 1 - self.at_end, k);
+        }
         let Some((first_sensors, first_process)) = self.initial_noise.take() else {
             self.initial_noise = Some((noise.sensors.to_vec(), process.to_vec()));
             return;

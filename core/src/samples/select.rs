@@ -2,10 +2,11 @@
 
 use crate::FilterSettings;
 use crate::samples::estimator::bounded::{Bounded, Truncation};
-use crate::samples::estimator::{Estimator, FilterContext, book, kernel, walk};
+use crate::samples::estimator::{Estimator, Failed, FilterContext, book, kernel, walk};
 #[cfg(not(target_arch = "wasm32"))]
 use crate::samples::estimator::{engine, setup::Setup};
 use crate::samples::guesses::{Guesses, members};
+use crate::samples::scales::Scales;
 use crate::samples::smoother::Smoother;
 use crate::samples::smoother::forward::Forward;
 use crate::samples::smoother::interval::FixedInterval;
@@ -18,6 +19,10 @@ pub(crate) fn estimator(settings: &FilterSettings, context: FilterContext<'_>) -
         let truncation = Truncation::of(settings, context.model(settings).channels());
         let free = FilterSettings { bounds: Bounds::default(), ..settings.clone() };
         return Box::new(Bounded::new(estimator(&free, context), truncation));
+    }
+    if settings.process_scales > 1 {
+        let bank = Scales::new(settings, &context, |member| single(member, context));
+        return bank.map_or_else(|error| Box::new(Failed(error)) as Box<dyn Estimator>, |bank| Box::new(bank));
     }
     if settings.guesses > 1 {
         return Box::new(Guesses::new(members(settings).iter().map(|member| single(member, context))));

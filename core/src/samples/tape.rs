@@ -54,7 +54,7 @@ impl Tape {
         let plain = n + n * n + m + m * m + n * m + SCALARS;
         let weights = if estimates.weighs() { m } else { 0 };
         let plain = plain + weights;
-        let has_noise = width == plain + n + 2 * m;
+        let has_noise = width == plain + n + 2 * m + 2;
         if width * count != numbers.len() || (count > 0 && width != plain && !has_noise) {
             return None;
         }
@@ -64,7 +64,11 @@ impl Tape {
             let (mean, cov, innovation) = (next(n), next(n * n), next(m));
             let (innovation_cov, gain, scalars) = (next(m * m), next(n * m), next(SCALARS));
             let weights = next(weights);
-            let noise = has_noise.then(|| AssumedNoise { process: next(n), sensors: next(m), uncertainty: next(m) });
+            let noise = has_noise.then(|| {
+                let (process, sensors, uncertainty) = (next(n), next(m), next(m));
+                let process_scale = next(2).try_into().unwrap_or([f64::NAN; 2]);
+                AssumedNoise { process, sensors, uncertainty, process_scale }
+            });
             let &[nis, determinant, log_likelihood, effective_samples, earlier, widened] = scalars else { return None };
             let update = Sample { innovation, innovation_cov, gain, nis, determinant, ..Sample::unmeasured(mean, cov) };
             let (has_widened, earlier) = (widened != 0.0, earlier as u32);
@@ -99,8 +103,8 @@ impl Sink for Tape {
         let earlier = f64::from(sample.earlier);
         numbers.extend([nis, determinant, sample.log_likelihood, sample.effective_samples, earlier, widened]);
         numbers.extend_from_slice(sample.weights);
-        if let Some(AssumedNoise { process, sensors, uncertainty }) = sample.noise {
-            numbers.extend(process.iter().chain(sensors).chain(uncertainty));
+        if let Some(AssumedNoise { process, sensors, uncertainty, process_scale }) = sample.noise {
+            numbers.extend(process.iter().chain(sensors).chain(uncertainty).chain(&process_scale));
         }
     }
 

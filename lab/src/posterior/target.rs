@@ -39,7 +39,7 @@ impl Target {
         if filter.robust.is_on() {
             return Err(NoPosterior::Weighs);
         }
-        if filter.adaptation.is_on() {
+        if filter.adaptation.is_on() || filter.process_scales > 1 {
             return Err(NoPosterior::Learns);
         }
         if channels.iter().any(|channel| filter.consider.contains(channel)) {
@@ -152,6 +152,7 @@ fn knowing(filter: FilterSettings, channels: &[Channel], scenario: &Scenario) ->
         smoother: false,
         log_parameters: false,
         guesses: 1,
+        process_scales: 1,
         walk: 0.0,
         fading: 1.0,
         eta: 0.0,

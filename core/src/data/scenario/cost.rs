@@ -12,7 +12,7 @@ pub(crate) const OF_RECORD: f64 = 500.0;
 /// \[ns\]. It affects only the order and the portions of the work, never the results.
 pub(crate) fn of_step(settings: &FilterSettings, truth: PlantKind) -> f64 {
     let one = (settings.kind.info().time)(&settings.method(), settings.model(truth, InputKind::Force).size());
-    let filters = settings.guesses.max(1) * if settings.walk > 0.0 { 2 } else { 1 };
+    let filters = settings.guesses.max(1) * settings.process_scales.max(1) * if settings.walk > 0.0 { 2 } else { 1 };
     one * (settings.substeps.max(1) * filters) as f64
 }
 

@@ -64,6 +64,10 @@ pub struct FilterSettings {
     /// its initial mean; the likeliest so far is reported. 1 for the initial mean alone.
     #[serde(skip_serializing_if = "is_one")]
     pub guesses: usize,
+    /// The number of filters that run side by side with Q as it is set, smaller and larger, √Q from 1/30 to 30 times; what is told is their
+    /// mixture, and how large Q is. It learns as [`Self::adaptation`] says. 1 for Q as it is set.
+    #[serde(skip_serializing_if = "is_one")]
+    pub process_scales: usize,
     /// The number of members of an EnKF, or of particles of a PF or RBPF.
     pub ensemble_size: usize,
     /// Whether the filter learns R and Q from its innovations.
@@ -123,6 +127,7 @@ impl Default for FilterSettings {
             substeps: 1,
             iterations: 5,
             guesses: 1,
+            process_scales: 1,
             ensemble_size: 500,
             adaptation: Adaptation::default(),
             jump: false,
@@ -170,14 +175,18 @@ impl FilterSettings {
     /// lanes weigh nothing.
     pub(crate) fn has_plain_update(&self) -> bool {
         let takes_all = !self.robust.is_on() && self.consider.is_empty() && self.bounds.is_empty();
-        !self.adaptation.is_on() && !self.jump && takes_all && self.guesses == 1 && self.walk == 0.0
+        !self.adaptation.is_on() && !self.jump && takes_all && self.is_one()
+    }
+
+    /// Whether no other filter runs beside it.
+    pub(crate) fn is_one(&self) -> bool {
+        self.guesses == 1 && self.walk == 0.0 && self.process_scales == 1
     }
 
     /// Whether the filter can consider channels without estimating them: mean and covariance are all of its belief, and nothing else
     /// changes them.
     pub fn can_consider(&self) -> bool {
-        let is_one = self.guesses == 1 && self.walk == 0.0 && !self.kind.is_sampled();
-        is_one && !self.adaptation.is_on() && !self.jump && !self.smoother
+        self.is_one() && !self.kind.is_sampled() && !self.adaptation.is_on() && !self.jump && !self.smoother
     }
 
     /// Whether what the filter tells can have bounds. A random sample is no normal belief, and logarithms have a bound of their own.
@@ -199,7 +208,16 @@ impl FilterSettings {
     /// Whether the filter can be one of two that mix: mean and covariance are all of its belief, and nothing else follows from its
     /// innovations.
     pub fn can_mix(&self) -> bool {
-        let is_plain = !self.adaptation.is_on() && !self.jump && !self.robust.is_on() && self.consider.is_empty();
+        !self.adaptation.is_on() && self.process_scales == 1 && self.has_gaussian_belief()
+    }
+
+    /// Whether filters with smaller and larger Q can run side by side. R may be learnt by each of them.
+    pub fn can_scale(&self) -> bool {
+        !self.adaptation.process_noise && self.guesses == 1 && self.walk == 0.0 && self.has_gaussian_belief()
+    }
+
+    fn has_gaussian_belief(&self) -> bool {
+        let is_plain = !self.jump && !self.robust.is_on() && self.consider.is_empty();
         !self.kind.is_sampled() && is_plain && !self.smoother
     }
 

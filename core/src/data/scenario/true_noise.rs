@@ -39,6 +39,16 @@ impl Scenario {
         (self.sensors.iter().map(|s| usable_std(s.measures, s.noise_std)).collect(), process_std)
     }
 
+    /// s, where the true √Q of the motion is s times that of this filter. `None` where nothing shakes the plant, and where the filter's is zero,
+    /// or in another proportion.
+    pub fn true_process_scale(&self, filter: &FilterSettings) -> Option<f64> {
+        let (_, truth) = self.true_noise_for(filter);
+        let of_velocities = self.plant.kind.channels().iter().filter_map(|channel| channel.rate());
+        let mut scales = of_velocities.map(|velocity| truth[velocity] / filter.process_std[velocity]);
+        let first = scales.next().filter(|scale| scale.is_finite() && *scale > 0.0)?;
+        scales.all(|scale| (scale / first - 1.0).abs() < 1e-6).then_some(first)
+    }
+
     /// The standard deviations of the sensors' noise for a filter's settings: the sensor's own noise, and the effect of
     /// the disturbance on its reading, such as that of an accelerometer.
     ///

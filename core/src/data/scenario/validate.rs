@@ -5,7 +5,7 @@ use std::fmt::{Arguments, Display};
 use super::{FilterSettings, Plant, Scenario, ScenarioError};
 use crate::data::record::Delays;
 use crate::data::scenario::cost::largest_ensemble;
-use crate::data::setting::{Allowed, GUESSES, JUMP, OF_FILTER, SettingInfo, TABLES, WALK, of_scenario};
+use crate::data::setting::{Allowed, GUESSES, JUMP, OF_FILTER, PROCESS_SCALES, SettingInfo, TABLES, WALK, of_scenario};
 use crate::mathematics::channel::{Role, Sign};
 use crate::mathematics::quantity::MAX_SENSORS;
 use crate::{Channel, InputKind, PlantKind, Signal};
@@ -130,6 +130,7 @@ impl FilterSettings {
             log_parameters,
             substeps,
             guesses,
+            process_scales,
             ensemble_size,
             jump,
             walk,
@@ -151,7 +152,14 @@ impl FilterSettings {
             *guesses == 1 || (GUESSES.serves)(self, truth),
             format_args!("{path}.guesses"),
             guesses,
-            "1 for a filter with a smoother, or without a natural frequency above 0 to estimate",
+            "1 for a filter with a smoother, or scales of Q, or without a natural frequency above 0 to estimate",
+        )?;
+        require(
+            *process_scales == 1 || (PROCESS_SCALES.serves)(self, truth),
+            format_args!("{path}.process_scales"),
+            process_scales,
+            "1 for a filter that samples its belief, jumps, weighs readings, learns Q, considers channels, has a smoother, several guesses \
+             or a walk",
         )?;
         if kind.is_sampled() {
             let components = self.model(truth, InputKind::default()).size();

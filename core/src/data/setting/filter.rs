@@ -70,8 +70,20 @@ pub static GUESSES: Row = row! { "guesses", guesses,
     serves: |filter, truth| {
         let frequency = Channel::NATURAL_FREQUENCY;
         let has_one = filter.plant.unwrap_or(truth).channels().contains(&frequency);
-        has_one && !filter.knows(frequency) && filter.initial_mean[frequency] > 0.0 && !filter.smoother
+        let is_one = filter.process_scales == 1 && !filter.smoother;
+        has_one && !filter.knows(frequency) && filter.initial_mean[frequency] > 0.0 && is_one
     },
+};
+
+/// The scales of Q with which filters run side by side.
+pub static PROCESS_SCALES: Row = row! { "process_scales", process_scales,
+    name: "scales of Q",
+    allowed: Allowed::Whole(1, 41),
+    note: "1 for Q as it is set",
+    slider: (1.0, 25.0),
+    hint: "Filters side by side with so many scales of Q, √Q from 1/30 to 30 times: the likelihood of their readings tells how large Q is, \
+           with ±2σ, and what is shown is their mixture; 17 do well (Magill 1965)",
+    serves: |filter, _| filter.can_scale(),
 };
 
 /// The steps into which a prediction is divided.
@@ -114,7 +126,7 @@ pub static SMOOTHER: Row = row! { "smoother", smoother,
     allowed: Allowed::Flag,
     hint: "In the whole record also show, dashed, what is known of each instant in the light of all that came after it: \
            Rauch, Tung and Striebel (1965)",
-    serves: |filter, _| !filter.kind.is_sampled() && filter.guesses == 1,
+    serves: |filter, _| !filter.kind.is_sampled() && filter.guesses == 1 && filter.process_scales == 1,
 };
 
 /// The time after each sample of which hindsight knows.
@@ -157,7 +169,7 @@ static TRAINING: Row = row! { "adaptation.training", adaptation.training,
     note: "0 learns all the time",
     slider: (0.0, 60.0),
     hint: "Learns R and Q for so many seconds, then works with what it has learnt; 0 learns all the time",
-    serves: |filter, _| filter.adaptation.is_on(),
+    serves: |filter, _| filter.adaptation.is_on() || filter.process_scales > 1,
 };
 
 static INPUT_DELAY: Row = row! { "input_delay", input_delay,
@@ -170,7 +182,7 @@ static INPUT_DELAY: Row = row! { "input_delay", input_delay,
 pub static MEMORY: [&Row; 3] = [&FADING, &JUMP, &ETA];
 
 /// The less common settings.
-pub static OPTIONS: [&Row; 11] = [
+pub static OPTIONS: [&Row; 12] = [
     &WALK,
     &GUESSES,
     &SUBSTEPS,
@@ -181,6 +193,7 @@ pub static OPTIONS: [&Row; 11] = [
     &LOOK_AHEAD,
     &LEARNS_R,
     &LEARNS_Q,
+    &PROCESS_SCALES,
     &TRAINING,
 ];
 

@@ -154,6 +154,13 @@ impl Part<'_> {
         self.run.estimates.sensor_noise(k, self.place_of_sensor()?)
     }
 
+    /// Mean and standard deviation of the logarithm of the filter's √Q over the true one, at a sample.
+    pub(super) fn process_scale(&self, k: usize) -> Option<[f64; 2]> {
+        let [mean, std] = self.run.estimates.process_scale(k)?;
+        let truth = self.run.scenario.true_process_scale(self.run.settings())?;
+        Some([mean - libm::log(truth), std])
+    }
+
     /// The posterior Cramér-Rao bound of the channel at a sample.
     pub(super) fn bound(&self, k: usize) -> Option<f64> {
         let bound = self.run.bound()?;

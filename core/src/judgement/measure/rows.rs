@@ -252,6 +252,32 @@ measures! {
         .with_truth()
         .special()
         => |part| number(coverage_of_learnt_noise(part));
+
+    PROCESS_SCALE = row("process_scale", "learnt √Q over the true one", ValueKind::Ratio, Of::Filter)
+        .best(Best::One)
+        .with_truth()
+        .special()
+        => |part| number(part.sample().and_then(|k| part.process_scale(k)).map(|[mean, _]| libm::exp(mean)));
+
+    PROCESS_SCALE_STD = row(
+            "process_scale_std",
+            "uncertainty of the learnt √Q, as a share of it",
+            ValueKind::Size,
+            Of::Filter,
+        )
+        .special()
+        => |part| number(part.sample().and_then(|k| part.run.estimates.process_scale(k)).map(|[_, std]| std));
+
+    PROCESS_SCALE_COVERAGE = row(
+            "process_scale_coverage",
+            "share of the true √Q inside ±2σ of the learnt one",
+            ValueKind::Share,
+            Of::Filter,
+        )
+        .best(Best::At(EXPECTED_INSIDE))
+        .with_truth()
+        .special()
+        => |part| number(coverage_of(part, |k| part.process_scale(k).map(|[mean, std]| mean.abs() <= 2.0 * std)));
 }
 
 fn number(number: impl Into<Option<f64>>) -> Value {
@@ -304,6 +330,11 @@ fn gain(part: &Part<'_>) -> Option<f64> {
 fn coverage_of_learnt_noise(part: &Part<'_>) -> Option<f64> {
     let truth = part.true_noise()?;
     let is_inside = |[std, spread]: [f64; 2]| (std - truth).abs() <= 2.0 * spread;
-    let all: Vec<bool> = part.range().map(|k| part.learnt_noise(k).map(is_inside)).collect::<Option<_>>()?;
+    coverage_of(part, |k| part.learnt_noise(k).map(is_inside))
+}
+
+/// The share of the samples at which something is inside. `None` where it is not known.
+fn coverage_of(part: &Part<'_>, is_inside: impl Fn(usize) -> Option<bool>) -> Option<f64> {
+    let all: Vec<bool> = part.range().map(is_inside).collect::<Option<_>>()?;
     Some(mean(all.iter().map(|inside| f64::from(u8::from(*inside)))))
 }

@@ -79,6 +79,7 @@ fn a_time_a_range_and_other_filters_narrow_a_measure() {
     assert!(of("gain.velocity.displacement", whole) != of("gain.velocity.velocity", whole));
     assert_eq!(of("gain.velocity", whole), of("gain.velocity.displacement", whole), "of the first sensor");
     assert!(of("learnt_noise.displacement", whole).is_nan(), "the filter does not learn it");
+    assert!(of("process_scale_coverage", whole).is_nan(), "the filter has one scale");
 }
 
 #[test]

@@ -31,6 +31,7 @@ impl Estimates {
             (&mut self.effective_samples, &mut old.effective_samples, sampled),
             (&mut self.weights, &mut old.weights, weighed),
             (&mut self.learnt, &mut old.learnt, 2 * learnt),
+            (&mut self.process_scale, &mut old.process_scale, if self.scales { 2 } else { 0 }),
         ] {
             *new = std::mem::take(old);
             new.clear();
@@ -59,7 +60,7 @@ impl Estimates {
         let with_gain = samples.saturating_sub(self.dropped_gains());
         self.dropped = self.dropped.saturating_sub(samples);
         let Self { mean, cov, innovation, innovation_cov, gain, nis, .. } = self;
-        let Self { determinant, log_likelihood, effective_samples, weights, learnt, .. } = self;
+        let Self { determinant, log_likelihood, effective_samples, weights, learnt, process_scale, .. } = self;
         for (values, samples, per_sample) in [
             (mean, samples, n),
             (cov, with_cov, n * n),
@@ -72,6 +73,7 @@ impl Estimates {
             (effective_samples, samples, 1),
             (weights, samples, m),
             (learnt, samples, 2 * m),
+            (process_scale, samples, 2),
         ] {
             values.drain(..(samples * per_sample).min(values.len()));
         }
@@ -114,8 +116,13 @@ impl Estimates {
             self.effective_samples.push(sample.effective_samples);
         }
         self.weights.extend_from_slice(sample.weights);
-        if let Some(noise) = sample.noise.filter(|_| self.learns) {
-            self.learnt.extend(noise.sensors.iter().chain(noise.uncertainty));
+        if let Some(noise) = sample.noise {
+            if self.learns {
+                self.learnt.extend(noise.sensors.iter().chain(noise.uncertainty));
+            }
+            if self.scales {
+                self.process_scale.extend(noise.process_scale);
+            }
         }
         self.monitor.look(self.forgotten + self.nis.len() - 1, sample);
     }
@@ -128,10 +135,10 @@ impl Estimates {
 impl Piecewise for Estimates {
     fn free_piece(&mut self) -> bool {
         let Self { mean, cov, canonical, variance, innovation, innovation_cov, gain, .. } = self;
-        let Self { nis, determinant, log_likelihood, effective_samples, weights, learnt, .. } = self;
+        let Self { nis, determinant, log_likelihood, effective_samples, weights, learnt, process_scale, .. } = self;
         // The NIS last: it has one number per sample, also without matrices.
         let matrices = [mean, cov, innovation, innovation_cov, gain];
-        let numbers = [determinant, log_likelihood, effective_samples, weights, learnt];
+        let numbers = [determinant, log_likelihood, effective_samples, weights, learnt, process_scale];
         let mut all =
             matrices.into_iter().chain(numbers).chain(canonical.columns()).chain(variance.columns()).chain([nis]);
         let Some(values) = all.find(|values| values.capacity() > 0) else { return false };

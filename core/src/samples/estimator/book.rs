@@ -102,7 +102,12 @@ pub(crate) fn report(
         let Noise { process: matrix, sensors, .. } = filter.noise();
         process.extend((0..matrix.nrows()).map(|i| matrix[(i, i)]));
         filter.white_force().into_iter().for_each(|white| process[white.place] = white.variance);
-        AssumedNoise { process: &process, sensors, uncertainty: filter.noise_uncertainty() }
+        AssumedNoise {
+            process: &process,
+            sensors,
+            uncertainty: filter.noise_uncertainty(),
+            process_scale: [f64::NAN; 2],
+        }
     });
     let told = Told {
         model: filter.model(),

@@ -216,7 +216,12 @@ impl<'a> Sample<'a> {
             process.clear();
             process.extend(parts.noise.diagonal());
             parts.white.into_iter().for_each(|(place, variance)| process[place] = variance);
-            AssumedNoise { process, sensors: &parts.noise.sensors, uncertainty: learnt.uncertainty }
+            AssumedNoise {
+                process,
+                sensors: &parts.noise.sensors,
+                uncertainty: learnt.uncertainty,
+                process_scale: [f64::NAN; 2],
+            }
         });
         Self { noise, weights: learnt.weights.unwrap_or_default(), has_widened: learnt.has_widened, ..self }
     }

@@ -80,7 +80,7 @@ impl<const N: usize> Told<'_, N> {
         let process;
         let noise = if let Some((Noise { process: matrix, sensors, fading: _ }, uncertainty)) = noise {
             process = matrix.diagonal();
-            Some(AssumedNoise { process: process.as_slice(), sensors, uncertainty })
+            Some(AssumedNoise { process: process.as_slice(), sensors, uncertainty, process_scale: [f64::NAN; 2] })
         } else {
             None
         };

@@ -144,7 +144,7 @@ impl Setup {
 
 /// Whether some settings ask for one filter only, which estimates all of its state, without bounds.
 fn is_single(settings: &FilterSettings) -> bool {
-    settings.guesses == 1 && settings.walk == 0.0 && settings.consider.is_empty() && settings.bounds.is_empty()
+    settings.is_one() && settings.consider.is_empty() && settings.bounds.is_empty()
 }
 
 /// Whether lanes of its own serve such a filter. The choice must not depend on the processor, since it decides the bits of the

@@ -18,6 +18,7 @@ pub struct LastSample {
     numbers: [f64; 4],
     /// Diagonals of Q and R, where the filter learns them, and the variance of each R.
     noise: [Vec<f64>; 3],
+    process_scale: [f64; 2],
     weights: Vec<f64>,
     is_adaptive: bool,
     has_widened: bool,
@@ -35,7 +36,8 @@ impl LastSample {
         let Self { mean, cov, prior_mean, prior_cov, innovation, innovation_cov, gain, .. } = self;
         let ([nis, determinant, log_likelihood, effective_samples], [process, sensors, uncertainty]) =
             (self.numbers, &self.noise);
-        let noise = self.is_adaptive.then_some(AssumedNoise { process, sensors, uncertainty });
+        let process_scale = self.process_scale;
+        let noise = self.is_adaptive.then_some(AssumedNoise { process, sensors, uncertainty, process_scale });
         Sample {
             mean,
             cov,
@@ -90,6 +92,7 @@ impl Sink for LastSample {
         }
         self.numbers = [sample.nis, sample.determinant, sample.log_likelihood, sample.effective_samples];
         self.earlier = sample.earlier;
+        self.process_scale = sample.noise.map_or([f64::NAN; 2], |noise| noise.process_scale);
         self.is_adaptive = sample.noise.is_some();
         self.has_widened = sample.has_widened;
     }
