@@ -14,6 +14,7 @@ pub(crate) mod named;
 pub mod number;
 mod options;
 mod plant;
+mod plucks;
 mod record;
 mod row;
 mod sensors;

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use kalmanscope_core::Hold;
-use kalmanscope_core::import::{self, Builder, ColumnGuess, ImportError, Mapping, Ring, Table, ThreeAxes};
+use kalmanscope_core::import::{self, Builder, ColumnGuess, Decay, ImportError, Mapping, Ring, Table, ThreeAxes};
 use kalmanscope_core::scenario::shown;
 use kalmanscope_core::suggest::{scenario_for, suggest};
 
@@ -79,14 +79,15 @@ fn free_decay(table: &Table, file: &Path, to: &Path) -> Result<(Table, String), 
     let bad = |reason: String| InputError::Laboratory { file: file.to_owned(), reason };
     let none = "there are no three accelerations with a time, named as phyphox or an Arduino names them";
     let axes = ThreeAxes::of(table).ok_or_else(|| bad(none.to_owned()))?;
-    let decay = axes.decay(table).map_err(|reason| bad(reason.to_string()))?;
-    let [x, y, z] = decay.axis;
-    let seconds = decay.times.last().copied().unwrap_or_default();
-    say(&format_args!(
-        "the free decay: {seconds:.1} s from {:.2} s on, along ({x:.2}, {y:.2}, {z:.2}); the noise is {:.3} m/s²",
-        decay.begin, decay.noise
-    ));
-    let bytes = decay.csv().into_bytes();
+    let decays = axes.decays(table).map_err(|reason| bad(reason.to_string()))?;
+    for decay in &decays {
+        let ([x, y, z], seconds) = (decay.axis, decay.seconds());
+        say(&format_args!(
+            "a free decay: {seconds:.1} s from {:.2} s on, along ({x:.2}, {y:.2}, {z:.2}); the noise is {:.3} m/s²",
+            decay.begin, decay.noise
+        ));
+    }
+    let bytes = Decay::file(&decays).into_bytes();
     write_bytes(to, &bytes)?;
     let hash = import::hash(&bytes);
     let table = import::read(bytes, None).map_err(|error| InputError::Import { file: to.to_owned(), error })?;

@@ -8,6 +8,7 @@ pub(crate) mod events;
 pub(crate) mod guesses;
 pub(crate) mod online;
 pub(crate) mod pass;
+pub(crate) mod plucks;
 pub(crate) mod remarks;
 pub(crate) mod run;
 pub(crate) mod run_error;

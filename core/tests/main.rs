@@ -76,6 +76,7 @@ mod monte_carlo;
 mod online;
 mod outliers;
 mod own_disturbances;
+mod plucks;
 mod prior;
 mod process_scales;
 mod records;

@@ -8,6 +8,7 @@ use kalmanscope_core::{Channel, FilterSettings, PlantKind, Robust, Sensor};
 use super::bounds::bounds_ui;
 use super::delays::delays_ui;
 use super::lit::lit;
+use super::plucks::plucks_ui;
 use super::row::{choice_row_ui, choices_ui, chooser_ui, filter_row_ui};
 
 /// The less common settings of a filter.
@@ -18,6 +19,7 @@ pub(super) fn options_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantK
         consider_ui(ui, filter, truth);
         bounds_ui(ui, filter, truth);
         delays_ui(ui, filter, sensors);
+        plucks_ui(ui, filter);
         for info in CHOICES_OF_FILTER {
             if (info.serves)(filter) {
                 let name = format!("{} {}", filter.name, info.name);

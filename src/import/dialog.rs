@@ -2,7 +2,7 @@
 
 use egui::{Align2, Button, Context, Key, Popup, ProgressBar, ScrollArea, Ui, Vec2, Window};
 
-use kalmanscope_core::import::{NoDecay, Table, ThreeAxes};
+use kalmanscope_core::import::{Decay, NoDecay, Table, ThreeAxes};
 
 use super::columns::columns_ui;
 use super::conditioning::{conditioning_ui, meaning_ui};
@@ -180,10 +180,10 @@ fn decay_ui(ui: &mut Ui, table: &Table) -> Option<Choice> {
     let mut choice = None;
     ui.horizontal_wrapped(|ui| {
         ui.label("An accelerometer with three axes.");
-        let hint = "Without gravity, along the axis that moves most, from when the hand is gone until it rests";
+        let hint = "Without gravity, along the axis that moves most, from when the hand is gone until it rests; each time that it was plucked";
         let take = ui.button("Take its free decay").on_hover_text(hint);
         probe::remember(ui.ctx(), "Take its free decay", take.rect);
-        choice = take.clicked().then(|| Choice::Decay(axes.decay(table).map(|decay| decay.csv())));
+        choice = take.clicked().then(|| Choice::Decay(axes.decays(table).map(|decays| Decay::file(&decays))));
     });
     choice
 }

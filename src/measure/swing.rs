@@ -155,8 +155,8 @@ impl Instrument for Swing {
     }
 
     fn file(&self) -> Option<Result<RawFile, String>> {
-        let decay = Decay::of(&self.readings.told().readings).map_err(|reason| reason.to_string());
-        Some(decay.map(|decay| RawFile { name: FILE.to_owned(), bytes: decay.csv().into_bytes() }))
+        let decays = Decay::alike(&self.readings.told().readings).map_err(|reason| reason.to_string());
+        Some(decays.map(|decays| RawFile { name: FILE.to_owned(), bytes: Decay::file(&decays).into_bytes() }))
     }
 }
 

@@ -152,6 +152,9 @@ fn more(filter: &mut FilterSettings, truth: PlantKind, dice: &mut Dice) {
     if dice.one_in(5) && (GUESSES.serves)(filter, truth) {
         filter.guesses = 2 + dice.below(4);
     }
+    if dice.one_in(5) && filter.can_be_plucked() {
+        filter.plucks = dice.pick(&[&[0.05][..], &[-1.0, 0.2, 0.201], &[0.3, 1e9]]).to_vec();
+    }
     if dice.one_in(6) && (PROCESS_SCALES.serves)(filter, truth) {
         filter.process_scales = dice.pick(&[2, 3, 9]);
     }

@@ -48,7 +48,8 @@ impl CramerRao {
         let plant = scenario.plant.kind;
         let (input, hold) = (scenario.input, scenario.hold);
         let seed = scenario.seed;
-        let context = FilterContext { plant, input, hold, sensors: &sensors, dt, seed, stream: 0, is_timed: false };
+        let context =
+            FilterContext { plant, input, hold, sensors: &sensors, dt, seed, stream: 0, is_timed: false, start: 0.0 };
         let channels = context.model(&settings).channels().to_vec();
         let recursion = with_model(&settings, &context, Start { settings: &settings, context })
             .unwrap_or_else(|| Box::new(DynamicBoundFilter::new(&settings, &context)));

@@ -16,6 +16,7 @@ mod follow;
 mod gaps;
 mod hysteresis;
 mod initial;
+mod plucked;
 mod response;
 mod search;
 mod spectra;

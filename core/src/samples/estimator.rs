@@ -77,6 +77,8 @@ pub(crate) struct FilterContext<'a> {
     pub(crate) stream: usize,
     /// Whether it goes from one reading of the record to the next, at the times that they have.
     pub(crate) is_timed: bool,
+    /// The time of the first sample \[s\].
+    pub(crate) start: f64,
 }
 
 impl<'a> FilterContext<'a> {
@@ -85,13 +87,24 @@ impl<'a> FilterContext<'a> {
     pub(crate) fn new(scenario: &Scenario, sensors: &'a [Quantity], dt: f64, filter: &FilterSettings) -> Self {
         let Scenario { seed, plant, input, hold, .. } = scenario;
         let stream = filter.id.saturating_sub(1) as usize;
-        Self { plant: plant.kind, input: *input, hold: *hold, sensors, dt, seed: *seed, stream, is_timed: false }
+        Self {
+            plant: plant.kind,
+            input: *input,
+            hold: *hold,
+            sensors,
+            dt,
+            seed: *seed,
+            stream,
+            is_timed: false,
+            start: 0.0,
+        }
     }
 
     /// The same over a record.
     pub(crate) fn over(self, record: &Record, settings: &FilterSettings) -> Self {
         let has_times = record.clocks().is_some() || settings.delays(record.dt()).is_of_sensors();
-        Self { is_timed: has_times && counts_in_samples(settings).is_none(), ..self }
+        let is_timed = has_times && counts_in_samples(settings).is_none();
+        Self { is_timed, start: record.time_of(0), ..self }
     }
 
     /// Whether a reading does not tell of its sample.
@@ -101,9 +114,9 @@ impl<'a> FilterContext<'a> {
 
     /// The inputs on their own.
     pub(crate) fn kept(self, settings: &FilterSettings) -> Recipe {
-        let Self { plant, input, hold, sensors, dt, seed, stream, is_timed } = self;
+        let Self { plant, input, hold, sensors, dt, seed, stream, is_timed, start } = self;
         let (settings, sensors) = (settings.clone(), sensors.to_vec());
-        Recipe { settings, plant, input, hold, sensors, dt, seed, stream, is_timed }
+        Recipe { settings, plant, input, hold, sensors, dt, seed, stream, is_timed, start }
     }
 
     /// The model of a filter with these settings.
@@ -123,12 +136,13 @@ pub(crate) struct Recipe {
     seed: u64,
     stream: usize,
     is_timed: bool,
+    start: f64,
 }
 
 impl Recipe {
     /// The settings, and the other inputs.
     pub(crate) fn parts(&self) -> (&FilterSettings, FilterContext<'_>) {
-        let &Self { ref settings, plant, input, hold, ref sensors, dt, seed, stream, is_timed } = self;
-        (settings, FilterContext { plant, input, hold, sensors, dt, seed, stream, is_timed })
+        let &Self { ref settings, plant, input, hold, ref sensors, dt, seed, stream, is_timed, start } = self;
+        (settings, FilterContext { plant, input, hold, sensors, dt, seed, stream, is_timed, start })
     }
 }

@@ -9,6 +9,7 @@ use crate::mathematics::linalg::Matrix;
 use crate::samples::estimator::book::{self, InUnits};
 use crate::samples::estimator::bounded::{Truncating, Truncation};
 use crate::samples::estimator::{FilterContext, counts_in_samples};
+use crate::samples::plucks::Plucks;
 use crate::samples::sink::{LastSample, Sample};
 use crate::samples::smoother::adjoint::Adjoint;
 use crate::samples::smoother::forward::Passage;
@@ -64,6 +65,7 @@ pub struct EventFilter {
     look_ahead: Option<f64>,
     /// Added to the times of inputs \[s\].
     input_delay: f64,
+    plucks: Plucks,
     /// Taken from the times of each sensor's readings \[s\]; empty where none is late.
     sensor_delay: Vec<f64>,
     noise: Share,
@@ -125,6 +127,7 @@ impl EventFilter {
                 Self::least_kept(&settings, scenario.dt, look_ahead).max(Self::KEPT),
             ),
             look_ahead,
+            plucks: Plucks::new(&settings, filter.model(), 0.0),
             sensor_delay: settings.sensor_delay.clone(),
             input_delay: f64::from(settings.input_delay) * scenario.dt,
             in_units: InUnits::default(),
@@ -353,7 +356,7 @@ impl EventFilter {
     fn follow(&mut self, place: usize) -> Result<(), FilterError> {
         let (before, now) = (self.timeline.event(place - 1).time, self.timeline.event(place).time);
         let forces = self.timeline.forces_to(place);
-        let transition = self.predict(now - before, forces)?;
+        let transition = self.predict([before, now], forces)?;
         self.prior.copy_from(&self.filter.belief().gaussian());
         let force = self.timeline.force_at(place);
         let Self { filter, timeline, correction, prior, .. } = self;
@@ -366,12 +369,12 @@ impl EventFilter {
         Ok(())
     }
 
-    /// Carries the belief over a time \[s\], in parts of dt at most, with the forces over mass at both ends \[m/s²\]. Returns Φ if
+    /// Carries the belief from one time to another \[s\], in parts of dt at most, with the forces over mass at both ends \[m/s²\]. Returns Φ if
     /// hindsight needs it.
-    fn predict(&mut self, time: f64, [begin, end]: [f64; 2]) -> Result<Option<Matrix>, FilterError> {
+    fn predict(&mut self, [from, to]: [f64; 2], [begin, end]: [f64; 2]) -> Result<Option<Matrix>, FilterError> {
         let n = self.prior.size();
         let mut transition = self.look_ahead.map(|_| Matrix::identity(n, n));
-        let steps = time / self.scenario.dt;
+        let steps = (to - from) / self.scenario.dt;
         let parts = (steps - SAME).ceil().max(1.0);
         let is_whole = (steps / parts - 1.0).abs() <= SAME;
         let share = if is_whole { 1.0 } else { steps / parts };
@@ -381,6 +384,8 @@ impl EventFilter {
         let force = |part: f64| begin + (end - begin) * (part / parts);
         for part in 0..parts as usize {
             let forces = [force(part as f64), force(part as f64 + 1.0)];
+            let time = |part: f64| from - self.first + (to - from) * (part / parts);
+            self.plucks.pass(&mut self.filter, [time(part as f64), time(part as f64 + 1.0)])?;
             self.filter.predict_share(share, forces, &mut self.noise, |model, belief, step| {
                 if let Some(transition) = &mut transition {
                     *transition = belief.transition(model, step)? * &*transition;

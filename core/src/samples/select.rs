@@ -34,12 +34,16 @@ pub(crate) fn estimator(settings: &FilterSettings, context: FilterContext<'_>) -
 /// else the reference filter.
 fn single(settings: &FilterSettings, context: FilterContext<'_>) -> Box<dyn Estimator> {
     if context.is_timed {
-        // The weights of the readings of one sensor within a step are the book's.
-        let engine = if settings.robust.is_on() { None } else { of_engine(settings, &context) };
+        // The weights of the readings of one sensor within a step are the book's, and so are plucks.
+        let engine =
+            if settings.robust.is_on() || !settings.plucks.is_empty() { None } else { of_engine(settings, &context) };
         return engine.unwrap_or_else(|| book::estimator(settings, &context));
     }
     if settings.walk > 0.0 {
         return walk::estimator(settings, &context);
+    }
+    if !settings.plucks.is_empty() {
+        return book::estimator(settings, &context);
     }
     let kernel = if settings.substeps == 1 { kernel::estimator(settings, context) } else { None };
     kernel.or_else(|| of_engine(settings, &context)).unwrap_or_else(|| book::estimator(settings, &context))

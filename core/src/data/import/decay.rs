@@ -1,8 +1,7 @@
 //! The free decay in the readings of an accelerometer with three axes: what a phone tells that was plucked and let go.
 
 mod series;
-
-use std::fmt::Write as _;
+mod several;
 
 use thiserror::Error;
 
@@ -197,12 +196,7 @@ impl Decay {
 
     /// The decay as a CSV file that the importer reads: each reading with its own time, with their units.
     pub fn csv(&self) -> String {
-        let mut text = "t [s],acceleration [m/s²]\n".to_owned();
-        for [time, acceleration] in &self.readings {
-            // A text takes whatever is written.
-            let _ = writeln!(text, "{time:.6},{acceleration:.6}");
-        }
-        text
+        Self::file(std::slice::from_ref(self))
     }
 }
 

@@ -49,12 +49,12 @@ impl ThreeAxes {
         (0..table.rows()).map(reading).collect()
     }
 
-    /// The free decay in a file.
+    /// The free decays in a file, of one oscillator that may have been plucked several times.
     ///
     /// # Errors
     /// [`NoDecay`].
-    pub fn decay(&self, table: &Table) -> Result<Decay, NoDecay> {
-        Decay::of(&self.readings(table))
+    pub fn decays(&self, table: &Table) -> Result<Vec<Decay>, NoDecay> {
+        Decay::alike(&self.readings(table))
     }
 }
 

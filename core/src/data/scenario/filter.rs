@@ -99,6 +99,10 @@ pub struct FilterSettings {
     /// negative where it is early. Filters that count in samples take the nearest. No sensor is if the list is empty.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub sensor_delay: Vec<f64>,
+    /// The times at which the motion begins anew, pulled by an unknown force \[s\], in rising order: there the filter forgets it, and takes it
+    /// for as uncertain as at the beginning. Parameters and augmentations are what they were.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub plucks: Vec<f64>,
     /// Mean of the initial belief.
     #[serde(deserialize_with = "values::initial_mean")]
     pub initial_mean: Values,
@@ -139,6 +143,7 @@ impl Default for FilterSettings {
             eta: 0.0,
             sensor_std: Vec::new(),
             sensor_delay: Vec::new(),
+            plucks: Vec::new(),
             initial_mean: Values::INITIAL_MEAN,
             initial_std: Values::INITIAL_STD,
             process_std: Values::PROCESS_STD,
@@ -175,7 +180,7 @@ impl FilterSettings {
     /// lanes weigh nothing.
     pub(crate) fn has_plain_update(&self) -> bool {
         let takes_all = !self.robust.is_on() && self.consider.is_empty() && self.bounds.is_empty();
-        !self.adaptation.is_on() && !self.jump && takes_all && self.is_one()
+        !self.adaptation.is_on() && !self.jump && takes_all && self.is_one() && self.plucks.is_empty()
     }
 
     /// Whether no other filter runs beside it.
@@ -200,6 +205,11 @@ impl FilterSettings {
         of_plant.chain(self.augment.iter().copied().filter(|channel| *channel != Channel::WHITE_FORCE))
     }
 
+    /// Whether the motion can begin anew: a random sample has no belief that could be widened, and the models of a bank are mixed.
+    pub fn can_be_plucked(&self) -> bool {
+        !self.kind.is_sampled() && self.walk == 0.0
+    }
+
     /// Whether measurements can be weighed.
     pub fn can_weigh(&self) -> bool {
         !self.kind.is_sampled() && !self.adaptation.sensor_noise
@@ -208,7 +218,7 @@ impl FilterSettings {
     /// Whether the filter can be one of two that mix: mean and covariance are all of its belief, and nothing else follows from its
     /// innovations.
     pub fn can_mix(&self) -> bool {
-        !self.adaptation.is_on() && self.process_scales == 1 && self.has_gaussian_belief()
+        !self.adaptation.is_on() && self.process_scales == 1 && self.plucks.is_empty() && self.has_gaussian_belief()
     }
 
     /// Whether filters with smaller and larger Q can run side by side. R may be learnt by each of them.

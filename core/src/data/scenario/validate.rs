@@ -119,6 +119,9 @@ impl Plant {
     }
 }
 
+/// Limits the times at which a motion begins anew.
+const MOST_PLUCKS: usize = 1000;
+
 impl FilterSettings {
     fn validate(&self, path: Arguments<'_>, sensors: usize, dt: f64, truth: PlantKind) -> Result<(), ScenarioError> {
         let Self {
@@ -138,6 +141,7 @@ impl FilterSettings {
             smoother,
             sensor_std,
             sensor_delay,
+            plucks,
             initial_mean,
             ..
         } = self;
@@ -263,6 +267,19 @@ impl FilterSettings {
             format_args!("{path}.sensor_delay"),
             format_args!("a list of {}", sensor_delay.len()),
             format_args!("[], or a list of {sensors}, one for each sensor"),
+        )?;
+        require(
+            plucks.is_empty() || self.can_be_plucked(),
+            format_args!("{path}.plucks"),
+            format_args!("a list of {}", plucks.len()),
+            "[] for a filter that samples its belief, or has a walk",
+        )?;
+        let is_rising = plucks.windows(2).all(|pair| pair[0] < pair[1]) && plucks.iter().all(|time| time.is_finite());
+        require(
+            is_rising && plucks.len() <= MOST_PLUCKS,
+            format_args!("{path}.plucks"),
+            format_args!("a list of {}", plucks.len()),
+            format_args!("at most {MOST_PLUCKS} finite times, each after the one before"),
         )?;
         if let Some(place) = sensor_delay.iter().position(|late| late.abs() > Delays::MOST * dt) {
             require(

@@ -4,6 +4,7 @@ use super::Suggestion;
 use super::ambient::{Ambient, has_no_input};
 use super::follow::{first_alone, follow, follow_freely, likelihood, surprise};
 use super::gaps::Lost;
+use super::plucked::Plucked;
 use super::search::Search;
 use crate::{Record, Run, Running, Scenario, Task};
 
@@ -31,6 +32,8 @@ pub(super) const SHARES: [f64; 11] = [0.0, 1e-6, 3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1
 pub struct Suggest {
     suggestion: Suggestion,
     record: Record,
+    /// Of an oscillator that was plucked several times.
+    plucked: Option<Plucked>,
     /// The lost readings of the record.
     gaps: Option<Gaps>,
     stage: Stage,
@@ -75,12 +78,29 @@ impl Suggest {
     pub fn new(scenario: &Scenario, record: Record) -> Self {
         let suggestion = Suggestion { scenario: scenario.clone(), reasons: Vec::new(), is_guessed: true };
         let (trial, free, search, likelihoods, ambient, errors) = Default::default();
+        let (record, plucked) = match Plucked::of(&record) {
+            Some((longest, plucked)) => (longest, Some(plucked)),
+            None => (record, None),
+        };
         let gaps = None;
-        Self { suggestion, record, gaps, stage: Stage::Data, trial, free, search, likelihoods, ambient, errors }
+        Self {
+            suggestion,
+            record,
+            plucked,
+            gaps,
+            stage: Stage::Data,
+            trial,
+            free,
+            search,
+            likelihoods,
+            ambient,
+            errors,
+        }
     }
 
     /// Takes noise, guess and spread from the data. `lost` names the gaps that were filled.
-    fn begin(&mut self, lost: Option<&Lost>) {
+    /// Returns whether the motion is a decay.
+    fn begin(&mut self, lost: Option<&Lost>) -> bool {
         // Without a mapping the record stays unchanged, and the filters get its offsets as known.
         let as_it_is = self.suggestion.scenario.record.is_none().then(|| self.record.clone());
         if self.suggestion.knows_zero() {
@@ -99,6 +119,7 @@ impl Suggest {
         if let Some(record) = as_it_is {
             self.record = record;
         }
+        is_decay
     }
 
     /// Looks at the data again once their gaps can be filled.
@@ -166,7 +187,12 @@ impl Task for Suggest {
             self.stage = match self.stage {
                 Stage::Data => {
                     let (record, given) = (self.record.clone(), self.suggestion.clone());
-                    self.begin(None);
+                    let is_decay = self.begin(None);
+                    if let Some(Plucked { whole, .. }) = self.plucked.take_if(|_| !is_decay) {
+                        // What goes on through the pauses is looked at as a whole.
+                        (self.record, self.suggestion) = (whole, given);
+                        continue;
+                    }
                     let lost = Lost::of(&record).filter(|_| self.suggestion.can_fill());
                     self.gaps = lost.map(|lost| Gaps { lost, record, given });
                     match (self.suggestion.scenario.filters.is_empty(), &self.gaps) {
@@ -268,7 +294,8 @@ impl Task for Suggest {
         self.stage == Stage::Done
     }
 
-    fn finish(self) -> Suggestion {
+    fn finish(mut self) -> Suggestion {
+        self.plucked.iter().for_each(|plucked| plucked.tell(&mut self.suggestion));
         self.suggestion
     }
 }

@@ -6,6 +6,7 @@ use crate::mathematics::filter::{Belief, Correction, Filter, FilterError, Gaussi
 use crate::mathematics::linalg::{Matrix, Vector, copy, fit_vector};
 use crate::mathematics::random::{Normal, Purpose};
 use crate::samples::estimator::{Estimator, Failed, FilterContext};
+use crate::samples::plucks::Plucks;
 use crate::samples::sink::{AssumedNoise, Sample, Sink};
 use crate::{Channel, FilterSettings, Model, Values};
 
@@ -20,6 +21,18 @@ struct Followed {
     of_share: Share,
     of_part: Correction,
     weights: Vec<f64>,
+    plucks: Plucks,
+    dt: f64,
+    sample: usize,
+}
+
+impl Followed {
+    /// Goes on to the next sample.
+    fn pass(&mut self) -> Result<(), FilterError> {
+        self.sample += 1;
+        let [from, to] = [self.sample - 1, self.sample].map(|sample| self.dt * sample as f64);
+        self.plucks.pass(&mut self.filter, [from, to])
+    }
 }
 
 impl Estimator for Followed {
@@ -43,6 +56,7 @@ impl Estimator for Followed {
         measured: &[f64],
         sink: &mut dyn Sink,
     ) -> Result<(), FilterError> {
+        self.pass()?;
         let Self { filter, correction, in_units, prior, .. } = self;
         let wants_prior = sink.wants_prior();
         filter.predict([force_before, force])?;
@@ -55,7 +69,8 @@ impl Estimator for Followed {
 
     /// The belief before the update is that before the last reading.
     fn step_through(&mut self, parts: &Parts, sink: &mut dyn Sink) -> Result<(), FilterError> {
-        let Self { filter, correction, in_units, prior, of_share, of_part, weights } = self;
+        self.pass()?;
+        let Self { filter, correction, in_units, prior, of_share, of_part, weights, .. } = self;
         let (n, m) = (filter.model().size(), filter.noise().sensors.len());
         let (wants_prior, mut has_prior) = (sink.wants_prior(), false);
         correction.clear(n, m);
@@ -229,7 +244,9 @@ pub(crate) fn estimator(settings: &FilterSettings, context: &FilterContext<'_>) 
             let prior = filter.belief().gaussian().into_owned();
             let of_share = Share::new(filter.noise().clone(), filter.model().size());
             let (of_part, weights, in_units) = (correction.clone(), Vec::new(), InUnits::default());
-            Box::new(Followed { filter, correction, in_units, prior, of_share, of_part, weights })
+            let plucks = Plucks::new(settings, filter.model(), context.start);
+            let (dt, sample) = (context.dt, 0);
+            Box::new(Followed { filter, correction, in_units, prior, of_share, of_part, weights, plucks, dt, sample })
         }
         // The initial covariance is diagonal: its root can fail only through a number that is not finite.
         Err(FilterError::NotFinite) => Box::new(Failed(FilterError::TooLarge)),

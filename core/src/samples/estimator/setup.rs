@@ -142,9 +142,9 @@ impl Setup {
     }
 }
 
-/// Whether some settings ask for one filter only, which estimates all of its state, without bounds.
+/// Whether some settings ask for one filter only, which estimates all of its state, without bounds, of a motion that goes on.
 fn is_single(settings: &FilterSettings) -> bool {
-    settings.is_one() && settings.consider.is_empty() && settings.bounds.is_empty()
+    settings.is_one() && settings.plucks.is_empty() && settings.consider.is_empty() && settings.bounds.is_empty()
 }
 
 /// Whether lanes of its own serve such a filter. The choice must not depend on the processor, since it decides the bits of the

@@ -8,6 +8,7 @@ use crate::mathematics::linalg::{Ldl, Matrix, Vector};
 use crate::samples::estimator::FilterContext;
 use crate::samples::estimator::book::{InUnits, build_filter, initial_belief};
 use crate::samples::estimator::bounded::Truncation;
+use crate::samples::plucks::Plucks;
 use crate::samples::sink::Sample;
 use crate::{Estimates, FilterSettings, Quantity, Record};
 
@@ -21,7 +22,9 @@ pub(crate) struct Forward {
     truncation: Truncation,
     /// Of a filter that goes from one reading to the next.
     timed: Option<Box<Timed>>,
-    is_begun: bool,
+    plucks: Plucks,
+    /// The samples so far.
+    count: usize,
 }
 
 /// What a filter needs that goes from one reading to the next.
@@ -90,6 +93,7 @@ impl Forward {
         let truncation = Truncation::of(settings, filter.model().channels());
         Some(Self {
             truncation,
+            plucks: Plucks::new(settings, filter.model(), context.start),
             timed: context.is_timed.then(|| {
                 let of_share = Share::new(filter.noise().clone(), filter.model().size());
                 Box::new(Timed { of_share, parts: Parts::default() })
@@ -99,7 +103,7 @@ impl Forward {
             sensors: context.sensors.to_vec(),
             correction: Correction::default(),
             in_units: InUnits::default(),
-            is_begun: false,
+            count: 0,
         })
     }
 
@@ -109,9 +113,11 @@ impl Forward {
     /// # Errors
     /// Those of the filter.
     pub(crate) fn filter(&mut self, record: &Record, k: usize) -> Result<(Gaussian, Vec<Passage>), FilterError> {
-        if !std::mem::replace(&mut self.is_begun, true) {
+        self.count += 1;
+        let Some(before) = self.count.checked_sub(2) else {
             return Ok((self.filter.belief().gaussian().into_owned(), Vec::new()));
-        }
+        };
+        self.plucks.pass(&mut self.filter, [before, before + 1].map(|sample| record.dt() * sample as f64))?;
         let passages = match self.timed.take() {
             Some(mut timed) => {
                 let passages = self.go_through(&mut timed, record, k);

@@ -1,0 +1,215 @@
+//! Oscillators that are plucked several times.
+
+use std::sync::Arc;
+
+use kalmanscope_core::import::{Decay, read};
+use kalmanscope_core::record::{Clocks, Input, Record, Timed};
+use kalmanscope_core::{
+    Channel, EventFilter, FilterKind, FilterSettings, Hold, InputKind, Quantity, Run, Scenario, Sensor,
+};
+use nalgebra::{Matrix2, RowVector2, SMatrix, SVector, Vector2};
+
+use crate::identified::identified;
+use crate::phone::{Phone, USUAL};
+use crate::random::Random;
+
+const DT: f64 = 0.02;
+const NOISE: f64 = 0.05;
+/// ωₙ, ζ and the frequency of the damped motion.
+const OF: [f64; 3] = [6.0, 0.02, 5.998_799_88];
+
+/// The free motion after a time: displacement and velocity from those before.
+fn transition(t: f64) -> Matrix2<f64> {
+    let [w, z, _] = OF;
+    let moved = w * (1.0 - z * z).sqrt();
+    let (sin, cos) = (moved * t).sin_cos();
+    let ratio = z * w / moved;
+    Matrix2::new(cos + ratio * sin, sin / moved, -w * w / moved * sin, cos - ratio * sin) * (-z * w * t).exp()
+}
+
+/// Readings of displacement with an offset, of a motion that is pulled at some samples and lost before them.
+fn record(seed: u64, pulls: &[usize], offset: f64) -> Record {
+    let mut random = Random::new(seed);
+    let mut state = Vector2::new(1.0, 0.0);
+    let mut values = Vec::new();
+    for k in 0..600 {
+        if k > 0 {
+            state = transition(DT) * state;
+        }
+        if pulls.contains(&k) {
+            state = Vector2::new(1.5 * random.normal(), 4.0 * random.normal());
+        }
+        let lost = pulls.iter().any(|&pull| k < pull && k + 25 > pull);
+        values.push(if lost { f64::NAN } else { state[0] + offset + NOISE * random.normal() });
+    }
+    let input = Input { kind: InputKind::Force, hold: Hold::Zero, values: vec![0.0; values.len()] };
+    Record::new(DT, input, vec![(Quantity::DISPLACEMENT, values)]).expect("it is a record")
+}
+
+/// A filter that knows of pulls at some times.
+fn scenario(kind: FilterKind, plucks: &[f64]) -> Scenario {
+    let mut scenario =
+        Scenario { dt: DT, sensors: vec![Sensor::new(Quantity::DISPLACEMENT, NOISE)], ..Scenario::default() };
+    let mut filter =
+        FilterSettings { kind, sensor_std: vec![NOISE], plucks: plucks.to_vec(), ..FilterSettings::default() };
+    for (channel, mean, std) in [
+        (Channel::DISPLACEMENT, 0.0, 1.5),
+        (Channel::VELOCITY, 0.0, 6.0),
+        (Channel::NATURAL_FREQUENCY, OF[0], if kind == FilterKind::KF { 0.0 } else { 0.3 }),
+        (Channel::DAMPING_RATIO, OF[1], if kind == FilterKind::KF { 0.0 } else { 0.01 }),
+    ] {
+        (filter.initial_mean[channel], filter.initial_std[channel], filter.process_std[channel]) = (mean, std, 0.0);
+    }
+    scenario.filters = vec![filter];
+    scenario
+}
+
+fn finished(scenario: &Scenario, record: Record) -> Run {
+    let mut run = Run::on_record(scenario, Arc::new(record)).expect("it can be run");
+    run.finish();
+    run
+}
+
+/// The KF with an unknown offset is the least squares of all readings: the beginning, what two plucks add, and the offset are unknown.
+#[test]
+fn a_kf_is_the_least_squares_of_all_parts() {
+    let bias = Channel::from_key("bias_displacement").expect("there is one");
+    for (seed, kind) in [(1, FilterKind::KF), (2, FilterKind::KF)] {
+        let record = record(seed, &[200, 410], 0.3);
+        let mut scenario = scenario(kind, &[3.995, 8.19]);
+        let filter = &mut scenario.filters[0];
+        filter.augment = vec![bias];
+        (filter.initial_mean[bias], filter.initial_std[bias], filter.process_std[bias]) = (0.0, 0.5, 0.0);
+        filter.smoother = true;
+        let run = finished(&scenario, record.clone());
+        let prior = [1.5, 6.0, 1.5, 6.0, 1.5, 6.0, 0.5].map(|std: f64| std.powi(-2));
+        let mut information = SMatrix::<f64, 7, 7>::from_diagonal(&SVector::from(prior));
+        let mut score = SVector::<f64, 7>::zeros();
+        // The step of the pluck begins at the sample before.
+        let row = |k: usize| {
+            let mut row = SMatrix::<f64, 1, 7>::zeros();
+            for (place, begin) in [(0, 0), (2, 199), (4, 409)] {
+                if k > begin || begin == 0 {
+                    let of: RowVector2<f64> = transition(DT * (k - begin) as f64).row(0).into_owned();
+                    row.fixed_view_mut::<1, 2>(0, place).copy_from(&of);
+                }
+            }
+            row[6] = 1.0;
+            row
+        };
+        for k in 1..record.len() {
+            let z = record.measured(0)[k];
+            if !z.is_nan() {
+                information += row(k).transpose() * row(k) / (NOISE * NOISE);
+                score += row(k).transpose() * z / (NOISE * NOISE);
+            }
+        }
+        let cov = information.try_inverse().expect("the prior is proper");
+        let all = cov * score;
+        let estimates = &run.estimates()[0];
+        let (place, last) = (estimates.place(bias).expect("it is estimated"), estimates.len() - 1);
+        let displacement = (row(last) * all)[0] - all[6];
+        assert!((estimates.mean(last)[place] - all[6]).abs() < 1e-9, "{seed}");
+        assert!((estimates.std(last, place) / cov[(6, 6)].sqrt() - 1.0).abs() < 1e-8, "{seed}");
+        assert!((estimates.mean(last)[0] - displacement).abs() < 1e-8, "{seed}");
+        let smoothed = run.smoothed()[0].clone();
+        for k in [0, 150, 199, 200, 300, 409, 410, 599] {
+            let expected = (row(k) * all)[0] - all[6];
+            assert!(
+                (smoothed.mean(k)[0] - expected).abs() < 1e-7,
+                "{seed}, {k}: {} for {expected}",
+                smoothed.mean(k)[0]
+            );
+            assert!((smoothed.std(k, place) / cov[(6, 6)].sqrt() - 1.0).abs() < 1e-6, "{seed}, {k}");
+        }
+    }
+}
+
+/// What earlier plucks told of the parameters counts on, for every kind of filter; without knowing of them it is lost.
+#[test]
+fn all_parts_together_know_more() {
+    let pulls = [200, 400];
+    let kinds = [FilterKind::EKF, FilterKind::IEKF, FilterKind::UKF, FilterKind::SR_UKF, FilterKind::CKF];
+    for (place, kind) in kinds.into_iter().enumerate() {
+        let (mut inside, mut spoilt, mut narrower) = ([0, 0], 0, 0);
+        for seed in 0..20 {
+            let record = record(100 + 20 * place as u64 + seed, &pulls, 0.0);
+            let [once, ignorant] =
+                [&[3.99, 7.99][..], &[]].map(|plucks| finished(&scenario(kind, plucks), record.clone()));
+            let estimates = &once.estimates()[0];
+            let [first, last] = [199, estimates.len() - 1].map(|k| estimates.std(k, 2));
+            narrower += usize::from(last < 0.9 * first);
+            assert!(last < first, "{kind:?} {seed}: {last} after {first}");
+            for (i, inside) in inside.iter_mut().enumerate() {
+                let error = estimates.mean(599)[2 + i] - OF[i];
+                *inside += usize::from(error.abs() < 2.0 * estimates.std(599, 2 + i));
+            }
+            let other = &ignorant.estimates()[0];
+            spoilt += usize::from((other.mean(599)[2] - OF[0]).abs() > 2.0 * other.std(599, 2));
+        }
+        assert!(inside.iter().all(|inside| *inside >= 16), "{kind:?}: {inside:?} of 20 inside");
+        assert!(narrower >= 16, "{kind:?}: {narrower} of 20 know more");
+        assert!(spoilt >= 15, "{kind:?}: {spoilt} of 20 are wrong where nobody tells of the plucks");
+    }
+}
+
+/// The same from event to event, and with times of their own; what begins at another time counts from there.
+#[test]
+fn readings_with_times_have_the_same_plucks() {
+    let even = record(5, &[200, 410], 0.0);
+    let scenario = scenario(FilterKind::EKF, &[3.99, 8.19]);
+    let run = finished(&scenario, even.clone());
+    let there: Vec<usize> = (1..even.len()).filter(|&k| !even.measured(0)[k].is_nan()).collect();
+    let timed = Timed {
+        times: there.iter().map(|&k| k as f64).collect(),
+        values: there.iter().map(|&k| even.measured(0)[k]).collect(),
+    };
+    let clocks = Clocks { input: None, readings: vec![timed] };
+    let timed = finished(&scenario, even.clone().with_clocks(clocks).expect("times rise"));
+    let mut events = EventFilter::new(&scenario, 0).expect("it can follow events");
+    events.take(7.0, 0.0, &[f64::NAN]).expect("it begins");
+    for &k in &there {
+        events.take(7.0 + DT * k as f64, f64::NAN, &[even.measured(0)[k]]).expect("it is taken in");
+    }
+    let mut later = scenario.clone();
+    later.filters[0].plucks.iter_mut().for_each(|time| *time += 2.5);
+    let later = finished(&later, even.starting_at(2.5));
+    let std = run.estimates()[0].std(599, 2);
+    let mean = run.estimates()[0].mean(599)[2];
+    assert!((timed.estimates()[0].mean(599)[2] - mean).abs() < 1e-8 * std);
+    assert!((events.sample().mean[2] - mean).abs() < 1e-6 * std, "{} {mean} {std}", events.sample().mean[2]);
+    assert_eq!(later.checksum(), run.checksum(), "the times are those of the record");
+}
+
+/// From a phone's readings with two plucks to the parameters: both parts count, and the band holds the truth.
+#[test]
+fn a_phone_that_is_plucked_twice_knows_more() {
+    let (mut inside, mut narrower) = ([0, 0], 0);
+    for seed in 40..60 {
+        let phone = Phone { again: Some(16.0), damping: 0.008, seconds: 32.0, seed, ..USUAL };
+        let decays = Decay::alike(&phone.readings()).expect("it swings");
+        assert_eq!(decays.len(), 2, "{seed}");
+        let table = |decays: &[Decay]| read(Decay::file(decays).into_bytes(), None).expect("it is a table");
+        let (both, run) = identified(&table(&decays));
+        assert_eq!(run.scenario().filters[0].plucks.len(), 1, "{seed}");
+        let alone = decays.iter().map(|decay| identified(&table(std::slice::from_ref(decay))).0[1].1);
+        narrower += usize::from(alone.fold(f64::INFINITY, f64::min) > 1.1 * both[1].1);
+        for ((inside, (found, std)), truth) in inside.iter_mut().zip(both).zip([phone.frequency, phone.damping]) {
+            *inside += usize::from((found - truth).abs() < 2.0 * std);
+        }
+    }
+    println!("inside {inside:?}, narrower {narrower} of 20");
+    assert!(inside.iter().all(|inside| *inside >= 16) && narrower >= 18, "{inside:?} inside, {narrower} narrower");
+}
+
+#[test]
+fn what_samples_its_belief_has_no_plucks() {
+    for kind in [FilterKind::ENKF, FilterKind::PF] {
+        let error = scenario(kind, &[1.0]).validate().expect_err("it is refused").to_string();
+        assert!(error.contains("plucks"), "{error}");
+    }
+    for plucks in [&[2.0, 1.0][..], &[1.0, 1.0], &[f64::NAN], &[f64::INFINITY]] {
+        let error = scenario(FilterKind::EKF, plucks).validate().expect_err("it is refused").to_string();
+        assert!(error.contains("plucks"), "{error}");
+    }
+}

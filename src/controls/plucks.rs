@@ -1,0 +1,54 @@
+//! The times at which a filter takes the motion to begin anew.
+
+use egui::{DragValue, Ui};
+use kalmanscope_core::FilterSettings;
+
+use super::lit::lit;
+use super::row::choices_ui;
+use crate::text::significant;
+
+const HINT: &str = "Where it was plucked again, by a hand that no input tells of: there the filter forgets the motion, and keeps what it knows \
+                    of the parameters";
+
+/// A drag over a point changes a time by so much \[s\], and another pluck comes so long after the last one.
+const SPEED: f64 = 0.01;
+const LATER: f64 = 10.0;
+
+/// A number for each pluck. None is before the one before it.
+pub(super) fn plucks_ui(ui: &mut Ui, filter: &mut FilterSettings) {
+    if !filter.can_be_plucked() {
+        filter.plucks.clear();
+        return;
+    }
+    let (name, address) = (filter.name.clone(), filter.address("plucks"));
+    let times = &mut filter.plucks;
+    let summary: Vec<String> = times.iter().map(|time| format!("{} s", significant(*time, 4))).collect();
+    let summary = if summary.is_empty() { "none".to_owned() } else { summary.join(", ") };
+    lit(ui, &address, |ui| {
+        choices_ui(ui, ("plucked again", HINT), &summary, &format!("{name} plucks"), &mut |ui| {
+            let mut removed = None;
+            for place in 0..times.len() {
+                let least = place.checked_sub(1).map_or(f64::NEG_INFINITY, |before| times[before] + SPEED);
+                let most = times.get(place + 1).map_or(f64::INFINITY, |after| after - SPEED);
+                ui.horizontal(|ui| {
+                    let field = DragValue::new(&mut times[place]).speed(SPEED).range(least..=most).max_decimals(3);
+                    let field = ui.add(field.prefix("at ").suffix(" s")).on_hover_text(HINT);
+                    let text = format!("{name} pluck {}", place + 1);
+                    ui.ctx().accesskit_node_builder(field.id, |node| node.set_label(text));
+                    let button = ui.button("×").on_hover_text("Not plucked then");
+                    let text = format!("{name} without pluck {}", place + 1);
+                    ui.ctx().accesskit_node_builder(button.id, |node| node.set_label(text));
+                    if button.clicked() {
+                        removed = Some(place);
+                    }
+                });
+            }
+            if let Some(place) = removed {
+                times.remove(place);
+            }
+            if ui.button("One more").clicked() {
+                times.push(times.last().copied().unwrap_or(0.0) + LATER);
+            }
+        });
+    });
+}
