@@ -60,6 +60,25 @@ fn a_decay_ends_at_rest_or_before_a_second_pluck() {
     assert!(decay.begin > 2.0 && end <= 15.0 || decay.begin > 15.0, "from {} s to {end} s", decay.begin);
 }
 
+/// A hand that stops it in full swing ends the decay: what rests then is not part of it.
+#[test]
+fn a_hand_that_stops_it_ends_the_decay() {
+    for seed in 1..=5 {
+        for (stop, seconds) in [(13.3, 16.0), (10.0, 30.0), (12.71, 13.9)] {
+            let phone = Phone { damping: 0.006, seconds, seed, ..USUAL };
+            let still = Phone { amplitude: 0.0, ..phone };
+            let both = phone.readings().into_iter().zip(still.readings());
+            let readings: Vec<_> = both.map(|(moves, rests)| if moves[0] < stop { moves } else { rests }).collect();
+            let decay = Decay::of(&readings).expect("it swings");
+            let end = decay.begin + decay.seconds();
+            assert!((stop - 1.1..stop + 0.01).contains(&end), "seed {seed}: it ends at {end} s, not at {stop} s");
+            let [(frequency, _), (damping, _)] = identified(&as_table(&decay)).0;
+            assert!((frequency / phone.frequency - 1.0).abs() < 0.002, "seed {seed}: {frequency}");
+            assert!((damping / phone.damping - 1.0).abs() < 0.15, "seed {seed}: {damping}");
+        }
+    }
+}
+
 /// Each pluck is a decay of its own, and what the hand does before and after spoils none.
 #[test]
 fn every_pluck_is_found_and_the_hand_that_takes_the_phone_spoils_none() {

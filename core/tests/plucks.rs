@@ -213,3 +213,21 @@ fn what_samples_its_belief_has_no_plucks() {
         assert!(error.contains("plucks"), "{error}");
     }
 }
+
+/// The free run of the identified model begins anew at each pluck, too.
+#[test]
+fn a_free_run_begins_anew() {
+    let record = record(9, &[200, 410], 0.0);
+    for (plucks, is_good) in [(&[3.995, 8.19][..], true), (&[], false)] {
+        let scenario = scenario(FilterKind::EKF, plucks);
+        let run = finished(&scenario, record.clone());
+        let model = kalmanscope_core::Identified::at(&scenario, &scenario.filters[0], &run.estimates()[0], 599);
+        let free = model.run(run.record(), 0..600);
+        let fit = free.fits[0].expect("there are readings");
+        assert_eq!(fit.rms < 1.2 * NOISE, is_good, "{fit:?}");
+        assert!(!is_good || free.predicted[0].iter().all(|x| x.is_finite()));
+        let mut running = model.running(run.record(), 0..600);
+        while !running.advance(run.record(), &mut || false) {}
+        assert_eq!(format!("{:?}", running.finish(run.record())), format!("{free:?}"), "in pieces");
+    }
+}

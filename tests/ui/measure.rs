@@ -256,8 +256,10 @@ fn what_cannot_be_measured_is_said() {
 fn the_file_of_a_phone_is_dropped_and_its_decay_is_taken() {
     let mut text =
         "\"Time (s)\",\"Acceleration x (m/s^2)\",\"Acceleration y (m/s^2)\",\"Acceleration z (m/s^2)\"\n".to_owned();
-    for [t, x, y, z] in (0..1800).map(swing) {
-        writeln!(text, "{t:E},{x:E},{y:E},{z:E}").expect("memory");
+    // A hand stops it after 15 s, and plucks it again.
+    for k in 0..1800 {
+        let [t, x, y, z] = swing(k % 900);
+        writeln!(text, "{:E},{x:E},{y:E},{z:E}", t + if k < 900 { 0.0 } else { 15.0 }).expect("memory");
     }
     let mut screen = screen(DESKTOP, Theme::Light);
     drop_file(&mut screen, "phone.csv", text.as_bytes());
@@ -268,4 +270,9 @@ fn the_file_of_a_phone_is_dropped_and_its_decay_is_taken() {
     click(&mut screen, "Open the record");
     screen.run_steps(20);
     super::records::check_result(&screen, "phone.csv");
+    let session = screen.state().session();
+    let plucks = &session.scenario().filters[0].plucks;
+    assert!(plucks.len() == 1 && (13.0..16.0).contains(&plucks[0]), "{plucks:?}");
+    screen.run_steps(60);
+    screen.render().unwrap().save("/tmp/plucks.png").unwrap();
 }

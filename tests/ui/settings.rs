@@ -315,3 +315,31 @@ fn a_sensor_can_be_late_and_have_a_gain() {
     let session = screen.state().session();
     assert_eq!((session.problem(), session.run().estimates()[0].stop()), (None, None));
 }
+
+#[test]
+fn a_filter_is_plucked_and_has_scales_of_q() {
+    let mut screen = workbench();
+    screen.state_mut().session_mut().set_scenario(Scenario::default());
+    screen.run_steps(2);
+    screen.get_all_by_label("Options").next().expect("the first filter has options").click();
+    screen.run_steps(4);
+    screen.get_by_label("EKF plucks").click();
+    screen.run_steps(3);
+    for expected in [&[10.0][..], &[10.0, 20.0]] {
+        screen.get_by_label("One more").click();
+        screen.run_steps(3);
+        assert_eq!(scenario(&screen).filters[0].plucks, expected);
+    }
+    set(&mut screen, "EKF pluck 2", 12.5);
+    screen.get_by_label("EKF without pluck 1").click();
+    screen.run_steps(3);
+    assert_eq!(scenario(&screen).filters[0].plucks, [12.5]);
+    screen.key_press(Key::Escape);
+    screen.run_steps(3);
+    set(&mut screen, "EKF scales of Q", 5.0);
+    screen.run_steps(30);
+    assert_eq!(scenario(&screen).filters[0].process_scales, 5);
+    let session = screen.state().session();
+    assert_eq!((session.problem(), session.run().estimates()[0].stop()), (None, None));
+    assert!(session.run().estimates()[0].process_scale(0).is_some());
+}

@@ -24,6 +24,8 @@ pub struct Identified {
     input_delay: i32,
     /// The sensors that the filter takes to be late, with the time \[s\].
     late: Vec<(Quantity, f64)>,
+    /// The times at which its motion begins anew \[s\].
+    plucks: Vec<f64>,
 }
 
 /// The free run of a model over a part of a record.
@@ -31,7 +33,7 @@ pub struct Identified {
 pub struct FreeRun {
     /// The samples of the part.
     pub part: Range<usize>,
-    /// The samples at the beginning from which the motion was fitted; they do not count in the fits.
+    /// The samples at the beginning from which the motion was fitted; they do not count in the fits, and those after a pluck neither.
     pub fitted: usize,
     /// The predicted readings of each of the record's sensors over the part; NaN where the model has none or has run
     /// away.
@@ -63,7 +65,7 @@ impl Identified {
         }
         let quantities = scenario.sensors.iter().map(|sensor| sensor.measures);
         let late = quantities.zip(settings.sensor_delay.iter().copied()).collect();
-        Self { model, values, input_delay: settings.input_delay, late }
+        Self { model, values, input_delay: settings.input_delay, late, plucks: settings.plucks.clone() }
     }
 
     /// What a sensor of the record has read of sample `k`, to the nearest sample where it is late.
@@ -78,8 +80,8 @@ impl Identified {
         self.model.channels().iter().copied().zip(self.values.iter().copied())
     }
 
-    /// Runs over the samples of `part`. The motion at the beginning is fitted to the first fifty readings by least
-    /// squares; from then on the measurements are not used.
+    /// Runs over the samples of `part`. The motion at the beginning, and where a filter takes it to begin anew
+    /// ([`FilterSettings::plucks`]), is fitted to the next fifty readings by least squares; from then on the measurements are not used.
     ///
     /// Source of the fit: Nocedal and Wright (2006), *Numerical Optimization*, section 10.3 (Gauss and Newton).
     pub fn run(&self, record: &Record, part: Range<usize>) -> FreeRun {

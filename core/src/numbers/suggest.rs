@@ -131,15 +131,15 @@ impl Suggestion {
         }
     }
 
-    /// Guess and spread of ωₙ, ζ and gain. Returns whether the motion is a decay, and noise all the rest.
-    fn motion(&mut self, record: &mut Record) -> bool {
+    /// Guess and spread of ωₙ, ζ and gain. Returns whether noise is all that a decay leaves; `None` if the motion is no decay.
+    fn motion(&mut self, record: &mut Record) -> Option<bool> {
         if !self.has_frequency() {
             if self.own_parameters().is_some() {
                 self.size_of_motion(record);
             }
-            return false;
+            return None;
         }
-        let Some((quantity, measured)) = motion_sensor(record) else { return false };
+        let (quantity, measured) = motion_sensor(record)?;
         let mapping = self.scenario.record.as_ref();
         let band = mapping.and_then(|mapping| mapping.band);
         let driven = response(record, quantity, measured, band);
@@ -157,14 +157,14 @@ impl Suggestion {
         let Some(found) = driven.or(decaying).or_else(|| free_response(record, measured, band)) else {
             self.reasons.push(no_motion(quantity, measured));
             self.is_guessed = false;
-            return false;
+            return None;
         };
         self.begin_at(record, quantity, &found, reason);
         if let Some(free) = &free {
             self.begin_as_large(quantity, free);
             self.noise_beside(quantity, free, record.dt());
         }
-        free.is_some_and(|free| free.is_all)
+        free.map(|free| free.is_all)
     }
 
     /// R from what a decay leaves, where that is noise: it uses every frequency. Behind a filter of the import it is what noise of

@@ -95,6 +95,9 @@ const PART: f64 = 0.5;
 const QUIET: f64 = 4.0;
 const GROWTH: f64 = 1.4;
 
+/// A part that is smaller than the one before by this factor was stopped by a hand, if the one before is so much above noise.
+const STOPPED: f64 = 6.0;
+
 /// It is at rest after this time without a swing \[s\].
 const REST: f64 = 2.0;
 
@@ -215,16 +218,23 @@ fn is_too_short(readings: &[[f64; 4]]) -> bool {
     readings.len() < MOST_FEW || seconds(readings) < SHORTEST
 }
 
-/// The end of the free decay that begins at a place: where nothing swings any more, which is said, or before it swings more.
+/// The end of the free decay that begins at a place: where nothing swings any more, which is said, or before it swings more, or before a
+/// hand stops it.
 fn end(times: &[f64], along: &[f64], begin: usize, noise: f64) -> (usize, bool) {
     let (mut least, mut swung, mut place) = (f64::INFINITY, times[begin], begin);
+    // Where the part before begins, and its largest reading.
+    let mut before = (begin, 0.0);
     while place < times.len() {
         let next = (place..times.len()).find(|&k| times[k] >= times[place] + PART).unwrap_or(times.len());
         let largest = along[place..next].iter().fold(0.0, |a: f64, b| a.max(b.abs()));
         if largest > GROWTH * least + QUIET * noise {
             return (place, false);
         }
-        least = least.min(largest);
+        let is_whole = next < times.len();
+        if is_whole && (STOPPED * largest).max(STOPPED * QUIET * noise) < before.1 {
+            return (before.0, false);
+        }
+        (before, least) = ((place, largest), least.min(largest));
         if largest > QUIET * noise {
             swung = times[next - 1];
         } else if times[next - 1] - swung > REST {

@@ -14,7 +14,11 @@ pub struct Running {
     identified: Identified,
     part: Range<usize>,
     readings: Vec<Option<Reading>>,
+    /// The samples at which the motion begins anew, and the end, the next one last.
+    ends: Vec<usize>,
     beginning: Beginning,
+    /// The samples from which the motion was fitted.
+    fitted: Vec<Range<usize>>,
     /// The motion at the next sample, once the motion at the beginning is fitted.
     course: Option<Course>,
     predicted: Vec<Vec<f64>>,
@@ -27,9 +31,14 @@ impl Running {
         let end = part.end.min(record.len());
         let part = part.start.min(end)..end;
         let readings: Vec<Option<Reading>> = record.sensors().iter().map(|&q| identified.model.reading(q)).collect();
-        let beginning = Beginning::new(&identified, record, &part, &readings);
+        let mut ends: Vec<usize> = identified.plucks.iter().map(|time| after(record, *time)).collect();
+        ends.retain(|end| *end > part.start && *end < part.end);
+        ends.push(part.end);
+        ends.reverse();
+        let first = part.start..ends.last().copied().unwrap_or(part.end);
+        let beginning = Beginning::new(&identified, record, &first, &readings);
         let predicted = vec![Vec::with_capacity(part.len()); readings.len()];
-        Self { identified, part, readings, beginning, course: None, predicted, done: 0 }
+        Self { identified, part, readings, ends, beginning, fitted: Vec::new(), course: None, predicted, done: 0 }
     }
 
     /// Goes on until `while_time` returns false, which is called after each piece of about a millisecond. Returns whether
@@ -40,6 +49,7 @@ impl Running {
                 Some(_) => self.piece(record),
                 None if self.beginning.advance(&self.identified, record, &self.readings) => {
                     self.course = Some(Course::new(&self.identified, &self.beginning.motion));
+                    self.fitted.push(self.beginning.part.clone());
                 }
                 None => {}
             }
@@ -52,15 +62,17 @@ impl Running {
 
     /// The next samples.
     fn piece(&mut self, record: &Record) {
-        let Self { identified, part, readings, course: Some(course), predicted, done, .. } = self else { return };
-        let samples = (*done + CHUNK).min(part.len());
+        let Self { identified, part, readings, ends, beginning, course: at, predicted, done, .. } = self;
+        let Some(course) = at else { return };
+        let leg = ends.last().map_or(part.len(), |end| end - part.start);
+        let samples = (*done + CHUNK).min(leg);
         let end = course.halved() + HALVED;
         while *done < samples && course.halved() < end {
             let k = part.start + *done;
             let Some(state) = course.state() else {
-                // The model has run away: no prediction follows.
-                *done = part.len();
-                return;
+                // The model has run away: no prediction follows, until the motion begins anew.
+                *done = leg;
+                break;
             };
             for (column, reading) in
                 predicted.iter_mut().zip(readings.iter()).filter(|(column, _)| column.len() == *done)
@@ -68,6 +80,13 @@ impl Running {
                 column.push(identified.read(reading.as_ref(), state, record, k));
             }
             *done += usize::from(course.advance(identified, record, k, end - course.halved()));
+        }
+        if *done == leg && *done < part.len() {
+            ends.pop();
+            let next = part.start + leg..ends.last().copied().unwrap_or(part.end);
+            *beginning = Beginning::new(identified, record, &next, readings);
+            *at = None;
+            predicted.iter_mut().for_each(|column| column.resize(leg, f64::NAN));
         }
     }
 
@@ -78,16 +97,24 @@ impl Running {
 
     /// The free run, as far as it is done.
     pub fn finish(self, record: &Record) -> FreeRun {
-        let Self { identified, part, readings, beginning, mut predicted, .. } = self;
+        let Self { identified, part, readings, fitted: all, mut predicted, .. } = self;
         predicted.iter_mut().for_each(|column| column.resize(part.len(), f64::NAN));
-        let fitted = beginning.part.len();
+        let fitted = all.first().map_or(0, ExactSizeIterator::len);
+        let is_fitted = |k: usize| all.iter().any(|fitted| fitted.contains(&k));
         let fits = (0..readings.len()).map(|sensor| {
             readings[sensor].as_ref()?;
-            let measured: Vec<f64> = part.clone().map(|k| identified.measured(record, sensor, k)).collect();
+            let reading = |k: usize| if is_fitted(k) { f64::NAN } else { identified.measured(record, sensor, k) };
+            let measured: Vec<f64> = part.clone().map(reading).collect();
             fit(&measured[fitted..], &predicted[sensor][fitted..])
         });
         FreeRun { fits: fits.collect(), fitted, predicted, part }
     }
+}
+
+/// The first sample after a time \[s\].
+fn after(record: &Record, time: f64) -> usize {
+    let k = libm::ceil((time - record.time(0)) / record.dt()).clamp(0.0, record.len() as f64) as usize;
+    if k < record.len() && record.time(k) <= time { k + 1 } else { k }
 }
 
 #[cfg(test)]

@@ -111,15 +111,15 @@ impl Suggest {
         }
         let before = has_no_input(&self.record).then(|| self.suggestion.clone());
         self.suggestion.sensor_noise(&self.record, lost);
-        let is_decay = self.suggestion.motion(&mut self.record);
+        let decay = self.suggestion.motion(&mut self.record);
         self.suggestion.substeps(&self.record);
-        self.ambient = before.filter(|_| !is_decay).and_then(|before| {
+        self.ambient = before.filter(|_| decay != Some(true)).and_then(|before| {
             Ambient::new(Suggestion { reasons: before.reasons, ..self.suggestion.clone() }, &mut self.record)
         });
         if let Some(record) = as_it_is {
             self.record = record;
         }
-        is_decay
+        decay.is_some()
     }
 
     /// Looks at the data again once their gaps can be filled.
