@@ -1,5 +1,6 @@
 //! Drawing over time: series are reduced to pixel columns, these to marks, and the marks of a chart form one plot item.
 
+mod breaks;
 pub(crate) mod cache;
 pub(crate) mod cells;
 pub(crate) mod chart;

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use kalmanscope_core::import::{Decay, read};
 use kalmanscope_core::record::{Clocks, Input, Record, Timed};
 use kalmanscope_core::{
-    Channel, EventFilter, FilterKind, FilterSettings, Hold, InputKind, Quantity, Run, Scenario, Sensor,
+    Channel, EventFilter, FilterKind, FilterSettings, Hold, InputKind, Quantity, Run, Scenario, Sensor, Summary,
+    VerdictKind,
 };
 use nalgebra::{Matrix2, RowVector2, SMatrix, SVector, Vector2};
 
@@ -184,7 +185,7 @@ fn readings_with_times_have_the_same_plucks() {
 /// From a phone's readings with two plucks to the parameters: both parts count, and the band holds the truth.
 #[test]
 fn a_phone_that_is_plucked_twice_knows_more() {
-    let (mut inside, mut narrower) = ([0, 0], 0);
+    let (mut inside, mut narrower, mut consistent) = ([0, 0], 0, 0);
     for seed in 40..60 {
         let phone = Phone { again: Some(16.0), damping: 0.008, seconds: 32.0, seed, ..USUAL };
         let decays = Decay::alike(&phone.readings()).expect("it swings");
@@ -192,13 +193,16 @@ fn a_phone_that_is_plucked_twice_knows_more() {
         let table = |decays: &[Decay]| read(Decay::file(decays).into_bytes(), None).expect("it is a table");
         let (both, run) = identified(&table(&decays));
         assert_eq!(run.scenario().filters[0].plucks.len(), 1, "{seed}");
+        let verdict = Summary::new(&run.estimates()[0], run.record()).verdict.map(|verdict| verdict.kind);
+        consistent += usize::from(verdict == Some(VerdictKind::Consistent));
         let alone = decays.iter().map(|decay| identified(&table(std::slice::from_ref(decay))).0[1].1);
         narrower += usize::from(alone.fold(f64::INFINITY, f64::min) > 1.1 * both[1].1);
         for ((inside, (found, std)), truth) in inside.iter_mut().zip(both).zip([phone.frequency, phone.damping]) {
             *inside += usize::from((found - truth).abs() < 2.0 * std);
         }
     }
-    println!("inside {inside:?}, narrower {narrower} of 20");
+    println!("inside {inside:?}, narrower {narrower}, consistent {consistent} of 20");
+    assert!(consistent >= 17, "{consistent} of 20 are consistent");
     assert!(inside.iter().all(|inside| *inside >= 16) && narrower >= 18, "{inside:?} inside, {narrower} narrower");
 }
 

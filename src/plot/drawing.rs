@@ -5,6 +5,7 @@ use std::ops::Range;
 use egui_plot::PlotUi;
 use kalmanscope_core::Record;
 
+use super::breaks::unbroken;
 use super::coinciding::drawn_runs;
 use super::decoration::Decoration;
 use super::grid::Grid;
@@ -32,7 +33,8 @@ impl Drawing {
         let marks = window.scale(range).map_or(Vec::new(), |scale| {
             let runs = drawn_runs(layers, &columns, record, scale);
             let of_layer = |((layer, columns), runs): ((&Layer<'_>, &LayerColumns), Vec<Range<usize>>)| {
-                runs.into_iter().filter_map(|run| Mark::new(layer, columns, run, record, scale)).collect::<Vec<_>>()
+                let parts = runs.into_iter().flat_map(|run| unbroken(columns, run));
+                parts.filter_map(|run| Mark::new(layer, columns, run, record, scale)).collect::<Vec<_>>()
             };
             layers.iter().zip(&columns).zip(runs).flat_map(of_layer).collect()
         });

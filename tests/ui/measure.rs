@@ -273,6 +273,4 @@ fn the_file_of_a_phone_is_dropped_and_its_decay_is_taken() {
     let session = screen.state().session();
     let plucks = &session.scenario().filters[0].plucks;
     assert!(plucks.len() == 1 && (13.0..16.0).contains(&plucks[0]), "{plucks:?}");
-    screen.run_steps(60);
-    screen.render().unwrap().save("/tmp/plucks.png").unwrap();
 }
