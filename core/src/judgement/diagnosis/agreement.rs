@@ -27,7 +27,7 @@ const SPANS: [usize; 8] = [2, 4, 8, 16, 32, 64, 128, 256];
 
 impl Agreement {
     /// Compares readings of a quantity with those of its rate, `dt` \[s\] apart; `noise` is the standard deviation of the noise of the
-    /// rate. `None` where there are too few readings, or where the two are too unlike to be compared.
+    /// rate, as a filter takes it: where that is more than the readings are rough, their roughness counts. `None` where there are too few readings, or where the two are too unlike to be compared.
     ///
     /// ```text
     /// x(k + m) - x(k) = c + b ∫ v dt
@@ -57,6 +57,7 @@ impl Agreement {
         let curvature = before - 2.0 * here + after;
         let peak = if curvature < 0.0 { (0.5 * (before - after) / curvature).clamp(-0.5, 0.5) } else { 0.0 };
         let independent = (count as f64 / span as f64).max(3.0);
+        let noise = noise.min(roughness(rates));
         let attenuation = 1.0 - span as f64 * (dt * noise).powi(2) / sums.variances()[1];
         let factor = sums.slope() / attenuation.max(0.5);
         let std = factor.abs() * ((1.0 / (r * r) - 1.0) / independent).sqrt();
@@ -66,6 +67,15 @@ impl Agreement {
             if curvature < 0.0 { (scatter * (1.0 - r * r).sqrt() / -curvature).sqrt() } else { f64::INFINITY };
         Some(Self { factor, std, late: best as f64 + peak, late_std })
     }
+}
+
+/// The standard deviation of white noise with the second differences of these readings: that of their own noise, and a little more.
+fn roughness(readings: &[f64]) -> f64 {
+    let squares =
+        readings.windows(3).map(|three| three[0] - 2.0 * three[1] + three[2]).filter(|second| second.is_finite());
+    let (sum, count) = squares.fold((0.0, 0.0), |(sum, count), second| (sum + second * second, count + 1.0));
+    // 1 + 4 + 1 times the variance of one reading.
+    if count > 0.0 { (sum / (6.0 * count)).sqrt() } else { f64::INFINITY }
 }
 
 /// The integral of a rate up to each sample; its missing readings count as those before them.
@@ -182,6 +192,18 @@ mod tests {
                 assert!((found.late - late).abs() < 0.5, "{late}: {found:?}");
             }
             assert!((agreement(|t| [x(t), v(t) + 0.5], seed).factor - 1.0).abs() < 0.01, "a bias");
+        }
+    }
+
+    /// A filter that takes the noise for much larger than it is does not make a right sensor wrong.
+    #[test]
+    fn noise_that_is_taken_for_too_large_turns_no_factor() {
+        for seed in 0..10 {
+            let [values, rates] = readings(|t| [x(t), v(t)], seed);
+            for times in [1.0, 5.0, 100.0] {
+                let Agreement { factor, std, .. } = Agreement::of(&values, &rates, 0.01, 0.06 * times).unwrap();
+                assert!((factor - 1.0).abs() < 4.0 * std + 0.005, "{times}: {factor} ± {std}");
+            }
         }
     }
 
