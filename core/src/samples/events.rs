@@ -1,5 +1,6 @@
 //! One filter of a scenario over readings that come at times of their own.
 
+mod by_time;
 mod error;
 mod timeline;
 
@@ -257,23 +258,6 @@ impl EventFilter {
         }
         self.followed -= self.timeline.forget(self.now, self.followed);
         Ok(self.last.sample())
-    }
-
-    /// The readings that tell of this time \[s\], and those of late or early sensors, each with the time that it tells of. What tells of a
-    /// time before the first event does not count, as no reading of the first does.
-    fn by_time(&self, time: f64, readings: &[f64]) -> (Vec<f64>, Vec<(f64, Vec<f64>)>) {
-        let (mut own, mut others) = (readings.to_vec(), Vec::new());
-        let first = if self.first.is_finite() { self.first } else { time };
-        for (place, late) in self.sensor_delay.iter().enumerate().filter(|(_, late)| **late != 0.0) {
-            let reading = std::mem::replace(&mut own[place], f64::NAN);
-            let then = time - late;
-            if !reading.is_nan() && then > first + SAME * self.scenario.dt {
-                let mut alone = vec![f64::NAN; readings.len()];
-                alone[place] = reading;
-                others.push((then, alone));
-            }
-        }
-        (own, others)
     }
 
     fn check(&self, time: f64, input: f64, readings: &[f64]) -> Result<(), EventError> {
