@@ -180,3 +180,20 @@ fn what_it_cannot_have_is_refused() {
         );
     }
 }
+
+/// Q that a file leaves out has its usual size, and is scaled too; covariances are symmetric to the last bit.
+#[test]
+fn usual_noise_is_scaled_too() {
+    let text =
+        "duration = 20.0\nseed = 3\n[plant]\ndisturbance_std = 3.0\n[[filters]]\nkind = \"ekf\"\nprocess_scales = 9";
+    let scenario = Scenario::from_toml(text).expect("it is a scenario");
+    let run = finished(&scenario);
+    let estimates = &run.estimates()[0];
+    let [_, std] = estimates.process_scale(estimates.len() - 1).expect("it tells the scale");
+    assert!(std < 0.5, "it is told by readings: {std}");
+    let n = estimates.channels().len();
+    for k in 0..estimates.len() {
+        let cov = estimates.cov(k);
+        assert!((0..n * n).all(|at| cov[at].to_bits() == cov[at % n * n + at / n].to_bits()), "{k}");
+    }
+}

@@ -8,7 +8,7 @@ use crate::samples::estimator::book::{build_filter, initial_belief};
 use crate::samples::estimator::{Estimator, FilterContext};
 use crate::samples::sample::AssumedNoise;
 use crate::samples::sink::{LastSample, Sample, Sink};
-use crate::{Adaptation, FilterError, FilterSettings};
+use crate::{Adaptation, Channel, FilterError, FilterSettings};
 
 /// A bank of filters that differ in the scale of Q alone: what it tells is their mixture, with the posterior of the scale
 /// ([`NoiseScale`]).
@@ -61,11 +61,11 @@ struct Moments {
 /// A filter with a smaller share adds nothing.
 const LEAST: f64 = 1e-9;
 
-/// The settings of the filter of one scale, u = ln s.
-fn member(settings: &FilterSettings, u: f64) -> FilterSettings {
+/// The settings of the filter of one scale, u = ln s, over these channels.
+fn member(settings: &FilterSettings, channels: &[Channel], u: f64) -> FilterSettings {
     let mut member = FilterSettings { process_scales: 1, ..settings.clone() };
-    for (channel, std) in settings.process_std.iter() {
-        member.process_std[channel] = libm::exp(u) * std;
+    for &channel in channels {
+        member.process_std[channel] = libm::exp(u) * settings.process_std[channel];
     }
     member
 }
@@ -85,7 +85,7 @@ impl Scales {
         let (n, noise) = (filter.model().size(), filter.noise());
         let scale = NoiseScale::new(settings.process_scales);
         let member = |u: &f64| Member {
-            estimator: build(&member(settings, *u)),
+            estimator: build(&member(settings, filter.model().channels(), *u)),
             last: LastSample::default(),
             has_failed: false,
         };
@@ -126,15 +126,15 @@ impl Scales {
         self.before.clear();
         self.before.extend_from_slice(self.scale.weights());
         let Some(first) = self.members.iter().find(|member| !member.has_failed) else { return Err(reason) };
-        let is_measured = first.last.sample().readings() > 0;
+        let learns = first.last.sample().readings() > 0 && self.adaptation.learns_at(self.sample, self.dt);
         let has_failed = self.members.iter().zip(&self.before).any(|(one, weight)| one.has_failed && *weight > 0.0);
-        if has_failed || (is_measured && self.adaptation.learns_at(self.sample, self.dt)) {
+        if has_failed || learns {
             let of_sample = |member: &Member| match member.has_failed {
                 true => f64::NEG_INFINITY,
-                false if is_measured => member.last.sample().ln_likelihood(),
+                false if learns => member.last.sample().ln_likelihood(),
                 false => 0.0,
             };
-            let keep = if is_measured { self.adaptation.forgetting } else { 1.0 };
+            let keep = if learns { self.adaptation.forgetting } else { 1.0 };
             self.scale.take(self.members.iter().map(of_sample), keep);
         }
         self.told.mix(&self.members, [&self.before, self.scale.weights()], wants_prior)?;
@@ -241,7 +241,8 @@ impl Moments {
             let own = of(sample).0;
             for j in 0..n {
                 for i in 0..n {
-                    self.cov[j * n + i] += weight / total * (own[i] - self.mean[i]) * (own[j] - self.mean[j]);
+                    // Symmetric to the last bit.
+                    self.cov[j * n + i] += weight / total * ((own[i] - self.mean[i]) * (own[j] - self.mean[j]));
                 }
             }
         }
