@@ -46,6 +46,7 @@ pub const LESSONS: &[(&str, &str)] = files!["lessons":
     "34-straight-or-hard",
     "35-jump-fade-walk-or-bank",
     "36-what-r-does-not-know",
+    "37-how-much-shakes-it",
 ];
 
 /// Every lesson in the menu's order. They are not validated, which takes longer than reading: a test has done it.
