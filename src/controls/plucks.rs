@@ -22,17 +22,27 @@ pub(super) fn plucks_ui(ui: &mut Ui, filter: &mut FilterSettings) {
     }
     let (name, address) = (filter.name.clone(), filter.address("plucks"));
     let times = &mut filter.plucks;
-    let summary: Vec<String> = times.iter().map(|time| format!("{} s", significant(*time, 4))).collect();
-    let summary = if summary.is_empty() { "none".to_owned() } else { summary.join(", ") };
+    let summary = match times[..] {
+        [] => "none".to_owned(),
+        [one] => format!("at {} s", significant(one, 4)),
+        _ => format!("{} times", times.len()),
+    };
     lit(ui, &address, |ui| {
         choices_ui(ui, ("plucked again", HINT), &summary, &format!("{name} plucks"), &mut |ui| {
+            // Above the others: a list that grows while it is open keeps its height and scrolls.
+            if ui.button("One more").clicked() {
+                times.push(times.last().copied().unwrap_or(0.0) + LATER);
+            }
             let mut removed = None;
             for place in 0..times.len() {
                 let least = place.checked_sub(1).map_or(f64::NEG_INFINITY, |before| times[before] + SPEED);
                 let most = times.get(place + 1).map_or(f64::INFINITY, |after| after - SPEED);
                 ui.horizontal(|ui| {
-                    let field = DragValue::new(&mut times[place]).speed(SPEED).range(least..=most).max_decimals(3);
-                    let field = ui.add(field.prefix("at ").suffix(" s")).on_hover_text(HINT);
+                    let field = DragValue::new(&mut times[place])
+                        .speed(SPEED)
+                        .range(least..=most)
+                        .clamp_existing_to_range(false);
+                    let field = ui.add(field.max_decimals(3).prefix("at ").suffix(" s")).on_hover_text(HINT);
                     let text = format!("{name} pluck {}", place + 1);
                     ui.ctx().accesskit_node_builder(field.id, |node| node.set_label(text));
                     let button = ui.button("×").on_hover_text("Not plucked then");
@@ -45,9 +55,6 @@ pub(super) fn plucks_ui(ui: &mut Ui, filter: &mut FilterSettings) {
             }
             if let Some(place) = removed {
                 times.remove(place);
-            }
-            if ui.button("One more").clicked() {
-                times.push(times.last().copied().unwrap_or(0.0) + LATER);
             }
         });
     });
