@@ -25,51 +25,8 @@ fn words(estimates: &Estimates, sensor: usize, k: usize) -> Option<String> {
 /// √R of each sensor, and the scale of √Q; there is none where no filter learns it.
 pub(super) fn charts<'a>(context: &ViewContext<'a>) -> Vec<Chart<'a>> {
     let sensors = if learning(context).next().is_some() { context.session.sensors() } else { Vec::new() };
-    let of_sensors = sensors.into_iter().enumerate().map(|(sensor, quantity)| chart(sensor, quantity, context));
+    let of_sensors = sensors.into_iter().enumerate().map(|(sensor, quantity)| of_sensor(sensor, quantity, context));
     of_sensors.chain(of_process(context)).collect()
-}
-
-/// s, where √Q is s times that of the settings, for the filters that have several scales of it.
-fn of_process<'a>(context: &ViewContext<'a>) -> Option<Chart<'a>> {
-    let ViewContext { palette, visible, .. } = *context;
-    let scaling = || context.filters().map(|(_, estimates)| estimates).filter(|of| of.tells_process_scale());
-    let (mut layers, mut columns): (Vec<Layer<'a>>, Vec<Column<'a>>) = (Vec::new(), Vec::new());
-    for estimates in scaling() {
-        let color = palette.shade(estimates.color());
-        let of = move |k: usize| estimates.process_scale(k).unwrap_or([f64::NAN; 2]);
-        if visible.bands {
-            let edges = move |[mean, std]: [f64; 2]| ((mean - 2.0 * std) / LN_10, (mean + 2.0 * std) / LN_10);
-            let band = Band::made(estimates.len(), move |samples| samples.map(|k| edges(of(k))).collect());
-            layers.push(Layer::Band { band, color, under: 0.0 });
-        }
-        columns.push(Column::new(estimates.name(), color, move |k| {
-            let [mean, std] = estimates.process_scale(k)?;
-            let [low, middle, high] = [-2.0, 0.0, 2.0].map(|sigmas| significant((mean + sigmas * std).exp(), 3));
-            Some(format!("{middle} ({low} to {high})"))
-        }));
-    }
-    let scenario = context.session.run().scenario();
-    let first = scaling().next()?.id();
-    let settings = scenario.filters.iter().find(|settings| settings.id == first);
-    let truth = settings.filter(|_| !context.session.is_measured()).and_then(|of| scenario.true_process_scale(of));
-    if let Some(value) = truth.filter(|_| visible.truth) {
-        layers.push(Layer::Level { value: value.log10(), color: palette.truth, label: "truth" });
-    }
-    for estimates in scaling() {
-        let value = move |k: usize| estimates.process_scale(k).map_or(f64::NAN, |[mean, _]| mean / LN_10);
-        let series = Series::new(estimates.len(), move |samples| samples.map(value));
-        layers.push(Layer::line(series, palette.shade(estimates.color()), 1.2));
-    }
-    Some(Chart {
-        key: "learnt scale of Q".to_owned(),
-        title: "learnt √Q over the one that is set".to_owned(),
-        symbol: "s(√Q)".to_owned(),
-        name: "scale of √Q".to_owned(),
-        columns,
-        layers,
-        logarithmic: true,
-        ..Chart::default()
-    })
 }
 
 /// The true standard deviation of a sensor's noise for the first filter that learns it; known of simulated sensors without faults only.
@@ -81,36 +38,83 @@ fn truth(sensor: usize, context: &ViewContext<'_>) -> Option<f64> {
     scenario.true_noise_for(filter).0.get(sensor).copied().filter(|_| is_plain)
 }
 
-/// The chart of a sensor.
-fn chart<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>) -> Chart<'a> {
-    let ViewContext { palette, visible, .. } = *context;
-    let (mut layers, mut columns): (Vec<Layer<'a>>, Vec<Column<'a>>) = (Vec::new(), Vec::new());
-    for estimates in learning(context) {
-        let color = palette.shade(estimates.color());
-        let of = move |k: usize| estimates.sensor_noise(k, sensor).unwrap_or([f64::NAN; 2]);
-        if visible.bands {
-            let edges = move |[std, spread]: [f64; 2]| (std - 2.0 * spread, std + 2.0 * spread);
-            let band = Band::made(estimates.len(), move |samples| samples.map(|k| edges(of(k))).collect());
-            layers.push(Layer::Band { band, color, under: 0.0 });
-        }
-        columns.push(Column::new(estimates.name(), color, move |k| words(estimates, sensor, k)));
-    }
-    if let Some(value) = truth(sensor, context).filter(|_| visible.truth) {
-        layers.push(Layer::Level { value, color: palette.truth, label: "truth" });
-    }
-    for estimates in learning(context) {
-        let value = move |k: usize| estimates.sensor_noise(k, sensor).map_or(f64::NAN, |[std, _]| std);
-        let series = Series::new(estimates.len(), move |samples| samples.map(value));
-        layers.push(Layer::line(series, palette.shade(estimates.color()), 1.2));
-    }
-    Chart {
+/// √R of a sensor.
+fn of_sensor<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>) -> Chart<'a> {
+    let band = move |estimates: &Estimates, k: usize| {
+        let [std, spread] = estimates.sensor_noise(k, sensor)?;
+        Some([-2.0, 0.0, 2.0].map(|sigmas| std + sigmas * spread))
+    };
+    let words = move |estimates: &Estimates, k: usize| words(estimates, sensor, k);
+    let chart = Chart {
         key: format!("learnt noise of {}", quantity.key()),
         title: format!("learnt noise of the {} sensor", quantity.key()),
         symbol: format!("√R({})", quantity.symbol()),
         name: "learnt noise".to_owned(),
         unit: context.unit(quantity.unit()),
-        columns,
-        layers,
         ..Chart::default()
+    };
+    drawn(chart, context, &learning(context).collect::<Vec<_>>(), (band, words), truth(sensor, context))
+}
+
+/// s, where √Q is s times that of the settings, for the filters that have several scales of it.
+fn of_process<'a>(context: &ViewContext<'a>) -> Option<Chart<'a>> {
+    let scaling: Vec<&Estimates> =
+        context.filters().map(|(_, estimates)| estimates).filter(|of| of.tells_process_scale()).collect();
+    let scenario = context.session.run().scenario();
+    let settings = scenario.filters.iter().find(|settings| scaling.first().is_some_and(|of| of.id() == settings.id))?;
+    let truth = Some(settings).filter(|_| !context.session.is_measured());
+    let truth = truth.and_then(|settings| scenario.true_process_scale(settings)).map(f64::log10);
+    let band = |estimates: &Estimates, k: usize| {
+        let [mean, std] = estimates.process_scale(k)?;
+        Some([-2.0, 0.0, 2.0].map(|sigmas| (mean + sigmas * std) / LN_10))
+    };
+    let words = move |estimates: &Estimates, k: usize| {
+        let [low, middle, high] = band(estimates, k)?.map(|logarithm| significant(10_f64.powf(logarithm), 3));
+        Some(format!("{middle} ({low} to {high})"))
+    };
+    let chart = Chart {
+        key: "learnt scale of Q".to_owned(),
+        title: "learnt √Q over the one that is set".to_owned(),
+        symbol: "s(√Q)".to_owned(),
+        name: "scale of √Q".to_owned(),
+        logarithmic: true,
+        ..Chart::default()
+    };
+    Some(drawn(chart, context, &scaling, (band, words), truth))
+}
+
+/// A chart with what filters have learnt: the ends of a band with the value between them at each sample, and that in words.
+fn drawn<'a>(
+    chart: Chart<'a>,
+    context: &ViewContext<'a>,
+    filters: &[&'a Estimates],
+    (band, words): (
+        impl Fn(&Estimates, usize) -> Option<[f64; 3]> + Copy + 'a,
+        impl Fn(&Estimates, usize) -> Option<String> + Copy + 'a,
+    ),
+    truth: Option<f64>,
+) -> Chart<'a> {
+    let ViewContext { palette, visible, .. } = *context;
+    let (mut layers, mut columns): (Vec<Layer<'a>>, Vec<Column<'a>>) = (Vec::new(), Vec::new());
+    let at = move |estimates: &Estimates, k: usize| band(estimates, k).unwrap_or([f64::NAN; 3]);
+    for &estimates in filters {
+        let color = palette.shade(estimates.color());
+        if visible.bands {
+            let edges = move |k: usize| {
+                let [low, _, high] = at(estimates, k);
+                (low, high)
+            };
+            let band = Band::made(estimates.len(), move |samples| samples.map(edges).collect());
+            layers.push(Layer::Band { band, color, under: 0.0 });
+        }
+        columns.push(Column::new(estimates.name(), color, move |k| words(estimates, k)));
     }
+    if let Some(value) = truth.filter(|_| visible.truth) {
+        layers.push(Layer::Level { value, color: palette.truth, label: "truth" });
+    }
+    for &estimates in filters {
+        let series = Series::new(estimates.len(), move |samples| samples.map(move |k| at(estimates, k)[1]));
+        layers.push(Layer::line(series, palette.shade(estimates.color()), 1.2));
+    }
+    Chart { columns, layers, ..chart }
 }

@@ -45,7 +45,10 @@ pub enum Trouble {
     #[error("the noise that the filter learns for the sensor for {} runs away", .0.key())]
     GrowingSensorNoise(Quantity),
     /// Q may be beyond the scales of it that the filter has ([`FilterSettings::process_scales`]), for 200 samples or more.
-    #[error("the process noise may be beyond the scales of Q that the filter has: from 1/30 to 30 times √Q")]
+    #[error(
+        "the process noise may be beyond the scales of Q that the filter has: from 1/{0} to {0} times √Q",
+        noise_scale::REACH
+    )]
     ScaleAtEnd,
     /// Q has learnt a standard deviation a thousandth of the initial one.
     #[error("the process noise that the filter learns for the {} runs to zero", .0.name())]

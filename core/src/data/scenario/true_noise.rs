@@ -39,14 +39,18 @@ impl Scenario {
         (self.sensors.iter().map(|s| usable_std(s.measures, s.noise_std)).collect(), process_std)
     }
 
-    /// s, where the true √Q of the motion is s times that of this filter. `None` where nothing shakes the plant, and where the filter's is zero,
-    /// or in another proportion.
+    /// s, where the true √Q is s times that of this filter. `None` where nothing shakes the plant, and where the filter's is in another
+    /// proportion: its σ of velocities tell s, and s times no other one is above the true one.
     pub fn true_process_scale(&self, filter: &FilterSettings) -> Option<f64> {
         let (_, truth) = self.true_noise_for(filter);
-        let of_velocities = self.plant.kind.channels().iter().filter_map(|channel| channel.rate());
-        let mut scales = of_velocities.map(|velocity| truth[velocity] / filter.process_std[velocity]);
+        let channels = self.plant.kind.channels();
+        let velocities: Vec<Channel> = channels.iter().filter_map(|channel| channel.rate()).collect();
+        let mut scales = velocities.iter().map(|&velocity| truth[velocity] / filter.process_std[velocity]);
         let first = scales.next().filter(|scale| scale.is_finite() && *scale > 0.0)?;
-        scales.all(|scale| (scale / first - 1.0).abs() < 1e-6).then_some(first)
+        let mut others = channels.iter().filter(|channel| !velocities.contains(channel) && !filter.knows(**channel));
+        let is_in_proportion = scales.all(|scale| (scale / first - 1.0).abs() < ALIKE)
+            && others.all(|&channel| first * filter.process_std[channel] <= (1.0 + ALIKE) * truth[channel]);
+        is_in_proportion.then_some(first)
     }
 
     /// The standard deviations of the sensors' noise for a filter's settings: the sensor's own noise, and the effect of
@@ -107,6 +111,9 @@ impl Scenario {
     }
 }
 
+/// Scales that differ by less than this share are the same.
+const ALIKE: f64 = 1e-6;
+
 /// Limits the standard deviation that a filter assumes of a sensor from below, relative to the usual noise of the
 /// quantity. A sensor may be perfect, but a filter with R = 0 soon has a singular innovation covariance.
 const LEAST_NOISE: f64 = 1e-9;
@@ -118,6 +125,23 @@ pub(super) fn usable_std(quantity: Quantity, noise_std: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_scale_of_q_is_known_where_all_of_q_has_one() {
+        let mut scenario = Scenario::default();
+        scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
+        let mut filter = scenario.filters[0].clone();
+        assert_eq!(scenario.true_process_scale(&filter), None, "nothing shakes it");
+        scenario.plant.disturbance_std = 2.0;
+        assert_eq!(scenario.true_process_scale(&filter), None, "its parameters walk, and the true ones do not");
+        filter.process_std = scenario.true_noise().1;
+        assert_eq!(scenario.true_process_scale(&filter), Some(1.0));
+        filter.process_std[Channel::VELOCITY] *= 0.1;
+        assert_eq!(scenario.true_process_scale(&filter), None, "displacement and velocity differ");
+        filter.process_std[Channel::DISPLACEMENT] = 0.0;
+        let scale = scenario.true_process_scale(&filter).unwrap();
+        assert!((scale - 10.0).abs() < 1e-9, "{scale}");
+    }
 
     #[test]
     fn the_change_per_step_is_that_of_all_steps() {
