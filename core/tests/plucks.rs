@@ -16,12 +16,12 @@ use crate::random::Random;
 
 const DT: f64 = 0.02;
 const NOISE: f64 = 0.05;
-/// ωₙ, ζ and the frequency of the damped motion.
-const OF: [f64; 3] = [6.0, 0.02, 5.998_799_88];
+/// ωₙ and ζ.
+const OF: [f64; 2] = [6.0, 0.02];
 
 /// The free motion after a time: displacement and velocity from those before.
 fn transition(t: f64) -> Matrix2<f64> {
-    let [w, z, _] = OF;
+    let [w, z] = OF;
     let moved = w * (1.0 - z * z).sqrt();
     let (sin, cos) = (moved * t).sin_cos();
     let ratio = z * w / moved;

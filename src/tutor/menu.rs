@@ -17,6 +17,9 @@ const LEAST: f32 = 380.0;
 /// Limits the columns.
 const MOST: usize = 3;
 
+/// The height of a group's name over that of a lesson.
+const NAME: f32 = 0.4;
+
 /// An invitation to the first lesson, for new users.
 pub(crate) fn invitation_ui(ui: &mut Ui, requests: &mut Vec<Request>) {
     let text = RichText::new("New here? Begin with the first lesson").color(ui.visuals().hyperlink_color);
@@ -33,10 +36,9 @@ pub(crate) fn menu_ui(ui: &mut Ui, catalogue: &Catalogue, requests: &mut Vec<Req
         let lessons = catalogue.lessons();
         let room = ui.ctx().content_rect().width() - AROUND;
         let columns = ((room / LEAST) as usize).clamp(1, MOST);
-        let of_column = lessons.len().div_ceil(columns);
+        let groups: Vec<&str> = lessons.iter().map(|lesson| lesson.group.as_str()).collect();
         ui.horizontal_top(|ui| {
-            for column in 0..columns {
-                let places = column * of_column..((column + 1) * of_column).min(lessons.len());
+            for places in even(&groups, columns) {
                 ui.vertical(|ui| {
                     ui.set_width(room / columns as f32 - ui.spacing().item_spacing.x);
                     lessons_ui(ui, catalogue, places, requests);
@@ -45,6 +47,33 @@ pub(crate) fn menu_ui(ui: &mut Ui, catalogue: &Catalogue, requests: &mut Vec<Req
         });
     });
     probe::remember(ui.ctx(), "Lessons", button.rect);
+}
+
+/// The places in each column, as even as can be: the name of a group takes room too.
+fn even(groups: &[&str], columns: usize) -> Vec<Range<usize>> {
+    let fill = |limit: f32| {
+        let (mut all, mut begin, mut height) = (Vec::new(), 0, 0.0);
+        for place in 0..groups.len() {
+            let is_named = place == begin || groups[place] != groups[place - 1];
+            let more = if is_named { 1.0 + NAME } else { 1.0 };
+            if place > begin && height + more > limit {
+                all.push(begin..place);
+                (begin, height) = (place, 1.0 + NAME);
+            } else {
+                height += more;
+            }
+        }
+        all.push(begin..groups.len());
+        all
+    };
+    let mut limit = groups.len() as f32 / columns as f32;
+    loop {
+        let all = fill(limit);
+        if all.len() <= columns {
+            return all;
+        }
+        limit += 0.1;
+    }
 }
 
 /// The lessons at some places, under the names of their groups.
@@ -68,5 +97,20 @@ fn lessons_ui(ui: &mut Ui, catalogue: &Catalogue, places: Range<usize>, requests
             requests.push(Request::StartLesson(place));
             ui.close();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_groups_take_room_in_their_columns() {
+        let groups: Vec<&str> = (0..37).map(|place| ["a", "b", "c", "c", "c"][(place / 4).min(4)]).collect();
+        let lengths = |columns| even(&groups, columns).iter().map(ExactSizeIterator::len).collect::<Vec<_>>();
+        assert_eq!(lengths(3), [12, 13, 12]);
+        assert_eq!((lengths(1), lengths(2)), (vec![37], vec![18, 19]));
+        assert_eq!(even(&[], 3), vec![0..0]);
+        assert_eq!(even(&["a"], 3).len(), 1);
     }
 }

@@ -98,7 +98,7 @@ impl NoiseScale {
             moments[1] += density * at;
             moments[2] += density * at * at;
         };
-        // What is likeliest may lie between two filters, by a little.
+        // Between two filters L may be a little above the best of them.
         let density = |ln: f64| libm::exp((power * ln).max(-2.0 * NOTHING));
         for j in 0..grid.len() {
             let has_next = all.get(j + 1).is_some_and(|next| next.is_finite());
@@ -106,7 +106,7 @@ impl NoiseScale {
                 continue;
             }
             let is_inside = j > 0 && all[j - 1].is_finite() && has_next;
-            // An end of what is known has half a point's width.
+            // Trapezoids: the first and the last point count half.
             add(grid[j], j, 0.0, density(all[j]) * if is_inside { 1.0 } else { 0.5 });
             if !has_next || power * all[j].max(all[j + 1]) < -NOTHING {
                 continue;

@@ -14,7 +14,7 @@ pub struct Running {
     identified: Identified,
     part: Range<usize>,
     readings: Vec<Option<Reading>>,
-    /// The samples at which the motion begins anew, and the end, the next one last.
+    /// The samples at which the motion begins anew, and the end of the part, in falling order.
     ends: Vec<usize>,
     beginning: Beginning,
     /// The samples from which the motion was fitted.
