@@ -17,6 +17,9 @@ const LEAST: f32 = 380.0;
 /// Limits the columns.
 const MOST: usize = 3;
 
+/// The distance between lessons \[points\].
+const CLOSE: f32 = 1.0;
+
 /// The height of a group's name over that of a lesson.
 const NAME: f32 = 0.4;
 
@@ -78,6 +81,8 @@ fn even(groups: &[&str], columns: usize) -> Vec<Range<usize>> {
 
 /// The lessons at some places, under the names of their groups.
 fn lessons_ui(ui: &mut Ui, catalogue: &Catalogue, places: Range<usize>, requests: &mut Vec<Request>) {
+    // All lessons are in sight on a small desktop.
+    ui.spacing_mut().item_spacing.y = CLOSE;
     let mut group = "";
     for place in places {
         let Some(lesson) = catalogue.at(place) else { continue };
