@@ -155,7 +155,7 @@ fn a_scale_beyond_the_last_one_is_told() {
     }
 }
 
-/// What follows from innovations itself, samples its belief or looks back does not go with scales of Q.
+/// A filter with scales of Q cannot jump, sample its belief, look back, or have a second bank.
 #[test]
 fn what_it_cannot_have_is_refused() {
     let refused = |change: fn(&mut FilterSettings)| {

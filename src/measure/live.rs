@@ -137,10 +137,9 @@ impl Following {
     /// Whether it follows a decay as that is known by now. To begin again costs a pass over all readings.
     fn is_on(&self, decay: &Decay) -> bool {
         let before = &self.decay;
-        let cos: f64 = before.axis.iter().zip(&decay.axis).map(|(a, b)| a * b).sum();
         (before.begin - decay.begin).abs() < SAME
             && (before.gravity - decay.gravity).abs() < SLIGHT * decay.noise
-            && cos > 1.0 - 0.5 * SLIGHT * SLIGHT
+            && before.cos(decay) > 1.0 - 0.5 * SLIGHT * SLIGHT
     }
 
     /// Filters with the start values of a decay. `None` if the decay gives none.

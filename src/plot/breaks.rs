@@ -4,7 +4,8 @@ use std::ops::Range;
 
 use super::layers::LayerColumns;
 
-/// A gap has at least so many samples, and so many of the mean distances between columns: a sensor with a slow clock has none.
+/// A curve breaks where so many samples or more are missing, and where the gap is so many times as long as the mean distance between columns.
+/// So the curve of a sensor with a slow clock does not break.
 const SAMPLES: usize = 10;
 const DISTANCES: usize = 8;
 

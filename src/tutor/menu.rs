@@ -17,8 +17,8 @@ const LEAST: f32 = 380.0;
 /// Limits the columns.
 const MOST: usize = 3;
 
-/// The distance between lessons \[points\].
-const CLOSE: f32 = 1.0;
+/// The distance between lessons in columns, so that a small desktop has all of them in sight \[points\].
+const CLOSE: f32 = 3.0;
 
 /// The height of a group's name over that of a lesson.
 const NAME: f32 = 0.4;
@@ -43,6 +43,9 @@ pub(crate) fn menu_ui(ui: &mut Ui, catalogue: &Catalogue, requests: &mut Vec<Req
         ui.horizontal_top(|ui| {
             for places in even(&groups, columns) {
                 ui.vertical(|ui| {
+                    if columns > 1 {
+                        ui.spacing_mut().item_spacing.y = CLOSE;
+                    }
                     ui.set_width(room / columns as f32 - ui.spacing().item_spacing.x);
                     lessons_ui(ui, catalogue, places, requests);
                 });
@@ -52,7 +55,7 @@ pub(crate) fn menu_ui(ui: &mut Ui, catalogue: &Catalogue, requests: &mut Vec<Req
     probe::remember(ui.ctx(), "Lessons", button.rect);
 }
 
-/// The places in each column, as even as can be: the name of a group takes room too.
+/// Divides the lessons among columns of about the same height. The name of a group has a height, too.
 fn even(groups: &[&str], columns: usize) -> Vec<Range<usize>> {
     let fill = |limit: f32| {
         let (mut all, mut begin, mut height) = (Vec::new(), 0, 0.0);
@@ -81,8 +84,6 @@ fn even(groups: &[&str], columns: usize) -> Vec<Range<usize>> {
 
 /// The lessons at some places, under the names of their groups.
 fn lessons_ui(ui: &mut Ui, catalogue: &Catalogue, places: Range<usize>, requests: &mut Vec<Request>) {
-    // All lessons are in sight on a small desktop.
-    ui.spacing_mut().item_spacing.y = CLOSE;
     let mut group = "";
     for place in places {
         let Some(lesson) = catalogue.at(place) else { continue };

@@ -56,7 +56,7 @@ fn of_sensor<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>) -
     drawn(chart, context, &learning(context).collect::<Vec<_>>(), (band, words), truth(sensor, context))
 }
 
-/// s, where √Q is s times that of the settings, for the filters that have several scales of it.
+/// The factor s between √Q and the √Q of the settings, of the filters that have several scales of it.
 fn of_process<'a>(context: &ViewContext<'a>) -> Option<Chart<'a>> {
     let scaling: Vec<&Estimates> =
         context.filters().map(|(_, estimates)| estimates).filter(|of| of.tells_process_scale()).collect();

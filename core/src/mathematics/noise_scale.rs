@@ -72,7 +72,8 @@ impl NoiseScale {
         for (sum, of) in self.log_likelihood.iter_mut().zip(of_sample) {
             *sum = keep * *sum + of;
         }
-        let best = self.log_likelihood.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let finite = self.log_likelihood.iter().copied().filter(|sum| sum.is_finite());
+        let best = finite.fold(f64::NEG_INFINITY, f64::max);
         if best.is_finite() {
             self.log_likelihood.iter_mut().for_each(|sum| *sum -= best);
         }
@@ -137,7 +138,7 @@ fn between(all: &[f64], j: usize, share: f64) -> f64 {
         (Some(one), None) | (None, Some(one)) => one,
         (None, None) => return chord,
     };
-    if above <= chord { chord } else { polynomial(all, j, share).clamp(chord, above) }
+    if above <= chord { chord } else { polynomial(all, j, share).max(chord).min(above) }
 }
 
 /// The polynomial through the points around those between which it is wanted (Neville).
@@ -210,6 +211,21 @@ mod tests {
             }
             let share = inside as f64 / 600.0;
             assert!((0.925..=0.98).contains(&share), "{keep}, {count}: {share}");
+        }
+    }
+
+    #[test]
+    fn likelihoods_that_are_no_numbers_spoil_nothing() {
+        for wrong in [f64::INFINITY, f64::NAN, f64::NEG_INFINITY, -1e308] {
+            let mut scale = NoiseScale::new(9);
+            for k in 0..2000 {
+                let grid = scale.grid().to_vec();
+                let of = |(j, u): (usize, &f64)| if j == 3 && k == 7 { wrong } else { 900.0 + normal(1.0, *u) };
+                scale.take(grid.iter().enumerate().map(of), 1.0);
+            }
+            let [mean, std] = scale.moments();
+            assert!(mean.is_finite() && std.is_finite() && std < 1.0, "{wrong}: {mean} ± {std}");
+            assert!((scale.weights().iter().sum::<f64>() - 1.0).abs() < 1e-9, "{wrong}");
         }
     }
 

@@ -104,7 +104,7 @@ pub struct AssumedNoise<'a> {
     pub sensors: &'a [f64],
     /// The variance of each number of [`Self::sensors`]; zero where R is not learnt.
     pub uncertainty: &'a [f64],
-    /// Mean and standard deviation of ln s, where √Q is s times that of the settings; NaN of a filter that knows of one scale only
+    /// Mean and standard deviation of ln s, where s is the factor between √Q and the √Q of the settings; NaN for a filter with one scale
     /// ([`FilterSettings::process_scales`](crate::FilterSettings::process_scales)).
     pub process_scale: [f64; 2],
 }

@@ -41,7 +41,7 @@ struct Member {
     has_failed: bool,
 }
 
-/// What all of them tell together.
+/// The results of all filters together.
 struct Mixture {
     belief: Moments,
     prior: Moments,
@@ -108,7 +108,7 @@ impl Scales {
         })
     }
 
-    /// Lets all filters take a step, and reports what they tell together.
+    /// Lets all filters take a step, and reports their mixture.
     fn step_all(
         &mut self,
         sink: &mut dyn Sink,
@@ -188,7 +188,7 @@ impl Scales {
 }
 
 impl Mixture {
-    /// Takes in what the filters tell, with their weights before and after the measurement.
+    /// Mixes the results of the filters, with their weights before and after the measurement.
     fn mix(&mut self, members: &[Member], [before, after]: [&[f64]; 2], wants_prior: bool) -> Result<(), FilterError> {
         let of = |weights: &'_ [f64]| -> Vec<(f64, Sample<'_>)> {
             let own = members.iter().zip(weights).filter(|(member, weight)| !member.has_failed && **weight > LEAST);

@@ -7,13 +7,13 @@ use super::{Clocks, Record, Timed};
 /// The last values that are compared where a record goes on.
 const COMPARED: usize = 1000;
 
-/// Whether a column begins with another one, of which the last values are compared.
+/// Whether a column begins with the values of another one. Only the last of these are compared.
 fn begins(all: &[f64], first: &[f64], compared: usize) -> bool {
     let from = first.len().saturating_sub(compared);
     all.len() >= first.len() && first[from..].iter().zip(&all[from..]).all(|(a, b)| a.to_bits() == b.to_bits())
 }
 
-/// Adds what a longer column has more.
+/// Appends the values that a longer column has beyond this one.
 fn append(column: &mut Vec<f64>, longer: &[f64]) {
     column.extend_from_slice(&longer[column.len()..]);
 }
@@ -46,7 +46,7 @@ impl Clocks {
         input && self.readings.len() == first.readings.len() && self.readings.iter().zip(&first.readings).all(begins)
     }
 
-    /// Adds what longer clocks have more.
+    /// Appends the times and values that longer clocks have beyond these.
     fn append(&mut self, longer: &Self) {
         match (&mut self.input, &longer.input) {
             (Some(input), Some(longer)) => input.append(longer),
@@ -68,7 +68,7 @@ impl Record {
         self.has_first(other, COMPARED)
     }
 
-    /// Whether another record's samples are the first ones here. So many of the last values of each column are compared.
+    /// Whether another record's samples are the first ones here. Compares the last `compared` values of each of its columns.
     fn has_first(&self, other: &Self, compared: usize) -> bool {
         let of =
             |record: &Self| (record.dt.to_bits(), record.start.to_bits(), record.forgotten, record.kind, record.hold);
@@ -86,7 +86,7 @@ impl Record {
             && self.truth.iter().zip(&other.truth).all(begins)
     }
 
-    /// Adds what a longer record has more that [goes on](Self::goes_on_from) from this one.
+    /// Appends the samples of a longer record that [goes on](Self::goes_on_from) from this one.
     pub(super) fn append(&mut self, longer: &Self) {
         append(&mut self.input, &longer.input);
         self.measured.iter_mut().zip(&longer.measured).for_each(|(column, longer)| append(column, longer));

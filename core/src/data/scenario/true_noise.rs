@@ -39,8 +39,8 @@ impl Scenario {
         (self.sensors.iter().map(|s| usable_std(s.measures, s.noise_std)).collect(), process_std)
     }
 
-    /// s, where the true √Q is s times that of this filter. `None` where nothing shakes the plant, and where the filter's is in another
-    /// proportion: its σ of velocities tell s, and s times no other one is above the true one.
+    /// The factor s between the true √Q and that of this filter, from their σ of velocities. `None` where nothing shakes the plant, where
+    /// velocities have several factors, and where s times another σ of the filter is above the true one.
     pub fn true_process_scale(&self, filter: &FilterSettings) -> Option<f64> {
         let (_, truth) = self.true_noise_for(filter);
         let channels = self.plant.kind.channels();

@@ -100,11 +100,12 @@ impl Running {
         let Self { identified, part, readings, fitted: all, mut predicted, .. } = self;
         predicted.iter_mut().for_each(|column| column.resize(part.len(), f64::NAN));
         let fitted = all.first().map_or(0, ExactSizeIterator::len);
-        let is_fitted = |k: usize| all.iter().any(|fitted| fitted.contains(&k));
         let fits = (0..readings.len()).map(|sensor| {
             readings[sensor].as_ref()?;
-            let reading = |k: usize| if is_fitted(k) { f64::NAN } else { identified.measured(record, sensor, k) };
-            let measured: Vec<f64> = part.clone().map(reading).collect();
+            let mut measured: Vec<f64> = part.clone().map(|k| identified.measured(record, sensor, k)).collect();
+            for samples in &all {
+                measured[samples.start - part.start..samples.end - part.start].fill(f64::NAN);
+            }
             fit(&measured[fitted..], &predicted[sensor][fitted..])
         });
         FreeRun { fits: fits.collect(), fitted, predicted, part }

@@ -27,8 +27,8 @@ impl Estimates {
         self.scales
     }
 
-    /// What the filter knows by sample `k` of s, where √Q is s times that of the settings: mean and standard deviation of ln s. `None` for a
-    /// filter that knows of one scale only.
+    /// Mean and standard deviation of ln s at sample `k`, where s is the factor between √Q and the √Q of the settings. `None` for a filter
+    /// with one scale of Q.
     pub fn process_scale(&self, k: usize) -> Option<[f64; 2]> {
         let &[mean, std] = self.process_scale.get(2 * k..2 * (k + 1))? else { return None };
         Some([mean, std])

@@ -23,11 +23,15 @@ impl Decay {
         Ok(decays)
     }
 
+    /// The cosine between its axis and that of another decay.
+    pub fn cos(&self, other: &Self) -> f64 {
+        self.axis.iter().zip(&other.axis).map(|(a, b)| a * b).sum()
+    }
+
     fn is_like(&self, longest: &Self) -> bool {
-        let cos: f64 = self.axis.iter().zip(&longest.axis).map(|(a, b)| a * b).sum();
         let (own, other) = (self.swings(), longest.swings());
         let apart = (own / self.seconds() - other / longest.seconds()).abs();
-        cos.abs() >= SAME_AXIS && apart <= SAME_RATE * other / longest.seconds() + 1.0 / self.seconds()
+        self.cos(longest).abs() >= SAME_AXIS && apart <= SAME_RATE * other / longest.seconds() + 1.0 / self.seconds()
     }
 
     /// The number of its swings: half of its changes of sign that are more than noise.
@@ -44,13 +48,13 @@ impl Decay {
     /// What the hand does in between is left out.
     pub fn file(decays: &[Self]) -> String {
         let mut text = "t [s],acceleration [m/s²]\n".to_owned();
-        let (Some(first), Some(sign)) = (decays.first(), decays.first().map(|decay| decay.axis)) else { return text };
+        let Some(first) = decays.first() else { return text };
         for decay in decays {
-            let turned: f64 = decay.axis.iter().zip(&sign).map(|(a, b)| a * b).sum();
-            let since = decay.begin - first.begin;
+            // An axis has no sign of its own.
+            let (sign, since) = (decay.cos(first).signum(), decay.begin - first.begin);
             for [time, acceleration] in &decay.readings {
                 // A text takes whatever is written.
-                let _ = writeln!(text, "{:.6},{:.6}", since + time, acceleration * turned.signum());
+                let _ = writeln!(text, "{:.6},{:.6}", since + time, sign * acceleration);
             }
         }
         text

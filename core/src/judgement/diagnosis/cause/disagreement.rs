@@ -196,7 +196,7 @@ fn disagreement(pair: &Pair, sensors: [Quantity; 2], fault: Fault, dt: f64) -> O
     is_so.then_some((size, sentence))
 }
 
-/// The delay by which a sensor agrees with another one, if it is later by so many steps than the filter takes it to be \[s\].
+/// The delay with which a sensor agrees with another one \[s\]. It is `steps` later than the filter takes it to be.
 fn delay_of(bad: &BadFilter<'_>, own: usize, other: usize, steps: f64) -> f64 {
     let dt = bad.case.record.dt();
     let delays = bad.filter.delays(dt);
