@@ -18,7 +18,7 @@ use kalmanscope_core::suggest::{Suggest, Suggestion};
 use kalmanscope_core::{Record, Scenario, Task};
 
 use crate::session::RecordFile;
-use crate::team::{BETWEEN, Lost, Priority, Running, Team};
+use crate::team::{BETWEEN, Handle, Lost, Priority, Report, Running, Team};
 
 pub use draft::Draft;
 
@@ -49,6 +49,8 @@ pub struct Import {
     refusal: Option<String>,
     /// The contents of both files as one, until they are taken.
     joined: Option<Vec<u8>>,
+    /// Whether it makes no progress.
+    is_still: bool,
 }
 
 enum Stage {
@@ -99,8 +101,8 @@ impl Import {
     /// The import of a file's bytes.
     pub fn new(name: &str, bytes: Vec<u8>, team: Rc<dyn Team>) -> Self {
         let is_long = bytes.len() > LONG_FILE;
-        let there = if is_long { team.load(&bytes) } else { None };
-        let stage = Stage::Reading(running(&*team, Reading(Loading::new(bytes)), is_long).in_workers(there));
+        let worker = if is_long { team.load(&bytes) } else { None };
+        let stage = Stage::Reading(running(&*team, worker, Reading(Loading::new(bytes)), is_long));
         Self::at(name.to_owned(), stage, team)
     }
 
@@ -111,8 +113,8 @@ impl Import {
     }
 
     fn at(name: String, stage: Stage, team: Rc<dyn Team>) -> Self {
-        let (wants_second, joins_again, second, refusal, joined) = Default::default();
-        Self { name, stage, team, wants_second, joins_again, second, refusal, joined }
+        let (wants_second, joins_again, second, refusal, joined, is_still) = Default::default();
+        Self { name, stage, team, wants_second, joins_again, second, refusal, joined, is_still }
     }
 
     /// Joins a file with a clock of its own, if the user has asked for one. Returns its contents if not.
@@ -124,7 +126,7 @@ impl Import {
             Stage::Asking(draft) => {
                 let is_long = bytes.len() > LONG_FILE;
                 let joining = Joining::new(Arc::clone(draft.file()), name, bytes);
-                let joining = running(&*self.team, joining, is_long);
+                let joining = running(&*self.team, None, joining, is_long);
                 (self.stage, self.refusal) = (Stage::Joining(draft, Box::new(joining)), None);
                 None
             }
@@ -161,7 +163,7 @@ impl Import {
         match std::mem::replace(&mut self.stage, Stage::Failed(String::new())) {
             Stage::Asking(draft) => {
                 let is_long = second.is_long();
-                let joining = running(&*self.team, Joining::again(Arc::clone(draft.file()), second), is_long);
+                let joining = running(&*self.team, None, Joining::again(Arc::clone(draft.file()), second), is_long);
                 (self.stage, self.joins_again) = (Stage::Joining(draft, Box::new(joining)), true);
             }
             other => (self.stage, self.second) = (other, Some(second)),
@@ -228,6 +230,21 @@ impl Import {
         None
     }
 
+    /// The share of the present work that is done, from 0 to 1.
+    pub(crate) fn progress(&self) -> Option<f64> {
+        match &self.stage {
+            Stage::Reading(reading) => Some(*reading.seen()),
+            Stage::Joining(_, joining) => Some(*joining.seen()),
+            Stage::Suggesting(_, suggest) => Some(*suggest.seen()),
+            Stage::Asking(_) | Stage::Failed(_) => None,
+        }
+    }
+
+    /// Says whether it makes no progress.
+    pub(crate) fn set_still(&mut self, is_still: bool) {
+        self.is_still = is_still;
+    }
+
     /// Asks for the next frame, if something is computed.
     pub(crate) fn ask_for_frame(&self, ctx: &Context) {
         let (is_busy, is_beside) = match &self.stage {
@@ -259,8 +276,8 @@ impl Import {
         };
         if draft.suggest {
             let is_long = record.len() > LONG_RECORD;
-            let there = if is_long { self.team.suggest(&scenario, &record) } else { None };
-            let suggest = running(&*self.team, Suggest::new(&scenario, record), is_long).in_workers(there);
+            let worker = if is_long { self.team.suggest(&scenario, &record) } else { None };
+            let suggest = running(&*self.team, worker, Suggest::new(&scenario, record), is_long);
             self.stage = Stage::Suggesting(draft, Box::new(suggest));
             return None;
         }
@@ -268,7 +285,16 @@ impl Import {
     }
 }
 
-/// A task of an import: beside the frames if it is long.
-fn running<T: Task<Outcome: Send> + Send + 'static>(team: &dyn Team, task: T, is_long: bool) -> Running<T> {
-    if is_long { Running::begin(team, Priority::Hand, task, T::progress) } else { Running::here(task, T::progress) }
+/// A task of an import, which a worker of a page may have begun: beside the frames if it is long.
+fn running<T: Task<Outcome: Send> + Send + 'static>(
+    team: &dyn Team,
+    worker: Option<Handle<Report<f64, T::Outcome>>>,
+    task: T,
+    is_long: bool,
+) -> Running<T> {
+    match worker {
+        Some(worker) => Running::in_worker(worker, task, T::progress),
+        None if is_long => Running::begin(team, Priority::Hand, task, T::progress),
+        None => Running::here(task, T::progress),
+    }
 }

@@ -6,7 +6,7 @@ use std::io;
 use std::num::NonZero;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::mpsc::{self, Receiver};
+use std::sync::mpsc::{self, Receiver, Sender};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
@@ -75,6 +75,14 @@ pub struct Parts<T> {
     state: Arc<State>,
 }
 
+/// Work that a thread has not brought to its end: a panic, or the end of the team. Its user hears of it.
+struct Unfinished<T> {
+    sender: Sender<T>,
+    state: Arc<State>,
+    wake: Arc<dyn Fn(bool) + Send + Sync>,
+    is_finished: bool,
+}
+
 #[derive(Default)]
 struct State {
     is_unwanted: AtomicBool,
@@ -136,25 +144,25 @@ impl Threads {
         wake: impl Fn(bool) + Send + Sync + 'static,
     ) -> Parts<T> {
         let (sender, parts) = mpsc::channel();
-        let (state, wake) = (Arc::<State>::default(), Arc::new(wake));
+        let state = Arc::<State>::default();
+        let wake: Arc<dyn Fn(bool) + Send + Sync> = Arc::new(wake);
         for mut step in steps {
             let (sender, state, wake) = (sender.clone(), Arc::clone(&state), Arc::clone(&wake));
+            let mut work = Unfinished { sender, state, wake, is_finished: false };
             let portion = move || {
-                if !Wanted(Arc::clone(&state)).is_so() {
+                let wanted = Wanted(Arc::clone(&work.state));
+                if !wanted.is_so() {
                     return false;
                 }
-                // A panic is the end of this work alone.
-                let (part, goes_on) = match catch_unwind(AssertUnwindSafe(|| step(Wanted(Arc::clone(&state))))) {
-                    Ok(Step::Part(part)) => (Some(part), true),
-                    Ok(Step::Last(part)) => (Some(part), false),
-                    Ok(Step::End) => (None, false),
-                    Ok(Step::Failed) | Err(_) => {
-                        state.is_lost.store(true, Ordering::Release);
-                        (None, false)
-                    }
+                let (part, goes_on) = match step(wanted) {
+                    Step::Part(part) => (Some(part), true),
+                    Step::Last(part) => (Some(part), false),
+                    Step::End => (None, false),
+                    Step::Failed => return false,
                 };
-                let is_wanted = part.is_none_or(|part| sender.send(part).is_ok());
-                wake(!goes_on);
+                work.is_finished = !goes_on;
+                let is_wanted = part.is_none_or(|part| work.sender.send(part).is_ok());
+                (work.wake)(!goes_on);
                 goes_on && is_wanted
             };
             self.queue.lock().put(priority, Box::new(portion));
@@ -227,9 +235,22 @@ pub fn fitted(size: usize, taken: Duration, aim: Duration, [least, most]: [usize
     }
 }
 
+impl<T> Drop for Unfinished<T> {
+    fn drop(&mut self) {
+        if !self.is_finished {
+            self.state.is_lost.store(true, Ordering::Release);
+            (self.wake)(true);
+        }
+    }
+}
+
 impl Drop for Threads {
     fn drop(&mut self) {
-        self.queue.lock().is_over = true;
+        let mut waiting = self.queue.lock();
+        waiting.is_over = true;
+        let unfinished = std::mem::take(&mut waiting.portions);
+        drop(waiting);
+        drop(unfinished);
         self.queue.changed.notify_all();
     }
 }
@@ -281,11 +302,13 @@ impl Queue {
                 continue;
             };
             drop(waiting);
-            let goes_on = portion();
+            // A panic is the end of this work alone.
+            let goes_on = catch_unwind(AssertUnwindSafe(&mut portion)).unwrap_or(false);
             // Work that has ended frees its memory before the queue is locked.
             let rest = goes_on.then_some(portion);
             waiting = self.lock();
-            if let Some(portion) = rest {
+            // A team that is over has nobody for the rest, which is dropped and so reported.
+            if let Some(portion) = rest.filter(|_| !waiting.is_over) {
                 waiting.put(priority, portion);
             }
         }

@@ -55,7 +55,7 @@ impl Subject {
         let record = session.run().record().part(0..self.sample + 1);
         let posterior = Posterior::new(&self.of, 0, &record)?;
         Ok(match team.posterior(&self.of, &record) {
-            Some(there) => Running::here(posterior, Posterior::progress).in_workers(Some(there)),
+            Some(worker) => Running::in_worker(worker, posterior, Posterior::progress),
             None => Running::begin(team, Priority::Seeds, posterior, Posterior::progress),
         })
     }

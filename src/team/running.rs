@@ -4,23 +4,30 @@ use kalmanscope_core::Task;
 
 use super::{Handle, Lost, Priority, Report, Team, waking};
 
-/// A task under way, and what is seen of it. A team does it if it can, else the frames do.
+/// A task under way, and the last state that was seen of it. A team does it if it can, else the frames do.
 pub struct Running<T: Task, L = f64> {
-    here: Option<T>,
-    there: Option<Handle<Report<L, T::Outcome>>>,
+    place: Place<T, L>,
     look: fn(&T) -> L,
     seen: L,
+}
+
+/// The place of a task. One that is not in the frames has a worker, so nobody waits for a task that nobody does.
+enum Place<T: Task, L> {
+    Here(T),
+    /// At a worker; the frames begin the second one if that worker fails.
+    Beside(Handle<Report<L, T::Outcome>>, Option<T>),
+    Over,
 }
 
 impl<T: Task, L> Running<T, L> {
     /// A task in the frames, of which `look` sees something, such as its progress.
     pub fn here(task: T, look: fn(&T) -> L) -> Self {
-        Self { seen: look(&task), here: Some(task), there: None, look }
+        Self { seen: look(&task), place: Place::Here(task), look }
     }
 
-    /// The same that workers may have begun. If they fail, it begins again in the frames.
-    pub fn in_workers(self, there: Option<Handle<Report<L, T::Outcome>>>) -> Self {
-        Self { there, ..self }
+    /// A task that a worker has begun. If it fails, the task begins again in the frames.
+    pub fn in_worker(worker: Handle<Report<L, T::Outcome>>, task: T, look: fn(&T) -> L) -> Self {
+        Self { seen: look(&task), place: Place::Beside(worker, Some(task)), look }
     }
 
     /// A task on a thread of the team, or in the frames where there are no threads.
@@ -30,12 +37,11 @@ impl<T: Task, L> Running<T, L> {
         T::Outcome: Send,
         L: Send + 'static,
     {
-        // A page has no threads.
-        match team.threads().filter(|_| cfg!(not(target_arch = "wasm32"))) {
+        match team.threads() {
             Some((threads, ctx)) => {
                 let seen = look(&task);
-                let there = threads.task(priority, task, look, waking(ctx)).into();
-                Self { here: None, there: Some(there), look, seen }
+                let worker = threads.task(priority, task, look, waking(ctx)).into();
+                Self { place: Place::Beside(worker, None), look, seen }
             }
             None => Self::here(task, look),
         }
@@ -43,35 +49,41 @@ impl<T: Task, L> Running<T, L> {
 
     /// Whether frames only show its progress.
     pub fn is_beside(&self) -> bool {
-        self.there.is_some()
+        matches!(self.place, Place::Beside(..))
     }
 
-    /// What `look` has returned last.
+    /// The last state that `look` has returned.
     pub fn seen(&self) -> &L {
         &self.seen
     }
 
-    /// Goes on until `while_time` returns false. Returns the outcome once.
+    /// Continues until `while_time` returns false. Returns the outcome once.
     ///
     /// # Errors
-    /// [`Lost`] if its thread has failed.
+    /// [`Lost`] if its thread has failed, and after the outcome.
     pub fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> Result<Option<T::Outcome>, Lost> {
-        while let Some(there) = &mut self.there {
-            match there.take() {
+        while let Place::Beside(worker, spare) = &mut self.place {
+            match worker.take() {
                 Ok(Some(Report::Look(seen))) => self.seen = seen,
                 Ok(Some(Report::Done(outcome))) => {
-                    (self.here, self.there) = (None, None);
+                    self.place = Place::Over;
                     return Ok(Some(outcome));
                 }
                 Ok(None) => return Ok(None),
-                Err(Lost) if self.here.is_none() => return Err(Lost),
-                Err(Lost) => self.there = None,
+                Err(Lost) => self.place = spare.take().map_or(Place::Over, Place::Here),
             }
         }
-        let Some(here) = &mut self.here else { return Ok(None) };
-        let is_done = here.advance(while_time);
-        self.seen = (self.look)(here);
-        Ok(if is_done { self.here.take().map(Task::finish) } else { None })
+        if let Place::Here(task) = &mut self.place {
+            let is_done = task.advance(while_time);
+            self.seen = (self.look)(task);
+            if !is_done {
+                return Ok(None);
+            }
+        }
+        match std::mem::replace(&mut self.place, Place::Over) {
+            Place::Here(task) => Ok(Some(task.finish())),
+            Place::Beside(..) | Place::Over => Err(Lost),
+        }
     }
 }
 
@@ -93,11 +105,14 @@ mod tests {
             let mut reports = reports.into_iter();
             Handle::new(move || reports.next().ok_or(Lost))
         });
-        let mut task = Running::here(file(), Task::progress).in_workers(there);
+        let mut task = match there {
+            Some(there) => Running::in_worker(there, file(), Task::progress),
+            None => Running::here(file(), Task::progress),
+        };
         let mut shares = vec![*task.seen()];
         loop {
             if let Some(outcome) = task.advance(&mut || false).unwrap() {
-                assert!(task.advance(&mut || true).unwrap().is_none(), "once");
+                assert!(task.advance(&mut || true).is_err(), "nobody waits for it again");
                 return (shares, outcome);
             }
             shares.push(*task.seen());

@@ -94,3 +94,18 @@ fn work_that_fails_is_lost_and_the_team_goes_on() {
     assert_eq!((failed.take(), broken.take()), (Err(Lost), Err(Lost)));
     assert_eq!(team.begin(Priority::Hand, [|_| Step::Last(3)], |_| {}).wait(), Some(3));
 }
+
+#[test]
+fn work_that_waits_when_the_team_ends_is_lost() {
+    let team = Threads::new(1, 0).unwrap();
+    let (begun, ended) = (Arc::new(Barrier::new(2)), Arc::new(Barrier::new(2)));
+    let (begin, end) = (Arc::clone(&begun), Arc::clone(&ended));
+    let busy = team.begin(Priority::Hand, [move |_| (begin.wait(), end.wait(), Step::Part(1)).2], |_| {});
+    let (sender, woken) = mpsc::channel();
+    let waits = team.begin(Priority::Map, [|_| Step::Last(2)], move |is_over| sender.send(is_over).unwrap());
+    begun.wait();
+    drop(team);
+    assert_eq!((woken.recv(), waits.take()), (Ok(true), Err(Lost)));
+    ended.wait();
+    assert_eq!((busy.wait(), busy.wait(), busy.take()), (Some(1), None, Err(Lost)));
+}
