@@ -9,6 +9,7 @@ mod laboratory;
 mod lesson;
 pub mod link;
 mod panels;
+mod standstill;
 mod state;
 mod trials;
 mod window;
@@ -96,6 +97,8 @@ pub struct App {
     measure: Option<Measure>,
     /// The file whose import was begun last.
     candidate: Option<Candidate>,
+    /// The work that makes no progress.
+    standstill: standstill::Standstill,
     /// Receives the files that the user chooses.
     inbox: Inbox,
     /// The address at which links begin; empty if no page is known.
@@ -153,6 +156,7 @@ impl App {
             sensors: Sensors::default(),
             measure: None,
             candidate: None,
+            standstill: standstill::Standstill::default(),
             inbox: Inbox::default(),
             page: link::PAGE.unwrap_or_default().to_owned(),
             embedded: false,
@@ -296,6 +300,7 @@ impl eframe::App for App {
         self.session.advance(elapsed);
         self.follow_import(ctx);
         self.follow_laboratory(ctx);
+        self.follow_standstill(ctx);
         let Self { session, importing, .. } = self;
         session.ask_for_frame(ctx);
         if session.is_before_behind()

@@ -18,6 +18,8 @@ const WIDEST: f32 = 560.0;
 pub(crate) struct Notice {
     pub(crate) sentence: String,
     is_failure: bool,
+    /// Whether it is about work that makes no progress, which a button stops.
+    is_of_standstill: bool,
     /// The time of the first frame with the message, if there has been one \[s\].
     since: Option<f64>,
 }
@@ -25,7 +27,17 @@ pub(crate) struct Notice {
 impl Notice {
     /// A message about something that has been done.
     pub(crate) fn done(sentence: &str) -> Self {
-        Self { sentence: sentence.to_owned(), is_failure: false, since: None }
+        Self { sentence: sentence.to_owned(), is_failure: false, is_of_standstill: false, since: None }
+    }
+
+    /// A message about work that makes no progress.
+    pub(crate) fn of_standstill(sentence: String) -> Self {
+        Self { is_of_standstill: true, ..Self::from(sentence) }
+    }
+
+    /// Whether it is about work that makes no progress.
+    pub(crate) fn is_of_standstill(&self) -> bool {
+        self.is_of_standstill
     }
 
     /// Whether the message has been shown for long enough. A failure stays until it is dismissed.
@@ -45,7 +57,7 @@ impl Notice {
 /// A sentence about a failure.
 impl From<String> for Notice {
     fn from(sentence: String) -> Self {
-        Self { sentence, is_failure: true, since: None }
+        Self { sentence, is_failure: true, is_of_standstill: false, since: None }
     }
 }
 
@@ -68,6 +80,9 @@ pub(crate) fn notice_ui(ctx: &Context, notice: &Notice, plots: Rect, palette: &P
                 ui.allocate_ui(vec2(whole.min(width - 2.0 * side) + 1.0, 0.0), |ui| {
                     ui.add(Label::new(text).wrap());
                 });
+                if notice.is_of_standstill && ui.button("Stop").clicked() {
+                    requests.push(Request::Leave);
+                }
                 let dismiss = Button::new("×").frame(false).min_size(Vec2::splat(side));
                 let dismiss = ui.add(dismiss).on_hover_text("Dismiss");
                 dismiss.ctx.accesskit_node_builder(dismiss.id, |node| node.set_label("Dismiss"));

@@ -11,6 +11,7 @@ use crate::finder::Finder;
 use crate::layout::Layout;
 use crate::plot::time_axis::TimeAxis;
 use crate::request::{Request, ViewKind};
+use crate::session::Mode;
 use crate::text::sentence;
 use crate::theme;
 use crate::tutor::Tutor;
@@ -97,6 +98,7 @@ impl App {
             Request::DismissNotice => self.notice = None,
             Request::Leave => {
                 let is_done = std::mem::take(&mut self.keys_open)
+                    || self.stop_standing_still()
                     || session.cancel()
                     || laboratory.set_stopped(true)
                     || laboratory.seeds_mut().set_stopped(true)
@@ -163,8 +165,13 @@ impl App {
         if let Some(assumed) = scenario.assumed_parameters() {
             self.inform(&format!("{}.", sentence(&assumed)));
         }
+        let is_record = scenario.record.is_some();
         self.session.set_scenario(scenario);
-        self.session.play_from_start();
+        if is_record && self.session.mode() == Mode::Whole {
+            self.session.seek_end();
+        } else {
+            self.session.play_from_start();
+        }
         self.begin_anew(ctx);
     }
 

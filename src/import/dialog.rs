@@ -101,11 +101,11 @@ impl Import {
     }
 
     fn stage_ui(&mut self, ui: &mut Ui, palette: &Palette, can_hold_out: bool) -> Option<Choice> {
-        let Self { name, stage, wants_second, joins_again, second, refusal, .. } = self;
+        let Self { name, stage, wants_second, joins_again, second, refusal, is_still, .. } = self;
         match stage {
             Stage::Reading(reading) => {
                 ui.label(format!("Reading “{name}”"));
-                progress_ui(ui, *reading.seen() as f32)
+                progress_ui(ui, palette, *reading.seen(), *is_still)
             }
             Stage::Joining(_, joining) => {
                 ui.label(if *joins_again {
@@ -113,11 +113,11 @@ impl Import {
                 } else {
                     "Reading the second file, and looking for the offset between both clocks"
                 });
-                progress_ui(ui, *joining.seen() as f32)
+                progress_ui(ui, palette, *joining.seen(), *is_still)
             }
             Stage::Suggesting(_, suggest) => {
                 ui.label(format!("Making start values from “{name}”"));
-                progress_ui(ui, *suggest.seen() as f32)
+                progress_ui(ui, palette, *suggest.seen(), *is_still)
             }
             Stage::Failed(reason) => {
                 ui.colored_label(palette.warning, format!("“{name}” cannot be opened: {reason}."));
@@ -133,8 +133,11 @@ impl Import {
     }
 }
 
-fn progress_ui(ui: &mut Ui, share: f32) -> Option<Choice> {
-    ui.add(ProgressBar::new(share).show_percentage());
+fn progress_ui(ui: &mut Ui, palette: &Palette, share: f64, is_still: bool) -> Option<Choice> {
+    ui.add(ProgressBar::new(share as f32).show_percentage());
+    if is_still {
+        ui.colored_label(palette.warning, "It has made no progress for 10 s. Esc stops it.");
+    }
     button(ui, "Cancel the import", true).then_some(Choice::Cancel)
 }
 

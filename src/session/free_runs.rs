@@ -6,7 +6,7 @@ use std::sync::Arc;
 use kalmanscope_core::{Estimates, Fit, FreeRun, Identified, Record, Task};
 
 use super::Session;
-use crate::team::{Priority, Running};
+use crate::team::{Lost, Priority, Running};
 
 /// The estimates that make the model of a free run, as times \[s\].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -29,6 +29,8 @@ pub(super) struct FreeRuns {
     wanted: Option<ModelTime>,
     made: Vec<Made>,
     next: Option<Next>,
+    /// The free runs that are not made: the user has given them up, or a thread has failed.
+    given_up: Option<Of>,
 }
 
 /// A filter's free run.
@@ -60,7 +62,7 @@ impl FreeRuns {
     /// Forgets all free runs.
     pub(super) fn forget(&mut self) {
         self.made.clear();
-        self.next = None;
+        (self.next, self.given_up) = (None, None);
     }
 }
 
@@ -89,6 +91,16 @@ impl Session {
         (made.run.part.len() == run.record().len() && made.run.predicted.len() == sensors).then_some(made)
     }
 
+    /// The share of the free run on a thread that is done, if there is one.
+    pub(crate) fn free_run_beside(&self) -> Option<f64> {
+        self.free.next.as_ref().filter(|next| next.runs.is_beside()).map(|next| *next.runs.seen())
+    }
+
+    /// Gives up the free runs that are not made.
+    pub(crate) fn give_up_free_runs(&mut self) {
+        self.free.given_up = self.free.next.take().map(|next| next.of);
+    }
+
     /// Whether the frames have a free run to make: threads wake the screen when they have made one.
     pub(crate) fn is_free_run_behind_here(&self) -> bool {
         self.is_free_run_behind() && !self.free.next.as_ref().is_some_and(|next| next.runs.is_beside())
@@ -106,6 +118,9 @@ impl Session {
         let is_still = run.done() == run.samples() && !run.is_live() && !self.behind() && run.record().forgotten() == 0;
         let wanted = self.free.wanted.filter(|_| is_still)?;
         let of = (self.generation, run.done(), wanted);
+        if self.free.given_up == Some(of) {
+            return None;
+        }
         let is_due = |estimates: &Estimates| {
             let id = estimates.id();
             !estimates.is_empty() && !self.free.made.iter().any(|made| made.filter == id && made.of == of)
@@ -120,9 +135,10 @@ impl Session {
             let filter = self.study.run().estimates()[place].id();
             let next = self.free.next.take().filter(|next| next.filter == filter && next.of == of);
             let Some(mut next) = next.or_else(|| self.begin_free_run(place, of)) else { return };
-            let Ok(Some((run, held_out))) = next.runs.advance(&mut while_time) else {
-                self.free.next = Some(next);
-                return;
+            let (run, held_out) = match next.runs.advance(&mut while_time) {
+                Ok(Some(runs)) => runs,
+                Ok(None) => return self.free.next = Some(next),
+                Err(Lost) => return self.free.given_up = Some(of),
             };
             let made = Made { filter, of, run, held_out };
             self.free.made.retain(|before| before.filter != filter);
@@ -223,5 +239,20 @@ mod tests {
             session.advance(0.0);
         }
         assert_ne!([0, 1].map(|place| session.free_run(place).cloned()), before);
+    }
+
+    #[test]
+    fn free_runs_that_are_given_up_are_not_waited_for() {
+        let mut session = session(Budget::Pieces(2));
+        session.advance(0.0);
+        assert!(session.is_free_run_behind());
+        session.give_up_free_runs();
+        session.advance(0.0);
+        assert!(!session.is_free_run_behind() && session.free_run(0).is_none());
+        session.want_free_runs(Some(ModelTime::At(0.5)));
+        while session.is_free_run_behind() {
+            session.advance(0.0);
+        }
+        assert!(session.free_run(0).is_some());
     }
 }

@@ -37,6 +37,16 @@ impl Session {
         self.spectrograms.next.is_some()
     }
 
+    /// The share of the spectrogram on a thread that is done, if there is one.
+    pub(crate) fn spectrogram_beside(&self) -> Option<f64> {
+        self.spectrograms.next.as_ref().filter(|(_, next)| next.is_beside()).map(|(_, next)| *next.seen())
+    }
+
+    /// Gives up the spectrogram under way.
+    pub(crate) fn give_up_spectrogram(&mut self) {
+        self.spectrograms.made = self.spectrograms.next.take().map(|(of, _)| (of, None));
+    }
+
     /// Whether the frames have a spectrogram to make: threads wake the screen when they have made one.
     pub(crate) fn is_spectrogram_behind_here(&self) -> bool {
         self.spectrograms.next.as_ref().is_some_and(|(_, next)| !next.is_beside())

@@ -1,5 +1,6 @@
 //! The app in a headless harness: every control, every view, any size.
 
+mod beside;
 mod diagnosis;
 mod equation;
 mod export;

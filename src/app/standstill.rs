@@ -1,0 +1,131 @@
+//! Work that makes no progress: reported after ten seconds, and stopped by Esc or a button.
+
+use std::time::Duration;
+
+use egui::Context;
+
+use super::App;
+use crate::notice::Notice;
+use crate::request::ViewKind;
+
+/// Limits the time for which work under way may make no progress, before it is reported \[s\].
+const PATIENCE: f64 = 10.0;
+
+/// While work is under way, frames come at least this often, and one frame counts for at most this time: that of a page that
+/// was hidden is no standstill \[s\].
+const BETWEEN: f64 = 1.0;
+
+/// A kind of work.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Work {
+    Import,
+    Picture,
+    Map,
+    Seeds,
+    Tuning,
+    Posterior,
+    Causes,
+    FreeRuns,
+    Spectrogram,
+}
+
+impl Work {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Import => "The import",
+            Self::Picture => "The computation of the plots",
+            Self::Map => "The map",
+            Self::Seeds => "The runs with many seeds",
+            Self::Tuning => "The tuning",
+            Self::Posterior => "The search of the posterior",
+            Self::Causes => "The search for causes",
+            Self::FreeRuns => "The free run",
+            Self::Spectrogram => "The spectrogram",
+        }
+    }
+}
+
+/// The work under way, and for how long each has made no progress.
+#[derive(Default)]
+pub(super) struct Standstill {
+    works: Vec<(Work, f64, f64)>,
+    /// The time of the last frame \[s\].
+    last: f64,
+}
+
+impl Standstill {
+    /// The first work that has stood still for too long.
+    fn first(&self) -> Option<Work> {
+        self.works.iter().find(|(.., still)| *still >= PATIENCE).map(|(work, ..)| *work)
+    }
+}
+
+impl App {
+    /// Reports work that makes no progress, until it does or has ended.
+    pub(super) fn follow_standstill(&mut self, ctx: &Context) {
+        let under_way = self.under_way();
+        let Standstill { works, last } = &mut self.standstill;
+        let now = ctx.input(|input| input.time);
+        let elapsed = (now - *last).clamp(0.0, BETWEEN);
+        *last = now;
+        let still = |work, share| {
+            let before = works.iter().find(|before| (before.0, before.1) == (work, share));
+            before.map_or(0.0, |before| before.2 + elapsed)
+        };
+        *works = under_way.into_iter().map(|(work, share)| (work, share, still(work, share))).collect();
+        if !works.is_empty() {
+            ctx.request_repaint_after(Duration::from_secs_f64(BETWEEN));
+        }
+        let first = self.standstill.first();
+        if let Some(import) = &mut self.importing {
+            import.set_still(first == Some(Work::Import));
+        }
+        let is_said = self.notice.as_ref().is_some_and(Notice::is_of_standstill);
+        match first.filter(|work| *work != Work::Import) {
+            Some(work) if !is_said => {
+                let sentence = format!("{} has made no progress for {PATIENCE} s. Esc stops it.", work.name());
+                self.notice = Some(Notice::of_standstill(sentence));
+            }
+            None if is_said => self.notice = None,
+            _ => {}
+        }
+    }
+
+    /// The work under way, each with the share that is done.
+    fn under_way(&self) -> Vec<(Work, f64)> {
+        let Self { session, laboratory, layout, importing, .. } = self;
+        let is_in_sight = |kind| layout.in_sight().contains(&kind);
+        let (map, seeds) = (laboratory, laboratory.seeds());
+        let works = [
+            (Work::Import, importing.as_ref().and_then(|import| import.progress())),
+            (Work::Picture, session.progress()),
+            (Work::Map, map.progress().filter(|_| map.is_working() && !map.state().is_stopped())),
+            (Work::Seeds, seeds.progress().filter(|_| seeds.is_working()).map(|[done, _]| done as f64)),
+            (Work::Tuning, map.tuning().progress().filter(|_| is_in_sight(ViewKind::Tune))),
+            (Work::Posterior, map.posteriors().progress().filter(|_| is_in_sight(ViewKind::ParameterPlane))),
+            (Work::Causes, session.trials_beside().filter(|_| !session.behind())),
+            (Work::FreeRuns, session.free_run_beside()),
+            (Work::Spectrogram, session.spectrogram_beside()),
+        ];
+        works.into_iter().filter_map(|(work, share)| Some((work, share?))).collect()
+    }
+
+    /// Stops the work that stands still. Returns whether there was any.
+    pub(super) fn stop_standing_still(&mut self) -> bool {
+        let Some(work) = self.standstill.first() else { return false };
+        let Self { session, laboratory, importing, .. } = self;
+        match work {
+            Work::Import => *importing = None,
+            Work::Picture => _ = session.cancel(),
+            Work::Map => _ = laboratory.set_stopped(true),
+            Work::Seeds => _ = laboratory.seeds_mut().set_stopped(true),
+            Work::Tuning => _ = laboratory.tuning_mut().cancel(),
+            Work::Posterior => _ = laboratory.posteriors_mut().cancel(),
+            Work::Causes => session.give_up_trials(),
+            Work::FreeRuns => session.give_up_free_runs(),
+            Work::Spectrogram => session.give_up_spectrogram(),
+        }
+        self.standstill.works.clear();
+        true
+    }
+}
