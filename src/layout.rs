@@ -77,22 +77,14 @@ impl Layout {
         }
     }
 
-    /// The height that the views need where each has at least that which `least` says \[points\].
-    pub(crate) fn height_for(&self, least: &dyn Fn(ViewKind) -> f32) -> f32 {
-        self.tree.root().map_or(0.0, |root| self.height_of(root, least))
-    }
-
-    fn height_of(&self, tile: TileId, least: &dyn Fn(ViewKind) -> f32) -> f32 {
-        let container = match self.tree.tiles.get(tile) {
-            None => return 0.0,
-            Some(Tile::Pane(view)) => return least(*view),
-            Some(Tile::Container(container)) => container,
-        };
-        let heights = container.children_vec().into_iter().map(|child| self.height_of(child, least));
-        match container {
-            Container::Linear(linear) if linear.dir == LinearDir::Vertical => heights.sum(),
-            _ => heights.fold(0.0, f32::max),
-        }
+    /// The tiles and their height, so that each view has at least the height that `least` returns: they fill the room or are
+    /// higher. `gap` is the distance between rows \[points\].
+    pub(crate) fn fitted(&self, room: f32, gap: f32, least: &dyn Fn(ViewKind) -> f32) -> (Tree<ViewKind>, f32) {
+        let mut tree = self.tree.clone();
+        let Some(root) = tree.root() else { return (tree, room) };
+        let height = height_of(&tree.tiles, root, gap, least).max(room);
+        fit(&mut tree.tiles, root, height, gap, least);
+        (tree, height)
     }
 
     /// The views of a tile, from left to right.
@@ -232,6 +224,60 @@ fn tree(rows: Rows<'_>) -> Tree<ViewKind> {
     tree
 }
 
+/// The least height of a tile.
+fn height_of(tiles: &Tiles<ViewKind>, tile: TileId, gap: f32, least: &dyn Fn(ViewKind) -> f32) -> f32 {
+    let container = match tiles.get(tile) {
+        None => return 0.0,
+        Some(Tile::Pane(view)) => return least(*view),
+        Some(Tile::Container(container)) => container,
+    };
+    let heights = container.children_vec().into_iter().map(|child| height_of(tiles, child, gap, least));
+    match container {
+        Container::Linear(linear) if linear.dir == LinearDir::Vertical => {
+            heights.sum::<f32>() + gap * linear.children.len().saturating_sub(1) as f32
+        }
+        _ => heights.fold(0.0, f32::max),
+    }
+}
+
+/// Gives the rows in a tile of this height other shares, where a row would be lower than it may be.
+fn fit(tiles: &mut Tiles<ViewKind>, tile: TileId, height: f32, gap: f32, least: &dyn Fn(ViewKind) -> f32) {
+    let Some(Tile::Container(container)) = tiles.get(tile) else { return };
+    let children = container.children_vec();
+    let mut heights = vec![height; children.len()];
+    if let Container::Linear(linear) = container
+        && linear.dir == LinearDir::Vertical
+    {
+        let leasts: Vec<f32> = children.iter().map(|row| height_of(tiles, *row, gap, least)).collect();
+        let shares: Vec<f32> = children.iter().map(|row| linear.shares[*row]).collect();
+        heights = shared(height - gap * children.len().saturating_sub(1) as f32, &shares, &leasts);
+        let is_raised = heights.iter().zip(&leasts).any(|(height, least)| height == least);
+        if let Some(Tile::Container(Container::Linear(linear))) = tiles.get_mut(tile).filter(|_| is_raised) {
+            children.iter().zip(&heights).for_each(|(row, height)| linear.shares.set_share(*row, *height));
+        }
+    }
+    for (child, height) in children.into_iter().zip(heights) {
+        fit(tiles, child, height, gap, least);
+    }
+}
+
+/// A height divided by shares, but each part at least as large as its least one.
+fn shared(height: f32, shares: &[f32], leasts: &[f32]) -> Vec<f32> {
+    let mut is_least = vec![false; shares.len()];
+    loop {
+        let sum = |of: &[f32], least: bool| -> f32 {
+            of.iter().zip(&is_least).filter(|(_, is)| **is == least).map(|(x, _)| x).sum()
+        };
+        let unit = (height - sum(leasts, true)) / sum(shares, false).max(f32::MIN_POSITIVE);
+        let low = (0..shares.len()).find(|&at| !is_least[at] && shares[at] * unit < leasts[at]);
+        let Some(low) = low else {
+            let part = |at: usize| if is_least[at] { leasts[at] } else { shares[at] * unit };
+            return (0..shares.len()).map(part).collect();
+        };
+        is_least[low] = true;
+    }
+}
+
 /// Containers with one tile or none are removed.
 pub(crate) fn simplification() -> SimplificationOptions {
     SimplificationOptions { all_panes_must_have_tabs: false, ..SimplificationOptions::default() }
@@ -247,5 +293,41 @@ fn pane(tile: &Tile<ViewKind>) -> Option<ViewKind> {
     match tile {
         Tile::Pane(view) => Some(*view),
         Tile::Container(_) => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn low_rows_are_raised_and_the_others_share_the_rest() {
+        assert_eq!(shared(100.0, &[1.0, 3.0], &[10.0, 10.0]), [25.0, 75.0]);
+        assert_eq!(shared(100.0, &[1.0, 30.0, 9.0], &[20.0, 20.0, 20.0]), [20.0, 60.0, 20.0]);
+        assert_eq!(shared(60.0, &[0.0, 1.0, 1.0], &[20.0, 20.0, 20.0]), [20.0, 20.0, 20.0]);
+    }
+
+    #[test]
+    fn views_that_were_dragged_together_have_their_least_height() {
+        use ViewKind::{Map, Parameters, States};
+        for shares in [[0.98, 0.01, 0.01], [0.01, 0.5, 0.49]] {
+            let rows: Vec<(f32, &[ViewKind])> =
+                shares.into_iter().zip([&[Map][..], &[Parameters], &[States]]).collect();
+            let layout = Layout { tree: tree(&rows), enlarged: None };
+            for (room, height) in [(300.0, 440.0), (700.0, 700.0)] {
+                let (tree, needed) = layout.fitted(room, 10.0, &|_| 140.0);
+                assert_eq!(needed, height);
+                let Some(Tile::Container(Container::Linear(rows))) = tree.root().and_then(|root| tree.tiles.get(root))
+                else {
+                    panic!("rows")
+                };
+                let shares: Vec<f32> = rows.children.iter().map(|row| rows.shares[*row]).collect();
+                let unit = (height - 20.0) / shares.iter().sum::<f32>();
+                assert!(shares.iter().all(|share| share * unit > 139.9), "{shares:?}");
+            }
+        }
+        // Nothing changes where there is room.
+        let usual = Layout::of(Arrangement::Teach);
+        assert!(usual.fitted(900.0, 10.0, &|_| 140.0).0 == usual.tree);
     }
 }

@@ -13,10 +13,18 @@ use crate::views::view;
 /// Limits the height below which views are in one column \[points\].
 const LOW: f32 = 340.0;
 
-/// The least heights of a view in tiles, with its bar: of plots, of a picture of the plant, and of a map \[points\].
-const LEAST: f32 = 150.0;
+/// The least heights of a view in tiles, below its bar: of plots, of a picture of the plant with the bar, and of a map; and of
+/// each plot of a view with several \[points\].
+const LEAST: f32 = 140.0;
 const LEAST_FLAT: f32 = 90.0;
-const LEAST_TALL: f32 = 240.0;
+const LEAST_TALL: f32 = 216.0;
+const LEAST_PLOT: f32 = 70.0;
+
+/// The distance between views, which can be dragged \[points\].
+const GAP: f32 = 14.0;
+
+/// The room around a view into which its plots may draw \[points\].
+const MARGIN: f32 = 4.0;
 
 /// The side of a button above a view, at least \[points\].
 const TARGET: f32 = 24.0;
@@ -65,8 +73,9 @@ pub(crate) fn panes_ui(
         empty_ui(ui, panes.requests);
     } else {
         // Tiles are dragged in a copy; if its tree changes, the copy is requested as the new layout.
-        let mut tree = layout.tree().clone();
-        let height = layout.height_for(&least_height);
+        let bar = bar_height(ui);
+        let (mut tree, height) = layout.fitted(area.y, GAP, &|kind| least_height(kind, bar, context));
+        let fitted = tree.clone();
         if height > area.y {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                 let width = ui.available_width() - ui.spacing().scroll.bar_width;
@@ -78,7 +87,7 @@ pub(crate) fn panes_ui(
         } else {
             tree.ui(&mut panes, ui);
         }
-        if tree != *layout.tree() {
+        if tree != fitted {
             panes.requests.push(Request::Rearrange(Box::new(tree)));
         }
     }
@@ -89,11 +98,13 @@ pub(crate) fn panes_ui(
 }
 
 /// The least height of a view in tiles, with its bar \[points\].
-fn least_height(kind: ViewKind) -> f32 {
+fn least_height(kind: ViewKind, bar: f32, context: &ViewContext<'_>) -> f32 {
     match kind.proportions() {
         Proportions::Flat => LEAST_FLAT,
-        Proportions::Tall => LEAST_TALL,
-        Proportions::Wide | Proportions::Square => LEAST,
+        Proportions::Tall => bar + LEAST_TALL,
+        Proportions::Wide | Proportions::Square => {
+            bar + LEAST.max(LEAST_PLOT * view(kind).charts(context).len() as f32)
+        }
     }
 }
 
@@ -173,6 +184,8 @@ impl Panes<'_> {
     fn show(&mut self, ui: &mut Ui, kind: ViewKind) -> bool {
         let view = view(kind);
         let dragged = self.bar_ui(ui, kind);
+        // A table stays inside its view.
+        ui.shrink_clip_rect(ui.max_rect().expand(MARGIN));
         self.pointed = view.ui(ui, self.context, self.requests).or(self.pointed);
         dragged
     }
@@ -223,7 +236,11 @@ impl Behavior<ViewKind> for Panes<'_> {
     }
 
     fn gap_width(&self, _: &egui::Style) -> f32 {
-        14.0
+        GAP
+    }
+
+    fn min_size(&self) -> f32 {
+        LEAST
     }
 
     fn tab_bar_color(&self, _: &egui::Visuals) -> Color32 {

@@ -202,6 +202,7 @@ impl App {
             self.session.set_mode(Mode::Whole);
             self.session.set_scenario(scenario);
             self.session.pause();
+            self.session.seek_end();
             self.begin_anew(ctx);
         } else {
             self.session.edit(scenario);

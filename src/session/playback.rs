@@ -123,6 +123,15 @@ impl Session {
         self.compute();
     }
 
+    /// Pauses and goes to the end of a record that is computed as a whole, also before it is there.
+    pub fn seek_end(&mut self) {
+        if self.can_be_whole {
+            self.playing = false;
+            self.clock = f64::INFINITY;
+            self.compute();
+        }
+    }
+
     /// Sets the simulated seconds per second; ignores numbers that are not positive.
     pub fn set_speed(&mut self, speed: f64) {
         if speed.is_finite() && speed > 0.0 {

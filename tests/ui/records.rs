@@ -71,6 +71,8 @@ fn six_dialects_open_by_drop_with_at_most_three_choices() {
         screen.run_steps(6);
         check_result(&screen, name);
         assert_eq!(screen.state().session().mode(), Mode::Whole);
+        let session = screen.state().session();
+        assert_eq!((session.position(), session.playing()), (session.run().samples() - 1, false));
         screen.get_by_label("Plot of the displacement measured and predicted");
         let free = screen.state().session().free_run(0).expect("the free run is made").fits[0].expect("a fit");
         assert!(free.percent > 80.0, "{name}: {free:?}");

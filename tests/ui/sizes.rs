@@ -108,3 +108,31 @@ fn a_third_view_leaves_the_oscillator_its_height_on_a_phone() {
         }
     }
 }
+
+#[test]
+fn views_have_a_least_height_and_the_rows_scroll() {
+    let rows = [ViewKind::Measured, ViewKind::Parameters, ViewKind::Innovations, ViewKind::Scores];
+    let mut screen = screen(DESKTOP, Theme::Light);
+    *screen.state_mut().layout_mut() = Layout::column(&rows);
+    screen.state_mut().session_mut().set_mode(Mode::Whole);
+    screen.run_steps(5);
+    for plot in PlantKind::SDOF.channels().iter().filter(|channel| channel.is_parameter()) {
+        let rect = screen.get_by_label(&format!("Plot of the {}", plot.name())).rect();
+        assert!(rect.height() >= 60.0, "{rect}");
+    }
+    let tops = rows.map(|kind| screen.get_by_label(&format!("About {}", view(kind).name())).rect().top());
+    let heights: Vec<f32> = tops.windows(2).map(|tops| tops[1] - tops[0]).collect();
+    assert!(heights.iter().all(|height| *height >= 140.0), "{heights:?}");
+    // The border between two rows stops where one would be lower.
+    let border = egui::pos2(screen.get_by_label("About Parameters").rect().left() + 200.0, tops[1] - 8.0);
+    screen.drag_at(border);
+    screen.run_steps(1);
+    for step in 1..12 {
+        screen.hover_at(border - egui::vec2(0.0, 30.0 * step as f32));
+        screen.run_steps(1);
+    }
+    screen.drop_at(border - egui::vec2(0.0, 360.0));
+    screen.run_steps(3);
+    let tops = rows.map(|kind| screen.get_by_label(&format!("About {}", view(kind).name())).rect().top());
+    assert!(tops.windows(2).all(|tops| tops[1] - tops[0] >= 140.0), "{tops:?}");
+}
