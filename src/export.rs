@@ -11,7 +11,7 @@ use kalmanscope_cli::write_estimates;
 use crate::figure::Figure;
 use crate::laboratory::Laboratory;
 use crate::layout::Layout;
-use crate::request::{Export, Picture};
+use crate::request::Export;
 use crate::session_file;
 use crate::view::ViewContext;
 
@@ -46,8 +46,7 @@ impl Export {
     /// Its name in the menu.
     pub(crate) fn name(self) -> String {
         match self {
-            Self::Figure(format, Picture::Svg) => format!("{} (SVG)", format.name()),
-            Self::Figure(format, Picture::Png) => format!("{} (PNG)", format.name()),
+            Self::Figure(format) => format!("{} (SVG)", format.name()),
             Self::Report => "Report (HTML)".to_owned(),
             Self::Estimates => "Estimates (CSV)".to_owned(),
             Self::Record => "Record (CSV)".to_owned(),
@@ -63,8 +62,7 @@ impl Export {
     /// Its contents in a sentence.
     pub(crate) fn hint(self) -> &'static str {
         match self {
-            Self::Figure(_, Picture::Svg) => "The views on screen as outlines and text, for a document",
-            Self::Figure(_, Picture::Png) => "The views on screen as pixels",
+            Self::Figure(_) => "The views on screen as outlines and text, for a document",
             Self::Report => "Verdicts, evidence, estimates, scores and figures as one page, to print or to send",
             Self::Estimates => "Every mean, standard deviation, innovation and prediction of every filter",
             Self::Map => "Every score of every cell of the map in the laboratory",
@@ -85,13 +83,9 @@ impl Export {
 pub fn file(export: Export, context: &ViewContext<'_>, layout: &Layout) -> Result<File, String> {
     let session = context.session;
     Ok(match export {
-        Export::Figure(format, picture) => {
-            let figure = Figure::new(context, &layout.rows(), format);
-            let (end, kind, contents) = match picture {
-                Picture::Svg => ("svg", "image/svg+xml", figure.svg().into_bytes()),
-                Picture::Png => ("png", "image/png", figure.png().map_err(reason)?),
-            };
-            File { name: format!("kalmanscope-{}.{end}", format.key()), kind, contents }
+        Export::Figure(format) => {
+            let svg = Figure::new(context, &layout.rows(), format).svg();
+            text(&format!("kalmanscope-{}.svg", format.key()), "image/svg+xml", svg)
         }
         Export::Report => text("report.html", "text/html", report::html(context, layout)?),
         Export::Estimates => csv("estimates.csv", |out| write_estimates(session.run(), out))?,

@@ -4,7 +4,7 @@ use egui::{Context, Id, Popup, RichText, Ui};
 
 use crate::menu::{self, Closing};
 use crate::probe;
-use crate::request::{Export, FigureFormat, Picture, Request};
+use crate::request::{Export, FigureFormat, Request};
 
 /// Shows the menu's button, and the menu while it is open.
 pub(crate) fn menu_ui(ui: &mut Ui, narrow: bool, requests: &mut Vec<Request>) {
@@ -24,9 +24,7 @@ pub(crate) fn menu_ui(ui: &mut Ui, narrow: bool, requests: &mut Vec<Request>) {
         };
         ui.label(RichText::new("The views as a figure").weak());
         for format in FigureFormat::ALL {
-            for picture in [Picture::Svg, Picture::Png] {
-                entry(ui, Export::Figure(format, picture));
-            }
+            entry(ui, Export::Figure(format));
         }
         ui.separator();
         ui.label(RichText::new("Results").weak());

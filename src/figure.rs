@@ -1,16 +1,14 @@
-//! Figures: the views on screen, drawn again for paper or a slide, as SVG and PNG.
+//! Figures: the views on screen, drawn again for paper or a slide, as SVG.
 //!
 //! The views draw themselves in a context of their own, with a white ground, type of one size and thin lines. Their
-//! shapes become SVG directly, or triangles for pixels. Neither needs a screen or a graphics card.
+//! shapes become SVG, which needs neither a screen nor a graphics card.
 
 mod arrange;
 mod canvas;
 mod format;
 mod legend;
 mod pen;
-mod pixels;
 mod svg;
-mod svg_attributes;
 mod svg_text;
 
 use egui::Vec2;
@@ -18,21 +16,16 @@ use egui::Vec2;
 use crate::request::{FigureFormat, ViewKind};
 use crate::view::ViewContext;
 use arrange::arrange;
-use canvas::{Canvas, Part};
-
-pub use pixels::PngError;
+use canvas::Part;
 
 /// A figure, ready to be written.
 pub struct Figure {
-    canvas: Canvas,
     /// Everything that is drawn, from back to front.
     parts: Vec<Part>,
     /// Width and height \[points of the canvas\].
     size: Vec2,
     /// Points of 1/72 inch per point of the canvas.
     scale: f32,
-    /// Pixels per point of the canvas.
-    density: f32,
 }
 
 impl Figure {
@@ -50,13 +43,5 @@ impl Figure {
     /// The text of an SVG file.
     pub fn svg(&self) -> String {
         svg::svg(self)
-    }
-
-    /// A PNG file, which says how large it is on paper.
-    ///
-    /// # Errors
-    /// [`PngError`] where the pixels cannot be encoded.
-    pub fn png(&self) -> Result<Vec<u8>, PngError> {
-        pixels::png(self)
     }
 }

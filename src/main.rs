@@ -1,4 +1,4 @@
-//! Kalmanscope's entry points: a window, a report without a display, or a web page.
+//! Kalmanscope's entry points: a window or a web page.
 
 #[cfg(not(target_arch = "wasm32"))]
 fn main() -> std::process::ExitCode {
@@ -26,26 +26,20 @@ mod native {
     mod team;
     mod window;
 
-    use std::error::Error;
     use std::fs::File;
-    use std::io::{self, Write as _};
     use std::path::Path;
     use std::process::ExitCode;
 
-    use kalmanscope::share::address::{self, Target};
-    use kalmanscope_cli::{plot_svg, run_scenario, step_times, table};
-    use kalmanscope_core::{Analysis, Scenario, Wanted};
+    use kalmanscope::share::address;
+    use kalmanscope_core::Scenario;
 
     use listen::Listening;
     use window::Beginning;
 
-    /// The file of the plots if there is no display.
-    const REPORT: &str = "kalmanscope-report.svg";
-
     const USAGE: &str = "usage: kalmanscope [LINK or FILE]\n       kalmanscope --listen SOURCE [SCENARIO.toml] [--keep FILE]\n\nLINK is an address with #link=…, ?lesson=NAME or \
                          ?scenario=NAME; FILE is a measured record, a scenario or a lesson. SOURCE tells lines with a time and three \
-                         accelerations, such as serial:/dev/ttyUSB0?baud=115200, http://PHONE:8080 (phyphox), tcp://HOST:PORT, \
-                         udp://HOST:PORT, ws://HOST:PORT, or - for standard input; with a scenario its filters follow the time, \
+                         accelerations, such as serial:/dev/ttyUSB0?baud=115200, tcp://HOST:PORT, \
+                         udp://HOST:PORT, or - for standard input; with a scenario its filters follow the time, \
                          the input and the readings of its sensors, under a header such as `t,force,displacement`. FILE gets every line, and must not exist.";
 
     /// The exit code for an argument that cannot be used.
@@ -71,7 +65,7 @@ mod native {
         }
         beginning.file = argument.as_deref().map(Path::new).filter(|path| path.is_file()).map(Path::to_owned);
         beginning.address = argument.filter(|_| beginning.file.is_none());
-        let target = match beginning.address.as_deref().map(address::target).transpose() {
+        match beginning.address.as_deref().map(address::target).transpose() {
             Ok(Some(None)) => {
                 eprintln!("{USAGE}");
                 return ExitCode::from(INVALID);
@@ -80,23 +74,16 @@ mod native {
                 eprintln!("error: {error}");
                 return ExitCode::from(INVALID);
             }
-            Ok(target) => target.flatten(),
-        };
+            Ok(_) => {}
+        }
         let Err(error) = window::open(beginning) else {
             return ExitCode::SUCCESS;
         };
         // The message follows the last colon; a place in the toolkit's source comes before it.
         let error = error.to_string();
         let reason = error.rsplit(": ").next().unwrap_or(&error).trim_end_matches('.');
-        match report(reason, target) {
-            Ok(()) => ExitCode::SUCCESS,
-            // A closed pipe is not an error.
-            Err(error) if is_broken_pipe(error.as_ref()) => ExitCode::SUCCESS,
-            Err(error) => {
-                eprintln!("error: {error}");
-                ExitCode::FAILURE
-            }
-        }
+        eprintln!("error: no window can be opened ({reason}); kalmanscope-cli runs scenarios without one");
+        ExitCode::FAILURE
     }
 
     /// A source with what follows it: a scenario, a file for the lines.
@@ -119,30 +106,6 @@ mod native {
         let scenario = Scenario::from_toml(&text).map_err(|error| format!("{file}: {error}"))?;
         scenario.validate().map_err(|error| format!("{file}: {error}"))?;
         Ok(scenario)
-    }
-
-    /// The report for a machine without a display: a table, and the plots as a file.
-    fn report(reason: &str, target: Option<Target>) -> Result<(), Box<dyn Error>> {
-        let mut out = io::stdout();
-        let (which, scenario) = match target {
-            Some(Target::Picture(picture)) => ("the link's scenario", picture.scenario),
-            Some(Target::Scenario(built_in)) => (built_in.title, built_in.scenario()?),
-            Some(Target::Lesson(..)) | None => ("the default scenario", Scenario::default()),
-        };
-        writeln!(out, "No window can be opened ({reason}). Results of {which}:\n")?;
-        let run = run_scenario(&scenario, None)?;
-        plot_svg(&run, Path::new(REPORT))?;
-        let analysis = Analysis::new(&run, Wanted { bounds: true, ..Wanted::default() });
-        writeln!(out, "{}", table(&run, &analysis, &[], &step_times(&scenario, &run)?))?;
-        writeln!(
-            out,
-            "The plots are in {REPORT}. In a browser: `./page` makes the folder `dist`, for any web server."
-        )?;
-        Ok(())
-    }
-
-    fn is_broken_pipe(error: &(dyn Error + 'static)) -> bool {
-        error.downcast_ref::<io::Error>().is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe)
     }
 }
 

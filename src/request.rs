@@ -176,7 +176,7 @@ impl Request {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Export {
     /// The views on screen.
-    Figure(FigureFormat, Picture),
+    Figure(FigureFormat),
     /// The map of the laboratory, as CSV.
     Map,
     /// The statistics over many seeds, as CSV.
@@ -206,15 +206,6 @@ pub enum FigureFormat {
     Page,
     /// A slide, 16:9.
     Slide,
-}
-
-/// The kind of a picture's file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Picture {
-    /// Outlines and text.
-    Svg,
-    /// Pixels.
-    Png,
 }
 
 /// A file's bytes, not yet read.

@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use egui::Context;
 use kalmanscope_core::Scenario;
+use kalmanscope_sources::StreamRow;
 
 /// A sensor of a device, with readings of some kind.
 pub trait Sensor<T> {
@@ -40,31 +41,13 @@ impl Reading for Sound {
     const MOST: usize = 2_880_000;
 }
 
-/// A time with the input and the sensors' readings of a scenario at it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Happened {
-    /// \[s\]
-    pub time: f64,
-    /// The input in the scenario's meaning \[m/s²\]; NaN if it is not told.
-    pub input: f64,
-    /// A reading for each sensor of the scenario in the unit of its quantity, NaN where there is none.
-    pub readings: Vec<f64>,
-}
-
-impl From<kalmanscope_sources::Told> for Happened {
-    fn from(told: kalmanscope_sources::Told) -> Self {
-        let kalmanscope_sources::Told { time, input, readings } = told;
-        Self { time, input, readings }
-    }
-}
-
-impl Reading for Happened {
+impl Reading for StreamRow {
     /// Those that have not been taken out yet.
     const MOST: usize = 1_000_000;
 }
 
 /// Connects to a port of this device, which tells the input and the sensors of a scenario.
-pub type Connect = Rc<dyn Fn(&Scenario, u16) -> Rc<dyn Sensor<Happened>>>;
+pub type Connect = Rc<dyn Fn(&Scenario, u16) -> Rc<dyn Sensor<StreamRow>>>;
 
 /// The sensors of a device.
 #[derive(Clone, Default)]
@@ -76,7 +59,7 @@ pub struct Sensors {
     /// The microphone.
     pub microphone: Option<Rc<dyn Sensor<Sound>>>,
     /// The sensors of a scenario, with the scenario.
-    pub stream: Option<(Rc<dyn Sensor<Happened>>, Rc<Scenario>)>,
+    pub stream: Option<(Rc<dyn Sensor<StreamRow>>, Rc<Scenario>)>,
     /// Those of the scenario on screen, behind a port of this device.
     pub socket: Option<Connect>,
 }
@@ -89,10 +72,10 @@ impl Sensors {
 }
 
 /// Readings that a sensor puts in and a window takes out; copies share them.
-pub struct Readings<T>(Arc<Mutex<Told<T>>>);
+pub struct Readings<T>(Arc<Mutex<ReadingBuffer<T>>>);
 
 /// The readings of a measurement so far.
-pub(crate) struct Told<T> {
+pub(crate) struct ReadingBuffer<T> {
     pub(crate) readings: Vec<T>,
     /// How many have come, those that were taken out among them.
     count: usize,
@@ -106,7 +89,13 @@ pub(crate) struct Told<T> {
 
 impl<T> Default for Readings<T> {
     fn default() -> Self {
-        Self(Arc::new(Mutex::new(Told { readings: Vec::new(), count: 0, has_ended: false, rate: None, refusal: None })))
+        Self(Arc::new(Mutex::new(ReadingBuffer {
+            readings: Vec::new(),
+            count: 0,
+            has_ended: false,
+            rate: None,
+            refusal: None,
+        })))
     }
 }
 
@@ -155,7 +144,7 @@ impl<T: Reading> Readings<T> {
         ctx.request_repaint();
     }
 
-    pub(crate) fn told(&self) -> MutexGuard<'_, Told<T>> {
+    pub(crate) fn told(&self) -> MutexGuard<'_, ReadingBuffer<T>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

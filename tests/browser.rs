@@ -2,6 +2,8 @@
 
 #[path = "browser/accessible.rs"]
 mod accessible;
+#[path = "browser/client.rs"]
+mod client;
 #[path = "browser/driver.rs"]
 mod driver;
 #[path = "browser/elsewhere.rs"]
@@ -131,7 +133,7 @@ fn a_phone_keeps_its_plots_in_sight() {
 }
 
 #[test]
-fn a_page_follows_a_socket_a_ring_and_a_wire() {
+fn a_page_follows_a_ring_and_a_wire() {
     let pictures = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/browser");
     fs::create_dir_all(&pictures).unwrap();
     let address = served().page();
@@ -140,7 +142,6 @@ fn a_page_follows_a_socket_a_ring_and_a_wire() {
     let hears = ["--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream", &sound];
     runtime().block_on(async {
         let page = driver.open_with(&hears).await;
-        measure::a_socket_is_followed(&page, &address, &pictures.join("socket.png")).await;
         phone::opens(&page, &address).await;
         measure::a_ring_is_identified(&page, &pictures.join("phone-ring.png")).await;
         measure::a_sensor_on_a_wire_is_identified(&page, &pictures.join("wire.png")).await;

@@ -6,8 +6,7 @@ mod of_filter;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use clap::{Args, CommandFactory as _, Parser, Subcommand};
-use clap_complete::Shell;
+use clap::{Args, Parser, Subcommand};
 use kalmanscope_core::{Axis, Measure, MeasureKind, VerdictKind};
 
 pub(crate) use import::{ImportArgs, Missing};
@@ -21,15 +20,6 @@ use crate::places::{Places, places};
 pub(crate) struct CommandLine {
     #[command(subcommand)]
     pub(crate) command: Command,
-}
-
-impl CommandLine {
-    /// The completions of commands and options for a shell.
-    pub(crate) fn completions(shell: Shell) -> Vec<u8> {
-        let mut text = Vec::new();
-        clap_complete::generate(shell, &mut Self::command(), "kalmanscope-cli", &mut text);
-        text
-    }
 }
 
 #[derive(Debug, Subcommand)]
@@ -70,33 +60,13 @@ pub(crate) enum Command {
     /// Find what a record says about a filter's parameters without the belief that it is normal, beside the filter's ±2σ
     #[command(after_help = "Example:\n  kalmanscope-cli posterior record.toml --filter UKF --out points.csv")]
     Posterior(PosteriorArgs),
-    /// Read a lesson and try each of its claims on several records
-    #[command(after_help = "Example:\n  kalmanscope-cli lesson lesson.toml --seeds 100")]
-    Lesson(LessonArgs),
-    /// Print the completions of commands and options for a shell
-    #[command(
-        after_help = "Example:\n  kalmanscope-cli completions bash > ~/.local/share/bash-completion/completions/kalmanscope-cli"
-    )]
-    Completions {
-        /// The shell
-        shell: Shell,
-    },
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct LessonArgs {
-    /// The lesson, a TOML file; `-` for standard input
-    pub(crate) lesson: PathBuf,
-    /// Number of records to try, with the seeds 1, 2, ...
-    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..=100_000))]
-    pub(crate) seeds: u64,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct StreamArgs {
     /// The scenario, a TOML file; its force and its truth do not matter
     pub(crate) scenario: PathBuf,
-    /// Where lines come from: a file, `tcp://HOST:PORT` or `ws://HOST:PORT` to connect to, `udp://HOST:PORT` to listen at,
+    /// Where lines come from: a file, `tcp://HOST:PORT` to connect to, `udp://HOST:PORT` to listen at,
     /// `serial:/dev/ttyUSB0?baud=115200`, `-` for standard input.
     /// A line is a row of numbers under a header such as `t,force,displacement`, or a JSON object such as
     /// {"t": 0.01, "displacement": 0.002}. It has what is new: cells may be empty, and sensors may have clocks of their own
@@ -108,9 +78,6 @@ pub(crate) struct StreamArgs {
     /// Write JSON objects, one a line, in place of a table
     #[arg(long)]
     pub(crate) json: bool,
-    /// Send JSON objects to all who connect to a WebSocket here too; `:9000` is a port that only this machine reaches
-    #[arg(long, value_name = "ADDRESS")]
-    pub(crate) ws: Option<String>,
 }
 
 fn seconds(text: &str) -> Result<f64, String> {
@@ -137,8 +104,8 @@ pub(crate) struct SweepArgs {
     pub(crate) filter: Vec<String>,
     #[command(flatten)]
     pub(crate) record: RecordArgs,
-    /// The table to write, a .csv or a .parquet file. What is done stands in a file of this name with .part behind it: the same
-    /// command goes on from there. `-` for rows of CSV on standard output, which begin anew each time
+    /// The table to write, a .csv file. Finished rows stand in a file of this name with .part behind it: the same
+    /// command continues from there. `-` for rows on standard output, which begin again each time
     #[arg(long, value_name = "TABLE")]
     pub(crate) out: PathBuf,
     /// Write one of several shards only, such as 3/8: one behind the other they are the whole table
@@ -225,9 +192,6 @@ pub(crate) struct SourceArgs {
     /// No input was recorded, as under wind or traffic: no column of --record is the input
     #[arg(long)]
     pub(crate) no_input: bool,
-    /// Go on with these records, one after the other: each begins with the parameters that the filters have found so far
-    #[arg(long, value_name = "RECORD.csv")]
-    pub(crate) then: Vec<PathBuf>,
     /// Seed of the random numbers, instead of the scenario's; has no effect with --record
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     pub(crate) seed: Option<u64>,
@@ -236,10 +200,9 @@ pub(crate) struct SourceArgs {
 impl SourceArgs {
     /// The files that are read.
     pub(crate) fn inputs(&self) -> Places<'_> {
-        let Self { scenario, record, map, holdout, no_input: _, then, seed: _ } = self;
+        let Self { scenario, record, map, holdout, no_input: _, seed: _ } = self;
         let all = [places("the scenario", [scenario]), places("--record", record), places("--map", map)];
-        let more = [places("--holdout", holdout), places("--then", then)];
-        all.into_iter().chain(more).flatten().collect()
+        all.into_iter().flatten().chain(places("--holdout", holdout)).collect()
     }
 }
 
@@ -249,7 +212,7 @@ pub(crate) struct RunArgs {
     pub(crate) source: SourceArgs,
     /// Write the scenario with remedy N of each filter that is not to be believed to the file of --out, in place of the estimates.
     /// The table numbers the remedies
-    #[arg(long, value_name = "N", requires = "out", conflicts_with = "then", value_parser = clap::value_parser!(u8).range(1..))]
+    #[arg(long, value_name = "N", requires = "out", value_parser = clap::value_parser!(u8).range(1..))]
     pub(crate) fix: Option<u8>,
     /// Write every estimate of every filter; `-`, here and in other outputs, for standard output: the table then goes to standard
     /// error

@@ -3,7 +3,7 @@
 use kalmanscope_core::diagnosis::Remedy;
 use kalmanscope_core::{Analysis, Diagnosis, Diagnostics, Estimates, Record, Run, Scenario, Task as _};
 
-use crate::telling::{Told, Work};
+use crate::telling::{FilterProgress, Work};
 
 /// The remedies of each filter's verdict, each of one cause or of several, the likeliest first. A consistent filter, or
 /// one without a verdict, has none. Running the filter again with the edits made, over 10,000 samples at most,
@@ -13,10 +13,10 @@ pub fn causes(run: &Run, analysis: &Analysis) -> Vec<Vec<Remedy>> {
 }
 
 /// The same; `tell` is called after each piece of work.
-pub fn causes_telling(run: &Run, analysis: &Analysis, tell: &mut dyn FnMut(Told<'_>)) -> Vec<Vec<Remedy>> {
+pub fn causes_telling(run: &Run, analysis: &Analysis, tell: &mut dyn FnMut(FilterProgress<'_>)) -> Vec<Vec<Remedy>> {
     let of = |(place, (estimates, diagnostics)): (usize, (&Estimates, &Diagnostics))| {
         let of = (analysis.diagnosis(place), diagnostics, estimates, run.record());
-        let mut tell = |share: f64| tell(Told { place, name: estimates.name(), work: Work::Causes, share });
+        let mut tell = |share: f64| tell(FilterProgress { place, name: estimates.name(), work: Work::Causes, share });
         causes_of(run.scenario(), place, of, &mut tell)
     };
     run.estimates().iter().zip(analysis.diagnostics()).enumerate().map(of).collect()

@@ -4,13 +4,12 @@ use std::sync::Arc;
 
 use kalmanscope_core::{
     Analysis, CramerRao, Diagnosis, Diagnostics, Hindsight, Pass, Record, Run, RunError, Scenario, Summary, Wanted,
-    Window,
 };
 
 use crate::causes::causes_of;
 use crate::free_run::{FreeRuns, fits_of};
 use crate::results::{FilterResults, Results, over_bound};
-use crate::telling::{Told, Work};
+use crate::telling::{FilterProgress, Work};
 
 /// The samples after which the diagnostics follow and matrices are dropped: a few megabytes.
 const CHUNK: usize = 10_000;
@@ -29,7 +28,7 @@ impl<'a> Results<'a> {
         scenario: &Scenario,
         run: &'a Run,
         records: &[(&str, &Record)],
-        tell: &mut dyn FnMut(Told<'_>),
+        tell: &mut dyn FnMut(FilterProgress<'_>),
     ) -> Result<Self, RunError> {
         let mut scenario = scenario.clone();
         scenario.number_filters();
@@ -54,7 +53,7 @@ fn one(
     results: &mut Results<'_>,
     records: &[(&str, &Record)],
     bounds: &mut Vec<LastBound>,
-    tell: &mut dyn FnMut(Told<'_>),
+    tell: &mut dyn FnMut(FilterProgress<'_>),
 ) -> Result<FilterResults, RunError> {
     let record = results.record;
     let mut pass = Pass::new(scenario, place, record)?;
@@ -65,18 +64,23 @@ fn one(
         pass.follow(record, pass.done() + CHUNK, &mut history);
         diagnostics.follow(&history, record);
         history.drop_matrices();
-        tell(Told { place, name: &name, work: Work::Filter, share: pass.done() as f64 / record.len() as f64 });
+        tell(FilterProgress {
+            place,
+            name: &name,
+            work: Work::Filter,
+            share: pass.done() as f64 / record.len() as f64,
+        });
     }
     let diagnosis = Diagnosis::new(&diagnostics, &history, record, None);
     let summary = Summary::of(&diagnostics, diagnosis.as_ref(), &history, record);
-    let mut tell_causes = |share: f64| tell(Told { place, name: &name, work: Work::Causes, share });
+    let mut tell_causes = |share: f64| tell(FilterProgress { place, name: &name, work: Work::Causes, share });
     let of = (diagnosis.as_ref(), &diagnostics, &history, record);
     let causes = causes_of(scenario, place, of, &mut tell_causes);
     drop(diagnostics);
     for (runs, (_, other)) in results.free_runs.iter_mut().zip(records) {
         runs.fits.extend(fits_of(scenario, place, &history, other, std::ptr::eq(record, *other)));
     }
-    let mut tell_bound = |share: f64| tell(Told { place, name: &name, work: Work::Bound, share });
+    let mut tell_bound = |share: f64| tell(FilterProgress { place, name: &name, work: Work::Bound, share });
     let bound = bound_for(scenario, place, record, bounds, &mut tell_bound);
     let over_bound = bound.map_or_else(Vec::new, |bound| over_bound(&history, bound));
     Ok(FilterResults { summary, diagnosis, causes, over_bound, remarks: history.remarks().to_vec(), step_time: None })
@@ -116,19 +120,6 @@ fn smoothed(scenario: &Scenario, place: usize, record: &Record) -> Result<Option
     Ok(analysis.smoothed().first().map(|smoothed| Summary::new(smoothed, record)))
 }
 
-/// The last estimates of each filter of a scenario over a record, as windows of a few samples.
-///
-/// # Errors
-/// Those of [`Pass::new`].
-pub fn last_estimates(scenario: &Scenario, record: &Record) -> Result<Vec<Window>, RunError> {
-    let one = |place: usize| {
-        let mut window = Window::new(Pass::history(scenario, place)?, 2);
-        Pass::new(scenario, place, record)?.follow(record, record.len(), &mut window);
-        Ok(window)
-    };
-    (0..scenario.filters.len()).map(one).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -149,7 +140,7 @@ mod tests {
         let mut alone = Run::new(&Scenario { filters: Vec::new(), ..scenario.clone() }).unwrap();
         alone.finish();
         let mut told = Vec::new();
-        let mut tell = |Told { place, work, share, .. }: Told<'_>| told.push((place, work, share));
+        let mut tell = |FilterProgress { place, work, share, .. }: FilterProgress<'_>| told.push((place, work, share));
         let without = Results::in_turn(&scenario, &alone, &records(&alone, &other, own), &mut tell).unwrap();
         assert!(told.is_sorted(), "{told:?}");
         let is_told = |work: Work| told.iter().any(|(_, other, _)| *other == work);

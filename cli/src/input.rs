@@ -7,13 +7,12 @@ use std::string::FromUtf8Error;
 
 use kalmanscope_core::import::ImportError;
 use kalmanscope_core::{RunError, ScenarioError};
-use kalmanscope_lessons::LessonError;
 use thiserror::Error;
 
 /// Limits the size of a record's file \[bytes\].
 pub(crate) const LARGEST: u64 = 1_000_000_000;
 
-/// Limits the size of a scenario, a map or a lesson \[bytes\].
+/// Limits the size of a scenario or a map \[bytes\].
 const LARGEST_TEXT: u64 = 1_000_000;
 
 /// Errors of the input.
@@ -26,14 +25,12 @@ pub(crate) enum InputError {
     #[error("{}: no start values can be made of it: {error}", shown(.file))]
     StartValues { file: PathBuf, error: ScenarioError },
     #[error("{}: {error}", shown(.file))]
-    Lesson { file: PathBuf, error: LessonError },
-    #[error("{}: {error}", shown(.file))]
     Import { file: PathBuf, error: ImportError },
     #[error("{}: {reason}", shown(.file))]
     Laboratory { file: PathBuf, reason: String },
     #[error("{}: it has {megabytes} MB, but at most {} MB are read; cut it before", shown(.file), LARGEST / 1_000_000)]
     TooLarge { file: PathBuf, megabytes: u64 },
-    #[error("{}: it has more than 1 MB, too much for a scenario, a map or a lesson; `import` reads records", shown(.file))]
+    #[error("{}: it has more than 1 MB, too much for a scenario or a map; `import` reads records", shown(.file))]
     LongText { file: PathBuf },
     #[error("{}: it is neither a file nor a pipe", shown(.file))]
     NoFile { file: PathBuf },
@@ -56,7 +53,7 @@ impl InputError {
     }
 }
 
-/// The text of a scenario, a map or a lesson: a file, or standard input where the file is `-`.
+/// The text of a scenario or a map: a file, or standard input where the file is `-`.
 pub(crate) fn read_text(file: &Path) -> Result<String, InputError> {
     to_text(file, read_short(file)?)
 }

@@ -18,11 +18,9 @@ mod in_turn;
 mod in_words;
 #[cfg(feature = "program")]
 mod json;
-mod markup;
 mod number;
-#[cfg(feature = "plots")]
+#[cfg(not(target_arch = "wasm32"))]
 pub mod output;
-#[cfg(feature = "plots")]
 mod plot;
 mod quality;
 mod remarks;
@@ -39,16 +37,12 @@ use kalmanscope_core::{Record, Run, RunError, Scenario};
 
 pub use causes::{causes, causes_telling};
 pub use estimates_csv::{harmless, write_estimates};
-#[cfg(feature = "program")]
-pub use in_turn::last_estimates;
-pub use markup::escaped;
 pub use number::significant;
-#[cfg(feature = "plots")]
-pub use plot::{PlotError, pages, plot_svg, svg};
+pub use plot::{pages, svg};
 pub use report::{Parts, day, report};
 pub use results::Results;
 pub use table::table;
-pub use telling::{Told, Work};
+pub use telling::{FilterProgress, Work};
 pub use timing::step_times;
 
 /// Runs a scenario from the first sample to the last: over its own simulated record, or over a measured one.

@@ -1,15 +1,13 @@
 //! The command `kalmanscope-cli`.
 //!
-//! Exit codes: 0 success; 1 a result could not be written, a filter stopped, or a lesson's claim fails; 2 invalid input;
+//! Exit codes: 0 success; 1 a result could not be written, or a filter stopped; 2 invalid input;
 //! 3 a filter has a verdict that `--fail-on` names.
 
 mod args;
 mod fix;
 mod import;
 mod input;
-mod lesson;
 mod meaning;
-mod parquet_file;
 mod places;
 mod population;
 mod posterior;
@@ -23,7 +21,6 @@ mod tune;
 mod two_files;
 mod write_report;
 
-use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Parser as _;
@@ -41,18 +38,12 @@ fn main() -> ExitCode {
         Command::Report(args) => write_report::write_report(&args).map(|()| ExitCode::SUCCESS),
         Command::Import(args) => import::import(&args).map(|()| ExitCode::SUCCESS),
         Command::Stream(args) => {
-            stream::stream(&args).map(|goes_on| if goes_on { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+            stream::stream(&args).map(|has_filter| if has_filter { ExitCode::SUCCESS } else { ExitCode::FAILURE })
         }
         Command::Sweep(args) => sweep::sweep(&args).map(|()| ExitCode::SUCCESS),
         Command::Population(args) => population::population(&args).map(|()| ExitCode::SUCCESS),
         Command::Posterior(args) => posterior::posterior(&args).map(|()| ExitCode::SUCCESS),
         Command::Tune(args) => tune::tune(&args).map(|()| ExitCode::SUCCESS),
-        Command::Completions { shell } => {
-            places::write_bytes(Path::new("-"), &CommandLine::completions(shell)).map(|()| ExitCode::SUCCESS)
-        }
-        Command::Lesson(args) => {
-            lesson::lesson(&args).map(|holds| if holds { ExitCode::SUCCESS } else { ExitCode::FAILURE })
-        }
     };
     done.unwrap_or_else(|error| {
         report_error(&error);

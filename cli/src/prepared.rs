@@ -3,9 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use kalmanscope_cli::last_estimates;
 use kalmanscope_core::import::{self, Imported};
-use kalmanscope_core::{Document, Estimates, Record, Run, RunError, Scenario, Source, Window};
+use kalmanscope_core::{Document, Record, Run, RunError, Scenario, Source};
 
 use crate::args::{RecordArgs, SourceArgs};
 use crate::input::{InputError, read_short, to_text};
@@ -36,7 +35,7 @@ impl Prepared {
     /// Reads scenario and records. Remarks on a record are printed on standard error. Refuses outputs that are inputs. A quiet run
     /// prints no remarks.
     pub(crate) fn new(source: &SourceArgs, outputs: &Places<'_>, quiet: bool) -> Result<Self, InputError> {
-        let SourceArgs { scenario: file, record: _, map: _, holdout, no_input: _, then, seed } = source;
+        let SourceArgs { scenario: file, record: _, map: _, holdout, no_input: _, seed } = source;
         check(&source.inputs(), &Places::new())?;
         let mut scenario = read_scenario(file, quiet)?;
         check_with_record(&scenario, source, outputs)?;
@@ -47,7 +46,7 @@ impl Prepared {
         if imported.is_none() && scenario.samples() > MOST {
             return Err(InputError::TooLong { file: file.clone(), most: MOST });
         }
-        let is_measured = imported.is_some() || !then.is_empty();
+        let is_measured = imported.is_some();
         let (record, remarks) =
             imported.map_or((None, Vec::new()), |Imported { record, remarks, .. }| (Some(record), remarks));
         remarks.iter().filter(|_| !quiet).for_each(|remark| say(remark));
@@ -55,16 +54,7 @@ impl Prepared {
             holdout.iter().map(|path| Ok((path.display().to_string(), read(path, &mut scenario.clone())?.record)));
         let held_out = held_out.collect::<Result<Vec<_>, InputError>>()?;
         let source = record.map_or(Source::Simulated, |record| Source::Measured(Arc::new(record)));
-        let mut prepared = Self { file: file.clone(), scenario, source, is_measured, held_out };
-        for path in then {
-            let before = prepared.truth()?;
-            let ends = last_estimates(&prepared.scenario, before.record()).map_err(|error| prepared.bad_run(error))?;
-            drop(before);
-            continue_from(ends.iter().map(Window::estimates), &mut prepared.scenario);
-            let next = read(path, &mut prepared.scenario)?.record;
-            prepared.source = Source::Measured(Arc::new(next));
-        }
-        Ok(prepared)
+        Ok(Self { file: file.clone(), scenario, source, is_measured, held_out })
     }
 
     /// The finished run of all filters, with their histories.
@@ -111,7 +101,6 @@ pub(crate) fn scenario_and_record(
         record: record.clone(),
         map: map.clone(),
         holdout: Vec::new(),
-        then: Vec::new(),
         no_input: false,
         seed: None,
     };
@@ -144,18 +133,4 @@ fn check_with_record(scenario: &Scenario, source: &SourceArgs, outputs: &Places<
     let mut inputs = source.inputs();
     inputs.extend(places("the record of the scenario", &file));
     check(&inputs, outputs)
-}
-
-/// Lets each filter begin with the parameters at the end of its estimates: their means and standard deviations, without
-/// the correlations between them. The motion begins again as the scenario says.
-fn continue_from<'a>(all: impl Iterator<Item = &'a Estimates>, scenario: &mut Scenario) {
-    for (filter, estimates) in scenario.filters.iter_mut().zip(all) {
-        let Some(last) = estimates.len().checked_sub(1) else { continue };
-        for (place, &channel) in estimates.channels().iter().enumerate() {
-            if channel.is_parameter() || channel.is_augmentation() {
-                filter.initial_mean[channel] = estimates.canonical_mean(last, place);
-                filter.initial_std[channel] = estimates.std(last, place);
-            }
-        }
-    }
 }

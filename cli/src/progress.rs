@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
-use kalmanscope_cli::{Told, Work};
+use kalmanscope_cli::{FilterProgress, Work};
 
 /// Limits the time of work that shows no progress.
 const PATIENCE: Duration = Duration::from_millis(400);
@@ -46,7 +46,7 @@ impl Progress {
     }
 
     /// Shows the progress of the filters' results.
-    pub(crate) fn tell_results(&mut self, Told { place, name, work, share }: Told<'_>) {
+    pub(crate) fn tell_results(&mut self, FilterProgress { place, name, work, share }: FilterProgress<'_>) {
         let (begin, pieces, what) = match work {
             Work::Filter => (0, 400, name.to_owned()),
             Work::Causes => (400, 500, format!("{name}: causes of its verdict")),

@@ -10,7 +10,6 @@ use kalmanscope_lessons::records;
 
 use crate::args::SourceArgs;
 use crate::input::{InputError, read_record, read_text};
-use crate::parquet_file;
 use crate::places::say;
 
 /// The sentence on settings that a measured record overrides.
@@ -125,11 +124,7 @@ pub(crate) fn table(path: &Path) -> Result<(Table, String), InputError> {
 
 /// The columns in the bytes of a file.
 fn columns(path: &Path, bytes: Vec<u8>, dialect: Option<Dialect>) -> Result<Table, InputError> {
-    let file = path.to_owned();
-    if bytes.starts_with(parquet_file::MARK) {
-        return parquet_file::read(bytes).map_err(|reason| InputError::Laboratory { file, reason });
-    }
-    import::read(bytes, dialect).map_err(|error| InputError::Import { file, error })
+    import::read(bytes, dialect).map_err(|error| InputError::Import { file: path.to_owned(), error })
 }
 
 /// The meaning of the columns in one line.

@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 use std::path::PathBuf;
 
-use kalmanscope_cli::{PlotError, Results, Told, causes_telling, svg, write_estimates};
+use kalmanscope_cli::{FilterProgress, Results, causes_telling, svg, write_estimates};
 use kalmanscope_core::diagnosis::Remedy;
 use kalmanscope_core::{Analysis, DocumentError, RecordError, Run, VerdictKind, Wanted};
 use thiserror::Error;
@@ -26,8 +26,6 @@ enum OutputError {
     Csv(#[from] csv::Error),
     #[error(transparent)]
     Record(#[from] RecordError),
-    #[error(transparent)]
-    Plot(#[from] PlotError),
 }
 
 /// The outcome of a run.
@@ -64,7 +62,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<Ending, InputError> {
     };
     save(&out.clone().filter(|_| fix.is_none()), &|file| Ok(write_estimates(&run, file)?));
     save(record_out, &|file| write_record(&run, prepared.is_measured, file));
-    save(picture, &|file| Ok(file.write_all(svg(&run)?.as_bytes())?));
+    save(picture, &|file| Ok(file.write_all(svg(&run).as_bytes())?));
 
     let results = if with_history { of_history(&prepared, &run, *quiet) } else { in_turn(&prepared, &run, *quiet)? };
     if let (Some(number), Some(out)) = (fix, out) {
@@ -118,7 +116,7 @@ pub(crate) fn judged(run: &Run, quiet: bool) -> (Analysis, Vec<Vec<Remedy>>) {
 fn in_turn<'a>(prepared: &Prepared, run: &'a Run, quiet: bool) -> Result<Results<'a>, InputError> {
     let Prepared { scenario, .. } = prepared;
     let mut progress = Progress::of_results(scenario.filters.len(), quiet);
-    let mut tell = |told: Told<'_>| progress.tell_results(told);
+    let mut tell = |told: FilterProgress<'_>| progress.tell_results(told);
     let results = Results::in_turn(scenario, run, &prepared.for_free_runs(run), &mut tell);
     results.map_err(|error| prepared.bad_run(error))
 }

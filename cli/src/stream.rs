@@ -7,7 +7,7 @@ use std::io;
 use std::path::Path;
 
 use kalmanscope_core::{EventError, EventFilter, Pass, RunError, Scenario};
-use kalmanscope_sources::{Broadcast, Lines, Told, open, read_line};
+use kalmanscope_sources::{Lines, StreamRow, open, read_line};
 
 use crate::args::StreamArgs;
 use crate::input::{InputError, is_standard_input};
@@ -31,7 +31,7 @@ struct Followed {
 /// Reads lines until there are no more, and writes the estimates at the newest time after each, flushed. What is refused is
 /// said on standard error. Returns whether a filter is left that has not stopped.
 pub(crate) fn stream(args: &StreamArgs) -> Result<bool, InputError> {
-    let StreamArgs { scenario: file, source, late, json, ws } = args;
+    let StreamArgs { scenario: file, source, late, json } = args;
     let both = [places("SCENARIO", [file]), places("SOURCE", [source])].concat();
     check(&both.into_iter().filter(|(_, file)| is_standard_input(file)).collect(), &Vec::new())?;
     let scenario = read_scenario(file, false)?;
@@ -40,16 +40,7 @@ pub(crate) fn stream(args: &StreamArgs) -> Result<bool, InputError> {
     let written = |error: io::Error| InputError::Output { file: "-".into(), reason: error.to_string() };
     let mut input = open(&source.to_string_lossy()).map_err(unread)?;
     let mut lines = Lines::new(&scenario);
-    let broadcast = match ws {
-        Some(address) => {
-            let unheard = |error: io::Error| InputError::Output { file: address.into(), reason: error.to_string() };
-            let broadcast = Broadcast::at(address).map_err(unheard)?;
-            say(&format_args!("estimates at ws://{}", broadcast.address()));
-            Some(broadcast)
-        }
-        None => None,
-    };
-    let mut writer = Writer::new(io::stdout().lock(), *json, broadcast);
+    let mut writer = Writer::new(io::stdout().lock(), *json);
     if !writer.begin(filters.iter().map(|one| (one.name.as_str(), &one.filter))).map_err(written)? {
         return Ok(true);
     }
@@ -62,19 +53,19 @@ pub(crate) fn stream(args: &StreamArgs) -> Result<bool, InputError> {
     };
     while read_line(&mut input, &mut bytes).map_err(unread)? {
         number += 1;
-        let told = match lines.read(&bytes) {
-            Ok(Some(told)) => told,
+        let row = match lines.read(&bytes) {
+            Ok(Some(row)) => row,
             Ok(None) => continue,
             Err(reason) => {
                 refuse(number, &reason);
                 continue;
             }
         };
-        match take(&mut filters, &told) {
+        match take(&mut filters, &row) {
             Some(reason) => refuse(number, &reason),
             None => {
-                let told = filters.iter_mut().map(|one| (&mut one.filter, &one.watch, one.has_stopped));
-                if !writer.write(told).map_err(written)? {
+                let all = filters.iter_mut().map(|one| (&mut one.filter, &one.watch, one.has_stopped));
+                if !writer.write(all).map_err(written)? {
                     break;
                 }
             }
@@ -115,11 +106,11 @@ fn followed(file: &Path, scenario: &Scenario, late: f64) -> Result<Vec<Followed>
     Ok(filters)
 }
 
-/// Gives what was told to all filters. Returns the reason if it is refused, which all do alike.
-fn take(filters: &mut [Followed], told: &Told) -> Option<EventError> {
+/// Gives a row to all filters. Returns the reason if it is refused, which all do alike.
+fn take(filters: &mut [Followed], row: &StreamRow) -> Option<EventError> {
     let mut refused = None;
     for one in filters.iter_mut().filter(|one| !one.has_stopped) {
-        match one.filter.take(told.time, told.input, &told.readings) {
+        match one.filter.take(row.time, row.input, &row.readings) {
             Ok(sample) => one.watch.look(&sample),
             Err(EventError::Stopped { time, reason }) => {
                 say(&format_args!("{} has stopped at {time} s: {reason}", one.name));

@@ -2,7 +2,6 @@
 //! everywhere. Only the explorer's maps use a graphics processor.
 
 mod part;
-mod table;
 
 use std::collections::BTreeMap;
 use std::io;
@@ -22,7 +21,6 @@ use crate::places::{is_standard_output, places, write};
 use crate::prepared::scenario_and_record;
 
 use part::Part;
-use table::Format;
 
 /// Limits the threads.
 pub(crate) const MOST_THREADS: usize = 256;
@@ -32,13 +30,10 @@ pub(crate) const MOST_THREADS: usize = 256;
 pub(crate) fn sweep(args: &SweepArgs) -> Result<(), InputError> {
     let SweepArgs { scenario: file, out, shard, .. } = args;
     let is_stream = is_standard_output(out);
-    let format = if is_stream { Some(Format::Csv) } else { Format::of(out) };
-    let no_table = || {
-        let reason =
-            "the table must be a .csv or a .parquet file, beside which what is done is kept to go on from there, or -";
-        bad(file, &format!("--out {}: {reason}", out.display()))
-    };
-    let format = format.ok_or_else(no_table)?;
+    if !is_stream && out.extension().is_none_or(|end| end != "csv") {
+        let reason = "the table must be a .csv file, beside which finished rows are kept to continue from there, or -";
+        return Err(bad(file, &format!("--out {}: {reason}", out.display())));
+    }
     let (runner, record) = runner(args)?;
     let ensemble = runner.ensemble();
     let cells = cells(ensemble.cells(), *shard);
@@ -50,7 +45,7 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<(), InputError> {
     let ensemble = runner.ensemble();
     let (mut part, done) = Part::open(out, &fingerprint, ensemble, cells.len())?;
     run_cells(args, &runner, cells, done, &mut |slice| part.append(ensemble, slice))?;
-    part.finish(out, format, ensemble).map_err(|error| unwritten(out, &error))
+    part.finish(out).map_err(|error| unwritten(out, &error))
 }
 
 /// Writes the table on standard output, row by row.

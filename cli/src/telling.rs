@@ -2,7 +2,7 @@
 
 /// The progress of the results of a filter.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Told<'a> {
+pub struct FilterProgress<'a> {
     /// The filter's place in the scenario.
     pub place: usize,
     /// Its name.

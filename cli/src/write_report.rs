@@ -18,13 +18,12 @@ pub(crate) fn write_report(args: &ReportArgs) -> Result<(), InputError> {
     let file = &prepared.file;
     let title = file.file_stem().map_or_else(|| "Kalmanscope".to_owned(), |stem| stem.to_string_lossy().into_owned());
     let failed = |error: &dyn std::fmt::Display| InputError::Output { file: out.clone(), reason: error.to_string() };
-    let figures = pages(&run).map_err(|error| failed(&error))?;
     let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap_or_default();
     let parts = Parts {
         title: &title,
         day: &day(now.as_secs_f64()),
         causes: &causes,
-        figures: &figures,
+        figures: &pages(&run),
         free_runs: &records,
         ..Parts::default()
     };

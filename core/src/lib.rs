@@ -126,4 +126,3 @@ pub use samples::sink::{AssumedNoise, LastSample, Sample, Sink};
 pub use samples::smoothed::smoothed;
 pub use samples::source::Source;
 pub use samples::tape::Tape;
-pub use samples::window::Window;

@@ -23,4 +23,3 @@ pub(crate) mod source;
 pub(crate) mod spare;
 pub(crate) mod tape;
 pub(crate) mod waste;
-pub(crate) mod window;

@@ -1,7 +1,7 @@
 //! Scores equal the numbers of the diagnostics, in constant memory.
 
 use kalmanscope_core::{
-    Diagnosis, Diagnostics, FilterKind, FilterSettings, Pass, PlantKind, Run, Scenario, Scores, VerdictKind, Window,
+    Diagnosis, Diagnostics, FilterKind, FilterSettings, Pass, PlantKind, Run, Scenario, Scores, VerdictKind,
 };
 
 /// Filters of several kinds, one of which loses the truth.
@@ -48,16 +48,4 @@ fn scores_are_the_diagnostics_to_the_last_bit() {
         let diverged = diagnosis.verdict.unwrap().kind == VerdictKind::Diverged;
         assert_eq!(scores.diverged(), diverged, "{}", estimates.name());
     }
-}
-
-#[test]
-fn a_window_keeps_the_last_samples() {
-    let scenario = scenario();
-    let mut run = Run::new(&scenario).unwrap();
-    run.finish();
-    let mut window = Window::new(Pass::history(&scenario, 0).unwrap(), 400);
-    Pass::new(&scenario, 0, run.record()).unwrap().follow(run.record(), usize::MAX, &mut window);
-    let (kept, all) = (window.estimates(), &run.estimates()[0]);
-    assert_eq!((kept.forgotten(), kept.len()), (2800, 201));
-    assert_eq!((kept.mean(200), kept.nis()[0]), (all.mean(3000), all.nis()[2800]));
 }

@@ -3,7 +3,7 @@
 
     python sweep_dask.py FOLDER SCENARIO.toml --shards 64 --scheduler tcp://HOST:8786 -- --vary KEY=FROM:TO:COUNT --seeds 100
 
-The results are one Parquet data set: FOLDER has a file for each shard, and their names are in the order of the rows. This
+The results are one data set of CSV files: FOLDER has one for each shard, and their names are in the order of the rows. This
 program alone writes them, each under another name until it is complete. A shard that is run twice, because its worker was
 lost, gives the same bytes, so no row is lost or doubled. The same command again runs only the shards that are missing.
 """
@@ -24,12 +24,12 @@ RETRIES = 3
 
 
 def run_shard(cli: str, scenario: str, arguments: list[str], number: int, shards: int) -> bytes:
-    """Run one shard and return its table, a Parquet file. Runs on a worker.
+    """Run one shard and return its table, a CSV file. Runs on a worker.
 
     The file is in a folder of this attempt: a program that has outlived its lost worker writes elsewhere.
     """
     with tempfile.TemporaryDirectory(prefix="sweep-") as folder:
-        table = Path(folder, "table.parquet")
+        table = Path(folder, "table.csv")
         # One thread: Dask gives each thread of a worker a shard.
         command = [cli, "sweep", scenario, "--threads", "1", *arguments]
         command += ["--shard", f"{number}/{shards}", "--out", str(table)]
@@ -49,12 +49,11 @@ def write_whole(path: Path, content: bytes) -> None:
 def prepare(folder: Path, sweep: dict) -> None:
     """Note in the folder which sweep it holds. Exits where it holds another one."""
     folder.mkdir(parents=True, exist_ok=True)
-    # Readers of data sets leave out names that begin with a line.
     note = folder / "_sweep.json"
     if note.exists():
         if json.loads(note.read_text()) != sweep:
             sys.exit(f"{folder} holds another sweep: choose another folder, or remove it")
-    elif any(folder.glob("*.parquet")):
+    elif any(folder.glob("*.csv")):
         sys.exit(f"{folder} holds tables of something else: choose another folder")
     else:
         write_whole(note, json.dumps(sweep, indent=1).encode())
@@ -64,7 +63,7 @@ def sweep(client: Client, folder: Path, cli: str, scenario: str, arguments: list
     """Run all shards that the folder lacks and write them into it. Returns how many were run."""
     text = Path(scenario).read_text()
     prepare(folder, {"scenario": text, "arguments": arguments, "shards": shards})
-    paths = {number: folder / f"part-{number:05}-of-{shards:05}.parquet" for number in range(1, shards + 1)}
+    paths = {number: folder / f"part-{number:05}-of-{shards:05}.csv" for number in range(1, shards + 1)}
     missing = [number for number, path in paths.items() if not path.exists()]
     shard = {
         # Not pure: a result of an earlier call with the same arguments may be of another program.

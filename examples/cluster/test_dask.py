@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """A worker that is killed loses no row of a sweep and doubles none.
 
-    python test_dask.py        # needs distributed, pyarrow, and a built kalmanscope-cli
+    python test_dask.py        # needs distributed, and a built kalmanscope-cli
 
 The program is `target/debug/kalmanscope-cli`, or what the variable KALMANSCOPE_CLI names.
 """
@@ -15,8 +15,6 @@ import time
 import unittest
 from pathlib import Path
 
-import pyarrow.dataset
-import pyarrow.parquet
 from distributed import Client, LocalCluster
 
 from sweep_dask import sweep
@@ -32,7 +30,7 @@ ARGUMENTS += ["--seeds", "4", "--score", "nis,verdict,error.natural_frequency"]
 
 def kill_one(client: Client, folder: Path) -> list[str]:
     """Kill a worker process in the middle of a shard, once the data set has two parts. Returns the shards it had."""
-    while len(list(folder.glob("*.parquet"))) < 2:
+    while len(list(folder.glob("*.csv"))) < 2:
         time.sleep(0.01)
     pids = client.run(os.getpid)
     while True:
@@ -62,7 +60,7 @@ class Sweep(unittest.TestCase):
         self.scenario.write_text("duration = 20.0\n[plant]\nnatural_frequency = 6.0\n")
 
     def test_a_killed_worker_loses_no_row_and_doubles_none(self) -> None:
-        whole = self.folder / "whole.parquet"
+        whole = self.folder / "whole.csv"
         command = [CLI, "sweep", str(self.scenario), *ARGUMENTS, "--out", str(whole)]
         subprocess.run(command, check=True, stderr=subprocess.DEVNULL)
         parts = self.folder / "parts"
@@ -75,26 +73,28 @@ class Sweep(unittest.TestCase):
         self.assertEqual(run, SHARDS)
         self.assertGreaterEqual(len(killed), 1, "the worker had a shard when it was killed")
 
-        expected = pyarrow.parquet.read_table(whole)
-        table = pyarrow.dataset.dataset(parts).to_table()
-        self.assertEqual(len(expected), ROWS)
-        axes = expected.column_names[:3]
-        rows = list(zip(*(table[name].to_pylist() for name in axes)))
-        self.assertEqual(len(set(rows)), ROWS, "each cell once")
-        self.assertTrue(table.equals(expected), "the rows of one call, in its order")
+        header, *expected = whole.read_text().splitlines()
+        self.assertEqual(len(set(expected)), ROWS, "each cell once")
+
+        def rows() -> list[str]:
+            tables = [path.read_text().splitlines() for path in sorted(parts.glob("*.csv"))]
+            self.assertEqual({table[0] for table in tables}, {header})
+            return [row for table in tables for row in table[1:]]
+
+        self.assertEqual(rows(), expected, "the rows of one call, in its order")
 
         # The same sweep again has nothing to do, and a missing part alone is run.
         self.assertEqual(sweep(client, parts, CLI, str(self.scenario), ARGUMENTS, SHARDS), 0)
-        sorted(parts.glob("*.parquet"))[3].unlink()
+        sorted(parts.glob("*.csv"))[3].unlink()
         self.assertEqual(sweep(client, parts, CLI, str(self.scenario), ARGUMENTS, SHARDS), 1)
-        self.assertTrue(pyarrow.dataset.dataset(parts).to_table().equals(expected))
+        self.assertEqual(rows(), expected)
         with self.assertRaises(SystemExit):
             sweep(client, parts, CLI, str(self.scenario), ARGUMENTS, SHARDS + 1)
 
-    def test_an_error_of_the_program_is_told(self) -> None:
+    def test_an_error_of_the_program_is_reported(self) -> None:
         with self.assertRaisesRegex(RuntimeError, "has no number `plant.mass` to vary"):
             sweep(self.client, self.folder / "parts", CLI, str(self.scenario), ["--vary", "plant.mass=1:2:3"], 2)
-        self.assertEqual(list((self.folder / "parts").glob("*.parquet")), [])
+        self.assertEqual(list((self.folder / "parts").glob("*.csv")), [])
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 //! Tries every claim of the lessons over many seeds.
 //!
 //! `cargo run --release -p kalmanscope-lessons --example claims -- [SEEDS [FIRST [LESSON]]]`: the number of seeds (200),
-//! the first of them (1000), and a part of the file names of the lessons to try (all). Each line has the share of the
+//! the first of them (1000), and a part of the file names of the built-in lessons to try (all), or a file with a lesson. Each line has the share of the
 //! seeds for which a claim holds, the share that it states, and quantiles of the measured number, which help to choose
 //! a limit. Exits with 1 if a claim fails.
 
@@ -28,9 +28,13 @@ fn run() -> Result<bool, String> {
     };
     let (count, first) = (number(200)?, number(1000)?);
     let part = arguments.next().unwrap_or_default();
-    let chosen = LESSONS.iter().filter(|(name, _)| name.contains(&part));
-    let read = |(name, text): &(&str, &str)| Lesson::from_toml(text).map_err(|error| format!("{name}: {error}"));
-    let lessons: Vec<Lesson> = chosen.map(read).collect::<Result<_, _>>()?;
+    let read = |(name, text): (&str, &str)| Lesson::from_toml(text).map_err(|error| format!("{name}: {error}"));
+    let lessons = if std::path::Path::new(&part).is_file() {
+        let text = std::fs::read_to_string(&part).map_err(|error| format!("{part}: {error}"))?;
+        vec![read((&part, &text))?]
+    } else {
+        LESSONS.iter().copied().filter(|(name, _)| name.contains(&part)).map(read).collect::<Result<_, _>>()?
+    };
     let seeds: Vec<u64> = (first..first.saturating_add(count)).collect();
     let claims = verify_all(&lessons, &seeds).map_err(|error| error.to_string())?;
     let tried: Vec<&Claim> = claims.iter().filter(|claim| !claim.values.is_empty()).collect();

@@ -3,7 +3,7 @@
 use kalmanscope_core::import::{Column, Table, ThreeAxes};
 use thiserror::Error;
 
-use crate::cells::Cells;
+use crate::cells::{Line, number, number_of};
 
 /// The lines after which the meaning of the columns is settled: with names, and without.
 const NAMED: usize = 3;
@@ -29,7 +29,7 @@ struct Meaning {
     first: f64,
 }
 
-/// The reason why lines tell no accelerations.
+/// The reason why lines have no accelerations.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum NoAxes {
     /// Columns have no names from which they could be known, and are not three axes with gravity.
@@ -43,29 +43,44 @@ pub enum NoAxes {
 const ARRIVAL: &str = "arrival";
 
 impl Accelerations {
-    /// Takes in a line that arrived at some time \[s\]. Lines that tell nothing are left out.
+    /// Takes in a line that arrived at some time \[s\]. Lines without numbers are left out.
     ///
     /// # Errors
     /// [`NoAxes`] once enough lines have come.
     pub fn take(&mut self, line: &[u8], arrival: f64) -> Result<(), NoAxes> {
-        match Cells::of(line) {
-            Cells::Nothing => self.left_out += 1,
-            // A device that starts anew tells its header again.
-            Cells::Names(names) if self.meaning.is_none() && names.len() > 2 => {
+        let (names, row) = match Line::of(line, None) {
+            Err(_) | Ok(Line::Nothing) => (None, None),
+            Ok(Line::Object(entries)) => {
+                let number = |(key, value): (String, _)| Some((key, number_of(&value).filter(|x| !x.is_nan())?));
+                let mut entries: Vec<(String, f64)> = entries.into_iter().filter_map(number).collect();
+                // Objects may have their keys in any order.
+                entries.sort_by(|a, b| a.0.cmp(&b.0));
+                let (names, row) = entries.into_iter().unzip();
+                (Some(names), Some(row))
+            }
+            Ok(Line::Cells(mut cells, mark)) => {
+                // Some devices end every row with a mark.
+                cells.pop_if(|last| last.is_empty());
+                let row: Vec<f64> = cells.iter().filter_map(|cell| number(cell, mark)).collect();
+                let names = || cells.iter().map(|&cell| cell.to_owned()).collect::<Vec<_>>();
+                (row.is_empty().then(names), (row.len() == cells.len()).then_some(row))
+            }
+        };
+        match (names, row) {
+            // A device that starts again sends its header again.
+            (Some(names), None) if self.meaning.is_none() && names.len() > 2 => {
                 (self.names, self.waiting) = (Some(names), Vec::new());
             }
-            Cells::Names(_) => self.left_out += 1,
             // An object with other keys has its numbers elsewhere.
-            Cells::Numbers(_, Some(names)) if self.names.as_ref().is_some_and(|known| *known != names) => {
-                self.left_out += 1;
-            }
-            Cells::Numbers(mut row, names) => {
+            (Some(names), Some(_)) if self.names.as_ref().is_some_and(|known| *known != names) => self.left_out += 1,
+            (names, Some(mut row)) => {
                 row.push(arrival);
                 if self.meaning.is_none() && self.names.is_none() {
                     self.names = names;
                 }
                 return self.row(row);
             }
+            (_, None) => self.left_out += 1,
         }
         Ok(())
     }
@@ -132,7 +147,7 @@ impl Accelerations {
         std::mem::take(&mut self.readings)
     }
 
-    /// How many lines told nothing.
+    /// How many lines were left out.
     pub fn left_out(&self) -> usize {
         self.left_out
     }
@@ -163,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn lines_of_all_forms_tell_the_same() {
+    fn lines_of_all_forms_give_the_same() {
         let header = |text: &str| vec![text.to_owned()];
         let forms = [
             [header("t,ax,ay,az"), rows(|k, a| format!("{},{a},0,9.8", 0.02 * k))].concat(),
@@ -173,6 +188,11 @@ mod tests {
             rows(|k, a| {
                 format!("{{\"t\": {}, \"acc_x\": {a}, \"acc_y\": 0, \"acc_z\": 9.8, \"who\": \"me\"}}", 0.02 * k)
             }),
+            [
+                header("z\ty\tx\tmillis"),
+                rows(|k, a| format!("9,8\t0\t{}\t{}\t", a.to_string().replace('.', ","), 1000.0 + 20.0 * k)),
+            ]
+            .concat(),
             [header("cut,0.1"), header("1,2"), rows(|k, a| format!("{},{a},0,9.8", 0.02 * k))].concat(),
         ];
         for lines in forms {

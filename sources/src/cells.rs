@@ -1,61 +1,79 @@
-//! The cells of a line.
+//! One line: cells between marks, or a JSON object.
 
 use kalmanscope_core::Document;
 
+use crate::BadLine;
+
 /// The contents of a line.
-pub(crate) enum Cells {
+pub(crate) enum Line<'a> {
+    /// It is empty, or a comment.
     Nothing,
-    Names(Vec<String>),
-    /// Numbers. Those of an object have names and are in the order of these.
-    Numbers(Vec<f64>, Option<Vec<String>>),
+    /// The entries of a JSON object.
+    Object(Vec<(String, Document)>),
+    /// Its cells, and the mark between them.
+    Cells(Vec<&'a str>, char),
 }
 
-impl Cells {
-    /// Reads cells between commas, semicolons, tabs or blanks, or a JSON object. An empty line, a comment and a line of which only
-    /// some cells are numbers are nothing.
-    pub(crate) fn of(line: &[u8]) -> Self {
-        let Ok(text) = std::str::from_utf8(line) else { return Self::Nothing };
-        let text = text.trim().trim_start_matches('\u{feff}');
-        match text.chars().next() {
-            None | Some('#') => Self::Nothing,
-            Some('{') => object(text),
-            Some(_) => row(text),
+impl<'a> Line<'a> {
+    /// Reads cells between semicolons, tabs, commas or blanks, or a JSON object. Of a line without a header the mark is the first of
+    /// these that it has.
+    pub(crate) fn of(bytes: &'a [u8], mark: Option<char>) -> Result<Self, BadLine> {
+        if bytes.len() > crate::LONGEST {
+            return Err(BadLine::TooLong);
+        }
+        let text = std::str::from_utf8(bytes).map_err(|_| BadLine::NoText)?.trim_start_matches('\u{feff}');
+        // A tab at either end is an empty cell.
+        let text = text.trim_matches(['\r', '\n', ' ']);
+        match text.trim_start().chars().next() {
+            None | Some('#') => Ok(Self::Nothing),
+            Some('{') => match Document::from_json(text) {
+                Ok(Document::Table(entries)) => Ok(Self::Object(entries)),
+                Ok(_) => Err(BadLine::NoJson("it ends too soon".to_owned())),
+                Err(error) => Err(BadLine::NoJson(error.to_string())),
+            },
+            Some(_) => {
+                let mark = mark.or_else(|| [';', '\t', ','].into_iter().find(|mark| text.contains(*mark)));
+                let mark = mark.unwrap_or(' ');
+                let cells: Vec<&str> =
+                    if mark == ' ' { text.split_whitespace().collect() } else { text.split(mark).collect() };
+                Ok(Self::Cells(cells.into_iter().map(|cell| cell.trim().trim_matches('"')).collect(), mark))
+            }
         }
     }
 }
 
-fn object(text: &str) -> Cells {
-    let Ok(Document::Table(entries)) = Document::from_json(text) else { return Cells::Nothing };
-    let number = |(key, value): (String, Document)| match value {
-        Document::Number(number) => Some((key, number)),
-        Document::Integer(number) => Some((key, number as f64)),
-        _ => None,
-    };
-    let mut numbers: Vec<(String, f64)> = entries.into_iter().filter_map(number).collect();
-    // Objects may have their keys in any order.
-    numbers.sort_by(|a, b| a.0.cmp(&b.0));
-    let (names, numbers) = numbers.into_iter().unzip();
-    Cells::Numbers(numbers, Some(names))
+/// The number in a cell. A decimal comma may stand wherever commas do not divide cells.
+pub(crate) fn number(cell: &str, mark: char) -> Option<f64> {
+    let with_comma = || (mark != ',').then(|| cell.replacen(',', ".", 1).parse().ok()).flatten();
+    cell.parse().ok().or_else(with_comma)
 }
 
-fn row(text: &str) -> Cells {
-    let mark = [';', '\t', ','].into_iter().find(|mark| text.contains(*mark));
-    let cells: Vec<&str> = match mark {
-        Some(mark) => text.split(mark).map(|cell| cell.trim().trim_matches('"')).collect(),
-        None => text.split_whitespace().collect(),
-    };
-    let number = |cell: &&str| match cell.parse::<f64>() {
-        Ok(number) => Some(number),
-        // A decimal comma can stand only where cells are divided otherwise.
-        Err(_) if mark == Some(';') || mark == Some('\t') => cell.replacen(',', ".", 1).parse().ok(),
-        Err(_) => None,
-    };
-    let numbers: Vec<Option<f64>> = cells.iter().map(number).collect();
-    if let Some(numbers) = numbers.iter().copied().collect() {
-        return Cells::Numbers(numbers, None);
+/// The number of an entry of an object; NaN for `null`.
+pub(crate) fn number_of(value: &Document) -> Option<f64> {
+    match value {
+        Document::Null => Some(f64::NAN),
+        Document::Number(number) => Some(*number),
+        Document::Integer(number) => Some(*number as f64),
+        _ => None,
     }
-    if numbers.iter().all(Option::is_none) {
-        return Cells::Names(cells.into_iter().map(str::to_owned).collect());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_decimal_comma_stands_wherever_commas_divide_no_cells() {
+        for (text, mark) in
+            [("0,5;1e-2;-3", ';'), ("0,5\t1e-2\t-3", '\t'), ("0.5,1e-2,-3", ','), ("0.5 1e-2  -3\r\n", ' ')]
+        {
+            let Ok(Line::Cells(cells, found)) = Line::of(text.as_bytes(), None) else { panic!("{text}") };
+            let numbers: Vec<Option<f64>> = cells.iter().map(|cell| number(cell, found)).collect();
+            assert_eq!((found, numbers), (mark, vec![Some(0.5), Some(0.01), Some(-3.0)]), "{text}");
+        }
+        // Between blanks, a header says that the comma is none of the marks.
+        let Ok(Line::Cells(cells, ' ')) = Line::of(b"0,5 1,25", Some(' ')) else { panic!("blanks") };
+        assert_eq!(cells.iter().map(|cell| number(cell, ' ')).collect::<Vec<_>>(), [Some(0.5), Some(1.25)]);
+        assert_eq!(number("1,5", ','), None);
     }
-    Cells::Nothing
 }

@@ -4,32 +4,38 @@ use std::io::{self, Read};
 use std::net::UdpSocket;
 
 use crate::line::LONGEST;
-use crate::pieces::Pieces;
 
-/// The datagrams that arrive at an address. An empty one tells nothing.
+/// The datagrams that arrive at an address, each ended by the end of a line. An empty one is an empty line.
 pub(crate) struct Datagrams {
     socket: UdpSocket,
-    pieces: Pieces,
+    /// The present datagram, of which the reader has this much.
+    datagram: Vec<u8>,
+    read: usize,
 }
 
 impl Datagrams {
     pub(crate) fn bind(address: &str) -> io::Result<Self> {
-        Ok(Self { socket: UdpSocket::bind(address)?, pieces: Pieces::default() })
+        Ok(Self { socket: UdpSocket::bind(address)?, datagram: Vec::new(), read: 0 })
     }
 }
 
 impl Read for Datagrams {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let Self { socket, pieces } = self;
-        pieces.read(buffer, |piece| {
-            piece.resize(LONGEST, 0);
-            let length = socket.recv(piece)?;
-            piece.truncate(length);
-            if length == 0 {
-                piece.push(b'\n');
+        let Self { socket, datagram, read } = self;
+        if *read == datagram.len() {
+            datagram.resize(LONGEST, 0);
+            let length = socket.recv(datagram).inspect_err(|_| *read = LONGEST)?;
+            datagram.truncate(length);
+            *read = 0;
+            if !datagram.ends_with(b"\n") {
+                datagram.push(b'\n');
             }
-            Ok(())
-        })
+        }
+        let part = &datagram[*read..];
+        let count = part.len().min(buffer.len());
+        buffer[..count].copy_from_slice(&part[..count]);
+        *read += count;
+        Ok(count)
     }
 }
 

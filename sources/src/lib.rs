@@ -1,4 +1,4 @@
-//! Where live readings come from, and where estimates go.
+//! Where live readings come from: lines of text, and what they mean.
 //!
 //! ```
 //! use kalmanscope_sources::Accelerations;
@@ -17,24 +17,14 @@ mod lines;
 
 // A page has no way to these.
 #[cfg(not(target_arch = "wasm32"))]
-mod broadcast;
-#[cfg(not(target_arch = "wasm32"))]
 mod datagrams;
 #[cfg(not(target_arch = "wasm32"))]
-mod messages;
-#[cfg(not(target_arch = "wasm32"))]
 mod open;
-#[cfg(not(target_arch = "wasm32"))]
-mod phone;
-#[cfg(not(target_arch = "wasm32"))]
-mod pieces;
 #[cfg(not(target_arch = "wasm32"))]
 mod serial;
 
 pub use accelerations::{Accelerations, NoAxes};
-#[cfg(not(target_arch = "wasm32"))]
-pub use broadcast::Broadcast;
 pub use line::{LONGEST, read_line};
-pub use lines::{BadLine, Lines, Told};
+pub use lines::{BadLine, Lines, StreamRow};
 #[cfg(not(target_arch = "wasm32"))]
 pub use open::open;

@@ -3,18 +3,20 @@
 use kalmanscope_core::{Document, InputKind, Scenario};
 use thiserror::Error;
 
-/// What a line tells.
+use crate::cells::{Line, number, number_of};
+
+/// The time, the input and the readings of a line.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Told {
+pub struct StreamRow {
     /// \[s\]
     pub time: f64,
-    /// The input in the scenario's meaning \[m/s²\]; NaN if the line does not tell it.
+    /// The input in the scenario's meaning \[m/s²\]; NaN if it is not known.
     pub input: f64,
     /// A reading for each sensor of the scenario in the unit of its quantity, NaN where there is none.
     pub readings: Vec<f64>,
 }
 
-/// The reason why a line tells nothing.
+/// The reason why a line cannot be read.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum BadLine {
@@ -66,7 +68,7 @@ pub struct Lines {
     /// The names of input and sensors.
     input: &'static str,
     sensors: Vec<&'static str>,
-    /// The columns, once a header has told them, and what is between them.
+    /// The columns, once a header has named them, and the mark between them.
     columns: Option<(Vec<Column>, char)>,
 }
 
@@ -81,19 +83,15 @@ impl Lines {
         Self { input, sensors, columns: None }
     }
 
-    /// What a line tells; `None` for an empty line, a comment and a header.
+    /// The row of a line; `None` for an empty line, a comment and a header.
     ///
     /// # Errors
     /// [`BadLine`]; later lines can still be read.
-    pub fn read(&mut self, bytes: &[u8]) -> Result<Option<Told>, BadLine> {
-        if bytes.len() > crate::LONGEST {
-            return Err(BadLine::TooLong);
-        }
-        let text = std::str::from_utf8(bytes).map_err(|_| BadLine::NoText)?.trim().trim_start_matches('\u{feff}');
-        match text.chars().next() {
-            None | Some('#') => Ok(None),
-            Some('{') => self.of_json(text).map(Some),
-            Some(_) => self.of_cells(text),
+    pub fn read(&mut self, bytes: &[u8]) -> Result<Option<StreamRow>, BadLine> {
+        match Line::of(bytes, self.columns.as_ref().map(|(_, mark)| *mark))? {
+            Line::Nothing => Ok(None),
+            Line::Object(entries) => self.of_object(&entries).map(Some),
+            Line::Cells(cells, mark) => self.of_cells(&cells, mark),
         }
     }
 
@@ -114,60 +112,46 @@ impl Lines {
         }
     }
 
-    fn nothing(&self) -> Told {
-        Told { time: f64::NAN, input: f64::NAN, readings: vec![f64::NAN; self.sensors.len()] }
+    fn nothing(&self) -> StreamRow {
+        StreamRow { time: f64::NAN, input: f64::NAN, readings: vec![f64::NAN; self.sensors.len()] }
     }
 
-    fn of_json(&self, text: &str) -> Result<Told, BadLine> {
-        let Ok(Document::Table(entries)) = Document::from_json(text) else {
-            let error =
-                Document::from_json(text).err().map_or_else(|| "it ends too soon".to_owned(), |e| e.to_string());
-            return Err(BadLine::NoJson(error));
-        };
-        let mut told = self.nothing();
-        for (key, value) in &entries {
-            let number = || match value {
-                Document::Null => Ok(f64::NAN),
-                Document::Number(number) => Ok(*number),
-                Document::Integer(number) => Ok(*number as f64),
-                other => Err(BadLine::NoNumber { key: key.clone(), value: Document::json(other).unwrap_or_default() }),
-            };
-            told.set(self.column(key), number)?;
+    fn of_object(&self, entries: &[(String, Document)]) -> Result<StreamRow, BadLine> {
+        let mut row = self.nothing();
+        for (key, value) in entries {
+            let bad = || BadLine::NoNumber { key: key.clone(), value: Document::json(value).unwrap_or_default() };
+            row.set(self.column(key), || number_of(value).ok_or_else(bad))?;
         }
-        if told.time.is_nan() { Err(BadLine::NoTime(self.known())) } else { Ok(told) }
+        if row.time.is_nan() { Err(BadLine::NoTime(self.known())) } else { Ok(row) }
     }
 
-    fn of_cells(&mut self, text: &str) -> Result<Option<Told>, BadLine> {
-        let Some((columns, separator)) = &self.columns else {
-            let separator = [';', '\t', ','].into_iter().find(|mark| text.contains(*mark)).unwrap_or(',');
-            let columns: Vec<Column> =
-                text.split(separator).map(|name| self.column(name.trim().trim_matches('"'))).collect();
+    fn of_cells(&mut self, cells: &[&str], mark: char) -> Result<Option<StreamRow>, BadLine> {
+        let Some((columns, _)) = &self.columns else {
+            let columns: Vec<Column> = cells.iter().map(|name| self.column(name)).collect();
             if !columns.contains(&Column::Time) {
                 return Err(BadLine::NoTime(self.known().replace(", ", ",")));
             }
             if !columns.iter().any(|column| matches!(column, Column::Input | Column::Sensor(_))) {
                 return Err(BadLine::NothingKnown(self.known()));
             }
-            self.columns = Some((columns, separator));
+            self.columns = Some((columns, mark));
             return Ok(None);
         };
-        let cells: Vec<&str> = text.split(*separator).map(|cell| cell.trim().trim_matches('"')).collect();
+        // Some devices end every row with a mark.
+        let cells = match cells.split_last() {
+            Some((&"", rest)) if rest.len() == columns.len() => rest,
+            _ => cells,
+        };
         if cells.len() != columns.len() {
             return Err(BadLine::Cells { found: cells.len(), expected: columns.len() });
         }
-        let mut told = self.nothing();
+        let mut row = self.nothing();
         for (cell, column) in cells.iter().zip(columns) {
-            let number = || match cell.parse() {
-                _ if cell.is_empty() => Ok(f64::NAN),
-                Ok(number) => Ok(number),
-                // A decimal comma can stand only where cells are divided otherwise.
-                Err(_) if *separator == ';' => cell.replacen(',', ".", 1).parse().map_err(|_| cell),
-                Err(_) => Err(cell),
-            };
-            let bad = |cell: &&str| BadLine::NoNumber { key: self.name(*column), value: format!("“{cell}”") };
-            told.set(*column, || number().map_err(bad))?;
+            let bad = || BadLine::NoNumber { key: self.name(*column), value: format!("“{cell}”") };
+            let value = || if cell.is_empty() { Ok(f64::NAN) } else { number(cell, mark).ok_or_else(bad) };
+            row.set(*column, value)?;
         }
-        Ok(Some(told))
+        Ok(Some(row))
     }
 
     fn name(&self, column: Column) -> String {
@@ -181,7 +165,7 @@ impl Lines {
     }
 }
 
-impl Told {
+impl StreamRow {
     /// Sets the number of a column; other columns are not read.
     fn set(&mut self, column: Column, number: impl FnOnce() -> Result<f64, BadLine>) -> Result<(), BadLine> {
         match column {
@@ -202,8 +186,8 @@ mod tests {
         Lines::new(&Scenario::default())
     }
 
-    fn numbers(told: Result<Option<Told>, BadLine>) -> Vec<Option<f64>> {
-        let Told { time, input, readings } = told.expect("it can be read").expect("it tells something");
+    fn numbers(row: Result<Option<StreamRow>, BadLine>) -> Vec<Option<f64>> {
+        let StreamRow { time, input, readings } = row.expect("it can be read").expect("it has numbers");
         [time, input].into_iter().chain(readings).map(|x| (!x.is_nan()).then_some(x)).collect()
     }
 
@@ -220,7 +204,18 @@ mod tests {
     }
 
     #[test]
-    fn objects_name_what_they_tell() {
+    fn decimal_commas_stand_between_tabs_and_blanks_too() {
+        for lines_of in
+            [["t\tforce\tvelocity", "0,01\t1,5\t\r\n"], ["t force velocity", "0,01 1,5 nan"], ["t;force", "0,01;1,5;"]]
+        {
+            let mut lines = lines();
+            assert_eq!(lines.read(lines_of[0].as_bytes()), Ok(None));
+            assert_eq!(numbers(lines.read(lines_of[1].as_bytes())), [Some(0.01), Some(1.5), None, None]);
+        }
+    }
+
+    #[test]
+    fn objects_name_their_numbers() {
         let mut lines = lines();
         assert_eq!(
             numbers(lines.read(br#"{"t": 1, "displacement": 0.25, "who": "me"}"#)),

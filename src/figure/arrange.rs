@@ -53,8 +53,7 @@ pub(super) fn arrange(context: &ViewContext<'_>, rows: &[Vec<ViewKind>], format:
     let mut growth = 1.0;
     loop {
         let scale = geometry.type_size / TYPE / growth;
-        let density = geometry.pixels * scale;
-        let canvas = Canvas::new(density, Pen::new(geometry.curves.map(|width| width / scale)));
+        let canvas = Canvas::new(Pen::new(geometry.curves.map(|width| width / scale)));
         let width = geometry.width / scale;
         let sheet = Sheet { canvas: &canvas, context, width: width - 2.0 * MARGIN, is_alone: rows.concat().len() == 1 };
         let legend = sheet.legend();
@@ -78,7 +77,7 @@ pub(super) fn arrange(context: &ViewContext<'_>, rows: &[Vec<ViewKind>], format:
             sheet.row(row, y, height, &mut parts);
             y += height + GAP.y;
         }
-        return Figure { parts, size: vec2(width, height), scale, density, canvas };
+        return Figure { parts, size: vec2(width, height), scale };
     }
 }
 

@@ -12,11 +12,12 @@ use crate::theme;
 /// The number of passes after which nothing moves any more: sizes of tables, ranges of axes.
 const PASSES: usize = 4;
 
+/// Pixels per point: letters are placed on whole ones.
+const DENSITY: f32 = 4.0;
+
 /// A context that draws for a figure.
 pub(super) struct Canvas {
     ctx: Context,
-    /// Pixels per point.
-    density: f32,
     pen: Pen,
 }
 
@@ -29,7 +30,7 @@ pub(super) struct Part {
 }
 
 impl Canvas {
-    pub(super) fn new(density: f32, pen: Pen) -> Self {
+    pub(super) fn new(pen: Pen) -> Self {
         let ctx = Context::default();
         theme::install(&ctx);
         theme::level_text(&ctx, TYPE);
@@ -39,7 +40,7 @@ impl Canvas {
             style.spacing.item_spacing.y = 3.0;
         });
         Medium::Figure.set(&ctx);
-        Self { ctx, density, pen }
+        Self { ctx, pen }
     }
 
     pub(super) fn ctx(&self) -> &Context {
@@ -52,7 +53,7 @@ impl Canvas {
         let mut shapes = Vec::new();
         for _ in 0..PASSES {
             let mut input = RawInput { screen_rect: Some(screen), ..RawInput::default() };
-            input.viewports.entry(ViewportId::ROOT).or_default().native_pixels_per_point = Some(self.density);
+            input.viewports.entry(ViewportId::ROOT).or_default().native_pixels_per_point = Some(DENSITY);
             let mut output = self.ctx.run_ui(input, |ui| add(ui));
             // The glyphs are taken from the context when they are needed.
             output.textures_delta.clear();
@@ -69,15 +70,6 @@ impl Canvas {
 impl Part {
     pub(super) fn at(place: Pos2, scaling: f32, shapes: Vec<ClippedShape>) -> Self {
         Self { shapes, to: TSTransform::new(place.to_vec2(), scaling) }
-    }
-
-    /// The shapes at their place.
-    pub(super) fn placed(&self) -> impl Iterator<Item = ClippedShape> {
-        self.shapes.iter().cloned().map(|mut clipped| {
-            clipped.shape.transform(self.to);
-            clipped.clip_rect = self.to * clipped.clip_rect;
-            clipped
-        })
     }
 }
 

@@ -16,8 +16,6 @@ pub(super) struct Geometry {
     pub(super) aspect: Option<f32>,
     /// The size of type \[points\].
     pub(super) type_size: f32,
-    /// Pixels per point in a picture of pixels.
-    pub(super) pixels: f32,
     /// The width of the finest and of the boldest curve \[points\].
     pub(super) curves: [f32; 2],
     /// Whether views stand one below the other, because there is no room for two.
@@ -31,21 +29,15 @@ impl Geometry {
             width: millimetres / MILLIMETRES_PER_POINT,
             aspect: None,
             type_size: 8.0,
-            pixels: 300.0 / 72.0,
             curves: [0.5, 0.75],
             is_narrow,
         };
         match format {
             FigureFormat::Column => paper(84.0, true),
             FigureFormat::Page => paper(174.0, false),
-            FigureFormat::Slide => Self {
-                width: 960.0,
-                aspect: Some(9.0 / 16.0),
-                type_size: 18.0,
-                pixels: 2.0,
-                curves: [2.0, 4.0],
-                is_narrow: false,
-            },
+            FigureFormat::Slide => {
+                Self { width: 960.0, aspect: Some(9.0 / 16.0), type_size: 18.0, curves: [2.0, 4.0], is_narrow: false }
+            }
         }
     }
 }

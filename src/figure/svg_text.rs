@@ -1,33 +1,25 @@
 //! Text in SVG, as text: it can be searched and edited. Its length is fixed, so that it also fits in another font.
 
-use std::fmt::Write as _;
-
 use egui::epaint::TextShape;
 use egui::text::TextFormat;
 use egui::{Color32, FontFamily};
-use kalmanscope_cli::escaped;
+use kalmanscope_figures::{Anchor, Svg, Text};
 
-use super::svg_attributes::{number, paint};
+use super::svg::color;
 
-/// The elements of a text: one for each row and format.
-pub(super) fn text(shape: &TextShape) -> String {
+/// Writes a text: one element for each row and format.
+pub(super) fn write_text(svg: &mut Svg, shape: &TextShape) {
     let TextShape { pos, galley, fallback_color, override_text_color, opacity_factor, angle, .. } = shape;
-    let color = |format: &TextFormat| {
+    let ink = |format: &TextFormat| {
         let own = if format.color == Color32::PLACEHOLDER { *fallback_color } else { format.color };
         override_text_color.unwrap_or(own).gamma_multiply(*opacity_factor)
     };
-    let place = if *angle == 0.0 {
-        format!("translate({} {})", number(pos.x), number(pos.y))
-    } else {
-        format!("translate({} {}) rotate({})", number(pos.x), number(pos.y), number(angle.to_degrees()))
-    };
-    let mut elements = String::new();
     let mut byte = 0;
     for row in &galley.rows {
         let mut runs: Vec<Run<'_>> = Vec::new();
         for glyph in &row.row.glyphs {
             let section = galley.job.sections.iter().find(|s| s.byte_range.end.0 > byte).or(galley.job.sections.last());
-            let Some(section) = section else { return elements };
+            let Some(section) = section else { return };
             let format = &section.format;
             let start = row.pos.x + glyph.pos.x;
             match runs.last_mut() {
@@ -43,12 +35,20 @@ pub(super) fn text(shape: &TextShape) -> String {
             byte += glyph.chr.len_utf8();
         }
         byte += usize::from(row.ends_with_newline);
-        for run in runs.iter().filter(|run| !run.text.trim().is_empty()) {
-            // Writing to a string cannot fail.
-            let _ = write!(elements, "{}", run.element(&place, color(run.format)));
+        for Run { text, format, from, to, baseline } in runs.iter().filter(|run| !run.text.trim().is_empty()) {
+            svg.text(&Text {
+                text,
+                origin: (*pos).into(),
+                turn: angle.to_degrees(),
+                at: [*from, *baseline],
+                anchor: Anchor::Start,
+                size: format.font_id.size,
+                length: Some(to - from),
+                bold: matches!(format.font_id.family, FontFamily::Name(_)),
+                color: color(ink(format)),
+            });
         }
     }
-    elements
 }
 
 /// Letters of one format in one row.
@@ -64,23 +64,5 @@ impl Run<'_> {
     fn add(&mut self, letter: char, to: f32) {
         self.text.push(letter);
         self.to = to;
-    }
-
-    fn element(&self, place: &str, color: Color32) -> String {
-        let Self { text, format, from, to, baseline } = self;
-        let weight = match format.font_id.family {
-            FontFamily::Name(_) => " font-weight=\"bold\"",
-            FontFamily::Proportional | FontFamily::Monospace => "",
-        };
-        format!(
-            "<text transform=\"{place}\" x=\"{}\" y=\"{}\" font-size=\"{}\" textLength=\"{}\" \
-             lengthAdjust=\"spacingAndGlyphs\" xml:space=\"preserve\"{weight}{}>{}</text>",
-            number(*from),
-            number(*baseline),
-            number(format.font_id.size),
-            number((to - from).max(0.01)),
-            paint("fill", color),
-            escaped(text)
-        )
     }
 }

@@ -7,12 +7,12 @@ use egui::{Context, Ui};
 use kalmanscope_core::import::Mapping;
 use kalmanscope_core::record::{LiveError, LiveRecord};
 use kalmanscope_core::{Quantity, Record, Scenario};
-use kalmanscope_sources::Lines;
+use kalmanscope_sources::{Lines, StreamRow};
 
 use super::live::NAME;
 use super::{Instrument, waiting_ui};
 use crate::request::RawFile;
-use crate::sensor::{Happened, Readings, Sensor};
+use crate::sensor::{Readings, Sensor};
 use crate::text::fixed;
 use crate::theme::Palette;
 
@@ -20,9 +20,9 @@ use crate::theme::Palette;
 const WAIT: f64 = 0.1;
 
 pub(super) struct Stream {
-    device: Rc<dyn Sensor<Happened>>,
+    device: Rc<dyn Sensor<StreamRow>>,
     scenario: Scenario,
-    readings: Readings<Happened>,
+    readings: Readings<StreamRow>,
     live: LiveRecord,
     record: Arc<Record>,
     /// The readings that have come, those that were refused, and why the last one was.
@@ -35,7 +35,7 @@ pub(super) struct Stream {
 }
 
 impl Stream {
-    pub(super) fn new(device: Rc<dyn Sensor<Happened>>, of: &Scenario) -> Self {
+    pub(super) fn new(device: Rc<dyn Sensor<StreamRow>>, of: &Scenario) -> Self {
         let mut scenario = of.clone();
         scenario.record = Some(Mapping { file: NAME.to_owned(), ..Mapping::default() });
         let sensors: Vec<Quantity> = scenario.sensors.iter().map(|sensor| sensor.measures).collect();
@@ -105,7 +105,7 @@ impl Instrument for Stream {
             *has_ended = all.has_ended;
             std::mem::take(&mut all.readings)
         };
-        for Happened { time, input, readings } in &told {
+        for StreamRow { time, input, readings } in &told {
             match live.take(*time, *input, readings) {
                 Ok(()) => *times = Some(times.map_or([*time; 2], |[first, last]| [first, last.max(*time)])),
                 Err(reason) => (*refused, *refusal) = (*refused + 1, Some(reason)),

@@ -8,9 +8,9 @@ use std::thread::{self, JoinHandle};
 use std::time::Instant;
 
 use egui::Context;
-use kalmanscope::sensor::{Acceleration, Happened, Reading, Readings, Sensor};
+use kalmanscope::sensor::{Acceleration, Reading, Readings, Sensor};
 use kalmanscope_core::Scenario;
-use kalmanscope_sources::{Accelerations, Lines, open, read_line};
+use kalmanscope_sources::{Accelerations, Lines, StreamRow, open, read_line};
 
 /// A source of lines.
 pub(super) struct Listening {
@@ -185,11 +185,11 @@ impl OfScenario {
 }
 
 impl Parser for OfScenario {
-    type Reading = Happened;
+    type Reading = StreamRow;
 
-    fn take(&mut self, line: &[u8], _: f64) -> Result<Vec<Happened>, String> {
+    fn take(&mut self, line: &[u8], _: f64) -> Result<Vec<StreamRow>, String> {
         Ok(match self.lines.read(line) {
-            Ok(told) => told.map(Happened::from).into_iter().collect(),
+            Ok(row) => row.into_iter().collect(),
             Err(reason) => {
                 (self.left_out, self.why) = (self.left_out + 1, reason.to_string());
                 Vec::new()

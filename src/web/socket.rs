@@ -4,9 +4,9 @@ use std::cell::RefCell;
 use std::rc::Rc;
 
 use egui::Context;
-use kalmanscope::sensor::{Happened, Readings, Sensor};
+use kalmanscope::sensor::{Readings, Sensor};
 use kalmanscope_core::Scenario;
-use kalmanscope_sources::{BadLine, Lines};
+use kalmanscope_sources::{BadLine, Lines, StreamRow};
 use wasm_bindgen::JsCast as _;
 use wasm_bindgen::prelude::*;
 use web_sys::{MessageEvent, WebSocket};
@@ -42,7 +42,7 @@ impl Socket {
         Self { address, lines: Lines::new(scenario), heard: Rc::default(), open: RefCell::default() }
     }
 
-    fn open(&self, ctx: &Context, to: &Readings<Happened>) -> Result<Open, JsValue> {
+    fn open(&self, ctx: &Context, to: &Readings<StreamRow>) -> Result<Open, JsValue> {
         let socket = WebSocket::new(&self.address)?;
         let messages = {
             let (ctx, to, heard, mut lines) = (ctx.clone(), to.clone(), Rc::clone(&self.heard), self.lines.clone());
@@ -67,8 +67,8 @@ impl Socket {
     }
 }
 
-impl Sensor<Happened> for Socket {
-    fn begin(&self, ctx: &Context, to: &Readings<Happened>) {
+impl Sensor<StreamRow> for Socket {
+    fn begin(&self, ctx: &Context, to: &Readings<StreamRow>) {
         self.end();
         *self.heard.borrow_mut() = Heard::default();
         match self.open(ctx, to) {
@@ -90,12 +90,12 @@ impl Sensor<Happened> for Socket {
 
 impl Heard {
     /// The readings in the lines of a message.
-    fn take(&mut self, message: &str, lines: &mut Lines) -> Vec<Happened> {
+    fn take(&mut self, message: &str, lines: &mut Lines) -> Vec<StreamRow> {
         let mut readings = Vec::new();
         for line in message.lines() {
             self.lines += 1;
             match lines.read(line.as_bytes()) {
-                Ok(told) => readings.extend(told.map(Happened::from)),
+                Ok(row) => readings.extend(row),
                 Err(reason) => (self.left_out, self.why) = (self.left_out + 1, Some(reason)),
             }
         }

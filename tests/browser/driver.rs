@@ -7,11 +7,9 @@ use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 use std::{fs, process, thread};
 
-use fantoccini::ClientBuilder;
-use fantoccini::wd::Capabilities;
-use hyper_util::client::legacy::connect::HttpConnector;
 use serde_json::json;
 
+use crate::client::Client;
 use crate::page::Page;
 
 /// A running chromedriver, with its browsers ended when it goes out of scope.
@@ -79,13 +77,9 @@ impl Driver {
             &profile,
         ];
         let arguments: Vec<&str> = arguments.into_iter().chain(more.iter().copied()).collect();
-        let mut capabilities = Capabilities::new();
-        capabilities.insert("goog:chromeOptions".to_owned(), json!({ "args": arguments }));
-        capabilities.insert("goog:loggingPrefs".to_owned(), json!({ "browser": "ALL" }));
-        let client = ClientBuilder::new(HttpConnector::new())
-            .capabilities(capabilities)
-            .connect(&format!("http://127.0.0.1:{}", self.port))
-            .await
+        let capabilities =
+            json!({ "goog:chromeOptions": { "args": arguments }, "goog:loggingPrefs": { "browser": "ALL" } });
+        let client = Client::start(self.port, &capabilities)
             .unwrap_or_else(|error| panic!("Chromium cannot be started ({error}): run ./check, which sees to it"));
         Page::new(client)
     }

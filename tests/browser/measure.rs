@@ -5,8 +5,6 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use kalmanscope_core::import::wav;
-use kalmanscope_core::{Scenario, simulate};
-use kalmanscope_sources::Broadcast;
 use serde_json::Value;
 
 use crate::page::Page;
@@ -184,43 +182,6 @@ pub(crate) async fn a_sensor_on_a_wire_is_identified(page: &Page, picture: &Path
     page.tap("Stop and identify").await;
     let [frequency, damping] = identified(page).await;
     assert!((frequency / 6.0 - 1.0).abs() < 0.002 && (damping / 0.01 - 1.0).abs() < 0.15, "{frequency} {damping}");
-}
-
-/// The scenario on screen follows readings from a WebSocket of this machine.
-pub(crate) async fn a_socket_is_followed(page: &Page, address: &str, picture: &Path) {
-    phone::opens(page, address).await;
-    page.tap("Scenario").await;
-    page.tap("Measure with this device…").await;
-    page.tap("A socket").await;
-    page.tap("Connect").await;
-    page.wait_until(&has("Again"), PATIENCE).await.expect("nobody answers, and that is said");
-    // The browser says so too.
-    assert!(page.console().await.iter().all(|(_, text)| text.contains("ERR_CONNECTION_REFUSED")));
-    page.tap("Again").await;
-    let mut server = Broadcast::at(":8765").expect("the port that is offered first is free");
-    page.settle().await;
-    page.tap("Connect").await;
-    let record = simulate(&Scenario { duration: 20.0, ..Scenario::default() });
-    for k in 0..record.len() {
-        // The page needs a moment to connect.
-        if k == 0 || k % 50 == 0 {
-            tokio::time::sleep(Duration::from_millis(if k == 0 { 3000 } else { 100 })).await;
-        }
-        let [displacement, velocity] = [0, 1].map(|sensor| record.measured(sensor)[k]);
-        let (t, force) = (record.time(k), record.input()[k]);
-        server.send(&format!(
-            "{{\"t\": {t}, \"force\": {force}, \"displacement\": {displacement}, \"velocity\": {velocity}}}"
-        ));
-    }
-    tokio::time::sleep(Duration::from_secs(2)).await;
-    let summary = page.summary().await;
-    assert_eq!(summary["mode"], "live");
-    assert!(summary["samples"].as_u64().is_some_and(|samples| samples > 1900), "{summary}");
-    let [frequency, _] = estimated(&summary);
-    assert!((frequency / 6.0 - 1.0).abs() < 0.05, "{frequency}");
-    std::fs::write(picture, page.screenshot().await).expect("a picture can be written");
-    drop(server);
-    page.tap("Stop").await;
 }
 
 /// White noise from -1/2 to 1/2. Source: Steele, Lea and Flood (2014), Fast splittable pseudorandom number generators (its mix).

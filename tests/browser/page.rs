@@ -4,10 +4,10 @@ use std::collections::HashMap;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use fantoccini::actions::{InputSource as _, MouseActions, PointerAction, WheelAction, WheelActions};
-use fantoccini::wd::WebDriverCompatibleCommand;
-use fantoccini::{Client, Locator};
+use base64::Engine as _;
 use serde_json::{Value, json};
+
+use crate::client::Client;
 
 /// A browser's only page.
 pub(crate) struct Page {
@@ -36,13 +36,14 @@ impl Page {
     }
 
     pub(crate) async fn go(&self, address: &str) {
-        self.client.goto(address).await.expect("the page can be opened");
+        self.client.post("url", &json!({ "url": address })).expect("the page can be opened");
     }
 
     /// The value of a JavaScript expression.
     pub(crate) async fn value(&self, expression: &str) -> Value {
         let script = format!("return {expression};");
-        self.client.execute(&script, Vec::new()).await.unwrap_or_else(|error| panic!("`{expression}`: {error}"))
+        let body = json!({ "script": script, "args": [] });
+        self.client.post("execute/sync", &body).unwrap_or_else(|error| panic!("`{expression}`: {error}"))
     }
 
     /// Waits until a JavaScript expression is true.
@@ -60,7 +61,7 @@ impl Page {
     /// Waits for the app's next two frames, so that the screen reflects all input so far.
     pub(crate) async fn settle(&self) {
         let script = "const done = arguments[0]; requestAnimationFrame(() => requestAnimationFrame(() => done()));";
-        self.client.execute_async(script, Vec::new()).await.expect("frames are drawn");
+        self.client.post("execute/async", &json!({ "script": script, "args": [] })).expect("frames are drawn");
     }
 
     /// The state that the app reports.
@@ -73,7 +74,10 @@ impl Page {
 
     /// A PNG of the window.
     pub(crate) async fn screenshot(&self) -> Vec<u8> {
-        self.client.screenshot().await.expect("a screenshot can be taken")
+        let params = json!({ "cmd": "Page.captureScreenshot", "params": {} });
+        let answer = self.post("goog/cdp/execute", params).await;
+        let text = answer["data"].as_str().expect("a screenshot is text");
+        base64::prelude::BASE64_STANDARD.decode(text).expect("it is base64")
     }
 
     /// The messages on the console since the last call, as (level, message).
@@ -140,42 +144,27 @@ impl Page {
 
     /// Fills an input of the page with a file.
     pub(crate) async fn choose_file(&self, selector: &str, path: &Path) {
-        let input = self.client.find(Locator::Css(selector)).await.expect("the input exists");
-        input.send_keys(&path.display().to_string()).await.expect("the file can be chosen");
+        let body = json!({ "using": "css selector", "value": selector });
+        let input = self.client.post("element", &body).expect("the input exists");
+        let id = input.as_object().and_then(|input| input.values().next()?.as_str()).expect("it has an id");
+        let body = json!({ "text": path.display().to_string() });
+        self.client.post(&format!("element/{id}/value"), &body).expect("the file can be chosen");
     }
 
     /// Clicks a control at a fraction of its width.
     pub(crate) async fn click(&self, name: &str, fraction: f64) {
-        let (x, y) = self.bring_into_view(name).await.at(fraction);
-        let button = 0;
-        let actions = MouseActions::new("mouse".to_owned())
-            .then(PointerAction::MoveTo { duration: None, x, y })
-            .then(PointerAction::Pause { duration: Duration::from_millis(100) })
-            .then(PointerAction::Down { button })
-            .then(PointerAction::Up { button });
-        self.client.perform_actions(actions).await.expect("the pointer can be moved");
+        let place = self.bring_into_view(name).await.at(fraction);
+        self.client.act("pointer", &[go(place, 0), pause(100), button("pointerDown"), button("pointerUp")]);
         self.settle().await;
     }
 
     /// Presses at a fraction of a control's width, and releases at another.
     pub(crate) async fn drag(&self, name: &str, from: f64, to: f64) {
         let rect = self.bring_into_view(name).await;
-        let go = |fraction: f64, milliseconds: u64| {
-            let (x, y) = rect.at(fraction);
-            PointerAction::MoveTo { duration: Some(Duration::from_millis(milliseconds)), x, y }
-        };
-        let button = 0;
-        let mut actions = MouseActions::new("mouse".to_owned())
-            .then(go(from, 0))
-            .then(PointerAction::Pause { duration: Duration::from_millis(100) })
-            .then(PointerAction::Down { button });
-        for step in 1..=5 {
-            actions = actions.then(go(from + (to - from) * f64::from(step) / 5.0, 50));
-        }
-        let actions = actions
-            .then(PointerAction::Pause { duration: Duration::from_millis(100) })
-            .then(PointerAction::Up { button });
-        self.client.perform_actions(actions).await.expect("the pointer can be moved");
+        let mut actions = vec![go(rect.at(from), 0), pause(100), button("pointerDown")];
+        actions.extend((1..=5).map(|step| go(rect.at(from + (to - from) * f64::from(step) / 5.0), 50)));
+        actions.extend([pause(100), button("pointerUp")]);
+        self.client.act("pointer", &actions);
         self.settle().await;
     }
 
@@ -183,23 +172,14 @@ impl Page {
     pub(crate) async fn sweep(&self, name: &str, (from, to): (f64, f64), duration: Duration) {
         const STEPS: usize = 60;
         let rect = self.bring_into_view(name).await;
-        let go = |fraction: f64| {
-            let (x, y) = rect.at(fraction);
-            PointerAction::MoveTo { duration: Some(Duration::from_millis(8)), x, y }
-        };
         let begun = Instant::now();
-        let press = MouseActions::new("mouse".to_owned()).then(go(from)).then(PointerAction::Down { button: 0 });
-        self.client.perform_actions(press).await.expect("the pointer can be moved");
+        self.client.act("pointer", &[go(rect.at(from), 8), button("pointerDown")]);
+        let ways = (1..=STEPS).map(|step| 2.0 * step as f64 / STEPS as f64).map(|way| way.min(2.0 - way));
+        let to_and_fro: Vec<Value> = ways.map(|way| go(rect.at(from + (to - from) * way), 8)).collect();
         while begun.elapsed() < duration {
-            let mut actions = MouseActions::new("mouse".to_owned());
-            for step in 1..=STEPS {
-                let way = 2.0 * step as f64 / STEPS as f64;
-                actions = actions.then(go(from + (to - from) * way.min(2.0 - way)));
-            }
-            self.client.perform_actions(actions).await.expect("the pointer can be moved");
+            self.client.act("pointer", &to_and_fro);
         }
-        let release = MouseActions::new("mouse".to_owned()).then(PointerAction::Up { button: 0 });
-        self.client.perform_actions(release).await.expect("the button can be released");
+        self.client.act("pointer", &[button("pointerUp")]);
         self.settle().await;
     }
 
@@ -244,15 +224,9 @@ impl Page {
             if over <= 0.0 {
                 return rect;
             }
-            let scroll = WheelAction::Scroll {
-                duration: None,
-                x: rect.at(0.5).0 as i64,
-                y: (0.5 * height) as i64,
-                delta_x: 0,
-                delta_y: over.min(100.0) as i64,
-            };
-            let actions = WheelActions::new("wheel".to_owned()).then(scroll);
-            self.client.perform_actions(actions).await.expect("the wheel can be turned");
+            let (x, y) = (rect.at(0.5).0 as i64, (0.5 * height) as i64);
+            let scroll = json!({ "type": "scroll", "x": x, "y": y, "deltaX": 0, "deltaY": over.min(100.0) as i64 });
+            self.client.act("wheel", &[scroll]);
             // The app scrolls smoothly, and the pointer would miss a control in motion.
             tokio::time::sleep(Duration::from_millis(300)).await;
             self.settle().await;
@@ -266,10 +240,23 @@ impl Page {
         place(&summary, name).unwrap_or_else(|| panic!("there is no control `{name}` among {}", summary["controls"]))
     }
 
-    async fn post(&self, command: &'static str, body: Value) -> Value {
-        let command = Vendor { command, body };
-        self.client.issue_cmd(command).await.unwrap_or_else(|error| panic!("{error}"))
+    async fn post(&self, command: &str, body: Value) -> Value {
+        self.client.post(command, &body).unwrap_or_else(|error| panic!("{error}"))
     }
+}
+
+/// Moves the pointer to a place in the window, in some milliseconds.
+fn go((x, y): (f64, f64), milliseconds: u64) -> Value {
+    json!({ "type": "pointerMove", "duration": milliseconds, "origin": "viewport", "x": x, "y": y })
+}
+
+fn pause(milliseconds: u64) -> Value {
+    json!({ "type": "pause", "duration": milliseconds })
+}
+
+/// Presses or releases the left button.
+fn button(kind: &str) -> Value {
+    json!({ "type": kind, "button": 0 })
 }
 
 /// The place of a control in a summary.
@@ -278,23 +265,6 @@ fn place(summary: &Value, name: &str) -> Option<Rect> {
     let control = controls.iter().find(|control| control["name"] == name)?;
     let number = |key: &str| control[key].as_f64().expect("a rectangle is numbers");
     Some(Rect { x: number("x"), y: number("y"), width: number("width"), height: number("height") })
-}
-
-/// A command of chromedriver only.
-#[derive(Debug)]
-struct Vendor {
-    command: &'static str,
-    body: Value,
-}
-
-impl WebDriverCompatibleCommand for Vendor {
-    fn endpoint(&self, base: &url::Url, session: Option<&str>) -> Result<url::Url, url::ParseError> {
-        base.join(&format!("session/{}/{}", session.unwrap_or_default(), self.command))
-    }
-
-    fn method_and_body(&self, _: &url::Url) -> (http::Method, Option<String>) {
-        (http::Method::POST, Some(self.body.to_string()))
-    }
 }
 
 /// Number of pixels of each colour in a PNG.

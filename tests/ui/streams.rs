@@ -2,16 +2,17 @@
 
 use std::rc::Rc;
 
-use kalmanscope::sensor::{Happened, Sensor, Sensors};
+use kalmanscope::sensor::{Sensor, Sensors};
 use kalmanscope_core::{Run, Scenario};
+use kalmanscope_sources::StreamRow;
 
 use super::measure::{Device, with_sensors};
 use super::*;
 
 /// A screen that follows the sensors of a scenario.
-fn following(scenario: &Scenario) -> (Screen, Rc<Device<Happened>>) {
+fn following(scenario: &Scenario) -> (Screen, Rc<Device<StreamRow>>) {
     let device = Device::new();
-    let stream: (Rc<dyn Sensor<Happened>>, _) = (Rc::clone(&device) as Rc<_>, Rc::new(scenario.clone()));
+    let stream: (Rc<dyn Sensor<StreamRow>>, _) = (Rc::clone(&device) as Rc<_>, Rc::new(scenario.clone()));
     let sensors = Sensors { stream: Some(stream), ..Sensors::default() };
     let mut screen =
         Harness::builder().with_size(DESKTOP).with_theme(Theme::Light).with_step_dt(1.0 / 60.0).build_eframe(
@@ -45,7 +46,7 @@ fn a_reading_is_on_screen_in_the_frame_in_which_it_comes() {
             while told < record.len() && record.time(told) <= now {
                 let measured = vec![record.measured(0)[told], record.measured(1)[told]];
                 let (time, input) = (record.time(told), record.input()[told]);
-                readings.put(&[Happened { time, input, readings: measured }], &screen.ctx);
+                readings.put(&[StreamRow { time, input, readings: measured }], &screen.ctx);
                 told += 1;
             }
             screen.run_steps(1);
@@ -63,13 +64,13 @@ fn a_reading_is_on_screen_in_the_frame_in_which_it_comes() {
 #[test]
 fn the_scenario_on_screen_follows_a_socket() {
     for size in [DESKTOP, PHONE] {
-        let device: Rc<Device<Happened>> = Device::new();
+        let device: Rc<Device<StreamRow>> = Device::new();
         let asked = Rc::new(std::cell::Cell::new((0, 0.0)));
         let connect = {
             let (device, asked) = (Rc::clone(&device), Rc::clone(&asked));
             Rc::new(move |scenario: &Scenario, port: u16| {
                 asked.set((port, scenario.dt));
-                Rc::clone(&device) as Rc<dyn Sensor<Happened>>
+                Rc::clone(&device) as Rc<dyn Sensor<StreamRow>>
             })
         };
         let microphone: Rc<Device<f32>> = Device::new();
@@ -88,7 +89,7 @@ fn the_scenario_on_screen_follows_a_socket() {
         for k in 0..record.len() {
             let measured = vec![record.measured(0)[k], record.measured(1)[k]];
             readings
-                .put(&[Happened { time: 0.01 * k as f64, input: record.input()[k], readings: measured }], &screen.ctx);
+                .put(&[StreamRow { time: 0.01 * k as f64, input: record.input()[k], readings: measured }], &screen.ctx);
         }
         screen.run_steps(10);
         assert!(screen.state().session().is_live());
@@ -129,7 +130,7 @@ fn the_sensors_of_a_scenario_are_followed_while_they_are_read() {
     let readings = device.0.borrow().clone().expect("it has begun");
     let tell = |screen: &mut Screen, from: usize, until: usize| {
         for k in from..until {
-            let happened = Happened {
+            let happened = StreamRow {
                 time: 3.0 + record.time(k),
                 input: record.input()[k],
                 readings: vec![record.measured(0)[k], record.measured(1)[k]],
@@ -154,7 +155,7 @@ fn the_sensors_of_a_scenario_are_followed_while_they_are_read() {
     let (followed, simulated) = (numbers(session.run(), sample), numbers(&whole, sample));
     assert!((followed[0] - simulated[0]).abs() < 1e-9, "{followed:?} for {simulated:?}");
     // A reading that goes back is refused in a sentence, and nothing else changes.
-    readings.put(&[Happened { time: 5.0, input: 0.0, readings: vec![1e9, 1e9] }], &screen.ctx);
+    readings.put(&[StreamRow { time: 5.0, input: 0.0, readings: vec![1e9, 1e9] }], &screen.ctx);
     screen.run_steps(3);
     screen.get_by_label_contains("it comes too late");
     readings.end(&screen.ctx);

@@ -114,7 +114,7 @@ fn results(run: &Run, findings: &mut Findings) {
     if let Some(text) = findings.stage("free runs", free_runs) {
         legible("free runs", &text, findings);
     }
-    let figures = findings.stage("figures", || pages(run)).and_then(Result::ok).unwrap_or_default();
+    let figures = findings.stage("figures", || pages(run)).unwrap_or_default();
     let parts = Parts { title: "case", causes: &causes, figures: &figures, free_runs: &records, ..Parts::default() };
     if let Some(page) = findings.stage("report", || report(run, &analysis, &parts)) {
         match page {
@@ -126,10 +126,8 @@ fn results(run: &Run, findings: &mut Findings) {
             Err(error) => sentence("report", &error.to_string(), findings),
         }
     }
-    match findings.stage("picture", || svg(run)) {
-        Some(Ok(picture)) => legible("picture", &picture, findings),
-        Some(Err(error)) => sentence("picture", &error.to_string(), findings),
-        None => {}
+    if let Some(picture) = findings.stage("picture", || svg(run)) {
+        legible("picture", &picture, findings);
     }
     findings.stage("estimates as CSV", || write_estimates(run, std::io::sink()).is_ok());
     for estimates in run.estimates() {

@@ -45,8 +45,8 @@ pub(super) fn of(run: &Run, panel: Panel) -> (f64, f64) {
     padded(range.unwrap_or((0.0, 0.0)))
 }
 
-/// Limits the values of an axis: its marks are found by sums that must stay finite.
-pub(super) const LARGEST: f64 = 1e300;
+/// Limits the values of an axis, so that its span is finite.
+const LARGEST: f64 = 1e300;
 
 fn padded((low, high): (f64, f64)) -> (f64, f64) {
     let [low, high] = [low, high].map(|value| value.clamp(-LARGEST, LARGEST));

@@ -67,42 +67,6 @@ pub(super) fn thinned(samples: usize, max: usize) -> impl Iterator<Item = usize>
     (0..samples).step_by(samples.div_ceil(max.max(1)).max(1))
 }
 
-/// The parts of a line that lie within `range`, cut where they leave it and where a value is missing.
-pub(super) fn clipped(points: &[Point], range: (f64, f64)) -> Vec<Vec<Point>> {
-    let mut parts: Vec<Vec<Point>> = Vec::new();
-    let mut open = false;
-    for pair in points.windows(2) {
-        let Some((from, to)) = clipped_segment(pair[0], pair[1], range) else {
-            open = false;
-            continue;
-        };
-        match parts.last_mut() {
-            Some(part) if open && part.last() == Some(&from) => part.push(to),
-            _ => parts.push(vec![from, to]),
-        }
-        open = to == pair[1];
-    }
-    parts
-}
-
-fn clipped_segment(from: Point, to: Point, (low, high): (f64, f64)) -> Option<(Point, Point)> {
-    let (rise, run) = (to.1 - from.1, to.0 - from.0);
-    if !rise.is_finite() || from.1.max(to.1) < low || from.1.min(to.1) > high {
-        return None;
-    }
-    let at = |y: f64| (from.0 + run * (y - from.1) / rise, y);
-    let inside = |point: Point| {
-        if point.1 < low {
-            at(low)
-        } else if point.1 > high {
-            at(high)
-        } else {
-            point
-        }
-    };
-    Some((inside(from), inside(to)))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -136,15 +100,6 @@ mod tests {
             parts.iter().map(times).collect::<Vec<_>>(),
             [vec![1.0, 2.0, 3.0, 4.0, 4.0, 3.0, 2.0, 1.0], vec![6.0, 7.0, 8.0, 9.0, 9.0, 8.0, 7.0, 6.0]]
         );
-    }
-
-    #[test]
-    fn a_line_is_cut_at_the_range_and_at_gaps() {
-        let points = [(0.0, 0.0), (1.0, 2.0), (2.0, 0.0), (3.0, f64::NAN), (4.0, 0.5), (5.0, 0.5)];
-        let parts = clipped(&points, (-1.0, 1.0));
-        assert_eq!(parts, [vec![(0.0, 0.0), (0.5, 1.0)], vec![(1.5, 1.0), (2.0, 0.0)], vec![(4.0, 0.5), (5.0, 0.5)]]);
-        assert!(clipped(&[(0.0, 5.0), (1.0, 6.0)], (-1.0, 1.0)).is_empty());
-        assert_eq!(clipped(&[(0.0, -3.0), (1.0, 3.0)], (-1.0, 1.0)).len(), 1);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::markup::escaped;
+use kalmanscope_figures::escaped;
 
 /// A page under way.
 pub(super) struct Html(String);

@@ -4,15 +4,13 @@ use std::io::{self, Write};
 
 use kalmanscope_cli::harmless;
 use kalmanscope_core::{Channel, Document, EventFilter, Sample};
-use kalmanscope_sources::Broadcast;
 
 use super::watch::Watch;
 
-/// Writes lines, each flushed, and sends them as JSON to all who listen at a WebSocket. A closed pipe is the end and no error.
+/// Writes lines, each flushed. A closed pipe is the end and no error.
 pub(super) struct Writer<W> {
     output: W,
     json: bool,
-    broadcast: Option<Broadcast>,
     names: Vec<String>,
     line: String,
 }
@@ -22,8 +20,8 @@ const LAST: [&str; 3] = ["nis", "again", "verdict"];
 const HINDSIGHT: &str = "hindsight";
 
 impl<W: Write> Writer<W> {
-    pub(super) fn new(output: W, json: bool, broadcast: Option<Broadcast>) -> Self {
-        Self { output, json, broadcast, names: Vec::new(), line: String::new() }
+    pub(super) fn new(output: W, json: bool) -> Self {
+        Self { output, json, names: Vec::new(), line: String::new() }
     }
 
     /// Writes the header of a table for these filters. Returns whether anybody reads it.
@@ -55,20 +53,14 @@ impl<W: Write> Writer<W> {
         &mut self,
         filters: impl Iterator<Item = (&'a mut EventFilter, &'a Watch, bool)>,
     ) -> io::Result<bool> {
-        let all: Vec<Told> = filters.map(Told::of).collect();
+        let all: Vec<FilterRow> = filters.map(FilterRow::of).collect();
         let time = all.iter().find_map(|one| one.now.as_ref()).map_or(f64::NAN, |now| now.time);
         self.line.clear();
-        if self.json || self.broadcast.is_some() {
+        if self.json {
             let each = self.names.iter().zip(&all).map(|(name, one)| (name.clone(), one.in_json()));
             let entries = std::iter::once(("t".to_owned(), number(time))).chain(each);
-            let object = Document::json(&Document::of_entries(entries)).map_err(io::Error::other)?;
-            if let Some(broadcast) = &mut self.broadcast {
-                broadcast.send(&object);
-            }
-            if self.json {
-                self.line = object;
-                return self.flush();
-            }
+            self.line = Document::json(&Document::of_entries(entries)).map_err(io::Error::other)?;
+            return self.flush();
         }
         self.line.push_str(&cell(time));
         all.iter().for_each(|one| one.write(&mut self.line));
@@ -85,8 +77,8 @@ impl<W: Write> Writer<W> {
     }
 }
 
-/// What a filter tells after a line.
-struct Told {
+/// The numbers of a filter after a line.
+struct FilterRow {
     channels: Vec<Channel>,
     /// The newest estimate; `None` of a filter that has stopped.
     now: Option<Estimate>,
@@ -126,7 +118,7 @@ impl Estimate {
     }
 }
 
-impl Told {
+impl FilterRow {
     fn of((filter, watch, stopped): (&mut EventFilter, &Watch, bool)) -> Self {
         let channels = filter.channels().to_vec();
         let time = filter.time().unwrap_or(f64::NAN);

@@ -10,7 +10,6 @@ use kalmanscope_lab::{Ensemble, Slice};
 use crate::input::InputError;
 use crate::places::say;
 
-use super::table::{Format, write_parquet};
 use super::{bad, unwritten};
 
 /// The beginning of every part file.
@@ -67,16 +66,13 @@ impl Part {
     }
 
     /// Turns the part into the table.
-    pub(super) fn finish(self, out: &Path, format: Format, ensemble: &Ensemble) -> io::Result<()> {
+    pub(super) fn finish(self, out: &Path) -> io::Result<()> {
         let Self { path, mut file } = self;
         file.flush()?;
         drop(file);
         let mut lines = BufReader::new(File::open(&path)?);
         lines.skip_until(b'\n')?;
-        output::write(out, |table| match format {
-            Format::Csv => io::copy(&mut lines, table).map(|_| ()),
-            Format::Parquet => write_parquet(lines, &names(ensemble), table),
-        })?;
+        output::write(out, |table| io::copy(&mut lines, table).map(|_| ()))?;
         fs::remove_file(&path)
     }
 }

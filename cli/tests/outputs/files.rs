@@ -4,7 +4,7 @@ use std::fs;
 use std::os::unix::fs::symlink;
 use std::process::Command;
 
-use crate::folder::{Folder, SCENARIO, read};
+use super::folder::{Folder, SCENARIO, read};
 
 #[test]
 fn an_output_is_never_an_input() {
@@ -20,7 +20,6 @@ fn an_output_is_never_an_input() {
         &["run", "sheet.toml", "--svg", "link.csv"],
         &["run", "sheet.toml", "--record-out", "hard.csv"],
         &["run", "sheet.toml", "--holdout", "plain.csv", "--out", "plain.csv"],
-        &["run", "sheet.toml", "--then", "plain.csv", "--out", "plain.csv"],
         &["run", "sheet.toml", "--out", "sheet.toml"],
         &["run", "sheet.toml", "--out", "new.csv", "--svg", "new.csv"],
         &["run", "sheet.toml", "--out", "-", "--svg", "-"],

@@ -2,7 +2,7 @@
 
 use std::process::Command;
 
-use crate::folder::{Folder, SCENARIO, read};
+use super::folder::{Folder, SCENARIO, read};
 
 #[test]
 fn many_threads_are_cut_to_the_work() {

@@ -3,7 +3,7 @@
 use std::fs;
 use std::process::Command;
 
-use crate::folder::{Folder, SCENARIO, read};
+use super::folder::{Folder, SCENARIO, read};
 
 #[test]
 fn records_come_through_pipes_and_are_read_once() {
@@ -50,7 +50,6 @@ fn only_short_texts_in_files_and_pipes_are_read() {
     folder.file("device.toml", "[record]\nfile = \"/dev/zero\"\n[record.sensors.displacement]\ncolumn = \"x\"\n");
     for (arguments, sentence) in [
         (&["run", "long.toml"][..], "more than 1 MB"),
-        (&["lesson", "long.toml"], "more than 1 MB"),
         (&["run", "/dev/zero"], "neither a file nor a pipe"),
         (&["run", "."], "neither a file nor a pipe"),
         (&["run", "scenario.toml", "--record", "/dev/zero"], "neither a file nor a pipe"),

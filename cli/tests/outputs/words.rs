@@ -1,6 +1,6 @@
 //! Words: results, names, messages and help.
 
-use crate::folder::{Folder, read};
+use super::folder::{Folder, read};
 
 #[test]
 fn results_are_one_document_of_json_or_nothing() {
@@ -57,7 +57,7 @@ fn filters_of_one_name_are_parted_and_this_is_said() {
 #[test]
 fn each_command_has_an_example() {
     let folder = Folder::new();
-    for command in ["run", "report", "import", "sweep", "tune", "lesson"] {
+    for command in ["run", "report", "import", "sweep", "tune"] {
         let (code, out, _) = folder.call(&[command, "--help"], b"");
         assert!(code == 0 && out.contains(&format!("  kalmanscope-cli {command} ")), "{out}");
     }
@@ -71,9 +71,5 @@ fn words_that_are_nearly_right_are_known() {
     {
         let (code, _, error) = folder.call(arguments, b"");
         assert!(code == 2 && error.contains(word), "{error}");
-    }
-    for shell in ["bash", "zsh", "fish", "powershell"] {
-        let (code, out, error) = folder.call(&["completions", shell], b"");
-        assert!(code == 0 && out.contains("record-out"), "{error}");
     }
 }

@@ -7,8 +7,8 @@ use crate::{Estimates, Stop};
 pub use crate::samples::sample::{AssumedNoise, Sample};
 pub use last::LastSample;
 
-/// Receives the samples of one filter in turn: a full history ([`Estimates`]), the last samples of it
-/// ([`Window`](crate::Window)), or running sums ([`Scores`](crate::Scores)).
+/// Receives the samples of one filter in turn: a full history ([`Estimates`]), or running sums
+/// ([`Scores`](crate::Scores)).
 ///
 /// ```
 /// use kalmanscope_core::{Sample, Sink};

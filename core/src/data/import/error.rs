@@ -24,7 +24,7 @@ pub enum ImportError {
     )]
     Hdf5,
     /// It is a Parquet file.
-    #[error("this is a Parquet file, which the command line reads; save its columns as CSV")]
+    #[error("this is a Parquet file; save its columns as CSV")]
     Parquet,
     /// It is a spreadsheet.
     #[error("this is a spreadsheet; save the sheet as CSV")]

@@ -6,7 +6,8 @@ mod decay;
 mod fix;
 mod hostile;
 mod import;
-mod lessons;
+#[cfg(unix)]
+mod outputs;
 mod population;
 mod posterior;
 mod records;
@@ -23,7 +24,7 @@ use std::process::{Command, Output};
 
 use tempfile::TempDir;
 
-const SAMPLE: &str = include_str!("../../../core/tests/sample.toml");
+const SAMPLE: &str = include_str!("../../core/tests/sample.toml");
 
 fn folder() -> TempDir {
     tempfile::tempdir().unwrap()

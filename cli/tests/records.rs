@@ -50,7 +50,7 @@ fn a_record_written_and_read_gives_the_same_estimates() {
 #[test]
 fn a_record_that_comes_along_needs_no_file() {
     let folder = folder();
-    let scenario = file(&folder, "s.toml", include_str!("../../../assets/scenarios/earthquake.toml"));
+    let scenario = file(&folder, "s.toml", include_str!("../../assets/scenarios/earthquake.toml"));
     let output = command().arg(&scenario).output().unwrap();
     let (said, remarks) = (text(&output.stdout), text(&output.stderr));
     assert_eq!(output.status.code(), Some(0), "{remarks}");
