@@ -276,7 +276,7 @@ impl eframe::App for App {
         if self.importing.is_none() {
             keys::keys(ctx, &self.session, &mut self.requests);
         }
-        drop::dropped(ctx, &mut self.requests);
+        drop::dropped(ctx, &self.inbox);
         self.take_files();
         link::pasted(ctx, &mut self.requests);
         for request in std::mem::take(&mut self.requests) {

@@ -3,11 +3,13 @@
 use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
+use std::thread;
 
 use egui::Context;
 use kalmanscope_lessons::File as Contents;
 
 use crate::import;
+use crate::inbox::{Arrival, Inbox};
 use crate::request::{RawFile, Request};
 use crate::session_file;
 
@@ -17,11 +19,19 @@ pub const LARGEST: usize = import::LARGEST;
 /// Limits the size of a lesson or a scenario \[bytes\].
 const LARGEST_TEXT: usize = 1_000_000;
 
-/// Pushes the request to open the file that was dropped in this frame. Of several files it is the last, which would hide
-/// the others.
-pub(crate) fn dropped(ctx: &Context, requests: &mut Vec<Request>) {
+/// Reads the file that was dropped in this frame. Of several files it is the last, which would hide the others.
+pub(crate) fn dropped(ctx: &Context, inbox: &Inbox) {
     if let Some(file) = ctx.input(|input| input.raw.dropped_files.last().cloned()) {
-        requests.push(opened(&file_name(file.path()), read_path(file.path())));
+        read(file.path(), ctx, inbox);
+    }
+}
+
+/// Reads a file beside the frames, since a large one or one on a slow disk takes long. It arrives once it has been read.
+pub(crate) fn read(path: &Path, ctx: &Context, inbox: &Inbox) {
+    let (path, screen, there) = (path.to_owned(), ctx.clone(), inbox.clone());
+    let read = move || there.put(Arrival::File(file_name(&path), read_path(&path)), &screen);
+    if let Err(error) = thread::Builder::new().name("file".to_owned()).spawn(read) {
+        inbox.put(Arrival::Failure(format!("The file cannot be read: {error}.")), ctx);
     }
 }
 

@@ -29,6 +29,11 @@ impl Inbox {
         ctx.request_repaint();
     }
 
+    /// Whether there is another copy, whose owner may still put something.
+    pub fn is_shared(&self) -> bool {
+        Arc::strong_count(&self.0) > 1
+    }
+
     /// Takes out all arrivals since the last call.
     pub(crate) fn take(&self) -> Vec<Arrival> {
         std::mem::take(&mut *self.0.lock().unwrap_or_else(PoisonError::into_inner))

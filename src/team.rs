@@ -14,7 +14,7 @@ use kalmanscope_core::import::Loaded;
 use kalmanscope_core::suggest::Suggestion;
 use kalmanscope_core::{Pass, Record, Scenario, Tape};
 use kalmanscope_lab::posterior::Sampled;
-use kalmanscope_lab::{Parts, Step, Threads, Wanted, fitted};
+use kalmanscope_lab::{Parts, Step, Threads, Wanted};
 
 pub use cells::{Cells, Computer, Finding, Graphics, Precision, Rows};
 pub use frames::Frames;
@@ -23,11 +23,11 @@ pub use relay::Relay;
 pub use running::Running;
 
 /// The time between two frames that only show the progress of a task.
-pub(crate) const BETWEEN: Duration = Duration::from_millis(100);
+pub const BETWEEN: Duration = Duration::from_millis(100);
 
-/// The time of a portion of a filter on a thread, and the limit of its samples.
+/// The time of a portion of a filter on a thread, which looks at the clock after this many samples.
 const PORTION: Duration = Duration::from_millis(10);
-const MOST: usize = 4096;
+const SAMPLES: usize = 16;
 
 /// Does tasks beside the frames. A method returns `None` if the team cannot.
 pub trait Team {
@@ -118,18 +118,19 @@ fn waking(ctx: &Context) -> impl Fn(bool) + Send + Sync + 'static {
 
 /// The portions of a filter over a record. A thread builds it: its particles may take long.
 fn filter_steps(scenario: Scenario, place: usize, record: Record) -> impl FnMut(Wanted) -> Step<Tape> + Send {
-    let (mut pass, mut size) = (None, 16);
-    move |_| {
+    let mut pass = None;
+    move |wanted| {
         if pass.is_none() {
             pass = Pass::new(&scenario, place, &record).ok();
         }
         let Some(pass) = &mut pass else { return Step::Failed };
-        if pass.done() >= record.len() || pass.stop().is_some() {
-            return Step::End;
-        }
         let (begin, mut tape) = (Instant::now(), Tape::default());
-        pass.follow(&record, pass.done() + size, &mut tape);
-        size = fitted(size, begin.elapsed(), PORTION, [1, MOST]);
-        Step::Part(tape)
+        while pass.done() < record.len() && pass.stop().is_none() {
+            pass.follow(&record, pass.done() + SAMPLES, &mut tape);
+            if begin.elapsed() > PORTION || !wanted.is_so() {
+                return Step::Part(tape);
+            }
+        }
+        Step::Last(tape)
     }
 }

@@ -43,6 +43,6 @@ pub use plan::Plan;
 pub use runner::{CellRun, Runner, outcomes_of};
 pub use share::share_interval;
 pub use sheet::{Sheet, Slice};
-pub use threads::{Lost, Parts, Priority, Report, Step, Threads, Wanted, fitted};
+pub use threads::{Lost, Parts, Priority, Report, Step, Threads, Wanted};
 pub use trace::Trace;
 pub use trials::{Estimated, Spread, Spring, Trial};

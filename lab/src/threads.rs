@@ -15,11 +15,8 @@ use kalmanscope_core::Task;
 
 use crate::{Runner, Slice};
 
-/// Limits the time between two parts of the work of one thread, unless the cells that it computes at once take longer.
+/// Limits the time between two looks at a task.
 const PORTION: Duration = Duration::from_millis(25);
-
-/// The cells of the first portions: as many as run side by side, at most.
-const FIRST: usize = 8;
 
 /// The urgency of a task. A team does tasks of the first kind before the others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -200,38 +197,21 @@ impl Threads {
         order: Vec<usize>,
         wake: impl Fn(bool) + Send + Sync + 'static,
     ) -> Parts<Slice> {
+        // As many as run side by side.
+        let portion = order.first().map_or(1, |cell| runner.at_once(*cell));
         let order = Arc::new((order, AtomicUsize::new(0)));
         let step = |_| {
             let (runner, order) = (Arc::clone(runner), Arc::clone(&order));
-            let (mut portion, mut at_once) = (FIRST, None);
             move |_| {
                 let (order, next) = &*order;
                 let from = next.fetch_add(portion, Ordering::Relaxed);
                 let Some(cells) = order.get(from..(from + portion).min(order.len())).filter(|c| !c.is_empty()) else {
                     return Step::End;
                 };
-                let begin = Instant::now();
-                let rows = runner.rows(cells);
-                let taken = begin.elapsed();
-                if taken > PORTION * 2 && portion > 1 {
-                    at_once = at_once.or_else(|| cells.first().map(|&cell| runner.at_once(cell)));
-                }
-                portion = fitted(portion, taken, PORTION, [at_once.unwrap_or(1), usize::MAX / 2]);
-                Step::Part(Slice { cells: cells.to_vec(), rows })
+                Step::Part(Slice { cells: cells.to_vec(), rows: runner.rows(cells) })
             }
         };
         self.begin(priority, (0..self.count).map(step), wake)
-    }
-}
-
-/// The size of the next portion, after one that has taken some time, so that each takes about `aim`.
-pub fn fitted(size: usize, taken: Duration, aim: Duration, [least, most]: [usize; 2]) -> usize {
-    if taken < aim / 2 {
-        (2 * size).min(most)
-    } else if taken > 2 * aim {
-        (size / 2).max(least)
-    } else {
-        size
     }
 }
 

@@ -1,5 +1,7 @@
 //! Files to open that do not come by drop.
 
+use std::path::Path;
+
 use egui::Context;
 
 use super::App;
@@ -22,6 +24,11 @@ impl App {
     /// Opens a lesson, a scenario, a session or a record, or says why it cannot be read.
     pub fn open_file(&mut self, name: &str, contents: Result<Vec<u8>, String>) {
         self.requests.push(drop::opened(name, contents));
+    }
+
+    /// Reads a file beside the frames, and opens it then.
+    pub fn read_file(&self, path: &Path, ctx: &Context) {
+        drop::read(path, ctx, &self.inbox);
     }
 
     /// Lets the user choose a file.

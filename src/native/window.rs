@@ -6,7 +6,6 @@ use std::rc::Rc;
 use eframe::NativeOptions;
 use egui::{Context, IconData, ViewportBuilder};
 use kalmanscope::App;
-use kalmanscope::drop;
 use kalmanscope::export::folder;
 use kalmanscope::sensor::{Sensor, Sensors};
 use kalmanscope_gpu::Software;
@@ -51,7 +50,7 @@ pub(super) fn open(Beginning { address, file, source }: Beginning) -> eframe::Re
                 app.open_address(&address);
             }
             if let Some(path) = file {
-                app.open_file(&drop::file_name(&path), drop::read_path(&path));
+                app.read_file(&path, ctx);
             }
             if let Some(source) = source {
                 app = listening(app, source, ctx);

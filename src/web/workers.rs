@@ -3,11 +3,10 @@
 mod adapter;
 mod given;
 mod graphics;
-mod portions;
 mod worker;
 
 use std::cell::RefCell;
-use std::rc::{Rc, Weak};
+use std::rc::Rc;
 
 use egui::Context;
 use js_sys::Array;
@@ -20,7 +19,6 @@ use kalmanscope_worker::{
     cells_message, file_message, filter_message, loaded, posterior_message, rows, sampled, suggest_message, suggestion,
     tape,
 };
-use wasm_bindgen::closure::Closure;
 use wasm_bindgen::{JsCast as _, JsValue};
 use web_sys::MessageEvent;
 
@@ -45,8 +43,6 @@ struct State {
     last: u32,
     /// The reason why there can be no workers.
     broken: Option<String>,
-    /// Whether the page computes until they are ready.
-    is_bridged: bool,
 }
 
 /// The workers of a page, and its graphics processor, or a software adapter if that is accepted.
@@ -82,8 +78,7 @@ impl Team for Workers {
     fn cells(&self, cells: &Cells, _: &Context) -> Option<Handle<Rows>> {
         let message = |number| cells_message(number, &cells.runner);
         self.begin(Left::cells(cells.clone(), full()), &message, |part, workers| {
-            let by = if given::is_of_page(part) { Computer::Frames } else { Computer::Workers(workers) };
-            rows(part).map(|(cells, numbers)| Rows { cells, numbers, by })
+            rows(part).map(|(cells, numbers)| Rows { cells, numbers, by: Computer::Workers(workers) })
         })
     }
 
@@ -117,27 +112,23 @@ impl Workers {
         let mut present = self.state.borrow_mut();
         let is_for_all = left.is_for_all();
         if is_for_all {
-            // The workers have one map at a time. Those that are busy with a long portion of the one before are replaced.
+            // The workers have one map at a time.
             present.end(Given::is_for_all);
         }
-        let count = 1 + present.tasks.iter().filter(|task| task.is_for_one()).count();
+        let count = 1 + present.tasks.iter().filter(|task| !task.is_for_all()).count();
         muster(&self.state, &mut present, if is_for_all { MOST } else { count });
         if present.broken.is_some() {
             return None;
         }
         let State { workers, tasks, last, .. } = &mut *present;
         let load = |worker: &&Worker| {
-            let is_its = |task: &&Given| task.is_for_one() && task.is_of(worker);
-            (tasks.iter().filter(is_its).count(), tasks.iter().any(|task| task.is_for_all() && task.is_at(worker)))
+            (tasks.iter().filter(|task| task.is_of(worker)).count(), tasks.iter().any(|task| task.is_at(worker)))
         };
         let worker = if is_for_all { None } else { Some(workers.iter().min_by_key(load)?.number()) };
         *last += 1;
         let number = *last;
         tasks.push(Given::new(number, message(number), left, worker, &self.ctx));
         (0..workers.len()).for_each(|place| present.feed(place));
-        if present.needs_page() && !std::mem::replace(&mut present.is_bridged, true) {
-            bridge(Rc::downgrade(&self.state));
-        }
         Some(number)
     }
 }
@@ -172,17 +163,12 @@ impl Drop for Task {
 }
 
 impl State {
-    /// Whether there are light cells to compute and no worker is ready yet.
-    fn needs_page(&self) -> bool {
-        self.broken.is_none() && !self.workers.iter().any(Worker::is_ready) && self.tasks.iter().any(Given::is_light)
-    }
-
     /// Asks a worker by its place for more of its own tasks, or else for cells.
     fn feed(&mut self, place: usize) {
         let Self { workers, tasks, .. } = self;
         let Some(worker) = workers.get(place) else { return };
-        let has_own = tasks.iter().any(|task| task.is_for_one() && task.is_of(worker));
-        tasks.iter_mut().filter(|task| task.is_for_one() == has_own).for_each(|task| task.feed(worker));
+        let has_own = tasks.iter().any(|task| task.is_of(worker));
+        tasks.iter_mut().filter(|task| task.is_for_all() != has_own).for_each(|task| task.feed(worker));
     }
 
     /// Ends the tasks that some are. Those with portions under way stay until these are done.
@@ -199,17 +185,16 @@ impl State {
         tasks.retain(|task| !task.is_done_with());
     }
 
-    /// Ends the task of this number. A worker that is stuck in a long portion of it, and has nothing else, is ended too.
+    /// Ends the task of this number. A worker that does it alone, and nothing else, is ended too: another one starts when there
+    /// is work.
     fn give_up(&mut self, number: u32) {
         let Some(task) = self.tasks.iter().position(|task| task.number() == number) else { return };
         self.tasks[task].end(&self.workers);
         let Self { workers, tasks, .. } = &mut *self;
         let (task, others) = (&tasks[task], tasks.iter().filter(|task| task.number() != number));
-        let has_other =
-            |worker: &Worker| others.clone().any(|task| task.is_at(worker) || task.is_for_one() && task.is_of(worker));
+        let has_other = |worker: &Worker| others.clone().any(|task| task.is_at(worker) || task.is_of(worker));
         if !task.is_for_all() {
-            // Only dropping the worker stops it. Another one starts when there is work.
-            workers.retain(|worker| !task.is_stuck(worker) || has_other(worker));
+            workers.retain(|worker| !task.is_at(worker) || has_other(worker));
         }
         self.sweep();
         (0..self.workers.len()).for_each(|place| self.feed(place));
@@ -221,7 +206,7 @@ impl State {
         log::warn!("A worker of the page has failed: {reason}");
         let Self { workers, tasks, broken, .. } = self;
         let worker = &mut workers[place];
-        let is_its = |task: &Given| task.is_for_one() && task.is_of(worker);
+        let is_its = |task: &Given| task.is_of(worker);
         let has_cells = tasks.iter().any(|task| task.is_for_all() && task.is_at(worker));
         if !(tasks.iter().any(is_its) && worker.is_ready() && !has_cells) {
             *broken = Some(reason);
@@ -233,16 +218,13 @@ impl State {
     }
 }
 
-/// Starts workers until there are `count`, or one per processor. Replaces a worker that is stuck in a long portion of a
-/// map that is over, unless it also has a task of its own.
+/// Starts workers until there are `count`, or one per processor.
 fn muster(state: &Rc<RefCell<State>>, present: &mut State, count: usize) {
-    let State { workers, tasks, broken, .. } = present;
+    let State { workers, broken, .. } = present;
     if broken.is_some() {
         return;
     }
-    let is_stuck = |worker: &Worker| tasks.iter().any(|task| task.is_over() && task.is_stuck(worker));
-    let is_needed = |worker: &Worker| tasks.iter().any(|task| task.is_for_one() && task.is_of(worker));
-    workers.retain(|worker| !worker.is_over() && (!is_stuck(worker) || is_needed(worker)));
+    workers.retain(|worker| !worker.is_over());
     while workers.len() < full().min(count) {
         let number = workers.iter().map(Worker::number).max().map_or(0, |number| number + 1);
         match Worker::new(number, Program::Page, listener(state, number)) {
@@ -254,24 +236,6 @@ fn muster(state: &Rc<RefCell<State>>, present: &mut State, count: usize) {
         }
     }
     present.sweep();
-}
-
-/// Computes cells on the page, a portion between two events of it, until the first worker is ready.
-fn bridge(state: Weak<RefCell<State>>) {
-    let go_on = move || {
-        let Some(present) = state.upgrade() else { return };
-        let mut present = present.borrow_mut();
-        present.is_bridged = present.needs_page();
-        if present.is_bridged {
-            present.tasks.iter_mut().for_each(Given::compute);
-            bridge(state);
-        }
-    };
-    let window = web_sys::window();
-    let soon = Closure::once_into_js(go_on);
-    if let Some(Err(error)) = window.map(|it| it.set_timeout_with_callback(soon.unchecked_ref())) {
-        log::warn!("The page waits for its workers: {error:?}");
-    }
 }
 
 /// Answers the messages of one worker.
@@ -293,7 +257,7 @@ fn listener(state: &Rc<RefCell<State>>, number: u32) -> impl FnMut(Result<Messag
             Some("part") => {
                 let of = words.get(1).as_f64();
                 if let Some(task) = tasks.iter_mut().find(|task| of == Some(f64::from(task.number()))) {
-                    task.take(&words.get(2), words.get(3).as_f64().unwrap_or_default(), worker);
+                    task.take(&words.get(2), worker);
                 }
                 state.sweep();
             }

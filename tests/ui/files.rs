@@ -34,9 +34,38 @@ pub(super) fn drop_file(screen: &mut Screen, name: &str, contents: &[u8]) {
     std::fs::create_dir_all(&folder).expect("a folder can be made");
     let path = folder.join(name);
     std::fs::write(&path, contents).expect("a file can be written");
-    screen.input_mut().dropped_files = vec![Arc::new(Dropped(path))];
-    screen.run_steps(4);
+    drop_path(screen, path);
     std::fs::remove_dir_all(folder).expect("the folder can be removed");
+}
+
+/// Drops the file at a path on the window, and waits until it has been read.
+fn drop_path(screen: &mut Screen, path: PathBuf) {
+    screen.input_mut().dropped_files = vec![Arc::new(Dropped(path))];
+    screen.step();
+    while screen.state().inbox().is_shared() {
+        std::thread::yield_now();
+    }
+    screen.run_steps(4);
+}
+
+/// Frames go on while a file is read that takes long: here a pipe into which nobody has written yet.
+#[cfg(unix)]
+#[test]
+fn a_dropped_file_is_read_beside_the_frames() {
+    let folder = tempfile::tempdir().expect("a folder can be made");
+    let path = folder.path().join("slow.toml");
+    let made = std::process::Command::new("mkfifo").arg(&path).status().expect("mkfifo can be run");
+    assert!(made.success());
+    let mut screen = screen(DESKTOP, Theme::Light);
+    screen.input_mut().dropped_files = vec![Arc::new(Dropped(path.clone()))];
+    screen.run_steps(5);
+    assert!(screen.state().inbox().is_shared());
+    std::fs::write(&path, lesson()).expect("the pipe can be written");
+    while screen.state().inbox().is_shared() {
+        std::thread::yield_now();
+    }
+    screen.run_steps(4);
+    screen.get_by_label("A filter that forgets");
 }
 
 fn lesson() -> &'static str {
@@ -86,8 +115,7 @@ fn a_file_that_cannot_be_opened_is_reported_and_changes_nothing() {
         assert!(notice.starts_with("“bad.toml” cannot be opened: ") && notice.contains(reason), "{notice}");
         assert_eq!(scenario(&screen), &before);
     }
-    screen.input_mut().dropped_files = vec![Arc::new(Dropped("none.toml".into()))];
-    screen.run_steps(4);
+    drop_path(&mut screen, "none.toml".into());
     let notice = screen.state().notice().expect("it is reported");
     assert!(notice.starts_with("“none.toml” cannot be opened: "), "{notice}");
 }

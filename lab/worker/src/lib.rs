@@ -9,11 +9,11 @@
 //! | `["file", number, Uint8Array]` | |
 //! | `["suggest", number, scenario, record]` | the same |
 //! | `["posterior", number, scenario, record]`, of its first filter | the same |
-//! | `["more", number, portion]` | `["part", number, part, time]` |
+//! | `["more", number, portion]` | `["part", number, part]` |
 //! | `["forget", number]` | |
 //!
 //! `number` is that of the task; an ensemble and a scenario are JSON. `record` is null, or `[dt, input, [key, column], …]`
-//! with a `Float64Array` for each column. The time is that of the computation \[ms\].
+//! with a `Float64Array` for each column.
 //!
 //! | task | portion | part |
 //! |---|---|---|
@@ -40,6 +40,6 @@ pub use cells::{cells, cells_message, portion_of, rows, rows_part, runner};
 pub use file::{file_message, loaded};
 pub use filter::{filter_message, tape};
 pub use posterior::{posterior_message, sampled};
-pub use scope::{Watch, Words, answer, fail, hear, tell};
+pub use scope::{Words, answer, fail, hear, tell};
 pub use serve::serve;
 pub use suggestion::{suggest_message, suggestion};

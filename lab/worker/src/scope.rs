@@ -41,29 +41,9 @@ pub fn hear(mut listener: impl FnMut(&Words) + 'static) {
     tell(&Array::of1(&"ready".into()));
 }
 
-/// Measures the time that a message takes.
-pub struct Watch(f64);
-
-impl Watch {
-    /// Begins now.
-    pub fn start() -> Self {
-        Self(now())
-    }
-
-    /// The time since its begin \[ms\].
-    fn time(&self) -> f64 {
-        now() - self.0
-    }
-}
-
-/// The time of the worker's clock \[ms\].
-fn now() -> f64 {
-    scope().performance().map_or(0.0, |clock| clock.now())
-}
-
 /// Sends a part of a task. The browser does not copy buffers in `handed_over`.
-pub fn answer(number: f64, part: &JsValue, handed_over: &Array, watch: &Watch) {
-    let message = Array::of4(&"part".into(), &number.into(), part, &watch.time().into());
+pub fn answer(number: f64, part: &JsValue, handed_over: &Array) {
+    let message = Array::of3(&"part".into(), &number.into(), part);
     // A closed page needs no numbers.
     let _ = scope().post_message_with_transfer(&message, handed_over);
 }

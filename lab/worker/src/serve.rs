@@ -6,7 +6,7 @@ use crate::cells::{Rows, runner};
 use crate::file::{file, loaded_message};
 use crate::filter::Filter;
 use crate::posterior::{posterior, sampled_message};
-use crate::scope::{Watch, Words, answer, fail, hear};
+use crate::scope::{Words, answer, fail, hear};
 use crate::suggestion::{suggest, suggestion_message};
 use crate::task::{Portioned, Whole};
 
@@ -18,9 +18,9 @@ pub fn serve() {
         match words.text(0).as_str() {
             "more" => {
                 if let Some((_, task)) = tasks.iter_mut().find(|(other, _)| *other == number) {
-                    let (handed_over, watch) = (Array::new(), Watch::start());
+                    let handed_over = Array::new();
                     let part = task.go_on(&words.get(2), &handed_over);
-                    answer(number, &part, &handed_over, &watch);
+                    answer(number, &part, &handed_over);
                 }
             }
             "forget" => tasks.retain(|(other, _)| *other != number),

@@ -6,7 +6,7 @@ use std::rc::Rc;
 use js_sys::Array;
 use kalmanscope_gpu::{Gpu, GpuError, Software};
 use kalmanscope_lab::Runner;
-use kalmanscope_worker::{Watch, Words, answer, cells, fail, hear, rows_part, runner, tell};
+use kalmanscope_worker::{Words, answer, cells, fail, hear, rows_part, runner, tell};
 use wasm_bindgen_futures::spawn_local;
 
 /// The processor, once it has been found, and the last task.
@@ -61,12 +61,11 @@ impl Graphics {
         if !Gpu::serves(&runner) {
             return tell(&Array::of2(&"refused".into(), &number.into()));
         }
-        let watch = Watch::start();
         spawn_local(async move {
             match gpu.rows(&runner, &cells, &|| present.get() == number).await {
                 Ok((served, rows)) => {
                     let handed_over = Array::new();
-                    answer(number, &rows_part(&served, &rows, &handed_over), &handed_over, &watch);
+                    answer(number, &rows_part(&served, &rows, &handed_over), &handed_over);
                 }
                 Err(GpuError::Unwanted) => {}
                 Err(error) => tell(&Array::of3(&"lost".into(), &number.into(), &error.to_string().into())),
