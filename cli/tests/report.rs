@@ -50,9 +50,16 @@ fn a_report_is_one_page_without_scripts() {
         assert!(page.contains(part), "{part} is missing");
     }
     assert_eq!((page.matches("<svg ").count(), page.matches("</svg>").count()), (2, 2), "four plots, three on a page");
-    for part in ["<script", " src=", " href=", "url(", "@import", "NaN"] {
+    for part in ["<script", " src=", " href=", "@import", "NaN"] {
         assert!(!page.contains(part), "{part}");
     }
+    assert!(page.split("url(").skip(1).all(|rest| rest.starts_with("#clip_")), "nothing is loaded");
+    // An id of one figure must not be another area in the next one.
+    let mut ids: Vec<&str> = page.split("<clipPath ").skip(1).filter_map(|rest| rest.split("</").next()).collect();
+    ids.sort_unstable();
+    ids.dedup();
+    let names: std::collections::BTreeSet<&str> = ids.iter().filter_map(|id| id.split('>').next()).collect();
+    assert!(names.len() == ids.len() && ids.len() >= 3, "{ids:?}");
     assert!(page.len() < 1_500_000, "{} bytes", page.len());
 }
 

@@ -109,12 +109,10 @@ impl Svg {
 
     /// Shapes that are cut off outside an area, which has left, top, width and height.
     pub fn clipped(&mut self, area: [f32; 4], draw: impl FnOnce(&mut Self)) {
-        let known = self.clips.iter().position(|clip| *clip == area);
-        let id = known.unwrap_or_else(|| {
+        if !self.clips.contains(&area) {
             self.clips.push(area);
-            self.clips.len() - 1
-        });
-        self.line(&format!("<g clip-path=\"url(#c{id})\">"));
+        }
+        self.line(&format!("<g clip-path=\"url(#{})\">", clip_id(area)));
         draw(self);
         self.line("</g>");
     }
@@ -196,9 +194,8 @@ impl Svg {
     pub fn finish(self, size: [f32; 2], shown: [f32; 2], unit: &str) -> String {
         let Self { body, clips } = self;
         let ([x, y], [width, height]) = (size.map(number), shown.map(number));
-        let clip =
-            |(id, area): (usize, &[f32; 4])| format!("<clipPath id=\"c{id}\">{}</clipPath>\n", rect(*area, 0.0, ""));
-        let clips: String = clips.iter().enumerate().map(clip).collect();
+        let clip = |area| format!("<clipPath id=\"{}\">{}</clipPath>\n", clip_id(area), rect(area, 0.0, ""));
+        let clips: String = clips.into_iter().map(clip).collect();
         format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}{unit}\" height=\"{height}{unit}\" viewBox=\"0 0 {x} {y}\" \
              font-family=\"'Noto Sans','Noto Sans Math','DejaVu Sans',Arial,sans-serif\" stroke-linejoin=\"round\">\n\
@@ -210,6 +207,11 @@ impl Svg {
         self.body.push_str(markup);
         self.body.push('\n');
     }
+}
+
+/// The id of an area. A page may hold several figures, so that equal ids must be equal areas.
+fn clip_id(area: [f32; 4]) -> String {
+    format!("clip{}", area.map(|number| format!("_{}", self::number(number))).concat())
 }
 
 fn rect([left, top, width, height]: [f32; 4], radius: f32, style: &str) -> String {
@@ -260,7 +262,7 @@ mod tests {
         for part in [
             "width=\"84mm\" height=\"42mm\" viewBox=\"0 0 20 10\"",
             "<path d=\"M0 0L10 0L5.5 2.12\" fill=\"none\" stroke=\"#0072b2\" stroke-width=\"1.5\"/>",
-            "<g clip-path=\"url(#c0)\">\n<circle cx=\"1\" cy=\"2\" r=\"3\" fill=\"#0072b2\" fill-opacity=\"0.2\"/>\n</g>",
+            "<g clip-path=\"url(#clip_0_0_20_10)\">\n<circle cx=\"1\" cy=\"2\" r=\"3\" fill=\"#0072b2\" fill-opacity=\"0.2\"/>\n</g>",
             "<rect x=\"1\" y=\"1\" width=\"0\" height=\"2\" fill=\"none\"/>",
             "rotate(-90)\" x=\"3\" y=\"4\" font-size=\"12\" text-anchor=\"middle\"",
             ">&lt;a &amp; b&gt;</text>",
