@@ -7,6 +7,7 @@ use egui::{Context, Ui};
 use kalmanscope_core::import::Mapping;
 use kalmanscope_core::record::{LiveError, LiveRecord};
 use kalmanscope_core::{Quantity, Record, Scenario};
+use kalmanscope_sources::StreamRow;
 
 use super::live::NAME;
 use super::{Instrument, waiting_ui};
