@@ -145,7 +145,6 @@ impl Import {
     pub(crate) fn progress(&self) -> Option<f64> {
         match &self.stage {
             Stage::Reading(reading) => Some(*reading.seen()),
-            Stage::Joining(_, joining) => Some(*joining.seen()),
             Stage::Suggesting(_, suggest) => Some(*suggest.seen()),
             Stage::Asking(_) | Stage::Failed(_) => None,
         }
