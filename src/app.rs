@@ -11,7 +11,6 @@ pub mod link;
 mod panels;
 mod standstill;
 mod state;
-mod trials;
 mod window;
 
 use egui::util::undoer::Undoer;
@@ -66,6 +65,8 @@ pub struct App {
     /// The heights of the drawers of a narrow window.
     drawers: panels::Drawers,
     presenting: bool,
+    /// The zoom outside presenter mode.
+    usual_zoom: f32,
     keys_open: bool,
     /// Width of the window in the last frame \[points\], and its theme.
     width: f32,
@@ -139,6 +140,7 @@ impl App {
             diagnosed: None,
             drawers: panels::Drawers::default(),
             presenting: false,
+            usual_zoom: 1.0,
             keys_open: false,
             width: window::WIDE,
             low: false,

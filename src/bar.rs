@@ -108,8 +108,9 @@ fn scenario_menu_ui(ui: &mut Ui, session: &Session, [opens, measures]: [bool; 2]
         ui.menu_button("Equations of one's own", |ui| entries_ui(ui, EQUATIONS, requests));
         ui.separator();
         if ui.button("Copy as TOML").on_hover_text("For the command line, or to keep").clicked() {
-            if let Ok(toml) = session.scenario().to_toml() {
-                ui.ctx().copy_text(toml);
+            match session.scenario().to_toml() {
+                Ok(toml) => ui.ctx().copy_text(toml),
+                Err(error) => requests.push(Request::Report(format!("The scenario cannot be copied: {error}."))),
             }
             ui.close();
         }

@@ -1,4 +1,4 @@
-//! The settings: the only code that writes to the scenario.
+//! The settings, of which each writes to a copy of the scenario.
 
 mod belief;
 mod bounds;

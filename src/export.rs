@@ -31,13 +31,12 @@ pub type Deliver = Box<dyn Fn(&File) -> Result<String, String>>;
 
 impl Export {
     /// The files of results, in the menu's order.
-    pub const DATA: [Self; 9] = [
+    pub const DATA: [Self; 8] = [
         Self::Report,
         Self::Estimates,
         Self::Record,
         Self::Map,
         Self::MonteCarlo,
-        Self::Trials,
         Self::Scenario,
         Self::All,
         Self::Session,
@@ -52,7 +51,6 @@ impl Export {
             Self::Record => "Record (CSV)".to_owned(),
             Self::Map => "Map (CSV)".to_owned(),
             Self::MonteCarlo => "Monte Carlo (CSV)".to_owned(),
-            Self::Trials => "Trials (CSV)".to_owned(),
             Self::Scenario => "Scenario (TOML)".to_owned(),
             Self::All => "Everything (JSON)".to_owned(),
             Self::Session => "Session, to open again".to_owned(),
@@ -67,7 +65,6 @@ impl Export {
             Self::Estimates => "Every mean, standard deviation, innovation and prediction of every filter",
             Self::Map => "Every score of every cell of the map in the laboratory",
             Self::MonteCarlo => "Mean NEES and NIS, error quantiles and σ over time, of all seeds in the laboratory",
-            Self::Trials => "Frequency, period and damping of each trial in Your own oscillator, with bands",
             Self::Record => "Force, measurements and truth, as the command line reads them",
             Self::Scenario => "The settings, for the command line or to be dropped on this window",
             Self::All => "Version, scenario, record, estimates and diagnosis, for a program",
@@ -92,7 +89,6 @@ pub fn file(export: Export, context: &ViewContext<'_>, layout: &Layout) -> Resul
         Export::Record => csv("record.csv", |out| session.run().record().write_csv(out))?,
         Export::Map => text("map.csv", "text/csv", map(context)?),
         Export::MonteCarlo => text("monte-carlo.csv", "text/csv", seeds(context)?),
-        Export::Trials => text("trials.csv", "text/csv", trials(context)?),
         Export::Scenario => text("scenario.toml", "application/toml", session.scenario().to_toml().map_err(reason)?),
         Export::All => text("kalmanscope.json", JSON, everything::json(session).map_err(reason)?),
         Export::Session => text("kalmanscope-session.json", JSON, written(context, layout)?),
@@ -115,12 +111,6 @@ fn map(context: &ViewContext<'_>) -> Result<String, String> {
 fn seeds(context: &ViewContext<'_>) -> Result<String, String> {
     let runs = context.laboratory.and_then(|laboratory| laboratory.seeds().shown());
     Ok(runs.ok_or("no seed has been run yet: show the view Monte Carlo")?.to_csv())
-}
-
-/// The table of trials.
-fn trials(context: &ViewContext<'_>) -> Result<String, String> {
-    let trials = context.laboratory.map(Laboratory::trials).filter(|trials| !trials.rows().is_empty());
-    Ok(trials.ok_or("there is no trial yet: show the view Your own oscillator")?.to_csv())
 }
 
 fn text(name: &str, kind: &'static str, text: String) -> File {

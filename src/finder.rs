@@ -8,7 +8,7 @@ use kalmanscope_core::setting::Address;
 
 use crate::request::Request;
 use crate::session::Session;
-use crate::text::{parse, significant};
+use crate::text::{parse, significant, unit_in};
 use crate::theme::{self, Palette};
 use crate::tutor::Catalogue;
 
@@ -96,7 +96,7 @@ impl Finder {
         match chosen.map(|entry| &entry.choice) {
             None => return true,
             Some(Choice::Setting(address)) => {
-                self.change = Some(Change { address: address.clone(), text: String::new() });
+                self.change = Some(Change { address: address.clone(), text: String::new(), is_refused: false });
                 return true;
             }
             Some(Choice::Edit(edit)) => {
@@ -123,14 +123,16 @@ fn entry_ui(ui: &mut Ui, entry: &Entry, is_on: bool, palette: &Palette) -> egui:
 struct Change {
     address: Address,
     text: String,
+    /// Whether Enter was pressed on a text that is no number.
+    is_refused: bool,
 }
 
 impl Change {
     /// Shows the present number and a field for the new one. Returns whether the finder stays open.
     fn ui(&mut self, ui: &mut Ui, scenario: &Scenario, requests: &mut Vec<Request>) -> bool {
-        let Self { address, text } = self;
+        let Self { address, text, is_refused } = self;
         let title = entry::title(scenario, address);
-        let unit = address.unit();
+        let unit = unit_in(scenario, address.unit());
         let now = significant(address.get(scenario), 5);
         ui.label(RichText::new(format!("{title}: {now} {unit}")).family(theme::strong()));
         let is_entered = ui.input_mut(|input| input.consume_key(egui::Modifiers::NONE, Key::Enter));
@@ -140,13 +142,12 @@ impl Change {
         if !field.has_focus() {
             field.request_focus();
         }
-        if !is_entered {
-            return true;
-        }
-        let Some(value) = parse(text) else {
+        let value = parse(text);
+        *is_refused = value.is_none() && (is_entered || (*is_refused && !field.changed()));
+        if *is_refused {
             ui.colored_label(ui.visuals().warn_fg_color, "This is no number.");
-            return true;
-        };
+        }
+        let Some(value) = value.filter(|_| is_entered) else { return true };
         let mut edited = scenario.clone();
         address.set(&mut edited, value);
         requests.extend(Request::edit(scenario, &edited));

@@ -5,7 +5,6 @@ mod columns;
 mod conditioning;
 mod dialog;
 mod draft;
-mod second;
 mod source;
 mod spectra;
 
@@ -13,7 +12,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use egui::Context;
-use kalmanscope_core::import::{ImportError, Loaded, Loading};
+use kalmanscope_core::import::{Loaded, Loading};
 use kalmanscope_core::suggest::{Suggest, Suggestion};
 use kalmanscope_core::{Record, Scenario, Task};
 
@@ -21,8 +20,6 @@ use crate::session::RecordFile;
 use crate::team::{BETWEEN, Handle, Lost, Priority, Report, Running, Team};
 
 pub use draft::Draft;
-
-use second::{Both, Joining, Second};
 
 /// Limits the size of a record's file \[bytes\].
 pub const LARGEST: usize = 500_000_000;
@@ -39,16 +36,6 @@ pub struct Import {
     stage: Stage,
     /// Does long work beside the frames.
     team: Rc<dyn Team>,
-    /// Whether the next file is joined to this one.
-    wants_second: bool,
-    /// Whether both are being joined with another offset.
-    joins_again: bool,
-    /// Both files, once they are joined.
-    second: Option<Second>,
-    /// The reason why a second file is not joined.
-    refusal: Option<String>,
-    /// The contents of both files as one, until they are taken.
-    joined: Option<Vec<u8>>,
     /// Whether it makes no progress.
     is_still: bool,
 }
@@ -58,8 +45,6 @@ enum Stage {
     Reading(Running<Reading>),
     /// Its columns are given a meaning.
     Asking(Box<Draft>),
-    /// A second file is read, and the offset between both clocks is searched.
-    Joining(Box<Draft>, Box<Running<Joining>>),
     /// Start values are made.
     Suggesting(Box<Draft>, Box<Running<Suggest>>),
     /// It cannot be read.
@@ -113,66 +98,7 @@ impl Import {
     }
 
     fn at(name: String, stage: Stage, team: Rc<dyn Team>) -> Self {
-        let (wants_second, joins_again, second, refusal, joined, is_still) = Default::default();
-        Self { name, stage, team, wants_second, joins_again, second, refusal, joined, is_still }
-    }
-
-    /// Joins a file with a clock of its own, if the user has asked for one. Returns its contents if not.
-    pub(crate) fn take_second(&mut self, name: &str, bytes: Vec<u8>) -> Option<Vec<u8>> {
-        if !std::mem::take(&mut self.wants_second) {
-            return Some(bytes);
-        }
-        match std::mem::replace(&mut self.stage, Stage::Failed(String::new())) {
-            Stage::Asking(draft) => {
-                let is_long = bytes.len() > LONG_FILE;
-                let joining = Joining::new(Arc::clone(draft.file()), name, bytes);
-                let joining = running(&*self.team, None, joining, is_long);
-                (self.stage, self.refusal) = (Stage::Joining(draft, Box::new(joining)), None);
-                None
-            }
-            other => {
-                self.stage = other;
-                Some(bytes)
-            }
-        }
-    }
-
-    /// Goes on with both files as one, and the draft that is made of it: the meaning of the columns stays where they were joined
-    /// before.
-    fn take_up(&mut self, before: Box<Draft>, second: Second, both: Result<Both, ImportError>) {
-        let is_again = std::mem::take(&mut self.joins_again);
-        self.second = Some(second);
-        match both {
-            Ok((bytes, file)) => {
-                (self.joined, self.refusal) = (Some(bytes), None);
-                self.name.clone_from(&file.name);
-                let draft = Draft::new(Arc::new(file));
-                let draft = if is_again { draft.with_choices(before.choices()) } else { draft };
-                self.stage = Stage::Asking(Box::new(draft));
-            }
-            Err(reason) => {
-                self.stage = Stage::Asking(before);
-                self.refusal = Some(format!("the files cannot be joined: {reason}"));
-            }
-        }
-    }
-
-    /// Joins both files again, with another offset.
-    fn join_again(&mut self) {
-        let Some(second) = self.second.take() else { return };
-        match std::mem::replace(&mut self.stage, Stage::Failed(String::new())) {
-            Stage::Asking(draft) => {
-                let is_long = second.is_long();
-                let joining = running(&*self.team, None, Joining::again(Arc::clone(draft.file()), second), is_long);
-                (self.stage, self.joins_again) = (Stage::Joining(draft, Box::new(joining)), true);
-            }
-            other => (self.stage, self.second) = (other, Some(second)),
-        }
-    }
-
-    /// The name and the contents of both files as one, once after each change.
-    pub(crate) fn take_joined(&mut self) -> Option<(String, Vec<u8>)> {
-        Some((self.name.clone(), self.joined.take()?))
+        Self { name, stage, team, is_still: false }
     }
 
     /// Goes on until `while_time` returns false. Returns the outcome once there is one.
@@ -206,21 +132,6 @@ impl Import {
                 }
                 Stage::Suggesting(draft, suggest)
             }
-            Stage::Joining(draft, mut joining) => {
-                let outcome = match joining.advance(while_time) {
-                    Ok(None) => {
-                        self.stage = Stage::Joining(draft, joining);
-                        return None;
-                    }
-                    Ok(Some(outcome)) => outcome,
-                    Err(Lost) => Err("the thread that read the second file has failed".to_owned()),
-                };
-                match outcome {
-                    Ok((second, both)) => self.take_up(draft, second, both),
-                    Err(reason) => (self.stage, self.refusal) = (Stage::Asking(draft), Some(reason)),
-                }
-                return None;
-            }
             Stage::Asking(mut draft) => {
                 draft.advance(while_time);
                 Stage::Asking(draft)
@@ -234,7 +145,6 @@ impl Import {
     pub(crate) fn progress(&self) -> Option<f64> {
         match &self.stage {
             Stage::Reading(reading) => Some(*reading.seen()),
-            Stage::Joining(_, joining) => Some(*joining.seen()),
             Stage::Suggesting(_, suggest) => Some(*suggest.seen()),
             Stage::Asking(_) | Stage::Failed(_) => None,
         }
@@ -250,7 +160,6 @@ impl Import {
         let (is_busy, is_beside) = match &self.stage {
             Stage::Reading(reading) => (true, reading.is_beside()),
             Stage::Suggesting(_, suggest) => (true, suggest.is_beside()),
-            Stage::Joining(_, joining) => (true, joining.is_beside()),
             Stage::Asking(draft) => (draft.is_busy(), false),
             Stage::Failed(_) => (false, false),
         };

@@ -17,7 +17,6 @@ mod survey;
 mod table;
 #[cfg(test)]
 mod tests;
-mod trials;
 mod tuning;
 
 use std::rc::Rc;
@@ -34,7 +33,6 @@ pub use posterior::{Posteriors, Shown};
 pub(crate) use settings::{candidates, collide, label as setting_label, name as setting_name, of_filters};
 pub use state::WorkState;
 pub use survey::Survey;
-pub use trials::{Trials, trial_of};
 pub use tuning::{TuneChoice, TuneResult, Tuning};
 
 use crate::session::Session;
@@ -54,7 +52,6 @@ pub struct Laboratory {
     seeds: Seeds,
     tuning: Tuning,
     posteriors: Posteriors,
-    trials: Trials,
     state: WorkState,
     /// Counts the surveys that have been shown.
     edition: u64,
@@ -71,7 +68,6 @@ impl Laboratory {
             seeds: Seeds::default(),
             tuning: Tuning::default(),
             posteriors: Posteriors::default(),
-            trials: Trials::default(),
             state: WorkState::default(),
             edition: 0,
         }
@@ -209,16 +205,6 @@ impl Laboratory {
     /// The same, mutable.
     pub fn posteriors_mut(&mut self) -> &mut Posteriors {
         &mut self.posteriors
-    }
-
-    /// The results of several records.
-    pub fn trials(&self) -> &Trials {
-        &self.trials
-    }
-
-    /// The same, mutable.
-    pub fn trials_mut(&mut self) -> &mut Trials {
-        &mut self.trials
     }
 
     /// Begins to tune, from the best cell of the map if the map varies settings of the tuning.

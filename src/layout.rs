@@ -198,13 +198,13 @@ type Rows<'a> = &'a [(f32, &'a [ViewKind])];
 const fn rows(arrangement: Arrangement) -> Rows<'static> {
     use ViewKind::{
         Autocorrelation, Consistency, Errors, Filters, Innovations, Map, Oscillator, ParameterPlane, Parameters,
-        Scores, Slices, States,
+        Scores, States,
     };
     match arrangement {
         Arrangement::Teach => &[(0.19, &[Oscillator]), (0.44, &[Parameters]), (0.37, &[States])],
         Arrangement::Tune => &[(0.5, &[Parameters, Consistency]), (0.5, &[Innovations, Autocorrelation])],
         Arrangement::Compare => &[(0.5, &[Parameters, Scores]), (0.5, &[Errors, Filters, ParameterPlane])],
-        Arrangement::Laboratory => &[(0.62, &[Map]), (0.38, &[Slices, States])],
+        Arrangement::Laboratory => &[(0.62, &[Map]), (0.38, &[States])],
     }
 }
 

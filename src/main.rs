@@ -117,9 +117,7 @@ mod web {
     mod microphone;
     mod motion;
     mod object;
-    mod serial;
     mod shelf;
-    mod socket;
     mod tables;
     mod version;
     mod workers;
@@ -136,18 +134,14 @@ mod web {
     use messages::{Message, Messages};
     use microphone::Microphone;
     use motion::Motion;
-    use serial::Serial;
-    use socket::Socket;
     use tables::Tables;
 
     /// The sensors of this page.
     fn sensors(ctx: &egui::Context) -> Sensors {
         Sensors {
             accelerometer: Motion::of_page(ctx).map(|motion| Rc::new(motion) as Rc<_>),
-            wire: Serial::of_page().map(|serial| Rc::new(serial) as Rc<_>),
             microphone: Microphone::of_page().map(|microphone| Rc::new(microphone) as Rc<_>),
             stream: None,
-            socket: Some(Rc::new(|scenario, port| Rc::new(Socket::new(scenario, port)))),
         }
     }
 

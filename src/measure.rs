@@ -2,7 +2,6 @@
 
 mod health;
 mod live;
-mod socket;
 mod sound;
 mod stream;
 mod swing;
@@ -13,7 +12,6 @@ use std::time::Duration;
 use egui::{Align2, Button, Context, Key, Label, RichText, Ui, Vec2, Window};
 use kalmanscope_core::{Record, Scenario};
 
-use socket::Socket;
 use sound::Listener;
 use stream::Stream;
 use swing::Swing;
@@ -54,14 +52,6 @@ trait Instrument {
 
     /// What to do, in sentences.
     fn directions(&self) -> &'static [&'static str];
-
-    /// Shows the numbers that the user sets before it begins.
-    fn settings_ui(&mut self, _: &mut Ui) {}
-
-    /// Whether the filters are watched from the beginning.
-    fn begins_watched(&self) -> bool {
-        false
-    }
 
     /// Forgets what was measured, and begins.
     fn begin(&mut self, ctx: &Context);
@@ -120,15 +110,13 @@ enum Stage {
 }
 
 impl Measure {
-    /// A measurement with one of some sensors, or those of the scenario on screen. `None` if there are none.
-    pub(crate) fn new(sensors: &Sensors, scenario: &Scenario) -> Option<Self> {
-        let Sensors { accelerometer, wire, microphone, stream, socket } = sensors.clone();
+    /// A measurement with one of some sensors. `None` if there are none.
+    pub(crate) fn new(sensors: &Sensors) -> Option<Self> {
+        let Sensors { accelerometer, microphone, stream } = sensors.clone();
         let swing = accelerometer.map(|device| Box::new(Swing::new(device)) as Box<dyn Instrument>);
-        let wire = wire.map(|device| Box::new(Swing::on_a_wire(device)) as Box<dyn Instrument>);
         let listener = microphone.map(|device| Box::new(Listener::new(device)) as Box<dyn Instrument>);
         let stream = stream.map(|(device, scenario)| Box::new(Stream::new(device, &scenario)) as Box<dyn Instrument>);
-        let socket = socket.map(|connect| Box::new(Socket::new(connect, scenario)) as Box<dyn Instrument>);
-        let instruments: Vec<_> = stream.into_iter().chain(swing).chain(listener).chain(wire).chain(socket).collect();
+        let instruments: Vec<_> = stream.into_iter().chain(swing).chain(listener).collect();
         (!instruments.is_empty()).then_some(Self {
             instruments,
             chosen: 0,
@@ -231,12 +219,11 @@ impl Measure {
                 self.choice_ui(ui);
                 let instrument = &mut self.instruments[self.chosen];
                 instrument.directions().iter().for_each(|text| _ = ui.label(*text));
-                instrument.settings_ui(ui);
                 ui.label(RichText::new("Nothing leaves this device.").small().color(palette.weak));
                 let [begin, close] = buttons_ui(ui, instrument.beginning(), "Close");
                 if begin {
                     instrument.begin(ui.ctx());
-                    self.is_watched = instrument.begins_watched();
+                    self.is_watched = false;
                     self.shown = None;
                     self.stage = Stage::Running(ui.input(|input| input.time));
                 }

@@ -7,7 +7,6 @@ use std::fmt;
 use egui_tiles::Tree;
 use kalmanscope_core::Scenario;
 use kalmanscope_core::setting::Change;
-use kalmanscope_lab::Trial;
 use kalmanscope_lessons::{BuiltIn, Lesson};
 use serde::{Deserialize, Serialize};
 
@@ -155,12 +154,6 @@ pub enum Request {
     Tune(bool),
     /// Show the posterior of the parameters of the filter with an id, or of none.
     ChoosePosterior(Option<u32>),
-    /// Keep these trials in place of those in the table.
-    KeepTrials(Vec<Trial>),
-    /// Add the trials of all links in a text.
-    CollectTrials(String),
-    /// Bring back the trials from before some were removed.
-    RestoreTrials,
     /// Restore a session from a file.
     OpenSession(Box<SavedPicture>),
 }
@@ -181,8 +174,6 @@ pub enum Export {
     Map,
     /// The statistics over many seeds, as CSV.
     MonteCarlo,
-    /// The results of several records, as CSV.
-    Trials,
     /// Verdicts, evidence, estimates, scores and figures as one page, as HTML.
     Report,
     /// Every estimate of every filter, as CSV.

@@ -2,12 +2,11 @@
 
 use egui::ThemePreference;
 use kalmanscope_core::{Document, DocumentError, Scenario};
-use kalmanscope_lab::Trial;
 use kalmanscope_lessons::BuiltIn;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use crate::laboratory::{Choice, Choices, SeedChoice, Trials, TuneChoice};
+use crate::laboratory::{Choice, Choices, SeedChoice, TuneChoice};
 use crate::layout::Layout;
 use crate::request::{LegendEntry, ViewKind};
 use crate::ruler::Ruler;
@@ -75,8 +74,6 @@ struct Written<'a> {
     seeds: &'a Option<SeedChoice>,
     tuning: &'a Option<TuneChoice>,
     posterior: Option<u32>,
-    #[serde(skip_serializing_if = "<[_]>::is_empty")]
-    trials: &'a [Trial],
     lessons: &'a Studies,
 }
 
@@ -149,7 +146,7 @@ impl Saved {
             laboratory,
             ..
         } = self;
-        let Choices { map, seeds, tuning, posterior, trials } = laboratory;
+        let Choices { map, seeds, tuning, posterior } = laboratory;
         Document::json(&Written {
             version: VERSION,
             scenario: scenario.to_toml().map_err(serde::ser::Error::custom)?,
@@ -166,7 +163,6 @@ impl Saved {
             seeds,
             tuning,
             posterior: *posterior,
-            trials,
             lessons: &self.studies,
         })
     }
@@ -252,12 +248,9 @@ impl Reader {
         let seeds: Option<SeedChoice> = self.part("seeds", None);
         let checked = seeds.map(|seeds| seeds.check().map(|()| seeds));
         let seeds = checked.and_then(|seeds| self.note("seeds", seeds));
-        let trials: Vec<Trial> = self.part("trials", Vec::new());
-        let checked = Trials::check(&trials).map(|()| trials);
-        let trials = self.note("trials", checked).unwrap_or_default();
         let (map, tuning, posterior) =
             (self.part("map", None), self.part("tuning", None), self.part("posterior", None));
-        Choices { map, seeds, tuning, posterior, trials }
+        Choices { map, seeds, tuning, posterior }
     }
 
     fn views(&mut self, version: u64) -> Option<Outline> {

@@ -1,4 +1,4 @@
-//! The sensors of this device, if it has some: an accelerometer, one on a wire, a microphone, a socket.
+//! The sensors of this device, if it has some: an accelerometer, a microphone, a source of lines.
 
 use std::rc::Rc;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -46,28 +46,21 @@ impl Reading for StreamRow {
     const MOST: usize = 1_000_000;
 }
 
-/// Connects to a port of this device, which tells the input and the sensors of a scenario.
-pub type Connect = Rc<dyn Fn(&Scenario, u16) -> Rc<dyn Sensor<StreamRow>>>;
-
 /// The sensors of a device.
 #[derive(Clone, Default)]
 pub struct Sensors {
     /// The accelerometer.
     pub accelerometer: Option<Rc<dyn Sensor<Acceleration>>>,
-    /// An accelerometer behind a serial port that the user chooses.
-    pub wire: Option<Rc<dyn Sensor<Acceleration>>>,
     /// The microphone.
     pub microphone: Option<Rc<dyn Sensor<Sound>>>,
     /// The sensors of a scenario, with the scenario.
     pub stream: Option<(Rc<dyn Sensor<StreamRow>>, Rc<Scenario>)>,
-    /// Those of the scenario on screen, behind a port of this device.
-    pub socket: Option<Connect>,
 }
 
 impl Sensors {
     pub(crate) fn is_empty(&self) -> bool {
-        let Self { accelerometer, wire, microphone, stream, socket } = self;
-        accelerometer.is_none() && wire.is_none() && microphone.is_none() && stream.is_none() && socket.is_none()
+        let Self { accelerometer, microphone, stream } = self;
+        accelerometer.is_none() && microphone.is_none() && stream.is_none()
     }
 }
 

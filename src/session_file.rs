@@ -81,8 +81,8 @@ fn first(document: &Document) -> Result<Picture, SessionFileError> {
     let First { scenario, mode, speed, time, layout, map, seeds, tuning } = document.read()?;
     let views = outline_of_tiles(&layout).map_err(PictureError::Screen)?;
     let (enlarged, marks, hidden) = (None, Ruler::default(), Vec::new());
-    let (posterior, trials) = (None, Vec::new());
-    let screen = Screen { views, enlarged, map, seeds, tuning, posterior, trials, mode, time, speed, marks, hidden };
+    let posterior = None;
+    let screen = Screen { views, enlarged, map, seeds, tuning, posterior, mode, time, speed, marks, hidden };
     Ok(Picture::of_parts(screen, &scenario)?)
 }
 

@@ -2,7 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use kalmanscope_core::Channel;
+use kalmanscope_core::import::Length;
+use kalmanscope_core::{Channel, Scenario};
 
 /// A number with `digits` significant digits, in fixed-point notation where that is short, else with an exponent.
 pub fn significant(x: f64, digits: usize) -> String {
@@ -24,6 +25,11 @@ pub fn in_hertz(x: f64, unit: &str) -> Option<String> {
 pub fn error_in_hertz(x: f64, unit: &str, decimals: usize) -> Option<String> {
     // A hertz is more than six radians a second.
     (unit == "rad/s").then(|| format!("{} Hz", fixed(x / TAU, decimals + 1)))
+}
+
+/// A unit with that of the record's motion in place of metres: a circuit swings in volts.
+pub(crate) fn unit_in(scenario: &Scenario, unit: &'static str) -> &'static str {
+    Length::of(scenario.record.as_ref()).in_place_of(unit)
 }
 
 /// Reads the output of [`significant`], and any number in Rust's notation.

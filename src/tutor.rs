@@ -234,6 +234,5 @@ fn kind(view: ViewName) -> ViewKind {
         ViewName::Measured => ViewKind::Measured,
         ViewName::FrequencyResponse => ViewKind::FrequencyResponse,
         ViewName::Map => ViewKind::Map,
-        ViewName::Slices => ViewKind::Slices,
     }
 }

@@ -3,7 +3,6 @@
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 
 use egui::Ui;
-use kalmanscope_core::import::Length;
 use kalmanscope_core::{Channel, Diagnostics, Estimates};
 
 use crate::laboratory::Laboratory;
@@ -17,6 +16,7 @@ use crate::ruler::Ruler;
 use crate::session::{Before, Session, Wanted};
 use crate::share::Picture;
 use crate::sheet::Sheet;
+use crate::text::unit_in;
 use crate::theme::Palette;
 use crate::visibility::Visibility;
 
@@ -77,7 +77,7 @@ impl<'a> ViewContext<'a> {
 
     /// A unit, with that of the record's motion in place of metres.
     pub(crate) fn unit(&self, unit: &'static str) -> &'static str {
-        Length::of(self.session.run().scenario().record.as_ref()).in_place_of(unit)
+        unit_in(self.session.run().scenario(), unit)
     }
 
     /// The part for charts.

@@ -21,9 +21,7 @@ mod oscillator;
 mod parameter_plane;
 mod phase;
 mod scores;
-mod slices;
 mod spectrogram;
-mod trials;
 mod tune;
 mod weights;
 
@@ -53,10 +51,8 @@ pub fn view(kind: ViewKind) -> &'static dyn View {
         ViewKind::Filters => &filters::Filters,
         ViewKind::Diagnosis => &diagnosis::Diagnosis,
         ViewKind::Map => &map::Map,
-        ViewKind::Slices => &slices::Slices,
         ViewKind::MonteCarlo => &monte_carlo::MonteCarlo,
         ViewKind::Tune => &tune::Tune,
-        ViewKind::Trials => &trials::Trials,
     }
 }
 

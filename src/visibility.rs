@@ -20,7 +20,7 @@ pub struct Visibility {
     pub verdicts: bool,
     /// The smoothed estimates.
     pub hindsight: bool,
-    /// The channels with a chart; `None` for all.
+    /// The channels with a chart; all where it is empty.
     pub only: Vec<Channel>,
     /// The ids of the filters that are hidden.
     hidden_filters: BTreeSet<u32>,

@@ -31,7 +31,6 @@ mod share;
 mod sheet;
 mod threads;
 mod trace;
-mod trials;
 #[cfg(feature = "tune")]
 pub mod tune;
 
@@ -45,4 +44,3 @@ pub use share::share_interval;
 pub use sheet::{Sheet, Slice};
 pub use threads::{Lost, Parts, Priority, Report, Step, Threads, Wanted};
 pub use trace::Trace;
-pub use trials::{Estimated, Spread, Spring, Trial};

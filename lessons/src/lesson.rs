@@ -64,7 +64,7 @@ pub struct Step {
     /// The views to show, the most important first.
     #[serde(default)]
     pub views: Vec<ViewName>,
-    /// The map in the views `map` and `slices`; the user's or a usual one if left out.
+    /// The map in the view `map`; the user's or a usual one if left out.
     pub map: Option<Map>,
     /// The channels to show; all if left out.
     #[serde(default)]
@@ -129,8 +129,6 @@ pub enum ViewName {
     Measured,
     /// A score over two settings.
     Map,
-    /// The same over one setting at a time, through the settings of the step.
-    Slices,
 }
 
 /// The presentation of the record in a step.

@@ -47,8 +47,8 @@ impl App {
             Request::ChooseFile => self.choose_file(ctx),
             Request::ImportFile(file) => self.import(*file),
             Request::ChangeColumns => self.change_columns(),
-            // A page that embeds this one shows plots only.
             Request::Measure => self.measure(),
+            // Within another page this one shows plots only.
             Request::EditEquation if self.embedded => {}
             Request::EditEquation => self.editor = Some(Editor::new(session.scenario(), ctx.pointer_latest_pos())),
             Request::HoldOut => self.hold_out(),
@@ -88,7 +88,11 @@ impl App {
             Request::ToggleControls => self.controls_open = Some(!self.controls_open()),
             Request::TogglePresenter => {
                 self.presenting = !self.presenting;
-                ctx.set_zoom_factor(ctx.zoom_factor() * if self.presenting { LARGE } else { 1.0 / LARGE });
+                if self.presenting {
+                    self.usual_zoom = ctx.zoom_factor();
+                }
+                // The zoom may have been changed by keys meanwhile.
+                ctx.set_zoom_factor(if self.presenting { LARGE * self.usual_zoom } else { self.usual_zoom });
                 theme::enlarge_readouts(ctx, self.presenting);
                 self.controls_open = None;
             }
@@ -149,9 +153,6 @@ impl App {
                 laboratory.tuning_mut().cancel();
             }
             Request::ChoosePosterior(filter) => laboratory.posteriors_mut().choose(filter),
-            Request::KeepTrials(rows) => laboratory.trials_mut().keep(rows),
-            Request::CollectTrials(text) => self.collect_trials(&text),
-            Request::RestoreTrials => laboratory.trials_mut().restore(),
             Request::OpenSession(saved) => self.open_session(*saved, ctx),
         }
     }

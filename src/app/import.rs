@@ -27,11 +27,6 @@ impl App {
     /// Begins the import of a file. One that the scenario waits for needs no questions.
     pub(super) fn import(&mut self, RawFile { name, bytes }: RawFile) {
         self.inviting = false;
-        let bytes = match &mut self.importing {
-            Some(importing) => importing.take_second(&name, bytes),
-            None => Some(bytes),
-        };
-        let Some(bytes) = bytes else { return };
         self.candidate = self.shelf.is_some().then(|| Candidate::of(&name, &bytes)).flatten();
         self.importing = Some(Import::new(&name, bytes, Rc::clone(self.session.team())));
     }
@@ -55,7 +50,7 @@ impl App {
 
     /// Opens the window of a measurement, if there are sensors.
     pub fn measure(&mut self) {
-        self.measure = Measure::new(&self.sensors, self.session.scenario());
+        self.measure = Measure::new(&self.sensors);
     }
 
     /// Begins to measure with the sensors of a scenario, and shows its filters on what comes.
@@ -141,9 +136,6 @@ impl App {
     /// Goes on with an import.
     pub(super) fn follow_import(&mut self, ctx: &Context) {
         let Some(import) = &mut self.importing else { return };
-        if let Some((name, bytes)) = import.take_joined() {
-            self.candidate = self.shelf.is_some().then(|| Candidate::of(&name, &bytes)).flatten();
-        }
         let mut while_time = self.session.budget().slice();
         let opened = import.advance(&mut while_time);
         let file = import.file().cloned();

@@ -11,7 +11,7 @@ use crate::notice::Notice;
 use crate::plot::time_axis::TimeAxis;
 use crate::request::{Request, ViewKind};
 use crate::share::address::{self, Target};
-use crate::share::{LinkError, MARK, Picture};
+use crate::share::{LinkError, Picture};
 use crate::theme::Palette;
 use crate::views::view;
 use crate::visibility::Visibility;
@@ -52,16 +52,14 @@ impl App {
         let picture = self.figure_context(&palette).picture(&self.layout);
         let shown = self.layout.shown();
         let shows_map = shown.iter().any(|kind| view(*kind).is_of_laboratory());
-        let [shows_seeds, shows_tuning, shows_plane, shows_trials] =
-            [ViewKind::MonteCarlo, ViewKind::Tune, ViewKind::ParameterPlane, ViewKind::Trials]
-                .map(|kind| shown.contains(&kind));
-        let Choices { map, seeds, tuning, posterior, trials } = picture.laboratory;
+        let [shows_seeds, shows_tuning, shows_plane] =
+            [ViewKind::MonteCarlo, ViewKind::Tune, ViewKind::ParameterPlane].map(|kind| shown.contains(&kind));
+        let Choices { map, seeds, tuning, posterior } = picture.laboratory;
         let laboratory = Choices {
             map: map.filter(|_| shows_map),
             seeds: seeds.filter(|_| shows_seeds),
             tuning: tuning.filter(|_| shows_tuning),
             posterior: posterior.filter(|_| shows_plane),
-            trials: if shows_trials { trials } else { Vec::new() },
         };
         Picture { laboratory, ..picture }
     }
@@ -134,10 +132,6 @@ pub(super) fn pasted(ctx: &Context, requests: &mut Vec<Request>) {
     }
     let pasted = |event: &Event| if let Event::Paste(text) = event { Some(text.clone()) } else { None };
     if let Some(text) = ctx.input(|input| input.events.iter().find_map(pasted)) {
-        requests.push(match text.matches(MARK).count() {
-            0 | 1 => Request::OpenAddress(text.trim().to_owned()),
-            // Nobody wants to see all of them in turn.
-            _ => Request::CollectTrials(text),
-        });
+        requests.push(Request::OpenAddress(text.trim().to_owned()));
     }
 }

@@ -41,13 +41,15 @@ impl App {
     /// Fills the window.
     pub(super) fn window_ui(&mut self, ui: &mut Ui) {
         let palette = Palette::of(ui.ctx().theme());
-        self.story = story::story_of(&self.session);
         self.width = ui.available_width();
         let height = ui.available_height();
         self.low = height < LOW;
         let narrow = self.width < NARROW;
         self.theme = ui.ctx().options(|options| options.theme_preference);
         let open = self.controls_open();
+        if open || self.tells_story() {
+            self.story = story::story_of(&self.session);
+        }
         let ground = if self.cleared { Color32::TRANSPARENT } else { palette.ground };
         let frame = Frame::new().fill(ground).inner_margin(Margin::symmetric(10, 6));
         let extent = self.transport(narrow);

@@ -1,6 +1,7 @@
 //! The bounds of what a filter estimates.
 
 use egui::{Checkbox, DragValue, Ui};
+use kalmanscope_core::import::Length;
 use kalmanscope_core::scenario::Between;
 use kalmanscope_core::{Channel, FilterSettings, PlantKind};
 
@@ -11,7 +12,7 @@ use crate::text::significant;
 const FAR: f64 = 4.0;
 
 /// The bounds of the parameters and the augmentations that the filter estimates.
-pub(super) fn bounds_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantKind) {
+pub(super) fn bounds_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantKind, length: Length) {
     let offered: Vec<Channel> = if filter.can_be_bounded() { filter.considerable(truth).collect() } else { Vec::new() };
     // A filter that can have no bounds, or no longer has the channel, loses them.
     filter.bounds.retain(|channel| offered.contains(&channel));
@@ -42,7 +43,7 @@ pub(super) fn bounds_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantKi
                     &mut between.most,
                     (mean, f64::INFINITY, upper),
                 );
-                ui.weak(channel.unit());
+                ui.weak(length.in_place_of(channel.unit()));
             });
             if between != filter.bounds.of(channel) {
                 filter.bounds.set(channel, between);

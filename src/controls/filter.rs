@@ -44,7 +44,7 @@ pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize,
             memory_ui(ui, filter, plant.kind, *dt);
             belief_ui(ui, filter, sensors, plant.kind, length);
             ui.add_space(2.0);
-            options_ui(ui, filter, plant.kind, sensors);
+            options_ui(ui, filter, plant.kind, sensors, length);
             ui.add_space(2.0);
             ui.horizontal_wrapped(|ui| {
                 let hint =

@@ -2,6 +2,7 @@
 
 use egui::Ui;
 use kalmanscope_core::channel::augment;
+use kalmanscope_core::import::Length;
 use kalmanscope_core::setting::{CHOICES_OF_FILTER, GUESSES, OPTIONS, PROCESS_SCALES, ROBUST, SMOOTHER};
 use kalmanscope_core::{Channel, FilterSettings, PlantKind, Robust, Sensor};
 
@@ -12,12 +13,18 @@ use super::plucks::plucks_ui;
 use super::row::{choice_row_ui, choices_ui, chooser_ui, filter_row_ui};
 
 /// The less common settings of a filter.
-pub(super) fn options_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantKind, sensors: &[Sensor]) {
+pub(super) fn options_ui(
+    ui: &mut Ui,
+    filter: &mut FilterSettings,
+    truth: PlantKind,
+    sensors: &[Sensor],
+    length: Length,
+) {
     egui::CollapsingHeader::new("Options").id_salt(("options", filter.id)).show_unindented(ui, |ui| {
         plant_ui(ui, filter);
         augment_ui(ui, filter, filter.plant.unwrap_or(truth), sensors);
         consider_ui(ui, filter, truth);
-        bounds_ui(ui, filter, truth);
+        bounds_ui(ui, filter, truth, length);
         delays_ui(ui, filter, sensors);
         plucks_ui(ui, filter);
         for info in CHOICES_OF_FILTER {

@@ -6,7 +6,6 @@ use kalmanscope_core::import::{Decay, NoDecay, Table, ThreeAxes};
 
 use super::columns::columns_ui;
 use super::conditioning::{conditioning_ui, meaning_ui};
-use super::second::Second;
 use super::{Draft, Import, Opened, Stage};
 use crate::probe;
 use crate::request::{RawFile, Request};
@@ -20,10 +19,6 @@ enum Choice {
     Cancel,
     /// Go on with the free decay in the file, as a file of its own.
     Decay(Result<String, NoDecay>),
-    /// Join another file.
-    Second,
-    /// Join it with another offset.
-    Offset,
 }
 
 impl Import {
@@ -61,15 +56,6 @@ impl Import {
                 self.stage = Stage::Failed(reason.to_string());
                 None
             }
-            Some(Choice::Second) => {
-                self.wants_second = true;
-                requests.push(Request::ChooseFile);
-                None
-            }
-            Some(Choice::Offset) => {
-                self.join_again();
-                None
-            }
             Some(Choice::HoldOut) => {
                 requests.push(Request::HoldOut);
                 None
@@ -101,19 +87,11 @@ impl Import {
     }
 
     fn stage_ui(&mut self, ui: &mut Ui, palette: &Palette, can_hold_out: bool) -> Option<Choice> {
-        let Self { name, stage, wants_second, joins_again, second, refusal, is_still, .. } = self;
+        let Self { name, stage, is_still, .. } = self;
         match stage {
             Stage::Reading(reading) => {
                 ui.label(format!("Reading “{name}”"));
                 progress_ui(ui, palette, *reading.seen(), *is_still)
-            }
-            Stage::Joining(_, joining) => {
-                ui.label(if *joins_again {
-                    "Joining both files with this offset"
-                } else {
-                    "Reading the second file, and looking for the offset between both clocks"
-                });
-                progress_ui(ui, palette, *joining.seen(), *is_still)
             }
             Stage::Suggesting(_, suggest) => {
                 ui.label(format!("Making start values from “{name}”"));
@@ -123,12 +101,7 @@ impl Import {
                 ui.colored_label(palette.warning, format!("“{name}” cannot be opened: {reason}."));
                 button(ui, "Close", true).then_some(Choice::Cancel)
             }
-            Stage::Asking(draft) => {
-                let can_join = !draft.is_of_scenario();
-                let second =
-                    can_join.then(|| second_ui(ui, palette, *wants_second, second.as_mut(), refusal.as_deref()));
-                draft.ui(ui, palette, can_hold_out).or(second.flatten())
-            }
+            Stage::Asking(draft) => draft.ui(ui, palette, can_hold_out),
         }
     }
 }
@@ -145,36 +118,6 @@ fn button(ui: &mut Ui, text: &str, enabled: bool) -> bool {
     let button = ui.add_enabled(enabled, Button::new(text));
     probe::remember(ui.ctx(), text, button.rect);
     button.clicked()
-}
-
-/// Offers to join a file with a clock of its own, and shows the one that is joined.
-fn second_ui(
-    ui: &mut Ui,
-    palette: &Palette,
-    is_wanted: bool,
-    second: Option<&mut Second>,
-    refusal: Option<&str>,
-) -> Option<Choice> {
-    let mut choice = None;
-    if let Some(second) = second {
-        choice = second.ui(ui, palette).then_some(Choice::Offset);
-    } else {
-        ui.horizontal_wrapped(|ui| {
-            let join = ui.button("Join a file of another logger…");
-            let join = join.on_hover_text(
-                "A file of the same time with a clock of its own: the offset is found from what both measured",
-            );
-            probe::remember(ui.ctx(), "Join a file of another logger…", join.rect);
-            choice = join.clicked().then_some(Choice::Second);
-            if is_wanted {
-                ui.label("Choose it, or drop it here.");
-            }
-        });
-    }
-    if let Some(refusal) = refusal {
-        ui.colored_label(palette.warning, format!("{}.", sentence(refusal)));
-    }
-    choice
 }
 
 /// Offers the free decay of an accelerometer with three axes.

@@ -87,17 +87,6 @@ impl Draft {
         Self { mapping, input, hold, plant, suggest: false, base: Some(scenario.clone()), ..draft }
     }
 
-    /// The user's choices: the meaning of the columns, the plant, and whether start values are made.
-    pub(super) fn choices(&self) -> (Choices, PlantKind, bool) {
-        ((self.mapping.clone(), self.input, self.hold), self.plant, self.suggest)
-    }
-
-    /// The same file with the choices of another one that has the same columns.
-    pub(super) fn with_choices(self, ((mapping, input, hold), plant, suggest): (Choices, PlantKind, bool)) -> Self {
-        let Mapping { file, hash, .. } = self.mapping;
-        Self { mapping: Mapping { file, hash, ..mapping }, input, hold, plant, suggest, ..self }
-    }
-
     /// Whether the file is the one on screen, and its columns are given another meaning.
     pub(super) fn is_of_scenario(&self) -> bool {
         self.base.is_some()

@@ -1,9 +1,8 @@
 //! The user's choices in the laboratory, for links and sessions.
 
 use kalmanscope_core::Scenario;
-use kalmanscope_lab::Trial;
 
-use super::{Choice, Laboratory, SeedChoice, Trials, TuneChoice};
+use super::{Choice, Laboratory, SeedChoice, TuneChoice};
 
 /// The choices of all views of the laboratory. `None` stands for the usual choice.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -16,8 +15,6 @@ pub struct Choices {
     pub tuning: Option<TuneChoice>,
     /// The id of the filter whose posterior is shown.
     pub posterior: Option<u32>,
-    /// The results of several records.
-    pub trials: Vec<Trial>,
 }
 
 impl Choices {
@@ -26,8 +23,7 @@ impl Choices {
     /// # Errors
     /// A sentence that says what is wrong.
     pub fn check(&self, scenario: &Scenario) -> Result<(), String> {
-        let Self { map, seeds, tuning, posterior: _, trials } = self;
-        Trials::check(trials).map_err(|reason| format!("Your own oscillator: {reason}"))?;
+        let Self { map, seeds, tuning, posterior: _ } = self;
         map.as_ref().map_or(Ok(()), |map| map.check(scenario))?;
         seeds.as_ref().map_or(Ok(()), SeedChoice::check).map_err(|reason| format!("Monte Carlo: {reason}"))?;
         tuning
@@ -38,13 +34,12 @@ impl Choices {
 
     /// These choices; those that are `None` come from `others`.
     pub(crate) fn or(self, others: Self) -> Self {
-        let Self { map, seeds, tuning, posterior, trials } = self;
+        let Self { map, seeds, tuning, posterior } = self;
         Self {
             map: map.or(others.map),
             seeds: seeds.or(others.seeds),
             tuning: tuning.or(others.tuning),
             posterior: posterior.or(others.posterior),
-            trials,
         }
     }
 }
@@ -57,17 +52,14 @@ impl Laboratory {
             seeds: Some(*self.seeds().choice()),
             tuning: self.tuning().chosen().cloned(),
             posterior: self.posteriors().chosen(),
-            trials: self.trials().rows().to_vec(),
         }
     }
 
-    /// Takes over the choices of all views, and adds the trials.
-    pub fn restore(&mut self, Choices { map, seeds, tuning, posterior, trials }: Choices) {
+    /// Takes over the choices of all views.
+    pub fn restore(&mut self, Choices { map, seeds, tuning, posterior }: Choices) {
         self.choose(map);
         self.seeds_mut().choose(seeds.unwrap_or_default());
         self.tuning_mut().choose(tuning);
         self.posteriors_mut().choose(posterior);
-        // Results of a user are never replaced by those of another file or link.
-        self.trials_mut().add(trials);
     }
 }

@@ -4,6 +4,8 @@ use kalmanscope_core::internals::sort_short_by_key;
 use kalmanscope_core::{Channel, Measure, Quantity, Record, Scenario};
 use kalmanscope_lab::channels;
 
+use crate::text::unit_in;
+
 /// Limits the channels that a map keeps scores of: a wide row for every cell would fill the memory.
 const MOST_CHANNELS: usize = 8;
 
@@ -39,8 +41,8 @@ pub(crate) fn offered(scenario: &Scenario, record: &Record) -> Vec<Measure> {
 }
 
 /// The name of a score with its unit.
-pub(crate) fn label(measure: Measure) -> String {
-    let unit = measure.unit();
+pub(crate) fn label(measure: Measure, scenario: &Scenario) -> String {
+    let unit = unit_in(scenario, measure.unit());
     if unit.is_empty() { measure.name() } else { format!("{} [{unit}]", measure.name()) }
 }
 
@@ -48,6 +50,18 @@ pub(crate) fn label(measure: Measure) -> String {
 mod tests {
     use super::*;
     use kalmanscope_core::simulate;
+
+    #[test]
+    fn a_score_has_the_unit_of_the_record() {
+        let circuit = kalmanscope_lessons::BUILT_IN.iter().find(|entry| entry.title == "Measured: a circuit").unwrap();
+        let circuit = circuit.scenario().unwrap();
+        let labels = |scenario: &Scenario| {
+            let key = "filters.*.initial_mean.velocity";
+            [label(Measure::rmse(Channel::VELOCITY), scenario), super::super::setting_label(key, scenario)]
+        };
+        assert!(labels(&circuit).iter().all(|label| label.ends_with("[V/s]")), "{:?}", labels(&circuit));
+        assert!(labels(&Scenario::default()).iter().all(|label| label.ends_with("[m/s]")));
+    }
 
     #[test]
     fn what_is_offered_is_taken_or_needs_a_history() {

@@ -6,6 +6,8 @@ use kalmanscope_core::setting::{
 };
 use kalmanscope_lab::channels;
 
+use crate::text::unit_in;
+
 /// The keys of the settings that may be varied, in the order of a menu: first the filters' settings, then the record's.
 /// `scenario` has the chosen filters only; all of them get the same value.
 pub(crate) fn candidates(scenario: &Scenario, is_measured: bool) -> Vec<String> {
@@ -66,7 +68,7 @@ pub(crate) fn name(key: &str, scenario: &Scenario) -> String {
 
 /// The name of a setting with its unit.
 pub(crate) fn label(key: &str, scenario: &Scenario) -> String {
-    let unit = Address::parse(scenario, key).map_or("", |address| address.unit());
+    let unit = Address::parse(scenario, key).map_or("", |address| unit_in(scenario, address.unit()));
     let name = name(key, scenario);
     if unit.is_empty() { name } else { format!("{name} [{unit}]") }
 }

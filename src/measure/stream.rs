@@ -7,7 +7,7 @@ use egui::{Context, Ui};
 use kalmanscope_core::import::Mapping;
 use kalmanscope_core::record::{LiveError, LiveRecord};
 use kalmanscope_core::{Quantity, Record, Scenario};
-use kalmanscope_sources::{Lines, StreamRow};
+use kalmanscope_sources::StreamRow;
 
 use super::live::NAME;
 use super::{Instrument, waiting_ui};
@@ -43,11 +43,6 @@ impl Stream {
         let record = live.so_far();
         let (readings, taken, refused, refusal) = (Readings::default(), 0, 0, None);
         Self { device, scenario, readings, live, record, taken, refused, refusal, times: None, has_ended: false }
-    }
-
-    /// The columns that lines of this scenario's readings may have.
-    pub(super) fn columns(scenario: &Scenario) -> Vec<&'static str> {
-        Lines::new(scenario).columns()
     }
 
     /// What has come so far, and what is wrong with it, in sentences.

@@ -26,16 +26,8 @@ const APART: f32 = 18.0;
 /// The file of a measurement.
 const FILE: &str = "measured-here.csv";
 
-/// Where the accelerometer is.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Place {
-    Inside,
-    OnAWire,
-}
-
 pub(super) struct Swing {
     device: Rc<dyn Sensor<Acceleration>>,
-    place: Place,
     readings: Readings<Acceleration>,
     live: Live,
     health: Health,
@@ -44,17 +36,8 @@ pub(super) struct Swing {
 impl Swing {
     /// The accelerometer of this device.
     pub(super) fn new(device: Rc<dyn Sensor<Acceleration>>) -> Self {
-        Self::at(Place::Inside, device)
-    }
-
-    /// An accelerometer behind a serial port.
-    pub(super) fn on_a_wire(device: Rc<dyn Sensor<Acceleration>>) -> Self {
-        Self::at(Place::OnAWire, device)
-    }
-
-    fn at(place: Place, device: Rc<dyn Sensor<Acceleration>>) -> Self {
         let (readings, live, health) = (Readings::default(), Live::default(), Health::default());
-        Self { device, place, readings, live, health }
+        Self { device, readings, live, health }
     }
 
     /// Says what is wrong, and that there is nothing more to learn.
@@ -70,28 +53,15 @@ impl Swing {
 
 impl Instrument for Swing {
     fn name(&self) -> &'static str {
-        match self.place {
-            Place::Inside => "It swings",
-            Place::OnAWire => "A sensor on a wire",
-        }
+        "It swings"
     }
 
     // iOS asks for permission at the click on this button.
     fn beginning(&self) -> &'static str {
-        match self.place {
-            Place::Inside => "Begin to measure",
-            Place::OnAWire => "Choose the port",
-        }
+        "Begin to measure"
     }
 
     fn directions(&self) -> &'static [&'static str] {
-        if self.place == Place::OnAWire {
-            return &[
-                "An Arduino, or the like, that writes lines of time and three accelerations, or of these alone, such as `ms,ax,ay,az`, to a serial port. \
-                 Its rate is found.",
-                "Choose the port, wait for two seconds, pull it aside, let go, and wait until it rests.",
-            ];
-        }
         &[
             "Fix the phone, or the sensor, to what swings: hang it on a spring or a rubber band, clamp it to the end of a ruler, lay it on a plank \
              between two chairs.",
@@ -100,7 +70,7 @@ impl Instrument for Swing {
     }
 
     fn begin(&mut self, ctx: &Context) {
-        *self = Self::at(self.place, Rc::clone(&self.device));
+        *self = Self::new(Rc::clone(&self.device));
         self.device.begin(ctx, &self.readings);
     }
 

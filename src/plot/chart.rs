@@ -171,7 +171,7 @@ impl<'a> Chart<'a> {
             return ChartResponse { pointed: None, alone: false };
         }
         let marks = drawn.get().map_or(&[][..], |drawn| drawn.marks());
-        let under = response.hover_pos().and_then(|position| filter_at(marks, &transform, position, input));
+        let under = response.hover_pos().and_then(|position| filter_at(marks, &transform, position));
         let response = if under.is_some() { response.on_hover_cursor(CursorIcon::PointingHand) } else { response };
         let pointed = lens_ui(ui, &response, &transform, &readouts).or(pointed);
         cursor_gestures(ui, &self.key, (&response, under), &transform, input, requests);

@@ -191,7 +191,12 @@ mod tests {
     fn bands_that_agree_are_filled_once() {
         let (means, variances) = (vec![0.0; N], vec![0.01; N]);
         let half: Vec<f64> = (0..N).map(|k| if k < N / 2 { 0.01 } else { 0.04 }).collect();
-        let band = |variances| Layer::Band { band: Band::around(&means, variances), color: Color32::RED, under: 0.0 };
+        let band = |variances| Layer::Band {
+            band: Band::around(&means, variances),
+            color: Color32::RED,
+            under: 0.0,
+            filter: None,
+        };
         let runs = runs_of(&[band(&variances), band(&variances), band(&half)]);
         assert!(runs[1].is_empty());
         let of = runs[0][0].len();

@@ -37,7 +37,7 @@ impl<'a> DrawingItem<'a> {
         self.grid.paint(&projection, transform, &mut strokes);
         for mark in self.marks {
             match mark {
-                Mark::Band { parts, color, steep } => {
+                Mark::Band { parts, color, steep, .. } => {
                     parts.iter().for_each(|rungs| projection.band(rungs, *color, !steep, &mut strokes));
                 }
                 Mark::Dots { points, color } => {
@@ -50,7 +50,7 @@ impl<'a> DrawingItem<'a> {
                             .map(|point| Shape::circle_filled(projection.at(point.x, point.y), radius, *color)),
                     );
                 }
-                Mark::Line { points, color, width, dense: true, dashed: false } => {
+                Mark::Line { points, color, width, dense: true, dashed: false, .. } => {
                     projection.dense_line(points, Stroke::new(*width, *color), &mut strokes);
                 }
                 Mark::Line { points, color, width, dashed, .. } => {

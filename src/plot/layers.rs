@@ -10,11 +10,11 @@ use super::window::Window;
 /// A layer of a chart, at every sample; the first of a list is the lowest.
 pub(crate) enum Layer<'a> {
     /// The area between two edges. A line of width `under`, if positive, hides its middle \[points\].
-    Band { band: Band<'a>, color: Color32, under: f32 },
+    Band { band: Band<'a>, color: Color32, under: f32, filter: Option<u32> },
     /// Single values as dots.
     Dots { series: Series<'a>, color: Color32 },
     /// A line. `bounds` says whether the vertical axis includes all of it, also outliers.
-    Line { series: Series<'a>, color: Color32, width: f32, dashed: bool, bounds: bool },
+    Line { series: Series<'a>, color: Color32, width: f32, dashed: bool, bounds: bool, filter: Option<u32> },
     /// A thin line from before a change. `now` is the number of the same filter's line among the chart's solid lines; where
     /// both coincide, only that one is drawn.
     Before { series: Series<'a>, color: Color32, now: usize },
@@ -25,12 +25,20 @@ pub(crate) enum Layer<'a> {
 impl<'a> Layer<'a> {
     /// A solid line. The vertical axis may leave out its outliers.
     pub(crate) fn line(series: Series<'a>, color: Color32, width: f32) -> Self {
-        Self::Line { series, color, width, dashed: false, bounds: false }
+        Self::Line { series, color, width, dashed: false, bounds: false, filter: None }
     }
 
     /// A dashed line. The vertical axis may leave out its outliers.
     pub(crate) fn dashed(series: Series<'a>, color: Color32, width: f32) -> Self {
-        Self::Line { series, color, width, dashed: true, bounds: false }
+        Self::Line { series, color, width, dashed: true, bounds: false, filter: None }
+    }
+
+    /// The same as what is seen of the filter with an id: a click on it opens that filter's diagnosis.
+    pub(crate) fn of(mut self, id: u32) -> Self {
+        if let Self::Band { filter, .. } | Self::Line { filter, .. } = &mut self {
+            *filter = Some(id);
+        }
+        self
     }
 }
 

@@ -41,6 +41,7 @@ pub(crate) enum Mark {
         parts: Vec<Vec<Rung>>,
         color: Color32,
         steep: bool,
+        filter: Option<u32>,
     },
     Dots {
         points: Vec<PlotPoint>,
@@ -53,6 +54,7 @@ pub(crate) enum Mark {
         width: f32,
         dashed: bool,
         dense: bool,
+        filter: Option<u32>,
     },
     Level {
         value: f64,
@@ -70,34 +72,39 @@ impl Mark {
         scale: Scale,
     ) -> Option<Self> {
         Some(match (layer, columns) {
-            (&Layer::Band { color, under, .. }, LayerColumns::Band(columns)) => {
+            (&Layer::Band { color, under, filter, .. }, LayerColumns::Band(columns)) => {
                 let rungs = rungs(record, columns.get(run)?);
                 let seen: Vec<&[Rung]> = unhidden(&rungs, f64::from(under) / scale.y).collect();
                 let parts = seen.iter().map(|rungs| simplify_band(rungs, scale)).collect();
-                Self::Band { parts, color, steep: are_steep(&seen, scale) }
+                Self::Band { parts, color, steep: are_steep(&seen, scale), filter }
             }
             (&Layer::Dots { color, .. }, LayerColumns::Series(columns)) => {
                 let both = |c: &Column| [c.low, c.high].map(|value| PlotPoint::new(record.time(c.samples.0), value));
                 Self::Dots { points: columns.get(run)?.iter().flat_map(both).collect(), color }
             }
             (&Layer::Before { color, .. }, LayerColumns::Series(columns)) => {
-                Self::line(record, columns.get(run)?, scale, (color, BEFORE, false))
+                Self::line(record, columns.get(run)?, scale, (color, BEFORE, false, None))
             }
-            (&Layer::Line { color, width, dashed, .. }, LayerColumns::Series(columns)) => {
-                Self::line(record, columns.get(run)?, scale, (color, width, dashed))
+            (&Layer::Line { color, width, dashed, filter, .. }, LayerColumns::Series(columns)) => {
+                Self::line(record, columns.get(run)?, scale, (color, width, dashed, filter))
             }
             (&Layer::Level { value, color, .. }, LayerColumns::Level) => Self::Level { value, color },
             _ => return None,
         })
     }
 
-    /// A line through columns, with its colour, its width, and whether it is dashed.
-    fn line(record: &Record, columns: &[Column], scale: Scale, (color, width, dashed): (Color32, f32, bool)) -> Self {
+    /// A line through columns, with its colour, its width, whether it is dashed, and its filter.
+    fn line(
+        record: &Record,
+        columns: &[Column],
+        scale: Scale,
+        (color, width, dashed, filter): (Color32, f32, bool, Option<u32>),
+    ) -> Self {
         let points = line(record, columns, scale);
         let kept = simplify(points.iter().map(|p| (scale.x * p.x, scale.y * p.y)));
         let kept: Vec<PlotPoint> = kept.into_iter().map(|i| points[i]).collect();
         let dense = is_dense(&points, &kept, scale);
-        Self::Line { points: if dense { points } else { kept }, color, width, dashed, dense }
+        Self::Line { points: if dense { points } else { kept }, color, width, dashed, dense, filter }
     }
 }
 

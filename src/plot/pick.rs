@@ -1,24 +1,16 @@
 //! The filter whose line, or the edge of whose band, is under the pointer.
 
-use egui::{Color32, Pos2};
+use egui::Pos2;
 use egui_plot::PlotTransform;
-use kalmanscope_core::Estimates;
 
-use super::input::PlotInput;
 use super::marks::{Mark, Rung};
 use super::projection::Projection;
 
 /// A line is hit from within this distance \[points\].
 const REACH: f32 = 5.0;
 
-/// The id of the filter with the line or the edge of a band nearest to a position, if one is within reach. Each filter has one
-/// colour in all plots.
-pub(super) fn filter_at(
-    marks: &[Mark],
-    transform: &PlotTransform,
-    position: Pos2,
-    input: &PlotInput<'_>,
-) -> Option<u32> {
+/// The id of the filter with the line or the edge of a band nearest to a position, if one is within reach.
+pub(super) fn filter_at(marks: &[Mark], transform: &PlotTransform, position: Pos2) -> Option<u32> {
     // Only points around the pointer can be near: a line goes from left to right.
     let time = |x: f32| transform.value_from_position(Pos2 { x, ..position }).x;
     let pointer = Pointer {
@@ -26,23 +18,23 @@ pub(super) fn filter_at(
         times: (time(position.x - REACH), time(position.x + REACH)),
         projection: Projection::new(transform),
     };
-    let (color, _) = marks
+    let (filter, _) = marks
         .iter()
         .filter_map(|mark| match mark {
-            Mark::Line { points, color, dashed: false, .. } => {
-                Some((*color, pointer.distance(points, |point| (point.x, point.y))))
+            Mark::Line { points, filter, dashed: false, .. } => {
+                Some((*filter, pointer.distance(points, |point| (point.x, point.y))))
             }
-            Mark::Band { parts, color, .. } => {
+            Mark::Band { parts, filter, .. } => {
                 let edge =
                     |part: &Vec<Rung>, of: fn(&Rung) -> f64| pointer.distance(part, |rung| (rung.time, of(rung)));
                 let edges = parts.iter().map(|part| edge(part, |rung| rung.low).min(edge(part, |rung| rung.high)));
-                Some((*color, edges.fold(f32::INFINITY, f32::min)))
+                Some((*filter, edges.fold(f32::INFINITY, f32::min)))
             }
             _ => None,
         })
         .filter(|(_, distance)| *distance <= REACH)
         .min_by(|a, b| a.1.total_cmp(&b.1))?;
-    of_color(color, input)
+    filter
 }
 
 /// A position, with the times that are within reach of it.
@@ -66,13 +58,6 @@ impl Pointer {
         let distances = places.windows(2).map(|ends| distance(*position, ends[0], ends[1]));
         distances.fold(f32::INFINITY, f32::min)
     }
-}
-
-/// The id of the visible filter with a colour.
-fn of_color(color: Color32, input: &PlotInput<'_>) -> Option<u32> {
-    let PlotInput { session, palette, visible, .. } = *input;
-    let mut filters = session.run().estimates().iter().filter(|estimates| visible.filter(estimates.id()));
-    filters.find(|estimates| palette.shade(estimates.color()) == color).map(Estimates::id)
 }
 
 /// The distance of a position from a line between two ends.

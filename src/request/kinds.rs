@@ -61,19 +61,15 @@ pub enum ViewKind {
     Diagnosis,
     /// A score over two settings.
     Map,
-    /// The same over one setting at a time.
-    Slices,
     /// Statistics over many seeds.
     MonteCarlo,
     /// A search for the best settings of a filter.
     Tune,
-    /// The results of several records, and a spring's stiffness from several masses.
-    Trials,
 }
 
 impl ViewKind {
     /// Every view, in the menu's order.
-    pub const ALL: [Self; 23] = [
+    pub const ALL: [Self; 21] = [
         Self::Oscillator,
         Self::Parameters,
         Self::States,
@@ -93,20 +89,16 @@ impl ViewKind {
         Self::Filters,
         Self::Diagnosis,
         Self::Map,
-        Self::Slices,
         Self::MonteCarlo,
         Self::Tune,
-        Self::Trials,
     ];
 
     /// Its preferred shape.
     pub(crate) const fn proportions(self) -> Proportions {
         match self {
-            Self::Autocorrelation | Self::Phase | Self::ParameterPlane | Self::FrequencyResponse | Self::Slices => {
-                Proportions::Square
-            }
+            Self::Autocorrelation | Self::Phase | Self::ParameterPlane | Self::FrequencyResponse => Proportions::Square,
             Self::Oscillator => Proportions::Flat,
-            Self::Map | Self::MonteCarlo | Self::Tune | Self::Trials => Proportions::Tall,
+            Self::Map | Self::MonteCarlo | Self::Tune => Proportions::Tall,
             _ => Proportions::Wide,
         }
     }
@@ -134,7 +126,7 @@ pub enum Arrangement {
     Tune,
     /// For comparing filters: scores, parameters, errors, their settings, the parameter plane.
     Compare,
-    /// For seeing many settings at once: the map, slices through it, and the states of the setting on screen.
+    /// For seeing many settings at once: the map, and the states of the setting on screen.
     Laboratory,
 }
 

@@ -1,7 +1,6 @@
 //! A picture as data: its scenario, and all else of the screen.
 
 use kalmanscope_core::{Scenario, ScenarioError};
-use kalmanscope_lab::Trial;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -61,8 +60,6 @@ pub(crate) struct Screen {
     pub(crate) tuning: Option<TuneChoice>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) posterior: Option<u32>,
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub(crate) trials: Vec<Trial>,
     pub(crate) mode: Mode,
     pub(crate) time: f64,
     #[serde(default = "usual_speed", skip_serializing_if = "is_usual_speed")]
@@ -90,16 +87,14 @@ impl Picture {
     /// The picture without its scenario, and the scenario as TOML.
     pub(crate) fn parts(&self) -> Result<(Screen, String), PictureError> {
         let Self { scenario, views, enlarged, laboratory, mode, time, speed, ruler, hidden } = self.clone();
-        let Choices { map, seeds, tuning, posterior, trials } = laboratory;
-        let screen =
-            Screen { views, enlarged, map, seeds, tuning, posterior, trials, mode, time, speed, marks: ruler, hidden };
+        let Choices { map, seeds, tuning, posterior } = laboratory;
+        let screen = Screen { views, enlarged, map, seeds, tuning, posterior, mode, time, speed, marks: ruler, hidden };
         Ok((screen, scenario.to_toml()?))
     }
 
     /// The picture of its two parts, checked, since they may come from outside.
     pub(crate) fn of_parts(screen: Screen, scenario: &str) -> Result<Self, PictureError> {
-        let Screen { views, enlarged, map, seeds, tuning, posterior, trials, mode, time, speed, marks: ruler, hidden } =
-            screen;
+        let Screen { views, enlarged, map, seeds, tuning, posterior, mode, time, speed, marks: ruler, hidden } = screen;
         if let Some(views) = &views {
             views.validate().map_err(PictureError::Screen)?;
         }
@@ -114,7 +109,7 @@ impl Picture {
             return Err(PictureError::Screen("the view that is enlarged is not shown".to_owned()));
         }
         let scenario = Scenario::from_toml(scenario)?;
-        let laboratory = Choices { map, seeds, tuning, posterior, trials };
+        let laboratory = Choices { map, seeds, tuning, posterior };
         laboratory.check(&scenario).map_err(PictureError::Screen)?;
         Ok(Self { scenario, views, enlarged, laboratory, mode, time, speed, ruler, hidden })
     }

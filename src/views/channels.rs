@@ -60,7 +60,12 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>) -> Chart<'a> {
     for (place, estimates) in context.filters().filter(|_| visible.bands) {
         let Some(at) = estimates.place(channel) else { continue };
         let band = Band::around(estimates.canonical_means(at), estimates.variances(at));
-        layers.push(Layer::Band { band, color: palette.shade(estimates.color()), under: line_width(place, ESTIMATE) });
+        layers.push(Layer::Band {
+            band,
+            color: palette.shade(estimates.color()),
+            under: line_width(place, ESTIMATE),
+            filter: Some(estimates.id()),
+        });
     }
     let quantity = Quantity::all().iter().find(|q| q.channel() == Some(channel));
     if let Some(z) = quantity.and_then(|q| record.measured_quantity(*q)).filter(|_| visible.measured) {
@@ -74,6 +79,7 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>) -> Chart<'a> {
             width: 4.0,
             dashed: false,
             bounds: true,
+            filter: None,
         });
     }
     let truth_before = session.before().and_then(|before| before.truth(channel));
@@ -92,11 +98,14 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>) -> Chart<'a> {
     }
     for (place, estimates) in context.filters() {
         let Some(at) = estimates.place(channel) else { continue };
-        layers.push(Layer::line(
-            Series::of(estimates.canonical_means(at)),
-            palette.shade(estimates.color()),
-            line_width(place, ESTIMATE),
-        ));
+        layers.push(
+            Layer::line(
+                Series::of(estimates.canonical_means(at)),
+                palette.shade(estimates.color()),
+                line_width(place, ESTIMATE),
+            )
+            .of(estimates.id()),
+        );
     }
     for estimates in session.smoothed().iter().filter(|of| visible.hindsight && visible.filter(of.id())) {
         let Some(at) = estimates.place(channel) else { continue };

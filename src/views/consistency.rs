@@ -102,11 +102,15 @@ fn chart<'a>(square: &Square, context: &ViewContext<'a>) -> Chart<'a> {
         }
     }
     for (place, estimates, diagnostics) in context.diagnostics() {
-        layers.push(Layer::line(
-            Series::made(diagnostics.len(), move |samples| moving(diagnostics, window, samples)).through(f64::log10),
-            palette.shade(estimates.color()),
-            line_width(place, 2.0),
-        ));
+        layers.push(
+            Layer::line(
+                Series::made(diagnostics.len(), move |samples| moving(diagnostics, window, samples))
+                    .through(f64::log10),
+                palette.shade(estimates.color()),
+                line_width(place, 2.0),
+            )
+            .of(estimates.id()),
+        );
     }
     Chart {
         key: symbol.to_owned(),

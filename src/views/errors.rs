@@ -79,20 +79,28 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>) -> Chart<'a> {
         if visible.bands {
             let variances = estimates.variances(at);
             let band = Band::around_zero(variances.len(), |samples| variances[samples].iter().copied());
-            layers.push(Layer::Band { band, color: palette.shade(estimates.color()), under: 0.0 });
+            layers.push(Layer::Band {
+                band,
+                color: palette.shade(estimates.color()),
+                under: 0.0,
+                filter: Some(estimates.id()),
+            });
         }
     }
     layers.push(Layer::Level { value: 0.0, color: palette.truth, label: "" });
     for (place, estimates) in context.filters() {
         let Some(at) = estimates.place(channel) else { continue };
         let means = estimates.canonical_means(at);
-        layers.push(Layer::line(
-            Series::new(means.len(), move |samples| {
-                means[samples.clone()].iter().zip(&truth[samples]).map(|(mean, truth)| mean - truth)
-            }),
-            palette.shade(estimates.color()),
-            line_width(place, 2.0),
-        ));
+        layers.push(
+            Layer::line(
+                Series::new(means.len(), move |samples| {
+                    means[samples.clone()].iter().zip(&truth[samples]).map(|(mean, truth)| mean - truth)
+                }),
+                palette.shade(estimates.color()),
+                line_width(place, 2.0),
+            )
+            .of(estimates.id()),
+        );
     }
     for Bound { bound, filters } in session.bounds().iter().filter(|_| visible.bands) {
         let Some((_, estimates)) = context.filters().find(|(_, of)| filters.contains(&of.id())) else { continue };

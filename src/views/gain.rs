@@ -98,11 +98,14 @@ fn chart<'a>(channel: Channel, sensor: usize, context: &ViewContext<'a>) -> Char
     for (_, estimates) in context.filters() {
         let Some(at) = estimates.place(channel) else { continue };
         let value = move |k: usize| change(estimates, (sensor, at), is_measured, k);
-        layers.push(Layer::line(
-            Series::new(estimates.len(), move |samples| samples.map(value)),
-            palette.shade(estimates.color()),
-            1.2,
-        ));
+        layers.push(
+            Layer::line(
+                Series::new(estimates.len(), move |samples| samples.map(value)),
+                palette.shade(estimates.color()),
+                1.2,
+            )
+            .of(estimates.id()),
+        );
     }
     let sensor_of = context.session.sensors().get(sensor).copied();
     let by = sensor_of.map_or_else(String::new, |quantity| format!(" by the {} sensor", quantity.key()));

@@ -84,7 +84,12 @@ fn chart<'a>(sensor: usize, quantity: Quantity, filters: &[&'a Estimates], conte
         let variance = move |k: usize| variance(estimates, sensor, k);
         if visible.bands {
             let band = Band::around_zero(estimates.len(), move |samples| samples.map(variance));
-            layers.push(Layer::Band { band, color: palette.shade(estimates.color()), under: 0.0 });
+            layers.push(Layer::Band {
+                band,
+                color: palette.shade(estimates.color()),
+                under: 0.0,
+                filter: Some(estimates.id()),
+            });
         }
         if k < estimates.len() {
             let [innovation, std] = [estimates.innovation(k)[sensor], variance(k).sqrt()].map(|x| significant(x, 2));
@@ -94,11 +99,14 @@ fn chart<'a>(sensor: usize, quantity: Quantity, filters: &[&'a Estimates], conte
     }
     layers.push(Layer::Level { value: 0.0, color: palette.weak, label: "" });
     for &estimates in filters {
-        layers.push(Layer::line(
-            Series::new(estimates.len(), move |samples| samples.map(move |k| estimates.innovation(k)[sensor])),
-            palette.shade(estimates.color()).gamma_multiply(0.8),
-            0.8,
-        ));
+        layers.push(
+            Layer::line(
+                Series::new(estimates.len(), move |samples| samples.map(move |k| estimates.innovation(k)[sensor])),
+                palette.shade(estimates.color()).gamma_multiply(0.8),
+                0.8,
+            )
+            .of(estimates.id()),
+        );
     }
     let of = match filters {
         [one] if context.filters().nth(1).is_some() => format!(", {}", one.name()),

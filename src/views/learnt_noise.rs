@@ -105,7 +105,7 @@ fn drawn<'a>(
                 (low, high)
             };
             let band = Band::made(estimates.len(), move |samples| samples.map(edges).collect());
-            layers.push(Layer::Band { band, color, under: 0.0 });
+            layers.push(Layer::Band { band, color, under: 0.0, filter: Some(estimates.id()) });
         }
         columns.push(Column::new(estimates.name(), color, move |k| words(estimates, k)));
     }
@@ -114,7 +114,7 @@ fn drawn<'a>(
     }
     for &estimates in filters {
         let series = Series::new(estimates.len(), move |samples| samples.map(move |k| at(estimates, k)[1]));
-        layers.push(Layer::line(series, palette.shade(estimates.color()), 1.2));
+        layers.push(Layer::line(series, palette.shade(estimates.color()), 1.2).of(estimates.id()));
     }
     Chart { columns, layers, ..chart }
 }

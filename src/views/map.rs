@@ -10,6 +10,7 @@ mod panel;
 mod path;
 mod picture;
 mod places;
+mod profile;
 mod scale;
 mod sentence;
 
@@ -24,9 +25,6 @@ use legend::Legend;
 use panel::PanelView;
 use path::Path;
 use places::{Place, arrange};
-
-pub(super) use legend::score_text;
-pub(super) use marks::said;
 
 /// The map.
 pub(super) struct Map;
@@ -43,7 +41,7 @@ impl View for Map {
         [
             "Each cell is a run of the filter over the whole record, with the settings of its place; the colour is its score.",
             "Drag the dot: the settings and all plots follow. Point at a cell for its numbers; a click takes its settings.",
-            "The line surrounds the settings with which the filter is consistent: its mean NIS is within its 99 % interval.",
+            "The line surrounds the settings with which the filter is consistent: its mean NIS is within its 99 % interval. The curves above and beside the cells are the score through the dot.",
         ]
     }
 
@@ -83,7 +81,7 @@ impl View for Map {
 }
 
 /// The laboratory with its choice and the survey to show. If there is none, shows the reason.
-pub(super) fn contents<'a>(ui: &mut Ui, context: &ViewContext<'a>) -> Option<(&'a Laboratory, &'a Choice, &'a Survey)> {
+fn contents<'a>(ui: &mut Ui, context: &ViewContext<'a>) -> Option<(&'a Laboratory, &'a Choice, &'a Survey)> {
     let laboratory = context.laboratory?;
     if let Some(problem) = laboratory.state().problem() {
         ui.weak(problem);

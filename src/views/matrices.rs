@@ -41,8 +41,8 @@ impl View for Matrices {
                 } else if k == 0 {
                     ui.weak("The sample before is no longer kept.");
                 }
-                channels_ui(ui, estimates, k);
-                sensors_ui(ui, estimates, record, k);
+                channels_ui(ui, estimates, k, context);
+                sensors_ui(ui, estimates, record, k, context);
                 ui.add_space(8.0);
             }
         });
@@ -58,7 +58,7 @@ fn header(ui: &mut Ui, names: &[&str]) {
 }
 
 /// Mean and σ of each channel before, predicted and after, and the gain.
-fn channels_ui(ui: &mut Ui, estimates: &Estimates, k: usize) {
+fn channels_ui(ui: &mut Ui, estimates: &Estimates, k: usize, context: &ViewContext<'_>) {
     let (n, m) = (estimates.channels().len(), estimates.sensors().len());
     let (gain, e, s) = (estimates.gain(k), estimates.innovation(k), estimates.innovation_cov(k));
     // K e and K S Kᵀ of the sensors with a measurement.
@@ -78,7 +78,7 @@ fn channels_ui(ui: &mut Ui, estimates: &Estimates, k: usize) {
             for (i, channel) in estimates.channels().iter().enumerate() {
                 let (mean, std) = (estimates.mean(k)[i], estimates.std(k, i));
                 let predicted_std = (std * std + known(i)).sqrt();
-                name_ui(ui, channel.symbol(), channel.unit(), channel.name());
+                name_ui(ui, channel.symbol(), context.unit(channel.unit()), channel.name());
                 let before = k.checked_sub(1);
                 number(ui, before.map(|k| estimates.mean(k)[i]));
                 number(ui, before.map(|k| estimates.std(k, i)));
@@ -97,7 +97,7 @@ fn channels_ui(ui: &mut Ui, estimates: &Estimates, k: usize) {
 }
 
 /// The measurement, its prediction and the innovation of each sensor.
-fn sensors_ui(ui: &mut Ui, estimates: &Estimates, record: &Record, k: usize) {
+fn sensors_ui(ui: &mut Ui, estimates: &Estimates, record: &Record, k: usize, context: &ViewContext<'_>) {
     let m = estimates.sensors().len();
     if record.forgotten() + k == 0 || m == 0 {
         return;
@@ -108,7 +108,7 @@ fn sensors_ui(ui: &mut Ui, estimates: &Estimates, record: &Record, k: usize) {
             let z = record.measured_quantity(*quantity).map(|z| z[k]);
             let e = estimates.innovation(k)[sensor];
             let std = estimates.innovation_cov(k)[sensor * (m + 1)].sqrt();
-            name_ui(ui, quantity.symbol(), quantity.unit(), quantity.key());
+            name_ui(ui, quantity.symbol(), context.unit(quantity.unit()), quantity.key());
             for value in [z, z.map(|z| z - e), Some(e), Some(std), Some(e / std)] {
                 number(ui, value);
             }

@@ -97,11 +97,14 @@ fn signals<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>) -> 
     }
     for (place, estimates) in context.filters() {
         let Some(values) = predicted(estimates, context.session.run().record(), quantity) else { continue };
-        layers.push(Layer::line(
-            Series::new(estimates.len().min(all.len()), move |samples| samples.map(values)),
-            palette.shade(estimates.color()).gamma_multiply(0.7),
-            line_width(place, PREDICTED),
-        ));
+        layers.push(
+            Layer::line(
+                Series::new(estimates.len().min(all.len()), move |samples| samples.map(values)),
+                palette.shade(estimates.color()).gamma_multiply(0.7),
+                line_width(place, PREDICTED),
+            )
+            .of(estimates.id()),
+        );
     }
     for (place, estimates) in context.filters() {
         if let Some(free) = session.free_run(place) {
@@ -136,11 +139,14 @@ fn errors<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>) -> C
         let Some(free) = session.free_run(place) else { continue };
         let values = move |k: usize| all[k] - free.predicted[sensor][k];
         let color = palette.shade(estimates.color());
-        layers.push(Layer::line(
-            Series::new(free.predicted[sensor].len().min(all.len()), move |samples| samples.map(values)),
-            color,
-            1.0,
-        ));
+        layers.push(
+            Layer::line(
+                Series::new(free.predicted[sensor].len().min(all.len()), move |samples| samples.map(values)),
+                color,
+                1.0,
+            )
+            .of(estimates.id()),
+        );
         if let Some(fit) = free.fits[sensor] {
             let text = format!("{} rms, fit {:.1} %", significant(fit.rms, 3), fit.percent);
             readouts.push(Readout::new(text, color, format!("free run of {}", estimates.name())));

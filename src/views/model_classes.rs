@@ -146,7 +146,12 @@ fn shares<'a>(classes: &Rc<Weighed<'a>>, context: &ViewContext<'a>) -> Chart<'a>
         };
         let (low, high) = (below(class), below(class + 1));
         let edges = move |samples: Range<usize>| low(samples.clone()).into_iter().zip(high(samples)).collect();
-        layers.push(Layer::Band { band: Band::made(classes.len, edges), color, under: 0.0 });
+        layers.push(Layer::Band {
+            band: Band::made(classes.len, edges),
+            color,
+            under: 0.0,
+            filter: Some(estimates.id()),
+        });
         if class > 0 {
             layers.push(Layer::line(Series::made(classes.len, below(class)), palette.weak, 1.0));
         }
@@ -179,7 +184,12 @@ fn average<'a>(classes: &Rc<Weighed<'a>>, channel: Channel, context: &ViewContex
     if visible.bands {
         let (low, high) = (of(-2.0), of(2.0));
         let edges = move |samples: Range<usize>| low(samples.clone()).into_iter().zip(high(samples)).collect();
-        layers.push(Layer::Band { band: Band::made(classes.len, edges), color: palette.weak, under: 2.0 });
+        layers.push(Layer::Band {
+            band: Band::made(classes.len, edges),
+            color: palette.weak,
+            under: 2.0,
+            filter: None,
+        });
     }
     if let Some(truth) = run.record().truth(channel).filter(|_| visible.truth) {
         layers.push(Layer::line(Series::of(&truth[..run.len()]), palette.truth, 4.0));

@@ -59,7 +59,9 @@ impl View for Phase {
             }
         };
         let range = reach(Channel::DISPLACEMENT).zip(reach(Channel::VELOCITY)).map(|(x, y)| [x, y]);
-        plane_ui(ui, "phase portrait", ["displacement x [m]", "velocity v [m/s]"], palette, range, |plot| {
+        let names = [("displacement x", "m"), ("velocity v", "m/s")];
+        let names = names.map(|(name, unit)| format!("{name} [{}]", context.unit(unit)));
+        plane_ui(ui, "phase portrait", names.each_ref().map(String::as_str), palette, range, |plot| {
             for (path, color, width) in paths {
                 let now = path.first().map(|now| drawable(plot, *now));
                 aged_path(plot, &path, color, width);

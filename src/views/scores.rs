@@ -2,7 +2,6 @@
 
 use egui::{Grid, Id, Label, RichText, ScrollArea, Ui};
 use kalmanscope_core::diagnostics::{Depth, MeanSquare};
-use kalmanscope_core::import::Length;
 use kalmanscope_core::internals::{sort_short_by, sort_short_by_key};
 use kalmanscope_core::{Channel, Signal, Source, Verdict};
 use kalmanscope_core::{ModelClasses, Summary};
@@ -10,7 +9,7 @@ use kalmanscope_core::{ModelClasses, Summary};
 use crate::plot::medium::Medium;
 use crate::request::Request;
 use crate::session::{Session, Wanted};
-use crate::text::significant;
+use crate::text::{significant, unit_in};
 use crate::theme::{self, Palette};
 use crate::verdict::{symbol, text_color};
 use crate::view::{View, ViewContext};
@@ -206,10 +205,7 @@ fn rows(summaries: &[(usize, Summary)], before: &[Option<Summary>], session: &Se
     for channel in channels {
         let score = |s: &Summary| s.finals.iter().find(|f| f.channel == channel)?.score;
         let symbol = channel.symbol();
-        let name = with_unit(
-            &format!("{symbol} RMSE, last third"),
-            Length::of(session.run().scenario().record.as_ref()).in_place_of(channel.unit()),
-        );
+        let name = with_unit(&format!("{symbol} RMSE, last third"), unit_in(session.run().scenario(), channel.unit()));
         rows.push(row(name, "Root mean square of estimate minus truth, last third", 0.0, ALIKE, &|s| {
             Some(score(s)?.rmse_last_third)
         }));

@@ -2,8 +2,13 @@
 
 use kalmanscope::export::File;
 use wasm_bindgen::JsCast as _;
-use wasm_bindgen::JsValue;
+use wasm_bindgen::prelude::*;
 use web_sys::{Blob, BlobPropertyBag, HtmlAnchorElement, Url};
+
+use super::object::call;
+
+/// The contents are given up after this time \[ms\].
+const AFTER: u32 = 60_000;
 
 /// Gives a file to the browser, which puts it among its downloads; returns that in words.
 pub(super) fn download(file: &File) -> Result<String, String> {
@@ -22,5 +27,8 @@ fn give(file: &File) -> Result<(), JsValue> {
     link.set_href(&address);
     link.set_download(&file.name);
     link.click();
-    Url::revoke_object_url(&address)
+    // Safari fetches the contents after this turn: revoked at once, the address gives an empty file.
+    let revoke = Closure::once_into_js(move || _ = Url::revoke_object_url(&address).ok());
+    call(&js_sys::global(), "setTimeout", &[&revoke, &AFTER.into()])?;
+    Ok(())
 }

@@ -1,6 +1,6 @@
 //! The accelerometer behind a page: the browser's motion events.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 
 use egui::{Context, pos2};
@@ -31,6 +31,8 @@ struct Shared {
     listener: RefCell<Option<Listener>>,
     /// The answer to the last question for permission, as a promise.
     asked: RefCell<Option<js_sys::Promise>>,
+    /// Counts beginnings and ends: a permission that comes after an end begins nothing.
+    turn: Cell<u32>,
 }
 
 impl Motion {
@@ -69,10 +71,15 @@ impl Sensor<Acceleration> for Motion {
             return to.refuse(reason.to_owned(), ctx);
         }
         let question = self.shared.asked.borrow_mut().take().or_else(ask);
+        let turn = self.shared.turn.get();
         let (shared, ctx, to) = (Rc::clone(&self.shared), ctx.clone(), to.clone());
         let Some(question) = question else { return listen(&window, &shared, &ctx, &to) };
         wasm_bindgen_futures::spawn_local(async move {
-            match JsFuture::from(question).await {
+            let answer = JsFuture::from(question).await;
+            if shared.turn.get() != turn {
+                return;
+            }
+            match answer {
                 Ok(answer) if answer.as_string().as_deref() == Some("granted") => listen(&window, &shared, &ctx, &to),
                 _ => to.refuse("The browser was not allowed to tell the motion of this device".to_owned(), &ctx),
             }
@@ -80,6 +87,7 @@ impl Sensor<Acceleration> for Motion {
     }
 
     fn end(&self) {
+        self.shared.turn.set(self.shared.turn.get().wrapping_add(1));
         let Some(listener) = self.shared.listener.borrow_mut().take() else { return };
         if let Some(window) = web_sys::window() {
             window.remove_event_listener_with_callback("devicemotion", listener.as_ref().unchecked_ref()).ok();

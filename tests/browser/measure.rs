@@ -27,6 +27,29 @@ const SWING: &str = "(() => {
     return true;
 })()";
 
+/// Permission that comes after the measurement was cancelled begins nothing.
+pub(crate) async fn a_late_permission_begins_nothing(page: &Page) {
+    let asks = "(() => {
+        window.listeners = 0;
+        const add = window.addEventListener;
+        window.addEventListener = function (kind, ...rest) {
+            window.listeners += kind === 'devicemotion';
+            return add.call(this, kind, ...rest);
+        };
+        DeviceMotionEvent.requestPermission = () => new Promise(answer => { window.answer = answer; });
+        return true;
+    })()";
+    assert_eq!(page.value(asks).await, true);
+    page.tap("Scenario").await;
+    page.tap("Measure with this device…").await;
+    page.tap("Begin to measure").await;
+    page.tap("Cancel").await;
+    assert_eq!(page.value("(() => { window.answer('granted'); return true; })()").await, true);
+    page.settle().await;
+    assert_eq!(page.value("window.listeners").await, 0);
+    assert_eq!(page.value("delete DeviceMotionEvent.requestPermission").await, true);
+}
+
 /// Taps, measures, and finds the parameters.
 pub(crate) async fn a_decay_is_identified(page: &Page, picture: &Path) {
     page.tap("Scenario").await;
@@ -94,11 +117,6 @@ fn estimated(summary: &Value) -> [f64; 2] {
     })
 }
 
-/// Whether a control is on screen, in the page's words.
-fn has(name: &str) -> String {
-    format!("JSON.parse(wasmBindings.kalmanscope_summary()).controls.some(it => it.name === '{name}')")
-}
-
 /// Motion events of a swing at some rate from now on, four at once.
 const STREAM: &str = "(rate => {
     const begin = performance.now();
@@ -141,47 +159,6 @@ pub(crate) async fn filters_are_watched(page: &Page, picture: &Path) {
     std::fs::write(picture, page.screenshot().await).expect("a picture can be written");
     page.tap("Stop and identify").await;
     identified(page).await;
-}
-
-/// A serial port in place of the browser's choice: an Arduino at 9600 bits a second with half a minute of a swing of 6 rad/s with
-/// 1 % damping. At other rates it tells no text.
-const WIRE: &str = "(() => {
-    const port = {
-        async open({ baudRate }) {
-            this.readable = new ReadableStream({
-                start(to) {
-                    let text = 'ready\\nms,ax,ay,az\\n';
-                    for (let k = 0; k < 3000; k += 1) {
-                        const t = k / 100;
-                        const a = t < 2 ? 0 : 2 * Math.exp(-0.06 * (t - 2)) * Math.cos(6 * (t - 2));
-                        const noise = n => 0.05 * Math.sin(12.9898 * (k + 1) * n);
-                        text += [10 * k, 0.6 * a + noise(3), 9.7 + 0.8 * a + noise(5), noise(7)].join(',') + '\\r\\n';
-                    }
-                    const bytes = new TextEncoder().encode(text);
-                    if (baudRate !== 9600) bytes.forEach((byte, at) => { bytes[at] = 255 - byte; });
-                    for (let at = 0; at < bytes.length; at += 777) to.enqueue(bytes.slice(at, at + 777));
-                },
-            });
-        },
-        async close() { this.closed = true; },
-    };
-    Object.defineProperty(navigator.serial, 'requestPort', { value: async () => port });
-    return true;
-})()";
-
-/// A sensor behind a serial port, whose rate is found, tells the parameters.
-pub(crate) async fn a_sensor_on_a_wire_is_identified(page: &Page, picture: &Path) {
-    assert_eq!(page.value(WIRE).await, true);
-    page.tap("Scenario").await;
-    page.tap("Measure with this device…").await;
-    page.tap("A sensor on a wire").await;
-    page.tap("Choose the port").await;
-    page.settle().await;
-    tokio::time::sleep(Duration::from_secs(3)).await;
-    std::fs::write(picture, page.screenshot().await).expect("a picture can be written");
-    page.tap("Stop and identify").await;
-    let [frequency, damping] = identified(page).await;
-    assert!((frequency / 6.0 - 1.0).abs() < 0.002 && (damping / 0.01 - 1.0).abs() < 0.15, "{frequency} {damping}");
 }
 
 /// White noise from -1/2 to 1/2. Source: Steele, Lea and Flood (2014), Fast splittable pseudorandom number generators (its mix).

@@ -168,3 +168,35 @@ fn causes_keep_their_places_under_the_pointer_while_others_are_tried() {
     screen.run_steps(150);
     screen.get_by_label("Causes and their probability; what cures stands first");
 }
+
+/// Two filters may have one colour: a click on the line of the second opens its diagnosis, not that of the first.
+#[test]
+fn a_click_on_a_line_finds_its_filter_though_another_one_has_its_colour() {
+    let mut screen = screen(Vec2::new(1280.0, 800.0), Theme::Light);
+    *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Errors]);
+    let mut scenario = Scenario::default();
+    scenario.filters[1].color = scenario.filters[0].color;
+    scenario.filters[1].initial_mean[Channel::NATURAL_FREQUENCY] = 14.0;
+    let session = screen.state_mut().session_mut();
+    session.pause();
+    session.set_mode(Mode::Whole);
+    session.set_scenario(scenario);
+    screen.run_steps(20);
+    let mut opened = std::collections::BTreeSet::new();
+    for step in 0..60 {
+        // The diagnosis stands beside the plot once it is open.
+        let plot = screen.get_by_label("Plot of the error of the natural frequency").rect();
+        let at = egui::pos2(plot.left() + 0.03 * plot.width(), plot.top() + step as f32 / 60.0 * plot.height());
+        screen.hover_at(at);
+        screen.run_steps(2);
+        if screen.output().platform_output.cursor_icon == egui::CursorIcon::PointingHand {
+            hand::click_at(&mut screen, at, Modifiers::NONE);
+            opened.extend(["EKF", "UKF"].into_iter().filter(|name| {
+                let tab = format!("Diagnosis of {name}");
+                let tab = screen.query_by_label(&tab);
+                tab.is_some_and(|tab| tab.accesskit_node().toggled() == Some(accesskit::Toggled::True))
+            }));
+        }
+    }
+    assert_eq!(opened.into_iter().collect::<Vec<_>>(), ["EKF", "UKF"]);
+}

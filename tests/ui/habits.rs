@@ -152,6 +152,20 @@ fn presenter_mode_is_large_and_leaves_the_room_to_the_plots() {
 }
 
 #[test]
+fn presenter_mode_gives_back_the_zoom_of_before_also_after_ctrl_0() {
+    let mut screen = screen(DESKTOP, Theme::Light);
+    let before = screen.ctx.zoom_factor();
+    screen.key_press(Key::P);
+    screen.run_steps(4);
+    assert!(screen.ctx.zoom_factor() > 1.3 * before);
+    screen.ctx.set_zoom_factor(1.0);
+    screen.run_steps(4);
+    screen.key_press(Key::P);
+    screen.run_steps(4);
+    assert_eq!(screen.ctx.zoom_factor(), before);
+}
+
+#[test]
 fn the_drawer_of_the_phone_leaves_the_plots_in_sight() {
     let mut screen = screen(PHONE, Theme::Light);
     assert!(screen.query_by_label("EKF fading factor").is_none());

@@ -337,6 +337,29 @@ fn a_measured_scenario_shows_what_was_measured() {
 }
 
 #[test]
+fn a_record_in_volts_has_no_metres_in_any_view() {
+    let circuit = kalmanscope_lessons::BUILT_IN.iter().find(|entry| entry.title == "Measured: a circuit");
+    let scenario = circuit.expect("it is built in").scenario().expect("it can be read");
+    let mut screen = screen(Vec2::new(1280.0, 1600.0), Theme::Light);
+    let session = screen.state_mut().session_mut();
+    session.set_scenario(scenario);
+    session.set_mode(Mode::Whole);
+    session.pause();
+    screen.run_steps(20);
+    for kind in ViewKind::ALL {
+        *screen.state_mut().layout_mut() = Layout::column(&[kind]);
+        screen.run_steps(4);
+        for metres in ["[m]", "[m/s]", "[m/s²]", " m/s"] {
+            let label = screen.query_all_by_label_contains(metres).next().map(|node| format!("{node:?}"));
+            assert_eq!(label, None, "{}", view(kind).name());
+        }
+    }
+    *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Matrices]);
+    screen.run_steps(4);
+    assert!(screen.query_all_by_label("[V/s]").next().is_some());
+}
+
+#[test]
 fn a_message_about_something_done_goes_by_itself() {
     let mut screen = screen(DESKTOP, Theme::Light);
     screen.state_mut().session_mut().pause();

@@ -28,7 +28,6 @@ mod sizes;
 mod story;
 mod streams;
 mod thumb;
-mod trials;
 mod tune;
 mod twin;
 mod uneven_times;

@@ -180,12 +180,28 @@ fn out_of_sight_the_laboratory_rests() {
     screen.state_mut().session_mut().set_scenario(Scenario { duration: 6.0, ..Scenario::default() });
     screen.run_steps(4);
     assert_eq!(screen.state().laboratory().state().version(), done);
-    *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Slices]);
+    *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Map]);
     screen.run_steps(4);
     let shown = screen.state().laboratory().shown().expect("there is a map");
     assert_eq!(shown.ensemble().scenario().duration, 6.0);
     assert!(shown.sheet().is_complete());
-    assert!(screen.query_by_label("Slice along guess of ωₙ [rad/s]: RMS error of ωₙ [rad/s]").is_some());
+}
+
+#[test]
+fn the_row_and_the_column_through_the_dot_stand_above_and_beside_the_cells() {
+    let mut screen = laboratory(DESKTOP, Theme::Light, None);
+    *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Map]);
+    screen.run_steps(4);
+    let cells = map_rect(&screen, "EKF");
+    let [across, up] = ["across", "up"].map(|way| screen.get_by_label(&format!("Score {way}, through the dot")).rect());
+    assert!((across.x_range(), up.y_range()) == (cells.x_range(), cells.y_range()), "they share the axes");
+    assert!(across.bottom() < cells.top() && up.left() > cells.right());
+    // A verdict is no number: all room is for the cells.
+    let mut choice = screen.state().laboratory().choice().cloned().expect("there is a map");
+    choice.measure = Measure::VERDICT;
+    screen.state_mut().laboratory_mut().choose(Some(choice));
+    screen.run_steps(4);
+    assert!(screen.query_by_label("Score across, through the dot").is_none());
 }
 
 #[test]

@@ -159,6 +159,23 @@ fn a_number_is_set_with_five_keys_and_its_digits() {
 }
 
 #[test]
+fn a_text_that_is_no_number_is_refused_until_it_changes() {
+    let mut screen = first_visit(DESKTOP);
+    find(&mut screen, "lam pl");
+    screen.key_press(Key::Enter);
+    screen.run_steps(3);
+    screen.get_by_label("Fading factor λ, plain EKF, new value").type_text("much");
+    screen.run_steps(2);
+    assert!(screen.query_by_label("This is no number.").is_none(), "nothing was entered");
+    screen.key_press(Key::Enter);
+    screen.run_steps(30);
+    screen.get_by_label("This is no number.");
+    screen.get_by_label("Fading factor λ, plain EKF, new value").type_text("x");
+    screen.run_steps(2);
+    assert!(screen.query_by_label("This is no number.").is_none());
+}
+
+#[test]
 fn a_choice_is_found_by_its_words_and_made() {
     let mut screen = first_visit(DESKTOP);
     assert_eq!(scenario(&screen).hold, Hold::Zero);

@@ -6,7 +6,7 @@ use kalmanscope::sensor::{Sensor, Sensors};
 use kalmanscope_core::{Run, Scenario};
 use kalmanscope_sources::StreamRow;
 
-use super::measure::{Device, with_sensors};
+use super::measure::Device;
 use super::*;
 
 /// A screen that follows the sensors of a scenario.
@@ -57,66 +57,6 @@ fn a_reading_is_on_screen_in_the_frame_in_which_it_comes() {
                 assert!(late <= dt + 1e-9, "{rate} Hz: {late} s late at {now} s");
             }
         }
-    }
-}
-
-/// A socket of this device tells the readings of the scenario on screen.
-#[test]
-fn the_scenario_on_screen_follows_a_socket() {
-    for size in [DESKTOP, PHONE] {
-        let device: Rc<Device<StreamRow>> = Device::new();
-        let asked = Rc::new(std::cell::Cell::new((0, 0.0)));
-        let connect = {
-            let (device, asked) = (Rc::clone(&device), Rc::clone(&asked));
-            Rc::new(move |scenario: &Scenario, port: u16| {
-                asked.set((port, scenario.dt));
-                Rc::clone(&device) as Rc<dyn Sensor<StreamRow>>
-            })
-        };
-        let microphone: Rc<Device<f32>> = Device::new();
-        let (socket, microphone) = (Some(connect as kalmanscope::sensor::Connect), Some(microphone as Rc<_>));
-        let mut screen = with_sensors(size, Sensors { socket, microphone, ..Sensors::default() });
-        click(&mut screen, "A socket");
-        screen.run_steps(2);
-        screen.get_by_label_contains("Known columns: t, force, displacement, velocity");
-        click(&mut screen, "Connect");
-        screen.run_steps(3);
-        assert_eq!(asked.get(), (8765, 0.01));
-        screen.get_by_label_contains("Waiting for readings … Nothing is there.");
-        let scenario = Scenario { duration: 20.0, ..Scenario::default() };
-        let record = kalmanscope_core::simulate(&scenario);
-        let readings = device.0.borrow().clone().expect("it has begun");
-        for k in 0..record.len() {
-            let measured = vec![record.measured(0)[k], record.measured(1)[k]];
-            readings
-                .put(&[StreamRow { time: 0.01 * k as f64, input: record.input()[k], readings: measured }], &screen.ctx);
-        }
-        screen.run_steps(10);
-        assert!(screen.state().session().is_live());
-        let estimates = &screen.state().session().run().estimates()[0];
-        assert!(
-            (estimates.mean(estimates.len() - 1)[2] - 6.0).abs() < 0.3,
-            "{}",
-            estimates.mean(estimates.len() - 1)[2]
-        );
-        readings.end(&screen.ctx);
-        screen.run_steps(3);
-        screen.get_by_label_contains("The source has ended.");
-        click(&mut screen, "Stop");
-        screen.run_steps(3);
-        assert!(device.0.borrow().is_none(), "it is closed");
-        // Nobody answers.
-        click(&mut screen, "Scenario");
-        click(&mut screen, "Measure with this device…");
-        screen.run_steps(2);
-        click(&mut screen, "A socket");
-        click(&mut screen, "Connect");
-        screen.run_steps(2);
-        let readings = device.0.borrow().clone().expect("it has begun");
-        readings.refuse("Nothing answers at ws://localhost:8765".to_owned(), &screen.ctx);
-        screen.run_steps(3);
-        screen.get_by_label_contains("Nothing answers at ws://localhost:8765.");
-        click(&mut screen, "Close");
     }
 }
 

@@ -24,6 +24,7 @@ mod trials;
 
 use serde::{Deserialize, Serialize};
 
+use crate::data::import::Length;
 use crate::{
     Channel, FilterKind, FilterSettings, InputKind, PlantKind, Propagation, Quantity, Record, Scenario, Sensor,
     Task as _,
@@ -94,6 +95,11 @@ impl Suggestion {
         reason.filter(|_| !self.is_guessed).map(String::as_str)
     }
 
+    /// A unit with that of the record's motion in place of metres.
+    fn unit(&self, unit: &'static str) -> &'static str {
+        Length::of(self.scenario.record.as_ref()).in_place_of(unit)
+    }
+
     fn filters(&mut self) -> impl Iterator<Item = &mut FilterSettings> {
         self.scenario.filters.iter_mut()
     }
@@ -121,7 +127,7 @@ impl Suggestion {
             for filter in self.scenario.filters.iter_mut().filter(|filter| place < filter.sensor_std.len()) {
                 filter.sensor_std[place] = noise;
             }
-            let (name, unit) = (sensor.measures.name(), sensor.measures.unit());
+            let (name, unit) = (sensor.measures.name(), self.unit(sensor.measures.unit()));
             let why = if is_own {
                 "what is left of its readings in differences over their times, in which a motion is next to nothing"
             } else {
@@ -181,7 +187,7 @@ impl Suggestion {
         for filter in self.scenario.filters.iter_mut().filter(|filter| place < filter.sensor_std.len()) {
             filter.sensor_std[place] = noise;
         }
-        let (name, unit) = (quantity.name(), quantity.unit());
+        let (name, unit) = (quantity.name(), self.unit(quantity.unit()));
         let begin = format!("R of the {name}:");
         self.reasons.retain(|reason| !reason.starts_with(&begin));
         let dense = if share > WHOLE {

@@ -3,7 +3,6 @@
 use egui::{Align2, Rect, Stroke, StrokeKind, TextStyle, Ui, pos2, vec2};
 
 use super::scale::Colors;
-use crate::plot::graph::Graph;
 use crate::text::significant;
 use crate::theme::Palette;
 
@@ -24,13 +23,13 @@ pub(super) fn room(colors: &Colors) -> f32 {
 }
 
 /// Draws the bar beside a frame.
-pub(super) fn bar_ui(ui: &Ui, graph: &Graph, colors: &Colors, palette: &Palette) {
+pub(super) fn bar_ui(ui: &Ui, frame: Rect, colors: &Colors, palette: &Palette) {
     if let Colors::Kinds(names) = colors {
-        return kinds_ui(ui, graph, colors, names, palette);
+        return kinds_ui(ui, frame, colors, names, palette);
     }
     let painter = ui.painter();
-    let left = graph.rect.right() + APART;
-    let rect = Rect::from_min_max(pos2(left, graph.rect.top()), pos2(left + WIDTH, graph.rect.bottom()));
+    let left = frame.right() + APART;
+    let rect = Rect::from_min_max(pos2(left, frame.top()), pos2(left + WIDTH, frame.bottom()));
     let y = |share: f64| rect.bottom() - share as f32 * rect.height();
     for step in 0..STEPS {
         let [low, high] = [step, step + 1].map(|step| step as f64 / STEPS as f64);
@@ -47,12 +46,12 @@ pub(super) fn bar_ui(ui: &Ui, graph: &Graph, colors: &Colors, palette: &Palette)
     }
 }
 
-fn kinds_ui(ui: &Ui, graph: &Graph, colors: &Colors, names: &[&str], palette: &Palette) {
+fn kinds_ui(ui: &Ui, frame: Rect, colors: &Colors, names: &[&str], palette: &Palette) {
     let painter = ui.painter();
     let font = TextStyle::Small.resolve(ui.style());
-    let line = (graph.rect.height() / names.len().max(1) as f32).min(font.size + 6.0);
+    let line = (frame.height() / names.len().max(1) as f32).min(font.size + 6.0);
     for (place, name) in names.iter().enumerate() {
-        let at = pos2(graph.rect.right() + APART, graph.rect.top() + line * place as f32);
+        let at = pos2(frame.right() + APART, frame.top() + line * place as f32);
         let rect = Rect::from_min_size(at + vec2(0.0, 1.0), vec2(WIDTH, line - 2.0));
         painter.rect_filled(rect, 0.0, colors.kind(place));
         let at = rect.right_center() + vec2(4.0, 0.0);
@@ -62,7 +61,7 @@ fn kinds_ui(ui: &Ui, graph: &Graph, colors: &Colors, names: &[&str], palette: &P
 
 impl Colors {
     /// The shares of numbers along the bar, with their texts.
-    fn ticks(&self, length: f32) -> Vec<(f64, String)> {
+    pub(super) fn ticks(&self, length: f32) -> Vec<(f64, String)> {
         match self {
             Self::Distance(most) => {
                 let steps = [0.0, 2.6, 10.0, 100.0, 1e3, 1e4, 1e5].into_iter().filter(|step| *step <= *most);

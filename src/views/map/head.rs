@@ -10,6 +10,7 @@ use crate::menu::{Closing, menu_ui};
 use crate::probe;
 use crate::request::Request;
 use crate::team::{Computer, Finding, Precision};
+use crate::text::unit_in;
 use crate::theme::Palette;
 use crate::view::ViewContext;
 
@@ -150,7 +151,7 @@ fn ranges_ui(ui: &mut Ui, choice: &mut Choice, part: &Scenario, graphics: Option
 fn range_ui(ui: &mut Ui, axis: &mut Axis, way: &str, part: &Scenario) {
     let before = axis.clone();
     ui.label(setting_name(&axis.key, part));
-    let unit = Address::parse(part, &axis.key).map_or("", |setting| setting.unit());
+    let unit = Address::parse(part, &axis.key).map_or("", |setting| unit_in(part, setting.unit()));
     let size = vec2(72.0, ui.spacing().interact_size.y);
     for (value, end) in [(&mut axis.from, "first"), (&mut axis.to, "last")] {
         let scale = value.abs().max(1e-9);

@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use egui::{Color32, Galley, Pos2, Rect, Stroke, TextStyle, Ui, Vec2, vec2};
 use kalmanscope_core::diagnosis::CAUSES;
-use kalmanscope_core::{Measure, ValueKind, VerdictKind};
+use kalmanscope_core::{Measure, Scenario, ValueKind, VerdictKind};
 
 use super::cells::End;
 use super::path;
 use super::picture::Panel;
-use crate::text::significant;
+use crate::text::{significant, unit_in};
 use crate::theme::Palette;
 
 /// The height of a line \[points\].
@@ -127,7 +127,7 @@ impl Mark {
 }
 
 /// A score in words, with its unit.
-pub(in crate::views) fn score_text(measure: Measure, value: f64) -> String {
+pub(super) fn score_text(measure: Measure, value: f64, scenario: &Scenario) -> String {
     match measure.info().kind {
         ValueKind::Flag if !value.is_nan() => if value == 0.0 { "no" } else { "yes" }.to_owned(),
         ValueKind::Verdict => {
@@ -139,6 +139,6 @@ pub(in crate::views) fn score_text(measure: Measure, value: f64) -> String {
             cause.map_or("none", |cause| cause.name).to_owned()
         }
         ValueKind::Time if value == f64::INFINITY => "never".to_owned(),
-        _ => format!("{} {}", significant(value, 4), measure.unit()).trim_end().to_owned(),
+        _ => format!("{} {}", significant(value, 4), unit_in(scenario, measure.unit())).trim_end().to_owned(),
     }
 }

@@ -9,7 +9,7 @@ use crate::laboratory::Survey;
 use crate::plot::graph::Graph;
 use crate::plot::medium::Medium;
 use crate::request::Request;
-use crate::text::{parse, significant};
+use crate::text::{parse, significant, unit_in};
 use crate::theme::Palette;
 use crate::view::ViewContext;
 
@@ -152,9 +152,11 @@ fn paint(ui: &Ui, at: egui::Pos2, is_lit: bool, is_inside: bool, palette: &Palet
 }
 
 /// An axis' name with a value.
-pub(in crate::views) fn said(axis: &Axis, value: f64, survey: &Survey) -> String {
-    let Ok(address) = Address::parse(survey.ensemble().scenario(), &axis.key) else { return String::new() };
-    format!("{} {} {}", address.name(), significant(value, 4), address.unit()).trim_end().to_owned()
+pub(super) fn said(axis: &Axis, value: f64, survey: &Survey) -> String {
+    let scenario = survey.ensemble().scenario();
+    let Ok(address) = Address::parse(scenario, &axis.key) else { return String::new() };
+    let unit = unit_in(scenario, address.unit());
+    format!("{} {} {unit}", address.name(), significant(value, 4)).trim_end().to_owned()
 }
 
 /// The value for a dot dragged to a share of an axis' scale: at most three digits, and not beyond the middles of the

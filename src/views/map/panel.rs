@@ -7,6 +7,7 @@ use super::bar::{self, bar_ui};
 use super::marks::{contour_ui, dot_ui, hatching_ui, said, truth_ui, truths};
 use super::path::{Path, path_ui};
 use super::picture::{Contents, Panel};
+use super::profile;
 use super::scale::CONSISTENT;
 use crate::controls::color::color_of;
 use crate::laboratory::{Survey, measure_label, setting_label};
@@ -45,6 +46,8 @@ impl PanelView<'_> {
         self.title_ui(ui, room, context);
         let bar = if has_bar { bar::room(&panel.colors) } else { 0.0 };
         let below = Rect::from_min_max(room.min + vec2(0.0, TITLE), room.max - vec2(bar, 0.0));
+        let strip = profile::room(below.size(), self.measure);
+        let below = Rect::from_min_max(below.min + vec2(0.0, strip), below.max - vec2(strip, 0.0));
         let [x, y] =
             axes.map(|axis| Scale::of_cells(axis.from, axis.to, axis.count, axis.spacing == Spacing::Logarithmic));
         let graph = Graph::new(below, x, y);
@@ -58,8 +61,12 @@ impl PanelView<'_> {
         if let Some(path) = path.filter(|path| panel.contents == Contents::Filter(path.filter)) {
             path_ui(ui, &graph, path);
         }
+        if strip > 0.0 {
+            profile::profiles_ui(ui, &graph, panel, survey, context);
+        }
         if has_bar {
-            bar_ui(ui, &graph, &panel.colors, context.palette);
+            let beside = graph.rect.with_max_x(graph.rect.right() + strip);
+            bar_ui(ui, beside, &panel.colors, context.palette);
         }
         if Medium::of(ui.ctx()) == Medium::Screen {
             self.gestures(ui, &graph, context, requests);
@@ -78,7 +85,7 @@ impl PanelView<'_> {
     fn title_ui(&self, ui: &Ui, room: Rect, context: &ViewContext<'_>) {
         let Self { panel, survey, measure, .. } = self;
         let filters = &survey.ensemble().scenario().filters;
-        let label = measure_label(*measure);
+        let label = measure_label(*measure, survey.ensemble().scenario());
         let text = match (panel.contents, &filters[..]) {
             (Contents::Comparison, [a, b, ..]) if measure.info().kind.is_ratio() => format!("{} ÷ {}", a.name, b.name),
             (Contents::Comparison, [a, b, ..]) => format!("{} − {}", a.name, b.name),
@@ -113,7 +120,7 @@ impl PanelView<'_> {
         let Self { survey, measure, .. } = self;
         let id = egui::Id::unique(("cells of the map", self.key()));
         let response = ui.interact(graph.rect, id, Sense::click());
-        let name = format!("Map of {}, {}", self.key(), measure_label(*measure));
+        let name = format!("Map of {}, {}", self.key(), measure_label(*measure, survey.ensemble().scenario()));
         response.ctx.accesskit_node_builder(id, |node| node.set_label(name));
         let Some(pointer) = response.hover_pos().or(response.interact_pointer_pos()) else { return };
         let shares = graph.shares(graph.rect.clamp(pointer));
@@ -142,7 +149,7 @@ impl PanelView<'_> {
         for (at, filter) in survey.ensemble().scenario().filters.iter().enumerate() {
             let value = |measure: Measure| survey.value(cell, at, measure).unwrap_or(f64::NAN);
             ui.label(RichText::new(&filter.name).family(theme::strong()));
-            let score = super::legend::score_text(*measure, value(*measure));
+            let score = super::legend::score_text(*measure, value(*measure), survey.ensemble().scenario());
             ui.label(format!("{}: {score}", measure.name()));
             let is_inside = value(Measure::CONSISTENCY).abs() < CONSISTENT;
             let end = if value(Measure::STOPPED) == 1.0 {

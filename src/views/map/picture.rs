@@ -31,7 +31,7 @@ pub(super) struct Panel {
     /// The edge of the region in which the filter is consistent.
     pub(super) contour: Vec<Piece>,
     /// Cells across and up.
-    counts: [usize; 2],
+    pub(super) counts: [usize; 2],
     /// One texel a cell. `None` for a figure.
     texture: Option<TextureHandle>,
     shades: Vec<Option<Color32>>,

@@ -39,7 +39,7 @@ fn of_filter(survey: &Survey, filter: usize, measure: Measure, best: usize, cont
     let setting =
         |at: usize, value: f64| format!("{} = {}", setting_name(&axes[at].key, scenario), significant(value, 3));
     let value = survey.value(best, filter, measure).unwrap_or(f64::NAN);
-    let unit = measure.unit();
+    let unit = context.unit(measure.unit());
     let value = format!("{} {unit}", significant(value, 3));
     let value = value.trim_end();
     let at = [0, 1].map(|at| setting(at, values[at])).join(" and ");

@@ -9,7 +9,7 @@ use crate::controls::number::field;
 use crate::laboratory::{candidates, setting_name};
 use crate::menu::{Closing, menu_ui};
 use crate::request::Request;
-use crate::text::significant;
+use crate::text::{significant, unit_in};
 use crate::view::ViewContext;
 
 /// The spread of a number that is drawn from now on, as a share of its value.
@@ -65,7 +65,7 @@ pub(super) fn name(key: &str, scenario: &Scenario) -> String {
 /// A row: the number, its law, and the law's two numbers; on a narrow screen the numbers are a row of their own.
 fn law_ui(ui: &mut Ui, scenario: &mut Scenario, key: &str) {
     let name = name(key, scenario);
-    let unit = Address::parse(scenario, key).map_or("", |setting| setting.unit());
+    let unit = Address::parse(scenario, key).map_or("", |setting| unit_in(scenario, setting.unit()));
     let present = Address::parse(scenario, key).map_or(f64::NAN, |setting| setting.get(scenario));
     let Some(law) = scenario.draw.get_mut(key) else { return };
     ui.label(&name);

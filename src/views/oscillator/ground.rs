@@ -1,4 +1,4 @@
-//! Wall and ground, with a scale in metres.
+//! Wall and ground, with a scale in metres, or in the unit of the record's motion.
 
 use egui::{Align2, Color32, Painter, Rect, Shape, Stroke, pos2, vec2};
 
@@ -8,7 +8,7 @@ use crate::plot::ticks::{tick, ticks};
 use crate::theme::Palette;
 
 /// Draws the wall, the ground with its scale, and the rest position of each mass.
-pub(super) fn ground(stage: &Stage, painter: &Painter, palette: &Palette) {
+pub(super) fn ground(stage: &Stage, painter: &Painter, length: &str, palette: &Palette) {
     let Stage { unit, floor, wall, rect, body, .. } = *stage;
     let right = rect.right() - 8.0;
     let top = stage.body(0, 0.0).top() - 6.0 * unit;
@@ -30,11 +30,11 @@ pub(super) fn ground(stage: &Stage, painter: &Painter, palette: &Palette) {
         let rest = Stroke::new(1.0, palette.weak.gamma_multiply(0.4));
         painter.extend(Shape::dashed_line(&[pos2(x, floor - body.y - 8.0 * unit), pos2(x, floor)], rest, 3.0, 4.0));
     }
-    if stage.masses() == 1 { ruler(stage, painter, palette) } else { bar(stage, painter, palette) }
+    if stage.masses() == 1 { ruler(stage, painter, length, palette) } else { bar(stage, painter, length, palette) }
 }
 
 /// The ground as a ruler, for a single mass.
-fn ruler(stage: &Stage, painter: &Painter, palette: &Palette) {
+fn ruler(stage: &Stage, painter: &Painter, length: &str, palette: &Palette) {
     let reach = stage.metres(stage.travel + 0.25 * stage.body.x);
     let count = (stage.travel / (26.0 * stage.unit)).max(3.0);
     // At least one mark on either side of zero.
@@ -43,7 +43,7 @@ fn ruler(stage: &Stage, painter: &Painter, palette: &Palette) {
         let x = stage.place(0, mark.value);
         mark_at(stage, painter, x, palette.weak);
         let zero = mark.value.abs() < 0.5 * mark.step_size;
-        let text = if zero { "0 m".to_owned() } else { tick(mark.value, mark.step_size) };
+        let text = if zero { format!("0 {length}") } else { tick(mark.value, mark.step_size) };
         label(stage, painter, x, &text, palette);
     }
 }
@@ -52,7 +52,7 @@ fn ruler(stage: &Stage, painter: &Painter, palette: &Palette) {
 const NAMES: [&str; MAX_MASSES] = ["m₁", "m₂", "m₃", "m₄", "m₅", "m₆", "m₇", "m₈", "m₉", "m₁₀"];
 
 /// A bar of known length, under its name, because each mass has its own zero.
-fn bar(stage: &Stage, painter: &Painter, palette: &Palette) {
+fn bar(stage: &Stage, painter: &Painter, length: &str, palette: &Palette) {
     for (mass, name) in NAMES.into_iter().enumerate().take(stage.masses()) {
         mark_at(stage, painter, stage.rest(mass), palette.weak);
         label(stage, painter, stage.rest(mass), name, palette);
@@ -66,7 +66,7 @@ fn bar(stage: &Stage, painter: &Painter, palette: &Palette) {
     for end in [x - half, x + half] {
         mark_at(stage, painter, end, palette.text);
     }
-    label(stage, painter, x, &format!("{} m", tick(mark.value, mark.step_size)), palette);
+    label(stage, painter, x, &format!("{} {length}", tick(mark.value, mark.step_size)), palette);
 }
 
 fn mark_at(stage: &Stage, painter: &Painter, x: f32, color: Color32) {

@@ -41,7 +41,7 @@ impl<'a> Scene<'a> {
     pub(super) fn masses(&self, largest_force: f64) {
         let Self { stage, painter, context, k } = *self;
         let ViewContext { palette, visible, .. } = *context;
-        ground(stage, painter, palette);
+        ground(stage, painter, context.unit("m"), palette);
         let record = self.record();
         let kind = context.session.run().scenario().plant.kind;
         let spring = kind.info().spring;

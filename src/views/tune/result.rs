@@ -7,7 +7,7 @@ use kalmanscope_lab::tune::{Goal, Remark};
 use super::settings::goal_name;
 use crate::laboratory::{TuneResult, setting_label, setting_name};
 use crate::request::Request;
-use crate::text::significant;
+use crate::text::{significant, unit_in};
 use crate::verdict;
 use crate::view::ViewContext;
 
@@ -36,7 +36,7 @@ pub(super) fn result_ui(ui: &mut Ui, result: &TuneResult, context: &ViewContext<
         }
         ui.label(score_name(goal));
         for score in [first.score, last.score] {
-            ui.label(score_text(goal, score));
+            ui.label(score_text(goal, score, &tuned.scenario));
         }
         ui.end_row();
     });
@@ -74,11 +74,11 @@ fn score_name(goal: Goal) -> &'static str {
 }
 
 /// A score as the number of its measure.
-fn score_text(goal: Goal, score: f64) -> String {
+fn score_text(goal: Goal, score: f64, scenario: &Scenario) -> String {
     match goal {
         _ if score.abs() > 1e99 => "none: the filter stops".to_owned(),
         Goal::Likelihood => format!("{score:.1}").replace('-', "−"),
-        Goal::FreeRun(sensor) => format!("{} {}", significant((-score).exp(), 4), sensor.unit()),
+        Goal::FreeRun(sensor) => format!("{} {}", significant((-score).exp(), 4), unit_in(scenario, sensor.unit())),
         Goal::Consistency => significant((-score).exp(), 4),
     }
 }

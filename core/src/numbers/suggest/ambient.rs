@@ -204,13 +204,14 @@ impl Suggestion {
         self.scenario = self.with_white_force(sizes);
         let Some(filter) = self.scenario.filters.first() else { return };
         let force = sizes.force;
+        let unit = self.unit("m/s²");
         let lasts = if sizes.hold == Hold::Zero { ", and that lasts until the next" } else { "" };
         self.reasons.push(format!(
-            "there is no input: the filters take a white force for the cause of the motion, of {force} m/s² at a sample, which an \
+            "there is no input: the filters take a white force for the cause of the motion, of {force} {unit} at a sample, which an \
              accelerometer feels too{lasts}"
         ));
         for (sensor, noise) in self.scenario.sensors.iter().zip(&filter.sensor_std) {
-            let (name, unit) = (sensor.measures.name(), sensor.measures.unit());
+            let (name, unit) = (sensor.measures.name(), self.unit(sensor.measures.unit()));
             self.reasons.push(format!("R of the {name}: {noise} {unit}, the most likely together with that force"));
         }
     }

@@ -160,7 +160,8 @@ impl Search {
         let mut told = Vec::new();
         for (&channel, (mean, std)) in channels.iter().zip(ends) {
             let (mean, std) = (rounded(mean), rounded((0.2 * mean.abs()).max(3.0 * std)));
-            told.push(format!("{} {mean} {}", channel.symbol(), channel.unit()).trim_end().to_owned());
+            let unit = suggestion.unit(channel.unit());
+            told.push(format!("{} {mean} {unit}", channel.symbol()).trim_end().to_owned());
             // The truth of a measured record is not known: these values are for a simulation in its place.
             if suggestion.scenario.plant.parameter(channel).is_some() {
                 suggestion.scenario.plant.set(channel, Signal::Constant(mean));

@@ -1,6 +1,7 @@
 //! A sensor reads in steps that are larger than its noise.
 
 use super::{BadFilter, Cause, LikelyCause};
+use crate::data::import::Length;
 use crate::judgement::diagnosis::readings::Readings;
 use crate::judgement::diagnosis::words::short;
 
@@ -17,6 +18,7 @@ pub(super) static CAUSE: Cause = Cause {
 
 /// Adds the variance of rounding to R: a step squared over twelve (Widrow and Kollár 2008, *Quantization Noise*).
 fn likely_causes(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
+    let length = Length::of(bad.scenario.record.as_ref());
     let mut stds = bad.filter.sensor_std.clone();
     let (mut told, mut most) = (Vec::new(), 0.0_f64);
     for (place, one) in bad.case.sensors.iter().enumerate() {
@@ -32,7 +34,7 @@ fn likely_causes(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
             "the {} reads in steps of {} {}, {} times the σ that is assumed",
             one.sensor.key(),
             short(step),
-            one.sensor.unit(),
+            length.in_place_of(one.sensor.unit()),
             short(step / own)
         ));
     }
