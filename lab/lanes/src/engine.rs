@@ -1,7 +1,9 @@
 //! Runs that the engine runs side by side.
 
 use kalmanscope_core::RunError;
-use kalmanscope_core::internals::engine::{self, Baseline, Known, Run, Setup};
+#[cfg(target_arch = "x86_64")]
+use kalmanscope_core::internals::engine::Known;
+use kalmanscope_core::internals::engine::{self, Baseline, Run, Setup};
 use kalmanscope_core::score::Outcome;
 
 use crate::lane::LANES;
@@ -10,9 +12,6 @@ use crate::level::Level;
 
 type Lanes = engine::Lanes<LANES>;
 
-/// Whether this is not a page.
-const IS_NATIVE: bool = cfg!(not(target_arch = "wasm32"));
-
 /// The instructions of AVX2.
 #[cfg(target_arch = "x86_64")]
 #[derive(Clone, Copy)]
@@ -20,6 +19,13 @@ struct Avx2(fearless_simd::Avx2);
 
 #[cfg(target_arch = "x86_64")]
 impl engine::Level for Avx2 {
+    type Plain = Self;
+
+    #[inline(always)]
+    fn plain(self) -> Self {
+        self
+    }
+
     #[inline(never)]
     fn apart<R>(self, work: impl FnOnce() -> R) -> R {
         fearless_simd::Simd::vectorize(self.0, work)
@@ -92,15 +98,17 @@ fn outcomes(level: Level, batch: &[Run<'_>], samples: &[usize]) -> Vec<Outcome> 
     {
         return of_size(Avx2(token), batch, samples);
     }
-    of_size(Baseline, batch, samples)
+    engine::outcomes::<Lanes, _>(Baseline, batch, samples)
 }
 
-/// The usual oscillators have sizes that the compiler knows. A page has one version for all sizes, to be smaller.
-fn of_size(level: impl engine::Level, batch: &[Run<'_>], samples: &[usize]) -> Vec<Outcome> {
+/// The usual oscillators have sizes that the compiler knows. With [`Baseline`], of old processors and pages, one version for all
+/// sizes is enough: more take long to compile.
+#[cfg(target_arch = "x86_64")]
+fn of_size(level: Avx2, batch: &[Run<'_>], samples: &[usize]) -> Vec<Outcome> {
     let model = &batch[0].setup.design.model;
     match (model.size, model.moving()) {
-        (4, 2) if IS_NATIVE => engine::outcomes::<Lanes, _>(Known::<_, 4, 2>(level), batch, samples),
-        (5, 2) if IS_NATIVE => engine::outcomes::<Lanes, _>(Known::<_, 5, 2>(level), batch, samples),
+        (4, 2) => engine::outcomes::<Lanes, _>(Known::<_, 4, 2>(level), batch, samples),
+        (5, 2) => engine::outcomes::<Lanes, _>(Known::<_, 5, 2>(level), batch, samples),
         _ => engine::outcomes::<Lanes, _>(level, batch, samples),
     }
 }

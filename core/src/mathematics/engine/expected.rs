@@ -85,7 +85,7 @@ impl<T: Number> Expected<T> {
             self.is_linear = false;
             return level.apart(
                 #[inline(always)]
-                || self.transform(level, count, rule, design, belief, active, force),
+                || self.transform(level, rule, design, belief, active, force),
             );
         } else {
             self.derivatives.take(level, &design.model, &belief.mean, force);
@@ -185,10 +185,9 @@ impl<T: Number> Expected<T> {
     /// ```
     #[inline(always)]
     #[expect(clippy::too_many_arguments, reason = "those of the update")]
-    fn transform<L: Level, C: Count>(
+    fn transform<L: Level>(
         &mut self,
         level: L,
-        count: C,
         rule: Rule,
         design: &Design,
         belief: &Belief<T>,
@@ -197,8 +196,7 @@ impl<T: Number> Expected<T> {
     ) -> Rooted<T::Mask> {
         let Self { mean: expected, cov, cross, derivatives, points, .. } = self;
         let Points { root, state, high, low, shift } = points;
-        let (n, m) = (level.size(state.len()), count.number());
-        let active = &active[..m];
+        let (n, m) = (level.size(state.len()), active.len());
         let (mean, root, state) = (&belief.mean[..n], &mut root[..n * n], &mut state[..n]);
         let Derivatives { rate, plain, .. } = derivatives;
         let rooted = lower_root(level, &belief.cov[..n * n], root, n);

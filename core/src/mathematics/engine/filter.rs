@@ -17,7 +17,7 @@ use super::linearised::Linearised;
 use super::number::{Mask, Number};
 use super::share::Share;
 use super::sigma_points::SigmaPoints;
-use super::square_root::{SquareRoot, std};
+use super::square_root::{SquareRoot, may_have_root, std};
 use super::step::Step;
 use super::update::{Observation, Told, Update};
 use crate::FilterError;
@@ -91,13 +91,13 @@ impl<T: Number, L: Level> Filter<T, L> {
     pub(crate) fn new(level: L, design: Design, belief: Belief<T>, mut noise: Noise<T>, white: T) -> Self {
         let Design { model, readings, method, .. } = &design;
         let root = match *method {
-            Method::SquareRoot(rule) => {
+            Method::SquareRoot(rule) if const { may_have_root::<T, L>() } => {
                 let mut root = SquareRoot::new(model, rule, readings.len());
                 // The covariance is diagonal: it has a root.
                 root.take(level, &belief.cov);
                 Some(root)
             }
-            Method::Linearised(..) | Method::SigmaPoints(_) => None,
+            _ => None,
         };
         Self {
             linearised: Linearised::new(model),
@@ -154,8 +154,8 @@ impl<T: Number, L: Level> Filter<T, L> {
             if let Some((place, _)) = white.filter(|_| i + 1 == renewed) {
                 let Self { level, belief, root, white, .. } = self;
                 match root {
-                    Some(root) => root.renew(*level, belief, place, *white),
-                    None => belief.renew(place, *white),
+                    Some(root) if const { may_have_root::<T, L>() } => root.renew(*level, belief, place, *white),
+                    _ => belief.renew(place, *white),
                 }
             }
         }
@@ -168,7 +168,9 @@ impl<T: Number, L: Level> Filter<T, L> {
         let Self { level, design: Design { model, method, .. }, belief, linearised, points, root, .. } = self;
         match (*method, root) {
             (Method::Linearised(propagation, _), _) => linearised.advance(*level, propagation, model, belief, step),
-            (Method::SquareRoot(_), Some(root)) => root.advance(*level, model, belief, step),
+            (Method::SquareRoot(_), Some(root)) if const { may_have_root::<T, L>() } => {
+                root.advance(*level, model, belief, step);
+            }
             (Method::SigmaPoints(rule) | Method::SquareRoot(rule), _) => {
                 return points.advance(*level, rule, model, belief, step);
             }
@@ -182,7 +184,7 @@ impl<T: Number, L: Level> Filter<T, L> {
         let Self { level, belief, noise, of_share, root, .. } = self;
         let noise = of_share.of(share, noise);
         match (root, is_last) {
-            (Some(root), true) => level.apart(
+            (Some(root), true) if const { may_have_root::<T, L>() } => level.apart(
                 #[inline(always)]
                 || {
                     root.spread(
@@ -193,12 +195,12 @@ impl<T: Number, L: Level> Filter<T, L> {
                     );
                 },
             ),
-            (Some(root), false) => root.spread(*level, T::of(1.0), |_, _| ()),
-            (None, true) => level.apart(
+            (Some(root), false) if const { may_have_root::<T, L>() } => root.spread(*level, T::of(1.0), |_, _| ()),
+            (_, true) => level.apart(
                 #[inline(always)]
                 || belief.spread(*level, noise),
             ),
-            (None, false) => belief.clamp(),
+            (_, false) => belief.clamp(),
         }
     }
 
@@ -217,7 +219,9 @@ impl<T: Number, L: Level> Filter<T, L> {
     /// Gives a lane a belief that makes no trouble.
     pub(crate) fn park(&mut self, lane: usize) {
         self.belief.park(lane);
-        if let Some(root) = &mut self.root {
+        if const { may_have_root::<T, L>() }
+            && let Some(root) = &mut self.root
+        {
             root.park(lane);
         }
     }
@@ -226,7 +230,9 @@ impl<T: Number, L: Level> Filter<T, L> {
     #[cfg(not(target_arch = "wasm32"))]
     pub(crate) fn square(&mut self) {
         let Self { level, belief, root, .. } = self;
-        if let Some(root) = root {
+        if const { may_have_root::<T, L>() }
+            && let Some(root) = root
+        {
             root.square(*level, &mut belief.cov);
         }
     }

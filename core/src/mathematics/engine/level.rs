@@ -5,6 +5,12 @@ pub trait Level: Copy {
     /// Whether the compiler knows the sizes.
     const IS_KNOWN: bool = false;
 
+    /// The same instructions without known sizes.
+    type Plain: Level;
+
+    /// The level without known sizes.
+    fn plain(self) -> Self::Plain;
+
     /// Does some work in a function of its own, compiled for these instructions: a step then consists of functions of
     /// moderate size, each once in the program. `work` must ask for sizes inside: the compiler does not know the values
     /// of captured variables.
@@ -39,6 +45,13 @@ pub struct Known<L, const N: usize, const M: usize>(pub L);
 impl<L: Level, const N: usize, const M: usize> Level for Known<L, N, M> {
     const IS_KNOWN: bool = true;
 
+    type Plain = L::Plain;
+
+    #[inline(always)]
+    fn plain(self) -> Self::Plain {
+        self.0.plain()
+    }
+
     #[inline(always)]
     fn apart<R>(self, work: impl FnOnce() -> R) -> R {
         self.0.apart(work)
@@ -71,6 +84,13 @@ impl<L: Level, const N: usize, const M: usize> Level for Known<L, N, M> {
 pub struct Baseline;
 
 impl Level for Baseline {
+    type Plain = Self;
+
+    #[inline(always)]
+    fn plain(self) -> Self {
+        self
+    }
+
     #[inline(never)]
     fn apart<R>(self, work: impl FnOnce() -> R) -> R {
         work()

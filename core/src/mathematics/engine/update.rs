@@ -9,7 +9,7 @@ use super::level::{Count, Exactly, Level};
 use super::model::Model;
 use super::number::{Mask, Number};
 use super::residuals::Innovations;
-use super::square_root::SquareRoot;
+use super::square_root::{SquareRoot, may_have_root};
 
 /// The scores of an update, lane by lane.
 #[derive(Clone, Copy, Debug)]
@@ -93,7 +93,11 @@ impl<T: Number> Update<T> {
             return level.apart(
                 #[inline(always)]
                 || {
-                    root.into_iter().for_each(|root| root.square(level, &mut belief.cov));
+                    if const { may_have_root::<T, L>() }
+                        && let Some(root) = root
+                    {
+                        root.square(level, &mut belief.cov);
+                    }
                     untold(level, belief, held)
                 },
             );
@@ -101,7 +105,8 @@ impl<T: Number> Update<T> {
         match active.len() {
             1 if L::IS_KNOWN => self.take_in(level, Exactly::<1>, design, belief, root, noise, observation, held),
             2 if L::IS_KNOWN => self.take_in(level, Exactly::<2>, design, belief, root, noise, observation, held),
-            count => self.take_in(level, count, design, belief, root, noise, observation, held),
+            // More are rare.
+            count => self.take_in(level.plain(), count, design, belief, root, noise, observation, held),
         }
     }
 
@@ -118,7 +123,9 @@ impl<T: Number> Update<T> {
         observation: Observation<'_, T>,
         held: &mut Held<T::Mask>,
     ) -> Told<T> {
-        if let Some(root) = root {
+        if const { may_have_root::<T, L>() }
+            && let Some(root) = root
+        {
             return level.apart(
                 #[inline(always)]
                 || self.rotate(level, count, design, belief, root, noise, observation, held),

@@ -4,6 +4,7 @@ use crate::FilterError;
 use crate::data::record::Parts as PartsOfStep;
 use crate::mathematics::engine::belief::Belief;
 use crate::mathematics::engine::columns::mirror;
+use crate::mathematics::engine::design::Method;
 use crate::mathematics::engine::filter::{Filter, Parts};
 use crate::mathematics::engine::level::{Baseline, Known, Level};
 use crate::mathematics::filter::robust::Robust;
@@ -39,12 +40,12 @@ struct Told {
 /// The filter of a setup, on a record with `sensors` sensors.
 pub(crate) fn estimator(setup: &Setup, sensors: usize) -> Box<dyn Estimator> {
     let model = &setup.design.model;
+    if matches!(setup.design.method, Method::SquareRoot(_)) {
+        return of(Baseline, setup, sensors);
+    }
     match (model.size, model.moving()) {
         (4, 2) => of(Known::<_, 4, 2>(Baseline), setup, sensors),
         (5, 2) => of(Known::<_, 5, 2>(Baseline), setup, sensors),
-        (6, 2) => of(Known::<_, 6, 2>(Baseline), setup, sensors),
-        (7, 4) => of(Known::<_, 7, 4>(Baseline), setup, sensors),
-        (8, 3) => of(Known::<_, 8, 3>(Baseline), setup, sensors),
         _ => of(Baseline, setup, sensors),
     }
 }
