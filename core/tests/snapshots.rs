@@ -1,8 +1,4 @@
 //! The built-in scenarios: the final numbers to ten digits, and a checksum of every bit of the histories.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
-
-#[path = "common/run.rs"]
-mod run;
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -11,6 +7,8 @@ use std::sync::Arc;
 use kalmanscope_core::diagnosis::Final;
 use kalmanscope_core::import::{Builder, read};
 use kalmanscope_core::{Run, Scenario, Summary};
+
+use crate::run;
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/scenarios")

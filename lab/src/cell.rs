@@ -225,3 +225,6 @@ impl FilterPass {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

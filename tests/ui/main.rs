@@ -1,6 +1,7 @@
 //! The app in a headless harness: every control, every view, any size.
 
 mod beside;
+mod day;
 mod diagnosis;
 mod equation;
 mod export;
@@ -11,6 +12,7 @@ mod hand;
 mod identity;
 mod keyboard;
 mod lessons;
+mod looks;
 mod map;
 mod marks;
 mod measure;

@@ -2,7 +2,7 @@
 
 use kalmanscope_core::{Channel, Estimates, FilterKind, FilterSettings, PlantKind, Quantity, Scenario, Sensor, Signal};
 
-use crate::textbook::Sample;
+use super::textbook::Sample;
 
 /// A plant with parameters off the filters' initial means, with sensors for displacement and acceleration, and one
 /// filter of a kind.

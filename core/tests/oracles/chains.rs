@@ -4,8 +4,8 @@ use kalmanscope_core::signal::Step;
 use kalmanscope_core::simulate;
 use kalmanscope_core::{Channel, Force, PlantKind, Record, Scenario, Signal};
 
-use crate::matrix::{Matrix, along};
-use crate::plants::{Dual, Plant, jacobian, values};
+use super::matrix::{Matrix, along};
+use super::plants::{Dual, Plant, jacobian, values};
 
 const CHAINS: [(PlantKind, usize); 3] = [(PlantKind::SHEAR_2, 2), (PlantKind::SHEAR_3, 3), (PlantKind::SHEAR_4, 4)];
 

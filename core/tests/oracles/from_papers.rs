@@ -3,10 +3,10 @@
 use kalmanscope_core::simulate;
 use kalmanscope_core::{Adaptation, FilterKind, FilterSettings, PlantKind, Propagation, Quantity, Run, Scenario};
 
-use crate::cases::{deviation, scenario};
-use crate::plants::written;
+use super::cases::{deviation, scenario};
+use super::plants::written;
+use super::textbook::filter;
 use crate::run::finished;
-use crate::textbook::filter;
 
 pub(crate) const DETERMINISTIC: [FilterKind; 6] =
     [FilterKind::KF, FilterKind::EKF, FilterKind::IEKF, FilterKind::UKF, FilterKind::SR_UKF, FilterKind::CKF];

@@ -2,7 +2,7 @@
 
 use kalmanscope_core::{Channel, FilterKind, PlantKind, Run, Scenario, Signal};
 
-use crate::cases::scenario;
+use super::cases::scenario;
 use crate::run::finished;
 
 /// The usual scenario with few members of an ensemble.

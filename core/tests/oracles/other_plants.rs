@@ -4,10 +4,10 @@ use kalmanscope_core::{
     Aspect, Channel, Estimates, FilterKind, FilterSettings, PlantKind, Quantity, Scenario, Sensor, Signal,
 };
 
-use crate::cases::{deviation, scenario};
-use crate::from_papers::DETERMINISTIC;
+use super::cases::{deviation, scenario};
+use super::from_papers::DETERMINISTIC;
+use super::textbook;
 use crate::run::finished;
-use crate::textbook;
 
 fn numbers(estimates: &Estimates) -> Vec<f64> {
     (0..estimates.len()).flat_map(|k| [estimates.mean(k), estimates.cov(k)]).flatten().copied().collect()

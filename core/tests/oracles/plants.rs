@@ -4,7 +4,7 @@ use std::ops::{Add, Mul, Neg, Sub};
 
 use kalmanscope_core::{Aspect, Channel, PlantKind, Quantity};
 
-use crate::matrix::Matrix;
+use super::matrix::Matrix;
 
 /// A number and its derivatives with respect to every component of the state.
 #[derive(Clone, Debug)]

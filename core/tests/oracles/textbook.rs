@@ -2,8 +2,8 @@
 
 use kalmanscope_core::{Channel, FilterKind, FilterSettings, Propagation, Record, Scenario, Values};
 
-use crate::matrix::{Matrix, along, dot};
-use crate::plants::{Dual, Plant, jacobian, runge_kutta, values};
+use super::matrix::{Matrix, along, dot};
+use super::plants::{Dual, Plant, jacobian, runge_kutta, values};
 
 /// The results of a filter at one sample.
 #[derive(Clone, Debug)]

@@ -2,7 +2,7 @@
 
 use kalmanscope_core::{Scenario, ScenarioError};
 
-use crate::{assert_refused, parsed};
+use super::{assert_refused, parsed};
 
 #[test]
 fn impossible_values_are_refused_with_key_value_and_limits() {

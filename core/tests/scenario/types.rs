@@ -2,7 +2,7 @@
 
 use kalmanscope_core::{Channel, FilterKind, Scenario};
 
-use crate::assert_refused;
+use super::assert_refused;
 
 #[test]
 fn an_unknown_key_is_refused_with_line_path_and_the_keys_that_exist() {

@@ -6,7 +6,7 @@ use kalmanscope_core::{
     Values,
 };
 
-use crate::parsed;
+use super::parsed;
 
 const SAMPLE: &str = include_str!("../sample.toml");
 

@@ -1,5 +1,5 @@
 //! Metal and Direct3D, on which no test runs, get programs in their languages.
-#![expect(clippy::unwrap_used, clippy::panic, reason = "a helper that fails is a test that fails")]
+#![expect(clippy::panic, reason = "a helper that fails is a test that fails")]
 
 use std::path::Path;
 

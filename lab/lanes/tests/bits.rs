@@ -1,16 +1,11 @@
 //! Every lane has the bits of the single filter.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
-mod common;
-#[path = "common/outcome_bits.rs"]
-mod outcome_bits;
-
-use common::{CHANNELS, Shaken, size, values};
+use crate::common::{CHANNELS, Shaken, size, values};
+use crate::outcome_bits::bits;
 use kalmanscope_core::score::Outcome;
 use kalmanscope_core::simulate;
 use kalmanscope_core::{Channel, FilterKind, FilterSettings, PlantKind, Quantity, Record, Scenario, Values};
 use kalmanscope_lanes::{LaneRun, Level, outcomes_with, serves};
-use outcome_bits::bits;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::{RngSeed, TestRunner};

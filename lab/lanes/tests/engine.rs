@@ -1,16 +1,9 @@
 //! Filters of the engine: every lane has the bits of a single number, at every instruction set, and the single filter's numbers
 //! to rounding.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
-#[path = "common/draw.rs"]
-mod draw;
-#[path = "common/held.rs"]
-mod held;
-#[path = "common/outcome_bits.rs"]
-mod outcome_bits;
-
-use draw::{PLANTS, ensemble, truth};
-use held::{check, check_alone};
+use crate::draw::{PLANTS, ensemble, truth};
+use crate::held::{check, check_alone};
+use crate::outcome_bits::bits;
 use kalmanscope_core::filter::{Adaptation, Robust};
 use kalmanscope_core::internals::engine::Setup;
 use kalmanscope_core::score::{Look, Outcome};
@@ -21,7 +14,6 @@ use kalmanscope_core::{
     Signal, Values,
 };
 use kalmanscope_lanes::{LaneRun, Level, outcomes_with, serves};
-use outcome_bits::bits;
 
 #[test]
 fn lanes_have_the_bits_of_a_single_number() {

@@ -1,17 +1,13 @@
 //! Filters of typed equations go side by side: with the bits of a single number, and the single filter's numbers to rounding.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
-
-#[path = "common/outcome_bits.rs"]
-mod outcome_bits;
 
 use std::path::Path;
 
+use crate::outcome_bits::bits;
 use kalmanscope_core::internals::engine::Baseline;
 use kalmanscope_core::internals::engine::{self, Setup};
 use kalmanscope_core::score::Outcome;
 use kalmanscope_core::{FilterKind, Run, Scenario};
 use kalmanscope_lanes::{LaneRun, Level, outcomes_with, serves};
-use outcome_bits::bits;
 
 /// The scenarios of the gallery, with their names.
 fn gallery() -> Vec<(String, Scenario)> {

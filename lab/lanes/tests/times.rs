@@ -1,15 +1,7 @@
 //! Filters side by side over readings with times of their own: every lane has the bits of a single number and of the filter alone.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
-#[path = "common/draw.rs"]
-mod draw;
-#[path = "common/held.rs"]
-mod held;
-#[path = "common/outcome_bits.rs"]
-mod outcome_bits;
-
-use draw::{Draw, ensemble};
-use held::{check, check_alone};
+use crate::draw::{Draw, ensemble};
+use crate::held::{check, check_alone};
 use kalmanscope_core::filter::Adaptation;
 use kalmanscope_core::internals::engine::Setup;
 use kalmanscope_core::record::{Clocks, Timed};

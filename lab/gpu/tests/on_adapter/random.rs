@@ -1,13 +1,8 @@
 //! Random runs by the graphics processor beside the single filter of the core.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
-mod common;
-#[path = "../../lanes/tests/common/mod.rs"]
-mod runs;
-#[path = "common/tally.rs"]
-mod tally;
-
-use common::gpu;
+use crate::common::gpu;
+use crate::runs::{CHANNELS, Shaken, size, values};
+use crate::tally::Tally;
 use kalmanscope_core::score::Outcome;
 use kalmanscope_core::simulate;
 use kalmanscope_core::{Channel, FilterKind, FilterSettings, Quantity, Scenario};
@@ -15,8 +10,6 @@ use kalmanscope_gpu::{GpuRun, serves};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::{Config, RngSeed, TestRunner};
-use runs::{CHANNELS, Shaken, size, values};
-use tally::Tally;
 
 /// The scenarios of a test, and the number of filters in each.
 const SCENARIOS: usize = 40;

@@ -1,10 +1,9 @@
 //! One cell in slices of time.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 use std::sync::Arc;
 
+use crate::{CellTask, Ensemble, Plan, Runner};
 use kalmanscope_core::{Axis, FilterKind, Scenario, Source, Task as _};
-use kalmanscope_lab::{CellTask, Ensemble, Plan, Runner};
 
 fn runner(scenario: Scenario, measures: &[&str], times: usize) -> Arc<Runner> {
     let axes = ["seed=1:2:2", "filters.EKF.fading=0.5:1.5:3"].map(|text| Axis::parse(text).unwrap()).to_vec();

@@ -1,12 +1,9 @@
 //! Maps by the graphics processor have the classes and, where filters converge, the scores of the processor's.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
-
-mod common;
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use common::{CLOSE, gpu};
+use crate::common::{CLOSE, gpu};
 use kalmanscope_core::{Axis, Channel, Measure, Quantity, Scenario, Source, ValueKind};
 use kalmanscope_gpu::{Gpu, GpuError, Software};
 use kalmanscope_lab::{Ensemble, Plan, Priority, Runner, Sheet, Slice, Threads};

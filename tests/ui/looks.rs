@@ -1,5 +1,7 @@
-//! Pictures of the app, against those of `tests/snapshots`; `UPDATE_SNAPSHOTS=1 cargo test --test looks` makes them anew.
+//! Pictures of the app, against those of `tests/snapshots`; `UPDATE_SNAPSHOTS=1 cargo test --test ui looks::` draws them again, and
+//! writes the page with a picture of every view.
 
+use std::path::Path;
 use std::rc::Rc;
 
 use egui::{Theme, Vec2};
@@ -13,8 +15,7 @@ use kalmanscope::team::Frames;
 use kalmanscope::views::view;
 use kalmanscope_core::Scenario;
 
-const DESKTOP: Vec2 = Vec2::new(1280.0, 800.0);
-const PHONE: Vec2 = Vec2::new(390.0, 844.0);
+use crate::{DESKTOP, PHONE};
 
 /// The explorer as it starts.
 fn started(size: Vec2, theme: Theme) -> Harness<'static, App> {
@@ -22,11 +23,14 @@ fn started(size: Vec2, theme: Theme) -> Harness<'static, App> {
     builder.build_eframe(|creation| App::new(creation).expect("the default scenario can be run"))
 }
 
+/// Text is rendered identically on every machine; edges of lines differ by a grey level.
+fn options() -> SnapshotOptions {
+    SnapshotOptions::new().threshold(2.0).max_failed_pixels(400_usize)
+}
+
 #[test]
-fn it_looks_as_it_did() {
-    // Text is rendered identically on every machine; edges of lines differ by a grey level.
-    let options = SnapshotOptions::new().threshold(2.0).max_failed_pixels(400_usize);
-    let mut results = SnapshotResults::new();
+fn screens_look_as_they_did() {
+    let (options, mut results) = (options(), SnapshotResults::new());
     let teach = Arrangement::Teach;
     for (name, size, theme, mode, time, arrangement) in [
         ("first-light", DESKTOP, Theme::Light, Mode::Live, 10.0, teach),
@@ -60,6 +64,11 @@ fn it_looks_as_it_did() {
         screen.snapshot_options(name, &options);
         results.extend_harness(&mut screen);
     }
+    results.unwrap();
+}
+
+#[test]
+fn marks_look_as_they_did() {
     let mut screen = started(DESKTOP, Theme::Light);
     let session = screen.state_mut().session_mut();
     session.toggle_play();
@@ -75,8 +84,12 @@ fn it_looks_as_it_did() {
     screen.run_steps(4);
     screen.state_mut().session_mut().seek(50.0);
     screen.run_steps(4);
-    screen.snapshot_options("marks-light", &options);
-    results.extend_harness(&mut screen);
+    screen.snapshot_options("marks-light", &options());
+}
+
+#[test]
+fn views_look_as_they_did() {
+    let (options, mut results) = (options(), SnapshotResults::new());
     for kind in ViewKind::ALL {
         let mut screen =
             Harness::builder().with_size(Vec2::new(900.0, 620.0)).with_theme(Theme::Light).wgpu().build_eframe(
@@ -98,9 +111,14 @@ fn it_looks_as_it_did() {
         session.set_mode(Mode::Whole);
         session.seek(34.0);
         screen.run_steps(8);
-        screen.snapshot_options(format!("view-{}", view(kind).name().replace(' ', "-").to_lowercase()), &options);
+        screen.snapshot_options(file(kind), &options);
         results.extend_harness(&mut screen);
     }
+    results.unwrap();
+}
+
+#[test]
+fn a_lesson_looks_as_it_did() {
     let mut screen = started(DESKTOP, Theme::Light);
     screen.get_by_label("Lessons").click();
     screen.run_steps(4);
@@ -112,7 +130,26 @@ fn it_looks_as_it_did() {
     screen.run_steps(4);
     screen.get_by_label("λ = 1.005").click();
     screen.run_steps(8);
-    screen.snapshot_options("lesson-light", &options);
-    results.extend_harness(&mut screen);
-    results.unwrap();
+    screen.snapshot_options("lesson-light", &options());
+}
+
+/// The name of a view's picture.
+fn file(kind: ViewKind) -> String {
+    format!("view-{}", view(kind).name().replace(' ', "-").to_lowercase())
+}
+
+#[test]
+fn the_gallery_has_every_view() {
+    let part = |kind: ViewKind| {
+        let (name, [first, ..]) = (view(kind).name(), view(kind).help());
+        format!("\n## {name}\n{first}\n\n![{name}](../tests/snapshots/{}.png)\n", file(kind))
+    };
+    let head = "# All views\n`UPDATE_SNAPSHOTS=1 cargo test --test ui looks::` makes these pictures and this page. The sentence is the first of \
+                those\nbehind the `?` of a view.\n";
+    let expected = head.to_owned() + &ViewKind::ALL.map(part).concat();
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/gallery.md");
+    if std::env::var_os("UPDATE_SNAPSHOTS").is_some() {
+        std::fs::write(&path, &expected).expect("the page can be written");
+    }
+    assert_eq!(std::fs::read_to_string(path).expect("there is a gallery"), expected);
 }

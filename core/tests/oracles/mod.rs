@@ -1,5 +1,4 @@
 //! The filters against plain, slow implementations of their papers.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 mod cases;
 mod chains;
@@ -9,8 +8,6 @@ mod limits;
 mod matrix;
 mod other_plants;
 mod plants;
-#[path = "../common/run.rs"]
-mod run;
 mod sampled;
 mod taylor;
 mod textbook;

@@ -1,6 +1,7 @@
-//! A simulated day, played frame by frame, takes bounded memory.
+//! A simulated day, played frame by frame, takes bounded memory: in a process without other tests.
 
 use std::collections::BTreeSet;
+use std::process::Command;
 
 use kalmanscope::session::{Mode, Session, Wanted};
 use kalmanscope_core::diagnosis::{Diagnosis, VerdictKind};
@@ -39,8 +40,16 @@ fn assert_bounded(session: &Session) {
 
 #[test]
 fn a_day_passes_in_bounded_memory() {
+    let mut alone = Command::new(std::env::current_exe().expect("this is a program"));
+    let status = alone.args(["--exact", "day::alone", "--ignored"]).status().expect("it can be started again");
+    assert!(status.success(), "{status}");
+}
+
+#[test]
+#[ignore = "the test above starts it"]
+fn alone() {
     let scenario = day();
-    let mut session = Session::new(scenario.clone()).unwrap();
+    let mut session = Session::new(scenario.clone()).expect("the scenario is possible");
     assert!(!session.can_be_whole() && session.mode() == Mode::Live);
     session.want(Wanted { bounds: true, ..Wanted::default() });
     // Per frame, the number of samples of 200 s.

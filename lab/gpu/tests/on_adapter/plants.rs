@@ -1,19 +1,14 @@
 //! Maps of any plant by the graphics processor have the classes and, where filters converge, the scores of the processor's.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
-
-mod common;
-#[path = "common/tally.rs"]
-mod tally;
 
 use std::path::Path;
 use std::time::Instant;
 
-use common::gpu;
+use crate::common::gpu;
+use crate::tally::Tally;
 use kalmanscope_core::score::Outcome;
 use kalmanscope_core::simulate;
 use kalmanscope_core::{Channel, FilterKind, FilterSettings, Hold, PlantKind, Propagation, Quantity, Scenario, Signal};
 use kalmanscope_gpu::{GpuRun, serves};
-use tally::Tally;
 
 /// The filters of an ensemble: not a whole number of groups of threads.
 const FILTERS: usize = 70;

@@ -1,0 +1,5 @@
+//! The tests that `all` would slow down or that it would disturb.
+
+mod allocations;
+mod docs;
+mod memory;

@@ -1,0 +1,18 @@
+//! The tests on a graphics processor, or on one in software: one program, which is linked once. `cargo test -p kalmanscope-gpu --test all
+//! languages::` needs neither.
+#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
+
+mod common;
+#[path = "../../lanes/tests/common/mod.rs"]
+mod runs;
+#[path = "common/tally.rs"]
+mod tally;
+
+mod languages;
+
+/// Tests that take minutes where the graphics processor is one in software.
+mod on_adapter {
+    mod maps;
+    mod plants;
+    mod random;
+}

@@ -1,0 +1,7 @@
+//! The tests of the lessons from outside: one program, which is linked once. `cargo test -p kalmanscope-lessons --test all NAME::` runs
+//! those of one file.
+
+mod claims;
+mod readme;
+mod records;
+mod stories;
