@@ -321,16 +321,6 @@ fn learnt_noise_that_vanishes_or_grows_is_remarked() {
 }
 
 #[test]
-fn a_marginalised_filter_stops_where_its_gain_is_not_finite() {
-    assert_eq!(stop(&hostile("infinite-gain")), Some(Stop { sample: 16, reason: FilterError::NotFinite }));
-}
-
-#[test]
-fn what_a_marginalised_filter_knows_stays_known_while_it_learns_q() {
-    check_scenario(&hostile("known-while-learning"), 0).unwrap();
-}
-
-#[test]
 fn a_likelihood_is_a_number_where_a_sensor_is_missing_and_s_is_singular_to_rounding() {
     // A gap of 24 in 256 leaves out a sensor in the middle, at the only step.
     check_scenario(&hostile("singular-with-a-gap"), 24).unwrap();

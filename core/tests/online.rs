@@ -250,7 +250,7 @@ fn a_filter_that_has_failed_says_where_and_why() {
 
 #[test]
 fn a_filter_can_be_sent_to_another_thread() {
-    let mut online = OnlineFilter::new(&of(FilterKind::RBPF), 0).expect("the scenario is possible");
+    let mut online = OnlineFilter::new(&of(FilterKind::PF), 0).expect("the scenario is possible");
     let done = std::thread::spawn(move || {
         online.step(0.0, 0.0, &[0.0, 0.0]).expect("it goes on");
         online.done()

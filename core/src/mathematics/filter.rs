@@ -20,7 +20,6 @@ mod kind;
 mod learning;
 mod linear;
 mod linearised;
-mod marginalised;
 mod measurement_model;
 mod measurements;
 mod moments;
@@ -54,7 +53,6 @@ pub use gaussian::Gaussian;
 pub use kalman::Expected;
 pub use kind::{Begin, FilterInfo, FilterKind, MethodSettings};
 pub use linear::KalmanFilter;
-pub use marginalised::Marginalised;
 pub use measurement_model::MeasurementModel;
 pub use moments::Moments;
 pub use noise::Noise;
@@ -98,8 +96,6 @@ registry! {
     ENKF = ensemble::ENKF;
     /// Bootstrap particle filter, regularised.
     PF = particles::PF;
-    /// Rao-Blackwellised particle filter: particles for the parameters, a Kalman filter of the motion for each.
-    RBPF = marginalised::RBPF;
 }
 
 /// A method of filtering: how a filter holds its belief over the n components of a model's state.

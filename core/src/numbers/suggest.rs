@@ -228,9 +228,7 @@ impl Suggestion {
                 && filter.propagation == Propagation::LocalLinearisation;
             let frequency = filter.initial_mean[Channel::NATURAL_FREQUENCY].abs();
             let told = filter.initial_std[Channel::NATURAL_FREQUENCY] / (initial::LOOSE * frequency);
-            // A particle knows its parameters.
-            let knows_all =
-                filter.kind.is_sampled() || told == 0.0 && filter.process_std[Channel::NATURAL_FREQUENCY] == 0.0;
+            let knows_all = told == 0.0 && filter.process_std[Channel::NATURAL_FREQUENCY] == 0.0;
             let is_precise = told > 0.0 && !is_exact;
             let step = if is_precise { libm::sqrt(libm::sqrt(120.0 * SMALL * told)).min(MOST) } else { MOST };
             let steps = libm::ceil(frequency * record.dt() / step).clamp(1.0, 40.0);

@@ -68,7 +68,7 @@ pub struct FilterSettings {
     /// mixture, and how large Q is. It learns as [`Self::adaptation`] says. 1 for Q as it is set.
     #[serde(skip_serializing_if = "is_one")]
     pub process_scales: usize,
-    /// The number of members of an EnKF, or of particles of a PF or RBPF.
+    /// The number of members of an EnKF, or of particles of a PF.
     pub ensemble_size: usize,
     /// Whether the filter learns R and Q from its innovations.
     pub adaptation: Adaptation,

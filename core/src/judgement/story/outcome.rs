@@ -293,9 +293,7 @@ impl<'a> Outcome<'a> {
 /// Whether the motion turns so far in a step that the Jacobian of local linearisation, which takes it for constant, is not right:
 /// in a free decay the band of ωₙ is 1.2 times too narrow at half a radian, and 3.6 times at one.
 fn has_long_steps(filter: &FilterSettings, estimates: &Estimates, record: &Record) -> bool {
-    let info = filter.kind.info();
-    let is_linearised =
-        info.has_propagation && !info.is_sampled && filter.propagation == Propagation::LocalLinearisation;
+    let is_linearised = filter.kind.info().has_propagation && filter.propagation == Propagation::LocalLinearisation;
     let place = estimates.place(Channel::NATURAL_FREQUENCY).filter(|_| is_linearised && !estimates.is_empty());
     place.is_some_and(|place| {
         let (mean, std) = (estimates.canonical_mean(estimates.len() - 1, place), estimates.initial_std(place));

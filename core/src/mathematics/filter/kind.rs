@@ -42,7 +42,7 @@ pub struct MethodSettings {
     pub propagation: Propagation,
     /// Limits the linearisations of the sensors in one update of an IEKF.
     pub iterations: usize,
-    /// The number of members of an EnKF, or of particles of a PF or RBPF.
+    /// The number of members of an EnKF, or of particles of a PF.
     pub ensemble_size: usize,
 }
 

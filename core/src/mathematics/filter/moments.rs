@@ -67,11 +67,6 @@ impl Moments {
         &self.belief
     }
 
-    /// The belief, mutable.
-    pub(super) fn belief_mut(&mut self) -> &mut Gaussian {
-        &mut self.belief
-    }
-
     /// Replaces the mean and keeps the covariance.
     pub(crate) fn move_to(&mut self, mean: Vector) {
         self.belief.mean = mean;
