@@ -2,7 +2,6 @@
 
 use egui::{Button, Color32, RichText, ScrollArea, Sense, Stroke, Ui, UiBuilder, WidgetText, vec2};
 use egui_tiles::{Behavior, ResizeState, SimplificationOptions, TileId, UiResponse};
-use kalmanscope_core::internals::sort_short_by_key;
 
 use crate::column::Column;
 use crate::layout::{Layout, simplification};
@@ -66,7 +65,7 @@ pub(crate) fn panes_ui(
         let mut kinds = layout.in_order();
         if !narrow {
             // On a phone in landscape the picture of the plant would leave the plots no room.
-            sort_short_by_key(&mut kinds, |kind| kind.proportions() == Proportions::Flat);
+            kinds.sort_by_key(|kind| kind.proportions() == Proportions::Flat);
         }
         panes.show_column(ui, &kinds, above);
     } else if layout.tree().is_empty() {

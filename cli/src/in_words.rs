@@ -1,7 +1,6 @@
 //! The evidence for a verdict and the causes of it, in words.
 
 use kalmanscope_core::diagnosis::{Evidence, Remedy, in_percent};
-use kalmanscope_core::internals::sort_short_by;
 use kalmanscope_core::setting::Edit;
 use kalmanscope_core::{Diagnosis, Scenario};
 
@@ -13,7 +12,7 @@ const MOST: (usize, usize) = (6, 3);
 /// The evidence that counts, the weightiest first, each with its p-value.
 pub(crate) fn evidence(diagnosis: &Diagnosis) -> Vec<String> {
     let mut counting: Vec<&Evidence> = diagnosis.evidence.iter().filter(|one| one.counts).collect();
-    sort_short_by(&mut counting, |a, b| b.effect.total_cmp(&a.effect));
+    counting.sort_by(|a, b| b.effect.total_cmp(&a.effect));
     let line = |one: &&Evidence| {
         let p =
             if one.p_value > 0.0 && one.p_value < 1.0 { format!(" (p = {:.0e})", one.p_value) } else { String::new() };

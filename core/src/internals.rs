@@ -5,7 +5,7 @@ pub mod engine;
 pub mod kernel;
 
 pub use crate::data::hash::short_hash;
-pub use crate::data::sorting::{sort_numbers, sort_short_by, sort_short_by_key};
+pub use crate::data::sorting::sort_numbers;
 pub use crate::mathematics::gaussian_likelihood::{ln_determinant, log_likelihood};
 pub use crate::mathematics::integrate::{INVERSE_FACTORIAL, doublings};
 pub use crate::mathematics::kernel::propagation::SERIES;

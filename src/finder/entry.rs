@@ -94,6 +94,6 @@ pub(super) fn found<'a>(entries: &'a [Entry], text: &str) -> Vec<&'a Entry> {
         })
         .collect();
     // Stable: entries of one rank keep their order.
-    kalmanscope_core::internals::sort_short_by_key(&mut found, |entry| rank(entry));
+    found.sort_by_key(|entry| rank(entry));
     found
 }

@@ -1,6 +1,5 @@
 //! The scores that a map can show, and their names.
 
-use kalmanscope_core::internals::sort_short_by_key;
 use kalmanscope_core::{Channel, Measure, Quantity, Record, Scenario};
 use kalmanscope_lab::channels;
 
@@ -13,7 +12,7 @@ const MOST_CHANNELS: usize = 8;
 fn scored(scenario: &Scenario) -> Vec<Channel> {
     let places: Vec<usize> = (0..scenario.filters.len()).collect();
     let mut channels = channels(scenario, &places);
-    sort_short_by_key(&mut channels, |channel| !channel.is_parameter());
+    channels.sort_by_key(|channel| !channel.is_parameter());
     channels.truncate(MOST_CHANNELS);
     channels
 }
@@ -34,9 +33,7 @@ pub(crate) fn offered(scenario: &Scenario, record: &Record) -> Vec<Measure> {
         !measure.info().is_special && (!measure.info().needs_truth || has_truth())
     };
     let mut offered: Vec<Measure> = Measure::all(&channels, &sensors).into_iter().filter(is_offered).collect();
-    sort_short_by_key(&mut offered, |measure| {
-        measure.info().word != Measure::rmse(Channel::NATURAL_FREQUENCY).info().word
-    });
+    offered.sort_by_key(|measure| measure.info().word != Measure::rmse(Channel::NATURAL_FREQUENCY).info().word);
     offered
 }
 

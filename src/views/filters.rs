@@ -1,7 +1,6 @@
 //! The numbers of all filters side by side.
 
 use egui::{Grid, Id, RichText, ScrollArea, Ui, vec2};
-use kalmanscope_core::internals::sort_short_by_key;
 use kalmanscope_core::setting::{
     Address, Entry, INITIAL_MEAN, INITIAL_STD, OF_FILTER, PROCESS_STD, SENSOR_STD, SettingInfo, TableInfo,
 };
@@ -111,7 +110,7 @@ fn rows(scenario: &Scenario) -> Vec<Row> {
     };
     scenario.sensors.iter().for_each(|sensor| add(&SENSOR_STD, Entry::Sensor(sensor.measures), 1.0));
     let mut channels = channels(scenario, &(0..scenario.filters.len()).collect::<Vec<_>>());
-    sort_short_by_key(&mut channels, |channel| !channel.is_parameter());
+    channels.sort_by_key(|channel| !channel.is_parameter());
     for channel in channels {
         for table in [&INITIAL_MEAN, &INITIAL_STD, &PROCESS_STD] {
             add(table, Entry::Channel(channel), channel.usual().std.max(1e-3));

@@ -2,7 +2,6 @@
 
 use egui::{Grid, Id, Label, RichText, ScrollArea, Ui};
 use kalmanscope_core::diagnostics::{Depth, MeanSquare};
-use kalmanscope_core::internals::{sort_short_by, sort_short_by_key};
 use kalmanscope_core::{Channel, Signal, Source, Verdict};
 use kalmanscope_core::{ModelClasses, Summary};
 
@@ -63,7 +62,7 @@ impl View for Scores {
         {
             let distances: Vec<f64> =
                 row.values.iter().map(|value| value.map_or(f64::INFINITY, |x| row.distance(x))).collect();
-            sort_short_by(&mut summaries, |(a, _), (b, _)| distances[*a].total_cmp(&distances[*b]));
+            summaries.sort_by(|(a, _), (b, _)| distances[*a].total_cmp(&distances[*b]));
         }
         let before: Vec<Option<Summary>> = summaries.iter().map(|(place, _)| was(*place)).collect();
         let rows = rows(&summaries, &before, session);
@@ -169,7 +168,7 @@ impl Row {
         let values = self.values.iter().enumerate().filter_map(|(place, value)| Some((place, (*value)?)));
         let mut distances: Vec<(usize, f64)> =
             values.filter(|(_, x)| x.is_finite()).map(|(place, x)| (place, self.distance(x))).collect();
-        sort_short_by(&mut distances, |a, b| a.1.total_cmp(&b.1));
+        distances.sort_by(|a, b| a.1.total_cmp(&b.1));
         let [(place, best), (_, second), ..] = distances[..] else { return None };
         let alike = if self.ideal == f64::INFINITY { self.alike } else { self.alike * second };
         (second - best > alike).then_some(place)
@@ -199,7 +198,7 @@ fn rows(summaries: &[(usize, Summary)], before: &[Option<Summary>], session: &Se
             channels.push(channel);
         }
     }
-    sort_short_by_key(&mut channels, |c| !c.is_parameter());
+    channels.sort_by_key(|c| !c.is_parameter());
     let change = last_change(session);
     let mut rows = Vec::new();
     for channel in channels {

@@ -36,7 +36,6 @@ pub(super) mod words;
 
 use std::ops::Range;
 
-use crate::data::sorting::sort_short_by;
 use crate::numbers::diagnostics::Depth;
 use crate::{CramerRao, Diagnostics, Estimates, FilterSettings, Record, RunError, Scenario};
 
@@ -141,7 +140,7 @@ impl Diagnosis {
         for cause in CAUSES {
             (cause.likely_causes)(&bad, cause, &mut likely_causes);
         }
-        sort_short_by(&mut likely_causes, |a, b| b.weight.total_cmp(&a.weight));
+        likely_causes.sort_by(|a, b| b.weight.total_cmp(&a.weight));
         likely_causes
     }
 

@@ -2,7 +2,6 @@
 
 use egui::{Color32, Label, Rect, RichText, Sense, Stroke, Ui, Vec2};
 use kalmanscope_core::diagnosis::Evidence;
-use kalmanscope_core::internals::sort_short_by_key;
 
 use crate::text::{sentence, significant};
 use crate::theme::Palette;
@@ -13,7 +12,7 @@ const BAR: Vec2 = Vec2::new(64.0, 9.0);
 /// The evidence that counts, the largest effect first; on demand also the evidence that does not count.
 pub(super) fn evidence_ui(ui: &mut Ui, evidence: &[Evidence], color: Color32, palette: &Palette) {
     let mut sorted: Vec<&Evidence> = evidence.iter().filter(|one| !one.sentence.is_empty()).collect();
-    sort_short_by_key(&mut sorted, |one| (!one.counts, -one.effect));
+    sorted.sort_by(|a, b| b.counts.cmp(&a.counts).then(b.effect.total_cmp(&a.effect)));
     let counting = sorted.iter().filter(|one| one.counts).count();
     if counting > 0 {
         ui.add_space(4.0);

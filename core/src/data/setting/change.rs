@@ -3,7 +3,6 @@
 use super::{Allowed, CHOICES_OF_FILTER, CHOICES_OF_SCENARIO, ChoiceInfo, OF_FILTER, SettingInfo, of_scenario, symbol};
 use crate::data::document::Document;
 use crate::data::scenario::{Scenario, ScenarioError, address};
-use crate::data::sorting::sort_short_by_key;
 
 /// The difference between two scenarios: the settings that changed, by their addresses.
 ///
@@ -70,7 +69,7 @@ impl Change {
             _ if before == now => {}
             (Document::Table(one), Document::Table(other)) => {
                 let mut keys: Vec<&String> = one.iter().chain(other).map(|(key, _)| key).collect();
-                sort_short_by_key(&mut keys, |key| *key);
+                keys.sort_unstable();
                 keys.dedup();
                 // A table with one key that becomes another is another shape: of a force, of a signal.
                 let is_reshaped = one.len() == 1 && other.len() == 1 && keys.len() == 2;

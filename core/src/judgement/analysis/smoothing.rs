@@ -2,7 +2,6 @@
 
 use super::{Hindsight, Subject, is_known};
 use crate::data::scenario::cost;
-use crate::data::sorting::sort_short_by_key;
 use crate::samples::smoother::Smoother;
 use crate::samples::waste::Waste;
 use crate::{Estimates, FilterSettings};
@@ -91,7 +90,7 @@ impl Smoothing {
         old.keep(waste, |of| ids.contains(&of.id()) && !changed.contains(&of.id()));
         let all = self.estimates.drain(..).zip(self.smoothers.drain(..));
         let mut all: Vec<_> = all.chain(old.estimates.into_iter().zip(old.smoothers)).collect();
-        sort_short_by_key(&mut all, |(of, _)| ids.iter().position(|&id| id == of.id()));
+        all.sort_by_key(|(of, _)| ids.iter().position(|&id| id == of.id()));
         (self.estimates, self.smoothers) = all.into_iter().unzip();
         self.is_complete = false;
     }

@@ -1,7 +1,6 @@
 //! Many tests at once.
 
 use super::evidence::Evidence;
-use crate::data::sorting::sort_short_by;
 
 /// Limits the probability that any test rejects a consistent filter.
 const LEVEL: f64 = 1e-4;
@@ -16,7 +15,7 @@ const LEVEL: f64 = 1e-4;
 /// Source: Holm (1979), A simple sequentially rejective multiple test procedure, *Scandinavian Journal of Statistics* 6.
 pub(crate) fn decide(evidence: &mut [Evidence]) {
     let mut order: Vec<usize> = (0..evidence.len()).collect();
-    sort_short_by(&mut order, |&a, &b| evidence[a].p_value.total_cmp(&evidence[b].p_value));
+    order.sort_by(|&a, &b| evidence[a].p_value.total_cmp(&evidence[b].p_value));
     for (rank, &place) in order.iter().enumerate() {
         let one = &mut evidence[place];
         if one.p_value > LEVEL / (order.len() - rank) as f64 {

@@ -3,7 +3,6 @@
 use super::cause::LikelyCause;
 use super::remedy::Remedy;
 use super::trial::{Outcome, Trials};
-use crate::data::sorting::sort_short_by;
 
 /// The least gain in log likelihood of a cause that is named, less the gain of its numbers by chance.
 pub(super) const WORTH: f64 = 8.0;
@@ -90,7 +89,7 @@ impl Trials {
                 None => all.push(ranked),
             }
         }
-        sort_short_by(&mut all, |a, b| compare((&b.remedy, b.rank), (&a.remedy, a.rank)));
+        all.sort_by(|a, b| compare((&b.remedy, b.rank), (&a.remedy, a.rank)));
         all
     }
 }

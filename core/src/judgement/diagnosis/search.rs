@@ -17,7 +17,6 @@ use super::remedy::Remedy;
 use super::trial::Trials;
 use super::verdict::Verdict;
 use crate::Task;
-use crate::data::sorting::sort_short_by;
 
 /// Limits the causes of one remedy.
 const STEPS: usize = 4;
@@ -114,7 +113,7 @@ impl Search {
                 None => all.push((remedy, path_rank, path.gain)),
             }
         }
-        sort_short_by(&mut all, |(a, a_rank, _), (b, b_rank, _)| compare((b, *b_rank), (a, *a_rank)));
+        all.sort_by(|(a, a_rank, _), (b, b_rank, _)| compare((b, *b_rank), (a, *a_rank)));
         let mut told: Vec<Vec<&str>> = Vec::new();
         let mut remedies: Vec<Remedy> = all.into_iter().map(|(remedy, ..)| remedy).collect();
         remedies.retain(|remedy| {

@@ -2,8 +2,6 @@
 
 use std::fmt;
 
-use crate::data::sorting::sort_short_by;
-
 use super::case::Case;
 use super::evidence::{Evidence, Subject};
 use super::verdict_kind::VerdictKind;
@@ -40,7 +38,7 @@ impl Verdict {
         let counting = || evidence.iter().filter(|one| one.counts);
         let kind = counting().map(|one| one.speaks_for).max().unwrap_or(VerdictKind::Consistent);
         let mut grounds: Vec<&Evidence> = counting().filter(|one| one.speaks_for == kind).collect();
-        sort_short_by(&mut grounds, |a, b| b.effect.total_cmp(&a.effect));
+        grounds.sort_by(|a, b| b.effect.total_cmp(&a.effect));
         // The same evidence on the last fifth adds nothing.
         let mut told: Vec<(&str, Subject)> = Vec::new();
         grounds.retain(|one| {
@@ -51,7 +49,7 @@ impl Verdict {
         });
         let mut reasons: Vec<String> = grounds.iter().take(MOST).map(|one| one.sentence.clone()).collect();
         let mut besides: Vec<&Evidence> = counting().filter(|one| one.speaks_for != kind).collect();
-        sort_short_by(&mut besides, |a, b| {
+        besides.sort_by(|a, b| {
             (b.speaks_for, b.effect).partial_cmp(&(a.speaks_for, a.effect)).unwrap_or(std::cmp::Ordering::Equal)
         });
         if kind == VerdictKind::Recovered || kind == VerdictKind::Consistent || kind == VerdictKind::NotIdentifiable {

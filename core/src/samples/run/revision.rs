@@ -2,7 +2,6 @@
 
 use super::{Run, Update};
 use crate::data::scenario::cost;
-use crate::data::sorting::sort_short_by;
 use crate::samples::bank::{Bank, lookahead};
 use crate::samples::source::Recording;
 use crate::samples::spare::Spare;
@@ -59,7 +58,7 @@ impl Revision {
             }
         }
         let mut order: Vec<usize> = (0..kept.len()).filter(|&place| kept[place].is_none()).collect();
-        sort_short_by(&mut order, |&a, &b| {
+        order.sort_by(|&a, &b| {
             let of = |place: usize| cost::of_step(&scenario.filters[place], scenario.plant.kind);
             of(a).total_cmp(&of(b))
         });

@@ -1,7 +1,6 @@
 //! The choice of the filter on which causes are tried next.
 
 use super::{FILTERS, STEPS, Search, Stage, UNKNOWN_FORCE};
-use crate::data::sorting::sort_short_by;
 use crate::judgement::diagnosis::path::Path;
 
 /// The number of first causes that others are tried on before any remedy has three.
@@ -40,7 +39,7 @@ impl Search {
         // first.
         let mut firsts: Vec<f64> =
             self.paths.iter().filter(|path| path.len() == 1).map(|path| self.rank(path)).collect();
-        sort_short_by(&mut firsts, |a, b| b.total_cmp(a));
+        firsts.sort_by(|a, b| b.total_cmp(a));
         let least_first = firsts.get(FIRSTS - 1).or(firsts.last()).copied().unwrap_or(f64::INFINITY);
         // The order is that of the gain with all noise fitted. The path with the largest gain of its own is added.
         let most =
