@@ -100,9 +100,9 @@ impl App {
             Request::ToggleKeys => self.keys_open = !self.keys_open,
             Request::Report(sentence) => self.notice = Some(sentence.into()),
             Request::DismissNotice => self.notice = None,
+            Request::Leave if self.standstill.first().is_some() => self.stop_standing_still(),
             Request::Leave => {
                 let is_done = std::mem::take(&mut self.keys_open)
-                    || self.stop_standing_still()
                     || session.cancel()
                     || laboratory.set_stopped(true)
                     || laboratory.seeds_mut().set_stopped(true)

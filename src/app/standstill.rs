@@ -17,7 +17,7 @@ const BETWEEN: f64 = 1.0;
 
 /// A kind of work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Work {
+pub(super) enum Work {
     Import,
     Picture,
     Map,
@@ -55,7 +55,7 @@ pub(super) struct Standstill {
 
 impl Standstill {
     /// The first work that has stood still for too long.
-    fn first(&self) -> Option<Work> {
+    pub(super) fn first(&self) -> Option<Work> {
         self.works.iter().find(|(.., still)| *still >= PATIENCE).map(|(work, ..)| *work)
     }
 }
@@ -110,9 +110,9 @@ impl App {
         works.into_iter().filter_map(|(work, share)| Some((work, share?))).collect()
     }
 
-    /// Stops the work that stands still. Returns whether there was any.
-    pub(super) fn stop_standing_still(&mut self) -> bool {
-        let Some(work) = self.standstill.first() else { return false };
+    /// Stops the work that stands still.
+    pub(super) fn stop_standing_still(&mut self) {
+        let Some(work) = self.standstill.first() else { return };
         let Self { session, laboratory, importing, .. } = self;
         match work {
             Work::Import => *importing = None,
@@ -126,6 +126,5 @@ impl App {
             Work::Spectrogram => session.give_up_spectrogram(),
         }
         self.standstill.works.clear();
-        true
     }
 }

@@ -4,20 +4,26 @@ use std::rc::Rc;
 
 use egui::Context;
 
-use super::{Cells, Finding, Frames, Graphics, Handle, Lost, Precision, Rows, Team};
+use super::{Cells, Finding, Frames, Handle, Lost, Precision, Rows, Team};
 
-/// Cells under way. The team runs them until a graphics processor is found, and after that has given up; the frames run
-/// them after the team has failed.
+/// Cells under way. A graphics processor that has been found runs them, else the team; whoever fails leaves the rest to the
+/// next.
 pub struct Relay {
     team: Rc<dyn Team>,
-    /// The graphics processor, as long as it has not given up these cells.
-    graphics: Option<Rc<dyn Graphics>>,
+    next: By,
+    work: Option<Handle<Rows>>,
     cells: Cells,
     /// For each cell of the ensemble, whether its row has come or is not wanted.
     is_done: Vec<bool>,
-    on_graphics: Option<Handle<Rows>>,
-    on_team: Option<Handle<Rows>>,
     ctx: Context,
+}
+
+/// Those that run cells, in their order.
+#[derive(Clone, Copy)]
+enum By {
+    Graphics,
+    Team,
+    Frames,
 }
 
 impl Relay {
@@ -25,61 +31,37 @@ impl Relay {
     /// rows have come.
     pub fn new(team: &Rc<dyn Team>, cells: Cells, ctx: &Context) -> Self {
         let graphics = team.graphics().filter(|_| cells.precision == Precision::Fastest);
-        graphics.iter().for_each(|graphics| _ = graphics.find(ctx));
+        // The first map begins the search, and the next ones are run by what it finds.
+        let is_ready = graphics.is_some_and(|graphics| graphics.find(ctx) == Finding::Ready);
         let mut is_done = vec![true; cells.runner.ensemble().cells()];
         cells.order.iter().for_each(|cell| is_done[*cell] = false);
-        let (team, ctx) = (Rc::clone(team), ctx.clone());
-        Self { team, graphics, cells, is_done, on_graphics: None, on_team: None, ctx }
+        let next = if is_ready { By::Graphics } else { By::Team };
+        Self { team: Rc::clone(team), next, work: None, cells, is_done, ctx: ctx.clone() }
     }
 
     /// The rows that have come since the last call.
     pub fn take(&mut self) -> Vec<Rows> {
         let mut rows = Vec::new();
-        if self.on_graphics.is_none()
-            && let Some(graphics) = self.graphics.as_ref().filter(|graphics| graphics.found() == Finding::Ready)
-        {
-            self.on_graphics = graphics.cells(&self.missing(), &self.ctx);
-            self.graphics.take_if(|_| self.on_graphics.is_none());
-        }
-        if let Some(work) = &mut self.on_graphics {
-            if all(work, &mut rows).is_err() {
-                (self.on_graphics, self.graphics) = (None, None);
+        loop {
+            let is_lost = self.work.as_mut().is_none_or(|work| all(work, &mut rows).is_err());
+            rows.iter().flat_map(|rows| &rows.cells).for_each(|cell| self.is_done[*cell] = true);
+            if !is_lost || !self.is_done.contains(&false) {
+                return rows;
             }
-            if !rows.is_empty() {
-                // The graphics processor has begun: the team stops.
-                self.on_team = None;
-            }
-        }
-        self.note(&rows);
-        if self.on_graphics.is_none() && self.on_team.is_none() && self.is_done.contains(&false) {
             self.begin();
         }
-        if let Some(work) = &mut self.on_team {
-            let is_lost = all(work, &mut rows).is_err();
-            self.note(&rows);
-            if is_lost {
-                log::warn!("The frames compute the rest of the cells.");
-                self.team = Rc::new(Frames::FRAME);
-                self.begin();
-            }
-        }
-        rows
     }
 
-    /// Gives the cells without a row to the team, or to the frames.
+    /// Gives the cells without a row to the next that may run them.
     fn begin(&mut self) {
-        let (Self { team, ctx, .. }, cells) = (&*self, self.missing());
-        self.on_team = team.cells(&cells, ctx).or_else(|| Frames::FRAME.cells(&cells, ctx));
-    }
-
-    fn note(&mut self, rows: &[Rows]) {
-        rows.iter().flat_map(|rows| &rows.cells).for_each(|cell| self.is_done[*cell] = true);
-    }
-
-    /// The cells without a row.
-    fn missing(&self) -> Cells {
-        let order = self.cells.order.iter().copied().filter(|cell| !self.is_done[*cell]).collect();
-        Cells { order, ..self.cells.clone() }
+        let Self { team, next, cells, is_done, ctx, .. } = self;
+        let order = cells.order.iter().copied().filter(|cell| !is_done[*cell]).collect();
+        let cells = Cells { order, ..cells.clone() };
+        (self.work, *next) = match next {
+            By::Graphics => (team.graphics().and_then(|graphics| graphics.cells(&cells, ctx)), By::Team),
+            By::Team => (team.cells(&cells, ctx), By::Frames),
+            By::Frames => (Frames::FRAME.cells(&cells, ctx), By::Frames),
+        };
     }
 }
 
@@ -101,7 +83,7 @@ mod tests {
 
     use super::*;
     use crate::session::Budget;
-    use crate::team::Computer;
+    use crate::team::{Computer, Graphics};
 
     /// A graphics processor that is ready and fails as the test wants.
     struct Played {
@@ -173,15 +155,14 @@ mod tests {
             .unwrap()
     }
 
-    /// Takes rows until all cells are known; `before` is called before each time. Returns the computer of each row.
-    fn run(team: &Rc<dyn Team>, precision: Precision, before: impl Fn(usize)) -> Vec<(Computer, usize)> {
+    /// Takes rows until all cells are known. Returns the computer of each row.
+    fn run(team: &Rc<dyn Team>, precision: Precision) -> Vec<(Computer, usize)> {
         let (ensemble, ctx) = (ensemble(), Context::default());
         let runner = Arc::new(Runner::new(ensemble.clone(), Source::Simulated).unwrap());
         let cells = Cells { runner: Arc::clone(&runner), order: (0..10).collect(), precision, priority: Priority::Map };
         let mut work = Relay::new(team, cells, &ctx);
         let (mut sheet, mut by) = (Sheet::new(&ensemble), Vec::new());
-        for nth in 0..40 {
-            before(nth);
+        for _ in 0..40 {
             for rows in work.take() {
                 sheet.fill(&rows.cells, &rows.numbers);
                 by.push((rows.by, rows.cells.len()));
@@ -203,39 +184,36 @@ mod tests {
 
     #[test]
     fn one_that_is_ready_computes_all() {
-        let by = run(&played(Finding::Ready, 99).1, Precision::Fastest, |_| {});
+        let by = run(&played(Finding::Ready, 99).1, Precision::Fastest);
         assert_eq!(by, vec![(named(), 2); 5]);
     }
 
     #[test]
     fn one_that_gives_up_leaves_the_rest_to_the_other() {
-        let by = run(&played(Finding::Ready, 2).1, Precision::Fastest, |_| {});
+        let by = run(&played(Finding::Ready, 2).1, Precision::Fastest);
         assert_eq!(by[..2], [(named(), 2), (named(), 2)]);
         assert_eq!(by[2..], vec![(Computer::Frames, 1); 6]);
     }
 
     #[test]
-    fn one_that_is_found_later_takes_over() {
+    fn one_that_is_found_later_computes_the_next_map() {
         let (found, team) = played(Finding::Searching, 99);
-        let by = run(&team, Precision::Fastest, |nth| {
-            if nth == 3 {
-                *found.finding.borrow_mut() = Finding::Ready;
-            }
-        });
-        let others: usize = by.iter().filter(|(by, _)| *by == Computer::Frames).map(|(_, cells)| cells).sum();
-        assert!((3..=5).contains(&others), "{by:?}");
-        assert_eq!(by.last().map(|(by, _)| by.clone()), Some(named()));
+        let by = run(&team, Precision::Fastest);
+        assert!(by.iter().all(|(by, _)| *by == Computer::Frames), "{by:?}");
+        *found.finding.borrow_mut() = Finding::Ready;
+        assert_eq!(run(&team, Precision::Fastest), vec![(named(), 2); 5]);
     }
 
     #[test]
     fn double_precision_is_for_the_other() {
-        let by = run(&played(Finding::Ready, 99).1, Precision::Double, |_| {});
+        let by = run(&played(Finding::Ready, 99).1, Precision::Double);
         assert_eq!(by, vec![(Computer::Frames, 1); 10]);
     }
+
     #[test]
     fn a_team_that_fails_leaves_the_rest_to_the_frames() {
         for rows in [0, 3] {
-            let by = run(&(Rc::new(Failing(rows)) as Rc<dyn Team>), Precision::Fastest, |_| {});
+            let by = run(&(Rc::new(Failing(rows)) as Rc<dyn Team>), Precision::Fastest);
             assert_eq!(by[..rows], vec![(Computer::Workers(1), 1); rows]);
             assert!(by[rows..].iter().all(|(by, _)| *by == Computer::Frames));
         }

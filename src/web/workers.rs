@@ -110,7 +110,7 @@ impl Workers {
 
     fn give(&self, left: Left, message: &dyn Fn(u32) -> Array) -> Option<u32> {
         let mut present = self.state.borrow_mut();
-        let is_for_all = left.is_for_all();
+        let is_for_all = matches!(left, Left::Cells { .. });
         if is_for_all {
             // The workers have one map at a time.
             present.end(Given::is_for_all);

@@ -213,7 +213,7 @@ fn all(sheet: &Sheet) -> Vec<f64> {
 
 /// Needs a Vulkan driver; a software one such as Mesa's lavapipe is enough.
 #[test]
-fn a_processor_takes_over_and_serves_the_next_map_from_the_beginning() {
+fn a_processor_that_is_found_serves_the_next_map() {
     let team = desktop();
     let ensemble = ensemble(Measure::NIS, 24);
     assert_eq!(finding(&team), Some(Finding::Searching), "nobody looks before the first map");

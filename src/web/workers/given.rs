@@ -142,7 +142,9 @@ impl Given {
         if matches!(self.left, Left::Outcome) && part.as_f64().is_none() {
             self.left = Left::Samples(0);
         }
-        self.feed(worker);
+        if !self.is_for_all() {
+            self.feed(worker);
+        }
         // The last part is shown at once, progress a few times a second.
         if self.is_at(worker) { self.ctx.request_repaint_after(BETWEEN) } else { self.wake() }
     }
