@@ -101,8 +101,9 @@ impl App {
             Request::Report(sentence) => self.notice = Some(sentence.into()),
             Request::DismissNotice => self.notice = None,
             Request::Leave => {
-                let is_done = std::mem::take(&mut self.keys_open)
-                    || self.stop_standing_still()
+                let is_done = std::mem::take(&mut self.keys_open) || self.stop_standing_still();
+                let Self { session, layout, laboratory, .. } = self;
+                let is_done = is_done
                     || session.cancel()
                     || laboratory.set_stopped(true)
                     || laboratory.seeds_mut().set_stopped(true)
