@@ -177,16 +177,3 @@ fn bar(cells: usize, done: usize) -> ProgressBar {
     bar.enable_steady_tick(Duration::from_millis(200));
     bar
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn shards_are_the_whole_without_gaps() {
-        for (all, of) in [(10, 3), (2, 5), (1000, 7), (0, 2)] {
-            let shards: Vec<usize> = (1..=of).flat_map(|number| cells(all, Shard { number, of })).collect();
-            assert!(shards.into_iter().eq(0..all));
-        }
-    }
-}

@@ -1,8 +1,46 @@
 //! One line: cells between marks, or a JSON object.
 
 use kalmanscope_core::Document;
+use thiserror::Error;
 
-use crate::BadLine;
+use crate::line::LONGEST;
+
+/// The reason why a line cannot be read.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum BadLine {
+    /// It is too long.
+    #[error("it is longer than {} bytes", LONGEST)]
+    TooLong,
+    /// It is no UTF-8.
+    #[error("it is not text")]
+    NoText,
+    /// It begins as an object and is none.
+    #[error("it is no JSON object: {0}")]
+    NoJson(String),
+    /// A value is no number.
+    #[error("`{key}` is {value}, but must be a number")]
+    NoNumber {
+        /// The column's name.
+        key: String,
+        /// The value.
+        value: String,
+    },
+    /// It has not as many cells as the header.
+    #[error("it has {found} cells, but the header has {expected}")]
+    Cells {
+        /// The number of its cells.
+        found: usize,
+        /// The number of those of the header.
+        expected: usize,
+    },
+    /// There is no time.
+    #[error("there is no column for the time, `t`; a header such as `{0}` must come first")]
+    NoTime(String),
+    /// Neither input nor sensors are among its columns.
+    #[error("none of its columns is known; there are {0}")]
+    NothingKnown(String),
+}
 
 /// The contents of a line.
 pub(crate) enum Line<'a> {
@@ -18,7 +56,7 @@ impl<'a> Line<'a> {
     /// Reads cells between semicolons, tabs, commas or blanks, or a JSON object. Of a line without a header the mark is the first of
     /// these that it has.
     pub(crate) fn of(bytes: &'a [u8], mark: Option<char>) -> Result<Self, BadLine> {
-        if bytes.len() > crate::LONGEST {
+        if bytes.len() > LONGEST {
             return Err(BadLine::TooLong);
         }
         let text = std::str::from_utf8(bytes).map_err(|_| BadLine::NoText)?.trim_start_matches('\u{feff}');

@@ -24,7 +24,8 @@ mod open;
 mod serial;
 
 pub use accelerations::{Accelerations, NoAxes};
+pub use cells::BadLine;
 pub use line::{LONGEST, read_line};
-pub use lines::{BadLine, Lines, StreamRow};
+pub use lines::{Lines, StreamRow};
 #[cfg(not(target_arch = "wasm32"))]
 pub use open::open;

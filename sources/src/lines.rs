@@ -1,9 +1,8 @@
 //! Input and readings of a scenario in lines that come one by one.
 
 use kalmanscope_core::{Document, InputKind, Scenario};
-use thiserror::Error;
 
-use crate::cells::{Line, number, number_of};
+use crate::cells::{BadLine, Line, number, number_of};
 
 /// The time, the input and the readings of a line.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,43 +13,6 @@ pub struct StreamRow {
     pub input: f64,
     /// A reading for each sensor of the scenario in the unit of its quantity, NaN where there is none.
     pub readings: Vec<f64>,
-}
-
-/// The reason why a line cannot be read.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum BadLine {
-    /// It is too long.
-    #[error("it is longer than {} bytes", crate::LONGEST)]
-    TooLong,
-    /// It is no UTF-8.
-    #[error("it is not text")]
-    NoText,
-    /// It begins as an object and is none.
-    #[error("it is no JSON object: {0}")]
-    NoJson(String),
-    /// A value is no number.
-    #[error("`{key}` is {value}, but must be a number")]
-    NoNumber {
-        /// The column's name.
-        key: String,
-        /// The value.
-        value: String,
-    },
-    /// It has not as many cells as the header.
-    #[error("it has {found} cells, but the header has {expected}")]
-    Cells {
-        /// The number of its cells.
-        found: usize,
-        /// The number of those of the header.
-        expected: usize,
-    },
-    /// There is no time.
-    #[error("there is no column for the time, `t`; a header such as `{0}` must come first")]
-    NoTime(String),
-    /// Neither input nor sensors are among its columns.
-    #[error("none of its columns is known; there are {0}")]
-    NothingKnown(String),
 }
 
 /// The meaning of a column.

@@ -2,10 +2,10 @@
 
 use egui::epaint::{BandShape, ColorMode, CubicBezierShape, PathStroke, QuadraticBezierShape, StrokeKind};
 use egui::{Color32, Mesh, Pos2, Rect, Shape, Stroke};
-use kalmanscope_figures::{Color, Point, Style, Svg};
+use kalmanscope_figures::{Point, Style, Svg};
 
 use super::Figure;
-use super::svg_text::write_text;
+use super::svg_text::{color, write_text};
 
 /// The text of an SVG file: as large as the figure, with a white ground.
 pub(super) fn svg(figure: &Figure) -> String {
@@ -104,8 +104,4 @@ fn area(rect: Rect) -> [f32; 4] {
 fn style(fill: Color32, stroke: Stroke) -> Style {
     let fill = (fill != Color32::TRANSPARENT).then(|| color(fill));
     Style { fill, stroke: (!stroke.is_empty()).then(|| (color(stroke.color), stroke.width)) }
-}
-
-pub(super) fn color(color: Color32) -> Color {
-    Color(color.to_srgba_unmultiplied())
 }

@@ -3,9 +3,7 @@
 use egui::epaint::TextShape;
 use egui::text::TextFormat;
 use egui::{Color32, FontFamily};
-use kalmanscope_figures::{Anchor, Svg, Text};
-
-use super::svg::color;
+use kalmanscope_figures::{Anchor, Color, Svg, Text};
 
 /// Writes a text: one element for each row and format.
 pub(super) fn write_text(svg: &mut Svg, shape: &TextShape) {
@@ -65,4 +63,8 @@ impl Run<'_> {
         self.text.push(letter);
         self.to = to;
     }
+}
+
+pub(super) fn color(color: Color32) -> Color {
+    Color(color.to_srgba_unmultiplied())
 }

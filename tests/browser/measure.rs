@@ -8,7 +8,6 @@ use kalmanscope_core::import::wav;
 use serde_json::Value;
 
 use crate::page::Page;
-use crate::phone;
 
 /// Limits the time until something is there.
 const PATIENCE: Duration = Duration::from_secs(120);
