@@ -86,7 +86,6 @@ pub(super) fn profiles_ui(ui: &Ui, graph: &Graph, panel: &Panel, survey: &Survey
     }
 }
 
-/// The cell nearest to a value.
 fn nearest(axis: &Axis, value: f64) -> usize {
     let last = axis.count.saturating_sub(1);
     ((axis.share_of(value).clamp(0.0, 1.0) * last as f64).round() as usize).min(last)
