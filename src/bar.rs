@@ -21,18 +21,15 @@ const ROOMY: f32 = 1000.0;
 const FORGET: &str =
     "The record’s file is kept on this device, so that it is there at the next start: remove it from there";
 
-/// The inputs of the bar.
 pub(crate) struct Bar<'a> {
     pub(crate) session: &'a Session,
     pub(crate) layout: &'a Layout,
     pub(crate) catalogue: &'a Catalogue,
-    /// Whether the settings are shown.
     pub(crate) controls: bool,
     pub(crate) presenting: bool,
     pub(crate) narrow: bool,
     /// Whether undo and redo are possible.
     pub(crate) history: (bool, bool),
-    /// Whether this device has sensors.
     pub(crate) measures: bool,
 }
 
@@ -150,7 +147,6 @@ fn views_menu_ui(ui: &mut Ui, layout: &Layout, requests: &mut Vec<Request>) {
     probe::remember(ui.ctx(), "Views", button.rect);
 }
 
-/// The menu of appearance, comparison and help.
 fn more_menu_ui(ui: &mut Ui, session: &Session, presenting: bool, requests: &mut Vec<Request>) {
     let button = menu_ui(ui, "More", Closing::AtOnce, |ui| {
         theme_ui(ui);
@@ -196,7 +192,6 @@ pub(crate) fn history_ui(ui: &mut Ui, (undo, redo): (bool, bool), requests: &mut
     }
 }
 
-/// Switches between two whole settings, A and B.
 fn settings_ui(ui: &mut Ui, session: &Session, requests: &mut Vec<Request>) {
     for setting in Setting::BOTH {
         let is_on = session.setting() == setting;

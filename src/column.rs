@@ -29,7 +29,6 @@ const LEAST_FLAT_SCROLLING: f32 = 84.0;
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Column {
     pub(crate) heights: Vec<f32>,
-    /// Whether they are higher than the room for them.
     pub(crate) scrolls: bool,
 }
 

@@ -31,9 +31,7 @@ use crate::theme::{self, Palette};
 pub enum Asked {
     /// Another meaning of the measured record's columns.
     Columns,
-    /// Another equation of the plant.
     Equation,
-    /// Only the settings that the story names.
     Fewer,
 }
 

@@ -16,7 +16,6 @@ const FIRST: &str = "x'' + 2 ζ ωₙ x' + ωₙ² x = f";
 /// The name of such a plant in lists.
 pub(crate) const NAME: &str = "equation of your own";
 
-/// The plant that one begins with.
 pub(crate) fn first() -> Option<PlantKind> {
     PlantKind::of_equation(&EquationSettings::new(FIRST)).ok()
 }

@@ -38,7 +38,6 @@ pub(crate) fn menu_ui(ui: &mut Ui, narrow: bool, requests: &mut Vec<Request>) {
     ui.data_mut(|data| data.insert_temp(popup_key(), popup));
 }
 
-/// Opens or closes the menu.
 pub(crate) fn toggle(ctx: &Context) {
     if let Some(popup) = ctx.data(|data| data.get_temp::<Id>(popup_key())) {
         Popup::toggle_id(ctx, popup);

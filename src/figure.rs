@@ -18,7 +18,6 @@ use crate::view::ViewContext;
 use arrange::arrange;
 use canvas::Part;
 
-/// A figure, ready to be written.
 pub struct Figure {
     /// Everything that is drawn, from back to front.
     parts: Vec<Part>,
@@ -40,7 +39,6 @@ impl Figure {
         [self.size.x, self.size.y].map(|length| length * self.scale * format::MILLIMETRES_PER_POINT)
     }
 
-    /// The text of an SVG file.
     pub fn svg(&self) -> String {
         svg::svg(self)
     }

@@ -17,10 +17,8 @@ use entry::{Choice, Entry, entries, found};
 /// The width of the window \[points\].
 const WIDTH: f32 = 460.0;
 
-/// Limits the entries that are shown.
 const SHOWN: usize = 40;
 
-/// The state of the open finder.
 #[derive(Default)]
 pub(crate) struct Finder {
     text: String,
@@ -53,7 +51,6 @@ impl Finder {
         is_open
     }
 
-    /// The field and the entries that it finds.
     fn list_ui(
         &mut self,
         ui: &mut Ui,
@@ -123,7 +120,6 @@ fn entry_ui(ui: &mut Ui, entry: &Entry, is_on: bool, palette: &Palette) -> egui:
 struct Change {
     address: Address,
     text: String,
-    /// Whether Enter was pressed on a text that is no number.
     is_refused: bool,
 }
 

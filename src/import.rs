@@ -30,22 +30,17 @@ const LONG_FILE: usize = 4_000_000;
 /// Limits the length of a record with start values that are made in the frames \[samples\].
 const LONG_RECORD: usize = 50_000;
 
-/// An import under way.
 pub struct Import {
     name: String,
     stage: Stage,
     /// Does long work beside the frames.
     team: Rc<dyn Team>,
-    /// Whether it makes no progress.
     is_still: bool,
 }
 
 enum Stage {
-    /// The file is read.
     Reading(Running<Reading>),
-    /// Its columns are given a meaning.
     Asking(Box<Draft>),
-    /// Start values are made.
     Suggesting(Box<Draft>, Box<Running<Suggest>>),
     /// It cannot be read.
     Failed(String),
@@ -70,20 +65,15 @@ impl Task for Reading {
     }
 }
 
-/// The outcome of an import.
 pub struct Opened {
-    /// The file.
     pub file: Arc<RecordFile>,
-    /// A scenario that names it.
     pub scenario: Scenario,
-    /// The reasons of its settings.
     pub reasons: Vec<String>,
     /// Why no start values were found, if they were looked for in vain.
     pub problem: Option<String>,
 }
 
 impl Import {
-    /// The import of a file's bytes.
     pub fn new(name: &str, bytes: Vec<u8>, team: Rc<dyn Team>) -> Self {
         let is_long = bytes.len() > LONG_FILE;
         let worker = if is_long { team.load(&bytes) } else { None };
@@ -150,7 +140,6 @@ impl Import {
         }
     }
 
-    /// Says whether it makes no progress.
     pub(crate) fn set_still(&mut self, is_still: bool) {
         self.is_still = is_still;
     }

@@ -14,7 +14,6 @@ use crate::session::{Mode, Session};
 
 pub(crate) use list::window_ui;
 
-/// A key and its request.
 struct Shortcut {
     /// The label on the keyboard.
     name: &'static str,

@@ -41,7 +41,6 @@ use crate::team::{Finding, Frames, Team};
 /// The values on each axis of a map for a small screen.
 const FEW: usize = 32;
 
-/// The maps of the session on screen.
 pub struct Laboratory {
     team: Rc<dyn Team>,
     /// The user's choice. `None` until a map is on screen.
@@ -58,7 +57,6 @@ pub struct Laboratory {
 }
 
 impl Laboratory {
-    /// An empty laboratory.
     pub fn new(team: Rc<dyn Team>) -> Self {
         Self {
             team,
@@ -73,7 +71,6 @@ impl Laboratory {
         }
     }
 
-    /// Leaves the work to a team from now on.
     pub(crate) fn work_with(&mut self, team: Rc<dyn Team>) {
         self.rest();
         self.seeds.rest();
@@ -85,7 +82,6 @@ impl Laboratory {
         self.choice.as_ref()
     }
 
-    /// Takes over a choice, or forgets it.
     pub fn choose(&mut self, choice: Option<Choice>) {
         self.choice = choice;
         self.state.go_on();
@@ -96,7 +92,6 @@ impl Laboratory {
         self.before.as_ref().or(self.survey.as_ref())
     }
 
-    /// Whether the survey to show is of earlier settings.
     pub fn is_shown_old(&self) -> bool {
         self.before.is_some()
     }
@@ -107,7 +102,6 @@ impl Laboratory {
         (!sheet.is_complete()).then(|| sheet.done() as f64 / sheet.len() as f64)
     }
 
-    /// Whether cells are being run.
     pub fn is_working(&self) -> bool {
         self.survey.as_ref().is_some_and(Survey::is_working)
     }
@@ -167,7 +161,6 @@ impl Laboratory {
         }
     }
 
-    /// The runs with many seeds.
     pub fn seeds(&self) -> &Seeds {
         &self.seeds
     }
@@ -187,22 +180,18 @@ impl Laboratory {
         self.seeds.follow(session.run(), filters, team, ctx);
     }
 
-    /// The tuning of a filter.
     pub fn tuning(&self) -> &Tuning {
         &self.tuning
     }
 
-    /// The tuning of a filter, mutable.
     pub fn tuning_mut(&mut self) -> &mut Tuning {
         &mut self.tuning
     }
 
-    /// The posterior of a filter's parameters.
     pub fn posteriors(&self) -> &Posteriors {
         &self.posteriors
     }
 
-    /// The same, mutable.
     pub fn posteriors_mut(&mut self) -> &mut Posteriors {
         &mut self.posteriors
     }
@@ -283,7 +272,6 @@ impl Laboratory {
 }
 
 impl Default for Laboratory {
-    /// A laboratory in slices of the frames.
     fn default() -> Self {
         Self::new(Rc::new(Frames::FRAME))
     }

@@ -9,7 +9,6 @@ use crate::share::Outline;
 /// The height of a tall view that is added, over the mean height of the others.
 const TALL: f32 = 1.7;
 
-/// The views on screen.
 pub struct Layout {
     tree: Tree<ViewKind>,
     enlarged: Option<ViewKind>,
@@ -24,7 +23,6 @@ impl Default for Layout {
 }
 
 impl Layout {
-    /// A ready-made arrangement.
     pub fn of(arrangement: Arrangement) -> Self {
         Self { tree: tree(rows(arrangement)), enlarged: None }
     }
@@ -43,7 +41,6 @@ impl Layout {
         Self { tree: tree(&rows), enlarged: None }
     }
 
-    /// The views of an outline, and that which is enlarged.
     pub(crate) fn of_outline(outline: Option<&Outline>, enlarged: Option<ViewKind>) -> Self {
         let mut tiles = Tiles::default();
         let tree = match outline.map(|outline| outline.insert_into(&mut tiles)) {
@@ -53,7 +50,6 @@ impl Layout {
         Self { tree, enlarged }
     }
 
-    /// The views that are shown.
     pub fn shown(&self) -> Vec<ViewKind> {
         shown(&self.tree)
     }
@@ -87,7 +83,6 @@ impl Layout {
         (tree, height)
     }
 
-    /// The views of a tile, from left to right.
     fn panes(&self, tile: TileId) -> Vec<ViewKind> {
         let mut to_come = vec![tile];
         let mut views = Vec::new();
@@ -101,7 +96,6 @@ impl Layout {
         views
     }
 
-    /// The tiles.
     pub(crate) fn tree(&self) -> &Tree<ViewKind> {
         &self.tree
     }
@@ -123,7 +117,6 @@ impl Layout {
         self.enlarged = if self.enlarged.is_some() { None } else { Some(view) };
     }
 
-    /// Enlarges one view.
     pub(crate) fn enlarge(&mut self, view: ViewKind) {
         self.enlarged = Some(view);
     }
@@ -136,7 +129,6 @@ impl Layout {
         self.enlarged = self.enlarged.filter(|enlarged| *enlarged == view);
     }
 
-    /// The views that are not behind an enlarged one.
     pub(crate) fn in_sight(&self) -> Vec<ViewKind> {
         self.enlarged.map_or_else(|| self.shown(), |view| vec![view])
     }
@@ -159,7 +151,6 @@ impl Layout {
         self.enlarged.take().is_some()
     }
 
-    /// Shows a view or hides it.
     pub fn toggle(&mut self, view: ViewKind) {
         let Self { tree, enlarged } = self;
         *enlarged = None;
@@ -194,7 +185,6 @@ impl Layout {
 /// Rows of views, each with its share of the height.
 type Rows<'a> = &'a [(f32, &'a [ViewKind])];
 
-/// The rows of an arrangement.
 const fn rows(arrangement: Arrangement) -> Rows<'static> {
     use ViewKind::{
         Autocorrelation, Consistency, Errors, Filters, Innovations, Map, Oscillator, ParameterPlane, Parameters,
@@ -208,7 +198,6 @@ const fn rows(arrangement: Arrangement) -> Rows<'static> {
     }
 }
 
-/// The tiles of rows.
 fn tree(rows: Rows<'_>) -> Tree<ViewKind> {
     let mut tiles = Tiles::default();
     let mut column = egui_tiles::Linear::new(LinearDir::Vertical, Vec::new());
@@ -224,7 +213,6 @@ fn tree(rows: Rows<'_>) -> Tree<ViewKind> {
     tree
 }
 
-/// The least height of a tile.
 fn height_of(tiles: &Tiles<ViewKind>, tile: TileId, gap: f32, least: &dyn Fn(ViewKind) -> f32) -> f32 {
     let container = match tiles.get(tile) {
         None => return 0.0,
@@ -283,7 +271,6 @@ pub(crate) fn simplification() -> SimplificationOptions {
     SimplificationOptions { all_panes_must_have_tabs: false, ..SimplificationOptions::default() }
 }
 
-/// The views of a tree.
 fn shown(tree: &Tree<ViewKind>) -> Vec<ViewKind> {
     let shown: Vec<ViewKind> = tree.tiles.tiles().filter_map(pane).collect();
     ViewKind::ALL.into_iter().filter(|view| shown.contains(view)).collect()

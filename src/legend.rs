@@ -12,7 +12,6 @@ use crate::tutor;
 use crate::verdict::chip_ui;
 use crate::visibility::Visibility;
 
-/// The sample of an entry.
 #[derive(Clone, Copy)]
 pub(crate) enum Mark {
     Line,
@@ -22,7 +21,6 @@ pub(crate) enum Mark {
     Dashes,
 }
 
-/// The room for a legend.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Extent {
     /// As many rows as it needs.
@@ -34,7 +32,6 @@ pub(crate) enum Extent {
 /// The width that is kept for the chip of the picture from before, at least \[points\].
 const CHIP: f32 = 96.0;
 
-/// The legend, and the run's problems.
 pub(crate) struct Legend<'a> {
     pub(crate) session: &'a Session,
     pub(crate) visible: &'a Visibility,
@@ -93,7 +90,6 @@ impl Legend<'_> {
         self.switches_ui(ui, requests);
     }
 
-    /// Truth and measurements.
     fn record_ui(&self, ui: &mut Ui, requests: &mut Vec<Request>) {
         let Self { session, visible, palette } = self;
         let run = session.run();
@@ -103,7 +99,6 @@ impl Legend<'_> {
         entry_ui(ui, LegendEntry::Measured, "measured", (Mark::Dots, palette.weak, visible.measured), requests);
     }
 
-    /// A filter and the verdict on it.
     fn filter_ui(&self, ui: &mut Ui, place: usize, estimates: &Estimates, requests: &mut Vec<Request>) {
         let Self { session, visible, palette } = self;
         let (color, on) = (palette.shade(estimates.color()), visible.filter(estimates.id()));
@@ -146,7 +141,6 @@ impl Legend<'_> {
         }
     }
 
-    /// The chip of the quantities that are shown alone.
     fn only_ui(&self, ui: &mut Ui, requests: &mut Vec<Request>) {
         if !self.visible.only.is_empty() {
             let symbols: Vec<&str> = self.visible.only.iter().map(|channel| channel.symbol()).collect();
@@ -202,7 +196,6 @@ fn fitted(ui: &Ui, text: &str, room: f32) -> String {
 /// The height of an entry \[points\].
 const HEIGHT: f32 = 20.0;
 
-/// Shows an entry with its sample's shape and colour, and whether it is on.
 fn entry_ui(
     ui: &mut Ui,
     entry: LegendEntry,
@@ -229,7 +222,6 @@ fn entry_ui(
     }
 }
 
-/// Paints the sample of an entry.
 pub(crate) fn paint_mark(painter: &Painter, sample: Rect, mark: Mark, color: Color32) {
     match mark {
         Mark::Line => {

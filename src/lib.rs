@@ -3,6 +3,8 @@
 //! Data flows one way. The controls edit a copy of the scenario, the [`session::Session`] runs it, the views draw the
 //! session. Every change is a [`request::Request`], which is applied after the frame.
 
+#![allow(missing_docs, reason = "the explorer is a program: its library is for its tests")]
+
 pub mod app;
 mod bar;
 mod column;

@@ -37,7 +37,6 @@ const AT_LEAST: Duration = Duration::from_millis(100);
 /// The size of the estimates \[points\].
 const LARGE: f32 = 26.0;
 
-/// A way to measure with one sensor of the device.
 trait Instrument {
     /// Its name for the choice among several.
     fn name(&self) -> &'static str;
@@ -45,7 +44,6 @@ trait Instrument {
     /// The words of the button that begins.
     fn beginning(&self) -> &'static str;
 
-    /// The words of the button that ends.
     fn ending(&self) -> &'static str {
         "Stop and identify"
     }
@@ -61,7 +59,6 @@ trait Instrument {
     /// Why the sensor tells nothing.
     fn refusal(&self) -> Option<String>;
 
-    /// Takes in what has come.
     fn follow(&mut self) {}
 
     /// The scenario and the growing record of what is measured, if filters can be watched on it.
@@ -69,7 +66,6 @@ trait Instrument {
         None
     }
 
-    /// Shows what is known, in little room.
     fn few_ui(&mut self, _: &mut Ui, _: &Palette) {}
 
     /// Shows what has come in, `since` seconds after the beginning.
@@ -80,7 +76,6 @@ trait Instrument {
     fn file(&self) -> Option<Result<RawFile, String>>;
 }
 
-/// A measurement.
 pub(crate) struct Measure {
     instruments: Vec<Box<dyn Instrument>>,
     /// The place of the instrument that the user has chosen.
@@ -88,20 +83,15 @@ pub(crate) struct Measure {
     stage: Stage,
     /// Whether the explorer shows the record in place of the window.
     is_watched: bool,
-    /// The scenario that it shows.
     shown: Option<Scenario>,
 }
 
-/// What is new in a record that is watched.
 pub(crate) enum News {
-    /// It is another one, under this scenario.
     Another(Box<Scenario>, Arc<Record>),
-    /// It goes on.
     Longer(Arc<Record>),
 }
 
 enum Stage {
-    /// It waits for the user.
     Ready,
     /// It measures since this time of the screen \[s\].
     Running(f64),
@@ -255,7 +245,6 @@ impl Measure {
         }
     }
 
-    /// The choice among several instruments.
     fn choice_ui(&mut self, ui: &mut Ui) {
         if self.instruments.len() < 2 {
             return;
@@ -279,7 +268,6 @@ fn waiting_ui(ui: &mut Ui, since: f64, text: &str, hint: &str) {
     }
 }
 
-/// An estimate, large enough for a hall.
 fn large_ui(ui: &mut Ui, text: String, palette: &Palette) {
     ui.add(Label::new(RichText::new(text).size(LARGE).color(palette.text)).extend());
 }

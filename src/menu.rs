@@ -23,7 +23,6 @@ const ENTRY: f32 = 420.0;
 /// The size of an entry's picture \[points\].
 const PICTURE: Vec2 = vec2(64.0, 26.0);
 
-/// When a menu closes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Closing {
     /// With a choice, or a click beside it.

@@ -28,12 +28,10 @@ const MARGIN: f32 = 4.0;
 /// The side of a button above a view, at least \[points\].
 const TARGET: f32 = 24.0;
 
-/// The way in which views share the room.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Way {
     /// As the layout has them, if there is room.
     Tiles,
-    /// In one column.
     Column,
     /// In one column of views without bars, each with all the room, pictures of the plant last: while a setting is
     /// changed on a phone, and where it lies on its side, the curves are on screen.
@@ -125,7 +123,6 @@ fn bar_height(ui: &Ui) -> f32 {
     ui.spacing().interact_size.y.max(TARGET)
 }
 
-/// The explanation of a view behind a question mark.
 pub(crate) fn help_ui(ui: &mut Ui, view: &dyn View) {
     let lines = |ui: &mut Ui| {
         ui.set_max_width(380.0);
@@ -189,7 +186,6 @@ impl Panes<'_> {
         dragged
     }
 
-    /// Name, explanation, enlarging and closing.
     fn bar_ui(&mut self, ui: &mut Ui, kind: ViewKind) -> bool {
         let view = view(kind);
         ui.horizontal(|ui| {

@@ -30,10 +30,8 @@ pub(crate) struct Reading {
     pub(crate) decay: Option<Result<Decay, NoDecay>>,
 }
 
-/// A series at both marks.
 pub(crate) struct Row {
     pub(crate) channel: Channel,
-    /// The name of the filter, or `truth`.
     pub(crate) name: String,
     pub(crate) color: egui::Color32,
     pub(crate) values: [f64; 2],

@@ -2,20 +2,15 @@
 
 use serde::{Deserialize, Serialize};
 
-/// One of the two marks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum End {
-    /// The first.
     A,
-    /// The second.
     B,
 }
 
 impl End {
-    /// Both marks.
     pub const BOTH: [Self; 2] = [Self::A, Self::B];
 
-    /// Its letter.
     pub const fn name(self) -> &'static str {
         match self {
             Self::A => "A",
@@ -24,7 +19,6 @@ impl End {
     }
 }
 
-/// The times that the user has marked.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct Ruler {
@@ -60,7 +54,6 @@ impl Ruler {
         *mark = if *mark == Some(time) { None } else { Some(time) };
     }
 
-    /// Takes both marks away.
     pub fn clear(&mut self) {
         self.times = [None; 2];
     }
@@ -70,7 +63,6 @@ impl Ruler {
         Self { times: self.times.map(|time| time.map(|time| (time * 1e9).round() / 1e9)) }
     }
 
-    /// Whether any mark is set.
     pub fn is_used(&self) -> bool {
         self.times.iter().any(Option::is_some)
     }

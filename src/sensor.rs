@@ -19,9 +19,7 @@ pub trait Sensor<T> {
     fn hint(&self) -> String;
 }
 
-/// A reading of some kind of sensor.
 pub trait Reading: Clone {
-    /// Limits the readings of one measurement.
     const MOST: usize;
 }
 
@@ -46,12 +44,9 @@ impl Reading for StreamRow {
     const MOST: usize = 1_000_000;
 }
 
-/// The sensors of a device.
 #[derive(Clone, Default)]
 pub struct Sensors {
-    /// The accelerometer.
     pub accelerometer: Option<Rc<dyn Sensor<Acceleration>>>,
-    /// The microphone.
     pub microphone: Option<Rc<dyn Sensor<Sound>>>,
     /// The sensors of a scenario, with the scenario.
     pub stream: Option<(Rc<dyn Sensor<StreamRow>>, Rc<Scenario>)>,
@@ -67,12 +62,10 @@ impl Sensors {
 /// Readings that a sensor puts in and a window takes out; copies share them.
 pub struct Readings<T>(Arc<Mutex<ReadingBuffer<T>>>);
 
-/// The readings of a measurement so far.
 pub(crate) struct ReadingBuffer<T> {
     pub(crate) readings: Vec<T>,
     /// How many have come, those that were taken out among them.
     count: usize,
-    /// Whether no more come.
     pub(crate) has_ended: bool,
     /// How many readings come in a second, if the sensor says so.
     pub(crate) rate: Option<f64>,
@@ -115,12 +108,10 @@ impl<T: Reading> Readings<T> {
         self.told().rate = Some(rate);
     }
 
-    /// How many have come.
     pub fn count(&self) -> usize {
         self.told().count
     }
 
-    /// Says that no more come.
     pub fn end(&self, ctx: &Context) {
         self.told().has_ended = true;
         ctx.request_repaint();
@@ -131,7 +122,6 @@ impl<T: Reading> Readings<T> {
         self.told().refusal.clone()
     }
 
-    /// Says why there are no readings.
     pub fn refuse(&self, reason: String, ctx: &Context) {
         self.told().refusal = Some(reason);
         ctx.request_repaint();

@@ -40,7 +40,6 @@ pub use library::{Library, RecordFile, name_of};
 pub use setting::Setting;
 pub use trying::Attempt;
 
-/// The part of the record that is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Mode {
     /// The record grows as time goes on.
@@ -60,14 +59,11 @@ pub enum Mode {
 /// Samples are counted from the start, except for [`Self::index`] and all indices of the run's record.
 pub struct Session {
     scenario: Scenario,
-    /// The complete picture.
     study: Study,
-    /// The next one.
     job: Option<Job>,
     /// Does long work of it, and of other views.
     team: Rc<dyn Team>,
     long: LongFilters,
-    /// The number of slices that it has taken.
     slices: usize,
     /// Whether the scenario has been edited since the job began.
     waiting: bool,
@@ -84,7 +80,6 @@ pub struct Session {
     problem: Option<String>,
     judged: Judged,
     before: Option<Before>,
-    /// The setting on screen, and the other one.
     setting: Setting,
     other: Option<Scenario>,
     /// Real time since the last edit \[s\].
@@ -174,7 +169,6 @@ impl Session {
         self.budget = budget;
     }
 
-    /// The amount of computation in one go.
     pub(crate) fn budget(&self) -> Budget {
         self.budget
     }
@@ -262,7 +256,6 @@ impl Session {
         self.problem.as_deref()
     }
 
-    /// The files that scenarios name.
     pub fn library(&self) -> &Library {
         &self.library
     }
@@ -292,7 +285,6 @@ impl Session {
         self.library.set_reasons(reasons, problem);
     }
 
-    /// Whether the samples are measured, not simulated.
     pub fn is_measured(&self) -> bool {
         self.run().source().is_measured()
     }

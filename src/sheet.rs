@@ -4,23 +4,18 @@ use egui::Color32;
 
 use crate::plot::heading::Readout;
 
-/// The numbers of one plot.
 pub struct Sheet<'a> {
-    /// The plot's name.
     pub title: String,
     /// The unit of its numbers, or nothing.
     pub unit: &'static str,
-    /// The truth and the filters.
     pub columns: Vec<Column<'a>>,
 }
 
 /// The numbers of the truth, or of one filter.
 pub struct Column<'a> {
-    /// The filter's name, or `truth`.
     pub owner: String,
     color: Color32,
     text: Box<dyn Fn(usize) -> Option<String> + 'a>,
-    /// The same number in another unit.
     aside: Option<Box<dyn Fn(usize) -> Option<String> + 'a>>,
 }
 

@@ -6,7 +6,6 @@ use egui::{Color32, Mesh, Painter, Rect, Response, Sense, Ui, Vec2};
 const WIDTH: usize = 120;
 const HEIGHT: f32 = 30.0;
 
-/// The lowest and the highest of some values.
 pub(crate) fn range(values: &[f64]) -> (f64, f64) {
     let there = values.iter().filter(|value| value.is_finite());
     there.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &v| (low.min(v), high.max(v)))
@@ -18,7 +17,6 @@ pub(crate) struct Spark {
 }
 
 impl Spark {
-    /// The shape of some values.
     pub(crate) fn new(values: &[f64]) -> Self {
         Self::between(range(values), values)
     }
@@ -39,14 +37,12 @@ impl Spark {
         Self { ranges: values.chunks(chunk).map(range).collect() }
     }
 
-    /// Draws it.
     pub(crate) fn ui(&self, ui: &mut Ui, color: Color32) -> Response {
         let (response, painter) = ui.allocate_painter(Vec2::new(WIDTH as f32, HEIGHT), Sense::hover());
         self.paint(&painter, response.rect, color);
         response
     }
 
-    /// Draws it into a rectangle.
     pub(crate) fn paint(&self, painter: &Painter, rect: Rect, color: Color32) {
         let rect = rect.shrink(1.0);
         let step = rect.width() / self.ranges.len().max(1) as f32;
@@ -73,7 +69,6 @@ impl Spark {
 
 /// A small picture of a course over time.
 pub(crate) struct Picture {
-    /// The course.
     pub(crate) course: Spark,
     /// The truth, if that is another one.
     pub(crate) truth: Option<Spark>,

@@ -11,7 +11,6 @@ use crate::request::Request;
 use crate::session::Session;
 use crate::theme::{self, Palette};
 
-/// The size of the text \[points\].
 const SIZE: f32 = 15.0;
 
 /// The space between sentences \[points\].
@@ -29,7 +28,6 @@ const LETTER: [f32; 2] = [7.0, 21.0];
 /// The number of points that a number is dragged from one end of its range to the other.
 const WAY: f64 = 400.0;
 
-/// The story of the run on screen.
 pub(crate) fn story_of(session: &Session) -> Story {
     let run = session.run();
     let places = 0..run.estimates().len();

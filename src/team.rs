@@ -36,12 +36,10 @@ pub trait Team {
         None
     }
 
-    /// Whether it does tasks beside the frames.
     fn is_beside(&self) -> bool {
         self.threads().is_some()
     }
 
-    /// Begins to run the filter at a place of a scenario over all of a record.
     fn filter(&self, scenario: &Scenario, place: usize, record: &Record) -> Option<Handle<Tape>> {
         let (threads, ctx) = self.threads()?;
         let step = filter_steps(scenario.clone(), place, record.clone());

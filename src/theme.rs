@@ -18,17 +18,14 @@ pub fn install(ctx: &egui::Context) {
     }
 }
 
-/// The font family of headings and emphasised text.
 pub fn strong() -> FontFamily {
     FontFamily::Name(fonts::STRONG.into())
 }
 
-/// The text style of the symbols above plots.
 pub fn symbol() -> TextStyle {
     TextStyle::Name("symbol".into())
 }
 
-/// The text style of the numbers above plots.
 pub fn readout() -> TextStyle {
     TextStyle::Name("readout".into())
 }

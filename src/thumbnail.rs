@@ -26,7 +26,6 @@ enum Thumbnail {
     Made(Option<Arc<Picture>>),
 }
 
-/// The run of a picture.
 struct Making {
     run: Run,
     /// The parameter whose estimate is drawn; what moves if there is none.

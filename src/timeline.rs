@@ -20,13 +20,11 @@ const HEIGHT: f32 = 28.0;
 /// The thickness of a filter's strip of bad parts \[points\].
 const STRIP: f32 = 3.0;
 
-/// Limits the filters with a strip.
 const STRIPS: usize = 4;
 
 /// The distance within which a mark is under the pointer \[points\].
 const NEAR: f32 = 5.0;
 
-/// Something on the timeline.
 struct Event {
     /// Its first and last time \[s\].
     times: (f64, f64),
@@ -41,9 +39,7 @@ enum EventShape {
     Bad(usize),
     /// A part without readings.
     Gap,
-    /// A change of the truth.
     Change,
-    /// A mark of the user.
     Mark(End),
 }
 
@@ -79,7 +75,6 @@ pub(crate) fn track_ui(
     });
 }
 
-/// The places of times on the screen.
 struct Track {
     rect: Rect,
     rail: Rangef,
@@ -131,7 +126,6 @@ impl Track {
     }
 }
 
-/// All that the timeline shows.
 fn events(session: &Session, ruler: &Ruler, palette: &Palette) -> Vec<Event> {
     let run = session.run();
     let record = run.record();

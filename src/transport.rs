@@ -12,10 +12,8 @@ use crate::text::{clock, parse_clock, significant};
 use crate::theme::Palette;
 use crate::timeline::track_ui;
 
-/// The parts of the transport that are shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Extent {
-    /// All of it.
     Full,
     /// The buttons of playback and the timeline; a lesson chooses the rest.
     Short,
@@ -23,7 +21,6 @@ pub(crate) enum Extent {
     Nothing,
 }
 
-/// The inputs of the transport.
 pub(crate) struct Transport<'a> {
     pub(crate) session: &'a Session,
     pub(crate) ruler: &'a Ruler,
@@ -125,7 +122,6 @@ fn speed_ui(ui: &mut Ui, session: &Session, requests: &mut Vec<Request>) {
     ui.ctx().accesskit_node_builder(combo.response.id, |node| node.set_label("Speed"));
 }
 
-/// A word with a thin progress bar below it.
 fn progress_ui(ui: &mut Ui, share: f64) {
     let label = ui.weak(format!("computing, {:.0} %", (100.0 * share).floor()));
     let label = label.on_hover_text("The last complete picture stays until the next one is computed. Esc gives it up.");
@@ -139,7 +135,6 @@ fn progress_ui(ui: &mut Ui, share: f64) {
 /// Height of the progress bar \[points\].
 const BAR: f32 = 2.0;
 
-/// The way from an embedded picture to the whole explorer.
 fn open_outside_ui(ui: &mut Ui, requests: &mut Vec<Request>) {
     let button = ui.button("Explore").on_hover_text("This picture in the whole explorer, in a page of its own");
     probe::remember(ui.ctx(), "Explore", button.rect);

@@ -6,14 +6,12 @@ use crate::gap::Gap;
 use crate::session::Session;
 use crate::text::sentence;
 
-/// One of them, as a sentence.
 pub(crate) struct Trouble {
     pub(crate) sentence: String,
     /// Whether something has stopped or cannot be run.
     pub(crate) is_failure: bool,
 }
 
-/// All troubles of a session.
 pub(crate) fn troubles(session: &Session) -> Vec<Trouble> {
     let record = session.run().record();
     let mut troubles = Vec::new();

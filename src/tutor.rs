@@ -20,7 +20,6 @@ pub use catalogue::Catalogue;
 pub(crate) use menu::{invitation_ui, menu_ui};
 pub(crate) use studies::{Bookmark, Studies};
 
-/// A lesson in progress.
 pub struct Tutor {
     lesson: Lesson,
     /// The lesson's place in the menu; `None` for a lesson from a file.
@@ -33,12 +32,10 @@ pub struct Tutor {
 }
 
 impl Tutor {
-    /// The beginning of a lesson at a place in the menu.
     pub(crate) fn of_menu(lesson: Lesson, place: usize) -> Self {
         Self { lesson, place: Some(place), step: 0, changed: false, answer: None, lit: Vec::new() }
     }
 
-    /// The beginning of a lesson from a file.
     pub(crate) fn of_file(lesson: Lesson) -> Self {
         Self { lesson, place: None, step: 0, changed: false, answer: None, lit: Vec::new() }
     }
@@ -67,7 +64,6 @@ impl Tutor {
         self.place
     }
 
-    /// The lesson's title.
     pub fn title(&self) -> &str {
         &self.lesson.title
     }
@@ -81,7 +77,6 @@ impl Tutor {
         self.lesson.steps.get(self.step)
     }
 
-    /// The question that waits for an answer.
     fn open_question(&self) -> Option<&Question> {
         self.current()?.question.as_ref().filter(|_| self.answer.is_none())
     }
@@ -91,7 +86,6 @@ impl Tutor {
         self.open_question().is_none() && self.current().is_some_and(|step| self.changed || step.change.is_none())
     }
 
-    /// The views of the step, the most important first.
     pub fn views(&self) -> Vec<ViewKind> {
         self.current().map_or(vec![], |step| step.views.iter().map(|view| kind(*view)).collect())
     }
@@ -216,7 +210,6 @@ impl Tutor {
     }
 }
 
-/// The kind of view that a lesson names.
 fn kind(view: ViewName) -> ViewKind {
     match view {
         ViewName::States => ViewKind::States,

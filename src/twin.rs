@@ -25,7 +25,6 @@ const NONE: &str = "–";
 /// The verdict before there is one.
 const UNKNOWN: &str = "not known yet";
 
-/// The screen in words and tables.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Twin {
     /// The story, the verdicts and the views on screen.
@@ -37,30 +36,22 @@ pub struct Twin {
 /// The story, the verdicts, or a view.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
-    /// Its name.
     pub name: String,
-    /// A sentence about its contents.
     pub about: String,
-    /// One table for each plot.
     pub tables: Vec<Table>,
 }
 
-/// A table with the names of the rows in its first column.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
-    /// Its title.
     pub caption: String,
-    /// The names of the columns.
     pub columns: Vec<String>,
     /// The rows, each as long as `columns`.
     pub rows: Vec<Vec<String>>,
 }
 
 impl Twin {
-    /// The name of the part with the verdicts.
     pub const VERDICTS: &str = "Verdicts";
 
-    /// The present screen.
     pub fn new(
         session: &Session,
         visible: &Visibility,
@@ -107,7 +98,6 @@ impl Twin {
     }
 }
 
-/// The run in a few sentences.
 fn story(session: &Session) -> Part {
     Part { name: "What happens".to_owned(), about: story_of(session).to_string(), tables: Vec::new() }
 }

@@ -8,7 +8,6 @@ use crate::theme::{self, Palette};
 /// The space between a chip's edge and its text \[points\].
 const MARGIN: f32 = 5.0;
 
-/// The symbol of a verdict.
 pub(crate) const fn symbol(kind: VerdictKind) -> &'static str {
     match kind {
         VerdictKind::Consistent => "✓",
@@ -23,7 +22,6 @@ pub(crate) const fn symbol(kind: VerdictKind) -> &'static str {
     }
 }
 
-/// A verdict in a word or two.
 pub(crate) const fn word(kind: VerdictKind) -> &'static str {
     match kind {
         VerdictKind::Recovered => "recovered",
@@ -31,7 +29,6 @@ pub(crate) const fn word(kind: VerdictKind) -> &'static str {
     }
 }
 
-/// The colour of a verdict's text.
 pub(crate) const fn text_color(kind: VerdictKind, palette: &Palette) -> Color32 {
     if kind.is_good() { palette.text } else { palette.warning }
 }

@@ -29,7 +29,6 @@ use crate::request::ViewKind;
 use crate::session::Wanted;
 use crate::view::View;
 
-/// The view of a kind.
 pub fn view(kind: ViewKind) -> &'static dyn View {
     match kind {
         ViewKind::Oscillator => &oscillator::Oscillator,

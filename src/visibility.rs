@@ -10,19 +10,14 @@ use crate::request::LegendEntry;
 /// The entries of the legend that are shown in all plots.
 #[derive(Clone, Debug, PartialEq, Hash)]
 pub struct Visibility {
-    /// The truth.
     pub truth: bool,
-    /// The measurements.
     pub measured: bool,
     /// The ±2σ bands.
     pub bands: bool,
-    /// The verdicts, and the marks of bad parts.
     pub verdicts: bool,
-    /// The smoothed estimates.
     pub hindsight: bool,
     /// The channels with a chart; all where it is empty.
     pub only: Vec<Channel>,
-    /// The ids of the filters that are hidden.
     hidden_filters: BTreeSet<u32>,
 }
 
@@ -47,7 +42,6 @@ impl Visibility {
         if wanted.is_empty() { channels } else { wanted }
     }
 
-    /// Whether the filter with this id is shown.
     pub fn filter(&self, id: u32) -> bool {
         !self.hidden_filters.contains(&id)
     }
@@ -69,7 +63,6 @@ impl Visibility {
         visible
     }
 
-    /// The entries of the legend that are hidden.
     pub(crate) fn hidden(&self) -> Vec<LegendEntry> {
         let Self { truth, measured, bands, verdicts, hindsight, only: _, hidden_filters } = self;
         let parts = [
@@ -88,7 +81,6 @@ impl Visibility {
         *self = Self { verdicts: self.verdicts, ..Self::default() };
     }
 
-    /// Shows or hides an entry of the legend.
     pub fn toggle(&mut self, entry: LegendEntry) {
         match entry {
             LegendEntry::Truth => self.truth = !self.truth,

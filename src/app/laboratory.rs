@@ -21,7 +21,6 @@ impl App {
         self
     }
 
-    /// The maps.
     pub fn laboratory(&self) -> &Laboratory {
         &self.laboratory
     }

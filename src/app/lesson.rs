@@ -10,13 +10,11 @@ use crate::request::Answer;
 use crate::tutor::{Bookmark, Catalogue, Studies, Tutor};
 
 impl App {
-    /// Begins the lesson at a place in the menu.
     pub(super) fn start_lesson(&mut self, place: usize, ctx: &Context) {
         let lesson = self.catalogue.at(place).cloned();
         self.begin(lesson.map(|lesson| Tutor::of_menu(lesson, place)), ctx);
     }
 
-    /// Begins a lesson, or none.
     pub(super) fn begin(&mut self, lesson: Option<Tutor>, ctx: &Context) {
         self.inviting = false;
         self.tutor = lesson;
@@ -54,21 +52,18 @@ impl App {
         }
     }
 
-    /// Shows the times and quantities of the lesson's step.
     fn show_step(&mut self) {
         let Self { session, axis, visible, tutor: Some(lesson), .. } = self else { return };
         *axis = TimeAxis { framed: lesson.frame(session), ..TimeAxis::default() };
         lesson.choose(visible);
     }
 
-    /// Takes the answer to the question of the lesson's step.
     pub(super) fn answer(&mut self, answer: Answer) {
         let Self { session, tutor: Some(lesson), .. } = self else { return };
         lesson.answer(answer, session);
         self.show_step();
     }
 
-    /// Makes the change of the lesson's step.
     pub(super) fn change_lesson(&mut self) {
         let Self { session, axis, tutor: Some(lesson), .. } = self else { return };
         if lesson.change(session).is_err() {
@@ -90,14 +85,12 @@ impl App {
         }
     }
 
-    /// Leaves the lesson and keeps the scenario and the views.
     pub(super) fn leave_lesson(&mut self) {
         self.tutor = None;
         self.axis.framed = None;
         self.visible.reset();
     }
 
-    /// The progress in the lessons, to be saved.
     pub(super) fn studies(&self) -> Studies {
         let bookmark = self.tutor.as_ref().and_then(Tutor::bookmark);
         Studies { bookmark, finished: self.catalogue.finished().clone() }

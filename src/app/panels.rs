@@ -12,7 +12,6 @@ use crate::theme::{self, Palette};
 use crate::view::ViewContext;
 use crate::views::{diagnosis, view};
 
-/// The drawers of a narrow window.
 #[derive(Default)]
 pub(super) struct Drawers {
     settings: Drawer,

@@ -38,7 +38,6 @@ const LOW: f32 = 480.0;
 const NEAR_BAR: f32 = 50.0;
 
 impl App {
-    /// Fills the window.
     pub(super) fn window_ui(&mut self, ui: &mut Ui) {
         let palette = Palette::of(ui.ctx().theme());
         self.width = ui.available_width();
@@ -100,7 +99,6 @@ impl App {
         }
     }
 
-    /// Whether the settings are shown.
     pub(super) fn controls_open(&self) -> bool {
         if self.embedded {
             return false;
@@ -114,7 +112,6 @@ impl App {
         (self.width < NARROW || self.low) && (self.controls_open() || self.tutor.is_some())
     }
 
-    /// The parts of the transport for which there is room.
     fn transport(&self, narrow: bool) -> Extent {
         match (self.is_tight(), self.controls_open() && narrow) {
             (false, _) => Extent::Full,
@@ -128,7 +125,6 @@ impl App {
         self.tutor.is_none() && !self.low
     }
 
-    /// Shows the playback and the timeline at the foot of the plots.
     fn transport_ui(
         &mut self,
         ui: &mut Ui,
@@ -145,7 +141,6 @@ impl App {
         Panel::bottom("transport").frame(frame).show(ui, |ui| transport.ui(ui, requests));
     }
 
-    /// Legend and problems.
     fn legend_ui(&mut self, ui: &mut Ui, palette: &Palette) {
         let extent = if self.is_tight() || self.low { legend::Extent::OneRow } else { legend::Extent::Full };
         let Self { session, visible, requests, inviting, low, .. } = self;
@@ -180,7 +175,6 @@ impl App {
         }
     }
 
-    /// Shows the window of the plant's equation.
     fn equation_ui(&mut self, ctx: &Context, palette: &Palette) {
         let Self { editor, session, requests, .. } = self;
         editor.take_if(|editor| !editor.ui(ctx, session.scenario(), palette, requests));

@@ -75,7 +75,6 @@ pub(super) fn belief_ui(
     );
 }
 
-/// A number of a table, lit where a lesson's step is about it.
 fn entry_ui(ui: &mut Ui, filter: &mut FilterSettings, table: &TableInfo, entry: Entry, sensors: &[Sensor], scale: f64) {
     let text = format!("{} {} of {}", filter.name, table.name, entry.name());
     let key = filter.address(&format!("{}.{}", table.key, entry.key()));

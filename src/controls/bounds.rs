@@ -11,7 +11,6 @@ use crate::text::significant;
 /// A new end is so many standard deviations of the initial belief from its mean.
 const FAR: f64 = 4.0;
 
-/// The bounds of the parameters and the augmentations that the filter estimates.
 pub(super) fn bounds_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantKind, length: Length) {
     let offered: Vec<Channel> = if filter.can_be_bounded() { filter.considerable(truth).collect() } else { Vec::new() };
     // A filter that can have no bounds, or no longer has the channel, loses them.
@@ -60,7 +59,6 @@ pub(super) fn bounds_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantKi
     }
 }
 
-/// The ends that are offered first.
 fn usual(channel: Channel, mean: f64, std: f64) -> [f64; 2] {
     let far = FAR * if std > 0.0 { std } else { mean.abs().max(1.0) };
     let lower = if mean >= 0.0 && channel.is_parameter() && !channel.is_augmentation() { 0.0 } else { mean - far };

@@ -48,7 +48,6 @@ pub(super) fn delays_ui(ui: &mut Ui, filter: &mut FilterSettings, sensors: &[Sen
     });
 }
 
-/// What the closed box says.
 fn summary(filter: &FilterSettings, sensors: &[Sensor]) -> String {
     let late = sensors.iter().zip(&filter.sensor_delay).filter(|(_, delay)| **delay != 0.0);
     let late: Vec<String> =

@@ -98,7 +98,6 @@ pub(super) fn add_filter_ui(ui: &mut Ui, scenario: &mut Scenario) {
 /// Limits the filters to the number of distinguishable colours.
 const MOST_FILTERS: usize = 6;
 
-/// A new name takes effect when it is complete and unique.
 fn rename_ui(ui: &mut Ui, filter: &mut FilterSettings, others: &[String]) {
     ui.horizontal(|ui| {
         ui.label("name");
@@ -128,7 +127,6 @@ fn kind_ui(ui: &mut Ui, filter: &mut FilterSettings, place: usize, others: &[Str
     }
 }
 
-/// The settings of the filter's memory, with what the fading factor amounts to.
 fn memory_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantKind, dt: f64) {
     for info in MEMORY {
         filter_row_ui(ui, info, filter, truth);

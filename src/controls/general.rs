@@ -32,7 +32,6 @@ pub(super) fn general_ui(ui: &mut Ui, scenario: &mut Scenario) {
     lit(ui, SEED.key, |ui| seed_ui(ui, seed));
 }
 
-/// The seed of the random numbers, and a button for the next.
 fn seed_ui(ui: &mut Ui, seed: &mut u64) {
     ui.horizontal(|ui| {
         ui.label("seed").on_hover_text(SEED.hint);

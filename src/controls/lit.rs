@@ -3,11 +3,9 @@
 use egui::{Color32, CornerRadius, Id, Shape, Stroke, StrokeKind, Ui};
 use kalmanscope_core::Scenario;
 
-/// The lit settings of a frame.
 #[derive(Clone)]
 struct Lit {
     paths: Vec<String>,
-    /// The scenario whose settings they are, for its filters' names.
     scenario: std::sync::Arc<Scenario>,
 }
 

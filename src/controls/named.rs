@@ -28,7 +28,6 @@ pub(super) fn named_ui(ui: &mut Ui, scenario: &mut Scenario, story: &Story) -> b
     !shown.is_empty()
 }
 
-/// The name of a setting, with that of its filter.
 pub(crate) fn name_of(scenario: &Scenario, setting: &Adjustable, address: &Address) -> String {
     let name = setting.name().map_or_else(|| address.name(), str::to_owned);
     let filter = scenario.filters.iter().find(|filter| setting.address.starts_with(&filter.address("")));
@@ -72,7 +71,6 @@ fn setting_ui(ui: &mut Ui, setting: &Adjustable, name: &str) -> Option<f64> {
     (field.changed() || slider.changed()).then(|| setting.value(shown))
 }
 
-/// A sentence where the story names no setting.
 pub(super) fn nothing_ui(ui: &mut Ui) {
     ui.label(RichText::new("The sentence above the plots names no number to change.").weak());
 }

@@ -12,9 +12,7 @@ use crate::text::{in_hertz, parse, significant};
 const LABEL_WIDTH: f32 = 100.0;
 /// The distance of a remark below a number from the left, that of the slider \[points\].
 pub(super) const REMARK: f32 = LABEL_WIDTH + 7.0;
-/// Width of the field with the value \[points\].
 const FIELD_WIDTH: f32 = 58.0;
-/// Width of the units \[points\].
 const UNIT_WIDTH: f32 = 36.0;
 
 /// Decades of the sliders of standard deviations.
@@ -41,12 +39,9 @@ impl<'a> From<&'a String> for Named<'a> {
     }
 }
 
-/// A number's name, unit and limits.
 #[derive(Clone, Copy, Debug)]
 pub struct Number<'a> {
-    /// The name on screen.
     pub label: &'a str,
-    /// The accessible name.
     pub name: Named<'a>,
     /// The unit, empty for a pure number.
     pub unit: &'a str,
@@ -54,20 +49,16 @@ pub struct Number<'a> {
     pub range: (f64, f64),
     /// Limits typed values from below.
     pub least: f64,
-    /// Whether the slider is logarithmic.
     pub logarithmic: bool,
-    /// The explanation.
     pub hint: &'a str,
 }
 
 impl<'a> Number<'a> {
-    /// The number of a setting, with this label.
     pub(super) fn of<T>(info: &'a SettingInfo<T>, label: &'a str, name: Named<'a>) -> Self {
         let SettingInfo { unit, allowed, slider, is_logarithmic, hint, .. } = *info;
         Self { label, name, unit, range: slider, least: allowed.least(), logarithmic: is_logarithmic, hint }
     }
 
-    /// Shows the number in a row.
     pub fn show(&self, ui: &mut Ui, value: &mut f64) {
         let Self { label, name, unit, range: (low, high), least, logarithmic, hint } = *self;
         let Named { text, key } = name;
@@ -187,7 +178,6 @@ fn initial(ui: &Ui, key: &str, value: f64) -> f64 {
     })
 }
 
-/// A double click restores the initial value.
 fn reset(control: &Response, value: &mut f64, initial: f64) {
     let twice = control.ctx.input(|input| input.pointer.button_double_clicked(PointerButton::Primary));
     if twice && control.enabled() && control.contains_pointer() {

@@ -12,7 +12,6 @@ use super::lit::lit;
 use super::plucks::plucks_ui;
 use super::row::{choice_row_ui, choices_ui, chooser_ui, filter_row_ui};
 
-/// The less common settings of a filter.
 pub(super) fn options_ui(
     ui: &mut Ui,
     filter: &mut FilterSettings,
@@ -51,7 +50,6 @@ pub(super) fn options_ui(
     });
 }
 
-/// The augmentations that the filter estimates.
 fn augment_ui(ui: &mut Ui, filter: &mut FilterSettings, plant: PlantKind, sensors: &[Sensor]) {
     let FilterSettings { name, augment, .. } = filter;
     let offered: Vec<Channel> = augment::of_all(sensors.iter().map(|sensor| sensor.measures)).collect();
@@ -95,7 +93,6 @@ fn consider_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantKind) {
     });
 }
 
-/// The symbols of some channels in a row.
 fn symbols(channels: &[Channel], before: &str) -> String {
     before.to_owned() + &channels.iter().map(|channel| channel.symbol()).collect::<Vec<_>>().join(", ")
 }

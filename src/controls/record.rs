@@ -43,7 +43,6 @@ pub(super) fn record_ui(ui: &mut Ui, scenario: &mut Scenario, library: &Library,
     ui.weak("Truth, force and duration of the scenario have no effect here, but for the kind of plant.");
 }
 
-/// The meaning of the columns in words.
 fn lines(mapping: &Mapping) -> Vec<String> {
     let Mapping { input, sensors, from, to, band, every, interpolate, .. } = mapping;
     let input = input.iter().map(|input| format!("input: {} × {}", input.column, input.gain));

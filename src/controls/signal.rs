@@ -6,7 +6,6 @@ use kalmanscope_core::signal::{Ramp, Sine, Step};
 
 use super::number::Number;
 
-/// A parameter's name, unit and limits.
 pub(super) struct Parameter<'a> {
     pub(super) label: &'a str,
     pub(super) name: &'a str,
@@ -17,7 +16,6 @@ pub(super) struct Parameter<'a> {
 
 const SHAPES: [&str; 4] = ["constant", "step", "ramp", "sine"];
 
-/// The shape and the numbers of a signal.
 pub(super) fn signal_ui(ui: &mut Ui, parameter: &Parameter<'_>, signal: &mut Signal) {
     let Parameter { label, name, unit, range, least } = *parameter;
     let mut shape = shape_of(signal);

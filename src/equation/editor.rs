@@ -10,7 +10,6 @@ use super::typed;
 use crate::request::Request;
 use crate::theme::Palette;
 
-/// Limits the characters of an equation.
 const LENGTH: usize = 1000;
 
 /// The width of the window, if there is room \[points\].
@@ -39,7 +38,6 @@ pub(crate) struct Editor {
 }
 
 impl Editor {
-    /// The editor of a scenario's plant, below a place on screen.
     pub(crate) fn new(scenario: &Scenario, at: Option<Pos2>) -> Self {
         let kind = scenario.plant.kind;
         Self {
@@ -182,7 +180,6 @@ impl Editor {
 const HINT: &str = "x'' or ẍ; z' = … is an internal state; f is the force over mass; sin cos tan exp log sqrt abs sign tanh; \
                     ; parts equations. Enter takes it.";
 
-/// What is to be done about new symbols.
 fn asked(news: &[String]) -> Option<String> {
     match news {
         [] => None,

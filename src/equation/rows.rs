@@ -8,12 +8,9 @@ use crate::text::{parse, significant};
 /// The widths of symbols, names, units, numbers and signs \[points\].
 const WIDTHS: [f32; 5] = [40.0, 130.0, 56.0, 58.0, 110.0];
 
-/// What came of a row in a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Done {
-    /// A change of its numbers or words is complete.
     pub(super) changed: bool,
-    /// Its symbol is to be a parameter.
     pub(super) accepted: bool,
 }
 

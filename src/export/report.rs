@@ -14,7 +14,6 @@ use crate::view::ViewContext;
 /// The views that a report has besides those on screen: innovations, and measurements against predictions.
 const ALWAYS: [ViewKind; 2] = [ViewKind::Innovations, ViewKind::Measured];
 
-/// The views that a report has as text.
 const TEXT: [ViewKind; 4] = [ViewKind::Matrices, ViewKind::Scores, ViewKind::Filters, ViewKind::Diagnosis];
 
 /// The text of the page. Causes are those that have been found so far.

@@ -34,7 +34,6 @@ const AMPLE: f32 = 3000.0;
 /// The largest canvas of a slide, relative to that with type of the wanted size.
 const LARGEST: f32 = 3.0;
 
-/// Draws views in rows, with a legend above them.
 pub(super) fn arrange(context: &ViewContext<'_>, rows: &[Vec<ViewKind>], format: FigureFormat) -> Figure {
     let geometry = Geometry::of(format);
     let palette = Palette::of(egui::Theme::Light);
@@ -81,7 +80,6 @@ pub(super) fn arrange(context: &ViewContext<'_>, rows: &[Vec<ViewKind>], format:
     }
 }
 
-/// The sheet that views are put on.
 struct Sheet<'a> {
     canvas: &'a Canvas,
     context: &'a ViewContext<'a>,
@@ -96,7 +94,6 @@ impl Sheet<'_> {
         self.canvas.draw(vec2(self.width, AMPLE), |ui| legend_ui(ui, self.context))
     }
 
-    /// The width of each view in a row.
     fn share(&self, row: &[ViewKind]) -> f32 {
         (self.width - GAP.x * (row.len() - 1) as f32) / row.len() as f32
     }
@@ -127,7 +124,6 @@ impl Sheet<'_> {
         }
     }
 
-    /// The number of plots of a view.
     fn plots(&self, kind: ViewKind, width: f32) -> usize {
         Medium::take_plots(self.canvas.ctx());
         self.canvas.draw(vec2(width, AMPLE), |ui| self.view_ui(ui, kind));
@@ -149,7 +145,6 @@ impl Sheet<'_> {
         view(kind).ui(ui, self.context, &mut Vec::new());
     }
 
-    /// Draws a row of views at a height.
     fn row(&self, row: &[ViewKind], top: f32, height: f32, parts: &mut Vec<Part>) {
         let width = self.share(row);
         let mut left = MARGIN;
@@ -186,7 +181,6 @@ impl Sheet<'_> {
     }
 }
 
-/// Whether a view is better in a larger room.
 fn can_grow(kind: ViewKind) -> bool {
     let is_text = matches!(kind, ViewKind::Matrices | ViewKind::Scores | ViewKind::Filters | ViewKind::Diagnosis);
     !is_text && kind.proportions() != Proportions::Flat

@@ -15,17 +15,14 @@ const PASSES: usize = 4;
 /// Pixels per point: letters are placed on whole ones.
 const DENSITY: f32 = 4.0;
 
-/// A context that draws for a figure.
 pub(super) struct Canvas {
     ctx: Context,
     pen: Pen,
 }
 
-/// A part of a figure.
 pub(super) struct Part {
     /// The shapes of the part; its left upper corner is the origin.
     pub(super) shapes: Vec<ClippedShape>,
-    /// The part's place.
     pub(super) to: TSTransform,
 }
 
@@ -47,7 +44,6 @@ impl Canvas {
         &self.ctx
     }
 
-    /// The shapes that `add` leaves on a ground of this size.
     pub(super) fn draw(&self, size: Vec2, mut add: impl FnMut(&mut Ui)) -> Vec<ClippedShape> {
         let screen = Rect::from_min_size(Pos2::ZERO, size);
         let mut shapes = Vec::new();

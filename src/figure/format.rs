@@ -8,13 +8,10 @@ pub(super) const MILLIMETRES_PER_POINT: f32 = 25.4 / 72.0;
 /// The size of type on the canvas \[points of the canvas\]. Views are laid out for type of about this size.
 pub(super) const TYPE: f32 = 12.0;
 
-/// Size and style of a figure.
 pub(super) struct Geometry {
-    /// Width \[points\].
     pub(super) width: f32,
     /// Height over width. `None` if the contents determine the height.
     pub(super) aspect: Option<f32>,
-    /// The size of type \[points\].
     pub(super) type_size: f32,
     /// The width of the finest and of the boldest curve \[points\].
     pub(super) curves: [f32; 2],
@@ -23,7 +20,6 @@ pub(super) struct Geometry {
 }
 
 impl Geometry {
-    /// The geometry of a format.
     pub(super) fn of(format: FigureFormat) -> Self {
         let paper = |millimetres: f32, is_narrow| Self {
             width: millimetres / MILLIMETRES_PER_POINT,
@@ -43,10 +39,8 @@ impl Geometry {
 }
 
 impl FigureFormat {
-    /// Every format.
     pub const ALL: [Self; 3] = [Self::Column, Self::Page, Self::Slide];
 
-    /// Its name in the menu.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Column => "Paper, 84 mm",
@@ -55,7 +49,6 @@ impl FigureFormat {
         }
     }
 
-    /// Its name in the names of files.
     pub(crate) const fn key(self) -> &'static str {
         match self {
             Self::Column => "84mm",

@@ -24,7 +24,6 @@ impl Pen {
         if share < 0.0 { fine * on_screen / least } else { fine + (bold - fine) * share }
     }
 
-    /// Draws the lines of a shape with this pen.
     pub(super) fn redraw(&self, shape: &mut Shape) {
         let width = match shape {
             Shape::Vec(shapes) => return shapes.iter_mut().for_each(|shape| self.redraw(shape)),

@@ -49,7 +49,6 @@ pub(super) fn write_text(svg: &mut Svg, shape: &TextShape) {
     }
 }
 
-/// Letters of one format in one row.
 struct Run<'a> {
     text: String,
     format: &'a TextFormat,

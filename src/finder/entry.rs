@@ -16,18 +16,14 @@ pub(super) struct Entry {
     pub(super) title: String,
     pub(super) kind: &'static str,
     pub(super) hint: String,
-    /// The words by which it is found, in small letters.
     words: String,
     pub(super) choice: Choice,
 }
 
-/// The effect of choosing an entry.
 pub(super) enum Choice {
     /// Its number can be changed.
     Setting(Address),
-    /// It is made.
     Edit(Edit),
-    /// It is done.
     Request(Box<Request>),
 }
 
@@ -39,7 +35,6 @@ impl Entry {
     }
 }
 
-/// The title of a setting, with the name of its filter.
 pub(super) fn title(scenario: &Scenario, address: &Address) -> String {
     let key = address.to_string();
     let filter = scenario.filters.iter().find(|filter| key.starts_with(&filter.address("")));
@@ -77,7 +72,6 @@ pub(super) fn entries(session: &Session, catalogue: &Catalogue) -> Vec<Entry> {
     settings.chain(choices).chain(views).chain(scenarios).chain(lessons).chain(commands).collect()
 }
 
-/// The entries that have all words of a text, those with the words in their titles first.
 pub(super) fn found<'a>(entries: &'a [Entry], text: &str) -> Vec<&'a Entry> {
     let text = text.to_lowercase();
     let words: Vec<&str> = text.split_whitespace().collect();

@@ -8,7 +8,6 @@ pub(super) fn number_ui(ui: &mut Ui, name: &str, value: &mut f64, speed: f64) {
     field.ctx.accesskit_node_builder(field.id, |node| node.set_label(name.to_owned()));
 }
 
-/// A field for a whole number.
 pub(super) fn whole_ui(ui: &mut Ui, name: &str, value: &mut usize, range: std::ops::RangeInclusive<usize>) {
     let field = ui.add(DragValue::new(value).range(range));
     field.ctx.accesskit_node_builder(field.id, |node| node.set_label(name.to_owned()));
@@ -26,7 +25,6 @@ pub(super) fn optional_ui(ui: &mut Ui, name: &str, value: &mut Option<f64>, (usu
     }
 }
 
-/// A choice among some values by their names.
 pub(super) fn choice_ui<T: Copy + PartialEq>(ui: &mut Ui, name: &str, value: &mut T, all: &[(T, String)]) -> bool {
     let before = *value;
     let text = all.iter().find(|(one, _)| one == value).map_or("", |(_, text)| text);

@@ -13,7 +13,6 @@ use crate::theme::Palette;
 
 /// The number of rows that are shown.
 const FIRST: usize = 3;
-/// Limits the columns that are shown.
 const MOST: usize = 60;
 
 /// A row for each column: name, meaning, shape, first numbers; and unit, gain, offset and delay of those that are used.

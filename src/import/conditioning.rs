@@ -45,7 +45,6 @@ pub(super) fn meaning_ui(ui: &mut Ui, draft: &mut Draft) {
 /// The shortest step that can be asked for \[s\].
 const SHORTEST: f64 = 1e-6;
 
-/// Widgets for the part of the record to use, and for its conditioning.
 pub(super) fn conditioning_ui(ui: &mut Ui, draft: &mut Draft, palette: &Palette) {
     let made = draft.outcome().and_then(Result::ok);
     let end = made.map_or(10.0, |imported| imported.record.time(imported.record.len().saturating_sub(1)));

@@ -12,7 +12,6 @@ use crate::request::{RawFile, Request};
 use crate::text::{sentence, significant};
 use crate::theme::Palette;
 
-/// The choice of the user in this frame.
 enum Choice {
     Open,
     HoldOut,
@@ -120,7 +119,6 @@ fn button(ui: &mut Ui, text: &str, enabled: bool) -> bool {
     button.clicked()
 }
 
-/// Offers the free decay of an accelerometer with three axes.
 fn decay_ui(ui: &mut Ui, table: &Table) -> Option<Choice> {
     let axes = ThreeAxes::of(table)?;
     let mut choice = None;

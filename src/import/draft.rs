@@ -14,13 +14,10 @@ use crate::spark::Spark;
 /// The meaning of a file's columns while the user chooses it.
 pub struct Draft {
     file: Arc<RecordFile>,
-    /// The meaning of the columns.
     pub mapping: Mapping,
-    /// The kind of input.
     pub input: InputKind,
     /// The course of the input between samples.
     pub hold: Hold,
-    /// The plant that filters assume.
     pub plant: PlantKind,
     /// Whether start values are made from the data.
     pub suggest: bool,
@@ -39,21 +36,15 @@ pub struct Draft {
     spectra: Option<Spectra>,
 }
 
-/// The meaning of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
-    /// It is left out.
     Unused,
-    /// The times.
     Time,
-    /// The input.
     Input,
-    /// A sensor for a quantity.
     Sensor(Quantity),
 }
 
 impl Draft {
-    /// A guess at the meaning of a file's columns.
     pub fn new(file: Arc<RecordFile>) -> Self {
         let (mut mapping, input, guesses) = Mapping::guess_with_reasons(&file.table);
         let is_own_clock = guesses.iter().map(ColumnGuess::is_own_clock).collect();
@@ -79,7 +70,6 @@ impl Draft {
         }
     }
 
-    /// The meaning that a scenario gives the columns.
     pub fn of_scenario(file: Arc<RecordFile>, scenario: &Scenario) -> Self {
         let draft = Self::new(file);
         let mapping = scenario.record.clone().unwrap_or_else(|| draft.mapping.clone());
@@ -92,12 +82,10 @@ impl Draft {
         self.base.is_some()
     }
 
-    /// The file.
     pub fn file(&self) -> &Arc<RecordFile> {
         &self.file
     }
 
-    /// The meaning of the column at a place.
     pub fn role(&self, place: usize) -> Role {
         let name = &self.file.table.columns[place].name;
         if self.mapping.time.column.as_ref() == Some(name) {
@@ -190,7 +178,6 @@ impl Draft {
         !self.is_behind() && self.outcome().is_some_and(|outcome| outcome.is_ok_and(is_fit))
     }
 
-    /// Whether something is computed.
     pub(super) fn is_busy(&self) -> bool {
         self.is_behind() || self.spectra.as_ref().is_some_and(Spectra::is_behind)
     }
@@ -200,7 +187,6 @@ impl Draft {
         self.spectra.as_ref()
     }
 
-    /// The scenario that the choices lead to.
     pub fn scenario(&self) -> Option<Scenario> {
         let record = &self.outcome()?.ok()?.record;
         let fresh = scenario_for(record);

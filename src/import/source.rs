@@ -11,7 +11,6 @@ use crate::session::RecordFile;
 /// The choices that a record depends on.
 pub(super) type Choices = (Mapping, InputKind, Hold);
 
-/// The table of a file that records are made of.
 #[derive(Clone, Debug)]
 pub(super) struct Shared(pub(super) Arc<RecordFile>);
 

@@ -68,7 +68,6 @@ impl Spectra {
         *curves = densities.map(|density| density.into_iter().map(decibels).collect());
     }
 
-    /// Whether they are not complete.
     pub(super) fn is_behind(&self) -> bool {
         self.plain.is_some() || self.windows.iter().any(Option::is_some)
     }
@@ -79,7 +78,6 @@ impl Spectra {
         &self.curves
     }
 
-    /// Both in one small plot.
     pub(super) fn ui(&self, ui: &mut Ui, palette: &Palette) {
         let line = |name: &str, points: &[[f64; 2]], color: Color32| {
             Line::new(name.to_owned(), points.to_vec()).color(color).width(1.5)

@@ -40,7 +40,6 @@ pub(crate) fn window_ui(ctx: &Context, open: &mut bool) {
     });
 }
 
-/// All groups.
 fn groups() -> Vec<Group> {
     let keys = GROUPS.iter().map(|(title, shortcuts)| {
         let mut rows: Vec<_> = shortcuts.iter().map(|shortcut| (shortcut.name, shortcut.what)).collect();

@@ -17,11 +17,8 @@ pub const MOST: usize = 256;
 pub struct Choice {
     /// The settings across and up. Those of filters have `*` for the filter's name: all filters of the map get the value.
     pub axes: [Axis; 2],
-    /// The score.
     pub measure: Measure,
-    /// The id of the filter.
     pub filter: u32,
-    /// The id of a second filter.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub second: Option<u32>,
     /// The precision: a graphics processor has single precision only.
@@ -93,7 +90,6 @@ impl Choice {
         Ok(())
     }
 
-    /// The ids of the filters.
     pub fn filters(&self) -> Vec<u32> {
         [Some(self.filter), self.second].into_iter().flatten().collect()
     }

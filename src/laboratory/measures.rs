@@ -37,7 +37,6 @@ pub(crate) fn offered(scenario: &Scenario, record: &Record) -> Vec<Measure> {
     offered
 }
 
-/// The name of a score with its unit.
 pub(crate) fn label(measure: Measure, scenario: &Scenario) -> String {
     let unit = unit_in(scenario, measure.unit());
     if unit.is_empty() { measure.name() } else { format!("{} [{unit}]", measure.name()) }

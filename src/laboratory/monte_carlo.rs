@@ -23,7 +23,6 @@ use super::choice::{is_same_but_for_names, part_of};
 use super::state::WorkState;
 use crate::team::{Cells, Precision, Priority, Relay, Team};
 
-/// Limits the number of seeds.
 pub const SEEDS: RangeInclusive<usize> = 10..=10_000;
 
 /// The initial number of seeds: fewer on the page, where a run takes longer.
@@ -44,7 +43,6 @@ pub struct SeedChoice {
     /// The parameter to show errors and estimates of. `None` for the first one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub parameter: Option<Channel>,
-    /// Whether each run gets its verdict.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub verdicts: bool,
     /// Whether the first cause of each bad verdict is searched too.
@@ -85,7 +83,6 @@ impl SeedChoice {
 pub struct SeedRuns {
     ensemble: Ensemble,
     judged: Judged,
-    /// The ids of the filters.
     filters: Vec<u32>,
     statistics: MonteCarlo,
     known: Vec<bool>,
@@ -112,12 +109,10 @@ impl SeedRuns {
         &self.filters
     }
 
-    /// The statistics so far.
     pub fn statistics(&self) -> &MonteCarlo {
         &self.statistics
     }
 
-    /// The number of seeds in all.
     pub fn seeds(&self) -> usize {
         self.known.len()
     }
@@ -126,7 +121,6 @@ impl SeedRuns {
         self.statistics.done() >= self.seeds()
     }
 
-    /// Whether these are runs of a scenario, whatever its own seed.
     fn is_of(&self, scenario: &Scenario, filters: &[u32]) -> bool {
         self.filters == filters && is_same_but_for_names(self.scenario(), &bare(scenario, filters))
     }
@@ -184,12 +178,10 @@ pub struct Seeds {
 }
 
 impl Seeds {
-    /// The user's choice.
     pub fn choice(&self) -> &SeedChoice {
         &self.choice
     }
 
-    /// Takes over a choice.
     pub fn choose(&mut self, choice: SeedChoice) {
         self.choice = choice;
         self.state.go_on();
@@ -200,7 +192,6 @@ impl Seeds {
         self.before.as_ref().or(self.runs.as_ref()).filter(|runs| runs.statistics.done() > 0)
     }
 
-    /// Whether the runs to show are of earlier settings.
     pub fn is_shown_old(&self) -> bool {
         self.before.is_some()
     }
@@ -211,7 +202,6 @@ impl Seeds {
         Some([runs.statistics.done(), runs.seeds()])
     }
 
-    /// Whether seeds are being run.
     pub fn is_working(&self) -> bool {
         self.runs.as_ref().is_some_and(|runs| runs.work.is_some())
     }

@@ -17,9 +17,7 @@ const STILL: f64 = 0.35;
 #[derive(Clone)]
 struct Subject {
     filter: u32,
-    /// The scenario with the filter alone.
     of: Scenario,
-    /// Where the record is given.
     record: Option<Arc<Record>>,
     /// The sample, and its time \[s\].
     sample: usize,
@@ -37,7 +35,6 @@ impl Subject {
         (!of.filters.is_empty()).then_some(Self { filter, of, record, sample, time })
     }
 
-    /// Whether another one is of the same filter and record.
     fn is_of_same(&self, other: &Self) -> bool {
         let is_same_record = match [&self.record, &other.record] {
             [Some(one), Some(other)] => Arc::ptr_eq(one, other),
@@ -61,22 +58,18 @@ impl Subject {
     }
 }
 
-/// Points of the posterior on screen.
 pub struct Shown {
     subject: Subject,
     sampled: Sampled,
     solutions: Option<(Channel, Solutions)>,
-    /// Whether they are of the time on screen.
     is_of_now: bool,
 }
 
 impl Shown {
-    /// The filter's id.
     pub fn filter(&self) -> u32 {
         self.subject.filter
     }
 
-    /// The points.
     pub fn sampled(&self) -> &Sampled {
         &self.sampled
     }
@@ -91,13 +84,11 @@ impl Shown {
         (self.subject.sample, self.subject.time)
     }
 
-    /// Whether that is the time on screen.
     pub fn is_of_now(&self) -> bool {
         self.is_of_now
     }
 }
 
-/// The subject on screen.
 struct Seen {
     subject: Subject,
     /// The generation of the session's samples and the sample, which change with it.
@@ -106,10 +97,8 @@ struct Seen {
     since: f64,
 }
 
-/// The posterior of the filter that the user has chosen.
 #[derive(Default)]
 pub struct Posteriors {
-    /// The id of the filter.
     chosen: Option<u32>,
     seen: Option<Seen>,
     search: Option<Running<Posterior>>,
@@ -118,12 +107,10 @@ pub struct Posteriors {
 }
 
 impl Posteriors {
-    /// The id of the filter whose posterior is wanted.
     pub fn chosen(&self) -> Option<u32> {
         self.chosen
     }
 
-    /// Takes over a choice.
     pub fn choose(&mut self, chosen: Option<u32>) {
         *self = Self { chosen, ..Self::default() };
     }
@@ -142,12 +129,10 @@ impl Posteriors {
         has_stopped
     }
 
-    /// The points on screen.
     pub fn shown(&self) -> Option<&Shown> {
         self.shown.as_ref()
     }
 
-    /// Why there are none.
     pub fn problem(&self) -> Option<&str> {
         self.problem.as_deref()
     }

@@ -25,7 +25,6 @@ pub(crate) fn candidates(scenario: &Scenario, is_measured: bool) -> Vec<String> 
     keys
 }
 
-/// The keys of the settings of filters alone.
 pub(crate) fn of_filters(scenario: &Scenario) -> Vec<String> {
     let places: Vec<usize> = (0..scenario.filters.len()).collect();
     let channels = channels(scenario, &places);
@@ -66,7 +65,6 @@ pub(crate) fn name(key: &str, scenario: &Scenario) -> String {
     Address::parse(scenario, key).map_or_else(|_| key.to_owned(), |address| address.name())
 }
 
-/// The name of a setting with its unit.
 pub(crate) fn label(key: &str, scenario: &Scenario) -> String {
     let unit = Address::parse(scenario, key).map_or("", |address| unit_in(scenario, address.unit()));
     let name = name(key, scenario);

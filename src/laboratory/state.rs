@@ -10,7 +10,6 @@ pub struct WorkState {
 }
 
 impl WorkState {
-    /// Whether the user has stopped the work.
     pub fn is_stopped(&self) -> bool {
         self.is_stopped
     }
@@ -39,7 +38,6 @@ impl WorkState {
         self.is_stopped = false;
     }
 
-    /// Other work has begun.
     pub(super) fn begin(&mut self) {
         (self.is_stopped, self.problem) = (false, None);
     }
@@ -52,7 +50,6 @@ impl WorkState {
         }
     }
 
-    /// There is something new to show.
     pub(super) fn show_new(&mut self) {
         self.version += 1;
     }

@@ -61,7 +61,6 @@ impl Survey {
         &self.ensemble
     }
 
-    /// The rows that are known.
     pub fn sheet(&self) -> &Sheet {
         &self.sheet
     }
@@ -71,17 +70,14 @@ impl Survey {
         &self.computers
     }
 
-    /// The axes across and up.
     pub fn axes(&self) -> [&Axis; 2] {
         [0, 1].map(|at| &self.ensemble.plan().axes[at])
     }
 
-    /// The ids of the filters.
     pub fn filters(&self) -> &[u32] {
         &self.filters
     }
 
-    /// Whether the score is among those that are computed.
     pub fn has(&self, measure: Measure) -> bool {
         self.ensemble.plan().measures.contains(&measure)
     }
@@ -156,7 +152,6 @@ impl Survey {
         Source::Measured(Arc::clone(shorter.unwrap_or(&record)))
     }
 
-    /// Takes over the filters' names from a scenario.
     pub(super) fn call_filters(&mut self, scenario: &Scenario) {
         self.ensemble.call_filters(scenario);
     }
@@ -216,13 +211,11 @@ impl Survey {
         self.work = None;
     }
 
-    /// Whether cells are being run.
     pub(super) fn is_working(&self) -> bool {
         self.work.is_some()
     }
 }
 
-/// Whether numbers are equal up to rounding.
 fn are_close(a: &[f64], b: &[f64]) -> bool {
     a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-9 * a.abs())
 }

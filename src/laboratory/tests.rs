@@ -8,7 +8,6 @@ use super::*;
 use crate::session::{Budget, Mode};
 use crate::team::{Frames, Precision};
 
-/// A session of two seconds.
 fn session() -> Session {
     Session::new(Scenario { duration: 2.0, ..Scenario::default() }).unwrap()
 }
@@ -32,7 +31,6 @@ fn choice() -> Choice {
     }
 }
 
-/// Follows the session for some frames.
 fn follow(laboratory: &mut Laboratory, session: &Session, frames: usize) {
     let ctx = Context::default();
     (0..frames).for_each(|_| laboratory.follow(session, true, false, &ctx));

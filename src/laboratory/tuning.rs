@@ -20,7 +20,6 @@ use on_map::{best_of_map, path_on_map};
 
 pub use choice::TuneChoice;
 
-/// The result of a search.
 pub struct TuneResult {
     choice: TuneChoice,
     /// The scenario with the filter alone, as the search found it.
@@ -29,7 +28,6 @@ pub struct TuneResult {
 }
 
 impl TuneResult {
-    /// The choice that the search began with.
     pub fn choice(&self) -> &TuneChoice {
         &self.choice
     }
@@ -52,7 +50,6 @@ impl TuneResult {
         scenario.validate().ok().map(|()| scenario)
     }
 
-    /// Whether a scenario has the best values.
     pub fn is_applied(&self, scenario: &Scenario) -> bool {
         is_same_but_for_names(&part_of(scenario, &[self.choice.filter]), &self.tuned.scenario)
     }
@@ -67,7 +64,6 @@ struct Search {
 /// The state of a search under way: the share that is done, and its path.
 type Seen = (f64, Vec<Try>);
 
-/// The tuning of one filter.
 #[derive(Default)]
 pub struct Tuning {
     /// The user's choice. `None` for the usual one.
@@ -89,7 +85,6 @@ impl Tuning {
         self.choice.as_ref()
     }
 
-    /// Takes over a choice, or goes back to the usual one.
     pub fn choose(&mut self, choice: Option<TuneChoice>) {
         self.choice = choice;
     }

@@ -32,7 +32,6 @@ pub(super) struct Health {
 }
 
 impl Health {
-    /// Looks at the readings that are new.
     pub(super) fn follow(&mut self, readings: &[[f64; 4]]) {
         for reading in &readings[self.seen.min(readings.len())..] {
             if !reading.iter().all(|x| x.is_finite()) {
@@ -71,7 +70,6 @@ impl Health {
         }
     }
 
-    /// A sentence for each thing that is wrong.
     pub(super) fn sentences(&self) -> Vec<String> {
         let mut said = Vec::new();
         if self.gaps > 0 {

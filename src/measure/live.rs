@@ -29,7 +29,6 @@ const AGREES: f64 = 3.0;
 #[derive(Default)]
 pub(super) struct Live {
     following: Option<Following>,
-    /// What the decays that have ended tell.
     known: Option<[Band; 2]>,
     /// The time from which on the next decay is looked for, and that of the reading at the last look \[s\].
     from: Option<f64>,
@@ -91,7 +90,6 @@ impl Live {
         }
     }
 
-    /// What is known after a decay that has ended.
     fn after(&self, decay: Decay, readings: &[[f64; 4]]) -> Option<[Band; 2]> {
         let estimates = Following::new(decay).and_then(|mut following| {
             following.take(readings, usize::MAX);

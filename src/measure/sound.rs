@@ -24,7 +24,6 @@ const POINTS: usize = 600;
 const LOUDEST: f32 = 0.99;
 const FEW: usize = 20;
 
-/// The file of a measurement.
 const FILE: &str = "heard-here.wav";
 
 pub(super) struct Listener {

@@ -17,13 +17,11 @@ use crate::spark::Spark;
 use crate::text::fixed;
 use crate::theme::Palette;
 
-/// The readings that are drawn.
 const DRAWN: usize = 1200;
 
 /// The distance between the numbers of a row \[points\].
 const APART: f32 = 18.0;
 
-/// The file of a measurement.
 const FILE: &str = "measured-here.csv";
 
 pub(super) struct Swing {
@@ -34,7 +32,6 @@ pub(super) struct Swing {
 }
 
 impl Swing {
-    /// The accelerometer of this device.
     pub(super) fn new(device: Rc<dyn Sensor<Acceleration>>) -> Self {
         let (readings, live, health) = (Readings::default(), Live::default(), Health::default());
         Self { device, readings, live, health }

@@ -20,7 +20,6 @@ const MOST: usize = 1 << 14;
 pub(super) struct Processor {
     software: Software,
     state: Arc<State>,
-    /// The thread, and the search on it.
     thread: OnceCell<Option<(Threads, Parts<()>)>>,
 }
 

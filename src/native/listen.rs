@@ -12,7 +12,6 @@ use kalmanscope::sensor::{Acceleration, Reading, Readings, Sensor};
 use kalmanscope_core::Scenario;
 use kalmanscope_sources::{Accelerations, Lines, StreamRow, open, read_line};
 
-/// A source of lines.
 pub(super) struct Listening {
     /// Its name: `tcp://HOST:PORT` and so on.
     pub(super) source: String,
@@ -22,7 +21,6 @@ pub(super) struct Listening {
     pub(super) keep: Option<(String, File)>,
 }
 
-/// Readings in lines.
 pub(super) trait Parser: Clone + Send + 'static {
     type Reading: Reading + Send;
 
@@ -110,7 +108,6 @@ impl<T: Reading> Shared<T> {
 }
 
 impl<P: Parser> Listened<P> {
-    /// A source whose lines are read by a parser, and kept in a file with this name.
     pub(super) fn new(name: &str, parser: P, keep: Option<(String, File)>) -> Self {
         let heard = Heard { lines: 0, left_out: (0, String::new()), to: None, unkept: String::new() };
         Self {
@@ -170,7 +167,6 @@ impl Parser for Accelerations {
     }
 }
 
-/// The input and the sensors of a scenario in lines.
 #[derive(Clone)]
 pub(super) struct OfScenario {
     lines: Lines,

@@ -9,7 +9,6 @@ use super::layers::LayerColumns;
 const SAMPLES: usize = 10;
 const DISTANCES: usize = 8;
 
-/// The parts of a run of columns between its gaps.
 pub(super) fn unbroken(columns: &LayerColumns, run: Range<usize>) -> Vec<Range<usize>> {
     match columns {
         LayerColumns::Band(all) => parts(run, all.len(), |place| all[place].samples),

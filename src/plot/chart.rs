@@ -35,14 +35,11 @@ const TICKS_FADE: egui::Rangef = egui::Rangef { min: 14.0, max: 18.0 };
 /// One chart: its heading and its layers.
 #[derive(Default)]
 pub struct Chart<'a> {
-    /// Unique among all charts on screen.
     pub(crate) key: String,
-    /// Its name for screen readers.
     pub(crate) title: String,
     pub(crate) symbol: String,
     pub(crate) name: String,
     pub(crate) unit: &'static str,
-    /// The numbers of the truth and the filters.
     pub(crate) columns: Vec<Column<'a>>,
     /// The values in the heading; without them it shows the columns at the cursor.
     pub(crate) readouts: Option<Vec<Readout>>,
@@ -55,7 +52,6 @@ pub struct Chart<'a> {
     pub(crate) logarithmic: bool,
 }
 
-/// The user's gestures on a chart.
 pub(crate) struct ChartResponse {
     /// The time under the pointer \[s\].
     pub(crate) pointed: Option<f64>,
@@ -64,7 +60,6 @@ pub(crate) struct ChartResponse {
 }
 
 impl<'a> Chart<'a> {
-    /// Its numbers as a table.
     pub(crate) fn into_sheet(self) -> Sheet<'a> {
         Sheet { title: self.title, unit: self.unit, columns: self.columns }
     }

@@ -86,7 +86,6 @@ fn whole<C>(columns: &[C]) -> Vec<Range<usize>> {
     std::iter::once(0..columns.len()).collect()
 }
 
-/// The runs of columns that are drawn.
 fn runs(are_drawn: impl IntoIterator<Item = bool>) -> Vec<Range<usize>> {
     let drawn: Vec<bool> = are_drawn.into_iter().collect();
     let mut start = 0;

@@ -2,18 +2,14 @@
 
 use std::ops::Range;
 
-/// The values of a series in one pixel column.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Column {
     /// The first and the last sample of the column.
     pub(crate) samples: (usize, usize),
-    /// Smallest value.
     pub(crate) low: f64,
-    /// Largest value.
     pub(crate) high: f64,
     /// Whether it ends no lower than it begins; a line then goes from the smallest to the largest value.
     pub(crate) rising: bool,
-    /// Whether the smallest and the largest value are at the ends.
     pub(crate) at_ends: bool,
 }
 
@@ -29,7 +25,6 @@ impl Column {
     }
 }
 
-/// The edges of a band in one pixel column.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct BandColumn {
     /// The first and the last sample of the column.
@@ -107,7 +102,6 @@ pub(crate) fn reduce_between<I: Iterator<Item = (f64, f64)>>(
     })
 }
 
-/// Calls `column` with the samples of each column.
 #[inline]
 fn by_column<C>(range: Range<usize>, columns: usize, column: impl Fn(Range<usize>) -> Option<C>) -> Vec<C> {
     let width = stride(range.len(), columns);
@@ -123,7 +117,6 @@ fn by_column<C>(range: Range<usize>, columns: usize, column: impl Fn(Range<usize
     reduced
 }
 
-/// Samples per pixel column.
 fn stride(samples: usize, columns: usize) -> usize {
     samples.div_ceil(columns.max(1)).max(1)
 }

@@ -23,7 +23,6 @@ const PADDING: f32 = 3.0;
 /// The lines at the time of the displayed numbers.
 pub(super) struct Cursors {
     lines: Vec<CursorLine>,
-    /// Whether times are written on the axis.
     tagged: bool,
     ground: Color32,
 }
@@ -37,7 +36,6 @@ struct CursorLine {
 }
 
 impl Cursors {
-    /// The lines of this frame.
     pub(super) fn of(input: &PlotInput<'_>, tagged: bool, medium: Medium) -> Self {
         let PlotInput { session, palette, axis, ruler, .. } = *input;
         let mut lines: Vec<CursorLine> = Vec::new();
@@ -60,7 +58,6 @@ impl Cursors {
     }
 }
 
-/// A time with as many decimals as samples have.
 pub(super) fn time_text(input: &PlotInput<'_>, time: f64) -> String {
     let dt = input.session.run().record().dt();
     let decimals = (0..6).find(|&decimals| (dt * 10f64.powi(decimals)).round() >= 1.0).unwrap_or(6);

@@ -5,20 +5,17 @@ use std::ops::RangeInclusive;
 use egui::{Color32, Shape, Ui};
 use egui_plot::{PlotBounds, PlotGeometry, PlotItem, PlotItemBase, PlotTransform};
 
-/// Paints into a plot.
 pub(super) trait Paint {
     /// Appends the shapes to paint where the plot is now.
     fn shapes(&self, ui: &Ui, transform: &PlotTransform, shapes: &mut Vec<Shape>);
 }
 
-/// Something painted as an item of a plot.
 pub(super) struct Decoration<P> {
     base: PlotItemBase,
     paint: P,
 }
 
 impl<P: Paint> Decoration<P> {
-    /// An item with a name that no user sees.
     pub(super) fn new(name: &str, paint: P) -> Self {
         Self { base: PlotItemBase::new(name.to_owned()), paint }
     }
@@ -43,7 +40,6 @@ impl<P: Paint> PlotItem for Decoration<P> {
         PlotGeometry::None
     }
 
-    /// The chart sets the plot's bounds.
     fn bounds(&self) -> PlotBounds {
         PlotBounds::NOTHING
     }

@@ -41,7 +41,6 @@ impl Drawing {
         Self { range, marks, painted: PaintedShapes::default() }
     }
 
-    /// Adds a grid and the marks to a plot.
     pub(crate) fn show<'a>(&'a self, grid: Grid, plot: &mut PlotUi<'a>) {
         plot.add(Decoration::new("drawing", DrawingItem::new(grid, &self.marks, &self.painted)));
     }

@@ -19,16 +19,13 @@ const APART: f32 = 5.0;
 /// The least height of a plot with words \[points\].
 const ENOUGH: f32 = 80.0;
 
-/// The marks of a plot.
 pub(super) struct Gaps {
     gaps: Vec<Gap>,
-    /// Whether the words are beside the marks, as in the plot with the time axis.
     worded: bool,
     colors: [Color32; 3],
 }
 
 impl Gaps {
-    /// The marks of these gaps.
     pub(super) fn of(gaps: &[Gap], worded: bool, palette: &Palette) -> Self {
         let colors = [palette.faint.gamma_multiply(GROUND), palette.weak, palette.ground.gamma_multiply(0.8)];
         Self { gaps: gaps.to_vec(), worded, colors }

@@ -65,18 +65,14 @@ impl Scale {
     }
 }
 
-/// A frame with its scales.
 pub(crate) struct Graph {
-    /// The frame.
     pub(crate) rect: Rect,
     pub(crate) x: Scale,
     pub(crate) y: Scale,
-    /// Whether the horizontal axis has numbers and a name.
     has_x: bool,
 }
 
 impl Graph {
-    /// The frame in a room, with space for the axes.
     pub(crate) fn new(room: Rect, x: Scale, y: Scale) -> Self {
         let min = pos2(room.left() + LEFT, room.top() + MARGIN.y);
         let max = pos2(room.right() - MARGIN.x, room.bottom() - BELOW).max(min + Vec2::splat(1.0));
@@ -89,18 +85,15 @@ impl Graph {
         Self { has_x: false, ..Self::new(below, x, y) }
     }
 
-    /// The position of a point.
     pub(crate) fn at(&self, [x, y]: [f64; 2]) -> Pos2 {
         self.at_shares([self.x.share(x), self.y.share(y)])
     }
 
-    /// The position at shares of both scales.
     pub(crate) fn at_shares(&self, [x, y]: [f64; 2]) -> Pos2 {
         let Self { rect, .. } = self;
         pos2(rect.left() + x as f32 * rect.width(), rect.bottom() - y as f32 * rect.height())
     }
 
-    /// The shares of both scales at a position.
     pub(crate) fn shares(&self, at: Pos2) -> [f64; 2] {
         let Self { rect, .. } = self;
         let (x, y) = ((at.x - rect.left()) / rect.width(), (rect.bottom() - at.y) / rect.height());

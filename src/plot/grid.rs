@@ -18,7 +18,6 @@ pub(crate) struct Grid {
 }
 
 impl Grid {
-    /// The marks on the vertical axis.
     pub(crate) fn values(&self, bounds: (f64, f64)) -> Vec<GridMark> {
         match self.logarithmic {
             Some(length) => log_ticks(bounds, length, length / self.counts.1),
@@ -26,7 +25,6 @@ impl Grid {
         }
     }
 
-    /// The marks on the horizontal axis.
     pub(crate) fn times(&self, bounds: (f64, f64)) -> Vec<GridMark> {
         ticks(bounds, self.counts.0)
     }

@@ -12,15 +12,12 @@ use crate::request::Request;
 const RADIUS: f32 = 4.5;
 const GRASP: f32 = 10.0;
 
-/// A setting at its place in a plot.
 pub(crate) struct Handle<'a> {
-    /// The name of the setting, for the hint and for screen readers.
     pub(crate) name: String,
     /// \[s\]; `None` for the right edge of the plot.
     pub(crate) time: Option<f64>,
     pub(crate) value: f64,
     pub(crate) color: Color32,
-    /// Puts the setting to a time and a value.
     pub(crate) set: Set<'a>,
 }
 

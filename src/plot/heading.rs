@@ -8,19 +8,16 @@ use egui::{Color32, Galley, Id, Rect, Response, Role, Sense, TextStyle, Ui, Widg
 use crate::hover::hover_text;
 use crate::theme;
 
-/// A value in a heading.
 pub(crate) struct Readout {
     pub(crate) text: String,
     /// The same in another unit, shown if there is room.
     pub(crate) aside: Option<String>,
     /// The colour of its owner; transparent if it has none.
     pub(crate) color: Color32,
-    /// The owner of the value.
     pub(crate) hint: String,
 }
 
 impl Readout {
-    /// A value of an owner with a colour.
     pub(crate) fn new(text: String, color: Color32, hint: String) -> Self {
         Self { text, aside: None, color, hint }
     }
@@ -30,7 +27,6 @@ impl Readout {
         self.aside.as_ref().map_or_else(|| self.text.clone(), |aside| format!("{} ({aside})", self.text))
     }
 
-    /// The value and its owner.
     fn in_words(&self) -> String {
         format!("{}: {}", self.hint, self.in_full())
     }
@@ -75,12 +71,10 @@ pub(crate) fn heading_ui(ui: &mut Ui, symbol: &str, name: &str, unit: &str, read
 /// The values that fit: in a second unit where there is room beside the name, and without their ±2σ where space is short.
 struct Values<'a> {
     all: &'a [Readout],
-    /// Text and room of the values that fit.
     shown: Vec<(Arc<Galley>, f32)>,
 }
 
 impl<'a> Values<'a> {
-    /// `room` is the width for values alone, and beside the name.
     fn new(ui: &Ui, symbol: &str, all: &'a [Readout], [room, beside_name]: [f32; 2]) -> Self {
         let (color, style) = (ui.visuals().text_color(), theme::readout());
         // A value keeps the largest width so far, so that nothing moves while it changes.
@@ -137,7 +131,6 @@ impl<'a> Values<'a> {
     }
 }
 
-/// Paints a text in the middle of a row. `of` is the heading's symbol and the text's number in it.
 fn place(ui: &Ui, row: Rect, left: f32, text: &Arc<Galley>, of: (&str, usize)) -> Response {
     let at = pos2(left, row.center().y - 0.5 * text.size().y).round_to_pixels(ui.pixels_per_point());
     ui.painter().galley(at, Arc::clone(text), Color32::PLACEHOLDER);

@@ -16,7 +16,6 @@ pub(super) struct Labels {
 }
 
 impl Labels {
-    /// The labels of all levels that have one.
     pub(super) fn of(layers: &[Layer<'_>]) -> Self {
         let label = |layer: &Layer<'_>| match *layer {
             Layer::Level { value, color, label } if !label.is_empty() => Some((value, label, color)),

@@ -52,7 +52,6 @@ pub(crate) fn line_width(place: usize, first: f32) -> f32 {
 pub(crate) enum LayerColumns {
     Band(Vec<BandColumn>),
     Series(Vec<Column>),
-    /// A constant value.
     Level,
 }
 

@@ -24,7 +24,6 @@ const DENSE: (f64, f64) = (16.0, 1.0);
 /// The width of a line from before a change \[points\].
 const BEFORE: f32 = 1.2;
 
-/// A band at one time.
 #[derive(Clone, Copy)]
 pub(crate) struct Rung {
     pub(crate) time: f64,
@@ -34,7 +33,6 @@ pub(crate) struct Rung {
     widest: f64,
 }
 
-/// A layer's visible shape.
 pub(crate) enum Mark {
     /// The parts of a band that no line hides. `steep` says whether its outline would be a blur.
     Band {

@@ -2,7 +2,6 @@
 
 use egui::{Context, Id};
 
-/// The medium that a context draws for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Medium {
     /// A screen: fast, with handles and cursors.
@@ -13,12 +12,10 @@ pub(crate) enum Medium {
 }
 
 impl Medium {
-    /// The medium of a context.
     pub(crate) fn of(ctx: &Context) -> Self {
         ctx.data(|data| data.get_temp(id())).unwrap_or_default()
     }
 
-    /// Makes a context draw for this medium.
     pub(crate) fn set(self, ctx: &Context) {
         ctx.data_mut(|data| data.insert_temp(id(), self));
     }

@@ -7,11 +7,9 @@ use super::frame::{Y_AXIS, sense};
 use super::ticks::{LOG_TICKS_FADE, Side, log_tick, log_ticks, tick_inside, ticks};
 use crate::theme::Palette;
 
-/// The scale of both axes of a plot.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum AxisScale {
     Linear,
-    /// All coordinates are logarithms to the base of ten.
     Logarithmic,
 }
 
@@ -121,7 +119,6 @@ pub(crate) fn drawable(plot: &PlotUi<'_>, point: [f64; 2]) -> [f64; 2] {
     })
 }
 
-/// The number of shades of a path.
 const SHADES: usize = 6;
 
 /// Draws a path, the newest point first, that fades with age.

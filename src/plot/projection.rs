@@ -13,7 +13,6 @@ const OUTSIDE: f32 = 4000.0;
 /// Dash and gap \[points\].
 pub(crate) const DASH: (f32, f32) = (5.0, 3.0);
 
-/// The map from values to positions on screen.
 pub(crate) struct Projection {
     /// For each axis, the screen position of the value at the plot's centre, that value, and points per unit.
     x: [f64; 3],
@@ -84,7 +83,6 @@ impl Projection {
     }
 }
 
-/// Fills the columns between their ends, and outlines them.
 fn outlined(columns: &[[Pos2; 2]], fill: Color32, outline: Stroke, strokes: &mut Strokes) {
     strokes.area(columns, fill);
     for end in 0..2 {

@@ -13,12 +13,10 @@ pub(crate) struct Series<'a> {
 }
 
 impl<'a> Series<'a> {
-    /// `values` gives the values of some of the samples up to `len`.
     pub(crate) fn new<I: Iterator<Item = f64>>(len: usize, values: impl Fn(Range<usize>) -> I + 'a) -> Self {
         Self { len, reduce: Box::new(move |range, columns| reduce(range, columns, &values)) }
     }
 
-    /// All of these values.
     pub(crate) fn of(values: &'a [f64]) -> Self {
         Self::new(values.len(), |samples| values[samples].iter().copied())
     }

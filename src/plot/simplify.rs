@@ -29,7 +29,6 @@ pub(crate) fn simplify(points: impl IntoIterator<Item = (f64, f64)>) -> Vec<usiz
     kept
 }
 
-/// The allowed directions of a line from a point.
 struct Cone {
     apex: (f64, f64),
     /// The largest distance of the points so far.
@@ -71,7 +70,6 @@ impl Cone {
     }
 }
 
-/// Positive where `b` is to the left of `a`.
 fn cross(a: (f64, f64), b: (f64, f64)) -> f64 {
     a.0 * b.1 - a.1 * b.0
 }

@@ -8,7 +8,6 @@ use crate::session::Session;
 use crate::theme::Palette;
 use crate::visibility::Visibility;
 
-/// The height of a strip \[points\].
 const HEIGHT: f32 = 4.0;
 
 /// The opacity of a strip: lines in front of it stay readable.
@@ -26,7 +25,6 @@ pub(super) struct Strips {
 }
 
 impl Strips {
-    /// The strips of the filters that are shown.
     pub(super) fn of(session: &Session, visible: &Visibility, palette: &Palette) -> Self {
         let (mut strips, mut jumps) = (Vec::new(), Vec::new());
         let (run, record) = (session.run(), session.run().record());

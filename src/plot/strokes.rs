@@ -21,7 +21,6 @@ const COLUMNS: usize = 64;
 /// Collects lines and areas: for a screen in one mesh, for a figure as shapes with outlines.
 pub(crate) struct Strokes {
     canvas: Canvas,
-    /// Size of a pixel \[points\].
     pixel: f32,
 }
 
@@ -99,7 +98,6 @@ impl Strokes {
         }
     }
 
-    /// All strokes as one shape.
     pub(crate) fn into_shape(self) -> Shape {
         match self.canvas {
             Canvas::Mesh(mesh) => Shape::mesh(mesh),
@@ -111,12 +109,10 @@ impl Strokes {
 /// Limits the length of a dashed line, which is some ten thousand dashes \[points\].
 const LONGEST_DASHED: f32 = 100_000.0;
 
-/// A line's cross-section.
 struct Brush {
     color: Color32,
     /// Half the width with the soft edge \[points\].
     reach: f32,
-    /// The texture's row.
     row: f32,
 }
 
@@ -129,7 +125,6 @@ impl Brush {
         Self { color: stroke.color, reach: 0.5 * (width + (width / widest).max(1.0)) * pixel, row }
     }
 
-    /// Both edges of the line at a point.
     fn ends(&self, at: Pos2, normal: Vec2) -> [Vertex; 2] {
         let Self { color, reach, row } = *self;
         let edge = normal * reach;

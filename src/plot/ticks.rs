@@ -37,7 +37,6 @@ pub(crate) fn tick_inside(mark: GridMark, range: &RangeInclusive<f64>, length: f
     if room as f32 * length < least { String::new() } else { text }
 }
 
-/// The side of an axis.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Side {
     Bottom,
@@ -100,7 +99,6 @@ const MOST_DECADES: f64 = 308.0;
 const LABELLED: f64 = 0.3;
 const UNLABELLED: f64 = 0.05;
 
-/// The text of a tick of [`log_ticks`].
 pub(crate) fn log_tick(mark: GridMark) -> String {
     if mark.step_size >= LABELLED { significant(10_f64.powf(mark.value), 3) } else { String::new() }
 }

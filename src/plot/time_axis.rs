@@ -2,10 +2,8 @@
 
 use crate::session::{Mode, Session};
 
-/// The position of the common time axis and of the pointer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TimeAxis {
-    /// Whether the axis follows the playback, or stays as the user has set it.
     pub follows: bool,
     /// The part of the record that is of interest, `(from, to)` after its start \[s\]; `None` for all of it.
     pub framed: Option<(f64, f64)>,

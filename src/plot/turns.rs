@@ -23,7 +23,6 @@ pub(crate) fn in_turn<T>(ctx: &Context, chart: Id, budget: Budget, make: impl Fn
     Some(made)
 }
 
-/// The turns of the charts in one pass over all of them.
 #[derive(Clone, Copy, Debug, Default)]
 struct Turns {
     pass: u64,
@@ -32,7 +31,6 @@ struct Turns {
     first: Option<Id>,
     /// The chart that comes first in the next pass.
     next: Option<Id>,
-    /// Whether the budget has been used up.
     over: bool,
 }
 

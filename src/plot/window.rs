@@ -6,14 +6,12 @@ use egui::Vec2;
 
 use super::frame::Y_AXIS;
 
-/// The part of the record on a plot.
 #[derive(Clone, Copy)]
 pub(crate) struct Window {
     /// Beginning and end \[s\].
     pub(crate) times: (f64, f64),
     /// The range of the vertical axis, if the user has chosen it.
     pub(crate) values: Option<(f64, f64)>,
-    /// The plot's size \[points\].
     pub(crate) size: Vec2,
 }
 
@@ -29,7 +27,6 @@ impl Window {
         Some(Scale { x: per(self.times, self.size.x), y: per(self.values.or(range)?, self.size.y) })
     }
 
-    /// A key of everything that a drawing depends on.
     pub(crate) fn key(&self) -> impl Hash + use<> {
         let bits = |(low, high): (f64, f64)| [low.to_bits(), high.to_bits()];
         (bits(self.times), self.values.map(bits), self.size.x.to_bits(), self.size.y.to_bits())

@@ -11,7 +11,6 @@ fn id() -> Id {
     Id::unique("places of the controls")
 }
 
-/// Records the position of a control in this frame.
 pub(crate) fn remember(ctx: &Context, name: &str, rect: Rect) {
     let frame = ctx.cumulative_frame_nr();
     ctx.data_mut(|data| {

@@ -13,7 +13,6 @@ pub(crate) struct Decay {
     pub(crate) periods: usize,
     /// Logarithmic decrement of one period.
     pub(crate) decrement: f64,
-    /// Damping ratio.
     pub(crate) damping_ratio: f64,
     /// Damped period \[s\].
     pub(crate) period: f64,
@@ -24,14 +23,12 @@ pub(crate) struct Decay {
 /// The reasons why two times give no decay.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum NoDecay {
-    /// A force acts between them.
     Forced,
     /// There are no two peaks on the same side that fall.
     NoPeaks,
 }
 
 impl NoDecay {
-    /// The reason in words.
     pub(crate) const fn words(self) -> &'static str {
         match self {
             Self::Forced => "ζ by hand needs a free decay: no force between A and B",

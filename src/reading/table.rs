@@ -10,7 +10,6 @@ use crate::theme;
 /// Limits the height of the rows \[points\].
 const HEIGHT: f32 = 220.0;
 
-/// A small window with the numbers between A and B.
 pub(crate) fn table_ui(ctx: &Context, reading: &Reading, requests: &mut Vec<Request>) {
     let mut open = true;
     let window = egui::Window::new("From A to B").id(egui::Id::unique("ruler")).collapsible(true).resizable(false);

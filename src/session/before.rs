@@ -15,16 +15,12 @@ const ONE_CHANGE: f64 = 0.8;
 /// Limits the samples of a picture from before: twice the work must remain a short work.
 const MOST: usize = 20_000;
 
-/// The picture from before a change.
 pub struct Before {
-    /// All settings as they were.
     scenario: Scenario,
     study: Study,
-    /// The settings that differed, with their values before the change.
     words: String,
     /// Whether filters alone differed: the record is the same.
     is_of_filters: bool,
-    /// Whether it is computed as far as the picture itself.
     is_complete: bool,
 }
 
@@ -51,17 +47,14 @@ impl Before {
         self.study.run().record().truth(channel).filter(|_| !self.is_of_filters)
     }
 
-    /// The number of samples.
     pub fn len(&self) -> usize {
         self.study.run().len()
     }
 
-    /// Whether it has no samples.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The record from before.
     pub fn record(&self) -> &kalmanscope_core::Record {
         self.study.run().record()
     }
@@ -96,18 +89,15 @@ impl Session {
         self.before.as_ref().filter(is_shown)
     }
 
-    /// Forgets the picture from before.
     pub fn forget_before(&mut self) {
         self.before = None;
         self.generation += 1;
     }
 
-    /// The setting on screen.
     pub fn setting(&self) -> Setting {
         self.setting
     }
 
-    /// Whether there is another setting to switch to.
     pub fn has_other_setting(&self) -> bool {
         self.other.is_some()
     }

@@ -2,12 +2,10 @@
 
 use web_time::{Duration, Instant};
 
-/// The amount of computation in one go.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Budget {
     /// Everything, without a limit.
     Unlimited,
-    /// As much as this time allows.
     Time(Duration),
     /// This many pieces of work, of a millisecond or so: the same on every machine.
     Pieces(usize),

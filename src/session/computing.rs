@@ -46,7 +46,6 @@ impl Session {
         true
     }
 
-    /// Gives up the next picture.
     fn give_up_job(&mut self) {
         self.long.end();
         if let Some(job) = self.job.take() {
@@ -142,7 +141,6 @@ impl Session {
         }
     }
 
-    /// Computes for one slice.
     pub(super) fn compute(&mut self) {
         let mut while_time = self.budget.slice();
         let shown = self.shown();

@@ -4,7 +4,6 @@ use kalmanscope_core::setting::Change;
 
 use crate::text::significant;
 
-/// Limits the settings that are named.
 const NAMED: usize = 2;
 
 /// The settings that a change of a scenario concerns, with their values before: `EKF λ = 1`. `None` if nothing differs.

@@ -11,19 +11,15 @@ use crate::team::{Lost, Priority, Running};
 /// The estimates that make the model of a free run, as times \[s\].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum ModelTime {
-    /// The last ones.
     #[default]
     Last,
-    /// Those at a time.
     At(f64),
-    /// The mean of those between two times.
     Over(f64, f64),
 }
 
 /// The picture's number, the samples that were done and the model.
 type Of = (u64, usize, ModelTime);
 
-/// Free runs, one for each filter.
 #[derive(Default)]
 pub(super) struct FreeRuns {
     wanted: Option<ModelTime>,
@@ -33,7 +29,6 @@ pub(super) struct FreeRuns {
     given_up: Option<Of>,
 }
 
-/// A filter's free run.
 struct Made {
     filter: u32,
     of: Of,
@@ -59,7 +54,6 @@ struct Runs {
 }
 
 impl FreeRuns {
-    /// Forgets all free runs.
     pub(super) fn forget(&mut self) {
         self.made.clear();
         (self.next, self.given_up) = (None, None);
@@ -77,7 +71,6 @@ impl Session {
         Some(&self.made_free_run(place)?.run)
     }
 
-    /// The fit of the free run of the filter at a place to a sensor of the record that was held out.
     pub fn held_out_fit(&self, place: usize, sensor: usize) -> Option<Fit> {
         *self.made_free_run(place)?.held_out.get(sensor)?
     }
@@ -96,7 +89,6 @@ impl Session {
         self.free.next.as_ref().filter(|next| next.runs.is_beside()).map(|next| *next.runs.seen())
     }
 
-    /// Gives up the free runs that are not made.
     pub(crate) fn give_up_free_runs(&mut self) {
         self.free.given_up = self.free.next.take().map(|next| next.of);
     }

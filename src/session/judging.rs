@@ -25,7 +25,6 @@ pub(super) struct Judged {
     age: f64,
 }
 
-/// The dragging of a number by the user.
 pub(super) struct Hand {
     is_down: bool,
     /// Real time since diagnoses were last made \[s\].
@@ -39,7 +38,6 @@ impl Default for Hand {
 }
 
 impl Hand {
-    /// Whether it is time for new diagnoses.
     fn is_due(&self) -> bool {
         !self.is_down || self.age >= EVERY_WHILE_HELD
     }

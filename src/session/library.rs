@@ -14,11 +14,8 @@ const KEPT: usize = 3;
 /// A file with columns of numbers that has been read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RecordFile {
-    /// The file's name.
     pub name: String,
-    /// The hash of its bytes.
     pub hash: String,
-    /// Its columns.
     pub table: Table,
 }
 
@@ -33,15 +30,12 @@ pub struct Library {
     live: Option<Live>,
 }
 
-/// A record that is measured now.
 struct Live {
     mapping: Mapping,
     record: Arc<Record>,
-    /// Whether nothing is added any more.
     has_ended: bool,
 }
 
-/// A record and its inputs.
 struct Made {
     mapping: Mapping,
     input: InputKind,
@@ -51,7 +45,6 @@ struct Made {
 }
 
 impl Library {
-    /// Keeps a file.
     pub fn insert(&mut self, file: Arc<RecordFile>) {
         self.files.retain(|other| other.hash != file.hash);
         self.files.push(file);
@@ -160,7 +153,6 @@ impl Library {
         Ok(())
     }
 
-    /// The reasons of the start values that were made last.
     pub fn reasons(&self) -> &[String] {
         &self.reasons
     }
@@ -170,12 +162,10 @@ impl Library {
         self.problem.as_deref()
     }
 
-    /// Keeps the reasons of start values.
     pub(super) fn set_reasons(&mut self, reasons: Vec<String>, problem: Option<String>) {
         (self.reasons, self.problem) = (reasons, problem);
     }
 
-    /// Sentences about the making of a record.
     pub fn remarks(&self, record: &Record) -> &[String] {
         let made = self.made.iter().find(|made| std::ptr::eq(&raw const *made.record, record));
         made.map_or(&[], |made| &made.remarks)
@@ -187,7 +177,6 @@ pub fn name_of(mapping: &Mapping) -> &str {
     mapping.file.rsplit(['/', '\\']).next().unwrap_or_default()
 }
 
-/// Whether two sources are the same one.
 pub(crate) fn is_same(a: &Source, b: &Source) -> bool {
     match (a, b) {
         (Source::Simulated, Source::Simulated) => true,

@@ -21,13 +21,11 @@ pub(super) struct LongFilters {
 }
 
 impl LongFilters {
-    /// Ends all work.
     pub(super) fn end(&mut self) {
         self.filters.clear();
         self.is_alone = false;
     }
 
-    /// Leaves the long filters of a job to a team.
     pub(super) fn begin(&mut self, job: &mut Job, team: &dyn Team) {
         self.end();
         if team.is_beside() {
@@ -73,7 +71,6 @@ impl LongFilters {
 }
 
 impl Session {
-    /// Leaves long work to a team from now on.
     pub fn work_with(&mut self, team: Rc<dyn Team>) {
         self.team = team;
         if self.job.is_some() {
@@ -81,7 +78,6 @@ impl Session {
         }
     }
 
-    /// The team to which long work is left.
     pub(crate) fn team(&self) -> &Rc<dyn Team> {
         &self.team
     }
@@ -118,7 +114,6 @@ mod tests {
         portions: usize,
     }
 
-    /// Notes the end of the work on a filter.
     struct UnderWay(Rc<Cell<usize>>);
 
     impl Drop for UnderWay {

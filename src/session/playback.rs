@@ -3,12 +3,10 @@
 use super::Session;
 
 impl Session {
-    /// Whether time goes on.
     pub fn playing(&self) -> bool {
         self.playing
     }
 
-    /// Simulated seconds per second.
     pub fn speed(&self) -> f64 {
         self.speed
     }
@@ -89,7 +87,6 @@ impl Session {
         }
     }
 
-    /// Pauses playback.
     pub fn pause(&mut self) {
         self.playing = false;
     }
@@ -100,14 +97,12 @@ impl Session {
         self.playing = true;
     }
 
-    /// Pauses and goes one sample forward.
     pub fn step(&mut self) {
         self.playing = false;
         let next = (self.position() + 1) as f64 * self.target().0;
         self.seek(next);
     }
 
-    /// Pauses and goes one sample back.
     pub fn step_back(&mut self) {
         self.playing = false;
         let before = self.position().saturating_sub(1) as f64 * self.target().0;

@@ -21,7 +21,6 @@ pub(super) struct Spectrograms {
 }
 
 impl Session {
-    /// Says whether a spectrogram is wanted.
     pub fn want_spectrogram(&mut self, is_wanted: bool) {
         self.spectrograms.is_wanted = is_wanted;
     }
@@ -32,7 +31,6 @@ impl Session {
         Some((*of, spectrogram.as_ref()?))
     }
 
-    /// Whether the next spectrogram is under way.
     pub fn is_spectrogram_behind(&self) -> bool {
         self.spectrograms.next.is_some()
     }
@@ -42,7 +40,6 @@ impl Session {
         self.spectrograms.next.as_ref().filter(|(_, next)| next.is_beside()).map(|(_, next)| *next.seen())
     }
 
-    /// Gives up the spectrogram under way.
     pub(crate) fn give_up_spectrogram(&mut self) {
         self.spectrograms.made = self.spectrograms.next.take().map(|(of, _)| (of, None));
     }
@@ -52,7 +49,6 @@ impl Session {
         self.spectrograms.next.as_ref().is_some_and(|(_, next)| !next.is_beside())
     }
 
-    /// Goes on with the spectrogram for one slice.
     pub(super) fn follow_spectrogram(&mut self) {
         if !self.spectrograms.is_wanted {
             self.spectrograms.next = None;

@@ -6,10 +6,8 @@ use kalmanscope_core::{Task as _, Verdict};
 use super::Session;
 use crate::team::{Priority, Running};
 
-/// The trials that are asked for.
 #[derive(Default)]
 pub(super) struct Trying {
-    /// The ids of the filters.
     wanted: Vec<u32>,
     attempts: Vec<Attempt>,
     is_done: bool,
@@ -25,7 +23,6 @@ pub struct Attempt {
     progress: f64,
     before: Option<Verdict>,
     remedies: Vec<Remedy>,
-    /// Whether `remedies` are all that were found in trials that are done.
     is_complete: bool,
 }
 
@@ -38,17 +35,14 @@ impl Attempt {
         self.progress
     }
 
-    /// Whether trials are under way.
     pub fn is_under_way(&self) -> bool {
         self.search.is_some()
     }
 
-    /// Whether threads do the trials.
     fn is_beside(&self) -> bool {
         self.search.as_ref().is_some_and(Running::is_beside)
     }
 
-    /// The number of the picture with the filter that is tried.
     pub(crate) fn picture(&self) -> u64 {
         self.of.0
     }

@@ -11,11 +11,9 @@ pub(super) const DEEPEST: usize = 16;
 /// The shares of height or width that tiles may have.
 pub(super) const SHARES: std::ops::RangeInclusive<f32> = 1e-3..=1e3;
 
-/// A view, or a container of them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outline {
-    /// One view.
     View(ViewKind),
     /// Tiles one below the other, with their shares of the height.
     Rows(Vec<(f32, Outline)>),
@@ -23,12 +21,10 @@ pub enum Outline {
     Columns(Vec<(f32, Outline)>),
     /// Tiles one at a time, and the place of that which is shown.
     Tabs(usize, Vec<Outline>),
-    /// Tiles in rows of equal shares.
     Grid(Vec<Outline>),
 }
 
 impl Outline {
-    /// The outline of tiles.
     pub(crate) fn of(tree: &Tree<ViewKind>) -> Option<Self> {
         Self::of_tile(&tree.tiles, tree.root()?, 0)
     }
@@ -80,7 +76,6 @@ impl Outline {
         tiles.insert_container(container)
     }
 
-    /// Whether a view is among the tiles.
     pub(crate) fn has(&self, view: ViewKind) -> bool {
         let mut views = Vec::new();
         self.collect(&mut views);

@@ -9,56 +9,42 @@ use serde::{Deserialize, Serialize};
 
 use super::Handle;
 
-/// The cells of an ensemble that are to be run.
 #[derive(Clone)]
 pub struct Cells {
-    /// The ensemble and the source of its samples.
     pub runner: Arc<Runner>,
     /// The cells, in the order in which they are wanted.
     pub order: Vec<usize>,
-    /// The precision of the rows.
     pub precision: Precision,
-    /// The use of the rows.
     pub priority: Priority,
 }
 
-/// The precision of a map's numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Precision {
     /// The fastest one: single precision if there is a graphics processor.
     #[default]
     Fastest,
-    /// Double precision, by the processor.
     Double,
 }
 
 impl Precision {
-    /// Whether it is the usual one.
     pub fn is_usual(&self) -> bool {
         *self == Self::default()
     }
 }
 
-/// The rows of some cells.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rows {
-    /// The cells.
     pub cells: Vec<usize>,
     /// Their rows, one after the other.
     pub numbers: Vec<f64>,
-    /// The computer of these rows.
     pub by: Computer,
 }
 
-/// A computer of rows.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Computer {
-    /// The program between two frames.
     Frames,
-    /// This many threads.
     Threads(usize),
-    /// This many workers of a page.
     Workers(usize),
     /// The graphics processor of this name, in single precision.
     Graphics(Arc<str>),
@@ -93,9 +79,7 @@ pub trait Graphics {
 pub enum Finding {
     /// Nothing yet.
     Searching,
-    /// It was found.
     Ready,
-    /// There is none, for this reason.
     Absent(String),
     /// There was one, and it has failed, for this reason.
     Lost(String),

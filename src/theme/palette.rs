@@ -17,21 +17,15 @@ pub struct Palette {
     pub separator: Color32,
     /// Lines of the plots' grid.
     pub grid: Color32,
-    /// Text.
     pub text: Color32,
-    /// Secondary text.
     pub weak: Color32,
     /// Selected widgets.
     pub accent: Color32,
     /// Text on selected widgets.
     pub on_accent: Color32,
-    /// Warnings.
     pub warning: Color32,
-    /// The truth.
     pub truth: Color32,
-    /// Measurements.
     pub measured: Color32,
-    /// The force.
     pub force: Color32,
     shades: [Color32; 6],
 }
@@ -87,7 +81,6 @@ const DARK_SHADES: [Color32; 6] = [
 ];
 
 impl Palette {
-    /// The colours of a theme.
     pub const fn of(theme: Theme) -> Self {
         match theme {
             Theme::Light => LIGHT,
@@ -95,7 +88,6 @@ impl Palette {
         }
     }
 
-    /// The shade of a filter's colour in this theme.
     pub const fn shade(&self, color: FilterColor) -> Color32 {
         self.shades[color as usize]
     }

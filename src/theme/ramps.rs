@@ -47,7 +47,6 @@ pub fn diverging(share: f32, palette: &Palette) -> Color32 {
     between(&[low, lower, [r, g, b], higher, high], share)
 }
 
-/// The colour of the kind at a place of a list.
 pub fn kind(place: usize) -> Color32 {
     let [r, g, b] = KINDS[place % KINDS.len()];
     Color32::from_rgb(r, g, b)

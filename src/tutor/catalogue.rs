@@ -5,9 +5,7 @@ use std::sync::LazyLock;
 
 use kalmanscope_lessons::Lesson;
 
-/// The lessons of the menu.
 pub struct Catalogue {
-    /// Read when they are first asked for.
     lessons: LazyLock<Vec<Lesson>>,
     /// The titles of the finished lessons, also of those that this program does not have.
     finished: BTreeSet<String>,
@@ -21,7 +19,6 @@ impl Default for Catalogue {
 }
 
 impl Catalogue {
-    /// The catalogue with these lessons finished.
     pub(crate) fn with_finished(finished: BTreeSet<String>) -> Self {
         Self { finished, ..Self::default() }
     }
@@ -31,28 +28,23 @@ impl Catalogue {
         &self.lessons
     }
 
-    /// The lesson at a place in the menu.
     pub(crate) fn at(&self, place: usize) -> Option<&Lesson> {
         self.lessons.get(place)
     }
 
-    /// The place of the lesson with this title.
     pub(crate) fn place_of(&self, title: &str) -> Option<usize> {
         self.lessons.iter().position(|lesson| lesson.title == title)
     }
 
-    /// Notes that the lesson at a place is finished.
     pub(crate) fn finish(&mut self, place: usize) {
         let title = self.at(place).map(|lesson| lesson.title.clone());
         self.finished.extend(title);
     }
 
-    /// Whether a lesson is finished.
     pub(crate) fn is_finished(&self, lesson: &Lesson) -> bool {
         self.finished.contains(&lesson.title)
     }
 
-    /// The titles of the finished lessons.
     pub(crate) fn finished(&self) -> &BTreeSet<String> {
         &self.finished
     }

@@ -14,7 +14,6 @@ use crate::thumbnail;
 const AROUND: f32 = 40.0;
 const LEAST: f32 = 380.0;
 
-/// Limits the columns.
 const MOST: usize = 3;
 
 /// The distance between lessons in columns, so that a small desktop has all of them in sight \[points\].
@@ -82,7 +81,6 @@ fn even(groups: &[&str], columns: usize) -> Vec<Range<usize>> {
     }
 }
 
-/// The lessons at some places, under the names of their groups.
 fn lessons_ui(ui: &mut Ui, catalogue: &Catalogue, places: Range<usize>, requests: &mut Vec<Request>) {
     let mut group = "";
     for place in places {

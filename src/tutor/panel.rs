@@ -15,7 +15,6 @@ use crate::theme::{self, Palette};
 const SHORT: f32 = 450.0;
 
 impl Tutor {
-    /// The panel's contents below the title.
     pub(crate) fn ui(&self, ui: &mut Ui, catalogue: &Catalogue, palette: &Palette, requests: &mut Vec<Request>) {
         // The buttons stay on screen while the text is scrolled.
         Panel::bottom("steps").frame(Frame::new()).show_separator_line(false).show(ui, |ui| {
@@ -90,7 +89,6 @@ impl Tutor {
         (opened, !opened && before != Some(state))
     }
 
-    /// The buttons that go from step to step, and from lesson to lesson.
     fn steps_ui(&self, ui: &mut Ui, catalogue: &Catalogue, requests: &mut Vec<Request>) {
         let Self { lesson, place, step, .. } = self;
         let missing = self.missing();

@@ -55,7 +55,6 @@ fn revealed_choice_ui(ui: &mut Ui, choice: &str, chosen: bool, right: bool) {
     });
 }
 
-/// Says whether the answer was right, and why.
 pub(super) fn feedback_ui(ui: &mut Ui, question: &Question, answer: Answer) {
     heading_ui(ui, "Your answer");
     let right = question.right_choice();

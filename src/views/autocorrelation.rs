@@ -21,7 +21,6 @@ fn span(context: &ViewContext<'_>) -> Option<Range<usize>> {
     (a != b).then(|| a.min(b)..a.max(b) + 1)
 }
 
-/// Autocorrelation of the innovations, sensor by sensor.
 pub(super) struct Autocorrelation;
 
 impl View for Autocorrelation {

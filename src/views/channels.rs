@@ -13,11 +13,8 @@ use crate::views::{handles, weights};
 /// The width of the first filter's line \[points\].
 const ESTIMATE: f32 = 2.4;
 
-/// The plant's channels over time.
 pub(super) enum Channels {
-    /// The motion.
     States,
-    /// The plant's parameters.
     Parameters,
 }
 
@@ -124,7 +121,6 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>) -> Chart<'a> {
     }
 }
 
-/// Truth and estimates.
 fn columns<'a>(channel: Channel, context: &ViewContext<'a>) -> Vec<Column<'a>> {
     let ViewContext { session, palette, .. } = *context;
     let decimals = decimals(channel);

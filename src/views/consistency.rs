@@ -16,7 +16,6 @@ use crate::view::{View, ViewContext};
 /// Duration of the moving mean \[s\].
 const WINDOW: f64 = 2.0;
 
-/// Normalised squares of innovations and errors.
 pub(super) struct Consistency;
 
 impl View for Consistency {
@@ -41,7 +40,6 @@ impl View for Consistency {
     }
 }
 
-/// One of the two normalised squares.
 struct Square {
     symbol: &'static str,
     name: &'static str,
@@ -67,12 +65,10 @@ fn remark() -> String {
     format!("over expectation, mean of {WINDOW} s")
 }
 
-/// The number of samples of the moving mean.
 fn window(context: &ViewContext<'_>) -> usize {
     (WINDOW / context.session.run().record().dt()).ceil().max(1.0) as usize
 }
 
-/// The moving means.
 fn columns<'a>(square: &Square, context: &ViewContext<'a>) -> Vec<Column<'a>> {
     let (window, within) = (window(context), square.within);
     let column = |(_, estimates, diagnostics): (usize, &'a Estimates, &'a Diagnostics)| {

@@ -17,7 +17,6 @@ use crate::theme;
 use crate::verdict::{symbol, text_color};
 use crate::view::{View, ViewContext};
 
-/// The verdicts and their evidence.
 pub(super) struct Diagnosis;
 
 impl View for Diagnosis {
@@ -51,7 +50,6 @@ impl View for Diagnosis {
     }
 }
 
-/// Shows the diagnosis of one filter in a drawer, under the names of all of them.
 pub(crate) fn drawer_ui(ui: &mut Ui, context: &ViewContext<'_>, id: u32, requests: &mut Vec<Request>) {
     let is_held = is_held(ui, "hand on the diagnosis");
     let all = context.session.run().estimates();

@@ -10,7 +10,6 @@ use crate::sheet::Column;
 use crate::text::{decimals, error_in_hertz, fixed};
 use crate::view::{View, ViewContext};
 
-/// Estimate minus truth.
 pub(super) struct Errors;
 
 impl View for Errors {
@@ -39,7 +38,6 @@ impl View for Errors {
     }
 }
 
-/// The channels with a chart.
 fn channels(context: &ViewContext<'_>) -> Vec<Channel> {
     let record = context.session.run().record();
     let channels = context.session.run().channels();
@@ -50,7 +48,6 @@ fn channels(context: &ViewContext<'_>) -> Vec<Channel> {
     context.visible.channels([parameters, states].concat())
 }
 
-/// The errors.
 fn columns<'a>(channel: Channel, context: &ViewContext<'a>) -> Vec<Column<'a>> {
     let ViewContext { session, palette, .. } = *context;
     let truth = session.run().record().truth(channel).unwrap_or_default();

@@ -16,14 +16,11 @@ use crate::view::{View, ViewContext};
 /// The width of a number \[points\].
 const CELL: f32 = 72.0;
 
-/// A number under way from one filter to another.
 struct Dragged {
-    /// The name of its row.
     row: String,
     value: f64,
 }
 
-/// Rows are numbers, columns filters.
 pub(super) struct Filters;
 
 impl View for Filters {
@@ -84,7 +81,6 @@ fn names_ui(ui: &mut Ui, scenario: &mut Scenario, palette: &Palette) {
 
 /// A number that each filter has, or may have.
 struct Row {
-    /// Its key within a filter.
     key: String,
     symbol: String,
     name: String,
@@ -173,7 +169,6 @@ fn row_ui(ui: &mut Ui, row: &Row, scenario: &mut Scenario, palette: &Palette) {
     }
 }
 
-/// The handle for dragging a number to another filter.
 fn same_ui(ui: &mut Ui, filter: u32, row: &Row, value: f64, name: &str) {
     let dragged = Dragged { row: row.name.clone(), value };
     let source = ui.dnd_drag_source(Id::unique(("same as", filter, &row.name)), dragged, |ui| ui.weak("="));

@@ -28,7 +28,6 @@ const HEADROOM: f64 = 0.08;
 /// The size of the logarithms that stand in for those of zero and infinity.
 const BOUNDLESS: f64 = 300.0;
 
-/// |H| of truth and filters.
 pub(super) struct FrequencyResponse;
 
 impl View for FrequencyResponse {
@@ -65,7 +64,6 @@ impl View for FrequencyResponse {
     }
 }
 
-/// The frequency at a place and the magnitudes there.
 fn readouts(curves: &Curves, i: usize, context: &ViewContext<'_>) -> Vec<Readout> {
     let ViewContext { session, palette, visible, .. } = *context;
     let frequency = curves.frequencies[i];
@@ -94,7 +92,6 @@ struct Drawn<'a> {
     filters: Vec<Filter>,
 }
 
-/// The curves of a filter.
 struct Filter {
     color: Color32,
     mean: Vec<f64>,
@@ -203,7 +200,6 @@ fn logarithms(values: &[f64]) -> Option<Vec<f64>> {
 }
 
 impl Curves {
-    /// The place of the frequency nearest to one given as a logarithm.
     fn nearest(&self, logarithm: f64) -> usize {
         let after = self.frequencies.partition_point(|w| w.log10() < logarithm);
         let distance = |i: usize| (self.frequencies[i].log10() - logarithm).abs();

@@ -12,7 +12,6 @@ use crate::sheet::{Column, Sheet};
 use crate::text::significant;
 use crate::view::{View, ViewContext};
 
-/// The effect of an innovation on each channel.
 pub(super) struct Gain;
 
 impl View for Gain {
@@ -59,7 +58,6 @@ fn sensor_ui(ui: &mut Ui, sensors: &[Quantity]) -> usize {
     chosen
 }
 
-/// The charts of a sensor's gains, one for each channel.
 fn charts<'a>(sensor: usize, context: &ViewContext<'a>) -> Vec<Chart<'a>> {
     let channels = context.session.run().channels().into_iter().filter(|c| context.in_doubt(*c));
     let (parameters, states): (Vec<Channel>, Vec<Channel>) = channels.partition(|c| c.is_parameter());
@@ -79,7 +77,6 @@ fn change(estimates: &Estimates, (sensor, at): (usize, usize), is_measured: bool
     estimates.gain(k)[sensor * n + at] * size
 }
 
-/// The changes.
 fn columns<'a>(channel: Channel, sensor: usize, context: &ViewContext<'a>) -> Vec<Column<'a>> {
     let is_measured = is_measured(channel, sensor, context);
     let column = |(_, estimates): (usize, &'a Estimates)| {

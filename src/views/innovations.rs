@@ -14,7 +14,6 @@ use crate::views::{handles, learnt_noise};
 /// Limits the number of charts if each filter has its own.
 const ROWS: usize = 8;
 
-/// Measurement minus prediction.
 pub(super) struct Innovations;
 
 impl View for Innovations {
@@ -56,7 +55,6 @@ fn charts<'a>(together: usize, context: &ViewContext<'a>) -> Vec<Chart<'a>> {
     own.chain(learnt_noise::charts(context)).collect()
 }
 
-/// The variance that a filter expects of a sensor's innovation.
 fn variance(estimates: &Estimates, sensor: usize, k: usize) -> f64 {
     estimates.innovation_cov(k)[sensor * (estimates.sensors().len() + 1)]
 }

@@ -11,7 +11,6 @@ use crate::sheet::Column;
 use crate::text::significant;
 use crate::view::ViewContext;
 
-/// The filters on screen that learn R.
 fn learning<'a>(context: &ViewContext<'a>) -> impl Iterator<Item = &'a Estimates> + use<'a> {
     context.filters().map(|(_, estimates)| estimates).filter(|estimates| estimates.learns_sensor_noise())
 }

@@ -26,7 +26,6 @@ use panel::PanelView;
 use path::Path;
 use places::{Place, arrange};
 
-/// The map.
 pub(super) struct Map;
 
 /// Room for the line of the progress \[points\].

@@ -11,7 +11,6 @@ use crate::view::{View, ViewContext};
 /// Width of a column, fixed so that the table does not move while its numbers change \[points\].
 const COLUMN: f32 = 66.0;
 
-/// The algebra of the current sample.
 pub(super) struct Matrices;
 
 impl View for Matrices {
@@ -96,7 +95,6 @@ fn channels_ui(ui: &mut Ui, estimates: &Estimates, k: usize, context: &ViewConte
     );
 }
 
-/// The measurement, its prediction and the innovation of each sensor.
 fn sensors_ui(ui: &mut Ui, estimates: &Estimates, record: &Record, k: usize, context: &ViewContext<'_>) {
     let m = estimates.sensors().len();
     if record.forgotten() + k == 0 || m == 0 {
@@ -128,7 +126,6 @@ fn at_right(ui: &mut Ui, text: RichText) {
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| ui.label(text));
 }
 
-/// The name of a number, with its unit.
 fn name_ui(ui: &mut Ui, symbol: &str, unit: &str, name: &str) {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;

@@ -17,7 +17,6 @@ use crate::view::{View, ViewContext};
 /// Limits the samples at which classes are weighed for one picture; the nearest before holds between them.
 const WEIGHED: usize = 2_000;
 
-/// Probabilities of the filters that are shown, as model classes.
 pub(super) struct Classes;
 
 impl View for Classes {
@@ -68,12 +67,10 @@ impl<'a> Weighed<'a> {
         Self { all, len, last: RefCell::new((0..0, Rc::new([]))) }
     }
 
-    /// The classes at a sample.
     fn at(&self, k: usize) -> ModelClasses {
         ModelClasses::new(self.all.iter().map(|(_, evidence)| evidence.at(k).unwrap_or(f64::NEG_INFINITY)))
     }
 
-    /// A number of the classes at each of some samples.
     fn each(&self, samples: Range<usize>, of: impl Fn(usize, &ModelClasses) -> f64) -> Vec<f64> {
         let stride = samples.len().div_ceil(WEIGHED).max(1);
         if self.last.borrow().0 != samples {
@@ -85,7 +82,6 @@ impl<'a> Weighed<'a> {
         samples.clone().step_by(stride).zip(weighed.iter()).flat_map(held).take(samples.len()).collect()
     }
 
-    /// The average of a channel at a sample and its standard deviation.
     fn average(&self, channel: Channel, k: usize, classes: &ModelClasses) -> Option<(f64, f64)> {
         let of = |class: usize| {
             let (estimates, _) = self.all[class];

@@ -19,7 +19,6 @@ use crate::session::Wanted;
 use crate::view::{View, ViewContext};
 use curves::Curves;
 
-/// The statistics over many seeds.
 pub(super) struct MonteCarlo;
 
 /// The least width at which the histogram is beside the charts over time \[points\].

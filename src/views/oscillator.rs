@@ -23,7 +23,6 @@ use crate::request::Request;
 use crate::session::Mode;
 use crate::view::{View, ViewContext};
 
-/// The moving masses.
 pub(super) struct Oscillator;
 
 impl View for Oscillator {

@@ -11,7 +11,6 @@ use crate::view::{View, ViewContext};
 /// Duration of the past that is drawn \[s\].
 const TAIL: f64 = 5.0;
 
-/// The motion in the phase plane.
 pub(super) struct Phase;
 
 impl View for Phase {

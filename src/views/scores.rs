@@ -25,7 +25,6 @@ const ALIKE: f64 = 0.1;
 /// The distance between columns \[points\].
 const SPACING: f32 = 18.0;
 
-/// A table of the filters' scores with the best values marked.
 pub(super) struct Scores;
 
 impl View for Scores {
@@ -143,7 +142,6 @@ fn reason_ui(ui: &mut Ui, verdict: Option<&Verdict>, width: f32) {
     });
 }
 
-/// One measure of all filters.
 struct Row {
     name: String,
     hint: &'static str,

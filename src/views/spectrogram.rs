@@ -11,13 +11,11 @@ use crate::view::{View, ViewContext};
 
 /// The range of colours \[dB\].
 const RANGE: f32 = 60.0;
-/// Limits the points of a line.
 const POINTS: usize = 600;
 
 /// The power of the first sensor over time and frequency.
 pub(super) struct SpectrogramView;
 
-/// A picture of a spectrogram, with its inputs.
 #[derive(Clone)]
 struct Drawn {
     of: ((u64, usize), Id),

@@ -10,7 +10,6 @@ use crate::plot::medium::Medium;
 use crate::request::Request;
 use crate::view::{View, ViewContext};
 
-/// The search for the best settings.
 pub(super) struct Tune;
 
 /// The least width at which the result is beside the settings, and the width of these \[points\].

@@ -20,7 +20,6 @@ use super::version::version;
 const WORKLET: &str = "./listen.js?v=";
 const PROCESSOR: &str = "listen";
 
-/// The microphone of this page.
 pub(super) struct Microphone {
     devices: MediaDevices,
     shared: Rc<Shared>,
@@ -28,7 +27,6 @@ pub(super) struct Microphone {
 
 #[derive(Default)]
 struct Shared {
-    /// The worklet of the measurement that runs.
     listening: RefCell<Option<Listening>>,
     /// Counts beginnings and ends: an answer that comes after an end begins nothing.
     turn: Cell<u32>,
@@ -130,7 +128,6 @@ impl Drop for Listening {
     }
 }
 
-/// Closes a context that was not begun.
 struct Closing(Option<AudioContext>);
 
 impl Closing {

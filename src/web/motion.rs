@@ -12,10 +12,8 @@ use web_sys::{DeviceMotionEvent, MouseEvent, Window};
 
 use super::object::{call, get};
 
-/// The button that begins a measurement.
 const BEGIN: &str = "Begin to measure";
 
-/// The browser's motion events.
 pub(super) struct Motion {
     shared: Rc<Shared>,
     /// The page listens to clicks for as long as this lives.
@@ -27,7 +25,6 @@ type Listener = Closure<dyn FnMut(DeviceMotionEvent)>;
 
 #[derive(Default)]
 struct Shared {
-    /// The listener of a measurement that runs.
     listener: RefCell<Option<Listener>>,
     /// The answer to the last question for permission, as a promise.
     asked: RefCell<Option<js_sys::Promise>>,
@@ -99,7 +96,6 @@ impl Sensor<Acceleration> for Motion {
     }
 }
 
-/// Listens to the motion events of a window.
 fn listen(window: &Window, shared: &Shared, ctx: &Context, to: &Readings<Acceleration>) {
     let (ctx, to) = (ctx.clone(), to.clone());
     let listener = Listener::new(move |event: DeviceMotionEvent| {

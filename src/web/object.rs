@@ -27,7 +27,6 @@ pub(super) async fn awaited(answer: Result<JsValue, JsValue>) -> Result<JsValue,
     JsFuture::from(Promise::resolve(&answer?)).await
 }
 
-/// An error in the browser's words.
 pub(super) fn words(error: &JsValue) -> String {
     js_sys::Error::from(error.clone()).to_string().into()
 }

@@ -9,10 +9,8 @@ use web_time::{Duration, Instant};
 /// The least time between two updates.
 const EVERY: Duration = Duration::from_secs(1);
 
-/// The tables in the page.
 pub(super) struct Tables {
     document: Document,
-    /// The element that holds them.
     home: Element,
     /// The element with the text that screen readers read aloud.
     news: Element,

@@ -5,14 +5,12 @@ use crate::laboratory::Laboratory;
 use crate::session::{Budget, Session};
 use crate::team::Frames;
 
-/// A laboratory that runs one seed a frame.
 fn slow(seeds: usize) -> Laboratory {
     let mut laboratory = Laboratory::new(Rc::new(Frames(Budget::Pieces(1))));
     laboratory.seeds_mut().choose(SeedChoice { seeds, ..SeedChoice::default() });
     laboratory
 }
 
-/// A session of two seconds.
 fn session() -> Session {
     Session::new(Scenario { duration: 2.0, ..Scenario::default() }).unwrap()
 }

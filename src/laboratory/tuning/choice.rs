@@ -12,11 +12,9 @@ use crate::laboratory::settings::{collide, is_possible, of_filters};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TuneChoice {
-    /// The id of the filter.
     pub filter: u32,
     /// The settings with their ranges. Keys have `*` for the filter's name, as in a map.
     pub axes: Vec<Axis>,
-    /// The number to optimise.
     pub goal: Goal,
 }
 

@@ -77,7 +77,6 @@ const SORTED: &str = "Causes and their probability; what cures stands first";
 /// The meaning of the number beside a cause.
 const PROBABILITY: &str = "How often a cause that is found like this one was right, where one of the known faults was put into random situations";
 
-/// A heading of exactly one line.
 fn heading_ui(ui: &mut Ui, text: &str) {
     ui.add(Label::new(RichText::new(text).small().weak()).truncate());
 }
@@ -121,7 +120,6 @@ fn finding_ui(
     ui.add_space(5.0);
 }
 
-/// The button that makes the edits of a cause.
 fn edits_ui(
     ui: &mut Ui,
     context: &ViewContext<'_>,

@@ -6,7 +6,6 @@ use kalmanscope_core::diagnosis::Evidence;
 use crate::text::{sentence, significant};
 use crate::theme::Palette;
 
-/// The size of a bar \[points\].
 const BAR: Vec2 = Vec2::new(64.0, 9.0);
 
 /// The evidence that counts, the largest effect first; on demand also the evidence that does not count.
@@ -73,7 +72,6 @@ fn chance(p_value: f64) -> String {
     }
 }
 
-/// A bar that is half full where the effect begins to bad.
 fn bar_ui(ui: &mut Ui, effect: f64, color: Color32, palette: &Palette) {
     let (rect, response) = ui.allocate_exact_size(Vec2::new(BAR.x, 17.0), Sense::hover());
     let rect = Rect::from_center_size(rect.center(), BAR);

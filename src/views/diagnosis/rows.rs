@@ -30,13 +30,11 @@ pub(super) fn on_screen(ui: &Ui, attempt: &Attempt, is_held: bool) -> Arc<Vec<Re
     remedies
 }
 
-/// Whether rows are the remedies in their order.
 pub(super) fn is_in_order(rows: &[Remedy], attempt: &Attempt) -> bool {
     let same = |(row, remedy): (&Remedy, &Remedy)| row.edits == remedy.edits && key(row) == key(remedy);
     rows.len() == attempt.remedies().len() && rows.iter().zip(attempt.remedies()).all(same)
 }
 
-/// The rows in their order, then the remedies that begin with a new cause.
 fn with_new(mut rows: Arc<Vec<Remedy>>, remedies: &[Remedy]) -> Arc<Vec<Remedy>> {
     for remedy in remedies {
         if rows.iter().all(|row| key(row) != key(remedy)) {

@@ -82,7 +82,6 @@ impl Memory {
     }
 }
 
-/// A value and its inputs.
 struct Cached<K, V: ?Sized>(Option<(K, Arc<V>)>);
 
 impl<K, V: ?Sized> Default for Cached<K, V> {
@@ -106,7 +105,6 @@ impl<K: PartialEq, V: ?Sized> Cached<K, V> {
     }
 }
 
-/// The inputs of a filter's response.
 #[derive(Clone, PartialEq)]
 struct Belief {
     plant: PlantKind,
@@ -120,7 +118,6 @@ impl Belief {
     }
 }
 
-/// The force so far and its spectrum.
 #[derive(Clone, Default)]
 struct Force {
     taken: Vec<f64>,

@@ -14,15 +14,12 @@ const NAMES: f32 = 104.0;
 const WIDTH: f32 = 11.0;
 const APART: f32 = 6.0;
 
-/// The steps of the bar.
 const STEPS: usize = 64;
 
-/// The room of a bar \[points\].
 pub(super) fn room(colors: &Colors) -> f32 {
     if matches!(colors, Colors::Kinds(names) if names.len() > 2) { NAMES } else { NUMBERS }
 }
 
-/// Draws the bar beside a frame.
 pub(super) fn bar_ui(ui: &Ui, frame: Rect, colors: &Colors, palette: &Palette) {
     if let Colors::Kinds(names) = colors {
         return kinds_ui(ui, frame, colors, names, palette);

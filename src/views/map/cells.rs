@@ -4,7 +4,6 @@ use kalmanscope_core::{Measure, ValueKind};
 
 use crate::laboratory::Survey;
 
-/// A cell of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Cell {
     /// The score, without the sign of an error; NaN where there is none.
@@ -12,20 +11,16 @@ pub(super) struct Cell {
     pub(super) end: End,
 }
 
-/// The outcome of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum End {
     /// It is not known yet.
     Unknown,
     /// The filter stopped, or the settings are impossible.
     Stopped,
-    /// The filter lost the truth.
     Lost,
-    /// The filter followed to the end.
     Followed,
 }
 
-/// The cells of one filter.
 pub(super) fn of_filter(survey: &Survey, filter: usize, measure: Measure) -> Vec<Cell> {
     let columns = [measure, Measure::STOPPED, Measure::DIVERGED].map(|measure| survey.column(filter, measure));
     let cell = |cell: usize| {

@@ -8,7 +8,6 @@ use crate::laboratory::Survey;
 /// A piece of the edge of a region, in cells from the middle of the first one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Piece {
-    /// Its ends.
     pub(super) ends: [[f64; 2]; 2],
     /// The direction into the region, of any length.
     pub(super) inwards: [f64; 2],

@@ -49,7 +49,6 @@ pub(super) fn head_ui(
     }
 }
 
-/// A combo box with an accessible name.
 fn combo(ui: &mut Ui, label: &str, text: String, width: f32, add: impl FnOnce(&mut Ui)) {
     let combo = ComboBox::from_id_salt(label).selected_text(text).width(width).height(420.0).show_ui(ui, add);
     ui.ctx().accesskit_node_builder(combo.response.id, |node| node.set_label(label));
@@ -183,7 +182,6 @@ fn precision_ui(ui: &mut Ui, precision: &mut Precision) {
     }
 }
 
-/// Shows what has computed the map, and whether the graphics processor has failed.
 fn computers_ui(ui: &mut Ui, laboratory: &Laboratory) {
     let computers = laboratory.shown().map(Survey::computers).unwrap_or_default();
     let named: Vec<String> = computers.iter().filter(|by| **by != Computer::Frames).map(Computer::to_string).collect();
@@ -197,7 +195,6 @@ fn computers_ui(ui: &mut Ui, laboratory: &Laboratory) {
     }
 }
 
-/// The button that stops the work or goes on with it, with the progress.
 fn work_ui(ui: &mut Ui, laboratory: &Laboratory, requests: &mut Vec<Request>) {
     let Some(share) = laboratory.progress() else { return };
     let is_stopped = laboratory.state().is_stopped();

@@ -20,7 +20,6 @@ const SAMPLE: Vec2 = vec2(16.0, 9.0);
 const SPACE: f32 = 4.0;
 const GAP: f32 = 14.0;
 
-/// The sample of an entry.
 #[derive(Clone, Copy)]
 enum Mark {
     Line,
@@ -38,7 +37,6 @@ struct Entry {
     at: Vec2,
 }
 
-/// The lines under the panels.
 pub(super) struct Legend {
     entries: Vec<Entry>,
     pub(super) height: f32,
@@ -80,7 +78,6 @@ impl Legend {
         Self { entries, height: at.y + LINE }
     }
 
-    /// Draws the legend at a left upper corner.
     pub(super) fn ui(&self, ui: &Ui, corner: Pos2, palette: &Palette) {
         let painter = ui.painter();
         for Entry { mark, text, at } in &self.entries {
@@ -126,7 +123,6 @@ impl Mark {
     }
 }
 
-/// A score in words, with its unit.
 pub(super) fn score_text(measure: Measure, value: f64, scenario: &Scenario) -> String {
     match measure.info().kind {
         ValueKind::Flag if !value.is_nan() => if value == 0.0 { "no" } else { "yes" }.to_owned(),

@@ -17,7 +17,6 @@ use crate::view::ViewContext;
 const RADIUS: f32 = 6.0;
 const GRASP: (f32, f32) = (11.0, 22.0);
 
-/// Draws a line that is visible on any colour.
 fn line(ui: &Ui, points: Vec<egui::Pos2>, width: f32) -> [Shape; 2] {
     let width = if Medium::of(ui.ctx()) == Medium::Figure { 0.8 * width } else { width };
     [
@@ -30,7 +29,6 @@ fn line(ui: &Ui, points: Vec<egui::Pos2>, width: f32) -> [Shape; 2] {
 const TICK: f32 = 5.0;
 const APART: f32 = 13.0;
 
-/// Draws the edge of the consistent region, with ticks that point into it.
 pub(super) fn contour_ui(ui: &Ui, graph: &Graph, axes: [&Axis; 2], contour: &[Piece]) {
     let counts = axes.map(|axis| axis.count as f64);
     let at = |[x, y]: [f64; 2]| graph.at_shares([(x + 0.5) / counts[0], (y + 0.5) / counts[1]]);
@@ -75,7 +73,6 @@ pub(super) fn truths(axes: [&Axis; 2], context: &ViewContext<'_>) -> Vec<(usize,
     truths.filter(|(_, value, axis)| axis.place_of(*value).is_some()).map(|(at, value, _)| (at, value)).collect()
 }
 
-/// Draws the truth on the axes that vary its guess.
 pub(super) fn truth_ui(ui: &Ui, graph: &Graph, truths: &[(usize, f64)]) {
     let rect = graph.rect;
     for (at, value) in truths {
@@ -151,7 +148,6 @@ fn paint(ui: &Ui, at: egui::Pos2, is_lit: bool, is_inside: bool, palette: &Palet
     painter.circle_stroke(at, radius + 1.4, Stroke::new(1.2, Color32::BLACK));
 }
 
-/// An axis' name with a value.
 pub(super) fn said(axis: &Axis, value: f64, survey: &Survey) -> String {
     let scenario = survey.ensemble().scenario();
     let Ok(address) = Address::parse(scenario, &axis.key) else { return String::new() };
@@ -180,7 +176,6 @@ fn stepped(axis: &Axis, value: f64, steps: f64) -> f64 {
     axis.value((place.max(0.0) as usize).min(last))
 }
 
-/// Draws the hatching of cells that lost the truth.
 pub(super) fn hatching_ui(ui: &Ui, graph: &Graph, lines: &[[egui::Pos2; 2]]) {
     let stroke = Stroke::new(0.8, Color32::from_black_alpha(150));
     let light = Stroke::new(0.8, Color32::from_white_alpha(150));

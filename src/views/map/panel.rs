@@ -24,7 +24,6 @@ const TITLE: f32 = 17.0;
 /// The opacity of a picture of earlier settings.
 const OLD: f32 = 0.55;
 
-/// A panel with its inputs.
 pub(super) struct PanelView<'a> {
     pub(super) panel: &'a Panel,
     pub(super) survey: &'a Survey,
@@ -32,12 +31,10 @@ pub(super) struct PanelView<'a> {
     /// The path of a search through the map, if there is one.
     pub(super) path: Option<&'a Path>,
     pub(super) is_old: bool,
-    /// Whether the panel beside it has the same bar.
     pub(super) has_bar: bool,
 }
 
 impl PanelView<'_> {
-    /// Draws the panel into a room.
     pub(super) fn ui(&self, ui: &mut Ui, room: Rect, context: &ViewContext<'_>, requests: &mut Vec<Request>) {
         let Self { panel, survey, measure: _, path, is_old, has_bar } = *self;
         let axes = survey.axes();
@@ -74,7 +71,6 @@ impl PanelView<'_> {
         dot_ui(ui, &self.key(), &graph, survey, context, requests);
     }
 
-    /// The filter's name, or `comparison`.
     fn key(&self) -> String {
         match self.panel.contents {
             Contents::Filter(at) => self.survey.ensemble().scenario().filters[at].name.clone(),

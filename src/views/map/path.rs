@@ -8,7 +8,6 @@ use crate::plot::graph::Graph;
 const POINT: f32 = 1.8;
 const END: f32 = 4.0;
 
-/// A path, of the filter at a place of the map.
 pub(super) struct Path {
     pub(super) filter: usize,
     pub(super) points: Vec<[f64; 2]>,
@@ -38,7 +37,6 @@ fn end(painter: &egui::Painter, at: Pos2, size: f32) {
     painter.rect(square, 0.0, Color32::WHITE, Stroke::new(1.4, Color32::BLACK), StrokeKind::Middle);
 }
 
-/// Draws the sample of a legend.
 pub(super) fn sample(painter: &egui::Painter, rect: Rect) {
     const SMALL: f32 = 2.6;
     let ends = [rect.left_center() + Vec2::new(SMALL, 0.0), rect.right_center() - Vec2::new(SMALL, 0.0)];

@@ -14,30 +14,25 @@ use crate::plot::graph::Graph;
 use crate::plot::medium::Medium;
 use crate::theme::Palette;
 
-/// The contents of a panel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Contents {
-    /// The filter at a place of the map.
     Filter(usize),
     /// The first filter over the second, or minus it.
     Comparison,
 }
 
-/// One panel of a picture.
 pub(super) struct Panel {
     pub(super) contents: Contents,
     pub(super) colors: Colors,
     pub(super) cells: Vec<Cell>,
     /// The edge of the region in which the filter is consistent.
     pub(super) contour: Vec<Piece>,
-    /// Cells across and up.
     pub(super) counts: [usize; 2],
     /// One texel a cell. `None` for a figure.
     texture: Option<TextureHandle>,
     shades: Vec<Option<Color32>>,
 }
 
-/// Panels that have been made.
 #[derive(Clone)]
 struct Kept {
     /// The version of survey, score and theme in the pictures.
@@ -112,7 +107,6 @@ fn texture(ctx: &Context, contents: Contents, shades: &[Option<Color32>], [acros
 }
 
 impl Panel {
-    /// The cells as shapes in a frame.
     pub(super) fn shapes(&self, graph: &Graph, opacity: f32) -> Vec<Shape> {
         let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
         match &self.texture {
@@ -190,7 +184,6 @@ impl Panel {
         lines
     }
 
-    /// Whether any cell has this end.
     pub(super) fn has(&self, end: End) -> bool {
         self.cells.iter().any(|cell| cell.end == end)
     }

@@ -16,16 +16,13 @@ const LOW: f32 = 180.0;
 /// Space between panels \[points\].
 const GAP: f32 = 6.0;
 
-/// The place of a panel.
 pub(super) struct Place {
-    /// The panel's number.
     pub(super) at: usize,
     pub(super) room: Rect,
     /// Whether it has a bar of colours; panels side by side share one.
     pub(super) has_bar: bool,
 }
 
-/// The places of the panels that are shown in an area.
 pub(super) fn arrange(ui: &mut Ui, area: Rect, panels: &[Panel], survey: &Survey) -> Vec<Place> {
     let count = panels.len().max(1) as f32;
     let gaps = GAP * (count - 1.0);
@@ -54,7 +51,6 @@ pub(super) fn arrange(ui: &mut Ui, area: Rect, panels: &[Panel], survey: &Survey
     one_ui(ui, area, panels, survey)
 }
 
-/// Lets the user choose one panel.
 fn one_ui(ui: &mut Ui, area: Rect, panels: &[Panel], survey: &Survey) -> Vec<Place> {
     let id = Id::unique("panel of the map");
     let mut chosen: usize = ui.data(|data| data.get_temp(id)).unwrap_or(0).min(panels.len() - 1);

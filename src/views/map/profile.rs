@@ -13,6 +13,9 @@ use crate::view::ViewContext;
 const HEIGHT: f32 = 40.0;
 const APART: f32 = 6.0;
 
+/// The least distance between numbers beside a curve, and below one \[points\].
+const BETWEEN: [f64; 2] = [13.0, 24.0];
+
 /// The least size of a panel that gives room to the curves \[points\].
 const LEAST: Vec2 = Vec2::new(260.0, 190.0);
 
@@ -47,7 +50,13 @@ pub(super) fn profiles_ui(ui: &Ui, graph: &Graph, panel: &Panel, survey: &Survey
         };
         let painter = ui.painter();
         painter.line_segment([place(0.0, 0.0), place(1.0, 0.0)], Stroke::new(1.0, palette.grid));
+        let mut numbers: Vec<f64> = Vec::new();
         for (share, text) in panel.colors.ticks(HEIGHT) {
+            // The bar of colours has room for more.
+            if numbers.iter().any(|other| (share - other).abs() * f64::from(HEIGHT) < BETWEEN[at]) {
+                continue;
+            }
+            numbers.push(share);
             let end = place(0.0, share);
             let (end, align) = if at == 0 {
                 (end - Vec2::new(5.0, 0.0), Align2::RIGHT_CENTER)
@@ -77,7 +86,6 @@ pub(super) fn profiles_ui(ui: &Ui, graph: &Graph, panel: &Panel, survey: &Survey
     }
 }
 
-/// The cell nearest to a value.
 fn nearest(axis: &Axis, value: f64) -> usize {
     let last = axis.count.saturating_sub(1);
     ((axis.share_of(value).clamp(0.0, 1.0) * last as f64).round() as usize).min(last)

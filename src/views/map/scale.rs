@@ -21,7 +21,6 @@ const DECADES: f64 = 10.0;
 const MOST: usize = 4096;
 const BEYOND: f64 = 0.02;
 
-/// The range of a score's colours.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Colors {
     /// From dark to light, along a scale.
@@ -30,12 +29,10 @@ pub(super) enum Colors {
     Diverging(Scale),
     /// The distance of a mean NIS from 1 in standard deviations, finest about zero.
     Distance(f64),
-    /// A colour for each kind, with its name.
     Kinds(Vec<&'static str>),
 }
 
 impl Colors {
-    /// The colours of a score of one or two filters.
     pub(super) fn of(measure: Measure, cells: &[&[Cell]]) -> Self {
         let values = sorted(cells);
         match measure.info().kind {
@@ -58,7 +55,6 @@ impl Colors {
         }
     }
 
-    /// The colours of a comparison of two filters.
     pub(super) fn of_comparison(measure: Measure, cells: &[Cell]) -> Self {
         let values = sorted(&[cells]);
         if measure.info().kind.is_ratio() {
@@ -94,7 +90,6 @@ impl Colors {
         }
     }
 
-    /// The colour of a share of the range.
     pub(super) fn at(&self, share: f64, palette: &Palette) -> Color32 {
         let share = if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) as f32 };
         match self {
@@ -141,7 +136,6 @@ fn linear(from: f64, to: f64) -> Colors {
     Colors::Sequential(Scale::new(from, to, false))
 }
 
-/// Sizes are logarithmic where they span decades.
 fn sizes(values: &[f64]) -> Colors {
     let positive: Vec<f64> = values.iter().copied().filter(|value| *value > 0.0).collect();
     let (low, high) = (quantile(&positive, BEYOND), quantile(&positive, 1.0 - BEYOND));

@@ -24,7 +24,6 @@ pub(super) fn sentence(survey: &Survey, measure: Measure, context: &ViewContext<
     (!told.is_empty()).then(|| told.join(" "))
 }
 
-/// The best cell of a filter.
 fn best(survey: &Survey, filter: usize, measure: Measure) -> Option<usize> {
     let goal = measure.info().best;
     let distances =

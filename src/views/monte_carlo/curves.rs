@@ -20,11 +20,9 @@ const SHARES: [f64; 3] = [0.025, 0.5, 0.975];
 /// The statistics of all filters at the times of the runs.
 #[derive(Default)]
 pub(super) struct Curves {
-    /// The seeds in them.
     pub(super) seeds: usize,
     /// The times, from the first sample on \[s\].
     pub(super) times: Vec<f64>,
-    /// The samples at these times.
     pub(super) samples: Vec<usize>,
     /// The duration of the record \[s\].
     pub(super) duration: f64,
@@ -38,20 +36,17 @@ pub(super) struct Curves {
     pub(super) is_of_errors: bool,
     /// A sentence about the numbers that are drawn for each seed.
     pub(super) drawn: Option<String>,
-    /// The members that are impossible.
     pub(super) impossible: usize,
     pub(super) filters: Vec<FilterCurves>,
     pub(super) histogram: Histogram,
 }
 
-/// The statistics of one filter.
 pub(super) struct FilterCurves {
     pub(super) id: u32,
     pub(super) name: String,
     /// The mean NEES over its expectation, and the band of 95 % of such means.
     pub(super) nees: Vec<f64>,
     pub(super) nees_band: Vec<Option<RangeInclusive<f64>>>,
-    /// The same for NIS.
     pub(super) nis: Vec<f64>,
     pub(super) nis_band: Vec<Option<RangeInclusive<f64>>>,
     /// Quantiles of the parameter's error, and the filter's own σ.
@@ -67,7 +62,6 @@ pub(super) struct FilterCurves {
     pub(super) causes: Vec<(Option<&'static str>, f64)>,
 }
 
-/// The curves of the runs on screen.
 pub(super) fn of(ctx: &Context, seeds: &Seeds, runs: &SeedRuns, context: &ViewContext<'_>) -> Arc<Curves> {
     let wanted = seeds.choice().parameter;
     cached(ctx, Id::unique("Monte Carlo"), (seeds.state().version(), wanted), || Some(made(runs, wanted, context)))

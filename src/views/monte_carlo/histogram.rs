@@ -11,10 +11,8 @@ const TAIL: f64 = 0.01;
 /// The counts of the last estimates in equal bars.
 #[derive(Default)]
 pub(super) struct Histogram {
-    /// The ends.
     pub(super) from: f64,
     pub(super) to: f64,
-    /// For each filter the counts of its estimates.
     pub(super) counts: Vec<Vec<usize>>,
     /// For each filter the number of estimates beyond the ends.
     pub(super) beyond: Vec<usize>,
@@ -52,12 +50,10 @@ impl Histogram {
         Self { from, to, counts, beyond }
     }
 
-    /// The number of bars.
     pub(super) fn bars(&self) -> usize {
         self.counts.first().map_or(0, Vec::len)
     }
 
-    /// The ends of a bar.
     pub(super) fn ends(&self, bar: usize) -> [f64; 2] {
         [bar, bar + 1].map(|edge| self.from + edge as f64 / self.bars() as f64 * (self.to - self.from))
     }

@@ -9,7 +9,6 @@ use crate::plot::graph::{Graph, Scale};
 use crate::text::significant;
 use crate::view::ViewContext;
 
-/// Draws the histogram of all filters into a room.
 pub(super) fn last_estimates_ui(ui: &mut Ui, room: Rect, curves: &Curves, context: &ViewContext<'_>) {
     let Some(channel) = curves.parameter else { return };
     let histogram = &curves.histogram;

@@ -52,7 +52,6 @@ fn near(filter: &FilterCurves, parameter: Option<Channel>) -> Option<String> {
     Some(format!("{symbol} within 1 %: {}, inside ±2σ: {}", percent(within), percent(inside)))
 }
 
-/// The verdicts, the commonest first.
 fn verdicts(filter: &FilterCurves) -> Option<String> {
     let all: Vec<String> =
         filter.verdicts.iter().map(|(kind, share)| format!("{} {}", percent(*share), kind.name())).collect();

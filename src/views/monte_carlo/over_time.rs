@@ -12,7 +12,6 @@ use crate::session::Bound;
 use crate::text::{fixed, significant};
 use crate::view::ViewContext;
 
-/// One chart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Chart {
     Nees,
@@ -30,7 +29,6 @@ const RATIOS: RangeInclusive<f64> = 1e-3..=1e6;
 impl Chart {
     pub(super) const ALL: [Self; 3] = [Self::Nees, Self::Nis, Self::Error];
 
-    /// Whether there is something to draw.
     pub(super) fn is_in(self, curves: &Curves) -> bool {
         let has = |values: &[f64]| values.iter().any(|value| value.is_finite());
         match self {
@@ -40,7 +38,6 @@ impl Chart {
         }
     }
 
-    /// Draws the chart into a room.
     pub(super) fn ui(self, ui: &mut Ui, room: Rect, curves: &Curves, context: &ViewContext<'_>, is_last: bool) {
         let x = Scale::new(0.0, curves.duration.max(f64::MIN_POSITIVE), false);
         let y = self.scale(curves);
@@ -71,7 +68,6 @@ impl Chart {
         }
     }
 
-    /// The values of a filter with their band.
     fn ratios(self, filter: &FilterCurves) -> (&[f64], &[Option<RangeInclusive<f64>>]) {
         match self {
             Self::Nees => (&filter.nees, &filter.nees_band),
@@ -120,7 +116,6 @@ impl Chart {
         }
     }
 
-    /// The numbers at the pointer.
     fn point_ui(self, response: &Response, graph: &Graph, curves: &Curves, context: &ViewContext<'_>) {
         let Some(pointer) = response.hover_pos().filter(|_| response.hovered()) else { return };
         let time = graph.shares(pointer)[0] * curves.duration;
@@ -155,14 +150,12 @@ impl Chart {
     }
 }
 
-/// A channel's symbol with its unit.
 pub(super) fn named(what: &str, channel: Channel, context: &ViewContext<'_>) -> String {
     let unit = context.unit(channel.unit());
     let symbol = channel.symbol();
     if unit.is_empty() { format!("{what}{symbol}") } else { format!("{what}{symbol} [{unit}]") }
 }
 
-/// The colour of a filter.
 pub(super) fn color(context: &ViewContext<'_>, id: u32) -> Color32 {
     let own = context.session.scenario().filters.iter().find(|filter| filter.id == id);
     own.map_or(context.palette.text, |filter| context.palette.shade(crate::controls::color::color_of(filter)))

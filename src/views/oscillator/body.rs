@@ -6,7 +6,6 @@ use egui::{Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, Vec2
 use super::stage::Stage;
 use crate::theme::Palette;
 
-/// Draws a mass on its wheels.
 pub(super) fn body(stage: &Stage, painter: &Painter, body: Rect, palette: &Palette) {
     let Palette { truth, ground, .. } = *palette;
     let wheel = stage.wheel();
@@ -51,7 +50,6 @@ pub(super) struct Belief {
     pub(super) mean: f64,
     /// \[m\]
     pub(super) std: f64,
-    /// The filter's colour.
     pub(super) color: Color32,
 }
 

@@ -4,7 +4,6 @@ use egui::{Color32, Painter, Shape, pos2};
 
 use super::stage::Stage;
 
-/// The number of readings that are drawn.
 const READINGS: usize = 40;
 
 /// The same if the truth is unknown or hidden: the readings then stay in place while the mass moves on.

@@ -33,7 +33,6 @@ pub(super) fn ground(stage: &Stage, painter: &Painter, length: &str, palette: &P
     if stage.masses() == 1 { ruler(stage, painter, length, palette) } else { bar(stage, painter, length, palette) }
 }
 
-/// The ground as a ruler, for a single mass.
 fn ruler(stage: &Stage, painter: &Painter, length: &str, palette: &Palette) {
     let reach = stage.metres(stage.travel + 0.25 * stage.body.x);
     let count = (stage.travel / (26.0 * stage.unit)).max(3.0);
@@ -48,7 +47,6 @@ fn ruler(stage: &Stage, painter: &Painter, length: &str, palette: &Palette) {
     }
 }
 
-/// The names of the masses of a chain.
 const NAMES: [&str; MAX_MASSES] = ["m₁", "m₂", "m₃", "m₄", "m₅", "m₆", "m₇", "m₈", "m₉", "m₁₀"];
 
 /// A bar of known length, under its name, because each mass has its own zero.

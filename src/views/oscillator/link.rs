@@ -7,10 +7,8 @@ use egui::{Color32, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, pos2, vec2};
 use super::stage::Stage;
 use crate::plot::strokes::Strokes;
 
-/// The parts of a link.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Link {
-    /// A linear spring and a damper.
     Linear,
     /// A spring that stiffens, with wider coils.
     Hardening,
@@ -19,14 +17,12 @@ pub(super) enum Link {
     Slipping(f64),
 }
 
-/// The colours of a link.
 #[derive(Clone, Copy)]
 pub(super) struct Ink {
     /// For parts in front.
     pub(super) line: Color32,
     /// For parts behind.
     pub(super) back: Color32,
-    /// For filled parts.
     pub(super) fill: Color32,
 }
 

@@ -4,7 +4,6 @@ use kalmanscope_core::{Channel, Run};
 
 pub(super) use kalmanscope_core::channel::MAX_MASSES;
 
-/// The channel of a mass's displacement.
 pub(super) fn displacement(mass: usize) -> Channel {
     Channel::displacement(mass.min(MAX_MASSES - 1))
 }

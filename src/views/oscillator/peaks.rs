@@ -5,7 +5,6 @@ use kalmanscope_core::Record;
 use super::force;
 use super::masses::displacement;
 
-/// The largest values of some samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Peak {
     /// Displacement of any mass \[m\].
@@ -71,7 +70,6 @@ impl Peak {
     }
 }
 
-/// The largest of the samples from `from` to before `to`.
 fn peak(record: &Record, masses: usize, from: usize, to: usize, window: usize) -> Peak {
     let mut peak = Peak::default();
     let mut before: Option<&[f64]> = None;

@@ -27,12 +27,10 @@ const STRIP: f32 = 0.4;
 /// The least size of a typeset equation; its subscripts are smaller \[points\].
 const LEAST_EQUATION: f32 = 12.5;
 
-/// One moment and its stage.
 pub(super) struct Scene<'a> {
     pub(super) stage: &'a Stage,
     pub(super) painter: &'a Painter,
     pub(super) context: &'a ViewContext<'a>,
-    /// The sample.
     pub(super) k: usize,
 }
 
@@ -97,7 +95,6 @@ impl<'a> Scene<'a> {
         (0..self.stage.masses()).flat_map(of_mass).collect()
     }
 
-    /// Draws the trails of the masses on `paper`.
     pub(super) fn trail(&self, paper: Rect) {
         let Self { stage, painter, context, k } = *self;
         let ViewContext { palette, visible, .. } = *context;
@@ -142,14 +139,12 @@ impl<'a> Scene<'a> {
         })
     }
 
-    /// The room above the spring.
     fn room(&self) -> Rect {
         let stage = self.stage;
         let corner = stage.rect.left_top() + vec2(CORNER, 4.0 * stage.unit);
         Rect::from_min_max(corner, pos2(stage.rest(0) - stage.travel - stage.body.x, stage.body(0, 0.0).top()))
     }
 
-    /// The plant's equation.
     fn equation(&self) -> LayoutJob {
         let kind = self.context.session.run().scenario().plant.kind;
         let (font, color) = (self.stage.font(), self.context.palette.weak);
@@ -214,7 +209,6 @@ impl<'a> Scene<'a> {
     }
 }
 
-/// A filter's estimates of one displacement.
 struct Filter<'a> {
     estimates: &'a Estimates,
     at: usize,

@@ -10,7 +10,6 @@ const REACH_PER_LINK: f32 = 0.55;
 /// The picture's measures \[points\], for masses in a row on a ground, the first on the right of a wall.
 #[derive(Clone, Debug)]
 pub(super) struct Stage {
-    /// The whole picture.
     pub(super) rect: Rect,
     /// Scale of lines and text, relative to the usual one.
     pub(super) unit: f32,
@@ -18,7 +17,6 @@ pub(super) struct Stage {
     pub(super) floor: f32,
     /// Horizontal position of the wall's face.
     pub(super) wall: f32,
-    /// Size of a mass.
     pub(super) body: Vec2,
     /// Vertical position of the force's arrow.
     pub(super) arrow: f32,
@@ -70,12 +68,10 @@ impl Stage {
         Self { rect, unit, floor, wall, body, arrow, gap, travel, clearance, masses, scale: f64::from(travel) / span }
     }
 
-    /// The number of masses.
     pub(super) fn masses(&self) -> usize {
         self.masses
     }
 
-    /// The rest position of a mass's centre.
     pub(super) fn rest(&self, mass: usize) -> f32 {
         self.wall + (mass + 1) as f32 * self.gap + (mass as f32 + 0.5) * self.body.x
     }
@@ -101,7 +97,6 @@ impl Stage {
         Rect::from_center_size(pos2(middle, self.floor - 2.0 * self.wheel() - 0.5 * self.body.y), self.body)
     }
 
-    /// The radius of the wheels.
     pub(super) fn wheel(&self) -> f32 {
         0.065 * self.body.y
     }
@@ -112,12 +107,10 @@ impl Stage {
         (start, start + 2.0 * (self.travel + self.clearance))
     }
 
-    /// The longest arrow that fits above a mass.
     pub(super) fn longest_arrow(&self) -> f32 {
         0.85 * self.body.x
     }
 
-    /// The size of text.
     pub(super) fn font(&self) -> egui::FontId {
         egui::FontId::proportional((11.5 * self.unit).clamp(9.5, 16.0))
     }

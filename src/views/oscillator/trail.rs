@@ -14,7 +14,6 @@ const SPEED: f32 = 64.0;
 const POINTS: usize = 160;
 const ALL_POINTS: usize = 2000;
 
-/// The paper and its samples.
 pub(super) struct Trail<'a> {
     stage: &'a Stage,
     painter: Painter,
@@ -55,7 +54,6 @@ impl<'a> Trail<'a> {
         pos2(self.stage.place(mass, x), self.paper.top() + SPEED * age)
     }
 
-    /// Draws a line for each second.
     pub(super) fn paper(&self, palette: &Palette) {
         let now = self.record.time(self.now);
         let Self { painter, paper, stage, .. } = self;
@@ -95,7 +93,6 @@ impl<'a> Trail<'a> {
         self.painter.add(strokes.into_shape());
     }
 
-    /// Draws readings as dots.
     pub(super) fn dots(&self, mass: usize, readings: &[f64], color: Color32) {
         let dot = |k: usize| {
             let x = readings.get(k).filter(|x| x.is_finite())?;

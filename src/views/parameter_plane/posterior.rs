@@ -11,7 +11,6 @@ use crate::view::ViewContext;
 /// A mean is worth a word if it is so many standard deviations of the posterior away from the posterior's mean.
 const AWAY: f64 = 1.0;
 
-/// The line above the plane.
 pub(super) fn head_ui(ui: &mut Ui, context: &ViewContext<'_>, posteriors: &Posteriors, requests: &mut Vec<Request>) {
     const HINT: &str = "Points of the parameters' probability given the readings, found without the belief that it is normal. \
                         Where they leave the ellipse, ±2σ is wrong.";
@@ -51,7 +50,6 @@ fn words(context: &ViewContext<'_>, posteriors: &Posteriors, filter: &Estimates)
     }
 }
 
-/// Sentences that compare the filter's belief with the points.
 fn sentences(context: &ViewContext<'_>, shown: &Shown, estimates: &Estimates) -> Option<String> {
     let run = context.session.run();
     let filter = run.scenario().filters.iter().find(|filter| filter.id == shown.filter())?;

@@ -11,7 +11,6 @@ use crate::text::{significant, unit_in};
 use crate::verdict;
 use crate::view::ViewContext;
 
-/// Shows the result with the button that applies it.
 pub(super) fn result_ui(ui: &mut Ui, result: &TuneResult, context: &ViewContext<'_>, requests: &mut Vec<Request>) {
     let tuned = result.tuned();
     let [first, .., last] = &tuned.path[..] else {
@@ -73,7 +72,6 @@ fn score_name(goal: Goal) -> &'static str {
     }
 }
 
-/// A score as the number of its measure.
 fn score_text(goal: Goal, score: f64, scenario: &Scenario) -> String {
     match goal {
         _ if score.abs() > 1e99 => "none: the filter stops".to_owned(),

@@ -80,7 +80,6 @@ fn goal_ui(ui: &mut Ui, choice: &mut TuneChoice, scenario: &Scenario) {
     ui.ctx().accesskit_node_builder(combo.response.id, |node| node.set_label("Goal of the tuning"));
 }
 
-/// A goal in words.
 pub(super) fn goal_name(goal: Goal) -> String {
     match goal {
         Goal::Likelihood => "the highest likelihood".to_owned(),

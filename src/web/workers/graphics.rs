@@ -26,13 +26,11 @@ const MOST: usize = 1 << 14;
 
 /// The graphics processor. The search begins with the first map.
 pub(super) struct Processor {
-    /// Whether a program in its place will do.
     software: bool,
     state: Rc<RefCell<State>>,
 }
 
 struct State {
-    /// Whether the browser has been asked for one.
     is_asked: bool,
     finding: Finding,
     worker: Option<Worker>,
@@ -43,7 +41,6 @@ struct State {
     ctx: Context,
 }
 
-/// The cells that are to be run.
 struct Given {
     order: Vec<usize>,
     next: usize,
@@ -133,7 +130,6 @@ impl Drop for Working {
 }
 
 impl State {
-    /// Gives the worker its next cells.
     fn feed(&mut self) {
         let (Some(worker), Some(task)) = (&self.worker, &mut self.task) else { return };
         let end = (task.next + task.portion).min(task.order.len());
@@ -155,7 +151,6 @@ impl State {
         task.portion = ((task.portion as f64 * factor.clamp(0.25, 8.0)) as usize).clamp(FIRST, MOST);
     }
 
-    /// Notes that there is none.
     fn miss(&mut self, reason: String) {
         log::info!("Maps are computed by workers: {reason}");
         self.finding = Finding::Absent(reason);
@@ -190,7 +185,6 @@ async fn start(state: Rc<RefCell<State>>, software: bool) {
     }
 }
 
-/// Answers the messages of the worker.
 fn listener(state: &Rc<RefCell<State>>, software: bool) -> impl FnMut(Result<MessageEvent, String>) + 'static {
     let state: Weak<RefCell<State>> = Rc::downgrade(state);
     move |event| {

@@ -10,7 +10,6 @@ use web_sys::{Event, MessageEvent, WorkerOptions, WorkerType};
 
 use super::super::version::version;
 
-/// The program of a worker.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Program {
     /// The page's own program, which the browser has loaded and compiled.
@@ -19,7 +18,6 @@ pub(super) enum Program {
     Graphics,
 }
 
-/// A worker.
 pub(super) struct Worker {
     number: u32,
     worker: web_sys::Worker,
@@ -58,12 +56,10 @@ impl Worker {
         self.number
     }
 
-    /// Notes that the worker listens.
     pub(super) fn set_ready(&mut self) {
         self.is_ready = true;
     }
 
-    /// Whether it listens.
     pub(super) fn is_ready(&self) -> bool {
         self.is_ready
     }
@@ -75,12 +71,10 @@ impl Worker {
         (self.is_ready, self.is_over) = (false, true);
     }
 
-    /// Whether it has been ended.
     pub(super) fn is_over(&self) -> bool {
         self.is_over
     }
 
-    /// Sends a message.
     pub(super) fn tell(&self, message: &Array) {
         if let Err(error) = self.worker.post_message(message) {
             log::warn!("A message to a worker was lost: {error:?}");
@@ -96,7 +90,6 @@ impl Drop for Worker {
     }
 }
 
-/// A worker that starts its program.
 fn start(program: Program) -> Result<web_sys::Worker, JsValue> {
     let version = version();
     if program == Program::Graphics {
