@@ -14,18 +14,12 @@ pub(crate) const fn symbol(kind: VerdictKind) -> &'static str {
         VerdictKind::Recovered => "↺",
         VerdictKind::NotIdentifiable => "○",
         VerdictKind::Underconfident => "↓",
+        VerdictKind::PatternLeft => "~",
         VerdictKind::Overconfident => "↑",
         VerdictKind::WoundUp => "∞",
         VerdictKind::Collapsed => "●",
         VerdictKind::Lost => "✕",
         VerdictKind::Diverged => "⚠",
-    }
-}
-
-pub(crate) const fn word(kind: VerdictKind) -> &'static str {
-    match kind {
-        VerdictKind::Recovered => "recovered",
-        other => other.name(),
     }
 }
 
@@ -49,10 +43,10 @@ pub(crate) fn chip_ui(
     let kind = verdict.kind;
     let small = TextStyle::Small.resolve(ui.style());
     let mark = ui.painter().layout_no_wrap(symbol(kind).to_owned(), FontId::new(small.size, theme::strong()), color);
-    let text = ui.painter().layout_no_wrap(word(kind).to_owned(), small, text_color);
+    let text = ui.painter().layout_no_wrap(kind.name().to_owned(), small, text_color);
     let size = Vec2::new(mark.size().x + text.size().x + 4.0 + 2.0 * MARGIN, 18.0);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
-    response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, format!("{name} is {}", kind.name())));
+    response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, kind.on(name)));
     let fill = if kind.is_good() { Color32::TRANSPARENT } else { color.gamma_multiply(0.16) };
     let width = if response.hovered() || response.has_focus() { 2.0 } else { 1.0 };
     ui.painter().rect(rect, 9.0, fill, Stroke::new(width, color), StrokeKind::Inside);

@@ -224,8 +224,8 @@ pub(crate) struct RunArgs {
     /// Draw truth, measurements and estimates over time
     #[arg(long, value_name = "PLOTS.svg")]
     pub(crate) svg: Option<PathBuf>,
-    /// Exit with code 3 where the verdict on a filter is one of these: consistent, consistent-but-for-a-time,
-    /// not-identifiable, underconfident, overconfident, wound-up, collapsed, lost, diverged
+    /// Exit with code 3 where the verdict on a filter is one of these: consistent, recovered,
+    /// not-identifiable, underconfident, pattern-left, overconfident, wound-up, collapsed, lost, diverged
     #[arg(long, value_name = "VERDICTS", value_delimiter = ',', value_parser = verdict)]
     pub(crate) fail_on: Vec<VerdictKind>,
     /// Print the results as one JSON document in place of the table: samples, start, dt, measured, filters (name, kind,

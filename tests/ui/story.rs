@@ -30,9 +30,9 @@ fn the_first_screen_says_what_happens_and_which_filter_to_believe() {
         let screen = first_visit(size);
         let text = story(&screen);
         assert!(text.starts_with("At 8 s the spring loses 36 % of its stiffness."), "{text}");
-        assert!(
-            text.contains("plain EKF, which forgets nothing (λ = 1.000), is still 1.4 % off, and does not know it.")
-        );
+        assert!(text.contains(
+            "plain EKF, which forgets nothing (λ = 1.000), is still 1.4 % off, and does not know it (overconfident)."
+        ));
         assert!(text.ends_with("Believe fading EKF."), "{text}");
     }
 }

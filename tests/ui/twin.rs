@@ -129,7 +129,7 @@ fn hidden_filters_and_verdicts_are_hidden_here_too() {
     let twin = screen.state().twin();
     let verdicts = &part(&twin, Twin::VERDICTS).tables[0];
     assert_eq!(verdicts.rows.len(), 2);
-    assert_eq!(cell(verdicts, "EKF", "Verdict"), "consistent but for a time");
+    assert_eq!(cell(verdicts, "EKF", "Verdict"), "recovered");
     assert!(cell(verdicts, "EKF", "Reason").len() > 20);
     screen.get_by_label("Show UKF").click();
     screen.run_steps(3);

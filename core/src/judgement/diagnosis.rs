@@ -28,6 +28,7 @@ mod ranking;
 mod readings;
 mod remedy;
 mod search;
+mod size;
 mod summary;
 mod trial;
 mod verdict;

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! Scenario ──happening──▶ "At 8 s the spring loses 36 % of its stiffness."
-//! Diagnostics, Estimates, Verdict ──outcome──▶ "plain EKF, which forgets nothing, is still 1.4 % off, and does not know it."
+//! Diagnostics, Estimates, Verdict ──outcome──▶ "plain EKF, which forgets nothing, is still 1.4 % off, and does not know it (overconfident)."
 //! Verdicts ──belief──▶ "Believe fading EKF."
 //! ```
 //!

@@ -9,7 +9,6 @@ use super::cells::{Cell, End};
 use crate::plot::graph::Scale;
 use crate::theme::Palette;
 use crate::theme::ramps::{diverging, kind, sequential};
-use crate::verdict::word;
 
 /// The limit of a consistent filter's mean NIS: its distance from 1, in standard deviations, with 99 % probability.
 pub(super) const CONSISTENT: f64 = 2.575_829_303_548_901;
@@ -37,7 +36,7 @@ impl Colors {
         let values = sorted(cells);
         match measure.info().kind {
             ValueKind::Flag => Self::Kinds(vec!["no", "yes"]),
-            ValueKind::Verdict => Self::Kinds(VerdictKind::ALL.iter().map(|kind| word(*kind)).collect()),
+            ValueKind::Verdict => Self::Kinds(VerdictKind::ALL.iter().map(|kind| kind.name()).collect()),
             ValueKind::Cause => Self::Kinds(CAUSES.iter().map(|cause| cause.name).collect()),
             ValueKind::Share => Self::Sequential(Scale::new(0.0, 1.0, false)),
             ValueKind::Ratio => Self::about_one(&values),

@@ -7,6 +7,7 @@ use super::errors::ChannelErrors;
 use super::innovations::SensorInnovations;
 use super::parts::{self, ALL, Chosen, PARTS};
 use super::periodogram::Periodogram;
+use super::verdict_kind::VerdictKind;
 use crate::numbers::diagnostics::chi_squared;
 use crate::{CramerRao, Diagnostics, Estimates, Record};
 
@@ -18,6 +19,9 @@ const SLACK: f64 = 0.7;
 
 /// Limits the normal score that chance explains in one part.
 const NOT_CHANCE: f64 = 4.0;
+
+/// The normal score at the upper end of the interval that innovations² are in with a probability of 95 %.
+const ABOVE: f64 = 1.96;
 
 /// Limits the errors² of a good part, relative to the covariance: for a parameter (its errors in a part count as one
 /// number), and for a motion.
@@ -177,6 +181,20 @@ impl<'a> Case<'a> {
     /// sensor too little, and the low gain leaves innovations correlated.
     pub(crate) fn any_too_small(&self) -> bool {
         self.sensors.iter().any(|one| one.level(&self.kept) < 0.75)
+    }
+
+    /// The verdict that a pattern in the innovations of a sensor supports. A filter that trusts a sensor too little leaves one too.
+    /// Only where innovations are larger than expected, is the covariance too small for them.
+    pub(crate) fn pattern(&self, one: &SensorInnovations) -> VerdictKind {
+        let (level, degrees) = self.nis(&self.kept);
+        let is_above = |level: f64, degrees: f64| exceeds(chi_squared_score(level, degrees), ABOVE);
+        if self.any_too_small() && level < 1.15 {
+            VerdictKind::Underconfident
+        } else if is_above(level, degrees) || is_above(one.level(&self.kept), one.count(&self.kept)) {
+            VerdictKind::Overconfident
+        } else {
+            VerdictKind::PatternLeft
+        }
     }
 
     /// Whether the autocorrelation of the innovations in some parts is no more than chance: the gain is right.

@@ -4,6 +4,7 @@ use std::fmt;
 
 use super::case::Case;
 use super::evidence::{Evidence, Subject};
+use super::size;
 use super::verdict_kind::VerdictKind;
 use super::words::{percent, short};
 
@@ -55,6 +56,9 @@ impl Verdict {
         if kind == VerdictKind::Recovered || kind == VerdictKind::Consistent || kind == VerdictKind::NotIdentifiable {
             let said = grounds.iter().filter(|_| kind == VerdictKind::NotIdentifiable).map(|one| one.subject);
             reasons.push(fit(case, &said.collect::<Vec<_>>()));
+        }
+        if kind == VerdictKind::PatternLeft {
+            reasons.extend(size::of_pattern(case).map(size::in_words));
         }
         reasons.extend(besides.first().map(|one| format!("besides, {}", one.sentence)));
         let unknown = if case.knows_truth() { "" } else { " (the truth is not known: innovations only)" };

@@ -11,6 +11,8 @@ pub enum VerdictKind {
     NotIdentifiable,
     /// Its errors are smaller than its σ says.
     Underconfident,
+    /// Its innovations are no larger than it expects, but they have a pattern: something is left that the model does not explain.
+    PatternLeft,
     /// Its errors are larger than its σ says.
     Overconfident,
     /// It forgets a parameter faster than the sensors give information on it.
@@ -25,11 +27,12 @@ pub enum VerdictKind {
 
 impl VerdictKind {
     /// Every verdict, the gravest last.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Consistent,
         Self::Recovered,
         Self::NotIdentifiable,
         Self::Underconfident,
+        Self::PatternLeft,
         Self::Overconfident,
         Self::WoundUp,
         Self::Collapsed,
@@ -41,9 +44,10 @@ impl VerdictKind {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Consistent => "consistent",
-            Self::Recovered => "consistent but for a time",
+            Self::Recovered => "recovered",
             Self::NotIdentifiable => "not identifiable",
             Self::Underconfident => "underconfident",
+            Self::PatternLeft => "pattern left",
             Self::Overconfident => "overconfident",
             Self::WoundUp => "wound up",
             Self::Collapsed => "collapsed",
@@ -55,10 +59,21 @@ impl VerdictKind {
     /// The verdict as an argument: its name with `-` in place of spaces.
     pub const fn key(self) -> &'static str {
         match self {
-            Self::Recovered => "consistent-but-for-a-time",
             Self::NotIdentifiable => "not-identifiable",
+            Self::PatternLeft => "pattern-left",
             Self::WoundUp => "wound-up",
             _ => self.name(),
+        }
+    }
+
+    /// The verdict on a filter of this name, as a sentence without its full stop.
+    pub fn on(self, name: &str) -> String {
+        match self {
+            Self::PatternLeft => format!("{name} leaves a pattern"),
+            Self::Recovered => format!("{name} has recovered"),
+            Self::Collapsed => format!("{name} has collapsed"),
+            Self::Diverged => format!("{name} has diverged"),
+            _ => format!("{name} is {}", self.name()),
         }
     }
 

@@ -13,11 +13,17 @@ pub(super) fn sentence(outcomes: &[Outcome<'_>], told: usize) -> Option<Vec<Phra
         // The sentence of a filter alone says it already.
         return None;
     }
+    if judged.iter().any(|outcome| outcome.is_early()) {
+        return Some(Writer::default().say("It is too early to tell which to believe.").done());
+    }
     let honest: Vec<&Outcome<'_>> = judged.iter().copied().filter(|outcome| outcome.is_honest()).collect();
     let text = Writer::default();
     let text = match (&honest[..], judged.len()) {
-        ([], 2) => text.say("Neither band is right: the verdicts say why."),
-        ([], _) => text.say("None of the bands is right: the verdicts say why."),
+        ([], _) if judged.iter().all(|outcome| outcome.leaves_pattern()) => {
+            text.say("Their bands may be too narrow: the verdicts say by how much.")
+        }
+        ([], 2) => text.say("Trust neither ±2σ band: the verdicts say why."),
+        ([], _) => text.say("Trust none of the ±2σ bands: the verdicts say why."),
         ([only], _) => text.say("Believe ").filter(only.id(), only.name()).say("."),
         (several, all) => {
             let who = match (several.len(), all) {

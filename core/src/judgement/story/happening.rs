@@ -1,10 +1,15 @@
 //! What happens to the oscillator: the sentence of the truth.
 
+use std::f64::consts::TAU;
+
 use super::number::plain;
 use super::phrase::{Adjustable, Phrase, Writer};
 use crate::data::scenario::{Fault, Sensor};
 use crate::data::signal::{Ramp, Sine, Step};
 use crate::{Channel, Force, InputKind, PlantKind, Run, Scenario, Signal};
+
+/// After a sudden change it is too early for a judgement for this time, or for a period of the motion if that is longer \[s\].
+const SETTLING: f64 = 1.0;
 
 /// Limits the sentences about faults of sensors.
 const MOST_FAULTS: usize = 2;
@@ -41,6 +46,15 @@ impl Change {
             Signal::Sine(_) => 0.0,
             _ => self.end(),
         }
+    }
+
+    /// Whether it came all at once, and less than the settling time or a period of the motion ago.
+    pub(super) fn is_recent(&self, run: &Run, now: f64) -> bool {
+        let Some(step) = self.step() else { return false };
+        let scenario = run.scenario();
+        let frequency = scenario.plant.parameter(Channel::NATURAL_FREQUENCY).map_or(f64::NAN, |signal| signal.at(now));
+        let period = if frequency > 0.0 { TAU / frequency } else { 0.0 };
+        (step.at..step.at + SETTLING.max(period)).contains(&now)
     }
 
     /// The change, if it comes all at once.

@@ -5,16 +5,12 @@ use std::f64::consts::TAU;
 
 use super::number::{percent, plain, seconds, with_band};
 use super::phrase::{Adjustable, Phrase, Writer};
-use crate::data::signal::Step;
 use crate::diagnosis::Subject;
 use crate::numbers::diagnostics::ErrorSums;
 use crate::{Channel, Diagnosis, Diagnostics, Estimates, FilterSettings, Propagation, Record, Run, Stop, VerdictKind};
 
 /// Limits the relative error of an estimate that has been found.
 const FOUND: f64 = 0.05;
-
-/// Limits the error of an estimate that has found a sudden change, relative to the change.
-const NEAR: f64 = 0.05;
 
 /// A number that is larger than this many standard deviations is surely not zero.
 const SURE: f64 = 3.0;
@@ -46,6 +42,8 @@ pub(super) struct Outcome<'a> {
     has_long_steps: bool,
     /// Whether its innovations are as small as they are behind the import's band, and no smaller.
     is_behind_a_band: bool,
+    /// Whether a sudden change is so recent that nothing can be said yet.
+    is_settling: bool,
     /// The time of the last sample \[s\].
     now: f64,
     /// Whether there are no more samples to come.
@@ -68,8 +66,8 @@ struct Truth {
     lately: f64,
     /// Whether the last error is within ±2σ.
     is_inside: bool,
-    /// The time from which on it has stayed near the truth after a sudden change \[s\].
-    since: Option<f64>,
+    /// The time from which on it has stayed within 5 % of the truth \[s\], as in all scores.
+    settled: Option<f64>,
 }
 
 type Results<'a> = (&'a Estimates, &'a Diagnostics, Option<&'a Diagnosis>);
@@ -89,10 +87,10 @@ impl<'a> Outcome<'a> {
         if let Some(place) = estimated.iter().position(|channel| *channel == wanted) {
             estimated[..=place].rotate_right(1);
         }
-        let mut all =
-            estimated.into_iter().filter_map(|channel| Main::of(channel, run, (estimates, diagnostics), change));
+        let mut all = estimated.into_iter().filter_map(|channel| Main::of(channel, run, (estimates, diagnostics)));
         let main = all.next();
         let last = estimates.len().saturating_sub(1);
+        let now = record.time(last);
         let undetermined = diagnosis.map_or(Vec::new(), |diagnosis| {
             let speaking =
                 diagnosis.evidence.iter().filter(|one| one.counts && one.speaks_for == VerdictKind::NotIdentifiable);
@@ -116,7 +114,8 @@ impl<'a> Outcome<'a> {
             stop: diagnostics.stop().map(|stop| (stop, record.time_of(stop.sample))),
             has_long_steps: has_long_steps(filter, estimates, record),
             is_behind_a_band: is_behind_a_band(run, diagnostics),
-            now: record.time(last),
+            is_settling: change.is_some_and(|change| change.is_recent(run, now)),
+            now,
             is_whole: run.done() == run.samples(),
         }
     }
@@ -138,10 +137,28 @@ impl<'a> Outcome<'a> {
         self.kind == Some(VerdictKind::NotIdentifiable)
     }
 
-    /// Whether the band may be believed: it is right, or says itself that a parameter is not determined.
+    /// Whether the last error is outside the band that the verdict calls right, or may soon be.
+    fn is_open(&self) -> bool {
+        let is_outside = self.main.as_ref().and_then(|main| main.truth.as_ref()).is_some_and(|truth| !truth.is_inside);
+        let is_surely_wrong = self.kind >= Some(VerdictKind::PatternLeft);
+        self.is_settling || is_outside && !is_surely_wrong
+    }
+
+    /// Whether more samples must come before it can be judged.
+    pub(super) fn is_early(&self) -> bool {
+        self.is_open() && !self.is_whole && self.stop.is_none()
+    }
+
+    /// Whether its innovations leave a pattern, and nothing worse.
+    pub(super) fn leaves_pattern(&self) -> bool {
+        self.kind == Some(VerdictKind::PatternLeft)
+    }
+
+    /// Whether the band may be believed: it is right and covers the truth where that is known, or says itself that a parameter is not
+    /// determined.
     pub(super) fn is_honest(&self) -> bool {
         let is_right = self.kind.is_some_and(|kind| kind.is_good() || kind == VerdictKind::NotIdentifiable);
-        (is_right || self.is_small_by_a_band()) && !self.has_long_steps
+        (is_right || self.is_small_by_a_band()) && !self.has_long_steps && !self.is_open()
     }
 
     /// Whether it seems underconfident for no other reason than the band of the import.
@@ -236,9 +253,9 @@ impl<'a> Outcome<'a> {
             return (others.fold(text, told).say(self.spring().unwrap_or_default()), false);
         };
         match change.filter(|change| self.now >= change.start()) {
-            Some(change) if change.step().is_some() => match truth.since {
+            Some(change) if change.step().is_some() => match truth.settled {
                 Some(since) if since > change.start() => {
-                    (text.say(" finds it after ").result(seconds(since - change.start())), false)
+                    (text.say(" settles after ").result(seconds(since - change.start())), false)
                 }
                 Some(_) => (text.say(" has it to ").result(percent(truth.error)), false),
                 None => (text.say(" is still ").result(percent(truth.error)).say(" off"), true),
@@ -266,28 +283,45 @@ impl<'a> Outcome<'a> {
     fn verdict(&self, text: Writer, is_off: bool) -> Writer {
         let truth = self.main.as_ref().and_then(|main| main.truth.as_ref());
         let is_outside = truth.is_some_and(|truth| !truth.is_inside);
+        if self.is_early() {
+            return text.say(": it is too early to tell");
+        }
         let words = match self.kind {
-            Some(VerdictKind::Overconfident) if is_outside && is_off => ", and does not know it",
-            Some(VerdictKind::Overconfident) => ", but claims more than it knows: its band is too narrow",
+            None => return text,
+            Some(kind) if is_outside && self.is_open() => {
+                &format!(", and its error is outside its ±2σ band{}", suffix(kind))
+            }
+            Some(VerdictKind::Overconfident) if is_outside && is_off => ", and does not know it (overconfident)",
+            Some(VerdictKind::Overconfident) => {
+                ", but claims more than it knows: its band is too narrow (overconfident)"
+            }
+            Some(VerdictKind::PatternLeft) => ", and leaves a pattern in its innovations (pattern left)",
             Some(kind) if kind.is_good() && self.has_long_steps => {
                 ", but may claim more than it knows: the motion turns by more than 30° in a step, which “steps a sample” divide"
             }
             Some(VerdictKind::Underconfident) if self.is_behind_a_band => {
-                ", and its innovations are small, as they are behind a band"
+                ", and its innovations are small, as they are behind a band (underconfident)"
             }
-            Some(VerdictKind::Underconfident) => ", and knows more than it claims: its band is too wide",
+            Some(VerdictKind::Underconfident) => {
+                ", and knows more than it claims: its band is too wide (underconfident)"
+            }
             Some(VerdictKind::NotIdentifiable) if !self.undetermined.is_empty() => {
                 let names: Vec<&str> = self.undetermined.iter().map(|channel| channel.symbol()).collect();
                 let so_far = if self.is_whole { "" } else { "so far " };
-                &format!("; {so_far}the record does not tell it {}", names.join(" and "))
+                &format!("; {so_far}the record does not determine {} (not identifiable)", names.join(" and "))
             }
-            Some(kind) if kind.is_good() && !is_outside && is_off => ", and its band says so",
-            Some(VerdictKind::Consistent) if !is_outside => ", and its band is right",
-            Some(VerdictKind::Recovered) if !is_outside => ", and its band is right again",
+            Some(kind) if kind.is_good() && !is_outside && is_off => &format!(", and its band says so{}", suffix(kind)),
+            Some(VerdictKind::Consistent) if !is_outside => ", and its band is right (consistent)",
+            Some(VerdictKind::Recovered) if !is_outside => ", and its band is right again (recovered)",
             _ => "",
         };
         text.say(words)
     }
+}
+
+/// The name of a verdict, at the end of a sentence.
+fn suffix(kind: VerdictKind) -> String {
+    format!(" ({})", kind.name())
 }
 
 /// Whether the motion turns so far in a step that the Jacobian of local linearisation, which takes it for constant, is not right:
@@ -313,12 +347,7 @@ fn is_behind_a_band(run: &Run, diagnostics: &Diagnostics) -> bool {
 }
 
 impl Main {
-    fn of(
-        channel: Channel,
-        run: &Run,
-        (estimates, diagnostics): (&Estimates, &Diagnostics),
-        change: Option<&Change>,
-    ) -> Option<Self> {
+    fn of(channel: Channel, run: &Run, (estimates, diagnostics): (&Estimates, &Diagnostics)) -> Option<Self> {
         let place = estimates.place(channel)?;
         let last = estimates.len().checked_sub(1)?;
         let (mean, std) = (estimates.canonical_mean(last, place), estimates.std(last, place));
@@ -329,10 +358,7 @@ impl Main {
                 error: error / true_value,
                 lately: lately / true_value.abs(),
                 is_inside: error.abs() <= 2.0 * std,
-                since: change
-                    .and_then(Change::step)
-                    .filter(|_| change.is_some_and(|change| change.channel == channel))
-                    .and_then(|step| near_since(run.record(), estimates, place, &step)),
+                settled: diagnostics.settled(channel).map(|sample| run.record().time_of(sample)),
             })
         });
         Some(Self { channel, mean, std, truth })
@@ -347,18 +373,4 @@ impl Main {
     fn hertz(&self) -> Option<String> {
         (self.channel.unit() == "rad/s").then(|| format!("{} Hz", plain(self.mean / TAU)))
     }
-}
-
-/// The time from which on an estimate has been near the truth for good: within a share of the change, or within its band. `None` if
-/// the last one is not.
-fn near_since(record: &Record, estimates: &Estimates, place: usize, step: &Step) -> Option<f64> {
-    let truth = record.truth(estimates.channels()[place])?;
-    let (means, variances) = (estimates.canonical_means(place), estimates.variances(place));
-    let near = NEAR * (step.to - step.from).abs();
-    let is_near = |k: &usize| {
-        let error = (means[*k] - truth[*k]).abs();
-        error <= near || error * error <= 4.0 * variances[*k]
-    };
-    let first = (0..means.len().min(truth.len())).rev().take_while(is_near).last()?;
-    Some(record.time(first))
 }

@@ -2,7 +2,7 @@
 
 use crate::judgement::diagnosis::case::Case;
 use crate::judgement::diagnosis::evidence::{Evidence, Subject, Test};
-use crate::judgement::diagnosis::innovations::LAGS;
+use crate::judgement::diagnosis::innovations::{LAGS, SensorInnovations};
 use crate::judgement::diagnosis::verdict_kind::VerdictKind;
 use crate::numbers::diagnostics::chi_squared;
 
@@ -42,7 +42,7 @@ fn run(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
                 statistic,
                 p_value: chi_squared::upper_tail(statistic, LAGS as u32 - 1).unwrap_or(1.0),
                 effect: largest.abs() / TOLERANCE,
-                speaks_for: direction(case, telling, one.level(&span.parts)),
+                speaks_for: direction(case, one, telling, one.level(&span.parts)),
                 sentence: format!("the innovations of the {sensor} are correlated{when}: {first:.2} at lag 1{also}"),
                 ..Evidence::over(test, Subject::Sensor(one.sensor), &span)
             });
@@ -53,14 +53,10 @@ fn run(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
 /// Limits the innovations² of all sensors, relative to their expectation, up to which those of one sensor may decide.
 const ABOUT_RIGHT: f64 = 1.05;
 
-/// The verdict that a correlation supports. If innovations are smaller than expected, the filter trusts its sensors too
-/// little. Otherwise correlated innovations are errors that last: the filter is overconfident.
-fn direction(case: &Case<'_>, correlation: f64, own: f64) -> VerdictKind {
+/// The verdict that a correlation supports. If innovations are smaller than expected and alternate, the filter trusts its sensors
+/// too little.
+fn direction(case: &Case<'_>, one: &SensorInnovations, correlation: f64, own: f64) -> VerdictKind {
     let (level, _) = case.nis(&case.kept);
     let are_small = level < 1.0 || own < 1.0 && level < ABOUT_RIGHT;
-    if case.any_too_small() && level < 1.15 || correlation < 0.0 && are_small {
-        VerdictKind::Underconfident
-    } else {
-        VerdictKind::Overconfident
-    }
+    if correlation < 0.0 && are_small { VerdictKind::Underconfident } else { case.pattern(one) }
 }

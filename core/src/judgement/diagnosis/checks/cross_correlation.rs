@@ -4,7 +4,6 @@ use crate::judgement::diagnosis::case::Case;
 use crate::judgement::diagnosis::distributions::normal_p;
 use crate::judgement::diagnosis::evidence::{Evidence, Subject, Test};
 use crate::judgement::diagnosis::innovations::{CROSS_LAGS, FIRST_CROSS_LAG};
-use crate::judgement::diagnosis::verdict_kind::VerdictKind;
 
 /// Limits the correlations that do no harm.
 const TOLERANCE: f64 = 0.08;
@@ -30,13 +29,11 @@ fn run(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
         }
         let statistic = largest.abs() * count.sqrt();
         let sensor = one.sensor.key();
-        let (level, _) = case.nis(&case.kept);
-        let under = case.any_too_small() && level < 1.15;
         found.push(Evidence {
             statistic,
             p_value: (CROSS_LAGS as f64 * normal_p(statistic)).min(1.0),
             effect: largest.abs() / TOLERANCE,
-            speaks_for: if under { VerdictKind::Underconfident } else { VerdictKind::Overconfident },
+            speaks_for: case.pattern(one),
             sentence: format!(
                 "the innovations of the {sensor} follow the input: correlation {largest:.2} at lag {lag}"
             ),

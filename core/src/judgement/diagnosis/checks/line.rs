@@ -2,7 +2,6 @@
 
 use crate::judgement::diagnosis::case::Case;
 use crate::judgement::diagnosis::evidence::{Evidence, Subject, Test};
-use crate::judgement::diagnosis::verdict_kind::VerdictKind;
 use crate::judgement::diagnosis::words::short;
 use crate::numbers::diagnostics::chi_squared;
 
@@ -27,13 +26,11 @@ fn run(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
         }
         let degrees = 2 * one.periodogram.windows() as u32;
         let one_p = chi_squared::upper_tail(statistic * f64::from(degrees), degrees).unwrap_or(1.0);
-        let (level, _) = case.nis(&case.kept);
-        let under = case.any_too_small() && level < 1.15;
         found.push(Evidence {
             statistic,
             p_value: (one_p * one.periodogram.len() as f64).min(1.0),
             effect: statistic / TOLERANCE,
-            speaks_for: if under { VerdictKind::Underconfident } else { VerdictKind::Overconfident },
+            speaks_for: case.pattern(one),
             sentence: format!(
                 "the innovations of the {} have a line of {} times the mean power at {} rad/s",
                 one.sensor.key(),

@@ -3,7 +3,6 @@
 use crate::judgement::diagnosis::case::Case;
 use crate::judgement::diagnosis::distributions::normal_p;
 use crate::judgement::diagnosis::evidence::{Evidence, Subject, Test};
-use crate::judgement::diagnosis::verdict_kind::VerdictKind;
 
 /// Limits the mean innovation that does no harm, in standard deviations.
 const TOLERANCE: f64 = 0.1;
@@ -24,13 +23,11 @@ fn run(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
             continue;
         }
         let statistic = mean * count.sqrt();
-        let (level, _) = case.nis(&case.kept);
-        let under = case.any_too_small() && level < 1.15;
         found.push(Evidence {
             statistic,
             p_value: normal_p(statistic),
             effect: mean.abs() / TOLERANCE,
-            speaks_for: if under { VerdictKind::Underconfident } else { VerdictKind::Overconfident },
+            speaks_for: case.pattern(one),
             sentence: format!("the innovations of the {} are {mean:.2}σ on average, not 0", one.sensor.key()),
             ..Evidence::new(test, Subject::Sensor(one.sensor), case)
         });
