@@ -206,6 +206,6 @@ fn the_course_of_an_input_between_samples_is_found_and_said() {
         );
         assert_eq!(toml.contains("hold = \"first\""), hold == "first", "{toml}");
         let (table, _) = succeeds(command(&["run"]).arg(&scenario));
-        assert!((value(&table, "ωₙ") / 6.0 - 1.0).abs() < 0.003, "{table}");
+        assert!((value(&table, "natural frequency") / 6.0 - 1.0).abs() < 0.003, "{table}");
     }
 }
