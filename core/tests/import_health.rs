@@ -142,14 +142,14 @@ fn times_of_any_size_come_to_an_end() {
         let time = |k: f64| start + k * step;
         let [mut one, mut two, mut axes] =
             ["t,force,displacement\n", "t1,force,t2,displacement\n", "time,ax,ay,az\n"].map(str::to_owned);
-        for k in (0..400).map(f64::from) {
+        for k in (0..150).map(f64::from) {
             let (force, x) = ((0.37 * k).sin() + (1.1 * k).cos(), (0.37 * k - 1.0).sin());
             writeln!(one, "{:e},{force},{x}", time(k)).unwrap();
             writeln!(two, "{:e},{force},{:e},{x}", time(k), time(k + 0.35)).unwrap();
             writeln!(axes, "{:e},{x},{},9.8", time(k), 0.1 * x * force).unwrap();
         }
         for text in [&one, &two, &axes] {
-            for choice in [0_u8, 1, 4, 16] {
+            for choice in [0_u8, 4] {
                 let bytes = [&[choice], text.as_bytes()].concat();
                 assert_eq!(check_import(&bytes), Ok(()), "{start} {step}");
             }
