@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use kalmanscope_core::import::{
-    self, Builder, ColumnGuess, Decimal, Delimiter, Dialect, Encoding, Imported, Mapping, Table, hash,
+    self, Builder, ColumnGuess, Decimal, Delimiter, Dialect, Encoding, Imported, MappedColumn, Mapping, Table, hash,
 };
-use kalmanscope_core::{RunError, Scenario};
+use kalmanscope_core::{Quantity, RunError, Scenario};
 use kalmanscope_lessons::records;
 
 use crate::args::SourceArgs;
@@ -85,11 +85,15 @@ fn of_table(path: &Path, table: &Table, scenario: &mut Scenario) -> Result<Impor
     let mapping = scenario.record.clone().unwrap_or_default();
     let mut left_out = None;
     let mapping = if mapping.sensors.is_empty() {
-        let (mut guess, kind, reasons) = Mapping::guess_with_reasons(table);
-        scenario.input = kind;
+        let sensors: Vec<Quantity> = scenario.sensors.iter().map(|sensor| sensor.measures).collect();
+        let (mut guess, kind, reasons) = Mapping::guess_for(table, &sensors);
+        let named = |input: &MappedColumn| reasons.iter().any(|one| one.column == input.column && !one.is_a_guess());
+        if guess.input.as_ref().is_some_and(named) {
+            scenario.input = kind;
+        }
         // The scenario names the measured quantities: a column that looks like another sensor is left out.
-        if scenario.sensors.iter().any(|sensor| guess.sensors.contains_key(&sensor.measures)) {
-            guess.sensors.retain(|quantity, _| scenario.sensors.iter().any(|sensor| sensor.measures == *quantity));
+        if sensors.iter().any(|quantity| guess.sensors.contains_key(quantity)) {
+            guess.sensors.retain(|quantity, _| sensors.contains(quantity));
         }
         let time = if mapping.time == Default::default() { guess.time } else { mapping.time };
         let input = guess.input.filter(|_| !mapping.no_input);

@@ -171,3 +171,41 @@ fn a_scenario_that_run_would_refuse_is_not_written() {
     let error = fails(command(&["import", "--out"]).arg(&out).arg(&record));
     assert!(error.contains("error: ") && error.contains("displacement") && !out.exists(), "{error}");
 }
+
+/// Two clocks in nanoseconds, as numbers above 2⁵³: a second more is the same number, and the import ends all the same, in words.
+#[test]
+fn two_clocks_in_nanoseconds_come_to_an_end() {
+    let folder = TempDir::new().unwrap();
+    let row = |k: u32| {
+        let (x, later) = (f64::from(k), 10_000_000 * u64::from(k));
+        let (first, second) = (1_714_564_800_023_500_000 + later, 1_714_564_800_000_000_000 + later);
+        format!("{first},{:.3},{second},{:.3}\n", x.sin(), (0.3 * x).sin())
+    };
+    let path = folder.path().join("clocks.csv");
+    std::fs::write(&path, "time,force,stamp,x\n".to_owned() + &(0..30).map(row).collect::<String>()).unwrap();
+    let (toml, said) = succeeds(command(&["import"]).arg(&path));
+    assert!(said.contains("the columns have clocks of their own, `time` and `stamp`"), "{said}");
+    assert!(toml.contains("no start values of ωₙ and ζ could be found"), "{toml}");
+}
+
+/// The program's own record is held between samples: an import finds that, and says by how much.
+#[test]
+fn the_course_of_an_input_between_samples_is_found_and_said() {
+    let folder = TempDir::new().unwrap();
+    for (hold, name) in [("zero", "held"), ("first", "linear")] {
+        let [truth, record, scenario] =
+            ["truth.toml", "record.csv", "s.toml"].map(|name| folder.path().join(format!("{hold}-{name}")));
+        let text = SCENARIO.replace("\"first\"", &format!("\"{hold}\"")).replace("dt = 0.04", "dt = 0.1");
+        std::fs::write(&truth, text).unwrap();
+        succeeds(command(&["run", "--quiet", "--record-out"]).arg(&record).arg(&truth));
+        succeeds(command(&["import", "--out"]).arg(&scenario).arg(&record));
+        let toml = std::fs::read_to_string(&scenario).unwrap();
+        assert!(
+            toml.contains(&format!("the input is {name} between samples, the likeliest of linear, held and")),
+            "{toml}"
+        );
+        assert_eq!(toml.contains("hold = \"first\""), hold == "first", "{toml}");
+        let (table, _) = succeeds(command(&["run"]).arg(&scenario));
+        assert!((value(&table, "natural frequency") / 6.0 - 1.0).abs() < 0.003, "{table}");
+    }
+}

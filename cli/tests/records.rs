@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use kalmanscope_core::PlantKind;
+
 use crate::{SAMPLE, command, fails, file, folder, read, succeeds, text};
 
 /// The columns of an estimates file from `k` on, of every row.
@@ -43,6 +45,63 @@ fn a_record_written_and_read_gives_the_same_estimates() {
     assert_eq!(read(&path("a.csv")), read(&path("b.csv")));
     assert_eq!(read(&path("a.csv")).lines().count(), 117);
     assert!(read(&path("record.csv")).starts_with("t,force,displacement,velocity,true_displacement,"));
+}
+
+/// Every plant under every input, with all of its sensors: what `--record-out` writes is what `--record` reads, to the last bit.
+#[test]
+fn records_of_every_plant_input_and_sensor_come_back() {
+    let folder = folder();
+    let path = |name: &str| folder.path().join(name);
+    for kind in PlantKind::ALL {
+        for input in ["force", "ground_acceleration"] {
+            let sensors: String = kind
+                .quantities()
+                .map(|quantity| format!("[[sensors]]\nmeasures = \"{}\"\nnoise_std = 0.01\n", quantity.key()))
+                .collect();
+            let text = format!(
+                "dt = 0.03\nduration = 0.9\ninput = \"{input}\"\n[plant]\nkind = \"{}\"\n{sensors}\
+                 [[filters]]\nkind = \"ekf\"\n",
+                kind.key()
+            );
+            let scenario = file(&folder, "s.toml", &text);
+            let record = path("record.csv");
+            succeeds(
+                command()
+                    .arg(&scenario)
+                    .arg("--quiet")
+                    .arg("--out")
+                    .arg(path("a.csv"))
+                    .arg("--record-out")
+                    .arg(&record),
+            );
+            succeeds(
+                command().arg(&scenario).arg("--quiet").arg("--out").arg(path("b.csv")).arg("--record").arg(&record),
+            );
+            assert_eq!(read(&path("a.csv")), read(&path("b.csv")), "{kind:?}, {input}");
+            assert_eq!(read(&path("a.csv")).lines().count(), 32);
+        }
+    }
+}
+
+/// A column of which nothing says what it is has the scenario's meaning.
+#[test]
+fn an_input_without_a_name_is_the_scenarios() {
+    let folder = folder();
+    let rows: String = (0..40).map(|k| format!("{},{},{}\n", 0.05 * f64::from(k), k % 3, k % 5)).collect();
+    let record = file(&folder, "r.csv", &format!("t,channel 1,roof\n{rows}"));
+    let scenario = |input: &str| {
+        let text = SAMPLE.replace("[[sensors]]\nmeasures = \"velocity\"\nnoise_std = 0.06\n", "");
+        let text = text.replace("sensor_std = [0.01, 0.06]", "sensor_std = [0.01]");
+        file(&folder, "s.toml", &format!("input = \"{input}\"\n{text}"))
+    };
+    let estimates = |input: &str| {
+        let out = folder.path().join("out.csv");
+        let output =
+            command().arg(scenario(input)).arg("--record").arg(&record).arg("--out").arg(&out).output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        read(&out)
+    };
+    assert_ne!(estimates("force"), estimates("ground_acceleration"), "the ground pushes the other way");
 }
 
 /// A scenario of the menu that names a record is all that is needed, but a file beside it comes before the built-in

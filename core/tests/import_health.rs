@@ -1,9 +1,16 @@
 //! Files that are broken on purpose, by the thousand. `core/fuzz` has the same check for as long as one likes.
 
+use std::fmt::Write as _;
+
+use kalmanscope_core::import::{Builder, Mapping, OffsetSearch, Ring, ThreeAxes, join, read};
+use kalmanscope_core::record::LiveRecord;
+use kalmanscope_core::suggest::{Suggest, scenario_for};
+use kalmanscope_core::{Hold, InputKind, Quantity, Task};
+
 use crate::import::check_import;
 
 /// Files of usual dialects, to be broken.
-const FILES: [&str; 15] = [
+const FILES: [&str; 16] = [
     "t,force,displacement\n0,1,2\n0.1,2,3\n0.2,,4\n0.3,4,\n0.4,5,6\n0.6,1,1\n0.7,2,2\n",
     "\"V1\",\"V2\",\n0.1,0.2,\n0.3,0.4,\n0.2,0.1,\n0.5,0.7,\n0.1,0.1,\n",
     "Zeit;Kraft;Weg\ns;N;mm\n0,00;1,5;2\n0,01;1;2,5\n0,02;2;3\n0,03;1;0\n",
@@ -23,11 +30,13 @@ const FILES: [&str; 15] = [
      ***End_of_Header***\nX_Value\tA\tB\tComment\n\t1\t2\n\t2\t3\n\t1\t1\n",
     "X,CH1,CH2,Start,Increment,\nSequence,Volt,Volt,-1.0e-01,1.0e-02\n0,1,2,,\n1,2,1,,\n2,1,2,,\n",
     "Record Length,4,,0.0,1.0,\nSample Interval,0.1,,0.1,2.0,\nSource,CH1,,0.2,1.0,\n,,,0.3,2.5,\n",
+    "time,force,stamp,x\n1714564800023500000,0,1714564800000000000,0\n1714564800033500000,1,1714564800010000000,2\n\
+     1714564800043500000,2,1714564800020000000,3\n1714564800053500000,1,1714564800030000000,2\n",
     "\u{FEFF}t\tx\n0\t1e300\n1\t-1e300\n2\tnan\n3\tinf\n4\t1\n",
 ];
 
 /// Pieces of text that are put into the files.
-const PIECES: [&str; 26] = [
+const PIECES: [&str; 28] = [
     ",",
     ";",
     "\t",
@@ -53,6 +62,8 @@ const PIECES: [&str; 26] = [
     "-1.#IND",
     "-9999",
     "999999999999",
+    "1e19",
+    "1e-9",
     "    -1\n    58\n",
 ];
 
@@ -112,8 +123,64 @@ fn broken_files_become_sound_records_or_sentences() {
 
 #[test]
 fn whole_files_are_records() {
-    for file in &FILES[..14] {
+    for file in &FILES[..15] {
         let table = kalmanscope_core::import::read(file.as_bytes(), None).expect("a table");
         assert!(table.rows() >= 3, "{file}");
     }
+}
+
+/// Times of any size, also where a second more is the same number, or the span is many steps: all that an import looks at ends after
+/// a bounded number of pieces of work, with a record or a sentence.
+#[test]
+fn times_of_any_size_come_to_an_end() {
+    /// Limits the pieces of work of a task.
+    const MOST: usize = 100_000;
+    let steps = (-9..=18).step_by(3).map(|power| 10_f64.powi(power));
+    let cases = steps.flat_map(|step| [0.0, 1.0, 1.7e9, 1.7e12, 1.714_564_8e18, 1e19].map(|start| (start, step)));
+    let mut records = 0;
+    for (start, step) in cases {
+        let time = |k: f64| start + k * step;
+        let [mut one, mut two, mut axes] =
+            ["t,force,displacement\n", "t1,force,t2,displacement\n", "time,ax,ay,az\n"].map(str::to_owned);
+        for k in (0..150).map(f64::from) {
+            let (force, x) = ((0.37 * k).sin() + (1.1 * k).cos(), (0.37 * k - 1.0).sin());
+            writeln!(one, "{:e},{force},{x}", time(k)).unwrap();
+            writeln!(two, "{:e},{force},{:e},{x}", time(k), time(k + 0.35)).unwrap();
+            writeln!(axes, "{:e},{x},{},9.8", time(k), 0.1 * x * force).unwrap();
+        }
+        for text in [&one, &two, &axes] {
+            for choice in [0_u8, 4] {
+                let bytes = [&[choice], text.as_bytes()].concat();
+                assert_eq!(check_import(&bytes), Ok(()), "{start} {step}");
+            }
+            let table = read(text.as_bytes(), None).unwrap();
+            let (mapping, kind) = Mapping::guess(&table);
+            let _ = Ring::of(&table);
+            let _ = ThreeAxes::of(&table).map(|axes| axes.decays(&table));
+            let Ok(imported) = Builder::new(&table, &mapping, kind, Hold::First).and_then(Builder::finish) else {
+                continue;
+            };
+            let record = imported.record;
+            assert!(record.len() < 2000, "{start} {step}: {} samples", record.len());
+            records += 1;
+            let mut scenario = scenario_for(&record);
+            scenario.filters.truncate(1);
+            scenario.record = Some(mapping);
+            let mut suggest = Suggest::new(&scenario, record);
+            assert!((0..MOST).any(|_| suggest.advance(&mut || false)), "{start} {step}: start values");
+        }
+        let mut live = LiveRecord::new(0.01, InputKind::Force, Hold::First, vec![Quantity::DISPLACEMENT]);
+        for k in (0..30).map(f64::from) {
+            // What cannot be taken in is refused with a reason.
+            let _ = live.take(time(k), 0.1 * k, &[k]);
+        }
+        live.finish();
+        assert!(live.record().len() <= LiveRecord::MOST, "{start} {step}");
+        let tables = [&one, &two].map(|text| read(text.as_bytes(), None).unwrap());
+        let _ = join(&tables[0], &tables[1], 0.5 * step);
+        if let Ok(mut search) = OffsetSearch::new(tables.each_ref(), |both| Mapping::guess(both).0) {
+            assert!((0..MOST).any(|_| search.advance(&mut || false)), "{start} {step}: the offset");
+        }
+    }
+    assert!(records > 60, "{records}");
 }

@@ -34,6 +34,7 @@ mod agreement;
 mod ambient_vibration;
 mod augmentations;
 mod bank;
+mod between_samples;
 mod book;
 mod bounded;
 mod causes;

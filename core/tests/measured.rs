@@ -70,17 +70,27 @@ impl Circuit {
 
 /// Imports a file as a user does: gives the rate and takes the suggested settings.
 fn identify(text: &str, plant: PlantKind, change: impl Fn(&mut Mapping)) -> (Scenario, Record, Run) {
+    identify_by(text, plant, change, true)
+}
+
+/// The same, of which the scenario knows the file's columns or not: without them the input stays linear between samples.
+fn identify_by(
+    text: &str,
+    plant: PlantKind,
+    change: impl Fn(&mut Mapping),
+    knows_columns: bool,
+) -> (Scenario, Record, Run) {
     let table = read(text.as_bytes(), None).unwrap();
     let (mut mapping, kind) = Mapping::guess(&table);
     mapping.time = Time { rate: Some(RATE), ..Time::default() };
     change(&mut mapping);
-    let build = |mapping: &Mapping| Builder::new(&table, mapping, kind, Hold::First).unwrap().finish().unwrap().record;
-    let record = build(&mapping);
+    let build = |mapping: &Mapping, hold| Builder::new(&table, mapping, kind, hold).unwrap().finish().unwrap().record;
+    let record = build(&mapping, Hold::First);
     let mut scenario = scenario_for(&record);
     scenario.set_plant(plant);
-    scenario.record = Some(mapping);
+    scenario.record = Some(mapping.clone()).filter(|_| knows_columns);
     let scenario = suggest(&scenario, &record).scenario;
-    let record = build(scenario.record.as_ref().unwrap());
+    let record = build(scenario.record.as_ref().unwrap_or(&mapping), scenario.hold);
     let mut run = Run::on_record(&scenario, Arc::new(record.clone())).unwrap();
     run.finish();
     (scenario, record, run)
@@ -115,13 +125,15 @@ fn the_suggested_settings_find_a_linear_circuit() {
 #[test]
 fn a_finer_input_makes_a_hardening_circuit_run_freely() {
     let text = Circuit { cubic: 7.3e5, amplitude: 0.008, seed: 7 }.file(6000);
-    let error = |interpolate: usize| {
-        let (scenario, record, run) = identify(&text, PlantKind::DUFFING, |mapping| mapping.interpolate = interpolate);
+    let error = |knows_columns: bool| {
+        let (scenario, record, run) = identify_by(&text, PlantKind::DUFFING, |_| {}, knows_columns);
+        let steps = scenario.record.as_ref().map_or(1, |mapping| mapping.interpolate);
+        assert_eq!((steps, scenario.hold), (if knows_columns { 4 } else { 1 }, Hold::First));
         let cubic = last(&run, 0, Channel::CUBIC_STIFFNESS);
-        assert!((cubic / 7.3e5 - 1.0).abs() < 0.05, "{interpolate}: {cubic}");
+        assert!((cubic / 7.3e5 - 1.0).abs() < 0.05, "{steps}: {cubic}");
         free_run(&scenario, &record, &run, 0)
     };
-    let (coarse, fine) = (error(1), error(4));
+    let (coarse, fine) = (error(false), error(true));
     assert!(coarse.percent > 95.0, "{coarse:?}");
     assert!(fine.rms < 0.6 * coarse.rms && fine.percent > 99.0, "{fine:?} against {coarse:?}");
 }

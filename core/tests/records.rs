@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
+use kalmanscope_core::import::{Builder, Mapping, read};
 use kalmanscope_core::record::Input;
 use kalmanscope_core::simulate;
-use kalmanscope_core::{Channel, Hold, InputKind, Quantity, Record, RecordError, Run, RunError, Scenario};
+use kalmanscope_core::{Channel, Hold, InputKind, PlantKind, Quantity, Record, RecordError, Run, RunError, Scenario};
 
 fn input(values: &[f64]) -> Input {
     Input { kind: InputKind::Force, hold: Hold::Zero, values: values.to_vec() }
@@ -85,4 +86,62 @@ fn a_record_is_simulated_and_changed_without_a_run() {
         record.clone().with_measured(|sensor, k, value| if (sensor, k) == (0, 3) { 2.0 * value } else { value });
     assert_eq!(changed.measured(0)[3], 2.0 * record.measured(0)[3]);
     assert_eq!((changed.measured(0)[4], changed.measured(1)), (record.measured(0)[4], record.measured(1)));
+}
+
+/// Its file is the record of every plant under every input, with each sensor alone and with all: its columns mean what they are called.
+#[test]
+fn a_file_of_a_simulated_record_is_that_record() {
+    let mut count = 0;
+    for kind in PlantKind::ALL {
+        for input in [InputKind::Force, InputKind::GroundAcceleration] {
+            for hold in [Hold::Zero, Hold::First] {
+                let all: Vec<Quantity> = kind.quantities().collect();
+                for sensors in all.iter().map(std::slice::from_ref).chain([&all[..]]) {
+                    let mut scenario = Scenario { dt: 0.03, duration: 0.9, input, hold, ..Scenario::default() };
+                    scenario.set_plant(kind);
+                    scenario.set_sensors(sensors);
+                    let record = simulate(&scenario).with_gaps(|sensor, k| (sensor + k) % 7 == 3);
+                    let mut file = Vec::new();
+                    record.write_csv(&mut file).unwrap();
+                    let table = read(file, None).unwrap();
+                    for (mapping, of, _) in [Mapping::guess_for(&table, sensors), Mapping::guess_with_reasons(&table)] {
+                        let again = Builder::new(&table, &mapping, of, hold).unwrap().finish().unwrap().record;
+                        assert_eq!(bits(&again), bits(&record), "{kind:?} {input:?} {sensors:?}");
+                    }
+                    count += 1;
+                }
+            }
+        }
+    }
+    assert!(count > 500, "{count}");
+}
+
+/// All of a record, without a number that is not equal to itself.
+fn bits(record: &Record) -> (f64, f64, InputKind, Hold, Vec<(String, Vec<u64>)>) {
+    let of = |values: &[f64]| {
+        values.iter().map(|value| if value.is_nan() { 0 } else { 1 + value.to_bits() }).collect::<Vec<u64>>()
+    };
+    let sensors = record.sensors().iter().enumerate().map(|(i, sensor)| (sensor.name(), of(record.measured(i))));
+    let truth = Channel::all().iter().filter_map(|c| Some((format!("true {}", c.key()), of(record.truth(*c)?))));
+    let mut columns: Vec<_> = sensors.chain(truth).collect();
+    columns.sort();
+    columns.push(("input".to_owned(), of(record.input())));
+    (record.dt(), record.time(0), record.input_kind(), record.hold(), columns)
+}
+
+/// Names decide less than the scenario: what it calls relative is so.
+#[test]
+fn an_accelerometer_on_the_ground_is_what_the_scenario_calls_it() {
+    let of = |text: &str, sensors: &[Quantity]| {
+        let mapping = Mapping::guess_for(&read(text.as_bytes(), None).unwrap(), sensors).0;
+        mapping.sensors.into_keys().collect::<Vec<_>>()
+    };
+    let (relative, total) = (Quantity::ACCELERATION, Quantity::TOTAL_ACCELERATION);
+    let felt = "time,ground (g),roof acc (g)\n0,0.1,1\n1,0.2,1\n2,0.1,2\n";
+    assert_eq!([of(felt, &[]), of(felt, &[total])], [vec![total], vec![total]], "an accelerometer feels the ground");
+    assert_eq!(of(felt, &[relative]), [relative]);
+    let other = "time,ground_acceleration,acceleration\n0,0.1,1\n1,0.2,1\n2,0.1,2\n";
+    assert_eq!([of(other, &[]), of(other, &[relative])], [vec![total], vec![relative]]);
+    let own = "t,ground_acceleration,acceleration\n0,0.1,1\n1,0.2,1\n2,0.1,2\n";
+    assert_eq!([of(own, &[]), of(own, &[Quantity::DISPLACEMENT])], [vec![relative], vec![relative]]);
 }

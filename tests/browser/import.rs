@@ -163,13 +163,12 @@ fn checksum(name: &str, bytes: &[u8]) -> String {
     let table = read(bytes, None).unwrap();
     let (mapping, input) = Mapping::guess(&table);
     let mapping = Mapping { file: name.to_owned(), hash: hash(bytes), ..mapping };
-    let record =
-        |mapping: &Mapping| Builder::new(&table, mapping, input, Hold::First).unwrap().finish().unwrap().record;
-    let raw = record(&mapping);
+    let record = |mapping: &Mapping, hold| Builder::new(&table, mapping, input, hold).unwrap().finish().unwrap().record;
+    let raw = record(&mapping, Hold::First);
     assert!(raw.clocks().is_some(), "it keeps its times");
     let scenario = Scenario { input, hold: Hold::First, record: Some(mapping), ..scenario_for(&raw) };
     let scenario = suggest(&scenario, &raw).scenario;
-    let mut run = Run::on_record(&scenario, record(scenario.record.as_ref().unwrap()).into()).unwrap();
+    let mut run = Run::on_record(&scenario, record(scenario.record.as_ref().unwrap(), scenario.hold).into()).unwrap();
     run.finish();
     format!("{:016x}", run.checksum())
 }

@@ -79,6 +79,7 @@ pub use loading::{Loaded, Loading};
 pub use mapping::{MappedColumn, Mapping, MeanWord, Offset, Time};
 pub use number::Decimal;
 pub use reader::Reader;
+pub(crate) use resample::finer;
 pub use ring::Ring;
 pub use sentinel::Sentinel;
 pub use sound::wav;

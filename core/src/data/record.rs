@@ -10,6 +10,7 @@ mod live;
 
 pub(crate) use clocks::Parts;
 pub use clocks::{Clocks, ClocksError, Timed};
+pub(crate) use csv_file::input_name;
 pub use delays::Delays;
 pub use error::RecordError;
 pub use live::{LiveError, LiveRecord};

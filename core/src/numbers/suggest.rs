@@ -8,6 +8,7 @@
 
 mod ambient;
 mod ambient_fit;
+mod between;
 mod climb;
 mod conditioning;
 mod decay;
@@ -137,8 +138,8 @@ impl Suggestion {
         }
     }
 
-    /// Guess and spread of ωₙ, ζ and gain. Returns whether noise is all that a decay leaves; `None` if the motion is no decay.
-    fn motion(&mut self, record: &mut Record) -> Option<bool> {
+    /// Guess and spread of ωₙ, ζ and gain, of an input that has some steps in place of each of the record's. Returns whether noise is all that a decay leaves; `None` if the motion is no decay.
+    fn motion(&mut self, record: &mut Record, steps: usize) -> Option<bool> {
         if !self.has_frequency() {
             if self.own_parameters().is_some() {
                 self.size_of_motion(record);
@@ -148,7 +149,7 @@ impl Suggestion {
         let (quantity, measured) = motion_sensor(record)?;
         let mapping = self.scenario.record.as_ref();
         let band = mapping.and_then(|mapping| mapping.band);
-        let driven = response(record, quantity, measured, band);
+        let driven = response(record, quantity, measured, band, steps);
         let free = if driven.is_none() && has_no_input(record) { decay(record, measured, mapping) } else { None };
         let decaying = free.map(|free| Response {
             natural_frequency: free.natural_frequency,
@@ -211,7 +212,7 @@ impl Suggestion {
     /// Jacobian takes the motion for constant over a step. A step of fourth order over an angle h turns by a share of h⁴ / 120 too
     /// little, which must be small beside what the record tells of ωₙ. Source: Hairer, Nørsett and Wanner (1993), *Solving Ordinary
     /// Differential Equations I*, section II.2 (the terms of the exponential that four stages lack).
-    fn substeps(&mut self, record: &Record) {
+    fn substeps(&mut self, dt: f64) {
         /// The angle by which an oscillator should turn at most in one step \[rad\].
         const MOST: f64 = 0.2;
         /// An error of a step may have this share of what the record tells.
@@ -231,7 +232,7 @@ impl Suggestion {
             let knows_all = told == 0.0 && filter.process_std[Channel::NATURAL_FREQUENCY] == 0.0;
             let is_precise = told > 0.0 && !is_exact;
             let step = if is_precise { libm::sqrt(libm::sqrt(120.0 * SMALL * told)).min(MOST) } else { MOST };
-            let steps = libm::ceil(frequency * record.dt() / step).clamp(1.0, 40.0);
+            let steps = libm::ceil(frequency * dt / step).clamp(1.0, 40.0);
             filter.substeps = if is_exact && knows_all { 1 } else { steps as usize };
             most = most.max(filter.substeps);
         }

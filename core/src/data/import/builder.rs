@@ -203,7 +203,7 @@ impl<'a> Builder<'a> {
                 self.timing.start + missing.first as f64 * self.timing.dt
             ));
         }
-        Ok(self.conditioning().input(values))
+        Ok(self.conditioning().input(values, self.hold))
     }
 
     /// A column at even times, with unit, gain, offset and delay, and remarks on its cells. It is empty where readings keep their times.

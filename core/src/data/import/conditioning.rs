@@ -4,6 +4,7 @@ use super::butterworth::band_pass;
 use super::samples::fill;
 use super::timing::Timing;
 use super::{Mapping, resample};
+use crate::Hold;
 
 /// The conditioning of all columns of a record.
 pub(super) struct Conditioning<'a> {
@@ -46,10 +47,10 @@ impl<'a> Conditioning<'a> {
         kept.saturating_sub(1) * self.mapping.interpolate + kept.min(1)
     }
 
-    /// The samples of an input without gaps.
-    pub(super) fn input(&self, mut values: Vec<f64>) -> Vec<f64> {
+    /// The samples of an input without gaps, which has this course between them.
+    pub(super) fn input(&self, mut values: Vec<f64>, hold: Hold) -> Vec<f64> {
         self.condition(&mut values);
-        resample::interpolate(&values, self.mapping.interpolate)
+        resample::finer_input(&values, self.mapping.interpolate, hold)
     }
 
     /// The samples of a sensor. Missing values stay missing.
@@ -69,12 +70,7 @@ impl<'a> Conditioning<'a> {
             self.condition(&mut values);
         }
         let steps = self.mapping.interpolate;
-        if steps > 1 {
-            let mut finer = vec![f64::NAN; self.samples()];
-            finer.iter_mut().step_by(steps).zip(&values).for_each(|(fine, value)| *fine = *value);
-            values = finer;
-        }
-        values
+        if steps > 1 { resample::spread(&values, steps) } else { values }
     }
 
     /// The part that is used.

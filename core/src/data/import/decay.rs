@@ -8,7 +8,7 @@ use thiserror::Error;
 use crate::record::LiveRecord;
 use crate::{Hold, InputKind, Quantity};
 
-use series::{even, main_axis, mean, middle, noise_of, side};
+use series::{end_of_part, even, main_axis, mean, middle, noise_of, side};
 
 /// The free decay of an oscillator along one axis.
 ///
@@ -225,7 +225,7 @@ fn end(times: &[f64], along: &[f64], begin: usize, noise: f64) -> (usize, bool) 
     // Where the part before begins, and its largest reading.
     let mut before = (begin, 0.0);
     while place < times.len() {
-        let next = (place..times.len()).find(|&k| times[k] >= times[place] + PART).unwrap_or(times.len());
+        let next = end_of_part(times, place, PART);
         let largest = along[place..next].iter().fold(0.0, |a: f64, b| a.max(b.abs()));
         if largest > GROWTH * least + QUIET * noise {
             return (place, false);

@@ -3,6 +3,7 @@
 use super::own_clocks::clocks;
 use super::role::{Role, has_word, role_of};
 use super::{Column, MappedColumn, Mapping, Ring, Table, Time};
+use crate::data::record::input_name;
 use crate::{InputKind, Quantity};
 
 /// Words in names of columns that are neither input nor motion of the oscillator. Those of one or two letters must be the whole
@@ -101,6 +102,12 @@ fn is_truth(column: &Column) -> bool {
     column.name.starts_with("true_")
 }
 
+/// Whether time and input have the names that [`crate::Record::write_csv`] gives them: then sensors are what they are called.
+fn is_own(table: &Table) -> bool {
+    let input = input_name(InputKind::GroundAcceleration);
+    matches!(table.columns.as_slice(), [time, second, ..] if time.name == "t" && second.name == input)
+}
+
 /// A column that may still get a meaning.
 struct Candidate {
     place: usize,
@@ -129,6 +136,11 @@ impl Mapping {
     /// counts the rows, or if its name says that it is something else. If a sensor's column has a name, a single other
     /// column is the input; several others are not. A sound has the part and the band of its [`Ring`].
     pub fn guess_with_reasons(table: &Table) -> (Self, InputKind, Vec<ColumnGuess>) {
+        Self::guess_for(table, &[])
+    }
+
+    /// The same for a scenario with some sensors: an acceleration on the ground is the one that they measure.
+    pub fn guess_for(table: &Table, sensors: &[Quantity]) -> (Self, InputKind, Vec<ColumnGuess>) {
         let columns = &table.columns;
         let mut all = candidates(table);
         let has = |all: &[Candidate], wanted: &dyn Fn(Role) -> bool| all.iter().any(|one| one.role.is_some_and(wanted));
@@ -154,9 +166,11 @@ impl Mapping {
         if !has_sensor && let Some(one) = all.iter_mut().find(|one| one.is_free) {
             one.take(Role::Sensor(Quantity::DISPLACEMENT), FIRST_FREE);
         }
-        // An accelerometer on a structure feels the ground too.
+        // An accelerometer on a structure feels the ground too, unless the scenario or the program that wrote the file says otherwise.
         let on_ground = |role: Role| role == Role::Input(InputKind::GroundAcceleration);
-        if has(&all, &on_ground) && !has(&all, &|role| role == Role::Sensor(Quantity::TOTAL_ACCELERATION)) {
+        let is_stated = sensors.contains(&Quantity::ACCELERATION) || is_own(table);
+        if !is_stated && has(&all, &on_ground) && !has(&all, &|role| role == Role::Sensor(Quantity::TOTAL_ACCELERATION))
+        {
             for one in &mut all {
                 if one.role == Some(Role::Sensor(Quantity::ACCELERATION)) {
                     one.role = Some(Role::Sensor(Quantity::TOTAL_ACCELERATION));

@@ -3,6 +3,9 @@
 use std::f64::consts::PI;
 
 use super::butterworth::band_pass;
+use super::limits::MOST;
+use crate::data::record::Input;
+use crate::{Hold, Record};
 
 /// The samples on each side from which a value between two samples is made.
 const REACH: isize = 32;
@@ -56,6 +59,44 @@ pub(super) fn interpolate(values: &[f64], steps: usize) -> Vec<f64> {
     finer
 }
 
+/// Puts `steps` steps in place of one of an input that has this course between its values.
+///
+/// Lines through the values of a curve lie inside of its bends: of a swing they have the share
+/// `sinc²(ωh/2) ≈ 1 - (ωh)²/12`. Values between those of the file move outwards by as much; those of the file stay, since an accelerometer
+/// feels them.
+pub(super) fn finer_input(values: &[f64], steps: usize, hold: Hold) -> Vec<f64> {
+    let curve = interpolate(values, steps);
+    if steps <= 1 || hold == Hold::Zero {
+        return curve;
+    }
+    let outwards = steps as f64 / (12.0 * (steps - 1) as f64);
+    let mut finer = curve.clone();
+    for (k, around) in curve.windows(3).enumerate().filter(|(k, _)| (k + 1) % steps != 0) {
+        finer[k + 1] -= outwards * (around[2] - 2.0 * around[1] + around[0]);
+    }
+    finer
+}
+
+/// The measurements with `steps` steps in place of one, missing in between.
+pub(super) fn spread(values: &[f64], steps: usize) -> Vec<f64> {
+    let mut finer = vec![f64::NAN; values.len().saturating_sub(1) * steps + values.len().min(1)];
+    finer.iter_mut().step_by(steps).zip(values).for_each(|(fine, value)| *fine = *value);
+    finer
+}
+
+/// A record with `steps` steps in place of one, as [`super::Mapping::interpolate`] makes it. `None` if it would be too long, or its
+/// readings have times of their own.
+pub(crate) fn finer(record: &Record, steps: usize) -> Option<Record> {
+    if record.clocks().is_some() || record.len().saturating_mul(steps) > MOST {
+        return None;
+    }
+    let values = finer_input(record.input(), steps, record.hold());
+    let input = Input { kind: record.input_kind(), hold: record.hold(), values };
+    let columns = record.sensors().iter().enumerate();
+    let columns = columns.map(|(place, quantity)| (*quantity, spread(record.measured(place), steps))).collect();
+    Some(Record::new(record.dt() / steps as f64, input, columns).ok()?.starting_at(record.time(0)))
+}
+
 /// The weights of the samples from `1 - REACH` to `REACH` for the value at `share` of the way from sample 0 to sample 1.
 fn kernel(share: f64) -> Vec<f64> {
     let weight = |place: isize| {
@@ -96,6 +137,32 @@ mod tests {
         }
         for (k, value) in values.iter().enumerate() {
             assert_eq!(finer[4 * k], *value);
+        }
+    }
+
+    #[test]
+    fn lines_through_a_finer_input_have_all_of_a_swing() {
+        // Ten and twenty-five samples a swing; the share that lines through its values have, by the integral with its own sine.
+        for (per_swing, most) in [(10.0, 1e-4), (25.0, 1e-4)] {
+            let w = 2.0 * PI / per_swing;
+            let values: Vec<f64> = (0..=400).map(|k| libm::sin(w * f64::from(k))).collect();
+            let share = |fine: &[f64]| {
+                let (mut product, mut square, parts) = (0.0, 0.0, 50);
+                for k in 4 * 100..4 * 300 {
+                    for part in 0..parts {
+                        let at = (f64::from(part) + 0.5) / f64::from(parts);
+                        let sine = libm::sin(w * 0.25 * (k as f64 + at));
+                        product += sine * (fine[k] + at * (fine[k + 1] - fine[k]));
+                        square += sine * sine;
+                    }
+                }
+                product / square
+            };
+            let [held, linear] = [Hold::Zero, Hold::First].map(|hold| finer_input(&values, 4, hold));
+            let lost = (w / 4.0) * (w / 4.0) / 12.0;
+            assert!((share(&held) - 1.0 + lost).abs() < 0.1 * lost, "{per_swing}: {} {lost}", share(&held));
+            assert!((share(&linear) - 1.0).abs() < most, "{per_swing}: {}", share(&linear));
+            assert!(values.iter().enumerate().all(|(k, value)| linear[4 * k] == *value), "{per_swing}");
         }
     }
 

@@ -88,6 +88,9 @@ impl Ring {
         }
         let every = ((rate / (FINENESS * pitch)) as usize).max(1);
         let length = (BLOCK.max(SWINGS / pitch) * rate) as usize;
+        if !(1..=values.len()).contains(&length) {
+            return None;
+        }
         let sizes = sizes_of_line(values, length, pitch / rate);
         let [begin, end] = ring(&sizes, blow / length)?;
         let begin = begin * length;

@@ -109,10 +109,11 @@ impl Timing {
             let remark = (worst > EXACT && !is_rounded).then(|| off_by(worst, dt));
             return Ok(Self { start, dt, samples, places: Places::Gaps(places), worst, is_rounded, remark, gaps });
         }
-        let samples = libm::floor((last - start) / median + 1e-9) as usize + 1;
-        if samples > MOST {
-            return Err(ImportError::TooLong { found: samples });
+        let samples = libm::floor((last - start) / median + 1e-9) + 1.0;
+        if samples > MOST as f64 {
+            return Err(ImportError::TooLong { found: samples.min(1e15) as usize });
         }
+        let samples = samples as usize;
         let times = times.iter().map(|time| (time - start) / median).collect();
         let remark =
             Some(format!("the times are irregular; values are interpolated at even steps of {} s", told(median)));

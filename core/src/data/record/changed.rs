@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::Record;
+use crate::Hold;
 
 impl Record {
     /// The same record with other measurements: `change` gets the place of a sensor, a sample of those that are kept and the
@@ -35,6 +36,14 @@ impl Record {
     pub fn with_input_times(mut self, factor: f64) -> Self {
         self.change_input(|value| factor * value);
         self
+    }
+
+    /// The same record under an input with another course between its values.
+    pub(crate) fn with_hold(mut self, hold: Hold) -> Self {
+        if let Some(input) = self.clocks.as_ref().and_then(|clocks| clocks.input.as_ref()) {
+            self.input = (0..self.len()).map(|k| input.at(k as f64, hold)).collect();
+        }
+        Self { hold, ..self }
     }
 
     /// Changes every value of the input.

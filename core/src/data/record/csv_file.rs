@@ -117,7 +117,7 @@ fn digits(value: f64) -> String {
 }
 
 /// The column's name for a kind of input.
-fn input_name(kind: InputKind) -> &'static str {
+pub(crate) fn input_name(kind: InputKind) -> &'static str {
     match kind {
         InputKind::Force => "force",
         InputKind::GroundAcceleration => "ground_acceleration",

@@ -1,5 +1,7 @@
 //! Runs of a trial, a slice after the other.
 
+use std::ops::Range;
+
 use crate::{FreeRun, Identified, Record, Run, Running, Scenario, Sensor};
 
 /// The samples that the free run covers.
@@ -81,6 +83,14 @@ pub(super) fn likelihood(run: &Run) -> Option<f64> {
     let estimates = run.estimates().first().filter(|estimates| estimates.stop().is_none())?;
     let sum: f64 = (1..estimates.len()).map(|k| estimates.log_likelihood(k)).filter(|l| !l.is_nan()).sum();
     sum.is_finite().then_some(sum)
+}
+
+/// The log likelihood of the readings at some samples, and their number, if the filter went through.
+pub(super) fn likelihood_over(run: &Run, samples: Range<usize>) -> Option<(f64, u32)> {
+    let estimates = run.estimates().first().filter(|estimates| estimates.stop().is_none())?;
+    let told = samples.map(|k| (estimates.log_likelihood(k), estimates.readings(k))).filter(|(l, _)| !l.is_nan());
+    let (sum, readings) = told.fold((0.0, 0), |(sum, all), (l, readings)| (sum + l, all + readings));
+    sum.is_finite().then_some((sum, readings))
 }
 
 /// The size of the innovations over their expected size: 1 for a consistent filter.

@@ -55,8 +55,8 @@ fn power(h: (f64, f64)) -> f64 {
 /// H(ω) = g w(ω) / (ωₙ² - ω² + 2iζωₙω)
 /// ```
 ///
-/// as a displacement, with w of the hold: `exp(-iωΔt/2) sinc(ωΔt/2)`, or `sinc²(ωΔt/2)` for a linear input. `None` if
-/// the input does not explain the measurements. Only frequencies count at which the input has power, within `band`
+/// as a displacement, with w of the hold: `exp(-iωΔt/2) sinc(ωΔt/2)`, or `sinc²(ωΔt/2)` for an input that is linear over
+/// each of some `steps` in place of one. `None` if the input does not explain the measurements. Only frequencies count at which the input has power, within `band`
 /// \[Hz\]. The fit begins at each of three peaks: of the response, of the measured power that the input explains, and
 /// of the spectrum. The one that explains most of the measured power is taken.
 ///
@@ -67,6 +67,7 @@ pub(super) fn response(
     quantity: Quantity,
     measured: &[f64],
     band: Option<[f64; 2]>,
+    steps: usize,
 ) -> Option<Response> {
     let relative;
     let measured = if quantity == Quantity::TOTAL_ACCELERATION {
@@ -77,7 +78,8 @@ pub(super) fn response(
         measured
     };
     let spectra = Spectra::new(record, measured, LONG, Gaps::Fill)?;
-    let points = points(&spectra, record, quantity, band, 0.0);
+    let dt = record.dt() / steps as f64;
+    let points = points(&spectra, record, quantity, band, dt, 0.0);
     let highest =
         |of: &dyn Fn(&Point) -> f64| points.iter().max_by(|a, b| of(a).total_cmp(&of(b))).map(|point| point.frequency);
     let spectrum = free_response(record, measured, band).map(|found| found.natural_frequency);
@@ -87,7 +89,7 @@ pub(super) fn response(
     let mut found = fits.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, found)| found)?;
     if order(quantity) == 2 && record.hold() == Hold::Zero {
         for _ in 0..FEEDTHROUGH_ROUNDS {
-            let points = self::points(&spectra, record, quantity, band, found.gain.unwrap_or(0.0));
+            let points = self::points(&spectra, record, quantity, band, dt, found.gain.unwrap_or(0.0));
             let Some(better) = fit(&points, found.natural_frequency) else { break };
             found = better;
         }
@@ -101,7 +103,14 @@ pub(super) fn response(
 /// ```text
 /// a = g f - (ωₙ² + 2iζωₙω) x,  x = g w f / D,  D = ωₙ² - ω² + 2iζωₙω  ⇒  a / f - g (1 - w) = -ω² g w / D
 /// ```
-fn points(spectra: &Spectra, record: &Record, quantity: Quantity, band: Option<[f64; 2]>, gain: f64) -> Vec<Point> {
+fn points(
+    spectra: &Spectra,
+    record: &Record,
+    quantity: Quantity,
+    band: Option<[f64; 2]>,
+    dt: f64,
+    gain: f64,
+) -> Vec<Point> {
     let last = (HIGHEST * spectra.len() as f64) as usize;
     let (least, coherent) = (spectra.least_input(), spectra.coherence_of_chance().max(COHERENT));
     let point = |place: usize| {
@@ -112,7 +121,7 @@ fn points(spectra: &Spectra, record: &Record, quantity: Quantity, band: Option<[
         }
         let (re, im) = spectra.cross[place];
         let w = frequency;
-        let x = 0.5 * w * record.dt();
+        let x = 0.5 * w * dt;
         let sinc = if x > 0.0 { libm::sin(x) / x } else { 1.0 };
         let (sin, cos) = libm::sincos(x);
         let h = (re / input - gain * (1.0 - sinc * cos), im / input - gain * sinc * sin);

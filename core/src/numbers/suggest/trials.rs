@@ -2,6 +2,7 @@
 
 use super::Suggestion;
 use super::ambient::{Ambient, has_no_input};
+use super::between::{Between, Course};
 use super::follow::{first_alone, follow, follow_freely, likelihood, surprise};
 use super::gaps::Lost;
 use super::plucked::Plucked;
@@ -23,7 +24,8 @@ pub(super) const SHARES: [f64; 11] = [0.0, 1e-6, 3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1
 
 /// The making of suggested settings for a scenario's filters on a measured record: R from the high frequencies that the
 /// input does not explain, ωₙ, ζ and gain from the response to the input (or the peak of the spectrum), the initial belief
-/// from these, and Q by the likelihood of the innovations. Without an input, a white force that moves the plant
+/// from these, and Q by the likelihood of the innovations. So is the course of an input between its samples: linear as it was taken, held
+/// or band-limited. Without an input, a white force that moves the plant
 /// ([`crate::mathematics::filter::White`]) is tried too. Where the scenario has a mapping, means are removed and a large gain
 /// goes into the mapping; the record is then to be read again.
 ///
@@ -41,6 +43,10 @@ pub struct Suggest {
     /// The free run of the trial's model.
     free: Option<Running>,
     search: Option<Search>,
+    /// The courses of the input between samples that are to be tried.
+    between: Option<Between>,
+    /// The course that was taken, with the sentence about it.
+    course: Option<(Course, Option<String>)>,
     likelihoods: Vec<(f64, f64)>,
     ambient: Option<Ambient>,
     /// The errors of the free run with the settings so far, and those with other settings.
@@ -55,6 +61,8 @@ enum Stage {
     Gaps,
     /// The likelihood from other start values of an equation's parameters.
     Search,
+    /// The likelihood with other courses of the input between samples.
+    Between,
     /// The likelihood with one of the shares.
     Likelihood(usize),
     /// The likelihood with a white force, where there is no input.
@@ -77,7 +85,7 @@ impl Suggest {
     /// Suggestions for a scenario on a record, none made yet.
     pub fn new(scenario: &Scenario, record: Record) -> Self {
         let suggestion = Suggestion { scenario: scenario.clone(), reasons: Vec::new(), is_guessed: true };
-        let (trial, free, search, likelihoods, ambient, errors) = Default::default();
+        let (trial, free, search, between, course, likelihoods, ambient, errors) = Default::default();
         let (record, plucked) = match Plucked::of(&record) {
             Some((longest, plucked)) => (longest, Some(plucked)),
             None => (record, None),
@@ -92,6 +100,8 @@ impl Suggest {
             trial,
             free,
             search,
+            between,
+            course,
             likelihoods,
             ambient,
             errors,
@@ -111,8 +121,9 @@ impl Suggest {
         }
         let before = has_no_input(&self.record).then(|| self.suggestion.clone());
         self.suggestion.sensor_noise(&self.record, lost);
-        let decay = self.suggestion.motion(&mut self.record);
-        self.suggestion.substeps(&self.record);
+        let steps = self.course.as_ref().map_or(1, |(course, _)| course.steps());
+        let decay = self.suggestion.motion(&mut self.record, steps);
+        self.suggestion.substeps(self.record.dt() / steps as f64);
         self.ambient = before.filter(|_| decay != Some(true)).and_then(|before| {
             Ambient::new(Suggestion { reasons: before.reasons, ..self.suggestion.clone() }, &mut self.record)
         });
@@ -133,6 +144,9 @@ impl Suggest {
 
     /// Begins to search the parameters of an equation, if there is an input to identify them from.
     fn begin_search(&mut self) -> Stage {
+        if let Some((Course::BandLimited, _)) = self.course {
+            self.take_course(Course::BandLimited);
+        }
         self.search = Search::of(&self.suggestion);
         if has_no_input(&self.record) {
             self.search.take().into_iter().for_each(|search| search.give_up(&mut self.suggestion));
@@ -140,9 +154,37 @@ impl Suggest {
         Stage::Search
     }
 
+    /// Gives record and scenario the input between samples that was chosen.
+    fn take_course(&mut self, course: Course) {
+        if let Some(record) = course.of(&self.record) {
+            self.record = record;
+            course.set(&mut self.suggestion.scenario);
+        }
+    }
+
+    /// Ends the trials of the input between samples. Start values that depend on it are made again.
+    fn choose_course(&mut self) -> Stage {
+        let Some(between) = self.between.take() else { return Stage::Likelihood(0) };
+        let (course, sentence) = between.chosen();
+        self.course = Some((course, sentence));
+        if course == Course::Linear {
+            return Stage::Likelihood(0);
+        }
+        if self.suggestion.own_parameters().is_some() {
+            self.take_course(course);
+            return Stage::Likelihood(0);
+        }
+        (self.record, self.suggestion) = (between.record, between.given);
+        if course == Course::Held {
+            self.take_course(course);
+        }
+        Stage::Data
+    }
+
     /// The samples of a trial.
     fn likely(&self) -> usize {
-        if self.ambient.is_some() { LIKELY_AMBIENT } else { LIKELY }
+        let steps = self.course.as_ref().map_or(1, |(course, _)| course.steps());
+        steps * if self.ambient.is_some() { LIKELY_AMBIENT } else { LIKELY }
     }
 
     /// Ends the trials of noise with the most likely result. Returns whether that is a white force.
@@ -167,17 +209,20 @@ impl Task for Suggest {
     type Outcome = Suggestion;
 
     fn progress(&self) -> f64 {
-        let all = (SHARES.len() + 3) as f64;
+        let all = (SHARES.len() + 4) as f64;
         match self.stage {
+            // The course of the input is known: start values are made again.
+            Stage::Data | Stage::Gaps | Stage::Search if self.course.is_some() => 2.0 / all,
             Stage::Data | Stage::Gaps => 0.0,
             Stage::Search => self.search.as_ref().map_or(1.0, Search::progress) / all,
-            Stage::Likelihood(place) => (1 + place) as f64 / all,
+            Stage::Between => (1.0 + self.between.as_ref().map_or(1.0, Between::progress)) / all,
+            Stage::Likelihood(place) => (2 + place) as f64 / all,
             Stage::WhiteForce => {
                 let done = self.ambient.as_ref().map_or(1.0, Ambient::progress);
-                (SHARES.len() as f64 + done) / all
+                ((1 + SHARES.len()) as f64 + done) / all
             }
-            Stage::FreeRun => (1 + SHARES.len()) as f64 / all,
-            Stage::ModelError => (2 + SHARES.len()) as f64 / all,
+            Stage::FreeRun => (2 + SHARES.len()) as f64 / all,
+            Stage::ModelError => (3 + SHARES.len()) as f64 / all,
             Stage::Done => 1.0,
         }
     }
@@ -192,6 +237,9 @@ impl Task for Suggest {
                         // What goes on through the pauses is looked at as a whole.
                         (self.record, self.suggestion) = (whole, given);
                         continue;
+                    }
+                    if self.course.is_none() {
+                        self.between = Between::of(&record, &given);
                     }
                     let lost = Lost::of(&record).filter(|_| self.suggestion.can_fill());
                     self.gaps = lost.map(|lost| Gaps { lost, record, given });
@@ -213,7 +261,7 @@ impl Task for Suggest {
                     let (samples, scenario) = (self.likely(), &self.suggestion.scenario);
                     let Some(search) = self.search.as_mut().filter(|search| !search.is_done()) else {
                         self.search.take().into_iter().for_each(|search| search.finish(&mut self.suggestion));
-                        self.stage = Stage::Likelihood(0);
+                        self.stage = Stage::Between;
                         continue;
                     };
                     match follow(&mut self.trial, || search.scenario(scenario), &self.record, samples, while_time) {
@@ -221,6 +269,17 @@ impl Task for Suggest {
                         Some(run) => search.take(run),
                     }
                     Stage::Search
+                }
+                Stage::Between => {
+                    let next = self.between.as_mut().and_then(|between| between.next(&self.suggestion, &self.record));
+                    if let Some((part, scenario)) = next {
+                        let followed = follow(&mut self.trial, || scenario, part, part.len(), while_time);
+                        let Some(run) = followed else { return false };
+                        self.between.iter_mut().for_each(|between| between.take(run.as_ref()));
+                        Stage::Between
+                    } else {
+                        self.choose_course()
+                    }
                 }
                 Stage::Likelihood(place) => {
                     let share = SHARES[place];
@@ -295,6 +354,7 @@ impl Task for Suggest {
     }
 
     fn finish(mut self) -> Suggestion {
+        self.suggestion.reasons.extend(self.course.and_then(|(_, sentence)| sentence));
         self.plucked.iter().for_each(|plucked| plucked.tell(&mut self.suggestion));
         self.suggestion
     }

@@ -40,13 +40,18 @@ fn half_swing(values: &[f64], noise: f64) -> f64 {
     if turns > 1 { (last - first.unwrap_or(0)) as f64 / f64::from(turns - 1) } else { 0.0 }
 }
 
+/// The end of the part of so many seconds that begins at a place. It has a reading at least: a second after 2⁵³ s is the same number.
+pub(super) fn end_of_part(times: &[f64], place: usize, seconds: f64) -> usize {
+    (place + 1..times.len()).find(|&k| times[k] >= times[place] + seconds).unwrap_or(times.len())
+}
+
 /// The noise: about the mean in the quietest second, or that of third differences in a usual second, of which a slow swing has
 /// next to none; the smaller. Source: Hamming (1973), *Numerical Methods*, chapter 10 (noise in a table of differences).
 pub(super) fn noise_of(times: &[f64], along: &[f64]) -> f64 {
     let (mut least, mut differences) = (f64::INFINITY, Vec::new());
     let mut place = 0;
     while place < times.len() {
-        let next = (place..times.len()).find(|&k| times[k] >= times[place] + 1.0).unwrap_or(times.len());
+        let next = end_of_part(times, place, 1.0);
         if next - place >= 10 && times[next - 1] - times[place] > 0.5 {
             let values = &along[place..next];
             let middle = mean(values);
@@ -105,4 +110,22 @@ pub(super) fn middle(values: &[f64]) -> f64 {
 
 pub(super) fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len().max(1) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_part_has_a_reading_where_a_second_more_is_the_same_number() {
+        for power in -9..=19 {
+            let step = 10_f64.powi(power);
+            for start in [0.0, 1.0, 1.714_564_8e18, 1e19] {
+                let times: Vec<f64> = (0..50).map(|k| start + f64::from(k) * step).collect();
+                let ends = (0..times.len()).map(|place| end_of_part(&times, place, 1.0));
+                assert!(ends.enumerate().all(|(place, end)| end > place && end <= times.len()), "{start} {step}");
+            }
+        }
+        assert_eq!(end_of_part(&[0.0, 0.4, 0.8, 1.2, 1.6], 0, 1.0), 3);
+    }
 }
