@@ -16,8 +16,8 @@ const PATIENCE = 4000;
 
 const HASHED = /[\w.-]*[0-9a-f]{12,16}[\w.-]*\.\w+/;
 
+// A new version waits until all pages of the old one are closed: an open page still starts workers with its own program.
 addEventListener("install", (event) => {
-  skipWaiting();
   event.waitUntil(keep());
 });
 

@@ -97,6 +97,17 @@ fn a_program_that_does_not_come_whole_is_said() {
 }
 
 #[test]
+fn an_open_page_outlives_a_new_version() {
+    let folder = loading::copied(&dist());
+    let server = Server::start(folder.path().to_owned()).unwrap();
+    let driver = Driver::start();
+    runtime().block_on(async {
+        let page = driver.open().await;
+        loading::an_open_page_keeps_its_version(&page, &server.page(), folder.path()).await;
+    });
+}
+
+#[test]
 fn links_frames_and_files_work_in_a_browser() {
     let server = served();
     let address = server.page();

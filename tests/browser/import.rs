@@ -47,7 +47,7 @@ pub(crate) async fn a_record_is_chosen(page: &Page, folder: &Path) {
     let button = offers("Cancel the import");
     page.wait_until(&button, PATIENCE).await.unwrap();
     // The window grows to its size and moves to the middle meanwhile.
-    tokio::time::sleep(Duration::from_secs(1)).await;
+    page.rest().await;
     page.click("Cancel the import", 0.5).await;
     page.wait_until(&format!("!{button}"), PATIENCE).await.unwrap();
 }
@@ -66,7 +66,7 @@ async fn is_asked(page: &Page) {
 async fn opens(page: &Page) {
     is_asked(page).await;
     // The window grows to its size and moves to the middle meanwhile.
-    tokio::time::sleep(Duration::from_secs(1)).await;
+    page.rest().await;
     page.click("Open the record", 0.5).await;
 }
 
@@ -127,7 +127,7 @@ pub(crate) async fn an_import_is_given_up_in_its_worker(page: &Page, address: &s
     starts(page, address).await;
     page.choose_file("#file", &path).await;
     page.wait_until("told.held === 1", PATIENCE).await.unwrap();
-    tokio::time::sleep(Duration::from_secs(1)).await;
+    page.rest().await;
     page.click("Cancel the import", 0.5).await;
     page.wait_until(&format!("!({})", offers("Cancel the import")), PATIENCE).await.unwrap();
     page.value("window.hold = false").await;

@@ -89,7 +89,7 @@ async fn identified_if_heard(page: &Page) -> Option<[f64; 2]> {
         }
         assert!(asked.elapsed() < PATIENCE, "the record does not open: {summary}");
         page.tap_if_there("Open the record").await;
-        tokio::time::sleep(Duration::from_secs(1)).await;
+        page.rest().await;
     }
     page.settle().await;
     // The filters go through it in the frames.
@@ -134,27 +134,25 @@ const STREAM: &str = "(rate => {
     return true;
 })";
 
-/// Begins to measure while so many readings come in a second, and waits until it swings.
+/// Begins to measure while readings come at this rate \[1/s\], and waits until it swings.
 pub(crate) async fn stream(page: &Page, rate: u32) {
     page.tap("Scenario").await;
     page.tap("Measure with this device…").await;
     page.tap("Begin to measure").await;
     page.value(&format!("{STREAM}({rate})")).await;
-    tokio::time::sleep(Duration::from_secs(10)).await;
+    page.wait_until(&has("Watch the filters"), PATIENCE).await.expect("it swings");
 }
 
 /// The filters are on screen while it swings, and their record grows.
 pub(crate) async fn filters_are_watched(page: &Page, picture: &Path) {
     stream(page, 60).await;
     page.tap("Watch the filters").await;
-    let mut samples = Vec::new();
-    for _ in 0..2 {
-        tokio::time::sleep(Duration::from_secs(4)).await;
-        let summary = page.summary().await;
-        assert_eq!(summary["mode"], "live");
-        samples.push(summary["samples"].as_u64().expect("it is a number"));
+    for samples in [300, 420] {
+        let grows = format!(
+            "(it => it.mode === 'live' && it.samples > {samples})(JSON.parse(wasmBindings.kalmanscope_summary()))"
+        );
+        page.wait_until(&grows, PATIENCE).await.expect("the record grows");
     }
-    assert!(samples[0] > 300 && samples[1] > samples[0] + 120, "it grows: {samples:?}");
     std::fs::write(picture, page.screenshot().await).expect("a picture can be written");
     page.tap("Stop and identify").await;
     identified(page).await;
@@ -197,8 +195,8 @@ pub(crate) async fn a_ring_is_identified(page: &Page, picture: &Path) {
         page.tap("Measure with this device…").await;
         page.tap("It rings").await;
         page.tap("Begin to listen").await;
+        // The length of the sound.
         tokio::time::sleep(Duration::from_secs(8)).await;
-        page.settle().await;
         std::fs::write(picture, page.screenshot().await).expect("a picture can be written");
         page.tap("Stop and identify").await;
         found = identified_if_heard(page).await;

@@ -30,6 +30,9 @@ impl Rect {
     }
 }
 
+/// The places of all controls, as text.
+const PLACES: &str = "JSON.stringify(JSON.parse(wasmBindings.kalmanscope_summary()).controls)";
+
 impl Page {
     pub(crate) fn new(client: Client) -> Self {
         Self { client }
@@ -62,6 +65,19 @@ impl Page {
     pub(crate) async fn settle(&self) {
         let script = "const done = arguments[0]; requestAnimationFrame(() => requestAnimationFrame(() => done()));";
         self.client.post("execute/async", &json!({ "script": script, "args": [] })).expect("frames are drawn");
+    }
+
+    /// Waits until no control has moved for some frames: windows have grown to their size, and what scrolls rests.
+    pub(crate) async fn rest(&self) {
+        const STILL: u32 = 4;
+        let begun = Instant::now();
+        let (mut before, mut still) = (Value::Null, 0);
+        while still < STILL && begun.elapsed() < Duration::from_secs(20) {
+            self.settle().await;
+            let places = self.value(PLACES).await;
+            still = if places == before { still + 1 } else { 0 };
+            before = places;
+        }
     }
 
     /// The state that the app reports.
@@ -136,10 +152,9 @@ impl Page {
         for (kind, points) in events {
             let params = json!({ "type": kind, "touchPoints": points });
             self.post("goog/cdp/execute", json!({ "cmd": "Input.dispatchTouchEvent", "params": params })).await;
-            tokio::time::sleep(Duration::from_millis(30)).await;
+            self.settle().await;
         }
-        tokio::time::sleep(Duration::from_millis(900)).await;
-        self.settle().await;
+        self.rest().await;
     }
 
     /// Fills an input of the page with a file.
@@ -228,8 +243,7 @@ impl Page {
             let scroll = json!({ "type": "scroll", "x": x, "y": y, "deltaX": 0, "deltaY": over.min(100.0) as i64 });
             self.client.act("wheel", &[scroll]);
             // The app scrolls smoothly, and the pointer would miss a control in motion.
-            tokio::time::sleep(Duration::from_millis(300)).await;
-            self.settle().await;
+            self.rest().await;
         }
         panic!("`{name}` cannot be scrolled into view");
     }

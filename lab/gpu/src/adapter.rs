@@ -106,7 +106,7 @@ async fn info_of(adapter: &Adapter) -> AdapterInfo {
 }
 
 /// Whether an adapter is a program on the processor.
-fn is_software(info: &AdapterInfo) -> bool {
+pub fn is_software(info: &AdapterInfo) -> bool {
     const NAMES: [&str; 5] = ["lavapipe", "llvmpipe", "softpipe", "swiftshader", "microsoft basic render"];
     let names = format!("{} {} {}", info.name, info.driver, info.driver_info).to_lowercase();
     info.device_type == DeviceType::Cpu || NAMES.iter().any(|name| names.contains(name))
@@ -129,22 +129,3 @@ fn limits(adapter: &Adapter) -> Limits {
 
 /// Limits a buffer \[bytes\].
 pub(crate) const LARGEST_BUFFER: u64 = 128 << 20;
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn programs_are_known_by_type_and_by_name() {
-        let mut info = AdapterInfo::new(DeviceType::DiscreteGpu, wgpu::Backend::Vulkan);
-        info.name = "NVIDIA GeForce RTX 4070".to_owned();
-        assert!(!is_software(&info));
-        info.device_type = DeviceType::Cpu;
-        assert!(is_software(&info));
-        for name in ["llvmpipe (LLVM 15.0.6, 256 bits)", "Google SwiftShader", "Microsoft Basic Render Driver"] {
-            let mut info = AdapterInfo::new(DeviceType::Other, wgpu::Backend::Vulkan);
-            info.name = name.to_owned();
-            assert!(is_software(&info), "{name}");
-        }
-    }
-}

@@ -47,3 +47,10 @@ mod unroll;
 pub use adapter::{Gpu, Software};
 pub use batch::{GpuRun, program, serves};
 pub use error::GpuError;
+
+/// Parts for the tests of this crate.
+#[doc(hidden)]
+pub mod internals {
+    pub use crate::adapter::is_software;
+    pub use crate::unroll::unrolled;
+}

@@ -8,6 +8,7 @@ mod runs;
 #[path = "common/tally.rs"]
 mod tally;
 
+mod inside;
 mod languages;
 
 /// Tests that take minutes where the graphics processor is one in software.

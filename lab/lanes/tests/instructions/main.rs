@@ -2,12 +2,13 @@
 //! instruction set has the right numbers and several times the instructions.
 //!
 //! ```text
-//! cargo test --profile counting -p kalmanscope-lanes --test instructions                  all cases beside the table
-//! cargo test --profile counting -p kalmanscope-lanes --test instructions -- Duffing UKF   those whose names have these words
-//! cargo test --profile counting -p kalmanscope-lanes --test instructions -- --update      writes the table
+//! cargo test --release -p kalmanscope-lanes --test instructions                  all cases beside the table
+//! cargo test --release -p kalmanscope-lanes --test instructions -- Duffing UKF   those whose names have these words
+//! cargo test --release -p kalmanscope-lanes --test instructions -- --update      writes the table
 //! ```
 //!
-//! Needs valgrind: its counts are the same on a busy machine. The profile is that of a release: with fewer
+//! Needs valgrind: its counts are the same on a busy machine. A release keeps its names with
+//! `CARGO_PROFILE_RELEASE_STRIP=false`. With fewer
 //! optimisations, moves of memory hide what AVX2 saves. Counts depend on the compiler too; the table names it.
 
 mod cases;
@@ -33,7 +34,7 @@ fn main() -> ExitCode {
         return ExitCode::SUCCESS;
     }
     let done = match (is_update, words.is_empty()) {
-        _ if cfg!(debug_assertions) => Err("the table is of a release: count with `--profile counting`".to_owned()),
+        _ if cfg!(debug_assertions) => Err("the table is of a release: count with `--release`".to_owned()),
         _ if chosen.is_empty() => Err(format!("no case has the words {}", words.join(" "))),
         (true, false) => Err("the table is written as a whole: leave out the names".to_owned()),
         (true, true) => table::write(&chosen),

@@ -10,7 +10,7 @@ use crate::counting::count;
 /// Limits the difference from the table, as a share.
 const TOLERANCE: f64 = 0.03;
 
-const UPDATE: &str = "cargo test --locked --profile counting -p kalmanscope-lanes --test instructions -- --update";
+const UPDATE: &str = "CARGO_PROFILE_RELEASE_STRIP=false cargo test --locked --release -p kalmanscope-lanes --test instructions -- --update";
 
 fn path() -> std::path::PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/instructions/table.toml")
