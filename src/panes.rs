@@ -1,6 +1,6 @@
 //! The views on screen: tiles that can be dragged, resized, closed and enlarged.
 
-use egui::{Button, Color32, RichText, ScrollArea, Sense, Stroke, Ui, UiBuilder, WidgetText, vec2};
+use egui::{Button, Color32, Rect, RichText, ScrollArea, Sense, Stroke, Ui, UiBuilder, WidgetText, vec2};
 use egui_tiles::{Behavior, ResizeState, SimplificationOptions, TileId, UiResponse};
 
 use crate::column::Column;
@@ -52,7 +52,7 @@ pub(crate) fn panes_ui(
         return;
     }
     let narrow = way != Way::Tiles;
-    let mut panes = Panes { context, requests, pointed: None, draggable: !narrow };
+    let mut panes = Panes { context, requests, pointed: None, draggable: !narrow, clip: ui.clip_rect() };
     if let Some(kind) = layout.enlarged() {
         panes.draggable = false;
         panes.show(ui, kind);
@@ -75,6 +75,7 @@ pub(crate) fn panes_ui(
         let fitted = tree.clone();
         if height > area.y {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                panes.clip = ui.clip_rect();
                 let width = ui.available_width() - ui.spacing().scroll.bar_width;
                 ui.allocate_ui(vec2(width, height), |ui| {
                     ui.set_min_size(vec2(width, height));
@@ -144,6 +145,8 @@ struct Panes<'a> {
     requests: &'a mut Vec<Request>,
     pointed: Option<f64>,
     draggable: bool,
+    /// The room for all views: tiles do not clip.
+    clip: Rect,
 }
 
 impl Panes<'_> {
@@ -179,6 +182,7 @@ impl Panes<'_> {
     /// Returns whether the user begins to drag the view.
     fn show(&mut self, ui: &mut Ui, kind: ViewKind) -> bool {
         let view = view(kind);
+        ui.shrink_clip_rect(self.clip);
         let dragged = self.bar_ui(ui, kind);
         // A table stays inside its view.
         ui.shrink_clip_rect(ui.max_rect().expand(MARGIN));

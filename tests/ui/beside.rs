@@ -78,7 +78,7 @@ fn large_files_and_long_records_are_imported_on_threads() {
         let mut screen = screen_with(|ctx| Rc::new(OnThreads(Threads::new(2, 1).expect("threads"), ctx.clone())));
         drop_file(&mut screen, "record.csv", &bytes);
         let begin = Instant::now();
-        let mut wait = |screen: &mut Screen, is_over: &dyn Fn(&Screen) -> bool| {
+        let wait = |screen: &mut Screen, is_over: &dyn Fn(&Screen) -> bool| {
             while !is_over(screen) {
                 screen.step();
                 assert!(begin.elapsed() < PATIENCE);
@@ -126,6 +126,8 @@ fn plots_that_stand_still_say_so_and_can_be_stopped() {
         let particles = FilterSettings { kind: FilterKind::PF, ensemble_size: 2000, ..long.filters[0].clone() };
         long.filters[0] = particles;
         let session = screen.state_mut().session_mut();
+        // All that the frames have to do is done in the first one.
+        session.set_budget(Budget::Unlimited);
         session.set_mode(Mode::Whole);
         session.set_scenario(long);
         screen.run_steps(12);

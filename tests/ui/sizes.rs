@@ -136,3 +136,18 @@ fn views_have_a_least_height_and_the_rows_scroll() {
     let tops = rows.map(|kind| screen.get_by_label(&format!("About {}", view(kind).name())).rect().top());
     assert!(tops.windows(2).all(|tops| tops[1] - tops[0] >= 140.0), "{tops:?}");
 }
+
+#[test]
+fn a_table_that_scrolls_leaves_the_timeline_alone() {
+    let mut screen = screen(DESKTOP, Theme::Light);
+    *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Map, ViewKind::Tune, ViewKind::Filters]);
+    screen.state_mut().session_mut().set_mode(Mode::Whole);
+    screen.state_mut().session_mut().pause();
+    screen.run_steps(5);
+    let play = screen.get_by_label("Play").rect().center();
+    screen.hover_at(play);
+    screen.drag_at(play);
+    screen.drop_at(play);
+    screen.run_steps(3);
+    assert!(screen.state().session().playing());
+}
