@@ -45,7 +45,8 @@ fn write_shape(svg: &mut Svg, shape: &Shape) {
             svg.path(points.map(Point::from), false, style(Color32::TRANSPARENT, *stroke));
         }
         Shape::Path(path) => {
-            svg.path(path.points.iter().copied().map(Point::from), path.closed, style(path.fill, plain(&path.stroke)))
+            let points = path.points.iter().copied().map(Point::from);
+            svg.path(points, path.closed, style(path.fill, plain(&path.stroke)));
         }
         Shape::Band(band) => svg.path(outline(band), true, style(band.fill, band.stroke)),
         Shape::Rect(rect) => {
