@@ -15,7 +15,6 @@ const PATIENCE: f64 = 10.0;
 /// was hidden is no standstill \[s\].
 const BETWEEN: f64 = 1.0;
 
-/// A kind of work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Work {
     Import,
@@ -110,7 +109,6 @@ impl App {
         works.into_iter().filter_map(|(work, share)| Some((work, share?))).collect()
     }
 
-    /// Stops the work that stands still.
     pub(super) fn stop_standing_still(&mut self) {
         let Some(work) = self.standstill.first() else { return };
         let Self { session, laboratory, importing, .. } = self;

@@ -65,7 +65,6 @@ impl Relay {
     }
 }
 
-/// Takes all rows that have come.
 fn all(work: &mut Handle<Rows>, rows: &mut Vec<Rows>) -> Result<(), Lost> {
     while let Some(new) = work.take()? {
         rows.push(new);

@@ -133,7 +133,6 @@ impl Workers {
     }
 }
 
-/// The report in a message.
 fn report<T>(part: &JsValue, outcome: impl FnOnce(&JsValue) -> Option<T>) -> Option<Report<f64, T>> {
     part.as_f64().map(Report::Look).or_else(|| outcome(part).map(Report::Done))
 }
@@ -238,7 +237,6 @@ fn muster(state: &Rc<RefCell<State>>, present: &mut State, count: usize) {
     present.sweep();
 }
 
-/// Answers the messages of one worker.
 fn listener(state: &Rc<RefCell<State>>, number: u32) -> impl FnMut(Result<MessageEvent, String>) + 'static {
     let state = Rc::downgrade(state);
     move |event| {
@@ -267,7 +265,6 @@ fn listener(state: &Rc<RefCell<State>>, number: u32) -> impl FnMut(Result<Messag
     }
 }
 
-/// The number of workers with enough work for all.
 fn full() -> usize {
     processors().min(MOST)
 }

@@ -22,14 +22,11 @@ const MOST: usize = 512;
 /// A task that one worker does, or all of them, and the parts that have come.
 pub(super) struct Given {
     number: u32,
-    /// The message that begins it.
     message: Array,
     left: Left,
     /// The workers that know the task, by number, each with the portions that it has.
     shares: Vec<(u32, usize)>,
-    /// The number of the worker that does it alone.
     worker: Option<u32>,
-    /// Parts that have come, as the workers have sent them.
     come: Array,
     is_over: bool,
     ctx: Context,
@@ -46,14 +43,12 @@ pub(super) enum Left {
 }
 
 impl Left {
-    /// All of some cells, for this many workers.
     pub(super) fn cells(cells: Cells, workers: usize) -> Self {
         let soon = (PORTION / cells.runner.time_of_cell()) as usize;
         let size = soon.min(cells.order.len() / (AT_ONCE * workers)).clamp(1, MOST);
         Self::Cells { cells: Box::new(cells), next: 0, size }
     }
 
-    /// Takes out the next portion.
     fn take(&mut self) -> Option<JsValue> {
         match self {
             Self::Samples(left) => {
@@ -72,7 +67,6 @@ impl Left {
 }
 
 impl Given {
-    /// A task that is begun by a message, for the worker of this number or for all.
     pub(super) fn new(number: u32, message: Array, left: Left, worker: Option<u32>, ctx: &Context) -> Self {
         let (shares, come, ctx) = (Vec::new(), Array::new(), ctx.clone());
         Self { number, message, left, shares, worker, come, is_over: false, ctx }
@@ -83,22 +77,18 @@ impl Given {
         self.number
     }
 
-    /// Whether all workers do it.
     pub(super) fn is_for_all(&self) -> bool {
         self.worker.is_none()
     }
 
-    /// Whether it is over, and no worker has a portion of it.
     pub(super) fn is_done_with(&self) -> bool {
         self.is_over && self.shares.iter().all(|(_, portions)| *portions == 0)
     }
 
-    /// Whether this worker does it alone.
     pub(super) fn is_of(&self, worker: &Worker) -> bool {
         self.worker == Some(worker.number()) && !self.is_over
     }
 
-    /// Whether a worker has portions of it.
     pub(super) fn is_at(&self, worker: &Worker) -> bool {
         self.shares.iter().any(|(number, portions)| *number == worker.number() && *portions > 0)
     }
@@ -108,7 +98,6 @@ impl Given {
         Some(self.come.shift()).filter(|part| !part.is_undefined())
     }
 
-    /// Asks for a frame.
     pub(super) fn wake(&self) {
         self.ctx.request_repaint();
     }
@@ -131,7 +120,6 @@ impl Given {
         }
     }
 
-    /// Takes in a part from a worker.
     pub(super) fn take(&mut self, part: &JsValue, worker: &Worker) {
         let Some((_, portions)) = self.shares.iter_mut().find(|(number, _)| *number == worker.number()) else { return };
         *portions = portions.saturating_sub(1);
@@ -160,7 +148,6 @@ impl Given {
         (self.left, self.come) = (Left::Samples(0), Array::new());
     }
 
-    /// Forgets the shares of workers that are gone.
     pub(super) fn forget_all_but(&mut self, workers: &[Worker]) {
         self.shares.retain(|(number, _)| workers.iter().any(|worker| worker.number() == *number && !worker.is_over()));
     }
