@@ -39,6 +39,16 @@ impl Page {
         self.client.post("url", &json!({ "url": address })).expect("the page can be opened");
     }
 
+    /// Looks into the page's first frame from now on.
+    pub(crate) async fn enter_frame(&self) {
+        self.client.enter_frame(0).await.expect("there is a frame");
+    }
+
+    /// Looks at the page again.
+    pub(crate) async fn leave_frame(&self) {
+        self.client.enter_parent_frame().await.expect("it is in a page");
+    }
+
     /// The value of a JavaScript expression.
     pub(crate) async fn value(&self, expression: &str) -> Value {
         let script = format!("return {expression};");
