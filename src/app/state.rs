@@ -89,7 +89,7 @@ impl App {
             ctx.set_theme(if dark { ThemePreference::Dark } else { ThemePreference::Light });
         }
         if let (Some(ctx), true) = (ctx, presenting != self.presenting) {
-            ctx.set_zoom_factor(if presenting { LARGE } else { 1.0 });
+            ctx.set_zoom_factor(if presenting { LARGE * self.usual_zoom } else { self.usual_zoom });
             theme::enlarge_readouts(ctx, presenting);
         }
         self.presenting = presenting;
