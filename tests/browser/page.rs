@@ -41,12 +41,12 @@ impl Page {
 
     /// Looks into the page's first frame from now on.
     pub(crate) async fn enter_frame(&self) {
-        self.client.enter_frame(0).await.expect("there is a frame");
+        self.post("frame", json!({ "id": 0 })).await;
     }
 
     /// Looks at the page again.
     pub(crate) async fn leave_frame(&self) {
-        self.client.enter_parent_frame().await.expect("it is in a page");
+        self.post("frame/parent", json!({})).await;
     }
 
     /// The value of a JavaScript expression.
