@@ -1,7 +1,6 @@
 //! The app: one session, its controls and its views.
 
 mod apply;
-mod embed;
 mod export;
 mod files;
 mod import;
@@ -10,7 +9,7 @@ mod lesson;
 pub mod link;
 mod panels;
 mod standstill;
-mod state;
+pub mod state;
 mod window;
 
 use egui::util::undoer::Undoer;
@@ -106,7 +105,7 @@ pub struct App {
     page: String,
     /// Whether another page embeds this one, which shows plots and transport only.
     embedded: bool,
-    /// The text of a saved session that could not be read in full; the next save keeps it.
+    /// The text of a saved session that could not be read; the next save keeps it.
     unreadable: Option<String>,
     requests: Vec<Request>,
 }
@@ -331,7 +330,7 @@ impl eframe::App for App {
         if self.embedded {
             return;
         }
-        if let Err(error) = self.saved().store(storage) {
+        if let Err(error) = self.store(storage) {
             log::error!("The session is not saved: {error}");
         }
     }

@@ -11,7 +11,7 @@ use kalmanscope_lessons::File as Contents;
 use crate::import;
 use crate::inbox::{Arrival, Inbox};
 use crate::request::{RawFile, Request};
-use crate::session_file;
+use crate::share::Picture;
 
 /// Limits the size of a file \[bytes\].
 pub const LARGEST: usize = import::LARGEST;
@@ -37,7 +37,7 @@ pub(crate) fn read(path: &Path, ctx: &Context, inbox: &Inbox) {
 
 /// The request to open a file of this name, or to show why it cannot be opened.
 pub(crate) fn opened(name: &str, bytes: Result<Vec<u8>, String>) -> Request {
-    if let Some(session) = bytes.as_ref().ok().and_then(|bytes| session_file::read(bytes)) {
+    if let Some(session) = bytes.as_ref().ok().and_then(|bytes| Picture::of_file(bytes)) {
         return session.map_or_else(|error| refused(name, &error), |saved| Request::OpenSession(Box::new(saved)));
     }
     let bytes = match bytes {

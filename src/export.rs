@@ -1,7 +1,6 @@
 //! Files that leave the explorer.
 
 mod everything;
-pub mod folder;
 mod report;
 
 use std::fmt::Display;
@@ -9,10 +8,10 @@ use std::fmt::Display;
 use kalmanscope_cli::write_estimates;
 
 use crate::figure::Figure;
+use crate::inbox::Done;
 use crate::laboratory::Laboratory;
 use crate::layout::Layout;
 use crate::request::Export;
-use crate::session_file;
 use crate::view::ViewContext;
 
 /// A file to be written.
@@ -26,8 +25,8 @@ pub struct File {
     pub contents: Vec<u8>,
 }
 
-/// Puts a file where the user finds it; returns the place in words, or the reason why it cannot be written.
-pub type Deliver = Box<dyn Fn(&File) -> Result<String, String>>;
+/// Puts a file where the user finds it.
+pub type Deliver = Box<dyn Fn(File, Done)>;
 
 impl Export {
     /// The files of results, in the menu's order.
@@ -98,7 +97,7 @@ pub fn file(export: Export, context: &ViewContext<'_>, layout: &Layout) -> Resul
 const JSON: &str = "application/json";
 
 fn written(context: &ViewContext<'_>, layout: &Layout) -> Result<String, String> {
-    session_file::text(&context.picture(layout)).map_err(reason)
+    context.picture(layout).lines().map_err(reason)
 }
 
 /// The numbers of the map on screen.

@@ -11,109 +11,12 @@ fn main() {
 }
 
 #[cfg(not(target_arch = "wasm32"))]
-mod native {
-    mod crash;
-    mod crash_page;
-    mod desktop;
-    mod file_dialog;
-    mod graphics;
-    mod keeper;
-    mod listen;
-    mod shelf;
-    mod signals;
-    mod slot;
-    mod state_file;
-    mod team;
-    mod window;
-
-    use std::fs::File;
-    use std::path::Path;
-    use std::process::ExitCode;
-
-    use kalmanscope::share::address;
-    use kalmanscope_core::Scenario;
-
-    use listen::Listening;
-    use window::Beginning;
-
-    const USAGE: &str = "usage: kalmanscope [LINK or FILE]\n       kalmanscope --listen SOURCE [SCENARIO.toml] [--keep FILE]\n\nLINK is an address with #link=…, ?lesson=NAME or \
-                         ?scenario=NAME; FILE is a measured record, a scenario or a lesson. SOURCE tells lines with a time and three \
-                         accelerations, such as serial:/dev/ttyUSB0?baud=115200, tcp://HOST:PORT, \
-                         udp://HOST:PORT, or - for standard input; with a scenario its filters follow the time, \
-                         the input and the readings of its sensors, under a header such as `t,force,displacement`. FILE gets every line, and must not exist.";
-
-    /// The exit code for an argument that cannot be used.
-    const INVALID: u8 = 2;
-
-    pub(super) fn main() -> ExitCode {
-        env_logger::Builder::from_env(env_logger::Env::default().default_filter_or("error")).init();
-        let mut arguments = std::env::args().skip(1);
-        let mut argument = arguments.next();
-        let mut beginning = Beginning::default();
-        if argument.as_deref() == Some("--listen") {
-            // Without a source, the usage is told.
-            if let Some(source) = arguments.next() {
-                argument = None;
-                beginning.source = match listening(source, arguments) {
-                    Ok(listening) => Some(listening),
-                    Err(error) => {
-                        eprintln!("error: {error}");
-                        return ExitCode::from(INVALID);
-                    }
-                }
-            }
-        }
-        beginning.file = argument.as_deref().map(Path::new).filter(|path| path.is_file()).map(Path::to_owned);
-        beginning.address = argument.filter(|_| beginning.file.is_none());
-        match beginning.address.as_deref().map(address::target).transpose() {
-            Ok(Some(None)) => {
-                eprintln!("{USAGE}");
-                return ExitCode::from(INVALID);
-            }
-            Err(error) => {
-                eprintln!("error: {error}");
-                return ExitCode::from(INVALID);
-            }
-            Ok(_) => {}
-        }
-        let Err(error) = window::open(beginning) else {
-            return ExitCode::SUCCESS;
-        };
-        // The message follows the last colon; a place in the toolkit's source comes before it.
-        let error = error.to_string();
-        let reason = error.rsplit(": ").next().unwrap_or(&error).trim_end_matches('.');
-        eprintln!("error: no window can be opened ({reason}); kalmanscope-cli runs scenarios without one");
-        ExitCode::FAILURE
-    }
-
-    /// A source with what follows it: a scenario, a file for the lines.
-    fn listening(source: String, mut arguments: impl Iterator<Item = String>) -> Result<Listening, String> {
-        let mut listening = Listening { source, scenario: None, keep: None };
-        while let Some(argument) = arguments.next() {
-            if argument == "--keep" {
-                let file = arguments.next().ok_or("--keep needs a file")?;
-                let kept = File::create_new(&file).map_err(|error| format!("{file} cannot be made: {error}"))?;
-                listening.keep = Some((file, kept));
-            } else {
-                listening.scenario = Some(read_scenario(&argument)?);
-            }
-        }
-        Ok(listening)
-    }
-
-    fn read_scenario(file: &str) -> Result<Scenario, String> {
-        let text = std::fs::read_to_string(file).map_err(|error| format!("{file} cannot be read: {error}"))?;
-        let scenario = Scenario::from_toml(&text).map_err(|error| format!("{file}: {error}"))?;
-        scenario.validate().map_err(|error| format!("{file}: {error}"))?;
-        Ok(scenario)
-    }
-}
+mod native;
 
 #[cfg(target_arch = "wasm32")]
 mod web {
     mod download;
     mod file_input;
-    mod messages;
     mod microphone;
     mod motion;
     mod object;
@@ -131,7 +34,6 @@ mod web {
     use wasm_bindgen::JsCast as _;
     use wasm_bindgen::prelude::*;
 
-    use messages::{Message, Messages};
     use microphone::Microphone;
     use motion::Motion;
     use tables::Tables;
@@ -163,8 +65,6 @@ mod web {
         tables: Option<Tables>,
         /// The fragment of the page's address.
         fragment: String,
-        /// The messages of the page that embeds this one.
-        messages: Option<Messages>,
     }
 
     impl Page {
@@ -185,17 +85,7 @@ mod web {
                 self.fragment.clone_from(fragment);
                 self.app.open_address(fragment);
             }
-            // One message a frame, so that its answer shows its effect.
-            let message = self.messages.as_ref().and_then(Messages::next);
-            let taken = message.as_ref().map(|Message { text, .. }| self.app.take_message(text));
             self.app.logic(ctx, frame);
-            if let (Some(message), Some(taken)) = (message, taken) {
-                match taken {
-                    Ok(taken) => message.answer(&self.app.answer_message(&taken)),
-                    Err(refusal) => message.refuse(&refusal),
-                }
-                ctx.request_repaint();
-            }
         }
 
         fn ui(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {
@@ -260,8 +150,7 @@ mod web {
         let creator: eframe::AppCreator<'static> = Box::new(move |creation| {
             let embedded = address::is_embedded(&address);
             let app = if embedded { kalmanscope::App::embedded(creation)? } else { kalmanscope::App::new(creation)? };
-            let mut app =
-                app.on_cleared_window().delivering(Box::new(download::download)).at_page(address::page(&address));
+            let mut app = app.on_cleared_window().delivering(download::download()).at_page(address::page(&address));
             let choose = web_sys::window()
                 .and_then(|window| window.document())
                 .and_then(|document| file_input::choose(&document, &creation.egui_ctx, app.inbox()));
@@ -280,14 +169,13 @@ mod web {
                 app.reduce_motion(&creation.egui_ctx);
             }
             app.open_address(&address);
-            let messages = embedded.then(|| Messages::listen(&creation.egui_ctx)).flatten();
             let fragment = creation.integration_info.web_info.location.hash.clone();
             RUNNER.with_borrow_mut(|runner| {
                 if let Some((_, ctx)) = runner {
                     *ctx = creation.egui_ctx.clone();
                 }
             });
-            Ok(Box::new(Page { app, tables, fragment, messages }))
+            Ok(Box::new(Page { app, tables, fragment }))
         });
         RUNNER.set(Some((runner.clone(), egui::Context::default())));
         // Dithering costs time for every pixel, and there are no gradients.

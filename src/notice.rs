@@ -40,6 +40,11 @@ impl Notice {
         self.is_of_standstill
     }
 
+    /// Whether the message is about a failure.
+    pub(crate) fn is_failure(&self) -> bool {
+        self.is_failure
+    }
+
     /// Whether the message has been shown for long enough. A failure stays until it is dismissed.
     pub(crate) fn is_over(&mut self, ctx: &Context) -> bool {
         if self.is_failure {

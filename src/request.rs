@@ -22,8 +22,6 @@ pub use kinds::{Arrangement, LegendEntry, Proportions, ViewKind};
 pub enum Request {
     /// Play if paused, pause if playing; from the start if at the end.
     TogglePlay,
-    /// Play or pause.
-    Play(bool),
     /// One sample forward, paused.
     Step,
     /// One sample back, paused.

@@ -1,35 +1,26 @@
-//! A picture as a link: the state of the screen, compressed, in the fragment of an address.
+//! A picture as a link: its text, packed, in the fragment of an address.
 //!
 //! ```text
-//! #link=1.DATA     DATA = base64url(deflate(line of JSON + scenario as TOML) + check)
+//! #link=1.DATA     DATA = base64url(deflate(JSON of the picture) + check)
 //! ```
-//! The number is the format's version. A program reads the versions up to its own.
+//! The number is the format's version.
 
 pub mod address;
-mod base64url;
-pub mod message;
 mod outline;
 mod packed;
 mod picture;
-mod tiles;
 
-use kalmanscope_core::{Document, DocumentError, Scenario};
+use base64::Engine as _;
+use base64::engine::general_purpose::URL_SAFE_NO_PAD;
 use thiserror::Error;
 
-use crate::laboratory::Choices;
-use crate::layout::Layout;
-use crate::ruler::Ruler;
-use crate::session::{Mode, Session};
-
 pub use outline::Outline;
-pub(crate) use picture::Screen;
-pub use picture::{Picture, PictureError};
-pub(crate) use tiles::outline_of_tiles;
+pub use picture::{Habits, Picture, PictureError};
 
 /// The beginning of a fragment with a link.
 pub const MARK: &str = "#link=";
 
-/// The newest format.
+/// The format.
 const VERSION: u32 = 1;
 
 /// Limits the characters of a link after [`MARK`].
@@ -42,8 +33,8 @@ pub enum LinkError {
     #[error("it has {0} characters, and a link has at most {LONGEST}")]
     TooLong(usize),
     /// The version is not known.
-    #[error("it is of version {0}, and this program reads links up to version {VERSION}")]
-    Newer(u64),
+    #[error("it is of version {0}, and this program reads links of version {VERSION}")]
+    Version(u32),
     /// The text was not written by a program, or is damaged.
     #[error("it is damaged: a part of it is missing or changed")]
     Damaged,
@@ -53,24 +44,13 @@ pub enum LinkError {
 }
 
 impl Picture {
-    /// The picture with these settings and views, at the usual speed, without marks, with all of the legend.
-    pub(crate) fn new(scenario: Scenario, layout: &Layout, mode: Mode, time: f64) -> Self {
-        let (views, enlarged) = (Outline::of(layout.tree()), layout.enlarged());
-        let (speed, ruler, hidden) = (Session::DEFAULT_SPEED, Ruler::default(), Vec::new());
-        let laboratory = Choices::default();
-        Self { scenario, views, enlarged, laboratory, mode, time, speed, ruler, hidden }
-    }
-
     /// The picture as a fragment, from `#` on.
     ///
     /// # Errors
     /// [`LinkError::Picture`] where the scenario cannot be written, [`LinkError::TooLong`] where the link would be too
     /// long.
     pub fn fragment(&self) -> Result<String, LinkError> {
-        let (screen, scenario) = self.parts()?;
-        let screen = Document::json(&screen).map_err(|error: DocumentError| PictureError::Screen(error.to_string()))?;
-        let text = format!("{screen}\n{scenario}");
-        let link = format!("{VERSION}.{}", base64url::encode(&packed::pack(&text)));
+        let link = packed(&self.line()?);
         if link.len() > LONGEST { Err(LinkError::TooLong(link.len())) } else { Ok(format!("{MARK}{link}")) }
     }
 
@@ -83,24 +63,24 @@ impl Picture {
         if link.len() > LONGEST {
             return Err(LinkError::TooLong(link.chars().count()));
         }
-        let (version, data) = link.split_once('.').ok_or(LinkError::Damaged)?;
-        match version.parse() {
-            Ok(newer) if newer > u64::from(VERSION) => return Err(LinkError::Newer(newer)),
-            Ok(version) if version == u64::from(VERSION) => {}
-            _ => return Err(LinkError::Damaged),
-        }
-        let bytes = base64url::decode(data).ok_or(LinkError::Damaged)?;
-        let text = packed::unpack(&bytes).ok_or(LinkError::Damaged)?;
-        let (screen, scenario) = text.split_once('\n').ok_or(LinkError::Damaged)?;
-        let screen =
-            Document::read_json(screen).map_err(|error: DocumentError| PictureError::Screen(error.to_string()))?;
-        Ok(Self::of_parts(screen, scenario)?)
+        Ok(Self::of_text(&unpacked(link)?)?)
     }
+}
 
-    /// The views as tiles.
-    pub(crate) fn layout(&self) -> Layout {
-        Layout::of_outline(self.views.as_ref(), self.enlarged)
+/// A text as the part of a link after [`MARK`].
+fn packed(text: &str) -> String {
+    format!("{VERSION}.{}", URL_SAFE_NO_PAD.encode(packed::pack(text)))
+}
+
+fn unpacked(link: &str) -> Result<String, LinkError> {
+    let (version, data) = link.split_once('.').ok_or(LinkError::Damaged)?;
+    match version.parse() {
+        Ok(VERSION) => {}
+        Ok(other) if other > VERSION => return Err(LinkError::Version(other)),
+        _ => return Err(LinkError::Damaged),
     }
+    let bytes = URL_SAFE_NO_PAD.decode(data).map_err(|_| LinkError::Damaged)?;
+    packed::unpack(&bytes).ok_or(LinkError::Damaged)
 }
 
 #[cfg(test)]

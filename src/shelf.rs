@@ -4,24 +4,21 @@ use std::rc::Rc;
 
 use egui::Context;
 
-use crate::inbox::Inbox;
+use crate::inbox::{Done, Inbox};
 
 /// Limits the size of a file that is kept \[bytes\].
 pub const LARGEST: usize = 64_000_000;
 
 /// A place for one file, which outlasts the program.
 pub trait Shelf {
-    /// Keeps a file in place of the one before it. A failure is logged: the record on screen does not need it.
-    fn keep(&self, name: &str, bytes: Rc<[u8]>);
+    /// Keeps a file in place of the one before it, which goes once the new one is written.
+    fn keep(&self, name: &str, bytes: Rc<[u8]>, done: Done);
 
-    /// Puts the kept file into the inbox, if there is one.
+    /// Puts the kept file into the inbox, if there is one, or the reason why it cannot be read.
     fn fetch(&self, ctx: &Context, inbox: &Inbox);
 
     /// Forgets the kept file.
-    fn forget(&self);
-
-    /// The place, in words: `this browser`.
-    fn place(&self) -> &'static str;
+    fn forget(&self, done: Done);
 }
 
 /// A file that becomes the record on screen, if the user opens it.

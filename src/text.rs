@@ -38,7 +38,7 @@ pub fn parse(text: &str) -> Option<f64> {
 }
 
 /// A text that begins with a capital letter.
-pub(crate) fn sentence(text: &str) -> String {
+pub fn sentence(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }

@@ -62,12 +62,12 @@ impl<'a> ViewContext<'a> {
         Self { laboratory, ..self }
     }
 
-    /// The picture on screen as a link has it, with all choices in the laboratory.
+    /// The picture on screen, with all choices in the laboratory.
     pub(crate) fn picture(&self, layout: &Layout) -> Picture {
         let Self { session, visible, ruler, laboratory, .. } = self;
         let time = session.time() - session.run().record().time_of(0);
         Picture {
-            laboratory: laboratory.map(Laboratory::choices).unwrap_or_default(),
+            laboratory: laboratory.map(Laboratory::choices).unwrap_or_default().possible_with(session.scenario()),
             speed: session.speed(),
             ruler: ruler.in_nanoseconds(),
             hidden: visible.hidden(),

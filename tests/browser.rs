@@ -118,7 +118,7 @@ fn links_frames_and_files_work_in_a_browser() {
         embed::policy_is_strict(&page, &address).await;
         share::links(&page, &address).await;
         share::names(&page, &address).await;
-        embed::messages(&page, &address).await;
+        embed::in_a_frame(&page, &address).await;
         starts(&page, &address).await;
         import::a_record_is_chosen(&page, &driver.downloads()).await;
         import::a_record_is_opened_by_drop(&page).await;

@@ -22,11 +22,6 @@ impl App {
         let Self { session, axis, visible, layout, laboratory, history, .. } = self;
         match request {
             Request::TogglePlay => session.toggle_play(),
-            Request::Play(playing) => {
-                if playing != session.playing() {
-                    session.toggle_play();
-                }
-            }
             Request::Step => session.step(),
             Request::StepBack => session.step_back(),
             Request::Restart => {
@@ -114,7 +109,7 @@ impl App {
                     layout.leave_enlarged();
                 }
             }
-            Request::ForgetRecord => self.forget_record(),
+            Request::ForgetRecord => self.forget_record(ctx),
             Request::Diagnose(id) => self.diagnosed = Some(id),
             Request::CloseDiagnosis => self.diagnosed = None,
             Request::ToggleView(view) => layout.toggle(view),
@@ -137,7 +132,7 @@ impl App {
             Request::PlaceMark(end, time) => self.ruler.place(end, time),
             Request::ToggleMark(end) => self.ruler.toggle(end, axis.shown_time(session)),
             Request::ClearMarks => self.ruler.clear(),
-            Request::Export(export) => self.export(export),
+            Request::Export(export) => self.export(export, ctx),
             Request::ToggleExports => export_menu::toggle(ctx),
             Request::ChooseMap(choice) => laboratory.choose(Some(*choice)),
             Request::ComputeMap(wanted) => {

@@ -5,7 +5,6 @@ use egui::Context;
 use super::App;
 use crate::export::{self, Deliver};
 use crate::figure::Figure;
-use crate::notice::Notice;
 use crate::request::{Export, FigureFormat};
 use crate::share;
 use crate::theme::Palette;
@@ -30,24 +29,26 @@ impl App {
     }
 
     /// Makes a file and delivers it. Shows its place, or the reason why it cannot be written.
-    pub(super) fn export(&mut self, export: Export) {
+    pub(super) fn export(&mut self, export: Export, ctx: &Context) {
+        self.notice = None;
         let palette = Palette::of(egui::Theme::Light);
         let made = export::file(export, &self.figure_context(&palette), &self.layout);
         let deliver = self.deliver.as_ref().ok_or_else(|| "there is no place for files here".to_owned());
-        let written = made.and_then(|file| deliver?(&file));
-        self.notice = Some(match written {
-            Ok(place) => Notice::done(&format!("Written: {place}")),
-            Err(error) => format!("The file cannot be written: {error}.").into(),
-        });
+        let failed = |reason: &str| format!("The file cannot be written: {reason}.");
+        match made.and_then(|file| Ok((deliver?, file))) {
+            Ok((deliver, file)) => deliver(file, self.inbox.done(ctx, |place| format!("Written: {place}"), failed)),
+            Err(reason) => self.notice = Some(failed(&reason).into()),
+        }
     }
 
     /// Restores a session from a file. Undo brings back the earlier settings.
     pub(super) fn open_session(&mut self, picture: share::Picture, ctx: &Context) {
-        let record = picture.scenario.record.as_ref().map(|mapping| mapping.file.clone());
         let laboratory = picture.laboratory.clone();
         self.show_picture(picture, ctx);
         self.laboratory.restore(laboratory);
-        if let Some(file) = record.filter(|file| !file.is_empty()) {
+        let scenario = self.session.scenario();
+        let is_here = scenario.record.as_ref().is_some_and(|mapping| self.session.library().file(mapping).is_some());
+        if let Some(file) = self.missing_record().filter(|file| !is_here && !file.is_empty()) {
             self.notice = Some(format!("The session belongs to the record “{file}”: drop that file too.").into());
         }
     }

@@ -1,4 +1,4 @@
-//! Files to open that do not come by drop.
+//! Files to open that do not come by drop, and the ends of writing others.
 
 use std::path::Path;
 
@@ -7,6 +7,7 @@ use egui::Context;
 use super::App;
 use crate::drop;
 use crate::inbox::{Arrival, Choose, Inbox};
+use crate::notice::Notice;
 use crate::request::Request;
 
 impl App {
@@ -47,6 +48,10 @@ impl App {
                 // It is opened without questions, or not at all.
                 Arrival::Kept(name, bytes) if self.waits_for(&bytes) => self.open_file(&name, Ok(bytes)),
                 Arrival::Kept(..) => {}
+                Arrival::Done(sentence) if self.notice.as_ref().is_some_and(Notice::is_failure) => {
+                    self.report(&sentence);
+                }
+                Arrival::Done(sentence) => self.notice = Some(Notice::done(&sentence)),
                 Arrival::Failure(sentence) => self.requests.push(Request::Report(sentence)),
             }
         }

@@ -9,7 +9,6 @@ use super::App;
 use crate::import::{Import, Opened};
 use crate::layout::Layout;
 use crate::measure::{Measure, News};
-use crate::notice::Notice;
 use crate::request::{RawFile, Request, ViewKind};
 use crate::sensor::Sensors;
 use crate::session::{Mode, RecordFile, name_of};
@@ -81,7 +80,7 @@ impl App {
         }
         let strip = Panel::top("live").frame(frame);
         if !strip.show(ui, |ui| measure.strip_ui(ui, palette, requests)).inner {
-            self.end_measure();
+            self.end_measure(ui.ctx());
         }
     }
 
@@ -89,41 +88,39 @@ impl App {
     pub(super) fn measure_ui(&mut self, ctx: &Context, palette: &Palette) {
         let Self { measure: Some(measure), requests, .. } = self else { return };
         if !measure.is_watched() && !measure.ui(ctx, palette, requests) {
-            self.end_measure();
+            self.end_measure(ctx);
         }
     }
 
     /// Leaves the measurement. The record on screen becomes a measured record with a file.
-    fn end_measure(&mut self) {
+    fn end_measure(&mut self, ctx: &Context) {
         self.measure = None;
         let is_imported = self.requests.iter().any(|request| matches!(request, Request::ImportFile(_)));
         if let Some(bytes) = self.session.end_live(MEASURED).filter(|_| !is_imported) {
             self.candidate = self.shelf.is_some().then(|| Candidate::of(MEASURED, &bytes)).flatten();
-            if let Some(kept) = self.shelve() {
-                self.inform(&kept);
-            }
+            self.shelve(ctx);
         }
     }
 
     /// Forgets the file that is kept for the next start.
-    pub(super) fn forget_record(&mut self) {
+    pub(super) fn forget_record(&self, ctx: &Context) {
         if let Some(shelf) = &self.shelf {
-            shelf.forget();
-            self.notice = Some(Notice::done("The record is no longer kept for the next start."));
+            let forgotten = |_: &str| "The record is no longer kept for the next start.".to_owned();
+            let failed = |reason: &str| format!("The record is still kept for the next start: {reason}.");
+            shelf.forget(self.inbox.done(ctx, forgotten, failed));
         }
     }
 
-    /// Keeps the file whose import has ended. Returns the sentence about it.
-    fn shelve(&mut self) -> Option<String> {
-        let (shelf, file) = (self.shelf.as_ref()?, self.candidate.take()?);
-        let said = format!(
-            "“{}” ({}) is kept in {} for the next start: More, *Forget the record*, removes it.",
-            file.name,
-            file.size(),
-            shelf.place()
-        );
-        shelf.keep(&file.name, file.bytes);
-        Some(said.replace('*', ""))
+    /// Keeps the file whose import has ended; a sentence says so once it is written.
+    fn shelve(&mut self, ctx: &Context) {
+        let (Some(shelf), Some(file)) = (&self.shelf, self.candidate.take()) else { return };
+        let (name, size) = (file.name.clone(), file.size());
+        let kept = move |place: &str| {
+            format!("“{name}” ({size}) is kept in {place} for the next start: More, Forget the record, removes it.")
+        };
+        let name = file.name.clone();
+        let failed = move |reason: &str| format!("“{name}” is not kept for the next start: {reason}.");
+        shelf.keep(&file.name, file.bytes, self.inbox.done(ctx, kept, failed));
     }
 
     /// Opens the window for the meaning of the columns again, for the record on screen.
@@ -200,8 +197,8 @@ impl App {
             self.session.edit(scenario);
         }
         let problem = problem.map(|problem| format!("{}.", sentence(&problem)));
-        let kept = self.shelve();
-        self.notice = problem.clone().map(Into::into).or_else(|| kept.as_deref().map(Notice::done));
+        self.notice = problem.clone().map(Into::into);
+        self.shelve(ctx);
         self.session.explain(reasons, problem);
     }
 }

@@ -90,7 +90,7 @@ impl App {
     }
 
     /// The name of the record's file, where a link cannot bring it: it is not built in.
-    fn missing_record(&self) -> Option<&str> {
+    pub(super) fn missing_record(&self) -> Option<&str> {
         let mapping = self.session.scenario().record.as_ref()?;
         records::record(mapping).is_none().then_some(mapping.file.as_str())
     }
@@ -102,10 +102,10 @@ impl App {
         }
     }
 
-    /// Shows a picture, paused. Undo brings back the earlier settings.
+    /// Shows a picture, paused, with the habits that it may have. Undo brings back the earlier settings.
     pub(super) fn show_picture(&mut self, picture: Picture, ctx: &Context) {
         let layout = picture.layout();
-        let Picture { scenario, laboratory, mode, time, speed, ruler, hidden, views: _, enlarged: _ } = picture;
+        let Picture { scenario, laboratory, mode, time, speed, ruler, hidden, views: _, enlarged: _, habits } = picture;
         self.history.add_undo(self.session.scenario());
         self.session.set_scenario(scenario);
         self.session.begin_anew();
@@ -122,6 +122,9 @@ impl App {
         self.ruler = ruler;
         self.visible = Visibility::without(&hidden);
         number::begin_anew(ctx);
+        if let Some(habits) = habits {
+            self.take_up(habits, Some(ctx));
+        }
     }
 }
 

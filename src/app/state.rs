@@ -1,96 +1,129 @@
-//! The state that outlasts the program, and the explorer that begins with it.
+//! The picture that outlasts the program, and the explorer that begins with it.
 
+use eframe::Storage;
 use egui::{Context, ThemePreference};
 use kalmanscope_core::{RunError, Scenario};
 use kalmanscope_lessons::BuiltIn;
 
 use super::{App, LARGE};
-use crate::saved::{Found, Saved};
 use crate::session::Budget;
-use crate::share::Outline;
-use crate::theme;
+use crate::share::{Habits, Picture, PictureError};
+use crate::theme::{self, Palette};
 use crate::visibility::Visibility;
 
+/// The storage key of the last picture.
+pub const KEY: &str = "kalmanscope";
+
+/// The storage key of the last text under [`KEY`] that could not be read; the next save would overwrite it.
+pub const UNREADABLE_KEY: &str = "kalmanscope-unreadable";
+
+/// The picture of the last use, if there was one, or the sentence why it cannot be opened.
+pub type LastPicture = Result<Option<Picture>, String>;
+
 impl App {
-    /// The explorer in the state that a storage holds, or playing the default scenario.
+    /// The explorer with the picture in a storage, or playing the default scenario.
     ///
     /// # Errors
     /// [`RunError`] where even the default scenario cannot be run.
-    pub fn stored(ctx: &Context, storage: Option<&dyn eframe::Storage>) -> Result<Self, RunError> {
-        let found = Self::dress(ctx, storage);
-        if found.saved.presenting {
-            ctx.set_zoom_factor(LARGE);
-            theme::enlarge_readouts(ctx, true);
-        }
-        Self::from_found(found, Budget::FRAME)
+    pub fn stored(ctx: &Context, storage: Option<&dyn Storage>) -> Result<Self, RunError> {
+        let (last, unreadable) = read(storage);
+        Ok(Self { unreadable, ..Self::resumed(ctx, last)? })
     }
 
-    /// Sets fonts, styles and the theme that a storage holds, before anything is computed.
-    pub fn set_theme(ctx: &Context, storage: Option<&dyn eframe::Storage>) {
-        Self::dress(ctx, storage);
-    }
-
-    fn dress(ctx: &Context, storage: Option<&dyn eframe::Storage>) -> Found {
+    /// The explorer with the picture of the last use, with fonts and styles.
+    ///
+    /// # Errors
+    /// [`RunError`] where the scenario cannot be run.
+    pub fn resumed(ctx: &Context, last: LastPicture) -> Result<Self, RunError> {
         theme::install(ctx);
-        let found = Saved::load(storage);
-        found.saved.apply_theme(ctx);
-        found
+        Self::with_last(last, Budget::FRAME, Some(ctx))
     }
 
-    /// The explorer in the state that [`eframe::App::save`] left in `storage`, without fonts and styles. A part that
-    /// cannot be read gets its default; a message says so, and the next save keeps the text.
+    /// As [`Self::stored`], computed at once and without fonts and styles.
+    ///
+    /// # Errors
+    /// As [`Self::stored`].
+    pub fn restored(storage: Option<&dyn Storage>) -> Result<Self, RunError> {
+        let (last, unreadable) = read(storage);
+        Ok(Self { unreadable, ..Self::with_last(last, Budget::Unlimited, None)? })
+    }
+
+    /// The explorer for the frame of another page: plots and transport, and no saved session, neither read nor written.
     ///
     /// # Errors
     /// [`RunError`] where even the default scenario cannot be run.
-    pub fn restored(storage: Option<&dyn eframe::Storage>) -> Result<Self, RunError> {
-        Self::from_found(Saved::load(storage), Budget::Unlimited)
+    pub fn embedded(creation: &eframe::CreationContext<'_>) -> Result<Self, RunError> {
+        let app = Self::resumed(&creation.egui_ctx, Ok(None))?;
+        Ok(Self { embedded: true, inviting: false, ..app })
     }
 
-    pub(super) fn from_found(Found { saved, new_here, problem }: Found, budget: Budget) -> Result<Self, RunError> {
-        let layout = saved.layout();
-        let mut app = Self::with_any(saved.scenario)?;
+    fn with_last(last: LastPicture, budget: Budget, ctx: Option<&Context>) -> Result<Self, RunError> {
+        let is_first = matches!(last, Ok(None));
+        let (picture, problem) = match last {
+            Ok(picture) => (picture.unwrap_or_default(), None),
+            Err(problem) => (Picture::default(), Some(problem)),
+        };
+        let layout = picture.layout();
+        let Picture { scenario, laboratory, mode, speed, ruler, hidden, habits, .. } = picture;
+        let mut app = Self::with_any(scenario)?;
         // The first frame is drawn before any long computation.
         app.session.set_budget(budget);
-        app.session.set_mode(saved.mode);
-        app.session.set_speed(saved.speed);
-        app.presenting = saved.presenting;
+        app.session.set_mode(mode);
+        app.session.set_speed(speed);
         app.layout = layout;
-        app.ruler = saved.ruler;
-        app.visible = Visibility::without(&saved.hidden);
-        app.laboratory.restore(saved.laboratory);
-        app.inviting = new_here;
-        app.all_settings = saved.all_settings;
-        app.resume(saved.studies);
-        app.unreadable = saved.unreadable;
-        if let Some(reason) = problem {
-            app.report(&format!("The last session could not be restored in full, but its text is kept: {reason}."));
+        app.ruler = ruler;
+        app.visible = Visibility::without(&hidden);
+        app.laboratory.restore(laboratory);
+        app.inviting = is_first;
+        app.take_up(habits.unwrap_or_default(), ctx);
+        if let Some(problem) = problem {
+            app.report(&problem);
         }
         Ok(app)
     }
 
-    /// The state that outlasts the program.
-    pub fn saved(&self) -> Saved {
-        let Self { session, layout, laboratory, presenting, theme, ruler, visible, all_settings, unreadable, .. } =
-            self;
-        Saved {
-            scenario: session.scenario().clone(),
-            mode: session.mode(),
-            speed: session.speed(),
-            presenting: *presenting,
-            dark: match theme {
+    /// Takes up the user's habits.
+    pub(super) fn take_up(&mut self, habits: Habits, ctx: Option<&Context>) {
+        let Habits { presenting, dark, all_settings, lessons } = habits;
+        if let (Some(ctx), Some(dark)) = (ctx, dark) {
+            ctx.set_theme(if dark { ThemePreference::Dark } else { ThemePreference::Light });
+        }
+        if let (Some(ctx), true) = (ctx, presenting != self.presenting) {
+            ctx.set_zoom_factor(if presenting { LARGE * self.usual_zoom } else { self.usual_zoom });
+            theme::enlarge_readouts(ctx, presenting);
+        }
+        self.presenting = presenting;
+        self.all_settings = all_settings;
+        self.resume(lessons);
+    }
+
+    /// The picture for the next start, which begins with the first sample.
+    pub fn last_picture(&self) -> Picture {
+        let habits = Habits {
+            presenting: self.presenting,
+            dark: match self.theme {
                 ThemePreference::Dark => Some(true),
                 ThemePreference::Light => Some(false),
                 ThemePreference::System => None,
             },
-            views: Outline::of(layout.tree()),
-            enlarged: layout.enlarged(),
-            ruler: ruler.in_nanoseconds(),
-            hidden: visible.hidden(),
-            all_settings: *all_settings,
-            laboratory: laboratory.choices(),
-            studies: self.studies(),
-            unreadable: unreadable.clone(),
+            all_settings: self.all_settings,
+            lessons: self.studies(),
+        };
+        let palette = Palette::of(egui::Theme::Light);
+        let picture = self.figure_context(&palette).picture(&self.layout);
+        Picture { time: 0.0, habits: Some(habits), ..picture }
+    }
+
+    /// Writes the picture into a storage, and keeps the text of an unreadable one under its own key.
+    ///
+    /// # Errors
+    /// [`PictureError`] where it cannot be written.
+    pub(super) fn store(&mut self, storage: &mut dyn Storage) -> Result<(), PictureError> {
+        if let Some(text) = self.unreadable.take() {
+            storage.set_string(UNREADABLE_KEY, text);
         }
+        storage.set_string(KEY, self.last_picture().line()?);
+        Ok(())
     }
 
     /// The explorer at the start of a scenario. If the scenario needs a measured record, the first built-in scenario
@@ -102,5 +135,19 @@ impl App {
         let mut app = Self::with_scenario(BuiltIn::FIRST.scenario().unwrap_or_default())?;
         app.session.set_scenario(scenario);
         Ok(app)
+    }
+}
+
+/// The picture in a storage, and its text where it cannot be read.
+fn read(storage: Option<&dyn Storage>) -> (LastPicture, Option<String>) {
+    let Some(text) = storage.and_then(|storage| storage.get_string(KEY)) else { return (Ok(None), None) };
+    match Picture::of_text(&text) {
+        Ok(picture) => (Ok(Some(picture)), None),
+        Err(reason) => {
+            let sentence = format!(
+                "The last session cannot be opened: {reason}. Its text is kept in this browser's store as “{UNREADABLE_KEY}”."
+            );
+            (Err(sentence), Some(text))
+        }
     }
 }

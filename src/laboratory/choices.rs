@@ -1,19 +1,25 @@
 //! The user's choices in the laboratory, for links and sessions.
 
 use kalmanscope_core::Scenario;
+use serde::{Deserialize, Serialize};
 
 use super::{Choice, Laboratory, SeedChoice, TuneChoice};
 
 /// The choices of all views of the laboratory. `None` stands for the usual choice.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Choices {
     /// The map.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub map: Option<Choice>,
     /// The seeds of Monte Carlo.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub seeds: Option<SeedChoice>,
     /// The settings to tune and the goal.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub tuning: Option<TuneChoice>,
     /// The id of the filter whose posterior is shown.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub posterior: Option<u32>,
 }
 
@@ -30,6 +36,15 @@ impl Choices {
             .as_ref()
             .map_or(Ok(()), |tuning| tuning.check(scenario))
             .map_err(|reason| format!("Tune for me: {reason}"))
+    }
+
+    /// These choices without those of filters and settings that a scenario no longer has: no view fits a choice that is not shown.
+    pub(crate) fn possible_with(self, scenario: &Scenario) -> Self {
+        Self {
+            map: self.map.filter(|map| map.check(scenario).is_ok()),
+            tuning: self.tuning.filter(|tuning| tuning.check(scenario).is_ok()),
+            ..self
+        }
     }
 
     /// These choices; those that are `None` come from `others`.

@@ -1,112 +1,75 @@
 //! A note about a crash, which the next start shows.
 
 use std::fs;
-use std::io::ErrorKind;
-use std::panic::{self, PanicHookInfo};
+use std::panic;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
-use std::time::{SystemTime, UNIX_EPOCH};
+use std::time::{Duration, Instant};
 
-use kalmanscope_cli::output;
-use kalmanscope_core::Document;
-use serde::{Deserialize, Serialize};
+use super::state_file::{self, set_aside};
 
-use super::keeper::Kept;
+/// The notes of a crash that nobody has seen: one soon after the start, and a later one.
+const NOTES: [&str; 2] = ["crash-at-start.txt", "crash.txt"];
 
-/// The newest format.
-const VERSION: u64 = 1;
+/// The note of a crash that the user has seen.
+const SEEN: &str = "last-crash.txt";
 
-/// A crash.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Crash {
-    /// The format of the note.
-    kalmanscope_crash: u64,
-    /// The program's version.
-    pub(super) version: String,
-    /// The program's own words.
-    pub(super) message: String,
-    /// The place in the source.
-    pub(super) place: String,
-    /// The name of the thread.
-    pub(super) thread: String,
-    /// Seconds since 1970, by the machine's clock.
-    time: u64,
-    /// The file of the saved state.
-    pub(super) state: String,
-    /// The state at the crash, if it could be read.
-    pub(super) session: Option<String>,
-}
+/// A crash so soon after the start may be due to the session: the user had no time to open another one.
+const SOON: Duration = Duration::from_secs(10);
 
-impl Crash {
-    fn new(info: &PanicHookInfo<'_>, kept: &Kept, state: &Path) -> Self {
-        let time = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.as_secs());
-        Self {
-            kalmanscope_crash: VERSION,
-            version: env!("CARGO_PKG_VERSION").to_owned(),
-            message: info.payload_as_str().unwrap_or("no words").to_owned(),
-            place: info.location().map_or_else(|| "an unknown place".to_owned(), ToString::to_string),
-            thread: thread::current().name().unwrap_or("without a name").to_owned(),
-            time,
-            state: state.display().to_string(),
-            session: kept.text(),
-        }
-    }
-
-    /// The note at a path, if there is one.
-    ///
-    /// # Errors
-    /// The reason in words where it cannot be read.
-    pub(super) fn read(path: &Path) -> Result<Option<Self>, String> {
-        let text = match fs::read_to_string(path) {
-            Ok(text) => text,
-            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
-            Err(error) => return Err(error.to_string()),
-        };
-        let crash: Self = Document::read_json(&text).map_err(|error| error.to_string())?;
-        Ok(Some(crash))
-    }
-
-    fn write(&self, path: &Path) -> Result<(), String> {
-        let text = Document::json_lines(self).map_err(|error| error.to_string())?;
-        output::write(path, |file| file.write_all(text.as_bytes())).map_err(|error| error.to_string())
-    }
-}
-
-/// Notes the first panic of any thread from now on at `note`, before the usual message about it.
-pub(super) fn note_panics(note: &Path, state: &Path, kept: &Kept) {
-    let (note, state, kept) = (note.to_owned(), state.to_owned(), kept.clone());
-    let (is_noted, usual) = (AtomicBool::new(false), panic::take_hook());
+/// Notes the first panic of any thread from now on, before the usual message about it.
+pub(super) fn note_panics(folder: &Path) {
+    let (folder, begin, is_noted) = (folder.to_owned(), Instant::now(), AtomicBool::new(false));
+    let usual = panic::take_hook();
     panic::set_hook(Box::new(move |info| {
         // Writing the note may crash too.
-        if !is_noted.swap(true, Ordering::SeqCst)
-            && let Err(reason) = Crash::new(info, &kept, &state).write(&note)
-        {
-            eprintln!("error: the crash cannot be noted in {}: {reason}", note.display());
+        if !is_noted.swap(true, Ordering::SeqCst) {
+            let message = info.payload_as_str().unwrap_or("no words");
+            let place = info.location().map_or_else(|| "an unknown place".to_owned(), ToString::to_string);
+            note(&folder, &format!("“{message}”, at {place}"), begin.elapsed());
         }
         usual(info);
     }));
 }
 
-/// Keeps the note of a crash that the user has seen, for a report, in place of an older one.
-pub(super) fn put_aside(note: &Path, told: &Path) {
-    if let Err(error) = fs::rename(note, told) {
-        log::error!("The note about the crash cannot be kept: {error}");
-        fs::remove_file(note).ok();
+/// Writes the note.
+fn note(folder: &Path, error: &str, after: Duration) {
+    let thread = thread::current();
+    let (version, seconds) = (env!("CARGO_PKG_VERSION"), after.as_secs());
+    let name = thread.name().unwrap_or("without a name");
+    let text = format!("{error}, in the thread “{name}” of version {version} after {seconds} s.");
+    let file = NOTES[usize::from(after >= SOON)];
+    if let Err(error) = fs::write(folder.join(file), text) {
+        eprintln!("error: the crash cannot be noted in {}: {error}", folder.display());
     }
+}
+
+/// The sentences about the crash of the last use, if it ended by one. The note stays, for a report; a session that may be the
+/// reason is set aside.
+pub(super) fn last(folder: &Path) -> Option<String> {
+    let (name, text) = NOTES.iter().find_map(|name| Some((*name, fs::read(folder.join(name)).ok()?)))?;
+    let (note, seen) = (folder.join(name), folder.join(SEEN));
+    let note = fs::rename(&note, &seen).map_or(note, |()| seen);
+    let (text, note) = (String::from_utf8_lossy(&text), note.display());
+    let said = format!("Kalmanscope has stopped with an error: {text} Please add {note} to a report.");
+    let aside = if name == NOTES[0] { set_aside(&folder.join(state_file::NAME)).ok() } else { None };
+    let aside = aside.map(|place| format!(" The session may be the reason; it is kept as {}.", place.display()));
+    Some(said + &aside.unwrap_or_default())
+}
+
+/// Forgets the notes: a panic of a thread that has not ended the program was no crash.
+pub(super) fn forget(folder: &Path) {
+    NOTES.iter().for_each(|name| drop(fs::remove_file(folder.join(name))));
 }
 
 #[cfg(test)]
 mod tests {
     use std::env;
-    use std::path::PathBuf;
     use std::process::Command;
 
-    use kalmanscope::App;
-    use kalmanscope_core::Scenario;
+    use kalmanscope::share::Picture;
 
-    use super::super::keeper::Keeper;
-    use super::super::slot::Slot;
     use super::super::state_file::StateFile;
     use super::*;
 
@@ -118,19 +81,11 @@ mod tests {
         panic!("the device is lost");
     }
 
-    fn crash_in(folder: &Path) {
-        let slot = Slot::take(folder).expect("there is a place");
-        let keeper = Keeper::new(StateFile::open(&slot).0);
-        note_panics(&slot.path("crash"), &slot.path("state"), keeper.kept());
-        let scenario = Scenario { seed: 77, ..Scenario::default() };
-        keeper.follow(App::with_scenario(scenario).expect("it can be run").saved());
-        end_by_a_panic();
-    }
-
     #[test]
     fn a_crash_is_noted_before_the_program_is_gone() {
         if let Some(folder) = env::var_os(FOLDER) {
-            return crash_in(&PathBuf::from(folder));
+            note_panics(Path::new(&folder));
+            return end_by_a_panic();
         }
         let folder = tempfile::tempdir().expect("a folder can be made");
         let name = format!("{}::a_crash_is_noted_before_the_program_is_gone", module_path!());
@@ -139,24 +94,38 @@ mod tests {
         let output = Command::new(program).args(["--exact", name]).env(FOLDER, folder.path()).output();
         let output = output.expect("it can be started");
         assert!(!output.status.success() && output.status.code() != Some(101), "it is aborted: {output:?}");
-        assert!(!folder.path().join("state.json").exists(), "there was no time to save");
 
-        let crash = Crash::read(&folder.path().join("crash.json")).expect("it can be read").expect("it is there");
-        assert_eq!((crash.message.as_str(), crash.version.as_str()), ("the device is lost", env!("CARGO_PKG_VERSION")));
-        assert!(crash.place.contains("crash.rs:") && crash.state.ends_with("state.json"), "{crash:?}");
-        assert!(crash.session.is_some_and(|session| session.contains("seed = 77")));
+        let said = last(folder.path()).expect("there is a note");
+        let version = env!("CARGO_PKG_VERSION");
+        for part in ["“the device is lost”, at src/native/crash.rs:", version, "last-crash.txt"] {
+            assert!(said.contains(part), "no {part}: {said}");
+        }
+        assert_eq!(last(folder.path()), None, "it is said once");
+        assert!(folder.path().join(SEEN).exists());
     }
 
     #[test]
-    fn a_note_that_cannot_be_read_is_no_silence() {
+    fn a_session_that_may_be_the_reason_does_not_end_the_next_start_too() {
         let folder = tempfile::tempdir().expect("a folder can be made");
-        let path = folder.path().join("crash.json");
-        assert_eq!(Crash::read(&path), Ok(None));
-        for text in ["", "{", "{}"] {
-            fs::write(&path, text).expect("it can be written");
-            assert!(Crash::read(&path).is_err(), "{text}");
+        let picture = Picture { speed: 3.0, ..Picture::default() };
+        for (after, is_there) in [(20, true), (3, false)] {
+            let (mut file, _) = StateFile::open(folder.path()).expect("there is a place");
+            assert_eq!(file.save(&picture), None);
+            note(folder.path(), "“x”, at y", Duration::from_secs(after));
+            let said = last(folder.path()).expect("there is a note");
+            assert_eq!(said.contains("state-kept-1.json"), !is_there, "{said}");
+            let (_, last) = StateFile::open(folder.path()).expect("there is a place");
+            assert_eq!(last, Ok(is_there.then(|| picture.clone())));
         }
-        put_aside(&path, &folder.path().join("last-crash.json"));
-        assert_eq!(Crash::read(&path), Ok(None));
+        let kept = fs::read(folder.path().join("state-kept-1.json")).expect("it is kept");
+        assert!(String::from_utf8_lossy(&kept).contains("\"speed\": 3.0"), "it can be dropped on the window");
+    }
+
+    #[test]
+    fn a_note_of_a_thread_that_has_not_ended_the_program_is_forgotten() {
+        let folder = tempfile::tempdir().expect("a folder can be made");
+        note(folder.path(), "“x”, at y", SOON);
+        forget(folder.path());
+        assert_eq!(last(folder.path()), None);
     }
 }

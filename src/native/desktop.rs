@@ -1,215 +1,112 @@
-//! The explorer in a window: its state outlasts crashes, signals and a second instance.
+//! The explorer in a window: its picture is saved two seconds after a change, and when the system asks the program to end.
 
-use std::path::PathBuf;
+use std::path::Path;
+use std::time::{Duration, Instant};
 
-use eframe::{CreationContext, Storage};
+use eframe::Storage;
 use egui::{Context, Ui};
 use kalmanscope::App;
-use kalmanscope::saved::{KEY, UNREADABLE_KEY};
 use kalmanscope_core::RunError;
 
-use super::crash::{self, Crash};
-use super::crash_page::{Choice, CrashPage};
-use super::keeper::Keeper;
+use super::crash;
 use super::shelf::Folder;
-use super::signals;
-use super::slot::Slot;
 use super::state_file::StateFile;
 
-/// Makes the explorer from a saved state.
-pub(super) type Start = Box<dyn FnOnce(&Context, Option<&dyn Storage>) -> Result<App, RunError>>;
+/// The time from a change to its save.
+const SOON: Duration = Duration::from_secs(2);
 
-/// The explorer, or the page about a crash before it.
+/// The explorer and its file, if it can be kept.
 pub(super) struct Desktop {
-    stage: Stage,
-    memory: Option<Memory>,
-}
-
-/// The state of one instance and its place.
-pub(super) struct Memory {
-    keeper: Keeper,
-    slot: Slot,
-    /// A sentence for the first frame of the explorer, if the state is not the one that was saved last.
-    said: Option<String>,
-}
-
-enum Stage {
-    /// The page about a crash is shown.
-    Telling(Box<CrashPage>, Option<Start>),
-    Running(Box<App>),
-    /// Not even the first scenario can be run.
-    Failed(String),
+    app: App,
+    file: Option<StateFile>,
+    /// The time of the next save, if there has been a frame since the last one.
+    due: Option<Instant>,
 }
 
 impl Desktop {
-    /// The explorer that `start` makes, with the state of an instance, or the reason why nothing is kept.
-    ///
-    /// # Errors
-    /// [`RunError`] where even the first scenario cannot be run.
+    /// The explorer with the picture that a folder has, or with the reason why nothing is kept, and with further equipment.
     pub(super) fn new(
-        creation: &CreationContext<'_>,
-        memory: Result<Memory, String>,
-        start: Start,
+        ctx: &Context,
+        folder: Result<&Path, String>,
+        equip: impl FnOnce(App) -> App,
     ) -> Result<Self, RunError> {
-        let ctx = &creation.egui_ctx;
-        let memory = match memory {
-            Ok(memory) => memory,
-            Err(reason) => {
-                let mut app = start(ctx, creation.storage)?;
-                app.report(&format!("Nothing of this session is kept when the window closes: {reason}."));
-                return Ok(Self { stage: Stage::Running(Box::new(app)), memory: None });
-            }
+        let crash = folder.as_ref().ok().and_then(|folder| crash::last(folder));
+        let (last, file) = match folder.and_then(StateFile::open) {
+            Ok((file, last)) => (last, Some(file)),
+            Err(reason) => (Err(format!("Nothing of this session is kept when the window closes: {reason}.")), None),
         };
-        let stage = match memory.crash() {
-            Some(page) => {
-                App::set_theme(ctx, Some(&*memory.keeper.kept().file()));
-                Stage::Telling(Box::new(page), Some(start))
-            }
-            None => Stage::Running(Box::new(memory.start(ctx, start)?)),
-        };
-        Ok(Self { stage, memory: Some(memory) })
-    }
-
-    /// Goes on after a crash as the user has chosen.
-    fn go_on(&mut self, choice: Choice, ctx: &Context) {
-        let Self { stage: Stage::Telling(page, start), memory: Some(memory) } = self else { return };
-        let Some(start) = start.take() else { return };
-        memory.take_up(choice, page.crash.as_ref().ok().and_then(|crash| crash.session.clone()));
-        self.stage = match memory.start(ctx, start) {
-            Ok(app) => Stage::Running(Box::new(app)),
-            Err(error) => Stage::Failed(error.to_string()),
-        };
-        ctx.request_repaint();
-    }
-
-    /// The explorer, once it runs.
-    #[cfg(test)]
-    fn app(&mut self) -> Option<&mut App> {
-        match &mut self.stage {
-            Stage::Running(app) => Some(app),
-            _ => None,
+        let mut app = App::resumed(ctx, last)?;
+        if let Some(file) = &file {
+            app = app.keeping_records(Box::new(Folder::of(&file.folder)), ctx);
         }
-    }
-}
-
-impl Memory {
-    /// The state of an instance. One of an older program is in the toolkit's storage.
-    pub(super) fn new(slot: Slot, older: Option<&dyn Storage>) -> Self {
-        let (mut file, said) = StateFile::open(&slot);
-        if file.get_string(KEY).is_none() {
-            for key in [KEY, UNREADABLE_KEY] {
-                if let Some(text) = older.and_then(|older| older.get_string(key)) {
-                    file.set_string(key, text);
-                }
-            }
+        if let Some(sentence) = crash {
+            app.report(&sentence);
         }
-        Self { keeper: Keeper::new(file), slot, said }
-    }
-
-    /// From now on the state is saved where the system ends the program, and panics of the program are noted.
-    pub(super) fn watch(&self) {
-        let Self { keeper, slot, .. } = self;
-        signals::save_at_end(keeper.kept());
-        crash::note_panics(&slot.path("crash"), &slot.path("state"), keeper.kept());
-    }
-
-    /// The crash of the last use, if it ended by one.
-    fn crash(&self) -> Option<CrashPage> {
-        let crash = Crash::read(&self.slot.path("crash")).transpose()?;
-        let place = |crash: &Crash| crash.place.clone();
-        let last = Crash::read(&self.told()).ok().flatten().as_ref().map(place);
-        let is_repeated = last.is_some() && last == crash.as_ref().ok().map(place);
-        Some(CrashPage::new(crash, self.told().display().to_string(), is_repeated))
-    }
-
-    /// The file for the note about a crash that the user has seen.
-    fn told(&self) -> PathBuf {
-        self.slot.path("last-crash")
-    }
-
-    /// Restores the state of the crash, or none.
-    fn take_up(&self, choice: Choice, session: Option<String>) {
-        let mut file = self.keeper.kept().file();
-        match (choice, session) {
-            (Choice::Restore, Some(session)) => file.set_string(KEY, session),
-            // The state that was saved last.
-            (Choice::Restore, None) => {}
-            (Choice::StartAnew, _) => file.remove_string(KEY),
-        }
-        drop(file);
-        crash::put_aside(&self.slot.path("crash"), &self.told());
-    }
-
-    /// The explorer in the state that is kept.
-    fn start(&self, ctx: &Context, start: Start) -> Result<App, RunError> {
-        let Self { slot, said, keeper } = self;
-        let app = start(ctx, Some(&*keeper.kept().file()))?;
-        let mut app = app.keeping_records(Box::new(Folder::of(slot)), ctx);
-        if let Some(sentence) = said {
-            app.report(sentence);
-        }
-        if slot.is_further() {
-            app.inform(&format!(
-                "Kalmanscope is open in another window too. This one keeps its settings apart, in {}; they come back in a second \
-                 window.",
-                slot.path("state").display()
-            ));
-        }
-        Ok(app)
+        Ok(Self { app: equip(app), file, due: None })
     }
 }
 
 impl eframe::App for Desktop {
     fn logic(&mut self, ctx: &Context, frame: &mut eframe::Frame) {
-        let Stage::Running(app) = &mut self.stage else { return };
-        app.logic(ctx, frame);
-        if let Some(Memory { keeper, .. }) = &self.memory {
-            keeper.follow(app.saved());
-            if let Some(reason) = keeper.trouble() {
-                app.report(&format!("The session cannot be saved: {reason}."));
-            }
+        self.app.logic(ctx, frame);
+        // Any frame may change the picture, and none comes while nothing changes: each asks for one more, which saves.
+        let now = Instant::now();
+        let due = *self.due.get_or_insert(now + SOON);
+        if now < due {
+            ctx.request_repaint_after(due - now);
         }
     }
 
     fn ui(&mut self, ui: &mut Ui, frame: &mut eframe::Frame) {
-        match &mut self.stage {
-            Stage::Running(app) => app.ui(ui, frame),
-            Stage::Telling(page, _) => {
-                if let Some(choice) = page.ui(ui) {
-                    let ctx = ui.ctx().clone();
-                    self.go_on(choice, &ctx);
-                }
-            }
-            Stage::Failed(reason) => {
-                ui.label(format!("The first scenario cannot be run: {reason}."));
-            }
-        }
+        self.app.ui(ui, frame);
     }
 
     fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
-        visuals.panel_fill.to_normalized_gamma_f32()
+        self.app.clear_color(visuals)
     }
 
-    /// The toolkit keeps the window's place. The state has a file of its own; once it exists, the state of an older
-    /// program is deleted.
-    fn save(&mut self, storage: &mut dyn Storage) {
-        let Self { stage, memory } = self;
-        match (memory, stage) {
-            (Some(memory), _) if memory.slot.path("state").exists() => {
-                let old = [KEY, UNREADABLE_KEY].into_iter().filter(|key| storage.get_string(key).is_some());
-                old.collect::<Vec<_>>().into_iter().for_each(|key| storage.remove_string(key));
-            }
-            (None, Stage::Running(app)) => app.save(storage),
-            _ => {}
+    fn save(&mut self, _: &mut dyn Storage) {
+        self.due = None;
+        let Some(file) = &mut self.file else { return };
+        if let Some(reason) = file.save(&self.app.last_picture()) {
+            log::error!("The session is not saved: {reason}");
+            self.app.report(&format!("The session is not saved: {reason}."));
         }
     }
 
-    fn on_exit(&mut self, _: Option<&eframe::glow::Context>) {
-        let Self { stage: Stage::Running(_), memory: Some(memory) } = self else { return };
-        memory.keeper.kept().save();
-        // A panic of a thread that has not ended the program was no crash.
-        std::fs::remove_file(memory.slot.path("crash")).ok();
+    fn auto_save_interval(&self) -> Duration {
+        if self.due.is_some_and(|due| due <= Instant::now()) { Duration::ZERO } else { Duration::MAX }
     }
+
+    fn on_exit(&mut self, _: Option<&eframe::glow::Context>) {
+        if let Some(file) = &self.file {
+            crash::forget(&file.folder);
+        }
+    }
+}
+
+/// Closes the window when the system asks the program to end, as at a log-out, so that it is saved first.
+#[cfg(unix)]
+pub(super) fn close_at_signals(ctx: &Context) {
+    use std::thread;
+
+    use egui::{ViewportCommand, ViewportId};
+    use signal_hook::consts::{SIGINT, SIGTERM};
+    use signal_hook::iterator::Signals;
+    use signal_hook::low_level::emulate_default_handler;
+
+    let ctx = ctx.clone();
+    let heard = Signals::new([SIGINT, SIGTERM]).and_then(|mut signals| {
+        thread::Builder::new().spawn(move || {
+            for signal in signals.forever() {
+                ctx.send_viewport_cmd_to(ViewportId::ROOT, ViewportCommand::Close);
+                // A window that draws no frame does not hear it; then there is nothing to be saved either.
+                thread::sleep(SOON);
+                emulate_default_handler(signal).ok();
+            }
+        })
+    });
+    heard.map_err(|error| log::warn!("Signals do not save the session: {error}")).ok();
 }
 
 #[cfg(test)]

@@ -1,20 +1,24 @@
-//! The desktop's dialog that chooses a file.
+//! The desktop's dialogs that choose a file to open, and a place for one.
 
+use std::io;
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 use kalmanscope::drop;
+use kalmanscope::export::Deliver;
 use kalmanscope::inbox::{Arrival, Choose};
+use kalmanscope::text::sentence;
+use kalmanscope_cli::output;
 use rfd::AsyncFileDialog;
 
 /// Limits the time of a dialog that has not opened. No user closes one so fast, and the library reports a cancelled
 /// dialog like one that could not open.
 const FAST: Duration = Duration::from_millis(500);
 
-/// The message if no dialog opens.
-const NO_DIALOG: &str = "This desktop opens no dialog for files: neither its portal nor zenity answers. Drop the file on the \
-                         window, or start the program with it: kalmanscope FILE.";
+/// The reason if no dialog opens.
+const NO_DIALOG: &str = "this desktop opens no dialog for files: neither its portal nor zenity answers";
 
 /// Asks for a file in a dialog beside the window, which goes on meanwhile. There is one dialog at a time.
 pub(super) fn choose() -> Choose {
@@ -40,11 +44,40 @@ pub(super) fn choose() -> Choose {
     })
 }
 
+/// Asks for the place of a file in a dialog beside the window, and writes the file there.
+pub(super) fn save() -> Deliver {
+    Box::new(|file, done| {
+        let dialog = AsyncFileDialog::new().set_title("Save a file").set_file_name(&file.name).save_file();
+        let written = Arc::clone(&done);
+        let wait = move || {
+            let begin = Instant::now();
+            let path = pollster::block_on(dialog).map(|file| file.path().to_owned());
+            if let Some(end) = saved(path, &file.contents, begin.elapsed()) {
+                written(end);
+            }
+        };
+        if let Err(error) = thread::Builder::new().name("file dialog".to_owned()).spawn(wait) {
+            done(Err(error.to_string()));
+        }
+    })
+}
+
+/// The place of a file that was written, or the reason why it was not. `None` if the user has cancelled the dialog.
+fn saved(path: Option<PathBuf>, contents: &[u8], time: Duration) -> Option<Result<String, String>> {
+    let Some(path) = path else { return (time < FAST).then(|| Err(NO_DIALOG.to_owned())) };
+    let written = output::write(&path, |file| file.write_all(contents));
+    let place = path.display();
+    Some(written.map(|()| place.to_string()).map_err(|error: io::Error| format!("{place}: {error}")))
+}
+
 /// The chosen file, or a sentence if no dialog has opened. `None` if the user has cancelled it.
 fn arrival(path: Option<PathBuf>, time: Duration) -> Option<Arrival> {
     match path {
         Some(path) => Some(Arrival::File(drop::file_name(&path), drop::read_path(&path))),
-        None if time < FAST => Some(Arrival::Failure(NO_DIALOG.to_owned())),
+        None if time < FAST => Some(Arrival::Failure(format!(
+            "{}. Drop the file on the window, or start the program with it: kalmanscope FILE.",
+            sentence(NO_DIALOG)
+        ))),
         None => None,
     }
 }
@@ -57,6 +90,18 @@ mod tests {
     fn a_dialog_that_does_not_open_is_told_from_one_that_is_cancelled() {
         assert!(matches!(arrival(None, Duration::ZERO), Some(Arrival::Failure(_))));
         assert!(arrival(None, Duration::from_secs(1)).is_none());
+    }
+
+    #[test]
+    fn a_file_is_written_where_the_user_says() {
+        let folder = tempfile::tempdir().expect("a folder can be made");
+        let path = folder.path().join("a.csv");
+        let saved = |path: Option<PathBuf>, seconds| saved(path, b"t,x\n", Duration::from_secs(seconds));
+        assert_eq!(saved(Some(path.clone()), 0), Some(Ok(path.display().to_string())));
+        assert_eq!(std::fs::read(path).expect("it is there"), b"t,x\n");
+        let nowhere = saved(Some(folder.path().join("none/a.csv")), 5);
+        assert!(matches!(&nowhere, Some(Err(reason)) if reason.contains("a.csv: ")), "{nowhere:?}");
+        assert_eq!((saved(None, 5), saved(None, 0)), (None, Some(Err(NO_DIALOG.to_owned()))));
     }
 
     #[test]

@@ -1,81 +1,106 @@
 //! The record's file in the folder of the saved state.
 
 use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use egui::Context;
 use kalmanscope::drop::{file_name, read_path};
-use kalmanscope::inbox::{Arrival, Inbox};
+use kalmanscope::inbox::{Arrival, Done, Inbox};
 use kalmanscope::shelf::Shelf;
-
-use super::slot::Slot;
+use kalmanscope_cli::output;
 
 /// A folder with at most one file.
 pub(super) struct Folder(PathBuf);
 
 impl Folder {
-    /// The folder of an instance, beside its saved state.
-    pub(super) fn of(slot: &Slot) -> Self {
-        Self(slot.path("record").with_extension(""))
+    /// The folder beside the saved session.
+    pub(super) fn of(folder: &Path) -> Self {
+        Self(folder.join("record"))
     }
 
     fn files(&self) -> impl Iterator<Item = PathBuf> {
         let entries = fs::read_dir(&self.0).into_iter().flatten().flatten();
         entries.map(|entry| entry.path()).filter(|path| path.is_file())
     }
+
+    /// The place in words, or the reason.
+    fn place(&self, end: io::Result<()>) -> Result<String, String> {
+        let folder = self.0.display();
+        end.map(|()| folder.to_string()).map_err(|error| format!("{folder}: {error}"))
+    }
 }
 
 impl Shelf for Folder {
-    fn keep(&self, name: &str, bytes: Rc<[u8]>) {
+    fn keep(&self, name: &str, bytes: Rc<[u8]>, done: Done) {
         // The name alone: a path in it leads nowhere else.
         let path = self.0.join(file_name(Path::new(name)));
         let kept = fs::create_dir_all(&self.0).and_then(|()| {
-            self.files().filter(|other| *other != path).try_for_each(fs::remove_file)?;
-            fs::write(&path, &bytes)
+            output::write(&path, |file| file.write_all(&bytes))?;
+            self.files().filter(|other| *other != path).try_for_each(fs::remove_file)
         });
-        if let Err(error) = kept {
-            log::warn!("{}: {error}", path.display());
-        }
+        done(self.place(kept));
     }
 
     fn fetch(&self, ctx: &Context, inbox: &Inbox) {
         let Some(path) = self.files().next() else { return };
         match read_path(&path) {
             Ok(bytes) => inbox.put(Arrival::Kept(file_name(&path), bytes), ctx),
-            Err(error) => log::warn!("{}: {error}", path.display()),
-        }
-    }
-
-    fn forget(&self) {
-        for path in self.files() {
-            if let Err(error) = fs::remove_file(&path) {
-                log::warn!("{}: {error}", path.display());
+            Err(error) => {
+                let sentence = format!("The record that was kept cannot be read: {}: {error}.", path.display());
+                inbox.put(Arrival::Failure(sentence), ctx);
             }
         }
     }
 
-    fn place(&self) -> &'static str {
-        "the folder of the saved state"
+    fn forget(&self, done: Done) {
+        done(self.place(self.files().try_for_each(fs::remove_file)));
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::sync::{Arc, Mutex};
+
     use super::*;
+
+    type Ends = Arc<Mutex<Vec<Result<String, String>>>>;
+
+    /// Collects the ends of actions.
+    fn ends() -> (Done, Ends) {
+        let ends = Ends::default();
+        let all = Arc::clone(&ends);
+        (Arc::new(move |end| all.lock().expect("nobody has it").push(end)), ends)
+    }
 
     #[test]
     fn one_file_is_kept_and_comes_back() {
-        let folder = std::env::temp_dir().join(format!("kalmanscope-shelf-{}", std::process::id()));
-        let shelf = Folder(folder.join("record"));
-        shelf.keep("../../a.csv", (*b"1,2").into());
-        shelf.keep("b.csv", (*b"3,4").into());
+        let above = tempfile::tempdir().expect("a folder can be made");
+        let folder = above.path().join("state");
+        let shelf = Folder::of(&folder);
+        let (done, ends) = ends();
+        shelf.keep("../../a.csv", (*b"1,2").into(), Arc::clone(&done));
+        shelf.keep("b.csv", (*b"3,4").into(), Arc::clone(&done));
         assert_eq!(shelf.files().map(|path| file_name(&path)).collect::<Vec<_>>(), ["b.csv"]);
-        assert!(!folder.join("a.csv").exists() && !folder.parent().is_some_and(|above| above.join("a.csv").exists()));
-        let (ctx, inbox) = (Context::default(), Inbox::default());
-        shelf.fetch(&ctx, &inbox);
-        shelf.forget();
+        assert!(!folder.join("a.csv").exists() && !above.path().join("a.csv").exists());
+        shelf.fetch(&Context::default(), &Inbox::default());
+        shelf.forget(done);
         assert_eq!(shelf.files().count(), 0);
-        fs::remove_dir_all(&folder).ok();
+        let place = folder.join("record").display().to_string();
+        assert_eq!(ends.lock().expect("nobody has it").as_slice(), vec![Ok(place); 3]);
+    }
+
+    #[test]
+    fn a_file_that_cannot_be_kept_leaves_the_one_before_it_and_says_why() {
+        let above = tempfile::tempdir().expect("a folder can be made");
+        let shelf = Folder::of(above.path());
+        let (done, ends) = ends();
+        shelf.keep("a.csv", (*b"1,2").into(), Arc::clone(&done));
+        fs::create_dir(above.path().join("record/b.csv")).expect("a folder can be made");
+        shelf.keep("b.csv", (*b"3,4").into(), done);
+        assert_eq!(shelf.files().map(|path| file_name(&path)).collect::<Vec<_>>(), ["a.csv"]);
+        let ends = ends.lock().expect("nobody has it");
+        assert!(matches!(&ends[..], [Ok(_), Err(reason)] if reason.contains("record: ")), "{ends:?}");
     }
 }

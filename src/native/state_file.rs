@@ -1,302 +1,148 @@
-//! The saved state as a file. It is written to a temporary file, synced and renamed, and the last good one stays as a
-//! copy; a checksum shows whether it is whole.
+//! The picture of the last use, as a file in the program's folder.
+//!
+//! The toolkit's own storage keeps the place of the window only: it writes its file in place, so that a crash tears it, and
+//! begins with an empty one where it cannot be read.
 
-use std::collections::BTreeMap;
 use std::fs;
-use std::io::{self, ErrorKind};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
+use kalmanscope::app::state::LastPicture;
+use kalmanscope::share::Picture;
 use kalmanscope_cli::output;
-use kalmanscope_core::Document;
-use kalmanscope_core::import::Hash;
-use serde::{Deserialize, Serialize};
 
-use super::slot::Slot;
+/// The name of the file.
+pub(super) const NAME: &str = "state.json";
 
-/// The newest format.
-const VERSION: u64 = 1;
-
-/// Limits the size of a file that is read \[bytes\].
-const LARGEST: u64 = 64_000_000;
-
-/// Texts with names, as the toolkit's own storage has them.
-type Entries = BTreeMap<String, String>;
-
-/// The saved state.
+/// The file, and the text in it as far as it is known.
 #[derive(Debug)]
 pub(super) struct StateFile {
-    path: PathBuf,
-    /// The file before the last one.
-    copy: PathBuf,
-    entries: Entries,
-}
-
-/// The format.
-#[derive(Serialize, Deserialize)]
-struct Written {
-    kalmanscope_state: u64,
-    /// A hash of all names and texts.
-    check: String,
-    entries: Entries,
+    pub(super) folder: PathBuf,
+    text: String,
+    /// The reason why the last save has failed.
+    trouble: Option<String>,
 }
 
 impl StateFile {
-    /// The state of an instance, and a sentence if it is not the one that was saved last. A further instance begins
-    /// with the state of the first.
-    pub(super) fn open(slot: &Slot) -> (Self, Option<String>) {
-        let (path, copy) = (slot.path("state"), slot.path("state-before"));
-        let (entries, said) = match read(&path) {
-            Ok(Some(entries)) => (entries, None),
-            Ok(None) => match read(&copy) {
-                Ok(Some(entries)) => (entries, Some(of_copy("was being saved when it ended"))),
-                _ => (slot.path_of_first("state").and_then(|first| read(&first).ok()?).unwrap_or_default(), None),
-            },
+    /// The file in a folder and the picture in it. A file that cannot be read is renamed. Fails where nothing can be kept.
+    pub(super) fn open(folder: &Path) -> Result<(Self, LastPicture), String> {
+        fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+        let path = folder.join(NAME);
+        let last = match read(&path) {
+            Ok(picture) => Ok(picture),
             Err(reason) => {
-                let place = keep_damaged(&path, &slot.path("state-damaged"));
-                let damage = format!("cannot be read ({reason}); {place}");
-                match read(&copy) {
-                    Ok(Some(entries)) => (entries, Some(of_copy(&damage))),
-                    _ => (Entries::new(), Some(format!("The saved state {damage}. There is no good copy of it."))),
-                }
+                let place = set_aside(&path).map_err(|error| format!("{}: {reason}, and {error}", path.display()))?;
+                Err(format!("The last session cannot be opened: {reason}. It is kept as {}.", place.display()))
             }
         };
-        (Self { path, copy, entries }, said)
+        Ok((Self { folder: folder.to_owned(), text: String::new(), trouble: None }, last))
     }
 
-    /// Writes it. The earlier file stays as a copy, even if the write is interrupted.
-    ///
-    /// # Errors
-    /// The reason in words where it cannot be written.
-    pub(super) fn write(&self) -> Result<(), String> {
-        let Self { path, copy, entries } = self;
-        let written = Written { kalmanscope_state: VERSION, check: check(entries), entries: entries.clone() };
-        let text = Document::json_lines(&written).map_err(|error| error.to_string())?;
-        let reason = |error: io::Error| format!("{}: {error}", path.display());
-        keep_copy(path, copy).map_err(reason)?;
-        output::write(path, |file| file.write_all(text.as_bytes())).map_err(reason)?;
-        sync_folder(path).map_err(reason)
+    /// Writes a picture, if the file has another one: beside the file, which is then replaced. Returns the reason where that
+    /// fails, unless the save before has failed for the same one.
+    pub(super) fn save(&mut self, picture: &Picture) -> Option<String> {
+        let text = picture.lines().map_err(|error| error.to_string());
+        let saved = text.and_then(|text| {
+            if text != self.text {
+                let path = self.folder.join(NAME);
+                let written = output::write(&path, |file| file.write_all(text.as_bytes()));
+                written.map_err(|error| format!("{}: {error}", path.display()))?;
+                self.text = text;
+            }
+            Ok(())
+        });
+        let before = std::mem::replace(&mut self.trouble, saved.err());
+        self.trouble.clone().filter(|_| self.trouble != before)
     }
 }
 
-impl eframe::Storage for StateFile {
-    fn get_string(&self, key: &str) -> Option<String> {
-        self.entries.get(key).cloned()
-    }
-
-    fn set_string(&mut self, key: &str, value: String) {
-        self.entries.insert(key.to_owned(), value);
-    }
-
-    fn remove_string(&mut self, key: &str) {
-        self.entries.remove(key);
-    }
-
-    fn flush(&mut self) {
-        if let Err(reason) = self.write() {
-            log::error!("The state is not saved: {reason}");
-        }
+/// The picture in a file. `None` if there is no file.
+fn read(path: &Path) -> Result<Option<Picture>, String> {
+    match fs::read_to_string(path) {
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
+        text => text
+            .map_err(|error| error.to_string())
+            .and_then(|text| Picture::of_text(&text).map(Some).map_err(|error| error.to_string())),
     }
 }
 
-/// The sentence that the copy is taken in place of the state, which has met with something.
-fn of_copy(mishap: &str) -> String {
-    format!("The saved state {mishap}. The copy before it is taken.")
-}
-
-/// The entries of a file, checked. `None` if there is no file.
-///
-/// # Errors
-/// The reason in words where it is not whole.
-fn read(path: &Path) -> Result<Option<Entries>, String> {
-    let size = match fs::metadata(path) {
-        Ok(found) => found.len(),
-        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
-        Err(error) => return Err(error.to_string()),
-    };
-    if size > LARGEST {
-        return Err(format!("it has {size} bytes"));
-    }
-    let text = fs::read(path).map_err(|error| error.to_string())?;
-    if text.is_empty() {
-        return Err("it is empty".to_owned());
-    }
-    let text = String::from_utf8(text).map_err(|_| "it is not text".to_owned())?;
-    let document = Document::from_json(&text).map_err(|_| "it is damaged".to_owned())?;
-    let version: u64 = document.get("kalmanscope_state").and_then(|version| version.read().ok()).unwrap_or(0);
-    if version > VERSION {
-        return Err(format!("it is of version {version}, and this program reads versions up to {VERSION}"));
-    }
-    let written: Written = document.read().map_err(|_| "it is damaged".to_owned())?;
-    if written.check == check(&written.entries) { Ok(Some(written.entries)) } else { Err("it is damaged".to_owned()) }
-}
-
-fn check(entries: &Entries) -> String {
-    let mut hash = Hash::default();
-    for text in entries.iter().flat_map(|(key, value)| [key, value]) {
-        hash.add(&(text.len() as u64).to_le_bytes());
-        hash.add(text.as_bytes());
-    }
-    hash.text()
-}
-
-/// Puts a file that cannot be read where nothing overwrites it; says where.
-fn keep_damaged(path: &Path, place: &Path) -> String {
-    match fs::rename(path, place) {
-        Ok(()) => format!("it is kept as {}", place.display()),
-        Err(error) => format!("it cannot be kept: {error}"),
-    }
-}
-
-/// Makes the present file the copy. There is a good file of one of both names at every moment.
-fn keep_copy(path: &Path, copy: &Path) -> io::Result<()> {
-    if !path.exists() {
-        return Ok(());
-    }
-    match fs::remove_file(copy) {
-        Err(error) if error.kind() != ErrorKind::NotFound => return Err(error),
-        _ => {}
-    }
-    // Some file systems have no second names for a file.
-    fs::hard_link(path, copy).or_else(|_| fs::rename(path, copy))
-}
-
-/// Asks the system to bring the new name to the disk.
-#[cfg(unix)]
-fn sync_folder(path: &Path) -> io::Result<()> {
-    path.parent().map_or(Ok(()), |folder| fs::File::open(folder)?.sync_all())
-}
-
-#[cfg(not(unix))]
-fn sync_folder(_: &Path) -> io::Result<()> {
-    Ok(())
+/// Renames a file to one that is not there yet. Returns its new path.
+pub(super) fn set_aside(path: &Path) -> std::io::Result<PathBuf> {
+    let mut places = (1_u32..).map(|number| path.with_file_name(format!("state-kept-{number}.json")));
+    let place = places.find(|place| !place.exists()).ok_or(ErrorKind::AlreadyExists)?;
+    fs::rename(path, &place).map(|()| place)
 }
 
 #[cfg(test)]
 mod tests {
-    use eframe::Storage as _;
-
     use super::*;
 
-    /// A folder with the states `old` and `new`, as two saves have left them.
-    fn saved_twice() -> (tempfile::TempDir, Slot) {
-        let folder = tempfile::tempdir().expect("a folder can be made");
-        let slot = Slot::take(folder.path()).expect("there is a place");
-        let (mut file, said) = StateFile::open(&slot);
-        assert_eq!((file.get_string("a"), said), (None, None));
-        for text in ["old", "new"] {
-            file.set_string("a", text.to_owned());
-            file.write().expect("it can be written");
-        }
-        (folder, slot)
+    fn picture(speed: f64) -> Picture {
+        Picture { speed, ..Picture::default() }
     }
 
-    fn opened(slot: &Slot) -> (Option<String>, Option<String>) {
-        let (file, said) = StateFile::open(slot);
-        (file.get_string("a"), said)
-    }
-
-    #[test]
-    fn the_last_state_comes_back() {
-        let (folder, slot) = saved_twice();
-        assert_eq!(opened(&slot), (Some("new".to_owned()), None));
-        let mut names: Vec<_> = fs::read_dir(folder.path())
-            .expect("it is a folder")
-            .map(|entry| entry.expect("it can be listed").file_name().into_string().expect("it is text"))
-            .collect();
+    fn names(folder: &Path) -> Vec<String> {
+        let entries = fs::read_dir(folder).expect("it is a folder").flatten();
+        let mut names: Vec<_> = entries.filter_map(|entry| entry.file_name().into_string().ok()).collect();
         names.sort();
-        assert_eq!(names, ["state-before.json", "state.json", "state.lock"], "no other file is left");
+        names
     }
 
     #[test]
-    fn a_torn_state_is_said_and_kept_and_the_copy_is_taken() {
-        let whole = {
-            let (_folder, slot) = saved_twice();
-            fs::read(slot.path("state")).expect("it is there")
-        };
-        let half = whole[..whole.len() / 2].to_vec();
-        let zeros = vec![0; whole.len()];
-        let mut state = 7_u64;
-        let random: Vec<u8> = std::iter::repeat_with(|| {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-            (state >> 56) as u8
-        })
-        .take(whole.len())
-        .collect();
-        let changed = String::from_utf8(whole.clone()).expect("it is text").replace("new", "now").into_bytes();
-        let newer = String::from_utf8(whole).expect("it is text").replace("state\": 1", "state\": 2").into_bytes();
-        for (bytes, reason) in [
-            (half, "it is damaged"),
-            (Vec::new(), "it is empty"),
-            (zeros, "it is damaged"),
-            (random, "it is not text"),
-            (changed, "it is damaged"),
-            (newer, "it is of version 2"),
-            (b"{}".to_vec(), "it is damaged"),
-            ("[".repeat(100_000).into_bytes(), "it is damaged"),
-        ] {
-            let (_folder, slot) = saved_twice();
-            fs::write(slot.path("state"), &bytes).expect("it can be written");
-            let (text, said) = opened(&slot);
-            let said = said.expect("it is said");
-            assert!(said.contains(reason) && said.ends_with("The copy before it is taken."), "{said}");
-            assert_eq!(text.as_deref(), Some("old"));
-            assert_eq!(fs::read(slot.path("state-damaged")).expect("it is kept"), bytes);
-            // The next save replaces neither the copy nor what is kept.
-            let (mut file, _) = StateFile::open(&slot);
-            file.set_string("a", "next".to_owned());
-            file.write().expect("it can be written");
-            assert_eq!(opened(&slot), (Some("next".to_owned()), None));
-            assert_eq!(fs::read(slot.path("state-damaged")).expect("it is kept"), bytes);
-            assert!(read(&slot.path("state-before")).is_ok_and(|copy| copy.is_some()));
+    fn the_last_picture_comes_back_and_is_written_where_it_differs() {
+        let folder = tempfile::tempdir().expect("a folder can be made");
+        let inner = folder.path().join("not/yet");
+        let (mut file, last) = StateFile::open(&inner).expect("there is a place");
+        assert_eq!(last, Ok(None));
+        for speed in [0.5, 2.0] {
+            assert_eq!(file.save(&picture(speed)), None);
+            assert_eq!(StateFile::open(&inner).expect("there is a place").1, Ok(Some(picture(speed))));
+        }
+        assert_eq!(names(&inner), [NAME], "no other file is left");
+        fs::remove_file(inner.join(NAME)).expect("it is there");
+        assert_eq!(file.save(&picture(2.0)), None);
+        assert!(names(&inner).is_empty(), "the same picture is not written again");
+    }
+
+    #[test]
+    fn a_file_that_cannot_be_read_is_said_and_kept() {
+        let folder = tempfile::tempdir().expect("a folder can be made");
+        let path = folder.path().join(NAME);
+        let whole = picture(2.0).lines().expect("it can be written").into_bytes();
+        let changed = |from: &str, to: &str| String::from_utf8_lossy(&whole).replace(from, to).into_bytes();
+        let texts = [
+            (whole[..whole.len() / 2].to_vec(), "EOF"),
+            (Vec::new(), "EOF"),
+            (vec![0xff; 20], "UTF-8"),
+            (b"{}".to_vec(), "it has no key `kalmanscope_session`"),
+            (changed("session\": 1", "session\": 2"), "it has format 2, and this program reads format 1"),
+            (changed("\"speed\"", "\"sped\""), "unknown field `sped`"),
+            (changed("dt = 0.01", "dt = -1.0"), "`dt` is -1"),
+            ("[".repeat(100_000).into_bytes(), "recursion limit"),
+        ];
+        for (place, (bytes, reason)) in texts.iter().enumerate() {
+            fs::write(&path, bytes).expect("it can be written");
+            let (_, last) = StateFile::open(folder.path()).expect("there is a place");
+            let said = last.expect_err(reason);
+            assert!(said.contains(reason) && said.contains("It is kept as ") && !said.contains('\n'), "{said}");
+            assert!(!path.exists());
+            let kept = folder.path().join(format!("state-kept-{}.json", place + 1));
+            assert_eq!(&fs::read(kept).expect("it is kept"), bytes);
         }
     }
 
     #[test]
-    fn a_save_that_has_not_ended_leaves_the_copy() {
-        let (_folder, slot) = saved_twice();
-        fs::rename(slot.path("state"), slot.path("state-before")).expect("it can be renamed");
-        let (text, said) = opened(&slot);
-        assert_eq!(text.as_deref(), Some("new"));
-        assert!(said.is_some_and(|said| said.contains("was being saved when it ended")));
-    }
-
-    #[test]
-    fn a_torn_state_without_a_copy_is_said_too() {
-        let (_folder, slot) = saved_twice();
-        fs::write(slot.path("state"), "").expect("it can be written");
-        fs::write(slot.path("state-before"), "x").expect("it can be written");
-        let (text, said) = opened(&slot);
-        assert_eq!(text, None);
-        assert!(said.is_some_and(|said| said.contains("it is empty") && said.contains("no good copy")));
-    }
-
-    #[test]
-    fn two_instances_do_not_overwrite_each_other() {
-        let (folder, first) = saved_twice();
-        let second = Slot::take(folder.path()).expect("there is a place");
-        let (mut file, said) = StateFile::open(&second);
-        assert_eq!(
-            (file.get_string("a").as_deref(), said),
-            (Some("new"), None),
-            "it begins with the state of the first"
-        );
-        file.set_string("a", "of the second".to_owned());
-        file.write().expect("it can be written");
-        assert_eq!(opened(&first).0.as_deref(), Some("new"));
-        drop(second);
-        let again = Slot::take(folder.path()).expect("there is a place");
-        assert_eq!(opened(&again).0.as_deref(), Some("of the second"));
-    }
-
-    #[test]
-    fn a_state_that_cannot_be_written_is_said_and_the_old_one_stays() {
-        let (_folder, slot) = saved_twice();
-        let (mut file, _) = StateFile::open(&slot);
-        fs::remove_file(slot.path("state-before")).expect("it can be removed");
-        fs::create_dir(slot.path("state-before")).expect("a folder can be made");
-        fs::write(slot.path("state-before").join("x"), "").expect("it can be written");
-        file.set_string("a", "next".to_owned());
-        assert!(file.write().expect_err("there is a folder").contains("state.json"));
-        assert_eq!(opened(&slot).0.as_deref(), Some("new"));
+    fn a_save_that_fails_is_said_once_and_tried_again() {
+        let folder = tempfile::tempdir().expect("a folder can be made");
+        let inner = folder.path().join("gone");
+        let (mut file, _) = StateFile::open(&inner).expect("there is a place");
+        fs::remove_dir(&inner).expect("it can be removed");
+        assert!(file.save(&picture(2.0)).is_some_and(|reason| reason.contains(NAME)));
+        assert_eq!(file.save(&picture(2.0)), None);
+        fs::create_dir(&inner).expect("it can be made");
+        assert_eq!(file.save(&picture(2.0)), None);
+        assert_eq!(names(&inner), [NAME]);
+        let no_folder = inner.join(NAME);
+        assert!(StateFile::open(&no_folder).expect_err("it is a file").contains(NAME));
     }
 }

@@ -6,14 +6,13 @@ use std::rc::Rc;
 use eframe::NativeOptions;
 use egui::{Context, IconData, ViewportBuilder};
 use kalmanscope::App;
-use kalmanscope::export::folder;
 use kalmanscope::sensor::{Sensor, Sensors};
 use kalmanscope_gpu::Software;
 use kalmanscope_sources::Accelerations;
 
-use super::desktop::{Desktop, Memory, Start};
+use super::crash;
+use super::desktop::Desktop;
 use super::listen::{Listened, Listening, OfScenario};
-use super::slot::Slot;
 use super::{file_dialog, team};
 
 /// The name of the program among the system's, and of the folder of its state.
@@ -38,14 +37,17 @@ pub(super) fn open(Beginning { address, file, source }: Beginning) -> eframe::Re
         .with_inner_size([1280.0, 800.0])
         .with_min_inner_size([360.0, 420.0])
         .with_icon(icon());
-    let place = eframe::storage_dir(ID).ok_or_else(|| "there is no folder for it".to_owned());
-    let slot = place.and_then(|place| Slot::take(&place));
-    let persistence_path = slot.as_ref().ok().and_then(Slot::window_path);
-    let options = NativeOptions { viewport, persistence_path, ..NativeOptions::default() };
+    let folder = eframe::storage_dir(ID).ok_or_else(|| "there is no folder for it".to_owned());
+    let options = NativeOptions { viewport, ..NativeOptions::default() };
     let creator: eframe::AppCreator<'_> = Box::new(|creation| {
-        let start: Start = Box::new(|ctx, storage| {
-            let app = App::stored(ctx, storage)?.delivering(Box::new(folder::write));
-            let mut app = app.choosing(Some(file_dialog::choose())).working_with(team::team(Software::Refused, ctx));
+        let ctx = &creation.egui_ctx;
+        let folder = folder.as_deref().map_err(Clone::clone);
+        if let Ok(folder) = &folder {
+            crash::note_panics(folder);
+        }
+        let desktop = Desktop::new(ctx, folder, |app| {
+            let app = app.delivering(file_dialog::save()).choosing(Some(file_dialog::choose()));
+            let mut app = app.working_with(team::team(Software::Refused, ctx));
             if let Some(address) = address {
                 app.open_address(&address);
             }
@@ -55,11 +57,11 @@ pub(super) fn open(Beginning { address, file, source }: Beginning) -> eframe::Re
             if let Some(source) = source {
                 app = listening(app, source, ctx);
             }
-            Ok(app)
-        });
-        let memory = slot.map(|slot| Memory::new(slot, creation.storage));
-        memory.iter().for_each(Memory::watch);
-        Ok(Box::new(Desktop::new(creation, memory, start)?))
+            app
+        })?;
+        #[cfg(unix)]
+        super::desktop::close_at_signals(ctx);
+        Ok(Box::new(desktop))
     });
     eframe::run_native(ID, options, creator)
 }

@@ -91,7 +91,7 @@ pub fn page(address: &str) -> &str {
 ///
 /// # Errors
 /// [`AddressError::Scenario`] with all names.
-pub fn scenario(name: &str) -> Result<BuiltIn, AddressError> {
+fn scenario(name: &str) -> Result<BuiltIn, AddressError> {
     let unknown = || AddressError::Scenario {
         name: shortened(name),
         known: BUILT_IN.iter().chain(EQUATIONS).map(|scenario| scenario.file).collect(),
@@ -104,7 +104,7 @@ pub fn scenario(name: &str) -> Result<BuiltIn, AddressError> {
 ///
 /// # Errors
 /// [`AddressError::Lesson`] with all names, or [`AddressError::Step`].
-pub fn lesson(name: &str, step: Option<&str>) -> Result<(usize, usize), AddressError> {
+fn lesson(name: &str, step: Option<&str>) -> Result<(usize, usize), AddressError> {
     let without_number = |file: &'static str| file.split_once('-').map_or(file, |(_, name)| name);
     let place = LESSONS.iter().position(|(file, _)| *file == name || without_number(file) == name);
     let place = place.ok_or_else(|| AddressError::Lesson {

@@ -1,25 +1,39 @@
-//! A picture as data: its scenario, and all else of the screen.
+//! A picture as data and as text: links, session files and the storage have the same text.
 
-use kalmanscope_core::{Scenario, ScenarioError};
+use kalmanscope_core::{Document, DocumentError, Scenario};
+use kalmanscope_lessons::BuiltIn;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::outline::Outline;
-use crate::laboratory::{Choice, Choices, SeedChoice, TuneChoice};
+use crate::laboratory::Choices;
+use crate::layout::Layout;
 use crate::request::{LegendEntry, ViewKind};
 use crate::ruler::Ruler;
 use crate::session::{Mode, Session};
+use crate::tutor::Studies;
+
+/// The key by which a text is recognised; its value is the format.
+const KEY: &str = "kalmanscope_session";
+
+/// The format.
+const FORMAT: Document = Document::Integer(1);
+
+/// These keys are always written: their usual values may be others in a later program.
+const ALWAYS: [&str; 3] = ["scenario", "views", "mode"];
 
 /// A picture: everything that another machine needs to show the same.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields, expecting = "a table")]
 pub struct Picture {
     /// The settings. All samples and estimates follow from them.
+    #[serde(with = "toml")]
     pub scenario: Scenario,
     /// The views and their places. `None` if no view is shown.
     pub views: Option<Outline>,
     /// The view that is enlarged.
     pub enlarged: Option<ViewKind>,
-    /// The choices in the laboratory that a view shows.
+    /// The choices in the laboratory.
     pub laboratory: Choices,
     /// Live, or the whole record.
     pub mode: Mode,
@@ -28,89 +42,149 @@ pub struct Picture {
     /// Simulated seconds per second.
     pub speed: f64,
     /// The marked times.
+    #[serde(rename = "marks")]
     pub ruler: Ruler,
     /// The entries of the legend that are hidden.
     pub hidden: Vec<LegendEntry>,
+    /// The user's own habits, which only the storage has.
+    pub habits: Option<Habits>,
 }
 
-/// The reason why a picture cannot be shown or written.
+/// Things that stay as they are when another picture is opened.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Habits {
+    pub(crate) presenting: bool,
+    /// The theme; the system's if none was chosen.
+    pub(crate) dark: Option<bool>,
+    /// Whether all settings are shown, and not only those that the story names.
+    pub(crate) all_settings: bool,
+    pub(crate) lessons: Studies,
+}
+
+/// The reason why a picture cannot be read or written.
 #[derive(Debug, Error)]
 pub enum PictureError {
-    /// The part about the screen is not valid.
-    #[error("its views cannot be shown: {0}")]
-    Screen(String),
-    /// The scenario is not valid.
-    #[error("its scenario cannot be used: {0}")]
-    Scenario(#[from] ScenarioError),
+    /// The text has another format.
+    #[error("it has format {0}, and this program reads format 1")]
+    Format(String),
+    /// A key is unknown, or a value is not possible.
+    #[error(transparent)]
+    Document(#[from] DocumentError),
+    /// The parts do not belong to each other.
+    #[error("{0}")]
+    Impossible(String),
 }
 
-/// A picture without its scenario, as links and session files have it. What is as usual is left out: the text is shorter, and
-/// a program that does not know the field reads it.
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct Screen {
-    pub(crate) views: Option<Outline>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(crate) enlarged: Option<ViewKind>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(crate) map: Option<Choice>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(crate) seeds: Option<SeedChoice>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(crate) tuning: Option<TuneChoice>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(crate) posterior: Option<u32>,
-    pub(crate) mode: Mode,
-    pub(crate) time: f64,
-    #[serde(default = "usual_speed", skip_serializing_if = "is_usual_speed")]
-    pub(crate) speed: f64,
-    #[serde(default, skip_serializing_if = "is_unused")]
-    pub(crate) marks: Ruler,
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub(crate) hidden: Vec<LegendEntry>,
-}
-
-const fn usual_speed() -> f64 {
-    Session::DEFAULT_SPEED
-}
-
-#[cfg_attr(target_pointer_width = "64", expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks by reference"))]
-fn is_usual_speed(speed: &f64) -> bool {
-    *speed == usual_speed()
-}
-
-fn is_unused(ruler: &Ruler) -> bool {
-    !ruler.is_used()
+/// The picture of a first start.
+impl Default for Picture {
+    fn default() -> Self {
+        Self::new(BuiltIn::FIRST.scenario().unwrap_or_default(), &Layout::default(), Mode::default(), 0.0)
+    }
 }
 
 impl Picture {
-    /// The picture without its scenario, and the scenario as TOML.
-    pub(crate) fn parts(&self) -> Result<(Screen, String), PictureError> {
-        let Self { scenario, views, enlarged, laboratory, mode, time, speed, ruler, hidden } = self.clone();
-        let Choices { map, seeds, tuning, posterior } = laboratory;
-        let screen = Screen { views, enlarged, map, seeds, tuning, posterior, mode, time, speed, marks: ruler, hidden };
-        Ok((screen, scenario.to_toml()?))
+    /// The picture with these settings and views, at the usual speed, without marks, with all of the legend.
+    pub(crate) fn new(scenario: Scenario, layout: &Layout, mode: Mode, time: f64) -> Self {
+        Self {
+            scenario,
+            views: Outline::of(layout.tree()),
+            enlarged: layout.enlarged(),
+            laboratory: Choices::default(),
+            mode,
+            time,
+            speed: Session::DEFAULT_SPEED,
+            ruler: Ruler::default(),
+            hidden: Vec::new(),
+            habits: None,
+        }
     }
 
-    /// The picture of its two parts, checked, since they may come from outside.
-    pub(crate) fn of_parts(screen: Screen, scenario: &str) -> Result<Self, PictureError> {
-        let Screen { views, enlarged, map, seeds, tuning, posterior, mode, time, speed, marks: ruler, hidden } = screen;
-        if let Some(views) = &views {
-            views.validate().map_err(PictureError::Screen)?;
+    /// The views as tiles.
+    pub(crate) fn layout(&self) -> Layout {
+        Layout::of_outline(self.views.as_ref(), self.enlarged)
+    }
+
+    /// The picture as JSON in one line, without the keys that have their usual values.
+    ///
+    /// # Errors
+    /// [`PictureError`] where the scenario cannot be written.
+    pub fn line(&self) -> Result<String, PictureError> {
+        Ok(Document::json(&self.document()?)?)
+    }
+
+    /// As [`Self::line`], with a line for each key.
+    ///
+    /// # Errors
+    /// As [`Self::line`].
+    pub fn lines(&self) -> Result<String, PictureError> {
+        Ok(Document::json_lines(&self.document()?)?)
+    }
+
+    fn document(&self) -> Result<Document, DocumentError> {
+        let usual = Document::of(&Self::default())?;
+        let mut document = Document::of(self)?;
+        if let Document::Table(entries) = &mut document {
+            entries.retain(|(key, value)| ALWAYS.contains(&key.as_str()) || usual.get(key) != Some(value));
+            entries.insert(0, (KEY.to_owned(), FORMAT));
         }
-        let shown = |view: &ViewKind| views.as_ref().is_some_and(|views| views.has(*view));
-        if !time.is_finite() || time < 0.0 {
-            return Err(PictureError::Screen(format!("the time is {time}, but must be 0 or more")));
+        Ok(document)
+    }
+
+    /// Reads the text of a picture, and checks it, since it may come from outside.
+    ///
+    /// # Errors
+    /// [`PictureError`] with the reason.
+    pub fn of_text(text: &str) -> Result<Self, PictureError> {
+        let document = Document::from_json(text)?;
+        Self::of_document(document).unwrap_or_else(|| Err(PictureError::Impossible(format!("it has no key `{KEY}`"))))
+    }
+
+    /// Reads the picture in a file. `None` for another kind of file.
+    pub(crate) fn of_file(bytes: &[u8]) -> Option<Result<Self, PictureError>> {
+        if bytes.iter().find(|byte| !byte.is_ascii_whitespace()) != Some(&b'{') {
+            return None;
         }
-        if !speed.is_finite() || speed <= 0.0 {
-            return Err(PictureError::Screen(format!("the speed is {speed}, but must be above 0")));
+        Self::of_document(Document::from_json(std::str::from_utf8(bytes).ok()?).ok()?)
+    }
+
+    fn of_document(mut document: Document) -> Option<Result<Self, PictureError>> {
+        let format = document.get(KEY)?.clone();
+        if format != FORMAT {
+            return Some(Err(PictureError::Format(Document::json(&format).unwrap_or_default())));
         }
-        if enlarged.as_ref().is_some_and(|view| !shown(view)) {
-            return Err(PictureError::Screen("the view that is enlarged is not shown".to_owned()));
-        }
-        let scenario = Scenario::from_toml(scenario)?;
-        let laboratory = Choices { map, seeds, tuning, posterior };
-        laboratory.check(&scenario).map_err(PictureError::Screen)?;
-        Ok(Self { scenario, views, enlarged, laboratory, mode, time, speed, ruler, hidden })
+        document.put(KEY, &Document::Null);
+        Some(document.read().map_err(PictureError::from).and_then(Self::checked))
+    }
+
+    fn checked(self) -> Result<Self, PictureError> {
+        let Self { scenario, views, enlarged, laboratory, time, speed, .. } = &self;
+        let problem = if !time.is_finite() || *time < 0.0 {
+            Err(format!("the time is {time}, but must be 0 or more"))
+        } else if !speed.is_finite() || *speed <= 0.0 {
+            Err(format!("the speed is {speed}, but must be above 0"))
+        } else if enlarged.is_some_and(|view| !views.as_ref().is_some_and(|views| views.has(view))) {
+            Err("the view that is enlarged is not shown".to_owned())
+        } else {
+            views.as_ref().map_or(Ok(()), Outline::validate).and_then(|()| laboratory.check(scenario))
+        };
+        problem.map(|()| self).map_err(PictureError::Impossible)
     }
 }
+
+/// The scenario as its file, so that it has one text everywhere.
+mod toml {
+    use kalmanscope_core::Scenario;
+    use serde::{Deserialize as _, Deserializer, Serialize as _, Serializer, de, ser};
+
+    pub(super) fn serialize<S: Serializer>(scenario: &Scenario, serializer: S) -> Result<S::Ok, S::Error> {
+        scenario.to_toml().map_err(ser::Error::custom)?.serialize(serializer)
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Scenario, D::Error> {
+        Scenario::from_toml(&String::deserialize(deserializer)?).map_err(de::Error::custom)
+    }
+}
+
+#[cfg(test)]
+mod tests;

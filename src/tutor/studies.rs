@@ -8,7 +8,7 @@ use crate::request::Answer;
 
 /// The user's progress in the lessons. Each is known by its title.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
+#[serde(default, deny_unknown_fields)]
 pub(crate) struct Studies {
     /// The place in the current lesson.
     pub(crate) bookmark: Option<Bookmark>,
@@ -18,6 +18,7 @@ pub(crate) struct Studies {
 
 /// A place in a lesson.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(crate) struct Bookmark {
     /// The lesson's title.
     pub(crate) lesson: String,

@@ -1,6 +1,6 @@
 //! Files as downloads of the browser.
 
-use kalmanscope::export::File;
+use kalmanscope::export::{Deliver, File};
 use wasm_bindgen::JsCast as _;
 use wasm_bindgen::prelude::*;
 use web_sys::{Blob, BlobPropertyBag, HtmlAnchorElement, Url};
@@ -10,10 +10,12 @@ use super::object::call;
 /// The contents are given up after this time \[ms\].
 const AFTER: u32 = 60_000;
 
-/// Gives a file to the browser, which puts it among its downloads; returns that in words.
-pub(super) fn download(file: &File) -> Result<String, String> {
-    give(file).map_err(|error| error.as_string().unwrap_or_else(|| format!("{error:?}")))?;
-    Ok(format!("{}, among the browser's downloads", file.name))
+/// Gives files to the browser, which puts them among its downloads.
+pub(super) fn download() -> Deliver {
+    Box::new(|file, done| {
+        let given = give(&file).map(|()| format!("{}, among the browser's downloads", file.name));
+        done(given.map_err(|error| error.as_string().unwrap_or_else(|| format!("{error:?}"))));
+    })
 }
 
 fn give(file: &File) -> Result<(), JsValue> {

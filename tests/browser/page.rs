@@ -42,6 +42,16 @@ impl Page {
         self.client.post("url", &json!({ "url": address })).expect("the page can be opened");
     }
 
+    /// Looks into the page's first frame from now on.
+    pub(crate) async fn enter_frame(&self) {
+        self.post("frame", json!({ "id": 0 })).await;
+    }
+
+    /// Looks at the page again.
+    pub(crate) async fn leave_frame(&self) {
+        self.post("frame/parent", json!({})).await;
+    }
+
     /// The value of a JavaScript expression.
     pub(crate) async fn value(&self, expression: &str) -> Value {
         let script = format!("return {expression};");

@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use kalmanscope::export::{File, folder};
+use kalmanscope::export::File;
 use kalmanscope::request::FigureFormat;
 use serde_json::Value;
 
@@ -17,9 +17,9 @@ pub(super) fn exporting(size: Vec2) -> (Screen, Files) {
     let kept = Rc::clone(&files);
     let mut screen = Harness::builder().with_size(size).with_step_dt(1.0 / 60.0).build_eframe(move |creation| {
         let kept = Rc::clone(&kept);
-        App::new(creation).expect("the default scenario can be run").delivering(Box::new(move |file| {
-            kept.borrow_mut().push(file.clone());
-            Ok(file.name.clone())
+        App::new(creation).expect("the default scenario can be run").delivering(Box::new(move |file, done| {
+            done(Ok(file.name.clone()));
+            kept.borrow_mut().push(file);
         }))
     });
     *screen.state_mut().layout_mut() = Layout::of(Arrangement::Teach);
@@ -167,9 +167,9 @@ fn a_bad_session_is_refused_and_changes_nothing() {
     };
     let before = scenario(&screen).clone();
     for (bad, reason) in [
-        (with("kalmanscope_session", 3.into()), "it has format 3, and this program reads formats up to 2"),
+        (with("kalmanscope_session", 3.into()), "it has format 3, and this program reads format 1"),
         (with("scenario", "dt = -1".into()), "`dt` is -1"),
-        (with("screen", Value::Null), "the session cannot be read"),
+        (with("more", Value::Null), "unknown field `more`"),
     ] {
         super::files::drop_file(&mut screen, "session.json", bad.to_string().as_bytes());
         let notice = screen.state().notice().expect("it is reported").to_owned();
@@ -302,17 +302,44 @@ fn text_boxes(svg: &str) -> Vec<[f32; 4]> {
 }
 
 #[test]
-fn a_file_never_replaces_another() {
-    let place = std::env::temp_dir().join(format!("kalmanscope-exports-{}", std::process::id()));
-    std::fs::create_dir_all(&place).expect("a folder can be made");
-    let file = |contents: &str| File { name: "a.csv".to_owned(), kind: "text/csv", contents: contents.into() };
-    let first = folder::write_into(&place, &file("1")).expect("it can be written");
-    let second = folder::write_into(&place, &file("2")).expect("it can be written");
-    assert!(first.ends_with("a.csv") && second.ends_with("a-2.csv"), "{first}, {second}");
-    assert_eq!(std::fs::read_to_string(first).expect("it is there"), "1");
-    let nowhere = folder::write_into(&place.join("none"), &file("3")).expect_err("there is no folder");
-    assert!(nowhere.contains("a.csv"), "{nowhere}");
-    std::fs::remove_dir_all(place).expect("the folder can be removed");
+fn a_file_that_cannot_be_written_is_reported() {
+    let mut screen = Harness::builder().with_size(DESKTOP).with_step_dt(1.0 / 60.0).build_eframe(|creation| {
+        let app = App::new(creation).expect("the default scenario can be run");
+        app.delivering(Box::new(|file, done| done(Err(format!("{}: the disk is full", file.name)))))
+    });
+    screen.run_steps(3);
+    screen.get_by_label("Export").click();
+    screen.run_steps(3);
+    screen.get_by_label("Record (CSV)").click();
+    screen.run_steps(4);
+    assert_eq!(screen.state().notice(), Some("The file cannot be written: record.csv: the disk is full."));
+}
+
+#[test]
+fn a_session_asks_for_its_record_only_where_that_is_missing() {
+    let asks = |screen: &Screen| screen.state().notice().is_some_and(|notice| notice.contains("drop that file too"));
+    // The records of the menu are built in.
+    let (mut screen, files) = exporting(DESKTOP);
+    screen.state_mut().session_mut().set_scenario(
+        kalmanscope_lessons::BuiltIn::named("circuit").expect("it is there").scenario().expect("it is valid"),
+    );
+    screen.run_steps(4);
+    assert!(screen.state().session().is_measured());
+    let session = exported(&mut screen, &files, "Session, to open again");
+    let mut other = super::screen(DESKTOP, Theme::Light);
+    super::files::drop_file(&mut other, "session.json", &session.contents);
+    assert!(other.state().session().is_measured() && !asks(&other), "{:?}", other.state().notice());
+    // A user's record is not.
+    let (name, bytes) = super::records::dialects()[0].clone();
+    super::files::drop_file(&mut screen, name, &bytes);
+    screen.run_steps(10);
+    screen.get_by_label("Open the record").click();
+    screen.run_steps(30);
+    let session = exported(&mut screen, &files, "Session, to open again");
+    super::files::drop_file(&mut screen, "session.json", &session.contents);
+    assert!(!asks(&screen), "the record is here: {:?}", screen.state().notice());
+    super::files::drop_file(&mut other, "session.json", &session.contents);
+    assert!(asks(&other), "{:?}", other.state().notice());
 }
 
 #[test]

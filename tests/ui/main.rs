@@ -18,6 +18,10 @@ mod marks;
 mod measure;
 mod memory;
 mod monte_carlo;
+// Its tests run here: a program of their own would be linked for them alone.
+#[allow(dead_code, reason = "the program itself does not run")]
+#[path = "../../src/native/mod.rs"]
+mod native;
 mod phone;
 mod playback;
 mod posterior;

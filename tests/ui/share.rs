@@ -1,12 +1,10 @@
 //! Links: what one screen shows, another shows too.
 
-use std::collections::BTreeMap;
 use std::process::Command;
 
 use egui::{Event, OutputCommand};
 use kalmanscope::request::LegendEntry;
 use kalmanscope::share::MARK;
-use serde_json::{Value, json};
 
 use super::*;
 
@@ -123,7 +121,7 @@ fn a_link_that_cannot_be_opened_is_one_sentence_and_changes_nothing() {
     let cut = link[..link.len() - 5].to_owned();
     for (address, sentence) in [
         (cut, "The link cannot be opened: it is damaged: a part of it is missing or changed."),
-        (link.replace("=1.", "=3."), "it is of version 3, and this program reads links up to version 1."),
+        (link.replace("=1.", "=3."), "it is of version 3, and this program reads links of version 1."),
         (format!("{MARK}{}", "A".repeat(100_000)), "it has 100000 characters, and a link has at most 16384."),
         ("?lesson=none".to_owned(), "There is no lesson “none”. The lessons are recursive-estimation, "),
         (
@@ -156,95 +154,6 @@ fn an_address_opens_a_lesson_or_a_scenario() {
     }
 }
 
-/// A message of a page, the frame that follows it, and the answer.
-fn send(screen: &mut Screen, message: &Value) -> Option<Value> {
-    let taken = screen.state_mut().take_message(&message.to_string());
-    screen.run_steps(3);
-    let answer = match taken {
-        Ok(message) => Some(screen.state().answer_message(&message)),
-        Err(refusal) => refusal.answer(),
-    };
-    answer.map(|answer| serde_json::to_value(answer).expect("a message is JSON"))
-}
-
-#[test]
-fn a_page_sets_and_reads_the_picture_by_messages() {
-    let link = copy(&mut unusual(Mode::Live));
-    let mut screen = screen(DESKTOP, Theme::Light);
-    let answer = send(&mut screen, &json!({ "kalmanscope": 1, "id": 7, "set": { "link": link } }));
-    assert_eq!(answer, Some(json!({ "kalmanscope": 1, "id": 7, "set": true })));
-    let answer = send(&mut screen, &json!({ "kalmanscope": 1, "get": "link" })).expect("it is answered");
-    assert_eq!((&answer["link"], &answer["id"]), (&json!(link), &Value::Null));
-
-    let set = json!({ "scenario": "duffing", "mode": "whole", "speed": 0.5, "time": 3.25, "playing": false });
-    send(&mut screen, &json!({ "kalmanscope": 1, "set": set }));
-    let answer = send(&mut screen, &json!({ "kalmanscope": 1, "id": "a", "get": "state" })).expect("it is answered");
-    let state: BTreeMap<String, Value> = serde_json::from_value(answer["state"].clone()).expect("it is an object");
-    let session = screen.state().session();
-    assert_eq!((answer["id"].as_str(), session.speed()), (Some("a"), 0.5));
-    assert_eq!((state["mode"].as_str(), state["time"].as_f64()), (Some("whole"), Some(3.25)));
-    assert_eq!((&state["playing"], state["samples"].as_u64()), (&json!(false), Some(session.run().len() as u64)));
-    assert_eq!(state["checksum"].as_str().expect("it is text"), format!("{:016x}", checksum(&screen)));
-    let names: Vec<_> = state["filters"].as_array().expect("a list").iter().map(|it| it["name"].as_str()).collect();
-    assert_eq!(names, scenario(&screen).filters.iter().map(|it| Some(it.name.as_str())).collect::<Vec<_>>());
-
-    let answer = send(&mut screen, &json!({ "kalmanscope": 1, "get": "scenario" })).expect("it is answered");
-    let read = Scenario::from_toml(answer["scenario"].as_str().expect("it is text")).expect("it is valid");
-    assert_eq!(&read, scenario(&screen));
-    let mut longer = read;
-    longer.seed = 5;
-    let toml = longer.to_toml().expect("it can be written");
-    send(&mut screen, &json!({ "kalmanscope": 1, "set": { "toml": toml } }));
-    assert_eq!(scenario(&screen), &longer);
-    send(&mut screen, &json!({ "kalmanscope": 1, "set": { "lesson": "sudden-loss", "step": 2 } }));
-    screen.get_by_label_contains("2 of ");
-}
-
-#[test]
-fn hostile_messages_change_nothing_and_have_a_reason() {
-    let mut screen = unusual(Mode::Live);
-    let before = (screen.state().picture(), checksum(&screen));
-    for (set, reason) in [
-        (json!({ "scenario": "none" }), "There is no scenario “none”"),
-        (json!({ "lesson": "sudden-loss", "step": 0 }), "There is no step “0”"),
-        (json!({ "step": 1 }), "needs a `lesson`"),
-        (json!({ "link": "https://example.org/" }), "must have `#link=` in it"),
-        (json!({ "link": "#link=1.AAAA" }), "it is damaged"),
-        (json!({ "toml": "dt = -1" }), "`dt` is -1"),
-        (json!({ "scenario": "duffing", "lesson": "sudden-loss" }), "at most one of"),
-        (json!({ "time": -1 }), "`time` must be 0 or more"),
-        (json!({ "speed": 1e9 }), "`speed` must be from"),
-        (json!({ "mode": "fast" }), "unknown variant `fast`"),
-        (json!({ "playing": "yes" }), "expected a boolean"),
-        (json!({ "html": "<script>" }), "unknown field `html`"),
-        (json!([]), "must be an object"),
-    ] {
-        let message = json!({ "kalmanscope": 1, "id": 3, "set": set });
-        let answer = send(&mut screen, &message).expect("it is answered");
-        let error = answer["error"].as_str().expect("it is refused");
-        assert!(error.contains(reason) && answer["id"] == 3, "{message}: {error}");
-        assert_eq!((screen.state().picture(), checksum(&screen)), before, "{message}");
-    }
-    for message in [
-        json!({ "kalmanscope": 2, "get": "state" }),
-        json!({ "kalmanscope": 1, "get": "everything" }),
-        json!({ "kalmanscope": 1 }),
-        json!({ "kalmanscope": 1, "get": "state", "set": {} }),
-        json!({ "kalmanscope": 1, "get": "state", "more": 1 }),
-    ] {
-        let answer = send(&mut screen, &message).expect("it is answered");
-        assert!(answer["error"].as_str().is_some_and(|error| error.len() > 20), "{message}: {answer}");
-    }
-    let long = "x".repeat(70_000);
-    for message in [json!(1), json!(null), json!([1]), json!({ "type": "webpack" }), json!({ "a": long })] {
-        let refusal = screen.state_mut().take_message(&message.to_string()).expect_err("it is not ours");
-        assert_eq!(refusal.answer(), None, "what is not ours gets no answer");
-        assert!(refusal.reason.ends_with('.'), "{}", refusal.reason);
-    }
-    let id = json!({ "kalmanscope": 1, "id": "x".repeat(200), "get": "link" });
-    assert_eq!(send(&mut screen, &id).expect("it is answered")["id"], Value::Null, "a long name is not repeated");
-}
-
 #[test]
 fn an_embedded_screen_has_plots_and_transport_only_and_leaves_the_saved_session() {
     let mut screen = Harness::builder()
@@ -271,13 +180,20 @@ fn an_embedded_screen_has_plots_and_transport_only_and_leaves_the_saved_session(
 }
 
 #[test]
-fn the_program_says_why_its_argument_cannot_be_opened() {
+fn the_program_says_why_its_arguments_cannot_be_used() {
     for (argument, sentence) in [
         ("https://example.org/#link=1.AAAA", "error: The link cannot be opened: it is damaged"),
         ("?scenario=none", "error: There is no scenario “none”"),
-        ("file.toml", "usage: kalmanscope [LINK or FILE]"),
+        ("file.toml", "error: “file.toml” is neither a file nor an address"),
+        ("--kep", "error: unexpected argument '--kep' found"),
+        ("?scenario=duffing more", "error: unexpected argument 'more' found"),
+        ("--keep a.csv", "error: the following required arguments were not provided:\n  --listen <SOURCE>"),
+        ("--listen", "error: a value is required for '--listen <SOURCE>'"),
+        ("--listen - none.toml", "error: none.toml cannot be read: "),
     ] {
-        let output = Command::new(env!("CARGO_BIN_EXE_kalmanscope")).arg(argument).output().expect("it can be started");
+        let arguments = argument.split(' ');
+        let output =
+            Command::new(env!("CARGO_BIN_EXE_kalmanscope")).args(arguments).output().expect("it can be started");
         let message = String::from_utf8_lossy(&output.stderr);
         assert!(message.starts_with(sentence), "{message}");
         assert_eq!((output.status.code(), output.stdout.len()), (Some(2), 0), "{argument}");

@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::rc::Rc;
 
 use egui::Context;
-use kalmanscope::inbox::{Arrival, Inbox};
+use kalmanscope::inbox::{Arrival, Done, Inbox};
 use kalmanscope::shelf::Shelf;
 
 use super::files::drop_file;
@@ -14,13 +14,22 @@ use super::*;
 /// A file's name and contents.
 type Kept = (String, Vec<u8>);
 
-/// A place for one file in memory.
+/// A place for one file in memory. Actions end when a test says so, as those of a browser do later.
 #[derive(Clone, Default)]
-struct Drawer(Rc<RefCell<Option<Kept>>>);
+struct Drawer(Rc<RefCell<Option<Kept>>>, Rc<RefCell<Vec<Done>>>);
+
+impl Drawer {
+    fn end(&self, screen: &mut Screen, end: Result<String, String>) -> String {
+        self.1.borrow_mut().pop().expect("an action has begun")(end);
+        screen.run_steps(2);
+        screen.state().notice().unwrap_or_default().to_owned()
+    }
+}
 
 impl Shelf for Drawer {
-    fn keep(&self, name: &str, bytes: Rc<[u8]>) {
+    fn keep(&self, name: &str, bytes: Rc<[u8]>, done: Done) {
         *self.0.borrow_mut() = Some((name.to_owned(), bytes.to_vec()));
+        self.1.borrow_mut().push(done);
     }
 
     fn fetch(&self, ctx: &Context, inbox: &Inbox) {
@@ -29,12 +38,9 @@ impl Shelf for Drawer {
         }
     }
 
-    fn forget(&self) {
+    fn forget(&self, done: Done) {
         self.0.borrow_mut().take();
-    }
-
-    fn place(&self) -> &'static str {
-        "a drawer"
+        self.1.borrow_mut().push(done);
     }
 }
 
@@ -58,7 +64,8 @@ fn a_record_is_there_again_after_a_restart_until_it_is_forgotten() {
     screen.get_by_label("Open the record").click();
     screen.run_steps(30);
     check_result(&screen, name);
-    let said = screen.state().notice().unwrap_or_default().to_owned();
+    assert_eq!(screen.state().notice(), None, "it is not yet written");
+    let said = drawer.end(&mut screen, Ok("a drawer".to_owned()));
     assert!(said.contains(name) && said.contains("is kept in a drawer"), "{said}");
 
     let state = |screen: &mut Screen| {
@@ -75,8 +82,30 @@ fn a_record_is_there_again_after_a_restart_until_it_is_forgotten() {
     again.run_steps(3);
     again.get_by_label("Forget the record").click();
     again.run_steps(3);
+    assert_eq!(again.state().notice(), None, "it is not yet forgotten");
+    let said = drawer.end(&mut again, Ok("a drawer".to_owned()));
+    assert_eq!(said, "The record is no longer kept for the next start.");
     let mut empty = started(state(&mut again), &drawer);
     empty.run_steps(10);
     assert!(!empty.state().session().is_measured());
     assert!(empty.state().session().problem().is_some_and(|problem| problem.contains("drop the file")));
+}
+
+#[test]
+fn a_record_that_cannot_be_kept_or_forgotten_is_said() {
+    let drawer = Drawer::default();
+    let mut screen = started(Memory::default(), &drawer);
+    let (name, bytes) = dialects()[0].clone();
+    drop_file(&mut screen, name, &bytes);
+    screen.run_steps(10);
+    screen.get_by_label("Open the record").click();
+    screen.run_steps(30);
+    let said = drawer.end(&mut screen, Err("the disk is full".to_owned()));
+    assert_eq!(said, format!("“{name}” is not kept for the next start: the disk is full."));
+    screen.get_by_label("More").click();
+    screen.run_steps(3);
+    screen.get_by_label("Forget the record").click();
+    screen.run_steps(3);
+    let said = drawer.end(&mut screen, Err("the disk is gone".to_owned()));
+    assert_eq!(said, "The record is still kept for the next start: the disk is gone.");
 }

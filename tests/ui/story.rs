@@ -81,7 +81,7 @@ fn a_first_visitor_sees_the_settings_that_the_story_names_and_the_way_to_all_oth
     let mut storage = Memory::default();
     screen.state_mut().save(&mut storage);
     let again = App::restored(Some(&storage)).expect("it can be run");
-    let text = again.saved().text().expect("it can be written");
+    let text = again.last_picture().line().expect("it can be written");
     assert!(text.contains("\"all_settings\":true"), "{text}");
 }
 

@@ -1,143 +1,118 @@
-//! The program in a headless window, with its state in a folder.
+//! The program in a headless window, with its session in a folder.
 
 #[path = "../../../tests/ui/memory.rs"]
 mod storage;
 
-use std::path::Path;
-
 use egui::{Theme, Vec2};
 use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable as _;
 use kalmanscope_core::Scenario;
 
+use super::super::state_file::NAME;
 use super::*;
-use storage::Memory as Older;
+use storage::Memory;
 
 type Screen = Harness<'static, Desktop>;
 
-/// The program with its state in a folder.
+/// The program with its session in a folder.
 fn started(folder: &Path) -> Screen {
     let folder = folder.to_owned();
     let builder = Harness::builder().with_size(Vec2::new(1000.0, 700.0)).with_theme(Theme::Light);
     let mut screen = builder.build_eframe(move |creation| {
-        let memory = Slot::take(&folder).map(|slot| Memory::new(slot, creation.storage));
-        Desktop::new(creation, memory, Box::new(App::stored)).expect("the first scenario can be run")
+        Desktop::new(&creation.egui_ctx, Ok(&folder), |app| app).expect("the first scenario can be run")
     });
     screen.run_steps(2);
     screen
 }
 
-fn seed(screen: &mut Screen) -> u64 {
-    app(screen).session().scenario().seed
+/// Saves as the toolkit does.
+fn save(screen: &mut Screen) {
+    eframe::App::save(screen.state_mut(), &mut Memory::default());
 }
 
-fn app(screen: &mut Screen) -> &mut App {
-    screen.state_mut().app().expect("it is there")
+fn notice(screen: &mut Screen) -> String {
+    screen.state_mut().app.notice().unwrap_or_default().to_owned()
+}
+
+fn seed(screen: &mut Screen) -> u64 {
+    screen.state_mut().app.session().scenario().seed
 }
 
 fn set_seed(screen: &mut Screen, seed: u64) {
-    let session = app(screen).session_mut();
+    let session = screen.state_mut().app.session_mut();
     session.set_scenario(Scenario { seed, ..session.scenario().clone() });
     screen.run_steps(2);
 }
 
-/// A note about a crash with this seed on screen, and a state with another one.
-fn crashed(folder: &Path) {
-    let mut screen = started(folder);
-    set_seed(&mut screen, 77);
-    let session = app(&mut screen).saved().text().expect("it can be written");
-    set_seed(&mut screen, 66);
-    drop(screen);
-    let note = serde_json::json!({
-        "kalmanscope_crash": 1, "version": "0.1.0", "message": "the device is lost", "place": "src/main.rs:1:1",
-        "thread": "main", "time": 0, "state": "state.json", "session": session,
-    });
-    std::fs::write(folder.join("crash.json"), note.to_string()).expect("it can be written");
-}
-
 #[test]
-fn the_state_comes_back_and_two_windows_have_their_own() {
+fn the_session_comes_back() {
     let folder = tempfile::tempdir().expect("a folder can be made");
-    let mut first = started(folder.path());
-    assert_eq!(app(&mut first).notice(), None);
-    set_seed(&mut first, 5);
-    drop(first);
+    let mut screen = started(folder.path());
+    assert_eq!(notice(&mut screen), "");
+    set_seed(&mut screen, 5);
+    save(&mut screen);
     let mut again = started(folder.path());
-    assert_eq!((seed(&mut again), app(&mut again).notice()), (5, None));
-    let mut second = started(folder.path());
-    let notice = app(&mut second).notice().expect("it is said").to_owned();
-    assert!(notice.contains("open in another window") && notice.contains("state-2.json"), "{notice}");
-    assert_eq!(seed(&mut second), 5, "it begins with the state of the first");
-    set_seed(&mut second, 6);
-    drop(second);
-    drop(again);
-    let mut again = started(folder.path());
-    let mut second = started(folder.path());
-    assert_eq!((seed(&mut again), seed(&mut second)), (5, 6));
+    assert_eq!((seed(&mut again), notice(&mut again)), (5, String::new()));
 }
 
 #[test]
-fn a_crash_is_told_and_its_settings_are_restored() {
+fn a_frame_is_saved_after_two_seconds_and_then_all_rests() {
     let folder = tempfile::tempdir().expect("a folder can be made");
-    crashed(folder.path());
     let mut screen = started(folder.path());
-    assert!(screen.state_mut().app().is_none(), "nothing is computed before the user has chosen");
-    screen.get_by_label("the device is lost");
-    screen.get_by_label_contains("src/main.rs:1:1, version 0.1.0");
-    // Closed without a choice, the crash is shown again.
-    drop(screen);
-    let mut screen = started(folder.path());
-    screen.get_by_label("Restore").click();
-    screen.run_steps(3);
-    assert_eq!(seed(&mut screen), 77);
-    drop(screen);
-    assert!(folder.path().join("last-crash.json").exists());
-    let mut screen = started(folder.path());
-    assert_eq!(seed(&mut screen), 77, "it is told once");
+    screen.state_mut().app.session_mut().pause();
+    screen.run_steps(2);
+    assert_eq!(eframe::App::auto_save_interval(screen.state()), Duration::MAX, "no save in each frame");
+    let due = screen.state().due.expect("a frame asks for a save");
+    assert!(due > Instant::now() && due <= Instant::now() + SOON);
+    std::thread::sleep(due - Instant::now());
+    screen.step();
+    assert_eq!(eframe::App::auto_save_interval(screen.state()), Duration::ZERO, "the toolkit saves");
+    save(&mut screen);
+    assert_eq!(screen.state().due, None, "the frame of the save asks for no other");
+    screen.step();
+    assert_eq!(eframe::App::auto_save_interval(screen.state()), Duration::MAX);
+    assert!(screen.state().due.is_some(), "each other frame does");
 }
 
 #[test]
-fn a_user_may_start_anew_after_a_crash() {
+fn a_session_that_cannot_be_read_is_said_and_kept() {
     let folder = tempfile::tempdir().expect("a folder can be made");
-    crashed(folder.path());
-    let first = {
-        let other = tempfile::tempdir().expect("a folder can be made");
-        seed(&mut started(other.path()))
-    };
     let mut screen = started(folder.path());
-    screen.get_by_label("Start anew").click();
-    screen.run_steps(3);
+    let first = seed(&mut screen);
+    set_seed(&mut screen, 5);
+    save(&mut screen);
+    let text = std::fs::read_to_string(folder.path().join(NAME)).expect("it is there");
+    std::fs::write(folder.path().join(NAME), &text[..text.len() / 2]).expect("it can be written");
+    let mut screen = started(folder.path());
+    let said = notice(&mut screen);
+    assert!(said.contains("The last session cannot be opened: ") && said.contains("state-kept-1.json"), "{said}");
     assert_eq!(seed(&mut screen), first);
-    drop(screen);
-    crashed(folder.path());
-    let screen = started(folder.path());
-    screen.get_by_label_contains("at the same place before");
+    save(&mut screen);
+    let kept = std::fs::read_to_string(folder.path().join("state-kept-1.json")).expect("it is kept");
+    assert_eq!(kept, text[..text.len() / 2]);
+    assert_eq!(notice(&mut started(folder.path())), "", "what is saved now can be read");
 }
 
 #[test]
-fn a_note_that_cannot_be_read_restores_the_state_that_was_saved() {
+fn a_crash_is_said_with_the_session_that_was_saved_last() {
     let folder = tempfile::tempdir().expect("a folder can be made");
-    crashed(folder.path());
-    std::fs::write(folder.path().join("crash.json"), "{").expect("it can be written");
     let mut screen = started(folder.path());
-    screen.get_by_label_contains("The note about the crash cannot be read");
-    screen.get_by_label("Restore").click();
-    screen.run_steps(3);
-    assert_eq!(seed(&mut screen), 66);
+    set_seed(&mut screen, 77);
+    save(&mut screen);
+    std::fs::write(folder.path().join("crash.txt"), "“the device is lost”, at a place.").expect("it can be written");
+    let mut screen = started(folder.path());
+    let said = notice(&mut screen);
+    assert!(said.contains("has stopped with an error: “the device is lost”, at a place. Please add "), "{said}");
+    assert_eq!(seed(&mut screen), 77);
+    assert_eq!(notice(&mut started(folder.path())), "", "it is said once");
 }
 
 #[test]
-fn a_torn_state_is_said_on_screen() {
+fn an_end_forgets_the_note_of_a_thread_that_has_failed() {
     let folder = tempfile::tempdir().expect("a folder can be made");
-    for seed in [5, 6] {
-        let mut screen = started(folder.path());
-        set_seed(&mut screen, seed);
-    }
-    std::fs::write(folder.path().join("state.json"), "{\"kalmanscope_st").expect("it can be written");
     let mut screen = started(folder.path());
-    let notice = app(&mut screen).notice().expect("it is said").to_owned();
-    assert!(notice.contains("it is damaged") && notice.contains("The copy before it is taken"), "{notice}");
-    assert_eq!(seed(&mut screen), 5);
+    std::fs::write(folder.path().join("crash.txt"), "“x”, at y.").expect("it can be written");
+    eframe::App::on_exit(screen.state_mut(), None);
+    assert_eq!(notice(&mut started(folder.path())), "");
 }
 
 #[test]
@@ -146,26 +121,18 @@ fn a_missing_place_is_said_and_the_explorer_starts() {
     let file = folder.path().join("file");
     std::fs::write(&file, "").expect("it can be written");
     let mut screen = started(&file);
-    assert!(app(&mut screen).notice().is_some_and(|notice| notice.starts_with("Nothing of this session is kept")));
+    assert!(notice(&mut screen).starts_with("Nothing of this session is kept when the window closes: "));
+    save(&mut screen);
+    assert_eq!(std::fs::read(&file).expect("it is there"), b"");
 }
 
 #[test]
-fn the_state_of_an_older_program_is_taken_over_once() {
+fn a_save_that_fails_is_said() {
     let folder = tempfile::tempdir().expect("a folder can be made");
-    let mut older = Older::default();
-    let scenario = Scenario { seed: 9, ..Scenario::default() };
-    eframe::App::save(&mut App::with_scenario(scenario).expect("it can be run"), &mut older);
-    older.set_string("window", "its place".to_owned());
-    let slot = Slot::take(folder.path()).expect("there is a place");
-    let memory = Memory::new(slot, Some(&older));
-    let app = memory.start(&Context::default(), Box::new(App::stored)).expect("it can be run");
-    assert_eq!((app.session().scenario().seed, app.notice()), (9, None));
-    let state = app.saved();
-    let mut desktop = Desktop { stage: Stage::Running(Box::new(app)), memory: Some(memory) };
-    eframe::App::save(&mut desktop, &mut older);
-    assert!(older.get_string(KEY).is_some(), "it is not yet on the disk");
-    desktop.memory.iter().for_each(|memory| memory.keeper.follow(state.clone()));
-    eframe::App::on_exit(&mut desktop, None);
-    eframe::App::save(&mut desktop, &mut older);
-    assert_eq!(older.0.keys().collect::<Vec<_>>(), ["window"]);
+    let inner = folder.path().join("gone");
+    let mut screen = started(&inner);
+    std::fs::remove_dir_all(&inner).expect("it can be removed");
+    save(&mut screen);
+    let said = notice(&mut screen);
+    assert!(said.starts_with("The session is not saved: ") && said.contains(NAME), "{said}");
 }
