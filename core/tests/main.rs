@@ -73,6 +73,7 @@ mod measured;
 mod million_steps;
 mod model_classes;
 mod monte_carlo;
+mod motion;
 mod online;
 mod oracles;
 mod outliers;

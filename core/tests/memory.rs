@@ -10,7 +10,12 @@ fn a_step_by_the_book_reserves_no_memory() {
     for (kind, plant) in kinds.flat_map(|kind| PlantKind::ALL.map(|plant| (kind, plant))) {
         for log_parameters in [false, true] {
             for propagation in Propagation::ALL {
-                let settings = FilterSettings { kind, log_parameters, propagation, ..FilterSettings::default() };
+                let settings = FilterSettings {
+                    kind,
+                    log_parameters,
+                    propagation: Some(propagation),
+                    ..FilterSettings::default()
+                };
                 let model = settings.model(plant, InputKind::Force);
                 let n = model.size();
                 let values: Vec<f64> = model.channels().iter().map(|&c| settings.initial_mean[c]).collect();
@@ -19,7 +24,7 @@ fn a_step_by_the_book_reserves_no_memory() {
                 let process = Matrix::identity(n, n) * 1e-8;
                 let noise = Noise { process, sensors: vec![1e-4, 1e-2], fading: 1.002 };
                 let belief =
-                    (kind.info().begin)(initial, &settings.method(), Normal::from_seed(1)).expect("it has a root");
+                    (kind.info().begin)(initial, &settings.method(plant), Normal::from_seed(1)).expect("it has a root");
                 let sensors = [Quantity::DISPLACEMENT, Quantity::ACCELERATION];
                 let learns = Adaptation::default();
                 let mut filter = Filter::new(model, belief, 0.01, Hold::First, noise, &sensors, learns);

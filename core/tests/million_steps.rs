@@ -180,7 +180,7 @@ fn a_diverging_filter_stops_with_divergence() {
     let mut scenario = with_filter(FilterKind::EKF);
     scenario.dt = 0.5;
     scenario.duration = 1000.0;
-    scenario.filters[0].propagation = kalmanscope_core::Propagation::Euler;
+    scenario.filters[0].propagation = Some(kalmanscope_core::Propagation::Euler);
     (scenario.sensors, scenario.filters[0].sensor_std) = (vec![], vec![]);
     assert_eq!(stop(&scenario).unwrap().reason, FilterError::NotFinite);
 }

@@ -56,8 +56,8 @@ fn a_prediction_whose_mean_or_jacobian_is_not_exact_is_divided_where_samples_are
     let of = |kind, propagation| FilterSettings { kind, propagation, id: 0, ..ekf.clone() };
     scenario.filters = vec![
         ekf.clone(),
-        of(FilterKind::EKF, Propagation::RungeKutta),
-        of(FilterKind::UKF, Propagation::LocalLinearisation),
+        of(FilterKind::EKF, Some(Propagation::RungeKutta)),
+        of(FilterKind::UKF, None),
     ];
     scenario.number_filters();
     let substeps: Vec<usize> = suggest(&scenario, &record).scenario.filters.iter().map(|f| f.substeps).collect();

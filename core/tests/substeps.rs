@@ -58,6 +58,9 @@ fn substeps_are_those_of_a_finer_record() {
 #[test]
 fn an_impossible_number_of_substeps_is_named() {
     let mut scenario = scenario("ekf", 1);
-    scenario.filters[0].substeps = 0;
-    assert_eq!(scenario.validate().unwrap_err().to_string(), "`filters[0].substeps` is 0, but must be from 1 to 100");
+    scenario.filters[0].substeps = 101;
+    assert_eq!(
+        scenario.validate().unwrap_err().to_string(),
+        "`filters[0].substeps` is 101, but must be from 0 to 100 (0 for as many as its error asks for)"
+    );
 }

@@ -62,7 +62,7 @@ impl Runner {
     pub fn time_of_cell(&self) -> f64 {
         let scenario = self.ensemble.scenario();
         let samples = self.source.record().map_or_else(|| scenario.samples(), |record| record.len());
-        let time = |&place: &usize| scenario.filters[place].time_of_step(scenario.plant.kind);
+        let time = |&place: &usize| scenario.filters[place].time_of_step(scenario);
         1e-9 * samples as f64 * self.ensemble.plan().filters.iter().map(time).sum::<f64>()
     }
 

@@ -107,7 +107,7 @@ fn the_options_of_a_filter_reach_the_scenario() {
     choose(&mut screen, "EKF plant", "Duffing oscillator");
     assert_eq!(first(&screen).plant, Some(PlantKind::DUFFING));
     choose(&mut screen, "EKF steps", "Euler");
-    assert_eq!(first(&screen).propagation, kalmanscope_core::Propagation::Euler);
+    assert_eq!(first(&screen).propagation, Some(kalmanscope_core::Propagation::Euler));
     for text in ["logarithms of positive parameters", "learn R from the innovations", "learn Q from the innovations"] {
         let before = first(&screen);
         screen.get_by_label(&format!("EKF: {text}")).click();

@@ -115,8 +115,8 @@ fn filter(scenario: &Scenario, dice: &mut Dice) -> FilterSettings {
         augment,
         input_delay: if dice.one_in(4) { dice.pick(&[-100, -2, -1, 1, 3, 100]) } else { 0 },
         log_parameters: dice.one_in(4),
-        propagation: dice.pick(&Propagation::ALL),
-        substeps: 1 + dice.below(3),
+        propagation: [None, Some(dice.pick(&Propagation::ALL))][dice.below(2)],
+        substeps: dice.below(4),
         iterations: 1 + dice.below(5),
         ensemble_size: 2 + dice.below(40),
         adaptation: Adaptation {

@@ -10,7 +10,7 @@ use kalmanscope_core::internals::kernel::ShearChain;
 use kalmanscope_core::internals::kernel::{Belief, Correction, Filter, Linearised, Noise, SigmaPoints};
 use kalmanscope_core::internals::kernel::{Gaussian, Matrix, Vector};
 use kalmanscope_core::internals::kernel::{Model, Output};
-use kalmanscope_core::{FilterSettings, InputKind, PlantKind, Propagation, Record, Run, Scenario, Values};
+use kalmanscope_core::{FilterSettings, InputKind, PlantKind, Record, Run, Scenario, Values};
 
 /// A filter and its input.
 pub(crate) struct Case {
@@ -53,8 +53,7 @@ fn plant<P: Model<N>, const N: usize>(cases: &mut Vec<Case>, kind: PlantKind, pl
     let mut add = |name: &str, stepper| {
         cases.push(Case { name: format!("{}, n = {N}{decay}, {name}", kind.name()), stepper });
     };
-    let local = Propagation::LocalLinearisation;
-    add("EKF", stepper(plant.clone(), kind, Linearised::new(initial.clone(), local, 1), &record));
+    add("EKF", stepper(plant.clone(), kind, Linearised::new(initial.clone(), 1), &record));
     if !P::MOVES_POINTS {
         return;
     }

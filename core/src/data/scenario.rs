@@ -10,6 +10,7 @@ mod error;
 pub(crate) mod fault;
 mod filter;
 mod identity;
+pub(crate) mod motion;
 mod name;
 mod plant;
 mod population;

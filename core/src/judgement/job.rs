@@ -136,7 +136,7 @@ impl Job {
             all += cost::OF_RECORD * goal as f64;
         }
         for &place in revision.changed() {
-            let cost = goal as f64 * cost::of_step(&scenario.filters[place], scenario.plant.kind);
+            let cost = goal as f64 * cost::of_step(&scenario.filters[place], scenario);
             so_far += filters[place] * cost;
             all += cost;
         }

@@ -185,7 +185,7 @@ impl Visitor for Start<'_> {
 
     fn visit<P: Model<N>, const N: usize>(self, model: P) -> Box<dyn Recursion> {
         let Self { settings, context } = self;
-        let belief = Linearised::new(initial_belief::<P, N>(settings), settings.propagation, 1);
+        let belief = Linearised::new(initial_belief::<P, N>(settings), 1);
         let sensors = context.sensors.to_vec();
         Box::new(BoundFilter { filter: build_filter(model, belief, settings, &context), sensors })
     }
@@ -236,7 +236,7 @@ struct DynamicBoundFilter {
 impl DynamicBoundFilter {
     fn new(settings: &FilterSettings, context: &FilterContext<'_>) -> Self {
         let initial = crate::samples::estimator::book::initial_gaussian(&context.model(settings), settings);
-        let belief = Box::new(filter::Moments::linearised(initial, settings.propagation, 1));
+        let belief = Box::new(filter::Moments::linearised(initial, context.propagation(settings), 1));
         let filter = crate::samples::estimator::book::build_filter(belief, settings, context);
         Self { filter, sensors: context.sensors.to_vec() }
     }

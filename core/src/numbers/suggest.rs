@@ -31,6 +31,8 @@ use crate::{
     Task as _,
 };
 
+use crate::data::scenario::motion::steps_over;
+
 use ambient::has_no_input;
 use decay::{Decay, decay};
 use differences::noise;
@@ -209,14 +211,8 @@ impl Suggestion {
     }
 
     /// A prediction over a large part of a period is divided. Local linearisation moves the mean of a linear plant exactly, but its
-    /// Jacobian takes the motion for constant over a step. A step of fourth order over an angle h turns by a share of h⁴ / 120 too
-    /// little, which must be small beside what the record tells of ωₙ. Source: Hairer, Nørsett and Wanner (1993), *Solving Ordinary
-    /// Differential Equations I*, section II.2 (the terms of the exponential that four stages lack).
+    /// Jacobian takes the motion for constant over a step.
     fn substeps(&mut self, dt: f64) {
-        /// The angle by which an oscillator should turn at most in one step \[rad\].
-        const MOST: f64 = 0.2;
-        /// An error of a step may have this share of what the record tells.
-        const SMALL: f64 = 0.03;
         let (kind, input) = (self.scenario.plant.kind, self.scenario.input);
         let mut most = 1;
         for filter in self.filters() {
@@ -226,15 +222,16 @@ impl Suggestion {
             }
             let is_exact = model.is_linear()
                 && filter.kind.info().has_propagation
-                && filter.propagation == Propagation::LocalLinearisation;
+                && filter.propagation_for(kind) == Propagation::LocalLinearisation;
             let frequency = filter.initial_mean[Channel::NATURAL_FREQUENCY].abs();
             let told = filter.initial_std[Channel::NATURAL_FREQUENCY] / (initial::LOOSE * frequency);
             let knows_all = told == 0.0 && filter.process_std[Channel::NATURAL_FREQUENCY] == 0.0;
-            let is_precise = told > 0.0 && !is_exact;
-            let step = if is_precise { libm::sqrt(libm::sqrt(120.0 * SMALL * told)).min(MOST) } else { MOST };
-            let steps = libm::ceil(frequency * dt / step).clamp(1.0, 40.0);
-            filter.substeps = if is_exact && knows_all { 1 } else { steps as usize };
-            most = most.max(filter.substeps);
+            let swing = frequency * dt;
+            // The spread of the motion is now its size.
+            let turn = if model.is_linear() { swing } else { swing.max(filter.turn(&model, dt)) };
+            let steps = steps_over(turn, Some(told).filter(|told| *told > 0.0 && !is_exact));
+            filter.substeps = if is_exact && knows_all || steps == 1 { 0 } else { steps };
+            most = most.max(filter.steps(kind, input, dt));
         }
         if most > 1 {
             self.reasons.push(format!("{most} steps a sample, because there are few samples in a period"));

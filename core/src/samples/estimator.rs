@@ -14,7 +14,7 @@ pub(crate) mod walk;
 use crate::data::record::Parts;
 use crate::mathematics::model::{Hold, InputKind, Model};
 use crate::samples::sink::Sink;
-use crate::{Channel, FilterError, FilterSettings, PlantKind, Quantity, Record, Scenario};
+use crate::{Channel, FilterError, FilterSettings, PlantKind, Propagation, Quantity, Record, Scenario};
 
 /// A filter that computes one sample at a time.
 pub(crate) trait Estimator: Send {
@@ -117,6 +117,16 @@ impl<'a> FilterContext<'a> {
         let Self { plant, input, hold, sensors, dt, seed, stream, is_timed, start } = self;
         let (settings, sensors) = (settings.clone(), sensors.to_vec());
         Recipe { settings, plant, input, hold, sensors, dt, seed, stream, is_timed, start }
+    }
+
+    /// The propagation of the mean of a filter with these settings.
+    pub(crate) fn propagation(&self, settings: &FilterSettings) -> Propagation {
+        settings.propagation_for(self.plant)
+    }
+
+    /// The number of steps of such a filter from one sample to the next.
+    pub(crate) fn steps(&self, settings: &FilterSettings) -> usize {
+        settings.steps(self.plant, self.input, self.dt)
     }
 
     /// The model of a filter with these settings.

@@ -332,7 +332,11 @@ impl EventFilter {
         let context = FilterContext::new(&self.scenario, &self.sensors, self.scenario.dt, &self.settings);
         let normal = book::normal(&context);
         self.filter.set_usual_misfits(misfits);
-        self.filter.set_belief((self.settings.kind.info().begin)(belief, &self.settings.method(), normal)?);
+        self.filter.set_belief((self.settings.kind.info().begin)(
+            belief,
+            &self.settings.method(context.plant),
+            normal,
+        )?);
         Ok(())
     }
 

@@ -45,8 +45,9 @@ fn single(settings: &FilterSettings, context: FilterContext<'_>) -> Box<dyn Esti
     if !settings.plucks.is_empty() {
         return book::estimator(settings, &context);
     }
-    let kernel = if settings.substeps == 1 { kernel::estimator(settings, context) } else { None };
-    kernel.or_else(|| of_engine(settings, &context)).unwrap_or_else(|| book::estimator(settings, &context))
+    kernel::estimator(settings, context)
+        .or_else(|| of_engine(settings, &context))
+        .unwrap_or_else(|| book::estimator(settings, &context))
 }
 
 /// A page has the book's way to the engine only, to be smaller: the bits are the same.
@@ -143,7 +144,7 @@ mod tests {
                     (filter.kind, filter.augment, filter.fading) = (kind, augment.to_vec(), 1.002);
                     (filter.substeps, filter.eta) = ([1, 1, 2, 3][nth], [0.0, 0.02, 0.0, 0.0][nth]);
                     filter.log_parameters = nth % 2 == 1;
-                    filter.propagation = Propagation::ALL[nth % 3];
+                    filter.propagation = Some(Propagation::ALL[nth % 3]);
                     let learns = kind != FilterKind::SR_UKF;
                     filter.robust = if learns { Robust::ALL[(nth + compared) % 5] } else { Robust::NONE };
                     filter.adaptation.process_noise = learns && compared % 3 == 1;

@@ -307,7 +307,12 @@ impl Dice<'_> {
             kind,
             plant,
             log_parameters: self.one_in(4),
-            propagation: self.pick(&Propagation::ALL),
+            propagation: self.pick(&[
+                None,
+                Some(Propagation::LocalLinearisation),
+                Some(Propagation::RungeKutta),
+                Some(Propagation::Euler),
+            ]),
             iterations: 1 + usize::from(self.byte() % 6),
             ensemble_size: 2 + usize::from(self.byte() % 20),
             adaptation: Adaptation {

@@ -42,7 +42,7 @@ pub(crate) fn print() {
         let begin = Instant::now();
         run.advance_to(4);
         let (name, step) = (filter.kind.name(), begin.elapsed() / 3);
-        let estimated = 1e-6 * filter.time_of_step(plant);
+        let estimated = 1e-6 * filter.time_of_step(&scenario);
         println!(
             "{name} {} {substeps} {:?}: first {first:.0?}, then {step:.0?}, estimated {estimated:.0} ms",
             plant.key(),

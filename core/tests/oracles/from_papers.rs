@@ -47,7 +47,8 @@ fn every_propagation() {
     for plant in [PlantKind::SDOF, PlantKind::DUFFING] {
         for propagation in Propagation::ALL {
             for eta in [0.0, 0.02] {
-                let ekf = with(plant, &FilterSettings { propagation, eta, ..FilterSettings::default() });
+                let ekf =
+                    with(plant, &FilterSettings { propagation: Some(propagation), eta, ..FilterSettings::default() });
                 assert_agrees_with_paper(&format!("{propagation:?} of a {}, η = {eta}", plant.name()), &ekf);
             }
         }

@@ -19,6 +19,9 @@ pub(crate) struct Sample {
 struct Textbook<'a> {
     settings: &'a FilterSettings,
     plant: Plant,
+    propagation: Propagation,
+    /// The steps of a prediction, and the time of one.
+    parts: usize,
     dt: f64,
     mean: Vec<f64>,
     cov: Matrix,
@@ -58,12 +61,15 @@ pub(crate) fn filter(scenario: &Scenario, place: usize, record: &Record) -> Vec<
     let start = |(i, &c): (usize, &Channel)| {
         if plant.is_log(i) { settings.initial_mean[c].ln() } else { settings.initial_mean[c] }
     };
+    let parts = settings.steps(scenario.plant.kind, scenario.input, record.dt());
     let mut filter = Textbook {
+        propagation: settings.propagation_for(scenario.plant.kind),
         mean: channels.iter().enumerate().map(start).collect(),
         cov: variances(&settings.initial_std),
         process: variances(&settings.process_std),
         noise: settings.sensor_std.iter().map(|s| s * s).collect(),
-        dt: record.dt(),
+        parts,
+        dt: record.dt() / parts as f64,
         settings,
         plant,
     };
@@ -100,18 +106,20 @@ impl Textbook<'_> {
     }
 
     fn predict(&mut self, force: f64) {
-        let cov = if self.is_linearising() {
-            let (mean, transition) = self.linearised_step(force);
-            self.mean = mean;
-            transition.times(&self.cov).times(&transition.transposed())
-        } else {
-            let (points, weights) = self.sigma_points();
-            let step = |y: &Vec<f64>| values(&runge_kutta(&self.plant, &Dual::state(y), force, self.dt));
-            let images: Vec<Vec<f64>> = points.iter().map(step).collect();
-            self.mean = weighted_mean(&images, &weights);
-            weighted_cov((&images, &self.mean), (&images, &self.mean), &weights)
-        };
-        self.cov = cov.scaled(self.settings.fading).plus(&self.process);
+        for _ in 0..self.parts {
+            self.cov = if self.is_linearising() {
+                let (mean, transition) = self.linearised_step(force);
+                self.mean = mean;
+                transition.times(&self.cov).times(&transition.transposed())
+            } else {
+                let (points, weights) = self.sigma_points();
+                let step = |y: &Vec<f64>| values(&runge_kutta(&self.plant, &Dual::state(y), force, self.dt));
+                let images: Vec<Vec<f64>> = points.iter().map(step).collect();
+                self.mean = weighted_mean(&images, &weights);
+                weighted_cov((&images, &self.mean), (&images, &self.mean), &weights)
+            };
+        }
+        self.cov = self.cov.scaled(self.settings.fading).plus(&self.process);
     }
 
     fn linearised_step(&self, force: f64) -> (Vec<f64>, Matrix) {
@@ -119,7 +127,7 @@ impl Textbook<'_> {
         let state = Dual::state(&self.mean);
         let rate = self.plant.rate(&state, force);
         let (rate, a) = (values(&rate), jacobian(&rate));
-        match self.settings.propagation {
+        match self.propagation {
             Propagation::LocalLinearisation => {
                 // exp([A dt, g dt; 0, 0]) = [exp(A dt), dt φ₁(A dt) g; 0, 1]
                 let augmented = Matrix::from_fn(n + 1, n + 1, |i, j| match (i < n, j < n) {

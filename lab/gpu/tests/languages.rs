@@ -42,7 +42,7 @@ fn translate_all(name: &str, scenario: &Scenario) -> usize {
     for (kind, propagation) in ways {
         let mut scenario = Scenario { duration: scenario.dt * 3.0, ..scenario.clone() };
         scenario.filters.truncate(1);
-        (scenario.filters[0].kind, scenario.filters[0].propagation) = (kind, propagation);
+        (scenario.filters[0].kind, scenario.filters[0].propagation) = (kind, Some(propagation));
         let record = simulate(&scenario);
         if scenario.validate().is_err() {
             // A KF of a plant that is not linear.

@@ -12,7 +12,7 @@ use crate::level::Level;
 use crate::observation::{MOST, Observations, Run, knows_truth};
 use crate::plant::{Plant, Visitor, visit};
 
-/// Whether lanes serve a run: a KF, EKF or UKF of the linear or the Duffing oscillator, with at most three sensors, for
+/// Whether lanes serve a run: a KF, EKF or UKF of the linear oscillator, or of the Duffing oscillator by the single steps of the book, with at most three sensors, for
 /// displacement, velocity or acceleration, with or without fading, decay of the parameters and a delay of the input, under
 /// an input that is held; also any run that the [engine](kalmanscope_core::internals::engine::Setup::new) serves.
 /// [`outcomes`] runs all others too, at the speed of a single filter.

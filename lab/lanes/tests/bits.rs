@@ -4,7 +4,9 @@ use crate::common::{CHANNELS, Shaken, size, values};
 use crate::outcome_bits::bits;
 use kalmanscope_core::score::Outcome;
 use kalmanscope_core::simulate;
-use kalmanscope_core::{Channel, FilterKind, FilterSettings, PlantKind, Quantity, Record, Scenario, Values};
+use kalmanscope_core::{
+    Channel, FilterKind, FilterSettings, PlantKind, Propagation, Quantity, Record, Scenario, Values,
+};
 use kalmanscope_lanes::{LaneRun, Level, outcomes_with, serves};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
@@ -65,6 +67,8 @@ fn with_cubic_spring(mut scenario: Scenario, truth: f64, filters: &[[f64; 3]]) -
     let channel = Channel::CUBIC_STIFFNESS;
     scenario.plant = scenario.plant.of_kind(PlantKind::DUFFING).with(channel, truth);
     for (filter, &[mean, std, process]) in scenario.filters.iter_mut().zip(filters) {
+        // The lanes of the oscillators take the single steps of the book.
+        (filter.propagation, filter.substeps) = (Some(Propagation::LocalLinearisation), 1);
         filter.initial_mean[channel] = mean;
         filter.initial_std[channel] = std;
         filter.process_std[channel] = process;

@@ -101,7 +101,7 @@ fn the_engine_agrees_with_the_single_filter() {
                 (scenario.duration, scenario.filters[0].fading, scenario.filters[0].input_delay) = (0.3, 1.002, 1);
                 let filter = &mut scenario.filters[0];
                 match nth {
-                    1 => filter.propagation = Propagation::RungeKutta,
+                    1 => filter.propagation = Some(Propagation::RungeKutta),
                     3 => filter.substeps = 3,
                     4 => filter.substeps = 2,
                     5 => filter.eta = 0.02,

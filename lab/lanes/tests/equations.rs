@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
+use crate::held::{check, check_alone};
 use crate::outcome_bits::bits;
 use kalmanscope_core::internals::engine::Baseline;
 use kalmanscope_core::internals::engine::{self, Setup};
 use kalmanscope_core::score::Outcome;
-use kalmanscope_core::{FilterKind, Run, Scenario};
+use kalmanscope_core::{FilterKind, PlantKind, Run, Scenario};
 use kalmanscope_lanes::{LaneRun, Level, outcomes_with, serves};
 
 /// The scenarios of the gallery, with their names.
@@ -59,5 +60,31 @@ fn filters_of_equations_go_side_by_side() {
                 }
             }
         }
+    }
+}
+
+/// By default filters of plants that are not linear divide their steps: a map's cell has the bits of the run on screen.
+#[test]
+fn filters_that_divide_their_steps_have_the_bits_of_the_run_alone() {
+    let mut all: Vec<(String, Scenario)> =
+        gallery().into_iter().filter(|(_, scenario)| !scenario.plant.kind.info().is_linear).collect();
+    assert!(all.len() > 4);
+    for kind in [PlantKind::DUFFING, PlantKind::BOUC_WEN] {
+        let mut scenario = Scenario { duration: 3.0, ..Scenario::default() };
+        scenario.set_plant(kind);
+        all.push((kind.key().to_owned(), scenario));
+    }
+    for (name, mut scenario) in all {
+        let mut truth = Run::new(&Scenario { filters: Vec::new(), ..scenario.clone() }).unwrap();
+        truth.finish();
+        let record = truth.record().clone().without_truth();
+        let first = scenario.filters.remove(0);
+        scenario.filters = [FilterKind::EKF, FilterKind::UKF, FilterKind::CKF]
+            .map(|kind| kalmanscope_core::FilterSettings { kind, name: kind.name().to_owned(), ..first.clone() })
+            .into();
+        scenario.number_filters();
+        let run = |place| LaneRun { scenario: &scenario, place, record: &record };
+        check(&[run(0)], &name);
+        assert_eq!(check_alone(&scenario, &record, &name), 3, "{name}");
     }
 }

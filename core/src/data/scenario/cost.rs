@@ -1,6 +1,7 @@
 //! Estimates of computing time.
 
-use crate::{FilterSettings, InputKind, PlantKind};
+use super::Plant;
+use crate::{FilterSettings, Scenario};
 
 /// Limits the time between two checks of the clock; a browser is two to three times slower than this \[ns\].
 const CHUNK: f64 = 1e6;
@@ -10,17 +11,17 @@ pub(crate) const OF_RECORD: f64 = 500.0;
 
 /// Time that a filter takes for one sample on an ordinary processor, by kind and size, to within a factor of three
 /// \[ns\]. It affects only the order and the portions of the work, never the results.
-pub(crate) fn of_step(settings: &FilterSettings, truth: PlantKind) -> f64 {
-    let one = (settings.kind.info().time)(&settings.method(), settings.model(truth, InputKind::Force).size());
+pub(crate) fn of_step(settings: &FilterSettings, scenario: &Scenario) -> f64 {
+    let &Scenario { plant: Plant { kind: truth, .. }, input, dt, .. } = scenario;
+    let one = (settings.kind.info().time)(&settings.method(truth), settings.model(truth, input).size());
     let filters = settings.guesses.max(1) * settings.process_scales.max(1) * if settings.walk > 0.0 { 2 } else { 1 };
-    one * (settings.substeps.max(1) * filters) as f64
+    one * (settings.steps(truth, input, dt) * filters) as f64
 }
 
 impl FilterSettings {
-    /// The time that it takes for one sample of a truth of this kind on an ordinary processor, to within a factor of three
-    /// \[ns\].
-    pub fn time_of_step(&self, truth: PlantKind) -> f64 {
-        of_step(self, truth)
+    /// The time that it takes for one sample of a scenario on an ordinary processor, to within a factor of three \[ns\].
+    pub fn time_of_step(&self, scenario: &Scenario) -> f64 {
+        of_step(self, scenario)
     }
 }
 
@@ -63,7 +64,8 @@ mod tests {
             has_propagation: false,
             begin: FilterKind::EKF.info().begin,
         };
-        let of = |kind| FilterSettings { kind, guesses: 2, ..FilterSettings::default() }.time_of_step(PlantKind::SDOF);
+        let of =
+            |kind| FilterSettings { kind, guesses: 2, ..FilterSettings::default() }.time_of_step(&Scenario::default());
         assert_eq!(of(FilterKind::new(&SLOW)), 2.0 * 1e6 * 4.0 * 5.0);
         assert!(of(FilterKind::UKF) > of(FilterKind::EKF) && of(FilterKind::PF) > of(FilterKind::UKF));
     }

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::values;
 use super::{Bounds, FilterColor, Values};
+use super::{motion, values};
 use crate::data::document::{is_default, is_one};
 use crate::data::record::Delays;
 use crate::mathematics::filter::{Adaptation, FilterKind, MethodSettings, Propagation, Robust};
@@ -53,10 +53,11 @@ pub struct FilterSettings {
     /// Whether the filter estimates the logarithms of the parameters that cannot be negative. Their initial and
     /// process standard deviations are divided by the initial mean, for the whole record.
     pub log_parameters: bool,
-    /// The propagation of the mean of a KF, EKF or IEKF.
-    pub propagation: Propagation,
-    /// The number of steps into which a prediction is divided, for plants that are not linear over one sample.
-    #[serde(skip_serializing_if = "is_one")]
+    /// The propagation of the mean of a KF, EKF or IEKF; that which [suits the plant](Self::propagation_for) if left out.
+    #[serde(deserialize_with = "motion::propagation", skip_serializing_if = "Option::is_none")]
+    pub propagation: Option<Propagation>,
+    /// The number of steps into which a prediction is divided; 0 for as many as [the plant asks for](Self::steps).
+    #[serde(skip_serializing_if = "is_default")]
     pub substeps: usize,
     /// Limits the linearisations of the sensors in one update of an IEKF, which stops earlier once it has converged.
     pub iterations: usize,
@@ -127,8 +128,8 @@ impl Default for FilterSettings {
             bounds: Bounds::default(),
             input_delay: 0,
             log_parameters: false,
-            propagation: Propagation::LocalLinearisation,
-            substeps: 1,
+            propagation: None,
+            substeps: 0,
             iterations: 5,
             guesses: 1,
             process_scales: 1,
@@ -170,10 +171,10 @@ impl FilterSettings {
         (self.look_ahead > 0.0).then(|| ((self.look_ahead / dt).round() as usize).clamp(1, LONGEST_LAG))
     }
 
-    /// The settings that its method reads.
-    pub fn method(&self) -> MethodSettings {
-        let Self { propagation, iterations, ensemble_size, .. } = *self;
-        MethodSettings { propagation, iterations, ensemble_size }
+    /// The settings that its method reads, of a truth of this kind.
+    pub fn method(&self, truth: PlantKind) -> MethodSettings {
+        let Self { iterations, ensemble_size, .. } = *self;
+        MethodSettings { propagation: self.propagation_for(truth), iterations, ensemble_size }
     }
 
     /// Whether an update is that of textbooks: one filter, whose noise is known and whose measurements all count. Kernels and their

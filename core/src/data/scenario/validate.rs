@@ -167,12 +167,15 @@ impl FilterSettings {
         )?;
         if kind.is_sampled() {
             let components = self.model(truth, InputKind::default()).size();
-            let most = largest_ensemble(components, *substeps);
+            let most = largest_ensemble(components, (*substeps).max(1));
             require(
                 *ensemble_size <= most.max(2),
                 format_args!("{path}.ensemble_size"),
                 ensemble_size,
-                format_args!("at most {most} for {components} components that move by {substeps} step(s) a sample"),
+                format_args!(
+                    "at most {most} for {components} components that move by {} step(s) a sample",
+                    (*substeps).max(1)
+                ),
             )?;
         }
         require(

@@ -297,7 +297,7 @@ mod tests {
             "force over time = white noise"
         );
         assert_eq!(said(|scenario| scenario.hold = Hold::First), "input between samples = held");
-        assert_eq!(said(|scenario| scenario.filters[0].substeps = 4), "EKF steps a sample = 1");
+        assert_eq!(said(|scenario| scenario.filters[0].substeps = 4), "EKF steps a sample = 0");
         assert_eq!(said(|scenario| scenario.filters[0].jump = true), "EKF jump at a sudden change = no");
         assert_eq!(said(|scenario| scenario.seed = 9), "seed = 1");
         assert_eq!(said(|scenario| scenario.filters[1].robust = crate::Robust::GATE), "UKF outliers = none");

@@ -133,12 +133,13 @@ static PROPAGATION: ChoiceInfo<FilterSettings> = ChoiceInfo {
     key: "propagation",
     name: "steps",
     label: "its steps",
-    hint: "How the mean moves from sample to sample",
-    options: || named(["local linearisation", "Runge-Kutta", "Euler"]),
-    value: |at| word(&["local_linearisation", "runge_kutta", "euler"], at),
+    hint: "How the mean moves from sample to sample; automatic is local linearisation where it is exact, on a linear plant, and \
+           Runge-Kutta on others",
+    options: || named(["automatic", "local linearisation", "Runge-Kutta", "Euler"]),
+    value: |at| word(&["automatic", "local_linearisation", "runge_kutta", "euler"], at),
     serves: |filter| filter.kind.info().has_propagation,
-    get: |filter| Propagation::ALL.iter().position(|way| *way == filter.propagation).unwrap_or(0),
-    set: |filter, at| filter.propagation = Propagation::ALL.get(at).copied().unwrap_or_default(),
+    get: |filter| Propagation::ALL.iter().position(|way| Some(*way) == filter.propagation).map_or(0, |at| at + 1),
+    set: |filter, at| filter.propagation = at.checked_sub(1).and_then(|at| Propagation::ALL.get(at).copied()),
 };
 
 /// How readings that do not fit are weighed.
@@ -214,7 +215,7 @@ mod tests {
     fn other_choices_can_be_made() {
         let scenario = Scenario::default();
         let all = other_choices(&scenario);
-        assert_eq!(all.len(), 1 + 1 + 5 + 2 * (2 + Robust::ALL.len() - 1) - 2, "a UKF has no steps of its own");
+        assert_eq!(all.len(), 1 + 1 + 5 + 2 * (3 + Robust::ALL.len() - 1) - 3, "a UKF has no steps of its own");
         for edit in &all {
             let edited = edit.apply(&scenario).unwrap();
             assert_ne!(edited, scenario, "{}", edit.key);

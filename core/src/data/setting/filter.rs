@@ -89,9 +89,11 @@ pub static PROCESS_SCALES: Row = row! { "process_scales", process_scales,
 /// The steps into which a prediction is divided.
 static SUBSTEPS: Row = row! { "substeps", substeps,
     name: "steps a sample",
-    allowed: Allowed::Whole(1, 100),
-    slider: (1.0, 20.0),
-    hint: "Divide each prediction into so many steps: for plants that are not linear, and few samples a period",
+    allowed: Allowed::Whole(0, 100),
+    note: "0 for as many as its error asks for",
+    slider: (0.0, 20.0),
+    hint: "Divide each prediction into this number of steps; 0 takes one on a linear plant, and on others as many as the error of a \
+           Runge-Kutta step asks for",
 };
 
 /// Limits the linearisations in one update of an IEKF.

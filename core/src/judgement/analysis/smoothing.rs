@@ -49,7 +49,7 @@ impl Smoothing {
             });
             let Some(at) = at else { continue };
             let Some(smoother) = &mut self.smoothers[at] else { continue };
-            let chunk = cost::chunk(2.0 * cost::of_step(filter, scenario.plant.kind));
+            let chunk = cost::chunk(2.0 * cost::of_step(filter, scenario));
             while !smoother.advance(record, done, whole, chunk, &mut self.estimates[at]) {
                 if !while_time() {
                     return false;
@@ -112,7 +112,7 @@ impl Smoothing {
         if !is_wanted(filter, subject, wanted) || filter.kind.is_sampled() {
             return (0.0, 0.0);
         }
-        let cost = 2.0 * subject.done as f64 * cost::of_step(filter, subject.bank.scenario().plant.kind);
+        let cost = 2.0 * subject.done as f64 * cost::of_step(filter, subject.bank.scenario());
         let share = match self.estimates.iter().position(|of| of.id() == filter.id) {
             None => 0.0,
             Some(at) => self.smoothers[at].as_ref().map_or(1.0, |smoother| smoother.progress(subject.done)),

@@ -12,7 +12,7 @@ impl Job {
         let Self { revision, goal, stage, .. } = self;
         let is_whole = *goal == revision.samples() && *stage == *goal;
         let scenario = revision.bank().scenario();
-        let time = |place: usize| 1e-9 * *goal as f64 * cost::of_step(&scenario.filters[place], scenario.plant.kind);
+        let time = |place: usize| 1e-9 * *goal as f64 * cost::of_step(&scenario.filters[place], scenario);
         let is_long = |place: &usize| is_whole && revision.done(*place) == 0 && time(*place) > seconds;
         let places: Vec<usize> = revision.changed().iter().copied().filter(is_long).collect();
         revision.leave(places.clone());

@@ -317,7 +317,7 @@ fn probability(part: &Part<'_>) -> Option<f64> {
 /// The number of evaluations of the plant's rate `g(y, f)` in one predicted step. `truth` is the filter's plant unless its
 /// settings name another.
 fn evaluations(settings: &FilterSettings, truth: PlantKind) -> f64 {
-    (settings.kind.info().evaluations)(&settings.method(), settings.model(truth, InputKind::Force).size()) as f64
+    (settings.kind.info().evaluations)(&settings.method(truth), settings.model(truth, InputKind::Force).size()) as f64
 }
 
 /// The mean absolute gain of the channel for the sensor, over the range.

@@ -5,9 +5,12 @@ use std::f64::consts::TAU;
 
 use super::number::{percent, plain, seconds, with_band};
 use super::phrase::{Adjustable, Phrase, Writer};
+use crate::data::scenario::motion::turn_at;
 use crate::diagnosis::Subject;
 use crate::numbers::diagnostics::ErrorSums;
-use crate::{Channel, Diagnosis, Diagnostics, Estimates, FilterSettings, Propagation, Record, Run, Stop, VerdictKind};
+use crate::{
+    Channel, Diagnosis, Diagnostics, Estimates, FilterSettings, Propagation, Record, Run, Scenario, Stop, VerdictKind,
+};
 
 /// Limits the relative error of an estimate that has been found.
 const FOUND: f64 = 0.05;
@@ -15,8 +18,14 @@ const FOUND: f64 = 0.05;
 /// A number that is larger than this many standard deviations is surely not zero.
 const SURE: f64 = 3.0;
 
-/// The motion turns by this angle in a long step \[rad\].
-const LONG_STEP: f64 = 0.5;
+/// The motion turns by this angle in a long step \[°\].
+const LONG_STEP: f64 = 30.0;
+
+/// The same for a Runge-Kutta step on a plant that is not linear, which then turns by a share of 10⁻⁵ too little \[°\].
+const LONG_STAGES: f64 = 11.0;
+
+/// The number of samples at which the steps are looked at.
+const LOOKS: usize = 100;
 
 /// Innovations behind a band have at least this share of the power that the band leaves white noise: noise may have colours, and R
 /// is then that about the line.
@@ -38,8 +47,8 @@ pub(super) struct Outcome<'a> {
     others: Vec<Main>,
     /// Why and when the filter stopped \[s\], if it did.
     stop: Option<(Stop, f64)>,
-    /// Whether a step is so long that the band of a parameter comes out too narrow.
-    has_long_steps: bool,
+    /// The angle by which the motion turns in a step, where that is so far that the band of a parameter comes out too narrow \[°\].
+    long_steps: Option<u8>,
     /// Whether its innovations are as small as they are behind the import's band, and no smaller.
     is_behind_a_band: bool,
     /// Whether a sudden change is so recent that nothing can be said yet.
@@ -112,7 +121,7 @@ impl<'a> Outcome<'a> {
             main,
             others: all.collect(),
             stop: diagnostics.stop().map(|stop| (stop, record.time_of(stop.sample))),
-            has_long_steps: has_long_steps(filter, estimates, record),
+            long_steps: long_steps(run.scenario(), filter, estimates, record),
             is_behind_a_band: is_behind_a_band(run, diagnostics),
             is_settling: change.is_some_and(|change| change.is_recent(run, now)),
             now,
@@ -158,7 +167,7 @@ impl<'a> Outcome<'a> {
     /// determined.
     pub(super) fn is_honest(&self) -> bool {
         let is_right = self.kind.is_some_and(|kind| kind.is_good() || kind == VerdictKind::NotIdentifiable);
-        (is_right || self.is_small_by_a_band()) && !self.has_long_steps && !self.is_open()
+        (is_right || self.is_small_by_a_band()) && self.long_steps.is_none() && !self.is_open()
     }
 
     /// Whether it seems underconfident for no other reason than the band of the import.
@@ -296,9 +305,10 @@ impl<'a> Outcome<'a> {
                 ", but claims more than it knows: its band is too narrow (overconfident)"
             }
             Some(VerdictKind::PatternLeft) => ", and leaves a pattern in its innovations (pattern left)",
-            Some(kind) if kind.is_good() && self.has_long_steps => {
-                ", but may claim more than it knows: the motion turns by more than 30° in a step, which “steps a sample” divide"
-            }
+            Some(kind) if kind.is_good() && self.long_steps.is_some() => &format!(
+                ", but may claim more than it knows: the motion turns by more than {}° in a step, which “steps a sample” divide",
+                self.long_steps.unwrap_or_default()
+            ),
             Some(VerdictKind::Underconfident) if self.is_behind_a_band => {
                 ", and its innovations are small, as they are behind a band (underconfident)"
             }
@@ -325,14 +335,25 @@ fn suffix(kind: VerdictKind) -> String {
 }
 
 /// Whether the motion turns so far in a step that the Jacobian of local linearisation, which takes it for constant, is not right:
-/// in a free decay the band of ωₙ is 1.2 times too narrow at half a radian, and 3.6 times at one.
-fn has_long_steps(filter: &FilterSettings, estimates: &Estimates, record: &Record) -> bool {
-    let is_linearised = filter.kind.info().has_propagation && filter.propagation == Propagation::LocalLinearisation;
-    let place = estimates.place(Channel::NATURAL_FREQUENCY).filter(|_| is_linearised && !estimates.is_empty());
-    place.is_some_and(|place| {
-        let (mean, std) = (estimates.canonical_mean(estimates.len() - 1, place), estimates.initial_std(place));
-        std > 0.0 && mean * record.dt() / filter.substeps as f64 > LONG_STEP
-    })
+/// in a free decay the band of ωₙ is 1.2 times too narrow at half a radian, and 3.6 times at one. On a plant that is not linear,
+/// whether a motion that is stiffer than the initial belief knew makes Runge-Kutta steps err.
+fn long_steps(scenario: &Scenario, filter: &FilterSettings, estimates: &Estimates, record: &Record) -> Option<u8> {
+    let (info, plant, dt) = (filter.kind.info(), scenario.plant.kind, record.dt());
+    let last = estimates.len().checked_sub(1).filter(|_| !info.is_sampled)?;
+    let model = filter.model(plant, scenario.input);
+    let step = dt / filter.steps(plant, scenario.input, dt) as f64;
+    if info.has_propagation && filter.propagation_for(plant) == Propagation::LocalLinearisation {
+        let place = estimates.place(Channel::NATURAL_FREQUENCY);
+        let is_long = |place: &usize| {
+            estimates.initial_std(*place) > 0.0
+                && estimates.canonical_mean(last, *place) * step > LONG_STEP.to_radians()
+        };
+        return place.filter(is_long).map(|_| LONG_STEP as u8);
+    }
+    let mut some = (0..=LOOKS).map(|look| last * look / LOOKS);
+    let is_long =
+        !model.is_linear() && some.any(|k| turn_at(&model, estimates.mean(k), step) > LONG_STAGES.to_radians());
+    is_long.then_some(LONG_STAGES as u8)
 }
 
 /// Whether innovations are smaller than expected, and by no more than the share of the frequencies that an import lets through:

@@ -3,11 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 /// The motion of a linearising filter's mean, and the transition matrix of its covariance.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Propagation {
     /// `y⁻ = y + dt φ₁(A dt) g(y, f)` and `Φ = exp(A dt)`: exact where the parameters are known and the plant is linear.
-    #[default]
     LocalLinearisation,
     /// One classical Runge-Kutta step, and its derivative.
     RungeKutta,

@@ -4,48 +4,9 @@ use std::borrow::Cow;
 
 use super::kalman::{self, Expected, View};
 use super::{Belief, Correction, Noise, Observation};
-use crate::mathematics::filter::{FilterError, Propagation};
+use crate::mathematics::filter::FilterError;
 use crate::mathematics::kernel::gaussian::{Gaussian, Matrix, Vector};
 use crate::mathematics::kernel::model::{Model, Output};
-
-impl Propagation {
-    /// The state after `dt` \[s\] and its transition matrix.
-    #[inline]
-    fn kernel_step<P: Model<N>, const N: usize>(
-        self,
-        model: &P,
-        state: &Vector<N>,
-        force: f64,
-        dt: f64,
-    ) -> (Vector<N>, Matrix<N, N>) {
-        match self {
-            Self::LocalLinearisation => model.linearised_step(state, force, dt),
-            Self::RungeKutta => {
-                (model.runge_kutta_step(state, force, dt), runge_kutta_transition(model, state, force, dt))
-            }
-            Self::Euler => (state + model.rate(state, force) * dt, Matrix::identity() + model.jacobian(state) * dt),
-        }
-    }
-}
-
-/// The derivative of a Runge-Kutta step by the state that it starts from: the chain rule, stage by stage.
-fn runge_kutta_transition<P: Model<N>, const N: usize>(
-    model: &P,
-    state: &Vector<N>,
-    force: f64,
-    dt: f64,
-) -> Matrix<N, N> {
-    let identity = Matrix::<N, N>::identity();
-    let mut sum = Matrix::<N, N>::zeros();
-    let (mut rate, mut derivative) = (Vector::zeros(), Matrix::zeros());
-    for (offset, weight) in [(0.0, 1.0), (0.5, 2.0), (0.5, 2.0), (1.0, 1.0)] {
-        let stage = state + rate * (offset * dt);
-        derivative = model.jacobian(&stage) * (identity + derivative * (offset * dt));
-        rate = model.rate(&stage, force);
-        sum += derivative * weight;
-    }
-    identity + sum * (dt / 6.0)
-}
 
 /// A Gaussian that moves and is measured as if plant and sensors were linear around its mean.
 ///
@@ -63,7 +24,6 @@ fn runge_kutta_transition<P: Model<N>, const N: usize>(
 #[derive(Clone, Debug)]
 pub struct Linearised<const N: usize> {
     belief: Gaussian<N>,
-    propagation: Propagation,
     iterations: usize,
 }
 
@@ -73,9 +33,9 @@ impl<const N: usize> Linearised<N> {
         self.belief.mean = mean;
     }
 
-    /// A belief that moves by `propagation` and linearises the sensors up to `iterations` times an update.
-    pub fn new(belief: Gaussian<N>, propagation: Propagation, iterations: usize) -> Self {
-        Self { belief, propagation, iterations }
+    /// A belief that moves by local linearisation and linearises the sensors up to `iterations` times an update.
+    pub fn new(belief: Gaussian<N>, iterations: usize) -> Self {
+        Self { belief, iterations }
     }
 }
 
@@ -84,8 +44,8 @@ impl<P: Model<N>, const N: usize> Belief<P, N> for Linearised<N> {
 
     #[inline]
     fn predict(&mut self, model: &P, force: f64, dt: f64, noise: &Noise<N>) -> Result<(), FilterError> {
-        let Self { belief, propagation, .. } = self;
-        let (mean, transition) = propagation.kernel_step(model, &belief.mean, force, dt);
+        let Self { belief, .. } = self;
+        let (mean, transition) = model.linearised_step(&belief.mean, force, dt);
         belief.mean = mean;
         belief.cov = kalman::spread(congruence(P::MOTION, &transition, &belief.cov), noise);
         Ok(())

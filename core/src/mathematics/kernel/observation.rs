@@ -73,7 +73,7 @@ impl<const M: usize> Observation<M> {
 
 #[cfg(test)]
 mod tests {
-    use crate::mathematics::filter::{Adaptation, FilterError, Propagation, Rule};
+    use crate::mathematics::filter::{Adaptation, FilterError, Rule};
     use crate::mathematics::kernel::gaussian::{Gaussian, Matrix, Vector};
     use crate::mathematics::kernel::model::{Model, Output};
     use crate::mathematics::kernel::plant::{ALL, Visitor, visit};
@@ -116,7 +116,7 @@ mod tests {
             let process = Matrix::from_diagonal(&(std.component_mul(&std) * 1e-4));
             let noise = Noise { process, sensors: vec![1e-4, 4e-3, 1e-2], fading: 1.003 };
             let belief = || Gaussian::independent(mean, &std);
-            let linearised = |iterations| Linearised::new(belief(), Propagation::LocalLinearisation, iterations);
+            let linearised = |iterations| Linearised::new(belief(), iterations);
             let points = || SigmaPoints::new(belief(), Rule::Unscented);
             [
                 run(&model, linearised(1), &noise, &outputs),

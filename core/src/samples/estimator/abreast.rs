@@ -10,7 +10,7 @@ use crate::mathematics::kernel::{Belief, Correction, Filter, Linearised, Noise, 
 use crate::samples::estimator::FilterContext;
 use crate::samples::estimator::kernel::{initial_belief, noise, readings, serves};
 use crate::samples::run_error::sensor_places;
-use crate::{FilterError, FilterKind, PlantKind, Propagation, Quantity, Record, RunError, Scenario};
+use crate::{FilterError, FilterKind, PlantKind, Quantity, Record, RunError, Scenario};
 
 /// The method by which a filter predicts and updates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -109,11 +109,7 @@ impl<P: Oscillator<N>, const N: usize> OscillatorFilter<P, N> {
             kind if kind == FilterKind::KF || kind == FilterKind::EKF => Method::Linearised,
             _ => return Ok(None),
         };
-        let usual = settings.has_plain_update()
-            && !context.is_late(settings)
-            && settings.substeps == 1
-            && (method == Method::SigmaPoints || settings.propagation == Propagation::LocalLinearisation)
-            && serves(settings, &context);
+        let usual = settings.has_plain_update() && !context.is_late(settings) && serves(settings, &context);
         if !usual {
             return Ok(None);
         }
@@ -157,7 +153,7 @@ fn step<P: Oscillator<N>, const N: usize>(
     let from = belief.clone();
     *belief = match filter.method {
         Method::Linearised => {
-            let start = Linearised::new(from, Propagation::LocalLinearisation, 1);
+            let start = Linearised::new(from, 1);
             step_of(filter, start, forces, measured, correction)?
         }
         Method::SigmaPoints => step_of(filter, SigmaPoints::new(from, Rule::Unscented), forces, measured, correction)?,

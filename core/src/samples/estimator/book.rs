@@ -261,7 +261,7 @@ pub(crate) fn initial_belief(
 ) -> Result<Box<dyn Belief>, FilterError> {
     (settings.kind.info().begin)(
         initial_gaussian(&context.model(settings), settings),
-        &settings.method(),
+        &settings.method(context.plant),
         normal(context),
     )
 }
@@ -298,7 +298,7 @@ pub(crate) fn build_filter<B: Belief + ?Sized>(
     let filter = Filter::new(model, belief, context.dt, context.hold, noise, context.sensors, settings.adaptation);
     let places: Vec<usize> = settings.consider.iter().filter_map(|channel| filter.model().place(*channel)).collect();
     let filter = filter.with_considered(&places);
-    filter.with_substeps(settings.substeps).with_white_force(white).with_robust(settings.robust)
+    filter.with_substeps(context.steps(settings)).with_white_force(white).with_robust(settings.robust)
 }
 
 /// The initial mean as a state, and the size of each channel's unit in the state's unit. For a logarithm that is one

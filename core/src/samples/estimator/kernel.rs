@@ -8,7 +8,7 @@ use crate::mathematics::kernel::{Belief, Correction, Filter, Linearised, MAX_SEN
 use crate::mathematics::model::Hold;
 use crate::samples::estimator::{Estimator, FilterContext};
 use crate::samples::sink::{AssumedNoise, Sample, Sink};
-use crate::{Estimates, FilterError, FilterKind, FilterSettings, Quantity, Values};
+use crate::{Estimates, FilterError, FilterKind, FilterSettings, Propagation, Quantity, Values};
 
 /// A filter and the result of its last measurement update.
 struct Followed<P, B, const N: usize> {
@@ -163,7 +163,7 @@ impl Visitor for Build<'_> {
     fn visit<P: Model<N>, const N: usize>(self, model: P) -> Option<Box<dyn Estimator>> {
         let settings = self.settings;
         let belief = initial_belief::<P, N>(settings);
-        let linearised = |iterations| Linearised::new(belief.clone(), settings.propagation, iterations);
+        let linearised = |iterations| Linearised::new(belief.clone(), iterations);
         match settings.kind {
             kind if kind == FilterKind::KF || kind == FilterKind::EKF => Some(self.filter(model, linearised(1))),
             kind if kind == FilterKind::IEKF => Some(self.filter(model, linearised(settings.iterations))),
@@ -215,11 +215,15 @@ pub(crate) fn with_model<V: Visitor>(
     serves(settings, context).then(|| visit(model.plant(), model.eta(), visitor)).flatten()
 }
 
-/// Whether a kernel serves these settings, if one has the plant.
+/// Whether a kernel serves these settings, if one has the plant. Steps of Euler, and several steps a sample, are the engine's.
 pub(crate) fn serves(settings: &FilterSettings, context: &FilterContext<'_>) -> bool {
     let model = context.model(settings);
     let reads = |quantity: &Quantity| model.reading(*quantity).is_none_or(|reading| Output::of(&reading).is_some());
-    settings.augment.is_empty()
+    let is_moved =
+        !settings.kind.info().has_propagation || context.propagation(settings) == Propagation::LocalLinearisation;
+    is_moved
+        && context.steps(settings) == 1
+        && settings.augment.is_empty()
         && settings.consider.is_empty()
         && settings.adaptation.training == 0.0
         && !settings.log_parameters

@@ -102,7 +102,7 @@ impl Setup {
             return None;
         }
         let book = context.model(settings);
-        let (model, method) = (Model::of(&book), method(settings, book.size())?);
+        let (model, method) = (Model::of(&book), method(settings, context, book.size())?);
         let initial = initial_gaussian(&book, settings);
         let belief = Moments::linearised(initial.clone(), Propagation::LocalLinearisation, 1);
         let filter = build_filter(Box::new(belief), settings, context);
@@ -119,7 +119,7 @@ impl Setup {
             method,
             dt: context.dt,
             has_slope: context.hold == Hold::First,
-            substeps: settings.substeps.max(1),
+            substeps: context.steps(settings),
             readings: sensors.iter().map(|(_, reading, ..)| reading.clone()).collect(),
             white: white.map(|white| (white.place, white.course)),
             robust: settings.robust,
@@ -153,7 +153,6 @@ fn has_own_lanes(settings: &FilterSettings, context: &FilterContext<'_>) -> bool
     const WITH_LANES: [PlantKind; 2] = [PlantKind::SDOF, PlantKind::DUFFING];
     settings.has_plain_update()
         && !context.is_late(settings)
-        && settings.substeps == 1
         && WITH_LANES.contains(&settings.plant.unwrap_or(context.plant))
         && kernel::serves(settings, context)
 }
@@ -176,13 +175,15 @@ fn can_begin(initial: &Gaussian, noise: &Noise) -> bool {
 }
 
 /// The method of a kind of filters over n components.
-fn method(settings: &FilterSettings, n: usize) -> Option<Method> {
+fn method(settings: &FilterSettings, context: &FilterContext<'_>, n: usize) -> Option<Method> {
     let of_rule = |rule: BookRule| Some(Method::SigmaPoints(rule.of_size(n)));
     match settings.kind {
         kind if kind == FilterKind::UKF => of_rule(BookRule::Unscented),
         kind if kind == FilterKind::SR_UKF => Some(Method::SquareRoot(BookRule::Unscented.of_size(n))),
         kind if kind == FilterKind::CKF => of_rule(BookRule::Cubature),
-        kind if kind == FilterKind::KF || kind == FilterKind::EKF => Some(Method::Linearised(settings.propagation, 1)),
+        kind if kind == FilterKind::KF || kind == FilterKind::EKF => {
+            Some(Method::Linearised(context.propagation(settings), 1))
+        }
         _ => None,
     }
 }

@@ -59,7 +59,7 @@ impl Revision {
         }
         let mut order: Vec<usize> = (0..kept.len()).filter(|&place| kept[place].is_none()).collect();
         order.sort_by(|&a, &b| {
-            let of = |place: usize| cost::of_step(&scenario.filters[place], scenario.plant.kind);
+            let of = |place: usize| cost::of_step(&scenario.filters[place], scenario);
             of(a).total_cmp(&of(b))
         });
         Ok(Self { recording, samples, bank, kept, order, away: Vec::new(), is_of_everything: !same_filters })
@@ -168,7 +168,7 @@ impl Revision {
         let goal = goal.min(*all);
         let record = recording.as_ref().map_or(record, Recording::record);
         for &place in order.iter().filter(|place| !away.contains(place)) {
-            let step = cost::of_step(&bank.scenario().filters[place], bank.scenario().plant.kind);
+            let step = cost::of_step(&bank.scenario().filters[place], bank.scenario());
             let chunk = cost::chunk(step);
             while bank.passes[place].done() < goal {
                 let next = (bank.passes[place].done() + chunk).min(goal);

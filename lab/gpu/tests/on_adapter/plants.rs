@@ -108,7 +108,7 @@ fn surroundings_of_a_plant_are_served() {
         (FilterKind::CKF, Propagation::LocalLinearisation),
     ] {
         let mut scenarios = guesses(built_in(PlantKind::SDOF, &quantities, &augment, Hold::First), kind);
-        scenarios.iter_mut().for_each(|scenario| scenario.filters[0].propagation = propagation);
+        scenarios.iter_mut().for_each(|scenario| scenario.filters[0].propagation = Some(propagation));
         let name = format!("surroundings, {kind:?}, {propagation:?}");
         check(&name, &scenarios);
     }

@@ -35,7 +35,8 @@ const FAR: f64 = 1e9;
 /// Whether the book or the engine runs a filter that is alone, and no kernel, whose bits are others.
 fn is_of_engine(scenario: &Scenario, place: usize, record: &Record) -> bool {
     let filter = &scenario.filters[place];
-    let is_wide = !filter.augment.is_empty() || filter.log_parameters || filter.substeps > 1;
+    let has_steps = filter.steps(scenario.plant.kind, scenario.input, record.dt()) > 1;
+    let is_wide = !filter.augment.is_empty() || filter.log_parameters || has_steps;
     is_wide || record.clocks().is_some() || filter.robust.is_on() || scenario.hold == Hold::First
 }
 

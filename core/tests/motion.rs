@@ -1,0 +1,234 @@
+//! Filters of plants that are not linear in their motion are not biased by the way that their means move.
+
+use kalmanscope_core::{Channel, FilterSettings, InputKind, PlantKind, Propagation, Run, Scenario};
+
+/// An equation with the true values of its parameters.
+struct Case {
+    equation: &'static str,
+    truth: &'static [(&'static str, f64)],
+    /// The time of a swing \[s\], and the size of its motion \[m\].
+    swing: f64,
+    size: f64,
+    /// The standard deviation of the force \[m/s²\], and the displacement at the beginning \[m\].
+    force: f64,
+    begin: f64,
+}
+
+macro_rules! case {
+    ($equation:literal, $truth:expr, $swing:literal, $size:literal, $force:literal, $begin:literal) => {
+        Case { equation: $equation, truth: &$truth, swing: $swing, size: $size, force: $force, begin: $begin }
+    };
+}
+
+const CASES: [Case; 12] = [
+    case!("x'' - a x' + b x'^3 + k x = f", [("a", 0.4), ("b", 0.1), ("k", 9.0)], 2.1, 0.7, 6.0, 0.5),
+    case!("x'' + d x' - a x + b x^3 = f", [("d", 0.25), ("a", 4.0), ("b", 4.0)], 2.2, 1.2, 8.0, 1.0),
+    case!("x'' + c x' + k x - q x^5 + 0.3 x^7 = f", [("c", 0.3), ("k", 16.0), ("q", 2.0)], 1.6, 0.5, 6.0, 0.8),
+    case!("x'' + c x' + r tanh(x'/0.3) + k x = f", [("c", 0.2), ("r", 2.0), ("k", 25.0)], 1.26, 0.6, 15.0, 0.5),
+    case!("x'' + c x' + d (1 - exp(-a x)) exp(-a x) = f", [("c", 0.3), ("d", 20.0), ("a", 0.8)], 1.7, 0.3, 2.5, 0.3),
+    case!(
+        "x1'' + c x1' + k x1 + g (x1 - x2)^3 = f; x2'' + c x2' + 2 x2 - g (x1 - x2)^3 = 0",
+        [("c", 0.2), ("k", 9.0), ("g", 5.0)],
+        2.0,
+        0.8,
+        6.0,
+        0.5
+    ),
+    case!("x'' + c x' abs(x') + w sin(x) = f", [("c", 0.1), ("w", 9.81)], 2.2, 0.7, 3.0, 1.2),
+    case!("x'' - m (1 - x^2) x' + k x = f", [("m", 1.0), ("k", 6.0)], 2.6, 1.4, 3.0, 1.0),
+    case!("x'' + c x' log(2 + abs(x')) + k x + b x^3 = f", [("c", 0.3), ("k", 10.0), ("b", 4.0)], 1.7, 0.8, 10.0, 1.0),
+    case!(
+        "x'' + k x + b x^3 + g z = f; z' = x' - r z",
+        [("k", 12.0), ("b", 5.0), ("g", 4.0), ("r", 2.0)],
+        1.5,
+        0.6,
+        8.0,
+        0.5
+    ),
+    case!("x'' + c x' + a (exp(b x) - 1) = f", [("c", 0.3), ("a", 8.0), ("b", 1.2)], 2.0, 1.0, 8.0, 0.5),
+    case!("x'' + c x' + b x^3 = f", [("c", 0.3), ("b", 20.0)], 1.6, 0.7, 10.0, 1.0),
+];
+
+/// Normal numbers.
+struct Dice(u64);
+
+impl Dice {
+    fn uniform(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        ((self.0 >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
+    }
+
+    fn normal(&mut self) -> f64 {
+        let (a, b) = (self.uniform(), self.uniform());
+        (-2.0 * a.ln()).sqrt() * (std::f64::consts::TAU * b).cos()
+    }
+}
+
+/// The standard deviation of a guess, as a share of the truth.
+const SPREAD: f64 = 0.05;
+
+/// A scenario of a case at this many samples a swing, with this noise as a share of the motion; guesses are drawn.
+fn scenario(case: &Case, kinds: &[&str], samples: f64, noise: f64, length: usize, seed: u64) -> Scenario {
+    let Case { equation, truth, swing, size, force, begin } = case;
+    let (dt, noise) = (swing / samples, noise * size);
+    let mut dice = Dice(seed);
+    for _ in 0..10 {
+        dice.uniform();
+    }
+    let each = |of: &mut dyn FnMut(f64) -> f64| -> String {
+        truth.iter().map(|(name, value)| format!("{name} = {:e}\n", of(*value))).collect()
+    };
+    let masses: &[&str] = if equation.contains("x2") { &["", "_2"] } else { &[""] };
+    let motion = |first: f64, others: f64| -> String {
+        let of_mass = |(place, mass): (usize, &&str)| {
+            let displacement = if place == 0 { first } else { others };
+            format!("displacement{mass} = {displacement:e}\nvelocity{mass} = {others:e}\n")
+        };
+        let internal = if equation.contains("z'") { format!("z = {others:e}\n") } else { String::new() };
+        masses.iter().enumerate().map(of_mass).collect::<String>() + &internal
+    };
+    let sensor = |mass: &&str| format!("[[sensors]]\nmeasures = \"displacement{mass}\"\nnoise_std = {noise:e}\n");
+    let sensors: String = masses.iter().map(sensor).collect();
+    let belief = format!(
+        "[filters.initial_mean]\n{}{}[filters.initial_std]\n{}{}[filters.process_std]\n{}{}",
+        each(&mut |value| value * (1.0 + SPREAD * dice.normal())),
+        motion(*begin, 0.0),
+        each(&mut |value| value * SPREAD),
+        motion(noise, noise),
+        each(&mut |_| 0.0),
+        motion(1e-7 * size, 1e-7 * size)
+    );
+    let filters: String = kinds.iter().map(|kind| format!("[[filters]]\nkind = \"{kind}\"\n{belief}")).collect();
+    let text = format!(
+        "seed = {seed}\ndt = {dt:e}\nduration = {:e}\n[force.white_noise]\nstd = {force:e}\n[plant]\nequation = \"{equation}\"\n{}\
+         initial = {{ displacement = {begin:e}, velocity = 0.0 }}\n{sensors}{filters}",
+        dt * length as f64,
+        each(&mut |value| value),
+    );
+    Scenario::from_toml(&text).unwrap_or_else(|error| panic!("{error}\n{text}"))
+}
+
+/// The sum of the squares of error over σ at the end, and their number, of each filter over the channels that are parameters.
+fn errors(scenario: &Scenario) -> Vec<[f64; 2]> {
+    let mut run = Run::new(scenario).unwrap();
+    run.finish();
+    let (last, record) = (run.samples() - 1, run.record());
+    assert_eq!(record.len(), run.samples(), "{:?}", scenario.plant.kind);
+    let of = |estimates: &kalmanscope_core::Estimates| {
+        assert_eq!((estimates.stop(), estimates.len()), (None, last + 1), "{:?}", scenario.plant.kind);
+        let mut sums = [0.0, 0.0];
+        for (place, channel) in estimates.channels().iter().enumerate().filter(|(_, channel)| channel.is_parameter()) {
+            let error = estimates.mean(last)[place] - record.truth(*channel).unwrap()[last];
+            sums[0] += (error / estimates.std(last, place)).powi(2);
+            sums[1] += 1.0;
+        }
+        sums
+    };
+    run.estimates().iter().map(of).collect()
+}
+
+/// Holds the rms of error over σ of each filter to within 0.8 and 1.25, over all `scenarios`.
+fn hold(name: &str, scenarios: impl Iterator<Item = Scenario>) {
+    let mut sums: Vec<[f64; 2]> = Vec::new();
+    for scenario in scenarios {
+        let each = errors(&scenario);
+        sums.resize(each.len(), [0.0, 0.0]);
+        for (sum, own) in sums.iter_mut().zip(each) {
+            *sum = [sum[0] + own[0], sum[1] + own[1]];
+        }
+    }
+    let rms: Vec<f64> = sums.iter().map(|[square, count]| (square / count).sqrt()).collect();
+    println!("{name:70} {rms:.2?}");
+    assert!(rms.iter().all(|rms| (0.8..1.25).contains(rms)), "{name}: rms of error over σ {rms:.2?}");
+}
+
+#[test]
+fn errors_of_equations_are_as_large_as_their_bands_say() {
+    for case in &CASES {
+        let drawn = |seed: u64| {
+            // From 20 to 120 samples a swing, with noise from 0.2 to 1 % of the motion.
+            let share = (seed % 8) as f64 / 7.0;
+            let (samples, noise) = (20.0 * 6.0_f64.powf(share), 0.01 * 0.2_f64.powf(((3 * seed) % 8) as f64 / 7.0));
+            scenario(case, &["ekf", "ukf"], samples, noise, 500, 9000 + 31 * seed)
+        };
+        hold(case.equation, (0..40).map(drawn));
+    }
+}
+
+#[test]
+fn errors_of_the_duffing_oscillator_are_as_large_as_their_bands_say() {
+    for (dt, noise) in [(0.02, 0.002), (0.02, 0.01), (0.01, 0.002), (0.01, 0.01)] {
+        let of = |seed: u64| {
+            let mut dice = Dice(seed + 77);
+            (0..10).for_each(|_| _ = dice.uniform());
+            let mut guess = |value: f64| value * (1.0 + SPREAD * dice.normal());
+            let belief = format!(
+                "initial_mean = {{ natural_frequency = {:e}, damping_ratio = {:e}, cubic_stiffness = {:e} }}\n\
+                 initial_std = {{ displacement = 0.01, velocity = 0.01, natural_frequency = 0.3, damping_ratio = 0.001, cubic_stiffness = 0.5 }}\n\
+                 process_std = {{ displacement = 1e-8, velocity = 1e-8, natural_frequency = 0.0, damping_ratio = 0.0, cubic_stiffness = 0.0 }}\n",
+                guess(6.0),
+                guess(0.02),
+                guess(10.0)
+            );
+            let filters: String =
+                ["ekf", "iekf"].iter().map(|kind| format!("[[filters]]\nkind = \"{kind}\"\n{belief}")).collect();
+            Scenario::from_toml(&format!(
+                "seed = {seed}\ndt = {dt}\nduration = {}\n[force.white_noise]\nstd = 10.0\n[plant]\nkind = \"duffing\"\n\
+                 natural_frequency = 6.0\ndamping_ratio = 0.02\ncubic_stiffness = 10.0\n[[sensors]]\n\
+                 measures = \"displacement\"\nnoise_std = {noise}\n{filters}",
+                1000.0 * dt
+            ))
+            .unwrap()
+        };
+        hold(&format!("Duffing, dt {dt}, noise {noise}"), (40..80).map(of));
+    }
+}
+
+#[test]
+fn the_plant_says_how_the_mean_moves() {
+    let linear = PlantKind::SDOF;
+    let steps = |filter: &FilterSettings, plant| filter.steps(plant, InputKind::Force, 0.02);
+    let usual = FilterSettings::default();
+    for plant in PlantKind::ALL {
+        let expected = if plant.info().is_linear { Propagation::LocalLinearisation } else { Propagation::RungeKutta };
+        assert_eq!(usual.propagation_for(plant), expected, "{plant:?}");
+        assert_eq!(steps(&usual, plant) == 1, plant.info().is_linear, "{plant:?}");
+    }
+    // A filter moves as its own plant does.
+    let own = FilterSettings { plant: Some(PlantKind::DUFFING), ..usual.clone() };
+    assert_eq!(own.propagation_for(linear), Propagation::RungeKutta);
+    // What is set wins, and the book's steps are single ones.
+    let set = FilterSettings { substeps: 3, ..usual.clone() };
+    assert_eq!([steps(&set, linear), steps(&set, PlantKind::DUFFING)], [3, 3]);
+    let book = FilterSettings { propagation: Some(Propagation::LocalLinearisation), ..usual.clone() };
+    assert_eq!(
+        (book.propagation_for(PlantKind::DUFFING), steps(&book, PlantKind::DUFFING)),
+        (Propagation::LocalLinearisation, 1)
+    );
+    // A stiffer spring and a longer step ask for more.
+    let mut stiff = usual.clone();
+    stiff.initial_mean[Channel::NATURAL_FREQUENCY] = 30.0;
+    assert!(steps(&stiff, PlantKind::DUFFING) > 2 * steps(&usual, PlantKind::DUFFING));
+    assert!(usual.steps(PlantKind::DUFFING, InputKind::Force, 0.1) > steps(&usual, PlantKind::DUFFING));
+}
+
+#[test]
+fn the_default_of_a_linear_plant_has_the_bits_of_the_book() {
+    let text = |more: &str| {
+        let filters: String = ["kf", "ekf", "iekf", "ukf", "sr_ukf", "ckf"]
+            .map(|kind| format!("[[filters]]\nkind = \"{kind}\"\n{more}"))
+            .concat();
+        Scenario::from_toml(&format!("duration = 4.0\n{filters}")).unwrap()
+    };
+    let bits = |scenario: &Scenario| -> Vec<u64> {
+        let mut run = Run::new(scenario).unwrap();
+        run.finish();
+        let all = run.estimates().iter().flat_map(|estimates| (0..estimates.len()).map(move |k| estimates.mean(k)));
+        all.flatten().map(|number| number.to_bits()).collect()
+    };
+    let set = "propagation = \"local_linearisation\"\nsubsteps = 1\n";
+    assert_eq!(bits(&text("")), bits(&text(set)));
+    assert_eq!(text("propagation = \"automatic\"\n"), text(""));
+    let error = Scenario::from_toml("[[filters]]\npropagation = \"magic\"").unwrap_err().to_string();
+    assert!(error.contains("`automatic`") && error.contains("`euler`"), "{error}");
+}
