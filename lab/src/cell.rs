@@ -115,7 +115,7 @@ impl CellTask {
         let Ok(mut pass) = pass.map_or_else(first, Ok) else {
             return Stage::Filter { run, nth: nth + 1, pass: None };
         };
-        let time = run.scenario.filters[place].time_of_step(run.scenario);
+        let time = run.scenario.filters[place].time_of_step(&run.scenario);
         let goal = pass.done() + self.samples_for(time);
         let begin = pass.done();
         let is_done = pass.advance(&run.record, goal);
