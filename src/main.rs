@@ -10,6 +10,9 @@ fn main() {
     web::main();
 }
 
+#[cfg(all(test, not(target_arch = "wasm32")))]
+#[path = "../tests/ui/memory.rs"]
+mod memory;
 #[cfg(not(target_arch = "wasm32"))]
 mod native;
 

@@ -5,6 +5,7 @@ use std::time::Duration;
 use egui::Context;
 
 use super::App;
+use crate::import::Import;
 use crate::notice::Notice;
 use crate::request::ViewKind;
 
@@ -96,7 +97,7 @@ impl App {
         let is_in_sight = |kind| layout.in_sight().contains(&kind);
         let (map, seeds) = (laboratory, laboratory.seeds());
         let works = [
-            (Work::Import, importing.as_ref().and_then(|import| import.progress())),
+            (Work::Import, importing.as_ref().and_then(Import::progress)),
             (Work::Picture, session.progress()),
             (Work::Map, map.progress().filter(|_| map.is_working() && !map.state().is_stopped())),
             (Work::Seeds, seeds.progress().filter(|_| seeds.is_working()).map(|[done, _]| done as f64)),

@@ -1,15 +1,12 @@
 //! The program in a headless window, with its session in a folder.
 
-#[path = "../../../tests/ui/memory.rs"]
-mod storage;
-
 use egui::{Theme, Vec2};
 use egui_kittest::Harness;
 use kalmanscope_core::Scenario;
 
 use super::super::state_file::NAME;
 use super::*;
-use storage::Memory;
+use crate::memory::Memory;
 
 type Screen = Harness<'static, Desktop>;
 

@@ -184,7 +184,6 @@ impl<T: Number> Expected<T> {
     /// h = h(y⁻) + s,  s = Σ W d,  S = Σ W d dᵀ + o s sᵀ,  P⁻ Hᵀ = Σ W (χ - y⁻) dᵀ,  d = h(χ) - h(y⁻)
     /// ```
     #[inline(always)]
-    #[expect(clippy::too_many_arguments, reason = "those of the update")]
     fn transform<L: Level>(
         &mut self,
         level: L,
