@@ -1,4 +1,5 @@
 //! The page in `dist/`, in a real headless browser.
+#![expect(clippy::unwrap_used, reason = "a step that fails is a test that fails")]
 
 #[path = "browser/accessible.rs"]
 mod accessible;

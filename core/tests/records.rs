@@ -117,7 +117,9 @@ fn a_file_of_a_simulated_record_is_that_record() {
 }
 
 /// All of a record, without a number that is not equal to itself.
-fn bits(record: &Record) -> (f64, f64, InputKind, Hold, Vec<(String, Vec<u64>)>) {
+type Bits = (f64, f64, InputKind, Hold, Vec<(String, Vec<u64>)>);
+
+fn bits(record: &Record) -> Bits {
     let of = |values: &[f64]| {
         values.iter().map(|value| if value.is_nan() { 0 } else { 1 + value.to_bits() }).collect::<Vec<u64>>()
     };

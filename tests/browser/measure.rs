@@ -116,6 +116,11 @@ fn estimated(summary: &Value) -> [f64; 2] {
     })
 }
 
+/// Whether there is a control with this name.
+fn has(name: &str) -> String {
+    format!("JSON.parse(wasmBindings.kalmanscope_summary()).controls.some(it => it.name === '{name}')")
+}
+
 /// Motion events of a swing at some rate from now on, four at once.
 const STREAM: &str = "(rate => {
     const begin = performance.now();

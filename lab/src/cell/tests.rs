@@ -61,7 +61,7 @@ fn a_cell_of_a_large_particle_filter_is_interrupted() {
 
 #[test]
 fn the_truth_of_a_cell_that_is_hard_to_follow_is_interrupted() {
-    let hard = include_str!("../../tests/hostile/hard-truth.toml");
+    let hard = include_str!("../../../tests/hostile/hard-truth.toml");
     let mut scenario = Scenario { duration: 0.3, ..Scenario::from_toml(hard).unwrap() };
     scenario.filters.insert(0, scenario.filters[0].clone());
     scenario.filters[0].name = "EKF".to_owned();
