@@ -54,11 +54,7 @@ fn a_prediction_whose_mean_or_jacobian_is_not_exact_is_divided_where_samples_are
     let mut scenario = scenario_for(&record);
     let ekf = FilterSettings { kind: FilterKind::EKF, ..scenario.filters[0].clone() };
     let of = |kind, propagation| FilterSettings { kind, propagation, id: 0, ..ekf.clone() };
-    scenario.filters = vec![
-        ekf.clone(),
-        of(FilterKind::EKF, Some(Propagation::RungeKutta)),
-        of(FilterKind::UKF, None),
-    ];
+    scenario.filters = vec![ekf.clone(), of(FilterKind::EKF, Some(Propagation::RungeKutta)), of(FilterKind::UKF, None)];
     scenario.number_filters();
     let substeps: Vec<usize> = suggest(&scenario, &record).scenario.filters.iter().map(|f| f.substeps).collect();
     assert!(matches!(substeps[..], [ekf, rk, ukf] if ekf > 1 && rk > 1 && ukf > 1), "{substeps:?}");
