@@ -278,7 +278,7 @@ impl eframe::App for App {
             keys::keys(ctx, &self.session, &mut self.requests);
         }
         drop::dropped(ctx, &self.inbox);
-        self.take_files();
+        self.take_files(ctx);
         link::pasted(ctx, &mut self.requests);
         for request in std::mem::take(&mut self.requests) {
             self.apply(request, ctx);

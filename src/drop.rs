@@ -11,6 +11,7 @@ use kalmanscope_lessons::File as Contents;
 use crate::import;
 use crate::inbox::{Arrival, Inbox};
 use crate::request::{RawFile, Request};
+use crate::session::name_of;
 use crate::share::Picture;
 
 /// Limits the size of a file \[bytes\].
@@ -29,10 +30,32 @@ pub(crate) fn dropped(ctx: &Context, inbox: &Inbox) {
 /// Reads a file beside the frames, since a large one or one on a slow disk takes long. It arrives once it has been read.
 pub(crate) fn read(path: &Path, ctx: &Context, inbox: &Inbox) {
     let (path, screen, there) = (path.to_owned(), ctx.clone(), inbox.clone());
-    let read = move || there.put(Arrival::File(file_name(&path), read_path(&path)), &screen);
+    let read = move || {
+        let bytes = read_path(&path);
+        let record = bytes.as_ref().ok().and_then(|bytes| record_beside(&path, bytes));
+        there.put(Arrival::File(file_name(&path), bytes), &screen);
+        if let Some((name, bytes)) = record {
+            there.put(Arrival::Kept(name, bytes), &screen);
+        }
+    };
     if let Err(error) = thread::Builder::new().name("file".to_owned()).spawn(read) {
         inbox.put(Arrival::Failure(format!("The file cannot be read: {error}.")), ctx);
     }
+}
+
+/// The record that a session or a scenario names, if it lies in the folder of this file.
+fn record_beside(path: &Path, bytes: &[u8]) -> Option<(String, Vec<u8>)> {
+    let scenario = match Picture::of_file(bytes) {
+        Some(session) => session.ok()?.scenario,
+        None if is_toml(&file_name(path)) => match Contents::from_toml(std::str::from_utf8(bytes).ok()?).ok()? {
+            Contents::Scenario(scenario) => *scenario,
+            Contents::Lesson(_) => return None,
+        },
+        None => return None,
+    };
+    let name = name_of(&scenario.record?).to_owned();
+    let bytes = read_path(&path.with_file_name(&name)).ok()?;
+    Some((name, bytes))
 }
 
 /// The request to open a file of this name, or to show why it cannot be opened.

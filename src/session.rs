@@ -256,6 +256,18 @@ impl Session {
         self.problem.as_deref()
     }
 
+    /// The name of the record that the scenario needs and that is not here: the plots would be those of another run.
+    pub(crate) fn missing_record(&self) -> Option<&str> {
+        self.problem.as_ref().and_then(|_| self.library.missing(&self.scenario))
+    }
+
+    /// Whether the run on screen is of another system or record than the settings, whose run is being computed.
+    pub(crate) fn shows_another_run(&self) -> bool {
+        let shown = self.run().scenario();
+        let is_other = shown.record != self.scenario.record || shown.plant.kind != self.scenario.plant.kind;
+        self.job.is_some() && is_other
+    }
+
     pub fn library(&self) -> &Library {
         &self.library
     }

@@ -29,6 +29,10 @@ const LETTER: [f32; 2] = [7.0, 21.0];
 const WAY: f64 = 400.0;
 
 pub(crate) fn story_of(session: &Session) -> Story {
+    if session.shows_another_run() {
+        let words = Phrase::Words("The run of these settings is being computed.".to_owned());
+        return Story { sentences: vec![vec![words]], ..Story::default() };
+    }
     let run = session.run();
     let places = 0..run.estimates().len();
     let diagnoses: Vec<Option<&Diagnosis>> = places.map(|place| session.diagnosis(place)).collect();

@@ -41,12 +41,18 @@ impl App {
     }
 
     /// Opens the files that have arrived.
-    pub(super) fn take_files(&mut self) {
+    pub(super) fn take_files(&mut self, ctx: &Context) {
+        let mut opens = false;
         for arrival in self.inbox.take() {
             match arrival {
-                Arrival::File(name, contents) => self.open_file(&name, contents),
+                Arrival::File(name, contents) => {
+                    self.open_file(&name, contents);
+                    opens = true;
+                }
+                // The file that names it is opened after this frame.
+                Arrival::Kept(..) if opens => self.inbox.put(arrival, ctx),
                 // It is opened without questions, or not at all.
-                Arrival::Kept(name, bytes) if self.waits_for(&bytes) => self.open_file(&name, Ok(bytes)),
+                Arrival::Kept(name, bytes) if self.waits_for(&name, &bytes) => self.open_file(&name, Ok(bytes)),
                 Arrival::Kept(..) => {}
                 Arrival::Done(sentence) if self.notice.as_ref().is_some_and(Notice::is_failure) => {
                     self.report(&sentence);

@@ -157,10 +157,11 @@ impl App {
     }
 
     /// Whether the scenario waits for a file with these contents, and no other one is being imported.
-    pub(super) fn waits_for(&self, bytes: &[u8]) -> bool {
+    pub(super) fn waits_for(&self, name: &str, bytes: &[u8]) -> bool {
         let Some(mapping) = &self.session.scenario().record else { return false };
         let is_here = self.session.library().file(mapping).is_some();
-        self.importing.is_none() && !is_here && mapping.hash == hash(bytes)
+        let is_it = if mapping.hash.is_empty() { name_of(mapping) == name } else { mapping.hash == hash(bytes) };
+        self.importing.is_none() && !is_here && is_it
     }
 
     /// Whether the scenario names this file and waits for it.

@@ -10,6 +10,7 @@ use crate::legend::{self, Legend};
 use crate::notice;
 use crate::panes::{Way, panes_ui};
 use crate::reading::{self, Reading};
+use crate::request::Request;
 use crate::story;
 use crate::theme::{self, Palette};
 use crate::transport::{Extent, Transport};
@@ -36,6 +37,18 @@ const LOW: f32 = 480.0;
 
 /// The distance from the top at which a pointer is near the bar \[points\].
 const NEAR_BAR: f32 = 50.0;
+
+/// The place of the plots while their record is not here.
+fn missing_ui(ui: &mut Ui, name: &str, requests: &mut Vec<Request>) {
+    ui.vertical_centered(|ui| {
+        ui.add_space(0.35 * ui.available_height());
+        ui.label(format!("The record “{name}” is not here. Drop the file on the window, or choose it."));
+        ui.add_space(8.0);
+        if ui.button("Choose the file…").clicked() {
+            requests.push(Request::ChooseFile);
+        }
+    });
+}
 
 impl App {
     pub(super) fn window_ui(&mut self, ui: &mut Ui) {
@@ -122,7 +135,7 @@ impl App {
 
     /// Whether the story of the run is told: there is room, and no lesson tells it.
     fn tells_story(&self) -> bool {
-        self.tutor.is_none() && !self.low
+        self.tutor.is_none() && !self.low && self.session.missing_record().is_none()
     }
 
     fn transport_ui(
@@ -150,6 +163,9 @@ impl App {
 
     /// The views, and the legend if it has no panel of its own.
     fn centre_ui(&mut self, ui: &mut Ui, palette: &Palette, narrow: bool) {
+        if let Some(name) = self.session.missing_record() {
+            return missing_ui(ui, name, &mut self.requests);
+        }
         if !narrow {
             if self.tells_story() {
                 story::story_ui(ui, (&self.story, &self.session), palette, true, &mut self.requests);

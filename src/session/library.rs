@@ -110,6 +110,13 @@ impl Library {
         Ok(Source::Measured(record))
     }
 
+    /// The name of the file that a scenario needs and that is not here.
+    pub(super) fn missing<'a>(&self, scenario: &'a Scenario) -> Option<&'a str> {
+        let mapping = scenario.record.as_ref()?;
+        let is_live = self.live.as_ref().is_some_and(|live| live.mapping == *mapping);
+        (!is_live && self.file(mapping).is_none()).then(|| name_of(mapping))
+    }
+
     /// The record that is measured now, as long as it is.
     pub(super) fn live(&self) -> Option<&Arc<Record>> {
         self.live.as_ref().filter(|live| !live.has_ended).map(|live| &live.record)

@@ -340,6 +340,21 @@ fn a_session_asks_for_its_record_only_where_that_is_missing() {
     assert!(!asks(&screen), "the record is here: {:?}", screen.state().notice());
     super::files::drop_file(&mut other, "session.json", &session.contents);
     assert!(asks(&other), "{:?}", other.state().notice());
+    // No plots and no story of another run take its place.
+    let place = format!("The record “{name}” is not here. Drop the file on the window, or choose it.");
+    other.get_by_label(&place);
+    assert!(other.query_by_label_contains("Believe").is_none() && other.query_by_label("About Parameters").is_none());
+    // It is found beside the session's file.
+    let folder = std::env::temp_dir().join(format!("kalmanscope-beside-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a folder can be made");
+    std::fs::write(folder.join(name), &bytes).expect("a file can be written");
+    std::fs::write(folder.join("session.json"), &session.contents).expect("a file can be written");
+    let mut third = super::screen(DESKTOP, Theme::Light);
+    super::files::drop_path(&mut third, folder.join("session.json"));
+    third.run_steps(30);
+    std::fs::remove_dir_all(folder).expect("the folder can be removed");
+    assert!(third.state().session().is_measured(), "{:?}", third.state().session().problem());
+    assert!(third.query_by_label(&place).is_none() && third.query_by_label("Open the record").is_none());
 }
 
 #[test]

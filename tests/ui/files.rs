@@ -39,7 +39,7 @@ pub(super) fn drop_file(screen: &mut Screen, name: &str, contents: &[u8]) {
 }
 
 /// Drops the file at a path on the window, and waits until it has been read.
-fn drop_path(screen: &mut Screen, path: PathBuf) {
+pub(super) fn drop_path(screen: &mut Screen, path: PathBuf) {
     screen.input_mut().dropped_files = vec![Arc::new(Dropped(path))];
     screen.step();
     while screen.state().inbox().is_shared() {
