@@ -98,7 +98,9 @@ impl Told {
             let (Some(place), Some(error)) = (estimates.place(channel), diagnostics.error(channel)) else {
                 return false;
             };
-            !estimates.is_empty() && error.abs() > 2.0 * estimates.std(estimates.len() - 1, place)
+            !estimates.is_empty()
+                && estimates.initial_std(place) > 0.0
+                && error.abs() > 2.0 * estimates.std(estimates.len() - 1, place)
         });
         let outside: Vec<&str> = outside.map(|(estimates, _)| estimates.name()).collect();
         let is_of_some = last.contains(" of ");

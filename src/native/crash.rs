@@ -97,7 +97,7 @@ mod tests {
 
         let said = last(folder.path()).expect("there is a note");
         let version = env!("CARGO_PKG_VERSION");
-        for part in ["“the device is lost”, at src/native/crash.rs:", version, "last-crash.txt"] {
+        for part in ["“the device is lost”, at ", "src/native/crash.rs:", version, "last-crash.txt"] {
             assert!(said.contains(part), "no {part}: {said}");
         }
         assert_eq!(last(folder.path()), None, "it is said once");

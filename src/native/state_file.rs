@@ -46,7 +46,8 @@ impl StateFile {
             if text != self.text {
                 let path = self.folder.join(NAME);
                 let written = output::write(&path, |file| file.write_all(text.as_bytes()));
-                written.map_err(|error| format!("{}: {error}", path.display()))?;
+                // The error names a file beside it, which is another one each time.
+                written.map_err(|error| format!("{}: {}", path.display(), error.kind()))?;
                 self.text = text;
             }
             Ok(())
@@ -108,7 +109,7 @@ mod tests {
     fn a_file_that_cannot_be_read_is_said_and_kept() {
         let folder = tempfile::tempdir().expect("a folder can be made");
         let path = folder.path().join(NAME);
-        let whole = picture(2.0).lines().expect("it can be written").into_bytes();
+        let whole = picture(3.0).lines().expect("it can be written").into_bytes();
         let changed = |from: &str, to: &str| String::from_utf8_lossy(&whole).replace(from, to).into_bytes();
         let texts = [
             (whole[..whole.len() / 2].to_vec(), "EOF"),

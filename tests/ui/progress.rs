@@ -60,13 +60,3 @@ fn a_place_in_an_unknown_lesson_is_ignored_in_words() {
         assert!(restored.query_by_label("Leave the lesson").is_none());
     }
 }
-
-#[test]
-fn a_state_from_before_lessons_were_saved_can_be_read() {
-    let mut screen = screen(DESKTOP, Theme::Light);
-    let mut memory = saved(&mut screen);
-    let text = memory.get_string("kalmanscope").expect("it is saved");
-    let (before, _) = text.split_once(",\"lessons\"").expect("lessons are saved last");
-    memory.set_string("kalmanscope", format!("{before}}}"));
-    assert_eq!(reloaded(memory).state().notice(), None);
-}

@@ -16,7 +16,11 @@ fn assert_refused(cases: &[(&str, &str)]) {
     for (text, expected) in cases {
         match Scenario::from_toml(text) {
             Ok(_) => panic!("accepted: {text}"),
-            Err(error) => assert_eq!(error.to_string(), *expected, "{text}"),
+            // Channels of equations that other tests type follow in lists of channels: such a list is compared as far as it is given.
+            Err(error) => match expected.strip_suffix('…') {
+                Some(begin) => assert!(error.to_string().starts_with(begin), "{text}: {error}"),
+                None => assert_eq!(error.to_string(), *expected, "{text}"),
+            },
         }
     }
 }

@@ -1,18 +1,11 @@
 //! Unknown keys, and values of the wrong type.
 
-use kalmanscope_core::{Channel, FilterKind, Scenario};
+use kalmanscope_core::{FilterKind, Scenario};
 
 use super::assert_refused;
 
 #[test]
 fn an_unknown_key_is_refused_with_line_path_and_the_keys_that_exist() {
-    let first = Channel::all().iter().filter(|channel| channel.mass() == 0);
-    let all: Vec<String> = first.map(|channel| format!("`{}`", channel.key())).collect();
-    let channels = format!(
-        "line 2: `filters[0].initial_std.mass`: unknown field `mass`, expected one of {}, and of other masses as in \
-         `displacement_2`",
-        all.join(", ")
-    );
     assert_refused(&[
         (
             "\nsed = 1",
@@ -24,8 +17,7 @@ fn an_unknown_key_is_refused_with_line_path_and_the_keys_that_exist() {
             "line 2: `plant.mass`: unknown field `mass`, expected `kind`, `equation`, `parameters`, `initial`, `disturbance_std`, `input_delay` \
              or one of `natural_frequency`, `damping_ratio`, `cubic_stiffness`, `post_yield_ratio`, `hysteresis_beta`, \
              `hysteresis_gamma`, `yield_beta`, `yield_gamma`, `stiffness_1`, `storey_damping`, `input_gain`, `input_offset`, `unknown_force`, \
-             `white_force`, `bias_displacement`, `bias_velocity`, `bias_acceleration`, `bias_total_acceleration`, `bias_drift`, and of \
-             other masses as in `displacement_2`",
+             `white_force`, `bias_displacement`, `bias_velocity`, `bias_acceleration`, `bias_total_acceleration`, `bias_drift`, …",
         ),
         (
             "[plant]\ninitial = { x = 1 }",
@@ -52,7 +44,10 @@ fn an_unknown_key_is_refused_with_line_path_and_the_keys_that_exist() {
             "[[sensors]]\nmeasures = \"velocity\"\nnoise_std = 1\nbias = 2",
             "line 4: `sensors[0].bias`: unknown field `bias`, expected one of `measures`, `noise_std`, `faults`",
         ),
-        ("[[filters]]\ninitial_std = { mass = 1 }", &channels),
+        (
+            "[[filters]]\ninitial_std = { mass = 1 }",
+            "line 2: `filters[0].initial_std.mass`: unknown field `mass`, expected one of `displacement`, `velocity`, …",
+        ),
     ]);
     // `docs.rs` holds all keys to their table.
     let error = Scenario::from_toml("[[filters]]\n[[filters]]\nlambda = 1").unwrap_err().to_string();

@@ -17,7 +17,7 @@ const APART: f32 = 6.0;
 const BETWEEN: [f64; 2] = [13.0, 24.0];
 
 /// The least size of a panel that gives room to the curves \[points\].
-const LEAST: Vec2 = Vec2::new(260.0, 190.0);
+const LEAST: Vec2 = Vec2::new(380.0, 190.0);
 
 /// The room of a curve in a panel of some size \[points\]: none where the cells need it, or where the score is no number.
 pub(super) fn room(size: Vec2, measure: Measure) -> f32 {
@@ -82,7 +82,11 @@ pub(super) fn profiles_ui(ui: &Ui, graph: &Graph, panel: &Panel, survey: &Survey
         }
         let response = ui.interact(rect, ui.scope_id().with(("profile", at)), Sense::hover());
         let name = ["Score across", "Score up"][at];
-        response.ctx.accesskit_node_builder(response.id, |node| node.set_label(format!("{name}, through the dot")));
+        response.ctx.accesskit_node_builder(response.id, |node| {
+            node.set_label(format!("{name}, through the dot"));
+            let [x0, y0, x1, y1] = [rect.left(), rect.top(), rect.right(), rect.bottom()].map(f64::from);
+            node.set_bounds(egui::accesskit::Rect { x0, y0, x1, y1 });
+        });
     }
 }
 

@@ -69,10 +69,7 @@ impl VerdictKind {
     /// The verdict on a filter of this name, as a sentence without its full stop.
     pub fn on(self, name: &str) -> String {
         match self {
-            Self::PatternLeft => format!("{name} leaves a pattern"),
-            Self::Recovered => format!("{name} has recovered"),
-            Self::Collapsed => format!("{name} has collapsed"),
-            Self::Diverged => format!("{name} has diverged"),
+            Self::PatternLeft => format!("{name} is left with a pattern"),
             _ => format!("{name} is {}", self.name()),
         }
     }

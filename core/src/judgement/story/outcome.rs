@@ -262,7 +262,7 @@ impl<'a> Outcome<'a> {
             return (others.fold(text, told).say(self.spring().unwrap_or_default()), false);
         };
         match change.filter(|change| self.now >= change.start()) {
-            Some(change) if change.step().is_some() => match truth.settled {
+            Some(change) if change.step().is_some() => match truth.settled.filter(|_| truth.is_inside) {
                 Some(since) if since > change.start() => {
                     (text.say(" settles after ").result(seconds(since - change.start())), false)
                 }
