@@ -52,8 +52,10 @@ pub(super) fn profiles_ui(ui: &Ui, graph: &Graph, panel: &Panel, survey: &Survey
         painter.line_segment([place(0.0, 0.0), place(1.0, 0.0)], Stroke::new(1.0, palette.grid));
         let mut numbers: Vec<f64> = Vec::new();
         for (share, text) in panel.colors.ticks(HEIGHT) {
-            // The bar of colours has room for more.
-            if numbers.iter().any(|other| (share - other).abs() * f64::from(HEIGHT) < BETWEEN[at]) {
+            // The bar of colours has room for more, and the axis of the cells ends in a number.
+            let is_beside_the_axis = at == 1 && share * f64::from(HEIGHT) < BETWEEN[at];
+            if is_beside_the_axis || numbers.iter().any(|other| (share - other).abs() * f64::from(HEIGHT) < BETWEEN[at])
+            {
                 continue;
             }
             numbers.push(share);
