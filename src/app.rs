@@ -41,10 +41,8 @@ use crate::twin::Twin;
 use crate::views;
 use crate::visibility::Visibility;
 
-/// Zoom factor of presenter mode.
 const LARGE: f32 = 1.4;
 
-/// The explorer.
 pub struct App {
     session: Session,
     axis: TimeAxis,
@@ -55,16 +53,11 @@ pub struct App {
     catalogue: Catalogue,
     tutor: Option<Tutor>,
     history: Undoer<Scenario>,
-    /// Whether the settings are shown; `None` until the user decides.
     controls_open: Option<bool>,
-    /// Whether all settings are shown there, and not only those that the story names.
     all_settings: bool,
-    /// The id of the filter whose diagnosis is shown beside the plots, if one is.
     diagnosed: Option<u32>,
-    /// The heights of the drawers of a narrow window.
     drawers: panels::Drawers,
     presenting: bool,
-    /// The zoom outside presenter mode.
     usual_zoom: f32,
     keys_open: bool,
     /// Width of the window in the last frame \[points\], and its theme.
@@ -74,17 +67,11 @@ pub struct App {
     theme: ThemePreference,
     /// Whether the window is cleared in the ground's colour, so that panels need no fill.
     cleared: bool,
-    /// Whether the invitation to the first lesson is shown.
     inviting: bool,
-    /// The import of a measured record.
     importing: Option<Import>,
-    /// The equation that is being edited.
     editor: Option<Editor>,
-    /// The story of the run in this frame.
     story: Story,
-    /// The open finder.
     finder: Option<Finder>,
-    /// A message, until it is dismissed.
     notice: Option<Notice>,
     /// Writes a file where the user finds it. `None` if the platform has no way to do so.
     deliver: Option<Deliver>,
@@ -92,18 +79,12 @@ pub struct App {
     choose: Option<Choose>,
     /// Keeps the record's file for the next start, if the platform has a place for it.
     shelf: Option<Box<dyn Shelf>>,
-    /// The sensors of this device, and the window in which they measure.
     sensors: Sensors,
     measure: Option<Measure>,
-    /// The file whose import was begun last.
     candidate: Option<Candidate>,
-    /// The work that makes no progress.
     standstill: standstill::Standstill,
-    /// Receives the files that the user chooses.
     inbox: Inbox,
-    /// The address at which links begin; empty if no page is known.
     page: String,
-    /// Whether another page embeds this one, which shows plots and transport only.
     embedded: bool,
     /// The text of a saved session that could not be read; the next save keeps it.
     unreadable: Option<String>,
@@ -182,7 +163,6 @@ impl App {
         Self { cleared: true, ..self }
     }
 
-    /// The session on screen.
     pub fn session(&self) -> &Session {
         &self.session
     }
@@ -192,27 +172,22 @@ impl App {
         self.axis.pointed
     }
 
-    /// The session on screen, for tests to set up.
     pub fn session_mut(&mut self) -> &mut Session {
         &mut self.session
     }
 
-    /// The views on screen, for tests to set up.
     pub fn layout_mut(&mut self) -> &mut Layout {
         &mut self.layout
     }
 
-    /// Shows all settings, or only those that the story names.
     pub fn show_all_settings(&mut self, all: bool) {
         self.all_settings = all;
     }
 
-    /// The time axis that the plots share.
     pub fn axis(&self) -> &TimeAxis {
         &self.axis
     }
 
-    /// The marked times.
     pub fn ruler(&self) -> &Ruler {
         &self.ruler
     }
@@ -228,25 +203,21 @@ impl App {
         self.notice.get_or_insert_with(|| Notice::done(sentence));
     }
 
-    /// The message on screen, until it is dismissed.
     pub fn notice(&self) -> Option<&str> {
         self.notice.as_ref().map(|notice| notice.sentence.as_str())
     }
 
-    /// The ids of the filters that a causes search is wanted for.
     fn tried(&self) -> Vec<u32> {
         let is_in_view = self.layout.in_sight().contains(&ViewKind::Diagnosis);
         let ids = self.session.run().estimates().iter().map(Estimates::id);
         ids.filter(|id| (is_in_view && self.visible.filter(*id)) || self.diagnosed == Some(*id)).collect()
     }
 
-    /// The results that views, verdicts and the diagnosis need besides the estimates.
     fn wanted(&self) -> Wanted {
         let of_drawer = if self.diagnosed.is_some() { Wanted::diagnostics(Depth::All) } else { Wanted::NOTHING };
         views::wanted(&self.layout.shown()).and(self.visible.wanted()).and(of_drawer)
     }
 
-    /// The model of the free runs, if a view shows them.
     fn model_time(&self) -> Option<ModelTime> {
         let wanted = self.layout.in_sight().iter().any(|kind| views::view(*kind).wants_free_runs());
         wanted.then(|| match (self.ruler.time(End::A), self.ruler.time(End::B)) {
@@ -256,13 +227,11 @@ impl App {
         })
     }
 
-    /// The screen in words and tables.
     pub fn twin(&self) -> Twin {
         let Self { session, visible, axis, layout, .. } = self;
         Twin::new(session, visible, axis, layout, self.notice())
     }
 
-    /// The state of the screen, as data.
     pub fn screen_state(&self, ctx: &egui::Context) -> ScreenState {
         let lesson = self.tutor.as_ref().map(|tutor| (tutor.title().to_owned(), tutor.step() + 1));
         let posterior = self.laboratory.posteriors().shown().map(Shown::sampled);

@@ -17,7 +17,6 @@ use crate::views::view;
 /// Limits the width below which the program's name and the two settings are left out \[points\].
 const ROOMY: f32 = 1000.0;
 
-/// The explanation of the entry that removes a kept record.
 const FORGET: &str =
     "The record’s file is kept on this device, so that it is there at the next start: remove it from there";
 
@@ -28,7 +27,6 @@ pub(crate) struct Bar<'a> {
     pub(crate) controls: bool,
     pub(crate) presenting: bool,
     pub(crate) narrow: bool,
-    /// Whether undo and redo are possible.
     pub(crate) history: (bool, bool),
     pub(crate) measures: bool,
 }
@@ -72,7 +70,6 @@ impl Bar<'_> {
     }
 }
 
-/// The way to a file of the user's own. Returns whether it was taken.
 fn choose_file_ui(ui: &mut Ui, text: &str, requests: &mut Vec<Request>) -> bool {
     let button = ui.button(text).on_hover_text("A measured record, a scenario, a lesson or a session (Ctrl+O)");
     button.ctx.accesskit_node_builder(button.id, |node| node.set_label("Open a file"));
@@ -83,7 +80,7 @@ fn choose_file_ui(ui: &mut Ui, text: &str, requests: &mut Vec<Request>) -> bool 
     button.clicked()
 }
 
-/// The built-in scenarios; also the ways to a record of one's own: a file, if the bar has no room for it, and this device.
+/// The built-in scenarios; also the user's records: from a file, if the bar has no room for that button, and from this device.
 fn scenario_menu_ui(ui: &mut Ui, session: &Session, [opens, measures]: [bool; 2], requests: &mut Vec<Request>) {
     let button = menu_ui(ui, "Scenario", Closing::AtOnce, |ui| {
         if opens && choose_file_ui(ui, "Open a file…", requests) {
@@ -178,7 +175,6 @@ fn more_menu_ui(ui: &mut Ui, session: &Session, presenting: bool, requests: &mut
     probe::remember(ui.ctx(), "More", button.rect);
 }
 
-/// Takes changes back and makes them again.
 pub(crate) fn history_ui(ui: &mut Ui, (undo, redo): (bool, bool), requests: &mut Vec<Request>) {
     for (icon, name, key, possible, request) in
         [("↶", "Undo", "Ctrl+Z", undo, Request::Undo), ("↷", "Redo", "Ctrl+Shift+Z", redo, Request::Redo)]

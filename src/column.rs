@@ -10,7 +10,6 @@ const ENOUGH: f32 = 250.0;
 /// The least height of views that are not flat, if views scroll \[points\].
 const LEAST: f32 = 300.0;
 
-/// Relative height of a tall view.
 const TALL: f32 = 1.7;
 
 /// The least height of a tall view that is higher than the column \[points\].

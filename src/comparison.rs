@@ -2,7 +2,6 @@
 
 use kalmanscope_core::{Channel, Hold, Scenario};
 
-/// The scenario with the input held between samples in place of linear, or the other way round.
 pub(crate) fn with_other_hold(scenario: &Scenario) -> Scenario {
     let hold = match scenario.hold {
         Hold::Zero => Hold::First,
@@ -11,7 +10,6 @@ pub(crate) fn with_other_hold(scenario: &Scenario) -> Scenario {
     Scenario { hold, ..scenario.clone() }
 }
 
-/// The scenario in which all filters estimate the gain of the input, or none.
 pub(crate) fn with_other_gain(scenario: &Scenario) -> Scenario {
     let mut scenario = scenario.clone();
     let all = scenario.filters.iter().all(|filter| filter.augment.contains(&Channel::INPUT_GAIN));

@@ -26,16 +26,13 @@ use kalmanscope_core::{Scenario, Story};
 use crate::session::Library;
 use crate::theme::{self, Palette};
 
-/// Requests of the controls besides a change of the scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Asked {
-    /// Another meaning of the measured record's columns.
     Columns,
     Equation,
     Fewer,
 }
 
-/// The settings that the story names, and the way to all others. Returns whether all are wanted.
 pub fn few_controls_ui(ui: &mut Ui, scenario: &mut Scenario, story: &Story) -> bool {
     let wanted = ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         ui.set_max_width(ui.available_width() - ui.spacing().scroll.bar_width);
@@ -50,7 +47,6 @@ pub fn few_controls_ui(ui: &mut Ui, scenario: &mut Scenario, story: &Story) -> b
     wanted.inner
 }
 
-/// Shows every control, those of the settings under the paths `lit` on a lit ground. Returns what is asked besides.
 pub fn controls_ui(
     ui: &mut Ui,
     scenario: &mut Scenario,
@@ -84,7 +80,7 @@ pub fn controls_ui(
             draw: _,
         } = scenario;
         let filters = filters.len();
-        // First what one tunes.
+        // The filters come first: users tune these.
         for place in 0..filters {
             // A filter may have been removed in this frame.
             if place < scenario.filters.len() {
@@ -107,7 +103,6 @@ pub fn controls_ui(
     asked
 }
 
-/// A section of the controls that can be collapsed.
 fn section(ui: &mut Ui, title: &str, open: bool, add_contents: impl FnOnce(&mut Ui)) {
     let heading = RichText::new(title).family(theme::strong()).size(14.5);
     egui::CollapsingHeader::new(heading).id_salt(title).default_open(open).show_unindented(ui, |ui| {

@@ -5,13 +5,11 @@ use egui::{Align, Button, Frame, Layout, Panel, Rect, Response, Sense, Ui, UiBui
 
 use crate::probe;
 
-/// The share of the window's height that a drawer leaves to the plots.
 pub(crate) const FOR_PLOTS: f32 = 0.45;
 
-/// The lower height as a share of the window's.
 const LOW: f32 = 0.2;
 
-/// The least height of both \[points\].
+/// Limits both heights from below \[points\].
 const LEAST: f32 = 110.0;
 
 /// The size of the grip in the middle of the handle \[points\].
@@ -87,7 +85,6 @@ fn handle_ui(ui: &mut Ui, heading: impl FnOnce(&mut Ui)) -> Response {
     response
 }
 
-/// A button at the right of a heading. Returns whether it is pressed.
 pub(crate) fn close_ui(ui: &mut Ui, name: &str) -> bool {
     let side = ui.spacing().interact_size.y;
     let close = ui.add(Button::new("×").frame(false).min_size(egui::Vec2::splat(side))).on_hover_text(name);

@@ -43,7 +43,6 @@ pub(crate) fn read(path: &Path, ctx: &Context, inbox: &Inbox) {
     }
 }
 
-/// The record that a session or a scenario names, if it lies in the folder of this file.
 fn record_beside(path: &Path, bytes: &[u8]) -> Option<(String, Vec<u8>)> {
     let scenario = match Picture::of_file(bytes) {
         Some(session) => session.ok()?.scenario,
@@ -58,7 +57,6 @@ fn record_beside(path: &Path, bytes: &[u8]) -> Option<(String, Vec<u8>)> {
     Some((name, bytes))
 }
 
-/// The request to open a file of this name, or to show why it cannot be opened.
 pub(crate) fn opened(name: &str, bytes: Result<Vec<u8>, String>) -> Request {
     if let Some(session) = bytes.as_ref().ok().and_then(|bytes| Picture::of_file(bytes)) {
         return session.map_or_else(|error| refused(name, &error), |saved| Request::OpenSession(Box::new(saved)));
@@ -76,13 +74,11 @@ pub(crate) fn opened(name: &str, bytes: Result<Vec<u8>, String>) -> Request {
     }
 }
 
-/// The request to show why a file cannot be opened.
 fn refused(name: &str, reason: &impl ToString) -> Request {
     let reason = reason.to_string();
     Request::Report(format!("“{name}” cannot be opened: {}.", reason.trim_end_matches(['.', '\n', ' '])))
 }
 
-/// The file's name without its folder.
 pub fn file_name(path: &Path) -> String {
     path.file_name().map_or_else(|| "The file".to_owned(), |name| name.to_string_lossy().into_owned())
 }
@@ -104,7 +100,6 @@ fn text(bytes: Vec<u8>) -> Result<String, String> {
     String::from_utf8(bytes).map_err(|_| "it is not text".to_owned())
 }
 
-/// The reason why a file above [`LARGEST`] is not opened.
 pub const TOO_LARGE: &str = "it is larger than 500 MB";
 
 /// Whether a file is one of the program's own, by its name. Any other file is read as a record.

@@ -1,4 +1,4 @@
-//! The equation of a plant: printed over its picture and in the settings, and edited in a window of its own.
+//! The equation of a plant: printed over its picture and in the settings, and edited in its own window.
 
 mod editor;
 mod print;
@@ -10,17 +10,14 @@ use kalmanscope_core::equation::EquationSettings;
 pub(crate) use editor::Editor;
 pub(crate) use print::job;
 
-/// The equation that one begins with: the linear oscillator.
 const FIRST: &str = "x'' + 2 ζ ωₙ x' + ωₙ² x = f";
 
-/// The name of such a plant in lists.
 pub(crate) const NAME: &str = "equation of your own";
 
 pub(crate) fn first() -> Option<PlantKind> {
     PlantKind::of_equation(&EquationSettings::new(FIRST)).ok()
 }
 
-/// The equation of a plant in the form to type it; that of the linear oscillator if the plant's cannot be typed.
 fn typed(kind: PlantKind) -> EquationSettings {
     if let Some(own) = kind.own_equation() {
         return own.settings().clone();

@@ -14,22 +14,16 @@ use crate::layout::Layout;
 use crate::request::Export;
 use crate::view::ViewContext;
 
-/// A file to be written.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct File {
-    /// Its name, without a folder.
     pub name: String,
-    /// Its media type.
     pub kind: &'static str,
-    /// Its contents.
     pub contents: Vec<u8>,
 }
 
-/// Puts a file where the user finds it.
 pub type Deliver = Box<dyn Fn(File, Done)>;
 
 impl Export {
-    /// The files of results, in the menu's order.
     pub const DATA: [Self; 8] = [
         Self::Report,
         Self::Estimates,
@@ -41,7 +35,6 @@ impl Export {
         Self::Session,
     ];
 
-    /// Its name in the menu.
     pub(crate) fn name(self) -> String {
         match self {
             Self::Figure(format) => format!("{} (SVG)", format.name()),
@@ -56,7 +49,6 @@ impl Export {
         }
     }
 
-    /// Its contents in a sentence.
     pub(crate) fn hint(self) -> &'static str {
         match self {
             Self::Figure(_) => "The views on screen as outlines and text, for a document",
@@ -100,13 +92,11 @@ fn written(context: &ViewContext<'_>, layout: &Layout) -> Result<String, String>
     context.picture(layout).lines().map_err(reason)
 }
 
-/// The numbers of the map on screen.
 fn map(context: &ViewContext<'_>) -> Result<String, String> {
     let survey = context.laboratory.and_then(Laboratory::shown);
     Ok(survey.ok_or("there is no map yet: show the view Map")?.to_csv())
 }
 
-/// The statistics over seeds on screen.
 fn seeds(context: &ViewContext<'_>) -> Result<String, String> {
     let runs = context.laboratory.and_then(|laboratory| laboratory.seeds().shown());
     Ok(runs.ok_or("no seed has been run yet: show the view Monte Carlo")?.to_csv())

@@ -6,7 +6,6 @@ use crate::menu::{self, Closing};
 use crate::probe;
 use crate::request::{Export, FigureFormat, Request};
 
-/// Shows the menu's button, and the menu while it is open.
 pub(crate) fn menu_ui(ui: &mut Ui, narrow: bool, requests: &mut Vec<Request>) {
     let button = menu::menu_ui(ui, if narrow { "↓" } else { "Export" }, Closing::AtOnce, |ui| {
         if ui.button("Copy link").on_hover_text("To this picture: settings, views and time (C)").clicked() {

@@ -1,6 +1,6 @@
 //! Figures: the views on screen, drawn again for paper or a slide, as SVG.
 //!
-//! The views draw themselves in a context of their own, with a white ground, type of one size and thin lines. Their
+//! The views draw themselves in their own context, with a white ground, type of one size and thin lines. Their
 //! shapes become SVG, which needs neither a screen nor a graphics card.
 
 mod arrange;
@@ -19,17 +19,13 @@ use arrange::arrange;
 use canvas::Part;
 
 pub struct Figure {
-    /// Everything that is drawn, from back to front.
     parts: Vec<Part>,
     /// Width and height \[points of the canvas\].
     size: Vec2,
-    /// Points of 1/72 inch per point of the canvas.
     scale: f32,
 }
 
 impl Figure {
-    /// Draws these views in rows, each row from left to right, with a legend above them. A figure shows the contents of
-    /// the context without cursor, handles and verdicts.
     pub fn new(context: &ViewContext<'_>, rows: &[Vec<ViewKind>], format: FigureFormat) -> Self {
         arrange(context, rows, format)
     }

@@ -22,15 +22,12 @@ const SHOWN: usize = 40;
 #[derive(Default)]
 pub(crate) struct Finder {
     text: String,
-    /// The place of the chosen entry among those found.
     place: usize,
-    /// The setting that is being changed, once one is chosen.
     change: Option<Change>,
     has_begun: bool,
 }
 
 impl Finder {
-    /// Shows the window. Returns whether it stays open.
     pub(crate) fn ui(
         &mut self,
         ctx: &Context,
@@ -106,7 +103,6 @@ impl Finder {
     }
 }
 
-/// An entry: its title, and its kind at the right.
 fn entry_ui(ui: &mut Ui, entry: &Entry, is_on: bool, palette: &Palette) -> egui::Response {
     let row = ui.selectable_label(is_on, entry.title.as_str());
     let font = egui::TextStyle::Small.resolve(ui.style());
@@ -116,7 +112,6 @@ fn entry_ui(ui: &mut Ui, entry: &Entry, is_on: bool, palette: &Palette) -> egui:
     if entry.hint.is_empty() { row } else { row.on_hover_text(entry.hint.as_str()) }
 }
 
-/// A chosen setting, and the number that is typed for it.
 struct Change {
     address: Address,
     text: String,
@@ -124,7 +119,6 @@ struct Change {
 }
 
 impl Change {
-    /// Shows the present number and a field for the new one. Returns whether the finder stays open.
     fn ui(&mut self, ui: &mut Ui, scenario: &Scenario, requests: &mut Vec<Request>) -> bool {
         let Self { address, text, is_refused } = self;
         let title = entry::title(scenario, address);

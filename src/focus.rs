@@ -7,7 +7,6 @@ use crate::theme::Palette;
 /// The distance of the ring from the control, and its width \[points\].
 const RING: (f32, f32) = (3.0, 2.0);
 
-/// Draws the ring. A press of the pointer hides it until a key moves the focus again.
 pub(crate) fn ring_ui(ctx: &Context, palette: &Palette) {
     let id = Id::unique("keyboard in use");
     let moving = [Key::Tab, Key::ArrowUp, Key::ArrowDown, Key::ArrowLeft, Key::ArrowRight];

@@ -5,13 +5,11 @@ use kalmanscope_core::{Quantity, Trouble};
 use crate::session::Session;
 use crate::text::significant;
 
-/// A part of the record without readings of a sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Gap {
     pub(crate) quantity: Quantity,
     /// The times of the first and of the last missing sample \[s\].
     pub(crate) times: (f64, f64),
-    /// Whether readings come again.
     pub(crate) is_over: bool,
 }
 
@@ -35,7 +33,6 @@ impl Gap {
         gaps
     }
 
-    /// The gap in words: `no acceleration from 25.5 to 26.1 s`.
     pub(crate) fn words(&self) -> String {
         let Self { quantity, times: (from, to), is_over } = self;
         let [from, to] = [from, to].map(|time| significant((time * 1e3).round() / 1e3, 6));

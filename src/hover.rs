@@ -2,7 +2,6 @@
 
 use egui::Response;
 
-/// Shows a text while the pointer rests on a widget, which is also the widget's description.
 pub(crate) fn hover_text(response: Response, text: &dyn Fn() -> String) -> Response {
     if response.ctx.has_accesskit_node(response.id) {
         return response.on_hover_text(text());

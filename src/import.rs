@@ -33,7 +33,6 @@ const LONG_RECORD: usize = 50_000;
 pub struct Import {
     name: String,
     stage: Stage,
-    /// Does long work beside the frames.
     team: Rc<dyn Team>,
     is_still: bool,
 }
@@ -42,11 +41,9 @@ enum Stage {
     Reading(Running<Reading>),
     Asking(Box<Draft>),
     Suggesting(Box<Draft>, Box<Running<Suggest>>),
-    /// It cannot be read.
     Failed(String),
 }
 
-/// The reading of a file, with the reason in words if it cannot be read.
 struct Reading(Loading);
 
 impl Task for Reading {
@@ -69,7 +66,6 @@ pub struct Opened {
     pub file: Arc<RecordFile>,
     pub scenario: Scenario,
     pub reasons: Vec<String>,
-    /// Why no start values were found, if they were looked for in vain.
     pub problem: Option<String>,
 }
 
@@ -81,7 +77,6 @@ impl Import {
         Self::at(name.to_owned(), stage, team)
     }
 
-    /// The import of a file that has been read, with the present choices of a scenario.
     pub fn again(file: &Arc<RecordFile>, scenario: &Scenario, team: Rc<dyn Team>) -> Self {
         let draft = Draft::of_scenario(Arc::clone(file), scenario);
         Self::at(file.name.clone(), Stage::Asking(Box::new(draft)), team)
@@ -91,7 +86,7 @@ impl Import {
         Self { name, stage, team, is_still: false }
     }
 
-    /// Goes on until `while_time` returns false. Returns the outcome once there is one.
+    /// Continues until `while_time` returns false. Returns the outcome once there is one.
     pub fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> Option<Opened> {
         let stage = std::mem::replace(&mut self.stage, Stage::Failed(String::new()));
         self.stage = match stage {
@@ -131,7 +126,6 @@ impl Import {
         None
     }
 
-    /// The share of the present work that is done, from 0 to 1.
     pub(crate) fn progress(&self) -> Option<f64> {
         match &self.stage {
             Stage::Reading(reading) => Some(*reading.seen()),
@@ -144,7 +138,6 @@ impl Import {
         self.is_still = is_still;
     }
 
-    /// Asks for the next frame, if something is computed.
     pub(crate) fn ask_for_frame(&self, ctx: &Context) {
         let (is_busy, is_beside) = match &self.stage {
             Stage::Reading(reading) => (true, reading.is_beside()),
@@ -159,7 +152,6 @@ impl Import {
         }
     }
 
-    /// The file once it has been read.
     pub fn file(&self) -> Option<&Arc<RecordFile>> {
         match &self.stage {
             Stage::Asking(draft) | Stage::Suggesting(draft, _) => Some(draft.file()),
@@ -167,7 +159,6 @@ impl Import {
         }
     }
 
-    /// Takes the choices: makes start values, or opens the record at once.
     fn accept(&mut self, record: Record, scenario: Scenario) -> Option<Opened> {
         let Stage::Asking(draft) = std::mem::replace(&mut self.stage, Stage::Failed(String::new())) else {
             return None;
@@ -183,7 +174,6 @@ impl Import {
     }
 }
 
-/// A task of an import, which a worker of a page may have begun: beside the frames if it is long.
 fn running<T: Task<Outcome: Send> + Send + 'static>(
     team: &dyn Team,
     worker: Option<Handle<Report<f64, T::Outcome>>>,

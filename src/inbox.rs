@@ -7,34 +7,26 @@ use egui::Context;
 /// Asks the user for a file. It returns at once; the file arrives later, if the user chooses one.
 pub type Choose = Box<dyn FnMut(&Context, &Inbox)>;
 
-/// Takes the end of an action: the place of what was written, in words, or the reason why it was not.
+/// Takes the end of an action: the place of the written file, in words, or the reason of the failure.
 pub type Done = Arc<dyn Fn(Result<String, String>) + Send + Sync>;
 
-/// Something that arrives.
 #[derive(Debug)]
 pub enum Arrival {
-    /// A file's name, and its contents or the reason why it cannot be read.
     File(String, Result<Vec<u8>, String>),
-    /// A record's file that was kept at an earlier start: its name and its contents.
     Kept(String, Vec<u8>),
-    /// A sentence about something that is done.
     Done(String),
-    /// A sentence about a failure.
     Failure(String),
 }
 
-/// The place where files arrive; copies share it, also between threads.
 #[derive(Clone, Default)]
 pub struct Inbox(Arc<Mutex<Vec<Arrival>>>);
 
 impl Inbox {
-    /// Adds an arrival, and asks for a frame that opens it.
     pub fn put(&self, arrival: Arrival, ctx: &Context) {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).push(arrival);
         ctx.request_repaint();
     }
 
-    /// Whether there is another copy, whose owner may still put something.
     pub fn is_shared(&self) -> bool {
         Arc::strong_count(&self.0) > 1
     }

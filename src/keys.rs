@@ -15,7 +15,6 @@ use crate::session::{Mode, Session};
 pub(crate) use list::window_ui;
 
 struct Shortcut {
-    /// The label on the keyboard.
     name: &'static str,
     what: &'static str,
     keys: &'static [Key],
@@ -23,7 +22,6 @@ struct Shortcut {
     request: fn(&Session) -> Request,
 }
 
-/// A key that is pressed alone, or with the modifiers that its character needs.
 const fn plain(
     name: &'static str,
     what: &'static str,
@@ -33,7 +31,6 @@ const fn plain(
     Shortcut { name, what, keys, modifiers: Modifiers::NONE, request }
 }
 
-/// All keys, by purpose. If one shortcut includes another, it comes first.
 const GROUPS: &[(&str, &[Shortcut])] = &[
     (
         "Playback",
@@ -112,10 +109,8 @@ const GROUPS: &[(&str, &[Shortcut])] = &[
     ),
 ];
 
-/// The keys that show and hide the filters, in their order.
 const DIGITS: [Key; 6] = [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6];
 
-/// Gestures, which plots and numbers handle themselves, by their places.
 const GESTURES: &[(&str, &[(&str, &str)])] = &[
     (
         "In a plot",
@@ -131,13 +126,11 @@ const GESTURES: &[(&str, &[(&str, &str)])] = &[
     ("On a number", &[("Double click", "back to what it was"), ("Alt and wheel", "turn it")]),
 ];
 
-/// All commands that have a key: what each does, the key's label, and its request.
 pub(crate) fn commands(session: &Session) -> impl Iterator<Item = (&'static str, &'static str, Request)> {
     let all = GROUPS.iter().flat_map(|(_, shortcuts)| *shortcuts);
     all.map(|shortcut| (shortcut.what, shortcut.name, (shortcut.request)(session)))
 }
 
-/// Pushes the requests of the pressed keys, except while the user types text.
 pub(crate) fn keys(ctx: &egui::Context, session: &Session, requests: &mut Vec<Request>) {
     if ctx.text_edit_focused() {
         return;

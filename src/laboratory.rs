@@ -38,7 +38,6 @@ pub use tuning::{TuneChoice, TuneResult, Tuning};
 use crate::session::Session;
 use crate::team::{Finding, Frames, Team};
 
-/// The values on each axis of a map for a small screen.
 const FEW: usize = 32;
 
 pub struct Laboratory {
@@ -46,13 +45,11 @@ pub struct Laboratory {
     /// The user's choice. `None` until a map is on screen.
     choice: Option<Choice>,
     survey: Option<Survey>,
-    /// The earlier survey, until the present one covers the map.
     before: Option<Survey>,
     seeds: Seeds,
     tuning: Tuning,
     posteriors: Posteriors,
     state: WorkState,
-    /// Counts the surveys that have been shown.
     edition: u64,
 }
 
@@ -77,7 +74,6 @@ impl Laboratory {
         self.team = team;
     }
 
-    /// The axes, score and filters. `None` until a map has been on screen.
     pub fn choice(&self) -> Option<&Choice> {
         self.choice.as_ref()
     }
@@ -96,7 +92,6 @@ impl Laboratory {
         self.before.is_some()
     }
 
-    /// The share of the present map that is known, from 0 to 1. `None` if the map is complete or there is none.
     pub fn progress(&self) -> Option<f64> {
         let sheet = self.survey.as_ref()?.sheet();
         (!sheet.is_complete()).then(|| sheet.done() as f64 / sheet.len() as f64)
@@ -122,7 +117,7 @@ impl Laboratory {
         self.edition
     }
 
-    /// Stops the work, or goes on with it. Returns whether that changes anything.
+    /// Stops or continues the work. Returns whether that changes anything.
     pub fn set_stopped(&mut self, stopped: bool) -> bool {
         let changes = self.state.set_stopped(stopped, self.progress().is_some());
         if changes {
@@ -131,8 +126,6 @@ impl Laboratory {
         changes
     }
 
-    /// Follows the session while a view of the laboratory is on screen, and rests otherwise. A new map is coarse on a
-    /// small screen.
     pub fn follow(&mut self, session: &Session, is_in_sight: bool, is_small: bool, ctx: &Context) {
         if !is_in_sight {
             return self.rest();
@@ -165,7 +158,6 @@ impl Laboratory {
         &self.seeds
     }
 
-    /// The runs with many seeds, mutable.
     pub fn seeds_mut(&mut self) -> &mut Seeds {
         &mut self.seeds
     }
@@ -196,20 +188,17 @@ impl Laboratory {
         &mut self.posteriors
     }
 
-    /// Begins to tune, from the best cell of the map if the map varies settings of the tuning.
     pub fn tune(&mut self, session: &Session) {
         let Self { team, survey, tuning, .. } = self;
         tuning.begin(&**team, session.run(), session.is_measured(), survey.as_ref());
     }
 
-    /// Goes on with the tuning while its view is on screen.
     pub fn follow_tuning(&mut self, session: &Session, is_in_sight: bool, ctx: &Context) {
         if is_in_sight {
             self.tuning.follow(session.run().scenario(), session.budget(), ctx);
         }
     }
 
-    /// Follows the session with the posterior while its view is on screen.
     pub fn follow_posterior(&mut self, session: &Session, is_in_sight: bool, ctx: &Context) {
         if is_in_sight {
             self.posteriors.follow(&*self.team, session, session.budget(), ctx);

@@ -27,7 +27,6 @@ impl Layout {
         Self { tree: tree(rows(arrangement)), enlarged: None }
     }
 
-    /// Views one below the other, the first with the most space; a plane is beside the view before it.
     pub fn column(views: &[ViewKind]) -> Self {
         let proportions = |kind: &ViewKind| kind.proportions();
         let share = |i: usize, row: &[ViewKind]| match row {
@@ -54,7 +53,6 @@ impl Layout {
         shown(&self.tree)
     }
 
-    /// The views that are shown, from top to bottom and left to right.
     pub(crate) fn in_order(&self) -> Vec<ViewKind> {
         self.tree.root().map_or_else(Vec::new, |root| self.panes(root))
     }
@@ -100,7 +98,6 @@ impl Layout {
         &self.tree
     }
 
-    /// The enlarged view, if any.
     pub(crate) fn enlarged(&self) -> Option<ViewKind> {
         self.enlarged
     }
@@ -112,7 +109,6 @@ impl Layout {
         }
     }
 
-    /// Enlarges one view, or shows all of them again.
     pub(crate) fn toggle_enlarged(&mut self, view: ViewKind) {
         self.enlarged = if self.enlarged.is_some() { None } else { Some(view) };
     }
@@ -121,7 +117,6 @@ impl Layout {
         self.enlarged = Some(view);
     }
 
-    /// Shows a view; leaves another that is enlarged.
     pub(crate) fn show(&mut self, view: ViewKind) {
         if !self.shown().contains(&view) {
             self.toggle(view);
@@ -133,7 +128,6 @@ impl Layout {
         self.enlarged.map_or_else(|| self.shown(), |view| vec![view])
     }
 
-    /// Enlarges the next view, or the one before; after the last come all of them.
     pub fn turn(&mut self, forward: bool) {
         let views = self.in_order();
         let place = self.enlarged.and_then(|view| views.iter().position(|other| *other == view));
@@ -182,7 +176,6 @@ impl Layout {
     }
 }
 
-/// Rows of views, each with its share of the height.
 type Rows<'a> = &'a [(f32, &'a [ViewKind])];
 
 const fn rows(arrangement: Arrangement) -> Rows<'static> {
@@ -249,7 +242,6 @@ fn fit(tiles: &mut Tiles<ViewKind>, tile: TileId, height: f32, gap: f32, least: 
     }
 }
 
-/// A height divided by shares, but each part at least as large as its least one.
 fn shared(height: f32, shares: &[f32], leasts: &[f32]) -> Vec<f32> {
     let mut is_least = vec![false; shares.len()];
     loop {

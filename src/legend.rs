@@ -25,7 +25,7 @@ pub(crate) enum Mark {
 pub(crate) enum Extent {
     /// As many rows as it needs.
     Full,
-    /// One row, which scrolls to the side. What is being changed comes first.
+    /// One row, which scrolls to the side. The entries under change come first.
     OneRow,
 }
 
@@ -39,7 +39,6 @@ pub(crate) struct Legend<'a> {
 }
 
 impl Legend<'_> {
-    /// Shows all entries, and below them the run's problems. New users may be invited to the first lesson.
     pub(crate) fn ui(&self, ui: &mut Ui, extent: Extent, inviting: bool, requests: &mut Vec<Request>) {
         match extent {
             Extent::OneRow => {
@@ -112,7 +111,6 @@ impl Legend<'_> {
         }
     }
 
-    /// Smoothed estimates, bands and verdicts, shown or not.
     fn switches_ui(&self, ui: &mut Ui, requests: &mut Vec<Request>) {
         let Self { session, visible, palette } = self;
         if session.scenario().filters.iter().any(|filter| filter.smoother) {
@@ -123,7 +121,6 @@ impl Legend<'_> {
         entry_ui(ui, LegendEntry::Verdicts, "verdicts", (Mark::Chip, palette.weak, visible.verdicts), requests);
     }
 
-    /// The chip of the earlier picture, in the rest of a row.
     fn before_ui(&self, ui: &mut Ui, text: &str, requests: &mut Vec<Request>) {
         let left = ui.available_size_before_wrap().x;
         let room = if left < CHIP { ui.max_rect().width() } else { left };
@@ -162,7 +159,6 @@ impl Legend<'_> {
     }
 }
 
-/// The words of the earlier picture, without the name of the filter beside them.
 fn short(before: &Before, changed: &[(usize, &Estimates)]) -> String {
     let words = match changed {
         [(_, only)] => before.words().replace(&format!("{} ", only.name()), ""),

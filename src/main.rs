@@ -41,7 +41,6 @@ mod web {
     use motion::Motion;
     use tables::Tables;
 
-    /// The sensors of this page.
     fn sensors(ctx: &egui::Context) -> Sensors {
         Sensors {
             accelerometer: Motion::of_page(ctx).map(|motion| Rc::new(motion) as Rc<_>),
@@ -62,16 +61,13 @@ mod web {
         static RUNNER: RefCell<Option<(eframe::WebRunner, egui::Context)>> = const { RefCell::new(None) };
     }
 
-    /// The app, accessible from JavaScript, and its tables in the page.
     struct Page {
         app: kalmanscope::App,
         tables: Option<Tables>,
-        /// The fragment of the page's address.
         fragment: String,
     }
 
     impl Page {
-        /// Reads the files that were dropped in this frame.
         fn read_dropped_files(&mut self, ctx: &egui::Context) {
             let dropped = ctx.input_mut(|input| std::mem::take(&mut input.raw.dropped_files));
             for file in dropped.iter().filter_map(|file| file.web_file()) {

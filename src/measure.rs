@@ -31,57 +31,49 @@ const CURVE: f32 = 120.0;
 /// A sensor is still silent after this time \[s\].
 const PATIENCE: f64 = 3.0;
 
-/// What is measured is looked at so often at least.
 const AT_LEAST: Duration = Duration::from_millis(100);
 
 /// The size of the estimates \[points\].
 const LARGE: f32 = 26.0;
 
 trait Instrument {
-    /// Its name for the choice among several.
     fn name(&self) -> &'static str;
 
-    /// The words of the button that begins.
     fn beginning(&self) -> &'static str;
 
     fn ending(&self) -> &'static str {
         "Stop and identify"
     }
 
-    /// What to do, in sentences.
     fn directions(&self) -> &'static [&'static str];
 
-    /// Forgets what was measured, and begins.
     fn begin(&mut self, ctx: &Context);
 
     fn end(&self);
 
-    /// Why the sensor tells nothing.
+    /// The reason why the sensor has no readings.
     fn refusal(&self) -> Option<String>;
 
     fn follow(&mut self) {}
 
-    /// The scenario and the growing record of what is measured, if filters can be watched on it.
     fn watched(&self) -> Option<(&Scenario, &Arc<Record>)> {
         None
     }
 
     fn few_ui(&mut self, _: &mut Ui, _: &Palette) {}
 
-    /// Shows what has come in, `since` seconds after the beginning.
+    /// Shows the readings so far, `since` seconds after the beginning.
     fn running_ui(&mut self, ui: &mut Ui, since: f64, palette: &Palette);
 
-    /// The file of what was measured, to be imported, or the reason why nothing can be identified. `None` if the record that is
+    /// The file of the measurement, to be imported, or the reason why nothing can be identified. `None` if the record that is
     /// watched is all there is.
     fn file(&self) -> Option<Result<RawFile, String>>;
 }
 
 pub(crate) struct Measure {
     instruments: Vec<Box<dyn Instrument>>,
-    /// The place of the instrument that the user has chosen.
     chosen: usize,
     stage: Stage,
-    /// Whether the explorer shows the record in place of the window.
     is_watched: bool,
     shown: Option<Scenario>,
 }
@@ -95,12 +87,10 @@ enum Stage {
     Ready,
     /// It measures since this time of the screen \[s\].
     Running(f64),
-    /// It has ended with nothing to identify, for this reason.
     Failed(String),
 }
 
 impl Measure {
-    /// A measurement with one of some sensors. `None` if there are none.
     pub(crate) fn new(sensors: &Sensors) -> Option<Self> {
         let Sensors { accelerometer, microphone, stream } = sensors.clone();
         let swing = accelerometer.map(|device| Box::new(Swing::new(device)) as Box<dyn Instrument>);
@@ -116,14 +106,12 @@ impl Measure {
         })
     }
 
-    /// Begins with the first instrument, whose record is watched as soon as there is one.
     pub(crate) fn begin_watched(&mut self, ctx: &Context) {
         self.instruments[self.chosen].begin(ctx);
         self.stage = Stage::Running(ctx.input(|input| input.time));
         self.is_watched = true;
     }
 
-    /// Takes in what has come. Returns what is new in the record, if it is watched.
     pub(crate) fn follow(&mut self) -> Option<News> {
         let Self { instruments, chosen, stage, is_watched, shown } = self;
         if !matches!(stage, Stage::Running(_)) {
@@ -139,12 +127,11 @@ impl Measure {
         Some(News::Another(Box::new(scenario.clone()), Arc::clone(record)))
     }
 
-    /// Whether the explorer shows the record, and [`Self::strip_ui`] what is measured.
     pub(crate) fn is_watched(&self) -> bool {
         self.is_watched && matches!(self.stage, Stage::Running(_))
     }
 
-    /// Shows what is measured above the views. Returns whether it goes on.
+    /// Shows the measurement above the views. Returns whether it continues.
     pub(crate) fn strip_ui(&mut self, ui: &mut Ui, palette: &Palette, requests: &mut Vec<Request>) -> bool {
         let instrument = &mut self.instruments[self.chosen];
         if let Some(refusal) = instrument.refusal() {
@@ -161,7 +148,6 @@ impl Measure {
         !stop || self.stop(requests)
     }
 
-    /// Ends the measurement and imports it. Returns whether there is something to say about it.
     fn stop(&mut self, requests: &mut Vec<Request>) -> bool {
         let instrument = &self.instruments[self.chosen];
         match instrument.file() {
@@ -187,7 +173,6 @@ impl Measure {
         self.is_watched = false;
     }
 
-    /// Shows the window. Returns whether it stays open.
     pub(crate) fn ui(&mut self, ctx: &Context, palette: &Palette, requests: &mut Vec<Request>) -> bool {
         let width = (ctx.content_rect().width() - 48.0).clamp(1.0, WIDTH);
         let window = Window::new("Measure with this device").collapsible(false).resizable(false);
@@ -259,7 +244,7 @@ impl Measure {
     }
 }
 
-/// Says that no reading has come yet, and after a while what may be the reason.
+/// Reports that no reading has come yet, and after a while a possible reason.
 fn waiting_ui(ui: &mut Ui, since: f64, text: &str, hint: &str) {
     if since < PATIENCE {
         ui.label(text);
@@ -272,7 +257,6 @@ fn large_ui(ui: &mut Ui, text: String, palette: &Palette) {
     ui.add(Label::new(RichText::new(text).size(LARGE).color(palette.text)).extend());
 }
 
-/// Two buttons in a row of their own; says which is clicked.
 fn buttons_ui(ui: &mut Ui, first: &str, second: &str) -> [bool; 2] {
     ui.add_space(6.0);
     ui.horizontal(|ui| two_buttons_ui(ui, first, second)).inner

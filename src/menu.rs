@@ -31,7 +31,6 @@ pub(crate) enum Closing {
     Beside,
 }
 
-/// Shows a menu's button, and the menu while it is open. Returns the button.
 pub(crate) fn menu_ui(
     ui: &mut Ui,
     text: impl Into<egui::WidgetText>,
@@ -58,7 +57,6 @@ pub(crate) fn menu_ui(
     button
 }
 
-/// An entry of a menu: a picture, if there is one, and beside it a title with its sentence.
 pub(crate) fn entry_ui(ui: &mut Ui, title: &str, sentence: &str, picture: Option<Arc<Picture>>) -> Response {
     ui.set_min_width(ENTRY.min(ui.available_width()));
     let [body, small] = [TextStyle::Body, TextStyle::Small].map(|style| style.resolve(ui.style()));

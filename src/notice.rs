@@ -14,33 +14,27 @@ const APART: f32 = 12.0;
 /// Limits the width of a message \[points\].
 const WIDEST: f32 = 560.0;
 
-/// A message.
 pub(crate) struct Notice {
     pub(crate) sentence: String,
     is_failure: bool,
-    /// Whether it is about work that makes no progress, which a button stops.
     is_of_standstill: bool,
     /// The time of the first frame with the message, if there has been one \[s\].
     since: Option<f64>,
 }
 
 impl Notice {
-    /// A message about something that has been done.
     pub(crate) fn done(sentence: &str) -> Self {
         Self { sentence: sentence.to_owned(), is_failure: false, is_of_standstill: false, since: None }
     }
 
-    /// A message about work that makes no progress.
     pub(crate) fn of_standstill(sentence: String) -> Self {
         Self { is_of_standstill: true, ..Self::from(sentence) }
     }
 
-    /// Whether it is about work that makes no progress.
     pub(crate) fn is_of_standstill(&self) -> bool {
         self.is_of_standstill
     }
 
-    /// Whether the message is about a failure.
     pub(crate) fn is_failure(&self) -> bool {
         self.is_failure
     }
@@ -59,7 +53,6 @@ impl Notice {
     }
 }
 
-/// A sentence about a failure.
 impl From<String> for Notice {
     fn from(sentence: String) -> Self {
         Self { sentence, is_failure: true, is_of_standstill: false, since: None }

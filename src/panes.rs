@@ -106,7 +106,6 @@ fn least_height(kind: ViewKind, bar: f32, context: &ViewContext<'_>) -> f32 {
     }
 }
 
-/// Offers the ready-made arrangements where no view is shown.
 fn empty_ui(ui: &mut Ui, requests: &mut Vec<Request>) {
     ui.vertical_centered(|ui| {
         ui.add_space(0.3 * ui.available_height());
@@ -139,18 +138,15 @@ pub(crate) fn help_ui(ui: &mut Ui, view: &dyn View) {
     help.ctx.accesskit_node_builder(help.id, |node| node.set_label(format!("About {}", view.name())));
 }
 
-/// Shows each view under its bar.
 struct Panes<'a> {
     context: &'a ViewContext<'a>,
     requests: &'a mut Vec<Request>,
     pointed: Option<f64>,
     draggable: bool,
-    /// The room for all views: tiles do not clip.
     clip: Rect,
 }
 
 impl Panes<'_> {
-    /// Shows views in one column, which scrolls where they would be too low.
     fn show_column(&mut self, ui: &mut Ui, kinds: &[ViewKind], above: impl FnOnce(&mut Ui, &mut Vec<Request>)) {
         let gap = ui.spacing().item_spacing.y;
         let column = Column::new(kinds, ui.available_size(), bar_height(ui) + gap, gap);
@@ -165,7 +161,6 @@ impl Panes<'_> {
         });
     }
 
-    /// Shows views over all the room, one below the other.
     fn show_plots(&mut self, ui: &mut Ui, kinds: &[ViewKind]) {
         let is_picture = |kind: &&ViewKind| kind.proportions() == Proportions::Flat;
         let (pictures, plots): (Vec<&ViewKind>, Vec<&ViewKind>) = kinds.iter().partition(is_picture);
@@ -246,7 +241,6 @@ impl Behavior<ViewKind> for Panes<'_> {
         self.context.palette.ground
     }
 
-    /// The gap between views shows the ground, and is highlighted only while it is dragged.
     fn resize_stroke(&self, style: &egui::Style, state: ResizeState) -> Stroke {
         match state {
             ResizeState::Idle => Stroke::NONE,

@@ -13,7 +13,6 @@ use crate::visibility::Visibility;
 use decay::{Decay, NoDecay};
 pub(crate) use table::table_ui;
 
-/// The first mass's displacement: the truth, or else the first filter's estimate.
 fn displacement(session: &Session) -> &[f64] {
     let channel = Channel::displacement(0);
     let run = session.run();
@@ -21,7 +20,6 @@ fn displacement(session: &Session) -> &[f64] {
     run.record().truth(channel).or_else(of_filter).unwrap_or_default()
 }
 
-/// The numbers between A and B; without B, between A and playback.
 pub(crate) struct Reading {
     /// \[s\]
     pub(crate) times: [f64; 2],
@@ -38,7 +36,6 @@ pub(crate) struct Row {
 }
 
 impl Reading {
-    /// The values on screen at both marks. `None` without A.
     pub(crate) fn of(ruler: &Ruler, session: &Session, visible: &Visibility, palette: &Palette) -> Option<Self> {
         let b = ruler.time(End::B);
         let times = [ruler.time(End::A)?, b.unwrap_or_else(|| session.time())];

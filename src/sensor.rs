@@ -7,15 +7,12 @@ use egui::Context;
 use kalmanscope_core::Scenario;
 use kalmanscope_sources::StreamRow;
 
-/// A sensor of a device, with readings of some kind.
 pub trait Sensor<T> {
-    /// Begins to tell readings. They come later, or the reason why there are none.
+    /// Begins to measure. Readings come later, or the reason why there are none.
     fn begin(&self, ctx: &Context, to: &Readings<T>);
 
-    /// Stops.
     fn end(&self);
 
-    /// A sentence for a user who waits in vain.
     fn hint(&self) -> String;
 }
 
@@ -27,20 +24,20 @@ pub trait Reading: Clone {
 pub type Acceleration = [f64; 4];
 
 impl Reading for Acceleration {
-    /// Ten minutes of 200 a second.
+    /// Limits the readings to ten minutes at 200 per second.
     const MOST: usize = 120_000;
 }
 
-/// A sample of a sound, as a share of the loudest one that the microphone can tell.
+/// A sample of a sound, as a share of the microphone's loudest one.
 pub type Sound = f32;
 
 impl Reading for Sound {
-    /// One minute of 48,000 a second.
+    /// Limits the samples to one minute at 48,000 per second.
     const MOST: usize = 2_880_000;
 }
 
 impl Reading for StreamRow {
-    /// Those that have not been taken out yet.
+    /// Limits the readings that wait in the buffer.
     const MOST: usize = 1_000_000;
 }
 
@@ -48,7 +45,6 @@ impl Reading for StreamRow {
 pub struct Sensors {
     pub accelerometer: Option<Rc<dyn Sensor<Acceleration>>>,
     pub microphone: Option<Rc<dyn Sensor<Sound>>>,
-    /// The sensors of a scenario, with the scenario.
     pub stream: Option<(Rc<dyn Sensor<StreamRow>>, Rc<Scenario>)>,
 }
 
@@ -64,12 +60,9 @@ pub struct Readings<T>(Arc<Mutex<ReadingBuffer<T>>>);
 
 pub(crate) struct ReadingBuffer<T> {
     pub(crate) readings: Vec<T>,
-    /// How many have come, those that were taken out among them.
     count: usize,
     pub(crate) has_ended: bool,
-    /// How many readings come in a second, if the sensor says so.
     pub(crate) rate: Option<f64>,
-    /// Why there are none, or no more.
     pub(crate) refusal: Option<String>,
 }
 
@@ -92,7 +85,6 @@ impl<T> Clone for Readings<T> {
 }
 
 impl<T: Reading> Readings<T> {
-    /// Takes in readings. Returns false if there are enough.
     pub fn put(&self, readings: &[T], ctx: &Context) -> bool {
         let mut told = self.told();
         let room = T::MOST - told.readings.len();
@@ -103,7 +95,6 @@ impl<T: Reading> Readings<T> {
         readings.len() <= room
     }
 
-    /// Says how many readings come in a second.
     pub fn set_rate(&self, rate: f64) {
         self.told().rate = Some(rate);
     }
@@ -117,7 +108,6 @@ impl<T: Reading> Readings<T> {
         ctx.request_repaint();
     }
 
-    /// Why there are none, or no more.
     pub fn refusal(&self) -> Option<String> {
         self.told().refusal.clone()
     }

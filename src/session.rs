@@ -42,10 +42,9 @@ pub use trying::Attempt;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Mode {
-    /// The record grows as time goes on.
+    /// The record grows with time.
     #[default]
     Live,
-    /// All of it, at once.
     Whole,
 }
 
@@ -61,11 +60,9 @@ pub struct Session {
     scenario: Scenario,
     study: Study,
     job: Option<Job>,
-    /// Does long work of it, and of other views.
     team: Rc<dyn Team>,
     long: LongFilters,
     slices: usize,
-    /// Whether the scenario has been edited since the job began.
     waiting: bool,
     /// Whether the run has reached playback's time, and its analysis is complete.
     complete: bool,
@@ -94,10 +91,8 @@ pub struct Session {
 }
 
 impl Session {
-    /// Simulated seconds per second that playback can have.
     pub const SPEEDS: [f64; 7] = [0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0];
 
-    /// The speed at first: brisk enough to see a change half-way through a minute without waiting for it.
     pub const DEFAULT_SPEED: f64 = 2.0;
 
     /// Live mode keeps at most this many samples; then it forgets the first three quarters of them.
@@ -164,7 +159,6 @@ impl Session {
         Ok(session)
     }
 
-    /// Sets how much is computed at once from now on.
     pub fn set_budget(&mut self, budget: Budget) {
         self.budget = budget;
     }
@@ -178,7 +172,6 @@ impl Session {
         &self.scenario
     }
 
-    /// The run on screen, without forgotten samples.
     pub fn run(&self) -> &Run {
         self.study.run()
     }
@@ -189,17 +182,14 @@ impl Session {
         self.generation
     }
 
-    /// A number that changes with everything on screen that is not the run.
     pub fn drawn(&self) -> u64 {
         self.drawn
     }
 
-    /// The diagnostics of the estimates that are kept, one a filter, if they are wanted.
     pub fn diagnostics(&self) -> &[Diagnostics] {
         self.study.analysis().diagnostics()
     }
 
-    /// The evidence of each filter over time, if it is wanted.
     pub fn evidence(&self) -> &[Evidence] {
         self.study.analysis().evidence()
     }
@@ -209,7 +199,6 @@ impl Session {
         self.study.analysis().bounds()
     }
 
-    /// Sets the results to compute in addition to the estimates.
     pub fn want(&mut self, wanted: Wanted) {
         let before = std::mem::replace(&mut self.wanted, wanted);
         if wanted == before {
@@ -224,7 +213,7 @@ impl Session {
         self.compute();
     }
 
-    /// Where a run goes on, only smoothers with a fixed look-ahead go along.
+    /// A run that continues has only smoothers with a fixed look-ahead.
     fn want_of_study(&mut self) {
         let smoothed = if self.mode() == Mode::Whole { Hindsight::All } else { Hindsight::Lagged };
         self.study.want(Wanted { smoothed, ..self.wanted });
@@ -246,7 +235,6 @@ impl Session {
         if self.can_be_whole { self.wanted_mode } else { Mode::Live }
     }
 
-    /// Whether the record is short enough to be shown as a whole.
     pub fn can_be_whole(&self) -> bool {
         self.can_be_whole
     }
@@ -292,7 +280,6 @@ impl Session {
         Ok(())
     }
 
-    /// Keeps the reasons of start values that were made from a record, and why some were not found.
     pub fn explain(&mut self, reasons: Vec<String>, problem: Option<String>) {
         self.library.set_reasons(reasons, problem);
     }

@@ -17,28 +17,21 @@ use thiserror::Error;
 pub use outline::Outline;
 pub use picture::{Habits, Picture, PictureError};
 
-/// The beginning of a fragment with a link.
 pub const MARK: &str = "#link=";
 
-/// The format.
 const VERSION: u32 = 1;
 
 /// Limits the characters of a link after [`MARK`].
 pub const LONGEST: usize = 16_384;
 
-/// The reason why a link cannot be read or made.
 #[derive(Debug, Error)]
 pub enum LinkError {
-    /// The text is longer than [`LONGEST`].
     #[error("it has {0} characters, and a link has at most {LONGEST}")]
     TooLong(usize),
-    /// The version is not known.
     #[error("it is of version {0}, and this program reads links of version {VERSION}")]
     Version(u32),
-    /// The text was not written by a program, or is damaged.
     #[error("it is damaged: a part of it is missing or changed")]
     Damaged,
-    /// The picture is not valid.
     #[error(transparent)]
     Picture(#[from] PictureError),
 }
@@ -67,7 +60,6 @@ impl Picture {
     }
 }
 
-/// A text as the part of a link after [`MARK`].
 fn packed(text: &str) -> String {
     format!("{VERSION}.{}", URL_SAFE_NO_PAD.encode(packed::pack(text)))
 }

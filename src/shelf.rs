@@ -9,19 +9,15 @@ use crate::inbox::{Done, Inbox};
 /// Limits the size of a file that is kept \[bytes\].
 pub const LARGEST: usize = 64_000_000;
 
-/// A place for one file, which outlasts the program.
 pub trait Shelf {
     /// Keeps a file in place of the one before it, which goes once the new one is written.
     fn keep(&self, name: &str, bytes: Rc<[u8]>, done: Done);
 
-    /// Puts the kept file into the inbox, if there is one, or the reason why it cannot be read.
     fn fetch(&self, ctx: &Context, inbox: &Inbox);
 
-    /// Forgets the kept file.
     fn forget(&self, done: Done);
 }
 
-/// A file that becomes the record on screen, if the user opens it.
 pub(crate) struct Candidate {
     pub(crate) name: String,
     pub(crate) bytes: Rc<[u8]>,
@@ -33,7 +29,6 @@ impl Candidate {
         (bytes.len() <= LARGEST).then(|| Self { name: name.to_owned(), bytes: bytes.into() })
     }
 
-    /// The size in words.
     pub(crate) fn size(&self) -> String {
         match self.bytes.len() {
             small if small < 100_000 => format!("{} kB", small.div_ceil(1000)),

@@ -2,7 +2,6 @@
 
 use egui::{Color32, Mesh, Painter, Rect, Response, Sense, Ui, Vec2};
 
-/// The columns of pixels.
 const WIDTH: usize = 120;
 const HEIGHT: f32 = 30.0;
 
@@ -21,7 +20,6 @@ impl Spark {
         Self::between(range(values), values)
     }
 
-    /// The shape of some values in a picture from one value to another; what is outside touches its border.
     pub(crate) fn between((low, high): (f64, f64), values: &[f64]) -> Self {
         let span = if high > low { high - low } else { 1.0 };
         let chunk = values.len().div_ceil(WIDTH).max(1);
@@ -67,15 +65,12 @@ impl Spark {
     }
 }
 
-/// A small picture of a course over time.
 pub(crate) struct Picture {
     pub(crate) course: Spark,
-    /// The truth, if that is another one.
     pub(crate) truth: Option<Spark>,
 }
 
 impl Picture {
-    /// Draws it into a rectangle, the truth in a faint colour below the course.
     pub(crate) fn paint(&self, painter: &Painter, rect: Rect, [color, faint]: [Color32; 2]) {
         self.truth.iter().for_each(|truth| truth.paint(painter, rect, faint));
         self.course.paint(painter, rect, color);

@@ -19,13 +19,12 @@ const SPACE: f32 = 4.0;
 /// Limits the width of a line \[points\].
 const WIDEST: f32 = 1000.0;
 
-/// The usual number of letters of a story: for all, and for each filter that it tells of.
+/// The usual number of letters of a story: for all, and for each of its filters.
 const LETTERS: [f32; 2] = [180.0, 85.0];
 
 /// The usual width of a letter, and the height of a line \[points\].
 const LETTER: [f32; 2] = [7.0, 21.0];
 
-/// The number of points that a number is dragged from one end of its range to the other.
 const WAY: f64 = 400.0;
 
 pub(crate) fn story_of(session: &Session) -> Story {
@@ -47,7 +46,6 @@ pub(crate) fn story_of(session: &Session) -> Story {
     story.compared(before.words(), &filters)
 }
 
-/// Shows the story of the run on screen. One that is `steady` has the room of a usual story from the beginning.
 pub(crate) fn story_ui(
     ui: &mut Ui,
     (story, session): (&Story, &Session),
@@ -142,7 +140,6 @@ fn phrase_ui(ui: &mut Ui, session: &Session, phrase: &Phrase, palette: &Palette,
     }
 }
 
-/// A number that is dragged or typed. Returns the new value of its setting.
 fn number_ui(ui: &mut Ui, setting: &Adjustable, name: &str, palette: &Palette) -> Option<f64> {
     let mut shown = setting.shown;
     let (low, high) = setting.range;

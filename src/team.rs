@@ -1,5 +1,5 @@
-//! A team does tasks beside the frames: the threads of the desktop, or the workers of a page. What it cannot do, the frames
-//! do.
+//! A team does tasks beside the frames: the threads of the desktop, or the workers of a page. The frames do
+//! the rest.
 
 mod cells;
 mod frames;
@@ -22,14 +22,11 @@ pub use kalmanscope_lab::{Lost, Priority, Report};
 pub use relay::Relay;
 pub use running::Running;
 
-/// The time between two frames that only show the progress of a task.
 pub const BETWEEN: Duration = Duration::from_millis(100);
 
-/// The time of a portion of a filter on a thread, which looks at the clock after this many samples.
 const PORTION: Duration = Duration::from_millis(10);
 const SAMPLES: usize = 16;
 
-/// Does tasks beside the frames. A method returns `None` if the team cannot.
 pub trait Team {
     /// The threads of this machine, which do any task, and the screen that they wake.
     fn threads(&self) -> Option<(&Threads, &Context)> {
@@ -61,7 +58,6 @@ pub trait Team {
         None
     }
 
-    /// Begins to run cells, and wakes the context when rows have come.
     fn cells(&self, cells: &Cells, ctx: &Context) -> Option<Handle<Rows>> {
         let (threads, _) = self.threads()?;
         let (by, ctx) = (Computer::Threads(threads.count()), ctx.clone());
@@ -73,7 +69,6 @@ pub trait Team {
         }))
     }
 
-    /// The graphics processor, to which maps go first.
     fn graphics(&self) -> Option<Rc<dyn Graphics>> {
         None
     }
@@ -88,7 +83,6 @@ pub trait Team {
 pub struct Handle<T>(Box<dyn FnMut() -> Result<Option<T>, Lost>>);
 
 impl<T> Handle<T> {
-    /// Work that `take` takes the next part of, if one has come.
     pub fn new(take: impl FnMut() -> Result<Option<T>, Lost> + 'static) -> Self {
         Self(Box::new(take))
     }
@@ -114,7 +108,6 @@ fn waking(ctx: &Context) -> impl Fn(bool) + Send + Sync + 'static {
     move |is_over| if is_over { ctx.request_repaint() } else { ctx.request_repaint_after(BETWEEN) }
 }
 
-/// The portions of a filter over a record. A thread builds it: its particles may take long.
 fn filter_steps(scenario: Scenario, place: usize, record: Record) -> impl FnMut(Wanted) -> Step<Tape> + Send {
     let mut pass = None;
     move |wanted| {

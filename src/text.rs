@@ -37,7 +37,6 @@ pub fn parse(text: &str) -> Option<f64> {
     text.trim().replace('−', "-").replace(',', ".").parse().ok().filter(|x: &f64| x.is_finite())
 }
 
-/// A text that begins with a capital letter.
 pub fn sentence(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
@@ -59,7 +58,6 @@ pub fn parse_clock(text: &str) -> Option<f64> {
     parts.next().is_none().then_some(sign * time)
 }
 
-/// Number of decimals for a channel's usual values.
 pub fn decimals(channel: Channel) -> usize {
     channel.usual().decimals
 }

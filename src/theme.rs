@@ -9,7 +9,6 @@ pub use palette::Palette;
 
 use egui::{CornerRadius, FontFamily, FontId, Margin, Stroke, TextStyle, Theme, Vec2};
 
-/// Puts fonts and styles in place, for light and dark.
 pub fn install(ctx: &egui::Context) {
     ctx.set_fonts(fonts::definitions());
     ctx.add_plugin(texels::Texels);
@@ -30,21 +29,18 @@ pub fn readout() -> TextStyle {
     TextStyle::Name("readout".into())
 }
 
-/// Makes buttons large enough for a finger, once the screen has been touched.
 pub fn fit_targets(ctx: &egui::Context) {
     if ctx.input(egui::InputState::has_touch_screen) {
         expect_fingers(ctx);
     }
 }
 
-/// Makes everything that is pressed large enough for a finger from now on.
 pub fn expect_fingers(ctx: &egui::Context) {
     if !is_for_fingers(ctx) {
         ctx.all_styles_mut(|style| style.spacing.interact_size.y = FINGER);
     }
 }
 
-/// Whether everything that is pressed is large enough for a finger.
 pub fn is_for_fingers(ctx: &egui::Context) -> bool {
     ctx.global_style().spacing.interact_size.y >= FINGER
 }
@@ -52,7 +48,6 @@ pub fn is_for_fingers(ctx: &egui::Context) -> bool {
 /// The height of buttons for fingers \[points\].
 const FINGER: f32 = 40.0;
 
-/// Makes the numbers above plots large, for a lecture hall, or as large as small text.
 pub fn enlarge_readouts(ctx: &egui::Context, large: bool) {
     let size = if large { READOUT.1 } else { READOUT.0 };
     ctx.all_styles_mut(|style| {

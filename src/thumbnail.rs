@@ -10,16 +10,12 @@ use kalmanscope_lessons::{BuiltIn, Lesson};
 use crate::session::Budget;
 use crate::spark::{Picture, Spark, range};
 
-/// The share of a record at its beginning in which an estimate may leave the picture.
 const BEGINNING: usize = 20;
 
-/// The least height of a picture of a parameter, over its size.
 const LEAST: f64 = 0.1;
 
-/// The samples between two looks at the time.
 const PIECE: usize = 32;
 
-/// A picture that is kept once it is made.
 #[derive(Clone)]
 enum Thumbnail {
     Making(Arc<Mutex<Making>>),
@@ -28,7 +24,7 @@ enum Thumbnail {
 
 struct Making {
     run: Run,
-    /// The parameter whose estimate is drawn; what moves if there is none.
+    /// The parameter whose estimate is drawn; the motion if there is none.
     parameter: Option<Channel>,
 }
 
@@ -38,7 +34,7 @@ pub(crate) fn of_scenario(ctx: &Context, entry: &BuiltIn) -> Option<Arc<Picture>
     in_turn(ctx, entry.file, || Making::motion(&entry.scenario().ok()?))
 }
 
-/// The picture of a lesson: the first parameter that it speaks of, as the first filter estimates it, or what moves. `None` until
+/// The picture of a lesson: the first parameter that it speaks of, as the first filter estimates it, or the motion. `None` until
 /// it is made, or if there is none.
 pub(crate) fn of_lesson(ctx: &Context, lesson: &Lesson) -> Option<Arc<Picture>> {
     in_turn(ctx, &lesson.title, || Making::of_lesson(lesson))
@@ -104,7 +100,7 @@ impl Making {
         }
     }
 
-    /// Goes on until `while_time` returns false. Returns whether the run is at its end.
+    /// Continues until `while_time` returns false. Returns whether the run is at its end.
     fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
         let Self { run, .. } = self;
         while run.done() < run.samples() {

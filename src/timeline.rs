@@ -1,4 +1,4 @@
-//! What happens when: changes of the truth, bad parts of filters, missing readings and the marks A and B, over a time slider.
+//! Events of the record: changes of the truth, bad parts of filters, missing readings and the marks A and B, over a time slider.
 
 use std::ops::RangeInclusive;
 
@@ -35,9 +35,7 @@ struct Event {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum EventShape {
-    /// A part in which a filter is bad, in the row of the filter.
     Bad(usize),
-    /// A part without readings.
     Gap,
     Change,
     Mark(End),
@@ -154,7 +152,6 @@ fn events(session: &Session, ruler: &Ruler, palette: &Palette) -> Vec<Event> {
     events
 }
 
-/// The times at which the truth begins or ends to change, in words.
 fn changes(scenario: &Scenario) -> impl Iterator<Item = (f64, String)> {
     let of_channel = |channel: kalmanscope_core::Channel| {
         let name = channel.name();

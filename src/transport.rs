@@ -17,7 +17,6 @@ pub(crate) enum Extent {
     Full,
     /// The buttons of playback and the timeline; a lesson chooses the rest.
     Short,
-    /// Nothing, where settings need the room.
     Nothing,
 }
 
@@ -27,14 +26,11 @@ pub(crate) struct Transport<'a> {
     pub(crate) palette: &'a Palette,
     pub(crate) narrow: bool,
     pub(crate) extent: Extent,
-    /// Whether another page embeds this one: there is no other bar.
     pub(crate) embedded: bool,
-    /// Whether undo and redo are possible.
     pub(crate) history: (bool, bool),
 }
 
 impl Transport<'_> {
-    /// Shows the playback's buttons and the timeline; where it is narrow, speed and mode have a row of their own.
     pub(crate) fn ui(&self, ui: &mut Ui, requests: &mut Vec<Request>) {
         let Self { session, ruler, palette, narrow, extent, embedded, history } = *self;
         let is_full = extent == Extent::Full;
@@ -81,7 +77,6 @@ fn playback_ui(ui: &mut Ui, session: &Session, requests: &mut Vec<Request>) {
     }
 }
 
-/// Live or whole, from the right.
 fn modes_ui(ui: &mut Ui, session: &Session, requests: &mut Vec<Request>) {
     for (mode, text, hint) in [
         (Mode::Whole, "Whole record", "All of the record, recomputed at once when anything changes"),
@@ -108,7 +103,7 @@ fn button(ui: &mut Ui, icon: &str, name: &str, key: &str) -> bool {
 
 fn speed_ui(ui: &mut Ui, session: &Session, requests: &mut Vec<Request>) {
     if session.is_live() {
-        // What is being measured has the speed that it has.
+        // A live record has its own speed.
         return;
     }
     let text = |speed: f64| format!("{}×", significant(speed, 3));
@@ -147,7 +142,6 @@ fn open_outside_ui(ui: &mut Ui, requests: &mut Vec<Request>) {
 const TIME_WIDTH: f32 = 104.0;
 const CLOCK_WIDTH: f32 = 146.0;
 
-/// The time on screen and the last one.
 fn time_ui(ui: &mut Ui, session: &Session, requests: &mut Vec<Request>) {
     let start = session.run().record().time_of(0);
     let end = start + session.end();

@@ -8,7 +8,6 @@ use crate::text::sentence;
 
 pub(crate) struct Trouble {
     pub(crate) sentence: String,
-    /// Whether something has stopped or cannot be run.
     pub(crate) is_failure: bool,
 }
 
@@ -37,7 +36,7 @@ pub(crate) fn troubles(session: &Session) -> Vec<Trouble> {
         {
             say(false, format!("{name}: {}.", remark.what));
         }
-        // Gaps have a sentence of their own.
+        // Gaps have their own sentence.
         let is_other = |remark: &&Remark| {
             !matches!(remark.what, Told::Widened | Told::Missing(_) | Told::Moved(_) | Told::Rounded(_))
         };

@@ -53,13 +53,11 @@ impl Tutor {
         })
     }
 
-    /// The bookmark, if the lesson is one of the menu.
     pub(crate) fn bookmark(&self) -> Option<Bookmark> {
         let Self { lesson, place, step, changed, answer, lit: _ } = self;
         place.map(|_| Bookmark { lesson: lesson.title.clone(), step: *step, changed: *changed, answer: *answer })
     }
 
-    /// The lesson's place in the menu; `None` for a lesson from a file.
     pub(crate) fn place(&self) -> Option<usize> {
         self.place
     }
@@ -68,7 +66,6 @@ impl Tutor {
         &self.lesson.title
     }
 
-    /// The number of the step, from 0 on.
     pub fn step(&self) -> usize {
         self.step
     }
@@ -118,7 +115,6 @@ impl Tutor {
         self.lit.clone()
     }
 
-    /// Shows the channels and bands of the step, and the verdicts if it speaks of them.
     pub fn choose(&self, visible: &mut Visibility) {
         if let Some(step) = self.current() {
             visible.only.clone_from(&step.channels);
@@ -157,7 +153,6 @@ impl Tutor {
         Ok(())
     }
 
-    /// Takes the answer to the step's question, until the effect is shown, and shows the record if it waited for it.
     pub(crate) fn answer(&mut self, answer: Answer, session: &mut Session) {
         let waited = self.waits_at().is_some();
         if self.open_question().is_some() || !self.is_revealed() {

@@ -19,21 +19,16 @@ use crate::visibility::Visibility;
 /// A table has a row at the end of each of this many equal parts of the record.
 const PARTS: usize = 10;
 
-/// The text in place of a missing number.
 const NONE: &str = "–";
 
-/// The verdict before there is one.
 const UNKNOWN: &str = "not known yet";
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Twin {
-    /// The story, the verdicts and the views on screen.
     pub parts: Vec<Part>,
-    /// Failures and remarks, as sentences.
     pub messages: Vec<String>,
 }
 
-/// The story, the verdicts, or a view.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
     pub name: String,
@@ -45,7 +40,6 @@ pub struct Part {
 pub struct Table {
     pub caption: String,
     pub columns: Vec<String>,
-    /// The rows, each as long as `columns`.
     pub rows: Vec<Vec<String>>,
 }
 
@@ -91,7 +85,6 @@ impl Twin {
         verdicts.chain(messages).collect()
     }
 
-    /// The rows of the verdicts: name, verdict, reason.
     fn verdicts(&self) -> impl Iterator<Item = &[String]> {
         let part = self.parts.iter().find(|part| part.name == Self::VERDICTS);
         part.into_iter().flat_map(|part| &part.tables).flat_map(|table| &table.rows).map(Vec::as_slice)
@@ -102,7 +95,6 @@ fn story(session: &Session) -> Part {
     Part { name: "What happens".to_owned(), about: story_of(session).to_string(), tables: Vec::new() }
 }
 
-/// The verdict on each filter, and its reason.
 fn verdicts(context: &ViewContext<'_>) -> Part {
     let row = |(place, estimates): (usize, &kalmanscope_core::Estimates)| {
         let verdict = context.session.diagnosis(place).and_then(|diagnosis| diagnosis.verdict.as_ref());
@@ -121,7 +113,6 @@ fn verdicts(context: &ViewContext<'_>) -> Part {
     }
 }
 
-/// The numbers of a plot under the pointer or at playback, and at eleven times of the record so far.
 fn table(sheet: &Sheet<'_>, context: &ViewContext<'_>) -> Table {
     let Sheet { title, unit, columns } = sheet;
     let ViewContext { session, axis, .. } = *context;

@@ -30,7 +30,6 @@ pub(crate) const fn text_color(kind: VerdictKind, palette: &Palette) -> Color32 
 /// The opacity of the verdict on a filter that is hidden. It keeps its place, so that nothing moves under the pointer.
 const HIDDEN: f32 = 0.3;
 
-/// The verdict on a filter in the filter's colour, filled if the verdict is bad.
 pub(crate) fn chip_ui(
     ui: &mut Ui,
     name: &str,

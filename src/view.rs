@@ -20,27 +20,18 @@ use crate::text::unit_in;
 use crate::theme::Palette;
 use crate::visibility::Visibility;
 
-/// The input of a view.
 #[derive(Clone, Copy)]
 pub struct ViewContext<'a> {
-    /// The scenario and its run.
     pub session: &'a Session,
-    /// The colours of the theme.
     pub palette: &'a Palette,
-    /// The entries of the legend that are shown.
     pub visible: &'a Visibility,
-    /// The common time axis.
     pub axis: &'a TimeAxis,
-    /// The marked times.
     pub ruler: &'a Ruler,
-    /// The maps, if there are any.
     pub laboratory: Option<&'a Laboratory>,
-    /// A version number of everything that is drawn over time.
     version: u64,
 }
 
 impl<'a> ViewContext<'a> {
-    /// The context of this frame.
     pub fn new(
         session: &'a Session,
         palette: &'a Palette,
@@ -56,13 +47,11 @@ impl<'a> ViewContext<'a> {
         Self { session, palette, visible, axis, ruler, laboratory: None, version: hasher.finish() }
     }
 
-    /// The context with maps, if there are any.
     #[must_use]
     pub fn in_laboratory(self, laboratory: Option<&'a Laboratory>) -> Self {
         Self { laboratory, ..self }
     }
 
-    /// The picture on screen, with all choices in the laboratory.
     pub(crate) fn picture(&self, layout: &Layout) -> Picture {
         let Self { session, visible, ruler, laboratory, .. } = self;
         let time = session.time() - session.run().record().time_of(0);
@@ -75,25 +64,20 @@ impl<'a> ViewContext<'a> {
         }
     }
 
-    /// A unit, with that of the record's motion in place of metres.
     pub(crate) fn unit(&self, unit: &'static str) -> &'static str {
         unit_in(self.session.run().scenario(), unit)
     }
 
-    /// The part for charts.
     pub(crate) fn plot_input(&self) -> PlotInput<'a> {
         let Self { session, palette, visible, axis, ruler, laboratory: _, version } = *self;
         PlotInput { session, palette, visible, axis, ruler, version }
     }
 
-    /// The estimates of the filters that are shown, each with its place among all filters.
     pub(crate) fn filters(&self) -> impl Iterator<Item = (usize, &'a Estimates)> + use<'a> {
         let Self { session, visible, .. } = *self;
         session.run().estimates().iter().enumerate().filter(|(_, estimates)| visible.filter(estimates.id()))
     }
 
-    /// The diagnostics of the filters that are shown, each with the filter's place and estimates. Empty if they are not
-    /// computed.
     pub(crate) fn diagnostics(&self) -> impl Iterator<Item = (usize, &'a Estimates, &'a Diagnostics)> + use<'a> {
         let all = self.session.diagnostics();
         self.filters().filter_map(|(place, estimates)| Some((place, estimates, all.get(place)?)))
@@ -114,40 +98,31 @@ impl<'a> ViewContext<'a> {
     }
 }
 
-/// A view of a run.
 pub trait View: Sync {
-    /// The name in the menu and above the view.
     fn name(&self) -> &'static str;
 
-    /// A description in three lines: the contents and how to read them.
     fn help(&self) -> [&'static str; 3];
 
-    /// The results that it needs in addition to the estimates.
     fn wanted(&self) -> Wanted {
         Wanted::NOTHING
     }
 
-    /// Whether it shows the free runs of the identified models.
     fn wants_free_runs(&self) -> bool {
         false
     }
 
-    /// Whether it shows maps of the laboratory.
     fn is_of_laboratory(&self) -> bool {
         false
     }
 
-    /// Its charts over time, from above.
     fn charts<'a>(&self, _context: &ViewContext<'a>) -> Vec<Chart<'a>> {
         Vec::new()
     }
 
-    /// The sentence that takes the place of charts where there are none.
     fn without_charts(&self) -> &'static str {
         ""
     }
 
-    /// The numbers of its plots; empty if it has no numbers over time.
     fn sheets<'a>(&self, context: &ViewContext<'a>) -> Vec<Sheet<'a>> {
         self.charts(context).into_iter().map(Chart::into_sheet).collect()
     }

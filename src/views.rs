@@ -55,7 +55,6 @@ pub fn view(kind: ViewKind) -> &'static dyn View {
     }
 }
 
-/// The results that some views need in addition to the estimates.
 pub fn wanted(views: &[ViewKind]) -> Wanted {
     views.iter().map(|kind| view(*kind).wanted()).fold(Wanted::NOTHING, Wanted::and)
 }

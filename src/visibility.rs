@@ -7,12 +7,10 @@ use kalmanscope_core::{Channel, FilterSettings, Wanted};
 
 use crate::request::LegendEntry;
 
-/// The entries of the legend that are shown in all plots.
 #[derive(Clone, Debug, PartialEq, Hash)]
 pub struct Visibility {
     pub truth: bool,
     pub measured: bool,
-    /// The ±2σ bands.
     pub bands: bool,
     pub verdicts: bool,
     pub hindsight: bool,
@@ -36,7 +34,6 @@ impl Default for Visibility {
 }
 
 impl Visibility {
-    /// The channels to show; all where none would be left.
     pub fn channels(&self, channels: Vec<Channel>) -> Vec<Channel> {
         let wanted: Vec<Channel> = channels.iter().copied().filter(|channel| self.only.contains(channel)).collect();
         if wanted.is_empty() { channels } else { wanted }
@@ -46,12 +43,10 @@ impl Visibility {
         !self.hidden_filters.contains(&id)
     }
 
-    /// The results that verdicts need.
     pub(crate) fn wanted(&self) -> Wanted {
         if self.verdicts { Wanted::diagnostics(Depth::All) } else { Wanted::NOTHING }
     }
 
-    /// Everything but some entries of the legend.
     pub(crate) fn without(hidden: &[LegendEntry]) -> Self {
         let mut visible = Self::default();
         for entry in hidden {
@@ -76,7 +71,6 @@ impl Visibility {
         parts.chain(hidden_filters.iter().map(|id| LegendEntry::Filter(*id))).collect()
     }
 
-    /// Shows everything again, except verdicts that a lecturer has hidden.
     pub(crate) fn reset(&mut self) {
         *self = Self { verdicts: self.verdicts, ..Self::default() };
     }

@@ -55,7 +55,7 @@ pub fn harmless(name: &str) -> Cow<'_, str> {
     if name.starts_with(['=', '+', '-', '@', '\t', '\r']) { format!("'{name}").into() } else { name.into() }
 }
 
-/// A number of each sensor: its name, whether a filter tells it, and the number.
+/// A number of each sensor: its name, whether a filter has it, and the number.
 type ReadingColumn = (&'static str, fn(&Estimates) -> bool, fn(&Reading) -> f64);
 
 const READING: [ReadingColumn; 6] = [

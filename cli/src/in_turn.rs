@@ -18,7 +18,7 @@ impl<'a> Results<'a> {
     /// The results of a scenario's filters over the record of a finished run without filters, with the free runs of
     /// their final models over some records, each with its name. They have the same bits as those of
     /// [`Results::of_run`], but memory holds at most one history, without covariances; a filter with a smoother keeps
-    /// all of its own.
+    /// all covariances of its history.
     ///
     /// `tell` is called after each piece of work.
     ///

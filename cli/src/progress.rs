@@ -55,7 +55,7 @@ impl Progress {
         self.tell(place * OF_FILTER + begin + (share * f64::from(pieces)) as usize, &what);
     }
 
-    /// Shows that work of unknown length is going on.
+    /// Shows that work of unknown length is under way.
     pub(crate) fn wait(quiet: bool, what: &'static str) -> Self {
         let mut progress = Self::new(0, quiet);
         if !quiet {

@@ -1,4 +1,4 @@
-//! Two files with clocks of their own, written as one.
+//! Two files with their own clocks, written as one.
 
 use std::path::{Path, PathBuf};
 

@@ -51,7 +51,7 @@ fn the_repaired_scenario_runs_and_has_the_promised_verdict() {
     assert_eq!((code, verdict(&after)), (Some(0), promised), "{after}");
     assert!(promised.starts_with("consistent"), "{promised}");
 
-    // The lines that are printed do the same, each in place of its own.
+    // The lines that are printed do the same, each in its place.
     let (mut by_hand, mut is_first) = (WRONG.to_owned(), false);
     for line in before.lines() {
         is_first = (is_first || line.starts_with("  cause 1: ")) && !line.starts_with("  cause 2: ");

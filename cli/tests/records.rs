@@ -83,7 +83,7 @@ fn records_of_every_plant_input_and_sensor_come_back() {
     }
 }
 
-/// A column of which nothing says what it is has the scenario's meaning.
+/// A column without a name has the scenario's meaning.
 #[test]
 fn an_input_without_a_name_is_the_scenarios() {
     let folder = folder();

@@ -1,4 +1,4 @@
-//! What is refused, and how a failure ends.
+//! Refused arguments and files, and the ends of failures.
 
 use std::io::Write as _;
 use std::process::Stdio;

@@ -51,7 +51,7 @@ fn a_stream_of_a_record_ends_where_its_run_does() {
     assert!(compared >= 4, "{compared}");
 }
 
-/// A filter with a look-ahead tells what it knows in hindsight, which waits for that time.
+/// A filter with a look-ahead reports its smoothed estimates, each after that time.
 #[test]
 fn hindsight_comes_with_a_look_ahead() {
     let folder = folder();
@@ -93,7 +93,7 @@ fn every_line_is_answered_at_once() {
     let mut to = child.stdin.take().unwrap();
     let mut from = BufReader::new(child.stdout.take().unwrap());
     for k in 0..5 {
-        // A sensor of its own clock, and one that is late by a step and a half.
+        // A sensor with its own clock, and one that is late by a step and a half.
         writeln!(to, "{{\"t\": {}, \"force\": 1.0}}", 0.01 * f64::from(k)).unwrap();
         writeln!(to, "{{\"t\": {}, \"displacement\": 0.001}}", (0.01 * f64::from(k) - 0.015).max(0.001)).unwrap();
         for _ in 0..2 {

@@ -1,4 +1,4 @@
-//! Sweeps of the built command: tables, shards, and going on after an end by force.
+//! Sweeps of the built command: tables, shards, and continuing after an end by force.
 
 use std::fs::File;
 use std::path::{Path, PathBuf};

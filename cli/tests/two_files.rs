@@ -1,4 +1,4 @@
-//! Two files with clocks of their own are imported as one record.
+//! Two files with their own clocks are imported as one record.
 
 use kalmanscope_core::{Channel, Force, Hold, Quantity, Scenario, Sensor, simulate};
 

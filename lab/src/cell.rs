@@ -108,7 +108,7 @@ impl CellTask {
         ((PIECE - self.spent) / each).clamp(1.0, 1e5) as usize
     }
 
-    /// Goes on with the plan's `nth` filter.
+    /// Continues with the plan's `nth` filter.
     fn filter(&mut self, run: CellRun, nth: usize, pass: Option<FilterPass>) -> Stage {
         let Some(&place) = self.runner.ensemble().plan().filters.get(nth) else { return Stage::Done };
         let first = || if self.runner.needs_history() { self.history(&run, place) } else { self.sums(&run, place) };
@@ -126,7 +126,7 @@ impl CellTask {
         let CellRun { scenario, record } = &run;
         match pass {
             FilterPass::History(pass) => {
-                // The first cause is searched in slices of its own.
+                // The search for the first cause has its own slices.
                 let mut measures = self.runner.ensemble().plan().measures.clone();
                 let place_of_cause = place_of_cause(&measures);
                 place_of_cause.map(|place| measures.remove(place));

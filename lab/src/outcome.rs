@@ -66,7 +66,7 @@ impl HistoryPass {
         self.pass.done()
     }
 
-    /// Goes on until `samples` samples are done, or to the end of the record. Returns whether the end is reached.
+    /// Continues until `samples` samples are done, or to the end of the record. Returns whether the end is reached.
     pub(crate) fn advance(&mut self, record: &Record, samples: usize) -> bool {
         let Self { pass, estimates, scores } = self;
         pass.follow(record, samples, &mut Both(estimates, scores.against(record)));

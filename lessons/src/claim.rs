@@ -20,7 +20,7 @@ pub struct Claim {
 }
 
 impl Claim {
-    /// Whether the check holds in the share of the records that it states, as far as the tried seeds can tell.
+    /// Whether the check holds in the share of the records that it states, judged by the tried seeds.
     ///
     /// The test is one-sided: of n seeds, the share found may lie below the stated share p by two standard errors of a
     /// binomial proportion, 2 √(p (1 − p) / n). A true claim of 98 % passes with up to 1 failure of 10, 5 of 100 and 7

@@ -94,7 +94,7 @@ impl Accelerations {
             }
             return Ok(());
         }
-        // Rows of another width are the end of what was sent before, or noise.
+        // Rows of another width are the end of an earlier line, or noise.
         if self.waiting.last().is_some_and(|last| last.len() != row.len()) {
             self.left_out += self.waiting.len();
             self.waiting.clear();
@@ -111,7 +111,7 @@ impl Accelerations {
         Ok(())
     }
 
-    /// What the columns are, from their names and from the rows that wait.
+    /// The meaning of the columns, from their names and from the waiting rows.
     fn meaning(&self) -> Option<Meaning> {
         let width = self.waiting[0].len();
         let named = self.names.clone().filter(|names| names.len() + 1 == width);

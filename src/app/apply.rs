@@ -17,7 +17,6 @@ use crate::theme;
 use crate::tutor::Tutor;
 
 impl App {
-    /// Applies the request of a view, a menu or a key.
     pub(super) fn apply(&mut self, request: Request, ctx: &egui::Context) {
         let Self { session, axis, visible, layout, laboratory, history, .. } = self;
         match request {
@@ -152,7 +151,6 @@ impl App {
         }
     }
 
-    /// Plays a scenario from its start.
     pub(super) fn open(&mut self, scenario: Scenario, ctx: &egui::Context) {
         if scenario.record.is_some() {
             // Without a truth, this view shows whether a model is right.

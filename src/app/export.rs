@@ -11,13 +11,11 @@ use crate::theme::Palette;
 use crate::view::ViewContext;
 
 impl App {
-    /// The explorer with a way to put files where the user finds them.
     #[must_use]
     pub fn delivering(self, deliver: Deliver) -> Self {
         Self { deliver: Some(deliver), ..self }
     }
 
-    /// The views on screen as a figure.
     pub fn figure(&self, format: FigureFormat) -> Figure {
         let palette = Palette::of(egui::Theme::Light);
         Figure::new(&self.figure_context(&palette), &self.layout.rows(), format)
@@ -28,7 +26,6 @@ impl App {
         ViewContext::new(session, palette, visible, axis, ruler).in_laboratory(Some(laboratory))
     }
 
-    /// Makes a file and delivers it. Shows its place, or the reason why it cannot be written.
     pub(super) fn export(&mut self, export: Export, ctx: &Context) {
         self.notice = None;
         let palette = Palette::of(egui::Theme::Light);
@@ -41,7 +38,6 @@ impl App {
         }
     }
 
-    /// Restores a session from a file. Undo brings back the earlier settings.
     pub(super) fn open_session(&mut self, picture: share::Picture, ctx: &Context) {
         let laboratory = picture.laboratory.clone();
         self.show_picture(picture, ctx);

@@ -11,28 +11,23 @@ use crate::notice::Notice;
 use crate::request::Request;
 
 impl App {
-    /// The explorer with a way to choose one of the user's files.
     #[must_use]
     pub fn choosing(self, choose: Option<Choose>) -> Self {
         Self { choose, ..self }
     }
 
-    /// The place where files arrive that the explorer is to open.
     pub fn inbox(&self) -> &Inbox {
         &self.inbox
     }
 
-    /// Opens a lesson, a scenario, a session or a record, or says why it cannot be read.
     pub fn open_file(&mut self, name: &str, contents: Result<Vec<u8>, String>) {
         self.requests.push(drop::opened(name, contents));
     }
 
-    /// Reads a file beside the frames, and opens it then.
     pub fn read_file(&self, path: &Path, ctx: &Context) {
         drop::read(path, ctx, &self.inbox);
     }
 
-    /// Lets the user choose a file.
     pub(super) fn choose_file(&mut self, ctx: &Context) {
         match &mut self.choose {
             Some(choose) => choose(ctx, &self.inbox),
@@ -40,7 +35,6 @@ impl App {
         }
     }
 
-    /// Opens the files that have arrived.
     pub(super) fn take_files(&mut self, ctx: &Context) {
         let mut opens = false;
         for arrival in self.inbox.take() {

@@ -16,14 +16,11 @@ use crate::shelf::{Candidate, Shelf};
 use crate::text::sentence;
 use crate::theme::Palette;
 
-/// The file of a record that was measured on screen.
 const MEASURED: &str = "measured.csv";
 
-/// The views of a measured record.
 const VIEWS: [ViewKind; 3] = [ViewKind::Measured, ViewKind::Parameters, ViewKind::Innovations];
 
 impl App {
-    /// Begins the import of a file. One that the scenario waits for needs no questions.
     pub(super) fn import(&mut self, RawFile { name, bytes }: RawFile) {
         self.inviting = false;
         self.candidate = self.shelf.is_some().then(|| Candidate::of(&name, &bytes)).flatten();
@@ -41,24 +38,20 @@ impl App {
         self
     }
 
-    /// The explorer on a device with sensors.
     #[must_use]
     pub fn measuring_with(self, sensors: Sensors) -> Self {
         Self { sensors, ..self }
     }
 
-    /// Opens the window of a measurement, if there are sensors.
     pub fn measure(&mut self) {
         self.measure = Measure::new(&self.sensors);
     }
 
-    /// Begins to measure with the sensors of a scenario, and shows its filters on what comes.
     pub fn watch(&mut self, ctx: &Context) {
         self.measure();
         self.measure.iter_mut().for_each(|measure| measure.begin_watched(ctx));
     }
 
-    /// Takes in what is being measured, and shows the filters on it if the user watches them.
     pub(super) fn follow_measure(&mut self, ctx: &Context) {
         match self.measure.as_mut().and_then(Measure::follow) {
             Some(News::Longer(record)) => self.session.lengthen(record),
@@ -72,7 +65,6 @@ impl App {
         }
     }
 
-    /// Shows what is being watched, above the views.
     pub(super) fn live_ui(&mut self, ui: &mut Ui, frame: Frame, palette: &Palette) {
         let Self { measure: Some(measure), requests, .. } = self else { return };
         if !measure.is_watched() {
@@ -84,7 +76,6 @@ impl App {
         }
     }
 
-    /// Shows the window of a measurement with this device.
     pub(super) fn measure_ui(&mut self, ctx: &Context, palette: &Palette) {
         let Self { measure: Some(measure), requests, .. } = self else { return };
         if !measure.is_watched() && !measure.ui(ctx, palette, requests) {
@@ -102,7 +93,6 @@ impl App {
         }
     }
 
-    /// Forgets the file that is kept for the next start.
     pub(super) fn forget_record(&self, ctx: &Context) {
         if let Some(shelf) = &self.shelf {
             let forgotten = |_: &str| "The record is no longer kept for the next start.".to_owned();
@@ -123,14 +113,12 @@ impl App {
         shelf.keep(&file.name, file.bytes, self.inbox.done(ctx, kept, failed));
     }
 
-    /// Opens the window for the meaning of the columns again, for the record on screen.
     pub(super) fn change_columns(&mut self) {
         let scenario = self.session.scenario();
         let file = scenario.record.as_ref().and_then(|mapping| self.session.library().file(mapping));
         self.importing = file.map(|file| Import::again(file, scenario, Rc::clone(self.session.team())));
     }
 
-    /// Goes on with an import.
     pub(super) fn follow_import(&mut self, ctx: &Context) {
         let Some(import) = &mut self.importing else { return };
         let mut while_time = self.session.budget().slice();
@@ -146,7 +134,6 @@ impl App {
         }
     }
 
-    /// Tests the models on screen on the file that is being imported.
     pub(super) fn hold_out(&mut self) {
         let Some(file) = self.importing.take().and_then(|import| import.file().cloned()) else { return };
         self.notice = match self.session.hold_out(&file) {
@@ -156,7 +143,6 @@ impl App {
         self.layout.show(ViewKind::Measured);
     }
 
-    /// Whether the scenario waits for a file with these contents, and no other one is being imported.
     pub(super) fn waits_for(&self, name: &str, bytes: &[u8]) -> bool {
         let Some(mapping) = &self.session.scenario().record else { return false };
         let is_here = self.session.library().file(mapping).is_some();
@@ -164,14 +150,12 @@ impl App {
         self.importing.is_none() && !is_here && is_it
     }
 
-    /// Whether the scenario names this file and waits for it.
     fn is_awaited(&self, file: &RecordFile) -> bool {
         let Some(mapping) = &self.session.scenario().record else { return false };
         let is_it = if mapping.hash.is_empty() { name_of(mapping) == file.name } else { mapping.hash == file.hash };
         is_it && self.session.library().file(mapping).is_none()
     }
 
-    /// Shows the window of an import.
     pub(super) fn import_ui(&mut self, ctx: &Context, palette: &Palette) {
         let Some(import) = &mut self.importing else { return };
         let can_hold_out = self.session.is_measured();
@@ -180,7 +164,6 @@ impl App {
         }
     }
 
-    /// Shows a record as a whole.
     fn open_record(&mut self, Opened { file, scenario, reasons, problem }: Opened, ctx: &Context) {
         self.importing = None;
         self.tutor = None;

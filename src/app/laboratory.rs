@@ -13,7 +13,6 @@ use crate::team::Team;
 use crate::views::view;
 
 impl App {
-    /// The explorer with a team for long work, in place of slices of the frames.
     #[must_use]
     pub fn working_with(mut self, team: Rc<dyn Team>) -> Self {
         self.laboratory.work_with(Rc::clone(&team));
@@ -25,12 +24,10 @@ impl App {
         &self.laboratory
     }
 
-    /// The maps, for tests to set up.
     pub fn laboratory_mut(&mut self) -> &mut Laboratory {
         &mut self.laboratory
     }
 
-    /// Maps follow the session while they are on screen.
     pub(super) fn follow_laboratory(&mut self, ctx: &Context) {
         let is_in_sight = self.layout.in_sight().iter().any(|kind| view(*kind).is_of_laboratory());
         self.laboratory.follow(&self.session, is_in_sight, self.width < NARROW, ctx);

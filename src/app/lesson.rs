@@ -78,7 +78,6 @@ impl App {
         }
     }
 
-    /// Notes that the current lesson is finished, if it is one of the menu.
     pub(super) fn finish_lesson(&mut self) {
         if let Some(place) = self.tutor.as_ref().and_then(Tutor::place) {
             self.catalogue.finish(place);

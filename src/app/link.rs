@@ -21,7 +21,6 @@ use crate::visibility::Visibility;
 pub(super) const PAGE: Option<&str> = option_env!("KALMANSCOPE_PAGE");
 
 impl App {
-    /// Links begin at this page from now on.
     #[must_use]
     pub fn at_page(self, page: &str) -> Self {
         Self { page: page.to_owned(), ..self }
@@ -46,7 +45,6 @@ impl App {
         }
     }
 
-    /// The picture on screen, with the choices of those views of the laboratory that it shows.
     pub fn picture(&self) -> Picture {
         let palette = Palette::of(egui::Theme::Light);
         let picture = self.figure_context(&palette).picture(&self.layout);
@@ -128,7 +126,6 @@ impl App {
     }
 }
 
-/// Pushes the request to open an address that was pasted while no text is edited.
 pub(super) fn pasted(ctx: &Context, requests: &mut Vec<Request>) {
     if ctx.text_edit_focused() {
         return;

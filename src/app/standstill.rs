@@ -45,7 +45,6 @@ impl Work {
     }
 }
 
-/// The work under way, and for how long each has made no progress.
 #[derive(Default)]
 pub(super) struct Standstill {
     works: Vec<(Work, f64, f64)>,
@@ -54,7 +53,6 @@ pub(super) struct Standstill {
 }
 
 impl Standstill {
-    /// The first work that has stood still for too long.
     pub(super) fn first(&self) -> Option<Work> {
         self.works.iter().find(|(.., still)| *still >= PATIENCE).map(|(work, ..)| *work)
     }
@@ -91,7 +89,6 @@ impl App {
         }
     }
 
-    /// The work under way, each with the share that is done.
     fn under_way(&self) -> Vec<(Work, f64)> {
         let Self { session, laboratory, layout, importing, .. } = self;
         let is_in_sight = |kind| layout.in_sight().contains(&kind);

@@ -11,7 +11,6 @@ use crate::share::{Habits, Picture, PictureError};
 use crate::theme::{self, Palette};
 use crate::visibility::Visibility;
 
-/// The storage key of the last picture.
 pub const KEY: &str = "kalmanscope";
 
 /// The storage key of the last text under [`KEY`] that could not be read; the next save would overwrite it.
@@ -82,7 +81,6 @@ impl App {
         Ok(app)
     }
 
-    /// Takes up the user's habits.
     pub(super) fn take_up(&mut self, habits: Habits, ctx: Option<&Context>) {
         let Habits { presenting, dark, all_settings, lessons } = habits;
         if let (Some(ctx), Some(dark)) = (ctx, dark) {
@@ -97,7 +95,6 @@ impl App {
         self.resume(lessons);
     }
 
-    /// The picture for the next start, which begins with the first sample.
     pub fn last_picture(&self) -> Picture {
         let habits = Habits {
             presenting: self.presenting,
@@ -138,7 +135,6 @@ impl App {
     }
 }
 
-/// The picture in a storage, and its text where it cannot be read.
 fn read(storage: Option<&dyn Storage>) -> (LastPicture, Option<String>) {
     let Some(text) = storage.and_then(|storage| storage.get_string(KEY)) else { return (Ok(None), None) };
     match Picture::of_text(&text) {

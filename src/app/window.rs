@@ -38,7 +38,6 @@ const LOW: f32 = 480.0;
 /// The distance from the top at which a pointer is near the bar \[points\].
 const NEAR_BAR: f32 = 50.0;
 
-/// The place of the plots while their record is not here.
 fn missing_ui(ui: &mut Ui, name: &str, requests: &mut Vec<Request>) {
     ui.vertical_centered(|ui| {
         ui.add_space(0.35 * ui.available_height());
@@ -133,7 +132,7 @@ impl App {
         }
     }
 
-    /// Whether the story of the run is told: there is room, and no lesson tells it.
+    /// Whether the story is on screen: the window has room, and no lesson takes its place.
     fn tells_story(&self) -> bool {
         self.tutor.is_none() && !self.low && self.session.missing_record().is_none()
     }
@@ -161,7 +160,6 @@ impl App {
         legend.ui(ui, extent, *inviting && !*low, requests);
     }
 
-    /// The views, and the legend if it has no panel of its own.
     fn centre_ui(&mut self, ui: &mut Ui, palette: &Palette, narrow: bool) {
         if let Some(name) = self.session.missing_record() {
             return missing_ui(ui, name, &mut self.requests);

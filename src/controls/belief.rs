@@ -13,7 +13,6 @@ const SYMBOL_WIDTH: f32 = 22.0;
 /// Width of the column of units \[points\].
 const UNIT_WIDTH: f32 = 36.0;
 
-/// A table with one row per channel and one per sensor of a filter, for a truth of the given kind.
 pub(super) fn belief_ui(
     ui: &mut Ui,
     filter: &mut FilterSettings,
@@ -98,7 +97,6 @@ fn unit_ui(ui: &mut Ui, unit: &str) -> Response {
     .inner
 }
 
-/// A usual size of the channel's values: the usual initial standard deviation.
 fn scale(channel: Channel) -> f64 {
     let usual = channel.usual();
     if usual.std > 0.0 { usual.std } else { usual.mean.abs() }

@@ -8,7 +8,7 @@ use kalmanscope_core::{Channel, FilterSettings, PlantKind};
 use super::row::choices_ui;
 use crate::text::significant;
 
-/// A new end is so many standard deviations of the initial belief from its mean.
+/// The distance of a new end from the initial mean, in standard deviations of the initial belief.
 const FAR: f64 = 4.0;
 
 pub(super) fn bounds_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantKind, length: Length) {
@@ -65,7 +65,7 @@ fn usual(channel: Channel, mean: f64, std: f64) -> [f64; 2] {
     [lower, mean + far]
 }
 
-/// An end that may be left out, with the least and the most that it can be, and the one that is offered.
+/// An optional end, with its limits and its first value.
 fn end_ui(ui: &mut Ui, label: &str, name: &str, end: &mut Option<f64>, (least, most, offered): (f64, f64, f64)) {
     let mut is_on = end.is_some();
     if ui.add(Checkbox::new(&mut is_on, label)).changed() {
@@ -78,7 +78,6 @@ fn end_ui(ui: &mut Ui, label: &str, name: &str, end: &mut Option<f64>, (least, m
     }
 }
 
-/// The bounds in a few signs: `ζ ≥ 0, ωₙ 1…20`.
 fn summary(filter: &FilterSettings) -> String {
     let short = |end: f64| significant(end, 3);
     let each = filter.bounds.iter().map(|(channel, Between { least, most })| {

@@ -5,7 +5,6 @@ use kalmanscope_core::{FilterColor, FilterSettings, Scenario};
 
 use crate::theme::Palette;
 
-/// The dot of a filter; a click opens the palette.
 pub(super) fn color_ui(ui: &mut Ui, filter: &mut FilterSettings, palette: &Palette) {
     let color = color_of(filter);
     let label = format!("Colour of {}", filter.name);
@@ -35,7 +34,6 @@ pub(super) fn free_color(scenario: &Scenario, id: u32) -> Option<FilterColor> {
     }
 }
 
-/// The filter's own colour, else the default colour of its id.
 pub(crate) fn color_of(filter: &FilterSettings) -> FilterColor {
     filter.color.unwrap_or(FilterColor::of(filter.id))
 }

@@ -8,10 +8,10 @@ use super::lit::lit;
 use super::row::choices_ui;
 use crate::text::significant;
 
-/// A drag over a point changes a delay by so much \[s\].
+/// The change of a delay per point of dragging \[s\].
 const SPEED: f64 = 1e-3;
 
-/// A number for each sensor. A list that is not touched stays as it is: a file need not tell zeros.
+/// A number for each sensor. An untouched list stays as it is, so that a file need not list zeros.
 pub(super) fn delays_ui(ui: &mut Ui, filter: &mut FilterSettings, sensors: &[Sensor]) {
     if sensors.is_empty() {
         return;

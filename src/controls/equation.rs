@@ -1,4 +1,4 @@
-//! The equation of a plant of one's own, among the settings.
+//! The equation of the user's own plant, among the settings.
 
 use egui::{Button, TextStyle, Ui};
 use kalmanscope_core::Scenario;
@@ -6,7 +6,6 @@ use kalmanscope_core::Scenario;
 use super::Asked;
 use crate::equation::job;
 
-/// The equation as a button that opens its editor, if the plant has one of its own.
 pub(super) fn equation_ui(ui: &mut Ui, scenario: &Scenario, asked: &mut Vec<Asked>) {
     let Some(own) = scenario.plant.kind.own_equation() else { return };
     let font = TextStyle::Body.resolve(ui.style());

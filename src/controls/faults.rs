@@ -1,4 +1,4 @@
-//! What a sensor does to its readings beside white noise.
+//! Faults of a sensor, besides white noise.
 
 use egui::{Button, ComboBox, Ui};
 use kalmanscope_core::Sensor;
@@ -8,7 +8,6 @@ use super::lit::lit;
 use super::number::Number;
 use crate::text::sentence;
 
-/// Shows the faults of a sensor with their numbers, and a list of those that it may get.
 pub(super) fn faults_ui(ui: &mut Ui, sensor: &mut Sensor) {
     let quantity = sensor.measures;
     for fault in sensor.faults.families().collect::<Vec<_>>() {

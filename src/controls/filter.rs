@@ -15,7 +15,6 @@ use super::row::filter_row_ui;
 use crate::text::significant;
 use crate::theme::{self, Palette};
 
-/// The filter's section: a dot of its colour, its name and kind, its settings.
 pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize, palette: &Palette) {
     let id = ui.make_persistent_id(("filter", scenario.filters[place].id));
     let state = CollapsingState::load_with_default_open(ui.ctx(), id, place == 0);
@@ -82,7 +81,6 @@ pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize,
     }
 }
 
-/// A button that adds a filter, while there are free colours.
 pub(super) fn add_filter_ui(ui: &mut Ui, scenario: &mut Scenario) {
     let room = scenario.filters.len() < MOST_FILTERS;
     if ui.add_enabled(room, egui::Button::new("Add a filter")).clicked() {

@@ -37,12 +37,10 @@ pub(super) fn lit<R>(ui: &mut Ui, path: &str, add_contents: impl FnOnce(&mut Ui)
     shown.inner
 }
 
-/// The lit settings, if one of them concerns a path.
 fn lit_by(ui: &Ui, path: &str) -> Option<Lit> {
     ui.data(|data| data.get_temp::<Lit>(id())).filter(|lit| lit.paths.iter().any(|lit| concerns(lit, path)))
 }
 
-/// Whether one of two paths leads to the other, or both are the same.
 fn concerns(lit: &str, path: &str) -> bool {
     let [lit, path] = [lit, path].map(|path| path.replacen("filters#", "filters.#", 1));
     lit.split('.').zip(path.split('.')).all(|(a, b)| a == b || a == "*")

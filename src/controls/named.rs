@@ -10,7 +10,6 @@ use crate::text::{parse, sentence};
 /// The space between two settings \[points\].
 const APART: f32 = 8.0;
 
-/// Shows each setting that the story names once, and those that it knows besides. Returns whether it names any.
 pub(super) fn named_ui(ui: &mut Ui, scenario: &mut Scenario, story: &Story) -> bool {
     let mut shown: Vec<&str> = Vec::new();
     for setting in story.phrases().filter_map(Phrase::setting).chain(&story.aside) {
@@ -41,12 +40,10 @@ pub(crate) fn name_of(scenario: &Scenario, setting: &Adjustable, address: &Addre
     if scenario.filters.len() > 1 { format!("{name} of {}", filter.name) } else { name }
 }
 
-/// The number at the beginning of a text, which may have a unit.
 pub(crate) fn first_number(text: &str) -> Option<f64> {
     text.split_whitespace().next().and_then(|number| parse(number.trim_end_matches('%')))
 }
 
-/// A setting in two rows: its name and its number, and below them the slider. Returns its new value.
 fn setting_ui(ui: &mut Ui, setting: &Adjustable, name: &str) -> Option<f64> {
     let (low, high) = setting.range;
     let mut shown = setting.shown;

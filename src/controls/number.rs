@@ -15,10 +15,8 @@ pub(super) const REMARK: f32 = LABEL_WIDTH + 7.0;
 const FIELD_WIDTH: f32 = 58.0;
 const UNIT_WIDTH: f32 = 36.0;
 
-/// Decades of the sliders of standard deviations.
 const DECADES: f64 = 5.0;
 
-/// The accessible name of a number, and the key under which its beginning is remembered.
 #[derive(Clone, Copy, Debug)]
 pub struct Named<'a> {
     /// The name, unique on screen.
@@ -43,11 +41,8 @@ impl<'a> From<&'a String> for Named<'a> {
 pub struct Number<'a> {
     pub label: &'a str,
     pub name: Named<'a>,
-    /// The unit, empty for a pure number.
     pub unit: &'a str,
-    /// The limits of the slider.
     pub range: (f64, f64),
-    /// Limits typed values from below.
     pub least: f64,
     pub logarithmic: bool,
     pub hint: &'a str,
@@ -68,7 +63,7 @@ impl<'a> Number<'a> {
                 let changed = *value != initial;
                 let label = ui.add(egui::Label::new(label).truncate()).on_hover_text(hint);
                 if changed {
-                    // A bar beside each number that is not what it was at the beginning.
+                    // A bar marks a changed number.
                     let x = label.rect.left() - 5.0;
                     ui.painter().vline(x, label.rect.y_range(), Stroke::new(2.0, ui.visuals().selection.bg_fill));
                 }
@@ -98,7 +93,7 @@ impl<'a> Number<'a> {
     }
 }
 
-/// Keeps a value within limits, and says so for a moment where it was not.
+/// Keeps a value within limits, and reports a correction for a moment.
 pub(super) fn limit(ui: &mut Ui, value: &mut f64, least: f64, most: f64, key: &str, unit: &str) {
     let id = Id::unique(("limited", key));
     let now = ui.input(|input| input.time);
@@ -120,10 +115,9 @@ pub(super) fn limit(ui: &mut Ui, value: &mut f64, least: f64, most: f64, key: &s
     }
 }
 
-/// The time for which a limit is said \[s\].
+/// The time for which a correction is reported \[s\].
 const SAID: f64 = 4.0;
 
-/// A compact number in a table: a field to drag, scroll or type in.
 pub fn field<'a>(
     ui: &mut Ui,
     value: &mut f64,
@@ -158,7 +152,7 @@ pub fn std_field(ui: &mut Ui, value: &mut f64, least: f64, scale: f64, name: Nam
     }
 }
 
-/// Tells an angular frequency \[rad/s\] in hertz, after some words, while the pointer rests on it.
+/// Shows an angular frequency \[rad/s\] in hertz, after some words, while the pointer rests on it.
 pub(super) fn tell_hertz(response: Response, value: f64, unit: &str, words: &str) {
     if unit == "rad/s" {
         hover_text(response, &|| format!("{words} {}", in_hertz(value, unit).unwrap_or_default()));

@@ -70,7 +70,6 @@ fn augment_ui(ui: &mut Ui, filter: &mut FilterSettings, plant: PlantKind, sensor
     augment.retain(|channel| augment::of(plant).any(|c| c == *channel));
 }
 
-/// The channels that the filter counts and does not estimate.
 fn consider_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantKind) {
     let offered: Vec<Channel> = if filter.can_consider() { filter.considerable(truth).collect() } else { Vec::new() };
     let FilterSettings { name, consider, .. } = filter;

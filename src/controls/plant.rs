@@ -51,7 +51,6 @@ fn kind_ui(ui: &mut Ui, scenario: &mut Scenario, asked: &mut Vec<Asked>) {
     ui.add_space(4.0);
 }
 
-/// The signal of a parameter or an augmentation; an augmentation can be removed.
 fn parameter_ui(ui: &mut Ui, plant: &mut Plant, channel: Channel) {
     let name = sentence(channel.name());
     let label = format!("{} {}", channel.symbol(), channel.name());

@@ -1,4 +1,4 @@
-//! The times at which a filter takes the motion to begin anew.
+//! The times at which a filter assumes that the motion begins again.
 
 use egui::{DragValue, Ui};
 use kalmanscope_core::FilterSettings;
@@ -10,11 +10,11 @@ use crate::text::significant;
 const HINT: &str = "Where it was plucked again, by a hand that no input tells of: there the filter forgets the motion, and keeps what it knows \
                     of the parameters";
 
-/// A drag over a point changes a time by so much \[s\], and another pluck comes so long after the last one.
+/// The change of a time per point of dragging \[s\], and the time from the last pluck to a new one.
 const SPEED: f64 = 0.01;
 const LATER: f64 = 10.0;
 
-/// A number for each pluck. None is before the one before it.
+/// A number for each pluck. The times are in order.
 pub(super) fn plucks_ui(ui: &mut Ui, filter: &mut FilterSettings) {
     if !filter.can_be_plucked() {
         filter.plucks.clear();

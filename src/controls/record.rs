@@ -8,7 +8,6 @@ use super::Asked;
 use super::equation::equation_ui;
 use crate::session::{Library, name_of};
 
-/// Shows a record's file and columns, and a button that changes their meaning.
 pub(super) fn record_ui(ui: &mut Ui, scenario: &mut Scenario, library: &Library, asked: &mut Vec<Asked>) {
     equation_ui(ui, scenario, asked);
     let Scenario { record: Some(mapping), hold, .. } = scenario else { return };

@@ -8,7 +8,6 @@ use super::lit::lit;
 use super::number::{Named, Number};
 use crate::text::sentence;
 
-/// Shows a setting of a filter. Where it has no effect, a yes is turned into a no.
 pub(super) fn filter_row_ui(
     ui: &mut Ui,
     info: &SettingInfo<FilterSettings>,
@@ -35,7 +34,6 @@ pub(super) fn filter_row_ui(
     }
 }
 
-/// Shows a number of the scenario, at least as large as this.
 pub(super) fn scenario_row_ui(ui: &mut Ui, info: &SettingInfo<Scenario>, scenario: &mut Scenario, least: f64) {
     let (label, name) = ((info.label)(scenario).unwrap_or(info.name), sentence(info.name));
     let mut value = (info.get)(scenario);
@@ -46,7 +44,6 @@ pub(super) fn scenario_row_ui(ui: &mut Ui, info: &SettingInfo<Scenario>, scenari
     }
 }
 
-/// Shows a choice, under a name for screen readers.
 pub(super) fn choice_row_ui<T>(ui: &mut Ui, info: &ChoiceInfo<T>, of: &mut T, name: &str) {
     let (options, now) = ((info.options)(), (info.get)(of));
     let mut chosen = now;
@@ -63,7 +60,6 @@ pub(super) fn choice_row_ui<T>(ui: &mut Ui, info: &ChoiceInfo<T>, of: &mut T, na
     }
 }
 
-/// A label with a hint, and at the right a box that opens on a list of choices.
 pub(super) fn chooser_ui(
     ui: &mut Ui,
     label_and_hint: (&str, &str),
@@ -74,7 +70,7 @@ pub(super) fn chooser_ui(
     list_ui(ui, label_and_hint, summary, name, PopupCloseBehavior::CloseOnClick, list);
 }
 
-/// The same with a list of several choices or numbers, which stays open until there is a click elsewhere.
+/// A [`chooser_ui`] with several choices or numbers; its list stays open until the user clicks elsewhere.
 pub(super) fn choices_ui(
     ui: &mut Ui,
     label_and_hint: (&str, &str),

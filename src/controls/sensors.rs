@@ -72,7 +72,6 @@ fn usual_noise(quantity: Quantity) -> f64 {
     quantity.aspect().info().usual_noise
 }
 
-/// The quantities to offer, without those that equal another one.
 fn offered(scenario: &Scenario) -> Vec<Quantity> {
     let (kind, input) = (scenario.plant.kind, scenario.input);
     let is_told_apart = |quantity: &Quantity| match quantity.aspect() {
@@ -84,7 +83,6 @@ fn offered(scenario: &Scenario) -> Vec<Quantity> {
     kind.quantities().filter(|quantity| is_told_apart(quantity) || measured(quantity)).collect()
 }
 
-/// Three decades around the usual noise.
 fn noise_range(quantity: Quantity) -> (f64, f64) {
     let usual = usual_noise(quantity);
     (usual / 30.0, usual * 30.0)

@@ -91,7 +91,6 @@ fn shape_of(signal: &Signal) -> usize {
     }
 }
 
-/// Another shape with the same values, where both have them.
 fn reshaped(signal: &Signal, shape: usize) -> Signal {
     let (from, to, start) = match *signal {
         Signal::Constant(value) => (value, 0.8 * value, 30.0),

@@ -26,12 +26,9 @@ pub(crate) struct Editor {
     /// The plant's equation. `None` while the plant is built in.
     taken: Option<EquationSettings>,
     draft: EquationSettings,
-    /// The symbols of the draft when it was an equation last, and the typeset text.
     symbols: Vec<Symbol>,
     printed: String,
-    /// The keys of new symbols that are parameters now.
     accepted: Vec<String>,
-    /// Why the draft cannot be a plant, though it is an equation.
     fault: Option<String>,
     at: Option<Pos2>,
     is_new: bool,
@@ -52,7 +49,6 @@ impl Editor {
         }
     }
 
-    /// Shows the window. Returns whether it stays open.
     pub(crate) fn ui(
         &mut self,
         ctx: &Context,
@@ -77,7 +73,6 @@ impl Editor {
         open
     }
 
-    /// Takes over a change made outside the editor, such as an undo.
     fn follow(&mut self, scenario: &Scenario) {
         let now = scenario.plant.kind.own_equation().map(Equation::settings);
         if now != self.taken.as_ref() {
@@ -86,7 +81,6 @@ impl Editor {
         }
     }
 
-    /// Equation and parameters. Returns whether a change is complete.
     fn contents_ui(&mut self, ui: &mut Ui, scenario: &Scenario, palette: &Palette, height: f32) -> bool {
         let symbols = self.draft.symbols();
         let problem = symbols.as_ref().err().map(ToString::to_string);
@@ -116,7 +110,6 @@ impl Editor {
         done
     }
 
-    /// The field with the text. Returns whether it is complete.
     fn text_ui(&mut self, ui: &mut Ui) -> bool {
         let text = &mut self.draft.equation;
         let field = TextEdit::multiline(text).desired_width(f32::INFINITY).desired_rows(2).char_limit(LENGTH);
@@ -131,7 +124,6 @@ impl Editor {
         field.lost_focus() || field.has_focus() && ui.input(|input| input.key_pressed(Key::Enter))
     }
 
-    /// The rows of all symbols. Returns whether a change is complete.
     fn rows_ui(&mut self, ui: &mut Ui) -> bool {
         let news = self.news();
         let mut done = false;
@@ -146,7 +138,6 @@ impl Editor {
         done
     }
 
-    /// The new symbols that are not parameters yet.
     fn news(&self) -> Vec<String> {
         let before = self.taken.as_ref().and_then(|taken| taken.symbols().ok()).unwrap_or_default();
         let is_new = |symbol: &&Symbol| {

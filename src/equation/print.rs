@@ -4,7 +4,6 @@ use egui::text::LayoutJob;
 use egui::{Align, Color32, FontId, TextFormat};
 use kalmanscope_core::equation::{Level, typeset};
 
-/// The size of powers and subscripts, relative to that of the line.
 const SMALL: f32 = 0.72;
 
 /// An equation of text, a line for each equation, powers raised and subscripts lowered. A text that is no equation,

@@ -14,7 +14,6 @@ pub(super) struct Done {
     pub(super) accepted: bool,
 }
 
-/// The row of a symbol, which is offered as a parameter while it is new.
 pub(super) fn row_ui(ui: &mut Ui, symbol: &Symbol, settings: &mut EquationSettings, is_new: bool) -> Done {
     let shown = &symbol.shown;
     let mut done = Done::default();
@@ -57,7 +56,6 @@ fn offer_ui(ui: &mut Ui, shown: &str, height: f32) -> bool {
     button.clicked()
 }
 
-/// Name and unit. Returns whether a change is complete.
 fn words_ui(ui: &mut Ui, symbol: &Symbol, one: &mut ParameterSettings) -> bool {
     let Symbol { shown, is_parameter, .. } = symbol;
     let mut name = one.name.clone().unwrap_or_default();
@@ -67,7 +65,6 @@ fn words_ui(ui: &mut Ui, symbol: &Symbol, one: &mut ParameterSettings) -> bool {
     done | word_ui(ui, &mut one.unit, "unit", WIDTHS[2], format!("Unit of {shown}"))
 }
 
-/// The numbers of a row. Returns whether a change is complete.
 fn numbers_ui(ui: &mut Ui, symbol: &Symbol, one: &mut ParameterSettings) -> bool {
     let Symbol { shown, is_parameter, .. } = symbol;
     let Numbers { mut mean, mut std, range: [mut low, mut high] } = one.numbers(*is_parameter);

@@ -46,20 +46,17 @@ pub(super) fn html(context: &ViewContext<'_>, layout: &Layout) -> Result<String,
     report(run, &analysis, &parts).map_err(|error| error.to_string())
 }
 
-/// The name of the record's file, or of what the screen shows.
 fn title(session: &Session) -> String {
     let file = session.scenario().record.as_ref().map(|mapping| mapping.file.clone());
     file.filter(|file| !file.is_empty()).unwrap_or_else(|| "A simulated oscillator".to_owned())
 }
 
-/// The time in seconds since 1970, where there is a clock.
 #[cfg(not(target_arch = "wasm32"))]
 fn now() -> Option<f64> {
     let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
     now.ok().map(|now| now.as_secs_f64())
 }
 
-/// The time in seconds since 1970.
 #[cfg(target_arch = "wasm32")]
 fn now() -> Option<f64> {
     Some(js_sys::Date::now() / 1e3)

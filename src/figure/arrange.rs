@@ -31,7 +31,6 @@ const TWO_COLUMNS: f32 = 480.0;
 /// Room for text of any length \[points of the canvas\].
 const AMPLE: f32 = 3000.0;
 
-/// The largest canvas of a slide, relative to that with type of the wanted size.
 const LARGEST: f32 = 3.0;
 
 pub(super) fn arrange(context: &ViewContext<'_>, rows: &[Vec<ViewKind>], format: FigureFormat) -> Figure {
@@ -83,9 +82,7 @@ pub(super) fn arrange(context: &ViewContext<'_>, rows: &[Vec<ViewKind>], format:
 struct Sheet<'a> {
     canvas: &'a Canvas,
     context: &'a ViewContext<'a>,
-    /// The width between the margins.
     width: f32,
-    /// Whether there is a single view, which needs no name.
     is_alone: bool,
 }
 
@@ -104,7 +101,6 @@ impl Sheet<'_> {
         name + row.iter().map(|kind| self.height(*kind, width)).fold(0.0, f32::max)
     }
 
-    /// The height that a view needs, without its name.
     fn height(&self, kind: ViewKind, width: f32) -> f32 {
         if let Some(natural) = self.text_size(kind, width) {
             return natural.y * (width / natural.x).min(1.0);
@@ -168,7 +164,6 @@ impl Sheet<'_> {
         })
     }
 
-    /// A view in its room. A view of text is scaled down if it is too large.
     fn part(&self, kind: ViewKind, corner: Pos2, room: Vec2) -> Part {
         let natural = self.text_size(kind, room.x);
         let scaling = natural.map_or(1.0, |natural| (room / natural).min_elem().min(1.0));

@@ -83,7 +83,6 @@ fn beyond(limits: Rect, ground: Rect) -> Rect {
     limits
 }
 
-/// The right lower corner of all text, also of what is cut off.
 pub(super) fn extent(shapes: &[ClippedShape]) -> Vec2 {
     let mut extent = Vec2::ZERO;
     shapes.iter().for_each(|clipped| extend(&clipped.shape, &mut extent));

@@ -10,7 +10,6 @@ use crate::view::ViewContext;
 /// The size of a sample \[points of the canvas\].
 const SAMPLE: egui::Vec2 = vec2(18.0, 9.0);
 
-/// The entries that are on the plots, in as many lines as they need.
 pub(super) fn legend_ui(ui: &mut Ui, context: &ViewContext<'_>) {
     let ViewContext { session, palette, visible, .. } = *context;
     let record = session.run().record();

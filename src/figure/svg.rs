@@ -7,7 +7,6 @@ use kalmanscope_figures::{Point, Style, Svg};
 use super::Figure;
 use super::svg_text::{color, write_text};
 
-/// The text of an SVG file: as large as the figure, with a white ground.
 pub(super) fn svg(figure: &Figure) -> String {
     let mut svg = Svg::default();
     for part in &figure.parts {
@@ -71,7 +70,6 @@ fn write_shape(svg: &mut Svg, shape: &Shape) {
     }
 }
 
-/// The stroke of a path; grey if its colour varies.
 fn plain(stroke: &PathStroke) -> Stroke {
     match stroke.color {
         ColorMode::Solid(color) => Stroke::new(stroke.width, color),
@@ -79,7 +77,6 @@ fn plain(stroke: &PathStroke) -> Stroke {
     }
 }
 
-/// Along the upper edge of a band and back along its lower edge.
 fn outline(band: &BandShape) -> impl Iterator<Item = Point> {
     let upper = band.points.iter().map(|point| [point.x, point.y.min]);
     let lower = band.points.iter().rev().map(|point| [point.x, point.y.max]);

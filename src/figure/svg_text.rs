@@ -5,7 +5,6 @@ use egui::text::TextFormat;
 use egui::{Color32, FontFamily};
 use kalmanscope_figures::{Anchor, Color, Svg, Text};
 
-/// Writes a text: one element for each row and format.
 pub(super) fn write_text(svg: &mut Svg, shape: &TextShape) {
     let TextShape { pos, galley, fallback_color, override_text_color, opacity_factor, angle, .. } = shape;
     let ink = |format: &TextFormat| {

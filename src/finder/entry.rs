@@ -1,4 +1,4 @@
-//! What the finder can find.
+//! The entries of the finder.
 
 use kalmanscope_core::Scenario;
 use kalmanscope_core::setting::{Address, Edit, addresses, other_choices, words_of};
@@ -11,7 +11,6 @@ use crate::text::sentence;
 use crate::tutor::Catalogue;
 use crate::views::view;
 
-/// Something that the finder can find.
 pub(super) struct Entry {
     pub(super) title: String,
     pub(super) kind: &'static str,
@@ -21,7 +20,6 @@ pub(super) struct Entry {
 }
 
 pub(super) enum Choice {
-    /// Its number can be changed.
     Setting(Address),
     Edit(Edit),
     Request(Box<Request>),
@@ -42,7 +40,6 @@ pub(super) fn title(scenario: &Scenario, address: &Address) -> String {
     filter.map_or_else(|| name.clone(), |filter| format!("{name}, {}", filter.name))
 }
 
-/// Everything that can be found, the most wanted kinds first.
 pub(super) fn entries(session: &Session, catalogue: &Catalogue) -> Vec<Entry> {
     let scenario = session.scenario();
     let settings = addresses(scenario).into_iter().map(|address| Entry {

@@ -2,7 +2,6 @@
 
 use egui::{ComboBox, DragValue, Ui};
 
-/// A field for a number; `name` is its accessible name.
 pub(super) fn number_ui(ui: &mut Ui, name: &str, value: &mut f64, speed: f64) {
     let field = ui.add(DragValue::new(value).speed(speed).max_decimals(12));
     field.ctx.accesskit_node_builder(field.id, |node| node.set_label(name.to_owned()));

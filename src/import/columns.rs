@@ -11,11 +11,9 @@ use super::draft::{Draft, Role};
 use crate::text::significant;
 use crate::theme::Palette;
 
-/// The number of rows that are shown.
 const FIRST: usize = 3;
 const MOST: usize = 60;
 
-/// A row for each column: name, meaning, shape, first numbers; and unit, gain, offset and delay of those that are used.
 pub(super) fn columns_ui(ui: &mut Ui, draft: &mut Draft, palette: &Palette) {
     let count = draft.file().table.columns.len();
     ScrollArea::horizontal().id_salt("columns").show(ui, |ui| {
@@ -76,7 +74,6 @@ fn column_ui(ui: &mut Ui, draft: &mut Draft, place: usize, palette: &Palette) {
     }
 }
 
-/// The meanings that a column can have.
 fn roles(draft: &Draft) -> Vec<(Role, String)> {
     let input = match draft.input {
         InputKind::Force => "the force over mass",

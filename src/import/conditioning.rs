@@ -9,7 +9,6 @@ use super::draft::Draft;
 use crate::equation;
 use crate::theme::Palette;
 
-/// The rate of a file without times, the kind of input and its course between samples, the plant.
 pub(super) fn meaning_ui(ui: &mut Ui, draft: &mut Draft) {
     ui.horizontal_wrapped(|ui| {
         if draft.mapping.time.column.is_none() {

@@ -16,7 +16,7 @@ enum Choice {
     Open,
     HoldOut,
     Cancel,
-    /// Go on with the free decay in the file, as a file of its own.
+    /// Continue with the free decay in the file, as its own file.
     Decay(Result<String, NoDecay>),
 }
 

@@ -11,28 +11,20 @@ use super::spectra::Spectra;
 use crate::session::RecordFile;
 use crate::spark::Spark;
 
-/// The meaning of a file's columns while the user chooses it.
 pub struct Draft {
     file: Arc<RecordFile>,
     pub mapping: Mapping,
     pub input: InputKind,
-    /// The course of the input between samples.
     pub hold: Hold,
     pub plant: PlantKind,
-    /// Whether start values are made from the data.
     pub suggest: bool,
-    /// A sentence about a file that is a sound.
     pub(super) remark: Option<String>,
-    /// The scenario that goes on with another meaning of the columns, if there is one.
+    /// The scenario that continues with another meaning of the columns, if there is one.
     base: Option<Scenario>,
     pub(super) sparks: Vec<Spark>,
-    /// Whether each column has times that only the columns behind it have.
     pub(super) is_own_clock: Vec<bool>,
-    /// The last choices that are complete, with their record or the reason why there is none.
     outcome: Option<(Choices, Result<Imported, String>)>,
-    /// The present choices, with their record in the making.
     making: Option<(Choices, Builder<'static>)>,
-    /// The spectra without and with the conditioning, for the record that is complete.
     spectra: Option<Spectra>,
 }
 
@@ -77,7 +69,6 @@ impl Draft {
         Self { mapping, input, hold, plant, suggest: false, base: Some(scenario.clone()), ..draft }
     }
 
-    /// Whether the file is the one on screen, and its columns are given another meaning.
     pub(super) fn is_of_scenario(&self) -> bool {
         self.base.is_some()
     }
@@ -98,7 +89,6 @@ impl Draft {
         sensor.map_or(Role::Unused, |(quantity, _)| Role::Sensor(*quantity))
     }
 
-    /// Gives the column at a place a meaning; a column that had it loses it.
     pub fn set_role(&mut self, place: usize, role: Role) {
         let column = &self.file.table.columns[place];
         let unit = column.unit.clone().unwrap_or_default();
@@ -130,7 +120,7 @@ impl Draft {
         }
     }
 
-    /// Goes on with the record that follows from the choices, column by column, and then with its spectra, until
+    /// Makes the record that follows from the choices, column by column, and then with its spectra, until
     /// `while_time` returns false.
     pub fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) {
         if self.is_behind() {
@@ -159,7 +149,6 @@ impl Draft {
         }
     }
 
-    /// Whether the record does not follow from the choices yet.
     pub fn is_behind(&self) -> bool {
         let Self { mapping, input, hold, outcome, .. } = self;
         !outcome.as_ref().is_some_and(|((m, i, h), _)| m == mapping && i == input && h == hold)
@@ -182,7 +171,6 @@ impl Draft {
         self.is_behind() || self.spectra.as_ref().is_some_and(Spectra::is_behind)
     }
 
-    /// The spectra of the first sensor without and with band-pass, decimation and interpolation.
     pub(super) fn spectra(&self) -> Option<&Spectra> {
         self.spectra.as_ref()
     }

@@ -8,7 +8,6 @@ use kalmanscope_core::{Hold, InputKind};
 
 use crate::session::RecordFile;
 
-/// The choices that a record depends on.
 pub(super) type Choices = (Mapping, InputKind, Hold);
 
 #[derive(Clone, Debug)]

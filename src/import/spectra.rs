@@ -13,16 +13,12 @@ const COUNT: usize = 4;
 
 /// Both spectra, in the making: frequency \[Hz\], and density in dB below the highest before the conditioning.
 pub(super) struct Spectra {
-    /// The record without conditioning, until it is made.
     plain: Option<Builder<'static>>,
-    /// The windows before and after, until they are complete.
     windows: [Option<Windows>; 2],
     curves: [Vec<[f64; 2]>; 2],
 }
 
 impl Spectra {
-    /// The spectra for a record that follows from some choices. `None` if the choices remove nothing or the record is
-    /// too short.
     pub(super) fn new(table: Shared, (mapping, kind, hold): &Choices, record: &Record) -> Option<Self> {
         if mapping.band.is_none() && mapping.every == 1 {
             return None;
@@ -43,7 +39,7 @@ impl Spectra {
         })
     }
 
-    /// Goes on until `while_time` returns false.
+    /// Continues until `while_time` returns false.
     pub(super) fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) {
         let Self { plain, windows, curves } = self;
         if let Some(mut builder) = plain.take() {
@@ -72,7 +68,6 @@ impl Spectra {
         self.plain.is_some() || self.windows.iter().any(Option::is_some)
     }
 
-    /// The spectra before and after; empty until both are complete.
     #[cfg(test)]
     pub(super) fn curves(&self) -> &[Vec<[f64; 2]>; 2] {
         &self.curves

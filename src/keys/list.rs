@@ -18,10 +18,8 @@ const MARGINS: Vec2 = vec2(36.0, 84.0);
 /// Gaps between columns and between groups \[points\].
 const GAPS: Vec2 = vec2(24.0, 8.0);
 
-/// A group's title, and its keys with what they do.
 type Group = (&'static str, Vec<(&'static str, &'static str)>);
 
-/// The window with the list, until it is closed.
 pub(crate) fn window_ui(ctx: &Context, open: &mut bool) {
     let room = ctx.content_rect().size() - MARGINS;
     let columns = if room.x >= TWO_COLUMNS { 2 } else { 1 };
@@ -51,7 +49,6 @@ fn groups() -> Vec<Group> {
     keys.chain(GESTURES.iter().map(|(title, rows)| (*title, rows.to_vec()))).collect()
 }
 
-/// The groups in columns of about the same length, in their order.
 fn split(groups: Vec<Group>, columns: usize) -> Vec<Vec<Group>> {
     let length = |(_, rows): &Group| rows.len() + 2;
     let all: usize = groups.iter().map(length).sum();

@@ -11,7 +11,6 @@ use crate::team::Precision;
 /// Limits the values on an axis of a map.
 pub const MOST: usize = 256;
 
-/// The axes of a map, the score that is shown, and the filters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Choice {
@@ -42,7 +41,6 @@ impl Choice {
         })
     }
 
-    /// The choice with the filters, settings and scores that the scenario has, and usual ones in place of the others.
     pub(crate) fn fitted(&self, scenario: &Scenario, record: &Record, is_measured: bool) -> Option<Self> {
         let exists = |id: u32| scenario.filters.iter().any(|filter| filter.id == id);
         let filter = if exists(self.filter) { self.filter } else { scenario.filters.first()?.id };
@@ -66,7 +64,7 @@ impl Choice {
     /// Checks that a scenario can have a map of this choice.
     ///
     /// # Errors
-    /// A sentence that says what is wrong.
+    /// A sentence with the reason.
     pub fn check(&self, scenario: &Scenario) -> Result<(), String> {
         let mut scenario = scenario.clone();
         scenario.number_filters();
@@ -95,7 +93,6 @@ impl Choice {
     }
 }
 
-/// A scenario with some of its filters, in the given order and without colours.
 pub(crate) fn part_of(scenario: &Scenario, filters: &[u32]) -> Scenario {
     let filter = |id: &u32| scenario.filters.iter().find(|filter| filter.id == *id).cloned();
     let mut filters: Vec<_> = filters.iter().filter_map(filter).collect();
@@ -112,7 +109,6 @@ pub(crate) fn is_same_but_for_names(a: &Scenario, b: &Scenario) -> bool {
     a == *b
 }
 
-/// The axes that are kept, and usual ones in place of the others.
 fn usual_axes(part: &Scenario, is_measured: bool, kept: [Option<&Axis>; 2], count: usize) -> Option<[Axis; 2]> {
     const WISHES: [[&str; 2]; 2] = [
         ["filters.*.initial_mean.natural_frequency", "filters.*.fading"],

@@ -5,20 +5,15 @@ use serde::{Deserialize, Serialize};
 
 use super::{Choice, Laboratory, SeedChoice, TuneChoice};
 
-/// The choices of all views of the laboratory. `None` stands for the usual choice.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Choices {
-    /// The map.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub map: Option<Choice>,
-    /// The seeds of Monte Carlo.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seeds: Option<SeedChoice>,
-    /// The settings to tune and the goal.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tuning: Option<TuneChoice>,
-    /// The id of the filter whose posterior is shown.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub posterior: Option<u32>,
 }
@@ -27,7 +22,7 @@ impl Choices {
     /// Whether the choices are possible with a scenario.
     ///
     /// # Errors
-    /// A sentence that says what is wrong.
+    /// A sentence with the reason.
     pub fn check(&self, scenario: &Scenario) -> Result<(), String> {
         let Self { map, seeds, tuning, posterior: _ } = self;
         map.as_ref().map_or(Ok(()), |map| map.check(scenario))?;
@@ -60,7 +55,6 @@ impl Choices {
 }
 
 impl Laboratory {
-    /// The choices of all views.
     pub fn choices(&self) -> Choices {
         Choices {
             map: self.choice().cloned(),
@@ -70,7 +64,6 @@ impl Laboratory {
         }
     }
 
-    /// Takes over the choices of all views.
     pub fn restore(&mut self, Choices { map, seeds, tuning, posterior }: Choices) {
         self.choose(map);
         self.seeds_mut().choose(seeds.unwrap_or_default());

@@ -8,7 +8,6 @@ use crate::text::unit_in;
 /// Limits the channels that a map keeps scores of: a wide row for every cell would fill the memory.
 const MOST_CHANNELS: usize = 8;
 
-/// The channels of the scenario's filters, parameters first.
 fn scored(scenario: &Scenario) -> Vec<Channel> {
     let places: Vec<usize> = (0..scenario.filters.len()).collect();
     let mut channels = channels(scenario, &places);
@@ -23,7 +22,6 @@ pub(crate) fn taken(scenario: &Scenario) -> Vec<Measure> {
     Measure::of_sums(&scored(scenario))
 }
 
-/// The scores that can be shown, in the order of a menu: errors first.
 pub(crate) fn offered(scenario: &Scenario, record: &Record) -> Vec<Measure> {
     let channels = scored(scenario);
     let is_known = |channel: Channel| record.truth(channel).is_some();

@@ -28,24 +28,19 @@ pub const SEEDS: RangeInclusive<usize> = 10..=10_000;
 /// The initial number of seeds: fewer on the page, where a run takes longer.
 const USUAL: usize = if cfg!(target_arch = "wasm32") { 100 } else { 200 };
 
-/// The number of times, equally spaced over the record, at which each run is recorded.
 const TIMES: usize = 60;
 
-/// The least number of seeds of statistics that replace earlier ones.
 const ENOUGH: usize = 10;
 
-/// The user's choice of runs, as plain data.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SeedChoice {
-    /// The number of seeds: 1 up to this one.
     pub seeds: usize,
     /// The parameter to show errors and estimates of. `None` for the first one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub parameter: Option<Channel>,
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub verdicts: bool,
-    /// Whether the first cause of each bad verdict is searched too.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub causes: bool,
 }
@@ -68,7 +63,7 @@ impl SeedChoice {
     /// Whether the number of seeds is possible.
     ///
     /// # Errors
-    /// A sentence that says what is allowed.
+    /// A sentence with the allowed numbers.
     pub fn check(&self) -> Result<(), String> {
         let (least, most) = (SEEDS.start(), SEEDS.end());
         if SEEDS.contains(&self.seeds) {
@@ -79,7 +74,6 @@ impl SeedChoice {
     }
 }
 
-/// The runs of one scenario with many seeds: under way, or complete.
 pub struct SeedRuns {
     ensemble: Ensemble,
     judged: Judged,
@@ -99,12 +93,10 @@ impl SeedRuns {
         Ok(Self { ensemble, judged, filters: filters.to_vec(), statistics, known: vec![false; seeds], work: None })
     }
 
-    /// The scenario, with the filters that are shown only.
     pub fn scenario(&self) -> &Scenario {
         self.ensemble.scenario()
     }
 
-    /// The ids of the filters, in the order of the statistics.
     pub fn filters(&self) -> &[u32] {
         &self.filters
     }
@@ -125,7 +117,6 @@ impl SeedRuns {
         self.filters == filters && is_same_but_for_names(self.scenario(), &bare(scenario, filters))
     }
 
-    /// Takes over the statistics of the same runs with fewer seeds.
     fn continue_from(&mut self, before: &Self) {
         let is_same = before.is_of(self.scenario(), &self.filters) && before.judged == self.judged;
         if is_same && before.seeds() <= self.seeds() {
@@ -134,7 +125,6 @@ impl SeedRuns {
         }
     }
 
-    /// Goes on if there is work to do. Returns whether rows have come.
     fn follow(&mut self, team: &Rc<dyn Team>, ctx: &Context) -> Result<bool, String> {
         if self.is_complete() {
             self.work = None;
@@ -160,20 +150,16 @@ impl SeedRuns {
     }
 }
 
-/// A scenario with these filters, with seed and colours reset.
 fn bare(scenario: &Scenario, filters: &[u32]) -> Scenario {
     Scenario { seed: 0, ..part_of(scenario, filters) }
 }
 
-/// The runs of the session's scenario with many seeds.
 #[derive(Default)]
 pub struct Seeds {
     choice: SeedChoice,
     runs: Option<SeedRuns>,
-    /// The earlier runs, until the present ones have enough seeds.
     before: Option<SeedRuns>,
     state: WorkState,
-    /// The seeds of the statistics with the present version.
     counted: usize,
 }
 
@@ -196,7 +182,6 @@ impl Seeds {
         self.before.is_some()
     }
 
-    /// The number of seeds that are done, and of all. `None` if all are done or there are no runs.
     pub fn progress(&self) -> Option<[usize; 2]> {
         let runs = self.runs.as_ref().filter(|runs| !runs.is_complete())?;
         Some([runs.statistics.done(), runs.seeds()])
@@ -212,7 +197,6 @@ impl Seeds {
         &self.state
     }
 
-    /// Stops the work, or goes on with it. Returns whether that changes anything.
     pub fn set_stopped(&mut self, stopped: bool) -> bool {
         let changes = self.state.set_stopped(stopped, self.progress().is_some());
         if changes {
@@ -244,7 +228,7 @@ impl Seeds {
         }
     }
 
-    /// Gives up the work on seeds that are not done; [`Self::follow`] goes on with them.
+    /// Gives up the work on seeds that are not done; [`Self::follow`] continues it.
     pub(super) fn rest(&mut self) {
         if let Some(runs) = &mut self.runs {
             runs.work = None;
@@ -256,7 +240,6 @@ impl Seeds {
         self.state.fail(problem);
     }
 
-    /// Begins other runs. The present ones stay on screen if they have enough seeds.
     fn begin(&mut self, mut next: SeedRuns) {
         self.state.begin();
         self.rest();
@@ -279,7 +262,6 @@ impl Seeds {
         }
     }
 
-    /// Increments the version if there is something new to show.
     fn show_new(&mut self) {
         let Some(runs) = &self.runs else { return };
         let done = runs.statistics.done();
@@ -296,7 +278,6 @@ impl Seeds {
     }
 }
 
-/// Why a run has no statistics over seeds, if so.
 fn problem(run: &Run, filters: &[u32]) -> Option<String> {
     if run.source().is_measured() {
         let sentence = "This record is measured, and there is only one of it. Monte Carlo simulates the scenario anew for each seed.";

@@ -10,10 +10,9 @@ use super::choice::{is_same_but_for_names, part_of};
 use crate::session::{Budget, Session};
 use crate::team::{Lost, Priority, Running, Team};
 
-/// The search begins once the scenario and the time have not changed for so long \[s\].
+/// The search begins once the scenario and the time have not changed for this time \[s\].
 const STILL: f64 = 0.35;
 
-/// A filter, a record, and the sample up to which the posterior knows it.
 #[derive(Clone)]
 struct Subject {
     filter: u32,
@@ -25,7 +24,6 @@ struct Subject {
 }
 
 impl Subject {
-    /// The subject of a session; `None` if it lacks the filter.
     fn of(session: &Session, filter: u32) -> Option<Self> {
         let run = session.run();
         let of = part_of(run.scenario(), &[filter]);
@@ -74,7 +72,6 @@ impl Shown {
         &self.sampled
     }
 
-    /// The two solutions of the parameter that has them furthest apart.
     pub fn solutions(&self) -> Option<(Channel, Solutions)> {
         self.solutions
     }
@@ -91,7 +88,6 @@ impl Shown {
 
 struct Seen {
     subject: Subject,
-    /// The generation of the session's samples and the sample, which change with it.
     key: (u64, usize),
     /// The time since when it has been there \[s\].
     since: f64,
@@ -115,7 +111,6 @@ impl Posteriors {
         *self = Self { chosen, ..Self::default() };
     }
 
-    /// The share of a search that is done, from 0 to 1.
     pub fn progress(&self) -> Option<f64> {
         self.search.as_ref().map(|search| *search.seen())
     }
@@ -137,7 +132,6 @@ impl Posteriors {
         self.problem.as_deref()
     }
 
-    /// Follows the session while its view is on screen.
     pub(super) fn follow(&mut self, team: &dyn Team, session: &Session, budget: Budget, ctx: &Context) {
         let Some(filter) = self.chosen else { return };
         let (now, key) = (ctx.input(|input| input.time), (session.generation(), session.index()));
@@ -150,7 +144,6 @@ impl Posteriors {
         self.go_on(budget, ctx);
     }
 
-    /// Takes in the subject on screen. Returns whether there is one.
     fn look(&mut self, session: &Session, filter: u32, key: (u64, usize), now: f64) -> bool {
         let Some(subject) = Subject::of(session, filter) else { return false };
         match &mut self.seen {
@@ -167,7 +160,6 @@ impl Posteriors {
         true
     }
 
-    /// Whether the subject has been searched, with whatever result.
     fn is_done(&self) -> bool {
         self.problem.is_some() || self.shown.as_ref().is_some_and(Shown::is_of_now)
     }

@@ -60,7 +60,6 @@ pub(crate) fn collide(a: &str, b: &str, scenario: &Scenario) -> bool {
     matches!((a, b), (Ok(a), Ok(b)) if a.overlaps(&b))
 }
 
-/// The name of a setting, short enough for an axis.
 pub(crate) fn name(key: &str, scenario: &Scenario) -> String {
     Address::parse(scenario, key).map_or_else(|_| key.to_owned(), |address| address.name())
 }

@@ -1,7 +1,6 @@
 //! The state of work that the user sees: whether it has been stopped, why it is not possible, and whether there is something
 //! new to show.
 
-/// The state of the work on a map, or on the statistics over many seeds.
 #[derive(Debug, Default)]
 pub struct WorkState {
     is_stopped: bool,
@@ -14,7 +13,6 @@ impl WorkState {
         self.is_stopped
     }
 
-    /// Why there is nothing to show, if so.
     pub fn problem(&self) -> Option<&str> {
         self.problem.as_deref()
     }
@@ -24,7 +22,7 @@ impl WorkState {
         self.version
     }
 
-    /// Stops the work, or lets it go on. Returns whether that changes anything: work that is complete cannot be stopped.
+    /// Stops or continues the work. Returns whether that changes anything: complete work cannot be stopped.
     pub(super) fn set_stopped(&mut self, stopped: bool, is_incomplete: bool) -> bool {
         let changes = self.is_stopped != stopped && is_incomplete;
         if changes {
@@ -33,7 +31,7 @@ impl WorkState {
         changes
     }
 
-    /// Other work has been chosen: it goes on.
+    /// Continues, because the user has chosen other work.
     pub(super) fn go_on(&mut self) {
         self.is_stopped = false;
     }
@@ -42,7 +40,6 @@ impl WorkState {
         (self.is_stopped, self.problem) = (false, None);
     }
 
-    /// There is nothing to show, for a reason.
     pub(super) fn fail(&mut self, problem: String) {
         if self.problem.as_ref() != Some(&problem) {
             self.problem = Some(problem);

@@ -13,7 +13,6 @@ use super::measures;
 use crate::session::is_same;
 use crate::team::{Cells, Computer, Precision, Priority, Relay, Team};
 
-/// An ensemble under way, or complete.
 pub struct Survey {
     ensemble: Ensemble,
     source: Source,
@@ -22,7 +21,6 @@ pub struct Survey {
     sheet: Sheet,
     work: Option<Relay>,
     precision: Precision,
-    /// The threads, workers or graphics processor that have computed the known rows.
     computers: Vec<Computer>,
 }
 
@@ -56,7 +54,6 @@ impl Survey {
         Ok(Self { ensemble, source, filters, order, sheet, work, precision, computers })
     }
 
-    /// The ensemble: its scenario has the filters of the map only, and its axes are those across and up.
     pub fn ensemble(&self) -> &Ensemble {
         &self.ensemble
     }
@@ -65,7 +62,6 @@ impl Survey {
         &self.sheet
     }
 
-    /// The threads, workers or graphics processor that have computed the known rows.
     pub fn computers(&self) -> &[Computer] {
         &self.computers
     }
@@ -95,13 +91,11 @@ impl Survey {
         self.sheet.shown(cell)?.get(self.column(filter, measure)?).copied()
     }
 
-    /// The values of the axes' settings in a scenario; NaN for a setting without a value.
     pub fn present(&self, scenario: &Scenario) -> [f64; 2] {
         let part = part_of(scenario, &self.filters);
         [0, 1].map(|at| self.ensemble.settings().get(at).map_or(f64::NAN, |setting| setting.get(&part)))
     }
 
-    /// The scenario with these values of the axes' settings, if it is possible.
     pub fn with(&self, scenario: &Scenario, values: [f64; 2]) -> Option<Scenario> {
         let mut part = part_of(scenario, &self.filters);
         if part.filters.len() != self.filters.len() {
@@ -162,13 +156,11 @@ impl Survey {
         is_given && self.ensemble.settings().iter().any(|setting| !setting.is_of_filters())
     }
 
-    /// The axes' settings that multiply a table, with the table.
     fn factors(&self) -> impl Iterator<Item = (&TableInfo, &Address)> {
         let factors = self.ensemble.settings().iter().filter(|setting| setting.is_factor());
         factors.filter_map(|setting| Some((setting.table()?, setting)))
     }
 
-    /// Whether each table with a factor is that factor times the table of this survey, in every filter.
     fn has_its_factors(&self, part: &Scenario) -> bool {
         self.factors().all(|(table, setting)| {
             let factor = setting.get(part);
@@ -180,7 +172,7 @@ impl Survey {
         })
     }
 
-    /// Goes on if there is work to do. Returns whether rows have come.
+    /// Continues if there is work to do. Returns whether rows have come.
     ///
     /// # Errors
     /// A sentence where the cells cannot be run.
@@ -206,7 +198,7 @@ impl Survey {
         Ok(!rows.is_empty())
     }
 
-    /// Gives up the work on cells that are not known; [`Self::follow`] goes on with them.
+    /// Gives up the work on unknown cells; [`Self::follow`] continues it.
     pub(super) fn rest(&mut self) {
         self.work = None;
     }

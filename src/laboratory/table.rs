@@ -5,8 +5,6 @@ use std::fmt::Write as _;
 use super::Survey;
 
 impl Survey {
-    /// One row a cell: the values of the axes, named by their keys, then the scores of each filter. Unknown cells and
-    /// scores that are NaN are empty.
     pub fn to_csv(&self) -> String {
         let ensemble = self.ensemble();
         let [only, ..] = &ensemble.scenario().filters[..] else { return String::new() };
@@ -33,7 +31,6 @@ impl Survey {
     }
 }
 
-/// A cell of text, in quotation marks where it needs them.
 pub(super) fn quoted(text: &str) -> String {
     if text.contains([',', '"', '\n']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
 }

@@ -12,7 +12,6 @@ fn session() -> Session {
     Session::new(Scenario { duration: 2.0, ..Scenario::default() }).unwrap()
 }
 
-/// A laboratory that runs one cell of a short record a frame.
 fn slow() -> Laboratory {
     let mut laboratory = Laboratory::new(Rc::new(Frames(Budget::Pieces(1))));
     laboratory.choose(Some(choice()));

@@ -22,7 +22,6 @@ pub use choice::TuneChoice;
 
 pub struct TuneResult {
     choice: TuneChoice,
-    /// The scenario with the filter alone, as the search found it.
     of: Scenario,
     tuned: Tuned,
 }
@@ -32,7 +31,6 @@ impl TuneResult {
         &self.choice
     }
 
-    /// The path, the verdict and the remarks.
     pub fn tuned(&self) -> &Tuned {
         &self.tuned
     }
@@ -61,12 +59,10 @@ struct Search {
     tuner: Running<Tuner, Seen>,
 }
 
-/// The state of a search under way: the share that is done, and its path.
 type Seen = (f64, Vec<Try>);
 
 #[derive(Default)]
 pub struct Tuning {
-    /// The user's choice. `None` for the usual one.
     choice: Option<TuneChoice>,
     search: Option<Search>,
     result: Option<TuneResult>,
@@ -74,13 +70,11 @@ pub struct Tuning {
 }
 
 impl Tuning {
-    /// The choice, reduced to the filter and settings that a scenario has.
     pub fn choice(&self, scenario: &Scenario) -> Option<TuneChoice> {
         let chosen = self.choice.as_ref().and_then(|choice| choice.fitted(scenario));
         chosen.or_else(|| TuneChoice::usual(scenario, None))
     }
 
-    /// The user's own choice. `None` for the usual one.
     pub fn chosen(&self) -> Option<&TuneChoice> {
         self.choice.as_ref()
     }
@@ -111,17 +105,14 @@ impl Tuning {
         }
     }
 
-    /// The result of the last search that came to an end.
     pub fn result(&self) -> Option<&TuneResult> {
         self.result.as_ref()
     }
 
-    /// Why there is no search, if so.
     pub fn problem(&self) -> Option<&str> {
         self.problem.as_deref()
     }
 
-    /// Stops the search. Returns whether there was one.
     pub fn cancel(&mut self) -> bool {
         self.search.take().is_some()
     }
@@ -155,7 +146,7 @@ impl Tuning {
         Ok(Search { choice, of, tuner })
     }
 
-    /// Goes on for as long as a slice of a frame allows, or sees what its thread has done. A search of settings that have changed since ends.
+    /// Continues for a slice of a frame, or reads the progress of its thread. Ends a search whose settings have changed.
     pub(super) fn follow(&mut self, scenario: &Scenario, budget: Budget, ctx: &Context) {
         let Some(search) = &mut self.search else { return };
         if !is_same_but_for_names(&part_of(scenario, &[search.choice.filter]), &search.of) {

@@ -1,4 +1,4 @@
-//! What is wrong with an accelerometer's readings while they come, in sentences.
+//! Problems of an accelerometer's readings while they come, in sentences.
 
 use crate::text::fixed;
 
@@ -6,7 +6,6 @@ use crate::text::fixed;
 const GAP: f64 = 0.25;
 const STEPS: f64 = 10.0;
 
-/// The readings over which a rate is looked at, and the factor by which it changes.
 const AT_ONCE: usize = 100;
 const CHANGED: f64 = 1.25;
 
@@ -14,7 +13,6 @@ const CHANGED: f64 = 1.25;
 const STILL: f64 = 2.0;
 const TURNED: f64 = 20.0;
 
-/// Sums over the readings that have come.
 #[derive(Default)]
 pub(super) struct Health {
     seen: usize,
@@ -123,7 +121,7 @@ fn turn(readings: &[[f64; 4]]) -> f64 {
 mod tests {
     use super::*;
 
-    /// What is said of readings at these times, with gravity along an angle \[degrees\].
+    /// The sentences about readings at these times, with gravity along an angle \[degrees\].
     fn said(times: impl Iterator<Item = f64>, angle: impl Fn(f64) -> f64) -> Vec<String> {
         let of = |t: f64| {
             let (sin, cos) = angle(t).to_radians().sin_cos();

@@ -7,25 +7,22 @@ use kalmanscope_core::record::{Input, LiveRecord, Record};
 use kalmanscope_core::suggest::{scenario_for, suggest};
 use kalmanscope_core::{Channel, Hold, InputKind, Quantity, Run, Scenario, Source};
 
-/// What the record that grows has in place of a file's name.
 pub(super) const NAME: &str = "measured now";
 
 /// The time between two looks at where decays begin and end \[s\].
 const LOOK: f64 = 1.0;
 
-/// A decay is the same if it begins at the same time \[s\], and what is constant differs by this share of the noise, the axis by
+/// A decay is the same if it begins at the same time \[s\], and its constants differ by this share of the noise, its axis by
 /// this angle at most.
 const SAME: f64 = 0.1;
 const SLIGHT: f64 = 0.1;
 
-/// The start values are those of so many samples, and a frame takes in so many readings: neither makes it long.
+/// Limits the samples for start values, and the readings that a frame takes in, so that no frame is long.
 const LOOKED_AT: usize = 1500;
 const AT_ONCE: usize = 1000;
 
-/// A later decay agrees with what is known within this many standard deviations.
 const AGREES: f64 = 3.0;
 
-/// The estimates of decays, the last of which may go on.
 #[derive(Default)]
 pub(super) struct Live {
     following: Option<Following>,
@@ -36,19 +33,17 @@ pub(super) struct Live {
     rests: bool,
 }
 
-/// A decay that goes on, its record and the filters on it.
+/// A decay that continues, its record and the filters on it.
 struct Following {
     decay: Decay,
     live: LiveRecord,
     record: Arc<Record>,
-    /// The scenario with the meaning of the columns of the decay's file.
     scenario: Scenario,
     run: Run,
     /// The time of the last reading that was taken \[s\].
     taken: f64,
 }
 
-/// An estimate with its band of two standard deviations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Band {
     pub(super) mean: f64,
@@ -56,7 +51,7 @@ pub(super) struct Band {
 }
 
 impl Live {
-    /// Takes in the new readings. Another pluck gets a new filter, and what was known before counts on.
+    /// Takes in the new readings. Another pluck gets a new filter; earlier estimates still count.
     pub(super) fn follow(&mut self, readings: &[[f64; 4]]) {
         let Some(now) = readings.last().map(|reading| reading[0]) else { return };
         if self.looked.is_none_or(|looked| now >= looked + LOOK) {
@@ -98,7 +93,7 @@ impl Live {
         estimates.map_or(self.known, |estimates| Some(self.together(estimates)))
     }
 
-    /// What is known with the estimates of another decay: their mean, each weighted by its certainty, where both agree, else
+    /// The estimates combined with those of another decay: their mean, each weighted by its certainty, where both agree, else
     /// the later alone.
     fn together(&self, later: [Band; 2]) -> [Band; 2] {
         let Some(known) = self.known else { return later };
@@ -113,12 +108,11 @@ impl Live {
         })
     }
 
-    /// Whether it has come to rest: there is nothing more to learn.
     pub(super) fn rests(&self) -> bool {
         self.rests
     }
 
-    /// The scenario and the record of the decay that goes on. `None` if nothing swings freely.
+    /// The scenario and the record of the present decay. `None` if nothing swings freely.
     pub(super) fn watched(&self) -> Option<(&Scenario, &Arc<Record>)> {
         let following = self.following.as_ref()?;
         Some((&following.scenario, &following.record))
@@ -154,12 +148,11 @@ impl Following {
         Some(Self { decay, live, record, scenario, run, taken: f64::NEG_INFINITY })
     }
 
-    /// Takes in the readings that are later than the last one taken, at most this number of them.
     fn take(&mut self, readings: &[[f64; 4]], most: usize) {
         let Self { decay, live, record, run, taken, .. } = self;
         let first = readings.partition_point(|reading| reading[0] <= *taken || reading[0] < decay.begin);
         for reading in readings[first..].iter().take(most) {
-            // What cannot be taken in is said elsewhere, and stays in the file.
+            // Refused readings are reported elsewhere, and stay in the file.
             let _ = live.take(reading[0], f64::NAN, &[decay.along(*reading)]);
             *taken = taken.max(reading[0]);
         }
@@ -169,7 +162,6 @@ impl Following {
         }
     }
 
-    /// Natural frequency and damping ratio, if both are known by now.
     fn estimates(&self) -> Option<[Band; 2]> {
         let estimates = self.run.estimates().first()?;
         let last = estimates.len().checked_sub(1).filter(|_| estimates.stop().is_none())?;
@@ -187,7 +179,6 @@ impl Following {
 mod tests {
     use super::*;
 
-    /// A swing of 6 rad/s with 1 % damping, with readings that come unevenly, and a second pluck of another size.
     fn readings(again: f64, size: f64) -> Vec<[f64; 4]> {
         let noise = |n: usize| f64::from((n as u32).wrapping_mul(2_654_435_761) >> 8) / f64::from(1 << 24) - 0.5;
         let reading = |k: usize| {

@@ -12,11 +12,11 @@ use crate::spark::Spark;
 use crate::text::fixed;
 use crate::theme::Palette;
 
-/// The time between two looks at what rings, and the length of what is looked at \[s\].
+/// The time between two searches for a ring, and the length of the searched sound \[s\].
 const LOOK: f64 = 1.0;
 const LOOKED_AT: f64 = 12.0;
 
-/// The length of what is drawn \[s\], and the number of its points.
+/// The length of the drawn sound \[s\], and the number of its points.
 const DRAWN: f64 = 8.0;
 const POINTS: usize = 600;
 
@@ -29,10 +29,10 @@ const FILE: &str = "heard-here.wav";
 pub(super) struct Listener {
     device: Rc<dyn Sensor<Sound>>,
     readings: Readings<Sound>,
-    /// The samples at the last look at what rings.
+    /// The samples at the last search for a ring.
     looked: usize,
     ring: Option<Ring>,
-    /// Whether its peaks were cut off at the last look.
+    /// Whether the peaks were cut off at the last search.
     is_cut_off: bool,
 }
 
@@ -41,7 +41,6 @@ impl Listener {
         Self { device, readings: Readings::default(), looked: 0, ring: None, is_cut_off: false }
     }
 
-    /// The file of the sound, or the reason why nothing rings in it.
     fn sound(&self) -> Result<RawFile, String> {
         let told = self.readings.told();
         let rate = told.rate.unwrap_or_default();
@@ -121,7 +120,6 @@ impl Instrument for Listener {
     }
 }
 
-/// The lowest and the highest sample of each of equal pieces, in turns.
 fn outline(samples: &[Sound]) -> Vec<f64> {
     let ends = |piece: &[Sound]| {
         let [low, high] =

@@ -1,4 +1,4 @@
-//! The sensors of a scenario, whose readings come from elsewhere.
+//! The sensors of a scenario, with readings from another device.
 
 use std::rc::Rc;
 use std::sync::Arc;
@@ -45,7 +45,6 @@ impl Stream {
         Self { device, scenario, readings, live, record, taken, refused, refusal, times: None, has_ended: false }
     }
 
-    /// What has come so far, and what is wrong with it, in sentences.
     fn sentences(&self) -> Vec<String> {
         let mut said = Vec::new();
         if let Some(reason) = &self.refusal {

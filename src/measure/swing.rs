@@ -37,7 +37,6 @@ impl Swing {
         Self { device, readings, live, health }
     }
 
-    /// Says what is wrong, and that there is nothing more to learn.
     fn remarks_ui(&self, ui: &mut Ui, palette: &Palette) {
         if self.live.rests() {
             ui.label("It is at rest: there is nothing more to learn.");
@@ -127,7 +126,6 @@ impl Instrument for Swing {
     }
 }
 
-/// Shows frequency and damping while it swings.
 fn estimates_ui(ui: &mut Ui, estimates: Option<[Band; 2]>, palette: &Palette) {
     let Some([frequency, damping]) = estimates else {
         ui.label(

@@ -9,10 +9,8 @@ use std::time::{Duration, Instant};
 
 use super::state_file::{self, set_aside};
 
-/// The notes of a crash that nobody has seen: one soon after the start, and a later one.
 const NOTES: [&str; 2] = ["crash-at-start.txt", "crash.txt"];
 
-/// The note of a crash that the user has seen.
 const SEEN: &str = "last-crash.txt";
 
 /// A crash so soon after the start may be due to the session: the user had no time to open another one.
@@ -33,7 +31,6 @@ pub(super) fn note_panics(folder: &Path) {
     }));
 }
 
-/// Writes the note.
 fn note(folder: &Path, error: &str, after: Duration) {
     let thread = thread::current();
     let (version, seconds) = (env!("CARGO_PKG_VERSION"), after.as_secs());
@@ -45,8 +42,6 @@ fn note(folder: &Path, error: &str, after: Duration) {
     }
 }
 
-/// The sentences about the crash of the last use, if it ended by one. The note stays, for a report; a session that may be the
-/// reason is set aside.
 pub(super) fn last(folder: &Path) -> Option<String> {
     let (name, text) = NOTES.iter().find_map(|name| Some((*name, fs::read(folder.join(name)).ok()?)))?;
     let (note, seen) = (folder.join(name), folder.join(SEEN));
@@ -73,10 +68,8 @@ mod tests {
     use super::super::state_file::StateFile;
     use super::*;
 
-    /// The folder of the state, for the program that this test starts: itself.
     const FOLDER: &str = "KALMANSCOPE_TEST_CRASHES_IN";
 
-    /// A panic that cannot unwind ends the program, as each does in a release.
     extern "C" fn end_by_a_panic() {
         panic!("the device is lost");
     }

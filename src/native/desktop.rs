@@ -12,10 +12,8 @@ use super::crash;
 use super::shelf::Folder;
 use super::state_file::StateFile;
 
-/// The time from a change to its save.
 const SOON: Duration = Duration::from_secs(2);
 
-/// The explorer and its file, if it can be kept.
 pub(super) struct Desktop {
     app: App,
     file: Option<StateFile>,
@@ -24,7 +22,6 @@ pub(super) struct Desktop {
 }
 
 impl Desktop {
-    /// The explorer with the picture that a folder has, or with the reason why nothing is kept, and with further equipment.
     pub(super) fn new(
         ctx: &Context,
         folder: Result<&Path, String>,

@@ -17,10 +17,9 @@ use rfd::AsyncFileDialog;
 /// dialog like one that could not open.
 const FAST: Duration = Duration::from_millis(500);
 
-/// The reason if no dialog opens.
 const NO_DIALOG: &str = "this desktop opens no dialog for files: neither its portal nor zenity answers";
 
-/// Asks for a file in a dialog beside the window, which goes on meanwhile. There is one dialog at a time.
+/// Asks for a file in a dialog beside the window, which continues meanwhile. There is one dialog at a time.
 pub(super) fn choose() -> Choose {
     let mut open: Option<JoinHandle<()>> = None;
     Box::new(move |ctx, inbox| {
@@ -44,7 +43,6 @@ pub(super) fn choose() -> Choose {
     })
 }
 
-/// Asks for the place of a file in a dialog beside the window, and writes the file there.
 pub(super) fn save() -> Deliver {
     Box::new(|file, done| {
         let dialog = AsyncFileDialog::new().set_title("Save a file").set_file_name(&file.name).save_file();
@@ -70,7 +68,6 @@ fn saved(path: Option<PathBuf>, contents: &[u8], time: Duration) -> Option<Resul
     Some(written.map(|()| place.to_string()).map_err(|error: io::Error| format!("{place}: {error}")))
 }
 
-/// The chosen file, or a sentence if no dialog has opened. `None` if the user has cancelled it.
 fn arrival(path: Option<PathBuf>, time: Duration) -> Option<Arrival> {
     match path {
         Some(path) => Some(Arrival::File(drop::file_name(&path), drop::read_path(&path))),

@@ -1,4 +1,4 @@
-//! Runs maps on the graphics processor, on a thread of their own.
+//! Runs maps on the graphics processor, on their own thread.
 
 use std::cell::OnceCell;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -9,14 +9,12 @@ use kalmanscope::team::{Cells, Computer, Finding, Graphics, Handle, Priority, Ro
 use kalmanscope_gpu::{Gpu, GpuError, Software};
 use kalmanscope_lab::{Parts, Step, Threads, Wanted};
 
-/// The cells of the first portion: enough for a first picture.
 const FIRST: usize = 64;
 
 /// The aim for the time of a portion, and the limit of its cells.
 const PORTION: Duration = Duration::from_millis(150);
 const MOST: usize = 1 << 14;
 
-/// The graphics processor of this machine. The search begins with the first map.
 pub(super) struct Processor {
     software: Software,
     state: Arc<State>,
@@ -29,7 +27,6 @@ struct State {
 }
 
 impl Processor {
-    /// A processor, or a software adapter if that is accepted.
     pub(super) fn new(software: Software) -> Self {
         let state = State { gpu: Mutex::new(None), found: Mutex::new(Finding::Searching) };
         Self { software, state: Arc::new(state), thread: OnceCell::new() }

@@ -1,4 +1,4 @@
-//! Sensors elsewhere: a source that tells lines, by the network, a serial port or a pipe.
+//! Remote sensors: a source of lines, by the network, a serial port or a pipe.
 
 use std::cell::RefCell;
 use std::fs::File;
@@ -13,25 +13,21 @@ use kalmanscope_core::Scenario;
 use kalmanscope_sources::{Accelerations, Lines, StreamRow, open, read_line};
 
 pub(super) struct Listening {
-    /// Its name: `tcp://HOST:PORT` and so on.
     pub(super) source: String,
-    /// The scenario with the sensors that it tells of; `None` for an accelerometer.
+    /// The scenario with the source's sensors; `None` for an accelerometer.
     pub(super) scenario: Option<Scenario>,
-    /// The file that keeps every line, with its name.
     pub(super) keep: Option<(String, File)>,
 }
 
 pub(super) trait Parser: Clone + Send + 'static {
     type Reading: Reading + Send;
 
-    /// The readings that a line, which arrived at some time \[s\], makes known; or why no later line can tell any.
+    /// The readings of a line that arrived at some time \[s\]; or the reason why no later line can have any.
     fn take(&mut self, line: &[u8], arrival: f64) -> Result<Vec<Self::Reading>, String>;
 
-    /// The number of lines that told nothing, and why the last one did not.
     fn left_out(&self) -> (usize, &str);
 }
 
-/// A source by its name. It stays open once it has been begun: its header comes once.
 pub(super) struct Listened<P: Parser> {
     name: String,
     shared: Arc<Shared<P::Reading>>,
@@ -42,12 +38,10 @@ pub(super) struct Listened<P: Parser> {
 
 struct Shared<T>(Mutex<Heard<T>>);
 
-/// The count of the lines so far, and the window that wants their readings.
 struct Heard<T> {
     lines: usize,
     left_out: (usize, String),
     to: Option<(Context, Readings<T>)>,
-    /// Why lines are no longer kept, if so.
     unkept: String,
 }
 
@@ -56,7 +50,7 @@ impl<T: Reading> Shared<T> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Tells the window that waits for readings that no more come, or why there have been none.
+    /// Reports to the waiting window that no more readings come, or why there have been none.
     fn end(&self, reason: String) {
         match &self.heard().to {
             Some((ctx, to)) if to.count() == 0 => to.refuse(reason, ctx),
@@ -65,7 +59,6 @@ impl<T: Reading> Shared<T> {
         }
     }
 
-    /// Reads the source to its end. Returns why it tells nothing.
     fn read(&self, name: &str, parser: impl Parser<Reading = T>, keep: Option<&(String, File)>) -> String {
         match self.follow(name, parser, keep) {
             Ok(None) => format!("{name} has ended without a reading"),

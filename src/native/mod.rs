@@ -21,7 +21,6 @@ use kalmanscope_core::Scenario;
 use listen::Listening;
 use window::Beginning;
 
-/// The exit code for an argument that cannot be used.
 const INVALID: u8 = 2;
 
 /// The interactive explorer of system identification with Kalman filters.
@@ -61,7 +60,6 @@ pub(super) fn main() -> ExitCode {
     ExitCode::FAILURE
 }
 
-/// The things that the arguments name.
 fn begin(Arguments { target, listen, keep }: Arguments) -> Result<Beginning, String> {
     if let Some(source) = listen {
         let scenario = target.as_deref().map(read_scenario).transpose()?;

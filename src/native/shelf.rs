@@ -11,11 +11,9 @@ use kalmanscope::inbox::{Arrival, Done, Inbox};
 use kalmanscope::shelf::Shelf;
 use kalmanscope_cli::output;
 
-/// A folder with at most one file.
 pub(super) struct Folder(PathBuf);
 
 impl Folder {
-    /// The folder beside the saved session.
     pub(super) fn of(folder: &Path) -> Self {
         Self(folder.join("record"))
     }
@@ -25,7 +23,6 @@ impl Folder {
         entries.map(|entry| entry.path()).filter(|path| path.is_file())
     }
 
-    /// The place in words, or the reason.
     fn place(&self, end: io::Result<()>) -> Result<String, String> {
         let folder = self.0.display();
         end.map(|()| folder.to_string()).map_err(|error| format!("{folder}: {error}"))
@@ -67,7 +64,6 @@ mod tests {
 
     type Ends = Arc<Mutex<Vec<Result<String, String>>>>;
 
-    /// Collects the ends of actions.
     fn ends() -> (Done, Ends) {
         let ends = Ends::default();
         let all = Arc::clone(&ends);

@@ -11,15 +11,12 @@ use kalmanscope::app::state::LastPicture;
 use kalmanscope::share::Picture;
 use kalmanscope_cli::output;
 
-/// The name of the file.
 pub(super) const NAME: &str = "state.json";
 
-/// The file, and the text in it as far as it is known.
 #[derive(Debug)]
 pub(super) struct StateFile {
     pub(super) folder: PathBuf,
     text: String,
-    /// The reason why the last save has failed.
     trouble: Option<String>,
 }
 
@@ -57,7 +54,6 @@ impl StateFile {
     }
 }
 
-/// The picture in a file. `None` if there is no file.
 fn read(path: &Path) -> Result<Option<Picture>, String> {
     match fs::read_to_string(path) {
         Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),

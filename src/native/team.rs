@@ -17,8 +17,6 @@ struct Desktop {
     ctx: Context,
 }
 
-/// Threads for all long work, and the graphics processor for the maps that it serves. With more than two processors, one
-/// is left to the frames.
 pub(super) fn team(software: Software, ctx: &Context) -> Rc<dyn Team> {
     let processors = thread::available_parallelism().map_or(1, NonZero::get);
     let count = if processors > 2 { processors - 1 } else { processors };

@@ -15,21 +15,15 @@ use super::desktop::Desktop;
 use super::listen::{Listened, Listening, OfScenario};
 use super::{file_dialog, team};
 
-/// The name of the program among the system's, and of the folder of its state.
 const ID: &str = "kalmanscope";
 
-/// The things that the window opens first.
 #[derive(Default)]
 pub(super) struct Beginning {
-    /// An address that is opened.
     pub(super) address: Option<String>,
-    /// A file that is opened.
     pub(super) file: Option<PathBuf>,
-    /// The source of lines: those of an accelerometer, or of the sensors of a scenario.
     pub(super) source: Option<Listening>,
 }
 
-/// Opens the window, and stays until it is closed.
 pub(super) fn open(Beginning { address, file, source }: Beginning) -> eframe::Result {
     let viewport = ViewportBuilder::default()
         .with_title("Kalmanscope")
@@ -66,7 +60,6 @@ pub(super) fn open(Beginning { address, file, source }: Beginning) -> eframe::Re
     eframe::run_native(ID, options, creator)
 }
 
-/// The explorer with a source of lines: it follows the sensors of a scenario, or waits for a click to measure by an accelerometer.
 fn listening(app: App, Listening { source, scenario, keep }: Listening, ctx: &Context) -> App {
     let Some(scenario) = scenario else {
         let accelerometer: Rc<dyn Sensor<_>> = Rc::new(Listened::new(&source, Accelerations::default(), keep));
@@ -80,7 +73,6 @@ fn listening(app: App, Listening { source, scenario, keep }: Listening, ctx: &Co
     app
 }
 
-/// The window's icon, or the toolkit's own where the picture cannot be read.
 fn icon() -> IconData {
     eframe::icon_data::from_png_bytes(include_bytes!("../../assets/icon-256.png")).unwrap_or_default()
 }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::layers::LayerColumns;
 
-/// A curve breaks where so many samples or more are missing, and where the gap is so many times as long as the mean distance between columns.
+/// A curve breaks at a gap of at least `SAMPLES` samples that is `DISTANCES` times as long as the mean distance between columns.
 /// So the curve of a sensor with a slow clock does not break.
 const SAMPLES: usize = 10;
 const DISTANCES: usize = 8;
@@ -17,7 +17,7 @@ pub(super) fn unbroken(columns: &LayerColumns, run: Range<usize>) -> Vec<Range<u
     }
 }
 
-/// The same, of so many columns, with the first and the last sample of each.
+/// The unbroken parts of a run among `count` columns; `samples` gives the first and the last sample of each.
 fn parts(run: Range<usize>, count: usize, samples: impl Fn(usize) -> (usize, usize)) -> Vec<Range<usize>> {
     let distances = count.saturating_sub(1);
     if run.is_empty() || distances == 0 {

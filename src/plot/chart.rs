@@ -32,7 +32,6 @@ use crate::sheet::{Column, Sheet, readouts};
 /// Labels of ticks are opaque from this distance on \[points\].
 const TICKS_FADE: egui::Rangef = egui::Rangef { min: 14.0, max: 18.0 };
 
-/// One chart: its heading and its layers.
 #[derive(Default)]
 pub struct Chart<'a> {
     pub(crate) key: String,
@@ -41,12 +40,9 @@ pub struct Chart<'a> {
     pub(crate) name: String,
     pub(crate) unit: &'static str,
     pub(crate) columns: Vec<Column<'a>>,
-    /// The values in the heading; without them it shows the columns at the cursor.
     pub(crate) readouts: Option<Vec<Readout>>,
     pub(crate) layers: Vec<Layer<'a>>,
-    /// The settings that can be dragged in it.
     pub(crate) handles: Vec<Handle<'a>>,
-    /// The range that the vertical axis shows at least.
     pub(crate) least: Option<(f64, f64)>,
     /// Whether the values are logarithms to the base of ten; the axis is labelled with the numbers themselves.
     pub(crate) logarithmic: bool,
@@ -55,7 +51,6 @@ pub struct Chart<'a> {
 pub(crate) struct ChartResponse {
     /// The time under the pointer \[s\].
     pub(crate) pointed: Option<f64>,
-    /// Whether the user enlarges the chart, or shows all charts again.
     pub(crate) alone: bool,
 }
 
@@ -64,7 +59,6 @@ impl<'a> Chart<'a> {
         Sheet { title: self.title, unit: self.unit, columns: self.columns }
     }
 
-    /// Draws the chart with its heading into all of `ui`. The lowest ones of a view have the time axis.
     pub(crate) fn show(
         self,
         ui: &mut Ui,

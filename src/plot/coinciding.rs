@@ -15,7 +15,6 @@ const CLOSE: f64 = 1.2;
 /// The length of a turn \[points\].
 const TURN: f64 = 9.0;
 
-/// For each layer, the runs of its columns that are drawn.
 pub(super) fn drawn_runs<'c>(
     layers: &[Layer<'_>],
     columns: &'c [LayerColumns],
@@ -65,7 +64,6 @@ pub(super) fn drawn_runs<'c>(
     layers.iter().zip(columns).map(of_layer).collect()
 }
 
-/// The columns of a line that may coincide with others.
 fn of_now<'c>(layer: &Layer<'_>, columns: &'c LayerColumns) -> Option<&'c [Column]> {
     match (layer, columns) {
         (Layer::Line { dashed: false, bounds: false, .. }, LayerColumns::Series(columns)) => Some(columns),

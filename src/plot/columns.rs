@@ -4,7 +4,6 @@ use std::ops::Range;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Column {
-    /// The first and the last sample of the column.
     pub(crate) samples: (usize, usize),
     pub(crate) low: f64,
     pub(crate) high: f64,
@@ -19,7 +18,6 @@ impl Column {
         Self { samples, low, high, rising: first <= last, at_ends }
     }
 
-    /// The values at the beginning and the end, if these are the extremes.
     pub(crate) fn ends(&self) -> Option<[f64; 2]> {
         self.at_ends.then_some(if self.rising { [self.low, self.high] } else { [self.high, self.low] })
     }
@@ -27,15 +25,10 @@ impl Column {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct BandColumn {
-    /// The first and the last sample of the column.
     pub(crate) samples: (usize, usize),
-    /// Smallest value of the lower edge.
     pub(crate) low: f64,
-    /// Largest value of the upper edge.
     pub(crate) high: f64,
-    /// Both edges at the beginning and the end, if these enclose all others.
     pub(crate) ends: Option<[(f64, f64); 2]>,
-    /// The largest distance between the edges.
     pub(crate) widest: f64,
 }
 

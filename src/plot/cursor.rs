@@ -20,7 +20,6 @@ const GRIP: f32 = 6.0;
 /// The room around a tag's text \[points\].
 const PADDING: f32 = 3.0;
 
-/// The lines at the time of the displayed numbers.
 pub(super) struct Cursors {
     lines: Vec<CursorLine>,
     tagged: bool,

@@ -6,7 +6,6 @@ use egui::{Color32, Shape, Ui};
 use egui_plot::{PlotBounds, PlotGeometry, PlotItem, PlotItemBase, PlotTransform};
 
 pub(super) trait Paint {
-    /// Appends the shapes to paint where the plot is now.
     fn shapes(&self, ui: &Ui, transform: &PlotTransform, shapes: &mut Vec<Shape>);
 }
 

@@ -15,17 +15,14 @@ use super::marks::Mark;
 use super::range::value_range;
 use super::window::Window;
 
-/// A chart's layers, reduced to marks on a screen.
 #[derive(Default)]
 pub(crate) struct Drawing {
     marks: Vec<Mark>,
     painted: PaintedShapes,
-    /// The range of the vertical axis.
     pub(crate) range: Option<(f64, f64)>,
 }
 
 impl Drawing {
-    /// Reduces `layers` to the window. `least` is the range that the vertical axis shows at least.
     pub(crate) fn new(layers: &[Layer<'_>], record: &Record, window: &Window, least: Option<(f64, f64)>) -> Self {
         let columns: Vec<LayerColumns> = layers.iter().map(|layer| LayerColumns::new(layer, record, window)).collect();
         let range = value_range(layers.iter().zip(&columns), least);
@@ -45,7 +42,6 @@ impl Drawing {
         plot.add(Decoration::new("drawing", DrawingItem::new(grid, &self.marks, &self.painted)));
     }
 
-    /// The marks, from the lowest on.
     pub(super) fn marks(&self) -> &[Mark] {
         &self.marks
     }

@@ -5,7 +5,6 @@ use egui::{InputState, Sense, Ui};
 /// Width for the labels of the vertical axis, at least \[points\].
 pub(crate) const Y_AXIS: f32 = 44.0;
 
-/// The gestures that a plot senses. On a touch screen one finger scrolls the page and two zoom.
 pub(crate) fn sense(ui: &Ui) -> Sense {
     if ui.input(InputState::has_touch_screen) { Sense::click() } else { Sense::click_and_drag() }
 }

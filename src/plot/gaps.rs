@@ -10,7 +10,6 @@ use crate::theme::Palette;
 /// The height of a mark, and its width at least \[points\].
 const MARK: (f32, f32) = (5.0, 2.0);
 
-/// The opacity of the ground over a gap.
 const GROUND: f32 = 0.45;
 
 /// The distance between a mark and its words, and of words from each other \[points\].

@@ -18,7 +18,6 @@ const MARGIN: Vec2 = vec2(12.0, 7.0);
 /// The length of a tick \[points\].
 const TICK: f32 = 3.0;
 
-/// The range of an axis from edge to edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Scale {
     /// The ends; logarithms to the base of ten where the scale is logarithmic.
@@ -49,7 +48,6 @@ impl Scale {
         ((if self.is_logarithmic { value.log10() } else { value }) - from) / (to - from)
     }
 
-    /// The shares of numbers along the axis, with their texts.
     pub(crate) fn ticks(&self, length: f32, apart: f32) -> Vec<(f64, String)> {
         let (from, to) = self.ends;
         let bounds = (from.min(to), from.max(to));
@@ -100,7 +98,6 @@ impl Graph {
         [f64::from(x), f64::from(y)]
     }
 
-    /// Draws the axes with their numbers and names, and with lines at the numbers if these are wanted.
     pub(crate) fn axes_ui(&self, ui: &Ui, [x_name, y_name]: [&str; 2], palette: &Palette, has_lines: bool) {
         let Self { rect, x, y, has_x } = self;
         let painter = ui.painter();
@@ -135,7 +132,6 @@ impl Graph {
     }
 }
 
-/// Text from bottom to top, to the right of a position and centred at it.
 fn upright(painter: &Painter, at: Pos2, text: &str, font: FontId, palette: &Palette) {
     let galley = painter.layout_no_wrap(text.to_owned(), font, palette.text);
     let start = pos2(at.x, at.y + 0.5 * galley.size().x);

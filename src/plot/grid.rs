@@ -7,10 +7,8 @@ use super::projection::Projection;
 use super::strokes::Strokes;
 use super::ticks::{log_tick, log_ticks, ticks};
 
-/// Lines at round numbers and at the left and lower edge, below everything else.
 #[derive(Clone, Copy)]
 pub(crate) struct Grid {
-    /// The approximate number of lines, from left to right and from bottom to top.
     pub(crate) counts: (f32, f32),
     /// For logarithms, the length of the axis \[points\].
     pub(crate) logarithmic: Option<f32>,

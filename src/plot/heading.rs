@@ -10,9 +10,7 @@ use crate::theme;
 
 pub(crate) struct Readout {
     pub(crate) text: String,
-    /// The same in another unit, shown if there is room.
     pub(crate) aside: Option<String>,
-    /// The colour of its owner; transparent if it has none.
     pub(crate) color: Color32,
     pub(crate) hint: String,
 }
@@ -22,7 +20,6 @@ impl Readout {
         Self { text, aside: None, color, hint }
     }
 
-    /// The value, and the same in another unit if it has one.
     fn in_full(&self) -> String {
         self.aside.as_ref().map_or_else(|| self.text.clone(), |aside| format!("{} ({aside})", self.text))
     }
@@ -68,7 +65,6 @@ pub(crate) fn heading_ui(ui: &mut Ui, symbol: &str, name: &str, unit: &str, read
     response
 }
 
-/// The values that fit: in a second unit where there is room beside the name, and without their ±2σ where space is short.
 struct Values<'a> {
     all: &'a [Readout],
     shown: Vec<(Arc<Galley>, f32)>,
@@ -143,7 +139,6 @@ fn text(ui: &Ui, text: String, style: &TextStyle, color: Color32) -> Arc<Galley>
     ui.painter().layout_no_wrap(text, style.resolve(ui.style()), color)
 }
 
-/// The value without its ±2σ.
 fn value(text: &str) -> &str {
     text.split(' ').next().unwrap_or(text)
 }

@@ -17,7 +17,6 @@ const LARGE_DOT: f32 = 2.2;
 /// Limits the number of dots that are large.
 const FEW: usize = 300;
 
-/// The grid and all marks of a chart as one item of the plot: points are transformed once, and no hover search runs.
 pub(crate) struct DrawingItem<'a> {
     grid: Grid,
     marks: &'a [Mark],
@@ -70,7 +69,6 @@ impl<'a> DrawingItem<'a> {
     }
 }
 
-/// The shapes of the last frame and their position; they are reused while the plot stays there.
 #[derive(Default)]
 pub(crate) struct PaintedShapes(Mutex<Option<(Place, Vec<Shape>)>>);
 

@@ -9,7 +9,6 @@ use super::layers::Layer;
 /// The distance of a label from the right edge and from its line \[points\].
 const GAP: (f32, f32) = (4.0, 1.0);
 
-/// The labels of a chart's levels, the lower ones below their lines if there is room.
 pub(super) struct Labels {
     labels: Vec<(f64, &'static str, Color32)>,
     middle: f64,

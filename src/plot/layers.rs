@@ -33,7 +33,7 @@ impl<'a> Layer<'a> {
         Self::Line { series, color, width, dashed: true, bounds: false, filter: None }
     }
 
-    /// The same as what is seen of the filter with an id: a click on it opens that filter's diagnosis.
+    /// The layer as part of the filter with an id: a click on it opens that filter's diagnosis.
     pub(crate) fn of(mut self, id: u32) -> Self {
         if let Self::Band { filter, .. } | Self::Line { filter, .. } = &mut self {
             *filter = Some(id);
@@ -48,7 +48,6 @@ pub(crate) fn line_width(place: usize, first: f32) -> f32 {
     (first - 0.2 * place as f32).max(1.6)
 }
 
-/// A layer, reduced to the pixel columns of a window.
 pub(crate) enum LayerColumns {
     Band(Vec<BandColumn>),
     Series(Vec<Column>),

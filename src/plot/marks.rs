@@ -29,7 +29,6 @@ pub(crate) struct Rung {
     pub(crate) time: f64,
     pub(crate) low: f64,
     pub(crate) high: f64,
-    /// The largest width.
     widest: f64,
 }
 
@@ -45,7 +44,7 @@ pub(crate) enum Mark {
         points: Vec<PlotPoint>,
         color: Color32,
     },
-    /// `dense` says whether the line goes up and down so often that it is drawn as an area.
+    /// `dense` says whether the line reverses often enough to be drawn as an area.
     Line {
         points: Vec<PlotPoint>,
         color: Color32,
@@ -61,7 +60,6 @@ pub(crate) enum Mark {
 }
 
 impl Mark {
-    /// A run of the layer's columns at this scale, without points that make no visible difference.
     pub(crate) fn new(
         layer: &Layer<'_>,
         columns: &LayerColumns,
@@ -91,7 +89,6 @@ impl Mark {
         })
     }
 
-    /// A line through columns, with its colour, its width, whether it is dashed, and its filter.
     fn line(
         record: &Record,
         columns: &[Column],
@@ -106,7 +103,6 @@ impl Mark {
     }
 }
 
-/// Whether the outline of a band would be a blur.
 fn are_steep(parts: &[&[Rung]], scale: Scale) -> bool {
     let climb = |two: &[Rung]| (two[1].low - two[0].low).abs();
     let climbed: f64 = parts.iter().flat_map(|rungs| rungs.windows(2)).map(climb).sum();
@@ -114,7 +110,6 @@ fn are_steep(parts: &[&[Rung]], scale: Scale) -> bool {
     scale.y * climbed > STEEP * scale.x * length
 }
 
-/// Whether a line, simplified to the points `kept`, is drawn as an area.
 fn is_dense(points: &[PlotPoint], kept: &[PlotPoint], scale: Scale) -> bool {
     let (Some(first), Some(last)) = (points.first(), points.last()) else { return false };
     let way: f64 = points.windows(2).map(|pair| (pair[1].y - pair[0].y).abs()).sum();
@@ -136,13 +131,11 @@ fn rungs(record: &Record, columns: &[BandColumn]) -> Vec<Rung> {
     rungs
 }
 
-/// The parts of a band that are wider than a line along its middle.
 fn unhidden(rungs: &[Rung], line: f64) -> impl Iterator<Item = &[Rung]> {
     let runs = rungs.chunk_by(move |a, b| (a.widest > line) == (b.widest > line));
     runs.filter(move |run| run[0].widest > line)
 }
 
-/// The rungs that a band needs for the same picture.
 fn simplify_band(rungs: &[Rung], Scale { x, y }: Scale) -> Vec<Rung> {
     let edge = |value: fn(&Rung) -> f64| simplify(rungs.iter().map(|rung| (x * rung.time, y * value(rung))));
     let mut kept = edge(|rung| rung.high);

@@ -4,7 +4,6 @@ use egui::{Context, Id};
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Medium {
-    /// A screen: fast, with handles and cursors.
     #[default]
     Screen,
     /// A figure: outlines that can be enlarged, and nothing that a reader cannot use, such as handles or values at the pointer.

@@ -9,7 +9,6 @@ use super::projection::Projection;
 /// A line is hit from within this distance \[points\].
 const REACH: f32 = 5.0;
 
-/// The id of the filter with the line or the edge of a band nearest to a position, if one is within reach.
 pub(super) fn filter_at(marks: &[Mark], transform: &PlotTransform, position: Pos2) -> Option<u32> {
     // Only points around the pointer can be near: a line goes from left to right.
     let time = |x: f32| transform.value_from_position(Pos2 { x, ..position }).x;
@@ -37,7 +36,6 @@ pub(super) fn filter_at(marks: &[Mark], transform: &PlotTransform, position: Pos
     filter
 }
 
-/// A position, with the times that are within reach of it.
 struct Pointer {
     position: Pos2,
     times: (f64, f64),
@@ -45,7 +43,6 @@ struct Pointer {
 }
 
 impl Pointer {
-    /// The distance from a line through some points, `of` which this gives time and value.
     fn distance<P>(&self, points: &[P], of: impl Fn(&P) -> (f64, f64)) -> f32 {
         let Self { position, times: (from, to), projection } = self;
         let first = points.partition_point(|point| of(point).0 < *from).saturating_sub(1);
@@ -60,7 +57,6 @@ impl Pointer {
     }
 }
 
-/// The distance of a position from a line between two ends.
 fn distance(position: Pos2, from: Pos2, to: Pos2) -> f32 {
     let along = to - from;
     let share = ((position - from).dot(along) / along.length_sq().max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);

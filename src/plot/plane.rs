@@ -121,7 +121,6 @@ pub(crate) fn drawable(plot: &PlotUi<'_>, point: [f64; 2]) -> [f64; 2] {
 
 const SHADES: usize = 6;
 
-/// Draws a path, the newest point first, that fades with age.
 pub(crate) fn aged_path(plot: &mut PlotUi<'_>, path: &[[f64; 2]], color: Color32, width: f32) {
     let length = path.len().div_ceil(SHADES).max(1);
     for shade in (0..SHADES).rev() {
@@ -134,7 +133,6 @@ pub(crate) fn aged_path(plot: &mut PlotUi<'_>, path: &[[f64; 2]], color: Color32
     }
 }
 
-/// A range around some values, with a margin. `None` without values.
 pub(crate) fn around(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
     let (low, high) = values.filter(|x| x.is_finite()).map(|x| (x, x)).reduce(|(l, h), (x, _)| (l.min(x), h.max(x)))?;
     let margin = 0.08 * (high - low).max(1e-9 + 0.02 * high.abs());

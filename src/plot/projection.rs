@@ -14,7 +14,6 @@ const OUTSIDE: f32 = 4000.0;
 pub(crate) const DASH: (f32, f32) = (5.0, 3.0);
 
 pub(crate) struct Projection {
-    /// For each axis, the screen position of the value at the plot's centre, that value, and points per unit.
     x: [f64; 3],
     y: [f64; 3],
     /// Positions on the vertical axis are clamped to this range.
@@ -52,7 +51,6 @@ impl Projection {
         if dashed { strokes.dashed(&path, stroke, DASH) } else { strokes.line(&path, stroke) }
     }
 
-    /// Draws a line that goes up and down in every pixel column as the area that it covers.
     pub(crate) fn dense_line(&self, points: &[PlotPoint], stroke: Stroke, strokes: &mut Strokes) {
         let mut columns: Vec<(f32, Rangef)> = Vec::with_capacity(points.len());
         let mut before = points.first().map_or(0.0, |point| self.y(point.y));

@@ -9,8 +9,6 @@ const OUTLIERS: f64 = 0.006;
 /// Limits the pieces of a layer; the range uses the extremes of each piece.
 const PIECES: usize = 250;
 
-/// A range that includes all of the lines marked so, and the other layers without their outermost values. Dots count
-/// only if there is nothing else.
 pub(crate) fn value_range<'a>(
     layers: impl Iterator<Item = (&'a Layer<'a>, &'a LayerColumns)>,
     least: Option<(f64, f64)>,
@@ -35,7 +33,6 @@ pub(crate) fn value_range<'a>(
     Some((low - margin, high + margin))
 }
 
-/// Adds the smallest and the largest value of each piece.
 fn add_extremes<T>(columns: &[T], edges: impl Fn(&T) -> (f64, f64), extremes: &mut Vec<f64>) {
     for piece in columns.chunks(columns.len() / PIECES + 1) {
         let both = piece.iter().map(&edges).reduce(|(low, high), (l, h)| (low.min(l), high.max(h)));

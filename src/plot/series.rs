@@ -47,14 +47,12 @@ impl<'a> Series<'a> {
     }
 }
 
-/// Two edges at every sample.
 pub(crate) struct Band<'a> {
     len: usize,
     reduce: Box<dyn Fn(Range<usize>, usize) -> Vec<BandColumn> + 'a>,
 }
 
 impl<'a> Band<'a> {
-    /// Two standard deviations on either side of the means.
     pub(crate) fn around(means: &'a [f64], variances: &'a [f64]) -> Self {
         let edges = |(mean, variance): (&f64, &f64)| {
             let half = 2.0 * variance.sqrt();

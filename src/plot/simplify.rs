@@ -31,9 +31,7 @@ pub(crate) fn simplify(points: impl IntoIterator<Item = (f64, f64)>) -> Vec<usiz
 
 struct Cone {
     apex: (f64, f64),
-    /// The largest distance of the points so far.
     reach: f64,
-    /// Right and left edge; `None` while the points are too near to have a direction.
     edges: Option<[(f64, f64); 2]>,
 }
 
@@ -42,7 +40,6 @@ impl Cone {
         Self { apex, reach: 0.0, edges: None }
     }
 
-    /// Narrows the directions to those that pass another point. Returns whether the line may end at that point.
     fn narrow(&mut self, point: (f64, f64)) -> bool {
         let (x, y) = (point.0 - self.apex.0, point.1 - self.apex.1);
         let distance = (x * x + y * y).sqrt();

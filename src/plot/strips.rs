@@ -10,13 +10,11 @@ use crate::visibility::Visibility;
 
 const HEIGHT: f32 = 4.0;
 
-/// The opacity of a strip: lines in front of it stay readable.
 const OPACITY: f32 = 0.5;
 
 /// Half the width of the triangle of a jump [points].
 const JUMP: f32 = 4.5;
 
-/// The times with a bad verdict, one strip per filter.
 pub(super) struct Strips {
     /// The height of each strip in numbers of strips, its times \[s\] and its colour.
     strips: Vec<(f32, (f64, f64), Color32)>,

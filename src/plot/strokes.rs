@@ -14,11 +14,9 @@ use super::medium::Medium;
 /// Step between the widths that have a cross-section \[pixels\].
 const STEP: f32 = 0.25;
 
-/// The number of widths, and the texels across each.
 const ROWS: usize = 64;
 const COLUMNS: usize = 64;
 
-/// Collects lines and areas: for a screen in one mesh, for a figure as shapes with outlines.
 pub(crate) struct Strokes {
     canvas: Canvas,
     pixel: f32,
@@ -43,7 +41,6 @@ impl Strokes {
         ((position / self.pixel).floor() + 0.5) * self.pixel
     }
 
-    /// Draws a line through points; a single point becomes a dot of the line's width.
     pub(crate) fn line(&mut self, points: &[Pos2], stroke: Stroke) {
         if let &[alone] = points {
             let half = vec2(0.5 * stroke.width, 0.0);
@@ -75,7 +72,6 @@ impl Strokes {
         }
     }
 
-    /// Fills columns between their lower and upper ends, from left to right.
     pub(crate) fn area(&mut self, columns: &[[Pos2; 2]], fill: Color32) {
         match &mut self.canvas {
             Canvas::Mesh(mesh) => {
@@ -137,7 +133,6 @@ fn reserve(mesh: &mut Mesh, rungs: usize) {
     mesh.reserve_triangles(2 * rungs);
 }
 
-/// Adds two vertices, and the triangles to the last two if they continue a strip.
 #[inline]
 fn add_rung(mesh: &mut Mesh, ends: &[Vertex; 2], on: bool) {
     let next = mesh.vertices.len() as u32;
@@ -147,13 +142,11 @@ fn add_rung(mesh: &mut Mesh, ends: &[Vertex; 2], on: bool) {
     }
 }
 
-/// A bend, beginning or end of a strip.
 #[derive(Clone, Copy, Debug)]
 struct Joint {
     at: Pos2,
     /// The direction to the strip's left edge, for a width of two.
     normal: Vec2,
-    /// Whether the strip continues from the joint before.
     goes_on: bool,
 }
 

@@ -50,7 +50,6 @@ const HALF_LINE: f32 = 4.0;
 /// Limits the number of ticks relative to the request, above which labels overlap.
 const CROWDED: f32 = 2.2;
 
-/// A tick's text, with the digits that distinguish it from its neighbours.
 pub(crate) fn tick(value: f64, step: f64) -> String {
     if step < 1e-4 && value.abs() < 100.0 * step {
         return significant(if value.abs() < 1e-3 * step { 0.0 } else { value }, 3);
@@ -95,7 +94,6 @@ pub(crate) const LOG_TICKS_FADE: egui::Rangef = egui::Rangef { min: 6.0, max: 10
 const LESS_THAN_A_DECADE: f64 = 0.7;
 /// Limits the powers of ten that are marked: there are no greater numbers.
 const MOST_DECADES: f64 = 308.0;
-/// The step of a tick of [`log_ticks`] that is not a power of ten, with a label and without.
 const LABELLED: f64 = 0.3;
 const UNLABELLED: f64 = 0.05;
 

@@ -29,7 +29,6 @@ struct Turns {
     spent: Duration,
     /// The chart that may draw first; those before it wait. `None` once it has drawn.
     first: Option<Id>,
-    /// The chart that comes first in the next pass.
     next: Option<Id>,
     over: bool,
 }
@@ -62,7 +61,6 @@ mod tests {
 
     const BUDGET: Budget = Budget::Time(Duration::from_millis(10));
 
-    /// The charts that are drawn in one pass over those that are stale, if each takes 4 ms.
     fn pass(turns: &mut Turns, pass: u64, stale: &[&'static str]) -> Vec<&'static str> {
         let mut drawn = Vec::new();
         for &chart in stale {

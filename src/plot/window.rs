@@ -10,13 +10,11 @@ use super::frame::Y_AXIS;
 pub(crate) struct Window {
     /// Beginning and end \[s\].
     pub(crate) times: (f64, f64),
-    /// The range of the vertical axis, if the user has chosen it.
     pub(crate) values: Option<(f64, f64)>,
     pub(crate) size: Vec2,
 }
 
 impl Window {
-    /// The number of pixel columns, each one point wide.
     pub(crate) fn columns(&self) -> usize {
         ((self.size.x - Y_AXIS) as usize).max(16)
     }
@@ -33,7 +31,6 @@ impl Window {
     }
 }
 
-/// Points of the screen per unit of either axis.
 #[derive(Clone, Copy)]
 pub(crate) struct Scale {
     pub(crate) x: f64,

@@ -27,7 +27,6 @@ pub fn place(ctx: &Context, name: &str) -> Option<Rect> {
     all(ctx).into_iter().find_map(|(other, rect)| (other == name).then_some(rect))
 }
 
-/// The controls that the last frame drew, by name.
 pub(crate) fn all(ctx: &Context) -> Vec<(String, Rect)> {
     // Between frames, the number is that of the next frame.
     let last = ctx.cumulative_frame_nr().saturating_sub(1);

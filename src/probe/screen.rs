@@ -10,20 +10,14 @@ use crate::session::{Mode, Session};
 
 #[derive(Clone, Debug, Serialize)]
 pub struct ScreenState {
-    /// `live` or `whole`.
     pub mode: &'static str,
     pub playing: bool,
-    /// The title of the lesson, and its step, from 1 on.
     pub lesson: Option<(String, usize)>,
     pub samples: usize,
     pub filters: Vec<Latest>,
-    /// Checksum of all estimates shown, as 16 hexadecimal digits.
     pub checksum: String,
-    /// The map, if one has been made.
     pub map: Option<MapState>,
-    /// The points of the posterior on screen, if there are some.
     pub posterior: Option<PosteriorState>,
-    /// Frames drawn since the start.
     pub frames: u64,
     pub controls: Vec<Control>,
 }
@@ -32,7 +26,6 @@ pub struct ScreenState {
 pub struct MapState {
     pub cells: usize,
     pub done: usize,
-    /// Checksum of all of them, as 16 hexadecimal digits.
     pub checksum: String,
     pub computers: Vec<String>,
     /// The ensemble, as [`Ensemble::to_json`](kalmanscope_lab::Ensemble::to_json) writes it.
@@ -51,14 +44,12 @@ impl MapState {
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct PosteriorState {
     pub points: usize,
-    /// ln p(z), the logarithm of the probability density of the record.
     pub log_evidence: f64,
 }
 
 #[derive(Clone, Debug, Serialize)]
 pub struct Latest {
     pub name: String,
-    /// Mean and standard deviation of each channel.
     pub estimates: Vec<Estimate>,
 }
 
@@ -66,7 +57,6 @@ pub struct Latest {
 pub struct Estimate {
     pub channel: Channel,
     pub mean: f64,
-    /// Its standard deviation.
     pub std: f64,
 }
 
@@ -74,9 +64,7 @@ pub struct Estimate {
 #[derive(Clone, Debug, Serialize)]
 pub struct Control {
     pub name: String,
-    /// Left edge.
     pub x: f32,
-    /// Top edge.
     pub y: f32,
     pub width: f32,
     pub height: f32,

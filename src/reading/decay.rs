@@ -9,9 +9,7 @@
 /// Source: Chopra (2012), *Dynamics of Structures*, section 2.2.4.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Decay {
-    /// Whole periods between the peaks.
     pub(crate) periods: usize,
-    /// Logarithmic decrement of one period.
     pub(crate) decrement: f64,
     pub(crate) damping_ratio: f64,
     /// Damped period \[s\].
@@ -20,11 +18,9 @@ pub(crate) struct Decay {
     pub(crate) natural_frequency: f64,
 }
 
-/// The reasons why two times give no decay.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum NoDecay {
     Forced,
-    /// There are no two peaks on the same side that fall.
     NoPeaks,
 }
 
@@ -62,9 +58,7 @@ impl Decay {
     }
 }
 
-/// The largest excursion between two zero crossings.
 struct Peak {
-    /// In samples, between them where a parabola through three has its top.
     at: f64,
     value: f64,
 }
@@ -79,7 +73,6 @@ impl Peak {
     }
 }
 
-/// The peaks of a motion, one between any two zero crossings.
 fn peaks(motion: &[f64]) -> Vec<Peak> {
     let mut peaks = Vec::new();
     let mut start = 0;

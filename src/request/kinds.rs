@@ -7,7 +7,6 @@ use serde::{Deserialize, Serialize};
 pub enum LegendEntry {
     Truth,
     Measured,
-    /// The ±2σ bands.
     Bands,
     Verdicts,
     Hindsight,
@@ -19,11 +18,8 @@ pub enum ViewKind {
     Oscillator,
     Parameters,
     States,
-    /// Errors within ±2σ and the Cramér-Rao bound.
     Errors,
-    /// Measurements against predictions and free runs.
     Measured,
-    /// Innovations within ±2√S.
     Innovations,
     Consistency,
     Classes,
@@ -43,7 +39,6 @@ pub enum ViewKind {
 }
 
 impl ViewKind {
-    /// Every view, in the menu's order.
     pub const ALL: [Self; 21] = [
         Self::Oscillator,
         Self::Parameters,
@@ -80,24 +75,17 @@ impl ViewKind {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Proportions {
-    /// Plots over time, which need width.
     Wide,
-    /// A plot over something other than time, about as high as wide.
     Square,
     Flat,
-    /// A picture with choices above it, which needs more height than others.
     Tall,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Arrangement {
-    /// The story: the moving mass, parameters and states.
     Teach,
-    /// For tuning Q and R: parameters, NIS and NEES, innovations and their autocorrelation.
     Tune,
-    /// For comparing filters: scores, parameters, errors, their settings, the parameter plane.
     Compare,
-    /// For seeing many settings at once: the map, and the states of the setting on screen.
     Laboratory,
 }
 

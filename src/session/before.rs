@@ -19,30 +19,25 @@ pub struct Before {
     scenario: Scenario,
     study: Study,
     words: String,
-    /// Whether filters alone differed: the record is the same.
     is_of_filters: bool,
     is_complete: bool,
 }
 
 impl Before {
-    /// The settings that differed, with their values before the change: `EKF λ = 1`.
     pub fn words(&self) -> &str {
         &self.words
     }
 
-    /// The estimates, from before, of the filter with an id, if the change concerns it.
     pub fn estimates(&self, id: u32) -> Option<&Estimates> {
         let all = self.study.run().estimates();
         all.iter().find(|estimates| estimates.id() == id).filter(|estimates| !estimates.is_empty())
     }
 
-    /// Their diagnostics, if they are wanted.
     pub fn diagnostics(&self, id: u32) -> Option<(&Diagnostics, &Estimates)> {
         let (analysis, all) = (self.study.analysis(), self.study.run().estimates());
         analysis.diagnostics().iter().zip(all).find(|(_, estimates)| estimates.id() == id)
     }
 
-    /// The truth from before, if it was another one.
     pub fn truth(&self, channel: Channel) -> Option<&[f64]> {
         self.study.run().record().truth(channel).filter(|_| !self.is_of_filters)
     }
@@ -102,7 +97,6 @@ impl Session {
         self.other.is_some()
     }
 
-    /// Goes to the other setting and keeps this one. The first time, the other setting is a copy.
     pub fn swap_settings(&mut self) {
         let now = self.scenario.clone();
         let next = self.other.replace(now.clone()).unwrap_or_else(|| now.clone());
@@ -114,13 +108,11 @@ impl Session {
         self.remember(now);
     }
 
-    /// Forgets the other setting and the picture from before: something new begins.
     pub fn begin_anew(&mut self) {
         (self.other, self.setting) = (None, Setting::A);
         self.forget_before();
     }
 
-    /// Whether the picture from before is yet to be computed.
     pub fn is_before_behind(&self) -> bool {
         self.before.as_ref().is_some_and(|before| !before.is_complete)
     }
@@ -156,7 +148,6 @@ impl Session {
         }
     }
 
-    /// Computes the earlier picture as far as the present one.
     pub(super) fn follow_before(&mut self, while_time: &mut dyn FnMut() -> bool) {
         if self.behind() {
             return;

@@ -4,10 +4,8 @@ use web_time::{Duration, Instant};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Budget {
-    /// Everything, without a limit.
     Unlimited,
     Time(Duration),
-    /// This many pieces of work, of a millisecond or so: the same on every machine.
     Pieces(usize),
 }
 

@@ -54,7 +54,6 @@ impl Session {
         self.waiting = false;
     }
 
-    /// Time between samples and their number, once all is computed.
     pub(super) fn target(&self) -> (f64, usize) {
         match &self.job {
             None => (self.run().record().dt(), self.run().samples()),
@@ -62,8 +61,6 @@ impl Session {
         }
     }
 
-    /// Begins to compute the scenario's picture, in place of the present computation. If the scenario is impossible,
-    /// notes why.
     pub(super) fn begin_job(&mut self) {
         self.give_up_job();
         self.slices = 0;
@@ -85,7 +82,7 @@ impl Session {
         let goal = if is_whole {
             samples
         } else {
-            // Playback goes on from here, by the samples that are already computed.
+            // Playback continues from here, by the samples that are already computed.
             let position = ((*clock / dt + 1e-6) as usize).saturating_add(1).min(samples);
             position.min(study.run().done().max(1))
         };
@@ -116,7 +113,6 @@ impl Session {
         }
     }
 
-    /// Computes everything again from the first sample on.
     pub(super) fn begin_again(&mut self) {
         let goal = self.run().done().max(1);
         if self.job.is_some() {
@@ -181,8 +177,6 @@ impl Session {
         }
     }
 
-    /// Everything that may change apart from the length of the run: the first kept sample, and which analyses are
-    /// complete.
     fn shown(&self) -> (usize, [bool; 3]) {
         let analysis = self.study.analysis();
         let there = [analysis.diagnostics().is_empty(), analysis.smoothed().is_empty(), analysis.bounds().is_empty()];

@@ -6,7 +6,6 @@ use crate::text::significant;
 
 const NAMED: usize = 2;
 
-/// The settings that a change of a scenario concerns, with their values before: `EKF λ = 1`. `None` if nothing differs.
 pub(super) fn difference(change: &Change) -> Option<String> {
     let all = change.what_was(|number| significant(number, 4));
     let more = if all.len() > NAMED { ", …" } else { "" };

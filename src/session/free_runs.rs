@@ -33,21 +33,17 @@ struct Made {
     filter: u32,
     of: Of,
     run: FreeRun,
-    /// The fits on the record that was held out, one a sensor.
     held_out: Vec<Option<Fit>>,
 }
 
-/// A filter's free run under way.
 struct Next {
     filter: u32,
     of: Of,
     runs: Running<Runs>,
 }
 
-/// A free run under way, with its record.
 type Under = (Arc<Record>, kalmanscope_core::Running);
 
-/// The run over the record on screen, then that over the record that was held out.
 struct Runs {
     on_screen: Under,
     held_out: Option<Under>,
@@ -61,12 +57,10 @@ impl FreeRuns {
 }
 
 impl Session {
-    /// Says of which models free runs are wanted, if of any.
     pub fn want_free_runs(&mut self, wanted: Option<ModelTime>) {
         self.free.wanted = wanted;
     }
 
-    /// The free run of the filter at a place over the record on screen: the last one that is complete.
     pub fn free_run(&self, place: usize) -> Option<&FreeRun> {
         Some(&self.made_free_run(place)?.run)
     }
@@ -84,7 +78,6 @@ impl Session {
         (made.run.part.len() == run.record().len() && made.run.predicted.len() == sensors).then_some(made)
     }
 
-    /// The share of the free run on a thread that is done, if there is one.
     pub(crate) fn free_run_beside(&self) -> Option<f64> {
         self.free.next.as_ref().filter(|next| next.runs.is_beside()).map(|next| *next.runs.seen())
     }
@@ -93,12 +86,10 @@ impl Session {
         self.free.given_up = self.free.next.take().map(|next| next.of);
     }
 
-    /// Whether the frames have a free run to make: threads wake the screen when they have made one.
     pub(crate) fn is_free_run_behind_here(&self) -> bool {
         self.is_free_run_behind() && !self.free.next.as_ref().is_some_and(|next| next.runs.is_beside())
     }
 
-    /// Whether a free run is yet to be made.
     pub fn is_free_run_behind(&self) -> bool {
         self.free_due().is_some()
     }
@@ -120,7 +111,6 @@ impl Session {
         Some((run.estimates().iter().position(is_due)?, of))
     }
 
-    /// Goes on with the free runs, one filter after the other, for one slice. The complete ones stay until then.
     pub(super) fn run_freely(&mut self) {
         let mut while_time = self.budget.slice();
         while let Some((place, of)) = self.free_due() {
@@ -142,7 +132,6 @@ impl Session {
         }
     }
 
-    /// The free run of the filter at a place, before its first piece.
     fn begin_free_run(&self, place: usize, of: Of) -> Option<Next> {
         let run = self.study.run();
         let (settings, estimates) = (run.scenario().filters.get(place)?, run.estimates().get(place)?);
@@ -192,7 +181,6 @@ mod tests {
     use super::super::{Budget, Mode};
     use super::*;
 
-    /// Two filters over a whole record of a Duffing oscillator.
     fn session(budget: Budget) -> Session {
         let text =
             "duration = 10.0\n[plant]\nkind = \"duffing\"\n[[filters]]\nkind = \"ekf\"\n[[filters]]\nkind = \"ukf\"\n";

@@ -13,7 +13,6 @@ const EVERY_WHILE_HELD: f64 = 0.15;
 /// Limits the samples of a diagnosis of a growing record.
 const MOST: usize = 20_000;
 
-/// The diagnoses of a record that still grows.
 #[derive(Default)]
 pub(super) struct Judged {
     diagnoses: Vec<Option<Diagnosis>>,
@@ -42,7 +41,6 @@ impl Hand {
         !self.is_down || self.age >= EVERY_WHILE_HELD
     }
 
-    /// Whether a picture that is begun now is to be without new diagnoses.
     pub(super) fn puts_off(&mut self) -> bool {
         if self.is_due() {
             self.age = 0.0;
@@ -89,7 +87,6 @@ impl Session {
         self.judged.diagnoses.get(place)?.as_ref()
     }
 
-    /// Makes the diagnoses of a growing record again, if they are old enough.
     pub(super) fn judge(&mut self, elapsed: f64) {
         self.judged.age += elapsed;
         let (run, diagnostics) = (self.study.run(), self.study.analysis().diagnostics());
@@ -118,7 +115,6 @@ impl Session {
         }
     }
 
-    /// Whether the record no longer grows: its analysis has the diagnoses.
     fn is_whole(&self) -> bool {
         self.run().done() == self.run().samples() && !self.is_live()
     }

@@ -11,7 +11,6 @@ use super::Session;
 /// Limits the records that are kept in addition to the one on screen, so that switching back takes no time.
 const KEPT: usize = 3;
 
-/// A file with columns of numbers that has been read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RecordFile {
     pub name: String,
@@ -19,7 +18,6 @@ pub struct RecordFile {
     pub table: Table,
 }
 
-/// Files, and records made of them.
 #[derive(Default)]
 pub struct Library {
     files: Vec<Arc<RecordFile>>,
@@ -56,7 +54,6 @@ impl Library {
         by_hash.or_else(|| self.files.iter().find(|file| mapping.hash.is_empty() && file.name == name_of(mapping)))
     }
 
-    /// Keeps the file that a mapping names, if it is built in and not kept yet.
     fn fetch_built_in(&mut self, mapping: &Mapping) {
         if self.file(mapping).is_some() {
             return;
@@ -110,24 +107,20 @@ impl Library {
         Ok(Source::Measured(record))
     }
 
-    /// The name of the file that a scenario needs and that is not here.
     pub(super) fn missing<'a>(&self, scenario: &'a Scenario) -> Option<&'a str> {
         let mapping = scenario.record.as_ref()?;
         let is_live = self.live.as_ref().is_some_and(|live| live.mapping == *mapping);
         (!is_live && self.file(mapping).is_none()).then(|| name_of(mapping))
     }
 
-    /// The record that is measured now, as long as it is.
     pub(super) fn live(&self) -> Option<&Arc<Record>> {
         self.live.as_ref().filter(|live| !live.has_ended).map(|live| &live.record)
     }
 
-    /// Keeps a record that is measured now, for scenarios with this mapping, in place of the one before.
     pub(super) fn set_live(&mut self, mapping: Mapping, record: Arc<Record>) {
         self.live = Some(Live { mapping, record, has_ended: false });
     }
 
-    /// Takes a longer record in place of the one that is measured now.
     pub(super) fn lengthen(&mut self, record: Arc<Record>) {
         if let Some(live) = self.live.as_mut().filter(|live| !live.has_ended) {
             live.record = record;
@@ -141,7 +134,6 @@ impl Library {
         Some(Arc::clone(&live.record))
     }
 
-    /// The record on which models are tested that were made from another, with its name.
     pub fn held_out(&self) -> Option<(&str, &Arc<Record>)> {
         self.held_out.as_ref().map(|(name, record)| (name.as_str(), record))
     }
@@ -164,7 +156,6 @@ impl Library {
         &self.reasons
     }
 
-    /// Why start values were not found, when they were made last.
     pub fn problem(&self) -> Option<&str> {
         self.problem.as_deref()
     }
@@ -179,7 +170,6 @@ impl Library {
     }
 }
 
-/// The name of a mapping's file without its folder.
 pub fn name_of(mapping: &Mapping) -> &str {
     mapping.file.rsplit(['/', '\\']).next().unwrap_or_default()
 }

@@ -8,7 +8,6 @@ use kalmanscope_core::{Record, Scenario};
 use super::{Mode, RecordFile, Session};
 
 impl Session {
-    /// Shows a record that is still being measured, under the scenario that names it, and follows its end.
     pub fn follow_live(&mut self, scenario: Scenario, record: Arc<Record>) {
         if let Some(mapping) = &scenario.record {
             self.library.set_live(mapping.clone(), record);
@@ -43,7 +42,6 @@ impl Session {
         Some(bytes)
     }
 
-    /// Whether the record on screen is still being measured.
     pub fn is_live(&self) -> bool {
         self.run().is_live()
     }

@@ -11,12 +11,9 @@ use crate::team::{BETWEEN, Handle, Lost, Team};
 /// Limits the time of a filter that is computed in the frames, over the whole record on an ordinary processor \[s\].
 const LONG: f64 = 0.3;
 
-/// The filters of the present job that a team computes.
 #[derive(Default)]
 pub(super) struct LongFilters {
-    /// The place of each filter, and the work on it once it has begun.
     filters: Vec<(usize, Option<Handle<Tape>>)>,
-    /// Whether only these filters are left to compute.
     is_alone: bool,
 }
 
@@ -33,7 +30,6 @@ impl LongFilters {
         }
     }
 
-    /// Takes in the samples that have come, while there is time. If the team fails, the job gets the filters back.
     pub(super) fn follow(
         &mut self,
         job: &mut Job,
@@ -82,12 +78,10 @@ impl Session {
         &self.team
     }
 
-    /// Whether the next picture lacks only filters that the team computes.
     fn only_waits(&self) -> bool {
         self.job.is_some() && self.long.is_alone && !self.waiting
     }
 
-    /// Asks for the next frame of playback, or of what is being computed.
     pub(crate) fn ask_for_frame(&self, ctx: &Context) {
         if self.only_waits() {
             ctx.request_repaint_after(BETWEEN);
@@ -106,7 +100,6 @@ mod tests {
     use super::*;
     use crate::session::{Budget, Mode};
 
-    /// Counts the filters that it is given, and fails after some portions.
     #[derive(Clone)]
     struct Fake {
         started: Rc<Cell<usize>>,
@@ -146,7 +139,6 @@ mod tests {
         }
     }
 
-    /// A whole record of a cheap filter and of a particle filter, which takes about half a second.
     fn scenario() -> Scenario {
         let mut scenario = Scenario { duration: 40.0, ..Scenario::default() };
         scenario.filters.truncate(1);
@@ -165,7 +157,6 @@ mod tests {
         (session, fake)
     }
 
-    /// Lets frames pass until all is computed; returns how many of them only waited.
     fn wait(session: &mut Session) -> usize {
         let frame = |_| {
             session.advance(0.1);

@@ -11,7 +11,6 @@ impl Session {
         self.speed
     }
 
-    /// The next of [`Self::SPEEDS`] that is faster, or slower; the present one at the end of them.
     pub fn next_speed(&self, faster: bool) -> f64 {
         let mut speeds = Self::SPEEDS.into_iter();
         let next = if faster { speeds.find(|s| *s > self.speed) } else { speeds.rfind(|s| *s < self.speed) };
@@ -24,7 +23,6 @@ impl Session {
         samples.saturating_sub(1) as f64 * dt
     }
 
-    /// The sample at playback's time, counted from the start.
     pub fn position(&self) -> usize {
         // A clock that was set to k dt must give k in spite of rounding.
         let (dt, samples) = self.target();
@@ -36,7 +34,6 @@ impl Session {
         self.run().record().time_of(0) + self.position() as f64 * self.target().0
     }
 
-    /// The index, among the kept samples, of the one at playback's time, or of the last one if the run is behind.
     pub fn index(&self) -> usize {
         // While another picture is computed, time may be divided in another way there.
         let position = match self.job {
@@ -54,13 +51,12 @@ impl Session {
         (((time - record.time(0)) / record.dt()).round().max(0.0) as usize).min(last)
     }
 
-    /// Lets `elapsed` seconds of real time pass.
     pub fn advance(&mut self, elapsed: f64) {
         let mut while_time = self.budget.slice();
         if self.behind() {
             self.compute();
         } else if self.is_live() {
-            // The sensor's time is the time, and who measures asks for frames.
+            // The sensor gives the time, and the measurement asks for frames.
             self.compute();
         } else if self.playing {
             self.clock += elapsed * self.speed;
@@ -78,7 +74,6 @@ impl Session {
         self.follow_spectrogram();
     }
 
-    /// Plays or pauses; at the end, plays from the start.
     pub fn toggle_play(&mut self) {
         if !self.playing && self.clock >= self.end() && !self.is_live() {
             self.play_from_start();
@@ -91,7 +86,6 @@ impl Session {
         self.playing = false;
     }
 
-    /// Plays from the first sample.
     pub fn play_from_start(&mut self) {
         self.seek(0.0);
         self.playing = true;
@@ -112,13 +106,12 @@ impl Session {
     /// Goes to a time after the start \[s\].
     pub fn seek(&mut self, time: f64) {
         self.clock = time.clamp(0.0, self.end());
-        // What is measured now goes on at its end.
+        // A live record continues at its end.
         self.playing &= !self.is_live();
         self.go_back();
         self.compute();
     }
 
-    /// Pauses and goes to the end of a record that is computed as a whole, also before it is there.
     pub fn seek_end(&mut self) {
         if self.can_be_whole {
             self.playing = false;
@@ -127,7 +120,6 @@ impl Session {
         }
     }
 
-    /// Sets the simulated seconds per second; ignores numbers that are not positive.
     pub fn set_speed(&mut self, speed: f64) {
         if speed.is_finite() && speed > 0.0 {
             self.speed = speed;

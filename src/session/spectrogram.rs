@@ -5,13 +5,10 @@ use kalmanscope_core::{Spectrogram, Task as _, Windows};
 use super::Session;
 use crate::team::{Priority, Running};
 
-/// A growing record has another spectrogram after this many samples.
 const EVERY: usize = 200;
 
-/// The picture's number, and the samples that were done, in steps.
 type Of = (u64, usize);
 
-/// The last spectrogram that is complete, and the next one.
 #[derive(Default)]
 pub(super) struct Spectrograms {
     is_wanted: bool,
@@ -35,7 +32,6 @@ impl Session {
         self.spectrograms.next.is_some()
     }
 
-    /// The share of the spectrogram on a thread that is done, if there is one.
     pub(crate) fn spectrogram_beside(&self) -> Option<f64> {
         self.spectrograms.next.as_ref().filter(|(_, next)| next.is_beside()).map(|(_, next)| *next.seen())
     }
@@ -44,7 +40,6 @@ impl Session {
         self.spectrograms.made = self.spectrograms.next.take().map(|(of, _)| (of, None));
     }
 
-    /// Whether the frames have a spectrogram to make: threads wake the screen when they have made one.
     pub(crate) fn is_spectrogram_behind_here(&self) -> bool {
         self.spectrograms.next.as_ref().is_some_and(|(_, next)| !next.is_beside())
     }

@@ -74,14 +74,12 @@ fn an_edit_takes_effect_at_once_and_an_impossible_one_does_no_harm() {
     assert_eq!((session.problem(), session.run().samples()), (None, 201));
 }
 
-/// Of 300 001 samples, with a single filter.
 fn long() -> Session {
     let mut scenario = Scenario { duration: 3000.0, ..Scenario::default() };
     scenario.filters.truncate(1);
     Session::new(scenario).unwrap()
 }
 
-/// Lets frames pass until the run is complete; returns how many it took.
 fn wait(session: &mut Session) -> usize {
     (0..1000)
         .position(|_| {
@@ -116,7 +114,6 @@ fn far_away_times_are_computed_in_slices_while_playback_waits() {
     assert_eq!((session.run().len(), session.run().record().forgotten(), session.time()), (99_901, 0, 999.0));
 }
 
-/// A whole record of a particle filter, an EKF and a UKF, which takes many pieces of work.
 fn heavy() -> Session {
     let mut scenario = Scenario { duration: 40.0, ..Scenario::default() };
     let particles = FilterSettings { kind: FilterKind::PF, ensemble_size: 200, ..scenario.filters[0].clone() };

@@ -13,12 +13,9 @@ pub(super) struct Trying {
     is_done: bool,
 }
 
-/// The trials of one filter, and their results so far.
 pub struct Attempt {
     filter: u32,
-    /// The picture's number and the samples that were done when they began.
     of: (u64, usize),
-    /// None once they are done.
     search: Option<Running<Search, Seen>>,
     progress: f64,
     before: Option<Verdict>,
@@ -26,11 +23,9 @@ pub struct Attempt {
     is_complete: bool,
 }
 
-/// The state of a search: the share that is done, the verdict on the unchanged filter, and the remedies so far.
 type Seen = (f64, Option<Verdict>, Vec<Remedy>);
 
 impl Attempt {
-    /// The share of the trials that is done, from 0 to 1.
     pub fn progress(&self) -> f64 {
         self.progress
     }
@@ -47,7 +42,6 @@ impl Attempt {
         self.of.0
     }
 
-    /// The verdict on the unchanged filter over the samples of the trials, once it is known.
     pub fn before(&self) -> Option<&Verdict> {
         self.before.as_ref()
     }
@@ -58,10 +52,10 @@ impl Attempt {
         &self.remedies
     }
 
-    /// Goes on while there is time. The earlier results stay until all new ones are complete.
+    /// Continues while there is time. The earlier results stay until all new ones are complete.
     fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) {
         let Some(search) = &mut self.search else { return };
-        // A search that has failed ends with what it has found.
+        // A failed search ends with its remedies so far.
         let is_done = !matches!(search.advance(while_time), Ok(None));
         let (progress, before, remedies) = search.seen();
         self.progress = *progress;
@@ -89,28 +83,23 @@ fn in_places_of(before: &[Remedy], mut found: Vec<Remedy>) -> Vec<Remedy> {
 }
 
 impl Session {
-    /// Sets the filters, by id, that causes are tried for if the verdict is bad.
     pub fn want_trials(&mut self, filters: Vec<u32>) {
         self.trying.wanted = filters;
     }
 
-    /// The trials of the filter with an id, if there are any.
     pub fn attempt(&self, filter: u32) -> Option<&Attempt> {
         self.trying.attempts.iter().find(|attempt| attempt.filter == filter)
     }
 
-    /// Whether trials are under way, which every [`Self::advance`] brings nearer to their end.
     pub fn is_trying(&self) -> bool {
         !self.trying.wanted.is_empty() && !self.trying.is_done
     }
 
-    /// The share of the trials on threads that is done, if there are any.
     pub(crate) fn trials_beside(&self) -> Option<f64> {
         let shares = self.trying.attempts.iter().filter(|attempt| attempt.is_beside()).map(Attempt::progress);
         shares.reduce(|sum, share| sum + share)
     }
 
-    /// Gives up the trials under way, and keeps the remedies so far.
     pub(crate) fn give_up_trials(&mut self) {
         for attempt in &mut self.trying.attempts {
             (attempt.search, attempt.is_complete) = (None, true);
@@ -122,7 +111,6 @@ impl Session {
         self.is_trying() && !self.trying.attempts.iter().any(Attempt::is_beside)
     }
 
-    /// Tries for as long as there is time. Filters on screen come first.
     pub(super) fn try_causes(&mut self, while_time: &mut dyn FnMut() -> bool) {
         let mut attempts = std::mem::take(&mut self.trying.attempts);
         let wanted = std::mem::take(&mut self.trying.wanted);
@@ -156,7 +144,7 @@ impl Session {
         verdict.is_some_and(|verdict| !verdict.kind.is_good()) && self.diagnostics().len() > place
     }
 
-    /// Whether the record has grown since finished trials: by half, as long as it goes on growing.
+    /// Whether the record has grown since finished trials: by half, as long as it still grows.
     fn is_outdated(&self, attempt: &Attempt) -> bool {
         let (done, before) = (self.run().done(), attempt.of.1);
         !attempt.is_under_way() && if self.playing { done > before + before / 2 } else { done != before }

@@ -10,7 +10,6 @@ use thiserror::Error;
 
 use super::{LinkError, MARK, Picture};
 
-/// The picture, scenario or lesson that an address opens.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Target {
     /// The picture of a link.
@@ -21,7 +20,6 @@ pub enum Target {
     Lesson(usize, usize),
 }
 
-/// The reason why an address cannot be opened.
 #[derive(Debug, Error)]
 pub enum AddressError {
     /// The link is unreadable.
@@ -72,7 +70,6 @@ pub fn target(address: &str) -> Result<Option<Target>, AddressError> {
     Ok(built_in.map(Target::Scenario))
 }
 
-/// Whether an address asks for plots and transport only.
 pub fn is_embedded(address: &str) -> bool {
     value(address, "embed").is_some()
 }
@@ -82,7 +79,6 @@ pub fn allows_software_graphics(address: &str) -> bool {
     value(address, "gpu").is_some_and(|value| value == "software")
 }
 
-/// The address of the page, without query and fragment.
 pub fn page(address: &str) -> &str {
     address.split(['?', '#']).next().unwrap_or_default()
 }
@@ -129,7 +125,6 @@ fn value<'a>(address: &'a str, key: &str) -> Option<&'a str> {
         .map(|it| it.1)
 }
 
-/// A name, shortened to fit into a sentence.
 fn shortened(name: &str) -> String {
     name.chars().take(60).collect()
 }

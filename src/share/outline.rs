@@ -8,18 +8,14 @@ use crate::request::ViewKind;
 /// Limits the containers inside each other.
 pub(super) const DEEPEST: usize = 16;
 
-/// The shares of height or width that tiles may have.
 pub(super) const SHARES: std::ops::RangeInclusive<f32> = 1e-3..=1e3;
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outline {
     View(ViewKind),
-    /// Tiles one below the other, with their shares of the height.
     Rows(Vec<(f32, Outline)>),
-    /// Tiles side by side, with their shares of the width.
     Columns(Vec<(f32, Outline)>),
-    /// Tiles one at a time, and the place of that which is shown.
     Tabs(usize, Vec<Outline>),
     Grid(Vec<Outline>),
 }
@@ -49,7 +45,6 @@ impl Outline {
         })
     }
 
-    /// Adds the tiles. Returns that which holds the others.
     pub(crate) fn insert_into(&self, tiles: &mut Tiles<ViewKind>) -> TileId {
         let linear = |dir, children: &[(f32, Self)], tiles: &mut Tiles<ViewKind>| {
             let mut linear = Linear::new(dir, Vec::new());
@@ -82,7 +77,6 @@ impl Outline {
         views.contains(&view)
     }
 
-    /// Checks that no view occurs twice, and that all shares are usual.
     pub(crate) fn validate(&self) -> Result<(), String> {
         let mut views = Vec::new();
         self.collect(&mut views);

@@ -11,26 +11,22 @@ use miniz_oxide::inflate::TINFLStatus;
 use miniz_oxide::inflate::core::inflate_flags::TINFL_FLAG_USING_NON_WRAPPING_OUTPUT_BUF;
 use miniz_oxide::inflate::core::{DecompressorOxide, decompress};
 
-/// Lines of scenarios, and other parts of a picture's text.
 const SETTINGS: &str = include_str!("dictionary.txt");
 const SCREENS: &str = include_str!("screens.txt");
 
 /// Limits the decompressed text \[bytes\].
 const LARGEST: usize = 65_536;
 
-/// Slow and small.
 const LEVEL: i32 = 9;
 
 /// Deflate without the header of zlib: a negative number of bits.
 const RAW: i32 = -15;
 
-/// The dictionary, with the settings as a text in JSON.
 fn dictionary() -> Vec<u8> {
     let settings = Document::json(SETTINGS).unwrap_or_default();
     [settings.trim_matches('"'), SCREENS].concat().into_bytes()
 }
 
-/// The compressed text with its check.
 pub(super) fn pack(text: &str) -> Vec<u8> {
     let mut compressor = CompressorOxide::new(create_comp_flags_from_zip_params(LEVEL, RAW, 0));
     // The result begins on a full byte after this.
@@ -44,7 +40,6 @@ pub(super) fn pack(text: &str) -> Vec<u8> {
     bytes
 }
 
-/// The text. `None` if the bytes are damaged or the text is larger than [`LARGEST`].
 pub(super) fn unpack(bytes: &[u8]) -> Option<String> {
     let (bytes, expected) = bytes.split_last_chunk()?;
     let mut buffer = dictionary();

@@ -13,10 +13,8 @@ use crate::ruler::Ruler;
 use crate::session::{Mode, Session};
 use crate::tutor::Studies;
 
-/// The key by which a text is recognised; its value is the format.
 const KEY: &str = "kalmanscope_session";
 
-/// The format.
 const FORMAT: Document = Document::Integer(1);
 
 /// These keys are always written: their usual values may be others in a later program.
@@ -26,25 +24,17 @@ const ALWAYS: [&str; 3] = ["scenario", "views", "mode"];
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields, expecting = "a table")]
 pub struct Picture {
-    /// The settings. All samples and estimates follow from them.
     #[serde(with = "toml")]
     pub scenario: Scenario,
-    /// The views and their places. `None` if no view is shown.
     pub views: Option<Outline>,
-    /// The view that is enlarged.
     pub enlarged: Option<ViewKind>,
-    /// The choices in the laboratory.
     pub laboratory: Choices,
-    /// Live, or the whole record.
     pub mode: Mode,
     /// The time of playback, from the first sample on \[s\].
     pub time: f64,
-    /// Simulated seconds per second.
     pub speed: f64,
-    /// The marked times.
     #[serde(rename = "marks")]
     pub ruler: Ruler,
-    /// The entries of the legend that are hidden.
     pub hidden: Vec<LegendEntry>,
     /// The user's own habits, which only the storage has.
     pub habits: Option<Habits>,
@@ -55,20 +45,15 @@ pub struct Picture {
 #[serde(default, deny_unknown_fields)]
 pub struct Habits {
     pub(crate) presenting: bool,
-    /// The theme; the system's if none was chosen.
     pub(crate) dark: Option<bool>,
-    /// Whether all settings are shown, and not only those that the story names.
     pub(crate) all_settings: bool,
     pub(crate) lessons: Studies,
 }
 
-/// The reason why a picture cannot be read or written.
 #[derive(Debug, Error)]
 pub enum PictureError {
-    /// The text has another format.
     #[error("it has format {0}, and this program reads format 1")]
     Format(String),
-    /// A key is unknown, or a value is not possible.
     #[error(transparent)]
     Document(#[from] DocumentError),
     /// The parts do not belong to each other.
@@ -76,7 +61,6 @@ pub enum PictureError {
     Impossible(String),
 }
 
-/// The picture of a first start.
 impl Default for Picture {
     fn default() -> Self {
         Self::new(BuiltIn::FIRST.scenario().unwrap_or_default(), &Layout::default(), Mode::default(), 0.0)
@@ -84,7 +68,6 @@ impl Default for Picture {
 }
 
 impl Picture {
-    /// The picture with these settings and views, at the usual speed, without marks, with all of the legend.
     pub(crate) fn new(scenario: Scenario, layout: &Layout, mode: Mode, time: f64) -> Self {
         Self {
             scenario,
@@ -100,7 +83,6 @@ impl Picture {
         }
     }
 
-    /// The views as tiles.
     pub(crate) fn layout(&self) -> Layout {
         Layout::of_outline(self.views.as_ref(), self.enlarged)
     }
@@ -140,7 +122,6 @@ impl Picture {
         Self::of_document(document).unwrap_or_else(|| Err(PictureError::Impossible(format!("it has no key `{KEY}`"))))
     }
 
-    /// Reads the picture in a file. `None` for another kind of file.
     pub(crate) fn of_file(bytes: &[u8]) -> Option<Result<Self, PictureError>> {
         if bytes.iter().find(|byte| !byte.is_ascii_whitespace()) != Some(&b'{') {
             return None;

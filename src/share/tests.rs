@@ -16,7 +16,6 @@ fn picture() -> Picture {
     Picture::new(scenario, &Layout::of(Arrangement::Compare), Mode::Whole, 12.34)
 }
 
-/// The text of the picture.
 fn text() -> String {
     picture().line().expect("it can be written")
 }

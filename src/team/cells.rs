@@ -12,7 +12,6 @@ use super::Handle;
 #[derive(Clone)]
 pub struct Cells {
     pub runner: Arc<Runner>,
-    /// The cells, in the order in which they are wanted.
     pub order: Vec<usize>,
     pub precision: Precision,
     pub priority: Priority,
@@ -21,7 +20,6 @@ pub struct Cells {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Precision {
-    /// The fastest one: single precision if there is a graphics processor.
     #[default]
     Fastest,
     Double,
@@ -36,7 +34,6 @@ impl Precision {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rows {
     pub cells: Vec<usize>,
-    /// Their rows, one after the other.
     pub numbers: Vec<f64>,
     pub by: Computer,
 }
@@ -46,7 +43,6 @@ pub enum Computer {
     Frames,
     Threads(usize),
     Workers(usize),
-    /// The graphics processor of this name, in single precision.
     Graphics(Arc<str>),
 }
 
@@ -62,22 +58,17 @@ impl fmt::Display for Computer {
     }
 }
 
-/// A graphics processor, if there is one.
 pub trait Graphics {
     /// Whether it was found. The first call begins the search; the search's end wakes the context.
     fn find(&self, ctx: &Context) -> Finding;
 
-    /// Whether it was found so far.
     fn found(&self) -> Finding;
 
-    /// Begins to run cells. `None` if it cannot.
     fn cells(&self, cells: &Cells, ctx: &Context) -> Option<Handle<Rows>>;
 }
 
-/// The state of the search for a graphics processor.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Finding {
-    /// Nothing yet.
     Searching,
     Ready,
     Absent(String),

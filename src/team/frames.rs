@@ -10,7 +10,7 @@ use web_time::Duration;
 use super::{Cells, Computer, Handle, Rows, Team};
 use crate::session::Budget;
 
-/// Runs cells in each frame for as long as a budget allows; a cell that takes longer goes on in the next frame.
+/// Runs cells in each frame for as long as a budget allows; a cell that takes longer continues in the next frame.
 pub struct Frames(pub Budget);
 
 impl Frames {

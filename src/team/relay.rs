@@ -6,7 +6,7 @@ use egui::Context;
 
 use super::{Cells, Finding, Frames, Handle, Lost, Precision, Rows, Team};
 
-/// Cells under way. A graphics processor that has been found runs them, else the team; whoever fails leaves the rest to the
+/// Cells under way. A graphics processor that has been found runs them, else the team; each leaves the rest, if it fails, to the
 /// next.
 pub struct Relay {
     team: Rc<dyn Team>,
@@ -18,7 +18,6 @@ pub struct Relay {
     ctx: Context,
 }
 
-/// Those that run cells, in their order.
 #[derive(Clone, Copy)]
 enum By {
     Graphics,
@@ -31,7 +30,7 @@ impl Relay {
     /// rows have come.
     pub fn new(team: &Rc<dyn Team>, cells: Cells, ctx: &Context) -> Self {
         let graphics = team.graphics().filter(|_| cells.precision == Precision::Fastest);
-        // The first map begins the search, and the next ones are run by what it finds.
+        // The first map begins the search, and its result runs the next ones.
         let is_ready = graphics.is_some_and(|graphics| graphics.find(ctx) == Finding::Ready);
         let mut is_done = vec![true; cells.runner.ensemble().cells()];
         cells.order.iter().for_each(|cell| is_done[*cell] = false);
@@ -39,7 +38,6 @@ impl Relay {
         Self { team: Rc::clone(team), next, work: None, cells, is_done, ctx: ctx.clone() }
     }
 
-    /// The rows that have come since the last call.
     pub fn take(&mut self) -> Vec<Rows> {
         let mut rows = Vec::new();
         loop {
@@ -52,7 +50,6 @@ impl Relay {
         }
     }
 
-    /// Gives the cells without a row to the next that may run them.
     fn begin(&mut self) {
         let Self { team, next, cells, is_done, ctx, .. } = self;
         let order = cells.order.iter().copied().filter(|cell| !is_done[*cell]).collect();
@@ -84,14 +81,11 @@ mod tests {
     use crate::session::Budget;
     use crate::team::{Computer, Graphics};
 
-    /// A graphics processor that is ready and fails as the test wants.
     struct Played {
         finding: RefCell<Finding>,
-        /// The portions of two cells that it computes before it gives up.
         portions: usize,
     }
 
-    /// A team whose workers fail after this many rows.
     struct Failing(usize);
 
     impl Team for Failing {
@@ -105,7 +99,6 @@ mod tests {
         }
     }
 
-    /// Runs cells in the frames, and has the graphics processor of a test.
     struct WithGraphics(Rc<Played>);
 
     impl Team for WithGraphics {
@@ -154,7 +147,6 @@ mod tests {
             .unwrap()
     }
 
-    /// Takes rows until all cells are known. Returns the computer of each row.
     fn run(team: &Rc<dyn Team>, precision: Precision) -> Vec<(Computer, usize)> {
         let (ensemble, ctx) = (ensemble(), Context::default());
         let runner = Arc::new(Runner::new(ensemble.clone(), Source::Simulated).unwrap());

@@ -30,7 +30,6 @@ impl<T: Task, L> Running<T, L> {
         Self { seen: look(&task), place: Place::Beside(worker, Some(task)), look }
     }
 
-    /// A task on a thread of the team, or in the frames where there are no threads.
     pub fn begin(team: &dyn Team, priority: Priority, task: T, look: fn(&T) -> L) -> Self
     where
         T: Send + 'static,
@@ -47,12 +46,10 @@ impl<T: Task, L> Running<T, L> {
         }
     }
 
-    /// Whether frames only show its progress.
     pub fn is_beside(&self) -> bool {
         matches!(self.place, Place::Beside(..))
     }
 
-    /// The last state that `look` has returned.
     pub fn seen(&self) -> &L {
         &self.seen
     }
@@ -99,7 +96,7 @@ mod tests {
         Loading::new(b"t,x\n0,1\n0.1,2\n".to_vec())
     }
 
-    /// Frames until the outcome, with the share that each of them shows. A worker sends what it is given, then fails.
+    /// Frames until the outcome, with the share that each of them shows. A worker sends its reports, then fails.
     fn frames(there: Option<Vec<Option<Report<f64, Outcome>>>>) -> (Vec<f64>, Outcome) {
         let there = there.map(|reports| {
             let mut reports = reports.into_iter();

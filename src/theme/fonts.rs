@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use egui::{FontData, FontDefinitions, FontFamily};
 
-/// The name of the family for headings.
 pub(super) const STRONG: &str = "strong";
 
 macro_rules! font {
@@ -13,7 +12,6 @@ macro_rules! font {
     };
 }
 
-/// Used in this order if a text font lacks a glyph.
 const SYMBOLS: [(&str, &[u8]); 3] =
     [font!("NotoSansMath-Regular"), font!("NotoSansSymbols-Regular"), font!("NotoSansSymbols2-Regular")];
 

@@ -9,19 +9,13 @@ use kalmanscope_core::FilterColor;
 /// ground.
 #[derive(Clone, Copy, Debug, Hash)]
 pub struct Palette {
-    /// Ground of plots and panels, painted once for all.
     pub ground: Color32,
-    /// Ground of slightly raised parts.
     pub faint: Color32,
-    /// Lines between panels.
     pub separator: Color32,
-    /// Lines of the plots' grid.
     pub grid: Color32,
     pub text: Color32,
     pub weak: Color32,
-    /// Selected widgets.
     pub accent: Color32,
-    /// Text on selected widgets.
     pub on_accent: Color32,
     pub warning: Color32,
     pub truth: Color32,

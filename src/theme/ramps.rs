@@ -4,7 +4,6 @@ use egui::Color32;
 
 use super::Palette;
 
-/// Viridis, by van der Walt and Smith (2015), from dark to light.
 const SEQUENTIAL: [[u8; 3]; 9] = [
     [68, 1, 84],
     [71, 44, 122],
@@ -21,7 +20,6 @@ const SEQUENTIAL: [[u8; 3]; 9] = [
 const DIVERGING: [[u8; 3]; 4] = [[14, 77, 140], [96, 160, 212], [232, 152, 88], [158, 58, 4]];
 const DIVERGING_ON_DARK: [[u8; 3]; 4] = [[130, 200, 255], [48, 112, 172], [176, 92, 32], [255, 182, 110]];
 
-/// Colours of kinds (Okabe and Ito), and a grey.
 const KINDS: [[u8; 3]; 9] = [
     [0, 158, 115],
     [86, 180, 233],
@@ -34,12 +32,10 @@ const KINDS: [[u8; 3]; 9] = [
     [60, 60, 66],
 ];
 
-/// The colour of a share from 0, dark, to 1, light.
 pub fn sequential(share: f32) -> Color32 {
     between(&SEQUENTIAL, share)
 }
 
-/// The colour of a share from 0, blue, to 1, orange; the middle is as the ground.
 pub fn diverging(share: f32, palette: &Palette) -> Color32 {
     let [r, g, b, _] = palette.faint.to_array();
     let is_dark = palette.ground.intensity() < 0.5;

@@ -23,7 +23,6 @@ impl Catalogue {
         Self { finished, ..Self::default() }
     }
 
-    /// The lessons in the menu's order.
     pub(crate) fn lessons(&self) -> &[Lesson] {
         &self.lessons
     }

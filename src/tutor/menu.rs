@@ -19,10 +19,8 @@ const MOST: usize = 3;
 /// The distance between lessons in columns, so that a small desktop has all of them in sight \[points\].
 const CLOSE: f32 = 3.0;
 
-/// The height of a group's name over that of a lesson.
 const NAME: f32 = 0.4;
 
-/// An invitation to the first lesson, for new users.
 pub(crate) fn invitation_ui(ui: &mut Ui, requests: &mut Vec<Request>) {
     let text = RichText::new("New here? Begin with the first lesson").color(ui.visuals().hyperlink_color);
     let link = ui.add(Button::new(text).frame(false).wrap_mode(TextWrapMode::Extend));
@@ -32,7 +30,6 @@ pub(crate) fn invitation_ui(ui: &mut Ui, requests: &mut Vec<Request>) {
     }
 }
 
-/// The menu of all lessons, by group; finished ones have a tick.
 pub(crate) fn menu_ui(ui: &mut Ui, catalogue: &Catalogue, requests: &mut Vec<Request>) {
     let button = menu::menu_ui(ui, "Lessons", Closing::AtOnce, |ui| {
         let lessons = catalogue.lessons();

@@ -76,7 +76,6 @@ impl Tutor {
         }
     }
 
-    /// Whether the step is another one than in the last frame, and whether the same step shows more.
     fn news(&self, ui: &Ui) -> (bool, bool) {
         let state = (self.step, self.open_question().is_some(), self.is_revealed());
         let id = Id::unique(("state of the lesson's step", &self.lesson.title));
@@ -124,7 +123,6 @@ impl Tutor {
         });
     }
 
-    /// The action that the next step waits for, if any.
     fn missing(&self) -> Option<String> {
         if self.open_question().is_some() {
             return Some("Answer the question first, or press “Show me”.".to_owned());
@@ -134,7 +132,6 @@ impl Tutor {
     }
 }
 
-/// The button that makes the change; afterwards it remains as text.
 fn change_ui(ui: &mut Ui, change: &Change, changed: bool, palette: &Palette, requests: &mut Vec<Request>) {
     let button = if changed {
         Button::new(RichText::new(&change.label).weak()).frame(false).sense(Sense::hover())

@@ -7,7 +7,6 @@ use super::heading::heading_ui;
 use crate::request::{Answer, Request};
 use crate::theme;
 
-/// Shows the question with its choices, which can be chosen until the effect is shown.
 pub(super) fn question_ui(
     ui: &mut Ui,
     question: &Question,
@@ -34,7 +33,6 @@ pub(super) fn question_ui(
     ui.add_space(6.0);
 }
 
-/// A choice after the effect is shown: the right one has a tick, a wrong one that was chosen a circle.
 fn revealed_choice_ui(ui: &mut Ui, choice: &str, chosen: bool, right: bool) {
     let (mark, text) = match (right, chosen) {
         (true, _) => ("✓", RichText::new(choice)),

@@ -14,7 +14,6 @@ use crate::session::Wanted;
 use crate::view::{View, ViewContext};
 use kalmanscope_core::diagnostics::{Depth, Whiteness};
 
-/// The samples from A to B, if both are marked.
 fn span(context: &ViewContext<'_>) -> Option<Range<usize>> {
     let [a, b] = End::BOTH.map(|end| context.ruler.time(end).map(|time| context.session.sample_at(time)));
     let (a, b) = (a?, b?);

@@ -48,7 +48,6 @@ impl View for Channels {
     }
 }
 
-/// One channel's chart: bands under measurements under truth under estimates.
 fn chart<'a>(channel: Channel, context: &ViewContext<'a>) -> Chart<'a> {
     let ViewContext { session, palette, visible, .. } = *context;
     let run = session.run();

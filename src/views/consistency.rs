@@ -60,7 +60,6 @@ const NEES: Square = Square {
     moving: Diagnostics::moving_nees,
 };
 
-/// The meaning of both numbers, in words.
 fn remark() -> String {
     format!("over expectation, mean of {WINDOW} s")
 }

@@ -97,7 +97,6 @@ pub(crate) fn drawer_ui(ui: &mut Ui, context: &ViewContext<'_>, id: u32, request
 /// The height of a low drawer \[points\].
 const LOW: f32 = 420.0;
 
-/// The lines reserved for the reason of a verdict.
 const LINES: f32 = 3.0;
 
 fn filter_ui(
@@ -143,7 +142,6 @@ fn filter_ui(
     evidence::evidence_ui(ui, &diagnosis.evidence, color, palette);
 }
 
-/// Whether the filter has found the mirror image of the oscillator.
 fn is_mirrored(estimates: &Estimates) -> bool {
     let Some(last) = estimates.len().checked_sub(1) else { return false };
     (0..estimates.channels().len()).any(|place| estimates.canonical_sign(last, place) < 0.0)

@@ -58,7 +58,6 @@ impl View for Filters {
     }
 }
 
-/// The filters' names. Dropping one on another copies its settings to that one.
 fn names_ui(ui: &mut Ui, scenario: &mut Scenario, palette: &Palette) {
     let mut same = None;
     for (place, filter) in scenario.filters.iter().enumerate() {
@@ -79,7 +78,6 @@ fn names_ui(ui: &mut Ui, scenario: &mut Scenario, palette: &Palette) {
     }
 }
 
-/// A number that each filter has, or may have.
 struct Row {
     key: String,
     symbol: String,

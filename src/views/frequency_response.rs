@@ -18,14 +18,12 @@ use curves::Curves;
 
 /// Height of the heading above the plot \[points\].
 const HEADING: f32 = 22.0;
-/// Share of the plot's height for the spectrum.
 const SPECTRUM: f64 = 0.22;
 /// Limits the visible range of the magnitudes, and of the bands above the lines \[decades\].
 const MOST: (f64, f64) = (6.0, 0.3);
 
 /// The least distance of a line from the edges of the plot \[decades\].
 const HEADROOM: f64 = 0.08;
-/// The size of the logarithms that stand in for those of zero and infinity.
 const BOUNDLESS: f64 = 300.0;
 
 pub(super) struct FrequencyResponse;
@@ -84,7 +82,6 @@ fn readouts(curves: &Curves, i: usize, context: &ViewContext<'_>) -> Vec<Readout
     readouts
 }
 
-/// The curves as logarithms, limited to the visible range.
 struct Drawn<'a> {
     curves: &'a Curves,
     frequencies: Vec<f64>,
@@ -132,7 +129,6 @@ impl<'a> Drawn<'a> {
         [x, (low.max(high - MOST.0), high)]
     }
 
-    /// The peak of the truth, else of the first filter.
     fn peak(&self) -> Option<usize> {
         let line = self.truth.as_ref().or_else(|| self.filters.first().map(|filter| &filter.mean))?;
         (0..line.len()).filter(|&i| line[i].abs() < BOUNDLESS).max_by(|&i, &j| line[i].total_cmp(&line[j]))
@@ -166,7 +162,6 @@ impl<'a> Drawn<'a> {
         }
     }
 
-    /// The force's spectrum at the bottom of the visible range, at any zoom.
     fn draw_spectrum(&self, plot: &mut PlotUi<'_>, context: &ViewContext<'_>) {
         let palette = context.palette;
         let [x, y] = if plot.auto_bounds().any() {

@@ -42,7 +42,6 @@ impl View for Gain {
     }
 }
 
-/// Lets the user choose a sensor, if there are several.
 fn sensor_ui(ui: &mut Ui, sensors: &[Quantity]) -> usize {
     let id = Id::unique("sensor of the gain");
     let mut chosen = ui.data(|data| data.get_temp(id)).unwrap_or(0).min(sensors.len() - 1);
@@ -65,7 +64,6 @@ fn charts<'a>(sensor: usize, context: &ViewContext<'a>) -> Vec<Chart<'a>> {
     channels.into_iter().map(|channel| chart(channel, sensor, context)).collect()
 }
 
-/// Whether a sensor measures a channel: its gain is then a share of the innovation.
 fn is_measured(channel: Channel, sensor: usize, context: &ViewContext<'_>) -> bool {
     context.session.sensors().get(sensor).copied().and_then(Quantity::channel) == Some(channel)
 }

@@ -120,7 +120,6 @@ fn edit(scenario: &mut Scenario, id: u32, change: impl FnOnce(&mut FilterSetting
     }
 }
 
-/// Rounds to three digits: dragging is not more precise.
 fn rounded(value: f64) -> f64 {
     crate::text::parse(&significant(value, 3)).unwrap_or(value)
 }

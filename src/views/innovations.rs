@@ -59,7 +59,6 @@ fn variance(estimates: &Estimates, sensor: usize, k: usize) -> f64 {
     estimates.innovation_cov(k)[sensor * (estimates.sensors().len() + 1)]
 }
 
-/// The innovations with their ±2√S.
 fn columns<'a>(sensor: usize, filters: &[&'a Estimates], context: &ViewContext<'a>) -> Vec<Column<'a>> {
     let column = |&estimates: &&'a Estimates| {
         let text = move |k: usize| {

@@ -15,13 +15,12 @@ fn learning<'a>(context: &ViewContext<'a>) -> impl Iterator<Item = &'a Estimates
     context.filters().map(|(_, estimates)| estimates).filter(|estimates| estimates.learns_sensor_noise())
 }
 
-/// √R and twice its standard deviation, in words.
 fn words(estimates: &Estimates, sensor: usize, k: usize) -> Option<String> {
     let [std, spread] = estimates.sensor_noise(k, sensor)?;
     Some(format!("{} ±{}", significant(std, 3), significant(2.0 * spread, 2)))
 }
 
-/// √R of each sensor, and the scale of √Q; there is none where no filter learns it.
+/// √R of each sensor, and the scale of √Q; no charts if no filter learns them.
 pub(super) fn charts<'a>(context: &ViewContext<'a>) -> Vec<Chart<'a>> {
     let sensors = if learning(context).next().is_some() { context.session.sensors() } else { Vec::new() };
     let of_sensors = sensors.into_iter().enumerate().map(|(sensor, quantity)| of_sensor(sensor, quantity, context));
@@ -37,7 +36,6 @@ fn truth(sensor: usize, context: &ViewContext<'_>) -> Option<f64> {
     scenario.true_noise_for(filter).0.get(sensor).copied().filter(|_| is_plain)
 }
 
-/// √R of a sensor.
 fn of_sensor<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>) -> Chart<'a> {
     let band = move |estimates: &Estimates, k: usize| {
         let [std, spread] = estimates.sensor_noise(k, sensor)?;
@@ -82,7 +80,6 @@ fn of_process<'a>(context: &ViewContext<'a>) -> Option<Chart<'a>> {
     Some(drawn(chart, context, &scaling, (band, words), truth))
 }
 
-/// A chart with what filters have learnt: the ends of a band with the value between them at each sample, and that in words.
 fn drawn<'a>(
     chart: Chart<'a>,
     context: &ViewContext<'a>,

@@ -88,7 +88,6 @@ fn contents<'a>(ui: &mut Ui, context: &ViewContext<'a>) -> Option<(&'a Laborator
     laboratory.choice().zip(laboratory.shown()).map(|(choice, survey)| (laboratory, choice, survey))
 }
 
-/// A line above the panels, as long as the share of the map that is known.
 fn progress_ui(ui: &Ui, room: Rect, laboratory: &Laboratory, context: &ViewContext<'_>) {
     let Some(share) = laboratory.progress().filter(|_| Medium::of(ui.ctx()) == Medium::Screen) else { return };
     let y = room.top() + 1.0;

@@ -56,7 +56,6 @@ fn header(ui: &mut Ui, names: &[&str]) {
     ui.end_row();
 }
 
-/// Mean and σ of each channel before, predicted and after, and the gain.
 fn channels_ui(ui: &mut Ui, estimates: &Estimates, k: usize, context: &ViewContext<'_>) {
     let (n, m) = (estimates.channels().len(), estimates.sensors().len());
     let (gain, e, s) = (estimates.gain(k), estimates.innovation(k), estimates.innovation_cov(k));

@@ -14,7 +14,6 @@ use crate::views::weights;
 /// Width of a line of predictions \[points\].
 const PREDICTED: f32 = 2.2;
 
-/// Measured, predicted, free run, and the error of the free run.
 pub(super) struct Measured;
 
 impl View for Measured {
@@ -52,12 +51,10 @@ impl View for Measured {
     }
 }
 
-/// The quantities of the record, including those that no filter uses.
 fn sensors<'a>(context: &ViewContext<'a>) -> impl Iterator<Item = (usize, Quantity)> + use<'a> {
     context.session.run().record().sensors().iter().copied().enumerate()
 }
 
-/// The prediction of a quantity one step ahead, if the filter uses it.
 fn predicted<'a>(
     estimates: &'a Estimates,
     record: &'a Record,
@@ -68,7 +65,6 @@ fn predicted<'a>(
     Some(move |k: usize| measured(k) - estimates.innovation(k)[place])
 }
 
-/// The measurements of a sensor up to the last computed sample.
 fn measured<'a>(sensor: usize, context: &ViewContext<'a>) -> &'a [f64] {
     let run = context.session.run();
     &run.record().measured(sensor)[..run.len()]
@@ -86,7 +82,6 @@ fn columns<'a>((sensor, quantity): (usize, Quantity), context: &ViewContext<'a>)
     std::iter::once(measured).chain(one_step).collect()
 }
 
-/// Measured, predicted and free run.
 fn signals<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>) -> Chart<'a> {
     let ViewContext { session, palette, visible, axis, .. } = *context;
     let all = measured(sensor, context);
@@ -129,7 +124,6 @@ fn signals<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>) -> 
     }
 }
 
-/// The errors of the free run, with its fit and RMS error, and those of predictions one step ahead.
 fn errors<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>) -> Chart<'a> {
     let ViewContext { session, palette, .. } = *context;
     let all = measured(sensor, context);

@@ -50,16 +50,13 @@ impl View for Classes {
     }
 }
 
-/// The classes that are weighed against each other.
 struct Weighed<'a> {
     all: Vec<(&'a Estimates, &'a Evidence)>,
     len: usize,
-    /// The classes at some samples of a range, which all layers of a picture share.
     last: RefCell<(Range<usize>, Rc<[ModelClasses]>)>,
 }
 
 impl<'a> Weighed<'a> {
-    /// The filters that are shown; none until their evidence is known.
     fn new(context: &ViewContext<'a>) -> Self {
         let evidence = context.session.evidence();
         let all: Vec<_> = context.filters().filter_map(|(place, of)| Some((of, evidence.get(place)?))).collect();
@@ -93,7 +90,6 @@ impl<'a> Weighed<'a> {
     }
 }
 
-/// The parameters that at least two of the classes estimate.
 fn channels(context: &ViewContext<'_>) -> Vec<Channel> {
     let have = |channel: Channel| context.filters().filter(|(_, of)| of.place(channel).is_some()).count();
     let shared = |c: &Channel| c.is_parameter() && have(*c) > 1 && context.in_doubt(*c);
@@ -130,7 +126,6 @@ fn averages<'a>(classes: &Rc<Weighed<'a>>, channel: Channel, context: &ViewConte
     truth.into_iter().chain([Column::new("average", palette.weak, text)]).collect()
 }
 
-/// The probabilities, one upon the other.
 fn shares<'a>(classes: &Rc<Weighed<'a>>, context: &ViewContext<'a>) -> Chart<'a> {
     let palette = context.palette;
     let mut layers = Vec::new();
@@ -164,7 +159,6 @@ fn shares<'a>(classes: &Rc<Weighed<'a>>, context: &ViewContext<'a>) -> Chart<'a>
     }
 }
 
-/// The average of a parameter within ±2σ, and the truth.
 fn average<'a>(classes: &Rc<Weighed<'a>>, channel: Channel, context: &ViewContext<'a>) -> Chart<'a> {
     let ViewContext { session, palette, visible, .. } = *context;
     let run = session.run();

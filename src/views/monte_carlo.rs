@@ -24,7 +24,6 @@ pub(super) struct MonteCarlo;
 /// The least width at which the histogram is beside the charts over time \[points\].
 const WIDE: f32 = 620.0;
 
-/// The share of the width that the charts over time then have.
 const SHARE: f32 = 0.62;
 
 /// The least height of a chart; with less room the charts scroll \[points\].
@@ -83,7 +82,6 @@ impl View for MonteCarlo {
     }
 }
 
-/// The charts over time in one column, and the histogram beside or below them. Beside them, it has the legend above it.
 fn charts_ui(ui: &mut Ui, curves: &Arc<Curves>, context: &ViewContext<'_>, is_old: bool) {
     let room = ui.available_size().max(Vec2::splat(1.0));
     let is_wide = room.x >= WIDE;

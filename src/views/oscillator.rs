@@ -70,7 +70,6 @@ fn first_span(run: &Run, k: usize) -> f64 {
     run.estimates().iter().filter_map(std).reduce(f64::min).unwrap_or(0.0)
 }
 
-/// The place of an equation with margins, for a finger.
 fn touchable(place: Rect) -> Rect {
     /// The least height of an area to touch \[points\].
     const LEAST: f32 = 36.0;

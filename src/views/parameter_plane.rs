@@ -13,7 +13,6 @@ use crate::view::{View, ViewContext};
 
 type Points2 = Vec<[f64; 2]>;
 
-/// The path of the estimate in the plane of the first two parameters.
 pub(super) struct ParameterPlane;
 
 /// Semi-axes of the ellipse that holds 95 % of a normal distribution in the plane, in standard deviations.
@@ -118,7 +117,6 @@ fn cloud(context: &ViewContext<'_>, posteriors: &Posteriors, [x, y]: [Channel; 2
     Some((points, context.palette.shade(estimates.color()).gamma_multiply(strength)))
 }
 
-/// The 95 % ellipse of two components of the belief at sample `k`.
 fn ellipse(estimates: &Estimates, k: usize, [i, j]: [usize; 2]) -> Vec<[f64; 2]> {
     let n = estimates.channels().len();
     let cov = |a: usize, b: usize| {

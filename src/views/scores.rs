@@ -19,7 +19,6 @@ const REASON: (f32, f32) = (90.0, 210.0);
 /// The width of the names of the rows \[points\].
 const NAMES: f32 = 205.0;
 
-/// The best value is marked if the others are further from the ideal by this share of it.
 const ALIKE: f64 = 0.1;
 
 /// The distance between columns \[points\].
@@ -146,7 +145,6 @@ struct Row {
     name: String,
     hint: &'static str,
     values: Vec<Option<f64>>,
-    /// The values before the last change, of filters that it concerns.
     before: Vec<Option<f64>>,
     /// The best value is the nearest to this, or the largest if this is infinite.
     ideal: f64,
@@ -156,12 +154,10 @@ struct Row {
 }
 
 impl Row {
-    /// The distance of a value from the best.
     fn distance(&self, value: f64) -> f64 {
         if self.ideal == f64::INFINITY { -value } else { (value - self.ideal).abs() }
     }
 
-    /// The place of the best value, if it is clearly better than the others.
     fn best(&self) -> Option<usize> {
         let values = self.values.iter().enumerate().filter_map(|(place, value)| Some((place, (*value)?)));
         let mut distances: Vec<(usize, f64)> =
@@ -173,7 +169,6 @@ impl Row {
     }
 }
 
-/// Returns whether the user wants the filters sorted by this row.
 fn row_name_ui(ui: &mut Ui, row: &Row, sorts: bool) -> bool {
     let text =
         if sorts { RichText::new(format!("{} ▸", row.name)).strong() } else { RichText::new(&row.name).weak() };

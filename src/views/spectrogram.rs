@@ -13,7 +13,6 @@ use crate::view::{View, ViewContext};
 const RANGE: f32 = 60.0;
 const POINTS: usize = 600;
 
-/// The power of the first sensor over time and frequency.
 pub(super) struct SpectrogramView;
 
 #[derive(Clone)]

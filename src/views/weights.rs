@@ -14,7 +14,6 @@ const MOST_COUNTED: usize = 20_000;
 /// counts.
 const SHADES: [(f64, f32); 3] = [(0.9, 0.35), (0.5, 0.65), (Robust::LEFT_OUT, 1.0)];
 
-/// The filters on screen that weigh the readings of a quantity, with the place of that sensor among theirs, and their rule.
 fn weighing<'a>(
     quantity: Quantity,
     context: &ViewContext<'a>,
@@ -27,12 +26,10 @@ fn weighing<'a>(
     })
 }
 
-/// The weight of a sensor's reading at a sample; NaN where there is none.
 fn weight(estimates: &Estimates, sensor: usize, k: usize) -> f64 {
     estimates.weights(k).get(sensor).copied().unwrap_or(f64::NAN)
 }
 
-/// Dots in a filter's colour at the readings of a quantity that count less for it than others.
 pub(super) fn layers<'a>(quantity: Quantity, measured: &'a [f64], context: &ViewContext<'a>) -> Vec<Layer<'a>> {
     let palette = context.palette;
     let layers = |(sensor, estimates, _): (usize, &'a Estimates, Robust)| {
@@ -49,7 +46,6 @@ pub(super) fn layers<'a>(quantity: Quantity, measured: &'a [f64], context: &View
     weighing(quantity, context).flat_map(layers).collect()
 }
 
-/// The weight of a reading for each filter, in words. A reading with its full weight gets none.
 pub(super) fn at<'a>(quantity: Quantity, k: usize, context: &ViewContext<'a>) -> Vec<Readout> {
     let said = |(sensor, estimates, rule): (usize, &'a Estimates, Robust)| {
         let weight =
@@ -65,7 +61,6 @@ pub(super) fn at<'a>(quantity: Quantity, k: usize, context: &ViewContext<'a>) ->
     weighing(quantity, context).filter_map(said).collect()
 }
 
-/// The share of the readings of a quantity that each filter leaves out, in words.
 pub(super) fn shares(quantity: Quantity, measured: &[f64], context: &ViewContext<'_>) -> Vec<Readout> {
     let share = |(sensor, estimates, _): (usize, &Estimates, Robust)| {
         let len = estimates.len().min(measured.len());
@@ -114,7 +109,7 @@ mod tests {
             let percent: f64 = text.split(' ').next().and_then(|number| number.parse().ok()).expect("a number");
             assert!((9.0..11.0).contains(&percent), "{text}");
         }
-        // Each of both tells how much the same outlier counts.
+        // Both filters report the weight of the same outlier.
         let estimates = &session.run().estimates()[1];
         let k = (1000..estimates.len()).find(|&k| weight(estimates, 0, k) == 0.0).expect("one is left out");
         let said: Vec<String> = at(Quantity::DISPLACEMENT, k, &context).into_iter().map(|one| one.text).collect();

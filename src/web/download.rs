@@ -10,7 +10,6 @@ use super::object::call;
 /// The contents are given up after this time \[ms\].
 const AFTER: u32 = 60_000;
 
-/// Gives files to the browser, which puts them among its downloads.
 pub(super) fn download() -> Deliver {
     Box::new(|file, done| {
         let given = give(&file).map(|()| format!("{}, among the browser's downloads", file.name));

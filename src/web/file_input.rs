@@ -29,7 +29,6 @@ pub(super) fn choose(document: &Document, ctx: &Context, inbox: &Inbox) -> Optio
     }))
 }
 
-/// Reads a file, which arrives once it has been read.
 pub(super) fn open(file: File, ctx: &Context, inbox: &Inbox) {
     let (ctx, inbox) = (ctx.clone(), inbox.clone());
     wasm_bindgen_futures::spawn_local(async move {
@@ -38,7 +37,6 @@ pub(super) fn open(file: File, ctx: &Context, inbox: &Inbox) {
     });
 }
 
-/// The contents of a file that is not too large.
 async fn read(file: &File) -> Result<Vec<u8>, String> {
     if file.size() > drop::LARGEST as f64 {
         return Err(drop::TOO_LARGE.to_owned());

@@ -16,7 +16,6 @@ use web_sys::{
 use super::object::{get, words};
 use super::version::version;
 
-/// The worklet's file but for the page's version, and the name of its processor there.
 const WORKLET: &str = "./listen.js?v=";
 const PROCESSOR: &str = "listen";
 
@@ -28,11 +27,9 @@ pub(super) struct Microphone {
 #[derive(Default)]
 struct Shared {
     listening: RefCell<Option<Listening>>,
-    /// Counts beginnings and ends: an answer that comes after an end begins nothing.
     turn: Cell<u32>,
 }
 
-/// A worklet that listens for as long as this lives.
 struct Listening {
     stream: MediaStream,
     context: AudioContext,
@@ -41,7 +38,6 @@ struct Listening {
 }
 
 impl Microphone {
-    /// The microphone of this page. `None` where the browser has no way to it.
     pub(super) fn of_page() -> Option<Self> {
         let navigator = web_sys::window()?.navigator();
         let has = |object: &JsValue, name: &str| get(object, name).is_some_and(|it| it.is_truthy());
@@ -153,7 +149,6 @@ fn end(stream: &MediaStream) {
     }
 }
 
-/// Why there is no sound, in a sentence without its full stop.
 fn reason(error: &JsValue) -> String {
     match words(error).split(':').next().unwrap_or_default() {
         "NotAllowedError" => "The browser was not allowed to hear the microphone".to_owned(),

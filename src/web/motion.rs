@@ -20,13 +20,11 @@ pub(super) struct Motion {
     _clicks: Closure<dyn FnMut(MouseEvent)>,
 }
 
-/// Hears motion events.
 type Listener = Closure<dyn FnMut(DeviceMotionEvent)>;
 
 #[derive(Default)]
 struct Shared {
     listener: RefCell<Option<Listener>>,
-    /// The answer to the last question for permission, as a promise.
     asked: RefCell<Option<js_sys::Promise>>,
     /// Counts beginnings and ends: a permission that comes after an end begins nothing.
     turn: Cell<u32>,
@@ -53,7 +51,6 @@ impl Motion {
     }
 }
 
-/// Asks for permission where the browser wants to be asked.
 fn ask() -> Option<js_sys::Promise> {
     let kind = get(&js_sys::global(), "DeviceMotionEvent")?;
     call(&kind, "requestPermission", &[]).ok()?.dyn_into().ok()
@@ -100,7 +97,7 @@ fn listen(window: &Window, shared: &Shared, ctx: &Context, to: &Readings<Acceler
     let (ctx, to) = (ctx.clone(), to.clone());
     let listener = Listener::new(move |event: DeviceMotionEvent| {
         let Some(told) = event.acceleration_including_gravity() else { return };
-        // A computer without the sensor tells events without numbers.
+        // A computer without the sensor sends events without numbers.
         if let (Some(x), Some(y), Some(z)) = (told.x(), told.y(), told.z()) {
             to.put(&[[0.001 * event.time_stamp(), x, y, z]], &ctx);
         }

@@ -5,7 +5,6 @@ use wasm_bindgen::JsCast as _;
 use wasm_bindgen::prelude::*;
 use wasm_bindgen_futures::JsFuture;
 
-/// The value of a key; undefined if the object has none.
 pub(super) fn get(object: &JsValue, key: &str) -> Option<JsValue> {
     Reflect::get(object, &key.into()).ok()
 }
@@ -13,7 +12,7 @@ pub(super) fn get(object: &JsValue, key: &str) -> Option<JsValue> {
 /// Calls a method.
 ///
 /// # Errors
-/// What it throws, or that there is none.
+/// The thrown value, or a message that there is no such method.
 pub(super) fn call(object: &JsValue, name: &str, arguments: &[&JsValue]) -> Result<JsValue, JsValue> {
     let method: Function = Reflect::get(object, &name.into())?.dyn_into()?;
     method.apply(object, &arguments.iter().copied().collect())
@@ -22,7 +21,7 @@ pub(super) fn call(object: &JsValue, name: &str, arguments: &[&JsValue]) -> Resu
 /// Waits for the answer of a method.
 ///
 /// # Errors
-/// What the method throws, or the reason why its promise is rejected.
+/// The value that the method throws, or the reason why its promise is rejected.
 pub(super) async fn awaited(answer: Result<JsValue, JsValue>) -> Result<JsValue, JsValue> {
     JsFuture::from(Promise::resolve(&answer?)).await
 }

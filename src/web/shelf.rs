@@ -18,7 +18,6 @@ const STORE: &str = "kalmanscope's record";
 /// The beginning of the address under which the file is kept; nothing is ever loaded from there.
 const ADDRESS: &str = "/kalmanscope-record?";
 
-/// The store of this browser.
 pub(super) struct Browser;
 
 impl Shelf for Browser {
@@ -59,7 +58,6 @@ async fn keep(address: &str, bytes: &[u8]) -> Result<(), JsValue> {
     forget_all_but(1).await
 }
 
-/// The name and the contents of the file in the store.
 async fn kept() -> Result<Option<(String, Vec<u8>)>, JsValue> {
     let store = opened().await?;
     let kept: Array = JsFuture::from(store.keys()).await?.dyn_into()?;

@@ -6,23 +6,18 @@ use wasm_bindgen::JsValue;
 use web_sys::{Document, Element};
 use web_time::{Duration, Instant};
 
-/// The least time between two updates.
 const EVERY: Duration = Duration::from_secs(1);
 
 pub(super) struct Tables {
     document: Document,
     home: Element,
-    /// The element with the text that screen readers read aloud.
     news: Element,
     shown: Twin,
-    /// The elements with the texts of `shown`, in the order of [`texts`].
     elements: Vec<Element>,
-    /// The time of the last update.
     last: Option<Instant>,
 }
 
 impl Tables {
-    /// No tables yet. `None` if the page has no elements for them.
     pub(super) fn new(document: &Document) -> Option<Self> {
         Some(Self {
             home: document.get_element_by_id("tables")?,
@@ -109,13 +104,11 @@ impl Tables {
     }
 }
 
-/// The columns and rows of each table; screens of the same shape differ in texts only.
 fn shape(twin: &Twin) -> Vec<Vec<(usize, usize)>> {
     let size = |table: &Table| (table.columns.len(), table.rows.len());
     twin.parts.iter().map(|part| part.tables.iter().map(size).collect()).collect()
 }
 
-/// All texts, in the order in which their elements are added.
 fn texts(twin: &Twin) -> impl Iterator<Item = &String> {
     twin.parts.iter().flat_map(|part| [&part.name, &part.about].into_iter().chain(part.tables.iter().flat_map(cells)))
 }

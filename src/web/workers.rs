@@ -28,7 +28,6 @@ use worker::{Program, Worker};
 /// Limits the workers, for any number of processors.
 const MOST: usize = 8;
 
-/// The workers that do all tasks. They are started with the first one.
 struct Workers {
     state: Rc<RefCell<State>>,
     processor: Rc<graphics::Processor>,
@@ -39,13 +38,10 @@ struct Workers {
 struct State {
     workers: Vec<Worker>,
     tasks: Vec<Given>,
-    /// The number of the last task.
     last: u32,
-    /// The reason why there can be no workers.
     broken: Option<String>,
 }
 
-/// The workers of a page, and its graphics processor, or a software adapter if that is accepted.
 pub(super) fn team(software: bool, ctx: &Context) -> Rc<dyn Team> {
     let processor = Rc::new(graphics::Processor::new(software));
     Rc::new(Workers { state: Rc::default(), processor, ctx: ctx.clone() })
@@ -93,7 +89,7 @@ impl Team for Workers {
 
 impl Workers {
     /// Gives workers a task: all of them cells, else one. `message` makes the message that begins it, from its number;
-    /// `read` reads a part, and is told the number of workers. `None` if there can be no workers.
+    /// `read` reads a part, given the number of workers. `None` if there can be no workers.
     fn begin<T: 'static>(
         &self,
         left: Left,
@@ -137,14 +133,12 @@ fn report<T>(part: &JsValue, outcome: impl FnOnce(&JsValue) -> Option<T>) -> Opt
     part.as_f64().map(Report::Look).or_else(|| outcome(part).map(Report::Done))
 }
 
-/// A task that workers do, until this is dropped.
 struct Task {
     state: Rc<RefCell<State>>,
     number: u32,
 }
 
 impl Task {
-    /// Takes the next part that has come, and the number of workers.
     fn take(&self) -> Result<Option<(JsValue, usize)>, Lost> {
         let state = self.state.borrow();
         let task = state.tasks.iter().find(|task| task.number() == self.number).ok_or(Lost)?;
@@ -162,7 +156,7 @@ impl Drop for Task {
 }
 
 impl State {
-    /// Asks a worker by its place for more of its own tasks, or else for cells.
+    /// Asks a worker by its place for more of its tasks, or else for cells.
     fn feed(&mut self, place: usize) {
         let Self { workers, tasks, .. } = self;
         let Some(worker) = workers.get(place) else { return };
@@ -177,7 +171,6 @@ impl State {
         self.sweep();
     }
 
-    /// Forgets tasks that are over, and what workers that are gone have had.
     fn sweep(&mut self) {
         let Self { workers, tasks, .. } = self;
         tasks.iter_mut().for_each(|task| task.forget_all_but(workers));
@@ -199,7 +192,7 @@ impl State {
         (0..self.workers.len()).for_each(|place| self.feed(place));
     }
 
-    /// Ends a worker that has failed, by its place. Its own tasks are lost, and others go on. A worker that has cells of a
+    /// Ends a worker that has failed, by its place. Its own tasks are lost, and others continue. A worker that has cells of a
     /// map, or never was ready, ends the use of all workers: another one might fail at the same cells.
     fn lose(&mut self, place: usize, reason: String) {
         log::warn!("A worker of the page has failed: {reason}");

@@ -1,4 +1,4 @@
-//! What became of a population, for people and for programs.
+//! The results of a population, for people and for programs.
 
 use std::fmt::{self, Write as _};
 

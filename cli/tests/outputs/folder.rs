@@ -1,4 +1,4 @@
-//! A folder of its own for each test, in which the built command runs.
+//! A folder for each test, in which the built command runs.
 
 use std::fs;
 use std::io::Write as _;

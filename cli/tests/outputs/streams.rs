@@ -1,4 +1,4 @@
-//! Pipes, standard input and output, and what is not read.
+//! Pipes, standard input and output, and unread output.
 
 use std::fs;
 use std::process::Command;

@@ -1,5 +1,5 @@
-//! The time of whole maps, by all processors and by a graphics processor, and of Monte Carlo, in one run. A program in the place
-//! of a graphics processor is told by its name.
+//! The time of whole maps, by all processors and by a graphics processor, and of Monte Carlo, in one run. The name of a program in the place
+//! of a graphics processor shows it.
 //!
 //! ```text
 //! cargo bench -p kalmanscope-gpu

@@ -53,7 +53,7 @@ impl Gpu {
     }
 }
 
-/// The adapters of the system, graphics processors with memory of their own first.
+/// The adapters of the system, graphics processors with their own memory first.
 #[cfg(not(target_arch = "wasm32"))]
 async fn choose(instance: &Instance, software: Software) -> Result<Adapter, GpuError> {
     let mut adapters = instance.enumerate_adapters(wgpu::Backends::all()).await;

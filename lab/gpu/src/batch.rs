@@ -127,7 +127,7 @@ impl Gpu {
 }
 
 impl Batch<'_> {
-    /// Whether there is room for one more run, with a record of its own.
+    /// Whether there is room for one more run with its own record.
     fn has_room(&self) -> bool {
         let words = (LARGEST_BUFFER / 4) as usize;
         self.program.as_ref().is_none_or(|Program { shape, .. }| {

@@ -136,7 +136,7 @@ impl Programs {
         self.queue.submit([encoder.finish()]);
     }
 
-    /// Waits until the device has done what it has been given.
+    /// Waits until the device has done its work.
     async fn done(&self, trouble: &Trouble) -> Result<(), GpuError> {
         let signal = Signal::new();
         let setter = signal.clone();

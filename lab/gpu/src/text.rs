@@ -93,7 +93,7 @@ impl Text<'_> {
         })
     }
 
-    /// The value of an operation; `Some(None)` if it has no line of its own.
+    /// The value of an operation; `Some(None)` if it needs no line.
     fn value(&self, place: usize) -> Option<Option<String>> {
         let name = |node| self.name(node);
         Some(Some(match self.operation(place) {
@@ -110,7 +110,7 @@ impl Text<'_> {
         }))
     }
 
-    /// The change of an operation; `Some(None)` if it has no line of its own.
+    /// The change of an operation; `Some(None)` if it needs no line.
     fn change(&self, place: usize) -> Option<Option<String>> {
         let name = |node| self.name(node);
         let change = |node| self.change_name(node);

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 /// A text in WGSL in which loops of the form `for (var i = FIRST; i < END; i++) {` are unrolled, if constants give
-/// their bounds. The body begins on the next line and ends with a line of its own. Any other loop stays, as one with `i
+/// their bounds. The body begins on the next line, and its closing bracket has its own line. Any other loop stays, as one with `i
 /// += 1u` does.
 pub fn unrolled(text: &str, constants: &[(&str, usize)]) -> String {
     let lines: Vec<&str> = text.lines().collect();

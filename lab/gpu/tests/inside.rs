@@ -1,4 +1,4 @@
-//! What the search for a graphics processor and the writer of programs do inside.
+//! Inner parts of the search for a graphics processor and of the writer of programs.
 
 use kalmanscope_gpu::internals::{is_software, unrolled};
 use wgpu::{AdapterInfo, Backend, DeviceType};

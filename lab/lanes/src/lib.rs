@@ -6,7 +6,7 @@
 //!                    └ a lane whose step is special: the single filter takes it
 //! ```
 //!
-//! KF, EKF and UKF of the linear and the Duffing oscillator run in lanes of their own ([`serves`]). The engine's lanes serve
+//! KF, EKF and UKF of the linear and the Duffing oscillator run in their own lanes ([`serves`]). The engine's lanes serve
 //! further plants, augmentations, inputs that are not held, logarithms, weights of measurements, noise that is learnt, and
 //! jumps. [`outcomes`] runs any other filter by itself. A step in lanes is straight-line code: the kernel's operations
 //! in the kernel's order, and a mask of the lanes for which they hold. The instruction set is chosen while running;

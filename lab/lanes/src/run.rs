@@ -146,7 +146,7 @@ fn condition<P: Plant<N>, T: Lane, const N: usize, const E: usize, const UKF: bo
     }
 }
 
-/// [`update::by_components`] in a function of its own, shared by all kinds of filters.
+/// [`update::by_components`] in its own function, shared by all kinds of filters.
 #[inline(always)]
 fn by_components<T: Lane, const N: usize, const E: usize, const M: usize>(
     belief: &mut Belief<T, N, E>,
@@ -194,7 +194,7 @@ impl<P: Plant<N>, T: Lane, const N: usize, const E: usize> Batch<'_, P, T, N, E>
         self.sums.compare::<P, E>(&self.belief, truth, k, k >= recent)
     }
 
-    /// Looks at the filters that go on at sample `k`.
+    /// Looks at the filters that continue at sample `k`.
     #[cold]
     #[inline(never)]
     fn look(&mut self, nees: T, nis: T, k: usize) {

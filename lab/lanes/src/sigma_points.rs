@@ -61,7 +61,7 @@ struct Decaying<P, T> {
 }
 
 impl<P: Plant<N>, T: Lane, const N: usize> Step<T, N> for Decaying<P, T> {
-    /// In a function of its own, so that the four stages are compiled once and not for each point.
+    /// In its own function, so that the four stages are compiled once and not for each point.
     #[inline(always)]
     fn step(&self, state: [T; N]) -> [T; N] {
         T::apart(

@@ -203,7 +203,7 @@ fn filters_of_several_plants_run_beside_each_other() {
 fn filters_that_stop_and_filters_that_do_not_share_a_batch() {
     let mut scenario = Scenario { duration: 20.0, ..Scenario::default() };
     let good = scenario.filters[0].clone();
-    // Lanes with a covariance that overflows sooner or later, beside lanes that go on.
+    // Lanes with a covariance that overflows sooner or later, beside lanes that continue.
     scenario.filters = (0..16)
         .map(|i| {
             let mut filter = good.clone();

@@ -257,7 +257,7 @@ fn filters_that_learn_from_innovations_agree_with_the_single_filter() {
             let run = |place| LaneRun { scenario: &scenario, place, record: &record };
             let runs: Vec<LaneRun<'_>> = (0..scenario.filters.len()).map(run).collect();
             let outcome = if seen.is_empty() {
-                // Plain filters of an oscillator have lanes of their own.
+                // Plain filters of an oscillator have their own lanes.
                 outcomes_with(Level::best(), &runs, &[]).unwrap().remove(0)
             } else {
                 check(&runs, &what).remove(0)
@@ -269,7 +269,7 @@ fn filters_that_learn_from_innovations_agree_with_the_single_filter() {
     }
 }
 
-/// One lane stops, beside others that go on.
+/// One lane stops, beside others that continue.
 #[test]
 fn a_run_that_stops_tells_when_and_why_as_the_single_filter_does() {
     let (good, record) = shaken(&[Channel::INPUT_GAIN], FilterKind::UKF, PlantKind::SDOF);

@@ -1,4 +1,4 @@
-//! Filters side by side over readings with times of their own: every lane has the bits of a single number and of the filter alone.
+//! Filters side by side over readings with their own times: every lane has the bits of a single number and of the filter alone.
 
 use crate::draw::{Draw, ensemble};
 use crate::held::{check, check_alone};

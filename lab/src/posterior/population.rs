@@ -5,7 +5,7 @@ use kalmanscope_core::filter::Normal;
 /// The temperature rises until the weights of this share of the points are left.
 const LEFT: f64 = 0.5;
 
-/// A point moves this often at each temperature, and at the last one, on average; and tries at most so often.
+/// The mean number of moves of a point at each temperature, and at the last one; and the most tries of each.
 const MOVES: [f64; 2] = [1.0, 6.0];
 const TRIES: [u32; 2] = [8, 30];
 

@@ -149,7 +149,7 @@ process_std = { displacement = 0.0, velocity = 0.0, natural_frequency = 0.0, dam
 sensor_std = [0.02]
 "#;
 
-/// A filter with bounds tells nearly what the posterior says. The prior is the initial belief, cut at the ends.
+/// A filter with bounds is near the posterior. The prior is the initial belief, cut at the ends.
 #[test]
 fn bounds_are_those_of_the_posterior() {
     let mut scenario = Scenario { duration: 10.0, ..scenario(PlantKind::SDOF, FilterKind::UKF, 11) };

@@ -8,7 +8,7 @@ use wasm_bindgen::{JsCast as _, JsValue};
 /// The keys of the truth's columns begin with this.
 const TRUE: &str = "true_";
 
-/// The keys of readings with times of their own begin with this; that of the input is nothing more.
+/// The keys of readings with their own times begin with this; that of the input is nothing more.
 const TIMED: &str = "@";
 
 /// A given record as `[dt, input, [key, column], …, [key, times, values], …]`; null for a simulation.

@@ -1,10 +1,10 @@
-//! Tasks in a worker, which go on by portions that the page asks for.
+//! Tasks in a worker, in portions that the page asks for.
 
 use js_sys::{Array, Float64Array};
 use kalmanscope_core::Task;
 use wasm_bindgen::JsValue;
 
-/// A task that goes on by portions.
+/// A task in portions.
 pub(crate) trait Portioned {
     /// Does a portion, and returns the part to send. The browser does not copy buffers in `handed_over`.
     fn go_on(&mut self, portion: &JsValue, handed_over: &Array) -> JsValue;

@@ -20,7 +20,7 @@ pub(crate) const OFFSET: f64 = 0.02;
 pub(crate) const NOISE: f64 = 1e-3;
 /// The number of samples.
 const ROWS: usize = 2500;
-/// The number of steps from one sample to the next: the input goes on between samples.
+/// The number of steps from one sample to the next: the input changes between samples.
 const FINE: usize = 16;
 /// The number of sines in the input, up to 0.36 times the rate.
 const LINES: u32 = 60;

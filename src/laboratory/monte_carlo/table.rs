@@ -4,7 +4,6 @@ use std::fmt::Write as _;
 
 use super::SeedRuns;
 
-/// The quantiles of errors in the table.
 const SHARES: [f64; 3] = [0.025, 0.5, 0.975];
 
 impl SeedRuns {

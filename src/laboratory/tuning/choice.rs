@@ -8,12 +8,10 @@ use serde::{Deserialize, Serialize};
 use crate::laboratory::choice::part_of;
 use crate::laboratory::settings::{collide, is_possible, of_filters};
 
-/// The user's choice of a search, as plain data.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TuneChoice {
     pub filter: u32,
-    /// The settings with their ranges. Keys have `*` for the filter's name, as in a map.
     pub axes: Vec<Axis>,
     pub goal: Goal,
 }
@@ -33,7 +31,7 @@ impl TuneChoice {
     /// Checks that a scenario allows a search of this choice.
     ///
     /// # Errors
-    /// A sentence that says what is wrong.
+    /// A sentence with the reason.
     pub fn check(&self, scenario: &Scenario) -> Result<(), String> {
         let mut scenario = scenario.clone();
         scenario.number_filters();

@@ -7,7 +7,6 @@ use kalmanscope_core::setting::Address;
 use kalmanscope_core::{Axis, Channel, Measure, Quantity};
 use kalmanscope_lab::tune::Goal;
 
-/// A session with a first filter that assumes five times the sensors' true noise.
 fn session() -> Session {
     let mut scenario = Scenario { duration: 4.0, ..Scenario::default() };
     scenario.filters[0].sensor_std.iter_mut().for_each(|std| *std *= 5.0);

@@ -10,7 +10,6 @@ use crate::memory::Memory;
 
 type Screen = Harness<'static, Desktop>;
 
-/// The program with its session in a folder.
 fn started(folder: &Path) -> Screen {
     let folder = folder.to_owned();
     let builder = Harness::builder().with_size(Vec2::new(1000.0, 700.0)).with_theme(Theme::Light);
@@ -21,7 +20,6 @@ fn started(folder: &Path) -> Screen {
     screen
 }
 
-/// Saves as the toolkit does.
 fn save(screen: &mut Screen) {
     eframe::App::save(screen.state_mut(), &mut Memory::default());
 }

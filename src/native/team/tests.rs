@@ -23,7 +23,6 @@ fn desktop() -> Rc<dyn Team> {
     team(Software::Allowed, &Context::default())
 }
 
-/// A whole record of a cheap filter and of particle filters, which take long.
 fn scenario() -> Scenario {
     let mut scenario = Scenario { duration: 40.0, ..Scenario::default() };
     scenario.filters.truncate(1);
@@ -46,7 +45,6 @@ fn session(scenario: Scenario) -> Session {
     session
 }
 
-/// Lets frames pass until all is computed; returns the shares that they show.
 fn wait(session: &mut Session) -> Vec<f64> {
     let (begin, mut shares) = (Instant::now(), Vec::new());
     while let Some(share) = session.progress() {
@@ -154,7 +152,6 @@ fn a_filter_that_cannot_be_run_is_lost() {
     }
 }
 
-/// The outcome of a task on a thread, and the shares that frames see.
 fn outcome<T: Task<Outcome: Send> + Send + 'static>(team: &dyn Team, task: T) -> (T::Outcome, Vec<f64>) {
     let mut task = Running::begin(team, Priority::Hand, task, T::progress);
     assert!(task.is_beside());
@@ -177,7 +174,6 @@ fn ensemble(measure: Measure, side: usize) -> Ensemble {
     Ensemble::new(scenario, plan).expect("it is possible")
 }
 
-/// Computes an ensemble; returns the sheet and the cells that each has computed.
 fn compute(team: &Rc<dyn Team>, ensemble: &Ensemble, precision: Precision) -> (Sheet, HashMap<String, usize>) {
     let runner = Runner::new(ensemble.clone(), Source::Simulated).expect("it can be run");
     let (runner, order) = (Arc::new(runner), ensemble.coarse_to_fine());

@@ -7,7 +7,6 @@ use crate::laboratory::SeedChoice;
 use crate::request::Arrangement;
 use crate::ruler::End;
 
-/// A picture that differs from the usual one in every part.
 fn picture() -> Picture {
     let mut scenario = Scenario { seed: 5, ..Scenario::default() };
     scenario.number_filters();
@@ -20,7 +19,6 @@ fn picture() -> Picture {
     Picture { speed: 0.25, habits: Some(habits), ..picture }
 }
 
-/// The text as a value to change.
 fn text() -> Value {
     serde_json::from_str(&picture().lines().expect("it can be written")).expect("it is JSON")
 }

@@ -71,10 +71,8 @@ pub(super) fn causes_ui(
     }
 }
 
-/// The heading of causes in their order.
 const SORTED: &str = "Causes and their probability; what cures stands first";
 
-/// The meaning of the number beside a cause.
 const PROBABILITY: &str = "How often a cause that is found like this one was right, where one of the known faults was put into random situations";
 
 fn heading_ui(ui: &mut Ui, text: &str) {

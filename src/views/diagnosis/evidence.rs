@@ -8,7 +8,6 @@ use crate::theme::Palette;
 
 const BAR: Vec2 = Vec2::new(64.0, 9.0);
 
-/// The evidence that counts, the largest effect first; on demand also the evidence that does not count.
 pub(super) fn evidence_ui(ui: &mut Ui, evidence: &[Evidence], color: Color32, palette: &Palette) {
     let mut sorted: Vec<&Evidence> = evidence.iter().filter(|one| !one.sentence.is_empty()).collect();
     sorted.sort_by(|a, b| b.counts.cmp(&a.counts).then(b.effect.total_cmp(&a.effect)));
@@ -32,7 +31,6 @@ pub(super) fn evidence_ui(ui: &mut Ui, evidence: &[Evidence], color: Color32, pa
     });
 }
 
-/// One test: a click shows how to read it.
 fn one_ui(ui: &mut Ui, one: &Evidence, color: Color32, palette: &Palette) {
     let id = ui.scope_id().with(("open", one.test.name));
     let mut open = ui.data(|data| data.get_temp::<bool>(id)).unwrap_or(false);

@@ -8,7 +8,6 @@ use crate::request::Request;
 use crate::text::{fixed, significant};
 use crate::view::ViewContext;
 
-/// Shows each estimated parameter with its band and, if the truth is known, its error.
 pub(super) fn estimates_ui(ui: &mut Ui, context: &ViewContext<'_>, place: usize, estimates: &Estimates) {
     let Some(last) = estimates.len().checked_sub(1) else { return };
     let diagnostics = context.session.diagnostics().get(place);
@@ -30,7 +29,6 @@ pub(super) fn estimates_ui(ui: &mut Ui, context: &ViewContext<'_>, place: usize,
     });
 }
 
-/// Shows the memory and the noise that the filter assumes, each to be dragged.
 pub(super) fn settings_ui(ui: &mut Ui, context: &ViewContext<'_>, id: u32, requests: &mut Vec<Request>) {
     let scenario = context.session.scenario();
     let Some(filter) = scenario.filters.iter().find(|filter| filter.id == id) else { return };
@@ -57,7 +55,6 @@ pub(super) fn settings_ui(ui: &mut Ui, context: &ViewContext<'_>, id: u32, reque
     });
 }
 
-/// The keys of the settings: λ, √Q of the parameters, √R of the sensors.
 fn keys(filter: &FilterSettings, scenario: &Scenario) -> Vec<String> {
     let model = filter.model(scenario.plant.kind, scenario.input);
     let parameters = model.channels().iter().filter(|channel| channel.is_parameter() && !filter.knows(**channel));

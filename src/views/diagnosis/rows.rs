@@ -7,7 +7,6 @@ use kalmanscope_core::diagnosis::Remedy;
 
 use crate::session::Attempt;
 
-/// The rows of the last frame, and the number of their picture.
 #[derive(Clone)]
 struct Rows {
     picture: u64,
@@ -44,7 +43,6 @@ fn with_new(mut rows: Arc<Vec<Remedy>>, remedies: &[Remedy]) -> Arc<Vec<Remedy>>
     rows
 }
 
-/// The key of a remedy's first cause; no two remedies share it.
 fn key(remedy: &Remedy) -> &'static str {
     remedy.first.cause.key
 }

@@ -15,7 +15,6 @@ const POINTS: usize = 385;
 /// The number of a curve's frequencies per frequency of the spectrum. The spectrum's windows cannot resolve sharper
 /// peaks.
 const COARSER: usize = 2;
-/// The least range beyond the natural frequencies, as a ratio.
 const BEYOND: f64 = 4.0;
 /// Margin beyond round numbers, so that the last ticks' texts are not cut off, as a ratio.
 const ROOM: f64 = 1.15;
@@ -47,7 +46,6 @@ impl Curves {
     }
 }
 
-/// The curves of the last frame and their inputs.
 #[derive(Clone, Default)]
 struct Memory {
     range: Option<(f64, f64)>,
@@ -169,14 +167,12 @@ fn range(session: &Session) -> (f64, f64) {
     ((round_down(least / BEYOND) / ROOM).min(0.1 * high), high)
 }
 
-/// The next number down that is 1, 2 or 5 times a power of ten.
 fn round_down(x: f64) -> f64 {
     let power = 10_f64.powf(x.log10().floor());
     // Rounding may give a power above x.
     [5.0, 2.0, 1.0].into_iter().map(|digit| digit * power).find(|y| *y <= x).unwrap_or(power)
 }
 
-/// The next number up that is 1, 2 or 5 times a power of ten.
 fn round_up(x: f64) -> f64 {
     1.0 / round_down(1.0 / x)
 }

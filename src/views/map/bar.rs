@@ -57,7 +57,6 @@ fn kinds_ui(ui: &Ui, frame: Rect, colors: &Colors, names: &[&str], palette: &Pal
 }
 
 impl Colors {
-    /// The shares of numbers along the bar, with their texts.
     pub(super) fn ticks(&self, length: f32) -> Vec<(f64, String)> {
         match self {
             Self::Distance(most) => {

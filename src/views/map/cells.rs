@@ -13,9 +13,7 @@ pub(super) struct Cell {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum End {
-    /// It is not known yet.
     Unknown,
-    /// The filter stopped, or the settings are impossible.
     Stopped,
     Lost,
     Followed,
@@ -37,7 +35,6 @@ pub(super) fn of_filter(survey: &Survey, filter: usize, measure: Measure) -> Vec
     (0..survey.ensemble().cells()).map(cell).collect()
 }
 
-/// The ratio or the difference of two filters' cells.
 pub(super) fn compared(a: &[Cell], b: &[Cell], measure: Measure) -> Vec<Cell> {
     let is_ratio = measure.info().kind.is_ratio();
     let worst = |a: End, b: End| [End::Unknown, End::Stopped, End::Lost].into_iter().find(|end| [a, b].contains(end));

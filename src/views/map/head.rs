@@ -17,10 +17,8 @@ use crate::view::ViewContext;
 /// The numbers of values on both axes that have a button.
 const COUNTS: [usize; 4] = [32, 64, 128, 256];
 
-/// The names of the axes, for labels.
 const WAYS: [&str; 2] = ["across", "up"];
 
-/// Shows the choices, and requests another map if one of them changes.
 pub(super) fn head_ui(
     ui: &mut Ui,
     context: &ViewContext<'_>,
@@ -107,11 +105,10 @@ fn filters_ui(ui: &mut Ui, choice: &mut Choice, scenario: &Scenario) {
     });
 }
 
-/// The ranges of the axes, the numbers of their values, and the precision, in a popup.
 fn ranges_ui(ui: &mut Ui, choice: &mut Choice, part: &Scenario, graphics: Option<&Finding>, palette: &Palette) {
     let [x, y] = choice.axes.each_ref().map(|axis| axis.count);
     let button = menu_ui(ui, format!("{x} × {y}"), Closing::Beside, |ui| {
-        // Fields and buttons of a menu have no ground of their own.
+        // Fields and buttons of a menu have no ground.
         ui.visuals_mut().widgets.inactive.weak_bg_fill = palette.faint;
         Grid::new("ranges of the map").spacing([8.0, 4.0]).show(ui, |ui| {
             for text in ["", "from", "to", "values", ""] {
@@ -173,7 +170,6 @@ fn range_ui(ui: &mut Ui, axis: &mut Axis, way: &str, part: &Scenario) {
     }
 }
 
-/// Whether the graphics processor may compute.
 fn precision_ui(ui: &mut Ui, precision: &mut Precision) {
     let mut is_double = *precision == Precision::Double;
     let hint = "In double precision, with the bits of a sweep on the command line; the graphics processor has single precision";

@@ -30,7 +30,6 @@ enum Mark {
     Dot,
 }
 
-/// An entry in its place, from the left upper corner of the legend.
 struct Entry {
     mark: Mark,
     text: Arc<Galley>,
@@ -43,7 +42,6 @@ pub(super) struct Legend {
 }
 
 impl Legend {
-    /// The legend of some panels, in as many lines as it needs.
     pub(super) fn new(
         ui: &Ui,
         panels: &[Panel],

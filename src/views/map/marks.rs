@@ -54,7 +54,6 @@ pub(super) fn contour_ui(ui: &Ui, graph: &Graph, axes: [&Axis; 2], contour: &[Pi
     painter.extend(over);
 }
 
-/// The constant truth of the parameter, if the axis varies its guess.
 fn truth(axis: &Axis, scenario: &Scenario) -> Option<f64> {
     let guess = Address::parse(scenario, &axis.key).ok().filter(|address| address.table() == Some(&INITIAL_MEAN))?;
     match scenario.plant.parameter(guess.channel()?)? {
@@ -166,7 +165,6 @@ fn dragged(survey: &Survey, at: usize, share: f64) -> f64 {
     if is_whole { value.round() } else { rounded }
 }
 
-/// The value `steps` cells from the nearest cell.
 fn stepped(axis: &Axis, value: f64, steps: f64) -> f64 {
     if steps == 0.0 {
         return value;

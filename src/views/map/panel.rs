@@ -21,14 +21,12 @@ use crate::view::ViewContext;
 /// The height of a panel's title \[points\].
 const TITLE: f32 = 17.0;
 
-/// The opacity of a picture of earlier settings.
 const OLD: f32 = 0.55;
 
 pub(super) struct PanelView<'a> {
     pub(super) panel: &'a Panel,
     pub(super) survey: &'a Survey,
     pub(super) measure: Measure,
-    /// The path of a search through the map, if there is one.
     pub(super) path: Option<&'a Path>,
     pub(super) is_old: bool,
     pub(super) has_bar: bool,
@@ -111,7 +109,6 @@ impl PanelView<'_> {
         ui.painter().galley(corner, text, context.palette.text);
     }
 
-    /// Pointing shows the numbers of a cell, a click takes its settings.
     fn gestures(&self, ui: &Ui, graph: &Graph, context: &ViewContext<'_>, requests: &mut Vec<Request>) {
         let Self { survey, measure, .. } = self;
         let id = egui::Id::unique(("cells of the map", self.key()));

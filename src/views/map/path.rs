@@ -13,7 +13,6 @@ pub(super) struct Path {
     pub(super) points: Vec<[f64; 2]>,
 }
 
-/// Draws a path, white on black: the edge of the consistent region is black on white.
 pub(super) fn path_ui(ui: &Ui, graph: &Graph, path: &Path) {
     let points: Vec<Pos2> =
         path.points.iter().map(|point| graph.at(*point)).filter(|at| at.x.is_finite() && at.y.is_finite()).collect();

@@ -17,7 +17,6 @@ use crate::theme::Palette;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Contents {
     Filter(usize),
-    /// The first filter over the second, or minus it.
     Comparison,
 }
 
@@ -25,7 +24,6 @@ pub(super) struct Panel {
     pub(super) contents: Contents,
     pub(super) colors: Colors,
     pub(super) cells: Vec<Cell>,
-    /// The edge of the region in which the filter is consistent.
     pub(super) contour: Vec<Piece>,
     pub(super) counts: [usize; 2],
     /// One texel a cell. `None` for a figure.
@@ -35,11 +33,9 @@ pub(super) struct Panel {
 
 #[derive(Clone)]
 struct Kept {
-    /// The version of survey, score and theme in the pictures.
     of: (u64, Measure, Theme),
     version: u64,
     panels: Arc<Vec<Panel>>,
-    /// When they were made, and how long that took.
     made: Instant,
     cost: Duration,
 }
@@ -47,7 +43,6 @@ struct Kept {
 /// While rows come, making the panels takes at most one in `SHARE` + 1 parts of the time.
 const SHARE: u32 = 5;
 
-/// The panels, which are kept until their contents change.
 pub(super) fn panels(
     ctx: &Context,
     laboratory: &Laboratory,
@@ -145,7 +140,6 @@ impl Panel {
         meshes.into_iter().map(|(_, mesh)| Shape::mesh(mesh)).collect()
     }
 
-    /// Lines across the cells of filters that lost the truth.
     pub(super) fn hatching(&self, graph: &Graph) -> Vec<[egui::Pos2; 2]> {
         const APART: f32 = 7.0;
         let (rect, [across, up]) = (graph.rect, self.counts);

@@ -19,7 +19,6 @@ const GAP: f32 = 6.0;
 pub(super) struct Place {
     pub(super) at: usize,
     pub(super) room: Rect,
-    /// Whether it has a bar of colours; panels side by side share one.
     pub(super) has_bar: bool,
 }
 

@@ -19,13 +19,13 @@ const BETWEEN: [f64; 2] = [13.0, 24.0];
 /// The least size of a panel that gives room to the curves \[points\].
 const LEAST: Vec2 = Vec2::new(380.0, 190.0);
 
-/// The room of a curve in a panel of some size \[points\]: none where the cells need it, or where the score is no number.
+/// The room of a curve in a panel of some size \[points\]: zero if the cells need it, or if the score is no number.
 pub(super) fn room(size: Vec2, measure: Measure) -> f32 {
     let has_room = size.x >= LEAST.x && size.y >= LEAST.y;
     if has_room && !measure.info().kind.is_of_kinds() { HEIGHT + APART } else { 0.0 }
 }
 
-/// Draws both curves over the scale of the colours, which leaves out what would hide the differences of the others.
+/// Draws both curves over the scale of the colours, which leaves out values that would hide the differences of the others.
 pub(super) fn profiles_ui(ui: &Ui, graph: &Graph, panel: &Panel, survey: &Survey, context: &ViewContext<'_>) {
     let palette = context.palette;
     let axes = survey.axes();

@@ -22,9 +22,7 @@ const BEYOND: f64 = 0.02;
 
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Colors {
-    /// From dark to light, along a scale.
     Sequential(Scale),
-    /// Two hues, for scores below and above a middle.
     Diverging(Scale),
     /// The distance of a mean NIS from 1 in standard deviations, finest about zero.
     Distance(f64),
@@ -72,7 +70,6 @@ impl Colors {
         Self::Diverging(Scale::new(1.0 / most, most, true))
     }
 
-    /// The scale of the colour bar. `None` for distances of the NIS and for kinds.
     pub(super) fn scale(&self) -> Option<Scale> {
         match self {
             Self::Sequential(scale) | Self::Diverging(scale) => Some(*scale),
@@ -80,7 +77,6 @@ impl Colors {
         }
     }
 
-    /// The share of the range at which a score lies, from 0 to 1.
     pub(super) fn share(&self, value: f64) -> f64 {
         match self {
             Self::Sequential(scale) | Self::Diverging(scale) => scale.share(value),
@@ -112,7 +108,6 @@ impl Colors {
         }
     }
 
-    /// The colour of a cell. `None` if it is not known; grey if there is no score.
     pub(super) fn of_cell(&self, cell: Cell, palette: &Palette) -> Option<Color32> {
         let Cell { value, end } = cell;
         match (self, end) {
@@ -141,7 +136,6 @@ fn sizes(values: &[f64]) -> Colors {
     if high > DECADES * low && low > 0.0 { Colors::Sequential(Scale::new(low, high, true)) } else { linear(0.0, high) }
 }
 
-/// Some of the finite scores of runs that did not stop, in order.
 fn sorted(cells: &[&[Cell]]) -> Vec<f64> {
     let all = cells.iter().map(|cells| cells.len()).sum::<usize>();
     let step = all.div_ceil(MOST).max(1);

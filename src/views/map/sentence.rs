@@ -1,4 +1,4 @@
-//! The map in a sentence: where it is best, and what is on screen.
+//! The map in a sentence: its best setting, and the one on screen.
 
 use kalmanscope_core::Measure;
 
@@ -6,10 +6,10 @@ use crate::laboratory::{Survey, setting_name};
 use crate::text::significant;
 use crate::view::ViewContext;
 
-/// Limits the filters that the sentence tells of.
+/// Limits the filters in the sentence.
 const TOLD: usize = 2;
 
-/// What a complete map says of each filter. `None` while it is computed, and for a score that has no best value.
+/// The sentence about each filter in a complete map. `None` while it is computed, and for a score without a best value.
 pub(super) fn sentence(survey: &Survey, measure: Measure, context: &ViewContext<'_>) -> Option<String> {
     if !survey.sheet().is_complete() {
         return None;

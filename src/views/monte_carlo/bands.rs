@@ -26,7 +26,6 @@ pub(super) fn band(painter: &Painter, graph: &Graph, rungs: impl Iterator<Item =
     painter.add(Shape::mesh(mesh));
 }
 
-/// Draws a line through points; it has a gap where one is NaN.
 pub(super) fn line(
     painter: &Painter,
     graph: &Graph,

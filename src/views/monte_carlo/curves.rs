@@ -14,10 +14,8 @@ use crate::laboratory::{SeedRuns, Seeds};
 use crate::plot::cache::cached;
 use crate::view::ViewContext;
 
-/// The shares of errors below the lines that are drawn.
 const SHARES: [f64; 3] = [0.025, 0.5, 0.975];
 
-/// The statistics of all filters at the times of the runs.
 #[derive(Default)]
 pub(super) struct Curves {
     pub(super) seeds: usize,
@@ -26,15 +24,11 @@ pub(super) struct Curves {
     pub(super) samples: Vec<usize>,
     /// The duration of the record \[s\].
     pub(super) duration: f64,
-    /// The parameter, if a filter estimates one.
     pub(super) parameter: Option<Channel>,
-    /// The parameters that can be chosen.
     pub(super) parameters: Vec<Channel>,
-    /// The truth of the parameter at the end, if it is the same for all seeds.
     pub(super) truth: Option<f64>,
     /// Whether the histogram is of the last errors, since the truth is another one for each seed.
     pub(super) is_of_errors: bool,
-    /// A sentence about the numbers that are drawn for each seed.
     pub(super) drawn: Option<String>,
     pub(super) impossible: usize,
     pub(super) filters: Vec<FilterCurves>,
@@ -49,14 +43,10 @@ pub(super) struct FilterCurves {
     pub(super) nees_band: Vec<Option<RangeInclusive<f64>>>,
     pub(super) nis: Vec<f64>,
     pub(super) nis_band: Vec<Option<RangeInclusive<f64>>>,
-    /// Quantiles of the parameter's error, and the filter's own σ.
     pub(super) quantiles: Vec<[f64; 3]>,
     pub(super) std: Vec<f64>,
-    /// The share of the runs that lost the truth or stopped, and that stopped.
     pub(super) diverged: [f64; 2],
-    /// The shares of the runs with the parameter within 1 % at the end, and inside ±2σ.
     pub(super) shares: Option<[f64; 2]>,
-    /// The shares of the runs with each verdict that occurs, the commonest first.
     pub(super) verdicts: Vec<(VerdictKind, f64)>,
     /// The share of bad verdicts with each first cause, `None` for those without any; the commonest first.
     pub(super) causes: Vec<(Option<&'static str>, f64)>,
@@ -167,19 +157,16 @@ fn of_filter(
     }
 }
 
-/// The last errors of a parameter, one a run.
 fn last_errors(statistics: &MonteCarlo, nth: usize, parameter: Option<Channel>) -> &[LastError] {
     let at = parameter.and_then(|channel| statistics.channels(nth).iter().position(|other| *other == channel));
     at.map_or(&[], |at| statistics.last_errors(nth, at))
 }
 
-/// Whether the truth is not the same for all runs.
 fn differ(errors: &[LastError]) -> bool {
     let Some(first) = errors.first() else { return false };
     errors.iter().any(|last| (last.truth - first.truth).abs() > 1e-6 * first.truth.abs())
 }
 
-/// The shares of the runs within 1 % of the truth, and with the truth inside ±2σ.
 fn shares(errors: &[LastError]) -> Option<[f64; 2]> {
     let share = |is: fn(&LastError) -> bool| errors.iter().filter(|last| is(last)).count() as f64 / errors.len() as f64;
     (!errors.is_empty()).then(|| [share(|last| last.is_within(0.01)), share(LastError::is_covered)])

@@ -8,10 +8,8 @@ use crate::menu::{Closing, menu_ui};
 use crate::request::Request;
 use crate::view::ViewContext;
 
-/// The numbers of seeds that have a button.
 const USUAL: [usize; 4] = [100, 1000, 3000, 10_000];
 
-/// Shows the choices, and requests other runs if one of them changes.
 pub(super) fn head_ui(ui: &mut Ui, context: &ViewContext<'_>, seeds: &Seeds, requests: &mut Vec<Request>) {
     let mut next = *seeds.choice();
     ui.horizontal_wrapped(|ui| {

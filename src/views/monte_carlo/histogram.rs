@@ -8,18 +8,15 @@ const BARS: (usize, usize) = (10, 40);
 /// The share of the estimates, at either end, that may be beyond the histogram.
 const TAIL: f64 = 0.01;
 
-/// The counts of the last estimates in equal bars.
 #[derive(Default)]
 pub(super) struct Histogram {
     pub(super) from: f64,
     pub(super) to: f64,
     pub(super) counts: Vec<Vec<usize>>,
-    /// For each filter the number of estimates beyond the ends.
     pub(super) beyond: Vec<usize>,
 }
 
 impl Histogram {
-    /// The histogram of each filter's estimates; it includes the truth.
     pub(super) fn new(estimates: &[&[f64]], truth: Option<f64>) -> Self {
         let mut ends: Option<(f64, f64)> = None;
         for estimates in estimates {

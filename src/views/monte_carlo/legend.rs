@@ -7,8 +7,6 @@ use super::curves::{Curves, FilterCurves};
 use super::over_time::color;
 use crate::view::ViewContext;
 
-/// Shows the seeds so far, and for each filter in its colour its number of lost or stopped runs; one below the other in
-/// a column.
 pub(super) fn legend_ui(ui: &mut Ui, curves: &Curves, context: &ViewContext<'_>, is_old: bool, is_column: bool) {
     let lines = |ui: &mut Ui| {
         let of = if is_old { ", of the settings before" } else { "" };
@@ -46,7 +44,6 @@ pub(super) fn legend_ui(ui: &mut Ui, curves: &Curves, context: &ViewContext<'_>,
     }
 }
 
-/// How often the parameter is right at the end.
 fn near(filter: &FilterCurves, parameter: Option<Channel>) -> Option<String> {
     let ([within, inside], symbol) = (filter.shares?, parameter?.symbol());
     Some(format!("{symbol} within 1 %: {}, inside ±2σ: {}", percent(within), percent(inside)))
@@ -58,7 +55,6 @@ fn verdicts(filter: &FilterCurves) -> Option<String> {
     (!all.is_empty()).then(|| all.join(", "))
 }
 
-/// The first causes of bad verdicts, the commonest first.
 fn causes(filter: &FilterCurves) -> Option<String> {
     let one = |(name, share): &(Option<&str>, f64)| format!("{} {}", percent(*share), name.unwrap_or("none found"));
     let all: Vec<String> = filter.causes.iter().map(one).collect();

@@ -19,7 +19,6 @@ pub(super) enum Chart {
     Error,
 }
 
-/// The opacity of a filter's ±2σ, and that of the χ² band.
 const FILL: f32 = 0.16;
 const GREY: f32 = 0.32;
 

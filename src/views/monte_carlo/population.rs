@@ -1,4 +1,4 @@
-//! What is drawn for each seed, in a popup: the members of a population.
+//! The numbers drawn for each seed, in a popup: the members of a population.
 
 use egui::{Grid, ScrollArea, Ui, vec2};
 use kalmanscope_core::Scenario;
@@ -12,7 +12,6 @@ use crate::request::Request;
 use crate::text::{significant, unit_in};
 use crate::view::ViewContext;
 
-/// The spread of a number that is drawn from now on, as a share of its value.
 const SHARE: f64 = 0.2;
 
 /// The width of a window below which a row does not fit into it \[points\].
@@ -21,7 +20,6 @@ const NARROW: f32 = 620.0;
 /// The width of a number's field \[points\].
 const FIELD: f32 = 72.0;
 
-/// Shows the button, and requests an edit if something else is to be drawn.
 pub(super) fn population_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) {
     let scenario = context.session.scenario();
     if context.session.is_measured() {
@@ -55,14 +53,13 @@ pub(super) fn population_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &m
     requests.extend(edited.and_then(|next| Request::edit(scenario, &next)));
 }
 
-/// The name of a drawn number, with that of its filter where there are several.
 pub(super) fn name(key: &str, scenario: &Scenario) -> String {
     let of = scenario.filters_at(key).filter(|(places, _)| places.len() == 1 && scenario.filters.len() > 1);
     let filter = of.and_then(|(places, _)| Some(format!(", {}", scenario.filters.get(*places.first()?)?.name)));
     setting_name(key, scenario) + &filter.unwrap_or_default()
 }
 
-/// A row: the number, its law, and the law's two numbers; on a narrow screen the numbers are a row of their own.
+/// A row: the number, its law, and the law's two numbers; on a narrow screen the numbers have their own row.
 fn law_ui(ui: &mut Ui, scenario: &mut Scenario, key: &str) {
     let name = name(key, scenario);
     let unit = Address::parse(scenario, key).map_or("", |setting| unit_in(scenario, setting.unit()));
@@ -115,7 +112,6 @@ fn law_ui(ui: &mut Ui, scenario: &mut Scenario, key: &str) {
     }
 }
 
-/// A menu of the numbers that may be drawn too.
 fn add_ui(ui: &mut Ui, scenario: &mut Scenario) {
     let taken: Vec<Address> = scenario.draw.keys().filter_map(|key| Address::parse(scenario, key).ok()).collect();
     let is_free = |key: &String| {
@@ -128,7 +124,7 @@ fn add_ui(ui: &mut Ui, scenario: &mut Scenario) {
     // A combo box would close the menu that it is in.
     ui.menu_button("Draw another number", |ui| {
         ScrollArea::vertical().max_height(320.0).show(ui, |ui| {
-            // First what is true, then what the filters believe.
+            // The truth comes first, then the filters' settings.
             let (of_filters, of_truth): (Vec<&String>, Vec<&String>) =
                 keys.iter().partition(|key| key.starts_with("filters"));
             for key in of_truth.into_iter().chain(of_filters) {
@@ -145,7 +141,6 @@ fn add_ui(ui: &mut Ui, scenario: &mut Scenario) {
     scenario.draw.insert(setting.to_string(), if value > 0.0 { lognormal } else { normal });
 }
 
-/// A sentence about what is drawn; `None` where nothing is.
 pub(super) fn sentence(scenario: &Scenario) -> Option<String> {
     let one = |(key, law): (&String, &Law)| {
         let [a, b] = law.numbers().map(|number| significant(number, 4));

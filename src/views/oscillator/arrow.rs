@@ -4,7 +4,6 @@ use egui::{Align2, Color32, Painter, Shape, Stroke, pos2, vec2};
 
 use super::stage::Stage;
 
-/// Draws the arrow of a force that is `share` of the largest, for the mass with its centre at `x`.
 pub(super) fn arrow(stage: &Stage, painter: &Painter, x: f32, share: f64, color: Color32) {
     let unit = stage.unit;
     let length = share.clamp(-1.0, 1.0) as f32 * stage.longest_arrow();

@@ -19,7 +19,6 @@ pub(super) fn body(stage: &Stage, painter: &Painter, body: Rect, palette: &Palet
     painter.rect_stroke(body, radius, Stroke::new(1.8 * stage.unit, truth), StrokeKind::Middle);
 }
 
-/// A rectangle with round corners, from one colour at the top to another at the bottom.
 fn shaded(rect: Rect, radius: f32, top: Color32, bottom: Color32) -> Shape {
     const STEPS: usize = 5;
     let mut mesh = Mesh::default();
@@ -43,7 +42,6 @@ fn shaded(rect: Rect, radius: f32, top: Color32, bottom: Color32) -> Shape {
     Shape::mesh(mesh)
 }
 
-/// A filter's estimate of a mass's displacement.
 #[derive(Clone, Copy)]
 pub(super) struct Belief {
     /// \[m\]
@@ -61,7 +59,6 @@ pub(super) fn slice(stage: &Stage, mass: usize, (place, count): (usize, usize), 
     Rect::from_x_y_ranges(whole.x_range(), top..=(top + height)).expand2(vec2(1.6 * stage.unit, 0.0))
 }
 
-/// Draws the beliefs about a mass, each in a slice of its height: an outline, and within it the mean on a bar of ±2σ.
 pub(super) fn ghosts(stage: &Stage, painter: &Painter, mass: usize, beliefs: &[Belief], bands: bool) {
     let unit = stage.unit;
     let height = stage.body.y / beliefs.len().max(1) as f32;
@@ -89,7 +86,6 @@ pub(super) fn ghosts(stage: &Stage, painter: &Painter, mass: usize, beliefs: &[B
     }
 }
 
-/// Writes the name of the only mass into the first of its slices, if it fits.
 pub(super) fn name(painter: &Painter, body: Rect, slices: usize, palette: &Palette) {
     let height = body.height() / slices.max(1) as f32;
     let size = (0.62 * height).min(0.24 * body.width()).min(22.0);

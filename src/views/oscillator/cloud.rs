@@ -6,7 +6,7 @@ use super::stage::Stage;
 
 const READINGS: usize = 40;
 
-/// The same if the truth is unknown or hidden: the readings then stay in place while the mass moves on.
+/// Fewer readings if the truth is unknown or hidden: they then stay in place while the mass moves.
 const BARE_READINGS: usize = 8;
 
 /// Draws the last readings up to sample `k`, older ones fainter. Each is as far from the mass at `x` \[m\] as it was

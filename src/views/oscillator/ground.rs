@@ -7,7 +7,6 @@ use super::stage::Stage;
 use crate::plot::ticks::{tick, ticks};
 use crate::theme::Palette;
 
-/// Draws the wall, the ground with its scale, and the rest position of each mass.
 pub(super) fn ground(stage: &Stage, painter: &Painter, length: &str, palette: &Palette) {
     let Stage { unit, floor, wall, rect, body, .. } = *stage;
     let right = rect.right() - 8.0;

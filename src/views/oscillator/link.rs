@@ -10,7 +10,6 @@ use crate::plot::strokes::Strokes;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Link {
     Linear,
-    /// A spring that stiffens, with wider coils.
     Hardening,
     /// A spring and a damper, parallel to a second spring in series with a slider, which has slipped by this much
     /// \[m\].
@@ -19,9 +18,7 @@ pub(super) enum Link {
 
 #[derive(Clone, Copy)]
 pub(super) struct Ink {
-    /// For parts in front.
     pub(super) line: Color32,
-    /// For parts behind.
     pub(super) back: Color32,
     pub(super) fill: Color32,
 }
@@ -68,7 +65,6 @@ struct Helix {
     widens: bool,
 }
 
-/// A coil spring seen slightly from the side; the rear half of each turn is drawn first and fainter.
 fn helix(stage: &Stage, painter: &Painter, helix: Helix, ink: Ink) {
     let Helix { from, to, y, radius, coils, widens } = helix;
     // Steps of half a turn: an even number has a point on the spring's axis, its beginning and end.
@@ -109,7 +105,6 @@ fn helix(stage: &Stage, painter: &Painter, helix: Helix, ink: Ink) {
     painter.add(strokes.into_shape());
 }
 
-/// A piston in a cylinder; the rod ends at `end`.
 fn damper(stage: &Stage, painter: &Painter, start: f32, end: Pos2, half: f32, stretch: f64, ink: Ink) {
     let stroke = Stroke::new(1.6 * stage.unit, ink.line);
     let (left, right) = stage.cylinder(start);
@@ -126,7 +121,6 @@ fn damper(stage: &Stage, painter: &Painter, start: f32, end: Pos2, half: f32, st
     painter.rect_filled(head, 1.0, ink.line);
 }
 
-/// A slider between two plates that hold it by friction.
 fn friction(stage: &Stage, painter: &Painter, start: f32, slider: Rect, ink: Ink) {
     let stroke = Stroke::new(1.6 * stage.unit, ink.line);
     let (left, right) = stage.cylinder(start);

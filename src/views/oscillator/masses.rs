@@ -8,7 +8,6 @@ pub(super) fn displacement(mass: usize) -> Channel {
     Channel::displacement(mass.min(MAX_MASSES - 1))
 }
 
-/// The number of masses: the truth's, or the filters' where the truth is unknown.
 pub(super) fn masses(run: &Run) -> usize {
     let known = |mass: usize| run.record().truth(displacement(mass)).is_some();
     let there = |mass: &usize| if known(0) { known(*mass) } else { run.channels().contains(&displacement(*mass)) };

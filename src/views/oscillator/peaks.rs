@@ -15,10 +15,8 @@ pub(super) struct Peak {
     pub(super) force: f64,
 }
 
-/// Number of samples of a block, approximately.
 const BLOCK: usize = 512;
 
-/// The largest values up to the end of each block, kept between frames.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Peaks {
     blocks: Vec<Block>,
@@ -27,7 +25,6 @@ pub(super) struct Peaks {
 #[derive(Clone, Copy, Debug)]
 struct Block {
     peak: Peak,
-    /// Identifies the record by its last samples.
     mark: Mark,
 }
 

@@ -81,7 +81,6 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// The slices of the masses that show filters, each with the id and the name of its filter.
     pub(super) fn slices(&self) -> Vec<(Rect, u32, &'a str)> {
         let of_mass = |mass: usize| {
             let believed = self.filters(mass).filter_map(|filter| Some((filter.belief(self.k)?, filter.estimates)));
@@ -197,7 +196,6 @@ impl<'a> Scene<'a> {
         told
     }
 
-    /// Writes text in the corner of a room, if it fits. Returns its place.
     fn write(&self, text: LayoutJob, room: Rect) -> Option<Rect> {
         let galley = self.painter.layout_job(text);
         let place = Rect::from_min_size(room.min, galley.size());
@@ -216,7 +214,6 @@ struct Filter<'a> {
 }
 
 impl Filter<'_> {
-    /// Its estimate at sample `k`, if there is one.
     fn belief(&self, k: usize) -> Option<Belief> {
         let Self { estimates, at, color } = *self;
         let mean = (k < estimates.len()).then(|| estimates.mean(k)[at]).filter(|mean| mean.is_finite())?;

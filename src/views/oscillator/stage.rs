@@ -11,23 +11,16 @@ const REACH_PER_LINK: f32 = 0.55;
 #[derive(Clone, Debug)]
 pub(super) struct Stage {
     pub(super) rect: Rect,
-    /// Scale of lines and text, relative to the usual one.
     pub(super) unit: f32,
-    /// Vertical position of the ground.
     pub(super) floor: f32,
-    /// Horizontal position of the wall's face.
     pub(super) wall: f32,
     pub(super) body: Vec2,
-    /// Vertical position of the force's arrow.
     pub(super) arrow: f32,
-    /// Length of a link at rest.
     pub(super) gap: f32,
-    /// Largest stretch or compression of a link.
     pub(super) travel: f32,
     /// Clearance of a damper's piston at the ends of its cylinder, and between the cylinder and the mass.
     clearance: f32,
     masses: usize,
-    /// Points per metre.
     scale: f64,
 }
 
@@ -115,7 +108,6 @@ impl Stage {
         egui::FontId::proportional((11.5 * self.unit).clamp(9.5, 16.0))
     }
 
-    /// The centre of the cloud of readings above a mass, and its height.
     pub(super) fn cloud(&self, body: Rect) -> (Pos2, f32) {
         let (low, high) = (body.top() - 2.0 * self.unit, self.arrow + 5.0 * self.unit);
         (pos2(body.center().x, 0.5 * (low + high)), (low - high).max(2.0))

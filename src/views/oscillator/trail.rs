@@ -10,7 +10,6 @@ use crate::theme::Palette;
 /// Speed of the paper \[points/s\].
 const SPEED: f32 = 64.0;
 
-/// The approximate number of points in a line, and the limit for all lines together.
 const POINTS: usize = 160;
 const ALL_POINTS: usize = 2000;
 
@@ -25,7 +24,6 @@ pub(super) struct Trail<'a> {
 }
 
 impl<'a> Trail<'a> {
-    /// The paper below `stage` up to sample `now`, for this number of lines.
     pub(super) fn new(
         stage: &'a Stage,
         painter: &Painter,
@@ -41,7 +39,7 @@ impl<'a> Trail<'a> {
         Self { stage, painter: painter.with_clip_rect(paper), paper, record, now, first, stride }
     }
 
-    /// The samples that are drawn, the newest first. The choice of samples does not change as time goes on, so that
+    /// The samples that are drawn, the newest first. The choice of samples does not change with time, so that
     /// lines do not shimmer.
     fn samples(&self) -> impl Iterator<Item = usize> {
         let Self { now, first, stride, .. } = *self;

@@ -8,7 +8,7 @@ use crate::request::Request;
 use crate::text::{decimals, fixed, significant};
 use crate::view::ViewContext;
 
-/// A mean is worth a word if it is so many standard deviations of the posterior away from the posterior's mean.
+/// The distance between both means beyond which it is reported, in standard deviations of the posterior.
 const AWAY: f64 = 1.0;
 
 pub(super) fn head_ui(ui: &mut Ui, context: &ViewContext<'_>, posteriors: &Posteriors, requests: &mut Vec<Request>) {
@@ -37,7 +37,6 @@ pub(super) fn head_ui(ui: &mut Ui, context: &ViewContext<'_>, posteriors: &Poste
     });
 }
 
-/// The words beside the choice: the state of the search, or its result.
 fn words(context: &ViewContext<'_>, posteriors: &Posteriors, filter: &Estimates) -> String {
     let is_hidden = !context.visible.filter(filter.id());
     let result = || posteriors.shown().and_then(|shown| sentences(context, shown, filter));
@@ -66,7 +65,6 @@ fn sentences(context: &ViewContext<'_>, shown: &Shown, estimates: &Estimates) ->
     Some(text)
 }
 
-/// The filter's ±2σ over those of the posterior, and means that are away from each other.
 fn comparison(estimates: &Estimates, shown: &Shown) -> Option<String> {
     let (sample, time) = shown.last();
     let (mut ratios, mut away) = (Vec::new(), Vec::new());

@@ -9,7 +9,6 @@ use crate::view::ViewContext;
 /// The height of the picture \[points\].
 const HEIGHT: f32 = 190.0;
 
-/// Draws the path, if there is one.
 pub(super) fn path_ui(ui: &mut Ui, tuning: &Tuning, context: &ViewContext<'_>) {
     let is_score = |score: &f64| score.is_finite() && score.abs() < 1e99;
     let scores = || tuning.path().iter().map(|tried| tried.score);

@@ -60,7 +60,6 @@ pub(super) fn result_ui(ui: &mut Ui, result: &TuneResult, context: &ViewContext<
     }
 }
 
-/// An explanation of the band of a tuned setting.
 const BAND: &str = "How far the record tells it: where the log likelihood falls by 2, by its curvature at the best values, with the \
                     other settings free";
 
@@ -81,7 +80,6 @@ fn score_text(goal: Goal, score: f64, scenario: &Scenario) -> String {
     }
 }
 
-/// A remark, with the setting's name in place of its key.
 fn said(remark: &Remark, scenario: &Scenario) -> String {
     match remark {
         Remark::Flat(key) => Remark::Flat(setting_name(key, scenario)).to_string(),

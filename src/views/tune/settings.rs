@@ -11,7 +11,6 @@ use crate::request::Request;
 use crate::text::significant;
 use crate::view::ViewContext;
 
-/// Shows filter, goal and the button, and requests another choice if one of them changes.
 pub(super) fn head_ui(
     ui: &mut Ui,
     context: &ViewContext<'_>,
@@ -34,7 +33,6 @@ pub(super) fn head_ui(
     }
 }
 
-/// Shows the settings with their ranges, and requests another choice if one of them changes.
 pub(super) fn settings_ui(ui: &mut Ui, context: &ViewContext<'_>, choice: &TuneChoice, requests: &mut Vec<Request>) {
     let mut next = choice.clone();
     let part = part_of(context.session.run().scenario(), &[choice.filter]);

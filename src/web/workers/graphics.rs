@@ -1,4 +1,4 @@
-//! The page's graphics processor, in a worker of its own.
+//! The page's graphics processor, in its own worker.
 
 use std::cell::RefCell;
 use std::collections::VecDeque;
@@ -17,10 +17,8 @@ use web_time::{Duration, Instant};
 use super::adapter;
 use super::worker::{Program, Worker};
 
-/// The cells of the first portion: enough for a first picture.
 const FIRST: usize = 64;
 
-/// The aim for the time of a portion, and the limit of its cells.
 const PORTION: Duration = Duration::from_millis(200);
 const MOST: usize = 1 << 14;
 
@@ -35,7 +33,6 @@ struct State {
     finding: Finding,
     worker: Option<Worker>,
     name: Arc<str>,
-    /// The number of the present task.
     number: u32,
     task: Option<Given>,
     ctx: Context,
@@ -44,12 +41,10 @@ struct State {
 struct Given {
     order: Vec<usize>,
     next: usize,
-    /// The number of cells of the last portion.
     given: usize,
     portion: usize,
     begun: Instant,
     rows: VecDeque<Rows>,
-    /// Whether there are cells that it does not serve.
     has_left: bool,
     has_given_up: bool,
 }

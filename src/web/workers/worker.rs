@@ -12,9 +12,7 @@ use super::super::version::version;
 
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Program {
-    /// The page's own program, which the browser has loaded and compiled.
     Page,
-    /// The program for the graphics processor. The browser loads it with the first map.
     Graphics,
 }
 
@@ -51,7 +49,6 @@ impl Worker {
         Ok(Self { number, worker, is_ready: false, is_over: false, _hear: hear, _fail: fail })
     }
 
-    /// Its number; no other worker has the same.
     pub(super) fn number(&self) -> u32 {
         self.number
     }

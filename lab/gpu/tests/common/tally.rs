@@ -17,7 +17,7 @@ pub(crate) struct Tally {
 }
 
 impl Tally {
-    /// Takes in a run whose class is this one; `is_kept` tells of which classes scores are compared.
+    /// Takes in a run whose class is this one; `is_kept` chooses the classes whose scores are compared.
     pub(crate) fn take<C: PartialEq>(
         &mut self,
         [outcome, exact]: [&Outcome; 2],

@@ -29,7 +29,7 @@ pub(crate) fn serve() {
 }
 
 impl Graphics {
-    /// Looks for a processor, or a software adapter if that is accepted, and tells the page.
+    /// Looks for a processor, or a software adapter if that is accepted, and reports to the page.
     fn find(&self, software: bool) {
         let gpu = Rc::clone(&self.gpu);
         let software = if software { Software::Allowed } else { Software::Refused };

@@ -47,7 +47,7 @@ pub(crate) fn check_alone(scenario: &Scenario, record: &Record, what: &str) -> u
     let runs: Vec<LaneRun<'_>> = of_engine.iter().map(|&place| LaneRun { scenario, place, record }).collect();
     for (lane, &place) in outcomes_with(Level::best(), &runs, &[]).unwrap().iter().zip(&of_engine) {
         let alone = Outcome::of(scenario, place, record).unwrap();
-        // Where det S leaves the range of numbers, a history factorises S anew, as far as rounding lets it. Such a filter has diverged.
+        // Where det S leaves the range of numbers, a history factorises S again, as far as rounding lets it. Such a filter has diverged.
         let mut lane = lane.clone();
         if lane.mean.iter().any(|mean| mean.abs() > FAR)
             && (lane.log_likelihood - alone.log_likelihood).abs() < 1e-6 * alone.log_likelihood.abs()

@@ -1,4 +1,4 @@
-//! Counting by callgrind, in a process of its own.
+//! Counting by callgrind, in its own process.
 
 use std::hint::black_box;
 use std::path::Path;

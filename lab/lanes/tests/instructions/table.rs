@@ -56,7 +56,7 @@ fn read() -> Result<(String, toml::Table), String> {
 /// Counts cases, prints them beside the table, and compares them.
 ///
 /// # Errors
-/// What differs, and what to do.
+/// The differences, and the remedy.
 pub(crate) fn compare(cases: &[Case], words: &[String], is_whole: bool) -> Result<(), String> {
     let (meant, table) = read()?;
     let counts = count(words)?;
