@@ -8,14 +8,13 @@ use egui_tiles::Tree;
 use kalmanscope_core::Scenario;
 use kalmanscope_core::setting::Change;
 use kalmanscope_lessons::{BuiltIn, Lesson};
-use serde::{Deserialize, Serialize};
 
 use crate::laboratory::{Choice, SeedChoice, TuneChoice};
 use crate::ruler::End;
 use crate::session::Mode;
 use crate::share::Picture as SavedPicture;
 
-pub use kinds::{Arrangement, LegendEntry, Proportions, ViewKind};
+pub use kinds::{Answer, Arrangement, LegendEntry, Proportions, ViewKind};
 
 #[derive(Clone, Debug, PartialEq)]
 pub enum Request {
@@ -128,11 +127,4 @@ impl fmt::Debug for RawFile {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} ({} bytes)", self.name, self.bytes.len())
     }
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Answer {
-    Choice(usize),
-    Skipped,
 }

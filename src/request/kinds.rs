@@ -1,4 +1,4 @@
-//! Kinds of views, of arrangements and of entries in the legend.
+//! Kinds of views, of arrangements, of entries in the legend and of answers.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,6 +11,13 @@ pub enum LegendEntry {
     Verdicts,
     Hindsight,
     Filter(u32),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Answer {
+    Choice(usize),
+    Skipped,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]

@@ -1,9 +1,10 @@
 //! The settings of a filter.
 
-use serde::{Deserialize, Serialize};
+use serde::de::{Error as _, IntoDeserializer as _};
+use serde::{Deserialize, Deserializer, Serialize};
 
+use super::values;
 use super::{Bounds, FilterColor, Values};
-use super::{motion, values};
 use crate::data::document::{is_default, is_one};
 use crate::data::record::Delays;
 use crate::mathematics::filter::{Adaptation, FilterKind, MethodSettings, Propagation, Robust};
@@ -54,7 +55,7 @@ pub struct FilterSettings {
     /// process standard deviations are divided by the initial mean, for the whole record.
     pub log_parameters: bool,
     /// The propagation of the mean of a KF, EKF or IEKF; that which [suits the plant](Self::propagation_for) if left out.
-    #[serde(deserialize_with = "motion::propagation", skip_serializing_if = "Option::is_none")]
+    #[serde(deserialize_with = "propagation", skip_serializing_if = "Option::is_none")]
     pub propagation: Option<Propagation>,
     /// The number of steps into which a prediction is divided; 0 for as many as [the plant asks for](Self::steps).
     #[serde(skip_serializing_if = "is_default")]
@@ -237,4 +238,17 @@ impl FilterSettings {
     pub fn knows(&self, channel: Channel) -> bool {
         self.kind == FilterKind::KF && channel.is_parameter() && !channel.is_augmentation()
     }
+}
+
+/// The propagation in a file, `automatic` for none.
+fn propagation<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Propagation>, D::Error> {
+    const WORDS: [&str; 4] = ["automatic", "local_linearisation", "runge_kutta", "euler"];
+    let word = String::deserialize(deserializer)?;
+    if word == WORDS[0] {
+        return Ok(None);
+    }
+    if !WORDS.contains(&word.as_str()) {
+        return Err(D::Error::unknown_variant(&word, &WORDS));
+    }
+    Propagation::deserialize(word.into_deserializer()).map(Some)
 }

@@ -1,8 +1,5 @@
 //! How a filter moves, where its settings leave that to its plant.
 
-use serde::de::{Error as _, IntoDeserializer as _};
-use serde::{Deserialize as _, Deserializer};
-
 use super::FilterSettings;
 use crate::PlantKind;
 use crate::mathematics::filter::Propagation;
@@ -98,17 +95,4 @@ fn radius(a: &Matrix, motion: usize) -> f64 {
         power = &power * &power;
     }
     libm::exp(logarithm)
-}
-
-/// The propagation in a file, `automatic` for none.
-pub(super) fn propagation<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Propagation>, D::Error> {
-    const WORDS: [&str; 4] = ["automatic", "local_linearisation", "runge_kutta", "euler"];
-    let word = String::deserialize(deserializer)?;
-    if word == WORDS[0] {
-        return Ok(None);
-    }
-    if !WORDS.contains(&word.as_str()) {
-        return Err(D::Error::unknown_variant(&word, &WORDS));
-    }
-    Propagation::deserialize(word.into_deserializer()).map(Some)
 }
