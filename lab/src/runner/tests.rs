@@ -62,7 +62,7 @@ fn rows_do_not_depend_on_their_order() {
     }
 }
 
-/// Numbers of the single filter, cell by cell, are those of [`Runner::rows`], bit by bit.
+/// Numbers of the single filter, cell by cell, are those of [`Runner::rows`]: bit by bit, but for the NEES.
 #[cfg(feature = "lanes")]
 #[test]
 fn a_map_of_the_duffing_oscillator_is_served_by_lanes_and_has_the_numbers_of_the_single_filter() {
@@ -81,7 +81,11 @@ fn a_map_of_the_duffing_oscillator_is_served_by_lanes_and_has_the_numbers_of_the
     }
     let single = runner.rows_of(&runs, &[vec![], vec![]]);
     assert!(single.iter().all(|number| number.is_finite()), "{single:?}");
-    assert_eq!(runner.rows(&cells), single);
+    for (place, (number, single)) in runner.rows(&cells).iter().zip(&single).enumerate() {
+        // The NEES of lanes has another order of its factors.
+        let limit = if place % 3 == 1 { 1e-12 * single } else { 0.0 };
+        assert!((number - single).abs() <= limit, "{place}: {number} and {single}");
+    }
 }
 
 /// The scenario of a measured record: a gain of the input, which is linear between samples.
