@@ -28,6 +28,9 @@ const LETTER: [f32; 2] = [7.0, 21.0];
 const WAY: f64 = 400.0;
 
 pub(crate) fn story_of(session: &Session) -> Story {
+    if session.missing_record().is_some() {
+        return Story::default();
+    }
     if session.shows_another_run() {
         let words = Phrase::Words("The run of these settings is being computed.".to_owned());
         return Story { sentences: vec![vec![words]], ..Story::default() };

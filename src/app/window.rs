@@ -73,7 +73,8 @@ impl App {
             Panel::top("bar").frame(frame).show(ui, |ui| bar.ui(ui, requests));
         }
         self.live_ui(ui, frame, &palette);
-        if narrow {
+        let is_missing = self.session.missing_record().is_some();
+        if narrow && !is_missing {
             // The drawer comes first: its height depends on the room that is left.
             let frame = frame.inner_margin(Margin { bottom: 0, ..frame.inner_margin });
             let legend = Panel::top("legend").frame(frame).show_separator_line(false);
@@ -90,7 +91,7 @@ impl App {
         if !(open && narrow) {
             self.lesson_panel_ui(ui, frame, &palette, drawer);
         }
-        if !(narrow && (open || self.tutor.is_some())) {
+        if !(is_missing || narrow && (open || self.tutor.is_some())) {
             self.diagnosis_ui(ui, frame, &palette, drawer);
         }
         if !narrow {

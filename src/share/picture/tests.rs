@@ -62,6 +62,15 @@ fn impossible_texts_are_refused_in_one_sentence() {
         text
     };
     let deep = |depth: usize| (0..depth).fold(json!({ "view": "States" }), |inner, _| json!({ "tabs": [0, [inner]] }));
+    // Without an enlarged view, which would not be among those.
+    let of_views = |views: serde_json::Value| {
+        let mut text = with("/views", views);
+        text.as_object_mut().expect("a table").remove("enlarged");
+        text
+    };
+    let nested = of_views(deep(20));
+    let wide = of_views(json!({ "rows": [[1e38, { "view": "States" }]] }));
+    let empty = of_views(json!({ "rows": [] }));
     for (text, reason) in [
         (with("/kalmanscope_session", 3.into()), "it has format 3, and this program reads format 1"),
         (with("/kalmanscope_session", "two".into()), "it has format \"two\""),
@@ -69,9 +78,9 @@ fn impossible_texts_are_refused_in_one_sentence() {
         (with("/habits/more", 1.into()), "unknown field `more`"),
         (with("/habits/lessons", json!({ "more": 1 })), "unknown field `more`"),
         (with("/laboratory/more", 1.into()), "unknown field `more`"),
-        (with("/views", deep(20)), "more than 16 containers"),
-        (with("/views", json!({ "rows": [[1e38, { "view": "States" }]] })), "a share is 1"),
-        (with("/views", json!({ "rows": [] })), "a container is empty"),
+        (nested, "more than 16 containers"),
+        (wide, "a share is 1"),
+        (empty, "a container is empty"),
         (with("/enlarged", "Phase".into()), "enlarged is not shown"),
         (with("/mode", "Sideways".into()), "unknown variant `Sideways`"),
         (with("/time", (-1).into()), "the time is -1"),
