@@ -307,3 +307,32 @@ fn a_verdict_waits_for_twenty_measurements() {
     let verdict = verdict(&stopping).unwrap();
     assert!(verdict.kind == Diverged && verdict.reason.starts_with("the "), "{verdict}");
 }
+
+/// Noise of the right size that is correlated over a few samples: innovations are no larger than expected and have a pattern.
+#[test]
+fn a_pattern_in_innovations_that_are_no_larger_than_expected_is_not_called_overconfident() {
+    let mut left = 0;
+    for seed in SEEDS {
+        let mut scenario = Scenario { seed, duration: 60.0, ..well_tuned(FilterKind::EKF) };
+        for sensor in &mut scenario.sensors {
+            let faults = "faults = { coloured = { time = 0.01 } }";
+            let text = format!(
+                "[[sensors]]\nmeasures = \"velocity\"\nnoise_std = 0.1\n{faults}\n[[filters]]\nsensor_std = [0.1]"
+            );
+            sensor.faults = Scenario::from_toml(&text).unwrap().sensors[0].faults;
+        }
+        let record = simulate(&scenario).without_truth();
+        let mut run = Run::on_record(&scenario, Arc::new(record)).unwrap();
+        run.finish();
+        let nis = Diagnostics::new(&run.estimates()[0], run.record()).mean_nis().unwrap();
+        let verdict = verdict_on(&run).unwrap();
+        let is_above = nis.mean > nis.expected * (1.0 + 2.0 * (2.0 / (2.0 * 6000.0_f64)).sqrt());
+        assert!(is_above || verdict.kind != Overconfident, "seed {seed}: {verdict}");
+        if verdict.kind == VerdictKind::PatternLeft {
+            // The noise of a Gauss-Markov process with a = 1/e has √((1 + a) / (1 - a)) = 1.47 times the effect of white noise.
+            assert!(verdict.reason.contains("may be off by about 1."), "seed {seed}: {verdict}");
+            left += 1;
+        }
+    }
+    assert!(left >= 8, "{left} of ten");
+}

@@ -10,7 +10,8 @@ const LAGS: usize = 40;
 const ENOUGH: usize = 4 * LAGS;
 
 /// The parameter that a pattern in the innovations may move furthest, and the standard deviation of its error over that which the
-/// filter tells; about 1 where innovations are white and as large as expected.
+/// filter tells; about 1 where innovations are white and as large as expected. It is an approximation: each parameter is taken by
+/// itself.
 ///
 /// An update moves a parameter by `Δ = K e`, and `s = Δ / P` is the score of the log likelihood. Where scores are correlated, the
 /// variance of their sum, and with it that of the estimate, is larger by
