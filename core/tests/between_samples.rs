@@ -75,7 +75,7 @@ fn table(dt: f64, input: &[f64], displacement: &[f64], seed: u64) -> String {
     text
 }
 
-/// What an import makes of a file, and the errors of ωₙ and ζ in standard deviations.
+/// The start values that an import makes from a file, and the errors of ωₙ and ζ in standard deviations.
 fn identified(text: &str) -> (Suggestion, [f64; 2]) {
     let table = read(text.as_bytes(), None).unwrap();
     let (mapping, kind) = Mapping::guess(&table);
@@ -138,7 +138,7 @@ fn a_course_that_the_readings_do_not_tell_stays_linear() {
     assert!(reasons.iter().any(|reason| reason.contains("is taken for linear between samples")), "{reasons:?}");
 }
 
-/// What is stated is not tried, nor anything for a record without the meaning of its columns.
+/// A course that the user states is not tried against others, nor is any for a record whose columns have no meaning.
 #[test]
 fn what_is_stated_about_the_input_stays() {
     let table = read(simulated(Hold::Zero, 10.0, 1500, 1).as_bytes(), None).unwrap();

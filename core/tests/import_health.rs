@@ -171,7 +171,7 @@ fn times_of_any_size_come_to_an_end() {
         }
         let mut live = LiveRecord::new(0.01, InputKind::Force, Hold::First, vec![Quantity::DISPLACEMENT]);
         for k in (0..30).map(f64::from) {
-            // What cannot be taken in is refused with a reason.
+            // A file that cannot be imported is refused with a reason.
             let _ = live.take(time(k), 0.1 * k, &[k]);
         }
         live.finish();

@@ -197,7 +197,7 @@ fn the_plant_says_how_the_mean_moves() {
     // A filter moves as its own plant does.
     let own = FilterSettings { plant: Some(PlantKind::DUFFING), ..usual.clone() };
     assert_eq!(own.propagation_for(linear), Propagation::RungeKutta);
-    // What is set wins, and the book's steps are single ones.
+    // A setting wins over the automatic number, and the textbook's steps are single ones.
     let set = FilterSettings { substeps: 3, ..usual.clone() };
     assert_eq!([steps(&set, linear), steps(&set, PlantKind::DUFFING)], [3, 3]);
     let book = FilterSettings { propagation: Some(Propagation::LocalLinearisation), ..usual.clone() };

@@ -9,13 +9,13 @@ use crate::mathematics::model::{InputKind, Model};
 /// The angle by which a motion should turn at most in one step \[rad\].
 const MOST: f64 = 0.2;
 
-/// An error of a step may have this share of what a record tells of a frequency.
+/// Limits the error of a step, relative to the error of a frequency from a record.
 const SMALL: f64 = 0.03;
 
 /// Limits the steps from one sample to the next that are not set by hand.
 const MOST_STEPS: f64 = 40.0;
 
-/// What a good record tells of a frequency, as a share of it: filters of plants that are not linear are ready for it.
+/// The relative error of a frequency from a good record. Steps of nonlinear plants are fine enough for it.
 const USUAL: f64 = 1e-6;
 
 /// Limits the steps of a plant that is not linear from below: a larger motion than the initial belief knows can be stiffer.

@@ -40,7 +40,7 @@ fn half_swing(values: &[f64], noise: f64) -> f64 {
     if turns > 1 { (last - first.unwrap_or(0)) as f64 / f64::from(turns - 1) } else { 0.0 }
 }
 
-/// The end of the part of so many seconds that begins at a place. It has a reading at least: a second after 2⁵³ s is the same number.
+/// The end of the part of this many seconds that begins at a place. It has at least one reading: above 2⁵³ s, adding a second changes nothing.
 pub(super) fn end_of_part(times: &[f64], place: usize, seconds: f64) -> usize {
     (place + 1..times.len()).find(|&k| times[k] >= times[place] + seconds).unwrap_or(times.len())
 }
