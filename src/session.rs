@@ -64,6 +64,8 @@ pub struct Session {
     long: LongFilters,
     slices: usize,
     waiting: bool,
+    /// Whether another scenario was opened whose picture is not complete.
+    is_opened: bool,
     /// Whether the run has reached playback's time, and its analysis is complete.
     complete: bool,
     budget: Budget,
@@ -132,6 +134,7 @@ impl Session {
             long: LongFilters::default(),
             slices: 0,
             waiting: false,
+            is_opened: false,
             complete: false,
             budget,
             scenario,
@@ -249,11 +252,11 @@ impl Session {
         self.problem.as_ref().and_then(|_| self.library.missing(&self.scenario))
     }
 
-    /// Whether the run on screen is of another system or record than the settings, whose run is being computed.
+    /// Whether the run on screen is of another scenario, system or record than the settings, whose run is being computed.
     pub(crate) fn shows_another_run(&self) -> bool {
         let shown = self.run().scenario();
         let is_other = shown.record != self.scenario.record || shown.plant.kind != self.scenario.plant.kind;
-        self.job.is_some() && is_other
+        self.job.is_some() && (self.is_opened || is_other)
     }
 
     pub fn library(&self) -> &Library {

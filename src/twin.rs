@@ -1,6 +1,7 @@
 //! The screen in words and tables, for screen readers.
 
 use egui::Theme;
+use kalmanscope_core::VerdictKind;
 
 use crate::gap::Gap;
 use crate::layout::Layout;
@@ -58,18 +59,20 @@ impl Twin {
         // Marks are no part of a table.
         let ruler = Ruler::default();
         let context = ViewContext::new(session, &palette, visible, axis, &ruler);
+        // The run on screen is then that of another scenario, whose place on screen is empty.
+        let is_missing = session.missing_record().is_some();
         let views = layout.enlarged().map_or_else(|| layout.in_order(), |view| vec![view]);
-        let views = views.into_iter().map(|kind| {
+        let views = views.into_iter().filter(|_| !is_missing).map(|kind| {
             let view = view(kind);
             let tables: Vec<Table> = view.sheets(&context).iter().map(|sheet| table(sheet, &context)).collect();
             let [about, ..] = view.help();
             let rest = if tables.is_empty() { " No numbers by time." } else { "" };
             Part { name: view.name().to_owned(), about: format!("{about}{rest}"), tables }
         });
-        let verdicts = visible.verdicts.then(|| verdicts(&context));
+        let verdicts = (visible.verdicts && !is_missing).then(|| verdicts(&context));
         let troubles = troubles(session).into_iter().map(|Trouble { sentence, .. }| sentence);
         // Marks on the axis of time.
-        let gaps = Gap::all(session).into_iter().filter(|gap| gap.is_over);
+        let gaps = Gap::all(session).into_iter().filter(|gap| gap.is_over && !is_missing);
         let gaps = gaps.map(|gap| format!("{}.", sentence(&gap.words())));
         Self {
             parts: std::iter::once(story(session)).chain(verdicts).chain(views).collect(),
@@ -80,7 +83,10 @@ impl Twin {
     /// The sentences to be read aloud: verdicts that have changed since an earlier screen, and messages that are new.
     pub fn news(&self, before: &Self) -> Vec<String> {
         let is_new = |row: &&[String]| row[1] != UNKNOWN && !before.verdicts().any(|old| old[..2] == row[..2]);
-        let verdicts = self.verdicts().filter(is_new).map(|row| format!("{} is {}.", row[0], row[1]));
+        let verdicts = self.verdicts().filter(is_new).filter_map(|row| {
+            let kind = VerdictKind::ALL.into_iter().find(|kind| kind.name() == row[1])?;
+            Some(format!("{}.", kind.on(&row[0])))
+        });
         let messages = self.messages.iter().filter(|message| !before.messages.contains(message)).cloned();
         verdicts.chain(messages).collect()
     }

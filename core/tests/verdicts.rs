@@ -308,6 +308,25 @@ fn a_verdict_waits_for_twenty_measurements() {
     assert!(verdict.kind == Diverged && verdict.reason.starts_with("the "), "{verdict}");
 }
 
+/// One sensor is trusted a little too much and the other one far too little: together the innovations are too small.
+#[test]
+fn innovations_that_are_too_small_together_are_not_called_overconfident() {
+    for seed in SEEDS {
+        let mut scenario = Scenario { seed, duration: 60.0, ..well_tuned(FilterKind::EKF) };
+        for (std, factor) in scenario.filters[0].sensor_std.iter_mut().zip([0.7_f64, 10.0]) {
+            *std *= factor.sqrt();
+        }
+        let record = simulate(&scenario).without_truth();
+        let mut run = Run::on_record(&scenario, Arc::new(record)).unwrap();
+        run.finish();
+        let nis = Diagnostics::new(&run.estimates()[0], run.record()).mean_nis().unwrap();
+        assert!(nis.mean < 0.9 * nis.expected, "seed {seed}: {nis:?}");
+        let verdict = verdict_on(&run).unwrap();
+        assert!([Underconfident, VerdictKind::PatternLeft].contains(&verdict.kind), "seed {seed}: {verdict}");
+        assert!(verdict.reason.contains("times what the filter expects"), "seed {seed}: {verdict}");
+    }
+}
+
 /// Noise of the right size that is correlated over a few samples: innovations are no larger than expected and have a pattern.
 #[test]
 fn a_pattern_in_innovations_that_are_no_larger_than_expected_is_not_called_overconfident() {

@@ -111,6 +111,10 @@ impl Session {
     pub fn begin_anew(&mut self) {
         (self.other, self.setting) = (None, Setting::A);
         self.forget_before();
+        if self.waiting {
+            self.begin_job();
+        }
+        self.is_opened = self.job.is_some();
     }
 
     pub fn is_before_behind(&self) -> bool {

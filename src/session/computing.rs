@@ -32,6 +32,7 @@ impl Session {
             return false;
         }
         self.give_up_job();
+        self.is_opened = false;
         let run = self.study.run();
         self.scenario = run.scenario().clone();
         self.can_be_whole = run.samples() <= Self::LONGEST_WHOLE + 1;
@@ -146,6 +147,7 @@ impl Session {
             self.slices += 1;
             if is_done {
                 self.long.end();
+                self.is_opened = false;
                 job.finish(&mut self.study);
                 self.generation += 1;
                 self.clock = self.clock.min(self.end());

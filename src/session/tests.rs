@@ -155,6 +155,34 @@ fn a_heavy_edit_leaves_the_last_picture_until_the_next_is_complete() {
 }
 
 #[test]
+fn a_story_of_another_scenario_waits_for_its_run() {
+    let being_computed = "The run of these settings is being computed.";
+    let mut session = heavy();
+    let story = |session: &Session| crate::story::story_of(session).to_string();
+    let own = story(&session);
+    session.set_scenario(with(&session, |scenario| scenario.sensors[0].noise_std *= 2.0));
+    assert!(session.behind());
+    assert_eq!(story(&session), own, "while a number is dragged, the picture and its story stay");
+    for _ in 0..2 {
+        session.advance(0.1);
+        // The same system, so that nothing but its opening says that it is another one.
+        session.set_scenario(with(&session, |scenario| scenario.seed += 1));
+        session.begin_anew();
+        assert!(session.behind());
+        assert_eq!(story(&session), being_computed);
+    }
+    wait(&mut session);
+    assert_ne!(story(&session), being_computed);
+    session.set_scenario(with(&session, |scenario| scenario.sensors[0].noise_std *= 2.0));
+    assert!(session.behind());
+    assert_ne!(story(&session), being_computed, "what is dragged afterwards is an edit again");
+    session.set_scenario(with(&session, |scenario| scenario.seed += 1));
+    session.begin_anew();
+    assert!(session.cancel());
+    assert_ne!(story(&session), being_computed);
+}
+
+#[test]
 fn an_edit_that_is_given_up_is_taken_back() {
     let mut session = heavy();
     assert!(!session.cancel(), "nothing is computed");

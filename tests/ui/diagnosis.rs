@@ -18,7 +18,7 @@ fn mistuned() -> Screen {
 #[test]
 fn a_verdict_beside_a_filter_opens_the_diagnosis() {
     let mut screen = mistuned();
-    assert!(screen.query_by_label("UKF is recovered").is_some());
+    assert!(screen.query_by_label("UKF has recovered").is_some());
     assert!(screen.query_by_label("About Diagnosis").is_none());
     for _ in 0..2 {
         click(&mut screen, "EKF is overconfident");
@@ -40,7 +40,7 @@ fn a_remedy_is_applied_by_its_button_and_taken_back() {
         assert!((std / right - 1.0).abs() < 0.2, "{std} in place of {right}");
     }
     assert_eq!(scenario(&screen).filters[1], before.filters[1]);
-    assert!(screen.query_by_label("EKF is recovered").is_some());
+    assert!(screen.query_by_label("EKF has recovered").is_some());
     screen.key_press_modifiers(Modifiers::COMMAND, Key::Z);
     screen.run_steps(3);
     assert_eq!(scenario(&screen), &before);
@@ -61,10 +61,10 @@ fn evidence_says_how_to_read_it() {
 fn verdicts_can_be_hidden() {
     let mut screen = mistuned();
     click(&mut screen, "Show verdicts");
-    assert!(screen.query_by_label("UKF is recovered").is_none());
+    assert!(screen.query_by_label("UKF has recovered").is_none());
     assert!(screen.query_by_label("EKF is overconfident").is_none());
     click(&mut screen, "Show verdicts");
-    assert!(screen.query_by_label("UKF is recovered").is_some());
+    assert!(screen.query_by_label("UKF has recovered").is_some());
 }
 
 #[test]

@@ -59,17 +59,18 @@ impl Story {
             .filter(|(_, ((estimates, _), _))| !estimates.is_empty())
             .map(|(place, ((estimates, diagnostics), filter))| {
                 let diagnosis = diagnoses.get(place).copied().flatten();
-                Outcome::new(run, filter, (estimates, diagnostics, diagnosis), happening.change.as_ref())
+                Outcome::new(run, filter, (estimates, diagnostics, diagnosis), &happening)
             })
             .collect();
-        sentences.extend(outcomes.iter().take(TOLD).map(|outcome| outcome.sentence(happening.change.as_ref())));
+        sentences.extend(outcomes.iter().take(TOLD).map(|outcome| outcome.sentence(happening.change())));
         sentences.extend(belief::sentence(&outcomes, TOLD));
         sentences.extend(classes::sentence(run, diagnostics));
         if is_measured && !record::has_input(run) {
             sentences.extend(swing::sentence(&outcomes));
         }
         sentences.retain(|sentence| !sentence.is_empty());
-        let aside = outcomes.iter().take(TOLD).flat_map(|outcome| outcome.aside(happening.change.is_some())).collect();
+        let aside =
+            outcomes.iter().take(TOLD).flat_map(|outcome| outcome.aside(happening.change().is_some())).collect();
         Self { sentences, aside }
     }
 

@@ -20,7 +20,8 @@ const SLACK: f64 = 0.7;
 /// Limits the normal score that chance explains in one part.
 const NOT_CHANCE: f64 = 4.0;
 
-/// The normal score at the upper end of the interval that innovations² are in with a probability of 95 %.
+/// The normal score at the upper end of the interval that innovations² are in with a probability of 95 %, and, with a minus, at
+/// its lower end.
 const ABOVE: f64 = 1.96;
 
 /// Limits the errors² of a good part, relative to the covariance: for a parameter (its errors in a part count as one
@@ -150,8 +151,13 @@ impl<'a> Case<'a> {
 
     /// The samples of the parts that are bad or forgiven; adjacent parts are one range.
     pub(crate) fn bad_samples(&self) -> Vec<Range<usize>> {
+        self.ranges(|part| self.bad[part] || self.forgiven[part])
+    }
+
+    /// The samples of some parts; adjacent parts are one range.
+    pub(super) fn ranges(&self, is_chosen: impl Fn(usize) -> bool) -> Vec<Range<usize>> {
         let mut ranges: Vec<Range<usize>> = Vec::new();
-        for part in (0..PARTS).filter(|&part| self.bad[part] || self.forgiven[part]) {
+        for part in (0..PARTS).filter(|&part| is_chosen(part)) {
             let next = self.part(part);
             match ranges.last_mut() {
                 Some(before) if before.end == next.start => before.end = next.end,
@@ -183,6 +189,13 @@ impl<'a> Case<'a> {
         self.sensors.iter().any(|one| one.level(&self.kept) < 0.75)
     }
 
+    /// The verdict that the innovations of some sensor or part support which are too large, while all together may be too small.
+    pub(crate) fn surprise(&self) -> VerdictKind {
+        let (level, degrees) = self.nis(&self.kept);
+        let is_below = chi_squared_score(level, degrees) < -ABOVE;
+        if is_below { VerdictKind::PatternLeft } else { VerdictKind::Overconfident }
+    }
+
     /// The verdict that a pattern in the innovations of a sensor supports. A filter that trusts a sensor too little leaves one too.
     /// Only where innovations are larger than expected, is the covariance too small for them.
     pub(crate) fn pattern(&self, one: &SensorInnovations) -> VerdictKind {
@@ -191,7 +204,7 @@ impl<'a> Case<'a> {
         if self.any_too_small() && level < 1.15 {
             VerdictKind::Underconfident
         } else if is_above(level, degrees) || is_above(one.level(&self.kept), one.count(&self.kept)) {
-            VerdictKind::Overconfident
+            self.surprise()
         } else {
             VerdictKind::PatternLeft
         }

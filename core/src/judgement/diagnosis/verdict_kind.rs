@@ -69,7 +69,8 @@ impl VerdictKind {
     /// The verdict on a filter of this name, as a sentence without its full stop.
     pub fn on(self, name: &str) -> String {
         match self {
-            Self::PatternLeft => format!("{name} is left with a pattern"),
+            Self::PatternLeft => format!("{name} leaves a pattern"),
+            Self::Recovered | Self::Collapsed | Self::Diverged => format!("{name} has {}", self.name()),
             _ => format!("{name} is {}", self.name()),
         }
     }

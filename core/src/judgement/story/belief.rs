@@ -22,16 +22,22 @@ pub(super) fn sentence(outcomes: &[Outcome<'_>], told: usize) -> Option<Vec<Phra
         ([], _) if judged.iter().all(|outcome| outcome.leaves_pattern()) => {
             text.say("Their bands may be too narrow: the verdicts say by how much.")
         }
+        ([], _) if judged.iter().any(|outcome| outcome.ends_outside()) => {
+            text.say("None is advised: an error may end outside its ±2σ band by chance, as one in twenty does; Monte Carlo runs show it.")
+        }
         ([], 2) => text.say("Trust neither ±2σ band: the verdicts say why."),
         ([], _) => text.say("Trust none of the ±2σ bands: the verdicts say why."),
         ([only], _) => text.say("Believe ").filter(only.id(), only.name()).say("."),
         (several, all) => {
-            let who = match (several.len(), all) {
-                (2, 2) => "Both".to_owned(),
-                (count, all) if count == all => format!("All {all}"),
-                (count, all) => format!("{count} of {all}"),
+            let text = match several.len() {
+                2 if all == 2 => text.say("Both can be believed"),
+                count if count == all => text.say(format!("All {all} can be believed")),
+                count => several.iter().enumerate().fold(text.say("Believe "), |text, (place, one)| {
+                    let text = text.filter(one.id(), one.name());
+                    let left = count - 1 - place;
+                    text.say(["", " and ", ", "][left.min(2)])
+                }),
             };
-            let text = text.say(format!("{who} can be believed"));
             match narrowest(several) {
                 _ if several.iter().any(|one| one.is_undetermined()) => {
                     text.say(": their bands say what they do not know.")

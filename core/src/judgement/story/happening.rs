@@ -16,8 +16,8 @@ const MOST_FAULTS: usize = 2;
 
 /// What happens in a scenario.
 pub(super) struct Happening {
-    /// The first parameter that changes, if one does.
-    pub(super) change: Option<Change>,
+    /// The parameters that change.
+    changes: Vec<Change>,
 }
 
 /// A parameter that changes.
@@ -75,24 +75,33 @@ fn moves(signal: &Signal, duration: f64) -> bool {
 
 impl Happening {
     pub(super) fn of(scenario: &Scenario) -> Self {
-        let change = scenario.plant.parameters().find_map(|channel| {
+        let change = |channel| {
             let signal = scenario.plant.parameter(channel)?;
             moves(&signal, scenario.duration).then_some(Change { channel, signal })
-        });
-        Self { change: change.filter(|_| scenario.record.is_none()) }
+        };
+        let changes = scenario.plant.parameters().filter_map(change).filter(|_| scenario.record.is_none());
+        Self { changes: changes.collect() }
+    }
+
+    /// The first parameter that changes, if one does.
+    pub(super) fn change(&self) -> Option<&Change> {
+        self.changes.first()
+    }
+
+    /// Whether a parameter has just changed all at once.
+    pub(super) fn is_recent(&self, run: &Run, now: f64) -> bool {
+        self.changes.iter().any(|change| change.is_recent(run, now))
     }
 
     /// What happens, or will, in a run.
     pub(super) fn sentence(&self, run: &Run) -> Vec<Phrase> {
         let scenario = run.scenario();
         let now = scenario.dt * run.done().saturating_sub(1) as f64;
-        let others = scenario.plant.parameters().filter_map(|channel| scenario.plant.parameter(channel));
-        let others = others.filter(|signal| moves(signal, scenario.duration)).count().saturating_sub(1);
-        let text = match &self.change {
+        let text = match self.change() {
             Some(change) => change.told(now, scenario.duration),
             None => still(scenario),
         };
-        let text = if others > 0 { text.say(", and it is not all that changes") } else { text };
+        let text = if self.changes.len() > 1 { text.say(", and it is not all that changes") } else { text };
         let hidden =
             if scenario.plant.disturbance_std > 0.0 { "; a force that nobody measures shakes it too" } else { "" };
         text.say(hidden).say(".").done()

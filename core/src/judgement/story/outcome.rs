@@ -1,6 +1,6 @@
 //! What a filter makes of a run.
 
-use super::happening::Change;
+use super::happening::{Change, Happening};
 use std::f64::consts::TAU;
 
 use super::number::{percent, plain, seconds, with_band};
@@ -43,8 +43,10 @@ pub(super) struct Outcome<'a> {
     undetermined: Vec<Channel>,
     /// The parameter that the sentence is about, if the filter estimates one.
     main: Option<Main>,
-    /// Other estimated parameters, for a record without a truth.
+    /// The other parameters that it estimates.
     others: Vec<Main>,
+    /// The first parameter whose last error is outside its ±2σ band.
+    outside: Option<Channel>,
     /// Why and when the filter stopped \[s\], if it did.
     stop: Option<(Stop, f64)>,
     /// The angle by which the motion turns in a step, where that is so far that the band of a parameter comes out too narrow \[°\].
@@ -73,8 +75,6 @@ struct Truth {
     error: f64,
     /// The root mean square error over the last third, over the truth.
     lately: f64,
-    /// Whether the last error is within ±2σ.
-    is_inside: bool,
     /// The time from which on it has stayed within 5 % of the truth \[s\], as in all scores.
     settled: Option<f64>,
 }
@@ -82,9 +82,9 @@ struct Truth {
 type Results<'a> = (&'a Estimates, &'a Diagnostics, Option<&'a Diagnosis>);
 
 impl<'a> Outcome<'a> {
-    pub(super) fn new(run: &Run, filter: &'a FilterSettings, results: Results<'a>, change: Option<&Change>) -> Self {
+    pub(super) fn new(run: &Run, filter: &'a FilterSettings, results: Results<'a>, happening: &Happening) -> Self {
         let (estimates, diagnostics, diagnosis) = results;
-        let record = run.record();
+        let (record, change) = (run.record(), happening.change());
         let is_uncertain = |place: usize, channel: Channel| {
             let is_taken = filter.knows(channel) || filter.consider.contains(&channel);
             !is_taken && (estimates.initial_std(place) > 0.0 || filter.process_std[channel] > 0.0)
@@ -96,6 +96,11 @@ impl<'a> Outcome<'a> {
         if let Some(place) = estimated.iter().position(|channel| *channel == wanted) {
             estimated[..=place].rotate_right(1);
         }
+        let is_outside = |channel: &Channel| {
+            let error = diagnostics.error(*channel).zip(estimates.place(*channel));
+            error.is_some_and(|(error, place)| error.abs() > 2.0 * estimates.std(estimates.len() - 1, place))
+        };
+        let outside = estimated.iter().copied().find(is_outside);
         let mut all = estimated.into_iter().filter_map(|channel| Main::of(channel, run, (estimates, diagnostics)));
         let main = all.next();
         let last = estimates.len().saturating_sub(1);
@@ -120,10 +125,11 @@ impl<'a> Outcome<'a> {
             undetermined,
             main,
             others: all.collect(),
+            outside,
             stop: diagnostics.stop().map(|stop| (stop, record.time_of(stop.sample))),
             long_steps: long_steps(run.scenario(), filter, estimates, record),
             is_behind_a_band: is_behind_a_band(run, diagnostics),
-            is_settling: change.is_some_and(|change| change.is_recent(run, now)),
+            is_settling: happening.is_recent(run, now),
             now,
             is_whole: run.done() == run.samples(),
         }
@@ -146,16 +152,20 @@ impl<'a> Outcome<'a> {
         self.kind == Some(VerdictKind::NotIdentifiable)
     }
 
-    /// Whether the last error is outside the band that the verdict calls right, or may soon be.
+    /// Whether an error is outside the band that the verdict calls right, or may soon be.
     fn is_open(&self) -> bool {
-        let is_outside = self.main.as_ref().and_then(|main| main.truth.as_ref()).is_some_and(|truth| !truth.is_inside);
         let is_surely_wrong = self.kind >= Some(VerdictKind::PatternLeft);
-        self.is_settling || is_outside && !is_surely_wrong
+        self.is_settling || self.outside.is_some() && !is_surely_wrong
+    }
+
+    /// Whether all that speaks against it is an error that is outside its band at the end.
+    pub(super) fn ends_outside(&self) -> bool {
+        self.kind.is_some_and(VerdictKind::is_good) && self.outside.is_some() && self.long_steps.is_none()
     }
 
     /// Whether more samples must come before it can be judged.
     pub(super) fn is_early(&self) -> bool {
-        self.is_open() && !self.is_whole && self.stop.is_none()
+        self.is_open() && (self.is_settling || !self.is_whole) && self.stop.is_none()
     }
 
     /// Whether its innovations leave a pattern, and nothing worse.
@@ -262,7 +272,7 @@ impl<'a> Outcome<'a> {
             return (others.fold(text, told).say(self.spring().unwrap_or_default()), false);
         };
         match change.filter(|change| self.now >= change.start()) {
-            Some(change) if change.step().is_some() => match truth.settled.filter(|_| truth.is_inside) {
+            Some(change) if change.step().is_some() => match truth.settled.filter(|_| !self.is_outside(main.channel)) {
                 Some(since) if since > change.start() => {
                     (text.say(" settles after ").result(seconds(since - change.start())), false)
                 }
@@ -281,6 +291,11 @@ impl<'a> Outcome<'a> {
         }
     }
 
+    /// Whether the last error of a parameter is outside its ±2σ band; the first such one is known.
+    fn is_outside(&self, channel: Channel) -> bool {
+        self.outside == Some(channel)
+    }
+
     /// Whether the spring hardens or softens, where its cubic term is surely not zero.
     fn spring(&self) -> Option<&'static str> {
         let cubic = self.others.iter().find(|other| other.channel == Channel::CUBIC_STIFFNESS)?;
@@ -290,8 +305,7 @@ impl<'a> Outcome<'a> {
 
     /// What the verdict adds.
     fn verdict(&self, text: Writer, is_off: bool) -> Writer {
-        let truth = self.main.as_ref().and_then(|main| main.truth.as_ref());
-        let is_outside = truth.is_some_and(|truth| !truth.is_inside);
+        let is_outside = self.main.as_ref().is_some_and(|main| self.is_outside(main.channel));
         if self.is_early() {
             return text.say(": it is too early to tell");
         }
@@ -299,6 +313,9 @@ impl<'a> Outcome<'a> {
             None => return text,
             Some(kind) if is_outside && self.is_open() => {
                 &format!(", and its error is outside its ±2σ band{}", suffix(kind))
+            }
+            Some(kind) if let Some(channel) = self.outside.filter(|_| self.is_open()) => {
+                &format!(", and its error of {} is outside its ±2σ band{}", channel.symbol(), suffix(kind))
             }
             Some(VerdictKind::Overconfident) if is_outside && is_off => ", and does not know it (overconfident)",
             Some(VerdictKind::Overconfident) => {
@@ -378,7 +395,6 @@ impl Main {
             (true_value != 0.0).then(|| Truth {
                 error: error / true_value,
                 lately: lately / true_value.abs(),
-                is_inside: error.abs() <= 2.0 * std,
                 settled: diagnostics.settled(channel).map(|sample| run.record().time_of(sample)),
             })
         });

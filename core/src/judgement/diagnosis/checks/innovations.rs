@@ -33,7 +33,8 @@ fn sensors(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
             let (level, count) = (one.level(&span.parts), one.count(&span.parts));
             if count > 0.0 {
                 let evidence = Evidence::over(test, Subject::Sensor(one.sensor), &span);
-                found.push(sized(evidence, level, count, &format!("of the {}{}", one.sensor.key(), span.words)));
+                let words = format!("of the {}{}", one.sensor.key(), span.words);
+                found.push(sized(case, evidence, (level, count), &words));
             }
         }
     }
@@ -42,17 +43,17 @@ fn sensors(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
 fn together(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
     let (level, degrees) = case.nis(&case.kept);
     if degrees > 0.0 && case.sensors.len() > 1 {
-        found.push(sized(Evidence::new(test, Subject::All, case), level, degrees, "of all sensors together"));
+        found.push(sized(case, Evidence::new(test, Subject::All, case), (level, degrees), "of all sensors together"));
     }
 }
 
-fn sized(evidence: Evidence, level: f64, count: f64, whose: &str) -> Evidence {
+fn sized(case: &Case<'_>, evidence: Evidence, (level, count): (f64, f64), whose: &str) -> Evidence {
     let effect = libm::log(level).abs() / libm::log(TOLERANCE);
     Evidence {
         statistic: level,
         p_value: chi_squared_p(level, count),
         effect: if level.is_nan() { f64::INFINITY } else { effect },
-        speaks_for: if level < 1.0 { VerdictKind::Underconfident } else { VerdictKind::Overconfident },
+        speaks_for: if level < 1.0 { VerdictKind::Underconfident } else { case.surprise() },
         sentence: format!("innovations² {whose} are {} times what the filter expects", short(level)),
         ..evidence
     }
