@@ -1,7 +1,6 @@
 //! The app: one session, its controls and its views.
 
 mod apply;
-mod export;
 mod files;
 mod import;
 mod laboratory;
@@ -19,7 +18,7 @@ use kalmanscope_core::{Estimates, RunError, Scenario, Story};
 
 use crate::drop;
 use crate::equation::Editor;
-use crate::export::Deliver;
+use crate::export::{Deliver, Exporting};
 use crate::finder::Finder;
 use crate::import::Import;
 use crate::inbox::{Choose, Inbox};
@@ -75,6 +74,7 @@ pub struct App {
     notice: Option<Notice>,
     /// Writes a file where the user finds it. `None` if the platform has no way to do so.
     deliver: Option<Deliver>,
+    exporting: Option<Exporting>,
     /// Opens the file dialog. `None` if the platform has none.
     choose: Option<Choose>,
     /// Keeps the record's file for the next start, if the platform has a place for it.
@@ -133,6 +133,7 @@ impl App {
             story: Story::default(),
             finder: None,
             deliver: None,
+            exporting: None,
             choose: None,
             shelf: None,
             sensors: Sensors::default(),
@@ -215,7 +216,8 @@ impl App {
 
     fn wanted(&self) -> Wanted {
         let of_drawer = if self.diagnosed.is_some() { Wanted::diagnostics(Depth::All) } else { Wanted::NOTHING };
-        views::wanted(&self.layout.shown()).and(self.visible.wanted()).and(of_drawer)
+        let of_export = self.exporting.as_ref().map_or(Wanted::NOTHING, Exporting::wanted);
+        views::wanted(&self.layout.shown()).and(self.visible.wanted()).and(of_drawer).and(of_export)
     }
 
     fn model_time(&self) -> Option<ModelTime> {
@@ -249,6 +251,7 @@ impl eframe::App for App {
         drop::dropped(ctx, &self.inbox);
         self.take_files(ctx);
         link::pasted(ctx, &mut self.requests);
+        self.follow_export(ctx);
         for request in std::mem::take(&mut self.requests) {
             self.apply(request, ctx);
         }
@@ -262,6 +265,8 @@ impl eframe::App for App {
         self.session.want_spectrogram(self.layout.in_sight().contains(&ViewKind::Spectrogram));
         // A slow frame (a hidden tab, a breakpoint) must not skip part of the record.
         let elapsed = ctx.input(|input| f64::from(input.stable_dt)).min(0.1);
+        // The figures and the text of an export are of one time.
+        let elapsed = if self.exporting.is_some() { 0.0 } else { elapsed };
         // A number that is held is still being changed.
         let is_held = ctx.input(|input| input.pointer.any_down());
         self.session.hold(is_held);

@@ -1,18 +1,30 @@
 //! Files that leave the explorer.
 
 mod everything;
-mod report;
 
 use std::fmt::Display;
 
-use kalmanscope_cli::write_estimates;
+use kalmanscope_cli::{Parts, day, report, write_estimates};
+use kalmanscope_core::diagnosis::Remedy;
+use kalmanscope_core::diagnostics::Depth;
+use kalmanscope_core::{Analysis, Estimates, Task as _};
 
 use crate::figure::Figure;
 use crate::inbox::Done;
 use crate::laboratory::Laboratory;
 use crate::layout::Layout;
-use crate::request::Export;
+use crate::request::{Export, FigureFormat, ViewKind};
+use crate::session::{Attempt, Session, Wanted};
+use crate::team::{Lost, Priority, Running};
 use crate::view::ViewContext;
+use everything::Everything;
+
+/// The views that a report has besides those on screen: innovations, and measurements against predictions.
+const ALWAYS: [ViewKind; 2] = [ViewKind::Innovations, ViewKind::Measured];
+
+const TEXT: [ViewKind; 4] = [ViewKind::Matrices, ViewKind::Scores, ViewKind::Filters, ViewKind::Diagnosis];
+
+const JSON: &str = "application/json";
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct File {
@@ -64,42 +76,106 @@ impl Export {
     }
 }
 
-/// The file of an export. Results are those that have been computed so far.
-///
-/// # Errors
-/// The reason why it cannot be made.
-pub fn file(export: Export, context: &ViewContext<'_>, layout: &Layout) -> Result<File, String> {
+/// An export under way: a frame draws one figure, and the text follows from the analysis of the session, or is written beside the
+/// frames.
+pub(crate) struct Exporting {
+    export: Export,
+    figures: Vec<(Vec<Vec<ViewKind>>, FigureFormat)>,
+    drawn: Vec<String>,
+    written: Option<Running<Everything>>,
+}
+
+impl Exporting {
+    pub(crate) fn new(export: Export, layout: &Layout) -> Self {
+        let figures = match export {
+            Export::Figure(format) => vec![(layout.rows(), format)],
+            Export::Report => {
+                let more = ALWAYS.into_iter().filter(|kind| !layout.shown().contains(kind));
+                let views = layout.in_order().into_iter().chain(more).filter(|kind| !TEXT.contains(kind));
+                views.map(|kind| (vec![vec![kind]], FigureFormat::Page)).collect()
+            }
+            _ => Vec::new(),
+        };
+        Self { export, figures, drawn: Vec::new(), written: None }
+    }
+
+    pub(crate) fn wanted(&self) -> Wanted {
+        if self.export == Export::Report { Wanted::diagnostics(Depth::All) } else { Wanted::NOTHING }
+    }
+
+    pub(crate) fn progress(&self) -> f64 {
+        self.drawn.len() as f64 / (self.figures.len() + 1) as f64
+    }
+
+    /// Continues for a frame. Returns the file once, or the reason why it cannot be made. Results are those that have been computed
+    /// so far.
+    pub(crate) fn advance(&mut self, context: &ViewContext<'_>, layout: &Layout) -> Option<Result<File, String>> {
+        let (session, export) = (context.session, self.export);
+        if let Some((rows, format)) = self.figures.get(self.drawn.len()) {
+            self.drawn.push(Figure::new(context, rows, *format).svg());
+            return None;
+        }
+        if export == Export::Report && (session.behind() || session.owes_diagnoses()) {
+            return None;
+        }
+        if export != Export::All {
+            return Some(file(export, context, layout, &self.drawn));
+        }
+        let begin = || Running::begin(&**session.team(), Priority::Hand, Everything::of(session), Everything::progress);
+        match self.written.get_or_insert_with(begin).advance(&mut || true) {
+            Ok(written) => Some(written?.map(|json| text("kalmanscope.json", JSON, json)).map_err(reason)),
+            Err(Lost) => Some(Err("the thread that wrote it has failed".to_owned())),
+        }
+    }
+}
+
+fn file(export: Export, context: &ViewContext<'_>, layout: &Layout, figures: &[String]) -> Result<File, String> {
     let session = context.session;
     Ok(match export {
-        Export::Figure(format) => {
-            let svg = Figure::new(context, &layout.rows(), format).svg();
-            text(&format!("kalmanscope-{}.svg", format.key()), "image/svg+xml", svg)
-        }
-        Export::Report => text("report.html", "text/html", report::html(context, layout)?),
+        Export::Figure(format) => text(&format!("kalmanscope-{}.svg", format.key()), "image/svg+xml", figures.concat()),
+        Export::Report => text("report.html", "text/html", report_on(session, figures)?),
         Export::Estimates => csv("estimates.csv", |out| write_estimates(session.run(), out))?,
         Export::Record => csv("record.csv", |out| session.run().record().write_csv(out))?,
-        Export::Map => text("map.csv", "text/csv", map(context)?),
-        Export::MonteCarlo => text("monte-carlo.csv", "text/csv", seeds(context)?),
+        Export::Map => {
+            let survey = context.laboratory.and_then(Laboratory::shown);
+            text("map.csv", "text/csv", survey.ok_or("there is no map yet: show the view Map")?.to_csv())
+        }
+        Export::MonteCarlo => {
+            let runs = context.laboratory.and_then(|laboratory| laboratory.seeds().shown());
+            let runs = runs.ok_or("no seed has been run yet: show the view Monte Carlo")?;
+            text("monte-carlo.csv", "text/csv", runs.to_csv())
+        }
         Export::Scenario => text("scenario.toml", "application/toml", session.scenario().to_toml().map_err(reason)?),
-        Export::All => text("kalmanscope.json", JSON, everything::json(session).map_err(reason)?),
-        Export::Session => text("kalmanscope-session.json", JSON, written(context, layout)?),
+        Export::All | Export::Session => {
+            text("kalmanscope-session.json", JSON, context.picture(layout).lines().map_err(reason)?)
+        }
     })
 }
 
-const JSON: &str = "application/json";
-
-fn written(context: &ViewContext<'_>, layout: &Layout) -> Result<String, String> {
-    context.picture(layout).lines().map_err(reason)
-}
-
-fn map(context: &ViewContext<'_>) -> Result<String, String> {
-    let survey = context.laboratory.and_then(Laboratory::shown);
-    Ok(survey.ok_or("there is no map yet: show the view Map")?.to_csv())
-}
-
-fn seeds(context: &ViewContext<'_>) -> Result<String, String> {
-    let runs = context.laboratory.and_then(|laboratory| laboratory.seeds().shown());
-    Ok(runs.ok_or("no seed has been run yet: show the view Monte Carlo")?.to_csv())
+/// The report as one page for a browser or a printer. Causes are those that have been found so far.
+fn report_on(session: &Session, figures: &[String]) -> Result<String, String> {
+    let run = session.run();
+    let attempts = run.estimates().iter().map(|estimates: &Estimates| session.attempt(estimates.id()));
+    let causes: Vec<Vec<Remedy>> = attempts
+        .map(|attempt| attempt.map_or_else(Vec::new, |attempt: &Attempt| attempt.remedies().to_vec()))
+        .collect();
+    let file = session.scenario().record.as_ref().map(|mapping| mapping.file.clone());
+    let title = file.filter(|file| !file.is_empty()).unwrap_or_else(|| "A simulated oscillator".to_owned());
+    let records = [(title.as_str(), run.record())];
+    let parts = Parts {
+        title: &title,
+        day: &now().map(day).unwrap_or_default(),
+        causes: &causes,
+        reasons: session.library().reasons(),
+        figures,
+        free_runs: if session.is_measured() { &records } else { &[] },
+    };
+    let so_far = || Analysis::new(run, Wanted::diagnostics(Depth::All));
+    match session.whole_analysis() {
+        Some(analysis) => report(run, analysis, &parts),
+        None => report(run, &so_far(), &parts),
+    }
+    .map_err(reason)
 }
 
 fn text(name: &str, kind: &'static str, text: String) -> File {
@@ -114,4 +190,15 @@ fn csv<E: Display>(name: &str, write: impl FnOnce(&mut Vec<u8>) -> Result<(), E>
 
 fn reason(error: impl Display) -> String {
     error.to_string()
+}
+
+#[cfg(not(target_arch = "wasm32"))]
+fn now() -> Option<f64> {
+    let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
+    now.ok().map(|now| now.as_secs_f64())
+}
+
+#[cfg(target_arch = "wasm32")]
+fn now() -> Option<f64> {
+    Some(js_sys::Date::now() / 1e3)
 }

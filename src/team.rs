@@ -7,7 +7,7 @@ mod relay;
 mod running;
 
 use std::rc::Rc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use egui::Context;
 use kalmanscope_core::import::Loaded;
@@ -24,8 +24,8 @@ pub use running::Running;
 
 pub const BETWEEN: Duration = Duration::from_millis(100);
 
-const PORTION: Duration = Duration::from_millis(10);
-const SAMPLES: usize = 16;
+/// The samples of a portion of a filter.
+const PORTION: usize = 64;
 
 pub trait Team {
     /// The threads of this machine, which do any task, and the screen that they wake.
@@ -110,18 +110,14 @@ fn waking(ctx: &Context) -> impl Fn(bool) + Send + Sync + 'static {
 
 fn filter_steps(scenario: Scenario, place: usize, record: Record) -> impl FnMut(Wanted) -> Step<Tape> + Send {
     let mut pass = None;
-    move |wanted| {
+    move |_| {
         if pass.is_none() {
             pass = Pass::new(&scenario, place, &record).ok();
         }
         let Some(pass) = &mut pass else { return Step::Failed };
-        let (begin, mut tape) = (Instant::now(), Tape::default());
-        while pass.done() < record.len() && pass.stop().is_none() {
-            pass.follow(&record, pass.done() + SAMPLES, &mut tape);
-            if begin.elapsed() > PORTION || !wanted.is_so() {
-                return Step::Part(tape);
-            }
-        }
-        Step::Last(tape)
+        let mut tape = Tape::default();
+        pass.follow(&record, pass.done() + PORTION, &mut tape);
+        let is_over = pass.done() >= record.len() || pass.stop().is_some();
+        if is_over { Step::Last(tape) } else { Step::Part(tape) }
     }
 }

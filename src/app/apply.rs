@@ -6,6 +6,7 @@ use super::window::NARROW;
 use super::{App, LARGE};
 use crate::controls::number;
 use crate::equation::Editor;
+use crate::export::Exporting;
 use crate::export_menu;
 use crate::finder::Finder;
 use crate::layout::Layout;
@@ -102,6 +103,7 @@ impl App {
                     || laboratory.seeds_mut().set_stopped(true)
                     || laboratory.tuning_mut().cancel()
                     || laboratory.posteriors_mut().cancel()
+                    || self.exporting.take().is_some()
                     || self.editor.take().is_some()
                     || self.diagnosed.take().is_some();
                 if !is_done {
@@ -131,7 +133,10 @@ impl App {
             Request::PlaceMark(end, time) => self.ruler.place(end, time),
             Request::ToggleMark(end) => self.ruler.toggle(end, axis.shown_time(session)),
             Request::ClearMarks => self.ruler.clear(),
-            Request::Export(export) => self.export(export, ctx),
+            Request::Export(export) => {
+                (self.notice, self.exporting) = (None, Some(Exporting::new(export, layout)));
+                ctx.request_repaint();
+            }
             Request::ToggleExports => export_menu::toggle(ctx),
             Request::ChooseMap(choice) => laboratory.choose(Some(*choice)),
             Request::ComputeMap(wanted) => {

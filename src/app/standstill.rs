@@ -5,6 +5,7 @@ use std::time::Duration;
 use egui::Context;
 
 use super::App;
+use crate::export::Exporting;
 use crate::import::Import;
 use crate::notice::Notice;
 use crate::request::ViewKind;
@@ -27,6 +28,7 @@ pub(super) enum Work {
     Causes,
     FreeRuns,
     Spectrogram,
+    Export,
 }
 
 impl Work {
@@ -41,6 +43,7 @@ impl Work {
             Self::Causes => "The search for causes",
             Self::FreeRuns => "The free run",
             Self::Spectrogram => "The spectrogram",
+            Self::Export => "The export",
         }
     }
 }
@@ -90,7 +93,7 @@ impl App {
     }
 
     fn under_way(&self) -> Vec<(Work, f64)> {
-        let Self { session, laboratory, layout, importing, .. } = self;
+        let Self { session, laboratory, layout, importing, exporting, .. } = self;
         let is_in_sight = |kind| layout.in_sight().contains(&kind);
         let (map, seeds) = (laboratory, laboratory.seeds());
         let works = [
@@ -103,13 +106,14 @@ impl App {
             (Work::Causes, session.trials_beside().filter(|_| !session.behind())),
             (Work::FreeRuns, session.free_run_beside()),
             (Work::Spectrogram, session.spectrogram_beside()),
+            (Work::Export, exporting.as_ref().map(Exporting::progress)),
         ];
         works.into_iter().filter_map(|(work, share)| Some((work, share?))).collect()
     }
 
     pub(super) fn stop_standing_still(&mut self) {
         let Some(work) = self.standstill.first() else { return };
-        let Self { session, laboratory, importing, .. } = self;
+        let Self { session, laboratory, importing, exporting, .. } = self;
         match work {
             Work::Import => *importing = None,
             Work::Picture => _ = session.cancel(),
@@ -120,6 +124,7 @@ impl App {
             Work::Causes => session.give_up_trials(),
             Work::FreeRuns => session.give_up_free_runs(),
             Work::Spectrogram => session.give_up_spectrogram(),
+            Work::Export => *exporting = None,
         }
         self.standstill.works.clear();
     }

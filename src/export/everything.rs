@@ -1,22 +1,47 @@
 //! Scenario, record, estimates and diagnosis as one JSON.
 
 use kalmanscope_core::diagnosis::Evidence;
-use kalmanscope_core::{Channel, Diagnosis, Document, DocumentError, Estimates, Record, Stop};
+use kalmanscope_core::{Channel, Diagnosis, Document, DocumentError, Estimates, Record, Scenario, Stop, Task};
 
 use crate::session::Session;
 
-/// The text of the file. Undefined numbers are `null`. Means are canonical, as everywhere on screen.
-pub(super) fn json(session: &Session) -> Result<String, DocumentError> {
-    let run = session.run();
-    let filters = run.estimates().iter().enumerate();
-    let filters = filters.map(|(place, estimates)| filter(estimates, session.diagnosis(place)));
-    let everything = Document::of_entries([
-        ("kalmanscope", env!("CARGO_PKG_VERSION").into()),
-        ("scenario", Document::of(session.scenario())?),
-        ("record", record(run.record())?),
-        ("filters", Document::List(filters.collect::<Result<_, _>>()?)),
-    ]);
-    Document::json(&everything)
+/// Makes the text of the file. Undefined numbers are `null`. Means are canonical, as everywhere on screen.
+pub(super) struct Everything {
+    scenario: Scenario,
+    record: Record,
+    filters: Vec<(Estimates, Option<Diagnosis>)>,
+}
+
+impl Everything {
+    pub(super) fn of(session: &Session) -> Self {
+        let run = session.run();
+        let filters = run.estimates().iter().cloned().enumerate();
+        let filters = filters.map(|(place, estimates)| (estimates, session.diagnosis(place).cloned())).collect();
+        Self { scenario: session.scenario().clone(), record: run.record().clone(), filters }
+    }
+}
+
+impl Task for Everything {
+    type Outcome = Result<String, DocumentError>;
+
+    fn progress(&self) -> f64 {
+        0.0
+    }
+
+    fn advance(&mut self, _: &mut dyn FnMut() -> bool) -> bool {
+        true
+    }
+
+    fn finish(self) -> Self::Outcome {
+        let filters = self.filters.iter().map(|(estimates, diagnosis)| filter(estimates, diagnosis.as_ref()));
+        let everything = Document::of_entries([
+            ("kalmanscope", env!("CARGO_PKG_VERSION").into()),
+            ("scenario", Document::of(&self.scenario)?),
+            ("record", record(&self.record)?),
+            ("filters", Document::List(filters.collect::<Result<_, _>>()?)),
+        ]);
+        Document::json(&everything)
+    }
 }
 
 fn record(record: &Record) -> Result<Document, DocumentError> {

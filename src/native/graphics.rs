@@ -2,18 +2,14 @@
 
 use std::cell::OnceCell;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, Instant};
 
 use egui::Context;
 use kalmanscope::team::{Cells, Computer, Finding, Graphics, Handle, Priority, Rows};
 use kalmanscope_gpu::{Gpu, GpuError, Software};
 use kalmanscope_lab::{Parts, Step, Threads, Wanted};
 
-const FIRST: usize = 64;
-
-/// The aim for the time of a portion, and the limit of its cells.
-const PORTION: Duration = Duration::from_millis(150);
-const MOST: usize = 1 << 14;
+/// The cells of a portion: enough to fill a processor, and few enough for a picture soon.
+const PORTION: usize = 1024;
 
 pub(super) struct Processor {
     software: Software,
@@ -72,16 +68,14 @@ impl Graphics for Processor {
         lock(&self.state.found).clone()
     }
 
-    /// Few cells come at first, for a picture, then more.
     fn cells(&self, cells: &Cells, ctx: &Context) -> Option<Handle<Rows>> {
         let (cells, state) = (cells.clone(), Arc::clone(&self.state));
-        let (mut next, mut portion) = (0, FIRST);
+        let mut next = 0;
         let step = move |wanted: Wanted| {
-            let some = next..(next + portion).min(cells.order.len());
+            let some = next..(next + PORTION).min(cells.order.len());
             next = some.end;
             // The team does the cells that are not served, which are missing in the rows.
-            let Some(rows) = state.rows(&cells, &cells.order[some], &wanted, &mut portion) else { return Step::Failed };
-            Step::Part(rows)
+            state.rows(&cells, &cells.order[some], &wanted).map_or(Step::Failed, Step::Part)
         };
         let ctx = ctx.clone();
         Some(self.thread(&ctx.clone())?.begin(Priority::Map, [step], move |_| ctx.request_repaint()).into())
@@ -103,17 +97,12 @@ impl State {
         *lock(&self.found) = finding;
     }
 
-    /// The rows of some cells, and the size of the next portion. `None` if there are none, or no more will come.
-    fn rows(&self, all: &Cells, some: &[usize], wanted: &Wanted, portion: &mut usize) -> Option<Rows> {
+    /// The rows of some cells. `None` if there are none, or no more will come.
+    fn rows(&self, all: &Cells, some: &[usize], wanted: &Wanted) -> Option<Rows> {
         let gpu = lock(&self.gpu);
         let gpu = gpu.as_ref().filter(|_| !some.is_empty() && Gpu::serves(&all.runner))?;
-        let begin = Instant::now();
         match pollster::block_on(gpu.rows(&all.runner, some, &|| wanted.is_so())) {
-            Ok((cells, numbers)) => {
-                let factor = PORTION.as_secs_f64() / begin.elapsed().as_secs_f64().max(1e-6);
-                *portion = ((*portion as f64 * factor.clamp(0.25, 8.0)) as usize).clamp(FIRST, MOST);
-                Some(Rows { cells, numbers, by: Computer::Graphics(Arc::from(gpu.name())) })
-            }
+            Ok((cells, numbers)) => Some(Rows { cells, numbers, by: Computer::Graphics(Arc::from(gpu.name())) }),
             Err(GpuError::Unwanted) => None,
             Err(error) => {
                 log::warn!("The graphics processor has failed: {error}");

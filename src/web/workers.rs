@@ -1,6 +1,5 @@
 //! The team of a page: its workers, one a processor, and the browser's graphics processor.
 
-mod adapter;
 mod given;
 mod graphics;
 mod worker;
@@ -22,7 +21,7 @@ use kalmanscope_worker::{
 use wasm_bindgen::{JsCast as _, JsValue};
 use web_sys::MessageEvent;
 
-use given::{Given, Left};
+use given::{AT_ONCE, Given, Left};
 use worker::{Program, Worker};
 
 /// Limits the workers, for any number of processors.
@@ -123,7 +122,7 @@ impl Workers {
         let worker = if is_for_all { None } else { Some(workers.iter().min_by_key(load)?.number()) };
         *last += 1;
         let number = *last;
-        tasks.push(Given::new(number, message(number), left, worker, &self.ctx));
+        tasks.push(Given::new(number, message(number), left, (worker, AT_ONCE), &self.ctx));
         (0..workers.len()).for_each(|place| present.feed(place));
         Some(number)
     }

@@ -9,7 +9,7 @@ use wasm_bindgen::JsValue;
 use super::worker::Worker;
 
 /// The portions that a worker has at once, so that it has something to do while the page draws a frame.
-const AT_ONCE: usize = 4;
+pub(super) const AT_ONCE: usize = 4;
 
 /// The size of a portion of samples, and of pieces of other work.
 const SAMPLES: usize = 64;
@@ -27,6 +27,8 @@ pub(super) struct Given {
     /// The workers that know the task, by number, each with the portions that it has.
     shares: Vec<(u32, usize)>,
     worker: Option<u32>,
+    /// The portions that a worker has at once.
+    at_once: usize,
     come: Array,
     is_over: bool,
     ctx: Context,
@@ -67,9 +69,15 @@ impl Left {
 }
 
 impl Given {
-    pub(super) fn new(number: u32, message: Array, left: Left, worker: Option<u32>, ctx: &Context) -> Self {
+    pub(super) fn new(
+        number: u32,
+        message: Array,
+        left: Left,
+        (worker, at_once): (Option<u32>, usize),
+        ctx: &Context,
+    ) -> Self {
         let (shares, come, ctx) = (Vec::new(), Array::new(), ctx.clone());
-        Self { number, message, left, shares, worker, come, is_over: false, ctx }
+        Self { number, message, left, shares, worker, at_once, come, is_over: false, ctx }
     }
 
     /// Its number; no other task has the same.
@@ -81,8 +89,13 @@ impl Given {
         self.worker.is_none()
     }
 
+    /// Whether no worker has a portion of it.
+    pub(super) fn rests(&self) -> bool {
+        self.shares.iter().all(|(_, portions)| *portions == 0)
+    }
+
     pub(super) fn is_done_with(&self) -> bool {
-        self.is_over && self.shares.iter().all(|(_, portions)| *portions == 0)
+        self.is_over && self.rests()
     }
 
     pub(super) fn is_of(&self, worker: &Worker) -> bool {
@@ -113,7 +126,7 @@ impl Given {
             self.shares.push((number, 0));
             self.shares.len() - 1
         });
-        while self.shares[at].1 < AT_ONCE {
+        while self.shares[at].1 < self.at_once {
             let Some(portion) = self.left.take() else { break };
             worker.tell(&Array::of3(&"more".into(), &self.number.into(), &portion));
             self.shares[at].1 += 1;
