@@ -3,7 +3,6 @@
 mod apply;
 mod files;
 mod import;
-mod laboratory;
 mod lesson;
 pub mod link;
 mod panels;
@@ -11,18 +10,19 @@ mod standstill;
 pub mod state;
 mod window;
 
+use std::rc::Rc;
+
 use egui::util::undoer::Undoer;
-use egui::{ThemePreference, Ui};
+use egui::{Context, ThemePreference, Ui};
 use kalmanscope_core::diagnostics::Depth;
 use kalmanscope_core::{Estimates, RunError, Scenario, Story};
+use window::NARROW;
 
-use crate::drop;
 use crate::equation::Editor;
 use crate::export::{Deliver, Exporting};
 use crate::finder::Finder;
 use crate::import::Import;
 use crate::inbox::{Choose, Inbox};
-use crate::keys;
 use crate::laboratory::{Laboratory, Shown};
 use crate::layout::Layout;
 use crate::measure::Measure;
@@ -34,11 +34,12 @@ use crate::ruler::{End, Ruler};
 use crate::sensor::Sensors;
 use crate::session::{Mode, ModelTime, Session, Wanted};
 use crate::shelf::{Candidate, Shelf};
-use crate::theme;
+use crate::team::Team;
 use crate::tutor::{Catalogue, Tutor};
 use crate::twin::Twin;
-use crate::views;
+use crate::views::view;
 use crate::visibility::Visibility;
+use crate::{drop, keys, theme, views};
 
 const LARGE: f32 = 1.4;
 
@@ -307,5 +308,35 @@ impl eframe::App for App {
         if let Err(error) = self.store(storage) {
             log::error!("The session is not saved: {error}");
         }
+    }
+}
+
+impl App {
+    #[must_use]
+    pub fn working_with(mut self, team: Rc<dyn Team>) -> Self {
+        self.laboratory.work_with(Rc::clone(&team));
+        self.session.work_with(team);
+        self
+    }
+
+    pub fn laboratory(&self) -> &Laboratory {
+        &self.laboratory
+    }
+
+    pub fn laboratory_mut(&mut self) -> &mut Laboratory {
+        &mut self.laboratory
+    }
+
+    fn follow_laboratory(&mut self, ctx: &Context) {
+        let is_in_sight = self.layout.in_sight().iter().any(|kind| view(*kind).is_of_laboratory());
+        self.laboratory.follow(&self.session, is_in_sight, self.width < NARROW, ctx);
+        let filters = self.session.run().estimates().iter().map(Estimates::id);
+        let filters: Vec<u32> = filters.filter(|id| self.visible.filter(*id)).collect();
+        let is_in_sight = self.layout.in_sight().contains(&ViewKind::MonteCarlo);
+        self.laboratory.follow_seeds(&self.session, &filters, is_in_sight, ctx);
+        let is_in_sight = self.layout.in_sight().contains(&ViewKind::Tune);
+        self.laboratory.follow_tuning(&self.session, is_in_sight, ctx);
+        let is_in_sight = self.layout.in_sight().contains(&ViewKind::ParameterPlane);
+        self.laboratory.follow_posterior(&self.session, is_in_sight, ctx);
     }
 }

@@ -1,24 +1,15 @@
 //! The settings, of which each writes to a copy of the scenario.
 
-mod belief;
-mod bounds;
 pub(crate) mod color;
-mod delays;
-mod equation;
-mod faults;
 mod filter;
-mod force;
-mod general;
 mod lit;
 pub(crate) mod named;
 pub mod number;
 mod options;
 mod plant;
-mod plucks;
 mod record;
 mod row;
 mod sensors;
-mod signal;
 
 use egui::{Button, RichText, ScrollArea, Ui};
 use kalmanscope_core::{Scenario, Story};
@@ -95,9 +86,9 @@ pub fn controls_ui(
             return;
         }
         section(ui, "Truth", true, |ui| plant::plant_ui(ui, scenario, &mut asked));
-        section(ui, "Force", true, |ui| lit::lit(ui, "force", |ui| force::force_ui(ui, scenario)));
+        section(ui, "Force", true, |ui| lit::lit(ui, "force", |ui| record::force_ui(ui, scenario)));
         section(ui, "Sensors", true, |ui| sensors::sensors_ui(ui, scenario));
-        section(ui, "Record", false, |ui| general::general_ui(ui, scenario));
+        section(ui, "Record", false, |ui| record::general_ui(ui, scenario));
         ui.add_space(12.0);
     });
     asked

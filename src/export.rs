@@ -1,23 +1,26 @@
 //! Files that leave the explorer.
 
-mod everything;
-
 use std::fmt::Display;
 
+use egui::{Context, Id, Popup, RichText, Ui};
 use kalmanscope_cli::{Parts, day, report, write_estimates};
-use kalmanscope_core::diagnosis::Remedy;
+use kalmanscope_core::diagnosis::{Evidence, Remedy};
 use kalmanscope_core::diagnostics::Depth;
-use kalmanscope_core::{Analysis, Estimates, Task as _};
+use kalmanscope_core::{
+    Analysis, Channel, Diagnosis, Document, DocumentError, Estimates, Record, Scenario, Stop, Task,
+};
 
 use crate::figure::Figure;
+use crate::hover::named;
 use crate::inbox::Done;
 use crate::laboratory::Laboratory;
 use crate::layout::Layout;
-use crate::request::{Export, FigureFormat, ViewKind};
+use crate::menu::Closing;
+use crate::request::{Export, FigureFormat, Request, ViewKind};
 use crate::session::{Attempt, Session, Wanted};
 use crate::team::{Lost, Priority, Running};
 use crate::view::ViewContext;
-use everything::Everything;
+use crate::{menu, probe};
 
 /// The views that a report has besides those on screen: innovations, and measurements against predictions.
 const ALWAYS: [ViewKind; 2] = [ViewKind::Innovations, ViewKind::Measured];
@@ -201,4 +204,151 @@ fn now() -> Option<f64> {
 #[cfg(target_arch = "wasm32")]
 fn now() -> Option<f64> {
     Some(js_sys::Date::now() / 1e3)
+}
+
+/// Makes the text of the file. Undefined numbers are `null`. Means are canonical, as everywhere on screen.
+struct Everything {
+    scenario: Scenario,
+    record: Record,
+    filters: Vec<(Estimates, Option<Diagnosis>)>,
+}
+
+impl Everything {
+    fn of(session: &Session) -> Self {
+        let run = session.run();
+        let filters = run.estimates().iter().cloned().enumerate();
+        let filters = filters.map(|(place, estimates)| (estimates, session.diagnosis(place).cloned())).collect();
+        Self { scenario: session.scenario().clone(), record: run.record().clone(), filters }
+    }
+}
+
+impl Task for Everything {
+    type Outcome = Result<String, DocumentError>;
+
+    fn progress(&self) -> f64 {
+        0.0
+    }
+
+    fn advance(&mut self, _: &mut dyn FnMut() -> bool) -> bool {
+        true
+    }
+
+    fn finish(self) -> Self::Outcome {
+        let filters = self.filters.iter().map(|(estimates, diagnosis)| filter(estimates, diagnosis.as_ref()));
+        let everything = Document::of_entries([
+            ("kalmanscope", env!("CARGO_PKG_VERSION").into()),
+            ("scenario", Document::of(&self.scenario)?),
+            ("record", record(&self.record)?),
+            ("filters", Document::List(filters.collect::<Result<_, _>>()?)),
+        ]);
+        Document::json(&everything)
+    }
+}
+
+fn record(record: &Record) -> Result<Document, DocumentError> {
+    let numbers = |values: &[f64]| Document::of_numbers(values.iter().copied());
+    let measured = record.sensors().iter().enumerate().map(|(i, q)| (q.key(), numbers(record.measured(i))));
+    let truth = Channel::all().iter().filter_map(|c| Some((c.key(), numbers(record.truth(*c)?))));
+    Ok(Document::of_entries([
+        ("dt", Document::Number(record.dt())),
+        ("time", Document::of_numbers((0..record.len()).map(|k| record.time(k)))),
+        ("input_kind", Document::of(&record.input_kind())?),
+        ("hold", Document::of(&record.hold())?),
+        ("input", numbers(record.input())),
+        ("measured", Document::of_entries(measured)),
+        ("truth", Document::of_entries(truth)),
+    ]))
+}
+
+fn filter(estimates: &Estimates, found: Option<&Diagnosis>) -> Result<Document, DocumentError> {
+    let of_channels = |column: &dyn Fn(usize) -> Document| {
+        let channels = estimates.channels().iter().enumerate();
+        Document::of_entries(channels.map(|(place, channel)| (channel.key(), column(place))))
+    };
+    let of_sensors = |column: &dyn Fn(usize) -> Document| {
+        let sensors = estimates.sensors().iter().enumerate();
+        Document::of_entries(sensors.map(|(place, sensor)| (sensor.key(), column(place))))
+    };
+    Ok(Document::of_entries([
+        ("name", estimates.name().into()),
+        ("kind", estimates.kind().name().into()),
+        ("plant", Document::of(&estimates.plant())?),
+        ("mean", of_channels(&|place| Document::of_numbers(estimates.canonical_means(place).iter().copied()))),
+        ("std", of_channels(&|place| Document::of_numbers(estimates.stds(place)))),
+        ("innovation", of_sensors(&|place| Document::of_numbers(estimates.innovations(place)))),
+        ("innovation_std", of_sensors(&|place| Document::of_numbers(estimates.innovation_stds(place)))),
+        ("nis", Document::of_numbers(estimates.nis().iter().copied())),
+        ("log_likelihood", Document::of_numbers(estimates.log_likelihoods())),
+        ("stop", estimates.stop().map(stop).into()),
+        ("diagnosis", found.map(diagnosis).into()),
+    ]))
+}
+
+fn stop(stop: Stop) -> Document {
+    let reason = stop.reason.to_string();
+    Document::of_entries([("sample", (stop.sample as u64).into()), ("reason", Document::Text(reason))])
+}
+
+fn diagnosis(diagnosis: &Diagnosis) -> Document {
+    let verdict = diagnosis.verdict.as_ref();
+    let part = |place: usize| Document::from(place as u64);
+    let bad_parts = diagnosis.bad_parts.iter().map(|range| Document::List(vec![part(range.start), part(range.end)]));
+    Document::of_entries([
+        ("verdict", verdict.map(|verdict| verdict.kind.key()).into()),
+        ("reason", verdict.map(|verdict| &*verdict.reason).into()),
+        ("evidence", Document::List(diagnosis.evidence.iter().map(evidence).collect())),
+        ("bad_parts", Document::List(bad_parts.collect())),
+    ])
+}
+
+fn evidence(one: &Evidence) -> Document {
+    Document::of_entries([
+        ("test", one.test.name.into()),
+        ("sentence", one.sentence.as_str().into()),
+        ("statistic", Document::Number(one.statistic)),
+        ("p_value", Document::Number(one.p_value)),
+        ("effect", Document::Number(one.effect)),
+        ("counts", Document::Flag(one.counts)),
+    ])
+}
+
+pub(crate) fn menu_ui(ui: &mut Ui, narrow: bool, requests: &mut Vec<Request>) {
+    let button = menu::menu_ui(ui, if narrow { "↓" } else { "Export" }, Closing::AtOnce, |ui| {
+        if ui.button("Copy link").on_hover_text("To this picture: settings, views and time (C)").clicked() {
+            requests.push(Request::CopyLink);
+            ui.close();
+        }
+        ui.separator();
+        let mut entry = |ui: &mut Ui, export: Export| {
+            let button = ui.button(export.name()).on_hover_text(export.hint());
+            probe::remember(ui.ctx(), &export.name(), button.rect);
+            if button.clicked() {
+                requests.push(Request::Export(export));
+                ui.close();
+            }
+        };
+        ui.label(RichText::new("The views as a figure").weak());
+        for format in FigureFormat::ALL {
+            entry(ui, Export::Figure(format));
+        }
+        ui.separator();
+        ui.label(RichText::new("Results").weak());
+        for export in Export::DATA {
+            entry(ui, export);
+        }
+    });
+    let button = named(button, "Export");
+    probe::remember(ui.ctx(), "Export", button.rect);
+    let popup = Popup::default_response_id(&button);
+    ui.data_mut(|data| data.insert_temp(popup_key(), popup));
+}
+
+pub(crate) fn toggle(ctx: &Context) {
+    if let Some(popup) = ctx.data(|data| data.get_temp::<Id>(popup_key())) {
+        Popup::toggle_id(ctx, popup);
+    }
+}
+
+fn popup_key() -> Id {
+    Id::unique("the popup of the menu of exports")
 }

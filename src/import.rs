@@ -1,20 +1,18 @@
 //! The import of a measured record: reading the file, asking what its columns mean, making start values.
 
-mod choices;
 mod columns;
-mod conditioning;
 mod dialog;
 mod draft;
-mod source;
 mod spectra;
 
+use std::borrow::Borrow;
 use std::rc::Rc;
 use std::sync::Arc;
 
 use egui::Context;
-use kalmanscope_core::import::{Loaded, Loading};
+use kalmanscope_core::import::{Loaded, Loading, Mapping, Table};
 use kalmanscope_core::suggest::{Suggest, Suggestion};
-use kalmanscope_core::{Record, Scenario, Task};
+use kalmanscope_core::{Hold, InputKind, Record, Scenario, Task};
 
 use crate::session::RecordFile;
 use crate::team::{BETWEEN, Handle, Lost, Priority, Report, Running, Team};
@@ -184,5 +182,16 @@ fn running<T: Task<Outcome: Send> + Send + 'static>(
         Some(worker) => Running::in_worker(worker, task, T::progress),
         None if is_long => Running::begin(team, Priority::Hand, task, T::progress),
         None => Running::here(task, T::progress),
+    }
+}
+
+type Choices = (Mapping, InputKind, Hold);
+
+#[derive(Clone, Debug)]
+struct Shared(Arc<RecordFile>);
+
+impl Borrow<Table> for Shared {
+    fn borrow(&self) -> &Table {
+        &self.0.table
     }
 }

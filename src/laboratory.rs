@@ -7,14 +7,10 @@
 //! change of the axes' own settings only moves the dot.
 
 mod choice;
-mod choices;
-mod measures;
 mod monte_carlo;
 mod posterior;
 mod settings;
-mod state;
 mod survey;
-mod table;
 #[cfg(test)]
 mod tests;
 mod tuning;
@@ -22,21 +18,21 @@ mod tuning;
 use std::rc::Rc;
 
 use egui::Context;
-use kalmanscope_core::{Run, Source};
-
-pub(crate) use choice::part_of;
-pub use choice::{Choice, MOST};
-pub use choices::Choices;
-pub(crate) use measures::{label as measure_label, offered};
-pub use monte_carlo::{SEEDS, SeedChoice, SeedRuns, Seeds};
-pub use posterior::{Posteriors, Shown};
-pub(crate) use settings::{candidates, collide, label as setting_label, name as setting_name, of_filters};
-pub use state::WorkState;
-pub use survey::Survey;
-pub use tuning::{TuneChoice, TuneResult, Tuning};
+use kalmanscope_core::{Run, Scenario, Source};
+use serde::{Deserialize, Serialize};
 
 use crate::session::Session;
 use crate::team::{Finding, Frames, Team};
+
+pub(crate) use choice::part_of;
+pub use choice::{Choice, MOST};
+pub use monte_carlo::{SEEDS, SeedChoice, SeedRuns, Seeds};
+pub use posterior::{Posteriors, Shown};
+pub(crate) use settings::{
+    candidates, collide, label as setting_label, measure_label, name as setting_name, of_filters, offered,
+};
+pub use survey::Survey;
+pub use tuning::{TuneChoice, TuneResult, Tuning};
 
 const FEW: usize = 32;
 
@@ -258,10 +254,127 @@ impl Laboratory {
             survey.rest();
         }
     }
+
+    pub fn choices(&self) -> Choices {
+        Choices {
+            map: self.choice().cloned(),
+            seeds: Some(*self.seeds().choice()),
+            tuning: self.tuning().chosen().cloned(),
+            posterior: self.posteriors().chosen(),
+        }
+    }
+
+    pub fn restore(&mut self, Choices { map, seeds, tuning, posterior }: Choices) {
+        self.choose(map);
+        self.seeds_mut().choose(seeds.unwrap_or_default());
+        self.tuning_mut().choose(tuning);
+        self.posteriors_mut().choose(posterior);
+    }
 }
 
 impl Default for Laboratory {
     fn default() -> Self {
         Self::new(Rc::new(Frames::FRAME))
+    }
+}
+
+#[derive(Debug, Default)]
+pub struct WorkState {
+    is_stopped: bool,
+    problem: Option<String>,
+    version: u64,
+}
+
+impl WorkState {
+    pub fn is_stopped(&self) -> bool {
+        self.is_stopped
+    }
+
+    pub fn problem(&self) -> Option<&str> {
+        self.problem.as_deref()
+    }
+
+    /// A number that changes whenever the view has to be drawn again.
+    pub fn version(&self) -> u64 {
+        self.version
+    }
+
+    /// Stops or continues the work. Returns whether that changes anything: complete work cannot be stopped.
+    fn set_stopped(&mut self, stopped: bool, is_incomplete: bool) -> bool {
+        let changes = self.is_stopped != stopped && is_incomplete;
+        if changes {
+            self.is_stopped = stopped;
+        }
+        changes
+    }
+
+    /// Continues, because the user has chosen other work.
+    fn go_on(&mut self) {
+        self.is_stopped = false;
+    }
+
+    fn begin(&mut self) {
+        (self.is_stopped, self.problem) = (false, None);
+    }
+
+    fn fail(&mut self, problem: String) {
+        if self.problem.as_ref() != Some(&problem) {
+            self.problem = Some(problem);
+            self.version += 1;
+        }
+    }
+
+    fn show_new(&mut self) {
+        self.version += 1;
+    }
+}
+
+/// The user's choices, for links and sessions.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Choices {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub map: Option<Choice>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub seeds: Option<SeedChoice>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tuning: Option<TuneChoice>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub posterior: Option<u32>,
+}
+
+impl Choices {
+    /// Whether the choices are possible with a scenario.
+    ///
+    /// # Errors
+    /// A sentence with the reason.
+    pub fn check(&self, scenario: &Scenario) -> Result<(), String> {
+        let Self { map, seeds, tuning, posterior: _ } = self;
+        map.as_ref().map_or(Ok(()), |map| map.check(scenario))?;
+        seeds.as_ref().map_or(Ok(()), SeedChoice::check).map_err(|reason| format!("Monte Carlo: {reason}"))?;
+        tuning
+            .as_ref()
+            .map_or(Ok(()), |tuning| tuning.check(scenario))
+            .map_err(|reason| format!("Tune for me: {reason}"))
+    }
+
+    /// These choices without those of filters and settings that a scenario no longer has: no view fits a choice that is not shown.
+    pub(crate) fn possible_with(self, scenario: &Scenario) -> Self {
+        Self {
+            map: self.map.filter(|map| map.check(scenario).is_ok()),
+            tuning: self.tuning.filter(|tuning| tuning.check(scenario).is_ok()),
+            ..self
+        }
+    }
+
+    /// These choices; those that are `None` come from `others`.
+    pub(crate) fn or(self, others: Self) -> Self {
+        let Self { map, seeds, tuning, posterior } = self;
+        Self {
+            map: map.or(others.map),
+            seeds: seeds.or(others.seeds),
+            tuning: tuning.or(others.tuning),
+            posterior: posterior.or(others.posterior),
+        }
     }
 }

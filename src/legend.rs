@@ -4,6 +4,7 @@ use egui::scroll_area::ScrollBarVisibility;
 use egui::{Button, Color32, Painter, Rect, ScrollArea, Sense, Stroke, StrokeKind, TextStyle, Ui, Vec2, WidgetInfo};
 use kalmanscope_core::Estimates;
 
+use crate::hover::named;
 use crate::request::{LegendEntry, Request};
 use crate::session::{Before, Session};
 use crate::theme::Palette;
@@ -131,8 +132,7 @@ impl Legend<'_> {
             let words = self.session.before().map_or("", Before::words);
             format!("The thin grey lines: the estimates before the last change ({words}). Click to forget them")
         };
-        let chip = ui.add(chip).on_hover_ui(|ui| _ = ui.label(hint()));
-        chip.ctx.accesskit_node_builder(chip.id, |node| node.set_label(format!("{text} ×")));
+        let chip = named(ui.add(chip).on_hover_ui(|ui| _ = ui.label(hint())), format!("{text} ×"));
         if chip.clicked() {
             requests.push(Request::ForgetBefore);
         }

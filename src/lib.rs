@@ -14,7 +14,6 @@ mod drawer;
 pub mod drop;
 mod equation;
 pub mod export;
-mod export_menu;
 pub mod figure;
 mod finder;
 mod focus;

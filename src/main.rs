@@ -18,14 +18,12 @@ mod native;
 
 #[cfg(target_arch = "wasm32")]
 mod web {
-    mod download;
     mod file_input;
     mod microphone;
     mod motion;
     mod object;
     mod shelf;
     mod tables;
-    mod version;
     mod workers;
 
     use std::cell::RefCell;
@@ -149,7 +147,7 @@ mod web {
         let creator: eframe::AppCreator<'static> = Box::new(move |creation| {
             let embedded = address::is_embedded(&address);
             let app = if embedded { kalmanscope::App::embedded(creation)? } else { kalmanscope::App::new(creation)? };
-            let mut app = app.on_cleared_window().delivering(download::download()).at_page(address::page(&address));
+            let mut app = app.on_cleared_window().delivering(file_input::download()).at_page(address::page(&address));
             let choose = web_sys::window()
                 .and_then(|window| window.document())
                 .and_then(|document| file_input::choose(&document, &creation.egui_ctx, app.inbox()));

@@ -2,6 +2,7 @@
 
 use egui::{Align2, Area, Button, Context, Frame, Id, Label, Order, Rect, RichText, Stroke, Vec2, vec2};
 
+use crate::hover::named;
 use crate::request::Request;
 use crate::theme::Palette;
 
@@ -82,8 +83,7 @@ pub(crate) fn notice_ui(ctx: &Context, notice: &Notice, plots: Rect, palette: &P
                     requests.push(Request::Leave);
                 }
                 let dismiss = Button::new("×").frame(false).min_size(Vec2::splat(side));
-                let dismiss = ui.add(dismiss).on_hover_text("Dismiss");
-                dismiss.ctx.accesskit_node_builder(dismiss.id, |node| node.set_label("Dismiss"));
+                let dismiss = named(ui.add(dismiss).on_hover_text("Dismiss"), "Dismiss");
                 if dismiss.clicked() {
                     requests.push(Request::DismissNotice);
                 }

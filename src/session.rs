@@ -1,16 +1,13 @@
 //! A scenario, its run, and the position of playback.
 
 mod before;
-mod budget;
 mod computing;
-mod difference;
 mod free_runs;
 mod judging;
 mod library;
 mod live;
 mod long_filters;
 mod playback;
-mod setting;
 mod spectrogram;
 #[cfg(test)]
 mod tests;
@@ -19,25 +16,24 @@ mod trying;
 use std::rc::Rc;
 use std::sync::Arc;
 
+use free_runs::FreeRuns;
+use judging::{Hand, Judged};
 use kalmanscope_core::{
     Diagnostics, Estimates, Evidence, Hindsight, Job, Quantity, Run, RunError, Scenario, Source, Study,
 };
-use serde::{Deserialize, Serialize};
-
-use crate::team::{Frames, Team};
-use free_runs::FreeRuns;
-use judging::{Hand, Judged};
 use long_filters::LongFilters;
+use serde::{Deserialize, Serialize};
 use spectrogram::Spectrograms;
 use trying::Trying;
 
+use crate::team::{Frames, Team};
+
+pub use crate::team::Budget;
 pub use before::Before;
-pub use budget::Budget;
 pub use free_runs::ModelTime;
 pub use kalmanscope_core::{Bound, Wanted};
 pub(crate) use library::is_same;
 pub use library::{Library, RecordFile, name_of};
-pub use setting::Setting;
 pub use trying::Attempt;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -305,5 +301,30 @@ impl Session {
         self.edited();
         self.want_of_study();
         self.compute();
+    }
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Setting {
+    #[default]
+    A,
+    B,
+}
+
+impl Setting {
+    pub const BOTH: [Self; 2] = [Self::A, Self::B];
+
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::A => "A",
+            Self::B => "B",
+        }
+    }
+
+    const fn other(self) -> Self {
+        match self {
+            Self::A => Self::B,
+            Self::B => Self::A,
+        }
     }
 }

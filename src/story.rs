@@ -7,6 +7,7 @@ use kalmanscope_core::setting::Address;
 use kalmanscope_core::{Adjustable, Diagnosis, Phrase, Story};
 
 use crate::controls::named::{first_number, name_of};
+use crate::hover::named;
 use crate::request::Request;
 use crate::session::Session;
 use crate::theme::{self, Palette};
@@ -177,7 +178,9 @@ fn number_ui(ui: &mut Ui, setting: &Adjustable, name: &str, palette: &Palette) -
     let (rect, color) = (number.rect, palette.accent);
     let dots = egui::Shape::dashed_line(&[rect.left_bottom(), rect.right_bottom()], Stroke::new(1.0, color), 2.0, 2.0);
     ui.painter().extend(dots);
-    let number = number.on_hover_text(format!("{name}: drag to the sides, or click and type"));
-    number.ctx.accesskit_node_builder(number.id, |node| node.set_label(format!("{name}, in the text")));
+    let number = named(
+        number.on_hover_text(format!("{name}: drag to the sides, or click and type")),
+        format!("{name}, in the text"),
+    );
     number.changed().then(|| setting.value(shown))
 }

@@ -1,24 +1,22 @@
 //! A lesson in progress. Each step has something to look at, a question, a change, its effect and an explanation.
 
-mod catalogue;
-mod heading;
 mod map;
 mod menu;
 mod panel;
-mod question;
-mod studies;
+
+use std::collections::BTreeSet;
+use std::sync::LazyLock;
 
 use kalmanscope_core::Scenario;
 use kalmanscope_lessons::{Lesson, LessonError, Map, Presentation, Question, Step, ViewName};
+use serde::{Deserialize, Serialize};
 
 use crate::laboratory::Choice;
 use crate::request::{Answer, ViewKind};
 use crate::session::{Mode, Session};
 use crate::visibility::Visibility;
 
-pub use catalogue::Catalogue;
 pub(crate) use menu::{invitation_ui, menu_ui};
-pub(crate) use studies::{Bookmark, Studies};
 
 pub struct Tutor {
     lesson: Lesson,
@@ -222,5 +220,66 @@ fn kind(view: ViewName) -> ViewKind {
         ViewName::Measured => ViewKind::Measured,
         ViewName::FrequencyResponse => ViewKind::FrequencyResponse,
         ViewName::Map => ViewKind::Map,
+    }
+}
+
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(crate) struct Studies {
+    pub(crate) bookmark: Option<Bookmark>,
+    pub(crate) finished: BTreeSet<String>,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Bookmark {
+    pub(crate) lesson: String,
+    pub(crate) step: usize,
+    pub(crate) changed: bool,
+    #[serde(default)]
+    pub(crate) answer: Option<Answer>,
+}
+
+pub struct Catalogue {
+    lessons: LazyLock<Vec<Lesson>>,
+    /// The titles of the finished lessons, also of those that this program does not have.
+    finished: BTreeSet<String>,
+}
+
+impl Default for Catalogue {
+    fn default() -> Self {
+        let read = || kalmanscope_lessons::lessons().into_iter().filter_map(Result::ok).collect();
+        Self { lessons: LazyLock::new(read), finished: BTreeSet::new() }
+    }
+}
+
+impl Catalogue {
+    pub(crate) fn with_finished(finished: BTreeSet<String>) -> Self {
+        Self { finished, ..Self::default() }
+    }
+
+    pub(crate) fn lessons(&self) -> &[Lesson] {
+        &self.lessons
+    }
+
+    pub(crate) fn at(&self, place: usize) -> Option<&Lesson> {
+        self.lessons.get(place)
+    }
+
+    pub(crate) fn place_of(&self, title: &str) -> Option<usize> {
+        self.lessons.iter().position(|lesson| lesson.title == title)
+    }
+
+    pub(crate) fn finish(&mut self, place: usize) {
+        let title = self.at(place).map(|lesson| lesson.title.clone());
+        self.finished.extend(title);
+    }
+
+    pub(crate) fn is_finished(&self, lesson: &Lesson) -> bool {
+        self.finished.contains(&lesson.title)
+    }
+
+    pub(crate) fn finished(&self) -> &BTreeSet<String> {
+        &self.finished
     }
 }

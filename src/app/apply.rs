@@ -6,8 +6,8 @@ use super::window::NARROW;
 use super::{App, LARGE};
 use crate::controls::number;
 use crate::equation::Editor;
+use crate::export;
 use crate::export::Exporting;
-use crate::export_menu;
 use crate::finder::Finder;
 use crate::layout::Layout;
 use crate::plot::time_axis::TimeAxis;
@@ -137,7 +137,7 @@ impl App {
                 (self.notice, self.exporting) = (None, Some(Exporting::new(export, layout)));
                 ctx.request_repaint();
             }
-            Request::ToggleExports => export_menu::toggle(ctx),
+            Request::ToggleExports => export::toggle(ctx),
             Request::ChooseMap(choice) => laboratory.choose(Some(*choice)),
             Request::ComputeMap(wanted) => {
                 laboratory.set_stopped(!wanted);

@@ -4,7 +4,7 @@ use egui::{DragValue, Id, PointerButton, Response, Slider, SliderClamping, Strok
 
 use kalmanscope_core::setting::SettingInfo;
 
-use crate::hover::hover_text;
+use crate::hover::{hover_text, named};
 use crate::probe::remember;
 use crate::text::{in_hertz, parse, significant};
 
@@ -78,12 +78,12 @@ impl<'a> Number<'a> {
                 .show_value(false)
                 .ui(ui);
             let slider = hover_text(slider, &|| format!("{hint}\nDouble click: back to {}", significant(initial, 5)));
-            announce(&slider, text);
+            let slider = named(slider, text);
             remember(ui.ctx(), text, slider.rect);
             reset(&slider, value, initial);
             let size = Vec2::new(FIELD_WIDTH, ui.spacing().interact_size.y);
             let field = hover_text(ui.add_sized(size, drag_value(value, low, high)), &|| usage(initial));
-            announce(&field, &format!("{text}, value"));
+            let field = named(field, format!("{text}, value"));
             scroll(ui, &field, value, step(*value, low, high));
             reset(&field, value, initial);
             let label = ui.weak(unit);
@@ -131,7 +131,7 @@ pub fn field<'a>(
     let size = Vec2::new(ui.available_width(), ui.spacing().interact_size.y);
     let field = ui.add_sized(size, drag_value(value, 0.0, scale));
     let field = hover_text(field, &|| format!("{hint}\n{}", usage(initial)));
-    announce(&field, text);
+    let field = named(field, text);
     remember(ui.ctx(), text, field.rect);
     scroll(ui, &field, value, step(*value, 0.0, scale));
     reset(&field, value, initial);
@@ -224,8 +224,4 @@ fn fixed_width(ui: &mut Ui, width: f32, add_contents: impl FnOnce(&mut Ui)) {
         ui.set_min_width(width);
         add_contents(ui);
     });
-}
-
-fn announce(response: &Response, name: &str) {
-    response.ctx.accesskit_node_builder(response.id, |node| node.set_label(name));
 }

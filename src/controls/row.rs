@@ -6,6 +6,7 @@ use kalmanscope_core::{FilterSettings, PlantKind, Scenario};
 
 use super::lit::lit;
 use super::number::{Named, Number};
+use crate::hover::named;
 use crate::text::sentence;
 
 pub(super) fn filter_row_ui(
@@ -94,7 +95,7 @@ fn list_ui(
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let combo = ComboBox::from_id_salt(name).selected_text(summary).width(140.0).close_behavior(closes);
             let combo = combo.show_ui(ui, |ui| list(ui));
-            ui.ctx().accesskit_node_builder(combo.response.id, |node| node.set_label(name));
+            named(combo.response, name);
         });
     });
 }
@@ -121,6 +122,5 @@ fn control_ui<T>(ui: &mut Ui, info: &SettingInfo<T>, label: &str, name: Named<'_
         }
         _ => return Number::of(info, label, name).show(ui, value),
     };
-    control.ctx.accesskit_node_builder(control.id, |node| node.set_label(name.text));
-    control.on_hover_text(info.hint);
+    named(control, name.text).on_hover_text(info.hint);
 }

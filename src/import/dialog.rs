@@ -5,7 +5,7 @@ use egui::{Align2, Button, Context, Key, Popup, ProgressBar, ScrollArea, Ui, Vec
 use kalmanscope_core::import::{Decay, NoDecay, Table, ThreeAxes};
 
 use super::columns::columns_ui;
-use super::conditioning::{conditioning_ui, meaning_ui};
+use super::columns::{conditioning_ui, meaning_ui};
 use super::{Draft, Import, Opened, Stage};
 use crate::probe;
 use crate::request::{RawFile, Request};

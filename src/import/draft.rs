@@ -6,8 +6,8 @@ use kalmanscope_core::import::{Builder, ColumnGuess, Imported, MappedColumn, Map
 use kalmanscope_core::suggest::scenario_for;
 use kalmanscope_core::{Hold, InputKind, PlantKind, Quantity, Scenario};
 
-use super::source::{Choices, Shared};
 use super::spectra::Spectra;
+use super::{Choices, Shared};
 use crate::session::RecordFile;
 use crate::spark::Spark;
 

@@ -1,5 +1,6 @@
 //! One ensemble of a map, with its rows so far.
 
+use std::fmt::Write as _;
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -9,7 +10,7 @@ use kalmanscope_core::{Axis, FilterSettings, Measure, Scenario, Source};
 use kalmanscope_lab::{Ensemble, Plan, Runner, Sheet};
 
 use super::choice::{Choice, is_same_but_for_names, part_of};
-use super::measures;
+use super::settings;
 use crate::session::is_same;
 use crate::team::{Cells, Computer, Precision, Priority, Relay, Team};
 
@@ -43,7 +44,7 @@ impl Survey {
                 setting.set(&mut part, 1.0);
             }
         }
-        let mut measures = measures::taken(&part);
+        let mut measures = settings::taken(&part);
         if !measures.contains(&choice.measure) {
             measures.push(choice.measure);
         }
@@ -210,4 +211,35 @@ impl Survey {
 
 fn are_close(a: &[f64], b: &[f64]) -> bool {
     a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-9 * a.abs())
+}
+
+impl Survey {
+    pub fn to_csv(&self) -> String {
+        let ensemble = self.ensemble();
+        let [only, ..] = &ensemble.scenario().filters[..] else { return String::new() };
+        let key = |key: &str| match (self.filters().len(), key.strip_prefix("filters.*.")) {
+            (1, Some(rest)) => format!("filters.{}.{rest}", only.name),
+            _ => ensemble.scenario().address_by_name(key),
+        };
+        let keys = ensemble.plan().axes.iter().map(|axis| key(&axis.key));
+        let names: Vec<String> = keys.chain(ensemble.columns()).map(|name| quoted(&name)).collect();
+        let mut text = names.join(",");
+        text.push('\n');
+        for cell in 0..ensemble.cells() {
+            let row = self.sheet().row(cell);
+            let unknown = vec![f64::NAN; ensemble.width()];
+            let numbers = ensemble.values(cell).into_iter().chain(row.unwrap_or(&unknown).iter().copied());
+            for (at, number) in numbers.enumerate() {
+                let comma = if at > 0 { "," } else { "" };
+                // Writing to a string cannot fail.
+                let _ = if number.is_nan() { write!(text, "{comma}") } else { write!(text, "{comma}{number}") };
+            }
+            text.push('\n');
+        }
+        text
+    }
+}
+
+pub(super) fn quoted(text: &str) -> String {
+    if text.contains([',', '"', '\n']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
 }

@@ -78,7 +78,7 @@ mod tests {
     use kalmanscope_lab::{Ensemble, Plan, Priority, Runner, Sheet};
 
     use super::*;
-    use crate::session::Budget;
+    use crate::team::Budget;
     use crate::team::{Computer, Graphics};
 
     struct Played {

@@ -13,8 +13,8 @@ use web_sys::{
     MediaTrackConstraints, MessageEvent,
 };
 
+use super::object::version;
 use super::object::{get, words};
-use super::version::version;
 
 const WORKLET: &str = "./listen.js?v=";
 const PROCESSOR: &str = "listen";

@@ -1,4 +1,4 @@
-//! Objects of the browser that have no types here, since browsers have them in different states.
+//! Objects of the browser that have no types here, since browsers have them in different states, and the version of this page.
 
 use js_sys::{Function, Promise, Reflect};
 use wasm_bindgen::JsCast as _;
@@ -28,4 +28,11 @@ pub(super) async fn awaited(answer: Result<JsValue, JsValue>) -> Result<JsValue,
 
 pub(super) fn words(error: &JsValue) -> String {
     js_sys::Error::from(error.clone()).to_string().into()
+}
+
+/// The hash in the program's name, which is in the addresses of scripts whose names have none. Empty if the page does not say.
+pub(super) fn version() -> String {
+    let document = web_sys::window().and_then(|window| window.document());
+    let meta = document.and_then(|document| document.query_selector("meta[name=version]").ok().flatten());
+    meta.and_then(|meta| meta.get_attribute("content")).unwrap_or_default()
 }

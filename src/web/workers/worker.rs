@@ -8,7 +8,7 @@ use wasm_bindgen::closure::Closure;
 use wasm_bindgen::{JsCast as _, JsValue};
 use web_sys::{Event, MessageEvent, WorkerOptions, WorkerType};
 
-use super::super::version::version;
+use crate::web::object::version;
 
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Program {
