@@ -23,7 +23,7 @@ use crate::export::{Deliver, Exporting};
 use crate::finder::Finder;
 use crate::import::Import;
 use crate::inbox::{Choose, Inbox};
-use crate::laboratory::{Laboratory, Shown};
+use crate::laboratory::Laboratory;
 use crate::layout::Layout;
 use crate::measure::Measure;
 use crate::notice::Notice;
@@ -94,17 +94,11 @@ pub struct App {
 
 impl App {
     /// The explorer in its saved state, or playing the default scenario.
-    ///
-    /// # Errors
-    /// [`RunError`] where even the default scenario cannot be run.
     pub fn new(creation: &eframe::CreationContext<'_>) -> Result<Self, RunError> {
         Self::stored(&creation.egui_ctx, creation.storage)
     }
 
     /// The explorer at the start of a scenario, without fonts and styles.
-    ///
-    /// # Errors
-    /// [`RunError`] where the scenario is impossible.
     pub fn with_scenario(scenario: Scenario) -> Result<Self, RunError> {
         Ok(Self {
             session: Session::new(scenario)?,
@@ -236,8 +230,8 @@ impl App {
     }
 
     pub fn screen_state(&self, ctx: &egui::Context) -> ScreenState {
-        let lesson = self.tutor.as_ref().map(|tutor| (tutor.title().to_owned(), tutor.step() + 1));
-        let posterior = self.laboratory.posteriors().shown().map(Shown::sampled);
+        let lesson = self.tutor.as_ref().map(|tutor| (tutor.title().to_owned(), tutor.step + 1));
+        let posterior = self.laboratory.posteriors.shown.as_ref().map(|shown| &shown.sampled);
         ScreenState::new(&self.session, lesson, self.laboratory.shown(), posterior, ctx)
     }
 }

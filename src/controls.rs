@@ -1,7 +1,6 @@
 //! The settings, of which each writes to a copy of the scenario.
 
-pub(crate) mod color;
-mod filter;
+pub(crate) mod filter;
 mod lit;
 pub(crate) mod named;
 pub mod number;

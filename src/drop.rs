@@ -84,9 +84,6 @@ pub fn file_name(path: &Path) -> String {
 }
 
 /// The file's contents, or a byte more than [`LARGEST`] where it is too large.
-///
-/// # Errors
-/// The reason why it cannot be read.
 pub fn read_path(path: &Path) -> Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
     let read = File::open(path).and_then(|file| file.take(LARGEST as u64 + 1).read_to_end(&mut bytes));

@@ -38,46 +38,25 @@ pub struct File {
 
 pub type Deliver = Box<dyn Fn(File, Done)>;
 
-impl Export {
-    pub const DATA: [Self; 8] = [
-        Self::Report,
-        Self::Estimates,
-        Self::Record,
-        Self::Map,
-        Self::MonteCarlo,
-        Self::Scenario,
-        Self::All,
-        Self::Session,
-    ];
-
-    pub(crate) fn name(self) -> String {
-        match self {
-            Self::Figure(format) => format!("{} (SVG)", format.name()),
-            Self::Report => "Report (HTML)".to_owned(),
-            Self::Estimates => "Estimates (CSV)".to_owned(),
-            Self::Record => "Record (CSV)".to_owned(),
-            Self::Map => "Map (CSV)".to_owned(),
-            Self::MonteCarlo => "Monte Carlo (CSV)".to_owned(),
-            Self::Scenario => "Scenario (TOML)".to_owned(),
-            Self::All => "Everything (JSON)".to_owned(),
-            Self::Session => "Session, to open again".to_owned(),
-        }
-    }
-
-    pub(crate) fn hint(self) -> &'static str {
-        match self {
-            Self::Figure(_) => "The views on screen as outlines and text, for a document",
-            Self::Report => "Verdicts, evidence, estimates, scores and figures as one page, to print or to send",
-            Self::Estimates => "Every mean, standard deviation, innovation and prediction of every filter",
-            Self::Map => "Every score of every cell of the map in the laboratory",
-            Self::MonteCarlo => "Mean NEES and NIS, error quantiles and σ over time, of all seeds in the laboratory",
-            Self::Record => "Force, measurements and truth, as the command line reads them",
-            Self::Scenario => "The settings, for the command line or to be dropped on this window",
-            Self::All => "Version, scenario, record, estimates and diagnosis, for a program",
-            Self::Session => "Settings, views and playback; drop the file on this window to go on",
-        }
-    }
-}
+/// Files of results, each with its name and a hint.
+const RESULTS: [(Export, &str, &str); 8] = [
+    (
+        Export::Report,
+        "Report (HTML)",
+        "Verdicts, evidence, estimates, scores and figures as one page, to print or to send",
+    ),
+    (Export::Estimates, "Estimates (CSV)", "Every mean, standard deviation, innovation and prediction of every filter"),
+    (Export::Record, "Record (CSV)", "Force, measurements and truth, as the command line reads them"),
+    (Export::Map, "Map (CSV)", "Every score of every cell of the map in the laboratory"),
+    (
+        Export::MonteCarlo,
+        "Monte Carlo (CSV)",
+        "Mean NEES and NIS, error quantiles and σ over time, of all seeds in the laboratory",
+    ),
+    (Export::Scenario, "Scenario (TOML)", "The settings, for the command line or to be dropped on this window"),
+    (Export::All, "Everything (JSON)", "Version, scenario, record, estimates and diagnosis, for a program"),
+    (Export::Session, "Session, to open again", "Settings, views and playback; drop the file on this window to go on"),
+];
 
 /// An export under way: a frame draws one figure, and the text follows from the analysis of the session, or is written beside the
 /// frames.
@@ -144,7 +123,7 @@ fn file(export: Export, context: &ViewContext<'_>, layout: &Layout, figures: &[S
             text("map.csv", "text/csv", survey.ok_or("there is no map yet: show the view Map")?.to_csv())
         }
         Export::MonteCarlo => {
-            let runs = context.laboratory.and_then(|laboratory| laboratory.seeds().shown());
+            let runs = context.laboratory.and_then(|laboratory| laboratory.seeds.shown());
             let runs = runs.ok_or("no seed has been run yet: show the view Monte Carlo")?;
             text("monte-carlo.csv", "text/csv", runs.to_csv())
         }
@@ -159,9 +138,8 @@ fn file(export: Export, context: &ViewContext<'_>, layout: &Layout, figures: &[S
 fn report_on(session: &Session, figures: &[String]) -> Result<String, String> {
     let run = session.run();
     let attempts = run.estimates().iter().map(|estimates: &Estimates| session.attempt(estimates.id()));
-    let causes: Vec<Vec<Remedy>> = attempts
-        .map(|attempt| attempt.map_or_else(Vec::new, |attempt: &Attempt| attempt.remedies().to_vec()))
-        .collect();
+    let causes: Vec<Vec<Remedy>> =
+        attempts.map(|attempt| attempt.map_or_else(Vec::new, |attempt: &Attempt| attempt.remedies.to_vec())).collect();
     let file = session.scenario().record.as_ref().map(|mapping| mapping.file.clone());
     let title = file.filter(|file| !file.is_empty()).unwrap_or_else(|| "A simulated oscillator".to_owned());
     let records = [(title.as_str(), run.record())];
@@ -169,7 +147,7 @@ fn report_on(session: &Session, figures: &[String]) -> Result<String, String> {
         title: &title,
         day: &now().map(day).unwrap_or_default(),
         causes: &causes,
-        reasons: session.library().reasons(),
+        reasons: &session.library().reasons,
         figures,
         free_runs: if session.is_measured() { &records } else { &[] },
     };
@@ -319,9 +297,9 @@ pub(crate) fn menu_ui(ui: &mut Ui, narrow: bool, requests: &mut Vec<Request>) {
             ui.close();
         }
         ui.separator();
-        let mut entry = |ui: &mut Ui, export: Export| {
-            let button = ui.button(export.name()).on_hover_text(export.hint());
-            probe::remember(ui.ctx(), &export.name(), button.rect);
+        let mut entry = |ui: &mut Ui, export: Export, name: &str, hint: &str| {
+            let button = ui.button(name).on_hover_text(hint);
+            probe::remember(ui.ctx(), name, button.rect);
             if button.clicked() {
                 requests.push(Request::Export(export));
                 ui.close();
@@ -329,12 +307,13 @@ pub(crate) fn menu_ui(ui: &mut Ui, narrow: bool, requests: &mut Vec<Request>) {
         };
         ui.label(RichText::new("The views as a figure").weak());
         for format in FigureFormat::ALL {
-            entry(ui, Export::Figure(format));
+            let hint = "The views on screen as outlines and text, for a document";
+            entry(ui, Export::Figure(format), &format!("{} (SVG)", format.name()), hint);
         }
         ui.separator();
         ui.label(RichText::new("Results").weak());
-        for export in Export::DATA {
-            entry(ui, export);
+        for (export, name, hint) in RESULTS {
+            entry(ui, export, name, hint);
         }
     });
     let button = named(button, "Export");

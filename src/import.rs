@@ -107,7 +107,7 @@ impl Import {
                         self.stage = Stage::Failed(format!("no start values can be made of it: {error}"));
                         return None;
                     }
-                    let file = Arc::clone(draft.file());
+                    let file = Arc::clone(&draft.file);
                     let problem = suggestion.why_no_guess().map(str::to_owned);
                     let Suggestion { scenario, mut reasons, .. } = suggestion;
                     reasons.retain(|reason| Some(reason) != problem.as_ref());
@@ -152,7 +152,7 @@ impl Import {
 
     pub fn file(&self) -> Option<&Arc<RecordFile>> {
         match &self.stage {
-            Stage::Asking(draft) | Stage::Suggesting(draft, _) => Some(draft.file()),
+            Stage::Asking(draft) | Stage::Suggesting(draft, _) => Some(&draft.file),
             _ => None,
         }
     }
@@ -168,7 +168,7 @@ impl Import {
             self.stage = Stage::Suggesting(draft, Box::new(suggest));
             return None;
         }
-        Some(Opened { file: Arc::clone(draft.file()), scenario, reasons: Vec::new(), problem: None })
+        Some(Opened { file: Arc::clone(&draft.file), scenario, reasons: Vec::new(), problem: None })
     }
 }
 

@@ -23,7 +23,17 @@ const fn plain(
     keys: &'static [Key],
     request: fn(&Session) -> Request,
 ) -> Shortcut {
-    Shortcut { name, what, keys, modifiers: Modifiers::NONE, request }
+    command(name, what, keys, Modifiers::NONE, request)
+}
+
+const fn command(
+    name: &'static str,
+    what: &'static str,
+    keys: &'static [Key],
+    modifiers: Modifiers,
+    request: fn(&Session) -> Request,
+) -> Shortcut {
+    Shortcut { name, what, keys, modifiers, request }
 }
 
 const GROUPS: &[(&str, &[Shortcut])] = &[
@@ -46,20 +56,16 @@ const GROUPS: &[(&str, &[Shortcut])] = &[
         &[
             plain("S", "show or hide the settings", &[Key::S], |_| Request::ToggleControls),
             plain("X", "the other of two settings, A and B", &[Key::X], |_| Request::SwapSettings),
-            Shortcut {
-                name: "Ctrl+Shift+Z",
-                what: "make the change again",
-                keys: &[Key::Z],
-                modifiers: Modifiers::COMMAND.plus(Modifiers::SHIFT),
-                request: |_| Request::Redo,
-            },
-            Shortcut {
-                name: "Ctrl+Z",
-                what: "take back the last change of a setting",
-                keys: &[Key::Z],
-                modifiers: Modifiers::COMMAND,
-                request: |_| Request::Undo,
-            },
+            command(
+                "Ctrl+Shift+Z",
+                "make the change again",
+                &[Key::Z],
+                Modifiers::COMMAND.plus(Modifiers::SHIFT),
+                |_| Request::Redo,
+            ),
+            command("Ctrl+Z", "take back the last change of a setting", &[Key::Z], Modifiers::COMMAND, |_| {
+                Request::Undo
+            }),
             plain("H", "the input held, or linear between samples", &[Key::H], |session| {
                 edit(session, comparison::with_other_hold)
             }),
@@ -91,13 +97,13 @@ const GROUPS: &[(&str, &[Shortcut])] = &[
     (
         "Files",
         &[
-            Shortcut {
-                name: "Ctrl+O",
-                what: "open a file: a record, a scenario, a lesson or a session",
-                keys: &[Key::O],
-                modifiers: Modifiers::COMMAND,
-                request: |_| Request::ChooseFile,
-            },
+            command(
+                "Ctrl+O",
+                "open a file: a record, a scenario, a lesson or a session",
+                &[Key::O],
+                Modifiers::COMMAND,
+                |_| Request::ChooseFile,
+            ),
             plain("C", "copy a link to this picture", &[Key::C], |_| Request::CopyLink),
             plain("E", "export: figures and files", &[Key::E], |_| Request::ToggleExports),
         ],

@@ -155,8 +155,6 @@ mod web {
             app = app.choosing(choose).working_with(team);
             if !embedded {
                 app = app.keeping_records(Box::new(shelf::Browser), &creation.egui_ctx);
-            }
-            if !embedded {
                 app = app.measuring_with(sensors(&creation.egui_ctx));
             }
             if is_match("(pointer: coarse)") {

@@ -99,17 +99,11 @@ impl Session {
     pub const LONGEST_WHOLE: usize = 200_000;
 
     /// A session at the start of the scenario, playing, that computes everything at once.
-    ///
-    /// # Errors
-    /// [`RunError`] where the scenario is impossible.
     pub fn new(scenario: Scenario) -> Result<Self, RunError> {
         Self::with_budget(scenario, Budget::Unlimited)
     }
 
     /// A session at the start of the scenario, playing, that computes no more at once than its budget.
-    ///
-    /// # Errors
-    /// [`RunError`] where the scenario is impossible.
     pub fn with_budget(mut scenario: Scenario, budget: Budget) -> Result<Self, RunError> {
         scenario.number_filters();
         scenario.keep_draws();

@@ -47,7 +47,7 @@ pub(crate) fn story_of(session: &Session) -> Story {
             Some((estimates.id(), estimates.name(), was, now))
         })
         .collect();
-    story.compared(before.words(), &filters)
+    story.compared(&before.words, &filters)
 }
 
 pub(crate) fn story_ui(

@@ -1,19 +1,19 @@
 //! A lesson in progress. Each step has something to look at, a question, a change, its effect and an explanation.
 
-mod map;
 mod menu;
 mod panel;
 
 use std::collections::BTreeSet;
 use std::sync::LazyLock;
 
-use kalmanscope_core::Scenario;
+use kalmanscope_core::{Axis, Scenario};
 use kalmanscope_lessons::{Lesson, LessonError, Map, Presentation, Question, Step, ViewName};
 use serde::{Deserialize, Serialize};
 
 use crate::laboratory::Choice;
 use crate::request::{Answer, ViewKind};
 use crate::session::{Mode, Session};
+use crate::team::Precision;
 use crate::visibility::Visibility;
 
 pub(crate) use menu::{invitation_ui, menu_ui};
@@ -21,8 +21,8 @@ pub(crate) use menu::{invitation_ui, menu_ui};
 pub struct Tutor {
     lesson: Lesson,
     /// The lesson's place in the menu; `None` for a lesson from a file.
-    place: Option<usize>,
-    step: usize,
+    pub(crate) place: Option<usize>,
+    pub(crate) step: usize,
     changed: bool,
     answer: Option<Answer>,
     /// The addresses of the settings that the step is about, by ids for the filters that the scenario has had.
@@ -30,25 +30,14 @@ pub struct Tutor {
 }
 
 impl Tutor {
-    pub(crate) fn of_menu(lesson: Lesson, place: usize) -> Self {
-        Self { lesson, place: Some(place), step: 0, changed: false, answer: None, lit: Vec::new() }
-    }
-
-    pub(crate) fn of_file(lesson: Lesson) -> Self {
-        Self { lesson, place: None, step: 0, changed: false, answer: None, lit: Vec::new() }
+    pub(crate) fn new(lesson: Lesson, place: Option<usize>) -> Self {
+        Self { lesson, place, step: 0, changed: false, answer: None, lit: Vec::new() }
     }
 
     /// A lesson of the menu at its bookmark; `None` if the lesson has no such step.
     pub(crate) fn at_bookmark(lesson: Lesson, place: usize, bookmark: &Bookmark) -> Option<Self> {
         let Bookmark { lesson: _, step, changed, answer } = *bookmark;
-        (step < lesson.steps.len()).then_some(Self {
-            lesson,
-            place: Some(place),
-            step,
-            changed,
-            answer,
-            lit: Vec::new(),
-        })
+        (step < lesson.steps.len()).then(|| Self { step, changed, answer, ..Self::new(lesson, Some(place)) })
     }
 
     pub(crate) fn bookmark(&self) -> Option<Bookmark> {
@@ -56,16 +45,8 @@ impl Tutor {
         place.map(|_| Bookmark { lesson: lesson.title.clone(), step: *step, changed: *changed, answer: *answer })
     }
 
-    pub(crate) fn place(&self) -> Option<usize> {
-        self.place
-    }
-
     pub fn title(&self) -> &str {
         &self.lesson.title
-    }
-
-    pub fn step(&self) -> usize {
-        self.step
     }
 
     fn current(&self) -> Option<&Step> {
@@ -92,10 +73,10 @@ impl Tutor {
     pub(crate) fn map(&self, scenario: &Scenario) -> Result<Option<Choice>, String> {
         let Some(map) = self.current().and_then(|step| step.map.as_ref()) else { return Ok(None) };
         match map.missing_filter(scenario) {
-            None => map::choice(map, scenario).map(Some),
+            None => choice_of(map, scenario).map(Some),
             Some(missing) if *missing == map.filter => Ok(None),
             // The step's change adds the second filter.
-            Some(_) => map::choice(&Map { second: None, ..map.clone() }, scenario).map(Some),
+            Some(_) => choice_of(&Map { second: None, ..map.clone() }, scenario).map(Some),
         }
     }
 
@@ -243,7 +224,7 @@ pub(crate) struct Bookmark {
 pub struct Catalogue {
     lessons: LazyLock<Vec<Lesson>>,
     /// The titles of the finished lessons, also of those that this program does not have.
-    finished: BTreeSet<String>,
+    pub(crate) finished: BTreeSet<String>,
 }
 
 impl Default for Catalogue {
@@ -278,8 +259,69 @@ impl Catalogue {
     pub(crate) fn is_finished(&self, lesson: &Lesson) -> bool {
         self.finished.contains(&lesson.title)
     }
+}
 
-    pub(crate) fn finished(&self) -> &BTreeSet<String> {
-        &self.finished
+/// The choice of axes, score and filters that a step asks for.
+fn choice_of(map: &Map, scenario: &Scenario) -> Result<Choice, String> {
+    let Map { x, y, measure, filter, second } = map;
+    let mut scenario = scenario.clone();
+    scenario.number_filters();
+    let id = |name: &String| {
+        let filter = scenario.filters.iter().find(|filter| filter.name == *name);
+        filter.map(|filter| filter.id).ok_or_else(|| format!("the scenario has no filter `{name}`"))
+    };
+    let axis = |text: &String| Axis::parse(text).map_err(|error| error.to_string());
+    let choice = Choice {
+        axes: [axis(x)?, axis(y)?],
+        measure: *measure,
+        filter: id(filter)?,
+        second: second.as_ref().map(id).transpose()?,
+        precision: Precision::default(),
+    };
+    choice.check(&scenario)?;
+    Ok(choice)
+}
+
+#[cfg(test)]
+mod tests {
+    use kalmanscope_core::{Channel, Measure};
+
+    use super::*;
+
+    #[test]
+    fn the_maps_of_all_lessons_are_possible() {
+        let mut maps = 0;
+        for lesson in kalmanscope_lessons::lessons() {
+            let lesson = lesson.expect("a built-in lesson can be read");
+            let scenarios = lesson.scenarios().expect("its changes are possible");
+            for (step, scenario) in lesson.steps.iter().zip(&scenarios) {
+                let Some(map) = &step.map else { continue };
+                maps += 1;
+                let choice = choice_of(map, scenario).unwrap_or_else(|error| panic!("{}: {error}", lesson.title));
+                for axis in &choice.axes {
+                    // Another filter's name would not change the map's own filter.
+                    assert!(!axis.key.starts_with("filters.") || axis.key.starts_with("filters.*."), "{}", axis.key);
+                }
+            }
+        }
+        assert!(maps >= 8, "{maps} maps");
+    }
+
+    #[test]
+    fn an_impossible_map_is_told() {
+        let map = Map {
+            x: "seed=1:9:9".to_owned(),
+            y: "filters.*.fading=1:1.1:5".to_owned(),
+            measure: Measure::rmse(Channel::NATURAL_FREQUENCY),
+            filter: "EKF".to_owned(),
+            second: Some("UKF".to_owned()),
+        };
+        let scenario = Scenario::default();
+        let of = |map: &Map| choice_of(map, &scenario).map(|choice| (choice.filter, choice.second));
+        assert!(of(&map).is_ok_and(|(first, second)| second.is_some_and(|second| second != first)));
+        let error = |map: Map| of(&map).unwrap_err();
+        assert!(error(Map { filter: "KF".to_owned(), ..map.clone() }).contains("no filter `KF`"));
+        assert!(error(Map { y: map.x.clone(), ..map.clone() }).contains("both axes"));
+        assert!(error(Map { x: "seed=1:999:999".to_owned(), ..map }).contains("may have 256"));
     }
 }

@@ -68,7 +68,7 @@ impl App {
                 }
             }
             Request::StartLesson(place) => self.start_lesson(place, ctx),
-            Request::StudyLesson(lesson) => self.begin(Some(Tutor::of_file(*lesson)), ctx),
+            Request::StudyLesson(lesson) => self.begin(Some(Tutor::new(*lesson, None)), ctx),
             Request::GoToStep(step) => {
                 self.go_to_step(step);
                 number::begin_anew(ctx);
@@ -100,9 +100,9 @@ impl App {
                 let is_done = std::mem::take(&mut self.keys_open)
                     || session.cancel()
                     || laboratory.set_stopped(true)
-                    || laboratory.seeds_mut().set_stopped(true)
-                    || laboratory.tuning_mut().cancel()
-                    || laboratory.posteriors_mut().cancel()
+                    || laboratory.seeds.set_stopped(true)
+                    || laboratory.tuning.cancel()
+                    || laboratory.posteriors.cancel()
                     || self.exporting.take().is_some()
                     || self.editor.take().is_some()
                     || self.diagnosed.take().is_some();
@@ -142,16 +142,16 @@ impl App {
             Request::ComputeMap(wanted) => {
                 laboratory.set_stopped(!wanted);
             }
-            Request::ChooseSeeds(choice) => laboratory.seeds_mut().choose(choice),
+            Request::ChooseSeeds(choice) => laboratory.seeds.choose(choice),
             Request::RunSeeds(wanted) => {
-                laboratory.seeds_mut().set_stopped(!wanted);
+                laboratory.seeds.set_stopped(!wanted);
             }
-            Request::ChooseTuning(choice) => laboratory.tuning_mut().choose(Some(*choice)),
+            Request::ChooseTuning(choice) => laboratory.tuning.choose(Some(*choice)),
             Request::Tune(true) => laboratory.tune(session),
             Request::Tune(false) => {
-                laboratory.tuning_mut().cancel();
+                laboratory.tuning.cancel();
             }
-            Request::ChoosePosterior(filter) => laboratory.posteriors_mut().choose(filter),
+            Request::ChoosePosterior(filter) => laboratory.posteriors.choose(filter),
             Request::OpenSession(saved) => self.open_session(*saved, ctx),
         }
     }

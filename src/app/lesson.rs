@@ -12,7 +12,7 @@ use crate::tutor::{Bookmark, Catalogue, Studies, Tutor};
 impl App {
     pub(super) fn start_lesson(&mut self, place: usize, ctx: &Context) {
         let lesson = self.catalogue.at(place).cloned();
-        self.begin(lesson.map(|lesson| Tutor::of_menu(lesson, place)), ctx);
+        self.begin(lesson.map(|lesson| Tutor::new(lesson, Some(place))), ctx);
     }
 
     pub(super) fn begin(&mut self, lesson: Option<Tutor>, ctx: &Context) {
@@ -68,7 +68,7 @@ impl App {
         let Self { session, axis, tutor: Some(lesson), .. } = self else { return };
         if lesson.change(session).is_err() {
             // The target of the change is gone: begin the step again.
-            let step = lesson.step();
+            let step = lesson.step;
             self.go_to_step(step);
         } else {
             // The record may have become longer.
@@ -79,7 +79,7 @@ impl App {
     }
 
     pub(super) fn finish_lesson(&mut self) {
-        if let Some(place) = self.tutor.as_ref().and_then(Tutor::place) {
+        if let Some(place) = self.tutor.as_ref().and_then(|tutor| tutor.place) {
             self.catalogue.finish(place);
         }
     }
@@ -92,7 +92,7 @@ impl App {
 
     pub(super) fn studies(&self) -> Studies {
         let bookmark = self.tutor.as_ref().and_then(Tutor::bookmark);
-        Studies { bookmark, finished: self.catalogue.finished().clone() }
+        Studies { bookmark, finished: self.catalogue.finished.clone() }
     }
 
     /// Takes up the lessons where they were left. The scenario and the views have been restored before.

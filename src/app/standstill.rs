@@ -95,14 +95,14 @@ impl App {
     fn under_way(&self) -> Vec<(Work, f64)> {
         let Self { session, laboratory, layout, importing, exporting, .. } = self;
         let is_in_sight = |kind| layout.in_sight().contains(&kind);
-        let (map, seeds) = (laboratory, laboratory.seeds());
+        let (map, seeds) = (laboratory, &laboratory.seeds);
         let works = [
             (Work::Import, importing.as_ref().and_then(Import::progress)),
             (Work::Picture, session.progress()),
-            (Work::Map, map.progress().filter(|_| map.is_working() && !map.state().is_stopped())),
+            (Work::Map, map.progress().filter(|_| map.is_working() && !map.state.is_stopped)),
             (Work::Seeds, seeds.progress().filter(|_| seeds.is_working()).map(|[done, _]| done as f64)),
-            (Work::Tuning, map.tuning().progress().filter(|_| is_in_sight(ViewKind::Tune))),
-            (Work::Posterior, map.posteriors().progress().filter(|_| is_in_sight(ViewKind::ParameterPlane))),
+            (Work::Tuning, map.tuning.progress().filter(|_| is_in_sight(ViewKind::Tune))),
+            (Work::Posterior, map.posteriors.progress().filter(|_| is_in_sight(ViewKind::ParameterPlane))),
             (Work::Causes, session.trials_beside().filter(|_| !session.behind())),
             (Work::FreeRuns, session.free_run_beside()),
             (Work::Spectrogram, session.spectrogram_beside()),
@@ -118,9 +118,9 @@ impl App {
             Work::Import => *importing = None,
             Work::Picture => _ = session.cancel(),
             Work::Map => _ = laboratory.set_stopped(true),
-            Work::Seeds => _ = laboratory.seeds_mut().set_stopped(true),
-            Work::Tuning => _ = laboratory.tuning_mut().cancel(),
-            Work::Posterior => _ = laboratory.posteriors_mut().cancel(),
+            Work::Seeds => _ = laboratory.seeds.set_stopped(true),
+            Work::Tuning => _ = laboratory.tuning.cancel(),
+            Work::Posterior => _ = laboratory.posteriors.cancel(),
             Work::Causes => session.give_up_trials(),
             Work::FreeRuns => session.give_up_free_runs(),
             Work::Spectrogram => session.give_up_spectrogram(),

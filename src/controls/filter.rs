@@ -1,12 +1,11 @@
-//! One filter: its initial belief, its noise and its memory.
+//! One filter: its initial belief, its noise, its memory and its colour.
 
 use egui::collapsing_header::CollapsingState;
-use egui::{ComboBox, Grid, Response, RichText, Ui, Vec2};
+use egui::{ComboBox, Grid, Popup, Response, RichText, Sense, Ui, Vec2, WidgetInfo};
 use kalmanscope_core::import::Length;
 use kalmanscope_core::setting::{Entry, FADING, INITIAL_MEAN, INITIAL_STD, MEMORY, PROCESS_STD, SENSOR_STD, TableInfo};
-use kalmanscope_core::{Channel, FilterKind, FilterSettings, InputKind, PlantKind, Scenario, Sensor};
+use kalmanscope_core::{Channel, FilterColor, FilterKind, FilterSettings, InputKind, PlantKind, Scenario, Sensor};
 
-use super::color::{color_ui, free_color};
 use super::lit::lit;
 use super::number::{Named, REMARK, field, std_field, tell_hertz};
 use super::options::options_ui;
@@ -240,4 +239,48 @@ fn unit_ui(ui: &mut Ui, unit: &str) -> Response {
 fn scale(channel: Channel) -> f64 {
     let usual = channel.usual();
     if usual.std > 0.0 { usual.std } else { usual.mean.abs() }
+}
+
+pub(super) fn color_ui(ui: &mut Ui, filter: &mut FilterSettings, palette: &Palette) {
+    let color = color_of(filter);
+    let label = format!("Colour of {}", filter.name);
+    let dot = dot_ui(ui, palette.shade(color), &label, false).on_hover_text("Choose another colour");
+    let chosen = Popup::menu(&dot).show(|ui| {
+        ui.horizontal(|ui| {
+            let one = |ui: &mut Ui, choice: FilterColor| {
+                let dot = dot_ui(ui, palette.shade(choice), choice.name(), choice == color);
+                dot.on_hover_text(choice.name()).clicked()
+            };
+            FilterColor::ALL.into_iter().filter(|&choice| one(ui, choice)).last()
+        })
+        .inner
+    });
+    if let Some(choice) = chosen.and_then(|response| response.inner) {
+        filter.color = Some(choice);
+    }
+}
+
+/// The colour for a new filter with this id: `None` where the id's default colour is free, else the first free colour.
+pub(super) fn free_color(scenario: &Scenario, id: u32) -> Option<FilterColor> {
+    let taken: Vec<FilterColor> = scenario.filters.iter().map(color_of).collect();
+    if taken.contains(&FilterColor::of(id)) {
+        FilterColor::ALL.into_iter().find(|color| !taken.contains(color))
+    } else {
+        None
+    }
+}
+
+pub(crate) fn color_of(filter: &FilterSettings) -> FilterColor {
+    filter.color.unwrap_or(FilterColor::of(filter.id))
+}
+
+fn dot_ui(ui: &mut Ui, color: egui::Color32, label: &str, ringed: bool) -> egui::Response {
+    let (rect, response) = ui.allocate_exact_size(Vec2::splat(18.0), Sense::click());
+    response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, label));
+    let radius = if response.hovered() || response.has_focus() { 7.0 } else { 5.5 };
+    ui.painter().circle_filled(rect.center(), radius, color);
+    if ringed {
+        ui.painter().circle_stroke(rect.center(), 8.0, egui::Stroke::new(1.5, color));
+    }
+    response
 }

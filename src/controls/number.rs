@@ -31,12 +31,6 @@ impl<'a> From<&'a str> for Named<'a> {
     }
 }
 
-impl<'a> From<&'a String> for Named<'a> {
-    fn from(text: &'a String) -> Self {
-        Self::from(text.as_str())
-    }
-}
-
 #[derive(Clone, Copy, Debug)]
 pub struct Number<'a> {
     pub label: &'a str,

@@ -126,12 +126,12 @@ pub(super) fn signal_ui(ui: &mut Ui, parameter: &Parameter<'_>, signal: &mut Sig
     let value = |ui: &mut Ui, label: &str, value: &mut f64| {
         let name = format!("{name}, {label}");
         let hint = "True value, which no filter is told";
-        Number { label, name: (&name).into(), unit, range, least, logarithmic: false, hint }.show(ui, value);
+        Number { label, name: name.as_str().into(), unit, range, least, logarithmic: false, hint }.show(ui, value);
     };
     let time = |ui: &mut Ui, label: &str, value: &mut f64, least: f64| {
         let name = format!("{name}, {label}");
         let hint = "Time after the start of the record";
-        Number { label, name: (&name).into(), unit: "s", range: (least, 60.0), least, logarithmic: false, hint }
+        Number { label, name: name.as_str().into(), unit: "s", range: (least, 60.0), least, logarithmic: false, hint }
             .show(ui, value);
     };
     match signal {
@@ -152,19 +152,10 @@ pub(super) fn signal_ui(ui: &mut Ui, parameter: &Parameter<'_>, signal: &mut Sig
             value(ui, "mean", mean);
             // The lowest value must stay allowed.
             let room = *mean - least;
-            let name = format!("{name}, amplitude");
-            let hint = "Largest distance from the mean";
-            let shown = (0.0, if room.is_finite() { room } else { range.1 - range.0 });
-            Number {
-                label: "amplitude",
-                name: (&name).into(),
-                unit,
-                range: shown,
-                least: 0.0,
-                logarithmic: false,
-                hint,
-            }
-            .show(ui, amplitude);
+            let (name, hint) = (format!("{name}, amplitude"), "Largest distance from the mean");
+            let range = (0.0, if room.is_finite() { room } else { range.1 - range.0 });
+            let (label, name) = ("amplitude", name.as_str().into());
+            Number { label, name, unit, range, least: 0.0, logarithmic: false, hint }.show(ui, amplitude);
             *amplitude = amplitude.min(room);
             time(ui, "period", period, 0.1);
         }

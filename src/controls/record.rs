@@ -39,10 +39,10 @@ pub(super) fn record_ui(ui: &mut Ui, scenario: &mut Scenario, library: &Library,
             scenario.record = None;
         }
     });
-    if let Some(problem) = library.problem() {
+    if let Some(problem) = library.problem.as_deref() {
         ui.colored_label(ui.visuals().warn_fg_color, problem);
     }
-    for reason in library.reasons() {
+    for reason in &library.reasons {
         ui.weak(format!("• {reason}"));
     }
     ui.weak("Truth, force and duration of the scenario have no effect here, but for the kind of plant.");

@@ -38,7 +38,7 @@ pub(super) fn filter_row_ui(
 pub(super) fn scenario_row_ui(ui: &mut Ui, info: &SettingInfo<Scenario>, scenario: &mut Scenario, least: f64) {
     let (label, name) = ((info.label)(scenario).unwrap_or(info.name), sentence(info.name));
     let mut value = (info.get)(scenario);
-    let number = Number { least, ..Number::of(info, label, (&name).into()) };
+    let number = Number { least, ..Number::of(info, label, name.as_str().into()) };
     lit(ui, info.key, |ui| number.show(ui, &mut value));
     if value != (info.get)(scenario) {
         (info.set)(scenario, value);

@@ -52,7 +52,7 @@ pub(super) fn sensors_ui(ui: &mut Ui, scenario: &mut Scenario) {
         let name = format!("Noise of the {} sensor", quantity.key());
         let number = Number {
             label: &label,
-            name: (&name).into(),
+            name: name.as_str().into(),
             unit: quantity.unit(),
             range: noise_range(quantity),
             least: 0.0,

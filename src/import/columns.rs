@@ -16,7 +16,7 @@ const FIRST: usize = 3;
 const MOST: usize = 60;
 
 pub(super) fn columns_ui(ui: &mut Ui, draft: &mut Draft, palette: &Palette) {
-    let count = draft.file().table.columns.len();
+    let count = draft.file.table.columns.len();
     ScrollArea::horizontal().id_salt("columns").show(ui, |ui| {
         Grid::new("columns").num_columns(10).spacing([12.0, 6.0]).striped(true).show(ui, |ui| {
             for title in ["column", "is", "", "begins with", "unit", "gain", "offset", "late by", "missing is"] {
@@ -35,7 +35,7 @@ pub(super) fn columns_ui(ui: &mut Ui, draft: &mut Draft, palette: &Palette) {
 }
 
 fn column_ui(ui: &mut Ui, draft: &mut Draft, place: usize, palette: &Palette) {
-    let file = Arc::clone(draft.file());
+    let file = Arc::clone(&draft.file);
     let table = &file.table;
     let column = &table.columns[place];
     let name = column.name.clone();
@@ -199,7 +199,7 @@ pub(super) fn conditioning_ui(ui: &mut Ui, draft: &mut Draft, palette: &Palette)
             );
             whole_ui(ui, "Steps in place of one", &mut mapping.interpolate, 1..=8);
         });
-        if let Some(spectra) = draft.spectra() {
+        if let Some(spectra) = draft.spectra.as_ref() {
             spectra.ui(ui, palette);
         }
     });

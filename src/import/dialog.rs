@@ -134,7 +134,7 @@ fn decay_ui(ui: &mut Ui, table: &Table) -> Option<Choice> {
 
 impl Draft {
     fn ui(&mut self, ui: &mut Ui, palette: &Palette, can_hold_out: bool) -> Option<Choice> {
-        let file = std::sync::Arc::clone(self.file());
+        let file = std::sync::Arc::clone(&self.file);
         let table = &file.table;
         let rows = table.rows();
         ui.horizontal_wrapped(|ui| {

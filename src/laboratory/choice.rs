@@ -61,9 +61,6 @@ impl Choice {
     }
 
     /// Checks that a scenario can have a map of this choice.
-    ///
-    /// # Errors
-    /// A sentence with the reason.
     pub fn check(&self, scenario: &Scenario) -> Result<(), String> {
         let mut scenario = scenario.clone();
         scenario.number_filters();

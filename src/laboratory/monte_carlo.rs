@@ -62,9 +62,6 @@ impl SeedChoice {
     }
 
     /// Whether the number of seeds is possible.
-    ///
-    /// # Errors
-    /// A sentence with the allowed numbers.
     pub fn check(&self) -> Result<(), String> {
         let (least, most) = (SEEDS.start(), SEEDS.end());
         if SEEDS.contains(&self.seeds) {
@@ -78,8 +75,8 @@ impl SeedChoice {
 pub struct SeedRuns {
     ensemble: Ensemble,
     judged: Judged,
-    filters: Vec<u32>,
-    statistics: MonteCarlo,
+    pub filters: Vec<u32>,
+    pub statistics: MonteCarlo,
     known: Vec<bool>,
     work: Option<Relay>,
 }
@@ -96,14 +93,6 @@ impl SeedRuns {
 
     pub fn scenario(&self) -> &Scenario {
         self.ensemble.scenario()
-    }
-
-    pub fn filters(&self) -> &[u32] {
-        &self.filters
-    }
-
-    pub fn statistics(&self) -> &MonteCarlo {
-        &self.statistics
     }
 
     pub fn seeds(&self) -> usize {
@@ -157,21 +146,19 @@ fn bare(scenario: &Scenario, filters: &[u32]) -> Scenario {
 
 #[derive(Default)]
 pub struct Seeds {
-    choice: SeedChoice,
+    pub choice: SeedChoice,
     runs: Option<SeedRuns>,
     before: Option<SeedRuns>,
-    state: WorkState,
+    /// Whether the user has stopped the seeds, why there are no statistics, and a number that changes when the view has
+    /// to be drawn again: while seeds come in, whenever there are 5 % more.
+    pub state: WorkState,
     counted: usize,
 }
 
 impl Seeds {
-    pub fn choice(&self) -> &SeedChoice {
-        &self.choice
-    }
-
     pub fn choose(&mut self, choice: SeedChoice) {
         self.choice = choice;
-        self.state.go_on();
+        self.state.is_stopped = false;
     }
 
     /// The runs to show: the present ones, or the earlier ones as long as the present ones are too few.
@@ -190,12 +177,6 @@ impl Seeds {
 
     pub fn is_working(&self) -> bool {
         self.runs.as_ref().is_some_and(|runs| runs.work.is_some())
-    }
-
-    /// Whether the user has stopped the seeds, why there are no statistics, and a number that changes when the view has
-    /// to be drawn again: while seeds come in, whenever there are 5 % more.
-    pub fn state(&self) -> &WorkState {
-        &self.state
     }
 
     pub fn set_stopped(&mut self, stopped: bool) -> bool {
@@ -223,7 +204,7 @@ impl Seeds {
         for runs in [&mut self.runs, &mut self.before].into_iter().flatten() {
             runs.ensemble.call_filters(scenario);
         }
-        match team.filter(|_| !self.state.is_stopped()) {
+        match team.filter(|_| !self.state.is_stopped) {
             Some(team) => self.work(team, ctx),
             None => self.rest(),
         }
@@ -231,9 +212,7 @@ impl Seeds {
 
     /// Gives up the work on seeds that are not done; [`Self::follow`] continues it.
     pub(super) fn rest(&mut self) {
-        if let Some(runs) = &mut self.runs {
-            runs.work = None;
-        }
+        self.runs.iter_mut().for_each(|runs| runs.work = None);
     }
 
     fn forget(&mut self, problem: String) {
@@ -273,7 +252,7 @@ impl Seeds {
         if self.before.is_none()
             && (done < self.counted || runs.is_complete() || done > self.counted + self.counted / 20)
         {
-            self.state.show_new();
+            self.state.version += 1;
             self.counted = done;
         }
     }
@@ -298,7 +277,7 @@ impl SeedRuns {
     /// One row for each filter and time: the seeds so far, mean NEES and NIS, and for each channel the quantiles of its error,
     /// the root mean square error and the filter's own σ. An empty cell has no number.
     pub fn to_csv(&self) -> String {
-        let (scenario, statistics) = (self.scenario(), self.statistics());
+        let (scenario, statistics) = (self.scenario(), &self.statistics);
         let channels = self.ensemble.channels();
         let mut text = "filter,t,seeds,mean_nees,mean_nis".to_owned();
         for channel in &channels {

@@ -18,20 +18,12 @@ use crate::session::{Budget, Session};
 use crate::team::{Lost, Priority, Running, Team};
 
 pub struct TuneResult {
-    choice: TuneChoice,
+    pub choice: TuneChoice,
     of: Scenario,
-    tuned: Tuned,
+    pub tuned: Tuned,
 }
 
 impl TuneResult {
-    pub fn choice(&self) -> &TuneChoice {
-        &self.choice
-    }
-
-    pub fn tuned(&self) -> &Tuned {
-        &self.tuned
-    }
-
     /// The scenario with the best values. `None` if its settings have changed since the search began.
     pub fn applied(&self, scenario: &Scenario) -> Option<Scenario> {
         let best = self.tuned.scenario.filters.first()?;
@@ -60,20 +52,16 @@ type Seen = (f64, Vec<Try>);
 
 #[derive(Default)]
 pub struct Tuning {
-    choice: Option<TuneChoice>,
+    pub choice: Option<TuneChoice>,
     search: Option<Search>,
-    result: Option<TuneResult>,
-    problem: Option<String>,
+    pub result: Option<TuneResult>,
+    pub problem: Option<String>,
 }
 
 impl Tuning {
     pub fn choice(&self, scenario: &Scenario) -> Option<TuneChoice> {
         let chosen = self.choice.as_ref().and_then(|choice| choice.fitted(scenario));
         chosen.or_else(|| TuneChoice::usual(scenario, None))
-    }
-
-    pub fn chosen(&self) -> Option<&TuneChoice> {
-        self.choice.as_ref()
     }
 
     pub fn choose(&mut self, choice: Option<TuneChoice>) {
@@ -100,14 +88,6 @@ impl Tuning {
             Some(search) => of_search(search),
             None => self.result.as_ref().and_then(of_result),
         }
-    }
-
-    pub fn result(&self) -> Option<&TuneResult> {
-        self.result.as_ref()
-    }
-
-    pub fn problem(&self) -> Option<&str> {
-        self.problem.as_deref()
     }
 
     pub fn cancel(&mut self) -> bool {
@@ -186,9 +166,6 @@ impl TuneChoice {
     }
 
     /// Checks that a scenario allows a search of this choice.
-    ///
-    /// # Errors
-    /// A sentence with the reason.
     pub fn check(&self, scenario: &Scenario) -> Result<(), String> {
         let mut scenario = scenario.clone();
         scenario.number_filters();
@@ -251,7 +228,7 @@ impl TuneChoice {
 /// The filter's place in the map, and the places of the map's axes among those of a search. `None` if the search lacks
 /// one of them or the map lacks the filter.
 fn places(survey: &Survey, choice: &TuneChoice) -> Option<(usize, [usize; 2])> {
-    let filter = survey.filters().iter().position(|id| *id == choice.filter)?;
+    let filter = survey.filters.iter().position(|id| *id == choice.filter)?;
     let place = |key: &str| choice.axes.iter().position(|axis| axis.key == key);
     let [x, y] = survey.axes();
     Some((filter, [place(&x.key)?, place(&y.key)?]))
@@ -261,7 +238,7 @@ fn places(survey: &Survey, choice: &TuneChoice) -> Option<(usize, [usize; 2])> {
 /// beginning, and map and search begin at different times.
 fn ratios(survey: &Survey, part: &Scenario) -> [f64; 2] {
     let present = survey.present(part);
-    let settings = survey.ensemble().settings();
+    let settings = survey.ensemble.settings();
     [0, 1].map(|at| if settings.get(at).is_some_and(Address::is_factor) { present[at] } else { 1.0 })
 }
 
@@ -273,11 +250,11 @@ fn best_of_map(survey: &Survey, choice: &TuneChoice, part: &Scenario) -> Option<
         let score = choice.goal.score(survey.value(cell, filter, choice.goal.measure())?);
         score.is_finite().then_some((cell, score))
     };
-    let (best, _) = (0..survey.ensemble().cells()).filter_map(score).max_by(|(_, a), (_, b)| a.total_cmp(b))?;
+    let (best, _) = (0..survey.ensemble.cells()).filter_map(score).max_by(|(_, a), (_, b)| a.total_cmp(b))?;
     let present = |axis: &Axis| Address::parse(part, &axis.key).map_or(f64::NAN, |setting| setting.get(part));
     let mut values: Vec<f64> = choice.axes.iter().map(present).collect();
     let ratios = ratios(survey, part);
-    for ((at, value), ratio) in places.into_iter().zip(survey.ensemble().values(best)).zip(ratios) {
+    for ((at, value), ratio) in places.into_iter().zip(survey.ensemble.values(best)).zip(ratios) {
         values[at] = value / ratio;
     }
     values.iter().all(|value| value.is_finite()).then_some(values)

@@ -18,16 +18,12 @@ const MOST: usize = 20_000;
 pub struct Before {
     scenario: Scenario,
     study: Study,
-    words: String,
+    pub words: String,
     is_of_filters: bool,
     is_complete: bool,
 }
 
 impl Before {
-    pub fn words(&self) -> &str {
-        &self.words
-    }
-
     pub fn estimates(&self, id: u32) -> Option<&Estimates> {
         let all = self.study.run().estimates();
         all.iter().find(|estimates| estimates.id() == id).filter(|estimates| !estimates.is_empty())

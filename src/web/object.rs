@@ -10,18 +10,12 @@ pub(super) fn get(object: &JsValue, key: &str) -> Option<JsValue> {
 }
 
 /// Calls a method.
-///
-/// # Errors
-/// The thrown value, or a message that there is no such method.
 pub(super) fn call(object: &JsValue, name: &str, arguments: &[&JsValue]) -> Result<JsValue, JsValue> {
     let method: Function = Reflect::get(object, &name.into())?.dyn_into()?;
     method.apply(object, &arguments.iter().copied().collect())
 }
 
 /// Waits for the answer of a method.
-///
-/// # Errors
-/// The value that the method throws, or the reason why its promise is rejected.
 pub(super) async fn awaited(answer: Result<JsValue, JsValue>) -> Result<JsValue, JsValue> {
     JsFuture::from(Promise::resolve(&answer?)).await
 }

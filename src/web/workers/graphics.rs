@@ -13,8 +13,8 @@ use wasm_bindgen_futures::spawn_local;
 use web_sys::MessageEvent;
 
 use super::super::object::{awaited, call, get};
-use super::given::{Given, Left};
-use super::worker::{Program, Worker};
+
+use super::worker::{Given, Left, Program, Worker};
 
 /// The cells of a portion, of which the worker has one at a time.
 const PORTION: usize = 1024;
@@ -86,7 +86,7 @@ struct Working {
 impl Working {
     fn take(&self) -> Result<Option<Rows>, Lost> {
         let state = self.state.borrow();
-        let task = state.task.as_ref().filter(|task| task.number() == self.number).ok_or(Lost)?;
+        let task = state.task.as_ref().filter(|task| task.number == self.number).ok_or(Lost)?;
         match task.next() {
             Some(part) => {
                 let (cells, numbers) = rows(&part).ok_or(Lost)?;
@@ -128,9 +128,6 @@ impl State {
 }
 
 /// Asks the browser for a graphics processor, or for a software adapter if that is accepted.
-///
-/// # Errors
-/// The reason in words if it offers none.
 async fn ask(software: bool) -> Result<(), String> {
     let navigator = web_sys::window().map(|window| JsValue::from(window.navigator())).unwrap_or_default();
     let gpu = get(&navigator, "gpu").filter(JsValue::is_object).ok_or("this browser has no WebGPU")?;
@@ -171,7 +168,7 @@ fn listener(state: &Rc<RefCell<State>>, software: bool) -> impl FnMut(Result<Mes
         match text(0).as_str() {
             "ready" => {
                 if let Some(worker) = &mut state.worker {
-                    worker.set_ready();
+                    worker.is_ready = true;
                     worker.tell(&Array::of2(&"graphics".into(), &software.into()));
                 }
             }
