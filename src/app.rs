@@ -34,7 +34,7 @@ use crate::ruler::{End, Ruler};
 use crate::sensor::Sensors;
 use crate::session::{Mode, ModelTime, Session, Wanted};
 use crate::shelf::{Candidate, Shelf};
-use crate::team::Team;
+use crate::team::{Frames, Team};
 use crate::tutor::{Catalogue, Tutor};
 use crate::twin::Twin;
 use crate::views::view;
@@ -106,7 +106,7 @@ impl App {
             ruler: Ruler::default(),
             visible: Visibility::default(),
             layout: Layout::default(),
-            laboratory: Laboratory::default(),
+            laboratory: Laboratory::new(Rc::new(Frames::FRAME)),
             catalogue: Catalogue::default(),
             tutor: None,
             history: Undoer::default(),

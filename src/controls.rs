@@ -29,7 +29,7 @@ pub fn few_controls_ui(ui: &mut Ui, scenario: &mut Scenario, story: &Story) -> b
         ui.label(RichText::new("Try it").family(theme::strong()).size(14.5));
         ui.add_space(6.0);
         if !named::named_ui(ui, scenario, story) {
-            named::nothing_ui(ui);
+            ui.label(RichText::new("The sentence above the plots names no number to change.").weak());
         }
         let all = Button::new("All settings").min_size(egui::vec2(ui.available_width(), 30.0));
         ui.add(all).on_hover_text("Every filter, the truth, the force and the sensors").clicked()

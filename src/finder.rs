@@ -193,7 +193,7 @@ fn entries(session: &Session, catalogue: &Catalogue) -> Vec<Entry> {
     });
     let scenarios = BUILT_IN.iter().chain(EQUATIONS);
     let scenarios = scenarios.map(|one| Entry::new(one.title, "scenario", one.description(), Request::Open(*one)));
-    let lessons = catalogue.lessons().iter().enumerate();
+    let lessons = catalogue.lessons.iter().enumerate();
     let lessons =
         lessons.map(|(place, one)| Entry::new(&one.title, "lesson", &one.summary, Request::StartLesson(place)));
     let commands = keys::commands(session)

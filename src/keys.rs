@@ -23,17 +23,13 @@ const fn plain(
     keys: &'static [Key],
     request: fn(&Session) -> Request,
 ) -> Shortcut {
-    command(name, what, keys, Modifiers::NONE, request)
+    Shortcut { name, what, keys, modifiers: Modifiers::NONE, request }
 }
 
-const fn command(
-    name: &'static str,
-    what: &'static str,
-    keys: &'static [Key],
-    modifiers: Modifiers,
-    request: fn(&Session) -> Request,
-) -> Shortcut {
-    Shortcut { name, what, keys, modifiers, request }
+impl Shortcut {
+    const fn with(self, modifiers: Modifiers) -> Self {
+        Self { modifiers, ..self }
+    }
 }
 
 const GROUPS: &[(&str, &[Shortcut])] = &[
@@ -56,16 +52,10 @@ const GROUPS: &[(&str, &[Shortcut])] = &[
         &[
             plain("S", "show or hide the settings", &[Key::S], |_| Request::ToggleControls),
             plain("X", "the other of two settings, A and B", &[Key::X], |_| Request::SwapSettings),
-            command(
-                "Ctrl+Shift+Z",
-                "make the change again",
-                &[Key::Z],
-                Modifiers::COMMAND.plus(Modifiers::SHIFT),
-                |_| Request::Redo,
-            ),
-            command("Ctrl+Z", "take back the last change of a setting", &[Key::Z], Modifiers::COMMAND, |_| {
-                Request::Undo
-            }),
+            plain("Ctrl+Shift+Z", "make the change again", &[Key::Z], |_| Request::Redo)
+                .with(Modifiers::COMMAND.plus(Modifiers::SHIFT)),
+            plain("Ctrl+Z", "take back the last change of a setting", &[Key::Z], |_| Request::Undo)
+                .with(Modifiers::COMMAND),
             plain("H", "the input held, or linear between samples", &[Key::H], |session| {
                 edit(session, comparison::with_other_hold)
             }),
@@ -97,13 +87,10 @@ const GROUPS: &[(&str, &[Shortcut])] = &[
     (
         "Files",
         &[
-            command(
-                "Ctrl+O",
-                "open a file: a record, a scenario, a lesson or a session",
-                &[Key::O],
-                Modifiers::COMMAND,
-                |_| Request::ChooseFile,
-            ),
+            plain("Ctrl+O", "open a file: a record, a scenario, a lesson or a session", &[Key::O], |_| {
+                Request::ChooseFile
+            })
+            .with(Modifiers::COMMAND),
             plain("C", "copy a link to this picture", &[Key::C], |_| Request::CopyLink),
             plain("E", "export: figures and files", &[Key::E], |_| Request::ToggleExports),
         ],

@@ -22,7 +22,7 @@ use kalmanscope_core::{Run, Scenario, Source};
 use serde::{Deserialize, Serialize};
 
 use crate::session::Session;
-use crate::team::{Finding, Frames, Team};
+use crate::team::{Finding, Team};
 
 pub(crate) use choice::part_of;
 pub use choice::{Choice, MOST};
@@ -231,12 +231,6 @@ impl Laboratory {
         self.seeds.choose(seeds.unwrap_or_default());
         self.tuning.choose(tuning);
         self.posteriors.choose(posterior);
-    }
-}
-
-impl Default for Laboratory {
-    fn default() -> Self {
-        Self::new(Rc::new(Frames::FRAME))
     }
 }
 

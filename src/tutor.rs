@@ -222,7 +222,7 @@ pub(crate) struct Bookmark {
 }
 
 pub struct Catalogue {
-    lessons: LazyLock<Vec<Lesson>>,
+    pub(crate) lessons: LazyLock<Vec<Lesson>>,
     /// The titles of the finished lessons, also of those that this program does not have.
     pub(crate) finished: BTreeSet<String>,
 }
@@ -235,20 +235,8 @@ impl Default for Catalogue {
 }
 
 impl Catalogue {
-    pub(crate) fn with_finished(finished: BTreeSet<String>) -> Self {
-        Self { finished, ..Self::default() }
-    }
-
-    pub(crate) fn lessons(&self) -> &[Lesson] {
-        &self.lessons
-    }
-
     pub(crate) fn at(&self, place: usize) -> Option<&Lesson> {
         self.lessons.get(place)
-    }
-
-    pub(crate) fn place_of(&self, title: &str) -> Option<usize> {
-        self.lessons.iter().position(|lesson| lesson.title == title)
     }
 
     pub(crate) fn finish(&mut self, place: usize) {

@@ -98,12 +98,12 @@ impl App {
             Request::Leave if self.standstill.first().is_some() => self.stop_standing_still(),
             Request::Leave => {
                 let is_done = std::mem::take(&mut self.keys_open)
+                    || self.exporting.take().is_some()
                     || session.cancel()
                     || laboratory.set_stopped(true)
                     || laboratory.seeds.set_stopped(true)
                     || laboratory.tuning.cancel()
                     || laboratory.posteriors.cancel()
-                    || self.exporting.take().is_some()
                     || self.editor.take().is_some()
                     || self.diagnosed.take().is_some();
                 if !is_done {

@@ -7,7 +7,7 @@ use crate::controls::number;
 use crate::layout::Layout;
 use crate::plot::time_axis::TimeAxis;
 use crate::request::Answer;
-use crate::tutor::{Bookmark, Catalogue, Studies, Tutor};
+use crate::tutor::{Bookmark, Studies, Tutor};
 
 impl App {
     pub(super) fn start_lesson(&mut self, place: usize, ctx: &Context) {
@@ -97,7 +97,7 @@ impl App {
 
     /// Takes up the lessons where they were left. The scenario and the views have been restored before.
     pub(super) fn resume(&mut self, Studies { bookmark, finished }: Studies) {
-        self.catalogue = Catalogue::with_finished(finished);
+        self.catalogue.finished = finished;
         let Some(bookmark) = bookmark else { return };
         let Some(lesson) = self.bookmarked(&bookmark) else {
             let Bookmark { lesson, step, .. } = bookmark;
@@ -110,7 +110,7 @@ impl App {
     }
 
     fn bookmarked(&self, bookmark: &Bookmark) -> Option<Tutor> {
-        let place = self.catalogue.place_of(&bookmark.lesson)?;
+        let place = self.catalogue.lessons.iter().position(|lesson| lesson.title == bookmark.lesson)?;
         Tutor::at_bookmark(self.catalogue.at(place)?.clone(), place, bookmark)
     }
 }

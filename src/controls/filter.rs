@@ -40,7 +40,12 @@ pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize,
             let Scenario { dt, plant, sensors, filters, record, .. } = scenario;
             let length = Length::of(record.as_ref());
             let filter = &mut filters[place];
-            memory_ui(ui, filter, plant.kind, *dt);
+            for info in MEMORY {
+                filter_row_ui(ui, info, filter, plant.kind);
+                if *info == FADING {
+                    half_life_ui(ui, filter.fading, *dt);
+                }
+            }
             belief_ui(ui, filter, sensors, plant.kind, length);
             ui.add_space(2.0);
             options_ui(ui, filter, plant.kind, sensors, length);
@@ -121,15 +126,6 @@ fn kind_ui(ui: &mut Ui, filter: &mut FilterSettings, place: usize, others: &[Str
     if filter.kind != before && (filter.name == before.name() || filter.name == numbered(before)) {
         let name = filter.kind.name().to_owned();
         filter.name = if others.contains(&name) { numbered(filter.kind) } else { name };
-    }
-}
-
-fn memory_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantKind, dt: f64) {
-    for info in MEMORY {
-        filter_row_ui(ui, info, filter, truth);
-        if *info == FADING {
-            half_life_ui(ui, filter.fading, dt);
-        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! The settings that the story of the run names: a few sliders, each as wide as the panel.
 
-use egui::{Align, DragValue, Label, Layout, RichText, Slider, SliderClamping, Ui, Widget as _};
+use egui::{Align, DragValue, Label, Layout, Slider, SliderClamping, Ui, Widget as _};
 use kalmanscope_core::setting::Address;
 use kalmanscope_core::{Adjustable, Phrase, Scenario, Story};
 
@@ -65,10 +65,6 @@ fn setting_ui(ui: &mut Ui, setting: &Adjustable, name: &str) -> Option<f64> {
     let slider = named(slider, name);
     remember(ui.ctx(), name, slider.rect);
     (field.changed() || slider.changed()).then(|| setting.value(shown))
-}
-
-pub(super) fn nothing_ui(ui: &mut Ui) {
-    ui.label(RichText::new("The sentence above the plots names no number to change.").weak());
 }
 
 #[cfg(test)]

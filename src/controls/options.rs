@@ -1,6 +1,6 @@
 //! The less common settings of a filter: its plant, what else it estimates, its propagation, and those with rows.
 
-use egui::{Checkbox, DragValue, Ui};
+use egui::{Checkbox, DragValue, PopupCloseBehavior, Ui};
 use kalmanscope_core::channel::augment;
 use kalmanscope_core::import::Length;
 use kalmanscope_core::scenario::Between;
@@ -10,9 +10,12 @@ use kalmanscope_core::setting::{
 use kalmanscope_core::{Channel, FilterSettings, PlantKind, Robust, Sensor};
 
 use super::lit::lit;
-use super::row::{choice_row_ui, choices_ui, chooser_ui, filter_row_ui};
+use super::row::{choice_row_ui, filter_row_ui, list_ui};
 use crate::hover::named;
 use crate::text::significant;
+
+/// A list with several choices or numbers stays open until the user clicks elsewhere.
+const OUTSIDE: PopupCloseBehavior = PopupCloseBehavior::CloseOnClickOutside;
 
 pub(super) fn options_ui(
     ui: &mut Ui,
@@ -87,7 +90,7 @@ fn channels_ui(
     chosen: &mut Vec<Channel>,
     is_on: bool,
 ) {
-    choices_ui(ui, label_and_hint, &summary, &name, &mut |ui| {
+    list_ui(ui, label_and_hint, &summary, &name, OUTSIDE, &mut |ui| {
         for &channel in offered {
             let mut on = chosen.contains(&channel) == is_on;
             if ui.checkbox(&mut on, format!("{} {}", channel.symbol(), channel.name())).changed() {
@@ -107,7 +110,7 @@ fn plant_ui(ui: &mut Ui, filter: &mut FilterSettings) {
     let FilterSettings { name, plant, .. } = filter;
     let text = |plant: Option<PlantKind>| plant.map_or("as the truth", PlantKind::name);
     let (label, now) = (("its plant", "What the filter takes the truth for"), text(*plant));
-    chooser_ui(ui, label, now, &format!("{name} plant"), &mut |ui| {
+    list_ui(ui, label, now, &format!("{name} plant"), PopupCloseBehavior::CloseOnClick, &mut |ui| {
         for kind in std::iter::once(None).chain(PlantKind::ALL.map(Some)) {
             ui.selectable_value(plant, kind, text(kind));
         }
@@ -134,7 +137,7 @@ fn bounds_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantKind, length:
         (symbol, None, None) => symbol.to_owned(),
     });
     let (name, summary) = (filter.name.clone(), listed(ends, "no bounds"));
-    choices_ui(ui, ("tells within", hint), &summary, &format!("{name} bounds"), &mut |ui| {
+    list_ui(ui, ("tells within", hint), &summary, &format!("{name} bounds"), OUTSIDE, &mut |ui| {
         for &channel in &offered {
             let (mean, std) = (filter.initial_mean[channel], filter.initial_std[channel]);
             let mut between = filter.bounds.of(channel);
@@ -188,7 +191,7 @@ fn delays_ui(ui: &mut Ui, filter: &mut FilterSettings, sensors: &[Sensor]) {
     let late = late.map(|(sensor, delay)| format!("{} {} s", sensor.measures.symbol(), significant(*delay, 3)));
     let (name, summary, label) = (filter.name.clone(), listed(late, "none"), ("sensors late", SENSOR_DELAY.hint));
     lit(ui, &filter.address(SENSOR_DELAY.key), |ui| {
-        choices_ui(ui, label, &summary, &format!("{name} delays"), &mut |ui| {
+        list_ui(ui, label, &summary, &format!("{name} delays"), OUTSIDE, &mut |ui| {
             for quantity in sensors.iter().map(|sensor| sensor.measures) {
                 let entry = Entry::Sensor(quantity);
                 let before = SENSOR_DELAY.get(filter, entry, sensors).unwrap_or(0.0);
@@ -232,7 +235,7 @@ fn plucks_ui(ui: &mut Ui, filter: &mut FilterSettings) {
         _ => format!("{} times", times.len()),
     };
     lit(ui, &address, |ui| {
-        choices_ui(ui, ("plucked again", HINT), &summary, &format!("{name} plucks"), &mut |ui| {
+        list_ui(ui, ("plucked again", HINT), &summary, &format!("{name} plucks"), OUTSIDE, &mut |ui| {
             // Above the others: a list that grows while it is open keeps its height and scrolls.
             if ui.button("One more").clicked() {
                 times.push(times.last().copied().unwrap_or(0.0) + LATER);

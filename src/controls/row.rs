@@ -48,7 +48,8 @@ pub(super) fn scenario_row_ui(ui: &mut Ui, info: &SettingInfo<Scenario>, scenari
 pub(super) fn choice_row_ui<T>(ui: &mut Ui, info: &ChoiceInfo<T>, of: &mut T, name: &str) {
     let (options, now) = ((info.options)(), (info.get)(of));
     let mut chosen = now;
-    chooser_ui(ui, (info.label, info.hint), options.get(now).map_or("", |option| option.name), name, &mut |ui| {
+    let summary = options.get(now).map_or("", |option| option.name);
+    list_ui(ui, (info.label, info.hint), summary, name, PopupCloseBehavior::CloseOnClick, &mut |ui| {
         for (place, option) in options.iter().enumerate() {
             let label = ui.selectable_value(&mut chosen, place, option.name);
             if !option.hint.is_empty() {
@@ -61,28 +62,8 @@ pub(super) fn choice_row_ui<T>(ui: &mut Ui, info: &ChoiceInfo<T>, of: &mut T, na
     }
 }
 
-pub(super) fn chooser_ui(
-    ui: &mut Ui,
-    label_and_hint: (&str, &str),
-    summary: &str,
-    name: &str,
-    list: &mut dyn FnMut(&mut Ui),
-) {
-    list_ui(ui, label_and_hint, summary, name, PopupCloseBehavior::CloseOnClick, list);
-}
-
-/// A [`chooser_ui`] with several choices or numbers; its list stays open until the user clicks elsewhere.
-pub(super) fn choices_ui(
-    ui: &mut Ui,
-    label_and_hint: (&str, &str),
-    summary: &str,
-    name: &str,
-    list: &mut dyn FnMut(&mut Ui),
-) {
-    list_ui(ui, label_and_hint, summary, name, PopupCloseBehavior::CloseOnClickOutside, list);
-}
-
-fn list_ui(
+/// A list of choices or of numbers.
+pub(super) fn list_ui(
     ui: &mut Ui,
     (label, hint): (&str, &str),
     summary: &str,

@@ -54,7 +54,7 @@ pub(super) fn sensors_ui(ui: &mut Ui, scenario: &mut Scenario) {
             label: &label,
             name: name.as_str().into(),
             unit: quantity.unit(),
-            range: noise_range(quantity),
+            range: (usual_noise(quantity) / 30.0, usual_noise(quantity) * 30.0),
             least: 0.0,
             logarithmic: true,
             hint: "True standard deviation of the sensor's noise; each filter has its own assumption among its settings",
@@ -80,13 +80,7 @@ fn offered(scenario: &Scenario) -> Vec<Quantity> {
         aspect if aspect == Aspect::DRIFT => quantity.mass() > 0,
         _ => true,
     };
-    let measured = |quantity: &Quantity| scenario.sensors.iter().any(|sensor| sensor.measures == *quantity);
-    kind.quantities().filter(|quantity| is_told_apart(quantity) || measured(quantity)).collect()
-}
-
-fn noise_range(quantity: Quantity) -> (f64, f64) {
-    let usual = usual_noise(quantity);
-    (usual / 30.0, usual * 30.0)
+    kind.quantities().filter(|quantity| is_told_apart(quantity) || is_measured(scenario, *quantity)).collect()
 }
 
 pub(super) fn faults_ui(ui: &mut Ui, sensor: &mut Sensor) {

@@ -33,7 +33,7 @@ pub(crate) fn invitation_ui(ui: &mut Ui, requests: &mut Vec<Request>) {
 
 pub(crate) fn menu_ui(ui: &mut Ui, catalogue: &Catalogue, requests: &mut Vec<Request>) {
     let button = menu::menu_ui(ui, "Lessons", Closing::AtOnce, |ui| {
-        let lessons = catalogue.lessons();
+        let lessons = &catalogue.lessons;
         let room = ui.ctx().content_rect().width() - AROUND;
         let columns = ((room / LEAST) as usize).clamp(1, MOST);
         let groups: Vec<&str> = lessons.iter().map(|lesson| lesson.group.as_str()).collect();

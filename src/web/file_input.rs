@@ -2,7 +2,7 @@
 
 use egui::Context;
 use kalmanscope::drop;
-use kalmanscope::export::{Deliver, File};
+use kalmanscope::export::{self, Deliver};
 use kalmanscope::inbox::{Arrival, Choose, Inbox};
 use wasm_bindgen::JsCast as _;
 use wasm_bindgen::prelude::*;
@@ -59,7 +59,7 @@ pub(super) fn download() -> Deliver {
     })
 }
 
-fn give(file: &File) -> Result<(), JsValue> {
+fn give(file: &export::File) -> Result<(), JsValue> {
     let document = web_sys::window().and_then(|window| window.document()).ok_or("there is no document")?;
     let parts = js_sys::Array::of1(&js_sys::Uint8Array::from(file.contents.as_slice()));
     let options = BlobPropertyBag::new();
