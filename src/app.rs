@@ -22,7 +22,7 @@ use crate::equation::Editor;
 use crate::export::{Deliver, Exporting};
 use crate::finder::Finder;
 use crate::import::Import;
-use crate::inbox::{Choose, Inbox};
+use crate::inbox::{self, Choose, Inbox};
 use crate::laboratory::Laboratory;
 use crate::layout::Layout;
 use crate::measure::Measure;
@@ -39,7 +39,7 @@ use crate::tutor::{Catalogue, Tutor};
 use crate::twin::Twin;
 use crate::views::view;
 use crate::visibility::Visibility;
-use crate::{drop, keys, theme, views};
+use crate::{keys, theme, views};
 
 const LARGE: f32 = 1.4;
 
@@ -243,7 +243,7 @@ impl eframe::App for App {
         if self.importing.is_none() {
             keys::keys(ctx, &self.session, &mut self.requests);
         }
-        drop::dropped(ctx, &self.inbox);
+        inbox::dropped(ctx, &self.inbox);
         self.take_files(ctx);
         link::pasted(ctx, &mut self.requests);
         self.follow_export(ctx);
@@ -330,7 +330,8 @@ impl App {
         self.laboratory.follow_seeds(&self.session, &filters, is_in_sight, ctx);
         let is_in_sight = self.layout.in_sight().contains(&ViewKind::Tune);
         self.laboratory.follow_tuning(&self.session, is_in_sight, ctx);
-        let is_in_sight = self.layout.in_sight().contains(&ViewKind::ParameterPlane);
-        self.laboratory.follow_posterior(&self.session, is_in_sight, ctx);
+        if self.layout.in_sight().contains(&ViewKind::ParameterPlane) {
+            self.laboratory.follow_posterior(&self.session, ctx);
+        }
     }
 }

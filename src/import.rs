@@ -32,7 +32,8 @@ pub struct Import {
     name: String,
     stage: Stage,
     team: Rc<dyn Team>,
-    is_still: bool,
+    /// Whether it makes no progress.
+    pub(crate) is_still: bool,
 }
 
 enum Stage {
@@ -130,10 +131,6 @@ impl Import {
             Stage::Suggesting(_, suggest) => Some(*suggest.seen()),
             Stage::Asking(_) | Stage::Failed(_) => None,
         }
-    }
-
-    pub(crate) fn set_still(&mut self, is_still: bool) {
-        self.is_still = is_still;
     }
 
     pub(crate) fn ask_for_frame(&self, ctx: &Context) {

@@ -159,10 +159,8 @@ impl Laboratory {
         }
     }
 
-    pub fn follow_posterior(&mut self, session: &Session, is_in_sight: bool, ctx: &Context) {
-        if is_in_sight {
-            self.posteriors.follow(&*self.team, session, session.budget(), ctx);
-        }
+    pub fn follow_posterior(&mut self, session: &Session, ctx: &Context) {
+        self.posteriors.follow(&*self.team, session, session.budget(), ctx);
     }
 
     /// The choice, reduced to the filters and settings that the run has.

@@ -11,7 +11,6 @@ mod column;
 mod comparison;
 pub mod controls;
 mod drawer;
-pub mod drop;
 mod equation;
 pub mod export;
 pub mod figure;

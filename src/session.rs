@@ -271,7 +271,7 @@ impl Session {
     }
 
     pub fn explain(&mut self, reasons: Vec<String>, problem: Option<String>) {
-        self.library.set_reasons(reasons, problem);
+        (self.library.reasons, self.library.problem) = (reasons, problem);
     }
 
     pub fn is_measured(&self) -> bool {

@@ -5,10 +5,9 @@ use std::path::Path;
 use egui::Context;
 
 use super::App;
-use crate::drop;
 use crate::export::Deliver;
 use crate::figure::Figure;
-use crate::inbox::{Arrival, Choose, Inbox};
+use crate::inbox::{self, Arrival, Choose, Inbox};
 use crate::notice::Notice;
 use crate::request::{FigureFormat, Request};
 use crate::share;
@@ -26,11 +25,11 @@ impl App {
     }
 
     pub fn open_file(&mut self, name: &str, contents: Result<Vec<u8>, String>) {
-        self.requests.push(drop::opened(name, contents));
+        self.requests.push(inbox::opened(name, contents));
     }
 
     pub fn read_file(&self, path: &Path, ctx: &Context) {
-        drop::read(path, ctx, &self.inbox);
+        inbox::read(path, ctx, &self.inbox);
     }
 
     pub(super) fn choose_file(&mut self, ctx: &Context) {

@@ -63,7 +63,7 @@ impl App {
         }
         let first = self.standstill.first();
         if let Some(import) = &mut self.importing {
-            import.set_still(first.is_some_and(|(work, _)| work == Work::Import));
+            import.is_still = first.is_some_and(|(work, _)| work == Work::Import);
         }
         let is_said = self.notice.as_ref().is_some_and(Notice::is_of_standstill);
         match first.filter(|(work, _)| *work != Work::Import) {

@@ -172,9 +172,8 @@ impl Draft {
         ui.horizontal(|ui| {
             let open = button(ui, "Open the record", self.is_possible());
             let hint = "The free run of the models on screen over this record, which the filters do not see";
-            let tests = can_hold_out
-                && !self.is_of_scenario()
-                && ui.button("Test the models on it").on_hover_text(hint).clicked();
+            let tests =
+                can_hold_out && self.base.is_none() && ui.button("Test the models on it").on_hover_text(hint).clicked();
             let cancel = button(ui, "Cancel the import", true);
             match (open, tests, cancel) {
                 (true, ..) => Some(Choice::Open),

@@ -20,7 +20,7 @@ pub struct Draft {
     pub suggest: bool,
     pub(super) remark: Option<String>,
     /// The scenario that continues with another meaning of the columns, if there is one.
-    base: Option<Scenario>,
+    pub(super) base: Option<Scenario>,
     pub(super) sparks: Vec<Spark>,
     pub(super) is_own_clock: Vec<bool>,
     outcome: Option<(Choices, Result<Imported, String>)>,
@@ -67,10 +67,6 @@ impl Draft {
         let mapping = scenario.record.clone().unwrap_or_else(|| draft.mapping.clone());
         let (input, hold, plant) = (scenario.input, scenario.hold, scenario.plant.kind);
         Self { mapping, input, hold, plant, suggest: false, base: Some(scenario.clone()), ..draft }
-    }
-
-    pub(super) fn is_of_scenario(&self) -> bool {
-        self.base.is_some()
     }
 
     pub fn role(&self, place: usize) -> Role {

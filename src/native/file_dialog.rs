@@ -6,9 +6,8 @@ use std::sync::Arc;
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-use kalmanscope::drop;
 use kalmanscope::export::Deliver;
-use kalmanscope::inbox::{Arrival, Choose};
+use kalmanscope::inbox::{self, Arrival, Choose};
 use kalmanscope::text::sentence;
 use kalmanscope_cli::output;
 use rfd::{AsyncFileDialog, FileHandle};
@@ -78,7 +77,7 @@ fn saved(path: Option<PathBuf>, contents: &[u8], time: Duration) -> Option<Resul
 
 fn arrival(path: Option<PathBuf>, time: Duration) -> Option<Arrival> {
     match path {
-        Some(path) => Some(Arrival::File(drop::file_name(&path), drop::read_path(&path))),
+        Some(path) => Some(Arrival::File(inbox::file_name(&path), inbox::read_path(&path))),
         None if time < FAST => Some(Arrival::Failure(format!(
             "{}. Drop the file on the window, or start the program with it: kalmanscope FILE.",
             sentence(NO_DIALOG)

@@ -152,10 +152,6 @@ impl Library {
         Ok(())
     }
 
-    pub(super) fn set_reasons(&mut self, reasons: Vec<String>, problem: Option<String>) {
-        (self.reasons, self.problem) = (reasons, problem);
-    }
-
     pub fn remarks(&self, record: &Record) -> &[String] {
         let made = self.made.iter().find(|made| std::ptr::eq(&raw const *made.record, record));
         made.map_or(&[], |made| &made.remarks)

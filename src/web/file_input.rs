@@ -1,9 +1,8 @@
 //! Files that the user gives to the page, and those that it gives back as downloads of the browser.
 
 use egui::Context;
-use kalmanscope::drop;
 use kalmanscope::export::{self, Deliver};
-use kalmanscope::inbox::{Arrival, Choose, Inbox};
+use kalmanscope::inbox::{self, Arrival, Choose, Inbox};
 use wasm_bindgen::JsCast as _;
 use wasm_bindgen::prelude::*;
 use wasm_bindgen_futures::JsFuture;
@@ -41,8 +40,8 @@ pub(super) fn open(file: File, ctx: &Context, inbox: &Inbox) {
 }
 
 async fn read(file: &File) -> Result<Vec<u8>, String> {
-    if file.size() > drop::LARGEST as f64 {
-        return Err(drop::TOO_LARGE.to_owned());
+    if file.size() > inbox::LARGEST as f64 {
+        return Err(inbox::TOO_LARGE.to_owned());
     }
     let buffer = JsFuture::from(file.array_buffer()).await;
     let buffer = buffer.map_err(|error| error.as_string().unwrap_or_else(|| format!("{error:?}")))?;

@@ -171,7 +171,7 @@ impl State {
     fn sweep(&mut self) {
         let Self { workers, tasks, .. } = self;
         tasks.iter_mut().for_each(|task| task.forget_all_but(workers));
-        tasks.retain(|task| !task.is_done_with());
+        tasks.retain(|task| !(task.is_over && task.rests()));
     }
 
     /// Ends the task of this number. A worker that does it alone, and nothing else, is ended too: another one starts when there

@@ -106,7 +106,7 @@ pub(super) struct Given {
     /// The portions that a worker has at once.
     at_once: usize,
     come: Array,
-    is_over: bool,
+    pub(super) is_over: bool,
     ctx: Context,
 }
 
@@ -163,10 +163,6 @@ impl Given {
     /// Whether no worker has a portion of it.
     pub(super) fn rests(&self) -> bool {
         self.shares.iter().all(|(_, portions)| *portions == 0)
-    }
-
-    pub(super) fn is_done_with(&self) -> bool {
-        self.is_over && self.rests()
     }
 
     pub(super) fn is_of(&self, worker: &Worker) -> bool {
