@@ -49,7 +49,7 @@ pub struct App {
     ruler: Ruler,
     visible: Visibility,
     layout: Layout,
-    laboratory: Laboratory,
+    pub laboratory: Laboratory,
     catalogue: Catalogue,
     tutor: Option<Tutor>,
     history: Undoer<Scenario>,
@@ -84,7 +84,7 @@ pub struct App {
     measure: Option<Measure>,
     candidate: Option<Candidate>,
     standstill: standstill::Standstill,
-    inbox: Inbox,
+    pub inbox: Inbox,
     page: String,
     embedded: bool,
     /// The text of a saved session that could not be read; the next save keeps it.
@@ -311,14 +311,6 @@ impl App {
         self.laboratory.work_with(Rc::clone(&team));
         self.session.work_with(team);
         self
-    }
-
-    pub fn laboratory(&self) -> &Laboratory {
-        &self.laboratory
-    }
-
-    pub fn laboratory_mut(&mut self) -> &mut Laboratory {
-        &mut self.laboratory
     }
 
     fn follow_laboratory(&mut self, ctx: &Context) {

@@ -69,7 +69,7 @@ mod web {
         fn read_dropped_files(&mut self, ctx: &egui::Context) {
             let dropped = ctx.input_mut(|input| std::mem::take(&mut input.raw.dropped_files));
             for file in dropped.iter().filter_map(|file| file.web_file()) {
-                file_input::open(file.clone(), ctx, self.app.inbox());
+                file_input::open(file.clone(), ctx, &self.app.inbox);
             }
         }
     }
@@ -150,7 +150,7 @@ mod web {
             let mut app = app.on_cleared_window().delivering(file_input::download()).at_page(address::page(&address));
             let choose = web_sys::window()
                 .and_then(|window| window.document())
-                .and_then(|document| file_input::choose(&document, &creation.egui_ctx, app.inbox()));
+                .and_then(|document| file_input::choose(&document, &creation.egui_ctx, &app.inbox));
             let team = workers::team(address::allows_software_graphics(&address), &creation.egui_ctx);
             app = app.choosing(choose).working_with(team);
             if !embedded {

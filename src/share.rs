@@ -65,10 +65,6 @@ impl Picture {
     }
 }
 
-fn packed(text: &str) -> String {
-    format!("{VERSION}.{}", URL_SAFE_NO_PAD.encode(pack(text)))
-}
-
 fn unpacked(link: &str) -> Result<String, LinkError> {
     let (version, data) = link.split_once('.').ok_or(LinkError::Damaged)?;
     match version.parse() {
@@ -96,7 +92,7 @@ fn dictionary() -> Vec<u8> {
     [settings.trim_matches('"'), SCREENS].concat().into_bytes()
 }
 
-fn pack(text: &str) -> Vec<u8> {
+fn packed(text: &str) -> String {
     let mut compressor = CompressorOxide::new(create_comp_flags_from_zip_params(LEVEL, RAW, 0));
     // The result begins on a full byte after this.
     compress_to_output(&mut compressor, &dictionary(), TDEFLFlush::Sync, |_| true);
@@ -106,7 +102,7 @@ fn pack(text: &str) -> Vec<u8> {
         true
     });
     bytes.extend_from_slice(&short_hash(text.as_bytes()).to_be_bytes());
-    bytes
+    format!("{VERSION}.{}", URL_SAFE_NO_PAD.encode(bytes))
 }
 
 fn unpack(bytes: &[u8]) -> Option<String> {

@@ -7,7 +7,7 @@ use egui::Context;
 use super::App;
 use crate::export::Deliver;
 use crate::figure::Figure;
-use crate::inbox::{self, Arrival, Choose, Inbox};
+use crate::inbox::{self, Arrival, Choose};
 use crate::notice::Notice;
 use crate::request::{FigureFormat, Request};
 use crate::share;
@@ -18,10 +18,6 @@ impl App {
     #[must_use]
     pub fn choosing(self, choose: Option<Choose>) -> Self {
         Self { choose, ..self }
-    }
-
-    pub fn inbox(&self) -> &Inbox {
-        &self.inbox
     }
 
     pub fn open_file(&mut self, name: &str, contents: Result<Vec<u8>, String>) {

@@ -1,6 +1,8 @@
 //! One number: a label with symbol and unit, a slider and a field to drag, scroll or type in.
 
-use egui::{DragValue, Id, PointerButton, Response, Slider, SliderClamping, Stroke, Ui, Vec2, Widget as _, lerp};
+use egui::{
+    Align, DragValue, Id, Layout, PointerButton, Response, Slider, SliderClamping, Stroke, Ui, Vec2, Widget as _, lerp,
+};
 
 use kalmanscope_core::setting::SettingInfo;
 
@@ -53,7 +55,9 @@ impl<'a> Number<'a> {
         let Named { text, key } = name;
         let initial = initial(ui, key, *value);
         ui.horizontal(|ui| {
-            fixed_width(ui, LABEL_WIDTH, |ui| {
+            let size = Vec2::new(LABEL_WIDTH, ui.spacing().interact_size.y);
+            ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
+                ui.set_min_width(LABEL_WIDTH);
                 let changed = *value != initial;
                 let label = ui.add(egui::Label::new(label).truncate()).on_hover_text(hint);
                 if changed {
@@ -210,12 +214,4 @@ fn step(value: f64, low: f64, high: f64) -> f64 {
 
 fn smallest(low: f64, high: f64) -> f64 {
     if low > 0.0 { low } else { high * 1e-5 }
-}
-
-fn fixed_width(ui: &mut Ui, width: f32, add_contents: impl FnOnce(&mut Ui)) {
-    let size = Vec2::new(width, ui.spacing().interact_size.y);
-    ui.allocate_ui_with_layout(size, egui::Layout::left_to_right(egui::Align::Center), |ui| {
-        ui.set_min_width(width);
-        add_contents(ui);
-    });
 }
