@@ -36,10 +36,8 @@ impl Bar<'_> {
     pub(crate) fn ui(&self, ui: &mut Ui, requests: &mut Vec<Request>) {
         let Self { session, layout, catalogue, controls, presenting, narrow, history, measures } = *self;
         ui.horizontal_wrapped(|ui| {
-            let toggle = named(
-                ui.selectable_label(controls, RichText::new("☰").size(16.0)).on_hover_text("Settings (S)"),
-                "Settings",
-            );
+            let toggle = ui.selectable_label(controls, RichText::new("☰").size(16.0)).on_hover_text("Settings (S)");
+            let toggle = named(toggle, "Settings");
             probe::remember(ui.ctx(), "Settings", toggle.rect);
             if toggle.clicked() {
                 requests.push(Request::ToggleControls);
@@ -74,10 +72,8 @@ impl Bar<'_> {
 }
 
 fn choose_file_ui(ui: &mut Ui, text: &str, requests: &mut Vec<Request>) -> bool {
-    let button = named(
-        ui.button(text).on_hover_text("A measured record, a scenario, a lesson or a session (Ctrl+O)"),
-        "Open a file",
-    );
+    let button = ui.button(text).on_hover_text("A measured record, a scenario, a lesson or a session (Ctrl+O)");
+    let button = named(button, "Open a file");
     probe::remember(ui.ctx(), "Open a file", button.rect);
     if button.clicked() {
         requests.push(Request::ChooseFile);

@@ -98,24 +98,19 @@ impl Import {
                 Ok(Some(Err(reason))) => Stage::Failed(reason),
                 Err(Lost) => Stage::Failed("the thread that read it has failed".to_owned()),
             },
-            Stage::Suggesting(draft, mut suggest) => {
-                let Ok(suggested) = suggest.advance(while_time) else {
-                    self.stage = Stage::Failed("the thread that made start values of it has failed".to_owned());
-                    return None;
-                };
-                if let Some(suggestion) = suggested {
-                    if let Err(error) = suggestion.scenario.validate() {
-                        self.stage = Stage::Failed(format!("no start values can be made of it: {error}"));
-                        return None;
+            Stage::Suggesting(draft, mut suggest) => match suggest.advance(while_time) {
+                Ok(None) => Stage::Suggesting(draft, suggest),
+                Ok(Some(suggestion)) => match suggestion.scenario.validate() {
+                    Ok(()) => {
+                        let problem = suggestion.why_no_guess().map(str::to_owned);
+                        let Suggestion { scenario, mut reasons, .. } = suggestion;
+                        reasons.retain(|reason| Some(reason) != problem.as_ref());
+                        return Some(Opened { file: Arc::clone(&draft.file), scenario, reasons, problem });
                     }
-                    let file = Arc::clone(&draft.file);
-                    let problem = suggestion.why_no_guess().map(str::to_owned);
-                    let Suggestion { scenario, mut reasons, .. } = suggestion;
-                    reasons.retain(|reason| Some(reason) != problem.as_ref());
-                    return Some(Opened { file, scenario, reasons, problem });
-                }
-                Stage::Suggesting(draft, suggest)
-            }
+                    Err(error) => Stage::Failed(format!("no start values can be made of it: {error}")),
+                },
+                Err(Lost) => Stage::Failed("the thread that made start values of it has failed".to_owned()),
+            },
             Stage::Asking(mut draft) => {
                 draft.advance(while_time);
                 Stage::Asking(draft)

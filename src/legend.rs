@@ -162,7 +162,7 @@ impl Legend<'_> {
 fn short(before: &Before, changed: &[(usize, &Estimates)]) -> String {
     let words = match changed {
         [(_, only)] => before.words.replace(&format!("{} ", only.name()), ""),
-        _ => before.words.to_owned(),
+        _ => before.words.clone(),
     };
     format!("before: {words}")
 }

@@ -149,22 +149,16 @@ impl Measure {
     }
 
     fn stop(&mut self, requests: &mut Vec<Request>) -> bool {
-        let instrument = &self.instruments[self.chosen];
-        match instrument.file() {
-            None => {
-                instrument.end();
-                false
-            }
-            Some(Ok(file)) => {
-                instrument.end();
-                requests.push(Request::ImportFile(Box::new(file)));
-                false
-            }
+        match self.instruments[self.chosen].file() {
             Some(Err(reason)) => {
                 self.fail(sentence(&reason));
-                true
+                return true;
             }
+            Some(Ok(file)) => requests.push(Request::ImportFile(Box::new(file))),
+            None => {}
         }
+        self.instruments[self.chosen].end();
+        false
     }
 
     fn fail(&mut self, reason: String) {

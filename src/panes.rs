@@ -201,10 +201,8 @@ impl Panes<'_> {
                 if close.clicked() {
                     self.requests.push(Request::ToggleView(kind));
                 }
-                let enlarge = named(
-                    ui.add(small("⛶")).on_hover_text("As large as can be, and back"),
-                    format!("Enlarge {}", view.name()),
-                );
+                let enlarge = ui.add(small("⛶")).on_hover_text("As large as can be, and back");
+                let enlarge = named(enlarge, format!("Enlarge {}", view.name()));
                 if enlarge.clicked() || title.double_clicked() {
                     self.requests.push(Request::ToggleEnlarged(kind));
                 }

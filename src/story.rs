@@ -178,9 +178,7 @@ fn number_ui(ui: &mut Ui, setting: &Adjustable, name: &str, palette: &Palette) -
     let (rect, color) = (number.rect, palette.accent);
     let dots = egui::Shape::dashed_line(&[rect.left_bottom(), rect.right_bottom()], Stroke::new(1.0, color), 2.0, 2.0);
     ui.painter().extend(dots);
-    let number = named(
-        number.on_hover_text(format!("{name}: drag to the sides, or click and type")),
-        format!("{name}, in the text"),
-    );
+    let number = number.on_hover_text(format!("{name}: drag to the sides, or click and type"));
+    let number = named(number, format!("{name}, in the text"));
     number.changed().then(|| setting.value(shown))
 }

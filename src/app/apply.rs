@@ -57,13 +57,10 @@ impl App {
             },
             Request::SwapSettings => session.swap_settings(),
             Request::ForgetBefore => session.forget_before(),
-            Request::Undo => {
-                if let Some(scenario) = history.undo(session.scenario()).cloned() {
-                    session.edit(scenario);
-                }
-            }
-            Request::Redo => {
-                if let Some(scenario) = history.redo(session.scenario()).cloned() {
+            Request::Undo | Request::Redo => {
+                let now = session.scenario();
+                let other = if request == Request::Undo { history.undo(now) } else { history.redo(now) };
+                if let Some(scenario) = other.cloned() {
                     session.edit(scenario);
                 }
             }
@@ -139,18 +136,12 @@ impl App {
             }
             Request::ToggleExports => export::toggle(ctx),
             Request::ChooseMap(choice) => laboratory.choose(Some(*choice)),
-            Request::ComputeMap(wanted) => {
-                laboratory.set_stopped(!wanted);
-            }
+            Request::ComputeMap(wanted) => _ = laboratory.set_stopped(!wanted),
             Request::ChooseSeeds(choice) => laboratory.seeds.choose(choice),
-            Request::RunSeeds(wanted) => {
-                laboratory.seeds.set_stopped(!wanted);
-            }
+            Request::RunSeeds(wanted) => _ = laboratory.seeds.set_stopped(!wanted),
             Request::ChooseTuning(choice) => laboratory.tuning.choose(Some(*choice)),
             Request::Tune(true) => laboratory.tune(session),
-            Request::Tune(false) => {
-                laboratory.tuning.cancel();
-            }
+            Request::Tune(false) => _ = laboratory.tuning.cancel(),
             Request::ChoosePosterior(filter) => laboratory.posteriors.choose(filter),
             Request::OpenSession(saved) => self.open_session(*saved, ctx),
         }

@@ -102,10 +102,8 @@ fn rename_ui(ui: &mut Ui, filter: &mut FilterSettings, others: &[String]) {
     ui.horizontal(|ui| {
         ui.label("name");
         let mut name = filter.name.clone();
-        let field = named(
-            ui.add(egui::TextEdit::singleline(&mut name).desired_width(150.0).char_limit(40)),
-            format!("Name of {}", filter.name),
-        );
+        let field = ui.add(egui::TextEdit::singleline(&mut name).desired_width(150.0).char_limit(40));
+        let field = named(field, format!("Name of {}", filter.name));
         if field.changed() && !name.trim().is_empty() && !others.contains(&name) {
             filter.name = name;
         }

@@ -65,10 +65,8 @@ fn parameter_ui(ui: &mut Ui, plant: &mut Plant, channel: Channel) {
         signal_ui(ui, &Parameter { label: &label, name: &name, unit: channel.unit(), range, least }, signal);
     }
     if channel.is_augmentation() {
-        let button = named(
-            ui.add(Button::new("Remove").small()).on_hover_text("Take this property away from the truth"),
-            format!("Remove {}", channel.name()),
-        );
+        let button = ui.add(Button::new("Remove").small()).on_hover_text("Take this property away from the truth");
+        let button = named(button, format!("Remove {}", channel.name()));
         if button.clicked() {
             plant.remove(channel);
         }

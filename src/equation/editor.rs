@@ -227,10 +227,8 @@ pub(super) fn row_ui(ui: &mut Ui, symbol: &Symbol, settings: &mut EquationSettin
 /// The button that makes a new symbol a parameter, in the place of name and unit. Returns whether it was clicked.
 fn offer_ui(ui: &mut Ui, shown: &str, height: f32) -> bool {
     let width = WIDTHS[1] + WIDTHS[2] + ui.spacing().item_spacing.x;
-    let button = named(
-        ui.add_sized(vec2(width, height), Button::new("Make it a parameter")),
-        format!("Make {shown} a parameter"),
-    );
+    let button = ui.add_sized(vec2(width, height), Button::new("Make it a parameter"));
+    let button = named(button, format!("Make {shown} a parameter"));
     button.clicked()
 }
 

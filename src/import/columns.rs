@@ -108,10 +108,8 @@ fn mapped_ui(ui: &mut Ui, name: &str, mapped: &mut MappedColumn, table: &Table) 
     named(ui.add(egui::DragValue::new(delay).suffix(" samples").range(-1000..=1000)), format!("Delay of {name}"));
     ui.horizontal(|ui| {
         let mut on = missing.is_some();
-        let check = named(
-            ui.checkbox(&mut on, "").on_hover_text("Cells with this number have no reading"),
-            format!("Missing number in {name}"),
-        );
+        let check = ui.checkbox(&mut on, "").on_hover_text("Cells with this number have no reading");
+        let check = named(check, format!("Missing number in {name}"));
         if check.changed() {
             let found = || table.place(column).and_then(|place| table.sentinel(place));
             *missing = on.then(|| found().map_or(-9999.0, |found| found.value));

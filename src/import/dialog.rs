@@ -41,32 +41,22 @@ impl Import {
                 .inner
         });
         let choice = choice.and_then(|shown| shown.inner).flatten().or_else(|| self.pressed(ctx));
-        match choice {
-            Some(Choice::Cancel) => {
-                requests.push(Request::CancelImport);
-                None
-            }
-            Some(Choice::Decay(Ok(csv))) => {
+        match choice? {
+            Choice::Cancel => requests.push(Request::CancelImport),
+            Choice::Decay(Ok(csv)) => {
                 let name = format!("{}, free decay.csv", self.name.trim_end_matches(".csv"));
                 requests.push(Request::ImportFile(Box::new(RawFile { name, bytes: csv.into_bytes() })));
-                None
             }
-            Some(Choice::Decay(Err(reason))) => {
-                self.stage = Stage::Failed(reason.to_string());
-                None
-            }
-            Some(Choice::HoldOut) => {
-                requests.push(Request::HoldOut);
-                None
-            }
-            Some(Choice::Open) => {
+            Choice::Decay(Err(reason)) => self.stage = Stage::Failed(reason.to_string()),
+            Choice::HoldOut => requests.push(Request::HoldOut),
+            Choice::Open => {
                 let Stage::Asking(draft) = &mut self.stage else { return None };
                 let scenario = draft.scenario()?;
                 let record = draft.outcome()?.ok()?.record.clone();
-                self.accept(record, scenario)
+                return self.accept(record, scenario);
             }
-            None => None,
         }
+        None
     }
 
     /// The choice by a key, unless it is typed into a field or presses the widget with the focus: Esc closes the
