@@ -17,8 +17,8 @@ const WIDEST: f32 = 560.0;
 
 pub(crate) struct Notice {
     pub(crate) sentence: String,
-    is_failure: bool,
-    is_of_standstill: bool,
+    pub(crate) is_failure: bool,
+    pub(crate) is_of_standstill: bool,
     /// The time of the first frame with the message, if there has been one \[s\].
     since: Option<f64>,
 }
@@ -30,14 +30,6 @@ impl Notice {
 
     pub(crate) fn of_standstill(sentence: String) -> Self {
         Self { is_of_standstill: true, ..Self::from(sentence) }
-    }
-
-    pub(crate) fn is_of_standstill(&self) -> bool {
-        self.is_of_standstill
-    }
-
-    pub(crate) fn is_failure(&self) -> bool {
-        self.is_failure
     }
 
     /// Whether the message has been shown for long enough. A failure stays until it is dismissed.

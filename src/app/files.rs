@@ -48,7 +48,7 @@ impl App {
                 // It is opened without questions, or not at all.
                 Arrival::Kept(name, bytes) if self.waits_for(&name, &bytes) => self.open_file(&name, Ok(bytes)),
                 Arrival::Kept(..) => {}
-                Arrival::Done(sentence) if self.notice.as_ref().is_some_and(Notice::is_failure) => {
+                Arrival::Done(sentence) if self.notice.as_ref().is_some_and(|notice| notice.is_failure) => {
                     self.report(&sentence);
                 }
                 Arrival::Done(sentence) => self.notice = Some(Notice::done(&sentence)),
