@@ -1,10 +1,8 @@
 //! The app: one session, its controls and its views.
 
 mod apply;
-mod export;
 mod files;
 mod import;
-mod laboratory;
 mod lesson;
 pub mod link;
 mod panels;
@@ -12,19 +10,20 @@ mod standstill;
 pub mod state;
 mod window;
 
+use std::rc::Rc;
+
 use egui::util::undoer::Undoer;
-use egui::{ThemePreference, Ui};
+use egui::{Context, ThemePreference, Ui};
 use kalmanscope_core::diagnostics::Depth;
 use kalmanscope_core::{Estimates, RunError, Scenario, Story};
+use window::NARROW;
 
-use crate::drop;
 use crate::equation::Editor;
-use crate::export::Deliver;
+use crate::export::{Deliver, Exporting};
 use crate::finder::Finder;
 use crate::import::Import;
-use crate::inbox::{Choose, Inbox};
-use crate::keys;
-use crate::laboratory::{Laboratory, Shown};
+use crate::inbox::{self, Choose, Inbox};
+use crate::laboratory::Laboratory;
 use crate::layout::Layout;
 use crate::measure::Measure;
 use crate::notice::Notice;
@@ -35,11 +34,12 @@ use crate::ruler::{End, Ruler};
 use crate::sensor::Sensors;
 use crate::session::{Mode, ModelTime, Session, Wanted};
 use crate::shelf::{Candidate, Shelf};
-use crate::theme;
+use crate::team::{Frames, Team};
 use crate::tutor::{Catalogue, Tutor};
 use crate::twin::Twin;
-use crate::views;
+use crate::views::view;
 use crate::visibility::Visibility;
+use crate::{keys, theme, views};
 
 const LARGE: f32 = 1.4;
 
@@ -49,7 +49,7 @@ pub struct App {
     ruler: Ruler,
     visible: Visibility,
     layout: Layout,
-    laboratory: Laboratory,
+    pub laboratory: Laboratory,
     catalogue: Catalogue,
     tutor: Option<Tutor>,
     history: Undoer<Scenario>,
@@ -75,6 +75,7 @@ pub struct App {
     notice: Option<Notice>,
     /// Writes a file where the user finds it. `None` if the platform has no way to do so.
     deliver: Option<Deliver>,
+    exporting: Option<Exporting>,
     /// Opens the file dialog. `None` if the platform has none.
     choose: Option<Choose>,
     /// Keeps the record's file for the next start, if the platform has a place for it.
@@ -83,7 +84,7 @@ pub struct App {
     measure: Option<Measure>,
     candidate: Option<Candidate>,
     standstill: standstill::Standstill,
-    inbox: Inbox,
+    pub inbox: Inbox,
     page: String,
     embedded: bool,
     /// The text of a saved session that could not be read; the next save keeps it.
@@ -93,17 +94,11 @@ pub struct App {
 
 impl App {
     /// The explorer in its saved state, or playing the default scenario.
-    ///
-    /// # Errors
-    /// [`RunError`] where even the default scenario cannot be run.
     pub fn new(creation: &eframe::CreationContext<'_>) -> Result<Self, RunError> {
         Self::stored(&creation.egui_ctx, creation.storage)
     }
 
     /// The explorer at the start of a scenario, without fonts and styles.
-    ///
-    /// # Errors
-    /// [`RunError`] where the scenario is impossible.
     pub fn with_scenario(scenario: Scenario) -> Result<Self, RunError> {
         Ok(Self {
             session: Session::new(scenario)?,
@@ -111,7 +106,7 @@ impl App {
             ruler: Ruler::default(),
             visible: Visibility::default(),
             layout: Layout::default(),
-            laboratory: Laboratory::default(),
+            laboratory: Laboratory::new(Rc::new(Frames::FRAME)),
             catalogue: Catalogue::default(),
             tutor: None,
             history: Undoer::default(),
@@ -133,6 +128,7 @@ impl App {
             story: Story::default(),
             finder: None,
             deliver: None,
+            exporting: None,
             choose: None,
             shelf: None,
             sensors: Sensors::default(),
@@ -215,7 +211,8 @@ impl App {
 
     fn wanted(&self) -> Wanted {
         let of_drawer = if self.diagnosed.is_some() { Wanted::diagnostics(Depth::All) } else { Wanted::NOTHING };
-        views::wanted(&self.layout.shown()).and(self.visible.wanted()).and(of_drawer)
+        let of_export = self.exporting.as_ref().map_or(Wanted::NOTHING, Exporting::wanted);
+        views::wanted(&self.layout.shown()).and(self.visible.wanted()).and(of_drawer).and(of_export)
     }
 
     fn model_time(&self) -> Option<ModelTime> {
@@ -233,8 +230,8 @@ impl App {
     }
 
     pub fn screen_state(&self, ctx: &egui::Context) -> ScreenState {
-        let lesson = self.tutor.as_ref().map(|tutor| (tutor.title().to_owned(), tutor.step() + 1));
-        let posterior = self.laboratory.posteriors().shown().map(Shown::sampled);
+        let lesson = self.tutor.as_ref().map(|tutor| (tutor.title().to_owned(), tutor.step + 1));
+        let posterior = self.laboratory.posteriors.shown.as_ref().map(|shown| &shown.sampled);
         ScreenState::new(&self.session, lesson, self.laboratory.shown(), posterior, ctx)
     }
 }
@@ -246,9 +243,10 @@ impl eframe::App for App {
         if self.importing.is_none() {
             keys::keys(ctx, &self.session, &mut self.requests);
         }
-        drop::dropped(ctx, &self.inbox);
+        inbox::dropped(ctx, &self.inbox);
         self.take_files(ctx);
         link::pasted(ctx, &mut self.requests);
+        self.follow_export(ctx);
         for request in std::mem::take(&mut self.requests) {
             self.apply(request, ctx);
         }
@@ -262,6 +260,8 @@ impl eframe::App for App {
         self.session.want_spectrogram(self.layout.in_sight().contains(&ViewKind::Spectrogram));
         // A slow frame (a hidden tab, a breakpoint) must not skip part of the record.
         let elapsed = ctx.input(|input| f64::from(input.stable_dt)).min(0.1);
+        // The figures and the text of an export are of one time.
+        let elapsed = if self.exporting.is_some() { 0.0 } else { elapsed };
         // A number that is held is still being changed.
         let is_held = ctx.input(|input| input.pointer.any_down());
         self.session.hold(is_held);
@@ -301,6 +301,29 @@ impl eframe::App for App {
         }
         if let Err(error) = self.store(storage) {
             log::error!("The session is not saved: {error}");
+        }
+    }
+}
+
+impl App {
+    #[must_use]
+    pub fn working_with(mut self, team: Rc<dyn Team>) -> Self {
+        self.laboratory.work_with(Rc::clone(&team));
+        self.session.work_with(team);
+        self
+    }
+
+    fn follow_laboratory(&mut self, ctx: &Context) {
+        let is_in_sight = self.layout.in_sight().iter().any(|kind| view(*kind).is_of_laboratory());
+        self.laboratory.follow(&self.session, is_in_sight, self.width < NARROW, ctx);
+        let filters = self.session.run().estimates().iter().map(Estimates::id);
+        let filters: Vec<u32> = filters.filter(|id| self.visible.filter(*id)).collect();
+        let is_in_sight = self.layout.in_sight().contains(&ViewKind::MonteCarlo);
+        self.laboratory.follow_seeds(&self.session, &filters, is_in_sight, ctx);
+        let is_in_sight = self.layout.in_sight().contains(&ViewKind::Tune);
+        self.laboratory.follow_tuning(&self.session, is_in_sight, ctx);
+        if self.layout.in_sight().contains(&ViewKind::ParameterPlane) {
+            self.laboratory.follow_posterior(&self.session, ctx);
         }
     }
 }

@@ -3,7 +3,8 @@
 use egui::{Button, RichText, Ui};
 use kalmanscope_lessons::{BUILT_IN, BuiltIn, EQUATIONS};
 
-use crate::export_menu;
+use crate::export;
+use crate::hover::named;
 use crate::layout::Layout;
 use crate::menu::{Closing, entry_ui, menu_ui};
 use crate::probe;
@@ -36,7 +37,7 @@ impl Bar<'_> {
         let Self { session, layout, catalogue, controls, presenting, narrow, history, measures } = *self;
         ui.horizontal_wrapped(|ui| {
             let toggle = ui.selectable_label(controls, RichText::new("☰").size(16.0)).on_hover_text("Settings (S)");
-            toggle.ctx.accesskit_node_builder(toggle.id, |node| node.set_label("Settings"));
+            let toggle = named(toggle, "Settings");
             probe::remember(ui.ctx(), "Settings", toggle.rect);
             if toggle.clicked() {
                 requests.push(Request::ToggleControls);
@@ -51,7 +52,7 @@ impl Bar<'_> {
             scenario_menu_ui(ui, session, [!is_roomy, measures], requests);
             views_menu_ui(ui, layout, requests);
             tutor::menu_ui(ui, catalogue, requests);
-            export_menu::menu_ui(ui, narrow, requests);
+            export::menu_ui(ui, narrow, requests);
             if is_roomy {
                 ui.separator();
             }
@@ -72,7 +73,7 @@ impl Bar<'_> {
 
 fn choose_file_ui(ui: &mut Ui, text: &str, requests: &mut Vec<Request>) -> bool {
     let button = ui.button(text).on_hover_text("A measured record, a scenario, a lesson or a session (Ctrl+O)");
-    button.ctx.accesskit_node_builder(button.id, |node| node.set_label("Open a file"));
+    let button = named(button, "Open a file");
     probe::remember(ui.ctx(), "Open a file", button.rect);
     if button.clicked() {
         requests.push(Request::ChooseFile);
@@ -180,8 +181,7 @@ pub(crate) fn history_ui(ui: &mut Ui, (undo, redo): (bool, bool), requests: &mut
         [("↶", "Undo", "Ctrl+Z", undo, Request::Undo), ("↷", "Redo", "Ctrl+Shift+Z", redo, Request::Redo)]
     {
         let button = ui.add_enabled(possible, Button::new(RichText::new(icon).size(15.0)));
-        let button = button.on_hover_text(format!("{name} the last change of a setting ({key})"));
-        button.ctx.accesskit_node_builder(button.id, |node| node.set_label(name));
+        let button = named(button.on_hover_text(format!("{name} the last change of a setting ({key})")), name);
         if button.clicked() {
             requests.push(request);
         }

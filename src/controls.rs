@@ -1,24 +1,14 @@
 //! The settings, of which each writes to a copy of the scenario.
 
-mod belief;
-mod bounds;
-pub(crate) mod color;
-mod delays;
-mod equation;
-mod faults;
-mod filter;
-mod force;
-mod general;
+pub(crate) mod filter;
 mod lit;
 pub(crate) mod named;
 pub mod number;
 mod options;
 mod plant;
-mod plucks;
 mod record;
 mod row;
 mod sensors;
-mod signal;
 
 use egui::{Button, RichText, ScrollArea, Ui};
 use kalmanscope_core::{Scenario, Story};
@@ -39,7 +29,7 @@ pub fn few_controls_ui(ui: &mut Ui, scenario: &mut Scenario, story: &Story) -> b
         ui.label(RichText::new("Try it").family(theme::strong()).size(14.5));
         ui.add_space(6.0);
         if !named::named_ui(ui, scenario, story) {
-            named::nothing_ui(ui);
+            ui.label(RichText::new("The sentence above the plots names no number to change.").weak());
         }
         let all = Button::new("All settings").min_size(egui::vec2(ui.available_width(), 30.0));
         ui.add(all).on_hover_text("Every filter, the truth, the force and the sensors").clicked()
@@ -95,9 +85,9 @@ pub fn controls_ui(
             return;
         }
         section(ui, "Truth", true, |ui| plant::plant_ui(ui, scenario, &mut asked));
-        section(ui, "Force", true, |ui| lit::lit(ui, "force", |ui| force::force_ui(ui, scenario)));
+        section(ui, "Force", true, |ui| lit::lit(ui, "force", |ui| record::force_ui(ui, scenario)));
         section(ui, "Sensors", true, |ui| sensors::sensors_ui(ui, scenario));
-        section(ui, "Record", false, |ui| general::general_ui(ui, scenario));
+        section(ui, "Record", false, |ui| record::general_ui(ui, scenario));
         ui.add_space(12.0);
     });
     asked

@@ -3,6 +3,7 @@
 
 use egui::{Align, Button, Frame, Layout, Panel, Rect, Response, Sense, Ui, UiBuilder, WidgetInfo, pos2, vec2};
 
+use crate::hover::named;
 use crate::probe;
 
 pub(crate) const FOR_PLOTS: f32 = 0.45;
@@ -87,8 +88,8 @@ fn handle_ui(ui: &mut Ui, heading: impl FnOnce(&mut Ui)) -> Response {
 
 pub(crate) fn close_ui(ui: &mut Ui, name: &str) -> bool {
     let side = ui.spacing().interact_size.y;
-    let close = ui.add(Button::new("×").frame(false).min_size(egui::Vec2::splat(side))).on_hover_text(name);
-    close.ctx.accesskit_node_builder(close.id, |node| node.set_label(name));
+    let close =
+        named(ui.add(Button::new("×").frame(false).min_size(egui::Vec2::splat(side))).on_hover_text(name), name);
     close.clicked()
 }
 

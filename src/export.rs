@@ -1,18 +1,33 @@
 //! Files that leave the explorer.
 
-mod everything;
-mod report;
-
 use std::fmt::Display;
 
-use kalmanscope_cli::write_estimates;
+use egui::{Context, Id, Popup, RichText, Ui};
+use kalmanscope_cli::{Parts, day, report, write_estimates};
+use kalmanscope_core::diagnosis::{Evidence, Remedy};
+use kalmanscope_core::diagnostics::Depth;
+use kalmanscope_core::{
+    Analysis, Channel, Diagnosis, Document, DocumentError, Estimates, Record, Scenario, Stop, Task,
+};
 
 use crate::figure::Figure;
+use crate::hover::named;
 use crate::inbox::Done;
 use crate::laboratory::Laboratory;
 use crate::layout::Layout;
-use crate::request::Export;
+use crate::menu::Closing;
+use crate::request::{Export, FigureFormat, Request, ViewKind};
+use crate::session::{Attempt, Session, Wanted};
+use crate::team::{Lost, Priority, Running};
 use crate::view::ViewContext;
+use crate::{menu, probe};
+
+/// The views that a report has besides those on screen: innovations, and measurements against predictions.
+const ALWAYS: [ViewKind; 2] = [ViewKind::Innovations, ViewKind::Measured];
+
+const TEXT: [ViewKind; 4] = [ViewKind::Matrices, ViewKind::Scores, ViewKind::Filters, ViewKind::Diagnosis];
+
+const JSON: &str = "application/json";
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct File {
@@ -23,83 +38,125 @@ pub struct File {
 
 pub type Deliver = Box<dyn Fn(File, Done)>;
 
-impl Export {
-    pub const DATA: [Self; 8] = [
-        Self::Report,
-        Self::Estimates,
-        Self::Record,
-        Self::Map,
-        Self::MonteCarlo,
-        Self::Scenario,
-        Self::All,
-        Self::Session,
-    ];
+/// Files of results, each with its name and a hint.
+const RESULTS: [(Export, &str, &str); 8] = [
+    (
+        Export::Report,
+        "Report (HTML)",
+        "Verdicts, evidence, estimates, scores and figures as one page, to print or to send",
+    ),
+    (Export::Estimates, "Estimates (CSV)", "Every mean, standard deviation, innovation and prediction of every filter"),
+    (Export::Record, "Record (CSV)", "Force, measurements and truth, as the command line reads them"),
+    (Export::Map, "Map (CSV)", "Every score of every cell of the map in the laboratory"),
+    (
+        Export::MonteCarlo,
+        "Monte Carlo (CSV)",
+        "Mean NEES and NIS, error quantiles and σ over time, of all seeds in the laboratory",
+    ),
+    (Export::Scenario, "Scenario (TOML)", "The settings, for the command line or to be dropped on this window"),
+    (Export::All, "Everything (JSON)", "Version, scenario, record, estimates and diagnosis, for a program"),
+    (Export::Session, "Session, to open again", "Settings, views and playback; drop the file on this window to go on"),
+];
 
-    pub(crate) fn name(self) -> String {
-        match self {
-            Self::Figure(format) => format!("{} (SVG)", format.name()),
-            Self::Report => "Report (HTML)".to_owned(),
-            Self::Estimates => "Estimates (CSV)".to_owned(),
-            Self::Record => "Record (CSV)".to_owned(),
-            Self::Map => "Map (CSV)".to_owned(),
-            Self::MonteCarlo => "Monte Carlo (CSV)".to_owned(),
-            Self::Scenario => "Scenario (TOML)".to_owned(),
-            Self::All => "Everything (JSON)".to_owned(),
-            Self::Session => "Session, to open again".to_owned(),
-        }
+/// An export under way: a frame draws one figure, and the text follows from the analysis of the session, or is written beside the
+/// frames.
+pub(crate) struct Exporting {
+    export: Export,
+    figures: Vec<(Vec<Vec<ViewKind>>, FigureFormat)>,
+    drawn: Vec<String>,
+    written: Option<Running<Everything>>,
+}
+
+impl Exporting {
+    pub(crate) fn new(export: Export, layout: &Layout) -> Self {
+        let figures = match export {
+            Export::Figure(format) => vec![(layout.rows(), format)],
+            Export::Report => {
+                let more = ALWAYS.into_iter().filter(|kind| !layout.shown().contains(kind));
+                let views = layout.in_order().into_iter().chain(more).filter(|kind| !TEXT.contains(kind));
+                views.map(|kind| (vec![vec![kind]], FigureFormat::Page)).collect()
+            }
+            _ => Vec::new(),
+        };
+        Self { export, figures, drawn: Vec::new(), written: None }
     }
 
-    pub(crate) fn hint(self) -> &'static str {
-        match self {
-            Self::Figure(_) => "The views on screen as outlines and text, for a document",
-            Self::Report => "Verdicts, evidence, estimates, scores and figures as one page, to print or to send",
-            Self::Estimates => "Every mean, standard deviation, innovation and prediction of every filter",
-            Self::Map => "Every score of every cell of the map in the laboratory",
-            Self::MonteCarlo => "Mean NEES and NIS, error quantiles and σ over time, of all seeds in the laboratory",
-            Self::Record => "Force, measurements and truth, as the command line reads them",
-            Self::Scenario => "The settings, for the command line or to be dropped on this window",
-            Self::All => "Version, scenario, record, estimates and diagnosis, for a program",
-            Self::Session => "Settings, views and playback; drop the file on this window to go on",
+    pub(crate) fn wanted(&self) -> Wanted {
+        if self.export == Export::Report { Wanted::diagnostics(Depth::All) } else { Wanted::NOTHING }
+    }
+
+    pub(crate) fn progress(&self) -> f64 {
+        self.drawn.len() as f64 / (self.figures.len() + 1) as f64
+    }
+
+    /// Continues for a frame. Returns the file once, or the reason why it cannot be made. Results are those that have been computed
+    /// so far.
+    pub(crate) fn advance(&mut self, context: &ViewContext<'_>, layout: &Layout) -> Option<Result<File, String>> {
+        let (session, export) = (context.session, self.export);
+        if let Some((rows, format)) = self.figures.get(self.drawn.len()) {
+            self.drawn.push(Figure::new(context, rows, *format).svg());
+            return None;
+        }
+        if export == Export::Report && (session.behind() || session.owes_diagnoses()) {
+            return None;
+        }
+        if export != Export::All {
+            return Some(file(export, context, layout, &self.drawn));
+        }
+        let begin = || Running::begin(&**session.team(), Priority::Hand, Everything::of(session), Everything::progress);
+        match self.written.get_or_insert_with(begin).advance(&mut || true) {
+            Ok(written) => Some(written?.map(|json| text("kalmanscope.json", JSON, json)).map_err(reason)),
+            Err(Lost) => Some(Err("the thread that wrote it has failed".to_owned())),
         }
     }
 }
 
-/// The file of an export. Results are those that have been computed so far.
-///
-/// # Errors
-/// The reason why it cannot be made.
-pub fn file(export: Export, context: &ViewContext<'_>, layout: &Layout) -> Result<File, String> {
+fn file(export: Export, context: &ViewContext<'_>, layout: &Layout, figures: &[String]) -> Result<File, String> {
     let session = context.session;
     Ok(match export {
-        Export::Figure(format) => {
-            let svg = Figure::new(context, &layout.rows(), format).svg();
-            text(&format!("kalmanscope-{}.svg", format.key()), "image/svg+xml", svg)
-        }
-        Export::Report => text("report.html", "text/html", report::html(context, layout)?),
+        Export::Figure(format) => text(&format!("kalmanscope-{}.svg", format.key()), "image/svg+xml", figures.concat()),
+        Export::Report => text("report.html", "text/html", report_on(session, figures)?),
         Export::Estimates => csv("estimates.csv", |out| write_estimates(session.run(), out))?,
         Export::Record => csv("record.csv", |out| session.run().record().write_csv(out))?,
-        Export::Map => text("map.csv", "text/csv", map(context)?),
-        Export::MonteCarlo => text("monte-carlo.csv", "text/csv", seeds(context)?),
+        Export::Map => {
+            let survey = context.laboratory.and_then(Laboratory::shown);
+            text("map.csv", "text/csv", survey.ok_or("there is no map yet: show the view Map")?.to_csv())
+        }
+        Export::MonteCarlo => {
+            let runs = context.laboratory.and_then(|laboratory| laboratory.seeds.shown());
+            let runs = runs.ok_or("no seed has been run yet: show the view Monte Carlo")?;
+            text("monte-carlo.csv", "text/csv", runs.to_csv())
+        }
         Export::Scenario => text("scenario.toml", "application/toml", session.scenario().to_toml().map_err(reason)?),
-        Export::All => text("kalmanscope.json", JSON, everything::json(session).map_err(reason)?),
-        Export::Session => text("kalmanscope-session.json", JSON, written(context, layout)?),
+        Export::All | Export::Session => {
+            text("kalmanscope-session.json", JSON, context.picture(layout).lines().map_err(reason)?)
+        }
     })
 }
 
-const JSON: &str = "application/json";
-
-fn written(context: &ViewContext<'_>, layout: &Layout) -> Result<String, String> {
-    context.picture(layout).lines().map_err(reason)
-}
-
-fn map(context: &ViewContext<'_>) -> Result<String, String> {
-    let survey = context.laboratory.and_then(Laboratory::shown);
-    Ok(survey.ok_or("there is no map yet: show the view Map")?.to_csv())
-}
-
-fn seeds(context: &ViewContext<'_>) -> Result<String, String> {
-    let runs = context.laboratory.and_then(|laboratory| laboratory.seeds().shown());
-    Ok(runs.ok_or("no seed has been run yet: show the view Monte Carlo")?.to_csv())
+/// The report as one page for a browser or a printer. Causes are those that have been found so far.
+fn report_on(session: &Session, figures: &[String]) -> Result<String, String> {
+    let run = session.run();
+    let attempts = run.estimates().iter().map(|estimates: &Estimates| session.attempt(estimates.id()));
+    let causes: Vec<Vec<Remedy>> =
+        attempts.map(|attempt| attempt.map_or_else(Vec::new, |attempt: &Attempt| attempt.remedies.to_vec())).collect();
+    let file = session.scenario().record.as_ref().map(|mapping| mapping.file.clone());
+    let title = file.filter(|file| !file.is_empty()).unwrap_or_else(|| "A simulated oscillator".to_owned());
+    let records = [(title.as_str(), run.record())];
+    let parts = Parts {
+        title: &title,
+        day: &now().map(day).unwrap_or_default(),
+        causes: &causes,
+        reasons: &session.library().reasons,
+        figures,
+        free_runs: if session.is_measured() { &records } else { &[] },
+    };
+    let so_far = || Analysis::new(run, Wanted::diagnostics(Depth::All));
+    match session.whole_analysis() {
+        Some(analysis) => report(run, analysis, &parts),
+        None => report(run, &so_far(), &parts),
+    }
+    .map_err(reason)
 }
 
 fn text(name: &str, kind: &'static str, text: String) -> File {
@@ -114,4 +171,163 @@ fn csv<E: Display>(name: &str, write: impl FnOnce(&mut Vec<u8>) -> Result<(), E>
 
 fn reason(error: impl Display) -> String {
     error.to_string()
+}
+
+#[cfg(not(target_arch = "wasm32"))]
+fn now() -> Option<f64> {
+    let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
+    now.ok().map(|now| now.as_secs_f64())
+}
+
+#[cfg(target_arch = "wasm32")]
+fn now() -> Option<f64> {
+    Some(js_sys::Date::now() / 1e3)
+}
+
+/// Makes the text of the file. Undefined numbers are `null`. Means are canonical, as everywhere on screen.
+struct Everything {
+    scenario: Scenario,
+    record: Record,
+    filters: Vec<(Estimates, Option<Diagnosis>)>,
+}
+
+impl Everything {
+    fn of(session: &Session) -> Self {
+        let run = session.run();
+        let filters = run.estimates().iter().cloned().enumerate();
+        let filters = filters.map(|(place, estimates)| (estimates, session.diagnosis(place).cloned())).collect();
+        Self { scenario: session.scenario().clone(), record: run.record().clone(), filters }
+    }
+}
+
+impl Task for Everything {
+    type Outcome = Result<String, DocumentError>;
+
+    fn progress(&self) -> f64 {
+        0.0
+    }
+
+    fn advance(&mut self, _: &mut dyn FnMut() -> bool) -> bool {
+        true
+    }
+
+    fn finish(self) -> Self::Outcome {
+        let filters = self.filters.iter().map(|(estimates, diagnosis)| filter(estimates, diagnosis.as_ref()));
+        let everything = Document::of_entries([
+            ("kalmanscope", env!("CARGO_PKG_VERSION").into()),
+            ("scenario", Document::of(&self.scenario)?),
+            ("record", record(&self.record)?),
+            ("filters", Document::List(filters.collect::<Result<_, _>>()?)),
+        ]);
+        Document::json(&everything)
+    }
+}
+
+fn record(record: &Record) -> Result<Document, DocumentError> {
+    let numbers = |values: &[f64]| Document::of_numbers(values.iter().copied());
+    let measured = record.sensors().iter().enumerate().map(|(i, q)| (q.key(), numbers(record.measured(i))));
+    let truth = Channel::all().iter().filter_map(|c| Some((c.key(), numbers(record.truth(*c)?))));
+    Ok(Document::of_entries([
+        ("dt", Document::Number(record.dt())),
+        ("time", Document::of_numbers((0..record.len()).map(|k| record.time(k)))),
+        ("input_kind", Document::of(&record.input_kind())?),
+        ("hold", Document::of(&record.hold())?),
+        ("input", numbers(record.input())),
+        ("measured", Document::of_entries(measured)),
+        ("truth", Document::of_entries(truth)),
+    ]))
+}
+
+fn filter(estimates: &Estimates, found: Option<&Diagnosis>) -> Result<Document, DocumentError> {
+    let of_channels = |column: &dyn Fn(usize) -> Document| {
+        let channels = estimates.channels().iter().enumerate();
+        Document::of_entries(channels.map(|(place, channel)| (channel.key(), column(place))))
+    };
+    let of_sensors = |column: &dyn Fn(usize) -> Document| {
+        let sensors = estimates.sensors().iter().enumerate();
+        Document::of_entries(sensors.map(|(place, sensor)| (sensor.key(), column(place))))
+    };
+    Ok(Document::of_entries([
+        ("name", estimates.name().into()),
+        ("kind", estimates.kind().name().into()),
+        ("plant", Document::of(&estimates.plant())?),
+        ("mean", of_channels(&|place| Document::of_numbers(estimates.canonical_means(place).iter().copied()))),
+        ("std", of_channels(&|place| Document::of_numbers(estimates.stds(place)))),
+        ("innovation", of_sensors(&|place| Document::of_numbers(estimates.innovations(place)))),
+        ("innovation_std", of_sensors(&|place| Document::of_numbers(estimates.innovation_stds(place)))),
+        ("nis", Document::of_numbers(estimates.nis().iter().copied())),
+        ("log_likelihood", Document::of_numbers(estimates.log_likelihoods())),
+        ("stop", estimates.stop().map(stop).into()),
+        ("diagnosis", found.map(diagnosis).into()),
+    ]))
+}
+
+fn stop(stop: Stop) -> Document {
+    let reason = stop.reason.to_string();
+    Document::of_entries([("sample", (stop.sample as u64).into()), ("reason", Document::Text(reason))])
+}
+
+fn diagnosis(diagnosis: &Diagnosis) -> Document {
+    let verdict = diagnosis.verdict.as_ref();
+    let part = |place: usize| Document::from(place as u64);
+    let bad_parts = diagnosis.bad_parts.iter().map(|range| Document::List(vec![part(range.start), part(range.end)]));
+    Document::of_entries([
+        ("verdict", verdict.map(|verdict| verdict.kind.key()).into()),
+        ("reason", verdict.map(|verdict| &*verdict.reason).into()),
+        ("evidence", Document::List(diagnosis.evidence.iter().map(evidence).collect())),
+        ("bad_parts", Document::List(bad_parts.collect())),
+    ])
+}
+
+fn evidence(one: &Evidence) -> Document {
+    Document::of_entries([
+        ("test", one.test.name.into()),
+        ("sentence", one.sentence.as_str().into()),
+        ("statistic", Document::Number(one.statistic)),
+        ("p_value", Document::Number(one.p_value)),
+        ("effect", Document::Number(one.effect)),
+        ("counts", Document::Flag(one.counts)),
+    ])
+}
+
+pub(crate) fn menu_ui(ui: &mut Ui, narrow: bool, requests: &mut Vec<Request>) {
+    let button = menu::menu_ui(ui, if narrow { "↓" } else { "Export" }, Closing::AtOnce, |ui| {
+        if ui.button("Copy link").on_hover_text("To this picture: settings, views and time (C)").clicked() {
+            requests.push(Request::CopyLink);
+            ui.close();
+        }
+        ui.separator();
+        let mut entry = |ui: &mut Ui, export: Export, name: &str, hint: &str| {
+            let button = ui.button(name).on_hover_text(hint);
+            probe::remember(ui.ctx(), name, button.rect);
+            if button.clicked() {
+                requests.push(Request::Export(export));
+                ui.close();
+            }
+        };
+        ui.label(RichText::new("The views as a figure").weak());
+        for format in FigureFormat::ALL {
+            let hint = "The views on screen as outlines and text, for a document";
+            entry(ui, Export::Figure(format), &format!("{} (SVG)", format.name()), hint);
+        }
+        ui.separator();
+        ui.label(RichText::new("Results").weak());
+        for (export, name, hint) in RESULTS {
+            entry(ui, export, name, hint);
+        }
+    });
+    let button = named(button, "Export");
+    probe::remember(ui.ctx(), "Export", button.rect);
+    let popup = Popup::default_response_id(&button);
+    ui.data_mut(|data| data.insert_temp(popup_key(), popup));
+}
+
+pub(crate) fn toggle(ctx: &Context) {
+    if let Some(popup) = ctx.data(|data| data.get_temp::<Id>(popup_key())) {
+        Popup::toggle_id(ctx, popup);
+    }
+}
+
+fn popup_key() -> Id {
+    Id::unique("the popup of the menu of exports")
 }

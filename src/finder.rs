@@ -1,18 +1,18 @@
 //! The finder: a field that finds any setting, view, scenario, lesson and command by words.
 
-mod entry;
-
 use egui::{Align2, Context, Key, Order, RichText, ScrollArea, TextEdit, Ui, Window, vec2};
 use kalmanscope_core::Scenario;
-use kalmanscope_core::setting::Address;
+use kalmanscope_core::setting::{Address, Edit, addresses, other_choices, words_of};
+use kalmanscope_lessons::{BUILT_IN, EQUATIONS};
 
-use crate::request::Request;
+use crate::hover::named;
+use crate::request::{Request, ViewKind};
 use crate::session::Session;
-use crate::text::{parse, significant, unit_in};
-use crate::theme::{self, Palette};
+use crate::text::{parse, sentence, significant, unit_in};
+use crate::theme::Palette;
 use crate::tutor::Catalogue;
-
-use entry::{Choice, Entry, entries, found};
+use crate::views::view;
+use crate::{keys, theme};
 
 /// The width of the window \[points\].
 const WIDTH: f32 = 460.0;
@@ -60,8 +60,7 @@ impl Finder {
             [Key::ArrowUp, Key::ArrowDown, Key::Enter].map(|key| input.consume_key(egui::Modifiers::NONE, key))
         });
         let field = TextEdit::singleline(&mut self.text).hint_text("a setting, view, scenario, lesson or command");
-        let field = ui.add(field.desired_width(f32::INFINITY).char_limit(60));
-        field.ctx.accesskit_node_builder(field.id, |node| node.set_label("Find by words"));
+        let field = named(ui.add(field.desired_width(f32::INFINITY).char_limit(60)), "Find by words");
         if !std::mem::replace(&mut self.has_begun, true) || !field.has_focus() {
             field.request_focus();
         }
@@ -121,14 +120,13 @@ struct Change {
 impl Change {
     fn ui(&mut self, ui: &mut Ui, scenario: &Scenario, requests: &mut Vec<Request>) -> bool {
         let Self { address, text, is_refused } = self;
-        let title = entry::title(scenario, address);
+        let title = title(scenario, address);
         let unit = unit_in(scenario, address.unit());
         let now = significant(address.get(scenario), 5);
         ui.label(RichText::new(format!("{title}: {now} {unit}")).family(theme::strong()));
         let is_entered = ui.input_mut(|input| input.consume_key(egui::Modifiers::NONE, Key::Enter));
         let field = TextEdit::singleline(text).hint_text("a number, then Enter").desired_width(f32::INFINITY);
-        let field = ui.add(field.char_limit(30));
-        field.ctx.accesskit_node_builder(field.id, |node| node.set_label(format!("{title}, new value")));
+        let field = named(ui.add(field.char_limit(30)), format!("{title}, new value"));
         if !field.has_focus() {
             field.request_focus();
         }
@@ -143,4 +141,82 @@ impl Change {
         requests.extend(Request::edit(scenario, &edited));
         false
     }
+}
+
+struct Entry {
+    title: String,
+    kind: &'static str,
+    hint: String,
+    words: String,
+    choice: Choice,
+}
+
+enum Choice {
+    Setting(Address),
+    Edit(Edit),
+    Request(Box<Request>),
+}
+
+impl Entry {
+    fn new(title: impl Into<String>, kind: &'static str, hint: impl Into<String>, request: Request) -> Self {
+        let (title, hint) = (title.into(), hint.into());
+        let words = format!("{title} {kind} {hint}").to_lowercase();
+        Self { title, kind, hint, words, choice: Choice::Request(Box::new(request)) }
+    }
+}
+
+fn title(scenario: &Scenario, address: &Address) -> String {
+    let key = address.to_string();
+    let filter = scenario.filters.iter().find(|filter| key.starts_with(&filter.address("")));
+    let name = sentence(&address.name());
+    filter.map_or_else(|| name.clone(), |filter| format!("{name}, {}", filter.name))
+}
+
+fn entries(session: &Session, catalogue: &Catalogue) -> Vec<Entry> {
+    let scenario = session.scenario();
+    let settings = addresses(scenario).into_iter().map(|address| Entry {
+        title: title(scenario, &address),
+        kind: "setting",
+        hint: String::new(),
+        words: words_of(scenario, &address),
+        choice: Choice::Setting(address),
+    });
+    let choices = other_choices(scenario).into_iter().map(|edit| {
+        let filter = scenario.filters.iter().find(|filter| edit.key.starts_with(&filter.address("")));
+        let words = sentence(&edit.in_words(scenario));
+        let title = filter.map_or_else(|| words.clone(), |filter| format!("{words}, {}", filter.name));
+        Entry { words: title.to_lowercase(), title, kind: "choice", hint: String::new(), choice: Choice::Edit(edit) }
+    });
+    let views = ViewKind::ALL.into_iter().map(|kind| {
+        let [about, ..] = view(kind).help();
+        Entry::new(view(kind).name(), "view", about, Request::ShowView(kind))
+    });
+    let scenarios = BUILT_IN.iter().chain(EQUATIONS);
+    let scenarios = scenarios.map(|one| Entry::new(one.title, "scenario", one.description(), Request::Open(*one)));
+    let lessons = catalogue.lessons.iter().enumerate();
+    let lessons =
+        lessons.map(|(place, one)| Entry::new(&one.title, "lesson", &one.summary, Request::StartLesson(place)));
+    let commands = keys::commands(session)
+        .map(|(what, key, request)| Entry::new(sentence(what), "command", format!("Key: {key}"), request));
+    settings.chain(choices).chain(views).chain(scenarios).chain(lessons).chain(commands).collect()
+}
+
+fn found<'a>(entries: &'a [Entry], text: &str) -> Vec<&'a Entry> {
+    let text = text.to_lowercase();
+    let words: Vec<&str> = text.split_whitespace().collect();
+    let rank = |entry: &Entry| {
+        let title = entry.title.to_lowercase();
+        let in_title = words.iter().filter(|word| title.contains(**word)).count();
+        let begins = words.first().is_some_and(|word| title.starts_with(word));
+        (words.len() - in_title, !begins)
+    };
+    let mut found: Vec<&Entry> = entries
+        .iter()
+        .filter(|entry| {
+            words.iter().all(|word| entry.words.contains(word) || entry.title.to_lowercase().contains(word))
+        })
+        .collect();
+    // Stable: entries of one rank keep their order.
+    found.sort_by_key(|entry| rank(entry));
+    found
 }

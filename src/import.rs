@@ -1,20 +1,18 @@
 //! The import of a measured record: reading the file, asking what its columns mean, making start values.
 
-mod choices;
 mod columns;
-mod conditioning;
 mod dialog;
 mod draft;
-mod source;
 mod spectra;
 
+use std::borrow::Borrow;
 use std::rc::Rc;
 use std::sync::Arc;
 
 use egui::Context;
-use kalmanscope_core::import::{Loaded, Loading};
+use kalmanscope_core::import::{Loaded, Loading, Mapping, Table};
 use kalmanscope_core::suggest::{Suggest, Suggestion};
-use kalmanscope_core::{Record, Scenario, Task};
+use kalmanscope_core::{Hold, InputKind, Record, Scenario, Task};
 
 use crate::session::RecordFile;
 use crate::team::{BETWEEN, Handle, Lost, Priority, Report, Running, Team};
@@ -34,7 +32,8 @@ pub struct Import {
     name: String,
     stage: Stage,
     team: Rc<dyn Team>,
-    is_still: bool,
+    /// Whether it makes no progress.
+    pub(crate) is_still: bool,
 }
 
 enum Stage {
@@ -99,24 +98,19 @@ impl Import {
                 Ok(Some(Err(reason))) => Stage::Failed(reason),
                 Err(Lost) => Stage::Failed("the thread that read it has failed".to_owned()),
             },
-            Stage::Suggesting(draft, mut suggest) => {
-                let Ok(suggested) = suggest.advance(while_time) else {
-                    self.stage = Stage::Failed("the thread that made start values of it has failed".to_owned());
-                    return None;
-                };
-                if let Some(suggestion) = suggested {
-                    if let Err(error) = suggestion.scenario.validate() {
-                        self.stage = Stage::Failed(format!("no start values can be made of it: {error}"));
-                        return None;
+            Stage::Suggesting(draft, mut suggest) => match suggest.advance(while_time) {
+                Ok(None) => Stage::Suggesting(draft, suggest),
+                Ok(Some(suggestion)) => match suggestion.scenario.validate() {
+                    Ok(()) => {
+                        let problem = suggestion.why_no_guess().map(str::to_owned);
+                        let Suggestion { scenario, mut reasons, .. } = suggestion;
+                        reasons.retain(|reason| Some(reason) != problem.as_ref());
+                        return Some(Opened { file: Arc::clone(&draft.file), scenario, reasons, problem });
                     }
-                    let file = Arc::clone(draft.file());
-                    let problem = suggestion.why_no_guess().map(str::to_owned);
-                    let Suggestion { scenario, mut reasons, .. } = suggestion;
-                    reasons.retain(|reason| Some(reason) != problem.as_ref());
-                    return Some(Opened { file, scenario, reasons, problem });
-                }
-                Stage::Suggesting(draft, suggest)
-            }
+                    Err(error) => Stage::Failed(format!("no start values can be made of it: {error}")),
+                },
+                Err(Lost) => Stage::Failed("the thread that made start values of it has failed".to_owned()),
+            },
             Stage::Asking(mut draft) => {
                 draft.advance(while_time);
                 Stage::Asking(draft)
@@ -132,10 +126,6 @@ impl Import {
             Stage::Suggesting(_, suggest) => Some(*suggest.seen()),
             Stage::Asking(_) | Stage::Failed(_) => None,
         }
-    }
-
-    pub(crate) fn set_still(&mut self, is_still: bool) {
-        self.is_still = is_still;
     }
 
     pub(crate) fn ask_for_frame(&self, ctx: &Context) {
@@ -154,7 +144,7 @@ impl Import {
 
     pub fn file(&self) -> Option<&Arc<RecordFile>> {
         match &self.stage {
-            Stage::Asking(draft) | Stage::Suggesting(draft, _) => Some(draft.file()),
+            Stage::Asking(draft) | Stage::Suggesting(draft, _) => Some(&draft.file),
             _ => None,
         }
     }
@@ -170,7 +160,7 @@ impl Import {
             self.stage = Stage::Suggesting(draft, Box::new(suggest));
             return None;
         }
-        Some(Opened { file: Arc::clone(draft.file()), scenario, reasons: Vec::new(), problem: None })
+        Some(Opened { file: Arc::clone(&draft.file), scenario, reasons: Vec::new(), problem: None })
     }
 }
 
@@ -184,5 +174,16 @@ fn running<T: Task<Outcome: Send> + Send + 'static>(
         Some(worker) => Running::in_worker(worker, task, T::progress),
         None if is_long => Running::begin(team, Priority::Hand, task, T::progress),
         None => Running::here(task, T::progress),
+    }
+}
+
+type Choices = (Mapping, InputKind, Hold);
+
+#[derive(Clone, Debug)]
+struct Shared(Arc<RecordFile>);
+
+impl Borrow<Table> for Shared {
+    fn borrow(&self) -> &Table {
+        &self.0.table
     }
 }

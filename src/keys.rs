@@ -1,18 +1,13 @@
 //! The keyboard: a table of all keys and their requests, which is also the list on screen.
 
-mod list;
-
-use egui::{Key, Modifiers};
-
+use egui::{Align2, Context, Key, Label, Modifiers, RichText, ScrollArea, Ui, Vec2, Window, vec2};
 use kalmanscope_core::Scenario;
 use kalmanscope_core::setting::Change;
 
-use crate::comparison;
 use crate::request::{LegendEntry, Request};
 use crate::ruler::End;
 use crate::session::{Mode, Session};
-
-pub(crate) use list::window_ui;
+use crate::{comparison, theme};
 
 struct Shortcut {
     name: &'static str,
@@ -29,6 +24,12 @@ const fn plain(
     request: fn(&Session) -> Request,
 ) -> Shortcut {
     Shortcut { name, what, keys, modifiers: Modifiers::NONE, request }
+}
+
+impl Shortcut {
+    const fn with(self, modifiers: Modifiers) -> Self {
+        Self { modifiers, ..self }
+    }
 }
 
 const GROUPS: &[(&str, &[Shortcut])] = &[
@@ -51,20 +52,10 @@ const GROUPS: &[(&str, &[Shortcut])] = &[
         &[
             plain("S", "show or hide the settings", &[Key::S], |_| Request::ToggleControls),
             plain("X", "the other of two settings, A and B", &[Key::X], |_| Request::SwapSettings),
-            Shortcut {
-                name: "Ctrl+Shift+Z",
-                what: "make the change again",
-                keys: &[Key::Z],
-                modifiers: Modifiers::COMMAND.plus(Modifiers::SHIFT),
-                request: |_| Request::Redo,
-            },
-            Shortcut {
-                name: "Ctrl+Z",
-                what: "take back the last change of a setting",
-                keys: &[Key::Z],
-                modifiers: Modifiers::COMMAND,
-                request: |_| Request::Undo,
-            },
+            plain("Ctrl+Shift+Z", "make the change again", &[Key::Z], |_| Request::Redo)
+                .with(Modifiers::COMMAND.plus(Modifiers::SHIFT)),
+            plain("Ctrl+Z", "take back the last change of a setting", &[Key::Z], |_| Request::Undo)
+                .with(Modifiers::COMMAND),
             plain("H", "the input held, or linear between samples", &[Key::H], |session| {
                 edit(session, comparison::with_other_hold)
             }),
@@ -96,13 +87,10 @@ const GROUPS: &[(&str, &[Shortcut])] = &[
     (
         "Files",
         &[
-            Shortcut {
-                name: "Ctrl+O",
-                what: "open a file: a record, a scenario, a lesson or a session",
-                keys: &[Key::O],
-                modifiers: Modifiers::COMMAND,
-                request: |_| Request::ChooseFile,
-            },
+            plain("Ctrl+O", "open a file: a record, a scenario, a lesson or a session", &[Key::O], |_| {
+                Request::ChooseFile
+            })
+            .with(Modifiers::COMMAND),
             plain("C", "copy a link to this picture", &[Key::C], |_| Request::CopyLink),
             plain("E", "export: figures and files", &[Key::E], |_| Request::ToggleExports),
         ],
@@ -162,4 +150,99 @@ pub(crate) fn keys(ctx: &egui::Context, session: &Session, requests: &mut Vec<Re
 fn edit(session: &Session, edited: fn(&Scenario) -> Scenario) -> Request {
     let before = session.scenario();
     Request::Edit(Change::between(before, &edited(before)))
+}
+
+/// The least width of a window that shows the list in two columns \[points\].
+const TWO_COLUMNS: f32 = 660.0;
+
+/// The width of a column at most, and of the names of keys in it \[points\].
+const COLUMN: f32 = 400.0;
+const NAMES: f32 = 112.0;
+
+/// The distance of the list from the window's edges, its title and its margins included \[points\].
+const MARGINS: Vec2 = vec2(36.0, 84.0);
+
+/// Gaps between columns and between groups \[points\].
+const GAPS: Vec2 = vec2(24.0, 8.0);
+
+type Group = (&'static str, Vec<(&'static str, &'static str)>);
+
+pub(crate) fn window_ui(ctx: &Context, open: &mut bool) {
+    let room = ctx.content_rect().size() - MARGINS;
+    let columns = if room.x >= TWO_COLUMNS { 2 } else { 1 };
+    let width = (room.x / columns as f32 - GAPS.x).clamp(1.0, COLUMN);
+    let window = Window::new("Keys").collapsible(false).resizable(false).open(open);
+    window.anchor(Align2::CENTER_CENTER, Vec2::ZERO).show(ctx, |ui| {
+        let height = room.y.max(40.0);
+        ScrollArea::vertical().max_height(height).min_scrolled_height(height).show(ui, |ui| {
+            ui.horizontal_top(|ui| {
+                ui.spacing_mut().item_spacing.x = GAPS.x;
+                for groups in split(groups(), columns) {
+                    ui.allocate_ui(vec2(width, 0.0), |ui| column_ui(ui, &groups, width));
+                }
+            });
+        });
+    });
+}
+
+fn groups() -> Vec<Group> {
+    let keys = GROUPS.iter().map(|(title, shortcuts)| {
+        let mut rows: Vec<_> = shortcuts.iter().map(|shortcut| (shortcut.name, shortcut.what)).collect();
+        if *title == "Views" {
+            rows.push(("1 to 6", "show or hide a filter"));
+        }
+        (*title, rows)
+    });
+    keys.chain(GESTURES.iter().map(|(title, rows)| (*title, rows.to_vec()))).collect()
+}
+
+fn split(groups: Vec<Group>, columns: usize) -> Vec<Vec<Group>> {
+    let length = |(_, rows): &Group| rows.len() + 2;
+    let all: usize = groups.iter().map(length).sum();
+    let mut split: Vec<Vec<Group>> = vec![Vec::new(); columns];
+    let mut before = 0;
+    for group in groups {
+        let middle = before + length(&group) / 2;
+        before += length(&group);
+        split[(columns * middle / all.max(1)).min(columns - 1)].push(group);
+    }
+    split
+}
+
+fn column_ui(ui: &mut Ui, groups: &[Group], width: f32) {
+    ui.vertical(|ui| {
+        ui.set_width(width);
+        ui.spacing_mut().item_spacing.x = 10.0;
+        // Nothing is pressed here.
+        ui.spacing_mut().interact_size.y = 0.0;
+        for (title, rows) in groups {
+            ui.label(RichText::new(*title).small().weak());
+            for (name, what) in rows {
+                ui.horizontal_top(|ui| {
+                    ui.allocate_ui(vec2(NAMES, 0.0), |ui| {
+                        ui.set_width(NAMES);
+                        ui.add(Label::new(RichText::new(*name).family(theme::strong())).wrap());
+                    });
+                    ui.add(Label::new(*what).wrap());
+                });
+            }
+            ui.add_space(GAPS.y);
+        }
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_are_about_as_long_as_each_other_and_keep_the_order() {
+        let all = groups();
+        let columns = split(all.clone(), 2);
+        let rows = |groups: &[Group]| groups.iter().map(|(_, rows)| rows.len() + 2).sum::<usize>();
+        let [left, right] = [rows(&columns[0]), rows(&columns[1])];
+        assert!(left.abs_diff(right) < 8, "{left} and {right}");
+        assert_eq!(columns.concat(), all);
+        assert_eq!(split(all.clone(), 1), [all]);
+    }
 }

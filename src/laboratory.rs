@@ -7,14 +7,10 @@
 //! change of the axes' own settings only moves the dot.
 
 mod choice;
-mod choices;
-mod measures;
 mod monte_carlo;
 mod posterior;
 mod settings;
-mod state;
 mod survey;
-mod table;
 #[cfg(test)]
 mod tests;
 mod tuning;
@@ -22,35 +18,38 @@ mod tuning;
 use std::rc::Rc;
 
 use egui::Context;
-use kalmanscope_core::{Run, Source};
+use kalmanscope_core::{Run, Scenario, Source};
+use serde::{Deserialize, Serialize};
+
+use crate::session::Session;
+use crate::team::{Finding, Team};
 
 pub(crate) use choice::part_of;
 pub use choice::{Choice, MOST};
-pub use choices::Choices;
-pub(crate) use measures::{label as measure_label, offered};
 pub use monte_carlo::{SEEDS, SeedChoice, SeedRuns, Seeds};
 pub use posterior::{Posteriors, Shown};
-pub(crate) use settings::{candidates, collide, label as setting_label, name as setting_name, of_filters};
-pub use state::WorkState;
+pub(crate) use settings::{
+    candidates, collide, label as setting_label, measure_label, name as setting_name, of_filters, offered,
+};
 pub use survey::Survey;
 pub use tuning::{TuneChoice, TuneResult, Tuning};
-
-use crate::session::Session;
-use crate::team::{Finding, Frames, Team};
 
 const FEW: usize = 32;
 
 pub struct Laboratory {
     team: Rc<dyn Team>,
     /// The user's choice. `None` until a map is on screen.
-    choice: Option<Choice>,
+    pub choice: Option<Choice>,
     survey: Option<Survey>,
     before: Option<Survey>,
-    seeds: Seeds,
-    tuning: Tuning,
-    posteriors: Posteriors,
-    state: WorkState,
-    edition: u64,
+    pub seeds: Seeds,
+    pub tuning: Tuning,
+    pub posteriors: Posteriors,
+    /// Whether the user has stopped the map, why there is none, and a number that changes whenever the map has to be
+    /// drawn again, also when rows have come.
+    pub state: WorkState,
+    /// A number that changes when another survey is to be shown.
+    pub edition: u64,
 }
 
 impl Laboratory {
@@ -74,13 +73,9 @@ impl Laboratory {
         self.team = team;
     }
 
-    pub fn choice(&self) -> Option<&Choice> {
-        self.choice.as_ref()
-    }
-
     pub fn choose(&mut self, choice: Option<Choice>) {
         self.choice = choice;
-        self.state.go_on();
+        self.state.is_stopped = false;
     }
 
     /// The survey to show: the present one, or the earlier one as long as that covers more.
@@ -93,28 +88,17 @@ impl Laboratory {
     }
 
     pub fn progress(&self) -> Option<f64> {
-        let sheet = self.survey.as_ref()?.sheet();
+        let sheet = &self.survey.as_ref()?.sheet;
         (!sheet.is_complete()).then(|| sheet.done() as f64 / sheet.len() as f64)
     }
 
     pub fn is_working(&self) -> bool {
-        self.survey.as_ref().is_some_and(Survey::is_working)
-    }
-
-    /// Whether the user has stopped the map, why there is none, and a number that changes whenever the map has to be
-    /// drawn again, also when rows have come.
-    pub fn state(&self) -> &WorkState {
-        &self.state
+        self.survey.as_ref().is_some_and(|survey| survey.work.is_some())
     }
 
     /// Whether a graphics processor was found. `None` if the team uses none.
     pub fn graphics(&self) -> Option<Finding> {
         self.team.graphics().map(|graphics| graphics.found())
-    }
-
-    /// A number that changes when another survey is to be shown.
-    pub fn edition(&self) -> u64 {
-        self.edition
     }
 
     /// Stops or continues the work. Returns whether that changes anything.
@@ -146,20 +130,12 @@ impl Laboratory {
                     self.begin(run, source, &choice);
                 }
                 for survey in [&mut self.survey, &mut self.before].into_iter().flatten() {
-                    survey.call_filters(run.scenario());
+                    survey.ensemble.call_filters(run.scenario());
                 }
                 self.choice = Some(choice);
                 self.work(ctx);
             }
         }
-    }
-
-    pub fn seeds(&self) -> &Seeds {
-        &self.seeds
-    }
-
-    pub fn seeds_mut(&mut self) -> &mut Seeds {
-        &mut self.seeds
     }
 
     /// Runs the session's scenario with many seeds of some filters while its view is on screen, and rests otherwise. A
@@ -168,24 +144,8 @@ impl Laboratory {
         if !is_in_sight {
             return self.seeds.rest();
         }
-        let team = Some(&self.team).filter(|_| !self.survey.as_ref().is_some_and(Survey::is_working));
+        let team = Some(&self.team).filter(|_| !self.is_working());
         self.seeds.follow(session.run(), filters, team, ctx);
-    }
-
-    pub fn tuning(&self) -> &Tuning {
-        &self.tuning
-    }
-
-    pub fn tuning_mut(&mut self) -> &mut Tuning {
-        &mut self.tuning
-    }
-
-    pub fn posteriors(&self) -> &Posteriors {
-        &self.posteriors
-    }
-
-    pub fn posteriors_mut(&mut self) -> &mut Posteriors {
-        &mut self.posteriors
     }
 
     pub fn tune(&mut self, session: &Session) {
@@ -199,10 +159,8 @@ impl Laboratory {
         }
     }
 
-    pub fn follow_posterior(&mut self, session: &Session, is_in_sight: bool, ctx: &Context) {
-        if is_in_sight {
-            self.posteriors.follow(&*self.team, session, session.budget(), ctx);
-        }
+    pub fn follow_posterior(&mut self, session: &Session, ctx: &Context) {
+        self.posteriors.follow(&*self.team, session, session.budget(), ctx);
     }
 
     /// The choice, reduced to the filters and settings that the run has.
@@ -221,11 +179,11 @@ impl Laboratory {
     fn begin(&mut self, run: &Run, source: Source, choice: &Choice) {
         self.edition += 1;
         self.state.begin();
-        self.state.show_new();
+        self.state.version += 1;
         match Survey::new(run.scenario(), source, choice, self.survey.as_ref()) {
             Ok(survey) => {
-                if let Some(mut last) = self.survey.replace(survey).filter(|last| last.sheet().covers_all()) {
-                    last.rest();
+                if let Some(mut last) = self.survey.replace(survey).filter(|last| last.sheet.covers_all()) {
+                    last.work = None;
                     self.before = Some(last);
                 }
                 // Only the scores that were computed can be shown.
@@ -240,28 +198,113 @@ impl Laboratory {
 
     fn work(&mut self, ctx: &Context) {
         let Self { team, survey, before, state, edition, .. } = self;
-        let Some(survey) = survey.as_mut().filter(|_| !state.is_stopped()) else { return };
+        let Some(survey) = survey.as_mut().filter(|_| !state.is_stopped) else { return };
         match survey.follow(team, ctx) {
-            Ok(true) => state.show_new(),
+            Ok(true) => state.version += 1,
             Ok(false) => {}
             Err(error) => state.fail(format!("There is no map: {error}.")),
         }
-        if before.is_some() && survey.sheet().covers_all() {
+        if before.is_some() && survey.sheet.covers_all() {
             *before = None;
             *edition += 1;
-            state.show_new();
+            state.version += 1;
         }
     }
 
     fn rest(&mut self) {
-        if let Some(survey) = &mut self.survey {
-            survey.rest();
+        self.survey.iter_mut().for_each(|survey| survey.work = None);
+    }
+
+    pub fn choices(&self) -> Choices {
+        Choices {
+            map: self.choice.clone(),
+            seeds: Some(self.seeds.choice),
+            tuning: self.tuning.choice.clone(),
+            posterior: self.posteriors.chosen,
+        }
+    }
+
+    pub fn restore(&mut self, Choices { map, seeds, tuning, posterior }: Choices) {
+        self.choose(map);
+        self.seeds.choose(seeds.unwrap_or_default());
+        self.tuning.choose(tuning);
+        self.posteriors.choose(posterior);
+    }
+}
+
+#[derive(Debug, Default)]
+pub struct WorkState {
+    pub is_stopped: bool,
+    pub problem: Option<String>,
+    /// A number that changes whenever the view has to be drawn again.
+    pub version: u64,
+}
+
+impl WorkState {
+    /// Stops or continues the work. Returns whether that changes anything: complete work cannot be stopped.
+    fn set_stopped(&mut self, stopped: bool, is_incomplete: bool) -> bool {
+        let changes = self.is_stopped != stopped && is_incomplete;
+        if changes {
+            self.is_stopped = stopped;
+        }
+        changes
+    }
+
+    fn begin(&mut self) {
+        (self.is_stopped, self.problem) = (false, None);
+    }
+
+    fn fail(&mut self, problem: String) {
+        if self.problem.as_ref() != Some(&problem) {
+            self.problem = Some(problem);
+            self.version += 1;
         }
     }
 }
 
-impl Default for Laboratory {
-    fn default() -> Self {
-        Self::new(Rc::new(Frames::FRAME))
+/// The user's choices, for links and sessions.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Choices {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub map: Option<Choice>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub seeds: Option<SeedChoice>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tuning: Option<TuneChoice>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub posterior: Option<u32>,
+}
+
+impl Choices {
+    /// Whether the choices are possible with a scenario.
+    pub fn check(&self, scenario: &Scenario) -> Result<(), String> {
+        let Self { map, seeds, tuning, posterior: _ } = self;
+        map.as_ref().map_or(Ok(()), |map| map.check(scenario))?;
+        seeds.as_ref().map_or(Ok(()), SeedChoice::check).map_err(|reason| format!("Monte Carlo: {reason}"))?;
+        tuning
+            .as_ref()
+            .map_or(Ok(()), |tuning| tuning.check(scenario))
+            .map_err(|reason| format!("Tune for me: {reason}"))
+    }
+
+    /// These choices without those of filters and settings that a scenario no longer has: no view fits a choice that is not shown.
+    pub(crate) fn possible_with(self, scenario: &Scenario) -> Self {
+        Self {
+            map: self.map.filter(|map| map.check(scenario).is_ok()),
+            tuning: self.tuning.filter(|tuning| tuning.check(scenario).is_ok()),
+            ..self
+        }
+    }
+
+    /// These choices; those that are `None` come from `others`.
+    pub(crate) fn or(self, others: Self) -> Self {
+        let Self { map, seeds, tuning, posterior } = self;
+        Self {
+            map: map.or(others.map),
+            seeds: seeds.or(others.seeds),
+            tuning: tuning.or(others.tuning),
+            posterior: posterior.or(others.posterior),
+        }
     }
 }

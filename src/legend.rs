@@ -4,6 +4,7 @@ use egui::scroll_area::ScrollBarVisibility;
 use egui::{Button, Color32, Painter, Rect, ScrollArea, Sense, Stroke, StrokeKind, TextStyle, Ui, Vec2, WidgetInfo};
 use kalmanscope_core::Estimates;
 
+use crate::hover::named;
 use crate::request::{LegendEntry, Request};
 use crate::session::{Before, Session};
 use crate::theme::Palette;
@@ -61,7 +62,7 @@ impl Legend<'_> {
         self.switches_ui(ui, requests);
         self.only_ui(ui, requests);
         match self.session.before() {
-            Some(before) => self.before_ui(ui, &format!("before: {}", before.words()), requests),
+            Some(before) => self.before_ui(ui, &format!("before: {}", before.words), requests),
             None if inviting => tutor::invitation_ui(ui, requests),
             // Reserves the room of the change's chip, so that nothing else moves when it appears.
             None => _ = ui.allocate_exact_size(Vec2::new(CHIP, HEIGHT), Sense::hover()),
@@ -128,11 +129,10 @@ impl Legend<'_> {
         let chip =
             Button::new(shown).small().stroke(Stroke::new(1.2, self.palette.weak)).min_size(Vec2::new(CHIP, 0.0));
         let hint = || {
-            let words = self.session.before().map_or("", Before::words);
+            let words = self.session.before().map_or("", |before| before.words.as_str());
             format!("The thin grey lines: the estimates before the last change ({words}). Click to forget them")
         };
-        let chip = ui.add(chip).on_hover_ui(|ui| _ = ui.label(hint()));
-        chip.ctx.accesskit_node_builder(chip.id, |node| node.set_label(format!("{text} ×")));
+        let chip = named(ui.add(chip).on_hover_ui(|ui| _ = ui.label(hint())), format!("{text} ×"));
         if chip.clicked() {
             requests.push(Request::ForgetBefore);
         }
@@ -161,8 +161,8 @@ impl Legend<'_> {
 
 fn short(before: &Before, changed: &[(usize, &Estimates)]) -> String {
     let words = match changed {
-        [(_, only)] => before.words().replace(&format!("{} ", only.name()), ""),
-        _ => before.words().to_owned(),
+        [(_, only)] => before.words.replace(&format!("{} ", only.name()), ""),
+        _ => before.words.clone(),
     };
     format!("before: {words}")
 }

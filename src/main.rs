@@ -18,14 +18,12 @@ mod native;
 
 #[cfg(target_arch = "wasm32")]
 mod web {
-    mod download;
     mod file_input;
     mod microphone;
     mod motion;
     mod object;
     mod shelf;
     mod tables;
-    mod version;
     mod workers;
 
     use std::cell::RefCell;
@@ -71,7 +69,7 @@ mod web {
         fn read_dropped_files(&mut self, ctx: &egui::Context) {
             let dropped = ctx.input_mut(|input| std::mem::take(&mut input.raw.dropped_files));
             for file in dropped.iter().filter_map(|file| file.web_file()) {
-                file_input::open(file.clone(), ctx, self.app.inbox());
+                file_input::open(file.clone(), ctx, &self.app.inbox);
             }
         }
     }
@@ -149,16 +147,14 @@ mod web {
         let creator: eframe::AppCreator<'static> = Box::new(move |creation| {
             let embedded = address::is_embedded(&address);
             let app = if embedded { kalmanscope::App::embedded(creation)? } else { kalmanscope::App::new(creation)? };
-            let mut app = app.on_cleared_window().delivering(download::download()).at_page(address::page(&address));
+            let mut app = app.on_cleared_window().delivering(file_input::download()).at_page(address::page(&address));
             let choose = web_sys::window()
                 .and_then(|window| window.document())
-                .and_then(|document| file_input::choose(&document, &creation.egui_ctx, app.inbox()));
+                .and_then(|document| file_input::choose(&document, &creation.egui_ctx, &app.inbox));
             let team = workers::team(address::allows_software_graphics(&address), &creation.egui_ctx);
             app = app.choosing(choose).working_with(team);
             if !embedded {
                 app = app.keeping_records(Box::new(shelf::Browser), &creation.egui_ctx);
-            }
-            if !embedded {
                 app = app.measuring_with(sensors(&creation.egui_ctx));
             }
             if is_match("(pointer: coarse)") {

@@ -36,16 +36,16 @@ const AT_LEAST: Duration = Duration::from_millis(100);
 /// The size of the estimates \[points\].
 const LARGE: f32 = 26.0;
 
+/// The name of an instrument, its two buttons, and how to use it.
+struct Words {
+    name: &'static str,
+    beginning: &'static str,
+    ending: &'static str,
+    directions: &'static [&'static str],
+}
+
 trait Instrument {
-    fn name(&self) -> &'static str;
-
-    fn beginning(&self) -> &'static str;
-
-    fn ending(&self) -> &'static str {
-        "Stop and identify"
-    }
-
-    fn directions(&self) -> &'static [&'static str];
+    fn words(&self) -> &'static Words;
 
     fn begin(&mut self, ctx: &Context);
 
@@ -140,7 +140,7 @@ impl Measure {
         }
         let buttons = ui.horizontal_wrapped(|ui| {
             instrument.few_ui(ui, palette);
-            two_buttons_ui(ui, instrument.ending(), "Larger")
+            two_buttons_ui(ui, instrument.words().ending, "Larger")
         });
         ui.ctx().request_repaint_after(AT_LEAST);
         let [stop, larger] = buttons.inner;
@@ -149,22 +149,16 @@ impl Measure {
     }
 
     fn stop(&mut self, requests: &mut Vec<Request>) -> bool {
-        let instrument = &self.instruments[self.chosen];
-        match instrument.file() {
-            None => {
-                instrument.end();
-                false
-            }
-            Some(Ok(file)) => {
-                instrument.end();
-                requests.push(Request::ImportFile(Box::new(file)));
-                false
-            }
+        match self.instruments[self.chosen].file() {
             Some(Err(reason)) => {
                 self.fail(sentence(&reason));
-                true
+                return true;
             }
+            Some(Ok(file)) => requests.push(Request::ImportFile(Box::new(file))),
+            None => {}
         }
+        self.instruments[self.chosen].end();
+        false
     }
 
     fn fail(&mut self, reason: String) {
@@ -193,9 +187,9 @@ impl Measure {
             Stage::Ready => {
                 self.choice_ui(ui);
                 let instrument = &mut self.instruments[self.chosen];
-                instrument.directions().iter().for_each(|text| _ = ui.label(*text));
+                instrument.words().directions.iter().for_each(|text| _ = ui.label(*text));
                 ui.label(RichText::new("Nothing leaves this device.").small().color(palette.weak));
-                let [begin, close] = buttons_ui(ui, instrument.beginning(), "Close");
+                let [begin, close] = buttons_ui(ui, instrument.words().beginning, "Close");
                 if begin {
                     instrument.begin(ui.ctx());
                     self.is_watched = false;
@@ -213,7 +207,7 @@ impl Measure {
                 instrument.running_ui(ui, ui.input(|input| input.time) - since, palette);
                 ui.ctx().request_repaint_after(AT_LEAST);
                 let can_be_watched = instrument.watched().is_some();
-                let [stop, close] = buttons_ui(ui, instrument.ending(), "Cancel");
+                let [stop, close] = buttons_ui(ui, instrument.words().ending, "Cancel");
                 if can_be_watched && one_button_ui(ui, "Watch the filters") {
                     self.is_watched = true;
                 }
@@ -236,8 +230,8 @@ impl Measure {
         }
         ui.horizontal_wrapped(|ui| {
             for (place, instrument) in self.instruments.iter().enumerate() {
-                let choice = ui.selectable_value(&mut self.chosen, place, instrument.name());
-                probe::remember(ui.ctx(), instrument.name(), choice.rect);
+                let choice = ui.selectable_value(&mut self.chosen, place, instrument.words().name);
+                probe::remember(ui.ctx(), instrument.words().name, choice.rect);
             }
         });
         ui.add_space(4.0);

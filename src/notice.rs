@@ -2,6 +2,7 @@
 
 use egui::{Align2, Area, Button, Context, Frame, Id, Label, Order, Rect, RichText, Stroke, Vec2, vec2};
 
+use crate::hover::named;
 use crate::request::Request;
 use crate::theme::Palette;
 
@@ -16,8 +17,8 @@ const WIDEST: f32 = 560.0;
 
 pub(crate) struct Notice {
     pub(crate) sentence: String,
-    is_failure: bool,
-    is_of_standstill: bool,
+    pub(crate) is_failure: bool,
+    pub(crate) is_of_standstill: bool,
     /// The time of the first frame with the message, if there has been one \[s\].
     since: Option<f64>,
 }
@@ -29,14 +30,6 @@ impl Notice {
 
     pub(crate) fn of_standstill(sentence: String) -> Self {
         Self { is_of_standstill: true, ..Self::from(sentence) }
-    }
-
-    pub(crate) fn is_of_standstill(&self) -> bool {
-        self.is_of_standstill
-    }
-
-    pub(crate) fn is_failure(&self) -> bool {
-        self.is_failure
     }
 
     /// Whether the message has been shown for long enough. A failure stays until it is dismissed.
@@ -82,8 +75,7 @@ pub(crate) fn notice_ui(ctx: &Context, notice: &Notice, plots: Rect, palette: &P
                     requests.push(Request::Leave);
                 }
                 let dismiss = Button::new("×").frame(false).min_size(Vec2::splat(side));
-                let dismiss = ui.add(dismiss).on_hover_text("Dismiss");
-                dismiss.ctx.accesskit_node_builder(dismiss.id, |node| node.set_label("Dismiss"));
+                let dismiss = named(ui.add(dismiss).on_hover_text("Dismiss"), "Dismiss");
                 if dismiss.clicked() {
                     requests.push(Request::DismissNotice);
                 }

@@ -4,6 +4,7 @@ use egui::{Button, Color32, Rect, RichText, ScrollArea, Sense, Stroke, Ui, UiBui
 use egui_tiles::{Behavior, ResizeState, SimplificationOptions, TileId, UiResponse};
 
 use crate::column::Column;
+use crate::hover::named;
 use crate::layout::{Layout, simplification};
 use crate::request::{Arrangement, Proportions, Request, ViewKind};
 use crate::view::{View, ViewContext};
@@ -134,8 +135,7 @@ pub(crate) fn help_ui(ui: &mut Ui, view: &dyn View) {
     let help = ui.add(Button::new(RichText::new("?").weak()).frame(false).min_size(vec2(side, side)));
     // On a touch screen nothing hovers.
     let is_open = egui::Popup::from_toggle_button_response(&help).show(lines).is_some();
-    let help = if is_open { help } else { help.on_hover_ui(lines) };
-    help.ctx.accesskit_node_builder(help.id, |node| node.set_label(format!("About {}", view.name())));
+    named(if is_open { help } else { help.on_hover_ui(lines) }, format!("About {}", view.name()));
 }
 
 struct Panes<'a> {
@@ -197,15 +197,12 @@ impl Panes<'_> {
             let side = bar_height(ui);
             let small = |icon: &str| Button::new(RichText::new(icon).weak()).frame(false).min_size(vec2(side, side));
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                let close = ui.add(small("×")).on_hover_text("Hide this view");
-                close.ctx.accesskit_node_builder(close.id, |node| node.set_label(format!("Hide {}", view.name())));
+                let close = named(ui.add(small("×")).on_hover_text("Hide this view"), format!("Hide {}", view.name()));
                 if close.clicked() {
                     self.requests.push(Request::ToggleView(kind));
                 }
                 let enlarge = ui.add(small("⛶")).on_hover_text("As large as can be, and back");
-                enlarge.ctx.accesskit_node_builder(enlarge.id, |node| {
-                    node.set_label(format!("Enlarge {}", view.name()));
-                });
+                let enlarge = named(enlarge, format!("Enlarge {}", view.name()));
                 if enlarge.clicked() || title.double_clicked() {
                     self.requests.push(Request::ToggleEnlarged(kind));
                 }

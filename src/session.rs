@@ -1,16 +1,13 @@
 //! A scenario, its run, and the position of playback.
 
 mod before;
-mod budget;
 mod computing;
-mod difference;
 mod free_runs;
 mod judging;
 mod library;
 mod live;
 mod long_filters;
 mod playback;
-mod setting;
 mod spectrogram;
 #[cfg(test)]
 mod tests;
@@ -19,25 +16,24 @@ mod trying;
 use std::rc::Rc;
 use std::sync::Arc;
 
+use free_runs::FreeRuns;
+use judging::{Hand, Judged};
 use kalmanscope_core::{
     Diagnostics, Estimates, Evidence, Hindsight, Job, Quantity, Run, RunError, Scenario, Source, Study,
 };
-use serde::{Deserialize, Serialize};
-
-use crate::team::{Frames, Team};
-use free_runs::FreeRuns;
-use judging::{Hand, Judged};
 use long_filters::LongFilters;
+use serde::{Deserialize, Serialize};
 use spectrogram::Spectrograms;
 use trying::Trying;
 
+use crate::team::{Frames, Team};
+
+pub use crate::team::Budget;
 pub use before::Before;
-pub use budget::Budget;
 pub use free_runs::ModelTime;
 pub use kalmanscope_core::{Bound, Wanted};
 pub(crate) use library::is_same;
 pub use library::{Library, RecordFile, name_of};
-pub use setting::Setting;
 pub use trying::Attempt;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -105,17 +101,11 @@ impl Session {
     pub const LONGEST_WHOLE: usize = 200_000;
 
     /// A session at the start of the scenario, playing, that computes everything at once.
-    ///
-    /// # Errors
-    /// [`RunError`] where the scenario is impossible.
     pub fn new(scenario: Scenario) -> Result<Self, RunError> {
         Self::with_budget(scenario, Budget::Unlimited)
     }
 
     /// A session at the start of the scenario, playing, that computes no more at once than its budget.
-    ///
-    /// # Errors
-    /// [`RunError`] where the scenario is impossible.
     pub fn with_budget(mut scenario: Scenario, budget: Budget) -> Result<Self, RunError> {
         scenario.number_filters();
         scenario.keep_draws();
@@ -284,7 +274,7 @@ impl Session {
     }
 
     pub fn explain(&mut self, reasons: Vec<String>, problem: Option<String>) {
-        self.library.set_reasons(reasons, problem);
+        (self.library.reasons, self.library.problem) = (reasons, problem);
     }
 
     pub fn is_measured(&self) -> bool {
@@ -308,5 +298,30 @@ impl Session {
         self.edited();
         self.want_of_study();
         self.compute();
+    }
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Setting {
+    #[default]
+    A,
+    B,
+}
+
+impl Setting {
+    pub const BOTH: [Self; 2] = [Self::A, Self::B];
+
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::A => "A",
+            Self::B => "B",
+        }
+    }
+
+    const fn other(self) -> Self {
+        match self {
+            Self::A => Self::B,
+            Self::B => Self::A,
+        }
     }
 }

@@ -7,11 +7,16 @@
 
 pub mod address;
 mod outline;
-mod packed;
 mod picture;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::URL_SAFE_NO_PAD;
+use kalmanscope_core::Document;
+use kalmanscope_core::internals::short_hash;
+use miniz_oxide::deflate::core::{CompressorOxide, TDEFLFlush, compress_to_output, create_comp_flags_from_zip_params};
+use miniz_oxide::inflate::TINFLStatus;
+use miniz_oxide::inflate::core::inflate_flags::TINFL_FLAG_USING_NON_WRAPPING_OUTPUT_BUF;
+use miniz_oxide::inflate::core::{DecompressorOxide, decompress};
 use thiserror::Error;
 
 pub use outline::Outline;
@@ -60,10 +65,6 @@ impl Picture {
     }
 }
 
-fn packed(text: &str) -> String {
-    format!("{VERSION}.{}", URL_SAFE_NO_PAD.encode(packed::pack(text)))
-}
-
 fn unpacked(link: &str) -> Result<String, LinkError> {
     let (version, data) = link.split_once('.').ok_or(LinkError::Damaged)?;
     match version.parse() {
@@ -72,7 +73,49 @@ fn unpacked(link: &str) -> Result<String, LinkError> {
         _ => return Err(LinkError::Damaged),
     }
     let bytes = URL_SAFE_NO_PAD.decode(data).map_err(|_| LinkError::Damaged)?;
-    packed::unpack(&bytes).ok_or(LinkError::Damaged)
+    unpack(&bytes).ok_or(LinkError::Damaged)
+}
+
+const SETTINGS: &str = include_str!("share/dictionary.txt");
+const SCREENS: &str = include_str!("share/screens.txt");
+
+/// Limits the decompressed text \[bytes\].
+const LARGEST: usize = 65_536;
+
+const LEVEL: i32 = 9;
+
+/// Deflate without the header of zlib: a negative number of bits.
+const RAW: i32 = -15;
+
+fn dictionary() -> Vec<u8> {
+    let settings = Document::json(SETTINGS).unwrap_or_default();
+    [settings.trim_matches('"'), SCREENS].concat().into_bytes()
+}
+
+fn packed(text: &str) -> String {
+    let mut compressor = CompressorOxide::new(create_comp_flags_from_zip_params(LEVEL, RAW, 0));
+    // The result begins on a full byte after this.
+    compress_to_output(&mut compressor, &dictionary(), TDEFLFlush::Sync, |_| true);
+    let mut bytes = Vec::new();
+    compress_to_output(&mut compressor, text.as_bytes(), TDEFLFlush::Finish, |part| {
+        bytes.extend_from_slice(part);
+        true
+    });
+    bytes.extend_from_slice(&short_hash(text.as_bytes()).to_be_bytes());
+    format!("{VERSION}.{}", URL_SAFE_NO_PAD.encode(bytes))
+}
+
+fn unpack(bytes: &[u8]) -> Option<String> {
+    let (bytes, expected) = bytes.split_last_chunk()?;
+    let mut buffer = dictionary();
+    let begin = buffer.len();
+    buffer.resize(begin + LARGEST, 0);
+    let mut decompressor = Box::<DecompressorOxide>::default();
+    let flags = TINFL_FLAG_USING_NON_WRAPPING_OUTPUT_BUF;
+    let (status, read, written) = decompress(&mut decompressor, bytes, &mut buffer, begin, flags);
+    let text = buffer.get(begin..begin + written)?;
+    let is_whole = status == TINFLStatus::Done && read == bytes.len() && short_hash(text).to_be_bytes() == *expected;
+    is_whole.then(|| String::from_utf8(text.to_vec()).ok()).flatten()
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@ use kalmanscope_core::setting::Address;
 use kalmanscope_core::{Adjustable, Diagnosis, Phrase, Story};
 
 use crate::controls::named::{first_number, name_of};
+use crate::hover::named;
 use crate::request::Request;
 use crate::session::Session;
 use crate::theme::{self, Palette};
@@ -46,7 +47,7 @@ pub(crate) fn story_of(session: &Session) -> Story {
             Some((estimates.id(), estimates.name(), was, now))
         })
         .collect();
-    story.compared(before.words(), &filters)
+    story.compared(&before.words, &filters)
 }
 
 pub(crate) fn story_ui(
@@ -178,6 +179,6 @@ fn number_ui(ui: &mut Ui, setting: &Adjustable, name: &str, palette: &Palette) -
     let dots = egui::Shape::dashed_line(&[rect.left_bottom(), rect.right_bottom()], Stroke::new(1.0, color), 2.0, 2.0);
     ui.painter().extend(dots);
     let number = number.on_hover_text(format!("{name}: drag to the sides, or click and type"));
-    number.ctx.accesskit_node_builder(number.id, |node| node.set_label(format!("{name}, in the text")));
+    let number = named(number, format!("{name}, in the text"));
     number.changed().then(|| setting.value(shown))
 }

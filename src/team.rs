@@ -1,31 +1,31 @@
 //! A team does tasks beside the frames: the threads of the desktop, or the workers of a page. The frames do
 //! the rest.
 
-mod cells;
-mod frames;
 mod relay;
 mod running;
 
+use std::fmt;
 use std::rc::Rc;
-use std::time::{Duration, Instant};
+use std::sync::Arc;
+use std::time::Duration;
 
 use egui::Context;
 use kalmanscope_core::import::Loaded;
 use kalmanscope_core::suggest::Suggestion;
-use kalmanscope_core::{Pass, Record, Scenario, Tape};
+use kalmanscope_core::{Pass, Record, Scenario, Tape, Task as _};
 use kalmanscope_lab::posterior::Sampled;
-use kalmanscope_lab::{Parts, Step, Threads, Wanted};
+use kalmanscope_lab::{CellTask, Parts, Runner, Step, Threads, Wanted};
+use serde::{Deserialize, Serialize};
+use web_time::Instant;
 
-pub use cells::{Cells, Computer, Finding, Graphics, Precision, Rows};
-pub use frames::Frames;
 pub use kalmanscope_lab::{Lost, Priority, Report};
 pub use relay::Relay;
 pub use running::Running;
 
 pub const BETWEEN: Duration = Duration::from_millis(100);
 
-const PORTION: Duration = Duration::from_millis(10);
-const SAMPLES: usize = 16;
+/// The samples of a portion of a filter.
+const PORTION: usize = 64;
 
 pub trait Team {
     /// The threads of this machine, which do any task, and the screen that they wake.
@@ -110,18 +110,161 @@ fn waking(ctx: &Context) -> impl Fn(bool) + Send + Sync + 'static {
 
 fn filter_steps(scenario: Scenario, place: usize, record: Record) -> impl FnMut(Wanted) -> Step<Tape> + Send {
     let mut pass = None;
-    move |wanted| {
+    move |_| {
         if pass.is_none() {
             pass = Pass::new(&scenario, place, &record).ok();
         }
         let Some(pass) = &mut pass else { return Step::Failed };
-        let (begin, mut tape) = (Instant::now(), Tape::default());
-        while pass.done() < record.len() && pass.stop().is_none() {
-            pass.follow(&record, pass.done() + SAMPLES, &mut tape);
-            if begin.elapsed() > PORTION || !wanted.is_so() {
-                return Step::Part(tape);
+        let mut tape = Tape::default();
+        pass.follow(&record, pass.done() + PORTION, &mut tape);
+        let is_over = pass.done() >= record.len() || pass.stop().is_some();
+        if is_over { Step::Last(tape) } else { Step::Part(tape) }
+    }
+}
+
+#[derive(Clone)]
+pub struct Cells {
+    pub runner: Arc<Runner>,
+    pub order: Vec<usize>,
+    pub precision: Precision,
+    pub priority: Priority,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Precision {
+    #[default]
+    Fastest,
+    Double,
+}
+
+impl Precision {
+    pub fn is_usual(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rows {
+    pub cells: Vec<usize>,
+    pub numbers: Vec<f64>,
+    pub by: Computer,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Computer {
+    Frames,
+    Threads(usize),
+    Workers(usize),
+    Graphics(Arc<str>),
+}
+
+impl fmt::Display for Computer {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let several = |n: usize| if n == 1 { "" } else { "s" };
+        match self {
+            Self::Frames => write!(f, "by this program between frames"),
+            Self::Threads(n) => write!(f, "by {n} thread{}", several(*n)),
+            Self::Workers(n) => write!(f, "by {n} worker{}", several(*n)),
+            Self::Graphics(name) => write!(f, "in single precision by {name}"),
+        }
+    }
+}
+
+pub trait Graphics {
+    /// Whether it was found. The first call begins the search; the search's end wakes the context.
+    fn find(&self, ctx: &Context) -> Finding;
+
+    fn found(&self) -> Finding;
+
+    fn cells(&self, cells: &Cells, ctx: &Context) -> Option<Handle<Rows>>;
+}
+
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Finding {
+    Searching,
+    Ready,
+    Absent(String),
+    /// There was one, and it has failed, for this reason.
+    Lost(String),
+}
+
+/// The amount of computation in one frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Budget {
+    Unlimited,
+    Time(Duration),
+    Pieces(usize),
+}
+
+impl Budget {
+    /// A frame computes for at most 12 ms, and draws charts again for at most 12 ms, so that it takes no more than 50
+    /// ms in all.
+    pub const FRAME: Self = Self::Time(Duration::from_millis(12));
+
+    /// Whether there is time for more after `spent`. If pieces are counted, a frame draws everything.
+    pub(crate) fn allows(self, spent: Duration) -> bool {
+        match self {
+            Self::Time(time) => spent < time,
+            Self::Unlimited | Self::Pieces(_) => true,
+        }
+    }
+
+    /// A function for one slice that begins now: it returns whether there is time for another piece of work.
+    pub(crate) fn slice(self) -> impl FnMut() -> bool {
+        let begin = Instant::now();
+        let mut pieces = 0;
+        move || match self {
+            Self::Unlimited => true,
+            Self::Time(time) => begin.elapsed() < time,
+            Self::Pieces(most) => {
+                pieces += 1;
+                pieces < most
             }
         }
-        Step::Last(tape)
+    }
+}
+
+/// Runs cells in each frame for as long as a budget allows; a cell that takes longer continues in the next frame.
+pub struct Frames(pub Budget);
+
+impl Frames {
+    /// The slice of a frame that leaves time to draw it.
+    pub const FRAME: Self = Self(Budget::Time(Duration::from_millis(8)));
+}
+
+impl Team for Frames {
+    fn cells(&self, cells: &Cells, ctx: &Context) -> Option<Handle<Rows>> {
+        let Self(budget) = *self;
+        let (Cells { runner, order, .. }, ctx) = (cells.clone(), ctx.clone());
+        // The place of the next cell in the order, and that cell if it is under way.
+        let (mut next, mut under_way) = (0, None);
+        let mut is_over = false;
+        Some(Handle::new(move || {
+            // After the rows of a slice comes nothing until the next frame.
+            if std::mem::take(&mut is_over) {
+                return Ok(None);
+            }
+            let begin = next;
+            let mut while_time = budget.slice();
+            let mut numbers = Vec::new();
+            while let Some(&cell) = order.get(next) {
+                let mut task = under_way.take().unwrap_or_else(|| CellTask::new(Arc::clone(&runner), cell));
+                if !task.advance(&mut while_time) {
+                    under_way = Some(task);
+                    break;
+                }
+                numbers.extend(task.finish());
+                next += 1;
+                if !while_time() {
+                    break;
+                }
+            }
+            if next < order.len() {
+                ctx.request_repaint();
+            }
+            is_over = next > begin;
+            Ok(is_over.then(|| Rows { cells: order[begin..next].to_vec(), numbers, by: Computer::Frames }))
+        }))
     }
 }

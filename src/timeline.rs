@@ -6,7 +6,7 @@ use egui::{Align2, Color32, FontId, Rangef, Rect, Response, Shape, Slider, Strok
 use kalmanscope_core::{Scenario, Signal};
 
 use crate::gap::Gap;
-use crate::hover::hover_text;
+use crate::hover::{hover_text, named};
 use crate::probe;
 use crate::request::Request;
 use crate::ruler::{End, Ruler};
@@ -56,8 +56,7 @@ pub(crate) fn track_ui(
     ui.spacing_mut().interact_size.y = HEIGHT;
     let events = events(session, ruler, palette);
     let ground = ui.painter().add(Shape::Noop);
-    let slider = ui.add(Slider::new(&mut time, 0.0..=session.end()).show_value(false));
-    slider.ctx.accesskit_node_builder(slider.id, |node| node.set_label("Time"));
+    let slider = named(ui.add(Slider::new(&mut time, 0.0..=session.end()).show_value(false)), "Time");
     probe::remember(ui.ctx(), "Time", slider.rect);
     let track = Track::new(&slider, start..=start + session.end());
     let shapes = events.iter().flat_map(|event| track.shapes(ui, event)).collect();

@@ -3,7 +3,7 @@
 use egui::{Align, Button, ComboBox, DragValue, Layout, Rect, RichText, Ui, vec2};
 
 use crate::bar::history_ui;
-use crate::hover::hover_text;
+use crate::hover::{hover_text, named};
 use crate::probe;
 use crate::request::Request;
 use crate::ruler::Ruler;
@@ -95,8 +95,7 @@ fn modes_ui(ui: &mut Ui, session: &Session, requests: &mut Vec<Request>) {
 
 fn button(ui: &mut Ui, icon: &str, name: &str, key: &str) -> bool {
     let button = Button::new(RichText::new(icon).size(16.0)).min_size(egui::vec2(32.0, 26.0));
-    let response = hover_text(ui.add(button), &|| format!("{name} ({key})"));
-    response.ctx.accesskit_node_builder(response.id, |node| node.set_label(name));
+    let response = named(hover_text(ui.add(button), &|| format!("{name} ({key})")), name);
     probe::remember(ui.ctx(), name, response.rect);
     response.clicked()
 }
@@ -114,7 +113,7 @@ fn speed_ui(ui: &mut Ui, session: &Session, requests: &mut Vec<Request>) {
             }
         }
     });
-    ui.ctx().accesskit_node_builder(combo.response.id, |node| node.set_label("Speed"));
+    named(combo.response, "Speed");
 }
 
 fn progress_ui(ui: &mut Ui, share: f64) {
@@ -156,8 +155,8 @@ fn time_ui(ui: &mut Ui, session: &Session, requests: &mut Vec<Request>) {
             let mut time = session.time() - start;
             let field = DragValue::new(&mut time).range(0.0..=session.end()).speed(1.0).update_while_editing(false);
             let field = field.custom_formatter(|time, _| clock(start + time));
-            let field = ui.add(field.custom_parser(|text| parse_clock(text).map(|time| time - start)));
-            field.ctx.accesskit_node_builder(field.id, |node| node.set_label("Time, value"));
+            let field =
+                named(ui.add(field.custom_parser(|text| parse_clock(text).map(|time| time - start))), "Time, value");
             if field.changed() {
                 requests.push(Request::Seek(time));
             }

@@ -1,30 +1,28 @@
 //! A lesson in progress. Each step has something to look at, a question, a change, its effect and an explanation.
 
-mod catalogue;
-mod heading;
-mod map;
 mod menu;
 mod panel;
-mod question;
-mod studies;
 
-use kalmanscope_core::Scenario;
+use std::collections::BTreeSet;
+use std::sync::LazyLock;
+
+use kalmanscope_core::{Axis, Scenario};
 use kalmanscope_lessons::{Lesson, LessonError, Map, Presentation, Question, Step, ViewName};
+use serde::{Deserialize, Serialize};
 
 use crate::laboratory::Choice;
 use crate::request::{Answer, ViewKind};
 use crate::session::{Mode, Session};
+use crate::team::Precision;
 use crate::visibility::Visibility;
 
-pub use catalogue::Catalogue;
 pub(crate) use menu::{invitation_ui, menu_ui};
-pub(crate) use studies::{Bookmark, Studies};
 
 pub struct Tutor {
     lesson: Lesson,
     /// The lesson's place in the menu; `None` for a lesson from a file.
-    place: Option<usize>,
-    step: usize,
+    pub(crate) place: Option<usize>,
+    pub(crate) step: usize,
     changed: bool,
     answer: Option<Answer>,
     /// The addresses of the settings that the step is about, by ids for the filters that the scenario has had.
@@ -32,25 +30,14 @@ pub struct Tutor {
 }
 
 impl Tutor {
-    pub(crate) fn of_menu(lesson: Lesson, place: usize) -> Self {
-        Self { lesson, place: Some(place), step: 0, changed: false, answer: None, lit: Vec::new() }
-    }
-
-    pub(crate) fn of_file(lesson: Lesson) -> Self {
-        Self { lesson, place: None, step: 0, changed: false, answer: None, lit: Vec::new() }
+    pub(crate) fn new(lesson: Lesson, place: Option<usize>) -> Self {
+        Self { lesson, place, step: 0, changed: false, answer: None, lit: Vec::new() }
     }
 
     /// A lesson of the menu at its bookmark; `None` if the lesson has no such step.
     pub(crate) fn at_bookmark(lesson: Lesson, place: usize, bookmark: &Bookmark) -> Option<Self> {
         let Bookmark { lesson: _, step, changed, answer } = *bookmark;
-        (step < lesson.steps.len()).then_some(Self {
-            lesson,
-            place: Some(place),
-            step,
-            changed,
-            answer,
-            lit: Vec::new(),
-        })
+        (step < lesson.steps.len()).then(|| Self { step, changed, answer, ..Self::new(lesson, Some(place)) })
     }
 
     pub(crate) fn bookmark(&self) -> Option<Bookmark> {
@@ -58,16 +45,8 @@ impl Tutor {
         place.map(|_| Bookmark { lesson: lesson.title.clone(), step: *step, changed: *changed, answer: *answer })
     }
 
-    pub(crate) fn place(&self) -> Option<usize> {
-        self.place
-    }
-
     pub fn title(&self) -> &str {
         &self.lesson.title
-    }
-
-    pub fn step(&self) -> usize {
-        self.step
     }
 
     fn current(&self) -> Option<&Step> {
@@ -94,10 +73,10 @@ impl Tutor {
     pub(crate) fn map(&self, scenario: &Scenario) -> Result<Option<Choice>, String> {
         let Some(map) = self.current().and_then(|step| step.map.as_ref()) else { return Ok(None) };
         match map.missing_filter(scenario) {
-            None => map::choice(map, scenario).map(Some),
+            None => choice_of(map, scenario).map(Some),
             Some(missing) if *missing == map.filter => Ok(None),
             // The step's change adds the second filter.
-            Some(_) => map::choice(&Map { second: None, ..map.clone() }, scenario).map(Some),
+            Some(_) => choice_of(&Map { second: None, ..map.clone() }, scenario).map(Some),
         }
     }
 
@@ -222,5 +201,115 @@ fn kind(view: ViewName) -> ViewKind {
         ViewName::Measured => ViewKind::Measured,
         ViewName::FrequencyResponse => ViewKind::FrequencyResponse,
         ViewName::Map => ViewKind::Map,
+    }
+}
+
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(crate) struct Studies {
+    pub(crate) bookmark: Option<Bookmark>,
+    pub(crate) finished: BTreeSet<String>,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Bookmark {
+    pub(crate) lesson: String,
+    pub(crate) step: usize,
+    pub(crate) changed: bool,
+    #[serde(default)]
+    pub(crate) answer: Option<Answer>,
+}
+
+pub struct Catalogue {
+    pub(crate) lessons: LazyLock<Vec<Lesson>>,
+    /// The titles of the finished lessons, also of those that this program does not have.
+    pub(crate) finished: BTreeSet<String>,
+}
+
+impl Default for Catalogue {
+    fn default() -> Self {
+        let read = || kalmanscope_lessons::lessons().into_iter().filter_map(Result::ok).collect();
+        Self { lessons: LazyLock::new(read), finished: BTreeSet::new() }
+    }
+}
+
+impl Catalogue {
+    pub(crate) fn at(&self, place: usize) -> Option<&Lesson> {
+        self.lessons.get(place)
+    }
+
+    pub(crate) fn finish(&mut self, place: usize) {
+        let title = self.at(place).map(|lesson| lesson.title.clone());
+        self.finished.extend(title);
+    }
+
+    pub(crate) fn is_finished(&self, lesson: &Lesson) -> bool {
+        self.finished.contains(&lesson.title)
+    }
+}
+
+/// The choice of axes, score and filters that a step asks for.
+fn choice_of(map: &Map, scenario: &Scenario) -> Result<Choice, String> {
+    let Map { x, y, measure, filter, second } = map;
+    let mut scenario = scenario.clone();
+    scenario.number_filters();
+    let id = |name: &String| {
+        let filter = scenario.filters.iter().find(|filter| filter.name == *name);
+        filter.map(|filter| filter.id).ok_or_else(|| format!("the scenario has no filter `{name}`"))
+    };
+    let axis = |text: &String| Axis::parse(text).map_err(|error| error.to_string());
+    let choice = Choice {
+        axes: [axis(x)?, axis(y)?],
+        measure: *measure,
+        filter: id(filter)?,
+        second: second.as_ref().map(id).transpose()?,
+        precision: Precision::default(),
+    };
+    choice.check(&scenario)?;
+    Ok(choice)
+}
+
+#[cfg(test)]
+mod tests {
+    use kalmanscope_core::{Channel, Measure};
+
+    use super::*;
+
+    #[test]
+    fn the_maps_of_all_lessons_are_possible() {
+        let mut maps = 0;
+        for lesson in kalmanscope_lessons::lessons() {
+            let lesson = lesson.expect("a built-in lesson can be read");
+            let scenarios = lesson.scenarios().expect("its changes are possible");
+            for (step, scenario) in lesson.steps.iter().zip(&scenarios) {
+                let Some(map) = &step.map else { continue };
+                maps += 1;
+                let choice = choice_of(map, scenario).unwrap_or_else(|error| panic!("{}: {error}", lesson.title));
+                for axis in &choice.axes {
+                    // Another filter's name would not change the map's own filter.
+                    assert!(!axis.key.starts_with("filters.") || axis.key.starts_with("filters.*."), "{}", axis.key);
+                }
+            }
+        }
+        assert!(maps >= 8, "{maps} maps");
+    }
+
+    #[test]
+    fn an_impossible_map_is_told() {
+        let map = Map {
+            x: "seed=1:9:9".to_owned(),
+            y: "filters.*.fading=1:1.1:5".to_owned(),
+            measure: Measure::rmse(Channel::NATURAL_FREQUENCY),
+            filter: "EKF".to_owned(),
+            second: Some("UKF".to_owned()),
+        };
+        let scenario = Scenario::default();
+        let of = |map: &Map| choice_of(map, &scenario).map(|choice| (choice.filter, choice.second));
+        assert!(of(&map).is_ok_and(|(first, second)| second.is_some_and(|second| second != first)));
+        let error = |map: Map| of(&map).unwrap_err();
+        assert!(error(Map { filter: "KF".to_owned(), ..map.clone() }).contains("no filter `KF`"));
+        assert!(error(Map { y: map.x.clone(), ..map.clone() }).contains("both axes"));
+        assert!(error(Map { x: "seed=1:999:999".to_owned(), ..map }).contains("may have 256"));
     }
 }

@@ -6,7 +6,8 @@ use super::window::NARROW;
 use super::{App, LARGE};
 use crate::controls::number;
 use crate::equation::Editor;
-use crate::export_menu;
+use crate::export;
+use crate::export::Exporting;
 use crate::finder::Finder;
 use crate::layout::Layout;
 use crate::plot::time_axis::TimeAxis;
@@ -56,18 +57,15 @@ impl App {
             },
             Request::SwapSettings => session.swap_settings(),
             Request::ForgetBefore => session.forget_before(),
-            Request::Undo => {
-                if let Some(scenario) = history.undo(session.scenario()).cloned() {
-                    session.edit(scenario);
-                }
-            }
-            Request::Redo => {
-                if let Some(scenario) = history.redo(session.scenario()).cloned() {
+            Request::Undo | Request::Redo => {
+                let now = session.scenario();
+                let other = if request == Request::Undo { history.undo(now) } else { history.redo(now) };
+                if let Some(scenario) = other.cloned() {
                     session.edit(scenario);
                 }
             }
             Request::StartLesson(place) => self.start_lesson(place, ctx),
-            Request::StudyLesson(lesson) => self.begin(Some(Tutor::of_file(*lesson)), ctx),
+            Request::StudyLesson(lesson) => self.begin(Some(Tutor::new(*lesson, None)), ctx),
             Request::GoToStep(step) => {
                 self.go_to_step(step);
                 number::begin_anew(ctx);
@@ -97,11 +95,12 @@ impl App {
             Request::Leave if self.standstill.first().is_some() => self.stop_standing_still(),
             Request::Leave => {
                 let is_done = std::mem::take(&mut self.keys_open)
+                    || self.exporting.take().is_some()
                     || session.cancel()
                     || laboratory.set_stopped(true)
-                    || laboratory.seeds_mut().set_stopped(true)
-                    || laboratory.tuning_mut().cancel()
-                    || laboratory.posteriors_mut().cancel()
+                    || laboratory.seeds.set_stopped(true)
+                    || laboratory.tuning.cancel()
+                    || laboratory.posteriors.cancel()
                     || self.editor.take().is_some()
                     || self.diagnosed.take().is_some();
                 if !is_done {
@@ -131,22 +130,19 @@ impl App {
             Request::PlaceMark(end, time) => self.ruler.place(end, time),
             Request::ToggleMark(end) => self.ruler.toggle(end, axis.shown_time(session)),
             Request::ClearMarks => self.ruler.clear(),
-            Request::Export(export) => self.export(export, ctx),
-            Request::ToggleExports => export_menu::toggle(ctx),
+            Request::Export(export) => {
+                (self.notice, self.exporting) = (None, Some(Exporting::new(export, layout)));
+                ctx.request_repaint();
+            }
+            Request::ToggleExports => export::toggle(ctx),
             Request::ChooseMap(choice) => laboratory.choose(Some(*choice)),
-            Request::ComputeMap(wanted) => {
-                laboratory.set_stopped(!wanted);
-            }
-            Request::ChooseSeeds(choice) => laboratory.seeds_mut().choose(choice),
-            Request::RunSeeds(wanted) => {
-                laboratory.seeds_mut().set_stopped(!wanted);
-            }
-            Request::ChooseTuning(choice) => laboratory.tuning_mut().choose(Some(*choice)),
+            Request::ComputeMap(wanted) => _ = laboratory.set_stopped(!wanted),
+            Request::ChooseSeeds(choice) => laboratory.seeds.choose(choice),
+            Request::RunSeeds(wanted) => _ = laboratory.seeds.set_stopped(!wanted),
+            Request::ChooseTuning(choice) => laboratory.tuning.choose(Some(*choice)),
             Request::Tune(true) => laboratory.tune(session),
-            Request::Tune(false) => {
-                laboratory.tuning_mut().cancel();
-            }
-            Request::ChoosePosterior(filter) => laboratory.posteriors_mut().choose(filter),
+            Request::Tune(false) => _ = laboratory.tuning.cancel(),
+            Request::ChoosePosterior(filter) => laboratory.posteriors.choose(filter),
             Request::OpenSession(saved) => self.open_session(*saved, ctx),
         }
     }

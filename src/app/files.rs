@@ -1,14 +1,18 @@
-//! Files to open that do not come by drop, and the ends of writing others.
+//! Files that come in and go out.
 
 use std::path::Path;
 
 use egui::Context;
 
 use super::App;
-use crate::drop;
-use crate::inbox::{Arrival, Choose, Inbox};
+use crate::export::Deliver;
+use crate::figure::Figure;
+use crate::inbox::{self, Arrival, Choose};
 use crate::notice::Notice;
-use crate::request::Request;
+use crate::request::{FigureFormat, Request};
+use crate::share;
+use crate::theme::Palette;
+use crate::view::ViewContext;
 
 impl App {
     #[must_use]
@@ -16,16 +20,12 @@ impl App {
         Self { choose, ..self }
     }
 
-    pub fn inbox(&self) -> &Inbox {
-        &self.inbox
-    }
-
     pub fn open_file(&mut self, name: &str, contents: Result<Vec<u8>, String>) {
-        self.requests.push(drop::opened(name, contents));
+        self.requests.push(inbox::opened(name, contents));
     }
 
     pub fn read_file(&self, path: &Path, ctx: &Context) {
-        drop::read(path, ctx, &self.inbox);
+        inbox::read(path, ctx, &self.inbox);
     }
 
     pub(super) fn choose_file(&mut self, ctx: &Context) {
@@ -48,12 +48,54 @@ impl App {
                 // It is opened without questions, or not at all.
                 Arrival::Kept(name, bytes) if self.waits_for(&name, &bytes) => self.open_file(&name, Ok(bytes)),
                 Arrival::Kept(..) => {}
-                Arrival::Done(sentence) if self.notice.as_ref().is_some_and(Notice::is_failure) => {
+                Arrival::Done(sentence) if self.notice.as_ref().is_some_and(|notice| notice.is_failure) => {
                     self.report(&sentence);
                 }
                 Arrival::Done(sentence) => self.notice = Some(Notice::done(&sentence)),
                 Arrival::Failure(sentence) => self.requests.push(Request::Report(sentence)),
             }
+        }
+    }
+
+    #[must_use]
+    pub fn delivering(self, deliver: Deliver) -> Self {
+        Self { deliver: Some(deliver), ..self }
+    }
+
+    pub fn figure(&self, format: FigureFormat) -> Figure {
+        let palette = Palette::of(egui::Theme::Light);
+        Figure::new(&self.figure_context(&palette), &self.layout.rows(), format)
+    }
+
+    pub(super) fn figure_context<'a>(&'a self, palette: &'a Palette) -> ViewContext<'a> {
+        let Self { session, visible, axis, ruler, laboratory, .. } = self;
+        ViewContext::new(session, palette, visible, axis, ruler).in_laboratory(Some(laboratory))
+    }
+
+    /// Continues the export that is under way. Its file is delivered once it is made.
+    pub(super) fn follow_export(&mut self, ctx: &Context) {
+        let Some(mut exporting) = self.exporting.take() else { return };
+        let palette = Palette::of(egui::Theme::Light);
+        let Some(made) = exporting.advance(&self.figure_context(&palette), &self.layout) else {
+            self.exporting = Some(exporting);
+            return ctx.request_repaint();
+        };
+        let deliver = self.deliver.as_ref().ok_or_else(|| "there is no place for files here".to_owned());
+        let failed = |reason: &str| format!("The file cannot be written: {reason}.");
+        match made.and_then(|file| Ok((deliver?, file))) {
+            Ok((deliver, file)) => deliver(file, self.inbox.done(ctx, |place| format!("Written: {place}"), failed)),
+            Err(reason) => self.notice = Some(failed(&reason).into()),
+        }
+    }
+
+    pub(super) fn open_session(&mut self, picture: share::Picture, ctx: &Context) {
+        let laboratory = picture.laboratory.clone();
+        self.show_picture(picture, ctx);
+        self.laboratory.restore(laboratory);
+        let scenario = self.session.scenario();
+        let is_here = scenario.record.as_ref().is_some_and(|mapping| self.session.library().file(mapping).is_some());
+        if let Some(file) = self.missing_record().filter(|file| !is_here && !file.is_empty()) {
+            self.notice = Some(format!("The session belongs to the record “{file}”: drop that file too.").into());
         }
     }
 }

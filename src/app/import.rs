@@ -11,7 +11,7 @@ use crate::layout::Layout;
 use crate::measure::{Measure, News};
 use crate::request::{RawFile, Request, ViewKind};
 use crate::sensor::Sensors;
-use crate::session::{Mode, RecordFile, name_of};
+use crate::session::{Mode, name_of};
 use crate::shelf::{Candidate, Shelf};
 use crate::text::sentence;
 use crate::theme::Palette;
@@ -124,7 +124,7 @@ impl App {
         let mut while_time = self.session.budget().slice();
         let opened = import.advance(&mut while_time);
         let file = import.file().cloned();
-        if let Some(file) = file.filter(|file| self.is_awaited(file)) {
+        if let Some(file) = file.filter(|file| self.awaits(&file.name, || file.hash.clone())) {
             self.importing = None;
             self.session.keep_file(file);
             self.candidate = None;
@@ -144,15 +144,12 @@ impl App {
     }
 
     pub(super) fn waits_for(&self, name: &str, bytes: &[u8]) -> bool {
-        let Some(mapping) = &self.session.scenario().record else { return false };
-        let is_here = self.session.library().file(mapping).is_some();
-        let is_it = if mapping.hash.is_empty() { name_of(mapping) == name } else { mapping.hash == hash(bytes) };
-        self.importing.is_none() && !is_here && is_it
+        self.importing.is_none() && self.awaits(name, || hash(bytes))
     }
 
-    fn is_awaited(&self, file: &RecordFile) -> bool {
+    fn awaits(&self, name: &str, hash: impl FnOnce() -> String) -> bool {
         let Some(mapping) = &self.session.scenario().record else { return false };
-        let is_it = if mapping.hash.is_empty() { name_of(mapping) == file.name } else { mapping.hash == file.hash };
+        let is_it = if mapping.hash.is_empty() { name_of(mapping) == name } else { mapping.hash == hash() };
         is_it && self.session.library().file(mapping).is_none()
     }
 

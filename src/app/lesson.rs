@@ -7,12 +7,12 @@ use crate::controls::number;
 use crate::layout::Layout;
 use crate::plot::time_axis::TimeAxis;
 use crate::request::Answer;
-use crate::tutor::{Bookmark, Catalogue, Studies, Tutor};
+use crate::tutor::{Bookmark, Studies, Tutor};
 
 impl App {
     pub(super) fn start_lesson(&mut self, place: usize, ctx: &Context) {
         let lesson = self.catalogue.at(place).cloned();
-        self.begin(lesson.map(|lesson| Tutor::of_menu(lesson, place)), ctx);
+        self.begin(lesson.map(|lesson| Tutor::new(lesson, Some(place))), ctx);
     }
 
     pub(super) fn begin(&mut self, lesson: Option<Tutor>, ctx: &Context) {
@@ -68,7 +68,7 @@ impl App {
         let Self { session, axis, tutor: Some(lesson), .. } = self else { return };
         if lesson.change(session).is_err() {
             // The target of the change is gone: begin the step again.
-            let step = lesson.step();
+            let step = lesson.step;
             self.go_to_step(step);
         } else {
             // The record may have become longer.
@@ -79,7 +79,7 @@ impl App {
     }
 
     pub(super) fn finish_lesson(&mut self) {
-        if let Some(place) = self.tutor.as_ref().and_then(Tutor::place) {
+        if let Some(place) = self.tutor.as_ref().and_then(|tutor| tutor.place) {
             self.catalogue.finish(place);
         }
     }
@@ -92,12 +92,12 @@ impl App {
 
     pub(super) fn studies(&self) -> Studies {
         let bookmark = self.tutor.as_ref().and_then(Tutor::bookmark);
-        Studies { bookmark, finished: self.catalogue.finished().clone() }
+        Studies { bookmark, finished: self.catalogue.finished.clone() }
     }
 
     /// Takes up the lessons where they were left. The scenario and the views have been restored before.
     pub(super) fn resume(&mut self, Studies { bookmark, finished }: Studies) {
-        self.catalogue = Catalogue::with_finished(finished);
+        self.catalogue.finished = finished;
         let Some(bookmark) = bookmark else { return };
         let Some(lesson) = self.bookmarked(&bookmark) else {
             let Bookmark { lesson, step, .. } = bookmark;
@@ -110,7 +110,7 @@ impl App {
     }
 
     fn bookmarked(&self, bookmark: &Bookmark) -> Option<Tutor> {
-        let place = self.catalogue.place_of(&bookmark.lesson)?;
+        let place = self.catalogue.lessons.iter().position(|lesson| lesson.title == bookmark.lesson)?;
         Tutor::at_bookmark(self.catalogue.at(place)?.clone(), place, bookmark)
     }
 }

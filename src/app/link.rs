@@ -63,9 +63,6 @@ impl App {
     }
 
     /// A link to the picture on screen.
-    ///
-    /// # Errors
-    /// [`LinkError`] where it would be too long.
     pub fn link(&self) -> Result<String, LinkError> {
         Ok(format!("{}{}", self.page, self.picture().fragment()?))
     }
@@ -74,14 +71,9 @@ impl App {
         self.notice = Some(match self.link() {
             Ok(link) => {
                 ctx.copy_text(link);
-                Notice::done(&match self.missing_record() {
-                    Some(file) => {
-                        format!(
-                            "A link to this picture is in the clipboard. The record “{file}” is not in it: send that file too."
-                        )
-                    }
-                    None => "A link to this picture is in the clipboard.".to_owned(),
-                })
+                let more = |file: &str| format!(" The record “{file}” is not in it: send that file too.");
+                let more = self.missing_record().map(more).unwrap_or_default();
+                Notice::done(&format!("A link to this picture is in the clipboard.{more}"))
             }
             Err(error) => format!("There is no link to this picture: {error}.").into(),
         });

@@ -5,6 +5,7 @@ use std::time::Duration;
 use egui::Context;
 
 use super::App;
+use crate::export::Exporting;
 use crate::import::Import;
 use crate::notice::Notice;
 use crate::request::ViewKind;
@@ -27,33 +28,19 @@ pub(super) enum Work {
     Causes,
     FreeRuns,
     Spectrogram,
-}
-
-impl Work {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Import => "The import",
-            Self::Picture => "The computation of the plots",
-            Self::Map => "The map",
-            Self::Seeds => "The runs with many seeds",
-            Self::Tuning => "The tuning",
-            Self::Posterior => "The search of the posterior",
-            Self::Causes => "The search for causes",
-            Self::FreeRuns => "The free run",
-            Self::Spectrogram => "The spectrogram",
-        }
-    }
+    Export,
 }
 
 #[derive(Default)]
 pub(super) struct Standstill {
-    works: Vec<(Work, f64, f64)>,
+    /// The works with their names, their shares, and the times for which these have stood still.
+    works: Vec<((Work, &'static str), f64, f64)>,
     /// The time of the last frame \[s\].
     last: f64,
 }
 
 impl Standstill {
-    pub(super) fn first(&self) -> Option<Work> {
+    pub(super) fn first(&self) -> Option<(Work, &'static str)> {
         self.works.iter().find(|(.., still)| *still >= PATIENCE).map(|(work, ..)| *work)
     }
 }
@@ -76,12 +63,12 @@ impl App {
         }
         let first = self.standstill.first();
         if let Some(import) = &mut self.importing {
-            import.set_still(first == Some(Work::Import));
+            import.is_still = first.is_some_and(|(work, _)| work == Work::Import);
         }
-        let is_said = self.notice.as_ref().is_some_and(Notice::is_of_standstill);
-        match first.filter(|work| *work != Work::Import) {
-            Some(work) if !is_said => {
-                let sentence = format!("{} has made no progress for {PATIENCE} s. Esc stops it.", work.name());
+        let is_said = self.notice.as_ref().is_some_and(|notice| notice.is_of_standstill);
+        match first.filter(|(work, _)| *work != Work::Import) {
+            Some((_, name)) if !is_said => {
+                let sentence = format!("{name} has made no progress for {PATIENCE} s. Esc stops it.");
                 self.notice = Some(Notice::of_standstill(sentence));
             }
             None if is_said => self.notice = None,
@@ -89,37 +76,45 @@ impl App {
         }
     }
 
-    fn under_way(&self) -> Vec<(Work, f64)> {
-        let Self { session, laboratory, layout, importing, .. } = self;
+    fn under_way(&self) -> Vec<((Work, &'static str), f64)> {
+        let Self { session, laboratory, layout, importing, exporting, .. } = self;
         let is_in_sight = |kind| layout.in_sight().contains(&kind);
-        let (map, seeds) = (laboratory, laboratory.seeds());
+        let (map, seeds) = (laboratory, &laboratory.seeds);
         let works = [
-            (Work::Import, importing.as_ref().and_then(Import::progress)),
-            (Work::Picture, session.progress()),
-            (Work::Map, map.progress().filter(|_| map.is_working() && !map.state().is_stopped())),
-            (Work::Seeds, seeds.progress().filter(|_| seeds.is_working()).map(|[done, _]| done as f64)),
-            (Work::Tuning, map.tuning().progress().filter(|_| is_in_sight(ViewKind::Tune))),
-            (Work::Posterior, map.posteriors().progress().filter(|_| is_in_sight(ViewKind::ParameterPlane))),
-            (Work::Causes, session.trials_beside().filter(|_| !session.behind())),
-            (Work::FreeRuns, session.free_run_beside()),
-            (Work::Spectrogram, session.spectrogram_beside()),
+            ((Work::Import, "The import"), importing.as_ref().and_then(Import::progress)),
+            ((Work::Picture, "The computation of the plots"), session.progress()),
+            ((Work::Map, "The map"), map.progress().filter(|_| map.is_working() && !map.state.is_stopped)),
+            (
+                (Work::Seeds, "The runs with many seeds"),
+                seeds.progress().filter(|_| seeds.is_working()).map(|[done, _]| done as f64),
+            ),
+            ((Work::Tuning, "The tuning"), map.tuning.progress().filter(|_| is_in_sight(ViewKind::Tune))),
+            (
+                (Work::Posterior, "The search of the posterior"),
+                map.posteriors.progress().filter(|_| is_in_sight(ViewKind::ParameterPlane)),
+            ),
+            ((Work::Causes, "The search for causes"), session.trials_beside().filter(|_| !session.behind())),
+            ((Work::FreeRuns, "The free run"), session.free_run_beside()),
+            ((Work::Spectrogram, "The spectrogram"), session.spectrogram_beside()),
+            ((Work::Export, "The export"), exporting.as_ref().map(Exporting::progress)),
         ];
         works.into_iter().filter_map(|(work, share)| Some((work, share?))).collect()
     }
 
     pub(super) fn stop_standing_still(&mut self) {
-        let Some(work) = self.standstill.first() else { return };
-        let Self { session, laboratory, importing, .. } = self;
+        let Some((work, _)) = self.standstill.first() else { return };
+        let Self { session, laboratory, importing, exporting, .. } = self;
         match work {
             Work::Import => *importing = None,
             Work::Picture => _ = session.cancel(),
             Work::Map => _ = laboratory.set_stopped(true),
-            Work::Seeds => _ = laboratory.seeds_mut().set_stopped(true),
-            Work::Tuning => _ = laboratory.tuning_mut().cancel(),
-            Work::Posterior => _ = laboratory.posteriors_mut().cancel(),
+            Work::Seeds => _ = laboratory.seeds.set_stopped(true),
+            Work::Tuning => _ = laboratory.tuning.cancel(),
+            Work::Posterior => _ = laboratory.posteriors.cancel(),
             Work::Causes => session.give_up_trials(),
             Work::FreeRuns => session.give_up_free_runs(),
             Work::Spectrogram => session.give_up_spectrogram(),
+            Work::Export => *exporting = None,
         }
         self.standstill.works.clear();
     }

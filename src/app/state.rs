@@ -21,36 +21,24 @@ pub type LastPicture = Result<Option<Picture>, String>;
 
 impl App {
     /// The explorer with the picture in a storage, or playing the default scenario.
-    ///
-    /// # Errors
-    /// [`RunError`] where even the default scenario cannot be run.
     pub fn stored(ctx: &Context, storage: Option<&dyn Storage>) -> Result<Self, RunError> {
         let (last, unreadable) = read(storage);
         Ok(Self { unreadable, ..Self::resumed(ctx, last)? })
     }
 
     /// The explorer with the picture of the last use, with fonts and styles.
-    ///
-    /// # Errors
-    /// [`RunError`] where the scenario cannot be run.
     pub fn resumed(ctx: &Context, last: LastPicture) -> Result<Self, RunError> {
         theme::install(ctx);
         Self::with_last(last, Budget::FRAME, Some(ctx))
     }
 
     /// As [`Self::stored`], computed at once and without fonts and styles.
-    ///
-    /// # Errors
-    /// As [`Self::stored`].
     pub fn restored(storage: Option<&dyn Storage>) -> Result<Self, RunError> {
         let (last, unreadable) = read(storage);
         Ok(Self { unreadable, ..Self::with_last(last, Budget::Unlimited, None)? })
     }
 
     /// The explorer for the frame of another page: plots and transport, and no saved session, neither read nor written.
-    ///
-    /// # Errors
-    /// [`RunError`] where even the default scenario cannot be run.
     pub fn embedded(creation: &eframe::CreationContext<'_>) -> Result<Self, RunError> {
         let app = Self::resumed(&creation.egui_ctx, Ok(None))?;
         Ok(Self { embedded: true, inviting: false, ..app })
@@ -112,9 +100,6 @@ impl App {
     }
 
     /// Writes the picture into a storage, and keeps the text of an unreadable one under its own key.
-    ///
-    /// # Errors
-    /// [`PictureError`] where it cannot be written.
     pub(super) fn store(&mut self, storage: &mut dyn Storage) -> Result<(), PictureError> {
         if let Some(text) = self.unreadable.take() {
             storage.set_string(UNREADABLE_KEY, text);

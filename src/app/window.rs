@@ -101,10 +101,13 @@ impl App {
         if let Some(notice) = &self.notice {
             notice::notice_ui(ui.ctx(), notice, centre.response.rect, &palette, &mut self.requests);
         }
-        self.keys_ui(ui.ctx());
-        self.finder_ui(ui.ctx(), &palette);
+        if self.keys_open {
+            keys::window_ui(ui.ctx(), &mut self.keys_open);
+        }
+        let Self { finder, editor, session, catalogue, requests, .. } = self;
+        finder.take_if(|finder| !finder.ui(ui.ctx(), (session, catalogue), &palette, requests));
         focus::ring_ui(ui.ctx(), &palette);
-        self.equation_ui(ui.ctx(), &palette);
+        editor.take_if(|editor| !editor.ui(ui.ctx(), session.scenario(), &palette, requests));
         self.measure_ui(ui.ctx(), &palette);
         self.import_ui(ui.ctx(), &palette);
         if !self.requests.is_empty() {
@@ -187,22 +190,6 @@ impl App {
         });
         if let Some(reading) = Reading::of(ruler, session, visible, palette) {
             reading::table_ui(ui.ctx(), &reading, requests);
-        }
-    }
-
-    fn equation_ui(&mut self, ctx: &Context, palette: &Palette) {
-        let Self { editor, session, requests, .. } = self;
-        editor.take_if(|editor| !editor.ui(ctx, session.scenario(), palette, requests));
-    }
-
-    fn finder_ui(&mut self, ctx: &Context, palette: &Palette) {
-        let Self { finder, session, catalogue, requests, .. } = self;
-        finder.take_if(|finder| !finder.ui(ctx, (session, catalogue), palette, requests));
-    }
-
-    fn keys_ui(&mut self, ctx: &Context) {
-        if self.keys_open {
-            keys::window_ui(ctx, &mut self.keys_open);
         }
     }
 }

@@ -1,19 +1,19 @@
-//! One filter.
+//! One filter: its initial belief, its noise, its memory and its colour.
 
 use egui::collapsing_header::CollapsingState;
-use egui::{ComboBox, RichText, Ui};
+use egui::{ComboBox, Grid, Popup, Response, RichText, Sense, Ui, Vec2, WidgetInfo};
 use kalmanscope_core::import::Length;
-use kalmanscope_core::setting::{FADING, MEMORY};
-use kalmanscope_core::{FilterKind, FilterSettings, PlantKind, Scenario};
+use kalmanscope_core::setting::{Entry, FADING, INITIAL_MEAN, INITIAL_STD, MEMORY, PROCESS_STD, SENSOR_STD, TableInfo};
+use kalmanscope_core::{Channel, FilterColor, FilterKind, FilterSettings, InputKind, PlantKind, Scenario, Sensor};
 
-use super::belief::belief_ui;
-use super::color::{color_ui, free_color};
 use super::lit::lit;
-use super::number::REMARK;
+use super::number::{Named, REMARK, field, std_field, tell_hertz};
 use super::options::options_ui;
 use super::row::filter_row_ui;
+use crate::hover::named;
 use crate::text::significant;
-use crate::theme::{self, Palette};
+use crate::theme;
+use crate::theme::Palette;
 
 pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize, palette: &Palette) {
     let id = ui.make_persistent_id(("filter", scenario.filters[place].id));
@@ -40,7 +40,12 @@ pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize,
             let Scenario { dt, plant, sensors, filters, record, .. } = scenario;
             let length = Length::of(record.as_ref());
             let filter = &mut filters[place];
-            memory_ui(ui, filter, plant.kind, *dt);
+            for info in MEMORY {
+                filter_row_ui(ui, info, filter, plant.kind);
+                if *info == FADING {
+                    half_life_ui(ui, filter.fading, *dt);
+                }
+            }
             belief_ui(ui, filter, sensors, plant.kind, length);
             ui.add_space(2.0);
             options_ui(ui, filter, plant.kind, sensors, length);
@@ -50,10 +55,7 @@ pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize,
                     "Set R to the sensors' true noise, and Q to the effect of disturbance and changing parameters in a step";
                 match_truth = ui.button("Match the truth").on_hover_text(hint).clicked();
                 let small = |ui: &mut Ui, text: &str, enabled: bool| {
-                    let button = ui.add_enabled(enabled, egui::Button::new(text));
-                    button.ctx.accesskit_node_builder(button.id, |node| {
-                        node.set_label(format!("{text} {}", filter.name));
-                    });
+                    let button = named(ui.add_enabled(enabled, egui::Button::new(text)), format!("{text} {}", filter.name));
                     button.clicked()
                 };
                 duplicate = small(ui, "Duplicate", several < MOST_FILTERS);
@@ -101,7 +103,7 @@ fn rename_ui(ui: &mut Ui, filter: &mut FilterSettings, others: &[String]) {
         ui.label("name");
         let mut name = filter.name.clone();
         let field = ui.add(egui::TextEdit::singleline(&mut name).desired_width(150.0).char_limit(40));
-        field.ctx.accesskit_node_builder(field.id, |node| node.set_label(format!("Name of {}", filter.name)));
+        let field = named(field, format!("Name of {}", filter.name));
         if field.changed() && !name.trim().is_empty() && !others.contains(&name) {
             filter.name = name;
         }
@@ -116,21 +118,12 @@ fn kind_ui(ui: &mut Ui, filter: &mut FilterSettings, place: usize, others: &[Str
                 ui.selectable_value(&mut filter.kind, kind, kind.name());
             }
         });
-    ui.ctx().accesskit_node_builder(combo.response.id, |node| node.set_label(format!("Kind of filter {}", place + 1)));
+    named(combo.response, format!("Kind of filter {}", place + 1));
     // A name that is that of the kind follows the kind, but stays unique.
     let numbered = |kind: FilterKind| format!("{} {}", kind.name(), place + 1);
     if filter.kind != before && (filter.name == before.name() || filter.name == numbered(before)) {
         let name = filter.kind.name().to_owned();
         filter.name = if others.contains(&name) { numbered(filter.kind) } else { name };
-    }
-}
-
-fn memory_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantKind, dt: f64) {
-    for info in MEMORY {
-        filter_row_ui(ui, info, filter, truth);
-        if *info == FADING {
-            half_life_ui(ui, filter.fading, dt);
-        }
     }
 }
 
@@ -146,4 +139,142 @@ fn half_life_ui(ui: &mut Ui, fading: f64, dt: f64) {
         let hint = "Memory half-life: the time after which a measurement counts half";
         ui.add(egui::Label::new(RichText::new(memory).small()).truncate()).on_hover_text(hint);
     });
+}
+
+/// Width of the column of symbols \[points\].
+const SYMBOL_WIDTH: f32 = 22.0;
+/// Width of the column of units \[points\].
+const UNIT_WIDTH: f32 = 36.0;
+
+pub(super) fn belief_ui(
+    ui: &mut Ui,
+    filter: &mut FilterSettings,
+    sensors: &[Sensor],
+    truth: PlantKind,
+    length: Length,
+) {
+    let channels = filter.model(truth, InputKind::Force).channels().to_vec();
+    let spacing = ui.spacing().item_spacing.x;
+    let column = ((ui.available_width() - SYMBOL_WIDTH - UNIT_WIDTH - 4.0 * spacing) / 3.0).max(36.0);
+    let cell = |ui: &mut Ui, enabled: bool, add: &mut dyn FnMut(&mut Ui)| {
+        ui.allocate_ui(Vec2::new(column, ui.spacing().interact_size.y), |ui| {
+            ui.set_width(column);
+            ui.add_enabled_ui(enabled, |ui| add(ui));
+        });
+    };
+    let heading = |ui: &mut Ui, text: &str, hint: &str| {
+        ui.label(RichText::new(text).small().weak()).on_hover_text(hint);
+    };
+
+    Grid::new(("belief", filter.id)).num_columns(5).min_col_width(0.0).spacing(Vec2::new(spacing, 4.0)).show(
+        ui,
+        |ui| {
+            ui.label("");
+            heading(ui, "initial guess", "Mean of the initial belief");
+            heading(
+                ui,
+                "± σ of guess",
+                "Standard deviation of the initial belief: how sure the filter is of its guess",
+            );
+            heading(ui, "√Q per step", "Standard deviation of the model's error in one step");
+            ui.end_row();
+            for &channel in &channels {
+                // The parameters of a KF are known and have no uncertainty to set.
+                let is_known = filter.knows(channel);
+                ui.label(channel.symbol()).on_hover_text(channel.name());
+                for (table, scale) in [(&INITIAL_MEAN, 1.0), (&INITIAL_STD, 10.0), (&PROCESS_STD, 1.0)] {
+                    let scale = scale * self::scale(channel);
+                    cell(ui, !is_known || *table == INITIAL_MEAN, &mut |ui| {
+                        entry_ui(ui, filter, table, Entry::Channel(channel), sensors, scale);
+                    });
+                }
+                let unit = unit_ui(ui, length.in_place_of(channel.unit()));
+                tell_hertz(unit, filter.initial_mean[channel], channel.unit(), "The guess is");
+                ui.end_row();
+            }
+            for quantity in sensors.iter().map(|sensor| sensor.measures) {
+                ui.label(quantity.symbol()).on_hover_text(format!("{} sensor", quantity.key()));
+                ui.label("");
+                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                    let symbol = RichText::new(SENSOR_STD.symbol).small().weak();
+                    ui.label(symbol).on_hover_text("What the filter takes the noise to be");
+                });
+                cell(ui, true, &mut |ui| entry_ui(ui, filter, &SENSOR_STD, Entry::Sensor(quantity), sensors, 10.0));
+                unit_ui(ui, length.in_place_of(quantity.unit()));
+                ui.end_row();
+            }
+        },
+    );
+}
+
+fn entry_ui(ui: &mut Ui, filter: &mut FilterSettings, table: &TableInfo, entry: Entry, sensors: &[Sensor], scale: f64) {
+    let text = format!("{} {} of {}", filter.name, table.name, entry.name());
+    let key = filter.address(&format!("{}.{}", table.key, entry.key()));
+    let name = Named { text: &text, key: &key };
+    let Some(number) = table.get_mut(filter, entry, sensors) else { return };
+    lit(ui, &key, |ui| {
+        if table.factor.is_some() {
+            std_field(ui, number, table.allowed.least(), scale, name, table.hint);
+        } else {
+            field(ui, number, table.allowed.least(), scale, name, table.hint);
+        }
+    });
+}
+
+/// A unit, cut where it is too long: a row that is wider than the panel would make the panel grow.
+fn unit_ui(ui: &mut Ui, unit: &str) -> Response {
+    ui.allocate_ui(Vec2::new(UNIT_WIDTH, ui.spacing().interact_size.y), |ui| {
+        ui.set_width(UNIT_WIDTH);
+        ui.add(egui::Label::new(RichText::new(unit).weak()).truncate())
+    })
+    .inner
+}
+
+fn scale(channel: Channel) -> f64 {
+    let usual = channel.usual();
+    if usual.std > 0.0 { usual.std } else { usual.mean.abs() }
+}
+
+pub(super) fn color_ui(ui: &mut Ui, filter: &mut FilterSettings, palette: &Palette) {
+    let color = color_of(filter);
+    let label = format!("Colour of {}", filter.name);
+    let dot = dot_ui(ui, palette.shade(color), &label, false).on_hover_text("Choose another colour");
+    let chosen = Popup::menu(&dot).show(|ui| {
+        ui.horizontal(|ui| {
+            let one = |ui: &mut Ui, choice: FilterColor| {
+                let dot = dot_ui(ui, palette.shade(choice), choice.name(), choice == color);
+                dot.on_hover_text(choice.name()).clicked()
+            };
+            FilterColor::ALL.into_iter().filter(|&choice| one(ui, choice)).last()
+        })
+        .inner
+    });
+    if let Some(choice) = chosen.and_then(|response| response.inner) {
+        filter.color = Some(choice);
+    }
+}
+
+/// The colour for a new filter with this id: `None` where the id's default colour is free, else the first free colour.
+pub(super) fn free_color(scenario: &Scenario, id: u32) -> Option<FilterColor> {
+    let taken: Vec<FilterColor> = scenario.filters.iter().map(color_of).collect();
+    if taken.contains(&FilterColor::of(id)) {
+        FilterColor::ALL.into_iter().find(|color| !taken.contains(color))
+    } else {
+        None
+    }
+}
+
+pub(crate) fn color_of(filter: &FilterSettings) -> FilterColor {
+    filter.color.unwrap_or(FilterColor::of(filter.id))
+}
+
+fn dot_ui(ui: &mut Ui, color: egui::Color32, label: &str, ringed: bool) -> egui::Response {
+    let (rect, response) = ui.allocate_exact_size(Vec2::splat(18.0), Sense::click());
+    response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, label));
+    let radius = if response.hovered() || response.has_focus() { 7.0 } else { 5.5 };
+    ui.painter().circle_filled(rect.center(), radius, color);
+    if ringed {
+        ui.painter().circle_stroke(rect.center(), 8.0, egui::Stroke::new(1.5, color));
+    }
+    response
 }

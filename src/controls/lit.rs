@@ -1,6 +1,6 @@
 //! Lights the settings that a lesson's step is about.
 
-use egui::{Color32, CornerRadius, Id, Shape, Stroke, StrokeKind, Ui};
+use egui::{CornerRadius, Id, Shape, Stroke, StrokeKind, Ui};
 use kalmanscope_core::Scenario;
 
 #[derive(Clone)]
@@ -20,12 +20,13 @@ pub(super) fn light(ui: &Ui, paths: Vec<String>, scenario: &Scenario) {
 
 /// Shows controls, on a lit ground if the setting under this path, a part of it or a table that it is in is lit.
 pub(super) fn lit<R>(ui: &mut Ui, path: &str, add_contents: impl FnOnce(&mut Ui) -> R) -> R {
-    let Some(lit) = lit_by(ui, path) else { return add_contents(ui) };
+    let lit = ui.data(|data| data.get_temp::<Lit>(id())).filter(|lit| lit.paths.iter().any(|lit| concerns(lit, path)));
+    let Some(lit) = lit else { return add_contents(ui) };
     let ground = ui.painter().add(Shape::Noop);
     let shown = ui.scope(add_contents);
     let rect = shown.response.rect.expand2(egui::vec2(4.0, 1.0));
     let accent = ui.visuals().selection.bg_fill;
-    let (fill, stroke) = (faint(accent), Stroke::new(1.0, accent));
+    let (fill, stroke) = (accent.gamma_multiply(0.14), Stroke::new(1.0, accent));
     ui.painter()
         .set(ground, egui::epaint::RectShape::new(rect, CornerRadius::same(4), fill, stroke, StrokeKind::Inside));
     shown.response.ctx.accesskit_node_builder(shown.response.id, |node| {
@@ -37,17 +38,9 @@ pub(super) fn lit<R>(ui: &mut Ui, path: &str, add_contents: impl FnOnce(&mut Ui)
     shown.inner
 }
 
-fn lit_by(ui: &Ui, path: &str) -> Option<Lit> {
-    ui.data(|data| data.get_temp::<Lit>(id())).filter(|lit| lit.paths.iter().any(|lit| concerns(lit, path)))
-}
-
 fn concerns(lit: &str, path: &str) -> bool {
     let [lit, path] = [lit, path].map(|path| path.replacen("filters#", "filters.#", 1));
     lit.split('.').zip(path.split('.')).all(|(a, b)| a == b || a == "*")
-}
-
-fn faint(accent: Color32) -> Color32 {
-    accent.gamma_multiply(0.14)
 }
 
 fn id() -> Id {

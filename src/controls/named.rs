@@ -1,9 +1,10 @@
 //! The settings that the story of the run names: a few sliders, each as wide as the panel.
 
-use egui::{Align, DragValue, Label, Layout, RichText, Slider, SliderClamping, Ui, Widget as _};
+use egui::{Align, DragValue, Label, Layout, Slider, SliderClamping, Ui, Widget as _};
 use kalmanscope_core::setting::Address;
 use kalmanscope_core::{Adjustable, Phrase, Scenario, Story};
 
+use crate::hover::named;
 use crate::probe::remember;
 use crate::text::{parse, sentence};
 
@@ -47,7 +48,6 @@ pub(crate) fn first_number(text: &str) -> Option<f64> {
 fn setting_ui(ui: &mut Ui, setting: &Adjustable, name: &str) -> Option<f64> {
     let (low, high) = setting.range;
     let mut shown = setting.shown;
-    let label = |ui: &Ui, id, text: String| ui.ctx().accesskit_node_builder(id, |node| node.set_label(text));
     let row = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
     let row = ui.allocate_ui_with_layout(row, Layout::right_to_left(Align::Center), |ui| {
         let of = setting.clone();
@@ -55,21 +55,16 @@ fn setting_ui(ui: &mut Ui, setting: &Adjustable, name: &str) -> Option<f64> {
             DragValue::new(&mut shown).range(low..=high).clamp_existing_to_range(false).speed((high - low) / 400.0);
         let number = number.custom_formatter(move |shown, _| of.showing(shown).to_string());
         let number = number.custom_parser(first_number);
-        let field = ui.add(number);
-        label(ui, field.id, format!("{name}, value"));
+        let field = named(ui.add(number), format!("{name}, value"));
         ui.with_layout(Layout::left_to_right(Align::Center), |ui| ui.add(Label::new(name).truncate()));
         field
     });
     let field = row.inner;
     ui.spacing_mut().slider_width = ui.available_width();
     let slider = Slider::new(&mut shown, low..=high).clamping(SliderClamping::Never).show_value(false).ui(ui);
-    label(ui, slider.id, name.to_owned());
+    let slider = named(slider, name);
     remember(ui.ctx(), name, slider.rect);
     (field.changed() || slider.changed()).then(|| setting.value(shown))
-}
-
-pub(super) fn nothing_ui(ui: &mut Ui) {
-    ui.label(RichText::new("The sentence above the plots names no number to change.").weak());
 }
 
 #[cfg(test)]

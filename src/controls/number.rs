@@ -1,10 +1,12 @@
 //! One number: a label with symbol and unit, a slider and a field to drag, scroll or type in.
 
-use egui::{DragValue, Id, PointerButton, Response, Slider, SliderClamping, Stroke, Ui, Vec2, Widget as _, lerp};
+use egui::{
+    Align, DragValue, Id, Layout, PointerButton, Response, Slider, SliderClamping, Stroke, Ui, Vec2, Widget as _, lerp,
+};
 
 use kalmanscope_core::setting::SettingInfo;
 
-use crate::hover::hover_text;
+use crate::hover::{hover_text, named};
 use crate::probe::remember;
 use crate::text::{in_hertz, parse, significant};
 
@@ -31,12 +33,6 @@ impl<'a> From<&'a str> for Named<'a> {
     }
 }
 
-impl<'a> From<&'a String> for Named<'a> {
-    fn from(text: &'a String) -> Self {
-        Self::from(text.as_str())
-    }
-}
-
 #[derive(Clone, Copy, Debug)]
 pub struct Number<'a> {
     pub label: &'a str,
@@ -59,7 +55,9 @@ impl<'a> Number<'a> {
         let Named { text, key } = name;
         let initial = initial(ui, key, *value);
         ui.horizontal(|ui| {
-            fixed_width(ui, LABEL_WIDTH, |ui| {
+            let size = Vec2::new(LABEL_WIDTH, ui.spacing().interact_size.y);
+            ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
+                ui.set_min_width(LABEL_WIDTH);
                 let changed = *value != initial;
                 let label = ui.add(egui::Label::new(label).truncate()).on_hover_text(hint);
                 if changed {
@@ -78,12 +76,12 @@ impl<'a> Number<'a> {
                 .show_value(false)
                 .ui(ui);
             let slider = hover_text(slider, &|| format!("{hint}\nDouble click: back to {}", significant(initial, 5)));
-            announce(&slider, text);
+            let slider = named(slider, text);
             remember(ui.ctx(), text, slider.rect);
             reset(&slider, value, initial);
             let size = Vec2::new(FIELD_WIDTH, ui.spacing().interact_size.y);
             let field = hover_text(ui.add_sized(size, drag_value(value, low, high)), &|| usage(initial));
-            announce(&field, &format!("{text}, value"));
+            let field = named(field, format!("{text}, value"));
             scroll(ui, &field, value, step(*value, low, high));
             reset(&field, value, initial);
             let label = ui.weak(unit);
@@ -131,7 +129,7 @@ pub fn field<'a>(
     let size = Vec2::new(ui.available_width(), ui.spacing().interact_size.y);
     let field = ui.add_sized(size, drag_value(value, 0.0, scale));
     let field = hover_text(field, &|| format!("{hint}\n{}", usage(initial)));
-    announce(&field, text);
+    let field = named(field, text);
     remember(ui.ctx(), text, field.rect);
     scroll(ui, &field, value, step(*value, 0.0, scale));
     reset(&field, value, initial);
@@ -216,16 +214,4 @@ fn step(value: f64, low: f64, high: f64) -> f64 {
 
 fn smallest(low: f64, high: f64) -> f64 {
     if low > 0.0 { low } else { high * 1e-5 }
-}
-
-fn fixed_width(ui: &mut Ui, width: f32, add_contents: impl FnOnce(&mut Ui)) {
-    let size = Vec2::new(width, ui.spacing().interact_size.y);
-    ui.allocate_ui_with_layout(size, egui::Layout::left_to_right(egui::Align::Center), |ui| {
-        ui.set_min_width(width);
-        add_contents(ui);
-    });
-}
-
-fn announce(response: &Response, name: &str) {
-    response.ctx.accesskit_node_builder(response.id, |node| node.set_label(name));
 }

@@ -1,17 +1,18 @@
-//! The true oscillator.
+//! The true oscillator, and its parameters over time.
 
-use egui::{Button, ComboBox, Ui};
-use kalmanscope_core::channel::augment;
-use kalmanscope_core::channel::{Role, Sign};
+use egui::{Button, ComboBox, TextStyle, Ui};
+use kalmanscope_core::channel::{Role, Sign, augment};
 use kalmanscope_core::setting::MOTION;
-use kalmanscope_core::{Channel, Plant, PlantKind, Scenario};
+use kalmanscope_core::signal::{Ramp, Sine, Step};
+use kalmanscope_core::{Channel, Plant, PlantKind, Scenario, Signal};
 
 use super::Asked;
-use super::equation::equation_ui;
 use super::lit::lit;
+use super::number::Number;
 use super::row::scenario_row_ui;
-use super::signal::{Parameter, signal_ui};
 use crate::equation;
+use crate::equation::job;
+use crate::hover::named;
 use crate::text::sentence;
 
 /// Limits the natural frequency from below \[rad/s\].
@@ -43,7 +44,7 @@ fn kind_ui(ui: &mut Ui, scenario: &mut Scenario, asked: &mut Vec<Asked>) {
                 ui.selectable_value(&mut kind, other, other.name());
             }
         });
-    ui.ctx().accesskit_node_builder(combo.response.id, |node| node.set_label("Kind of plant"));
+    named(combo.response, "Kind of plant");
     if kind != scenario.plant.kind {
         scenario.set_plant(kind);
     }
@@ -65,7 +66,7 @@ fn parameter_ui(ui: &mut Ui, plant: &mut Plant, channel: Channel) {
     }
     if channel.is_augmentation() {
         let button = ui.add(Button::new("Remove").small()).on_hover_text("Take this property away from the truth");
-        ui.ctx().accesskit_node_builder(button.id, |node| node.set_label(format!("Remove {}", channel.name())));
+        let button = named(button, format!("Remove {}", channel.name()));
         if button.clicked() {
             plant.remove(channel);
         }
@@ -85,9 +86,111 @@ fn augmentation_ui(ui: &mut Ui, plant: &mut Plant) {
     });
     let hint = "The recorded input may be wrong by a gain or an offset, a sensor by a bias or a gain: the filters are not told";
     combo.response.clone().on_hover_text(hint);
-    ui.ctx().accesskit_node_builder(combo.response.id, |node| node.set_label("Add a property to the truth"));
+    named(combo.response, "Add a property to the truth");
     if let Some(channel) = chosen {
         plant.set(channel, channel.usual_truth());
     }
     ui.add_space(4.0);
+}
+
+pub(super) struct Parameter<'a> {
+    pub(super) label: &'a str,
+    pub(super) name: &'a str,
+    pub(super) unit: &'a str,
+    pub(super) range: (f64, f64),
+    pub(super) least: f64,
+}
+
+const SHAPES: [&str; 4] = ["constant", "step", "ramp", "sine"];
+
+pub(super) fn signal_ui(ui: &mut Ui, parameter: &Parameter<'_>, signal: &mut Signal) {
+    let Parameter { label, name, unit, range, least } = *parameter;
+    let mut shape = shape_of(signal);
+    ui.horizontal(|ui| {
+        ui.label(label);
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            let combo = ComboBox::from_id_salt(name).selected_text(SHAPES[shape]).width(96.0).show_ui(ui, |ui| {
+                for (i, text) in SHAPES.into_iter().enumerate() {
+                    ui.selectable_value(&mut shape, i, text);
+                }
+            });
+            named(combo.response, format!("{name} over time"));
+        });
+    });
+    if shape != shape_of(signal) {
+        *signal = reshaped(signal, shape);
+    }
+
+    let value = |ui: &mut Ui, label: &str, value: &mut f64| {
+        let name = format!("{name}, {label}");
+        let hint = "True value, which no filter is told";
+        Number { label, name: name.as_str().into(), unit, range, least, logarithmic: false, hint }.show(ui, value);
+    };
+    let time = |ui: &mut Ui, label: &str, value: &mut f64, least: f64| {
+        let name = format!("{name}, {label}");
+        let hint = "Time after the start of the record";
+        Number { label, name: name.as_str().into(), unit: "s", range: (least, 60.0), least, logarithmic: false, hint }
+            .show(ui, value);
+    };
+    match signal {
+        Signal::Constant(constant) => value(ui, "value", constant),
+        Signal::Step(Step { from, to, at }) => {
+            value(ui, "before", from);
+            value(ui, "after", to);
+            time(ui, "changes at", at, 0.0);
+        }
+        Signal::Ramp(Ramp { from, to, start, end }) => {
+            value(ui, "before", from);
+            value(ui, "after", to);
+            time(ui, "begins at", start, 0.0);
+            *end = end.max(*start);
+            time(ui, "ends at", end, *start);
+        }
+        Signal::Sine(Sine { mean, amplitude, period }) => {
+            value(ui, "mean", mean);
+            // The lowest value must stay allowed.
+            let room = *mean - least;
+            let (name, hint) = (format!("{name}, amplitude"), "Largest distance from the mean");
+            let range = (0.0, if room.is_finite() { room } else { range.1 - range.0 });
+            let (label, name) = ("amplitude", name.as_str().into());
+            Number { label, name, unit, range, least: 0.0, logarithmic: false, hint }.show(ui, amplitude);
+            *amplitude = amplitude.min(room);
+            time(ui, "period", period, 0.1);
+        }
+    }
+}
+
+fn shape_of(signal: &Signal) -> usize {
+    match signal {
+        Signal::Constant(_) => 0,
+        Signal::Step(_) => 1,
+        Signal::Ramp(_) => 2,
+        Signal::Sine(_) => 3,
+    }
+}
+
+fn reshaped(signal: &Signal, shape: usize) -> Signal {
+    let (from, to, start) = match *signal {
+        Signal::Constant(value) => (value, 0.8 * value, 30.0),
+        Signal::Step(Step { from, to, at }) => (from, to, at),
+        Signal::Ramp(Ramp { from, to, start, .. }) => (from, to, start),
+        Signal::Sine(Sine { mean, amplitude, .. }) => (mean, mean - amplitude, 30.0),
+    };
+    match shape {
+        0 => Signal::Constant(from),
+        1 => Signal::Step(Step { from, to, at: start }),
+        2 => Signal::Ramp(Ramp { from, to, start: start.min(10.0), end: start + 20.0 }),
+        _ => Signal::Sine(Sine { mean: from, amplitude: (from - to).abs(), period: 20.0 }),
+    }
+}
+
+pub(super) fn equation_ui(ui: &mut Ui, scenario: &Scenario, asked: &mut Vec<Asked>) {
+    let Some(own) = scenario.plant.kind.own_equation() else { return };
+    let font = TextStyle::Body.resolve(ui.style());
+    let printed = job(&own.settings().equation, &font, ui.visuals().text_color());
+    let button = Button::new(printed).wrap().min_size(egui::vec2(ui.available_width(), 0.0));
+    let button = named(ui.add(button).on_hover_text("Edit the equation and its parameters"), "Edit the equation");
+    if button.clicked() {
+        asked.push(Asked::Equation);
+    }
 }

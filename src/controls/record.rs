@@ -1,12 +1,18 @@
-//! The measured record: its file, its input between samples, and what of it is used.
+//! The record: its length and its force, or the file of a measured one.
 
-use egui::Ui;
+use egui::{DragValue, Ui};
 use kalmanscope_core::import::Mapping;
+use kalmanscope_core::setting::{CHOICES_OF_SCENARIO, DT, DURATION, FORCE, SEED};
 use kalmanscope_core::{Hold, Scenario};
 
 use super::Asked;
-use super::equation::equation_ui;
+use super::lit::lit;
+use super::number::{REMARK, limit};
+use super::plant::equation_ui;
+use super::row::{choice_row_ui, scenario_row_ui};
+use crate::hover::named;
 use crate::session::{Library, name_of};
+use crate::text::sentence;
 
 pub(super) fn record_ui(ui: &mut Ui, scenario: &mut Scenario, library: &Library, asked: &mut Vec<Asked>) {
     equation_ui(ui, scenario, asked);
@@ -33,10 +39,10 @@ pub(super) fn record_ui(ui: &mut Ui, scenario: &mut Scenario, library: &Library,
             scenario.record = None;
         }
     });
-    if let Some(problem) = library.problem() {
+    if let Some(problem) = library.problem.as_deref() {
         ui.colored_label(ui.visuals().warn_fg_color, problem);
     }
-    for reason in library.reasons() {
+    for reason in &library.reasons {
         ui.weak(format!("• {reason}"));
     }
     ui.weak("Truth, force and duration of the scenario have no effect here, but for the kind of plant.");
@@ -54,4 +60,49 @@ fn lines(mapping: &Mapping) -> Vec<String> {
     let rate = (*every > 1).then(|| format!("one sample of {every}"));
     let finer = (*interpolate > 1).then(|| format!("{interpolate} steps in place of one"));
     input.chain(sensors).chain([part, band, rate, finer].into_iter().flatten()).collect()
+}
+
+/// Limits the length of a record: a day \[s\].
+const LONGEST: f64 = 86_400.0;
+
+/// Lengths with a button \[s\].
+const LENGTHS: [(&str, f64); 3] = [("1 min", 60.0), ("1 h", 3600.0), ("1 day", LONGEST)];
+
+pub(super) fn general_ui(ui: &mut Ui, scenario: &mut Scenario) {
+    scenario_row_ui(ui, &DURATION, scenario, 1.0);
+    ui.horizontal(|ui| {
+        ui.add_space(REMARK);
+        for (name, length) in LENGTHS {
+            if ui.small_button(name).on_hover_text(DURATION.hint).clicked() {
+                scenario.duration = length;
+            }
+        }
+    });
+    scenario_row_ui(ui, &DT, scenario, DT.slider.0);
+    let Scenario { seed, dt, duration, .. } = scenario;
+    let longest_step = *duration;
+    limit(ui, dt, 0.0, longest_step, "Sampling time, most", "s");
+    limit(ui, duration, 0.0, LONGEST, "Duration, most", "s");
+    lit(ui, SEED.key, |ui| seed_ui(ui, seed));
+}
+
+fn seed_ui(ui: &mut Ui, seed: &mut u64) {
+    ui.horizontal(|ui| {
+        ui.label("seed").on_hover_text(SEED.hint);
+        named(ui.add(DragValue::new(seed).range(0..=i64::MAX as u64).speed(0.1)), "Seed");
+        if ui.button("New noise").clicked() {
+            *seed = (*seed + 1) % i64::MAX as u64;
+        }
+    });
+}
+
+pub(super) fn force_ui(ui: &mut Ui, scenario: &mut Scenario) {
+    for info in CHOICES_OF_SCENARIO {
+        choice_row_ui(ui, info, scenario, &sentence(info.name));
+    }
+    for info in &FORCE {
+        if (info.serves)(scenario, scenario.plant.kind) {
+            scenario_row_ui(ui, info, scenario, info.allowed.least());
+        }
+    }
 }

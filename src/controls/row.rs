@@ -6,6 +6,7 @@ use kalmanscope_core::{FilterSettings, PlantKind, Scenario};
 
 use super::lit::lit;
 use super::number::{Named, Number};
+use crate::hover::named;
 use crate::text::sentence;
 
 pub(super) fn filter_row_ui(
@@ -37,7 +38,7 @@ pub(super) fn filter_row_ui(
 pub(super) fn scenario_row_ui(ui: &mut Ui, info: &SettingInfo<Scenario>, scenario: &mut Scenario, least: f64) {
     let (label, name) = ((info.label)(scenario).unwrap_or(info.name), sentence(info.name));
     let mut value = (info.get)(scenario);
-    let number = Number { least, ..Number::of(info, label, (&name).into()) };
+    let number = Number { least, ..Number::of(info, label, name.as_str().into()) };
     lit(ui, info.key, |ui| number.show(ui, &mut value));
     if value != (info.get)(scenario) {
         (info.set)(scenario, value);
@@ -47,7 +48,8 @@ pub(super) fn scenario_row_ui(ui: &mut Ui, info: &SettingInfo<Scenario>, scenari
 pub(super) fn choice_row_ui<T>(ui: &mut Ui, info: &ChoiceInfo<T>, of: &mut T, name: &str) {
     let (options, now) = ((info.options)(), (info.get)(of));
     let mut chosen = now;
-    chooser_ui(ui, (info.label, info.hint), options.get(now).map_or("", |option| option.name), name, &mut |ui| {
+    let summary = options.get(now).map_or("", |option| option.name);
+    list_ui(ui, (info.label, info.hint), summary, name, PopupCloseBehavior::CloseOnClick, &mut |ui| {
         for (place, option) in options.iter().enumerate() {
             let label = ui.selectable_value(&mut chosen, place, option.name);
             if !option.hint.is_empty() {
@@ -60,28 +62,8 @@ pub(super) fn choice_row_ui<T>(ui: &mut Ui, info: &ChoiceInfo<T>, of: &mut T, na
     }
 }
 
-pub(super) fn chooser_ui(
-    ui: &mut Ui,
-    label_and_hint: (&str, &str),
-    summary: &str,
-    name: &str,
-    list: &mut dyn FnMut(&mut Ui),
-) {
-    list_ui(ui, label_and_hint, summary, name, PopupCloseBehavior::CloseOnClick, list);
-}
-
-/// A [`chooser_ui`] with several choices or numbers; its list stays open until the user clicks elsewhere.
-pub(super) fn choices_ui(
-    ui: &mut Ui,
-    label_and_hint: (&str, &str),
-    summary: &str,
-    name: &str,
-    list: &mut dyn FnMut(&mut Ui),
-) {
-    list_ui(ui, label_and_hint, summary, name, PopupCloseBehavior::CloseOnClickOutside, list);
-}
-
-fn list_ui(
+/// A list of choices or of numbers.
+pub(super) fn list_ui(
     ui: &mut Ui,
     (label, hint): (&str, &str),
     summary: &str,
@@ -94,7 +76,7 @@ fn list_ui(
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let combo = ComboBox::from_id_salt(name).selected_text(summary).width(140.0).close_behavior(closes);
             let combo = combo.show_ui(ui, |ui| list(ui));
-            ui.ctx().accesskit_node_builder(combo.response.id, |node| node.set_label(name));
+            named(combo.response, name);
         });
     });
 }
@@ -121,6 +103,5 @@ fn control_ui<T>(ui: &mut Ui, info: &SettingInfo<T>, label: &str, name: Named<'_
         }
         _ => return Number::of(info, label, name).show(ui, value),
     };
-    control.ctx.accesskit_node_builder(control.id, |node| node.set_label(name.text));
-    control.on_hover_text(info.hint);
+    named(control, name.text).on_hover_text(info.hint);
 }

@@ -1,12 +1,13 @@
 //! The sensors and their noise.
 
-use egui::{Checkbox, ComboBox, Ui};
-use kalmanscope_core::scenario::MAX_SENSORS;
+use egui::{Button, Checkbox, ComboBox, Ui};
+use kalmanscope_core::scenario::{Fault, FaultNumber, MAX_SENSORS};
 use kalmanscope_core::{Aspect, InputKind, Quantity, Scenario, Sensor};
 
-use super::faults::faults_ui;
 use super::lit::lit;
 use super::number::Number;
+use crate::hover::named;
+use crate::text::sentence;
 
 /// Limits the quantities that are all shown with a check box.
 const FEW: usize = 12;
@@ -39,7 +40,7 @@ pub(super) fn sensors_ui(ui: &mut Ui, scenario: &mut Scenario) {
                     ui.selectable_value(&mut chosen, Some(quantity), quantity.key());
                 }
             });
-            ui.ctx().accesskit_node_builder(combo.response.id, |node| node.set_label("Add a sensor"));
+            named(combo.response, "Add a sensor");
             if let Some(quantity) = chosen {
                 scenario.add_sensor(Sensor::new(quantity, usual_noise(quantity)));
             }
@@ -51,9 +52,9 @@ pub(super) fn sensors_ui(ui: &mut Ui, scenario: &mut Scenario) {
         let name = format!("Noise of the {} sensor", quantity.key());
         let number = Number {
             label: &label,
-            name: (&name).into(),
+            name: name.as_str().into(),
             unit: quantity.unit(),
-            range: noise_range(quantity),
+            range: (usual_noise(quantity) / 30.0, usual_noise(quantity) * 30.0),
             least: 0.0,
             logarithmic: true,
             hint: "True standard deviation of the sensor's noise; each filter has its own assumption among its settings",
@@ -79,11 +80,68 @@ fn offered(scenario: &Scenario) -> Vec<Quantity> {
         aspect if aspect == Aspect::DRIFT => quantity.mass() > 0,
         _ => true,
     };
-    let measured = |quantity: &Quantity| scenario.sensors.iter().any(|sensor| sensor.measures == *quantity);
-    kind.quantities().filter(|quantity| is_told_apart(quantity) || measured(quantity)).collect()
+    kind.quantities().filter(|quantity| is_told_apart(quantity) || is_measured(scenario, *quantity)).collect()
 }
 
-fn noise_range(quantity: Quantity) -> (f64, f64) {
-    let usual = usual_noise(quantity);
-    (usual / 30.0, usual * 30.0)
+pub(super) fn faults_ui(ui: &mut Ui, sensor: &mut Sensor) {
+    let quantity = sensor.measures;
+    for fault in sensor.faults.families().collect::<Vec<_>>() {
+        let info = fault.info();
+        let gone = ui.horizontal(|ui| {
+            ui.label(format!("{} {}", quantity.symbol(), info.name)).on_hover_text(sentence(info.description));
+            let name = format!("Remove {} of the {} sensor", info.name, quantity.key());
+            let remove = named(ui.add(Button::new("×").frame(false)).on_hover_text(&name), name);
+            remove.clicked()
+        });
+        if gone.inner {
+            sensor.faults.remove(fault);
+            continue;
+        }
+        let numbers = sensor.faults.numbers_mut(fault).unwrap_or_default();
+        for (number, value) in info.numbers.iter().zip(numbers) {
+            number_ui(ui, sensor.measures, fault, number, value);
+        }
+    }
+    let offered: Vec<Fault> = Fault::ALL.into_iter().filter(|fault| sensor.faults.numbers(*fault).is_none()).collect();
+    let words = format!("{} faults", quantity.symbol());
+    let mut chosen = None;
+    let combo = ComboBox::from_id_salt(&words).selected_text(format!("Add a fault of {}", quantity.symbol())).show_ui(
+        ui,
+        |ui| {
+            for fault in offered {
+                let option = ui.selectable_value(&mut chosen, Some(fault), fault.info().name);
+                option.on_hover_text(sentence(fault.info().description));
+            }
+        },
+    );
+    let name = format!("Add a fault of the {} sensor", quantity.key());
+    named(combo.response, name);
+    if let Some(fault) = chosen {
+        sensor.faults.add(fault, quantity);
+    }
+}
+
+fn number_ui(
+    ui: &mut Ui,
+    quantity: kalmanscope_core::Quantity,
+    fault: Fault,
+    info: &'static FaultNumber,
+    value: &mut f64,
+) {
+    let path = fault.address(quantity, info);
+    let name = format!("{} of the {} sensor", sentence(info.name), quantity.key());
+    let size = info.scale.size(quantity);
+    let number = Number {
+        label: info.key,
+        name: super::number::Named { text: &name, key: &path },
+        unit: info.scale.unit(quantity),
+        range: (info.slider.0 * size, info.slider.1 * size),
+        least: info.allowed.least(),
+        logarithmic: false,
+        hint: fault.info().description,
+    };
+    lit(ui, &path, |ui| number.show(ui, value));
+    if info.allowed.is_whole() {
+        *value = value.round();
+    }
 }

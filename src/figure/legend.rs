@@ -4,7 +4,6 @@ use egui::{Color32, Label, Sense, Ui, vec2};
 use kalmanscope_core::Channel;
 
 use crate::legend::{Mark, paint_mark};
-use crate::session::Before;
 use crate::view::ViewContext;
 
 /// The size of a sample \[points of the canvas\].
@@ -30,7 +29,7 @@ pub(super) fn legend_ui(ui: &mut Ui, context: &ViewContext<'_>) {
         if visible.hindsight && !session.smoothed().is_empty() {
             entry_ui(ui, "hindsight", Mark::Dashes, palette.weak);
         }
-        if let Some(words) = session.before().map(Before::words) {
+        if let Some(words) = session.before().map(|before| before.words.as_str()) {
             entry_ui(ui, &format!("before: {words}"), Mark::Line, palette.weak);
         }
     });

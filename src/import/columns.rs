@@ -1,13 +1,14 @@
-//! The columns of a file with their meaning, in rows.
+//! The columns of a file with their meaning, and time, part, band, and the distance of the samples.
 
 use std::sync::Arc;
 
-use egui::{Grid, RichText, ScrollArea, TextEdit, Ui};
-use kalmanscope_core::import::{MappedColumn, Offset, Table};
-use kalmanscope_core::{InputKind, Quantity};
+use egui::{ComboBox, DragValue, Grid, RichText, ScrollArea, TextEdit, Ui};
+use kalmanscope_core::import::{MappedColumn, Offset, Table, Time};
+use kalmanscope_core::{Hold, InputKind, PlantKind, Quantity};
 
-use super::choices::{choice_ui, number_ui};
 use super::draft::{Draft, Role};
+use crate::equation;
+use crate::hover::named;
 use crate::text::significant;
 use crate::theme::Palette;
 
@@ -15,7 +16,7 @@ const FIRST: usize = 3;
 const MOST: usize = 60;
 
 pub(super) fn columns_ui(ui: &mut Ui, draft: &mut Draft, palette: &Palette) {
-    let count = draft.file().table.columns.len();
+    let count = draft.file.table.columns.len();
     ScrollArea::horizontal().id_salt("columns").show(ui, |ui| {
         Grid::new("columns").num_columns(10).spacing([12.0, 6.0]).striped(true).show(ui, |ui| {
             for title in ["column", "is", "", "begins with", "unit", "gain", "offset", "late by", "missing is"] {
@@ -34,7 +35,7 @@ pub(super) fn columns_ui(ui: &mut Ui, draft: &mut Draft, palette: &Palette) {
 }
 
 fn column_ui(ui: &mut Ui, draft: &mut Draft, place: usize, palette: &Palette) {
-    let file = Arc::clone(draft.file());
+    let file = Arc::clone(&draft.file);
     let table = &file.table;
     let column = &table.columns[place];
     let name = column.name.clone();
@@ -86,8 +87,7 @@ fn roles(draft: &Draft) -> Vec<(Role, String)> {
 }
 
 fn unit_ui(ui: &mut Ui, name: &str, unit: &mut String) {
-    let field = ui.add(TextEdit::singleline(unit).desired_width(44.0).hint_text("unit"));
-    field.ctx.accesskit_node_builder(field.id, |node| node.set_label(format!("Unit of {name}")));
+    named(ui.add(TextEdit::singleline(unit).desired_width(44.0).hint_text("unit")), format!("Unit of {name}"));
 }
 
 fn mapped_ui(ui: &mut Ui, name: &str, mapped: &mut MappedColumn, table: &Table) {
@@ -105,12 +105,11 @@ fn mapped_ui(ui: &mut Ui, name: &str, mapped: &mut MappedColumn, table: &Table) 
             number_ui(ui, &format!("Offset of {name}"), number, 0.001);
         }
     });
-    let field = ui.add(egui::DragValue::new(delay).suffix(" samples").range(-1000..=1000));
-    field.ctx.accesskit_node_builder(field.id, |node| node.set_label(format!("Delay of {name}")));
+    named(ui.add(egui::DragValue::new(delay).suffix(" samples").range(-1000..=1000)), format!("Delay of {name}"));
     ui.horizontal(|ui| {
         let mut on = missing.is_some();
         let check = ui.checkbox(&mut on, "").on_hover_text("Cells with this number have no reading");
-        check.ctx.accesskit_node_builder(check.id, |node| node.set_label(format!("Missing number in {name}")));
+        let check = named(check, format!("Missing number in {name}"));
         if check.changed() {
             let found = || table.place(column).and_then(|place| table.sentinel(place));
             *missing = on.then(|| found().map_or(-9999.0, |found| found.value));
@@ -119,4 +118,119 @@ fn mapped_ui(ui: &mut Ui, name: &str, mapped: &mut MappedColumn, table: &Table) 
             number_ui(ui, &format!("Number for a missing reading in {name}"), missing, 1.0);
         }
     });
+}
+
+pub(super) fn meaning_ui(ui: &mut Ui, draft: &mut Draft) {
+    ui.horizontal_wrapped(|ui| {
+        if draft.mapping.time.column.is_none() {
+            let mut rate = draft.mapping.time.rate.unwrap_or(0.0);
+            ui.label("samples in a second");
+            number_ui(ui, "Sample rate", &mut rate, 0.5);
+            ui.label("Hz");
+            draft.mapping.time = Time { rate: (rate > 0.0).then_some(rate), ..Time::default() };
+            ui.separator();
+        }
+        ui.label("the input is");
+        let kinds = [
+            (Some(InputKind::Force), "a force over mass".to_owned()),
+            (Some(InputKind::GroundAcceleration), "the ground's acceleration".to_owned()),
+            (None, "nothing: it was not recorded".to_owned()),
+        ];
+        let mut kind = Some(draft.input).filter(|_| !draft.mapping.no_input);
+        if choice_ui(ui, "Kind of input", &mut kind, &kinds) {
+            draft.set_input(kind);
+        }
+        let holds =
+            [(Hold::First, "linear between samples".to_owned()), (Hold::Zero, "held between samples".to_owned())];
+        choice_ui(ui, "Hold of the input", &mut draft.hold, &holds);
+        ui.separator();
+        ui.label("the filters assume");
+        let own = if draft.plant.own_equation().is_some() { Some(draft.plant) } else { equation::first() };
+        let plants = PlantKind::ALL.into_iter().chain(own).map(|kind| (kind, kind.name().to_owned()));
+        let plants: Vec<_> = plants.collect();
+        choice_ui(ui, "Plant of the record", &mut draft.plant, &plants);
+    });
+}
+
+/// The shortest step that can be asked for \[s\].
+const SHORTEST: f64 = 1e-6;
+
+pub(super) fn conditioning_ui(ui: &mut Ui, draft: &mut Draft, palette: &Palette) {
+    let made = draft.outcome().and_then(Result::ok);
+    let end = made.map_or(10.0, |imported| imported.record.time(imported.record.len().saturating_sub(1)));
+    let dt = made.map_or(0.01, |imported| imported.record.dt());
+    let nyquist = 0.5 / dt;
+    let has_clocks = made.is_some_and(|imported| imported.record.clocks().is_some());
+    egui::CollapsingHeader::new("Part, band and rate").id_salt("conditioning").show(ui, |ui| {
+        let mapping = &mut draft.mapping;
+        if has_clocks || mapping.time.even {
+            let hint = "The samples are equally spaced, and only their times are not";
+            ui.checkbox(&mut mapping.time.even, "at even steps").on_hover_text(hint);
+        }
+        // It stays while the steps are too short for a record.
+        if has_clocks || mapping.time.dt.is_some() {
+            ui.horizontal_wrapped(|ui| optional_ui(ui, "steps of", &mut mapping.time.dt, (dt, 0.01 * dt), "s"));
+            mapping.time.dt.iter_mut().for_each(|dt| *dt = dt.max(SHORTEST));
+        }
+        ui.horizontal_wrapped(|ui| {
+            optional_ui(ui, "from", &mut mapping.from, (0.0, 0.1), "s");
+            optional_ui(ui, "to", &mut mapping.to, (end, 0.1), "s");
+        });
+        ui.horizontal_wrapped(|ui| {
+            let mut on = mapping.band.is_some();
+            let hint = "Butterworth filters of the fourth order, run forward and backward over input and sensors: nothing is shifted";
+            if ui.checkbox(&mut on, "band-pass").on_hover_text(hint).changed() {
+                mapping.band = on.then_some([0.0, 0.5 * nyquist]);
+            }
+            if let Some([low, high]) = &mut mapping.band {
+                number_ui(ui, "Band from [Hz]", low, 0.1);
+                ui.label("to");
+                number_ui(ui, "Band to [Hz]", high, 0.1);
+                ui.label("Hz");
+            }
+        });
+        ui.horizontal_wrapped(|ui| {
+            ui.label("keep one of every").on_hover_text("After a low-pass below the new Nyquist frequency");
+            whole_ui(ui, "Keep one of every", &mut mapping.every, 1..=1000);
+            ui.label("samples;  steps in place of one").on_hover_text(
+                "The input is interpolated as a band-limited signal, measurements are missing in between: for few samples in a period",
+            );
+            whole_ui(ui, "Steps in place of one", &mut mapping.interpolate, 1..=8);
+        });
+        if let Some(spectra) = draft.spectra.as_ref() {
+            spectra.ui(ui, palette);
+        }
+    });
+}
+
+pub(super) fn number_ui(ui: &mut Ui, name: &str, value: &mut f64, speed: f64) {
+    named(ui.add(DragValue::new(value).speed(speed).max_decimals(12)), name.to_owned());
+}
+
+pub(super) fn whole_ui(ui: &mut Ui, name: &str, value: &mut usize, range: std::ops::RangeInclusive<usize>) {
+    named(ui.add(DragValue::new(value).range(range)), name.to_owned());
+}
+
+/// A check box that gives a number its value, and a field while it has one, which moves by `speed` for each point.
+pub(super) fn optional_ui(ui: &mut Ui, name: &str, value: &mut Option<f64>, (usual, speed): (f64, f64), unit: &str) {
+    let mut on = value.is_some();
+    if ui.checkbox(&mut on, name).changed() {
+        *value = on.then_some(usual);
+    }
+    if let Some(value) = value {
+        number_ui(ui, &format!("{name} [{unit}]"), value, speed);
+        ui.label(unit);
+    }
+}
+
+pub(super) fn choice_ui<T: Copy + PartialEq>(ui: &mut Ui, name: &str, value: &mut T, all: &[(T, String)]) -> bool {
+    let before = *value;
+    let text = all.iter().find(|(one, _)| one == value).map_or("", |(_, text)| text);
+    let combo = ComboBox::from_id_salt(name).selected_text(text).show_ui(ui, |ui| {
+        for (one, text) in all {
+            ui.selectable_value(value, *one, text);
+        }
+    });
+    named(combo.response, name.to_owned());
+    *value != before
 }

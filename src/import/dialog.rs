@@ -5,7 +5,7 @@ use egui::{Align2, Button, Context, Key, Popup, ProgressBar, ScrollArea, Ui, Vec
 use kalmanscope_core::import::{Decay, NoDecay, Table, ThreeAxes};
 
 use super::columns::columns_ui;
-use super::conditioning::{conditioning_ui, meaning_ui};
+use super::columns::{conditioning_ui, meaning_ui};
 use super::{Draft, Import, Opened, Stage};
 use crate::probe;
 use crate::request::{RawFile, Request};
@@ -41,32 +41,22 @@ impl Import {
                 .inner
         });
         let choice = choice.and_then(|shown| shown.inner).flatten().or_else(|| self.pressed(ctx));
-        match choice {
-            Some(Choice::Cancel) => {
-                requests.push(Request::CancelImport);
-                None
-            }
-            Some(Choice::Decay(Ok(csv))) => {
+        match choice? {
+            Choice::Cancel => requests.push(Request::CancelImport),
+            Choice::Decay(Ok(csv)) => {
                 let name = format!("{}, free decay.csv", self.name.trim_end_matches(".csv"));
                 requests.push(Request::ImportFile(Box::new(RawFile { name, bytes: csv.into_bytes() })));
-                None
             }
-            Some(Choice::Decay(Err(reason))) => {
-                self.stage = Stage::Failed(reason.to_string());
-                None
-            }
-            Some(Choice::HoldOut) => {
-                requests.push(Request::HoldOut);
-                None
-            }
-            Some(Choice::Open) => {
+            Choice::Decay(Err(reason)) => self.stage = Stage::Failed(reason.to_string()),
+            Choice::HoldOut => requests.push(Request::HoldOut),
+            Choice::Open => {
                 let Stage::Asking(draft) = &mut self.stage else { return None };
                 let scenario = draft.scenario()?;
                 let record = draft.outcome()?.ok()?.record.clone();
-                self.accept(record, scenario)
+                return self.accept(record, scenario);
             }
-            None => None,
         }
+        None
     }
 
     /// The choice by a key, unless it is typed into a field or presses the widget with the focus: Esc closes the
@@ -134,7 +124,7 @@ fn decay_ui(ui: &mut Ui, table: &Table) -> Option<Choice> {
 
 impl Draft {
     fn ui(&mut self, ui: &mut Ui, palette: &Palette, can_hold_out: bool) -> Option<Choice> {
-        let file = std::sync::Arc::clone(self.file());
+        let file = std::sync::Arc::clone(&self.file);
         let table = &file.table;
         let rows = table.rows();
         ui.horizontal_wrapped(|ui| {
@@ -172,9 +162,8 @@ impl Draft {
         ui.horizontal(|ui| {
             let open = button(ui, "Open the record", self.is_possible());
             let hint = "The free run of the models on screen over this record, which the filters do not see";
-            let tests = can_hold_out
-                && !self.is_of_scenario()
-                && ui.button("Test the models on it").on_hover_text(hint).clicked();
+            let tests =
+                can_hold_out && self.base.is_none() && ui.button("Test the models on it").on_hover_text(hint).clicked();
             let cancel = button(ui, "Cancel the import", true);
             match (open, tests, cancel) {
                 (true, ..) => Some(Choice::Open),

@@ -6,13 +6,13 @@ use kalmanscope_core::import::{Builder, ColumnGuess, Imported, MappedColumn, Map
 use kalmanscope_core::suggest::scenario_for;
 use kalmanscope_core::{Hold, InputKind, PlantKind, Quantity, Scenario};
 
-use super::source::{Choices, Shared};
 use super::spectra::Spectra;
+use super::{Choices, Shared};
 use crate::session::RecordFile;
 use crate::spark::Spark;
 
 pub struct Draft {
-    file: Arc<RecordFile>,
+    pub file: Arc<RecordFile>,
     pub mapping: Mapping,
     pub input: InputKind,
     pub hold: Hold,
@@ -20,12 +20,12 @@ pub struct Draft {
     pub suggest: bool,
     pub(super) remark: Option<String>,
     /// The scenario that continues with another meaning of the columns, if there is one.
-    base: Option<Scenario>,
+    pub(super) base: Option<Scenario>,
     pub(super) sparks: Vec<Spark>,
     pub(super) is_own_clock: Vec<bool>,
     outcome: Option<(Choices, Result<Imported, String>)>,
     making: Option<(Choices, Builder<'static>)>,
-    spectra: Option<Spectra>,
+    pub(super) spectra: Option<Spectra>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,14 +67,6 @@ impl Draft {
         let mapping = scenario.record.clone().unwrap_or_else(|| draft.mapping.clone());
         let (input, hold, plant) = (scenario.input, scenario.hold, scenario.plant.kind);
         Self { mapping, input, hold, plant, suggest: false, base: Some(scenario.clone()), ..draft }
-    }
-
-    pub(super) fn is_of_scenario(&self) -> bool {
-        self.base.is_some()
-    }
-
-    pub fn file(&self) -> &Arc<RecordFile> {
-        &self.file
     }
 
     pub fn role(&self, place: usize) -> Role {
@@ -171,10 +163,6 @@ impl Draft {
         self.is_behind() || self.spectra.as_ref().is_some_and(Spectra::is_behind)
     }
 
-    pub(super) fn spectra(&self) -> Option<&Spectra> {
-        self.spectra.as_ref()
-    }
-
     pub fn scenario(&self) -> Option<Scenario> {
         let record = &self.outcome()?.ok()?.record;
         let fresh = scenario_for(record);
@@ -207,12 +195,14 @@ mod tests {
 
     use super::*;
 
+    fn draft(text: &[u8]) -> Draft {
+        let table = read(text, None).expect("a table");
+        Draft::new(Arc::new(RecordFile { name: "record.csv".to_owned(), hash: String::new(), table }))
+    }
+
     #[test]
     fn the_record_is_made_by_columns_and_the_last_complete_one_stays() {
-        let table = read(&b"t,force,displacement,velocity\n0,1,2,3\n0.1,2,3,4\n0.2,1,2,2\n0.3,1,1,1\n"[..], None);
-        let table = table.expect("a table");
-        let file = RecordFile { name: "record.csv".to_owned(), hash: String::new(), table };
-        let mut draft = Draft::new(Arc::new(file));
+        let mut draft = draft(&b"t,force,displacement,velocity\n0,1,2,3\n0.1,2,3,4\n0.2,1,2,2\n0.3,1,1,1\n"[..]);
         let make = |draft: &mut Draft| {
             let mut slices = 0;
             while draft.is_behind() {
@@ -239,9 +229,7 @@ mod tests {
     #[test]
     fn an_input_that_was_not_recorded_is_a_choice_and_numbers_for_missing_readings_are_found() {
         let text = "t,force,x\n0,1,2\n0.1,2,-9999\n0.2,1,3\n0.3,1,-9999\n0.4,1,1\n0.5,2,1.5\n";
-        let table = read(text.as_bytes(), None).expect("a table");
-        let file = RecordFile { name: "record.csv".to_owned(), hash: String::new(), table };
-        let mut draft = Draft::new(Arc::new(file));
+        let mut draft = draft(text.as_bytes());
         let missing = |draft: &Draft| draft.mapping.sensors.values().next().and_then(|mapped| mapped.missing);
         assert_eq!(missing(&draft), Some(-9999.0));
         draft.set_input(None);
@@ -259,9 +247,7 @@ mod tests {
         let tones = |k: f64| (0.05 * k).sin() + 0.1 * (1.5 * k).sin();
         let rows: String =
             (0..40_000).map(|k| format!("{},1,{}\n", 0.01 * f64::from(k), tones(f64::from(k)))).collect();
-        let table = read(format!("t,force,displacement\n{rows}").as_bytes(), None).expect("a table");
-        let file = RecordFile { name: "record.csv".to_owned(), hash: String::new(), table };
-        let mut draft = Draft::new(Arc::new(file));
+        let mut draft = draft(format!("t,force,displacement\n{rows}").as_bytes());
         let pieces = |draft: &mut Draft| {
             let all = (0..).find(|_| {
                 draft.advance(&mut || false);
@@ -269,12 +255,12 @@ mod tests {
             });
             all.expect("an end")
         };
-        assert!(pieces(&mut draft) < 10 && draft.spectra().is_none(), "nothing is taken away");
+        assert!(pieces(&mut draft) < 10 && draft.spectra.as_ref().is_none(), "nothing is taken away");
         draft.mapping.band = Some([2.0, 40.0]);
         // Two spectra of overlapping windows; each window takes a small part of the time.
         let windows = 2 * (40_000 - 1024) / 256;
         assert!(pieces(&mut draft) >= windows);
-        let [before, after] = draft.spectra().expect("a band has spectra").curves();
+        let [before, after] = draft.spectra.as_ref().expect("a band has spectra").curves();
         let at = |curve: &[[f64; 2]], hertz: f64| {
             let point = curve.iter().min_by(|a, b| (a[0] - hertz).abs().total_cmp(&(b[0] - hertz).abs()));
             point.expect("a curve")[1]

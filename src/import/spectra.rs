@@ -5,7 +5,8 @@ use egui_plot::{Legend, Line, Plot};
 use kalmanscope_core::import::{Builder, Mapping};
 use kalmanscope_core::{Record, Task as _, Windows};
 
-use super::source::{Choices, Shared};
+use super::{Choices, Shared};
+use crate::hover::named;
 use crate::theme::Palette;
 
 /// The windows side by side in a record, at least: more make a smoother spectrum, longer ones a finer one.
@@ -89,9 +90,6 @@ impl Spectra {
             plot.line(line("before", before, palette.weak));
             plot.line(line("after", after, palette.truth));
         });
-        let response = response.response;
-        response.ctx.accesskit_node_builder(response.id, |node| {
-            node.set_label("Plot of the spectrum before and after");
-        });
+        named(response.response, "Plot of the spectrum before and after");
     }
 }

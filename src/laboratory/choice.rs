@@ -1,11 +1,10 @@
-//! The user's choice of a map, as plain data.
+//! The user's choices in the laboratory, of a map, as plain data.
 
 use kalmanscope_core::setting::Address;
 use kalmanscope_core::{Axis, Channel, Measure, Record, Scenario};
 use serde::{Deserialize, Serialize};
 
-use super::measures;
-use super::settings::{candidates, collide, is_possible};
+use super::settings::{candidates, collide, is_possible, offered};
 use crate::team::Precision;
 
 /// Limits the values on an axis of a map.
@@ -56,15 +55,12 @@ impl Choice {
             [Some(x), Some(y)] if !collide(&x.key, &y.key, &part) => [x.clone(), y.clone()],
             kept => usual_axes(&part, is_measured, kept, count)?,
         };
-        let is_offered = measures::offered(&part, record).contains(&self.measure);
+        let is_offered = offered(&part, record).contains(&self.measure);
         let measure = if is_offered { self.measure } else { usual_measure(&part, record) };
         Some(Self { axes, measure, filter, second, precision: self.precision })
     }
 
     /// Checks that a scenario can have a map of this choice.
-    ///
-    /// # Errors
-    /// A sentence with the reason.
     pub fn check(&self, scenario: &Scenario) -> Result<(), String> {
         let mut scenario = scenario.clone();
         scenario.number_filters();
@@ -132,7 +128,7 @@ fn usual_axes(part: &Scenario, is_measured: bool, kept: [Option<&Axis>; 2], coun
 /// The error of the natural frequency, or of another parameter, if its truth is known; else the mean NIS.
 fn usual_measure(part: &Scenario, record: &Record) -> Measure {
     let wish = Measure::rmse(Channel::NATURAL_FREQUENCY);
-    let offered = measures::offered(part, record);
+    let offered = offered(part, record);
     let is_error = |measure: &&Measure| {
         measure.channel().is_some_and(|channel| channel.is_parameter() && **measure == Measure::rmse(channel))
     };

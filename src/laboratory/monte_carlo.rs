@@ -6,10 +6,10 @@
 //! Rows are taken into the statistics as they come and are not kept. The earlier statistics stay on screen until those
 //! of another scenario have enough seeds.
 
-mod table;
 #[cfg(test)]
 mod tests;
 
+use std::fmt::Write as _;
 use std::ops::RangeInclusive;
 use std::rc::Rc;
 use std::sync::Arc;
@@ -19,8 +19,9 @@ use kalmanscope_core::{Channel, Run, Scenario, Source};
 use kalmanscope_lab::{Ensemble, Judged, MonteCarlo, Runner, Slice};
 use serde::{Deserialize, Serialize};
 
+use super::WorkState;
 use super::choice::{is_same_but_for_names, part_of};
-use super::state::WorkState;
+use super::survey::quoted;
 use crate::team::{Cells, Precision, Priority, Relay, Team};
 
 pub const SEEDS: RangeInclusive<usize> = 10..=10_000;
@@ -61,9 +62,6 @@ impl SeedChoice {
     }
 
     /// Whether the number of seeds is possible.
-    ///
-    /// # Errors
-    /// A sentence with the allowed numbers.
     pub fn check(&self) -> Result<(), String> {
         let (least, most) = (SEEDS.start(), SEEDS.end());
         if SEEDS.contains(&self.seeds) {
@@ -77,8 +75,8 @@ impl SeedChoice {
 pub struct SeedRuns {
     ensemble: Ensemble,
     judged: Judged,
-    filters: Vec<u32>,
-    statistics: MonteCarlo,
+    pub filters: Vec<u32>,
+    pub statistics: MonteCarlo,
     known: Vec<bool>,
     work: Option<Relay>,
 }
@@ -95,14 +93,6 @@ impl SeedRuns {
 
     pub fn scenario(&self) -> &Scenario {
         self.ensemble.scenario()
-    }
-
-    pub fn filters(&self) -> &[u32] {
-        &self.filters
-    }
-
-    pub fn statistics(&self) -> &MonteCarlo {
-        &self.statistics
     }
 
     pub fn seeds(&self) -> usize {
@@ -156,21 +146,19 @@ fn bare(scenario: &Scenario, filters: &[u32]) -> Scenario {
 
 #[derive(Default)]
 pub struct Seeds {
-    choice: SeedChoice,
+    pub choice: SeedChoice,
     runs: Option<SeedRuns>,
     before: Option<SeedRuns>,
-    state: WorkState,
+    /// Whether the user has stopped the seeds, why there are no statistics, and a number that changes when the view has
+    /// to be drawn again: while seeds come in, whenever there are 5 % more.
+    pub state: WorkState,
     counted: usize,
 }
 
 impl Seeds {
-    pub fn choice(&self) -> &SeedChoice {
-        &self.choice
-    }
-
     pub fn choose(&mut self, choice: SeedChoice) {
         self.choice = choice;
-        self.state.go_on();
+        self.state.is_stopped = false;
     }
 
     /// The runs to show: the present ones, or the earlier ones as long as the present ones are too few.
@@ -189,12 +177,6 @@ impl Seeds {
 
     pub fn is_working(&self) -> bool {
         self.runs.as_ref().is_some_and(|runs| runs.work.is_some())
-    }
-
-    /// Whether the user has stopped the seeds, why there are no statistics, and a number that changes when the view has
-    /// to be drawn again: while seeds come in, whenever there are 5 % more.
-    pub fn state(&self) -> &WorkState {
-        &self.state
     }
 
     pub fn set_stopped(&mut self, stopped: bool) -> bool {
@@ -222,7 +204,7 @@ impl Seeds {
         for runs in [&mut self.runs, &mut self.before].into_iter().flatten() {
             runs.ensemble.call_filters(scenario);
         }
-        match team.filter(|_| !self.state.is_stopped()) {
+        match team.filter(|_| !self.state.is_stopped) {
             Some(team) => self.work(team, ctx),
             None => self.rest(),
         }
@@ -230,9 +212,7 @@ impl Seeds {
 
     /// Gives up the work on seeds that are not done; [`Self::follow`] continues it.
     pub(super) fn rest(&mut self) {
-        if let Some(runs) = &mut self.runs {
-            runs.work = None;
-        }
+        self.runs.iter_mut().for_each(|runs| runs.work = None);
     }
 
     fn forget(&mut self, problem: String) {
@@ -272,7 +252,7 @@ impl Seeds {
         if self.before.is_none()
             && (done < self.counted || runs.is_complete() || done > self.counted + self.counted / 20)
         {
-            self.state.show_new();
+            self.state.version += 1;
             self.counted = done;
         }
     }
@@ -289,4 +269,48 @@ fn problem(run: &Run, filters: &[u32]) -> Option<String> {
     let samples = run.samples();
     let is_long = samples > crate::session::Session::LONGEST_WHOLE + 1;
     is_long.then(|| format!("The record has {samples} samples: too many to run it for every seed."))
+}
+
+const SHARES: [f64; 3] = [0.025, 0.5, 0.975];
+
+impl SeedRuns {
+    /// One row for each filter and time: the seeds so far, mean NEES and NIS, and for each channel the quantiles of its error,
+    /// the root mean square error and the filter's own σ. An empty cell has no number.
+    pub fn to_csv(&self) -> String {
+        let (scenario, statistics) = (self.scenario(), &self.statistics);
+        let channels = self.ensemble.channels();
+        let mut text = "filter,t,seeds,mean_nees,mean_nis".to_owned();
+        for channel in &channels {
+            for column in ["error_2.5", "error_50", "error_97.5", "rmse", "std"] {
+                // Writing to a string cannot fail.
+                let _ = write!(text, ",{}.{column}", channel.key());
+            }
+        }
+        text.push('\n');
+        for (nth, filter) in scenario.filters.iter().enumerate() {
+            let columns: Vec<Option<Vec<[f64; 5]>>> = channels
+                .iter()
+                .map(|channel| {
+                    let at = statistics.channels(nth).iter().position(|other| other == channel)?;
+                    let quantiles = statistics.quantiles(nth, at, SHARES).into_iter();
+                    let both = statistics.rmse(nth, at).zip(statistics.std(nth, at));
+                    Some(quantiles.zip(both).map(|([a, b, c], (rmse, std))| [a, b, c, rmse, std]).collect())
+                })
+                .collect();
+            let squares = statistics.nees(nth).zip(statistics.nis(nth));
+            for (time, (sample, (nees, nis))) in statistics.samples().iter().zip(squares).enumerate() {
+                let t = *sample as f64 * scenario.dt;
+                let _ = write!(text, "{},{t},{}", quoted(&filter.name), statistics.done());
+                let of_channels = columns.iter().flat_map(|column| match column {
+                    Some(rows) => rows[time],
+                    None => [f64::NAN; 5],
+                });
+                for number in [nees, nis].into_iter().chain(of_channels) {
+                    let _ = if number.is_nan() { write!(text, ",") } else { write!(text, ",{number}") };
+                }
+                text.push('\n');
+            }
+        }
+        text
+    }
 }

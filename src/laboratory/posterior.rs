@@ -58,9 +58,9 @@ impl Subject {
 
 pub struct Shown {
     subject: Subject,
-    sampled: Sampled,
-    solutions: Option<(Channel, Solutions)>,
-    is_of_now: bool,
+    pub sampled: Sampled,
+    pub solutions: Option<(Channel, Solutions)>,
+    pub is_of_now: bool,
 }
 
 impl Shown {
@@ -68,21 +68,9 @@ impl Shown {
         self.subject.filter
     }
 
-    pub fn sampled(&self) -> &Sampled {
-        &self.sampled
-    }
-
-    pub fn solutions(&self) -> Option<(Channel, Solutions)> {
-        self.solutions
-    }
-
     /// The sample up to which they know the record, and its time \[s\].
     pub fn last(&self) -> (usize, f64) {
         (self.subject.sample, self.subject.time)
-    }
-
-    pub fn is_of_now(&self) -> bool {
-        self.is_of_now
     }
 }
 
@@ -95,18 +83,14 @@ struct Seen {
 
 #[derive(Default)]
 pub struct Posteriors {
-    chosen: Option<u32>,
+    pub chosen: Option<u32>,
     seen: Option<Seen>,
     search: Option<Running<Posterior>>,
-    shown: Option<Shown>,
-    problem: Option<String>,
+    pub shown: Option<Shown>,
+    pub problem: Option<String>,
 }
 
 impl Posteriors {
-    pub fn chosen(&self) -> Option<u32> {
-        self.chosen
-    }
-
     pub fn choose(&mut self, chosen: Option<u32>) {
         *self = Self { chosen, ..Self::default() };
     }
@@ -122,14 +106,6 @@ impl Posteriors {
             self.choose(None);
         }
         has_stopped
-    }
-
-    pub fn shown(&self) -> Option<&Shown> {
-        self.shown.as_ref()
-    }
-
-    pub fn problem(&self) -> Option<&str> {
-        self.problem.as_deref()
     }
 
     pub(super) fn follow(&mut self, team: &dyn Team, session: &Session, budget: Budget, ctx: &Context) {
@@ -161,7 +137,7 @@ impl Posteriors {
     }
 
     fn is_done(&self) -> bool {
-        self.problem.is_some() || self.shown.as_ref().is_some_and(Shown::is_of_now)
+        self.problem.is_some() || self.shown.as_ref().is_some_and(|shown| shown.is_of_now)
     }
 
     fn begin(&mut self, team: &dyn Team, session: &Session, now: f64, ctx: &Context) {

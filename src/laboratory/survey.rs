@@ -1,5 +1,6 @@
 //! One ensemble of a map, with its rows so far.
 
+use std::fmt::Write as _;
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -9,27 +10,25 @@ use kalmanscope_core::{Axis, FilterSettings, Measure, Scenario, Source};
 use kalmanscope_lab::{Ensemble, Plan, Runner, Sheet};
 
 use super::choice::{Choice, is_same_but_for_names, part_of};
-use super::measures;
+use super::settings;
 use crate::session::is_same;
 use crate::team::{Cells, Computer, Precision, Priority, Relay, Team};
 
 pub struct Survey {
-    ensemble: Ensemble,
+    pub ensemble: Ensemble,
     source: Source,
-    filters: Vec<u32>,
+    pub filters: Vec<u32>,
     order: Vec<usize>,
-    sheet: Sheet,
-    work: Option<Relay>,
+    pub sheet: Sheet,
+    /// Without it, the survey rests; [`Self::follow`] continues it.
+    pub(super) work: Option<Relay>,
     precision: Precision,
-    computers: Vec<Computer>,
+    pub computers: Vec<Computer>,
 }
 
 impl Survey {
     /// The survey of a scenario and the source of its samples. Factors stay relative to the numbers that they had before, so
     /// that the map does not move.
-    ///
-    /// # Errors
-    /// A sentence where the map is impossible.
     pub(super) fn new(
         scenario: &Scenario,
         source: Source,
@@ -43,7 +42,7 @@ impl Survey {
                 setting.set(&mut part, 1.0);
             }
         }
-        let mut measures = measures::taken(&part);
+        let mut measures = settings::taken(&part);
         if !measures.contains(&choice.measure) {
             measures.push(choice.measure);
         }
@@ -54,24 +53,8 @@ impl Survey {
         Ok(Self { ensemble, source, filters, order, sheet, work, precision, computers })
     }
 
-    pub fn ensemble(&self) -> &Ensemble {
-        &self.ensemble
-    }
-
-    pub fn sheet(&self) -> &Sheet {
-        &self.sheet
-    }
-
-    pub fn computers(&self) -> &[Computer] {
-        &self.computers
-    }
-
     pub fn axes(&self) -> [&Axis; 2] {
         [0, 1].map(|at| &self.ensemble.plan().axes[at])
-    }
-
-    pub fn filters(&self) -> &[u32] {
-        &self.filters
     }
 
     pub fn has(&self, measure: Measure) -> bool {
@@ -146,10 +129,6 @@ impl Survey {
         Source::Measured(Arc::clone(shorter.unwrap_or(&record)))
     }
 
-    pub(super) fn call_filters(&mut self, scenario: &Scenario) {
-        self.ensemble.call_filters(scenario);
-    }
-
     /// Whether a source differs only because an axis varies the given record. The scenario identifies that record.
     fn varies(&self, source: &Source) -> bool {
         let is_given = matches!((&self.source, source), (Source::Measured(_), Source::Measured(_)));
@@ -173,9 +152,6 @@ impl Survey {
     }
 
     /// Continues if there is work to do. Returns whether rows have come.
-    ///
-    /// # Errors
-    /// A sentence where the cells cannot be run.
     pub(super) fn follow(&mut self, team: &Rc<dyn Team>, ctx: &Context) -> Result<bool, String> {
         if self.sheet.is_complete() {
             self.work = None;
@@ -197,17 +173,39 @@ impl Survey {
         }
         Ok(!rows.is_empty())
     }
-
-    /// Gives up the work on unknown cells; [`Self::follow`] continues it.
-    pub(super) fn rest(&mut self) {
-        self.work = None;
-    }
-
-    pub(super) fn is_working(&self) -> bool {
-        self.work.is_some()
-    }
 }
 
 fn are_close(a: &[f64], b: &[f64]) -> bool {
     a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-9 * a.abs())
+}
+
+impl Survey {
+    pub fn to_csv(&self) -> String {
+        let ensemble = &self.ensemble;
+        let [only, ..] = &ensemble.scenario().filters[..] else { return String::new() };
+        let key = |key: &str| match (self.filters.len(), key.strip_prefix("filters.*.")) {
+            (1, Some(rest)) => format!("filters.{}.{rest}", only.name),
+            _ => ensemble.scenario().address_by_name(key),
+        };
+        let keys = ensemble.plan().axes.iter().map(|axis| key(&axis.key));
+        let names: Vec<String> = keys.chain(ensemble.columns()).map(|name| quoted(&name)).collect();
+        let mut text = names.join(",");
+        text.push('\n');
+        for cell in 0..ensemble.cells() {
+            let row = self.sheet.row(cell);
+            let unknown = vec![f64::NAN; ensemble.width()];
+            let numbers = ensemble.values(cell).into_iter().chain(row.unwrap_or(&unknown).iter().copied());
+            for (at, number) in numbers.enumerate() {
+                let comma = if at > 0 { "," } else { "" };
+                // Writing to a string cannot fail.
+                let _ = if number.is_nan() { write!(text, "{comma}") } else { write!(text, "{comma}{number}") };
+            }
+            text.push('\n');
+        }
+        text
+    }
+}
+
+pub(super) fn quoted(text: &str) -> String {
+    if text.contains([',', '"', '\n']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
 }

@@ -1,5 +1,3 @@
-mod names;
-
 use egui::Context;
 use kalmanscope_core::{Axis, Channel, FilterSettings, Measure, Scenario, Spacing};
 use kalmanscope_lab::Runner;
@@ -35,8 +33,14 @@ fn follow(laboratory: &mut Laboratory, session: &Session, frames: usize) {
     (0..frames).for_each(|_| laboratory.follow(session, true, false, &ctx));
 }
 
+fn followed(frames: usize) -> (Session, Laboratory) {
+    let (session, mut laboratory) = (session(), slow());
+    follow(&mut laboratory, &session, frames);
+    (session, laboratory)
+}
+
 fn done(laboratory: &Laboratory) -> usize {
-    laboratory.shown().unwrap().sheet().done()
+    laboratory.shown().unwrap().sheet.done()
 }
 
 fn with(session: &mut Session, change: impl FnOnce(&mut Scenario)) {
@@ -51,16 +55,14 @@ fn ekf(scenario: &mut Scenario) -> &mut FilterSettings {
 
 #[test]
 fn a_map_fills_and_is_that_of_the_whole_scenario() {
-    let session = session();
-    let mut laboratory = slow();
-    follow(&mut laboratory, &session, 1);
+    let (session, mut laboratory) = followed(1);
     assert_eq!((done(&laboratory), laboratory.progress()), (1, Some(1.0 / 15.0)));
     follow(&mut laboratory, &session, 20);
     assert_eq!(laboratory.progress(), None);
     assert!(!laboratory.is_working());
     let survey = laboratory.shown().unwrap();
     // The same cells, of the scenario with all its filters.
-    let plan = kalmanscope_lab::Plan { filters: vec![0], ..survey.ensemble().plan().clone() };
+    let plan = kalmanscope_lab::Plan { filters: vec![0], ..survey.ensemble.plan().clone() };
     let axes: Vec<Axis> =
         plan.axes.iter().map(|axis| Axis { key: axis.key.replace('*', "EKF"), ..axis.clone() }).collect();
     let plan = kalmanscope_lab::Plan { axes, ..plan };
@@ -68,15 +70,13 @@ fn a_map_fills_and_is_that_of_the_whole_scenario() {
     let runner = Runner::new(whole, Source::Simulated).unwrap();
     for cell in 0..15 {
         let bits = |row: &[f64]| row.iter().map(|number| number.to_bits()).collect::<Vec<_>>();
-        assert_eq!(bits(survey.sheet().row(cell).unwrap()), bits(&runner.rows(&[cell])), "cell {cell}");
+        assert_eq!(bits(survey.sheet.row(cell).unwrap()), bits(&runner.rows(&[cell])), "cell {cell}");
     }
 }
 
 #[test]
 fn a_moved_dot_restarts_nothing() {
-    let mut session = session();
-    let mut laboratory = slow();
-    follow(&mut laboratory, &session, 7);
+    let (mut session, mut laboratory) = followed(7);
     for (guess, factor) in [(3.0, 1.0), (7.5, 0.2), (20.0, 8.0)] {
         let moved = laboratory.shown().unwrap().with(session.scenario(), [guess, factor]).unwrap();
         session.set_scenario(moved);
@@ -100,9 +100,7 @@ fn a_moved_dot_restarts_nothing() {
 
 #[test]
 fn another_filter_or_its_colour_changes_no_map() {
-    let mut session = session();
-    let mut laboratory = slow();
-    follow(&mut laboratory, &session, 4);
+    let (mut session, mut laboratory) = followed(4);
     with(&mut session, |scenario| {
         scenario.filters[1].fading = 1.02;
         scenario.filters[0].color = Some(kalmanscope_core::FilterColor::ALL[3]);
@@ -113,16 +111,14 @@ fn another_filter_or_its_colour_changes_no_map() {
 
 #[test]
 fn an_edit_restarts_and_the_old_map_stays_until_the_new_one_covers() {
-    let mut session = session();
-    let mut laboratory = slow();
-    follow(&mut laboratory, &session, 20);
-    let fading = |laboratory: &Laboratory| laboratory.shown().unwrap().ensemble().scenario().filters[0].fading;
+    let (mut session, mut laboratory) = followed(20);
+    let fading = |laboratory: &Laboratory| laboratory.shown().unwrap().ensemble.scenario().filters[0].fading;
     with(&mut session, |scenario| ekf(scenario).fading = 1.03);
     let mut frames = 0;
     loop {
         follow(&mut laboratory, &session, 1);
         frames += 1;
-        assert!(laboratory.shown().unwrap().sheet().covers_all(), "there always is a whole picture");
+        assert!(laboratory.shown().unwrap().sheet.covers_all(), "there always is a whole picture");
         if !laboratory.is_shown_old() {
             break;
         }
@@ -136,23 +132,19 @@ fn an_edit_restarts_and_the_old_map_stays_until_the_new_one_covers() {
 
 #[test]
 fn a_number_of_a_scaled_table_that_changes_alone_restarts() {
-    let mut session = session();
-    let mut laboratory = slow();
-    follow(&mut laboratory, &session, 20);
+    let (mut session, mut laboratory) = followed(20);
     with(&mut session, |scenario| ekf(scenario).process_std[Channel::VELOCITY] *= 2.0);
     follow(&mut laboratory, &session, 20);
     let survey = laboratory.shown().unwrap();
     let [_, factor] = survey.present(session.scenario());
     assert!((factor - 1.0).abs() < 1e-12, "{factor}");
-    assert_eq!(survey.ensemble().scenario().filters[0].process_std, session.scenario().filters[0].process_std);
-    assert!(survey.sheet().is_complete());
+    assert_eq!(survey.ensemble.scenario().filters[0].process_std, session.scenario().filters[0].process_std);
+    assert!(survey.sheet.is_complete());
 }
 
 #[test]
 fn a_factor_keeps_its_base_when_something_else_changes() {
-    let mut session = session();
-    let mut laboratory = slow();
-    follow(&mut laboratory, &session, 20);
+    let (mut session, mut laboratory) = followed(20);
     let moved = laboratory.shown().unwrap().with(session.scenario(), [6.0, 4.0]).unwrap();
     session.set_scenario(moved);
     with(&mut session, |scenario| scenario.seed += 1);
@@ -163,9 +155,7 @@ fn a_factor_keeps_its_base_when_something_else_changes() {
 
 #[test]
 fn out_of_sight_it_rests_and_goes_on_later() {
-    let session = session();
-    let mut laboratory = slow();
-    follow(&mut laboratory, &session, 6);
+    let (session, mut laboratory) = followed(6);
     let ctx = Context::default();
     for _ in 0..5 {
         laboratory.follow(&session, false, false, &ctx);
@@ -178,9 +168,7 @@ fn out_of_sight_it_rests_and_goes_on_later() {
 
 #[test]
 fn it_is_stopped_and_goes_on() {
-    let mut session = session();
-    let mut laboratory = slow();
-    follow(&mut laboratory, &session, 6);
+    let (mut session, mut laboratory) = followed(6);
     assert!(laboratory.set_stopped(true));
     follow(&mut laboratory, &session, 5);
     assert_eq!((done(&laboratory), laboratory.is_working()), (6, false));
@@ -190,14 +178,12 @@ fn it_is_stopped_and_goes_on() {
     laboratory.set_stopped(true);
     with(&mut session, |scenario| scenario.seed += 1);
     follow(&mut laboratory, &session, 2);
-    assert!(!laboratory.state().is_stopped(), "another scenario begins");
+    assert!(!laboratory.state.is_stopped, "another scenario begins");
 }
 
 #[test]
 fn another_score_is_shown_at_once_unless_it_needs_every_estimate() {
-    let session = session();
-    let mut laboratory = slow();
-    follow(&mut laboratory, &session, 20);
+    let (session, mut laboratory) = followed(20);
     laboratory.choose(Some(Choice { measure: Measure::LOG_LIKELIHOOD, ..choice() }));
     follow(&mut laboratory, &session, 1);
     assert_eq!(done(&laboratory), 15);
@@ -217,7 +203,7 @@ fn two_filters_get_the_same_values() {
     laboratory.choose(Some(Choice { second: Some(2), ..choice() }));
     follow(&mut laboratory, &session, 20);
     let survey = laboratory.shown().unwrap();
-    let cell = survey.ensemble().at(14);
+    let cell = survey.ensemble.at(14);
     let guess = |at: usize| cell.filters[at].initial_mean[Channel::NATURAL_FREQUENCY];
     assert_eq!([guess(0), guess(1)], [14.0, 14.0]);
     let value = |filter| survey.value(14, filter, Measure::NIS).unwrap();
@@ -231,7 +217,7 @@ fn the_usual_map_is_of_a_guess_and_q() {
     let session = session();
     let mut laboratory = Laboratory::new(Rc::new(Frames(Budget::Pieces(1))));
     follow(&mut laboratory, &session, 1);
-    let choice = laboratory.choice().unwrap();
+    let choice = laboratory.choice.as_ref().unwrap();
     let keys = choice.axes.each_ref().map(|axis| axis.key.as_str());
     assert_eq!(keys, ["filters.*.initial_mean.natural_frequency", "filters.*.process_std"]);
     assert_eq!(choice.measure, Measure::rmse(Channel::NATURAL_FREQUENCY));
@@ -241,15 +227,13 @@ fn the_usual_map_is_of_a_guess_and_q() {
 
 #[test]
 fn a_filter_that_is_removed_gives_way_to_another() {
-    let mut session = session();
-    let mut laboratory = slow();
-    follow(&mut laboratory, &session, 3);
+    let (mut session, mut laboratory) = followed(3);
     with(&mut session, |scenario| _ = scenario.filters.remove(0));
     follow(&mut laboratory, &session, 3);
-    assert_eq!(laboratory.choice().unwrap().filter, 2);
+    assert_eq!(laboratory.choice.as_ref().unwrap().filter, 2);
     with(&mut session, |scenario| scenario.filters.clear());
     follow(&mut laboratory, &session, 1);
-    assert!(laboratory.state().problem().unwrap().contains("no filter") && laboratory.shown().is_none());
+    assert!(laboratory.state.problem.as_deref().unwrap().contains("no filter") && laboratory.shown().is_none());
 }
 
 #[test]
@@ -273,9 +257,7 @@ fn an_impossible_choice_is_refused_with_a_reason() {
 
 #[test]
 fn the_table_has_one_row_a_cell() {
-    let session = session();
-    let mut laboratory = slow();
-    follow(&mut laboratory, &session, 20);
+    let (_, laboratory) = followed(20);
     let survey = laboratory.shown().unwrap();
     let text = survey.to_csv();
     let mut lines = text.lines();
@@ -288,7 +270,7 @@ fn the_table_has_one_row_a_cell() {
     assert_eq!(rows.len(), 15);
     let column = header.split(',').position(|name| name == "EKF.rmse.natural_frequency").unwrap();
     for (cell, row) in rows.iter().enumerate() {
-        let values = survey.ensemble().values(cell);
+        let values = survey.ensemble.values(cell);
         assert_eq!([row[0].parse(), row[1].parse()], [Ok(values[0]), Ok(values[1])]);
         let value = survey.value(cell, 0, Measure::rmse(Channel::NATURAL_FREQUENCY)).unwrap();
         assert_eq!(row[column].parse(), Ok(value));
@@ -301,16 +283,16 @@ fn every_ready_made_scenario_has_a_map() {
         let session = Session::new(built_in.scenario().unwrap()).unwrap();
         let mut laboratory = Laboratory::new(Rc::new(Frames(Budget::Pieces(1))));
         follow(&mut laboratory, &session, 1);
-        assert_eq!(laboratory.state().problem(), None, "{}", built_in.title);
+        assert_eq!(laboratory.state.problem.as_deref(), None, "{}", built_in.title);
         // A frame is a millisecond: a cell takes some of them.
         let mut frames = 1;
         while done(&laboratory) < 2 {
             follow(&mut laboratory, &session, 1);
-            assert_eq!(laboratory.edition(), 1, "{}: nothing begins again", built_in.title);
+            assert_eq!(laboratory.edition, 1, "{}: nothing begins again", built_in.title);
             frames += 1;
             assert!(frames < 10_000, "{}", built_in.title);
         }
-        let choice = laboratory.choice().unwrap();
+        let choice = laboratory.choice.as_ref().unwrap();
         if session.is_measured() {
             assert!(choice.axes.iter().all(|axis| axis.key.starts_with("filters.")), "{}", built_in.title);
             assert_eq!(choice.measure, Measure::NIS, "{}", built_in.title);
@@ -326,7 +308,7 @@ fn a_record_that_is_too_long_has_no_map() {
     let session = Session::new(long).unwrap();
     let mut laboratory = slow();
     follow(&mut laboratory, &session, 2);
-    let problem = laboratory.state().problem().unwrap();
+    let problem = laboratory.state.problem.as_deref().unwrap();
     assert!(problem.contains("360001 samples") && laboratory.shown().is_none(), "{problem}");
 }
 
@@ -349,20 +331,20 @@ fn a_map_varies_the_gain_of_a_measured_input_and_stays_as_the_dot_moves() {
         let mut laboratory = Laboratory::new(Rc::new(Frames(Budget::Unlimited)));
         laboratory.choose(Some(Choice { axes, measure: Measure::NIS, ..usual }));
         follow(&mut laboratory, &session, 20);
-        assert_eq!((laboratory.state().problem(), done(&laboratory)), (None, 9));
+        assert_eq!((laboratory.state.problem.as_deref(), done(&laboratory)), (None, 9));
         let survey = laboratory.shown().unwrap();
-        let value = survey.value(survey.ensemble().cell(&[0, 2]), 0, Measure::NIS).unwrap();
+        let value = survey.value(survey.ensemble.cell(&[0, 2]), 0, Measure::NIS).unwrap();
         let opened = survey.with(session.scenario(), [0.5 * own, 2.0]).unwrap();
         session.set_scenario(opened);
         assert_eq!(gain(&session), 0.5 * own);
         let run = session.run();
-        let estimates = run.estimates().iter().find(|one| one.id() == survey.filters()[0]).unwrap();
+        let estimates = run.estimates().iter().find(|one| one.id() == survey.filters[0]).unwrap();
         let nis = kalmanscope_core::Diagnostics::new(estimates, run.record()).mean_nis().unwrap();
         let nis = nis.mean / nis.expected;
         assert!((nis / value - 1.0).abs() < 1e-9, "{nis} in the run, {value} in the map");
         follow(&mut laboratory, &session, 2);
         let survey = laboratory.shown().unwrap();
-        assert_eq!((survey.sheet().done(), laboratory.is_working()), (9, false), "nothing begins again");
+        assert_eq!((survey.sheet.done(), laboratory.is_working()), (9, false), "nothing begins again");
         assert_eq!(survey.present(session.scenario())[0], 0.5 * own);
     }
 }
@@ -390,10 +372,44 @@ fn a_map_of_a_growing_record_is_of_one_length() {
         session.lengthen(part(length));
         assert_eq!(session.run().record().len(), length);
         follow(&mut laboratory, &session, 20);
-        assert_eq!(laboratory.state().problem(), None);
-        assert!(laboratory.shown().unwrap().sheet().is_complete(), "{length} samples");
-        editions.push(laboratory.edition());
+        assert_eq!(laboratory.state.problem.as_deref(), None);
+        assert!(laboratory.shown().unwrap().sheet.is_complete(), "{length} samples");
+        editions.push(laboratory.edition);
     }
     editions.dedup();
     assert!((2..=3).contains(&editions.len()), "it begins again at 250 samples alone: {editions:?}");
+}
+
+#[test]
+fn a_map_of_a_filter_by_its_name_stays_when_that_changes() {
+    let mut session = session();
+    let mut laboratory = Laboratory::new(Rc::new(Frames(Budget::Unlimited)));
+    let axes = ["filters.UKF.fading=1:1.1:3", "filters.*.process_std=0.1:10:3:log"];
+    let axes = axes.map(|text| Axis::parse(text).unwrap());
+    let chosen = Choice { axes, second: Some(1), filter: 2, ..choice() };
+    chosen.check(session.scenario()).unwrap();
+    laboratory.choose(Some(chosen));
+    follow(&mut laboratory, &session, 2);
+    let edition = laboratory.edition;
+    assert_eq!((laboratory.state.problem.as_deref(), done(&laboratory)), (None, 9));
+    let heading = |laboratory: &Laboratory| laboratory.shown().unwrap().to_csv().lines().next().unwrap().to_owned();
+    assert!(
+        heading(&laboratory).starts_with("filters.UKF.fading,filters.*.process_std,UKF."),
+        "{}",
+        heading(&laboratory)
+    );
+    with(&mut session, |scenario| scenario.filters[1].name = "Mine".to_owned());
+    session.advance(0.0);
+    follow(&mut laboratory, &session, 2);
+    assert_eq!((laboratory.edition, laboratory.is_working()), (edition, false), "nothing begins again");
+    assert_eq!(laboratory.choice.as_ref().unwrap().axes[0].key, "filters#2.fading");
+    assert!(
+        heading(&laboratory).starts_with("filters.Mine.fading,filters.*.process_std,Mine."),
+        "{}",
+        heading(&laboratory)
+    );
+    let both = ["filters.UKF.fading=1:1.1:3", "filters#2.fading=1:1.2:3"].map(|text| Axis::parse(text).unwrap());
+    let chosen = Choice { axes: both, filter: 2, ..choice() };
+    let problem = chosen.check(self::session().scenario()).unwrap_err();
+    assert!(problem.contains("both axes of the map set `filters.UKF.fading`"), "{problem}");
 }

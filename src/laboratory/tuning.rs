@@ -1,40 +1,29 @@
 //! The search for the best settings of a filter.
 
-mod choice;
-mod on_map;
 #[cfg(test)]
 mod tests;
 
 use std::sync::Arc;
 
 use egui::Context;
-use kalmanscope_core::simulate;
-use kalmanscope_core::{FilterSettings, Run, Scenario, Task as _};
-use kalmanscope_lab::tune::{Try, Tuned, Tuner};
+use kalmanscope_core::setting::Address;
+use kalmanscope_core::{Axis, FilterSettings, Run, Scenario, Task as _, simulate};
+use kalmanscope_lab::tune::{Goal, Try, Tuned, Tuner};
+use serde::{Deserialize, Serialize};
 
 use super::choice::{is_same_but_for_names, part_of};
+use super::settings::{collide, is_possible, of_filters};
 use super::survey::Survey;
 use crate::session::{Budget, Session};
 use crate::team::{Lost, Priority, Running, Team};
-use on_map::{best_of_map, path_on_map};
-
-pub use choice::TuneChoice;
 
 pub struct TuneResult {
-    choice: TuneChoice,
+    pub choice: TuneChoice,
     of: Scenario,
-    tuned: Tuned,
+    pub tuned: Tuned,
 }
 
 impl TuneResult {
-    pub fn choice(&self) -> &TuneChoice {
-        &self.choice
-    }
-
-    pub fn tuned(&self) -> &Tuned {
-        &self.tuned
-    }
-
     /// The scenario with the best values. `None` if its settings have changed since the search began.
     pub fn applied(&self, scenario: &Scenario) -> Option<Scenario> {
         let best = self.tuned.scenario.filters.first()?;
@@ -63,20 +52,16 @@ type Seen = (f64, Vec<Try>);
 
 #[derive(Default)]
 pub struct Tuning {
-    choice: Option<TuneChoice>,
+    pub choice: Option<TuneChoice>,
     search: Option<Search>,
-    result: Option<TuneResult>,
-    problem: Option<String>,
+    pub result: Option<TuneResult>,
+    pub problem: Option<String>,
 }
 
 impl Tuning {
     pub fn choice(&self, scenario: &Scenario) -> Option<TuneChoice> {
         let chosen = self.choice.as_ref().and_then(|choice| choice.fitted(scenario));
         chosen.or_else(|| TuneChoice::usual(scenario, None))
-    }
-
-    pub fn chosen(&self) -> Option<&TuneChoice> {
-        self.choice.as_ref()
     }
 
     pub fn choose(&mut self, choice: Option<TuneChoice>) {
@@ -103,14 +88,6 @@ impl Tuning {
             Some(search) => of_search(search),
             None => self.result.as_ref().and_then(of_result),
         }
-    }
-
-    pub fn result(&self) -> Option<&TuneResult> {
-        self.result.as_ref()
-    }
-
-    pub fn problem(&self) -> Option<&str> {
-        self.problem.as_deref()
     }
 
     pub fn cancel(&mut self) -> bool {
@@ -166,4 +143,127 @@ impl Tuning {
             }
         }
     }
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TuneChoice {
+    pub filter: u32,
+    pub axes: Vec<Axis>,
+    pub goal: Goal,
+}
+
+impl TuneChoice {
+    /// The noise of all sensors and a factor on √Q, of the first filter or of that with an id.
+    pub fn usual(scenario: &Scenario, filter: Option<u32>) -> Option<Self> {
+        let exists = |id: &u32| scenario.filters.iter().any(|filter| filter.id == *id);
+        let filter = filter.filter(exists).or(scenario.filters.first().map(|filter| filter.id))?;
+        let part = part_of(scenario, &[filter]);
+        let is_usual = |key: &String| key.contains(".sensor_std.") || key == "filters.*.process_std";
+        let keys = of_filters(&part).into_iter().filter(is_usual);
+        let axis = |key: String| Some(Axis::usual(&Address::parse(&part, &key).ok()?, &part, 2));
+        Some(Self { filter, axes: keys.filter_map(axis).collect(), goal: Goal::Likelihood })
+    }
+
+    /// Checks that a scenario allows a search of this choice.
+    pub fn check(&self, scenario: &Scenario) -> Result<(), String> {
+        let mut scenario = scenario.clone();
+        scenario.number_filters();
+        if !scenario.filters.iter().any(|filter| filter.id == self.filter) {
+            return Err(format!("it is about filter number {}, which the scenario lacks", self.filter));
+        }
+        let part = part_of(&scenario, &[self.filter]);
+        for (place, axis) in self.axes.iter().enumerate() {
+            axis.check().map_err(|error| error.to_string())?;
+            let setting = Address::parse(&part, &axis.key).map_err(|error| error.to_string())?;
+            if !setting.is_of_filters() {
+                return Err(format!("`{}` is not a setting of a filter", axis.key));
+            }
+            if self.axes[..place].iter().any(|other| collide(&other.key, &axis.key, &part)) {
+                return Err(format!("`{}` is set twice", axis.key));
+            }
+        }
+        match self.goal {
+            Goal::FreeRun(sensor) if !scenario.sensors.iter().any(|other| other.measures == sensor) => {
+                Err(format!("no sensor measures the {}", sensor.name()))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The choice, reduced to the settings that the scenario has. The usual choice if the scenario lacks the filter;
+    /// the goal is the likelihood if it lacks the sensor.
+    pub(crate) fn fitted(&self, scenario: &Scenario) -> Option<Self> {
+        if !scenario.filters.iter().any(|filter| filter.id == self.filter) {
+            return Self::usual(scenario, None);
+        }
+        let part = part_of(scenario, &[self.filter]);
+        // The filter is the only one: its own settings are those of all filters.
+        let of_all = |axis: &Axis| {
+            let key =
+                part.filters_at(&axis.key).map_or_else(|| axis.key.clone(), |(_, key)| format!("filters.*.{key}"));
+            Axis { key, ..axis.clone() }
+        };
+        let axes = self.axes.iter().map(of_all).filter(|axis| is_possible(&part, &axis.key)).collect();
+        let is_measured = |goal: &Goal| match goal {
+            Goal::FreeRun(sensor) => scenario.sensors.iter().any(|other| other.measures == *sensor),
+            Goal::Likelihood | Goal::Consistency => true,
+        };
+        let goal = Some(self.goal).filter(is_measured).unwrap_or(Goal::Likelihood);
+        Some(Self { filter: self.filter, axes, goal })
+    }
+
+    /// Ticks a setting, with its usual range, or unticks it. Unticks all others that would set the same number.
+    pub(crate) fn toggle(&mut self, key: &str, part: &Scenario) {
+        let is_ticked = self.axes.iter().any(|axis| axis.key == key);
+        self.axes.retain(|axis| !collide(&axis.key, key, part));
+        if let Ok(setting) = Address::parse(part, key)
+            && !is_ticked
+        {
+            self.axes.push(Axis::usual(&setting, part, 2));
+        }
+    }
+}
+
+/// The filter's place in the map, and the places of the map's axes among those of a search. `None` if the search lacks
+/// one of them or the map lacks the filter.
+fn places(survey: &Survey, choice: &TuneChoice) -> Option<(usize, [usize; 2])> {
+    let filter = survey.filters.iter().position(|id| *id == choice.filter)?;
+    let place = |key: &str| choice.axes.iter().position(|axis| axis.key == key);
+    let [x, y] = survey.axes();
+    Some((filter, [place(&x.key)?, place(&y.key)?]))
+}
+
+/// For each axis of the map, the ratio of the map's number to the search's number. A factor is relative to the numbers at the
+/// beginning, and map and search begin at different times.
+fn ratios(survey: &Survey, part: &Scenario) -> [f64; 2] {
+    let present = survey.present(part);
+    let settings = survey.ensemble.settings();
+    [0, 1].map(|at| if settings.get(at).is_some_and(Address::is_factor) { present[at] } else { 1.0 })
+}
+
+/// The values of the tuned settings in the best cell of a map: its own settings must be among them. The others stay as they
+/// are.
+fn best_of_map(survey: &Survey, choice: &TuneChoice, part: &Scenario) -> Option<Vec<f64>> {
+    let (filter, places) = places(survey, choice)?;
+    let score = |cell: usize| {
+        let score = choice.goal.score(survey.value(cell, filter, choice.goal.measure())?);
+        score.is_finite().then_some((cell, score))
+    };
+    let (best, _) = (0..survey.ensemble.cells()).filter_map(score).max_by(|(_, a), (_, b)| a.total_cmp(b))?;
+    let present = |axis: &Axis| Address::parse(part, &axis.key).map_or(f64::NAN, |setting| setting.get(part));
+    let mut values: Vec<f64> = choice.axes.iter().map(present).collect();
+    let ratios = ratios(survey, part);
+    for ((at, value), ratio) in places.into_iter().zip(survey.ensemble.values(best)).zip(ratios) {
+        values[at] = value / ratio;
+    }
+    values.iter().all(|value| value.is_finite()).then_some(values)
+}
+
+/// The place in the map of the filter of a search that began with a scenario, and the points of its path on the map's axes.
+fn path_on_map(survey: &Survey, choice: &TuneChoice, part: &Scenario, path: &[Try]) -> Option<(usize, Vec<[f64; 2]>)> {
+    let (filter, places) = places(survey, choice)?;
+    let ratios = ratios(survey, part);
+    let point = |tried: &Try| [0, 1].map(|at| ratios[at] * tried.values.get(places[at]).copied().unwrap_or(f64::NAN));
+    Some((filter, path.iter().map(point).collect()))
 }

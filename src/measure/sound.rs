@@ -5,7 +5,7 @@ use std::rc::Rc;
 use egui::{Context, RichText, Ui, Vec2};
 use kalmanscope_core::import::{Ring, wav};
 
-use super::{CURVE, Instrument, large_ui, waiting_ui};
+use super::{CURVE, Instrument, Words, large_ui, waiting_ui};
 use crate::request::RawFile;
 use crate::sensor::{Reading as _, Readings, Sensor, Sound};
 use crate::spark::Spark;
@@ -52,20 +52,19 @@ impl Listener {
     }
 }
 
+const WORDS: Words = Words {
+    name: "It rings",
+    beginning: "Begin to listen",
+    ending: "Stop and identify",
+    directions: &[
+        "Take something that rings when it is struck: a glass, a tuning fork, a bell, a ruler on the edge of a table.",
+        "Begin, be still for a second, strike it once beside the microphone, and wait until it is silent.",
+    ],
+};
+
 impl Instrument for Listener {
-    fn name(&self) -> &'static str {
-        "It rings"
-    }
-
-    fn beginning(&self) -> &'static str {
-        "Begin to listen"
-    }
-
-    fn directions(&self) -> &'static [&'static str] {
-        &[
-            "Take something that rings when it is struck: a glass, a tuning fork, a bell, a ruler on the edge of a table.",
-            "Begin, be still for a second, strike it once beside the microphone, and wait until it is silent.",
-        ]
+    fn words(&self) -> &'static Words {
+        &WORDS
     }
 
     fn begin(&mut self, ctx: &Context) {

@@ -10,7 +10,7 @@ use kalmanscope_core::{Quantity, Record, Scenario};
 use kalmanscope_sources::StreamRow;
 
 use super::live::NAME;
-use super::{Instrument, waiting_ui};
+use super::{Instrument, Words, waiting_ui};
 use crate::request::RawFile;
 use crate::sensor::{Readings, Sensor};
 use crate::text::fixed;
@@ -61,21 +61,16 @@ impl Stream {
     }
 }
 
+const WORDS: Words = Words {
+    name: "Sensors of a scenario",
+    beginning: "Begin to measure",
+    ending: "Stop",
+    directions: &["Readings come from the source that was named at the start, and the scenario's filters follow them."],
+};
+
 impl Instrument for Stream {
-    fn name(&self) -> &'static str {
-        "Sensors of a scenario"
-    }
-
-    fn beginning(&self) -> &'static str {
-        "Begin to measure"
-    }
-
-    fn ending(&self) -> &'static str {
-        "Stop"
-    }
-
-    fn directions(&self) -> &'static [&'static str] {
-        &["Readings come from the source that was named at the start, and the scenario's filters follow them."]
+    fn words(&self) -> &'static Words {
+        &WORDS
     }
 
     fn begin(&mut self, ctx: &Context) {

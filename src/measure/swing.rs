@@ -10,7 +10,7 @@ use kalmanscope_core::{Record, Scenario, Story};
 
 use super::health::Health;
 use super::live::{Band, Live};
-use super::{CURVE, Instrument, large_ui, waiting_ui};
+use super::{CURVE, Instrument, Words, large_ui, waiting_ui};
 use crate::request::RawFile;
 use crate::sensor::{Acceleration, Reading as _, Readings, Sensor};
 use crate::spark::Spark;
@@ -47,22 +47,21 @@ impl Swing {
     }
 }
 
-impl Instrument for Swing {
-    fn name(&self) -> &'static str {
-        "It swings"
-    }
-
+const WORDS: Words = Words {
+    name: "It swings",
     // iOS asks for permission at the click on this button.
-    fn beginning(&self) -> &'static str {
-        "Begin to measure"
-    }
-
-    fn directions(&self) -> &'static [&'static str] {
-        &[
-            "Fix the phone, or the sensor, to what swings: hang it on a spring or a rubber band, clamp it to the end of a ruler, lay it on a plank \
+    beginning: "Begin to measure",
+    ending: "Stop and identify",
+    directions: &[
+        "Fix the phone, or the sensor, to what swings: hang it on a spring or a rubber band, clamp it to the end of a ruler, lay it on a plank \
              between two chairs.",
-            "Begin, wait for two seconds, pull it aside, let go, and wait until it rests.",
-        ]
+        "Begin, wait for two seconds, pull it aside, let go, and wait until it rests.",
+    ],
+};
+
+impl Instrument for Swing {
+    fn words(&self) -> &'static Words {
+        &WORDS
     }
 
     fn begin(&mut self, ctx: &Context) {

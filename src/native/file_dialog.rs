@@ -6,12 +6,11 @@ use std::sync::Arc;
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-use kalmanscope::drop;
 use kalmanscope::export::Deliver;
-use kalmanscope::inbox::{Arrival, Choose};
+use kalmanscope::inbox::{self, Arrival, Choose};
 use kalmanscope::text::sentence;
 use kalmanscope_cli::output;
-use rfd::AsyncFileDialog;
+use rfd::{AsyncFileDialog, FileHandle};
 
 /// Limits the time of a dialog that has not opened. No user closes one so fast, and the library reports a cancelled
 /// dialog like one that could not open.
@@ -29,14 +28,12 @@ pub(super) fn choose() -> Choose {
         // Made here and not on the thread, because macOS opens dialogs on the main thread only.
         let dialog = AsyncFileDialog::new().set_title("Open a file").pick_file();
         let (answers, window) = (inbox.clone(), ctx.clone());
-        let wait = move || {
-            let begin = Instant::now();
-            let path = pollster::block_on(dialog).map(|file| file.path().to_owned());
-            if let Some(arrival) = arrival(path, begin.elapsed()) {
+        let answer = move |path, time| {
+            if let Some(arrival) = arrival(path, time) {
                 answers.put(arrival, &window);
             }
         };
-        match thread::Builder::new().name("file dialog".to_owned()).spawn(wait) {
+        match wait(dialog, answer) {
             Ok(thread) => open = Some(thread),
             Err(error) => inbox.put(Arrival::Failure(format!("No dialog can be opened: {error}.")), ctx),
         }
@@ -47,16 +44,26 @@ pub(super) fn save() -> Deliver {
     Box::new(|file, done| {
         let dialog = AsyncFileDialog::new().set_title("Save a file").set_file_name(&file.name).save_file();
         let written = Arc::clone(&done);
-        let wait = move || {
-            let begin = Instant::now();
-            let path = pollster::block_on(dialog).map(|file| file.path().to_owned());
-            if let Some(end) = saved(path, &file.contents, begin.elapsed()) {
+        let answer = move |path, time| {
+            if let Some(end) = saved(path, &file.contents, time) {
                 written(end);
             }
         };
-        if let Err(error) = thread::Builder::new().name("file dialog".to_owned()).spawn(wait) {
+        if let Err(error) = wait(dialog, answer) {
             done(Err(error.to_string()));
         }
+    })
+}
+
+/// Waits on a thread for the answer of a dialog, and for how long.
+fn wait(
+    dialog: impl Future<Output = Option<FileHandle>> + Send + 'static,
+    answer: impl FnOnce(Option<PathBuf>, Duration) + Send + 'static,
+) -> io::Result<JoinHandle<()>> {
+    thread::Builder::new().name("file dialog".to_owned()).spawn(move || {
+        let begin = Instant::now();
+        let path = pollster::block_on(dialog).map(|file| file.path().to_owned());
+        answer(path, begin.elapsed());
     })
 }
 
@@ -70,7 +77,7 @@ fn saved(path: Option<PathBuf>, contents: &[u8], time: Duration) -> Option<Resul
 
 fn arrival(path: Option<PathBuf>, time: Duration) -> Option<Arrival> {
     match path {
-        Some(path) => Some(Arrival::File(drop::file_name(&path), drop::read_path(&path))),
+        Some(path) => Some(Arrival::File(inbox::file_name(&path), inbox::read_path(&path))),
         None if time < FAST => Some(Arrival::Failure(format!(
             "{}. Drop the file on the window, or start the program with it: kalmanscope FILE.",
             sentence(NO_DIALOG)

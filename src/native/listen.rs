@@ -59,14 +59,6 @@ impl<T: Reading> Shared<T> {
         }
     }
 
-    fn read(&self, name: &str, parser: impl Parser<Reading = T>, keep: Option<&(String, File)>) -> String {
-        match self.follow(name, parser, keep) {
-            Ok(None) => format!("{name} has ended without a reading"),
-            Ok(Some(reason)) => format!("{name} tells no readings: {reason}"),
-            Err(error) => format!("{name} cannot be read: {error}"),
-        }
-    }
-
     fn follow(
         &self,
         name: &str,
@@ -123,8 +115,11 @@ impl<P: Parser> Sensor<P::Reading> for Listened<P> {
         let (name, parser, shared) = (self.name.clone(), self.parser.clone(), Arc::clone(&self.shared));
         let keep = self.keep.clone();
         let read = move || {
-            let reason = shared.read(&name, parser, keep.as_deref());
-            shared.end(reason);
+            shared.end(match shared.follow(&name, parser, keep.as_deref()) {
+                Ok(None) => format!("{name} has ended without a reading"),
+                Ok(Some(reason)) => format!("{name} tells no readings: {reason}"),
+                Err(error) => format!("{name} cannot be read: {error}"),
+            });
         };
         match thread::Builder::new().name("listener".to_owned()).spawn(read) {
             Ok(begun) => *thread = Some(begun),

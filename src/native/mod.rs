@@ -3,23 +3,27 @@
 mod crash;
 mod desktop;
 mod file_dialog;
-mod graphics;
 mod listen;
 mod shelf;
 mod state_file;
 mod team;
-mod window;
 
 use std::fs::File;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::rc::Rc;
 
 use clap::Parser;
+use desktop::Desktop;
+use eframe::NativeOptions;
+use egui::{Context, IconData, ViewportBuilder};
+use kalmanscope::App;
+use kalmanscope::sensor::{Sensor, Sensors};
 use kalmanscope::share::address;
 use kalmanscope_core::Scenario;
-
-use listen::Listening;
-use window::Beginning;
+use kalmanscope_gpu::Software;
+use kalmanscope_sources::Accelerations;
+use listen::{Listened, Listening, OfScenario};
 
 const INVALID: u8 = 2;
 
@@ -50,7 +54,7 @@ pub(super) fn main() -> ExitCode {
             return ExitCode::from(INVALID);
         }
     };
-    let Err(error) = window::open(beginning) else {
+    let Err(error) = open(beginning) else {
         return ExitCode::SUCCESS;
     };
     // The message follows the last colon; a place in the toolkit's source comes before it.
@@ -88,4 +92,66 @@ fn read_scenario(file: &str) -> Result<Scenario, String> {
     let scenario = Scenario::from_toml(&text).map_err(|error| format!("{file}: {error}"))?;
     scenario.validate().map_err(|error| format!("{file}: {error}"))?;
     Ok(scenario)
+}
+
+const ID: &str = "kalmanscope";
+
+#[derive(Default)]
+struct Beginning {
+    address: Option<String>,
+    file: Option<PathBuf>,
+    source: Option<Listening>,
+}
+
+fn open(Beginning { address, file, source }: Beginning) -> eframe::Result {
+    let viewport = ViewportBuilder::default()
+        .with_title("Kalmanscope")
+        .with_app_id(ID)
+        .with_inner_size([1280.0, 800.0])
+        .with_min_inner_size([360.0, 420.0])
+        .with_icon(icon());
+    let folder = eframe::storage_dir(ID).ok_or_else(|| "there is no folder for it".to_owned());
+    let options = NativeOptions { viewport, ..NativeOptions::default() };
+    let creator: eframe::AppCreator<'_> = Box::new(|creation| {
+        let ctx = &creation.egui_ctx;
+        let folder = folder.as_deref().map_err(Clone::clone);
+        if let Ok(folder) = &folder {
+            crash::note_panics(folder);
+        }
+        let desktop = Desktop::new(ctx, folder, |app| {
+            let app = app.delivering(file_dialog::save()).choosing(Some(file_dialog::choose()));
+            let mut app = app.working_with(team::team(Software::Refused, ctx));
+            if let Some(address) = address {
+                app.open_address(&address);
+            }
+            if let Some(path) = file {
+                app.read_file(&path, ctx);
+            }
+            if let Some(source) = source {
+                app = listening(app, source, ctx);
+            }
+            app
+        })?;
+        #[cfg(unix)]
+        desktop::close_at_signals(ctx);
+        Ok(Box::new(desktop))
+    });
+    eframe::run_native(ID, options, creator)
+}
+
+fn listening(app: App, Listening { source, scenario, keep }: Listening, ctx: &Context) -> App {
+    let Some(scenario) = scenario else {
+        let accelerometer: Rc<dyn Sensor<_>> = Rc::new(Listened::new(&source, Accelerations::default(), keep));
+        let mut app = app.measuring_with(Sensors { accelerometer: Some(accelerometer), ..Sensors::default() });
+        app.measure();
+        return app;
+    };
+    let stream: Rc<dyn Sensor<_>> = Rc::new(Listened::new(&source, OfScenario::new(&scenario), keep));
+    let mut app = app.measuring_with(Sensors { stream: Some((stream, Rc::new(scenario))), ..Sensors::default() });
+    app.watch(ctx);
+    app
+}
+
+fn icon() -> IconData {
+    eframe::icon_data::from_png_bytes(include_bytes!("../../assets/icon-256.png")).unwrap_or_default()
 }

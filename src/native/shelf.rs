@@ -6,8 +6,7 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use egui::Context;
-use kalmanscope::drop::{file_name, read_path};
-use kalmanscope::inbox::{Arrival, Done, Inbox};
+use kalmanscope::inbox::{Arrival, Done, Inbox, file_name, read_path};
 use kalmanscope::shelf::Shelf;
 use kalmanscope_cli::output;
 

@@ -34,10 +34,10 @@ pub struct MapState {
 
 impl MapState {
     pub fn of(survey: &Survey) -> Self {
-        let sheet = survey.sheet();
+        let sheet = &survey.sheet;
         let checksum = format!("{:016x}", sheet.checksum());
-        let computers = survey.computers().iter().map(ToString::to_string).collect();
-        Self { cells: sheet.len(), done: sheet.done(), checksum, computers, ensemble: survey.ensemble().to_json() }
+        let computers = survey.computers.iter().map(ToString::to_string).collect();
+        Self { cells: sheet.len(), done: sheet.done(), checksum, computers, ensemble: survey.ensemble.to_json() }
     }
 }
 

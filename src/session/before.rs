@@ -6,8 +6,8 @@ use std::sync::Arc;
 use kalmanscope_core::setting::Change;
 use kalmanscope_core::{Channel, Diagnostics, Estimates, Hindsight, Scenario, Study, Wanted};
 
-use super::difference::difference;
 use super::{Mode, Session, Setting};
+use crate::text::significant;
 
 /// Edits that follow each other within this time are one change \[s\].
 const ONE_CHANGE: f64 = 0.8;
@@ -18,16 +18,12 @@ const MOST: usize = 20_000;
 pub struct Before {
     scenario: Scenario,
     study: Study,
-    words: String,
+    pub words: String,
     is_of_filters: bool,
     is_complete: bool,
 }
 
 impl Before {
-    pub fn words(&self) -> &str {
-        &self.words
-    }
-
     pub fn estimates(&self, id: u32) -> Option<&Estimates> {
         let all = self.study.run().estimates();
         all.iter().find(|estimates| estimates.id() == id).filter(|estimates| !estimates.is_empty())
@@ -177,5 +173,34 @@ impl Session {
         if before.is_complete != was_complete {
             self.generation += 1;
         }
+    }
+}
+
+const NAMED: usize = 2;
+
+pub(super) fn difference(change: &Change) -> Option<String> {
+    let all = change.what_was(|number| significant(number, 4));
+    let more = if all.len() > NAMED { ", …" } else { "" };
+    (!all.is_empty()).then(|| all.into_iter().take(NAMED).collect::<Vec<_>>().join(", ") + more)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_change_is_named_by_what_was_before() {
+        let now = Scenario::default();
+        assert_eq!(difference(&Change::between(&now, &now)), None);
+        let mut before = now.clone();
+        before.filters[0].fading = 1.0;
+        assert_eq!(difference(&Change::between(&before, &now)).unwrap(), "EKF λ = 1");
+        before.filters[0].initial_mean[Channel::NATURAL_FREQUENCY] = 9.0;
+        before.seed = 7;
+        assert_eq!(difference(&Change::between(&before, &now)).unwrap(), "EKF λ = 1, EKF guess ωₙ = 9, …");
+        let mut fewer = now.clone();
+        let removed = fewer.filters.remove(1);
+        assert_eq!(difference(&Change::between(&now, &fewer)).unwrap(), format!("with {}", removed.name));
+        assert_eq!(difference(&Change::between(&fewer, &now)).unwrap(), format!("without {}", removed.name));
     }
 }

@@ -1,6 +1,6 @@
 //! The diagnoses of the filters over the record so far.
 
-use kalmanscope_core::{Diagnosis, LiveDiagnosis};
+use kalmanscope_core::{Analysis, Diagnosis, LiveDiagnosis};
 
 use super::Session;
 
@@ -113,6 +113,10 @@ impl Session {
             self.judged.diagnoses = run.estimates().iter().zip(diagnostics).zip(live).map(of).collect();
             (self.judged.of, self.judged.age) = (Some(now), 0.0);
         }
+    }
+
+    pub(crate) fn whole_analysis(&self) -> Option<&Analysis> {
+        self.is_whole().then(|| self.study.analysis())
     }
 
     fn is_whole(&self) -> bool {

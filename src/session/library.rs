@@ -22,8 +22,8 @@ pub struct RecordFile {
 pub struct Library {
     files: Vec<Arc<RecordFile>>,
     made: Vec<Made>,
-    reasons: Vec<String>,
-    problem: Option<String>,
+    pub reasons: Vec<String>,
+    pub problem: Option<String>,
     held_out: Option<(String, Arc<Record>)>,
     live: Option<Live>,
 }
@@ -150,18 +150,6 @@ impl Library {
         let built = built.map_err(|error| format!("“{}”: {error}", file.name))?;
         self.held_out = Some((file.name.clone(), Arc::new(built.record)));
         Ok(())
-    }
-
-    pub fn reasons(&self) -> &[String] {
-        &self.reasons
-    }
-
-    pub fn problem(&self) -> Option<&str> {
-        self.problem.as_deref()
-    }
-
-    pub(super) fn set_reasons(&mut self, reasons: Vec<String>, problem: Option<String>) {
-        (self.reasons, self.problem) = (reasons, problem);
     }
 
     pub fn remarks(&self, record: &Record) -> &[String] {

@@ -65,22 +65,24 @@ mod tests {
     use kalmanscope_core::{Hold, InputKind, Quantity};
 
     use super::*;
-    use crate::session::Budget;
+
+    fn begun(hold: Hold) -> (Session, Scenario, LiveRecord) {
+        let mut scenario = Scenario { dt: 0.01, hold, ..Scenario::default() };
+        scenario.set_sensors(&[Quantity::DISPLACEMENT]);
+        scenario.record = Some(Mapping { file: "now".to_owned(), ..Mapping::default() });
+        let live = LiveRecord::new(0.01, InputKind::Force, hold, vec![Quantity::DISPLACEMENT]);
+        (Session::new(Scenario::default()).expect("it can be run"), scenario, live)
+    }
 
     /// Readings ten times as far apart as the steps: the file has their times, and the steps stay, since Q is that of a step.
     #[test]
     fn a_record_that_ends_keeps_its_times_and_its_steps() {
         for hold in [Hold::Zero, Hold::First] {
-            let mut scenario = Scenario { dt: 0.01, hold, ..Scenario::default() };
-            scenario.set_sensors(&[Quantity::DISPLACEMENT]);
-            scenario.record = Some(Mapping { file: "now".to_owned(), ..Mapping::default() });
-            let mut live = LiveRecord::new(0.01, InputKind::Force, hold, vec![Quantity::DISPLACEMENT]);
+            let (mut session, scenario, mut live) = begun(hold);
             for k in 0..300 {
                 let time = 0.1 * f64::from(k) + 0.03 * f64::from(k).sin();
                 live.take(time, time.sin(), &[0.01 * (6.0 * time).cos()]).expect("it is taken in");
             }
-            let mut session = Session::new(Scenario::default()).expect("it can be run");
-            session.set_budget(Budget::Unlimited);
             session.follow_live(scenario, live.so_far());
             session.advance(0.0);
             assert!(session.is_live());
@@ -104,13 +106,8 @@ mod tests {
     /// A long record must not be copied for each frame: nobody keeps the one of the frame before.
     #[test]
     fn a_record_that_grows_on_screen_is_not_copied() {
-        let mut scenario = Scenario { dt: 0.01, ..Scenario::default() };
-        scenario.set_sensors(&[Quantity::DISPLACEMENT]);
-        scenario.record = Some(Mapping { file: "now".to_owned(), ..Mapping::default() });
-        let mut live = LiveRecord::new(0.01, InputKind::Force, Hold::Zero, vec![Quantity::DISPLACEMENT]);
+        let (mut session, scenario, mut live) = begun(Hold::Zero);
         let mut record = live.so_far();
-        let mut session = Session::new(Scenario::default()).expect("it can be run");
-        session.set_budget(Budget::Unlimited);
         session.follow_live(scenario, Arc::clone(&record));
         for k in 0..2000 {
             let time = 0.01 * f64::from(k);

@@ -53,10 +53,8 @@ impl Session {
 
     pub fn advance(&mut self, elapsed: f64) {
         let mut while_time = self.budget.slice();
-        if self.behind() {
-            self.compute();
-        } else if self.is_live() {
-            // The sensor gives the time, and the measurement asks for frames.
+        // A live sensor gives the time, and the measurement asks for frames.
+        if self.behind() || self.is_live() {
             self.compute();
         } else if self.playing {
             self.clock += elapsed * self.speed;
@@ -93,14 +91,12 @@ impl Session {
 
     pub fn step(&mut self) {
         self.playing = false;
-        let next = (self.position() + 1) as f64 * self.target().0;
-        self.seek(next);
+        self.seek((self.position() + 1) as f64 * self.target().0);
     }
 
     pub fn step_back(&mut self) {
         self.playing = false;
-        let before = self.position().saturating_sub(1) as f64 * self.target().0;
-        self.seek(before);
+        self.seek(self.position().saturating_sub(1) as f64 * self.target().0);
     }
 
     /// Goes to a time after the start \[s\].

@@ -118,10 +118,15 @@ fn heavy() -> Session {
     let mut scenario = Scenario { duration: 40.0, ..Scenario::default() };
     let particles = FilterSettings { kind: FilterKind::PF, ensemble_size: 200, ..scenario.filters[0].clone() };
     scenario.filters.push(FilterSettings { id: 0, name: "PF".to_owned(), ..particles });
-    let mut session = Session::new(scenario).unwrap();
-    session.set_mode(Mode::Whole);
+    let mut session = whole(scenario);
     session.pause();
     session.set_budget(Budget::Pieces(3));
+    session
+}
+
+fn whole(scenario: Scenario) -> Session {
+    let mut session = Session::new(scenario).unwrap();
+    session.set_mode(Mode::Whole);
     session
 }
 
@@ -148,8 +153,7 @@ fn a_heavy_edit_leaves_the_last_picture_until_the_next_is_complete() {
     }
     assert!(shares.len() > 20 && shares.is_sorted() && shares[0] < 0.2, "{shares:?}");
     assert_eq!((session.run().scenario(), session.scenario()), (&edited, &edited));
-    let mut at_once = Session::new(edited).unwrap();
-    at_once.set_mode(Mode::Whole);
+    let at_once = whole(edited);
     assert_eq!(session.run().checksum(), at_once.run().checksum());
     assert_eq!(session.diagnostics()[2].log_likelihood(), at_once.diagnostics()[2].log_likelihood());
 }
@@ -222,8 +226,7 @@ fn a_new_edit_begins_again() {
     }
     wait(&mut session);
     assert_eq!((session.run().scenario().seed, session.run().len()), (9, 4001));
-    let mut at_once = Session::new(session.scenario().clone()).unwrap();
-    at_once.set_mode(Mode::Whole);
+    let at_once = whole(session.scenario().clone());
     assert_eq!(session.run().checksum(), at_once.run().checksum());
 }
 

@@ -17,19 +17,17 @@ pub struct Attempt {
     filter: u32,
     of: (u64, usize),
     search: Option<Running<Search, Seen>>,
-    progress: f64,
-    before: Option<Verdict>,
-    remedies: Vec<Remedy>,
+    pub progress: f64,
+    pub before: Option<Verdict>,
+    /// The remedies that were found, each of one cause or of several, the likeliest first. While the search is under way for the
+    /// first time, each keeps the place at which it was found.
+    pub remedies: Vec<Remedy>,
     is_complete: bool,
 }
 
 type Seen = (f64, Option<Verdict>, Vec<Remedy>);
 
 impl Attempt {
-    pub fn progress(&self) -> f64 {
-        self.progress
-    }
-
     pub fn is_under_way(&self) -> bool {
         self.search.is_some()
     }
@@ -40,16 +38,6 @@ impl Attempt {
 
     pub(crate) fn picture(&self) -> u64 {
         self.of.0
-    }
-
-    pub fn before(&self) -> Option<&Verdict> {
-        self.before.as_ref()
-    }
-
-    /// The remedies that were found, each of one cause or of several, the likeliest first. While the search is under way for the
-    /// first time, each keeps the place at which it was found.
-    pub fn remedies(&self) -> &[Remedy] {
-        &self.remedies
     }
 
     /// Continues while there is time. The earlier results stay until all new ones are complete.
@@ -96,7 +84,7 @@ impl Session {
     }
 
     pub(crate) fn trials_beside(&self) -> Option<f64> {
-        let shares = self.trying.attempts.iter().filter(|attempt| attempt.is_beside()).map(Attempt::progress);
+        let shares = self.trying.attempts.iter().filter(|attempt| attempt.is_beside()).map(|attempt| attempt.progress);
         shares.reduce(|sum, share| sum + share)
     }
 

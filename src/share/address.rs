@@ -12,9 +12,7 @@ use super::{LinkError, MARK, Picture};
 
 #[derive(Clone, Debug, PartialEq)]
 pub enum Target {
-    /// The picture of a link.
     Picture(Box<Picture>),
-    /// A built-in scenario.
     Scenario(BuiltIn),
     /// A lesson's place in the menu, and the place of its step.
     Lesson(usize, usize),
@@ -22,42 +20,18 @@ pub enum Target {
 
 #[derive(Debug, Error)]
 pub enum AddressError {
-    /// The link is unreadable.
     #[error("The link cannot be opened: {0}.")]
     Link(#[from] LinkError),
-    /// There is no such scenario.
     #[error("There is no scenario “{name}”. The scenarios are {}.", known.join(", "))]
-    Scenario {
-        /// The name.
-        name: String,
-        /// All names.
-        known: Vec<&'static str>,
-    },
-    /// There is no such lesson.
+    Scenario { name: String, known: Vec<&'static str> },
     #[error("There is no lesson “{name}”. The lessons are {}.", known.join(", "))]
-    Lesson {
-        /// The name.
-        name: String,
-        /// All names.
-        known: Vec<&'static str>,
-    },
-    /// The lesson has no such step.
+    Lesson { name: String, known: Vec<&'static str> },
     #[error("There is no step “{step}” of the lesson “{lesson}”: it has the steps 1 to {steps}.")]
-    Step {
-        /// The step, as it was written.
-        step: String,
-        /// The lesson's name.
-        lesson: String,
-        /// The number of its steps.
-        steps: usize,
-    },
+    Step { step: String, lesson: String, steps: usize },
 }
 
 /// The target of an address: the link after `#`, else the lesson or the scenario after `?`. `None` if it has none of
 /// them.
-///
-/// # Errors
-/// [`AddressError`] with the sentence to show.
 pub fn target(address: &str) -> Result<Option<Target>, AddressError> {
     if let Some((_, link)) = address.split_once(MARK) {
         return Ok(Some(Target::Picture(Box::new(Picture::read(link.trim_end())?))));
@@ -84,9 +58,6 @@ pub fn page(address: &str) -> &str {
 }
 
 /// The built-in scenario with a name.
-///
-/// # Errors
-/// [`AddressError::Scenario`] with all names.
 fn scenario(name: &str) -> Result<BuiltIn, AddressError> {
     let unknown = || AddressError::Scenario {
         name: shortened(name),
@@ -97,9 +68,6 @@ fn scenario(name: &str) -> Result<BuiltIn, AddressError> {
 
 /// The place in the menu of the lesson with a name, with or without its number, and the place of a step, which the text
 /// counts from 1.
-///
-/// # Errors
-/// [`AddressError::Lesson`] with all names, or [`AddressError::Step`].
 fn lesson(name: &str, step: Option<&str>) -> Result<(usize, usize), AddressError> {
     let without_number = |file: &'static str| file.split_once('-').map_or(file, |(_, name)| name);
     let place = LESSONS.iter().position(|(file, _)| *file == name || without_number(file) == name);

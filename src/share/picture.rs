@@ -88,17 +88,11 @@ impl Picture {
     }
 
     /// The picture as JSON in one line, without the keys that have their usual values.
-    ///
-    /// # Errors
-    /// [`PictureError`] where the scenario cannot be written.
     pub fn line(&self) -> Result<String, PictureError> {
         Ok(Document::json(&self.document()?)?)
     }
 
     /// As [`Self::line`], with a line for each key.
-    ///
-    /// # Errors
-    /// As [`Self::line`].
     pub fn lines(&self) -> Result<String, PictureError> {
         Ok(Document::json_lines(&self.document()?)?)
     }
@@ -114,9 +108,6 @@ impl Picture {
     }
 
     /// Reads the text of a picture, and checks it, since it may come from outside.
-    ///
-    /// # Errors
-    /// [`PictureError`] with the reason.
     pub fn of_text(text: &str) -> Result<Self, PictureError> {
         let document = Document::from_json(text)?;
         Self::of_document(document).unwrap_or_else(|| Err(PictureError::Impossible(format!("it has no key `{KEY}`"))))

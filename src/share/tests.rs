@@ -7,8 +7,7 @@ use kalmanscope_lessons::{BUILT_IN, EQUATIONS};
 use super::*;
 use crate::laboratory::{Choices, TuneChoice};
 use crate::layout::Layout;
-use crate::request::{Arrangement, LegendEntry, ViewKind};
-use crate::ruler::Ruler;
+use crate::request::{Arrangement, ViewKind};
 use crate::session::Mode;
 
 fn picture() -> Picture {
@@ -36,18 +35,6 @@ fn a_link_gives_its_picture_back_and_fits_into_a_letter() {
         let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || b"#=.-_".contains(&byte);
         assert!(fragment.bytes().all(is_plain), "mail programs end a link at other characters: {fragment}");
     }
-}
-
-#[test]
-fn marks_speed_and_hidden_entries_come_along_and_cost_nothing_where_they_are_not_used() {
-    let plain = picture();
-    let text = text();
-    assert!(["speed", "marks", "hidden", "habits"].iter().all(|field| !text.contains(field)), "{text}");
-    let mut ruler = Ruler::default();
-    ruler.place(crate::ruler::End::B, 2.5);
-    let hidden = vec![LegendEntry::Truth, LegendEntry::Verdicts, LegendEntry::Filter(2)];
-    let marked = Picture { speed: 0.25, ruler, hidden, ..plain };
-    assert_eq!(read(&marked.fragment().expect("it is short")).expect("it is whole"), marked);
 }
 
 #[test]
@@ -117,26 +104,6 @@ fn a_long_scenario_has_no_link() {
             .collect();
     }
     assert!(matches!(long.fragment(), Err(LinkError::TooLong(_))));
-}
-
-#[test]
-fn impossible_pictures_are_refused_with_their_reason() {
-    for (from, to, reason) in [
-        ("12.34", "-1", "the time is -1"),
-        ("12.34", "1e999", "number out of range"),
-        ("12.34", "1,\"marks\":[1,2,3]", "`marks`: invalid length 3"),
-        ("12.34", "1,\"hidden\":[\"all\"]", "unknown variant `all`"),
-        ("12.34", "1,\"more\":1", "unknown field `more`"),
-        ("\"Scores\"", "\"Parameters\"", "Parameters is there twice"),
-        ("\"Scores\"", "\"Nothing\"", "unknown variant `Nothing`"),
-        ("dt = 0.01", "dt = -1.0", "`dt` is -1"),
-        ("seed", "need", "unknown field `need`"),
-    ] {
-        let changed = text().replacen(from, to, 1);
-        assert_ne!(changed, text(), "{from}");
-        let error = Picture::read(&packed(&changed)).expect_err(to).to_string();
-        assert!(error.contains(reason) && !error.contains('\n'), "{to}: {error}");
-    }
 }
 
 #[test]

@@ -78,7 +78,7 @@ mod tests {
     use kalmanscope_lab::{Ensemble, Plan, Priority, Runner, Sheet};
 
     use super::*;
-    use crate::session::Budget;
+    use crate::team::Budget;
     use crate::team::{Computer, Graphics};
 
     struct Played {
@@ -174,16 +174,11 @@ mod tests {
     }
 
     #[test]
-    fn one_that_is_ready_computes_all() {
-        let by = run(&played(Finding::Ready, 99).1, Precision::Fastest);
-        assert_eq!(by, vec![(named(), 2); 5]);
-    }
-
-    #[test]
-    fn one_that_gives_up_leaves_the_rest_to_the_other() {
-        let by = run(&played(Finding::Ready, 2).1, Precision::Fastest);
-        assert_eq!(by[..2], [(named(), 2), (named(), 2)]);
-        assert_eq!(by[2..], vec![(Computer::Frames, 1); 6]);
+    fn one_that_is_ready_computes_all_in_single_precision_and_leaves_the_rest_to_the_other_if_it_gives_up() {
+        let of = |portions, precision| run(&played(Finding::Ready, portions).1, precision);
+        assert_eq!(of(99, Precision::Fastest), vec![(named(), 2); 5]);
+        assert_eq!(of(2, Precision::Fastest), [vec![(named(), 2); 2], vec![(Computer::Frames, 1); 6]].concat());
+        assert_eq!(of(99, Precision::Double), vec![(Computer::Frames, 1); 10]);
     }
 
     #[test]
@@ -193,12 +188,6 @@ mod tests {
         assert!(by.iter().all(|(by, _)| *by == Computer::Frames), "{by:?}");
         *found.finding.borrow_mut() = Finding::Ready;
         assert_eq!(run(&team, Precision::Fastest), vec![(named(), 2); 5]);
-    }
-
-    #[test]
-    fn double_precision_is_for_the_other() {
-        let by = run(&played(Finding::Ready, 99).1, Precision::Double);
-        assert_eq!(by, vec![(Computer::Frames, 1); 10]);
     }
 
     #[test]

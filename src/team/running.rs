@@ -55,9 +55,6 @@ impl<T: Task, L> Running<T, L> {
     }
 
     /// Continues until `while_time` returns false. Returns the outcome once.
-    ///
-    /// # Errors
-    /// [`Lost`] if its thread has failed, and after the outcome.
     pub fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> Result<Option<T::Outcome>, Lost> {
         while let Place::Beside(worker, spare) = &mut self.place {
             match worker.take() {

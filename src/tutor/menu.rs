@@ -5,6 +5,7 @@ use std::ops::Range;
 use egui::{Button, RichText, TextWrapMode, Ui};
 
 use super::Catalogue;
+use crate::hover::named;
 use crate::menu::{self, Closing};
 use crate::probe;
 use crate::request::Request;
@@ -32,7 +33,7 @@ pub(crate) fn invitation_ui(ui: &mut Ui, requests: &mut Vec<Request>) {
 
 pub(crate) fn menu_ui(ui: &mut Ui, catalogue: &Catalogue, requests: &mut Vec<Request>) {
     let button = menu::menu_ui(ui, "Lessons", Closing::AtOnce, |ui| {
-        let lessons = catalogue.lessons();
+        let lessons = &catalogue.lessons;
         let room = ui.ctx().content_rect().width() - AROUND;
         let columns = ((room / LEAST) as usize).clamp(1, MOST);
         let groups: Vec<&str> = lessons.iter().map(|lesson| lesson.group.as_str()).collect();
@@ -89,10 +90,7 @@ fn lessons_ui(ui: &mut Ui, catalogue: &Catalogue, places: Range<usize>, requests
         let finished = catalogue.is_finished(lesson);
         let text = if finished { format!("{} ✓", lesson.title) } else { lesson.title.clone() };
         let button = menu::entry_ui(ui, &text, &lesson.summary, thumbnail::of_lesson(ui.ctx(), lesson));
-        if finished {
-            let name = format!("{}, finished", lesson.title);
-            button.ctx.accesskit_node_builder(button.id, |node| node.set_label(name));
-        }
+        let button = if finished { named(button, format!("{}, finished", lesson.title)) } else { button };
         probe::remember(ui.ctx(), &lesson.title, button.rect);
         if button.clicked() {
             requests.push(Request::StartLesson(place));

@@ -1,15 +1,13 @@
 //! The panel of a lesson.
 
-use egui::{Align, Button, Frame, Id, Label, Layout, Panel, RichText, ScrollArea, Sense, Ui};
-use kalmanscope_lessons::Change;
+use egui::{Align, Button, Frame, Id, Label, Layout, Panel, RadioButton, RichText, ScrollArea, Sense, Ui};
+use kalmanscope_lessons::{Change, Question};
 
-use super::heading::heading_ui;
-use super::question::{feedback_ui, question_ui};
 use super::{Catalogue, Tutor};
 use crate::drawer::close_ui;
-use crate::probe;
-use crate::request::Request;
-use crate::theme::{self, Palette};
+use crate::request::{Answer, Request};
+use crate::theme::Palette;
+use crate::{probe, theme};
 
 /// Limits the height of a panel that leaves out the lesson's summary, which the menu has too \[points\].
 const SHORT: f32 = 450.0;
@@ -150,4 +148,67 @@ fn part_ui(ui: &mut Ui, heading: &str, text: &str) {
     heading_ui(ui, heading);
     ui.label(text);
     ui.add_space(6.0);
+}
+
+pub(super) fn question_ui(
+    ui: &mut Ui,
+    question: &Question,
+    answer: Option<Answer>,
+    revealed: bool,
+    requests: &mut Vec<Request>,
+) {
+    heading_ui(ui, "Question");
+    ui.label(RichText::new(&question.ask).family(theme::strong()));
+    for (place, choice) in question.choices.iter().enumerate() {
+        let chosen = answer == Some(Answer::Choice(place));
+        if revealed {
+            revealed_choice_ui(ui, choice, chosen, question.is_right(place));
+        } else if ui.add(RadioButton::new(chosen, choice.as_str())).clicked() {
+            requests.push(Request::Answer(Answer::Choice(place)));
+        }
+    }
+    if answer.is_none() {
+        let text = RichText::new("Show me").color(ui.visuals().hyperlink_color);
+        if ui.add(Button::new(text).frame(false)).on_hover_text("Go on without an answer").clicked() {
+            requests.push(Request::Answer(Answer::Skipped));
+        }
+    }
+    ui.add_space(6.0);
+}
+
+fn revealed_choice_ui(ui: &mut Ui, choice: &str, chosen: bool, right: bool) {
+    let (mark, text) = match (right, chosen) {
+        (true, _) => ("✓", RichText::new(choice)),
+        (false, true) => ("○", RichText::new(choice)),
+        (false, false) => ("", RichText::new(choice).weak()),
+    };
+    ui.horizontal_top(|ui| {
+        let (width, height) = (ui.spacing().icon_width, ui.text_style_height(&egui::TextStyle::Body));
+        ui.add_sized([width, height], egui::Label::new(mark));
+        let label = ui.add(egui::Label::new(text).wrap());
+        let name = match (right, chosen) {
+            (true, true) => format!("{choice} (right, your answer)"),
+            (true, false) => format!("{choice} (right)"),
+            (false, true) => format!("{choice} (your answer)"),
+            (false, false) => choice.to_owned(),
+        };
+        label.ctx.accesskit_node_builder(label.id, |node| node.set_value(name));
+    });
+}
+
+pub(super) fn feedback_ui(ui: &mut Ui, question: &Question, answer: Answer) {
+    heading_ui(ui, "Your answer");
+    let right = question.right_choice();
+    let verdict = match answer {
+        Answer::Choice(choice) if question.is_right(choice) => "That is right.".to_owned(),
+        Answer::Choice(_) => format!("Not this time, and many would say so. The answer is: “{right}”"),
+        Answer::Skipped => format!("The answer is: “{right}”"),
+    };
+    ui.label(RichText::new(verdict).family(theme::strong()));
+    ui.label(&question.because);
+    ui.add_space(6.0);
+}
+
+pub(super) fn heading_ui(ui: &mut Ui, heading: &str) {
+    ui.label(RichText::new(heading).small().weak());
 }

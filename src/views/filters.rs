@@ -7,7 +7,7 @@ use kalmanscope_core::setting::{
 use kalmanscope_core::{FilterSettings, Scenario};
 use kalmanscope_lab::channels;
 
-use crate::controls::color::color_of;
+use crate::controls::filter::color_of;
 use crate::controls::number::{Named, field};
 use crate::request::Request;
 use crate::theme::{self, Palette};

@@ -62,7 +62,7 @@ impl View for Map {
         let panels = picture::panels(ui.ctx(), laboratory, survey, choice.measure, context.palette);
         medium.note_plots(ui.ctx(), panels.len());
         let has_truth = !marks::truths(survey.axes(), context).is_empty();
-        let path = laboratory.tuning().path_in(survey).map(|(filter, points)| Path { filter, points });
+        let path = laboratory.tuning.path_in(survey).map(|(filter, points)| Path { filter, points });
         let path = path.filter(|path| path.points.len() > 1);
         let marks = (has_truth, path.is_some(), choice.measure);
         let legend = Legend::new(ui, &panels, marks, room.width(), context.palette);
@@ -82,10 +82,10 @@ impl View for Map {
 /// The laboratory with its choice and the survey to show. If there is none, shows the reason.
 fn contents<'a>(ui: &mut Ui, context: &ViewContext<'a>) -> Option<(&'a Laboratory, &'a Choice, &'a Survey)> {
     let laboratory = context.laboratory?;
-    if let Some(problem) = laboratory.state().problem() {
+    if let Some(problem) = laboratory.state.problem.as_deref() {
         ui.weak(problem);
     }
-    laboratory.choice().zip(laboratory.shown()).map(|(choice, survey)| (laboratory, choice, survey))
+    laboratory.choice.as_ref().zip(laboratory.shown()).map(|(choice, survey)| (laboratory, choice, survey))
 }
 
 fn progress_ui(ui: &Ui, room: Rect, laboratory: &Laboratory, context: &ViewContext<'_>) {

@@ -51,9 +51,9 @@ impl View for MonteCarlo {
     }
 
     fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
-        let seeds = context.laboratory?.seeds();
+        let seeds = &context.laboratory?.seeds;
         let medium = Medium::of(ui.ctx());
-        if let Some(problem) = seeds.state().problem() {
+        if let Some(problem) = seeds.state.problem.as_deref() {
             ui.weak(problem);
             return None;
         }

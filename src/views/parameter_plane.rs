@@ -6,7 +6,7 @@ use egui::{Align2, Color32, RichText, Ui};
 use egui_plot::{Line, MarkerShape, Points, Text};
 use kalmanscope_core::{Channel, Estimates};
 
-use crate::laboratory::{Laboratory, Posteriors};
+use crate::laboratory::Posteriors;
 use crate::plot::plane::{aged_path, around, drawable, plane_ui};
 use crate::request::Request;
 use crate::view::{View, ViewContext};
@@ -39,7 +39,7 @@ impl View for ParameterPlane {
             ui.weak("There are not two parameters.");
             return None;
         };
-        let posteriors = context.laboratory.map(Laboratory::posteriors);
+        let posteriors = context.laboratory.map(|laboratory| &laboratory.posteriors);
         if let Some(posteriors) = posteriors {
             posterior::head_ui(ui, context, posteriors, requests);
         }
@@ -109,11 +109,11 @@ impl View for ParameterPlane {
 
 /// The points of the posterior in the plane, and their colour: the filter's, fainter where they are of another time.
 fn cloud(context: &ViewContext<'_>, posteriors: &Posteriors, [x, y]: [Channel; 2]) -> Option<(Points2, Color32)> {
-    let shown = posteriors.shown()?;
+    let shown = posteriors.shown.as_ref()?;
     let (_, estimates) = context.filters().find(|(_, estimates)| estimates.id() == shown.filter())?;
-    let [x, y] = [shown.sampled().values(x)?, shown.sampled().values(y)?];
+    let [x, y] = [shown.sampled.values(x)?, shown.sampled.values(y)?];
     let points = x.into_iter().zip(y).map(|(x, y)| [x, y]).collect();
-    let strength = if shown.is_of_now() { 0.6 } else { 0.25 };
+    let strength = if shown.is_of_now { 0.6 } else { 0.25 };
     Some((points, context.palette.shade(estimates.color()).gamma_multiply(strength)))
 }
 

@@ -30,7 +30,7 @@ impl View for Tune {
     }
 
     fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
-        let tuning = context.laboratory?.tuning();
+        let tuning = &context.laboratory?.tuning;
         let Some(choice) = tuning.choice(context.session.run().scenario()) else {
             ui.weak("There is no filter to tune.");
             return None;
@@ -38,14 +38,14 @@ impl View for Tune {
         let is_working = tuning.progress().is_some();
         let is_screen = Medium::of(ui.ctx()) == Medium::Screen;
         let result_ui = |ui: &mut Ui, requests: &mut Vec<Request>| {
-            if let Some(problem) = tuning.problem() {
+            if let Some(problem) = tuning.problem.as_deref() {
                 ui.weak(problem);
             }
             if let Some(share) = tuning.progress() {
                 ui.add(ProgressBar::new(share as f32).desired_height(6.0));
             }
             path::path_ui(ui, tuning, context);
-            if let Some(result) = tuning.result() {
+            if let Some(result) = tuning.result.as_ref() {
                 result::result_ui(ui, result, context, requests);
             }
         };

@@ -13,8 +13,8 @@ use web_sys::{
     MediaTrackConstraints, MessageEvent,
 };
 
+use super::object::version;
 use super::object::{get, words};
-use super::version::version;
 
 const WORKLET: &str = "./listen.js?v=";
 const PROCESSOR: &str = "listen";
@@ -93,24 +93,33 @@ async fn stream(devices: &MediaDevices) -> Result<MediaStream, JsValue> {
 impl Listening {
     async fn begin(stream: &MediaStream, ctx: &Context, to: &Readings<Sound>) -> Result<Self, JsValue> {
         let context = AudioContext::new()?;
-        let to_close = Closing(Some(context.clone()));
+        let begun = Self::within(&context, stream, ctx, to).await;
+        if begun.is_err() {
+            context.close().ok();
+        }
+        begun
+    }
+
+    async fn within(
+        context: &AudioContext,
+        stream: &MediaStream,
+        ctx: &Context,
+        to: &Readings<Sound>,
+    ) -> Result<Self, JsValue> {
         JsFuture::from(context.audio_worklet()?.add_module(&format!("{WORKLET}{}", version()))?).await?;
-        let node = AudioWorkletNode::new(&context, PROCESSOR)?;
+        let node = AudioWorkletNode::new(context, PROCESSOR)?;
         to.set_rate(f64::from(context.sample_rate()));
-        let messages = {
-            let (ctx, to) = (ctx.clone(), to.clone());
-            Closure::<dyn FnMut(MessageEvent)>::new(move |event: MessageEvent| {
-                if let Ok(samples) = event.data().dyn_into::<js_sys::Float32Array>() {
-                    to.put(&samples.to_vec(), &ctx);
-                }
-            })
-        };
+        let (ctx, to) = (ctx.clone(), to.clone());
+        let messages = Closure::<dyn FnMut(MessageEvent)>::new(move |event: MessageEvent| {
+            if let Ok(samples) = event.data().dyn_into::<js_sys::Float32Array>() {
+                to.put(&samples.to_vec(), &ctx);
+            }
+        });
         node.port()?.set_onmessage(Some(messages.as_ref().unchecked_ref()));
         context.create_media_stream_source(stream)?.connect_with_audio_node(&node)?;
         // Safari's contexts sleep at first.
         JsFuture::from(context.resume()?).await?;
-        to_close.keep();
-        Ok(Self { stream: stream.clone(), context, node, _messages: messages })
+        Ok(Self { stream: stream.clone(), context: context.clone(), node, _messages: messages })
     }
 }
 
@@ -121,22 +130,6 @@ impl Drop for Listening {
         }
         end(&self.stream);
         self.context.close().ok();
-    }
-}
-
-struct Closing(Option<AudioContext>);
-
-impl Closing {
-    fn keep(mut self) {
-        self.0 = None;
-    }
-}
-
-impl Drop for Closing {
-    fn drop(&mut self) {
-        if let Some(context) = &self.0 {
-            context.close().ok();
-        }
     }
 }
 

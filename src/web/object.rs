@@ -1,4 +1,4 @@
-//! Objects of the browser that have no types here, since browsers have them in different states.
+//! Objects of the browser that have no types here, since browsers have them in different states, and the version of this page.
 
 use js_sys::{Function, Promise, Reflect};
 use wasm_bindgen::JsCast as _;
@@ -10,22 +10,23 @@ pub(super) fn get(object: &JsValue, key: &str) -> Option<JsValue> {
 }
 
 /// Calls a method.
-///
-/// # Errors
-/// The thrown value, or a message that there is no such method.
 pub(super) fn call(object: &JsValue, name: &str, arguments: &[&JsValue]) -> Result<JsValue, JsValue> {
     let method: Function = Reflect::get(object, &name.into())?.dyn_into()?;
     method.apply(object, &arguments.iter().copied().collect())
 }
 
 /// Waits for the answer of a method.
-///
-/// # Errors
-/// The value that the method throws, or the reason why its promise is rejected.
 pub(super) async fn awaited(answer: Result<JsValue, JsValue>) -> Result<JsValue, JsValue> {
     JsFuture::from(Promise::resolve(&answer?)).await
 }
 
 pub(super) fn words(error: &JsValue) -> String {
     js_sys::Error::from(error.clone()).to_string().into()
+}
+
+/// The hash in the program's name, which is in the addresses of scripts whose names have none. Empty if the page does not say.
+pub(super) fn version() -> String {
+    let document = web_sys::window().and_then(|window| window.document());
+    let meta = document.and_then(|document| document.query_selector("meta[name=version]").ok().flatten());
+    meta.and_then(|meta| meta.get_attribute("content")).unwrap_or_default()
 }

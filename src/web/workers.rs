@@ -1,7 +1,5 @@
 //! The team of a page: its workers, one a processor, and the browser's graphics processor.
 
-mod adapter;
-mod given;
 mod graphics;
 mod worker;
 
@@ -22,8 +20,7 @@ use kalmanscope_worker::{
 use wasm_bindgen::{JsCast as _, JsValue};
 use web_sys::MessageEvent;
 
-use given::{Given, Left};
-use worker::{Program, Worker};
+use worker::{AT_ONCE, Given, Left, Program, Worker};
 
 /// Limits the workers, for any number of processors.
 const MOST: usize = 8;
@@ -120,10 +117,10 @@ impl Workers {
         let load = |worker: &&Worker| {
             (tasks.iter().filter(|task| task.is_of(worker)).count(), tasks.iter().any(|task| task.is_at(worker)))
         };
-        let worker = if is_for_all { None } else { Some(workers.iter().min_by_key(load)?.number()) };
+        let worker = if is_for_all { None } else { Some(workers.iter().min_by_key(load)?.number) };
         *last += 1;
         let number = *last;
-        tasks.push(Given::new(number, message(number), left, worker, &self.ctx));
+        tasks.push(Given::new(number, message(number), left, (worker, AT_ONCE), &self.ctx));
         (0..workers.len()).for_each(|place| present.feed(place));
         Some(number)
     }
@@ -141,7 +138,7 @@ struct Task {
 impl Task {
     fn take(&self) -> Result<Option<(JsValue, usize)>, Lost> {
         let state = self.state.borrow();
-        let task = state.tasks.iter().find(|task| task.number() == self.number).ok_or(Lost)?;
+        let task = state.tasks.iter().find(|task| task.number == self.number).ok_or(Lost)?;
         match task.next() {
             None if state.broken.is_some() => Err(Lost),
             part => Ok(part.map(|part| (part, state.workers.len()))),
@@ -174,16 +171,16 @@ impl State {
     fn sweep(&mut self) {
         let Self { workers, tasks, .. } = self;
         tasks.iter_mut().for_each(|task| task.forget_all_but(workers));
-        tasks.retain(|task| !task.is_done_with());
+        tasks.retain(|task| !(task.is_over && task.rests()));
     }
 
     /// Ends the task of this number. A worker that does it alone, and nothing else, is ended too: another one starts when there
     /// is work.
     fn give_up(&mut self, number: u32) {
-        let Some(task) = self.tasks.iter().position(|task| task.number() == number) else { return };
+        let Some(task) = self.tasks.iter().position(|task| task.number == number) else { return };
         self.tasks[task].end(&self.workers);
         let Self { workers, tasks, .. } = &mut *self;
-        let (task, others) = (&tasks[task], tasks.iter().filter(|task| task.number() != number));
+        let (task, others) = (&tasks[task], tasks.iter().filter(|task| task.number != number));
         let has_other = |worker: &Worker| others.clone().any(|task| task.is_at(worker) || task.is_of(worker));
         if !task.is_for_all() {
             workers.retain(|worker| !task.is_at(worker) || has_other(worker));
@@ -200,7 +197,7 @@ impl State {
         let worker = &mut workers[place];
         let is_its = |task: &Given| task.is_of(worker);
         let has_cells = tasks.iter().any(|task| task.is_for_all() && task.is_at(worker));
-        if !(tasks.iter().any(is_its) && worker.is_ready() && !has_cells) {
+        if !(tasks.iter().any(is_its) && worker.is_ready && !has_cells) {
             *broken = Some(reason);
         }
         // The next frame notices the loss.
@@ -216,9 +213,9 @@ fn muster(state: &Rc<RefCell<State>>, present: &mut State, count: usize) {
     if broken.is_some() {
         return;
     }
-    workers.retain(|worker| !worker.is_over());
+    workers.retain(|worker| !worker.is_over);
     while workers.len() < full().min(count) {
-        let number = workers.iter().map(Worker::number).max().map_or(0, |number| number + 1);
+        let number = workers.iter().map(|worker| worker.number).max().map_or(0, |number| number + 1);
         match Worker::new(number, Program::Page, listener(state, number)) {
             Ok(worker) => workers.push(worker),
             Err(reason) => {
@@ -236,7 +233,7 @@ fn listener(state: &Rc<RefCell<State>>, number: u32) -> impl FnMut(Result<Messag
         let Some(state) = state.upgrade() else { return };
         let mut state = state.borrow_mut();
         let State { workers, tasks, .. } = &mut *state;
-        let is_it = |worker: &Worker| worker.number() == number && !worker.is_over();
+        let is_it = |worker: &Worker| worker.number == number && !worker.is_over;
         let Some(place) = workers.iter().position(is_it) else { return };
         let worker = &mut workers[place];
         let words: Array = match event {
@@ -244,10 +241,10 @@ fn listener(state: &Rc<RefCell<State>>, number: u32) -> impl FnMut(Result<Messag
             Err(reason) => return state.lose(place, reason),
         };
         match words.get(0).as_string().as_deref() {
-            Some("ready") => worker.set_ready(),
+            Some("ready") => worker.is_ready = true,
             Some("part") => {
                 let of = words.get(1).as_f64();
-                if let Some(task) = tasks.iter_mut().find(|task| of == Some(f64::from(task.number()))) {
+                if let Some(task) = tasks.iter_mut().find(|task| of == Some(f64::from(task.number))) {
                     task.take(&words.get(2), worker);
                 }
                 state.sweep();

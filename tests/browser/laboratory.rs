@@ -64,7 +64,7 @@ pub(crate) async fn a_posterior_is_found_in_a_worker(page: &Page, address: &str)
     let mut app = App::with_scenario(scenario.clone()).unwrap();
     *app.layout_mut() = Layout::column(&[ViewKind::ParameterPlane]);
     let filter = app.session().run().scenario().filters[0].id;
-    app.laboratory_mut().posteriors_mut().choose(Some(filter));
+    app.laboratory.posteriors.choose(Some(filter));
     app.session_mut().set_mode(Mode::Whole);
     app.session_mut().pause();
     app.session_mut().seek(20.0);
@@ -125,7 +125,7 @@ fn map_of(scenario: Scenario, cells: usize) -> String {
     *app.layout_mut() = Layout::column(&[ViewKind::Map]);
     let run = app.session().run();
     let choice = Choice::usual(run.scenario(), run.record(), false, cells).unwrap();
-    app.laboratory_mut().choose(Some(choice));
+    app.laboratory.choose(Some(choice));
     // A picture that moves takes time from the workers where there is no graphics processor.
     app.session_mut().set_mode(Mode::Whole);
     app.session_mut().pause();

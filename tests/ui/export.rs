@@ -38,10 +38,38 @@ fn exported(screen: &mut Screen, files: &Files, entry: &str) -> File {
     screen.get_by_label("Export").click();
     screen.run_steps(3);
     screen.get_by_label(entry).click();
-    screen.run_steps(4);
+    frames_until_delivered(screen, files);
+    screen.run_steps(2);
     let file = files.borrow_mut().pop().expect("a file is delivered");
     assert_eq!(screen.state().notice(), Some(format!("Written: {}", file.name).as_str()));
     file
+}
+
+fn frames_until_delivered(screen: &mut Screen, files: &Files) -> usize {
+    let is_delivered = |_: &usize| {
+        screen.step();
+        !files.borrow().is_empty()
+    };
+    (1..100).find(is_delivered).expect("a file is delivered")
+}
+
+#[test]
+fn no_frame_makes_a_whole_report_and_escape_stops_it() {
+    let (mut screen, files) = exporting(DESKTOP);
+    let choose = |screen: &mut Screen| {
+        screen.get_by_label("Export").click();
+        screen.run_steps(3);
+        screen.get_by_label("Report (HTML)").click();
+    };
+    choose(&mut screen);
+    let frames = frames_until_delivered(&mut screen, &files);
+    assert!(frames > 6, "one frame for each of five figures, and one for the text: {frames}");
+    files.borrow_mut().clear();
+    choose(&mut screen);
+    screen.run_steps(3);
+    screen.key_press(egui::Key::Escape);
+    screen.run_steps(20);
+    assert!(files.borrow().is_empty());
 }
 
 fn text(file: File) -> String {
@@ -311,7 +339,7 @@ fn a_file_that_cannot_be_written_is_reported() {
     screen.get_by_label("Export").click();
     screen.run_steps(3);
     screen.get_by_label("Record (CSV)").click();
-    screen.run_steps(4);
+    screen.run_steps(6);
     assert_eq!(screen.state().notice(), Some("The file cannot be written: record.csv: the disk is full."));
 }
 
@@ -363,6 +391,6 @@ fn a_file_that_cannot_be_delivered_is_reported() {
     screen.get_by_label("Export").click();
     screen.run_steps(3);
     screen.get_by_label("Record (CSV)").click();
-    screen.run_steps(4);
+    screen.run_steps(6);
     assert_eq!(screen.state().notice(), Some("The file cannot be written: there is no place for files here."));
 }

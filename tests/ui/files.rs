@@ -42,7 +42,7 @@ pub(super) fn drop_file(screen: &mut Screen, name: &str, contents: &[u8]) {
 pub(super) fn drop_path(screen: &mut Screen, path: PathBuf) {
     screen.input_mut().dropped_files = vec![Arc::new(Dropped(path))];
     screen.step();
-    while screen.state().inbox().is_shared() {
+    while screen.state().inbox.is_shared() {
         std::thread::yield_now();
     }
     screen.run_steps(4);
@@ -59,9 +59,9 @@ fn a_dropped_file_is_read_beside_the_frames() {
     let mut screen = screen(DESKTOP, Theme::Light);
     screen.input_mut().dropped_files = vec![Arc::new(Dropped(path.clone()))];
     screen.run_steps(5);
-    assert!(screen.state().inbox().is_shared());
+    assert!(screen.state().inbox.is_shared());
     std::fs::write(&path, lesson()).expect("the pipe can be written");
-    while screen.state().inbox().is_shared() {
+    while screen.state().inbox.is_shared() {
         std::thread::yield_now();
     }
     screen.run_steps(4);
@@ -162,11 +162,11 @@ fn a_file_that_cannot_be_chosen_is_said() {
     screen.run_steps(3);
     assert_eq!(screen.state().notice(), Some("A file cannot be chosen here: drop it on the window."));
     let ctx = screen.ctx.clone();
-    screen.state().inbox().put(Arrival::Failure("No dialog opens.".to_owned()), &ctx);
+    screen.state().inbox.put(Arrival::Failure("No dialog opens.".to_owned()), &ctx);
     screen.run_steps(3);
     assert_eq!(screen.state().notice(), Some("No dialog opens."));
     let unreadable = Arrival::File("record.csv".to_owned(), Err("it is gone".to_owned()));
-    screen.state().inbox().put(unreadable, &ctx);
+    screen.state().inbox.put(unreadable, &ctx);
     screen.run_steps(3);
     screen.get_by_label("“record.csv” cannot be opened: it is gone.");
 }

@@ -66,7 +66,7 @@ fn the_picture_before_a_change_stays_until_it_is_forgotten() {
         set(&mut screen, "EKF fading factor", value);
     }
     let of_session = screen.state().session().before().expect("there is a picture from before");
-    assert_eq!(of_session.words(), "EKF λ = 1.005");
+    assert_eq!(of_session.words, "EKF λ = 1.005");
     assert_eq!(of_session.estimates(1).expect("the EKF").checksum(), before);
     assert!(of_session.estimates(2).is_none(), "the UKF has not changed");
     screen.get_by_label_contains("before: EKF λ = 1.005").click();

@@ -33,7 +33,7 @@ fn laboratory_by(team: Rc<dyn Team>, size: Vec2, theme: Theme, second: Option<u3
     let axes = ["filters.*.initial_mean.natural_frequency=2:14:9", "filters.*.process_std=0.01:100:7:log"];
     let axes = axes.map(|text| Axis::parse(text).expect("it is an axis"));
     let measure = Measure::rmse(Channel::NATURAL_FREQUENCY);
-    screen.state_mut().laboratory_mut().choose(Some(Choice {
+    screen.state_mut().laboratory.choose(Some(Choice {
         axes,
         measure,
         filter: 1,
@@ -67,8 +67,8 @@ fn dot(screen: &Screen) -> Pos2 {
 #[test]
 fn the_map_has_the_numbers_of_a_sweep_of_the_scenario() {
     let screen = laboratory(DESKTOP, Theme::Light, Some(2));
-    let laboratory = screen.state().laboratory();
-    assert_eq!((laboratory.progress(), laboratory.state().problem()), (None, None));
+    let laboratory = &screen.state().laboratory;
+    assert_eq!((laboratory.progress(), laboratory.state.problem.as_deref()), (None, None));
     let survey = laboratory.shown().expect("there is a map");
     for (at, name) in ["EKF", "UKF"].into_iter().enumerate() {
         let axes = survey.axes().map(|axis| Axis { key: axis.key.replace('*', name), ..axis.clone() }).to_vec();
@@ -89,7 +89,7 @@ fn the_dot_is_dragged_and_everything_follows_in_one_step_of_undo() {
     let mut screen = laboratory(DESKTOP, Theme::Light, None);
     screen.run_steps(90);
     let checksum = screen.state().session().run().checksum();
-    let known = screen.state().laboratory().state().version();
+    let known = screen.state().laboratory.state.version;
     let (from, to) = (dot(&screen), middle(&screen, [5, 2]));
     screen.hover_at(from);
     screen.run_steps(2);
@@ -111,7 +111,7 @@ fn the_dot_is_dragged_and_everything_follows_in_one_step_of_undo() {
     assert!((factor / expected - 1.0).abs() < 0.02, "{factor} instead of {expected}");
     assert_eq!(guess(&screen, 1), 8.0, "the filter that is not on the map stays");
     assert_ne!(screen.state().session().run().checksum(), checksum, "the run follows");
-    assert_eq!(screen.state().laboratory().state().version(), known, "the map stays");
+    assert_eq!(screen.state().laboratory.state.version, known, "the map stays");
     assert!((dot(&screen) - to).length() < 2.0);
     screen.run_steps(90);
     screen.get_by_label("Undo").click();
@@ -133,8 +133,8 @@ fn a_click_on_a_cell_takes_its_setting() {
     let run = screen.state().session().run();
     let estimates = &run.estimates()[1];
     let expected = kalmanscope_core::Diagnostics::new(estimates, run.record()).mean_nis().expect("it is measured");
-    let survey = screen.state().laboratory().shown().expect("there is a map");
-    let shown = survey.value(survey.ensemble().cell(&[6, 1]), 1, Measure::NIS).expect("it is known");
+    let survey = screen.state().laboratory.shown().expect("there is a map");
+    let shown = survey.value(survey.ensemble.cell(&[6, 1]), 1, Measure::NIS).expect("it is known");
     assert!((shown - expected.mean / expected.expected).abs() < 1e-12 * shown, "the run is that of the cell");
 }
 
@@ -144,7 +144,7 @@ fn axes_score_and_filters_are_chosen_by_menus_and_the_dot_moves_by_arrows() {
     choose(&mut screen, "Score", "log likelihood");
     choose(&mut screen, "Setting up", "fading factor λ");
     choose(&mut screen, "Second filter", "and UKF");
-    let choice = screen.state().laboratory().choice().expect("there is one").clone();
+    let choice = screen.state().laboratory.choice.as_ref().expect("there is one").clone();
     assert_eq!((choice.measure, choice.second), (Measure::LOG_LIKELIHOOD, Some(2)));
     assert_eq!(choice.axes[1].key, "filters.*.fading");
     for name in ["EKF", "UKF", "comparison"] {
@@ -163,28 +163,28 @@ fn axes_score_and_filters_are_chosen_by_menus_and_the_dot_moves_by_arrows() {
 fn a_link_shows_the_same_map_and_old_links_show_none() {
     let mut screen = laboratory(DESKTOP, Theme::Light, Some(2));
     let link = share::copy(&mut screen);
-    let choice = screen.state().laboratory().choice().cloned();
+    let choice = screen.state().laboratory.choice.as_ref().cloned();
     let mut other = super::screen(DESKTOP, Theme::Light);
     assert_eq!(other.state().picture().laboratory.map, None, "no view of it is shown");
     other.event(egui::Event::Paste(link));
     other.run_steps(4);
-    assert_eq!((other.state().notice(), other.state().laboratory().choice().cloned()), (None, choice));
+    assert_eq!((other.state().notice(), other.state().laboratory.choice.as_ref().cloned()), (None, choice));
     assert_eq!(other.state().picture(), screen.state().picture());
 }
 
 #[test]
 fn out_of_sight_the_laboratory_rests() {
     let mut screen = laboratory(DESKTOP, Theme::Light, None);
-    let done = screen.state().laboratory().state().version();
+    let done = screen.state().laboratory.state.version;
     *screen.state_mut().layout_mut() = Layout::of(Arrangement::Teach);
     screen.state_mut().session_mut().set_scenario(Scenario { duration: 6.0, ..Scenario::default() });
     screen.run_steps(4);
-    assert_eq!(screen.state().laboratory().state().version(), done);
+    assert_eq!(screen.state().laboratory.state.version, done);
     *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Map]);
     screen.run_steps(4);
-    let shown = screen.state().laboratory().shown().expect("there is a map");
-    assert_eq!(shown.ensemble().scenario().duration, 6.0);
-    assert!(shown.sheet().is_complete());
+    let shown = screen.state().laboratory.shown().expect("there is a map");
+    assert_eq!(shown.ensemble.scenario().duration, 6.0);
+    assert!(shown.sheet.is_complete());
 }
 
 #[test]
@@ -197,9 +197,9 @@ fn the_row_and_the_column_through_the_dot_stand_above_and_beside_the_cells() {
     assert!((across.x_range(), up.y_range()) == (cells.x_range(), cells.y_range()), "they share the axes");
     assert!(across.bottom() < cells.top() && up.left() > cells.right());
     // A verdict is no number: all room is for the cells.
-    let mut choice = screen.state().laboratory().choice().cloned().expect("there is a map");
+    let mut choice = screen.state().laboratory.choice.as_ref().cloned().expect("there is a map");
     choice.measure = Measure::VERDICT;
-    screen.state_mut().laboratory_mut().choose(Some(choice));
+    screen.state_mut().laboratory.choose(Some(choice));
     screen.run_steps(4);
     assert!(screen.query_by_label("Score across, through the dot").is_none());
 }
@@ -207,12 +207,12 @@ fn the_row_and_the_column_through_the_dot_stand_above_and_beside_the_cells() {
 #[test]
 fn a_saved_session_comes_back_with_its_map() {
     let mut screen = laboratory(DESKTOP, Theme::Light, Some(2));
-    let choice = screen.state().laboratory().choice().cloned();
+    let choice = screen.state().laboratory.choice.as_ref().cloned();
     assert!(choice.is_some());
     let mut storage = Memory::default();
     screen.state_mut().save(&mut storage);
     let restored = App::restored(Some(&storage)).expect("it can be run");
-    assert_eq!(restored.laboratory().choice().cloned(), choice);
+    assert_eq!(restored.laboratory.choice.as_ref().cloned(), choice);
     assert_eq!(restored.notice(), None);
 }
 
@@ -224,10 +224,10 @@ fn ranges_and_numbers_of_values_are_set_in_a_popup() {
     set(&mut screen, "last value across", 20.0);
     set(&mut screen, "Values up", 5.0);
     screen.run_steps(3);
-    let shown = screen.state().laboratory().shown().expect("there is a map");
+    let shown = screen.state().laboratory.shown().expect("there is a map");
     let [x, y] = shown.axes();
     assert_eq!((x.from, x.to, x.count, y.count), (2.0, 20.0, 9, 5));
-    assert!(shown.sheet().is_complete() && shown.sheet().len() == 45);
+    assert!(shown.sheet.is_complete() && shown.sheet.len() == 45);
 }
 
 /// A graphics processor that computes all at once, until it is lost.
@@ -268,9 +268,9 @@ fn the_map_says_what_has_computed_it_and_does_without_the_graphics_processor() {
     let card = Card::default();
     let mut screen = laboratory_by(Rc::new(card.clone()), DESKTOP, Theme::Light, None);
     let computers = |screen: &Screen| {
-        let survey = screen.state().laboratory().shown().expect("there is a map");
-        assert!(survey.sheet().is_complete());
-        survey.computers().to_vec()
+        let survey = screen.state().laboratory.shown().expect("there is a map");
+        assert!(survey.sheet.is_complete());
+        survey.computers.to_vec()
     };
     assert_eq!(computers(&screen), [Computer::Graphics(Arc::from("the card"))]);
     screen.get_by_label("computed in single precision by the card");
@@ -278,7 +278,7 @@ fn the_map_says_what_has_computed_it_and_does_without_the_graphics_processor() {
     screen.run_steps(3);
     screen.get_by_label("without the graphics processor").click();
     screen.run_steps(4);
-    assert_eq!(screen.state().laboratory().choice().map(|choice| choice.precision), Some(Precision::Double));
+    assert_eq!(screen.state().laboratory.choice.as_ref().map(|choice| choice.precision), Some(Precision::Double));
     assert_eq!(computers(&screen), [Computer::Frames]);
     screen.get_by_label("without the graphics processor").click();
     screen.run_steps(4);

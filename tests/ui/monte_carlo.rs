@@ -24,7 +24,7 @@ fn monte_carlo(size: Vec2, theme: Theme, scenario: Scenario, seeds: usize) -> Sc
     session.set_mode(Mode::Whole);
     session.pause();
     session.seek(5.0);
-    screen.state_mut().laboratory_mut().seeds_mut().choose(SeedChoice { seeds, ..SeedChoice::default() });
+    screen.state_mut().laboratory.seeds.choose(SeedChoice { seeds, ..SeedChoice::default() });
     screen.run_steps(5);
     screen
 }
@@ -36,9 +36,9 @@ fn short() -> Scenario {
 #[test]
 fn the_statistics_are_those_of_the_seeds_run_alone() {
     let screen = monte_carlo(DESKTOP, Theme::Light, short(), 30);
-    let seeds = screen.state().laboratory().seeds();
-    assert_eq!((seeds.progress(), seeds.state().problem()), (None, None));
-    let shown = seeds.shown().expect("there are some").statistics();
+    let seeds = &screen.state().laboratory.seeds;
+    assert_eq!((seeds.progress(), seeds.state.problem.as_deref()), (None, None));
+    let shown = &seeds.shown().expect("there are some").statistics;
     let ensemble = MonteCarlo::ensemble(scenario(&screen).clone(), vec![0, 1], 30, shown.samples().len(), Judged::Not);
     let ensemble = ensemble.expect("it is possible");
     let runner = Runner::new(ensemble.clone(), Source::Simulated).expect("it is possible");
@@ -64,7 +64,7 @@ fn the_statistics_are_those_of_the_seeds_run_alone() {
 fn seeds_and_parameter_are_chosen_and_the_pointer_shows_numbers() {
     let mut screen = monte_carlo(DESKTOP, Theme::Light, short(), 12);
     set(&mut screen, "Seeds", 20.0);
-    assert_eq!(screen.state().laboratory().seeds().shown().expect("there are some").statistics().done(), 20);
+    assert_eq!(screen.state().laboratory.seeds.shown().expect("there are some").statistics.done(), 20);
     choose(&mut screen, "Parameter of the errors", "ζ, damping ratio");
     assert!(screen.query_by_label_contains("Errors over time, error of ζ").is_some());
     let chart = screen.get_by_label("Mean NIS over time").rect();
@@ -79,8 +79,8 @@ fn a_filter_that_is_hidden_is_not_run() {
     let mut screen = monte_carlo(DESKTOP, Theme::Light, short(), 12);
     screen.key_press(Key::Num1);
     screen.run_steps(4);
-    let runs = screen.state().laboratory().seeds().shown().expect("there are some");
-    assert_eq!((runs.filters(), runs.statistics().done()), (&[2][..], 12));
+    let runs = screen.state().laboratory.seeds.shown().expect("there are some");
+    assert_eq!((&runs.filters[..], runs.statistics.done()), (&[2][..], 12));
 }
 
 #[test]
@@ -96,7 +96,7 @@ fn a_link_and_a_saved_session_keep_the_seeds() {
     let mut memory = Memory::default();
     screen.state_mut().save(&mut memory);
     let restored = App::restored(Some(&memory)).expect("it can be run");
-    assert_eq!(restored.laboratory().seeds().choice().seeds, 44);
+    assert_eq!(restored.laboratory.seeds.choice.seeds, 44);
     assert_eq!(restored.notice(), None);
 }
 
@@ -120,7 +120,7 @@ fn a_population_is_drawn_in_the_view() {
     assert!(screen.query_by_label_contains("drawn: true ωₙ lognormal (6, 0.2)").is_some());
     assert!(screen.query_by_label_contains("Histogram, last error of ωₙ").is_some());
     assert_eq!(screen.query_all_by_label_contains("ωₙ within 1 %: ").count(), 2);
-    let statistics = screen.state().laboratory().seeds().shown().expect("there are some").statistics().clone();
+    let statistics = screen.state().laboratory.seeds.shown().expect("there are some").statistics.clone();
     let truths: Vec<f64> = statistics.last_errors(0, 2).iter().map(|last| last.truth).collect();
     assert!(truths.iter().any(|truth| (truth - truths[0]).abs() > 0.5), "{truths:?}");
     // One more number is drawn, with a law of one's own.
@@ -132,8 +132,8 @@ fn a_population_is_drawn_in_the_view() {
     assert_eq!(law(&screen), Some(Law::Normal([8.0, 1.6])));
     set(&mut screen, "σ of guess of ωₙ", 2.5);
     assert_eq!(law(&screen), Some(Law::Normal([8.0, 2.5])));
-    let shown = screen.state().laboratory().seeds().shown().expect("there are some");
-    assert_eq!((shown.statistics().done(), shown.scenario().draw.len()), (30, 2));
+    let shown = screen.state().laboratory.seeds.shown().expect("there are some");
+    assert_eq!((shown.statistics.done(), shown.scenario().draw.len()), (30, 2));
     click(&mut screen, "Draw true ωₙ no more");
     assert_eq!(scenario(&screen).draw.len(), 1);
 }
@@ -142,7 +142,7 @@ fn a_population_is_drawn_in_the_view() {
 fn each_run_gets_its_verdict_if_one_wants_it() {
     let mut screen = monte_carlo(DESKTOP, Theme::Light, short(), 12);
     let verdicts = |screen: &Screen| -> usize {
-        screen.state().laboratory().seeds().shown().expect("there are some").statistics().verdicts(0).iter().sum()
+        screen.state().laboratory.seeds.shown().expect("there are some").statistics.verdicts(0).iter().sum()
     };
     assert_eq!(verdicts(&screen), 0);
     click(&mut screen, "verdicts");
@@ -159,15 +159,15 @@ fn the_causes_of_bad_verdicts_are_counted() {
     let mut screen = monte_carlo(DESKTOP, Theme::Light, wrong, 10);
     click(&mut screen, "causes");
     screen.run_steps(5);
-    let choice = *screen.state().laboratory().seeds().choice();
+    let choice = screen.state().laboratory.seeds.choice;
     assert!(choice.causes && choice.verdicts);
-    let statistics = screen.state().laboratory().seeds().shown().expect("there are some").statistics().clone();
+    let statistics = screen.state().laboratory.seeds.shown().expect("there are some").statistics.clone();
     let named: usize = statistics.causes(0).0.iter().sum();
     assert!(named >= 8, "{named} of 10");
     assert!(screen.query_by_label_contains("causes of bad verdicts: 1").is_some(), "100 % of one cause");
     // Without verdicts there are no causes.
     click(&mut screen, "verdicts");
     screen.run_steps(5);
-    assert!(!screen.state().laboratory().seeds().choice().causes);
+    assert!(!screen.state().laboratory.seeds.choice.causes);
     assert!(screen.query_by_label_contains("causes of bad verdicts").is_none());
 }

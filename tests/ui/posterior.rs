@@ -23,8 +23,8 @@ fn plane(size: Vec2, theme: Theme, change: impl Fn(&mut Scenario)) -> Screen {
 fn wait(screen: &mut Screen) {
     for _ in 0..3000 {
         screen.step();
-        let posteriors = screen.state().laboratory().posteriors();
-        if posteriors.problem().is_some() || posteriors.shown().is_some_and(kalmanscope::laboratory::Shown::is_of_now) {
+        let posteriors = &screen.state().laboratory.posteriors;
+        if posteriors.problem.as_deref().is_some() || posteriors.shown.as_ref().is_some_and(|shown| shown.is_of_now) {
             break;
         }
     }
@@ -32,7 +32,7 @@ fn wait(screen: &mut Screen) {
 }
 
 fn chosen(screen: &Screen) -> Option<u32> {
-    screen.state().laboratory().posteriors().chosen()
+    screen.state().laboratory.posteriors.chosen
 }
 
 #[test]
@@ -47,11 +47,11 @@ fn a_filter_that_remembers_everything_has_the_bands_of_the_posterior() {
         wait(&mut screen);
         let filter = scenario(&screen).filters[0].id;
         assert_eq!(chosen(&screen), Some(filter));
-        let posteriors = screen.state().laboratory().posteriors();
-        let shown = posteriors.shown().expect("there are points");
+        let posteriors = &screen.state().laboratory.posteriors;
+        let shown = posteriors.shown.as_ref().expect("there are points");
         let estimates = &screen.state().session().run().estimates()[0];
-        for &channel in &shown.sampled().channels {
-            let [mean, std] = shown.sampled().moments(channel).expect("it is one of its parameters");
+        for &channel in &shown.sampled.channels {
+            let [mean, std] = shown.sampled.moments(channel).expect("it is one of its parameters");
             let (place, last) = (estimates.place(channel).expect("the filter has it"), shown.last().0);
             assert!((estimates.std(last, place) / std - 1.0).abs() < 0.2, "{channel:?}");
             assert!((estimates.canonical_mean(last, place) - mean).abs() < 1.5 * std, "{channel:?}");
@@ -60,7 +60,7 @@ fn a_filter_that_remembers_everything_has_the_bands_of_the_posterior() {
         assert!(screen.query_by_label_contains("lets the parameters change").is_none());
         choose(&mut screen, "Filter of the posterior", "none");
         screen.run_steps(2);
-        assert!(screen.state().laboratory().posteriors().shown().is_none());
+        assert!(screen.state().laboratory.posteriors.shown.as_ref().is_none());
     }
 }
 
@@ -72,15 +72,15 @@ fn points_follow_the_time_and_the_settings() {
     assert!(screen.query_by_label_contains("lets the parameters change").is_some(), "it forgets");
     screen.state_mut().session_mut().seek(2.0);
     screen.run_steps(2);
-    let posteriors = screen.state().laboratory().posteriors();
-    assert!(posteriors.shown().is_some_and(|shown| !shown.is_of_now()), "those of the other time stay meanwhile");
+    let posteriors = &screen.state().laboratory.posteriors;
+    assert!(posteriors.shown.as_ref().is_some_and(|shown| !shown.is_of_now), "those of the other time stay meanwhile");
     wait(&mut screen);
     assert!(screen.query_by_label_contains("At 2.00 s its ±2σ is").is_some());
     set(&mut screen, "EKF fading factor", 1.03);
     screen.run_steps(2);
-    assert!(screen.state().laboratory().posteriors().shown().is_none(), "those of other settings do not");
+    assert!(screen.state().laboratory.posteriors.shown.as_ref().is_none(), "those of other settings do not");
     wait(&mut screen);
-    assert!(screen.state().laboratory().posteriors().shown().is_some());
+    assert!(screen.state().laboratory.posteriors.shown.as_ref().is_some());
 }
 
 #[test]
@@ -108,7 +108,7 @@ fn a_link_and_a_saved_session_carry_the_choice() {
     let mut memory = Memory::default();
     screen.state_mut().save(&mut memory);
     let restored = App::restored(Some(&memory)).expect("it can be run");
-    assert_eq!(restored.laboratory().posteriors().chosen(), filter);
+    assert_eq!(restored.laboratory.posteriors.chosen, filter);
     // Without the view a link says nothing of it.
     *screen.state_mut().layout_mut() = Layout::of(Arrangement::Teach);
     assert_eq!(screen.state().picture().laboratory, Choices::default());
@@ -126,12 +126,12 @@ fn it_waits_for_the_playback_and_esc_stops_it() {
     screen.state_mut().session_mut().set_budget(kalmanscope::session::Budget::Pieces(1));
     for _ in 0..3000 {
         screen.step();
-        if screen.state().laboratory().posteriors().progress().is_some() {
+        if screen.state().laboratory.posteriors.progress().is_some() {
             break;
         }
     }
-    assert!(screen.state().laboratory().posteriors().progress().is_some_and(|share| share < 1.0));
+    assert!(screen.state().laboratory.posteriors.progress().is_some_and(|share| share < 1.0));
     screen.key_press(egui::Key::Escape);
     screen.run_steps(2);
-    assert_eq!((chosen(&screen), screen.state().laboratory().posteriors().progress()), (None, None));
+    assert_eq!((chosen(&screen), screen.state().laboratory.posteriors.progress()), (None, None));
 }

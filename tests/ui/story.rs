@@ -186,7 +186,7 @@ fn a_choice_is_found_by_its_words_and_made() {
     assert_eq!(scenario(&screen).hold, Hold::First);
     assert!(screen.query_by_label("Find by words").is_none(), "it closes");
     assert_eq!(
-        screen.state().session().before().map(kalmanscope::session::Before::words),
+        screen.state().session().before().map(|before| before.words.as_str()),
         Some("input between samples = held")
     );
 }

@@ -69,17 +69,17 @@ fn a_link_and_a_saved_session_carry_the_ticks_and_the_goal() {
     screen.get_by_label("factor on √Q").click();
     screen.run_steps(3);
     choose(&mut screen, "Goal of the tuning", "a mean NIS as expected");
-    let chosen = screen.state().laboratory().tuning().chosen().cloned().expect("the user has chosen");
+    let chosen = screen.state().laboratory.tuning.choice.as_ref().cloned().expect("the user has chosen");
     assert_eq!((chosen.axes.len(), chosen.goal), (2, Goal::Consistency));
     let link = screen.state().link().expect("it is short");
     let mut other = super::screen(DESKTOP, Theme::Light);
     other.state_mut().open_address(&link);
     other.run_steps(3);
-    assert_eq!(other.state().laboratory().tuning().chosen(), Some(&chosen));
+    assert_eq!(other.state().laboratory.tuning.choice.as_ref(), Some(&chosen));
     let mut memory = Memory::default();
     screen.state_mut().save(&mut memory);
     let restored = App::restored(Some(&memory)).expect("it can be run");
-    assert_eq!(restored.laboratory().tuning().chosen(), Some(&chosen));
+    assert_eq!(restored.laboratory.tuning.choice.as_ref(), Some(&chosen));
     // Without the view a link says nothing of it.
     *screen.state_mut().layout_mut() = Layout::of(Arrangement::Teach);
     assert_eq!(screen.state().picture().laboratory, Choices::default());

@@ -7,7 +7,7 @@ use crate::team::Frames;
 
 fn slow(seeds: usize) -> Laboratory {
     let mut laboratory = Laboratory::new(Rc::new(Frames(Budget::Pieces(1))));
-    laboratory.seeds_mut().choose(SeedChoice { seeds, ..SeedChoice::default() });
+    laboratory.seeds.choose(SeedChoice { seeds, ..SeedChoice::default() });
     laboratory
 }
 
@@ -21,6 +21,12 @@ fn follow(laboratory: &mut Laboratory, session: &Session, frames: usize) {
     (0..frames).for_each(|_| laboratory.follow_seeds(session, &filters, true, &ctx));
 }
 
+fn followed(seeds: usize, frames: usize) -> (Session, Laboratory) {
+    let (session, mut laboratory) = (session(), slow(seeds));
+    follow(&mut laboratory, &session, frames);
+    (session, laboratory)
+}
+
 fn with(session: &mut Session, change: impl FnOnce(&mut Scenario)) {
     let mut scenario = session.scenario().clone();
     change(&mut scenario);
@@ -28,28 +34,26 @@ fn with(session: &mut Session, change: impl FnOnce(&mut Scenario)) {
 }
 
 fn done(laboratory: &Laboratory) -> usize {
-    laboratory.seeds().shown().unwrap().statistics().done()
+    laboratory.seeds.shown().unwrap().statistics.done()
 }
 
 #[test]
 fn the_statistics_are_those_of_the_ensemble() {
-    let session = session();
-    let mut laboratory = slow(12);
-    follow(&mut laboratory, &session, 5);
-    assert_eq!((done(&laboratory), laboratory.seeds().progress()), (5, Some([5, 12])));
+    let (session, mut laboratory) = followed(12, 5);
+    assert_eq!((done(&laboratory), laboratory.seeds.progress()), (5, Some([5, 12])));
     follow(&mut laboratory, &session, 10);
-    assert_eq!((done(&laboratory), laboratory.seeds().progress()), (12, None));
-    assert!(!laboratory.seeds().is_working());
+    assert_eq!((done(&laboratory), laboratory.seeds.progress()), (12, None));
+    assert!(!laboratory.seeds.is_working());
     let ensemble = MonteCarlo::ensemble(session.scenario().clone(), vec![0, 1], 12, TIMES, Judged::Not).unwrap();
     let rows = Runner::new(ensemble.clone(), Source::Simulated).unwrap().rows(&(0..12).collect::<Vec<_>>());
     let mut expected = MonteCarlo::new(&ensemble);
     expected.take(&ensemble, &Slice { cells: (0..12).collect(), rows });
-    let shown = laboratory.seeds().shown().unwrap();
+    let shown = laboratory.seeds.shown().unwrap();
     for nth in [0, 1] {
-        assert!(shown.statistics().nees(nth).eq(expected.nees(nth)));
-        assert!(shown.statistics().nis(nth).eq(expected.nis(nth)));
-        assert_eq!(shown.statistics().quantiles(nth, 2, [0.1, 0.9]), expected.quantiles(nth, 2, [0.1, 0.9]));
-        assert_eq!(shown.statistics().finals(nth, 2), expected.finals(nth, 2));
+        assert!(shown.statistics.nees(nth).eq(expected.nees(nth)));
+        assert!(shown.statistics.nis(nth).eq(expected.nis(nth)));
+        assert_eq!(shown.statistics.quantiles(nth, 2, [0.1, 0.9]), expected.quantiles(nth, 2, [0.1, 0.9]));
+        assert_eq!(shown.statistics.finals(nth, 2), expected.finals(nth, 2));
     }
     let table = shown.to_csv();
     let mut lines = table.lines();
@@ -65,22 +69,18 @@ fn the_statistics_are_those_of_the_ensemble() {
 
 #[test]
 fn another_scenario_begins_and_the_old_picture_stays_until_there_are_enough_seeds() {
-    let mut session = session();
-    let mut laboratory = slow(15);
-    follow(&mut laboratory, &session, 15);
+    let (mut session, mut laboratory) = followed(15, 15);
     with(&mut session, |scenario| scenario.filters[0].fading = 1.03);
     follow(&mut laboratory, &session, ENOUGH - 1);
-    let fading = |laboratory: &Laboratory| laboratory.seeds().shown().unwrap().scenario().filters[0].fading;
-    assert_eq!((fading(&laboratory), done(&laboratory), laboratory.seeds().is_shown_old()), (1.005, 15, true));
+    let fading = |laboratory: &Laboratory| laboratory.seeds.shown().unwrap().scenario().filters[0].fading;
+    assert_eq!((fading(&laboratory), done(&laboratory), laboratory.seeds.is_shown_old()), (1.005, 15, true));
     follow(&mut laboratory, &session, 1);
-    assert_eq!((fading(&laboratory), done(&laboratory), laboratory.seeds().is_shown_old()), (1.03, ENOUGH, false));
+    assert_eq!((fading(&laboratory), done(&laboratory), laboratory.seeds.is_shown_old()), (1.03, ENOUGH, false));
 }
 
 #[test]
 fn the_scenarios_own_seed_and_a_colour_begin_nothing() {
-    let mut session = session();
-    let mut laboratory = slow(12);
-    follow(&mut laboratory, &session, 4);
+    let (mut session, mut laboratory) = followed(12, 4);
     with(&mut session, |scenario| {
         scenario.seed = 77;
         scenario.filters[0].color = Some(kalmanscope_core::FilterColor::ALL[3]);
@@ -91,34 +91,30 @@ fn the_scenarios_own_seed_and_a_colour_begin_nothing() {
 
 #[test]
 fn more_seeds_go_on_from_those_that_are_done() {
-    let session = session();
-    let mut laboratory = slow(12);
-    follow(&mut laboratory, &session, 12);
-    laboratory.seeds_mut().choose(SeedChoice { seeds: 20, ..SeedChoice::default() });
+    let (session, mut laboratory) = followed(12, 12);
+    laboratory.seeds.choose(SeedChoice { seeds: 20, ..SeedChoice::default() });
     follow(&mut laboratory, &session, 1);
-    assert_eq!((done(&laboratory), laboratory.seeds().progress()), (13, Some([13, 20])));
+    assert_eq!((done(&laboratory), laboratory.seeds.progress()), (13, Some([13, 20])));
     follow(&mut laboratory, &session, 7);
-    assert_eq!(laboratory.seeds().progress(), None);
-    laboratory.seeds_mut().choose(SeedChoice { seeds: 11, ..SeedChoice::default() });
+    assert_eq!(laboratory.seeds.progress(), None);
+    laboratory.seeds.choose(SeedChoice { seeds: 11, ..SeedChoice::default() });
     follow(&mut laboratory, &session, 11);
-    assert_eq!((done(&laboratory), laboratory.seeds().progress()), (11, None), "fewer begin anew");
+    assert_eq!((done(&laboratory), laboratory.seeds.progress()), (11, None), "fewer begin anew");
 }
 
 #[test]
 fn it_rests_out_of_sight_and_is_stopped_and_goes_on() {
-    let session = session();
-    let mut laboratory = slow(12);
-    follow(&mut laboratory, &session, 4);
+    let (session, mut laboratory) = followed(12, 4);
     laboratory.follow_seeds(&session, &[1, 2], false, &Context::default());
-    assert!(!laboratory.seeds().is_working());
+    assert!(!laboratory.seeds.is_working());
     follow(&mut laboratory, &session, 1);
     assert_eq!(done(&laboratory), 5);
-    assert!(laboratory.seeds_mut().set_stopped(true));
+    assert!(laboratory.seeds.set_stopped(true));
     follow(&mut laboratory, &session, 3);
-    assert_eq!((done(&laboratory), laboratory.seeds().is_working()), (5, false));
-    assert!(laboratory.seeds_mut().set_stopped(false));
+    assert_eq!((done(&laboratory), laboratory.seeds.is_working()), (5, false));
+    assert!(laboratory.seeds.set_stopped(false));
     follow(&mut laboratory, &session, 7);
-    assert_eq!((done(&laboratory), laboratory.seeds().progress()), (12, None));
+    assert_eq!((done(&laboratory), laboratory.seeds.progress()), (12, None));
 }
 
 #[test]
@@ -128,7 +124,7 @@ fn a_map_under_way_comes_first() {
     let ctx = Context::default();
     laboratory.follow(&session, true, true, &ctx);
     follow(&mut laboratory, &session, 3);
-    assert!(laboratory.seeds().shown().is_none() && laboratory.is_working());
+    assert!(laboratory.seeds.shown().is_none() && laboratory.is_working());
     laboratory.set_stopped(true);
     follow(&mut laboratory, &session, 3);
     assert_eq!(done(&laboratory), 3);
@@ -138,10 +134,10 @@ fn a_map_under_way_comes_first() {
 fn without_filters_a_sentence_says_so() {
     let mut laboratory = slow(12);
     laboratory.follow_seeds(&session(), &[], true, &Context::default());
-    assert_eq!(laboratory.seeds().state().problem(), Some("No filter is shown."));
-    assert!(laboratory.seeds().shown().is_none());
+    assert_eq!(laboratory.seeds.state.problem.as_deref(), Some("No filter is shown."));
+    assert!(laboratory.seeds.shown().is_none());
     follow(&mut laboratory, &session(), 1);
-    assert_eq!((laboratory.seeds().state().problem(), done(&laboratory)), (None, 1));
+    assert_eq!((laboratory.seeds.state.problem.as_deref(), done(&laboratory)), (None, 1));
 }
 
 #[test]

@@ -13,8 +13,10 @@ fn session() -> Session {
     Session::new(scenario).unwrap()
 }
 
-fn laboratory() -> Laboratory {
-    Laboratory::new(Rc::new(Frames(Budget::Unlimited)))
+fn laboratory(keys: &[&str]) -> Laboratory {
+    let mut laboratory = Laboratory::new(Rc::new(Frames(Budget::Unlimited)));
+    laboratory.tuning.choose(Some(choice(keys)));
+    laboratory
 }
 
 fn choice(keys: &[&str]) -> TuneChoice {
@@ -48,16 +50,15 @@ fn a_tick_takes_those_away_that_would_set_the_same_number() {
 #[test]
 fn a_search_ends_with_better_values_which_are_applied_once() {
     let session = session();
-    let mut laboratory = laboratory();
-    laboratory.tuning_mut().choose(Some(choice(&SENSORS)));
+    let mut laboratory = laboratory(&SENSORS);
     laboratory.tune(&session);
-    assert!(laboratory.tuning().progress().is_some());
+    assert!(laboratory.tuning.progress().is_some());
     laboratory.follow_tuning(&session, false, &Context::default());
-    assert!(laboratory.tuning().progress().is_some(), "out of sight it rests");
+    assert!(laboratory.tuning.progress().is_some(), "out of sight it rests");
     laboratory.follow_tuning(&session, true, &Context::default());
-    assert_eq!(laboratory.tuning().progress(), None);
-    let result = laboratory.tuning().result().unwrap();
-    let path = laboratory.tuning().path();
+    assert_eq!(laboratory.tuning.progress(), None);
+    let result = laboratory.tuning.result.as_ref().unwrap();
+    let path = laboratory.tuning.path();
     assert!(path.last().unwrap().score > path[0].score + 100.0);
     let applied = result.applied(session.scenario()).unwrap();
     assert_ne!(applied.filters[0].sensor_std, session.scenario().filters[0].sensor_std);
@@ -73,30 +74,28 @@ fn a_search_ends_with_better_values_which_are_applied_once() {
 #[test]
 fn a_change_of_the_settings_ends_the_search() {
     let mut session = session();
-    let mut laboratory = laboratory();
-    laboratory.tuning_mut().choose(Some(choice(&SENSORS)));
+    let mut laboratory = laboratory(&SENSORS);
     laboratory.tune(&session);
     let mut scenario = session.scenario().clone();
     scenario.filters[0].fading = 1.01;
     session.set_scenario(scenario);
     laboratory.follow_tuning(&session, true, &Context::default());
-    assert!(laboratory.tuning().progress().is_none() && laboratory.tuning().result().is_none());
-    assert!(laboratory.tuning().problem().unwrap().contains("have changed"));
+    assert!(laboratory.tuning.progress().is_none() && laboratory.tuning.result.as_ref().is_none());
+    assert!(laboratory.tuning.problem.as_deref().unwrap().contains("have changed"));
 }
 
 #[test]
 fn without_a_tick_a_sentence_says_so() {
-    let mut laboratory = laboratory();
-    laboratory.tuning_mut().choose(Some(choice(&[])));
+    let mut laboratory = laboratory(&[]);
     laboratory.tune(&session());
-    assert_eq!(laboratory.tuning().problem(), Some("Tick a setting to tune."));
-    assert!(!laboratory.tuning_mut().cancel());
+    assert_eq!(laboratory.tuning.problem.as_deref(), Some("Tick a setting to tune."));
+    assert!(!laboratory.tuning.cancel());
 }
 
 #[test]
 fn the_search_begins_at_the_best_cell_of_a_map_of_its_settings() {
     let session = session();
-    let mut laboratory = laboratory();
+    let mut laboratory = laboratory(&[]);
     let axes = [("filters.*.sensor_std", 4), ("filters.*.process_std", 3)];
     let part = part_of(session.scenario(), &[1]);
     let axis = |(key, count): (&str, usize)| Axis::usual(&Address::parse(&part, key).unwrap(), &part, count);
@@ -110,26 +109,26 @@ fn the_search_begins_at_the_best_cell_of_a_map_of_its_settings() {
     }));
     laboratory.follow(&session, true, false, &Context::default());
     let survey = laboratory.shown().unwrap();
-    assert!(survey.sheet().is_complete());
+    assert!(survey.sheet.is_complete());
     let likelihood = |cell: usize| survey.value(cell, 0, Measure::LOG_LIKELIHOOD).unwrap();
     let best = (0..12).max_by(|a, b| likelihood(*a).total_cmp(&likelihood(*b))).unwrap();
-    let (expected, score) = (survey.ensemble().values(best), likelihood(best));
-    laboratory.tuning_mut().choose(Some(choice(&["filters.*.process_std", "filters.*.sensor_std"])));
+    let (expected, score) = (survey.ensemble.values(best), likelihood(best));
+    laboratory.tuning.choose(Some(choice(&["filters.*.process_std", "filters.*.sensor_std"])));
     laboratory.tune(&session);
-    let second = &laboratory.tuning().path()[1];
+    let second = &laboratory.tuning.path()[1];
     assert!((second.values[0] / expected[1] - 1.0).abs() < 1e-9 && (second.values[1] / expected[0] - 1.0).abs() < 1e-9);
     assert!((second.score / score - 1.0).abs() < 1e-9);
     // The path in the map goes from the setting on screen over the best cell, whatever a factor is relative to.
     let survey = laboratory.shown().unwrap();
-    let (filter, points) = laboratory.tuning().path_in(survey).unwrap();
+    let (filter, points) = laboratory.tuning.path_in(survey).unwrap();
     let are_close = |a: [f64; 2], b: [f64; 2]| a.iter().zip(b).all(|(a, b)| (a / b - 1.0).abs() < 1e-9);
     assert_eq!(filter, 0);
     assert!(
         are_close(points[0], survey.present(session.scenario())) && are_close(points[1], [expected[0], expected[1]])
     );
-    laboratory.tuning_mut().choose(Some(choice(&SENSORS)));
+    laboratory.tuning.choose(Some(choice(&SENSORS)));
     laboratory.tune(&session);
-    assert_eq!(laboratory.tuning().path_in(laboratory.shown().unwrap()), None, "the axes are not tuned");
+    assert_eq!(laboratory.tuning.path_in(laboratory.shown().unwrap()), None, "the axes are not tuned");
 }
 
 #[test]

@@ -134,7 +134,7 @@ fn causes_free_runs_and_spectrograms_come_from_threads_as_from_the_frames() {
             thread::sleep(Duration::from_millis(2));
             assert!(begin.elapsed() < PATIENCE);
         }
-        let remedies = session.attempt(id).expect("it has a bad verdict").remedies();
+        let remedies = session.attempt(id).expect("it has a bad verdict").remedies.clone();
         assert!(!remedies.is_empty());
         format!("{remedies:?} {:?} {:?}", session.free_run(0), session.spectrogram().map(|(_, made)| made))
     };

@@ -41,11 +41,11 @@ pub(super) fn causes_ui(
         (false, false) => "Causes, as they were found: in order once the pointer leaves",
     };
     heading_ui(ui, heading);
-    let said = Remedy::probabilities(attempt.remedies());
+    let said = Remedy::probabilities(&attempt.remedies);
     // A row that is held may have become another remedy.
     let probability = |row: &Remedy| {
         let is_same = |other: &Remedy| other.first.cause.key == row.first.cause.key;
-        attempt.remedies().iter().position(is_same).map(|place| said[place])
+        attempt.remedies.iter().position(is_same).map(|place| said[place])
     };
     let (first, rest) = rows.split_at(rows.len().min(LIKELIEST));
     for remedy in first {
@@ -60,12 +60,12 @@ pub(super) fn causes_ui(
         });
     }
     if attempt.is_under_way() {
-        let bar = ProgressBar::new(attempt.progress() as f32).desired_width(160.0).desired_height(8.0);
+        let bar = ProgressBar::new(attempt.progress as f32).desired_width(160.0).desired_height(8.0);
         let bar = ui.add(bar).on_hover_text("The filter runs again with one setting after another changed");
         bar.ctx.accesskit_node_builder(bar.id, |node| node.set_label(format!("Trials of {}", estimates.name())));
-    } else if attempt.remedies().is_empty() {
+    } else if attempt.remedies.is_empty() {
         ui.weak("None of the causes that are known makes the record likelier.");
-    } else if !Remedy::is_explained(attempt.remedies()) {
+    } else if !Remedy::is_explained(&attempt.remedies) {
         // Below the rows, so that these do not move.
         ui.label("None of these explains it: with the best of them it is still not to be believed.");
     }
@@ -96,7 +96,7 @@ fn finding_ui(
         if let Some(probability) = probability {
             ui.weak(in_percent(probability)).on_hover_text(PROBABILITY);
         }
-        if let (Some(before), Some(after)) = (attempt.before(), after) {
+        if let (Some(before), Some(after)) = (attempt.before.as_ref(), after) {
             ui.weak(format!("{} {} →", symbol(before.kind), before.kind.name()));
             let text = format!("{} {}", symbol(after.kind), after.kind.name());
             let text = RichText::new(text).color(text_color(after.kind, palette));

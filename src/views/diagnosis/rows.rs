@@ -21,8 +21,8 @@ pub(super) fn on_screen(ui: &Ui, attempt: &Attempt, is_held: bool) -> Arc<Vec<Re
     // Rows of other settings are dropped.
     let before = before.filter(|rows| is_held && rows.picture == attempt.picture());
     let remedies = match before {
-        Some(before) => with_new(before.remedies, attempt.remedies()),
-        None => Arc::new(attempt.remedies().to_vec()),
+        Some(before) => with_new(before.remedies, &attempt.remedies),
+        None => Arc::new(attempt.remedies.to_vec()),
     };
     let rows = Rows { picture: attempt.picture(), remedies: Arc::clone(&remedies) };
     ui.data_mut(|data| data.insert_temp(id, rows));
@@ -31,7 +31,7 @@ pub(super) fn on_screen(ui: &Ui, attempt: &Attempt, is_held: bool) -> Arc<Vec<Re
 
 pub(super) fn is_in_order(rows: &[Remedy], attempt: &Attempt) -> bool {
     let same = |(row, remedy): (&Remedy, &Remedy)| row.edits == remedy.edits && key(row) == key(remedy);
-    rows.len() == attempt.remedies().len() && rows.iter().zip(attempt.remedies()).all(same)
+    rows.len() == attempt.remedies.len() && rows.iter().zip(&attempt.remedies).all(same)
 }
 
 fn with_new(mut rows: Arc<Vec<Remedy>>, remedies: &[Remedy]) -> Arc<Vec<Remedy>> {

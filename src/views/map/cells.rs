@@ -22,7 +22,7 @@ pub(super) enum End {
 pub(super) fn of_filter(survey: &Survey, filter: usize, measure: Measure) -> Vec<Cell> {
     let columns = [measure, Measure::STOPPED, Measure::DIVERGED].map(|measure| survey.column(filter, measure));
     let cell = |cell: usize| {
-        let Some(row) = survey.sheet().shown(cell) else { return Cell { value: f64::NAN, end: End::Unknown } };
+        let Some(row) = survey.sheet.shown(cell) else { return Cell { value: f64::NAN, end: End::Unknown } };
         let [value, stopped, diverged] = columns.map(|column| column.map_or(f64::NAN, |at| row[at]));
         let value = if measure.info().kind == ValueKind::Error { value.abs() } else { value };
         let end = match (stopped == 0.0, diverged == 1.0) {
@@ -32,7 +32,7 @@ pub(super) fn of_filter(survey: &Survey, filter: usize, measure: Measure) -> Vec
         };
         Cell { value, end }
     };
-    (0..survey.ensemble().cells()).map(cell).collect()
+    (0..survey.ensemble.cells()).map(cell).collect()
 }
 
 pub(super) fn compared(a: &[Cell], b: &[Cell], measure: Measure) -> Vec<Cell> {

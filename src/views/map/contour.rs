@@ -17,7 +17,7 @@ pub(super) struct Piece {
 pub(super) fn consistent(survey: &Survey, filter: usize) -> Vec<Piece> {
     let [across, up] = survey.axes().map(|axis| axis.count);
     let Some(column) = survey.column(filter, Measure::CONSISTENCY) else { return Vec::new() };
-    let value = |cell: usize| survey.sheet().shown(cell).map_or(f64::NAN, |row| spread(row[column]));
+    let value = |cell: usize| survey.sheet.shown(cell).map_or(f64::NAN, |row| spread(row[column]));
     let values: Vec<f64> = (0..across * up).map(value).collect();
     [-CONSISTENT, CONSISTENT].into_iter().flat_map(|level| edge(&values, across, up, spread(level))).collect()
 }

@@ -5,7 +5,7 @@ use kalmanscope_core::setting::Address;
 use kalmanscope_core::{Axis, Measure, Scenario, Spacing};
 
 use crate::controls::number::field;
-use crate::laboratory::{Choice, Laboratory, MOST, Survey, candidates, collide, offered, part_of, setting_name};
+use crate::laboratory::{Choice, Laboratory, MOST, candidates, collide, offered, part_of, setting_name};
 use crate::menu::{Closing, menu_ui};
 use crate::probe;
 use crate::request::Request;
@@ -152,7 +152,7 @@ fn range_ui(ui: &mut Ui, axis: &mut Axis, way: &str, part: &Scenario) {
     for (value, end) in [(&mut axis.from, "first"), (&mut axis.to, "last")] {
         let scale = value.abs().max(1e-9);
         let name = format!("{end} value {way}");
-        ui.allocate_ui(size, |ui| field(ui, value, f64::NEG_INFINITY, scale, &name, &format!("{name} {unit}")));
+        ui.allocate_ui(size, |ui| field(ui, value, f64::NEG_INFINITY, scale, name.as_str(), &format!("{name} {unit}")));
     }
     let count = ui.add(egui::DragValue::new(&mut axis.count).range(2..=MOST));
     ui.ctx().accesskit_node_builder(count.id, |node| node.set_label(format!("Values {way}")));
@@ -179,7 +179,7 @@ fn precision_ui(ui: &mut Ui, precision: &mut Precision) {
 }
 
 fn computers_ui(ui: &mut Ui, laboratory: &Laboratory) {
-    let computers = laboratory.shown().map(Survey::computers).unwrap_or_default();
+    let computers = laboratory.shown().map_or(&[][..], |survey| &survey.computers);
     let named: Vec<String> = computers.iter().filter(|by| **by != Computer::Frames).map(Computer::to_string).collect();
     if !named.is_empty() {
         let text = format!("computed {}", named.join(", and "));
@@ -193,7 +193,7 @@ fn computers_ui(ui: &mut Ui, laboratory: &Laboratory) {
 
 fn work_ui(ui: &mut Ui, laboratory: &Laboratory, requests: &mut Vec<Request>) {
     let Some(share) = laboratory.progress() else { return };
-    let is_stopped = laboratory.state().is_stopped();
+    let is_stopped = laboratory.state.is_stopped;
     let button = ui.button(if is_stopped { "Go on" } else { "Stop" });
     if button.on_hover_text(format!("{:.0} % of the cells are known", 100.0 * share)).clicked() {
         requests.push(Request::ComputeMap(is_stopped));

@@ -148,7 +148,7 @@ fn paint(ui: &Ui, at: egui::Pos2, is_lit: bool, is_inside: bool, palette: &Palet
 }
 
 pub(super) fn said(axis: &Axis, value: f64, survey: &Survey) -> String {
-    let scenario = survey.ensemble().scenario();
+    let scenario = survey.ensemble.scenario();
     let Ok(address) = Address::parse(scenario, &axis.key) else { return String::new() };
     let unit = unit_in(scenario, address.unit());
     format!("{} {} {unit}", address.name(), significant(value, 4)).trim_end().to_owned()
@@ -161,7 +161,7 @@ fn dragged(survey: &Survey, at: usize, share: f64) -> f64 {
     let steps = axis.count.saturating_sub(1).max(1) as f64;
     let value = axis.at_share(((share * axis.count as f64 - 0.5) / steps).clamp(0.0, 1.0));
     let rounded = parse(&significant(value, 3)).unwrap_or(value);
-    let is_whole = survey.ensemble().settings().get(at).is_some_and(Address::is_whole);
+    let is_whole = survey.ensemble.settings().get(at).is_some_and(Address::is_whole);
     if is_whole { value.round() } else { rounded }
 }
 

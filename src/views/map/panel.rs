@@ -9,7 +9,7 @@ use super::path::{Path, path_ui};
 use super::picture::{Contents, Panel};
 use super::profile;
 use super::scale::CONSISTENT;
-use crate::controls::color::color_of;
+use crate::controls::filter::color_of;
 use crate::laboratory::{Survey, measure_label, setting_label};
 use crate::plot::graph::{Graph, Scale};
 use crate::plot::medium::Medium;
@@ -46,7 +46,7 @@ impl PanelView<'_> {
         let [x, y] =
             axes.map(|axis| Scale::of_cells(axis.from, axis.to, axis.count, axis.spacing == Spacing::Logarithmic));
         let graph = Graph::new(below, x, y);
-        let scenario = survey.ensemble().scenario();
+        let scenario = survey.ensemble.scenario();
         let names = axes.map(|axis| setting_label(&axis.key, scenario));
         ui.painter().extend(panel.shapes(&graph, if is_old { OLD } else { 1.0 }));
         hatching_ui(ui, &graph, &panel.hatching(&graph));
@@ -71,15 +71,15 @@ impl PanelView<'_> {
 
     fn key(&self) -> String {
         match self.panel.contents {
-            Contents::Filter(at) => self.survey.ensemble().scenario().filters[at].name.clone(),
+            Contents::Filter(at) => self.survey.ensemble.scenario().filters[at].name.clone(),
             Contents::Comparison => "comparison".to_owned(),
         }
     }
 
     fn title_ui(&self, ui: &Ui, room: Rect, context: &ViewContext<'_>) {
         let Self { panel, survey, measure, .. } = self;
-        let filters = &survey.ensemble().scenario().filters;
-        let label = measure_label(*measure, survey.ensemble().scenario());
+        let filters = &survey.ensemble.scenario().filters;
+        let label = measure_label(*measure, survey.ensemble.scenario());
         let text = match (panel.contents, &filters[..]) {
             (Contents::Comparison, [a, b, ..]) if measure.info().kind.is_ratio() => format!("{} ÷ {}", a.name, b.name),
             (Contents::Comparison, [a, b, ..]) => format!("{} − {}", a.name, b.name),
@@ -89,7 +89,7 @@ impl PanelView<'_> {
         let left = pos2(room.left() + 58.0, room.top() + 0.5 * TITLE);
         let mut start = left;
         if let (Contents::Filter(at), true) = (panel.contents, filters.len() > 1) {
-            let own = context.session.scenario().filters.iter().find(|filter| filter.id == survey.filters()[at]);
+            let own = context.session.scenario().filters.iter().find(|filter| filter.id == survey.filters[at]);
             if let Some(own) = own {
                 ui.painter().circle_filled(left + vec2(4.0, 0.0), 4.0, context.palette.shade(color_of(own)));
                 start.x += 13.0;
@@ -113,11 +113,11 @@ impl PanelView<'_> {
         let Self { survey, measure, .. } = self;
         let id = egui::Id::unique(("cells of the map", self.key()));
         let response = ui.interact(graph.rect, id, Sense::click());
-        let name = format!("Map of {}, {}", self.key(), measure_label(*measure, survey.ensemble().scenario()));
+        let name = format!("Map of {}, {}", self.key(), measure_label(*measure, survey.ensemble.scenario()));
         response.ctx.accesskit_node_builder(id, |node| node.set_label(name));
         let Some(pointer) = response.hover_pos().or(response.interact_pointer_pos()) else { return };
         let shares = graph.shares(graph.rect.clamp(pointer));
-        let ensemble = survey.ensemble();
+        let ensemble = &survey.ensemble;
         let counts = ensemble.counts();
         let place = |at: usize| ((shares[at] * counts[at] as f64) as usize).min(counts[at] - 1);
         let cell = ensemble.cell(&[place(0), place(1)]);
@@ -139,10 +139,10 @@ impl PanelView<'_> {
         for (axis, value) in survey.axes().into_iter().zip(values) {
             ui.label(said(axis, *value, survey));
         }
-        for (at, filter) in survey.ensemble().scenario().filters.iter().enumerate() {
+        for (at, filter) in survey.ensemble.scenario().filters.iter().enumerate() {
             let value = |measure: Measure| survey.value(cell, at, measure).unwrap_or(f64::NAN);
             ui.label(RichText::new(&filter.name).family(theme::strong()));
-            let score = super::legend::score_text(*measure, value(*measure), survey.ensemble().scenario());
+            let score = super::legend::score_text(*measure, value(*measure), survey.ensemble.scenario());
             ui.label(format!("{}: {score}", measure.name()));
             let is_inside = value(Measure::CONSISTENCY).abs() < CONSISTENT;
             let end = if value(Measure::STOPPED) == 1.0 {

@@ -50,8 +50,8 @@ pub(super) fn panels(
     measure: Measure,
     palette: &Palette,
 ) -> Arc<Vec<Panel>> {
-    let of = (laboratory.edition(), measure, ctx.theme());
-    let version = laboratory.state().version();
+    let of = (laboratory.edition, measure, ctx.theme());
+    let version = laboratory.state.version;
     let id = Id::unique("panels of the map");
     if let Some(kept) = ctx.data(|data| data.get_temp::<Kept>(id)).filter(|kept| kept.of == of) {
         let rest = (SHARE * kept.cost).saturating_sub(kept.made.elapsed());
@@ -71,7 +71,7 @@ pub(super) fn panels(
 }
 
 fn made(ctx: &Context, survey: &Survey, measure: Measure, palette: &Palette) -> Vec<Panel> {
-    let filters: Vec<Vec<Cell>> = (0..survey.filters().len()).map(|at| of_filter(survey, at, measure)).collect();
+    let filters: Vec<Vec<Cell>> = (0..survey.filters.len()).map(|at| of_filter(survey, at, measure)).collect();
     let colors = Colors::of(measure, &filters.iter().map(Vec::as_slice).collect::<Vec<_>>());
     let comparison = match &filters[..] {
         [a, b] if !measure.info().kind.is_of_kinds() => Some(compared(a, b, measure)),

@@ -53,7 +53,7 @@ pub(super) fn arrange(ui: &mut Ui, area: Rect, panels: &[Panel], survey: &Survey
 fn one_ui(ui: &mut Ui, area: Rect, panels: &[Panel], survey: &Survey) -> Vec<Place> {
     let id = Id::unique("panel of the map");
     let mut chosen: usize = ui.data(|data| data.get_temp(id)).unwrap_or(0).min(panels.len() - 1);
-    let filters = &survey.ensemble().scenario().filters;
+    let filters = &survey.ensemble.scenario().filters;
     let mut child = ui.new_child(UiBuilder::new().id_salt("panels of the map").max_rect(area));
     let row = child.horizontal(|ui| {
         for (at, panel) in panels.iter().enumerate() {

@@ -4,7 +4,7 @@ use egui::{Align2, Pos2, Rect, Sense, Shape, Stroke, TextStyle, Ui, Vec2, pos2};
 use kalmanscope_core::{Axis, Measure};
 
 use super::picture::{Contents, Panel};
-use crate::controls::color::color_of;
+use crate::controls::filter::color_of;
 use crate::laboratory::Survey;
 use crate::plot::graph::Graph;
 use crate::view::ViewContext;
@@ -32,7 +32,7 @@ pub(super) fn profiles_ui(ui: &Ui, graph: &Graph, panel: &Panel, survey: &Survey
     let present = survey.present(context.session.scenario());
     let color = match panel.contents {
         Contents::Filter(at) => {
-            let id = survey.filters()[at];
+            let id = survey.filters[at];
             let own = context.session.scenario().filters.iter().find(|filter| filter.id == id);
             own.map_or(palette.text, |filter| palette.shade(color_of(filter)))
         }

@@ -11,10 +11,10 @@ const TOLD: usize = 2;
 
 /// The sentence about each filter in a complete map. `None` while it is computed, and for a score without a best value.
 pub(super) fn sentence(survey: &Survey, measure: Measure, context: &ViewContext<'_>) -> Option<String> {
-    if !survey.sheet().is_complete() {
+    if !survey.sheet.is_complete() {
         return None;
     }
-    let filters = survey.ensemble().scenario().filters.iter().enumerate().take(TOLD);
+    let filters = survey.ensemble.scenario().filters.iter().enumerate().take(TOLD);
     let told: Vec<String> = filters
         .filter_map(|(place, filter)| {
             let best = best(survey, place, measure)?;
@@ -27,13 +27,13 @@ pub(super) fn sentence(survey: &Survey, measure: Measure, context: &ViewContext<
 fn best(survey: &Survey, filter: usize, measure: Measure) -> Option<usize> {
     let goal = measure.info().best;
     let distances =
-        (0..survey.sheet().len()).filter_map(|cell| Some((cell, goal.distance(survey.value(cell, filter, measure)?)?)));
+        (0..survey.sheet.len()).filter_map(|cell| Some((cell, goal.distance(survey.value(cell, filter, measure)?)?)));
     distances.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(cell, _)| cell)
 }
 
 fn of_filter(survey: &Survey, filter: usize, measure: Measure, best: usize, context: &ViewContext<'_>) -> String {
-    let scenario = survey.ensemble().scenario();
-    let values = survey.ensemble().values(best);
+    let scenario = survey.ensemble.scenario();
+    let values = survey.ensemble.values(best);
     let axes = survey.axes();
     let setting =
         |at: usize, value: f64| format!("{} = {}", setting_name(&axes[at].key, scenario), significant(value, 3));
@@ -45,7 +45,7 @@ fn of_filter(survey: &Survey, filter: usize, measure: Measure, best: usize, cont
     let present = survey.present(context.session.scenario());
     let here = [0, 1].map(|at| axes[at].place_of(present[at]));
     let here = match here {
-        [Some(x), Some(y)] => survey.value(survey.ensemble().cell(&[x, y]), filter, measure),
+        [Some(x), Some(y)] => survey.value(survey.ensemble.cell(&[x, y]), filter, measure),
         _ => None,
     };
     let here = here.map_or_else(String::new, |here| format!("; on screen it is {}", significant(here, 3)));

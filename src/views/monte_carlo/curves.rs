@@ -53,16 +53,16 @@ pub(super) struct FilterCurves {
 }
 
 pub(super) fn of(ctx: &Context, seeds: &Seeds, runs: &SeedRuns, context: &ViewContext<'_>) -> Arc<Curves> {
-    let wanted = seeds.choice().parameter;
-    cached(ctx, Id::unique("Monte Carlo"), (seeds.state().version(), wanted), || Some(made(runs, wanted, context)))
+    let wanted = seeds.choice.parameter;
+    cached(ctx, Id::unique("Monte Carlo"), (seeds.state.version, wanted), || Some(made(runs, wanted, context)))
 }
 
 fn made(runs: &SeedRuns, wanted: Option<Channel>, context: &ViewContext<'_>) -> Curves {
-    let (scenario, statistics) = (runs.scenario(), runs.statistics());
+    let (scenario, statistics) = (runs.scenario(), &runs.statistics);
     let record = context.session.run().record();
     let is_shown = |channel: &Channel| channel.is_parameter() && record.truth(*channel).is_some();
     let mut parameters: Vec<Channel> = Vec::new();
-    for nth in 0..runs.filters().len() {
+    for nth in 0..runs.filters.len() {
         for &channel in statistics.channels(nth).iter().filter(|channel| is_shown(channel)) {
             let at = statistics.channels(nth).iter().position(|other| *other == channel);
             // A parameter that the filter assumes known has neither errors nor a spread.
@@ -79,7 +79,7 @@ fn made(runs: &SeedRuns, wanted: Option<Channel>, context: &ViewContext<'_>) -> 
         of_plant.or_else(|| record.truth(channel)?.last().copied())
     });
     let one = |(nth, filter): (usize, &kalmanscope_core::FilterSettings)| {
-        of_filter(statistics, (nth, runs.filters()[nth], &filter.name), scenario.sensors.len(), parameter)
+        of_filter(statistics, (nth, runs.filters[nth], &filter.name), scenario.sensors.len(), parameter)
     };
     let filters: Vec<FilterCurves> = scenario.filters.iter().enumerate().map(one).collect();
     let finals = |nth: usize| {

@@ -11,7 +11,7 @@ use crate::view::ViewContext;
 const USUAL: [usize; 4] = [100, 1000, 3000, 10_000];
 
 pub(super) fn head_ui(ui: &mut Ui, context: &ViewContext<'_>, seeds: &Seeds, requests: &mut Vec<Request>) {
-    let mut next = *seeds.choice();
+    let mut next = seeds.choice;
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 5.0;
         let speed = (0.02 * next.seeds as f64).max(0.2);
@@ -56,14 +56,14 @@ pub(super) fn head_ui(ui: &mut Ui, context: &ViewContext<'_>, seeds: &Seeds, req
             next.verdicts |= next.causes;
         }
         if let Some([done, all]) = seeds.progress() {
-            let is_stopped = seeds.state().is_stopped();
+            let is_stopped = seeds.state.is_stopped;
             if ui.button(if is_stopped { "Go on" } else { "Stop" }).clicked() {
                 requests.push(Request::RunSeeds(is_stopped));
             }
             ui.weak(format!("{done} of {all}"));
         }
     });
-    if next != *seeds.choice() {
+    if next != seeds.choice {
         requests.push(Request::ChooseSeeds(next));
     }
 }

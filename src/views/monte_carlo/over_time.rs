@@ -157,7 +157,7 @@ pub(super) fn named(what: &str, channel: Channel, context: &ViewContext<'_>) -> 
 
 pub(super) fn color(context: &ViewContext<'_>, id: u32) -> Color32 {
     let own = context.session.scenario().filters.iter().find(|filter| filter.id == id);
-    own.map_or(context.palette.text, |filter| context.palette.shade(crate::controls::color::color_of(filter)))
+    own.map_or(context.palette.text, |filter| context.palette.shade(crate::controls::filter::color_of(filter)))
 }
 
 /// The width of the line of the filter at a place. Later lines are thinner, so that they do not hide earlier ones.

@@ -17,7 +17,7 @@ pub(super) fn head_ui(ui: &mut Ui, context: &ViewContext<'_>, posteriors: &Poste
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 5.0;
         ui.label("Posterior of").on_hover_text(HINT);
-        let chosen = posteriors.chosen();
+        let chosen = posteriors.chosen;
         let all = context.session.run().estimates();
         let filter = chosen.and_then(|id| all.iter().find(|of| of.id() == id));
         let combo =
@@ -39,8 +39,8 @@ pub(super) fn head_ui(ui: &mut Ui, context: &ViewContext<'_>, posteriors: &Poste
 
 fn words(context: &ViewContext<'_>, posteriors: &Posteriors, filter: &Estimates) -> String {
     let is_hidden = !context.visible.filter(filter.id());
-    let result = || posteriors.shown().and_then(|shown| sentences(context, shown, filter));
-    match (posteriors.progress(), posteriors.problem()) {
+    let result = || posteriors.shown.as_ref().and_then(|shown| sentences(context, shown, filter));
+    match (posteriors.progress(), posteriors.problem.as_deref()) {
         _ if is_hidden => format!("{} is hidden.", filter.name()),
         (Some(share), _) => format!("{:.0} %", 100.0 * share),
         (_, Some(problem)) => problem.to_owned(),
@@ -53,13 +53,13 @@ fn sentences(context: &ViewContext<'_>, shown: &Shown, estimates: &Estimates) ->
     let run = context.session.run();
     let filter = run.scenario().filters.iter().find(|filter| filter.id == shown.filter())?;
     let mut text = comparison(estimates, shown)?;
-    if let Some((channel, solutions)) = shown.solutions() {
+    if let Some((channel, solutions)) = shown.solutions {
         let [low, high] = solutions.means.map(|mean| fixed(mean, decimals(channel)));
         let [one, other] = solutions.shares.map(|share| 100.0 * share);
         let symbol = channel.symbol();
         text += &format!(" Two solutions: {symbol} {low} ({one:.0} %) or {high} ({other:.0} %).");
     }
-    if shown.sampled().is_stiller_than(filter, shown.last().0) {
+    if shown.sampled.is_stiller_than(filter, shown.last().0) {
         text += " The filter lets the parameters change, the posterior does not.";
     }
     Some(text)
@@ -68,9 +68,9 @@ fn sentences(context: &ViewContext<'_>, shown: &Shown, estimates: &Estimates) ->
 fn comparison(estimates: &Estimates, shown: &Shown) -> Option<String> {
     let (sample, time) = shown.last();
     let (mut ratios, mut away) = (Vec::new(), Vec::new());
-    for &channel in &shown.sampled().channels {
+    for &channel in &shown.sampled.channels {
         let place = estimates.place(channel).filter(|_| sample < estimates.len())?;
-        let [mean, std] = shown.sampled().moments(channel)?;
+        let [mean, std] = shown.sampled.moments(channel)?;
         let symbol = channel.symbol();
         ratios.push(format!("{} ({symbol})", significant(estimates.std(sample, place) / std, 2)));
         let by = (estimates.canonical_mean(sample, place) - mean).abs() / std;

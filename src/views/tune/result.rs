@@ -12,19 +12,19 @@ use crate::verdict;
 use crate::view::ViewContext;
 
 pub(super) fn result_ui(ui: &mut Ui, result: &TuneResult, context: &ViewContext<'_>, requests: &mut Vec<Request>) {
-    let tuned = result.tuned();
+    let tuned = &result.tuned;
     let [first, .., last] = &tuned.path[..] else {
         ui.label(Remark::NoBetter.to_string());
         return;
     };
-    let goal = result.choice().goal;
+    let goal = result.choice.goal;
     Grid::new("result of the tuning").spacing(vec2(14.0, 3.0)).show(ui, |ui| {
         for text in ["", "before", "after"].into_iter().chain(tuned.bands.is_some().then_some("±2σ")) {
             ui.weak(text);
         }
         ui.end_row();
         let values = first.values.iter().zip(&last.values);
-        for (place, (axis, (before, after))) in result.choice().axes.iter().zip(values).enumerate() {
+        for (place, (axis, (before, after))) in result.choice.axes.iter().zip(values).enumerate() {
             ui.label(setting_label(&axis.key, &tuned.scenario));
             ui.label(significant(*before, 4));
             ui.label(significant(*after, 4));

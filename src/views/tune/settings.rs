@@ -99,7 +99,7 @@ fn setting_ui(ui: &mut Ui, choice: &mut TuneChoice, key: &str, part: &Scenario) 
     for (value, end) in [(&mut axis.from, "least"), (&mut axis.to, "largest")] {
         let name = format!("{end} {}", setting_name(key, part));
         let scale = value.abs().max(1e-9);
-        ui.allocate_ui(size, |ui| field(ui, value, f64::NEG_INFINITY, scale, &name, &name));
+        ui.allocate_ui(size, |ui| field(ui, value, f64::NEG_INFINITY, scale, name.as_str(), &name));
     }
     // Ignores half-typed, impossible ranges.
     if axis.check().is_err() || axis.from >= axis.to {

@@ -1,26 +1,23 @@
 //! The page's graphics processor, in its own worker.
 
 use std::cell::RefCell;
-use std::collections::VecDeque;
 use std::rc::{Rc, Weak};
 use std::sync::Arc;
 
 use egui::Context;
 use js_sys::Array;
 use kalmanscope::team::{Cells, Computer, Finding, Graphics, Handle, Lost, Rows};
-use kalmanscope_worker::{cells_message, portion_of, rows};
+use kalmanscope_worker::{cells_message, rows};
 use wasm_bindgen::{JsCast as _, JsValue};
 use wasm_bindgen_futures::spawn_local;
 use web_sys::MessageEvent;
-use web_time::{Duration, Instant};
 
-use super::adapter;
-use super::worker::{Program, Worker};
+use super::super::object::{awaited, call, get};
 
-const FIRST: usize = 64;
+use super::worker::{Given, Left, Program, Worker};
 
-const PORTION: Duration = Duration::from_millis(200);
-const MOST: usize = 1 << 14;
+/// The cells of a portion, of which the worker has one at a time.
+const PORTION: usize = 1024;
 
 /// The graphics processor. The search begins with the first map.
 pub(super) struct Processor {
@@ -36,17 +33,6 @@ struct State {
     number: u32,
     task: Option<Given>,
     ctx: Context,
-}
-
-struct Given {
-    order: Vec<usize>,
-    next: usize,
-    given: usize,
-    portion: usize,
-    begun: Instant,
-    rows: VecDeque<Rows>,
-    has_left: bool,
-    has_given_up: bool,
 }
 
 impl Processor {
@@ -83,18 +69,10 @@ impl Graphics for Processor {
         state.ctx = ctx.clone();
         state.number += 1;
         let number = state.number;
-        state.worker.as_ref()?.tell(&cells_message(number, &cells.runner));
-        state.task = Some(Given {
-            order: cells.order.clone(),
-            next: 0,
-            given: 0,
-            portion: FIRST,
-            begun: Instant::now(),
-            rows: VecDeque::new(),
-            has_left: false,
-            has_given_up: false,
-        });
-        state.feed();
+        let left = Left::Cells { cells: Box::new(cells.clone()), next: 0, size: PORTION };
+        let mut task = Given::new(number, cells_message(number, &cells.runner), left, (None, 1), ctx);
+        task.feed(state.worker.as_ref()?);
+        state.task = Some(task);
         let working = Working { state: Rc::clone(&self.state), number };
         Some(Handle::new(move || working.take()))
     }
@@ -107,11 +85,17 @@ struct Working {
 
 impl Working {
     fn take(&self) -> Result<Option<Rows>, Lost> {
-        let mut state = self.state.borrow_mut();
-        let is_present = state.number == self.number;
-        let task = state.task.as_mut().filter(|_| is_present).ok_or(Lost)?;
-        let rows = task.rows.pop_front();
-        if rows.is_none() && task.has_given_up { Err(Lost) } else { Ok(rows) }
+        let state = self.state.borrow();
+        let task = state.task.as_ref().filter(|task| task.number == self.number).ok_or(Lost)?;
+        match task.next() {
+            Some(part) => {
+                let (cells, numbers) = rows(&part).ok_or(Lost)?;
+                Ok(Some(Rows { cells, numbers, by: Computer::Graphics(Arc::clone(&state.name)) }))
+            }
+            // The team does the cells that were not served.
+            None if task.rests() => Err(Lost),
+            None => Ok(None),
+        }
     }
 }
 
@@ -125,37 +109,10 @@ impl Drop for Working {
 }
 
 impl State {
-    fn feed(&mut self) {
-        let (Some(worker), Some(task)) = (&self.worker, &mut self.task) else { return };
-        let end = (task.next + task.portion).min(task.order.len());
-        let cells = &task.order[task.next..end];
-        if cells.is_empty() {
-            task.has_given_up |= task.has_left;
-        } else {
-            worker.tell(&Array::of3(&"more".into(), &self.number.into(), &portion_of(cells)));
-            (task.given, task.next, task.begun) = (cells.len(), end, Instant::now());
-        }
-    }
-
-    fn take(&mut self, part: &JsValue) {
-        let (Some(task), Some((cells, numbers))) = (&mut self.task, rows(part)) else { return };
-        task.has_left |= cells.len() < task.given;
-        let by = Computer::Graphics(Arc::clone(&self.name));
-        task.rows.push_back(Rows { cells, numbers, by });
-        let factor = PORTION.as_secs_f64() / task.begun.elapsed().as_secs_f64().max(1e-3);
-        task.portion = ((task.portion as f64 * factor.clamp(0.25, 8.0)) as usize).clamp(FIRST, MOST);
-    }
-
     fn miss(&mut self, reason: String) {
         log::info!("Maps are computed by workers: {reason}");
         self.finding = Finding::Absent(reason);
         self.ctx.request_repaint();
-    }
-
-    fn give_up(&mut self) {
-        if let Some(task) = &mut self.task {
-            task.has_given_up = true;
-        }
     }
 
     /// Does without the worker from now on.
@@ -166,13 +123,27 @@ impl State {
             Finding::Ready => Finding::Lost(reason),
             _ => Finding::Absent(reason),
         };
-        self.give_up();
+        self.task = None;
     }
+}
+
+/// Asks the browser for a graphics processor, or for a software adapter if that is accepted.
+async fn ask(software: bool) -> Result<(), String> {
+    let navigator = web_sys::window().map(|window| JsValue::from(window.navigator())).unwrap_or_default();
+    let gpu = get(&navigator, "gpu").filter(JsValue::is_object).ok_or("this browser has no WebGPU")?;
+    let adapter = awaited(call(&gpu, "requestAdapter", &[])).await.ok().filter(JsValue::is_object);
+    let adapter = adapter.ok_or("this browser's WebGPU finds no graphics processor")?;
+    let info = get(&adapter, "info").unwrap_or_default();
+    let is_software = get(&info, "isFallbackAdapter").is_some_and(|is| is.is_truthy());
+    if is_software && !software {
+        return Err("this browser's WebGPU has a program in place of a graphics processor".to_owned());
+    }
+    Ok(())
 }
 
 /// Starts the worker, if the browser offers a processor. Without one, this saves most of the work of a start.
 async fn start(state: Rc<RefCell<State>>, software: bool) {
-    let offer = adapter::ask(software).await;
+    let offer = ask(software).await;
     let mut present = state.borrow_mut();
     match offer.and_then(|()| Worker::new(0, Program::Graphics, listener(&state, software))) {
         Ok(worker) => present.worker = Some(worker),
@@ -196,7 +167,8 @@ fn listener(state: &Rc<RefCell<State>>, software: bool) -> impl FnMut(Result<Mes
         let is_present = words.get(1).as_f64() == Some(f64::from(state.number));
         match text(0).as_str() {
             "ready" => {
-                if let Some(worker) = &state.worker {
+                if let Some(worker) = &mut state.worker {
+                    worker.is_ready = true;
                     worker.tell(&Array::of2(&"graphics".into(), &software.into()));
                 }
             }
@@ -211,13 +183,15 @@ fn listener(state: &Rc<RefCell<State>>, software: bool) -> impl FnMut(Result<Mes
                 }
             }
             "part" if is_present => {
-                state.take(&words.get(2));
-                state.feed();
+                if let State { worker: Some(worker), task: Some(task), .. } = &mut *state {
+                    task.take(&words.get(2), worker);
+                    task.feed(worker);
+                }
             }
-            "refused" if is_present => state.give_up(),
+            // An ensemble that is not served, or cannot be used.
+            "refused" | "failed" if is_present => state.task = None,
             "part" | "refused" => {}
-            // An ensemble that cannot be used, a device that is lost, a panic.
-            "failed" if is_present => state.give_up(),
+            // A device that is lost, a panic.
             _ => state.lose(text(2)),
         }
         state.ctx.request_repaint();

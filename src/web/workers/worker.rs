@@ -1,14 +1,17 @@
-//! One worker of the page.
+//! One worker of the page, and the tasks that workers have been given: they pull portions of one size.
 
 use std::cell::RefCell;
 use std::rc::Rc;
 
+use egui::Context;
 use js_sys::{Array, Reflect};
+use kalmanscope::team::{BETWEEN, Cells};
+use kalmanscope_worker::portion_of;
 use wasm_bindgen::closure::Closure;
 use wasm_bindgen::{JsCast as _, JsValue};
 use web_sys::{Event, MessageEvent, WorkerOptions, WorkerType};
 
-use super::super::version::version;
+use crate::web::object::version;
 
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Program {
@@ -17,19 +20,16 @@ pub(super) enum Program {
 }
 
 pub(super) struct Worker {
-    number: u32,
+    pub(super) number: u32,
     worker: web_sys::Worker,
-    is_ready: bool,
-    is_over: bool,
+    pub(super) is_ready: bool,
+    pub(super) is_over: bool,
     _hear: Closure<dyn FnMut(MessageEvent)>,
     _fail: Closure<dyn FnMut(Event)>,
 }
 
 impl Worker {
     /// Starts a worker. The listener receives its messages, or the reason why it failed.
-    ///
-    /// # Errors
-    /// The reason in words if the browser has no workers.
     pub(super) fn new(
         number: u32,
         program: Program,
@@ -49,27 +49,11 @@ impl Worker {
         Ok(Self { number, worker, is_ready: false, is_over: false, _hear: hear, _fail: fail })
     }
 
-    pub(super) fn number(&self) -> u32 {
-        self.number
-    }
-
-    pub(super) fn set_ready(&mut self) {
-        self.is_ready = true;
-    }
-
-    pub(super) fn is_ready(&self) -> bool {
-        self.is_ready
-    }
-
     /// Ends the worker. Its listener calls this instead of dropping the worker, which would drop the listener while it
     /// runs.
     pub(super) fn end(&mut self) {
         self.worker.terminate();
         (self.is_ready, self.is_over) = (false, true);
-    }
-
-    pub(super) fn is_over(&self) -> bool {
-        self.is_over
     }
 
     pub(super) fn tell(&self, message: &Array) {
@@ -97,4 +81,154 @@ fn start(program: Program) -> Result<web_sys::Worker, JsValue> {
     let worker = web_sys::Worker::new_with_options(&format!("./worker.js?program={version}"), &options)?;
     worker.post_message(&wasm_bindgen::module())?;
     Ok(worker)
+}
+
+/// The portions that a worker has at once, so that it has something to do while the page draws a frame.
+pub(super) const AT_ONCE: usize = 4;
+
+/// The size of a portion of samples, and of pieces of other work.
+const SAMPLES: usize = 64;
+const PIECES: usize = 8;
+
+/// The time of a portion of cells, by estimate \[s\], and the limit of its cells.
+const PORTION: f64 = 0.01;
+const MOST: usize = 512;
+
+/// A task that one worker does, or all of them, and the parts that have come.
+pub(super) struct Given {
+    /// No other task has the same.
+    pub(super) number: u32,
+    message: Array,
+    left: Left,
+    /// The workers that know the task, by number, each with the portions that it has.
+    shares: Vec<(u32, usize)>,
+    worker: Option<u32>,
+    /// The portions that a worker has at once.
+    at_once: usize,
+    come: Array,
+    pub(super) is_over: bool,
+    ctx: Context,
+}
+
+/// The parts that the page has not asked for yet.
+pub(super) enum Left {
+    /// This many samples.
+    Samples(usize),
+    /// The outcome: the page asks for more until it comes.
+    Outcome,
+    /// Cells from a place in their order on, in portions of a size.
+    Cells { cells: Box<Cells>, next: usize, size: usize },
+}
+
+impl Left {
+    pub(super) fn cells(cells: Cells, workers: usize) -> Self {
+        let soon = (PORTION / cells.runner.time_of_cell()) as usize;
+        let size = soon.min(cells.order.len() / (AT_ONCE * workers)).clamp(1, MOST);
+        Self::Cells { cells: Box::new(cells), next: 0, size }
+    }
+
+    fn take(&mut self) -> Option<JsValue> {
+        match self {
+            Self::Samples(left) => {
+                let count = SAMPLES.min(*left);
+                *left -= count;
+                (count > 0).then(|| (count as u32).into())
+            }
+            Self::Outcome => Some((PIECES as u32).into()),
+            Self::Cells { cells, next, size } => {
+                let begin = *next;
+                *next = (begin + *size).min(cells.order.len());
+                (*next > begin).then(|| portion_of(&cells.order[begin..*next]))
+            }
+        }
+    }
+}
+
+impl Given {
+    pub(super) fn new(
+        number: u32,
+        message: Array,
+        left: Left,
+        (worker, at_once): (Option<u32>, usize),
+        ctx: &Context,
+    ) -> Self {
+        let (shares, come, ctx) = (Vec::new(), Array::new(), ctx.clone());
+        Self { number, message, left, shares, worker, at_once, come, is_over: false, ctx }
+    }
+
+    pub(super) fn is_for_all(&self) -> bool {
+        self.worker.is_none()
+    }
+
+    /// Whether no worker has a portion of it.
+    pub(super) fn rests(&self) -> bool {
+        self.shares.iter().all(|(_, portions)| *portions == 0)
+    }
+
+    pub(super) fn is_of(&self, worker: &Worker) -> bool {
+        self.worker == Some(worker.number) && !self.is_over
+    }
+
+    pub(super) fn is_at(&self, worker: &Worker) -> bool {
+        self.shares.iter().any(|(number, portions)| *number == worker.number && *portions > 0)
+    }
+
+    /// Takes out the first part that has come. None comes once it is over.
+    pub(super) fn next(&self) -> Option<JsValue> {
+        Some(self.come.shift()).filter(|part| !part.is_undefined())
+    }
+
+    pub(super) fn wake(&self) {
+        self.ctx.request_repaint();
+    }
+
+    /// Asks a worker for more, if there is something to do.
+    pub(super) fn feed(&mut self, worker: &Worker) {
+        let number = worker.number;
+        if self.is_over || !worker.is_ready || self.worker.is_some_and(|own| own != number) {
+            return;
+        }
+        let at = self.shares.iter().position(|(other, _)| *other == number).unwrap_or_else(|| {
+            worker.tell(&self.message);
+            self.shares.push((number, 0));
+            self.shares.len() - 1
+        });
+        while self.shares[at].1 < self.at_once {
+            let Some(portion) = self.left.take() else { break };
+            worker.tell(&Array::of3(&"more".into(), &self.number.into(), &portion));
+            self.shares[at].1 += 1;
+        }
+    }
+
+    pub(super) fn take(&mut self, part: &JsValue, worker: &Worker) {
+        let Some((_, portions)) = self.shares.iter_mut().find(|(number, _)| *number == worker.number) else { return };
+        *portions = portions.saturating_sub(1);
+        if self.is_over {
+            return;
+        }
+        self.come.push(part);
+        if matches!(self.left, Left::Outcome) && part.as_f64().is_none() {
+            self.left = Left::Samples(0);
+        }
+        if !self.is_for_all() {
+            self.feed(worker);
+        }
+        // The last part is shown at once, progress a few times a second.
+        if self.is_at(worker) { self.ctx.request_repaint_after(BETWEEN) } else { self.wake() }
+    }
+
+    /// Ends it. Workers that have heard of it forget it.
+    pub(super) fn end(&mut self, workers: &[Worker]) {
+        if std::mem::replace(&mut self.is_over, true) {
+            return;
+        }
+        for worker in workers.iter().filter(|worker| self.shares.iter().any(|(number, _)| *number == worker.number)) {
+            worker.tell(&Array::of2(&"forget".into(), &self.number.into()));
+        }
+        (self.left, self.come) = (Left::Samples(0), Array::new());
+    }
+
+    pub(super) fn forget_all_but(&mut self, workers: &[Worker]) {
+        self.shares.retain(|(number, _)| workers.iter().any(|worker| worker.number == *number && !worker.is_over));
+    }
 }
