@@ -178,9 +178,8 @@ fn every_menu_leaves_its_button_in_sight_and_its_last_entry_is_reached() {
 
 #[test]
 fn the_first_touch_moves_nothing_where_fingers_are_expected() {
-    let mut screen = Harness::builder().with_size(PHONE).with_step_dt(1.0 / 60.0).build_eframe(|creation| {
-        let app = App::new(creation).expect("the default scenario can be run");
-        theme::expect_fingers(&creation.egui_ctx);
+    let mut screen = started(PHONE, Theme::Light, |app, ctx| {
+        theme::expect_fingers(ctx);
         app
     });
     screen.state_mut().session_mut().set_budget(Budget::Unlimited);

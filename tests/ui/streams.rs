@@ -14,14 +14,11 @@ fn following(scenario: &Scenario) -> (Screen, Rc<Device<StreamRow>>) {
     let device = Device::new();
     let stream: (Rc<dyn Sensor<StreamRow>>, _) = (Rc::clone(&device) as Rc<_>, Rc::new(scenario.clone()));
     let sensors = Sensors { stream: Some(stream), ..Sensors::default() };
-    let mut screen =
-        Harness::builder().with_size(DESKTOP).with_theme(Theme::Light).with_step_dt(1.0 / 60.0).build_eframe(
-            move |creation| {
-                let mut app = App::new(creation).expect("the default scenario can be run").measuring_with(sensors);
-                app.watch(&creation.egui_ctx);
-                app
-            },
-        );
+    let mut screen = started(DESKTOP, Theme::Light, |app, ctx| {
+        let mut app = app.measuring_with(sensors);
+        app.watch(ctx);
+        app
+    });
     screen.state_mut().session_mut().set_budget(Budget::Unlimited);
     screen.run_steps(3);
     screen.get_by_label_contains("Waiting for readings");
