@@ -3,20 +3,12 @@
 use std::fmt::{self, Write as _};
 
 use kalmanscope_core::diagnosis::Remedy;
-use kalmanscope_core::{Analysis, Channel, Diagnosis, FilterKind, ModelClasses, Run, Scenario, Summary};
+use kalmanscope_core::{Channel, Diagnosis, FilterKind, ModelClasses, Scenario, Summary};
 
-use crate::in_words::{evidence, likeliest, unexplained};
+use crate::in_words::{evidence, likeliest, quality, remarks, unexplained};
 use crate::number::{plain, short};
-use crate::quality::quality;
-use crate::remarks::remarks;
 use crate::results::{FilterResults, Results};
 use crate::rows::{COLUMNS, rows};
-
-/// The results of each filter as a table ([`Results::table`]). `causes` are those of [`crate::causes()`], one list per filter, and
-/// `step_times` \[ns\] those of [`crate::step_times`]; empty lists leave them out.
-pub fn table(run: &Run, analysis: &Analysis, causes: &[Vec<Remedy>], step_times: &[Option<f64>]) -> String {
-    Results::of_run(run, analysis, causes.to_vec()).with_step_times(step_times).table()
-}
 
 impl Results<'_> {
     /// The results as a table: of each filter the verdict with its evidence and causes, the last estimates ±2σ with units, their
@@ -152,7 +144,7 @@ fn width(text: &str) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use kalmanscope_core::Wanted;
+    use kalmanscope_core::{Analysis, Wanted};
 
     use crate::{causes, run_scenario};
 
@@ -160,7 +152,11 @@ mod tests {
         let scenario = Scenario::from_toml(toml).unwrap();
         let run = run_scenario(&scenario, None).unwrap();
         let analysis = Analysis::new(&run, Wanted { bounds: true, ..Wanted::default() });
-        table(&run, &analysis, &causes(&run, &analysis), &[Some(123.4)])
+        let mut results = Results::of_run(&run, &analysis, causes(&run, &analysis, &mut |_| {}));
+        if let Some(first) = results.filters.first_mut() {
+            first.step_time = Some(123.4);
+        }
+        results.table()
     }
 
     #[test]
