@@ -54,7 +54,7 @@ pub(crate) enum Command {
         after_help = "Example:\n  kalmanscope-cli tune record.toml --turn filters.EKF.fading=1:1.02 --out tuned.toml"
     )]
     Tune(TuneArgs),
-    /// Find what a record says about a filter's parameters without the belief that it is normal, beside the filter's ±2σ
+    /// Find the posterior of a filter's parameters without the assumption that it is normal, beside the filter's ±2σ
     #[command(after_help = "Example:\n  kalmanscope-cli posterior record.toml --filter UKF --out points.csv")]
     Posterior(PosteriorArgs),
 }
@@ -66,7 +66,7 @@ pub(crate) struct StreamArgs {
     /// Where lines come from: a file, `tcp://HOST:PORT` to connect to, `udp://HOST:PORT` to listen at,
     /// `serial:/dev/ttyUSB0?baud=115200`, `-` for standard input.
     /// A line is a row of numbers under a header such as `t,force,displacement`, or a JSON object such as
-    /// {"t": 0.01, "displacement": 0.002}. It has what is new: cells may be empty, and sensors may have clocks of their own
+    /// {"t": 0.01, "displacement": 0.002}. It has what is new: cells may be empty, and sensors may have their own clocks
     #[arg(default_value = "-")]
     pub(crate) source: PathBuf,
     /// Take in what comes late by up to this time, at its own time
@@ -317,13 +317,13 @@ pub(crate) struct ImportArgs {
     /// The scenario to write; standard output if left out or `-`
     #[arg(long, value_name = "SCENARIO.toml")]
     pub(crate) out: Option<PathBuf>,
-    /// Take the free decay from an accelerometer with three axes, as a phone writes it, write it to this file, and go on with it
+    /// Take the free decay from an accelerometer with three axes, as a phone writes it, write it to this file, and continue with it
     #[arg(long, value_name = "DECAY.csv", conflicts_with_all = ["rate", "time", "time_unit", "input", "sensor", "ground"])]
     pub(crate) decay: Option<PathBuf>,
-    /// A second file of the same time with a clock of its own, such as that of another logger
+    /// A second file of the same time with its own clock, such as that of another logger
     #[arg(long, value_name = "OTHER.csv", requires = "joined", conflicts_with_all = ["decay", "rate", "time", "time_unit"])]
     pub(crate) with: Option<PathBuf>,
-    /// What is added to the times of the second file [s]; without it, what both files measured tells it
+    /// The number to add to the times of the second file [s]; without it, it is found from the readings of both files
     #[arg(long, value_name = "SECONDS", requires = "with", allow_negative_numbers = true, value_parser = offset)]
     pub(crate) offset: Option<f64>,
     /// The file to write with the columns of both, each with its times
@@ -335,7 +335,7 @@ pub(crate) struct ImportArgs {
     /// The column of the times
     #[arg(long, value_name = "COLUMN")]
     pub(crate) time: Option<String>,
-    /// The unit of the times, such as ms, where the file does not tell it
+    /// The unit of the times, such as ms, where the file does not say it
     #[arg(long, value_name = "UNIT", value_parser = time_unit, conflicts_with = "rate")]
     pub(crate) time_unit: Option<String>,
     /// The samples are equally spaced: put them at even steps, whatever the times say
@@ -365,10 +365,10 @@ pub(crate) struct ImportArgs {
     /// Band-pass input and sensors, from and to [Hz], by Butterworth filters run forward and backward
     #[arg(long, value_names = ["LOW", "HIGH"], num_args = 2)]
     pub(crate) band: Option<Vec<f64>>,
-    /// Keep one of so many samples, after a low-pass
+    /// Keep one of N samples, after a low-pass
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub(crate) every: usize,
-    /// Put so many steps in place of one: a band-limited input, measurements missing in between
+    /// Put N steps in place of one: a band-limited input, measurements missing in between
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub(crate) interpolate: usize,
     /// The kind of plant that the filters assume, or its equation, as "x'' + c x' + k x = f"
