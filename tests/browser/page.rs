@@ -7,7 +7,8 @@ use std::time::{Duration, Instant};
 use base64::Engine as _;
 use serde_json::{Value, json};
 
-use crate::client::Client;
+use crate::driver::Client;
+use crate::pictures;
 
 /// A browser's only page.
 pub(crate) struct Page {
@@ -99,11 +100,17 @@ impl Page {
     }
 
     /// A PNG of the window.
-    pub(crate) async fn screenshot(&self) -> Vec<u8> {
-        let params = json!({ "cmd": "Page.captureScreenshot", "params": {} });
-        let answer = self.post("goog/cdp/execute", params).await;
+    async fn screenshot(&self) -> Vec<u8> {
+        let answer = self.execute("Page.captureScreenshot", json!({})).await;
         let text = answer["data"].as_str().expect("a screenshot is text");
         base64::prelude::BASE64_STANDARD.decode(text).expect("it is base64")
+    }
+
+    /// Writes a PNG of the window beside the other pictures, and returns it.
+    pub(crate) async fn save(&self, name: &str) -> Vec<u8> {
+        let png = self.screenshot().await;
+        std::fs::write(pictures().join(name), &png).expect("a picture can be written");
+        png
     }
 
     /// The messages on the console since the last call, as (level, message).
@@ -118,7 +125,7 @@ impl Page {
     /// resize observer, and the app would draw twice as large.)
     pub(crate) async fn resize(&self, width: u32, height: u32) {
         let params = json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": false });
-        self.post("goog/cdp/execute", json!({ "cmd": "Emulation.setDeviceMetricsOverride", "params": params })).await;
+        self.execute("Emulation.setDeviceMetricsOverride", params).await;
         let resized = format!("innerWidth === {width} && innerHeight === {height}");
         self.wait_until(&resized, Duration::from_secs(10)).await.expect("the window can be resized");
         self.settle().await;
@@ -127,9 +134,9 @@ impl Page {
     /// Makes the window one of this size on a phone, whose pointer is a finger.
     pub(crate) async fn become_phone(&self, (width, height): (u32, u32)) {
         let params = json!({ "enabled": true, "maxTouchPoints": 5 });
-        self.post("goog/cdp/execute", json!({ "cmd": "Emulation.setTouchEmulationEnabled", "params": params })).await;
+        self.execute("Emulation.setTouchEmulationEnabled", params).await;
         let params = json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": true });
-        self.post("goog/cdp/execute", json!({ "cmd": "Emulation.setDeviceMetricsOverride", "params": params })).await;
+        self.execute("Emulation.setDeviceMetricsOverride", params).await;
     }
 
     /// Taps a control with a finger.
@@ -161,7 +168,7 @@ impl Page {
         events.push(("touchEnd", json!([])));
         for (kind, points) in events {
             let params = json!({ "type": kind, "touchPoints": points });
-            self.post("goog/cdp/execute", json!({ "cmd": "Input.dispatchTouchEvent", "params": params })).await;
+            self.execute("Input.dispatchTouchEvent", params).await;
             self.settle().await;
         }
         self.rest().await;
@@ -211,33 +218,32 @@ impl Page {
     /// Lets the page download files into a folder.
     pub(crate) async fn allow_downloads(&self, folder: &Path) {
         let params = json!({ "behavior": "allow", "downloadPath": folder.to_string_lossy() });
-        self.post("goog/cdp/execute", json!({ "cmd": "Browser.setDownloadBehavior", "params": params })).await;
+        self.execute("Browser.setDownloadBehavior", params).await;
     }
 
     /// Asks the page for its `light` or `dark` theme.
     pub(crate) async fn theme(&self, theme: &str) {
         let params = json!({ "features": [{ "name": "prefers-color-scheme", "value": theme }] });
-        self.post("goog/cdp/execute", json!({ "cmd": "Emulation.setEmulatedMedia", "params": params })).await;
+        self.execute("Emulation.setEmulatedMedia", params).await;
     }
 
-    /// Makes the page's processor so many times slower.
+    /// Makes the page's processor this many times slower.
     pub(crate) async fn throttle(&self, times: f64) {
         let params = json!({ "rate": times });
-        self.post("goog/cdp/execute", json!({ "cmd": "Emulation.setCPUThrottlingRate", "params": params })).await;
+        self.execute("Emulation.setCPUThrottlingRate", params).await;
     }
 
     /// Makes the network as slow as this: bits per second, and the time to an answer.
     pub(crate) async fn network(&self, slow: Option<(f64, Duration)>) {
         let (bytes, latency) = slow.map_or((-1.0, 0), |(bits, latency)| (bits / 8.0, latency.as_millis()));
         let params = json!({ "offline": false, "latency": latency as u64, "downloadThroughput": bytes, "uploadThroughput": bytes });
-        self.post("goog/cdp/execute", json!({ "cmd": "Network.enable", "params": {} })).await;
-        self.post("goog/cdp/execute", json!({ "cmd": "Network.emulateNetworkConditions", "params": params })).await;
+        self.execute("Network.enable", json!({})).await;
+        self.execute("Network.emulateNetworkConditions", params).await;
     }
 
     /// Runs a script before any other, on every page opened from now on.
     pub(crate) async fn prepare(&self, script: &str) {
-        let body = json!({ "cmd": "Page.addScriptToEvaluateOnNewDocument", "params": { "source": script } });
-        self.post("goog/cdp/execute", body).await;
+        self.execute("Page.addScriptToEvaluateOnNewDocument", json!({ "source": script })).await;
     }
 
     /// Scrolls the panel with a control until all of it is visible. Returns its rectangle.
@@ -264,6 +270,11 @@ impl Page {
         place(&summary, name).unwrap_or_else(|| panic!("there is no control `{name}` among {}", summary["controls"]))
     }
 
+    /// A command of Chromium's own protocol.
+    async fn execute(&self, command: &str, params: Value) -> Value {
+        self.post("goog/cdp/execute", json!({ "cmd": command, "params": params })).await
+    }
+
     async fn post(&self, command: &str, body: Value) -> Value {
         self.client.post(command, &body).unwrap_or_else(|error| panic!("{error}"))
     }
@@ -281,6 +292,18 @@ fn pause(milliseconds: u64) -> Value {
 /// Presses or releases the left button.
 fn button(kind: &str) -> Value {
     json!({ "type": kind, "button": 0 })
+}
+
+/// Whether a control of this name is on screen, as a script.
+pub(crate) fn has(name: &str) -> String {
+    format!("JSON.parse(wasmBindings.kalmanscope_summary()).controls.some(it => it.name === '{name}')")
+}
+
+/// The `mean` or `std` of a channel of a filter in a summary.
+pub(crate) fn estimate(filter: &Value, channel: &str, number: &str) -> f64 {
+    let estimates = filter["estimates"].as_array().expect("estimates are a list");
+    let one = estimates.iter().find(|one| one["channel"] == channel).expect("it is estimated");
+    one[number].as_f64().expect("it is a number")
 }
 
 /// The place of a control in a summary.
