@@ -10,8 +10,7 @@ use kalmanscope_lessons::BUILT_IN;
 
 use crate::clock::Moment;
 use crate::memory::Memory;
-use crate::phase::Phase;
-use crate::screen::{Screen, edit};
+use crate::screen::{Phase, Screen, edit};
 
 const PARTICLES: usize = 2_000;
 const EKF: usize = 0;

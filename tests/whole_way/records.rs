@@ -5,8 +5,7 @@ use std::fmt::Write as _;
 use kalmanscope_core::import::{Builder, Mapping, Table, hash, read};
 use kalmanscope_core::{Document, Hold, InputKind, Record, Scenario};
 
-use crate::dice::Dice;
-use crate::numbers::spoil;
+use crate::dice::{Dice, spoil};
 
 /// Limits the samples that are measured, so that a case does not take long.
 const MOST: usize = 600;
