@@ -17,10 +17,8 @@ use png::{BitDepth, BlendOp, ColorType, Compression, Encoder, EncodingError, Fil
 /// The picture's size \[pixels\].
 const SIZE: Vec2 = Vec2::new(840.0, 540.0);
 
-/// Pictures in a second.
 const RATE: u16 = 12;
 
-/// Simulated seconds per second.
 const SPEED: f64 = 2.5;
 
 /// The time for which the last picture stands still \[s\].
@@ -53,9 +51,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// The place in the palette of a pixel that has not changed.
 const UNCHANGED: u8 = 255;
 
-/// Pictures of one size.
 struct Animation {
-    /// Pictures in a second.
     rate: u16,
     width: usize,
     pictures: Vec<Vec<Color>>,
@@ -83,7 +79,6 @@ impl Animation {
         self.pictures.push(pixels.chunks_exact(4).map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect());
     }
 
-    /// The file.
     fn encoded(&self) -> Result<Vec<u8>, EncodingError> {
         let Self { rate, width, pictures, rest } = self;
         let mut counts = HashMap::new();
@@ -140,7 +135,6 @@ fn with_last(bytes: &[u8], length: usize, last: &[u8]) -> Vec<u8> {
     filled
 }
 
-/// Red, green and blue.
 type Color = [u8; 3];
 
 /// The colours of an indexed picture: groups of similar colours, split where they differ most until there are enough.
@@ -167,7 +161,6 @@ impl Palette {
         Self { colors: groups.iter().map(Group::mean).collect(), places: places.collect() }
     }
 
-    /// The place of a colour in the palette.
     fn place(&self, color: Color) -> u8 {
         self.places.get(&color).copied().unwrap_or(0)
     }
@@ -207,7 +200,6 @@ impl Group {
     }
 }
 
-/// The mean of a channel.
 fn mean(colors: &[(Color, u64)], channel: usize) -> f64 {
     let all: u64 = colors.iter().map(|(_, count)| count).sum();
     let sum: u64 = colors.iter().map(|(color, count)| u64::from(color[channel]) * count).sum();

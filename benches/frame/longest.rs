@@ -16,7 +16,6 @@ const PARTICLES: usize = 2_000;
 const EKF: usize = 0;
 const PF: usize = 5;
 
-/// Runs the cases that have a word in their names.
 pub(crate) fn run(wanted: &str) {
     let cases: [(&str, fn()); 4] = [
         ("six filters, one of 2,000 particles, 200,000 samples", six_filters),
@@ -72,7 +71,6 @@ fn whole_picture() {
     Phase::of(&mut screen, 100, first(open_another)).print("another scenario is opened");
 }
 
-/// Six filters, three of them with smoothers: the whole picture, edits, and another mode.
 fn smoothers() {
     let mut scenario = scenario(20);
     for filter in &mut scenario.filters[..3] {

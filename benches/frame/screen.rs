@@ -13,7 +13,6 @@ use crate::clock::{Elapsed, Moment, peak_memory};
 /// The size of the window \[points\].
 const SIZE: Vec2 = Vec2::new(1280.0, 800.0);
 
-/// The six views of all cases.
 pub(crate) const VIEWS: [ViewKind; 6] = [
     ViewKind::Oscillator,
     ViewKind::Parameters,
@@ -23,13 +22,11 @@ pub(crate) const VIEWS: [ViewKind; 6] = [
     ViewKind::Consistency,
 ];
 
-/// The parts of a frame.
 pub(crate) const PARTS: [&str; 4] = ["change", "logic", "ui", "triangles"];
 
 /// The time that each of [`PARTS`] takes.
 pub(crate) type Frame = [Elapsed; PARTS.len()];
 
-/// The explorer and its window.
 pub(crate) struct Screen {
     pub(crate) app: App,
     ctx: Context,
@@ -38,7 +35,6 @@ pub(crate) struct Screen {
 }
 
 impl Screen {
-    /// A window of an explorer that `app` makes.
     pub(crate) fn new(app: impl FnOnce(&Context) -> App) -> Self {
         let ctx = Context::default();
         kalmanscope::theme::install(&ctx);
@@ -117,7 +113,6 @@ impl Phase {
         Self { frames: vec![frame] }
     }
 
-    /// The head of the table.
     pub(crate) fn head() {
         let [change, logic, ui, triangles] = PARTS;
         println!(
@@ -143,7 +138,6 @@ impl Phase {
     }
 }
 
-/// The 99 % quantile and the largest.
 fn upper(mut times: Vec<f64>) -> [f64; 2] {
     times.sort_by(f64::total_cmp);
     let at = |share: f64| times[((times.len() - 1) as f64 * share) as usize];

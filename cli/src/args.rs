@@ -41,7 +41,7 @@ pub(crate) enum Command {
     Sweep(SweepArgs),
     /// Run the members of a population and print how often each filter identifies, is lost, covers the truth, and why
     #[command(
-        after_help = "Example:\n  kalmanscope-cli population scenario.toml --members 100 --causes\nwith a table such as\n  [draw]\n  \"plant.natural_frequency\" = { lognormal = [6.0, 0.2] }\n  \"filters.1.initial_mean.natural_frequency\" = { normal = [8.0, 2.0] }"
+        after_help = "Example:\n  kalmanscope-cli population scenario.toml --members 100 --causes\nThe scenario's table [draw] has laws for some of its numbers, with a record for those of filters only:\n  [draw]\n  \"plant.natural_frequency\" = { lognormal = [6.0, 0.2] }\n  \"filters.1.initial_mean.natural_frequency\" = { normal = [8.0, 2.0] }"
     )]
     Population(PopulationArgs),
     /// Filter readings while they come in: a line in, the newest estimates out
@@ -84,8 +84,8 @@ fn seconds(text: &str) -> Result<f64, String> {
 
 #[derive(Debug, Args)]
 pub(crate) struct SweepArgs {
-    /// The scenario, a TOML file; `-` for standard input
-    pub(crate) scenario: PathBuf,
+    #[command(flatten)]
+    pub(crate) input: InputArgs,
     /// A setting to vary, as lessons name it, from a value to another in equal steps; with `:log` behind it in equal ratios.
     /// May be given for several; the last one changes fastest. A table of standard deviations, such as
     /// filters.EKF.process_std, stands for a factor on all of them
@@ -99,8 +99,6 @@ pub(crate) struct SweepArgs {
     /// Score this filter only; may be given for several
     #[arg(long, value_name = "NAME")]
     pub(crate) filter: Vec<String>,
-    #[command(flatten)]
-    pub(crate) record: RecordArgs,
     /// The table to write, a .csv file. Finished rows stand in a file of this name with .part behind it: the same
     /// command continues from there. `-` for rows on standard output, which begin again each time
     #[arg(long, value_name = "TABLE")]
@@ -115,9 +113,8 @@ pub(crate) struct SweepArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct PopulationArgs {
-    /// The scenario, a TOML file; `-` for standard input. Its table `[draw]` has laws for some of its numbers, with a
-    /// record for those of filters only
-    pub(crate) scenario: PathBuf,
+    #[command(flatten)]
+    pub(crate) input: InputArgs,
     /// Number of members, which have the seeds 1, 2, ...
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub(crate) members: u32,
@@ -127,8 +124,6 @@ pub(crate) struct PopulationArgs {
     /// Search the causes of each bad verdict: up to seconds a member
     #[arg(long)]
     pub(crate) causes: bool,
-    #[command(flatten)]
-    pub(crate) record: RecordArgs,
     /// Print the numbers as JSON
     #[arg(long)]
     pub(crate) json: bool,
@@ -140,15 +135,25 @@ pub(crate) struct PopulationArgs {
     pub(crate) quiet: bool,
 }
 
-/// A measured record in place of simulated ones.
+/// A scenario, and a measured record in place of a simulated one.
 #[derive(Debug, Args)]
-pub(crate) struct RecordArgs {
-    /// Filter this record instead of simulated ones; `-` for standard input
+pub(crate) struct InputArgs {
+    /// The scenario, a TOML file; `-` for standard input
+    pub(crate) scenario: PathBuf,
+    /// Filter this record instead of simulating one: a file, or `-` for standard input, with columns of numbers, whose meaning is that of `[record]` in
+    /// the scenario or of --map, or else guessed from the names
     #[arg(long, value_name = "RECORD.csv")]
     pub(crate) record: Option<PathBuf>,
     /// The meaning of the record's columns, as `[record]` in a scenario has it
     #[arg(long, value_name = "MAP.toml", requires = "record")]
     pub(crate) map: Option<PathBuf>,
+}
+
+impl InputArgs {
+    pub(crate) fn inputs(&self) -> Places<'_> {
+        let Self { scenario, record, map } = self;
+        [places("the scenario", [scenario]), places("--record", record), places("--map", map)].concat()
+    }
 }
 
 /// A part of a table's rows.
@@ -174,15 +179,8 @@ impl FromStr for Shard {
 /// The source of a run's samples.
 #[derive(Debug, Args)]
 pub(crate) struct SourceArgs {
-    /// The scenario, a TOML file; `-` for standard input
-    pub(crate) scenario: PathBuf,
-    /// Filter this record instead of simulating one: a file, or `-` for standard input, with columns of numbers, whose meaning is that of `[record]` in
-    /// the scenario or of --map, or else guessed from the names
-    #[arg(long, value_name = "RECORD.csv")]
-    pub(crate) record: Option<PathBuf>,
-    /// The meaning of the record's columns, as `[record]` in a scenario has it
-    #[arg(long, value_name = "MAP.toml", requires = "record")]
-    pub(crate) map: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) input: InputArgs,
     /// Run the identified models freely over this record too, which the filters do not see; its columns mean the same
     #[arg(long, value_name = "RECORD.csv")]
     pub(crate) holdout: Vec<PathBuf>,
@@ -195,11 +193,8 @@ pub(crate) struct SourceArgs {
 }
 
 impl SourceArgs {
-    /// The files that are read.
     pub(crate) fn inputs(&self) -> Places<'_> {
-        let Self { scenario, record, map, holdout, no_input: _, seed: _ } = self;
-        let all = [places("the scenario", [scenario]), places("--record", record), places("--map", map)];
-        all.into_iter().flatten().chain(places("--holdout", holdout)).collect()
+        [self.input.inputs(), places("--holdout", &self.holdout)].concat()
     }
 }
 
@@ -266,8 +261,8 @@ fn verdict(word: &str) -> Result<VerdictKind, String> {
 
 #[derive(Debug, Args)]
 pub(crate) struct TuneArgs {
-    /// The scenario, a TOML file; `-` for standard input
-    pub(crate) scenario: PathBuf,
+    #[command(flatten)]
+    pub(crate) input: InputArgs,
     /// A setting of the filter to turn, as lessons name it, and the range to stay in; without a range two decades each way or as
     /// far as the slider goes. May be given for several
     #[arg(long, value_name = "KEY[=FROM:TO[:log]]", required = true)]
@@ -278,8 +273,6 @@ pub(crate) struct TuneArgs {
     /// The number to make best: likelihood, consistency, or free_run with a sensor behind a dot, as in free_run.displacement
     #[arg(long, value_name = "GOAL", default_value = "likelihood", value_parser = goal)]
     pub(crate) goal: Goal,
-    #[command(flatten)]
-    pub(crate) record: RecordArgs,
     /// Write the scenario with the tuned filter
     #[arg(long, value_name = "SCENARIO.toml")]
     pub(crate) out: Option<PathBuf>,
@@ -287,13 +280,11 @@ pub(crate) struct TuneArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct PosteriorArgs {
-    /// The scenario, a TOML file; `-` for standard input
-    pub(crate) scenario: PathBuf,
+    #[command(flatten)]
+    pub(crate) input: InputArgs,
     /// The filter; the first one if left out
     #[arg(long, value_name = "NAME")]
     pub(crate) filter: Option<String>,
-    #[command(flatten)]
-    pub(crate) record: RecordArgs,
     /// Write the points, a row each
     #[arg(long, value_name = "POINTS.csv")]
     pub(crate) out: Option<PathBuf>,

@@ -48,12 +48,10 @@ pub(crate) enum InputError {
 }
 
 impl InputError {
-    /// The reason why a file cannot be used.
     pub(crate) fn bad(file: &Path, reason: &dyn ToString) -> Self {
         Self::Laboratory { file: file.to_owned(), reason: reason.to_string() }
     }
 
-    /// The reason why a file cannot be written.
     pub(crate) fn unwritten(file: &Path, reason: &dyn ToString) -> Self {
         Self::Output { file: file.to_owned(), reason: reason.to_string() }
     }
@@ -69,7 +67,6 @@ pub(crate) fn read_text(file: &Path) -> Result<String, InputError> {
     to_text(file, read_short(file)?)
 }
 
-/// The bytes of a file as text.
 pub(crate) fn to_text(file: &Path, bytes: Vec<u8>) -> Result<String, InputError> {
     let bad = |error: FromUtf8Error| io::Error::new(io::ErrorKind::InvalidData, error.utf8_error());
     String::from_utf8(bytes).map_err(|error| InputError::Read { file: file.to_owned(), error: bad(error) })
@@ -206,7 +203,6 @@ pub(crate) fn print_beside(outputs: &Places<'_>, text: &str) -> Result<(), Input
     print(text)
 }
 
-/// Prints an error on standard error.
 pub(crate) fn report_error(error: &dyn std::fmt::Display) {
     say(&format_args!("error: {error}"));
 }

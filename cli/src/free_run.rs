@@ -10,9 +10,7 @@ use crate::number::{fixed, short};
 
 /// The free runs of all final models over one record.
 pub(crate) struct FreeRuns {
-    /// The name of the record.
     pub(crate) name: String,
-    /// The number of its samples.
     pub(crate) samples: usize,
     /// The fits, filter by filter, and each sensor by sensor.
     pub(crate) fits: Vec<FreeFit>,
@@ -20,7 +18,6 @@ pub(crate) struct FreeRuns {
 
 /// The free run of one filter's final model, for one sensor.
 pub(crate) struct FreeFit {
-    /// The filter's name.
     pub(crate) filter: String,
     pub(crate) sensor: Quantity,
     /// The free run's agreement with the measurements, if there is something to compare.

@@ -16,7 +16,6 @@ use crate::files::{InputError, check, is_standard_input, places, say, write_byte
 use crate::prepared::table as columns_of;
 use crate::progress::Progress;
 
-/// Looks at a record and writes a scenario for it.
 pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
     let ImportArgs { file, with, joined, out, decay, from, to, band, every, interpolate, plant, .. } = args;
     let inputs = [places("the record", [file]), places("--with", with)].concat();

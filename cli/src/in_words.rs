@@ -62,7 +62,6 @@ pub(crate) fn likeliest(causes: &[Remedy], scenario: &Scenario) -> Vec<CauseInWo
     (1..).zip(causes).take(MOST.1).map(words).collect()
 }
 
-/// The lines of some edits.
 fn lines(edits: &[Edit], scenario: &Scenario) -> Vec<String> {
     let line = |(filter, line): (Option<String>, String)| {
         let place = if filter.is_some() { "in its [[filters]]" } else { "at the top" };

@@ -14,10 +14,10 @@ use crate::args::{PosteriorArgs, TuneArgs};
 use crate::files::{InputError, places, print_beside, write_text};
 use crate::prepared::scenario_and_record;
 
-/// Tunes a filter, prints the result, and writes the scenario.
 pub(crate) fn tune(args: &TuneArgs) -> Result<(), InputError> {
-    let TuneArgs { scenario: file, turn, filter, goal, record, out } = args;
-    let (scenario, imported) = scenario_and_record(file, record, &places("--out", out))?;
+    let TuneArgs { input, turn, filter, goal, out } = args;
+    let file = &input.scenario;
+    let (scenario, imported) = scenario_and_record(input, &places("--out", out))?;
     let place = place_of(file, &scenario, filter.as_deref())?;
     let axes = turn.iter().map(|text| axis(text, &scenario).map_err(|reason| InputError::bad(file, &reason)));
     let axes = axes.collect::<Result<Vec<_>, _>>()?;
@@ -85,8 +85,9 @@ fn tuning_in_words(tuned: &Tuned, axes: &[Axis], goal: Goal) -> String {
 
 /// Prints the posterior of a filter's parameters beside the filter's own belief, and writes its points.
 pub(crate) fn posterior(args: &PosteriorArgs) -> Result<(), InputError> {
-    let PosteriorArgs { scenario: file, filter, record, out } = args;
-    let (scenario, imported) = scenario_and_record(file, record, &places("--out", out))?;
+    let PosteriorArgs { input, filter, out } = args;
+    let file = &input.scenario;
+    let (scenario, imported) = scenario_and_record(input, &places("--out", out))?;
     let bad = |reason: &dyn ToString| InputError::bad(file, reason);
     let place = place_of(file, &scenario, filter.as_deref())?;
     let alone = Scenario { filters: vec![scenario.filters[place].clone()], ..scenario };
@@ -128,7 +129,6 @@ fn posterior_in_words(sampled: &Sampled, estimates: &Estimates) -> String {
     text
 }
 
-/// The points, a row each.
 fn csv(sampled: &Sampled) -> String {
     let keys: Vec<String> = sampled.channels.iter().map(|channel| harmless(channel.key()).into_owned()).collect();
     let row = |point: &Vec<f64>| point.iter().map(f64::to_string).collect::<Vec<_>>().join(",");

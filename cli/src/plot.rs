@@ -215,7 +215,6 @@ impl Panel {
         channels.iter().copied().map(Self::Channel).chain(sensors).collect()
     }
 
-    /// The label of the value axis.
     fn title(self) -> String {
         let (name, symbol, unit) = match self {
             Self::Channel(channel) => (channel.name().to_owned(), channel.symbol(), channel.unit()),
@@ -233,7 +232,6 @@ impl Panel {
         record.measured_quantity(sensor)
     }
 
-    /// The truth, where it is known.
     fn truth(self, record: &Record) -> Option<&[f64]> {
         match self {
             Self::Channel(channel) => record.truth(channel),

@@ -25,11 +25,10 @@ struct Population {
     causes: Option<Vec<Causes>>,
 }
 
-/// Runs the members and prints what became of each filter.
 pub(crate) fn population(args: &PopulationArgs) -> Result<(), InputError> {
-    let PopulationArgs { scenario: file, members, filter, causes, record, json, threads, quiet } = args;
-    let bad = |reason: &dyn ToString| InputError::bad(file, reason);
-    let (mut scenario, imported) = scenario_and_record(file, record, &Vec::new())?;
+    let PopulationArgs { input, members, filter, causes, json, threads, quiet } = args;
+    let bad = |reason: &dyn ToString| InputError::bad(&input.scenario, reason);
+    let (mut scenario, imported) = scenario_and_record(input, &Vec::new())?;
     // Draws name filters by their ids.
     scenario.number_filters();
     let places = filters(&scenario, filter).map_err(|reason| bad(&reason))?;
@@ -94,7 +93,6 @@ impl Population {
         )
     }
 
-    /// Lost and stopped runs of the `nth` filter.
     fn lost(&self, nth: usize) -> [Share; 2] {
         let of = self.statistics.runs();
         self.statistics.diverged(nth).map(|share| Share { count: (share * of as f64).round() as usize, of })
@@ -256,7 +254,6 @@ fn line(text: &mut String, name: &str, Share { count, of }: Share) -> fmt::Resul
 /// The causes of one filter's bad verdicts, counted over the members.
 #[derive(Clone, Debug, Default)]
 struct Causes {
-    /// The members with a bad verdict.
     bad: usize,
     /// The members in which each cause is the first, and in which it is among the first two, the commonest first.
     named: Vec<(&'static str, [usize; 2])>,
@@ -310,11 +307,9 @@ fn of_members(runner: &Runner, slices: &[Slice], threads: usize, quiet: bool) ->
     (0..ensemble.plan().filters.len()).map(of_filter).collect()
 }
 
-/// The result of a search for the causes of a bad verdict.
 struct Found {
     /// The names of the first two causes.
     causes: Vec<&'static str>,
-    /// Whether the first one explains the verdict.
     is_explained: bool,
     /// The probability of the first one; 0 where there is none.
     said: f64,

@@ -9,7 +9,7 @@ use kalmanscope_core::import::{
 use kalmanscope_core::{Document, Quantity, Record, Run, RunError, Scenario, Source};
 use kalmanscope_lessons::records;
 
-use crate::args::{RecordArgs, SourceArgs};
+use crate::args::{InputArgs, SourceArgs};
 use crate::files::{InputError, Places, check, places, read_record, read_short, read_text, say, to_text};
 use crate::progress::Progress;
 
@@ -22,13 +22,11 @@ const CHUNK: usize = 10_000;
 
 /// A run that is about to begin, with its origin.
 pub(crate) struct Prepared {
-    /// The file of the scenario.
     pub(crate) file: PathBuf,
     pub(crate) scenario: Scenario,
     source: Source,
     /// Whether the record was measured, not simulated.
     pub(crate) is_measured: bool,
-    /// The records for free runs, each with its file.
     pub(crate) held_out: Vec<(String, Record)>,
 }
 
@@ -36,14 +34,15 @@ impl Prepared {
     /// Reads scenario and records. Remarks on a record are printed on standard error. Refuses outputs that are inputs. A quiet run
     /// prints no remarks.
     pub(crate) fn new(source: &SourceArgs, outputs: &Places<'_>, quiet: bool) -> Result<Self, InputError> {
-        let SourceArgs { scenario: file, record: _, map: _, holdout, no_input: _, seed } = source;
+        let SourceArgs { input, holdout, no_input, seed } = source;
+        let file = &input.scenario;
         check(&source.inputs(), &Places::new())?;
         let mut scenario = read_scenario(file, quiet)?;
-        check_with_record(&scenario, source, outputs)?;
+        check_with_record(&scenario, file, source.inputs(), outputs)?;
         if let Some(seed) = seed {
             scenario.seed = *seed;
         }
-        let imported = measured(source, &mut scenario)?;
+        let imported = measured(input, *no_input, &mut scenario)?;
         if imported.is_none() && scenario.samples() > MOST {
             return Err(InputError::TooLong { file: file.clone(), most: MOST });
         }
@@ -85,7 +84,6 @@ impl Prepared {
         own.into_iter().chain(self.held_out.iter().map(|(name, record)| (name.as_str(), record))).collect()
     }
 
-    /// The reason why the scenario cannot be run.
     pub(crate) fn bad_run(&self, error: RunError) -> InputError {
         InputError::Run { file: self.file.clone(), error }
     }
@@ -93,22 +91,13 @@ impl Prepared {
 
 /// A scenario, and the measured record that it or the arguments name.
 pub(crate) fn scenario_and_record(
-    file: &Path,
-    RecordArgs { record, map }: &RecordArgs,
+    input: &InputArgs,
     outputs: &Places<'_>,
 ) -> Result<(Scenario, Option<Imported>), InputError> {
-    let source = SourceArgs {
-        scenario: file.to_owned(),
-        record: record.clone(),
-        map: map.clone(),
-        holdout: Vec::new(),
-        no_input: false,
-        seed: None,
-    };
-    check(&source.inputs(), &Places::new())?;
-    let mut scenario = read_scenario(file, false)?;
-    check_with_record(&scenario, &source, outputs)?;
-    let imported = measured(&source, &mut scenario)?;
+    check(&input.inputs(), &Places::new())?;
+    let mut scenario = read_scenario(&input.scenario, false)?;
+    check_with_record(&scenario, &input.scenario, input.inputs(), outputs)?;
+    let imported = measured(input, false, &mut scenario)?;
     Ok((scenario, imported))
 }
 
@@ -128,12 +117,15 @@ pub(crate) fn read_scenario(file: &Path, quiet: bool) -> Result<Scenario, InputE
 }
 
 /// Refuses outputs that are inputs, the record among them that the scenario names.
-fn check_with_record(scenario: &Scenario, source: &SourceArgs, outputs: &Places<'_>) -> Result<(), InputError> {
-    let file = scenario.record.as_ref().filter(|mapping| !mapping.file.is_empty());
-    let file = file.map(|mapping| named(&source.scenario, mapping));
-    let mut inputs = source.inputs();
-    inputs.extend(places("the record of the scenario", &file));
-    check(&inputs, outputs)
+fn check_with_record(
+    scenario: &Scenario,
+    file: &Path,
+    inputs: Places<'_>,
+    outputs: &Places<'_>,
+) -> Result<(), InputError> {
+    let named_in_it = scenario.record.as_ref().filter(|mapping| !mapping.file.is_empty());
+    let file = named_in_it.map(|mapping| named(file, mapping));
+    check(&[inputs, places("the record of the scenario", &file)].concat(), outputs)
 }
 
 /// The sentence on settings that a measured record overrides.
@@ -144,13 +136,13 @@ const OVERRIDDEN: &str =
 pub(crate) const READY: &str = "# a measured record as the filters read it: SI units, no mapping\n";
 
 /// The measured record of a run, if it has one, with sentences about its making. The scenario gets the mapping.
-fn measured(source: &SourceArgs, scenario: &mut Scenario) -> Result<Option<Imported>, InputError> {
-    let SourceArgs { scenario: file, record, map, no_input, .. } = source;
+fn measured(input: &InputArgs, no_input: bool, scenario: &mut Scenario) -> Result<Option<Imported>, InputError> {
+    let InputArgs { scenario: file, record, map } = input;
     if let Some(map) = map {
         let bad = |error| InputError::Scenario { file: map.clone(), error };
         scenario.record = Some(Mapping::from_toml(&read_text(map)?).map_err(bad)?);
     }
-    if *no_input && (record.is_some() || scenario.record.is_some()) {
+    if no_input && (record.is_some() || scenario.record.is_some()) {
         let mapping = scenario.record.get_or_insert_default();
         (mapping.no_input, mapping.input) = (true, None);
     }
@@ -250,12 +242,10 @@ pub(crate) fn table(path: &Path) -> Result<(Table, String), InputError> {
     Ok((columns(path, bytes, None)?, hash))
 }
 
-/// The columns in the bytes of a file.
 fn columns(path: &Path, bytes: Vec<u8>, dialect: Option<Dialect>) -> Result<Table, InputError> {
     import::read(bytes, dialect).map_err(|error| InputError::Import { file: path.to_owned(), error })
 }
 
-/// The meaning of the columns in one line.
 fn meaning(mapping: &Mapping) -> String {
     let time = match (&mapping.time.column, mapping.time.rate) {
         (Some(column), _) => format!("time in `{column}`"),
@@ -267,7 +257,6 @@ fn meaning(mapping: &Mapping) -> String {
     std::iter::once(time).chain(input).chain(sensors).collect::<Vec<_>>().join(", ")
 }
 
-/// A sentence about the columns that mean nothing.
 fn columns_without_meaning(mapping: &Mapping, columns: &[ColumnGuess]) -> Option<String> {
     let sensors = mapping.sensors.values().chain(&mapping.input).map(|mapped| &mapped.column);
     let used: Vec<&String> = sensors.chain(&mapping.time.column).collect();

@@ -40,12 +40,10 @@ impl Progress {
         }
     }
 
-    /// The progress of the results of some filters.
     pub(crate) fn of_results(filters: usize, quiet: bool) -> Self {
         Self::new(filters * OF_FILTER, quiet)
     }
 
-    /// Shows the progress of the filters' results.
     pub(crate) fn tell_results(&mut self, FilterProgress { place, name, work, share }: FilterProgress<'_>) {
         let (begin, pieces, what) = match work {
             Work::Filter => (0, 400, name.to_owned()),

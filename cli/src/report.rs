@@ -108,7 +108,6 @@ fn origin(page: &mut Html, run: &Run, day: &str) {
     page.list(lines);
 }
 
-/// The headings of [`rows`].
 const HEADINGS: [&str; COLUMNS] =
     ["", "quantity", "estimate", "±2σ", "unit", "error", "", "RMSE", "last third", "inside ±2σ", "settled"];
 
@@ -165,7 +164,6 @@ impl Html {
         ))
     }
 
-    /// An element with a text.
     fn element(&mut self, tag: &str, text: &str) {
         self.line(&format!("<{tag}>{}</{tag}>", escaped(text)));
     }
@@ -202,7 +200,6 @@ impl Html {
         self.line(&format!("<figure>{svg}</figure>"));
     }
 
-    /// The text of the page.
     fn finish(mut self) -> String {
         self.0.push_str("</body>\n</html>\n");
         self.0

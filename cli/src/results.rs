@@ -23,7 +23,6 @@ pub struct Results<'a> {
     pub(crate) free_runs: Vec<FreeRuns>,
 }
 
-/// The results of one filter.
 pub(crate) struct FilterResults {
     pub(crate) summary: Summary,
     pub(crate) diagnosis: Option<Diagnosis>,
@@ -114,7 +113,6 @@ impl<'a> Results<'a> {
         self.filters.iter().map(|filter| filter.causes.as_slice())
     }
 
-    /// The unit of lengths.
     pub(crate) fn length(&self) -> Length {
         Length::of(self.scenario.record.as_ref())
     }

@@ -132,7 +132,6 @@ fn write_record(run: &Run, is_measured: bool, file: &mut dyn Write) -> Result<()
     Ok(run.record().write_csv(file)?)
 }
 
-/// Runs the scenario and writes its report.
 pub(crate) fn write_report(args: &ReportArgs) -> Result<(), InputError> {
     let ReportArgs { source, out } = args;
     let prepared = Prepared::new(source, &places("--out", [out]), false)?;

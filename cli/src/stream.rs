@@ -16,7 +16,6 @@ use crate::prepared::read_scenario;
 /// Limits the lines that are refused with a message; later ones are counted.
 const MESSAGES: usize = 100;
 
-/// A filter that follows the stream.
 struct Followed {
     name: String,
     filter: EventFilter,
@@ -131,7 +130,6 @@ struct Watch {
 }
 
 impl Watch {
-    /// Looks at a sample.
     fn look(&mut self, sample: &Sample<'_>) {
         self.nis = sample.nis;
         let readings = sample.readings();

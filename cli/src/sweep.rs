@@ -15,17 +15,16 @@ use kalmanscope_core::import::{Hash, hash};
 use kalmanscope_core::{Axis, Measure, Record, Scenario, Source, Spacing};
 use kalmanscope_lab::{Ensemble, Plan, Priority, Runner, Slice, Threads, channels};
 
-use crate::args::{Shard, SweepArgs};
+use crate::args::{InputArgs, Shard, SweepArgs};
 use crate::files::{InputError, is_standard_output, places, say, write};
 use crate::prepared::scenario_and_record;
 
-/// Limits the threads.
 pub(crate) const MOST_THREADS: usize = 256;
 
 /// Runs all cells of a shard and writes their table: as a file, which continues that of an interrupted call of the same
 /// sweep, or row by row on standard output.
 pub(crate) fn sweep(args: &SweepArgs) -> Result<(), InputError> {
-    let SweepArgs { scenario: file, out, shard, .. } = args;
+    let SweepArgs { input: InputArgs { scenario: file, .. }, out, shard, .. } = args;
     let is_stream = is_standard_output(out);
     if !is_stream && out.extension().is_none_or(|end| end != "csv") {
         let reason = "the table must be a .csv file, beside which finished rows are kept to continue from there, or -";
@@ -68,7 +67,7 @@ fn run_cells(
     done: usize,
     append: &mut dyn FnMut(&Slice) -> io::Result<()>,
 ) -> Result<(), InputError> {
-    let SweepArgs { scenario: file, out, threads, .. } = args;
+    let SweepArgs { input: InputArgs { scenario: file, .. }, out, threads, .. } = args;
     let threads = (*threads).min(MOST_THREADS).min(cells.len().max(1));
     let team = Threads::new(threads, 0).map_err(|error| InputError::bad(file, &error))?;
     let bar = bar(cells.len(), done);
@@ -94,8 +93,9 @@ fn run_cells(
 
 /// The runner of the cells, and a hash of the measured record.
 fn runner(args: &SweepArgs) -> Result<(Runner, String), InputError> {
-    let SweepArgs { scenario: file, vary, seeds, score, filter, record, .. } = args;
-    let (scenario, imported) = scenario_and_record(file, record, &places("--out", [&args.out]))?;
+    let SweepArgs { input, vary, seeds, score, filter, .. } = args;
+    let file = &input.scenario;
+    let (scenario, imported) = scenario_and_record(input, &places("--out", [&args.out]))?;
     let hash = imported.as_ref().map_or_else(String::new, |imported| hash_of(&imported.record));
     let source = imported.map_or(Source::Simulated, |imported| Source::Measured(Arc::new(imported.record)));
     let filters = filters(&scenario, filter).map_err(|reason| InputError::bad(file, &reason))?;
@@ -141,7 +141,6 @@ pub(crate) fn filters(scenario: &Scenario, names: &[String]) -> Result<Vec<usize
     names.iter().map(place).collect()
 }
 
-/// The cells of a shard, contiguous.
 fn cells(all: usize, Shard { number, of }: Shard) -> Range<usize> {
     let cut = |shard: usize| (all as u128 * shard as u128 / of as u128) as usize;
     cut(number - 1)..cut(number)
@@ -167,7 +166,6 @@ fn bar(cells: usize, done: usize) -> ProgressBar {
     bar
 }
 
-/// The beginning of every part file.
 const FIRST: &str = "# sweep ";
 
 /// A file of rows: a line that says which sweep it is, the names of the columns, and one line a cell.
@@ -209,13 +207,11 @@ impl Part {
         Ok((Self { path, file }, found.map_or(0, |(_, rows)| rows)))
     }
 
-    /// Appends the rows of some cells.
     fn append(&mut self, ensemble: &Ensemble, slice: &Slice) -> io::Result<()> {
         write_rows(&mut self.file, ensemble, slice)?;
         self.file.flush()
     }
 
-    /// Turns the part into the table.
     fn finish(self, out: &Path) -> io::Result<()> {
         let Self { path, mut file } = self;
         file.flush()?;
@@ -227,13 +223,11 @@ impl Part {
     }
 }
 
-/// The line of the columns' names.
 fn heading(ensemble: &Ensemble) -> String {
     let names = names(ensemble);
     names.iter().map(|name| harmless(name)).collect::<Vec<_>>().join(",")
 }
 
-/// Writes the rows of some cells.
 fn write_rows(file: &mut dyn Write, ensemble: &Ensemble, slice: &Slice) -> io::Result<()> {
     let width = ensemble.width();
     for (at, &cell) in slice.cells.iter().enumerate() {

@@ -118,7 +118,6 @@ pub(crate) fn heading(name: &str, kind: FilterKind) -> String {
     }
 }
 
-/// The text before each column.
 const LABELS: [&str; COLUMNS] = ["", "", "", "±", "", "error", "", "RMSE", "last third", "inside", "settled"];
 
 /// Aligns numbers to the right of their column and words to the left; leaves out columns that are empty in every row.

@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 
 use crate::Folder;
 
-/// The scenarios of `tests/hostile`.
 fn scenarios() -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/hostile");
     let mut files: Vec<PathBuf> = fs::read_dir(folder).unwrap().map(|file| file.unwrap().path()).collect();

@@ -102,7 +102,6 @@ impl Check {
         self.before || self.than.is_some() || self.than_smoothed || self.reference_times() != self.times()
     }
 
-    /// Whether the check applies to a seed.
     pub(crate) fn is_about(&self, seed: u64) -> bool {
         self.seed.is_none_or(|only| only == seed)
     }

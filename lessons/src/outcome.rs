@@ -18,7 +18,6 @@ pub struct Outcome {
 #[derive(Clone, Copy)]
 pub(crate) struct FilterOutcome<'a> {
     pub(crate) outcome: &'a Outcome,
-    /// The filter's place in the scenario.
     pub(crate) place: usize,
     pub(crate) estimates: &'a Estimates,
     pub(crate) diagnostics: &'a Diagnostics,

@@ -71,10 +71,8 @@ fn claims_about_a_measured_record_hold_for_others_of_its_kind() {
     assert_none(claims.iter().filter(|claim| !claim.holds()), claims.len());
 }
 
-/// The page for authors.
 const README: &str = include_str!("../README.md");
 
-/// The lesson on the page.
 fn text() -> &'static str {
     let (_, rest) = README.split_once("```toml\n").expect("the page has a lesson");
     rest.split_once("```").expect("the lesson ends").0

@@ -34,7 +34,6 @@ impl Told {
         Some(self.diagnoses[place].as_ref()?.verdict.as_ref()?.kind)
     }
 
-    /// Every way in which the story is wrong.
     fn faults(&self) -> Vec<String> {
         let (story, scenario) = (self.story(), self.run.scenario());
         let text = story.to_string();

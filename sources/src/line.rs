@@ -42,7 +42,6 @@ pub enum BadLine {
     NothingKnown(String),
 }
 
-/// The contents of a line.
 pub(crate) enum Line<'a> {
     /// It is empty, or a comment.
     Nothing,

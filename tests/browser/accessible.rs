@@ -57,7 +57,6 @@ const RULES: [(&str, &str); 9] = [
     ),
 ];
 
-/// Rules of the tables.
 const TABLE_RULES: [(&str, &str); 4] = [
     ("there are tables: of two parameters, and of the verdicts", "tables.length >= 3"),
     ("a table has a title", "tables.every(table => table.caption.textContent !== '')"),
@@ -82,7 +81,6 @@ pub(crate) async fn cover_can_be_read(page: &Page) {
     check_contrasts(&page.value("window.coverContrasts").await);
 }
 
-/// The texts of a failure can be read in both themes.
 pub(crate) async fn failure_can_be_read(page: &Page) {
     for theme in ["dark", "light"] {
         page.theme(theme).await;

@@ -200,7 +200,6 @@ fn is_by_graphics(computers: &Value) -> bool {
     computers.len() == 1 && computers[0].as_str().unwrap().starts_with("in single precision by ")
 }
 
-/// What the view says.
 async fn said(page: &Page) -> String {
     let summary = page.summary().await;
     let names = summary["controls"].as_array().unwrap().iter().filter_map(|control| control["name"].as_str());

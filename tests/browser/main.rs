@@ -28,7 +28,6 @@ use server::Server;
 
 /// Limits the start of the page, on a slow machine without a graphics card.
 const START: Duration = Duration::from_secs(60);
-/// The page's message about a failure.
 const FAILURE: &str = "document.getElementById('failure').hidden ? '' : document.getElementById('failure').innerText";
 
 /// Whether the page is there, or has failed.
@@ -247,14 +246,12 @@ async fn frames_of_each_slider(page: &Page, browser: u32, views: &str) {
     }
 }
 
-/// The folder for pictures of the tests.
 fn pictures() -> PathBuf {
     let pictures = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/browser");
     fs::create_dir_all(&pictures).unwrap();
     pictures
 }
 
-/// The folder of the page that has been built.
 fn dist() -> PathBuf {
     let dist = Path::new(env!("CARGO_MANIFEST_DIR")).join("dist");
     assert!(dist.join("index.html").is_file(), "there is no page in {}: run ./check, which builds it", dist.display());

@@ -10,7 +10,6 @@ use serde_json::{Value, json};
 use crate::driver::Client;
 use crate::pictures;
 
-/// A browser's only page.
 pub(crate) struct Page {
     client: Client,
 }
@@ -43,7 +42,6 @@ impl Page {
         self.client.post("url", &json!({ "url": address })).expect("the page can be opened");
     }
 
-    /// Looks into the page's first frame from now on.
     pub(crate) async fn enter_frame(&self) {
         self.post("frame", json!({ "id": 0 })).await;
     }
@@ -53,14 +51,12 @@ impl Page {
         self.post("frame/parent", json!({})).await;
     }
 
-    /// The value of a JavaScript expression.
     pub(crate) async fn value(&self, expression: &str) -> Value {
         let script = format!("return {expression};");
         let body = json!({ "script": script, "args": [] });
         self.client.post("execute/sync", &body).unwrap_or_else(|error| panic!("`{expression}`: {error}"))
     }
 
-    /// Waits until a JavaScript expression is true.
     pub(crate) async fn wait_until(&self, expression: &str, limit: Duration) -> Result<(), String> {
         let begun = Instant::now();
         while self.value(expression).await != true {
@@ -91,7 +87,6 @@ impl Page {
         }
     }
 
-    /// The state that the app reports.
     pub(crate) async fn summary(&self) -> Value {
         let text = self.value("window.wasmBindings.kalmanscope_summary()").await;
         let summary: Value = serde_json::from_str(text.as_str().expect("the summary is text")).expect("it is JSON");
@@ -99,7 +94,6 @@ impl Page {
         summary
     }
 
-    /// A PNG of the window.
     async fn screenshot(&self) -> Vec<u8> {
         let answer = self.execute("Page.captureScreenshot", json!({})).await;
         let text = answer["data"].as_str().expect("a screenshot is text");
@@ -139,13 +133,11 @@ impl Page {
         self.execute("Emulation.setDeviceMetricsOverride", params).await;
     }
 
-    /// Taps a control with a finger.
     pub(crate) async fn tap(&self, name: &str) {
         let at = self.rect(name).await.at(0.5);
         self.touch(at, at).await;
     }
 
-    /// Taps a control if it is there.
     pub(crate) async fn tap_if_there(&self, name: &str) {
         if let Some(rect) = place(&self.summary().await, name) {
             let at = rect.at(0.5);
@@ -174,7 +166,6 @@ impl Page {
         self.rest().await;
     }
 
-    /// Fills an input of the page with a file.
     pub(crate) async fn choose_file(&self, selector: &str, path: &Path) {
         let body = json!({ "using": "css selector", "value": selector });
         let input = self.client.post("element", &body).expect("the input exists");
@@ -215,7 +206,6 @@ impl Page {
         self.settle().await;
     }
 
-    /// Lets the page download files into a folder.
     pub(crate) async fn allow_downloads(&self, folder: &Path) {
         let params = json!({ "behavior": "allow", "downloadPath": folder.to_string_lossy() });
         self.execute("Browser.setDownloadBehavior", params).await;
@@ -264,7 +254,6 @@ impl Page {
         panic!("`{name}` cannot be scrolled into view");
     }
 
-    /// The place of a control.
     pub(crate) async fn rect(&self, name: &str) -> Rect {
         let summary = self.summary().await;
         place(&summary, name).unwrap_or_else(|| panic!("there is no control `{name}` among {}", summary["controls"]))
@@ -306,7 +295,6 @@ pub(crate) fn estimate(filter: &Value, channel: &str, number: &str) -> f64 {
     one[number].as_f64().expect("it is a number")
 }
 
-/// The place of a control in a summary.
 fn place(summary: &Value, name: &str) -> Option<Rect> {
     let controls = summary["controls"].as_array().expect("controls are a list");
     let control = controls.iter().find(|control| control["name"] == name)?;
@@ -314,7 +302,6 @@ fn place(summary: &Value, name: &str) -> Option<Rect> {
     Some(Rect { x: number("x"), y: number("y"), width: number("width"), height: number("height") })
 }
 
-/// Number of pixels of each colour in a PNG.
 pub(crate) fn colours(png: &[u8]) -> HashMap<[u8; 3], usize> {
     let mut decoder = png::Decoder::new(std::io::Cursor::new(png));
     decoder.set_transformations(png::Transformations::normalize_to_color8());

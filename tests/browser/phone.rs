@@ -19,7 +19,6 @@ const FOR_PLOTS: f64 = 0.45;
 /// The height of what a finger presses \[CSS pixels\].
 const FINGER: f64 = 39.5;
 
-/// Opens the page as a phone does.
 pub(crate) async fn opens(page: &Page, address: &str) {
     page.become_phone(SIZE).await;
     page.go(address).await;
@@ -43,7 +42,6 @@ pub(crate) async fn fingers_are_expected(page: &Page) {
     }
 }
 
-/// A swipe on a lesson's text leaves the plots their room.
 pub(crate) async fn a_lesson_leaves_the_plots_their_room(page: &Page) {
     page.tap("First lesson").await;
     let before = page.rect("Handle of the lesson").await;
@@ -58,7 +56,6 @@ pub(crate) async fn a_lesson_leaves_the_plots_their_room(page: &Page) {
     page.save("phone-lesson.png").await;
 }
 
-/// The last view of the menu is reached by a swipe.
 pub(crate) async fn the_menu_of_views_scrolls(page: &Page) {
     page.tap("Views").await;
     let button = page.rect("Views").await;
@@ -91,7 +88,6 @@ const SWING: &str = "(() => {
     return true;
 })()";
 
-/// Opens the window of a measurement, and begins.
 async fn begin_to_measure(page: &Page) {
     page.tap("Scenario").await;
     page.tap("Measure with this device…").await;

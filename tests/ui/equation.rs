@@ -2,7 +2,6 @@
 
 use super::*;
 
-/// The equation of the true plant.
 fn equation(screen: &Screen) -> &'static str {
     scenario(screen).plant.kind.equation()
 }
@@ -188,7 +187,6 @@ fn every_equation_of_the_gallery_is_shown_and_edited_on_any_screen() {
     }
 }
 
-/// A parameter of the truth by its key.
 fn parameter(screen: &Screen, key: &str) -> Option<Signal> {
     let plant = &scenario(screen).plant;
     let channel = plant.parameters().find(|channel| channel.key() == key)?;

@@ -249,7 +249,6 @@ fn nothing_of_a_figure_is_cut_off_at_its_edges() {
     }
 }
 
-/// Width and height of the drawing of a figure.
 fn viewed(svg: &str) -> [f32; 2] {
     let (_, rest) = svg.split_once("viewBox=\"0 0 ").expect("it has a box");
     let mut numbers = rest.split([' ', '"']).map(|number| number.parse().expect("it is a number"));

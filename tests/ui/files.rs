@@ -42,6 +42,10 @@ pub(super) fn drop_file(screen: &mut Screen, name: &str, contents: &[u8]) {
 pub(super) fn drop_path(screen: &mut Screen, path: PathBuf) {
     screen.input_mut().dropped_files = vec![Arc::new(Dropped(path))];
     screen.step();
+    wait(screen);
+}
+
+fn wait(screen: &mut Screen) {
     while screen.state().inbox().is_shared() {
         std::thread::yield_now();
     }
@@ -61,10 +65,7 @@ fn a_dropped_file_is_read_beside_the_frames() {
     screen.run_steps(5);
     assert!(screen.state().inbox().is_shared());
     std::fs::write(&path, lesson()).expect("the pipe can be written");
-    while screen.state().inbox().is_shared() {
-        std::thread::yield_now();
-    }
-    screen.run_steps(4);
+    wait(&mut screen);
     screen.get_by_label("A filter that forgets");
 }
 

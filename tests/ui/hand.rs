@@ -161,11 +161,17 @@ fn the_true_noise_is_dragged_at_the_beginning_of_a_state() {
     assert_eq!(after[1], before[1], "the velocity sensor keeps its noise");
 }
 
-#[test]
-fn filters_stand_side_by_side_with_their_numbers() {
+/// The filters side by side, of which one has another number.
+fn side_by_side() -> Screen {
     let mut screen = whole();
     show(&mut screen, &[ViewKind::Filters]);
     set(&mut screen, "UKF: process std of natural frequency", 0.003);
+    screen
+}
+
+#[test]
+fn filters_stand_side_by_side_with_their_numbers() {
+    let screen = side_by_side();
     assert_eq!(scenario(&screen).filters[1].process_std[Channel::NATURAL_FREQUENCY], 0.003);
     assert_eq!(scenario(&screen).filters[0].process_std[Channel::NATURAL_FREQUENCY], 1e-4);
 }
@@ -257,9 +263,7 @@ fn a_finger_finds_targets_of_its_size() {
 
 #[test]
 fn a_filter_dropped_on_another_gives_it_its_numbers() {
-    let mut screen = whole();
-    show(&mut screen, &[ViewKind::Filters]);
-    set(&mut screen, "UKF: process std of natural frequency", 0.003);
+    let mut screen = side_by_side();
     let cell = screen.get_by_label("UKF: fading factor").rect();
     let name = |screen: &Screen, filter: &str| {
         let above =
@@ -277,9 +281,7 @@ fn a_filter_dropped_on_another_gives_it_its_numbers() {
 
 #[test]
 fn a_number_dropped_on_another_filters_makes_it_the_same() {
-    let mut screen = whole();
-    show(&mut screen, &[ViewKind::Filters]);
-    set(&mut screen, "UKF: process std of natural frequency", 0.003);
+    let mut screen = side_by_side();
     let before = scenario(&screen).filters[0].clone();
     let place = |screen: &Screen, label: &str| screen.get_by_label(label).rect().center();
     let from = place(&screen, "Same as UKF: process std of natural frequency");

@@ -122,7 +122,6 @@ fn reveal(screen: &mut Screen, step: &Step) {
     }
 }
 
-/// Goes through the lesson to its end.
 pub(crate) fn study(screen: &mut Screen, lesson: &Lesson) {
     for (number, step) in lesson.steps.iter().enumerate() {
         reveal(screen, step);

@@ -85,7 +85,6 @@ fn click(screen: &mut Screen, label: &str) {
     screen.run_steps(4);
 }
 
-/// Clicks on a place.
 fn click_on(screen: &mut Screen, at: egui::Pos2) {
     screen.hover_at(at);
     screen.drag_at(at);
@@ -138,6 +137,14 @@ fn show_whole(screen: &mut Screen, scenario: Scenario) {
     session.pause();
 }
 
+/// A screen on which a link is opened.
+fn opened(link: &str) -> Screen {
+    let mut screen = screen(DESKTOP, Theme::Light);
+    screen.state_mut().open_address(link);
+    screen.run_steps(4);
+    screen
+}
+
 /// What a screen saves at its end.
 fn saved(screen: &mut Screen) -> Memory {
     let mut memory = Memory::default();
@@ -161,7 +168,6 @@ fn reloaded(memory: &Memory, with: impl FnOnce(App, &egui::Context) -> App) -> S
     screen
 }
 
-/// Opens the options of the first filter.
 fn open_options(screen: &mut Screen) {
     screen.get_all_by_label("Options").next().expect("each filter has options").click();
     screen.run_steps(12);

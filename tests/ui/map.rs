@@ -36,7 +36,6 @@ fn laboratory_by(team: Rc<dyn Team>, second: Option<u32>) -> Screen {
     screen
 }
 
-/// The place of a filter's cells on screen.
 fn map_rect(screen: &Screen, filter: &str) -> egui::Rect {
     screen.get_by_label(&format!("Map of {filter}, RMS error of ωₙ [rad/s]")).rect()
 }

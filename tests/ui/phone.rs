@@ -5,7 +5,6 @@ use kalmanscope::theme;
 
 use super::*;
 
-/// A phone on its side.
 const SIDE: Vec2 = Vec2::new(844.0, 390.0);
 
 /// The share of the window that a lesson or settings leave to the plots.
@@ -64,7 +63,6 @@ fn plots(screen: &Screen, drawer: &str) -> f32 {
     screen.get_by_label_contains(&format!("Make the {drawer} ")).rect().top() - legend.bottom()
 }
 
-/// A lesson on a phone.
 fn lesson(size: Vec2, title: &str) -> Screen {
     let mut screen = phone(size);
     tap(&mut screen, "Lessons");

@@ -97,10 +97,7 @@ fn a_link_and_a_saved_session_carry_the_choice() {
     screen.run_steps(2);
     let filter = chosen(&screen);
     assert_eq!(filter, Some(scenario(&screen).filters[1].id));
-    let link = screen.state().link().expect("it is short");
-    let mut other = super::screen(DESKTOP, Theme::Light);
-    other.state_mut().open_address(&link);
-    other.run_steps(3);
+    let other = opened(&screen.state().link().expect("it is short"));
     assert_eq!(chosen(&other), filter);
     assert_eq!(restored(&saved(&mut screen)).laboratory().posteriors().chosen(), filter);
     // Without the view a link says nothing of it.

@@ -49,7 +49,6 @@ pub(super) fn open_record(screen: &mut Screen) {
     screen.run_steps(30);
 }
 
-/// Drops a record and opens it.
 pub(super) fn drop_record(screen: &mut Screen, name: &str, contents: &[u8]) {
     drop_file(screen, name, contents);
     screen.run_steps(10);
@@ -234,9 +233,7 @@ fn a_link_and_a_saved_session_wait_for_their_file() {
     drop_record(&mut first, name, bytes);
     let checksum = first.state().session().run().checksum();
     let link = super::share::copy(&mut first);
-    let mut second = screen(DESKTOP, Theme::Light);
-    second.state_mut().open_address(&link);
-    second.run_steps(4);
+    let mut second = opened(&link);
     let problem = second.state().session().problem().expect("the file is missing");
     assert!(problem.contains(name), "{problem}");
     drop_file(&mut second, name, bytes);

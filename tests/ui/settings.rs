@@ -2,7 +2,6 @@
 
 use super::*;
 
-/// A parameter of the truth.
 fn parameter(scenario: &Scenario, channel: Channel) -> Signal {
     scenario.plant.parameter(channel).expect("the plant has it")
 }

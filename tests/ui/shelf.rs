@@ -10,7 +10,6 @@ use kalmanscope::shelf::Shelf;
 use super::records::{check_result, dialects, drop_record};
 use super::*;
 
-/// A file's name and contents.
 type Kept = (String, Vec<u8>);
 
 /// A place for one file in memory. Actions end when a test says so, as those of a browser do later.
@@ -44,22 +43,28 @@ impl Shelf for Drawer {
 }
 
 /// The screen of a state that was saved, with a place for records.
-fn begun(saved: &Memory, drawer: &Drawer) -> Screen {
+fn with_drawer(saved: &Memory, drawer: &Drawer) -> Screen {
     reloaded(saved, |app, ctx| app.keeping_records(Box::new(drawer.clone()), ctx))
+}
+
+/// A screen whose record is about to be kept, and the name of its file.
+fn with_record() -> (Screen, Drawer, &'static str) {
+    let drawer = Drawer::default();
+    let mut screen = with_drawer(&Memory::default(), &drawer);
+    let (name, bytes) = dialects()[0].clone();
+    drop_record(&mut screen, name, &bytes);
+    (screen, drawer, name)
 }
 
 #[test]
 fn a_record_is_there_again_after_a_restart_until_it_is_forgotten() {
-    let drawer = Drawer::default();
-    let mut screen = begun(&Memory::default(), &drawer);
-    let (name, bytes) = dialects()[0].clone();
-    drop_record(&mut screen, name, &bytes);
+    let (mut screen, drawer, name) = with_record();
     check_result(&screen, name);
     assert_eq!(screen.state().notice(), None, "it is not yet written");
     let said = drawer.end(&mut screen, Ok("a drawer".to_owned()));
     assert!(said.contains(name) && said.contains("is kept in a drawer"), "{said}");
 
-    let mut again = begun(&saved(&mut screen), &drawer);
+    let mut again = with_drawer(&saved(&mut screen), &drawer);
     again.run_steps(30);
     check_result(&again, "after a restart");
     assert!(again.query_by_label("Open the record").is_none(), "nothing is asked");
@@ -69,7 +74,7 @@ fn a_record_is_there_again_after_a_restart_until_it_is_forgotten() {
     assert_eq!(again.state().notice(), None, "it is not yet forgotten");
     let said = drawer.end(&mut again, Ok("a drawer".to_owned()));
     assert_eq!(said, "The record is no longer kept for the next start.");
-    let mut empty = begun(&saved(&mut again), &drawer);
+    let mut empty = with_drawer(&saved(&mut again), &drawer);
     empty.run_steps(10);
     assert!(!empty.state().session().is_measured());
     assert!(empty.state().session().problem().is_some_and(|problem| problem.contains("drop the file")));
@@ -77,10 +82,7 @@ fn a_record_is_there_again_after_a_restart_until_it_is_forgotten() {
 
 #[test]
 fn a_record_that_cannot_be_kept_or_forgotten_is_said() {
-    let drawer = Drawer::default();
-    let mut screen = begun(&Memory::default(), &drawer);
-    let (name, bytes) = dialects()[0].clone();
-    drop_record(&mut screen, name, &bytes);
+    let (mut screen, drawer, name) = with_record();
     let said = drawer.end(&mut screen, Err("the disk is full".to_owned()));
     assert_eq!(said, format!("“{name}” is not kept for the next start: the disk is full."));
     click(&mut screen, "More");

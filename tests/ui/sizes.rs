@@ -146,7 +146,6 @@ fn a_table_that_scrolls_leaves_the_timeline_alone() {
     assert!(screen.state().session().playing());
 }
 
-/// A screen with the frequency response of a scenario.
 fn response(scenario: Scenario) -> Screen {
     let mut screen = workbench();
     show_whole(&mut screen, scenario);

@@ -123,7 +123,6 @@ fn a_filter_on_the_mass_is_selected_by_a_click_and_tuned_there() {
     assert_eq!(scenario(&screen).filters[1].fading, 1.01);
 }
 
-/// Opens the finder and types words.
 fn find(screen: &mut Screen, words: &str) {
     press(screen, Key::Slash);
     screen.get_by_label("Find by words").type_text(words);

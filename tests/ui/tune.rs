@@ -64,10 +64,7 @@ fn a_link_and_a_saved_session_carry_the_ticks_and_the_goal() {
     choose(&mut screen, "Goal of the tuning", "a mean NIS as expected");
     let chosen = screen.state().laboratory().tuning().chosen().cloned().expect("the user has chosen");
     assert_eq!((chosen.axes.len(), chosen.goal), (2, Goal::Consistency));
-    let link = screen.state().link().expect("it is short");
-    let mut other = super::screen(DESKTOP, Theme::Light);
-    other.state_mut().open_address(&link);
-    other.run_steps(3);
+    let other = opened(&screen.state().link().expect("it is short"));
     assert_eq!(other.state().laboratory().tuning().chosen(), Some(&chosen));
     assert_eq!(restored(&saved(&mut screen)).laboratory().tuning().chosen(), Some(&chosen));
     // Without the view a link says nothing of it.

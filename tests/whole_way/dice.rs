@@ -8,7 +8,6 @@ use kalmanscope_core::Document;
 pub(crate) struct Dice(u64);
 
 impl Dice {
-    /// The choices of a case.
     pub(crate) fn new(seed: u64) -> Self {
         Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15))
     }
@@ -25,7 +24,6 @@ impl Dice {
         (self.next() % n.max(1) as u64) as usize
     }
 
-    /// True once in `n` times.
     pub(crate) fn one_in(&mut self, n: usize) -> bool {
         self.below(n) == 0
     }
@@ -101,7 +99,6 @@ pub(crate) fn spoil(document: &mut Document, dice: &mut Dice) {
     }
 }
 
-/// Calls `change` with every number.
 fn visit(document: &mut Document, change: &mut dyn FnMut(&mut Document)) {
     match document {
         Document::List(values) => values.iter_mut().for_each(|value| visit(value, change)),
