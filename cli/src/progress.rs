@@ -77,7 +77,10 @@ fn new_bar(whole: usize, started: Instant) -> ProgressBar {
         0 => (ProgressBar::new_spinner(), "{spinner} {msg}, {elapsed}"),
         _ => (ProgressBar::new(whole as u64), "{bar:40} {percent} %  {msg}, {eta} left"),
     };
-    let bar = bar.with_elapsed(started.elapsed());
+    ticking(bar.with_elapsed(started.elapsed()), template)
+}
+
+pub(crate) fn ticking(bar: ProgressBar, template: &str) -> ProgressBar {
     if let Ok(style) = ProgressStyle::with_template(template) {
         bar.set_style(style);
     }

@@ -6,7 +6,6 @@ use kalmanscope_core::diagnosis::Remedy;
 use kalmanscope_core::{Analysis, Diagnosis, Record, Run, Scenario, ScenarioError, Story, Summary};
 use kalmanscope_figures::escaped;
 
-use crate::free_run;
 use crate::in_words::{evidence, likeliest, quality, remarks, unexplained};
 use crate::number::plain;
 use crate::results::{FilterResults, Results};
@@ -52,8 +51,9 @@ pub fn report(run: &Run, analysis: &Analysis, parts: &Parts<'_>) -> Result<Strin
         page.element("h2", "Start values");
         page.list(reasons.iter().cloned());
     }
-    let results = Results::of_run(run, analysis, causes.to_vec());
-    let Results { scenario, record, filters, smoothers, .. } = results;
+    let results = Results::of_run(run, analysis, causes.to_vec()).with_free_runs(run, free_runs);
+    let length = results.length();
+    let Results { scenario, record, filters, smoothers, free_runs, .. } = results;
     page.element("h2", "Filters");
     if filters.is_empty() {
         page.element("p", "There are no filters.");
@@ -77,9 +77,9 @@ pub fn report(run: &Run, analysis: &Analysis, parts: &Parts<'_>) -> Result<Strin
         page.element("h2", "Free runs of the final models");
         page.element("p", "The identified model is given the input only, not the measurements.");
     }
-    for (name, record) in free_runs {
-        page.element("h3", &format!("Over {name}: {} samples", record.len()));
-        page.list(free_run::lines(run, record));
+    for runs in &free_runs {
+        page.element("h3", &format!("Over {}: {} samples", runs.name, runs.samples));
+        page.list(runs.lines(length));
     }
     page.element("h2", "Scenario");
     page.element("p", "This file, given to kalmanscope-cli run, with its record if one was measured, repeats the run.");

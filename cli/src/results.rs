@@ -124,7 +124,11 @@ impl<'a> Results<'a> {
 
     /// The free runs as text.
     pub fn free_runs(&self) -> String {
-        self.free_runs.iter().map(|runs| runs.words(self.length())).collect()
+        let words = |runs: &FreeRuns| {
+            let lines: String = runs.lines(self.length()).map(|line| format!("  {line}\n")).collect();
+            format!("\nfree run of the final models over {}: {} samples\n{lines}", runs.name, runs.samples)
+        };
+        self.free_runs.iter().map(words).collect()
     }
 }
 

@@ -63,7 +63,12 @@ pub(crate) fn run(args: &RunArgs) -> Result<Ending, InputError> {
     save(record_out, &|file| write_record(&run, prepared.is_measured, file));
     save(picture, &|file| Ok(file.write_all(svg(&run).as_bytes())?));
 
-    let results = if with_history { of_history(&prepared, &run, *quiet) } else { in_turn(&prepared, &run, *quiet)? };
+    let results = if with_history {
+        let (analysis, causes) = judged(&run, *quiet);
+        Results::of_run(&run, &analysis, causes).with_free_runs(&run, &prepared.for_free_runs(&run))
+    } else {
+        in_turn(&prepared, &run, *quiet)?
+    };
     if let (Some(number), Some(out)) = (fix, out) {
         write_fixed(&prepared, results.causes(), usize::from(*number), out)?;
     }
@@ -90,12 +95,6 @@ pub(crate) fn run(args: &RunArgs) -> Result<Ending, InputError> {
         true if well && !results.any_stopped() => Ending::Well,
         true => Ending::Stopped,
     })
-}
-
-/// The results of a run with the history of every filter.
-fn of_history<'a>(prepared: &Prepared, run: &'a Run, quiet: bool) -> Results<'a> {
-    let (analysis, causes) = judged(run, quiet);
-    Results::of_run(run, &analysis, causes).with_free_runs(run, &prepared.for_free_runs(run))
 }
 
 /// The analysis of a run with bounds, and the causes of each filter's verdict.

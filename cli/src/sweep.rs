@@ -7,9 +7,8 @@ use std::io::{self, BufRead as _, BufReader, BufWriter, Read as _, Seek as _, Se
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::ProgressBar;
 use kalmanscope_cli::{harmless, output};
 use kalmanscope_core::import::{Hash, hash};
 use kalmanscope_core::{Axis, Measure, Record, Scenario, Source, Spacing};
@@ -18,6 +17,7 @@ use kalmanscope_lab::{Ensemble, Plan, Priority, Runner, Slice, Threads, channels
 use crate::args::{InputArgs, Shard, SweepArgs};
 use crate::files::{InputError, is_standard_output, places, say, write};
 use crate::prepared::scenario_and_record;
+use crate::progress::ticking;
 
 pub(crate) const MOST_THREADS: usize = 256;
 
@@ -157,13 +157,8 @@ fn fingerprint(args: &SweepArgs, ensemble: &Ensemble, record: &str) -> String {
 /// The bar on standard error; hidden if that is no terminal.
 fn bar(cells: usize, done: usize) -> ProgressBar {
     let bar = ProgressBar::new(cells as u64).with_position(done as u64);
-    let template = "{bar:40} {percent} %  {human_pos} of {human_len} runs, {per_sec}, {eta} left";
-    if let Ok(style) = ProgressStyle::with_template(template) {
-        bar.set_style(style);
-    }
     bar.reset_eta();
-    bar.enable_steady_tick(Duration::from_millis(200));
-    bar
+    ticking(bar, "{bar:40} {percent} %  {human_pos} of {human_len} runs, {per_sec}, {eta} left")
 }
 
 const FIRST: &str = "# sweep ";

@@ -3,7 +3,7 @@
 use std::fmt::{self, Write as _};
 
 use kalmanscope_core::diagnosis::Remedy;
-use kalmanscope_core::{Channel, Diagnosis, FilterKind, ModelClasses, Scenario, Summary};
+use kalmanscope_core::{Channel, FilterKind, ModelClasses, Scenario, Summary};
 
 use crate::in_words::{evidence, likeliest, quality, remarks, unexplained};
 use crate::number::{plain, short};
@@ -55,7 +55,7 @@ fn write_table(text: &mut String, results: &Results<'_>) -> fmt::Result {
             None => {}
         }
         if let Some(filter) = filter {
-            write_evidence(text, filter.diagnosis.as_ref())?;
+            filter.diagnosis.iter().flat_map(evidence).try_for_each(|line| writeln!(text, "    {line}"))?;
             write_causes(text, &filter.causes, scenario)?;
         }
         for row in rows {
@@ -64,7 +64,9 @@ fn write_table(text: &mut String, results: &Results<'_>) -> fmt::Result {
         if let Some(filter) = filter {
             write_bound(text, &filter.over_bound)?;
         }
-        write_quality(text, summary, filter.is_some())?;
+        for (name, value) in quality(summary, filter.is_some()) {
+            writeln!(text, "  {name:<16}{value}")?;
+        }
         if let Some(p) = filter.and(probabilities.next()) {
             writeln!(text, "  probability     {} among these models", ModelClasses::in_percent(p))?;
         }
@@ -82,10 +84,6 @@ fn write_table(text: &mut String, results: &Results<'_>) -> fmt::Result {
     Ok(())
 }
 
-fn write_evidence(text: &mut String, diagnosis: Option<&Diagnosis>) -> fmt::Result {
-    diagnosis.into_iter().flat_map(evidence).try_for_each(|line| writeln!(text, "    {line}"))
-}
-
 fn write_causes(text: &mut String, causes: &[Remedy], scenario: &Scenario) -> fmt::Result {
     unexplained(causes).into_iter().try_for_each(|line| writeln!(text, "  {line}"))?;
     for (number, cause) in (1..).zip(likeliest(causes, scenario)) {
@@ -100,10 +98,6 @@ fn write_bound(text: &mut String, over_bound: &[(Channel, f64)]) -> fmt::Result 
     let ratios: Vec<String> =
         over_bound.iter().map(|(channel, ratio)| format!("{} {}", channel.symbol(), short(*ratio))).collect();
     if ratios.is_empty() { Ok(()) } else { writeln!(text, "  σ over bound    {}", ratios.join(", ")) }
-}
-
-fn write_quality(text: &mut String, summary: &Summary, has_innovations: bool) -> fmt::Result {
-    quality(summary, has_innovations).into_iter().try_for_each(|(name, value)| writeln!(text, "  {name:<16}{value}"))
 }
 
 /// The filter's name on one line, with its kind unless the name contains it.

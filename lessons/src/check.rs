@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use kalmanscope_core::{Channel, Measure, MeasureKind, Quantity, Scenario, Times, Value, ValueKind};
+use kalmanscope_core::{Channel, MeasureKind, Quantity, Scenario, Times, Value, ValueKind};
 use serde::Deserialize;
 
 use crate::LessonError;
@@ -87,11 +87,6 @@ impl Check {
         }
     }
 
-    /// The measure with its channel and its sensor. `None` if it needs one of them and the check does not give it.
-    pub(crate) fn whole_measure(&self) -> Option<Measure> {
-        Measure::new(self.measure, self.channel, self.sensor)
-    }
-
     /// Whether it is about a verdict.
     pub fn is_of_verdict(&self) -> bool {
         self.measure.info().kind == ValueKind::Verdict
@@ -100,10 +95,6 @@ impl Check {
     /// Whether the result is a ratio.
     pub fn is_relative(&self) -> bool {
         self.before || self.than.is_some() || self.than_smoothed || self.reference_times() != self.times()
-    }
-
-    pub(crate) fn is_about(&self, seed: u64) -> bool {
-        self.seed.is_none_or(|only| only == seed)
     }
 
     /// Whether a value meets the check; of a check over cells, a share of them.

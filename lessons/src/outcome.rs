@@ -1,6 +1,8 @@
 //! Complete runs of scenarios, with the results that checks need, and the value of a check in them.
 
-use kalmanscope_core::{Analysis, Diagnostics, Estimates, Observed, Run, Scenario, Source, Times, Value, Wanted};
+use kalmanscope_core::{
+    Analysis, Diagnostics, Estimates, Measure, Observed, Run, Scenario, Source, Times, Value, Wanted,
+};
 
 use crate::check::Check;
 use crate::{LessonError, records};
@@ -105,7 +107,9 @@ impl Check {
         let FilterOutcome { outcome, place, estimates, diagnostics } = filter;
         let run = Observed::new(outcome.scenario(), place, outcome.run().record(), estimates);
         let run = run.with(diagnostics).among(outcome.run().estimates());
-        self.whole_measure().map_or(Value::Number(f64::NAN), |measure| measure.of(&run, times))
+        // None if the measure needs a channel or a sensor that the check does not give.
+        let measure = Measure::new(self.measure, self.channel, self.sensor);
+        measure.map_or(Value::Number(f64::NAN), |measure| measure.of(&run, times))
     }
 }
 

@@ -44,8 +44,10 @@ pub fn verify_with(
         for (number, (step, scenario)) in lesson.steps.iter().zip(&scenarios).enumerate() {
             let changed = if step.change.is_some() { Some(run(scenario)?) } else { None };
             let now = changed.as_ref().unwrap_or(&before);
-            let mut tried: Vec<&mut Claim> =
-                claims.iter_mut().filter(|claim| claim.step == number && claim.check.is_about(seed)).collect();
+            let mut tried: Vec<&mut Claim> = claims
+                .iter_mut()
+                .filter(|claim| claim.step == number && claim.check.seed.is_none_or(|only| only == seed))
+                .collect();
             let checks: Vec<&Check> = tried.iter().map(|claim| &claim.check).collect();
             let shares = shares(&checks, scenario, &run).map_err(|error| error.in_step(number))?;
             for (claim, share) in tried.iter_mut().zip(shares) {
