@@ -10,14 +10,12 @@ use kalmanscope_lessons::BUILT_IN;
 
 use crate::clock::Moment;
 use crate::memory::Memory;
-use crate::phase::Phase;
-use crate::screen::{Screen, edit};
+use crate::screen::{Phase, Screen, edit};
 
 const PARTICLES: usize = 2_000;
 const EKF: usize = 0;
 const PF: usize = 5;
 
-/// Runs the cases that have a word in their names.
 pub(crate) fn run(wanted: &str) {
     let cases: [(&str, fn()); 4] = [
         ("six filters, one of 2,000 particles, 200,000 samples", six_filters),
@@ -73,7 +71,6 @@ fn whole_picture() {
     Phase::of(&mut screen, 100, first(open_another)).print("another scenario is opened");
 }
 
-/// Six filters, three of them with smoothers: the whole picture, edits, and another mode.
 fn smoothers() {
     let mut scenario = scenario(20);
     for filter in &mut scenario.filters[..3] {

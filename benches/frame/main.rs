@@ -4,7 +4,6 @@ mod clock;
 mod longest;
 #[path = "../../tests/ui/memory.rs"]
 mod memory;
-mod phase;
 mod screen;
 mod typical;
 

@@ -15,7 +15,6 @@ const FRAMES: usize = 200;
 /// A way to change something before a frame.
 type Change = fn(&mut App, usize, &mut RawInput);
 
-/// Runs the cases that have a word in their names.
 pub(crate) fn run(wanted: &str) {
     println!(
         "{:<44} {:>9} {:>9} {:>9} {:>9} {:>9}",

@@ -1,18 +1,15 @@
 //! The command line.
 
-mod import;
-mod of_filter;
-
 use std::path::PathBuf;
 use std::str::FromStr;
 
 use clap::{Args, Parser, Subcommand};
-use kalmanscope_core::{Axis, Measure, MeasureKind, VerdictKind};
+use kalmanscope_core::equation::EquationSettings;
+use kalmanscope_core::import::{Dimension, unit};
+use kalmanscope_core::{Axis, Measure, MeasureKind, PlantKind, Quantity, VerdictKind};
+use kalmanscope_lab::tune::Goal;
 
-pub(crate) use import::{ImportArgs, Missing};
-pub(crate) use of_filter::{PosteriorArgs, TuneArgs};
-
-use crate::places::{Places, places};
+use crate::files::{Places, places};
 
 /// System identification with Kalman filters on the command line
 #[derive(Debug, Parser)]
@@ -44,7 +41,7 @@ pub(crate) enum Command {
     Sweep(SweepArgs),
     /// Run the members of a population and print how often each filter identifies, is lost, covers the truth, and why
     #[command(
-        after_help = "Example:\n  kalmanscope-cli population scenario.toml --members 100 --causes\nwith a table such as\n  [draw]\n  \"plant.natural_frequency\" = { lognormal = [6.0, 0.2] }\n  \"filters.1.initial_mean.natural_frequency\" = { normal = [8.0, 2.0] }"
+        after_help = "Example:\n  kalmanscope-cli population scenario.toml --members 100 --causes\nThe scenario's table [draw] has laws for some of its numbers, with a record for those of filters only:\n  [draw]\n  \"plant.natural_frequency\" = { lognormal = [6.0, 0.2] }\n  \"filters.1.initial_mean.natural_frequency\" = { normal = [8.0, 2.0] }"
     )]
     Population(PopulationArgs),
     /// Filter readings while they come in: a line in, the newest estimates out
@@ -57,7 +54,7 @@ pub(crate) enum Command {
         after_help = "Example:\n  kalmanscope-cli tune record.toml --turn filters.EKF.fading=1:1.02 --out tuned.toml"
     )]
     Tune(TuneArgs),
-    /// Find what a record says about a filter's parameters without the belief that it is normal, beside the filter's ±2σ
+    /// Find the posterior of a filter's parameters without the assumption that it is normal, beside the filter's ±2σ
     #[command(after_help = "Example:\n  kalmanscope-cli posterior record.toml --filter UKF --out points.csv")]
     Posterior(PosteriorArgs),
 }
@@ -69,7 +66,7 @@ pub(crate) struct StreamArgs {
     /// Where lines come from: a file, `tcp://HOST:PORT` to connect to, `udp://HOST:PORT` to listen at,
     /// `serial:/dev/ttyUSB0?baud=115200`, `-` for standard input.
     /// A line is a row of numbers under a header such as `t,force,displacement`, or a JSON object such as
-    /// {"t": 0.01, "displacement": 0.002}. It has what is new: cells may be empty, and sensors may have clocks of their own
+    /// {"t": 0.01, "displacement": 0.002}. It has what is new: cells may be empty, and sensors may have their own clocks
     #[arg(default_value = "-")]
     pub(crate) source: PathBuf,
     /// Take in what comes late by up to this time, at its own time
@@ -87,8 +84,8 @@ fn seconds(text: &str) -> Result<f64, String> {
 
 #[derive(Debug, Args)]
 pub(crate) struct SweepArgs {
-    /// The scenario, a TOML file; `-` for standard input
-    pub(crate) scenario: PathBuf,
+    #[command(flatten)]
+    pub(crate) input: InputArgs,
     /// A setting to vary, as lessons name it, from a value to another in equal steps; with `:log` behind it in equal ratios.
     /// May be given for several; the last one changes fastest. A table of standard deviations, such as
     /// filters.EKF.process_std, stands for a factor on all of them
@@ -102,8 +99,6 @@ pub(crate) struct SweepArgs {
     /// Score this filter only; may be given for several
     #[arg(long, value_name = "NAME")]
     pub(crate) filter: Vec<String>,
-    #[command(flatten)]
-    pub(crate) record: RecordArgs,
     /// The table to write, a .csv file. Finished rows stand in a file of this name with .part behind it: the same
     /// command continues from there. `-` for rows on standard output, which begin again each time
     #[arg(long, value_name = "TABLE")]
@@ -118,9 +113,8 @@ pub(crate) struct SweepArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct PopulationArgs {
-    /// The scenario, a TOML file; `-` for standard input. Its table `[draw]` has laws for some of its numbers, with a
-    /// record for those of filters only
-    pub(crate) scenario: PathBuf,
+    #[command(flatten)]
+    pub(crate) input: InputArgs,
     /// Number of members, which have the seeds 1, 2, ...
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub(crate) members: u32,
@@ -130,8 +124,6 @@ pub(crate) struct PopulationArgs {
     /// Search the causes of each bad verdict: up to seconds a member
     #[arg(long)]
     pub(crate) causes: bool,
-    #[command(flatten)]
-    pub(crate) record: RecordArgs,
     /// Print the numbers as JSON
     #[arg(long)]
     pub(crate) json: bool,
@@ -143,15 +135,25 @@ pub(crate) struct PopulationArgs {
     pub(crate) quiet: bool,
 }
 
-/// A measured record in place of simulated ones.
+/// A scenario, and a measured record in place of a simulated one.
 #[derive(Debug, Args)]
-pub(crate) struct RecordArgs {
-    /// Filter this record instead of simulated ones; `-` for standard input
+pub(crate) struct InputArgs {
+    /// The scenario, a TOML file; `-` for standard input
+    pub(crate) scenario: PathBuf,
+    /// Filter this record instead of simulating one: a file, or `-` for standard input, with columns of numbers, whose meaning is that of `[record]` in
+    /// the scenario or of --map, or else guessed from the names
     #[arg(long, value_name = "RECORD.csv")]
     pub(crate) record: Option<PathBuf>,
     /// The meaning of the record's columns, as `[record]` in a scenario has it
     #[arg(long, value_name = "MAP.toml", requires = "record")]
     pub(crate) map: Option<PathBuf>,
+}
+
+impl InputArgs {
+    pub(crate) fn inputs(&self) -> Places<'_> {
+        let Self { scenario, record, map } = self;
+        [places("the scenario", [scenario]), places("--record", record), places("--map", map)].concat()
+    }
 }
 
 /// A part of a table's rows.
@@ -177,15 +179,8 @@ impl FromStr for Shard {
 /// The source of a run's samples.
 #[derive(Debug, Args)]
 pub(crate) struct SourceArgs {
-    /// The scenario, a TOML file; `-` for standard input
-    pub(crate) scenario: PathBuf,
-    /// Filter this record instead of simulating one: a file, or `-` for standard input, with columns of numbers, whose meaning is that of `[record]` in
-    /// the scenario or of --map, or else guessed from the names
-    #[arg(long, value_name = "RECORD.csv")]
-    pub(crate) record: Option<PathBuf>,
-    /// The meaning of the record's columns, as `[record]` in a scenario has it
-    #[arg(long, value_name = "MAP.toml", requires = "record")]
-    pub(crate) map: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) input: InputArgs,
     /// Run the identified models freely over this record too, which the filters do not see; its columns mean the same
     #[arg(long, value_name = "RECORD.csv")]
     pub(crate) holdout: Vec<PathBuf>,
@@ -198,11 +193,8 @@ pub(crate) struct SourceArgs {
 }
 
 impl SourceArgs {
-    /// The files that are read.
     pub(crate) fn inputs(&self) -> Places<'_> {
-        let Self { scenario, record, map, holdout, no_input: _, seed: _ } = self;
-        let all = [places("the scenario", [scenario]), places("--record", record), places("--map", map)];
-        all.into_iter().flatten().chain(places("--holdout", holdout)).collect()
+        [self.input.inputs(), places("--holdout", &self.holdout)].concat()
     }
 }
 
@@ -265,4 +257,151 @@ fn verdict(word: &str) -> Result<VerdictKind, String> {
     let keys = || VerdictKind::ALL.map(VerdictKind::key).join(", ");
     let found = VerdictKind::ALL.into_iter().find(|kind| kind.key() == word.trim());
     found.ok_or_else(|| format!("expected one or several of {}", keys()))
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct TuneArgs {
+    #[command(flatten)]
+    pub(crate) input: InputArgs,
+    /// A setting of the filter to turn, as lessons name it, and the range to stay in; without a range two decades each way or as
+    /// far as the slider goes. May be given for several
+    #[arg(long, value_name = "KEY[=FROM:TO[:log]]", required = true)]
+    pub(crate) turn: Vec<String>,
+    /// The filter; the first one if left out
+    #[arg(long, value_name = "NAME")]
+    pub(crate) filter: Option<String>,
+    /// The number to make best: likelihood, consistency, or free_run with a sensor behind a dot, as in free_run.displacement
+    #[arg(long, value_name = "GOAL", default_value = "likelihood", value_parser = goal)]
+    pub(crate) goal: Goal,
+    /// Write the scenario with the tuned filter
+    #[arg(long, value_name = "SCENARIO.toml")]
+    pub(crate) out: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct PosteriorArgs {
+    #[command(flatten)]
+    pub(crate) input: InputArgs,
+    /// The filter; the first one if left out
+    #[arg(long, value_name = "NAME")]
+    pub(crate) filter: Option<String>,
+    /// Write the points, a row each
+    #[arg(long, value_name = "POINTS.csv")]
+    pub(crate) out: Option<PathBuf>,
+}
+
+fn goal(text: &str) -> Result<Goal, String> {
+    match text.split_once('.') {
+        None if text == "likelihood" => Ok(Goal::Likelihood),
+        None if text == "consistency" => Ok(Goal::Consistency),
+        Some(("free_run", sensor)) => {
+            Quantity::from_key(sensor).map(Goal::FreeRun).ok_or_else(|| format!("there is no quantity `{sensor}`"))
+        }
+        _ => Err("expected likelihood, consistency or free_run.SENSOR".to_owned()),
+    }
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ImportArgs {
+    /// The record, a file with columns of numbers; `-` for standard input
+    pub(crate) file: PathBuf,
+    /// The scenario to write; standard output if left out or `-`
+    #[arg(long, value_name = "SCENARIO.toml")]
+    pub(crate) out: Option<PathBuf>,
+    /// Take the free decay from an accelerometer with three axes, as a phone writes it, write it to this file, and continue with it
+    #[arg(long, value_name = "DECAY.csv", conflicts_with_all = ["rate", "time", "time_unit", "input", "sensor", "ground"])]
+    pub(crate) decay: Option<PathBuf>,
+    /// A second file of the same time with its own clock, such as that of another logger
+    #[arg(long, value_name = "OTHER.csv", requires = "joined", conflicts_with_all = ["decay", "rate", "time", "time_unit"])]
+    pub(crate) with: Option<PathBuf>,
+    /// The number to add to the times of the second file [s]; without it, it is found from the readings of both files
+    #[arg(long, value_name = "SECONDS", requires = "with", allow_negative_numbers = true, value_parser = offset)]
+    pub(crate) offset: Option<f64>,
+    /// The file to write with the columns of both, each with its times
+    #[arg(long, value_name = "BOTH.csv", requires = "with")]
+    pub(crate) joined: Option<PathBuf>,
+    /// Samples in a second, for a file without times
+    #[arg(long, value_name = "HZ")]
+    pub(crate) rate: Option<f64>,
+    /// The column of the times
+    #[arg(long, value_name = "COLUMN")]
+    pub(crate) time: Option<String>,
+    /// The unit of the times, such as ms, where the file does not say it
+    #[arg(long, value_name = "UNIT", value_parser = time_unit, conflicts_with = "rate")]
+    pub(crate) time_unit: Option<String>,
+    /// The samples are equally spaced: put them at even steps, whatever the times say
+    #[arg(long, conflicts_with = "rate")]
+    pub(crate) even: bool,
+    /// The number that stands in cells without a reading, such as -9999; `none` if all numbers are readings
+    #[arg(long, value_name = "NUMBER", value_parser = missing, allow_negative_numbers = true)]
+    pub(crate) missing: Option<Missing>,
+    /// The column of the input
+    #[arg(long, value_name = "COLUMN")]
+    pub(crate) input: Option<String>,
+    /// There is no recorded input, as under wind or traffic, whatever the columns look like; `--input none` says the same
+    #[arg(long, conflicts_with_all = ["input", "ground"])]
+    pub(crate) no_input: bool,
+    /// The input is the acceleration of the ground, not a force
+    #[arg(long)]
+    pub(crate) ground: bool,
+    /// The column of a sensor, such as displacement=V2; may be given for several
+    #[arg(long, value_name = "QUANTITY=COLUMN", value_parser = sensor)]
+    pub(crate) sensor: Vec<(Quantity, String)>,
+    /// Use the record from this time on [s]
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
+    pub(crate) from: Option<f64>,
+    /// Use the record up to this time [s]
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
+    pub(crate) to: Option<f64>,
+    /// Band-pass input and sensors, from and to [Hz], by Butterworth filters run forward and backward
+    #[arg(long, value_names = ["LOW", "HIGH"], num_args = 2)]
+    pub(crate) band: Option<Vec<f64>>,
+    /// Keep one of N samples, after a low-pass
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(crate) every: usize,
+    /// Put N steps in place of one: a band-limited input, measurements missing in between
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(crate) interpolate: usize,
+    /// The kind of plant that the filters assume, or its equation, as "x'' + c x' + k x = f"
+    #[arg(long, value_name = "KIND", default_value = "sdof", value_parser = plant)]
+    pub(crate) plant: PlantKind,
+}
+
+fn sensor(text: &str) -> Result<(Quantity, String), String> {
+    let (key, column) = text.split_once('=').ok_or("expected QUANTITY=COLUMN, such as displacement=V2")?;
+    let quantity = Quantity::from_key(key.trim()).ok_or_else(|| format!("there is no quantity `{key}`"))?;
+    Ok((quantity, column.trim().to_owned()))
+}
+
+fn offset(text: &str) -> Result<f64, String> {
+    let seconds = text.parse().ok().filter(|seconds: &f64| seconds.is_finite());
+    seconds.ok_or_else(|| "expected a number of seconds".to_owned())
+}
+
+fn time_unit(text: &str) -> Result<String, String> {
+    match unit(text) {
+        Some((Dimension::Time, _)) => Ok(text.to_owned()),
+        _ => Err("expected a unit of time, such as s, ms, us, min".to_owned()),
+    }
+}
+
+/// The number that stands in cells without a reading, if there is one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Missing(pub(crate) Option<f64>);
+
+fn missing(text: &str) -> Result<Missing, String> {
+    let number = text.parse().ok().filter(|number: &f64| number.is_finite());
+    match number {
+        None if text != "none" => Err("expected a number, or `none`".to_owned()),
+        number => Ok(Missing(number)),
+    }
+}
+
+fn plant(key: &str) -> Result<PlantKind, String> {
+    if key.contains('=') {
+        return PlantKind::of_equation(&EquationSettings::new(key)).map_err(|error| error.to_string());
+    }
+    let all = || PlantKind::ALL.into_iter();
+    let keys = || all().map(|kind| kind.info().key).collect::<Vec<_>>().join(", ");
+    all().find(|kind| kind.info().key == key).ok_or_else(|| format!("expected an equation, or one of {}", keys()))
 }

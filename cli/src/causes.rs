@@ -1,19 +1,12 @@
-//! The causes of each filter's verdict.
+//! The causes of each filter's verdict, and the progress of long work.
 
 use kalmanscope_core::diagnosis::Remedy;
 use kalmanscope_core::{Analysis, Diagnosis, Diagnostics, Estimates, Record, Run, Scenario, Task as _};
 
-use crate::telling::{FilterProgress, Work};
-
 /// The remedies of each filter's verdict, each of one cause or of several, the likeliest first. A consistent filter, or
 /// one without a verdict, has none. Running the filter again with the edits made, over 10,000 samples at most,
-/// confirms each remedy.
-pub fn causes(run: &Run, analysis: &Analysis) -> Vec<Vec<Remedy>> {
-    causes_telling(run, analysis, &mut |_| {})
-}
-
-/// The same; `tell` is called after each piece of work.
-pub fn causes_telling(run: &Run, analysis: &Analysis, tell: &mut dyn FnMut(FilterProgress<'_>)) -> Vec<Vec<Remedy>> {
+/// confirms each remedy. `tell` is called after each piece of work.
+pub fn causes(run: &Run, analysis: &Analysis, tell: &mut dyn FnMut(FilterProgress<'_>)) -> Vec<Vec<Remedy>> {
     let of = |(place, (estimates, diagnostics)): (usize, (&Estimates, &Diagnostics))| {
         let of = (analysis.diagnosis(place), diagnostics, estimates, run.record());
         let mut tell = |share: f64| tell(FilterProgress { place, name: estimates.name(), work: Work::Causes, share });
@@ -50,4 +43,28 @@ pub(crate) fn causes_of(
             return search.finish();
         }
     }
+}
+
+/// The progress of the results of a filter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FilterProgress<'a> {
+    /// The filter's place in the scenario.
+    pub place: usize,
+    /// Its name.
+    pub name: &'a str,
+    /// The work that is under way.
+    pub work: Work,
+    /// The share of it that is done, from 0 to 1.
+    pub share: f64,
+}
+
+/// The work on the results of a filter, in this order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Work {
+    /// The filter itself.
+    Filter,
+    /// The search for the causes of its verdict.
+    Causes,
+    /// Its Cramér-Rao bound.
+    Bound,
 }

@@ -1,7 +1,5 @@
 //! Free runs of the identified models, as text.
 
-use std::fmt::Write as _;
-
 use kalmanscope_core::free_run::one_step;
 use kalmanscope_core::import::Length;
 use kalmanscope_core::{Estimates, Fit, Identified, Quantity, Record, Run, Scenario};
@@ -10,9 +8,7 @@ use crate::number::{fixed, short};
 
 /// The free runs of all final models over one record.
 pub(crate) struct FreeRuns {
-    /// The name of the record.
     pub(crate) name: String,
-    /// The number of its samples.
     pub(crate) samples: usize,
     /// The fits, filter by filter, and each sensor by sensor.
     pub(crate) fits: Vec<FreeFit>,
@@ -20,7 +16,6 @@ pub(crate) struct FreeRuns {
 
 /// The free run of one filter's final model, for one sensor.
 pub(crate) struct FreeFit {
-    /// The filter's name.
     pub(crate) filter: String,
     pub(crate) sensor: Quantity,
     /// The free run's agreement with the measurements, if there is something to compare.
@@ -35,21 +30,10 @@ impl FreeRuns {
         Self { name: name.to_owned(), samples: record.len(), fits: Vec::new() }
     }
 
-    /// The fits as text, a line a filter and sensor, below a line that says which record it is.
-    pub(crate) fn words(&self, length: Length) -> String {
-        let mut text = format!("\nfree run of the final models over {}: {} samples\n", self.name, self.samples);
-        for fit in &self.fits {
-            // Writing to a string cannot fail.
-            let _ = writeln!(text, "  {}", line(fit, length));
-        }
-        text
+    /// The fits, a line a filter and sensor.
+    pub(crate) fn lines(&self, length: Length) -> impl Iterator<Item = String> {
+        self.fits.iter().map(move |fit| line(fit, length))
     }
-}
-
-/// The free runs of a run's final models over a record, a line a filter and sensor.
-pub(crate) fn lines(run: &Run, record: &Record) -> Vec<String> {
-    let length = Length::of(run.scenario().record.as_ref());
-    fits(run, record).iter().map(|fit| line(fit, length)).collect()
 }
 
 fn line(fit: &FreeFit, length: Length) -> String {

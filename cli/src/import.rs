@@ -1,22 +1,21 @@
-//! The command `kalmanscope-cli import`.
+//! The command `kalmanscope-cli import`: a measured record, and a scenario for it.
 
 use std::fs;
 use std::path::Path;
 
-use kalmanscope_core::Hold;
-use kalmanscope_core::import::{self, Builder, ColumnGuess, Decay, ImportError, Mapping, Ring, Table, ThreeAxes};
+use kalmanscope_core::import::{
+    self, Builder, ColumnGuess, Decay, ImportError, MappedColumn, Mapping, OffsetSearch, Ring, Table, ThreeAxes, Time,
+    join,
+};
 use kalmanscope_core::scenario::shown;
 use kalmanscope_core::suggest::{scenario_for, suggest};
+use kalmanscope_core::{Hold, InputKind, Task as _};
 
-use crate::args::ImportArgs;
-use crate::input::{InputError, is_standard_input};
-use crate::meaning::mapping;
-use crate::places::{check, places, say, write_bytes, write_text};
+use crate::args::{ImportArgs, Missing};
+use crate::files::{InputError, check, is_standard_input, places, say, write_bytes, write_text};
+use crate::prepared::table as columns_of;
 use crate::progress::Progress;
-use crate::record::table as columns_of;
-use crate::two_files::two_files;
 
-/// Looks at a record and writes a scenario for it.
 pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
     let ImportArgs { file, with, joined, out, decay, from, to, band, every, interpolate, plant, .. } = args;
     let inputs = [places("the record", [file]), places("--with", with)].concat();
@@ -76,10 +75,10 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
 
 /// Writes the free decay in a file of an accelerometer with three axes to another file. Returns the columns of that, and its hash.
 fn free_decay(table: &Table, file: &Path, to: &Path) -> Result<(Table, String), InputError> {
-    let bad = |reason: String| InputError::Laboratory { file: file.to_owned(), reason };
+    let bad = |reason: &dyn ToString| InputError::bad(file, reason);
     let none = "there are no three accelerations with a time, named as phyphox or an Arduino names them";
-    let axes = ThreeAxes::of(table).ok_or_else(|| bad(none.to_owned()))?;
-    let decays = axes.decays(table).map_err(|reason| bad(reason.to_string()))?;
+    let axes = ThreeAxes::of(table).ok_or_else(|| bad(&none))?;
+    let decays = axes.decays(table).map_err(|reason| bad(&reason))?;
     for decay in &decays {
         let ([x, y, z], seconds) = (decay.axis, decay.seconds());
         say(&format_args!(
@@ -87,7 +86,12 @@ fn free_decay(table: &Table, file: &Path, to: &Path) -> Result<(Table, String), 
             decay.begin, decay.noise
         ));
     }
-    let bytes = Decay::file(&decays).into_bytes();
+    written(Decay::file(&decays), to)
+}
+
+/// Writes a file. Returns its columns and its hash.
+fn written(text: String, to: &Path) -> Result<(Table, String), InputError> {
+    let bytes = text.into_bytes();
     write_bytes(to, &bytes)?;
     let hash = import::hash(&bytes);
     let table = import::read(bytes, None).map_err(|error| InputError::Import { file: to.to_owned(), error })?;
@@ -127,4 +131,80 @@ pub(crate) fn path_from(out: Option<&Path>, file: &Path) -> String {
         None => file.to_owned(),
     };
     name.to_string_lossy().into_owned()
+}
+
+/// Words for no column.
+const NOTHING: [&str; 2] = ["none", "nothing"];
+
+/// The meaning of the columns: the guess, and what the user says.
+fn mapping(table: &Table, args: &ImportArgs) -> (Mapping, InputKind, Vec<ColumnGuess>) {
+    let ImportArgs { rate, time, time_unit, even, missing, input, no_input, ground, sensor, .. } = args;
+    let (mut mapping, mut kind, guesses) = Mapping::guess_with_reasons(table);
+    if let Some(rate) = rate {
+        mapping.time = Time { rate: Some(*rate), ..Time::default() };
+    }
+    if let Some(column) = time {
+        let unit = MappedColumn::of(table, column).unit;
+        mapping.time = Time { column: Some(column.clone()), unit, ..Time::default() };
+    }
+    if let (Some(unit), Some(_)) = (time_unit, &mapping.time.column) {
+        mapping.time.unit.clone_from(unit);
+    }
+    mapping.time.even |= *even;
+    let mapped = |column: &String| MappedColumn::of(table, column);
+    let is_nothing = |column: &&String| NOTHING.contains(&column.as_str()) && table.place(column).is_none();
+    if *no_input || input.as_ref().is_some_and(|column| is_nothing(&column)) {
+        (mapping.input, mapping.no_input) = (None, true);
+    } else if let Some(column) = input {
+        mapping.input = Some(mapped(column));
+        mapping.sensors.retain(|_, sensor| sensor.column != *column);
+    }
+    if *ground {
+        kind = InputKind::GroundAcceleration;
+    }
+    if !sensor.is_empty() {
+        // A user with named sensors knows the columns: no other column is guessed to be the input.
+        let is_said = |mapped: &MappedColumn| {
+            guesses.iter().any(|guess| guess.column == mapped.column && !guess.is_a_guess())
+                && !sensor.iter().any(|(_, column)| *column == mapped.column)
+        };
+        if input.is_none() && !mapping.input.as_ref().is_some_and(is_said) {
+            mapping.input = None;
+        }
+        mapping.sensors = sensor.iter().map(|(quantity, column)| (*quantity, mapped(column))).collect();
+    }
+    if let Some(Missing(missing)) = missing {
+        let all = mapping.input.iter_mut().chain(mapping.sensors.values_mut());
+        all.for_each(|mapped| mapped.missing = *missing);
+    }
+    (mapping, kind, guesses)
+}
+
+/// Writes the columns of two files into a third one, each with its times. Without an offset, it is the one with which both agree
+/// best. Returns the columns of the third file, and its hash.
+fn two_files(
+    first: &Table,
+    (other, second): (&Path, &Table),
+    to: &Path,
+    args: &ImportArgs,
+) -> Result<(Table, String), InputError> {
+    let bad = |error| InputError::Import { file: other.to_owned(), error };
+    // A cubic through a number that is no reading would spoil its neighbours.
+    let [first, second] = &[first, second].map(|table| match args.missing {
+        Some(Missing(None)) => table.clone(),
+        Some(Missing(number)) => table.with_gaps(number),
+        None => table.with_gaps(None),
+    });
+    let offset = match args.offset {
+        Some(offset) => offset,
+        None => {
+            let search = OffsetSearch::new([first, second], |table| mapping(table, args).0).map_err(bad)?;
+            let agreement = search.run().map_err(bad)?;
+            say(&agreement);
+            agreement.offset.seconds
+        }
+    };
+    let table = join(first, second, offset).map_err(bad)?;
+    table.remarks.iter().for_each(|remark| say(remark));
+    written(table.csv(), to)
 }

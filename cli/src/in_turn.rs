@@ -6,10 +6,9 @@ use kalmanscope_core::{
     Analysis, CramerRao, Diagnosis, Diagnostics, Hindsight, Pass, Record, Run, RunError, Scenario, Summary, Wanted,
 };
 
-use crate::causes::causes_of;
+use crate::causes::{FilterProgress, Work, causes_of};
 use crate::free_run::{FreeRuns, fits_of};
 use crate::results::{FilterResults, Results, over_bound};
-use crate::telling::{FilterProgress, Work};
 
 /// The samples after which the diagnostics follow and matrices are dropped: a few megabytes.
 const CHUNK: usize = 10_000;
@@ -135,7 +134,7 @@ mod tests {
         let whole = run_scenario(&scenario, None).unwrap();
         let analysis = Analysis::new(&whole, Wanted { bounds: true, ..Wanted::default() });
         let other = whole.record().part(100..400);
-        let with = Results::of_run(&whole, &analysis, causes(&whole, &analysis))
+        let with = Results::of_run(&whole, &analysis, causes(&whole, &analysis, &mut |_| {}))
             .with_free_runs(&whole, &records(&whole, &other, own));
         let mut alone = Run::new(&Scenario { filters: Vec::new(), ..scenario.clone() }).unwrap();
         alone.finish();

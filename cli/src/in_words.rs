@@ -1,10 +1,11 @@
-//! The evidence for a verdict and the causes of it, in words.
+//! The evidence for a verdict and its causes, the consistency of a filter and remarks on it, in words.
 
 use kalmanscope_core::diagnosis::{Evidence, Remedy, in_percent};
+use kalmanscope_core::diagnostics::MeanSquare;
 use kalmanscope_core::setting::Edit;
-use kalmanscope_core::{Diagnosis, Scenario};
+use kalmanscope_core::{Diagnosis, Record, Remark, Scenario, Summary, Trouble};
 
-use crate::number::{fixed, legible};
+use crate::number::{fixed, legible, plain, scientific, short};
 
 /// Limits the pieces of evidence, and the causes, that are printed for a filter.
 const MOST: (usize, usize) = (6, 3);
@@ -61,7 +62,6 @@ pub(crate) fn likeliest(causes: &[Remedy], scenario: &Scenario) -> Vec<CauseInWo
     (1..).zip(causes).take(MOST.1).map(words).collect()
 }
 
-/// The lines of some edits.
 fn lines(edits: &[Edit], scenario: &Scenario) -> Vec<String> {
     let line = |(filter, line): (Option<String>, String)| {
         let place = if filter.is_some() { "in its [[filters]]" } else { "at the top" };
@@ -69,4 +69,63 @@ fn lines(edits: &[Edit], scenario: &Scenario) -> Vec<String> {
     };
     // A trial has made them: they can be made.
     Edit::toml_lines(edits, scenario).unwrap_or_default().into_iter().map(line).collect()
+}
+
+/// Name and value of each measure: mean NIS and NEES with their intervals, the share of the truth inside, whiteness, log
+/// likelihood.
+pub(crate) fn quality(summary: &Summary, has_innovations: bool) -> Vec<(&'static str, String)> {
+    let mut rows = Vec::new();
+    match &summary.nis {
+        Some(nis) => rows.push(("mean NIS", placed(nis, "interval"))),
+        None if has_innovations => rows.push(("mean NIS", "– (no measurement)".to_owned())),
+        None => {}
+    }
+    if let Some(nees) = &summary.nees {
+        rows.push(("mean NEES", placed(nees, "interval for one sample")));
+    }
+    if let Some(share) = summary.share_in_ellipsoid {
+        rows.push(("truth", format!("in the 95 % ellipsoid in {} % of the samples", fixed(100.0 * share, 1))));
+    }
+    let tests = summary.ljung_box.iter().filter_map(|(quantity, test)| {
+        let test = test.as_ref()?;
+        Some(format!("{} Q = {}, p = {}", quantity.symbol(), short(test.statistic), fixed(test.p_value, 3)))
+    });
+    let tests: Vec<String> = tests.collect();
+    if !tests.is_empty() {
+        rows.push(("Ljung-Box", tests.join("; ")));
+    }
+    match &summary.nis {
+        Some(_) => rows.push(("log likelihood", fixed(summary.log_likelihood, 2))),
+        None if has_innovations => rows.push(("log likelihood", "–".to_owned())),
+        None => {}
+    }
+    rows
+}
+
+/// A mean and its position relative to its interval.
+fn placed(square: &MeanSquare, interval: &str) -> String {
+    let MeanSquare { mean, interval: range, .. } = square;
+    let place = if range.contains(mean) {
+        "inside"
+    } else if mean < range.start() {
+        "below"
+    } else {
+        "above"
+    };
+    let [mean, low, high] =
+        [mean, range.start(), range.end()].map(|x| if *x < 1e6 { format!("{x:.3}") } else { scientific(*x, 3) });
+    format!("{mean}, {place} its χ² 95 % {interval} {low} … {high}")
+}
+
+/// Troubles that a filter has survived and changes that it has made, each with its time.
+pub(crate) fn remarks(remarks: &[Remark], record: &Record) -> Vec<String> {
+    let line = |remark: &Remark| {
+        let [from, to] = [remark.sample, remark.last].map(|number| plain(record.time_of(number)));
+        match remark.what {
+            Trouble::Widened => format!("let its parameters move at {from} s, where its innovations grew at once"),
+            what @ (Trouble::Moved(_) | Trouble::Rounded(_)) => what.to_string(),
+            what => format!("from {from} s to {to} s: {what}"),
+        }
+    };
+    remarks.iter().map(line).collect()
 }

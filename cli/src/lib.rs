@@ -1,11 +1,11 @@
 //! Kalmanscope on the command line: whole runs as a table, a CSV file or a picture.
 //!
 //! ```
-//! use kalmanscope_cli::{run_scenario, table};
+//! use kalmanscope_cli::{Results, run_scenario};
 //! use kalmanscope_core::{Analysis, Scenario, Wanted};
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let run = run_scenario(&Scenario::from_toml("duration = 5.0")?, None)?;
-//! println!("{}", table(&run, &Analysis::new(&run, Wanted::default()), &[], &[]));
+//! println!("{}", Results::of_run(&run, &Analysis::new(&run, Wanted::default()), Vec::new()).table());
 //! # Ok(())
 //! # }
 //! ```
@@ -22,28 +22,22 @@ mod number;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod output;
 mod plot;
-mod quality;
-mod remarks;
 mod report;
 mod results;
 mod rows;
+mod series;
 mod table;
-mod telling;
-mod timing;
 
 use std::sync::Arc;
 
 use kalmanscope_core::{Record, Run, RunError, Scenario};
 
-pub use causes::{causes, causes_telling};
+pub use causes::{FilterProgress, Work, causes};
 pub use estimates_csv::{harmless, write_estimates};
 pub use number::significant;
 pub use plot::{pages, svg};
 pub use report::{Parts, day, report};
 pub use results::Results;
-pub use table::table;
-pub use telling::{FilterProgress, Work};
-pub use timing::step_times;
 
 /// Runs a scenario from the first sample to the last: over its own simulated record, or over a measured one.
 ///

@@ -4,22 +4,15 @@
 //! 3 a filter has a verdict that `--fail-on` names.
 
 mod args;
-mod fix;
+mod files;
 mod import;
-mod input;
-mod meaning;
-mod places;
+mod of_filter;
 mod population;
-mod posterior;
 mod prepared;
 mod progress;
-mod record;
 mod run;
 mod stream;
 mod sweep;
-mod tune;
-mod two_files;
-mod write_report;
 
 use std::process::ExitCode;
 
@@ -35,23 +28,18 @@ fn main() -> ExitCode {
             Ending::Stopped => ExitCode::FAILURE,
             Ending::Verdict => ExitCode::from(3),
         }),
-        Command::Report(args) => write_report::write_report(&args).map(|()| ExitCode::SUCCESS),
+        Command::Report(args) => run::write_report(&args).map(|()| ExitCode::SUCCESS),
         Command::Import(args) => import::import(&args).map(|()| ExitCode::SUCCESS),
         Command::Stream(args) => {
             stream::stream(&args).map(|has_filter| if has_filter { ExitCode::SUCCESS } else { ExitCode::FAILURE })
         }
         Command::Sweep(args) => sweep::sweep(&args).map(|()| ExitCode::SUCCESS),
         Command::Population(args) => population::population(&args).map(|()| ExitCode::SUCCESS),
-        Command::Posterior(args) => posterior::posterior(&args).map(|()| ExitCode::SUCCESS),
-        Command::Tune(args) => tune::tune(&args).map(|()| ExitCode::SUCCESS),
+        Command::Posterior(args) => of_filter::posterior(&args).map(|()| ExitCode::SUCCESS),
+        Command::Tune(args) => of_filter::tune(&args).map(|()| ExitCode::SUCCESS),
     };
     done.unwrap_or_else(|error| {
-        report_error(&error);
+        files::report_error(&error);
         ExitCode::from(error.code())
     })
-}
-
-/// Prints an error on standard error.
-pub(crate) fn report_error(error: &dyn std::fmt::Display) {
-    places::say(&format_args!("error: {error}"));
 }

@@ -54,7 +54,6 @@ pub(crate) fn legible(line: &str) -> String {
 /// Limits the characters of a number in a line of TOML.
 const MOST_DIGITS: usize = 15;
 
-/// A number in scientific notation.
 pub(crate) fn scientific(value: f64, decimals: usize) -> String {
     no_number(value).map_or_else(|| format!("{value:.decimals$e}"), str::to_owned)
 }

@@ -1,15 +1,12 @@
 //! Truth, measurements and estimates over time, as a picture.
 
-mod panel;
-mod range;
-mod series;
-
-use kalmanscope_core::{Channel, Estimates, Run};
+use kalmanscope_core::{Channel, Estimates, Quantity, Record, Run};
 use kalmanscope_figures::{Anchor, Axes, Color, Style, Svg, Text};
 
+use crate::estimates_csv::Reading;
 use crate::number::plain;
+use crate::series::{bands, line, padded, thinned, union, without_tails};
 use crate::table::heading;
-use panel::Panel;
 
 const WIDTH: f32 = 1100.0;
 const PLOT_HEIGHT: f32 = 240.0;
@@ -123,7 +120,7 @@ fn shortened(name: &str) -> String {
 
 fn draw_panel(svg: &mut Svg, run: &Run, panel: Panel, top: f32, with_time: bool) {
     let record = run.record();
-    let range = range::of(run, panel);
+    let range = range_of(run, panel);
     let start = record.time(0);
     let end = record.time(record.len().saturating_sub(1)).max(start + record.dt());
     let [left, right, above, below] = MARGINS;
@@ -131,7 +128,7 @@ fn draw_panel(svg: &mut Svg, run: &Run, panel: Panel, top: f32, with_time: bool)
     let axes = Axes { area, x: [start, end], y: [range.0, range.1] };
     axes.grid(svg, &panel.title(), with_time.then_some("time t [s]"), &plain);
     if let Some(values) = panel.measured(record) {
-        let dots = series::thinned(record.len(), DOTS).map(|k| (record.time(k), values[k]));
+        let dots = thinned(record.len(), DOTS).map(|k| (record.time(k), values[k]));
         axes.dots(svg, dots, DOT_RADIUS, DOT);
     }
     let columns = COLUMNS.min(ALL_COLUMNS / run.estimates().len().max(1));
@@ -141,17 +138,121 @@ fn draw_panel(svg: &mut Svg, run: &Run, panel: Panel, top: f32, with_time: bool)
             let (mean, std) = curve(k);
             (record.time(k), mean - 2.0 * std, mean + 2.0 * std)
         };
-        for outline in series::bands(estimates.len(), columns, range, edges) {
+        for outline in bands(estimates.len(), columns, range, edges) {
             axes.outline(svg, &outline, color.faded(BAND_OPACITY));
         }
     }
     if let Some(values) = panel.truth(record) {
-        let line = series::line(record.len(), COLUMNS, |k| (record.time(k), values[k]));
+        let line = line(record.len(), COLUMNS, |k| (record.time(k), values[k]));
         axes.line(svg, line, Style::stroke(TRUTH, 2.5));
     }
     for (estimates, color) in colored(run) {
         let Some(curve) = panel.curve(estimates, record) else { continue };
-        let line = series::line(estimates.len(), columns, |k| (record.time(k), curve(k).0));
+        let line = line(estimates.len(), columns, |k| (record.time(k), curve(k).0));
         axes.line(svg, line, Style::stroke(color, 1.25));
+    }
+}
+
+/// The number of samples above which outliers are left out.
+const SAMPLES: usize = 4000;
+
+/// The range of a plot: all of the truth, nearly all of the measurements and estimates, and most of the
+/// bands. It leaves out values that would flatten the rest, such as a wide initial band or a diverged filter.
+fn range_of(run: &Run, panel: Panel) -> (f64, f64) {
+    let record = run.record();
+    let out = |tail: f64| (record.len().min(SAMPLES) as f64 * tail) as usize;
+    let truth = panel.truth(record).and_then(|values| without_tails(values.iter().copied(), 0));
+    let seen = |values: &[f64]| {
+        let thinned = thinned(record.len(), SAMPLES).map(|k| values[k]);
+        without_tails(thinned, out(0.002))
+    };
+    let measured = panel.measured(record).and_then(seen);
+    let mut estimated = None;
+    let mut banded = None;
+    for estimates in run.estimates() {
+        let Some(curve) = panel.curve(estimates, record) else { continue };
+        let mean = |k: usize| curve(k).0;
+        let spread = |k: usize| 2.0 * curve(k).1;
+        // Shares are those of the whole record, so that a filter that stopped early counts little.
+        let samples = || thinned(record.len(), SAMPLES).filter(|&k| k < estimates.len());
+        estimated = union(estimated, without_tails(samples().map(mean), out(0.005)));
+        banded = union(banded, without_tails(samples().map(|k| mean(k) - spread(k)), out(0.1)));
+        banded = union(banded, without_tails(samples().map(|k| mean(k) + spread(k)), out(0.1)));
+    }
+    let known = union(truth, measured);
+    let range = match known {
+        Some((low, high)) => {
+            let room = 6.0 * (high - low).max(0.5 * low.abs().max(high.abs()));
+            let near = |(a, b): (f64, f64)| (a.max(low - room), b.min(high + room));
+            let wanted = union(estimated, banded);
+            union(known, if room > 0.0 { wanted.map(near) } else { wanted })
+        }
+        None => union(estimated, banded),
+    };
+    padded(range.unwrap_or((0.0, 0.0)))
+}
+
+/// A channel with its estimates, or a sensor with its predictions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Panel {
+    Channel(Channel),
+    Sensor(Quantity),
+}
+
+/// Mean and standard deviation at a sample; NaN where there is none.
+type Curve<'a> = Box<dyn Fn(usize) -> (f64, f64) + 'a>;
+
+impl Panel {
+    /// The plots of a run, from top to bottom. A sensor has its own plot if no channel equals its reading, or if no
+    /// truth is known: then its prediction is the only comparison.
+    fn all(run: &Run) -> Vec<Self> {
+        let (channels, record) = (run.channels(), run.record());
+        let knows_truth = Channel::all().iter().any(|&channel| record.truth(channel).is_some());
+        let is_shown = |sensor: &Quantity| sensor.channel().is_some_and(|channel| channels.contains(&channel));
+        let sensors = record.sensors().iter().copied().filter(|sensor| !(knows_truth && is_shown(sensor)));
+        let used = |sensor: &Quantity| run.estimates().iter().any(|estimates| estimates.sensors().contains(sensor));
+        let sensors: Vec<Self> = sensors.filter(used).map(Self::Sensor).collect();
+        channels.iter().copied().map(Self::Channel).chain(sensors).collect()
+    }
+
+    fn title(self) -> String {
+        let (name, symbol, unit) = match self {
+            Self::Channel(channel) => (channel.name().to_owned(), channel.symbol(), channel.unit()),
+            Self::Sensor(sensor) => (format!("predicted {}", sensor.name()), sensor.symbol(), sensor.unit()),
+        };
+        format!("{name} {symbol} [{}]", if unit.is_empty() { "-" } else { unit })
+    }
+
+    /// The measurements, if there is a sensor.
+    fn measured(self, record: &Record) -> Option<&[f64]> {
+        let sensor = match self {
+            Self::Channel(channel) => *Quantity::all().iter().find(|q| q.channel() == Some(channel))?,
+            Self::Sensor(sensor) => sensor,
+        };
+        record.measured_quantity(sensor)
+    }
+
+    fn truth(self, record: &Record) -> Option<&[f64]> {
+        match self {
+            Self::Channel(channel) => record.truth(channel),
+            Self::Sensor(_) => None,
+        }
+    }
+
+    /// A filter's estimate, or its prediction from all earlier samples. `None` if it has neither.
+    fn curve<'a>(self, estimates: &'a Estimates, record: &'a Record) -> Option<Curve<'a>> {
+        Some(match self {
+            Self::Channel(channel) => {
+                let place = estimates.place(channel)?;
+                Box::new(move |k| (estimates.canonical_mean(k, place), estimates.std(k, place)))
+            }
+            Self::Sensor(sensor) => {
+                estimates.sensors().contains(&sensor).then_some(())?;
+                Box::new(move |k| {
+                    let Reading { std, predicted, .. } = Reading::of(estimates, record, sensor, k);
+                    (predicted, std)
+                })
+            }
+        })
     }
 }

@@ -1,22 +1,22 @@
 //! The command `kalmanscope-cli population`: what becomes of the filters of many members of a population.
 
-mod causes;
-mod output;
+use std::collections::BTreeMap;
+use std::fmt::{self, Write as _};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
-use std::path::Path;
-use std::sync::Arc;
-
-use kalmanscope_core::Source;
-use kalmanscope_lab::{Judged, MonteCarlo, Priority, Runner, Slice, Threads};
+use kalmanscope_cli::{causes, significant};
+use kalmanscope_core::diagnosis::Remedy;
+use kalmanscope_core::{
+    Analysis, Channel, Document, DocumentError, Measure, Run, Scenario, Source, VerdictKind, Wanted,
+};
+use kalmanscope_lab::{Judged, LastError, MonteCarlo, Priority, Runner, Slice, Threads, share_interval};
 
 use crate::args::PopulationArgs;
-use crate::input::InputError;
-use crate::places::print;
+use crate::files::{InputError, print};
 use crate::prepared::scenario_and_record;
 use crate::progress::Progress;
 use crate::sweep::{MOST_THREADS, filters};
-
-use causes::Causes;
 
 /// The members that have run, with the first cause of each bad verdict if causes were looked for.
 struct Population {
@@ -25,11 +25,10 @@ struct Population {
     causes: Option<Vec<Causes>>,
 }
 
-/// Runs the members and prints what became of each filter.
 pub(crate) fn population(args: &PopulationArgs) -> Result<(), InputError> {
-    let PopulationArgs { scenario: file, members, filter, causes, record, json, threads, quiet } = args;
-    let bad = |reason: &dyn ToString| bad(file, reason);
-    let (mut scenario, imported) = scenario_and_record(file, record, &Vec::new())?;
+    let PopulationArgs { input, members, filter, causes, json, threads, quiet } = args;
+    let bad = |reason: &dyn ToString| InputError::bad(&input.scenario, reason);
+    let (mut scenario, imported) = scenario_and_record(input, &Vec::new())?;
     // Draws name filters by their ids.
     scenario.number_filters();
     let places = filters(&scenario, filter).map_err(|reason| bad(&reason))?;
@@ -48,7 +47,7 @@ pub(crate) fn population(args: &PopulationArgs) -> Result<(), InputError> {
     if statistics.done() != runner.ensemble().cells() {
         return Err(bad(&"a thread ended before its work was done"));
     }
-    let causes = causes.then(|| causes::of_members(&runner, &slices, team.count(), *quiet || *json));
+    let causes = causes.then(|| of_members(&runner, &slices, team.count(), *quiet || *json));
     let population = Population { runner, statistics, causes };
     print(&if *json { population.json().map_err(|error| bad(&error))? } else { population.text() })
 }
@@ -68,6 +67,290 @@ fn run_members(runner: &Arc<Runner>, team: &Threads, quiet: bool) -> Vec<Slice> 
     slices
 }
 
-fn bad(file: &Path, reason: &dyn ToString) -> InputError {
-    InputError::Laboratory { file: file.to_owned(), reason: reason.to_string() }
+/// The share of the truth within which a parameter counts as identified.
+const NEAR: f64 = 0.01;
+
+/// A part of the members.
+#[derive(Clone, Copy)]
+struct Share {
+    count: usize,
+    of: usize,
+}
+
+impl Population {
+    fn scenario(&self) -> &Scenario {
+        self.runner.ensemble().scenario()
+    }
+
+    /// The channels of the `nth` filter that do not move by themselves, with their last errors.
+    fn parameters(&self, nth: usize) -> impl Iterator<Item = (Channel, &[LastError])> {
+        let channels = self.statistics.channels(nth).iter().enumerate();
+        channels.filter(|(_, channel)| channel.is_parameter() || channel.is_augmentation()).filter_map(
+            move |(place, &channel)| {
+                let errors = self.statistics.last_errors(nth, place);
+                (!errors.is_empty()).then_some((channel, errors))
+            },
+        )
+    }
+
+    fn lost(&self, nth: usize) -> [Share; 2] {
+        let of = self.statistics.runs();
+        self.statistics.diverged(nth).map(|share| Share { count: (share * of as f64).round() as usize, of })
+    }
+
+    /// The runs of the `nth` filter with each verdict that occurs.
+    fn verdicts(&self, nth: usize) -> impl Iterator<Item = (VerdictKind, Share)> {
+        let of = self.statistics.verdicts(nth).iter().sum();
+        let counts = VerdictKind::ALL.into_iter().zip(self.statistics.verdicts(nth));
+        counts.filter(|(_, count)| **count > 0).map(move |(kind, &count)| (kind, Share { count, of }))
+    }
+
+    /// The shares with their 95 % intervals, as text.
+    fn text(&self) -> String {
+        let mut text = String::new();
+        // Writing to a string cannot fail.
+        let _ = self.write(&mut text);
+        text
+    }
+
+    fn write(&self, text: &mut String) -> fmt::Result {
+        let scenario = self.scenario();
+        let (done, impossible) = (self.statistics.done(), self.statistics.impossible());
+        write!(text, "{done} members")?;
+        match impossible {
+            0 => writeln!(text)?,
+            some => writeln!(text, ", {some} of which are impossible scenarios and left out")?,
+        }
+        if scenario.draw.is_empty() {
+            writeln!(text, "nothing is drawn but the noise: the scenario has no [draw]")?;
+        }
+        for (key, law) in &scenario.draw {
+            let [a, b] = law.numbers().map(|number| significant(number, 6, 9));
+            let [what, other] = law.info().numbers;
+            writeln!(text, "drawn: {}, {}: {what} {a}, {other} {b}", scenario.address_by_name(key), law.info().name)?;
+        }
+        for (nth, filter) in scenario.filters.iter().enumerate() {
+            writeln!(text, "\n{}", filter.name)?;
+            let [lost, stopped] = self.lost(nth);
+            line(text, "lost the truth, or stopped", lost)?;
+            if stopped.count > 0 {
+                line(text, "of these stopped", stopped)?;
+            }
+            for (channel, errors) in self.parameters(nth) {
+                if channel.is_parameter() {
+                    line(text, &format!("{} within 1 % at the end", channel.symbol()), near(errors))?;
+                }
+                line(text, &format!("{} inside ±2σ at the end", channel.symbol()), covered(errors))?;
+            }
+            for (kind, share) in self.verdicts(nth) {
+                line(text, &format!("verdict: {}", kind.name()), share)?;
+            }
+            if let Some(causes) = self.causes.as_ref().and_then(|causes| causes.get(nth)).filter(|one| one.bad > 0) {
+                writeln!(text, "  causes of the {} bad verdicts: as the first, and among the first two", causes.bad)?;
+                for (name, [first, among]) in &causes.named {
+                    let [first, among] = [*first, *among].map(|count| 100.0 * count as f64 / causes.bad as f64);
+                    writeln!(text, "  {name:<42}{first:>6.1} % {among:>6.1} %")?;
+                }
+                let said = 100.0 * causes.said / causes.bad as f64;
+                writeln!(text, "  {:<42}{said:>6.1} %", "mean probability of the first cause")?;
+                line(text, "no cause", Share { count: causes.none, of: causes.bad })?;
+                line(text, "not explained by the first cause", Share { count: causes.unexplained, of: causes.bad })?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The same numbers as JSON:
+    ///
+    /// ```text
+    /// members, impossible, drawn: [{ key, law, numbers }]
+    /// filters: [{ name, lost, stopped, parameters: [{ channel, within_1_percent, inside_2_sigma, rmse }],
+    ///             verdicts: [{ kind, members }], causes: [{ name, first, among_first_two }], mean_probability,
+    ///             unexplained }]
+    /// ```
+    fn json(&self) -> Result<String, DocumentError> {
+        let scenario = self.scenario();
+        let drawn = scenario.draw.iter().map(|(key, law)| {
+            Document::of_entries([
+                ("key", scenario.address_by_name(key).as_str().into()),
+                ("law", law.info().key.into()),
+                ("numbers", Document::List(law.numbers().map(Document::Number).to_vec())),
+            ])
+        });
+        let filters = scenario.filters.iter().enumerate().map(|(nth, filter)| {
+            let [lost, stopped] = self.lost(nth);
+            let parameters = self.parameters(nth).map(|(channel, errors)| {
+                let squares = errors.iter().map(|last| last.error * last.error).sum::<f64>();
+                Document::of_entries([
+                    ("channel", channel.key().into()),
+                    ("within_1_percent", near(errors).number()),
+                    ("inside_2_sigma", covered(errors).number()),
+                    ("rmse", Document::Number((squares / errors.len() as f64).sqrt())),
+                ])
+            });
+            let verdicts = self.verdicts(nth).map(|(kind, share)| {
+                Document::of_entries([("kind", kind.name().into()), ("members", number(share.count))])
+            });
+            let causes = self.causes.as_ref().and_then(|causes| causes.get(nth));
+            let named = causes.into_iter().flat_map(|causes| &causes.named).map(|(name, [first, among])| {
+                Document::of_entries([
+                    ("name", (*name).into()),
+                    ("first", number(*first)),
+                    ("among_first_two", number(*among)),
+                ])
+            });
+            let said = causes.filter(|causes| causes.bad > 0);
+            let said = said.map_or(Document::Null, |causes| Document::Number(causes.said / causes.bad as f64));
+            let unexplained = causes.map_or(Document::Null, |causes| number(causes.unexplained));
+            Document::of_entries([
+                ("name", filter.name.as_str().into()),
+                ("lost", lost.number()),
+                ("stopped", stopped.number()),
+                ("parameters", Document::List(parameters.collect())),
+                ("verdicts", Document::List(verdicts.collect())),
+                ("causes", Document::List(named.collect())),
+                ("mean_probability", said),
+                ("unexplained", unexplained),
+            ])
+        });
+        let text = Document::json_lines(&Document::of_entries([
+            ("members", number(self.statistics.done())),
+            ("impossible", number(self.statistics.impossible())),
+            ("drawn", Document::List(drawn.collect())),
+            ("filters", Document::List(filters.collect())),
+        ]))?;
+        Ok(text + "\n")
+    }
+}
+
+impl Share {
+    fn number(self) -> Document {
+        Document::Number(self.count as f64 / self.of as f64)
+    }
+}
+
+fn near(errors: &[LastError]) -> Share {
+    Share { count: errors.iter().filter(|last| last.is_within(NEAR)).count(), of: errors.len() }
+}
+
+fn covered(errors: &[LastError]) -> Share {
+    Share { count: errors.iter().filter(|last| last.is_covered()).count(), of: errors.len() }
+}
+
+fn number(count: usize) -> Document {
+    i64::try_from(count).map_or(Document::Null, Document::Integer)
+}
+
+/// A share with its 95 % interval.
+fn line(text: &mut String, name: &str, Share { count, of }: Share) -> fmt::Result {
+    if of == 0 {
+        return writeln!(text, "  {name:<42}     –");
+    }
+    let [low, high] = share_interval(count, of);
+    let share = 100.0 * count as f64 / of as f64;
+    writeln!(text, "  {name:<42}{share:>6.1} %   ({:.1} to {:.1})", 100.0 * low, 100.0 * high)
+}
+
+/// The causes of one filter's bad verdicts, counted over the members.
+#[derive(Clone, Debug, Default)]
+struct Causes {
+    bad: usize,
+    /// The members in which each cause is the first, and in which it is among the first two, the commonest first.
+    named: Vec<(&'static str, [usize; 2])>,
+    /// The members without any cause, and those whose verdict is not explained by the first one.
+    none: usize,
+    unexplained: usize,
+    /// The sum of the probabilities that the first causes are the right ones.
+    said: f64,
+}
+
+/// The causes of each filter, searched by some threads.
+fn of_members(runner: &Runner, slices: &[Slice], threads: usize, quiet: bool) -> Vec<Causes> {
+    let ensemble = runner.ensemble();
+    let cells: Vec<usize> = slices.iter().flat_map(|slice| bad_cells(runner, slice)).collect();
+    let progress = Mutex::new(Progress::new(cells.len(), quiet));
+    let next = AtomicUsize::new(0);
+    let work = || {
+        let mut found = Vec::new();
+        loop {
+            let at = next.fetch_add(1, Ordering::Relaxed);
+            let Some(&cell) = cells.get(at) else { return found };
+            progress.lock().unwrap_or_else(PoisonError::into_inner).tell(at, "causes");
+            found.extend(of_member(runner, cell));
+        }
+    };
+    let found: Vec<Vec<Option<Found>>> = std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..threads.max(1)).map(|_| scope.spawn(work)).collect();
+        let join = |thread: std::thread::ScopedJoinHandle<'_, Vec<Vec<Option<Found>>>>| {
+            thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+        };
+        threads.into_iter().flat_map(join).collect()
+    });
+    let of_filter = |nth: usize| {
+        let mut causes = Causes::default();
+        let mut counts: BTreeMap<&'static str, [usize; 2]> = BTreeMap::new();
+        for found in found.iter().filter_map(|member| member.get(nth)?.as_ref()) {
+            causes.bad += 1;
+            causes.none += usize::from(found.causes.is_empty());
+            causes.said += found.said;
+            causes.unexplained += usize::from(!found.is_explained);
+            for (place, name) in found.causes.iter().enumerate() {
+                let [first, among] = counts.entry(name).or_default();
+                *first += usize::from(place == 0);
+                *among += 1;
+            }
+        }
+        causes.named = counts.into_iter().collect();
+        causes.named.sort_by_key(|&(_, counts)| std::cmp::Reverse(counts));
+        causes
+    };
+    (0..ensemble.plan().filters.len()).map(of_filter).collect()
+}
+
+struct Found {
+    /// The names of the first two causes.
+    causes: Vec<&'static str>,
+    is_explained: bool,
+    /// The probability of the first one; 0 where there is none.
+    said: f64,
+}
+
+/// The members of a slice of which a filter has a bad verdict.
+fn bad_cells(runner: &Runner, slice: &Slice) -> Vec<usize> {
+    let plan = runner.ensemble().plan();
+    let verdict = plan.measures.iter().position(|measure| *measure == Measure::VERDICT);
+    let is_bad = |row: &[f64]| {
+        let of = |nth: usize| verdict.map_or(f64::NAN, |place| row[nth * plan.measures.len() + place]);
+        (0..plan.filters.len()).any(|nth| kind(of(nth)).is_some_and(|kind| !kind.is_good()))
+    };
+    let rows = slice.rows.chunks_exact(runner.ensemble().width());
+    slice.cells.iter().zip(rows).filter(|(_, row)| is_bad(row)).map(|(&cell, _)| cell).collect()
+}
+
+/// The kind of a verdict from its number in a row.
+fn kind(number: f64) -> Option<VerdictKind> {
+    number.is_finite().then(|| VerdictKind::ALL[number as usize])
+}
+
+/// The causes of the verdict on each filter of a member; `None` where the verdict is good, or where there is none.
+fn of_member(runner: &Runner, cell: usize) -> Option<Vec<Option<Found>>> {
+    let scenario = runner.ensemble().at(cell);
+    let run = match runner.source() {
+        Source::Measured(record) | Source::Live(record) => Run::on_record(&scenario, record.clone()),
+        Source::Simulated => Run::new(&scenario),
+    };
+    let mut run = run.ok()?;
+    run.finish();
+    let analysis = Analysis::new(&run, Wanted::default());
+    let remedies = causes(&run, &analysis, &mut |_| {});
+    let of = |(place, remedies): (usize, &Vec<Remedy>)| {
+        let verdict = analysis.diagnosis(place)?.verdict.as_ref()?;
+        if verdict.kind.is_good() {
+            return None;
+        }
+        let causes = remedies.iter().take(2).map(|remedy| remedy.first.cause.name).collect();
+        let said = Remedy::probabilities(remedies).first().copied().unwrap_or_default();
+        Some(Found { causes, is_explained: Remedy::is_explained(remedies), said })
+    };
+    Some(remedies.iter().enumerate().map(of).collect())
 }

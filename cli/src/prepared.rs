@@ -1,16 +1,17 @@
-//! The run that a command's arguments ask for.
+//! The run that a command's arguments ask for: its scenario, and its measured record if there is one.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use kalmanscope_core::import::{self, Imported};
-use kalmanscope_core::{Document, Record, Run, RunError, Scenario, Source};
+use kalmanscope_core::import::{
+    self, Builder, ColumnGuess, Decimal, Delimiter, Dialect, Encoding, Imported, MappedColumn, Mapping, Table, hash,
+};
+use kalmanscope_core::{Document, Quantity, Record, Run, RunError, Scenario, Source};
+use kalmanscope_lessons::records;
 
-use crate::args::{RecordArgs, SourceArgs};
-use crate::input::{InputError, read_short, to_text};
-use crate::places::{Places, check, places, say};
+use crate::args::{InputArgs, SourceArgs};
+use crate::files::{InputError, Places, check, places, read_record, read_short, read_text, say, to_text};
 use crate::progress::Progress;
-use crate::record::{measured, named, read};
 
 /// Limits the samples of a run: at 100 Hz more than five hours, and less than a gigabyte for a filter without outputs of its
 /// history.
@@ -21,13 +22,11 @@ const CHUNK: usize = 10_000;
 
 /// A run that is about to begin, with its origin.
 pub(crate) struct Prepared {
-    /// The file of the scenario.
     pub(crate) file: PathBuf,
     pub(crate) scenario: Scenario,
     source: Source,
     /// Whether the record was measured, not simulated.
     pub(crate) is_measured: bool,
-    /// The records for free runs, each with its file.
     pub(crate) held_out: Vec<(String, Record)>,
 }
 
@@ -35,14 +34,15 @@ impl Prepared {
     /// Reads scenario and records. Remarks on a record are printed on standard error. Refuses outputs that are inputs. A quiet run
     /// prints no remarks.
     pub(crate) fn new(source: &SourceArgs, outputs: &Places<'_>, quiet: bool) -> Result<Self, InputError> {
-        let SourceArgs { scenario: file, record: _, map: _, holdout, no_input: _, seed } = source;
+        let SourceArgs { input, holdout, no_input, seed } = source;
+        let file = &input.scenario;
         check(&source.inputs(), &Places::new())?;
         let mut scenario = read_scenario(file, quiet)?;
-        check_with_record(&scenario, source, outputs)?;
+        check_with_record(&scenario, file, source.inputs(), outputs)?;
         if let Some(seed) = seed {
             scenario.seed = *seed;
         }
-        let imported = measured(source, &mut scenario)?;
+        let imported = measured(input, *no_input, &mut scenario)?;
         if imported.is_none() && scenario.samples() > MOST {
             return Err(InputError::TooLong { file: file.clone(), most: MOST });
         }
@@ -84,7 +84,6 @@ impl Prepared {
         own.into_iter().chain(self.held_out.iter().map(|(name, record)| (name.as_str(), record))).collect()
     }
 
-    /// The reason why the scenario cannot be run.
     pub(crate) fn bad_run(&self, error: RunError) -> InputError {
         InputError::Run { file: self.file.clone(), error }
     }
@@ -92,22 +91,13 @@ impl Prepared {
 
 /// A scenario, and the measured record that it or the arguments name.
 pub(crate) fn scenario_and_record(
-    file: &Path,
-    RecordArgs { record, map }: &RecordArgs,
+    input: &InputArgs,
     outputs: &Places<'_>,
 ) -> Result<(Scenario, Option<Imported>), InputError> {
-    let source = SourceArgs {
-        scenario: file.to_owned(),
-        record: record.clone(),
-        map: map.clone(),
-        holdout: Vec::new(),
-        no_input: false,
-        seed: None,
-    };
-    check(&source.inputs(), &Places::new())?;
-    let mut scenario = read_scenario(file, false)?;
-    check_with_record(&scenario, &source, outputs)?;
-    let imported = measured(&source, &mut scenario)?;
+    check(&input.inputs(), &Places::new())?;
+    let mut scenario = read_scenario(&input.scenario, false)?;
+    check_with_record(&scenario, &input.scenario, input.inputs(), outputs)?;
+    let imported = measured(input, false, &mut scenario)?;
     Ok((scenario, imported))
 }
 
@@ -117,7 +107,7 @@ pub(crate) fn read_scenario(file: &Path, quiet: bool) -> Result<Scenario, InputE
     if !is_toml && import::read(bytes.as_slice(), None).is_ok() {
         let reason =
             "this is a record, not a scenario: `kalmanscope-cli import RECORD --out SCENARIO.toml` writes one for it";
-        return Err(InputError::Laboratory { file: file.to_owned(), reason: reason.to_owned() });
+        return Err(InputError::bad(file, &reason));
     }
     let text = to_text(file, bytes)?;
     let read = Scenario::from_toml_with_remarks(&text);
@@ -127,10 +117,168 @@ pub(crate) fn read_scenario(file: &Path, quiet: bool) -> Result<Scenario, InputE
 }
 
 /// Refuses outputs that are inputs, the record among them that the scenario names.
-fn check_with_record(scenario: &Scenario, source: &SourceArgs, outputs: &Places<'_>) -> Result<(), InputError> {
-    let file = scenario.record.as_ref().filter(|mapping| !mapping.file.is_empty());
-    let file = file.map(|mapping| named(&source.scenario, mapping));
-    let mut inputs = source.inputs();
-    inputs.extend(places("the record of the scenario", &file));
-    check(&inputs, outputs)
+fn check_with_record(
+    scenario: &Scenario,
+    file: &Path,
+    inputs: Places<'_>,
+    outputs: &Places<'_>,
+) -> Result<(), InputError> {
+    let named_in_it = scenario.record.as_ref().filter(|mapping| !mapping.file.is_empty());
+    let file = named_in_it.map(|mapping| named(file, mapping));
+    check(&[inputs, places("the record of the scenario", &file)].concat(), outputs)
+}
+
+/// The sentence on settings that a measured record overrides.
+const OVERRIDDEN: &str =
+    "dt, duration, force and the truth's numbers of the scenario have no effect on a measured record";
+
+/// The first line of a measured record that was written as the filters read it: it needs no mapping any more.
+pub(crate) const READY: &str = "# a measured record as the filters read it: SI units, no mapping\n";
+
+/// The measured record of a run, if it has one, with sentences about its making. The scenario gets the mapping.
+fn measured(input: &InputArgs, no_input: bool, scenario: &mut Scenario) -> Result<Option<Imported>, InputError> {
+    let InputArgs { scenario: file, record, map } = input;
+    if let Some(map) = map {
+        let bad = |error| InputError::Scenario { file: map.clone(), error };
+        scenario.record = Some(Mapping::from_toml(&read_text(map)?).map_err(bad)?);
+    }
+    if no_input && (record.is_some() || scenario.record.is_some()) {
+        let mapping = scenario.record.get_or_insert_default();
+        (mapping.no_input, mapping.input) = (true, None);
+    }
+    let path = match (record, &scenario.record) {
+        (Some(path), _) => path.clone(),
+        (None, Some(mapping)) if !mapping.file.is_empty() => named(file, mapping),
+        (None, Some(_)) => {
+            say(&"[record] names no file: a record is simulated, unless --record names one");
+            return Ok(None);
+        }
+        (None, None) => return Ok(None),
+    };
+    // A file beside the scenario comes before a built-in record.
+    if record.is_none()
+        && !path.exists()
+        && let Some(mapping) = &scenario.record
+        && let Some(bytes) = records::record(mapping)
+    {
+        let bad = |error| InputError::Import { file: path.clone(), error };
+        let table = import::read(bytes, mapping.dialect).map_err(bad)?;
+        return of_table(&path, &table, scenario).map(Some);
+    }
+    // A scenario may come from an untrusted source: it must not open a device or a pipe.
+    if record.is_none() && path.exists() && !path.is_file() {
+        return Err(InputError::NoFile { file: path });
+    }
+    if record.is_none()
+        && let Some(mapping) = scenario.record.as_ref().filter(|mapping| !mapping.hash.is_empty())
+        && hash(&read_record(&path)?) != mapping.hash
+    {
+        say(&format!("{} has changed since it was imported: its hash is another one", path.display()));
+    }
+    read(&path, scenario).map(Some)
+}
+
+/// The record in a file, with the meaning that the scenario gives its columns. A record that the program has written
+/// already has that meaning.
+fn read(path: &Path, scenario: &mut Scenario) -> Result<Imported, InputError> {
+    let bytes = read_record(path)?;
+    let mapping = scenario.record.clone().unwrap_or_default();
+    let is_ready = bytes.starts_with(READY.as_bytes());
+    let table = columns(path, bytes, mapping.dialect.filter(|_| !is_ready))?;
+    if !is_ready {
+        return of_table(path, &table, scenario);
+    }
+    scenario.record = mapping.no_input.then(|| Mapping { no_input: true, ..Mapping::default() });
+    let imported = of_table(path, &table, scenario);
+    // Lengths and angles keep their names.
+    scenario.record = Some(mapping).filter(|mapping| !mapping.sensors.is_empty());
+    imported
+}
+
+/// The record of a file's columns, with the meaning that the scenario gives them.
+fn of_table(path: &Path, table: &Table, scenario: &mut Scenario) -> Result<Imported, InputError> {
+    let bad = |error| InputError::Import { file: path.to_owned(), error };
+    let mapping = scenario.record.clone().unwrap_or_default();
+    let mut left_out = None;
+    let mapping = if mapping.sensors.is_empty() {
+        let sensors: Vec<Quantity> = scenario.sensors.iter().map(|sensor| sensor.measures).collect();
+        let (mut guess, kind, reasons) = Mapping::guess_for(table, &sensors);
+        let named = |input: &MappedColumn| reasons.iter().any(|one| one.column == input.column && !one.is_a_guess());
+        if guess.input.as_ref().is_some_and(named) {
+            scenario.input = kind;
+        }
+        // The scenario names the measured quantities: a column that looks like another sensor is left out.
+        if sensors.iter().any(|quantity| guess.sensors.contains_key(quantity)) {
+            guess.sensors.retain(|quantity, _| sensors.contains(quantity));
+        }
+        let time = if mapping.time == Default::default() { guess.time } else { mapping.time };
+        let input = guess.input.filter(|_| !mapping.no_input);
+        let mapping = Mapping { time, input, sensors: guess.sensors, ..mapping };
+        left_out = columns_without_meaning(&mapping, &reasons);
+        mapping
+    } else {
+        mapping
+    };
+    let remarks: Vec<String> = if is_own_form(table, &mapping) {
+        left_out.into_iter().collect()
+    } else {
+        let said = [Some(table.form.clone()), Some(meaning(&mapping)), left_out, Some(OVERRIDDEN.to_owned())];
+        said.into_iter().flatten().collect()
+    };
+    let imported = Builder::new(table, &mapping, scenario.input, scenario.hold).and_then(Builder::finish);
+    let mut imported = imported.map_err(bad)?;
+    scenario.record = Some(mapping);
+    imported.remarks.splice(0..0, remarks);
+    if let Some(missing) = scenario.sensors.iter().find(|s| !imported.record.sensors().contains(&s.measures)) {
+        return Err(InputError::Run { file: path.to_owned(), error: RunError::MissingSensor(missing.measures) });
+    }
+    Ok(imported)
+}
+
+/// The columns of a file, and the hash of its bytes.
+pub(crate) fn table(path: &Path) -> Result<(Table, String), InputError> {
+    let bytes = read_record(path)?;
+    let hash = hash(&bytes);
+    Ok((columns(path, bytes, None)?, hash))
+}
+
+fn columns(path: &Path, bytes: Vec<u8>, dialect: Option<Dialect>) -> Result<Table, InputError> {
+    import::read(bytes, dialect).map_err(|error| InputError::Import { file: path.to_owned(), error })
+}
+
+fn meaning(mapping: &Mapping) -> String {
+    let time = match (&mapping.time.column, mapping.time.rate) {
+        (Some(column), _) => format!("time in `{column}`"),
+        (None, Some(rate)) => format!("{rate} samples a second"),
+        (None, None) => "no time".to_owned(),
+    };
+    let input = mapping.input.iter().map(|input| format!("input in `{}`", input.column));
+    let sensors = mapping.sensors.iter().map(|(q, column)| format!("{} in `{}`", q.name(), column.column));
+    std::iter::once(time).chain(input).chain(sensors).collect::<Vec<_>>().join(", ")
+}
+
+fn columns_without_meaning(mapping: &Mapping, columns: &[ColumnGuess]) -> Option<String> {
+    let sensors = mapping.sensors.values().chain(&mapping.input).map(|mapped| &mapped.column);
+    let used: Vec<&String> = sensors.chain(&mapping.time.column).collect();
+    let is_left_out = |name: &&String| !used.contains(name) && !name.starts_with("true_");
+    let names = columns.iter().filter(|guess| !guess.is_own_clock()).map(|guess| &guess.column).filter(is_left_out);
+    let names: Vec<String> = names.map(|name| format!("`{name}`")).collect();
+    (!names.is_empty()).then(|| format!("left out: {}", names.join(", ")))
+}
+
+/// Whether the command line wrote a file: then remarks on its form are not needed.
+fn is_own_form(table: &Table, mapping: &Mapping) -> bool {
+    let Dialect { encoding, delimiter, decimal, names, .. } = table.dialect;
+    let is_plain = (encoding, delimiter, decimal, names) == (Encoding::Utf8, Delimiter::Comma, Decimal::Point, 1);
+    let input = mapping.input.as_ref().map(|input| input.column.as_str());
+    let sensors = mapping.sensors.iter().all(|(quantity, column)| quantity.key() == column.column);
+    is_plain
+        && mapping.time.column.as_deref() == Some("t")
+        && input.is_none_or(|input| ["force", "ground_acceleration"].contains(&input))
+        && sensors
+}
+
+/// The file that a scenario names. Its path is relative to the scenario's folder.
+pub(crate) fn named(scenario: &Path, mapping: &Mapping) -> PathBuf {
+    scenario.parent().unwrap_or(Path::new("")).join(&mapping.file)
 }

@@ -40,12 +40,10 @@ impl Progress {
         }
     }
 
-    /// The progress of the results of some filters.
     pub(crate) fn of_results(filters: usize, quiet: bool) -> Self {
         Self::new(filters * OF_FILTER, quiet)
     }
 
-    /// Shows the progress of the filters' results.
     pub(crate) fn tell_results(&mut self, FilterProgress { place, name, work, share }: FilterProgress<'_>) {
         let (begin, pieces, what) = match work {
             Work::Filter => (0, 400, name.to_owned()),
@@ -79,7 +77,10 @@ fn new_bar(whole: usize, started: Instant) -> ProgressBar {
         0 => (ProgressBar::new_spinner(), "{spinner} {msg}, {elapsed}"),
         _ => (ProgressBar::new(whole as u64), "{bar:40} {percent} %  {msg}, {eta} left"),
     };
-    let bar = bar.with_elapsed(started.elapsed());
+    ticking(bar.with_elapsed(started.elapsed()), template)
+}
+
+pub(crate) fn ticking(bar: ProgressBar, template: &str) -> ProgressBar {
     if let Ok(style) = ProgressStyle::with_template(template) {
         bar.set_style(style);
     }

@@ -1,5 +1,8 @@
 //! The results of each filter of a run.
 
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
 use kalmanscope_core::diagnosis::Remedy;
 use kalmanscope_core::import::Length;
 use kalmanscope_core::{
@@ -8,7 +11,6 @@ use kalmanscope_core::{
 };
 
 use crate::free_run::{FreeRuns, fits};
-use crate::timing::step_times_of;
 
 /// The results of all filters of a run, without their histories.
 pub struct Results<'a> {
@@ -21,7 +23,6 @@ pub struct Results<'a> {
     pub(crate) free_runs: Vec<FreeRuns>,
 }
 
-/// The results of one filter.
 pub(crate) struct FilterResults {
     pub(crate) summary: Summary,
     pub(crate) diagnosis: Option<Diagnosis>,
@@ -79,23 +80,17 @@ impl<'a> Results<'a> {
         self
     }
 
-    /// The same with the time per step of each filter \[ns\], if it is known.
-    #[must_use]
-    pub fn with_step_times(mut self, times: &[Option<f64>]) -> Self {
-        for (filter, time) in self.filters.iter_mut().zip(times) {
-            filter.step_time = *time;
-        }
-        self
-    }
-
     /// The same with the time per step of each filter, measured now by running it alone over the beginning of the record.
     ///
     /// # Errors
     /// [`RunError`] where these are not the results of the scenario.
-    pub fn timed(self, scenario: &Scenario) -> Result<Self, RunError> {
+    pub fn timed(mut self, scenario: &Scenario) -> Result<Self, RunError> {
         let samples: Vec<usize> = self.filters.iter().map(|filter| filter.summary.samples).collect();
-        let times = step_times_of(scenario, self.record, &samples)?;
-        Ok(self.with_step_times(&times))
+        let times = step_times(scenario, self.record, &samples)?;
+        for (filter, time) in self.filters.iter_mut().zip(times) {
+            filter.step_time = time;
+        }
+        Ok(self)
     }
 
     /// The probability of each filter as a model class; none of a single one.
@@ -118,7 +113,6 @@ impl<'a> Results<'a> {
         self.filters.iter().map(|filter| filter.causes.as_slice())
     }
 
-    /// The unit of lengths.
     pub(crate) fn length(&self) -> Length {
         Length::of(self.scenario.record.as_ref())
     }
@@ -130,7 +124,11 @@ impl<'a> Results<'a> {
 
     /// The free runs as text.
     pub fn free_runs(&self) -> String {
-        self.free_runs.iter().map(|runs| runs.words(self.length())).collect()
+        let words = |runs: &FreeRuns| {
+            let lines: String = runs.lines(self.length()).map(|line| format!("  {line}\n")).collect();
+            format!("\nfree run of the final models over {}: {} samples\n{lines}", runs.name, runs.samples)
+        };
+        self.free_runs.iter().map(words).collect()
     }
 }
 
@@ -142,4 +140,38 @@ pub(crate) fn over_bound(estimates: &Estimates, bound: &CramerRao) -> Vec<(Chann
         (floor > 0.0).then(|| (channel, estimates.std(last, place) / floor))
     };
     estimates.channels().iter().enumerate().filter_map(ratio).collect()
+}
+
+/// Limits the repetitions of a filter, together with [`PATIENCE`]; the shortest time counts.
+const REPEATS: usize = 7;
+const PATIENCE: Duration = Duration::from_millis(500);
+/// Limits the samples of a repetition.
+const MOST: usize = 100_000;
+
+/// Time per step of each filter \[ns\], measured by running it alone over the beginning of a record, as many samples as it has done;
+/// `None` for a filter without a step.
+fn step_times(scenario: &Scenario, record: &Record, samples: &[usize]) -> Result<Vec<Option<f64>>, RunError> {
+    let record = Arc::new(record.part(0..record.len().min(MOST)));
+    let mut times = Vec::new();
+    for (filter, &samples) in scenario.filters.iter().zip(samples) {
+        let samples = samples.min(record.len());
+        if samples < 2 {
+            times.push(None);
+            continue;
+        }
+        let alone = Scenario { filters: vec![filter.clone()], ..scenario.clone() };
+        let started = Instant::now();
+        let mut best = Duration::MAX;
+        for _ in 0..REPEATS {
+            let mut run = Run::on_record(&alone, Arc::clone(&record))?;
+            let begin = Instant::now();
+            run.advance_to(samples);
+            best = best.min(begin.elapsed());
+            if started.elapsed() > PATIENCE {
+                break;
+            }
+        }
+        times.push(Some(best.as_secs_f64() * 1e9 / (samples - 1) as f64));
+    }
+    Ok(times)
 }

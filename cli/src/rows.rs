@@ -39,7 +39,6 @@ fn row(last: &Final, length: Length) -> [String; COLUMNS] {
     [symbol, name, value, spread, unit, error, in_stds, rmse, last_third, inside, settled]
 }
 
-/// A frequency in Hz.
 fn hertz(last: &Final, length: Length) -> Option<[String; COLUMNS]> {
     let is_frequency = last.channel.is_parameter() && last.channel.unit() == "rad/s";
     is_frequency.then(|| scaled(last, length, 1.0 / std::f64::consts::TAU, ["f", "in Hz", "Hz"]))

@@ -1,38 +1,34 @@
 //! The command `kalmanscope-cli sweep`: always in double precision, by the processor, so that a table has the same bytes
 //! everywhere. Only the explorer's maps use a graphics processor.
 
-mod part;
-
 use std::collections::BTreeMap;
-use std::io;
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io::{self, BufRead as _, BufReader, BufWriter, Read as _, Seek as _, SeekFrom, Write};
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::ProgressBar;
+use kalmanscope_cli::{harmless, output};
 use kalmanscope_core::import::{Hash, hash};
 use kalmanscope_core::{Axis, Measure, Record, Scenario, Source, Spacing};
 use kalmanscope_lab::{Ensemble, Plan, Priority, Runner, Slice, Threads, channels};
 
-use crate::args::{Shard, SweepArgs};
-use crate::input::InputError;
-use crate::places::{is_standard_output, places, write};
+use crate::args::{InputArgs, Shard, SweepArgs};
+use crate::files::{InputError, is_standard_output, places, say, write};
 use crate::prepared::scenario_and_record;
+use crate::progress::ticking;
 
-use part::Part;
-
-/// Limits the threads.
 pub(crate) const MOST_THREADS: usize = 256;
 
 /// Runs all cells of a shard and writes their table: as a file, which continues that of an interrupted call of the same
 /// sweep, or row by row on standard output.
 pub(crate) fn sweep(args: &SweepArgs) -> Result<(), InputError> {
-    let SweepArgs { scenario: file, out, shard, .. } = args;
+    let SweepArgs { input: InputArgs { scenario: file, .. }, out, shard, .. } = args;
     let is_stream = is_standard_output(out);
     if !is_stream && out.extension().is_none_or(|end| end != "csv") {
         let reason = "the table must be a .csv file, beside which finished rows are kept to continue from there, or -";
-        return Err(bad(file, &format!("--out {}: {reason}", out.display())));
+        return Err(InputError::bad(file, &format!("--out {}: {reason}", out.display())));
     }
     let (runner, record) = runner(args)?;
     let ensemble = runner.ensemble();
@@ -45,7 +41,7 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<(), InputError> {
     let ensemble = runner.ensemble();
     let (mut part, done) = Part::open(out, &fingerprint, ensemble, cells.len())?;
     run_cells(args, &runner, cells, done, &mut |slice| part.append(ensemble, slice))?;
-    part.finish(out).map_err(|error| unwritten(out, &error))
+    part.finish(out).map_err(|error| InputError::unwritten(out, &error))
 }
 
 /// Writes the table on standard output, row by row.
@@ -53,14 +49,14 @@ fn stream(args: &SweepArgs, runner: &Arc<Runner>, cells: Range<usize>) -> Result
     let ensemble = runner.ensemble();
     let mut run = Ok(());
     let written: io::Result<()> = write(&args.out, |table| {
-        writeln!(table, "{}", part::heading(ensemble))?;
+        writeln!(table, "{}", heading(ensemble))?;
         run = run_cells(args, runner, cells, 0, &mut |slice| {
-            part::write_rows(table, ensemble, slice)?;
+            write_rows(table, ensemble, slice)?;
             table.flush()
         });
         Ok(())
     });
-    run.and(written.map_err(|error| unwritten(&args.out, &error)))
+    run.and(written.map_err(|error| InputError::unwritten(&args.out, &error)))
 }
 
 /// Runs the cells that are not done, and appends their rows in the order of the cells.
@@ -71,9 +67,9 @@ fn run_cells(
     done: usize,
     append: &mut dyn FnMut(&Slice) -> io::Result<()>,
 ) -> Result<(), InputError> {
-    let SweepArgs { scenario: file, out, threads, .. } = args;
+    let SweepArgs { input: InputArgs { scenario: file, .. }, out, threads, .. } = args;
     let threads = (*threads).min(MOST_THREADS).min(cells.len().max(1));
-    let team = Threads::new(threads, 0).map_err(|error| bad(file, &error))?;
+    let team = Threads::new(threads, 0).map_err(|error| InputError::bad(file, &error))?;
     let bar = bar(cells.len(), done);
     let order: Vec<usize> = (cells.start + done..cells.end).collect();
     let work = team.rows(Priority::Map, runner, order, |_| {});
@@ -85,32 +81,24 @@ fn run_cells(
         waiting.insert(slice.cells[0], slice);
         while let Some(slice) = waiting.remove(&next) {
             next += slice.cells.len();
-            append(&slice).map_err(|error| unwritten(out, &error))?;
+            append(&slice).map_err(|error| InputError::unwritten(out, &error))?;
         }
     }
     if next != cells.end {
-        return Err(bad(file, &"a thread ended before its work was done"));
+        return Err(InputError::bad(file, &"a thread ended before its work was done"));
     }
     bar.finish_and_clear();
     Ok(())
 }
 
-/// The error for a table that cannot be written.
-fn unwritten(file: &Path, error: &io::Error) -> InputError {
-    InputError::Output { file: file.to_owned(), reason: error.to_string() }
-}
-
-fn bad(file: &Path, reason: &dyn ToString) -> InputError {
-    InputError::Laboratory { file: file.to_owned(), reason: reason.to_string() }
-}
-
 /// The runner of the cells, and a hash of the measured record.
 fn runner(args: &SweepArgs) -> Result<(Runner, String), InputError> {
-    let SweepArgs { scenario: file, vary, seeds, score, filter, record, .. } = args;
-    let (scenario, imported) = scenario_and_record(file, record, &places("--out", [&args.out]))?;
+    let SweepArgs { input, vary, seeds, score, filter, .. } = args;
+    let file = &input.scenario;
+    let (scenario, imported) = scenario_and_record(input, &places("--out", [&args.out]))?;
     let hash = imported.as_ref().map_or_else(String::new, |imported| hash_of(&imported.record));
     let source = imported.map_or(Source::Simulated, |imported| Source::Measured(Arc::new(imported.record)));
-    let filters = filters(&scenario, filter).map_err(|reason| bad(file, &reason))?;
+    let filters = filters(&scenario, filter).map_err(|reason| InputError::bad(file, &reason))?;
     let measures = if score.is_empty() {
         let is_known = |measure: &Measure| !measure.info().needs_truth || matches!(source, Source::Simulated);
         Measure::of_sums(&channels(&scenario, &filters)).into_iter().filter(is_known).collect()
@@ -126,7 +114,8 @@ fn runner(args: &SweepArgs) -> Result<(Runner, String), InputError> {
     });
     let axes = vary.iter().cloned().chain(seeds).collect();
     let ensemble = Ensemble::new(scenario, Plan { filters, measures, axes, ..Plan::default() });
-    let runner = ensemble.and_then(|ensemble| Runner::new(ensemble, source)).map_err(|error| bad(file, &error))?;
+    let runner =
+        ensemble.and_then(|ensemble| Runner::new(ensemble, source)).map_err(|error| InputError::bad(file, &error))?;
     Ok((runner, hash))
 }
 
@@ -152,7 +141,6 @@ pub(crate) fn filters(scenario: &Scenario, names: &[String]) -> Result<Vec<usize
     names.iter().map(place).collect()
 }
 
-/// The cells of a shard, contiguous.
 fn cells(all: usize, Shard { number, of }: Shard) -> Range<usize> {
     let cut = |shard: usize| (all as u128 * shard as u128 / of as u128) as usize;
     cut(number - 1)..cut(number)
@@ -169,11 +157,126 @@ fn fingerprint(args: &SweepArgs, ensemble: &Ensemble, record: &str) -> String {
 /// The bar on standard error; hidden if that is no terminal.
 fn bar(cells: usize, done: usize) -> ProgressBar {
     let bar = ProgressBar::new(cells as u64).with_position(done as u64);
-    let template = "{bar:40} {percent} %  {human_pos} of {human_len} runs, {per_sec}, {eta} left";
-    if let Ok(style) = ProgressStyle::with_template(template) {
-        bar.set_style(style);
-    }
     bar.reset_eta();
-    bar.enable_steady_tick(Duration::from_millis(200));
-    bar
+    ticking(bar, "{bar:40} {percent} %  {human_pos} of {human_len} runs, {per_sec}, {eta} left")
+}
+
+const FIRST: &str = "# sweep ";
+
+/// A file of rows: a line that says which sweep it is, the names of the columns, and one line a cell.
+struct Part {
+    path: PathBuf,
+    file: BufWriter<File>,
+}
+
+impl Part {
+    /// The part file beside the table. Returns the number of rows that it has already, if it is of the same sweep.
+    fn open(out: &Path, fingerprint: &str, ensemble: &Ensemble, most: usize) -> Result<(Self, usize), InputError> {
+        let unwritten = |error| InputError::unwritten(out, &error);
+        let path = beside(out, ".part");
+        let header = format!("{FIRST}{fingerprint}\n{}\n", heading(ensemble));
+        let columns = names(ensemble).len();
+        let file = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path);
+        let mut file = file.map_err(unwritten)?;
+        // Two programs would write into each other's rows. A file system without locks is used without.
+        if let Err(TryLockError::WouldBlock) = file.try_lock() {
+            return Err(InputError::bad(out, &"another program is writing this table"));
+        }
+        let found = complete(&file, &header, columns, most).map_err(unwritten)?;
+        if found.is_none() && file.metadata().map_err(unwritten)?.len() > 0 {
+            if !begins_as_part(&mut file).map_err(unwritten)? {
+                return Err(InputError::bad(
+                    &path,
+                    &"this file is no part of a sweep, and stays as it is; write the table elsewhere",
+                ));
+            }
+            say(&format_args!("{}: it is of another sweep, and is begun anew", path.display()));
+        }
+        // The last row may be torn.
+        file.set_len(found.map_or(0, |(bytes, _)| bytes)).map_err(unwritten)?;
+        file.seek(SeekFrom::End(0)).map_err(unwritten)?;
+        let mut file = BufWriter::new(file);
+        if found.is_none() {
+            file.write_all(header.as_bytes()).map_err(unwritten)?;
+        }
+        Ok((Self { path, file }, found.map_or(0, |(_, rows)| rows)))
+    }
+
+    fn append(&mut self, ensemble: &Ensemble, slice: &Slice) -> io::Result<()> {
+        write_rows(&mut self.file, ensemble, slice)?;
+        self.file.flush()
+    }
+
+    fn finish(self, out: &Path) -> io::Result<()> {
+        let Self { path, mut file } = self;
+        file.flush()?;
+        drop(file);
+        let mut lines = BufReader::new(File::open(&path)?);
+        lines.skip_until(b'\n')?;
+        output::write(out, |table| io::copy(&mut lines, table).map(|_| ()))?;
+        fs::remove_file(&path)
+    }
+}
+
+fn heading(ensemble: &Ensemble) -> String {
+    let names = names(ensemble);
+    names.iter().map(|name| harmless(name)).collect::<Vec<_>>().join(",")
+}
+
+fn write_rows(file: &mut dyn Write, ensemble: &Ensemble, slice: &Slice) -> io::Result<()> {
+    let width = ensemble.width();
+    for (at, &cell) in slice.cells.iter().enumerate() {
+        let row = &slice.rows[at * width..(at + 1) * width];
+        let (values, drawn) = (ensemble.values(cell), ensemble.member(cell));
+        let numbers: Vec<String> = values.iter().chain(&drawn).chain(row).map(f64::to_string).collect();
+        writeln!(file, "{}", numbers.join(","))?;
+    }
+    Ok(())
+}
+
+/// Whether a file begins as the part of some sweep does.
+fn begins_as_part(file: &mut File) -> io::Result<bool> {
+    let mut head = Vec::new();
+    file.seek(SeekFrom::Start(0))?;
+    file.take(FIRST.len() as u64).read_to_end(&mut head)?;
+    Ok(head == FIRST.as_bytes())
+}
+
+/// The names of the table's columns: the axes' keys, those of drawn numbers, then those of the scores.
+fn names(ensemble: &Ensemble) -> Vec<String> {
+    let axes = ensemble.plan().axes.iter().map(|axis| axis.key.clone());
+    let scenario = ensemble.scenario();
+    let drawn = ensemble.drawn().iter().map(|address| scenario.address_by_name(&address.to_string()));
+    axes.chain(drawn).chain(ensemble.columns()).map(|name| name.replace([',', '\n', '"'], "_")).collect()
+}
+
+fn beside(out: &Path, ending: &str) -> PathBuf {
+    let mut name = out.as_os_str().to_owned();
+    name.push(ending);
+    name.into()
+}
+
+/// The length in bytes of the whole rows in a part file, and their number, if it is of the same sweep.
+fn complete(file: &File, header: &str, columns: usize, most: usize) -> io::Result<Option<(u64, usize)>> {
+    let mut lines = BufReader::new(file);
+    let mut line = Vec::new();
+    let mut head = Vec::new();
+    for _ in header.lines() {
+        lines.read_until(b'\n', &mut head)?;
+    }
+    if head != header.as_bytes() {
+        return Ok(None);
+    }
+    let (mut bytes, mut rows) = (header.len() as u64, 0);
+    while rows < most {
+        line.clear();
+        lines.read_until(b'\n', &mut line)?;
+        let is_whole = line.ends_with(b"\n") && line.iter().filter(|&&byte| byte == b',').count() + 1 == columns;
+        if !is_whole {
+            break;
+        }
+        bytes += line.len() as u64;
+        rows += 1;
+    }
+    Ok(Some((bytes, rows)))
 }

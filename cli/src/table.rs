@@ -3,20 +3,12 @@
 use std::fmt::{self, Write as _};
 
 use kalmanscope_core::diagnosis::Remedy;
-use kalmanscope_core::{Analysis, Channel, Diagnosis, FilterKind, ModelClasses, Run, Scenario, Summary};
+use kalmanscope_core::{Channel, FilterKind, ModelClasses, Scenario, Summary};
 
-use crate::in_words::{evidence, likeliest, unexplained};
+use crate::in_words::{evidence, likeliest, quality, remarks, unexplained};
 use crate::number::{plain, short};
-use crate::quality::quality;
-use crate::remarks::remarks;
 use crate::results::{FilterResults, Results};
 use crate::rows::{COLUMNS, rows};
-
-/// The results of each filter as a table ([`Results::table`]). `causes` are those of [`crate::causes()`], one list per filter, and
-/// `step_times` \[ns\] those of [`crate::step_times`]; empty lists leave them out.
-pub fn table(run: &Run, analysis: &Analysis, causes: &[Vec<Remedy>], step_times: &[Option<f64>]) -> String {
-    Results::of_run(run, analysis, causes.to_vec()).with_step_times(step_times).table()
-}
 
 impl Results<'_> {
     /// The results as a table: of each filter the verdict with its evidence and causes, the last estimates ±2σ with units, their
@@ -63,7 +55,7 @@ fn write_table(text: &mut String, results: &Results<'_>) -> fmt::Result {
             None => {}
         }
         if let Some(filter) = filter {
-            write_evidence(text, filter.diagnosis.as_ref())?;
+            filter.diagnosis.iter().flat_map(evidence).try_for_each(|line| writeln!(text, "    {line}"))?;
             write_causes(text, &filter.causes, scenario)?;
         }
         for row in rows {
@@ -72,7 +64,9 @@ fn write_table(text: &mut String, results: &Results<'_>) -> fmt::Result {
         if let Some(filter) = filter {
             write_bound(text, &filter.over_bound)?;
         }
-        write_quality(text, summary, filter.is_some())?;
+        for (name, value) in quality(summary, filter.is_some()) {
+            writeln!(text, "  {name:<16}{value}")?;
+        }
         if let Some(p) = filter.and(probabilities.next()) {
             writeln!(text, "  probability     {} among these models", ModelClasses::in_percent(p))?;
         }
@@ -88,10 +82,6 @@ fn write_table(text: &mut String, results: &Results<'_>) -> fmt::Result {
         }
     }
     Ok(())
-}
-
-fn write_evidence(text: &mut String, diagnosis: Option<&Diagnosis>) -> fmt::Result {
-    diagnosis.into_iter().flat_map(evidence).try_for_each(|line| writeln!(text, "    {line}"))
 }
 
 fn write_causes(text: &mut String, causes: &[Remedy], scenario: &Scenario) -> fmt::Result {
@@ -110,10 +100,6 @@ fn write_bound(text: &mut String, over_bound: &[(Channel, f64)]) -> fmt::Result 
     if ratios.is_empty() { Ok(()) } else { writeln!(text, "  σ over bound    {}", ratios.join(", ")) }
 }
 
-fn write_quality(text: &mut String, summary: &Summary, has_innovations: bool) -> fmt::Result {
-    quality(summary, has_innovations).into_iter().try_for_each(|(name, value)| writeln!(text, "  {name:<16}{value}"))
-}
-
 /// The filter's name on one line, with its kind unless the name contains it.
 pub(crate) fn heading(name: &str, kind: FilterKind) -> String {
     let name: String = name.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
@@ -126,7 +112,6 @@ pub(crate) fn heading(name: &str, kind: FilterKind) -> String {
     }
 }
 
-/// The text before each column.
 const LABELS: [&str; COLUMNS] = ["", "", "", "±", "", "error", "", "RMSE", "last third", "inside", "settled"];
 
 /// Aligns numbers to the right of their column and words to the left; leaves out columns that are empty in every row.
@@ -152,7 +137,7 @@ fn width(text: &str) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use kalmanscope_core::Wanted;
+    use kalmanscope_core::{Analysis, Wanted};
 
     use crate::{causes, run_scenario};
 
@@ -160,7 +145,11 @@ mod tests {
         let scenario = Scenario::from_toml(toml).unwrap();
         let run = run_scenario(&scenario, None).unwrap();
         let analysis = Analysis::new(&run, Wanted { bounds: true, ..Wanted::default() });
-        table(&run, &analysis, &causes(&run, &analysis), &[Some(123.4)])
+        let mut results = Results::of_run(&run, &analysis, causes(&run, &analysis, &mut |_| {}));
+        if let Some(first) = results.filters.first_mut() {
+            first.step_time = Some(123.4);
+        }
+        results.table()
     }
 
     #[test]

@@ -1,17 +1,6 @@
 //! `run --fix`: the scenario with a remedy.
 
-use tempfile::TempDir;
-
-use crate::{ended, file as write, program};
-
-/// Runs the command in a folder; returns its exit code and what it wrote.
-fn run(folder: &TempDir, args: &[&str]) -> (Option<i32>, String, String) {
-    ended(program().current_dir(folder.path()).arg("run").args(args))
-}
-
-fn read(folder: &TempDir, name: &str) -> String {
-    crate::read(&folder.path().join(name))
-}
+use crate::Folder;
 
 /// Two faults: a gain, and an R that is too small; beside a filter that is right but for the gain, with a longer table in one line.
 const WRONG: &str = "seed = 11\ndt = 0.01\nduration = 30.0\nforce = { white_noise = { std = 10.0 } }\n\
@@ -30,25 +19,25 @@ fn verdict(table: &str) -> &str {
 
 #[test]
 fn the_repaired_scenario_runs_and_has_the_promised_verdict() {
-    let folder = tempfile::tempdir().unwrap();
-    write(&folder, "wrong.toml", WRONG);
-    let (code, before, _) = run(&folder, &["wrong.toml"]);
-    assert_eq!((code, verdict(&before)), (Some(0), "overconfident"), "{before}");
+    let folder = Folder::new();
+    folder.file("wrong.toml", WRONG);
+    let (code, before, _) = folder.call(&["run", "wrong.toml"]);
+    assert_eq!((code, verdict(&before)), (0, "overconfident"), "{before}");
     let cause = before.lines().find(|line| line.starts_with("  cause 1: ")).unwrap();
     assert!(cause.contains("the gain of the input: ") && cause.contains("; and then R of a sensor: "), "{cause}");
     assert!(before.contains("    or have it written: kalmanscope-cli run ... --fix 1 --out FIXED.toml\n"), "{before}");
     assert!(!before.contains("none of these causes explains it"), "{before}");
 
-    let (code, same, said) = run(&folder, &["wrong.toml", "--fix", "1", "--out", "fixed.toml"]);
-    assert_eq!(code, Some(0), "{said}");
+    let (code, same, said) = folder.call(&["run", "wrong.toml", "--fix", "1", "--out", "fixed.toml"]);
+    assert_eq!(code, 0, "{said}");
     assert_eq!(verdict(&same), "overconfident");
     let promised = said.trim_end().rsplit_once(", then ").unwrap().1;
     assert!(
         said.starts_with("first: the remedy against the gain of the input and then R of a sensor is written, then "),
         "{said}"
     );
-    let (code, after, _) = run(&folder, &["fixed.toml"]);
-    assert_eq!((code, verdict(&after)), (Some(0), promised), "{after}");
+    let (code, after, _) = folder.call(&["run", "fixed.toml"]);
+    assert_eq!((code, verdict(&after)), (0, promised), "{after}");
     assert!(promised.starts_with("consistent"), "{promised}");
 
     // The lines that are printed do the same, each in its place.
@@ -60,46 +49,41 @@ fn the_repaired_scenario_runs_and_has_the_promised_verdict() {
         let kept: Vec<&str> = by_hand.lines().filter(|old| !old.starts_with(&format!("{key} = "))).collect();
         by_hand = format!("{}\n{setting}\n", kept.join("\n"));
     }
-    write(&folder, "by-hand.toml", &by_hand);
-    let (code, after, error) = run(&folder, &["by-hand.toml"]);
-    assert_eq!((code, verdict(&after)), (Some(0), promised), "{by_hand}\n{error}");
+    folder.file("by-hand.toml", &by_hand);
+    let (code, after, error) = folder.call(&["run", "by-hand.toml"]);
+    assert_eq!((code, verdict(&after)), (0, promised), "{by_hand}\n{error}");
 }
 
 #[test]
 fn a_record_is_found_from_where_the_repaired_scenario_is() {
-    let folder = tempfile::tempdir().unwrap();
-    write(&folder, "wrong.toml", WRONG);
-    std::fs::create_dir(folder.path().join("other")).unwrap();
-    assert_eq!(run(&folder, &["wrong.toml", "--record-out", "record.csv", "--quiet"]).0, Some(0));
+    let folder = Folder::new();
+    folder.file("wrong.toml", WRONG);
+    std::fs::create_dir(folder.path("other")).unwrap();
+    assert_eq!(folder.call(&["run", "wrong.toml", "--record-out", "record.csv", "--quiet"]).0, 0);
     let mapped = format!("{WRONG}[record]\nfile = \"record.csv\"\n");
-    write(&folder, "measured.toml", &mapped);
-    let (code, _, said) = run(&folder, &["measured.toml", "--fix", "1", "--out", "other/fixed.toml", "--quiet"]);
-    assert_eq!(code, Some(0), "{said}");
-    let (code, after, error) = run(&folder, &["other/fixed.toml"]);
-    assert_eq!(code, Some(0), "{error}");
+    folder.file("measured.toml", &mapped);
+    let (code, _, said) = folder.call(&["run", "measured.toml", "--fix", "1", "--out", "other/fixed.toml", "--quiet"]);
+    assert_eq!(code, 0, "{said}");
+    let (code, after, error) = folder.call(&["run", "other/fixed.toml"]);
+    assert_eq!(code, 0, "{error}");
     assert!(verdict(&after).starts_with("consistent"), "{after}");
 }
 
 #[test]
 fn what_cannot_be_fixed_is_said_and_nothing_is_written() {
-    let folder = tempfile::tempdir().unwrap();
-    write(&folder, "wrong.toml", WRONG);
-    write(
-        &folder,
-        "right.toml",
-        &WRONG.replace("input_gain = 1.5\n", "").replace("sensor_std = [0.0022, 0.0134]\n", ""),
-    );
-    let (code, _, error) = run(&folder, &["right.toml", "--fix", "1", "--out", "fixed.toml"]);
-    assert_eq!(code, Some(2), "{error}");
-    assert!(error.contains("there is nothing to fix"), "{error}");
-    let (code, _, error) = run(&folder, &["wrong.toml", "--fix", "99", "--out", "fixed.toml"]);
-    assert_eq!(code, Some(2), "{error}");
-    assert!(error.contains("--fix 99: first has remedies 1 to "), "{error}");
-    assert!(!folder.path().join("fixed.toml").exists());
-    let (code, _, error) = run(&folder, &["wrong.toml", "--fix", "1"]);
-    assert_eq!(code, Some(2), "{error}");
-    assert!(error.contains("--out"), "{error}");
-    let (_, before, _) = run(&folder, &["wrong.toml"]);
-    assert_eq!(read(&folder, "wrong.toml"), WRONG);
+    let folder = Folder::new();
+    folder.file("wrong.toml", WRONG);
+    let right = WRONG.replace("input_gain = 1.5\n", "").replace("sensor_std = [0.0022, 0.0134]\n", "");
+    folder.file("right.toml", &right);
+    for (arguments, reason) in [
+        (&["run", "right.toml", "--fix", "1", "--out", "fixed.toml"][..], "there is nothing to fix"),
+        (&["run", "wrong.toml", "--fix", "99", "--out", "fixed.toml"], "--fix 99: first has remedies 1 to "),
+        (&["run", "wrong.toml", "--fix", "1"], "--out"),
+    ] {
+        let error = folder.refused(arguments);
+        assert!(error.contains(reason) && !folder.has("fixed.toml"), "{error}");
+    }
+    let (_, before, _) = folder.call(&["run", "wrong.toml"]);
+    assert_eq!(folder.read("wrong.toml"), WRONG);
     assert!(before.contains("cause 1"), "{before}");
 }

@@ -3,9 +3,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::{ended, program};
+use crate::Folder;
 
-/// The scenarios of `tests/hostile`.
 fn scenarios() -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/hostile");
     let mut files: Vec<PathBuf> = fs::read_dir(folder).unwrap().map(|file| file.unwrap().path()).collect();
@@ -17,10 +16,10 @@ fn scenarios() -> Vec<PathBuf> {
 /// Runs the command, which may say that a filter stopped, or refuse a record without readings, but must not panic. Returns
 /// standard output.
 #[track_caller]
-fn call(arguments: &[&str]) -> String {
-    let (code, stdout, stderr) = ended(program().args(arguments));
-    let is_refused = code == Some(2) && stderr.starts_with("error: ") && arguments.contains(&"--record");
-    assert!(matches!(code, Some(0 | 1)) || is_refused, "{arguments:?}: {code:?}\n{stderr}");
+fn call(folder: &Folder, arguments: &[&str]) -> String {
+    let (code, stdout, stderr) = folder.call(arguments);
+    let is_refused = code == 2 && stderr.starts_with("error: ") && arguments.contains(&"--record");
+    assert!(code < 2 || is_refused, "{arguments:?}: {code}\n{stderr}");
     assert!(!stderr.contains("panicked"), "{arguments:?}: {stderr}");
     stdout
 }
@@ -36,21 +35,22 @@ fn check(text: &str, what: &str) {
 
 #[test]
 fn scenarios_that_broke_something_are_run_reported_and_drawn() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
-    let (record, csv, svg, html) = (path("record.csv"), path("all.csv"), path("all.svg"), path("all.html"));
+    let folder = Folder::new();
     assert!(scenarios().len() > 10);
     for file in scenarios() {
         let name = file.to_str().unwrap();
-        check(&call(&["run", name, "--record-out", &record, "--out", &csv, "--svg", &svg]), name);
-        check(&fs::read_to_string(&svg).unwrap(), name);
-        call(&["report", name, "--out", &html]);
-        let page = fs::read_to_string(&html).unwrap();
+        check(
+            &call(&folder, &["run", name, "--record-out", "record.csv", "--out", "all.csv", "--svg", "all.svg"]),
+            name,
+        );
+        check(&folder.read("all.svg"), name);
+        call(&folder, &["report", name, "--out", "all.html"]);
+        let page = folder.read("all.html");
         check(page.split("<h2>Scenario</h2>").next().unwrap(), name);
         // A record of one sample is none.
-        if fs::read_to_string(&record).unwrap().lines().count() > 2 {
-            check(&call(&["run", name, "--record", &record]), name);
-            call(&["report", name, "--record", &record, "--out", &html]);
+        if folder.read("record.csv").lines().count() > 2 {
+            check(&call(&folder, &["run", name, "--record", "record.csv"]), name);
+            call(&folder, &["report", name, "--record", "record.csv", "--out", "all.html"]);
         }
     }
 }

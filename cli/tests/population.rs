@@ -1,26 +1,13 @@
 //! Populations of the built command: shares, verdicts and causes.
 
-use std::path::{Path, PathBuf};
-
 use kalmanscope_core::Document;
 
-use crate::{file, program};
-
-/// The population files of the project.
-fn of_project(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/populations").join(name).with_extension("toml")
-}
-
-#[track_caller]
-fn run(scenario: &Path, arguments: &[&str]) -> String {
-    let output = program().arg("population").arg(scenario).args(arguments).output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).unwrap()
-}
+use crate::Folder;
 
 /// The first causes of the first filter's bad verdicts, with their numbers of members, and the members with a good verdict.
 fn causes(name: &str, members: &str) -> Vec<(String, i64)> {
-    let text = run(&of_project(name), &["--members", members, "--causes", "--json"]);
+    let file = format!("{}/../assets/populations/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+    let (text, _) = Folder::new().succeeds(&["population", &file, "--members", members, "--causes", "--json"]);
     let document = Document::from_json(&text).unwrap();
     let filters = document.get("filters").unwrap().children().next().unwrap();
     let named = |cause: &Document| {
@@ -48,27 +35,26 @@ fn what_is_wrong_with_a_population_is_found() {
 
 #[test]
 fn shares_are_told_with_their_intervals() {
-    let folder = tempfile::tempdir().unwrap();
     let text = "duration = 5.0\n[plant]\nnatural_frequency = 6.0\n[[filters]]\nkind = \"ekf\"\n[[filters]]\nname = \"b\"\nkind = \"ukf\"\n\
                 [draw]\n\"filters.2.initial_mean.natural_frequency\" = { normal = [8.0, 1.0] }\n\
                 \"plant.damping_ratio\" = { normal = [0.05, 0.04] }\n";
-    let scenario = file(&folder, "population.toml", text);
-    let all = run(&scenario, &["--members", "60", "--quiet"]);
+    let folder = Folder::of(text);
+    let run = |scenario: &str, more: &[&str]| folder.succeeds(&[&["population", scenario], more].concat()).0;
+    let all = run("scenario.toml", &["--members", "60", "--quiet"]);
     assert!(all.starts_with("60 members, "), "{all}");
     assert!(all.contains("which are impossible scenarios and left out"), "{all}");
     assert!(all.contains("drawn: filters.b.initial_mean.natural_frequency, normal: mean 8, σ 1"), "{all}");
     assert!(all.contains("verdict: ") && all.contains("ζ inside ±2σ at the end"), "{all}");
-    let none = file(&folder, "none.toml", &text.replace("[0.05, 0.04]", "[-1.0, 0.01]"));
-    let told = run(&none, &["--members", "5", "--quiet"]);
+    folder.file("none.toml", &text.replace("[0.05, 0.04]", "[-1.0, 0.01]"));
+    let told = run("none.toml", &["--members", "5", "--quiet"]);
     assert!(told.contains("5 of which are impossible") && !told.contains("NaN"), "{told}");
     // One filter of them has the numbers that it has beside the others.
-    let one = run(&scenario, &["--members", "60", "--quiet", "--filter", "b"]);
+    let one = run("scenario.toml", &["--members", "60", "--quiet", "--filter", "b"]);
     let of_b = |text: &str| text[text.find("\nb\n").unwrap()..].to_owned();
     assert_eq!(of_b(&one), of_b(&all));
     // The same on any number of threads, and in a sweep.
-    assert_eq!(run(&scenario, &["--members", "60", "--threads", "1"]), all);
-    let sweep = program().arg("sweep").arg(&scenario).args(["--seeds", "4", "--score", "nis", "--out", "-"]).output();
-    let table = String::from_utf8(sweep.unwrap().stdout).unwrap();
+    assert_eq!(run("scenario.toml", &["--members", "60", "--threads", "1"]), all);
+    let (table, _) = folder.succeeds(&["sweep", "scenario.toml", "--seeds", "4", "--score", "nis", "--out", "-"]);
     let heading = "seed,filters.b.initial_mean.natural_frequency,plant.damping_ratio,EKF.nis,b.nis";
     assert_eq!(table.lines().next(), Some(heading));
     assert_eq!(table.lines().count(), 5);
@@ -76,21 +62,16 @@ fn shares_are_told_with_their_intervals() {
 
 #[test]
 fn guesses_are_drawn_over_a_measured_record_and_no_truth_is() {
-    let folder = tempfile::tempdir().unwrap();
     let text = "duration = 5.0\n[plant]\nnatural_frequency = 6.0\n[[filters]]\nkind = \"ekf\"\n[draw]\n\
                 \"filters.1.initial_mean.natural_frequency\" = { log_uniform = [2.0, 20.0] }\n";
-    let scenario = file(&folder, "guesses.toml", text);
-    let record = folder.path().join("record.csv");
-    let made = program().arg("run").arg(&scenario).args(["--quiet", "--record-out"]).arg(&record).status();
-    assert!(made.unwrap().success());
-    let of_record = ["--members", "20", "--record", record.to_str().unwrap()];
-    assert!(run(&scenario, &of_record).contains("ωₙ within 1 % at the end"));
-    let truth = file(&folder, "truth.toml", &text.replace("filters.1.initial_mean", "plant"));
-    let refused = program().arg("population").arg(&truth).args(of_record).output().unwrap();
-    assert_eq!(refused.status.code(), Some(2));
-    let told = String::from_utf8_lossy(&refused.stderr).into_owned();
-    assert!(told.contains("the record is given"), "{told}");
-    let unknown = file(&folder, "unknown.toml", "[draw]\n\"plant.mass\" = { normal = [1.0, 0.1] }\n");
-    let refused = program().arg("population").arg(&unknown).output().unwrap();
-    assert!(String::from_utf8_lossy(&refused.stderr).contains("no number `plant.mass`"));
+    let folder = Folder::of(text);
+    folder.succeeds(&["run", "scenario.toml", "--quiet", "--record-out", "record.csv"]);
+    let of_record = ["--members", "20", "--record", "record.csv"];
+    let (told, _) = folder.succeeds(&[&["population", "scenario.toml"], &of_record[..]].concat());
+    assert!(told.contains("ωₙ within 1 % at the end"));
+    folder.file("truth.toml", &text.replace("filters.1.initial_mean", "plant"));
+    let said = folder.refused(&[&["population", "truth.toml"], &of_record[..]].concat());
+    assert!(said.contains("the record is given"), "{said}");
+    folder.file("unknown.toml", "[draw]\n\"plant.mass\" = { normal = [1.0, 0.1] }\n");
+    assert!(folder.refused(&["population", "unknown.toml"]).contains("no number `plant.mass`"));
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use kalmanscope_core::{PlantKind, Quantity};
 
-use crate::{SAMPLE, command, fails, file, folder, read, succeeds, text};
+use crate::{Folder, SAMPLE};
 
 /// The columns of an estimates file from `k` on, of every row.
 fn rows(path: &Path) -> Vec<Vec<f64>> {
@@ -17,11 +17,11 @@ fn rows(path: &Path) -> Vec<Vec<f64>> {
 fn reference_cases_are_reproduced() {
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../core/tests/data");
     for case in ["ekf-basic", "ukf-fading-stiffness-loss", "kf-known-parameters", "ekf-acceleration-only"] {
-        let folder = folder();
-        let out = folder.path().join("estimates.csv");
+        let folder = Folder::new();
         let part = |suffix: &str| data.join(format!("{case}.{suffix}"));
-        succeeds(command().arg(part("toml")).arg("--record").arg(part("record.csv")).arg("--out").arg(&out));
-        let (found, expected) = (rows(&out), rows(&part("expected.csv")));
+        let [scenario, record] = ["toml", "record.csv"].map(|suffix| part(suffix).display().to_string());
+        folder.quietly(&["run", &scenario, "--record", &record, "--out", "estimates.csv"]);
+        let (found, expected) = (rows(&folder.path("estimates.csv")), rows(&part("expected.csv")));
         assert!(expected.len() > 200, "{case}");
         for expected in expected {
             let found = &found[expected[0] as usize];
@@ -37,21 +37,18 @@ fn reference_cases_are_reproduced() {
 
 #[test]
 fn a_record_written_and_read_gives_the_same_estimates() {
-    let folder = folder();
-    let sample = file(&folder, "sample.toml", &SAMPLE.replace("duration = 60.0", "duration = 1.15"));
-    let path = |name: &str| folder.path().join(name);
-    succeeds(command().arg(&sample).arg("--out").arg(path("a.csv")).arg("--record-out").arg(path("record.csv")));
-    succeeds(command().arg(&sample).arg("--out").arg(path("b.csv")).arg("--record").arg(path("record.csv")));
-    assert_eq!(read(&path("a.csv")), read(&path("b.csv")));
-    assert_eq!(read(&path("a.csv")).lines().count(), 117);
-    assert!(read(&path("record.csv")).starts_with("t,force,displacement,velocity,true_displacement,"));
+    let folder = Folder::of(&SAMPLE.replace("duration = 60.0", "duration = 1.15"));
+    folder.quietly(&["run", "scenario.toml", "--out", "a.csv", "--record-out", "record.csv"]);
+    folder.quietly(&["run", "scenario.toml", "--out", "b.csv", "--record", "record.csv"]);
+    assert_eq!(folder.read("a.csv"), folder.read("b.csv"));
+    assert_eq!(folder.read("a.csv").lines().count(), 117);
+    assert!(folder.read("record.csv").starts_with("t,force,displacement,velocity,true_displacement,"));
 }
 
 /// Every plant under every input, with all of its sensors: what `--record-out` writes is what `--record` reads, to the last bit.
 #[test]
 fn records_of_every_plant_input_and_sensor_come_back() {
-    let folder = folder();
-    let path = |name: &str| folder.path().join(name);
+    let folder = Folder::new();
     for kind in PlantKind::ALL {
         let all: Vec<Quantity> = kind.quantities().collect();
         // A scenario has at most twelve sensors.
@@ -67,15 +64,11 @@ fn records_of_every_plant_input_and_sensor_come_back() {
                  [[filters]]\nkind = \"ekf\"\n",
                 kind.key()
             );
-            let scenario = file(&folder, "s.toml", &text);
-            let record = path("record.csv");
-            let run = |out: &str, option: &str| {
-                let out = path(out);
-                succeeds(command().arg(&scenario).arg("--quiet").arg("--out").arg(&out).arg(option).arg(&record));
-                read(&out)
-            };
-            let [simulated, again] =
-                [("a.csv", "--record-out"), ("b.csv", "--record")].map(|(out, option)| run(out, option));
+            folder.file("s.toml", &text);
+            let [simulated, again] = ["--record-out", "--record"].map(|option| {
+                folder.quietly(&["run", "s.toml", "--quiet", "--out", "out.csv", option, "record.csv"]);
+                folder.read("out.csv")
+            });
             assert_eq!(simulated, again, "{kind:?}, {input}");
             assert_eq!(simulated.lines().count(), 32);
         }
@@ -85,20 +78,15 @@ fn records_of_every_plant_input_and_sensor_come_back() {
 /// A column without a name has the scenario's meaning.
 #[test]
 fn an_input_without_a_name_is_the_scenarios() {
-    let folder = folder();
+    let folder = Folder::new();
     let rows: String = (0..40).map(|k| format!("{},{},{}\n", 0.05 * f64::from(k), k % 3, k % 5)).collect();
-    let record = file(&folder, "r.csv", &format!("t,channel 1,roof\n{rows}"));
-    let scenario = |input: &str| {
+    folder.file("r.csv", &format!("t,channel 1,roof\n{rows}"));
+    let estimates = |input: &str| {
         let text = SAMPLE.replace("[[sensors]]\nmeasures = \"velocity\"\nnoise_std = 0.06\n", "");
         let text = text.replace("sensor_std = [0.01, 0.06]", "sensor_std = [0.01]");
-        file(&folder, "s.toml", &format!("input = \"{input}\"\n{text}"))
-    };
-    let estimates = |input: &str| {
-        let out = folder.path().join("out.csv");
-        let output =
-            command().arg(scenario(input)).arg("--record").arg(&record).arg("--out").arg(&out).output().unwrap();
-        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
-        read(&out)
+        folder.file("s.toml", &format!("input = \"{input}\"\n{text}"));
+        folder.succeeds(&["run", "s.toml", "--record", "r.csv", "--out", "out.csv"]);
+        folder.read("out.csv")
     };
     assert_ne!(estimates("force"), estimates("ground_acceleration"), "the ground pushes the other way");
 }
@@ -107,13 +95,10 @@ fn an_input_without_a_name_is_the_scenarios() {
 /// one.
 #[test]
 fn a_record_that_comes_along_needs_no_file() {
-    let folder = folder();
-    let scenario = file(&folder, "s.toml", include_str!("../../assets/scenarios/earthquake.toml"));
-    let output = command().arg(&scenario).output().unwrap();
-    let (said, remarks) = (text(&output.stdout), text(&output.stderr));
-    assert_eq!(output.status.code(), Some(0), "{remarks}");
+    let folder = Folder::of(include_str!("../../assets/scenarios/earthquake.toml"));
+    let (said, remarks) = folder.succeeds(&["run", "scenario.toml"]);
     assert!(said.starts_with("1560 samples") && remarks.contains("input in `ground`"), "{said}\n{remarks}");
-    file(&folder, "earthquake.csv", "time,ground (g),structure (g)\n0,0,0\n");
-    let (_, error) = fails(command().arg(&scenario), 2);
+    folder.file("earthquake.csv", "time,ground (g),structure (g)\n0,0,0\n");
+    let error = folder.refused(&["run", "scenario.toml"]);
     assert!(error.contains("earthquake.csv") && error.contains("1 row(s)"), "{error}");
 }

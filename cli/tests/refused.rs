@@ -1,26 +1,19 @@
 //! Refused arguments and files, and the ends of failures.
 
-use std::io::Write as _;
-use std::process::Stdio;
-
-use crate::{SAMPLE, command, fails, file, folder, read, succeeds, text};
+use crate::{Folder, SAMPLE};
 
 #[test]
 fn a_scenario_can_come_from_standard_input() {
-    let mut child =
-        command().arg("-").stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    child.stdin.take().unwrap().write_all(b"dt = -1").unwrap();
-    let output = child.wait_with_output().unwrap();
-    assert_eq!(output.status.code(), Some(2));
-    assert_eq!(text(&output.stderr), "error: standard input: `dt` is -1, but must be a finite number above 0\n");
+    let (code, _, error) = Folder::new().fed(&["run", "-"], b"dt = -1");
+    assert_eq!(code, 2);
+    assert_eq!(error, "error: standard input: `dt` is -1, but must be a finite number above 0\n");
 }
 
 #[test]
 fn bad_scenarios_are_refused_with_file_and_place() {
-    let folder = folder();
-    let missing = folder.path().join("missing.toml");
-    let (table, error) = fails(command().arg(&missing), 2);
-    assert!(table.is_empty() && error.starts_with(&format!("error: {}: ", missing.display())), "{error}");
+    let folder = Folder::new();
+    let (table, error) = folder.fails(&["run", "missing.toml"], 2);
+    assert!(table.is_empty() && error.starts_with("error: missing.toml: "), "{error}");
     for (toml, message) in [
         ("dt = 0.01\nsped = 3", "line 2: `sped`: unknown field `sped`, expected one of `seed`, `dt`, "),
         ("dt = 0", "`dt` is 0, but must be a finite number above 0"),
@@ -29,21 +22,18 @@ fn bad_scenarios_are_refused_with_file_and_place() {
         ("dt = \"a\"", "line 1: `dt`: invalid type: string \"a\", expected f64"),
         ("dt = ", "TOML parse error at line 1, column 6"),
     ] {
-        let path = file(&folder, "bad.toml", toml);
-        let out = folder.path().join("never.csv");
-        let (table, error) = fails(command().arg(&path).arg("--out").arg(&out), 2);
-        assert!(error.starts_with(&format!("error: {}: {message}", path.display())), "{error}");
-        assert!(table.is_empty() && !out.exists());
+        folder.file("bad.toml", toml);
+        let (table, error) = folder.fails(&["run", "bad.toml", "--out", "never.csv"], 2);
+        assert!(error.starts_with(&format!("error: bad.toml: {message}")), "{error}");
+        assert!(table.is_empty() && !folder.has("never.csv"));
     }
 }
 
 #[test]
 fn bad_records_are_refused_with_file_and_place() {
-    let folder = folder();
-    let sample = file(&folder, "sample.toml", SAMPLE);
-    let missing = folder.path().join("missing.csv");
-    let (_, error) = fails(command().arg(&sample).arg("--record").arg(&missing), 2);
-    assert!(error.starts_with(&format!("error: {}: ", missing.display())), "{error}");
+    let folder = Folder::of(SAMPLE);
+    let error = folder.refused(&["run", "scenario.toml", "--record", "missing.csv"]);
+    assert!(error.starts_with("error: missing.csv: "), "{error}");
     for (record, message) in [
         (
             "t,force,displacement\n0,0,0\n1,0,0\n",
@@ -60,47 +50,43 @@ fn bad_records_are_refused_with_file_and_place() {
         ("t,force,displacement,velocity\n0,0,0,0\n", "1 row(s) of numbers remain, but at least 2 are needed\n"),
         ("", "the file is empty\n"),
     ] {
-        let path = file(&folder, "bad.csv", record);
-        let (table, error) = fails(command().arg(&sample).arg("--record").arg(&path), 2);
-        assert!(error.starts_with(&format!("error: {}: {message}", path.display())), "{error}");
+        folder.file("bad.csv", record);
+        let (table, error) = folder.fails(&["run", "scenario.toml", "--record", "bad.csv"], 2);
+        assert!(error.starts_with(&format!("error: bad.csv: {message}")), "{error}");
         assert!(table.is_empty());
     }
 }
 
 #[test]
 fn failures_to_write_are_reported_after_everything_else_is_done() {
-    let folder = folder();
-    let sample = file(&folder, "sample.toml", SAMPLE);
-    let good = folder.path().join("record.csv");
+    let folder = Folder::of(SAMPLE);
     for option in ["--out", "--svg"] {
-        let nowhere = folder.path().join("no such folder/file");
-        let (table, error) = fails(command().arg(&sample).arg(option).arg(&nowhere).arg("--record-out").arg(&good), 1);
-        assert!(error.starts_with(&format!("error: {}: ", nowhere.display())), "{error}");
-        assert!(table.contains("mean NIS") && good.exists());
-        std::fs::remove_file(&good).unwrap();
+        let arguments = ["run", "scenario.toml", option, "no such folder/file", "--record-out", "record.csv"];
+        let (table, error) = folder.fails(&arguments, 1);
+        assert!(error.starts_with("error: no such folder/file: "), "{error}");
+        assert!(table.contains("mean NIS") && folder.has("record.csv"));
+        std::fs::remove_file(folder.path("record.csv")).unwrap();
     }
 }
 
 #[test]
 fn a_closed_pipe_is_not_an_error() {
-    let folder = folder();
-    let out = folder.path().join("estimates.csv");
-    let sample = file(&folder, "sample.toml", SAMPLE);
-    let mut child =
-        command().arg(sample).arg("--out").arg(&out).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let folder = Folder::of(SAMPLE);
+    let mut child = folder.command(&["run", "scenario.toml", "--out", "estimates.csv"]).spawn().unwrap();
     drop(child.stdout.take());
     let output = child.wait_with_output().unwrap();
-    assert_eq!((output.status.code(), text(&output.stderr).as_str()), (Some(0), ""));
-    assert_eq!(read(&out).lines().count(), 6002);
+    assert_eq!((output.status.code(), output.stderr.len()), (Some(0), 0));
+    assert_eq!(folder.read("estimates.csv").lines().count(), 6002);
 }
 
 #[test]
 fn the_command_line_is_checked() {
-    let (_, error) = fails(&mut command(), 2);
-    assert!(error.contains("<SCENARIO>"), "{error}");
-    let (_, error) = fails(command().args(["x.toml", "--speed", "3"]), 2);
-    assert!(error.contains("--speed"), "{error}");
-    let help = succeeds(command().arg("--help"));
+    let folder = Folder::new();
+    for (arguments, word) in [(&["run"][..], "<SCENARIO>"), (&["run", "x.toml", "--speed", "3"], "--speed")] {
+        let error = folder.refused(arguments);
+        assert!(error.contains(word), "{error}");
+    }
+    let help = folder.quietly(&["run", "--help"]);
     assert!(
         ["--record", "--seed", "--out", "--record-out", "--svg", "--fail-on"]
             .iter()

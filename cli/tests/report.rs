@@ -2,27 +2,7 @@
 
 use std::path::Path;
 
-use tempfile::TempDir;
-
-use crate::{ended, file, program};
-
-/// Runs the command in a folder; it must succeed.
-#[track_caller]
-fn succeeds(folder: &TempDir, args: &[&str]) -> String {
-    let (code, stdout, stderr) = ended(program().current_dir(folder.path()).args(args));
-    assert_eq!(code, Some(0), "{args:?}: {stderr}");
-    stdout
-}
-
-fn folder(scenario: &str) -> TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    file(&folder, "scenario.toml", scenario);
-    folder
-}
-
-fn read(folder: &TempDir, name: &str) -> String {
-    crate::read(&folder.path().join(name))
-}
+use crate::Folder;
 
 /// A filter that is too sure of its sensor, so that it has a verdict, evidence and causes.
 const OVERCONFIDENT: &str = "duration = 20.0\n[[filters]]\nname = \"<script>alert(1)</script>\"\n\
@@ -30,9 +10,9 @@ const OVERCONFIDENT: &str = "duration = 20.0\n[[filters]]\nname = \"<script>aler
 
 #[test]
 fn a_report_is_one_page_without_scripts() {
-    let folder = folder(OVERCONFIDENT);
-    succeeds(&folder, &["report", "scenario.toml", "--out", "report.html"]);
-    let page = read(&folder, "report.html");
+    let folder = Folder::of(OVERCONFIDENT);
+    folder.succeeds(&["report", "scenario.toml", "--out", "report.html"]);
+    let page = folder.read("report.html");
     assert!(page.starts_with("<!doctype html>") && page.trim_end().ends_with("</html>"));
     for part in [
         "default-src 'none'; style-src 'unsafe-inline'",
@@ -68,10 +48,10 @@ fn a_report_on_a_measured_record_has_the_free_run() {
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../core/tests/data");
     let [scenario, record] =
         ["ekf-acceleration-only.toml", "ekf-acceleration-only.record.csv"].map(|name| data.join(name));
-    let folder = folder("");
+    let folder = Folder::of("");
     let [scenario, record] = [&scenario, &record].map(|path| path.to_str().unwrap());
-    succeeds(&folder, &["report", scenario, "--record", record, "--holdout", record, "--out", "report.html"]);
-    let page = read(&folder, "report.html");
+    folder.succeeds(&["report", scenario, "--record", record, "--holdout", record, "--out", "report.html"]);
+    let page = folder.read("report.html");
     assert!(page.contains("Over its own record: ") && page.contains("one step ahead"), "there is a free run");
     assert!(page.contains("ekf-acceleration-only.record.csv: "), "there is another");
     assert!(page.contains("predicted acceleration"), "the only sensor has a plot");
@@ -79,33 +59,33 @@ fn a_report_on_a_measured_record_has_the_free_run() {
 
 #[test]
 fn a_sensor_that_reads_no_channel_has_its_plot() {
-    let folder = folder("duration = 5.0\n[[sensors]]\nmeasures = \"acceleration\"\nnoise_std = 0.3");
-    succeeds(&folder, &["run", "scenario.toml", "--svg", "plots.svg"]);
-    let svg = read(&folder, "plots.svg");
+    let folder = Folder::of("duration = 5.0\n[[sensors]]\nmeasures = \"acceleration\"\nnoise_std = 0.3");
+    folder.succeeds(&["run", "scenario.toml", "--svg", "plots.svg"]);
+    let svg = folder.read("plots.svg");
     assert_eq!(svg.matches("predicted acceleration").count(), 1);
     assert!(svg.contains("measurement") && !svg.contains("NaN"), "dots are in the legend");
 }
 
 #[test]
 fn a_measured_record_has_a_plot_of_every_sensor() {
-    let folder = folder("duration = 5.0");
-    succeeds(&folder, &["run", "scenario.toml", "--record-out", "record.csv", "--svg", "simulated.svg"]);
+    let folder = Folder::of("duration = 5.0");
+    folder.succeeds(&["run", "scenario.toml", "--record-out", "record.csv", "--svg", "simulated.svg"]);
     let kept = |line: &str| line.split(',').take(4).collect::<Vec<_>>().join(",") + "\n";
-    let measured: String = read(&folder, "record.csv").lines().map(kept).collect();
-    std::fs::write(folder.path().join("measured.csv"), measured).unwrap();
-    succeeds(&folder, &["run", "scenario.toml", "--record", "measured.csv", "--svg", "measured.svg"]);
+    let measured: String = folder.read("record.csv").lines().map(kept).collect();
+    folder.file("measured.csv", &measured);
+    folder.succeeds(&["run", "scenario.toml", "--record", "measured.csv", "--svg", "measured.svg"]);
     for sensor in ["predicted displacement", "predicted velocity"] {
-        assert!(read(&folder, "measured.svg").contains(sensor), "{sensor}");
-        assert!(!read(&folder, "simulated.svg").contains(sensor), "the channel's plot shows it beside the truth");
+        assert!(folder.read("measured.svg").contains(sensor), "{sensor}");
+        assert!(!folder.read("simulated.svg").contains(sensor), "the channel's plot shows it beside the truth");
     }
 }
 
 #[test]
 fn estimates_have_innovations_and_predictions() {
-    let folder = folder("duration = 5.0");
-    succeeds(&folder, &["run", "scenario.toml", "--record-out", "record.csv", "--out", "estimates.csv"]);
+    let folder = Folder::of("duration = 5.0");
+    folder.succeeds(&["run", "scenario.toml", "--record-out", "record.csv", "--out", "estimates.csv"]);
     let column = |file: &str, name: &str| -> Vec<f64> {
-        let mut reader = csv::Reader::from_path(folder.path().join(file)).unwrap();
+        let mut reader = csv::Reader::from_path(folder.path(file)).unwrap();
         let place = reader.headers().unwrap().iter().position(|header| header == name).unwrap();
         reader.records().map(|row| row.unwrap()[place].parse().unwrap()).collect()
     };

@@ -1,45 +1,29 @@
 //! Readings in, estimates out.
 
 use std::io::{BufRead as _, BufReader, Write as _};
-use std::process::{Command, Stdio};
 
 use kalmanscope_core::{Document, Scenario, simulate};
 
-use crate::{SAMPLE, command, ended, file, folder, program, read, succeeds, text};
+use crate::{Folder, SAMPLE};
 
-fn stream() -> Command {
-    let mut command = program();
-    command.arg("stream");
-    command
-}
-
-/// Standard output, standard error and exit code of a stream that is fed a text.
-fn fed(command: &mut Command, input: &str) -> (String, String, Option<i32>) {
-    let mut child =
-        command.arg("-").stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    let mut to = child.stdin.take().unwrap();
-    let input = input.to_owned();
-    let feeder = std::thread::spawn(move || drop(to.write_all(input.as_bytes())));
-    let output = child.wait_with_output().unwrap();
-    feeder.join().unwrap();
-    (text(&output.stdout), text(&output.stderr), output.status.code())
-}
+/// A stream of the scenario of a folder.
+const STREAM: [&str; 3] = ["stream", "scenario.toml", "-"];
 
 #[test]
 fn a_stream_of_a_record_ends_where_its_run_does() {
-    let folder = folder();
-    let (sample, out) = (file(&folder, "sample.toml", SAMPLE), folder.path().join("estimates.csv"));
-    let record = succeeds(command().arg(&sample).args(["--quiet", "--record-out", "-", "--out"]).arg(&out));
-    let (table, error, code) = fed(stream().arg(&sample), &record);
-    assert_eq!((error.as_str(), code), ("", Some(0)));
+    let folder = Folder::of(SAMPLE);
+    let run = ["run", "scenario.toml", "--quiet", "--record-out", "-", "--out", "estimates.csv"];
+    let record = folder.quietly(&run);
+    let (code, table, error) = folder.fed(&STREAM, record.as_bytes());
+    assert_eq!((error.as_str(), code), ("", 0));
     let scenario = Scenario::from_toml(SAMPLE).unwrap();
     assert_eq!(table.lines().count(), simulate(&scenario).len() + 1, "a header, and a line a sample");
     let cells = |line: &str| line.split(',').map(str::to_owned).collect::<Vec<_>>();
     let (header, last) = (cells(table.lines().next().unwrap()), cells(table.lines().last().unwrap()));
-    let estimates = read(&out);
+    let estimates = folder.read("estimates.csv");
     let names = cells(estimates.lines().next().unwrap());
     let mut compared = 0;
-    for (name, _) in scenario.filters.iter().map(|filter| (filter.name.as_str(), ())) {
+    for name in scenario.filters.iter().map(|filter| filter.name.as_str()) {
         let row = cells(estimates.lines().rfind(|line| line.starts_with(&format!("{name},"))).unwrap());
         for (column, value) in names.iter().zip(&row).filter(|(column, _)| column.starts_with("std_")) {
             let Some(place) = header.iter().position(|one| *one == format!("{name}.{column}")) else { continue };
@@ -54,13 +38,12 @@ fn a_stream_of_a_record_ends_where_its_run_does() {
 /// A filter with a look-ahead reports its smoothed estimates, each after that time.
 #[test]
 fn hindsight_comes_with_a_look_ahead() {
-    let folder = folder();
     let text = format!("{SAMPLE}\n[[filters]]\nname = \"late\"\nsmoother = true\nlook_ahead = 0.2\n");
-    let sample = file(&folder, "late.toml", &text);
+    let folder = Folder::of(&text);
     let dt = Scenario::from_toml(&text).unwrap().dt;
-    let record = succeeds(command().arg(&sample).args(["--quiet", "--record-out", "-"]));
-    let (table, error, code) = fed(stream().arg(&sample), &record);
-    assert_eq!((error.as_str(), code), ("", Some(0)));
+    let record = folder.quietly(&["run", "scenario.toml", "--quiet", "--record-out", "-"]);
+    let (code, table, error) = folder.fed(&STREAM, record.as_bytes());
+    assert_eq!((error.as_str(), code), ("", 0));
     let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
     assert!(rows.iter().all(|row| row.len() == rows[0].len()), "every row has every column");
     let column =
@@ -75,21 +58,17 @@ fn hindsight_comes_with_a_look_ahead() {
         assert!((number(row, t) - number(row, then) - 0.2).abs() < 1e-9);
         assert!(number(row, later) <= number(row - waits, at_once), "row {row}");
     }
-    let (lines, _, _) = fed(stream().arg(&sample).arg("--json"), &record);
-    let Ok(Document::Table(last)) = Document::from_json(lines.lines().last().unwrap()) else { panic!("an object") };
-    let of =
-        |table: &[(String, Document)], key: &str| table.iter().find(|(k, _)| k == key).map(|(_, value)| value.clone());
-    let Some(Document::Table(late)) = of(&last, "late") else { panic!("the filter") };
-    let Some(Document::Table(hindsight)) = of(&late, "hindsight") else { panic!("hindsight: {late:?}") };
-    assert!(of(&hindsight, "t").is_some() && of(&hindsight, "natural_frequency").is_some());
+    let (_, lines, _) = folder.fed(&[&STREAM[..], &["--json"]].concat(), record.as_bytes());
+    let last = Document::from_json(lines.lines().last().unwrap()).unwrap();
+    let hindsight = last.get("late").unwrap().get("hindsight").unwrap();
+    assert!(hindsight.get("t").is_some() && hindsight.get("natural_frequency").is_some());
     assert!(lines.lines().next().is_some_and(|line| !line.contains("hindsight")), "nothing is old enough");
 }
 
 #[test]
 fn every_line_is_answered_at_once() {
-    let folder = folder();
-    let sample = file(&folder, "sample.toml", SAMPLE);
-    let mut child = stream().arg(&sample).arg("--json").stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
+    let folder = Folder::of(SAMPLE);
+    let mut child = folder.command(&["stream", "scenario.toml", "--json"]).spawn().unwrap();
     let mut to = child.stdin.take().unwrap();
     let mut from = BufReader::new(child.stdout.take().unwrap());
     for k in 0..5 {
@@ -99,9 +78,9 @@ fn every_line_is_answered_at_once() {
         for _ in 0..2 {
             let mut line = String::new();
             from.read_line(&mut line).unwrap();
-            let told = Document::from_json(&line).unwrap();
-            let time = told.get("t").cloned();
-            let Some(Document::Number(time)) = time else { panic!("{line}") };
+            let Some(Document::Number(time)) = Document::from_json(&line).unwrap().get("t").cloned() else {
+                panic!("{line}")
+            };
             assert!(time >= 0.01 * f64::from(k) - 1e-12, "{line}");
         }
     }
@@ -111,11 +90,10 @@ fn every_line_is_answered_at_once() {
 
 #[test]
 fn bad_lines_are_said_and_left_out() {
-    let folder = folder();
-    let sample = file(&folder, "sample.toml", SAMPLE);
+    let folder = Folder::of(SAMPLE);
     let lines = "t,displacement\n0,0\n0.01,0.001\noops,1\n0.02\n0.02,inf\n1e300,0\n0.03,0.002\n";
-    let (table, error, code) = fed(stream().arg(&sample), lines);
-    assert_eq!((table.lines().count(), code), (4, Some(0)), "{table}");
+    let (code, table, error) = folder.fed(&STREAM, lines.as_bytes());
+    assert_eq!((table.lines().count(), code), (4, 0), "{table}");
     for words in [
         "line 4: `t` is “oops”, but must be a number; it is left out",
         "line 5: it has 1 cells, but the header has 2; it is left out",
@@ -124,25 +102,26 @@ fn bad_lines_are_said_and_left_out() {
     ] {
         assert!(error.contains(words), "{error}");
     }
-    let (_, error, code) = fed(stream().arg(&sample), "0.1,0.2\n");
+    let (code, _, error) = folder.fed(&STREAM, b"0.1,0.2\n");
     assert!(error.contains("a header such as `t,force,displacement,velocity` must come first"), "{error}");
-    assert_eq!(code, Some(0));
+    assert_eq!(code, 0);
 }
 
 #[test]
 fn filters_that_count_samples_are_left_out_in_words() {
-    let folder = folder();
     let both = "[[filters]]\nname = \"P\"\nkind = \"pf\"\n[[filters]]\nname = \"E\"\nkind = \"ekf\"\n";
-    let path = file(&folder, "both.toml", both);
-    let (table, error, code) = fed(stream().arg(&path), "t,displacement\n0,0\n");
+    let folder = Folder::of(both);
+    let (code, table, error) = folder.fed(&STREAM, b"t,displacement\n0,0\n");
     assert!(table.starts_with("t,E.displacement,"), "{table}");
     assert_eq!(
         (error.trim_end(), code),
-        ("P is left out: a filter with random members follows samples at equal times only", Some(0))
+        ("P is left out: a filter with random members follows samples at equal times only", 0)
     );
-    let alone = file(&folder, "alone.toml", "[[filters]]\nkind = \"pf\"\n");
-    let (_, error, code) = fed(stream().arg(&alone), "");
-    assert!(error.contains("random members") && code == Some(2), "{error} {code:?}");
-    let (code, _, error) = ended(stream().arg(&path).arg(folder.path().join("missing.csv")));
-    assert!(error.contains("missing.csv") && code == Some(2), "{error}");
+    folder.file("alone.toml", "[[filters]]\nkind = \"pf\"\n");
+    for (arguments, word) in
+        [(["alone.toml", "-"], "random members"), (["scenario.toml", "missing.csv"], "missing.csv")]
+    {
+        let error = folder.refused(&[&["stream"], &arguments[..]].concat());
+        assert!(error.contains(word), "{error}");
+    }
 }

@@ -1,14 +1,13 @@
 //! Checks: the claims of a lesson as limits on numbers of a run.
 
-mod display;
+use std::fmt;
 
-use kalmanscope_core::{Channel, Measure, MeasureKind, Quantity, Scenario, Times, Value, ValueKind};
+use kalmanscope_core::{Channel, MeasureKind, Quantity, Scenario, Times, Value, ValueKind};
 use serde::Deserialize;
 
-use crate::cells::Cells;
-use crate::limits::Limits;
-use crate::value::Expected;
-use crate::{LessonError, Outcome};
+use crate::LessonError;
+use crate::grid::Cells;
+use crate::limits::{Expected, Limits};
 
 /// The share of all records in which a check holds that states none.
 pub(crate) const NEARLY_ALL: f64 = 0.98;
@@ -88,11 +87,6 @@ impl Check {
         }
     }
 
-    /// The measure with its channel and its sensor. `None` if it needs one of them and the check does not give it.
-    pub(crate) fn whole_measure(&self) -> Option<Measure> {
-        Measure::new(self.measure, self.channel, self.sensor)
-    }
-
     /// Whether it is about a verdict.
     pub fn is_of_verdict(&self) -> bool {
         self.measure.info().kind == ValueKind::Verdict
@@ -103,23 +97,9 @@ impl Check {
         self.before || self.than.is_some() || self.than_smoothed || self.reference_times() != self.times()
     }
 
-    /// Whether the check applies to a seed.
-    pub(crate) fn is_about(&self, seed: u64) -> bool {
-        self.seed.is_none_or(|only| only == seed)
-    }
-
     /// Whether a value meets the check; of a check over cells, a share of them.
     pub fn holds(&self, value: &Value) -> bool {
         Limits { above: self.above, below: self.below, is: self.is.as_ref() }.hold(value)
-    }
-
-    /// Whether the measure keeps within the limits of a cell in its outcome.
-    ///
-    /// # Errors
-    /// [`LessonError::UnknownFilter`] where the outcome does not have the filter.
-    pub(crate) fn holds_in(&self, cell: &Outcome) -> Result<bool, LessonError> {
-        let value = self.value(cell, cell)?;
-        Ok(self.cells.as_ref().is_some_and(|cells| cells.limits().hold(&value)))
     }
 
     /// Validates the check against a scenario.
@@ -174,5 +154,51 @@ impl Check {
 
     pub(crate) fn trouble(&self, what: &str) -> LessonError {
         LessonError::Check { measure: self.measure.to_string(), trouble: what.to_owned() }
+    }
+}
+
+impl fmt::Display for Check {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let time = |Times { at, from, to }: Times| {
+            let one = |word: &str, t: Option<f64>| t.map_or(String::new(), |t| format!(" {word} {t} s"));
+            one("at", at) + &one("from", from) + &one("to", to)
+        };
+        let hindsight = |smoothed: bool| if smoothed { ", smoothed" } else { "" };
+        write!(f, "{} of {}{}", self.measure, self.filter, hindsight(self.smoothed))?;
+        if let Some(channel) = self.channel {
+            write!(f, " in {}", channel.key())?;
+        }
+        write!(f, "{}", time(self.times()))?;
+        if self.is_relative() {
+            let before = if self.before { " before" } else { "" };
+            let other = self.than.as_deref().unwrap_or("that");
+            write!(f, ", over {other}{}{before}", hindsight(self.than_smoothed))?;
+            if self.reference_times() != self.times() {
+                write!(f, "{}", time(self.reference_times()))?;
+            }
+        }
+        if let Some(Cells { x, y, above, below, is }) = &self.cells {
+            limits(f, *above, *below, is.as_ref())?;
+            write!(f, "; share of the cells of {x}")?;
+            if let Some(y) = y {
+                write!(f, " and {y}")?;
+            }
+        }
+        limits(f, self.above, self.below, self.is.as_ref())
+    }
+}
+
+/// Writes the limits of a number or the expected words.
+fn limits(f: &mut fmt::Formatter<'_>, above: Option<f64>, below: Option<f64>, is: Option<&Expected>) -> fmt::Result {
+    for (word, limit) in [("above", above), ("below", below)] {
+        if let Some(limit) = limit {
+            write!(f, ", {word} {limit:?}")?;
+        }
+    }
+    match is {
+        Some(Expected::Flag(flag)) => write!(f, ", {flag}"),
+        Some(Expected::Word(word)) => write!(f, ", {word}"),
+        Some(Expected::OneOf(words)) => write!(f, ", {}", words.join(" or ")),
+        None => Ok(()),
     }
 }

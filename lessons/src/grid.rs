@@ -1,9 +1,11 @@
-//! The scenarios of a grid over some settings.
+//! Grids over settings: the map that a step shows in the laboratory, and the cells of a check.
 
-use kalmanscope_core::setting::Address;
-use kalmanscope_core::{Axis, Scenario};
+use kalmanscope_core::setting::{Address, SEED};
+use kalmanscope_core::{Axis, Measure, Scenario};
+use serde::Deserialize;
 
 use crate::LessonError;
+use crate::limits::{Expected, Limits};
 
 /// Limits the values on one axis: a check runs the scenario for each.
 const MOST: usize = 256;
@@ -12,7 +14,7 @@ const MOST: usize = 256;
 ///
 /// # Errors
 /// [`LessonError::Axis`] where the text is none.
-pub(crate) fn axis(text: &str) -> Result<Axis, LessonError> {
+fn axis(text: &str) -> Result<Axis, LessonError> {
     let axis = Axis::parse(text).ok().filter(|axis| (2..=MOST).contains(&axis.count));
     axis.ok_or_else(|| LessonError::Axis(text.to_owned()))
 }
@@ -40,15 +42,97 @@ pub(crate) fn cells(scenario: &Scenario, axes: &[Axis]) -> Result<Vec<Scenario>,
 ///
 /// # Errors
 /// As [`cells`].
-pub(crate) fn check_corners(scenario: &Scenario, axes: &[Axis]) -> Result<(), LessonError> {
+fn check_corners(scenario: &Scenario, axes: &[Axis]) -> Result<(), LessonError> {
     let ends: Vec<Axis> = axes.iter().map(|axis| Axis { count: 2, ..axis.clone() }).collect();
     cells(scenario, &ends).map(|_| ())
 }
 
+/// A map over two settings, in the words of the laboratory.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Map {
+    /// The setting across, written as `KEY=FROM:TO:COUNT`, with `:log` behind it for equal ratios. A setting of filters has `*`
+    /// for their names: all filters of the map get the value.
+    pub x: String,
+    /// The setting up.
+    pub y: String,
+    /// The score, such as `rmse.natural_frequency`.
+    pub measure: Measure,
+    /// The filter's name.
+    pub filter: String,
+    /// The name of a second filter beside it.
+    pub second: Option<String>,
+}
+
+impl Map {
+    /// Checks that the scenario has filters and settings of the map.
+    ///
+    /// # Errors
+    /// [`LessonError`] where the scenario lacks one of them.
+    pub(crate) fn validate(&self, scenario: &Scenario) -> Result<(), LessonError> {
+        if let Some(name) = self.missing_filter(scenario) {
+            return Err(LessonError::UnknownFilter(name.clone()));
+        }
+        check_corners(scenario, &[axis(&self.x)?, axis(&self.y)?])
+    }
+
+    /// The name of a filter that the scenario lacks, if it lacks one: the step's change may have to add it first.
+    pub fn missing_filter(&self, scenario: &Scenario) -> Option<&String> {
+        let mut names = [Some(&self.filter), self.second.as_ref()].into_iter().flatten();
+        names.find(|name| !scenario.filters.iter().any(|filter| filter.name == **name))
+    }
+}
+
+/// A grid of settings around those of a step, and the limits of the measure in a cell. A check over cells is about the share of
+/// the cells in which the measure keeps within them.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Cells {
+    /// A setting, written as `KEY=FROM:TO:COUNT`, with `:log` behind it for equal ratios.
+    pub x: String,
+    /// Another setting.
+    pub y: Option<String>,
+    /// The measure must be above this in the cell.
+    pub above: Option<f64>,
+    /// The measure must be below this in the cell.
+    pub below: Option<f64>,
+    /// The word must be this in the cell.
+    pub is: Option<Expected>,
+}
+
+impl Cells {
+    /// The limits of the measure in a cell.
+    pub(crate) fn limits(&self) -> Limits<'_> {
+        Limits { above: self.above, below: self.below, is: self.is.as_ref() }
+    }
+
+    /// The axes.
+    ///
+    /// # Errors
+    /// [`LessonError::Axis`] where a text is not an axis.
+    pub(crate) fn axes(&self) -> Result<Vec<Axis>, LessonError> {
+        [Some(&self.x), self.y.as_ref()].into_iter().flatten().map(|text| axis(text)).collect()
+    }
+
+    /// Checks that all cells can be run.
+    ///
+    /// # Errors
+    /// [`LessonError`] where a text is not an axis, or an axis varies something that the scenario lacks, or the seed,
+    /// which is varied anyway.
+    pub(crate) fn validate(&self, scenario: &Scenario) -> Result<(), LessonError> {
+        let axes = self.axes()?;
+        if axes.iter().any(|axis| axis.key == SEED.key) {
+            return Err(LessonError::Axis(self.x.clone()));
+        }
+        check_corners(scenario, &axes)
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::*;
     use kalmanscope_core::Channel;
+
+    use super::*;
 
     #[test]
     fn axes_of_too_few_or_too_many_values_are_refused() {

@@ -15,35 +15,27 @@
 
 mod adjustment;
 mod built_in;
-mod cells;
 mod check;
 mod claim;
 mod error;
-mod evaluate;
-mod file;
 mod grid;
 mod lesson;
 mod library;
 mod limits;
-mod map;
 mod outcome;
 mod question;
 pub mod records;
-mod shares;
-mod value;
 mod verify;
 
 pub use adjustment::{Adjustment, Change};
 pub use built_in::{BUILT_IN, BuiltIn, EQUATIONS};
-pub use cells::Cells;
 pub use check::Check;
 pub use claim::Claim;
 pub use error::LessonError;
-pub use file::File;
+pub use grid::{Cells, Map};
 pub use lesson::{Base, Lesson, Presentation, Step, ViewName};
-pub use library::{LESSONS, lessons};
-pub use map::Map;
+pub use library::{File, LESSONS, lessons};
+pub use limits::Expected;
 pub use outcome::Outcome;
 pub use question::Question;
-pub use value::Expected;
 pub use verify::{verify, verify_all, verify_with};

@@ -1,8 +1,7 @@
 //! The limits of a measured value.
 
-use kalmanscope_core::Value;
-
-use crate::value::Expected;
+use kalmanscope_core::{Document, Value};
+use serde::Deserialize;
 
 /// The limits of a value.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,6 +24,30 @@ impl Limits<'_> {
             (Value::Flag(_), _) | (_, None | Some(Expected::Flag(_))) => false,
             (words, Some(Expected::Word(expected))) => words.words().contains(&expected.as_str()),
             (words, Some(Expected::OneOf(all))) => words.words().iter().any(|word| all.iter().any(|one| one == word)),
+        }
+    }
+}
+
+/// The expected result of a measure that is not a number.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(try_from = "Document")]
+pub enum Expected {
+    /// Yes or no.
+    Flag(bool),
+    /// A verdict or a remark.
+    Word(String),
+    /// One of several verdicts or remarks.
+    OneOf(Vec<String>),
+}
+
+impl TryFrom<Document> for Expected {
+    type Error = &'static str;
+
+    fn try_from(document: Document) -> Result<Self, Self::Error> {
+        match document {
+            Document::Flag(flag) => Ok(Self::Flag(flag)),
+            Document::Text(word) => Ok(Self::Word(word)),
+            other => other.read().map(Self::OneOf).map_err(|_| "expected `true`, `false`, a word or a list of words"),
         }
     }
 }

@@ -1,7 +1,10 @@
-//! Complete runs of scenarios, with the results that checks need.
+//! Complete runs of scenarios, with the results that checks need, and the value of a check in them.
 
-use kalmanscope_core::{Analysis, Diagnostics, Estimates, Run, Scenario, Source, Wanted};
+use kalmanscope_core::{
+    Analysis, Diagnostics, Estimates, Measure, Observed, Run, Scenario, Source, Times, Value, Wanted,
+};
 
+use crate::check::Check;
 use crate::{LessonError, records};
 
 /// A complete run of a scenario, with its results.
@@ -17,7 +20,6 @@ pub struct Outcome {
 #[derive(Clone, Copy)]
 pub(crate) struct FilterOutcome<'a> {
     pub(crate) outcome: &'a Outcome,
-    /// The filter's place in the scenario.
     pub(crate) place: usize,
     pub(crate) estimates: &'a Estimates,
     pub(crate) diagnostics: &'a Diagnostics,
@@ -66,5 +68,130 @@ impl Outcome {
         };
         let (estimates, diagnostics) = all.iter().zip(of_all).find(|(of, _)| of.id() == id)?;
         Some(FilterOutcome { outcome: self, place, estimates, diagnostics })
+    }
+}
+
+impl Check {
+    /// The value of the check's measure in an outcome, divided by the reference value if the check compares. `before`
+    /// is the outcome before the step's change. A number that does not exist is NaN, so that no check holds.
+    ///
+    /// # Errors
+    /// [`LessonError::UnknownFilter`] where an outcome does not have the filter.
+    pub fn value(&self, outcome: &Outcome, before: &Outcome) -> Result<Value, LessonError> {
+        let find = |outcome: &'_ Outcome, (name, smoothed): (&str, bool), times: Times| {
+            let filter = outcome.filter(name, smoothed).ok_or_else(|| LessonError::UnknownFilter(name.to_owned()))?;
+            Ok::<_, LessonError>(self.measured(filter, times))
+        };
+        let value = find(outcome, (&self.filter, self.smoothed), self.times())?;
+        let Value::Number(number) = value else { return Ok(value) };
+        if !self.is_relative() {
+            return Ok(value);
+        }
+        let reference = if self.before { before } else { outcome };
+        match find(reference, self.reference_filter(), self.reference_times())? {
+            Value::Number(other) => Ok(Value::Number(number / other)),
+            _ => Ok(Value::Number(f64::NAN)),
+        }
+    }
+
+    /// Whether the measure keeps within the limits of a cell in its outcome.
+    ///
+    /// # Errors
+    /// [`LessonError::UnknownFilter`] where the outcome does not have the filter.
+    pub(crate) fn holds_in(&self, cell: &Outcome) -> Result<bool, LessonError> {
+        let value = self.value(cell, cell)?;
+        Ok(self.cells.as_ref().is_some_and(|cells| cells.limits().hold(&value)))
+    }
+
+    fn measured(&self, filter: FilterOutcome<'_>, times: Times) -> Value {
+        let FilterOutcome { outcome, place, estimates, diagnostics } = filter;
+        let run = Observed::new(outcome.scenario(), place, outcome.run().record(), estimates);
+        let run = run.with(diagnostics).among(outcome.run().estimates());
+        // None if the measure needs a channel or a sensor that the check does not give.
+        let measure = Measure::new(self.measure, self.channel, self.sensor);
+        measure.map_or(Value::Number(f64::NAN), |measure| measure.of(&run, times))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use kalmanscope_core::{Summary, VerdictKind};
+
+    use super::*;
+
+    fn outcome() -> Outcome {
+        let mut scenario = Scenario { duration: 10.0, ..Scenario::default() };
+        scenario.filters[0].smoother = true;
+        scenario.filters[1].fading = 1e60;
+        Outcome::of(&scenario).unwrap()
+    }
+
+    fn value(outcome: &Outcome, filter: &str, check: &str) -> Value {
+        let check: Check = toml::from_str(&format!("filter = \"{filter}\"\n{check}")).unwrap();
+        check.value(outcome, outcome).unwrap()
+    }
+
+    fn number(outcome: &Outcome, filter: &str, check: &str) -> f64 {
+        match value(outcome, filter, check) {
+            Value::Number(number) => number,
+            other => panic!("{other}"),
+        }
+    }
+
+    #[test]
+    fn measures_are_those_of_the_summary() {
+        let outcome = outcome();
+        let summary = Summary::new(&outcome.run().estimates()[0], outcome.run().record());
+        let frequency = summary.finals[2];
+        let score = frequency.score.unwrap();
+        let of = |measure: &str| {
+            number(&outcome, "EKF", &format!("channel = \"natural_frequency\"\nmeasure = \"{measure}\""))
+        };
+        for (measured, expected) in [
+            (of("rmse"), score.rmse),
+            (of("std"), frequency.std),
+            (of("estimate"), frequency.mean),
+            (of("settled"), score.settled.unwrap()),
+            (of("coverage"), score.coverage),
+            (of("nees"), summary.nees.unwrap().mean / 4.0),
+            (of("nis"), summary.nis.unwrap().mean / 2.0),
+            (of("log_likelihood"), summary.log_likelihood),
+            (of("log_likelihood_per_sample"), summary.log_likelihood / 1000.0),
+            (of("evaluations"), 5.0),
+        ] {
+            assert!((measured / expected - 1.0).abs() < 1e-12, "{measured} instead of {expected}");
+        }
+        assert!(of("mean_error") < of("rmse") && of("std_over_bound") > 0.9);
+        assert!(number(&outcome, "EKF", "measure = \"rmse_over_sensor\"\nchannel = \"displacement\"") < 0.5);
+        assert_eq!(value(&outcome, "EKF", "measure = \"verdict\""), Value::Verdict(Some(VerdictKind::Consistent)));
+        assert_eq!(value(&outcome, "EKF", "measure = \"remark\""), Value::Words(vec![]));
+    }
+
+    #[test]
+    fn ratios_compare_filters_and_times() {
+        let outcome = outcome();
+        let std = |more: &str| {
+            number(&outcome, "EKF", &format!("channel = \"natural_frequency\"\nmeasure = \"std\"\n{more}"))
+        };
+        assert_eq!(std("at = 1.0\nthan_at = 0.0"), std("at = 1.0") / 2.0);
+        assert_eq!(std("at = 1.0\nbefore = true"), 1.0);
+        assert!((std("than_smoothed = true") - 1.0).abs() < 1e-12, "at the end of the record both know the same");
+        assert!(std("at = 0.2\nthan = \"EKF\"\nthan_smoothed = true") > 1.0, "hindsight knows better");
+        let error = "channel = \"natural_frequency\"\nmeasure = \"error_in_std\"\nat = 0.0";
+        assert_eq!(number(&outcome, "EKF", error), 1.0, "8 ± 2 where 6 is true");
+    }
+
+    #[test]
+    fn a_missing_number_fails_every_check() {
+        let outcome = outcome();
+        assert_eq!(value(&outcome, "UKF", "measure = \"stopped\""), Value::Flag(true));
+        for check in ["measure = \"nis\"\nfrom = 9.0", "measure = \"std\"\nchannel = \"velocity\"\nat = 9.0"] {
+            assert!(number(&outcome, "UKF", check).is_nan(), "{check}");
+        }
+        assert!(number(&outcome, "EKF", "measure = \"std\"\nchannel = \"cubic_stiffness\"").is_nan());
+        let check: Check = toml::from_str("filter = \"KF\"\nmeasure = \"nis\"").unwrap();
+        assert_eq!(check.value(&outcome, &outcome), Err(LessonError::UnknownFilter("KF".to_owned())));
+        let limits: Check = toml::from_str("filter = \"KF\"\nmeasure = \"nis\"\nabove = 0.0").unwrap();
+        assert!(!limits.holds(&Value::Number(f64::NAN)) && limits.holds(&Value::Number(f64::INFINITY)));
     }
 }

@@ -5,7 +5,6 @@ use serde::Deserialize;
 
 use crate::LessonError;
 
-/// The least number of choices.
 const FEWEST: usize = 2;
 /// Limits the number of choices, so that all are read.
 const MOST: usize = 4;

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use kalmanscope_core::{Scenario, Source, Value};
 
 use crate::check::Check;
-use crate::{Claim, Lesson, LessonError, Outcome, records, shares};
+use crate::{Claim, Lesson, LessonError, Outcome, grid, records};
 
 /// Runs a lesson with each seed and evaluates its checks, in the order of the file. A measured record is the same with
 /// each seed.
@@ -44,10 +44,12 @@ pub fn verify_with(
         for (number, (step, scenario)) in lesson.steps.iter().zip(&scenarios).enumerate() {
             let changed = if step.change.is_some() { Some(run(scenario)?) } else { None };
             let now = changed.as_ref().unwrap_or(&before);
-            let mut tried: Vec<&mut Claim> =
-                claims.iter_mut().filter(|claim| claim.step == number && claim.check.is_about(seed)).collect();
+            let mut tried: Vec<&mut Claim> = claims
+                .iter_mut()
+                .filter(|claim| claim.step == number && claim.check.seed.is_none_or(|only| only == seed))
+                .collect();
             let checks: Vec<&Check> = tried.iter().map(|claim| &claim.check).collect();
-            let shares = shares::shares(&checks, scenario, &run).map_err(|error| error.in_step(number))?;
+            let shares = shares(&checks, scenario, &run).map_err(|error| error.in_step(number))?;
             for (claim, share) in tried.iter_mut().zip(shares) {
                 let value = share.map_or_else(|| claim.check.value(now, &before), |share| Ok(Value::Number(share)));
                 claim.values.push((seed, value.map_err(|error| error.in_step(number))?));
@@ -93,6 +95,36 @@ pub fn verify_all(lessons: &[Lesson], seeds: &[u64]) -> Result<Vec<Claim>, Lesso
         claim.values.sort_unstable_by_key(|(seed, _)| *seed);
     }
     Ok(claims)
+}
+
+/// The shares of the cells in which checks hold, of those checks that have cells. Each cell of a grid is run once for all checks
+/// over the same grid.
+///
+/// # Errors
+/// [`LessonError`] where a cell cannot be run.
+fn shares(
+    checks: &[&Check],
+    scenario: &Scenario,
+    run: &dyn Fn(&Scenario) -> Result<Outcome, LessonError>,
+) -> Result<Vec<Option<f64>>, LessonError> {
+    let grid = |place: usize| checks[place].cells.as_ref().map(|cells| (&cells.x, &cells.y));
+    let mut shares = vec![None; checks.len()];
+    for first in 0..checks.len() {
+        let Some(cells) = checks[first].cells.as_ref().filter(|_| shares[first].is_none()) else { continue };
+        let same: Vec<usize> = (first..checks.len()).filter(|&other| grid(other) == grid(first)).collect();
+        let scenarios = grid::cells(scenario, &cells.axes()?)?;
+        let mut hits = vec![0_usize; same.len()];
+        for scenario in &scenarios {
+            let outcome = run(scenario)?;
+            for (&place, hits) in same.iter().zip(&mut hits) {
+                *hits += usize::from(checks[place].holds_in(&outcome)?);
+            }
+        }
+        for (place, hits) in same.into_iter().zip(hits) {
+            shares[place] = Some(hits as f64 / scenarios.len() as f64);
+        }
+    }
+    Ok(shares)
 }
 
 #[cfg(test)]

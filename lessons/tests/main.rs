@@ -2,6 +2,4 @@
 //! those of one file.
 
 mod claims;
-mod readme;
-mod records;
 mod stories;

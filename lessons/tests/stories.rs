@@ -40,7 +40,6 @@ impl<'a> Told<'a> {
         Some(self.diagnoses[place].as_ref()?.verdict.as_ref()?.kind)
     }
 
-    /// Every way in which the story is wrong.
     fn faults(&self) -> Vec<String> {
         let (story, scenario) = (self.story(), self.run.scenario());
         let text = story.to_string();

@@ -3,7 +3,7 @@
 use kalmanscope_core::import::{Column, Table, ThreeAxes};
 use thiserror::Error;
 
-use crate::cells::{Line, number, number_of};
+use crate::line::{Line, number, number_of};
 
 /// The lines after which the meaning of the columns is settled: with names, and without.
 const NAMED: usize = 3;

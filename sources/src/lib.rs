@@ -11,21 +11,15 @@
 //! ```
 
 mod accelerations;
-mod cells;
 mod line;
 mod lines;
 
 // A page has no way to these.
 #[cfg(not(target_arch = "wasm32"))]
-mod datagrams;
-#[cfg(not(target_arch = "wasm32"))]
 mod open;
-#[cfg(not(target_arch = "wasm32"))]
-mod serial;
 
 pub use accelerations::{Accelerations, NoAxes};
-pub use cells::BadLine;
-pub use line::{LONGEST, read_line};
+pub use line::{BadLine, LONGEST, read_line};
 pub use lines::{Lines, StreamRow};
 #[cfg(not(target_arch = "wasm32"))]
 pub use open::open;

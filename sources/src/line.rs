@@ -1,6 +1,99 @@
-//! Lines of a limited length.
+//! One line of a limited length: cells between marks, or a JSON object.
 
 use std::io::{self, BufRead};
+
+use kalmanscope_core::Document;
+use thiserror::Error;
+
+/// The reason why a line cannot be read.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum BadLine {
+    /// It is too long.
+    #[error("it is longer than {} bytes", LONGEST)]
+    TooLong,
+    /// It is no UTF-8.
+    #[error("it is not text")]
+    NoText,
+    /// It begins as an object and is none.
+    #[error("it is no JSON object: {0}")]
+    NoJson(String),
+    /// A value is no number.
+    #[error("`{key}` is {value}, but must be a number")]
+    NoNumber {
+        /// The column's name.
+        key: String,
+        /// The value.
+        value: String,
+    },
+    /// It has not as many cells as the header.
+    #[error("it has {found} cells, but the header has {expected}")]
+    Cells {
+        /// The number of its cells.
+        found: usize,
+        /// The number of those of the header.
+        expected: usize,
+    },
+    /// There is no time.
+    #[error("there is no column for the time, `t`; a header such as `{0}` must come first")]
+    NoTime(String),
+    /// Neither input nor sensors are among its columns.
+    #[error("none of its columns is known; there are {0}")]
+    NothingKnown(String),
+}
+
+pub(crate) enum Line<'a> {
+    /// It is empty, or a comment.
+    Nothing,
+    /// The entries of a JSON object.
+    Object(Vec<(String, Document)>),
+    /// Its cells, and the mark between them.
+    Cells(Vec<&'a str>, char),
+}
+
+impl<'a> Line<'a> {
+    /// Reads cells between semicolons, tabs, commas or blanks, or a JSON object. Of a line without a header the mark is the first of
+    /// these that it has.
+    pub(crate) fn of(bytes: &'a [u8], mark: Option<char>) -> Result<Self, BadLine> {
+        if bytes.len() > LONGEST {
+            return Err(BadLine::TooLong);
+        }
+        let text = std::str::from_utf8(bytes).map_err(|_| BadLine::NoText)?.trim_start_matches('\u{feff}');
+        // A tab at either end is an empty cell.
+        let text = text.trim_matches(['\r', '\n', ' ']);
+        match text.trim_start().chars().next() {
+            None | Some('#') => Ok(Self::Nothing),
+            Some('{') => match Document::from_json(text) {
+                Ok(Document::Table(entries)) => Ok(Self::Object(entries)),
+                Ok(_) => Err(BadLine::NoJson("it ends too soon".to_owned())),
+                Err(error) => Err(BadLine::NoJson(error.to_string())),
+            },
+            Some(_) => {
+                let mark = mark.or_else(|| [';', '\t', ','].into_iter().find(|mark| text.contains(*mark)));
+                let mark = mark.unwrap_or(' ');
+                let cells: Vec<&str> =
+                    if mark == ' ' { text.split_whitespace().collect() } else { text.split(mark).collect() };
+                Ok(Self::Cells(cells.into_iter().map(|cell| cell.trim().trim_matches('"')).collect(), mark))
+            }
+        }
+    }
+}
+
+/// The number in a cell. A decimal comma may stand wherever commas do not divide cells.
+pub(crate) fn number(cell: &str, mark: char) -> Option<f64> {
+    let with_comma = || (mark != ',').then(|| cell.replacen(',', ".", 1).parse().ok()).flatten();
+    cell.parse().ok().or_else(with_comma)
+}
+
+/// The number of an entry of an object; NaN for `null`.
+pub(crate) fn number_of(value: &Document) -> Option<f64> {
+    match value {
+        Document::Null => Some(f64::NAN),
+        Document::Number(number) => Some(*number),
+        Document::Integer(number) => Some(*number as f64),
+        _ => None,
+    }
+}
 
 /// Limits a line \[bytes\]; the rest of a longer one is skipped.
 pub const LONGEST: usize = 65_536;
@@ -38,6 +131,21 @@ mod tests {
     use std::io::BufReader;
 
     use super::*;
+
+    #[test]
+    fn a_decimal_comma_stands_wherever_commas_divide_no_cells() {
+        for (text, mark) in
+            [("0,5;1e-2;-3", ';'), ("0,5\t1e-2\t-3", '\t'), ("0.5,1e-2,-3", ','), ("0.5 1e-2  -3\r\n", ' ')]
+        {
+            let Ok(Line::Cells(cells, found)) = Line::of(text.as_bytes(), None) else { panic!("{text}") };
+            let numbers: Vec<Option<f64>> = cells.iter().map(|cell| number(cell, found)).collect();
+            assert_eq!((found, numbers), (mark, vec![Some(0.5), Some(0.01), Some(-3.0)]), "{text}");
+        }
+        // Between blanks, a header says that the comma is none of the marks.
+        let Ok(Line::Cells(cells, ' ')) = Line::of(b"0,5 1,25", Some(' ')) else { panic!("blanks") };
+        assert_eq!(cells.iter().map(|cell| number(cell, ' ')).collect::<Vec<_>>(), [Some(0.5), Some(1.25)]);
+        assert_eq!(number("1,5", ','), None);
+    }
 
     #[test]
     fn lines_end_and_long_ones_are_cut() {

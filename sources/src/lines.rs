@@ -2,7 +2,7 @@
 
 use kalmanscope_core::{Document, InputKind, Scenario};
 
-use crate::cells::{BadLine, Line, number, number_of};
+use crate::line::{BadLine, Line, number, number_of};
 
 /// The time, the input and the readings of a line.
 #[derive(Clone, Debug, PartialEq)]

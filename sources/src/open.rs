@@ -1,11 +1,13 @@
-//! Sources by their names.
+//! Sources by their names: files, TCP, UDP, and serial ports, as an Arduino has one.
 
 use std::fs::File;
-use std::io::{self, BufRead, BufReader};
-use std::net::TcpStream;
+use std::io::{self, BufRead, BufReader, Read};
+use std::net::{TcpStream, UdpSocket};
+use std::time::Duration;
 
-use crate::datagrams::Datagrams;
-use crate::serial;
+use serialport::SerialPort;
+
+use crate::line::LONGEST;
 
 /// Opens a source by its name: `-`, a file, `tcp://HOST:PORT` to connect to, `udp://HOST:PORT` to listen at,
 /// `serial:PORT?baud=RATE`.
@@ -17,7 +19,7 @@ pub fn open(name: &str) -> io::Result<Box<dyn BufRead + Send>> {
         _ if name == "-" => Box::new(BufReader::new(io::stdin())),
         Some(("tcp", address)) => Box::new(BufReader::new(TcpStream::connect(address.trim_start_matches('/'))?)),
         Some(("udp", address)) => Box::new(BufReader::new(Datagrams::bind(address.trim_start_matches('/'))?)),
-        Some(("serial", port)) => Box::new(BufReader::new(serial::open(port)?)),
+        Some(("serial", port)) => Box::new(BufReader::new(open_serial(port)?)),
         Some((scheme, rest)) if rest.starts_with("//") => {
             let reason = format!("there is no source of the kind {scheme}://, only tcp://, udp:// and serial:");
             return Err(io::Error::new(io::ErrorKind::InvalidInput, reason));
@@ -26,14 +28,79 @@ pub fn open(name: &str) -> io::Result<Box<dyn BufRead + Send>> {
     })
 }
 
+/// The datagrams that arrive at an address, each ended by the end of a line. An empty one is an empty line.
+struct Datagrams {
+    socket: UdpSocket,
+    /// The present datagram, of which the reader has this much.
+    datagram: Vec<u8>,
+    read: usize,
+}
+
+impl Datagrams {
+    fn bind(address: &str) -> io::Result<Self> {
+        Ok(Self { socket: UdpSocket::bind(address)?, datagram: Vec::new(), read: 0 })
+    }
+}
+
+impl Read for Datagrams {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let Self { socket, datagram, read } = self;
+        if *read == datagram.len() {
+            datagram.resize(LONGEST, 0);
+            let length = socket.recv(datagram).inspect_err(|_| *read = LONGEST)?;
+            datagram.truncate(length);
+            *read = 0;
+            if !datagram.ends_with(b"\n") {
+                datagram.push(b'\n');
+            }
+        }
+        let part = &datagram[*read..];
+        let count = part.len().min(buffer.len());
+        buffer[..count].copy_from_slice(&part[..count]);
+        *read += count;
+        Ok(count)
+    }
+}
+
+/// The rate where none is named \[baud\].
+const BAUD: u32 = 115_200;
+
+/// Opens `/dev/ttyUSB0?baud=115200`.
+fn open_serial(name: &str) -> io::Result<Serial> {
+    let (port, rate) = port_and_rate(name)?;
+    Ok(Serial(serialport::new(port, rate).timeout(Duration::from_secs(1)).open()?))
+}
+
+fn port_and_rate(name: &str) -> io::Result<(&str, u32)> {
+    let Some((port, rest)) = name.split_once('?') else { return Ok((name, BAUD)) };
+    let rate = rest.strip_prefix("baud=").and_then(|rate| rate.parse().ok());
+    let bad = || io::Error::new(io::ErrorKind::InvalidInput, format!("“{rest}” is not baud=RATE, such as baud=115200"));
+    Ok((port, rate.ok_or_else(bad)?))
+}
+
+/// A port that waits for as long as nothing comes.
+struct Serial(Box<dyn SerialPort>);
+
+impl Read for Serial {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        loop {
+            match self.0.read(buffer) {
+                Err(error) if error.kind() == io::ErrorKind::TimedOut => {}
+                read => return read,
+            }
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use std::io::Write as _;
     use std::net::TcpListener;
     use std::thread;
 
-    use super::*;
     use crate::line::read_line;
+
+    use super::*;
 
     fn lines(name: &str, count: usize) -> Vec<String> {
         let mut source = open(name).unwrap_or_else(|error| panic!("{name}: {error}"));
@@ -69,5 +136,29 @@ mod tests {
             let error = open(name).err().unwrap_or_else(|| panic!("{name} is opened")).to_string();
             assert!(error.contains(words), "{name}: {error}");
         }
+    }
+
+    #[test]
+    fn a_datagram_is_a_line_or_several() {
+        let datagrams = Datagrams::bind("127.0.0.1:0").expect("there is a port");
+        let to = datagrams.socket.local_addr().expect("it has an address");
+        let from = UdpSocket::bind("127.0.0.1:0").expect("there is a port");
+        for part in [&b"t,force"[..], b"", b"0,1\n0.01,2\n"] {
+            from.send_to(part, to).expect("it can be sent");
+        }
+        let mut input = BufReader::new(datagrams);
+        let mut line = Vec::new();
+        for expected in ["t,force", "", "0,1", "0.01,2"] {
+            assert!(read_line(&mut input, &mut line).expect("it can be read"));
+            assert_eq!(line, expected.as_bytes());
+        }
+    }
+
+    #[test]
+    fn the_rate_stands_behind_the_port() {
+        assert_eq!(port_and_rate("/dev/ttyUSB0").expect("a port"), ("/dev/ttyUSB0", BAUD));
+        assert_eq!(port_and_rate("COM3?baud=9600").expect("a port"), ("COM3", 9600));
+        let error = port_and_rate("COM3?speed=9600").expect_err("no rate").to_string();
+        assert!(error.contains("baud=RATE"), "{error}");
     }
 }

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-use crate::page::Page;
+use crate::page::{Page, estimate};
 
 /// The least contrast of text (WCAG 2, level AA).
 const CONTRAST: f64 = 4.5;
@@ -57,7 +57,6 @@ const RULES: [(&str, &str); 9] = [
     ),
 ];
 
-/// Rules of the tables.
 const TABLE_RULES: [(&str, &str); 4] = [
     ("there are tables: of two parameters, and of the verdicts", "tables.length >= 3"),
     ("a table has a title", "tables.every(table => table.caption.textContent !== '')"),
@@ -82,7 +81,6 @@ pub(crate) async fn cover_can_be_read(page: &Page) {
     check_contrasts(&page.value("window.coverContrasts").await);
 }
 
-/// The texts of a failure can be read in both themes.
 pub(crate) async fn failure_can_be_read(page: &Page) {
     for theme in ["dark", "light"] {
         page.theme(theme).await;
@@ -108,9 +106,7 @@ pub(crate) async fn tables_tell_what_the_canvas_shows(page: &Page) {
     let summary = page.summary().await;
     let filters = summary["filters"].as_array().expect("a list");
     for (place, filter) in filters.iter().enumerate() {
-        let estimates = filter["estimates"].as_array().expect("a list");
-        let estimate = estimates.iter().find(|it| it["channel"] == "natural_frequency").expect("it is estimated");
-        let [mean, std] = ["mean", "std"].map(|key| estimate[key].as_f64().expect("a number"));
+        let [mean, std] = ["mean", "std"].map(|key| estimate(filter, "natural_frequency", key));
         // After the time and the truth.
         let cell = format!(
             "[...document.querySelectorAll('table')].find(table => table.caption.textContent.startsWith('natural frequency'))

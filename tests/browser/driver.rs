@@ -7,9 +7,8 @@ use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 use std::{fs, process, thread};
 
-use serde_json::json;
+use serde_json::{Value, json};
 
-use crate::client::Client;
 use crate::page::Page;
 
 /// A running chromedriver, with its browsers ended when it goes out of scope.
@@ -20,7 +19,6 @@ pub(crate) struct Driver {
 }
 
 impl Driver {
-    /// Starts chromedriver on a free port.
     pub(crate) fn start() -> Self {
         let mut child = Command::new("chromedriver")
             .args(["--port=0", "--allowed-ips=127.0.0.1"])
@@ -50,16 +48,13 @@ impl Driver {
 
     /// The folder of the browser's downloads, which is empty at first.
     pub(crate) fn downloads(&self) -> PathBuf {
-        self.profile.join("downloads")
+        let folder = self.profile.join("downloads");
+        fs::create_dir_all(&folder).expect("a folder can be made");
+        folder
     }
 
-    /// Opens a browser with an empty page.
-    pub(crate) async fn open(&self) -> Page {
-        self.open_with(&[]).await
-    }
-
-    /// [`Self::open`] with more of Chromium's arguments.
-    pub(crate) async fn open_with(&self, more: &[&str]) -> Page {
+    /// Opens a browser with an empty page and more of Chromium's arguments.
+    pub(crate) async fn open(&self, more: &[&str]) -> Page {
         let profile = format!("--user-data-dir={}", self.profile.display());
         let arguments = [
             "--headless=new",
@@ -97,4 +92,66 @@ impl Drop for Driver {
         self.child.wait().ok();
         fs::remove_dir_all(&self.profile).ok();
     }
+}
+
+/// A session of a driver on this machine, which ends with it.
+pub(crate) struct Client {
+    port: u16,
+    session: String,
+}
+
+impl Client {
+    pub(crate) fn start(port: u16, capabilities: &Value) -> Result<Self, String> {
+        let body = json!({ "capabilities": { "alwaysMatch": capabilities } });
+        let answer = call(port, "POST", "/session", &body.to_string())?;
+        let session = answer["sessionId"].as_str().ok_or("the driver has named no session")?;
+        Ok(Self { port, session: format!("/session/{session}") })
+    }
+
+    /// A command with a body, such as `url`.
+    pub(crate) fn post(&self, command: &str, body: &Value) -> Result<Value, String> {
+        call(self.port, "POST", &format!("{}/{command}", self.session), &body.to_string())
+    }
+
+    /// Does something with the mouse or with its wheel.
+    pub(crate) fn act(&self, kind: &str, actions: &[Value]) {
+        let actions = json!({ "actions": [{ "type": kind, "id": kind, "actions": actions }] });
+        self.post("actions", &actions).unwrap_or_else(|error| panic!("{actions}: {error}"));
+    }
+}
+
+impl Drop for Client {
+    fn drop(&mut self) {
+        call(self.port, "DELETE", &self.session, "").ok();
+    }
+}
+
+fn call(port: u16, method: &str, path: &str, body: &str) -> Result<Value, String> {
+    let answer = exchange(port, method, path, body).map_err(|error| format!("{method} {path}: {error}"))?;
+    let mut answer: Value = serde_json::from_slice(&answer).map_err(|error| format!("{method} {path}: {error}"))?;
+    match answer["value"].take() {
+        value if value["error"].is_string() => Err(format!("{path}: {}: {}", value["error"], value["message"])),
+        value => Ok(value),
+    }
+}
+
+/// Sends a request of HTTP and returns the body of the answer.
+fn exchange(port: u16, method: &str, path: &str, body: &str) -> std::io::Result<Vec<u8>> {
+    let mut stream = TcpStream::connect((Ipv4Addr::LOCALHOST, port))?;
+    write!(
+        stream,
+        "{method} {path} HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nContent-Type: application/json; charset=utf-8\r\n\
+         Content-Length: {}\r\nConnection: close\r\n\r\n{body}",
+        body.len()
+    )?;
+    let (mut reader, mut line, mut length) = (BufReader::new(stream), String::new(), 0);
+    while reader.read_line(&mut line)? > 0 && !line.trim().is_empty() {
+        if let Some((_, value)) = line.split_once(':').filter(|(name, _)| name.eq_ignore_ascii_case("content-length")) {
+            length = value.trim().parse().map_err(std::io::Error::other)?;
+        }
+        line.clear();
+    }
+    let mut answer = vec![0; length];
+    reader.read_exact(&mut answer)?;
+    Ok(answer)
 }

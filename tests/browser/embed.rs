@@ -44,7 +44,6 @@ pub(crate) async fn policy_is_strict(page: &Page, address: &str) {
     page.console().await;
 }
 
-/// A page of another origin shows the explorer in a frame.
 pub(crate) async fn in_a_frame(page: &Page, address: &str) {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("notes");
     fs::create_dir_all(&folder).expect("a folder can be made");

@@ -22,9 +22,7 @@ pub(crate) const STOPWATCH: &str = "
 /// The clock ticks of `/proc` per second, a constant of Linux.
 const TICKS: f64 = 100.0;
 
-/// The cost of a drag.
 pub(crate) struct Frames {
-    /// Frames per second.
     pub(crate) per_second: f64,
     /// Time of the page's own code per frame: arithmetic, widgets, triangles \[ms\].
     pub(crate) page: f64,
@@ -62,7 +60,6 @@ pub(crate) async fn during(page: &Page, browser: u32, what: impl Future<Output =
     }
 }
 
-/// The page's totals so far.
 struct Moment {
     frames: f64,
     time: f64,

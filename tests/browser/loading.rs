@@ -118,7 +118,6 @@ pub(crate) const DAMAGES: [(Damage, &str); 3] = [
     (|_| Some(b"<!doctype html><title>Please log in</title>".to_vec()), "WebAssembly"),
 ];
 
-/// The page says that it could not start, and why.
 pub(crate) async fn says_why_it_does_not_start(page: &Page, address: &str, sentence: &str) {
     page.go(address).await;
     page.wait_until(&format!("({FAILURE}) !== ''"), START).await.expect("the page says that it failed");
@@ -127,12 +126,10 @@ pub(crate) async fn says_why_it_does_not_start(page: &Page, address: &str, sente
     assert!(text.contains("could not start") && text.contains(sentence), "{text}");
 }
 
-/// A copy of the page.
 pub(crate) fn copied(dist: &Path) -> TempDir {
     damaged(dist, |bytes| Some(bytes.to_vec()))
 }
 
-/// A copy of the page whose program is damaged.
 pub(crate) fn damaged(dist: &Path, damage: Damage) -> TempDir {
     let copy = tempfile::tempdir().unwrap();
     for file in fs::read_dir(dist).unwrap().map(|file| file.unwrap().path()) {
@@ -153,7 +150,6 @@ pub(crate) fn damaged(dist: &Path, damage: Damage) -> TempDir {
     copy
 }
 
-/// A program that stops says why.
 pub(crate) async fn failures_can_be_read(page: &Page) {
     page.value("window.kalmanscopeFailed('the reason in full')").await;
     let text = page.value(FAILURE).await;

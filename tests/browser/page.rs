@@ -7,9 +7,9 @@ use std::time::{Duration, Instant};
 use base64::Engine as _;
 use serde_json::{Value, json};
 
-use crate::client::Client;
+use crate::driver::Client;
+use crate::pictures;
 
-/// A browser's only page.
 pub(crate) struct Page {
     client: Client,
 }
@@ -42,7 +42,6 @@ impl Page {
         self.client.post("url", &json!({ "url": address })).expect("the page can be opened");
     }
 
-    /// Looks into the page's first frame from now on.
     pub(crate) async fn enter_frame(&self) {
         self.post("frame", json!({ "id": 0 })).await;
     }
@@ -52,14 +51,12 @@ impl Page {
         self.post("frame/parent", json!({})).await;
     }
 
-    /// The value of a JavaScript expression.
     pub(crate) async fn value(&self, expression: &str) -> Value {
         let script = format!("return {expression};");
         let body = json!({ "script": script, "args": [] });
         self.client.post("execute/sync", &body).unwrap_or_else(|error| panic!("`{expression}`: {error}"))
     }
 
-    /// Waits until a JavaScript expression is true.
     pub(crate) async fn wait_until(&self, expression: &str, limit: Duration) -> Result<(), String> {
         let begun = Instant::now();
         while self.value(expression).await != true {
@@ -90,7 +87,6 @@ impl Page {
         }
     }
 
-    /// The state that the app reports.
     pub(crate) async fn summary(&self) -> Value {
         let text = self.value("window.wasmBindings.kalmanscope_summary()").await;
         let summary: Value = serde_json::from_str(text.as_str().expect("the summary is text")).expect("it is JSON");
@@ -98,12 +94,17 @@ impl Page {
         summary
     }
 
-    /// A PNG of the window.
-    pub(crate) async fn screenshot(&self) -> Vec<u8> {
-        let params = json!({ "cmd": "Page.captureScreenshot", "params": {} });
-        let answer = self.post("goog/cdp/execute", params).await;
+    async fn screenshot(&self) -> Vec<u8> {
+        let answer = self.execute("Page.captureScreenshot", json!({})).await;
         let text = answer["data"].as_str().expect("a screenshot is text");
         base64::prelude::BASE64_STANDARD.decode(text).expect("it is base64")
+    }
+
+    /// Writes a PNG of the window beside the other pictures, and returns it.
+    pub(crate) async fn save(&self, name: &str) -> Vec<u8> {
+        let png = self.screenshot().await;
+        std::fs::write(pictures().join(name), &png).expect("a picture can be written");
+        png
     }
 
     /// The messages on the console since the last call, as (level, message).
@@ -118,7 +119,7 @@ impl Page {
     /// resize observer, and the app would draw twice as large.)
     pub(crate) async fn resize(&self, width: u32, height: u32) {
         let params = json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": false });
-        self.post("goog/cdp/execute", json!({ "cmd": "Emulation.setDeviceMetricsOverride", "params": params })).await;
+        self.execute("Emulation.setDeviceMetricsOverride", params).await;
         let resized = format!("innerWidth === {width} && innerHeight === {height}");
         self.wait_until(&resized, Duration::from_secs(10)).await.expect("the window can be resized");
         self.settle().await;
@@ -127,18 +128,16 @@ impl Page {
     /// Makes the window one of this size on a phone, whose pointer is a finger.
     pub(crate) async fn become_phone(&self, (width, height): (u32, u32)) {
         let params = json!({ "enabled": true, "maxTouchPoints": 5 });
-        self.post("goog/cdp/execute", json!({ "cmd": "Emulation.setTouchEmulationEnabled", "params": params })).await;
+        self.execute("Emulation.setTouchEmulationEnabled", params).await;
         let params = json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": true });
-        self.post("goog/cdp/execute", json!({ "cmd": "Emulation.setDeviceMetricsOverride", "params": params })).await;
+        self.execute("Emulation.setDeviceMetricsOverride", params).await;
     }
 
-    /// Taps a control with a finger.
     pub(crate) async fn tap(&self, name: &str) {
         let at = self.rect(name).await.at(0.5);
         self.touch(at, at).await;
     }
 
-    /// Taps a control if it is there.
     pub(crate) async fn tap_if_there(&self, name: &str) {
         if let Some(rect) = place(&self.summary().await, name) {
             let at = rect.at(0.5);
@@ -161,13 +160,12 @@ impl Page {
         events.push(("touchEnd", json!([])));
         for (kind, points) in events {
             let params = json!({ "type": kind, "touchPoints": points });
-            self.post("goog/cdp/execute", json!({ "cmd": "Input.dispatchTouchEvent", "params": params })).await;
+            self.execute("Input.dispatchTouchEvent", params).await;
             self.settle().await;
         }
         self.rest().await;
     }
 
-    /// Fills an input of the page with a file.
     pub(crate) async fn choose_file(&self, selector: &str, path: &Path) {
         let body = json!({ "using": "css selector", "value": selector });
         let input = self.client.post("element", &body).expect("the input exists");
@@ -208,36 +206,34 @@ impl Page {
         self.settle().await;
     }
 
-    /// Lets the page download files into a folder.
     pub(crate) async fn allow_downloads(&self, folder: &Path) {
         let params = json!({ "behavior": "allow", "downloadPath": folder.to_string_lossy() });
-        self.post("goog/cdp/execute", json!({ "cmd": "Browser.setDownloadBehavior", "params": params })).await;
+        self.execute("Browser.setDownloadBehavior", params).await;
     }
 
     /// Asks the page for its `light` or `dark` theme.
     pub(crate) async fn theme(&self, theme: &str) {
         let params = json!({ "features": [{ "name": "prefers-color-scheme", "value": theme }] });
-        self.post("goog/cdp/execute", json!({ "cmd": "Emulation.setEmulatedMedia", "params": params })).await;
+        self.execute("Emulation.setEmulatedMedia", params).await;
     }
 
-    /// Makes the page's processor so many times slower.
+    /// Makes the page's processor this many times slower.
     pub(crate) async fn throttle(&self, times: f64) {
         let params = json!({ "rate": times });
-        self.post("goog/cdp/execute", json!({ "cmd": "Emulation.setCPUThrottlingRate", "params": params })).await;
+        self.execute("Emulation.setCPUThrottlingRate", params).await;
     }
 
     /// Makes the network as slow as this: bits per second, and the time to an answer.
     pub(crate) async fn network(&self, slow: Option<(f64, Duration)>) {
         let (bytes, latency) = slow.map_or((-1.0, 0), |(bits, latency)| (bits / 8.0, latency.as_millis()));
         let params = json!({ "offline": false, "latency": latency as u64, "downloadThroughput": bytes, "uploadThroughput": bytes });
-        self.post("goog/cdp/execute", json!({ "cmd": "Network.enable", "params": {} })).await;
-        self.post("goog/cdp/execute", json!({ "cmd": "Network.emulateNetworkConditions", "params": params })).await;
+        self.execute("Network.enable", json!({})).await;
+        self.execute("Network.emulateNetworkConditions", params).await;
     }
 
     /// Runs a script before any other, on every page opened from now on.
     pub(crate) async fn prepare(&self, script: &str) {
-        let body = json!({ "cmd": "Page.addScriptToEvaluateOnNewDocument", "params": { "source": script } });
-        self.post("goog/cdp/execute", body).await;
+        self.execute("Page.addScriptToEvaluateOnNewDocument", json!({ "source": script })).await;
     }
 
     /// Scrolls the panel with a control until all of it is visible. Returns its rectangle.
@@ -258,10 +254,14 @@ impl Page {
         panic!("`{name}` cannot be scrolled into view");
     }
 
-    /// The place of a control.
     pub(crate) async fn rect(&self, name: &str) -> Rect {
         let summary = self.summary().await;
         place(&summary, name).unwrap_or_else(|| panic!("there is no control `{name}` among {}", summary["controls"]))
+    }
+
+    /// A command of Chromium's own protocol.
+    async fn execute(&self, command: &str, params: Value) -> Value {
+        self.post("goog/cdp/execute", json!({ "cmd": command, "params": params })).await
     }
 
     async fn post(&self, command: &str, body: Value) -> Value {
@@ -283,7 +283,18 @@ fn button(kind: &str) -> Value {
     json!({ "type": kind, "button": 0 })
 }
 
-/// The place of a control in a summary.
+/// Whether a control of this name is on screen, as a script.
+pub(crate) fn has(name: &str) -> String {
+    format!("JSON.parse(wasmBindings.kalmanscope_summary()).controls.some(it => it.name === '{name}')")
+}
+
+/// The `mean` or `std` of a channel of a filter in a summary.
+pub(crate) fn estimate(filter: &Value, channel: &str, number: &str) -> f64 {
+    let estimates = filter["estimates"].as_array().expect("estimates are a list");
+    let one = estimates.iter().find(|one| one["channel"] == channel).expect("it is estimated");
+    one[number].as_f64().expect("it is a number")
+}
+
 fn place(summary: &Value, name: &str) -> Option<Rect> {
     let controls = summary["controls"].as_array().expect("controls are a list");
     let control = controls.iter().find(|control| control["name"] == name)?;
@@ -291,7 +302,6 @@ fn place(summary: &Value, name: &str) -> Option<Rect> {
     Some(Rect { x: number("x"), y: number("y"), width: number("width"), height: number("height") })
 }
 
-/// Number of pixels of each colour in a PNG.
 pub(crate) fn colours(png: &[u8]) -> HashMap<[u8; 3], usize> {
     let mut decoder = png::Decoder::new(std::io::Cursor::new(png));
     decoder.set_transformations(png::Transformations::normalize_to_color8());

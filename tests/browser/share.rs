@@ -60,7 +60,6 @@ pub(crate) async fn links(page: &Page, address: &str) {
     reports_no_problems(page, address).await;
 }
 
-/// Addresses open lessons and scenarios by name.
 pub(crate) async fn names(page: &Page, address: &str) {
     starts(page, &format!("{address}?scenario=duffing")).await;
     let summary = page.summary().await;

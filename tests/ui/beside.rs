@@ -15,7 +15,6 @@ use super::*;
 /// Limits the time until work is done, on a slow machine.
 const PATIENCE: Duration = Duration::from_secs(300);
 
-/// The threads of the desktop.
 struct OnThreads(Threads, egui::Context);
 
 impl Team for OnThreads {

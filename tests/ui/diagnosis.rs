@@ -7,10 +7,7 @@ fn mistuned() -> Screen {
     let mut screen = screen(Vec2::new(1280.0, 2400.0), Theme::Light);
     let mut scenario = Scenario::default();
     scenario.filters[0].sensor_std = scenario.filters[0].sensor_std.iter().map(|std| 0.2 * std).collect();
-    let session = screen.state_mut().session_mut();
-    session.toggle_play();
-    session.set_mode(Mode::Whole);
-    session.set_scenario(scenario);
+    show_whole(&mut screen, scenario);
     screen.run_steps(20);
     screen
 }
@@ -41,8 +38,7 @@ fn a_remedy_is_applied_by_its_button_and_taken_back() {
     }
     assert_eq!(scenario(&screen).filters[1], before.filters[1]);
     assert!(screen.query_by_label("EKF has recovered").is_some());
-    screen.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-    screen.run_steps(3);
+    undo(&mut screen);
     assert_eq!(scenario(&screen), &before);
     assert!(screen.query_by_label("EKF is overconfident").is_some());
 }
@@ -129,8 +125,7 @@ fn remedies_of_ekf(screen: &Screen) -> Vec<(String, f32)> {
 #[test]
 fn causes_keep_their_places_under_the_pointer_while_others_are_tried() {
     let mut screen = mistuned();
-    *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Diagnosis]);
-    screen.run_steps(3);
+    show(&mut screen, &[ViewKind::Diagnosis]);
     let mut scenario = scenario(&screen).clone();
     // Two faults: remedies of one cause grow to those of several while they are searched for.
     scenario.filters[0].initial_mean[Channel::NATURAL_FREQUENCY] = 14.0;
@@ -177,10 +172,7 @@ fn a_click_on_a_line_finds_its_filter_though_another_one_has_its_colour() {
     let mut scenario = Scenario::default();
     scenario.filters[1].color = scenario.filters[0].color;
     scenario.filters[1].initial_mean[Channel::NATURAL_FREQUENCY] = 14.0;
-    let session = screen.state_mut().session_mut();
-    session.pause();
-    session.set_mode(Mode::Whole);
-    session.set_scenario(scenario);
+    show_whole(&mut screen, scenario);
     screen.run_steps(20);
     let mut opened = std::collections::BTreeSet::new();
     for step in 0..60 {

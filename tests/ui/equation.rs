@@ -2,7 +2,6 @@
 
 use super::*;
 
-/// The equation of the true plant.
 fn equation(screen: &Screen) -> &'static str {
     scenario(screen).plant.kind.equation()
 }
@@ -31,8 +30,7 @@ fn an_equation_is_typed_and_identified() {
     type_into(&mut screen, " - mu x³");
     assert!(parameter(&screen, "mu").is_none(), "it is taken when it is complete, not while it is typed");
     // A new symbol is offered.
-    screen.key_press(Key::Enter);
-    screen.run_steps(5);
+    press(&mut screen, Key::Enter);
     assert!(parameter(&screen, "mu").is_none(), "a new symbol may be a mistake");
     assert!(screen.query_by_label_contains("μ is new: make it a parameter below").is_some());
     set(&mut screen, "Guess of μ", 2.0);
@@ -62,8 +60,7 @@ fn new_symbols_are_asked_about_together_each_in_one_row() {
         assert!((button - guess).abs() < 3.0, "{symbol}: {button} and {guess}");
         assert!(screen.query_by_label(&format!("Name of {symbol}")).is_none(), "it is named once it is a parameter");
     }
-    screen.get_by_label("Make μ a parameter").click();
-    screen.run_steps(3);
+    click(&mut screen, "Make μ a parameter");
     assert!(screen.query_by_label("Name of μ").is_some());
     assert!(screen.query_by_label_contains("k₂ and q are new").is_some());
 }
@@ -74,12 +71,10 @@ fn a_fault_is_said_and_the_equation_from_before_stays() {
     let before = equation(&screen);
     type_into(&mut screen, " + (2 x");
     assert!(screen.query_by_label_contains("an operator or `)` is expected here, at character 35").is_some());
-    screen.key_press(Key::Enter);
-    screen.run_steps(5);
+    press(&mut screen, Key::Enter);
     assert_eq!((equation(&screen), screen.state().session().problem()), (before, None));
     type_into(&mut screen, ")");
-    screen.key_press(Key::Enter);
-    screen.run_steps(5);
+    press(&mut screen, Key::Enter);
     assert_eq!(equation(&screen), "x'' + 2 ζ ωₙ x' + ωₙ² x = f + (2 x)");
 }
 
@@ -98,17 +93,14 @@ const OF_FILE: &str = "duration = 10.0\n[plant]\nequation = \"x'' + c x' + k x =
 fn the_equation_over_the_oscillator_opens_the_editor() {
     let mut screen = of_file(OF_FILE);
     assert!(screen.query_by_label("Equation of motion").is_none());
-    screen.get_by_label("Edit the equation over the oscillator").click();
-    screen.run_steps(5);
+    click(&mut screen, "Edit the equation over the oscillator");
     assert!(screen.query_by_label("Equation of motion").is_some());
     // A built-in plant's equation can be gone on with.
     let mut screen = workbench();
-    screen.get_by_label("Edit the equation over the oscillator").click();
-    screen.run_steps(5);
+    click(&mut screen, "Edit the equation over the oscillator");
     assert_eq!(scenario(&screen).plant.kind, PlantKind::SDOF, "nothing changes by looking");
     type_into(&mut screen, " - x³");
-    screen.key_press(Key::Enter);
-    screen.run_steps(5);
+    press(&mut screen, Key::Enter);
     assert_eq!(equation(&screen), "x'' + 2 ζ ωₙ x' + ωₙ² x = f - x³");
 }
 
@@ -152,8 +144,7 @@ fn parameters_are_edited_and_a_change_is_taken_back() {
         screen.run_steps(2);
         screen.get_by_label(field).type_text(text);
         screen.run_steps(2);
-        screen.key_press(Key::Enter);
-        screen.run_steps(5);
+        press(&mut screen, Key::Enter);
     }
     let channel = *scenario(&screen).plant.kind.channels().last().expect("k");
     assert_eq!((channel.name(), channel.unit(), channel.usual().slider), ("stiffness", "1/s²", (10.0, 80.0)));
@@ -165,8 +156,7 @@ fn parameters_are_edited_and_a_change_is_taken_back() {
     assert_eq!(own(&screen, "k").range, Some([10.0, 80.0]));
     screen.run_steps(120);
     let is_back = (0..8).any(|_| {
-        screen.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-        screen.run_steps(3);
+        undo(&mut screen);
         scenario(&screen) == &before
     });
     assert!(is_back, "{:?}", scenario(&screen).plant.kind);
@@ -197,7 +187,6 @@ fn every_equation_of_the_gallery_is_shown_and_edited_on_any_screen() {
     }
 }
 
-/// A parameter of the truth by its key.
 fn parameter(screen: &Screen, key: &str) -> Option<Signal> {
     let plant = &scenario(screen).plant;
     let channel = plant.parameters().find(|channel| channel.key() == key)?;

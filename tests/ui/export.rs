@@ -4,9 +4,12 @@ use std::cell::RefCell;
 use std::rc::Rc;
 
 use kalmanscope::export::File;
+use kalmanscope::inbox::Done;
 use kalmanscope::request::FigureFormat;
 use serde_json::Value;
 
+use super::files::{drop_file, drop_path};
+use super::records::{dialects, drop_record};
 use super::*;
 
 pub(super) type Files = Rc<RefCell<Vec<File>>>;
@@ -15,28 +18,21 @@ pub(super) type Files = Rc<RefCell<Vec<File>>>;
 pub(super) fn exporting(size: Vec2) -> (Screen, Files) {
     let files = Files::default();
     let kept = Rc::clone(&files);
-    let mut screen = Harness::builder().with_size(size).with_step_dt(1.0 / 60.0).build_eframe(move |creation| {
-        let kept = Rc::clone(&kept);
-        App::new(creation).expect("the default scenario can be run").delivering(Box::new(move |file, done| {
-            done(Ok(file.name.clone()));
-            kept.borrow_mut().push(file);
-        }))
-    });
+    let deliver = move |file: File, done: Done| {
+        done(Ok(file.name.clone()));
+        kept.borrow_mut().push(file);
+    };
+    let mut screen = started(size, Theme::Light, |app, _| app.delivering(Box::new(deliver)));
     *screen.state_mut().layout_mut() = Layout::of(Arrangement::Teach);
-    let session = screen.state_mut().session_mut();
-    session.set_budget(Budget::Unlimited);
-    session.set_scenario(Scenario::from_toml("duration = 20.0").expect("it is valid"));
-    session.set_mode(Mode::Whole);
-    session.pause();
-    session.seek(10.0);
+    show_whole(&mut screen, Scenario::from_toml("duration = 20.0").expect("it is valid"));
+    screen.state_mut().session_mut().seek(10.0);
     screen.run_steps(4);
     (screen, files)
 }
 
 /// Chooses an entry of the menu; returns the file.
 fn exported(screen: &mut Screen, files: &Files, entry: &str) -> File {
-    screen.get_by_label("Export").click();
-    screen.run_steps(3);
+    click(screen, "Export");
     screen.get_by_label(entry).click();
     frames_until_delivered(screen, files);
     screen.run_steps(2);
@@ -157,16 +153,12 @@ fn everything_is_one_json() {
 fn a_session_is_opened_again_by_drop() {
     let (mut screen, files) = exporting(DESKTOP);
     screen.state_mut().layout_mut().toggle(ViewKind::Phase);
-    screen.key_press(Key::A);
-    screen.run_steps(2);
+    press(&mut screen, Key::A);
     screen.state_mut().session_mut().seek(12.0);
-    screen.key_press(Key::B);
-    screen.run_steps(2);
+    press(&mut screen, Key::B);
     screen.state_mut().session_mut().seek(10.0);
-    screen.get_by_label("Show truth").click();
-    screen.run_steps(2);
-    screen.key_press(Key::PageDown);
-    screen.run_steps(2);
+    click(&mut screen, "Show truth");
+    press(&mut screen, Key::PageDown);
     let views = screen.state_mut().layout_mut().shown();
     let (expected, picture) = (scenario(&screen).clone(), screen.state().picture());
     assert!(picture.ruler.is_used() && !picture.hidden.is_empty() && picture.enlarged.is_some());
@@ -174,7 +166,7 @@ fn a_session_is_opened_again_by_drop() {
 
     let mut other = super::screen(DESKTOP, Theme::Light);
     assert_ne!(scenario(&other), &expected);
-    super::files::drop_file(&mut other, "session.json", &file.contents);
+    drop_file(&mut other, "session.json", &file.contents);
     assert_eq!(other.state().notice(), None);
     assert_eq!(scenario(&other), &expected);
     let session = other.state().session();
@@ -199,7 +191,7 @@ fn a_bad_session_is_refused_and_changes_nothing() {
         (with("scenario", "dt = -1".into()), "`dt` is -1"),
         (with("more", Value::Null), "unknown field `more`"),
     ] {
-        super::files::drop_file(&mut screen, "session.json", bad.to_string().as_bytes());
+        drop_file(&mut screen, "session.json", bad.to_string().as_bytes());
         let notice = screen.state().notice().expect("it is reported").to_owned();
         assert!(notice.starts_with("“session.json” cannot be opened: ") && notice.contains(reason), "{notice}");
         assert_eq!(scenario(&screen), &before);
@@ -209,10 +201,8 @@ fn a_bad_session_is_refused_and_changes_nothing() {
 #[test]
 fn figures_are_exported_by_keyboard_too() {
     let (mut screen, files) = exporting(DESKTOP);
-    screen.key_press(Key::E);
-    screen.run_steps(3);
-    screen.get_by_label("Paper, 84 mm (SVG)").click();
-    screen.run_steps(4);
+    press(&mut screen, Key::E);
+    click(&mut screen, "Paper, 84 mm (SVG)");
     let svg = text(files.borrow_mut().pop().expect("a file is delivered"));
     assert!(svg.starts_with("<svg ") && svg.trim_end().ends_with("</svg>"));
     assert!(svg.contains("width=\"84mm\"") && svg.contains("natural frequency"), "{}", &svg[..300]);
@@ -266,8 +256,7 @@ fn nothing_of_a_figure_is_cut_off_at_its_edges() {
         vec![ViewKind::Diagnosis],
     ] {
         let (mut screen, _) = exporting(DESKTOP);
-        *screen.state_mut().layout_mut() = Layout::column(&views);
-        screen.run_steps(4);
+        show(&mut screen, &views);
         for format in FigureFormat::ALL {
             let figure = screen.state().figure(format);
             let svg = figure.svg();
@@ -289,7 +278,6 @@ fn nothing_of_a_figure_is_cut_off_at_its_edges() {
     }
 }
 
-/// Width and height of the drawing of a figure.
 fn viewed(svg: &str) -> [f32; 2] {
     let (_, rest) = svg.split_once("viewBox=\"0 0 ").expect("it has a box");
     let mut numbers = rest.split([' ', '"']).map(|number| number.parse().expect("it is a number"));
@@ -330,17 +318,19 @@ fn text_boxes(svg: &str) -> Vec<[f32; 4]> {
 }
 
 #[test]
-fn a_file_that_cannot_be_written_is_reported() {
-    let mut screen = Harness::builder().with_size(DESKTOP).with_step_dt(1.0 / 60.0).build_eframe(|creation| {
-        let app = App::new(creation).expect("the default scenario can be run");
+fn a_file_that_cannot_be_written_or_delivered_is_reported() {
+    let is_full = |app: App, _: &egui::Context| {
         app.delivering(Box::new(|file, done| done(Err(format!("{}: the disk is full", file.name)))))
-    });
-    screen.run_steps(3);
-    screen.get_by_label("Export").click();
-    screen.run_steps(3);
-    screen.get_by_label("Record (CSV)").click();
-    screen.run_steps(6);
-    assert_eq!(screen.state().notice(), Some("The file cannot be written: record.csv: the disk is full."));
+    };
+    for (mut screen, reason) in [
+        (started(DESKTOP, Theme::Light, is_full), "record.csv: the disk is full."),
+        (screen(DESKTOP, Theme::Light), "there is no place for files here."),
+    ] {
+        screen.run_steps(3);
+        click(&mut screen, "Export");
+        click(&mut screen, "Record (CSV)");
+        assert_eq!(screen.state().notice(), Some(format!("The file cannot be written: {reason}").as_str()));
+    }
 }
 
 #[test]
@@ -355,18 +345,15 @@ fn a_session_asks_for_its_record_only_where_that_is_missing() {
     assert!(screen.state().session().is_measured());
     let session = exported(&mut screen, &files, "Session, to open again");
     let mut other = super::screen(DESKTOP, Theme::Light);
-    super::files::drop_file(&mut other, "session.json", &session.contents);
+    drop_file(&mut other, "session.json", &session.contents);
     assert!(other.state().session().is_measured() && !asks(&other), "{:?}", other.state().notice());
     // A user's record is not.
-    let (name, bytes) = super::records::dialects()[0].clone();
-    super::files::drop_file(&mut screen, name, &bytes);
-    screen.run_steps(10);
-    screen.get_by_label("Open the record").click();
-    screen.run_steps(30);
+    let (name, bytes) = dialects()[0].clone();
+    drop_record(&mut screen, name, &bytes);
     let session = exported(&mut screen, &files, "Session, to open again");
-    super::files::drop_file(&mut screen, "session.json", &session.contents);
+    drop_file(&mut screen, "session.json", &session.contents);
     assert!(!asks(&screen), "the record is here: {:?}", screen.state().notice());
-    super::files::drop_file(&mut other, "session.json", &session.contents);
+    drop_file(&mut other, "session.json", &session.contents);
     assert!(asks(&other), "{:?}", other.state().notice());
     // No plots and no story of another run take its place.
     let place = format!("The record “{name}” is not here. Drop the file on the window, or choose it.");
@@ -378,19 +365,9 @@ fn a_session_asks_for_its_record_only_where_that_is_missing() {
     std::fs::write(folder.join(name), &bytes).expect("a file can be written");
     std::fs::write(folder.join("session.json"), &session.contents).expect("a file can be written");
     let mut third = super::screen(DESKTOP, Theme::Light);
-    super::files::drop_path(&mut third, folder.join("session.json"));
+    drop_path(&mut third, folder.join("session.json"));
     third.run_steps(30);
     std::fs::remove_dir_all(folder).expect("the folder can be removed");
     assert!(third.state().session().is_measured(), "{:?}", third.state().session().problem());
     assert!(third.query_by_label(&place).is_none() && third.query_by_label("Open the record").is_none());
-}
-
-#[test]
-fn a_file_that_cannot_be_delivered_is_reported() {
-    let mut screen = screen(DESKTOP, Theme::Light);
-    screen.get_by_label("Export").click();
-    screen.run_steps(3);
-    screen.get_by_label("Record (CSV)").click();
-    screen.run_steps(6);
-    assert_eq!(screen.state().notice(), Some("The file cannot be written: there is no place for files here."));
 }

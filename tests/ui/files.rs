@@ -42,6 +42,10 @@ pub(super) fn drop_file(screen: &mut Screen, name: &str, contents: &[u8]) {
 pub(super) fn drop_path(screen: &mut Screen, path: PathBuf) {
     screen.input_mut().dropped_files = vec![Arc::new(Dropped(path))];
     screen.step();
+    wait(screen);
+}
+
+fn wait(screen: &mut Screen) {
     while screen.state().inbox.is_shared() {
         std::thread::yield_now();
     }
@@ -61,10 +65,7 @@ fn a_dropped_file_is_read_beside_the_frames() {
     screen.run_steps(5);
     assert!(screen.state().inbox.is_shared());
     std::fs::write(&path, lesson()).expect("the pipe can be written");
-    while screen.state().inbox.is_shared() {
-        std::thread::yield_now();
-    }
-    screen.run_steps(4);
+    wait(&mut screen);
     screen.get_by_label("A filter that forgets");
 }
 
@@ -80,12 +81,10 @@ fn a_dropped_lesson_begins() {
     screen.get_by_label("Will the filter notice the loss at once?");
     assert_eq!((screen.state().notice(), screen.state().session().time()), (None, 29.5));
     for label in ["Show me", "Next", "λ = 1.02"] {
-        screen.get_by_label(label).click();
-        screen.run_steps(4);
+        click(&mut screen, label);
     }
     assert!(screen.query_by_label_contains("Next: ").is_none(), "it is not in the menu");
-    screen.get_by_label("Done").click();
-    screen.run_steps(4);
+    click(&mut screen, "Done");
     assert!(screen.query_by_label("A filter that forgets").is_none());
 }
 
@@ -128,10 +127,7 @@ fn screen_with_file(size: Vec2, name: &'static str, contents: &'static [u8]) -> 
         count.fetch_add(1, Ordering::Relaxed);
         inbox.put(Arrival::File(name.to_owned(), Ok(contents.to_vec())), ctx);
     });
-    let mut screen = Harness::builder()
-        .with_size(size)
-        .with_theme(Theme::Light)
-        .build_eframe(|creation| App::new(creation).expect("the default scenario can be run").choosing(Some(choose)));
+    let mut screen = started(size, Theme::Light, |app, _| app.choosing(Some(choose)));
     screen.run_steps(3);
     (screen, asked)
 }
@@ -144,8 +140,7 @@ fn a_file_is_chosen_by_the_button_or_by_its_keys() {
             screen.key_press_modifiers(Modifiers::COMMAND, Key::O);
         } else {
             if size == PHONE {
-                screen.get_by_label("Scenario").click();
-                screen.run_steps(3);
+                click(&mut screen, "Scenario");
             }
             screen.get_by_label("Open a file").click();
         }

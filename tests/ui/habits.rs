@@ -38,10 +38,8 @@ fn a_double_click_takes_a_number_back_to_what_it_was() {
         assert_eq!(numbers(&screen), before, "{control}");
     }
     // Another scenario resets the initial values.
-    screen.get_by_label("Scenario").click();
-    screen.run_steps(3);
-    screen.get_by_label(kalmanscope_lessons::BUILT_IN[3].title).click();
-    screen.run_steps(3);
+    click(&mut screen, "Scenario");
+    click(&mut screen, kalmanscope_lessons::BUILT_IN[3].title);
     let opened = numbers(&screen);
     set(&mut screen, "Noise of the displacement sensor", 0.2);
     double_click(&mut screen, "Noise of the displacement sensor");
@@ -74,10 +72,6 @@ fn the_wheel_turns_a_number_only_with_alt() {
 #[test]
 fn keys_have_the_listed_effects() {
     let mut screen = screen(DESKTOP, Theme::Light);
-    let press = |screen: &mut Screen, key| {
-        screen.key_press(key);
-        screen.run_steps(3);
-    };
     let session = |screen: &Screen| {
         let session = screen.state().session();
         (session.playing(), session.mode(), session.speed())
@@ -128,10 +122,8 @@ fn presenter_mode_is_large_and_leaves_the_room_to_the_plots() {
         plot.area() / screen.ctx.content_rect().area()
     };
     let before = (screen.ctx.zoom_factor(), share(&screen));
-    screen.get_by_label("More").click();
-    screen.run_steps(3);
-    screen.get_by_label("Presenter mode").click();
-    screen.run_steps(5);
+    click(&mut screen, "More");
+    click(&mut screen, "Presenter mode");
     assert!(screen.ctx.zoom_factor() > 1.3 * before.0);
     // The bar hides while the pointer is elsewhere.
     screen.hover_at(egui::pos2(400.0, 300.0));
@@ -144,10 +136,8 @@ fn presenter_mode_is_large_and_leaves_the_room_to_the_plots() {
     screen.get_by_label("Settings").click();
     screen.run_steps(20);
     assert!(screen.query_by_label("EKF fading factor").is_some());
-    screen.get_by_label("More").click();
-    screen.run_steps(3);
-    screen.get_by_label("Presenter mode").click();
-    screen.run_steps(5);
+    click(&mut screen, "More");
+    click(&mut screen, "Presenter mode");
     assert!((screen.ctx.zoom_factor() - before.0).abs() < 1e-6);
 }
 
@@ -155,13 +145,11 @@ fn presenter_mode_is_large_and_leaves_the_room_to_the_plots() {
 fn presenter_mode_gives_back_the_zoom_of_before_also_after_ctrl_0() {
     let mut screen = screen(DESKTOP, Theme::Light);
     let before = screen.ctx.zoom_factor();
-    screen.key_press(Key::P);
-    screen.run_steps(4);
+    press(&mut screen, Key::P);
     assert!(screen.ctx.zoom_factor() > 1.3 * before);
     screen.ctx.set_zoom_factor(1.0);
     screen.run_steps(4);
-    screen.key_press(Key::P);
-    screen.run_steps(4);
+    press(&mut screen, Key::P);
     assert_eq!(screen.ctx.zoom_factor(), before);
 }
 
@@ -183,10 +171,6 @@ fn filters_keep_their_colours_when_others_go() {
     let colors = |screen: &Screen| {
         let estimates = screen.state().session().run().estimates();
         estimates.iter().map(|e| (e.name().to_owned(), e.color())).collect::<HashMap<_, _>>()
-    };
-    let click = |screen: &mut Screen, label: &str| {
-        screen.get_by_label(label).click();
-        screen.run_steps(3);
     };
     click(&mut screen, "Duplicate EKF");
     let before = colors(&screen);
@@ -224,31 +208,24 @@ fn scores_are_sorted_by_the_row_that_is_clicked() {
     let mut screen = workbench();
     let mut bad = Scenario::default();
     bad.filters[0].sensor_std = vec![0.5, 3.0];
-    let session = screen.state_mut().session_mut();
-    session.set_scenario(bad);
-    session.set_mode(Mode::Whole);
-    *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Scores]);
-    screen.run_steps(3);
+    show_whole(&mut screen, bad);
+    show(&mut screen, &[ViewKind::Scores]);
     let place = |screen: &Screen, name: &str| {
         let nodes = screen.get_all_by_label(name).map(|node| node.rect());
         nodes.filter(|rect| rect.left() > 360.0 && rect.top() > 70.0).map(|r| r.left()).fold(f32::NAN, f32::max)
     };
     assert!(place(&screen, "EKF") < place(&screen, "UKF"));
-    screen.get_by_label("NIS, 1 is right").click();
-    screen.run_steps(3);
+    click(&mut screen, "NIS, 1 is right");
     assert!(place(&screen, "EKF") > place(&screen, "UKF"), "the UKF is the better one");
-    screen.get_by_label("NIS, 1 is right ▸").click();
-    screen.run_steps(3);
+    click(&mut screen, "NIS, 1 is right ▸");
     assert!(place(&screen, "EKF") < place(&screen, "UKF"));
 }
 
 #[test]
 fn smoothed_estimates_are_shown_of_the_whole_record() {
     let mut screen = workbench();
-    screen.get_all_by_label("Options").next().expect("each filter has options").click();
-    screen.run_steps(12);
-    screen.get_by_label("EKF: hindsight").click();
-    screen.run_steps(3);
+    open_options(&mut screen);
+    click(&mut screen, "EKF: hindsight");
     assert!(screen.state().session().smoothed().is_empty(), "there is none before the record is complete");
     screen.state_mut().session_mut().set_mode(Mode::Whole);
     screen.run_steps(3);
@@ -259,11 +236,9 @@ fn smoothed_estimates_are_shown_of_the_whole_record() {
 #[test]
 fn hindsight_with_a_look_ahead_goes_along() {
     let mut screen = workbench();
-    screen.get_all_by_label("Options").next().expect("each filter has options").click();
-    screen.run_steps(12);
+    open_options(&mut screen);
     assert!(screen.query_by_label("EKF look-ahead of hindsight").is_none(), "there is no hindsight");
-    screen.get_by_label("EKF: hindsight").click();
-    screen.run_steps(3);
+    click(&mut screen, "EKF: hindsight");
     set(&mut screen, "EKF look-ahead of hindsight", 0.5);
     assert_eq!(scenario(&screen).filters[0].look_ahead, 0.5);
     screen.state_mut().session_mut().toggle_play();
@@ -287,10 +262,7 @@ fn a_plot_can_be_seen_alone() {
         let beside_the_settings = |rect: egui::Rect| rect.left() > 340.0;
         let symbol = screen.get_all_by_label("ζ").map(|node| node.rect()).find(|rect| beside_the_settings(*rect));
         let at = symbol.expect("the plot of ζ has a heading").center();
-        screen.hover_at(at);
-        screen.drag_at(at);
-        screen.drop_at(at);
-        screen.run_steps(3);
+        click_on(screen, at);
     };
     let before = plots(&screen);
     click(&mut screen);
@@ -325,11 +297,9 @@ fn a_finger_on_a_plot_scrolls_and_does_not_zoom() {
 #[test]
 fn the_views_menu_stays_open_while_views_are_chosen() {
     let mut screen = screen(DESKTOP, Theme::Light);
-    screen.get_by_label("Views").click();
-    screen.run_steps(3);
+    click(&mut screen, "Views");
     for kind in [ViewKind::Gain, ViewKind::Phase] {
-        screen.get_by_label(view(kind).name()).click();
-        screen.run_steps(3);
+        click(&mut screen, view(kind).name());
         assert!(screen.state_mut().layout_mut().shown().contains(&kind), "{kind:?}");
     }
 }

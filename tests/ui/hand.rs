@@ -78,16 +78,13 @@ fn the_picture_before_a_change_stays_until_it_is_forgotten() {
 fn two_settings_are_swapped_by_a_key() {
     let mut screen = whole();
     let fading = |screen: &Screen| scenario(screen).filters[0].fading;
-    screen.key_press(Key::X);
-    screen.run_steps(3);
+    press(&mut screen, Key::X);
     set(&mut screen, "EKF fading factor", 1.05);
     assert!(screen.query_by_label_contains("before: setting A: EKF λ = 1.005").is_some());
-    screen.key_press(Key::X);
-    screen.run_steps(3);
+    press(&mut screen, Key::X);
     assert_eq!(fading(&screen), 1.005);
     assert!(screen.query_by_label_contains("before: setting B: EKF λ = 1.05").is_some());
-    screen.get_by_label("Setting B").click();
-    screen.run_steps(3);
+    click(&mut screen, "Setting B");
     assert_eq!(fading(&screen), 1.05);
 }
 
@@ -97,11 +94,9 @@ fn changes_are_taken_back_and_made_again_by_buttons() {
     screen.run_steps(90);
     set(&mut screen, "EKF fading factor", 1.03);
     screen.run_steps(90);
-    screen.get_by_label("Undo").click();
-    screen.run_steps(3);
+    click(&mut screen, "Undo");
     assert_eq!(scenario(&screen).filters[0].fading, 1.005);
-    screen.get_by_label("Redo").click();
-    screen.run_steps(3);
+    click(&mut screen, "Redo");
     assert_eq!(scenario(&screen).filters[0].fading, 1.03);
 }
 
@@ -109,8 +104,7 @@ fn changes_are_taken_back_and_made_again_by_buttons() {
 fn help_opens_on_a_tap() {
     let mut screen = whole();
     let first = view(ViewKind::Parameters).help()[0];
-    screen.get_by_label("About Parameters").click();
-    screen.run_steps(3);
+    click(&mut screen, "About Parameters");
     assert!(screen.query_by_label(first).is_some());
 }
 
@@ -120,23 +114,8 @@ fn keys_work_while_a_button_has_the_focus() {
     screen.get_by_label("Live").focus();
     screen.run_steps(2);
     assert_eq!(screen.state().session().mode(), Mode::Whole);
-    screen.key_press(Key::L);
-    screen.run_steps(2);
+    press(&mut screen, Key::L);
     assert_eq!(screen.state().session().mode(), Mode::Live);
-}
-
-/// Drags from one place to another, in steps that a hand would make.
-fn drag(screen: &mut Screen, from: egui::Pos2, way: egui::Vec2) {
-    screen.hover_at(from);
-    screen.run_steps(2);
-    screen.drag_at(from);
-    screen.run_steps(2);
-    for step in 1..=5 {
-        screen.hover_at(from + way * (step as f32 / 5.0));
-        screen.run_steps(2);
-    }
-    screen.drop_at(from + way);
-    screen.run_steps(3);
 }
 
 #[test]
@@ -158,8 +137,7 @@ fn a_sudden_change_is_dragged_where_it_is_seen() {
 #[test]
 fn the_assumed_noise_is_dragged_at_the_height_of_a_band() {
     let mut screen = whole();
-    *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Innovations]);
-    screen.run_steps(3);
+    show(&mut screen, &[ViewKind::Innovations]);
     for filter in ["EKF", "UKF"] {
         let chart = format!("Plot of the innovations of the displacement sensor, {filter}");
         assert!(screen.query_by_label(&chart).is_some(), "each filter has a chart of its own");
@@ -183,12 +161,17 @@ fn the_true_noise_is_dragged_at_the_beginning_of_a_state() {
     assert_eq!(after[1], before[1], "the velocity sensor keeps its noise");
 }
 
+/// The filters side by side, of which one has another number.
+fn side_by_side() -> Screen {
+    let mut screen = whole();
+    show(&mut screen, &[ViewKind::Filters]);
+    set(&mut screen, "UKF: process std of natural frequency", 0.003);
+    screen
+}
+
 #[test]
 fn filters_stand_side_by_side_with_their_numbers() {
-    let mut screen = whole();
-    *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Filters]);
-    screen.run_steps(3);
-    set(&mut screen, "UKF: process std of natural frequency", 0.003);
+    let screen = side_by_side();
     assert_eq!(scenario(&screen).filters[1].process_std[Channel::NATURAL_FREQUENCY], 0.003);
     assert_eq!(scenario(&screen).filters[0].process_std[Channel::NATURAL_FREQUENCY], 1e-4);
 }
@@ -203,12 +186,10 @@ fn page_keys_go_from_view_to_view() {
     let all = shown(&screen);
     assert_eq!(all.len(), 3);
     for expected in all.iter().map(|kind| vec![*kind]).chain([all.clone()]) {
-        screen.key_press(Key::PageDown);
-        screen.run_steps(3);
+        press(&mut screen, Key::PageDown);
         assert_eq!(shown(&screen), expected);
     }
-    screen.key_press(Key::PageUp);
-    screen.run_steps(3);
+    press(&mut screen, Key::PageUp);
     assert_eq!(shown(&screen), [all[2]]);
 }
 
@@ -224,10 +205,7 @@ fn a_number_beyond_its_limit_says_so_for_a_moment() {
 
 #[test]
 fn a_stranger_sees_something_happen_within_five_seconds() {
-    let mut screen = Harness::builder()
-        .with_size(DESKTOP)
-        .with_step_dt(1.0 / 60.0)
-        .build_eframe(|creation| App::new(creation).expect("the first scenario can be run"));
+    let mut screen = started(DESKTOP, Theme::Light, |app, _| app);
     screen.state_mut().session_mut().set_budget(Budget::Unlimited);
     screen.run_steps(5 * 60);
     let session = screen.state().session();
@@ -259,8 +237,7 @@ fn where_no_view_is_shown_arrangements_are_offered() {
         screen.state_mut().layout_mut().toggle(kind);
     }
     screen.run_steps(3);
-    screen.get_by_label("Compare").click();
-    screen.run_steps(3);
+    click(&mut screen, "Compare");
     assert!(screen.query_by_label("About Scores").is_some());
 }
 
@@ -286,10 +263,7 @@ fn a_finger_finds_targets_of_its_size() {
 
 #[test]
 fn a_filter_dropped_on_another_gives_it_its_numbers() {
-    let mut screen = whole();
-    *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Filters]);
-    screen.run_steps(3);
-    set(&mut screen, "UKF: process std of natural frequency", 0.003);
+    let mut screen = side_by_side();
     let cell = screen.get_by_label("UKF: fading factor").rect();
     let name = |screen: &Screen, filter: &str| {
         let above =
@@ -307,10 +281,7 @@ fn a_filter_dropped_on_another_gives_it_its_numbers() {
 
 #[test]
 fn a_number_dropped_on_another_filters_makes_it_the_same() {
-    let mut screen = whole();
-    *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Filters]);
-    screen.run_steps(3);
-    set(&mut screen, "UKF: process std of natural frequency", 0.003);
+    let mut screen = side_by_side();
     let before = scenario(&screen).filters[0].clone();
     let place = |screen: &Screen, label: &str| screen.get_by_label(label).rect().center();
     let from = place(&screen, "Same as UKF: process std of natural frequency");
@@ -328,10 +299,8 @@ fn a_number_dropped_on_another_filters_makes_it_the_same() {
 #[test]
 fn a_measured_scenario_shows_what_was_measured() {
     let mut screen = screen(DESKTOP, Theme::Light);
-    screen.get_by_label("Scenario").click();
-    screen.run_steps(3);
-    screen.get_by_label("Measured: a circuit").click();
-    screen.run_steps(3);
+    click(&mut screen, "Scenario");
+    click(&mut screen, "Measured: a circuit");
     assert!(screen.query_by_label("About Measured and predicted").is_some());
     assert!(screen.query_by_label("About Parameters").is_some(), "the other views stay");
 }
@@ -341,21 +310,16 @@ fn a_record_in_volts_has_no_metres_in_any_view() {
     let circuit = kalmanscope_lessons::BUILT_IN.iter().find(|entry| entry.title == "Measured: a circuit");
     let scenario = circuit.expect("it is built in").scenario().expect("it can be read");
     let mut screen = screen(Vec2::new(1280.0, 1600.0), Theme::Light);
-    let session = screen.state_mut().session_mut();
-    session.set_scenario(scenario);
-    session.set_mode(Mode::Whole);
-    session.pause();
+    show_whole(&mut screen, scenario);
     screen.run_steps(20);
     for kind in ViewKind::ALL {
-        *screen.state_mut().layout_mut() = Layout::column(&[kind]);
-        screen.run_steps(4);
+        show(&mut screen, &[kind]);
         for metres in ["[m]", "[m/s]", "[m/s²]", " m/s"] {
             let label = screen.query_all_by_label_contains(metres).next().map(|node| format!("{node:?}"));
             assert_eq!(label, None, "{}", view(kind).name());
         }
     }
-    *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Matrices]);
-    screen.run_steps(4);
+    show(&mut screen, &[ViewKind::Matrices]);
     assert!(screen.query_all_by_label("[V/s]").next().is_some());
 }
 
@@ -363,8 +327,7 @@ fn a_record_in_volts_has_no_metres_in_any_view() {
 fn a_message_about_something_done_goes_by_itself() {
     let mut screen = screen(DESKTOP, Theme::Light);
     screen.state_mut().session_mut().pause();
-    screen.key_press(Key::C);
-    screen.run_steps(3);
+    press(&mut screen, Key::C);
     assert!(screen.state().notice().is_some_and(|notice| notice.contains("clipboard")));
     screen.run_steps(60 * 7);
     assert!(screen.state().notice().is_some(), "there is time to read it");

@@ -47,8 +47,7 @@ fn a_key_hides_the_filter_at_its_place() {
     let mut screen = workbench();
     click(&mut screen, "Add a filter");
     click(&mut screen, "Remove EKF");
-    screen.key_press(Key::Num1);
-    screen.run_steps(3);
+    press(&mut screen, Key::Num1);
     assert_eq!(shown(&screen), names(&[("UKF", false), ("EKF 2", true)]));
 }
 

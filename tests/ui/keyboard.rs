@@ -5,18 +5,12 @@ use super::*;
 /// Presses Tab until the control with a label has the focus.
 fn tab_to(screen: &mut Screen, label: &str) {
     for _ in 0..250 {
-        screen.key_press(Key::Tab);
-        screen.run_steps(2);
+        press(screen, Key::Tab);
         if screen.query_all_by_label(label).any(|node| node.accesskit_node().is_focused()) {
             return;
         }
     }
     panic!("{label} cannot be reached by Tab");
-}
-
-fn press(screen: &mut Screen, key: Key) {
-    screen.key_press(key);
-    screen.run_steps(4);
 }
 
 #[test]

@@ -4,11 +4,6 @@ use kalmanscope_lessons::{Lesson, Step};
 
 use super::*;
 
-pub(crate) fn click(screen: &mut Screen, label: &str) {
-    screen.get_by_label(label).click();
-    screen.run_steps(4);
-}
-
 pub(crate) fn lesson(size: Vec2, title: &str) -> Screen {
     let mut screen = screen(size, Theme::Light);
     click(&mut screen, "Lessons");
@@ -80,8 +75,7 @@ fn single_steps_are_the_users() {
     let mut screen = lesson(DESKTOP, "Predict and update, step by step");
     screen.run_steps(60);
     assert_eq!((screen.state().session().time(), screen.state().session().playing()), (0.0, false));
-    screen.key_press(Key::ArrowRight);
-    screen.run_steps(3);
+    press(&mut screen, Key::ArrowRight);
     assert_eq!(screen.state().session().position(), 1);
     let (from, to) = screen.state().axis().followed(screen.state().session());
     assert!(from == 0.0 && to < 0.2, "{to}");
@@ -128,7 +122,6 @@ fn reveal(screen: &mut Screen, step: &Step) {
     }
 }
 
-/// Goes through the lesson to its end.
 pub(crate) fn study(screen: &mut Screen, lesson: &Lesson) {
     for (number, step) in lesson.steps.iter().enumerate() {
         reveal(screen, step);
@@ -308,5 +301,47 @@ fn the_menu_has_all_lessons_in_sight_on_a_desktop() {
         let title = lesson.expect("a built-in lesson can be read").title;
         let rect = screen.get_by_label(&title).rect();
         assert!(rect.bottom() <= DESKTOP.y && rect.height() >= 22.0, "{title}: {rect}");
+    }
+}
+
+#[test]
+fn lesson_and_finished_lessons_survive_a_reload() {
+    let first = built_in("Recursive estimation");
+    let mut screen = lesson(DESKTOP, &first.title);
+    study(&mut screen, &first);
+    click(&mut screen, "Done");
+    click(&mut screen, "Lessons");
+    click(&mut screen, "Parameter initialisation");
+    click(&mut screen, "Near the end of the 30 s.");
+    let mut again = reloaded(&saved(&mut screen), |app, _| app);
+    again.get_by_label(GUESS);
+    click(&mut screen, GUESS);
+    let framed = screen.state().axis().framed;
+    let mut changed = reloaded(&saved(&mut screen), |app, _| app);
+    changed.get_by_label("1 of 4");
+    changed.get_by_label("Near the end of the 30 s. (your answer)");
+    assert!(is_enabled(&changed, "Next"));
+    assert_eq!(scenario(&changed), scenario(&screen));
+    assert_eq!((changed.state().axis().framed, changed.state().notice()), (framed, None));
+    click(&mut changed, "Lessons");
+    changed.get_by_label("Recursive estimation, finished");
+    click(&mut again, GUESS);
+    assert_eq!(scenario(&again), scenario(&screen));
+}
+
+#[test]
+fn a_place_in_an_unknown_lesson_is_ignored_in_words() {
+    let mut screen = lesson(DESKTOP, "Parameter initialisation");
+    for (part, other) in
+        [("\"lesson\":\"Parameter initialisation\"", "\"lesson\":\"Old\""), ("\"step\":0", "\"step\":9")]
+    {
+        let mut memory = saved(&mut screen);
+        let text = memory.get_string("kalmanscope").expect("it is saved");
+        assert!(text.contains(part), "{text}");
+        memory.set_string("kalmanscope", text.replace(part, other));
+        let restored = reloaded(&memory, |app, _| app);
+        let notice = restored.state().notice().expect("it is said");
+        assert!(notice.contains("cannot be continued") && notice.contains("step"), "{notice}");
+        assert!(restored.query_by_label("Leave the lesson").is_none());
     }
 }

@@ -133,7 +133,6 @@ fn a_lesson_looks_as_it_did() {
     screen.snapshot_options("lesson-light", &options());
 }
 
-/// The name of a view's picture.
 fn file(kind: ViewKind) -> String {
     format!("view-{}", view(kind).name().replace(' ', "-").to_lowercase())
 }

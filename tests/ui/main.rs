@@ -6,7 +6,6 @@ mod diagnosis;
 mod equation;
 mod export;
 mod files;
-mod frequency_response;
 mod habits;
 mod hand;
 mod identity;
@@ -25,7 +24,6 @@ mod native;
 mod phone;
 mod playback;
 mod posterior;
-mod progress;
 mod records;
 mod settings;
 mod share;
@@ -36,7 +34,6 @@ mod streams;
 mod thumb;
 mod tune;
 mod twin;
-mod uneven_times;
 mod workbench;
 
 use std::collections::HashMap;
@@ -60,13 +57,18 @@ type Screen = Harness<'static, App>;
 const DESKTOP: Vec2 = Vec2::new(1280.0, 800.0);
 const PHONE: Vec2 = Vec2::new(390.0, 844.0);
 
+/// The explorer as it starts, completed by `with`.
+fn started(size: Vec2, theme: Theme, with: impl FnOnce(App, &egui::Context) -> App) -> Screen {
+    let builder = Harness::builder().with_size(size).with_theme(theme).with_step_dt(1.0 / 60.0);
+    builder.build_eframe(|creation| {
+        let app = App::new(creation).expect("the default scenario can be run");
+        with(app, &creation.egui_ctx)
+    })
+}
+
 /// A screen whose frames compute all there is to compute: what it shows does not depend on the machine's speed.
 fn screen(size: Vec2, theme: Theme) -> Screen {
-    let mut screen = Harness::builder()
-        .with_size(size)
-        .with_theme(theme)
-        .with_step_dt(1.0 / 60.0)
-        .build_eframe(|creation| App::new(creation).expect("the default scenario can be run"));
+    let mut screen = started(size, theme, |app, _| app);
     *screen.state_mut().layout_mut() = Layout::of(Arrangement::Teach);
     screen.state_mut().show_all_settings(true);
     let session = screen.state_mut().session_mut();
@@ -81,6 +83,94 @@ fn screen(size: Vec2, theme: Theme) -> Screen {
 fn click(screen: &mut Screen, label: &str) {
     screen.get_by_label(label).click();
     screen.run_steps(4);
+}
+
+fn click_on(screen: &mut Screen, at: egui::Pos2) {
+    screen.hover_at(at);
+    screen.drag_at(at);
+    screen.drop_at(at);
+    screen.run_steps(4);
+}
+
+/// Drags from a place, in steps that a hand would make.
+fn drag(screen: &mut Screen, from: egui::Pos2, way: Vec2) {
+    screen.hover_at(from);
+    screen.run_steps(2);
+    screen.drag_at(from);
+    screen.run_steps(2);
+    for step in 1..=5 {
+        screen.hover_at(from + way * (step as f32 / 5.0));
+        screen.run_steps(2);
+    }
+    screen.drop_at(from + way);
+    screen.run_steps(3);
+}
+
+fn press(screen: &mut Screen, key: Key) {
+    screen.key_press(key);
+    screen.run_steps(4);
+}
+
+/// Takes the last change back by its keys.
+fn undo(screen: &mut Screen) {
+    screen.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    screen.run_steps(4);
+}
+
+/// Shows these views and no others, one below the other.
+fn show(screen: &mut Screen, views: &[ViewKind]) {
+    *screen.state_mut().layout_mut() = Layout::column(views);
+    screen.run_steps(4);
+}
+
+fn set_scenario(screen: &mut Screen, scenario: Scenario) {
+    screen.state_mut().session_mut().set_scenario(scenario);
+    screen.run_steps(4);
+}
+
+/// Begins with a scenario, whose frames compute all of its record, and pauses.
+fn show_whole(screen: &mut Screen, scenario: Scenario) {
+    let session = screen.state_mut().session_mut();
+    session.set_budget(Budget::Unlimited);
+    session.set_scenario(scenario);
+    session.set_mode(Mode::Whole);
+    session.pause();
+}
+
+/// A screen on which a link is opened.
+fn opened(link: &str) -> Screen {
+    let mut screen = screen(DESKTOP, Theme::Light);
+    screen.state_mut().open_address(link);
+    screen.run_steps(4);
+    screen
+}
+
+/// What a screen saves at its end.
+fn saved(screen: &mut Screen) -> Memory {
+    let mut memory = Memory::default();
+    screen.state_mut().save(&mut memory);
+    memory
+}
+
+/// The explorer that begins with what was saved.
+fn restored(memory: &Memory) -> App {
+    App::restored(Some(memory)).expect("the saved scenario can be run")
+}
+
+/// The screen of that explorer, completed by `with`.
+fn reloaded(memory: &Memory, with: impl FnOnce(App, &egui::Context) -> App) -> Screen {
+    let builder = Harness::builder().with_size(DESKTOP).with_step_dt(1.0 / 60.0);
+    let mut screen = builder.build_eframe(|creation| {
+        kalmanscope::theme::install(&creation.egui_ctx);
+        with(restored(memory), &creation.egui_ctx)
+    });
+    screen.run_steps(4);
+    screen
+}
+
+fn open_options(screen: &mut Screen) {
+    screen.get_all_by_label("Options").next().expect("each filter has options").click();
+    screen.run_steps(12);
 }
 
 /// A paused screen with all sections of the controls open.
@@ -126,8 +216,7 @@ fn set(screen: &mut Screen, name: &str, value: f64) {
 /// Opens a combo box and chooses an option.
 fn choose(screen: &mut Screen, combo: &str, option: &str) {
     let before: Vec<_> = screen.query_all_by_label(option).map(|node| node.rect()).collect();
-    screen.get_by_label(combo).click();
-    screen.run_steps(3);
+    click(screen, combo);
     let new = screen.query_all_by_label(option).find(|node| !before.contains(&node.rect()));
     new.expect("the option is in the menu").click();
     screen.run_steps(3);

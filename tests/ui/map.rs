@@ -13,23 +13,15 @@ use kalmanscope_lab::{Ensemble, Plan, Runner};
 use super::*;
 
 /// A paused screen of a short record with a coarse map; each frame computes all of it.
-fn laboratory(size: Vec2, theme: Theme, second: Option<u32>) -> Screen {
-    laboratory_by(Rc::new(Frames(Budget::Unlimited)), size, theme, second)
+fn laboratory(second: Option<u32>) -> Screen {
+    laboratory_by(Rc::new(Frames(Budget::Unlimited)), second)
 }
 
-fn laboratory_by(team: Rc<dyn Team>, size: Vec2, theme: Theme, second: Option<u32>) -> Screen {
-    let mut screen =
-        Harness::builder().with_size(size).with_theme(theme).with_step_dt(1.0 / 60.0).build_eframe(|creation| {
-            let app = App::new(creation).expect("the default scenario can be run");
-            app.working_with(team)
-        });
+fn laboratory_by(team: Rc<dyn Team>, second: Option<u32>) -> Screen {
+    let mut screen = started(DESKTOP, Theme::Light, |app, _| app.working_with(team));
     *screen.state_mut().layout_mut() = Layout::of(Arrangement::Laboratory);
-    let session = screen.state_mut().session_mut();
-    session.set_budget(Budget::Unlimited);
-    session.set_scenario(Scenario { duration: 5.0, ..Scenario::default() });
-    session.set_mode(Mode::Whole);
-    session.pause();
-    session.seek(5.0);
+    show_whole(&mut screen, Scenario { duration: 5.0, ..Scenario::default() });
+    screen.state_mut().session_mut().seek(5.0);
     let axes = ["filters.*.initial_mean.natural_frequency=2:14:9", "filters.*.process_std=0.01:100:7:log"];
     let axes = axes.map(|text| Axis::parse(text).expect("it is an axis"));
     let measure = Measure::rmse(Channel::NATURAL_FREQUENCY);
@@ -44,7 +36,6 @@ fn laboratory_by(team: Rc<dyn Team>, size: Vec2, theme: Theme, second: Option<u3
     screen
 }
 
-/// The place of a filter's cells on screen.
 fn map_rect(screen: &Screen, filter: &str) -> egui::Rect {
     screen.get_by_label(&format!("Map of {filter}, RMS error of ωₙ [rad/s]")).rect()
 }
@@ -66,7 +57,7 @@ fn dot(screen: &Screen) -> Pos2 {
 
 #[test]
 fn the_map_has_the_numbers_of_a_sweep_of_the_scenario() {
-    let screen = laboratory(DESKTOP, Theme::Light, Some(2));
+    let screen = laboratory(Some(2));
     let laboratory = &screen.state().laboratory;
     assert_eq!((laboratory.progress(), laboratory.state.problem.as_deref()), (None, None));
     let survey = laboratory.shown().expect("there is a map");
@@ -86,21 +77,12 @@ fn the_map_has_the_numbers_of_a_sweep_of_the_scenario() {
 
 #[test]
 fn the_dot_is_dragged_and_everything_follows_in_one_step_of_undo() {
-    let mut screen = laboratory(DESKTOP, Theme::Light, None);
+    let mut screen = laboratory(None);
     screen.run_steps(90);
     let checksum = screen.state().session().run().checksum();
     let known = screen.state().laboratory.state.version;
     let (from, to) = (dot(&screen), middle(&screen, [5, 2]));
-    screen.hover_at(from);
-    screen.run_steps(2);
-    screen.drag_at(from);
-    screen.run_steps(2);
-    for step in 1..=5 {
-        screen.hover_at(from + (to - from) * (step as f32 / 5.0));
-        screen.run_steps(2);
-    }
-    screen.drop_at(to);
-    screen.run_steps(3);
+    drag(&mut screen, from, to - from);
     assert!((guess(&screen, 0) - 9.5).abs() < 0.05, "{}", guess(&screen, 0));
     let factor = scenario(&screen).filters[0].process_std[Channel::VELOCITY]
         / Scenario::default().filters[0].process_std[Channel::VELOCITY];
@@ -114,14 +96,13 @@ fn the_dot_is_dragged_and_everything_follows_in_one_step_of_undo() {
     assert_eq!(screen.state().laboratory.state.version, known, "the map stays");
     assert!((dot(&screen) - to).length() < 2.0);
     screen.run_steps(90);
-    screen.get_by_label("Undo").click();
-    screen.run_steps(3);
+    click(&mut screen, "Undo");
     assert_eq!(guess(&screen, 0), 8.0);
 }
 
 #[test]
 fn a_click_on_a_cell_takes_its_setting() {
-    let mut screen = laboratory(DESKTOP, Theme::Light, Some(2));
+    let mut screen = laboratory(Some(2));
     let at = middle(&screen, [6, 1]);
     screen.hover_at(at);
     screen.run_steps(3);
@@ -140,7 +121,7 @@ fn a_click_on_a_cell_takes_its_setting() {
 
 #[test]
 fn axes_score_and_filters_are_chosen_by_menus_and_the_dot_moves_by_arrows() {
-    let mut screen = laboratory(DESKTOP, Theme::Light, None);
+    let mut screen = laboratory(None);
     choose(&mut screen, "Score", "log likelihood");
     choose(&mut screen, "Setting up", "fading factor λ");
     choose(&mut screen, "Second filter", "and UKF");
@@ -153,15 +134,14 @@ fn axes_score_and_filters_are_chosen_by_menus_and_the_dot_moves_by_arrows() {
     screen.get_by_label_contains("Setting on screen, EKF").focus();
     screen.run_steps(2);
     let time = screen.state().session().time();
-    screen.key_press(Key::ArrowRight);
-    screen.run_steps(3);
+    press(&mut screen, Key::ArrowRight);
     assert_eq!(guess(&screen, 0), 9.5, "the next cell");
     assert_eq!(screen.state().session().time(), time, "playback stays");
 }
 
 #[test]
 fn a_link_shows_the_same_map_and_old_links_show_none() {
-    let mut screen = laboratory(DESKTOP, Theme::Light, Some(2));
+    let mut screen = laboratory(Some(2));
     let link = share::copy(&mut screen);
     let choice = screen.state().laboratory.choice.as_ref().cloned();
     let mut other = super::screen(DESKTOP, Theme::Light);
@@ -174,14 +154,12 @@ fn a_link_shows_the_same_map_and_old_links_show_none() {
 
 #[test]
 fn out_of_sight_the_laboratory_rests() {
-    let mut screen = laboratory(DESKTOP, Theme::Light, None);
+    let mut screen = laboratory(None);
     let done = screen.state().laboratory.state.version;
     *screen.state_mut().layout_mut() = Layout::of(Arrangement::Teach);
-    screen.state_mut().session_mut().set_scenario(Scenario { duration: 6.0, ..Scenario::default() });
-    screen.run_steps(4);
+    set_scenario(&mut screen, Scenario { duration: 6.0, ..Scenario::default() });
     assert_eq!(screen.state().laboratory.state.version, done);
-    *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Map]);
-    screen.run_steps(4);
+    show(&mut screen, &[ViewKind::Map]);
     let shown = screen.state().laboratory.shown().expect("there is a map");
     assert_eq!(shown.ensemble.scenario().duration, 6.0);
     assert!(shown.sheet.is_complete());
@@ -189,9 +167,8 @@ fn out_of_sight_the_laboratory_rests() {
 
 #[test]
 fn the_row_and_the_column_through_the_dot_stand_above_and_beside_the_cells() {
-    let mut screen = laboratory(DESKTOP, Theme::Light, None);
-    *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Map]);
-    screen.run_steps(4);
+    let mut screen = laboratory(None);
+    show(&mut screen, &[ViewKind::Map]);
     let cells = map_rect(&screen, "EKF");
     let [across, up] = ["across", "up"].map(|way| screen.get_by_label(&format!("Score {way}, through the dot")).rect());
     assert!((across.x_range(), up.y_range()) == (cells.x_range(), cells.y_range()), "they share the axes");
@@ -206,21 +183,18 @@ fn the_row_and_the_column_through_the_dot_stand_above_and_beside_the_cells() {
 
 #[test]
 fn a_saved_session_comes_back_with_its_map() {
-    let mut screen = laboratory(DESKTOP, Theme::Light, Some(2));
+    let mut screen = laboratory(Some(2));
     let choice = screen.state().laboratory.choice.as_ref().cloned();
     assert!(choice.is_some());
-    let mut storage = Memory::default();
-    screen.state_mut().save(&mut storage);
-    let restored = App::restored(Some(&storage)).expect("it can be run");
+    let restored = restored(&saved(&mut screen));
     assert_eq!(restored.laboratory.choice.as_ref().cloned(), choice);
     assert_eq!(restored.notice(), None);
 }
 
 #[test]
 fn ranges_and_numbers_of_values_are_set_in_a_popup() {
-    let mut screen = laboratory(DESKTOP, Theme::Light, None);
-    screen.get_by_label("Ranges of the map").click();
-    screen.run_steps(4);
+    let mut screen = laboratory(None);
+    click(&mut screen, "Ranges of the map");
     set(&mut screen, "last value across", 20.0);
     set(&mut screen, "Values up", 5.0);
     screen.run_steps(3);
@@ -266,7 +240,7 @@ impl Team for Card {
 #[test]
 fn the_map_says_what_has_computed_it_and_does_without_the_graphics_processor() {
     let card = Card::default();
-    let mut screen = laboratory_by(Rc::new(card.clone()), DESKTOP, Theme::Light, None);
+    let mut screen = laboratory_by(Rc::new(card.clone()), None);
     let computers = |screen: &Screen| {
         let survey = screen.state().laboratory.shown().expect("there is a map");
         assert!(survey.sheet.is_complete());
@@ -274,14 +248,11 @@ fn the_map_says_what_has_computed_it_and_does_without_the_graphics_processor() {
     };
     assert_eq!(computers(&screen), [Computer::Graphics(Arc::from("the card"))]);
     screen.get_by_label("computed in single precision by the card");
-    screen.get_by_label("Ranges of the map").click();
-    screen.run_steps(3);
-    screen.get_by_label("without the graphics processor").click();
-    screen.run_steps(4);
+    click(&mut screen, "Ranges of the map");
+    click(&mut screen, "without the graphics processor");
     assert_eq!(screen.state().laboratory.choice.as_ref().map(|choice| choice.precision), Some(Precision::Double));
     assert_eq!(computers(&screen), [Computer::Frames]);
-    screen.get_by_label("without the graphics processor").click();
-    screen.run_steps(4);
+    click(&mut screen, "without the graphics processor");
     assert_eq!(computers(&screen), [Computer::Graphics(Arc::from("the card"))]);
     card.is_lost.set(true);
     screen.run_steps(2);

@@ -24,16 +24,7 @@ fn shift_and_a_click_mark_two_times_whose_values_stand_in_a_table() {
     let at = in_plot(&screen, 0.75);
     let x = screen.get_by_label("Plot of the natural frequency").rect();
     let line = egui::pos2(at.x, x.top() + 20.0);
-    screen.hover_at(line);
-    screen.run_steps(2);
-    screen.drag_at(line);
-    screen.run_steps(2);
-    for step in 1..=5 {
-        screen.hover_at(line - egui::vec2(8.0 * step as f32, 0.0));
-        screen.run_steps(2);
-    }
-    screen.drop_at(line - egui::vec2(40.0, 0.0));
-    screen.run_steps(2);
+    drag(&mut screen, line, egui::vec2(-40.0, 0.0));
     let moved = marks(&screen)[1].unwrap();
     assert!(moved < b - 1.0, "{moved} instead of {b}");
     assert!(screen.state().axis().follows, "a mark was dragged, not the plot");
@@ -42,14 +33,11 @@ fn shift_and_a_click_mark_two_times_whose_values_stand_in_a_table() {
 #[test]
 fn marks_are_set_by_keys_too() {
     let mut screen = whole();
-    screen.key_press(Key::A);
-    screen.run_steps(2);
+    press(&mut screen, Key::A);
     screen.state_mut().session_mut().seek(25.0);
-    screen.key_press(Key::B);
-    screen.run_steps(2);
+    press(&mut screen, Key::B);
     assert_eq!(marks(&screen), [Some(20.0), Some(25.0)]);
-    screen.key_press(Key::B);
-    screen.run_steps(2);
+    press(&mut screen, Key::B);
     assert_eq!(marks(&screen), [Some(20.0), None]);
 }
 
@@ -62,8 +50,7 @@ fn two_marks_in_a_free_decay_tell_frequency_and_damping_by_hand() {
     for (time, key) in [(1.0, Key::A), (6.0, Key::B)] {
         screen.state_mut().session_mut().seek(time);
         screen.run_steps(2);
-        screen.key_press(key);
-        screen.run_steps(2);
+        press(&mut screen, key);
     }
     let truth = |channel| scenario(&screen).plant.parameter(channel).unwrap().at(0.0);
     let expected = [Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO].map(truth);
@@ -82,13 +69,10 @@ fn marks_belong_to_their_record() {
         let mut screen = screen(DESKTOP, Theme::Light);
         screen.state_mut().session_mut().set_mode(Mode::Whole);
         screen.state_mut().session_mut().seek(20.0);
-        screen.key_press(Key::A);
-        screen.run_steps(2);
+        press(&mut screen, Key::A);
         assert_eq!(marks(&screen), [Some(20.0), None]);
-        screen.get_by_label("Scenario").click();
-        screen.run_steps(3);
-        screen.get_by_label(other).click();
-        screen.run_steps(3);
+        click(&mut screen, "Scenario");
+        click(&mut screen, other);
         assert_eq!(marks(&screen), [None, None], "{other}");
     }
 }

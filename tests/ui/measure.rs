@@ -8,6 +8,7 @@ use std::rc::Rc;
 use kalmanscope::sensor::{Acceleration, Reading as _, Readings, Sensor, Sensors, Sound};
 
 use super::files::drop_file;
+use super::records::{check_result, open_record};
 use super::*;
 
 /// A device that is played by the test.
@@ -39,17 +40,31 @@ fn measuring(size: Vec2) -> (Screen, Rc<Device<Acceleration>>) {
     (with_sensors(size, sensors), device)
 }
 
-/// A screen with the window of a measurement.
 pub(crate) fn with_sensors(size: Vec2, sensors: Sensors) -> Screen {
-    let mut screen = Harness::builder().with_size(size).with_theme(Theme::Light).with_step_dt(1.0 / 60.0).build_eframe(
-        move |creation| App::new(creation).expect("the default scenario can be run").measuring_with(sensors),
-    );
+    let mut screen = started(size, Theme::Light, |app, _| app.measuring_with(sensors));
     screen.state_mut().session_mut().set_budget(Budget::Unlimited);
     screen.run_steps(3);
     click(&mut screen, "Scenario");
     click(&mut screen, "Measure with this device…");
     screen.run_steps(3);
     screen
+}
+
+/// Begins by a button. Returns where readings go.
+fn begin<T: Clone>(screen: &mut Screen, device: &Device<T>, button: &str) -> Readings<T> {
+    click(screen, button);
+    device.0.borrow().clone().expect("it has begun")
+}
+
+/// Opens the record that was measured. Returns ωₙ and ζ of the first filter at its end.
+fn identified(screen: &mut Screen) -> [f64; 2] {
+    open_record(screen);
+    screen.run_steps(30);
+    let session = screen.state().session();
+    assert!(session.is_measured());
+    let estimates = &session.run().estimates()[0];
+    let of = |channel| estimates.place(channel).map(|place| estimates.canonical_mean(estimates.len() - 1, place));
+    [Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO].map(|channel| of(channel).expect("it is estimated"))
 }
 
 /// A swing of 6 rad/s with 1 % damping beside gravity, after two seconds of rest, 60 readings a second with jitter.
@@ -65,8 +80,7 @@ fn swing(k: usize) -> [f64; 4] {
 fn a_decay_is_measured_and_identified() {
     for size in [PHONE, DESKTOP] {
         let (mut screen, device) = measuring(size);
-        click(&mut screen, "Begin to measure");
-        let readings = device.0.borrow().clone().expect("it has begun");
+        let readings = begin(&mut screen, &device, "Begin to measure");
         for k in 0..1800 {
             assert!(readings.put(&[swing(k)], &screen.ctx));
         }
@@ -77,14 +91,7 @@ fn a_decay_is_measured_and_identified() {
         click(&mut screen, "Stop and identify");
         assert!(device.0.borrow().is_none(), "it has stopped");
         screen.run_steps(30);
-        click(&mut screen, "Open the record");
-        screen.run_steps(30);
-        let session = screen.state().session();
-        assert!(session.is_measured());
-        let estimates = &session.run().estimates()[0];
-        let last = estimates.len() - 1;
-        let of = |channel| estimates.canonical_mean(last, estimates.place(channel).expect("it is estimated"));
-        let (frequency, damping) = (of(Channel::NATURAL_FREQUENCY), of(Channel::DAMPING_RATIO));
+        let [frequency, damping] = identified(&mut screen);
         assert!((frequency / 6.0 - 1.0).abs() < 0.002 && (damping / 0.01 - 1.0).abs() < 0.15, "{frequency} {damping}");
     }
 }
@@ -95,8 +102,7 @@ fn a_decay_is_measured_and_identified() {
 fn filters_are_watched_while_it_swings() {
     for size in [PHONE, DESKTOP] {
         let (mut screen, device) = measuring(size);
-        click(&mut screen, "Begin to measure");
-        let readings = device.0.borrow().clone().expect("it has begun");
+        let readings = begin(&mut screen, &device, "Begin to measure");
         let mut told = 0;
         let mut tell = |screen: &mut Screen, until: usize| {
             while told < until {
@@ -135,9 +141,7 @@ fn filters_are_watched_while_it_swings() {
         click(&mut screen, "Stop and identify");
         screen.run_steps(30);
         assert!(!screen.state().session().is_live());
-        click(&mut screen, "Open the record");
-        screen.run_steps(30);
-        assert!(screen.state().session().is_measured());
+        identified(&mut screen);
     }
 }
 
@@ -175,9 +179,8 @@ fn a_ring_is_heard_and_identified() {
         };
         let mut screen = with_sensors(size, sensors);
         click(&mut screen, "It rings");
-        click(&mut screen, "Begin to listen");
+        let readings = begin(&mut screen, &device, "Begin to listen");
         screen.get_by_label("Waiting for the microphone …");
-        let readings = device.0.borrow().clone().expect("it has begun");
         readings.set_rate(48_000.0);
         for some in ring().chunks(24_000) {
             assert!(readings.put(some, &screen.ctx));
@@ -189,18 +192,9 @@ fn a_ring_is_heard_and_identified() {
         assert!(device.0.borrow().is_none(), "it has stopped");
         screen.run_steps(30);
         screen.get_by_label_contains("A sound that rings at 523.0 Hz");
-        click(&mut screen, "Open the record");
-        screen.run_steps(60);
-        let session = screen.state().session();
-        assert!(session.is_measured());
-        let estimates = &session.run().estimates()[0];
-        let last = estimates.len() - 1;
-        let of = |channel| estimates.canonical_mean(last, estimates.place(channel).expect("it is estimated"));
-        let (frequency, damping) = (of(Channel::NATURAL_FREQUENCY) / TAU, of(Channel::DAMPING_RATIO));
-        assert!(
-            (frequency / 523.0 - 1.0).abs() < 0.002 && (damping / 6e-4 - 1.0).abs() < 0.15,
-            "{frequency} {damping}"
-        );
+        let [frequency, damping] = identified(&mut screen);
+        let hertz = frequency / TAU;
+        assert!((hertz / 523.0 - 1.0).abs() < 0.002 && (damping / 6e-4 - 1.0).abs() < 0.15, "{hertz} {damping}");
     }
 }
 
@@ -209,17 +203,14 @@ fn silence_has_no_ring_and_is_said_to_have_none() {
     let device = Device::new();
     let sensors = Sensors { microphone: Some(Rc::clone(&device) as Rc<_>), ..Sensors::default() };
     let mut screen = with_sensors(PHONE, sensors);
-    click(&mut screen, "Begin to listen");
-    let readings = device.0.borrow().clone().expect("it has begun");
+    let readings = begin(&mut screen, &device, "Begin to listen");
     readings.set_rate(44_100.0);
     readings.put(&vec![0.0; 200_000], &screen.ctx);
     screen.run_steps(3);
     click(&mut screen, "Stop and identify");
     screen.get_by_label_contains("Nothing rings in it");
     click(&mut screen, "Again");
-    screen.get_by_label("Begin to listen");
-    click(&mut screen, "Begin to listen");
-    let readings = device.0.borrow().clone().expect("it has begun again");
+    let readings = begin(&mut screen, &device, "Begin to listen");
     readings.set_rate(48_000.0);
     let minute = vec![1.0; Sound::MOST];
     assert!(readings.put(&minute, &screen.ctx) && !readings.put(&minute[..5], &screen.ctx));
@@ -231,15 +222,14 @@ fn silence_has_no_ring_and_is_said_to_have_none() {
 #[test]
 fn what_cannot_be_measured_is_said() {
     let (mut screen, device) = measuring(PHONE);
-    click(&mut screen, "Begin to measure");
+    let readings = begin(&mut screen, &device, "Begin to measure");
     screen.run_steps(260);
     screen.get_by_label_contains("No reading has come yet. Nothing is there.");
-    device.0.borrow().clone().expect("it has begun").refuse("It was not allowed".to_owned(), &screen.ctx);
+    readings.refuse("It was not allowed".to_owned(), &screen.ctx);
     screen.run_steps(3);
     screen.get_by_label("It was not allowed.");
     click(&mut screen, "Again");
-    click(&mut screen, "Begin to measure");
-    let readings = device.0.borrow().clone().expect("it has begun again");
+    let readings = begin(&mut screen, &device, "Begin to measure");
     for k in 0..600 {
         let [t, ..] = swing(k);
         readings.put(&[[t, 0.0, 9.81, 0.01 * f64::from(k as u32 % 2)]], &screen.ctx);
@@ -247,8 +237,7 @@ fn what_cannot_be_measured_is_said() {
     screen.run_steps(3);
     click(&mut screen, "Stop and identify");
     screen.get_by_label_contains("Nothing swung");
-    screen.key_press(Key::Escape);
-    screen.run_steps(3);
+    press(&mut screen, Key::Escape);
     assert!(screen.query_by_label("Again").is_none(), "the window is closed");
 }
 
@@ -267,9 +256,8 @@ fn the_file_of_a_phone_is_dropped_and_its_decay_is_taken() {
     click(&mut screen, "Take its free decay");
     screen.run_steps(20);
     assert!(screen.query_by_label("Take its free decay").is_none(), "the decay has one axis");
-    click(&mut screen, "Open the record");
-    screen.run_steps(20);
-    super::records::check_result(&screen, "phone.csv");
+    open_record(&mut screen);
+    check_result(&screen, "phone.csv");
     let session = screen.state().session();
     let plucks = &session.scenario().filters[0].plucks;
     assert!(plucks.len() == 1 && (13.0..16.0).contains(&plucks[0]), "{plucks:?}");

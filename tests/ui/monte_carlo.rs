@@ -11,19 +11,12 @@ use kalmanscope_lab::{Judged, MonteCarlo, Runner, Slice};
 use super::*;
 
 /// A paused screen with the statistics of some seeds; each frame computes all of them.
-fn monte_carlo(size: Vec2, theme: Theme, scenario: Scenario, seeds: usize) -> Screen {
-    let mut screen =
-        Harness::builder().with_size(size).with_theme(theme).with_step_dt(1.0 / 60.0).build_eframe(|creation| {
-            let app = App::new(creation).expect("the default scenario can be run");
-            app.working_with(Rc::new(Frames(Budget::Unlimited)))
-        });
+fn monte_carlo(scenario: Scenario, seeds: usize) -> Screen {
+    let team = Rc::new(Frames(Budget::Unlimited));
+    let mut screen = started(DESKTOP, Theme::Light, |app, _| app.working_with(team));
     *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::MonteCarlo]);
-    let session = screen.state_mut().session_mut();
-    session.set_budget(Budget::Unlimited);
-    session.set_scenario(scenario);
-    session.set_mode(Mode::Whole);
-    session.pause();
-    session.seek(5.0);
+    show_whole(&mut screen, scenario);
+    screen.state_mut().session_mut().seek(5.0);
     screen.state_mut().laboratory.seeds.choose(SeedChoice { seeds, ..SeedChoice::default() });
     screen.run_steps(5);
     screen
@@ -35,10 +28,10 @@ fn short() -> Scenario {
 
 #[test]
 fn the_statistics_are_those_of_the_seeds_run_alone() {
-    let screen = monte_carlo(DESKTOP, Theme::Light, short(), 30);
+    let screen = monte_carlo(short(), 30);
     let seeds = &screen.state().laboratory.seeds;
     assert_eq!((seeds.progress(), seeds.state.problem.as_deref()), (None, None));
-    let shown = &seeds.shown().expect("there are some").statistics;
+    let shown = seeds.shown().expect("there are some").statistics;
     let ensemble = MonteCarlo::ensemble(scenario(&screen).clone(), vec![0, 1], 30, shown.samples().len(), Judged::Not);
     let ensemble = ensemble.expect("it is possible");
     let runner = Runner::new(ensemble.clone(), Source::Simulated).expect("it is possible");
@@ -62,7 +55,7 @@ fn the_statistics_are_those_of_the_seeds_run_alone() {
 
 #[test]
 fn seeds_and_parameter_are_chosen_and_the_pointer_shows_numbers() {
-    let mut screen = monte_carlo(DESKTOP, Theme::Light, short(), 12);
+    let mut screen = monte_carlo(short(), 12);
     set(&mut screen, "Seeds", 20.0);
     assert_eq!(screen.state().laboratory.seeds.shown().expect("there are some").statistics.done(), 20);
     choose(&mut screen, "Parameter of the errors", "ζ, damping ratio");
@@ -76,16 +69,15 @@ fn seeds_and_parameter_are_chosen_and_the_pointer_shows_numbers() {
 
 #[test]
 fn a_filter_that_is_hidden_is_not_run() {
-    let mut screen = monte_carlo(DESKTOP, Theme::Light, short(), 12);
-    screen.key_press(Key::Num1);
-    screen.run_steps(4);
+    let mut screen = monte_carlo(short(), 12);
+    press(&mut screen, Key::Num1);
     let runs = screen.state().laboratory.seeds.shown().expect("there are some");
     assert_eq!((&runs.filters[..], runs.statistics.done()), (&[2][..], 12));
 }
 
 #[test]
 fn a_link_and_a_saved_session_keep_the_seeds() {
-    let mut screen = monte_carlo(DESKTOP, Theme::Light, short(), 44);
+    let mut screen = monte_carlo(short(), 44);
     let link = share::copy(&mut screen);
     let mut other = super::screen(DESKTOP, Theme::Light);
     assert_eq!(other.state().picture().laboratory.seeds, None, "no view of them is shown");
@@ -93,20 +85,17 @@ fn a_link_and_a_saved_session_keep_the_seeds() {
     other.run_steps(4);
     assert_eq!(other.state().notice(), None);
     assert_eq!(other.state().picture().laboratory.seeds, Some(SeedChoice { seeds: 44, ..SeedChoice::default() }));
-    let mut memory = Memory::default();
-    screen.state_mut().save(&mut memory);
-    let restored = App::restored(Some(&memory)).expect("it can be run");
+    let restored = restored(&saved(&mut screen));
     assert_eq!(restored.laboratory.seeds.choice.seeds, 44);
     assert_eq!(restored.notice(), None);
 }
 
 #[test]
 fn a_measured_record_has_one_noise() {
-    let mut screen = monte_carlo(DESKTOP, Theme::Light, short(), 12);
+    let mut screen = monte_carlo(short(), 12);
     let mut scenarios = kalmanscope_lessons::BUILT_IN.iter().filter_map(|built_in| built_in.scenario().ok());
     let measured = scenarios.find(|scenario| scenario.record.is_some()).expect("there is one");
-    screen.state_mut().session_mut().set_scenario(measured);
-    screen.run_steps(4);
+    set_scenario(&mut screen, measured);
     assert!(screen.state().session().is_measured());
     assert!(screen.query_by_label_contains("This record is measured").is_some());
 }
@@ -116,7 +105,7 @@ fn a_measured_record_has_one_noise() {
 fn a_population_is_drawn_in_the_view() {
     let mut drawn = short();
     drawn.draw.insert("plant.natural_frequency".to_owned(), Law::Lognormal([6.0, 0.2]));
-    let mut screen = monte_carlo(DESKTOP, Theme::Light, drawn, 30);
+    let mut screen = monte_carlo(drawn, 30);
     assert!(screen.query_by_label_contains("drawn: true ωₙ lognormal (6, 0.2)").is_some());
     assert!(screen.query_by_label_contains("Histogram, last error of ωₙ").is_some());
     assert_eq!(screen.query_all_by_label_contains("ωₙ within 1 %: ").count(), 2);
@@ -140,7 +129,7 @@ fn a_population_is_drawn_in_the_view() {
 
 #[test]
 fn each_run_gets_its_verdict_if_one_wants_it() {
-    let mut screen = monte_carlo(DESKTOP, Theme::Light, short(), 12);
+    let mut screen = monte_carlo(short(), 12);
     let verdicts = |screen: &Screen| -> usize {
         screen.state().laboratory.seeds.shown().expect("there are some").statistics.verdicts(0).iter().sum()
     };
@@ -156,7 +145,7 @@ fn each_run_gets_its_verdict_if_one_wants_it() {
 fn the_causes_of_bad_verdicts_are_counted() {
     let text = include_str!("../../assets/populations/input-gain.toml");
     let wrong = Scenario { duration: 20.0, ..Scenario::from_toml(text).expect("it is a scenario") };
-    let mut screen = monte_carlo(DESKTOP, Theme::Light, wrong, 10);
+    let mut screen = monte_carlo(wrong, 10);
     click(&mut screen, "causes");
     screen.run_steps(5);
     let choice = screen.state().laboratory.seeds.choice;

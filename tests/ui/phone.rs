@@ -5,7 +5,6 @@ use kalmanscope::theme;
 
 use super::*;
 
-/// A phone on its side.
 const SIDE: Vec2 = Vec2::new(844.0, 390.0);
 
 /// The share of the window that a lesson or settings leave to the plots.
@@ -64,7 +63,6 @@ fn plots(screen: &Screen, drawer: &str) -> f32 {
     screen.get_by_label_contains(&format!("Make the {drawer} ")).rect().top() - legend.bottom()
 }
 
-/// A lesson on a phone.
 fn lesson(size: Vec2, title: &str) -> Screen {
     let mut screen = phone(size);
     tap(&mut screen, "Lessons");
@@ -178,9 +176,8 @@ fn every_menu_leaves_its_button_in_sight_and_its_last_entry_is_reached() {
 
 #[test]
 fn the_first_touch_moves_nothing_where_fingers_are_expected() {
-    let mut screen = Harness::builder().with_size(PHONE).with_step_dt(1.0 / 60.0).build_eframe(|creation| {
-        let app = App::new(creation).expect("the default scenario can be run");
-        theme::expect_fingers(&creation.egui_ctx);
+    let mut screen = started(PHONE, Theme::Light, |app, ctx| {
+        theme::expect_fingers(ctx);
         app
     });
     screen.state_mut().session_mut().set_budget(Budget::Unlimited);

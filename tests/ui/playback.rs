@@ -13,28 +13,22 @@ fn the_transport_buttons_work() {
         "it plays by itself, {} samples in half a second",
         position(&screen) - begin
     );
-    screen.get_by_label("Pause").click();
-    screen.run_steps(3);
+    click(&mut screen, "Pause");
     let paused = position(&screen);
     screen.run_steps(10);
     assert_eq!(position(&screen), paused);
-    screen.get_by_label("Step").click();
-    screen.run_steps(3);
+    click(&mut screen, "Step");
     assert_eq!(position(&screen), paused + 1);
-    screen.key_press(Key::ArrowRight);
-    screen.run_steps(3);
+    press(&mut screen, Key::ArrowRight);
     assert_eq!(position(&screen), paused + 2);
     set(&mut screen, "Time", 20.0);
     assert_eq!(position(&screen), 2000);
     assert_eq!(screen.state().session().run().len(), 2001);
-    screen.get_by_label("Whole record").click();
-    screen.run_steps(3);
+    click(&mut screen, "Whole record");
     assert_eq!(screen.state().session().run().len(), 6001);
-    screen.get_by_label("Restart").click();
-    screen.run_steps(3);
+    click(&mut screen, "Restart");
     assert_eq!(position(&screen), 0);
-    screen.get_by_label("Live").click();
-    screen.run_steps(3);
+    click(&mut screen, "Live");
     assert_eq!(screen.state().session().run().len(), 1);
     choose(&mut screen, "Speed", "10×");
     assert_eq!(screen.state().session().speed(), 10.0);
@@ -44,7 +38,7 @@ fn the_transport_buttons_work() {
 const KEY: &str = "kalmanscope";
 
 /// A saved session with settings other than the defaults.
-fn saved() -> (App, Memory) {
+fn edited() -> (App, Memory) {
     let mut edited = Scenario { seed: 5, force: Force::None, ..Scenario::default() };
     edited.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(3.0));
     edited.add_sensor(kalmanscope_core::Sensor::new(Quantity::ACCELERATION, 0.2));
@@ -57,13 +51,9 @@ fn saved() -> (App, Memory) {
     (app, memory)
 }
 
-fn restored(memory: &Memory) -> App {
-    App::restored(Some(memory)).expect("the default can be run")
-}
-
 #[test]
 fn settings_survive() {
-    let (mut app, memory) = saved();
+    let (mut app, memory) = edited();
     let mut restored = restored(&memory);
     assert_eq!(restored.layout_mut().shown(), app.layout_mut().shown());
     let session = restored.session();
@@ -73,7 +63,7 @@ fn settings_survive() {
 
 #[test]
 fn a_session_that_cannot_be_read_is_reported_and_kept() {
-    let (_, memory) = saved();
+    let (_, memory) = edited();
     let text = &memory.0[KEY];
     for (old, new, reason) in [
         ("dt = 0.01", "dt = -1.0", "`dt` is -1"),
@@ -106,16 +96,12 @@ fn a_session_that_cannot_be_read_is_reported_and_kept() {
 #[test]
 fn a_choice_about_a_filter_that_is_gone_does_not_make_the_session_unreadable() {
     let mut screen = screen(DESKTOP, Theme::Light);
-    *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Tune, ViewKind::Map]);
-    screen.run_steps(4);
+    show(&mut screen, &[ViewKind::Tune, ViewKind::Map]);
     *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::States]);
     let mut fewer = scenario(&screen).clone();
     fewer.filters.remove(0);
-    screen.state_mut().session_mut().set_scenario(fewer.clone());
-    screen.run_steps(4);
-    let mut memory = Memory::default();
-    screen.state_mut().save(&mut memory);
-    let restored = restored(&memory);
+    set_scenario(&mut screen, fewer.clone());
+    let restored = restored(&saved(&mut screen));
     assert_eq!((restored.notice(), restored.session().scenario()), (None, &fewer));
 }
 
@@ -123,22 +109,16 @@ fn a_choice_about_a_filter_that_is_gone_does_not_make_the_session_unreadable() {
 fn a_message_about_an_unreadable_session_stays_until_dismissed() {
     let mut memory = Memory::default();
     memory.set_string(KEY, "gibberish".to_owned());
-    let mut screen = Harness::builder().with_size(DESKTOP).build_eframe(move |creation| {
-        kalmanscope::theme::install(&creation.egui_ctx);
-        restored(&memory)
-    });
-    screen.run_steps(2);
+    let mut screen = reloaded(&memory, |app, _| app);
     assert!(screen.query_by_label_contains("The last session cannot be opened").is_some());
-    screen.get_by_label("Dismiss").click();
-    screen.run_steps(3);
+    click(&mut screen, "Dismiss");
     assert!(screen.query_by_label_contains("The last session cannot be opened").is_none());
 }
 
 #[test]
 fn a_paused_screen_comes_to_rest() {
     let mut screen = screen(DESKTOP, Theme::Light);
-    screen.get_by_label("Pause").click();
-    screen.run_steps(3);
+    click(&mut screen, "Pause");
     screen.hover_at(egui::pos2(600.0, 400.0));
     screen.run_steps(3);
     screen.remove_cursor();
@@ -164,8 +144,7 @@ fn pointing_and_zooming_work() {
     screen.drop_at(plot.center() + Vec2::new(80.0, 30.0));
     screen.run_steps(3);
     assert!(!screen.state().axis().follows, "a dragged axis stays where it is put");
-    screen.get_by_label("Restart").click();
-    screen.run_steps(3);
+    click(&mut screen, "Restart");
     assert!(screen.state().axis().follows, "a new start is seen from its start");
 }
 
@@ -173,8 +152,7 @@ fn pointing_and_zooming_work() {
 fn every_built_in_scenario_opens_and_plays() {
     let mut screen = screen(DESKTOP, Theme::Light);
     for entry in kalmanscope_lessons::BUILT_IN {
-        screen.get_by_label("Scenario").click();
-        screen.run_steps(3);
+        click(&mut screen, "Scenario");
         screen.get_by_label(entry.title).scroll_to_me();
         screen.run_steps(20);
         screen.get_by_label(entry.title).click();

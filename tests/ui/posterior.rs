@@ -10,11 +10,8 @@ fn plane(size: Vec2, theme: Theme, change: impl Fn(&mut Scenario)) -> Screen {
     *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::ParameterPlane]);
     let mut scenario = Scenario { duration: 4.0, ..Scenario::default() };
     change(&mut scenario);
-    let session = screen.state_mut().session_mut();
-    session.set_scenario(scenario);
-    session.set_mode(Mode::Whole);
-    session.seek(4.0);
-    session.pause();
+    show_whole(&mut screen, scenario);
+    screen.state_mut().session_mut().seek(4.0);
     screen.run_steps(30);
     screen
 }
@@ -100,15 +97,9 @@ fn a_link_and_a_saved_session_carry_the_choice() {
     screen.run_steps(2);
     let filter = chosen(&screen);
     assert_eq!(filter, Some(scenario(&screen).filters[1].id));
-    let link = screen.state().link().expect("it is short");
-    let mut other = super::screen(DESKTOP, Theme::Light);
-    other.state_mut().open_address(&link);
-    other.run_steps(3);
+    let other = opened(&screen.state().link().expect("it is short"));
     assert_eq!(chosen(&other), filter);
-    let mut memory = Memory::default();
-    screen.state_mut().save(&mut memory);
-    let restored = App::restored(Some(&memory)).expect("it can be run");
-    assert_eq!(restored.laboratory.posteriors.chosen, filter);
+    assert_eq!(restored(&saved(&mut screen)).laboratory.posteriors.chosen, filter);
     // Without the view a link says nothing of it.
     *screen.state_mut().layout_mut() = Layout::of(Arrangement::Teach);
     assert_eq!(screen.state().picture().laboratory, Choices::default());
@@ -131,7 +122,6 @@ fn it_waits_for_the_playback_and_esc_stops_it() {
         }
     }
     assert!(screen.state().laboratory.posteriors.progress().is_some_and(|share| share < 1.0));
-    screen.key_press(egui::Key::Escape);
-    screen.run_steps(2);
+    press(&mut screen, egui::Key::Escape);
     assert_eq!((chosen(&screen), screen.state().laboratory.posteriors.progress()), (None, None));
 }

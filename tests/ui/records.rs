@@ -43,6 +43,18 @@ pub(super) fn dialects() -> [(&'static str, Vec<u8>); 6] {
     ]
 }
 
+/// Opens a record with the columns that are asked about.
+pub(super) fn open_record(screen: &mut Screen) {
+    click(screen, "Open the record");
+    screen.run_steps(30);
+}
+
+pub(super) fn drop_record(screen: &mut Screen, name: &str, contents: &[u8]) {
+    drop_file(screen, name, contents);
+    screen.run_steps(10);
+    open_record(screen);
+}
+
 /// Whether the explorer identifies the oscillator.
 #[track_caller]
 pub(super) fn check_result(screen: &Screen, name: &str) {
@@ -67,8 +79,7 @@ fn six_dialects_open_by_drop_with_at_most_three_choices() {
         }
         let is_german = ["leading.csv", "wide.csv"].contains(&name);
         assert_eq!(screen.query_by_label("Meaning of Kraft").is_some(), is_german);
-        screen.get_by_label("Open the record").click();
-        screen.run_steps(6);
+        open_record(&mut screen);
         check_result(&screen, name);
         assert_eq!(screen.state().session().mode(), Mode::Whole);
         let session = screen.state().session();
@@ -91,8 +102,7 @@ fn what_cannot_be_read_is_said_and_nothing_is_lost() {
     ] {
         drop_file(&mut screen, "bad.csv", contents);
         screen.get_by_label(&format!("“bad.csv” cannot be opened: {sentence}."));
-        screen.get_by_label("Close").click();
-        screen.run_steps(2);
+        click(&mut screen, "Close");
         assert_eq!(scenario(&screen), &before);
     }
     for (contents, sentence) in [
@@ -103,8 +113,7 @@ fn what_cannot_be_read_is_said_and_nothing_is_lost() {
     ] {
         drop_file(&mut screen, "bad.csv", contents);
         screen.get_by_label(sentence);
-        screen.get_by_label("Cancel the import").click();
-        screen.run_steps(2);
+        click(&mut screen, "Cancel the import");
         assert_eq!(scenario(&screen), &before);
     }
 }
@@ -116,30 +125,26 @@ fn the_meaning_of_a_column_can_be_changed_before_and_after() {
     set(&mut screen, "Sample rate", 20.0);
     choose(&mut screen, "Meaning of V2", "velocity");
     screen.run_steps(10);
-    screen.get_by_label("Open the record").click();
+    open_record(&mut screen);
     // A change that lasts for a second is one that can be taken back.
-    screen.run_steps(90);
+    screen.run_steps(60);
     assert_eq!(screen.state().session().problem(), None);
     assert_eq!(screen.state().session().sensors(), [Quantity::VELOCITY]);
-    screen.get_by_label("Columns…").click();
-    screen.run_steps(3);
+    click(&mut screen, "Columns…");
     choose(&mut screen, "Meaning of V2", "displacement");
     screen.run_steps(10);
-    screen.get_by_label("Open the record").click();
-    screen.run_steps(90);
+    open_record(&mut screen);
+    screen.run_steps(60);
     assert_eq!(screen.state().session().sensors(), [Quantity::DISPLACEMENT]);
     // Each change can be taken back.
-    screen.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-    screen.run_steps(6);
+    undo(&mut screen);
     assert_eq!(screen.state().session().sensors(), [Quantity::VELOCITY]);
 }
 
 #[test]
 fn one_key_compares_a_held_input_with_a_linear_one() {
     let mut screen = screen(DESKTOP, Theme::Light);
-    drop_file(&mut screen, "trailing.csv", &dialects()[0].1);
-    screen.get_by_label("Open the record").click();
-    screen.run_steps(6);
+    drop_record(&mut screen, "trailing.csv", &dialects()[0].1);
     assert_eq!(scenario(&screen).hold, Hold::First);
     screen.key_press(Key::H);
     screen.run_steps(6);
@@ -164,9 +169,7 @@ fn one_key_compares_a_held_input_with_a_linear_one() {
 fn a_scenario_waits_for_its_file_and_goes_on_when_it_comes() {
     let (name, bytes) = &dialects()[0];
     let mut first = screen(DESKTOP, Theme::Light);
-    drop_file(&mut first, name, bytes);
-    first.get_by_label("Open the record").click();
-    first.run_steps(6);
+    drop_record(&mut first, name, bytes);
     let scenario = first.state().session().scenario().to_toml().expect("it can be written");
     let checksum = first.state().session().run().checksum();
     let mut second = screen(DESKTOP, Theme::Light);
@@ -187,8 +190,7 @@ fn models_are_tested_on_a_record_that_they_have_not_seen() {
     let (name, bytes) = &dialects()[0];
     drop_file(&mut screen, name, bytes);
     assert!(screen.query_by_label("Test the models on it").is_none(), "there is nothing to test yet");
-    screen.get_by_label("Open the record").click();
-    screen.run_steps(6);
+    open_record(&mut screen);
     // The second half of the same record, as another file.
     let text = String::from_utf8(bytes.clone()).expect("text");
     let lines: Vec<&str> = text.lines().collect();
@@ -216,13 +218,11 @@ fn band_pass_and_decimation_show_what_they_do() {
     screen.run_steps(30);
     assert!(screen.query_by_label("Plot of the spectrum before and after").is_none());
     set(&mut screen, "Keep one of every", 2.0);
-    screen.get_by_label("band-pass").click();
-    screen.run_steps(3);
+    click(&mut screen, "band-pass");
     set(&mut screen, "Band to [Hz]", 3.0);
     screen.get_by_label("Plot of the spectrum before and after");
     screen.get_by_label("401 samples from 0 s to 40 s, 0.1 s apart (10 Hz)");
-    screen.get_by_label("Open the record").click();
-    screen.run_steps(6);
+    open_record(&mut screen);
     check_result(&screen, "decimated");
 }
 
@@ -230,23 +230,17 @@ fn band_pass_and_decimation_show_what_they_do() {
 fn a_link_and_a_saved_session_wait_for_their_file() {
     let (name, bytes) = &dialects()[0];
     let mut first = screen(DESKTOP, Theme::Light);
-    drop_file(&mut first, name, bytes);
-    first.get_by_label("Open the record").click();
-    first.run_steps(6);
+    drop_record(&mut first, name, bytes);
     let checksum = first.state().session().run().checksum();
     let link = super::share::copy(&mut first);
-    let mut second = screen(DESKTOP, Theme::Light);
-    second.state_mut().open_address(&link);
-    second.run_steps(4);
+    let mut second = opened(&link);
     let problem = second.state().session().problem().expect("the file is missing");
     assert!(problem.contains(name), "{problem}");
     drop_file(&mut second, name, bytes);
     second.run_steps(6);
     assert_eq!(second.state().session().run().checksum(), checksum);
 
-    let mut memory = Memory::default();
-    first.state_mut().save(&mut memory);
-    let restored = App::restored(Some(&memory)).expect("it can be restored");
+    let restored = restored(&saved(&mut first));
     assert!(!restored.session().is_measured(), "another picture is shown until the file is here");
     assert!(restored.session().problem().is_some_and(|problem| problem.contains(name)));
     assert_eq!(restored.session().scenario(), first.state().session().scenario());
@@ -260,10 +254,7 @@ fn with_losses(is_lost: impl Fn(usize) -> bool) -> Screen {
         writeln!(text, "{t:.3},{f:.5},{reading}").expect("memory");
     }
     let mut screen = screen(DESKTOP, Theme::Light);
-    drop_file(&mut screen, "gaps.csv", text.as_bytes());
-    screen.run_steps(3);
-    screen.get_by_label("Open the record").click();
-    screen.run_steps(6);
+    drop_record(&mut screen, "gaps.csv", text.as_bytes());
     screen
 }
 
@@ -292,10 +283,7 @@ fn a_sensor_that_is_silent_to_the_end_is_said_once_until_another_record_is_there
     let mut screen = with_losses(|k| k >= 700);
     let said = |screen: &Screen| screen.query_all_by_label("No displacement since 35 s.").count();
     assert_eq!(said(&screen), 1, "once, for all filters");
-    drop_file(&mut screen, "trailing.csv", &dialects()[0].1);
-    screen.run_steps(3);
-    screen.get_by_label("Open the record").click();
-    screen.run_steps(6);
+    drop_record(&mut screen, "trailing.csv", &dialects()[0].1);
     assert_eq!(said(&screen), 0);
 }
 
@@ -318,16 +306,69 @@ fn the_window_of_an_import_has_the_keys() {
     // No key acts behind the window.
     let mode = screen.state().session().mode();
     for key in [Key::L, Key::Space, Key::C] {
-        screen.key_press(key);
-        screen.run_steps(2);
+        press(&mut screen, key);
     }
     assert_eq!((screen.state().session().mode(), screen.state().notice()), (mode, None));
-    screen.key_press(Key::Escape);
-    screen.run_steps(3);
+    press(&mut screen, Key::Escape);
     assert!(screen.query_by_label("Close").is_none());
     drop_file(&mut screen, "trailing.csv", &dialects()[0].1);
     screen.run_steps(3);
     screen.key_press(Key::Enter);
     screen.run_steps(6);
     check_result(&screen, "trailing.csv");
+}
+
+/// The import of a file with two of three rows, each at a time of its own.
+fn irregular() -> Screen {
+    let mut screen = screen(Vec2::new(1280.0, 1000.0), Theme::Light);
+    let mut text = "time,force,x (mm)\n".to_owned();
+    for (k, [t, f, x]) in rows().into_iter().enumerate().filter(|(k, _)| k % 3 > 0) {
+        writeln!(text, "{:.4},{f:.5},{x:.5}", t + 0.001 * (k * 7 % 13) as f64).expect("memory");
+    }
+    drop_file(&mut screen, "irregular.csv", text.as_bytes());
+    screen.run_steps(3);
+    screen
+}
+
+#[test]
+fn irregular_times_are_kept_unless_even_steps_are_asked_for() {
+    let mut screen = irregular();
+    screen.get_by_label_contains("the filters take each reading at its own time");
+    screen.get_by_label("Part, band and rate").click();
+    screen.run_steps(30);
+    screen.get_by_label("at even steps").click();
+    screen.run_steps(30);
+    screen.get_by_label_contains("even steps of");
+    screen.get_by_label("at even steps").click();
+    screen.run_steps(30);
+    open_record(&mut screen);
+    let session = screen.state_mut().session_mut();
+    assert!(session.run().record().clocks().is_some());
+    let said =
+        |screen: &Screen| screen.query_all_by_label_contains("each reading counts at the sample after it").count();
+    let mut scenario = session.scenario().clone();
+    scenario.filters[0].jump = true;
+    session.set_scenario(scenario);
+    screen.run_steps(6);
+    assert_eq!(said(&screen), 1);
+}
+
+/// The steps at which filters tell what they know are the user's choice, where readings keep their times.
+#[test]
+fn the_steps_of_a_record_with_its_own_times_are_chosen() {
+    let mut screen = irregular();
+    screen.get_by_label("Part, band and rate").click();
+    screen.run_steps(30);
+    screen.get_by_label("steps of").click();
+    screen.run_steps(30);
+    // Steps that are too short are refused, and can be made longer.
+    set(&mut screen, "steps of [s]", 0.0);
+    screen.run_steps(30);
+    screen.get_by_label_contains("samples, but at most");
+    set(&mut screen, "steps of [s]", 0.25);
+    screen.run_steps(30);
+    open_record(&mut screen);
+    let record = screen.state().session().run().record();
+    let readings = record.clocks().expect("it keeps its times").readings[0].times.len();
+    assert!((record.dt() - 0.25).abs() < 1e-12 && readings > record.len(), "{readings} in {}", record.len());
 }

@@ -2,7 +2,6 @@
 
 use super::*;
 
-/// A parameter of the truth.
 fn parameter(scenario: &Scenario, channel: Channel) -> Signal {
     scenario.plant.parameter(channel).expect("the plant has it")
 }
@@ -113,15 +112,13 @@ fn no_control_can_set_an_invalid_number() {
 #[test]
 fn sensors_can_be_added_and_removed() {
     let mut screen = workbench();
-    screen.get_by_label("acceleration").click();
-    screen.run_steps(3);
+    click(&mut screen, "acceleration");
     assert_eq!(scenario(&screen).sensors.len(), 3);
     assert_eq!(scenario(&screen).filters[1].sensor_std.len(), 3);
     // Without ground motion and a mass below, the other two aspects would repeat these.
     assert!(screen.query_by_label("total_acceleration").is_none() && screen.query_by_label("drift").is_none());
     for quantity in ["displacement", "velocity", "acceleration"] {
-        screen.get_by_label(quantity).click();
-        screen.run_steps(3);
+        click(&mut screen, quantity);
     }
     assert!(scenario(&screen).sensors.is_empty());
     assert!(screen.query_by_label_contains("only predict").is_some());
@@ -179,11 +176,9 @@ fn matching_the_truth_sets_q_and_r() {
 #[test]
 fn a_day_can_be_set_and_is_live_only() {
     let mut screen = workbench();
-    screen.get_by_label("Whole record").click();
-    screen.run_steps(3);
+    click(&mut screen, "Whole record");
     assert_eq!(screen.state().session().mode(), Mode::Whole);
-    screen.get_by_label("1 day").click();
-    screen.run_steps(3);
+    click(&mut screen, "1 day");
     assert_eq!((scenario(&screen).duration, screen.state().session().end()), (86_400.0, 86_400.0));
     assert_eq!(screen.state().session().mode(), Mode::Live);
     assert!(screen.get_by_label("Whole record").accesskit_node().is_disabled());
@@ -195,8 +190,7 @@ fn a_day_can_be_set_and_is_live_only() {
     screen.run_steps(2);
     screen.key_press_modifiers(Modifiers::COMMAND, Key::A);
     screen.get_by_label("Time, value").type_text("0:16:40");
-    screen.key_press(Key::Enter);
-    screen.run_steps(2);
+    press(&mut screen, Key::Enter);
     let session = screen.state().session();
     assert_eq!((session.time(), session.behind(), session.playing()), (1000.0, true, false));
     assert!(screen.query_by_label_contains("computing, ").is_some());
@@ -219,8 +213,7 @@ fn a_day_can_be_set_and_is_live_only() {
 
     set(&mut screen, "Duration, value", 1e9);
     assert_eq!(scenario(&screen).duration, 86_400.0);
-    screen.get_by_label("1 min").click();
-    screen.run_steps(3);
+    click(&mut screen, "1 min");
     assert_eq!((screen.state().session().mode(), screen.state().session().run().len()), (Mode::Whole, 6001));
 }
 
@@ -229,11 +222,8 @@ fn a_number_of_a_file_beyond_its_slider_stays() {
     let mut screen = workbench();
     let mut given = Scenario::default();
     given.filters[0].substeps = 50;
-    screen.state_mut().session_mut().set_scenario(given);
-    screen.run_steps(2);
-    let options = screen.get_all_by_label("Options").next().expect("the first filter has options");
-    options.click();
-    screen.run_steps(4);
+    set_scenario(&mut screen, given);
+    open_options(&mut screen);
     assert!(screen.query_by_label("EKF steps a sample").is_some(), "the options are open");
     assert_eq!(scenario(&screen).filters[0].substeps, 50);
     set(&mut screen, "EKF steps a sample", 3.0);
@@ -246,8 +236,7 @@ fn a_number_that_a_filter_lacks_is_not_called_known() {
     let mut given = Scenario::default();
     given.filters[0].augment = vec![Channel::INPUT_GAIN];
     screen.state_mut().session_mut().set_scenario(given);
-    *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Filters]);
-    screen.run_steps(4);
+    show(&mut screen, &[ViewKind::Filters]);
     assert_eq!(screen.query_all_by_label("–").count(), 3, "guess, σ and √Q of the gain of the UKF");
     assert_eq!(screen.query_all_by_label("known").count(), 0);
 }
@@ -255,10 +244,7 @@ fn a_number_that_a_filter_lacks_is_not_called_known() {
 #[test]
 fn a_parameter_can_be_counted_and_not_learnt() {
     let mut screen = workbench();
-    screen.state_mut().session_mut().set_scenario(Scenario::default());
-    screen.run_steps(2);
-    screen.get_all_by_label("Options").next().expect("the first filter has options").click();
-    screen.run_steps(4);
+    open_options(&mut screen);
     choose(&mut screen, "EKF learns", "ζ damping ratio");
     assert_eq!(scenario(&screen).filters[0].consider, [Channel::DAMPING_RATIO]);
     assert_eq!(screen.state().session().problem(), None);
@@ -269,8 +255,7 @@ fn a_parameter_can_be_counted_and_not_learnt() {
     let grown = estimates.std(last, place) / estimates.initial_std(place);
     assert!(last > 3 && (grown - 1.0).abs() < 0.01, "{last} {grown}");
     // A smoother does not go with it.
-    screen.key_press(Key::Escape);
-    screen.run_steps(2);
+    press(&mut screen, Key::Escape);
     click(&mut screen, "EKF: hindsight");
     screen.run_steps(3);
     assert_eq!((scenario(&screen).filters[0].consider.len(), screen.state().session().problem()), (0, None));
@@ -279,17 +264,13 @@ fn a_parameter_can_be_counted_and_not_learnt() {
 #[test]
 fn a_parameter_can_have_bounds() {
     let mut screen = workbench();
-    screen.state_mut().session_mut().set_scenario(Scenario::default());
-    screen.run_steps(2);
-    screen.get_all_by_label("Options").next().expect("the first filter has options").click();
-    screen.run_steps(4);
+    open_options(&mut screen);
     choose(&mut screen, "EKF bounds", "ζ at least");
     let bounds = |screen: &Screen| scenario(screen).filters[0].bounds.of(Channel::DAMPING_RATIO).ends();
     assert_eq!(bounds(&screen), [0.0, f64::INFINITY]);
     screen.get_by_label("EKF ζ at least");
     assert_eq!(screen.state().session().problem(), None);
-    screen.key_press(Key::Escape);
-    screen.run_steps(3);
+    press(&mut screen, Key::Escape);
     // Logarithms do not go with it.
     click(&mut screen, "EKF: logarithms of positive parameters");
     screen.run_steps(3);
@@ -299,17 +280,12 @@ fn a_parameter_can_have_bounds() {
 #[test]
 fn a_sensor_can_be_late_and_have_a_gain() {
     let mut screen = workbench();
-    screen.state_mut().session_mut().set_scenario(Scenario::default());
-    screen.run_steps(2);
-    screen.get_all_by_label("Options").next().expect("the first filter has options").click();
-    screen.run_steps(4);
+    open_options(&mut screen);
     assert_eq!(scenario(&screen).filters[0].sensor_delay, [0.0; 0], "what is not touched is not written");
-    screen.get_by_label("EKF delays").click();
-    screen.run_steps(3);
+    click(&mut screen, "EKF delays");
     set(&mut screen, "EKF sensor delay of velocity", 0.025);
     assert_eq!(scenario(&screen).filters[0].sensor_delay, [0.0, 0.025]);
-    screen.key_press(Key::Escape);
-    screen.run_steps(3);
+    press(&mut screen, Key::Escape);
     choose(&mut screen, "EKF augmentations", "gˣ sensor gain of the displacement");
     assert_eq!(scenario(&screen).filters[0].augment, [Quantity::DISPLACEMENT.gain()]);
     let session = screen.state().session();
@@ -319,23 +295,16 @@ fn a_sensor_can_be_late_and_have_a_gain() {
 #[test]
 fn a_filter_is_plucked_and_has_scales_of_q() {
     let mut screen = workbench();
-    screen.state_mut().session_mut().set_scenario(Scenario::default());
-    screen.run_steps(2);
-    screen.get_all_by_label("Options").next().expect("the first filter has options").click();
-    screen.run_steps(4);
-    screen.get_by_label("EKF plucks").click();
-    screen.run_steps(3);
+    open_options(&mut screen);
+    click(&mut screen, "EKF plucks");
     for expected in [&[10.0][..], &[10.0, 20.0]] {
-        screen.get_by_label("One more").click();
-        screen.run_steps(3);
+        click(&mut screen, "One more");
         assert_eq!(scenario(&screen).filters[0].plucks, expected);
     }
     set(&mut screen, "EKF pluck 2", 12.5);
-    screen.get_by_label("EKF without pluck 1").click();
-    screen.run_steps(3);
+    click(&mut screen, "EKF without pluck 1");
     assert_eq!(scenario(&screen).filters[0].plucks, [12.5]);
-    screen.key_press(Key::Escape);
-    screen.run_steps(3);
+    press(&mut screen, Key::Escape);
     set(&mut screen, "EKF scales of Q", 5.0);
     screen.run_steps(30);
     assert_eq!(scenario(&screen).filters[0].process_scales, 5);

@@ -55,8 +55,7 @@ fn unusual(mode: Mode) -> Screen {
     // The truth and the first filter are hidden, the present time is marked as A.
     screen.get_by_label("Show truth").click();
     for key in [Key::Num1, Key::A] {
-        screen.key_press(key);
-        screen.run_steps(2);
+        press(&mut screen, key);
     }
     screen
 }
@@ -90,8 +89,7 @@ fn the_menu_copies_a_link_of_the_page() {
     let mut screen = screen(DESKTOP, Theme::Light);
     *screen.state_mut() = App::with_scenario(Scenario::default()).expect("it runs").at_page("https://example.org/k/");
     screen.run_steps(2);
-    screen.get_by_label("Export").click();
-    screen.run_steps(3);
+    click(&mut screen, "Export");
     screen.get_by_label("Copy link").click();
     let link = (0..4).find_map(|_| {
         screen.step();
@@ -108,8 +106,7 @@ fn undo_brings_the_settings_before_a_link_back() {
     let before = scenario(&screen).clone();
     paste(&mut screen, &link);
     assert_eq!(scenario(&screen).seed, 77);
-    screen.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-    screen.run_steps(4);
+    undo(&mut screen);
     assert_eq!(scenario(&screen), &before);
 }
 
@@ -135,8 +132,7 @@ fn a_link_that_cannot_be_opened_is_one_sentence_and_changes_nothing() {
         assert!(notice.contains(sentence), "{notice}");
         assert_eq!((screen.state().picture(), checksum(&screen)), before, "{address}");
     }
-    screen.get_by_label("Dismiss").click();
-    screen.run_steps(3);
+    click(&mut screen, "Dismiss");
     paste(&mut screen, "a text that is no address");
     assert_eq!(screen.state().notice(), None);
     assert_eq!((screen.state().picture(), checksum(&screen)), before);
@@ -171,12 +167,9 @@ fn an_embedded_screen_has_plots_and_transport_only_and_leaves_the_saved_session(
     for label in ["Settings", "Scenario", "Views", "Lessons", "More", "Undo"] {
         assert!(screen.query_by_label(label).is_none(), "{label}");
     }
-    screen.key_press(Key::S);
-    screen.run_steps(3);
+    press(&mut screen, Key::S);
     assert!(screen.query_by_label("Record").is_none(), "there are no settings");
-    let mut memory = Memory::default();
-    screen.state_mut().save(&mut memory);
-    assert_eq!(memory.get_string("kalmanscope"), None);
+    assert_eq!(saved(&mut screen).get_string("kalmanscope"), None);
 }
 
 #[test]

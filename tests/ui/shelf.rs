@@ -7,11 +7,9 @@ use egui::Context;
 use kalmanscope::inbox::{Arrival, Done, Inbox};
 use kalmanscope::shelf::Shelf;
 
-use super::files::drop_file;
-use super::records::{check_result, dialects};
+use super::records::{check_result, dialects, drop_record};
 use super::*;
 
-/// A file's name and contents.
 type Kept = (String, Vec<u8>);
 
 /// A place for one file in memory. Actions end when a test says so, as those of a browser do later.
@@ -45,47 +43,38 @@ impl Shelf for Drawer {
 }
 
 /// The screen of a state that was saved, with a place for records.
-fn started(saved: Memory, drawer: &Drawer) -> Screen {
-    let drawer = drawer.clone();
-    Harness::builder().with_size(DESKTOP).with_step_dt(1.0 / 60.0).build_eframe(move |creation| {
-        kalmanscope::theme::install(&creation.egui_ctx);
-        let app = App::restored(Some(&saved)).expect("it can be run");
-        app.keeping_records(Box::new(drawer.clone()), &creation.egui_ctx)
-    })
+fn with_drawer(saved: &Memory, drawer: &Drawer) -> Screen {
+    reloaded(saved, |app, ctx| app.keeping_records(Box::new(drawer.clone()), ctx))
+}
+
+/// A screen whose record is about to be kept, and the name of its file.
+fn with_record() -> (Screen, Drawer, &'static str) {
+    let drawer = Drawer::default();
+    let mut screen = with_drawer(&Memory::default(), &drawer);
+    let (name, bytes) = dialects()[0].clone();
+    drop_record(&mut screen, name, &bytes);
+    (screen, drawer, name)
 }
 
 #[test]
 fn a_record_is_there_again_after_a_restart_until_it_is_forgotten() {
-    let drawer = Drawer::default();
-    let mut screen = started(Memory::default(), &drawer);
-    let (name, bytes) = dialects()[0].clone();
-    drop_file(&mut screen, name, &bytes);
-    screen.run_steps(10);
-    screen.get_by_label("Open the record").click();
-    screen.run_steps(30);
+    let (mut screen, drawer, name) = with_record();
     check_result(&screen, name);
     assert_eq!(screen.state().notice(), None, "it is not yet written");
     let said = drawer.end(&mut screen, Ok("a drawer".to_owned()));
     assert!(said.contains(name) && said.contains("is kept in a drawer"), "{said}");
 
-    let state = |screen: &mut Screen| {
-        let mut storage = Memory::default();
-        screen.state_mut().save(&mut storage);
-        storage
-    };
-    let mut again = started(state(&mut screen), &drawer);
+    let mut again = with_drawer(&saved(&mut screen), &drawer);
     again.run_steps(30);
     check_result(&again, "after a restart");
     assert!(again.query_by_label("Open the record").is_none(), "nothing is asked");
 
-    again.get_by_label("More").click();
-    again.run_steps(3);
-    again.get_by_label("Forget the record").click();
-    again.run_steps(3);
+    click(&mut again, "More");
+    click(&mut again, "Forget the record");
     assert_eq!(again.state().notice(), None, "it is not yet forgotten");
     let said = drawer.end(&mut again, Ok("a drawer".to_owned()));
     assert_eq!(said, "The record is no longer kept for the next start.");
-    let mut empty = started(state(&mut again), &drawer);
+    let mut empty = with_drawer(&saved(&mut again), &drawer);
     empty.run_steps(10);
     assert!(!empty.state().session().is_measured());
     assert!(empty.state().session().problem().is_some_and(|problem| problem.contains("drop the file")));
@@ -93,19 +82,11 @@ fn a_record_is_there_again_after_a_restart_until_it_is_forgotten() {
 
 #[test]
 fn a_record_that_cannot_be_kept_or_forgotten_is_said() {
-    let drawer = Drawer::default();
-    let mut screen = started(Memory::default(), &drawer);
-    let (name, bytes) = dialects()[0].clone();
-    drop_file(&mut screen, name, &bytes);
-    screen.run_steps(10);
-    screen.get_by_label("Open the record").click();
-    screen.run_steps(30);
+    let (mut screen, drawer, name) = with_record();
     let said = drawer.end(&mut screen, Err("the disk is full".to_owned()));
     assert_eq!(said, format!("“{name}” is not kept for the next start: the disk is full."));
-    screen.get_by_label("More").click();
-    screen.run_steps(3);
-    screen.get_by_label("Forget the record").click();
-    screen.run_steps(3);
+    click(&mut screen, "More");
+    click(&mut screen, "Forget the record");
     let said = drawer.end(&mut screen, Err("the disk is gone".to_owned()));
     assert_eq!(said, "The record is still kept for the next start: the disk is gone.");
 }

@@ -56,8 +56,7 @@ fn five_frames_of_every_view_at_any_size() {
             session.pause();
             session.seek(5.0);
             for kind in ViewKind::ALL {
-                *screen.state_mut().layout_mut() = Layout::column(&[kind]);
-                screen.run_steps(5);
+                show(&mut screen, &[kind]);
                 let about = format!("About {}", view(kind).name());
                 let has_room = size.min_elem() > 300.0;
                 assert!(!has_room || screen.query_by_label(&about).is_some(), "{kind:?} at {size}");
@@ -87,8 +86,7 @@ fn a_simulation_without_a_sample_leaves_every_view_standing() {
     session.set_scenario(endless);
     session.set_mode(Mode::Whole);
     for kind in ViewKind::ALL {
-        *screen.state_mut().layout_mut() = Layout::column(&[kind]);
-        screen.run_steps(3);
+        show(&mut screen, &[kind]);
         assert!(screen.query_by_label(&format!("About {}", view(kind).name())).is_some(), "{kind:?}");
     }
 }
@@ -99,8 +97,7 @@ fn a_third_view_leaves_the_oscillator_its_height_on_a_phone() {
     for size in [PHONE, Vec2::new(844.0, 390.0)] {
         for others in [&[ViewKind::Parameters][..], &[ViewKind::Parameters, ViewKind::States, ViewKind::Errors]] {
             let mut screen = screen(size, Theme::Light);
-            *screen.state_mut().layout_mut() = Layout::column(&[&[ViewKind::Oscillator], others].concat());
-            screen.run_steps(5);
+            show(&mut screen, &[&[ViewKind::Oscillator], others].concat());
             screen.get_by_label(picture).scroll_to_me();
             screen.run_steps(20);
             let rect = screen.get_by_label(picture).rect();
@@ -145,9 +142,56 @@ fn a_table_that_scrolls_leaves_the_timeline_alone() {
     screen.state_mut().session_mut().pause();
     screen.run_steps(5);
     let play = screen.get_by_label("Play").rect().center();
-    screen.hover_at(play);
-    screen.drag_at(play);
-    screen.drop_at(play);
-    screen.run_steps(3);
+    click_on(&mut screen, play);
     assert!(screen.state().session().playing());
+}
+
+fn response(scenario: Scenario) -> Screen {
+    let mut screen = workbench();
+    show_whole(&mut screen, scenario);
+    show(&mut screen, &[ViewKind::FrequencyResponse]);
+    screen
+}
+
+#[test]
+fn values_are_those_of_the_frequency_pointed_at_else_of_the_peak() {
+    let mut screen = response(Scenario::default());
+    // The truth at its peak, 1 / (2ζωₙ²√(1 - ζ²)).
+    assert!(screen.query_by_label("0.278").is_some());
+    let plot = screen.get_by_label("Plot of the frequency response").rect();
+    screen.hover_at(plot.right_center() - Vec2::new(20.0, 0.0));
+    screen.run_steps(3);
+    assert!(screen.query_by_label("0.278").is_none());
+    screen.hover_at(plot.right_bottom() + Vec2::new(-20.0, 30.0));
+    screen.run_steps(3);
+    screen.get_by_label("Show truth").click();
+    screen.get_by_label("Show EKF").click();
+    click(&mut screen, "Show UKF");
+    assert!(screen.query_by_label("|H|").is_none(), "nothing is shown");
+}
+
+#[test]
+fn every_scenario_has_a_response_and_strange_ones_do_no_harm() {
+    let mut undamped = Scenario::default();
+    undamped.plant.set(Channel::DAMPING_RATIO, Signal::Constant(0.0));
+    undamped.filters[0].initial_mean[Channel::NATURAL_FREQUENCY] = 0.0;
+    undamped.filters[0].initial_std[Channel::DAMPING_RATIO] = 0.0;
+    let loose = {
+        let mut loose = undamped.clone();
+        loose.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(1e-3));
+        loose
+    };
+    let coarse = Scenario { dt: 0.5, ..Scenario::default() };
+    let alone = Scenario { filters: vec![], force: Force::None, ..Scenario::default() };
+    let strange = [undamped, loose, coarse, alone];
+    let all = kalmanscope_lessons::BUILT_IN.iter().map(|entry| entry.scenario().unwrap()).chain(strange);
+    let mut screen = response(Scenario::default());
+    for scenario in all {
+        screen.state_mut().session_mut().set_scenario(scenario);
+        for time in [0.0, 3.0, 1e9] {
+            screen.state_mut().session_mut().seek(time);
+            screen.run_steps(2);
+            assert!(screen.query_by_label("|H|").is_some(), "at {time} s");
+        }
+    }
 }

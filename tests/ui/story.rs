@@ -5,11 +5,7 @@ use super::*;
 
 /// The screen of a first visit, at the end of its record.
 fn first_visit(size: Vec2) -> Screen {
-    let mut screen = Harness::builder()
-        .with_size(size)
-        .with_theme(Theme::Light)
-        .with_step_dt(1.0 / 60.0)
-        .build_eframe(|creation| App::new(creation).expect("the default scenario can be run"));
+    let mut screen = started(size, Theme::Light, |app, _| app);
     let session = screen.state_mut().session_mut();
     session.set_budget(Budget::Unlimited);
     session.set_mode(Mode::Whole);
@@ -47,8 +43,7 @@ fn a_number_in_the_text_is_a_setting() {
     };
     assert_eq!((step.from, step.to, step.at), (6.0, 3.0, 8.0));
     assert!(story(&screen).starts_with("At 8 s the spring loses 75 % of its stiffness."), "{}", story(&screen));
-    screen.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-    screen.run_steps(3);
+    undo(&mut screen);
     assert!(story(&screen).starts_with("At 8 s the spring loses 36 %"));
 }
 
@@ -78,9 +73,7 @@ fn a_first_visitor_sees_the_settings_that_the_story_names_and_the_way_to_all_oth
     assert!(screen.query_by_label("fading EKF fading factor").is_none());
     // The choice outlasts the program.
     click(&mut screen, "All settings");
-    let mut storage = Memory::default();
-    screen.state_mut().save(&mut storage);
-    let again = App::restored(Some(&storage)).expect("it can be run");
+    let again = restored(&saved(&mut screen));
     let text = again.last_picture().line().expect("it can be written");
     assert!(text.contains("\"all_settings\":true"), "{text}");
 }
@@ -90,8 +83,7 @@ fn showing_a_number_beyond_its_range_does_not_change_it() {
     let mut screen = first_visit(DESKTOP);
     let mut wild = scenario(&screen).clone();
     wild.filters[0].fading = 1.4;
-    screen.state_mut().session_mut().set_scenario(wild.clone());
-    screen.run_steps(5);
+    set_scenario(&mut screen, wild.clone());
     assert_eq!(scenario(&screen), &wild);
 }
 
@@ -114,14 +106,10 @@ fn a_name_in_the_text_opens_the_diagnosis_of_that_filter() {
     let mut screen = first_visit(DESKTOP);
     let place = screen.get_all_by_label("plain EKF").map(|node| node.rect()).min_by(|a, b| a.top().total_cmp(&b.top()));
     let at = place.expect("it is in the story").center();
-    screen.hover_at(at);
-    screen.drag_at(at);
-    screen.drop_at(at);
-    screen.run_steps(5);
+    click_on(&mut screen, at);
     screen.get_by_label("Close the diagnosis");
     screen.get_by_label("Diagnosis of plain EKF");
-    screen.key_press(Key::Escape);
-    screen.run_steps(3);
+    press(&mut screen, Key::Escape);
     assert!(screen.query_by_label("Close the diagnosis").is_none());
 }
 
@@ -135,10 +123,8 @@ fn a_filter_on_the_mass_is_selected_by_a_click_and_tuned_there() {
     assert_eq!(scenario(&screen).filters[1].fading, 1.01);
 }
 
-/// Opens the finder and types words.
 fn find(screen: &mut Screen, words: &str) {
-    screen.key_press(Key::Slash);
-    screen.run_steps(2);
+    press(screen, Key::Slash);
     screen.get_by_label("Find by words").type_text(words);
     screen.run_steps(2);
 }
@@ -148,12 +134,10 @@ fn a_number_is_set_with_five_keys_and_its_digits() {
     let mut screen = first_visit(DESKTOP);
     find(&mut screen, "lam pl");
     screen.get_by_label("Fading factor λ, plain EKF, setting");
-    screen.key_press(Key::Enter);
-    screen.run_steps(3);
+    press(&mut screen, Key::Enter);
     screen.get_by_label("Fading factor λ, plain EKF, new value").type_text("1.015");
     screen.run_steps(2);
-    screen.key_press(Key::Enter);
-    screen.run_steps(3);
+    press(&mut screen, Key::Enter);
     assert_eq!(scenario(&screen).filters[1].fading, 1.015);
     assert!(screen.query_by_label("Fading factor λ, plain EKF, new value").is_none(), "it closes");
 }
@@ -162,8 +146,7 @@ fn a_number_is_set_with_five_keys_and_its_digits() {
 fn a_text_that_is_no_number_is_refused_until_it_changes() {
     let mut screen = first_visit(DESKTOP);
     find(&mut screen, "lam pl");
-    screen.key_press(Key::Enter);
-    screen.run_steps(3);
+    press(&mut screen, Key::Enter);
     screen.get_by_label("Fading factor λ, plain EKF, new value").type_text("much");
     screen.run_steps(2);
     assert!(screen.query_by_label("This is no number.").is_none(), "nothing was entered");
@@ -205,14 +188,12 @@ fn views_scenarios_lessons_and_commands_are_found_by_words() {
         let mut screen = first_visit(DESKTOP);
         find(&mut screen, text);
         screen.get_by_label(entry);
-        screen.key_press(Key::Escape);
-        screen.run_steps(2);
+        press(&mut screen, Key::Escape);
         assert!(screen.query_by_label("Find by words").is_none());
     }
     let mut screen = first_visit(DESKTOP);
     find(&mut screen, "innov");
-    screen.key_press(Key::Enter);
-    screen.run_steps(3);
+    press(&mut screen, Key::Enter);
     screen.get_by_label("About Innovations");
 }
 
@@ -252,8 +233,7 @@ fn a_click_on_a_line_selects_its_filter_and_elsewhere_goes_to_a_time() {
     screen.run_steps(4);
     screen.get_by_label("Close the diagnosis");
     assert_eq!(screen.state().session().time(), 20.0, "the time stays");
-    screen.key_press(Key::Escape);
-    screen.run_steps(3);
+    press(&mut screen, Key::Escape);
     let rect = screen.get_by_label("Plot of the natural frequency").rect();
     click_at(&mut screen, egui::pos2(line.x, rect.top() + 4.0), Modifiers::NONE);
     screen.run_steps(4);

@@ -2,30 +2,27 @@
 
 use std::rc::Rc;
 
-use kalmanscope::sensor::{Sensor, Sensors};
+use kalmanscope::sensor::{Readings, Sensor, Sensors};
 use kalmanscope_core::{Run, Scenario};
 use kalmanscope_sources::StreamRow;
 
 use super::measure::Device;
 use super::*;
 
-/// A screen that follows the sensors of a scenario.
-fn following(scenario: &Scenario) -> (Screen, Rc<Device<StreamRow>>) {
+fn following(scenario: &Scenario) -> (Screen, Rc<Device<StreamRow>>, Readings<StreamRow>) {
     let device = Device::new();
     let stream: (Rc<dyn Sensor<StreamRow>>, _) = (Rc::clone(&device) as Rc<_>, Rc::new(scenario.clone()));
     let sensors = Sensors { stream: Some(stream), ..Sensors::default() };
-    let mut screen =
-        Harness::builder().with_size(DESKTOP).with_theme(Theme::Light).with_step_dt(1.0 / 60.0).build_eframe(
-            move |creation| {
-                let mut app = App::new(creation).expect("the default scenario can be run").measuring_with(sensors);
-                app.watch(&creation.egui_ctx);
-                app
-            },
-        );
+    let mut screen = started(DESKTOP, Theme::Light, |app, ctx| {
+        let mut app = app.measuring_with(sensors);
+        app.watch(ctx);
+        app
+    });
     screen.state_mut().session_mut().set_budget(Budget::Unlimited);
     screen.run_steps(3);
     screen.get_by_label_contains("Waiting for readings");
-    (screen, device)
+    let readings = device.0.borrow().clone().expect("it has begun");
+    (screen, device, readings)
 }
 
 /// In the clock of the readings: what a frame takes to compute and to draw comes on top, as the benchmark of frames tells.
@@ -38,8 +35,7 @@ fn a_reading_is_on_screen_in_the_frame_in_which_it_comes() {
             format!("dt = {dt}\nduration = 8.0\nhold = \"{hold}\"\n[[filters]]\nname = \"one\"\nkind = \"ekf\"\n");
         let scenario = Scenario::from_toml(&text).expect("it is a scenario");
         let record = kalmanscope_core::simulate(&scenario);
-        let (mut screen, device) = following(&scenario);
-        let readings = device.0.borrow().clone().expect("it has begun");
+        let (mut screen, _, readings) = following(&scenario);
         let mut told = 0;
         for frame in 0..480 {
             let now = f64::from(frame) / 60.0;
@@ -66,8 +62,7 @@ fn the_sensors_of_a_scenario_are_followed_while_they_are_read() {
     let text = "dt = 0.01\nduration = 40.0\nhold = \"first\"\n[[filters]]\nname = \"one\"\nkind = \"ekf\"\n";
     let scenario = Scenario::from_toml(text).expect("it is a scenario");
     let record = kalmanscope_core::simulate(&scenario);
-    let (mut screen, device) = following(&scenario);
-    let readings = device.0.borrow().clone().expect("it has begun");
+    let (mut screen, device, readings) = following(&scenario);
     let tell = |screen: &mut Screen, from: usize, until: usize| {
         for k in from..until {
             let happened = StreamRow {

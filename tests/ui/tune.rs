@@ -7,15 +7,12 @@ use kalmanscope_lab::tune::Goal;
 use super::*;
 
 /// A paused screen of a record whose first filter takes its sensors for five times noisier than they are.
-fn tune(size: Vec2, theme: Theme) -> Screen {
-    let mut screen = super::screen(size, theme);
+fn tune() -> Screen {
+    let mut screen = screen(DESKTOP, Theme::Light);
     *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Tune]);
     let mut wrong = Scenario { duration: 10.0, ..Scenario::default() };
     wrong.filters[0].sensor_std.iter_mut().for_each(|std| *std *= 5.0);
-    let session = screen.state_mut().session_mut();
-    session.set_scenario(wrong);
-    session.set_mode(Mode::Whole);
-    session.pause();
+    show_whole(&mut screen, wrong);
     screen.run_steps(90);
     screen
 }
@@ -32,10 +29,9 @@ fn likelihood(scenario: &Scenario) -> f64 {
 
 #[test]
 fn tuning_improves_the_likelihood_and_is_taken_and_undone_in_one_step() {
-    let mut screen = tune(DESKTOP, Theme::Light);
+    let mut screen = tune();
     let before = scenario(&screen).clone();
-    screen.get_by_label("Tune").click();
-    screen.run_steps(4);
+    click(&mut screen, "Tune");
     assert!(screen.query_by_label("Path of the search").is_some());
     screen.get_by_label("Use these values").click();
     screen.run_steps(90);
@@ -47,17 +43,15 @@ fn tuning_improves_the_likelihood_and_is_taken_and_undone_in_one_step() {
     }
     assert_eq!(after.filters[1], before.filters[1]);
     assert!(screen.query_by_label("These values are in use.").is_some());
-    screen.get_by_label("Undo").click();
-    screen.run_steps(4);
+    click(&mut screen, "Undo");
     assert_eq!(scenario(&screen), &before);
     assert!(screen.query_by_label("Use these values").is_some(), "they can be taken again");
 }
 
 #[test]
 fn another_change_makes_the_result_old() {
-    let mut screen = tune(DESKTOP, Theme::Light);
-    screen.get_by_label("Tune").click();
-    screen.run_steps(4);
+    let mut screen = tune();
+    click(&mut screen, "Tune");
     set(&mut screen, "EKF fading factor", 1.02);
     assert!(screen.query_by_label("Use these values").is_none());
     assert!(screen.query_by_label_contains("tune again").is_some());
@@ -65,21 +59,14 @@ fn another_change_makes_the_result_old() {
 
 #[test]
 fn a_link_and_a_saved_session_carry_the_ticks_and_the_goal() {
-    let mut screen = tune(DESKTOP, Theme::Light);
-    screen.get_by_label("factor on √Q").click();
-    screen.run_steps(3);
+    let mut screen = tune();
+    click(&mut screen, "factor on √Q");
     choose(&mut screen, "Goal of the tuning", "a mean NIS as expected");
     let chosen = screen.state().laboratory.tuning.choice.as_ref().cloned().expect("the user has chosen");
     assert_eq!((chosen.axes.len(), chosen.goal), (2, Goal::Consistency));
-    let link = screen.state().link().expect("it is short");
-    let mut other = super::screen(DESKTOP, Theme::Light);
-    other.state_mut().open_address(&link);
-    other.run_steps(3);
+    let other = opened(&screen.state().link().expect("it is short"));
     assert_eq!(other.state().laboratory.tuning.choice.as_ref(), Some(&chosen));
-    let mut memory = Memory::default();
-    screen.state_mut().save(&mut memory);
-    let restored = App::restored(Some(&memory)).expect("it can be run");
-    assert_eq!(restored.laboratory.tuning.choice.as_ref(), Some(&chosen));
+    assert_eq!(restored(&saved(&mut screen)).laboratory.tuning.choice.as_ref(), Some(&chosen));
     // Without the view a link says nothing of it.
     *screen.state_mut().layout_mut() = Layout::of(Arrangement::Teach);
     assert_eq!(screen.state().picture().laboratory, Choices::default());
@@ -87,24 +74,21 @@ fn a_link_and_a_saved_session_carry_the_ticks_and_the_goal() {
 
 #[test]
 fn a_search_and_its_result_survive_a_new_name() {
-    let mut screen = tune(DESKTOP, Theme::Light);
+    let mut screen = tune();
     let call = |screen: &mut Screen, name: &str| {
         let mut renamed = scenario(screen).clone();
         name.clone_into(&mut renamed.filters[0].name);
-        screen.state_mut().session_mut().set_scenario(renamed);
-        screen.run_steps(4);
+        set_scenario(screen, renamed);
     };
     screen.state_mut().session_mut().set_budget(Budget::Pieces(4));
-    screen.get_by_label("Tune").click();
-    screen.run_steps(4);
+    click(&mut screen, "Tune");
     assert!(screen.query_by_label("Stop tuning").is_some(), "the search goes on");
     call(&mut screen, "first");
     assert!(screen.query_by_label("Stop tuning").is_some(), "the search goes on");
     screen.state_mut().session_mut().set_budget(Budget::Unlimited);
     screen.run_steps(4);
     call(&mut screen, "second");
-    screen.get_by_label("Use these values").click();
-    screen.run_steps(4);
+    click(&mut screen, "Use these values");
     assert_eq!(scenario(&screen).filters[0].name, "second");
     assert!(screen.query_by_label("These values are in use.").is_some());
 }

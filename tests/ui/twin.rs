@@ -4,6 +4,7 @@ use kalmanscope::text::significant;
 use kalmanscope::twin::{Part, Table, Twin};
 use kalmanscope_core::ModelClasses;
 
+use super::records::drop_record;
 use super::*;
 
 /// The whole default record, paused at its end.
@@ -78,8 +79,7 @@ fn every_view_over_time_has_tables() {
 #[test]
 fn filters_that_learn_their_noise_show_it_under_the_innovations() {
     let mut screen = at_rest();
-    *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Innovations]);
-    screen.run_steps(4);
+    show(&mut screen, &[ViewKind::Innovations]);
     assert!(screen.query_by_label("Plot of the learnt noise of the displacement sensor").is_none());
     let mut learning = scenario(&screen).clone();
     learning.filters[1].adaptation.sensor_noise = true;
@@ -117,8 +117,7 @@ fn filters_that_are_shown_are_model_classes() {
     }
     screen.get_by_label("Plot of the probabilities of the model classes");
     screen.get_by_label("Plot of the average natural frequency");
-    screen.get_by_label("Show UKF").click();
-    screen.run_steps(5);
+    click(&mut screen, "Show UKF");
     assert!(screen.query_by_label("Plot of the probabilities of the model classes").is_none(), "one is no choice");
     assert!(screen.query_by_label_contains("Show at least two filters").is_some());
 }
@@ -131,12 +130,10 @@ fn hidden_filters_and_verdicts_are_hidden_here_too() {
     assert_eq!(verdicts.rows.len(), 2);
     assert_eq!(cell(verdicts, "EKF", "Verdict"), "recovered");
     assert!(cell(verdicts, "EKF", "Reason").len() > 20);
-    screen.get_by_label("Show UKF").click();
-    screen.run_steps(3);
+    click(&mut screen, "Show UKF");
     let twin = screen.state().twin();
     assert_eq!(part(&twin, "Parameters").tables[0].columns, ["Time", "truth", "EKF"]);
-    screen.get_by_label("Show verdicts").click();
-    screen.run_steps(3);
+    click(&mut screen, "Show verdicts");
     let twin = screen.state().twin();
     assert!(twin.parts.iter().all(|part| part.name != Twin::VERDICTS));
 }
@@ -154,8 +151,7 @@ fn news_are_verdicts_that_change_and_messages_that_are_new() {
     let now = screen.state().twin();
     assert_eq!(now.news(&before), ["EKF is overconfident."]);
     scenario.dt = -1.0;
-    screen.state_mut().session_mut().set_scenario(scenario);
-    screen.run_steps(3);
+    set_scenario(&mut screen, scenario);
     let news = screen.state().twin().news(&now);
     assert_eq!(news, [screen.state().session().problem().expect("a negative time step is impossible")]);
 }
@@ -169,9 +165,7 @@ fn numbers_of_a_measured_record_are_those_of_their_own_sensor() {
     run.finish();
     run.record().write_csv(&mut file).expect("memory");
     let mut screen = screen(DESKTOP, Theme::Light);
-    super::files::drop_file(&mut screen, "record.csv", &file);
-    screen.get_by_label("Open the record").click();
-    screen.run_steps(6);
+    drop_record(&mut screen, "record.csv", &file);
     *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Measured, ViewKind::Innovations, ViewKind::Gain]);
     let mut swapped = scenario(&screen).clone();
     assert_eq!(swapped.sensors.len(), 2);
@@ -182,8 +176,7 @@ fn numbers_of_a_measured_record_are_those_of_their_own_sensor() {
     for (scenario, place) in [(swapped, 0), (alone, 0)] {
         let is_told = |quantity| scenario.sensors.iter().any(|sensor| sensor.measures == quantity);
         let displacement = is_told(Quantity::DISPLACEMENT);
-        screen.state_mut().session_mut().set_scenario(scenario);
-        screen.run_steps(6);
+        set_scenario(&mut screen, scenario);
         let (twin, session) = (screen.state().twin(), screen.state().session());
         let (estimates, k) = (&session.run().estimates()[0], session.index());
         let innovation = estimates.innovation(k)[place];

@@ -8,22 +8,18 @@ fn every_lesson_can_be_taken_from_beginning_to_end() {
     let lessons: Vec<_> = kalmanscope_lessons::lessons().into_iter().map(Result::unwrap).collect();
     assert!(lessons.len() >= 12);
     for lesson in &lessons {
-        screen.get_by_label("Lessons").click();
-        screen.run_steps(3);
-        screen.get_by_label(&lesson.title).click();
-        screen.run_steps(3);
+        click(&mut screen, "Lessons");
+        click(&mut screen, &lesson.title);
         for (i, step) in lesson.steps.iter().enumerate() {
             assert!(screen.query_by_label(&step.look).is_some(), "{}, step {}", lesson.title, i + 1);
             if step.question.is_some() {
                 assert!(screen.query_by_label(&step.why).is_none(), "{} gives the answer away", lesson.title);
-                screen.get_by_label("Show me").click();
-                screen.run_steps(3);
+                click(&mut screen, "Show me");
             }
             if let Some(change) = &step.change {
                 let before = scenario(&screen).clone();
                 assert!(screen.query_by_label(&step.why).is_none(), "{} gives its secret away", lesson.title);
-                screen.get_by_label(&change.label).click();
-                screen.run_steps(3);
+                click(&mut screen, &change.label);
                 assert_ne!(&before, scenario(&screen), "{}: {} changes nothing", lesson.title, change.label);
             }
             assert_eq!(scenario(&screen), &lesson.scenario_at(i).unwrap(), "{}, step {}", lesson.title, i + 1);
@@ -35,8 +31,7 @@ fn every_lesson_can_be_taken_from_beginning_to_end() {
                 assert!(chips.next().is_some(), "{}, step {}: no verdict is in sight", lesson.title, i + 1);
             }
             let next = if i + 1 < lesson.steps.len() { "Next" } else { "Done" };
-            screen.get_by_label(next).click();
-            screen.run_steps(3);
+            click(&mut screen, next);
         }
         assert!(screen.query_by_label("Leave the lesson").is_none());
     }
@@ -56,19 +51,15 @@ fn every_view_can_be_shown_enlarged_and_hidden() {
             assert_eq!(screen.query_by_label(&format!("About {name}")).is_some(), !shown, "{name}");
         }
         let beside = if kind == ViewKind::Oscillator { ViewKind::States } else { ViewKind::Oscillator };
-        *screen.state_mut().layout_mut() = Layout::column(&[kind, beside]);
-        screen.run_steps(2);
+        show(&mut screen, &[kind, beside]);
         let top = |screen: &Screen| screen.get_by_label(&format!("Hide {name}")).rect().top();
         let before = top(&screen);
         let about_beside = format!("About {}", view(beside).name());
-        screen.get_by_label(&format!("Enlarge {name}")).click();
-        screen.run_steps(2);
+        click(&mut screen, &format!("Enlarge {name}"));
         assert!(screen.query_by_label(&about_beside).is_none(), "{name} is not alone");
-        screen.get_by_label(&format!("Enlarge {name}")).click();
-        screen.run_steps(2);
+        click(&mut screen, &format!("Enlarge {name}"));
         assert!(screen.query_by_label(&about_beside).is_some() && top(&screen) == before);
-        screen.get_by_label(&format!("Hide {name}")).click();
-        screen.run_steps(2);
+        click(&mut screen, &format!("Hide {name}"));
         assert!(screen.query_by_label(&format!("About {name}")).is_none());
         let help = view(kind).help();
         assert!(help.iter().all(|line| line.len() > 30 && line.ends_with('.')), "{name}");
@@ -79,10 +70,6 @@ fn every_view_can_be_shown_enlarged_and_hidden() {
 fn filters_can_be_added_duplicated_renamed_and_removed() {
     let mut screen = workbench();
     let names = |screen: &Screen| scenario(screen).filters.iter().map(|f| f.name.clone()).collect::<Vec<_>>();
-    let click = |screen: &mut Screen, label: &str| {
-        screen.get_by_label(label).click();
-        screen.run_steps(3);
-    };
     click(&mut screen, "Add a filter");
     assert_eq!(names(&screen), ["EKF", "UKF", "EKF 2"]);
     click(&mut screen, "Duplicate EKF");
@@ -102,16 +89,14 @@ fn filters_can_be_added_duplicated_renamed_and_removed() {
 fn the_options_of_a_filter_reach_the_scenario() {
     let mut screen = workbench();
     let first = |screen: &Screen| scenario(screen).filters[0].clone();
-    screen.get_all_by_label("Options").next().unwrap().click();
-    screen.run_steps(12);
+    open_options(&mut screen);
     choose(&mut screen, "EKF plant", "Duffing oscillator");
     assert_eq!(first(&screen).plant, Some(PlantKind::DUFFING));
     choose(&mut screen, "EKF steps", "Euler");
     assert_eq!(first(&screen).propagation, Some(kalmanscope_core::Propagation::Euler));
     for text in ["logarithms of positive parameters", "learn R from the innovations", "learn Q from the innovations"] {
         let before = first(&screen);
-        screen.get_by_label(&format!("EKF: {text}")).click();
-        screen.run_steps(3);
+        click(&mut screen, &format!("EKF: {text}"));
         assert_ne!(first(&screen), before, "{text}");
     }
     assert_eq!(screen.state().session().problem(), None);
@@ -126,8 +111,7 @@ fn a_change_can_be_undone_and_made_again() {
     let after = scenario(&screen).clone();
     assert_ne!(before, after);
     screen.run_steps(20);
-    screen.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-    screen.run_steps(3);
+    undo(&mut screen);
     assert_eq!(scenario(&screen), &before);
     screen.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
     screen.run_steps(3);
@@ -141,15 +125,13 @@ fn problems_are_reported() {
     assert_eq!(wound_up.force, Force::None);
     wound_up.filters[0].fading = 1.02;
     screen.state_mut().session_mut().set_mode(Mode::Whole);
-    screen.state_mut().session_mut().set_scenario(wound_up);
-    screen.run_steps(3);
+    set_scenario(&mut screen, wound_up);
     assert!(screen.query_by_label_contains("the covariance winds up").is_some());
     let mut runaway = Scenario::default();
     runaway.set_plant(PlantKind::DUFFING);
     runaway.plant.set(Channel::CUBIC_STIFFNESS, Signal::Constant(-300.0));
     runaway.plant.initial.displacement = 0.5;
-    screen.state_mut().session_mut().set_scenario(runaway);
-    screen.run_steps(3);
+    set_scenario(&mut screen, runaway);
     assert!(screen.query_by_label_contains("the plant has run away").is_some());
 }
 
@@ -178,15 +160,12 @@ fn a_lesson_whose_filter_is_gone_begins_its_step_again() {
     let mut screen = workbench();
     let lesson = kalmanscope_lessons::lessons().remove(9).unwrap();
     for label in ["Lessons", &lesson.title, "Show me", "Next"] {
-        screen.get_by_label(label).click();
-        screen.run_steps(3);
+        click(&mut screen, label);
     }
     let mut without = scenario(&screen).clone();
     without.filters.clear();
-    screen.state_mut().session_mut().set_scenario(without);
-    screen.run_steps(3);
-    screen.get_by_label(&lesson.steps[1].change.as_ref().unwrap().label).click();
-    screen.run_steps(3);
+    set_scenario(&mut screen, without);
+    click(&mut screen, &lesson.steps[1].change.as_ref().unwrap().label);
     assert_eq!(scenario(&screen), &lesson.scenario_at(0).unwrap());
     assert!(screen.query_by_label(&lesson.steps[1].look).is_some());
 }
@@ -195,8 +174,7 @@ fn a_lesson_whose_filter_is_gone_begins_its_step_again() {
 fn a_lesson_on_a_phone_leaves_room_for_the_views_and_stays_where_it_is() {
     let mut screen = screen(PHONE, Theme::Light);
     for label in ["Lessons", "Noise reduction"] {
-        screen.get_by_label(label).click();
-        screen.run_steps(5);
+        click(&mut screen, label);
     }
     let top = |screen: &Screen| screen.get_by_label("Leave the lesson").rect().top();
     let before = top(&screen);

@@ -33,11 +33,9 @@ pub(crate) struct Plan {
     first: u64,
     count: u64,
     time: Duration,
-    /// Whether the files of every case are kept.
     keeps_all: bool,
 }
 
-/// The summary of one case.
 struct Outcome {
     name: String,
     text: String,
@@ -48,7 +46,6 @@ struct Outcome {
 }
 
 impl Plan {
-    /// The plan that arguments ask for.
     pub(crate) fn of(mut args: impl Iterator<Item = String>) -> Result<Self, String> {
         let mut plan = Self { first: 0, count: CASES, time: Duration::from_secs(MOST), keeps_all: false };
         while let Some(word) = args.next() {
@@ -190,7 +187,6 @@ fn kept() -> Vec<Outcome> {
     files.iter().map(outcome).collect()
 }
 
-/// Makes a case and tries it.
 fn made(number: u64) -> Outcome {
     let (mut dice, mut findings) = (Dice::new(number), Findings::default());
     let text =
@@ -198,7 +194,6 @@ fn made(number: u64) -> Outcome {
     one(format!("case {number}"), text, dice, findings, false)
 }
 
-/// Tries one case.
 fn one(name: String, text: String, mut dice: Dice, mut findings: Findings, is_kept: bool) -> Outcome {
     let scenario = way::scenario_of(&text, &mut findings);
     findings.require("reading the scenario", scenario.is_some() || !is_kept, "is refused", String::new);
@@ -214,7 +209,6 @@ fn one(name: String, text: String, mut dice: Dice, mut findings: Findings, is_ke
     Outcome { name, text, findings: all, longest, was_accepted: scenario.is_some(), was_measured }
 }
 
-/// Where the files of cases are kept.
 fn folder() -> PathBuf {
     PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("whole-way")
 }
@@ -233,7 +227,6 @@ fn keep(outcome: &Outcome) {
     }
 }
 
-/// Ends the program at a case that does not end.
 fn end_at(number: u64) -> ! {
     let text = scenarios::text(&mut Dice::new(number)).unwrap_or_default();
     println!("case {number}, {}, does not end:\n{text}", stage_of(&format!("case {number}")));

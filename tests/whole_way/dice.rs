@@ -1,4 +1,6 @@
-//! Choices that follow from a number.
+//! Choices that follow from a number, and hostile numbers at any address of a file.
+
+use kalmanscope_core::Document;
 
 /// A sequence of pseudo-random numbers.
 ///
@@ -6,7 +8,6 @@
 pub(crate) struct Dice(u64);
 
 impl Dice {
-    /// The choices of a case.
     pub(crate) fn new(seed: u64) -> Self {
         Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15))
     }
@@ -23,7 +24,6 @@ impl Dice {
         (self.next() % n.max(1) as u64) as usize
     }
 
-    /// True once in `n` times.
     pub(crate) fn one_in(&mut self, n: usize) -> bool {
         self.below(n) == 0
     }
@@ -31,5 +31,99 @@ impl Dice {
     /// One of these. There must be at least one.
     pub(crate) fn pick<T: Clone>(&mut self, of: &[T]) -> T {
         of[self.below(of.len())].clone()
+    }
+}
+
+/// Numbers that are allowed in many places and usual in none.
+const EXTREME: [f64; 18] = [
+    0.0,
+    -0.0,
+    1e-300,
+    -1e-300,
+    5e-324,
+    1e-160,
+    1e-20,
+    1e-9,
+    1.0,
+    1e3,
+    1e9,
+    1e20,
+    1e150,
+    -1e150,
+    1e155,
+    1e300,
+    f64::MAX,
+    -f64::MAX,
+];
+
+/// Numbers that are allowed in few places.
+const IMPOSSIBLE: [f64; 5] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1.0, -1e9];
+
+const WHOLE: [i64; 10] = [0, 1, -1, 2, 7, 100, 1000, 1_000_000_000, i64::MAX, i64::MIN];
+
+/// A hostile number, or the former one by some powers of ten off.
+fn hostile(before: f64, dice: &mut Dice) -> f64 {
+    match dice.below(16) {
+        0 => dice.pick(&IMPOSSIBLE),
+        1..=7 => dice.pick(&EXTREME),
+        8 => -before,
+        _ => before * 10_f64.powi(dice.below(13) as i32 - 6),
+    }
+}
+
+/// Replaces some numbers of a document by hostile ones: one to four, and seldom one in three.
+pub(crate) fn spoil(document: &mut Document, dice: &mut Dice) {
+    let mut count = 0;
+    visit(document, &mut |_| count += 1);
+    let chosen: Vec<usize> = if dice.one_in(12) {
+        (0..count).filter(|_| dice.one_in(3)).collect()
+    } else {
+        (0..1 + dice.below(4)).map(|_| dice.below(count)).collect()
+    };
+    let mut place = 0;
+    visit(document, &mut |number| {
+        if chosen.contains(&place) {
+            *number = match *number {
+                Document::Integer(before) if !dice.one_in(8) => {
+                    Document::Integer(if dice.one_in(2) { dice.pick(&WHOLE) } else { before.saturating_mul(10) })
+                }
+                Document::Integer(before) => Document::Number(hostile(before as f64, dice)),
+                Document::Number(before) => Document::Number(hostile(before, dice)),
+                ref other => other.clone(),
+            };
+        }
+        place += 1;
+    });
+    if dice.one_in(10) {
+        empty_a_list(document, dice);
+    }
+}
+
+fn visit(document: &mut Document, change: &mut dyn FnMut(&mut Document)) {
+    match document {
+        Document::List(values) => values.iter_mut().for_each(|value| visit(value, change)),
+        Document::Table(entries) => entries.iter_mut().for_each(|(_, value)| visit(value, change)),
+        Document::Integer(_) | Document::Number(_) => change(document),
+        _ => {}
+    }
+}
+
+/// Empties a list, such as that of a filter's sensors.
+fn empty_a_list(document: &mut Document, dice: &mut Dice) {
+    match document {
+        Document::List(values) if values.is_empty() || dice.one_in(2) => values.clear(),
+        Document::List(values) => {
+            let place = dice.below(values.len());
+            empty_a_list(&mut values[place], dice);
+        }
+        Document::Table(entries) => {
+            let lists: Vec<usize> = (0..entries.len())
+                .filter(|&i| matches!(entries[i].1, Document::List(_) | Document::Table(_)))
+                .collect();
+            if !lists.is_empty() {
+                empty_a_list(&mut entries[dice.pick(&lists)].1, dice);
+            }
+        }
+        _ => {}
     }
 }

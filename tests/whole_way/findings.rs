@@ -54,7 +54,6 @@ pub(crate) fn keep_panics(aloud: bool) {
 /// The stage that each case is in, by the name of its thread.
 static STAGES: Mutex<BTreeMap<String, &'static str>> = Mutex::new(BTreeMap::new());
 
-/// The stage that the case of a name is in.
 pub(crate) fn stage_of(case: &str) -> &'static str {
     STAGES.lock().ok().and_then(|stages| stages.get(case).copied()).unwrap_or_default()
 }
@@ -62,11 +61,9 @@ pub(crate) fn stage_of(case: &str) -> &'static str {
 /// Something wrong.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Finding {
-    /// The step of the case.
     pub(crate) stage: &'static str,
     /// The fault in words. Cases that go wrong in the same way have the same words.
     pub(crate) what: String,
-    /// More about this case.
     pub(crate) detail: String,
 }
 

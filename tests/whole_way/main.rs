@@ -15,7 +15,6 @@ mod cases;
 mod clock;
 mod dice;
 mod findings;
-mod numbers;
 mod records;
 mod scenarios;
 mod screen;

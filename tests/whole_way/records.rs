@@ -5,8 +5,7 @@ use std::fmt::Write as _;
 use kalmanscope_core::import::{Builder, Mapping, Table, hash, read};
 use kalmanscope_core::{Document, Hold, InputKind, Record, Scenario};
 
-use crate::dice::Dice;
-use crate::numbers::spoil;
+use crate::dice::{Dice, spoil};
 
 /// Limits the samples that are measured, so that a case does not take long.
 const MOST: usize = 600;
@@ -14,7 +13,6 @@ const MOST: usize = 600;
 /// Cells that are no usual number.
 const CELLS: [&str; 10] = ["", "nan", "NaN", "0", "-0", "1e300", "-1e300", "1.7e308", "5e-324", "-9999"];
 
-/// A file with the columns of a record.
 pub(crate) fn file(record: &Record, dice: &mut Dice) -> Vec<u8> {
     let has_times = !dice.one_in(4);
     let scale = dice.pick(&[1.0, 1.0, 1.0, 1e-6, 1e6, 1e-300, 1e300]);

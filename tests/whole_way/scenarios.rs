@@ -9,10 +9,8 @@ use kalmanscope_core::{
 };
 use kalmanscope_lessons::BUILT_IN;
 
-use crate::dice::Dice;
-use crate::numbers::spoil;
+use crate::dice::{Dice, spoil};
 
-/// The number of steps of a scenario.
 const STEPS: [usize; 9] = [1, 2, 3, 5, 20, 60, 120, 250, 400];
 
 /// The text of a scenario file, which may be impossible.

@@ -121,7 +121,6 @@ fn play(screen: &mut Screen, mode: Mode, dice: &mut Dice, findings: &mut Finding
     is_well && findings.stage("the screen in words", || screen.app.twin()).is_some()
 }
 
-/// The actions of a hand between two frames.
 fn events(size: Vec2, dice: &mut Dice) -> Vec<Event> {
     let pos = Pos2::new(dice.below(size.x as usize) as f32, dice.below(size.y as usize) as f32);
     let mut events = vec![Event::PointerMoved(pos)];

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use kalmanscope_cli::{Parts, Results, causes, pages, report, run_scenario, svg, table, write_estimates};
+use kalmanscope_cli::{Parts, Results, causes, pages, report, run_scenario, svg, write_estimates};
 use kalmanscope_core::suggest::{scenario_for, suggest};
 use kalmanscope_core::{Analysis, Record, Run, Scenario, Wanted};
 
@@ -105,8 +105,8 @@ fn over(scenario: &Scenario, record: &Arc<Record>, findings: &mut Findings) {
 fn results(run: &Run, findings: &mut Findings) {
     let wanted = Wanted { bounds: true, ..Wanted::default() };
     let Some(analysis) = findings.stage("analysis", || Analysis::new(run, wanted)) else { return };
-    let causes = findings.stage("causes", || causes(run, &analysis)).unwrap_or_default();
-    if let Some(text) = findings.stage("table", || table(run, &analysis, &causes, &[])) {
+    let causes = findings.stage("causes", || causes(run, &analysis, &mut |_| {})).unwrap_or_default();
+    if let Some(text) = findings.stage("table", || Results::of_run(run, &analysis, causes.clone()).table()) {
         legible("table", &text, findings);
     }
     let records = [("its own record", run.record())];

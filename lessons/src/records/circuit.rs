@@ -10,7 +10,6 @@ use super::random::Random;
 pub(crate) const RATE: f64 = 500.0;
 /// The natural frequency \[rad/s\]: 0.7 times the rate, so that a period has nine samples.
 pub(crate) const NATURAL_FREQUENCY: f64 = 350.0;
-/// The damping ratio.
 pub(crate) const DAMPING_RATIO: f64 = 0.05;
 /// The gain of the input \[1/s²\].
 pub(crate) const GAIN: f64 = 1.2e5;
@@ -18,7 +17,6 @@ pub(crate) const GAIN: f64 = 1.2e5;
 pub(crate) const OFFSET: f64 = 0.02;
 /// Standard deviation of the noise of the voltmeter at the output \[V\].
 pub(crate) const NOISE: f64 = 1e-3;
-/// The number of samples.
 const ROWS: usize = 2500;
 /// The number of steps from one sample to the next: the input changes between samples.
 const FINE: usize = 16;

@@ -7,7 +7,6 @@ use super::random::Random;
 
 /// The natural frequency \[rad/s\]: 2 Hz.
 pub(crate) const NATURAL_FREQUENCY: f64 = 2.0 * std::f64::consts::TAU;
-/// The damping ratio.
 pub(crate) const DAMPING_RATIO: f64 = 0.03;
 /// Standard deviation of the accelerometer's noise \[g\].
 const NOISE: f64 = 0.002;

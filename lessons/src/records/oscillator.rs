@@ -13,7 +13,6 @@ pub(crate) struct Oscillator {
 }
 
 impl Oscillator {
-    /// An oscillator at rest.
     pub(crate) fn new(natural_frequency: f64, damping_ratio: f64) -> Self {
         Self { natural_frequency, damping_ratio, displacement: 0.0, velocity: 0.0 }
     }

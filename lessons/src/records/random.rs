@@ -6,7 +6,6 @@ use std::f64::consts::TAU;
 pub(crate) struct Random(u64);
 
 impl Random {
-    /// The stream of a seed.
     pub(crate) fn new(seed: u64) -> Self {
         Self(seed.wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1)
     }

@@ -12,7 +12,6 @@ pub(crate) const RATE: u32 = 200;
 pub(crate) const DWELL: u32 = 5;
 /// The natural frequency at each position \[Hz\].
 pub(crate) const FREQUENCIES: [f64; 6] = [18.0, 20.0, 22.0, 25.0, 22.0, 20.0];
-/// The damping ratio.
 pub(crate) const DAMPING_RATIO: f64 = 0.005;
 /// Standard deviation of the sensor's noise \[mm\].
 pub(crate) const NOISE: f64 = 0.02;

@@ -1,7 +1,9 @@
-//! Long series reduced to few points that keep the extremes.
+//! Long series as pictures: few points that keep the extremes, and the range of a value axis.
+
+use kalmanscope_core::internals::sort_numbers;
 
 /// A point in data coordinates: time \[s\] and value.
-pub(super) type Point = (f64, f64);
+pub(crate) type Point = (f64, f64);
 
 /// Samples `first..last` that share one column of the picture.
 fn columns(samples: usize, columns: usize) -> impl Iterator<Item = (usize, usize)> {
@@ -10,7 +12,7 @@ fn columns(samples: usize, columns: usize) -> impl Iterator<Item = (usize, usize
 }
 
 /// The line through `samples` values, reduced to the lowest and the highest of each column.
-pub(super) fn line(samples: usize, max_columns: usize, value: impl Fn(usize) -> Point) -> Vec<Point> {
+pub(crate) fn line(samples: usize, max_columns: usize, value: impl Fn(usize) -> Point) -> Vec<Point> {
     if samples <= 2 * max_columns {
         return (0..samples).map(value).collect();
     }
@@ -31,7 +33,7 @@ pub(super) fn line(samples: usize, max_columns: usize, value: impl Fn(usize) -> 
 
 /// The outlines of a band, one for each part without a gap: forwards along the highest upper edge of each column, backwards
 /// along the lowest lower edge. `edges` gives time, lower and upper edge of a sample; NaN for a gap.
-pub(super) fn bands(
+pub(crate) fn bands(
     samples: usize,
     max_columns: usize,
     range: (f64, f64),
@@ -63,8 +65,41 @@ pub(super) fn bands(
 }
 
 /// Indices of at most `max` samples, evenly spread.
-pub(super) fn thinned(samples: usize, max: usize) -> impl Iterator<Item = usize> {
+pub(crate) fn thinned(samples: usize, max: usize) -> impl Iterator<Item = usize> {
     (0..samples).step_by(samples.div_ceil(max.max(1)).max(1))
+}
+
+/// Limits the values of an axis, so that its span is finite.
+const LARGEST: f64 = 1e300;
+
+pub(crate) fn padded((low, high): (f64, f64)) -> (f64, f64) {
+    let [low, high] = [low, high].map(|value| value.clamp(-LARGEST, LARGEST));
+    let size = low.abs().max(high.abs());
+    let span = high - low;
+    if span > 1e-6 * size {
+        (low - 0.06 * span, high + 0.06 * span)
+    } else if size > 0.0 {
+        (low - 0.05 * size, high + 0.05 * size)
+    } else {
+        (-1.0, 1.0)
+    }
+}
+
+pub(crate) type Range = Option<(f64, f64)>;
+
+pub(crate) fn union(a: Range, b: Range) -> Range {
+    match (a, b) {
+        (Some(a), Some(b)) => Some((a.0.min(b.0), a.1.max(b.1))),
+        (one, other) => one.or(other),
+    }
+}
+
+/// The range of the values without the `out` lowest and the `out` highest; `None` if no value is left.
+pub(crate) fn without_tails(values: impl Iterator<Item = f64>, out: usize) -> Range {
+    let mut values: Vec<f64> = values.filter(|x| x.is_finite()).collect();
+    sort_numbers(&mut values);
+    let kept = values.get(out..values.len().checked_sub(out)?)?;
+    Some((*kept.first()?, *kept.last()?))
 }
 
 #[cfg(test)]
@@ -107,6 +142,33 @@ mod tests {
         for samples in [0, 1, 1499, 1500, 1501, 100_000] {
             let count = thinned(samples, 1500).count();
             assert!(count <= 1500 && (count > 0 || samples == 0), "{samples}: {count}");
+        }
+    }
+
+    #[test]
+    fn tails_are_left_out() {
+        let values = || (0..=100).map(f64::from);
+        assert_eq!(without_tails(values(), 0), Some((0.0, 100.0)));
+        assert_eq!(without_tails(values(), 10), Some((10.0, 90.0)));
+        assert_eq!(without_tails([f64::NAN, 3.0].into_iter(), 0), Some((3.0, 3.0)));
+        assert_eq!(without_tails([f64::NAN].into_iter(), 0), None);
+        assert_eq!(without_tails([1.0, 2.0].into_iter(), 1), None);
+        assert_eq!(without_tails([1.0, 2.0].into_iter(), 3), None);
+    }
+
+    #[test]
+    fn a_range_can_be_divided_whatever_the_values() {
+        for range in [(-f64::MAX, f64::MAX), (f64::MAX, f64::MAX), (-1.0, f64::MAX)] {
+            let (low, high) = padded(range);
+            assert!((high - low).is_finite() && high > low, "{range:?}");
+        }
+    }
+
+    #[test]
+    fn a_range_is_never_empty() {
+        for range in [(0.0, 0.0), (6.0, 6.0), (-3.0, -3.0), (1.0, 2.0)] {
+            let (low, high) = padded(range);
+            assert!(low < range.0 && high > range.1, "{range:?}");
         }
     }
 }

@@ -1,54 +1,49 @@
 //! Words: results, names, messages and help.
 
-use super::folder::{Folder, read};
+use crate::Folder;
 
 #[test]
 fn results_are_one_document_of_json_or_nothing() {
     let folder = Folder::new();
     folder.measured();
-    let (code, out, error) = folder.call(&["run", "sheet.toml", "--holdout", "plain.csv", "--json", "--map", "x"], b"");
-    assert!(code == 2 && out.is_empty(), "{error}");
-    let (code, out, error) = folder.call(&["run", "sheet.toml", "--holdout", "sheet.csv", "--json"], b"");
-    assert_eq!(code, 0, "{error}");
+    let (out, _) = folder.fails(&["run", "sheet.toml", "--holdout", "plain.csv", "--json", "--map", "x"], 2);
+    assert_eq!(out, "");
+    let (out, _) = folder.succeeds(&["run", "sheet.toml", "--holdout", "sheet.csv", "--json"]);
     let results = kalmanscope_core::Document::from_json(&out).unwrap();
     for key in ["samples", "start", "dt", "measured", "filters", "free_runs"] {
         assert!(results.get(key).is_some(), "{key} in {out}");
     }
-    let kalmanscope_core::Document::List(filters) = results.get("filters").unwrap() else { panic!("{out}") };
+    let filters: Vec<_> = results.get("filters").unwrap().children().collect();
     for key in ["name", "verdict", "evidence", "causes", "estimates", "mean_nis", "log_likelihood", "stopped"] {
         assert!(filters.iter().all(|filter| filter.get(key).is_some()), "{key} in {out}");
     }
-    let kalmanscope_core::Document::List(free_runs) = results.get("free_runs").unwrap() else { panic!("{out}") };
-    assert_eq!(free_runs.len(), 2 * filters.len());
-    let (code, out, error) = folder.call(&["run", "sheet.toml", "--quiet"], b"");
-    assert_eq!((code, out.as_str(), error.as_str()), (0, "", ""));
+    assert_eq!(results.get("free_runs").unwrap().children().count(), 2 * filters.len());
+    assert_eq!(folder.quietly(&["run", "sheet.toml", "--quiet"]), "");
 }
 
 #[test]
 fn names_are_harmless_in_tables_and_messages() {
     let folder = Folder::new();
     folder.file("formula.toml", "duration = 1.0\n[[filters]]\nname = \"=1+1\"\n[[filters]]\nname = \"-x\"\n");
-    let (code, _, error) = folder.call(&["run", "formula.toml", "--out", "estimates.csv"], b"");
-    assert_eq!(code, 0, "{error}");
-    let rows = read(&folder.path("estimates.csv"));
+    folder.succeeds(&["run", "formula.toml", "--out", "estimates.csv"]);
+    let rows = folder.read("estimates.csv");
     assert!(rows.lines().skip(1).all(|row| row.starts_with("'=1+1,") || row.starts_with("'-x,")));
     assert!(rows.contains(",-"), "numbers keep their signs");
     folder.file("steering.toml", "\"\\u001b]0;title\\u0007\\u202e\" = 1\n");
-    let (code, _, error) = folder.call(&["run", "steering.toml"], b"");
-    assert!(code == 2 && !error.chars().any(|c| c == '\u{1b}' || c == '\u{7}' || c == '\u{202e}'), "{error:?}");
+    let error = folder.refused(&["run", "steering.toml"]);
+    assert!(!error.chars().any(|c| c == '\u{1b}' || c == '\u{7}' || c == '\u{202e}'), "{error:?}");
 }
 
 #[test]
 fn filters_of_one_name_are_parted_and_this_is_said() {
     let folder = Folder::new();
     folder.file("two.toml", "duration = 2.0\n[[filters]]\nname = \"a\"\n[[filters]]\nname = \"a\"\nkind = \"ukf\"\n");
-    let (code, out, error) = folder.call(&["run", "two.toml"], b"");
-    assert!(code == 0 && out.contains("a 2 (UKF)") && error.contains("called `a 2` in place of `a`"), "{out}{error}");
+    let (out, error) = folder.succeeds(&["run", "two.toml"]);
+    assert!(out.contains("a 2 (UKF)") && error.contains("called `a 2` in place of `a`"), "{out}{error}");
     folder.file("unnamed.toml", "duration = 2.0\n[[filters]]\n[[filters]]\n");
     let sweep = ["sweep", "unnamed.toml", "--vary", "filters.EKF 2.fading=1:1.1:2", "--out", "t.csv"];
-    let (code, _, error) = folder.call(&sweep, b"");
-    assert_eq!(code, 0, "{error}");
-    let table = read(&folder.path("t.csv"));
+    folder.succeeds(&sweep);
+    let table = folder.read("t.csv");
     let names: Vec<&str> = table.lines().next().unwrap().split(',').collect();
     let different: std::collections::BTreeSet<&&str> = names.iter().collect();
     assert!(different.len() == names.len() && names.contains(&"EKF.nis") && names.contains(&"EKF 2.nis"), "{names:?}");
@@ -58,8 +53,8 @@ fn filters_of_one_name_are_parted_and_this_is_said() {
 fn each_command_has_an_example() {
     let folder = Folder::new();
     for command in ["run", "report", "import", "sweep", "tune"] {
-        let (code, out, _) = folder.call(&[command, "--help"], b"");
-        assert!(code == 0 && out.contains(&format!("  kalmanscope-cli {command} ")), "{out}");
+        let (out, _) = folder.succeeds(&[command, "--help"]);
+        assert!(out.contains(&format!("  kalmanscope-cli {command} ")), "{out}");
     }
 }
 
@@ -69,7 +64,7 @@ fn words_that_are_nearly_right_are_known() {
     for (arguments, word) in
         [(&["runn", "a.toml"][..], "'run'"), (&["run", "a.toml", "--record-ot", "b"], "'--record-out'")]
     {
-        let (code, _, error) = folder.call(arguments, b"");
-        assert!(code == 2 && error.contains(word), "{error}");
+        let error = folder.refused(arguments);
+        assert!(error.contains(word), "{error}");
     }
 }

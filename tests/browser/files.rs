@@ -1,19 +1,20 @@
-//! A measured record that is chosen, or dropped on the page.
+//! Files that come to the page, and those that leave it as downloads.
 
 use std::fmt::Write as _;
+use std::fs;
 use std::path::Path;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use kalmanscope_core::import::{Builder, Mapping, hash, read};
 use kalmanscope_core::suggest::{scenario_for, suggest};
 use kalmanscope_core::{Hold, Run, Scenario};
 
 use crate::elsewhere::told;
-use crate::page::Page;
+use crate::page::{Page, estimate, has};
 use crate::share::shows;
 use crate::{reports_no_problems, starts};
 
-/// Limits the time until a record is open.
+/// Limits the time until a record is open, or a download is there.
 const PATIENCE: Duration = Duration::from_secs(30);
 
 /// The record of an oscillator of 6 rad/s as a spreadsheet writes it, with semicolons, decimal commas and millimetres. Its clock tells
@@ -40,11 +41,10 @@ pub(crate) async fn a_record_is_chosen(page: &Page, folder: &Path) {
     page.value("(window.asked = 0, document.getElementById('file').click = () => { window.asked += 1; })").await;
     page.click("Open a file", 0.5).await;
     page.wait_until("window.asked === 1", PATIENCE).await.unwrap();
-    std::fs::create_dir_all(folder).unwrap();
     let path = folder.join("chosen.csv");
-    std::fs::write(&path, sheet(40.0, 0.0)).unwrap();
+    fs::write(&path, sheet(40.0, 0.0)).unwrap();
     page.choose_file("#file", &path).await;
-    let button = offers("Cancel the import");
+    let button = has("Cancel the import");
     page.wait_until(&button, PATIENCE).await.unwrap();
     // The window grows to its size and moves to the middle meanwhile.
     page.rest().await;
@@ -52,14 +52,9 @@ pub(crate) async fn a_record_is_chosen(page: &Page, folder: &Path) {
     page.wait_until(&format!("!{button}"), PATIENCE).await.unwrap();
 }
 
-/// Whether a control of this name is on screen, as a script.
-fn offers(name: &str) -> String {
-    format!("JSON.parse(wasmBindings.kalmanscope_summary()).controls.some(it => it.name === '{name}')")
-}
-
 /// Waits until the page asks for the meaning of the columns.
 async fn is_asked(page: &Page) {
-    page.wait_until(&offers("Open the record"), PATIENCE).await.unwrap();
+    page.wait_until(&has("Open the record"), PATIENCE).await.unwrap();
 }
 
 /// The record is opened with the guess at its columns, once there is one.
@@ -91,10 +86,7 @@ pub(crate) async fn a_record_is_opened_by_drop(page: &Page) {
     let summary = page.summary().await;
     assert_eq!(summary["mode"], "whole");
     for filter in summary["filters"].as_array().unwrap() {
-        let estimates = filter["estimates"].as_array().unwrap();
-        let of =
-            |channel: &str| estimates.iter().find(|it| it["channel"] == channel).unwrap()["mean"].as_f64().unwrap();
-        assert!((of("natural_frequency") / 6.0 - 1.0).abs() < 0.01, "{summary}");
+        assert!((estimate(filter, "natural_frequency", "mean") / 6.0 - 1.0).abs() < 0.01, "{summary}");
     }
 }
 
@@ -107,8 +99,7 @@ pub(crate) async fn a_large_record_is_opened(
 ) {
     let (name, text) = ("large.csv", sheet(6000.0, 0.02));
     assert!(text.len() > 4_500_000);
-    std::fs::create_dir_all(folder).unwrap();
-    std::fs::write(folder.join(name), &text).unwrap();
+    fs::write(folder.join(name), &text).unwrap();
     starts(page, address).await;
     let before = [told(page, "file").await, told(page, "suggest").await];
     page.choose_file("#file", &folder.join(name)).await;
@@ -122,14 +113,13 @@ pub(crate) async fn a_large_record_is_opened(
 /// An import that is given up while a worker is at it is gone, and the next one is read in a worker too.
 pub(crate) async fn an_import_is_given_up_in_its_worker(page: &Page, address: &str, folder: &Path) {
     let path = folder.join("large.csv");
-    std::fs::create_dir_all(folder).unwrap();
-    std::fs::write(&path, sheet(6000.0, 0.0)).unwrap();
+    fs::write(&path, sheet(6000.0, 0.0)).unwrap();
     starts(page, address).await;
     page.choose_file("#file", &path).await;
     page.wait_until("told.held === 1", PATIENCE).await.unwrap();
     page.rest().await;
     page.click("Cancel the import", 0.5).await;
-    page.wait_until(&format!("!({})", offers("Cancel the import")), PATIENCE).await.unwrap();
+    page.wait_until(&format!("!({})", has("Cancel the import")), PATIENCE).await.unwrap();
     page.value("window.hold = false").await;
     page.choose_file("#file", &path).await;
     is_asked(page).await;
@@ -140,8 +130,7 @@ pub(crate) async fn an_import_is_given_up_in_its_worker(page: &Page, address: &s
 /// Prints how long reading a large file and making its start values takes, and the page's own time in its frames meanwhile.
 pub(crate) async fn time_of_an_import(page: &Page, address: &str, folder: &Path, name: &str) {
     let text = sheet(40_000.0, 0.0);
-    std::fs::create_dir_all(folder).unwrap();
-    std::fs::write(folder.join("large.csv"), &text).unwrap();
+    fs::write(folder.join("large.csv"), &text).unwrap();
     starts(page, address).await;
     page.click("Whole record", 0.5).await;
     page.settle().await;
@@ -154,7 +143,7 @@ pub(crate) async fn time_of_an_import(page: &Page, address: &str, folder: &Path,
     page.settle().await;
     page.value(begin).await;
     page.click("Open the record", 0.5).await;
-    page.wait_until(&format!("!({})", offers("Cancel the import")), 4 * PATIENCE).await.unwrap();
+    page.wait_until(&format!("!({})", has("Cancel the import")), 4 * PATIENCE).await.unwrap();
     println!("{name}, start values: all, in frames, longest frame [ms] {}", page.value(spent).await);
 }
 
@@ -171,4 +160,28 @@ fn checksum(name: &str, bytes: &[u8]) -> String {
     let mut run = Run::on_record(&scenario, record(scenario.record.as_ref().unwrap(), scenario.hold).into()).unwrap();
     run.finish();
     format!("{:016x}", run.checksum())
+}
+
+/// A figure and the estimates come as downloads with their contents.
+pub(crate) async fn a_figure_is_downloaded(page: &Page, folder: &Path) {
+    page.allow_downloads(folder).await;
+    let svg = downloaded(page, folder, "Paper, 84 mm (SVG)", "kalmanscope-84mm.svg").await;
+    let svg = String::from_utf8(svg).unwrap();
+    assert!(svg.starts_with("<svg ") && svg.trim_end().ends_with("</svg>") && svg.contains("width=\"84mm\""), "{svg}");
+    assert!(svg.contains("natural frequency") && !svg.contains("NaN"), "the views on screen are in it");
+    let estimates = downloaded(page, folder, "Estimates (CSV)", "estimates.csv").await;
+    assert!(estimates.starts_with(b"filter,k,t,"), "{}", String::from_utf8_lossy(&estimates[..80]));
+}
+
+/// Chooses an entry of the menu, and waits for the file.
+pub(crate) async fn downloaded(page: &Page, folder: &Path, entry: &str, name: &str) -> Vec<u8> {
+    page.click("Export", 0.5).await;
+    page.click(entry, 0.5).await;
+    let (path, begun) = (folder.join(name), Instant::now());
+    while !path.is_file() {
+        assert!(begun.elapsed() < PATIENCE, "{name} has not come");
+        tokio::time::sleep(Duration::from_millis(100)).await;
+    }
+    println!("{name}: {} bytes after {:.1} s", fs::metadata(&path).unwrap().len(), begun.elapsed().as_secs_f64());
+    fs::read(path).unwrap()
 }
