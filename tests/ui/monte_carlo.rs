@@ -31,7 +31,7 @@ fn the_statistics_are_those_of_the_seeds_run_alone() {
     let screen = monte_carlo(short(), 30);
     let seeds = &screen.state().laboratory.seeds;
     assert_eq!((seeds.progress(), seeds.state.problem.as_deref()), (None, None));
-    let shown = seeds.shown().expect("there are some").statistics;
+    let shown = &seeds.shown().expect("there are some").statistics;
     let ensemble = MonteCarlo::ensemble(scenario(&screen).clone(), vec![0, 1], 30, shown.samples().len(), Judged::Not);
     let ensemble = ensemble.expect("it is possible");
     let runner = Runner::new(ensemble.clone(), Source::Simulated).expect("it is possible");
