@@ -5,11 +5,7 @@
 
 mod arrange;
 mod canvas;
-mod format;
-mod legend;
-mod pen;
 mod svg;
-mod svg_text;
 
 use egui::Vec2;
 
@@ -32,7 +28,7 @@ impl Figure {
 
     /// Width and height \[mm\].
     pub fn millimetres(&self) -> [f32; 2] {
-        [self.size.x, self.size.y].map(|length| length * self.scale * format::MILLIMETRES_PER_POINT)
+        [self.size.x, self.size.y].map(|length| length * self.scale * canvas::MILLIMETRES_PER_POINT)
     }
 
     pub fn svg(&self) -> String {

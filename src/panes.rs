@@ -100,9 +100,7 @@ fn least_height(kind: ViewKind, bar: f32, context: &ViewContext<'_>) -> f32 {
     match kind.proportions() {
         Proportions::Flat => LEAST_FLAT,
         Proportions::Tall => bar + LEAST_TALL,
-        Proportions::Wide | Proportions::Square => {
-            bar + LEAST.max(LEAST_PLOT * view(kind).charts(context).len() as f32)
-        }
+        Proportions::Wide | Proportions::Square => bar + LEAST.max(LEAST_PLOT * view(kind).plots(context) as f32),
     }
 }
 

@@ -1,24 +1,26 @@
 //! Colours, fonts and spacing, all in one place.
 
-mod fonts;
-mod palette;
-pub mod ramps;
-mod texels;
+pub(crate) mod palette;
 
 pub use palette::Palette;
 
-use egui::{CornerRadius, FontFamily, FontId, Margin, Stroke, TextStyle, Theme, Vec2};
+use std::sync::Arc;
+
+use egui::{
+    Context, CornerRadius, FontData, FontDefinitions, FontFamily, FontId, FullOutput, Margin, Plugin, Stroke,
+    TextStyle, TextureId, TextureOptions, Theme, Vec2,
+};
 
 pub fn install(ctx: &egui::Context) {
-    ctx.set_fonts(fonts::definitions());
-    ctx.add_plugin(texels::Texels);
+    ctx.set_fonts(definitions());
+    ctx.add_plugin(Texels);
     for theme in [Theme::Light, Theme::Dark] {
         ctx.style_mut_of(theme, |style| restyle(style, theme));
     }
 }
 
 pub fn strong() -> FontFamily {
-    FontFamily::Name(fonts::STRONG.into())
+    FontFamily::Name(STRONG.into())
 }
 
 pub fn symbol() -> TextStyle {
@@ -104,5 +106,51 @@ fn restyle(style: &mut egui::Style, theme: Theme) {
     ] {
         widget.corner_radius = CornerRadius::ZERO;
         widget.fg_stroke.color = palette.text;
+    }
+}
+
+pub(super) const STRONG: &str = "strong";
+
+macro_rules! font {
+    ($name:literal) => {
+        ($name, include_bytes!(concat!("../assets/fonts/", $name, ".subset.ttf")).as_slice())
+    };
+}
+
+const SYMBOLS: [(&str, &[u8]); 3] =
+    [font!("NotoSansMath-Regular"), font!("NotoSansSymbols-Regular"), font!("NotoSansSymbols2-Regular")];
+
+pub(super) fn definitions() -> FontDefinitions {
+    let regular = font!("NotoSans-Regular");
+    let bold = font!("NotoSans-Bold");
+    let mut fonts = FontDefinitions::empty();
+    for (name, data) in [regular, bold].into_iter().chain(SYMBOLS) {
+        fonts.font_data.insert(name.to_owned(), Arc::new(FontData::from_static(data)));
+    }
+    for (family, first) in [
+        (FontFamily::Proportional, &[regular.0][..]),
+        (FontFamily::Monospace, &[regular.0]),
+        // The bold font has fewer letters.
+        (FontFamily::Name(STRONG.into()), &[bold.0, regular.0]),
+    ] {
+        let names = first.iter().copied().chain(SYMBOLS.map(|(name, _)| name)).map(str::to_owned).collect();
+        fonts.families.insert(family, names);
+    }
+    fonts
+}
+
+/// Draws glyphs and dots texel by texel. Glyphs have the size of the screen in their texture and are aligned to pixels,
+/// so that this changes nothing. Without a graphics card, interpolation would cost as much as everything else together.
+pub(super) struct Texels;
+
+impl Plugin for Texels {
+    fn debug_name(&self) -> &'static str {
+        "texels"
+    }
+
+    fn output_hook(&mut self, _ctx: &Context, output: &mut FullOutput) {
+        for delta in output.textures_delta.set.get_mut(&TextureId::default()).into_iter().flatten() {
+            delta.options = TextureOptions::NEAREST;
+        }
     }
 }

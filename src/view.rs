@@ -2,20 +2,21 @@
 
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 
-use egui::Ui;
+use egui::{Color32, Ui};
 use kalmanscope_core::{Channel, Diagnostics, Estimates};
 
 use crate::laboratory::Laboratory;
 use crate::layout::Layout;
-use crate::plot::chart::Chart;
-use crate::plot::charts::charts_ui;
+use crate::plot::chart::{Chart, charts_ui};
 use crate::plot::input::PlotInput;
+use crate::plot::layers::Layer;
+use crate::plot::series::{Band, Series};
 use crate::plot::time_axis::TimeAxis;
 use crate::request::Request;
 use crate::ruler::Ruler;
 use crate::session::{Before, Session, Wanted};
 use crate::share::Picture;
-use crate::sheet::Sheet;
+use crate::sheet::{Column, Sheet};
 use crate::text::unit_in;
 use crate::theme::Palette;
 use crate::visibility::Visibility;
@@ -78,6 +79,28 @@ impl<'a> ViewContext<'a> {
         session.run().estimates().iter().enumerate().filter(|(_, estimates)| visible.filter(estimates.id()))
     }
 
+    /// The filters that are shown and estimate a channel, each with its place and the channel's place in it.
+    pub(crate) fn estimating(&self, channel: Channel) -> impl Iterator<Item = (usize, &'a Estimates, usize)> + use<'a> {
+        self.filters().filter_map(move |(place, of)| Some((place, of, of.place(channel)?)))
+    }
+
+    pub(crate) fn color(&self, of: &Estimates) -> Color32 {
+        self.palette.shade(of.color())
+    }
+
+    pub(crate) fn line(&self, of: &Estimates, series: Series<'a>, width: f32) -> Layer<'a> {
+        Layer::line(series, self.color(of), width).of(of.id())
+    }
+
+    pub(crate) fn band(&self, of: &Estimates, band: Band<'a>, under: f32) -> Layer<'a> {
+        Layer::Band { band, color: self.color(of), under, filter: Some(of.id()) }
+    }
+
+    /// The words of a filter, at the samples that it has.
+    pub(crate) fn column(&self, of: &'a Estimates, text: impl Fn(usize) -> Option<String> + 'a) -> Column<'a> {
+        Column::new(of.name(), self.color(of), move |k| (k < of.len()).then(|| text(k))?)
+    }
+
     pub(crate) fn diagnostics(&self) -> impl Iterator<Item = (usize, &'a Estimates, &'a Diagnostics)> + use<'a> {
         let all = self.session.diagnostics();
         self.filters().filter_map(|(place, estimates)| Some((place, estimates, all.get(place)?)))
@@ -117,6 +140,11 @@ pub trait View: Sync {
 
     fn charts<'a>(&self, _context: &ViewContext<'a>) -> Vec<Chart<'a>> {
         Vec::new()
+    }
+
+    /// The number of the charts, without making them.
+    fn plots(&self, _context: &ViewContext<'_>) -> usize {
+        0
     }
 
     fn without_charts(&self) -> &'static str {

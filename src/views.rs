@@ -10,7 +10,6 @@ mod frequency_response;
 mod gain;
 mod handles;
 mod innovations;
-mod learnt_noise;
 
 mod map;
 mod matrices;

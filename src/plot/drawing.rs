@@ -5,15 +5,11 @@ use std::ops::Range;
 use egui_plot::PlotUi;
 use kalmanscope_core::Record;
 
-use super::breaks::unbroken;
 use super::coinciding::drawn_runs;
 use super::decoration::Decoration;
-use super::grid::Grid;
-use super::item::{DrawingItem, PaintedShapes};
-use super::layers::{Layer, LayerColumns};
+use super::item::{DrawingItem, Grid, PaintedShapes};
+use super::layers::{Layer, LayerColumns, Window, unbroken, value_range};
 use super::marks::Mark;
-use super::range::value_range;
-use super::window::Window;
 
 #[derive(Default)]
 pub(crate) struct Drawing {

@@ -3,7 +3,7 @@
 use egui::{Color32, Id, Shape, Stroke, Ui, Vec2};
 use egui_plot::{AxisHints, GridInput, Line, Plot, PlotUi};
 
-use super::frame::{Y_AXIS, sense};
+use super::medium::{Y_AXIS, sense};
 use super::ticks::{LOG_TICKS_FADE, Side, log_tick, log_ticks, tick_inside, ticks};
 use crate::theme::Palette;
 

@@ -5,8 +5,7 @@ use std::ops::Range;
 use egui::Ui;
 use egui_plot::{Bar, BarChart, HLine, LineStyle};
 
-use crate::plot::cells::cells_ui;
-use crate::plot::medium::Medium;
+use crate::plot::medium::{Medium, cells_ui};
 use crate::plot::plane::plane_ui;
 use crate::request::Request;
 use crate::ruler::End;
@@ -70,9 +69,7 @@ impl View for Autocorrelation {
                 let offset = (i as f64 + 0.5) * width - 0.4;
                 let bar = |(lag, r): (usize, &f64)| Bar::new((lag + 1) as f64 + offset, *r).width(width);
                 let bars: Vec<Bar> = correlations.iter().enumerate().filter(|(_, r)| r.is_finite()).map(bar).collect();
-                charts.push(
-                    BarChart::new("autocorrelation", bars).color(palette.shade(estimates.color())).allow_hover(false),
-                );
+                charts.push(BarChart::new("autocorrelation", bars).color(context.color(estimates)).allow_hover(false));
             }
             let [low, high] = [-lowest, highest].map(|r| {
                 let enough = |reach: &f64| *reach >= 1.1 * r.max(band);

@@ -5,7 +5,7 @@ use kalmanscope_core::{Channel, Quantity};
 use crate::plot::chart::Chart;
 use crate::plot::layers::{Layer, line_width};
 use crate::plot::series::{Band, Series};
-use crate::sheet::Column;
+use crate::sheet::{Column, plus_minus};
 use crate::text::{decimals, fixed, in_hertz};
 use crate::view::{View, ViewContext};
 use crate::views::{handles, weights};
@@ -42,9 +42,18 @@ impl View for Channels {
     }
 
     fn charts<'a>(&self, context: &ViewContext<'a>) -> Vec<Chart<'a>> {
+        self.channels(context).into_iter().map(|channel| chart(channel, context)).collect()
+    }
+
+    fn plots(&self, context: &ViewContext<'_>) -> usize {
+        self.channels(context).len()
+    }
+}
+
+impl Channels {
+    fn channels(&self, context: &ViewContext<'_>) -> Vec<Channel> {
         let is_wanted = |channel: &Channel| channel.is_parameter() == matches!(self, Self::Parameters);
-        let channels = context.session.run().channels().into_iter().filter(is_wanted).collect();
-        context.visible.channels(channels).into_iter().map(|channel| chart(channel, context)).collect()
+        context.visible.channels(context.session.run().channels().into_iter().filter(is_wanted).collect())
     }
 }
 
@@ -52,23 +61,19 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>) -> Chart<'a> {
     let ViewContext { session, palette, visible, .. } = *context;
     let run = session.run();
     let record = run.record();
-    let mut layers: Vec<Layer<'a>> = Vec::new();
-    for (place, estimates) in context.filters().filter(|_| visible.bands) {
-        let Some(at) = estimates.place(channel) else { continue };
-        let band = Band::around(estimates.canonical_means(at), estimates.variances(at));
-        layers.push(Layer::Band {
-            band,
-            color: palette.shade(estimates.color()),
-            under: line_width(place, ESTIMATE),
-            filter: Some(estimates.id()),
-        });
-    }
+    let decimals = decimals(channel);
+    let bands = context.estimating(channel).filter(|_| visible.bands).map(|(place, of, at)| {
+        let band = Band::around(of.canonical_means(at), of.variances(at));
+        context.band(of, band, line_width(place, ESTIMATE))
+    });
+    let mut layers: Vec<Layer<'a>> = bands.collect();
     let quantity = Quantity::all().iter().find(|q| q.channel() == Some(channel));
     if let Some(z) = quantity.and_then(|q| record.measured_quantity(*q)).filter(|_| visible.measured) {
         layers.push(Layer::Dots { series: Series::of(&z[..run.len()]), color: palette.measured });
         layers.extend(quantity.into_iter().flat_map(|q| weights::layers(*q, &z[..run.len()], context)));
     }
-    if let Some(truth) = record.truth(channel).filter(|_| visible.truth) {
+    let truth = record.truth(channel);
+    if let Some(truth) = truth.filter(|_| visible.truth) {
         layers.push(Layer::Line {
             series: Series::of(&truth[..run.len()]),
             color: palette.truth,
@@ -80,32 +85,28 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>) -> Chart<'a> {
     }
     let truth_before = session.before().and_then(|before| before.truth(channel));
     if let Some(truth) = truth_before.filter(|_| visible.truth) {
-        let series = Series::of(truth);
-        layers.push(Layer::dashed(series, palette.weak, 1.2));
+        layers.push(Layer::dashed(Series::of(truth), palette.weak, 1.2));
     }
-    let lines: Vec<u32> =
-        context.filters().filter(|(_, of)| of.place(channel).is_some()).map(|(_, of)| of.id()).collect();
-    for estimates in context.before() {
-        let now = lines.iter().position(|id| *id == estimates.id());
-        if let (Some(at), Some(now)) = (estimates.place(channel), now) {
-            let series = Series::of(estimates.canonical_means(at));
-            layers.push(Layer::Before { series, color: palette.weak, now });
+    for before in context.before() {
+        let now = context.estimating(channel).position(|(_, of, _)| of.id() == before.id());
+        if let (Some(at), Some(now)) = (before.place(channel), now) {
+            layers.push(Layer::Before { series: Series::of(before.canonical_means(at)), color: palette.weak, now });
         }
     }
-    for (place, estimates) in context.filters() {
-        let Some(at) = estimates.place(channel) else { continue };
-        layers.push(
-            Layer::line(
-                Series::of(estimates.canonical_means(at)),
-                palette.shade(estimates.color()),
-                line_width(place, ESTIMATE),
-            )
-            .of(estimates.id()),
-        );
+    let words = truth.map(|truth| {
+        let column = Column::new("truth", palette.truth, move |k| Some(fixed(*truth.get(k)?, decimals)));
+        column.with_aside(move |k| in_hertz(*truth.get(k)?, channel.unit()))
+    });
+    let mut columns: Vec<Column<'a>> = words.into_iter().collect();
+    for (place, of, at) in context.estimating(channel) {
+        layers.push(context.line(of, Series::of(of.canonical_means(at)), line_width(place, ESTIMATE)));
+        let text = move |k| Some(plus_minus(of.canonical_mean(k, at), of.std(k, at), decimals));
+        let aside = move |k| in_hertz(of.canonical_mean(k, at), channel.unit());
+        columns.push(context.column(of, text).with_aside(aside));
     }
-    for estimates in session.smoothed().iter().filter(|of| visible.hindsight && visible.filter(of.id())) {
-        let Some(at) = estimates.place(channel) else { continue };
-        layers.push(Layer::dashed(Series::of(estimates.canonical_means(at)), palette.shade(estimates.color()), 1.4));
+    for of in session.smoothed().iter().filter(|of| visible.hindsight && visible.filter(of.id())) {
+        let Some(at) = of.place(channel) else { continue };
+        layers.push(Layer::dashed(Series::of(of.canonical_means(at)), context.color(of), 1.4));
     }
     Chart {
         key: channel.key().to_owned(),
@@ -113,30 +114,9 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>) -> Chart<'a> {
         symbol: channel.symbol().to_owned(),
         name: channel.name().to_owned(),
         unit: context.unit(channel.unit()),
-        columns: columns(channel, context),
+        columns,
         layers,
         handles: handles::of_channel(channel, context).into_iter().chain(handles::of_noise(channel, context)).collect(),
         ..Chart::default()
     }
-}
-
-fn columns<'a>(channel: Channel, context: &ViewContext<'a>) -> Vec<Column<'a>> {
-    let ViewContext { session, palette, .. } = *context;
-    let decimals = decimals(channel);
-    let truth = session.run().record().truth(channel).map(|truth| {
-        let column = Column::new("truth", palette.truth, move |k| Some(fixed(*truth.get(k)?, decimals)));
-        column.with_aside(move |k| in_hertz(*truth.get(k)?, channel.unit()))
-    });
-    let filters = context.filters().filter_map(|(_, estimates)| {
-        let at = estimates.place(channel)?;
-        let text = move |k: usize| {
-            let mean = fixed(estimates.canonical_mean(k, at), decimals);
-            format!("{mean} ±{}", fixed(2.0 * estimates.std(k, at), decimals))
-        };
-        let color = palette.shade(estimates.color());
-        let column = Column::new(estimates.name(), color, move |k| (k < estimates.len()).then(|| text(k)));
-        let mean = move |k: usize| (k < estimates.len()).then(|| estimates.canonical_mean(k, at));
-        Some(column.with_aside(move |k| in_hertz(mean(k)?, channel.unit())))
-    });
-    truth.into_iter().chain(filters).collect()
 }

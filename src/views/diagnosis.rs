@@ -2,8 +2,6 @@
 
 mod causes;
 mod evidence;
-mod numbers;
-mod rows;
 
 use egui::{Label, RichText, ScrollArea, TextStyle, Ui};
 use kalmanscope_core::Estimates;
@@ -57,7 +55,7 @@ pub(crate) fn drawer_ui(ui: &mut Ui, context: &ViewContext<'_>, id: u32, request
         ui.horizontal_wrapped(|ui| {
             for estimates in all {
                 let is_on = estimates.id() == id;
-                let color = context.palette.shade(estimates.color());
+                let color = context.color(estimates);
                 let name = RichText::new(estimates.name()).color(if is_on { context.palette.on_accent } else { color });
                 let tab = ui.selectable_label(is_on, name);
                 tab.ctx.accesskit_node_builder(tab.id, |node| {
@@ -85,8 +83,8 @@ pub(crate) fn drawer_ui(ui: &mut Ui, context: &ViewContext<'_>, id: u32, request
         if is_low {
             verdict_ui(ui, requests);
         }
-        numbers::estimates_ui(ui, context, place, &all[place]);
-        numbers::settings_ui(ui, context, id, requests);
+        evidence::estimates_ui(ui, context, place, &all[place]);
+        evidence::settings_ui(ui, context, id, requests);
         ui.add_space(4.0);
         if !is_low {
             verdict_ui(ui, requests);
@@ -107,7 +105,7 @@ fn filter_ui(
     requests: &mut Vec<Request>,
 ) {
     let ViewContext { session, palette, .. } = *context;
-    let color = palette.shade(estimates.color());
+    let color = context.color(estimates);
     let diagnosis = session.diagnosis(place);
     let verdict = diagnosis.and_then(|diagnosis| diagnosis.verdict.as_ref());
     ui.horizontal_wrapped(|ui| {

@@ -1,13 +1,13 @@
 //! Estimation errors over time within their ±2σ, and the Cramér-Rao bound.
 
-use kalmanscope_core::{Channel, Estimates};
+use kalmanscope_core::Channel;
 
 use crate::plot::chart::Chart;
 use crate::plot::layers::{Layer, line_width};
 use crate::plot::series::{Band, Series};
 use crate::session::{Bound, Wanted};
-use crate::sheet::Column;
-use crate::text::{decimals, error_in_hertz, fixed};
+use crate::sheet::plus_minus;
+use crate::text::{decimals, error_in_hertz};
 use crate::view::{View, ViewContext};
 
 pub(super) struct Errors;
@@ -33,6 +33,10 @@ impl View for Errors {
         channels(context).into_iter().map(|channel| chart(channel, context)).collect()
     }
 
+    fn plots(&self, context: &ViewContext<'_>) -> usize {
+        channels(context).len()
+    }
+
     fn without_charts(&self) -> &'static str {
         "The truth of this record is not known."
     }
@@ -48,66 +52,32 @@ fn channels(context: &ViewContext<'_>) -> Vec<Channel> {
     context.visible.channels([parameters, states].concat())
 }
 
-fn columns<'a>(channel: Channel, context: &ViewContext<'a>) -> Vec<Column<'a>> {
-    let ViewContext { session, palette, .. } = *context;
-    let truth = session.run().record().truth(channel).unwrap_or_default();
-    let decimals = decimals(channel);
-    let column = |(_, estimates): (usize, &'a Estimates)| {
-        let at = estimates.place(channel)?;
-        let text = move |k: usize| {
-            let error = estimates.canonical_mean(k, at) - truth[k];
-            format!("{} ±{}", fixed(error, decimals), fixed(2.0 * estimates.std(k, at), decimals))
-        };
-        let color = palette.shade(estimates.color());
-        let column = Column::new(estimates.name(), color, move |k| (k < estimates.len()).then(|| text(k)));
-        let error = move |k: usize| (k < estimates.len()).then(|| estimates.canonical_mean(k, at) - truth[k]);
-        Some(column.with_aside(move |k| error_in_hertz(error(k)?, channel.unit(), decimals)))
-    };
-    context.filters().filter_map(column).collect()
-}
-
 fn chart<'a>(channel: Channel, context: &ViewContext<'a>) -> Chart<'a> {
     let ViewContext { session, palette, visible, .. } = *context;
-    let run = session.run();
-    let truth = run.record().truth(channel).unwrap_or_default();
-    let mut layers: Vec<Layer<'a>> = Vec::new();
-    for (_, estimates) in context.filters() {
-        let Some(at) = estimates.place(channel) else { continue };
-        if visible.bands {
-            let variances = estimates.variances(at);
-            let band = Band::around_zero(variances.len(), |samples| variances[samples].iter().copied());
-            layers.push(Layer::Band {
-                band,
-                color: palette.shade(estimates.color()),
-                under: 0.0,
-                filter: Some(estimates.id()),
-            });
-        }
-    }
-    layers.push(Layer::Level { value: 0.0, color: palette.truth, label: "" });
-    for (place, estimates) in context.filters() {
-        let Some(at) = estimates.place(channel) else { continue };
-        let means = estimates.canonical_means(at);
-        layers.push(
-            Layer::line(
-                Series::new(means.len(), move |samples| {
-                    means[samples.clone()].iter().zip(&truth[samples]).map(|(mean, truth)| mean - truth)
-                }),
-                palette.shade(estimates.color()),
-                line_width(place, 2.0),
-            )
-            .of(estimates.id()),
-        );
+    let truth = session.run().record().truth(channel).unwrap_or_default();
+    let decimals = decimals(channel);
+    let bands = context.estimating(channel).filter(|_| visible.bands).map(|(_, of, at)| {
+        let variances = of.variances(at);
+        context.band(of, Band::around_zero(variances.len(), |samples| variances[samples].iter().copied()), 0.0)
+    });
+    let mut layers: Vec<Layer<'a>> = bands.chain([Layer::zero(palette.truth)]).collect();
+    let mut columns = Vec::new();
+    for (place, of, at) in context.estimating(channel) {
+        let means = of.canonical_means(at);
+        let errors = Series::new(means.len(), move |samples| {
+            means[samples.clone()].iter().zip(&truth[samples]).map(|(mean, truth)| mean - truth)
+        });
+        layers.push(context.line(of, errors, line_width(place, 2.0)));
+        let error = move |k: usize| of.canonical_mean(k, at) - truth[k];
+        let text = move |k| Some(plus_minus(error(k), of.std(k, at), decimals));
+        columns.push(context.column(of, text).with_aside(move |k| error_in_hertz(error(k), channel.unit(), decimals)));
     }
     for Bound { bound, filters } in session.bounds().iter().filter(|_| visible.bands) {
-        let Some((_, estimates)) = context.filters().find(|(_, of)| filters.contains(&of.id())) else { continue };
+        let Some((_, of)) = context.filters().find(|(_, of)| filters.contains(&of.id())) else { continue };
         let Some(at) = bound.place(channel) else { continue };
         for sign in [-2.0, 2.0] {
-            layers.push(Layer::dashed(
-                Series::new(bound.len(), move |samples| samples.map(move |k| sign * bound.std(k, at))),
-                palette.shade(estimates.color()),
-                1.0,
-            ));
+            let series = Series::new(bound.len(), move |samples| samples.map(move |k| sign * bound.std(k, at)));
+            layers.push(Layer::dashed(series, context.color(of), 1.0));
         }
     }
     Chart {
@@ -116,7 +86,7 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>) -> Chart<'a> {
         symbol: format!("{} error", channel.symbol()),
         name: channel.name().to_owned(),
         unit: context.unit(channel.unit()),
-        columns: columns(channel, context),
+        columns,
         layers,
         ..Chart::default()
     }

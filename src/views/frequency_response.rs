@@ -77,7 +77,7 @@ fn readouts(curves: &Curves, i: usize, context: &ViewContext<'_>) -> Vec<Readout
             || name.to_owned(),
             |(low, high)| format!("{name}, 95 %: {} to {}", significant(low[i], 3), significant(high[i], 3)),
         );
-        readouts.push(Readout::new(significant(believed.mean[i], 3), palette.shade(estimates.color()), hint));
+        readouts.push(Readout::new(significant(believed.mean[i], 3), context.color(estimates), hint));
     }
     readouts
 }
@@ -102,7 +102,7 @@ impl<'a> Drawn<'a> {
             let Believed { mean, band } = believed.as_deref()?;
             let band = band.as_ref().filter(|_| visible.bands);
             let band = band.and_then(|(low, high)| Some([logarithms(low)?, logarithms(high)?]));
-            let color = context.palette.shade(estimates.color());
+            let color = context.color(estimates);
             Some(Filter { color, mean: logarithms(mean)?, band })
         };
         Self {

@@ -1,18 +1,11 @@
 //! A score over two settings: each cell is a whole run of the filter.
 
-mod bar;
-mod cells;
-mod contour;
 mod head;
 mod legend;
 mod marks;
 mod panel;
-mod path;
 mod picture;
-mod places;
-mod profile;
 mod scale;
-mod sentence;
 
 use egui::{Label, Rect, Sense, Stroke, Ui, Vec2, pos2, vec2};
 
@@ -22,9 +15,9 @@ use crate::request::Request;
 use crate::view::{View, ViewContext};
 use head::head_ui;
 use legend::Legend;
+use marks::Path;
 use panel::PanelView;
-use path::Path;
-use places::{Place, arrange};
+use picture::{Place, arrange};
 
 pub(super) struct Map;
 
@@ -53,7 +46,7 @@ impl View for Map {
         let medium = Medium::of(ui.ctx());
         if medium == Medium::Screen {
             head_ui(ui, context, laboratory, choice, requests);
-            if let Some(sentence) = sentence::sentence(survey, choice.measure, context) {
+            if let Some(sentence) = head::sentence(survey, choice.measure, context) {
                 ui.add(Label::new(sentence).wrap());
             }
         }

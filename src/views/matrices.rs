@@ -27,14 +27,14 @@ impl View for Matrices {
     }
 
     fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Request>) -> Option<f64> {
-        let ViewContext { session, palette, axis, .. } = *context;
+        let ViewContext { session, axis, .. } = *context;
         let k = axis.readout(session);
         ScrollArea::both().auto_shrink(false).show(ui, |ui| {
             for (_, estimates) in context.filters().filter(|(_, estimates)| k < estimates.len()) {
                 let record = session.run().record();
                 let number = record.forgotten() + k;
                 let title = format!("{}, sample {number}, t = {:.3} s", estimates.name(), record.time(k));
-                ui.label(RichText::new(title).family(theme::strong()).color(palette.shade(estimates.color())));
+                ui.label(RichText::new(title).family(theme::strong()).color(context.color(estimates)));
                 if number == 0 {
                     ui.weak("The initial belief: nothing has been predicted or measured yet.");
                 } else if k == 0 {

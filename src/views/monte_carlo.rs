@@ -1,11 +1,7 @@
 //! The scenario over many seeds: consistency and errors over time, and the last estimates.
 
-mod bands;
 mod curves;
 mod head;
-mod histogram;
-mod last_estimates;
-mod legend;
 mod over_time;
 mod population;
 
@@ -68,7 +64,7 @@ impl View for MonteCarlo {
         let is_old = seeds.is_shown_old();
         let has_corner = ui.available_width() >= WIDE && curves.parameter.is_some();
         if !has_corner {
-            legend::legend_ui(ui, &curves, context, is_old, false);
+            head::legend_ui(ui, &curves, context, is_old, false);
         }
         let charts = if curves.parameter.is_some() { 4 } else { 2 };
         medium.note_plots(ui.ctx(), charts);
@@ -120,12 +116,12 @@ fn charts_ui(ui: &mut Ui, curves: &Arc<Curves>, context: &ViewContext<'_>, is_ol
         let bottom = last.top() - height - GAP;
         let legend = Rect::from_min_max(corner, pos2(area.right(), bottom));
         let mut child = ui.new_child(UiBuilder::new().id_salt("legend").max_rect(legend));
-        legend::legend_ui(&mut child, curves, context, is_old, true);
+        head::legend_ui(&mut child, curves, context, is_old, true);
         let bottom = bottom.max(child.min_rect().bottom() + GAP);
         Rect::from_min_max(pos2(area.left() + width + GAP, bottom), area.max)
     } else {
         Rect::from_min_max(pos2(area.left(), top), area.max)
     };
     let mut child = ui.new_child(UiBuilder::new().id_salt("histogram").max_rect(room));
-    last_estimates::last_estimates_ui(&mut child, room, curves, context);
+    over_time::last_estimates_ui(&mut child, room, curves, context);
 }

@@ -1,22 +1,14 @@
 //! The moving masses with springs and dampers, the force, the sensors' noise, and each filter's belief.
 
-mod arrow;
-mod body;
-mod cloud;
-mod force;
-mod ground;
-mod link;
-mod masses;
+mod parts;
 mod peaks;
 mod scene;
 mod stage;
-mod trail;
 
 use egui::{Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 use kalmanscope_core::{Channel, Run};
 
-use self::masses::masses;
-use self::peaks::Peaks;
+use self::peaks::{Peaks, masses};
 use self::scene::Scene;
 use self::stage::Stage;
 use crate::request::Request;

@@ -1,14 +1,13 @@
 //! Two parameters against each other, with the covariance between them.
 
-mod posterior;
-
-use egui::{Align2, Color32, RichText, Ui};
+use egui::{Align2, Color32, ComboBox, RichText, Ui};
 use egui_plot::{Line, MarkerShape, Points, Text};
 use kalmanscope_core::{Channel, Estimates};
 
-use crate::laboratory::{Laboratory, Posteriors};
+use crate::laboratory::{Laboratory, Posteriors, Shown};
 use crate::plot::plane::{aged_path, around, drawable, plane_ui};
 use crate::request::Request;
+use crate::text::{decimals, fixed, significant};
 use crate::view::{View, ViewContext};
 
 type Points2 = Vec<[f64; 2]>;
@@ -41,7 +40,7 @@ impl View for ParameterPlane {
         };
         let posteriors = context.laboratory.map(Laboratory::posteriors);
         if let Some(posteriors) = posteriors {
-            posterior::head_ui(ui, context, posteriors, requests);
+            head_ui(ui, context, posteriors, requests);
         }
         let cloud = posteriors.and_then(|posteriors| cloud(context, posteriors, [x, y]));
         let k = axis.readout(session);
@@ -52,7 +51,7 @@ impl View for ParameterPlane {
             let stride = (last / 800).max(1);
             let path = (0..=last).rev().step_by(stride);
             let path = path.map(|k| [estimates.canonical_mean(k, i), estimates.canonical_mean(k, j)]).collect();
-            paths.push((path, ellipse(estimates, last, [i, j]), palette.shade(estimates.color())));
+            paths.push((path, ellipse(estimates, last, [i, j]), context.color(estimates)));
         }
         let truth = run.record().truth(x).zip(run.record().truth(y)).and_then(|(x, y)| Some([*x.get(k)?, *y.get(k)?]));
         let truth = truth.filter(|_| visible.truth);
@@ -114,7 +113,7 @@ fn cloud(context: &ViewContext<'_>, posteriors: &Posteriors, [x, y]: [Channel; 2
     let [x, y] = [shown.sampled().values(x)?, shown.sampled().values(y)?];
     let points = x.into_iter().zip(y).map(|(x, y)| [x, y]).collect();
     let strength = if shown.is_of_now() { 0.6 } else { 0.25 };
-    Some((points, context.palette.shade(estimates.color()).gamma_multiply(strength)))
+    Some((points, context.color(estimates).gamma_multiply(strength)))
 }
 
 fn ellipse(estimates: &Estimates, k: usize, [i, j]: [usize; 2]) -> Vec<[f64; 2]> {
@@ -133,4 +132,88 @@ fn ellipse(estimates: &Estimates, k: usize, [i, j]: [usize; 2]) -> Vec<[f64; 2]>
             [centre[0] + ELLIPSE * a * cos, centre[1] + ELLIPSE * (b * cos + c * sin)]
         })
         .collect()
+}
+
+/// The distance between both means beyond which it is reported, in standard deviations of the posterior.
+const AWAY: f64 = 1.0;
+
+pub(super) fn head_ui(ui: &mut Ui, context: &ViewContext<'_>, posteriors: &Posteriors, requests: &mut Vec<Request>) {
+    const HINT: &str = "Points of the parameters' probability given the readings, found without the belief that it is normal. \
+                        Where they leave the ellipse, ±2σ is wrong.";
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing.x = 5.0;
+        ui.label("Posterior of").on_hover_text(HINT);
+        let chosen = posteriors.chosen();
+        let all = context.session.run().estimates();
+        let filter = chosen.and_then(|id| all.iter().find(|of| of.id() == id));
+        let combo =
+            ComboBox::from_id_salt("posterior").selected_text(filter.map_or("none", Estimates::name)).width(72.0);
+        let combo = combo.show_ui(ui, |ui| {
+            let choices = all.iter().map(|of| (Some(of.id()), of.name()));
+            for (id, name) in std::iter::once((None, "none")).chain(choices) {
+                if ui.selectable_label(chosen == id, name).clicked() && chosen != id {
+                    requests.push(Request::ChoosePosterior(id));
+                }
+            }
+        });
+        ui.ctx().accesskit_node_builder(combo.response.id, |node| node.set_label("Filter of the posterior"));
+        if let Some(filter) = filter {
+            ui.weak(words(context, posteriors, filter));
+        }
+    });
+}
+
+fn words(context: &ViewContext<'_>, posteriors: &Posteriors, filter: &Estimates) -> String {
+    let is_hidden = !context.visible.filter(filter.id());
+    let result = || posteriors.shown().and_then(|shown| sentences(context, shown, filter));
+    match (posteriors.progress(), posteriors.problem()) {
+        _ if is_hidden => format!("{} is hidden.", filter.name()),
+        (Some(share), _) => format!("{:.0} %", 100.0 * share),
+        (_, Some(problem)) => problem.to_owned(),
+        _ if context.session.playing() => "It is found when the playback stops.".to_owned(),
+        _ => result().unwrap_or_default(),
+    }
+}
+
+fn sentences(context: &ViewContext<'_>, shown: &Shown, estimates: &Estimates) -> Option<String> {
+    let run = context.session.run();
+    let filter = run.scenario().filters.iter().find(|filter| filter.id == shown.filter())?;
+    let mut text = comparison(estimates, shown)?;
+    if let Some((channel, solutions)) = shown.solutions() {
+        let [low, high] = solutions.means.map(|mean| fixed(mean, decimals(channel)));
+        let [one, other] = solutions.shares.map(|share| 100.0 * share);
+        let symbol = channel.symbol();
+        text += &format!(" Two solutions: {symbol} {low} ({one:.0} %) or {high} ({other:.0} %).");
+    }
+    if shown.sampled().is_stiller_than(filter, shown.last().0) {
+        text += " The filter lets the parameters change, the posterior does not.";
+    }
+    Some(text)
+}
+
+fn comparison(estimates: &Estimates, shown: &Shown) -> Option<String> {
+    let (sample, time) = shown.last();
+    let (mut ratios, mut away) = (Vec::new(), Vec::new());
+    for &channel in &shown.sampled().channels {
+        let place = estimates.place(channel).filter(|_| sample < estimates.len())?;
+        let [mean, std] = shown.sampled().moments(channel)?;
+        let symbol = channel.symbol();
+        ratios.push(format!("{} ({symbol})", significant(estimates.std(sample, place) / std, 2)));
+        let by = (estimates.canonical_mean(sample, place) - mean).abs() / std;
+        if by > AWAY {
+            away.push(format!("{} posterior σ away in {symbol}", significant(by, 2)));
+        }
+    }
+    let mut text = format!("At {} s its ±2σ is {} times the posterior's", fixed(time, 2), listed(&ratios));
+    if !away.is_empty() {
+        text += &format!(", and its mean {}", listed(&away));
+    }
+    Some(text + ".")
+}
+
+fn listed(words: &[String]) -> String {
+    match words.split_last() {
+        Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
+        _ => words.concat(),
+    }
 }

@@ -44,7 +44,7 @@ impl View for Phase {
             let at = |channel| estimates.place(channel);
             if let (Some(x), Some(v)) = (at(Channel::DISPLACEMENT), at(Channel::VELOCITY)) {
                 let path = samples(estimates.len()).map(|k| [estimates.mean(k)[x], estimates.mean(k)[v]]);
-                paths.push((path.collect(), palette.shade(estimates.color()), 1.4));
+                paths.push((path.collect(), context.color(estimates), 1.4));
             }
         }
         // Some more of the motion than is drawn, so that the frame changes little.

@@ -4,9 +4,9 @@ use egui::{Color32, ColorImage, Id, TextureHandle, TextureOptions, Ui, Vec2b};
 use egui_plot::{Line, Plot, PlotImage, PlotPoint, PlotPoints};
 use kalmanscope_core::{Channel, Spectrogram};
 
-use crate::plot::frame::sense;
+use crate::plot::medium::sense;
 use crate::request::Request;
-use crate::theme::ramps::sequential;
+use crate::theme::palette::sequential;
 use crate::view::{View, ViewContext};
 
 /// The range of colours \[dB\].
@@ -35,7 +35,7 @@ impl View for SpectrogramView {
     }
 
     fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, _requests: &mut Vec<Request>) -> Option<f64> {
-        let ViewContext { session, palette, axis, .. } = *context;
+        let ViewContext { session, axis, .. } = *context;
         let run = session.run();
         let record = run.record();
         let Some(quantity) = record.sensors().first() else {
@@ -80,7 +80,7 @@ impl View for SpectrogramView {
                 let step = (estimates.len() / POINTS).max(1);
                 let point = |k: usize| [record.time(k), estimates.canonical_mean(k, at) / std::f64::consts::TAU];
                 let points: PlotPoints<'_> = (0..estimates.len()).step_by(step).map(point).collect();
-                let color = palette.shade(estimates.color());
+                let color = context.color(estimates);
                 plot.line(
                     Line::new("ground", points.points().iter().map(|p| [p.x, p.y]).collect::<Vec<_>>())
                         .color(Color32::WHITE)
