@@ -2,17 +2,15 @@
 
 mod list;
 
+pub(crate) use list::window_ui;
+
 use egui::{Key, Modifiers};
-
-use kalmanscope_core::Scenario;
 use kalmanscope_core::setting::Change;
+use kalmanscope_core::{Channel, Hold, Scenario};
 
-use crate::comparison;
 use crate::request::{LegendEntry, Request};
 use crate::ruler::End;
 use crate::session::{Mode, Session};
-
-pub(crate) use list::window_ui;
 
 struct Shortcut {
     name: &'static str,
@@ -66,10 +64,10 @@ const GROUPS: &[(&str, &[Shortcut])] = &[
                 request: |_| Request::Undo,
             },
             plain("H", "the input held, or linear between samples", &[Key::H], |session| {
-                edit(session, comparison::with_other_hold)
+                edit(session, with_other_hold)
             }),
             plain("G", "the gain of the input estimated, or known", &[Key::G], |session| {
-                edit(session, comparison::with_other_gain)
+                edit(session, with_other_gain)
             }),
         ],
     ),
@@ -162,4 +160,22 @@ pub(crate) fn keys(ctx: &egui::Context, session: &Session, requests: &mut Vec<Re
 fn edit(session: &Session, edited: fn(&Scenario) -> Scenario) -> Request {
     let before = session.scenario();
     Request::Edit(Change::between(before, &edited(before)))
+}
+
+pub(crate) fn with_other_hold(scenario: &Scenario) -> Scenario {
+    let hold = match scenario.hold {
+        Hold::Zero => Hold::First,
+        Hold::First => Hold::Zero,
+    };
+    Scenario { hold, ..scenario.clone() }
+}
+
+pub(crate) fn with_other_gain(scenario: &Scenario) -> Scenario {
+    let mut scenario = scenario.clone();
+    let all = scenario.filters.iter().all(|filter| filter.augment.contains(&Channel::INPUT_GAIN));
+    for filter in &mut scenario.filters {
+        filter.augment.retain(|channel| *channel != Channel::INPUT_GAIN);
+        filter.augment.extend((!all).then_some(Channel::INPUT_GAIN));
+    }
+    scenario
 }

@@ -7,8 +7,6 @@
 
 pub mod app;
 mod bar;
-mod column;
-mod comparison;
 pub mod controls;
 mod drawer;
 pub mod drop;
@@ -17,9 +15,7 @@ pub mod export;
 mod export_menu;
 pub mod figure;
 mod finder;
-mod focus;
 mod gap;
-mod hover;
 pub mod import;
 pub mod inbox;
 mod keys;
@@ -41,7 +37,6 @@ pub mod share;
 pub mod sheet;
 pub mod shelf;
 mod spark;
-mod steady;
 mod story;
 pub mod team;
 pub mod text;
@@ -56,5 +51,6 @@ mod verdict;
 pub mod view;
 pub mod views;
 pub mod visibility;
+mod widgets;
 
 pub use app::App;

@@ -4,7 +4,6 @@ mod autocorrelation;
 mod channels;
 mod consistency;
 pub(crate) mod diagnosis;
-mod errors;
 mod filters;
 mod frequency_response;
 mod gain;
@@ -33,7 +32,7 @@ pub fn view(kind: ViewKind) -> &'static dyn View {
         ViewKind::Oscillator => &oscillator::Oscillator,
         ViewKind::Parameters => &channels::Channels::Parameters,
         ViewKind::States => &channels::Channels::States,
-        ViewKind::Errors => &errors::Errors,
+        ViewKind::Errors => &channels::Errors,
         ViewKind::Measured => &measured::Measured,
         ViewKind::Innovations => &innovations::Innovations,
         ViewKind::Classes => &model_classes::Classes,

@@ -4,9 +4,9 @@ use egui::{DragValue, Id, PointerButton, Response, Slider, SliderClamping, Strok
 
 use kalmanscope_core::setting::SettingInfo;
 
-use crate::hover::hover_text;
 use crate::probe::remember;
 use crate::text::{in_hertz, parse, significant};
+use crate::widgets::hover_text;
 
 /// Width of the labels, so that all sliders are aligned \[points\].
 const LABEL_WIDTH: f32 = 100.0;

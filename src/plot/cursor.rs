@@ -8,10 +8,10 @@ use egui_plot::PlotTransform;
 
 use super::decoration::Paint;
 use super::heading::Readout;
-use super::input::PlotInput;
 use super::item::{DASH, Projection};
 use super::marks::{Mark, Rung};
 use super::medium::Medium;
+use super::time_axis::PlotInput;
 use crate::request::Request;
 use crate::ruler::End;
 use crate::session::Mode;

@@ -1,10 +1,15 @@
 //! A chart's drawing as one plot item.
 
+use std::ops::Range;
+
 use egui::mutex::Mutex;
 use egui::{Color32, Context, Pos2, Rangef, Rect, Shape, Stroke, Ui, pos2};
-use egui_plot::{GridMark, PlotPoint, PlotTransform};
+use egui_plot::{GridMark, PlotPoint, PlotTransform, PlotUi};
+use kalmanscope_core::Record;
 
-use super::decoration::Paint;
+use super::coinciding::drawn_runs;
+use super::decoration::{Decoration, Paint};
+use super::layers::{Layer, LayerColumns, Window, unbroken, value_range};
 use super::marks::{Mark, Rung};
 use super::strokes::Strokes;
 use super::ticks::{log_tick, log_ticks, ticks};
@@ -204,5 +209,37 @@ impl Grid {
         }
         let (left, bottom) = (strokes.on_a_pixel(frame.left() + 0.5), strokes.on_a_pixel(frame.bottom() - 0.5));
         strokes.line(&[pos2(left, frame.top()), pos2(left, bottom), pos2(frame.right(), bottom)], stroke(1.0));
+    }
+}
+
+#[derive(Default)]
+pub(crate) struct Drawing {
+    marks: Vec<Mark>,
+    painted: PaintedShapes,
+    pub(crate) range: Option<(f64, f64)>,
+}
+
+impl Drawing {
+    pub(crate) fn new(layers: &[Layer<'_>], record: &Record, window: &Window, least: Option<(f64, f64)>) -> Self {
+        let columns: Vec<LayerColumns> = layers.iter().map(|layer| LayerColumns::new(layer, record, window)).collect();
+        let range = value_range(layers.iter().zip(&columns), least);
+        // Without a range there are no values to draw.
+        let marks = window.scale(range).map_or(Vec::new(), |scale| {
+            let runs = drawn_runs(layers, &columns, record, scale);
+            let of_layer = |((layer, columns), runs): ((&Layer<'_>, &LayerColumns), Vec<Range<usize>>)| {
+                let parts = runs.into_iter().flat_map(|run| unbroken(columns, run));
+                parts.filter_map(|run| Mark::new(layer, columns, run, record, scale)).collect::<Vec<_>>()
+            };
+            layers.iter().zip(&columns).zip(runs).flat_map(of_layer).collect()
+        });
+        Self { range, marks, painted: PaintedShapes::default() }
+    }
+
+    pub(crate) fn show<'a>(&'a self, grid: Grid, plot: &mut PlotUi<'a>) {
+        plot.add(Decoration::new("drawing", DrawingItem::new(grid, &self.marks, &self.painted)));
+    }
+
+    pub(super) fn marks(&self) -> &[Mark] {
+        &self.marks
     }
 }

@@ -9,11 +9,11 @@ use kalmanscope_core::diagnostics::Depth;
 
 use crate::request::Request;
 use crate::session::Wanted;
-use crate::steady::{is_held, steady_ui};
 use crate::text::sentence;
 use crate::theme;
 use crate::verdict::{symbol, text_color};
 use crate::view::{View, ViewContext};
+use crate::widgets::{is_held, steady_ui};
 
 pub(super) struct Diagnosis;
 

@@ -6,7 +6,7 @@ use kalmanscope_core::{Channel, Spectrogram};
 
 use crate::plot::medium::sense;
 use crate::request::Request;
-use crate::theme::palette::sequential;
+use crate::theme::sequential;
 use crate::view::{View, ViewContext};
 
 /// The range of colours \[dB\].

@@ -8,8 +8,7 @@ use kalmanscope_core::{Measure, ValueKind, VerdictKind};
 use crate::laboratory::Survey;
 use crate::plot::graph::Scale;
 use crate::text::significant;
-use crate::theme::Palette;
-use crate::theme::palette::{diverging, kind, sequential};
+use crate::theme::{Palette, diverging, kind, sequential};
 
 /// The limit of a consistent filter's mean NIS: its distance from 1, in standard deviations, with 99 % probability.
 pub(super) const CONSISTENT: f64 = 2.575_829_303_548_901;
