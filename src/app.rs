@@ -219,7 +219,7 @@ impl App {
     }
 
     fn model_time(&self) -> Option<ModelTime> {
-        let wanted = self.layout.in_sight().iter().any(|kind| views::view(*kind).wants_free_runs());
+        let wanted = self.layout.in_sight().iter().any(|kind| views::view(*kind).wants_free_runs);
         wanted.then(|| match (self.ruler.time(End::A), self.ruler.time(End::B)) {
             (Some(a), Some(b)) => ModelTime::Over(a, b),
             (Some(time), None) | (None, Some(time)) => ModelTime::At(time),

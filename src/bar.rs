@@ -134,8 +134,8 @@ fn views_menu_ui(ui: &mut Ui, layout: &Layout, requests: &mut Vec<Request>) {
         let shown = layout.shown();
         for kind in ViewKind::ALL {
             let mut on = shown.contains(&kind);
-            let checkbox = ui.checkbox(&mut on, view(kind).name());
-            probe::remember(ui.ctx(), view(kind).name(), checkbox.rect);
+            let checkbox = ui.checkbox(&mut on, view(kind).name);
+            probe::remember(ui.ctx(), view(kind).name, checkbox.rect);
             if checkbox.changed() {
                 requests.push(Request::ToggleView(kind));
             }

@@ -99,7 +99,7 @@ fn least_height(kind: ViewKind, bar: f32, context: &ViewContext<'_>) -> f32 {
     match kind.proportions() {
         Proportions::Flat => LEAST_FLAT,
         Proportions::Tall => bar + LEAST_TALL,
-        Proportions::Wide | Proportions::Square => bar + LEAST.max(LEAST_PLOT * view(kind).plots(context) as f32),
+        Proportions::Wide | Proportions::Square => bar + LEAST.max(LEAST_PLOT * (view(kind).plots)(context) as f32),
     }
 }
 
@@ -120,10 +120,10 @@ fn bar_height(ui: &Ui) -> f32 {
     ui.spacing().interact_size.y.max(TARGET)
 }
 
-pub(crate) fn help_ui(ui: &mut Ui, view: &dyn View) {
+pub(crate) fn help_ui(ui: &mut Ui, view: &View) {
     let lines = |ui: &mut Ui| {
         ui.set_max_width(380.0);
-        for line in view.help() {
+        for line in view.help {
             ui.label(line);
         }
     };
@@ -132,7 +132,7 @@ pub(crate) fn help_ui(ui: &mut Ui, view: &dyn View) {
     // On a touch screen nothing hovers.
     let is_open = egui::Popup::from_toggle_button_response(&help).show(lines).is_some();
     let help = if is_open { help } else { help.on_hover_ui(lines) };
-    help.ctx.accesskit_node_builder(help.id, |node| node.set_label(format!("About {}", view.name())));
+    help.ctx.accesskit_node_builder(help.id, |node| node.set_label(format!("About {}", view.name)));
 }
 
 struct Panes<'a> {
@@ -152,7 +152,7 @@ impl Panes<'_> {
             let width = ui.available_width() - if column.scrolls { ui.spacing().scroll.bar_width } else { 0.0 };
             for (&kind, height) in kinds.iter().zip(column.heights) {
                 let (rect, _) = ui.allocate_exact_size(vec2(width, height), Sense::hover());
-                let mut child = ui.new_child(UiBuilder::new().id_salt(view(kind).name()).max_rect(rect));
+                let mut child = ui.new_child(UiBuilder::new().id_salt(view(kind).name).max_rect(rect));
                 self.show(&mut child, kind);
             }
         });
@@ -165,7 +165,7 @@ impl Panes<'_> {
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
             for &&kind in plots.iter().chain(&pictures) {
                 let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
-                let mut child = ui.new_child(UiBuilder::new().id_salt(view(kind).name()).max_rect(rect));
+                let mut child = ui.new_child(UiBuilder::new().id_salt(view(kind).name).max_rect(rect));
                 self.pointed = view(kind).ui(&mut child, self.context, self.requests).or(self.pointed);
             }
         });
@@ -186,7 +186,7 @@ impl Panes<'_> {
         let view = view(kind);
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 4.0;
-            let name = RichText::new(view.name()).small().weak();
+            let name = RichText::new(view.name).small().weak();
             let sense = if self.draggable { Sense::click_and_drag() } else { Sense::click() };
             let title = ui.add(egui::Label::new(name).selectable(false).sense(sense));
             let title = if self.draggable { title.on_hover_text("Drag to move") } else { title };
@@ -195,13 +195,13 @@ impl Panes<'_> {
             let small = |icon: &str| Button::new(RichText::new(icon).weak()).frame(false).min_size(vec2(side, side));
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 let close = ui.add(small("×")).on_hover_text("Hide this view");
-                close.ctx.accesskit_node_builder(close.id, |node| node.set_label(format!("Hide {}", view.name())));
+                close.ctx.accesskit_node_builder(close.id, |node| node.set_label(format!("Hide {}", view.name)));
                 if close.clicked() {
                     self.requests.push(Request::ToggleView(kind));
                 }
                 let enlarge = ui.add(small("⛶")).on_hover_text("As large as can be, and back");
                 enlarge.ctx.accesskit_node_builder(enlarge.id, |node| {
-                    node.set_label(format!("Enlarge {}", view.name()));
+                    node.set_label(format!("Enlarge {}", view.name));
                 });
                 if enlarge.clicked() || title.double_clicked() {
                     self.requests.push(Request::ToggleEnlarged(kind));
@@ -219,7 +219,7 @@ impl Behavior<ViewKind> for Panes<'_> {
     }
 
     fn tab_title_for_pane(&mut self, kind: &ViewKind) -> WidgetText {
-        view(*kind).name().into()
+        view(*kind).name.into()
     }
 
     fn simplification_options(&self) -> SimplificationOptions {

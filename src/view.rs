@@ -120,45 +120,51 @@ impl<'a> ViewContext<'a> {
     }
 }
 
-pub trait View: Sync {
-    fn name(&self) -> &'static str;
+/// Draws a view into all of its room. Returns the time that the user points at \[s\].
+type ViewUi = fn(&mut Ui, &ViewContext<'_>, &mut Vec<Request>) -> Option<f64>;
 
-    fn help(&self) -> [&'static str; 3];
-
-    fn wanted(&self) -> Wanted {
-        Wanted::NOTHING
-    }
-
-    fn wants_free_runs(&self) -> bool {
-        false
-    }
-
-    fn is_of_laboratory(&self) -> bool {
-        false
-    }
-
-    fn charts<'a>(&self, _context: &ViewContext<'a>) -> Vec<Chart<'a>> {
-        Vec::new()
-    }
-
+/// A view: a function of an immutable context. It has charts over time, or draws itself.
+pub struct View {
+    pub name: &'static str,
+    pub help: [&'static str; 3],
+    pub(crate) wanted: Wanted,
+    pub(crate) wants_free_runs: bool,
+    pub(crate) is_of_laboratory: bool,
+    pub(crate) charts: for<'a> fn(&ViewContext<'a>) -> Vec<Chart<'a>>,
     /// The number of the charts, without making them.
-    fn plots(&self, _context: &ViewContext<'_>) -> usize {
-        0
+    pub(crate) plots: fn(&ViewContext<'_>) -> usize,
+    pub(crate) without_charts: &'static str,
+    /// The numbers as text, where they are not those of the charts.
+    pub(crate) sheets: Option<for<'a> fn(&ViewContext<'a>) -> Vec<Sheet<'a>>>,
+    pub(crate) ui: Option<ViewUi>,
+}
+
+impl View {
+    pub(crate) const NONE: Self = Self {
+        name: "",
+        help: [""; 3],
+        wanted: Wanted::NOTHING,
+        wants_free_runs: false,
+        is_of_laboratory: false,
+        charts: |_| Vec::new(),
+        plots: |_| 0,
+        without_charts: "",
+        sheets: None,
+        ui: None,
+    };
+
+    pub(crate) fn sheets<'a>(&self, context: &ViewContext<'a>) -> Vec<Sheet<'a>> {
+        let of_charts = || (self.charts)(context).into_iter().map(Chart::into_sheet).collect();
+        self.sheets.map_or_else(of_charts, |sheets| sheets(context))
     }
 
-    fn without_charts(&self) -> &'static str {
-        ""
-    }
-
-    fn sheets<'a>(&self, context: &ViewContext<'a>) -> Vec<Sheet<'a>> {
-        self.charts(context).into_iter().map(Chart::into_sheet).collect()
-    }
-
-    /// Draws it into all of `ui`. Returns the time that the user points at \[s\].
-    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
-        let charts = self.charts(context);
+    pub fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
+        if let Some(own) = self.ui {
+            return own(ui, context, requests);
+        }
+        let charts = (self.charts)(context);
         if charts.is_empty() {
-            ui.weak(self.without_charts());
+            ui.weak(self.without_charts);
         }
         charts_ui(ui, charts, &context.plot_input(), requests)
     }

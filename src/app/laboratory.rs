@@ -29,7 +29,7 @@ impl App {
     }
 
     pub(super) fn follow_laboratory(&mut self, ctx: &Context) {
-        let is_in_sight = self.layout.in_sight().iter().any(|kind| view(*kind).is_of_laboratory());
+        let is_in_sight = self.layout.in_sight().iter().any(|kind| view(*kind).is_of_laboratory);
         self.laboratory.follow(&self.session, is_in_sight, self.width < NARROW, ctx);
         let filters = self.session.run().estimates().iter().map(Estimates::id);
         let filters: Vec<u32> = filters.filter(|id| self.visible.filter(*id)).collect();

@@ -158,7 +158,7 @@ impl Sheet<'_> {
     }
 
     fn name(&self, kind: ViewKind, width: f32) -> Vec<ClippedShape> {
-        let name = RichText::new(view(kind).name()).weak();
+        let name = RichText::new(view(kind).name).weak();
         self.canvas.draw(vec2(width, NAME), |ui| {
             ui.label(name.clone());
         })

@@ -56,8 +56,8 @@ pub(super) fn entries(session: &Session, catalogue: &Catalogue) -> Vec<Entry> {
         Entry { words: title.to_lowercase(), title, kind: "choice", hint: String::new(), choice: Choice::Edit(edit) }
     });
     let views = ViewKind::ALL.into_iter().map(|kind| {
-        let [about, ..] = view(kind).help();
-        Entry::new(view(kind).name(), "view", about, Request::ShowView(kind))
+        let [about, ..] = view(kind).help;
+        Entry::new(view(kind).name, "view", about, Request::ShowView(kind))
     });
     let scenarios = BUILT_IN.iter().chain(EQUATIONS);
     let scenarios = scenarios.map(|one| Entry::new(one.title, "scenario", one.description(), Request::Open(*one)));

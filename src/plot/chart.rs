@@ -24,7 +24,7 @@ use crate::sheet::{Column, Sheet, readouts};
 const TICKS_FADE: egui::Rangef = egui::Rangef { min: 14.0, max: 18.0 };
 
 #[derive(Default)]
-pub struct Chart<'a> {
+pub(crate) struct Chart<'a> {
     pub(crate) key: String,
     pub(crate) title: String,
     pub(crate) symbol: String,

@@ -14,48 +14,37 @@ use crate::views::{handles, weights};
 /// The width of the first filter's line \[points\].
 const ESTIMATE: f32 = 2.4;
 
-pub(super) enum Channels {
-    States,
-    Parameters,
+pub(super) static STATES: View = View {
+    name: "States",
+    help: [
+        "The motion over time: truth thick, measurements as dots, each filter's estimate with its ±2σ band.",
+        "The band of a consistent filter contains the truth 95 % of the time.",
+        "The estimate should be closer to the truth than the dots. A robust filter leaves out those in its colour.",
+    ],
+    charts: |context| channel_charts(false, context),
+    plots: |context| channels(false, context).len(),
+    ..View::NONE
+};
+
+pub(super) static PARAMETERS: View = View {
+    name: "Parameters",
+    help: [
+        "The plant's parameters over time: truth thick, each filter's estimate with its ±2σ band.",
+        "They are not measured: a filter infers them from the response of the motion to the force.",
+        "The band narrows with every measurement. Only a filter with fading memory or process noise follows a change of the truth.",
+    ],
+    charts: |context| channel_charts(true, context),
+    plots: |context| channels(true, context).len(),
+    ..View::NONE
+};
+
+fn channels(are_parameters: bool, context: &ViewContext<'_>) -> Vec<Channel> {
+    let is_wanted = |channel: &Channel| channel.is_parameter() == are_parameters;
+    context.visible.channels(context.session.run().channels().into_iter().filter(is_wanted).collect())
 }
 
-impl View for Channels {
-    fn name(&self) -> &'static str {
-        match self {
-            Self::States => "States",
-            Self::Parameters => "Parameters",
-        }
-    }
-
-    fn help(&self) -> [&'static str; 3] {
-        match self {
-            Self::States => [
-                "The motion over time: truth thick, measurements as dots, each filter's estimate with its ±2σ band.",
-                "The band of a consistent filter contains the truth 95 % of the time.",
-                "The estimate should be closer to the truth than the dots. A robust filter leaves out those in its colour.",
-            ],
-            Self::Parameters => [
-                "The plant's parameters over time: truth thick, each filter's estimate with its ±2σ band.",
-                "They are not measured: a filter infers them from the response of the motion to the force.",
-                "The band narrows with every measurement. Only a filter with fading memory or process noise follows a change of the truth.",
-            ],
-        }
-    }
-
-    fn charts<'a>(&self, context: &ViewContext<'a>) -> Vec<Chart<'a>> {
-        self.channels(context).into_iter().map(|channel| chart(channel, context)).collect()
-    }
-
-    fn plots(&self, context: &ViewContext<'_>) -> usize {
-        self.channels(context).len()
-    }
-}
-
-impl Channels {
-    fn channels(&self, context: &ViewContext<'_>) -> Vec<Channel> {
-        let is_wanted = |channel: &Channel| channel.is_parameter() == matches!(self, Self::Parameters);
-        context.visible.channels(context.session.run().channels().into_iter().filter(is_wanted).collect())
-    }
+fn channel_charts<'a>(are_parameters: bool, context: &ViewContext<'a>) -> Vec<Chart<'a>> {
+    channels(are_parameters, context).into_iter().map(|channel| chart(channel, context)).collect()
 }
 
 fn chart<'a>(channel: Channel, context: &ViewContext<'a>) -> Chart<'a> {
@@ -122,36 +111,22 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>) -> Chart<'a> {
     }
 }
 
-pub(super) struct Errors;
+pub(super) static ERRORS: View = View {
+    name: "Errors",
+    help: [
+        "Estimate minus truth over time, in the filter's ±2σ band; dashed is ±2 times the Cramér-Rao bound.",
+        "An error outside its band more than 5 % of the time: the filter is overconfident. Far inside all the time: it is underconfident.",
+        "No unbiased filter with the same initial belief and noise has a band inside the dashed lines.",
+    ],
+    wanted: Wanted::BOUNDS,
+    charts: error_charts,
+    plots: |context| known_channels(context).len(),
+    without_charts: "The truth of this record is not known.",
+    ..View::NONE
+};
 
-impl View for Errors {
-    fn name(&self) -> &'static str {
-        "Errors"
-    }
-
-    fn help(&self) -> [&'static str; 3] {
-        [
-            "Estimate minus truth over time, in the filter's ±2σ band; dashed is ±2 times the Cramér-Rao bound.",
-            "An error outside its band more than 5 % of the time: the filter is overconfident. Far inside all the time: it is underconfident.",
-            "No unbiased filter with the same initial belief and noise has a band inside the dashed lines.",
-        ]
-    }
-
-    fn wanted(&self) -> Wanted {
-        Wanted::BOUNDS
-    }
-
-    fn charts<'a>(&self, context: &ViewContext<'a>) -> Vec<Chart<'a>> {
-        known_channels(context).into_iter().map(|channel| error_chart(channel, context)).collect()
-    }
-
-    fn plots(&self, context: &ViewContext<'_>) -> usize {
-        known_channels(context).len()
-    }
-
-    fn without_charts(&self) -> &'static str {
-        "The truth of this record is not known."
-    }
+fn error_charts<'a>(context: &ViewContext<'a>) -> Vec<Chart<'a>> {
+    known_channels(context).into_iter().map(|channel| error_chart(channel, context)).collect()
 }
 
 fn known_channels(context: &ViewContext<'_>) -> Vec<Channel> {

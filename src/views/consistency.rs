@@ -15,32 +15,21 @@ use crate::view::{View, ViewContext};
 /// Duration of the moving mean \[s\].
 const WINDOW: f64 = 2.0;
 
-pub(super) struct Consistency;
+pub(super) static VIEW: View = View {
+    name: "NIS and NEES",
+    help: [
+        "Squares of innovations (NIS) and errors (NEES) over their expectation, as a moving mean, on a logarithmic axis.",
+        "At 1 the filter is consistent. Above: overconfident. Below: underconfident. Between the dashed lines lie 95 % of the means of a consistent filter, by the χ² distribution.",
+        "NIS needs only measurements; NEES needs the truth. Errors change slowly, so NEES strays further than NIS by chance.",
+    ],
+    wanted: Wanted::diagnostics(Depth::Consistency),
+    charts,
+    plots: |_| 2,
+    ..View::NONE
+};
 
-impl View for Consistency {
-    fn name(&self) -> &'static str {
-        "NIS and NEES"
-    }
-
-    fn help(&self) -> [&'static str; 3] {
-        [
-            "Squares of innovations (NIS) and errors (NEES) over their expectation, as a moving mean, on a logarithmic axis.",
-            "At 1 the filter is consistent. Above: overconfident. Below: underconfident. Between the dashed lines lie 95 % of the means of a consistent filter, by the χ² distribution.",
-            "NIS needs only measurements; NEES needs the truth. Errors change slowly, so NEES strays further than NIS by chance.",
-        ]
-    }
-
-    fn wanted(&self) -> Wanted {
-        Wanted::diagnostics(Depth::Consistency)
-    }
-
-    fn charts<'a>(&self, context: &ViewContext<'a>) -> Vec<Chart<'a>> {
-        [NIS, NEES].iter().map(|square| chart(square, context)).collect()
-    }
-
-    fn plots(&self, _: &ViewContext<'_>) -> usize {
-        2
-    }
+fn charts<'a>(context: &ViewContext<'a>) -> Vec<Chart<'a>> {
+    [NIS, NEES].iter().map(|square| chart(square, context)).collect()
 }
 
 struct Square {

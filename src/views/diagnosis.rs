@@ -15,37 +15,29 @@ use crate::verdict::{symbol, text_color};
 use crate::view::{View, ViewContext};
 use crate::widgets::{is_held, steady_ui};
 
-pub(super) struct Diagnosis;
+pub(super) static VIEW: View = View {
+    name: "Diagnosis",
+    help: [
+        "Whether each filter's ±2σ is to be believed over the record so far, and the tests that say so: click on one for how to read it.",
+        "A bar is the size of an effect; beyond the line in its middle it matters. It counts if chance explains it in less than one of 10 000 records.",
+        "Causes are tried: the filter runs again with a setting changed. A button makes that change; Ctrl+Z takes it back.",
+    ],
+    wanted: Wanted::diagnostics(Depth::All),
+    ui: Some(view_ui),
+    ..View::NONE
+};
 
-impl View for Diagnosis {
-    fn name(&self) -> &'static str {
-        "Diagnosis"
-    }
-
-    fn help(&self) -> [&'static str; 3] {
-        [
-            "Whether each filter's ±2σ is to be believed over the record so far, and the tests that say so: click on one for how to read it.",
-            "A bar is the size of an effect; beyond the line in its middle it matters. It counts if chance explains it in less than one of 10 000 records.",
-            "Causes are tried: the filter runs again with a setting changed. A button makes that change; Ctrl+Z takes it back.",
-        ]
-    }
-
-    fn wanted(&self) -> Wanted {
-        Wanted::diagnostics(Depth::All)
-    }
-
-    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
-        // After a press, another button may move to the same place.
-        let is_held = is_held(ui, "hand on the diagnosis");
-        ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-            ui.set_width(ui.available_width() - ui.spacing().scroll.bar_width);
-            for (place, estimates) in context.filters() {
-                ui.push_id(estimates.id(), |ui| filter_ui(ui, context, (place, is_held), estimates, requests));
-                ui.add_space(10.0);
-            }
-        });
-        None
-    }
+fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
+    // After a press, another button may move to the same place.
+    let is_held = is_held(ui, "hand on the diagnosis");
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        ui.set_width(ui.available_width() - ui.spacing().scroll.bar_width);
+        for (place, estimates) in context.filters() {
+            ui.push_id(estimates.id(), |ui| filter_ui(ui, context, (place, is_held), estimates, requests));
+            ui.add_space(10.0);
+        }
+    });
+    None
 }
 
 pub(crate) fn drawer_ui(ui: &mut Ui, context: &ViewContext<'_>, id: u32, requests: &mut Vec<Request>) {

@@ -11,34 +11,30 @@ use crate::sheet::Sheet;
 use crate::text::significant;
 use crate::view::{View, ViewContext};
 
-pub(super) struct Gain;
+pub(super) static VIEW: View = View {
+    name: "Kalman gain",
+    help: [
+        "What an innovation of one sensor changes: of the channel that it measures, the share of the innovation that is taken; of any other, K times √S, the change by an innovation of one standard deviation.",
+        "Large at first, when the filter knows little; then constant, when measurements balance process noise and fading.",
+        "With a gain near zero, measurements no longer change the estimate.",
+    ],
+    sheets: Some(sheets),
+    ui: Some(view_ui),
+    ..View::NONE
+};
 
-impl View for Gain {
-    fn name(&self) -> &'static str {
-        "Kalman gain"
-    }
+fn sheets<'a>(context: &ViewContext<'a>) -> Vec<Sheet<'a>> {
+    let sensors = 0..context.session.sensors().len();
+    sensors.flat_map(|sensor| charts(sensor, context)).map(Chart::into_sheet).collect()
+}
 
-    fn help(&self) -> [&'static str; 3] {
-        [
-            "What an innovation of one sensor changes: of the channel that it measures, the share of the innovation that is taken; of any other, K times √S, the change by an innovation of one standard deviation.",
-            "Large at first, when the filter knows little; then constant, when measurements balance process noise and fading.",
-            "With a gain near zero, measurements no longer change the estimate.",
-        ]
+fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
+    if context.session.run().scenario().sensors.is_empty() {
+        ui.weak("Nothing is measured.");
+        return None;
     }
-
-    fn sheets<'a>(&self, context: &ViewContext<'a>) -> Vec<Sheet<'a>> {
-        let sensors = 0..context.session.sensors().len();
-        sensors.flat_map(|sensor| charts(sensor, context)).map(Chart::into_sheet).collect()
-    }
-
-    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
-        if context.session.run().scenario().sensors.is_empty() {
-            ui.weak("Nothing is measured.");
-            return None;
-        }
-        let sensor = sensor_ui(ui, &context.session.sensors());
-        charts_ui(ui, charts(sensor, context), &context.plot_input(), requests)
-    }
+    let sensor = sensor_ui(ui, &context.session.sensors());
+    charts_ui(ui, charts(sensor, context), &context.plot_input(), requests)
 }
 
 fn sensor_ui(ui: &mut Ui, sensors: &[Quantity]) -> usize {

@@ -16,38 +16,32 @@ use crate::views::handles;
 /// Limits the number of charts if each filter has its own.
 const ROWS: usize = 8;
 
-pub(super) struct Innovations;
+pub(super) static VIEW: View = View {
+    name: "Innovations",
+    help: [
+        "Measurement minus prediction, in its ±2√S band.",
+        "For a well tuned filter they are white noise, and 95 % are in the band.",
+        "A rhythm in them, or a band that does not fit, shows that model, Q or R is wrong, without knowledge of the truth. Filters that learn R show it below.",
+    ],
+    sheets: Some(sheets),
+    charts: all_charts,
+    plots,
+    without_charts: "Nothing is measured.",
+    ..View::NONE
+};
 
-impl View for Innovations {
-    fn name(&self) -> &'static str {
-        "Innovations"
-    }
+fn sheets<'a>(context: &ViewContext<'a>) -> Vec<Sheet<'a>> {
+    charts(usize::MAX, context).into_iter().map(Chart::into_sheet).collect()
+}
 
-    fn help(&self) -> [&'static str; 3] {
-        [
-            "Measurement minus prediction, in its ±2√S band.",
-            "For a well tuned filter they are white noise, and 95 % are in the band.",
-            "A rhythm in them, or a band that does not fit, shows that model, Q or R is wrong, without knowledge of the truth. Filters that learn R show it below.",
-        ]
-    }
+fn all_charts<'a>(context: &ViewContext<'a>) -> Vec<Chart<'a>> {
+    charts(if is_apart(context) { 1 } else { usize::MAX }, context)
+}
 
-    fn sheets<'a>(&self, context: &ViewContext<'a>) -> Vec<Sheet<'a>> {
-        charts(usize::MAX, context).into_iter().map(Chart::into_sheet).collect()
-    }
-
-    fn charts<'a>(&self, context: &ViewContext<'a>) -> Vec<Chart<'a>> {
-        charts(if is_apart(context) { 1 } else { usize::MAX }, context)
-    }
-
-    fn plots(&self, context: &ViewContext<'_>) -> usize {
-        let groups = if is_apart(context) { context.filters().count().max(1) } else { 1 };
-        let learnt = usize::from(learning(context).next().is_some());
-        context.session.sensors().len() * (groups + learnt) + usize::from(scaling(context).is_some())
-    }
-
-    fn without_charts(&self) -> &'static str {
-        "Nothing is measured."
-    }
+fn plots(context: &ViewContext<'_>) -> usize {
+    let groups = if is_apart(context) { context.filters().count().max(1) } else { 1 };
+    let learnt = usize::from(learning(context).next().is_some());
+    context.session.sensors().len() * (groups + learnt) + usize::from(scaling(context).is_some())
 }
 
 /// Whether each filter has its own chart: the innovations of several in one would be one block of colour.

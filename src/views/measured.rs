@@ -14,45 +14,36 @@ use crate::views::weights;
 /// Width of a line of predictions \[points\].
 const PREDICTED: f32 = 2.2;
 
-pub(super) struct Measured;
+pub(super) static VIEW: View = View {
+    name: "Measured and predicted",
+    help: [
+        "Dots are measured; those in a filter's colour count less for it, full ones nothing; lines are predicted one step ahead; dashed lines are the free run: the identified model alone, driven by the input.",
+        "The fit is 100 % where the free run has no error and 0 % where it is no better than the mean. It is the number by which a model is judged.",
+        "The model is the last estimate, or that at the mark A, or the mean from A to B (keys A and B).",
+    ],
+    wants_free_runs: true,
+    sheets: Some(sheets),
+    charts,
+    plots,
+    without_charts: "Nothing is measured.",
+    ..View::NONE
+};
 
-impl View for Measured {
-    fn name(&self) -> &'static str {
-        "Measured and predicted"
-    }
+fn sheets<'a>(context: &ViewContext<'a>) -> Vec<Sheet<'a>> {
+    sensors(context).map(|(sensor, quantity)| signals(sensor, quantity, context).into_sheet()).collect()
+}
 
-    fn help(&self) -> [&'static str; 3] {
-        [
-            "Dots are measured; those in a filter's colour count less for it, full ones nothing; lines are predicted one step ahead; dashed lines are the free run: the identified model alone, driven by the input.",
-            "The fit is 100 % where the free run has no error and 0 % where it is no better than the mean. It is the number by which a model is judged.",
-            "The model is the last estimate, or that at the mark A, or the mean from A to B (keys A and B).",
-        ]
-    }
+fn charts<'a>(context: &ViewContext<'a>) -> Vec<Chart<'a>> {
+    let of = |(sensor, quantity): (usize, Quantity)| {
+        // A record that is being measured has no free run.
+        let errors = (!context.session.is_live()).then(|| errors(sensor, quantity, context));
+        std::iter::once(signals(sensor, quantity, context)).chain(errors)
+    };
+    sensors(context).flat_map(of).collect()
+}
 
-    fn wants_free_runs(&self) -> bool {
-        true
-    }
-
-    fn sheets<'a>(&self, context: &ViewContext<'a>) -> Vec<Sheet<'a>> {
-        sensors(context).map(|(sensor, quantity)| signals(sensor, quantity, context).into_sheet()).collect()
-    }
-
-    fn charts<'a>(&self, context: &ViewContext<'a>) -> Vec<Chart<'a>> {
-        let of = |(sensor, quantity): (usize, Quantity)| {
-            // A record that is being measured has no free run.
-            let errors = (!context.session.is_live()).then(|| errors(sensor, quantity, context));
-            std::iter::once(signals(sensor, quantity, context)).chain(errors)
-        };
-        sensors(context).flat_map(of).collect()
-    }
-
-    fn plots(&self, context: &ViewContext<'_>) -> usize {
-        sensors(context).count() * if context.session.is_live() { 1 } else { 2 }
-    }
-
-    fn without_charts(&self) -> &'static str {
-        "Nothing is measured."
-    }
+fn plots(context: &ViewContext<'_>) -> usize {
+    sensors(context).count() * if context.session.is_live() { 1 } else { 2 }
 }
 
 fn sensors<'a>(context: &ViewContext<'a>) -> impl Iterator<Item = (usize, Quantity)> + use<'a> {

@@ -17,42 +17,32 @@ use crate::view::{View, ViewContext};
 /// Limits the samples at which classes are weighed for one picture; the nearest before holds between them.
 const WEIGHED: usize = 2_000;
 
-pub(super) struct Classes;
+pub(super) static VIEW: View = View {
+    name: "Which model",
+    help: [
+        "The filters that are shown as model classes: each has a share of the height, the probability that the readings so far give it. All begin alike.",
+        "A class gains where it predicts the readings better, by the likelihood of each; one that can fit more predicts more widely, and pays for it.",
+        "The plots below are averages over the classes, with what their disagreement adds to ±2σ. If no class is right, one of them is still the likeliest.",
+    ],
+    wanted: Wanted::EVIDENCE,
+    charts,
+    plots,
+    without_charts: "Show at least two filters: each is a model class.",
+    ..View::NONE
+};
 
-impl View for Classes {
-    fn name(&self) -> &'static str {
-        "Which model"
+fn charts<'a>(context: &ViewContext<'a>) -> Vec<Chart<'a>> {
+    let classes = Rc::new(Weighed::new(context));
+    if classes.all.len() < 2 {
+        return Vec::new();
     }
+    let averages = channels(context).into_iter().map(|channel| average(&classes, channel, context));
+    std::iter::once(shares(&classes, context)).chain(averages).collect()
+}
 
-    fn help(&self) -> [&'static str; 3] {
-        [
-            "The filters that are shown as model classes: each has a share of the height, the probability that the readings so far give it. All begin alike.",
-            "A class gains where it predicts the readings better, by the likelihood of each; one that can fit more predicts more widely, and pays for it.",
-            "The plots below are averages over the classes, with what their disagreement adds to ±2σ. If no class is right, one of them is still the likeliest.",
-        ]
-    }
-
-    fn wanted(&self) -> Wanted {
-        Wanted::EVIDENCE
-    }
-
-    fn charts<'a>(&self, context: &ViewContext<'a>) -> Vec<Chart<'a>> {
-        let classes = Rc::new(Weighed::new(context));
-        if classes.all.len() < 2 {
-            return Vec::new();
-        }
-        let averages = channels(context).into_iter().map(|channel| average(&classes, channel, context));
-        std::iter::once(shares(&classes, context)).chain(averages).collect()
-    }
-
-    fn plots(&self, context: &ViewContext<'_>) -> usize {
-        let classes = context.filters().filter(|(place, _)| context.session.evidence().get(*place).is_some()).count();
-        if classes < 2 { 0 } else { 1 + channels(context).len() }
-    }
-
-    fn without_charts(&self) -> &'static str {
-        "Show at least two filters: each is a model class."
-    }
+fn plots(context: &ViewContext<'_>) -> usize {
+    let classes = context.filters().filter(|(place, _)| context.session.evidence().get(*place).is_some()).count();
+    if classes < 2 { 0 } else { 1 + channels(context).len() }
 }
 
 struct Weighed<'a> {

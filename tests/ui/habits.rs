@@ -328,7 +328,7 @@ fn the_views_menu_stays_open_while_views_are_chosen() {
     screen.get_by_label("Views").click();
     screen.run_steps(3);
     for kind in [ViewKind::Gain, ViewKind::Phase] {
-        screen.get_by_label(view(kind).name()).click();
+        screen.get_by_label(view(kind).name).click();
         screen.run_steps(3);
         assert!(screen.state_mut().layout_mut().shown().contains(&kind), "{kind:?}");
     }

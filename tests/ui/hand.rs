@@ -108,7 +108,7 @@ fn changes_are_taken_back_and_made_again_by_buttons() {
 #[test]
 fn help_opens_on_a_tap() {
     let mut screen = whole();
-    let first = view(ViewKind::Parameters).help()[0];
+    let first = view(ViewKind::Parameters).help[0];
     screen.get_by_label("About Parameters").click();
     screen.run_steps(3);
     assert!(screen.query_by_label(first).is_some());
@@ -196,7 +196,7 @@ fn filters_stand_side_by_side_with_their_numbers() {
 #[test]
 fn page_keys_go_from_view_to_view() {
     let mut screen = whole();
-    let about = |view: ViewKind| format!("About {}", kalmanscope::views::view(view).name());
+    let about = |view: ViewKind| format!("About {}", kalmanscope::views::view(view).name);
     let shown = |screen: &Screen| {
         ViewKind::ALL.into_iter().filter(|kind| screen.query_by_label(&about(*kind)).is_some()).collect::<Vec<_>>()
     };
@@ -351,7 +351,7 @@ fn a_record_in_volts_has_no_metres_in_any_view() {
         screen.run_steps(4);
         for metres in ["[m]", "[m/s]", "[m/s²]", " m/s"] {
             let label = screen.query_all_by_label_contains(metres).next().map(|node| format!("{node:?}"));
-            assert_eq!(label, None, "{}", view(kind).name());
+            assert_eq!(label, None, "{}", view(kind).name);
         }
     }
     *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Matrices]);
