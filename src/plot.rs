@@ -1,11 +1,11 @@
 //! Drawing over time: series are reduced to pixel columns, these to marks, and the marks of a chart form one plot item.
 
+pub(crate) mod axes;
 pub(crate) mod cache;
 pub(crate) mod chart;
 mod coinciding;
 mod cursor;
 mod decoration;
-pub(crate) mod graph;
 pub(crate) mod handles;
 pub(crate) mod heading;
 mod item;
@@ -15,5 +15,4 @@ pub(crate) mod medium;
 pub(crate) mod plane;
 pub(crate) mod series;
 pub(crate) mod strokes;
-pub(crate) mod ticks;
 pub mod time_axis;

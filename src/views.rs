@@ -17,7 +17,6 @@ mod model_classes;
 mod monte_carlo;
 mod oscillator;
 mod parameter_plane;
-mod phase;
 mod scores;
 mod spectrogram;
 mod tune;
@@ -39,7 +38,7 @@ pub fn view(kind: ViewKind) -> &'static View {
         ViewKind::Consistency => &consistency::VIEW,
         ViewKind::Autocorrelation => &autocorrelation::VIEW,
         ViewKind::Gain => &gain::VIEW,
-        ViewKind::Phase => &phase::VIEW,
+        ViewKind::Phase => &parameter_plane::PHASE,
         ViewKind::ParameterPlane => &parameter_plane::VIEW,
         ViewKind::FrequencyResponse => &frequency_response::VIEW,
         ViewKind::Spectrogram => &spectrogram::VIEW,

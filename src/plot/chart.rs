@@ -6,6 +6,7 @@ use std::sync::Arc;
 use egui::{Color32, CursorIcon, Id, Sense, Ui, Vec2, Vec2b};
 use egui_plot::{AxisHints, Plot};
 
+use super::axes::{LOG_TICKS_FADE, Side, log_tick, tick_inside};
 use super::cache::{cached, in_turn};
 use super::cursor::{Cursors, cursor_gestures, filter_at, lens_ui, time_text};
 use super::decoration::{Decoration, Gaps, Labels, Strips};
@@ -14,7 +15,6 @@ use super::heading::{Readout, heading_ui};
 use super::item::{Drawing, Grid};
 use super::layers::{Layer, Window};
 use super::medium::{Medium, Y_AXIS, cells_ui, sense};
-use super::ticks::{LOG_TICKS_FADE, Side, log_tick, tick_inside};
 use super::time_axis::PlotInput;
 use crate::gap::Gap;
 use crate::request::Request;

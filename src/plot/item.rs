@@ -7,12 +7,12 @@ use egui::{Color32, Context, Pos2, Rangef, Rect, Shape, Stroke, Ui, pos2};
 use egui_plot::{GridMark, PlotPoint, PlotTransform, PlotUi};
 use kalmanscope_core::Record;
 
+use super::axes::{log_tick, log_ticks, ticks};
 use super::coinciding::drawn_runs;
 use super::decoration::{Decoration, Paint};
 use super::layers::{Layer, LayerColumns, Window, unbroken, value_range};
 use super::marks::{Mark, Rung};
 use super::strokes::Strokes;
-use super::ticks::{log_tick, log_ticks, ticks};
 
 /// Radius of a dot, and of a dot among few \[points\].
 const DOT: f32 = 1.3;

@@ -9,7 +9,7 @@ use kalmanscope_lab::tune::{Goal, Remark};
 
 use crate::controls::number::field;
 use crate::laboratory::{TuneChoice, TuneResult, Tuning, of_filters, part_of, setting_label, setting_name};
-use crate::plot::graph::{Graph, Scale};
+use crate::plot::axes::{Graph, Scale};
 use crate::plot::medium::Medium;
 use crate::request::Request;
 use crate::text::{significant, unit_in};

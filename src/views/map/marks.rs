@@ -9,7 +9,7 @@ use kalmanscope_core::{Axis, Measure, Scenario, Signal};
 
 use super::scale::{CONSISTENT, spread};
 use crate::laboratory::Survey;
-use crate::plot::graph::Graph;
+use crate::plot::axes::Graph;
 use crate::plot::medium::Medium;
 use crate::request::Request;
 use crate::text::{parse, significant, unit_in};

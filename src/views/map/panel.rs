@@ -8,7 +8,7 @@ use super::picture::{Contents, Panel};
 use super::scale::{CONSISTENT, bar_room, bar_ui};
 use crate::controls::color::color_of;
 use crate::laboratory::{Survey, measure_label, setting_label};
-use crate::plot::graph::{Graph, Scale};
+use crate::plot::axes::{Graph, Scale};
 use crate::plot::medium::Medium;
 use crate::request::Request;
 use crate::text::significant;

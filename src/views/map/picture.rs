@@ -12,7 +12,7 @@ use web_time::{Duration, Instant};
 use super::marks::{Piece, consistent};
 use super::scale::{Cell, Colors, End, bar_room, compared, of_filter};
 use crate::laboratory::{Laboratory, Survey};
-use crate::plot::graph::Graph;
+use crate::plot::axes::Graph;
 use crate::plot::medium::Medium;
 use crate::theme::Palette;
 

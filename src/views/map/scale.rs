@@ -6,7 +6,7 @@ use kalmanscope_core::internals::sort_numbers;
 use kalmanscope_core::{Measure, ValueKind, VerdictKind};
 
 use crate::laboratory::Survey;
-use crate::plot::graph::Scale;
+use crate::plot::axes::Scale;
 use crate::text::significant;
 use crate::theme::{Palette, diverging, kind, sequential};
 

@@ -8,7 +8,7 @@ use egui::{
 use kalmanscope_core::Channel;
 
 use super::curves::{Curves, FilterCurves};
-use crate::plot::graph::{Graph, Scale};
+use crate::plot::axes::{Graph, Scale};
 use crate::session::Bound;
 use crate::text::{fixed, significant};
 use crate::view::ViewContext;

@@ -7,8 +7,8 @@ use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, StrokeKi
 
 use super::peaks::MAX_MASSES;
 use super::stage::Stage;
+use crate::plot::axes::{tick, ticks};
 use crate::plot::strokes::Strokes;
-use crate::plot::ticks::{tick, ticks};
 use crate::theme::Palette;
 
 pub(super) fn body(stage: &Stage, painter: &Painter, body: Rect, palette: &Palette) {
