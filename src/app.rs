@@ -216,7 +216,7 @@ impl App {
     }
 
     fn model_time(&self) -> Option<ModelTime> {
-        let wanted = self.layout.in_sight().iter().any(|kind| views::view(*kind).wants_free_runs());
+        let wanted = self.layout.in_sight().iter().any(|kind| views::view(*kind).wants_free_runs);
         wanted.then(|| match (self.ruler.time(End::A), self.ruler.time(End::B)) {
             (Some(a), Some(b)) => ModelTime::Over(a, b),
             (Some(time), None) | (None, Some(time)) => ModelTime::At(time),
@@ -314,7 +314,7 @@ impl App {
     }
 
     fn follow_laboratory(&mut self, ctx: &Context) {
-        let is_in_sight = self.layout.in_sight().iter().any(|kind| view(*kind).is_of_laboratory());
+        let is_in_sight = self.layout.in_sight().iter().any(|kind| view(*kind).is_of_laboratory);
         self.laboratory.follow(&self.session, is_in_sight, self.width < NARROW, ctx);
         let filters = self.session.run().estimates().iter().map(Estimates::id);
         let filters: Vec<u32> = filters.filter(|id| self.visible.filter(*id)).collect();

@@ -4,7 +4,6 @@ use egui::{Button, RichText, Ui};
 use kalmanscope_lessons::{BUILT_IN, BuiltIn, EQUATIONS};
 
 use crate::export;
-use crate::hover::named;
 use crate::layout::Layout;
 use crate::menu::{Closing, entry_ui, menu_ui};
 use crate::probe;
@@ -14,6 +13,7 @@ use crate::theme;
 use crate::thumbnail;
 use crate::tutor::{self, Catalogue};
 use crate::views::view;
+use crate::widgets::named;
 
 /// Limits the width below which the program's name and the two settings are left out \[points\].
 const ROOMY: f32 = 1000.0;
@@ -135,8 +135,8 @@ fn views_menu_ui(ui: &mut Ui, layout: &Layout, requests: &mut Vec<Request>) {
         let shown = layout.shown();
         for kind in ViewKind::ALL {
             let mut on = shown.contains(&kind);
-            let checkbox = ui.checkbox(&mut on, view(kind).name());
-            probe::remember(ui.ctx(), view(kind).name(), checkbox.rect);
+            let checkbox = ui.checkbox(&mut on, view(kind).name);
+            probe::remember(ui.ctx(), view(kind).name, checkbox.rect);
             if checkbox.changed() {
                 requests.push(Request::ToggleView(kind));
             }

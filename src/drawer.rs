@@ -3,8 +3,8 @@
 
 use egui::{Align, Button, Frame, Layout, Panel, Rect, Response, Sense, Ui, UiBuilder, WidgetInfo, pos2, vec2};
 
-use crate::hover::named;
 use crate::probe;
+use crate::widgets::named;
 
 pub(crate) const FOR_PLOTS: f32 = 0.45;
 

@@ -11,7 +11,6 @@ use kalmanscope_core::{
 };
 
 use crate::figure::Figure;
-use crate::hover::named;
 use crate::inbox::Done;
 use crate::laboratory::Laboratory;
 use crate::layout::Layout;
@@ -20,6 +19,7 @@ use crate::request::{Export, FigureFormat, Request, ViewKind};
 use crate::session::{Attempt, Session, Wanted};
 use crate::team::{Lost, Priority, Running};
 use crate::view::ViewContext;
+use crate::widgets::named;
 use crate::{menu, probe};
 
 /// The views that a report has besides those on screen: innovations, and measurements against predictions.

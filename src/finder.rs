@@ -5,13 +5,13 @@ use kalmanscope_core::Scenario;
 use kalmanscope_core::setting::{Address, Edit, addresses, other_choices, words_of};
 use kalmanscope_lessons::{BUILT_IN, EQUATIONS};
 
-use crate::hover::named;
 use crate::request::{Request, ViewKind};
 use crate::session::Session;
 use crate::text::{parse, sentence, significant, unit_in};
 use crate::theme::Palette;
 use crate::tutor::Catalogue;
 use crate::views::view;
+use crate::widgets::named;
 use crate::{keys, theme};
 
 /// The width of the window \[points\].
@@ -188,8 +188,8 @@ fn entries(session: &Session, catalogue: &Catalogue) -> Vec<Entry> {
         Entry { words: title.to_lowercase(), title, kind: "choice", hint: String::new(), choice: Choice::Edit(edit) }
     });
     let views = ViewKind::ALL.into_iter().map(|kind| {
-        let [about, ..] = view(kind).help();
-        Entry::new(view(kind).name(), "view", about, Request::ShowView(kind))
+        let [about, ..] = view(kind).help;
+        Entry::new(view(kind).name, "view", about, Request::ShowView(kind))
     });
     let scenarios = BUILT_IN.iter().chain(EQUATIONS);
     let scenarios = scenarios.map(|one| Entry::new(one.title, "scenario", one.description(), Request::Open(*one)));

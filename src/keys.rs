@@ -1,13 +1,13 @@
 //! The keyboard: a table of all keys and their requests, which is also the list on screen.
 
 use egui::{Align2, Context, Key, Label, Modifiers, RichText, ScrollArea, Ui, Vec2, Window, vec2};
-use kalmanscope_core::Scenario;
 use kalmanscope_core::setting::Change;
+use kalmanscope_core::{Channel, Hold, Scenario};
 
 use crate::request::{LegendEntry, Request};
 use crate::ruler::End;
 use crate::session::{Mode, Session};
-use crate::{comparison, theme};
+use crate::theme;
 
 struct Shortcut {
     name: &'static str,
@@ -57,10 +57,10 @@ const GROUPS: &[(&str, &[Shortcut])] = &[
             plain("Ctrl+Z", "take back the last change of a setting", &[Key::Z], |_| Request::Undo)
                 .with(Modifiers::COMMAND),
             plain("H", "the input held, or linear between samples", &[Key::H], |session| {
-                edit(session, comparison::with_other_hold)
+                edit(session, with_other_hold)
             }),
             plain("G", "the gain of the input estimated, or known", &[Key::G], |session| {
-                edit(session, comparison::with_other_gain)
+                edit(session, with_other_gain)
             }),
         ],
     ),
@@ -150,6 +150,24 @@ pub(crate) fn keys(ctx: &egui::Context, session: &Session, requests: &mut Vec<Re
 fn edit(session: &Session, edited: fn(&Scenario) -> Scenario) -> Request {
     let before = session.scenario();
     Request::Edit(Change::between(before, &edited(before)))
+}
+
+pub(crate) fn with_other_hold(scenario: &Scenario) -> Scenario {
+    let hold = match scenario.hold {
+        Hold::Zero => Hold::First,
+        Hold::First => Hold::Zero,
+    };
+    Scenario { hold, ..scenario.clone() }
+}
+
+pub(crate) fn with_other_gain(scenario: &Scenario) -> Scenario {
+    let mut scenario = scenario.clone();
+    let all = scenario.filters.iter().all(|filter| filter.augment.contains(&Channel::INPUT_GAIN));
+    for filter in &mut scenario.filters {
+        filter.augment.retain(|channel| *channel != Channel::INPUT_GAIN);
+        filter.augment.extend((!all).then_some(Channel::INPUT_GAIN));
+    }
+    scenario
 }
 
 /// The least width of a window that shows the list in two columns \[points\].

@@ -4,7 +4,6 @@ use egui::scroll_area::ScrollBarVisibility;
 use egui::{Button, Color32, Painter, Rect, ScrollArea, Sense, Stroke, StrokeKind, TextStyle, Ui, Vec2, WidgetInfo};
 use kalmanscope_core::Estimates;
 
-use crate::hover::named;
 use crate::request::{LegendEntry, Request};
 use crate::session::{Before, Session};
 use crate::theme::Palette;
@@ -12,6 +11,7 @@ use crate::trouble::{Trouble, troubles};
 use crate::tutor;
 use crate::verdict::chip_ui;
 use crate::visibility::Visibility;
+use crate::widgets::named;
 
 #[derive(Clone, Copy)]
 pub(crate) enum Mark {

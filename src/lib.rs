@@ -7,17 +7,13 @@
 
 pub mod app;
 mod bar;
-mod column;
-mod comparison;
 pub mod controls;
 mod drawer;
 mod equation;
 pub mod export;
 pub mod figure;
 mod finder;
-mod focus;
 mod gap;
-mod hover;
 pub mod import;
 pub mod inbox;
 mod keys;
@@ -39,7 +35,6 @@ pub mod share;
 pub mod sheet;
 pub mod shelf;
 mod spark;
-mod steady;
 mod story;
 pub mod team;
 pub mod text;
@@ -54,5 +49,6 @@ mod verdict;
 pub mod view;
 pub mod views;
 pub mod visibility;
+mod widgets;
 
 pub use app::App;

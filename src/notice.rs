@@ -2,9 +2,9 @@
 
 use egui::{Align2, Area, Button, Context, Frame, Id, Label, Order, Rect, RichText, Stroke, Vec2, vec2};
 
-use crate::hover::named;
 use crate::request::Request;
 use crate::theme::Palette;
+use crate::widgets::named;
 
 /// The time that a message about a finished action stays \[s\].
 const STAYS: f64 = 8.0;

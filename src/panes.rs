@@ -1,10 +1,8 @@
 //! The views on screen: tiles that can be dragged, resized, closed and enlarged.
 
-use egui::{Button, Color32, Rect, RichText, ScrollArea, Sense, Stroke, Ui, UiBuilder, WidgetText, vec2};
+use egui::{Button, Color32, Rect, RichText, ScrollArea, Sense, Stroke, Ui, UiBuilder, Vec2, WidgetText, vec2};
 use egui_tiles::{Behavior, ResizeState, SimplificationOptions, TileId, UiResponse};
 
-use crate::column::Column;
-use crate::hover::named;
 use crate::layout::{Layout, simplification};
 use crate::request::{Arrangement, Proportions, Request, ViewKind};
 use crate::view::{View, ViewContext};
@@ -101,9 +99,7 @@ fn least_height(kind: ViewKind, bar: f32, context: &ViewContext<'_>) -> f32 {
     match kind.proportions() {
         Proportions::Flat => LEAST_FLAT,
         Proportions::Tall => bar + LEAST_TALL,
-        Proportions::Wide | Proportions::Square => {
-            bar + LEAST.max(LEAST_PLOT * view(kind).charts(context).len() as f32)
-        }
+        Proportions::Wide | Proportions::Square => bar + LEAST.max(LEAST_PLOT * (view(kind).plots)(context) as f32),
     }
 }
 
@@ -124,10 +120,10 @@ fn bar_height(ui: &Ui) -> f32 {
     ui.spacing().interact_size.y.max(TARGET)
 }
 
-pub(crate) fn help_ui(ui: &mut Ui, view: &dyn View) {
+pub(crate) fn help_ui(ui: &mut Ui, view: &View) {
     let lines = |ui: &mut Ui| {
         ui.set_max_width(380.0);
-        for line in view.help() {
+        for line in view.help {
             ui.label(line);
         }
     };
@@ -135,7 +131,8 @@ pub(crate) fn help_ui(ui: &mut Ui, view: &dyn View) {
     let help = ui.add(Button::new(RichText::new("?").weak()).frame(false).min_size(vec2(side, side)));
     // On a touch screen nothing hovers.
     let is_open = egui::Popup::from_toggle_button_response(&help).show(lines).is_some();
-    named(if is_open { help } else { help.on_hover_ui(lines) }, format!("About {}", view.name()));
+    let help = if is_open { help } else { help.on_hover_ui(lines) };
+    help.ctx.accesskit_node_builder(help.id, |node| node.set_label(format!("About {}", view.name)));
 }
 
 struct Panes<'a> {
@@ -149,13 +146,13 @@ struct Panes<'a> {
 impl Panes<'_> {
     fn show_column(&mut self, ui: &mut Ui, kinds: &[ViewKind], above: impl FnOnce(&mut Ui, &mut Vec<Request>)) {
         let gap = ui.spacing().item_spacing.y;
-        let column = Column::new(kinds, ui.available_size(), bar_height(ui) + gap, gap);
+        let column = Heights::new(kinds, ui.available_size(), bar_height(ui) + gap, gap);
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
             above(ui, self.requests);
             let width = ui.available_width() - if column.scrolls { ui.spacing().scroll.bar_width } else { 0.0 };
             for (&kind, height) in kinds.iter().zip(column.heights) {
                 let (rect, _) = ui.allocate_exact_size(vec2(width, height), Sense::hover());
-                let mut child = ui.new_child(UiBuilder::new().id_salt(view(kind).name()).max_rect(rect));
+                let mut child = ui.new_child(UiBuilder::new().id_salt(view(kind).name).max_rect(rect));
                 self.show(&mut child, kind);
             }
         });
@@ -168,7 +165,7 @@ impl Panes<'_> {
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
             for &&kind in plots.iter().chain(&pictures) {
                 let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
-                let mut child = ui.new_child(UiBuilder::new().id_salt(view(kind).name()).max_rect(rect));
+                let mut child = ui.new_child(UiBuilder::new().id_salt(view(kind).name).max_rect(rect));
                 self.pointed = view(kind).ui(&mut child, self.context, self.requests).or(self.pointed);
             }
         });
@@ -189,7 +186,7 @@ impl Panes<'_> {
         let view = view(kind);
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 4.0;
-            let name = RichText::new(view.name()).small().weak();
+            let name = RichText::new(view.name).small().weak();
             let sense = if self.draggable { Sense::click_and_drag() } else { Sense::click() };
             let title = ui.add(egui::Label::new(name).selectable(false).sense(sense));
             let title = if self.draggable { title.on_hover_text("Drag to move") } else { title };
@@ -197,12 +194,15 @@ impl Panes<'_> {
             let side = bar_height(ui);
             let small = |icon: &str| Button::new(RichText::new(icon).weak()).frame(false).min_size(vec2(side, side));
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                let close = named(ui.add(small("×")).on_hover_text("Hide this view"), format!("Hide {}", view.name()));
+                let close = ui.add(small("×")).on_hover_text("Hide this view");
+                close.ctx.accesskit_node_builder(close.id, |node| node.set_label(format!("Hide {}", view.name)));
                 if close.clicked() {
                     self.requests.push(Request::ToggleView(kind));
                 }
                 let enlarge = ui.add(small("⛶")).on_hover_text("As large as can be, and back");
-                let enlarge = named(enlarge, format!("Enlarge {}", view.name()));
+                enlarge.ctx.accesskit_node_builder(enlarge.id, |node| {
+                    node.set_label(format!("Enlarge {}", view.name));
+                });
                 if enlarge.clicked() || title.double_clicked() {
                     self.requests.push(Request::ToggleEnlarged(kind));
                 }
@@ -219,7 +219,7 @@ impl Behavior<ViewKind> for Panes<'_> {
     }
 
     fn tab_title_for_pane(&mut self, kind: &ViewKind) -> WidgetText {
-        view(*kind).name().into()
+        view(*kind).name.into()
     }
 
     fn simplification_options(&self) -> SimplificationOptions {
@@ -243,6 +243,101 @@ impl Behavior<ViewKind> for Panes<'_> {
             ResizeState::Idle => Stroke::NONE,
             ResizeState::Hovering => style.visuals.widgets.hovered.fg_stroke,
             ResizeState::Dragging => style.visuals.widgets.active.fg_stroke,
+        }
+    }
+}
+
+/// Limits the height per view above which all views fit on screen; below it they scroll \[points\].
+const ENOUGH: f32 = 250.0;
+
+/// The least height of views that are not flat, if views scroll \[points\].
+const LEAST_IN_COLUMN: f32 = 300.0;
+
+const TALL: f32 = 1.7;
+
+/// The least height of a tall view that is higher than the column \[points\].
+const LEAST_TALL_IN_COLUMN: f32 = 240.0;
+
+/// The height of a flat view without its bar, as a share of the column's width.
+const FLAT: f32 = 0.3;
+
+/// Limits the height of a flat view without its bar, as a share of the column's height for each of the other views; and
+/// the least heights if all views fit and if they scroll \[points\].
+const FLAT_SHARE: f32 = 0.2;
+const LEAST_FLAT_IN_COLUMN: f32 = 64.0;
+const LEAST_FLAT_SCROLLING: f32 = 84.0;
+
+/// The heights of views in one column \[points\].
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Heights {
+    pub(crate) heights: Vec<f32>,
+    pub(crate) scrolls: bool,
+}
+
+impl Heights {
+    /// Views in a room, each under a bar of the height `bar` and above a `gap`. A flat view has the height of its picture; the
+    /// others share the rest.
+    pub(crate) fn new(kinds: &[ViewKind], room: Vec2, bar: f32, gap: f32) -> Self {
+        let proportions: Vec<Proportions> = kinds.iter().map(|kind| kind.proportions()).collect();
+        let others = proportions.iter().filter(|proportions| **proportions != Proportions::Flat).count();
+        let share = |proportions: &Proportions| match proportions {
+            Proportions::Flat if others > 0 => 0.0,
+            Proportions::Tall => TALL,
+            Proportions::Flat | Proportions::Wide | Proportions::Square => 1.0,
+        };
+        let all: f32 = proportions.iter().map(share).sum();
+        let sharing = if others > 0 { others } else { kinds.len() };
+        let picture = (FLAT * room.x).min(FLAT_SHARE * room.y / others.max(1) as f32);
+        let flat = bar + picture.max(LEAST_FLAT_IN_COLUMN);
+        let rest = room.y - flat * (kinds.len() - sharing) as f32 - gap * kinds.len() as f32;
+        let scrolls = rest <= ENOUGH * all.max(sharing as f32);
+        let least = if scrolls { LEAST_IN_COLUMN.min(room.y) } else { 1.0 };
+        // A tall view can be seen as a whole.
+        let most = room.y.max(LEAST_TALL_IN_COLUMN);
+        let flat = if scrolls { bar + picture.max(LEAST_FLAT_SCROLLING) } else { flat };
+        let height = |proportions: &Proportions| match share(proportions) {
+            0.0 => flat,
+            share => (rest * share / all.max(1.0)).max((least * share).min(most)),
+        };
+        Self { heights: proportions.iter().map(height).collect(), scrolls }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use egui::vec2;
+
+    use super::*;
+
+    #[test]
+    fn the_plant_keeps_its_height_whatever_else_is_shown() {
+        use ViewKind::{Errors, Innovations, Oscillator, Parameters, States};
+        let others = [Parameters, States, Errors, Innovations];
+        for room in [vec2(370.0, 660.0), vec2(370.0, 340.0), vec2(824.0, 290.0)] {
+            for count in 1..=others.len() {
+                let kinds: Vec<ViewKind> = [Oscillator].into_iter().chain(others).take(1 + count).collect();
+                let Heights { heights, scrolls } = Heights::new(&kinds, room, 44.0, 5.0);
+                let sum: f32 = heights.iter().map(|height| height + 5.0).sum();
+                assert!(heights[0] >= 44.0 + LEAST_FLAT_IN_COLUMN, "{room} {count}: {heights:?}");
+                assert!(heights[1..].iter().all(|height| *height >= 160.0), "{room} {count}: {heights:?}");
+                assert!(scrolls || sum <= room.y, "{room} {count}: {heights:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_tall_view_is_not_cut_off() {
+        for room in [vec2(370.0, 320.0), vec2(824.0, 230.0)] {
+            let Heights { heights, .. } = Heights::new(&[ViewKind::Map, ViewKind::Parameters], room, 44.0, 5.0);
+            assert!(heights[0] == room.y.max(LEAST_TALL_IN_COLUMN), "{room}: {heights:?}");
+        }
+    }
+
+    #[test]
+    fn a_view_alone_has_all_the_room() {
+        for kind in ViewKind::ALL {
+            let Heights { heights, scrolls } = Heights::new(&[kind], vec2(370.0, 660.0), 44.0, 5.0);
+            assert!(!scrolls && heights[0] > 640.0, "{kind:?}: {heights:?}");
         }
     }
 }

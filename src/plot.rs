@@ -1,37 +1,18 @@
 //! Drawing over time: series are reduced to pixel columns, these to marks, and the marks of a chart form one plot item.
 
-mod breaks;
+pub(crate) mod axes;
 pub(crate) mod cache;
-pub(crate) mod cells;
 pub(crate) mod chart;
-pub(crate) mod charts;
 mod coinciding;
-mod columns;
 mod cursor;
 mod decoration;
-mod drawing;
-pub(crate) mod frame;
-mod gaps;
-pub(crate) mod graph;
-mod grid;
 pub(crate) mod handles;
 pub(crate) mod heading;
-pub(crate) mod input;
 mod item;
-mod labels;
 pub(crate) mod layers;
-mod lens;
 mod marks;
 pub(crate) mod medium;
-mod pick;
 pub(crate) mod plane;
-mod projection;
-mod range;
 pub(crate) mod series;
-mod simplify;
-mod strips;
 pub(crate) mod strokes;
-pub(crate) mod ticks;
 pub mod time_axis;
-mod turns;
-mod window;

@@ -3,6 +3,7 @@
 use egui::Color32;
 
 use crate::plot::heading::Readout;
+use crate::text::fixed;
 
 pub struct Sheet<'a> {
     pub title: String,
@@ -33,6 +34,10 @@ impl<'a> Column<'a> {
     pub fn aside(&self, k: usize) -> Option<String> {
         self.aside.as_ref()?(k)
     }
+}
+
+pub(crate) fn plus_minus(mean: f64, std: f64, decimals: usize) -> String {
+    format!("{} ±{}", fixed(mean, decimals), fixed(2.0 * std, decimals))
 }
 
 pub(crate) fn readouts(columns: &[Column<'_>], k: usize) -> Vec<Readout> {

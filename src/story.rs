@@ -7,10 +7,10 @@ use kalmanscope_core::setting::Address;
 use kalmanscope_core::{Adjustable, Diagnosis, Phrase, Story};
 
 use crate::controls::named::{first_number, name_of};
-use crate::hover::named;
 use crate::request::Request;
 use crate::session::Session;
 use crate::theme::{self, Palette};
+use crate::widgets::named;
 
 const SIZE: f32 = 15.0;
 

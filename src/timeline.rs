@@ -6,13 +6,13 @@ use egui::{Align2, Color32, FontId, Rangef, Rect, Response, Shape, Slider, Strok
 use kalmanscope_core::{Scenario, Signal};
 
 use crate::gap::Gap;
-use crate::hover::{hover_text, named};
 use crate::probe;
 use crate::request::Request;
 use crate::ruler::{End, Ruler};
 use crate::session::Session;
 use crate::text::significant;
 use crate::theme::Palette;
+use crate::widgets::{hover_text, named};
 
 /// The height of the track \[points\].
 const HEIGHT: f32 = 28.0;

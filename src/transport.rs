@@ -3,7 +3,6 @@
 use egui::{Align, Button, ComboBox, DragValue, Layout, Rect, RichText, Ui, vec2};
 
 use crate::bar::history_ui;
-use crate::hover::{hover_text, named};
 use crate::probe;
 use crate::request::Request;
 use crate::ruler::Ruler;
@@ -11,6 +10,7 @@ use crate::session::{Mode, Session};
 use crate::text::{clock, parse_clock, significant};
 use crate::theme::Palette;
 use crate::timeline::track_ui;
+use crate::widgets::{hover_text, named};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Extent {

@@ -65,9 +65,9 @@ impl Twin {
         let views = views.into_iter().filter(|_| !is_missing).map(|kind| {
             let view = view(kind);
             let tables: Vec<Table> = view.sheets(&context).iter().map(|sheet| table(sheet, &context)).collect();
-            let [about, ..] = view.help();
+            let [about, ..] = view.help;
             let rest = if tables.is_empty() { " No numbers by time." } else { "" };
-            Part { name: view.name().to_owned(), about: format!("{about}{rest}"), tables }
+            Part { name: view.name.to_owned(), about: format!("{about}{rest}"), tables }
         });
         let verdicts = (visible.verdicts && !is_missing).then(|| verdicts(&context));
         let troubles = troubles(session).into_iter().map(|Trouble { sentence, .. }| sentence);

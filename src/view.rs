@@ -2,20 +2,20 @@
 
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 
-use egui::Ui;
+use egui::{Color32, Ui};
 use kalmanscope_core::{Channel, Diagnostics, Estimates};
 
 use crate::laboratory::Laboratory;
 use crate::layout::Layout;
-use crate::plot::chart::Chart;
-use crate::plot::charts::charts_ui;
-use crate::plot::input::PlotInput;
-use crate::plot::time_axis::TimeAxis;
+use crate::plot::chart::{Chart, charts_ui};
+use crate::plot::layers::Layer;
+use crate::plot::series::{Band, Series};
+use crate::plot::time_axis::{PlotInput, TimeAxis};
 use crate::request::Request;
 use crate::ruler::Ruler;
 use crate::session::{Before, Session, Wanted};
 use crate::share::Picture;
-use crate::sheet::Sheet;
+use crate::sheet::{Column, Sheet};
 use crate::text::unit_in;
 use crate::theme::Palette;
 use crate::visibility::Visibility;
@@ -78,6 +78,28 @@ impl<'a> ViewContext<'a> {
         session.run().estimates().iter().enumerate().filter(|(_, estimates)| visible.filter(estimates.id()))
     }
 
+    /// The filters that are shown and estimate a channel, each with its place and the channel's place in it.
+    pub(crate) fn estimating(&self, channel: Channel) -> impl Iterator<Item = (usize, &'a Estimates, usize)> + use<'a> {
+        self.filters().filter_map(move |(place, of)| Some((place, of, of.place(channel)?)))
+    }
+
+    pub(crate) fn color(&self, of: &Estimates) -> Color32 {
+        self.palette.shade(of.color())
+    }
+
+    pub(crate) fn line(&self, of: &Estimates, series: Series<'a>, width: f32) -> Layer<'a> {
+        Layer::line(series, self.color(of), width).of(of.id())
+    }
+
+    pub(crate) fn band(&self, of: &Estimates, band: Band<'a>, under: f32) -> Layer<'a> {
+        Layer::Band { band, color: self.color(of), under, filter: Some(of.id()) }
+    }
+
+    /// The words of a filter, at the samples that it has.
+    pub(crate) fn column(&self, of: &'a Estimates, text: impl Fn(usize) -> Option<String> + 'a) -> Column<'a> {
+        Column::new(of.name(), self.color(of), move |k| (k < of.len()).then(|| text(k))?)
+    }
+
     pub(crate) fn diagnostics(&self) -> impl Iterator<Item = (usize, &'a Estimates, &'a Diagnostics)> + use<'a> {
         let all = self.session.diagnostics();
         self.filters().filter_map(|(place, estimates)| Some((place, estimates, all.get(place)?)))
@@ -98,40 +120,51 @@ impl<'a> ViewContext<'a> {
     }
 }
 
-pub trait View: Sync {
-    fn name(&self) -> &'static str;
+/// Draws a view into all of its room. Returns the time that the user points at \[s\].
+type ViewUi = fn(&mut Ui, &ViewContext<'_>, &mut Vec<Request>) -> Option<f64>;
 
-    fn help(&self) -> [&'static str; 3];
+/// A view: a function of an immutable context. It has charts over time, or draws itself.
+pub struct View {
+    pub name: &'static str,
+    pub help: [&'static str; 3],
+    pub(crate) wanted: Wanted,
+    pub(crate) wants_free_runs: bool,
+    pub(crate) is_of_laboratory: bool,
+    pub(crate) charts: for<'a> fn(&ViewContext<'a>) -> Vec<Chart<'a>>,
+    /// The number of the charts, without making them.
+    pub(crate) plots: fn(&ViewContext<'_>) -> usize,
+    pub(crate) without_charts: &'static str,
+    /// The numbers as text, where they are not those of the charts.
+    pub(crate) sheets: Option<for<'a> fn(&ViewContext<'a>) -> Vec<Sheet<'a>>>,
+    pub(crate) ui: Option<ViewUi>,
+}
 
-    fn wanted(&self) -> Wanted {
-        Wanted::NOTHING
+impl View {
+    pub(crate) const NONE: Self = Self {
+        name: "",
+        help: [""; 3],
+        wanted: Wanted::NOTHING,
+        wants_free_runs: false,
+        is_of_laboratory: false,
+        charts: |_| Vec::new(),
+        plots: |_| 0,
+        without_charts: "",
+        sheets: None,
+        ui: None,
+    };
+
+    pub(crate) fn sheets<'a>(&self, context: &ViewContext<'a>) -> Vec<Sheet<'a>> {
+        let of_charts = || (self.charts)(context).into_iter().map(Chart::into_sheet).collect();
+        self.sheets.map_or_else(of_charts, |sheets| sheets(context))
     }
 
-    fn wants_free_runs(&self) -> bool {
-        false
-    }
-
-    fn is_of_laboratory(&self) -> bool {
-        false
-    }
-
-    fn charts<'a>(&self, _context: &ViewContext<'a>) -> Vec<Chart<'a>> {
-        Vec::new()
-    }
-
-    fn without_charts(&self) -> &'static str {
-        ""
-    }
-
-    fn sheets<'a>(&self, context: &ViewContext<'a>) -> Vec<Sheet<'a>> {
-        self.charts(context).into_iter().map(Chart::into_sheet).collect()
-    }
-
-    /// Draws it into all of `ui`. Returns the time that the user points at \[s\].
-    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
-        let charts = self.charts(context);
+    pub fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
+        if let Some(own) = self.ui {
+            return own(ui, context, requests);
+        }
+        let charts = (self.charts)(context);
         if charts.is_empty() {
-            ui.weak(self.without_charts());
+            ui.weak(self.without_charts);
         }
         charts_ui(ui, charts, &context.plot_input(), requests)
     }

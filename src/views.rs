@@ -4,13 +4,11 @@ mod autocorrelation;
 mod channels;
 mod consistency;
 pub(crate) mod diagnosis;
-mod errors;
 mod filters;
 mod frequency_response;
 mod gain;
 mod handles;
 mod innovations;
-mod learnt_noise;
 
 mod map;
 mod matrices;
@@ -19,7 +17,6 @@ mod model_classes;
 mod monte_carlo;
 mod oscillator;
 mod parameter_plane;
-mod phase;
 mod scores;
 mod spectrogram;
 mod tune;
@@ -29,32 +26,32 @@ use crate::request::ViewKind;
 use crate::session::Wanted;
 use crate::view::View;
 
-pub fn view(kind: ViewKind) -> &'static dyn View {
+pub fn view(kind: ViewKind) -> &'static View {
     match kind {
-        ViewKind::Oscillator => &oscillator::Oscillator,
-        ViewKind::Parameters => &channels::Channels::Parameters,
-        ViewKind::States => &channels::Channels::States,
-        ViewKind::Errors => &errors::Errors,
-        ViewKind::Measured => &measured::Measured,
-        ViewKind::Innovations => &innovations::Innovations,
-        ViewKind::Classes => &model_classes::Classes,
-        ViewKind::Consistency => &consistency::Consistency,
-        ViewKind::Autocorrelation => &autocorrelation::Autocorrelation,
-        ViewKind::Gain => &gain::Gain,
-        ViewKind::Phase => &phase::Phase,
-        ViewKind::ParameterPlane => &parameter_plane::ParameterPlane,
-        ViewKind::FrequencyResponse => &frequency_response::FrequencyResponse,
-        ViewKind::Spectrogram => &spectrogram::SpectrogramView,
-        ViewKind::Matrices => &matrices::Matrices,
-        ViewKind::Scores => &scores::Scores,
-        ViewKind::Filters => &filters::Filters,
-        ViewKind::Diagnosis => &diagnosis::Diagnosis,
-        ViewKind::Map => &map::Map,
-        ViewKind::MonteCarlo => &monte_carlo::MonteCarlo,
-        ViewKind::Tune => &tune::Tune,
+        ViewKind::Oscillator => &oscillator::VIEW,
+        ViewKind::Parameters => &channels::PARAMETERS,
+        ViewKind::States => &channels::STATES,
+        ViewKind::Errors => &channels::ERRORS,
+        ViewKind::Measured => &measured::VIEW,
+        ViewKind::Innovations => &innovations::VIEW,
+        ViewKind::Classes => &model_classes::VIEW,
+        ViewKind::Consistency => &consistency::VIEW,
+        ViewKind::Autocorrelation => &autocorrelation::VIEW,
+        ViewKind::Gain => &gain::VIEW,
+        ViewKind::Phase => &parameter_plane::PHASE,
+        ViewKind::ParameterPlane => &parameter_plane::VIEW,
+        ViewKind::FrequencyResponse => &frequency_response::VIEW,
+        ViewKind::Spectrogram => &spectrogram::VIEW,
+        ViewKind::Matrices => &matrices::VIEW,
+        ViewKind::Scores => &scores::VIEW,
+        ViewKind::Filters => &filters::VIEW,
+        ViewKind::Diagnosis => &diagnosis::VIEW,
+        ViewKind::Map => &map::VIEW,
+        ViewKind::MonteCarlo => &monte_carlo::VIEW,
+        ViewKind::Tune => &tune::VIEW,
     }
 }
 
 pub fn wanted(views: &[ViewKind]) -> Wanted {
-    views.iter().map(|kind| view(*kind).wanted()).fold(Wanted::NOTHING, Wanted::and)
+    views.iter().map(|kind| view(*kind).wanted).fold(Wanted::NOTHING, Wanted::and)
 }

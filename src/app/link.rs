@@ -49,7 +49,7 @@ impl App {
         let palette = Palette::of(egui::Theme::Light);
         let picture = self.figure_context(&palette).picture(&self.layout);
         let shown = self.layout.shown();
-        let shows_map = shown.iter().any(|kind| view(*kind).is_of_laboratory());
+        let shows_map = shown.iter().any(|kind| view(*kind).is_of_laboratory);
         let [shows_seeds, shows_tuning, shows_plane] =
             [ViewKind::MonteCarlo, ViewKind::Tune, ViewKind::ParameterPlane].map(|kind| shown.contains(&kind));
         let Choices { map, seeds, tuning, posterior } = picture.laboratory;

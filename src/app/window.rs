@@ -4,8 +4,6 @@ use egui::{CentralPanel, Color32, Context, Frame, Margin, Panel, Ui};
 
 use super::App;
 use crate::bar::Bar;
-use crate::focus;
-use crate::keys;
 use crate::legend::{self, Legend};
 use crate::notice;
 use crate::panes::{Way, panes_ui};
@@ -15,6 +13,7 @@ use crate::story;
 use crate::theme::{self, Palette};
 use crate::transport::{Extent, Transport};
 use crate::view::ViewContext;
+use crate::{keys, widgets};
 
 /// Limits the width of a window that shows its settings in a drawer under the plots \[points\].
 pub(super) const NARROW: f32 = 720.0;
@@ -106,7 +105,7 @@ impl App {
         }
         let Self { finder, editor, session, catalogue, requests, .. } = self;
         finder.take_if(|finder| !finder.ui(ui.ctx(), (session, catalogue), &palette, requests));
-        focus::ring_ui(ui.ctx(), &palette);
+        widgets::ring_ui(ui.ctx(), &palette);
         editor.take_if(|editor| !editor.ui(ui.ctx(), session.scenario(), &palette, requests));
         self.measure_ui(ui.ctx(), &palette);
         self.import_ui(ui.ctx(), &palette);

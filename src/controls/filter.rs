@@ -10,10 +10,10 @@ use super::lit::lit;
 use super::number::{Named, REMARK, field, std_field, tell_hertz};
 use super::options::options_ui;
 use super::row::filter_row_ui;
-use crate::hover::named;
 use crate::text::significant;
 use crate::theme;
 use crate::theme::Palette;
+use crate::widgets::named;
 
 pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize, palette: &Palette) {
     let id = ui.make_persistent_id(("filter", scenario.filters[place].id));

@@ -4,9 +4,9 @@ use egui::{Align, DragValue, Label, Layout, Slider, SliderClamping, Ui, Widget a
 use kalmanscope_core::setting::Address;
 use kalmanscope_core::{Adjustable, Phrase, Scenario, Story};
 
-use crate::hover::named;
 use crate::probe::remember;
 use crate::text::{parse, sentence};
+use crate::widgets::named;
 
 /// The space between two settings \[points\].
 const APART: f32 = 8.0;

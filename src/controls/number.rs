@@ -6,9 +6,9 @@ use egui::{
 
 use kalmanscope_core::setting::SettingInfo;
 
-use crate::hover::{hover_text, named};
 use crate::probe::remember;
 use crate::text::{in_hertz, parse, significant};
+use crate::widgets::{hover_text, named};
 
 /// Width of the labels, so that all sliders are aligned \[points\].
 const LABEL_WIDTH: f32 = 100.0;

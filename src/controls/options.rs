@@ -11,8 +11,8 @@ use kalmanscope_core::{Channel, FilterSettings, PlantKind, Robust, Sensor};
 
 use super::lit::lit;
 use super::row::{choice_row_ui, filter_row_ui, list_ui};
-use crate::hover::named;
 use crate::text::significant;
+use crate::widgets::named;
 
 /// A list with several choices or numbers stays open until the user clicks elsewhere.
 const OUTSIDE: PopupCloseBehavior = PopupCloseBehavior::CloseOnClickOutside;

@@ -12,8 +12,8 @@ use super::number::Number;
 use super::row::scenario_row_ui;
 use crate::equation;
 use crate::equation::job;
-use crate::hover::named;
 use crate::text::sentence;
+use crate::widgets::named;
 
 /// Limits the natural frequency from below \[rad/s\].
 const LEAST_POSITIVE: f64 = 0.01;

@@ -10,9 +10,9 @@ use super::lit::lit;
 use super::number::{REMARK, limit};
 use super::plant::equation_ui;
 use super::row::{choice_row_ui, scenario_row_ui};
-use crate::hover::named;
 use crate::session::{Library, name_of};
 use crate::text::sentence;
+use crate::widgets::named;
 
 pub(super) fn record_ui(ui: &mut Ui, scenario: &mut Scenario, library: &Library, asked: &mut Vec<Asked>) {
     equation_ui(ui, scenario, asked);

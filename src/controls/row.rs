@@ -6,8 +6,8 @@ use kalmanscope_core::{FilterSettings, PlantKind, Scenario};
 
 use super::lit::lit;
 use super::number::{Named, Number};
-use crate::hover::named;
 use crate::text::sentence;
+use crate::widgets::named;
 
 pub(super) fn filter_row_ui(
     ui: &mut Ui,

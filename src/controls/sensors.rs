@@ -6,8 +6,8 @@ use kalmanscope_core::{Aspect, InputKind, Quantity, Scenario, Sensor};
 
 use super::lit::lit;
 use super::number::Number;
-use crate::hover::named;
 use crate::text::sentence;
+use crate::widgets::named;
 
 /// Limits the quantities that are all shown with a check box.
 const FEW: usize = 12;

@@ -5,10 +5,10 @@ use kalmanscope_core::Scenario;
 use kalmanscope_core::equation::{AllowedSign, Equation, EquationSettings, Numbers, ParameterSettings, Symbol};
 
 use super::{job, typed};
-use crate::hover::named;
 use crate::request::Request;
 use crate::text::{parse, significant};
 use crate::theme::Palette;
+use crate::widgets::named;
 
 const LENGTH: usize = 1000;
 

@@ -8,9 +8,9 @@ use kalmanscope_core::{Hold, InputKind, PlantKind, Quantity};
 
 use super::draft::{Draft, Role};
 use crate::equation;
-use crate::hover::named;
 use crate::text::significant;
 use crate::theme::Palette;
+use crate::widgets::named;
 
 const FIRST: usize = 3;
 const MOST: usize = 60;

@@ -6,8 +6,8 @@ use kalmanscope_core::import::{Builder, Mapping};
 use kalmanscope_core::{Record, Task as _, Windows};
 
 use super::{Choices, Shared};
-use crate::hover::named;
 use crate::theme::Palette;
+use crate::widgets::named;
 
 /// The windows side by side in a record, at least: more make a smoother spectrum, longer ones a finer one.
 const COUNT: usize = 4;

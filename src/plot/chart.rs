@@ -6,25 +6,16 @@ use std::sync::Arc;
 use egui::{Color32, CursorIcon, Id, Sense, Ui, Vec2, Vec2b};
 use egui_plot::{AxisHints, Plot};
 
-use super::cache::cached;
-use super::cursor::{Cursors, cursor_gestures, time_text};
-use super::decoration::Decoration;
-use super::drawing::Drawing;
-use super::frame::{Y_AXIS, sense};
-use super::gaps::Gaps;
-use super::grid::Grid;
+use super::axes::{LOG_TICKS_FADE, Side, log_tick, tick_inside};
+use super::cache::{cached, in_turn};
+use super::cursor::{Cursors, cursor_gestures, filter_at, lens_ui, time_text};
+use super::decoration::{Decoration, Gaps, Labels, Strips};
 use super::handles::{Handle, handles_ui};
 use super::heading::{Readout, heading_ui};
-use super::input::PlotInput;
-use super::labels::Labels;
-use super::layers::Layer;
-use super::lens::lens_ui;
-use super::medium::Medium;
-use super::pick::filter_at;
-use super::strips::Strips;
-use super::ticks::{LOG_TICKS_FADE, Side, log_tick, tick_inside};
-use super::turns::in_turn;
-use super::window::Window;
+use super::item::{Drawing, Grid};
+use super::layers::{Layer, Window};
+use super::medium::{Medium, Y_AXIS, cells_ui, sense};
+use super::time_axis::PlotInput;
 use crate::gap::Gap;
 use crate::request::Request;
 use crate::sheet::{Column, Sheet, readouts};
@@ -33,7 +24,7 @@ use crate::sheet::{Column, Sheet, readouts};
 const TICKS_FADE: egui::Rangef = egui::Rangef { min: 14.0, max: 18.0 };
 
 #[derive(Default)]
-pub struct Chart<'a> {
+pub(crate) struct Chart<'a> {
     pub(crate) key: String,
     pub(crate) title: String,
     pub(crate) symbol: String,
@@ -178,4 +169,32 @@ impl<'a> Chart<'a> {
         }
         ChartResponse { pointed, alone }
     }
+}
+
+/// Fills `ui` with charts, or with the enlarged one. Returns the time under the pointer \[s\].
+pub(crate) fn charts_ui(
+    ui: &mut Ui,
+    charts: Vec<Chart<'_>>,
+    input: &PlotInput<'_>,
+    requests: &mut Vec<Request>,
+) -> Option<f64> {
+    let count = charts.len();
+    let id = ui.scope_id().with("alone");
+    let mut alone: Option<usize> = ui.data(|data| data.get_temp(id)).filter(|place| *place < count);
+    let (first, shown) = alone.map_or((0, count), |place| (place, 1));
+    let mut pointed = None;
+    let mut charts = charts.into_iter().skip(first);
+    cells_ui(ui, shown, &mut |ui, i, last_row| {
+        let Some(chart) = charts.next() else { return };
+        let response = chart.show(ui, input, last_row, requests);
+        pointed = response.pointed.or(pointed);
+        if response.alone {
+            alone = if alone.is_none() { Some(first + i) } else { None };
+        }
+    });
+    ui.data_mut(|data| match alone {
+        Some(place) => *data.get_temp_mut_or_default(id) = place,
+        None => data.remove::<usize>(id),
+    });
+    pointed
 }

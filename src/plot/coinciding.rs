@@ -5,9 +5,8 @@ use std::ops::Range;
 
 use kalmanscope_core::Record;
 
-use super::columns::{BandColumn, Column};
-use super::layers::{Layer, LayerColumns};
-use super::window::Scale;
+use super::layers::{Layer, LayerColumns, Scale};
+use super::series::{BandColumn, Column};
 
 /// Lines closer than this coincide \[points\].
 const CLOSE: f64 = 1.2;
@@ -138,8 +137,8 @@ mod tests {
     use kalmanscope_core::{Hold, InputKind};
 
     use super::super::series::{Band, Series};
-    use super::super::window::Window;
     use super::*;
+    use crate::plot::layers::Window;
 
     const N: usize = 400;
 

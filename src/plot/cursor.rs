@@ -1,14 +1,17 @@
 //! Lines at the pointer, at playback and at the marks A and B, with their times on the axis.
 
 use egui::{
-    Align2, Color32, CursorIcon, Id, PointerButton, Rect, Response, Sense, Shape, Stroke, TextStyle, Ui, pos2, vec2,
+    Align2, Color32, CursorIcon, Id, LayerId, Order, PointerButton, Pos2, Rect, Response, Sense, Shape, Stroke,
+    TextStyle, Ui, pos2, vec2,
 };
 use egui_plot::PlotTransform;
 
 use super::decoration::Paint;
-use super::input::PlotInput;
+use super::heading::Readout;
+use super::item::{DASH, Projection};
+use super::marks::{Mark, Rung};
 use super::medium::Medium;
-use super::projection::DASH;
+use super::time_axis::PlotInput;
 use crate::request::Request;
 use crate::ruler::End;
 use crate::session::Mode;
@@ -140,5 +143,127 @@ pub(super) fn cursor_gestures(
         if let Some(pointer) = grip.interact_pointer_pos().filter(|_| grip.dragged()) {
             requests.push(Request::PlaceMark(end, time_at(pointer.x)));
         }
+    }
+}
+
+/// A line is hit from within this distance \[points\].
+const REACH: f32 = 5.0;
+
+pub(super) fn filter_at(marks: &[Mark], transform: &PlotTransform, position: Pos2) -> Option<u32> {
+    // Only points around the pointer can be near: a line goes from left to right.
+    let time = |x: f32| transform.value_from_position(Pos2 { x, ..position }).x;
+    let pointer = Pointer {
+        position,
+        times: (time(position.x - REACH), time(position.x + REACH)),
+        projection: Projection::new(transform),
+    };
+    let (filter, _) = marks
+        .iter()
+        .filter_map(|mark| match mark {
+            Mark::Line { points, filter, dashed: false, .. } => {
+                Some((*filter, pointer.distance(points, |point| (point.x, point.y))))
+            }
+            Mark::Band { parts, filter, .. } => {
+                let edge =
+                    |part: &Vec<Rung>, of: fn(&Rung) -> f64| pointer.distance(part, |rung| (rung.time, of(rung)));
+                let edges = parts.iter().map(|part| edge(part, |rung| rung.low).min(edge(part, |rung| rung.high)));
+                Some((*filter, edges.fold(f32::INFINITY, f32::min)))
+            }
+            _ => None,
+        })
+        .filter(|(_, distance)| *distance <= REACH)
+        .min_by(|a, b| a.1.total_cmp(&b.1))?;
+    filter
+}
+
+struct Pointer {
+    position: Pos2,
+    times: (f64, f64),
+    projection: Projection,
+}
+
+impl Pointer {
+    fn distance<P>(&self, points: &[P], of: impl Fn(&P) -> (f64, f64)) -> f32 {
+        let Self { position, times: (from, to), projection } = self;
+        let first = points.partition_point(|point| of(point).0 < *from).saturating_sub(1);
+        let last = (points.partition_point(|point| of(point).0 <= *to) + 1).min(points.len());
+        let near = points.get(first..last).unwrap_or_default().iter().map(|point| {
+            let (time, value) = of(point);
+            projection.at(time, value)
+        });
+        let places: Vec<Pos2> = near.collect();
+        let distances = places.windows(2).map(|ends| distance(*position, ends[0], ends[1]));
+        distances.fold(f32::INFINITY, f32::min)
+    }
+}
+
+fn distance(position: Pos2, from: Pos2, to: Pos2) -> f32 {
+    let along = to - from;
+    let share = ((position - from).dot(along) / along.length_sq().max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
+    position.distance(from + share * along)
+}
+
+/// The distance of the values from the finger \[points\].
+const ABOVE: f32 = 44.0;
+
+/// The room around them \[points\].
+const LENS_PADDING: f32 = 8.0;
+
+/// The radius of the dot in the colour of a value's owner, and its room \[points\].
+const DOT: (f32, f32) = (4.0, 16.0);
+
+/// Shows values above a finger that is held on a plot and moves. Returns its time \[s\].
+pub(super) fn lens_ui(ui: &Ui, response: &Response, transform: &PlotTransform, readouts: &[Readout]) -> Option<f64> {
+    let id = response.id.with("lens");
+    if response.long_touched() {
+        // From now on the finger drags the lens and not the page.
+        ui.ctx().set_dragged_id(id);
+    }
+    if ui.ctx().dragged_id() != Some(id) {
+        return None;
+    }
+    ui.interact(response.rect, id, Sense::drag());
+    let finger = ui.input(|input| input.pointer.latest_pos())?;
+    let painter = ui.ctx().layer_painter(LayerId::new(Order::Tooltip, id));
+    let visuals = ui.visuals();
+    let font = TextStyle::Heading.resolve(ui.style());
+    let lines: Vec<_> = readouts
+        .iter()
+        .map(|readout| {
+            (readout.color, painter.layout_no_wrap(readout.text.clone(), font.clone(), visuals.text_color()))
+        })
+        .collect();
+    let width = lines.iter().map(|(_, text)| text.size().x).fold(0.0, f32::max) + DOT.1;
+    let height: f32 = lines.iter().map(|(_, text)| text.size().y).sum();
+    let size = vec2(width, height) + 2.0 * vec2(LENS_PADDING, LENS_PADDING);
+    let screen = ui.ctx().content_rect();
+    let left = (finger.x - 0.5 * size.x).clamp(screen.left(), (screen.right() - size.x).max(screen.left()));
+    let top = (finger.y - ABOVE - size.y).max(screen.top());
+    let ground = Rect::from_min_size(pos2(left, top), size);
+    painter.rect(ground, 6.0, visuals.window_fill, visuals.window_stroke, egui::StrokeKind::Outside);
+    let mut at = ground.min + vec2(LENS_PADDING, LENS_PADDING);
+    for (color, text) in lines {
+        if color != Color32::TRANSPARENT {
+            painter.circle_filled(pos2(at.x + DOT.0, at.y + 0.5 * text.size().y), DOT.0, color);
+        }
+        let line = Align2::LEFT_TOP.anchor_size(pos2(at.x + DOT.1, at.y), text.size());
+        at.y += text.size().y;
+        painter.galley(line.min, text, visuals.text_color());
+    }
+    let x = finger.x.clamp(transform.frame().left(), transform.frame().right());
+    Some(transform.value_from_position(pos2(x, finger.y)).x)
+}
+
+#[cfg(test)]
+mod tests {
+    use egui::pos2;
+
+    use super::*;
+
+    #[test]
+    fn the_distance_from_a_line_ends_at_its_ends() {
+        let of = |x, y| distance(pos2(x, y), pos2(0.0, 0.0), pos2(10.0, 0.0));
+        assert_eq!((of(5.0, 3.0), of(-4.0, 3.0), of(13.0, 4.0)), (3.0, 5.0, 5.0));
+        assert_eq!(distance(pos2(3.0, 4.0), pos2(0.0, 0.0), pos2(0.0, 0.0)), 5.0);
     }
 }

@@ -4,9 +4,9 @@ use egui::{Color32, CursorIcon, Id, InputState, Rect, Sense, Stroke, Ui, pos2, v
 use egui_plot::PlotTransform;
 use kalmanscope_core::Scenario;
 
-use super::input::PlotInput;
-use crate::hover::hover_text;
+use super::time_axis::PlotInput;
 use crate::request::Request;
+use crate::widgets::hover_text;
 
 /// Radius of a handle, and of the room in which it is grasped \[points\].
 const RADIUS: f32 = 4.5;

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use egui::emath::GuiRounding as _;
 use egui::{Color32, Galley, Id, Rect, Response, Role, Sense, TextStyle, Ui, WidgetInfo, pos2, vec2};
 
-use crate::hover::hover_text;
 use crate::theme;
+use crate::widgets::hover_text;
 
 pub(crate) struct Readout {
     pub(crate) text: String,

@@ -1,6 +1,6 @@
-//! The medium of a drawing: a screen, or a figure on paper.
+//! What is drawn on, a screen or a figure, and the arrangement and frame of its plots.
 
-use egui::{Context, Id};
+use egui::{Context, Id, InputState, Rect, ScrollArea, Sense, Ui, UiBuilder, vec2};
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Medium {
@@ -62,4 +62,61 @@ fn plots() -> Id {
 
 fn id() -> Id {
     Id::unique("medium of the drawing")
+}
+
+/// The least height of a plot; if there are too many for it, they scroll \[points\].
+const LEAST_HEIGHT: f32 = 72.0;
+/// Space between rows of plots \[points\].
+const ROW_GAP: f32 = 6.0;
+/// Space between columns of plots \[points\].
+const GUTTER: f32 = 16.0;
+/// Limits the width for two columns of plots, and the width at which two columns avoid plots lower than [`LOW`]
+/// \[points\].
+const TWO_COLUMNS: [f32; 2] = [640.0, 480.0];
+/// Limits the height of plots below which two columns are better \[points\].
+const LOW: f32 = 120.0;
+
+/// Fills `ui` with `count` cells in two columns, or one where it is narrow. Passes each cell its number and whether it
+/// is in the last row.
+pub(crate) fn cells_ui(ui: &mut Ui, count: usize, cell_ui: &mut dyn FnMut(&mut Ui, usize, bool)) {
+    let area = ui.available_size();
+    let medium = Medium::of(ui.ctx());
+    medium.note_plots(ui.ctx(), count);
+    let axis_height = medium.axis_height();
+    if area.x < 1.0 || area.y < 1.0 || count == 0 {
+        return;
+    }
+    let low = area.y / (count as f32) < LOW;
+    let columns = if area.x < TWO_COLUMNS[usize::from(low)] { 1 } else { 2.min(count) };
+    let rows = count.div_ceil(columns);
+    let gaps = ROW_GAP * (rows - 1) as f32;
+    let scrolls = rows > 2 && medium == Medium::Screen;
+    let least = if !scrolls { 1.0 } else { LEAST_HEIGHT };
+    let height = ((area.y - gaps - axis_height) / rows as f32).max(least);
+    let mut all_ui = |ui: &mut Ui| {
+        let top = ui.max_rect().min;
+        let bar = if scrolls && height == least { ui.spacing().scroll.bar_width } else { 0.0 };
+        let width = ((ui.available_width() - bar - GUTTER * (columns - 1) as f32) / columns as f32).max(1.0);
+        for i in 0..count {
+            let (row, column) = (i / columns, i % columns);
+            let offset = vec2(column as f32 * (width + GUTTER), row as f32 * (height + ROW_GAP));
+            let axis = if row + 1 == rows { axis_height } else { 0.0 };
+            let cell = Rect::from_min_size(top + offset, vec2(width, height + axis));
+            let mut child = ui.new_child(UiBuilder::new().id_salt(i).max_rect(cell));
+            cell_ui(&mut child, i, row + 1 == rows);
+        }
+        let all = vec2(ui.available_width(), rows as f32 * height + gaps + axis_height);
+        ui.allocate_rect(Rect::from_min_size(top, all), Sense::hover());
+    };
+    match medium {
+        Medium::Screen => _ = ScrollArea::vertical().auto_shrink(false).show(ui, all_ui),
+        Medium::Figure => all_ui(ui),
+    }
+}
+
+/// Width for the labels of the vertical axis, at least \[points\].
+pub(crate) const Y_AXIS: f32 = 44.0;
+
+pub(crate) fn sense(ui: &Ui) -> Sense {
+    if ui.input(InputState::has_touch_screen) { Sense::click() } else { Sense::click_and_drag() }
 }

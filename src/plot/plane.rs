@@ -3,8 +3,8 @@
 use egui::{Color32, Id, Shape, Stroke, Ui, Vec2};
 use egui_plot::{AxisHints, GridInput, Line, Plot, PlotUi};
 
-use super::frame::{Y_AXIS, sense};
-use super::ticks::{LOG_TICKS_FADE, Side, log_tick, log_ticks, tick_inside, ticks};
+use super::axes::{LOG_TICKS_FADE, Side, log_tick, log_ticks, tick_inside, ticks};
+use super::medium::{Y_AXIS, sense};
 use crate::theme::Palette;
 
 #[derive(Clone, Copy, PartialEq, Eq)]

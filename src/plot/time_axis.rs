@@ -1,6 +1,9 @@
-//! The common time axis of all plots.
+//! The common time axis of all plots, and their input.
 
+use crate::ruler::Ruler;
 use crate::session::{Mode, Session};
+use crate::theme::Palette;
+use crate::visibility::Visibility;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TimeAxis {
@@ -53,4 +56,14 @@ impl TimeAxis {
     pub fn shown_time(&self, session: &Session) -> f64 {
         session.run().record().time(self.readout(session))
     }
+}
+
+#[derive(Clone, Copy)]
+pub(crate) struct PlotInput<'a> {
+    pub(crate) session: &'a Session,
+    pub(crate) palette: &'a Palette,
+    pub(crate) visible: &'a Visibility,
+    pub(crate) axis: &'a TimeAxis,
+    pub(crate) ruler: &'a Ruler,
+    pub(crate) version: u64,
 }

@@ -5,11 +5,11 @@ use std::ops::Range;
 use egui::{Button, RichText, TextWrapMode, Ui};
 
 use super::Catalogue;
-use crate::hover::named;
 use crate::menu::{self, Closing};
 use crate::probe;
 use crate::request::Request;
 use crate::thumbnail;
+use crate::widgets::named;
 
 /// The width of the window that the menu leaves, and the least width of a column \[points\].
 const AROUND: f32 = 40.0;

@@ -1,74 +1,69 @@
-//! States and parameters over time: truth, measurement, each filter's estimate and its ±2σ band.
+//! States and parameters over time: truth, measurement, each filter's estimate with its ±2σ band, and its error.
 
 use kalmanscope_core::{Channel, Quantity};
 
 use crate::plot::chart::Chart;
 use crate::plot::layers::{Layer, line_width};
 use crate::plot::series::{Band, Series};
-use crate::sheet::Column;
-use crate::text::{decimals, fixed, in_hertz};
+use crate::session::{Bound, Wanted};
+use crate::sheet::{Column, plus_minus};
+use crate::text::{decimals, error_in_hertz, fixed, in_hertz};
 use crate::view::{View, ViewContext};
 use crate::views::{handles, weights};
 
 /// The width of the first filter's line \[points\].
 const ESTIMATE: f32 = 2.4;
 
-pub(super) enum Channels {
-    States,
-    Parameters,
+pub(super) static STATES: View = View {
+    name: "States",
+    help: [
+        "The motion over time: truth thick, measurements as dots, each filter's estimate with its ±2σ band.",
+        "The band of a consistent filter contains the truth 95 % of the time.",
+        "The estimate should be closer to the truth than the dots. A robust filter leaves out those in its colour.",
+    ],
+    charts: |context| channel_charts(false, context),
+    plots: |context| channels(false, context).len(),
+    ..View::NONE
+};
+
+pub(super) static PARAMETERS: View = View {
+    name: "Parameters",
+    help: [
+        "The plant's parameters over time: truth thick, each filter's estimate with its ±2σ band.",
+        "They are not measured: a filter infers them from the response of the motion to the force.",
+        "The band narrows with every measurement. Only a filter with fading memory or process noise follows a change of the truth.",
+    ],
+    charts: |context| channel_charts(true, context),
+    plots: |context| channels(true, context).len(),
+    ..View::NONE
+};
+
+fn channels(are_parameters: bool, context: &ViewContext<'_>) -> Vec<Channel> {
+    let is_wanted = |channel: &Channel| channel.is_parameter() == are_parameters;
+    context.visible.channels(context.session.run().channels().into_iter().filter(is_wanted).collect())
 }
 
-impl View for Channels {
-    fn name(&self) -> &'static str {
-        match self {
-            Self::States => "States",
-            Self::Parameters => "Parameters",
-        }
-    }
-
-    fn help(&self) -> [&'static str; 3] {
-        match self {
-            Self::States => [
-                "The motion over time: truth thick, measurements as dots, each filter's estimate with its ±2σ band.",
-                "The band of a consistent filter contains the truth 95 % of the time.",
-                "The estimate should be closer to the truth than the dots. A robust filter leaves out those in its colour.",
-            ],
-            Self::Parameters => [
-                "The plant's parameters over time: truth thick, each filter's estimate with its ±2σ band.",
-                "They are not measured: a filter infers them from the response of the motion to the force.",
-                "The band narrows with every measurement. Only a filter with fading memory or process noise follows a change of the truth.",
-            ],
-        }
-    }
-
-    fn charts<'a>(&self, context: &ViewContext<'a>) -> Vec<Chart<'a>> {
-        let is_wanted = |channel: &Channel| channel.is_parameter() == matches!(self, Self::Parameters);
-        let channels = context.session.run().channels().into_iter().filter(is_wanted).collect();
-        context.visible.channels(channels).into_iter().map(|channel| chart(channel, context)).collect()
-    }
+fn channel_charts<'a>(are_parameters: bool, context: &ViewContext<'a>) -> Vec<Chart<'a>> {
+    channels(are_parameters, context).into_iter().map(|channel| chart(channel, context)).collect()
 }
 
 fn chart<'a>(channel: Channel, context: &ViewContext<'a>) -> Chart<'a> {
     let ViewContext { session, palette, visible, .. } = *context;
     let run = session.run();
     let record = run.record();
-    let mut layers: Vec<Layer<'a>> = Vec::new();
-    for (place, estimates) in context.filters().filter(|_| visible.bands) {
-        let Some(at) = estimates.place(channel) else { continue };
-        let band = Band::around(estimates.canonical_means(at), estimates.variances(at));
-        layers.push(Layer::Band {
-            band,
-            color: palette.shade(estimates.color()),
-            under: line_width(place, ESTIMATE),
-            filter: Some(estimates.id()),
-        });
-    }
+    let decimals = decimals(channel);
+    let bands = context.estimating(channel).filter(|_| visible.bands).map(|(place, of, at)| {
+        let band = Band::around(of.canonical_means(at), of.variances(at));
+        context.band(of, band, line_width(place, ESTIMATE))
+    });
+    let mut layers: Vec<Layer<'a>> = bands.collect();
     let quantity = Quantity::all().iter().find(|q| q.channel() == Some(channel));
     if let Some(z) = quantity.and_then(|q| record.measured_quantity(*q)).filter(|_| visible.measured) {
         layers.push(Layer::Dots { series: Series::of(&z[..run.len()]), color: palette.measured });
         layers.extend(quantity.into_iter().flat_map(|q| weights::layers(*q, &z[..run.len()], context)));
     }
-    if let Some(truth) = record.truth(channel).filter(|_| visible.truth) {
+    let truth = record.truth(channel);
+    if let Some(truth) = truth.filter(|_| visible.truth) {
         layers.push(Layer::Line {
             series: Series::of(&truth[..run.len()]),
             color: palette.truth,
@@ -80,32 +75,28 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>) -> Chart<'a> {
     }
     let truth_before = session.before().and_then(|before| before.truth(channel));
     if let Some(truth) = truth_before.filter(|_| visible.truth) {
-        let series = Series::of(truth);
-        layers.push(Layer::dashed(series, palette.weak, 1.2));
+        layers.push(Layer::dashed(Series::of(truth), palette.weak, 1.2));
     }
-    let lines: Vec<u32> =
-        context.filters().filter(|(_, of)| of.place(channel).is_some()).map(|(_, of)| of.id()).collect();
-    for estimates in context.before() {
-        let now = lines.iter().position(|id| *id == estimates.id());
-        if let (Some(at), Some(now)) = (estimates.place(channel), now) {
-            let series = Series::of(estimates.canonical_means(at));
-            layers.push(Layer::Before { series, color: palette.weak, now });
+    for before in context.before() {
+        let now = context.estimating(channel).position(|(_, of, _)| of.id() == before.id());
+        if let (Some(at), Some(now)) = (before.place(channel), now) {
+            layers.push(Layer::Before { series: Series::of(before.canonical_means(at)), color: palette.weak, now });
         }
     }
-    for (place, estimates) in context.filters() {
-        let Some(at) = estimates.place(channel) else { continue };
-        layers.push(
-            Layer::line(
-                Series::of(estimates.canonical_means(at)),
-                palette.shade(estimates.color()),
-                line_width(place, ESTIMATE),
-            )
-            .of(estimates.id()),
-        );
+    let words = truth.map(|truth| {
+        let column = Column::new("truth", palette.truth, move |k| Some(fixed(*truth.get(k)?, decimals)));
+        column.with_aside(move |k| in_hertz(*truth.get(k)?, channel.unit()))
+    });
+    let mut columns: Vec<Column<'a>> = words.into_iter().collect();
+    for (place, of, at) in context.estimating(channel) {
+        layers.push(context.line(of, Series::of(of.canonical_means(at)), line_width(place, ESTIMATE)));
+        let text = move |k| Some(plus_minus(of.canonical_mean(k, at), of.std(k, at), decimals));
+        let aside = move |k| in_hertz(of.canonical_mean(k, at), channel.unit());
+        columns.push(context.column(of, text).with_aside(aside));
     }
-    for estimates in session.smoothed().iter().filter(|of| visible.hindsight && visible.filter(of.id())) {
-        let Some(at) = estimates.place(channel) else { continue };
-        layers.push(Layer::dashed(Series::of(estimates.canonical_means(at)), palette.shade(estimates.color()), 1.4));
+    for of in session.smoothed().iter().filter(|of| visible.hindsight && visible.filter(of.id())) {
+        let Some(at) = of.place(channel) else { continue };
+        layers.push(Layer::dashed(Series::of(of.canonical_means(at)), context.color(of), 1.4));
     }
     Chart {
         key: channel.key().to_owned(),
@@ -113,30 +104,77 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>) -> Chart<'a> {
         symbol: channel.symbol().to_owned(),
         name: channel.name().to_owned(),
         unit: context.unit(channel.unit()),
-        columns: columns(channel, context),
+        columns,
         layers,
         handles: handles::of_channel(channel, context).into_iter().chain(handles::of_noise(channel, context)).collect(),
         ..Chart::default()
     }
 }
 
-fn columns<'a>(channel: Channel, context: &ViewContext<'a>) -> Vec<Column<'a>> {
-    let ViewContext { session, palette, .. } = *context;
+pub(super) static ERRORS: View = View {
+    name: "Errors",
+    help: [
+        "Estimate minus truth over time, in the filter's ±2σ band; dashed is ±2 times the Cramér-Rao bound.",
+        "An error outside its band more than 5 % of the time: the filter is overconfident. Far inside all the time: it is underconfident.",
+        "No unbiased filter with the same initial belief and noise has a band inside the dashed lines.",
+    ],
+    wanted: Wanted::BOUNDS,
+    charts: error_charts,
+    plots: |context| known_channels(context).len(),
+    without_charts: "The truth of this record is not known.",
+    ..View::NONE
+};
+
+fn error_charts<'a>(context: &ViewContext<'a>) -> Vec<Chart<'a>> {
+    known_channels(context).into_iter().map(|channel| error_chart(channel, context)).collect()
+}
+
+fn known_channels(context: &ViewContext<'_>) -> Vec<Channel> {
+    let record = context.session.run().record();
+    let channels = context.session.run().channels();
+    let (parameters, states): (Vec<Channel>, Vec<Channel>) = channels
+        .into_iter()
+        .filter(|c| record.truth(*c).is_some() && context.in_doubt(*c))
+        .partition(|c| c.is_parameter());
+    context.visible.channels([parameters, states].concat())
+}
+
+fn error_chart<'a>(channel: Channel, context: &ViewContext<'a>) -> Chart<'a> {
+    let ViewContext { session, palette, visible, .. } = *context;
+    let truth = session.run().record().truth(channel).unwrap_or_default();
     let decimals = decimals(channel);
-    let truth = session.run().record().truth(channel).map(|truth| {
-        let column = Column::new("truth", palette.truth, move |k| Some(fixed(*truth.get(k)?, decimals)));
-        column.with_aside(move |k| in_hertz(*truth.get(k)?, channel.unit()))
+    let bands = context.estimating(channel).filter(|_| visible.bands).map(|(_, of, at)| {
+        let variances = of.variances(at);
+        context.band(of, Band::around_zero(variances.len(), |samples| variances[samples].iter().copied()), 0.0)
     });
-    let filters = context.filters().filter_map(|(_, estimates)| {
-        let at = estimates.place(channel)?;
-        let text = move |k: usize| {
-            let mean = fixed(estimates.canonical_mean(k, at), decimals);
-            format!("{mean} ±{}", fixed(2.0 * estimates.std(k, at), decimals))
-        };
-        let color = palette.shade(estimates.color());
-        let column = Column::new(estimates.name(), color, move |k| (k < estimates.len()).then(|| text(k)));
-        let mean = move |k: usize| (k < estimates.len()).then(|| estimates.canonical_mean(k, at));
-        Some(column.with_aside(move |k| in_hertz(mean(k)?, channel.unit())))
-    });
-    truth.into_iter().chain(filters).collect()
+    let mut layers: Vec<Layer<'a>> = bands.chain([Layer::zero(palette.truth)]).collect();
+    let mut columns = Vec::new();
+    for (place, of, at) in context.estimating(channel) {
+        let means = of.canonical_means(at);
+        let errors = Series::new(means.len(), move |samples| {
+            means[samples.clone()].iter().zip(&truth[samples]).map(|(mean, truth)| mean - truth)
+        });
+        layers.push(context.line(of, errors, line_width(place, 2.0)));
+        let error = move |k: usize| of.canonical_mean(k, at) - truth[k];
+        let text = move |k| Some(plus_minus(error(k), of.std(k, at), decimals));
+        columns.push(context.column(of, text).with_aside(move |k| error_in_hertz(error(k), channel.unit(), decimals)));
+    }
+    for Bound { bound, filters } in session.bounds().iter().filter(|_| visible.bands) {
+        let Some((_, of)) = context.filters().find(|(_, of)| filters.contains(&of.id())) else { continue };
+        let Some(at) = bound.place(channel) else { continue };
+        for sign in [-2.0, 2.0] {
+            let series = Series::new(bound.len(), move |samples| samples.map(move |k| sign * bound.std(k, at)));
+            layers.push(Layer::dashed(series, context.color(of), 1.0));
+        }
+    }
+    Chart {
+        key: format!("error of {}", channel.key()),
+        title: format!("error of the {}", channel.name()),
+        symbol: format!("{} error", channel.symbol()),
+        name: channel.name().to_owned(),
+        unit: context.unit(channel.unit()),
+        columns,
+        layers,
+        ..Chart::default()
+    }
 }

@@ -2,7 +2,6 @@
 
 use std::ops::Range;
 
-use kalmanscope_core::Estimates;
 use kalmanscope_core::diagnostics::{Depth, Diagnostics, Total, chi_squared};
 
 use crate::plot::chart::Chart;
@@ -16,28 +15,21 @@ use crate::view::{View, ViewContext};
 /// Duration of the moving mean \[s\].
 const WINDOW: f64 = 2.0;
 
-pub(super) struct Consistency;
+pub(super) static VIEW: View = View {
+    name: "NIS and NEES",
+    help: [
+        "Squares of innovations (NIS) and errors (NEES) over their expectation, as a moving mean, on a logarithmic axis.",
+        "At 1 the filter is consistent. Above: overconfident. Below: underconfident. Between the dashed lines lie 95 % of the means of a consistent filter, by the χ² distribution.",
+        "NIS needs only measurements; NEES needs the truth. Errors change slowly, so NEES strays further than NIS by chance.",
+    ],
+    wanted: Wanted::diagnostics(Depth::Consistency),
+    charts,
+    plots: |_| 2,
+    ..View::NONE
+};
 
-impl View for Consistency {
-    fn name(&self) -> &'static str {
-        "NIS and NEES"
-    }
-
-    fn help(&self) -> [&'static str; 3] {
-        [
-            "Squares of innovations (NIS) and errors (NEES) over their expectation, as a moving mean, on a logarithmic axis.",
-            "At 1 the filter is consistent. Above: overconfident. Below: underconfident. Between the dashed lines lie 95 % of the means of a consistent filter, by the χ² distribution.",
-            "NIS needs only measurements; NEES needs the truth. Errors change slowly, so NEES strays further than NIS by chance.",
-        ]
-    }
-
-    fn wanted(&self) -> Wanted {
-        Wanted::diagnostics(Depth::Consistency)
-    }
-
-    fn charts<'a>(&self, context: &ViewContext<'a>) -> Vec<Chart<'a>> {
-        [NIS, NEES].iter().map(|square| chart(square, context)).collect()
-    }
+fn charts<'a>(context: &ViewContext<'a>) -> Vec<Chart<'a>> {
+    [NIS, NEES].iter().map(|square| chart(square, context)).collect()
 }
 
 struct Square {
@@ -60,29 +52,12 @@ const NEES: Square = Square {
     moving: Diagnostics::moving_nees,
 };
 
-fn remark() -> String {
-    format!("over expectation, mean of {WINDOW} s")
-}
-
-fn window(context: &ViewContext<'_>) -> usize {
-    (WINDOW / context.session.run().record().dt()).ceil().max(1.0) as usize
-}
-
-fn columns<'a>(square: &Square, context: &ViewContext<'a>) -> Vec<Column<'a>> {
-    let (window, within) = (window(context), square.within);
-    let column = |(_, estimates, diagnostics): (usize, &'a Estimates, &'a Diagnostics)| {
-        let ratio = move |k: usize| within(diagnostics, (k + 1).saturating_sub(window)..k + 1).per_degree();
-        let text = move |k: usize| (k < diagnostics.len()).then(|| significant(ratio(k), 3));
-        Column::new(estimates.name(), context.palette.shade(estimates.color()), text)
-    };
-    context.diagnostics().map(column).collect()
-}
-
 fn chart<'a>(square: &Square, context: &ViewContext<'a>) -> Chart<'a> {
     let palette = context.palette;
     let Square { symbol, name, within, moving } = *square;
-    let window = window(context);
-    let mut layers: Vec<Layer<'a>> = vec![Layer::Level { value: 0.0, color: palette.truth, label: "" }];
+    let window = (WINDOW / context.session.run().record().dt()).ceil().max(1.0) as usize;
+    let remark = format!("over expectation, mean of {WINDOW} s");
+    let mut layers: Vec<Layer<'a>> = vec![Layer::zero(palette.truth)];
     // The samples of one window are independent for NIS; for NEES they count as one.
     let last = context
         .diagnostics()
@@ -96,23 +71,20 @@ fn chart<'a>(square: &Square, context: &ViewContext<'a>) -> Chart<'a> {
             }
         }
     }
-    for (place, estimates, diagnostics) in context.diagnostics() {
-        layers.push(
-            Layer::line(
-                Series::made(diagnostics.len(), move |samples| moving(diagnostics, window, samples))
-                    .through(f64::log10),
-                palette.shade(estimates.color()),
-                line_width(place, 2.0),
-            )
-            .of(estimates.id()),
-        );
+    let mut columns = Vec::new();
+    for (place, of, diagnostics) in context.diagnostics() {
+        let series = Series::made(diagnostics.len(), move |samples| moving(diagnostics, window, samples));
+        layers.push(context.line(of, series.through(f64::log10), line_width(place, 2.0)));
+        let ratio = move |k: usize| within(diagnostics, (k + 1).saturating_sub(window)..k + 1).per_degree();
+        let text = move |k: usize| (k < diagnostics.len()).then(|| significant(ratio(k), 3));
+        columns.push(Column::new(of.name(), context.color(of), text));
     }
     Chart {
         key: symbol.to_owned(),
-        title: format!("{symbol}, {name}, {}", remark()),
+        title: format!("{symbol}, {name}, {remark}"),
         symbol: symbol.to_owned(),
-        name: remark(),
-        columns: columns(square, context),
+        name: remark,
+        columns,
         layers,
         least: Some((-0.5, 0.5)),
         logarithmic: true,

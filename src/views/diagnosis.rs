@@ -2,8 +2,6 @@
 
 mod causes;
 mod evidence;
-mod numbers;
-mod rows;
 
 use egui::{Label, RichText, ScrollArea, TextStyle, Ui};
 use kalmanscope_core::Estimates;
@@ -11,43 +9,35 @@ use kalmanscope_core::diagnostics::Depth;
 
 use crate::request::Request;
 use crate::session::Wanted;
-use crate::steady::{is_held, steady_ui};
 use crate::text::sentence;
 use crate::theme;
 use crate::verdict::{symbol, text_color};
 use crate::view::{View, ViewContext};
+use crate::widgets::{is_held, steady_ui};
 
-pub(super) struct Diagnosis;
+pub(super) static VIEW: View = View {
+    name: "Diagnosis",
+    help: [
+        "Whether each filter's ±2σ is to be believed over the record so far, and the tests that say so: click on one for how to read it.",
+        "A bar is the size of an effect; beyond the line in its middle it matters. It counts if chance explains it in less than one of 10 000 records.",
+        "Causes are tried: the filter runs again with a setting changed. A button makes that change; Ctrl+Z takes it back.",
+    ],
+    wanted: Wanted::diagnostics(Depth::All),
+    ui: Some(view_ui),
+    ..View::NONE
+};
 
-impl View for Diagnosis {
-    fn name(&self) -> &'static str {
-        "Diagnosis"
-    }
-
-    fn help(&self) -> [&'static str; 3] {
-        [
-            "Whether each filter's ±2σ is to be believed over the record so far, and the tests that say so: click on one for how to read it.",
-            "A bar is the size of an effect; beyond the line in its middle it matters. It counts if chance explains it in less than one of 10 000 records.",
-            "Causes are tried: the filter runs again with a setting changed. A button makes that change; Ctrl+Z takes it back.",
-        ]
-    }
-
-    fn wanted(&self) -> Wanted {
-        Wanted::diagnostics(Depth::All)
-    }
-
-    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
-        // After a press, another button may move to the same place.
-        let is_held = is_held(ui, "hand on the diagnosis");
-        ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-            ui.set_width(ui.available_width() - ui.spacing().scroll.bar_width);
-            for (place, estimates) in context.filters() {
-                ui.push_id(estimates.id(), |ui| filter_ui(ui, context, (place, is_held), estimates, requests));
-                ui.add_space(10.0);
-            }
-        });
-        None
-    }
+fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
+    // After a press, another button may move to the same place.
+    let is_held = is_held(ui, "hand on the diagnosis");
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        ui.set_width(ui.available_width() - ui.spacing().scroll.bar_width);
+        for (place, estimates) in context.filters() {
+            ui.push_id(estimates.id(), |ui| filter_ui(ui, context, (place, is_held), estimates, requests));
+            ui.add_space(10.0);
+        }
+    });
+    None
 }
 
 pub(crate) fn drawer_ui(ui: &mut Ui, context: &ViewContext<'_>, id: u32, requests: &mut Vec<Request>) {
@@ -57,7 +47,7 @@ pub(crate) fn drawer_ui(ui: &mut Ui, context: &ViewContext<'_>, id: u32, request
         ui.horizontal_wrapped(|ui| {
             for estimates in all {
                 let is_on = estimates.id() == id;
-                let color = context.palette.shade(estimates.color());
+                let color = context.color(estimates);
                 let name = RichText::new(estimates.name()).color(if is_on { context.palette.on_accent } else { color });
                 let tab = ui.selectable_label(is_on, name);
                 tab.ctx.accesskit_node_builder(tab.id, |node| {
@@ -85,8 +75,8 @@ pub(crate) fn drawer_ui(ui: &mut Ui, context: &ViewContext<'_>, id: u32, request
         if is_low {
             verdict_ui(ui, requests);
         }
-        numbers::estimates_ui(ui, context, place, &all[place]);
-        numbers::settings_ui(ui, context, id, requests);
+        evidence::estimates_ui(ui, context, place, &all[place]);
+        evidence::settings_ui(ui, context, id, requests);
         ui.add_space(4.0);
         if !is_low {
             verdict_ui(ui, requests);
@@ -107,7 +97,7 @@ fn filter_ui(
     requests: &mut Vec<Request>,
 ) {
     let ViewContext { session, palette, .. } = *context;
-    let color = palette.shade(estimates.color());
+    let color = context.color(estimates);
     let diagnosis = session.diagnosis(place);
     let verdict = diagnosis.and_then(|diagnosis| diagnosis.verdict.as_ref());
     ui.horizontal_wrapped(|ui| {

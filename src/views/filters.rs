@@ -21,41 +21,36 @@ struct Dragged {
     value: f64,
 }
 
-pub(super) struct Filters;
+pub(super) static VIEW: View = View {
+    name: "Filter settings",
+    help: [
+        "What the filters are told, side by side: rows are numbers, columns filters; each number can be dragged or typed.",
+        "Numbers that differ from the first filter's are tinted, so that it is plain in what two filters differ.",
+        "The sign = beside a number can be dragged onto another filter's number of that row, and the name of a filter onto another: that is then the same.",
+    ],
+    ui: Some(view_ui),
+    ..View::NONE
+};
 
-impl View for Filters {
-    fn name(&self) -> &'static str {
-        "Filter settings"
+fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
+    let mut scenario = context.session.scenario().clone();
+    if scenario.filters.is_empty() {
+        ui.weak("There is no filter: add one in the settings.");
     }
-
-    fn help(&self) -> [&'static str; 3] {
-        [
-            "What the filters are told, side by side: rows are numbers, columns filters; each number can be dragged or typed.",
-            "Numbers that differ from the first filter's are tinted, so that it is plain in what two filters differ.",
-            "The sign = beside a number can be dragged onto another filter's number of that row, and the name of a filter onto another: that is then the same.",
-        ]
-    }
-
-    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
-        let mut scenario = context.session.scenario().clone();
-        if scenario.filters.is_empty() {
-            ui.weak("There is no filter: add one in the settings.");
-        }
-        ScrollArea::both().auto_shrink(false).show(ui, |ui| {
-            Grid::new("filter settings").striped(true).spacing([10.0, 3.0]).show(ui, |ui| {
-                ui.label("");
-                names_ui(ui, &mut scenario, context.palette);
+    ScrollArea::both().auto_shrink(false).show(ui, |ui| {
+        Grid::new("filter settings").striped(true).spacing([10.0, 3.0]).show(ui, |ui| {
+            ui.label("");
+            names_ui(ui, &mut scenario, context.palette);
+            ui.end_row();
+            for row in rows(&scenario) {
+                ui.label(RichText::new(&row.symbol).weak()).on_hover_text(row.name.as_str());
+                row_ui(ui, &row, &mut scenario, context.palette);
                 ui.end_row();
-                for row in rows(&scenario) {
-                    ui.label(RichText::new(&row.symbol).weak()).on_hover_text(row.name.as_str());
-                    row_ui(ui, &row, &mut scenario, context.palette);
-                    ui.end_row();
-                }
-            });
+            }
         });
-        requests.extend(Request::edit(context.session.scenario(), &scenario));
-        None
-    }
+    });
+    requests.extend(Request::edit(context.session.scenario(), &scenario));
+    None
 }
 
 fn names_ui(ui: &mut Ui, scenario: &mut Scenario, palette: &Palette) {

@@ -26,40 +26,35 @@ const MOST: (f64, f64) = (6.0, 0.3);
 const HEADROOM: f64 = 0.08;
 const BOUNDLESS: f64 = 300.0;
 
-pub(super) struct FrequencyResponse;
+pub(super) static VIEW: View = View {
+    name: "Frequency response",
+    help: [
+        "The displacement of the first mass per force at each frequency: the truth thick, and each filter with its 95 % band. A nonlinear plant is shown for small motion.",
+        "A peak in the wrong place is a wrong natural frequency, a peak too high or too low a wrong damping.",
+        "At the bottom, on a scale of its own, is the spectrum of the force so far: a frequency without excitation gives a filter no information.",
+    ],
+    ui: Some(view_ui),
+    ..View::NONE
+};
 
-impl View for FrequencyResponse {
-    fn name(&self) -> &'static str {
-        "Frequency response"
+fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Request>) -> Option<f64> {
+    let ViewContext { session, palette, visible, axis, .. } = *context;
+    let k = axis.readout(session);
+    let curves = Curves::at(ui, session, k, |id| visible.filter(id));
+    let drawn = Drawn::new(&curves, context);
+    let (heading, _) = ui.allocate_exact_size(vec2(ui.available_width(), HEADING), egui::Sense::hover());
+    let labels = ["angular frequency ω [rad/s]", "|H| [s²]"];
+    let pointed = log_plane_ui(ui, "frequency response", labels, palette, Some(drawn.range()), |plot| {
+        let pointed = plot.pointer_coordinate().filter(|_| plot.response().hovered());
+        let pointed = pointed.map(|point| curves.nearest(point.x));
+        drawn.draw(plot, context, pointed);
+        pointed
+    });
+    let mut heading = ui.new_child(UiBuilder::new().max_rect(heading));
+    if let Some(i) = pointed.or_else(|| drawn.peak()) {
+        heading_ui(&mut heading, "|H|", "displacement over force per mass", "s²", &readouts(&curves, i, context));
     }
-
-    fn help(&self) -> [&'static str; 3] {
-        [
-            "The displacement of the first mass per force at each frequency: the truth thick, and each filter with its 95 % band. A nonlinear plant is shown for small motion.",
-            "A peak in the wrong place is a wrong natural frequency, a peak too high or too low a wrong damping.",
-            "At the bottom, on a scale of its own, is the spectrum of the force so far: a frequency without excitation gives a filter no information.",
-        ]
-    }
-
-    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Request>) -> Option<f64> {
-        let ViewContext { session, palette, visible, axis, .. } = *context;
-        let k = axis.readout(session);
-        let curves = Curves::at(ui, session, k, |id| visible.filter(id));
-        let drawn = Drawn::new(&curves, context);
-        let (heading, _) = ui.allocate_exact_size(vec2(ui.available_width(), HEADING), egui::Sense::hover());
-        let labels = ["angular frequency ω [rad/s]", "|H| [s²]"];
-        let pointed = log_plane_ui(ui, "frequency response", labels, palette, Some(drawn.range()), |plot| {
-            let pointed = plot.pointer_coordinate().filter(|_| plot.response().hovered());
-            let pointed = pointed.map(|point| curves.nearest(point.x));
-            drawn.draw(plot, context, pointed);
-            pointed
-        });
-        let mut heading = ui.new_child(UiBuilder::new().max_rect(heading));
-        if let Some(i) = pointed.or_else(|| drawn.peak()) {
-            heading_ui(&mut heading, "|H|", "displacement over force per mass", "s²", &readouts(&curves, i, context));
-        }
-        None
-    }
+    None
 }
 
 fn readouts(curves: &Curves, i: usize, context: &ViewContext<'_>) -> Vec<Readout> {
@@ -77,7 +72,7 @@ fn readouts(curves: &Curves, i: usize, context: &ViewContext<'_>) -> Vec<Readout
             || name.to_owned(),
             |(low, high)| format!("{name}, 95 %: {} to {}", significant(low[i], 3), significant(high[i], 3)),
         );
-        readouts.push(Readout::new(significant(believed.mean[i], 3), palette.shade(estimates.color()), hint));
+        readouts.push(Readout::new(significant(believed.mean[i], 3), context.color(estimates), hint));
     }
     readouts
 }
@@ -102,7 +97,7 @@ impl<'a> Drawn<'a> {
             let Believed { mean, band } = believed.as_deref()?;
             let band = band.as_ref().filter(|_| visible.bands);
             let band = band.and_then(|(low, high)| Some([logarithms(low)?, logarithms(high)?]));
-            let color = context.palette.shade(estimates.color());
+            let color = context.color(estimates);
             Some(Filter { color, mean: logarithms(mean)?, band })
         };
         Self {

@@ -3,43 +3,38 @@
 use egui::{Id, Ui};
 use kalmanscope_core::{Channel, Estimates, Quantity};
 
-use crate::plot::chart::Chart;
-use crate::plot::charts::charts_ui;
+use crate::plot::chart::{Chart, charts_ui};
 use crate::plot::layers::Layer;
 use crate::plot::series::Series;
 use crate::request::Request;
-use crate::sheet::{Column, Sheet};
+use crate::sheet::Sheet;
 use crate::text::significant;
 use crate::view::{View, ViewContext};
 
-pub(super) struct Gain;
+pub(super) static VIEW: View = View {
+    name: "Kalman gain",
+    help: [
+        "What an innovation of one sensor changes: of the channel that it measures, the share of the innovation that is taken; of any other, K times √S, the change by an innovation of one standard deviation.",
+        "Large at first, when the filter knows little; then constant, when measurements balance process noise and fading.",
+        "With a gain near zero, measurements no longer change the estimate.",
+    ],
+    sheets: Some(sheets),
+    ui: Some(view_ui),
+    ..View::NONE
+};
 
-impl View for Gain {
-    fn name(&self) -> &'static str {
-        "Kalman gain"
-    }
+fn sheets<'a>(context: &ViewContext<'a>) -> Vec<Sheet<'a>> {
+    let sensors = 0..context.session.sensors().len();
+    sensors.flat_map(|sensor| charts(sensor, context)).map(Chart::into_sheet).collect()
+}
 
-    fn help(&self) -> [&'static str; 3] {
-        [
-            "What an innovation of one sensor changes: of the channel that it measures, the share of the innovation that is taken; of any other, K times √S, the change by an innovation of one standard deviation.",
-            "Large at first, when the filter knows little; then constant, when measurements balance process noise and fading.",
-            "With a gain near zero, measurements no longer change the estimate.",
-        ]
+fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
+    if context.session.run().scenario().sensors.is_empty() {
+        ui.weak("Nothing is measured.");
+        return None;
     }
-
-    fn sheets<'a>(&self, context: &ViewContext<'a>) -> Vec<Sheet<'a>> {
-        let sensors = 0..context.session.sensors().len();
-        sensors.flat_map(|sensor| charts(sensor, context)).map(Chart::into_sheet).collect()
-    }
-
-    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
-        if context.session.run().scenario().sensors.is_empty() {
-            ui.weak("Nothing is measured.");
-            return None;
-        }
-        let sensor = sensor_ui(ui, &context.session.sensors());
-        charts_ui(ui, charts(sensor, context), &context.plot_input(), requests)
-    }
+    let sensor = sensor_ui(ui, &context.session.sensors());
+    charts_ui(ui, charts(sensor, context), &context.plot_input(), requests)
 }
 
 fn sensor_ui(ui: &mut Ui, sensors: &[Quantity]) -> usize {
@@ -64,10 +59,6 @@ fn charts<'a>(sensor: usize, context: &ViewContext<'a>) -> Vec<Chart<'a>> {
     channels.into_iter().map(|channel| chart(channel, sensor, context)).collect()
 }
 
-fn is_measured(channel: Channel, sensor: usize, context: &ViewContext<'_>) -> bool {
-    context.session.sensors().get(sensor).copied().and_then(Quantity::channel) == Some(channel)
-}
-
 /// The gain as a share of the innovation, or else the change of a channel by an innovation of one standard deviation.
 fn change(estimates: &Estimates, (sensor, at): (usize, usize), is_measured: bool, k: usize) -> f64 {
     let (n, m) = (estimates.channels().len(), estimates.sensors().len());
@@ -75,34 +66,16 @@ fn change(estimates: &Estimates, (sensor, at): (usize, usize), is_measured: bool
     estimates.gain(k)[sensor * n + at] * size
 }
 
-fn columns<'a>(channel: Channel, sensor: usize, context: &ViewContext<'a>) -> Vec<Column<'a>> {
-    let is_measured = is_measured(channel, sensor, context);
-    let column = |(_, estimates): (usize, &'a Estimates)| {
-        let place = (sensor, estimates.place(channel)?);
-        let text =
-            move |k: usize| (k < estimates.len()).then(|| significant(change(estimates, place, is_measured, k), 3));
-        Some(Column::new(estimates.name(), context.palette.shade(estimates.color()), text))
-    };
-    context.filters().filter_map(column).collect()
-}
-
 fn chart<'a>(channel: Channel, sensor: usize, context: &ViewContext<'a>) -> Chart<'a> {
-    let palette = context.palette;
-    let is_measured = is_measured(channel, sensor, context);
-    let mut layers: Vec<Layer<'a>> = vec![Layer::Level { value: 0.0, color: palette.weak, label: "" }];
-    for (_, estimates) in context.filters() {
-        let Some(at) = estimates.place(channel) else { continue };
-        let value = move |k: usize| change(estimates, (sensor, at), is_measured, k);
-        layers.push(
-            Layer::line(
-                Series::new(estimates.len(), move |samples| samples.map(value)),
-                palette.shade(estimates.color()),
-                1.2,
-            )
-            .of(estimates.id()),
-        );
-    }
     let sensor_of = context.session.sensors().get(sensor).copied();
+    let is_measured = sensor_of.and_then(Quantity::channel) == Some(channel);
+    let mut layers: Vec<Layer<'a>> = vec![Layer::zero(context.palette.weak)];
+    let mut columns = Vec::new();
+    for (_, of, at) in context.estimating(channel) {
+        let value = move |k: usize| change(of, (sensor, at), is_measured, k);
+        layers.push(context.line(of, Series::new(of.len(), move |samples| samples.map(value)), 1.2));
+        columns.push(context.column(of, move |k| Some(significant(value(k), 3))));
+    }
     let by = sensor_of.map_or_else(String::new, |quantity| format!(" by the {} sensor", quantity.key()));
     Chart {
         key: format!("gain of {} from {sensor}", channel.key()),
@@ -110,7 +83,7 @@ fn chart<'a>(channel: Channel, sensor: usize, context: &ViewContext<'a>) -> Char
         symbol: if is_measured { "K".to_owned() } else { format!("K√S → {}", channel.symbol()) },
         name: if is_measured { "share of the innovation taken".to_owned() } else { channel.name().to_owned() },
         unit: if is_measured { "" } else { context.unit(channel.unit()) },
-        columns: columns(channel, sensor, context),
+        columns,
         layers,
         ..Chart::default()
     }

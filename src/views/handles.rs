@@ -40,7 +40,7 @@ pub(super) fn of_channel<'a>(channel: Channel, context: &ViewContext<'a>) -> Vec
             continue;
         }
         let (mean, std) = (filter.initial_mean[channel], filter.initial_std[channel]);
-        let color = context.palette.shade(estimates.color());
+        let color = context.color(estimates);
         let time = Some(record.time_of(0));
         let name = &filter.name;
         handles.push(Handle {
@@ -104,7 +104,7 @@ pub(super) fn of_sensor<'a>(
             name: format!("2√R of {} for the {} sensor", filter.name, quantity.key()),
             time: None,
             value: 2.0 * std,
-            color: context.palette.shade(estimates.color()),
+            color: context.color(estimates),
             set: Box::new(move |scenario: &mut Scenario, _, value: f64| {
                 let std = rounded(0.5 * value).max(LEAST);
                 edit(scenario, id, |filter| filter.sensor_std[sensor] = std);

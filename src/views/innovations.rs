@@ -1,6 +1,8 @@
 //! Innovations within ±2√S: the new information of each measurement.
 
-use kalmanscope_core::{Estimates, Quantity};
+use std::f64::consts::LN_10;
+
+use kalmanscope_core::{Estimates, FilterSettings, Quantity};
 
 use crate::plot::chart::Chart;
 use crate::plot::heading::Readout;
@@ -9,39 +11,42 @@ use crate::plot::series::{Band, Series};
 use crate::sheet::{Column, Sheet};
 use crate::text::significant;
 use crate::view::{View, ViewContext};
-use crate::views::{handles, learnt_noise};
+use crate::views::handles;
 
 /// Limits the number of charts if each filter has its own.
 const ROWS: usize = 8;
 
-pub(super) struct Innovations;
+pub(super) static VIEW: View = View {
+    name: "Innovations",
+    help: [
+        "Measurement minus prediction, in its ±2√S band.",
+        "For a well tuned filter they are white noise, and 95 % are in the band.",
+        "A rhythm in them, or a band that does not fit, shows that model, Q or R is wrong, without knowledge of the truth. Filters that learn R show it below.",
+    ],
+    sheets: Some(sheets),
+    charts: all_charts,
+    plots,
+    without_charts: "Nothing is measured.",
+    ..View::NONE
+};
 
-impl View for Innovations {
-    fn name(&self) -> &'static str {
-        "Innovations"
-    }
+fn sheets<'a>(context: &ViewContext<'a>) -> Vec<Sheet<'a>> {
+    charts(usize::MAX, context).into_iter().map(Chart::into_sheet).collect()
+}
 
-    fn help(&self) -> [&'static str; 3] {
-        [
-            "Measurement minus prediction, in its ±2√S band.",
-            "For a well tuned filter they are white noise, and 95 % are in the band.",
-            "A rhythm in them, or a band that does not fit, shows that model, Q or R is wrong, without knowledge of the truth. Filters that learn R show it below.",
-        ]
-    }
+fn all_charts<'a>(context: &ViewContext<'a>) -> Vec<Chart<'a>> {
+    charts(if is_apart(context) { 1 } else { usize::MAX }, context)
+}
 
-    fn sheets<'a>(&self, context: &ViewContext<'a>) -> Vec<Sheet<'a>> {
-        charts(usize::MAX, context).into_iter().map(Chart::into_sheet).collect()
-    }
+fn plots(context: &ViewContext<'_>) -> usize {
+    let groups = if is_apart(context) { context.filters().count().max(1) } else { 1 };
+    let learnt = usize::from(learning(context).next().is_some());
+    context.session.sensors().len() * (groups + learnt) + usize::from(scaling(context).is_some())
+}
 
-    fn charts<'a>(&self, context: &ViewContext<'a>) -> Vec<Chart<'a>> {
-        // The innovations of several filters in one chart would be one block of colour.
-        let (sensors, filters) = (context.session.sensors().len(), context.filters().count());
-        charts(if sensors * filters <= ROWS { 1 } else { usize::MAX }, context)
-    }
-
-    fn without_charts(&self) -> &'static str {
-        "Nothing is measured."
-    }
+/// Whether each filter has its own chart: the innovations of several in one would be one block of colour.
+fn is_apart(context: &ViewContext<'_>) -> bool {
+    context.session.sensors().len() * context.filters().count() <= ROWS
 }
 
 /// The charts of each sensor, then those of its learnt noise. One chart shows at most `together` filters.
@@ -52,58 +57,36 @@ fn charts<'a>(together: usize, context: &ViewContext<'a>) -> Vec<Chart<'a>> {
         groups.iter().map(move |filters| chart(sensor, quantity, filters, context))
     };
     let own = context.session.sensors().into_iter().enumerate().flat_map(of);
-    own.chain(learnt_noise::charts(context)).collect()
+    own.chain(learnt_noise(context)).collect()
 }
 
 fn variance(estimates: &Estimates, sensor: usize, k: usize) -> f64 {
     estimates.innovation_cov(k)[sensor * (estimates.sensors().len() + 1)]
 }
 
-fn columns<'a>(sensor: usize, filters: &[&'a Estimates], context: &ViewContext<'a>) -> Vec<Column<'a>> {
-    let column = |&estimates: &&'a Estimates| {
-        let text = move |k: usize| {
-            let innovation = (k < estimates.len()).then(|| estimates.innovation(k)[sensor])?;
-            let numbers = [innovation, 2.0 * variance(estimates, sensor, k).sqrt()];
-            let [innovation, band] = numbers.map(|x| significant(x, 3));
-            numbers[0].is_finite().then(|| format!("{innovation} ±{band}"))
-        };
-        Column::new(estimates.name(), context.palette.shade(estimates.color()), text)
-    };
-    filters.iter().map(column).collect()
-}
-
 fn chart<'a>(sensor: usize, quantity: Quantity, filters: &[&'a Estimates], context: &ViewContext<'a>) -> Chart<'a> {
     let ViewContext { session, palette, visible, axis, .. } = *context;
-    let k = axis.readout(session);
-    let mut layers: Vec<Layer<'a>> = Vec::new();
-    let mut readouts = Vec::new();
-    for &estimates in filters {
-        let variance = move |k: usize| variance(estimates, sensor, k);
-        if visible.bands {
-            let band = Band::around_zero(estimates.len(), move |samples| samples.map(variance));
-            layers.push(Layer::Band {
-                band,
-                color: palette.shade(estimates.color()),
-                under: 0.0,
-                filter: Some(estimates.id()),
-            });
+    let now = axis.readout(session);
+    let bands = filters.iter().filter(|_| visible.bands).map(|&of| {
+        let variances = Band::around_zero(of.len(), move |samples| samples.map(move |k| variance(of, sensor, k)));
+        context.band(of, variances, 0.0)
+    });
+    let mut layers: Vec<Layer<'a>> = bands.chain([Layer::zero(palette.weak)]).collect();
+    let (mut columns, mut readouts) = (Vec::new(), Vec::new());
+    for &of in filters {
+        let color = context.color(of);
+        let innovation = move |k: usize| of.innovation(k)[sensor];
+        let series = Series::new(of.len(), move |samples| samples.map(innovation));
+        layers.push(Layer::line(series, color.gamma_multiply(0.8), 0.8).of(of.id()));
+        let std = move |k: usize| variance(of, sensor, k).sqrt();
+        columns.push(context.column(of, move |k| {
+            let [text, band] = [innovation(k), 2.0 * std(k)].map(|x| significant(x, 3));
+            innovation(k).is_finite().then(|| format!("{text} ±{band}"))
+        }));
+        if now < of.len() {
+            let [innovation, std] = [innovation(now), std(now)].map(|x| significant(x, 2));
+            readouts.push(Readout::new(format!("{innovation} (√S {std})"), color, of.name().to_owned()));
         }
-        if k < estimates.len() {
-            let [innovation, std] = [estimates.innovation(k)[sensor], variance(k).sqrt()].map(|x| significant(x, 2));
-            let (text, color) = (format!("{innovation} (√S {std})"), palette.shade(estimates.color()));
-            readouts.push(Readout::new(text, color, estimates.name().to_owned()));
-        }
-    }
-    layers.push(Layer::Level { value: 0.0, color: palette.weak, label: "" });
-    for &estimates in filters {
-        layers.push(
-            Layer::line(
-                Series::new(estimates.len(), move |samples| samples.map(move |k| estimates.innovation(k)[sensor])),
-                palette.shade(estimates.color()).gamma_multiply(0.8),
-                0.8,
-            )
-            .of(estimates.id()),
-        );
     }
     let of = match filters {
         [one] if context.filters().nth(1).is_some() => format!(", {}", one.name()),
@@ -115,10 +98,112 @@ fn chart<'a>(sensor: usize, quantity: Quantity, filters: &[&'a Estimates], conte
         symbol: format!("e({})", quantity.symbol()),
         name: format!("innovation of {}{of}", quantity.key()),
         unit: context.unit(quantity.unit()),
-        columns: columns(sensor, filters, context),
+        columns,
         readouts: Some(readouts),
         layers,
         handles: handles::of_sensor(sensor, quantity, filters, context),
         ..Chart::default()
     }
+}
+
+fn learning<'a>(context: &ViewContext<'a>) -> impl Iterator<Item = &'a Estimates> + use<'a> {
+    context.filters().map(|(_, estimates)| estimates).filter(|estimates| estimates.learns_sensor_noise())
+}
+
+/// √R of each sensor, and the scale of √Q; no learnt_noise if no filter learns them.
+pub(super) fn learnt_noise<'a>(context: &ViewContext<'a>) -> Vec<Chart<'a>> {
+    let sensors = if learning(context).next().is_some() { context.session.sensors() } else { Vec::new() };
+    let of_sensors = sensors.into_iter().enumerate().map(|(sensor, quantity)| of_sensor(sensor, quantity, context));
+    of_sensors.chain(of_process(context)).collect()
+}
+
+/// The true standard deviation of a sensor's noise for the first filter that learns it; known of simulated sensors without faults only.
+fn truth(sensor: usize, context: &ViewContext<'_>) -> Option<f64> {
+    let scenario = context.session.run().scenario();
+    let filter = learning(context).next()?.id();
+    let filter = scenario.filters.iter().find(|settings| settings.id == filter)?;
+    let is_plain = scenario.sensors.get(sensor)?.faults.is_empty() && !context.session.is_measured();
+    scenario.true_noise_for(filter).0.get(sensor).copied().filter(|_| is_plain)
+}
+
+fn of_sensor<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>) -> Chart<'a> {
+    let band = move |estimates: &Estimates, k: usize| {
+        let [std, spread] = estimates.sensor_noise(k, sensor)?;
+        Some([-2.0, 0.0, 2.0].map(|sigmas| std + sigmas * spread))
+    };
+    let words = move |estimates: &Estimates, k: usize| {
+        let [std, spread] = estimates.sensor_noise(k, sensor)?;
+        Some(format!("{} ±{}", significant(std, 3), significant(2.0 * spread, 2)))
+    };
+    let chart = Chart {
+        key: format!("learnt noise of {}", quantity.key()),
+        title: format!("learnt noise of the {} sensor", quantity.key()),
+        symbol: format!("√R({})", quantity.symbol()),
+        name: "learnt noise".to_owned(),
+        unit: context.unit(quantity.unit()),
+        ..Chart::default()
+    };
+    drawn(chart, context, &learning(context).collect::<Vec<_>>(), (band, words), truth(sensor, context))
+}
+
+/// The filters that have several scales of Q, with the settings of the first.
+fn scaling<'a>(context: &ViewContext<'a>) -> Option<(&'a FilterSettings, Vec<&'a Estimates>)> {
+    let filters = context.filters().map(|(_, estimates)| estimates);
+    let scaling: Vec<&Estimates> = filters.filter(|of| of.tells_process_scale()).collect();
+    let first = scaling.first()?.id();
+    let settings = context.session.run().scenario().filters.iter().find(|settings| settings.id == first)?;
+    Some((settings, scaling))
+}
+
+/// The factor s between √Q and the √Q of the settings, of the filters that have several scales of it.
+fn of_process<'a>(context: &ViewContext<'a>) -> Option<Chart<'a>> {
+    let (settings, scaling) = scaling(context)?;
+    let truth = Some(settings).filter(|_| !context.session.is_measured());
+    let scenario = context.session.run().scenario();
+    let truth = truth.and_then(|settings| scenario.true_process_scale(settings)).map(f64::log10);
+    let band = |estimates: &Estimates, k: usize| {
+        let [mean, std] = estimates.process_scale(k)?;
+        Some([-2.0, 0.0, 2.0].map(|sigmas| (mean + sigmas * std) / LN_10))
+    };
+    let words = move |estimates: &Estimates, k: usize| {
+        let [low, middle, high] = band(estimates, k)?.map(|logarithm| significant(10_f64.powf(logarithm), 3));
+        Some(format!("{middle} ({low} to {high})"))
+    };
+    let chart = Chart {
+        key: "learnt scale of Q".to_owned(),
+        title: "learnt √Q over the one that is set".to_owned(),
+        symbol: "s(√Q)".to_owned(),
+        name: "scale of √Q".to_owned(),
+        logarithmic: true,
+        ..Chart::default()
+    };
+    Some(drawn(chart, context, &scaling, (band, words), truth))
+}
+
+fn drawn<'a>(
+    chart: Chart<'a>,
+    context: &ViewContext<'a>,
+    filters: &[&'a Estimates],
+    (band, words): (
+        impl Fn(&Estimates, usize) -> Option<[f64; 3]> + Copy + 'a,
+        impl Fn(&Estimates, usize) -> Option<String> + Copy + 'a,
+    ),
+    truth: Option<f64>,
+) -> Chart<'a> {
+    let ViewContext { palette, visible, .. } = *context;
+    let at = move |estimates: &Estimates, k: usize| band(estimates, k).unwrap_or([f64::NAN; 3]);
+    let bands = filters.iter().filter(|_| visible.bands).map(|&of| {
+        let edges = move |k: usize| (at(of, k)[0], at(of, k)[2]);
+        context.band(of, Band::made(of.len(), move |samples| samples.map(edges).collect()), 0.0)
+    });
+    let truth = truth.filter(|_| visible.truth);
+    let truth = truth.map(|value| Layer::Level { value, color: palette.truth, label: "truth" });
+    let mut layers: Vec<Layer<'a>> = bands.chain(truth).collect();
+    let mut columns = Vec::new();
+    for &of in filters {
+        let series = Series::new(of.len(), move |samples| samples.map(move |k| at(of, k)[1]));
+        layers.push(context.line(of, series, 1.2));
+        columns.push(Column::new(of.name(), context.color(of), move |k| words(of, k)));
+    }
+    Chart { columns, layers, ..chart }
 }

@@ -1,18 +1,11 @@
 //! A score over two settings: each cell is a whole run of the filter.
 
-mod bar;
-mod cells;
-mod contour;
 mod head;
 mod legend;
 mod marks;
 mod panel;
-mod path;
 mod picture;
-mod places;
-mod profile;
 mod scale;
-mod sentence;
 
 use egui::{Label, Rect, Sense, Stroke, Ui, Vec2, pos2, vec2};
 
@@ -22,61 +15,53 @@ use crate::request::Request;
 use crate::view::{View, ViewContext};
 use head::head_ui;
 use legend::Legend;
+use marks::Path;
 use panel::PanelView;
-use path::Path;
-use places::{Place, arrange};
-
-pub(super) struct Map;
+use picture::{Place, arrange};
 
 /// Room for the line of the progress \[points\].
 const PROGRESS: f32 = 3.0;
 
-impl View for Map {
-    fn name(&self) -> &'static str {
-        "Map"
-    }
+pub(super) static VIEW: View = View {
+    name: "Map",
+    help: [
+        "Each cell is a run of the filter over the whole record, with the settings of its place; the colour is its score.",
+        "Drag the dot: the settings and all plots follow. Point at a cell for its numbers; a click takes its settings.",
+        "The line surrounds the settings with which the filter is consistent: its mean NIS is within its 99 % interval. The curves above and beside the cells are the score through the dot.",
+    ],
+    is_of_laboratory: true,
+    ui: Some(view_ui),
+    ..View::NONE
+};
 
-    fn help(&self) -> [&'static str; 3] {
-        [
-            "Each cell is a run of the filter over the whole record, with the settings of its place; the colour is its score.",
-            "Drag the dot: the settings and all plots follow. Point at a cell for its numbers; a click takes its settings.",
-            "The line surrounds the settings with which the filter is consistent: its mean NIS is within its 99 % interval. The curves above and beside the cells are the score through the dot.",
-        ]
-    }
-
-    fn is_of_laboratory(&self) -> bool {
-        true
-    }
-
-    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
-        let (laboratory, choice, survey) = contents(ui, context)?;
-        let medium = Medium::of(ui.ctx());
-        if medium == Medium::Screen {
-            head_ui(ui, context, laboratory, choice, requests);
-            if let Some(sentence) = sentence::sentence(survey, choice.measure, context) {
-                ui.add(Label::new(sentence).wrap());
-            }
+fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
+    let (laboratory, choice, survey) = contents(ui, context)?;
+    let medium = Medium::of(ui.ctx());
+    if medium == Medium::Screen {
+        head_ui(ui, context, laboratory, choice, requests);
+        if let Some(sentence) = head::sentence(survey, choice.measure, context) {
+            ui.add(Label::new(sentence).wrap());
         }
-        let (room, _) = ui.allocate_exact_size(ui.available_size().max(Vec2::splat(1.0)), Sense::hover());
-        progress_ui(ui, room, laboratory, context);
-        let panels = picture::panels(ui.ctx(), laboratory, survey, choice.measure, context.palette);
-        medium.note_plots(ui.ctx(), panels.len());
-        let has_truth = !marks::truths(survey.axes(), context).is_empty();
-        let path = laboratory.tuning.path_in(survey).map(|(filter, points)| Path { filter, points });
-        let path = path.filter(|path| path.points.len() > 1);
-        let marks = (has_truth, path.is_some(), choice.measure);
-        let legend = Legend::new(ui, &panels, marks, room.width(), context.palette);
-        let bottom = (room.bottom() - legend.height).max(room.top() + PROGRESS);
-        let area = Rect::from_min_max(room.min + vec2(0.0, PROGRESS), pos2(room.right(), bottom));
-        for Place { at, room, has_bar } in arrange(ui, area, &panels, survey) {
-            let is_old = laboratory.is_shown_old();
-            let view =
-                PanelView { panel: &panels[at], survey, measure: choice.measure, path: path.as_ref(), is_old, has_bar };
-            view.ui(ui, room, context, requests);
-        }
-        legend.ui(ui, pos2(room.left() + 4.0, bottom), context.palette);
-        None
     }
+    let (room, _) = ui.allocate_exact_size(ui.available_size().max(Vec2::splat(1.0)), Sense::hover());
+    progress_ui(ui, room, laboratory, context);
+    let panels = picture::panels(ui.ctx(), laboratory, survey, choice.measure, context.palette);
+    medium.note_plots(ui.ctx(), panels.len());
+    let has_truth = !marks::truths(survey.axes(), context).is_empty();
+    let path = laboratory.tuning.path_in(survey).map(|(filter, points)| Path { filter, points });
+    let path = path.filter(|path| path.points.len() > 1);
+    let marks = (has_truth, path.is_some(), choice.measure);
+    let legend = Legend::new(ui, &panels, marks, room.width(), context.palette);
+    let bottom = (room.bottom() - legend.height).max(room.top() + PROGRESS);
+    let area = Rect::from_min_max(room.min + vec2(0.0, PROGRESS), pos2(room.right(), bottom));
+    for Place { at, room, has_bar } in arrange(ui, area, &panels, survey) {
+        let is_old = laboratory.is_shown_old();
+        let view =
+            PanelView { panel: &panels[at], survey, measure: choice.measure, path: path.as_ref(), is_old, has_bar };
+        view.ui(ui, room, context, requests);
+    }
+    legend.ui(ui, pos2(room.left() + 4.0, bottom), context.palette);
+    None
 }
 
 /// The laboratory with its choice and the survey to show. If there is none, shows the reason.

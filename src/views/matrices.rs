@@ -11,42 +11,37 @@ use crate::view::{View, ViewContext};
 /// Width of a column, fixed so that the table does not move while its numbers change \[points\].
 const COLUMN: f32 = 66.0;
 
-pub(super) struct Matrices;
+pub(super) static VIEW: View = View {
+    name: "Predict and update",
+    help: [
+        "One sample in numbers: the belief before, the prediction, the measurements, the belief after the update.",
+        "Predicting carries mean and covariance over a step and widens σ; updating moves the mean by K e and narrows σ.",
+        "Go on sample by sample with the step button (→) and follow how each number leads to the next.",
+    ],
+    ui: Some(view_ui),
+    ..View::NONE
+};
 
-impl View for Matrices {
-    fn name(&self) -> &'static str {
-        "Predict and update"
-    }
-
-    fn help(&self) -> [&'static str; 3] {
-        [
-            "One sample in numbers: the belief before, the prediction, the measurements, the belief after the update.",
-            "Predicting carries mean and covariance over a step and widens σ; updating moves the mean by K e and narrows σ.",
-            "Go on sample by sample with the step button (→) and follow how each number leads to the next.",
-        ]
-    }
-
-    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Request>) -> Option<f64> {
-        let ViewContext { session, palette, axis, .. } = *context;
-        let k = axis.readout(session);
-        ScrollArea::both().auto_shrink(false).show(ui, |ui| {
-            for (_, estimates) in context.filters().filter(|(_, estimates)| k < estimates.len()) {
-                let record = session.run().record();
-                let number = record.forgotten() + k;
-                let title = format!("{}, sample {number}, t = {:.3} s", estimates.name(), record.time(k));
-                ui.label(RichText::new(title).family(theme::strong()).color(palette.shade(estimates.color())));
-                if number == 0 {
-                    ui.weak("The initial belief: nothing has been predicted or measured yet.");
-                } else if k == 0 {
-                    ui.weak("The sample before is no longer kept.");
-                }
-                channels_ui(ui, estimates, k, context);
-                sensors_ui(ui, estimates, record, k, context);
-                ui.add_space(8.0);
+fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Request>) -> Option<f64> {
+    let ViewContext { session, axis, .. } = *context;
+    let k = axis.readout(session);
+    ScrollArea::both().auto_shrink(false).show(ui, |ui| {
+        for (_, estimates) in context.filters().filter(|(_, estimates)| k < estimates.len()) {
+            let record = session.run().record();
+            let number = record.forgotten() + k;
+            let title = format!("{}, sample {number}, t = {:.3} s", estimates.name(), record.time(k));
+            ui.label(RichText::new(title).family(theme::strong()).color(context.color(estimates)));
+            if number == 0 {
+                ui.weak("The initial belief: nothing has been predicted or measured yet.");
+            } else if k == 0 {
+                ui.weak("The sample before is no longer kept.");
             }
-        });
-        None
-    }
+            channels_ui(ui, estimates, k, context);
+            sensors_ui(ui, estimates, record, k, context);
+            ui.add_space(8.0);
+        }
+    });
+    None
 }
 
 fn header(ui: &mut Ui, names: &[&str]) {

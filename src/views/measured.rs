@@ -14,41 +14,36 @@ use crate::views::weights;
 /// Width of a line of predictions \[points\].
 const PREDICTED: f32 = 2.2;
 
-pub(super) struct Measured;
+pub(super) static VIEW: View = View {
+    name: "Measured and predicted",
+    help: [
+        "Dots are measured; those in a filter's colour count less for it, full ones nothing; lines are predicted one step ahead; dashed lines are the free run: the identified model alone, driven by the input.",
+        "The fit is 100 % where the free run has no error and 0 % where it is no better than the mean. It is the number by which a model is judged.",
+        "The model is the last estimate, or that at the mark A, or the mean from A to B (keys A and B).",
+    ],
+    wants_free_runs: true,
+    sheets: Some(sheets),
+    charts,
+    plots,
+    without_charts: "Nothing is measured.",
+    ..View::NONE
+};
 
-impl View for Measured {
-    fn name(&self) -> &'static str {
-        "Measured and predicted"
-    }
+fn sheets<'a>(context: &ViewContext<'a>) -> Vec<Sheet<'a>> {
+    sensors(context).map(|(sensor, quantity)| signals(sensor, quantity, context).into_sheet()).collect()
+}
 
-    fn help(&self) -> [&'static str; 3] {
-        [
-            "Dots are measured; those in a filter's colour count less for it, full ones nothing; lines are predicted one step ahead; dashed lines are the free run: the identified model alone, driven by the input.",
-            "The fit is 100 % where the free run has no error and 0 % where it is no better than the mean. It is the number by which a model is judged.",
-            "The model is the last estimate, or that at the mark A, or the mean from A to B (keys A and B).",
-        ]
-    }
+fn charts<'a>(context: &ViewContext<'a>) -> Vec<Chart<'a>> {
+    let of = |(sensor, quantity): (usize, Quantity)| {
+        // A record that is being measured has no free run.
+        let errors = (!context.session.is_live()).then(|| errors(sensor, quantity, context));
+        std::iter::once(signals(sensor, quantity, context)).chain(errors)
+    };
+    sensors(context).flat_map(of).collect()
+}
 
-    fn wants_free_runs(&self) -> bool {
-        true
-    }
-
-    fn sheets<'a>(&self, context: &ViewContext<'a>) -> Vec<Sheet<'a>> {
-        sensors(context).map(|(sensor, quantity)| signals(sensor, quantity, context).into_sheet()).collect()
-    }
-
-    fn charts<'a>(&self, context: &ViewContext<'a>) -> Vec<Chart<'a>> {
-        let of = |(sensor, quantity): (usize, Quantity)| {
-            // A record that is being measured has no free run.
-            let errors = (!context.session.is_live()).then(|| errors(sensor, quantity, context));
-            std::iter::once(signals(sensor, quantity, context)).chain(errors)
-        };
-        sensors(context).flat_map(of).collect()
-    }
-
-    fn without_charts(&self) -> &'static str {
-        "Nothing is measured."
-    }
+fn plots(context: &ViewContext<'_>) -> usize {
+    sensors(context).count() * if context.session.is_live() { 1 } else { 2 }
 }
 
 fn sensors<'a>(context: &ViewContext<'a>) -> impl Iterator<Item = (usize, Quantity)> + use<'a> {
@@ -70,18 +65,6 @@ fn measured<'a>(sensor: usize, context: &ViewContext<'a>) -> &'a [f64] {
     &run.record().measured(sensor)[..run.len()]
 }
 
-fn columns<'a>((sensor, quantity): (usize, Quantity), context: &ViewContext<'a>) -> Vec<Column<'a>> {
-    let all = measured(sensor, context);
-    let number = |value: f64| (!value.is_nan()).then(|| significant(value, 4));
-    let measured = Column::new("measured", context.palette.measured, move |k| number(*all.get(k)?));
-    let one_step = context.filters().filter_map(move |(_, estimates)| {
-        let predicted = predicted(estimates, context.session.run().record(), quantity)?;
-        let text = move |k: usize| number((k < estimates.len().min(all.len())).then(|| predicted(k))?);
-        Some(Column::new(estimates.name(), context.palette.shade(estimates.color()), text))
-    });
-    std::iter::once(measured).chain(one_step).collect()
-}
-
 fn signals<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>) -> Chart<'a> {
     let ViewContext { session, palette, visible, axis, .. } = *context;
     let all = measured(sensor, context);
@@ -90,25 +73,25 @@ fn signals<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>) -> 
         layers.push(Layer::Dots { series: Series::of(all), color: palette.measured });
         layers.extend(weights::layers(quantity, all, context));
     }
-    for (place, estimates) in context.filters() {
-        let Some(values) = predicted(estimates, context.session.run().record(), quantity) else { continue };
-        layers.push(
-            Layer::line(
-                Series::new(estimates.len().min(all.len()), move |samples| samples.map(values)),
-                palette.shade(estimates.color()).gamma_multiply(0.7),
-                line_width(place, PREDICTED),
-            )
-            .of(estimates.id()),
-        );
+    let number = |value: f64| (!value.is_nan()).then(|| significant(value, 4));
+    let mut columns = vec![Column::new("measured", palette.measured, move |k| number(*all.get(k)?))];
+    for (place, of) in context.filters() {
+        let Some(values) = predicted(of, session.run().record(), quantity) else { continue };
+        let len = of.len().min(all.len());
+        let series = Series::new(len, move |samples| samples.map(values));
+        let color = context.color(of).gamma_multiply(0.7);
+        layers.push(Layer::line(series, color, line_width(place, PREDICTED)).of(of.id()));
+        let text = move |k: usize| number((k < len).then(|| values(k))?);
+        columns.push(Column::new(of.name(), context.color(of), text));
     }
-    for (place, estimates) in context.filters() {
+    for (place, of) in context.filters() {
         if let Some(free) = session.free_run(place) {
-            layers.push(Layer::dashed(Series::of(&free.predicted[sensor]), palette.shade(estimates.color()), 1.4));
+            layers.push(Layer::dashed(Series::of(&free.predicted[sensor]), context.color(of), 1.4));
         }
     }
     let k = axis.readout(session);
-    let now = all.get(k).filter(|value| !value.is_nan());
-    let readouts = now.map(|value| Readout::new(significant(*value, 4), palette.measured, "measured".to_owned()));
+    let now = columns[0].text(k);
+    let readouts = now.map(|text| Readout::new(text, palette.measured, "measured".to_owned()));
     let said = weights::at(quantity, k, context);
     let said = if said.is_empty() { weights::shares(quantity, all, context) } else { said };
     Chart {
@@ -117,7 +100,7 @@ fn signals<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>) -> 
         symbol: quantity.symbol().to_owned(),
         name: format!("{}: measured, predicted{}", quantity.name(), if session.is_live() { "" } else { ", free run" }),
         unit: context.unit(quantity.unit()),
-        columns: columns((sensor, quantity), context),
+        columns,
         readouts: Some(readouts.into_iter().chain(said).collect()),
         layers,
         ..Chart::default()
@@ -127,20 +110,14 @@ fn signals<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>) -> 
 fn errors<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>) -> Chart<'a> {
     let ViewContext { session, palette, .. } = *context;
     let all = measured(sensor, context);
-    let mut layers: Vec<Layer<'a>> = vec![Layer::Level { value: 0.0, color: palette.weak, label: "" }];
+    let mut layers: Vec<Layer<'a>> = vec![Layer::zero(palette.weak)];
     let mut readouts = Vec::new();
     for (place, estimates) in context.filters() {
         let Some(free) = session.free_run(place) else { continue };
         let values = move |k: usize| all[k] - free.predicted[sensor][k];
-        let color = palette.shade(estimates.color());
-        layers.push(
-            Layer::line(
-                Series::new(free.predicted[sensor].len().min(all.len()), move |samples| samples.map(values)),
-                color,
-                1.0,
-            )
-            .of(estimates.id()),
-        );
+        let color = context.color(estimates);
+        let len = free.predicted[sensor].len().min(all.len());
+        layers.push(context.line(estimates, Series::new(len, move |samples| samples.map(values)), 1.0));
         if let Some(fit) = free.fits[sensor] {
             let text = format!("{} rms, fit {:.1} %", significant(fit.rms, 3), fit.percent);
             readouts.push(Readout::new(text, color, format!("free run of {}", estimates.name())));

@@ -10,44 +10,39 @@ use crate::plot::chart::Chart;
 use crate::plot::layers::Layer;
 use crate::plot::series::{Band, Series};
 use crate::session::Wanted;
-use crate::sheet::Column;
+use crate::sheet::{Column, plus_minus};
 use crate::text::{decimals, fixed};
 use crate::view::{View, ViewContext};
 
 /// Limits the samples at which classes are weighed for one picture; the nearest before holds between them.
 const WEIGHED: usize = 2_000;
 
-pub(super) struct Classes;
+pub(super) static VIEW: View = View {
+    name: "Which model",
+    help: [
+        "The filters that are shown as model classes: each has a share of the height, the probability that the readings so far give it. All begin alike.",
+        "A class gains where it predicts the readings better, by the likelihood of each; one that can fit more predicts more widely, and pays for it.",
+        "The plots below are averages over the classes, with what their disagreement adds to ±2σ. If no class is right, one of them is still the likeliest.",
+    ],
+    wanted: Wanted::EVIDENCE,
+    charts,
+    plots,
+    without_charts: "Show at least two filters: each is a model class.",
+    ..View::NONE
+};
 
-impl View for Classes {
-    fn name(&self) -> &'static str {
-        "Which model"
+fn charts<'a>(context: &ViewContext<'a>) -> Vec<Chart<'a>> {
+    let classes = Rc::new(Weighed::new(context));
+    if classes.all.len() < 2 {
+        return Vec::new();
     }
+    let averages = channels(context).into_iter().map(|channel| average(&classes, channel, context));
+    std::iter::once(shares(&classes, context)).chain(averages).collect()
+}
 
-    fn help(&self) -> [&'static str; 3] {
-        [
-            "The filters that are shown as model classes: each has a share of the height, the probability that the readings so far give it. All begin alike.",
-            "A class gains where it predicts the readings better, by the likelihood of each; one that can fit more predicts more widely, and pays for it.",
-            "The plots below are averages over the classes, with what their disagreement adds to ±2σ. If no class is right, one of them is still the likeliest.",
-        ]
-    }
-
-    fn wanted(&self) -> Wanted {
-        Wanted::EVIDENCE
-    }
-
-    fn charts<'a>(&self, context: &ViewContext<'a>) -> Vec<Chart<'a>> {
-        let classes = Rc::new(Weighed::new(context));
-        if classes.all.len() < 2 {
-            return Vec::new();
-        }
-        let averages = channels(context).into_iter().map(|channel| average(&classes, channel, context));
-        std::iter::once(shares(&classes, context)).chain(averages).collect()
-    }
-
-    fn without_charts(&self) -> &'static str {
-        "Show at least two filters: each is a model class."
-    }
+fn plots(context: &ViewContext<'_>) -> usize {
+    let classes = context.filters().filter(|(place, _)| context.session.evidence().get(*place).is_some()).count();
+    if classes < 2 { 0 } else { 1 + channels(context).len() }
 }
 
 struct Weighed<'a> {
@@ -96,63 +91,30 @@ fn channels(context: &ViewContext<'_>) -> Vec<Channel> {
     context.visible.channels(context.session.run().channels().into_iter().filter(shared).collect())
 }
 
-fn title(channel: Channel) -> String {
-    format!("average {}", channel.name())
-}
-
-fn probabilities<'a>(classes: &Rc<Weighed<'a>>, context: &ViewContext<'a>) -> Vec<Column<'a>> {
-    let column = |(class, (estimates, _)): (usize, &(&'a Estimates, &'a Evidence))| {
-        let classes = Rc::clone(classes);
-        let text =
-            move |k: usize| (k < classes.len).then(|| ModelClasses::in_percent(classes.at(k).probabilities()[class]));
-        Column::new(estimates.name(), context.palette.shade(estimates.color()), text)
-    };
-    classes.all.iter().enumerate().map(column).collect()
-}
-
-fn averages<'a>(classes: &Rc<Weighed<'a>>, channel: Channel, context: &ViewContext<'a>) -> Vec<Column<'a>> {
-    let ViewContext { session, palette, .. } = *context;
-    let decimals = decimals(channel);
-    let truth = session
-        .run()
-        .record()
-        .truth(channel)
-        .map(|truth| Column::new("truth", palette.truth, move |k| Some(fixed(*truth.get(k)?, decimals))));
-    let classes = Rc::clone(classes);
-    let text = move |k: usize| {
-        let (mean, std) = (k < classes.len).then(|| classes.average(channel, k, &classes.at(k)))??;
-        Some(format!("{} ±{}", fixed(mean, decimals), fixed(2.0 * std, decimals)))
-    };
-    truth.into_iter().chain([Column::new("average", palette.weak, text)]).collect()
-}
-
 fn shares<'a>(classes: &Rc<Weighed<'a>>, context: &ViewContext<'a>) -> Chart<'a> {
-    let palette = context.palette;
-    let mut layers = Vec::new();
-    for (class, (estimates, _)) in classes.all.iter().enumerate() {
-        let color = palette.shade(estimates.color());
+    let (mut layers, mut columns) = (Vec::new(), Vec::new());
+    for (class, &(estimates, _)) in classes.all.iter().enumerate() {
         let below = |count: usize| {
             let classes = Rc::clone(classes);
             move |samples| classes.each(samples, |_, all| all.probabilities()[..count].iter().sum::<f64>())
         };
         let (low, high) = (below(class), below(class + 1));
         let edges = move |samples: Range<usize>| low(samples.clone()).into_iter().zip(high(samples)).collect();
-        layers.push(Layer::Band {
-            band: Band::made(classes.len, edges),
-            color,
-            under: 0.0,
-            filter: Some(estimates.id()),
-        });
+        layers.push(context.band(estimates, Band::made(classes.len, edges), 0.0));
         if class > 0 {
-            layers.push(Layer::line(Series::made(classes.len, below(class)), palette.weak, 1.0));
+            layers.push(Layer::line(Series::made(classes.len, below(class)), context.palette.weak, 1.0));
         }
+        let own = Rc::clone(classes);
+        let percent = move |k: usize| ModelClasses::in_percent(own.at(k).probabilities()[class]);
+        let len = classes.len;
+        columns.push(Column::new(estimates.name(), context.color(estimates), move |k| (k < len).then(|| percent(k))));
     }
     Chart {
         key: "model classes".to_owned(),
         title: "probabilities of the model classes".to_owned(),
         symbol: "P".to_owned(),
         name: "of each class".to_owned(),
-        columns: probabilities(classes, context),
+        columns,
         layers,
         least: Some((0.0, 1.0)),
         ..Chart::default()
@@ -181,17 +143,28 @@ fn average<'a>(classes: &Rc<Weighed<'a>>, channel: Channel, context: &ViewContex
             filter: None,
         });
     }
-    if let Some(truth) = run.record().truth(channel).filter(|_| visible.truth) {
-        layers.push(Layer::line(Series::of(&truth[..run.len()]), palette.truth, 4.0));
+    let mut columns = Vec::new();
+    let decimals = decimals(channel);
+    if let Some(truth) = run.record().truth(channel) {
+        if visible.truth {
+            layers.push(Layer::line(Series::of(&truth[..run.len()]), palette.truth, 4.0));
+        }
+        columns.push(Column::new("truth", palette.truth, move |k| Some(fixed(*truth.get(k)?, decimals))));
     }
     layers.push(Layer::line(Series::made(classes.len, of(0.0)), palette.weak, 2.0));
+    let own = Rc::clone(classes);
+    columns.push(Column::new("average", palette.weak, move |k| {
+        let (mean, std) = (k < own.len).then(|| own.average(channel, k, &own.at(k)))??;
+        Some(plus_minus(mean, std, decimals))
+    }));
+    let title = format!("average {}", channel.name());
     Chart {
         key: format!("average {}", channel.key()),
-        title: title(channel),
+        name: title.clone(),
+        title,
         symbol: channel.symbol().to_owned(),
-        name: title(channel),
         unit: context.unit(channel.unit()),
-        columns: averages(classes, channel, context),
+        columns,
         layers,
         ..Chart::default()
     }

@@ -1,11 +1,7 @@
 //! The scenario over many seeds: consistency and errors over time, and the last estimates.
 
-mod bands;
 mod curves;
 mod head;
-mod histogram;
-mod last_estimates;
-mod legend;
 mod over_time;
 mod population;
 
@@ -19,8 +15,6 @@ use crate::session::Wanted;
 use crate::view::{View, ViewContext};
 use curves::Curves;
 
-pub(super) struct MonteCarlo;
-
 /// The least width at which the histogram is beside the charts over time \[points\].
 const WIDE: f32 = 620.0;
 
@@ -33,53 +27,47 @@ const LEAST: f32 = 118.0;
 const AXIS: f32 = 28.0;
 const GAP: f32 = 8.0;
 
-impl View for MonteCarlo {
-    fn name(&self) -> &'static str {
-        "Monte Carlo"
-    }
+pub(super) static VIEW: View = View {
+    name: "Monte Carlo",
+    help: [
+        "The scenario with many seeds: other noise each time, and other numbers where some are drawn. NEES and NIS are means over the seeds, over their expectation.",
+        "A consistent filter has both in the grey band, which 95 % of its means are in, and 95 % of its errors, between the thin lines, in its own ±2σ.",
+        "Thin lines outside the filled band: the filter is overconfident. Dashed is ±2 times the Cramér-Rao bound, which no unbiased filter passes.",
+    ],
+    wanted: Wanted::BOUNDS,
+    ui: Some(view_ui),
+    ..View::NONE
+};
 
-    fn help(&self) -> [&'static str; 3] {
-        [
-            "The scenario with many seeds: other noise each time, and other numbers where some are drawn. NEES and NIS are means over the seeds, over their expectation.",
-            "A consistent filter has both in the grey band, which 95 % of its means are in, and 95 % of its errors, between the thin lines, in its own ±2σ.",
-            "Thin lines outside the filled band: the filter is overconfident. Dashed is ±2 times the Cramér-Rao bound, which no unbiased filter passes.",
-        ]
+fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
+    let seeds = &context.laboratory?.seeds;
+    let medium = Medium::of(ui.ctx());
+    if let Some(problem) = seeds.state.problem.as_deref() {
+        ui.weak(problem);
+        return None;
     }
-
-    fn wanted(&self) -> Wanted {
-        Wanted::BOUNDS
+    if medium == Medium::Screen {
+        head::head_ui(ui, context, seeds, requests);
     }
-
-    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
-        let seeds = &context.laboratory?.seeds;
-        let medium = Medium::of(ui.ctx());
-        if let Some(problem) = seeds.state.problem.as_deref() {
-            ui.weak(problem);
-            return None;
-        }
-        if medium == Medium::Screen {
-            head::head_ui(ui, context, seeds, requests);
-        }
-        let Some(runs) = seeds.shown() else {
-            ui.weak("The first seeds are being run.");
-            return None;
-        };
-        let curves = curves::of(ui.ctx(), seeds, runs, context);
-        let is_old = seeds.is_shown_old();
-        let has_corner = ui.available_width() >= WIDE && curves.parameter.is_some();
-        if !has_corner {
-            legend::legend_ui(ui, &curves, context, is_old, false);
-        }
-        let charts = if curves.parameter.is_some() { 4 } else { 2 };
-        medium.note_plots(ui.ctx(), charts);
-        match medium {
-            Medium::Screen => {
-                _ = ScrollArea::vertical().auto_shrink(false).show(ui, |ui| charts_ui(ui, &curves, context, is_old));
-            }
-            Medium::Figure => charts_ui(ui, &curves, context, is_old),
-        }
-        None
+    let Some(runs) = seeds.shown() else {
+        ui.weak("The first seeds are being run.");
+        return None;
+    };
+    let curves = curves::of(ui.ctx(), seeds, runs, context);
+    let is_old = seeds.is_shown_old();
+    let has_corner = ui.available_width() >= WIDE && curves.parameter.is_some();
+    if !has_corner {
+        head::legend_ui(ui, &curves, context, is_old, false);
     }
+    let charts = if curves.parameter.is_some() { 4 } else { 2 };
+    medium.note_plots(ui.ctx(), charts);
+    match medium {
+        Medium::Screen => {
+            _ = ScrollArea::vertical().auto_shrink(false).show(ui, |ui| charts_ui(ui, &curves, context, is_old));
+        }
+        Medium::Figure => charts_ui(ui, &curves, context, is_old),
+    }
+    None
 }
 
 fn charts_ui(ui: &mut Ui, curves: &Arc<Curves>, context: &ViewContext<'_>, is_old: bool) {
@@ -120,12 +108,12 @@ fn charts_ui(ui: &mut Ui, curves: &Arc<Curves>, context: &ViewContext<'_>, is_ol
         let bottom = last.top() - height - GAP;
         let legend = Rect::from_min_max(corner, pos2(area.right(), bottom));
         let mut child = ui.new_child(UiBuilder::new().id_salt("legend").max_rect(legend));
-        legend::legend_ui(&mut child, curves, context, is_old, true);
+        head::legend_ui(&mut child, curves, context, is_old, true);
         let bottom = bottom.max(child.min_rect().bottom() + GAP);
         Rect::from_min_max(pos2(area.left() + width + GAP, bottom), area.max)
     } else {
         Rect::from_min_max(pos2(area.left(), top), area.max)
     };
     let mut child = ui.new_child(UiBuilder::new().id_salt("histogram").max_rect(room));
-    last_estimates::last_estimates_ui(&mut child, room, curves, context);
+    over_time::last_estimates_ui(&mut child, room, curves, context);
 }

@@ -1,53 +1,40 @@
 //! The moving masses with springs and dampers, the force, the sensors' noise, and each filter's belief.
 
-mod arrow;
-mod body;
-mod cloud;
-mod force;
-mod ground;
-mod link;
-mod masses;
+mod parts;
 mod peaks;
 mod scene;
 mod stage;
-mod trail;
 
 use egui::{Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 use kalmanscope_core::{Channel, Run};
 
-use self::masses::masses;
-use self::peaks::Peaks;
+use self::peaks::{Peaks, masses};
 use self::scene::Scene;
 use self::stage::Stage;
 use crate::request::Request;
 use crate::session::Mode;
 use crate::view::{View, ViewContext};
 
-pub(super) struct Oscillator;
+pub(super) static VIEW: View = View {
+    name: "Oscillator",
+    help: [
+        "The true masses are grey. Each filter has a slice of every mass: an outline at its estimate, and a bar of ±2σ. A slice outside its mass is an error.",
+        "The dots are the last readings of the displacement, each as far from the mast as it was from the truth. A bar narrower than their cloud shows the gain of filtering.",
+        "The arrow is the mean of the force over mass in the last 0.1 s: white noise itself would flicker.",
+    ],
+    ui: Some(view_ui),
+    ..View::NONE
+};
 
-impl View for Oscillator {
-    fn name(&self) -> &'static str {
-        "Oscillator"
+fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
+    let (width, available) = (ui.available_width().max(1.0), ui.available_height());
+    let highest = 0.3 * width;
+    let height = if available > highest + LEAST_TRAIL { available } else { available.min(highest) };
+    if height > 40.0 {
+        ui.add_space(0.5 * (available - height));
+        oscillator_ui(ui, context, height, requests);
     }
-
-    fn help(&self) -> [&'static str; 3] {
-        [
-            "The true masses are grey. Each filter has a slice of every mass: an outline at its estimate, and a bar of ±2σ. A slice outside its mass is an error.",
-            "The dots are the last readings of the displacement, each as far from the mast as it was from the truth. A bar narrower than their cloud shows the gain of filtering.",
-            "The arrow is the mean of the force over mass in the last 0.1 s: white noise itself would flicker.",
-        ]
-    }
-
-    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
-        let (width, available) = (ui.available_width().max(1.0), ui.available_height());
-        let highest = 0.3 * width;
-        let height = if available > highest + LEAST_TRAIL { available } else { available.min(highest) };
-        if height > 40.0 {
-            ui.add_space(0.5 * (available - height));
-            oscillator_ui(ui, context, height, requests);
-        }
-        None
-    }
+    None
 }
 
 /// The time in which the scale changes \[s\].

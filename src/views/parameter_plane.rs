@@ -1,110 +1,104 @@
-//! Two parameters against each other, with the covariance between them.
+//! Two quantities against each other: two parameters with the covariance between them, and velocity over displacement.
 
-mod posterior;
-
-use egui::{Align2, Color32, RichText, Ui};
+use egui::{Align2, Color32, ComboBox, RichText, Ui};
 use egui_plot::{Line, MarkerShape, Points, Text};
 use kalmanscope_core::{Channel, Estimates};
 
-use crate::laboratory::Posteriors;
+use crate::laboratory::{Posteriors, Shown};
 use crate::plot::plane::{aged_path, around, drawable, plane_ui};
 use crate::request::Request;
+use crate::text::{decimals, fixed, significant};
 use crate::view::{View, ViewContext};
 
 type Points2 = Vec<[f64; 2]>;
 
-pub(super) struct ParameterPlane;
-
 /// Semi-axes of the ellipse that holds 95 % of a normal distribution in the plane, in standard deviations.
 const ELLIPSE: f64 = 2.447_746_830_680_816;
 
-impl View for ParameterPlane {
-    fn name(&self) -> &'static str {
-        "Parameter plane"
-    }
+pub(super) static VIEW: View = View {
+    name: "Parameter plane",
+    help: [
+        "The path of each filter's estimate in the plane of the first two parameters, and its 95 % ellipse.",
+        "The cross is the truth: the ellipse of a consistent filter contains it 19 times of 20.",
+        "A tilted ellipse: the filter cannot tell the two apart, only a combination of them. *Posterior of* draws what the readings say without the belief that it is normal.",
+    ],
+    ui: Some(view_ui),
+    ..View::NONE
+};
 
-    fn help(&self) -> [&'static str; 3] {
-        [
-            "The path of each filter's estimate in the plane of the first two parameters, and its 95 % ellipse.",
-            "The cross is the truth: the ellipse of a consistent filter contains it 19 times of 20.",
-            "A tilted ellipse: the filter cannot tell the two apart, only a combination of them. *Posterior of* draws what the readings say without the belief that it is normal.",
-        ]
+fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
+    let ViewContext { session, palette, visible, axis, .. } = *context;
+    let run = session.run();
+    let parameters: Vec<Channel> = run.channels().into_iter().filter(|c| c.is_parameter()).collect();
+    let [x, y, ..] = parameters[..] else {
+        ui.weak("There are not two parameters.");
+        return None;
+    };
+    let posteriors = context.laboratory.map(|laboratory| &laboratory.posteriors);
+    if let Some(posteriors) = posteriors {
+        head_ui(ui, context, posteriors, requests);
     }
-
-    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
-        let ViewContext { session, palette, visible, axis, .. } = *context;
-        let run = session.run();
-        let parameters: Vec<Channel> = run.channels().into_iter().filter(|c| c.is_parameter()).collect();
-        let [x, y, ..] = parameters[..] else {
-            ui.weak("There are not two parameters.");
-            return None;
-        };
-        let posteriors = context.laboratory.map(|laboratory| &laboratory.posteriors);
-        if let Some(posteriors) = posteriors {
-            posterior::head_ui(ui, context, posteriors, requests);
-        }
-        let cloud = posteriors.and_then(|posteriors| cloud(context, posteriors, [x, y]));
-        let k = axis.readout(session);
-        let mut paths: Vec<(Points2, Points2, Color32)> = Vec::new();
-        for (_, estimates) in context.filters() {
-            let (Some(i), Some(j)) = (estimates.place(x), estimates.place(y)) else { continue };
-            let Some(last) = estimates.len().checked_sub(1).map(|last| last.min(k)) else { continue };
-            let stride = (last / 800).max(1);
-            let path = (0..=last).rev().step_by(stride);
-            let path = path.map(|k| [estimates.canonical_mean(k, i), estimates.canonical_mean(k, j)]).collect();
-            paths.push((path, ellipse(estimates, last, [i, j]), palette.shade(estimates.color())));
-        }
-        let truth = run.record().truth(x).zip(run.record().truth(y)).and_then(|(x, y)| Some([*x.get(k)?, *y.get(k)?]));
-        let truth = truth.filter(|_| visible.truth);
-        let seen = |axis: usize| {
-            // The range includes the ellipses and the truth at this time; a wide initial belief may go beyond it.
-            paths
-                .iter()
-                .flat_map(|(path, ellipse, _)| ellipse.iter().chain(path.first()))
-                .chain(&truth)
-                .chain(cloud.iter().flat_map(|(points, _)| points))
-                .map(move |p| p[axis])
-        };
-        let range = around(seen(0)).zip(around(seen(1))).map(|(x, y)| [x, y]);
-        let label = |c: Channel| match context.unit(c.unit()) {
-            "" => format!("{} {}", c.name(), c.symbol()),
-            unit => format!("{} {} [{unit}]", c.name(), c.symbol()),
-        };
-        let mut labelled = false;
-        plane_ui(ui, "parameter plane", [&label(x), &label(y)], palette, range, |plot| {
-            // Behind points a path is only a hint.
-            let strength = if cloud.is_some() { 0.4 } else { 1.0 };
-            for (path, _, color) in &paths {
-                aged_path(plot, path, color.gamma_multiply(strength), 1.4);
-            }
-            if let Some((points, color)) = cloud {
-                let points: Points2 = points.into_iter().map(|point| drawable(plot, point)).collect();
-                plot.points(Points::new("posterior", points).color(color).radius(1.8).allow_hover(false));
-            }
-            for (path, ellipse, color) in paths {
-                let now = path.first().map(|now| drawable(plot, *now));
-                let ellipse: Points2 = ellipse.into_iter().map(|point| drawable(plot, point)).collect();
-                if visible.bands {
-                    if let Some(top) = ellipse.iter().max_by(|a, b| a[1].total_cmp(&b[1])).filter(|_| !labelled) {
-                        labelled = true;
-                        let text = Text::new("ellipse's name", (*top).into(), RichText::new("95 %").size(11.5));
-                        plot.text(text.color(color).anchor(Align2::CENTER_BOTTOM).allow_hover(false));
-                    }
-                    plot.line(Line::new("ellipse", ellipse).color(color).width(2.0).allow_hover(false));
-                }
-                if let Some(now) = now {
-                    plot.points(Points::new("now", vec![now]).color(color).radius(4.0).allow_hover(false));
-                }
-            }
-            if let Some(truth) = truth.map(|truth| drawable(plot, truth)) {
-                let text = Text::new("truth's name", truth.into(), RichText::new("  truth").size(11.5));
-                plot.text(text.color(palette.truth).anchor(Align2::LEFT_BOTTOM).allow_hover(false));
-                let cross = Points::new("truth", vec![truth]).shape(MarkerShape::Plus).color(palette.truth).radius(8.0);
-                plot.points(cross.allow_hover(false));
-            }
-        });
-        None
+    let cloud = posteriors.and_then(|posteriors| cloud(context, posteriors, [x, y]));
+    let k = axis.readout(session);
+    let mut paths: Vec<(Points2, Points2, Color32)> = Vec::new();
+    for (_, estimates) in context.filters() {
+        let (Some(i), Some(j)) = (estimates.place(x), estimates.place(y)) else { continue };
+        let Some(last) = estimates.len().checked_sub(1).map(|last| last.min(k)) else { continue };
+        let stride = (last / 800).max(1);
+        let path = (0..=last).rev().step_by(stride);
+        let path = path.map(|k| [estimates.canonical_mean(k, i), estimates.canonical_mean(k, j)]).collect();
+        paths.push((path, ellipse(estimates, last, [i, j]), context.color(estimates)));
     }
+    let truth = run.record().truth(x).zip(run.record().truth(y)).and_then(|(x, y)| Some([*x.get(k)?, *y.get(k)?]));
+    let truth = truth.filter(|_| visible.truth);
+    let seen = |axis: usize| {
+        // The range includes the ellipses and the truth at this time; a wide initial belief may go beyond it.
+        paths
+            .iter()
+            .flat_map(|(path, ellipse, _)| ellipse.iter().chain(path.first()))
+            .chain(&truth)
+            .chain(cloud.iter().flat_map(|(points, _)| points))
+            .map(move |p| p[axis])
+    };
+    let range = around(seen(0)).zip(around(seen(1))).map(|(x, y)| [x, y]);
+    let label = |c: Channel| match context.unit(c.unit()) {
+        "" => format!("{} {}", c.name(), c.symbol()),
+        unit => format!("{} {} [{unit}]", c.name(), c.symbol()),
+    };
+    let mut labelled = false;
+    plane_ui(ui, "parameter plane", [&label(x), &label(y)], palette, range, |plot| {
+        // Behind points a path is only a hint.
+        let strength = if cloud.is_some() { 0.4 } else { 1.0 };
+        for (path, _, color) in &paths {
+            aged_path(plot, path, color.gamma_multiply(strength), 1.4);
+        }
+        if let Some((points, color)) = cloud {
+            let points: Points2 = points.into_iter().map(|point| drawable(plot, point)).collect();
+            plot.points(Points::new("posterior", points).color(color).radius(1.8).allow_hover(false));
+        }
+        for (path, ellipse, color) in paths {
+            let now = path.first().map(|now| drawable(plot, *now));
+            let ellipse: Points2 = ellipse.into_iter().map(|point| drawable(plot, point)).collect();
+            if visible.bands {
+                if let Some(top) = ellipse.iter().max_by(|a, b| a[1].total_cmp(&b[1])).filter(|_| !labelled) {
+                    labelled = true;
+                    let text = Text::new("ellipse's name", (*top).into(), RichText::new("95 %").size(11.5));
+                    plot.text(text.color(color).anchor(Align2::CENTER_BOTTOM).allow_hover(false));
+                }
+                plot.line(Line::new("ellipse", ellipse).color(color).width(2.0).allow_hover(false));
+            }
+            if let Some(now) = now {
+                plot.points(Points::new("now", vec![now]).color(color).radius(4.0).allow_hover(false));
+            }
+        }
+        if let Some(truth) = truth.map(|truth| drawable(plot, truth)) {
+            let text = Text::new("truth's name", truth.into(), RichText::new("  truth").size(11.5));
+            plot.text(text.color(palette.truth).anchor(Align2::LEFT_BOTTOM).allow_hover(false));
+            let cross = Points::new("truth", vec![truth]).shape(MarkerShape::Plus).color(palette.truth).radius(8.0);
+            plot.points(cross.allow_hover(false));
+        }
+    });
+    None
 }
 
 /// The points of the posterior in the plane, and their colour: the filter's, fainter where they are of another time.
@@ -114,7 +108,7 @@ fn cloud(context: &ViewContext<'_>, posteriors: &Posteriors, [x, y]: [Channel; 2
     let [x, y] = [shown.sampled.values(x)?, shown.sampled.values(y)?];
     let points = x.into_iter().zip(y).map(|(x, y)| [x, y]).collect();
     let strength = if shown.is_of_now { 0.6 } else { 0.25 };
-    Some((points, context.palette.shade(estimates.color()).gamma_multiply(strength)))
+    Some((points, context.color(estimates).gamma_multiply(strength)))
 }
 
 fn ellipse(estimates: &Estimates, k: usize, [i, j]: [usize; 2]) -> Vec<[f64; 2]> {
@@ -133,4 +127,146 @@ fn ellipse(estimates: &Estimates, k: usize, [i, j]: [usize; 2]) -> Vec<[f64; 2]>
             [centre[0] + ELLIPSE * a * cos, centre[1] + ELLIPSE * (b * cos + c * sin)]
         })
         .collect()
+}
+
+/// The distance between both means beyond which it is reported, in standard deviations of the posterior.
+const AWAY: f64 = 1.0;
+
+pub(super) fn head_ui(ui: &mut Ui, context: &ViewContext<'_>, posteriors: &Posteriors, requests: &mut Vec<Request>) {
+    const HINT: &str = "Points of the parameters' probability given the readings, found without the belief that it is normal. \
+                        Where they leave the ellipse, ±2σ is wrong.";
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing.x = 5.0;
+        ui.label("Posterior of").on_hover_text(HINT);
+        let chosen = posteriors.chosen;
+        let all = context.session.run().estimates();
+        let filter = chosen.and_then(|id| all.iter().find(|of| of.id() == id));
+        let combo =
+            ComboBox::from_id_salt("posterior").selected_text(filter.map_or("none", Estimates::name)).width(72.0);
+        let combo = combo.show_ui(ui, |ui| {
+            let choices = all.iter().map(|of| (Some(of.id()), of.name()));
+            for (id, name) in std::iter::once((None, "none")).chain(choices) {
+                if ui.selectable_label(chosen == id, name).clicked() && chosen != id {
+                    requests.push(Request::ChoosePosterior(id));
+                }
+            }
+        });
+        ui.ctx().accesskit_node_builder(combo.response.id, |node| node.set_label("Filter of the posterior"));
+        if let Some(filter) = filter {
+            ui.weak(words(context, posteriors, filter));
+        }
+    });
+}
+
+fn words(context: &ViewContext<'_>, posteriors: &Posteriors, filter: &Estimates) -> String {
+    let is_hidden = !context.visible.filter(filter.id());
+    let result = || posteriors.shown.as_ref().and_then(|shown| sentences(context, shown, filter));
+    match (posteriors.progress(), posteriors.problem.as_deref()) {
+        _ if is_hidden => format!("{} is hidden.", filter.name()),
+        (Some(share), _) => format!("{:.0} %", 100.0 * share),
+        (_, Some(problem)) => problem.to_owned(),
+        _ if context.session.playing() => "It is found when the playback stops.".to_owned(),
+        _ => result().unwrap_or_default(),
+    }
+}
+
+fn sentences(context: &ViewContext<'_>, shown: &Shown, estimates: &Estimates) -> Option<String> {
+    let run = context.session.run();
+    let filter = run.scenario().filters.iter().find(|filter| filter.id == shown.filter())?;
+    let mut text = comparison(estimates, shown)?;
+    if let Some((channel, solutions)) = shown.solutions {
+        let [low, high] = solutions.means.map(|mean| fixed(mean, decimals(channel)));
+        let [one, other] = solutions.shares.map(|share| 100.0 * share);
+        let symbol = channel.symbol();
+        text += &format!(" Two solutions: {symbol} {low} ({one:.0} %) or {high} ({other:.0} %).");
+    }
+    if shown.sampled.is_stiller_than(filter, shown.last().0) {
+        text += " The filter lets the parameters change, the posterior does not.";
+    }
+    Some(text)
+}
+
+fn comparison(estimates: &Estimates, shown: &Shown) -> Option<String> {
+    let (sample, time) = shown.last();
+    let (mut ratios, mut away) = (Vec::new(), Vec::new());
+    for &channel in &shown.sampled.channels {
+        let place = estimates.place(channel).filter(|_| sample < estimates.len())?;
+        let [mean, std] = shown.sampled.moments(channel)?;
+        let symbol = channel.symbol();
+        ratios.push(format!("{} ({symbol})", significant(estimates.std(sample, place) / std, 2)));
+        let by = (estimates.canonical_mean(sample, place) - mean).abs() / std;
+        if by > AWAY {
+            away.push(format!("{} posterior σ away in {symbol}", significant(by, 2)));
+        }
+    }
+    let mut text = format!("At {} s its ±2σ is {} times the posterior's", fixed(time, 2), listed(&ratios));
+    if !away.is_empty() {
+        text += &format!(", and its mean {}", listed(&away));
+    }
+    Some(text + ".")
+}
+
+fn listed(words: &[String]) -> String {
+    match words.split_last() {
+        Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
+        _ => words.concat(),
+    }
+}
+
+/// Duration of the past that is drawn \[s\].
+const TAIL: f64 = 5.0;
+
+pub(super) static PHASE: View = View {
+    name: "Phase portrait",
+    help: [
+        "Velocity over displacement of the last five seconds, fading with age: truth thick, each filter's estimate in its colour.",
+        "A free linear oscillator spirals inwards along ellipses; a hardening spring makes them taller than wide.",
+        "The dots are where truth and estimates are now.",
+    ],
+    ui: Some(phase_ui),
+    ..View::NONE
+};
+
+fn phase_ui(ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Request>) -> Option<f64> {
+    let ViewContext { session, palette, visible, axis, .. } = *context;
+    let run = session.run();
+    let record = run.record();
+    let last = axis.readout(session);
+    let first = last.saturating_sub((TAIL / record.dt()) as usize);
+    // A few hundred points are smooth enough.
+    let stride = ((last - first) / 600).max(1);
+    let samples = |end: usize| (first..(last + 1).min(end)).rev().step_by(stride);
+    let truth = record.truth(Channel::DISPLACEMENT).zip(record.truth(Channel::VELOCITY)).filter(|_| visible.truth);
+    let mut paths: Vec<(Vec<[f64; 2]>, egui::Color32, f32)> = Vec::new();
+    if let Some((x, v)) = truth {
+        paths.push((samples(run.len()).map(|k| [x[k], v[k]]).collect(), palette.truth, 3.0));
+    }
+    for (_, estimates) in context.filters() {
+        let at = |channel| estimates.place(channel);
+        if let (Some(x), Some(v)) = (at(Channel::DISPLACEMENT), at(Channel::VELOCITY)) {
+            let path = samples(estimates.len()).map(|k| [estimates.mean(k)[x], estimates.mean(k)[v]]);
+            paths.push((path.collect(), context.color(estimates), 1.4));
+        }
+    }
+    // Some more of the motion than is drawn, so that the frame changes little.
+    let begin = last.saturating_sub((3.0 * TAIL / record.dt()) as usize);
+    let past = || (begin..last + 1).step_by(((last - begin) / 600).max(1));
+    let reach = |channel: Channel| match record.truth(channel) {
+        // A simulation that overflows at once has no sample.
+        Some(truth) => around(past().filter_map(|k| truth.get(k).copied())),
+        None => around(paths.iter().flat_map(|(path, ..)| path).map(|p| p[usize::from(channel == Channel::VELOCITY)])),
+    };
+    let range = reach(Channel::DISPLACEMENT).zip(reach(Channel::VELOCITY)).map(|(x, y)| [x, y]);
+    let names = [("displacement x", "m"), ("velocity v", "m/s")];
+    let names = names.map(|(name, unit)| format!("{name} [{}]", context.unit(unit)));
+    plane_ui(ui, "phase portrait", names.each_ref().map(String::as_str), palette, range, |plot| {
+        for (path, color, width) in paths {
+            let now = path.first().map(|now| drawable(plot, *now));
+            aged_path(plot, &path, color, width);
+            if let Some(now) = now {
+                plot.points(Points::new("now", vec![now]).color(color).radius(2.0 + width).allow_hover(false));
+            }
+        }
+    });
+    None
 }

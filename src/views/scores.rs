@@ -24,103 +24,94 @@ const ALIKE: f64 = 0.1;
 /// The distance between columns \[points\].
 const SPACING: f32 = 18.0;
 
-pub(super) struct Scores;
+pub(super) static VIEW: View = View {
+    name: "Scores",
+    help: [
+        "The scores of each filter over the record so far, or over the kept part of a long one; a click on a row's name sorts by it.",
+        "RMSE is the size of the errors; the verdict says whether the filter's σ agrees with them.",
+        "A small error of an inconsistent filter may be chance.",
+    ],
+    wanted: Wanted::diagnostics(Depth::All),
+    ui: Some(view_ui),
+    ..View::NONE
+};
 
-impl View for Scores {
-    fn name(&self) -> &'static str {
-        "Scores"
+fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Request>) -> Option<f64> {
+    let ViewContext { session, palette, visible, .. } = *context;
+    let (estimates, record) = (session.run().estimates(), session.run().record());
+    let of = |(place, (d, e))| Summary::of(d, session.diagnosis(place), e, record);
+    let mut summaries: Vec<(usize, Summary)> =
+        session.diagnostics().iter().zip(estimates).enumerate().map(of).enumerate().collect();
+    let sorting = Id::unique("scores are sorted by");
+    // The scores before the last change.
+    let was = |place: usize| {
+        let (diagnostics, estimates) = session.before()?.diagnostics(estimates[place].id())?;
+        Some(Summary::of(diagnostics, None, estimates, session.before()?.record()))
+    };
+    let mut sorted_by = ui.data(|data| data.get_temp::<Option<String>>(sorting)).flatten();
+    if let Some(row) = rows(&summaries, &[], session).into_iter().find(|row| Some(&row.name) == sorted_by.as_ref()) {
+        let distances: Vec<f64> =
+            row.values.iter().map(|value| value.map_or(f64::INFINITY, |x| row.distance(x))).collect();
+        summaries.sort_by(|(a, _), (b, _)| distances[*a].total_cmp(&distances[*b]));
     }
-
-    fn help(&self) -> [&'static str; 3] {
-        [
-            "The scores of each filter over the record so far, or over the kept part of a long one; a click on a row's name sorts by it.",
-            "RMSE is the size of the errors; the verdict says whether the filter's σ agrees with them.",
-            "A small error of an inconsistent filter may be chance.",
-        ]
-    }
-
-    fn wanted(&self) -> Wanted {
-        Wanted::diagnostics(Depth::All)
-    }
-
-    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Request>) -> Option<f64> {
-        let ViewContext { session, palette, visible, .. } = *context;
-        let (estimates, record) = (session.run().estimates(), session.run().record());
-        let of = |(place, (d, e))| Summary::of(d, session.diagnosis(place), e, record);
-        let mut summaries: Vec<(usize, Summary)> =
-            session.diagnostics().iter().zip(estimates).enumerate().map(of).enumerate().collect();
-        let sorting = Id::unique("scores are sorted by");
-        // The scores before the last change.
-        let was = |place: usize| {
-            let (diagnostics, estimates) = session.before()?.diagnostics(estimates[place].id())?;
-            Some(Summary::of(diagnostics, None, estimates, session.before()?.record()))
-        };
-        let mut sorted_by = ui.data(|data| data.get_temp::<Option<String>>(sorting)).flatten();
-        if let Some(row) = rows(&summaries, &[], session).into_iter().find(|row| Some(&row.name) == sorted_by.as_ref())
-        {
-            let distances: Vec<f64> =
-                row.values.iter().map(|value| value.map_or(f64::INFINITY, |x| row.distance(x))).collect();
-            summaries.sort_by(|(a, _), (b, _)| distances[*a].total_cmp(&distances[*b]));
-        }
-        let before: Vec<Option<Summary>> = summaries.iter().map(|(place, _)| was(*place)).collect();
-        let rows = rows(&summaries, &before, session);
-        let column = (ui.available_width() - NAMES) / summaries.len().max(1) as f32 - SPACING;
-        let reason_width = column.clamp(REASON.0, REASON.1);
-        ScrollArea::both().auto_shrink(false).show(ui, |ui| {
-            Grid::new("scores").striped(true).spacing([SPACING, 4.0]).show(ui, |ui| {
-                if Medium::of(ui.ctx()) == Medium::Figure {
-                    ui.label("");
-                } else if ui.small_button("Copy").on_hover_text("Copy the table as text").clicked() {
-                    ui.ctx().copy_text(as_text(&summaries, &rows));
-                }
-                for (place, summary) in &summaries {
-                    ui.label(
-                        RichText::new(&summary.name)
-                            .family(theme::strong())
-                            .color(palette.shade(estimates[*place].color())),
-                    );
+    let before: Vec<Option<Summary>> = summaries.iter().map(|(place, _)| was(*place)).collect();
+    let rows = rows(&summaries, &before, session);
+    let column = (ui.available_width() - NAMES) / summaries.len().max(1) as f32 - SPACING;
+    let reason_width = column.clamp(REASON.0, REASON.1);
+    ScrollArea::both().auto_shrink(false).show(ui, |ui| {
+        Grid::new("scores").striped(true).spacing([SPACING, 4.0]).show(ui, |ui| {
+            if Medium::of(ui.ctx()) == Medium::Figure {
+                ui.label("");
+            } else if ui.small_button("Copy").on_hover_text("Copy the table as text").clicked() {
+                ui.ctx().copy_text(as_text(&summaries, &rows));
+            }
+            for (place, summary) in &summaries {
+                ui.label(
+                    RichText::new(&summary.name)
+                        .family(theme::strong())
+                        .color(palette.shade(estimates[*place].color())),
+                );
+            }
+            ui.end_row();
+            if visible.verdicts {
+                ui.weak("verdict");
+                for (_, summary) in &summaries {
+                    verdict_ui(ui, summary.verdict.as_ref(), reason_width, palette);
                 }
                 ui.end_row();
-                if visible.verdicts {
-                    ui.weak("verdict");
-                    for (_, summary) in &summaries {
-                        verdict_ui(ui, summary.verdict.as_ref(), reason_width, palette);
-                    }
-                    ui.end_row();
+            }
+            for row in &rows {
+                let sorts = sorted_by.as_ref() == Some(&row.name);
+                if row_name_ui(ui, row, sorts) {
+                    sorted_by = (!sorts).then(|| row.name.clone());
                 }
-                for row in &rows {
-                    let sorts = sorted_by.as_ref() == Some(&row.name);
-                    if row_name_ui(ui, row, sorts) {
-                        sorted_by = (!sorts).then(|| row.name.clone());
-                    }
-                    let best = row.best();
-                    for (place, (value, before)) in row.values.iter().zip(&row.before).enumerate() {
-                        let value = value.map_or("–".to_owned(), |x| significant(x, 3));
-                        let text = RichText::new(&value).monospace();
-                        let text = if best == Some(place) { text.strong().underline() } else { text };
-                        let before = before.map(|x| significant(x, 3)).filter(|before| *before != value);
-                        ui.horizontal(|ui| {
-                            ui.label(text);
-                            if let Some(before) = before {
-                                ui.weak(format!("was {before}"));
-                            }
-                        });
-                    }
-                    ui.end_row();
+                let best = row.best();
+                for (place, (value, before)) in row.values.iter().zip(&row.before).enumerate() {
+                    let value = value.map_or("–".to_owned(), |x| significant(x, 3));
+                    let text = RichText::new(&value).monospace();
+                    let text = if best == Some(place) { text.strong().underline() } else { text };
+                    let before = before.map(|x| significant(x, 3)).filter(|before| *before != value);
+                    ui.horizontal(|ui| {
+                        ui.label(text);
+                        if let Some(before) = before {
+                            ui.weak(format!("was {before}"));
+                        }
+                    });
                 }
-                if visible.verdicts {
-                    // The reason comes last: it is long, and the numbers above it are for comparison.
-                    ui.weak("why");
-                    for (_, summary) in &summaries {
-                        reason_ui(ui, summary.verdict.as_ref(), reason_width);
-                    }
-                    ui.end_row();
+                ui.end_row();
+            }
+            if visible.verdicts {
+                // The reason comes last: it is long, and the numbers above it are for comparison.
+                ui.weak("why");
+                for (_, summary) in &summaries {
+                    reason_ui(ui, summary.verdict.as_ref(), reason_width);
                 }
-            });
+                ui.end_row();
+            }
         });
-        ui.data_mut(|data| data.insert_temp(sorting, sorted_by));
-        None
-    }
+    });
+    ui.data_mut(|data| data.insert_temp(sorting, sorted_by));
+    None
 }
 
 fn verdict_ui(ui: &mut Ui, verdict: Option<&Verdict>, width: f32, palette: &Palette) {

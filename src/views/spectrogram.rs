@@ -4,16 +4,14 @@ use egui::{Color32, ColorImage, Id, TextureHandle, TextureOptions, Ui, Vec2b};
 use egui_plot::{Line, Plot, PlotImage, PlotPoint, PlotPoints};
 use kalmanscope_core::{Channel, Spectrogram};
 
-use crate::plot::frame::sense;
+use crate::plot::medium::sense;
 use crate::request::Request;
-use crate::theme::ramps::sequential;
+use crate::theme::sequential;
 use crate::view::{View, ViewContext};
 
 /// The range of colours \[dB\].
 const RANGE: f32 = 60.0;
 const POINTS: usize = 600;
-
-pub(super) struct SpectrogramView;
 
 #[derive(Clone)]
 struct Drawn {
@@ -21,81 +19,78 @@ struct Drawn {
     picture: (TextureHandle, [f64; 4]),
 }
 
-impl View for SpectrogramView {
-    fn name(&self) -> &'static str {
-        "Spectrogram"
-    }
+pub(super) static VIEW: View = View {
+    name: "Spectrogram",
+    help: [
+        "The power of the first sensor's measurements over time and frequency, light where there is much: 60 dB from dark to light.",
+        "Lines are the natural frequencies that the filters estimate: they should lie on a light ridge.",
+        "A ridge without a line is a mode that the model lacks; a line without a ridge has lost its way.",
+    ],
+    ui: Some(view_ui),
+    ..View::NONE
+};
 
-    fn help(&self) -> [&'static str; 3] {
-        [
-            "The power of the first sensor's measurements over time and frequency, light where there is much: 60 dB from dark to light.",
-            "Lines are the natural frequencies that the filters estimate: they should lie on a light ridge.",
-            "A ridge without a line is a mode that the model lacks; a line without a ridge has lost its way.",
-        ]
-    }
-
-    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, _requests: &mut Vec<Request>) -> Option<f64> {
-        let ViewContext { session, palette, axis, .. } = *context;
-        let run = session.run();
-        let record = run.record();
-        let Some(quantity) = record.sensors().first() else {
-            ui.weak("Nothing is measured.");
-            return None;
-        };
-        let Some((of, spectrogram)) = session.spectrogram() else {
-            let is_behind = session.is_spectrogram_behind();
-            ui.weak(if is_behind { "The spectrogram is being computed." } else { "There are too few samples yet." });
-            return None;
-        };
-        let of = (of, Id::unique(quantity.key()));
-        let id = Id::unique("spectrogram");
-        let before: Option<Drawn> = ui.data(|data| data.get_temp(id));
-        let drawn = before.filter(|drawn| drawn.of == of).unwrap_or_else(|| {
-            let drawn = Drawn { of, picture: picture(ui, spectrogram) };
-            ui.data_mut(|data| data.insert_temp(id, drawn.clone()));
-            drawn
-        });
-        let (texture, [from, to, _, top]) = drawn.picture;
-        let followed = axis.followed(session);
-        let plot = Plot::new("spectrogram")
-            .link_axis(Id::unique("time"), Vec2b::new(true, false))
-            .link_cursor(Id::unique("time"), Vec2b::new(true, false))
-            .x_axis_label("time [s]")
-            .y_axis_label(format!("{} [Hz]", quantity.symbol()))
-            .sense(sense(ui))
-            .show_grid(false)
-            .allow_scroll(false)
-            .allow_double_click_reset(false)
-            .label_formatter(|_| None);
-        let response = plot.show(ui, |plot| {
-            if axis.follows {
-                plot.set_plot_bounds_x(followed.0..=followed.1);
-                plot.set_plot_bounds_y(0.0..=top);
-            }
-            let center = PlotPoint::new(0.5 * (from + to), 0.5 * top);
-            let size = egui::vec2((to - from) as f32, top as f32);
-            plot.image(PlotImage::new("power", texture.id(), center, size));
-            for (_, estimates) in context.filters() {
-                let Some(at) = estimates.place(Channel::NATURAL_FREQUENCY) else { continue };
-                let step = (estimates.len() / POINTS).max(1);
-                let point = |k: usize| [record.time(k), estimates.canonical_mean(k, at) / std::f64::consts::TAU];
-                let points: PlotPoints<'_> = (0..estimates.len()).step_by(step).map(point).collect();
-                let color = palette.shade(estimates.color());
-                plot.line(
-                    Line::new("ground", points.points().iter().map(|p| [p.x, p.y]).collect::<Vec<_>>())
-                        .color(Color32::WHITE)
-                        .width(3.5),
-                );
-                plot.line(Line::new(estimates.name(), points).color(color).width(2.0));
-            }
-            plot.pointer_coordinate().filter(|_| plot.response().hovered()).map(|point| point.x)
-        });
-        response
-            .response
-            .ctx
-            .accesskit_node_builder(response.response.id, |node| node.set_label("Plot of the spectrogram"));
-        response.inner
-    }
+fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, _requests: &mut Vec<Request>) -> Option<f64> {
+    let ViewContext { session, axis, .. } = *context;
+    let run = session.run();
+    let record = run.record();
+    let Some(quantity) = record.sensors().first() else {
+        ui.weak("Nothing is measured.");
+        return None;
+    };
+    let Some((of, spectrogram)) = session.spectrogram() else {
+        let is_behind = session.is_spectrogram_behind();
+        ui.weak(if is_behind { "The spectrogram is being computed." } else { "There are too few samples yet." });
+        return None;
+    };
+    let of = (of, Id::unique(quantity.key()));
+    let id = Id::unique("spectrogram");
+    let before: Option<Drawn> = ui.data(|data| data.get_temp(id));
+    let drawn = before.filter(|drawn| drawn.of == of).unwrap_or_else(|| {
+        let drawn = Drawn { of, picture: picture(ui, spectrogram) };
+        ui.data_mut(|data| data.insert_temp(id, drawn.clone()));
+        drawn
+    });
+    let (texture, [from, to, _, top]) = drawn.picture;
+    let followed = axis.followed(session);
+    let plot = Plot::new("spectrogram")
+        .link_axis(Id::unique("time"), Vec2b::new(true, false))
+        .link_cursor(Id::unique("time"), Vec2b::new(true, false))
+        .x_axis_label("time [s]")
+        .y_axis_label(format!("{} [Hz]", quantity.symbol()))
+        .sense(sense(ui))
+        .show_grid(false)
+        .allow_scroll(false)
+        .allow_double_click_reset(false)
+        .label_formatter(|_| None);
+    let response = plot.show(ui, |plot| {
+        if axis.follows {
+            plot.set_plot_bounds_x(followed.0..=followed.1);
+            plot.set_plot_bounds_y(0.0..=top);
+        }
+        let center = PlotPoint::new(0.5 * (from + to), 0.5 * top);
+        let size = egui::vec2((to - from) as f32, top as f32);
+        plot.image(PlotImage::new("power", texture.id(), center, size));
+        for (_, estimates) in context.filters() {
+            let Some(at) = estimates.place(Channel::NATURAL_FREQUENCY) else { continue };
+            let step = (estimates.len() / POINTS).max(1);
+            let point = |k: usize| [record.time(k), estimates.canonical_mean(k, at) / std::f64::consts::TAU];
+            let points: PlotPoints<'_> = (0..estimates.len()).step_by(step).map(point).collect();
+            let color = context.color(estimates);
+            plot.line(
+                Line::new("ground", points.points().iter().map(|p| [p.x, p.y]).collect::<Vec<_>>())
+                    .color(Color32::WHITE)
+                    .width(3.5),
+            );
+            plot.line(Line::new(estimates.name(), points).color(color).width(2.0));
+        }
+        plot.pointer_coordinate().filter(|_| plot.response().hovered()).map(|point| point.x)
+    });
+    response
+        .response
+        .ctx
+        .accesskit_node_builder(response.response.id, |node| node.set_label("Plot of the spectrogram"));
+    response.inner
 }
 
 /// The spectrogram as a texture, with its first and last time \[s\], and its lowest and highest frequency \[Hz\].

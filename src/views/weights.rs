@@ -31,7 +31,6 @@ fn weight(estimates: &Estimates, sensor: usize, k: usize) -> f64 {
 }
 
 pub(super) fn layers<'a>(quantity: Quantity, measured: &'a [f64], context: &ViewContext<'a>) -> Vec<Layer<'a>> {
-    let palette = context.palette;
     let layers = |(sensor, estimates, _): (usize, &'a Estimates, Robust)| {
         let next = SHADES.iter().skip(1).map(|(below, _)| *below).chain([f64::NEG_INFINITY]);
         SHADES.iter().zip(next).map(move |(&(below, opacity), least)| {
@@ -40,7 +39,7 @@ pub(super) fn layers<'a>(quantity: Quantity, measured: &'a [f64], context: &View
                 if weight < below && weight >= least { measured[k] } else { f64::NAN }
             };
             let series = Series::new(estimates.len().min(measured.len()), move |samples| samples.map(value));
-            Layer::Dots { series, color: palette.shade(estimates.color()).gamma_multiply(opacity) }
+            Layer::Dots { series, color: context.color(estimates).gamma_multiply(opacity) }
         })
     };
     weighing(quantity, context).flat_map(layers).collect()
@@ -55,7 +54,7 @@ pub(super) fn at<'a>(quantity: Quantity, k: usize, context: &ViewContext<'a>) ->
         } else {
             (format!("{weight:.2} of a reading"), "The weight of this reading in")
         };
-        let color = context.palette.shade(estimates.color());
+        let color = context.color(estimates);
         Some(Readout::new(text, color, format!("{hint} {}", estimates.name())))
     };
     weighing(quantity, context).filter_map(said).collect()
@@ -72,7 +71,7 @@ pub(super) fn shares(quantity: Quantity, measured: &[f64], context: &ViewContext
             "{out} of the last {readings} readings count for nothing, or next to nothing, in {}",
             estimates.name()
         );
-        Readout::new(format!("{percent:.1} % left out"), context.palette.shade(estimates.color()), hint)
+        Readout::new(format!("{percent:.1} % left out"), context.color(estimates), hint)
     };
     weighing(quantity, context).map(share).collect()
 }

@@ -299,7 +299,7 @@ fn the_views_menu_stays_open_while_views_are_chosen() {
     let mut screen = screen(DESKTOP, Theme::Light);
     click(&mut screen, "Views");
     for kind in [ViewKind::Gain, ViewKind::Phase] {
-        click(&mut screen, view(kind).name());
+        click(&mut screen, view(kind).name);
         assert!(screen.state_mut().layout_mut().shown().contains(&kind), "{kind:?}");
     }
 }

@@ -103,7 +103,7 @@ fn changes_are_taken_back_and_made_again_by_buttons() {
 #[test]
 fn help_opens_on_a_tap() {
     let mut screen = whole();
-    let first = view(ViewKind::Parameters).help()[0];
+    let first = view(ViewKind::Parameters).help[0];
     click(&mut screen, "About Parameters");
     assert!(screen.query_by_label(first).is_some());
 }
@@ -179,7 +179,7 @@ fn filters_stand_side_by_side_with_their_numbers() {
 #[test]
 fn page_keys_go_from_view_to_view() {
     let mut screen = whole();
-    let about = |view: ViewKind| format!("About {}", kalmanscope::views::view(view).name());
+    let about = |view: ViewKind| format!("About {}", kalmanscope::views::view(view).name);
     let shown = |screen: &Screen| {
         ViewKind::ALL.into_iter().filter(|kind| screen.query_by_label(&about(*kind)).is_some()).collect::<Vec<_>>()
     };
@@ -316,7 +316,7 @@ fn a_record_in_volts_has_no_metres_in_any_view() {
         show(&mut screen, &[kind]);
         for metres in ["[m]", "[m/s]", "[m/s²]", " m/s"] {
             let label = screen.query_all_by_label_contains(metres).next().map(|node| format!("{node:?}"));
-            assert_eq!(label, None, "{}", view(kind).name());
+            assert_eq!(label, None, "{}", view(kind).name);
         }
     }
     show(&mut screen, &[ViewKind::Matrices]);

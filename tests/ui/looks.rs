@@ -134,13 +134,13 @@ fn a_lesson_looks_as_it_did() {
 }
 
 fn file(kind: ViewKind) -> String {
-    format!("view-{}", view(kind).name().replace(' ', "-").to_lowercase())
+    format!("view-{}", view(kind).name.replace(' ', "-").to_lowercase())
 }
 
 #[test]
 fn the_gallery_has_every_view() {
     let part = |kind: ViewKind| {
-        let (name, [first, ..]) = (view(kind).name(), view(kind).help());
+        let (name, [first, ..]) = (view(kind).name, view(kind).help);
         format!("\n## {name}\n{first}\n\n![{name}](../tests/snapshots/{}.png)\n", file(kind))
     };
     let head = "# All views\n`UPDATE_SNAPSHOTS=1 cargo test --test ui looks::` makes these pictures and this page. The sentence is the first of \

@@ -57,7 +57,7 @@ fn five_frames_of_every_view_at_any_size() {
             session.seek(5.0);
             for kind in ViewKind::ALL {
                 show(&mut screen, &[kind]);
-                let about = format!("About {}", view(kind).name());
+                let about = format!("About {}", view(kind).name);
                 let has_room = size.min_elem() > 300.0;
                 assert!(!has_room || screen.query_by_label(&about).is_some(), "{kind:?} at {size}");
             }
@@ -87,7 +87,7 @@ fn a_simulation_without_a_sample_leaves_every_view_standing() {
     session.set_mode(Mode::Whole);
     for kind in ViewKind::ALL {
         show(&mut screen, &[kind]);
-        assert!(screen.query_by_label(&format!("About {}", view(kind).name())).is_some(), "{kind:?}");
+        assert!(screen.query_by_label(&format!("About {}", view(kind).name)).is_some(), "{kind:?}");
     }
 }
 
@@ -117,7 +117,7 @@ fn views_have_a_least_height_and_the_rows_scroll() {
         let rect = screen.get_by_label(&format!("Plot of the {}", plot.name())).rect();
         assert!(rect.height() >= 60.0, "{rect}");
     }
-    let tops = rows.map(|kind| screen.get_by_label(&format!("About {}", view(kind).name())).rect().top());
+    let tops = rows.map(|kind| screen.get_by_label(&format!("About {}", view(kind).name)).rect().top());
     let heights: Vec<f32> = tops.windows(2).map(|tops| tops[1] - tops[0]).collect();
     assert!(heights.iter().all(|height| *height >= 140.0), "{heights:?}");
     // The border between two rows stops where one would be lower.
@@ -130,7 +130,7 @@ fn views_have_a_least_height_and_the_rows_scroll() {
     }
     screen.drop_at(border - egui::vec2(0.0, 360.0));
     screen.run_steps(3);
-    let tops = rows.map(|kind| screen.get_by_label(&format!("About {}", view(kind).name())).rect().top());
+    let tops = rows.map(|kind| screen.get_by_label(&format!("About {}", view(kind).name)).rect().top());
     assert!(tops.windows(2).all(|tops| tops[1] - tops[0] >= 140.0), "{tops:?}");
 }
 

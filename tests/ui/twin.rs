@@ -66,7 +66,7 @@ fn every_view_over_time_has_tables() {
         *screen.state_mut().layout_mut() = Layout::column(&[kind]);
         screen.run_steps(20);
         let twin = screen.state().twin();
-        let part = part(&twin, view(kind).name());
+        let part = part(&twin, view(kind).name);
         let captions: Vec<&str> = part.tables.iter().map(|table| table.caption.as_str()).collect();
         assert!(captions.contains(&caption), "{captions:?}");
         // The first sample has no innovation.

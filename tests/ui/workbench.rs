@@ -42,7 +42,7 @@ fn every_view_can_be_shown_enlarged_and_hidden() {
     let mut screen = workbench();
     screen.state_mut().session_mut().set_mode(Mode::Whole);
     for kind in ViewKind::ALL {
-        let name = view(kind).name();
+        let name = view(kind).name;
         for arrangement in Arrangement::ALL {
             *screen.state_mut().layout_mut() = Layout::of(arrangement);
             let shown = screen.state_mut().layout_mut().shown().contains(&kind);
@@ -54,14 +54,14 @@ fn every_view_can_be_shown_enlarged_and_hidden() {
         show(&mut screen, &[kind, beside]);
         let top = |screen: &Screen| screen.get_by_label(&format!("Hide {name}")).rect().top();
         let before = top(&screen);
-        let about_beside = format!("About {}", view(beside).name());
+        let about_beside = format!("About {}", view(beside).name);
         click(&mut screen, &format!("Enlarge {name}"));
         assert!(screen.query_by_label(&about_beside).is_none(), "{name} is not alone");
         click(&mut screen, &format!("Enlarge {name}"));
         assert!(screen.query_by_label(&about_beside).is_some() && top(&screen) == before);
         click(&mut screen, &format!("Hide {name}"));
         assert!(screen.query_by_label(&format!("About {name}")).is_none());
-        let help = view(kind).help();
+        let help = view(kind).help;
         assert!(help.iter().all(|line| line.len() > 30 && line.ends_with('.')), "{name}");
     }
 }
@@ -150,7 +150,7 @@ fn views_come_back_one_by_one_when_all_have_been_hidden() {
         screen.run_steps(3);
         let seen = ViewKind::ALL
             .into_iter()
-            .filter(|seen| screen.query_by_label(&format!("About {}", view(*seen).name())).is_some());
+            .filter(|seen| screen.query_by_label(&format!("About {}", view(*seen).name)).is_some());
         assert_eq!(seen.count(), i + 1, "{kind:?} is not seen");
     }
 }

@@ -5,7 +5,7 @@ use kalmanscope_core::Estimates;
 use kalmanscope_core::diagnosis::{Remedy, in_percent};
 use kalmanscope_core::setting::Edit;
 
-use super::rows;
+use super::evidence;
 use crate::request::Request;
 use crate::session::Attempt;
 use crate::text::{sentence, significant};
@@ -34,8 +34,8 @@ pub(super) fn causes_ui(
         ui.weak("They are tried as soon as the record is computed.");
         return;
     };
-    let rows = rows::on_screen(ui, attempt, is_held);
-    let heading = match (attempt.is_under_way(), rows::is_in_order(&rows, attempt)) {
+    let rows = evidence::on_screen(ui, attempt, is_held);
+    let heading = match (attempt.is_under_way(), evidence::is_in_order(&rows, attempt)) {
         (true, _) => "Causes, as they are found",
         (false, true) => SORTED,
         (false, false) => "Causes, as they were found: in order once the pointer leaves",

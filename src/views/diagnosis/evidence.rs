@@ -1,10 +1,17 @@
 //! The results of the tests of a filter, each as a bar and a sentence.
 
-use egui::{Color32, Label, Rect, RichText, Sense, Stroke, Ui, Vec2};
-use kalmanscope_core::diagnosis::Evidence;
+use std::sync::Arc;
 
-use crate::text::{sentence, significant};
+use egui::{Color32, DragValue, Grid, Label, Rect, RichText, Sense, Stroke, Ui, Vec2};
+use kalmanscope_core::diagnosis::{Evidence, Remedy};
+use kalmanscope_core::setting::{Address, PROCESS_STD, SENSOR_STD};
+use kalmanscope_core::{Estimates, FilterSettings, Scenario};
+
+use crate::request::Request;
+use crate::session::Attempt;
+use crate::text::{fixed, sentence, significant};
 use crate::theme::Palette;
+use crate::view::ViewContext;
 
 const BAR: Vec2 = Vec2::new(64.0, 9.0);
 
@@ -79,4 +86,99 @@ fn bar_ui(ui: &mut Ui, effect: f64, color: Color32, palette: &Palette) {
     ui.painter().rect_filled(filled, 1.0, color.gamma_multiply(0.75));
     ui.painter().vline(rect.center().x, rect.expand(2.0).y_range(), Stroke::new(1.0, palette.text));
     response.on_hover_text(format!("{} times the effect that matters, at the line", significant(effect, 2)));
+}
+
+pub(super) fn estimates_ui(ui: &mut Ui, context: &ViewContext<'_>, place: usize, estimates: &Estimates) {
+    let Some(last) = estimates.len().checked_sub(1) else { return };
+    let diagnostics = context.session.diagnostics().get(place);
+    Grid::new(("numbers", estimates.id())).num_columns(3).spacing([10.0, 2.0]).show(ui, |ui| {
+        for (at, &channel) in estimates.channels().iter().enumerate() {
+            let std = estimates.std(last, at);
+            if !channel.is_parameter() || (std == 0.0 && estimates.initial_std(at) == 0.0) {
+                continue;
+            }
+            let decimals = channel.usual().decimals;
+            ui.label(channel.symbol()).on_hover_text(channel.name());
+            let mean = fixed(estimates.canonical_mean(last, at), decimals);
+            let unit = context.unit(channel.unit());
+            ui.label(format!("{mean} ± {} {unit}", significant(2.0 * std, 2)).trim_end());
+            let error = diagnostics.and_then(|diagnostics| diagnostics.error(channel));
+            ui.weak(error.map_or(String::new(), |error| format!("off by {}", significant(error, 2))));
+            ui.end_row();
+        }
+    });
+}
+
+pub(super) fn settings_ui(ui: &mut Ui, context: &ViewContext<'_>, id: u32, requests: &mut Vec<Request>) {
+    let scenario = context.session.scenario();
+    let Some(filter) = scenario.filters.iter().find(|filter| filter.id == id) else { return };
+    Grid::new(("edits", id)).num_columns(4).spacing([8.0, 4.0]).show(ui, |ui| {
+        for (place, key) in keys(filter, scenario).into_iter().enumerate() {
+            if place > 0 && place.is_multiple_of(2) {
+                ui.end_row();
+            }
+            let Ok(address) = Address::parse(scenario, &filter.address(&key)) else { continue };
+            let label = if key == "fading" { "λ".to_owned() } else { address.name() };
+            ui.label(RichText::new(&label).weak());
+            let mut value = address.get(scenario);
+            let step = if key == "fading" { 0.001 } else { 0.02 * value.abs().max(1e-9) };
+            let number = DragValue::new(&mut value).speed(step).range(0.0..=f64::MAX).clamp_existing_to_range(false);
+            let number = ui.add(number.custom_formatter(|value, _| significant(value, 4)));
+            let name = format!("{label} of {}, in the diagnosis", filter.name);
+            number.ctx.accesskit_node_builder(number.id, |node| node.set_label(name));
+            if number.changed() {
+                let mut edited = scenario.clone();
+                address.set(&mut edited, value);
+                requests.extend(Request::edit(scenario, &edited));
+            }
+        }
+    });
+}
+
+fn keys(filter: &FilterSettings, scenario: &Scenario) -> Vec<String> {
+    let model = filter.model(scenario.plant.kind, scenario.input);
+    let parameters = model.channels().iter().filter(|channel| channel.is_parameter() && !filter.knows(**channel));
+    let entries = parameters.map(|channel| format!("{}.{}", PROCESS_STD.key, channel.key()));
+    let sensors = scenario.sensors.iter().map(|sensor| format!("{}.{}", SENSOR_STD.key, sensor.measures.key()));
+    std::iter::once("fading".to_owned()).chain(entries).chain(sensors).collect()
+}
+
+#[derive(Clone)]
+struct Rows {
+    picture: u64,
+    remedies: Arc<Vec<Remedy>>,
+}
+
+/// The rows to show: the remedies in their order, or, while the pointer is on the view, the rows of the last frame with
+/// new remedies after them.
+pub(super) fn on_screen(ui: &Ui, attempt: &Attempt, is_held: bool) -> Arc<Vec<Remedy>> {
+    let id = ui.scope_id().with("rows of causes");
+    let before = ui.data(|data| data.get_temp::<Rows>(id));
+    // Rows of other settings are dropped.
+    let before = before.filter(|rows| is_held && rows.picture == attempt.picture());
+    let remedies = match before {
+        Some(before) => with_new(before.remedies, &attempt.remedies),
+        None => Arc::new(attempt.remedies.to_vec()),
+    };
+    let rows = Rows { picture: attempt.picture(), remedies: Arc::clone(&remedies) };
+    ui.data_mut(|data| data.insert_temp(id, rows));
+    remedies
+}
+
+pub(super) fn is_in_order(rows: &[Remedy], attempt: &Attempt) -> bool {
+    let same = |(row, remedy): (&Remedy, &Remedy)| row.edits == remedy.edits && key(row) == key(remedy);
+    rows.len() == attempt.remedies.len() && rows.iter().zip(&attempt.remedies).all(same)
+}
+
+fn with_new(mut rows: Arc<Vec<Remedy>>, remedies: &[Remedy]) -> Arc<Vec<Remedy>> {
+    for remedy in remedies {
+        if rows.iter().all(|row| key(row) != key(remedy)) {
+            Arc::make_mut(&mut rows).push(remedy.clone());
+        }
+    }
+    rows
+}
+
+fn key(remedy: &Remedy) -> &'static str {
+    remedy.first.cause.key
 }

@@ -6,9 +6,9 @@ use egui::{Color32, Galley, Pos2, Rect, Stroke, TextStyle, Ui, Vec2, vec2};
 use kalmanscope_core::diagnosis::CAUSES;
 use kalmanscope_core::{Measure, Scenario, ValueKind, VerdictKind};
 
-use super::cells::End;
-use super::path;
+use super::marks;
 use super::picture::Panel;
+use super::scale::End;
 use crate::text::{significant, unit_in};
 use crate::theme::Palette;
 
@@ -111,7 +111,7 @@ impl Mark {
                     );
                 }
             }
-            Self::Path => path::sample(painter, rect),
+            Self::Path => marks::sample(painter, rect),
             Self::Grey => _ = painter.rect_filled(rect, 0.0, palette.grid),
             Self::Dot => {
                 painter.circle(rect.center(), 4.0, palette.warning, Stroke::new(1.0, Color32::WHITE));

@@ -1,13 +1,14 @@
-//! The charts over time: NEES, NIS, and the error of the parameter.
+//! The charts: NEES, NIS and the error of the parameter over time, and the histogram of the last estimates.
 
 use std::ops::RangeInclusive;
 
-use egui::{Color32, Painter, Rect, Response, RichText, Role, Sense, Stroke, Tooltip, Ui, WidgetInfo, pos2};
+use egui::{
+    Color32, Mesh, Painter, Pos2, Rect, Response, RichText, Role, Sense, Shape, Stroke, Tooltip, Ui, WidgetInfo, pos2,
+};
 use kalmanscope_core::Channel;
 
-use super::bands::{band, line};
 use super::curves::{Curves, FilterCurves};
-use crate::plot::graph::{Graph, Scale};
+use crate::plot::axes::{Graph, Scale};
 use crate::session::Bound;
 use crate::text::{fixed, significant};
 use crate::view::ViewContext;
@@ -212,4 +213,96 @@ fn bounds(curves: &Curves, context: &ViewContext<'_>) -> Vec<(u32, Vec<f64>)> {
         Some((first.id, curves.samples.iter().map(std).collect()))
     };
     context.session.bounds().iter().filter_map(one).collect()
+}
+
+/// Fills the area between pairs of values; it has a gap where one of them is NaN.
+pub(super) fn band(painter: &Painter, graph: &Graph, rungs: impl Iterator<Item = (f64, [f64; 2])>, color: Color32) {
+    let mut mesh = Mesh::default();
+    let mut before: Option<u32> = None;
+    for (x, [low, high]) in rungs {
+        if !(low.is_finite() && high.is_finite()) {
+            before = None;
+            continue;
+        }
+        let at = mesh.vertices.len() as u32;
+        for y in [low, high] {
+            mesh.colored_vertex(within(graph, graph.at([x, y])), color);
+        }
+        if let Some(last) = before {
+            mesh.add_triangle(last, last + 1, at);
+            mesh.add_triangle(last + 1, at, at + 1);
+        }
+        before = Some(at);
+    }
+    painter.add(Shape::mesh(mesh));
+}
+
+pub(super) fn line(
+    painter: &Painter,
+    graph: &Graph,
+    points: impl Iterator<Item = [f64; 2]>,
+    stroke: Stroke,
+    dashed: bool,
+) {
+    let points: Vec<Pos2> = points.map(|point| within(graph, graph.at(point))).collect();
+    for part in points.split(|point| !point.y.is_finite()).filter(|part| part.len() > 1) {
+        if dashed {
+            painter.extend(Shape::dashed_line(part, stroke, 5.0, 3.0));
+        } else {
+            painter.add(Shape::line(part.to_vec(), stroke));
+        }
+    }
+}
+
+/// A point no further beyond the frame than half its height: edges far away would cost time and blur.
+fn within(graph: &Graph, at: Pos2) -> Pos2 {
+    let beyond = 0.5 * graph.rect.height();
+    if at.y.is_nan() {
+        return at;
+    }
+    egui::pos2(at.x, at.y.clamp(graph.rect.top() - beyond, graph.rect.bottom() + beyond))
+}
+
+pub(super) fn last_estimates_ui(ui: &mut Ui, room: Rect, curves: &Curves, context: &ViewContext<'_>) {
+    let Some(channel) = curves.parameter else { return };
+    let histogram = &curves.histogram;
+    let palette = context.palette;
+    let highest = histogram.counts.iter().flatten().copied().max().unwrap_or_default().max(1);
+    let graph = Graph::new(
+        room,
+        Scale::new(histogram.from, histogram.to, false),
+        Scale::new(0.0, 1.08 * highest as f64, false),
+    );
+    let what = if curves.is_of_errors { "last error of " } else { "last estimate of " };
+    let name = named(what, channel, context);
+    graph.axes_ui(ui, [&name, "seeds"], palette, true);
+    let painter = ui.painter_at(graph.rect.expand(1.0));
+    for (filter, counts) in curves.filters.iter().zip(&histogram.counts) {
+        let color = color(context, filter.id);
+        let steps: Vec<[f64; 2]> = counts
+            .iter()
+            .enumerate()
+            .flat_map(|(bar, count)| histogram.ends(bar).map(|edge| [edge, *count as f64]))
+            .collect();
+        band(&painter, &graph, steps.iter().map(|[x, y]| (*x, [0.0, *y])), color.gamma_multiply(0.16));
+        line(&painter, &graph, steps.into_iter(), Stroke::new(1.6, color), false);
+    }
+    if let Some(truth) = curves.truth.or(curves.is_of_errors.then_some(0.0)) {
+        let x = graph.at([truth, f64::NAN]).x;
+        painter
+            .line_segment([pos2(x, graph.rect.top()), pos2(x, graph.rect.bottom())], Stroke::new(1.6, palette.truth));
+    }
+    let response = ui.interact(graph.rect, ui.scope_id().with("bars"), Sense::hover());
+    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, format!("Histogram, {name}")));
+    let Some(pointer) = response.hover_pos().filter(|_| response.hovered() && histogram.bars() > 0) else { return };
+    let bar = ((graph.shares(pointer)[0] * histogram.bars() as f64).max(0.0) as usize).min(histogram.bars() - 1);
+    let [from, to] = histogram.ends(bar);
+    Tooltip::for_widget(&response).at_pointer().gap(12.0).show(|ui| {
+        ui.weak(format!("{} to {} {}", significant(from, 5), significant(to, 5), context.unit(channel.unit())));
+        for ((filter, counts), beyond) in curves.filters.iter().zip(&histogram.counts).zip(&histogram.beyond) {
+            let aside = if *beyond > 0 { format!(", and {beyond} beyond the ends") } else { String::new() };
+            let text = format!("{}: {} of {} seeds{aside}", filter.name, counts[bar], curves.seeds);
+            ui.label(RichText::new(text).color(color(context, filter.id)));
+        }
+    });
 }

@@ -1,9 +1,8 @@
 //! The largest motion and force so far, updated at constant cost.
 
-use kalmanscope_core::Record;
+pub(super) use kalmanscope_core::channel::MAX_MASSES;
 
-use super::force;
-use super::masses::displacement;
+use kalmanscope_core::{Channel, Record, Run};
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Peak {
@@ -11,7 +10,7 @@ pub(super) struct Peak {
     pub(super) reach: f64,
     /// Stretch of any link \[m\].
     pub(super) drift: f64,
-    /// Mean force over mass within [`force::SPELL`] \[m/s²\].
+    /// Mean force over mass within [`SPELL`] \[m/s²\].
     pub(super) force: f64,
 }
 
@@ -35,7 +34,7 @@ impl Peaks {
     /// grows.
     pub(super) fn up_to(&mut self, record: &Record, masses: usize, k: usize) -> Peak {
         let Self { blocks } = self;
-        let window = force::window(record);
+        let window = window(record);
         let size = window * BLOCK.div_ceil(window);
         let mark = |end: usize| -> Mark {
             let last = |values: Option<&[f64]>| values.and_then(|x| x.get(end - 1)).map_or(0, |x| x.to_bits());
@@ -85,10 +84,36 @@ fn peak(record: &Record, masses: usize, from: usize, to: usize, window: usize) -
     peak
 }
 
+pub(super) fn displacement(mass: usize) -> Channel {
+    Channel::displacement(mass.min(MAX_MASSES - 1))
+}
+
+pub(super) fn masses(run: &Run) -> usize {
+    let known = |mass: usize| run.record().truth(displacement(mass)).is_some();
+    let there = |mass: &usize| if known(0) { known(*mass) } else { run.channels().contains(&displacement(*mass)) };
+    (0..MAX_MASSES).take_while(there).count().max(1)
+}
+
+/// Duration over which the arrow averages the force, because an arrow that followed white noise would flicker \[s\].
+pub(super) const SPELL: f64 = 0.1;
+
+/// The number of samples in a [`SPELL`], at least one.
+pub(super) fn window(record: &Record) -> usize {
+    (SPELL / record.dt()).round().clamp(1.0, 1e5) as usize
+}
+
+/// The mean force over mass within the [`SPELL`] that ends with sample `k` \[m/s²\].
+pub(super) fn recent(record: &Record, k: usize) -> f64 {
+    let first = (k + 1).saturating_sub(window(record));
+    let force = record.input().get(first..=k).unwrap_or_default();
+    force.iter().sum::<f64>() / window(record) as f64
+}
+
 #[cfg(test)]
 mod tests {
-    use super::*;
     use kalmanscope_core::{PlantKind, Run, Scenario};
+
+    use super::*;
 
     fn record(masses: usize, seed: u64) -> Record {
         let mut scenario = Scenario { duration: 30.0, seed, ..Scenario::default() };

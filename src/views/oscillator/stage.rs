@@ -117,8 +117,7 @@ impl Stage {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::views::oscillator::masses::{MAX_MASSES, displacement, masses};
-    use crate::views::oscillator::peaks::Peaks;
+    use crate::views::oscillator::peaks::{MAX_MASSES, Peaks, displacement, masses};
     use kalmanscope_core::{PlantKind, Run, Scenario};
 
     const SIZES: [Vec2; 6] = [
