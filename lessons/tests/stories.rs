@@ -6,7 +6,7 @@ use kalmanscope_core::{Channel, Diagnosis, Diagnostics, Phrase, Run, Scenario, S
 use kalmanscope_lessons::{BUILT_IN, BuiltIn, EQUATIONS, records::source};
 
 /// The stories are read at the ends of this many equal parts of each run.
-const GRID: usize = 40;
+const GRID: usize = 20;
 
 /// A run of which a part is done, with what the story needs.
 struct Told<'a> {

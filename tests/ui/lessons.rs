@@ -262,9 +262,8 @@ fn a_verdict_that_a_lesson_speaks_of_is_in_sight() {
                 reveal(&mut screen, step);
                 screen.run_steps(3);
                 for check in step.checks.iter().filter(|check| check.is_of_verdict()) {
-                    let name = format!("{} is ", check.filter);
-                    let chip = screen.query_by_label_contains(&name);
-                    let chip = chip.unwrap_or_else(|| panic!("{title}, step {}: no verdict", number + 1)).rect();
+                    let chip = verdict(&screen, &check.filter);
+                    let chip = chip.unwrap_or_else(|| panic!("{title}, step {}: no verdict", number + 1));
                     let window = egui::Rect::from_min_size(egui::Pos2::ZERO, size);
                     assert!(window.contains_rect(chip), "{title}, step {}: {chip}", number + 1);
                 }

@@ -48,7 +48,7 @@ use kalmanscope::request::{Arrangement, ViewKind};
 use kalmanscope::ruler::End;
 use kalmanscope::session::{Budget, Mode};
 use kalmanscope::views::view;
-use kalmanscope_core::{Channel, FilterKind, Force, Hold, PlantKind, Quantity, Scenario, Signal};
+use kalmanscope_core::{Channel, FilterKind, Force, Hold, PlantKind, Quantity, Scenario, Signal, VerdictKind};
 
 use memory::Memory;
 
@@ -77,6 +77,12 @@ fn screen(size: Vec2, theme: Theme) -> Screen {
     session.play_from_start();
     screen.run_steps(2);
     screen
+}
+
+/// The place of the chip with the verdict on a filter.
+fn verdict(screen: &Screen, filter: &str) -> Option<egui::Rect> {
+    let mut kinds = VerdictKind::ALL.into_iter();
+    kinds.find_map(|kind| Some(screen.query_all_by_label(&kind.on(filter)).next()?.rect()))
 }
 
 /// Clicks on what has this label.
