@@ -89,6 +89,7 @@ start torn 300
 
 echo 'a display that goes leaves the session whole'
 press space
+await "$state" '"mode"'
 kill -KILL "$screen"
 status=0
 wait "$window" || status=$?
@@ -98,6 +99,7 @@ wait "$window" || status=$?
 echo 'a crash is said at the next start'
 display
 note='“the device is lost”, at a place, in the thread “main” of version 0 after 60 s.'
+rm -f "$folder"/crash*.txt
 echo "$note" >"$folder/crash.txt"
 start crash 300
 await "$folder/last-crash.txt" 'the device is lost'
