@@ -74,7 +74,7 @@ impl Animation {
         Self { rate, width, pictures: Vec::new(), rest: rest * rate }
     }
 
-    /// Adds a picture of four bytes a pixel, of which the last is not used.
+    /// Adds a picture. A pixel has four bytes: red, green, blue, and one that is ignored.
     fn add(&mut self, pixels: &[u8]) {
         self.pictures.push(pixels.chunks_exact(4).map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect());
     }

@@ -28,7 +28,7 @@ pub fn few_controls_ui(ui: &mut Ui, scenario: &mut Scenario, story: &Story) -> b
         ui.set_max_width(ui.available_width() - ui.spacing().scroll.bar_width);
         ui.label(RichText::new("Try it").family(theme::strong()).size(14.5));
         ui.add_space(6.0);
-        if !named::named_ui(ui, scenario, story) {
+        if !named::named_ui(ui, scenario, story) && !story.sentences.is_empty() {
             ui.label(RichText::new("The sentence above the plots names no number to change.").weak());
         }
         let all = Button::new("All settings").min_size(egui::vec2(ui.available_width(), 30.0));

@@ -315,7 +315,7 @@ struct Found {
     said: f64,
 }
 
-/// The members of a slice of which a filter has a bad verdict.
+/// The members of a slice on which some filter has a bad verdict.
 fn bad_cells(runner: &Runner, slice: &Slice) -> Vec<usize> {
     let plan = runner.ensemble().plan();
     let verdict = plan.measures.iter().position(|measure| *measure == Measure::VERDICT);

@@ -31,7 +31,7 @@ pub fn open(name: &str) -> io::Result<Box<dyn BufRead + Send>> {
 /// The datagrams that arrive at an address, each ended by the end of a line. An empty one is an empty line.
 struct Datagrams {
     socket: UdpSocket,
-    /// The present datagram, of which the reader has this much.
+    /// The present datagram; the reader has taken its first `read` bytes.
     datagram: Vec<u8>,
     read: usize,
 }

@@ -147,7 +147,8 @@ impl App {
         palette: &Palette,
         (narrow, extent, history): (bool, Extent, (bool, bool)),
     ) {
-        if extent == Extent::Nothing {
+        // There is nothing to play where the record is missing.
+        if extent == Extent::Nothing || self.session.missing_record().is_some() {
             return;
         }
         let Self { session, ruler, embedded, requests, .. } = self;

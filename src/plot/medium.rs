@@ -1,4 +1,4 @@
-//! What is drawn on, a screen or a figure, and the arrangement and frame of its plots.
+//! The screen or the figure that plots are drawn on, and how they are arranged there.
 
 use egui::{Context, Id, InputState, Rect, ScrollArea, Sense, Ui, UiBuilder, vec2};
 

@@ -355,10 +355,12 @@ fn a_session_asks_for_its_record_only_where_that_is_missing() {
     assert!(!asks(&screen), "the record is here: {:?}", screen.state().notice());
     drop_file(&mut other, "session.json", &session.contents);
     assert!(asks(&other), "{:?}", other.state().notice());
-    // No plots and no story of another run take its place.
+    // Nothing of another run takes its place: no story, no plot, no playback.
     let place = format!("The record “{name}” is not here. Drop the file on the window, or choose it.");
     other.get_by_label(&place);
-    assert!(other.query_by_label_contains("Believe").is_none() && other.query_by_label("About Parameters").is_none());
+    for of_another in ["Believe", "About Parameters", "Restart", "The sentence above the plots"] {
+        assert!(other.query_by_label_contains(of_another).is_none(), "{of_another}");
+    }
     // It is found beside the session's file.
     let folder = std::env::temp_dir().join(format!("kalmanscope-beside-{}", std::process::id()));
     std::fs::create_dir_all(&folder).expect("a folder can be made");

@@ -161,7 +161,7 @@ fn the_true_noise_is_dragged_at_the_beginning_of_a_state() {
     assert_eq!(after[1], before[1], "the velocity sensor keeps its noise");
 }
 
-/// The filters side by side, of which one has another number.
+/// The table of filters, where one filter differs in one number.
 fn side_by_side() -> Screen {
     let mut screen = whole();
     show(&mut screen, &[ViewKind::Filters]);

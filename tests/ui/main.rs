@@ -151,7 +151,7 @@ fn opened(link: &str) -> Screen {
     screen
 }
 
-/// What a screen saves at its end.
+/// The storage after the explorer has saved its state.
 fn saved(screen: &mut Screen) -> Memory {
     let mut memory = Memory::default();
     screen.state_mut().save(&mut memory);

@@ -318,7 +318,7 @@ fn the_window_of_an_import_has_the_keys() {
     check_result(&screen, "trailing.csv");
 }
 
-/// The import of a file with two of three rows, each at a time of its own.
+/// A screen that imports a file with uneven times: every third row is left out, the others are shifted.
 fn irregular() -> Screen {
     let mut screen = screen(Vec2::new(1280.0, 1000.0), Theme::Light);
     let mut text = "time,force,x (mm)\n".to_owned();

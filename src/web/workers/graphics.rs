@@ -16,7 +16,7 @@ use super::super::object::{awaited, call, get};
 
 use super::worker::{Given, Left, Program, Worker};
 
-/// The cells of a portion, of which the worker has one at a time.
+/// The worker computes this many cells at once.
 const PORTION: usize = 1024;
 
 /// The graphics processor. The search begins with the first map.
