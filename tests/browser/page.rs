@@ -61,7 +61,8 @@ impl Page {
         let begun = Instant::now();
         while self.value(expression).await != true {
             if begun.elapsed() > limit {
-                return Err(format!("`{expression}` has not come true in {} s", limit.as_secs()));
+                let state = self.value("window.wasmBindings?.kalmanscope_summary()").await;
+                return Err(format!("`{expression}` has not come true in {} s: {state}", limit.as_secs()));
             }
             tokio::time::sleep(Duration::from_millis(100)).await;
         }
@@ -138,10 +139,20 @@ impl Page {
         self.touch(at, at).await;
     }
 
-    pub(crate) async fn tap_if_there(&self, name: &str) {
-        if let Some(rect) = place(&self.summary().await, name) {
-            let at = rect.at(0.5);
-            self.touch(at, at).await;
+    /// Taps a control that may move, or not listen yet, until the summary is as asked.
+    pub(crate) async fn tap_until(&self, name: &str, is_reached: impl Fn(&Value) -> bool, limit: Duration) {
+        let begun = Instant::now();
+        loop {
+            let summary = self.summary().await;
+            if is_reached(&summary) {
+                return;
+            }
+            assert!(begun.elapsed() < limit, "`{name}` does nothing: {summary}");
+            if let Some(rect) = place(&summary, name) {
+                let at = rect.at(0.5);
+                self.touch(at, at).await;
+            }
+            self.rest().await;
         }
     }
 

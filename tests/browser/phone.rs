@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use kalmanscope_core::import::wav;
+use serde_json::Value;
 
 use crate::page::{Page, estimate, has};
 use crate::{OVER, START};
@@ -141,19 +142,12 @@ async fn identified_if_heard(page: &Page) -> Option<[f64; 2]> {
         page.tap("Close").await;
         return None;
     }
-    // The button moves while the file is read, and it ignores a tap before the file is read to its end.
-    let asked = Instant::now();
-    loop {
-        let summary = page.summary().await;
-        let controls = summary["controls"].as_array().expect("there are controls");
-        // A busy machine may have heard little: that is for the caller to judge.
-        if summary["mode"] == "whole" && !controls.iter().any(|control| control["name"] == "Open the record") {
-            break;
-        }
-        assert!(asked.elapsed() < PATIENCE, "the record does not open: {summary}");
-        page.tap_if_there("Open the record").await;
-        page.rest().await;
-    }
+    // A busy machine may have heard little: that is for the caller to judge.
+    let is_open = |summary: &Value| {
+        let mut controls = summary["controls"].as_array().into_iter().flatten();
+        summary["mode"] == "whole" && !controls.any(|control| control["name"] == "Open the record")
+    };
+    page.tap_until("Open the record", is_open, PATIENCE).await;
     page.settle().await;
     // The filters go through it in the frames.
     let begin = Instant::now();
@@ -198,7 +192,7 @@ pub(crate) async fn stream(page: &Page, rate: u32) {
 /// The filters are on screen while it swings, and their record grows.
 pub(crate) async fn filters_are_watched(page: &Page) {
     stream(page, 60).await;
-    page.tap("Watch the filters").await;
+    page.tap_until("Watch the filters", |summary| summary["mode"] == "live", PATIENCE).await;
     for samples in [300, 420] {
         let grows = format!(
             "(it => it.mode === 'live' && it.samples > {samples})(JSON.parse(wasmBindings.kalmanscope_summary()))"
