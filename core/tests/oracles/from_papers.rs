@@ -29,7 +29,7 @@ fn every_filter_on_every_plant() {
     for plant in written() {
         for kind in DETERMINISTIC {
             let mut scenario = scenario(plant, kind);
-            scenario.duration = 1.2;
+            scenario.duration = 0.6;
             assert_agrees_with_paper(&format!("{} of a {}", kind.name(), plant.name()), &scenario);
         }
     }

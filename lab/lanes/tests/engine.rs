@@ -18,7 +18,7 @@ use kalmanscope_lanes::{LaneRun, Level, outcomes_with, serves};
 #[test]
 fn lanes_have_the_bits_of_a_single_number() {
     let (mut runs_in_all, mut stopped, mut alone, mut kinds) = (0, 0, 0, Vec::new());
-    for seed in 0..250 {
+    for seed in 0..120 {
         let scenario = ensemble(seed);
         let own = simulate(&scenario);
         let records: Vec<Record> = (0..scenario.filters.len())
@@ -50,9 +50,9 @@ fn lanes_have_the_bits_of_a_single_number() {
             }
         }
     }
-    assert!(runs_in_all > 1000, "{runs_in_all} runs go in lanes");
+    assert!(runs_in_all > 500, "{runs_in_all} runs go in lanes");
     assert!(stopped > runs_in_all / 20 && stopped < runs_in_all / 2, "{stopped} of {runs_in_all} runs stop");
-    assert!(alone > 1000, "{alone} filters are compared with themselves alone");
+    assert!(alone > 500, "{alone} filters are compared with themselves alone");
     assert!(kinds.len() >= 3, "they stop for these reasons: {kinds:?}");
 }
 
