@@ -92,46 +92,50 @@ impl Exporting {
     /// Continues for a frame. Returns the file once, or the reason why it cannot be made. Results are those that have been computed
     /// so far.
     pub(crate) fn advance(&mut self, context: &ViewContext<'_>, layout: &Layout) -> Option<Result<File, String>> {
-        let (session, export) = (context.session, self.export);
+        let session = context.session;
         if let Some((rows, format)) = self.figures.get(self.drawn.len()) {
             self.drawn.push(Figure::new(context, rows, *format).svg());
             return None;
         }
-        if export == Export::Report && (session.behind() || session.owes_diagnoses()) {
+        if self.export == Export::Report && (session.behind() || session.owes_diagnoses()) {
             return None;
         }
-        if export != Export::All {
-            return Some(file(export, context, layout, &self.drawn));
-        }
+        self.file(context, layout).transpose()
+    }
+
+    fn file(&mut self, context: &ViewContext<'_>, layout: &Layout) -> Result<Option<File>, String> {
+        let (session, figures) = (context.session, &self.drawn);
+        Ok(Some(match self.export {
+            Export::Figure(format) => {
+                text(&format!("kalmanscope-{}.svg", format.key()), "image/svg+xml", figures.concat())
+            }
+            Export::Report => text("report.html", "text/html", report_on(session, figures)?),
+            Export::Estimates => csv("estimates.csv", |out| write_estimates(session.run(), out))?,
+            Export::Record => csv("record.csv", |out| session.run().record().write_csv(out))?,
+            Export::Map => {
+                let survey = context.laboratory.and_then(Laboratory::shown);
+                text("map.csv", "text/csv", survey.ok_or("there is no map yet: show the view Map")?.to_csv())
+            }
+            Export::MonteCarlo => {
+                let runs = context.laboratory.and_then(|laboratory| laboratory.seeds.shown());
+                let runs = runs.ok_or("no seed has been run yet: show the view Monte Carlo")?;
+                text("monte-carlo.csv", "text/csv", runs.to_csv())
+            }
+            Export::Scenario => {
+                text("scenario.toml", "application/toml", session.scenario().to_toml().map_err(reason)?)
+            }
+            Export::All => return self.everything(session),
+            Export::Session => text("kalmanscope-session.json", JSON, context.picture(layout).lines().map_err(reason)?),
+        }))
+    }
+
+    fn everything(&mut self, session: &Session) -> Result<Option<File>, String> {
         let begin = || Running::begin(&**session.team(), Priority::Hand, Everything::of(session), Everything::progress);
         match self.written.get_or_insert_with(begin).advance(&mut || true) {
-            Ok(written) => Some(written?.map(|json| text("kalmanscope.json", JSON, json)).map_err(reason)),
-            Err(Lost) => Some(Err("the thread that wrote it has failed".to_owned())),
+            Ok(written) => Ok(written.transpose().map_err(reason)?.map(|json| text("kalmanscope.json", JSON, json))),
+            Err(Lost) => Err("the thread that wrote it has failed".to_owned()),
         }
     }
-}
-
-fn file(export: Export, context: &ViewContext<'_>, layout: &Layout, figures: &[String]) -> Result<File, String> {
-    let session = context.session;
-    Ok(match export {
-        Export::Figure(format) => text(&format!("kalmanscope-{}.svg", format.key()), "image/svg+xml", figures.concat()),
-        Export::Report => text("report.html", "text/html", report_on(session, figures)?),
-        Export::Estimates => csv("estimates.csv", |out| write_estimates(session.run(), out))?,
-        Export::Record => csv("record.csv", |out| session.run().record().write_csv(out))?,
-        Export::Map => {
-            let survey = context.laboratory.and_then(Laboratory::shown);
-            text("map.csv", "text/csv", survey.ok_or("there is no map yet: show the view Map")?.to_csv())
-        }
-        Export::MonteCarlo => {
-            let runs = context.laboratory.and_then(|laboratory| laboratory.seeds.shown());
-            let runs = runs.ok_or("no seed has been run yet: show the view Monte Carlo")?;
-            text("monte-carlo.csv", "text/csv", runs.to_csv())
-        }
-        Export::Scenario => text("scenario.toml", "application/toml", session.scenario().to_toml().map_err(reason)?),
-        Export::All | Export::Session => {
-            text("kalmanscope-session.json", JSON, context.picture(layout).lines().map_err(reason)?)
-        }
-    })
 }
 
 /// The report as one page for a browser or a printer. Causes are those that have been found so far.

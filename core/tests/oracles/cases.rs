@@ -7,7 +7,7 @@ use super::textbook::Sample;
 /// A plant with parameters off the filters' initial means, with sensors for displacement and acceleration, and one
 /// filter of a kind.
 pub(crate) fn scenario(plant: PlantKind, kind: FilterKind) -> Scenario {
-    let mut scenario = Scenario { dt: 0.01, duration: 1.2, ..Scenario::default() };
+    let mut scenario = Scenario { dt: 0.01, duration: 2.5, ..Scenario::default() };
     scenario.set_plant(plant);
     scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
     scenario.sensors = vec![Sensor::new(Quantity::DISPLACEMENT, 0.01), Sensor::new(Quantity::ACCELERATION, 0.5)];
