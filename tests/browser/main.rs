@@ -191,7 +191,7 @@ fn frames_while_a_phone_measures() {
             phone::stream(page, rate).await;
             for what in ["not watched", "watched"] {
                 if what == "watched" {
-                    page.tap("Watch the filters").await;
+                    phone::watch(page).await;
                 }
                 let wait = tokio::time::sleep(Duration::from_secs(20));
                 let frames::Frames { per_second, page: own, longest, .. } =

@@ -33,6 +33,10 @@ impl Rect {
 /// The places of all controls, as text.
 const PLACES: &str = "JSON.stringify(JSON.parse(wasmBindings.kalmanscope_summary()).controls)";
 
+/// What the app says of itself, also where it has not started or has stopped.
+const STATE: &str =
+    "(() => { try { return wasmBindings.kalmanscope_summary(); } catch (error) { return String(error); } })()";
+
 impl Page {
     pub(crate) fn new(client: Client) -> Self {
         Self { client }
@@ -61,7 +65,7 @@ impl Page {
         let begun = Instant::now();
         while self.value(expression).await != true {
             if begun.elapsed() > limit {
-                let state = self.value("window.wasmBindings?.kalmanscope_summary()").await;
+                let state = self.value(STATE).await;
                 return Err(format!("`{expression}` has not come true in {} s: {state}", limit.as_secs()));
             }
             tokio::time::sleep(Duration::from_millis(100)).await;
@@ -148,11 +152,10 @@ impl Page {
                 return;
             }
             assert!(begun.elapsed() < limit, "`{name}` does nothing: {summary}");
-            if let Some(rect) = place(&summary, name) {
-                let at = rect.at(0.5);
-                self.touch(at, at).await;
+            match place(&summary, name).map(|rect| rect.at(0.5)) {
+                Some(at) => self.touch(at, at).await,
+                None => self.rest().await,
             }
-            self.rest().await;
         }
     }
 

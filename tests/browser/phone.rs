@@ -189,10 +189,14 @@ pub(crate) async fn stream(page: &Page, rate: u32) {
     page.wait_until(&has("Watch the filters"), PATIENCE).await.expect("it swings");
 }
 
+pub(crate) async fn watch(page: &Page) {
+    page.tap_until("Watch the filters", |summary| summary["mode"] == "live", PATIENCE).await;
+}
+
 /// The filters are on screen while it swings, and their record grows.
 pub(crate) async fn filters_are_watched(page: &Page) {
     stream(page, 60).await;
-    page.tap_until("Watch the filters", |summary| summary["mode"] == "live", PATIENCE).await;
+    watch(page).await;
     for samples in [300, 420] {
         let grows = format!(
             "(it => it.mode === 'live' && it.samples > {samples})(JSON.parse(wasmBindings.kalmanscope_summary()))"
