@@ -37,6 +37,7 @@ fn every_filter_on_every_plant() {
 
 fn with(plant: PlantKind, settings: &FilterSettings) -> Scenario {
     let mut scenario = scenario(plant, settings.kind);
+    scenario.duration = 1.2;
     let FilterSettings { name, fading, sensor_std, .. } = scenario.filters[0].clone();
     scenario.filters = vec![FilterSettings { name, fading, sensor_std, ..settings.clone() }];
     scenario
