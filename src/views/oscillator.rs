@@ -79,21 +79,22 @@ fn oscillator_ui(ui: &mut Ui, context: &ViewContext<'_>, height: f32, requests: 
     let run = session.run();
     let k = session.index();
     let masses = masses(run);
-    // A whole record has one scale; that of a growing one follows the largest motion so far, and eases.
+    // A whole record has one scale; that of a growing one follows the largest motion so far, and eases as far as this fits.
     let (last, first) = match session.mode() {
         Mode::Whole => (run.len().saturating_sub(1), 0.0),
         Mode::Live => (k, first_span(run, k)),
     };
     let peak = ui.data_mut(|data| data.get_temp_mut_or_default::<Peaks>(response.id).up_to(run.record(), masses, last));
-    let zoom = stage::span(masses, peak, first).log2() as f32;
+    let needed = stage::needed(masses, peak, first);
     let time = if ui.style().animation_time > 0.0 { EASE } else { 0.0 };
-    let zoom = ui.ctx().animate_value_with_time(response.id, zoom, time);
+    let eased = ui.ctx().animate_value_with_time(response.id, stage::rounded(needed) as f32, time);
+    let zoom = f64::from(eased).max(needed);
 
     let trail = rect.height() > 0.3 * rect.width() + 1.0;
     let height = if trail { (0.22 * rect.width()).clamp(96.0, 280.0) } else { rect.height() };
     let floor = pos2(rect.right(), rect.top() + height);
     let picture = Rect::from_min_max(rect.min, floor);
-    let stage = |rect| Stage::new(rect, masses, 2_f64.powf(f64::from(zoom)));
+    let stage = |rect| Stage::new(rect, masses, 2_f64.powf(zoom));
     let whole = stage(picture);
     let strip = Scene { stage: &whole, painter: &painter, context, k }.strip();
     let strip = strip.map(|height| picture.with_max_y(picture.top() + height));

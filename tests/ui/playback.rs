@@ -2,6 +2,23 @@
 
 use super::*;
 
+/// The scale eases, but not while a mass is beyond its end: after a jump, or where frames are slow.
+#[test]
+fn the_mass_stays_in_its_drawing() {
+    let mut screen = started(DESKTOP, Theme::Light, |app, _| app);
+    screen.ctx.all_styles_mut(|style| style.animation_time = 0.1);
+    let session = screen.state_mut().session_mut();
+    session.set_budget(Budget::Unlimited);
+    session.play_from_start();
+    for time in [0.0, 0.41, 1.0, 15.0] {
+        screen.state_mut().session_mut().seek(time);
+        screen.run_steps(2);
+        let picture = screen.get_by_label_contains("The oscillator: springs").rect();
+        let slices: Vec<_> = screen.get_all_by_label_contains("on the mass").map(|slice| slice.rect()).collect();
+        assert!(slices.iter().all(|slice| picture.contains_rect(*slice)), "at {time} s: {slices:?} in {picture}");
+    }
+}
+
 #[test]
 fn the_transport_buttons_work() {
     let mut screen = screen(DESKTOP, Theme::Dark);

@@ -24,11 +24,14 @@ pub(super) struct Stage {
     scale: f64,
 }
 
-/// The stretch of a link for which all of the motion fits on the stage, at least `least`, rounded up to a power of √2
-/// so that the scale is constant most of the time while the motion grows \[m\].
-pub(super) fn span(masses: usize, peak: Peak, least: f64) -> f64 {
-    let span = peak.drift.max(peak.reach / f64::from(reach_ratio(masses))).max(least).clamp(1e-4, 1e9);
-    2_f64.powf((span.log2() * 2.0).ceil() / 2.0)
+/// The stretch of a link for which all of the motion just fits on the stage, at least `least`, as a power of two \[log₂ m\].
+pub(super) fn needed(masses: usize, peak: Peak, least: f64) -> f64 {
+    peak.drift.max(peak.reach / f64::from(reach_ratio(masses))).max(least).clamp(1e-4, 1e9).log2()
+}
+
+/// The next power of √2, so that the scale is constant most of the time while the motion grows.
+pub(super) fn rounded(zoom: f64) -> f64 {
+    (zoom * 2.0).ceil() / 2.0
 }
 
 fn reach_ratio(masses: usize) -> f32 {
@@ -129,6 +132,10 @@ mod tests {
         vec2(540.0, 162.0),
     ];
 
+    fn span(masses: usize, peak: Peak) -> f64 {
+        2_f64.powf(rounded(needed(masses, peak, 0.0)))
+    }
+
     /// Displacements of `masses` that stretch every link by `drift`, as far as `reach` allows.
     fn leaning(masses: usize, drift: f64, reach: f64) -> Vec<f64> {
         (1..=masses).map(|i| (i as f64 * drift).clamp(-reach.abs(), reach.abs())).collect()
@@ -141,7 +148,7 @@ mod tests {
             for masses in 1..=MAX_MASSES {
                 for (drift, reach) in [(1e-3, 1e-3), (0.2, 0.3), (0.2167, 0.25), (7.0, 7.0)] {
                     let peak = Peak { drift, reach, force: 0.0 };
-                    let stage = Stage::new(rect, masses, span(masses, peak, 0.0));
+                    let stage = Stage::new(rect, masses, span(masses, peak));
                     for drift in [-drift, drift] {
                         let mut start = stage.wall;
                         for (mass, x) in leaning(masses, drift, reach).into_iter().enumerate() {
@@ -172,7 +179,7 @@ mod tests {
             let (record, masses) = (run.record(), masses(&run));
             let peak = Peaks::default().up_to(record, masses, run.len() - 1);
             for size in SIZES {
-                let stage = Stage::new(Rect::from_min_size(Pos2::ZERO, size), masses, span(masses, peak, 0.0));
+                let stage = Stage::new(Rect::from_min_size(Pos2::ZERO, size), masses, span(masses, peak));
                 for k in 0..run.len() {
                     let mut start = stage.wall;
                     for mass in 0..masses {
@@ -204,7 +211,7 @@ mod tests {
 
     #[test]
     fn the_scale_does_not_creep() {
-        let of = |drift| span(1, Peak { drift, reach: drift, force: 0.0 }, 0.0);
+        let of = |drift| span(1, Peak { drift, reach: drift, force: 0.0 });
         assert_eq!(of(0.21), of(0.24));
         assert!(of(0.24) >= 0.24 && of(0.24) < 0.24 * 1.42);
     }
