@@ -1,7 +1,5 @@
 //! Time per step of each filter, of the simulation and of the diagnostics \[ns\], and time per whole record \[ms\].
 
-mod cases;
-
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
@@ -77,18 +75,6 @@ fn time_following(samples: u64, run: &Run) -> Duration {
 }
 
 fn benchmarks(c: &mut Criterion) {
-    let mut group = c.benchmark_group("predict and update");
-    for mut case in cases::cases() {
-        group.bench_function(case.name.clone(), |b| {
-            b.iter_custom(|steps| {
-                let start = Instant::now();
-                case.run(steps as usize);
-                start.elapsed()
-            });
-        });
-    }
-    group.finish();
-
     let scenario = Scenario::default();
     let mut group = c.benchmark_group("step of the simulation and");
     let no_filter = Scenario { filters: vec![], ..scenario.clone() };

@@ -9,6 +9,7 @@ use std::borrow::Cow;
 use kalmanscope_core::filter::kalman::{self, Expected};
 use kalmanscope_core::filter::{
     Adaptation, Belief, Correction, Filter, FilterError, FilterInfo, Gaussian, Noise, Observation, Propagation, Step,
+    Way,
 };
 use kalmanscope_core::filter::{Matrix, Vector};
 use kalmanscope_core::{FilterKind, FilterSettings, Hold, Model, PlantKind, Quantity, Run, Scenario};
@@ -72,7 +73,7 @@ pub(crate) const DOUBTING: FilterKind = FilterKind::new(&FilterInfo {
     evaluations: |_, n| 1 + n,
     time: |_, n| 500.0 * n as f64,
     has_propagation: false,
-    begin: |initial, _, _| Ok(Box::new(Doubting { belief: initial })),
+    way: Way::Belief(|initial, _, _| Ok(Box::new(Doubting { belief: initial }))),
 });
 
 /// Steps the filter by hand over measurements at rest with one outlier of a metre. Returns the estimated displacement
@@ -87,7 +88,7 @@ pub(crate) fn step_by_hand() -> Result<f64, FilterError> {
     let (model, belief) = (Model::new(PlantKind::SDOF), Box::new(Doubting { belief: initial }));
     let sensors = [Quantity::DISPLACEMENT];
     let mut filter = Filter::new(model, belief, 0.01, Hold::Zero, noise, &sensors, Adaptation::default());
-    let mut correction = Correction::default();
+    let mut correction = Correction::nothing(4, 1);
     for k in 1..=100 {
         filter.predict([0.0, 0.0])?;
         filter.update(0.0, &[if k == 100 { 1.0 } else { 0.0 }], &mut correction)?;

@@ -2,13 +2,10 @@
 //! processors, and for small pages. They are not the library: any of them may change or go at any time.
 
 pub mod engine;
-pub mod kernel;
 
 pub use crate::data::hash::short_hash;
 pub use crate::data::sorting::sort_numbers;
 pub use crate::mathematics::gaussian_likelihood::{ln_determinant, log_likelihood};
-pub use crate::mathematics::integrate::{INVERSE_FACTORIAL, doublings};
-pub use crate::mathematics::kernel::propagation::SERIES;
 pub use crate::mathematics::log_sum::LogSum;
 pub use crate::mathematics::model::Reading;
 pub use crate::numbers::score::outcome::ChannelSums;

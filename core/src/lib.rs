@@ -57,7 +57,7 @@
 //! | mathematics | [`channel`] | the components of a state, and what can be [added](channel::augment) to it |
 //! | | [`plant`] | equations of motion, and plants of one's own |
 //! | | [`equation`] | equations of motion that a user types |
-//! | | [`filter`] | filters as in textbooks, and filters of one's own |
+//! | | [`filter`] | kinds of filters, and filters of one's own |
 //! | data | [`scenario`] | all that a run depends on |
 //! | | [`signal`] | parameters of the truth as functions of time |
 //! | | [`setting`] | each setting with its name, unit, limits and address |

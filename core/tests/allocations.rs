@@ -1,11 +1,8 @@
 //! Filters that go over a record into a sink of one's own reserve no memory for a sample.
 
-use kalmanscope_core::filter::{Adaptation, Gaussian, Matrix, Robust, Vector};
+use kalmanscope_core::filter::{Adaptation, Robust};
 use kalmanscope_core::simulate;
-use kalmanscope_core::{
-    Channel, FilterKind, Hold, KalmanFilter, MeasurementModel, OnlineFilter, Pass, Quantity, Record, Scenario, Sensor,
-    Stop,
-};
+use kalmanscope_core::{Channel, FilterKind, Hold, OnlineFilter, Pass, Quantity, Record, Scenario, Sensor, Stop};
 use kalmanscope_core::{Sample, Sink};
 
 /// Counts samples.
@@ -32,35 +29,35 @@ impl Sink for Count {
 const KINDS: [FilterKind; 6] =
     [FilterKind::KF, FilterKind::EKF, FilterKind::IEKF, FilterKind::UKF, FilterKind::SR_UKF, FilterKind::CKF];
 
-/// Tuned kernels, filters by the book because of the hold, because of the state, and because they weigh or learn.
+/// Filters that differ in the hold, in the state, and in whether they weigh or learn.
 fn scenarios(kind: FilterKind) -> Vec<(&'static str, Scenario)> {
-    let mut kernel = Scenario { duration: 5.0, ..Scenario::default() };
-    kernel.filters.truncate(1);
-    kernel.filters[0].kind = kind;
-    let book = Scenario { hold: Hold::First, ..kernel.clone() };
-    let mut augmented = kernel.clone();
+    let mut plain = Scenario { duration: 5.0, ..Scenario::default() };
+    plain.filters.truncate(1);
+    plain.filters[0].kind = kind;
+    let linear = Scenario { hold: Hold::First, ..plain.clone() };
+    let mut augmented = plain.clone();
     augmented.filters[0].augment = vec![Channel::INPUT_GAIN];
-    let mut logarithms = book.clone();
+    let mut logarithms = linear.clone();
     logarithms.filters[0].log_parameters = true;
     let feeling = |mut scenario: Scenario| {
         scenario.remove_sensor(Quantity::VELOCITY);
         scenario.add_sensor(Sensor::new(Quantity::ACCELERATION, 0.5));
         scenario
     };
-    let one = ("kernel with an accelerometer", feeling(kernel.clone()));
-    let other = ("book with an accelerometer", feeling(book.clone()));
+    let one = ("accelerometer", feeling(plain.clone()));
+    let other = ("accelerometer, linear force", feeling(linear.clone()));
     let mut all = vec![("augmented", augmented), ("logarithms", logarithms), one, other];
     for rule in Robust::ALL {
-        let mut robust = kernel.clone();
+        let mut robust = plain.clone();
         robust.filters[0].robust = rule;
         all.push((rule.info().key, robust));
     }
-    let mut learning = book.clone();
+    let mut learning = linear.clone();
     learning.filters[0].adaptation =
         Adaptation { sensor_noise: true, process_noise: true, forgetting: 0.99, training: 0.0 };
-    let mut jumping = book.clone();
+    let mut jumping = linear.clone();
     jumping.filters[0].jump = kind != FilterKind::KF;
-    all.extend([("learns its noise", learning), ("jumps", jumping), ("kernel", kernel), ("book", book)]);
+    all.extend([("learns its noise", learning), ("jumps", jumping), ("plain", plain), ("linear force", linear)]);
     all
 }
 
@@ -101,26 +98,5 @@ fn a_sample_that_comes_in_reserves_no_memory() {
             let reserved = allocation_counter::measure(|| steps(300, 1000)).count_total;
             assert_eq!(reserved, 0, "{kind:?} {name}");
         }
-    }
-}
-
-#[test]
-fn a_step_of_ones_own_system_reserves_no_memory() {
-    let h = Matrix::from_row_slice(2, 2, &[1.0, 0.0, 0.5, 1.0]);
-    let of_function = MeasurementModel::function(|x, z| (z[0], z[1]) = (x[0] * x[0], x[1]));
-    for model in [h.into(), of_function] {
-        let a = Matrix::from_row_slice(2, 2, &[1.0, 0.1, 0.0, 1.0]);
-        let r = Matrix::from_row_slice(2, 2, &[1.0, 0.3, 0.3, 1.0]);
-        let initial = Gaussian::independent(Vector::zeros(2), &Vector::repeat(2, 1.0));
-        let q = Matrix::identity(2, 2) * 0.01;
-        let mut filter = KalmanFilter::new(a, Matrix::repeat(2, 1, 0.1), model, q, r, initial).expect("it is one");
-        let mut steps = |count: u32| {
-            for k in 0..count {
-                let second = if k % 3 == 1 { f64::NAN } else { 0.1 };
-                filter.step(&[0.1], &[0.2, second]).expect("it goes on");
-            }
-        };
-        steps(3);
-        assert_eq!(allocation_counter::measure(|| steps(300)).count_total, 0);
     }
 }

@@ -2,4 +2,3 @@
 
 mod allocations;
 mod docs;
-mod memory;

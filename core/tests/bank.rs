@@ -1,13 +1,12 @@
 //! A bank of still and walking parameters: its arithmetic, its limits, and what it is for.
 
-use kalmanscope_core::filter::{
-    Adaptation, Belief as _, Correction, Filter, Gaussian, Matrix, Moments, Noise, Rule, Vector,
-};
 use kalmanscope_core::signal::{Signal, Step};
 use kalmanscope_core::{
-    Channel, Diagnosis, Diagnostics, FilterKind, Hold, Model, PlantKind, Propagation, Run, Scenario, VerdictKind,
-    simulate,
+    Channel, Diagnosis, Diagnostics, FilterKind, FilterSettings, Record, Run, Scenario, VerdictKind, simulate,
 };
+
+use crate::oracles::matrix::{Matrix, along};
+use crate::oracles::textbook::Textbook;
 
 /// A linear oscillator that loses stiffness at 10 s, with one filter.
 fn scenario(kind: FilterKind, walk: f64) -> Scenario {
@@ -29,80 +28,56 @@ fn scenario(kind: FilterKind, walk: f64) -> Scenario {
 const KINDS: [FilterKind; 5] =
     [FilterKind::EKF, FilterKind::IEKF, FilterKind::UKF, FilterKind::SR_UKF, FilterKind::CKF];
 
-/// An independent bank, written down as the book has it: two filters, and a page of sums.
-struct Book {
-    filters: [Filter<Moments>; 2],
+/// An independent bank, written down as the book has it: two textbook filters, and a page of sums.
+struct Book<'a> {
+    filters: [Textbook<'a>; 2],
     probability: [f64; 2],
     transition: [[f64; 2]; 2],
 }
 
-impl Book {
-    fn new(scenario: &Scenario) -> Self {
-        let settings = &scenario.filters[0];
-        let model = Model::new(PlantKind::SDOF);
-        let numbers = |of: &dyn Fn(Channel) -> f64| -> Vec<f64> { model.channels().iter().map(|&c| of(c)).collect() };
-        let mean = Vector::from_vec(numbers(&|c| settings.initial_mean[c]));
-        let std = Vector::from_vec(numbers(&|c| settings.initial_std[c]));
-        let filter = |walk: f64| {
-            let variance = |c: Channel| {
-                let w = if c.is_parameter() { walk * settings.initial_std[c] } else { 0.0 };
-                settings.process_std[c].powi(2) + w * w * scenario.dt
-            };
-            let noise = Noise {
-                process: Matrix::from_diagonal(&Vector::from_vec(numbers(&variance))),
-                sensors: settings.sensor_std.iter().map(|s| s * s).collect(),
-                fading: settings.fading,
-            };
-            let initial = Gaussian::independent(mean.clone(), &std);
-            let belief = if settings.kind == FilterKind::UKF {
-                Moments::sigma_points(initial, Rule::Unscented)
-            } else {
-                Moments::linearised(initial, Propagation::LocalLinearisation, 1)
-            };
-            let sensors: Vec<_> = scenario.sensors.iter().map(|sensor| sensor.measures).collect();
-            let model = Model::new(PlantKind::SDOF);
-            Filter::new(model, Box::new(belief), scenario.dt, Hold::Zero, noise, &sensors, Adaptation::default())
-        };
+/// The settings of both filters.
+fn members(scenario: &Scenario) -> [FilterSettings; 2] {
+    let still = FilterSettings { walk: 0.0, ..scenario.filters[0].clone() };
+    let mut walking = still.clone();
+    for channel in scenario.plant.kind.channels().iter().copied().filter(|channel| channel.is_parameter()) {
+        let w = scenario.filters[0].walk * still.initial_std[channel];
+        walking.process_std[channel] = (still.process_std[channel].powi(2) + w * w * scenario.dt).sqrt();
+    }
+    [still, walking]
+}
+
+impl<'a> Book<'a> {
+    fn new(scenario: &'a Scenario, members: &'a [FilterSettings; 2]) -> Self {
         let (a, b) = (scenario.dt / 30.0, scenario.dt);
-        let transition = [[1.0 - a, a], [b, 1.0 - b]];
-        Self { filters: [filter(0.0), filter(settings.walk)], probability: [1.0, 0.0], transition }
+        let filters = members.each_ref().map(|settings| Textbook::new(scenario, settings, scenario.dt));
+        Self { filters, probability: [1.0, 0.0], transition: [[1.0 - a, a], [b, 1.0 - b]] }
     }
 
-    /// The mixture's mean and covariance after a sample, and c.
-    fn step(&mut self, forces: [f64; 2], measured: &[f64]) -> (Vector, Matrix, [f64; 2]) {
-        let old: Vec<Gaussian> = self.filters.iter().map(|f| f.belief().gaussian().into_owned()).collect();
+    /// The mixture's mean and covariance after sample `k`.
+    fn step(&mut self, record: &Record, k: usize) -> (Vec<f64>, Matrix) {
+        let old = self.filters.each_ref().map(|filter| (filter.mean.clone(), filter.cov.clone()));
         let before = [0, 1].map(|j| (0..2).map(|i| self.transition[i][j] * self.probability[i]).sum::<f64>());
-        let mut likelihoods = [0.0; 2];
+        let mut likelihoods = [1.0; 2];
         for j in 0..2 {
-            let weights: Vec<f64> = (0..2).map(|i| self.transition[i][j] * self.probability[i] / before[j]).collect();
-            let (mean, cov) = mixture(&weights, &old);
+            let weights = [0, 1].map(|i| self.transition[i][j] * self.probability[i] / before[j]);
             let filter = &mut self.filters[j];
-            assert!(filter.belief_mut().replace(&Gaussian { mean, cov }).unwrap());
-            filter.predict(forces).unwrap();
-            let mut correction = Correction::nothing(4, measured.len());
-            filter.update(forces[1], measured, &mut correction).unwrap();
-            // The innovations of the sensors that measured.
-            let e: Vec<usize> = (0..measured.len()).filter(|&i| !measured[i].is_nan()).collect();
-            let s = Matrix::from_fn(e.len(), e.len(), |a, b| correction.innovation_cov[(e[a], e[b])]);
-            let e = Vector::from_fn(e.len(), |a, _| correction.innovation[e[a]]);
-            let square = if e.is_empty() { 0.0 } else { e.dot(&(s.clone().try_inverse().unwrap() * &e)) };
-            likelihoods[j] = (-0.5 * square).exp() / (2.0 * std::f64::consts::PI * s).determinant().sqrt();
+            (filter.mean, filter.cov) = mixture(weights, &old);
+            let (_, log_likelihood) = filter.step(record, k);
+            if !log_likelihood.is_nan() {
+                likelihoods[j] = log_likelihood.exp();
+            }
         }
         let sum: f64 = (0..2).map(|j| before[j] * likelihoods[j]).sum();
         self.probability = [0, 1].map(|j| before[j] * likelihoods[j] / sum);
-        let new: Vec<Gaussian> = self.filters.iter().map(|f| f.belief().gaussian().into_owned()).collect();
-        let (mean, cov) = mixture(&self.probability, &new);
-        (mean, cov, before)
+        mixture(self.probability, &self.filters.each_ref().map(|filter| (filter.mean.clone(), filter.cov.clone())))
     }
 }
 
-fn mixture(weights: &[f64], parts: &[Gaussian]) -> (Vector, Matrix) {
-    let mean: Vector = weights.iter().zip(parts).map(|(w, part)| &part.mean * *w).sum();
-    let cov = weights.iter().zip(parts).map(|(w, part)| {
-        let d = &part.mean - &mean;
-        (&part.cov + &d * d.transpose()) * *w
-    });
-    (mean.clone(), cov.sum())
+fn mixture(weights: [f64; 2], [(a, p), (b, q)]: &[(Vec<f64>, Matrix); 2]) -> (Vec<f64>, Matrix) {
+    let mean = along(&a.iter().map(|x| x * weights[0]).collect::<Vec<_>>(), b, weights[1]);
+    let [of_a, of_b] = [along(a, &mean, -1.0), along(b, &mean, -1.0)];
+    let spread = |cov: &Matrix, of: &[f64]| cov.plus(&Matrix::outer(of, of));
+    (mean, spread(p, &of_a).scaled(weights[0]).plus(&spread(q, &of_b).scaled(weights[1])))
 }
 
 #[test]
@@ -113,17 +88,17 @@ fn it_is_that_of_the_book() {
         let mut run = Run::on_record(&scenario, record.clone().into()).unwrap();
         run.finish();
         let estimates = &run.estimates()[0];
-        let mut book = Book::new(&scenario);
+        let members = members(&scenario);
+        let mut book = Book::new(&scenario, &members);
         let mut most = 0.0_f64;
         for k in 1..record.len() {
-            let measured: Vec<f64> = (0..2).map(|sensor| record.measured(sensor)[k]).collect();
-            let (mean, cov, _) = book.step([record.force(k - 1), record.force(k)], &measured);
+            let (mean, cov) = book.step(&record, k);
             most = most.max(book.probability[1]);
-            let std: Vec<f64> = (0..4).map(|i| cov[(i, i)].sqrt()).collect();
+            let std: Vec<f64> = (0..4).map(|i| cov.at(i, i).sqrt()).collect();
             for i in 0..4 {
                 assert!((mean[i] - estimates.mean(k)[i]).abs() < 1e-6 * std[i], "{kind:?}, mean of {i} at {k}");
                 for j in 0..4 {
-                    let error = (cov[(i, j)] - estimates.cov(k)[4 * i + j]).abs();
+                    let error = (cov.at(i, j) - estimates.cov(k)[4 * i + j]).abs();
                     assert!(error < 1e-6 * std[i] * std[j], "{kind:?}, covariance of {i} and {j} at {k}");
                 }
             }

@@ -1,61 +1,68 @@
 //! Filters that count the uncertainty of some parameters without estimating them.
 
 use kalmanscope_core::Record;
-use kalmanscope_core::filter::{
-    Adaptation, Correction, Filter, Gaussian, Matrix, Moments, Noise, Robust, Rule, SquareRoot, Vector,
-};
+use kalmanscope_core::filter::{Matrix, Robust, Vector};
 use kalmanscope_core::{
-    Channel, EventFilter, FilterKind, FilterSettings, Hold, Model, PlantKind, Quantity, Run, Scenario, Sensor, simulate,
+    Channel, EventFilter, FilterKind, FilterSettings, Pass, Quantity, Run, Sample, Scenario, Sensor, Sink, Stop,
+    simulate,
 };
 
-/// A filter of a displacement and a velocity whose bias is considered, beside the formula of Schmidt with H.
+/// Holds each update to the formula of Schmidt with H, R and the places of what is considered.
+struct Schmidt {
+    h: Matrix,
+    r: Matrix,
+    considered: [usize; 2],
+    updates: usize,
+}
+
+impl Sink for Schmidt {
+    fn push(&mut self, sample: &Sample<'_>) {
+        if sample.nis.is_nan() {
+            return;
+        }
+        let Self { h, r, considered, updates } = self;
+        let n = sample.mean.len();
+        let matrix = |of: &[f64], columns: usize| Matrix::from_column_slice(of.len() / columns, columns, of);
+        let (before, prior) = (Vector::from_column_slice(sample.prior_mean), matrix(sample.prior_cov, n));
+        let s = &*h * &prior * h.transpose() + &*r;
+        let mut gain = &prior * h.transpose() * s.try_inverse().unwrap();
+        considered.iter().for_each(|&place| gain.row_mut(place).fill(0.0));
+        let less = Matrix::identity(n, n) - &gain * &*h;
+        let cov = &less * &prior * less.transpose() + &gain * &*r * gain.transpose();
+        let mean = before + &gain * Vector::from_column_slice(sample.innovation);
+        assert!((Vector::from_column_slice(sample.mean) - mean).amax() < 1e-10, "update {updates}");
+        assert!((matrix(sample.cov, n) - cov).amax() < 1e-10, "update {updates}");
+        assert!((matrix(sample.gain, 2) - gain).amax() < 1e-9, "update {updates}");
+        *updates += 1;
+    }
+
+    fn stop_at(&mut self, stop: Stop) {
+        panic!("{stop:?}");
+    }
+
+    fn wants_prior(&self) -> bool {
+        true
+    }
+}
+
 #[test]
 fn an_update_is_that_of_schmidt() {
     let bias = Quantity::DISPLACEMENT.bias();
-    let model = Model::new(PlantKind::SDOF).augmented([bias]);
-    let (mean, std) = ([0.1, 0.0, 6.0, 0.05, 0.02], [0.1, 0.3, 1.0, 0.03, 0.05]);
-    let initial = Gaussian::independent(mean.to_vec().into(), &std.to_vec().into());
-    let noise = Noise { process: Matrix::identity(5, 5) * 1e-7, sensors: vec![1e-4, 1e-3], fading: 1.0 };
-    let sensors = [Quantity::DISPLACEMENT, Quantity::VELOCITY];
-    let begin = |belief| {
-        let filter = Filter::<dyn kalmanscope_core::filter::Belief>::new(
-            model.clone(),
-            belief,
-            0.01,
-            Hold::Zero,
-            noise.clone(),
-            &sensors,
-            Adaptation::default(),
-        );
-        filter.with_considered(&[3, 4])
-    };
-    let mut h = Matrix::zeros(2, 5);
-    (h[(0, 0)], h[(0, 4)], h[(1, 1)]) = (1.0, 1.0, 1.0);
-    let r = Matrix::from_diagonal(&Vector::from(vec![1e-4, 1e-3]));
-    for belief in [
-        Box::new(Moments::sigma_points(initial.clone(), Rule::Unscented)) as Box<dyn kalmanscope_core::filter::Belief>,
-        Box::new(SquareRoot::new(&initial).unwrap()),
-    ] {
-        let mut filter = begin(belief);
-        let mut correction = Correction::default();
-        for k in 0..60 {
-            filter.predict([2.0 * f64::from(k).sin(), 0.0]).unwrap();
-            let mut before = filter.belief().gaussian().into_owned();
-            before.cov.fill_upper_triangle_with_lower_triangle();
-            let z = Vector::from(vec![0.1 * (0.06 * f64::from(k)).cos(), -0.6 * (0.06 * f64::from(k)).sin()]);
-            filter.update(0.0, z.as_slice(), &mut correction).unwrap();
-            let s = &h * &before.cov * h.transpose() + &r;
-            let mut gain = &before.cov * h.transpose() * s.clone().try_inverse().unwrap();
-            gain.row_mut(3).fill(0.0);
-            gain.row_mut(4).fill(0.0);
-            let less = Matrix::identity(5, 5) - &gain * &h;
-            let cov = &less * &before.cov * less.transpose() + &gain * &r * gain.transpose();
-            let mean = &before.mean + &gain * (z - &h * &before.mean);
-            let after = filter.belief().gaussian();
-            assert!((&after.mean - mean).amax() < 1e-10, "sample {k}");
-            assert!((&after.cov - cov).amax() < 1e-10, "sample {k}");
-            assert!((&correction.gain - gain).amax() < 1e-9, "sample {k}");
-        }
+    for kind in [FilterKind::EKF, FilterKind::UKF, FilterKind::SR_UKF] {
+        let mut scenario = Scenario { duration: 1.0, ..Scenario::default() };
+        scenario.filters.truncate(1);
+        let filter = &mut scenario.filters[0];
+        (filter.kind, filter.augment, filter.fading) = (kind, vec![bias], 1.0);
+        filter.initial_std[bias] = 0.05;
+        filter.consider = vec![Channel::DAMPING_RATIO, bias];
+        let variances: Vec<f64> = filter.sensor_std.iter().map(|std| std * std).collect();
+        let mut h = Matrix::zeros(2, 5);
+        (h[(0, 0)], h[(0, 4)], h[(1, 1)]) = (1.0, 1.0, 1.0);
+        let mut sink =
+            Schmidt { h, r: Matrix::from_diagonal(&Vector::from(variances)), considered: [3, 4], updates: 0 };
+        let record = simulate(&scenario).without_truth();
+        Pass::new(&scenario, 0, &record).unwrap().follow(&record, record.len(), &mut sink);
+        assert_eq!(sink.updates, record.len() - 1, "{kind:?}");
     }
 }
 

@@ -56,9 +56,8 @@ fn training_ends_and_what_was_learnt_stays() {
         run.finish();
         let [always, trained] = [0, 1].map(|place| &run.estimates()[place]);
         let noise = |of: &kalmanscope_core::Estimates, k: usize| of.sensor_noise(k, 0).expect("it learns R");
-        // A filter with a kernel sums in another order.
         let far = |k: usize| (noise(always, k)[0] / noise(trained, k)[0] - 1.0).abs();
-        assert!((0..=800).all(|k| far(k) < 1e-6), "{kind:?}");
+        assert!((0..=800).all(|k| far(k) == 0.0), "{kind:?}");
         assert!((801..=2000).all(|k| noise(trained, k) == noise(trained, 800)), "{kind:?}");
         assert!(far(2000) > 1e-3, "{kind:?}: the other one goes on");
     }

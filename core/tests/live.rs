@@ -13,7 +13,7 @@ use kalmanscope_core::{
 use crate::phone::{Phone, USUAL};
 use crate::random::Random;
 
-/// Filters of every path: kernel, engine, book, one that takes the input for late and one that takes it for early.
+/// Filters of every path: engine, book, one that takes the input for late and one that takes it for early.
 fn scenario(hold: Hold) -> Scenario {
     let mut scenario = Scenario { duration: 5.0, hold, ..Scenario::default() };
     let first = scenario.filters[0].clone();

@@ -35,7 +35,6 @@ mod ambient_vibration;
 mod augmentations;
 mod bank;
 mod between_samples;
-mod book;
 mod bounded;
 mod causes;
 mod clocks;

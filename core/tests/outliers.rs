@@ -133,3 +133,45 @@ fn robust_filters_hold_where_a_tenth_of_the_readings_is_off() {
 fn robust_filters_over_two_hundred_seeds() {
     judge(3001..=3200);
 }
+
+#[test]
+fn a_reading_that_counts_for_nothing_is_no_reason_to_stop() {
+    for robust in Robust::ALL {
+        for kind in [FilterKind::EKF, FilterKind::UKF, FilterKind::SR_UKF, FilterKind::CKF, FilterKind::IEKF] {
+            let mut scenario =
+                Scenario { duration: 20.0, filters: vec![FilterSettings::default()], ..Scenario::default() };
+            scenario.set_sensors(&[Quantity::DISPLACEMENT]);
+            (scenario.filters[0].kind, scenario.filters[0].robust) = (kind, robust);
+            let std = scenario.sensors[0].noise_std;
+            let mut run = Run::new(&scenario).unwrap();
+            run.finish();
+            let record = run.record().clone();
+            let far = |k: usize| if k > 1000 && k.is_multiple_of(50) { 30.0 * std } else { 0.0 };
+            let record = record.with_measured(|_, k, z| z + far(k));
+            let mut run = Run::on_record(&scenario, record.into()).unwrap();
+            run.finish();
+            let estimates = &run.estimates()[0];
+            assert_eq!(estimates.stop(), None, "{kind:?} {robust:?}");
+            let left_out = (1001..estimates.len()).filter(|&k| estimates.innovation(k)[0].is_nan()).count();
+            let expected = if robust.is_on() { 18..24 } else { 0..1 };
+            assert!(expected.contains(&left_out), "{kind:?} {robust:?}: {left_out}");
+        }
+    }
+}
+
+#[test]
+fn noise_that_is_learnt_from_readings_is_not_learnt_from_those_that_count_for_nothing() {
+    for robust in Robust::ALL {
+        let mut scenario = Scenario { duration: 20.0, filters: vec![FilterSettings::default()], ..Scenario::default() };
+        scenario.filters[0].sensor_std = scenario.sensors.iter().map(|sensor| sensor.noise_std).collect();
+        (scenario.filters[0].adaptation.process_noise, scenario.filters[0].robust) = (true, robust);
+        let std = scenario.sensors[0].noise_std;
+        let mut run = Run::new(&scenario).unwrap();
+        run.finish();
+        let far = |k: usize| if k.is_multiple_of(50) { 12.0 * std } else { 0.0 };
+        let record = run.record().clone().with_measured(|sensor, k, z| if sensor == 0 { z + far(k) } else { z });
+        let mut run = Run::on_record(&scenario, record.into()).unwrap();
+        run.finish();
+        assert_eq!(run.estimates()[0].stop(), None, "{robust:?}");
+    }
+}

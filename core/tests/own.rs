@@ -10,7 +10,7 @@ mod own_plant;
 #[expect(dead_code, reason = "an example has a main function")]
 mod own_system;
 
-use kalmanscope_core::filter::{FilterInfo, Particles};
+use kalmanscope_core::filter::{FilterInfo, Particles, Way};
 use kalmanscope_core::plant::{Plant, PlantInfo, sdof::Sdof};
 use kalmanscope_core::{Diagnostics, FilterKind, PlantKind, Run, Scenario};
 
@@ -55,7 +55,9 @@ fn a_particle_filter_of_ones_own_has_its_own_likelihood() {
         evaluations: |settings, _| 4 * settings.ensemble_size,
         time: |settings, n| 75.0 * (settings.ensemble_size * n) as f64,
         has_propagation: false,
-        begin: |initial, settings, normal| Ok(Box::new(Particles::new(initial, settings.ensemble_size, normal)?)),
+        way: Way::Belief(|initial, settings, normal| {
+            Ok(Box::new(Particles::new(initial, settings.ensemble_size, normal)?))
+        }),
     };
     let results = [FilterKind::PF, FilterKind::new(&OWN)].map(|kind| {
         let mut scenario = Scenario { duration: 0.5, ..Scenario::default() };
@@ -101,7 +103,7 @@ fn a_plant_or_a_filter_of_ones_own_with_a_key_of_the_registry_is_refused() {
         evaluations: |_, _| 1,
         time: |_, _| 1000.0,
         has_propagation: false,
-        begin: |initial, settings, normal| (FilterKind::UKF.info().begin)(initial, settings, normal),
+        way: FilterKind::UKF.info().way,
     };
     let (plant, kind) = (PlantKind::new(&Impostor), FilterKind::new(&EKF));
     assert!(plant != PlantKind::SDOF && plant == PlantKind::new(&Impostor) && kind != FilterKind::EKF);

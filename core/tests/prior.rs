@@ -53,7 +53,7 @@ fn samples(scenario: &Scenario, run: &Run, wants_prior: bool) -> Vec<Kept> {
     all.samples
 }
 
-/// A scenario with one filter of a kind, by a tuned kernel or, because of its hold, by the book.
+/// A scenario with one filter of a kind.
 fn scenario(kind: FilterKind, hold: Hold) -> Scenario {
     let mut scenario = Scenario { duration: 3.0, hold, ..Scenario::default() };
     scenario.filters.truncate(1);

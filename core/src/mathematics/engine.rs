@@ -13,7 +13,6 @@
 //!   fault                  why a step does not hold
 //! logarithms               a belief over them in units
 //! list, builder, notes     equations as lists of operations
-//! single                   one run, whose belief stands elsewhere
 //! states                   many states of one run, several at a time
 //! ```
 //!
@@ -30,8 +29,10 @@
 pub(crate) mod belief;
 pub(crate) mod builder;
 pub(crate) mod columns;
+mod considered;
 mod coupled;
 pub(crate) mod course;
+mod descent;
 pub(crate) mod design;
 mod differentiated;
 pub(crate) mod dual;
@@ -51,6 +52,7 @@ pub(crate) mod logarithms;
 pub(crate) mod model;
 pub(crate) mod notes;
 pub(crate) mod number;
+pub(crate) mod passage;
 mod plain;
 pub(crate) mod plants;
 pub(crate) mod propagation;
@@ -58,7 +60,6 @@ pub(crate) mod residuals;
 pub(crate) mod runge_kutta;
 mod share;
 pub(crate) mod sigma_points;
-pub(crate) mod single;
 mod square_root;
 pub(crate) mod states;
 pub(crate) mod step;

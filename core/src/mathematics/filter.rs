@@ -1,15 +1,15 @@
-//! The reference filters: predict and update as in textbooks, for any plant, any size and any augmentation.
+//! Kinds of filters, and those whose belief is a random sample, of your own, or of a system of your own.
 //!
 //! ```text
 //! predict   y⁻ = g-step of y,  P⁻ = λ cov(g-step of y) + Q
 //! update    e = z - h(y⁻),  S = H P⁻ Hᵀ + R,  K = P⁻ Hᵀ S⁻¹,  y = y⁻ + K e,  P = (I - K H) P⁻ (I - K H)ᵀ + K R Kᵀ
 //! ```
 //!
-//! [`Filter`], in `recursion.rs`, has the part that all filters share. A method of filtering is a [`Belief`] with its prediction and its
-//! update. Each has a file of its own, which ends with the description of its kind; the registry below lists them.
+//! The engine predicts and updates a mean and a covariance. Any other method is a [`Belief`] with its prediction and its update, and
+//! [`Filter`], in `recursion.rs`, has the part that these share. The file of a method ends with the description of its kind; the
+//! registry below lists them.
 
 pub(crate) mod adaptation;
-mod considered;
 pub(crate) mod correction;
 mod ensemble;
 mod error;
@@ -21,22 +21,16 @@ mod learning;
 mod linear;
 mod linearised;
 mod measurement_model;
-mod measurements;
-mod moments;
 mod noise;
 mod observation;
 mod particles;
 mod propagation;
 mod recursion;
-mod reported;
 pub mod robust;
 mod rule;
-pub(crate) mod share;
 mod sigma_points;
-mod square_root;
 mod step;
 mod system;
-mod weighing;
 mod white;
 
 use std::borrow::Cow;
@@ -51,19 +45,16 @@ pub use ensemble::Ensemble;
 pub use error::FilterError;
 pub use gaussian::Gaussian;
 pub use kalman::Expected;
-pub use kind::{Begin, FilterInfo, FilterKind, MethodSettings};
+pub use kind::{Begin, FilterInfo, FilterKind, MethodSettings, Way};
 pub use linear::KalmanFilter;
 pub use measurement_model::MeasurementModel;
-pub use moments::Moments;
 pub use noise::Noise;
 pub use observation::Observation;
 pub use particles::Particles;
 pub use propagation::Propagation;
 pub use recursion::Filter;
-pub(crate) use recursion::Part;
 pub use robust::Robust;
 pub use rule::Rule;
-pub use square_root::SquareRoot;
 pub use step::Step;
 pub use system::{Shape, SystemError};
 pub use white::{Course, White};
@@ -89,7 +80,7 @@ registry! {
     /// Unscented Kalman filter: scaled sigma points.
     UKF = sigma_points::UKF;
     /// Unscented Kalman filter on the root of its covariance.
-    SR_UKF = square_root::SR_UKF;
+    SR_UKF = sigma_points::SR_UKF;
     /// Cubature Kalman filter.
     CKF = sigma_points::CKF;
     /// Ensemble Kalman filter.
@@ -126,30 +117,4 @@ pub trait Belief: Send {
 
     /// Mean and covariance.
     fn gaussian(&self) -> Cow<'_, Gaussian>;
-
-    /// Keeps a copy of the belief for [`Self::restore`], so that an update can be done again with other weights
-    /// ([`robust`]). Returns whether there is one: random samples keep none, and a filter without one weighs nothing.
-    fn store(&mut self) -> bool {
-        false
-    }
-
-    /// Makes the belief the copy that was kept.
-    fn restore(&mut self) {}
-
-    /// Takes over a mean and a covariance, as a bank of filters that mix must. Returns whether it can: a random sample cannot.
-    ///
-    /// # Errors
-    /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where the covariance has no root, and one is needed.
-    fn replace(&mut self, _: &Gaussian) -> Result<bool, FilterError> {
-        Ok(false)
-    }
-
-    /// Φ, n × n: the regression of the state that a step makes on the state now, `cov(next, now) = Φ P`. A smoother must know
-    /// it. From sigma points of mean and covariance, unless the method has a better way.
-    ///
-    /// # Errors
-    /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where the covariance has no root.
-    fn transition(&mut self, model: &Model, step: Step) -> Result<Matrix, FilterError> {
-        sigma_points::transition(&self.gaussian(), Rule::Unscented, model, step)
-    }
 }

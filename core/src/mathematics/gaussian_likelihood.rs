@@ -1,9 +1,7 @@
 //! The likelihood of measurements under a Gaussian belief. It is computed on demand, because logarithms are costly: a filter's
 //! step takes none.
 
-use crate::mathematics::kernel::gaussian::{Factor, Matrix};
-use crate::mathematics::linalg::{self, Ldl};
-use crate::mathematics::quantity::MAX_SENSORS;
+use crate::mathematics::engine::columns::factor;
 
 /// ln 2π
 const LN_2_PI: f64 = 1.837_877_066_409_345_5;
@@ -19,18 +17,13 @@ pub fn ln_determinant(determinant: f64, innovation_cov: &[f64], m: usize) -> f64
     if determinant.is_normal() {
         return libm::log(determinant);
     }
-    // Sensors that measured come first, as in a filter; the rest of the identity leaves the determinant unchanged.
-    let mut cov = Matrix::<MAX_SENSORS, MAX_SENSORS>::identity();
-    let measured = || (0..m).filter(|i| !innovation_cov[i * m + i].is_nan());
-    for (row, i) in measured().enumerate() {
-        for (column, j) in measured().enumerate() {
-            cov[(row, column)] = innovation_cov[i * m + j];
-        }
-    }
-    // Where S is singular up to rounding, one of the two eliminations may fail; the one that the filter has used succeeds.
-    let reference = || Ldl::new(&linalg::Matrix::from_column_slice(MAX_SENSORS, MAX_SENSORS, cov.as_slice()));
-    let tuned = Factor::new(&cov).map(|factor| factor.ln_determinant());
-    tuned.or_else(|| Some(reference()?.ln_determinant())).unwrap_or(f64::NAN)
+    let measured: Vec<usize> = (0..m).filter(|i| !innovation_cov[i * m + i].is_nan()).collect();
+    let mut lower: Vec<f64> =
+        measured.iter().flat_map(|&j| measured.iter().map(move |&i| innovation_cov[j * m + i])).collect();
+    let count = measured.len();
+    let (_, is_positive) = factor(&mut lower, count);
+    // The factor has the inverses of D on its diagonal.
+    if is_positive { -(0..count).map(|i| libm::log(lower[i * (count + 1)])).sum::<f64>() } else { f64::NAN }
 }
 
 #[cfg(test)]

@@ -1,13 +1,11 @@
 //! Matrices of any size: nalgebra's, and the factorisations that filters also need.
 
 mod ldl;
-mod product;
 mod root;
 
 use nalgebra::{DMatrix, DVector};
 
 pub(crate) use ldl::Ldl;
-pub(crate) use product::{add_product, multiply, multiply_sparse, multiply_symmetric};
 pub(crate) use root::{RootError, lower_root};
 
 /// A column of numbers.
@@ -24,28 +22,6 @@ pub(crate) fn fit(matrix: &mut Matrix, rows: usize, columns: usize) {
     let mut entries: Vec<f64> = std::mem::replace(matrix, Matrix::zeros(0, 0)).data.into();
     entries.resize(rows * columns, 0.0);
     *matrix = Matrix::from_vec(rows, columns, entries);
-}
-
-/// [`fit`] for a column.
-pub(crate) fn fit_vector(vector: &mut Vector, rows: usize) {
-    if vector.len() == rows {
-        return;
-    }
-    let mut entries: Vec<f64> = std::mem::replace(vector, Vector::zeros(0)).data.into();
-    entries.resize(rows, 0.0);
-    *vector = Vector::from_vec(entries);
-}
-
-/// Copies to `out`, and uses its memory again if that is large enough.
-pub(crate) fn copy(out: &mut Matrix, of: &Matrix) {
-    fit(out, of.nrows(), of.ncols());
-    out.as_mut_slice().copy_from_slice(of.as_slice());
-}
-
-/// [`copy`] for a column.
-pub(crate) fn copy_vector(out: &mut Vector, of: &Vector) {
-    fit_vector(out, of.len());
-    out.as_mut_slice().copy_from_slice(of.as_slice());
 }
 
 /// The lower triangle of a square matrix, mirrored: this makes a matrix symmetric to the last bit again after rounding.

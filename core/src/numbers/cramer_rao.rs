@@ -1,16 +1,11 @@
 //! The Cramér-Rao bound: the smallest standard deviations that any filter can reach.
 
-use std::ops::Range;
-
-use crate::mathematics::filter;
-use crate::mathematics::kernel::gaussian::Vector;
-use crate::mathematics::kernel::model::Model;
-use crate::mathematics::kernel::plant::Visitor;
-use crate::mathematics::kernel::{Belief, Correction, Filter, Linearised};
+use crate::mathematics::engine::filter::Filter;
+use crate::mathematics::engine::level::Baseline;
 use crate::samples::estimator::FilterContext;
-use crate::samples::estimator::kernel::{build_filter, initial_belief, with_model};
+use crate::samples::estimator::setup::{Setup, filter};
 use crate::samples::waste::Piecewise;
-use crate::{Channel, FilterError, FilterKind, FilterSettings, Quantity, Record, Scenario};
+use crate::{Channel, FilterKind, FilterSettings, Quantity, Record, Scenario};
 
 /// The posterior Cramér-Rao bound for one filter of a scenario. No unbiased filter with the same initial belief and
 /// process noise has smaller covariances. The bound uses the truth's plant, the true noise of the sensors (with the
@@ -31,7 +26,9 @@ use crate::{Channel, FilterError, FilterKind, FilterSettings, Quantity, Record, 
 pub struct CramerRao {
     settings: FilterSettings,
     channels: Vec<Channel>,
-    recursion: Box<dyn Recursion>,
+    /// The filter that has its mean set to the truth at every sample, and the quantity of each of its sensors; none where it cannot
+    /// begin.
+    recursion: Option<(Filter<f64, Baseline>, Vec<Quantity>)>,
     std: Vec<f64>,
     /// The number of samples that the record had forgotten at the last call.
     forgotten: usize,
@@ -51,8 +48,10 @@ impl CramerRao {
         let context =
             FilterContext { plant, input, hold, sensors: &sensors, dt, seed, stream: 0, is_timed: false, start: 0.0 };
         let channels = context.model(&settings).channels().to_vec();
-        let recursion = with_model(&settings, &context, Start { settings: &settings, context })
-            .unwrap_or_else(|| Box::new(DynamicBoundFilter::new(&settings, &context)));
+        let recursion = Setup::of(&settings, &context, (0..sensors.len()).collect()).map(|setup| {
+            let sensors = setup.columns.iter().map(|&place| sensors[place]).collect();
+            (filter(Baseline, |_| &setup), sensors)
+        });
         Some(Self { settings, channels, recursion, std: Vec::new(), forgotten: 0, stopped: false })
     }
 
@@ -92,8 +91,32 @@ impl CramerRao {
         let Some(truth) = truth.filter(|_| !*stopped) else { return true };
         // The recursion needs the sample before the first new one, except at the beginning.
         let seen = std.len() / channels.len();
-        *stopped = (seen == 0 && *forgotten > 0) || recursion.follow(&truth, record, seen..end, std).is_err();
-        *stopped || std.len() / channels.len() >= record.len()
+        let Some((filter, sensors)) = recursion.as_mut().filter(|_| seen > 0 || *forgotten == 0) else {
+            *stopped = true;
+            return true;
+        };
+        let measured: Vec<Option<&[f64]>> =
+            sensors.iter().map(|&quantity| record.measured_quantity(quantity)).collect();
+        let mut sample = vec![f64::NAN; measured.len()];
+        let move_to =
+            |mean: &mut [f64], k: usize| mean.iter_mut().zip(&truth).for_each(|(mean, truth)| *mean = truth.at(k));
+        let n = channels.len();
+        for k in seen..end.min(record.len()) {
+            if let Some(before) = k.checked_sub(1) {
+                move_to(&mut filter.belief.mean, before);
+                filter.predict([record.force(before), record.force(k)]);
+                move_to(&mut filter.belief.mean, k);
+                for (value, column) in sample.iter_mut().zip(&measured) {
+                    *value = column.map_or(f64::NAN, |column| column[k]);
+                }
+                if !filter.update(record.force(k), &sample).holds {
+                    *stopped = true;
+                    return true;
+                }
+            }
+            std.extend((0..n).map(|i| filter.belief.cov[i * (n + 1)].sqrt()));
+        }
+        std.len() / n >= record.len()
     }
 
     /// The channels of the bound: those of the truth, then the other augmentations that the filter estimates.
@@ -159,116 +182,6 @@ impl TrueValue<'_> {
             Self::Constant(value) => value,
             Self::Varying(values) => values[k],
         }
-    }
-}
-
-/// The recursion, with its size erased.
-trait Recursion: Send {
-    /// Runs over samples of a record and appends the standard deviations of every channel. `truth` has the true values
-    /// of every channel.
-    fn follow(
-        &mut self,
-        truth: &[TrueValue<'_>],
-        record: &Record,
-        samples: Range<usize>,
-        std: &mut Vec<f64>,
-    ) -> Result<(), FilterError>;
-}
-
-struct Start<'a> {
-    settings: &'a FilterSettings,
-    context: FilterContext<'a>,
-}
-
-impl Visitor for Start<'_> {
-    type Output = Box<dyn Recursion>;
-
-    fn visit<P: Model<N>, const N: usize>(self, model: P) -> Box<dyn Recursion> {
-        let Self { settings, context } = self;
-        let belief = Linearised::new(initial_belief::<P, N>(settings), 1);
-        let sensors = context.sensors.to_vec();
-        Box::new(BoundFilter { filter: build_filter(model, belief, settings, &context), sensors })
-    }
-}
-
-/// A tuned filter with its mean set to the truth at every sample.
-struct BoundFilter<P, const N: usize> {
-    filter: Filter<P, Linearised<N>, N>,
-    sensors: Vec<Quantity>,
-}
-
-impl<P: Model<N>, const N: usize> Recursion for BoundFilter<P, N> {
-    fn follow(
-        &mut self,
-        truth: &[TrueValue<'_>],
-        record: &Record,
-        samples: Range<usize>,
-        std: &mut Vec<f64>,
-    ) -> Result<(), FilterError> {
-        let Self { filter, sensors } = self;
-        let truth = |k: usize| Vector::<N>::from_fn(|channel, _| truth[channel].at(k));
-        let measured: Vec<Option<&[f64]>> = sensors.iter().map(|&q| record.measured_quantity(q)).collect();
-        let mut sample = vec![f64::NAN; measured.len()];
-        let mut correction = Correction::NOTHING.clone();
-        for k in samples.start..samples.end.min(record.len()) {
-            if let Some(before) = k.checked_sub(1) {
-                filter.belief_mut().move_to(truth(before));
-                filter.predict(record.force(before))?;
-                filter.belief_mut().move_to(truth(k));
-                for (value, column) in sample.iter_mut().zip(&measured) {
-                    *value = column.map_or(f64::NAN, |column| column[k]);
-                }
-                filter.update(record.force(k), &sample, &mut correction)?;
-            }
-            let belief = Belief::<P, N>::gaussian(filter.belief());
-            std.extend(belief.cov.diagonal().iter().map(|variance| variance.sqrt()));
-        }
-        Ok(())
-    }
-}
-
-/// A filter of any model with its mean set to the truth at every sample.
-struct DynamicBoundFilter {
-    filter: filter::Filter<filter::Moments>,
-    sensors: Vec<Quantity>,
-}
-
-impl DynamicBoundFilter {
-    fn new(settings: &FilterSettings, context: &FilterContext<'_>) -> Self {
-        let initial = crate::samples::estimator::book::initial_gaussian(&context.model(settings), settings);
-        let belief = Box::new(filter::Moments::linearised(initial, context.propagation(settings), 1));
-        let filter = crate::samples::estimator::book::build_filter(belief, settings, context);
-        Self { filter, sensors: context.sensors.to_vec() }
-    }
-}
-
-impl Recursion for DynamicBoundFilter {
-    fn follow(
-        &mut self,
-        truth: &[TrueValue<'_>],
-        record: &Record,
-        samples: Range<usize>,
-        std: &mut Vec<f64>,
-    ) -> Result<(), FilterError> {
-        let Self { filter, sensors } = self;
-        let truth =
-            |k: usize| crate::mathematics::linalg::Vector::from_fn(truth.len(), |channel, _| truth[channel].at(k));
-        let mut correction = filter::Correction::default();
-        for k in samples {
-            if let Some(before) = k.checked_sub(1) {
-                filter.belief_mut().move_to(truth(before));
-                filter.predict([record.force(before), record.force(k)])?;
-                filter.belief_mut().move_to(truth(k));
-                filter.update(
-                    record.force(k),
-                    &record.sample(k, sensors, &crate::record::Delays::default()),
-                    &mut correction,
-                )?;
-            }
-            let belief = filter::Belief::gaussian(filter.belief());
-            std.extend(belief.cov.diagonal().iter().map(|variance| variance.sqrt()));
-        }
-        Ok(())
     }
 }
 

@@ -1,20 +1,16 @@
 //! Filters of any kind over any plant, with types and sizes erased.
 
-pub(crate) mod abreast;
-pub(crate) mod book;
+pub(crate) mod beginning;
 pub(crate) mod bounded;
-#[cfg(not(target_arch = "wasm32"))]
 pub(crate) mod engine;
-#[cfg(not(target_arch = "wasm32"))]
 mod in_units;
-pub(crate) mod kernel;
+pub(crate) mod sampled;
 pub(crate) mod setup;
-pub(crate) mod walk;
 
 use crate::data::record::Parts;
 use crate::mathematics::model::{Hold, InputKind, Model};
 use crate::samples::sink::Sink;
-use crate::{Channel, FilterError, FilterSettings, PlantKind, Propagation, Quantity, Record, Scenario};
+use crate::{Channel, FilterError, FilterSettings, PlantKind, Quantity, Record, Scenario};
 
 /// A filter that computes one sample at a time.
 pub(crate) trait Estimator: Send {
@@ -30,13 +26,21 @@ pub(crate) trait Estimator: Send {
     fn step_through(&mut self, _: &Parts, _: &mut dyn Sink) -> Result<(), FilterError> {
         Err(FilterError::NotFinite)
     }
+
+    /// Goes on from another belief, in the channels' units. Only a mean and a covariance can be replaced.
+    ///
+    /// # Errors
+    /// [`FilterError::IndefiniteCovariance`] where it cannot.
+    fn set_belief(&mut self, _mean: &[f64], _cov: &[f64]) -> Result<(), FilterError> {
+        Err(FilterError::IndefiniteCovariance)
+    }
 }
 
 /// The option of a filter that counts in samples, if it has one. Such a filter cannot go from one reading to the next: it takes each
 /// reading at the sample after it.
 pub(crate) fn counts_in_samples(settings: &FilterSettings) -> Option<&'static str> {
     let such = [
-        (settings.kind.is_sampled(), "random members"),
+        (!settings.kind.is_gaussian(), "random members"),
         (settings.adaptation.is_on(), "noise that it learns"),
         (settings.jump, "jumps"),
         (settings.walk > 0.0, "a bank"),
@@ -117,11 +121,6 @@ impl<'a> FilterContext<'a> {
         let Self { plant, input, hold, sensors, dt, seed, stream, is_timed, start } = self;
         let (settings, sensors) = (settings.clone(), sensors.to_vec());
         Recipe { settings, plant, input, hold, sensors, dt, seed, stream, is_timed, start }
-    }
-
-    /// The propagation of the mean of a filter with these settings.
-    pub(crate) fn propagation(&self, settings: &FilterSettings) -> Propagation {
-        settings.propagation_for(self.plant)
     }
 
     /// The number of steps of such a filter from one sample to the next.

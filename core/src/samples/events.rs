@@ -4,13 +4,12 @@ mod by_time;
 mod error;
 mod timeline;
 
-use crate::mathematics::filter::share::Share;
-use crate::mathematics::filter::{Correction, Filter, FilterError, Gaussian};
-use crate::mathematics::linalg::Matrix;
-use crate::samples::estimator::book::{self, InUnits};
+use crate::mathematics::engine::level::Baseline;
+use crate::mathematics::filter::{FilterError, Gaussian};
 use crate::samples::estimator::bounded::{Truncating, Truncation};
+use crate::samples::estimator::engine::Followed;
+use crate::samples::estimator::setup::Setup;
 use crate::samples::estimator::{FilterContext, counts_in_samples};
-use crate::samples::plucks::Plucks;
 use crate::samples::sink::{LastSample, Sample};
 use crate::samples::smoother::adjoint::Adjoint;
 use crate::samples::smoother::forward::Passage;
@@ -56,7 +55,7 @@ pub use error::{EventError, EventSetupError};
 /// # }
 /// ```
 pub struct EventFilter {
-    filter: Filter,
+    followed: Followed<Baseline>,
     settings: FilterSettings,
     scenario: Scenario,
     sensors: Vec<Quantity>,
@@ -66,23 +65,18 @@ pub struct EventFilter {
     look_ahead: Option<f64>,
     /// Added to the times of inputs \[s\].
     input_delay: f64,
-    plucks: Plucks,
     /// Taken from the times of each sensor's readings \[s\]; empty where none is late.
     sensor_delay: Vec<f64>,
-    noise: Share,
-    correction: Correction,
-    in_units: InUnits,
-    in_hindsight: InUnits,
     truncation: Truncation,
-    prior: Gaussian,
     last: LastSample,
+    in_hindsight: LastSample,
     stopped: Option<(f64, FilterError)>,
     again: usize,
     /// The times of the first event and of the newest that was told \[s\]: a delayed input waits for its time.
     first: f64,
     now: f64,
     /// The place of the event whose belief the filter has.
-    followed: usize,
+    at: usize,
 }
 
 /// A step that differs from dt by less than this share is one of dt: clocks are told in decimals.
@@ -116,32 +110,29 @@ impl EventFilter {
         let record = Record::empty(scenario.dt, scenario.input, scenario.hold, sensors.clone(), Vec::new());
         Pass::columns(&scenario, place, &record)?;
         let context = FilterContext::new(&scenario, &sensors, scenario.dt, &settings);
-        let filter = book::build_filter(book::initial_belief(&settings, &context)?, &settings, &context);
-        let n = filter.model().size();
-        let prior = filter.belief().gaussian().into_owned();
+        let setup = Setup::of(&settings, &context, (0..sensors.len()).collect()).ok_or(FilterError::TooLarge)?;
+        let mut followed = Followed::new(Baseline, &setup, &settings);
+        if look_ahead.is_some() {
+            followed.filter.keep_passages();
+        }
         Ok(Self {
-            channels: filter.model().channels().to_vec(),
-            noise: Share::new(filter.noise().clone(), n),
-            correction: Correction::nothing(n, sensors.len()),
+            truncation: Truncation::of(&settings, &setup.channels),
+            channels: setup.channels,
             timeline: Timeline::new(
                 scenario.hold,
                 Self::least_kept(&settings, scenario.dt, look_ahead).max(Self::KEPT),
             ),
             look_ahead,
-            plucks: Plucks::new(&settings, filter.model(), 0.0),
             sensor_delay: settings.sensor_delay.clone(),
             input_delay: f64::from(settings.input_delay) * scenario.dt,
-            in_units: InUnits::default(),
-            in_hindsight: InUnits::default(),
-            truncation: Truncation::of(&settings, filter.model().channels()),
-            prior,
             last: LastSample::default(),
+            in_hindsight: LastSample::default(),
             stopped: None,
             again: 0,
             first: f64::NEG_INFINITY,
             now: f64::NEG_INFINITY,
-            followed: 0,
-            filter,
+            at: 0,
+            followed,
             settings,
             sensors,
             scenario,
@@ -206,11 +197,10 @@ impl EventFilter {
             adjoint.pass(self.timeline.event(later).passage.as_ref()?);
         }
         adjoint.tell(&mut belief);
-        let Self { filter, in_hindsight, timeline, truncation, .. } = self;
-        in_hindsight.take(filter.model(), &belief, &Matrix::zeros(belief.size(), 0));
-        let Gaussian { mean, cov } = &in_hindsight.belief;
-        let (mean, cov) = truncation.apply(mean.as_slice(), cov.as_slice());
-        Some((timeline.event(place).time, Sample::unmeasured(mean, cov)))
+        let Self { followed, in_hindsight, timeline, truncation, .. } = self;
+        let sample = Sample::unmeasured(belief.mean.as_slice(), belief.cov.as_slice());
+        followed.report_of(sample, &mut Truncating { truncation, sink: in_hindsight });
+        Some((timeline.event(place).time, in_hindsight.sample()))
     }
 
     /// Takes in what happened at a time \[s\]: the input from then on \[m/s²\] in the scenario's meaning, NaN if it is not told,
@@ -256,7 +246,7 @@ impl EventFilter {
         for (time, readings) in others {
             self.put(Event::new(time, None, readings))?;
         }
-        self.followed -= self.timeline.forget(self.now, self.followed);
+        self.at -= self.timeline.forget(self.now, self.at);
         Ok(self.last.sample())
     }
 
@@ -291,33 +281,33 @@ impl EventFilter {
     /// Takes in the first event.
     fn begin(&mut self, event: Event) -> Result<(), EventError> {
         let time = event.time;
-        (self.first, self.followed) = (time, 0);
+        (self.first, self.at) = (time, 0);
         self.timeline.insert(event);
-        let belief = self.filter.belief().gaussian().into_owned();
-        self.timeline.set_belief(0, &belief, self.filter.usual_misfits());
+        let belief = self.followed.gaussian();
+        self.timeline.set_belief(0, &belief, self.followed.filter.usual_misfits());
         self.report().map_err(|reason| self.stop(time, reason))
     }
 
     /// Takes in an event, goes over what comes after it, and on to the newest time.
     fn put(&mut self, event: Event) -> Result<(), EventError> {
-        let before = self.followed;
+        let before = self.at;
         let first = self.timeline.insert(event).max(1);
         if first <= before {
             self.again += before + 1 - first;
-            self.followed = first - 1;
+            self.at = first - 1;
             if let Some((belief, misfits)) = self.timeline.event(first - 1).belief.clone()
-                && let Err(reason) = self.begin_at(belief, &misfits)
+                && let Err(reason) = self.begin_at(&belief, &misfits)
             {
                 return Err(self.stop(self.timeline.event(first).time, reason));
             }
         }
         let newest = self.timeline.last_at(self.now);
-        while self.followed < newest {
-            let place = self.followed + 1;
+        while self.at < newest {
+            let place = self.at + 1;
             if let Err(reason) = self.follow(place) {
                 return Err(self.stop(self.timeline.event(place).time, reason));
             }
-            self.followed = place;
+            self.at = place;
         }
         self.report().map_err(|reason| self.stop(self.now, reason))
     }
@@ -328,65 +318,49 @@ impl EventFilter {
     }
 
     /// Goes back to a belief, and to the usual misfits at it.
-    fn begin_at(&mut self, belief: Gaussian, misfits: &[f64]) -> Result<(), FilterError> {
-        let context = FilterContext::new(&self.scenario, &self.sensors, self.scenario.dt, &self.settings);
-        let normal = book::normal(&context);
-        self.filter.set_usual_misfits(misfits);
-        self.filter.set_belief((self.settings.kind.info().begin)(
-            belief,
-            &self.settings.method(context.plant),
-            normal,
-        )?);
-        Ok(())
+    fn begin_at(&mut self, belief: &Gaussian, misfits: &[f64]) -> Result<(), FilterError> {
+        self.followed.filter.set_usual_misfits(misfits);
+        self.followed.filter.set_belief(belief.mean.as_slice(), belief.cov.as_slice())
     }
 
     /// Predicts to an event and takes in its readings.
     fn follow(&mut self, place: usize) -> Result<(), FilterError> {
         let (before, now) = (self.timeline.event(place - 1).time, self.timeline.event(place).time);
-        let forces = self.timeline.forces_to(place);
-        let transition = self.predict([before, now], forces)?;
-        self.prior.copy_from(&self.filter.belief().gaussian());
-        let force = self.timeline.force_at(place);
-        let Self { filter, timeline, correction, prior, .. } = self;
-        filter.update(force, &timeline.event(place).readings, correction)?;
-        if let Some(transition) = transition {
-            timeline.set_passage(place, Passage::new(transition, correction, &prior.cov)?);
+        self.predict([before, now], self.timeline.forces_to(place))?;
+        let Self { followed, timeline, .. } = self;
+        followed.keep_prior();
+        followed.condition(timeline.force_at(place), &timeline.event(place).readings)?;
+        if let Some(passage) = followed.filter.passage() {
+            timeline.set_passage(place, Passage::new(passage)?);
         }
-        let belief = filter.belief().gaussian();
-        timeline.set_belief(place, &belief, filter.usual_misfits());
+        timeline.set_belief(place, &followed.gaussian(), followed.filter.usual_misfits());
         Ok(())
     }
 
-    /// Carries the belief from one time to another \[s\], in parts of dt at most, with the forces over mass at both ends \[m/s²\]. Returns Φ if
-    /// hindsight needs it.
-    fn predict(&mut self, [from, to]: [f64; 2], [begin, end]: [f64; 2]) -> Result<Option<Matrix>, FilterError> {
-        let n = self.prior.size();
-        let mut transition = self.look_ahead.map(|_| Matrix::identity(n, n));
+    /// Carries the belief from one time to another \[s\], in parts of dt at most, with the forces over mass at both ends \[m/s²\].
+    fn predict(&mut self, [from, to]: [f64; 2], [begin, end]: [f64; 2]) -> Result<(), FilterError> {
+        let followed = &mut self.followed;
+        followed.filter.begin_passage();
         let steps = (to - from) / self.scenario.dt;
+        if steps <= 0.0 {
+            return Ok(());
+        }
         let parts = (steps - SAME).ceil().max(1.0);
         let is_whole = (steps / parts - 1.0).abs() <= SAME;
         let share = if is_whole { 1.0 } else { steps / parts };
-        if steps <= 0.0 {
-            return Ok(transition);
-        }
         let force = |part: f64| begin + (end - begin) * (part / parts);
+        let time = |part: f64| from - self.first + (to - from) * (part / parts);
         for part in 0..parts as usize {
-            let forces = [force(part as f64), force(part as f64 + 1.0)];
-            let time = |part: f64| from - self.first + (to - from) * (part / parts);
-            self.plucks.pass(&mut self.filter, [time(part as f64), time(part as f64 + 1.0)])?;
-            self.filter.predict_share(share, forces, &mut self.noise, |model, belief, step| {
-                if let Some(transition) = &mut transition {
-                    *transition = belief.transition(model, step)? * &*transition;
-                }
-                Ok(())
-            })?;
+            let ends = [part as f64, part as f64 + 1.0];
+            followed.pluck(ends.map(time));
+            followed.predict(share, ends.map(force))?;
         }
-        Ok(transition)
+        Ok(())
     }
 
     /// Keeps the estimate at the newest event.
     fn report(&mut self) -> Result<(), FilterError> {
-        let Self { filter, correction, in_units, prior, truncation, last, .. } = self;
-        book::report(filter, correction, Some(prior), in_units, &mut Truncating { truncation, sink: last })
+        let Self { followed, truncation, last, .. } = self;
+        followed.report(true, &mut Truncating { truncation, sink: last })
     }
 }

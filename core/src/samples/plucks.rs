@@ -1,7 +1,7 @@
 //! The times at which a motion begins anew.
 
-use crate::mathematics::filter::{Filter, FilterError};
-use crate::{FilterSettings, Model};
+use crate::data::sorting::sort_numbers;
+use crate::{Channel, FilterSettings};
 
 /// Widens a belief of the motion where a plant is plucked: parameters and augmentations are what they were.
 ///
@@ -19,32 +19,23 @@ pub(crate) struct Plucks {
 }
 
 impl Plucks {
-    /// Those of a filter with this model, after a time \[s\].
-    pub(crate) fn new(settings: &FilterSettings, model: &Model, start: f64) -> Self {
+    /// Those of a filter of these channels, after a time \[s\].
+    pub(crate) fn new(settings: &FilterSettings, channels: &[Channel], start: f64) -> Self {
         let mut times: Vec<f64> = settings.plucks.iter().map(|time| time - start).collect();
-        times.sort_by(f64::total_cmp);
-        let of = |(place, channel): (usize, &crate::Channel)| {
+        sort_numbers(&mut times);
+        let of = |(place, channel): (usize, &Channel)| {
             let moves = !channel.is_parameter() && !channel.is_augmentation();
             moves.then(|| (place, settings.initial_std[*channel].powi(2)))
         };
         let variances =
-            if times.is_empty() { Vec::new() } else { model.channels().iter().enumerate().filter_map(of).collect() };
+            if times.is_empty() { Vec::new() } else { channels.iter().enumerate().filter_map(of).collect() };
         Self { times, variances }
     }
 
-    /// Widens the belief of a filter that goes on from one time to a later one, if it was plucked meanwhile \[s\].
-    ///
-    /// # Errors
-    /// Those of a belief that has no root.
-    pub(crate) fn pass(&self, filter: &mut Filter, [from, to]: [f64; 2]) -> Result<(), FilterError> {
+    /// The places and the variances to add for a filter that goes on from one time to a later one \[s\], if it was plucked meanwhile.
+    pub(crate) fn between(&self, [from, to]: [f64; 2]) -> Option<impl Iterator<Item = (usize, f64)>> {
         let count = self.times.partition_point(|time| *time <= to) - self.times.partition_point(|time| *time <= from);
-        if count == 0 {
-            return Ok(());
-        }
-        let mut belief = filter.belief().gaussian().into_owned();
-        for &(place, variance) in &self.variances {
-            belief.cov[(place, place)] += count as f64 * variance;
-        }
-        filter.belief_mut().replace(&belief).map(|_| ())
+        let widened = move |&(place, variance): &(usize, f64)| (place, count as f64 * variance);
+        (count > 0).then(|| self.variances.iter().map(widened))
     }
 }

@@ -16,15 +16,16 @@ pub(crate) struct Sample {
 }
 
 /// A filter in progress; mean and covariance are in the state's units, which may be logarithms.
-struct Textbook<'a> {
+pub(crate) struct Textbook<'a> {
+    scenario: &'a Scenario,
     settings: &'a FilterSettings,
     plant: Plant,
     propagation: Propagation,
     /// The steps of a prediction, and the time of one.
     parts: usize,
     dt: f64,
-    mean: Vec<f64>,
-    cov: Matrix,
+    pub(crate) mean: Vec<f64>,
+    pub(crate) cov: Matrix,
     process: Matrix,
     noise: Vec<f64>,
 }
@@ -45,51 +46,63 @@ struct Expected {
 
 /// Runs the scenario's filter at a place over a record.
 pub(crate) fn filter(scenario: &Scenario, place: usize, record: &Record) -> Vec<Sample> {
-    let settings = &scenario.filters[place];
-    let known = settings.kind == FilterKind::KF;
-    let plant = Plant {
-        kind: settings.plant.unwrap_or(scenario.plant.kind),
-        eta: if known { 0.0 } else { settings.eta },
-        log: settings.log_parameters,
-    };
-    let channels = plant.channels();
-    let unit = |i: usize| if plant.is_log(i) { 1.0 / settings.initial_mean[channels[i]] } else { 1.0 };
-    let variances = |stds: &Values| {
-        let std = |(i, &c): (usize, &Channel)| if known && c.is_parameter() { 0.0 } else { stds[c] * unit(i) };
-        Matrix::diagonal(&channels.iter().enumerate().map(std).map(|s| s * s).collect::<Vec<_>>())
-    };
-    let start = |(i, &c): (usize, &Channel)| {
-        if plant.is_log(i) { settings.initial_mean[c].ln() } else { settings.initial_mean[c] }
-    };
-    let parts = settings.steps(scenario.plant.kind, scenario.input, record.dt());
-    let mut filter = Textbook {
-        propagation: settings.propagation_for(scenario.plant.kind),
-        mean: channels.iter().enumerate().map(start).collect(),
-        cov: variances(&settings.initial_std),
-        process: variances(&settings.process_std),
-        noise: settings.sensor_std.iter().map(|s| s * s).collect(),
-        parts,
-        dt: record.dt() / parts as f64,
-        settings,
-        plant,
-    };
+    let mut filter = Textbook::new(scenario, &scenario.filters[place], record.dt());
     let mut samples = vec![filter.sample(f64::NAN, f64::NAN)];
     for k in 1..record.len() {
-        filter.predict(record.force(k - 1));
-        let sensors = scenario.sensors.iter().map(|s| s.measures).enumerate();
-        let seen = |&(i, quantity): &(usize, _)| {
-            let state = Dual::state(&filter.mean);
-            filter.plant.reading(&state, 0.0, quantity).is_some() && !record.measured(i)[k].is_nan()
-        };
-        let sensors: Vec<_> = sensors.filter(seen).collect();
-        let values = sensors.iter().map(|&(i, _)| record.measured(i)[k]).collect();
-        let (nis, log_likelihood) = filter.update(&Measured { sensors, values, force: record.force(k) });
+        let (nis, log_likelihood) = filter.step(record, k);
         samples.push(filter.sample(nis, log_likelihood));
     }
     samples
 }
 
+impl<'a> Textbook<'a> {
+    /// A filter with these settings before its first sample.
+    pub(crate) fn new(scenario: &'a Scenario, settings: &'a FilterSettings, dt: f64) -> Self {
+        let known = settings.kind == FilterKind::KF;
+        let plant = Plant {
+            kind: settings.plant.unwrap_or(scenario.plant.kind),
+            eta: if known { 0.0 } else { settings.eta },
+            log: settings.log_parameters,
+        };
+        let channels = plant.channels();
+        let unit = |i: usize| if plant.is_log(i) { 1.0 / settings.initial_mean[channels[i]] } else { 1.0 };
+        let variances = |stds: &Values| {
+            let std = |(i, &c): (usize, &Channel)| if known && c.is_parameter() { 0.0 } else { stds[c] * unit(i) };
+            Matrix::diagonal(&channels.iter().enumerate().map(std).map(|s| s * s).collect::<Vec<_>>())
+        };
+        let start = |(i, &c): (usize, &Channel)| {
+            if plant.is_log(i) { settings.initial_mean[c].ln() } else { settings.initial_mean[c] }
+        };
+        let parts = settings.steps(scenario.plant.kind, scenario.input, dt);
+        Self {
+            scenario,
+            propagation: settings.propagation_for(scenario.plant.kind),
+            mean: channels.iter().enumerate().map(start).collect(),
+            cov: variances(&settings.initial_std),
+            process: variances(&settings.process_std),
+            noise: settings.sensor_std.iter().map(|s| s * s).collect(),
+            parts,
+            dt: dt / parts as f64,
+            settings,
+            plant,
+        }
+    }
+}
+
 impl Textbook<'_> {
+    /// Goes on to sample `k` of a record. Returns NIS and log likelihood.
+    pub(crate) fn step(&mut self, record: &Record, k: usize) -> (f64, f64) {
+        self.predict(record.force(k - 1));
+        let sensors = self.scenario.sensors.iter().map(|s| s.measures).enumerate();
+        let seen = |&(i, quantity): &(usize, _)| {
+            let state = Dual::state(&self.mean);
+            self.plant.reading(&state, 0.0, quantity).is_some() && !record.measured(i)[k].is_nan()
+        };
+        let sensors: Vec<_> = sensors.filter(seen).collect();
+        let values = sensors.iter().map(|&(i, _)| record.measured(i)[k]).collect();
+        self.update(&Measured { sensors, values, force: record.force(k) })
+    }
+
     fn sample(&self, nis: f64, log_likelihood: f64) -> Sample {
         let mut mean = self.mean.clone();
         let mut scale = vec![1.0; mean.len()];

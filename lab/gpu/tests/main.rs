@@ -3,7 +3,6 @@
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 mod common;
-#[path = "../../lanes/tests/common/mod.rs"]
 mod runs;
 #[path = "common/tally.rs"]
 mod tally;

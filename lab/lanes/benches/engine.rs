@@ -28,6 +28,8 @@ fn main() {
     let all: &[Channel] = &[Channel::INPUT_GAIN, Channel::INPUT_OFFSET, Channel::UNKNOWN_FORCE];
     for kind in [FilterKind::EKF, FilterKind::UKF] {
         for (plant, augment, hold) in [
+            (PlantKind::SDOF, &[][..], Hold::Zero),
+            (PlantKind::DUFFING, &[], Hold::Zero),
             (PlantKind::SDOF, gain, Hold::First),
             (PlantKind::SDOF, all, Hold::Zero),
             (PlantKind::DUFFING, gain, Hold::First),

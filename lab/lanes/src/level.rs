@@ -1,30 +1,28 @@
 //! The choice of an instruction set while running.
 
-use kalmanscope_core::internals::kernel::Method;
+#[cfg(not(target_arch = "wasm32"))]
+use kalmanscope_core::internals::engine::Baseline;
+#[cfg(any(target_arch = "x86_64", target_arch = "wasm32"))]
+use kalmanscope_core::internals::engine::Known;
+use kalmanscope_core::internals::engine::{self, Lanes, Run};
 use kalmanscope_core::score::Outcome;
 
-#[cfg(not(target_arch = "wasm32"))]
-use crate::array::Array;
-use crate::lane::LANES;
-use crate::observation::{Observations, Run};
-use crate::plant::Plant;
-use crate::run::run;
+/// The number of lanes: eight numbers are a line of a cache. A browser's compiler keeps those of two lanes out of memory.
+pub const LANES: usize = if cfg!(target_arch = "wasm32") { 2 } else { 8 };
 
 /// A set of instructions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Level {
-    /// That of every processor of the target: SSE2 on x86-64.
+    /// That of every processor of the target: SSE2 on x86-64; of every browser that runs the page.
     Baseline,
     /// AVX2.
     Avx2,
-    /// AVX-512, as processors have it since Ice Lake.
-    Avx512,
 }
 
 impl Level {
     /// Those that this processor has, the best one last.
     pub fn available() -> Vec<Self> {
-        [Self::Baseline, Self::Avx2, Self::Avx512].into_iter().filter(|level| level.is_available()).collect()
+        [Self::Baseline, Self::Avx2].into_iter().filter(|level| level.is_available()).collect()
     }
 
     /// The best one that this processor has.
@@ -34,12 +32,7 @@ impl Level {
 
     #[cfg(target_arch = "x86_64")]
     fn is_available(self) -> bool {
-        let best = fearless_simd::Level::new();
-        match self {
-            Self::Baseline => true,
-            Self::Avx2 => best.as_avx2().is_some(),
-            Self::Avx512 => best.as_avx512().is_some(),
-        }
+        self == Self::Baseline || fearless_simd::Level::new().as_avx2().is_some()
     }
 
     #[cfg(not(target_arch = "x86_64"))]
@@ -47,68 +40,75 @@ impl Level {
         self == Self::Baseline
     }
 
-    /// Runs a batch with these instructions, or with the best ones below them that the processor has.
-    pub(crate) fn run<P: Plant<N>, const N: usize, const E: usize>(
-        self,
-        runs: &[Run<'_, P, N>; LANES],
-        observations: &Observations<'_, N>,
-        samples: &[usize],
-    ) -> [Option<Outcome>; LANES] {
-        let is_ukf = runs[0].filter.method == Method::SigmaPoints;
+    /// The outcomes of a batch with these instructions, or with the best ones below them that the processor has.
+    pub(crate) fn outcomes(self, batch: &[Run<'_>], samples: &[usize]) -> Vec<Outcome> {
         #[cfg(target_arch = "x86_64")]
-        if self > Self::Baseline {
-            let best = fearless_simd::Level::new();
-            if let Some(token) = best.as_avx512().filter(|_| self == Self::Avx512) {
-                return with_vectors::<_, P, N, E>(token, is_ukf, runs, observations, samples);
-            }
-            if let Some(token) = best.as_avx2() {
-                return with_vectors::<_, P, N, E>(token, is_ukf, runs, observations, samples);
-            }
+        if self > Self::Baseline
+            && let Some(token) = fearless_simd::Level::new().as_avx2()
+        {
+            return of_size(Avx2(token), batch, samples);
         }
-        #[cfg(target_arch = "wasm32")]
-        return if is_ukf {
-            with_pairs::<P, N, E, true>(runs, observations, samples)
-        } else {
-            with_pairs::<P, N, E, false>(runs, observations, samples)
-        };
+        // Versions of known sizes take long to compile, and old processors are few.
         #[cfg(not(target_arch = "wasm32"))]
-        if is_ukf {
-            run::<P, Array, N, E, true>((), runs, observations, samples)
-        } else {
-            run::<P, Array, N, E, false>((), runs, observations, samples)
-        }
+        return engine::outcomes::<Lanes<LANES>, _>(Baseline, batch, samples);
+        #[cfg(target_arch = "wasm32")]
+        of_size(Simd128, batch, samples)
     }
 }
 
-#[cfg(target_arch = "wasm32")]
-#[inline(never)]
-#[target_feature(enable = "simd128")]
-fn with_pairs<P: Plant<N>, const N: usize, const E: usize, const UKF: bool>(
-    runs: &[Run<'_, P, N>; LANES],
-    observations: &Observations<'_, N>,
-    samples: &[usize],
-) -> [Option<Outcome>; LANES] {
-    run::<P, crate::pair::Pair, N, E, UKF>((), runs, observations, samples)
+/// The usual oscillators have sizes that the compiler knows.
+#[cfg(any(target_arch = "x86_64", target_arch = "wasm32"))]
+fn of_size<L: engine::Level>(level: L, batch: &[Run<'_>], samples: &[usize]) -> Vec<Outcome> {
+    let model = &batch[0].setup.design.model;
+    match (model.size, model.moving()) {
+        (4, 2) => engine::outcomes::<Lanes<LANES>, _>(Known::<_, 4, 2>(level), batch, samples),
+        #[cfg(not(target_arch = "wasm32"))]
+        (5, 2) => engine::outcomes::<Lanes<LANES>, _>(Known::<_, 5, 2>(level), batch, samples),
+        _ => engine::outcomes::<Lanes<LANES>, _>(level, batch, samples),
+    }
 }
 
+/// The instructions of AVX2.
 #[cfg(target_arch = "x86_64")]
-fn with_vectors<S: fearless_simd::Simd, P: Plant<N>, const N: usize, const E: usize>(
-    token: S,
-    is_ukf: bool,
-    runs: &[Run<'_, P, N>; LANES],
-    observations: &Observations<'_, N>,
-    samples: &[usize],
-) -> [Option<Outcome>; LANES] {
-    use crate::vector::Vector;
-    if is_ukf {
-        token.vectorize(
-            #[inline(always)]
-            || run::<P, Vector<S>, N, E, true>(token, runs, observations, samples),
-        )
-    } else {
-        token.vectorize(
-            #[inline(always)]
-            || run::<P, Vector<S>, N, E, false>(token, runs, observations, samples),
-        )
+#[derive(Clone, Copy)]
+struct Avx2(fearless_simd::Avx2);
+
+#[cfg(target_arch = "x86_64")]
+impl engine::Level for Avx2 {
+    type Plain = Self;
+
+    #[inline(always)]
+    fn plain(self) -> Self {
+        self
+    }
+
+    #[inline(never)]
+    fn apart<R>(self, work: impl FnOnce() -> R) -> R {
+        fearless_simd::Simd::vectorize(self.0, work)
+    }
+}
+
+/// The vectors of WebAssembly.
+#[cfg(target_arch = "wasm32")]
+#[derive(Clone, Copy)]
+struct Simd128;
+
+#[cfg(target_arch = "wasm32")]
+impl engine::Level for Simd128 {
+    type Plain = Self;
+
+    #[inline(always)]
+    fn plain(self) -> Self {
+        self
+    }
+
+    #[inline(always)]
+    fn apart<R>(self, work: impl FnOnce() -> R) -> R {
+        #[inline(never)]
+        #[target_feature(enable = "simd128")]
+        fn with_vectors<R>(work: impl FnOnce() -> R) -> R {
+            work()
+        }
+        with_vectors(work)
     }
 }

@@ -3,14 +3,10 @@
 //!
 //! ```text
 //! runs ──alike──▶ batches ──steps in lanes──▶ outcomes
-//!                    └ a lane whose step is special: the single filter takes it
 //! ```
 //!
-//! KF, EKF and UKF of the linear and the Duffing oscillator run in their own lanes ([`serves`]). The engine's lanes serve
-//! further plants, augmentations, inputs that are not held, logarithms, weights of measurements, noise that is learnt, and
-//! jumps. [`outcomes`] runs any other filter by itself. A step in lanes is straight-line code: the kernel's operations
-//! in the kernel's order, and a mask of the lanes for which they hold. The instruction set is chosen while running;
-//! since no operation is fused, all give the same bits. A plant is one file and one line in `plant.rs`.
+//! The lanes are those of the core's engine; here are the choice of the instruction set while running, and the batches. Since no
+//! operation is fused, all instructions give the same bits. [`outcomes`] runs a filter that has no lanes by itself.
 //!
 //! ```
 //! use kalmanscope_core::{Run, Scenario};
@@ -33,36 +29,8 @@
 //! # }
 //! ```
 
-#![expect(
-    clippy::needless_range_loop,
-    reason = "closures of iterators that are not inlined have no vector instructions; indices are those of the equations"
-)]
-
-#[cfg(not(target_arch = "wasm32"))]
-mod array;
 mod batch;
-mod belief;
-mod engine;
-mod expect;
-mod factor;
-mod impulse;
-mod lane;
-mod lane_run;
 mod level;
-mod linearised;
-mod observation;
-#[cfg(target_arch = "wasm32")]
-mod pair;
-mod plant;
-mod run;
-mod runge_kutta;
-mod sigma_points;
-mod sums;
-mod update;
-#[cfg(target_arch = "x86_64")]
-mod vector;
 
-pub use batch::{outcomes, outcomes_with, serves};
-pub use lane::LANES;
-pub use lane_run::LaneRun;
-pub use level::Level;
+pub use batch::{LaneRun, outcomes, outcomes_with, serves};
+pub use level::{LANES, Level};

@@ -77,7 +77,7 @@ fn filters_that_divide_their_steps_have_the_bits_of_the_run_alone() {
     for (name, mut scenario) in all {
         let mut truth = Run::new(&Scenario { filters: Vec::new(), ..scenario.clone() }).unwrap();
         truth.finish();
-        let record = truth.record().clone().without_truth();
+        let record = truth.record().clone();
         let first = scenario.filters.remove(0);
         scenario.filters = [FilterKind::EKF, FilterKind::UKF, FilterKind::CKF]
             .map(|kind| kalmanscope_core::FilterSettings { kind, name: kind.name().to_owned(), ..first.clone() })

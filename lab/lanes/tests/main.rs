@@ -1,7 +1,6 @@
 //! The tests of the lanes: one program, which is linked once. `cargo test -p kalmanscope-lanes --test all NAME::` runs those of one file.
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
-mod common;
 #[path = "common/draw.rs"]
 mod draw;
 #[path = "common/held.rs"]
@@ -9,7 +8,6 @@ mod held;
 #[path = "common/outcome_bits.rs"]
 mod outcome_bits;
 
-mod bits;
 mod engine;
 mod equations;
 mod times;

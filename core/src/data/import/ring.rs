@@ -2,6 +2,7 @@
 
 use super::sound::first_channel;
 use super::{Mapping, Table};
+use crate::data::sorting::sort_numbers;
 use crate::mathematics::fourier::Transform;
 
 /// The ring of one mode in a sound: a glass, a tuning fork, a ruler on the edge of a table.
@@ -128,7 +129,7 @@ fn ring(sizes: &[f64], blow: usize) -> Option<[usize; 2]> {
     // The noise is measured in the silence before the blow, or at the end if there is none.
     let silence = if blow > 5 { &sizes[..blow - 1] } else { &sizes[sizes.len() - (sizes.len() / 5).max(1)..] };
     let mut silence = silence.to_vec();
-    silence.sort_by(f64::total_cmp);
+    sort_numbers(&mut silence);
     let noise = silence[silence.len() / 2];
     if largest < LOUD * noise {
         return None;

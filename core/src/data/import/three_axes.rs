@@ -2,6 +2,7 @@
 
 use super::unit::{Dimension, STANDARD_GRAVITY, unit};
 use super::{Column, Decay, NoDecay, Table};
+use crate::data::sorting::sort_numbers;
 
 /// The columns of a file with the time and three accelerations: phyphox, Sensor Logger, Physics Toolbox, the lines of an Arduino.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -108,7 +109,7 @@ fn seconds(column: &Column) -> Option<f64> {
         return Some(factor);
     }
     let mut steps: Vec<f64> = column.values.windows(2).map(|pair| pair[1] - pair[0]).filter(|dt| *dt > 0.0).collect();
-    steps.sort_by(f64::total_cmp);
+    sort_numbers(&mut steps);
     let step = *steps.get(steps.len() / 2)?;
     CLOCKS.iter().find(|(_, from, to)| (*from..=*to).contains(&step)).map(|(second, ..)| *second)
 }

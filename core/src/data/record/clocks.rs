@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use thiserror::Error;
 
+use crate::data::sorting::sort_numbers;
 use crate::{Hold, InputKind};
 
 /// Values with their times.
@@ -181,7 +182,7 @@ impl Parts {
             let delay = course.delay;
             cuts.extend(input.times[input.within(begin - delay, end - delay)].iter().map(|time| time + delay));
         }
-        cuts.sort_by(f64::total_cmp);
+        sort_numbers(cuts);
         cuts.dedup_by(|later, before| *later - *before <= SAME);
         // The end itself is exact.
         if let Some(last) = cuts.last_mut() {

@@ -25,7 +25,7 @@ impl FilterSettings {
     }
 }
 
-/// Time that one member of an ensemble takes for one sample where no kernel serves the filter \[ns\]: by the number of its
+/// Time that one member of an ensemble takes for one sample \[ns\]: by the number of its
 /// components for a step, and by their square for the sample's covariance and the draws. Measured by `cargo bench --bench measurements -- largest`.
 const OF_COMPONENT: f64 = 250.0;
 const OF_COVARIANCE: f64 = 12.0;
@@ -62,7 +62,7 @@ mod tests {
             evaluations: |_, _| 1,
             time: |settings, n| 1e6 * (n * settings.iterations) as f64,
             has_propagation: false,
-            begin: FilterKind::EKF.info().begin,
+            way: FilterKind::EKF.info().way,
         };
         let of =
             |kind| FilterSettings { kind, guesses: 2, ..FilterSettings::default() }.time_of_step(&Scenario::default());

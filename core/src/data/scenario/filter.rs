@@ -40,7 +40,7 @@ pub struct FilterSettings {
     pub augment: Vec<Channel>,
     /// The parameters and augmentations that the filter does not estimate, but whose uncertainty it counts: their means and standard
     /// deviations stay as no reading had come, and what is not known of them widens the other bands
-    /// ([`Filter::with_considered`](crate::filter::Filter::with_considered)).
+    /// (Schmidt 1966).
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub consider: Vec<Channel>,
     /// The least and the most that parameters and augmentations can be: what the filter tells are mean and covariance of its belief
@@ -178,8 +178,7 @@ impl FilterSettings {
         MethodSettings { propagation: self.propagation_for(truth), iterations, ensemble_size }
     }
 
-    /// Whether an update is that of textbooks: one filter, whose noise is known and whose measurements all count. Kernels and their
-    /// lanes weigh nothing.
+    /// Whether an update is that of textbooks: one filter, whose noise is known and whose measurements all count.
     pub(crate) fn has_plain_update(&self) -> bool {
         let takes_all = !self.robust.is_on() && self.consider.is_empty() && self.bounds.is_empty();
         !self.adaptation.is_on() && !self.jump && takes_all && self.is_one() && self.plucks.is_empty()
@@ -193,12 +192,12 @@ impl FilterSettings {
     /// Whether the filter can consider channels without estimating them: mean and covariance are all of its belief, and nothing else
     /// changes them.
     pub fn can_consider(&self) -> bool {
-        self.is_one() && !self.kind.is_sampled() && !self.adaptation.is_on() && !self.jump && !self.smoother
+        self.is_one() && self.kind.is_gaussian() && !self.adaptation.is_on() && !self.jump && !self.smoother
     }
 
     /// Whether what the filter tells can have bounds. A random sample is no normal belief, and logarithms have a bound of their own.
     pub fn can_be_bounded(&self) -> bool {
-        !self.kind.is_sampled() && !self.log_parameters
+        self.kind.is_gaussian() && !self.log_parameters
     }
 
     /// The channels of a filter of this truth that it can consider, or that can have bounds.
@@ -209,12 +208,12 @@ impl FilterSettings {
 
     /// Whether the motion can begin anew: a random sample has no belief that could be widened, and the models of a bank are mixed.
     pub fn can_be_plucked(&self) -> bool {
-        !self.kind.is_sampled() && self.walk == 0.0
+        self.kind.is_gaussian() && self.walk == 0.0
     }
 
     /// Whether measurements can be weighed.
     pub fn can_weigh(&self) -> bool {
-        !self.kind.is_sampled() && !self.adaptation.sensor_noise
+        self.kind.is_gaussian() && !self.adaptation.sensor_noise
     }
 
     /// Whether the filter can be one of two that mix: mean and covariance are all of its belief, and nothing else follows from its
@@ -230,7 +229,7 @@ impl FilterSettings {
 
     fn has_gaussian_belief(&self) -> bool {
         let is_plain = !self.jump && !self.robust.is_on() && self.consider.is_empty();
-        !self.kind.is_sampled() && is_plain && !self.smoother
+        self.kind.is_gaussian() && is_plain && !self.smoother
     }
 
     /// Whether the filter takes a channel as known and exact, whatever its standard deviations: a KF does so for the

@@ -197,7 +197,7 @@ impl FilterSettings {
             "\"none\" for a filter that samples its belief or learns R",
         )?;
         require(
-            !(*smoother && kind.is_sampled()),
+            !*smoother || kind.is_gaussian(),
             format_args!("{path}.smoother"),
             smoother,
             format_args!("false for a {}, which has no smoother here", kind.name()),

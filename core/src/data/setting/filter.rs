@@ -128,7 +128,7 @@ pub static SMOOTHER: Row = row! { "smoother", smoother,
     allowed: Allowed::Flag,
     hint: "In the whole record also show, dashed, what is known of each instant in the light of all that came after it: \
            Rauch, Tung and Striebel (1965)",
-    serves: |filter, _| !filter.kind.is_sampled() && filter.guesses == 1 && filter.process_scales == 1,
+    serves: |filter, _| filter.kind.is_gaussian() && filter.guesses == 1 && filter.process_scales == 1,
 };
 
 /// The time after each sample of which hindsight knows.

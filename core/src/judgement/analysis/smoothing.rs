@@ -109,7 +109,7 @@ impl Smoothing {
 
     /// The work for a filter that is done and the whole work, in nanoseconds.
     pub(super) fn work(&self, filter: &FilterSettings, subject: &Subject<'_>, wanted: Hindsight) -> (f64, f64) {
-        if !is_wanted(filter, subject, wanted) || filter.kind.is_sampled() {
+        if !is_wanted(filter, subject, wanted) || !filter.kind.is_gaussian() {
             return (0.0, 0.0);
         }
         let cost = 2.0 * subject.done as f64 * cost::of_step(filter, subject.bank.scenario());

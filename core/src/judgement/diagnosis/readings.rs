@@ -1,6 +1,7 @@
 //! What a sensor's readings tell of the sensor, without a model: clipping, sticking, coarse steps, outliers.
 
 use super::case::Case;
+use crate::data::sorting::sort_numbers;
 
 /// The readings of one sensor over the diagnosed samples, and its normalised innovations `e/√S`; NaN where there is none.
 pub(super) struct Readings {
@@ -80,7 +81,7 @@ impl Readings {
     pub(super) fn step(&self) -> Option<f64> {
         let mut values: Vec<f64> = self.values.iter().copied().filter(|value| !value.is_nan()).collect();
         let count = values.len();
-        values.sort_by(f64::total_cmp);
+        sort_numbers(&mut values);
         values.dedup();
         let [first, .., last] = values[..] else { return None };
         if count < 50 || values.len() as f64 > MOST_LEVELS * count as f64 {

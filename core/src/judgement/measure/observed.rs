@@ -127,7 +127,7 @@ impl Part<'_> {
 
     /// The sample since which the channel's error has stayed small.
     pub(super) fn settled(&self) -> Option<usize> {
-        self.run.diagnostics().settled(self.channel?)
+        self.run.diagnostics().settled(self.channel?).filter(|_| self.run.estimates.stop().is_none())
     }
 
     /// The channel's errors over some samples, each with its standard deviation; empty where there are none.

@@ -34,7 +34,6 @@ impl<T: Number> Noise<T> {
     }
 
     /// The diagonal of Q.
-    #[cfg(not(target_arch = "wasm32"))]
     pub(crate) fn diagonal(&self) -> impl Iterator<Item = T> {
         let n = self.process.len();
         (0..n).map(move |i| if self.matrix.is_empty() { self.process[i] } else { self.matrix[i * (n + 1)] })

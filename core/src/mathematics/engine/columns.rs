@@ -281,6 +281,23 @@ pub(crate) fn divide<T: Number>(factor: &[T], m: usize, x: &mut [T], n: usize) {
     }
 }
 
+/// `X L⁻¹` in place of X, n × n, by a lower triangular root, the last column first. Directions without variance are left out.
+pub(crate) fn divide_by_root<T: Number>(x: &mut [T], root: &[T], n: usize) {
+    for j in (0..n).rev() {
+        let (before, after) = x.split_at_mut((j + 1) * n);
+        let column = &mut before[j * n..];
+        for (k, later) in (j + 1..n).zip(after.chunks_exact(n)) {
+            take_times(column, root[j * n + k], later);
+        }
+        let pivot = root[j * n + j];
+        let is_zero = pivot.le(T::of(0.0)) & T::of(0.0).le(pivot);
+        let inverse = T::select(is_zero, T::of(0.0), T::of(1.0) / pivot);
+        for entry in column {
+            *entry = *entry * inverse;
+        }
+    }
+}
+
 /// `eᵀ S⁻¹ e` by the factor of S; e becomes white.
 #[inline(always)]
 pub(crate) fn square<T: Number>(factor: &[T], m: usize, e: &mut [T]) -> T {

@@ -3,10 +3,9 @@
 #[cfg(doc)]
 use super::columns::combine;
 use super::columns::{add_times, multiply};
-use super::exponential::Classes;
+use super::exponential::{Classes, INVERSE_FACTORIAL};
 use super::level::Level;
 use super::number::Number;
-use crate::mathematics::integrate::INVERSE_FACTORIAL;
 
 /// The response of m masses with `ẍ = K x + C ẋ` to a unit impulse on each of them, one a column, after a time, and its
 /// integrals, m × m.

@@ -50,4 +50,6 @@ pub struct Design {
     pub adaptation: Adaptation,
     /// Whether P widens where the innovations grow at once.
     pub jumps: bool,
+    /// The places of components that count but are not estimated.
+    pub considered: Vec<usize>,
 }

@@ -1,6 +1,5 @@
-//! The normalised estimation error squared, in lanes.
+//! The normalised estimation error squared.
 
-use super::belief::Belief;
 use super::columns::entry;
 use super::level::Level;
 use super::number::{Mask, Number};
@@ -9,7 +8,7 @@ use super::number::{Mask, Number};
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// The errors of the channels at some places of a state, and memory to weigh them.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct ErrorSquare<T> {
     places: Vec<usize>,
     errors: Vec<T>,
@@ -31,6 +30,11 @@ impl<T: Number> ErrorSquare<T> {
         }
     }
 
+    /// The places of the channels.
+    pub(crate) fn places(&self) -> &[usize] {
+        &self.places
+    }
+
     /// Puts the error of the channel at one of the places.
     #[inline(always)]
     pub(crate) fn put(&mut self, at: usize, error: T) {
@@ -44,12 +48,12 @@ impl<T: Number> ErrorSquare<T> {
     ///
     /// The places may be those of the `WHOLE` state.
     #[inline(always)]
-    pub(crate) fn of<L: Level, const WHOLE: bool>(&mut self, level: L, belief: &Belief<T>) -> (T, T) {
+    pub(crate) fn of<L: Level, const WHOLE: bool>(&mut self, level: L, [mean, cov]: [&[T]; 2]) -> (T, T) {
         let Self { places, errors, sizes, variances, factor } = self;
         let (zero, one) = (T::of(0.0), T::of(1.0));
-        let n = level.size(belief.size());
+        let n = level.size(mean.len());
         let count = if WHOLE { n } else { places.len() };
-        let (mean, cov) = (&belief.mean[..n], &belief.cov[..n * n]);
+        let (mean, cov) = (&mean[..n], &cov[..n * n]);
         let (errors, sizes) = (&mut errors[..count], &mut sizes[..count]);
         let (variances, factor) = (&mut variances[..count], &mut factor[..count * count]);
         for j in 0..count {

@@ -19,6 +19,9 @@ pub(super) struct Expected<T> {
     pub(super) cross: Vec<T>,
     /// Whether there is an H.
     pub(super) is_linear: bool,
+    /// The component of each sensor, where all sensors read one component each.
+    pub(super) places: Vec<usize>,
+    pub(super) are_components: bool,
     /// The rows of H of sensors that read more than components, n numbers for each.
     rows: Vec<T>,
     derivatives: Derivatives<T>,
@@ -45,6 +48,8 @@ impl<T: Number> Expected<T> {
             cov: zeros(sensors * sensors),
             cross: zeros(sensors * n),
             is_linear: true,
+            places: Vec::new(),
+            are_components: false,
             rows: zeros(sensors * n),
             derivatives: Derivatives::new(model),
             points: Points {
@@ -55,6 +60,12 @@ impl<T: Number> Expected<T> {
                 shift: zeros(sensors),
             },
         }
+    }
+
+    /// Notes the components of the sensors.
+    pub(super) fn note_components(&mut self, readings: &[Reading]) {
+        self.places = readings.iter().filter_map(Reading::component).collect();
+        self.are_components = self.places.len() == readings.len();
     }
 
     /// n
@@ -76,7 +87,9 @@ impl<T: Number> Expected<T> {
         force: T,
     ) -> Rooted<T::Mask> {
         self.is_linear = true;
-        if design.readings.iter().all(Reading::is_of_components) {
+        if T::LANES == 1 && L::IS_KNOWN && self.are_components {
+            self.select(level, count, belief, active);
+        } else if design.readings.iter().all(Reading::is_of_components) {
             level.apart(
                 #[inline(always)]
                 || self.linearise(level, count, design, belief, active, force, None),
@@ -95,6 +108,27 @@ impl<T: Number> Expected<T> {
             );
         }
         Rooted { holds: T::Mask::of(true), is_finite: T::Mask::of(true) }
+    }
+
+    /// The prediction of sensors that read one component each.
+    #[inline(always)]
+    fn select<L: Level, C: Count>(&mut self, level: L, count: C, belief: &Belief<T>, active: &[usize]) {
+        let (n, m) = (level.size(self.size()), count.number());
+        let Self { mean, cov, cross, places, .. } = self;
+        let (active, mean, cov, cross) = (&active[..m], &mut mean[..m], &mut cov[..m * m], &mut cross[..m * n]);
+        let (state, p) = (&belief.mean[..n], &belief.cov[..n * n]);
+        for row in 0..m {
+            let place = places[active[row]];
+            mean[row] = state[place];
+            let out = &mut cross[row * n..(row + 1) * n];
+            select_column(p, n, place, out);
+        }
+        for row in 0..m {
+            let place = places[active[row]];
+            for column in 0..=row {
+                cov[column * m + row] = cross[column * n + place];
+            }
+        }
     }
 
     /// The same, linearised in another state: `h(at) + H (y⁻ - at)`.
@@ -259,12 +293,7 @@ fn times<T: Number>(reading: &Reading, h: &[T], x: &[T]) -> T {
 fn times_cov<T: Number>(reading: &Reading, h: &[T], cov: &[T], out: &mut [T]) {
     let n = out.len();
     if let Some(place) = reading.component() {
-        // The compiler may know the first columns.
-        match place {
-            0 => copy_column(cov, n, 0, out),
-            1 => copy_column(cov, n, 1, out),
-            _ => copy_column(cov, n, place, out),
-        }
+        select_column(cov, n, place, out);
     } else if reading.is_of_components() {
         for i in 0..n {
             let mut sum = T::of(0.0);
@@ -281,6 +310,16 @@ fn times_cov<T: Number>(reading: &Reading, h: &[T], cov: &[T], out: &mut [T]) {
             }
             out[i] = sum;
         }
+    }
+}
+
+/// A column of a symmetric n × n matrix. The compiler may know the first ones.
+#[inline(always)]
+pub(super) fn select_column<T: Copy>(cov: &[T], n: usize, place: usize, out: &mut [T]) {
+    match place {
+        0 => copy_column(cov, n, 0, out),
+        1 => copy_column(cov, n, 1, out),
+        _ => copy_column(cov, n, place, out),
     }
 }
 

@@ -6,15 +6,16 @@
 //! ```
 
 use super::belief::{Belief, Noise};
-use super::columns::Rooted;
+use super::columns::{Rooted, lower_root};
+use super::considered::Considered;
 use super::design::{Design, Method};
-use super::fault::Held;
+use super::fault::{Held, of_root};
 use super::learning::Learning;
-#[cfg(not(target_arch = "wasm32"))]
 use super::learning::Learnt;
 use super::level::Level;
 use super::linearised::Linearised;
 use super::number::{Mask, Number};
+use super::passage::Passage;
 use super::share::Share;
 use super::sigma_points::SigmaPoints;
 use super::square_root::{SquareRoot, may_have_root, std};
@@ -39,12 +40,12 @@ pub(crate) struct Filter<T: Number, L> {
     root: Option<SquareRoot<T>>,
     update: Update<T>,
     learning: Option<Box<Learning<T>>>,
+    considered: Option<Box<Considered<T>>>,
     /// The lanes for which the parts of the last step hold.
     held: Held<T::Mask>,
 }
 
 /// The last update of a filter of one run, and what it has learnt.
-#[cfg(not(target_arch = "wasm32"))]
 pub(crate) struct Parts<'a> {
     pub(crate) belief: &'a Belief<f64>,
     pub(crate) update: &'a Update<f64>,
@@ -57,8 +58,19 @@ pub(crate) struct Parts<'a> {
     pub(crate) is_adaptive: bool,
 }
 
-#[cfg(not(target_arch = "wasm32"))]
 impl<L: Level> Filter<f64, L> {
+    /// The usual misfits of the sensors, to which a robust filter compares those of a sample; none for any other filter.
+    pub(crate) fn usual_misfits(&mut self) -> &[f64] {
+        self.learning.as_mut().and_then(|learning| learning.weights_mut()).map_or(&[], |weights| weights.usual())
+    }
+
+    /// Goes back to the usual misfits of an earlier sample.
+    pub(crate) fn set_usual_misfits(&mut self, misfits: &[f64]) {
+        if let Some(weights) = self.learning.as_mut().and_then(|learning| learning.weights_mut()) {
+            weights.set_usual(misfits);
+        }
+    }
+
     /// The last update and what the filter has learnt.
     pub(crate) fn parts(&self) -> Parts<'_> {
         let Self { design, belief, update, noise, learning, white, .. } = self;
@@ -73,8 +85,12 @@ impl<L: Level> Filter<f64, L> {
     }
 }
 
-#[cfg(not(target_arch = "wasm32"))]
 impl<T: Number, L: Level> Filter<T, L> {
+    /// Time between samples \[s\].
+    pub(crate) fn dt(&self) -> f64 {
+        self.design.dt
+    }
+
     /// Whether the filters weigh, learn or jump.
     pub(crate) fn learns(&self) -> bool {
         self.learning.is_some()
@@ -103,8 +119,9 @@ impl<T: Number, L: Level> Filter<T, L> {
             linearised: Linearised::new(model),
             points: SigmaPoints::new(model),
             root,
-            update: Update::new(model, readings.len()),
+            update: Update::of(&design),
             learning: Learning::new(&design, &belief, &mut noise),
+            considered: Considered::new(&design.considered, &belief),
             held: Held::new(),
             level,
             design,
@@ -119,7 +136,6 @@ impl<T: Number, L: Level> Filter<T, L> {
     /// is added in the last of its parts.
     ///
     /// A white force is another one from the next sample on, or from the middle of the step ([`Course`](super::course::Course)).
-    #[cfg(not(target_arch = "wasm32"))]
     #[inline(always)]
     pub(crate) fn predict(&mut self, forces: [T; 2]) {
         self.predict_share(1.0, forces);
@@ -145,21 +161,59 @@ impl<T: Number, L: Level> Filter<T, L> {
         let yes = T::Mask::of(true);
         let mut held = Rooted { holds: yes, is_finite: yes };
         for i in 0..parts {
-            let rooted = if parts == 1 { self.advance(&whole) } else { self.advance(&whole.part(i, parts)) };
+            let step = if parts == 1 { whole } else { whole.part(i, parts) };
+            self.note_regression(&step);
+            let rooted = self.advance(&step);
+            self.note_derivative();
             held = Rooted {
                 holds: held.holds & rooted.holds,
                 is_finite: held.is_finite & (!held.holds | rooted.is_finite),
             };
-            self.spread(share, i + 1 == parts);
+            let rooted = self.spread(share, i + 1 == parts);
+            held.holds = held.holds & rooted.holds;
+            held.is_finite = held.is_finite & rooted.is_finite;
             if let Some((place, _)) = white.filter(|_| i + 1 == renewed) {
                 let Self { level, belief, root, white, .. } = self;
                 match root {
                     Some(root) if const { may_have_root::<T, L>() } => root.renew(*level, belief, place, *white),
                     _ => belief.renew(place, *white),
                 }
+                if let Some(passage) = &mut self.update.passage {
+                    passage.renew(place);
+                }
             }
         }
         self.held.predicted = held;
+        if let Some(mut passage) = self.update.passage.take() {
+            self.square();
+            passage.predicted.copy_from_slice(&self.belief.cov);
+            self.update.passage = Some(passage);
+        }
+    }
+
+    /// Notes the step that is about to be taken by sigma points, for the smoother.
+    #[inline(always)]
+    fn note_regression(&mut self, step: &Step<T>) {
+        if let Some(passage) = self.update.passage.take() {
+            self.update.passage = Some(self.regression(passage, step));
+        }
+    }
+
+    #[inline(never)]
+    fn regression(&mut self, mut passage: Box<Passage<T>>, step: &Step<T>) -> Box<Passage<T>> {
+        self.square();
+        let Self { level, design, points, belief, .. } = self;
+        passage.regress(level.plain(), design, points, belief, step);
+        passage
+    }
+
+    /// Notes the step that has been taken by linearisation, for the smoother.
+    #[inline(always)]
+    fn note_derivative(&mut self) {
+        let Self { design: Design { model, method, .. }, linearised, update, .. } = self;
+        if let (Some(passage), Method::Linearised(..)) = (&mut update.passage, *method) {
+            passage.follow(linearised, model.moving());
+        }
     }
 
     /// Moves the beliefs, without noise.
@@ -180,10 +234,17 @@ impl<T: Number, L: Level> Filter<T, L> {
 
     /// Ends a part of a prediction, with the noise in the last one.
     #[inline(always)]
-    fn spread(&mut self, share: f64, is_last: bool) {
-        let Self { level, belief, noise, of_share, root, .. } = self;
+    fn spread(&mut self, share: f64, is_last: bool) -> Rooted<T::Mask> {
+        let Self { level, belief, noise, of_share, root, considered, .. } = self;
         let noise = of_share.of(share, noise);
-        match (root, is_last) {
+        let mut rooted = Rooted { holds: T::Mask::of(true), is_finite: T::Mask::of(true) };
+        match (&mut *root, is_last) {
+            (Some(root), true) if const { may_have_root::<T, L>() } && !noise.matrix.is_empty() => {
+                let n = belief.size();
+                rooted = lower_root(*level, &noise.matrix, &mut belief.cov, n);
+                let of_noise = &belief.cov;
+                root.spread(*level, noise.fading, |i, row| (0..=i).for_each(|k| row[k] = of_noise[k * n + i]));
+            }
             (Some(root), true) if const { may_have_root::<T, L>() } => level.apart(
                 #[inline(always)]
                 || {
@@ -202,17 +263,108 @@ impl<T: Number, L: Level> Filter<T, L> {
             ),
             (_, false) => belief.clamp(),
         }
+        if let Some(considered) = considered.as_deref().filter(|_| is_last) {
+            if const { may_have_root::<T, L>() }
+                && let Some(root) = root
+            {
+                root.square(*level, &mut belief.cov);
+                considered.keep(belief, noise);
+                rooted = root.take(*level, &belief.cov);
+            } else {
+                considered.keep(belief, noise);
+            }
+        }
+        rooted
     }
 
     /// Conditions the beliefs on one sample of the sensors, while `force` acts. A measurement that is NaN skips its
     /// sensor. The last step holds for [some lanes](Told::holds); [`Self::reason`] gives the reason for the others.
     #[inline(always)]
     pub(crate) fn update(&mut self, force: T, measured: &[T]) -> Told<T> {
+        if self.considered.is_some() {
+            return self.update_but_for_considered(force, measured);
+        }
+        self.condition(force, measured)
+    }
+
+    #[inline(always)]
+    fn condition(&mut self, force: T, measured: &[T]) -> Told<T> {
         let Self { level, design, noise, belief, update, held, root, learning, .. } = self;
         let observation = Observation { force, measured };
         match learning {
             None => update.condition(*level, design, belief, root.as_mut(), noise, observation, held),
-            Some(learning) => learning.condition(*level, design, belief, noise, observation, update, held),
+            Some(learning) => {
+                learning.condition(*level, design, belief, root.as_mut(), noise, observation, update, held)
+            }
+        }
+    }
+
+    #[inline(never)]
+    fn update_but_for_considered(&mut self, force: T, measured: &[T]) -> Told<T> {
+        self.square();
+        let mut considered = self.considered.take();
+        if let Some(considered) = &mut considered {
+            considered.store(&self.belief);
+        }
+        let mut told = self.condition(force, measured);
+        if let Some(considered) = &considered {
+            considered.restore(&mut self.belief, self.update.gain_mut());
+            let rooted = self.take_root();
+            told.holds = told.holds & rooted.holds;
+            self.held.is_positive = self.held.is_positive & rooted.holds;
+        }
+        self.considered = considered;
+        told
+    }
+
+    /// Takes the root of the covariance, of a filter that holds one.
+    fn take_root(&mut self) -> Rooted<T::Mask> {
+        let Self { level, belief, root, .. } = self;
+        match root {
+            Some(root) if const { may_have_root::<T, L>() } => root.take(*level, &belief.cov),
+            _ => Rooted { holds: T::Mask::of(true), is_finite: T::Mask::of(true) },
+        }
+    }
+
+    /// Adds variances to components of the state, and makes a root of the covariance if the filter holds one.
+    pub(crate) fn widen(&mut self, variances: impl Iterator<Item = (usize, T)>) {
+        self.square();
+        let n = self.belief.size();
+        for (place, variance) in variances {
+            let entry = &mut self.belief.cov[place * (n + 1)];
+            *entry = *entry + variance;
+        }
+        self.take_root();
+    }
+
+    /// Goes on from another belief.
+    ///
+    /// # Errors
+    /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where the filter needs a root that the covariance does not
+    /// have, in the first lane.
+    pub(crate) fn set_belief(&mut self, mean: &[T], cov: &[T]) -> Result<(), FilterError> {
+        self.belief.mean.copy_from_slice(mean);
+        self.belief.cov.copy_from_slice(cov);
+        let Rooted { holds, is_finite } = self.take_root();
+        if holds.lane(0) { Ok(()) } else { Err(of_root(is_finite.lane(0), FilterError::IndefiniteCovariance)) }
+    }
+
+    /// Notes from now on what a smoother needs.
+    pub(crate) fn keep_passages(&mut self) {
+        self.update.passage = Some(Box::new(Passage::new(self.belief.size())));
+    }
+
+    /// The way from the last belief that [`Self::begin_passage`] was called at.
+    pub(crate) fn passage(&self) -> Option<&Passage<T>> {
+        self.update.passage.as_deref()
+    }
+
+    /// Begins another passage.
+    pub(crate) fn begin_passage(&mut self) {
+        if let Some(mut passage) = self.update.passage.take() {
+            self.square();
+            passage.begin(&self.belief);
+            self.update.passage = Some(passage);
         }
     }
 
@@ -227,7 +379,6 @@ impl<T: Number, L: Level> Filter<T, L> {
     }
 
     /// Makes the covariance after a prediction that of the root, if there is one.
-    #[cfg(not(target_arch = "wasm32"))]
     pub(crate) fn square(&mut self) {
         let Self { level, belief, root, .. } = self;
         if const { may_have_root::<T, L>() }
@@ -238,20 +389,17 @@ impl<T: Number, L: Level> Filter<T, L> {
     }
 
     /// Makes the covariance symmetric to the last bit, from its lower triangle.
-    #[cfg(not(target_arch = "wasm32"))]
     #[inline(always)]
     pub(crate) fn complete(&mut self) {
         let n = self.level.size(self.belief.size());
         super::columns::mirror(self.level, &mut self.belief.cov[..n * n], n);
     }
 
-    #[cfg(not(target_arch = "wasm32"))]
     /// Whether the forces that count in a step are finite in all lanes.
     pub(crate) fn are_finite(&self, [begin, end]: [T; 2]) -> bool {
         begin.is_finite().all() && (!self.design.has_slope || end.is_finite().all())
     }
 
-    #[cfg(not(target_arch = "wasm32"))]
     /// Whether sigma points could be drawn for the last prediction in a lane.
     pub(crate) fn is_predicted(&self, lane: usize) -> bool {
         self.held.predicted.holds.lane(lane)

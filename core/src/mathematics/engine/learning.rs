@@ -6,8 +6,10 @@ use super::fault::Held;
 use super::level::Level;
 use super::number::{Mask, Number};
 use super::residuals::Residuals;
+use super::square_root::SquareRoot;
 use super::update::{Observation, Told, Update};
 use super::weighing::Weighing;
+use super::weights::Weights;
 use crate::mathematics::filter::jump::Jump;
 
 /// The memory of a filter that learns.
@@ -28,7 +30,6 @@ pub(super) struct Learning<T> {
 }
 
 /// The weights, the variances of R and the jump of one run.
-#[cfg(not(target_arch = "wasm32"))]
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Learnt<'a> {
     /// The weight of each sensor's reading; `None` of a filter that weighs none.
@@ -47,7 +48,7 @@ impl<T: Number> Learning<T> {
             return None;
         }
         let n = belief.size();
-        if adaptation.process_noise {
+        if adaptation.process_noise && noise.matrix.is_empty() {
             noise.fill_matrix();
         }
         let variances = |lane: usize| (0..n).map(|i| belief.cov[i * n + i].lane(lane)).collect();
@@ -94,14 +95,15 @@ impl<T: Number> Learning<T> {
         level: L,
         design: &Design,
         belief: &mut Belief<T>,
+        root: Option<&mut SquareRoot<T>>,
         noise: &mut Noise<T>,
         observation: Observation<'_, T>,
         update: &mut Update<T>,
         held: &mut Held<T::Mask>,
     ) -> Told<T> {
         let told = match &mut self.weighing {
-            Some(weighing) => weighing.condition(level, design, belief, noise, observation, update, held),
-            None => update.condition(level, design, belief, None, noise, observation, held),
+            Some(weighing) => weighing.condition(level, design, belief, root, noise, observation, update, held),
+            None => update.condition(level, design, belief, root, noise, observation, held),
         };
         let has_measured = T::of(0.0).lt(told.measured);
         let learns = design.adaptation.learns_at(self.sample, design.dt);
@@ -154,8 +156,12 @@ impl<T: Number> Learning<T> {
     }
 }
 
-#[cfg(not(target_arch = "wasm32"))]
 impl Learning<f64> {
+    /// The weights of a filter that weighs its measurements.
+    pub(super) fn weights_mut(&mut self) -> Option<&mut Weights<f64>> {
+        self.weighing.as_mut().map(Weighing::weights_mut)
+    }
+
     /// The weights, the variances of R and whether the last prediction has jumped.
     pub(super) fn learnt(&self) -> Learnt<'_> {
         Learnt {

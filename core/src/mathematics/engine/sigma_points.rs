@@ -20,6 +20,9 @@ pub(crate) struct SigmaPoints<T: Number> {
     /// The points, n numbers for each pack of them. The centre comes first, then those on both sides of it, pair by pair.
     points: Vec<T::Pack>,
     method: RungeKutta<T::Pack>,
+    /// The centre, where the other points fill their packs without it.
+    centre: Vec<T>,
+    of_centre: RungeKutta<T>,
 }
 
 impl<T: Number> SigmaPoints<T> {
@@ -33,6 +36,8 @@ impl<T: Number> SigmaPoints<T> {
             shift: zeros(moving),
             points: vec![T::Pack::of(0.0); Self::packs(n) * n],
             method: RungeKutta::new(model),
+            centre: zeros(n),
+            of_centre: RungeKutta::new(model),
         }
     }
 
@@ -75,6 +80,13 @@ impl<T: Number> SigmaPoints<T> {
     /// Moves the points by a step.
     #[inline(always)]
     pub(super) fn travel<L: Level>(&mut self, level: L, model: &Model, step: &Step<T>) {
+        if Self::is_apart(level.size(model.size)) {
+            let Self { centre, of_centre, .. } = self;
+            level.apart(
+                #[inline(always)]
+                || of_centre.advance(level, model, centre, step),
+            );
+        }
         let [begin, end] = step.forces;
         let forces = [T::pack(|_| begin), T::pack(|_| end)];
         let step = Step { forces, has_slope: step.has_slope, dt: step.dt };
@@ -101,16 +113,29 @@ impl<T: Number> SigmaPoints<T> {
         (state, method.rate(level, model, state, force))
     }
 
+    /// The centre, and the rates of its moving components under this recorded force, where it is [apart](Self::is_apart).
+    #[inline(always)]
+    pub(super) fn rate_of_centre<L: Level>(&mut self, level: L, model: &Model, force: T) -> (&[T], &[T]) {
+        let Self { centre, of_centre, .. } = self;
+        (centre, of_centre.rate(level, model, centre, force))
+    }
+
     /// The number of packs of n components' points.
     #[inline(always)]
     pub(super) fn packs(n: usize) -> usize {
-        (2 * n + 1).div_ceil(T::POINTS)
+        if Self::is_apart(n) { 2 * n / T::POINTS } else { (2 * n + 1).div_ceil(T::POINTS) }
+    }
+
+    /// Whether the points but the centre fill their packs.
+    #[inline(always)]
+    pub(super) fn is_apart(n: usize) -> bool {
+        T::POINTS > 1 && (2 * n).is_multiple_of(T::POINTS)
     }
 
     /// A component of a point, of n.
     #[inline(always)]
     pub(super) fn component(&self, n: usize, point: usize, i: usize) -> T {
-        Self::of_point(&self.points, n, point, i)
+        Self::of_point(&self.points, &self.centre, n, point, i)
     }
 
     /// The odd parts of the points after a step, n numbers for each pair.
@@ -122,7 +147,7 @@ impl<T: Number> SigmaPoints<T> {
     #[inline(always)]
     fn draw<L: Level>(&mut self, level: L, rule: Rule, model: &Model, belief: &Belief<T>) -> Rooted<T::Mask> {
         let n = level.size(model.size);
-        let Self { root, points, .. } = self;
+        let Self { root, points, centre, .. } = self;
         let rooted = lower_root(level, &belief.cov[..n * n], &mut root[..n * n], n);
         let root = &root[..n * n];
         place(
@@ -131,6 +156,7 @@ impl<T: Number> SigmaPoints<T> {
             n,
             &belief.mean,
             points,
+            centre,
             #[inline(always)]
             |pair, i| root[pair * n + i],
         );
@@ -148,26 +174,33 @@ impl<T: Number> SigmaPoints<T> {
             n,
             mean,
             &mut self.points,
+            &mut self.centre,
             #[inline(always)]
             |pair, i| rows[i * n + pair],
         );
     }
     /// A component of a point.
     #[inline(always)]
-    fn of_point(points: &[T::Pack], n: usize, point: usize, i: usize) -> T {
+    fn of_point(points: &[T::Pack], centre: &[T], n: usize, point: usize, i: usize) -> T {
+        if Self::is_apart(n) {
+            return match point {
+                0 => centre[i],
+                _ => T::of_pack(points[(point - 1) / T::POINTS * n + i], (point - 1) % T::POINTS),
+            };
+        }
         T::of_pack(points[point / T::POINTS * n + i], point % T::POINTS)
     }
 
     /// Takes the odd and even parts of the moving components; with these, `Σ` needs no weights.
     #[inline(always)]
     fn take_parts<L: Level>(&mut self, level: L, rule: Rule, model: &Model) {
-        let Self { root, even, points, .. } = self;
+        let Self { root, even, points, centre, .. } = self;
         let (n, moving) = (level.size(model.size), level.moving(model.moving()));
         let half = 0.5 / rule.spread.sqrt();
         let even = &mut even[..moving * n];
         for point in 0..n {
             for i in 0..moving {
-                let of = |point: usize| Self::of_point(points, n, point, i);
+                let of = |point: usize| Self::of_point(points, centre, n, point, i);
                 let (high, low) = (of(2 * point + 1), of(2 * point + 2));
                 even[i * n + point] = (high + low - of(0) * 2.0) * half;
                 root[point * n + i] = (high - low) * half;
@@ -178,7 +211,7 @@ impl<T: Number> SigmaPoints<T> {
     /// The mean and covariance of the points that have moved.
     #[inline(always)]
     fn sum<L: Level>(&mut self, level: L, rule: Rule, model: &Model, belief: &mut Belief<T>) {
-        let Self { root: odd, even, points, shift, .. } = self;
+        let Self { root: odd, even, points, shift, centre, .. } = self;
         let (n, moving) = (level.size(model.size), level.moving(model.moving()));
         let (mean, cov) = (&mut belief.mean[..n], &mut belief.cov[..n * n]);
         let (odd, even) = (&odd[..n * n], &even[..moving * n]);
@@ -190,7 +223,7 @@ impl<T: Number> SigmaPoints<T> {
                 sum = sum + even[j * n + point];
             }
             shift[j] = sum * inverse;
-            mean[j] = Self::of_point(points, n, 0, j) + shift[j];
+            mean[j] = Self::of_point(points, centre, n, 0, j) + shift[j];
         }
         for j in 0..moving {
             let column = &mut cov[j * n + j..(j + 1) * n];
@@ -228,11 +261,16 @@ fn place<T: Number, L: Level>(
     n: usize,
     mean: &[T],
     points: &mut [T::Pack],
+    centre: &mut [T],
     root: impl Fn(usize, usize) -> T,
 ) {
     let distance = rule.spread.sqrt();
     let packs = SigmaPoints::<T>::packs(n);
     let (mean, points) = (&mean[..n], &mut points[..packs * n]);
+    let first = usize::from(SigmaPoints::<T>::is_apart(n));
+    if first == 1 {
+        centre[..n].copy_from_slice(mean);
+    }
     level.each(
         0,
         packs,
@@ -241,7 +279,7 @@ fn place<T: Number, L: Level>(
             for i in 0..n {
                 points[pack * n + i] = T::pack(
                     #[inline(always)]
-                    |k| match pack * T::POINTS + k {
+                    |k| match pack * T::POINTS + k + first {
                         point if point == 0 || point > 2 * n => mean[i],
                         point if point % 2 == 1 => mean[i] + root((point - 1) / 2, i) * distance,
                         point => mean[i] - root((point - 1) / 2, i) * distance,

@@ -50,6 +50,8 @@ pub(super) struct SquareRoot<T: Number> {
     triangle: Vec<T>,
     /// The readings in the points, a number for each sensor and pack.
     readings: Vec<T::Pack>,
+    /// Those in the centre, where it is apart from the packs.
+    of_centre: Vec<T>,
 }
 
 /// Whether filters of this kind may hold a root. Lanes never do, and one version for all sizes is enough: a version for each
@@ -73,6 +75,7 @@ impl<T: Number> SquareRoot<T> {
             columns: n,
             triangle: vec![zero; (sensors + n) * (sensors + n)],
             readings: vec![T::Pack::of(0.0); sensors * SigmaPoints::<T>::packs(n)],
+            of_centre: vec![zero; sensors],
             points: SigmaPoints::new(model),
         }
     }
@@ -213,7 +216,7 @@ impl<T: Number> SquareRoot<T> {
         if !self.is_linear {
             self.read_points(level, design, belief, active, force);
         }
-        let Self { rule, size, rows, array, even, columns, readings, .. } = self;
+        let Self { rule, size, rows, array, even, columns, readings, of_centre, .. } = self;
         let (n, m, zero) = (level.size(*size), count.number(), T::of(0.0));
         let (width, Design { model, readings: all, .. }) = (m + n, design);
         let (mean, rows) = (&belief.mean[..n], &rows[..n * n]);
@@ -231,7 +234,11 @@ impl<T: Number> SquareRoot<T> {
                 *columns = reading.components().iter().fold(*columns, |most, &(place, _)| most.max(place + 1));
             } else {
                 let packs = SigmaPoints::<T>::packs(n);
-                let of = |point: usize| T::of_pack(readings[sensor * packs + point / T::POINTS], point % T::POINTS);
+                let first = usize::from(SigmaPoints::<T>::is_apart(n));
+                let of = |point: usize| match point.checked_sub(first) {
+                    None => of_centre[sensor],
+                    Some(at) => T::of_pack(readings[sensor * packs + at / T::POINTS], at % T::POINTS),
+                };
                 expected[sensor] = parts(*rule, odd, &mut even[m..], of);
                 *columns = n;
             }
@@ -246,8 +253,14 @@ impl<T: Number> SquareRoot<T> {
     /// The readings of the sensors in all points.
     #[inline(always)]
     fn read_points<L: Level>(&mut self, level: L, design: &Design, belief: &Belief<T>, active: &[usize], force: T) {
-        let Self { rule, size, rows, points, readings, .. } = self;
+        let Self { rule, size, rows, points, readings, of_centre, .. } = self;
         points.place(level, *rule, &belief.mean, rows);
+        if SigmaPoints::<T>::is_apart(level.size(*size)) {
+            let (state, rate) = points.rate_of_centre(level, &design.model, force);
+            for (row, &sensor) in active.iter().enumerate() {
+                of_centre[row] = read(&design.model, &design.readings[sensor], state, rate, force);
+            }
+        }
         let force = T::pack(|_| force);
         let packs = SigmaPoints::<T>::packs(level.size(*size));
         for pack in 0..packs {

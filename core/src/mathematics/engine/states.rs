@@ -96,7 +96,7 @@ impl States {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mathematics::integrate;
+    use crate::mathematics::runge_kutta;
     use crate::{Channel, PlantKind, Quantity};
 
     /// 1 to 9 states, so that the last pack is full or not.
@@ -118,7 +118,7 @@ mod tests {
                     for place in 0..count {
                         let mut moved = begin[place * n..(place + 1) * n].to_vec();
                         let force = |share: f64| 0.7 - 1.1 * share;
-                        integrate::RungeKutta::default().advance(&mut moved, n, 0.01, |share, y, rate| {
+                        runge_kutta::RungeKutta::default().advance(&mut moved, n, 0.01, |share, y, rate| {
                             rate.copy_from_slice(model.rate(y, force(share)).as_slice());
                         });
                         for i in 0..n {

@@ -2,12 +2,14 @@
 
 use super::belief::{Belief, Noise};
 use super::columns::{add_times, divide, factor, square, subtract_products, take_times};
-use super::design::Design;
-use super::expected::Expected;
+use super::descent::Descent;
+use super::design::{Design, Method};
+use super::expected::{Expected, select_column};
 use super::fault::Held;
 use super::level::{Count, Exactly, Level};
 use super::model::Model;
 use super::number::{Mask, Number};
+use super::passage::Passage;
 use super::residuals::Innovations;
 use super::square_root::{SquareRoot, may_have_root};
 
@@ -49,6 +51,10 @@ pub(crate) struct Update<T> {
     /// K, n × m.
     gain: Vec<T>,
     excess: Vec<T>,
+    /// Of an iterated EKF.
+    descent: Option<Box<Descent<T>>>,
+    /// Of a filter whose beliefs are smoothed later.
+    pub(super) passage: Option<Box<Passage<T>>>,
 }
 
 impl<T: Number> Update<T> {
@@ -65,7 +71,19 @@ impl<T: Number> Update<T> {
             variances: zeros(sensors),
             gain: zeros(sensors * model.size),
             excess: zeros(sensors * model.size),
+            descent: None,
+            passage: None,
         }
+    }
+
+    /// The same for a method.
+    pub(super) fn of(design: &Design) -> Self {
+        let Design { model, readings, method, .. } = design;
+        let iterates = matches!(method, Method::Linearised(_, 2..));
+        let mut update = Self::new(model, readings.len());
+        update.expected.note_components(readings);
+        update.descent = iterates.then(|| Box::new(Descent::new(model.size)));
+        update
     }
 
     /// Conditions a belief, and the root of its covariance if it has one, on the measurements that are not NaN.
@@ -81,13 +99,107 @@ impl<T: Number> Update<T> {
         observation: Observation<'_, T>,
         held: &mut Held<T::Mask>,
     ) -> Told<T> {
-        let active = &mut self.active;
-        active.clear();
-        for (sensor, value) in observation.measured.iter().enumerate() {
-            // Not a number in any lane.
-            if !(!value.is_number()).all() {
-                active.push(sensor);
+        if self.descent.is_none() && self.passage.is_none() {
+            return self.condition_once(level, design, belief, root, noise, observation, held);
+        }
+        self.descend(level.plain(), design, belief, root, noise, observation, held)
+    }
+
+    /// The same, with further steps of an iterated EKF, and a note for the smoother.
+    #[inline(never)]
+    #[expect(clippy::too_many_arguments, reason = "those of the update")]
+    fn descend<L: Level>(
+        &mut self,
+        level: L,
+        design: &Design,
+        belief: &mut Belief<T>,
+        root: Option<&mut SquareRoot<T>>,
+        noise: &Noise<T>,
+        observation: Observation<'_, T>,
+        held: &mut Held<T::Mask>,
+    ) -> Told<T> {
+        let mut descent = self.descent.take();
+        if let Some(Descent { prior, .. }) = descent.as_deref_mut() {
+            prior.copy_from(belief);
+        }
+        let mut told = self.condition_once(level, design, belief, root, noise, observation, held);
+        let m = self.active.len();
+        let reads_rates = !self.active.iter().all(|&sensor| design.readings[sensor].is_of_components());
+        if let (Some(descent), Method::Linearised(_, iterations), true) =
+            (descent.as_deref_mut(), design.method, reads_rates)
+        {
+            let parts = [&self.innovation[..m], &self.innovation_cov[..m * m], &self.factor[..m * m]];
+            for (kept, part) in descent.first.iter_mut().zip(parts) {
+                kept.clear();
+                kept.extend_from_slice(part);
             }
+            for _ in 1..iterations {
+                if !told.holds.all() {
+                    break;
+                }
+                descent.go_on(belief);
+                told = Told {
+                    holds: self.condition_at(level, design, belief, noise, observation, &descent.at, held).holds,
+                    ..told
+                };
+                if descent.has_converged(belief) {
+                    break;
+                }
+            }
+        }
+        self.note(design);
+        if let Some(Descent { first: [innovation, innovation_cov, factor], .. }) =
+            descent.as_deref().filter(|_| reads_rates)
+        {
+            self.innovation[..m].copy_from_slice(innovation);
+            self.innovation_cov[..m * m].copy_from_slice(innovation_cov);
+            self.factor[..m * m].copy_from_slice(factor);
+        }
+        self.descent = descent;
+        told
+    }
+
+    /// Notes the update for the smoother.
+    fn note(&mut self, design: &Design) {
+        let Some(mut passage) = self.passage.take() else { return };
+        let [innovation, innovation_cov, gain] = self.parts();
+        for (own, part) in [
+            (&mut passage.innovation, innovation),
+            (&mut passage.innovation_cov, innovation_cov),
+            (&mut passage.gain, gain),
+        ] {
+            own.clear();
+            own.extend_from_slice(part);
+        }
+        passage.jacobian.clear();
+        passage.jacobian.resize(gain.len(), T::of(0.0));
+        if !self.jacobian_into(design, &mut passage.jacobian) {
+            passage.jacobian.clear();
+        }
+        self.passage = Some(passage);
+    }
+
+    #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "those of the update")]
+    fn condition_once<L: Level>(
+        &mut self,
+        level: L,
+        design: &Design,
+        belief: &mut Belief<T>,
+        root: Option<&mut SquareRoot<T>>,
+        noise: &Noise<T>,
+        observation: Observation<'_, T>,
+        held: &mut Held<T::Mask>,
+    ) -> Told<T> {
+        let active = &mut self.active;
+        let mut count = 0;
+        for value in observation.measured {
+            // Not a number in any lane.
+            count += usize::from(!(!value.is_number()).all());
+        }
+        let is_whole = count == observation.measured.len() && active.len() == count;
+        if !is_whole {
+            gather(active, observation.measured);
         }
         if active.is_empty() {
             return level.apart(
@@ -156,7 +268,7 @@ impl<T: Number> Update<T> {
         observation: Observation<'_, T>,
         held: &mut Held<T::Mask>,
     ) -> Told<T> {
-        let Self { active, expected, innovation_cov, innovation, .. } = self;
+        let Self { active, expected, innovation_cov, innovation, variances, .. } = self;
         let (m, zero) = (count.number(), T::of(0.0));
         let (active, innovation, mean) = (&active[..m], &mut innovation[..m], &mut expected.mean[..m]);
         expected.is_linear = false;
@@ -167,6 +279,7 @@ impl<T: Number> Update<T> {
             let is_there = value.is_number();
             measured = measured + T::select(is_there, T::of(1.0), zero);
             innovation[row] = T::select(is_there, value - mean[row], zero);
+            variances[row] = T::select(is_there, noise.sensors[active[row]], T::of(1.0));
             root.add_noise(level, count, row, noise.sensors[active[row]], is_there);
         }
         root.condition(level, count, innovation_cov, &mut expected.cross);
@@ -179,7 +292,7 @@ impl<T: Number> Update<T> {
     ///
     /// Source: Bell and Cathey (1993), The iterated Kalman filter update as a Gauss-Newton method.
     #[expect(clippy::too_many_arguments, reason = "those of the update, and where to linearise")]
-    pub(super) fn condition_at<L: Level>(
+    fn condition_at<L: Level>(
         &mut self,
         level: L,
         design: &Design,
@@ -299,7 +412,11 @@ impl<T: Number> Update<T> {
         for row in 0..m {
             let sensor = active[row];
             let (excess, gain) = (&mut excess[row * n..(row + 1) * n], &gain[row * n..(row + 1) * n]);
-            expected.times_cov(&design.readings[sensor], row, cov, excess);
+            if T::LANES == 1 && L::IS_KNOWN && expected.are_components {
+                select_column(cov, n, expected.places[sensor], excess);
+            } else {
+                expected.times_cov(&design.readings[sensor], row, cov, excess);
+            }
             take_times(excess, variances[row], gain);
         }
         subtract_products(cov, excess, gain, n, m);
@@ -326,6 +443,13 @@ impl<T: Number> Update<T> {
         &self.active
     }
 
+    /// K, n × m, to be changed.
+    pub(super) fn gain_mut(&mut self) -> &mut [T] {
+        let m = self.active.len();
+        let n = self.expected.size();
+        &mut self.gain[..m * n]
+    }
+
     /// e, m numbers; S, m × m, only its lower triangle; K, n × m.
     pub(crate) fn parts(&self) -> [&[T]; 3] {
         let m = self.active.len();
@@ -333,7 +457,6 @@ impl<T: Number> Update<T> {
         [&self.innovation[..m], &self.innovation_cov[..m * m], &self.gain[..m * n]]
     }
 
-    #[cfg(not(target_arch = "wasm32"))]
     /// Makes S symmetric to the last bit, from its lower triangle.
     pub(crate) fn complete(&mut self) {
         let m = self.active.len();
@@ -376,6 +499,13 @@ impl<T: Number> Update<T> {
         let m = self.active.len();
         -(0..m).map(|row| libm::log(self.factor[row * m + row].lane(lane))).sum::<f64>()
     }
+}
+
+/// The sensors that measure in some lane.
+#[inline(never)]
+fn gather<T: Number>(active: &mut Vec<usize>, measured: &[T]) {
+    active.clear();
+    active.extend((0..measured.len()).filter(|&sensor| !(!measured[sensor].is_number()).all()));
 }
 
 /// The end of an update by measurements.

@@ -9,6 +9,7 @@ use super::design::Design;
 use super::fault::Held;
 use super::level::Level;
 use super::number::{Mask, Number};
+use super::square_root::{SquareRoot, may_have_root};
 use super::update::{Observation, Told, Update};
 use super::weights::Weights;
 use crate::mathematics::filter::robust::Robust;
@@ -17,8 +18,9 @@ use crate::mathematics::filter::robust::Robust;
 #[derive(Clone, Debug)]
 pub(super) struct Weighing<T> {
     weights: Weights<T>,
-    /// The belief before the update.
+    /// The belief before the update, and its root if it has one.
     before: Belief<T>,
+    before_root: Vec<T>,
     /// The noise with the weighed R.
     noise: Noise<T>,
     /// S with the R of the settings, m × m, and its factor in the end.
@@ -29,13 +31,17 @@ impl<T: Number> Weighing<T> {
     /// The memory for a rule.
     pub(super) fn new(rule: Robust, belief: &Belief<T>, noise: &Noise<T>) -> Self {
         let weights = Weights::new(rule, noise.sensors.len());
-        Self { weights, before: belief.clone(), noise: noise.clone(), claimed: Vec::new() }
+        Self { weights, before: belief.clone(), before_root: Vec::new(), noise: noise.clone(), claimed: Vec::new() }
     }
 
     /// The weights of the last update.
-    #[cfg(not(target_arch = "wasm32"))]
     pub(super) fn weights(&self) -> &Weights<T> {
         &self.weights
+    }
+
+    /// The weights, to be changed.
+    pub(super) fn weights_mut(&mut self) -> &mut Weights<T> {
+        &mut self.weights
     }
 
     /// Conditions a belief on measurements, weighed.
@@ -45,13 +51,24 @@ impl<T: Number> Weighing<T> {
         level: L,
         design: &Design,
         belief: &mut Belief<T>,
+        mut root: Option<&mut SquareRoot<T>>,
         noise: &Noise<T>,
         observation: Observation<'_, T>,
         update: &mut Update<T>,
         held: &mut Held<T::Mask>,
     ) -> Told<T> {
         self.before.copy_from(belief);
-        let mut told = update.condition(level, design, belief, None, noise, observation, held);
+        if const { may_have_root::<T, L>() }
+            && let Some(root) = &root
+        {
+            self.before_root.clear();
+            self.before_root.extend_from_slice(root.rows());
+        }
+        let mut told = update.condition(level, design, belief, root.as_deref_mut(), noise, observation, held);
+        if update.active().is_empty() {
+            self.weights.clear();
+            return told;
+        }
         self.weights.begin(&update.innovations(), &noise.sensors, observation.measured);
         let mut settled = !held.but_likely();
         for _ in 0..self.weights.passes() {
@@ -60,10 +77,15 @@ impl<T: Number> Weighing<T> {
                 break;
             }
             belief.copy_from(&self.before);
+            if const { may_have_root::<T, L>() }
+                && let Some(root) = &mut root
+            {
+                root.rows_mut().copy_from_slice(&self.before_root);
+            }
             let [measured, variances] = self.weights.weighed();
             self.noise.sensors.copy_from_slice(variances);
             let observation = Observation { measured, ..observation };
-            told = update.condition(level, design, belief, None, &self.noise, observation, held);
+            told = update.condition(level, design, belief, root.as_deref_mut(), &self.noise, observation, held);
             settled = settled | !held.but_likely();
         }
         self.report(update, noise, told, held)

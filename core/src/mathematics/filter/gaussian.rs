@@ -1,7 +1,7 @@
 //! Normal distributions over states.
 
 use super::FilterError;
-use crate::mathematics::linalg::{Matrix, Vector, copy, copy_vector};
+use crate::mathematics::linalg::{Matrix, Vector};
 
 /// A normal distribution over n components.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,8 +20,8 @@ impl Gaussian {
 
     /// Makes it a copy of another one, in its own memory.
     pub fn copy_from(&mut self, other: &Self) {
-        copy_vector(&mut self.mean, &other.mean);
-        copy(&mut self.cov, &other.cov);
+        self.mean.clone_from(&other.mean);
+        self.cov.clone_from(&other.cov);
     }
 
     /// n, the number of components.

@@ -6,6 +6,7 @@ use std::sync::LazyLock;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 use super::{Belief, FilterError, Gaussian, Normal, Propagation};
+use crate::mathematics::engine::design::Method;
 
 /// The description of a kind of filter.
 #[derive(Debug)]
@@ -30,9 +31,18 @@ pub struct FilterInfo {
     pub time: fn(&MethodSettings, usize) -> f64,
     /// Whether the belief moves as the setting `propagation` says. By local linearisation that is exact on a linear plant.
     pub has_propagation: bool,
-    /// The belief that a filter with these settings begins with, from its mean and covariance; random numbers, if it needs
-    /// any, come from the stream.
-    pub begin: Begin,
+    /// How its belief moves and is measured.
+    pub way: Way,
+}
+
+/// How a belief moves and is measured.
+#[derive(Clone, Copy, Debug)]
+pub enum Way {
+    /// It is a mean and a covariance, and all options of filters work: the method of one with these settings over n components.
+    Gaussian(fn(&MethodSettings, usize) -> Method),
+    /// It is a [`Belief`]: the one that a filter begins with, from its mean and covariance; random numbers, if it needs any, come from
+    /// the stream.
+    Belief(Begin),
 }
 
 /// The settings that a method of filtering reads, in addition to model, belief and noise.
@@ -117,6 +127,11 @@ impl FilterKind {
     /// Whether the belief is a random sample, so that results have Monte Carlo error.
     pub const fn is_sampled(self) -> bool {
         self.0.is_sampled
+    }
+
+    /// Whether the belief is a mean and a covariance, for which all options of filters work.
+    pub const fn is_gaussian(self) -> bool {
+        matches!(self.0.way, Way::Gaussian(_))
     }
 
     /// Whether the belief reports a log likelihood and an effective sample size of its own.

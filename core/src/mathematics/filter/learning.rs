@@ -1,15 +1,14 @@
 //! Noise that a filter learns from an update.
 
-use super::reported::Reported;
 use super::{Adaptation, Correction, Noise, Observation};
-use crate::mathematics::engine::residuals::Residuals;
-use crate::mathematics::linalg::{Vector, fit_vector};
+use crate::mathematics::engine::columns::factor;
+use crate::mathematics::engine::residuals::{Innovations, Residuals};
+use crate::mathematics::linalg::Vector;
 
 /// What is learnt, with memory to work in.
 #[derive(Clone, Debug)]
 pub(super) struct Learning {
     adaptation: Adaptation,
-    reported: Reported,
     residuals: Residuals<f64>,
     /// K e
     shift: Vector,
@@ -25,7 +24,6 @@ impl Learning {
     pub(super) fn new(adaptation: Adaptation, noise: &Noise, dt: f64) -> Self {
         Self {
             adaptation,
-            reported: Reported::default(),
             residuals: Residuals::default(),
             shift: Vector::zeros(0),
             uncertainty: noise.sensors.iter().map(|r| adaptation.initial_uncertainty(*r)).collect(),
@@ -56,20 +54,33 @@ impl Learning {
 
     /// Learns from a correction by these measurements.
     pub(super) fn adapt(&mut self, observation: &Observation, correction: &Correction, noise: &mut Noise) {
-        let Self { adaptation, reported, residuals, shift, uncertainty, .. } = self;
+        let Self { adaptation, residuals, shift, uncertainty, .. } = self;
         let sensors = observation.sensors();
         if adaptation.process_noise {
             let keep = adaptation.forgetting;
-            fit_vector(shift, correction.gain.nrows());
-            shift.fill(0.0);
-            let counts = |sensor: &&usize| !correction.innovation[**sensor].is_nan();
-            for &sensor in sensors.iter().filter(counts) {
+            *shift = Vector::zeros(correction.gain.nrows());
+            for &sensor in sensors {
                 shift.axpy(correction.innovation[sensor], &correction.gain.column(sensor), 1.0);
             }
             noise.process.ger(1.0 - keep, shift, shift, keep);
         }
         if adaptation.sensor_noise {
-            let Some(update) = reported.innovations(correction.reported(), observation) else { return };
+            let m = sensors.len();
+            let innovation: Vec<f64> = sensors.iter().map(|&sensor| correction.innovation[sensor]).collect();
+            let innovation_cov: Vec<f64> =
+                (0..m * m).map(|at| correction.innovation_cov[(sensors[at % m], sensors[at / m])]).collect();
+            let mut lower = innovation_cov.clone();
+            let (_, is_positive) = factor(&mut lower, m);
+            if !is_positive {
+                return;
+            }
+            let update = Innovations {
+                sensors,
+                innovation: &innovation,
+                innovation_cov: &innovation_cov,
+                factor: &lower,
+                variances: observation.variances(),
+            };
             for (&sensor, &residual) in sensors.iter().zip(residuals.of(&update)) {
                 let known = [noise.sensors[sensor], uncertainty[sensor]];
                 [noise.sensors[sensor], uncertainty[sensor]] = adaptation.learn(known, residual);

@@ -1,12 +1,11 @@
 //! The Kalman filter of a linear system that the user defines.
 
-use super::kalman::{Expected, condition_on};
+use super::kalman::{self, Expected};
 use super::measurement_model::{Linearisation, MeasurementModel};
-use super::measurements::Measurements;
 use super::system::{SystemError, check, check_column, covariance};
-use super::{Correction, Gaussian, Noise};
+use super::{FilterError, Gaussian, Noise};
 use crate::mathematics::gaussian_likelihood;
-use crate::mathematics::linalg::{Matrix, Vector, add_product, copy_vector, multiply, multiply_symmetric};
+use crate::mathematics::linalg::{Matrix, Vector};
 
 /// A Kalman filter of any linear system, without a scenario: n components of the state x, p inputs u, m sensors.
 ///
@@ -52,13 +51,25 @@ pub struct KalmanFilter {
     sensor_noise: Matrix,
     belief: Gaussian,
     prior: Gaussian,
-    measurements: Measurements,
     linearisation: Linearisation,
-    expected: Expected,
-    correction: Correction,
-    /// A P, and A x.
-    half: Matrix,
-    moved: Vector,
+    update: Update,
+}
+
+/// The results of an update, for all sensors.
+struct Update {
+    innovation: Vector,
+    innovation_cov: Matrix,
+    gain: Matrix,
+    nis: f64,
+    log_likelihood: f64,
+}
+
+impl Update {
+    fn nothing(n: usize, m: usize) -> Self {
+        let nan = f64::NAN;
+        let (innovation, innovation_cov) = (Vector::repeat(m, nan), Matrix::repeat(m, m, nan));
+        Self { innovation, innovation_cov, gain: Matrix::zeros(n, m), nis: nan, log_likelihood: nan }
+    }
 }
 
 impl KalmanFilter {
@@ -92,17 +103,12 @@ impl KalmanFilter {
             check("H", h, (m, n), "a row for each sensor, a column for each component of the state")?;
         }
         let sensor_noise = covariance("R", r, m, "a row and a column for each sensor")?;
-        let are_correlated = (0..m).any(|i| (0..i).any(|j| sensor_noise[(i, j)] != 0.0));
-        let noise = Noise { process, sensors: sensor_noise.diagonal().as_slice().to_vec(), fading: 1.0 };
+        let noise = Noise { process, sensors: Vec::new(), fading: 1.0 };
         let belief = Gaussian { mean, cov };
         Ok(Self {
             prior: belief.clone(),
-            measurements: Measurements::new(are_correlated),
             linearisation: Linearisation::new(m),
-            expected: Expected::default(),
-            correction: Correction::nothing(n, m),
-            half: Matrix::zeros(0, 0),
-            moved: Vector::zeros(n),
+            update: Update::nothing(n, m),
             transition: a,
             input: b,
             model,
@@ -128,13 +134,9 @@ impl KalmanFilter {
     /// and [`SystemError::Filter`] where the prediction is not: the belief is then as it was.
     pub fn predict(&mut self, input: &[f64]) -> Result<(), SystemError> {
         check_column("the input", input, self.input.ncols(), "a number for each column of B")?;
-        let Self { transition, input: by_input, noise, belief, prior, half, moved, .. } = self;
-        moved.fill(0.0);
-        add_product(moved.as_mut_slice(), transition, belief.mean.as_slice());
-        add_product(moved.as_mut_slice(), by_input, input);
-        copy_vector(&mut prior.mean, moved);
-        multiply(half, transition, &belief.cov);
-        multiply_symmetric(&mut prior.cov, 1.0, half, transition);
+        let Self { transition, input: by_input, noise, belief, prior, .. } = self;
+        prior.mean = &*transition * &belief.mean + &*by_input * Vector::from_column_slice(input);
+        prior.cov = &*transition * &belief.cov * transition.transpose();
         noise.spread(&mut prior.cov);
         prior.check()?;
         belief.copy_from(prior);
@@ -150,8 +152,7 @@ impl KalmanFilter {
     pub fn update(&mut self, measured: &[f64]) -> Result<(), SystemError> {
         let (n, m) = (self.belief.size(), self.sensor_noise.nrows());
         self.prior.copy_from(&self.belief);
-        self.correction.clear(n, m);
-        self.measurements.clear();
+        self.update = Update::nothing(n, m);
         if measured.len() != m {
             let why = "a number for each sensor, NaN where it has no reading";
             return Err(SystemError::Length { what: "the sample", found: measured.len(), needed: m, why });
@@ -159,27 +160,41 @@ impl KalmanFilter {
         let update = self.condition(measured);
         if update.is_err() {
             self.belief.copy_from(&self.prior);
-            self.correction.clear(n, m);
-            self.measurements.clear();
+            self.update = Update::nothing(n, m);
         }
         update
     }
 
     fn condition(&mut self, measured: &[f64]) -> Result<(), SystemError> {
-        let Self { model, noise, sensor_noise, belief, measurements, linearisation, expected, correction, .. } = self;
-        measurements.take(measured, &noise.sensors, |_| true)?;
-        measurements.take_noise(sensor_noise);
-        if measurements.is_empty() {
+        let Self { model, sensor_noise, belief, linearisation, update, .. } = self;
+        let sensors: Vec<usize> = (0..measured.len()).filter(|&sensor| !measured[sensor].is_nan()).collect();
+        if sensors.iter().any(|&sensor| measured[sensor].is_infinite()) {
+            return Err(FilterError::InfiniteMeasurement.into());
+        }
+        if sensors.is_empty() {
             return Ok(());
         }
         linearisation.take(model, &belief.mean, |i| belief.cov[(i, i)].sqrt());
+        let Linearisation { readings, jacobian, .. } = &*linearisation;
         let shape = (sensor_noise.nrows(), belief.size());
-        check("the Jacobian", &linearisation.jacobian, shape, "a row for each sensor, a column for each component")?;
-        check_column("the measurement function", linearisation.readings.as_slice(), shape.0, "")?;
-        linearisation.pick(measurements.sensors(), expected);
-        expected.follow(belief, measurements);
-        condition_on(belief, expected, measurements, correction)?;
-        Ok(correction.check(measurements.sensors())?)
+        check("the Jacobian", jacobian, shape, "a row for each sensor, a column for each component")?;
+        check_column("the measurement function", readings.as_slice(), shape.0, "")?;
+        let noise = sensor_noise.select_rows(&sensors).select_columns(&sensors);
+        let expected =
+            Expected::with_noise(belief, readings.select_rows(&sensors), jacobian.select_rows(&sensors), &noise);
+        let innovation = Vector::from_fn(sensors.len(), |row, _| measured[sensors[row]] - expected.mean[row]);
+        let (factor, gain) = kalman::update(belief, &expected, &innovation, &noise)?;
+        for (i, &row) in sensors.iter().enumerate() {
+            update.innovation[row] = innovation[i];
+            update.gain.set_column(row, &gain.column(i));
+            for (j, &column) in sensors.iter().enumerate() {
+                update.innovation_cov[(row, column)] = expected.cov[(i, j)];
+            }
+        }
+        update.nis = factor.square(&innovation);
+        let (ln_determinant, count) = (factor.ln_determinant(), sensors.len() as u32);
+        update.log_likelihood = gaussian_likelihood::log_likelihood(update.nis, ln_determinant, count);
+        if update.nis.is_finite() { Ok(()) } else { Err(FilterError::ImpossibleMeasurement.into()) }
     }
 
     /// The mean of the state after the last prediction or update, n numbers.
@@ -200,22 +215,22 @@ impl KalmanFilter {
 
     /// `e = z - H x⁻` of the last update, m numbers; NaN for a sensor without a reading.
     pub fn innovation(&self) -> &Vector {
-        &self.correction.innovation
+        &self.update.innovation
     }
 
     /// `S = H P⁻ Hᵀ + R` of the last update, the covariance of e, m × m; NaN in rows and columns of sensors without a reading.
     pub fn innovation_cov(&self) -> &Matrix {
-        &self.correction.innovation_cov
+        &self.update.innovation_cov
     }
 
     /// `K = P⁻ Hᵀ S⁻¹` of the last update, n × m; zero in columns of sensors without a reading.
     pub fn gain(&self) -> &Matrix {
-        &self.correction.gain
+        &self.update.gain
     }
 
     /// The normalised innovation squared `eᵀ S⁻¹ e` of the last update; NaN where nothing was measured.
     pub fn nis(&self) -> f64 {
-        self.correction.nis
+        self.update.nis
     }
 
     /// The log likelihood of the readings of the last update; NaN where nothing was measured.
@@ -224,12 +239,6 @@ impl KalmanFilter {
     /// -(NIS + ln det S + m ln 2π) / 2,  m the number of readings
     /// ```
     pub fn log_likelihood(&self) -> f64 {
-        match self.measurements.len() {
-            0 => f64::NAN,
-            count => {
-                let ln_determinant = self.correction.last.factor.ln_determinant();
-                gaussian_likelihood::log_likelihood(self.correction.nis, ln_determinant, count as u32)
-            }
-        }
+        self.update.log_likelihood
     }
 }

@@ -2,7 +2,8 @@
 
 use super::kind::time_of_linearised;
 use super::propagation::Propagation;
-use super::{FilterInfo, MethodSettings, Moments};
+use super::{FilterInfo, MethodSettings, Way};
+use crate::mathematics::engine::design::Method;
 
 /// A Jacobian counts as n evaluations, one a column, as it would take by differences.
 fn evaluations(settings: &MethodSettings, n: usize) -> usize {
@@ -22,7 +23,7 @@ pub(super) static KF: FilterInfo = FilterInfo {
     evaluations,
     time: |_, n| time_of_linearised(n),
     has_propagation: true,
-    begin: |initial, settings, _| Ok(Box::new(Moments::linearised(initial, settings.propagation, 1))),
+    way: Way::Gaussian(|settings, _| Method::Linearised(settings.propagation, 1)),
 };
 
 pub(super) static EKF: FilterInfo = FilterInfo {
@@ -35,7 +36,7 @@ pub(super) static EKF: FilterInfo = FilterInfo {
     evaluations,
     time: |_, n| time_of_linearised(n),
     has_propagation: true,
-    begin: |initial, settings, _| Ok(Box::new(Moments::linearised(initial, settings.propagation, 1))),
+    way: Way::Gaussian(|settings, _| Method::Linearised(settings.propagation, 1)),
 };
 
 pub(super) static IEKF: FilterInfo = FilterInfo {
@@ -48,5 +49,5 @@ pub(super) static IEKF: FilterInfo = FilterInfo {
     evaluations,
     time: |settings, n| settings.iterations.max(1) as f64 * time_of_linearised(n),
     has_propagation: true,
-    begin: |initial, settings, _| Ok(Box::new(Moments::linearised(initial, settings.propagation, settings.iterations))),
+    way: Way::Gaussian(|settings, _| Method::Linearised(settings.propagation, settings.iterations)),
 };

@@ -1,7 +1,6 @@
 //! The measurement models of systems that the user defines.
 
-use super::kalman::Expected;
-use crate::mathematics::linalg::{Matrix, Vector, copy, copy_vector, fit, fit_vector};
+use crate::mathematics::linalg::{Matrix, Vector};
 
 /// The measurement model of a [`KalmanFilter`](super::KalmanFilter) with m sensors and n components of the state: `z =
 /// H x` with an m × n matrix H, or `z = h(x)` with a function.
@@ -75,14 +74,13 @@ impl Linearisation {
         let Self { readings, jacobian, .. } = self;
         match &model.0 {
             Kind::Matrix(matrix) => {
-                copy(jacobian, matrix);
+                jacobian.clone_from(matrix);
                 readings.gemv(1.0, matrix, at, 0.0);
             }
             Kind::Function { function, jacobian: of_ones_own } => {
                 readings.fill(0.0);
                 function(at.as_slice(), readings.as_mut_slice());
-                fit(jacobian, readings.len(), at.len());
-                jacobian.fill(0.0);
+                *jacobian = Matrix::zeros(readings.len(), at.len());
                 match of_ones_own {
                     Some(of_ones_own) => of_ones_own(at.as_slice(), jacobian),
                     None => self.differences(function, at, std),
@@ -91,25 +89,12 @@ impl Linearisation {
         }
     }
 
-    /// Copies the rows of these sensors to `expected`.
-    pub(super) fn pick(&self, sensors: &[usize], expected: &mut Expected) {
-        let Self { readings, jacobian, .. } = self;
-        let Expected { mean, jacobian: picked, .. } = expected;
-        let picked = picked.get_or_insert_with(|| Matrix::zeros(0, 0));
-        fit_vector(mean, sensors.len());
-        fit(picked, sensors.len(), jacobian.ncols());
-        for (row, &sensor) in sensors.iter().enumerate() {
-            mean[row] = readings[sensor];
-            picked.row_mut(row).copy_from(&jacobian.row(sensor));
-        }
-    }
-
     /// Central differences. A step is a share of a standard deviation, within which h counts as linear, and large against the
     /// rounding of the component.
     fn differences(&mut self, function: &Function, at: &Vector, std: impl Fn(usize) -> f64) {
         let Self { readings, jacobian, beside, there } = self;
-        copy_vector(beside, at);
-        fit_vector(there, readings.len());
+        beside.clone_from(at);
+        *there = Vector::zeros(readings.len());
         for i in 0..at.len() {
             let step = (ROUNDING * at[i].abs()).max(OF_STD * std(i));
             let step = if step > 0.0 { step } else { ROUNDING };

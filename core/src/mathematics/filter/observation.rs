@@ -1,9 +1,6 @@
 //! The measurements of one sample.
 
-use std::sync::Arc;
-
 use super::FilterError;
-use super::measurements::Measurements;
 use crate::Model;
 use crate::mathematics::engine::states::States;
 use crate::mathematics::linalg::{Matrix, Vector, fit};
@@ -13,15 +10,19 @@ use crate::mathematics::model::{Moving, Reading};
 #[derive(Clone, Debug)]
 pub struct Observation {
     /// The readings of all sensors, with and without a measurement.
-    readings: Arc<[Option<Reading>]>,
-    measurements: Measurements,
+    readings: Vec<Option<Reading>>,
+    /// The place of each measurement's sensor among all sensors.
+    sensors: Vec<usize>,
+    values: Vec<f64>,
+    /// The diagonal of R.
+    variances: Vec<f64>,
     force: f64,
 }
 
 impl Observation {
     /// No measurement yet, of sensors with these readings.
     pub(super) fn of(readings: Vec<Option<Reading>>) -> Self {
-        Self { readings: Arc::from(readings), measurements: Measurements::new(false), force: 0.0 }
+        Self { readings, sensors: Vec::new(), values: Vec::new(), variances: Vec::new(), force: 0.0 }
     }
 
     /// Takes in a sample: a number for each sensor, NaN where it is missing, and the variance of each.
@@ -29,29 +30,38 @@ impl Observation {
     /// # Errors
     /// [`FilterError::InfiniteMeasurement`]
     pub(super) fn take(&mut self, new_force: f64, measured: &[f64], noise: &[f64]) -> Result<(), FilterError> {
-        let Self { readings, measurements, force } = self;
+        let Self { readings, sensors, values, variances, force } = self;
         *force = new_force;
-        measurements.take(measured, noise, |sensor| readings[sensor].is_some())
-    }
-
-    /// The numbers without the meaning of their sensors.
-    pub(super) fn measurements(&self) -> &Measurements {
-        &self.measurements
+        sensors.clear();
+        values.clear();
+        variances.clear();
+        for (sensor, (&value, &variance)) in measured.iter().zip(noise).enumerate() {
+            if value.is_nan() || readings[sensor].is_none() {
+                continue;
+            }
+            if value.is_infinite() {
+                return Err(FilterError::InfiniteMeasurement);
+            }
+            sensors.push(sensor);
+            values.push(value);
+            variances.push(variance);
+        }
+        Ok(())
     }
 
     /// m, the number of measurements.
     pub fn len(&self) -> usize {
-        self.measurements.len()
+        self.sensors.len()
     }
 
     /// Whether nothing was measured.
     pub fn is_empty(&self) -> bool {
-        self.measurements.is_empty()
+        self.sensors.is_empty()
     }
 
     /// The place of each measurement's sensor among all sensors.
     pub fn sensors(&self) -> &[usize] {
-        self.measurements.sensors()
+        &self.sensors
     }
 
     /// The number of all sensors, including those without a measurement.
@@ -61,22 +71,17 @@ impl Observation {
 
     /// z, in the sensors' units.
     pub fn values(&self) -> &[f64] {
-        self.measurements.values()
+        &self.values
     }
 
     /// The diagonal of R, in the sensors' units squared.
     pub fn variances(&self) -> &[f64] {
-        self.measurements.variances()
+        &self.variances
     }
 
     /// The recorded force over mass at the sample \[m/s²\].
     pub fn force(&self) -> f64 {
         self.force
-    }
-
-    /// The readings of all sensors; `None` for those that the model does not have.
-    pub(super) fn all_readings(&self) -> &Arc<[Option<Reading>]> {
-        &self.readings
     }
 
     fn readings(&self) -> impl Iterator<Item = &Reading> + Clone {
@@ -154,18 +159,14 @@ impl Observation {
 
     /// Adds R to a covariance of the readings, m × m, and makes it symmetric to the last bit, from its lower triangle.
     pub fn add_noise(&self, cov: &mut Matrix) {
-        self.measurements.add_noise(cov);
+        cov.fill_upper_triangle_with_lower_triangle();
+        for (row, variance) in self.variances.iter().enumerate() {
+            cov[(row, row)] += variance;
+        }
     }
 
     /// The innovation `e = z - h`, where h is `expected`.
     pub fn innovation(&self, expected: &Vector) -> Vector {
-        let mut innovation = Vector::zeros(0);
-        self.innovation_into(expected, &mut innovation);
-        innovation
-    }
-
-    /// [`Self::innovation`], written over `innovation`.
-    pub fn innovation_into(&self, expected: &Vector, innovation: &mut Vector) {
-        self.measurements.innovation_into(expected, innovation);
+        Vector::from_fn(self.len(), |row, _| self.values[row] - expected[row])
     }
 }

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use super::ensemble::{covariance, stretch, weighted_sum};
-use super::{Belief, Correction, FilterError, FilterInfo, Gaussian, Noise, Normal, Observation, Step, kalman};
+use super::{Belief, Correction, FilterError, FilterInfo, Gaussian, Noise, Normal, Observation, Step, Way, kalman};
 use crate::Model;
 use crate::mathematics::engine::states::States;
 use crate::mathematics::linalg::{Matrix, Vector, lower_root, symmetric};
@@ -227,5 +227,7 @@ pub(super) static PF: FilterInfo = FilterInfo {
     evaluations: |settings, _| 4 * settings.ensemble_size,
     time: |settings, n| settings.members() * 75.0 * n as f64,
     has_propagation: false,
-    begin: |initial, settings, normal| Ok(Box::new(Particles::new(initial, settings.ensemble_size, normal)?)),
+    way: Way::Belief(|initial, settings, normal| {
+        Ok(Box::new(Particles::new(initial, settings.ensemble_size, normal)?))
+    }),
 };

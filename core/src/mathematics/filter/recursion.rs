@@ -1,27 +1,15 @@
 //! Predict and update, sample after sample: the part that all filters share.
 
-use super::considered::Considered;
 use super::jump::Jump;
 use super::learning::Learning;
-use super::share::Share;
-use super::weighing::Weighing;
-use super::{Adaptation, Belief, Correction, FilterError, Matrix, Noise, Observation, Robust, Step, White};
+use super::{Adaptation, Belief, Correction, FilterError, Matrix, Noise, Observation, Step, White};
 use crate::mathematics::model::{Hold, Model};
 use crate::mathematics::quantity::Quantity;
 
-/// A part of a prediction.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Part {
-    /// The belief moves.
-    Step(Step),
-    /// The component at this place is another one from now on.
-    Renewal(usize),
-}
-
-/// A recursive estimator of the n-component state of a model, at k = 0 and after.
+/// A recursive estimator of the n-component state of a model whose belief is a random sample, or your own, at k = 0 and after.
 ///
 /// ```
-/// use kalmanscope_core::filter::{Adaptation, Correction, Filter, Gaussian, Moments, Noise, Rule};
+/// use kalmanscope_core::filter::{Adaptation, Correction, Ensemble, Filter, Gaussian, Noise, Normal};
 /// use kalmanscope_core::filter::{Matrix, Vector};
 /// use kalmanscope_core::{Hold, Model, PlantKind, Quantity};
 /// # fn main() -> Result<(), kalmanscope_core::FilterError> {
@@ -29,9 +17,9 @@ pub(crate) enum Part {
 /// let (mean, std) = ([0.0, 0.0, 8.0, 0.1], [0.1, 0.3, 2.0, 0.1]);
 /// let initial = Gaussian::independent(mean.to_vec().into(), &std.to_vec().into());
 /// let noise = Noise { process: Matrix::identity(4, 4) * 1e-8, sensors: vec![1e-4], fading: 1.0 };
-/// let belief = Box::new(Moments::sigma_points(initial, Rule::Unscented));
+/// let belief = Box::new(Ensemble::new(initial, 100, Normal::from_seed(1))?);
 /// let mut filter = Filter::new(model, belief, 0.01, Hold::Zero, noise, &[Quantity::DISPLACEMENT], Adaptation::default());
-/// let mut correction = Correction::default();
+/// let mut correction = Correction::nothing(4, 1);
 /// filter.predict([1.0, 1.0])?;
 /// filter.update(1.0, &[0.002], &mut correction)?;
 /// assert!(correction.nis < 1.0);
@@ -46,10 +34,8 @@ pub struct Filter<B: Belief + ?Sized = dyn Belief> {
     observation: Observation,
     learning: Learning,
     jump: Option<Jump>,
-    weighing: Option<Weighing>,
     substeps: usize,
     white: Option<White>,
-    considered: Option<Considered>,
     belief: Box<B>,
 }
 
@@ -67,8 +53,8 @@ impl<B: Belief + ?Sized> Filter<B> {
     ) -> Self {
         let readings = sensors.iter().map(|&quantity| model.reading(quantity)).collect();
         let (observation, learning, substeps) = (Observation::of(readings), Learning::new(adaptation, &noise, dt), 1);
-        let (jump, weighing, white, considered) = (None, None, None, None);
-        Self { model, belief, dt, hold, noise, observation, learning, jump, weighing, substeps, white, considered }
+        let (jump, white) = (None, None);
+        Self { model, belief, dt, hold, noise, observation, learning, jump, substeps, white }
     }
 
     /// The same filter with its predictions divided into this many steps, for plants that are not linear over one: the
@@ -83,22 +69,6 @@ impl<B: Belief + ?Sized> Filter<B> {
     pub fn with_jump(self) -> Self {
         let initial = self.belief.gaussian().cov.diagonal().as_slice().to_vec();
         Self { jump: Some(Jump::new(initial)), ..self }
-    }
-
-    /// The same filter, which weighs its measurements by a rule.
-    #[must_use]
-    pub fn with_robust(self, rule: Robust) -> Self {
-        Self { weighing: Weighing::new(rule, self.noise.sensors.len()), ..self }
-    }
-
-    /// The same filter, which does not estimate the components at these places but counts their uncertainty: an update keeps their
-    /// means and covariance, its gain for them is zero, and fading does not widen them. A belief that is a random sample estimates
-    /// them all the same.
-    ///
-    /// Source: Schmidt (1966), Application of state-space methods to navigation problems.
-    #[must_use]
-    pub fn with_considered(self, places: &[usize]) -> Self {
-        Self { considered: Considered::new(places), ..self }
     }
 
     /// The same filter with a white force. Its row and column of Q are set to zero: each sample draws it again.
@@ -117,34 +87,6 @@ impl<B: Belief + ?Sized> Filter<B> {
     /// The belief after the last predict or update.
     pub fn belief(&self) -> &B {
         &self.belief
-    }
-
-    /// The belief, to be changed.
-    pub fn belief_mut(&mut self) -> &mut B {
-        &mut self.belief
-    }
-
-    /// Begins from another belief.
-    pub(crate) fn set_belief(&mut self, belief: Box<B>) {
-        self.belief = belief;
-    }
-
-    /// The usual misfits of the sensors, to which a robust filter compares those of a sample; none for any other filter.
-    pub(crate) fn usual_misfits(&self) -> &[f64] {
-        self.weighing.as_ref().map_or(&[], |weighing| weighing.weights().usual())
-    }
-
-    /// The weight of each sensor's reading in the last update, from 0 to about 1, and NaN where it measured nothing; empty for a
-    /// filter that weighs none.
-    pub fn weights(&self) -> &[f64] {
-        self.weighing.as_ref().map_or(&[], |weighing| weighing.weights().each())
-    }
-
-    /// Goes back to the usual misfits of an earlier sample.
-    pub(crate) fn set_usual_misfits(&mut self, misfits: &[f64]) {
-        if let Some(weighing) = &mut self.weighing {
-            weighing.weights_mut().set_usual(misfits);
-        }
     }
 
     /// The model.
@@ -188,51 +130,11 @@ impl<B: Belief + ?Sized> Filter<B> {
     /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where sigma points cannot be drawn,
     /// [`FilterError::UndefinedForce`]. Any other prediction that overflows is found by the update.
     pub fn predict(&mut self, forces: [f64; 2]) -> Result<(), FilterError> {
-        self.predict_by(forces, |_, _, _| Ok(()))
-    }
-
-    /// Carries the belief over a share of a step, of dt at most, with the recorded forces over mass at both ends \[m/s²\], and with its
-    /// share of the noise. It calls `before` with model, belief and the step, before each substep. A white force and jumps belong
-    /// to whole samples: it has none of them.
-    ///
-    /// # Errors
-    /// Those of [`Self::predict`].
-    pub(crate) fn predict_share(
-        &mut self,
-        share: f64,
-        [begin, end]: [f64; 2],
-        of_share: &mut Share,
-        mut before: impl FnMut(&Model, &mut B, Step) -> Result<(), FilterError>,
-    ) -> Result<(), FilterError> {
-        if ![begin, end].iter().all(|force| force.is_finite()) {
-            return Err(FilterError::UndefinedForce);
-        }
-        of_share.set(share, &self.noise);
-        let Self { model, belief, considered, hold, dt, substeps, .. } = self;
-        let whole = Step { forces: [begin, end], hold: *hold, dt: *dt * share };
-        for substep in 0..*substeps {
-            let step = whole.part(substep, *substeps);
-            let noise = of_share.of(substep + 1 == *substeps);
-            before(model, belief, step)?;
-            belief.predict(model, step, noise)?;
-            if let Some(considered) = considered {
-                considered.keep(&mut **belief, noise)?;
-            }
-        }
-        Ok(())
-    }
-
-    /// [`Self::predict`], which calls `before` with model, belief and the next part of the step, before each part.
-    pub(crate) fn predict_by(
-        &mut self,
-        forces: [f64; 2],
-        mut before: impl FnMut(&Model, &mut B, Part) -> Result<(), FilterError>,
-    ) -> Result<(), FilterError> {
         let whole = self.step(forces);
         if !whole.forces.iter().all(|force| force.is_finite()) {
             return Err(FilterError::UndefinedForce);
         }
-        let Self { model, noise, jump, substeps, belief, white, considered, .. } = self;
+        let Self { model, noise, jump, substeps, belief, white, .. } = self;
         let mut wide = None;
         if let Some(widening) = jump.as_mut().and_then(Jump::widening) {
             let Noise { process, .. } = wide.insert(noise.clone());
@@ -242,27 +144,14 @@ impl<B: Belief + ?Sized> Filter<B> {
         }
         let noise = wide.as_ref().unwrap_or(noise);
         let (steps, renewed) = white.map_or((*substeps, 0), |white| white.course.steps(*substeps));
-        if steps == 1 {
-            before(model, belief, Part::Step(whole))?;
-            belief.predict(model, whole, noise)?;
-        } else {
-            let silent = Noise { process: Matrix::zeros(model.size(), model.size()), sensors: Vec::new(), fading: 1.0 };
-            for i in 0..steps {
-                let part = whole.part(i, steps);
-                before(model, belief, Part::Step(part))?;
-                belief.predict(model, part, if i + 1 < steps { &silent } else { noise })?;
-                if let Some(white) = white.filter(|_| i + 1 == renewed && renewed < steps) {
-                    before(model, belief, Part::Renewal(white.place))?;
-                    white.renew(&mut **belief)?;
-                }
+        let silent = Noise { process: Matrix::zeros(model.size(), model.size()), sensors: Vec::new(), fading: 1.0 };
+        for i in 0..steps {
+            belief.predict(model, whole.part(i, steps), if i + 1 < steps { &silent } else { noise })?;
+            if let Some(white) = white.filter(|_| i + 1 == renewed) {
+                white.renew(&mut **belief)?;
             }
         }
-        if let Some(considered) = considered {
-            considered.keep(&mut **belief, noise)?;
-        }
-        let Some(white) = white.filter(|_| renewed == steps) else { return Ok(()) };
-        before(model, belief, Part::Renewal(white.place))?;
-        white.renew(&mut **belief)
+        Ok(())
     }
 
     /// Conditions the belief on one sample of the sensors, while `force` acts, and writes the update to `correction`. A
@@ -274,32 +163,14 @@ impl<B: Belief + ?Sized> Filter<B> {
     /// [`FilterError::NotFinite`] where the belief overflows; [`FilterError::ImpossibleMeasurement`] where the likelihood
     /// does; [`FilterError::InfiniteMeasurement`].
     pub fn update(&mut self, force: f64, measured: &[f64], correction: &mut Correction) -> Result<(), FilterError> {
-        let Self { model, noise, observation, learning, jump, weighing, belief, white, considered, .. } = self;
-        correction.clear(model.size(), noise.sensors.len());
+        let Self { model, noise, observation, learning, jump, belief, white, .. } = self;
+        *correction = Correction::nothing(model.size(), noise.sensors.len());
         learning.go_on();
-        if let Some(weighing) = weighing {
-            weighing.weights_mut().clear();
-        }
         observation.take(force, measured, &noise.sensors)?;
         if observation.is_empty() {
             return belief.gaussian().check();
         }
-        if let Some(considered) = considered {
-            considered.store(&belief.gaussian());
-        }
-        if let Some(weighing) = weighing {
-            weighing.condition(&mut **belief, model, noise, measured, observation, correction)?;
-        } else {
-            belief.condition(model, observation, correction)?;
-        }
-        if let Some(considered) = considered {
-            considered.restore(&mut **belief, correction)?;
-        }
-        // Readings that count for next to nothing are reported as none.
-        let counted = observation.sensors().iter().filter(|&&sensor| !correction.innovation[sensor].is_nan()).count();
-        if counted == 0 && weighing.is_some() {
-            return belief.gaussian().check();
-        }
+        belief.condition(model, observation, correction)?;
         correction.check(observation.sensors())?;
         if learning.is_on_now() {
             learning.adapt(observation, correction, noise);
@@ -308,7 +179,7 @@ impl<B: Belief + ?Sized> Filter<B> {
             }
         }
         if let Some(jump) = jump {
-            jump.look(correction.nis, counted);
+            jump.look(correction.nis, observation.len());
         }
         Ok(())
     }

@@ -1,4 +1,4 @@
-//! Beliefs as a handful of points: UKF and CKF.
+//! Beliefs as a handful of points: UKF, SR-UKF and CKF.
 //!
 //! ```text
 //! χ₀ = y,  χ± = y ± c L e_i,  L Lᵀ = P
@@ -9,14 +9,8 @@
 //! textbooks, in floating point it leaves a constant component exactly as it is.
 
 use super::kind::time_of_linearised;
-use super::{Belief, FilterError, FilterInfo, Gaussian, Moments, Rule, Step};
-use crate::Model;
-use crate::mathematics::linalg::Matrix;
-
-/// Φ, n × n: the linear regression of the next state on the state, over the sigma points.
-pub(super) fn transition(belief: &Gaussian, rule: Rule, model: &Model, step: Step) -> Result<Matrix, FilterError> {
-    Moments::sigma_points(belief.clone(), rule).transition(model, step)
-}
+use super::{FilterInfo, Rule, Way};
+use crate::mathematics::engine::design::Method;
 
 pub(super) static UKF: FilterInfo = FilterInfo {
     key: "ukf",
@@ -28,7 +22,7 @@ pub(super) static UKF: FilterInfo = FilterInfo {
     evaluations: |_, n| 4 * (2 * n + 1),
     time: |_, n| 4.0 * time_of_linearised(n),
     has_propagation: false,
-    begin: |initial, _, _| Ok(Box::new(Moments::sigma_points(initial, Rule::Unscented))),
+    way: Way::Gaussian(|_, n| Method::SigmaPoints(Rule::Unscented.of_size(n))),
 };
 
 pub(super) static CKF: FilterInfo = FilterInfo {
@@ -41,5 +35,18 @@ pub(super) static CKF: FilterInfo = FilterInfo {
     evaluations: |_, n| 4 * 2 * n,
     time: |_, n| 4.0 * time_of_linearised(n),
     has_propagation: false,
-    begin: |initial, _, _| Ok(Box::new(Moments::sigma_points(initial, Rule::Cubature))),
+    way: Way::Gaussian(|_, n| Method::SigmaPoints(Rule::Cubature.of_size(n))),
+};
+
+pub(super) static SR_UKF: FilterInfo = FilterInfo {
+    key: "sr_ukf",
+    name: "SR-UKF",
+    description: "a UKF on the root of its covariance, which no rounding makes indefinite",
+    reference: "van der Merwe and Wan (2001), The square-root unscented Kalman filter for state and parameter-estimation",
+    is_sampled: false,
+    has_own_likelihood: false,
+    evaluations: |_, n| 4 * (2 * n + 1),
+    time: |_, n| 4.0 * time_of_linearised(n),
+    has_propagation: false,
+    way: Way::Gaussian(|_, n| Method::SquareRoot(Rule::Unscented.of_size(n))),
 };

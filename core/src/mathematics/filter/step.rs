@@ -1,8 +1,6 @@
 //! From one sample to the next.
 
-use crate::Model;
-use crate::mathematics::integrate::RungeKutta;
-use crate::mathematics::linalg::Matrix;
+use crate::mathematics::engine::step;
 use crate::mathematics::model::Hold;
 
 /// A step from one sample to the next.
@@ -34,22 +32,15 @@ impl Step {
         Self { forces: [force(i), force(i + 1)], dt: self.dt / parts as f64, ..*self }
     }
 
+    /// The engine's form of it.
+    pub(super) fn of_engine(self) -> step::Step<f64> {
+        let Self { forces, hold, dt } = self;
+        step::Step { forces, has_slope: hold == Hold::First, dt }
+    }
+
     /// The slope of the force over mass \[m/s³\].
     pub fn slope(&self) -> f64 {
         let [begin, end] = self.forces;
         (end - begin) / self.dt
-    }
-
-    /// Moves states, each a column of n numbers, by one classical fourth-order Runge-Kutta step of `ẏ = g(y, f)`.
-    /// Components that do not move keep every bit.
-    pub fn advance(&self, model: &Model, states: &mut Matrix, method: &mut RungeKutta) {
-        let columns = states.as_mut_slice().chunks_exact_mut(model.size());
-        if model.eta() == 0.0 {
-            let rate = |share, state: &[f64], rate: &mut [f64]| model.motion_rate_into(state, self.force(share), rate);
-            columns.for_each(|state| method.advance(state, model.motion(), self.dt, rate));
-        } else {
-            let rate = |share, state: &[f64], rate: &mut [f64]| model.rate_into(state, self.force(share), rate);
-            columns.for_each(|state| method.advance(state, model.size(), self.dt, rate));
-        }
     }
 }

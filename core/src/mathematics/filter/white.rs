@@ -74,7 +74,7 @@ impl White {
     }
 
     /// Sets the row and the column of w in Q to zero, since the prediction does not move w.
-    pub(super) fn leave_out(self, process: &mut Matrix) {
+    pub(crate) fn leave_out(self, process: &mut Matrix) {
         process.row_mut(self.place).fill(0.0);
         process.column_mut(self.place).fill(0.0);
     }

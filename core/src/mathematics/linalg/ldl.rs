@@ -1,10 +1,10 @@
 //! Division by a covariance.
 
 use super::root::partial_root;
-use super::{Matrix, Vector, copy};
+use super::{Matrix, Vector};
 use crate::mathematics::engine::columns;
 
-/// `S = L D Lᵀ` with a unit lower triangular L and a positive diagonal D, m × m: a Cholesky factor without square roots.
+/// A matrix S, m × m, by its [factor](columns::factor).
 #[derive(Clone, Debug)]
 pub struct Ldl {
     /// L below the diagonal and D⁻¹ on it, zero in a direction that is left out; the rest is of no meaning.
@@ -12,27 +12,12 @@ pub struct Ldl {
     determinant: f64,
 }
 
-impl Default for Ldl {
-    /// The factor of no matrix, m = 0.
-    fn default() -> Self {
-        Self { factor: Matrix::zeros(0, 0), determinant: 1.0 }
-    }
-}
-
 impl Ldl {
     /// The factor of a symmetric matrix, or `None` if it is not positive definite.
     pub fn new(s: &Matrix) -> Option<Self> {
-        let mut factor = Self::default();
-        factor.refactor(s).then_some(factor)
-    }
-
-    /// [`Self::new`], written over `self`. Returns whether the matrix is positive definite: if not, the factor is of no
-    /// meaning.
-    pub fn refactor(&mut self, s: &Matrix) -> bool {
-        copy(&mut self.factor, s);
-        let (determinant, is_definite) = columns::factor(self.factor.as_mut_slice(), s.nrows());
-        self.determinant = determinant;
-        is_definite
+        let mut factor = s.clone();
+        let (determinant, is_definite) = columns::factor(factor.as_mut_slice(), s.nrows());
+        is_definite.then_some(Self { factor, determinant })
     }
 
     /// The factor of a symmetric matrix that may be only semidefinite: a direction of no variance is left out, and a
@@ -54,28 +39,13 @@ impl Ldl {
     /// `X S⁻¹` for X of r × m.
     pub fn divide(&self, x: &Matrix) -> Matrix {
         let mut result = x.clone();
-        self.divide_in_place(&mut result);
+        columns::divide(self.factor.as_slice(), x.ncols(), result.as_mut_slice(), x.nrows());
         result
-    }
-
-    /// Makes of X the matrix `X S⁻¹`.
-    pub fn divide_in_place(&self, x: &mut Matrix) {
-        let (r, m) = x.shape();
-        columns::divide(self.factor.as_slice(), m, x.as_mut_slice(), r);
     }
 
     /// `eᵀ S⁻¹ e`
     pub fn square(&self, e: &Vector) -> f64 {
-        // Up to this many numbers need no memory of their own.
-        let (mut few, mut many) = ([0.0; 8], Vec::new());
-        let white = if e.len() <= few.len() {
-            &mut few[..e.len()]
-        } else {
-            many.resize(e.len(), 0.0);
-            &mut many[..]
-        };
-        white.copy_from_slice(e.as_slice());
-        columns::square(self.factor.as_slice(), e.len(), white)
+        columns::square(self.factor.as_slice(), e.len(), e.clone().as_mut_slice())
     }
 
     /// ln det S, which is a number even where the determinant is none.

@@ -2,66 +2,13 @@
 
 use super::chi_squared;
 use super::totals::Totals;
-
-/// The NEES of one sample, over the channels at some places.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct ErrorSquare {
-    places: Vec<usize>,
-    /// The largest absolute mean of each channel so far; the rounding error of an estimate is relative to it.
-    sizes: Vec<f64>,
-    /// Memory for the errors, their covariance and its factor.
-    errors: Vec<f64>,
-    cov: Vec<f64>,
-    factor: Vec<f64>,
-}
-
-impl ErrorSquare {
-    /// For errors of the channels at `places`, in ascending order.
-    pub(crate) fn restart(&mut self, new_places: impl Iterator<Item = usize>) {
-        let Self { places, sizes, errors: _, cov: _, factor: _ } = self;
-        places.clear();
-        places.extend(new_places);
-        sizes.clear();
-        sizes.resize(places.len(), 0.0);
-    }
-
-    /// The square and its degrees of freedom, from the errors of these channels and the mean and n × n covariance of
-    /// all n channels. Channels of variance zero do not count. A variance is at least that of the estimate's rounding
-    /// error.
-    #[inline]
-    pub(crate) fn of(&mut self, errors: &[f64], mean: &[f64], cov: &[f64]) -> (f64, u32) {
-        for (size, &place) in self.sizes.iter_mut().zip(&self.places) {
-            *size = size.max(mean[place].abs());
-        }
-        match (<&[f64; 4]>::try_from(errors), <[f64; 16]>::try_from(cov)) {
-            // The usual case, in which the compiler unrolls every loop.
-            (Ok(&[a, b, c, d]), Ok(mut cov)) => {
-                add_rounding(&self.sizes, &mut cov);
-                normalised_square(&mut [a, b, c, d], &cov, &mut cov.clone())
-            }
-            _ => self.of_any(errors, cov, mean.len()),
-        }
-    }
-
-    fn of_any(&mut self, all_errors: &[f64], all_cov: &[f64], n: usize) -> (f64, u32) {
-        let Self { places, sizes, errors, cov, factor } = self;
-        errors.clear();
-        errors.extend_from_slice(all_errors);
-        cov.clear();
-        for &row in places.iter() {
-            cov.extend(places.iter().map(|&column| all_cov[row * n + column]));
-        }
-        add_rounding(sizes, cov);
-        factor.clear();
-        factor.extend_from_slice(cov);
-        normalised_square(errors, cov, factor)
-    }
-}
+use crate::mathematics::engine::error_square::ErrorSquare;
+use crate::mathematics::engine::level::Baseline;
 
 /// The NEES of every sample, over the channels at some places.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Nees {
-    square: ErrorSquare,
+    square: ErrorSquare<f64>,
     values: Vec<f64>,
     totals: Totals,
     /// The number of samples below the 95 % quantile of their degrees of freedom.
@@ -74,11 +21,11 @@ impl Nees {
     /// Begins again, for errors of the channels at `places`, in ascending order.
     pub(super) fn restart(&mut self, new_places: impl Iterator<Item = usize>) {
         let Self { square, values, totals, inside, limits } = self;
-        square.restart(new_places);
+        *square = ErrorSquare::new(new_places.collect());
         values.clear();
         totals.clear();
         *inside = 0;
-        for degrees in limits.len()..square.places.len() {
+        for degrees in limits.len()..square.places().len() {
             limits.push(chi_squared::quantile(0.95, degrees as u32 + 1).unwrap_or(f64::INFINITY));
         }
     }
@@ -87,7 +34,7 @@ impl Nees {
     #[inline]
     pub(super) fn push(&mut self, errors: &[f64], mean: &[f64], cov: &[f64]) {
         let Self { square, values, totals, inside, limits } = self;
-        let (square, degrees) = square.of(errors, mean, cov);
+        let (square, degrees) = of_errors(square, errors, mean, cov);
         values.push(square);
         totals.push(square, degrees);
         *inside += u32::from(degrees > 0 && square <= limits[degrees as usize - 1]);
@@ -107,47 +54,12 @@ impl Nees {
     }
 }
 
-/// Rounding error of an estimate over a long record, relative to its largest value. A smaller standard deviation says
-/// nothing about the error.
-const ROUNDING: f64 = 64.0 * f64::EPSILON;
-
-/// Adds the variance of the rounding error to every positive variance, for channels of these sizes.
-#[inline(always)]
-fn add_rounding(sizes: &[f64], cov: &mut [f64]) {
-    let n = sizes.len();
-    for (j, size) in sizes.iter().enumerate() {
-        let variance = &mut cov[j * n + j];
-        let floor = ROUNDING * ROUNDING * size * size;
-        *variance += if *variance == 0.0 { 0.0 } else { floor };
-    }
-}
-
-/// `eᵀ P⁻¹ e` by the factor `P = L D Lᵀ`, over the components of positive variance, and their number. NaN and zero
-/// where there is none, P is not positive definite or e is not a number. `errors` and `factor`, which begins as a copy
-/// of P, are overwritten.
-///
-/// Source: Golub and Van Loan (2013), *Matrix Computations*, section 4.1.2.
-#[inline(always)]
-fn normalised_square(errors: &mut [f64], cov: &[f64], factor: &mut [f64]) -> (f64, u32) {
-    let n = errors.len();
-    let (mut sum, mut degrees, mut positive) = (0.0, 0, true);
-    for j in 0..n {
-        let (variance, pivot) = (cov[j * n + j], factor[j * n + j]);
-        let counts = variance != 0.0;
-        // Free of branches, so that the divisions of successive samples overlap.
-        positive &= !counts | (pivot > 4.0 * n as f64 * f64::EPSILON * variance);
-        let inverse = if counts { 1.0 / pivot } else { 0.0 };
-        degrees += u32::from(counts);
-        sum += errors[j] * errors[j] * inverse;
-        for i in j + 1..n {
-            let share = factor[i * n + j] * inverse;
-            errors[i] -= share * errors[j];
-            for k in j + 1..=i {
-                factor[i * n + k] -= share * factor[k * n + j];
-            }
-        }
-    }
-    if positive && degrees > 0 && !sum.is_nan() { (sum, degrees) } else { (f64::NAN, 0) }
+/// The square of some errors and its degrees of freedom: NaN and zero where there is none.
+#[inline]
+pub(crate) fn of_errors(square: &mut ErrorSquare<f64>, errors: &[f64], mean: &[f64], cov: &[f64]) -> (f64, u32) {
+    errors.iter().enumerate().for_each(|(at, error)| square.put(at, *error));
+    let (sum, degrees) = square.of::<_, false>(Baseline, [mean, cov]);
+    if degrees > 0.0 { (sum, degrees as u32) } else { (f64::NAN, 0) }
 }
 
 #[cfg(test)]

@@ -1,15 +1,8 @@
-//! Running sums of the scores: those of [`Scores`](crate::Scores), in lanes.
+//! Running sums of the scores of a run, or of several in lanes.
 
-#![expect(
-    clippy::needless_range_loop,
-    reason = "as in the engine: closures of iterators that are not inlined have no vector instructions"
-)]
-
-use crate::mathematics::engine::belief::Belief;
 use crate::mathematics::engine::error_square::ErrorSquare;
 use crate::mathematics::engine::level::Level;
 use crate::mathematics::engine::number::Number;
-use crate::mathematics::engine::update::Told;
 use crate::mathematics::gaussian_likelihood::log_likelihood;
 use crate::numbers::diagnostics::{ErrorSums, Total};
 use crate::numbers::score::log_products::LogProducts;
@@ -103,8 +96,8 @@ impl<T: Number> Scores<T> {
 
     /// Takes in the belief at the next sample, beside the truth of the channels that have one.
     #[inline(always)]
-    pub(super) fn take_belief<L: Level>(&mut self, level: L, belief: &Belief<T>, truth: &[T]) {
-        let is_whole = self.tracked.len() == level.size(belief.size());
+    pub(super) fn take_belief<L: Level>(&mut self, level: L, belief: [&[T]; 2], truth: &[T]) {
+        let is_whole = self.tracked.len() == level.size(belief[0].len());
         level.apart(
             #[inline(always)]
             || match is_whole {
@@ -116,14 +109,14 @@ impl<T: Number> Scores<T> {
 
     /// The same, where the truth of the whole state is known or not.
     #[inline(always)]
-    fn take_tracked<L: Level, const WHOLE: bool>(&mut self, level: L, belief: &Belief<T>, truth: &[T]) {
+    fn take_tracked<L: Level, const WHOLE: bool>(&mut self, level: L, [of_mean, cov]: [&[T]; 2], truth: &[T]) {
         let Self { frequency, last_fifth, samples, tracked, square, nees, last, mean, variance, .. } = self;
-        let n = level.size(belief.size());
+        let n = level.size(of_mean.len());
         let count = if WHOLE { n } else { tracked.len() };
         let (tracked, mean, variance) = (&mut tracked[..count], &mut mean[..n], &mut variance[..n]);
-        mean.copy_from_slice(&belief.mean[..n]);
+        mean.copy_from_slice(&of_mean[..n]);
         for i in 0..n {
-            variance[i] = belief.cov[i * n + i];
+            variance[i] = cov[i * n + i];
         }
         let mut sign = T::of(1.0);
         if let Some(place) = *frequency {
@@ -144,18 +137,29 @@ impl<T: Number> Scores<T> {
         *samples += 1;
         last[0] = T::of(f64::NAN);
         if !tracked.is_empty() {
-            let (sum, degrees) = square.of::<L, WHOLE>(level, belief);
+            let (sum, degrees) = square.of::<L, WHOLE>(level, [of_mean, cov]);
             let counts = T::of(0.0).lt(degrees);
             nees.add(T::select(counts, sum, T::of(0.0)), degrees);
             last[0] = T::select(counts, sum, last[0]);
         }
     }
 
-    /// Adds an update. `ln_determinant` computes ln det S of a lane if det S is too large or too small for a number.
+    /// The number of samples.
+    pub(super) fn len(&self) -> usize {
+        self.samples
+    }
+
+    /// Adds an update: NIS and det S, zero and one without a measurement, and the number of measurements. `ln_determinant` computes
+    /// ln det S of a lane if det S is too large or too small for a number.
     #[inline(always)]
-    pub(super) fn take_update(&mut self, told: &Told<T>, ln_determinant: impl Fn(usize) -> f64) {
-        self.take_square(told.nis, told.measured);
-        self.ln_determinants.add(told.determinant, ln_determinant);
+    pub(super) fn take_update(
+        &mut self,
+        [nis, determinant]: [T; 2],
+        measured: T,
+        ln_determinant: impl Fn(usize) -> f64,
+    ) {
+        self.take_square(nis, measured);
+        self.ln_determinants.add(determinant, ln_determinant);
     }
 
     /// Adds the updates of the parts of a step: their NIS, the number of readings and ln det S, which is empty afterwards.

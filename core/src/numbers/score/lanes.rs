@@ -188,7 +188,7 @@ impl<T: Number, L: Level> Batch<T, L> {
             }
             let Self { level, scores, filter, in_units, .. } = &mut self;
             let belief = in_units.as_ref().map_or(&filter.belief, |in_units| &in_units.belief);
-            scores.take_belief(*level, belief, &truth);
+            scores.take_belief(*level, [&belief.mean, &belief.cov], &truth);
             while samples.next_if_eq(&k).is_some() {
                 self.look();
             }
@@ -202,7 +202,7 @@ impl<T: Number, L: Level> Batch<T, L> {
         let Self { level, scores, filter, .. } = self;
         level.apart(
             #[inline(always)]
-            || scores.take_update(&told, |lane| filter.ln_determinant(lane)),
+            || scores.take_update([told.nis, told.determinant], told.measured, |lane| filter.ln_determinant(lane)),
         );
         true
     }

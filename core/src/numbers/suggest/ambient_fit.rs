@@ -194,7 +194,7 @@ impl Lines<'_> {
         let information: Matrix4<f64> = (0..spectrum.len()).map(|line| slope(line) * slope(line).transpose()).sum();
         // R that is not seen has no part in it.
         let regular = information * spectra + Matrix4::from_diagonal_element(1e-6);
-        let errors = regular.try_inverse()?.diagonal().map(libm::sqrt);
+        let errors = regular.cholesky()?.inverse().diagonal().map(libm::sqrt);
         errors.iter().all(|error| error.is_finite()).then_some([errors[0], errors[1]])
     }
 

@@ -173,7 +173,7 @@ impl Readings<'_> {
     /// The standard deviation of what a decay leaves, and those of frequency and rate \[rad/s, 1/s\].
     fn spread(&self, shape: &Shape) -> Option<(f64, [f64; 2])> {
         let (error, normal, _) = self.normal(shape);
-        let inverse = normal.try_inverse()?;
+        let inverse = normal.cholesky()?.inverse();
         let there = self.values.iter().filter(|value| !value.is_nan()).count();
         let variance = error / there.saturating_sub(5).max(1) as f64;
         Some((libm::sqrt(variance), [3, 4].map(|place| libm::sqrt(variance * inverse[(place, place)].max(0.0)))))

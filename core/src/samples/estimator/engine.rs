@@ -1,81 +1,226 @@
-//! A filter of the engine for one run, reporting to its estimates.
+//! A filter of the engine for one run, reporting its samples.
 
-use crate::FilterError;
 use crate::data::record::Parts as PartsOfStep;
 use crate::mathematics::engine::belief::Belief;
-use crate::mathematics::engine::columns::mirror;
+use crate::mathematics::engine::columns::{factor, mirror, square};
 use crate::mathematics::engine::design::Method;
 use crate::mathematics::engine::filter::{Filter, Parts};
 use crate::mathematics::engine::level::{Baseline, Known, Level};
+use crate::mathematics::filter::Gaussian;
 use crate::mathematics::filter::robust::Robust;
+use crate::mathematics::linalg::{Matrix, Vector, symmetric};
 use crate::samples::estimator::Estimator;
 use crate::samples::estimator::in_units::InUnits;
-use crate::samples::estimator::setup::Setup;
-use crate::samples::estimator::setup::filter;
+use crate::samples::estimator::setup::{Setup, filter};
+use crate::samples::plucks::Plucks;
 use crate::samples::sink::{AssumedNoise, Sample, Sink};
+use crate::{FilterError, FilterSettings};
 
 /// A filter, and memory for its reports.
-struct Followed<L> {
-    filter: Filter<f64, L>,
+pub(crate) struct Followed<L> {
+    pub(crate) filter: Filter<f64, L>,
     /// The place of each sensor that the model has, among all sensors.
     places: Vec<usize>,
     measured: Vec<f64>,
-    /// The belief before the update, where the sink wants it.
-    prior: Belief<f64>,
-    /// Innovation, its covariance and the gain, of all sensors.
-    told: Told,
+    /// The belief before the update, where it is wanted.
+    pub(crate) prior: Belief<f64>,
+    pub(crate) update: Update,
+    /// One of several updates within a sample.
+    part: Update,
     /// Where the state has logarithms.
     in_units: Option<Box<InUnits>>,
-    /// The diagonal of Q, of a filter that learns its noise.
-    process: Vec<f64>,
+    learnt: OfAll,
+    plucks: Plucks,
+    sample: usize,
 }
 
 /// The result of an update, for all m sensors: e, m numbers; S, m × m; K, n × m.
-struct Told {
-    innovation: Vec<f64>,
-    innovation_cov: Vec<f64>,
-    gain: Vec<f64>,
+#[derive(Clone)]
+pub(crate) struct Update {
+    pub(crate) innovation: Vec<f64>,
+    pub(crate) innovation_cov: Vec<f64>,
+    pub(crate) gain: Vec<f64>,
+    /// The readings before those of e, S and K within the same sample, by the same sensors.
+    pub(crate) earlier: u32,
+    pub(crate) nis: f64,
+    pub(crate) determinant: f64,
 }
 
-/// The filter of a setup, on a record with `sensors` sensors.
-pub(crate) fn estimator(setup: &Setup, sensors: usize) -> Box<dyn Estimator> {
+/// What a filter learns, for all sensors: one that the model lacks keeps its R. The memory of a report.
+#[derive(Clone)]
+struct OfAll {
+    process: Vec<f64>,
+    sensors: Vec<f64>,
+    uncertainty: Vec<f64>,
+    weights: Vec<f64>,
+}
+
+/// The filter of a setup over these sensors.
+pub(crate) fn estimator(setup: &Setup, settings: &FilterSettings) -> Box<dyn Estimator> {
     let model = &setup.design.model;
     if matches!(setup.design.method, Method::SquareRoot(_)) {
-        return of(Baseline, setup, sensors);
+        return Box::new(Followed::new(Baseline, setup, settings));
     }
     match (model.size, model.moving()) {
-        (4, 2) => of(Known::<_, 4, 2>(Baseline), setup, sensors),
-        (5, 2) => of(Known::<_, 5, 2>(Baseline), setup, sensors),
-        _ => of(Baseline, setup, sensors),
+        (4, 2) => Box::new(Followed::new(Known::<_, 4, 2>(Baseline), setup, settings)),
+        (5, 2) => Box::new(Followed::new(Known::<_, 5, 2>(Baseline), setup, settings)),
+        // A page leaves these out, to be smaller.
+        #[cfg(not(target_arch = "wasm32"))]
+        (7, 4) => Box::new(Followed::new(Known::<_, 7, 4>(Baseline), setup, settings)),
+        #[cfg(not(target_arch = "wasm32"))]
+        (8, 3) => Box::new(Followed::new(Known::<_, 8, 3>(Baseline), setup, settings)),
+        #[cfg(not(target_arch = "wasm32"))]
+        (10, 6) => Box::new(Followed::new(Known::<_, 10, 6>(Baseline), setup, settings)),
+        _ => Box::new(Followed::new(Baseline, setup, settings)),
     }
 }
 
-fn of<L: Level + Send + 'static>(level: L, setup: &Setup, sensors: usize) -> Box<dyn Estimator> {
-    let (n, nan) = (setup.design.model.size, f64::NAN);
-    let filter = filter(level, |_| setup);
-    Box::new(Followed {
-        prior: filter.belief.clone(),
-        filter,
-        places: setup.columns.clone(),
-        measured: vec![nan; setup.columns.len()],
-        told: Told {
-            innovation: vec![nan; sensors],
-            innovation_cov: vec![nan; sensors * sensors],
-            gain: vec![0.0; n * sensors],
-        },
-        in_units: InUnits::new(&setup.design.model.logarithms, n, sensors),
-        process: Vec::new(),
-    })
+impl<L: Level> Followed<L> {
+    /// The filter of a setup, whose columns are the places of the model's sensors among all.
+    pub(crate) fn new(level: L, setup: &Setup, settings: &FilterSettings) -> Self {
+        let (n, sensors) = (setup.design.model.size, settings.sensor_std.len());
+        let filter = filter(level, |_| setup);
+        let variances: Vec<f64> = settings.sensor_std.iter().map(|std| std * std).collect();
+        let update = Update::nothing(n, sensors);
+        Self {
+            prior: filter.belief.clone(),
+            filter,
+            places: setup.columns.clone(),
+            measured: vec![f64::NAN; setup.columns.len()],
+            part: update.clone(),
+            update,
+            in_units: InUnits::new(&setup.design.model.logarithms, n, sensors),
+            learnt: OfAll {
+                process: Vec::new(),
+                uncertainty: variances.iter().map(|r| settings.adaptation.initial_uncertainty(*r)).collect(),
+                sensors: variances,
+                weights: vec![f64::NAN; if settings.robust.is_on() { sensors } else { 0 }],
+            },
+            plucks: Plucks::new(settings, &setup.channels, setup.start),
+            sample: 0,
+        }
+    }
+
+    /// Goes on to the next sample.
+    fn go_on(&mut self) {
+        self.sample += 1;
+        let dt = self.filter.dt();
+        let [from, to] = [self.sample - 1, self.sample].map(|sample| dt * sample as f64);
+        self.pluck([from, to]);
+    }
+
+    /// Widens the belief if the plant was plucked between two times \[s\].
+    pub(crate) fn pluck(&mut self, between: [f64; 2]) {
+        let Self { plucks, filter, .. } = self;
+        if let Some(variances) = plucks.between(between) {
+            filter.widen(variances);
+        }
+    }
+
+    /// Predicts over a share of a step.
+    ///
+    /// # Errors
+    /// [`FilterError::UndefinedForce`]
+    pub(crate) fn predict(&mut self, share: f64, forces: [f64; 2]) -> Result<(), FilterError> {
+        // Where the force is held, its end does not count.
+        if !self.filter.are_finite(forces) {
+            return Err(FilterError::UndefinedForce);
+        }
+        self.filter.predict_share(share, forces);
+        Ok(())
+    }
+
+    /// Keeps the belief after a prediction.
+    pub(crate) fn keep_prior(&mut self) {
+        let Self { filter, prior, .. } = self;
+        filter.square();
+        prior.copy_from(filter.told().0);
+        mirror(Baseline, &mut prior.cov, prior.mean.len());
+    }
+
+    /// Conditions on readings of all sensors, and keeps the update.
+    ///
+    /// # Errors
+    /// Those of the filter.
+    pub(crate) fn condition(&mut self, force: f64, readings: &[f64]) -> Result<(), FilterError> {
+        self.update.clear();
+        self.learnt.weights.fill(f64::NAN);
+        self.add(force, readings)
+    }
+
+    /// The same after earlier readings within the sample.
+    fn add(&mut self, force: f64, readings: &[f64]) -> Result<(), FilterError> {
+        let Self { filter, places, measured, .. } = self;
+        let [nis, determinant] = condition(filter, places, measured, force, readings)?;
+        self.take_update([nis, determinant]);
+        Ok(())
+    }
+
+    /// Takes in the last update of the filter, with its NIS and det S.
+    #[inline(never)]
+    fn take_update(&mut self, squares: [f64; 2]) {
+        let Self { filter, places, update, part, learnt, .. } = self;
+        let parts = filter.parts();
+        let active = parts.update.active();
+        part.clear();
+        part.take(places, active, parts.update.parts());
+        if let Some(weights) = parts.learnt.and_then(|learnt| learnt.weights) {
+            if active.iter().any(|sensor| weights[*sensor] != 1.0) {
+                part.claim(places, active, weights, &parts.noise.sensors);
+            }
+            for (&place, weight) in places.iter().zip(weights).filter(|(_, weight)| !weight.is_nan()) {
+                learnt.weights[place] = *weight;
+            }
+        }
+        [part.nis, part.determinant] = squares;
+        update.add(part);
+    }
+
+    /// Hands the belief and the update to a sink, in the channels' units.
+    ///
+    /// # Errors
+    /// [`FilterError::NotFinite`] where a number overflows in them.
+    pub(crate) fn report(&mut self, has_prior: bool, sink: &mut dyn Sink) -> Result<(), FilterError> {
+        let Self { filter, places, update, prior, in_units, learnt, .. } = self;
+        let parts = filter.parts();
+        let sample = learnt.tell(update.sample(&parts.belief.mean, &parts.belief.cov), &parts, places);
+        push(if has_prior { sample.with_prior(prior) } else { sample }, in_units.as_deref_mut(), sink)
+    }
+
+    /// Hands the initial belief to a sink.
+    ///
+    /// # Errors
+    /// [`FilterError::TooLarge`]
+    pub(crate) fn report_beginning(&self, sink: &mut dyn Sink) -> Result<(), FilterError> {
+        let Self { filter, places, update, in_units, learnt, .. } = self;
+        let parts = filter.parts();
+        let mut learnt = learnt.clone();
+        let sample = learnt.tell(update.sample(&parts.belief.mean, &parts.belief.cov), &parts, places);
+        let sample = if sink.wants_prior() { sample.with_prior(parts.belief) } else { sample };
+        push(sample, in_units.clone().as_deref_mut(), sink).map_err(|_| FilterError::TooLarge)
+    }
+
+    /// Hands another belief over the same state to a sink, whatever its numbers are in the channels' units.
+    pub(crate) fn report_of(&mut self, sample: Sample<'_>, sink: &mut dyn Sink) {
+        match self.in_units.as_deref_mut() {
+            Some(in_units) => sink.push(&in_units.take(sample).0),
+            None => sink.push(&sample),
+        }
+    }
+
+    /// The belief after the last predict or update.
+    pub(crate) fn gaussian(&self) -> Gaussian {
+        let Belief { mean, cov } = &self.filter.belief;
+        Gaussian {
+            mean: Vector::from_column_slice(mean),
+            cov: symmetric(Matrix::from_column_slice(mean.len(), mean.len(), cov)),
+        }
+    }
 }
 
 impl<L: Level + Send> Estimator for Followed<L> {
     fn begin(&self, sink: &mut dyn Sink) -> Result<(), FilterError> {
-        let Self { filter, told, in_units, .. } = self;
-        let (parts, mut process) = (filter.parts(), Vec::new());
-        let unmeasured = told.sample(parts.belief, [f64::NAN; 2]);
-        let sample = if sink.wants_prior() { unmeasured.with_prior(parts.belief) } else { unmeasured };
-        let mut in_units = in_units.clone();
-        push(sample.with_learnt(&parts, &mut process), in_units.as_deref_mut(), sink).map_err(|_| FilterError::TooLarge)
+        self.report_beginning(sink)
     }
 
     fn step(
@@ -85,81 +230,70 @@ impl<L: Level + Send> Estimator for Followed<L> {
         measured: &[f64],
         sink: &mut dyn Sink,
     ) -> Result<(), FilterError> {
-        let Self { filter, places, measured: own, prior, told: all, in_units, .. } = self;
-        // Where the force is held, its end does not count.
-        if !filter.are_finite([force_before, force]) {
-            return Err(FilterError::UndefinedForce);
-        }
-        filter.predict([force_before, force]);
+        self.go_on();
+        self.predict(1.0, [force_before, force])?;
         let wants_prior = sink.wants_prior();
         if wants_prior {
-            keep(filter, prior);
+            self.keep_prior();
         }
-        let squares = update(filter, places, own, force, measured)?;
-        if filter.learns() {
-            return self.report_learnt(squares, sink);
+        if self.filter.learns() {
+            self.condition(force, measured)?;
+            return self.report(wants_prior, sink);
         }
+        let Self { filter, places, measured: own, prior, update: all, in_units, .. } = self;
+        let [nis, determinant] = condition(filter, places, own, force, measured)?;
         let m = all.innovation.len();
         let (belief, update) = filter.told();
         let sample = if update.active().len() == m {
             update.complete();
             let [innovation, innovation_cov, gain] = update.parts();
             let unmeasured = Sample::unmeasured(&belief.mean, &belief.cov);
-            let [nis, determinant] = squares;
             Sample { innovation, innovation_cov, gain, nis, determinant, ..unmeasured }
         } else {
             all.clear();
-            all.add(places, update.active(), update.parts());
-            all.sample(belief, squares)
+            all.take(places, update.active(), update.parts());
+            (all.nis, all.determinant) = (nis, determinant);
+            all.sample(&belief.mean, &belief.cov)
         };
         push(if wants_prior { sample.with_prior(prior) } else { sample }, in_units.as_deref_mut(), sink)
     }
 
+    fn set_belief(&mut self, mean: &[f64], cov: &[f64]) -> Result<(), FilterError> {
+        let Self { filter, in_units, .. } = self;
+        let Some(in_units) = in_units else { return filter.set_belief(mean, cov) };
+        let Belief { mean, cov } = in_units.back(mean, cov);
+        filter.set_belief(mean, cov)
+    }
+
     /// The belief before the update is that before the last reading.
     fn step_through(&mut self, parts: &PartsOfStep, sink: &mut dyn Sink) -> Result<(), FilterError> {
-        let Self { filter, places, measured: own, prior, told: all, in_units, .. } = self;
+        self.go_on();
         let (wants_prior, mut has_prior) = (sink.wants_prior(), false);
-        let (mut squares, mut earlier) = ([f64::NAN; 2], 0);
-        all.clear();
+        self.update.clear();
+        self.learnt.weights.fill(f64::NAN);
         for (part, readings) in parts.iter() {
             if !part.forces.iter().all(|force| force.is_finite()) {
                 return Err(FilterError::UndefinedForce);
             }
-            filter.predict_share(part.share, part.forces);
+            self.predict(part.share, part.forces)?;
             let is_read = readings.iter().any(|reading| !reading.is_nan());
             if is_read && wants_prior {
-                keep(filter, prior);
+                self.keep_prior();
                 has_prior = true;
             }
-            let [nis, determinant] = update(filter, places, own, part.force, readings)?;
-            if !nis.is_nan() {
-                let [all_nis, all_determinant] = squares;
-                let is_first = all_nis.is_nan();
-                squares = if is_first { [nis, determinant] } else { [all_nis + nis, all_determinant * determinant] };
-                let (_, update) = filter.told();
-                earlier += all.add(places, update.active(), update.parts());
-            }
+            self.add(part.force, readings)?;
         }
-        let (belief, _) = filter.told();
         if wants_prior && !has_prior {
-            prior.copy_from(belief);
+            self.prior.copy_from(&self.filter.belief);
         }
-        let sample = Sample { earlier, ..all.sample(belief, squares) };
-        push(if wants_prior { sample.with_prior(prior) } else { sample }, in_units.as_deref_mut(), sink)
+        self.report(wants_prior, sink)
     }
-}
-
-/// Keeps the belief after a prediction.
-fn keep<L: Level>(filter: &mut Filter<f64, L>, prior: &mut Belief<f64>) {
-    filter.square();
-    prior.copy_from(filter.told().0);
-    mirror(Baseline, &mut prior.cov, prior.mean.len());
 }
 
 /// Updates by the measurements of all sensors, of which `own` takes those that the model has. Returns NIS and det S; NaN without a
 /// measurement.
 #[inline(always)]
-fn update<L: Level>(
+fn condition<L: Level>(
     filter: &mut Filter<f64, L>,
     places: &[usize],
     own: &mut [f64],
@@ -182,24 +316,6 @@ fn update<L: Level>(
     Ok(if told.measured > 0.0 { [told.nis, told.determinant] } else { [f64::NAN; 2] })
 }
 
-impl<L: Level> Followed<L> {
-    /// Hands over the update of a filter that weighs, learns or jumps, with its NIS and det S.
-    #[inline(never)]
-    fn report_learnt(&mut self, squares: [f64; 2], sink: &mut dyn Sink) -> Result<(), FilterError> {
-        let Self { filter, places, prior, told, in_units, process, .. } = self;
-        let parts = filter.parts();
-        let active = parts.update.active();
-        told.clear();
-        told.add(places, active, parts.update.parts());
-        let weights = parts.learnt.and_then(|learnt| learnt.weights);
-        if let Some(weights) = weights.filter(|weights| active.iter().any(|sensor| weights[*sensor] != 1.0)) {
-            told.claim(active, weights, &parts.noise.sensors);
-        }
-        let sample = told.sample(parts.belief, squares).with_learnt(&parts, process);
-        push(if sink.wants_prior() { sample.with_prior(prior) } else { sample }, in_units.as_deref_mut(), sink)
-    }
-}
-
 /// Hands a sample to the sink, in the channels' units.
 #[inline(always)]
 fn push(sample: Sample<'_>, in_units: Option<&mut InUnits>, sink: &mut dyn Sink) -> Result<(), FilterError> {
@@ -209,82 +325,145 @@ fn push(sample: Sample<'_>, in_units: Option<&mut InUnits>, sink: &mut dyn Sink)
     Ok(())
 }
 
-impl<'a> Sample<'a> {
-    /// With what a filter that learns tells besides. `process` is memory.
-    fn with_learnt(self, parts: &Parts<'a>, process: &'a mut Vec<f64>) -> Self {
-        let Some(learnt) = parts.learnt else { return self };
+impl OfAll {
+    /// A sample with what a filter that learns tells besides.
+    fn tell<'a>(&'a mut self, sample: Sample<'a>, parts: &Parts<'_>, places: &[usize]) -> Sample<'a> {
+        let Some(learnt) = parts.learnt else { return sample };
         let noise = parts.is_adaptive.then(|| {
+            let Self { process, sensors, uncertainty, .. } = &mut *self;
             process.clear();
             process.extend(parts.noise.diagonal());
             parts.white.into_iter().for_each(|(place, variance)| process[place] = variance);
-            AssumedNoise {
-                process,
-                sensors: &parts.noise.sensors,
-                uncertainty: learnt.uncertainty,
-                process_scale: [f64::NAN; 2],
+            for (own, &place) in places.iter().enumerate() {
+                (sensors[place], uncertainty[place]) = (parts.noise.sensors[own], learnt.uncertainty[own]);
             }
         });
-        Self { noise, weights: learnt.weights.unwrap_or_default(), has_widened: learnt.has_widened, ..self }
+        let noise = noise.map(|()| AssumedNoise {
+            process: &self.process,
+            sensors: &self.sensors,
+            uncertainty: &self.uncertainty,
+            process_scale: [f64::NAN; 2],
+        });
+        Sample { noise, weights: &self.weights, has_widened: learnt.has_widened, ..sample }
     }
+}
 
+impl<'a> Sample<'a> {
     pub(super) fn with_prior(self, prior: &'a Belief<f64>) -> Self {
         Self { prior_mean: &prior.mean, prior_cov: &prior.cov, ..self }
     }
 }
 
-impl Told {
+impl Update {
+    /// That of n components by m sensors which have measured nothing.
+    pub(crate) fn nothing(n: usize, m: usize) -> Self {
+        let nan = f64::NAN;
+        let (innovation, innovation_cov) = (vec![nan; m], vec![nan; m * m]);
+        Self { innovation, innovation_cov, gain: vec![0.0; n * m], earlier: 0, nis: nan, determinant: nan }
+    }
+
     /// No update.
     fn clear(&mut self) {
         self.innovation.fill(f64::NAN);
         self.innovation_cov.fill(f64::NAN);
         self.gain.fill(0.0);
+        (self.earlier, self.nis, self.determinant) = (0, f64::NAN, f64::NAN);
     }
 
-    /// Takes in an update by some sensors, each in its place, after those that it has, of which it is independent. Returns how many of
-    /// the sensors were in them.
-    #[inline(never)]
-    fn add(&mut self, places: &[usize], active: &[usize], [innovation, innovation_cov, gain]: [&[f64]; 3]) -> u32 {
-        let m = self.innovation.len();
-        let (count, n) = (active.len(), self.gain.len() / m.max(1));
-        let mut earlier = 0;
+    /// Takes in an update by some sensors, each in its place.
+    fn take(&mut self, places: &[usize], active: &[usize], [innovation, innovation_cov, gain]: [&[f64]; 3]) {
+        let (m, count) = (self.innovation.len(), active.len());
+        let n = self.gain.len() / m.max(1);
         for (i, &row) in active.iter().enumerate() {
             let row = places[row];
-            earlier += u32::from(!self.innovation[row].is_nan());
             self.innovation[row] = innovation[i];
             self.gain[row * n..(row + 1) * n].copy_from_slice(&gain[i * n..(i + 1) * n]);
-            for other in (0..m).filter(|other| !self.innovation[*other].is_nan()) {
-                (self.innovation_cov[other * m + row], self.innovation_cov[row * m + other]) = (0.0, 0.0);
-            }
-        }
-        for (i, &row) in active.iter().enumerate() {
             for (j, &column) in active.iter().enumerate() {
-                let entry = innovation_cov[i.min(j) * count + i.max(j)];
-                self.innovation_cov[places[column] * m + places[row]] = entry;
+                self.innovation_cov[places[column] * m + row] = innovation_cov[i.min(j) * count + i.max(j)];
             }
         }
-        earlier
+    }
+
+    /// Adds a later update within the same sample, which is independent of this one. e, S and K of a sensor that is in both are those
+    /// of the later one.
+    fn add(&mut self, later: &Self) {
+        let m = self.innovation.len();
+        let n = self.gain.len() / m.max(1);
+        let is_in = |update: &Self, sensor: usize| !update.innovation[sensor].is_nan();
+        for row in 0..m {
+            if !is_in(later, row) {
+                continue;
+            }
+            self.earlier += u32::from(is_in(self, row));
+            self.innovation[row] = later.innovation[row];
+            for other in 0..m {
+                let both = match (is_in(later, other), is_in(self, other)) {
+                    (true, _) => later.innovation_cov[other * m + row],
+                    (false, true) => 0.0,
+                    (false, false) => f64::NAN,
+                };
+                (self.innovation_cov[other * m + row], self.innovation_cov[row * m + other]) = (both, both);
+            }
+        }
+        for (own, later) in self.gain.chunks_exact_mut(n.max(1)).zip(later.gain.chunks_exact(n.max(1))) {
+            if later.iter().any(|gain| *gain != 0.0) {
+                own.copy_from_slice(later);
+            }
+        }
+        if self.nis.is_nan() {
+            (self.nis, self.determinant) = (later.nis, later.determinant);
+        } else if !later.nis.is_nan() {
+            (self.nis, self.determinant) = (self.nis + later.nis, self.determinant * later.determinant);
+        }
     }
 
     /// S with the R of the settings, which is what they claim. A reading that counts next to nothing is reported as none.
-    fn claim(&mut self, active: &[usize], weights: &[f64], variances: &[f64]) {
+    fn claim(&mut self, places: &[usize], active: &[usize], weights: &[f64], variances: &[f64]) {
         let m = self.innovation.len();
         for &sensor in active {
-            let (own, weight) = (variances[sensor], weights[sensor]);
+            let (own, weight, place) = (variances[sensor], weights[sensor], places[sensor]);
             if weight >= Robust::LEFT_OUT {
-                self.innovation_cov[sensor * (m + 1)] += own - own / weight;
+                self.innovation_cov[place * (m + 1)] += own - own / weight;
                 continue;
             }
-            self.innovation[sensor] = f64::NAN;
+            self.innovation[place] = f64::NAN;
             for other in 0..m {
-                self.innovation_cov[sensor * m + other] = f64::NAN;
-                self.innovation_cov[other * m + sensor] = f64::NAN;
+                self.innovation_cov[place * m + other] = f64::NAN;
+                self.innovation_cov[other * m + place] = f64::NAN;
             }
         }
     }
 
-    fn sample<'a>(&'a self, belief: &'a Belief<f64>, [nis, determinant]: [f64; 2]) -> Sample<'a> {
-        let Self { innovation, innovation_cov, gain } = self;
-        let unmeasured = Sample::unmeasured(&belief.mean, &belief.cov);
-        Sample { innovation, innovation_cov, gain, nis, determinant, ..unmeasured }
+    /// NIS and det S of e and S, where a sensor has an innovation and S is positive definite; else NaN.
+    pub(crate) fn take_squares(&mut self) {
+        let m = self.innovation.len();
+        let kept: Vec<usize> = (0..m).filter(|sensor| !self.innovation[*sensor].is_nan()).collect();
+        let mut lower: Vec<f64> = kept
+            .iter()
+            .flat_map(|&j| kept.iter().map(move |&i| (i, j)))
+            .map(|(i, j)| self.innovation_cov[j * m + i])
+            .collect();
+        let mut white: Vec<f64> = kept.iter().map(|sensor| self.innovation[*sensor]).collect();
+        let (determinant, is_positive) = factor(&mut lower, kept.len());
+        (self.nis, self.determinant) = if is_positive && !kept.is_empty() {
+            (square(&lower, kept.len(), &mut white), determinant)
+        } else {
+            (f64::NAN, f64::NAN)
+        };
+    }
+
+    /// The sample of a belief after the update.
+    pub(crate) fn sample<'a>(&'a self, mean: &'a [f64], cov: &'a [f64]) -> Sample<'a> {
+        let Self { innovation, innovation_cov, gain, earlier, nis, determinant } = self;
+        let unmeasured = Sample::unmeasured(mean, cov);
+        Sample {
+            innovation,
+            innovation_cov,
+            gain,
+            earlier: *earlier,
+            nis: *nis,
+            determinant: *determinant,
+            ..unmeasured
+        }
     }
 }

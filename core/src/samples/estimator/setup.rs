@@ -2,18 +2,19 @@
 
 use crate::data::record::Delays;
 use crate::mathematics::engine::belief;
-use crate::mathematics::engine::design::{Design, Method};
+use crate::mathematics::engine::course::Course;
+use crate::mathematics::engine::design::Design;
 use crate::mathematics::engine::filter::Filter;
 use crate::mathematics::engine::level::Level;
 use crate::mathematics::engine::model::Model;
 use crate::mathematics::engine::number::Number;
-use crate::mathematics::filter::{Gaussian, Moments, Noise, Rule as BookRule};
-use crate::samples::estimator::book::{build_filter, initial_gaussian};
-use crate::samples::estimator::{FilterContext, kernel};
+use crate::mathematics::filter::Way;
+use crate::samples::estimator::FilterContext;
+use crate::samples::estimator::beginning::Beginning;
 use crate::samples::run_error::sensor_places;
-use crate::{Channel, FilterKind, FilterSettings, Hold, PlantKind, Propagation, Quantity, Record, RunError, Scenario};
+use crate::{Channel, FilterKind, FilterSettings, Hold, Quantity, Record, RunError, Scenario};
 
-/// The most components that the engine serves, enough for ten masses: beyond, eight lanes of a matrix leave the caches.
+/// The most components of filters side by side, enough for ten masses: beyond, eight lanes of a matrix leave the caches.
 pub(crate) const MOST: usize = 32;
 
 /// A filter of a scenario before its first sample.
@@ -29,6 +30,8 @@ pub struct Setup {
     pub variance: Vec<f64>,
     /// The diagonal of Q.
     pub process: Vec<f64>,
+    /// Q, n × n, where it is not diagonal; else empty.
+    pub matrix: Vec<f64>,
     /// The diagonal of R.
     pub sensors: Vec<f64>,
     /// The fading factor λ.
@@ -41,24 +44,22 @@ pub struct Setup {
     pub delays: Delays,
     /// Whether it goes from one reading of the record to the next, at the times that they have.
     pub is_timed: bool,
+    /// The time of the first sample \[s\].
+    pub start: f64,
 }
 
 impl Setup {
     /// The filter at `place` of a scenario, if the engine serves it over a record: a KF, EKF, UKF or CKF of up to [`MOST`]
     /// components, with any augmentations, logarithms, weights, noise that is learnt and jumps, but one guess only, no
-    /// walk and nothing that it considers. Plain filters of an oscillator are left to lanes of their own, unless the readings have
-    /// times of theirs.
+    /// walk and nothing that it considers.
     ///
     /// # Errors
     /// Those of [`Pass::new`](crate::Pass::new).
     pub fn new(scenario: &Scenario, place: usize, record: &Record) -> Result<Option<Self>, RunError> {
-        Self::unless(scenario, place, record, |settings, context| {
-            !is_single(settings) || has_own_lanes(settings, context)
-        })
+        Self::unless(scenario, place, record, |settings, _| !is_single(settings))
     }
 
-    /// The same for filters whose update is that of textbooks, of a state without logarithms, over readings at the samples' times,
-    /// including those that have lanes of their own.
+    /// The same for filters whose update is that of textbooks, of a state without logarithms, over readings at the samples' times.
     ///
     /// # Errors
     /// Those of [`Pass::new`](crate::Pass::new).
@@ -79,34 +80,23 @@ impl Setup {
         let columns = sensor_places(scenario, record)?;
         let quantities: Vec<Quantity> = scenario.sensors.iter().map(|s| s.measures).collect();
         let context = FilterContext::new(scenario, &quantities, record.dt(), settings).over(record, settings);
-        // The lanes of a square-root filter differ from the run alone where variances underflow.
-        let goes_alone = settings.kind == FilterKind::SR_UKF;
+        // The lanes of a square-root filter differ from the run alone where variances underflow; an iterated one goes on by itself.
+        let goes_alone = settings.kind == FilterKind::SR_UKF || settings.kind == FilterKind::IEKF;
         if goes_alone || is_left(settings, &context) || !is_finite(record, &columns) {
             return Ok(None);
         }
-        Ok(Self::design(settings, &context, columns))
+        Ok(Self::of(settings, &context, columns).filter(|setup| setup.channels.len() <= MOST))
     }
 
-    /// The filter of some settings over sensors in these columns, if the engine has all that a single run of it reports.
-    #[cfg(not(target_arch = "wasm32"))]
+    /// The filter of some settings over sensors in these columns, if its kind is one of the engine's and it can begin.
     pub(crate) fn of(settings: &FilterSettings, context: &FilterContext<'_>, columns: Vec<usize>) -> Option<Self> {
-        // A square-root filter that weighs or learns, and sensors that its model lacks, are the book's.
-        let sensors = columns.len();
-        let has_all = |setup: &Self| settings.has_plain_update() || setup.columns.len() == sensors;
-        let is_served = settings.has_plain_update() || (is_single(settings) && settings.kind != FilterKind::SR_UKF);
-        if is_served { Self::design(settings, context, columns).filter(has_all) } else { None }
-    }
-
-    fn design(settings: &FilterSettings, context: &FilterContext<'_>, columns: Vec<usize>) -> Option<Self> {
-        if context.model(settings).size() > MOST {
+        let Way::Gaussian(method) = settings.kind.info().way else { return None };
+        let beginning = Beginning::of(settings, context);
+        if !beginning.is_finite() {
             return None;
         }
-        let book = context.model(settings);
-        let (model, method) = (Model::of(&book), method(settings, context, book.size())?);
-        let initial = initial_gaussian(&book, settings);
-        let belief = Moments::linearised(initial.clone(), Propagation::LocalLinearisation, 1);
-        let filter = build_filter(Box::new(belief), settings, context);
-        let (noise, white) = (filter.noise(), filter.white_force());
+        let Beginning { model: book, initial, noise, white, considered } = beginning;
+        let (model, method) = (Model::of(&book), method(&settings.method(context.plant), book.size()));
         // Leaves out a sensor for a quantity that the model does not have.
         let late = settings.delays(context.dt);
         let sensor = |(sensor, column): (usize, usize)| {
@@ -114,6 +104,7 @@ impl Setup {
         };
         let sensors: Vec<_> = columns.into_iter().enumerate().filter_map(sensor).collect();
         let delays = Delays::new(late.input, sensors.iter().map(|&(.., late)| late));
+        let is_diagonal = white.is_none_or(|white| white.course != Course::Continuous);
         let design = Design {
             model,
             method,
@@ -125,19 +116,22 @@ impl Setup {
             robust: settings.robust,
             adaptation: settings.adaptation,
             jumps: settings.jump,
+            considered,
         };
-        can_begin(&initial, noise).then(|| Self {
+        Some(Self {
             design,
             channels: book.channels().to_vec(),
             mean: initial.mean.as_slice().to_vec(),
             variance: initial.cov.diagonal().as_slice().to_vec(),
             process: noise.process.diagonal().as_slice().to_vec(),
+            matrix: if is_diagonal { Vec::new() } else { noise.process.as_slice().to_vec() },
             sensors: sensors.iter().map(|&(_, _, variance, _)| variance).collect(),
             fading: noise.fading,
             white: white.map_or(0.0, |white| white.variance),
             columns: sensors.iter().map(|&(column, ..)| column).collect(),
             delays,
             is_timed: context.is_timed,
+            start: context.start,
         })
     }
 }
@@ -145,16 +139,6 @@ impl Setup {
 /// Whether some settings ask for one filter only, which estimates all of its state, without bounds, of a motion that goes on.
 fn is_single(settings: &FilterSettings) -> bool {
     settings.is_one() && settings.plucks.is_empty() && settings.consider.is_empty() && settings.bounds.is_empty()
-}
-
-/// Whether lanes of its own serve such a filter. The choice must not depend on the processor, since it decides the bits of the
-/// result.
-fn has_own_lanes(settings: &FilterSettings, context: &FilterContext<'_>) -> bool {
-    const WITH_LANES: [PlantKind; 2] = [PlantKind::SDOF, PlantKind::DUFFING];
-    settings.has_plain_update()
-        && !context.is_late(settings)
-        && WITH_LANES.contains(&settings.plant.unwrap_or(context.plant))
-        && kernel::serves(settings, context)
 }
 
 /// Whether input and measurements of a record are finite, except for missing measurements. If not, the single filter
@@ -166,26 +150,6 @@ fn is_finite(record: &Record, columns: &[usize]) -> bool {
         && !record.is_empty()
         && none(record.input(), |input| !input.is_finite())
         && columns.iter().all(|&column| none(record.measured(column), f64::is_infinite))
-}
-
-/// Whether an initial belief and its noise are such as lanes have: finite, and Q a diagonal.
-fn can_begin(initial: &Gaussian, noise: &Noise) -> bool {
-    let is_diagonal = noise.process.lower_triangle() == noise.process.upper_triangle();
-    initial.is_finite() && noise.is_finite() && is_diagonal
-}
-
-/// The method of a kind of filters over n components.
-fn method(settings: &FilterSettings, context: &FilterContext<'_>, n: usize) -> Option<Method> {
-    let of_rule = |rule: BookRule| Some(Method::SigmaPoints(rule.of_size(n)));
-    match settings.kind {
-        kind if kind == FilterKind::UKF => of_rule(BookRule::Unscented),
-        kind if kind == FilterKind::SR_UKF => Some(Method::SquareRoot(BookRule::Unscented.of_size(n))),
-        kind if kind == FilterKind::CKF => of_rule(BookRule::Cubature),
-        kind if kind == FilterKind::KF || kind == FilterKind::EKF => {
-            Some(Method::Linearised(context.propagation(settings), 1))
-        }
-        _ => None,
-    }
 }
 
 /// The filters of some setups of one design, one a lane, before their first sample.
@@ -201,7 +165,7 @@ pub(crate) fn filter<'a, T: Number, L: Level>(level: L, setup: impl Fn(usize) ->
     }
     let noise = belief::Noise {
         process: numbers(n, &|setup| &setup.process),
-        matrix: Vec::new(),
+        matrix: numbers(setup(0).matrix.len(), &|setup| &setup.matrix),
         sensors: numbers(sensors, &|setup| &setup.sensors),
         fading: T::from_lanes(|lane| setup(lane).fading),
     };

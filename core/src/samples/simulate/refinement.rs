@@ -1,8 +1,8 @@
 //! One step of a plant that is not linear, by Runge-Kutta steps that are halved where needed, such as around kinks of the rate.
 
 use super::TruthError;
-use crate::mathematics::integrate::RungeKutta;
 use crate::mathematics::model::Model;
+use crate::mathematics::runge_kutta::RungeKutta;
 
 /// Limits the difference between a Runge-Kutta step and two steps of half its length, relative to the largest value of
 /// each component so far. After extrapolation the error is a hundredth of that, and below 1e-9 of the signal after a

@@ -2,7 +2,9 @@
 
 use super::TruthError;
 use super::refinement::{Motion, Refinement};
-use crate::mathematics::integrate::exponential_integrals;
+use crate::mathematics::engine::exponential::Exponential;
+use crate::mathematics::engine::impulse::Impulse;
+use crate::mathematics::engine::level::Baseline;
 use crate::mathematics::linalg::{Matrix, Vector};
 use crate::mathematics::model::Model;
 
@@ -119,7 +121,15 @@ impl Exact {
     fn new(model: &Model, state: &Vector, dt: f64) -> Self {
         let motion = model.motion();
         let a = model.jacobian(state.as_slice(), 0.0).view((0, 0), (motion, motion)).into_owned();
-        let integrals = exponential_integrals(&a, dt);
-        Self { constant: integrals.constant, slope: integrals.slope }
+        if motion == 2 && a[(0, 0)] == 0.0 && a[(0, 1)] == 1.0 {
+            let (a, b) = (a[(1, 0)], a[(1, 1)]);
+            let Impulse { h, q, p } = Impulse::new(Baseline, a, b, dt, true);
+            let constant = Matrix::from_column_slice(2, 2, &[h - b * q, a * q, q, h]);
+            return Self { constant, slope: Matrix::from_column_slice(2, 2, &[q - b * p, a * p, p, q]) };
+        }
+        let mut exponential = Exponential::new(motion);
+        exponential.compute(Baseline, a.as_slice(), motion, dt, true);
+        let Exponential { constant, slope, .. } = exponential;
+        Self { constant: Matrix::from_vec(motion, motion, constant), slope: Matrix::from_vec(motion, motion, slope) }
     }
 }

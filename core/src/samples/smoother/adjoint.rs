@@ -23,7 +23,7 @@
 
 use super::forward::{Passage, Update};
 use crate::mathematics::filter::Gaussian;
-use crate::mathematics::linalg::{Matrix, Vector, multiply, multiply_symmetric};
+use crate::mathematics::linalg::{Matrix, Vector, symmetric};
 
 /// The information in all later measurements about a state: `λ`, n numbers, and `Λ`, n × n.
 pub(crate) struct Adjoint {
@@ -41,7 +41,7 @@ impl Adjoint {
     pub(crate) fn tell(&self, Gaussian { mean, cov }: &mut Gaussian) {
         *mean -= &*cov * &self.score;
         let mut told = self.information.clone();
-        congruence(&mut told, cov, &mut Matrix::zeros(0, 0));
+        congruence(&mut told, cov);
         *cov -= told;
         for i in 0..cov.nrows() {
             // Zero up to rounding.
@@ -52,21 +52,17 @@ impl Adjoint {
     /// Goes back over an update, then over the step before it.
     pub(crate) fn pass(&mut self, Passage { transition, update }: &Passage) {
         let Self { score, information } = self;
-        let mut work = Matrix::zeros(0, 0);
         if let Some(Update { kept, information: gained, score: told }) = update {
             *score = kept.tr_mul(score) - told;
-            congruence(information, kept, &mut work);
+            congruence(information, kept);
             *information += gained;
         }
         *score = transition.tr_mul(score);
-        congruence(information, transition, &mut work);
+        congruence(information, transition);
     }
 }
 
-/// Replaces the symmetric X by `Aᵀ X A`; `work` is scratch memory.
-pub(super) fn congruence(x: &mut Matrix, a: &Matrix, work: &mut Matrix) {
-    multiply(work, x, a);
-    let transposed = a.transpose();
-    multiply_symmetric(x, 1.0, &transposed, &work.transpose());
-    x.fill_upper_triangle_with_lower_triangle();
+/// Replaces the symmetric X by `Aᵀ X A`.
+pub(super) fn congruence(x: &mut Matrix, a: &Matrix) {
+    *x = symmetric(a.tr_mul(&(&*x * a)));
 }

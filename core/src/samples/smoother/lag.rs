@@ -118,14 +118,14 @@ impl WayBack {
             return Self { closed_loop: transition.clone(), score: Vector::zeros(n), information: Matrix::zeros(n, n) };
         };
         let mut gained = information.clone();
-        congruence(&mut gained, transition, &mut Matrix::zeros(0, 0));
+        congruence(&mut gained, transition);
         Self { closed_loop: kept * transition, score: transition.tr_mul(score), information: gained }
     }
 
     /// The way back over later passages and then over these.
     fn after(&self, later: &Self) -> Self {
         let mut gained = later.information.clone();
-        congruence(&mut gained, &self.closed_loop, &mut Matrix::zeros(0, 0));
+        congruence(&mut gained, &self.closed_loop);
         Self {
             closed_loop: &later.closed_loop * &self.closed_loop,
             score: &self.score + self.closed_loop.tr_mul(&later.score),

@@ -2,7 +2,9 @@
 
 use std::hint::black_box;
 
-use kalmanscope_core::{Channel, FilterKind, Hold, Pass, PlantKind, Record, Run, Sample, Scenario, Sink, Stop};
+use kalmanscope_core::{
+    Channel, FilterKind, Hold, Pass, PlantKind, Propagation, Record, Run, Sample, Scenario, Sink, Stop,
+};
 use kalmanscope_lanes::{LANES, LaneRun, Level, outcomes_with};
 
 /// A filter over a simulated record, alone or eight side by side.
@@ -49,8 +51,11 @@ fn all() -> Vec<Case> {
     add("Duffing gain first-order", &both, with_gain(duffing()), &lanes);
     add("typed Duffing", &both, typed_duffing(), &lanes);
     add("typed Duffing gain first-order", &both, with_gain(typed_duffing()), &lanes);
-    for kind in [PlantKind::SHEAR_2, PlantKind::SHEAR_5, PlantKind::SHEAR_10] {
+    for kind in [PlantKind::SHEAR_2, PlantKind::SHEAR_3, PlantKind::SHEAR_4, PlantKind::SHEAR_5, PlantKind::SHEAR_10] {
         add(kind.key(), &[EKF], built_in(kind), &alone);
+    }
+    for kind in [PlantKind::SHEAR_2, PlantKind::SHEAR_3, PlantKind::SHEAR_4] {
+        add(kind.key(), &[EKF], built_in(kind), &lanes[1..]);
     }
     cases
 }
@@ -60,6 +65,8 @@ fn built_in(kind: PlantKind) -> Scenario {
     let mut scenario = Scenario::default();
     scenario.filters.truncate(1);
     scenario.set_plant(kind);
+    // One step of the book a sample, whatever the plant asks for.
+    (scenario.filters[0].propagation, scenario.filters[0].substeps) = (Some(Propagation::LocalLinearisation), 1);
     scenario
 }
 

@@ -1,6 +1,7 @@
 //! What readings tell as a series: noise, axis, mean, and values at equal steps.
 
 use super::super::steps::Steps;
+use crate::data::sorting::sort_numbers;
 
 /// The share of half a swing, to either side, that a cubic follows; and the fewest and the most readings to either side.
 const FOLLOWED: f64 = 1.0 / 3.0;
@@ -63,7 +64,7 @@ pub(super) fn noise_of(times: &[f64], along: &[f64]) -> f64 {
         }
         place = next;
     }
-    differences.sort_by(f64::total_cmp);
+    sort_numbers(&mut differences);
     let usual = differences.get(differences.len() / 2).copied().unwrap_or(f64::INFINITY);
     let least = least.min(usual);
     if least.is_finite() { least.sqrt() } else { 0.0 }

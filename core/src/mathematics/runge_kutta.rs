@@ -2,7 +2,7 @@
 
 /// The memory that Runge-Kutta steps take, for one step after the other.
 #[derive(Clone, Debug, Default)]
-pub struct RungeKutta {
+pub(crate) struct RungeKutta {
     stage: Vec<f64>,
     rates: [Vec<f64>; 4],
 }
@@ -12,7 +12,13 @@ impl RungeKutta {
     /// from 0 to 1. The first `moving` components move; `rate` writes their rates into the slice.
     ///
     /// Source: Hairer, Nørsett and Wanner (1993), *Solving Ordinary Differential Equations I*, section II.1.
-    pub fn advance(&mut self, state: &mut [f64], moving: usize, dt: f64, rate: impl Fn(f64, &[f64], &mut [f64])) {
+    pub(crate) fn advance(
+        &mut self,
+        state: &mut [f64],
+        moving: usize,
+        dt: f64,
+        rate: impl Fn(f64, &[f64], &mut [f64]),
+    ) {
         let Self { stage, rates } = self;
         stage.clear();
         stage.extend_from_slice(state);

@@ -1,0 +1,123 @@
+//! Two filters that mix: one whose parameters are still, and one whose parameters walk.
+
+use super::{Member, Moments, Rule};
+use crate::samples::estimator::FilterContext;
+use crate::samples::sink::{Sample, Sink};
+use crate::{Channel, FilterError, FilterSettings};
+
+/// An interacting multiple model filter (IMM) of two models of one plant. In the first, noise of the parameters is that of the
+/// settings; in the second each of them walks, too: by w times its initial standard deviation in a second.
+///
+/// ```text
+/// cⱼ = Σᵢ pᵢⱼ μᵢ          each filter begins from the mixture of both, with the weights pᵢⱼ μᵢ / cⱼ
+/// Λⱼ = N(eⱼ; 0, Sⱼ)       of its prediction and update
+/// μⱼ = cⱼ Λⱼ / Σ cᵢ Λᵢ
+/// ```
+///
+/// The weights before the measurement are cⱼ, those after it μⱼ.
+///
+/// Source: Blom and Bar-Shalom (1988), The interacting multiple model algorithm for systems with Markovian switching coefficients;
+/// Bar-Shalom, Li and Kirubarajan (2001), *Estimation with Applications to Tracking and Navigation*, section 11.6.6.
+pub(crate) struct Walk {
+    /// μ of both, or c before a measurement.
+    weights: [f64; 2],
+    /// p, from a row to a column.
+    transition: [[f64; 2]; 2],
+    /// Whether it has been told that the parameters walk, and whether that is new.
+    is_walking: bool,
+    has_begun: bool,
+    mixed: [Moments; 2],
+    is_first: bool,
+}
+
+/// The mean time that parameters are still, and that they walk \[s\].
+const STILL: f64 = 30.0;
+const WALKS: f64 = 1.0;
+
+/// Limits the probability of a change between two samples.
+const MOST: f64 = 0.5;
+
+/// Parameters that walked are still again below this probability.
+const CALM: f64 = 0.1;
+
+/// A model that is less probable than this is given up for lost, but for what the other one turns into it.
+const LEAST: f64 = 1e-12;
+
+/// The settings of both filters.
+pub(crate) fn members(settings: &FilterSettings, context: &FilterContext<'_>) -> [FilterSettings; 2] {
+    let still = FilterSettings { walk: 0.0, ..settings.clone() };
+    let mut walking = still.clone();
+    let model = context.model(settings);
+    let is_parameter = |channel: &&Channel| channel.is_parameter() && !settings.knows(**channel);
+    for &channel in model.channels().iter().filter(is_parameter) {
+        let step = settings.walk * settings.initial_std[channel] * libm::sqrt(context.dt);
+        let own = settings.process_std[channel];
+        walking.process_std[channel] = libm::sqrt(own * own + step * step);
+    }
+    [still, walking]
+}
+
+impl Walk {
+    /// With `dt` \[s\] between samples.
+    pub(crate) fn new(dt: f64) -> Self {
+        let [begins, ends] = [STILL, WALKS].map(|time| (dt / time).min(MOST));
+        Self {
+            weights: [1.0, 0.0],
+            transition: [[1.0 - begins, begins], [ends, 1.0 - ends]],
+            is_walking: false,
+            has_begun: false,
+            mixed: [const { Moments { mean: Vec::new(), cov: Vec::new() } }; 2],
+            is_first: true,
+        }
+    }
+}
+
+impl Rule for Walk {
+    fn begin(&mut self, members: &mut [Member]) -> Result<(), FilterError> {
+        let Self { weights, transition, mixed, is_first, .. } = self;
+        let before = [0, 1].map(|j| transition[0][j] * weights[0] + transition[1][j] * weights[1]);
+        // Both begin with the same belief.
+        if !std::mem::take(is_first) {
+            for (j, mixed) in mixed.iter_mut().enumerate() {
+                let parts = [0, 1].map(|i| (transition[i][j] * weights[i] / before[j], members[i].last.sample()));
+                mixed.mix(&parts, |sample| [sample.mean, sample.cov]);
+            }
+            for (Member { estimator, .. }, Moments { mean, cov }) in members.iter_mut().zip(mixed) {
+                estimator.set_belief(mean, cov)?;
+            }
+        }
+        *weights = before;
+        Ok(())
+    }
+
+    fn weights(&self) -> &[f64] {
+        &self.weights
+    }
+
+    /// Without any measurement, nothing is learnt.
+    fn take(&mut self, members: &mut Vec<Member>) -> Result<(), FilterError> {
+        if let Some(reason) = members.iter().find_map(|member| member.failure) {
+            return Err(reason);
+        }
+        let before = self.weights;
+        let ln = [0, 1].map(|j| members[j].ln_likelihood());
+        if !ln.iter().all(|ln| ln.is_nan()) {
+            let best = ln[0].max(ln[1]);
+            let weights = [0, 1].map(|j| before[j] * libm::exp(ln[j] - best));
+            let sum = weights[0] + weights[1];
+            if !(sum.is_finite() && sum > 0.0) {
+                return Err(FilterError::ImpossibleMeasurement);
+            }
+            let walks = (weights[1] / sum).clamp(LEAST, 1.0 - LEAST);
+            self.weights = [1.0 - walks, walks];
+        }
+        let walked = self.is_walking;
+        self.is_walking = self.weights[1] > if walked { CALM } else { 0.5 };
+        self.has_begun = self.is_walking && !walked;
+        Ok(())
+    }
+
+    fn push(&self, _: &[Member], sample: Sample<'_>, sink: &mut dyn Sink) {
+        sink.push(&Sample { has_widened: self.has_begun, ..sample });
+    }
+}
