@@ -312,9 +312,9 @@ pub(crate) struct ImportArgs {
     #[arg(long, value_name = "DECAY.csv", conflicts_with_all = ["rate", "time", "time_unit", "input", "sensor", "ground"])]
     pub(crate) decay: Option<PathBuf>,
     /// A second file of the same time with its own clock, such as that of another logger
-    #[arg(long, value_name = "OTHER.csv", requires = "joined", conflicts_with_all = ["decay", "rate", "time", "time_unit"])]
+    #[arg(long, value_name = "OTHER.csv", requires_all = ["joined", "offset"], conflicts_with_all = ["decay", "rate", "time", "time_unit"])]
     pub(crate) with: Option<PathBuf>,
-    /// The number to add to the times of the second file [s]; without it, it is found from the readings of both files
+    /// The number to add to the times of the second file [s]
     #[arg(long, value_name = "SECONDS", requires = "with", allow_negative_numbers = true, value_parser = offset)]
     pub(crate) offset: Option<f64>,
     /// The file to write with the columns of both, each with its times

@@ -4,12 +4,11 @@ use std::fs;
 use std::path::Path;
 
 use kalmanscope_core::import::{
-    self, Builder, ColumnGuess, Decay, ImportError, MappedColumn, Mapping, OffsetSearch, Ring, Table, ThreeAxes, Time,
-    join,
+    self, Builder, ColumnGuess, Decay, ImportError, MappedColumn, Mapping, Ring, Table, ThreeAxes, Time, join,
 };
 use kalmanscope_core::scenario::shown;
 use kalmanscope_core::suggest::{scenario_for, suggest};
-use kalmanscope_core::{Hold, InputKind, Task as _};
+use kalmanscope_core::{Hold, InputKind};
 
 use crate::args::{ImportArgs, Missing};
 use crate::files::{InputError, check, is_standard_input, places, say, write_bytes, write_text};
@@ -180,8 +179,7 @@ fn mapping(table: &Table, args: &ImportArgs) -> (Mapping, InputKind, Vec<ColumnG
     (mapping, kind, guesses)
 }
 
-/// Writes the columns of two files into a third one, each with its times. Without an offset, it is the one with which both agree
-/// best. Returns the columns of the third file, and its hash.
+/// Writes the columns of two files into a third one, each with its times. Returns the columns of the third file, and its hash.
 fn two_files(
     first: &Table,
     (other, second): (&Path, &Table),
@@ -195,15 +193,8 @@ fn two_files(
         Some(Missing(number)) => table.with_gaps(number),
         None => table.with_gaps(None),
     });
-    let offset = match args.offset {
-        Some(offset) => offset,
-        None => {
-            let search = OffsetSearch::new([first, second], |table| mapping(table, args).0).map_err(bad)?;
-            let agreement = search.run().map_err(bad)?;
-            say(&agreement);
-            agreement.offset.seconds
-        }
-    };
+    // The command line asks for it beside a second file.
+    let offset = args.offset.unwrap_or_default();
     let table = join(first, second, offset).map_err(bad)?;
     table.remarks.iter().for_each(|remark| say(remark));
     written(table.csv(), to)

@@ -1,8 +1,8 @@
-//! Two files with clocks of their own: their offset is found, and together they are one record.
+//! Two files with clocks of their own are one record.
 
 use std::fmt::Write as _;
 
-use kalmanscope_core::import::{Builder, ClockOffset, Clocked, ImportError, Mapping, Table, join, read};
+use kalmanscope_core::import::{Builder, Mapping, Table, join, read};
 use kalmanscope_core::suggest::{scenario_for, suggest};
 use kalmanscope_core::{Channel, Force, Hold, Quantity, Record, Run, Scenario, Sensor, Source, simulate};
 
@@ -47,64 +47,6 @@ fn file(
         k += every;
     }
     read(text.into_bytes(), None).expect("it is a table")
-}
-
-#[test]
-fn the_offset_between_input_and_sensor_is_found() {
-    for (place, (frequency, damping, offset)) in
-        [(6.0, 0.05, 1.237), (9.0, 0.02, -3.3), (4.0, 0.1, 12.0), (12.0, 0.03, 0.0), (7.3, 0.01, 1000.25)]
-            .into_iter()
-            .enumerate()
-    {
-        for quantity in [Quantity::DISPLACEMENT, Quantity::VELOCITY, Quantity::ACCELERATION] {
-            let force = if place % 2 == 0 { SLOW } else { Force::default() };
-            let record = truth(frequency, damping, 11 + place as u64, force, &[quantity]);
-            let every = if place % 2 == 0 { 4 } else { 1 };
-            let input = file(&record, record.input(), "force", (every, 0.0, 60.0, 0.0, 0.0));
-            let sensor = file(&record, record.measured(0), "reading", (5, 3.0, 58.0, 0.5, -offset));
-            let of_input = Clocked { table: &input, column: "force", measures: None };
-            let of_sensor = Clocked { table: &sensor, column: "reading", measures: Some(quantity) };
-            let name = format!("{frequency} {damping} {offset} {quantity:?}");
-            let found = ClockOffset::between(of_input, of_sensor).expect(&name);
-            assert!((found.seconds - offset).abs() < 0.015, "{name}: {found:?}");
-            assert!(!found.is_turned, "{name}: {found:?}");
-            let other = ClockOffset::between(of_sensor, of_input).expect(&name);
-            assert!((other.seconds + offset).abs() < 0.015, "{name}: {other:?}");
-        }
-    }
-}
-
-#[test]
-fn the_offset_between_two_sensors_is_found_and_a_turned_one_is_noticed() {
-    let all = [Quantity::DISPLACEMENT, Quantity::VELOCITY, Quantity::ACCELERATION];
-    for (frequency, offset) in [(6.0, 0.731), (11.0, -7.7)] {
-        let record = truth(frequency, 0.03, 5, SLOW, &all);
-        for a in 0..3 {
-            for b in 0..3 {
-                let turned: Vec<f64> = record.measured(b).iter().map(|value| -value).collect();
-                let first = file(&record, record.measured(a), "a", (5, 0.0, 60.0, 0.0, 0.0));
-                let second = file(&record, &turned, "b", (7, 2.0, 55.0, 0.4, -offset));
-                let of = |table, column, place: usize| Clocked { table, column, measures: Some(all[place]) };
-                let found = ClockOffset::between(of(&first, "a", a), of(&second, "b", b)).expect("it is found");
-                let name = format!("{frequency} {offset} {:?} {:?} {found:?}", all[a], all[b]);
-                assert!((found.seconds - offset).abs() < 0.006 && found.is_turned, "{name}");
-            }
-        }
-    }
-}
-
-#[test]
-fn noise_alone_tells_no_offset() {
-    let record = truth(6.0, 0.05, 3, SLOW, &[Quantity::DISPLACEMENT]);
-    let other = truth(6.5, 0.05, 4, SLOW, &[Quantity::DISPLACEMENT]);
-    let hiss: Vec<f64> = (0..record.len()).map(noise).collect();
-    let input = file(&record, &hiss, "force", (2, 0.0, 60.0, 0.0, 0.0));
-    let sensor = file(&other, other.measured(0), "reading", (5, 0.0, 60.0, 0.0, 0.0));
-    let found = ClockOffset::between(
-        Clocked { table: &input, column: "force", measures: None },
-        Clocked { table: &sensor, column: "reading", measures: Some(Quantity::DISPLACEMENT) },
-    );
-    assert!(matches!(found, Err(ImportError::NoOffset { .. })), "{found:?}");
 }
 
 #[test]

@@ -119,21 +119,6 @@ pub enum ImportError {
         /// Those of the second one, in the first one's clock \[s\].
         second: [f64; 2],
     },
-    /// Two files have no columns that could tell how their clocks differ.
-    #[error(
-        "one file must have a sensor, and the other one a sensor too or the input, to tell how their clocks differ: state the offset"
-    )]
-    NoCommonSignal,
-    /// Nothing tells how the clocks of two files differ.
-    #[error(
-        "`{first}` and `{second}` have nothing in common that tells how the clocks of both files differ: state the offset"
-    )]
-    NoOffset {
-        /// A column of the first file.
-        first: String,
-        /// A column of the second one.
-        second: String,
-    },
     /// No sensor has a column.
     #[error("no column is chosen for a sensor")]
     NoSensor,

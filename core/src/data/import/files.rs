@@ -42,22 +42,11 @@ impl<'a> Clock<'a> {
     }
 }
 
-/// The offset with which the second file begins where the first one does \[s\].
-///
-/// # Errors
-/// [`ImportError`] where a file has no usable times.
-pub fn apart([first, second]: [&Table; 2]) -> Result<f64, ImportError> {
-    let start = |table| Clock::of(table, &mut Vec::new()).map(|clock| clock.ends()[0]);
-    Ok(start(first)? - start(second)?)
-}
-
 /// Two tables at the steps of one clock.
 #[derive(Clone, Debug)]
 pub(super) struct Joined {
     /// The table; its first column has the times.
     pub(super) table: Table,
-    /// For each column behind the times, whether it is of the second table, and its name there.
-    pub(super) sources: Vec<(bool, String)>,
     /// Whether the times of the faster clock are even.
     pub(super) is_even: bool,
 }
@@ -151,7 +140,6 @@ pub(super) fn join_on_steps(
         values: (0..part.len()).map(|k| steps.start + dt * k as f64).collect(),
         ..Column::default()
     }];
-    let mut sources = Vec::new();
     for (file, table) in [first, second].into_iter().enumerate() {
         let clock = &clocks[file];
         for (place, column) in table.columns.iter().enumerate().filter(|(place, _)| *place != clock.place) {
@@ -167,7 +155,6 @@ pub(super) fn join_on_steps(
             };
             let name = free_name(&column.name, |name| columns.iter().any(|column| column.name == name));
             columns.push(Column { name, unit: column.unit.clone(), values, ..Column::default() });
-            sources.push((file == 1, column.name.clone()));
         }
     }
     let slow_dt = clocks[1 - fast].timing.dt;
@@ -178,7 +165,7 @@ pub(super) fn join_on_steps(
          {slow_dt} s apart, and all with uneven times go to the nearest step"
     ));
     let is_even = clocks[fast].timing.is_even();
-    Ok(Joined { table: Table::of_columns("two clocks as one", columns, remarks), sources, is_even })
+    Ok(Joined { table: Table::of_columns("two clocks as one", columns, remarks), is_even })
 }
 
 /// The readings that are numbers, and their times with an offset.

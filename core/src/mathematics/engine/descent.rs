@@ -34,8 +34,8 @@ impl<T: Number> Descent<T> {
         Self { prior, at: zeros(n), first: [const { Vec::new() }; 3] }
     }
 
-    /// Begins the next step at the result of the last.
-    pub(super) fn go_on(&mut self, belief: &mut Belief<T>) {
+    /// Begins the next step, at the result of the last.
+    pub(super) fn linearise_again(&mut self, belief: &mut Belief<T>) {
         self.at.copy_from_slice(&belief.mean);
         belief.copy_from(&self.prior);
     }

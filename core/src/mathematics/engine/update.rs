@@ -137,7 +137,7 @@ impl<T: Number> Update<T> {
                 if !told.holds.all() {
                     break;
                 }
-                descent.go_on(belief);
+                descent.linearise_again(belief);
                 told = Told {
                     holds: self.condition_at(level, design, belief, noise, observation, &descent.at, held).holds,
                     ..told

@@ -29,7 +29,7 @@ pub(crate) struct Followed<L> {
     part: Update,
     /// Where the state has logarithms.
     in_units: Option<Box<InUnits>>,
-    learnt: OfAll,
+    learnt: Learnt,
     plucks: Plucks,
     sample: usize,
 }
@@ -48,7 +48,7 @@ pub(crate) struct Update {
 
 /// What a filter learns, for all sensors: one that the model lacks keeps its R. The memory of a report.
 #[derive(Clone)]
-struct OfAll {
+struct Learnt {
     process: Vec<f64>,
     sensors: Vec<f64>,
     uncertainty: Vec<f64>,
@@ -90,7 +90,7 @@ impl<L: Level> Followed<L> {
             part: update.clone(),
             update,
             in_units: InUnits::new(&setup.design.model.logarithms, n, sensors),
-            learnt: OfAll {
+            learnt: Learnt {
                 process: Vec::new(),
                 uncertainty: variances.iter().map(|r| settings.adaptation.initial_uncertainty(*r)).collect(),
                 sensors: variances,
@@ -102,7 +102,7 @@ impl<L: Level> Followed<L> {
     }
 
     /// Goes on to the next sample.
-    fn go_on(&mut self) {
+    fn next_sample(&mut self) {
         self.sample += 1;
         let dt = self.filter.dt();
         let [from, to] = [self.sample - 1, self.sample].map(|sample| dt * sample as f64);
@@ -183,7 +183,7 @@ impl<L: Level> Followed<L> {
     pub(crate) fn report(&mut self, has_prior: bool, sink: &mut dyn Sink) -> Result<(), FilterError> {
         let Self { filter, places, update, prior, in_units, learnt, .. } = self;
         let parts = filter.parts();
-        let sample = learnt.tell(update.sample(&parts.belief.mean, &parts.belief.cov), &parts, places);
+        let sample = learnt.extend(update.sample(&parts.belief.mean, &parts.belief.cov), &parts, places);
         push(if has_prior { sample.with_prior(prior) } else { sample }, in_units.as_deref_mut(), sink)
     }
 
@@ -195,7 +195,7 @@ impl<L: Level> Followed<L> {
         let Self { filter, places, update, in_units, learnt, .. } = self;
         let parts = filter.parts();
         let mut learnt = learnt.clone();
-        let sample = learnt.tell(update.sample(&parts.belief.mean, &parts.belief.cov), &parts, places);
+        let sample = learnt.extend(update.sample(&parts.belief.mean, &parts.belief.cov), &parts, places);
         let sample = if sink.wants_prior() { sample.with_prior(parts.belief) } else { sample };
         push(sample, in_units.clone().as_deref_mut(), sink).map_err(|_| FilterError::TooLarge)
     }
@@ -230,7 +230,7 @@ impl<L: Level + Send> Estimator for Followed<L> {
         measured: &[f64],
         sink: &mut dyn Sink,
     ) -> Result<(), FilterError> {
-        self.go_on();
+        self.next_sample();
         self.predict(1.0, [force_before, force])?;
         let wants_prior = sink.wants_prior();
         if wants_prior {
@@ -267,7 +267,7 @@ impl<L: Level + Send> Estimator for Followed<L> {
 
     /// The belief before the update is that before the last reading.
     fn step_through(&mut self, parts: &PartsOfStep, sink: &mut dyn Sink) -> Result<(), FilterError> {
-        self.go_on();
+        self.next_sample();
         let (wants_prior, mut has_prior) = (sink.wants_prior(), false);
         self.update.clear();
         self.learnt.weights.fill(f64::NAN);
@@ -325,9 +325,9 @@ fn push(sample: Sample<'_>, in_units: Option<&mut InUnits>, sink: &mut dyn Sink)
     Ok(())
 }
 
-impl OfAll {
+impl Learnt {
     /// A sample with what a filter that learns tells besides.
-    fn tell<'a>(&'a mut self, sample: Sample<'a>, parts: &Parts<'_>, places: &[usize]) -> Sample<'a> {
+    fn extend<'a>(&'a mut self, sample: Sample<'a>, parts: &Parts<'_>, places: &[usize]) -> Sample<'a> {
         let Some(learnt) = parts.learnt else { return sample };
         let noise = parts.is_adaptive.then(|| {
             let Self { process, sensors, uncertainty, .. } = &mut *self;

@@ -59,14 +59,16 @@ impl Setup {
         Self::unless(scenario, place, record, |settings, _| !is_single(settings))
     }
 
-    /// The same for filters whose update is that of textbooks, of a state without logarithms, over readings at the samples' times.
+    /// The same for filters whose update is that of textbooks, of a state without logarithms, over readings at the samples' times, and
+    /// whose Q is diagonal.
     ///
     /// # Errors
     /// Those of [`Pass::new`](crate::Pass::new).
     pub fn of_any(scenario: &Scenario, place: usize, record: &Record) -> Result<Option<Self>, RunError> {
-        Self::unless(scenario, place, record, |settings, context| {
+        let setup = Self::unless(scenario, place, record, |settings, context| {
             settings.log_parameters || context.is_late(settings) || !settings.has_plain_update()
-        })
+        })?;
+        Ok(setup.filter(|setup| setup.matrix.is_empty()))
     }
 
     fn unless(
