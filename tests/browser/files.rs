@@ -173,12 +173,12 @@ pub(crate) async fn a_figure_is_downloaded(page: &Page, folder: &Path) {
     assert!(estimates.starts_with(b"filter,k,t,"), "{}", String::from_utf8_lossy(&estimates[..80]));
 }
 
-/// Chooses an entry of the menu, and waits for the file.
+/// Chooses an entry of the menu, and waits until the file has its contents: the browser makes it empty first.
 pub(crate) async fn downloaded(page: &Page, folder: &Path, entry: &str, name: &str) -> Vec<u8> {
     page.click("Export", 0.5).await;
     page.click(entry, 0.5).await;
     let (path, begun) = (folder.join(name), Instant::now());
-    while !path.is_file() {
+    while fs::metadata(&path).map_or(0, |file| file.len()) == 0 {
         assert!(begun.elapsed() < PATIENCE, "{name} has not come");
         tokio::time::sleep(Duration::from_millis(100)).await;
     }
