@@ -8,6 +8,7 @@ pub mod equation;
 pub mod filter;
 pub(crate) mod fourier;
 pub(crate) mod gaussian_likelihood;
+pub(crate) mod least_squares;
 pub(crate) mod linalg;
 pub(crate) mod log_sum;
 pub(crate) mod model;

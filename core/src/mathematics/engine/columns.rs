@@ -57,7 +57,7 @@ pub(crate) fn apply<T: Number>(out: &mut [T], a: &[T], k: usize, x: impl Fn(usiz
 #[inline(always)]
 pub(super) fn combine<T: Number>(out: &mut [T], a: &[T], [rows, first]: [usize; 2], k: usize, x: impl Fn(usize) -> T) {
     let mut done = 0;
-    if T::LANES == 1 {
+    if const { T::LANES == 1 } {
         while done + 4 <= out.len() {
             combine_rows::<T, 4>(&mut out[done..done + 4], a, [rows, first + done], k, &x);
             done += 4;
@@ -131,7 +131,7 @@ pub(crate) fn norm<T: Number>(a: &[T], n: usize) -> T {
 #[cfg_attr(target_arch = "wasm32", inline(never))]
 #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
 pub(crate) fn congruence<T: Number>(rows: &[T], cov: &mut [T], half: &mut [T], n: usize, motion: usize) {
-    if T::LANES == 1 && motion >= LONG {
+    if const { T::LANES == 1 } && motion >= LONG {
         long_congruence(rows, cov, half, n, motion);
         return;
     }

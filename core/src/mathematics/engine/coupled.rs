@@ -284,7 +284,7 @@ impl<T: Number, const N: usize> Bands<'_, T, N> {
     fn multiply(&self, a: [&[T]; N], out: &mut [T]) {
         for (j, out) in out.chunks_exact_mut(self.m).enumerate() {
             let mut row = 0;
-            if T::LANES == 1 {
+            if const { T::LANES == 1 } {
                 while row + 4 <= self.m {
                     self.rows::<4>(a, j, row, &mut out[row..row + 4]);
                     row += 4;

@@ -87,7 +87,7 @@ impl<T: Number> Expected<T> {
         force: T,
     ) -> Rooted<T::Mask> {
         self.is_linear = true;
-        if T::LANES == 1 && L::IS_KNOWN && self.are_components {
+        if const { T::LANES == 1 && L::IS_KNOWN } && self.are_components {
             self.select(level, count, belief, active);
         } else if design.readings.iter().all(Reading::is_of_components) {
             level.apart(

@@ -231,7 +231,7 @@ impl<T: Number> SigmaPoints<T> {
                 column[i - j] = odd[i] * odd[j];
             }
             // Lanes sum in registers, a lone run several numbers of a column at a time.
-            if T::LANES == 1 {
+            if const { T::LANES == 1 } {
                 for point in 1..n {
                     add_times(column, odd[point * n + j], &odd[point * n + j..(point + 1) * n]);
                 }

@@ -215,8 +215,12 @@ impl<T: Number> Update<T> {
             );
         }
         match active.len() {
-            1 if L::IS_KNOWN => self.take_in(level, Exactly::<1>, design, belief, root, noise, observation, held),
-            2 if L::IS_KNOWN => self.take_in(level, Exactly::<2>, design, belief, root, noise, observation, held),
+            1 if const { L::IS_KNOWN } => {
+                self.take_in(level, Exactly::<1>, design, belief, root, noise, observation, held)
+            }
+            2 if const { L::IS_KNOWN } => {
+                self.take_in(level, Exactly::<2>, design, belief, root, noise, observation, held)
+            }
             // More are rare.
             count => self.take_in(level.plain(), count, design, belief, root, noise, observation, held),
         }
@@ -412,7 +416,7 @@ impl<T: Number> Update<T> {
         for row in 0..m {
             let sensor = active[row];
             let (excess, gain) = (&mut excess[row * n..(row + 1) * n], &gain[row * n..(row + 1) * n]);
-            if T::LANES == 1 && L::IS_KNOWN && expected.are_components {
+            if const { T::LANES == 1 && L::IS_KNOWN } && expected.are_components {
                 select_column(cov, n, expected.places[sensor], excess);
             } else {
                 expected.times_cov(&design.readings[sensor], row, cov, excess);

@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::Identified;
 use super::course::{CHUNK, Course};
 use crate::Record;
-use crate::mathematics::linalg::{Matrix, Vector};
+use crate::mathematics::linalg::{Ldl, Matrix, Vector};
 use crate::mathematics::model::Reading;
 use crate::samples::simulate::response::HALVED;
 
@@ -125,14 +125,13 @@ impl Beginning {
     /// The change of the motion that minimises the error, in the directions that the readings show.
     fn change(&self) -> Option<Vector> {
         let (jacobian, error) = (Matrix::from_columns(&self.columns), self.error.as_ref()?);
-        // The decomposition fails on numbers that are not finite, or have squares that are not.
         if !jacobian.norm_squared().is_finite() || !error.norm_squared().is_finite() {
             return None;
         }
         // The motion keeps its components in directions that the readings do not show.
-        let svd = jacobian.svd(true, true);
-        let least = 1e-9 * svd.singular_values.max();
-        svd.solve(error, least.max(f64::MIN_POSITIVE)).ok()
+        let (normal, right) = (jacobian.tr_mul(&jacobian), jacobian.tr_mul(error));
+        let change = Ldl::semidefinite(&normal).divide(&Matrix::from_row_slice(1, right.len(), right.as_slice()));
+        Some(Vector::from_column_slice(change.as_slice()))
     }
 
     /// The errors of the trial's next readings, relative to the readings' size. Returns whether they are complete.

@@ -101,7 +101,7 @@ impl<T: Number> Scores<T> {
         level.apart(
             #[inline(always)]
             || match is_whole {
-                true if L::IS_KNOWN => self.take_tracked::<L, true>(level, belief, truth),
+                true if const { L::IS_KNOWN } => self.take_tracked::<L, true>(level, belief, truth),
                 _ => self.take_tracked::<L, false>(level, belief, truth),
             },
         );

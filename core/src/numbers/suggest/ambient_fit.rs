@@ -1,9 +1,8 @@
 //! An oscillator under an unrecorded white force, fitted to the spectrum of one sensor.
 
-use nalgebra::{Matrix4, Vector4};
-
 use super::response::{free_response, is_within, order};
 use super::spectra::{Gaps, LONG, Spectra};
+use crate::mathematics::least_squares::NormalEquations;
 use crate::{Quantity, Record};
 
 /// An oscillator under a white force, as the spectrum of a sensor shows it.
@@ -85,11 +84,11 @@ pub(super) fn ambient_fit(
         return None;
     }
     let size = |damping: f64| high / lines.response(peak, damping, peak).max(f64::MIN_POSITIVE);
-    let begin = |damping: f64| Vector4::new(peak, damping, size(damping), 0.5 * low).map(libm::log);
+    let begin = |damping: f64| [peak, damping, size(damping), 0.5 * low].map(libm::log);
     // A peak that is hardly wider than a line says little about its damping: another start is tried too.
     let found = [start.damping_ratio, 0.02].into_iter().map(|damping| lines.descend(begin(damping)));
     let (_, found) = found.min_by(|a, b| a.0.total_cmp(&b.0))?;
-    let [natural_frequency, damping_ratio, force, noise] = found.map(libm::exp).into();
+    let [natural_frequency, damping_ratio, force, noise] = found.map(libm::exp);
     let is_sound = (0.5 * peak..2.0 * peak).contains(&natural_frequency) && damping_ratio < 0.7;
     let edge = lines.edge(&spectra, found);
     let errors = lines.errors(&found, spectra.independent())?;
@@ -138,8 +137,8 @@ impl Lines<'_> {
 
     /// The frequency from which on the spectrum falls off below that of the logarithms of ωₙ, ζ, s² and R, as behind a low-pass
     /// filter. Only an accelerometer feels the force there.
-    fn edge(&self, spectra: &Spectra, found: Vector4<f64>) -> Option<f64> {
-        let [wn, zeta, force, noise] = found.map(libm::exp).into();
+    fn edge(&self, spectra: &Spectra, found: [f64; 4]) -> Option<f64> {
+        let [wn, zeta, force, noise] = found.map(libm::exp);
         let (length, last) = (spectra.len() / PARTS, (LAST * spectra.len() as f64) as usize);
         let share = |first: usize| {
             let sum = |of: &dyn Fn(usize) -> f64| (first..first + length).map(of).sum::<f64>();
@@ -154,8 +153,8 @@ impl Lines<'_> {
     }
 
     /// The logarithm of S at each line, for the logarithms of ωₙ, ζ, s² and R.
-    fn model(&self, at: &Vector4<f64>, spectrum: &mut Vec<f64>) {
-        let [wn, zeta, force, noise] = at.map(libm::exp).into();
+    fn model(&self, at: &[f64; 4], spectrum: &mut Vec<f64>) {
+        let [wn, zeta, force, noise] = at.map(libm::exp);
         let reach = WINDOW.len() / 2;
         let fine = |i: usize| self.line * (self.first + 0.5 * (i as f64 - reach as f64)).abs();
         let responses: Vec<f64> =
@@ -173,7 +172,7 @@ impl Lines<'_> {
     }
 
     /// The derivatives of the logarithm of S at each line, by the logarithms of ωₙ, ζ, s² and R.
-    fn slopes(&self, at: &Vector4<f64>, spectrum: &[f64]) -> [Vec<f64>; 4] {
+    fn slopes(&self, at: &[f64; 4], spectrum: &[f64]) -> [Vec<f64>; 4] {
         /// The change of a logarithm for a derivative.
         const CHANGE: f64 = 1e-4;
         let mut other = Vec::new();
@@ -186,38 +185,33 @@ impl Lines<'_> {
     }
 
     /// The standard errors of ωₙ and ζ, relative to them, from the mean of a number of independent spectra.
-    fn errors(&self, at: &Vector4<f64>, spectra: f64) -> Option<[f64; 2]> {
+    fn errors(&self, at: &[f64; 4], spectra: f64) -> Option<[f64; 2]> {
         let mut spectrum = Vec::new();
         self.model(at, &mut spectrum);
         let slopes = self.slopes(at, &spectrum);
-        let slope = |line: usize| Vector4::from_fn(|i, _| slopes[i][line]);
-        let information: Matrix4<f64> = (0..spectrum.len()).map(|line| slope(line) * slope(line).transpose()).sum();
+        let mut equations = NormalEquations::new();
+        (0..spectrum.len()).for_each(|line| equations.add(slopes.each_ref().map(|slopes| slopes[line]), 0.0, spectra));
         // R that is not seen has no part in it.
-        let regular = information * spectra + Matrix4::from_diagonal_element(1e-6);
-        let errors = regular.cholesky()?.inverse().diagonal().map(libm::sqrt);
+        let errors = equations.damped(0.0, 1e-6).variances()?.map(libm::sqrt);
         errors.iter().all(|error| error.is_finite()).then_some([errors[0], errors[1]])
     }
 
     /// The least cost that scoring reaches from a point, and its place.
-    fn descend(&self, begin: Vector4<f64>) -> (f64, Vector4<f64>) {
+    fn descend(&self, begin: [f64; 4]) -> (f64, [f64; 4]) {
         let (mut at, mut spectrum, mut other) = (begin, Vec::new(), Vec::new());
         self.model(&at, &mut spectrum);
         let mut cost = self.cost(&spectrum);
         let mut damping = 1e-3;
         for _ in 0..STEPS {
             let slopes = self.slopes(&at, &spectrum);
-            let (mut information, mut gradient) = (Matrix4::zeros(), Vector4::zeros());
+            let mut equations = NormalEquations::new();
             for (line, (ln, power)) in spectrum.iter().zip(self.powers).enumerate() {
-                let slope = Vector4::from_fn(|i, _| slopes[i][line]);
-                information += slope * slope.transpose();
-                gradient += slope * (1.0 - power * libm::exp(-ln));
+                equations.add(slopes.each_ref().map(|slopes| slopes[line]), 1.0 - power * libm::exp(-ln), 1.0);
             }
             let before = cost;
             while damping < 1e9 {
-                let mut damped = information;
-                (0..4).for_each(|i| damped[(i, i)] = damped[(i, i)] * (1.0 + damping) + 1e-9);
-                let Some(step) = damped.lu().solve(&gradient) else { break };
-                let next = at - step.map(|step| step.clamp(-1.0, 1.0));
+                let Some(step) = equations.damped(damping, 1e-9).solution() else { break };
+                let next = std::array::from_fn(|i| at[i] - step[i].clamp(-1.0, 1.0));
                 self.model(&next, &mut other);
                 let next_cost = self.cost(&other);
                 if next_cost < cost {

@@ -1,13 +1,12 @@
 //! The free decay of an oscillator, fitted to a record without an input.
 
-use nalgebra::{SMatrix, SVector};
-
 use super::moments;
 use super::response::is_within;
 use crate::Record;
 use crate::data::import::Mapping;
 use crate::data::sorting::sort_numbers;
 use crate::mathematics::fourier::Transform;
+use crate::mathematics::least_squares::NormalEquations;
 
 /// An oscillator that nothing moves any more, as one sensor shows it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -156,55 +155,51 @@ impl Readings<'_> {
         }
     }
 
-    /// The squared error of a decay, with the normal equations of a step: of the parts alone, or of all.
-    fn normal(&self, shape: &Shape) -> (f64, SMatrix<f64, 5, 5>, SVector<f64, 5>) {
+    /// The squared error of a decay, with the normal equations of a step.
+    fn normal(&self, shape: &Shape) -> (f64, NormalEquations<5>) {
         let [a, b, c] = shape.parts;
-        let (mut error, mut normal, mut right) = (0.0, SMatrix::zeros(), SVector::zeros());
+        let (mut error, mut equations) = (0.0, NormalEquations::new());
         self.each(shape, |time, [re, im], value| {
             let rest = value - a * re - b * im - c;
-            let slopes = SVector::from([re, im, 1.0, time * (b * re - a * im), -time * (a * re + b * im)]);
             error += rest * rest;
-            normal += slopes * slopes.transpose();
-            right += slopes * rest;
+            equations.add([re, im, 1.0, time * (b * re - a * im), -time * (a * re + b * im)], rest, 1.0);
         });
-        (error, normal, right)
+        (error, equations)
     }
 
     /// The standard deviation of what a decay leaves, and those of frequency and rate \[rad/s, 1/s\].
     fn spread(&self, shape: &Shape) -> Option<(f64, [f64; 2])> {
-        let (error, normal, _) = self.normal(shape);
-        let inverse = normal.cholesky()?.inverse();
+        let (error, equations) = self.normal(shape);
+        let [.., frequency, rate] = equations.variances()?;
         let there = self.values.iter().filter(|value| !value.is_nan()).count();
         let variance = error / there.saturating_sub(5).max(1) as f64;
-        Some((libm::sqrt(variance), [3, 4].map(|place| libm::sqrt(variance * inverse[(place, place)].max(0.0)))))
+        Some((libm::sqrt(variance), [frequency, rate].map(|own| libm::sqrt(variance * own.max(0.0)))))
     }
 
     /// The parts that fit best to frequency and rate.
     fn with_parts(&self, shape: Shape) -> Option<Shape> {
-        let (_, normal, right) = self.normal(&Shape { parts: [0.0; 3], ..shape });
-        let parts = normal.fixed_view::<3, 3>(0, 0).into_owned().lu().solve(&right.fixed_rows::<3>(0).into_owned())?;
-        Some(Shape { parts: parts.into(), ..shape })
+        let mut equations = NormalEquations::new();
+        self.each(&shape, |_, [re, im], value| equations.add([re, im, 1.0], value, 1.0));
+        Some(Shape { parts: equations.solution()?, ..shape })
     }
 
     /// The least error that steps of Levenberg reach from frequency and rate, and the decay there.
     fn descend(&self, start: Shape) -> (f64, Shape) {
         let Some(mut shape) = self.with_parts(start) else { return (f64::INFINITY, start) };
-        let (mut error, mut normal, mut right) = self.normal(&shape);
+        let (mut error, mut equations) = self.normal(&shape);
         let mut damping = 1e-3;
         for _ in 0..STEPS {
-            let mut damped = normal;
-            (0..5).for_each(|i| damped[(i, i)] *= 1.0 + damping);
-            let Some(step) = damped.lu().solve(&right) else { break };
+            let Some([.., frequency, rate]) = equations.damped(damping, 0.0).solution() else { break };
             let next = Shape {
-                frequency: (shape.frequency + step[3]).clamp(0.5 * shape.frequency, 2.0 * shape.frequency),
-                rate: (shape.rate + step[4]).clamp(0.25 * shape.rate, 4.0 * shape.rate),
+                frequency: (shape.frequency + frequency).clamp(0.5 * shape.frequency, 2.0 * shape.frequency),
+                rate: (shape.rate + rate).clamp(0.25 * shape.rate, 4.0 * shape.rate),
                 ..shape
             };
             let Some(next) = self.with_parts(next) else { break };
-            let (next_error, next_normal, next_right) = self.normal(&next);
+            let (next_error, next_equations) = self.normal(&next);
             if next_error < error {
                 let gain = error - next_error;
-                (shape, error, normal, right) = (next, next_error, next_normal, next_right);
+                (shape, error, equations) = (next, next_error, next_equations);
                 damping *= 0.1;
                 if gain < 1e-9 * error {
                     break;

@@ -1,8 +1,7 @@
 //! Natural frequency, damping ratio and gain from spectra.
 
-use nalgebra::{Matrix3, Vector3};
-
 use super::spectra::{Gaps, LONG, Spectra};
+use crate::mathematics::least_squares::NormalEquations;
 use crate::{Aspect, Hold, Quantity, Record};
 
 /// An oscillator, identified from its frequency response.
@@ -169,25 +168,15 @@ fn fit(points: &[Point], peak: f64) -> Option<Response> {
         near.iter().map(|point| 1.0 / power(point.response).max(f64::MIN_POSITIVE)).collect();
     let mut found = None;
     for _ in 0..ROUNDS {
-        let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
+        let mut equations = NormalEquations::new();
         for (point, d) in near.iter().zip(&denominator) {
             // H (b + iωa - ω²) = g, with b = ωₙ² and a = 2ζωₙ, in units of the peak.
             let (h, scaled) = (point.response, point.frequency / peak);
             let weight = point.weight / (power(h) * d).max(f64::MIN_POSITIVE);
-            let rows = [
-                (Vector3::new(h.0, -scaled * h.1, -1.0), scaled * scaled * h.0),
-                (Vector3::new(h.1, scaled * h.0, 0.0), scaled * scaled * h.1),
-            ];
-            for (row, value) in rows {
-                normal += row * row.transpose() * weight;
-                right += row * value * weight;
-            }
+            equations.add([h.0, -scaled * h.1, -1.0], scaled * scaled * h.0, weight);
+            equations.add([h.1, scaled * h.0, 0.0], scaled * scaled * h.1, weight);
         }
-        // Columns differ in size by the response itself.
-        let size = normal.diagonal().map(|x| 1.0 / libm::sqrt(x.max(f64::MIN_POSITIVE)));
-        let scaled = Matrix3::from_diagonal(&size) * normal * Matrix3::from_diagonal(&size);
-        let solved = scaled.lu().solve(&right.component_mul(&size))?.component_mul(&size);
-        let (b, a, g) = (solved[0], solved[1], solved[2]);
+        let [b, a, g] = equations.solution()?;
         if !(b > 0.0 && a.is_finite() && g.is_finite()) {
             break;
         }
