@@ -32,7 +32,6 @@ pub(crate) mod columns;
 mod considered;
 mod coupled;
 pub(crate) mod course;
-mod descent;
 pub(crate) mod design;
 mod differentiated;
 pub(crate) mod dual;

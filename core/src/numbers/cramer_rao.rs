@@ -26,8 +26,8 @@ use crate::{Channel, FilterKind, FilterSettings, Quantity, Record, Scenario};
 pub struct CramerRao {
     settings: FilterSettings,
     channels: Vec<Channel>,
-    /// The filter that has its mean set to the truth at every sample, and the quantity of each of its sensors; none where it cannot
-    /// begin.
+    /// The filter whose mean is set to the truth at every sample, and the quantity of each of its sensors. `None` if the filter
+    /// cannot begin.
     recursion: Option<(Filter<f64, Baseline>, Vec<Quantity>)>,
     std: Vec<f64>,
     /// The number of samples that the record had forgotten at the last call.

@@ -13,7 +13,7 @@ pub const LANES: usize = if cfg!(target_arch = "wasm32") { 2 } else { 8 };
 /// A set of instructions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Level {
-    /// That of every processor of the target: SSE2 on x86-64; of every browser that runs the page.
+    /// The instructions that every processor of the target has: SSE2 on x86-64. In a page, those of WebAssembly with vectors.
     Baseline,
     /// AVX2.
     Avx2,

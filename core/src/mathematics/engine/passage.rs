@@ -1,4 +1,4 @@
-//! What a smoother needs of a filter's step: how the state depends on the one before, and the update.
+//! A step of a filter as its smoother reads it: the transition from the state before, and the update.
 
 use super::belief::Belief;
 use super::columns::{divide_by_root, lower_root, multiply};

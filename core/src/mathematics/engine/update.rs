@@ -1,8 +1,9 @@
 //! The update: a belief conditioned on the measurements of one sample.
 
+mod descent;
+
 use super::belief::{Belief, Noise};
 use super::columns::{add_times, divide, factor, square, subtract_products, take_times};
-use super::descent::Descent;
 use super::design::{Design, Method};
 use super::expected::{Expected, select_column};
 use super::fault::Held;
@@ -12,6 +13,7 @@ use super::number::{Mask, Number};
 use super::passage::Passage;
 use super::residuals::Innovations;
 use super::square_root::{SquareRoot, may_have_root};
+use descent::Descent;
 
 /// The scores of an update, lane by lane.
 #[derive(Clone, Copy, Debug)]
@@ -103,80 +105,6 @@ impl<T: Number> Update<T> {
             return self.condition_once(level, design, belief, root, noise, observation, held);
         }
         self.descend(level.plain(), design, belief, root, noise, observation, held)
-    }
-
-    /// The same, with further steps of an iterated EKF, and a note for the smoother.
-    #[inline(never)]
-    #[expect(clippy::too_many_arguments, reason = "those of the update")]
-    fn descend<L: Level>(
-        &mut self,
-        level: L,
-        design: &Design,
-        belief: &mut Belief<T>,
-        root: Option<&mut SquareRoot<T>>,
-        noise: &Noise<T>,
-        observation: Observation<'_, T>,
-        held: &mut Held<T::Mask>,
-    ) -> Told<T> {
-        let mut descent = self.descent.take();
-        if let Some(Descent { prior, .. }) = descent.as_deref_mut() {
-            prior.copy_from(belief);
-        }
-        let mut told = self.condition_once(level, design, belief, root, noise, observation, held);
-        let m = self.active.len();
-        let reads_rates = !self.active.iter().all(|&sensor| design.readings[sensor].is_of_components());
-        if let (Some(descent), Method::Linearised(_, iterations), true) =
-            (descent.as_deref_mut(), design.method, reads_rates)
-        {
-            let parts = [&self.innovation[..m], &self.innovation_cov[..m * m], &self.factor[..m * m]];
-            for (kept, part) in descent.first.iter_mut().zip(parts) {
-                kept.clear();
-                kept.extend_from_slice(part);
-            }
-            for _ in 1..iterations {
-                if !told.holds.all() {
-                    break;
-                }
-                descent.linearise_again(belief);
-                told = Told {
-                    holds: self.condition_at(level, design, belief, noise, observation, &descent.at, held).holds,
-                    ..told
-                };
-                if descent.has_converged(belief) {
-                    break;
-                }
-            }
-        }
-        self.note(design);
-        if let Some(Descent { first: [innovation, innovation_cov, factor], .. }) =
-            descent.as_deref().filter(|_| reads_rates)
-        {
-            self.innovation[..m].copy_from_slice(innovation);
-            self.innovation_cov[..m * m].copy_from_slice(innovation_cov);
-            self.factor[..m * m].copy_from_slice(factor);
-        }
-        self.descent = descent;
-        told
-    }
-
-    /// Notes the update for the smoother.
-    fn note(&mut self, design: &Design) {
-        let Some(mut passage) = self.passage.take() else { return };
-        let [innovation, innovation_cov, gain] = self.parts();
-        for (own, part) in [
-            (&mut passage.innovation, innovation),
-            (&mut passage.innovation_cov, innovation_cov),
-            (&mut passage.gain, gain),
-        ] {
-            own.clear();
-            own.extend_from_slice(part);
-        }
-        passage.jacobian.clear();
-        passage.jacobian.resize(gain.len(), T::of(0.0));
-        if !self.jacobian_into(design, &mut passage.jacobian) {
-            passage.jacobian.clear();
-        }
-        self.passage = Some(passage);
     }
 
     #[inline(always)]
@@ -290,27 +218,6 @@ impl<T: Number> Update<T> {
         let scores = self.weigh(level, count, belief, held);
         root.square(level, &mut belief.cov);
         told(level, belief, scores, measured, held)
-    }
-
-    /// Conditions a belief on the same measurements again, with the sensors linearised in another state.
-    ///
-    /// Source: Bell and Cathey (1993), The iterated Kalman filter update as a Gauss-Newton method.
-    #[expect(clippy::too_many_arguments, reason = "those of the update, and where to linearise")]
-    fn condition_at<L: Level>(
-        &mut self,
-        level: L,
-        design: &Design,
-        belief: &mut Belief<T>,
-        noise: &Noise<T>,
-        observation: Observation<'_, T>,
-        at: &[T],
-        held: &mut Held<T::Mask>,
-    ) -> Told<T> {
-        let Observation { force, measured } = observation;
-        let count = self.active.len();
-        self.expected.take_at(level, design, belief, &self.active, force, at);
-        let number = self.compare(level, count, noise, measured);
-        self.correct(level, count, design, belief, number, held)
     }
 
     /// `e = z - h(y⁻)` and `S = H P⁻ Hᵀ + R`; returns m. In lanes without a measurement of a sensor, its row has no

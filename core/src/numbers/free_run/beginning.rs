@@ -122,13 +122,13 @@ impl Beginning {
         1e-6 * (1e-3 + self.motion.get(self.columns.len()).map_or(0.0, |value| value.abs()))
     }
 
-    /// The change of the motion that minimises the error, in the directions that the readings show.
+    /// The change of the motion that minimises the error.
     fn change(&self) -> Option<Vector> {
         let (jacobian, error) = (Matrix::from_columns(&self.columns), self.error.as_ref()?);
         if !jacobian.norm_squared().is_finite() || !error.norm_squared().is_finite() {
             return None;
         }
-        // The motion keeps its components in directions that the readings do not show.
+        // A component whose effect on the readings is none, or that of components before it, stays as it is.
         let (normal, right) = (jacobian.tr_mul(&jacobian), jacobian.tr_mul(error));
         let change = Ldl::semidefinite(&normal).divide(&Matrix::from_row_slice(1, right.len(), right.as_slice()));
         Some(Vector::from_column_slice(change.as_slice()))

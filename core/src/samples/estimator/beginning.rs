@@ -1,4 +1,4 @@
-//! What a filter of some settings begins with, in its model's state.
+//! The model, the initial belief and the noise of a filter, from its settings.
 
 use super::FilterContext;
 use crate::mathematics::filter::{Gaussian, Noise, White};
