@@ -6,9 +6,8 @@ use egui::{Context, Id, Popup, RichText, Ui};
 use kalmanscope_cli::{Parts, day, report, write_estimates};
 use kalmanscope_core::diagnosis::{Evidence, Remedy};
 use kalmanscope_core::diagnostics::Depth;
-use kalmanscope_core::{
-    Analysis, Channel, Diagnosis, Document, DocumentError, Estimates, Record, Scenario, Stop, Task,
-};
+use kalmanscope_core::document::{self, Document, DocumentError, json};
+use kalmanscope_core::{Analysis, Channel, Diagnosis, Estimates, Record, Scenario, Stop, Task};
 
 use crate::figure::Figure;
 use crate::inbox::Done;
@@ -217,81 +216,76 @@ impl Task for Everything {
 
     fn finish(self) -> Self::Outcome {
         let filters = self.filters.iter().map(|(estimates, diagnosis)| filter(estimates, diagnosis.as_ref()));
-        let everything = Document::of_entries([
-            ("kalmanscope", env!("CARGO_PKG_VERSION").into()),
-            ("scenario", Document::of(&self.scenario)?),
-            ("record", record(&self.record)?),
-            ("filters", Document::List(filters.collect::<Result<_, _>>()?)),
-        ]);
-        Document::json(&everything)
+        document::to_json(&json!({
+            "kalmanscope": env!("CARGO_PKG_VERSION"),
+            "scenario": self.scenario,
+            "record": record(&self.record),
+            "filters": Document::from_iter(filters),
+        }))
     }
 }
 
-fn record(record: &Record) -> Result<Document, DocumentError> {
-    let numbers = |values: &[f64]| Document::of_numbers(values.iter().copied());
-    let measured = record.sensors().iter().enumerate().map(|(i, q)| (q.key(), numbers(record.measured(i))));
-    let truth = Channel::all().iter().filter_map(|c| Some((c.key(), numbers(record.truth(*c)?))));
-    Ok(Document::of_entries([
-        ("dt", Document::Number(record.dt())),
-        ("time", Document::of_numbers((0..record.len()).map(|k| record.time(k)))),
-        ("input_kind", Document::of(&record.input_kind())?),
-        ("hold", Document::of(&record.hold())?),
-        ("input", numbers(record.input())),
-        ("measured", Document::of_entries(measured)),
-        ("truth", Document::of_entries(truth)),
-    ]))
+fn record(record: &Record) -> Document {
+    let measured = record.sensors().iter().enumerate().map(|(i, q)| (q.key(), record.measured(i)));
+    let truth = Channel::all().iter().filter_map(|c| Some((c.key(), record.truth(*c)?)));
+    json!({
+        "dt": record.dt(),
+        "time": Document::from_iter((0..record.len()).map(|k| record.time(k))),
+        "input_kind": record.input_kind(),
+        "hold": record.hold(),
+        "input": record.input(),
+        "measured": Document::from_iter(measured),
+        "truth": Document::from_iter(truth),
+    })
 }
 
-fn filter(estimates: &Estimates, found: Option<&Diagnosis>) -> Result<Document, DocumentError> {
+fn filter(estimates: &Estimates, found: Option<&Diagnosis>) -> Document {
     let of_channels = |column: &dyn Fn(usize) -> Document| {
         let channels = estimates.channels().iter().enumerate();
-        Document::of_entries(channels.map(|(place, channel)| (channel.key(), column(place))))
+        Document::from_iter(channels.map(|(place, channel)| (channel.key(), column(place))))
     };
     let of_sensors = |column: &dyn Fn(usize) -> Document| {
         let sensors = estimates.sensors().iter().enumerate();
-        Document::of_entries(sensors.map(|(place, sensor)| (sensor.key(), column(place))))
+        Document::from_iter(sensors.map(|(place, sensor)| (sensor.key(), column(place))))
     };
-    Ok(Document::of_entries([
-        ("name", estimates.name().into()),
-        ("kind", estimates.kind().name().into()),
-        ("plant", Document::of(&estimates.plant())?),
-        ("mean", of_channels(&|place| Document::of_numbers(estimates.canonical_means(place).iter().copied()))),
-        ("std", of_channels(&|place| Document::of_numbers(estimates.stds(place)))),
-        ("innovation", of_sensors(&|place| Document::of_numbers(estimates.innovations(place)))),
-        ("innovation_std", of_sensors(&|place| Document::of_numbers(estimates.innovation_stds(place)))),
-        ("nis", Document::of_numbers(estimates.nis().iter().copied())),
-        ("log_likelihood", Document::of_numbers(estimates.log_likelihoods())),
-        ("stop", estimates.stop().map(stop).into()),
-        ("diagnosis", found.map(diagnosis).into()),
-    ]))
+    json!({
+        "name": estimates.name(),
+        "kind": estimates.kind().name(),
+        "plant": estimates.plant(),
+        "mean": of_channels(&|place| Document::from_iter(estimates.canonical_means(place).iter().copied())),
+        "std": of_channels(&|place| Document::from_iter(estimates.stds(place))),
+        "innovation": of_sensors(&|place| Document::from_iter(estimates.innovations(place))),
+        "innovation_std": of_sensors(&|place| Document::from_iter(estimates.innovation_stds(place))),
+        "nis": estimates.nis(),
+        "log_likelihood": Document::from_iter(estimates.log_likelihoods()),
+        "stop": estimates.stop().map(stop),
+        "diagnosis": found.map(diagnosis),
+    })
 }
 
 fn stop(stop: Stop) -> Document {
-    let reason = stop.reason.to_string();
-    Document::of_entries([("sample", (stop.sample as u64).into()), ("reason", Document::Text(reason))])
+    json!({ "sample": stop.sample, "reason": stop.reason.to_string() })
 }
 
 fn diagnosis(diagnosis: &Diagnosis) -> Document {
     let verdict = diagnosis.verdict.as_ref();
-    let part = |place: usize| Document::from(place as u64);
-    let bad_parts = diagnosis.bad_parts.iter().map(|range| Document::List(vec![part(range.start), part(range.end)]));
-    Document::of_entries([
-        ("verdict", verdict.map(|verdict| verdict.kind.key()).into()),
-        ("reason", verdict.map(|verdict| &*verdict.reason).into()),
-        ("evidence", Document::List(diagnosis.evidence.iter().map(evidence).collect())),
-        ("bad_parts", Document::List(bad_parts.collect())),
-    ])
+    json!({
+        "verdict": verdict.map(|verdict| verdict.kind.key()),
+        "reason": verdict.map(|verdict| &*verdict.reason),
+        "evidence": Document::from_iter(diagnosis.evidence.iter().map(evidence)),
+        "bad_parts": Document::from_iter(diagnosis.bad_parts.iter().map(|range| json!([range.start, range.end]))),
+    })
 }
 
 fn evidence(one: &Evidence) -> Document {
-    Document::of_entries([
-        ("test", one.test.name.into()),
-        ("sentence", one.sentence.as_str().into()),
-        ("statistic", Document::Number(one.statistic)),
-        ("p_value", Document::Number(one.p_value)),
-        ("effect", Document::Number(one.effect)),
-        ("counts", Document::Flag(one.counts)),
-    ])
+    json!({
+        "test": one.test.name,
+        "sentence": one.sentence,
+        "statistic": one.statistic,
+        "p_value": one.p_value,
+        "effect": one.effect,
+        "counts": one.counts,
+    })
 }
 
 pub(crate) fn menu_ui(ui: &mut Ui, narrow: bool, requests: &mut Vec<Request>) {

@@ -112,7 +112,7 @@ mod web {
         let summary = RUNNER.with_borrow(|runner| {
             let (runner, ctx) = runner.as_ref()?;
             let page = runner.app_mut::<Page>()?;
-            kalmanscope_core::Document::json(&page.app.screen_state(ctx)).ok()
+            kalmanscope_core::document::to_json(&page.app.screen_state(ctx)).ok()
         });
         summary.unwrap_or_else(|| "null".to_owned())
     }

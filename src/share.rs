@@ -11,7 +11,7 @@ mod picture;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::URL_SAFE_NO_PAD;
-use kalmanscope_core::Document;
+use kalmanscope_core::document;
 use kalmanscope_core::internals::short_hash;
 use miniz_oxide::deflate::core::{CompressorOxide, TDEFLFlush, compress_to_output, create_comp_flags_from_zip_params};
 use miniz_oxide::inflate::TINFLStatus;
@@ -88,7 +88,7 @@ const LEVEL: i32 = 9;
 const RAW: i32 = -15;
 
 fn dictionary() -> Vec<u8> {
-    let settings = Document::json(SETTINGS).unwrap_or_default();
+    let settings = document::to_json(SETTINGS).unwrap_or_default();
     [settings.trim_matches('"'), SCREENS].concat().into_bytes()
 }
 

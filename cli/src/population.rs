@@ -7,9 +7,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use kalmanscope_cli::{causes, significant};
 use kalmanscope_core::diagnosis::Remedy;
-use kalmanscope_core::{
-    Analysis, Channel, Document, DocumentError, Measure, Run, Scenario, Source, VerdictKind, Wanted,
-};
+use kalmanscope_core::document::{self, Document, DocumentError, json};
+use kalmanscope_core::{Analysis, Channel, Measure, Run, Scenario, Source, VerdictKind, Wanted};
 use kalmanscope_lab::{Judged, LastError, MonteCarlo, Priority, Runner, Slice, Threads, share_interval};
 
 use crate::args::PopulationArgs;
@@ -171,61 +170,50 @@ impl Population {
     fn json(&self) -> Result<String, DocumentError> {
         let scenario = self.scenario();
         let drawn = scenario.draw.iter().map(|(key, law)| {
-            Document::of_entries([
-                ("key", scenario.address_by_name(key).as_str().into()),
-                ("law", law.info().key.into()),
-                ("numbers", Document::List(law.numbers().map(Document::Number).to_vec())),
-            ])
+            json!({ "key": scenario.address_by_name(key), "law": law.info().key, "numbers": law.numbers() })
         });
         let filters = scenario.filters.iter().enumerate().map(|(nth, filter)| {
             let [lost, stopped] = self.lost(nth);
             let parameters = self.parameters(nth).map(|(channel, errors)| {
                 let squares = errors.iter().map(|last| last.error * last.error).sum::<f64>();
-                Document::of_entries([
-                    ("channel", channel.key().into()),
-                    ("within_1_percent", near(errors).number()),
-                    ("inside_2_sigma", covered(errors).number()),
-                    ("rmse", Document::Number((squares / errors.len() as f64).sqrt())),
-                ])
+                json!({
+                    "channel": channel.key(),
+                    "within_1_percent": near(errors).number(),
+                    "inside_2_sigma": covered(errors).number(),
+                    "rmse": (squares / errors.len() as f64).sqrt(),
+                })
             });
-            let verdicts = self.verdicts(nth).map(|(kind, share)| {
-                Document::of_entries([("kind", kind.name().into()), ("members", number(share.count))])
-            });
+            let verdicts =
+                self.verdicts(nth).map(|(kind, share)| json!({ "kind": kind.name(), "members": share.count }));
             let causes = self.causes.as_ref().and_then(|causes| causes.get(nth));
-            let named = causes.into_iter().flat_map(|causes| &causes.named).map(|(name, [first, among])| {
-                Document::of_entries([
-                    ("name", (*name).into()),
-                    ("first", number(*first)),
-                    ("among_first_two", number(*among)),
-                ])
-            });
+            let named = causes.into_iter().flat_map(|causes| &causes.named);
+            let named =
+                named.map(|(name, [first, among])| json!({ "name": name, "first": first, "among_first_two": among }));
             let said = causes.filter(|causes| causes.bad > 0);
-            let said = said.map_or(Document::Null, |causes| Document::Number(causes.said / causes.bad as f64));
-            let unexplained = causes.map_or(Document::Null, |causes| number(causes.unexplained));
-            Document::of_entries([
-                ("name", filter.name.as_str().into()),
-                ("lost", lost.number()),
-                ("stopped", stopped.number()),
-                ("parameters", Document::List(parameters.collect())),
-                ("verdicts", Document::List(verdicts.collect())),
-                ("causes", Document::List(named.collect())),
-                ("mean_probability", said),
-                ("unexplained", unexplained),
-            ])
+            json!({
+                "name": filter.name,
+                "lost": lost.number(),
+                "stopped": stopped.number(),
+                "parameters": Document::from_iter(parameters),
+                "verdicts": Document::from_iter(verdicts),
+                "causes": Document::from_iter(named),
+                "mean_probability": said.map(|causes| causes.said / causes.bad as f64),
+                "unexplained": causes.map(|causes| causes.unexplained),
+            })
         });
-        let text = Document::json_lines(&Document::of_entries([
-            ("members", number(self.statistics.done())),
-            ("impossible", number(self.statistics.impossible())),
-            ("drawn", Document::List(drawn.collect())),
-            ("filters", Document::List(filters.collect())),
-        ]))?;
+        let text = document::to_json_lines(&json!({
+            "members": self.statistics.done(),
+            "impossible": self.statistics.impossible(),
+            "drawn": Document::from_iter(drawn),
+            "filters": Document::from_iter(filters),
+        }))?;
         Ok(text + "\n")
     }
 }
 
 impl Share {
-    fn number(self) -> Document {
-        Document::Number(self.count as f64 / self.of as f64)
+    fn number(self) -> f64 {
+        self.count as f64 / self.of as f64
     }
 }
 
@@ -235,10 +223,6 @@ fn near(errors: &[LastError]) -> Share {
 
 fn covered(errors: &[LastError]) -> Share {
     Share { count: errors.iter().filter(|last| last.is_covered()).count(), of: errors.len() }
-}
-
-fn number(count: usize) -> Document {
-    i64::try_from(count).map_or(Document::Null, Document::Integer)
 }
 
 /// A share with its 95 % interval.

@@ -3,10 +3,11 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use kalmanscope_core::document;
 use kalmanscope_core::import::{
     self, Builder, ColumnGuess, Decimal, Delimiter, Dialect, Encoding, Imported, MappedColumn, Mapping, Table, hash,
 };
-use kalmanscope_core::{Document, Quantity, Record, Run, RunError, Scenario, Source};
+use kalmanscope_core::{Quantity, Record, Run, RunError, Scenario, Source};
 use kalmanscope_lessons::records;
 
 use crate::args::{InputArgs, SourceArgs};
@@ -103,7 +104,7 @@ pub(crate) fn scenario_and_record(
 
 pub(crate) fn read_scenario(file: &Path, quiet: bool) -> Result<Scenario, InputError> {
     let bytes = read_short(file)?;
-    let is_toml = std::str::from_utf8(&bytes).is_ok_and(|text| Document::from_toml(text).is_ok());
+    let is_toml = std::str::from_utf8(&bytes).is_ok_and(|text| document::from_toml(text).is_ok());
     if !is_toml && import::read(bytes.as_slice(), None).is_ok() {
         let reason =
             "this is a record, not a scenario: `kalmanscope-cli import RECORD --out SCENARIO.toml` writes one for it";

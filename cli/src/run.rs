@@ -6,8 +6,9 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use kalmanscope_cli::{FilterProgress, Parts, Results, causes, day, pages, report, svg, write_estimates};
 use kalmanscope_core::diagnosis::Remedy;
+use kalmanscope_core::document::DocumentError;
 use kalmanscope_core::setting::Edit;
-use kalmanscope_core::{Analysis, DocumentError, RecordError, Run, VerdictKind, Wanted};
+use kalmanscope_core::{Analysis, RecordError, Run, VerdictKind, Wanted};
 use thiserror::Error;
 
 use crate::args::{ReportArgs, RunArgs};

@@ -6,7 +6,8 @@ use std::path::Path;
 
 use kalmanscope_cli::harmless;
 use kalmanscope_core::diagnostics::chi_squared;
-use kalmanscope_core::{Channel, Document, EventError, EventFilter, Pass, RunError, Sample, Scenario};
+use kalmanscope_core::document::{Document, json};
+use kalmanscope_core::{Channel, EventError, EventFilter, Pass, RunError, Sample, Scenario};
 use kalmanscope_sources::{Lines, StreamRow, open, read_line};
 
 use crate::args::StreamArgs;
@@ -211,8 +212,8 @@ impl<W: Write> Writer<W> {
         self.line.clear();
         if self.json {
             let each = self.names.iter().zip(&all).map(|(name, one)| (name.clone(), one.in_json()));
-            let entries = std::iter::once(("t".to_owned(), number(time))).chain(each);
-            self.line = Document::json(&Document::of_entries(entries)).map_err(io::Error::other)?;
+            let entries = std::iter::once(("t".to_owned(), time.into())).chain(each);
+            self.line = Document::from_iter(entries).to_string();
             return self.flush();
         }
         self.line.push_str(&cell(time));
@@ -261,9 +262,8 @@ impl Estimate {
     }
 
     fn entries<'a>(&'a self, channels: &'a [Channel]) -> impl Iterator<Item = (String, Document)> + 'a {
-        channels.iter().zip(&self.numbers).map(|(channel, [mean, std])| {
-            (channel.key().to_owned(), Document::of_entries([("mean", number(*mean)), ("std", number(*std))]))
-        })
+        let numbers = channels.iter().zip(&self.numbers);
+        numbers.map(|(channel, [mean, std])| (channel.key().to_owned(), json!({ "mean": mean, "std": std })))
     }
 
     fn write(&self, line: &mut String) {
@@ -306,20 +306,18 @@ impl FilterRow {
     fn in_json(&self) -> Document {
         let Self { channels, now, hindsight, nis, again, verdict } = self;
         let last = ("verdict".to_owned(), Document::from(*verdict));
-        let Some(now) = now else { return Document::of_entries([last]) };
-        let again = Document::Integer(i64::try_from(*again).unwrap_or(i64::MAX));
+        let Some(now) = now else { return Document::from_iter([last]) };
         let then = hindsight.iter().flatten().map(|then| {
-            let time = ("t".to_owned(), number(then.time));
-            (HINDSIGHT.to_owned(), Document::of_entries(std::iter::once(time).chain(then.entries(channels))))
+            let time = ("t".to_owned(), then.time.into());
+            (HINDSIGHT.to_owned(), Document::from_iter(std::iter::once(time).chain(then.entries(channels))))
         });
-        let all = now.entries(channels).chain([("nis".to_owned(), number(*nis)), ("again".to_owned(), again), last]);
-        Document::of_entries(all.chain(then))
+        let all = now.entries(channels).chain([
+            ("nis".to_owned(), (*nis).into()),
+            ("again".to_owned(), (*again).into()),
+            last,
+        ]);
+        Document::from_iter(all.chain(then))
     }
-}
-
-/// A number in JSON, which has none that is not finite.
-fn number(number: f64) -> Document {
-    if number.is_finite() { Document::Number(number) } else { Document::Null }
 }
 
 /// A number in a table: ten digits, nothing for NaN.

@@ -1,21 +1,18 @@
 //! Populations of the built command: shares, verdicts and causes.
 
-use kalmanscope_core::Document;
-
 use crate::Folder;
+use kalmanscope_core::document::{self, Document};
 
 /// The first causes of the first filter's bad verdicts, with their numbers of members, and the members with a good verdict.
 fn causes(name: &str, members: &str) -> Vec<(String, i64)> {
     let file = format!("{}/../assets/populations/{name}.toml", env!("CARGO_MANIFEST_DIR"));
     let (text, _) = Folder::new().succeeds(&["population", &file, "--members", members, "--causes", "--json"]);
-    let document = Document::from_json(&text).unwrap();
-    let filters = document.get("filters").unwrap().children().next().unwrap();
+    let document = document::from_json(&text).unwrap();
     let named = |cause: &Document| {
-        let Some(Document::Text(name)) = cause.get("name") else { panic!("a cause has a name") };
-        let Some(Document::Integer(members)) = cause.get("first") else { panic!("a cause has members") };
-        (name.clone(), *members)
+        let name = cause["name"].as_str().expect("a cause has a name");
+        (name.to_owned(), cause["first"].as_i64().expect("a cause has members"))
     };
-    filters.get("causes").unwrap().children().map(named).collect()
+    document["filters"][0]["causes"].as_array().unwrap().iter().map(named).collect()
 }
 
 #[test]

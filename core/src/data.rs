@@ -1,7 +1,7 @@
 //! The input of a user: scenarios with their settings, measured records, and the texts and files that both are read from.
 
 pub(crate) mod axis;
-pub(crate) mod document;
+pub mod document;
 pub(crate) mod force;
 pub(crate) mod hash;
 pub mod import;

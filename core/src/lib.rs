@@ -32,12 +32,12 @@
 //! noise is learnt or readings are weighed.
 //! [`smoothed()`] looks back from the end of a record.
 //!
-//! [`Scenario::from_document`] reads a scenario from JSON, or from a [`Document`] that a program has made:
+//! [`Scenario::from_document`] reads a scenario from JSON, or from a [`Document`](document::Document) that a program has made:
 //!
 //! ```
-//! use kalmanscope_core::{Document, OnlineFilter, Scenario};
+//! use kalmanscope_core::{OnlineFilter, Scenario};
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let settings = Document::from_json(r#"{"dt": 0.02, "filters": [{"kind": "ukf"}]}"#)?;
+//! let settings = document::from_json(r#"{"dt": 0.02, "filters": [{"kind": "ukf"}]}"#)?;
 //! let mut filter = OnlineFilter::new(&Scenario::from_document(&settings)?, 0)?;
 //! for (time, force, readings) in [(0.0, 0.0, [0.0, 0.0]), (0.02, 1.0, [0.01, f64::NAN]), (0.04, 1.0, [0.0, 0.03])] {
 //!     if let Some(sample) = filter.step(time, force, &readings)? {
@@ -80,13 +80,12 @@ mod samples;
 #[doc(hidden)]
 pub mod internals;
 
-pub use data::{import, record, scenario, setting, signal};
+pub use data::{document, import, record, scenario, setting, signal};
 pub use judgement::diagnosis;
 pub use mathematics::{channel, equation, filter, plant};
 pub use numbers::{diagnostics, free_run, frequency_response, score, suggest};
 
 pub use data::axis::{Axis, AxisError, Spacing};
-pub use data::document::{Document, DocumentError};
 pub use data::force::Force;
 pub use data::record::{Record, RecordError};
 pub use data::scenario::{FilterColor, FilterSettings, Plant, Scenario, ScenarioError, Sensor, Values};

@@ -1,5 +1,6 @@
 //! Equations that a user types are plants like any other.
 
+use kalmanscope_core::document;
 use kalmanscope_core::equation::EquationSettings;
 use kalmanscope_core::{Channel, FilterKind, PlantKind, Run, Scenario};
 
@@ -124,8 +125,8 @@ fn a_scenario_with_an_equation_can_be_written_and_read() {
     // Its key means it wherever it stands.
     assert_eq!(Channel::from_key("friction").unwrap().usual().mean, 0.05);
     assert_eq!(Scenario::from_toml(&scenario.to_toml().unwrap()).unwrap(), scenario);
-    let json = kalmanscope_core::Document::json(&scenario).unwrap();
-    assert_eq!(kalmanscope_core::Document::read_json::<Scenario>(&json).unwrap(), scenario);
+    let json = document::to_json(&scenario).unwrap();
+    assert_eq!(document::read_json::<Scenario>(&json).unwrap(), scenario);
     let alone = Scenario::from_toml("[plant]\nparameters = { c = { guess = 2.0 } }").unwrap_err().to_string();
     assert!(alone.contains("`parameters` belong to an `equation`, which is missing"), "{alone}");
     // The one whose parameter has other numbers is another plant.

@@ -6,12 +6,10 @@ use kalmanscope_core::{Channel, Force, Quantity, Record, Scenario, Sensor, Signa
 /// A sensor of displacement at rest, with noise of 0.02 m and a fault.
 fn at_rest(fault: &str) -> Scenario {
     let text = format!(
-        "seed = 5\ndt = 0.01\nduration = 2000.0\nfilters = []\n[force]\nnone = {{}}\n[[sensors]]\nmeasures = \"displacement\"\n\
+        "seed = 5\ndt = 0.01\nduration = 2000.0\nfilters = []\nforce = \"none\"\n[[sensors]]\nmeasures = \"displacement\"\n\
          noise_std = 0.02\nfaults = {{ {fault} }}\n"
     );
-    let scenario =
-        Scenario::from_toml(&text.replace("[force]\nnone = {}\n", "")).unwrap_or_else(|e| panic!("{fault}: {e}"));
-    Scenario { force: Force::None, ..scenario }
+    Scenario::from_toml(&text).unwrap_or_else(|e| panic!("{fault}: {e}"))
 }
 
 fn readings(scenario: &Scenario) -> Vec<f64> {
@@ -173,7 +171,7 @@ fn faults_are_read_written_and_refused_in_words() {
         ("bias = { offset = 1.0, drift = 2.0 }", "unknown field `drift`, expected `offset`"),
         ("dropouts = { share = 1.5, length = 0.1 }", "sensors[0].faults.dropouts.share"),
         ("coloured = { time = 0.0 }", "sensors[0].faults.coloured.time"),
-        ("bias = { offset = nan }", "sensors[0].faults.bias.offset"),
+        ("bias = { offset = nan }", "`sensors[0].faults.bias.offset`: must be a finite number"),
     ] {
         let text = format!("[[sensors]]\nmeasures = \"displacement\"\nnoise_std = 0.1\nfaults = {{ {fault} }}\n");
         let error = Scenario::from_toml(&text).expect_err(fault).to_string();

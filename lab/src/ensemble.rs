@@ -5,8 +5,9 @@ use thiserror::Error;
 use crate::order;
 use crate::plan::Plan;
 use crate::trace::Trace;
+use kalmanscope_core::document::{self, DocumentError};
 use kalmanscope_core::setting::{Address, SEED, UnknownSetting};
-use kalmanscope_core::{Axis, AxisError, Channel, Document, DocumentError, Measure, RunError, Scenario};
+use kalmanscope_core::{Axis, AxisError, Channel, Measure, RunError, Scenario};
 
 /// Limits the cells of an ensemble.
 pub const MAX_CELLS: usize = 100_000_000;
@@ -96,7 +97,7 @@ impl Ensemble {
 
     /// The ensemble as JSON, for another thread of a page: `[scenario, plan]`.
     pub fn to_json(&self) -> String {
-        Document::json(&(&self.scenario, &self.plan)).unwrap_or_default()
+        document::to_json(&(&self.scenario, &self.plan)).unwrap_or_default()
     }
 
     /// The ensemble that [`Self::to_json`] has written. Unlike a TOML file, the JSON leaves no default out.
@@ -104,7 +105,7 @@ impl Ensemble {
     /// # Errors
     /// As [`Self::new`], and [`EnsembleError::Syntax`] where it cannot be read.
     pub fn from_json(text: &str) -> Result<Self, EnsembleError> {
-        let read = Document::read_json(text).map_err(|error: DocumentError| EnsembleError::Syntax(error.to_string()));
+        let read = document::read_json(text).map_err(|error: DocumentError| EnsembleError::Syntax(error.to_string()));
         let (scenario, plan) = read?;
         Self::new(scenario, plan)
     }

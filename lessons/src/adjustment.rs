@@ -1,7 +1,8 @@
 //! The changes that a lesson makes to a scenario.
 
+use kalmanscope_core::document;
 use kalmanscope_core::setting::Edit;
-use kalmanscope_core::{Document, Quantity, Scenario, ScenarioError, Sensor};
+use kalmanscope_core::{Quantity, Scenario, ScenarioError, Sensor};
 use serde::Deserialize;
 use toml::{Table, Value};
 
@@ -137,7 +138,7 @@ fn lay_over(below: &mut Table, above: &Table) {
 
 /// The scenario with all its settings, defaults included, so that each has a path.
 fn written(scenario: &Scenario) -> Result<Table, LessonError> {
-    Ok(Document::table(scenario).map_err(ScenarioError::from)?)
+    Ok(document::to_table(scenario).map_err(ScenarioError::from)?)
 }
 
 /// The scenario of a table, by way of its text, so that missing settings are filled in and everything is checked.

@@ -1,7 +1,8 @@
 //! Errors of lessons.
 
+use kalmanscope_core::document::DocumentError;
 use kalmanscope_core::setting::UnknownSetting;
-use kalmanscope_core::{DocumentError, Quantity, RunError, ScenarioError};
+use kalmanscope_core::{Quantity, RunError, ScenarioError};
 use thiserror::Error;
 
 /// The reason why a lesson cannot be used.

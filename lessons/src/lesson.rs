@@ -1,6 +1,7 @@
 //! Lessons and their files.
 
-use kalmanscope_core::{Channel, Document, Scenario};
+use kalmanscope_core::document::{self, Document};
+use kalmanscope_core::{Channel, Scenario};
 use serde::Deserialize;
 use toml::Table;
 
@@ -41,8 +42,10 @@ impl TryFrom<Document> for Base {
 
     fn try_from(document: Document) -> Result<Self, Self::Error> {
         match document {
-            Document::Text(name) => Ok(Self::Named(name)),
-            other => other.read().map(Self::Inline).map_err(|_| "expected the name of a built-in scenario, or a table"),
+            Document::String(name) => Ok(Self::Named(name)),
+            other => document::read(&other)
+                .map(Self::Inline)
+                .map_err(|_| "expected the name of a built-in scenario, or a table"),
         }
     }
 }
@@ -179,7 +182,7 @@ impl Lesson {
 
     /// Reads a lesson, but does not try its scenarios and checks.
     pub(crate) fn read(text: &str) -> Result<Self, LessonError> {
-        Ok(Document::read_toml(text)?)
+        Ok(document::read_toml(text)?)
     }
 
     /// The initial scenario, before the first step's change.

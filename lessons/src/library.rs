@@ -1,6 +1,7 @@
 //! The built-in lessons, and files that may be a lesson or a scenario.
 
-use kalmanscope_core::{Document, Scenario};
+use kalmanscope_core::Scenario;
+use kalmanscope_core::document;
 
 use crate::{Lesson, LessonError};
 
@@ -74,7 +75,7 @@ impl File {
     /// # Errors
     /// [`LessonError`] where it is neither a possible lesson nor a possible scenario.
     pub fn from_toml(text: &str) -> Result<Self, LessonError> {
-        let document = Document::from_toml(text)?;
+        let document = document::from_toml(text)?;
         if OF_LESSONS.iter().any(|key| document.get(key).is_some()) {
             Lesson::from_toml(text).map(|lesson| Self::Lesson(Box::new(lesson)))
         } else {

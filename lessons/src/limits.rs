@@ -1,6 +1,7 @@
 //! The limits of a measured value.
 
-use kalmanscope_core::{Document, Value};
+use kalmanscope_core::Value;
+use kalmanscope_core::document::{self, Document};
 use serde::Deserialize;
 
 /// The limits of a value.
@@ -45,9 +46,11 @@ impl TryFrom<Document> for Expected {
 
     fn try_from(document: Document) -> Result<Self, Self::Error> {
         match document {
-            Document::Flag(flag) => Ok(Self::Flag(flag)),
-            Document::Text(word) => Ok(Self::Word(word)),
-            other => other.read().map(Self::OneOf).map_err(|_| "expected `true`, `false`, a word or a list of words"),
+            Document::Bool(flag) => Ok(Self::Flag(flag)),
+            Document::String(word) => Ok(Self::Word(word)),
+            other => document::read(&other)
+                .map(Self::OneOf)
+                .map_err(|_| "expected `true`, `false`, a word or a list of words"),
         }
     }
 }

@@ -1,8 +1,8 @@
 //! One line of a limited length: cells between marks, or a JSON object.
 
+use kalmanscope_core::document::{self, Document};
 use std::io::{self, BufRead};
 
-use kalmanscope_core::Document;
 use thiserror::Error;
 
 /// The reason why a line cannot be read.
@@ -63,8 +63,8 @@ impl<'a> Line<'a> {
         let text = text.trim_matches(['\r', '\n', ' ']);
         match text.trim_start().chars().next() {
             None | Some('#') => Ok(Self::Nothing),
-            Some('{') => match Document::from_json(text) {
-                Ok(Document::Table(entries)) => Ok(Self::Object(entries)),
+            Some('{') => match document::from_json(text) {
+                Ok(Document::Object(entries)) => Ok(Self::Object(entries.into_iter().collect())),
                 Ok(_) => Err(BadLine::NoJson("it ends too soon".to_owned())),
                 Err(error) => Err(BadLine::NoJson(error.to_string())),
             },
@@ -89,9 +89,7 @@ pub(crate) fn number(cell: &str, mark: char) -> Option<f64> {
 pub(crate) fn number_of(value: &Document) -> Option<f64> {
     match value {
         Document::Null => Some(f64::NAN),
-        Document::Number(number) => Some(*number),
-        Document::Integer(number) => Some(*number as f64),
-        _ => None,
+        other => other.as_f64(),
     }
 }
 

@@ -1,6 +1,7 @@
 //! Input and readings of a scenario in lines that come one by one.
 
-use kalmanscope_core::{Document, InputKind, Scenario};
+use kalmanscope_core::document::{self, Document};
+use kalmanscope_core::{InputKind, Scenario};
 
 use crate::line::{BadLine, Line, number, number_of};
 
@@ -81,7 +82,7 @@ impl Lines {
     fn of_object(&self, entries: &[(String, Document)]) -> Result<StreamRow, BadLine> {
         let mut row = self.nothing();
         for (key, value) in entries {
-            let bad = || BadLine::NoNumber { key: key.clone(), value: Document::json(value).unwrap_or_default() };
+            let bad = || BadLine::NoNumber { key: key.clone(), value: document::to_json(value).unwrap_or_default() };
             row.set(self.column(key), || number_of(value).ok_or_else(bad))?;
         }
         if row.time.is_nan() { Err(BadLine::NoTime(self.known())) } else { Ok(row) }

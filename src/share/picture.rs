@@ -1,6 +1,7 @@
 //! A picture as data and as text: links, session files and the storage have the same text.
 
-use kalmanscope_core::{Document, DocumentError, Scenario};
+use kalmanscope_core::Scenario;
+use kalmanscope_core::document::{self, Document, DocumentError};
 use kalmanscope_lessons::BuiltIn;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -15,7 +16,7 @@ use crate::tutor::Studies;
 
 const KEY: &str = "kalmanscope_session";
 
-const FORMAT: Document = Document::Integer(1);
+const FORMAT: u64 = 1;
 
 /// These keys are always written: their usual values may be others in a later program.
 const ALWAYS: [&str; 3] = ["scenario", "views", "mode"];
@@ -89,27 +90,27 @@ impl Picture {
 
     /// The picture as JSON in one line, without the keys that have their usual values.
     pub fn line(&self) -> Result<String, PictureError> {
-        Ok(Document::json(&self.document()?)?)
+        Ok(document::to_json(&self.document()?)?)
     }
 
     /// As [`Self::line`], with a line for each key.
     pub fn lines(&self) -> Result<String, PictureError> {
-        Ok(Document::json_lines(&self.document()?)?)
+        Ok(document::to_json_lines(&self.document()?)?)
     }
 
     fn document(&self) -> Result<Document, DocumentError> {
-        let usual = Document::of(&Self::default())?;
-        let mut document = Document::of(self)?;
-        if let Document::Table(entries) = &mut document {
-            entries.retain(|(key, value)| ALWAYS.contains(&key.as_str()) || usual.get(key) != Some(value));
-            entries.insert(0, (KEY.to_owned(), FORMAT));
+        let usual = document::of(&Self::default())?;
+        let mut document = document::of(self)?;
+        if let Document::Object(entries) = &mut document {
+            entries.retain(|key, value| ALWAYS.contains(&key.as_str()) || usual.get(key) != Some(value));
+            entries.shift_insert(0, KEY.to_owned(), FORMAT.into());
         }
         Ok(document)
     }
 
     /// Reads the text of a picture, and checks it, since it may come from outside.
     pub fn of_text(text: &str) -> Result<Self, PictureError> {
-        let document = Document::from_json(text)?;
+        let document = document::from_json(text)?;
         Self::of_document(document).unwrap_or_else(|| Err(PictureError::Impossible(format!("it has no key `{KEY}`"))))
     }
 
@@ -117,16 +118,16 @@ impl Picture {
         if bytes.iter().find(|byte| !byte.is_ascii_whitespace()) != Some(&b'{') {
             return None;
         }
-        Self::of_document(Document::from_json(std::str::from_utf8(bytes).ok()?).ok()?)
+        Self::of_document(document::from_json(std::str::from_utf8(bytes).ok()?).ok()?)
     }
 
     fn of_document(mut document: Document) -> Option<Result<Self, PictureError>> {
-        let format = document.get(KEY)?.clone();
-        if format != FORMAT {
-            return Some(Err(PictureError::Format(Document::json(&format).unwrap_or_default())));
+        let format = document.get(KEY)?;
+        if *format != FORMAT {
+            return Some(Err(PictureError::Format(format.to_string())));
         }
-        document.put(KEY, &Document::Null);
-        Some(document.read().map_err(PictureError::from).and_then(Self::checked))
+        document::put(&mut document, KEY, &Document::Null);
+        Some(document::read(&document).map_err(PictureError::from).and_then(Self::checked))
     }
 
     fn checked(self) -> Result<Self, PictureError> {

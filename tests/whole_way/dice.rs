@@ -1,6 +1,6 @@
 //! Choices that follow from a number, and hostile numbers at any address of a file.
 
-use kalmanscope_core::Document;
+use toml::Value;
 
 /// A sequence of pseudo-random numbers.
 ///
@@ -72,7 +72,7 @@ fn hostile(before: f64, dice: &mut Dice) -> f64 {
 }
 
 /// Replaces some numbers of a document by hostile ones: one to four, and seldom one in three.
-pub(crate) fn spoil(document: &mut Document, dice: &mut Dice) {
+pub(crate) fn spoil(document: &mut Value, dice: &mut Dice) {
     let mut count = 0;
     visit(document, &mut |_| count += 1);
     let chosen: Vec<usize> = if dice.one_in(12) {
@@ -84,11 +84,11 @@ pub(crate) fn spoil(document: &mut Document, dice: &mut Dice) {
     visit(document, &mut |number| {
         if chosen.contains(&place) {
             *number = match *number {
-                Document::Integer(before) if !dice.one_in(8) => {
-                    Document::Integer(if dice.one_in(2) { dice.pick(&WHOLE) } else { before.saturating_mul(10) })
+                Value::Integer(before) if !dice.one_in(8) => {
+                    Value::Integer(if dice.one_in(2) { dice.pick(&WHOLE) } else { before.saturating_mul(10) })
                 }
-                Document::Integer(before) => Document::Number(hostile(before as f64, dice)),
-                Document::Number(before) => Document::Number(hostile(before, dice)),
+                Value::Integer(before) => Value::Float(hostile(before as f64, dice)),
+                Value::Float(before) => Value::Float(hostile(before, dice)),
                 ref other => other.clone(),
             };
         }
@@ -99,29 +99,29 @@ pub(crate) fn spoil(document: &mut Document, dice: &mut Dice) {
     }
 }
 
-fn visit(document: &mut Document, change: &mut dyn FnMut(&mut Document)) {
+fn visit(document: &mut Value, change: &mut dyn FnMut(&mut Value)) {
     match document {
-        Document::List(values) => values.iter_mut().for_each(|value| visit(value, change)),
-        Document::Table(entries) => entries.iter_mut().for_each(|(_, value)| visit(value, change)),
-        Document::Integer(_) | Document::Number(_) => change(document),
+        Value::Array(values) => values.iter_mut().for_each(|value| visit(value, change)),
+        Value::Table(entries) => entries.iter_mut().for_each(|(_, value)| visit(value, change)),
+        Value::Integer(_) | Value::Float(_) => change(document),
         _ => {}
     }
 }
 
 /// Empties a list, such as that of a filter's sensors.
-fn empty_a_list(document: &mut Document, dice: &mut Dice) {
+fn empty_a_list(document: &mut Value, dice: &mut Dice) {
     match document {
-        Document::List(values) if values.is_empty() || dice.one_in(2) => values.clear(),
-        Document::List(values) => {
+        Value::Array(values) if values.is_empty() || dice.one_in(2) => values.clear(),
+        Value::Array(values) => {
             let place = dice.below(values.len());
             empty_a_list(&mut values[place], dice);
         }
-        Document::Table(entries) => {
-            let lists: Vec<usize> = (0..entries.len())
-                .filter(|&i| matches!(entries[i].1, Document::List(_) | Document::Table(_)))
-                .collect();
+        Value::Table(entries) => {
+            let is_list = |value: &&mut Value| matches!(value, Value::Array(_) | Value::Table(_));
+            let mut lists: Vec<&mut Value> = entries.iter_mut().map(|(_, value)| value).filter(is_list).collect();
             if !lists.is_empty() {
-                empty_a_list(&mut entries[dice.pick(&lists)].1, dice);
+                let place = dice.below(lists.len());
+                empty_a_list(lists[place], dice);
             }
         }
         _ => {}

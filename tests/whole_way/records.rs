@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use kalmanscope_core::import::{Builder, Mapping, Table, hash, read};
-use kalmanscope_core::{Document, Hold, InputKind, Record, Scenario};
+use kalmanscope_core::{Hold, InputKind, Record, Scenario};
 
 use crate::dice::{Dice, spoil};
 
@@ -78,9 +78,9 @@ pub(crate) fn read_file(bytes: &[u8], dice: &mut Dice) -> Result<Read, String> {
         mapping.band = Some([dice.pick(&[0.0, 0.01, 0.2]) * nyquist, dice.pick(&[0.3, 0.9, 1.0]) * nyquist]);
     }
     if dice.one_in(6) {
-        let mut document = Document::of(&mapping).map_err(|error| error.to_string())?;
+        let mut document = toml::Value::try_from(&mapping).map_err(|error| error.to_string())?;
         spoil(&mut document, dice);
-        if let Ok(spoilt) = document.read::<Mapping>() {
+        if let Ok(spoilt) = document.try_into::<Mapping>() {
             mapping = spoilt;
         }
     }

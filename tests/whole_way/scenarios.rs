@@ -4,8 +4,8 @@ use kalmanscope_core::scenario::{Between, Motion};
 use kalmanscope_core::setting::{GUESSES, JUMP, PROCESS_SCALES, WALK};
 use kalmanscope_core::signal::{Ramp, Sine, Step};
 use kalmanscope_core::{
-    Adaptation, Channel, Document, FilterKind, FilterSettings, Force, Hold, InputKind, PlantKind, Propagation,
-    Quantity, Robust, Scenario, Sensor, Signal,
+    Adaptation, Channel, FilterKind, FilterSettings, Force, Hold, InputKind, PlantKind, Propagation, Quantity, Robust,
+    Scenario, Sensor, Signal,
 };
 use kalmanscope_lessons::BUILT_IN;
 
@@ -16,11 +16,11 @@ const STEPS: [usize; 9] = [1, 2, 3, 5, 20, 60, 120, 250, 400];
 /// The text of a scenario file, which may be impossible.
 pub(crate) fn text(dice: &mut Dice) -> Result<String, String> {
     let scenario = scenario(dice);
-    let mut document = Document::of(&scenario).map_err(|error| error.to_string())?;
+    let mut document = toml::Value::try_from(&scenario).map_err(|error| error.to_string())?;
     if !dice.one_in(8) {
         spoil(&mut document, dice);
     }
-    Document::toml(&document).map_err(|error| error.to_string())
+    toml::to_string(&document).map_err(|error| error.to_string())
 }
 
 /// A scenario without a measured record, of a few hundred samples.

@@ -3,130 +3,143 @@
 //! Types are read from a [`Document`] and written to one; only documents are read from TOML and JSON and written to them.
 //! So a program has the code of each type once and that of each format once, and not that of each pair.
 
-mod access;
 mod error;
-mod format;
-mod json;
-mod key;
-mod omission;
-mod read;
-mod toml;
-mod variant;
-mod write;
 
 pub use error::DocumentError;
-pub(crate) use omission::{is_default, is_one};
-use serde::{Deserialize, Serialize};
+pub(crate) use error::not_finite;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+pub use serde_json::{Value as Document, json};
 
-/// A value of a file, with all that it contains.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Document {
-    /// Nothing. TOML has no word for it, and leaves out the key.
-    Null,
-    /// Yes or no.
-    Flag(bool),
-    /// An integer.
-    Integer(i64),
-    /// An integer that is no `i64`.
-    Large(i128),
-    /// A number in single precision, which has fewer digits when it is written.
-    Single(f32),
-    /// A number.
-    Number(f64),
-    /// A text.
-    Text(String),
-    /// Values in order.
-    List(Vec<Self>),
-    /// Keys with their values, in the order of the file.
-    Table(Vec<(String, Self)>),
+/// The value as a document. Numbers that are not finite become null.
+///
+/// # Errors
+/// [`DocumentError`] where a key is not a word or a number, or the value's type refuses.
+pub fn of<T: Serialize + ?Sized>(value: &T) -> Result<Document, DocumentError> {
+    Ok(serde_json::to_value(value)?)
 }
 
-impl Document {
-    /// The value as a document.
-    ///
-    /// # Errors
-    /// [`DocumentError`] where a key is not a word, or the value's type refuses.
-    pub fn of<T: Serialize + ?Sized>(value: &T) -> Result<Self, DocumentError> {
-        value.serialize(write::Writer)
-    }
+/// Reads a value of a type.
+///
+/// # Errors
+/// [`DocumentError`] with the path of the key and the reason.
+pub fn read<T: DeserializeOwned>(document: &Document) -> Result<T, DocumentError> {
+    Ok(serde_path_to_error::deserialize(document)?)
+}
 
-    /// Reads a value of a type.
-    ///
-    /// # Errors
-    /// [`DocumentError`] with the path of the key and the reason.
-    pub fn read<'de, T: Deserialize<'de>>(&'de self) -> Result<T, DocumentError> {
-        T::deserialize(self)
-    }
+/// The document in a text of JSON.
+///
+/// # Errors
+/// [`DocumentError`] where the text is not JSON.
+pub fn from_json(text: &str) -> Result<Document, DocumentError> {
+    Ok(serde_json::from_str(text)?)
+}
 
-    /// A table of keys with their values.
-    pub fn of_entries<K: Into<String>>(entries: impl IntoIterator<Item = (K, Self)>) -> Self {
-        Self::Table(entries.into_iter().map(|(key, value)| (key.into(), value)).collect())
-    }
+/// Reads a value from a text of JSON.
+///
+/// # Errors
+/// [`DocumentError`] where the text is not JSON, or not a value of this type.
+pub fn read_json<T: DeserializeOwned>(text: &str) -> Result<T, DocumentError> {
+    read(&from_json(text)?)
+}
 
-    /// A list of numbers.
-    pub fn of_numbers(numbers: impl IntoIterator<Item = f64>) -> Self {
-        Self::List(numbers.into_iter().map(Self::Number).collect())
-    }
+/// The text of a value as JSON, in one line.
+///
+/// # Errors
+/// As [`of`].
+pub fn to_json<T: Serialize + ?Sized>(value: &T) -> Result<String, DocumentError> {
+    Ok(of(value)?.to_string())
+}
 
-    /// The value of a key. `None` if this is not a table or has no such key.
-    pub fn get(&self, key: &str) -> Option<&Self> {
-        let Self::Table(entries) = self else { return None };
-        entries.iter().find(|(name, _)| name == key).map(|(_, value)| value)
-    }
+/// As [`to_json`], with a line for each key and each element.
+///
+/// # Errors
+/// As [`of`].
+pub fn to_json_lines<T: Serialize + ?Sized>(value: &T) -> Result<String, DocumentError> {
+    Ok(format!("{:#}", of(value)?))
+}
 
-    /// Puts a value at a path of keys and places from 0 on, with dots between them; [`Self::Null`] takes an entry of a table away.
-    /// Returns whether the path leads to a table, or to a place of a list.
-    pub fn put(&mut self, path: &str, value: &Self) -> bool {
-        let (first, rest) = path.split_once('.').map_or((path, None), |(first, rest)| (first, Some(rest)));
-        let place = match self {
-            Self::Table(entries) => {
-                let place = entries.iter().position(|(key, _)| key == first);
-                match (place, rest, value) {
-                    (_, None, Self::Null) => {
-                        entries.retain(|(key, _)| key != first);
-                        return true;
-                    }
-                    (None, None, _) => {
-                        entries.push((first.to_owned(), value.clone()));
-                        return true;
-                    }
-                    _ => place.map(|place| &mut entries[place].1),
-                }
-            }
-            Self::List(items) => first.parse().ok().and_then(|at: usize| items.get_mut(at)),
-            _ => None,
-        };
-        match (place, rest) {
-            (Some(place), Some(rest)) => place.put(rest, value),
-            (Some(place), None) => {
-                place.clone_from(value);
-                true
-            }
-            (None, _) => false,
+/// The document in a text of TOML.
+///
+/// # Errors
+/// [`DocumentError`] where the text is not TOML, with the line, the column and the text there, or has a number that is not finite.
+pub fn from_toml(text: &str) -> Result<Document, DocumentError> {
+    let document = toml::from_str(text).map_err(|error| DocumentError::new(error.to_string().trim_end()))?;
+    match not_finite(&document) {
+        Some(error) => Err(error.in_toml(text)),
+        None => Ok(document),
+    }
+}
+
+/// Reads a value from a text of TOML.
+///
+/// # Errors
+/// As [`from_toml`], and [`DocumentError`] where it is not a value of this type: with the line, the path of the key and the
+/// reason.
+pub fn read_toml<T: DeserializeOwned>(text: &str) -> Result<T, DocumentError> {
+    read(&from_toml(text)?).map_err(|error| error.in_toml(text))
+}
+
+/// The text of a value as TOML. Tables come after other values, so that each has a header.
+///
+/// # Errors
+/// As [`to_table`].
+pub fn to_toml<T: Serialize + ?Sized>(value: &T) -> Result<String, DocumentError> {
+    toml::to_string(&to_table(value)?).map_err(DocumentError::new)
+}
+
+/// A value as a table of TOML, to be changed or written. TOML has no word for null, whose key is left out.
+///
+/// # Errors
+/// As [`of`], and [`DocumentError`] where TOML cannot express the value.
+pub fn to_table<T: Serialize + ?Sized>(value: &T) -> Result<toml::Table, DocumentError> {
+    let mut document = of(value)?;
+    leave_out_nulls(&mut document);
+    toml::Table::try_from(document).map_err(DocumentError::new)
+}
+
+fn leave_out_nulls(document: &mut Document) {
+    match document {
+        Document::Object(entries) => {
+            entries.retain(|_, value| !value.is_null());
+            entries.values_mut().for_each(leave_out_nulls);
         }
-    }
-
-    /// The values of a table or a list, in order; empty for anything else.
-    pub fn children(&self) -> impl Iterator<Item = &Self> {
-        let (entries, values): (&[_], &[_]) = match self {
-            Self::Table(entries) => (entries, &[]),
-            Self::List(values) => (&[], values),
-            _ => (&[], &[]),
-        };
-        entries.iter().map(|(_, value)| value).chain(values)
+        Document::Array(values) => values.iter_mut().for_each(leave_out_nulls),
+        _ => {}
     }
 }
 
-impl From<&str> for Document {
-    fn from(text: &str) -> Self {
-        Self::Text(text.to_owned())
+/// Puts a value at a path of keys and places from 0 on, with dots between them; null takes an entry of a table away. Returns
+/// whether the path leads to a table, or to a place of a list.
+pub fn put(document: &mut Document, path: &str, value: &Document) -> bool {
+    let (outer, last) = path.rsplit_once('.').unwrap_or(("", path));
+    let pointer: String =
+        outer.split_terminator('.').map(|key| format!("/{}", key.replace('~', "~0").replace('/', "~1"))).collect();
+    match document.pointer_mut(&pointer) {
+        Some(Document::Object(entries)) => {
+            match value {
+                Document::Null => entries.shift_remove(last),
+                value => entries.insert(last.to_owned(), value.clone()),
+            };
+            true
+        }
+        Some(Document::Array(items)) => {
+            let place = last.parse().ok().and_then(|place: usize| items.get_mut(place));
+            place.map(|item| item.clone_from(value)).is_some()
+        }
+        _ => false,
     }
 }
 
-impl<T: Into<Document>> From<Option<T>> for Document {
-    fn from(value: Option<T>) -> Self {
-        value.map_or(Self::Null, Into::into)
-    }
+/// Whether a setting has its default, and need not be written.
+pub(crate) fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
+
+/// Whether a number of steps is one, and need not be written.
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes references")]
+pub(crate) fn is_one(count: &usize) -> bool {
+    *count == 1
 }
 
 #[cfg(test)]

@@ -117,7 +117,6 @@ fn every_kind_of_signal_can_be_written() {
 fn every_kind_of_force_can_be_written() {
     let cases = [
         ("force = \"none\"", Force::None),
-        ("[force]\nnone = {}", Force::None),
         ("[force]\nwhite_noise = { std = 3 }", Force::WhiteNoise { std: 3.0 }),
         ("[force]\nsine = { amplitude = 2.0, frequency = 5.0 }", Force::Sine { amplitude: 2.0, frequency: 5.0 }),
         (

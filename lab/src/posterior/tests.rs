@@ -131,13 +131,12 @@ fn a_frequency_and_its_alias_are_two_solutions() {
 const ALIASED: &str = r#"
 dt = 0.5
 duration = 30.0
+force = "none"
 [plant]
 kind = "sdof"
 initial = { displacement = 1.0, velocity = 0.0 }
 natural_frequency = 4.0
 damping_ratio = 0.01
-[force]
-none = {}
 [[sensors]]
 measures = "displacement"
 noise_std = 0.02

@@ -1,7 +1,7 @@
 //! Files of records in messages.
 
 use js_sys::{Array, Float64Array, Uint8Array};
-use kalmanscope_core::Document;
+use kalmanscope_core::document;
 use kalmanscope_core::import::{ImportError, Loaded, Loading, Table};
 use wasm_bindgen::{JsCast as _, JsValue};
 
@@ -22,7 +22,7 @@ pub(crate) fn file(words: &Words) -> Loading {
 pub(crate) fn loaded_message(loaded: &Result<Loaded, ImportError>, handed_over: &Array) -> JsValue {
     match loaded {
         Ok(Loaded { hash, table }) => {
-            let message = Array::of2(&hash.into(), &Document::json(table).unwrap_or_default().into());
+            let message = Array::of2(&hash.into(), &document::to_json(table).unwrap_or_default().into());
             for column in &table.columns {
                 message.push(&numbers(&column.values, handed_over));
             }
@@ -39,7 +39,7 @@ pub fn loaded(value: &JsValue) -> Option<Result<Loaded, String>> {
     }
     let message: &Array = value.dyn_ref()?;
     let hash = message.get(0).as_string()?;
-    let mut table: Table = Document::read_json(&message.get(1).as_string()?).ok()?;
+    let mut table: Table = document::read_json(&message.get(1).as_string()?).ok()?;
     for (column, values) in table.columns.iter_mut().zip(message.iter().skip(2)) {
         column.values = values.dyn_into::<Float64Array>().ok()?.to_vec();
     }

@@ -1,7 +1,8 @@
 //! Single filters in messages.
 
 use js_sys::{Array, Float64Array};
-use kalmanscope_core::{Document, Pass, Record, Scenario, Tape};
+use kalmanscope_core::document;
+use kalmanscope_core::{Pass, Record, Scenario, Tape};
 use wasm_bindgen::{JsCast as _, JsValue};
 
 use crate::record::{filtered, scenario_and_record};
@@ -16,7 +17,7 @@ pub(crate) struct Filter {
 
 /// The message that gives a worker the filter at a place of a scenario.
 pub fn filter_message(number: u32, scenario: &Scenario, place: usize, record: &Record) -> Array {
-    let scenario = Document::json(scenario).unwrap_or_default();
+    let scenario = document::to_json(scenario).unwrap_or_default();
     Array::of5(&"filter".into(), &number.into(), &scenario.into(), &filtered(record), &(place as u32).into())
 }
 

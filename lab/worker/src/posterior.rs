@@ -1,7 +1,8 @@
 //! Points of a posterior in messages.
 
 use js_sys::Array;
-use kalmanscope_core::{Document, Record, Scenario};
+use kalmanscope_core::document;
+use kalmanscope_core::{Record, Scenario};
 use kalmanscope_lab::posterior::{Posterior, Sampled};
 use wasm_bindgen::JsValue;
 
@@ -10,7 +11,7 @@ use crate::scope::Words;
 
 /// The message that asks a worker for the posterior of the first filter of a scenario, given a record.
 pub fn posterior_message(number: u32, scenario: &Scenario, record: &Record) -> Array {
-    let scenario = Document::json(scenario).unwrap_or_default();
+    let scenario = document::to_json(scenario).unwrap_or_default();
     Array::of4(&"posterior".into(), &number.into(), &scenario.into(), &filtered(record))
 }
 
@@ -25,10 +26,10 @@ pub(crate) fn posterior(words: &Words) -> Result<Posterior, String> {
 
 /// The points as JSON, null if there are none.
 pub(crate) fn sampled_message(sampled: &Option<Sampled>, _: &Array) -> JsValue {
-    Document::json(sampled).unwrap_or_default().into()
+    document::to_json(sampled).unwrap_or_default().into()
 }
 
 /// The points of a worker's message. `None` if it is none.
 pub fn sampled(value: &JsValue) -> Option<Option<Sampled>> {
-    Document::read_json(&value.as_string()?).ok()
+    document::read_json(&value.as_string()?).ok()
 }

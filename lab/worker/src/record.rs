@@ -1,8 +1,9 @@
 //! Records in messages.
 
 use js_sys::{Array, Float64Array};
+use kalmanscope_core::document;
 use kalmanscope_core::record::{Clocks, Input, Timed};
-use kalmanscope_core::{Channel, Document, Quantity, Record, Scenario, Source};
+use kalmanscope_core::{Channel, Quantity, Record, Scenario, Source};
 use wasm_bindgen::{JsCast as _, JsValue};
 
 /// The keys of the truth's columns begin with this.
@@ -73,7 +74,7 @@ pub(crate) fn measured(record: &Array, scenario: &Scenario) -> Option<Record> {
 /// # Errors
 /// The reason in words where the text is no scenario, or the message has no record.
 pub(crate) fn scenario_and_record(scenario: &str, record: JsValue) -> Result<(Scenario, Record), String> {
-    let scenario: Scenario = Document::read_json(scenario).map_err(|error| error.to_string())?;
+    let scenario: Scenario = document::read_json(scenario).map_err(|error| error.to_string())?;
     let record = record.dyn_into::<Array>().ok().and_then(|record| measured(&record, &scenario));
     Ok((scenario, record.ok_or("the record of the message is not one")?))
 }

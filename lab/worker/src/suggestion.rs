@@ -1,8 +1,9 @@
 //! Start values in messages.
 
 use js_sys::Array;
+use kalmanscope_core::document;
 use kalmanscope_core::suggest::{Suggest, Suggestion};
-use kalmanscope_core::{Document, Record, Scenario};
+use kalmanscope_core::{Record, Scenario};
 use wasm_bindgen::JsValue;
 
 use crate::record::{filtered, scenario_and_record};
@@ -10,7 +11,7 @@ use crate::scope::Words;
 
 /// The message that asks a worker for start values of a scenario on a record.
 pub fn suggest_message(number: u32, scenario: &Scenario, record: &Record) -> Array {
-    let scenario = Document::json(scenario).unwrap_or_default();
+    let scenario = document::to_json(scenario).unwrap_or_default();
     Array::of4(&"suggest".into(), &number.into(), &scenario.into(), &filtered(record))
 }
 
@@ -25,10 +26,10 @@ pub(crate) fn suggest(words: &Words) -> Result<Suggest, String> {
 
 /// Start values as JSON.
 pub(crate) fn suggestion_message(suggestion: &Suggestion, _: &Array) -> JsValue {
-    Document::json(suggestion).unwrap_or_default().into()
+    document::to_json(suggestion).unwrap_or_default().into()
 }
 
 /// The start values of a worker's message. `None` if it has none.
 pub fn suggestion(value: &JsValue) -> Option<Suggestion> {
-    Document::read_json(&value.as_string()?).ok()
+    document::read_json(&value.as_string()?).ok()
 }

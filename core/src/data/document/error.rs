@@ -2,7 +2,11 @@
 
 use std::fmt;
 
-use serde::{de, ser};
+use serde_path_to_error::Segment;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use super::Document;
 
 /// The reason, the path of the key and, for a text of TOML, the line.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -11,47 +15,71 @@ pub struct DocumentError(Box<Fault>);
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Fault {
     reason: String,
-    /// From the innermost step to the outermost one.
     path: Vec<Step>,
     line: Option<usize>,
 }
 
 /// A step from a value to one inside it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum Step {
-    /// To the value of a key.
+enum Step {
     Key(String),
-    /// To an element of a list, counted from 0.
+    /// Counted from 0.
     Element(usize),
 }
 
 impl DocumentError {
-    pub(super) fn new(reason: String) -> Self {
-        Self(Box::new(Fault { reason, path: Vec::new(), line: None }))
+    pub(crate) fn new(reason: impl fmt::Display) -> Self {
+        Self(Box::new(Fault { reason: reason.to_string(), path: Vec::new(), line: None }))
     }
 
     /// The same error, as seen from one step further out.
-    #[inline(never)]
     pub(crate) fn at_key(mut self, key: &str) -> Self {
-        self.0.path.push(Step::Key(key.to_owned()));
+        self.0.path.insert(0, Step::Key(key.to_owned()));
         self
     }
 
-    /// The same error, as seen from one step further out.
-    #[inline(never)]
-    pub(super) fn at_element(mut self, place: usize) -> Self {
-        self.0.path.push(Step::Element(place));
+    /// The error with its line in the text of TOML that the document was read from: that of the last key of its path that the text has.
+    #[must_use]
+    pub fn in_toml(mut self, text: &str) -> Self {
+        if let Ok(root) = DeTable::parse(text) {
+            let before = &text.as_bytes()[..start(root, &self.0.path)];
+            self.0.line = Some(1 + before.iter().filter(|&&byte| byte == b'\n').count());
+        }
         self
     }
+}
 
-    pub(super) fn at_line(mut self, line: usize) -> Self {
-        self.0.line = Some(line);
-        self
+/// The place in the text at which the last existing key of a path begins.
+fn start(root: Spanned<DeTable<'_>>, path: &[Step]) -> usize {
+    let mut start = root.span().start;
+    let root = DeValue::Table(root.into_inner());
+    let mut value = &root;
+    for step in path {
+        let next = match (step, value) {
+            (Step::Key(key), DeValue::Table(table)) => {
+                table.iter().find(|(name, _)| name.get_ref() == key).map(|(name, value)| (name.span(), value))
+            }
+            (Step::Element(place), DeValue::Array(array)) => array.get(*place).map(|value| (value.span(), value)),
+            _ => None,
+        };
+        let Some((span, inner)) = next else { break };
+        (start, value) = (span.start, inner.get_ref());
     }
+    start
+}
 
-    /// From the outermost step to the innermost one.
-    pub(super) fn path(&self) -> impl Iterator<Item = &Step> {
-        self.0.path.iter().rev()
+/// The error for the first null of a document from TOML, which has no null: there stands a number that is not finite.
+pub(crate) fn not_finite(document: &Document) -> Option<DocumentError> {
+    let at = |step, inner| {
+        let mut error = not_finite(inner)?;
+        error.0.path.insert(0, step);
+        Some(error)
+    };
+    match document {
+        Document::Null => Some(DocumentError::new("must be a finite number")),
+        Document::Object(entries) => entries.iter().find_map(|(key, inner)| at(Step::Key(key.clone()), inner)),
+        Document::Array(values) => values.iter().enumerate().find_map(|(place, inner)| at(Step::Element(place), inner)),
+        _ => None,
     }
 }
 
@@ -62,7 +90,7 @@ impl fmt::Display for DocumentError {
             write!(f, "line {line}: ")?;
         }
         let mut keys = String::new();
-        for step in self.path() {
+        for step in path {
             match step {
                 Step::Key(key) if keys.is_empty() => keys.push_str(key),
                 Step::Key(key) => keys += &format!(".{key}"),
@@ -79,14 +107,23 @@ impl fmt::Display for DocumentError {
 
 impl std::error::Error for DocumentError {}
 
-impl de::Error for DocumentError {
-    fn custom<T: fmt::Display>(reason: T) -> Self {
-        Self::new(reason.to_string())
+impl From<serde_json::Error> for DocumentError {
+    fn from(error: serde_json::Error) -> Self {
+        Self::new(error)
     }
 }
 
-impl ser::Error for DocumentError {
-    fn custom<T: fmt::Display>(reason: T) -> Self {
-        Self::new(reason.to_string())
+impl From<serde_path_to_error::Error<serde_json::Error>> for DocumentError {
+    fn from(error: serde_path_to_error::Error<serde_json::Error>) -> Self {
+        let steps = error.path().iter().filter_map(|segment| match segment {
+            Segment::Seq { index } => Some(Step::Element(*index)),
+            Segment::Map { key } | Segment::Enum { variant: key } => Some(Step::Key(key.clone())),
+            Segment::Unknown => None,
+        });
+        let path = steps.collect();
+        let reason = error.into_inner().to_string();
+        let reason = reason.replace("string or map", "a word, or a table with exactly one key");
+        let reason = reason.replace("map with a single key", "a table with exactly one key");
+        Self(Box::new(Fault { reason, path, line: None }))
     }
 }

@@ -1,9 +1,12 @@
 use std::collections::BTreeMap;
 
+use serde::Deserialize;
+
 use super::*;
 use crate::Scenario;
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 enum Shape {
     Point,
     Circle(f64),
@@ -56,44 +59,34 @@ fn everything() -> Everything {
 }
 
 #[test]
-fn json_is_that_of_the_type_itself() {
-    let (value, scenario) = (everything(), Scenario::default());
-    assert_eq!(Document::json(&value).unwrap(), serde_json::to_string(&value).unwrap());
-    assert_eq!(Document::json_lines(&value).unwrap(), serde_json::to_string_pretty(&value).unwrap());
-    assert_eq!(Document::json(&scenario).unwrap(), serde_json::to_string(&scenario).unwrap());
-    assert_eq!(Document::json(&[f64::NAN, 1.0]).unwrap(), "[null,1.0]");
-}
-
-#[test]
-fn toml_is_that_of_the_type_itself() {
-    let value =
-        Everything { count: i64::MAX as u64, by_place: BTreeMap::new(), by_level: BTreeMap::new(), ..everything() };
-    let table = |value: &Everything| ::toml::to_string(&::toml::Table::try_from(value).unwrap()).unwrap();
-    assert_eq!(Document::toml(&value).unwrap(), table(&value));
-    assert_eq!(Document::read_toml::<Everything>(&table(&value)).unwrap(), value);
-    assert!(Document::toml(&Everything { count: u64::MAX, ..value }).is_err(), "TOML has no such integer");
-}
-
-#[test]
 fn what_is_written_is_read_back() {
     let value = everything();
-    assert_eq!(Document::of(&value).unwrap().read::<Everything>().unwrap(), value);
-    assert_eq!(Document::read_json::<Everything>(&Document::json(&value).unwrap()).unwrap(), value);
-    let undefined: f64 = Document::read_toml::<BTreeMap<String, f64>>("x = nan").unwrap()["x"];
-    assert!(undefined.is_nan());
-    let large = format!("x = {}", i128::MAX);
-    assert_eq!(Document::from_toml(&large).unwrap().get("x"), Some(&Document::Large(i128::MAX)));
-    assert!(Document::read_toml::<BTreeMap<String, u64>>(&large).is_err(), "it is more than a u64 can hold");
+    assert_eq!(read::<Everything>(&of(&value).unwrap()).unwrap(), value);
+    assert_eq!(read_json::<Everything>(&to_json(&value).unwrap()).unwrap(), value);
+    assert_eq!(to_json(&[f64::NAN, 1.0]).unwrap(), "[null,1.0]");
+    let of_toml = Everything { count: i64::MAX as u64, by_place: BTreeMap::new(), by_level: BTreeMap::new(), ..value };
+    assert_eq!(read_toml::<Everything>(&to_toml(&of_toml).unwrap()).unwrap(), of_toml);
+    assert!(to_toml(&Everything { count: u64::MAX, ..of_toml }).is_err(), "TOML has no such integer");
 }
 
 #[test]
 fn a_document_keeps_its_format_s_values() {
     let text = r#"{"b":[null,true,-1,18446744073709551615,1.5],"a":{"x":"y"}}"#;
-    let document = Document::from_json(text).unwrap();
-    assert_eq!(serde_json::to_string(&document).unwrap(), text);
-    assert_eq!(document.get("a").and_then(|a| a.get("x")), Some(&Document::Text("y".to_owned())));
-    assert_eq!(document.get("c"), None);
-    assert_eq!(Document::Null.get("a"), None);
+    assert_eq!(to_json(&from_json(text).unwrap()).unwrap(), text);
+    assert_eq!(to_json_lines(&json!({ "b": 1, "a": 2 })).unwrap(), "{\n  \"b\": 1,\n  \"a\": 2\n}");
+    let scenario = Scenario::default();
+    assert_eq!(to_json(&scenario).unwrap(), serde_json::to_string(&scenario).unwrap());
+}
+
+#[test]
+fn values_are_put_at_paths() {
+    let mut document = json!({ "a": { "b": [1, 2] }, "x/y": { "z": 3 } });
+    assert!(put(&mut document, "a.b.1", &json!(5)) && put(&mut document, "a.c", &json!(true)));
+    assert!(put(&mut document, "x/y.z", &Document::Null) && put(&mut document, "new", &json!("w")));
+    assert_eq!(document, json!({ "a": { "b": [1, 5], "c": true }, "x/y": {}, "new": "w" }));
+    for path in ["a.b.2", "a.b.x", "a.d.e", "new.w", "a.b.0.c"] {
+        assert!(!put(&mut document, path, &json!(1)), "{path}");
+    }
 }
 
 #[test]
@@ -127,37 +120,40 @@ fn errors_name_the_path_and_the_line() {
             "shapes = [{ Circle = 1, Point = {} }]",
             "line 1: `shapes[0]`: invalid value: map, expected a table with exactly one key",
         ),
-        ("shapes = [{ Point = 1 }]", "line 1: `shapes[0].Point`: invalid type: integer `1`, expected an empty table"),
-        ("shapes = ['Circle']", "line 1: `shapes[0]`: invalid type: unit variant, expected newtype variant"),
+        ("shapes = [{ Point = 1 }]", "line 1: `shapes[0].Point`: invalid type: integer `1`, expected unit"),
+        ("shapes = ['Circle']", "line 1: `shapes[0].Circle`: invalid type: unit variant, expected newtype variant"),
         (
             "shapes = ['Cube']",
             "line 1: `shapes[0]`: unknown variant `Cube`, expected one of `Point`, `Circle`, `Segment`, `Box`",
         ),
         (
             "shapes = [{ Cube = 1 }]",
-            "line 1: `shapes[0].Cube`: unknown variant `Cube`, expected one of `Point`, `Circle`, `Segment`, `Box`",
+            "line 1: `shapes[0]`: unknown variant `Cube`, expected one of `Point`, `Circle`, `Segment`, `Box`",
         ),
         (
             "shapes = [{ Box = { width = 1, depth = 2 } }]",
             "line 1: `shapes[0].Box.depth`: unknown field `depth`, expected `width` or `height`",
         ),
+        ("shapes = [{ Box = [1, 2] }]", "line 1: `shapes[0].Box`: invalid type: sequence, expected struct variant"),
         (
-            "shapes = [{ Box = [1, 2] }]",
-            "line 1: `shapes[0].Box`: invalid type: sequence, expected struct variant Shape::Box",
+            "within = [[1]]",
+            "line 1: `within[0][0]`: invalid type: integer `1`, expected a word, or a table with exactly one key",
         ),
-        ("within = [[1]]", "line 1: `within`: invalid type: sequence, expected a table"),
-        ("pair = [1, 2, 3]", "line 1: `pair`: invalid length 3, expected fewer elements"),
+        ("pair = [1, 2, 3]", "line 1: `pair`: invalid length 3, expected fewer elements in array"),
         ("pair = [1]", "line 1: `pair`: invalid length 1, expected an array of length 2"),
-        ("[by_place]\n1 = 2\n70000 = 1", "line 3: `by_place.70000`: invalid value: integer `70000`, expected u16"),
-        ("[by_place]\nx = 1", "line 2: `by_place.x`: invalid type: string \"x\", expected u16"),
+        (
+            "[by_place]\n1 = 2\n70000 = 1",
+            "line 3: `by_place.70000`: invalid value: integer `70000`, expected u16 at line 1 column 5",
+        ),
+        ("[by_place]\nx = 1", "line 1: `by_place`: invalid value: expected key to be a number in quotes"),
         ("\n[all]\nflag = true", "line 2: `all`: missing field `count`"),
     ] {
-        assert_eq!(Document::read_toml::<Outer>(text).unwrap_err().to_string(), expected, "{text}");
+        assert_eq!(read_toml::<Outer>(text).unwrap_err().to_string(), expected, "{text}");
     }
-    let whole = |text| Document::read_toml::<Everything>(text).unwrap_err().to_string();
+    let whole = |text| read_toml::<Everything>(text).unwrap_err().to_string();
     assert_eq!(whole(""), "line 1: `.`: missing field `flag`");
     assert_eq!(whole("a = "), ::toml::from_str::<Everything>("a = ").unwrap_err().to_string().trim_end());
-    let json = |text| Document::read_json::<Outer>(text).unwrap_err().to_string();
+    let json = |text| read_json::<Outer>(text).unwrap_err().to_string();
     assert_eq!(json(r#"{"pair":[1,null]}"#), "`pair[1]`: invalid type: null, expected f64");
     assert_eq!(json("{"), "EOF while parsing an object at line 1 column 1");
 }

@@ -98,8 +98,8 @@ impl Task for Loading {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Document;
     use crate::data::import::{hash, read};
+    use crate::document;
 
     fn text() -> Vec<u8> {
         let row = |k: u32| format!("{},{:.6}\n{}", f64::from(k) * 0.01, f64::from(k).sin(), ["", "\n"][k as usize % 2]);
@@ -133,7 +133,7 @@ mod tests {
     #[test]
     fn a_table_can_be_sent_apart_from_its_numbers() {
         let table = read(text(), None).unwrap();
-        let mut sent: Table = Document::read_json(&Document::json(&table).unwrap()).unwrap();
+        let mut sent: Table = document::read_json(&document::to_json(&table).unwrap()).unwrap();
         assert_eq!((sent.columns.len(), sent.rows(), sent.line(50_000)), (2, 0, table.line(50_000)));
         for (sent, column) in sent.columns.iter_mut().zip(&table.columns) {
             sent.values.clone_from(&column.values);

@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 
 use super::resample::GUARD;
 use super::{Dialect, ImportError};
-use crate::data::document::{is_default, is_one};
-use crate::{Document, Quantity};
+use crate::Quantity;
+use crate::data::document::{self, Document, is_default, is_one};
 
 /// The meaning of a file's columns, and how they become a record: the table `[record]` of a scenario.
 ///
@@ -130,9 +130,9 @@ impl TryFrom<Document> for Offset {
     type Error = &'static str;
 
     fn try_from(document: Document) -> Result<Self, Self::Error> {
-        let number = || document.read().map(Self::Number);
-        let word = || document.read().map(Self::Mean);
-        let part = || document.get("mean")?.read().ok().map(|mean| Self::Part { mean });
+        let number = || document::read(&document).map(Self::Number);
+        let word = || document::read(&document).map(Self::Mean);
+        let part = || document::read(document.get("mean")?).ok().map(|mean| Self::Part { mean });
         let offset = number().or_else(|_| word()).ok().or_else(part);
         offset.ok_or("expected a number, \"mean\" or { mean = [from, to] } in seconds")
     }
@@ -256,10 +256,10 @@ impl Mapping {
     /// # Errors
     /// [`crate::ScenarioError::Syntax`] where the text is not a mapping.
     pub fn from_toml(text: &str) -> Result<Self, crate::ScenarioError> {
-        let document = Document::from_toml(text)?;
+        let document = document::from_toml(text)?;
         let mapping = match document.get("record") {
-            Some(record) => record.read().map_err(|error| error.at_key("record")),
-            None => document.read(),
+            Some(record) => document::read(record).map_err(|error| error.at_key("record")),
+            None => document::read(&document),
         };
         mapping.map_err(|error| error.in_toml(text).into())
     }

@@ -1,22 +1,20 @@
 //! Scenarios as documents: the contents of a file of any format.
 
 use super::{Scenario, ScenarioError, Sensor, Values};
-use crate::{Document, DocumentError, PlantKind, Quantity};
+use crate::data::document::{self, Document, DocumentError, json};
+use crate::{PlantKind, Quantity};
 
 impl Scenario {
     /// Reads a scenario from a document and checks it: what [`Self::from_toml`] does, for any format. Keys, defaults and
     /// allowed values are those of a file.
     ///
     /// ```
-    /// use kalmanscope_core::{Document, Scenario};
+    /// use kalmanscope_core::Scenario;
+    /// use kalmanscope_core::document::{from_json, json};
     /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-    /// let json = Document::from_json(r#"{"duration": 20, "plant": {"natural_frequency": 6}, "filters": [{"kind": "ckf"}]}"#)?;
-    /// let by_hand = Document::of_entries([
-    ///     ("duration", Document::Number(20.0)),
-    ///     ("plant", Document::of_entries([("natural_frequency", Document::Number(6.0))])),
-    ///     ("filters", Document::List(vec![Document::of_entries([("kind", Document::from("ckf"))])])),
-    /// ]);
-    /// let scenario = Scenario::from_document(&json)?;
+    /// let text = from_json(r#"{"duration": 20, "plant": {"natural_frequency": 6}, "filters": [{"kind": "ckf"}]}"#)?;
+    /// let by_hand = json!({ "duration": 20, "plant": { "natural_frequency": 6.0 }, "filters": [{ "kind": "ckf" }] });
+    /// let scenario = Scenario::from_document(&text)?;
     /// assert_eq!(scenario, Scenario::from_document(&by_hand)?);
     /// assert_eq!(scenario, Scenario::from_document(&scenario.to_document()?)?);
     /// # Ok(())
@@ -43,7 +41,7 @@ impl Scenario {
     /// # Errors
     /// [`ScenarioError::Syntax`] where a document cannot express it, which no valid scenario causes.
     pub fn to_document(&self) -> Result<Document, ScenarioError> {
-        Ok(Document::of(&self.as_written())?)
+        Ok(document::of(&self.as_written())?)
     }
 
     /// Reads a document; `locate` adds to an error its place in the text that the document was read from.
@@ -51,9 +49,11 @@ impl Scenario {
         document: &Document,
         locate: impl FnOnce(DocumentError) -> DocumentError,
     ) -> Result<(Self, Vec<String>), ScenarioError> {
-        let Document::Table(_) = document else { return Err(locate(document.mismatch(&"a table")).into()) };
+        if !document.is_object() {
+            return Err(locate(DocumentError::new("expected a table")).into());
+        }
         know_equations(document);
-        let mut scenario: Self = document.read().map_err(locate)?;
+        let mut scenario: Self = document::read(document).map_err(locate)?;
         if document.get("sensors").is_none() {
             scenario.take_sensors_of_record();
         }
@@ -96,12 +96,18 @@ impl Scenario {
 /// Reads the equations of a document, so that their parameters are known wherever they stand in the file. One that is none is
 /// said where it is read.
 fn know_equations(document: &Document) {
-    if document.get("equation").is_some() {
-        let entry = |key: &str| document.get(key).map(|value| (key.to_owned(), value.clone()));
-        let alone = Document::of_entries(entry("equation").into_iter().chain(entry("parameters")));
-        if let Ok(settings) = alone.read() {
+    if let Some(equation) = document.get("equation") {
+        let mut alone = json!({ "equation": equation });
+        if let Some(parameters) = document.get("parameters") {
+            alone["parameters"] = parameters.clone();
+        }
+        if let Ok(settings) = document::read(&alone) {
             let _known = PlantKind::of_equation(&settings);
         }
     }
-    document.children().for_each(know_equations);
+    match document {
+        Document::Object(entries) => entries.values().for_each(know_equations),
+        Document::Array(values) => values.iter().for_each(know_equations),
+        _ => {}
+    }
 }

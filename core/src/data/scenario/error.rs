@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use crate::DocumentError;
+use crate::data::document::DocumentError;
 
 /// The reason why a scenario cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]

@@ -4,22 +4,10 @@
 //! reading = acts(scale h(y) + σ acts(n)),  n standard normal
 //! ```
 //!
-//! Each family has a file of its own; the registry below lists them in the order in which they act. Each draws from its own
+//! The registry below lists the families in the order in which they act. Each draws from its own
 //! random stream: with the same seed a record without it has the same noise otherwise.
 
-mod bias;
-mod changing;
-mod clipped;
-mod coloured;
-mod dropouts;
-mod jitter;
-mod late;
-mod outliers;
-mod quantised;
-mod scaled;
-mod spells;
-mod stuck;
-mod student_t;
+mod families;
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -141,31 +129,31 @@ macro_rules! registry {
 }
 registry! {
     /// Another scale, or sign.
-    SCALED = scaled::SCALED;
+    SCALED = families::SCALED;
     /// Student's distribution.
-    STUDENT_T = student_t::STUDENT_T;
+    STUDENT_T = families::STUDENT_T;
     /// Noise that is correlated over time.
-    COLOURED = coloured::COLOURED;
+    COLOURED = families::COLOURED;
     /// Noise whose size changes.
-    CHANGING = changing::CHANGING;
+    CHANGING = families::CHANGING;
     /// A constant error.
-    BIAS = bias::BIAS;
+    BIAS = families::BIAS;
     /// Readings that come late.
-    LATE = late::LATE;
+    LATE = families::LATE;
     /// Readings that are far off, to either side.
-    OUTLIERS = outliers::OUTLIERS;
+    OUTLIERS = families::OUTLIERS;
     /// Readings that are far off, upwards.
-    OUTLIERS_ABOVE = outliers::OUTLIERS_ABOVE;
+    OUTLIERS_ABOVE = families::OUTLIERS_ABOVE;
     /// Readings beyond a limit are at the limit.
-    CLIPPED = clipped::CLIPPED;
+    CLIPPED = families::CLIPPED;
     /// Readings are whole numbers of steps.
-    QUANTISED = quantised::QUANTISED;
+    QUANTISED = families::QUANTISED;
     /// A reading is told again and again.
-    STUCK = stuck::STUCK;
+    STUCK = families::STUCK;
     /// There is no reading.
-    DROPOUTS = dropouts::DROPOUTS;
+    DROPOUTS = families::DROPOUTS;
     /// Readings at other times than those that are told.
-    JITTER = jitter::JITTER;
+    JITTER = families::JITTER;
 }
 
 impl Fault {

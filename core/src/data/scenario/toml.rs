@@ -1,7 +1,7 @@
 //! Scenarios as TOML files.
 
 use super::{Scenario, ScenarioError};
-use crate::Document;
+use crate::data::document;
 
 impl Scenario {
     /// Reads a scenario file and checks it.
@@ -19,7 +19,7 @@ impl Scenario {
     /// # Errors
     /// Those of [`Self::from_toml`].
     pub fn from_toml_with_remarks(text: &str) -> Result<(Self, Vec<String>), ScenarioError> {
-        Self::read(&Document::from_toml(text)?, |error| error.in_toml(text))
+        Self::read(&document::from_toml(text)?, |error| error.in_toml(text))
     }
 
     /// The scenario as a file that [`Self::from_toml`] reads back to an equal one.
@@ -28,6 +28,6 @@ impl Scenario {
     /// [`ScenarioError::Syntax`] where TOML cannot express it, which no valid scenario causes.
     pub fn to_toml(&self) -> Result<String, ScenarioError> {
         // The detour over a table puts subtables after plain values.
-        Ok(Document::toml(&self.as_written())?)
+        Ok(document::to_toml(&self.as_written())?)
     }
 }

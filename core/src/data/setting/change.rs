@@ -1,7 +1,7 @@
 //! The difference between two scenarios.
 
 use super::{Allowed, CHOICES_OF_FILTER, CHOICES_OF_SCENARIO, ChoiceInfo, OF_FILTER, SettingInfo, of_scenario, symbol};
-use crate::data::document::Document;
+use crate::data::document::{self, Document};
 use crate::data::scenario::{Scenario, ScenarioError, address};
 
 /// The difference between two scenarios: the settings that changed, by their addresses.
@@ -67,8 +67,8 @@ impl Change {
     fn compare(&mut self, before: &Document, now: &Document, path: &str) {
         match (before, now) {
             _ if before == now => {}
-            (Document::Table(one), Document::Table(other)) => {
-                let mut keys: Vec<&String> = one.iter().chain(other).map(|(key, _)| key).collect();
+            (Document::Object(one), Document::Object(other)) => {
+                let mut keys: Vec<&String> = one.keys().chain(other.keys()).collect();
                 keys.sort_unstable();
                 keys.dedup();
                 // A table with one key that becomes another is another shape: of a force, of a signal.
@@ -81,7 +81,7 @@ impl Change {
                     self.compare(&of(before), &of(now), &format!("{path}{key}."));
                 }
             }
-            (Document::List(one), Document::List(other)) if one.len() == other.len() => {
+            (Document::Array(one), Document::Array(other)) if one.len() == other.len() => {
                 for (i, (one, other)) in one.iter().zip(other).enumerate() {
                     self.compare(one, other, &format!("{path}{i}."));
                 }
@@ -121,18 +121,18 @@ impl Change {
         if *scenario == *self.before {
             return Ok((*self.now).clone());
         }
-        let mut document = Document::of(scenario)?;
+        let mut document = document::of(scenario)?;
         for Difference { key, now, .. } in &self.settings {
             let path = match (address::split_id(key), scenario.filters_at(key)) {
                 (Some(_), Some((places, key))) => places.first().map(|place| format!("filters.{place}.{key}")),
                 (Some(_), None) => None,
                 (None, _) => Some(key.clone()),
             };
-            let is_found = path.is_some_and(|path| document.put(&path, now));
+            let is_found = path.is_some_and(|path| document::put(&mut document, &path, now));
             let unknown = || ScenarioError::Syntax(format!("the scenario has no setting `{key}`"));
             is_found.then_some(()).ok_or_else(unknown)?;
         }
-        let mut changed: Scenario = document.read()?;
+        let mut changed: Scenario = document::read(&document)?;
         changed.filters.retain(|filter| self.removed.iter().all(|&place| self.before.filters[place].id != filter.id));
         for &place in &self.added {
             changed.filters.insert(place.min(changed.filters.len()), self.now.filters[place].clone());
@@ -172,7 +172,7 @@ impl Change {
 }
 
 fn document(of: &impl serde::Serialize) -> Document {
-    Document::of(of).unwrap_or(Document::Null)
+    document::of(of).unwrap_or_default()
 }
 
 /// The name of the choice with a key, and of its option in a `T`.
@@ -192,7 +192,7 @@ fn set<T: 'static>(
     let name = if info.symbol.is_empty() { info.name } else { info.symbol };
     let value = (info.get)(of);
     let value =
-        if info.allowed == Allowed::Flag { words(&Document::Flag(value != 0.0), number) } else { number(value) };
+        if info.allowed == Allowed::Flag { words(&Document::Bool(value != 0.0), number) } else { number(value) };
     Some((name.to_owned(), value))
 }
 
@@ -209,13 +209,10 @@ fn name(key: &str) -> String {
 fn words(value: &Document, number: &impl Fn(f64) -> String) -> String {
     match value {
         Document::Null => "none".to_owned(),
-        Document::Flag(on) => if *on { "yes" } else { "no" }.to_owned(),
-        Document::Integer(whole) => number(*whole as f64),
-        Document::Large(whole) => number(*whole as f64),
-        Document::Single(value) => number(f64::from(*value)),
-        Document::Number(value) => number(*value),
-        Document::Text(text) => text.clone(),
-        Document::List(_) | Document::Table(_) => "other".to_owned(),
+        Document::Bool(on) => if *on { "yes" } else { "no" }.to_owned(),
+        Document::Number(value) => number(value.as_f64().unwrap_or(f64::NAN)),
+        Document::String(text) => text.clone(),
+        Document::Array(_) | Document::Object(_) => "other".to_owned(),
     }
 }
 

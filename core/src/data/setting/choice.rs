@@ -5,7 +5,6 @@ use std::fmt;
 use toml::Value;
 
 use super::Edit;
-use crate::data::document::Document;
 use crate::data::force::Force;
 use crate::data::scenario::{FilterSettings, Scenario};
 use crate::mathematics::filter::Robust;
@@ -115,10 +114,7 @@ static SHAPE: ChoiceInfo<Scenario> = ChoiceInfo {
     label: "over time",
     hint: "The shape of the force; the filters are told it exactly",
     options: || named(SHAPES.map(|(name, _)| name)),
-    value: |at| {
-        let document = SHAPES.get(at).and_then(|(_, force)| Document::of(force).ok());
-        document.and_then(|document| Value::try_from(document).ok()).unwrap_or_else(|| word(&[], at))
-    },
+    value: |at| SHAPES.get(at).and_then(|(_, force)| Value::try_from(force).ok()).unwrap_or_else(|| word(&[], at)),
     serves: |_| true,
     get: |scenario| {
         let same =
@@ -181,6 +177,7 @@ pub fn other_choices(scenario: &Scenario) -> Vec<Edit> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::data::document::{self, Document};
 
     fn each<T>(info: &ChoiceInfo<T>, of: &mut T, file: impl Fn(&T) -> Value) {
         for (place, option) in (info.options)().into_iter().enumerate() {
@@ -198,14 +195,14 @@ mod tests {
             // A file leaves out a default.
             let default = (info.value)((info.get)(&Scenario::default()));
             let file = |scenario: &Scenario| {
-                Document::of(scenario).unwrap().get(info.key).cloned().map_or_else(|| default.clone(), value)
+                document::of(scenario).unwrap().get(info.key).cloned().map_or_else(|| default.clone(), value)
             };
             each(info, &mut Scenario::default(), file);
         }
         for info in CHOICES_OF_FILTER {
             let default = (info.value)((info.get)(&FilterSettings::default()));
             let file = |filter: &FilterSettings| {
-                Document::of(filter).unwrap().get(info.key).cloned().map_or_else(|| default.clone(), value)
+                document::of(filter).unwrap().get(info.key).cloned().map_or_else(|| default.clone(), value)
             };
             each(info, &mut FilterSettings::default(), file);
         }

@@ -3,7 +3,7 @@
 use toml::Value;
 
 use super::SENSOR_STD;
-use crate::data::document::Document;
+use crate::data::document::{self, Document};
 use crate::data::scenario::{Scenario, ScenarioError, address};
 use crate::mathematics::quantity::Quantity;
 
@@ -52,7 +52,7 @@ impl Edit {
     /// # Errors
     /// As [`Self::apply`].
     pub fn toml_lines(edits: &[Self], scenario: &Scenario) -> Result<Vec<(Option<String>, String)>, ScenarioError> {
-        let file = Document::table(&Self::apply_all(edits, scenario)?)?;
+        let file = document::to_table(&Self::apply_all(edits, scenario)?)?;
         let mut lines: Vec<(Option<String>, String)> = Vec::new();
         for edit in edits {
             let inner = edit.inner();
@@ -96,9 +96,13 @@ impl Edit {
     /// # Errors
     /// As [`Self::apply`].
     pub fn apply_all(edits: &[Self], scenario: &Scenario) -> Result<Scenario, ScenarioError> {
-        let mut document = Document::of(scenario)?;
+        let mut document = document::of(scenario)?;
         for edit in edits {
-            let is_found = set(&mut document, scenario, &edit.key, &Document::of(&edit.value)?);
+            let value = document::of(&edit.value)?;
+            if let Some(error) = document::not_finite(&value) {
+                return Err(ScenarioError::Syntax(format!("`{}`: {error}", edit.key)));
+            }
+            let is_found = set(&mut document, scenario, &edit.key, &value);
             is_found.then_some(()).ok_or_else(|| edit.unknown(&scenario.filters_instead_of(&edit.key)))?;
         }
         Scenario::from_document(&document).map_err(|error| {
@@ -131,12 +135,15 @@ fn set(document: &mut Document, scenario: &Scenario, address: &str, value: &Docu
         let of_sensor = key.split_once('.').filter(|(table, _)| *table == SENSOR_STD.key);
         let key = of_sensor.map_or(Some(key.to_owned()), |(table, key)| Some(format!("{table}.{}", sensor(key)?)));
         return key.is_some_and(|key| {
-            places.iter().all(|place| document.put(&format!("filters.{place}.{key}"), value)) && !places.is_empty()
+            let mut put = |place: &usize| document::put(document, &format!("filters.{place}.{key}"), value);
+            places.iter().all(&mut put) && !places.is_empty()
         });
     }
     match address.strip_prefix("sensors.").and_then(|rest| rest.split_once('.')) {
-        Some((key, rest)) => sensor(key).is_some_and(|at| document.put(&format!("sensors.{at}.{rest}"), value)),
-        None => !address.starts_with("filters") && document.put(address, value),
+        Some((key, rest)) => {
+            sensor(key).is_some_and(|at| document::put(document, &format!("sensors.{at}.{rest}"), value))
+        }
+        None => !address.starts_with("filters") && document::put(document, address, value),
     }
 }
 
@@ -208,7 +215,7 @@ mod tests {
         let table = |text: &str| Value::Table(text.parse().unwrap());
         let edits = [
             Edit::new("plant.natural_frequency", table("step = { from = 1.0, to = 2.0, at = 3.0 }")),
-            Edit::new("force", table("none = {}")),
+            Edit::new("force", "none"),
             Edit::new("duration", 10),
             Edit::new("sensors.velocity.noise_std", 0.2),
             Edit::new("filters.*.fading", 1),
