@@ -2,7 +2,7 @@
 
 use super::Suggestion;
 use super::ambient::has_no_input;
-use super::follow::likelihood_over;
+use super::likeliest::{Likeliest, likelihood_over};
 use crate::data::import::finer;
 use crate::{Hold, Record, Run, Scenario};
 
@@ -46,7 +46,6 @@ impl Course {
         }
     }
 
-    /// The steps in place of one.
     pub(super) const fn steps(self) -> usize {
         if matches!(self, Self::BandLimited) { STEPS } else { 1 }
     }
@@ -75,41 +74,30 @@ impl Course {
 
 /// The trials of the courses, each with some shares of process noise, and their log likelihoods of the same readings.
 pub(super) struct Between {
-    /// The record and the settings as they were given.
-    pub(super) record: Record,
-    pub(super) given: Suggestion,
-    /// The courses and the shares that are done.
+    /// The courses that are done.
     place: usize,
-    share: usize,
     /// The first samples, with the course that is tried.
     part: Option<Record>,
-    /// The largest log likelihood of each course, with the number of readings.
-    best: [Option<(f64, u32)>; 3],
+    /// The number of readings in the likeliest trial of each course.
+    readings: [Likeliest<u32>; 3],
 }
 
 impl Between {
     /// The trials for a record that is taken for linear between samples. `None` without an input, or where its course is stated.
-    pub(super) fn of(record: &Record, given: &Suggestion) -> Option<Self> {
-        let Scenario { hold, record: mapping, filters, .. } = &given.scenario;
+    pub(super) fn of(record: &Record, given: &Scenario) -> Option<Self> {
+        let Scenario { hold, record: mapping, filters, .. } = given;
         let is_open = *hold == Hold::First
             && record.hold() == Hold::First
             && mapping.as_ref().is_some_and(|mapping| mapping.interpolate == 1)
             && !filters.is_empty()
             && record.len() >= FEWEST
             && !has_no_input(record);
-        is_open.then(|| Self {
-            record: record.clone(),
-            given: given.clone(),
-            place: 0,
-            share: 0,
-            part: None,
-            best: [None; 3],
-        })
+        is_open.then(|| Self { place: 0, part: None, readings: [const { Likeliest::new() }; 3] })
     }
 
-    /// The share that is done, from 0 to 1.
     pub(super) fn progress(&self) -> f64 {
-        (self.place as f64 + self.share as f64 / SHARES.len() as f64) / Course::ALL.len() as f64
+        let shares = self.readings.get(self.place).map_or(0, |tried| tried.trials);
+        (self.place as f64 + shares as f64 / SHARES.len() as f64) / Course::ALL.len() as f64
     }
 
     /// The record and the scenario of the next trial, from the settings and the record so far. `None` if all are done.
@@ -127,29 +115,29 @@ impl Between {
         course.set(&mut suggestion.scenario);
         suggestion.substeps(part.dt());
         // Process noise adds up over the steps of a sample.
-        Some((part, suggestion.with_share(SHARES[self.share] / libm::sqrt(course.steps() as f64))))
+        let share = SHARES[self.readings[self.place].trials];
+        Some((part, suggestion.with_share(share / libm::sqrt(course.steps() as f64))))
     }
 
-    /// Takes in the last trial, if it was possible.
     pub(super) fn take(&mut self, run: Option<&Run>) {
         let steps = Course::ALL[self.place].steps();
         let found = run.and_then(|run| likelihood_over(run, ENDS * steps..run.samples() - ENDS * steps));
-        let best = &mut self.best[self.place];
-        let before = best.map_or(f64::NEG_INFINITY, |(before, _)| before);
+        let likeliest = &mut self.readings[self.place];
+        let before = likeliest.best.map_or(f64::NEG_INFINITY, |(_, before)| before);
         let has_fallen = found.is_some_and(|(now, _)| now < before - FALLEN);
-        *best = found.filter(|(now, _)| *now > before).or(*best);
-        self.share += 1;
-        if has_fallen || self.share == SHARES.len() {
-            (self.place, self.share, self.part) = (self.place + 1, 0, None);
+        let (now, readings) = found.unzip();
+        likeliest.take(readings.unwrap_or_default(), now, 0.0);
+        if has_fallen || likeliest.trials == SHARES.len() {
+            (self.place, self.part) = (self.place + 1, None);
         }
     }
 
     /// The course to be taken, and a sentence about it.
     pub(super) fn chosen(&self) -> (Course, Option<String>) {
-        let Some((linear, readings)) = self.best[0] else { return (Course::Linear, None) };
-        let of = |course: &Course| self.best[*course as usize].filter(|(_, count)| *count == readings);
+        let Some((readings, linear)) = self.readings[0].best else { return (Course::Linear, None) };
+        let of = |course: &Course| self.readings[*course as usize].best.filter(|(count, _)| *count == readings);
         let mut all: Vec<(Course, f64)> =
-            Course::ALL.iter().filter_map(|course| Some((*course, of(course)?.0))).collect();
+            Course::ALL.iter().filter_map(|course| Some((*course, of(course)?.1))).collect();
         let mut taken = (Course::Linear, linear);
         for other in &all {
             // The simpler one stays unless another one is clearly likelier.
@@ -180,15 +168,10 @@ impl Between {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::data::record::Input;
-    use crate::{InputKind, Quantity};
 
     fn between(best: [Option<(f64, u32)>; 3]) -> Between {
-        let input = Input { kind: InputKind::Force, hold: Hold::First, values: vec![0.0, 1.0] };
-        let record = Record::new(0.1, input, vec![(Quantity::VELOCITY, vec![0.0, 1.0])]).unwrap();
-        let scenario = super::super::scenario_for(&record);
-        let given = Suggestion { scenario, reasons: Vec::new(), is_guessed: true };
-        Between { record, given, place: 0, share: 0, part: None, best }
+        let readings = best.map(|best| Likeliest { best: best.map(|(now, readings)| (readings, now)), trials: 0 });
+        Between { place: 0, part: None, readings }
     }
 
     #[track_caller]
