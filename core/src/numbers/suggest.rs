@@ -7,7 +7,6 @@
 //! Without an input, a white force is tried for the cause of the motion too, and kept if it is likelier.
 
 mod ambient;
-mod between;
 mod conditioning;
 mod initial;
 mod likeliest;

@@ -19,8 +19,10 @@ pub(super) enum Layout {
     Series(Next),
 }
 
-/// The names of the formats, and the layout of a file that begins with some lines, if it has the format.
-const FORMATS: [(&str, fn(&[&str]) -> Option<Layout>); 8] = [
+/// The layout of a file that begins with some lines, if it has a format.
+type Find = fn(&[&str]) -> Option<Layout>;
+
+const FORMATS: [(&str, Find); 8] = [
     ("PEER (AT2)", series::peer),
     ("strong motion (CSMIP, COSMOS)", series::strong_motion),
     ("SLIST", series::slist),

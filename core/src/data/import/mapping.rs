@@ -144,6 +144,79 @@ impl Mapping {
     pub(super) fn needs_even_steps(&self) -> bool {
         self.time.even || self.band.is_some() || self.every != 1 || self.interpolate != 1
     }
+
+    /// The frequencies that the band and the low-pass before fewer samples let through, as shares of the Nyquist frequency of a
+    /// record with steps of `dt` \[s\].
+    pub(crate) fn passed(&self, dt: f64) -> [f64; 2] {
+        let [low, high] = self.band.map_or([0.0, 1.0], |band| band.map(|limit| 2.0 * limit * dt));
+        let high = high.min(if self.every > 1 { GUARD } else { 1.0 });
+        [low.clamp(0.0, 0.99 * high), high]
+    }
+
+    /// Checks every number.
+    ///
+    /// # Errors
+    /// [`ImportError::Setting`] for the first impossible one.
+    pub fn validate(&self) -> Result<(), ImportError> {
+        let Self { file: _, hash: _, dialect: _, time, input, no_input, sensors, from, to, band, every, interpolate } =
+            self;
+        let require = |ok: bool, key: &str, value: String, allowed: &str| {
+            let error = || ImportError::Setting { key: key.to_owned(), value, allowed: allowed.to_owned() };
+            if ok { Ok(()) } else { Err(error()) }
+        };
+        if let Some(rate) = time.rate {
+            let allowed = "positive and finite";
+            require(rate.is_finite() && rate > 0.0, "time.rate", rate.to_string(), allowed)?;
+        }
+        if let Some(dt) = time.dt {
+            require(dt.is_finite() && dt > 0.0, "time.dt", dt.to_string(), "positive and finite")?;
+        }
+        let is_one = !no_input || input.is_none();
+        require(is_one, "no_input", no_input.to_string(), "false where there is an input")?;
+        let named = sensors.iter().map(|(quantity, column)| (format!("sensors.{}", quantity.key()), column));
+        for (key, column) in input.iter().map(|column| ("input".to_owned(), column)).chain(named) {
+            let MappedColumn { column: _, unit: _, gain, offset, delay, missing } = column;
+            let is_gain = gain.is_finite() && *gain != 0.0;
+            require(is_gain, &format!("{key}.gain"), gain.to_string(), "finite and not 0")?;
+            let (ok, value) = match offset {
+                Offset::Number(number) => (number.is_finite(), number.to_string()),
+                Offset::Mean(_) => (true, String::new()),
+                Offset::Part { mean: [from, to] } => (from < to, format!("{{ mean = [{from}, {to}] }}")),
+            };
+            require(ok, &format!("{key}.offset"), value, "a finite number, \"mean\" or the mean of a part")?;
+            let missing = missing.unwrap_or_default();
+            require(missing.is_finite(), &format!("{key}.missing"), missing.to_string(), "a finite number")?;
+            let allowed = format!("from -{MOST_DELAY} to {MOST_DELAY}");
+            require(delay.unsigned_abs() <= MOST_DELAY, &format!("{key}.delay"), delay.to_string(), &allowed)?;
+        }
+        for (key, time) in [("from", from), ("to", to)] {
+            require(time.is_none_or(f64::is_finite), key, time.unwrap_or_default().to_string(), "a finite number")?;
+        }
+        if let (Some(from), Some(to)) = (from, to) {
+            require(from < to, "to", to.to_string(), "after `from`")?;
+        }
+        if let Some([low, high]) = band {
+            let ok = *low >= 0.0 && low < high && high.is_finite();
+            require(ok, "band", format!("[{low}, {high}]"), "two rising frequencies from 0 on [Hz]")?;
+        }
+        let allowed = format!("from 1 to {MOST_EVERY}");
+        require((1..=MOST_EVERY).contains(every), "every", every.to_string(), &allowed)?;
+        let allowed = format!("from 1 to {MOST_STEPS}");
+        require((1..=MOST_STEPS).contains(interpolate), "interpolate", interpolate.to_string(), &allowed)
+    }
+
+    /// The mapping in a text of TOML: the table `[record]` of a scenario, or its keys alone.
+    ///
+    /// # Errors
+    /// [`crate::ScenarioError::Syntax`] where the text is not a mapping.
+    pub fn from_toml(text: &str) -> Result<Self, crate::ScenarioError> {
+        let document = Document::from_toml(text)?;
+        let mapping = match document.get("record") {
+            Some(record) => record.read().map_err(|error| error.at_key("record")),
+            None => document.read(),
+        };
+        mapping.map_err(|error| error.in_toml(text).into())
+    }
 }
 
 impl Default for Mapping {
@@ -251,81 +324,6 @@ const MOST_DELAY: u32 = 100_000;
 const MOST_STEPS: usize = 8;
 /// Limits the samples of which one is kept.
 const MOST_EVERY: usize = 10_000;
-
-impl Mapping {
-    /// The frequencies that the band and the low-pass before fewer samples let through, as shares of the Nyquist frequency of a
-    /// record with steps of `dt` \[s\].
-    pub(crate) fn passed(&self, dt: f64) -> [f64; 2] {
-        let [low, high] = self.band.map_or([0.0, 1.0], |band| band.map(|limit| 2.0 * limit * dt));
-        let high = high.min(if self.every > 1 { GUARD } else { 1.0 });
-        [low.clamp(0.0, 0.99 * high), high]
-    }
-
-    /// Checks every number.
-    ///
-    /// # Errors
-    /// [`ImportError::Setting`] for the first impossible one.
-    pub fn validate(&self) -> Result<(), ImportError> {
-        let Self { file: _, hash: _, dialect: _, time, input, no_input, sensors, from, to, band, every, interpolate } =
-            self;
-        let require = |ok: bool, key: &str, value: String, allowed: &str| {
-            let error = || ImportError::Setting { key: key.to_owned(), value, allowed: allowed.to_owned() };
-            if ok { Ok(()) } else { Err(error()) }
-        };
-        if let Some(rate) = time.rate {
-            let allowed = "positive and finite";
-            require(rate.is_finite() && rate > 0.0, "time.rate", rate.to_string(), allowed)?;
-        }
-        if let Some(dt) = time.dt {
-            require(dt.is_finite() && dt > 0.0, "time.dt", dt.to_string(), "positive and finite")?;
-        }
-        let is_one = !no_input || input.is_none();
-        require(is_one, "no_input", no_input.to_string(), "false where there is an input")?;
-        let named = sensors.iter().map(|(quantity, column)| (format!("sensors.{}", quantity.key()), column));
-        for (key, column) in input.iter().map(|column| ("input".to_owned(), column)).chain(named) {
-            let MappedColumn { column: _, unit: _, gain, offset, delay, missing } = column;
-            let is_gain = gain.is_finite() && *gain != 0.0;
-            require(is_gain, &format!("{key}.gain"), gain.to_string(), "finite and not 0")?;
-            let (ok, value) = match offset {
-                Offset::Number(number) => (number.is_finite(), number.to_string()),
-                Offset::Mean(_) => (true, String::new()),
-                Offset::Part { mean: [from, to] } => (from < to, format!("{{ mean = [{from}, {to}] }}")),
-            };
-            require(ok, &format!("{key}.offset"), value, "a finite number, \"mean\" or the mean of a part")?;
-            let missing = missing.unwrap_or_default();
-            require(missing.is_finite(), &format!("{key}.missing"), missing.to_string(), "a finite number")?;
-            let allowed = format!("from -{MOST_DELAY} to {MOST_DELAY}");
-            require(delay.unsigned_abs() <= MOST_DELAY, &format!("{key}.delay"), delay.to_string(), &allowed)?;
-        }
-        for (key, time) in [("from", from), ("to", to)] {
-            require(time.is_none_or(f64::is_finite), key, time.unwrap_or_default().to_string(), "a finite number")?;
-        }
-        if let (Some(from), Some(to)) = (from, to) {
-            require(from < to, "to", to.to_string(), "after `from`")?;
-        }
-        if let Some([low, high]) = band {
-            let ok = *low >= 0.0 && low < high && high.is_finite();
-            require(ok, "band", format!("[{low}, {high}]"), "two rising frequencies from 0 on [Hz]")?;
-        }
-        let allowed = format!("from 1 to {MOST_EVERY}");
-        require((1..=MOST_EVERY).contains(every), "every", every.to_string(), &allowed)?;
-        let allowed = format!("from 1 to {MOST_STEPS}");
-        require((1..=MOST_STEPS).contains(interpolate), "interpolate", interpolate.to_string(), &allowed)
-    }
-
-    /// The mapping in a text of TOML: the table `[record]` of a scenario, or its keys alone.
-    ///
-    /// # Errors
-    /// [`crate::ScenarioError::Syntax`] where the text is not a mapping.
-    pub fn from_toml(text: &str) -> Result<Self, crate::ScenarioError> {
-        let document = Document::from_toml(text)?;
-        let mapping = match document.get("record") {
-            Some(record) => record.read().map_err(|error| error.at_key("record")),
-            None => document.read(),
-        };
-        mapping.map_err(|error| error.in_toml(text).into())
-    }
-}
 
 const fn one() -> f64 {
     1.0

@@ -74,6 +74,32 @@ impl Column {
     pub(super) fn without_text(&self) -> Result<&Self, ImportError> {
         self.text.as_ref().map_or(Ok(self), |text| Err(text.error(&self.name)))
     }
+
+    /// Takes the number in a cell. Returns whether it has thousands separators.
+    fn push(&mut self, cell: &str, dialect: Dialect, line: usize) -> bool {
+        let found = dialect.decimal.read(cell, dialect.thousands);
+        let quoted = || {
+            /// Limits the characters that a message quotes.
+            const QUOTED: usize = 40;
+            TextCell { line, text: cell.chars().take(QUOTED).collect() }
+        };
+        match found {
+            Found::Number(_) | Found::Grouped(_) | Found::Missing => {}
+            Found::Clock { is_dated, .. } => {
+                self.is_time_of_day |= !is_dated;
+                self.is_dated |= is_dated;
+            }
+            Found::Word => {
+                self.word.get_or_insert_with(quoted);
+                self.words += 1;
+            }
+            Found::Text => {
+                self.text.get_or_insert_with(quoted);
+            }
+        }
+        self.values.push(found.value());
+        matches!(found, Found::Grouped(_))
+    }
 }
 
 impl Table {
@@ -347,34 +373,6 @@ fn named(dialect: &Dialect, lines: &[&str], width: usize) -> usize {
     let header = dialect.header(lines, width);
     let unnamed = |place: &usize| header[*place].0 == format!("column {}", place + 1);
     (0..width).rev().find(|place| !unnamed(place)).map_or(0, |place| place + 1)
-}
-
-impl Column {
-    /// Takes the number in a cell. Returns whether it has thousands separators.
-    fn push(&mut self, cell: &str, dialect: Dialect, line: usize) -> bool {
-        let found = dialect.decimal.read(cell, dialect.thousands);
-        let quoted = || {
-            /// Limits the characters that a message quotes.
-            const QUOTED: usize = 40;
-            TextCell { line, text: cell.chars().take(QUOTED).collect() }
-        };
-        match found {
-            Found::Number(_) | Found::Grouped(_) | Found::Missing => {}
-            Found::Clock { is_dated, .. } => {
-                self.is_time_of_day |= !is_dated;
-                self.is_dated |= is_dated;
-            }
-            Found::Word => {
-                self.word.get_or_insert_with(quoted);
-                self.words += 1;
-            }
-            Found::Text => {
-                self.text.get_or_insert_with(quoted);
-            }
-        }
-        self.values.push(found.value());
-        matches!(found, Found::Grouped(_))
-    }
 }
 
 #[cfg(test)]

@@ -267,17 +267,13 @@ fn ambient_fit(record: &Record, quantity: Quantity, band: Option<[f64; 2]>) -> O
     };
     let places: Vec<usize> = (2..last).filter(is_near).collect();
     let (first, last) = (*places.first()?, *places.last()?);
-    let lines = Lines {
-        first: first as f64,
-        line: spectra.frequency(1),
-        dt: spectra.dt,
-        order: order(quantity),
-        powers: &spectra.output[first..=last],
-    };
-    if lines.powers.len() < LEAST {
+    let powers = &spectra.output[first..=last];
+    let (line, order) = (spectra.frequency(1), order(quantity));
+    let lines = Lines { first: first as f64, line, dt: spectra.dt, order, powers };
+    if powers.len() < LEAST {
         return None;
     }
-    let mut sorted = lines.powers.to_vec();
+    let mut sorted = powers.to_vec();
     sort_numbers(&mut sorted);
     let (low, high) = (sorted[sorted.len() / 10], sorted[sorted.len() - 1]);
     if !(low > 0.0 && high.is_finite()) {

@@ -115,6 +115,37 @@ impl Suggestion {
             begin_with(filter, Channel::INPUT_GAIN, (mean, rounded(0.2 * mean.abs())));
         }
     }
+
+    /// The equation of the first filter and its parameters, if spectra cannot give all of them.
+    pub(super) fn own_parameters(&self) -> Option<(&'static Equation, Vec<Channel>)> {
+        let kind = self.scenario.filters.first()?.plant.unwrap_or(self.scenario.plant.kind);
+        let equation = kind.own_equation()?;
+        kind.parameters().any(|channel| !TOLD.contains(&channel)).then(|| (equation, kind.parameters().collect()))
+    }
+
+    /// Whether a constant part may be motion: where the first filter has an equation that is not linear.
+    pub(super) fn knows_zero(&self) -> bool {
+        self.own_parameters().is_some_and(|(equation, _)| !equation.is_linear())
+    }
+
+    /// Lets filters of an equation without a natural frequency expect a motion of the size that the record shows.
+    pub(super) fn size_of_motion(&mut self, record: &Record) {
+        let Some((quantity, measured)) = motion_sensor(record) else { return };
+        let band = self.scenario.record.as_ref().and_then(|mapping| mapping.band);
+        let Some(found) = free_response(record, measured, band) else { return };
+        let (_, size) = moments(measured);
+        let displacement = size / libm::pow(found.natural_frequency, f64::from(order(quantity)));
+        for filter in self.filters() {
+            for mass in 0..MAX_MASSES {
+                let first = record.measured_quantity(Quantity::new(Aspect::DISPLACEMENT, mass));
+                let first = first.and_then(|all| all.iter().copied().find(|value| !value.is_nan()));
+                let (x, v) = (Channel::displacement(mass), Channel::velocity(mass));
+                (filter.initial_mean[x], filter.initial_mean[v]) = (rounded(first.unwrap_or(0.0)), 0.0);
+                filter.initial_std[x] = rounded(displacement.max(f64::MIN_POSITIVE));
+                filter.initial_std[v] = rounded((displacement * found.natural_frequency).max(f64::MIN_POSITIVE));
+            }
+        }
+    }
 }
 
 /// A cubic stiffness that carries half of the load at the largest displacement.
@@ -303,38 +334,5 @@ impl Search {
              ranges; their spread is a fifth of it, or three of the filter's σ",
             told.join(", ")
         ));
-    }
-}
-
-impl Suggestion {
-    /// The equation of the first filter and its parameters, if spectra cannot give all of them.
-    pub(super) fn own_parameters(&self) -> Option<(&'static Equation, Vec<Channel>)> {
-        let kind = self.scenario.filters.first()?.plant.unwrap_or(self.scenario.plant.kind);
-        let equation = kind.own_equation()?;
-        kind.parameters().any(|channel| !TOLD.contains(&channel)).then(|| (equation, kind.parameters().collect()))
-    }
-
-    /// Whether a constant part may be motion: where the first filter has an equation that is not linear.
-    pub(super) fn knows_zero(&self) -> bool {
-        self.own_parameters().is_some_and(|(equation, _)| !equation.is_linear())
-    }
-
-    /// Lets filters of an equation without a natural frequency expect a motion of the size that the record shows.
-    pub(super) fn size_of_motion(&mut self, record: &Record) {
-        let Some((quantity, measured)) = motion_sensor(record) else { return };
-        let band = self.scenario.record.as_ref().and_then(|mapping| mapping.band);
-        let Some(found) = free_response(record, measured, band) else { return };
-        let (_, size) = moments(measured);
-        let displacement = size / libm::pow(found.natural_frequency, f64::from(order(quantity)));
-        for filter in self.filters() {
-            for mass in 0..MAX_MASSES {
-                let first = record.measured_quantity(Quantity::new(Aspect::DISPLACEMENT, mass));
-                let first = first.and_then(|all| all.iter().copied().find(|value| !value.is_nan()));
-                let (x, v) = (Channel::displacement(mass), Channel::velocity(mass));
-                (filter.initial_mean[x], filter.initial_mean[v]) = (rounded(first.unwrap_or(0.0)), 0.0);
-                filter.initial_std[x] = rounded(displacement.max(f64::MIN_POSITIVE));
-                filter.initial_std[v] = rounded((displacement * found.natural_frequency).max(f64::MIN_POSITIVE));
-            }
-        }
     }
 }

@@ -86,9 +86,7 @@ fn errors(run: &Run, free: &FreeRun) -> Option<Vec<f64>> {
 
 /// The log likelihood of all innovations, if the filter went through.
 pub(super) fn likelihood(run: &Run) -> Option<f64> {
-    let estimates = run.estimates().first().filter(|estimates| estimates.stop().is_none())?;
-    let sum: f64 = (1..estimates.len()).map(|k| estimates.log_likelihood(k)).filter(|l| !l.is_nan()).sum();
-    sum.is_finite().then_some(sum)
+    likelihood_over(run, 1..run.estimates().first()?.len()).map(|(sum, _)| sum)
 }
 
 /// The log likelihood of the readings at some samples, and their number, if the filter went through.

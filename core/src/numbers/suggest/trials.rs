@@ -2,8 +2,7 @@
 
 use super::Suggestion;
 use super::ambient::{Ambient, has_no_input};
-use super::between::{Between, Course};
-use super::conditioning::{FILLING, Lost, Plucked};
+use super::conditioning::{Between, Course, FILLING, Lost, Plucked};
 use super::initial::Search;
 use super::likeliest::{Trial, first_alone, likelihood, surprise};
 use crate::{Record, Run, Scenario, Task};
@@ -255,10 +254,9 @@ impl Task for Suggest {
                         self.stage = Stage::Between;
                         continue;
                     };
-                    match self.trial.follow(|| search.scenario(scenario), &self.record, samples, while_time) {
-                        None => return false,
-                        Some(run) => search.take(run.as_ref()),
-                    }
+                    let run = self.trial.follow(|| search.scenario(scenario), &self.record, samples, while_time);
+                    let Some(run) = run else { return false };
+                    search.take(run.as_ref());
                     Stage::Search
                 }
                 Stage::Between => {
@@ -280,10 +278,9 @@ impl Task for Suggest {
                         self.ambient.iter().for_each(|ambient| ambient.leave_out(&mut scenario));
                         scenario
                     };
-                    match self.trial.follow(scenario, &self.record, samples, while_time) {
-                        None => return false,
-                        Some(run) => self.likelihoods.extend(run.and_then(|run| Some((share, likelihood(&run)?)))),
-                    }
+                    let run = self.trial.follow(scenario, &self.record, samples, while_time);
+                    let Some(run) = run else { return false };
+                    self.likelihoods.extend(run.and_then(|run| Some((share, likelihood(&run)?))));
                     if place + 1 < SHARES.len() { Stage::Likelihood(place + 1) } else { Stage::WhiteForce }
                 }
                 Stage::WhiteForce => {
@@ -292,10 +289,9 @@ impl Task for Suggest {
                         && let Some(sizes) = ambient.next()
                     {
                         let scenario = || ambient.suggestion.trial_of_white_force(&sizes);
-                        match self.trial.follow(scenario, &self.record, samples, while_time) {
-                            None => return false,
-                            Some(run) => ambient.take(run.and_then(|run| likelihood(&run))),
-                        }
+                        let run = self.trial.follow(scenario, &self.record, samples, while_time);
+                        let Some(run) = run else { return false };
+                        ambient.take(run.and_then(|run| likelihood(&run)));
                         Stage::WhiteForce
                     } else if self.choose() {
                         Stage::Done
@@ -305,34 +301,28 @@ impl Task for Suggest {
                 }
                 Stage::FreeRun => {
                     let scenario = || first_alone(&self.suggestion.scenario);
-                    match self.trial.follow_freely(scenario, &self.record, while_time) {
-                        None => return false,
-                        // The errors of a default guess are no noise.
-                        Some((_, Some(errors))) if self.suggestion.is_guessed => {
+                    let done = self.trial.follow_freely(scenario, &self.record, while_time);
+                    let Some((run, errors)) = done else { return false };
+                    if run.is_some_and(|run| run.estimates().first().is_some_and(|one| one.stop().is_some())) {
+                        self.suggestion.keep_from_rounding();
+                    }
+                    // The errors of a default guess are no noise.
+                    match errors.filter(|_| self.suggestion.is_guessed) {
+                        Some(errors) => {
                             self.errors = errors;
                             Stage::ModelError
                         }
-                        Some((run, _)) => {
-                            let has_stopped =
-                                |run: &Run| run.estimates().first().is_some_and(|one| one.stop().is_some());
-                            if run.as_ref().is_some_and(has_stopped) {
-                                self.suggestion.keep_from_rounding();
-                            }
-                            Stage::Done
-                        }
+                        None => Stage::Done,
                     }
                 }
                 Stage::ModelError => {
                     let scenario = || first_alone(&self.suggestion.with_error(&self.errors));
-                    match self.trial.follow_freely(scenario, &self.record, while_time) {
-                        None => return false,
-                        Some((run, errors)) => {
-                            if let Some((run, after)) = run.zip(errors) {
-                                self.suggestion.model_error(&self.errors, &after, surprise(&run));
-                            }
-                            Stage::Done
-                        }
+                    let done = self.trial.follow_freely(scenario, &self.record, while_time);
+                    let Some((run, after)) = done else { return false };
+                    if let Some((run, after)) = run.zip(after) {
+                        self.suggestion.model_error(&self.errors, &after, surprise(&run));
                     }
+                    Stage::Done
                 }
                 Stage::Done => Stage::Done,
             };
