@@ -49,7 +49,7 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
     }
     remark.iter().chain(&imported.remarks).for_each(|remark| say(remark));
     if let Some(sensor) = imported.still {
-        return Err(bad(ImportError::Still { sensor: sensor.name() }));
+        return Err(bad(ImportError::Still(sensor.name())));
     }
     let mut scenario = scenario_for(&imported.record);
     scenario.set_plant(*plant);
@@ -77,7 +77,7 @@ fn free_decay(table: &Table, file: &Path, to: &Path) -> Result<(Table, String), 
     let bad = |reason: &dyn ToString| InputError::bad(file, reason);
     let none = "there are no three accelerations with a time, named as phyphox or an Arduino names them";
     let axes = ThreeAxes::of(table).ok_or_else(|| bad(&none))?;
-    let decays = axes.decays(table).map_err(|reason| bad(&reason))?;
+    let decays = Decay::alike(&axes.readings(table)).map_err(|reason| bad(&reason))?;
     for decay in &decays {
         let ([x, y, z], seconds) = (decay.axis, decay.seconds());
         say(&format_args!(
@@ -138,7 +138,7 @@ const NOTHING: [&str; 2] = ["none", "nothing"];
 /// The meaning of the columns: the guess, and what the user says.
 fn mapping(table: &Table, args: &ImportArgs) -> (Mapping, InputKind, Vec<ColumnGuess>) {
     let ImportArgs { rate, time, time_unit, even, missing, input, no_input, ground, sensor, .. } = args;
-    let (mut mapping, mut kind, guesses) = Mapping::guess_with_reasons(table);
+    let (mut mapping, mut kind, guesses) = Mapping::guess_for(table, &[]);
     if let Some(rate) = rate {
         mapping.time = Time { rate: Some(*rate), ..Time::default() };
     }

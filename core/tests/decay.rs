@@ -9,7 +9,7 @@ use crate::phone::{Phone, USUAL};
 use crate::random::Random;
 
 fn as_table(decay: &Decay) -> Table {
-    read(decay.csv().into_bytes(), None).expect("it is a table")
+    read(Decay::file(std::slice::from_ref(decay)).into_bytes(), None).expect("it is a table")
 }
 
 /// Situations and seeds were not looked at while the limits in `import/decay.rs` were chosen.
@@ -191,7 +191,8 @@ fn the_files_of_apps_and_loggers_have_the_same_decay() {
         let text = if head.is_empty() { rows.join("\n") } else { format!("{head}\n{}\n", rows.join("\n")) };
         let table = read(text.into_bytes(), None).unwrap_or_else(|error| panic!("file {place}: {error}"));
         let axes = ThreeAxes::of(&table).unwrap_or_else(|| panic!("file {place}: {:?}", table.columns));
-        let decay = axes.decays(&table).unwrap_or_else(|error| panic!("file {place}: {error}")).remove(0);
+        let decay =
+            Decay::alike(&axes.readings(&table)).unwrap_or_else(|error| panic!("file {place}: {error}")).remove(0);
         let [(frequency, _), (damping, _)] = identified(&as_table(&decay)).0;
         assert!((frequency / 7.4 - 1.0).abs() < 0.002, "file {place}: {frequency}");
         assert!((damping / 0.01 - 1.0).abs() < 0.15, "file {place}: {damping}");

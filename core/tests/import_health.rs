@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use kalmanscope_core::import::{Builder, Mapping, Ring, ThreeAxes, join, read};
+use kalmanscope_core::import::{Builder, Decay, Mapping, Ring, ThreeAxes, join, read};
 use kalmanscope_core::record::LiveRecord;
 use kalmanscope_core::suggest::{Suggest, scenario_for};
 use kalmanscope_core::{Hold, InputKind, Quantity, Task};
@@ -156,7 +156,7 @@ fn times_of_any_size_come_to_an_end() {
             let table = read(text.as_bytes(), None).unwrap();
             let (mapping, kind) = Mapping::guess(&table);
             let _ = Ring::of(&table);
-            let _ = ThreeAxes::of(&table).map(|axes| axes.decays(&table));
+            let _ = ThreeAxes::of(&table).map(|axes| Decay::alike(&axes.readings(&table)));
             let Ok(imported) = Builder::new(&table, &mapping, kind, Hold::First).and_then(Builder::finish) else {
                 continue;
             };

@@ -104,7 +104,7 @@ fn a_file_of_a_simulated_record_is_that_record() {
                     let mut file = Vec::new();
                     record.write_csv(&mut file).unwrap();
                     let table = read(file, None).unwrap();
-                    for (mapping, of, _) in [Mapping::guess_for(&table, sensors), Mapping::guess_with_reasons(&table)] {
+                    for (mapping, of, _) in [Mapping::guess_for(&table, sensors), Mapping::guess_for(&table, &[])] {
                         let again = Builder::new(&table, &mapping, of, hold).unwrap().finish().unwrap().record;
                         assert_eq!(bits(&again), bits(&record), "{kind:?} {input:?} {sensors:?}");
                     }

@@ -127,7 +127,7 @@ fn a_sound_is_a_table_of_its_channels() {
     let (mapping, _) = Mapping::guess(&table);
     assert!(mapping.input.is_none() && mapping.every > 10 && mapping.from > Some(0.7), "{mapping:?}");
     let cut = read(FORK.wav(1)[..20].to_vec(), None).expect_err("it is cut");
-    assert!(matches!(cut, ImportError::Sound { .. }), "{cut}");
+    assert!(matches!(cut, ImportError::Sound(_)), "{cut}");
 }
 
 #[test]

@@ -117,7 +117,7 @@ fn decay_ui(ui: &mut Ui, table: &Table) -> Option<Choice> {
         let hint = "Without gravity, along the axis that moves most, from when the hand is gone until it rests; each time that it was plucked";
         let take = ui.button("Take its free decay").on_hover_text(hint);
         probe::remember(ui.ctx(), "Take its free decay", take.rect);
-        choice = take.clicked().then(|| Choice::Decay(axes.decays(table).map(|decays| Decay::file(&decays))));
+        choice = take.clicked().then(|| Choice::Decay(Decay::alike(&axes.readings(table)).map(|decays| Decay::file(&decays))));
     });
     choice
 }

@@ -38,7 +38,7 @@ pub enum Role {
 
 impl Draft {
     pub fn new(file: Arc<RecordFile>) -> Self {
-        let (mut mapping, input, guesses) = Mapping::guess_with_reasons(&file.table);
+        let (mut mapping, input, guesses) = Mapping::guess_for(&file.table, &[]);
         let is_own_clock = guesses.iter().map(ColumnGuess::is_own_clock).collect();
         mapping.file.clone_from(&file.name);
         mapping.hash.clone_from(&file.hash);

@@ -68,7 +68,7 @@ impl Live {
         let decays = match Decay::all(&readings[first..]) {
             Ok(decays) => decays,
             Err(reason) => {
-                self.rests &= !matches!(reason, NoDecay::Short { .. });
+                self.rests &= !matches!(reason, NoDecay::Short(_));
                 return;
             }
         };
@@ -143,7 +143,7 @@ impl Following {
         let mut scenario = suggest(&scenario_for(&record), &record).scenario;
         let record = live.so_far();
         let run = Run::from_source(&scenario, Source::Live(Arc::clone(&record))).ok()?;
-        let table = read(decay.csv().into_bytes(), None).ok()?;
+        let table = read(Decay::file(std::slice::from_ref(&decay)).into_bytes(), None).ok()?;
         scenario.record = Some(Mapping { file: NAME.to_owned(), ..Mapping::guess(&table).0 });
         Some(Self { decay, live, record, scenario, run, taken: f64::NEG_INFINITY })
     }

@@ -21,74 +21,46 @@
 //! # }
 //! ```
 
-mod band;
 mod builder;
-mod butterworth;
 mod cell;
-mod clock;
 mod conditioning;
 mod decay;
 mod dialect;
-mod encoding;
 mod error;
-mod files;
 mod formats;
 mod guess;
-mod header;
-mod length;
-mod limits;
-mod loading;
 mod mapping;
-mod number;
-mod own_clocks;
+mod missing;
 mod own_times;
 mod reader;
-mod remarks;
 mod resample;
-mod ring;
-mod role;
-mod rows_reader;
-mod samples;
-mod sentinel;
-mod series;
-mod sniff;
 mod sound;
-mod steps;
 mod table;
-mod three_axes;
 mod times;
-mod timing;
 mod unit;
 
 pub use crate::data::hash::Hash;
 pub use builder::{Builder, Imported};
-pub use cell::{Cells, Delimiter};
+pub use cell::{Cells, Decimal, Delimiter};
 pub use decay::{Decay, NoDecay};
-pub use dialect::Dialect;
-pub use encoding::Encoding;
-pub use error::ImportError;
-pub use files::join;
-pub use guess::ColumnGuess;
-pub use length::Length;
-pub use limits::MOST;
-pub use loading::{Loaded, Loading};
-pub use mapping::{MappedColumn, Mapping, MeanWord, Offset, Time};
-pub use number::Decimal;
-pub use reader::Reader;
+pub use dialect::{Dialect, Encoding};
+pub use error::{ImportError, MOST};
+pub use guess::{ColumnGuess, ThreeAxes};
+pub use mapping::{Length, MappedColumn, Mapping, MeanWord, Offset, Time};
+pub use missing::Sentinel;
+pub use own_times::join;
+pub use reader::{Loaded, Loading};
 pub(crate) use resample::finer;
-pub use ring::Ring;
-pub use sentinel::Sentinel;
-pub use sound::wav;
+pub use sound::{Ring, wav};
 pub use table::{Column, Table, TextCell};
-pub use three_axes::ThreeAxes;
 pub use unit::{Dimension, STANDARD_GRAVITY, unit};
 
 /// The columns of a file, read in one go.
 ///
 /// # Errors
-/// As [`Reader::new`] and [`Reader::advance`].
+/// [`ImportError`] where the file is empty, not text, or without numbers.
 pub fn read(bytes: impl Into<Vec<u8>>, dialect: Option<Dialect>) -> Result<Table, ImportError> {
-    let mut reader = Reader::new(bytes.into(), dialect)?;
+    let mut reader = reader::Reader::new(bytes.into(), dialect)?;
     while !reader.advance(&mut || true)? {}
     reader.finish()
 }

@@ -1,4 +1,4 @@
-//! Linear least squares.
+//! Least squares: linear, and by steps of Levenberg and Marquardt.
 
 use crate::mathematics::engine::columns;
 
@@ -46,6 +46,44 @@ impl<const N: usize> NormalEquations<N> {
         let is_definite = divide(self.normal.as_flattened_mut(), inverse.as_flattened_mut(), N);
         is_definite.then(|| std::array::from_fn(|i| inverse[i][i]))
     }
+}
+
+/// The least cost that steps of Levenberg and Marquardt reach from a point, and where. It ends after this many `tries` of a step, or
+/// where one gains less than `least_gain` of the cost.
+///
+/// `look` gives the cost at a point and what else is known there; `equations` are those of a step from it, damped with this `floor`;
+/// `step` goes there.
+///
+/// Source: Levenberg (1944), A method for the solution of certain non-linear problems in least squares; Marquardt (1963).
+pub(crate) fn descend<P, K, const N: usize>(
+    start: P,
+    (tries, floor): (usize, f64),
+    least_gain: impl Fn(f64) -> f64,
+    look: impl Fn(&P) -> (f64, K),
+    equations: impl Fn(&P, &K) -> NormalEquations<N>,
+    step: impl Fn(&P, [f64; N]) -> Option<P>,
+) -> (f64, P) {
+    let (mut cost, known) = look(&start);
+    let (mut normal, mut at, mut damping) = (equations(&start, &known), start, 1e-3);
+    for _ in 0..tries {
+        let Some(next) = normal.damped(damping, floor).solution().and_then(|by| step(&at, by)) else { break };
+        let (next_cost, known) = look(&next);
+        if next_cost < cost {
+            let gain = cost - next_cost;
+            (at, cost) = (next, next_cost);
+            damping *= 0.1;
+            if gain < least_gain(cost) {
+                break;
+            }
+            normal = equations(&at, &known);
+        } else {
+            damping *= 10.0;
+            if damping > 1e9 {
+                break;
+            }
+        }
+    }
+    (cost, at)
 }
 
 /// `X A⁻¹` in place of X of some rows. Returns whether A is positive definite.

@@ -7,39 +7,25 @@
 //! Without an input, a white force is tried for the cause of the motion too, and kept if it is likelier.
 
 mod ambient;
-mod ambient_fit;
-mod between;
-mod climb;
 mod conditioning;
-mod decay;
-mod differences;
-mod follow;
-mod gaps;
-mod hysteresis;
 mod initial;
-mod plucked;
+mod likeliest;
 mod response;
-mod search;
 mod spectra;
 mod trials;
 
 use serde::{Deserialize, Serialize};
 
 use crate::data::import::Length;
-use crate::{
-    Channel, FilterKind, FilterSettings, InputKind, PlantKind, Propagation, Quantity, Record, Scenario, Sensor,
-    Task as _,
-};
+use crate::{Channel, FilterKind, FilterSettings, Propagation, Quantity, Record, Scenario, Sensor, Signal, Task as _};
 
 use crate::data::scenario::motion::steps_over;
 
 use ambient::has_no_input;
-use decay::{Decay, decay};
-use differences::noise;
-use follow::first_alone;
-use gaps::Lost;
-use response::{Response, free_response, response};
-use spectra::{Gaps, Spectra};
+use conditioning::Lost;
+use likeliest::first_alone;
+use response::{Decay, Response, decay, free_response, response};
+use spectra::{Gaps, Spectra, noise};
 use trials::SHARES;
 
 pub use trials::Suggest;
@@ -98,6 +84,13 @@ impl Suggestion {
         reason.filter(|_| !self.is_guessed).map(String::as_str)
     }
 
+    /// Gives a simulation in place of the record a parameter. The truth of a measured record is not known.
+    fn simulate_with(&mut self, channel: Channel, value: f64) {
+        if self.scenario.plant.parameter(channel).is_some() {
+            self.scenario.plant.set(channel, Signal::Constant(value));
+        }
+    }
+
     /// A unit with that of the record's motion in place of metres.
     fn unit(&self, unit: &'static str) -> &'static str {
         Length::of(self.scenario.record.as_ref()).in_place_of(unit)
@@ -126,10 +119,7 @@ impl Suggestion {
             if noise <= 0.0 {
                 continue;
             }
-            self.scenario.sensors[place].noise_std = noise;
-            for filter in self.scenario.filters.iter_mut().filter(|filter| place < filter.sensor_std.len()) {
-                filter.sensor_std[place] = noise;
-            }
+            self.set_noise(place, noise);
             let (name, unit) = (sensor.measures.name(), self.unit(sensor.measures.unit()));
             let why = if is_own {
                 "what is left of its readings in differences over their times, in which a motion is next to nothing"
@@ -137,6 +127,14 @@ impl Suggestion {
                 "the noise at the highest frequencies, where the input explains nothing"
             };
             self.reasons.push(format!("R of the {name}: {noise} {unit}, {why}"));
+        }
+    }
+
+    /// R of the sensor at a place.
+    fn set_noise(&mut self, place: usize, noise: f64) {
+        self.scenario.sensors[place].noise_std = noise;
+        for filter in self.scenario.filters.iter_mut().filter(|filter| place < filter.sensor_std.len()) {
+            filter.sensor_std[place] = noise;
         }
     }
 
@@ -151,13 +149,11 @@ impl Suggestion {
         let (quantity, measured) = motion_sensor(record)?;
         let mapping = self.scenario.record.as_ref();
         let band = mapping.and_then(|mapping| mapping.band);
-        let driven = response(record, quantity, measured, band, steps);
+        let driven = response(record, quantity, band, steps);
         let free = if driven.is_none() && has_no_input(record) { decay(record, measured, mapping) } else { None };
-        let decaying = free.map(|free| Response {
-            natural_frequency: free.natural_frequency,
-            damping_ratio: free.damping_ratio,
-            gain: None,
-        });
+        let as_response =
+            |Decay { natural_frequency, damping_ratio, .. }| Response { natural_frequency, damping_ratio, gain: None };
+        let decaying = free.map(as_response);
         let reason = match (&driven, &decaying) {
             (Some(_), _) => "fitted to the response to the input over frequency",
             (None, Some(_)) => "fitted to the readings as a free decay",
@@ -186,10 +182,7 @@ impl Suggestion {
         // Where a filter of the import has been, noise has colours, and its density about the decay counts.
         let nearby = if share > WHOLE { 1.0 } else { decay.nearby.max(1.0) };
         let noise = rounded(decay.rest * libm::sqrt(nearby / share));
-        self.scenario.sensors[place].noise_std = noise;
-        for filter in self.scenario.filters.iter_mut().filter(|filter| place < filter.sensor_std.len()) {
-            filter.sensor_std[place] = noise;
-        }
+        self.set_noise(place, noise);
         let (name, unit) = (quantity.name(), self.unit(quantity.unit()));
         let begin = format!("R of the {name}:");
         self.reasons.retain(|reason| !reason.starts_with(&begin));
@@ -240,21 +233,14 @@ impl Suggestion {
 
     /// The first filter alone, with a share of the motion's size as its process noise per step.
     fn with_share(&self, share: f64) -> Scenario {
-        let mut scenario = first_alone(&self.scenario);
-        let (kind, input) = (scenario.plant.kind, scenario.input);
-        for filter in &mut scenario.filters {
-            set_share(filter, kind, input, share);
-            if filter.kind.is_sampled() {
-                filter.kind = FilterKind::EKF;
-            }
-        }
+        let mut scenario = first_for_trial(&self.scenario);
+        set_share(&mut scenario, share);
         scenario
     }
 
     /// Q of the motion, the most likely share of its size.
     fn process_noise(&mut self, share: f64) {
-        let (kind, input) = (self.scenario.plant.kind, self.scenario.input);
-        self.filters().for_each(|filter| set_share(filter, kind, input, share));
+        set_share(&mut self.scenario, share);
         self.reasons.push(format!(
             "Q of the motion: {} of its size a step, the most likely of {} that were tried",
             if share == 0.0 { "nothing".to_owned() } else { format!("{share:e}") },
@@ -272,7 +258,7 @@ impl Suggestion {
         };
         let share = SHARES[1];
         if self.scenario.filters.first().is_some_and(is_without) {
-            self.filters().for_each(|filter| set_share(filter, kind, input, share));
+            set_share(&mut self.scenario, share);
             self.reasons.push(format!(
                 "Q of the motion: {share:e} of its size a step after all, because the filter stops by rounding without any"
             ));
@@ -282,13 +268,12 @@ impl Suggestion {
     /// The scenario with R of the size of these errors, and no process noise of the motion.
     fn with_error(&self, errors: &[f64]) -> Scenario {
         let mut other = self.scenario.clone();
-        let (kind, input) = (other.plant.kind, other.input);
         for filter in &mut other.filters {
             for (std, error) in filter.sensor_std.iter_mut().zip(errors) {
                 *std = rounded(error.max(*std));
             }
-            set_share(filter, kind, input, 0.0);
         }
+        set_share(&mut other, 0.0);
         other
     }
 
@@ -311,12 +296,35 @@ impl Suggestion {
     }
 }
 
-/// Makes the process noise of the motion a share of its size, which is that of the initial spread.
-fn set_share(filter: &mut FilterSettings, kind: PlantKind, input: InputKind, share: f64) {
-    let model = filter.model(kind, input);
-    for &channel in &model.channels()[..model.motion()] {
-        filter.process_std[channel] = rounded(share * filter.initial_std[channel].abs());
+/// Makes the process noise of the motion in all filters a share of its size, which is that of the initial spread.
+fn set_share(scenario: &mut Scenario, share: f64) {
+    for filter in &mut scenario.filters {
+        let model = filter.model(scenario.plant.kind, scenario.input);
+        for &channel in &model.channels()[..model.motion()] {
+            filter.process_std[channel] = rounded(share * filter.initial_std[channel].abs());
+        }
     }
+}
+
+/// Lets a filter estimate a channel besides, if it does not yet.
+fn augment(filter: &mut FilterSettings, channel: Channel) {
+    if !filter.augment.contains(&channel) {
+        filter.augment.push(channel);
+    }
+}
+
+/// Lets a filter begin with mean and standard deviation of a channel that no noise moves.
+fn begin_with(filter: &mut FilterSettings, channel: Channel, (mean, std): (f64, f64)) {
+    (filter.initial_mean[channel], filter.initial_std[channel], filter.process_std[channel]) = (mean, std, 0.0);
+}
+
+/// The first filter of a scenario alone, for a trial: an EKF in place of one that draws samples.
+fn first_for_trial(scenario: &Scenario) -> Scenario {
+    let mut scenario = first_alone(scenario);
+    for filter in scenario.filters.iter_mut().filter(|filter| filter.kind.is_sampled()) {
+        filter.kind = FilterKind::EKF;
+    }
+    scenario
 }
 
 /// The sensor that shows the motion best, with its readings.

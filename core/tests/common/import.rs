@@ -1,7 +1,7 @@
 //! The health of imports: whatever the bytes, a record is sound or a sentence says why there is none.
 
-use kalmanscope_core::import::{Builder, Mapping, Reader};
-use kalmanscope_core::{Hold, Record};
+use kalmanscope_core::import::{Builder, Loading, Mapping};
+use kalmanscope_core::{Hold, Record, Task as _};
 
 /// Imports bytes as a file, in slices of one piece of work; the first byte chooses what is done to the columns.
 ///
@@ -13,19 +13,10 @@ pub(crate) fn check_import(bytes: &[u8]) -> Result<(), String> {
         let is_one = !error.is_empty() && !error.contains('\n');
         if is_one { Ok(()) } else { Err(format!("no sentence: {error:?}")) }
     };
-    let mut reader = match Reader::new(file.to_vec(), None) {
-        Ok(reader) => reader,
-        Err(error) => return sentence(error.to_string()),
-    };
-    loop {
-        match reader.advance(&mut || false) {
-            Ok(true) => break,
-            Ok(false) => {}
-            Err(error) => return sentence(error.to_string()),
-        }
-    }
-    let table = match reader.finish() {
-        Ok(table) => table,
+    let mut loading = Loading::new(file.to_vec());
+    while !loading.advance(&mut || false) {}
+    let table = match loading.finish() {
+        Ok(loaded) => loaded.table,
         Err(error) => return sentence(error.to_string()),
     };
     let rows = table.rows();

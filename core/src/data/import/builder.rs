@@ -2,16 +2,11 @@
 
 use std::borrow::{Borrow, Cow};
 
-use super::band::above_nyquist;
-use super::conditioning::Conditioning;
-use super::limits::{FEWEST, MOST};
-use super::own_clocks::{OneClock, on_one_clock};
-use super::own_times::OwnTimes;
-use super::remarks::{cells_without_readings, is_still, stillness};
-use super::samples::{fill, mean, shift};
-use super::steps::Steps;
-use super::timing::Timing;
-use super::unit::unit;
+use super::conditioning::{Conditioning, above_nyquist, fill, mean, shift};
+use super::error::{FEWEST, MOST};
+use super::missing::{cells_without_readings, is_still};
+use super::own_times::{OneClock, OwnTimes, on_one_clock};
+use super::times::{Clock, Steps, Timing};
 use super::{ImportError, MappedColumn, Mapping, Offset, Table, times};
 use crate::data::record::Input;
 use crate::{Channel, Hold, InputKind, Quantity, Record};
@@ -52,15 +47,7 @@ impl<'a> Builder<'a> {
         kind: InputKind,
         hold: Hold,
     ) -> Result<Self, ImportError> {
-        Self::begin(Box::new(source), mapping, kind, hold)
-    }
-
-    fn begin(
-        source: Box<dyn Borrow<Table> + 'a>,
-        mapping: &Mapping,
-        kind: InputKind,
-        hold: Hold,
-    ) -> Result<Self, ImportError> {
+        let source: Box<dyn Borrow<Table> + 'a> = Box::new(source);
         mapping.validate()?;
         if mapping.sensors.is_empty() {
             return Err(ImportError::NoSensor);
@@ -83,14 +70,9 @@ impl<'a> Builder<'a> {
         let table = (*source).borrow();
         let mut timing = match (&mapping.time.column, mapping.time.rate) {
             (Some(name), _) => {
-                let column = &table.columns[place(table, name)?];
-                if let Some(text) = &column.text {
-                    let (line, text) = (text.line, text.text.clone());
-                    return Err(ImportError::Text { line, column: name.clone(), text });
-                }
-                let times = times::of(table, column, &mapping.time.unit, &mut remarks);
-                let timing = Timing::of_times(&times, name, |row| table.line(row))?;
-                remarks.extend(times::question(column, &mapping.time.unit, timing.dt));
+                let Clock { place, times, timing } =
+                    Clock::of(table, place(table, name)?, &mapping.time.unit, &mut remarks)?;
+                remarks.extend(times::question(&table.columns[place], &mapping.time.unit, timing.dt));
                 if own.is_none() && !timing.is_even() && !mapping.needs_even_steps() {
                     own = Some(OwnTimes::of_rows(table, &mapping, &times));
                     is_even = false;
@@ -132,9 +114,9 @@ impl<'a> Builder<'a> {
             let next = self.mapping.sensors.iter().nth(self.sensors.len());
             let Some((&quantity, mapped)) = next else { break };
             let (values, remarks) = self.mapped(mapped)?;
-            let (by, steps) = (by(mapped), self.steps());
+            let (mapped, steps) = (mapped.clone(), self.conditioning().steps());
             let values = match &mut self.own {
-                Some(own) => own.sensor(&mapped.column, by, steps),
+                Some(own) => own.sensor(&mapped, steps),
                 None => self.conditioning().sensor(values),
             };
             self.remarks.extend(remarks);
@@ -152,40 +134,42 @@ impl<'a> Builder<'a> {
     /// [`ImportError`] where too few samples or too many remain, or a column cannot be used.
     pub fn finish(mut self) -> Result<Imported, ImportError> {
         while !self.advance(&mut || true)? {}
-        let (start, dt) = (self.conditioning().start(), self.conditioning().dt());
+        let Steps { start, dt, .. } = self.conditioning().steps();
         let truth = self.truth()?;
         let Self { kind, hold, input, sensors, own, mut remarks, .. } = self;
         let still = sensors.iter().find(|(_, values)| is_still(values)).map(|(quantity, _)| *quantity);
-        remarks.extend(still.map(stillness));
+        remarks.extend(still.map(|quantity| {
+            format!("all readings of the {} are the same: there is no motion in them", quantity.name())
+        }));
         let input = Input { kind, hold, values: input.unwrap_or_default() };
         let samples = input.values.len();
         if samples < FEWEST {
             return Err(ImportError::TooShort(samples));
         }
         if samples > MOST {
-            return Err(ImportError::TooLong { found: samples });
+            return Err(ImportError::TooLong(samples));
         }
         let mut record = Record::new(dt, input, sensors)?.with_truth(truth)?.starting_at(start);
         if let Some(own) = own {
-            record = record.with_clocks(own.clocks())?;
+            record = record.with_clocks(own.clocks)?;
         }
         Ok(Imported { record, remarks, still })
     }
 
     fn conditioning(&self) -> Conditioning<'_> {
-        Conditioning::new(&self.mapping, &self.timing)
+        Conditioning { mapping: &self.mapping, timing: &self.timing }
     }
 
     fn input(&mut self) -> Result<Vec<f64>, ImportError> {
         let Some(mapped) = &self.mapping.input else {
             self.remarks.push("there is no column for the input; it is taken for zero".to_owned());
-            return Ok(vec![0.0; self.conditioning().samples()]);
+            return Ok(vec![0.0; self.conditioning().steps().count]);
         };
         let (mut values, remarks) = self.mapped(mapped)?;
         self.remarks.extend(remarks);
-        let (by, hold, steps) = (by(mapped), self.hold, self.steps());
+        let (hold, steps) = (self.hold, self.conditioning().steps());
         if let Some(own) = &mut self.own {
-            let Some(values) = own.input(&mapped.column, by, hold, steps) else {
+            let Some(values) = own.input(mapped, hold, steps) else {
                 self.remarks.push("the input is missing in all rows; it is taken for zero".to_owned());
                 return Ok(vec![0.0; steps.count]);
             };
@@ -210,13 +194,10 @@ impl<'a> Builder<'a> {
     fn mapped(&self, mapped: &MappedColumn) -> Result<(Vec<f64>, Vec<String>), ImportError> {
         let table = (*self.table).borrow();
         let column_place = place(table, &mapped.column)?;
-        let column = &table.columns[column_place];
-        if let Some(text) = &column.text {
-            let (line, text) = (text.line, text.text.clone());
-            return Err(ImportError::Text { line, column: mapped.column.clone(), text });
-        }
+        let column = table.columns[column_place].without_text()?;
         if let Some(row) = column.values.iter().position(|value| value.is_infinite()) {
-            return Err(ImportError::Infinite { line: table.line(row), column: mapped.column.clone() });
+            let (line, problem) = (table.line(row), "the number is infinite".to_owned());
+            return Err(ImportError::Cell { line, column: column.name.clone(), problem });
         }
         let without = |missing: f64| column.values.iter().map(|&x| if x == missing { f64::NAN } else { x }).collect();
         let cells: Option<Vec<f64>> = mapped.missing.map(without);
@@ -235,18 +216,12 @@ impl<'a> Builder<'a> {
                 mean(&values[place(from)..place(to).max(place(from))])
             }
         };
-        let (factor, ..) = by(mapped);
+        let factor = mapped.factor();
         if factor != 1.0 || offset != 0.0 {
             values.iter_mut().for_each(|value| *value = factor * (*value - offset));
         }
         shift(&mut values, mapped.delay);
         Ok((values, remarks))
-    }
-
-    /// The samples' times.
-    fn steps(&self) -> Steps {
-        let conditioning = self.conditioning();
-        Steps { start: conditioning.start(), dt: conditioning.dt(), count: conditioning.samples() }
     }
 
     /// The columns with the truth of a simulated record.
@@ -261,7 +236,7 @@ impl<'a> Builder<'a> {
             if let Some(place) = table.place(&format!("true_{}", channel.key())) {
                 let column = &table.columns[place];
                 let values = match &self.own {
-                    Some(own) => own.truth(&column.name, self.steps()),
+                    Some(own) => own.truth(&column.name, self.conditioning().steps()),
                     None => {
                         let mut values = self.timing.spread(&column.values);
                         self.conditioning().cut(&mut values);
@@ -273,12 +248,6 @@ impl<'a> Builder<'a> {
         }
         Ok(truth)
     }
-}
-
-/// The factor, the offset and the delay of a column.
-fn by(mapped: &MappedColumn) -> (f64, Offset, i32) {
-    let factor = mapped.gain * unit(&mapped.unit).map_or(1.0, |(_, size)| size);
-    (factor, mapped.offset, mapped.delay)
 }
 
 fn place(table: &Table, name: &str) -> Result<usize, ImportError> {

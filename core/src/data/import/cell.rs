@@ -1,4 +1,4 @@
-//! Cells of a line.
+//! The cells of a line: numbers, times of day, and words of instruments.
 
 use serde::{Deserialize, Serialize};
 
@@ -18,11 +18,8 @@ pub enum Delimiter {
 }
 
 impl Delimiter {
-    /// Every delimiter.
-    pub const ALL: [Self; 4] = [Self::Comma, Self::Semicolon, Self::Tab, Self::Blanks];
-
     /// Its name, in the plural.
-    pub const fn name(self) -> &'static str {
+    pub(super) const fn name(self) -> &'static str {
         match self {
             Self::Comma => "commas",
             Self::Semicolon => "semicolons",
@@ -76,6 +73,225 @@ impl<'a> Iterator for Cells<'a> {
     }
 }
 
+/// The character between the whole part of a number and its fraction.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Decimal {
+    /// `1.5`
+    #[default]
+    Point,
+    /// `1,5`
+    Comma,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Found {
+    Number(f64),
+    /// A number with thousands separators that has one reading only, such as `1.234,5`.
+    Grouped(f64),
+    /// A time \[s\]: since midnight, or with a date since 1970.
+    Clock {
+        seconds: f64,
+        is_dated: bool,
+    },
+    /// Nothing, or NaN and the like.
+    Missing,
+    /// A word by which an instrument says that it has no reading, such as `OVLD`.
+    Word,
+    Text,
+}
+
+impl Found {
+    /// The value in a column: NaN where there is none.
+    pub(super) fn value(self) -> f64 {
+        match self {
+            Self::Number(value) | Self::Grouped(value) | Self::Clock { seconds: value, .. } => value,
+            Self::Missing | Self::Word | Self::Text => f64::NAN,
+        }
+    }
+}
+
+impl Decimal {
+    /// The number in a cell: NaN in an empty one and for `nan`, `OVLD` and the like, `None` in one with other text.
+    /// Thousands may be separated, as in `1.234,5`, and the exponent may be Fortran's, as in `1.5D-3`. Times of day
+    /// such as `13:05:00.25`, with or without a date, are in seconds.
+    pub fn number(self, cell: &str) -> Option<f64> {
+        let found = self.read(cell, false);
+        (found != Found::Text).then(|| found.value())
+    }
+
+    /// The content of a cell. With `thousands` a separator such as that in `1.234` is one of thousands.
+    pub(super) fn read(self, cell: &str, thousands: bool) -> Found {
+        if cell.is_empty() {
+            return Found::Missing;
+        }
+        let plain = match self {
+            Self::Point => cell.parse().ok(),
+            Self::Comma if cell.contains('.') && (thousands || cell.contains(',')) => None,
+            Self::Comma => cell.replace(',', ".").parse().ok(),
+        };
+        match plain {
+            Some(value) => Found::Number(value),
+            None => self.unusual(cell, thousands),
+        }
+    }
+
+    fn unusual(self, cell: &str, thousands: bool) -> Found {
+        if let Some((text, is_sure)) = self.ungrouped(cell)
+            && (is_sure || thousands)
+            && let Ok(value) = text.parse()
+        {
+            return Found::Grouped(value);
+        }
+        if let Some(value) = self.fortran(cell) {
+            return Found::Number(value);
+        }
+        if is_missing(cell) {
+            return Found::Missing;
+        }
+        if is_word(cell) {
+            return Found::Word;
+        }
+        match clock(cell) {
+            Some((seconds, is_dated)) => Found::Clock { seconds, is_dated },
+            None => Found::Text,
+        }
+    }
+
+    /// A number with thousands separators, in groups of three digits, as Rust writes it; and whether this is its only
+    /// reading.
+    fn ungrouped(self, cell: &str) -> Option<(String, bool)> {
+        let (point, other) = match self {
+            Self::Point => ('.', ','),
+            Self::Comma => (',', '.'),
+        };
+        let unsigned = cell.trim_start_matches(['-', '+']);
+        let (whole, fraction) = unsigned.split_once(point).unwrap_or((unsigned, ""));
+        let is_group = |c: char| c == other || "'’ \u{A0}\u{2009}\u{202F}".contains(c);
+        let separator = whole.chars().find(|&c| is_group(c))?;
+        let mut groups = whole.split(separator);
+        let first = groups.next()?;
+        let is_number = |text: &str, most: usize| {
+            (1..=most).contains(&text.len()) && text.bytes().all(|byte| byte.is_ascii_digit())
+        };
+        let rest: Vec<&str> = groups.collect();
+        let fits = is_number(first, 3)
+            && !first.starts_with('0')
+            && rest.iter().all(|group| is_number(group, 3) && group.len() == 3);
+        if !fits || cell.len() - unsigned.len() > 1 {
+            return None;
+        }
+        let sign = if cell.starts_with('-') { "-" } else { "" };
+        let is_sure = unsigned.contains(point) || rest.len() > 1 || separator != other;
+        let dot = if fraction.is_empty() { "" } else { "." };
+        Some((format!("{sign}{first}{}{dot}{fraction}", rest.concat()), is_sure))
+    }
+
+    /// A number with Fortran's exponent of double precision.
+    fn fortran(self, cell: &str) -> Option<f64> {
+        let begins = cell.starts_with(|c: char| c.is_ascii_digit() || "+-.,".contains(c));
+        let (mantissa, exponent) = cell.split_once(['d', 'D']).filter(|_| begins)?;
+        let mantissa = if self == Self::Comma { mantissa.replace(',', ".") } else { mantissa.to_owned() };
+        format!("{mantissa}e{exponent}").parse().ok()
+    }
+}
+
+/// Words of programs for a missing value.
+fn is_missing(cell: &str) -> bool {
+    ["na", "n/a", "null", "none", "-", "--", "#n/a", "#nv", "?"].iter().any(|word| cell.eq_ignore_ascii_case(word))
+}
+
+/// Words of instruments and programs for a reading that failed: overload, an error, a number that does not fit its place.
+fn is_word(cell: &str) -> bool {
+    const WORDS: &str =
+        "ovld ovl ovrld ovr ovrng overload overflow overrange over ol o.l o/l under error err inval invalid bad";
+    // Of Windows and of spreadsheets.
+    const PARTS: [&str; 6] = ["#ind", "#qnan", "#snan", "#inf", "#div/0", "#num"];
+    let is_line = |mark: char| cell.chars().all(|c| c == mark);
+    let lower = cell.to_ascii_lowercase();
+    let bare = lower.trim_start_matches(['-', '+']);
+    WORDS.split(' ').any(|word| word == bare)
+        || PARTS.iter().any(|part| bare.contains(part))
+        || ["#value!", "#wert!"].contains(&bare)
+        || (cell.len() > 2 && (is_line('-') || is_line('*')))
+}
+
+/// A time of day, or a date with one, in seconds, and whether there is a date: `hh:mm:ss` with a fraction, `AM` or `PM`
+/// and a zone such as `+01:00` or `Z`, behind a date with the year first (`2024-05-01`), the day first (`01.05.2024`,
+/// `01-May-2024`) or, with slashes, the month first if it can be one (`05/01/2024`).
+pub(super) fn clock(cell: &str) -> Option<(f64, bool)> {
+    let (date, time) = match cell.split_once(['T', ' ']) {
+        Some((date, time)) if !date.contains(':') => (Some(date), time.trim()),
+        _ => (None, cell),
+    };
+    let (time, half) = half_of_day(time);
+    let (time, zone) = zone(time)?;
+    let mut parts = time.trim().splitn(3, ':');
+    let mut whole = |most: u32| parts.next()?.parse::<u32>().ok().filter(|number| *number <= most).map(f64::from);
+    let (hours, minutes) = (whole(24)?, whole(59)?);
+    let seconds: f64 = parts.next()?.replace(',', ".").parse().ok().filter(|seconds| (0.0..61.0).contains(seconds))?;
+    let hours = match half {
+        None => hours,
+        Some(_) if !(1.0..=12.0).contains(&hours) => return None,
+        Some(shift) => hours % 12.0 + shift,
+    };
+    let day = date.map_or(Some(0.0), days)?;
+    Some((day * 86_400.0 + hours * 3600.0 + minutes * 60.0 + seconds - zone, date.is_some()))
+}
+
+/// A time without `AM` or `PM`, and the hours that this adds.
+fn half_of_day(time: &str) -> (&str, Option<f64>) {
+    let end = time.len().checked_sub(2).and_then(|place| time.split_at_checked(place));
+    match end {
+        Some((rest, word)) if word.eq_ignore_ascii_case("am") => (rest, Some(0.0)),
+        Some((rest, word)) if word.eq_ignore_ascii_case("pm") => (rest, Some(12.0)),
+        _ => (time, None),
+    }
+}
+
+/// A time without its zone, and the zone's seconds ahead of Greenwich. `None` if it has no zone.
+fn zone(time: &str) -> Option<(&str, f64)> {
+    for word in ["Z", "UTC", "GMT"] {
+        if let Some(rest) = time.strip_suffix(word) {
+            return Some((rest, 0.0));
+        }
+    }
+    let Some(place) = time.find(['+', '-']) else { return Some((time, 0.0)) };
+    let (rest, zone) = time.split_at(place);
+    let digits: String = zone[1..].chars().filter(|&c| c != ':').collect();
+    let (hours, minutes) = digits.split_at_checked(2)?;
+    let minutes: f64 = if minutes.is_empty() { 0.0 } else { minutes.parse::<u32>().ok().map(f64::from)? };
+    let ahead = f64::from(hours.parse::<u32>().ok()?) * 3600.0 + minutes * 60.0;
+    Some((rest, if zone.starts_with('-') { -ahead } else { ahead }))
+}
+
+/// Days since 1 January 1970.
+///
+/// Source: Hinnant (2013), chrono-Compatible Low-Level Date Algorithms.
+fn days(date: &str) -> Option<f64> {
+    const MONTHS: [&str; 12] = ["jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec"];
+    let parts: Vec<&str> = date.split(['-', '/', '.']).collect();
+    let [first, second, third] = *parts.as_slice() else { return None };
+    let number = |text: &str| text.parse::<i64>().ok().filter(|number| *number >= 0);
+    let named = MONTHS.iter().position(|month| second.eq_ignore_ascii_case(month)).map(|place| place as i64 + 1);
+    let (year, month, day) = if first.len() == 4 {
+        (number(first)?, number(second)?, number(third)?)
+    } else {
+        let year = number(third)? + if third.len() == 2 { 2000 } else { 0 };
+        let (first, second) = (number(first)?, named.or_else(|| number(second))?);
+        let is_month_first = date.contains('/') && first <= 12;
+        if is_month_first { (year, first, second) } else { (year, second, first) }
+    };
+    if !(1..=12).contains(&month) || !(1..=31).contains(&day) || !(1..=9999).contains(&year) {
+        return None;
+    }
+    let year = if month <= 2 { year - 1 } else { year };
+    let (era, of_era) = (year.div_euclid(400), year.rem_euclid(400));
+    let day_of_year = (153 * ((month + 9) % 12) + 2) / 5 + day - 1;
+    let day_of_era = of_era * 365 + of_era / 4 - of_era / 100 + day_of_year;
+    Some((era * 146_097 + day_of_era - 719_468) as f64)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -95,5 +311,103 @@ mod tests {
         assert_eq!(cells(Delimiter::Comma, "5\" pipe,2"), ["5\" pipe", "2"]);
         assert_eq!(cells(Delimiter::Comma, "\"open,2"), ["\"open", "2"]);
         assert_eq!(cells(Delimiter::Comma, ""), [""]);
+    }
+
+    #[test]
+    fn numbers_are_read_with_their_decimal_character() {
+        assert_eq!(Decimal::Point.number("-1.5e-3"), Some(-1.5e-3));
+        assert_eq!(Decimal::Comma.number("-1,5E3"), Some(-1500.0));
+        assert_eq!(Decimal::Comma.number("7"), Some(7.0));
+        assert_eq!(Decimal::Point.number("1,5"), None);
+        assert_eq!(Decimal::Point.number("oops"), None);
+        for missing in ["", "nan", "NaN", "N/A", "-"] {
+            assert!(Decimal::Point.number(missing).unwrap().is_nan(), "{missing}");
+        }
+    }
+
+    #[test]
+    fn thousands_may_be_apart_where_they_can_be_nothing_else() {
+        use Decimal::{Comma, Point};
+        assert_eq!(Comma.number("1.234,5"), Some(1234.5));
+        assert_eq!(Comma.number("-12.345.678,25"), Some(-12_345_678.25));
+        assert_eq!(Point.number("1,234.5"), Some(1234.5));
+        assert_eq!(Point.number("+1,234,567"), Some(1_234_567.0));
+        assert_eq!(Point.number("1'234.5"), Some(1234.5));
+        assert_eq!(Comma.number("1\u{A0}234,5"), Some(1234.5));
+        for text in ["1,23.4", "1,234,56", "0,123.5", "1.2,3.4", "12,3456.7", ",234.5", "--1,234.5"] {
+            assert_eq!(Point.number(text), None, "{text}");
+        }
+        assert_eq!(Point.number("1,234"), None, "a decimal comma, or thousands");
+        assert_eq!((Comma.number("1.234"), Comma.read("1.234", true)), (Some(1.234), Found::Grouped(1234.0)));
+        assert_eq!(Point.read("1,234", true), Found::Grouped(1234.0));
+    }
+
+    #[test]
+    fn exponents_may_be_those_of_fortran() {
+        assert_eq!(Decimal::Point.number("-1.5D+02"), Some(-150.0));
+        assert_eq!(Decimal::Point.number(".25d-1"), Some(0.025));
+        assert_eq!(Decimal::Comma.number("1,5D3"), Some(1500.0));
+        assert_eq!([Decimal::Point.number("D3"), Decimal::Point.number("3rd"), Decimal::Point.number("2d")], [None; 3]);
+    }
+
+    #[test]
+    fn words_of_instruments_are_missing_readings() {
+        for word in
+            ["-1.#IND", "1.#QNAN00", "1.#INF", "OVLD", "-OL", "Overflow", "#DIV/0!", "#VALUE!", "---", "********"]
+        {
+            assert_eq!(Decimal::Point.read(word, false), Found::Word, "{word}");
+        }
+        assert_eq!(Decimal::Point.read("cold", false), Found::Text);
+    }
+
+    fn seconds(cell: &str) -> Option<f64> {
+        clock(cell).map(|(seconds, _)| seconds)
+    }
+
+    #[test]
+    fn times_of_day_are_seconds() {
+        assert_eq!(clock("01:02:03.5"), Some((3723.5, false)));
+        assert_eq!(clock("00:00:01,25"), Some((1.25, false)));
+        let first = seconds("2024-02-28 23:59:59").unwrap();
+        assert_eq!(seconds("2024-03-01T00:00:00Z").unwrap() - first, 86_401.0, "2024 is a leap year");
+        assert_eq!(clock("1970-01-02 00:00:00"), Some((86_400.0, true)));
+        for none in
+            ["12:30", "2024-13-01 00:00:00", "12:61:00", "1:2", "::", "a:b:c", "2024-05 12:00:00", "12:00:00 XM"]
+        {
+            assert_eq!(clock(none), None, "{none}");
+        }
+    }
+
+    #[test]
+    fn zones_and_halves_of_the_day_are_known() {
+        let noon = seconds("2024-05-01T12:00:00Z");
+        for same in [
+            "2024-05-01T12:00:00+00:00",
+            "2024-05-01 14:00:00+02:00",
+            "2024-05-01T08:30:00-0330",
+            "2024-05-01 12:00:00 UTC",
+        ] {
+            assert_eq!(seconds(same), noon, "{same}");
+        }
+        assert_eq!(seconds("12:00:01.5 AM"), Some(1.5));
+        assert_eq!(seconds("12:00:01.5 pm"), Some(43_201.5));
+        assert_eq!(seconds("1:00:00 PM"), Some(46_800.0));
+        assert_eq!(seconds("13:00:00 PM"), None);
+    }
+
+    #[test]
+    fn dates_have_the_year_the_day_or_the_month_first() {
+        let day = seconds("2024-05-01 00:00:00");
+        let same = [
+            "01.05.2024 00:00:00",
+            "1-May-2024 00:00:00",
+            "05/01/2024 00:00:00",
+            "2024/05/01 00:00:00",
+            "01.05.24 00:00:00",
+        ];
+        for same in same {
+            assert_eq!(seconds(same), day, "{same}");
+        }
+        assert_eq!(seconds("31/12/2024 00:00:00"), seconds("2024-12-31 00:00:00"), "no month is the 31st");
     }
 }

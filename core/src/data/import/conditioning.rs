@@ -1,22 +1,16 @@
 //! The way from even times to the samples of a record: a band, a part, another rate.
 
-use super::butterworth::band_pass;
-use super::samples::fill;
-use super::timing::Timing;
-use super::{Mapping, resample};
+use super::resample::band_pass;
+use super::times::{Steps, Timing};
+use super::{ImportError, Mapping, resample};
 use crate::Hold;
 
-/// The conditioning of all columns of a record.
 pub(super) struct Conditioning<'a> {
-    mapping: &'a Mapping,
-    timing: &'a Timing,
+    pub(super) mapping: &'a Mapping,
+    pub(super) timing: &'a Timing,
 }
 
-impl<'a> Conditioning<'a> {
-    pub(super) fn new(mapping: &'a Mapping, timing: &'a Timing) -> Self {
-        Self { mapping, timing }
-    }
-
+impl Conditioning<'_> {
     /// The samples of the part that is used.
     pub(super) fn part(&self) -> std::ops::Range<usize> {
         let Timing { start, dt, samples, .. } = *self.timing;
@@ -29,22 +23,16 @@ impl<'a> Conditioning<'a> {
         from..to.max(from)
     }
 
-    /// The time of the first sample \[s\].
-    pub(super) fn start(&self) -> f64 {
-        self.timing.start + self.part().start as f64 * self.timing.dt
-    }
-
-    /// Time between samples \[s\].
-    pub(super) fn dt(&self) -> f64 {
-        let Mapping { every, interpolate, .. } = self.mapping;
-        let dt = self.timing.dt;
-        if *every == 1 && *interpolate == 1 { dt } else { dt * *every as f64 / *interpolate as f64 }
-    }
-
-    /// The number of samples.
-    pub(super) fn samples(&self) -> usize {
-        let kept = self.part().len().div_ceil(self.mapping.every);
-        kept.saturating_sub(1) * self.mapping.interpolate + kept.min(1)
+    pub(super) fn steps(&self) -> Steps {
+        let (Mapping { every, interpolate, .. }, Timing { start, dt, .. }) = (self.mapping, self.timing);
+        let part = self.part();
+        let kept = part.len().div_ceil(*every);
+        let is_same = *every == 1 && *interpolate == 1;
+        Steps {
+            start: start + part.start as f64 * dt,
+            dt: if is_same { *dt } else { dt * *every as f64 / *interpolate as f64 },
+            count: kept.saturating_sub(1) * interpolate + kept.min(1),
+        }
     }
 
     /// The samples of an input without gaps, which has this course between them.
@@ -73,7 +61,6 @@ impl<'a> Conditioning<'a> {
         if steps > 1 { resample::spread(&values, steps) } else { values }
     }
 
-    /// The part that is used.
     pub(super) fn cut(&self, values: &mut Vec<f64>) {
         let part = self.part();
         values.truncate(part.end);
@@ -93,9 +80,76 @@ impl<'a> Conditioning<'a> {
     }
 }
 
+/// A sentence about a band with an upper limit that has no effect.
+pub(super) fn above_nyquist(band: Option<[f64; 2]>, nyquist: f64) -> Result<Option<String>, ImportError> {
+    let Some([low, high]) = band.filter(|[_, high]| *high >= nyquist) else { return Ok(None) };
+    if low >= nyquist {
+        let (key, value) = ("band".to_owned(), format!("[{low}, {high}]"));
+        let allowed = format!("below the Nyquist frequency, {nyquist} Hz");
+        return Err(ImportError::Setting { key, value, allowed });
+    }
+    Ok(Some(format!(
+        "the band's upper limit, {high} Hz, is not below the Nyquist frequency, {nyquist} Hz: it takes nothing away"
+    )))
+}
+
+pub(super) struct Missing {
+    pub(super) first: usize,
+    pub(super) count: usize,
+}
+
+/// Interpolates missing values linearly, or repeats the nearest at the ends.
+pub(super) fn fill(values: &mut [f64]) -> Option<Missing> {
+    let first = values.iter().position(|value| value.is_nan())?;
+    let count = values.iter().filter(|value| value.is_nan()).count();
+    let mut before: Option<usize> = None;
+    for k in 0..=values.len() {
+        if k < values.len() && values[k].is_nan() {
+            continue;
+        }
+        let after = (k < values.len()).then_some(k);
+        let gap = before.map_or(0, |before| before + 1)..k;
+        let (from, to) = (before.map(|b| values[b]), after.map(|a| values[a]));
+        let length = gap.len() as f64 + 1.0;
+        for (i, place) in gap.enumerate() {
+            let share = (i + 1) as f64 / length;
+            values[place] = match (from, to) {
+                (Some(from), Some(to)) => from + share * (to - from),
+                (Some(known), None) | (None, Some(known)) => known,
+                (None, None) => 0.0,
+            };
+        }
+        before = after;
+    }
+    Some(Missing { first, count })
+}
+
+/// Moves values to earlier samples by `delay`, or to later ones where it is negative; the ends become missing.
+pub(super) fn shift(values: &mut [f64], delay: i32) {
+    let by = (delay.unsigned_abs() as usize).min(values.len());
+    let n = values.len();
+    if delay > 0 {
+        values.rotate_left(by);
+        values[n - by..].fill(f64::NAN);
+    } else if delay < 0 {
+        values.rotate_right(by);
+        values[..by].fill(f64::NAN);
+    }
+}
+
+/// The mean of the values that are not missing.
+pub(super) fn mean(values: &[f64]) -> f64 {
+    let (sum, count) = values
+        .iter()
+        .filter(|value| !value.is_nan())
+        .fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
+    if count > 0.0 { sum / count } else { 0.0 }
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::builder::tests::{TEXT, import};
+    use super::*;
 
     #[test]
     fn a_part_is_cut_and_keeps_its_times() {
@@ -124,5 +178,40 @@ mod tests {
         assert_eq!((record.len(), record.dt()), (25, 0.04));
         assert!(record.measured(0)[10].is_nan() && !record.measured(0)[11].is_nan());
         assert!((record.measured(0)[20] - 1.0).abs() < 1e-9 && (record.input()[12] - 0.5).abs() < 1e-9);
+    }
+
+    #[test]
+    fn bands_above_the_nyquist_frequency_are_told() {
+        let band = |low, high| import(TEXT, |mapping| mapping.band = Some([low, high]));
+        let remarks = band(1.0, 90.0).unwrap().remarks;
+        assert!(remarks[0].contains("90 Hz, is not below the Nyquist frequency, 5 Hz"), "{remarks:?}");
+        assert!(band(6.0, 90.0).unwrap_err().to_string().contains("below the Nyquist frequency, 5 Hz"));
+    }
+
+    #[test]
+    fn gaps_are_filled_from_both_sides() {
+        let mut ends = [f64::NAN, 1.0, f64::NAN, f64::NAN, 4.0, f64::NAN];
+        let missing = fill(&mut ends).unwrap();
+        assert_eq!((missing.first, missing.count), (0, 4));
+        assert_eq!(ends, [1.0, 1.0, 2.0, 3.0, 4.0, 4.0]);
+        assert!(fill(&mut ends).is_none());
+    }
+
+    #[test]
+    fn a_delay_leaves_the_other_end_missing() {
+        let shifted = |delay| {
+            let mut values = [1.0, 2.0, 3.0];
+            shift(&mut values, delay);
+            format!("{values:?}")
+        };
+        assert_eq!(shifted(1), "[2.0, 3.0, NaN]");
+        assert_eq!(shifted(-2), "[NaN, NaN, 1.0]");
+        assert_eq!([shifted(0), shifted(7)], ["[1.0, 2.0, 3.0]", "[NaN, NaN, NaN]"]);
+    }
+
+    #[test]
+    fn the_mean_is_that_of_the_samples_that_are_there() {
+        assert_eq!(mean(&[1.0, f64::NAN, 4.0]), 2.5);
+        assert_eq!(mean(&[f64::NAN]), 0.0);
     }
 }

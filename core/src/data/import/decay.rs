@@ -1,21 +1,20 @@
 //! The free decay in the readings of an accelerometer with three axes: what a phone tells that was plucked and let go.
 
-mod series;
-mod several;
+use std::fmt::Write as _;
 
 use thiserror::Error;
 
+use super::times::Steps;
+use crate::data::sorting::sort_numbers;
 use crate::record::LiveRecord;
 use crate::{Hold, InputKind, Quantity};
-
-use series::{end_of_part, even, main_axis, mean, middle, noise_of, side};
 
 /// The free decay of an oscillator along one axis.
 ///
 /// Gravity, and whatever else is constant, is the mean of the decay under a Hann window and is taken away. The axis is that
 /// along which the readings vary most. The decay begins half a swing after the largest reading, when the hand is gone, and
 /// ends where the readings are noise, or before they grow again. A phone's clock jitters, and a shift by a tenth of a step is as
-/// large as the noise: its file ([`Self::csv`]) has the readings at their own times, and its series are carried to equal steps.
+/// large as the noise: its file ([`Self::file`]) has the readings at their own times, and its series are carried to equal steps.
 ///
 /// Source: Clough and Penzien (2003), *Dynamics of Structures*, section 2.6 (free vibration); Jolliffe (2002), *Principal
 /// Component Analysis*, chapter 1.
@@ -59,18 +58,15 @@ pub enum NoDecay {
         /// The noise \[m/s²\].
         noise: f64,
     },
-    /// What swung was not left alone.
-    #[error("it swung freely for {seconds:.1} s only, but at least {SHORTEST} s are needed: pull it and let go")]
-    Short {
-        /// The length of the longest free decay \[s\].
-        seconds: f64,
-    },
+    /// What swung was not left alone: the length of the longest free decay \[s\].
+    #[error("it swung freely for {0:.1} s only, but at least {SHORTEST} s are needed: pull it and let go")]
+    Short(f64),
 }
 
 impl NoDecay {
     /// The reason that tells more: something swung, and longer.
     fn or(self, other: Option<Self>) -> Self {
-        let seconds = |reason: &Self| if let Self::Short { seconds } = reason { *seconds } else { -1.0 };
+        let seconds = |reason: &Self| if let Self::Short(seconds) = reason { *seconds } else { -1.0 };
         match other {
             Some(other) if seconds(&other) >= seconds(&self) => other,
             _ => self,
@@ -166,15 +162,18 @@ impl Decay {
             rests && (end..along.len()).rev().take_while(|&k| times[k] >= times[times.len() - 1] - REST).all(is_quiet);
         let kept = &readings[begin..end.max(begin)];
         if is_too_short(kept) {
-            return (Err(NoDecay::Short { seconds: seconds(kept) }), others);
+            return (Err(NoDecay::Short(seconds(kept))), others);
         }
         let rest = middle(&along[begin..end]);
         let along: Vec<f64> = along[begin..end].iter().map(|x| x - rest).collect();
-        let (dt, acceleration) = even(&times[begin..end], &along, noise);
+        let (times, count) = (&times[begin..end], end - begin);
+        let dt = (times[count - 1] - times[0]) / (count - 1) as f64;
+        let steps = Steps { start: times[0], dt, count };
+        let acceleration = steps.of(times, &along, side(&along, noise), libm::round);
         let times_of = (0..acceleration.len()).map(|k| dt * k as f64);
         let (times_of, gravity) = (times_of.collect(), gravity + rest);
-        let readings = times[begin..end].iter().zip(&along).map(|(time, x)| [time - times[begin], *x]).collect();
-        let begin = times[begin];
+        let begin = times[0];
+        let readings = times.iter().zip(&along).map(|(time, x)| [time - begin, *x]).collect();
         (Ok(Self { times: times_of, acceleration, axis, gravity, noise, begin, readings, rests }), others)
     }
 
@@ -197,9 +196,53 @@ impl Decay {
         LiveRecord::new(dt, InputKind::Force, Hold::First, vec![Quantity::ACCELERATION]).smoothing(side)
     }
 
-    /// The decay as a CSV file that the importer reads: each reading with its own time, with their units.
-    pub fn csv(&self) -> String {
-        Self::file(std::slice::from_ref(self))
+    /// The longest free decay in readings ([`Self::of`]), and all others along its axis that swing as fast, in the order of time. A hand that
+    /// takes the device away is none of them.
+    ///
+    /// # Errors
+    /// [`NoDecay`].
+    pub fn alike(readings: &[[f64; 4]]) -> Result<Vec<Self>, NoDecay> {
+        let mut decays = Self::all(readings)?;
+        let longest = decays.iter().max_by(|a, b| a.seconds().total_cmp(&b.seconds())).cloned();
+        decays.retain(|decay| longest.as_ref().is_some_and(|longest| decay.is_like(longest)));
+        Ok(decays)
+    }
+
+    /// The cosine between its axis and that of another decay.
+    pub fn cos(&self, other: &Self) -> f64 {
+        self.axis.iter().zip(&other.axis).map(|(a, b)| a * b).sum()
+    }
+
+    fn is_like(&self, longest: &Self) -> bool {
+        let (own, other) = (self.swings(), longest.swings());
+        let apart = (own / self.seconds() - other / longest.seconds()).abs();
+        self.cos(longest).abs() >= SAME_AXIS && apart <= SAME_RATE * other / longest.seconds() + 1.0 / self.seconds()
+    }
+
+    /// The number of its swings: half of its changes of sign that are more than noise.
+    fn swings(&self) -> f64 {
+        let (mut sign, mut changes) = (0.0, 0);
+        for x in self.acceleration.iter().filter(|x| x.abs() > 2.0 * self.noise) {
+            changes += u32::from(sign * x < 0.0);
+            sign = x.signum();
+        }
+        0.5 * f64::from(changes)
+    }
+
+    /// Decays of one oscillator as a CSV file that the importer reads: each reading with its own time after the beginning of the first one.
+    /// What the hand does in between is left out.
+    pub fn file(decays: &[Self]) -> String {
+        let mut text = "t [s],acceleration [m/s²]\n".to_owned();
+        let Some(first) = decays.first() else { return text };
+        for decay in decays {
+            // An axis has no sign of its own.
+            let (sign, since) = (decay.cos(first).signum(), decay.begin - first.begin);
+            for [time, acceleration] in &decay.readings {
+                // A text takes whatever is written.
+                let _ = writeln!(text, "{:.6},{:.6}", since + time, sign * acceleration);
+            }
+        }
+        text
     }
 }
 
@@ -243,4 +286,127 @@ fn end(times: &[f64], along: &[f64], begin: usize, noise: f64) -> (usize, bool) 
         place = next;
     }
     (times.len(), false)
+}
+
+/// The share of half a swing, to either side, that a cubic follows; and the fewest and the most readings to either side.
+const FOLLOWED: f64 = 1.0 / 3.0;
+const FEWEST: usize = 3;
+const MOST: usize = 12;
+
+/// A reading is on this side of the mean from this many standard deviations on.
+const CLEAR: f64 = 3.0;
+
+fn side(values: &[f64], noise: f64) -> usize {
+    ((FOLLOWED * half_swing(values, noise)) as usize).clamp(FEWEST, MOST)
+}
+
+/// The readings in half a swing, by those that are clearly on one side of the mean.
+fn half_swing(values: &[f64], noise: f64) -> f64 {
+    let (mut turns, mut side) = (0, 0.0);
+    let (mut first, mut last) = (None, 0);
+    for (k, x) in values.iter().enumerate().filter(|(_, x)| x.abs() > CLEAR * noise) {
+        if x.signum() != side {
+            side = x.signum();
+            turns += 1;
+            first = first.or(Some(k));
+            last = k;
+        }
+    }
+    if turns > 1 { (last - first.unwrap_or(0)) as f64 / f64::from(turns - 1) } else { 0.0 }
+}
+
+/// The end of the part of this many seconds that begins at a place. It has at least one reading: above 2⁵³ s, adding a second changes nothing.
+fn end_of_part(times: &[f64], place: usize, seconds: f64) -> usize {
+    (place + 1..times.len()).find(|&k| times[k] >= times[place] + seconds).unwrap_or(times.len())
+}
+
+/// The noise: about the mean in the quietest second, or that of third differences in a usual second, of which a slow swing has
+/// next to none; the smaller. Source: Hamming (1973), *Numerical Methods*, chapter 10 (noise in a table of differences).
+fn noise_of(times: &[f64], along: &[f64]) -> f64 {
+    let (mut least, mut differences) = (f64::INFINITY, Vec::new());
+    let mut place = 0;
+    while place < times.len() {
+        let next = end_of_part(times, place, 1.0);
+        if next - place >= 10 && times[next - 1] - times[place] > 0.5 {
+            let values = &along[place..next];
+            let middle = mean(values);
+            let square = values.iter().map(|x| (x - middle) * (x - middle)).sum::<f64>();
+            least = least.min(square / (values.len() - 1) as f64);
+            let third = |x: &[f64]| (x[3] - 3.0 * x[2] + 3.0 * x[1] - x[0]).powi(2);
+            // 1 + 9 + 9 + 1 noises.
+            differences.push(values.windows(4).map(third).sum::<f64>() / (20 * (values.len() - 3)) as f64);
+        }
+        place = next;
+    }
+    sort_numbers(&mut differences);
+    let usual = differences.get(differences.len() / 2).copied().unwrap_or(f64::INFINITY);
+    let least = least.min(usual);
+    if least.is_finite() { least.sqrt() } else { 0.0 }
+}
+
+/// The direction in which three accelerations vary most: the first eigenvector of their covariance, by repeated products. Its
+/// largest component is positive.
+fn main_axis(readings: &[[f64; 4]]) -> [f64; 3] {
+    let count = readings.len() as f64;
+    let middle: [f64; 3] = std::array::from_fn(|i| readings.iter().map(|reading| reading[i + 1]).sum::<f64>() / count);
+    let mut cov = [[0.0; 3]; 3];
+    for reading in readings {
+        for i in 0..3 {
+            for j in 0..3 {
+                cov[i][j] += (reading[i + 1] - middle[i]) * (reading[j + 1] - middle[j]) / count;
+            }
+        }
+    }
+    let largest = |axis: &[f64; 3]| (0..3).max_by(|&a, &b| axis[a].abs().total_cmp(&axis[b].abs())).unwrap_or(0);
+    let variances: [f64; 3] = std::array::from_fn(|i| cov[i][i]);
+    let mut axis: [f64; 3] = std::array::from_fn(|i| cov[i][largest(&variances)]);
+    for _ in 0..100 {
+        let next: [f64; 3] = std::array::from_fn(|i| (0..3).map(|j| cov[i][j] * axis[j]).sum());
+        let length = next.iter().map(|x| x * x).sum::<f64>().sqrt();
+        if length == 0.0 {
+            return [0.0, 0.0, 1.0];
+        }
+        axis = next.map(|x| x / length);
+    }
+    let sign = axis[largest(&axis)].signum();
+    axis.map(|x| sign * x)
+}
+
+/// The mean of readings that swing, under a Hann window: the part of a swing at either end counts little.
+fn middle(values: &[f64]) -> f64 {
+    let turn = std::f64::consts::TAU / values.len().max(1) as f64;
+    let weight = |k: usize| 1.0 - libm::cos(turn * (k as f64 + 0.5));
+    let (sum, weights) = values.iter().enumerate().fold((0.0, 0.0), |(sum, weights), (k, x)| {
+        let weight = weight(k);
+        (sum + weight * x, weights + weight)
+    });
+    sum / weights
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
+}
+
+/// The cosine between the axes of two decays of one device that was not turned, at least.
+const SAME_AXIS: f64 = 0.95;
+
+/// Their swings in a second differ by this share at most, and by one swing over the length of the shorter.
+const SAME_RATE: f64 = 0.03;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_part_has_a_reading_where_a_second_more_is_the_same_number() {
+        for power in -9..=19 {
+            let step = 10_f64.powi(power);
+            for start in [0.0, 1.0, 1.714_564_8e18, 1e19] {
+                let times: Vec<f64> = (0..50).map(|k| start + f64::from(k) * step).collect();
+                let ends = (0..times.len()).map(|place| end_of_part(&times, place, 1.0));
+                assert!(ends.enumerate().all(|(place, end)| end > place && end <= times.len()), "{start} {step}");
+            }
+        }
+        assert_eq!(end_of_part(&[0.0, 0.4, 0.8, 1.2, 1.6], 0, 1.0), 3);
+    }
 }

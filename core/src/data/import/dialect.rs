@@ -1,15 +1,14 @@
-//! The form of a text file with columns of numbers.
+//! The form of a text file with columns of numbers, and the search for it in the first lines.
 
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::cell::Delimiter;
-use super::encoding::Encoding;
-use super::number::Decimal;
+use super::cell::Found;
+use super::{Decimal, Delimiter, unit};
 use crate::data::document::is_default;
 
-/// The form of a text file with columns of numbers. [`Reader::new`](super::Reader::new) finds it by looking at the first lines.
+/// The form of a text file with columns of numbers. [`Loading`](super::Loading) finds it by looking at the first lines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields, expecting = "a table")]
 pub struct Dialect {
@@ -34,11 +33,8 @@ impl fmt::Display for Dialect {
     /// Writes the dialect in one line.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { encoding, delimiter, decimal, names, units, data, thousands } = self;
-        write!(f, "{}, {} between cells, decimal ", encoding.name(), delimiter.name())?;
-        f.write_str(match decimal {
-            Decimal::Point => "points",
-            Decimal::Comma => "commas",
-        })?;
+        let decimal = if *decimal == Decimal::Point { "points" } else { "commas" };
+        write!(f, "{}, {} between cells, decimal {decimal}", encoding.name(), delimiter.name())?;
         if *thousands {
             f.write_str(", thousands apart")?;
         }
@@ -50,5 +46,394 @@ impl fmt::Display for Dialect {
             write!(f, ", units in line {units}")?;
         }
         write!(f, ", numbers from line {data} on")
+    }
+}
+
+/// The encoding of a text file.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Encoding {
+    /// UTF-8, which includes ASCII.
+    #[default]
+    Utf8,
+    /// Latin-1, one byte a character.
+    Latin1,
+    /// UTF-16, the lower byte first.
+    Utf16Le,
+    /// UTF-16, the higher byte first.
+    Utf16Be,
+}
+
+/// The first bytes of encodings that announce themselves.
+const MARKS: [(&[u8], Encoding); 3] =
+    [(b"\xEF\xBB\xBF", Encoding::Utf8), (b"\xFF\xFE", Encoding::Utf16Le), (b"\xFE\xFF", Encoding::Utf16Be)];
+
+impl Encoding {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Utf8 => "UTF-8",
+            Self::Latin1 => "Latin-1",
+            Self::Utf16Le => "UTF-16",
+            Self::Utf16Be => "UTF-16 (big-endian)",
+        }
+    }
+
+    /// The encoding of a file that begins with these bytes, or `None` if it is not text.
+    pub fn sniff(bytes: &[u8]) -> Option<Self> {
+        if let Some(&(_, marked)) = MARKS.iter().find(|(mark, _)| bytes.starts_with(mark)) {
+            return Some(marked);
+        }
+        // Digits and delimiters have a zero byte each in UTF-16.
+        let zeros = |first: usize| bytes.iter().skip(first).step_by(2).filter(|&&byte| byte == 0).count();
+        let (even, odd) = (zeros(0), zeros(1));
+        let most = bytes.len() / 3;
+        if even + odd > 0 {
+            return match (even, odd) {
+                (0, _) if odd >= most => Some(Self::Utf16Le),
+                (_, 0) if even >= most => Some(Self::Utf16Be),
+                _ => None,
+            };
+        }
+        let is_control = |byte: &&u8| **byte < b' ' && !matches!(**byte, b'\t' | b'\n' | b'\r' | 0x0C);
+        if bytes.iter().filter(is_control).count() * 100 > bytes.len() {
+            return None;
+        }
+        Some(match std::str::from_utf8(bytes) {
+            // The end may lie within a character.
+            Ok(_) => Self::Utf8,
+            Err(error) if error.error_len().is_none() => Self::Utf8,
+            Err(_) => Self::Latin1,
+        })
+    }
+
+    /// The number of bytes of the mark at the beginning.
+    pub(super) fn mark(self, bytes: &[u8]) -> usize {
+        let own = MARKS.iter().find(|(mark, encoding)| *encoding == self && bytes.starts_with(mark));
+        own.map_or(0, |(mark, _)| mark.len())
+    }
+
+    /// Appends the text of some bytes. Invalid characters become `�`.
+    pub(super) fn decode(self, bytes: &[u8], text: &mut String) {
+        match self {
+            Self::Utf8 => text.push_str(&String::from_utf8_lossy(bytes)),
+            Self::Latin1 => text.extend(bytes.iter().map(|&byte| char::from(byte))),
+            Self::Utf16Le | Self::Utf16Be => {
+                let number = |pair: &[u8; 2]| match self {
+                    Self::Utf16Be => u16::from_be_bytes(*pair),
+                    _ => u16::from_le_bytes(*pair),
+                };
+                let (pairs, _) = bytes.as_chunks::<2>();
+                let characters = char::decode_utf16(pairs.iter().map(number));
+                text.extend(characters.map(|character| character.unwrap_or(char::REPLACEMENT_CHARACTER)));
+            }
+        }
+    }
+
+    /// The number of bytes of the first line with its end; `None` if no line ends here.
+    pub(super) fn line_length(self, bytes: &[u8]) -> Option<usize> {
+        match self {
+            Self::Utf8 | Self::Latin1 => bytes.iter().position(|&byte| byte == b'\n').map(|place| place + 1),
+            Self::Utf16Le | Self::Utf16Be => {
+                let end: [u8; 2] = if self == Self::Utf16Le { [b'\n', 0] } else { [0, b'\n'] };
+                bytes.as_chunks::<2>().0.iter().position(|pair| *pair == end).map(|place| 2 * place + 2)
+            }
+        }
+    }
+}
+
+const LOOK: usize = 300;
+
+/// Lines that begin with one of these are remarks.
+pub(super) const REMARKS: [char; 2] = ['#', '%'];
+
+impl Dialect {
+    /// The dialect of a file that begins with these lines, or `None` if no line has a number.
+    pub(super) fn sniff(encoding: Encoding, lines: &[&str]) -> Option<Self> {
+        let lines = &lines[..lines.len().min(LOOK)];
+        let mut best: Option<(i64, Form)> = None;
+        for delimiter in [Delimiter::Semicolon, Delimiter::Tab, Delimiter::Comma, Delimiter::Blanks] {
+            for decimal in [Decimal::Point, Decimal::Comma] {
+                let form = Form::new(delimiter, decimal, lines);
+                let score = form.score();
+                if score > 0 && best.as_ref().is_none_or(|(most, _)| score > *most) {
+                    best = Some((score, form));
+                }
+            }
+        }
+        let (_, form) = best?;
+        let data = form.data()?;
+        let (names, units) = form.header(lines, data);
+        let Form { delimiter, decimal, thousands, .. } = form;
+        Some(Self { encoding, delimiter, decimal, names, units, data: data + 1, thousands })
+    }
+
+    /// The names and units in the header, for this many columns.
+    pub(super) fn header(&self, lines: &[&str], columns: usize) -> Vec<(String, Option<String>)> {
+        let line = |number: usize| number.checked_sub(1).and_then(|place| lines.get(place)).copied();
+        let cells = |number: usize| line(number).map(|line| header_cells(self.delimiter, line, columns));
+        let (names, units) = (cells(self.names).unwrap_or_default(), cells(self.units).unwrap_or_default());
+        let one = |place: usize| {
+            let header = names.get(place).filter(|name| !name.is_empty());
+            let (name, own) = match header {
+                Some(header) => unit::name_and_unit(header),
+                None => (format!("column {}", place + 1), None),
+            };
+            let below = units.get(place).map(|text| unit::in_words(text)).filter(|text| !text.is_empty());
+            (name, below.map(str::to_owned).or(own))
+        };
+        (0..columns).map(one).collect()
+    }
+}
+
+/// The cells of a header. In a file with blanks between cells, a unit in brackets belongs to the name before it.
+fn header_cells(delimiter: Delimiter, line: &str, columns: usize) -> Vec<String> {
+    let line = line.trim_start_matches(['\u{FEFF}', ' ']).trim_start_matches(REMARKS);
+    let mut cells: Vec<String> = delimiter.cells(line).map(str::to_owned).collect();
+    if delimiter == Delimiter::Blanks && cells.len() > columns {
+        let mut merged: Vec<String> = Vec::new();
+        for cell in cells {
+            match merged.last_mut() {
+                Some(before) if cell.starts_with(['(', '[', '<']) => *before = format!("{before} {cell}"),
+                _ => merged.push(cell),
+            }
+        }
+        cells = merged;
+    }
+    while cells.len() > columns && cells.last().is_some_and(String::is_empty) {
+        cells.pop();
+    }
+    cells
+}
+
+/// The lines of a file, read with one delimiter and decimal character.
+struct Form {
+    delimiter: Delimiter,
+    decimal: Decimal,
+    lines: Vec<Counts>,
+    /// The number of cells of most lines.
+    columns: usize,
+    /// Whether a number has thousands separators.
+    thousands: bool,
+}
+
+/// The numbers of cells in a line: all, numbers, and texts.
+#[derive(Clone, Copy, Default)]
+struct Counts {
+    cells: usize,
+    numbers: usize,
+    texts: usize,
+}
+
+impl Counts {
+    fn is_data(self, columns: usize) -> bool {
+        self.cells == columns && self.numbers > 0 && self.texts * 2 <= columns
+    }
+}
+
+impl Form {
+    fn new(delimiter: Delimiter, decimal: Decimal, lines: &[&str]) -> Self {
+        let mut thousands = false;
+        let mut count = |line: &&str| {
+            if line.trim_start().starts_with(REMARKS) || line.trim().is_empty() {
+                return Counts::default();
+            }
+            // A comma cannot be both, except with cells in quotes.
+            if delimiter == Delimiter::Comma && decimal == Decimal::Comma && !line.contains('"') {
+                return Counts::default();
+            }
+            let mut counts = Counts::default();
+            for cell in delimiter.cells(line) {
+                counts.cells += 1;
+                match decimal.read(cell, false) {
+                    Found::Number(number) if number.is_nan() => {}
+                    Found::Number(_) | Found::Clock { .. } => counts.numbers += 1,
+                    Found::Grouped(_) => {
+                        counts.numbers += 1;
+                        thousands = true;
+                    }
+                    Found::Missing | Found::Word => {}
+                    Found::Text => counts.texts += 1,
+                }
+            }
+            counts
+        };
+        let lines: Vec<Counts> = lines.iter().map(&mut count).collect();
+        let with_numbers = || lines.iter().filter(|line| line.numbers > 0).map(|line| line.cells);
+        let columns = with_numbers().max_by_key(|&cells| (with_numbers().filter(|&c| c == cells).count(), cells));
+        Self { delimiter, decimal, columns: columns.unwrap_or(0), lines, thousands }
+    }
+
+    /// Numbers speak for the form, texts against it.
+    fn score(&self) -> i64 {
+        let data = self.lines.iter().filter(|line| line.is_data(self.columns));
+        data.map(|line| line.numbers as i64 - line.texts as i64).sum()
+    }
+
+    /// The place of the first line of numbers: most of the lines after it are such lines too.
+    fn data(&self) -> Option<usize> {
+        /// Limits the lines after the first that are looked at.
+        const NEXT: usize = 6;
+        let is_first = |place: &usize| {
+            let next: Vec<&Counts> = self.lines[*place..].iter().filter(|line| line.cells > 0).take(NEXT).collect();
+            let data = next.iter().filter(|line| line.is_data(self.columns)).count();
+            self.lines[*place].is_data(self.columns) && 2 * data >= next.len()
+        };
+        (0..self.lines.len()).find(is_first)
+    }
+
+    /// The lines of names and units above the numbers, counted from 1.
+    fn header(&self, lines: &[&str], data: usize) -> (usize, usize) {
+        let columns = self.columns;
+        let above = (0..data).rev().filter(|&place| !lines[place].trim().is_empty());
+        let cells = |place: usize| (place, header_cells(self.delimiter, lines[place], columns));
+        let is_header = |(_, cells): &(usize, Vec<String>)| {
+            let texts = cells.iter().filter(|c| self.decimal.number(c).is_none_or(f64::is_nan)).count();
+            cells.len() == columns && texts * 2 > columns && cells.iter().any(|cell| !cell.is_empty())
+        };
+        let near: Vec<(usize, Vec<String>)> = above.map(cells).take_while(is_header).take(3).collect();
+        let is_filled = |(_, cells): &&(usize, Vec<String>)| {
+            let words = cells.iter().filter(|cell| cell.chars().any(char::is_alphabetic)).count();
+            2 * words >= columns
+        };
+        // A line with a few numbers, such as the delays of the channels, names nothing.
+        let filled: Vec<&(usize, Vec<String>)> = near.iter().filter(is_filled).collect();
+        let are_units = |cells: &[String]| {
+            let known = cells.iter().filter(|cell| unit::unit(unit::in_words(cell)).is_some()).count();
+            let empty = cells.iter().filter(|cell| cell.is_empty()).count();
+            known > 0 && (known + empty) * 2 > columns
+        };
+        match (near.first(), filled.as_slice()) {
+            (Some((last, cells)), [_, ..]) if are_units(cells) && near.len() > 1 => (near[1].0 + 1, last + 1),
+            (_, [(last, cells), (above, names), ..]) if are_units(cells) || distinct(names) > distinct(cells) => {
+                (above + 1, last + 1)
+            }
+            (_, [(last, _), ..]) | (Some((last, _)), []) => (last + 1, 0),
+            (None, _) => (0, 0),
+        }
+    }
+}
+
+/// The number of cells that no cell before has.
+fn distinct(cells: &[String]) -> usize {
+    (0..cells.len()).filter(|&place| !cells[..place].contains(&cells[place])).count()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn utf16(text: &str) -> Vec<u8> {
+        text.encode_utf16().flat_map(u16::to_le_bytes).collect()
+    }
+
+    #[test]
+    fn encodings_are_found_with_and_without_a_mark() {
+        assert_eq!(Encoding::sniff(b"t,x\n1,2\n"), Some(Encoding::Utf8));
+        assert_eq!(Encoding::sniff("\u{FEFF}t,x\n".as_bytes()), Some(Encoding::Utf8));
+        assert_eq!(Encoding::sniff("Größe;Weg\n".as_bytes()), Some(Encoding::Utf8));
+        assert_eq!(Encoding::sniff(b"Gr\xF6\xDFe;Weg\n"), Some(Encoding::Latin1));
+        assert_eq!(Encoding::sniff(&utf16("t;x\n1;2\n")), Some(Encoding::Utf16Le));
+        assert_eq!(Encoding::sniff(&utf16("\u{FEFF}t;x\n1;2\n")), Some(Encoding::Utf16Le));
+        let big: Vec<u8> = "t;x\n1;2\n".encode_utf16().flat_map(u16::to_be_bytes).collect();
+        assert_eq!(Encoding::sniff(&big), Some(Encoding::Utf16Be));
+        assert_eq!(Encoding::sniff(b"\x7FELF\x02\x01\x01\x00\x00\x03\x10\x00\x00"), None);
+        assert_eq!(Encoding::sniff(b"\x89PNG\r\n\x1A\n\x01\x02\x03"), None);
+    }
+
+    #[test]
+    fn a_character_that_is_cut_at_the_end_does_not_change_the_encoding() {
+        let text = "Größe".as_bytes();
+        assert_eq!(Encoding::sniff(&text[..3]), Some(Encoding::Utf8));
+    }
+
+    #[test]
+    fn lines_are_found_and_decoded() {
+        let bytes = utf16("a;b\n1;2\n");
+        let end = Encoding::Utf16Le.line_length(&bytes).unwrap();
+        let mut text = String::new();
+        Encoding::Utf16Le.decode(&bytes[..end], &mut text);
+        assert_eq!(text, "a;b\n");
+        text.clear();
+        Encoding::Latin1.decode(b"\xE4", &mut text);
+        assert_eq!(text, "ä");
+    }
+
+    fn sniff(text: &str) -> Dialect {
+        let lines: Vec<&str> = text.lines().collect();
+        Dialect::sniff(Encoding::Utf8, &lines).unwrap()
+    }
+
+    #[track_caller]
+    fn check(text: &str, delimiter: Delimiter, decimal: Decimal, [names, units, data]: [usize; 3]) {
+        let dialect = Dialect { encoding: Encoding::Utf8, delimiter, decimal, names, units, data, thousands: false };
+        assert_eq!(sniff(text), dialect, "{text}");
+    }
+
+    #[test]
+    fn usual_dialects_are_found() {
+        use Decimal::{Comma as DecimalComma, Point};
+        check("t,force,x\n0,1,2\n1,2,3\n", Delimiter::Comma, Point, [1, 0, 2]);
+        check("\"V1\",\"V2\",\n0.1,0.2,\n0.3,0.4,\n", Delimiter::Comma, Point, [1, 0, 2]);
+        check("Zeit;Kraft;Weg\n0,00;1,5;2\n0,01;1;2,5\n", Delimiter::Semicolon, DecimalComma, [1, 0, 2]);
+        check("0.0 1.5 2\n0.1 2.5 3\n", Delimiter::Blanks, Point, [0, 0, 1]);
+        check("0,0 1,5 2\n0,1 2,5 3\n", Delimiter::Blanks, DecimalComma, [0, 0, 1]);
+        check("t\tx\ns\tmm\n0\t1.5\n1\t2\n", Delimiter::Tab, Point, [1, 2, 3]);
+        check("# a remark\n# t x\n0 1\n1 2\n", Delimiter::Blanks, Point, [2, 0, 3]);
+        check("Time (s) acc (g)\n0 1\n1 2\n", Delimiter::Blanks, Point, [1, 0, 2]);
+        check("\"t\",\"x\"\n\"0,1\",\"2,5\"\n\"0,2\",\"3\"\n", Delimiter::Comma, DecimalComma, [1, 0, 2]);
+        check("1.5\n2.5\n", Delimiter::Semicolon, Point, [0, 0, 1]);
+    }
+
+    #[test]
+    fn leading_text_is_no_header_and_text_columns_are_no_obstacle() {
+        let text = "Logger 3000\nStart: 12.05.2024; rate 100\n\nZeit;Weg;Status\ns;mm;\n0,00;1,2;ok\n0,01;1,3;ok\n";
+        check(text, Delimiter::Semicolon, Decimal::Comma, [4, 5, 6]);
+        check("NPTS= 4, DT= .02 SEC\n.1 .2 .3\n.4 .5 .6\n", Delimiter::Blanks, Decimal::Point, [0, 0, 2]);
+        let clock = "when,x\n2024-05-01 12:00:00.00,1\n2024-05-01 12:00:00.01,2\n";
+        check(clock, Delimiter::Comma, Decimal::Point, [1, 0, 2]);
+    }
+
+    #[test]
+    fn names_and_units_come_from_one_line_or_two() {
+        let header = |text: &str, columns| sniff(text).header(&text.lines().collect::<Vec<_>>(), columns);
+        let units = header("t\tx\n[ms]\t[mm]\n0\t1.5\n1\t2\n", 2);
+        assert_eq!(units, [("t".to_owned(), Some("ms".to_owned())), ("x".to_owned(), Some("mm".to_owned()))]);
+        let blanks = header("Time (s) acc (g)\n0 1\n1 2\n", 2);
+        assert_eq!(blanks, [("Time".to_owned(), Some("s".to_owned())), ("acc".to_owned(), Some("g".to_owned()))]);
+        assert_eq!(header("1 2\n3 4\n", 2)[1], ("column 2".to_owned(), None));
+    }
+
+    #[test]
+    fn a_line_that_names_nothing_is_passed_over() {
+        let raw = "test5.txt\nSampling Frequency - 5000\nLow G Accel\tSG_300_a\tAccel\tTime\n\
+                   Voltage (unscaled)\tVoltage (unscaled)\tVoltage (unscaled)\tSec\n0.0 0.0 0\t\t\t\n\n\
+                   2.4E-3\t6.8E-2\t-6.6E-2\t0.0E+0\n2.4E-3\t6.7E-2\t-5.5E-2\t2.0E-4\n";
+        check(raw, Delimiter::Tab, Decimal::Point, [3, 4, 7]);
+        let header = sniff(raw).header(&raw.lines().collect::<Vec<_>>(), 4);
+        assert_eq!(header[0], ("Low G Accel".to_owned(), Some("Voltage".to_owned())));
+        assert_eq!(header[3], ("Time".to_owned(), Some("Sec".to_owned())));
+    }
+
+    #[test]
+    fn thousands_are_found_where_a_number_has_them_for_sure() {
+        let dialect = sniff("t;x\n0;1.234,5\n1;1.234\n");
+        assert_eq!((dialect.decimal, dialect.thousands), (Decimal::Comma, true));
+        assert!(!sniff("t;x\n0;1,5\n1;1.234\n").thousands);
+        let quoted = sniff("t,x\n0,\"1,234.5\"\n1,\"999.5\"\n");
+        assert_eq!((quoted.delimiter, quoted.decimal, quoted.thousands), (Delimiter::Comma, Decimal::Point, true));
+    }
+
+    #[test]
+    fn a_file_without_numbers_has_no_dialect() {
+        assert_eq!(Dialect::sniff(Encoding::Utf8, &["a,b", "c,d"]), None);
+        assert_eq!(Dialect::sniff(Encoding::Utf8, &[]), None);
+    }
+
+    #[test]
+    fn it_says_what_it_found() {
+        let said = sniff("Zeit;Weg\ns;mm\n0,0;1,5\n0,1;2\n").to_string();
+        let expected = "UTF-8, semicolons between cells, decimal commas, names in line 1, units in line 2, numbers from \
+                        line 3 on";
+        assert_eq!(said, expected);
     }
 }

@@ -1,8 +1,7 @@
-//! Errors of imports.
+//! Errors of imports, and the limits of files and of the records made of them.
 
 use thiserror::Error;
 
-use super::limits::{FEWEST, MOST, MOST_COLUMNS};
 use crate::RecordError;
 
 /// The reason why a file is not a record.
@@ -15,32 +14,15 @@ pub enum ImportError {
     /// It is not text.
     #[error("the file is not text with columns of numbers")]
     Binary,
-    /// It is a MATLAB file.
-    #[error("this is a MATLAB file; save its columns as text: writematrix(data, \"record.csv\")")]
-    Matlab,
-    /// It is an HDF5 file.
-    #[error(
-        "this is an HDF5 file, as MATLAB writes it with -v7.3; save its columns as text: writematrix(data, \"record.csv\")"
-    )]
-    Hdf5,
-    /// It is a Parquet file.
-    #[error("this is a Parquet file; save its columns as CSV")]
-    Parquet,
-    /// It is a spreadsheet.
-    #[error("this is a spreadsheet; save the sheet as CSV")]
-    Spreadsheet,
+    /// It is a file of another kind, which a sentence names.
+    #[error("{0}")]
+    OtherKind(&'static str),
     /// It is a sound that cannot be read.
-    #[error("this sound cannot be read: {reason}; save it as WAV with whole numbers or floats")]
-    Sound {
-        /// The reason.
-        reason: String,
-    },
+    #[error("this sound cannot be read: {0}; save it as WAV with whole numbers or floats")]
+    Sound(String),
     /// No column has numbers.
-    #[error("there is no column of numbers in {lines} line(s)")]
-    NoNumbers {
-        /// The number of lines that were looked at.
-        lines: usize,
-    },
+    #[error("there is no column of numbers in {0} line(s)")]
+    NoNumbers(usize),
     /// There are too many columns.
     #[error("line {line} has {found} cells, but at most {} columns can be read", MOST_COLUMNS)]
     TooManyColumns {
@@ -50,11 +32,8 @@ pub enum ImportError {
         found: usize,
     },
     /// A line does not end.
-    #[error("line {line} is longer than 1 MB")]
-    LongLine {
-        /// Line of the file, counted from 1.
-        line: usize,
-    },
+    #[error("line {0} is longer than 1 MB")]
+    LongLine(usize),
     /// A column is missing.
     #[error("there is no column `{missing}`; the columns are {found}")]
     Column {
@@ -63,35 +42,19 @@ pub enum ImportError {
         /// The columns of the file.
         found: String,
     },
-    /// A cell of a chosen column is not a number.
-    #[error("line {line}, column `{column}`: `{text}` is not a number")]
-    Text {
+    /// A cell of a chosen column cannot be used.
+    #[error("line {line}, column `{column}`: {problem}")]
+    Cell {
         /// Line of the file, counted from 1.
         line: usize,
         /// The column's name.
         column: String,
-        /// The cell's text.
-        text: String,
-    },
-    /// A number of a chosen column is infinite.
-    #[error("line {line}, column `{column}`: the number is infinite")]
-    Infinite {
-        /// Line of the file, counted from 1.
-        line: usize,
-        /// The column's name.
-        column: String,
+        /// Why it cannot be used.
+        problem: String,
     },
     /// The time is not known.
     #[error("the file has no column of times: state the sample rate")]
     NoTime,
-    /// A time is missing.
-    #[error("line {line}, column `{column}`: a time is missing")]
-    MissingTime {
-        /// Line of the file, counted from 1.
-        line: usize,
-        /// The column's name.
-        column: String,
-    },
     /// The times do not rise.
     #[error("line {line}: the time {} from {before} s to {found} s", if found < before { "goes back" } else { "stands still" })]
     NotRising {
@@ -106,11 +69,8 @@ pub enum ImportError {
     #[error("{0} row(s) of numbers remain, but at least {least} are needed", least = FEWEST)]
     TooShort(usize),
     /// There are too many samples.
-    #[error("the record would have {found} samples, but at most {most} can be kept; choose a part or decimate", most = MOST)]
-    TooLong {
-        /// The number of samples.
-        found: usize,
-    },
+    #[error("the record would have {0} samples, but at most {most} can be kept; choose a part or decimate", most = MOST)]
+    TooLong(usize),
     /// Two files have no time in common.
     #[error("one file is from {} to {} s, the other from {} to {} s: they have fewer than {FEWEST} samples in common", first[0], first[1], second[0], second[1])]
     Apart {
@@ -123,11 +83,8 @@ pub enum ImportError {
     #[error("no column is chosen for a sensor")]
     NoSensor,
     /// There is no motion in a sensor's readings.
-    #[error("all readings of the {sensor} are the same: there is no motion to make start values of")]
-    Still {
-        /// The sensor's name.
-        sensor: String,
-    },
+    #[error("all readings of the {0} are the same: there is no motion to make start values of")]
+    Still(String),
     /// A setting is impossible.
     #[error("`record.{key}` is {value}, but must be {allowed}")]
     Setting {
@@ -142,3 +99,25 @@ pub enum ImportError {
     #[error(transparent)]
     Record(#[from] RecordError),
 }
+
+/// Limits the columns of a file.
+pub(super) const MOST_COLUMNS: usize = 1000;
+/// Limits the bytes of one line.
+pub(super) const LONGEST_LINE: usize = 1_000_000;
+/// The fewest samples of a record.
+pub(super) const FEWEST: usize = 2;
+/// Limits the samples of a record.
+pub const MOST: usize = 2_000_000;
+
+/// The first bytes of files of other kinds, and what to do about them.
+pub(super) const OTHER_KINDS: [(&[u8], &str); 6] = [
+    (b"MATLAB 5.0 MAT-file", "this is a MATLAB file; save its columns as text: writematrix(data, \"record.csv\")"),
+    (b"MATLAB 7.3 MAT-file", HDF5),
+    (b"\x89HDF", HDF5),
+    (b"PAR1", "this is a Parquet file; save its columns as CSV"),
+    (b"PK\x03\x04", SPREADSHEET),
+    (b"\xD0\xCF\x11\xE0", SPREADSHEET),
+];
+const HDF5: &str =
+    "this is an HDF5 file, as MATLAB writes it with -v7.3; save its columns as text: writematrix(data, \"record.csv\")";
+const SPREADSHEET: &str = "this is a spreadsheet; save the sheet as CSV";

@@ -1,72 +1,41 @@
 //! Formats with a header that says what their numbers are. They are tried before a dialect is looked for.
 //!
 //! A format is a row of [`FORMATS`]: it recognises a file by its first lines, and says how its lines are laid out. Either they are
-//! rows of a table with known columns, or series of numbers one after the other, each wrapped over lines.
+//! rows of a table with known columns, or series of numbers one after the other, each behind a header and wrapped over lines.
 
-mod cosmos;
-mod lvm;
-mod peer;
-mod rigol;
-mod slist;
-mod tektronix;
-mod toa5;
-mod uff58;
+mod rows;
+mod series;
 
-use super::series::Next;
-use super::{Decimal, Delimiter, Dialect};
+use super::cell::{Decimal, Found};
+use super::error::MOST;
+use super::table::{Column, Lines, Rows, TextCell, free_name};
+use super::{Dialect, ImportError, Table};
 
 /// The layout of the numbers below a header.
 #[derive(Debug)]
 pub(super) enum Layout {
-    /// A table.
     Rows(Rows),
     /// Series of numbers; the function reads their headers.
     Series(Next),
 }
 
-/// A table with known columns.
-#[derive(Debug)]
-pub(super) struct Rows {
-    /// The delimiter, the decimal character, and the first line of numbers.
-    pub(super) dialect: Dialect,
-    /// The name and unit of each cell of a row. `None` if a cell belongs to no column. Empty if lines of the dialect
-    /// have names and units.
-    pub(super) cells: Vec<Option<(String, Option<String>)>>,
-    /// The first time and the step \[s\] of rows without times.
-    pub(super) even: Option<(f64, f64)>,
-    /// Whether a line begins another table, which is not read.
-    pub(super) ends: fn(&str) -> bool,
-}
+/// The layout of a file that begins with some lines, if it has a format.
+type Find = fn(&[&str]) -> Option<Layout>;
 
-impl Rows {
-    /// A table with commas between cells and decimal points. `data` is the first line of numbers, counted from 1.
-    fn new(data: usize) -> Self {
-        let dialect = Dialect { delimiter: Delimiter::Comma, decimal: Decimal::Point, data, ..Dialect::default() };
-        Self { dialect, cells: Vec::new(), even: None, ends: |_| false }
-    }
-}
-
-/// A format.
-struct Format {
-    name: &'static str,
-    /// The layout of a file that begins with these lines, if it has this format.
-    find: fn(&[&str]) -> Option<Layout>,
-}
-
-const FORMATS: [Format; 8] = [
-    Format { name: "PEER (AT2)", find: peer::find },
-    Format { name: "strong motion (CSMIP, COSMOS)", find: cosmos::find },
-    Format { name: "SLIST", find: slist::find },
-    Format { name: "universal file, data set 58", find: uff58::find },
-    Format { name: "LabVIEW measurement", find: lvm::find },
-    Format { name: "Campbell TOA5", find: toa5::find },
-    Format { name: "Rigol", find: rigol::find },
-    Format { name: "Tektronix", find: tektronix::find },
+const FORMATS: [(&str, Find); 8] = [
+    ("PEER (AT2)", series::peer),
+    ("strong motion (CSMIP, COSMOS)", series::strong_motion),
+    ("SLIST", series::slist),
+    ("universal file, data set 58", series::uff58),
+    ("LabVIEW measurement", rows::lvm),
+    ("Campbell TOA5", rows::toa5),
+    ("Rigol", rows::rigol),
+    ("Tektronix", rows::tektronix),
 ];
 
 /// The name and layout of the format of a file that begins with these lines, if it is a known one.
 pub(super) fn find(lines: &[&str]) -> Option<(&'static str, Layout)> {
-    FORMATS.iter().find_map(|format| Some((format.name, (format.find)(lines)?)))
+    FORMATS.iter().find_map(|(name, find)| Some((*name, find(lines)?)))
 }
 
 /// The first number behind a word, without regard to case: 0.005 in `DT= .0050 SEC` behind `DT=`.
@@ -92,9 +61,196 @@ fn field_width(line: &str) -> Option<usize> {
     width[..end].parse().ok().filter(|width| (1..=80).contains(width))
 }
 
+/// Reads the header of the next series: from all lines so far that are no numbers. The last line may end it.
+pub(super) type Next = fn(&[String]) -> Option<Series>;
+
+/// A series, as its header describes it.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Series {
+    pub(super) name: String,
+    pub(super) unit: Option<String>,
+    /// The time of the first value \[s\].
+    pub(super) start: f64,
+    /// The time between values \[s\].
+    pub(super) dt: f64,
+    /// The number of numbers, if it is known.
+    pub(super) count: Option<usize>,
+    /// The width of a number's field, if numbers may abut.
+    pub(super) width: Option<usize>,
+    /// Whether a time comes before each value.
+    pub(super) has_times: bool,
+    /// The reason why it is no record.
+    pub(super) no_record: Option<&'static str>,
+}
+
+/// Limits the lines of headers that are kept.
+const MOST_LINES: usize = 1000;
+
+/// Series that are being read.
+#[derive(Debug)]
+pub(super) struct SeriesReader {
+    next: Next,
+    header: Vec<String>,
+    all: Vec<(Series, Vec<f64>)>,
+    is_reading: bool,
+    /// The rows that have a line, and their lines.
+    rows: usize,
+    lines: Lines,
+    /// The lines of numbers that belong to no series since the last one.
+    loose: usize,
+}
+
+impl SeriesReader {
+    pub(super) fn new(next: Next) -> Self {
+        let (header, all, lines) = Default::default();
+        Self { next, header, all, is_reading: false, rows: 0, lines, loose: 0 }
+    }
+
+    /// Reads a line.
+    pub(super) fn line(&mut self, text: &str, line: usize) -> Result<(), ImportError> {
+        let Self { next, header, all, is_reading, rows, lines, loose } = self;
+        if text.trim().is_empty() && *is_reading {
+            return Ok(());
+        }
+        if let Some((series, values)) = all.last_mut().filter(|_| *is_reading) {
+            if let Some(numbers) = numbers(text, series.width) {
+                let before = values.len();
+                values.extend(numbers);
+                values.truncate(series.count.unwrap_or(usize::MAX));
+                for row in before.max(*rows)..values.len() {
+                    lines.push(row, line);
+                    *rows = row + 1;
+                }
+                *is_reading = series.count.is_none_or(|count| values.len() < count);
+                if values.len() > 2 * MOST {
+                    return Err(ImportError::TooLong(values.len()));
+                }
+                return Ok(());
+            }
+            // A number that cannot be read is no end of a series.
+            if text.trim_start().starts_with(|c: char| c.is_ascii_digit() || c == '.')
+                && series.count.is_some_and(|count| values.len() < count)
+                && !text.contains(char::is_alphabetic)
+            {
+                let text = text.trim().chars().take(40).collect();
+                return Err(TextCell { line, text }.error(&series.name));
+            }
+            *is_reading = false;
+        }
+        if header.len() >= MOST_LINES {
+            header.drain(..MOST_LINES / 2);
+        }
+        header.push(text.trim_end().to_owned());
+        if let Some(series) = next(header) {
+            if !(series.dt > 0.0 && series.dt.is_finite() && series.start.is_finite() || series.has_times) {
+                return Ok(());
+            }
+            all.push((series, Vec::new()));
+            (*is_reading, *loose) = (true, 0);
+        } else if !all.is_empty() && numbers(text, None).is_some_and(|numbers| numbers.len() > 1) {
+            *loose += 1;
+        }
+        Ok(())
+    }
+
+    /// The series as columns, at the times of the first one.
+    pub(super) fn finish(self, name: &str, dialect: Dialect, lines: usize) -> Result<Table, ImportError> {
+        let Self { all, loose, rows: read, lines: mut known, .. } = self;
+        // Series that go on with each other have more rows than lines.
+        known.end(read);
+        let mut remarks = Vec::new();
+        let mut columns: Vec<Column> = Vec::new();
+        let mut times: Option<Vec<f64>> = None;
+        let usable = |(series, values): &&(Series, Vec<f64>)| series.no_record.is_none() && values.len() > 1;
+        let Some((first, _)) = all.iter().find(usable) else { return Err(ImportError::NoNumbers(lines)) };
+        let origin = all.iter().filter(usable).map(|(series, _)| series.start).fold(first.start, f64::min);
+        let (dt, has_times) = (first.dt, first.has_times);
+        for (series, values) in &all {
+            let name = &series.name;
+            if let Some(count) = series.count.filter(|count| *count != values.len()) {
+                remarks.push(format!("`{name}` has {} numbers, but its header tells of {count}", values.len()));
+            }
+            let missing = values.iter().filter(|value| value.is_nan()).count();
+            if missing > 0 {
+                remarks.push(format!("`{name}` has no reading in {missing} place(s)"));
+            }
+            if let Some(reason) = series.no_record {
+                remarks.push(format!("`{name}` {reason}; it is left out"));
+                continue;
+            }
+            // A time without its value is no row.
+            let (own, values): (Vec<f64>, Vec<f64>) = if series.has_times {
+                values.chunks_exact(2).map(|pair| (pair[0], pair[1])).unzip()
+            } else {
+                (Vec::new(), values.clone())
+            };
+            if series.has_times != has_times
+                || (has_times && times.as_ref().is_some_and(|times| *times != own))
+                || (!has_times && (series.dt - dt).abs() > 1e-9 * dt)
+            {
+                remarks.push(format!("`{name}` has other times than `{}`; it is left out", first.name));
+                continue;
+            }
+            let place = if has_times { 0.0 } else { libm::round((series.start - origin) / dt) };
+            if place + values.len() as f64 > MOST as f64 {
+                return Err(ImportError::TooLong((place.min(1e15) as usize).saturating_add(values.len())));
+            }
+            let place = place as usize;
+            // A later series of the same name continues the column.
+            let same = columns.iter_mut().find(|column| column.name == *name && column.values.len() <= place);
+            let column = match same {
+                Some(column) => column,
+                None => {
+                    columns.push(Column { name: name.clone(), unit: series.unit.clone(), ..Column::default() });
+                    let last = columns.len() - 1;
+                    &mut columns[last]
+                }
+            };
+            column.values.resize(place, f64::NAN);
+            column.values.extend(values);
+            if has_times {
+                times.get_or_insert(own);
+            }
+        }
+        if loose > 0 {
+            remarks.push(format!("{loose} line(s) of numbers behind the last series are left out"));
+        }
+        for place in 1..columns.len() {
+            let (before, rest) = columns.split_at_mut(place);
+            rest[0].name = free_name(&rest[0].name, |name| before.iter().any(|column| column.name == name));
+        }
+        let rows = columns.iter().map(|column| column.values.len()).max().unwrap_or(0);
+        columns.iter_mut().for_each(|column| column.values.resize(rows, f64::NAN));
+        let form = match has_times {
+            true => format!("{name}: {} series of {rows} numbers with their times", columns.len()),
+            false => format!("{name}: {} series of {rows} numbers, {dt} s apart", columns.len()),
+        };
+        let even = || (0..rows).map(|k| k as f64 * dt).collect();
+        columns.insert(0, Column::of_header("time", Some("s"), times.unwrap_or_else(even)));
+        Ok(Table { dialect, form, columns, remarks, lines: known })
+    }
+}
+
+/// The numbers of a line, or `None` if it has other text. Numbers of a known width may abut.
+pub(super) fn numbers(line: &str, width: Option<usize>) -> Option<Vec<f64>> {
+    let number = |text: &str| match Decimal::Point.read(text.trim(), false) {
+        Found::Number(value) => Some(value),
+        Found::Missing | Found::Word => Some(f64::NAN),
+        _ => None,
+    };
+    let line = line.trim_end();
+    let apart: Vec<&str> = line.split_whitespace().collect();
+    let fields = width.map_or(0, |width| line.len().div_ceil(width));
+    if apart.len() >= fields && !apart.is_empty() {
+        return apart.into_iter().map(number).collect();
+    }
+    let width = width.filter(|_| line.is_ascii() && !line.is_empty())?;
+    (0..fields).map(|k| number(line.get(k * width..((k + 1) * width).min(line.len()))?)).collect()
+}
+
 #[cfg(test)]
 mod tests {
-    use super::super::{Table, read};
+    use super::super::read;
     use super::*;
 
     /// The table of a file in some format, and the names of its columns.
@@ -123,5 +279,18 @@ mod tests {
             let lines: Vec<&str> = text.lines().collect();
             assert!(find(&lines).is_none(), "{text}");
         }
+    }
+
+    #[test]
+    fn numbers_abut_only_where_their_width_is_known() {
+        assert_eq!(numbers(" 1.5  -2.5E+1 3D2", None), Some(vec![1.5, -25.0, 300.0]));
+        assert_eq!(numbers("12345.67812345.679", Some(9)), Some(vec![12345.678, 12345.679]));
+        assert_eq!(numbers("  1.5-2.5", Some(5)), Some(vec![1.5, -2.5]));
+        assert_eq!(numbers("1.5 2.5 3.5", Some(10)), Some(vec![1.5, 2.5, 3.5]), "narrower than told");
+        assert_eq!(
+            [numbers("1.5 oops", None), numbers("", None), numbers("End of data", Some(10))],
+            [const { None }; 3]
+        );
+        assert!(numbers("  ********", Some(10)).unwrap()[0].is_nan());
     }
 }

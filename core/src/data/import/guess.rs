@@ -1,37 +1,16 @@
-//! A guess at the meaning of a file's columns.
+//! The meaning of a file's columns by their headers and cells: a guess at all of them, and the three axes of an accelerometer.
 
-use super::own_clocks::clocks;
-use super::role::{Role, has_word, role_of};
-use super::{Column, MappedColumn, Mapping, Ring, Table, Time};
+use super::error::FEWEST;
+use super::unit::{Dimension, STANDARD_GRAVITY, unit};
+use super::{Column, MappedColumn, Mapping, Ring, Table, Time, times};
 use crate::data::record::input_name;
+use crate::data::sorting::sort_numbers;
 use crate::{InputKind, Quantity};
 
 /// Words in names of columns that are neither input nor motion of the oscillator. Those of one or two letters must be the whole
 /// word.
-const OTHERS: [&str; 22] = [
-    "other",
-    "integrated",
-    "reference",
-    "setpoint",
-    "target",
-    "estimate",
-    "predicted",
-    "model",
-    "wind",
-    "temperature",
-    "humid",
-    "batt",
-    "status",
-    "flag",
-    "quality",
-    "trigger",
-    "latitude",
-    "longitude",
-    "rpm",
-    "strain",
-    "error",
-    "noise",
-];
+const OTHERS: &str = "other integrated reference setpoint target estimate predicted model wind temperature humid \
+                      batt status flag quality trigger latitude longitude rpm strain error noise";
 
 /// Names of columns that count the rows.
 const COUNTERS: [&str; 14] =
@@ -80,7 +59,7 @@ fn is_something_else(column: &Column) -> Option<&'static str> {
     if COUNTERS.iter().any(|name| column.name.trim().eq_ignore_ascii_case(name)) && counts() {
         return Some(COUNTER);
     }
-    (Quantity::from_key(&column.name).is_none() && has_word(&column.name, &OTHERS)).then_some(OTHER)
+    (Quantity::from_key(&column.name).is_none() && has_word(&column.name, OTHERS)).then_some(OTHER)
 }
 
 /// Whether the numbers rise in even steps, as times do.
@@ -97,7 +76,6 @@ fn mostly_rises(values: &[f64]) -> bool {
     2 * values[..rows].windows(2).filter(|pair| pair[1] > pair[0]).count() >= rows.saturating_sub(1)
 }
 
-/// Whether a column belongs to the truth of a simulated record.
 fn is_truth(column: &Column) -> bool {
     column.name.starts_with("true_")
 }
@@ -124,9 +102,9 @@ impl Candidate {
 }
 
 impl Mapping {
-    /// A guess from names, units and shapes, with the kind of input: see [`Self::guess_with_reasons`].
+    /// A guess from names, units and shapes, with the kind of input: see [`Self::guess_for`].
     pub fn guess(table: &Table) -> (Self, InputKind) {
-        let (mapping, kind, _) = Self::guess_with_reasons(table);
+        let (mapping, kind, _) = Self::guess_for(table, &[]);
         (mapping, kind)
     }
 
@@ -134,12 +112,8 @@ impl Mapping {
     /// then the first column of evenly rising numbers is the time; and of two columns without a meaning the first is
     /// the input and the second the displacement. It leaves out a column if another one already has its meaning, if it
     /// counts the rows, or if its name says that it is something else. If a sensor's column has a name, a single other
-    /// column is the input; several others are not. A sound has the part and the band of its [`Ring`].
-    pub fn guess_with_reasons(table: &Table) -> (Self, InputKind, Vec<ColumnGuess>) {
-        Self::guess_for(table, &[])
-    }
-
-    /// The same for a scenario with some sensors: an acceleration on the ground is the one that they measure.
+    /// column is the input; several others are not. A sound has the part and the band of its [`Ring`]. An acceleration on the ground is
+    /// the one that the scenario's `sensors` measure.
     pub fn guess_for(table: &Table, sensors: &[Quantity]) -> (Self, InputKind, Vec<ColumnGuess>) {
         let columns = &table.columns;
         let mut all = candidates(table);
@@ -242,6 +216,201 @@ fn candidates(table: &Table) -> Vec<Candidate> {
     }
     all.sort_by_key(|one| one.place);
     all
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Role {
+    Time,
+    Input(InputKind),
+    Sensor(Quantity),
+}
+
+/// Words in names, in the order in which they are looked for. Those of one or two letters must be the whole name.
+const WORDS: [(&str, Role); 7] = [
+    ("ground_acceleration ground base boden", Role::Input(InputKind::GroundAcceleration)),
+    ("total_acceleration", Role::Sensor(Quantity::TOTAL_ACCELERATION)),
+    ("force input load kraft excitation drive f u in v1", Role::Input(InputKind::Force)),
+    ("time zeit seconds stamp temps t s", Role::Time),
+    ("acceleration accel acc beschl a ax ay az", Role::Sensor(Quantity::ACCELERATION)),
+    ("velocity speed geschw vel v", Role::Sensor(Quantity::VELOCITY)),
+    (
+        "displacement disp position pos angle deflection weg output winkel sound x y v2",
+        Role::Sensor(Quantity::DISPLACEMENT),
+    ),
+];
+
+/// The reasons, in words that follow the meaning.
+const NAMED: &str = "its name says so";
+const BY_UNIT: &str = "its unit says so";
+const BY_CLOCK: &str = "its cells are times of day";
+
+/// The meaning that name, unit or cells give a column, and the reason.
+fn role_of(column: &Column) -> Option<(Role, &'static str)> {
+    if let Some(quantity) = Quantity::from_key(&column.name) {
+        return Some((Role::Sensor(quantity), NAMED));
+    }
+    if column.is_dated || column.is_time_of_day {
+        return Some((Role::Time, BY_CLOCK));
+    }
+    let named = WORDS.iter().find(|(words, _)| has_word(&column.name, words)).map(|(_, role)| *role);
+    let of_unit = || match unit(column.unit.as_deref()?)?.0 {
+        Dimension::Time => Some(Role::Time),
+        Dimension::Length | Dimension::Angle => Some(Role::Sensor(Quantity::DISPLACEMENT)),
+        Dimension::Velocity => Some(Role::Sensor(Quantity::VELOCITY)),
+        Dimension::Acceleration => Some(Role::Sensor(Quantity::ACCELERATION)),
+        Dimension::Force => Some(Role::Input(InputKind::Force)),
+        Dimension::Voltage => None,
+    };
+    // A unit is more reliable than a word: the A in a channel's name may be a station.
+    let agrees = |role: Role| match of_unit() {
+        Some(of_unit) if matches!(role, Role::Sensor(_)) => {
+            let is_total = role == Role::Sensor(Quantity::TOTAL_ACCELERATION);
+            of_unit == role || (is_total && of_unit == Role::Sensor(Quantity::ACCELERATION))
+        }
+        _ => true,
+    };
+    let named = named.filter(|role| agrees(*role));
+    named.map(|role| (role, NAMED)).or_else(|| of_unit().map(|role| (role, BY_UNIT)))
+}
+
+/// Whether a column is one of times, by its cells, its name or its unit.
+pub(super) fn is_named_time(column: &Column) -> bool {
+    matches!(role_of(column), Some((Role::Time, _)))
+}
+
+/// Whether a name has one of some words; those of one or two letters must be whole.
+fn has_word(name: &str, words: &str) -> bool {
+    let name = name.to_lowercase();
+    let whole: Vec<&str> = name.split(|c: char| !c.is_alphanumeric()).collect();
+    words.split(' ').any(|word| if word.len() > 2 { name.contains(word) } else { whole.contains(&word) })
+}
+
+/// The places of the columns of times that have columns of numbers of their own behind them; two or more, or none.
+pub(super) fn clocks(table: &Table) -> Vec<usize> {
+    let is_clock = |place: usize| is_named_time(&table.columns[place]) && rises(table, place).is_some();
+    let named: Vec<usize> = (0..table.columns.len()).filter(|place| is_clock(*place)).collect();
+    let has_numbers = |(nth, place): (usize, usize)| {
+        let end = named.get(nth + 1).copied().unwrap_or(table.columns.len());
+        (place + 1..end).any(|column| !table.is_without_numbers(column)).then_some(place)
+    };
+    let found: Vec<usize> = named.iter().copied().enumerate().filter_map(has_numbers).collect();
+    if found.len() > 1 { found } else { Vec::new() }
+}
+
+/// The times of a column \[s\], if they rise.
+pub(super) fn rises(table: &Table, place: usize) -> Option<Vec<f64>> {
+    let column = &table.columns[place];
+    let times = times::of(table, column, column.unit.as_deref().unwrap_or_default(), &mut Vec::new());
+    let is_clock = column.text.is_none() && times.len() >= FEWEST && times.windows(2).all(|pair| pair[1] > pair[0]);
+    is_clock.then(|| times.into_owned())
+}
+
+/// The columns of a file with the time and three accelerations: phyphox, Sensor Logger, Physics Toolbox, the lines of an Arduino.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ThreeAxes {
+    /// The place of the time's column, and the seconds of its unit.
+    pub time: (usize, f64),
+    /// The places of the columns x, y and z, and their unit \[m/s²\].
+    pub axes: ([usize; 3], f64),
+}
+
+/// Names of the time's column, the best first.
+const TIMES: [&str; 9] =
+    ["secondselapsed", "elapsed", "time", "t", "millis", "timestamp", "ms", "micros", "loggingtime"];
+
+/// Names of an acceleration without its axis.
+const ACCELERATIONS: [&str; 9] =
+    ["acceleration", "linearacceleration", "accelerometer", "accel", "acc", "a", "gf", "g", ""];
+
+/// The seconds of a unit of time, and the range of the steps that it can have: 2 to 1000 readings a second.
+const CLOCKS: [(f64, f64, f64); 4] = [(1.0, 1e-3, 0.5), (1e-3, 1.0, 5e2), (1e-6, 1e3, 5e5), (1e-9, 1e6, 5e8)];
+
+impl ThreeAxes {
+    /// The time and three axes among the columns of a file, by their names; without names, the only four columns, of which one
+    /// rises and three have the size of gravity together.
+    pub fn of(table: &Table) -> Option<Self> {
+        let columns = &table.columns;
+        let axes = named(columns).or_else(|| unnamed(columns))?;
+        let mut others = (0..columns.len()).filter(|place| !axes.contains(place));
+        let names: Vec<String> = columns.iter().map(|column| plain(&column.name)).collect();
+        let named = TIMES.iter().find_map(|name| names.iter().position(|other| other == name));
+        let time = named.or_else(|| others.find(|&place| nearly_rises(&columns[place].values)))?;
+        Some(Self { time: (time, seconds(&columns[time])?), axes: (axes, size(columns, axes)) })
+    }
+
+    /// Time \[s\] and three accelerations \[m/s²\] of each row. The time begins at zero: an epoch in nanoseconds has too many
+    /// digits.
+    pub fn readings(&self, table: &Table) -> Vec<[f64; 4]> {
+        let Self { time: (time, second), axes: (axes, unit) } = *self;
+        let column = |place: usize| &table.columns[place].values;
+        let first = column(time).iter().copied().find(|t| t.is_finite()).unwrap_or(0.0);
+        let reading = |row: usize| {
+            let [x, y, z] = axes.map(|axis| unit * column(axis)[row]);
+            [second * (column(time)[row] - first), x, y, z]
+        };
+        (0..table.rows()).map(reading).collect()
+    }
+}
+
+/// A name without case, blanks and signs.
+fn plain(name: &str) -> String {
+    name.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
+}
+
+/// The columns whose names are one name with x, y and z behind it.
+fn named(columns: &[Column]) -> Option<[usize; 3]> {
+    let names: Vec<String> = columns.iter().map(|column| plain(&column.name)).collect();
+    ACCELERATIONS.iter().find_map(|of| {
+        let place = |axis: &str| names.iter().position(|name| *name == format!("{of}{axis}"));
+        Some([place("x")?, place("y")?, place("z")?])
+    })
+}
+
+/// Three of four columns without names: gravity is in them.
+fn unnamed(columns: &[Column]) -> Option<[usize; 3]> {
+    let nameless = columns.len() == 4 && columns.iter().all(|column| column.name.starts_with("column "));
+    let time = (0..4).find(|&place| nameless && nearly_rises(&columns[place].values))?;
+    let mut axes = (0..4).filter(|&place| place != time);
+    let axes = [axes.next()?, axes.next()?, axes.next()?];
+    let length = length(columns, axes);
+    let is_gravity = |unit: f64| (0.85..1.15).contains(&(length / unit));
+    (is_gravity(STANDARD_GRAVITY) || is_gravity(1.0)).then_some(axes)
+}
+
+/// The length of the mean of three accelerations.
+fn length(columns: &[Column], axes: [usize; 3]) -> f64 {
+    let mean = |place: usize| {
+        let there = || columns[place].values.iter().filter(|x| x.is_finite());
+        there().sum::<f64>() / there().count().max(1) as f64
+    };
+    axes.map(|axis| mean(axis) * mean(axis)).iter().sum::<f64>().sqrt()
+}
+
+/// The unit of three accelerations \[m/s²\]: the file's, or g where their mean has the length one.
+fn size(columns: &[Column], axes: [usize; 3]) -> f64 {
+    let told = columns[axes[0]].unit.as_deref().and_then(unit);
+    match told {
+        Some((Dimension::Acceleration, factor)) => factor,
+        _ if (0.85..1.15).contains(&length(columns, axes)) => STANDARD_GRAVITY,
+        _ => 1.0,
+    }
+}
+
+/// The seconds of a time's unit: the file's, or the only one with 2 to 1000 readings a second.
+fn seconds(column: &Column) -> Option<f64> {
+    if let Some((Dimension::Time, factor)) = column.unit.as_deref().and_then(unit) {
+        return Some(factor);
+    }
+    let mut steps: Vec<f64> = column.values.windows(2).map(|pair| pair[1] - pair[0]).filter(|dt| *dt > 0.0).collect();
+    sort_numbers(&mut steps);
+    let step = *steps.get(steps.len() / 2)?;
+    CLOCKS.iter().find(|(_, from, to)| (*from..=*to).contains(&step)).map(|(second, ..)| *second)
+}
+
+/// Whether numbers rise, but for a few.
+fn nearly_rises(values: &[f64]) -> bool {
+    let rising = values.windows(2).filter(|pair| pair[1] > pair[0]).count();
+    values.len() > 2 && rising * 100 >= 99 * (values.len() - 1)
 }
 
 #[cfg(test)]

@@ -1,11 +1,12 @@
-//! The meaning of a file's columns.
+//! The meaning of a file's columns, and the unit in which their record measures its motion.
 
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
 use super::resample::GUARD;
-use super::{Dialect, ImportError};
+use super::unit::{Dimension, unit};
+use super::{Dialect, ImportError, Table};
 use crate::Quantity;
 use crate::data::document::{self, Document, is_default, is_one};
 
@@ -143,54 +144,7 @@ impl Mapping {
     pub(super) fn needs_even_steps(&self) -> bool {
         self.time.even || self.band.is_some() || self.every != 1 || self.interpolate != 1
     }
-}
 
-impl Default for Mapping {
-    fn default() -> Self {
-        Self {
-            file: String::new(),
-            hash: String::new(),
-            dialect: None,
-            time: Time::default(),
-            input: None,
-            no_input: false,
-            sensors: BTreeMap::new(),
-            from: None,
-            to: None,
-            band: None,
-            every: 1,
-            interpolate: 1,
-        }
-    }
-}
-
-impl Default for Offset {
-    fn default() -> Self {
-        Self::Number(0.0)
-    }
-}
-
-impl Offset {
-    /// The mean of all cells.
-    pub const MEAN: Self = Self::Mean(MeanWord::Mean);
-}
-
-impl MappedColumn {
-    /// A column without conversion.
-    pub fn new(column: impl Into<String>) -> Self {
-        let (unit, gain, offset, delay, missing) = (String::new(), one(), Offset::default(), 0, None);
-        Self { column: column.into(), unit, gain, offset, delay, missing }
-    }
-}
-
-/// Limits the samples by which a column can be late.
-const MOST_DELAY: u32 = 100_000;
-/// Limits the steps in place of one.
-const MOST_STEPS: usize = 8;
-/// Limits the samples of which one is kept.
-const MOST_EVERY: usize = 10_000;
-
-impl Mapping {
     /// The frequencies that the band and the low-pass before fewer samples let through, as shares of the Nyquist frequency of a
     /// record with steps of `dt` \[s\].
     pub(crate) fn passed(&self, dt: f64) -> [f64; 2] {
@@ -265,6 +219,112 @@ impl Mapping {
     }
 }
 
+impl Default for Mapping {
+    fn default() -> Self {
+        Self {
+            file: String::new(),
+            hash: String::new(),
+            dialect: None,
+            time: Time::default(),
+            input: None,
+            no_input: false,
+            sensors: BTreeMap::new(),
+            from: None,
+            to: None,
+            band: None,
+            every: 1,
+            interpolate: 1,
+        }
+    }
+}
+
+impl Default for Offset {
+    fn default() -> Self {
+        Self::Number(0.0)
+    }
+}
+
+impl Offset {
+    /// The mean of all cells.
+    pub const MEAN: Self = Self::Mean(MeanWord::Mean);
+}
+
+impl MappedColumn {
+    /// A column without conversion.
+    pub fn new(column: impl Into<String>) -> Self {
+        let (unit, gain, offset, delay, missing) = (String::new(), one(), Offset::default(), 0, None);
+        Self { column: column.into(), unit, gain, offset, delay, missing }
+    }
+
+    /// Multiplies what is above the offset, for SI units.
+    pub(super) fn factor(&self) -> f64 {
+        self.gain * unit(&self.unit).map_or(1.0, |(_, size)| size)
+    }
+
+    /// The column of a table with a name, in the unit of its header; a number that loggers write where a reading is missing, and
+    /// that is far from all others, is missing.
+    pub fn of(table: &Table, column: impl Into<String>) -> Self {
+        let mut mapped = Self::new(column);
+        if let Some(place) = table.place(&mapped.column) {
+            mapped.unit = table.columns[place].unit.clone().unwrap_or_default();
+            mapped.missing = table.sentinel(place).filter(|found| found.is_usual).map(|found| found.value);
+        }
+        mapped
+    }
+}
+
+/// The unit in which a record measures its motion: a circuit swings in volts, a pendulum in radians.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Length {
+    /// Metres.
+    #[default]
+    Metre,
+    /// Volts.
+    Volt,
+    /// Radians.
+    Radian,
+}
+
+/// Units of the motion in metres, with volts and with radians in their place.
+const LENGTHS: [[&str; 3]; 6] = [
+    ["m", "V", "rad"],
+    ["m/s", "V/s", "rad/s"],
+    ["m/s²", "V/s²", "rad/s²"],
+    ["1/(m² s²)", "1/(V² s²)", "1/(rad² s²)"],
+    ["1/m", "1/V", "1/rad"],
+    ["m/s³", "V/s³", "rad/s³"],
+];
+
+impl Length {
+    /// The unit of a mapping's sensors.
+    pub fn of(mapping: Option<&Mapping>) -> Self {
+        let dimension = |column: &MappedColumn| Some(unit(&column.unit)?.0);
+        let dimensions = mapping.into_iter().flat_map(|mapping| mapping.sensors.values().filter_map(dimension));
+        dimensions.fold(Self::Metre, |found, dimension| match dimension {
+            Dimension::Voltage => Self::Volt,
+            Dimension::Angle => Self::Radian,
+            _ => found,
+        })
+    }
+
+    /// The unit with this length in place of metres; units without metres stay.
+    pub fn in_place_of(self, unit: &'static str) -> &'static str {
+        let place = match self {
+            Self::Metre => return unit,
+            Self::Volt => 1,
+            Self::Radian => 2,
+        };
+        LENGTHS.iter().find(|units| units[0] == unit).map_or(unit, |units| units[place])
+    }
+}
+
+/// Limits the samples by which a column can be late.
+const MOST_DELAY: u32 = 100_000;
+/// Limits the steps in place of one.
+const MOST_STEPS: usize = 8;
+/// Limits the samples of which one is kept.
+const MOST_EVERY: usize = 10_000;
+
 const fn one() -> f64 {
     1.0
 }
@@ -277,6 +337,7 @@ fn is_unity(gain: &f64) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Channel;
 
     #[test]
     fn a_mapping_survives_toml() {
@@ -309,5 +370,17 @@ mod tests {
         assert!(message(&|m| m.input.as_mut().unwrap().missing = Some(f64::INFINITY)).contains("record.input.missing"));
         assert!(message(&|m| m.input.as_mut().unwrap().gain = f64::NAN).contains("record.input.gain"));
         assert!(message(&|m| (m.from, m.to) = (Some(2.0), Some(1.0))).contains("after `from`"));
+    }
+
+    #[test]
+    fn circuits_swing_in_volts() {
+        let mut mapping = Mapping::default();
+        let column = MappedColumn { unit: "mV".to_owned(), ..MappedColumn::new("V2") };
+        mapping.sensors.insert(Quantity::DISPLACEMENT, column);
+        let length = Length::of(Some(&mapping));
+        assert_eq!(length.in_place_of(Quantity::VELOCITY.unit()), "V/s");
+        assert_eq!(length.in_place_of(Channel::CUBIC_STIFFNESS.unit()), "1/(V² s²)");
+        assert_eq!(length.in_place_of(Channel::NATURAL_FREQUENCY.unit()), "rad/s");
+        assert_eq!(Length::of(None).in_place_of("m"), "m");
     }
 }

@@ -1,11 +1,11 @@
-//! Reads a file with columns of numbers, a slice after the other.
+//! Reads a file of a record, a slice after the other: its columns and its hash.
 
-use super::formats::{self, Layout};
-use super::limits::LONGEST_LINE;
-use super::rows_reader::RowsReader;
-use super::series::SeriesReader;
+use super::error::{LONGEST_LINE, OTHER_KINDS};
+use super::formats::{self, Layout, SeriesReader};
 use super::sound;
-use super::{Dialect, Encoding, ImportError, Table};
+use super::table::{Rows, RowsReader};
+use super::{Dialect, Encoding, Hash, ImportError, Table};
+use crate::data::task::Task;
 
 /// Limits the bytes that are looked at to find the dialect.
 const LOOK: usize = 65_536;
@@ -13,22 +13,8 @@ const LOOK: usize = 65_536;
 /// The number of lines between two checks of the clock.
 const SLICE: usize = 256;
 
-/// A file that is being read.
-///
-/// The core has no clock: the caller decides when the time of a slice is up.
-///
-/// ```
-/// use kalmanscope_core::import::Reader;
-/// # fn main() -> Result<(), kalmanscope_core::import::ImportError> {
-/// let mut reader = Reader::new(b"t;x\n0,0;1,5\n0,1;2\n".to_vec(), None)?;
-/// while !reader.advance(&mut || true)? {}
-/// let table = reader.finish()?;
-/// assert_eq!(table.columns[1].values, [1.5, 2.0]);
-/// # Ok(())
-/// # }
-/// ```
 #[derive(Debug)]
-pub struct Reader {
+pub(super) struct Reader {
     bytes: Vec<u8>,
     place: usize,
     line: usize,
@@ -39,7 +25,6 @@ pub struct Reader {
     text: String,
 }
 
-/// The parts that have been read.
 #[derive(Debug)]
 enum Body {
     Rows(RowsReader),
@@ -53,26 +38,17 @@ impl Reader {
     ///
     /// # Errors
     /// [`ImportError`] where the file is empty, not text, or without numbers.
-    pub fn new(bytes: Vec<u8>, dialect: Option<Dialect>) -> Result<Self, ImportError> {
+    pub(super) fn new(bytes: Vec<u8>, dialect: Option<Dialect>) -> Result<Self, ImportError> {
         if bytes.iter().all(u8::is_ascii_whitespace) {
             return Err(ImportError::Empty);
         }
-        if bytes.starts_with(b"MATLAB 5.0 MAT-file") {
-            return Err(ImportError::Matlab);
-        }
-        if bytes.starts_with(b"MATLAB 7.3 MAT-file") || bytes.starts_with(b"\x89HDF") {
-            return Err(ImportError::Hdf5);
-        }
-        if bytes.starts_with(b"PAR1") {
-            return Err(ImportError::Parquet);
+        if let Some((_, sentence)) = OTHER_KINDS.iter().find(|(begin, _)| bytes.starts_with(begin)) {
+            return Err(ImportError::OtherKind(sentence));
         }
         if sound::is_sound(&bytes) {
             let (place, dialect) = (bytes.len(), Dialect::default());
             let body = Body::Whole(Box::new(sound::table(&bytes)?));
             return Ok(Self { bytes, place, line: 0, dialect, format: None, body, text: String::new() });
-        }
-        if bytes.starts_with(b"PK\x03\x04") || bytes.starts_with(b"\xD0\xCF\x11\xE0") {
-            return Err(ImportError::Spreadsheet);
         }
         let head = &bytes[..bytes.len().min(LOOK)];
         let encoding = match dialect {
@@ -85,7 +61,7 @@ impl Reader {
             None => &bytes[..bytes.len().min(LONGEST_LINE + 1)],
         };
         if encoding.line_length(head).is_none() && head.len() > LONGEST_LINE {
-            return Err(ImportError::LongLine { line: 1 });
+            return Err(ImportError::LongLine(1));
         }
         let start = encoding.mark(&bytes);
         let mut text = String::new();
@@ -94,33 +70,23 @@ impl Reader {
         let whole =
             if head.len() < bytes.len() { text.rfind('\n').map_or(text.len(), |end| end + 1) } else { text.len() };
         let lines: Vec<&str> = text[..whole].lines().collect();
-        let layout = if dialect.is_none() { formats::find(&lines) } else { None };
-        let (format, layout) = layout.map_or((None, None), |(name, layout)| (Some(name), Some(layout)));
-        let (dialect, body) = match layout {
-            Some(Layout::Series(next)) => {
-                (Dialect { encoding, ..Dialect::default() }, Body::Series(SeriesReader::new(next)))
-            }
-            Some(Layout::Rows(rows)) => {
-                let dialect = Dialect { encoding, ..rows.dialect };
-                (dialect, Body::Rows(RowsReader::new(dialect, &lines, bytes.len(), Some(rows))?))
-            }
+        let found = if dialect.is_none() { formats::find(&lines) } else { None };
+        let (format, layout) = match found {
+            Some((name, layout)) => (Some(name), layout),
             None => {
-                let found = dialect.or_else(|| Dialect::sniff(encoding, &lines));
-                let dialect = found.ok_or(ImportError::NoNumbers { lines: lines.len() })?;
-                (dialect, Body::Rows(RowsReader::new(dialect, &lines, bytes.len(), None)?))
+                let dialect = dialect.or_else(|| Dialect::sniff(encoding, &lines));
+                let dialect = dialect.ok_or(ImportError::NoNumbers(lines.len()))?;
+                (None, Layout::Rows(Rows::of(dialect)))
+            }
+        };
+        let (dialect, body) = match layout {
+            Layout::Series(next) => (Dialect { encoding, ..Dialect::default() }, Body::Series(SeriesReader::new(next))),
+            Layout::Rows(mut rows) => {
+                rows.dialect.encoding = encoding;
+                (rows.dialect, Body::Rows(RowsReader::new(rows, &lines, bytes.len())?))
             }
         };
         Ok(Self { bytes, place: start, line: 0, dialect, format, body, text })
-    }
-
-    /// The dialect in which the file is read.
-    pub fn dialect(&self) -> Dialect {
-        self.dialect
-    }
-
-    /// The share of the file that has been read, from 0 to 1.
-    pub fn progress(&self) -> f64 {
-        self.place as f64 / self.bytes.len().max(1) as f64
     }
 
     /// Reads on until `while_time` returns false, which is called about every hundred microseconds. Returns whether
@@ -128,7 +94,7 @@ impl Reader {
     ///
     /// # Errors
     /// [`ImportError::LongLine`] where a line has no end.
-    pub fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> Result<bool, ImportError> {
+    pub(super) fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> Result<bool, ImportError> {
         while self.place < self.bytes.len() {
             for _ in 0..SLICE {
                 if !self.read_line()? {
@@ -146,14 +112,14 @@ impl Reader {
     ///
     /// # Errors
     /// [`ImportError::NoNumbers`] where there are none.
-    pub fn finish(self) -> Result<Table, ImportError> {
+    pub(super) fn finish(self) -> Result<Table, ImportError> {
         let Self { dialect, format, body, line, .. } = self;
         match body {
             Body::Whole(table) => Ok(*table),
             Body::Series(series) => series.finish(format.unwrap_or_default(), dialect, line),
             Body::Rows(rows) => {
                 let form = format.map_or_else(|| dialect.to_string(), |name| format!("{name}: {dialect}"));
-                rows.finish(dialect, form, line)
+                rows.finish(form, line)
             }
         }
     }
@@ -168,7 +134,7 @@ impl Reader {
         let length = dialect.encoding.line_length(rest).unwrap_or(rest.len());
         *line += 1;
         if length > LONGEST_LINE {
-            return Err(ImportError::LongLine { line: *line });
+            return Err(ImportError::LongLine(*line));
         }
         *place += length;
         if *line < dialect.data {
@@ -187,8 +153,8 @@ impl Reader {
             Body::Whole(_) => {}
             Body::Series(series) => series.line(row, *line)?,
             Body::Rows(rows) => {
-                rows.line(row, *line, *dialect);
-                if rows.has_ended() {
+                rows.line(row, *line);
+                if rows.end.is_some() {
                     *place = bytes.len();
                 }
             }
@@ -197,9 +163,79 @@ impl Reader {
     }
 }
 
+/// A file that has been read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Loaded {
+    /// The [`struct@Hash`] of its bytes.
+    pub hash: String,
+    /// Its columns.
+    pub table: Table,
+}
+
+/// Reads a file's columns, in the dialect that it finds, and hashes its bytes.
+///
+/// ```
+/// use kalmanscope_core::Task;
+/// use kalmanscope_core::import::{Loading, hash};
+/// # fn main() -> Result<(), kalmanscope_core::import::ImportError> {
+/// let loaded = Loading::new(b"t;x\n0,0;1,5\n0,1;2\n".to_vec()).run()?;
+/// assert_eq!(loaded.hash, hash(b"t;x\n0,0;1,5\n0,1;2\n"));
+/// assert_eq!(loaded.table.columns[1].values, [1.5, 2.0]);
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug)]
+pub struct Loading {
+    /// The bytes before the first of them is read.
+    bytes: Option<Vec<u8>>,
+    reader: Result<Reader, ImportError>,
+    hash: Hash,
+    hashed: usize,
+}
+
+impl Loading {
+    /// A file's bytes, none of them read yet.
+    pub fn new(bytes: Vec<u8>) -> Self {
+        Self { bytes: Some(bytes), reader: Err(ImportError::Empty), hash: Hash::default(), hashed: 0 }
+    }
+}
+
+impl Task for Loading {
+    /// [`ImportError`] where the file is empty, not text, or without numbers.
+    type Outcome = Result<Loaded, ImportError>;
+
+    fn progress(&self) -> f64 {
+        match &self.reader {
+            Ok(reader) => reader.place as f64 / reader.bytes.len().max(1) as f64,
+            Err(_) => f64::from(u8::from(self.bytes.is_none())),
+        }
+    }
+
+    fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
+        if let Some(bytes) = self.bytes.take() {
+            self.reader = Reader::new(bytes, None);
+        }
+        let Ok(reader) = &mut self.reader else { return true };
+        let is_read = reader.advance(while_time);
+        self.hash.add(&reader.bytes[self.hashed..reader.place]);
+        self.hashed = reader.place;
+        is_read.unwrap_or_else(|error| {
+            self.reader = Err(error);
+            true
+        })
+    }
+
+    fn finish(mut self) -> Self::Outcome {
+        while !self.advance(&mut || true) {}
+        Ok(Loaded { hash: self.hash.text(), table: self.reader?.finish()? })
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::document;
+    use crate::data::import::hash;
 
     fn read(bytes: &[u8]) -> Result<Table, ImportError> {
         let mut reader = Reader::new(bytes.to_vec(), None)?;
@@ -238,5 +274,45 @@ mod tests {
         let Body::Rows(rows) = &reader.body else { panic!("a table") };
         let reserved: usize = rows.columns.iter().map(|column| column.values.capacity() * 8).sum();
         assert!(reserved < 2 * text.len(), "{reserved} for {}", text.len());
+    }
+
+    fn text() -> Vec<u8> {
+        let row = |k: u32| format!("{},{:.6}\n{}", f64::from(k) * 0.01, f64::from(k).sin(), ["", "\n"][k as usize % 2]);
+        let rows: String = (0..60_000).map(row).collect();
+        format!("t [s],x [mm]\n{rows}600,oops,7\n").into_bytes()
+    }
+
+    #[test]
+    fn a_file_in_slices_is_the_file_in_one_go() {
+        let (mut loading, mut shares) = (Loading::new(text()), vec![0.0]);
+        while !loading.advance(&mut || false) {
+            shares.push(loading.progress());
+        }
+        assert!(shares.len() > 100 && shares.is_sorted() && shares[shares.len() - 1] < 1.0);
+        let Loaded { hash: sum, table } = loading.finish().unwrap();
+        assert_eq!(sum, hash(&text()));
+        // One number is not equal to itself.
+        assert_eq!(format!("{table:?}"), format!("{:?}", read(&text()).unwrap()));
+        assert_eq!(Loading::new(text()).finish().unwrap().hash, hash(&text()), "in one go");
+    }
+
+    #[test]
+    fn what_is_no_table_fails() {
+        for bytes in [&b""[..], b"PK\x03\x04....", b"a,b\nc,d\n"] {
+            let mut loading = Loading::new(bytes.to_vec());
+            while !loading.advance(&mut || false) {}
+            assert_eq!(loading.finish().unwrap_err().to_string(), read(bytes).unwrap_err().to_string());
+        }
+    }
+
+    #[test]
+    fn a_table_can_be_sent_apart_from_its_numbers() {
+        let table = read(&text()).unwrap();
+        let mut sent: Table = document::read_json(&document::to_json(&table).unwrap()).unwrap();
+        assert_eq!((sent.columns.len(), sent.rows(), sent.line(50_000)), (2, 0, table.line(50_000)));
+        for (sent, column) in sent.columns.iter_mut().zip(&table.columns) {
+            sent.values.clone_from(&column.values);
+        }
+        assert_eq!(format!("{sent:?}"), format!("{table:?}"));
     }
 }

@@ -1,11 +1,14 @@
-//! Columns of numbers, as a file has them.
+//! Columns of numbers, as a file has them, and the reading of their rows.
 
 use std::fmt::Write as _;
 
 use serde::{Deserialize, Serialize};
 
-use super::Dialect;
+use super::cell::Found;
+use super::dialect::REMARKS;
+use super::error::MOST_COLUMNS;
 use super::unit::name_and_unit;
+use super::{Decimal, Dialect, ImportError};
 
 /// The columns of a file. A document of it has all but the numbers, which are too many for a text.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -52,11 +55,50 @@ pub struct TextCell {
     pub text: String,
 }
 
+impl TextCell {
+    pub(super) fn error(&self, column: &str) -> ImportError {
+        let Self { line, text } = self;
+        ImportError::Cell { line: *line, column: column.to_owned(), problem: format!("`{text}` is not a number") }
+    }
+}
+
 impl Column {
     /// A column of numbers, with the name and unit of its header; `unit` is the one that the file gives separately.
     pub fn of_header(header: &str, unit: Option<&str>, values: Vec<f64>) -> Self {
         let (name, own) = name_and_unit(header);
         Self { name, unit: unit.map(str::to_owned).or(own), values, ..Self::default() }
+    }
+
+    /// # Errors
+    /// [`ImportError::Cell`] where a cell has text that is not a number.
+    pub(super) fn without_text(&self) -> Result<&Self, ImportError> {
+        self.text.as_ref().map_or(Ok(self), |text| Err(text.error(&self.name)))
+    }
+
+    /// Takes the number in a cell. Returns whether it has thousands separators.
+    fn push(&mut self, cell: &str, dialect: Dialect, line: usize) -> bool {
+        let found = dialect.decimal.read(cell, dialect.thousands);
+        let quoted = || {
+            /// Limits the characters that a message quotes.
+            const QUOTED: usize = 40;
+            TextCell { line, text: cell.chars().take(QUOTED).collect() }
+        };
+        match found {
+            Found::Number(_) | Found::Grouped(_) | Found::Missing => {}
+            Found::Clock { is_dated, .. } => {
+                self.is_time_of_day |= !is_dated;
+                self.is_dated |= is_dated;
+            }
+            Found::Word => {
+                self.word.get_or_insert_with(quoted);
+                self.words += 1;
+            }
+            Found::Text => {
+                self.text.get_or_insert_with(quoted);
+            }
+        }
+        self.values.push(found.value());
+        matches!(found, Found::Grouped(_))
     }
 }
 
@@ -86,13 +128,6 @@ impl Table {
 
     /// The numbers as CSV, with the units in the header; cells without a number are empty.
     pub fn csv(&self) -> String {
-        let mut text = self.csv_header();
-        self.csv_rows(0..self.rows(), &mut text);
-        text
-    }
-
-    /// The first line of [`Self::csv`].
-    pub fn csv_header(&self) -> String {
         let name = |column: &Column| {
             let name = match column.unit.as_deref() {
                 Some(unit) if !unit.is_empty() => format!("{} [{unit}]", column.name),
@@ -100,12 +135,8 @@ impl Table {
             };
             if name.contains([',', '"']) { format!("\"{}\"", name.replace('"', "\"\"")) } else { name }
         };
-        self.columns.iter().map(name).collect::<Vec<_>>().join(",") + "\n"
-    }
-
-    /// Appends some rows of [`Self::csv`] to a text.
-    pub fn csv_rows(&self, rows: std::ops::Range<usize>, text: &mut String) {
-        for row in rows {
+        let mut text = self.columns.iter().map(name).collect::<Vec<_>>().join(",") + "\n";
+        for row in 0..self.rows() {
             for (place, column) in self.columns.iter().enumerate() {
                 let comma = if place > 0 { "," } else { "" };
                 // A text takes whatever is written.
@@ -116,6 +147,7 @@ impl Table {
             }
             text.push('\n');
         }
+        text
     }
 
     /// Whether every cell of a column is empty or text.
@@ -158,8 +190,194 @@ impl Lines {
     }
 }
 
+/// A table with known columns.
+#[derive(Debug)]
+pub(super) struct Rows {
+    /// The delimiter, the decimal character, and the first line of numbers.
+    pub(super) dialect: Dialect,
+    /// The name and unit of each cell of a row. `None` if a cell belongs to no column. Empty if lines of the dialect
+    /// have names and units.
+    pub(super) cells: Vec<Option<(String, Option<String>)>>,
+    /// The first time and the step \[s\] of rows without times.
+    pub(super) even: Option<(f64, f64)>,
+    /// Whether a line begins another table, which is not read.
+    pub(super) ends: fn(&str) -> bool,
+}
+
+impl Rows {
+    /// A table whose lines of names and units its dialect knows, if it has them.
+    pub(super) fn of(dialect: Dialect) -> Self {
+        Self { dialect, cells: Vec::new(), even: None, ends: |_| false }
+    }
+}
+
+/// The rows of a table, as they are read.
+#[derive(Debug)]
+pub(super) struct RowsReader {
+    dialect: Dialect,
+    pub(super) columns: Vec<Column>,
+    /// Whether the cell of a row belongs to a column.
+    belongs: Vec<bool>,
+    /// The first time and the step of rows without times.
+    even: Option<(f64, f64)>,
+    ends: fn(&str) -> bool,
+    /// The line that begins another table.
+    pub(super) end: Option<usize>,
+    lines: Lines,
+    short: Odd,
+    long: Odd,
+    /// Numbers with thousands separators, and numbers that may have them, in a file without any in its first lines.
+    grouped: Odd,
+    doubtful: Odd,
+}
+
+/// Rows that are not as expected: the first line, and how many there are.
+#[derive(Debug, Default)]
+struct Odd {
+    first: usize,
+    count: usize,
+}
+
+impl Odd {
+    fn note(&mut self, line: usize) {
+        if self.count == 0 {
+            self.first = line;
+        }
+        self.count += 1;
+    }
+
+    fn remark(&self, what: &str) -> Option<String> {
+        match self.count {
+            0 => None,
+            1 => Some(format!("line {} has {what}", self.first)),
+            count => Some(format!("{count} lines have {what}, the first is line {}", self.first)),
+        }
+    }
+}
+
+impl RowsReader {
+    /// The columns of some rows in a file of some length that begins with some lines.
+    pub(super) fn new(rows: Rows, lines: &[&str], length: usize) -> Result<Self, ImportError> {
+        let Rows { dialect, cells, even, ends } = rows;
+        let (belongs, header) = if cells.is_empty() {
+            let width = width(&dialect, lines)?;
+            (vec![true; width], dialect.header(lines, width))
+        } else {
+            (cells.iter().map(Option::is_some).collect(), cells.into_iter().flatten().collect())
+        };
+        // Columns are set aside for as many rows as the first lines let expect.
+        let whole: usize = lines.iter().map(|line| line.len() + 1).sum();
+        let mean = (whole.max(1) / lines.len().max(1)).max(1);
+        let rows = (length / mean).min(length / belongs.len().max(1) + 1);
+        let column =
+            |(name, unit)| Column { name, unit, values: Vec::with_capacity(rows + rows / 50), ..Column::default() };
+        let columns = unique(header).into_iter().map(column).collect();
+        let (lines, short, long, grouped, doubtful) = Default::default();
+        Ok(Self { dialect, columns, belongs, even, ends, end: None, lines, short, long, grouped, doubtful })
+    }
+
+    pub(super) fn line(&mut self, row: &str, line: usize) {
+        let Self { dialect, columns, belongs, even: _, ends, end, lines, short, long, grouped, doubtful } = self;
+        let trimmed = row.trim();
+        if trimmed.is_empty() || trimmed.starts_with(REMARKS) {
+            return;
+        }
+        if ends(row) {
+            *end = Some(line);
+            return;
+        }
+        let mut cells = dialect.delimiter.cells(row);
+        let mut missing = false;
+        let mut kept = columns.iter_mut();
+        for &belongs in belongs.iter() {
+            let cell = cells.next();
+            if belongs && let Some(column) = kept.next() {
+                missing |= cell.is_none();
+                let cell = cell.unwrap_or_default();
+                if column.push(cell, *dialect, line) {
+                    grouped.note(line);
+                } else if dialect.decimal == Decimal::Comma && cell.contains('.') {
+                    doubtful.note(line);
+                }
+            }
+        }
+        if missing {
+            short.note(line);
+        }
+        if cells.any(|cell| !cell.is_empty()) {
+            long.note(line);
+        }
+        if let Some(column) = columns.first() {
+            lines.push(column.values.len() - 1, line);
+        }
+    }
+
+    pub(super) fn finish(self, form: String, line: usize) -> Result<Table, ImportError> {
+        let Self { dialect, mut columns, even, end, lines, short, long, grouped, doubtful, .. } = self;
+        if columns.iter().all(|column| column.values.iter().all(|value| value.is_nan())) {
+            return Err(ImportError::NoNumbers(line));
+        }
+        columns.iter_mut().for_each(|column| column.values.shrink_to_fit());
+        let late = (grouped.count > 0 && doubtful.count > 0 && !dialect.thousands).then(|| {
+            format!(
+                "line {} has thousands apart, but line {} has a point that was taken for a decimal one, as the first lines \
+                 have no thousands: state `thousands = true` in the dialect",
+                grouped.first, doubtful.first
+            )
+        });
+        let remarks = [
+            short.remark("fewer cells than the others; what is missing counts as empty"),
+            long.remark("more cells than the others; those at the end are left out"),
+            end.map(|line| format!("line {line} begins another table; it is left out, with all below it")),
+            late,
+        ];
+        if let Some((start, step)) = even {
+            let rows = columns.first().map_or(0, |column| column.values.len());
+            columns
+                .insert(0, Column::of_header("time", Some("s"), (0..rows).map(|k| start + k as f64 * step).collect()));
+        }
+        Ok(Table { dialect, form, columns, remarks: remarks.into_iter().flatten().collect(), lines })
+    }
+}
+
+/// The number of columns in a dialect.
+fn width(dialect: &Dialect, lines: &[&str]) -> Result<usize, ImportError> {
+    let first = lines.get(dialect.data.saturating_sub(1)).copied().unwrap_or_default();
+    let mut width = dialect.delimiter.cells(first).count();
+    // A delimiter that ends each line begins no column.
+    let ends = |line: &&&str| dialect.delimiter.cells(line).nth(width - 1).is_none_or(str::is_empty);
+    let data = lines.iter().skip(dialect.data.saturating_sub(1)).filter(|line| !line.trim().is_empty());
+    if width > 1 && data.take(100).all(|line| ends(&line)) && named(dialect, lines, width) < width {
+        width -= 1;
+    }
+    if width > MOST_COLUMNS {
+        return Err(ImportError::TooManyColumns { line: dialect.data, found: width });
+    }
+    Ok(width)
+}
+
+/// The same headers with a number behind each name that there was before.
+fn unique(mut header: Vec<(String, Option<String>)>) -> Vec<(String, Option<String>)> {
+    for place in 1..header.len() {
+        let (before, rest) = header.split_at_mut(place);
+        rest[0].0 = free_name(&rest[0].0, |name| before.iter().any(|(other, _)| other == name));
+    }
+    header
+}
+
+/// The number of named columns.
+fn named(dialect: &Dialect, lines: &[&str], width: usize) -> usize {
+    if dialect.names == 0 {
+        return 0;
+    }
+    let header = dialect.header(lines, width);
+    let unnamed = |place: &usize| header[*place].0 == format!("column {}", place + 1);
+    (0..width).rev().find(|place| !unnamed(place)).map_or(0, |place| place + 1)
+}
+
 #[cfg(test)]
 mod tests {
+    use super::super::read;
     use super::*;
 
     #[test]
@@ -173,5 +391,35 @@ mod tests {
         assert_eq!(lines.of(100), 20 + 95);
         lines.end(6);
         assert_eq!((lines.of(5), lines.of(100)), (20, 20));
+    }
+
+    #[test]
+    fn a_trailing_delimiter_begins_no_column() {
+        let table = read(&b"\"V1\",\"V2\",\n0.1,0.2,\n0.3,0.4,\n"[..], None).unwrap();
+        assert_eq!(table.columns.len(), 2);
+        assert_eq!(table.columns[1].name, "V2");
+        assert_eq!(table.columns[1].values, [0.2, 0.4]);
+        let empty = read(&b"a,b,c\n0.1,0.2,\n0.3,0.4,\n"[..], None).unwrap();
+        assert_eq!(empty.columns.len(), 3, "a column that is empty so far has a name");
+    }
+
+    #[test]
+    fn names_that_stand_twice_are_numbered() {
+        let table = read(&b"x,x,t,x\n1,2,3,4\n5,6,7,8\n"[..], None).unwrap();
+        let names: Vec<&str> = table.columns.iter().map(|column| column.name.as_str()).collect();
+        assert_eq!(names, ["x", "x (2)", "t", "x (3)"]);
+    }
+
+    #[test]
+    fn ragged_rows_and_text_are_noted_with_their_lines() {
+        let table = read(&b"t,x\n0,1\n1\n\n# note\n2,3,4\n3,oops\n4,5\n"[..], None).unwrap();
+        assert_eq!(table.rows(), 5);
+        assert_eq!(table.remarks.len(), 2);
+        assert!(table.remarks[0].starts_with("line 3 has fewer cells"), "{:?}", table.remarks);
+        assert!(table.remarks[1].starts_with("line 6 has more cells"), "{:?}", table.remarks);
+        let text = table.columns[1].text.clone().unwrap();
+        assert_eq!((text.line, text.text.as_str()), (7, "oops"));
+        assert_eq!(table.line(4), 8);
+        assert!(table.columns[1].values[1].is_nan());
     }
 }

@@ -1,15 +1,49 @@
-//! The times in a column, in seconds.
+//! The times of a file: those of a column, in seconds, and the even steps that they are close to.
 
 use std::borrow::Cow;
 
+use super::error::{FEWEST, MOST};
 use super::unit::{Dimension, unit};
-use super::{Column, Table};
+use super::{Column, ImportError, Table};
+use crate::data::local_cubic::change;
 
 /// Seconds of a day.
 const DAY: f64 = 86_400.0;
 
 /// The least step of times without a unit that the user is asked about \[s\].
 const SLOW: f64 = 1.0;
+
+/// The times of a file's rows, and the even steps that they are close to.
+pub(super) struct Clock<'a> {
+    /// The place of the column of times.
+    pub(super) place: usize,
+    /// \[s\]
+    pub(super) times: Cow<'a, [f64]>,
+    pub(super) timing: Timing,
+}
+
+impl<'a> Clock<'a> {
+    /// The clock in the column at a place, whose cells have this unit. What was not as expected is added to the remarks.
+    ///
+    /// # Errors
+    /// [`ImportError`] where its times are not usable.
+    pub(super) fn of(
+        table: &'a Table,
+        place: usize,
+        unit: &str,
+        remarks: &mut Vec<String>,
+    ) -> Result<Self, ImportError> {
+        let column = table.columns[place].without_text()?;
+        let times = of(table, column, unit, remarks);
+        let timing = Timing::of_times(&times, &column.name, |row| table.line(row))?;
+        Ok(Self { place, times, timing })
+    }
+
+    /// The first time and the last one \[s\].
+    pub(super) fn ends(&self) -> [f64; 2] {
+        [self.times[0], self.times[self.times.len() - 1]]
+    }
+}
 
 /// The times of a column in seconds, up to the last row that has one; those after midnight are of the next day. What is changed is
 /// added to the remarks.
@@ -60,4 +94,329 @@ pub(super) fn question(column: &Column, text: &str, dt: f64) -> Option<String> {
              until their unit is stated"
         )
     })
+}
+
+/// Limits the error of times without a remark, as a share of the step.
+const EXACT: f64 = 0.01;
+/// Times belong to a sample if they are off by at most this share of the step.
+const CLOSE: f64 = 0.5;
+
+/// Equally spaced times, and the rows that they come from.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Timing {
+    /// The first time \[s\].
+    pub(super) start: f64,
+    /// Time between samples \[s\].
+    pub(super) dt: f64,
+    pub(super) samples: usize,
+    pub(super) places: Places,
+    /// The largest error of a time, as a share of the step.
+    worst: f64,
+    /// Whether such an error is one of rounding.
+    is_rounded: bool,
+    /// A sentence about times that are not as even as they should be, where values are at even steps all the same.
+    pub(super) remark: Option<String>,
+    /// A sentence about gaps between the times.
+    pub(super) gaps: Option<String>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Places {
+    /// Row k is sample k.
+    Rows,
+    /// The sample of each row; samples between have none.
+    Gaps(Vec<usize>),
+    /// The times of the rows in steps after the first; values are interpolated linearly.
+    Times(Vec<f64>),
+}
+
+impl Timing {
+    /// `rows` samples at a rate \[Hz\].
+    pub(super) fn of_rate(rate: f64, rows: usize) -> Result<Self, ImportError> {
+        if rows < FEWEST {
+            return Err(ImportError::TooShort(rows));
+        }
+        let (places, remark, gaps) = (Places::Rows, None, None);
+        Ok(Self { start: 0.0, dt: 1.0 / rate, samples: rows, places, worst: 0.0, is_rounded: true, remark, gaps })
+    }
+
+    /// The timing of rows with these times \[s\]; `line` is the line of a row.
+    pub(super) fn of_times(times: &[f64], column: &str, line: impl Fn(usize) -> usize) -> Result<Self, ImportError> {
+        if times.len() < FEWEST {
+            return Err(ImportError::TooShort(times.len()));
+        }
+        if let Some(row) = times.iter().position(|time| !time.is_finite()) {
+            let (column, problem) = (column.to_owned(), "a time is missing".to_owned());
+            return Err(ImportError::Cell { line: line(row), column, problem });
+        }
+        if let Some(row) = times.windows(2).position(|pair| pair[1] <= pair[0]) {
+            let (before, found) = (times[row], times[row + 1]);
+            return Err(ImportError::NotRising { line: line(row + 1), before, found });
+        }
+        let (start, last) = (times[0], times[times.len() - 1]);
+        let even = (last - start) / (times.len() - 1) as f64;
+        let step = times[1] - start;
+        // A mean step is rounded, but that of a file with exact times must be exact.
+        let exact = times.iter().enumerate().all(|(k, &time)| time == start + k as f64 * step);
+        let dt = if exact { step } else { even };
+        let off = |k: usize, place: f64, dt: f64| ((times[k] - start) / dt - place).abs();
+        let worst = (0..times.len()).map(|k| off(k, k as f64, dt)).fold(0.0, f64::max);
+        let resolution = resolution(times);
+        let is_rounded = |worst: f64, dt: f64| worst * dt <= ROUNDED * resolution;
+        let off_by = |worst: f64, dt: f64| {
+            let why = if is_rounded(worst, dt) { ", as rounded ones are" } else { "" };
+            let percent = 100.0 * worst;
+            format!("the times are off by up to {percent:.0} % of a step{why}; even steps of {} s are used", told(dt))
+        };
+        let (samples, places, (remark, gaps)) = (times.len(), Places::Rows, Default::default());
+        let even = Self { start, dt, samples, places, worst, is_rounded: is_rounded(worst, dt), remark, gaps };
+        if worst <= CLOSE {
+            return Ok(Self { remark: (worst > EXACT).then(|| off_by(worst, dt)), ..even });
+        }
+        let median = median_step(times);
+        let mut places = Vec::with_capacity(times.len());
+        places.push(0);
+        let mut longest = (0, 0);
+        for row in 1..times.len() {
+            let steps = libm::round((times[row] - times[row - 1]) / median).max(1.0);
+            places.push(count(places[row - 1] as f64 + steps + 1.0)? - 1);
+            longest = longest.max((steps as usize - 1, row));
+        }
+        let samples = places[places.len() - 1] + 1;
+        let dt = (last - start) / (samples - 1) as f64;
+        let worst = (0..times.len()).map(|k| off(k, places[k] as f64, dt)).fold(0.0, f64::max);
+        if worst <= CLOSE {
+            let (missing, (most, row)) = (samples - times.len(), longest);
+            let gaps =
+                format!("{missing} samples are missing; the longest gap has {most} and ends in line {}", line(row));
+            let is_rounded = is_rounded(worst, dt);
+            let remark = (worst > EXACT && !is_rounded).then(|| off_by(worst, dt));
+            let (places, gaps) = (Places::Gaps(places), Some(gaps));
+            return Ok(Self { dt, samples, places, worst, is_rounded, remark, gaps, ..even });
+        }
+        let samples = count(libm::floor((last - start) / median + 1e-9) + 1.0)?;
+        let places = Places::Times(times.iter().map(|time| (time - start) / median).collect());
+        let remark =
+            Some(format!("the times are irregular; values are interpolated at even steps of {} s", told(median)));
+        Ok(Self { dt: median, samples, places, worst, is_rounded: false, remark, ..even })
+    }
+
+    /// Whether the times are those of the samples.
+    pub(super) fn is_exact(&self) -> bool {
+        matches!(self.places, Places::Rows | Places::Gaps(_)) && self.worst <= EXACT
+    }
+
+    /// The same time at other steps \[s\], for columns that do not need the rows at even ones.
+    ///
+    /// # Errors
+    /// [`ImportError::TooLong`].
+    pub(super) fn at_steps(self, dt: f64) -> Result<Self, ImportError> {
+        let samples = count(libm::floor((self.samples - 1) as f64 * self.dt / dt + 1e-6) + 1.0)?;
+        Ok(Self { dt, samples, ..self })
+    }
+
+    /// Whether the samples are at even steps, and only their times are rounded, if anything.
+    pub(super) fn is_even(&self) -> bool {
+        self.is_exact() || (self.is_rounded && !matches!(self.places, Places::Times(_)))
+    }
+
+    /// A sentence on uneven times that are kept.
+    pub(super) fn kept(&self) -> String {
+        let dt = told(self.dt);
+        match self.places {
+            Places::Times(_) => format!(
+                "the times are irregular: the filters take each reading at its own time, and tell what they know at steps of {dt} s"
+            ),
+            _ => format!(
+                "the times are off by up to {:.0} % of a step of {dt} s: the filters take each reading at its own time",
+                100.0 * self.worst
+            ),
+        }
+    }
+
+    /// The values of the samples from those of the rows; NaN where there is none.
+    pub(super) fn spread(&self, rows: &[f64]) -> Vec<f64> {
+        match &self.places {
+            // Rows without a time at the end have no sample.
+            Places::Rows => rows[..self.samples.min(rows.len())].to_vec(),
+            Places::Gaps(places) => {
+                let mut values = vec![f64::NAN; self.samples];
+                places.iter().zip(rows).for_each(|(&place, &value)| values[place] = value);
+                values
+            }
+            Places::Times(times) => {
+                let mut row = 0;
+                let at = |k: usize| {
+                    let time = k as f64;
+                    while row + 2 < times.len() && times[row + 1] <= time {
+                        row += 1;
+                    }
+                    let share = (time - times[row]) / (times[row + 1] - times[row]);
+                    // A gap between distant values is not interpolated.
+                    let is_gap = times[row + 1] - times[row] > MOST_APART;
+                    match share {
+                        share if share <= 0.0 => rows[row],
+                        share if share >= 1.0 => rows[row + 1],
+                        _ if is_gap => f64::NAN,
+                        share => rows[row] + share * (rows[row + 1] - rows[row]),
+                    }
+                };
+                (0..self.samples).map(at).collect()
+            }
+        }
+    }
+}
+
+/// Equal steps of time: the first one \[s\], the time between them \[s\] and their number.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Steps {
+    pub(super) start: f64,
+    pub(super) dt: f64,
+    pub(super) count: usize,
+}
+
+impl Steps {
+    /// The values at the steps; NaN at a step to which no reading goes.
+    ///
+    /// Each reading goes to the step to which `place` rounds its time in steps: the nearest of several, shifted by what the cubic
+    /// through `side` readings to either side changes meanwhile.
+    pub(super) fn of(self, times: &[f64], values: &[f64], side: usize, place: impl Fn(f64) -> f64) -> Vec<f64> {
+        let Self { start, dt, count } = self;
+        let n = times.len();
+        let side = side.min(n.saturating_sub(1) / 2);
+        let mut nearest = vec![None; count];
+        for (k, time) in times.iter().enumerate() {
+            let steps = (time - start) / dt;
+            let place = place(steps);
+            if !(0.0..count as f64).contains(&place) {
+                continue;
+            }
+            let (place, distance) = (place as usize, (steps - place).abs());
+            if nearest[place].is_none_or(|(_, other)| distance < other) {
+                nearest[place] = Some((k, distance));
+            }
+        }
+        let at = |(place, reading): (usize, Option<(usize, f64)>)| {
+            let Some((k, _)) = reading else { return f64::NAN };
+            let first = k.saturating_sub(side).min(n - 1 - 2 * side);
+            let around = first..=first + 2 * side;
+            let shift = start + dt * place as f64 - times[k];
+            let size = 0.5 * (times[first + 2 * side] - times[first]);
+            let readings = times[around.clone()].iter().zip(&values[around]);
+            values[k] + change(readings, times[k], shift, size)
+        };
+        nearest.into_iter().enumerate().map(at).collect()
+    }
+}
+
+/// A number of samples, if a record can have them.
+fn count(samples: f64) -> Result<usize, ImportError> {
+    let found = samples.min(1e15) as usize;
+    if samples > MOST as f64 { Err(ImportError::TooLong(found)) } else { Ok(found) }
+}
+
+/// Values further apart than this many steps are not interpolated.
+const MOST_APART: f64 = 3.0;
+
+/// Rounding moves a time from its even step by at most this many units of its last decimal.
+const ROUNDED: f64 = 1.01;
+
+/// The unit of the last decimal that any of some times has \[s\]; zero if it is below a nanosecond.
+fn resolution(times: &[f64]) -> f64 {
+    let is_told = |unit: &f64| {
+        let is_whole = |time: &f64| {
+            let units = time / unit;
+            (units - libm::round(units)).abs() <= 1e-3
+        };
+        times.iter().all(is_whole)
+    };
+    (0..=9).map(|decimals| libm::pow(10.0, -f64::from(decimals))).find(is_told).unwrap_or(0.0)
+}
+
+/// A step to six digits.
+fn told(dt: f64) -> f64 {
+    format!("{dt:.5e}").parse().unwrap_or(dt)
+}
+
+fn median_step(times: &[f64]) -> f64 {
+    let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let middle = steps.len() / 2;
+    *steps.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn timing(times: &[f64]) -> Result<Timing, ImportError> {
+        Timing::of_times(times, "t", |row| row + 2)
+    }
+
+    #[test]
+    fn even_times_are_taken_as_they_are() {
+        let times: Vec<f64> = (0..100).map(|k| 0.5 + f64::from(k) * 0.01).collect();
+        let found = timing(&times).unwrap();
+        assert_eq!((found.start, found.dt, found.samples), (0.5, 0.01, 100));
+        assert_eq!((found.places, found.remark), (Places::Rows, None));
+    }
+
+    #[test]
+    fn rounded_times_are_even_within_half_a_step() {
+        let times: Vec<f64> = (0..1000).map(|k| (f64::from(k) * 1.6384).round() * 1e-3).collect();
+        let found = timing(&times).unwrap();
+        assert!((found.dt / 1.6384e-3 - 1.0).abs() < 1e-3, "{}", found.dt);
+        assert_eq!(found.places, Places::Rows);
+        assert!(found.is_even() && !found.is_exact());
+        assert!(found.remark.unwrap().contains("rounded"));
+    }
+
+    #[test]
+    fn jitter_that_is_finer_than_rounding_is_one() {
+        // The step jitters by a fifth, in microseconds.
+        let times: Vec<f64> = (0..500).map(|k| f64::from(k) * 0.01 + 2e-3 * f64::from(k * 7 % 5 - 2) / 2.0).collect();
+        let times: Vec<f64> = times.iter().map(|time| (time * 1e6).round() * 1e-6).collect();
+        let found = timing(&times).unwrap();
+        assert!(!found.is_even(), "{found:?}");
+        assert!(found.kept().contains(" % of a step of 0.01"), "{}", found.kept());
+    }
+
+    #[test]
+    fn gaps_are_missing_samples_and_the_right_line_is_named() {
+        let found = timing(&[0.0, 0.1, 0.2, 0.3, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1]).unwrap();
+        assert_eq!(found.samples, 12);
+        assert!((found.dt - 0.1).abs() < 1e-12);
+        let values = found.spread(&[0.0, 1.0, 2.0, 3.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0]);
+        assert!(values[4].is_nan() && values[5].is_nan());
+        assert_eq!(values[6], 6.0);
+        let remark = found.gaps.unwrap();
+        assert_eq!(remark, "2 samples are missing; the longest gap has 2 and ends in line 6");
+    }
+
+    #[test]
+    fn irregular_times_are_resampled() {
+        let times = [0.0, 0.13, 0.2, 0.36, 0.38, 0.55, 0.61, 0.68, 0.81, 0.95, 1.02, 1.38, 1.44, 1.6, 1.69];
+        let found = timing(&times).unwrap();
+        let values = found.spread(&times.map(|t| 3.0 * t));
+        assert!(found.remark.unwrap().contains("irregular"));
+        for (k, value) in values.iter().enumerate().filter(|(_, value)| !value.is_nan()) {
+            assert!((value - 3.0 * k as f64 * found.dt).abs() < 1e-12, "{k}");
+        }
+        assert!(values.iter().filter(|value| value.is_nan()).count() < 6);
+    }
+
+    #[test]
+    fn times_that_do_not_rise_are_refused_with_their_line() {
+        assert_eq!(
+            timing(&[0.0, 0.1, 0.1]).unwrap_err().to_string(),
+            "line 4: the time stands still from 0.1 s to 0.1 s"
+        );
+        assert_eq!(
+            timing(&[0.0, 0.1, 0.05]).unwrap_err().to_string(),
+            "line 4: the time goes back from 0.1 s to 0.05 s"
+        );
+        assert!(timing(&[0.0, f64::NAN, 1.0]).unwrap_err().to_string().contains("line 3, column `t`"));
+        assert!(timing(&[0.0]).unwrap_err().to_string().starts_with("1 row"));
+        let endless = timing(&[0.0, 1e-9, 2e-9, 1e9]).unwrap_err().to_string();
+        assert!(endless.contains("at most 2000000"), "{endless}");
+    }
 }

@@ -1,11 +1,13 @@
-//! Records without an input: a white force moves the plant, and its size is one more thing to be found.
+//! Records without an input: a white force moves the plant, and its size is one more thing to be found. An oscillator under such a force
+//! is fitted to the spectrum of one sensor.
 
-use super::ambient_fit::{AmbientFit, ambient_fit};
-use super::climb::Climb;
-use super::follow::first_alone;
-use super::response::{Response, order};
-use super::{Suggestion, moments, motion_sensor, rounded};
-use crate::{Channel, FilterKind, Hold, Quantity, Record, Scenario};
+use super::likeliest::Climb;
+use super::response::{Response, free_response, is_within, order};
+use super::spectra::{Gaps, LONG, Spectra};
+use super::{Suggestion, augment, first_for_trial, moments, motion_sensor, rounded};
+use crate::data::sorting::sort_numbers;
+use crate::mathematics::least_squares::{NormalEquations, descend};
+use crate::{Channel, Hold, Quantity, Record, Scenario};
 
 /// The white force of a record without an input, and the noise of the scenario's sensors, before they are tried.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,7 +43,7 @@ pub(super) struct Ambient {
     pub(super) suggestion: Suggestion,
     /// The sizes that factors of the climb multiply.
     sizes: Sizes,
-    climb: Climb,
+    pub(super) climb: Climb,
     /// The sensors that its filters do without.
     left_out: Vec<Quantity>,
     /// The best of the climb with a force that is held: its log likelihood, if it has one. None before it was tried.
@@ -66,16 +68,12 @@ impl Ambient {
         self.left_out.iter().for_each(|quantity| scenario.remove_sensor(*quantity));
     }
 
-    /// The share that is done, from 0 to 1.
-    pub(super) fn progress(&self) -> f64 {
-        self.climb.progress()
-    }
-
     /// The sizes of the next trial: those of the climb, then its best with a force that is held.
     pub(super) fn next(&self) -> Option<Sizes> {
         let Self { sizes, climb, held, .. } = self;
         let of_climb = || climb.next().map(|factors| sizes.times(&factors));
-        let last = || climb.best().filter(|_| held.is_none()).map(|(factors, _)| sizes.times(factors).held());
+        let last =
+            || climb.found.best.as_ref().filter(|_| held.is_none()).map(|(factors, _)| sizes.times(factors).held());
         of_climb().or_else(last)
     }
 
@@ -90,10 +88,10 @@ impl Ambient {
 
     /// The best sizes and their log likelihood.
     pub(super) fn best(&self) -> Option<(Sizes, f64)> {
-        let (factors, likelihood) = self.climb.best()?;
+        let (factors, likelihood) = self.climb.found.best.as_ref()?;
         let sizes = self.sizes.times(factors);
-        let held = self.held.flatten().filter(|held| *held > likelihood);
-        Some(held.map_or_else(|| (sizes.clone(), likelihood), |held| (sizes.held(), held)))
+        let held = self.held.flatten().filter(|held| held > likelihood);
+        Some(held.map_or_else(|| (sizes.clone(), *likelihood), |held| (sizes.held(), held)))
     }
 }
 
@@ -121,16 +119,16 @@ impl Suggestion {
         if !self.has_frequency() {
             return None;
         }
-        let (quantity, measured) = motion_sensor(record)?;
+        let (quantity, _) = motion_sensor(record)?;
         let band = self.scenario.record.as_ref().and_then(|mapping| mapping.band);
-        let fit = ambient_fit(record, quantity, measured, band)?;
+        let fit = ambient_fit(record, quantity, band)?;
         let AmbientFit { natural_frequency, damping_ratio, force, noise, edge, .. } = fit;
         let noises = self.scenario.sensors.iter().enumerate().map(|(place, sensor)| {
             let measured = record.measured_quantity(sensor.measures)?;
             let (_, std) = moments(measured);
             // At high frequencies an accelerometer reads the force; all other sensors read only noise.
             let own = || if sensor.measures == quantity { Some(noise) } else { None };
-            let fitted = || own().or_else(|| Some(ambient_fit(record, sensor.measures, measured, band)?.noise));
+            let fitted = || own().or_else(|| Some(ambient_fit(record, sensor.measures, band)?.noise));
             let noise = if order(sensor.measures) < 2 { None } else { fitted() };
             Some(noise.unwrap_or(self.scenario.sensors[place].noise_std).max(1e-4 * std))
         });
@@ -179,9 +177,7 @@ impl Suggestion {
             for &channel in kind.channels().iter().filter(|channel| !channel.is_parameter()) {
                 filter.process_std[channel] = 0.0;
             }
-            if !filter.augment.contains(&Channel::WHITE_FORCE) {
-                filter.augment.push(Channel::WHITE_FORCE);
-            }
+            augment(filter, Channel::WHITE_FORCE);
             filter.initial_mean[Channel::WHITE_FORCE] = 0.0;
             filter.initial_std[Channel::WHITE_FORCE] = force;
             filter.process_std[Channel::WHITE_FORCE] = force;
@@ -192,11 +188,7 @@ impl Suggestion {
 
     /// The first filter of [`Self::with_white_force`] alone.
     pub(super) fn trial_of_white_force(&self, sizes: &Sizes) -> Scenario {
-        let mut scenario = first_alone(&self.with_white_force(sizes));
-        for filter in scenario.filters.iter_mut().filter(|filter| filter.kind.is_sampled()) {
-            filter.kind = FilterKind::EKF;
-        }
-        scenario
+        first_for_trial(&self.with_white_force(sizes))
     }
 
     /// Takes these sizes for good.
@@ -214,5 +206,192 @@ impl Suggestion {
             let (name, unit) = (sensor.measures.name(), self.unit(sensor.measures.unit()));
             self.reasons.push(format!("R of the {name}: {noise} {unit}, the most likely together with that force"));
         }
+    }
+}
+
+/// An oscillator under a white force, as the spectrum of a sensor shows it.
+#[derive(Clone, Copy, Debug)]
+struct AmbientFit {
+    /// ωₙ \[rad/s\]
+    natural_frequency: f64,
+    /// ζ \[-\]
+    damping_ratio: f64,
+    /// s, the standard deviation of the force over mass at a sample \[m/s²\].
+    force: f64,
+    /// The standard deviation of the sensor's noise, in its unit.
+    noise: f64,
+    /// The standard errors of ωₙ and ζ, relative to them.
+    errors: [f64; 2],
+    /// The frequency from which on an accelerometer has less power than a white force gives \[rad/s\].
+    edge: Option<f64>,
+}
+
+/// The frequencies of the fit, relative to that of the peak: other modes are left out.
+const NEAR: std::ops::Range<f64> = 0.2..4.0;
+/// Frequencies count up to this share of the Nyquist frequency, beyond which filters against aliases take the force away.
+const HIGHEST: f64 = 0.8;
+/// Frequencies up to this share of the Nyquist frequency are looked at for an edge.
+const LAST: f64 = 0.97;
+/// The number of parts of the spectrum that are looked at for an edge.
+const PARTS: usize = 50;
+/// Limits the share of a white force's power in each part beyond an edge; and the least number of these parts.
+const LOW: (f64, usize) = (0.6, 3);
+/// The frequencies at least.
+const LEAST: usize = 16;
+/// The most steps of the descent that are tried.
+const STEPS: usize = 200;
+/// The power of a Hann window half a line apart from each other, up to one and a half lines from its middle.
+const WINDOW: [f64; 7] = [0.0096, 0.0834, 0.2403, 0.3334, 0.2403, 0.0834, 0.0096];
+
+/// The fit to the lines around the highest peak of the spectrum, by Whittle's likelihood:
+///
+/// ```text
+/// S(ω) = s² |G(ω)|² + R,  minimal Σ ln S + P / S
+/// X = sinc(ω dt / 2) / (ωₙ² - ω² + 2iζωₙω),  G = X, iωX or 1 - ωₙ² X - 2ζωₙ iωX
+/// ```
+///
+/// with the measured power P, for displacement, velocity and acceleration, smeared by the window as P is. `None` if
+/// there is no such peak.
+///
+/// Source: Whittle (1953), Estimation and information in stationary time series; Brincker and Ventura (2015), *Introduction
+/// to Operational Modal Analysis*.
+fn ambient_fit(record: &Record, quantity: Quantity, band: Option<[f64; 2]>) -> Option<AmbientFit> {
+    let measured = record.measured_quantity(quantity)?;
+    let start = free_response(record, measured, band)?;
+    let spectra = Spectra::new(record, measured, LONG, Gaps::Fill)?;
+    let peak = start.natural_frequency;
+    let last = (HIGHEST * spectra.len() as f64) as usize;
+    let is_near = |place: &usize| {
+        let frequency = spectra.frequency(*place);
+        NEAR.contains(&(frequency / peak)) && is_within(band, frequency)
+    };
+    let places: Vec<usize> = (2..last).filter(is_near).collect();
+    let (first, last) = (*places.first()?, *places.last()?);
+    let powers = &spectra.output[first..=last];
+    let (line, order) = (spectra.frequency(1), order(quantity));
+    let lines = Lines { first: first as f64, line, dt: spectra.dt, order, powers };
+    if powers.len() < LEAST {
+        return None;
+    }
+    let mut sorted = powers.to_vec();
+    sort_numbers(&mut sorted);
+    let (low, high) = (sorted[sorted.len() / 10], sorted[sorted.len() - 1]);
+    if !(low > 0.0 && high.is_finite()) {
+        return None;
+    }
+    let size = |damping: f64| high / lines.response(peak, damping, peak).max(f64::MIN_POSITIVE);
+    let begin = |damping: f64| [peak, damping, size(damping), 0.5 * low].map(libm::log);
+    // A peak that is hardly wider than a line says little about its damping: another start is tried too.
+    let found = [start.damping_ratio, 0.02].into_iter().map(|damping| lines.descend(begin(damping)));
+    let (_, found) = found.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let [natural_frequency, damping_ratio, force, noise] = found.map(libm::exp);
+    let is_sound = (0.5 * peak..2.0 * peak).contains(&natural_frequency) && damping_ratio < 0.7;
+    let edge = lines.edge(&spectra, found);
+    let errors = lines.errors(&found, spectra.independent())?;
+    let (force, noise) = (libm::sqrt(force), libm::sqrt(noise));
+    let is_sound = is_sound && force.is_finite() && force > 0.0 && noise.is_finite();
+    let damping_ratio = damping_ratio.max(1e-3);
+    is_sound.then_some(AmbientFit { natural_frequency, damping_ratio, force, noise, errors, edge })
+}
+
+/// Lines of a spectrum next to each other.
+struct Lines<'a> {
+    /// The number of the first line.
+    first: f64,
+    /// From a line to the next \[rad/s\].
+    line: f64,
+    /// Time between samples \[s\].
+    dt: f64,
+    /// The number of times that a displacement is differentiated to give the measured quantity.
+    order: i32,
+    powers: &'a [f64],
+}
+
+impl Lines<'_> {
+    /// `|G(ω)|²` of the reading to a force that lasts for a sample.
+    fn response(&self, natural_frequency: f64, damping_ratio: f64, frequency: f64) -> f64 {
+        let (wn, w) = (natural_frequency, frequency);
+        let (re, im) = (wn * wn - w * w, 2.0 * damping_ratio * wn * w);
+        let half = 0.5 * w * self.dt;
+        let sinc = if half > 0.0 { libm::sin(half) / half } else { 1.0 };
+        let square = re * re + im * im;
+        if self.order < 2 {
+            let by = if self.order == 1 { w * w } else { 1.0 };
+            return by * sinc * sinc / square.max(f64::MIN_POSITIVE);
+        }
+        // 1 - sinc (ωₙ² + 2iζωₙω) / D, with the conjugate of D above.
+        let (above_re, above_im) = (wn * wn, im);
+        let re = 1.0 - sinc * (above_re * re + above_im * im) / square.max(f64::MIN_POSITIVE);
+        let im = -sinc * (above_im * (wn * wn - w * w) - above_re * im) / square.max(f64::MIN_POSITIVE);
+        re * re + im * im
+    }
+
+    /// The frequency from which on the spectrum falls off below that of the logarithms of ωₙ, ζ, s² and R, as behind a low-pass
+    /// filter. Only an accelerometer feels the force there.
+    fn edge(&self, spectra: &Spectra, found: [f64; 4]) -> Option<f64> {
+        let [wn, zeta, force, noise] = found.map(libm::exp);
+        let (length, last) = (spectra.len() / PARTS, (LAST * spectra.len() as f64) as usize);
+        let share = |first: usize| {
+            let sum = |of: &dyn Fn(usize) -> f64| (first..first + length).map(of).sum::<f64>();
+            let white = |place: usize| force * self.response(wn, zeta, spectra.frequency(place)) + noise;
+            sum(&|place| spectra.output[place]) / sum(&white).max(f64::MIN_POSITIVE)
+        };
+        let parts = (1..=PARTS).map_while(|part| last.checked_sub(part * length)).filter(|_| length > 0);
+        let beyond: Vec<usize> =
+            parts.take_while(|first| spectra.frequency(*first) > 2.0 * wn && share(*first) < LOW.0).collect();
+        let edge = beyond.last().filter(|_| self.order == 2 && beyond.len() >= LOW.1)?;
+        Some(spectra.frequency(*edge))
+    }
+
+    /// The logarithm of S at each line, for the logarithms of ωₙ, ζ, s² and R.
+    fn model(&self, at: &[f64; 4]) -> Vec<f64> {
+        let [wn, zeta, force, noise] = at.map(libm::exp);
+        let reach = WINDOW.len() / 2;
+        let fine = |i: usize| self.line * (self.first + 0.5 * (i as f64 - reach as f64)).abs();
+        let responses: Vec<f64> =
+            (0..2 * self.powers.len() + 2 * reach).map(|i| self.response(wn, zeta, fine(i))).collect();
+        let smeared = |line: usize| -> f64 { WINDOW.iter().zip(&responses[2 * line..]).map(|(w, g)| w * g).sum() };
+        (0..self.powers.len()).map(|line| libm::log(force * smeared(line) + noise)).collect()
+    }
+
+    /// The derivatives of the logarithm of S at each line, by the logarithms of ωₙ, ζ, s² and R.
+    fn slopes(&self, at: &[f64; 4], spectrum: &[f64]) -> [Vec<f64>; 4] {
+        /// The change of a logarithm for a derivative.
+        const CHANGE: f64 = 1e-4;
+        std::array::from_fn(|i| {
+            let mut near = *at;
+            near[i] += CHANGE;
+            self.model(&near).iter().zip(spectrum).map(|(other, ln)| (other - ln) / CHANGE).collect()
+        })
+    }
+
+    /// The standard errors of ωₙ and ζ, relative to them, from the mean of a number of independent spectra.
+    fn errors(&self, at: &[f64; 4], spectra: f64) -> Option<[f64; 2]> {
+        let spectrum = self.model(at);
+        let slopes = self.slopes(at, &spectrum);
+        let mut equations = NormalEquations::new();
+        (0..spectrum.len()).for_each(|line| equations.add(slopes.each_ref().map(|slopes| slopes[line]), 0.0, spectra));
+        // R that is not seen has no part in it.
+        let errors = equations.damped(0.0, 1e-6).variances()?.map(libm::sqrt);
+        errors.iter().all(|error| error.is_finite()).then_some([errors[0], errors[1]])
+    }
+
+    /// The least of Whittle's likelihood, negative, that scoring reaches from a point, and its place.
+    fn descend(&self, begin: [f64; 4]) -> (f64, [f64; 4]) {
+        let look = |at: &[f64; 4]| {
+            let spectrum = self.model(at);
+            let cost = spectrum.iter().zip(self.powers).map(|(ln, power)| ln + power * libm::exp(-ln)).sum();
+            (cost, spectrum)
+        };
+        let equations = |at: &[f64; 4], spectrum: &Vec<f64>| {
+            let slopes = self.slopes(at, spectrum);
+            let mut equations = NormalEquations::new();
+            for (line, (ln, power)) in spectrum.iter().zip(self.powers).enumerate() {
+                equations.add(slopes.each_ref().map(|slopes| slopes[line]), 1.0 - power * libm::exp(-ln), 1.0);
+            }
+            equations
+        };
+        let step = |at: &[f64; 4], by: [f64; 4]| Some(std::array::from_fn(|i| at[i] - by[i].clamp(-1.0, 1.0)));
+        descend(begin, (STEPS, 1e-9), |_| 1e-6 * self.powers.len() as f64, look, equations, step)
     }
 }

@@ -1,9 +1,12 @@
-//! The belief that filters begin with, and the gain of the input.
+//! The belief that filters begin with, and the gain of the input. The parameters of an equation are searched: a filter begins from points
+//! all over their ranges, and goes on from the end of the likeliest run.
 
-use super::decay::Decay;
-use super::response::{Response, order};
-use super::{Suggestion, hysteresis, moments, rounded};
-use crate::{Channel, Quantity, Record, Signal};
+use super::likeliest::{Likeliest, first_alone, likelihood};
+use super::response::{Decay, Response, free_response, order};
+use super::{Suggestion, augment, begin_with, moments, motion_sensor, rounded, set_share};
+use crate::mathematics::channel::{MAX_MASSES, Role, Sign};
+use crate::mathematics::equation::Equation;
+use crate::{Aspect, Channel, FilterKind, FilterSettings, InputKind, PlantKind, Quantity, Record, Run, Scenario};
 
 /// The spread that a filter of a free decay begins with, in standard deviations of the fit.
 pub(super) const LOOSE: f64 = 30.0;
@@ -15,12 +18,8 @@ impl Suggestion {
         let (wn, zeta) = (rounded(natural_frequency), rounded(damping_ratio));
         let hertz = rounded(wn / std::f64::consts::TAU);
         self.reasons.push(format!("guess of ωₙ: {wn} rad/s ({hertz} Hz) and of ζ: {zeta}, {reason}"));
-        for (channel, value) in [(Channel::NATURAL_FREQUENCY, wn), (Channel::DAMPING_RATIO, zeta)] {
-            // The truth of a measured record is not known: these values are for a simulation in its place.
-            if self.scenario.plant.parameter(channel).is_some() {
-                self.scenario.plant.set(channel, Signal::Constant(value));
-            }
-        }
+        self.simulate_with(Channel::NATURAL_FREQUENCY, wn);
+        self.simulate_with(Channel::DAMPING_RATIO, zeta);
         self.gain(record, gain);
         let measured = record.measured_quantity(quantity).unwrap_or_default();
         let (_, size) = moments(measured);
@@ -29,34 +28,22 @@ impl Suggestion {
         let first = measured.iter().copied().find(|value| !value.is_nan()).filter(|_| order == 0).unwrap_or(0.0);
         for filter in self.filters() {
             let std = |value: f64| rounded(value.max(f64::MIN_POSITIVE));
-            let mean = [
-                (Channel::DISPLACEMENT, rounded(first)),
-                (Channel::VELOCITY, 0.0),
-                (Channel::NATURAL_FREQUENCY, wn),
-                (Channel::DAMPING_RATIO, zeta),
-                (Channel::CUBIC_STIFFNESS, 0.0),
+            let motion = [
+                (Channel::DISPLACEMENT, rounded(first), std(displacement)),
+                (Channel::VELOCITY, 0.0, std(displacement * natural_frequency)),
             ];
-            let spread = [
-                (Channel::DISPLACEMENT, std(displacement)),
-                (Channel::VELOCITY, std(displacement * natural_frequency)),
-                (Channel::NATURAL_FREQUENCY, std(0.1 * natural_frequency)),
-                (Channel::DAMPING_RATIO, std((0.5 * damping_ratio).max(0.01))),
-                (Channel::CUBIC_STIFFNESS, std(cubic_scale(natural_frequency, measured, order))),
-            ];
-            for (channel, value) in mean {
-                filter.initial_mean[channel] = value;
+            for (channel, mean, std) in motion {
+                (filter.initial_mean[channel], filter.initial_std[channel]) = (mean, std);
             }
-            for (channel, value) in spread {
-                filter.initial_std[channel] = value;
-            }
-            for (channel, _) in spread.iter().skip(2) {
-                filter.process_std[*channel] = 0.0;
-            }
+            let cubic = std(cubic_scale(natural_frequency, measured, order));
+            begin_with(filter, Channel::NATURAL_FREQUENCY, (wn, std(0.1 * natural_frequency)));
+            begin_with(filter, Channel::DAMPING_RATIO, (zeta, std((0.5 * damping_ratio).max(0.01))));
+            begin_with(filter, Channel::CUBIC_STIFFNESS, (0.0, cubic));
         }
         self.reasons.push("initial spread: a tenth of ωₙ, half of ζ, and the size of the motion itself".to_owned());
         let (kind, input) = (self.scenario.plant.kind, self.scenario.input);
         let mut yields = false;
-        self.filters().for_each(|filter| yields |= hysteresis::start(filter, kind, input, displacement));
+        self.filters().for_each(|filter| yields |= start_yielding(filter, kind, input, displacement));
         if yields {
             self.reasons.push(
                 "β and γ: the spring is about to yield at twice the root mean square of the displacement".to_owned(),
@@ -64,7 +51,8 @@ impl Suggestion {
         }
     }
 
-    /// Lets every filter expect a motion as large as the beginning of a decay, which a long record's mean square hides.
+    /// Lets every filter expect a motion as large as the beginning of a decay, which a long record's mean square hides, and begin near
+    /// the parameters of a fit that leaves noise alone.
     pub(super) fn begin_as_large(&mut self, quantity: Quantity, decay: &Decay) {
         let Decay { natural_frequency, damping_ratio, spread, amplitude, is_all, .. } = *decay;
         let displacement = amplitude / libm::pow(natural_frequency, f64::from(order(quantity)));
@@ -74,14 +62,12 @@ impl Suggestion {
                 filter.initial_std[channel] = filter.initial_std[channel].max(rounded(size));
             }
         }
-        if is_all {
-            self.begin_near([natural_frequency, damping_ratio], spread);
+        if !is_all {
+            return;
         }
-    }
-
-    /// Lets every filter begin near the parameters of a fit. The readings count again in the filter: a spread far above that
-    /// of the fit says next to nothing, and a linearisation holds within it.
-    fn begin_near(&mut self, fitted: [f64; 2], spread: [f64; 2]) {
+        // The readings count again in the filter: a spread far above that of the fit says next to nothing, and a linearisation holds
+        // within it.
+        let fitted = [natural_frequency, damping_ratio];
         let eight_digits = |value: f64| format!("{value:.7e}").parse().unwrap_or(value);
         let [frequency, damping] = spread.map(|std| LOOSE * std);
         let spread = [frequency.max(1e-5 * fitted[0]), damping.max(0.01 * fitted[1])];
@@ -118,9 +104,7 @@ impl Suggestion {
         }
         let is_mapped = self.scenario.record.is_some();
         for filter in self.filters() {
-            if !filter.augment.contains(&Channel::INPUT_GAIN) {
-                filter.augment.push(Channel::INPUT_GAIN);
-            }
+            augment(filter, Channel::INPUT_GAIN);
             let mean = if is_mapped { 1.0 } else { gain };
             if !is_mapped && filter.augment.contains(&Channel::INPUT_OFFSET) {
                 // The offset belongs to the true input; its gain is not yet known well.
@@ -128,9 +112,38 @@ impl Suggestion {
                 filter.initial_mean[Channel::INPUT_OFFSET] = offset;
                 filter.initial_std[Channel::INPUT_OFFSET] = rounded(0.2 * offset.abs());
             }
-            filter.initial_mean[Channel::INPUT_GAIN] = mean;
-            filter.initial_std[Channel::INPUT_GAIN] = rounded(0.2 * mean.abs());
-            filter.process_std[Channel::INPUT_GAIN] = 0.0;
+            begin_with(filter, Channel::INPUT_GAIN, (mean, rounded(0.2 * mean.abs())));
+        }
+    }
+
+    /// The equation of the first filter and its parameters, if spectra cannot give all of them.
+    pub(super) fn own_parameters(&self) -> Option<(&'static Equation, Vec<Channel>)> {
+        let kind = self.scenario.filters.first()?.plant.unwrap_or(self.scenario.plant.kind);
+        let equation = kind.own_equation()?;
+        kind.parameters().any(|channel| !TOLD.contains(&channel)).then(|| (equation, kind.parameters().collect()))
+    }
+
+    /// Whether a constant part may be motion: where the first filter has an equation that is not linear.
+    pub(super) fn knows_zero(&self) -> bool {
+        self.own_parameters().is_some_and(|(equation, _)| !equation.is_linear())
+    }
+
+    /// Lets filters of an equation without a natural frequency expect a motion of the size that the record shows.
+    pub(super) fn size_of_motion(&mut self, record: &Record) {
+        let Some((quantity, measured)) = motion_sensor(record) else { return };
+        let band = self.scenario.record.as_ref().and_then(|mapping| mapping.band);
+        let Some(found) = free_response(record, measured, band) else { return };
+        let (_, size) = moments(measured);
+        let displacement = size / libm::pow(found.natural_frequency, f64::from(order(quantity)));
+        for filter in self.filters() {
+            for mass in 0..MAX_MASSES {
+                let first = record.measured_quantity(Quantity::new(Aspect::DISPLACEMENT, mass));
+                let first = first.and_then(|all| all.iter().copied().find(|value| !value.is_nan()));
+                let (x, v) = (Channel::displacement(mass), Channel::velocity(mass));
+                (filter.initial_mean[x], filter.initial_mean[v]) = (rounded(first.unwrap_or(0.0)), 0.0);
+                filter.initial_std[x] = rounded(displacement.max(f64::MIN_POSITIVE));
+                filter.initial_std[v] = rounded((displacement * found.natural_frequency).max(f64::MIN_POSITIVE));
+            }
         }
     }
 }
@@ -140,4 +153,186 @@ fn cubic_scale(natural_frequency: f64, measured: &[f64], order: i32) -> f64 {
     let most = measured.iter().filter(|value| !value.is_nan()).fold(0.0_f64, |most, value| most.max(value.abs()));
     let displacement = most / libm::pow(natural_frequency, f64::from(order));
     if displacement > 0.0 { 0.5 * natural_frequency * natural_frequency / (displacement * displacement) } else { 1.0 }
+}
+
+/// Share of the load that the spring keeps after yielding, to begin with.
+const POST_YIELD: (f64, f64) = (0.5, 0.25);
+
+/// Start values for a filter with a Bouc-Wen plant: the spring yields at a large motion, at about twice the root mean
+/// square `displacement` \[m\]. Returns false for another plant.
+fn start_yielding(filter: &mut FilterSettings, truth: PlantKind, input: InputKind, displacement: f64) -> bool {
+    let model = filter.model(truth, input);
+    let shapes = [
+        (Channel::YIELD_BETA, Channel::YIELD_GAMMA, 1.0 / (2.0 * displacement)),
+        (Channel::HYSTERESIS_BETA, Channel::HYSTERESIS_GAMMA, 1.0 / (4.0 * displacement * displacement)),
+    ];
+    let Some((beta, gamma, shape)) = shapes.into_iter().find(|(beta, ..)| model.place(*beta).is_some()) else {
+        return false;
+    };
+    if !(shape.is_finite() && shape > 0.0) {
+        return false;
+    }
+    let (ratio, spread) = POST_YIELD;
+    for (channel, mean, std) in [
+        (Channel::HYSTERETIC_DISPLACEMENT, 0.0, 0.1 * displacement),
+        (Channel::POST_YIELD_RATIO, ratio, spread),
+        (beta, 0.5 * shape, shape),
+        (gamma, 0.0, shape),
+    ] {
+        begin_with(filter, channel, (rounded(mean), rounded(std)));
+    }
+    true
+}
+
+/// The points for each parameter, and for all of them at most.
+const POINTS: (usize, usize) = (10, 48);
+
+/// The number of times that the filter goes on from the end of the likeliest run.
+const AGAIN: usize = 4;
+
+/// The motion's process noise per step in a trial, as a share of its size: a parameter that is wrong must not stop the filter.
+const SHARE: f64 = 1e-3;
+
+/// The parameters of a linear oscillator that spectra give.
+const TOLD: [Channel; 2] = [Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO];
+
+/// Prime numbers; their square roots spread points evenly in as many dimensions.
+const PRIMES: [f64; 12] = [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0, 31.0, 37.0];
+
+/// The trials of start values for the parameters of an equation.
+pub(super) struct Search {
+    channels: Vec<Channel>,
+    /// The magnitudes between which each is tried, and the share of points with the other sign than the guess.
+    ranges: Vec<(f64, f64, f64)>,
+    points: usize,
+    /// The mean and the standard deviation of each parameter at the end of a trial.
+    ends: Likeliest<Vec<(f64, f64)>>,
+}
+
+impl Search {
+    /// The search for a suggestion, if its first filter has an equation with parameters that the spectra cannot give.
+    /// The other parameters are searched around the spectra's values.
+    pub(super) fn of(suggestion: &Suggestion) -> Option<Self> {
+        let (equation, channels) = suggestion.own_parameters()?;
+        let filter = suggestion.scenario.filters.first()?;
+        let settings = equation.settings();
+        let range = |channel: &Channel| {
+            let usual = channel.usual();
+            if TOLD.contains(channel) && suggestion.is_guessed {
+                let told = filter.initial_mean[*channel];
+                return (told / 4.0, 4.0 * told, 0.0);
+            }
+            let size = if usual.mean == 0.0 { usual.std } else { usual.mean.abs() }.max(f64::MIN_POSITIVE);
+            let given = settings.parameter(channel.key()).and_then(|one| one.range);
+            let most = given.map_or(50.0 * size, |[low, high]| low.abs().max(high.abs()));
+            let is_one_sided = given.is_some_and(|[low, high]| low >= 0.0 || high <= 0.0)
+                || !matches!(channel.role(), Role::Parameter(Sign::Any));
+            let other = if is_one_sided { 0.0 } else { 0.25 };
+            (most / if given.is_some() { 200.0 } else { 2500.0 }, most, other)
+        };
+        let points = (POINTS.0 * channels.len()).min(POINTS.1);
+        let ranges = channels.iter().map(range).collect();
+        Some(Self { channels, ranges, points, ends: Likeliest::new() })
+    }
+
+    pub(super) fn progress(&self) -> f64 {
+        self.ends.trials as f64 / (self.points + AGAIN) as f64
+    }
+
+    pub(super) fn is_done(&self) -> bool {
+        self.ends.trials >= self.points + if self.ends.best.is_some() { AGAIN } else { 0 }
+    }
+
+    pub(super) fn scenario(&self, of: &Scenario) -> Scenario {
+        let mut scenario = first_alone(of);
+        for filter in &mut scenario.filters {
+            filter.kind = FilterKind::EKF;
+            for (place, &channel) in self.channels.iter().enumerate() {
+                let guess = (filter.initial_mean[channel], filter.initial_std[channel]);
+                begin_with(filter, channel, self.start(place, guess));
+            }
+        }
+        set_share(&mut scenario, SHARE);
+        scenario
+    }
+
+    /// Mean and standard deviation with which a parameter begins the next trial: the guess, then points, then the best end.
+    fn start(&self, place: usize, guess: (f64, f64)) -> (f64, f64) {
+        if self.ends.trials == 0 {
+            return guess;
+        }
+        let (low, high, other) = self.ranges[place];
+        if let Some((ends, _)) = self.ends.best.as_ref().filter(|_| self.ends.trials >= self.points) {
+            let (mean, std) = ends[place];
+            return (mean, (0.3 * mean.abs()).max(2.0 * std).max(1e-3 * low));
+        }
+        let root = libm::sqrt(PRIMES[place % PRIMES.len()]);
+        let along = (0.5 + self.ends.trials as f64 * root).fract();
+        let is_other = along < other;
+        let along = if is_other { along / other } else { (along - other) / (1.0 - other) };
+        let size = low * libm::pow(high / low, along);
+        let is_negative = (guess.0 < 0.0) != is_other;
+        (if is_negative { -size } else { size }, 0.5 * size)
+    }
+
+    pub(super) fn take(&mut self, run: Option<&Run>) {
+        let found = run.and_then(|run| Some((self.ends_of(run)?, likelihood(run)?)));
+        let (ends, likelihood) = found.unzip();
+        self.ends.take(ends.unwrap_or_default(), likelihood, 0.0);
+    }
+
+    /// Mean and standard deviation of each parameter at the end of a run, if they are allowed.
+    fn ends_of(&self, run: &Run) -> Option<Vec<(f64, f64)>> {
+        let estimates = run.estimates().first()?;
+        let last = estimates.len().checked_sub(1)?;
+        let end = |&channel: &Channel| {
+            let place = estimates.place(channel)?;
+            let mean = estimates.canonical_mean(last, place);
+            let is_allowed = match channel.role() {
+                Role::Parameter(Sign::Positive) => mean > 0.0,
+                Role::Parameter(Sign::NotNegative) => mean >= 0.0,
+                _ => mean.is_finite(),
+            };
+            is_allowed.then(|| (mean, estimates.std(last, place)))
+        };
+        self.channels.iter().map(end).collect()
+    }
+
+    /// Says that nothing is searched, because the record has no input.
+    pub(super) fn give_up(self, suggestion: &mut Suggestion) {
+        suggestion.reasons.push(format!(
+            "{} begin with the guesses of the equation: without an input no start values of its parameters are searched",
+            self.names()
+        ));
+    }
+
+    fn names(&self) -> String {
+        self.channels.iter().map(|channel| channel.symbol()).collect::<Vec<_>>().join(", ")
+    }
+
+    /// Lets every filter begin where the likeliest trial has ended, or says that none went through.
+    pub(super) fn finish(self, suggestion: &mut Suggestion) {
+        let names = self.names();
+        let Self { channels, ends, points, .. } = self;
+        let Some((ends, _)) = ends.best else {
+            suggestion.reasons.push(format!(
+                "no start values of {names} could be found: the filter goes through from none of {points} points, and begins with \
+                 the guesses of the equation"
+            ));
+            return;
+        };
+        let mut told = Vec::new();
+        for (&channel, (mean, std)) in channels.iter().zip(ends) {
+            let (mean, std) = (rounded(mean), rounded((0.2 * mean.abs()).max(3.0 * std)));
+            let unit = suggestion.unit(channel.unit());
+            told.push(format!("{} {mean} {unit}", channel.symbol()).trim_end().to_owned());
+            suggestion.simulate_with(channel, mean);
+            suggestion.filters().for_each(|filter| begin_with(filter, channel, (mean, std)));
+        }
+        suggestion.reasons.push(format!(
+            "guess of the equation's parameters: {}, where a filter has ended from the likeliest of {points} points in their \
+             ranges; their spread is a fifth of it, or three of the filter's σ",
+            told.join(", ")
+        ));
+    }
 }

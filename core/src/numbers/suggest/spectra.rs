@@ -1,9 +1,10 @@
-//! Spectra of input and measurements over overlapping windows.
+//! Spectra of input and measurements over overlapping windows, and the noise of readings at times of their own.
 
 use std::f64::consts::{PI, TAU};
 
 use crate::Record;
 use crate::data::import::Mapping;
+use crate::data::record::Timed;
 use crate::data::sorting::sort_numbers;
 use crate::mathematics::fourier::Transform;
 
@@ -26,7 +27,6 @@ const LINE: usize = 3;
 /// The least share of a window's power weights that must be measured.
 const THERE: f64 = 0.75;
 
-/// What to do where samples are missing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Gaps {
     /// Take windows between the gaps, shorter ones where need be: the noise at high frequencies is that of the sensor alone.
@@ -40,7 +40,8 @@ pub(super) enum Gaps {
 pub(super) struct Spectra {
     length: usize,
     windows: usize,
-    dt: f64,
+    /// Time between the samples that it is made of \[s\].
+    pub(super) dt: f64,
     pub(super) input: Vec<f64>,
     pub(super) output: Vec<f64>,
     /// Output times the conjugate of the input, real and imaginary.
@@ -140,11 +141,6 @@ impl Spectra {
         }
     }
 
-    /// Time between the samples that it is made of \[s\].
-    pub(super) fn dt(&self) -> f64 {
-        self.dt
-    }
-
     /// The number of independent windows with the same information: these overlap.
     pub(super) fn independent(&self) -> f64 {
         0.5 * (self.windows as f64 + 1.0)
@@ -181,7 +177,6 @@ impl Spectra {
         powers.get(powers.len() - count.div_ceil(2).min(powers.len())).map_or(0.0, |median| LEAST * median)
     }
 
-    /// The number of frequencies.
     pub(super) fn len(&self) -> usize {
         self.output.len()
     }
@@ -249,6 +244,45 @@ pub(super) fn stride(measured: &[f64]) -> usize {
     if is_even { stride.max(1) } else { 1 }
 }
 
+/// The readings of a difference: a motion has next to none of order seven, if it is measured some times a swing.
+const READINGS: usize = 8;
+
+/// The fewest differences that tell a noise.
+const FEWEST: usize = 30;
+
+/// The median of the size of a standard normal number.
+const MEDIAN: f64 = 0.674_489_750_196_081_7;
+
+/// The standard deviation of the noise in some readings, by divided differences over their times; `None` if there are too few.
+///
+/// ```text
+/// d = Σ cᵢ zᵢ / √Σ cᵢ²,  cᵢ = Π 1 / (tᵢ - tⱼ), j ≠ i;  σ = median |d| / 0.674
+/// ```
+///
+/// Source: Hamming (1973), *Numerical Methods*, chapter 10 (noise in a table of differences).
+pub(super) fn noise(Timed { times, values }: &Timed) -> Option<f64> {
+    let mut sizes: Vec<f64> = times.windows(READINGS).zip(values.windows(READINGS)).map(|(t, z)| size(t, z)).collect();
+    sizes.retain(|size| size.is_finite());
+    if sizes.len() < FEWEST {
+        return None;
+    }
+    sort_numbers(&mut sizes);
+    Some(sizes[sizes.len() / 2] / MEDIAN)
+}
+
+fn size(times: &[f64], values: &[f64]) -> f64 {
+    // In units of the window, so that no product leaves the range of numbers.
+    let span = times[READINGS - 1] - times[0];
+    let (mut sum, mut squares) = (0.0, 0.0);
+    for (i, value) in values.iter().enumerate() {
+        let others = times.iter().enumerate().filter(|(j, _)| *j != i);
+        let weight = others.map(|(_, time)| span / (times[i] - time)).product::<f64>();
+        sum += weight * value;
+        squares += weight * weight;
+    }
+    (sum / libm::sqrt(squares)).abs()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -277,5 +311,22 @@ mod tests {
         let record = Record::new(0.01, input, vec![(Quantity::ACCELERATION, measured.clone())]).unwrap();
         let noise = Spectra::new(&record, &measured, SHORT, Gaps::Avoid).unwrap().noise(None).unwrap();
         assert!((noise / 0.2 - 1.0).abs() < 0.1, "{noise}");
+    }
+
+    #[test]
+    fn noise_is_told_from_motion_at_any_times() {
+        let mut normal = Normal::from_seed(3);
+        let mut time = 0.0;
+        let (mut times, mut values) = (Vec::new(), Vec::new());
+        for _ in 0..600 {
+            time += 0.03 + 0.05 * libm::fabs(normal.sample());
+            times.push(time);
+            values.push(libm::sin(6.0 * time) + 0.01 * normal.sample());
+        }
+        let found = noise(&Timed { times: times.clone(), values }).unwrap();
+        assert!((found / 0.01 - 1.0).abs() < 0.15, "{found}");
+        let still = noise(&Timed { values: vec![0.0; times.len()], times }).unwrap();
+        assert_eq!(still, 0.0);
+        assert_eq!(noise(&Timed { times: vec![0.0, 1.0], values: vec![1.0, 2.0] }), None);
     }
 }

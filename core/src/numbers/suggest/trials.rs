@@ -2,12 +2,10 @@
 
 use super::Suggestion;
 use super::ambient::{Ambient, has_no_input};
-use super::between::{Between, Course};
-use super::follow::{first_alone, follow, follow_freely, likelihood, surprise};
-use super::gaps::Lost;
-use super::plucked::Plucked;
-use super::search::Search;
-use crate::{Record, Run, Running, Scenario, Task};
+use super::conditioning::{Between, Course, FILLING, Lost, Plucked};
+use super::initial::Search;
+use super::likeliest::{Trial, first_alone, likelihood, surprise};
+use crate::{Record, Run, Scenario, Task};
 
 /// The samples of which the likelihood is taken.
 const LIKELY: usize = 4096;
@@ -36,12 +34,12 @@ pub struct Suggest {
     record: Record,
     /// Of an oscillator that was plucked several times.
     plucked: Option<Plucked>,
+    /// The record and the settings as they were given.
+    given: Option<(Record, Suggestion)>,
     /// The lost readings of the record.
-    gaps: Option<Gaps>,
+    lost: Option<Lost>,
     stage: Stage,
-    trial: Option<Run>,
-    /// The free run of the trial's model.
-    free: Option<Running>,
+    trial: Trial,
     search: Option<Search>,
     /// The courses of the input between samples that are to be tried.
     between: Option<Between>,
@@ -74,31 +72,23 @@ enum Stage {
     Done,
 }
 
-/// Lost readings, with the record and the settings as they were given.
-struct Gaps {
-    lost: Lost,
-    record: Record,
-    given: Suggestion,
-}
-
 impl Suggest {
     /// Suggestions for a scenario on a record, none made yet.
     pub fn new(scenario: &Scenario, record: Record) -> Self {
         let suggestion = Suggestion { scenario: scenario.clone(), reasons: Vec::new(), is_guessed: true };
-        let (trial, free, search, between, course, likelihoods, ambient, errors) = Default::default();
+        let (given, lost, trial, search, between, course, likelihoods, ambient, errors) = Default::default();
         let (record, plucked) = match Plucked::of(&record) {
             Some((longest, plucked)) => (longest, Some(plucked)),
             None => (record, None),
         };
-        let gaps = None;
         Self {
             suggestion,
             record,
             plucked,
-            gaps,
+            given,
+            lost,
             stage: Stage::Data,
             trial,
-            free,
             search,
             between,
             course,
@@ -135,9 +125,9 @@ impl Suggest {
 
     /// Looks at the data again once their gaps can be filled.
     fn fill(&mut self, run: Option<&Run>) {
-        let Some(Gaps { lost, record, given }) = self.gaps.take() else { return };
-        let Some(filled) = run.and_then(|run| lost.filled(run, &record)) else { return };
-        (self.suggestion, self.record) = (given, filled);
+        let (Some(lost), Some((record, given))) = (self.lost.take(), &self.given) else { return };
+        let Some(filled) = run.and_then(|run| lost.filled(run, record)) else { return };
+        (self.suggestion, self.record) = (given.clone(), filled);
         self.begin(Some(&lost));
         lost.lose(&mut self.record);
     }
@@ -174,14 +164,15 @@ impl Suggest {
             self.take_course(course);
             return Stage::Likelihood(0);
         }
-        (self.record, self.suggestion) = (between.record, between.given);
+        if let Some((record, given)) = self.given.take() {
+            (self.record, self.suggestion) = (record, given);
+        }
         if course == Course::Held {
             self.take_course(course);
         }
         Stage::Data
     }
 
-    /// The samples of a trial.
     fn likely(&self) -> usize {
         let steps = self.course.as_ref().map_or(1, |(course, _)| course.steps());
         steps * if self.ambient.is_some() { LIKELY_AMBIENT } else { LIKELY }
@@ -218,7 +209,7 @@ impl Task for Suggest {
             Stage::Between => (1.0 + self.between.as_ref().map_or(1.0, Between::progress)) / all,
             Stage::Likelihood(place) => (2 + place) as f64 / all,
             Stage::WhiteForce => {
-                let done = self.ambient.as_ref().map_or(1.0, Ambient::progress);
+                let done = self.ambient.as_ref().map_or(1.0, |ambient| ambient.climb.progress());
                 ((1 + SHARES.len()) as f64 + done) / all
             }
             Stage::FreeRun => (2 + SHARES.len()) as f64 / all,
@@ -239,22 +230,21 @@ impl Task for Suggest {
                         continue;
                     }
                     if self.course.is_none() {
-                        self.between = Between::of(&record, &given);
+                        self.between = Between::of(&record, &given.scenario);
                     }
-                    let lost = Lost::of(&record).filter(|_| self.suggestion.can_fill());
-                    self.gaps = lost.map(|lost| Gaps { lost, record, given });
-                    match (self.suggestion.scenario.filters.is_empty(), &self.gaps) {
+                    self.lost = Lost::of(&record).filter(|_| self.suggestion.can_fill());
+                    self.given = Some((record, given));
+                    match (self.suggestion.scenario.filters.is_empty(), &self.lost) {
                         (true, _) => Stage::Done,
                         (false, None) => self.begin_search(),
                         (false, Some(_)) => Stage::Gaps,
                     }
                 }
                 Stage::Gaps => {
-                    let scenario = || self.suggestion.filling();
-                    match follow(&mut self.trial, scenario, &self.record, self.record.len(), while_time) {
-                        None => return false,
-                        Some(run) => self.fill(run.as_ref()),
-                    }
+                    let scenario = || self.suggestion.with_share(FILLING);
+                    let run = self.trial.follow(scenario, &self.record, self.record.len(), while_time);
+                    let Some(run) = run else { return false };
+                    self.fill(run.as_ref());
                     self.begin_search()
                 }
                 Stage::Search => {
@@ -264,16 +254,15 @@ impl Task for Suggest {
                         self.stage = Stage::Between;
                         continue;
                     };
-                    match follow(&mut self.trial, || search.scenario(scenario), &self.record, samples, while_time) {
-                        None => return false,
-                        Some(run) => search.take(run),
-                    }
+                    let run = self.trial.follow(|| search.scenario(scenario), &self.record, samples, while_time);
+                    let Some(run) = run else { return false };
+                    search.take(run.as_ref());
                     Stage::Search
                 }
                 Stage::Between => {
                     let next = self.between.as_mut().and_then(|between| between.next(&self.suggestion, &self.record));
                     if let Some((part, scenario)) = next {
-                        let followed = follow(&mut self.trial, || scenario, part, part.len(), while_time);
+                        let followed = self.trial.follow(|| scenario, part, part.len(), while_time);
                         let Some(run) = followed else { return false };
                         self.between.iter_mut().for_each(|between| between.take(run.as_ref()));
                         Stage::Between
@@ -289,10 +278,9 @@ impl Task for Suggest {
                         self.ambient.iter().for_each(|ambient| ambient.leave_out(&mut scenario));
                         scenario
                     };
-                    match follow(&mut self.trial, scenario, &self.record, samples, while_time) {
-                        None => return false,
-                        Some(run) => self.likelihoods.extend(run.and_then(|run| Some((share, likelihood(&run)?)))),
-                    }
+                    let run = self.trial.follow(scenario, &self.record, samples, while_time);
+                    let Some(run) = run else { return false };
+                    self.likelihoods.extend(run.and_then(|run| Some((share, likelihood(&run)?))));
                     if place + 1 < SHARES.len() { Stage::Likelihood(place + 1) } else { Stage::WhiteForce }
                 }
                 Stage::WhiteForce => {
@@ -301,10 +289,9 @@ impl Task for Suggest {
                         && let Some(sizes) = ambient.next()
                     {
                         let scenario = || ambient.suggestion.trial_of_white_force(&sizes);
-                        match follow(&mut self.trial, scenario, &self.record, samples, while_time) {
-                            None => return false,
-                            Some(run) => ambient.take(run.and_then(|run| likelihood(&run))),
-                        }
+                        let run = self.trial.follow(scenario, &self.record, samples, while_time);
+                        let Some(run) = run else { return false };
+                        ambient.take(run.and_then(|run| likelihood(&run)));
                         Stage::WhiteForce
                     } else if self.choose() {
                         Stage::Done
@@ -314,35 +301,28 @@ impl Task for Suggest {
                 }
                 Stage::FreeRun => {
                     let scenario = || first_alone(&self.suggestion.scenario);
-                    match follow_freely(&mut self.trial, &mut self.free, scenario, &self.record, while_time) {
-                        None => return false,
-                        // The errors of a default guess are no noise.
-                        Some(Some((_, errors))) if self.suggestion.is_guessed => {
+                    let done = self.trial.follow_freely(scenario, &self.record, while_time);
+                    let Some((run, errors)) = done else { return false };
+                    if run.is_some_and(|run| run.estimates().first().is_some_and(|one| one.stop().is_some())) {
+                        self.suggestion.keep_from_rounding();
+                    }
+                    // The errors of a default guess are no noise.
+                    match errors.filter(|_| self.suggestion.is_guessed) {
+                        Some(errors) => {
                             self.errors = errors;
                             Stage::ModelError
                         }
-                        Some(None) => {
-                            let has_stopped =
-                                |run: &Run| run.estimates().first().is_some_and(|one| one.stop().is_some());
-                            if self.trial.take().as_ref().is_some_and(has_stopped) {
-                                self.suggestion.keep_from_rounding();
-                            }
-                            Stage::Done
-                        }
-                        Some(_) => Stage::Done,
+                        None => Stage::Done,
                     }
                 }
                 Stage::ModelError => {
                     let scenario = || first_alone(&self.suggestion.with_error(&self.errors));
-                    match follow_freely(&mut self.trial, &mut self.free, scenario, &self.record, while_time) {
-                        None => return false,
-                        Some(after) => {
-                            if let Some((run, after)) = after {
-                                self.suggestion.model_error(&self.errors, &after, surprise(&run));
-                            }
-                            Stage::Done
-                        }
+                    let done = self.trial.follow_freely(scenario, &self.record, while_time);
+                    let Some((run, after)) = done else { return false };
+                    if let Some((run, after)) = run.zip(after) {
+                        self.suggestion.model_error(&self.errors, &after, surprise(&run));
                     }
+                    Stage::Done
                 }
                 Stage::Done => Stage::Done,
             };

@@ -1,6 +1,6 @@
-//! Numbers that mark a missing reading, such as -9999.
+//! Cells without a reading: numbers such as -9999 and words that mark them, and sensors that stand still.
 
-use super::Table;
+use super::{MappedColumn, Table};
 
 /// A number that seems to mark missing readings: it occurs several times, far from all others.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,7 +21,6 @@ const FAR: [f64; 2] = [3.0, 30.0];
 /// The fewest cells that have an unusual sentinel.
 const FEWEST: usize = 3;
 
-/// One end of a column's numbers.
 #[derive(Clone, Copy)]
 struct End {
     value: f64,
@@ -42,12 +41,8 @@ impl Table {
             let range = (end.next - other.value).abs();
             let far = (end.value - end.next).abs() > FAR[usize::from(!is_usual)] * range;
             let enough = end.count >= if is_usual { 2 } else { FEWEST } && 2 * end.count < finite;
-            (range > 0.0 && far && enough).then(|| Sentinel {
-                value: end.value,
-                count: end.count,
-                line: self.line(end.row),
-                is_usual,
-            })
+            let End { value, count, row, .. } = end;
+            (range > 0.0 && far && enough).then(|| Sentinel { value, count, line: self.line(row), is_usual })
         };
         of(low, high).or_else(|| of(high, low))
     }
@@ -94,10 +89,49 @@ fn is_usual(value: f64) -> bool {
     nines.contains(&size) || ends.contains(&size) || size >= 1e30
 }
 
+/// Sentences about the cells of a column that have no reading, or seem to have none.
+pub(super) fn cells_without_readings(table: &Table, place: usize, mapped: &MappedColumn) -> Vec<String> {
+    let column = &table.columns[place];
+    let name = &column.name;
+    let word = column.word.as_ref().map(|word| {
+        let (count, line) = (column.words, word.line);
+        format!(
+            "{count} cell(s) of `{name}` have a word such as `{}`, the first in line {line}: they count as missing",
+            word.text
+        )
+    });
+    let number = match mapped.missing {
+        Some(missing) => {
+            let rows = || column.values.iter().enumerate().filter(|(_, value)| **value == missing);
+            rows().next().map(|(row, _)| {
+                let (count, line) = (rows().count(), table.line(row));
+                format!("{count} cell(s) of `{name}` are {missing}, the first in line {line}: they count as missing")
+            })
+        }
+        None => table.sentinel(place).map(|found| {
+            let (value, count, line) = (found.value, found.count, found.line);
+            format!(
+                "{count} cells of `{name}` are {value}, far from all others, the first in line {line}: are they missing? They \
+                 count as readings until `missing = {value}` is stated"
+            )
+        }),
+    };
+    word.into_iter().chain(number).collect()
+}
+
+/// Whether readings do not differ.
+pub(super) fn is_still(readings: &[f64]) -> bool {
+    let mut there = readings.iter().filter(|reading| !reading.is_nan());
+    let first = there.next();
+    there.all(|reading| Some(reading) == first)
+}
+
 #[cfg(test)]
 mod tests {
-    use super::super::read;
+    use super::super::builder::tests::{TEXT, import};
+    use super::super::{Imported, read};
     use super::*;
+    use crate::Quantity;
 
     fn sentinel(readings: &[&str]) -> Option<Sentinel> {
         let text: String =
@@ -124,5 +158,25 @@ mod tests {
         for readings in [&steps[..], &clipped, &hammer, &random, &counts, &["1", "2"], &["1", "nan"]] {
             assert_eq!(sentinel(readings), None, "{readings:?}");
         }
+    }
+
+    #[test]
+    fn numbers_and_words_for_missing_readings_are_said() {
+        let text = "t,force,x\n0,1,2\n0.1,2,-9999\n0.2,1,2.5\n0.3,OVLD,1.5\n0.4,1,-9999\n";
+        let Imported { record, remarks, .. } = import(text, |_| {}).unwrap();
+        assert!(record.measured(0)[1].is_nan() && record.measured(0)[4].is_nan());
+        let said = remarks.join("\n");
+        assert!(said.contains("1 cell(s) of `force` have a word such as `OVLD`, the first in line 5"), "{said}");
+        assert!(said.contains("2 cell(s) of `x` are -9999, the first in line 3: they count as missing"), "{said}");
+        let as_they_are = import(text, |m| m.sensors.values_mut().for_each(|sensor| sensor.missing = None)).unwrap();
+        assert_eq!(as_they_are.record.measured(0)[1], -9999.0);
+        assert!(as_they_are.remarks.join("\n").contains("are they missing?"), "{:?}", as_they_are.remarks);
+    }
+
+    #[test]
+    fn readings_that_stand_still_are_told() {
+        let still = import("t,force,x\n0,1,2\n0.1,2,2\n0.2,1,\n0.3,1,2\n", |_| {}).unwrap();
+        assert_eq!(still.still, Some(Quantity::DISPLACEMENT));
+        assert_eq!(import(TEXT, |_| {}).unwrap().still, None);
     }
 }
