@@ -1,7 +1,7 @@
 //! Each family of sensor faults follows its law, and changes nothing else.
 
 use kalmanscope_core::scenario::{Fault, Faults};
-use kalmanscope_core::{Channel, Force, Quantity, Record, Scenario, Sensor, Signal, simulate};
+use kalmanscope_core::{Channel, Quantity, Record, Scenario, Sensor, Signal, simulate};
 
 /// A sensor of displacement at rest, with noise of 0.02 m and a fault.
 fn at_rest(fault: &str) -> Scenario {

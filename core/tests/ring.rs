@@ -146,8 +146,8 @@ fn where_nothing_rings_there_is_no_ring() {
 fn long_steps_that_make_a_band_too_narrow_are_said() {
     let story = |substeps: usize| {
         let text = format!(
-            "dt = 0.2\nduration = 200.0\n[plant]\nnatural_frequency = 6.0\ndamping_ratio = 0.002\ninitial = {{ displacement = 0.2 }}\n\
-             [force]\nnone = {{}}\n[[sensors]]\nmeasures = \"displacement\"\nnoise_std = 0.02\n[[filters]]\nkind = \"ekf\"\n\
+            "dt = 0.2\nduration = 200.0\nforce = \"none\"\n[plant]\nnatural_frequency = 6.0\ndamping_ratio = 0.002\ninitial = {{ displacement = 0.2 }}\n\
+             [[sensors]]\nmeasures = \"displacement\"\nnoise_std = 0.02\n[[filters]]\nkind = \"ekf\"\n\
              substeps = {substeps}\ninitial_mean = {{ displacement = 0.1, natural_frequency = 6.001, damping_ratio = 0.0021 }}\n\
              initial_std = {{ displacement = 0.2, velocity = 1.2, natural_frequency = 0.01, damping_ratio = 0.001 }}\n"
         );

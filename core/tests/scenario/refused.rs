@@ -82,7 +82,8 @@ fn impossible_values_are_refused_with_key_value_and_limits() {
             // The reader of files has no such number; programs may set one.
             let error = Scenario::from_toml(text).unwrap_err().to_string();
             assert!(error.starts_with("line ") && error.ends_with(": must be a finite number"), "{error}");
-            let scenario: Scenario = toml::from_str(text).unwrap();
+            let mut scenario: Scenario = toml::from_str(text).unwrap();
+            scenario.filters.iter_mut().for_each(|filter| filter.sensor_std = vec![1.0; 2]);
             assert_eq!(scenario.validate().unwrap_err().to_string(), expected);
             continue;
         }
@@ -108,13 +109,9 @@ fn a_seed_that_toml_cannot_hold_is_refused() {
     let scenario = Scenario { seed: u64::MAX, ..Scenario::default() };
     let message = scenario.validate().unwrap_err().to_string();
     assert_eq!(message, "`seed` is 18446744073709551615, but must be a whole number from 0 to 2⁶³ - 1");
-    assert_refused(&[
-        ("seed = 9223372036854775808", &message.replace("18446744073709551615", "9223372036854775808")),
-        (
-            "seed = 99999999999999999999",
-            "line 1: `seed`: invalid type: integer `99999999999999999999` as i128, expected u64",
-        ),
-    ]);
+    assert_refused(&[("seed = 9223372036854775808", &message.replace("18446744073709551615", "9223372036854775808"))]);
+    let error = Scenario::from_toml("seed = 99999999999999999999").unwrap_err().to_string();
+    assert!(error.starts_with("TOML parse error at line 1, column 8"), "{error}");
     let largest = Scenario { seed: i64::MAX as u64, ..Scenario::default() };
     assert_eq!(parsed(&largest.to_toml().unwrap()), largest);
 }

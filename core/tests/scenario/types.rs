@@ -33,7 +33,7 @@ fn an_unknown_key_is_refused_with_line_path_and_the_keys_that_exist() {
         ),
         (
             "[force]\nnoise = 1",
-            "line 2: `force.noise`: unknown variant `noise`, expected one of `none`, `white_noise`, `sine`, `chirp`, \
+            "line 1: `force`: unknown variant `noise`, expected one of `none`, `white_noise`, `sine`, `chirp`, \
              `impulse_train`, `step`",
         ),
         (

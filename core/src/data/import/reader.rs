@@ -234,8 +234,8 @@ impl Task for Loading {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document;
     use crate::data::import::hash;
+    use crate::document;
 
     fn read(bytes: &[u8]) -> Result<Table, ImportError> {
         let mut reader = Reader::new(bytes.to_vec(), None)?;
