@@ -1,7 +1,9 @@
 //! Equations that a user types are plants like any other.
 
 use kalmanscope_core::equation::EquationSettings;
-use kalmanscope_core::{Channel, FilterKind, PlantKind, Run, Scenario};
+use kalmanscope_core::{Channel, FilterKind, PlantKind, Scenario};
+
+use crate::run::finished;
 
 fn plant(text: &str) -> PlantKind {
     PlantKind::of_equation(&EquationSettings::new(text)).unwrap_or_else(|error| panic!("{error}"))
@@ -96,8 +98,7 @@ fn filters_of_a_typed_plant_are_those_of_the_built_in_one() {
             let mut scenario = scenario.clone();
             scenario.filters.truncate(1);
             scenario.filters[0].kind = kind;
-            let mut run = Run::new(&scenario).unwrap();
-            run.finish();
+            let run = finished(&scenario);
             let estimates = run.estimates()[0].clone();
             assert!(estimates.stop().is_none());
             estimates

@@ -3,7 +3,7 @@
 use kalmanscope_core::{Channel, FilterKind, Hold, Pass, Quantity, Run, Scenario, Sensor, Stop};
 use kalmanscope_core::{Sample, Sink};
 
-use crate::run::finished;
+use crate::run::{finished, one_filter};
 
 /// The numbers of a sample.
 #[derive(Clone, Debug)]
@@ -55,8 +55,7 @@ fn samples(scenario: &Scenario, run: &Run, wants_prior: bool) -> Vec<Kept> {
 
 /// A scenario with one filter of a kind.
 fn scenario(kind: FilterKind, hold: Hold) -> Scenario {
-    let mut scenario = Scenario { duration: 3.0, hold, ..Scenario::default() };
-    scenario.filters.truncate(1);
+    let mut scenario = Scenario { duration: 3.0, hold, ..one_filter(FilterKind::EKF) };
     (scenario.filters[0].kind, scenario.filters[0].ensemble_size) = (kind, 60);
     scenario
 }
@@ -136,16 +135,7 @@ fn a_prior_is_in_the_channels_units() {
             scenario.sensors = vec![Sensor::new(Quantity::DISPLACEMENT, 0.01)];
             scenario.filters[0].sensor_std = vec![0.01];
             let run = finished(&scenario);
-            let missing = {
-                let input = kalmanscope_core::record::Input {
-                    kind: scenario.input,
-                    hold,
-                    values: run.record().input().to_vec(),
-                };
-                let column = vec![f64::NAN; run.record().len()];
-                kalmanscope_core::Record::new(scenario.dt, input, vec![(Quantity::DISPLACEMENT, column)])
-            };
-            let record = missing.expect("it is a record");
+            let record = run.record().clone().with_gaps(|_, _| true);
             let mut all = All { wants_prior: true, samples: Vec::new() };
             Pass::new(&scenario, 0, &record).expect("the record fits").follow(&record, 50, &mut all);
             for sample in &all.samples {
