@@ -83,17 +83,8 @@ fn started(equation: &str, record: &Record) -> Suggestion {
 fn filters_find_the_parameters_of_an_equation_from_its_text_alone() {
     let mut bad = Vec::new();
     // Not the pendulum, which turns over, nor the pier and the seismometer, in whose records several parameters look alike.
-    for name in [
-        "absorber",
-        "cart",
-        "dry-friction",
-        "helmholtz",
-        "mathieu",
-        "quadratic-damping",
-        "rlc-circuit",
-        "rotor",
-        "van-der-pol",
-    ] {
+    let names = "absorber cart dry-friction helmholtz mathieu quadratic-damping rlc-circuit rotor van-der-pol";
+    for name in names.split(' ') {
         let (truth, record) = simulated(name);
         let suggestion = started(truth.plant.kind.equation(), &record);
         let told = suggestion.reasons.iter().filter(|reason| reason.starts_with("guess of the equation's parameters"));

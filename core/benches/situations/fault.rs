@@ -2,9 +2,21 @@
 
 use kalmanscope_core::diagnosis::VerdictKind::{self, *};
 
-/// A fault of a filter, or none.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Fault {
+/// Declares all faults, in their order.
+macro_rules! faults {
+    ($($(#[$doc:meta])* $name:ident,)*) => {
+        /// A fault of a filter or of a record, or none.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+        pub(crate) enum Fault {
+            $($(#[$doc])* $name,)*
+        }
+
+        impl Fault {
+            pub(crate) const ALL: &[Self] = &[$(Self::$name),*];
+        }
+    };
+}
+faults! {
     WellTuned,
     SensorNoiseTooLarge,
     SensorNoiseTooSmall,
@@ -66,47 +78,6 @@ pub(crate) enum Fault {
 }
 
 impl Fault {
-    pub(crate) const ALL: [Self; 38] = [
-        Self::WellTuned,
-        Self::SensorNoiseTooLarge,
-        Self::SensorNoiseTooSmall,
-        Self::SensorNoiseContrary,
-        Self::ProcessNoiseTooSmall,
-        Self::ProcessNoiseTooLarge,
-        Self::ProcessNoiseTenth,
-        Self::ProcessNoiseTenfold,
-        Self::HardeningSpring,
-        Self::YieldingSpring,
-        Self::MissingMode,
-        Self::WindUp,
-        Self::SuddenChange,
-        Self::SlowDrift,
-        Self::InputGain,
-        Self::InputOffset,
-        Self::InputDelay,
-        Self::InputHold,
-        Self::SensorBias,
-        Self::FeltDisturbance,
-        Self::NoExcitation,
-        Self::CollapsedSample,
-        Self::LargeSample,
-        Self::UnknownForce,
-        Self::Swing,
-        Self::UnknownWave,
-        Self::DryFriction,
-        Self::Drag,
-        Self::Quantised,
-        Self::Clipped,
-        Self::Outliers,
-        Self::Coloured,
-        Self::NoisierLater,
-        Self::NoiseSwings,
-        Self::Hum,
-        Self::NoisyInput,
-        Self::Scale,
-        Self::DeadInput,
-    ];
-
     /// Those that take turns in situations of one fault; the others come with a second one, or alone.
     pub(crate) const IN_TURN: &[Self] = Self::ALL.split_at(24).0;
 
