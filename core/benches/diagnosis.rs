@@ -72,7 +72,7 @@ struct Outcome {
 impl Outcome {
     fn of(seed: u64, with_trials: bool, verbose: bool) -> Self {
         let situation = Situation::draw(seed);
-        let fault = situation.fault;
+        let fault = situation.faults[0];
         let record = situation.record().expect("the situation is valid");
         let mut verdicts = [None; 2];
         let (mut causes, mut said) = (Vec::new(), Vec::new());
@@ -135,7 +135,7 @@ fn print_causes(outcomes: &[Outcome]) {
         "\ncauses, of runs with a verdict that is not consistent: first, among the first two, of; the first ones named"
     );
     let (mut hits, mut runs) = (0, 0);
-    for fault in Fault::ALL.into_iter().filter(|fault| !fault.causes().is_empty()) {
+    for fault in Fault::IN_TURN.iter().copied().filter(|fault| !fault.causes().is_empty()) {
         let of = |o: &&Outcome| o.fault == fault && o.verdicts.iter().flatten().any(|v| *v != VerdictKind::Consistent);
         let all: Vec<&Outcome> = outcomes.iter().filter(of).collect();
         let named = |most: usize| {

@@ -1,7 +1,6 @@
 //! Simulates a scenario's record and runs its filters, sample by sample.
 
 pub(crate) mod bank;
-pub(crate) mod by_channel;
 pub(crate) mod estimates;
 pub(crate) mod estimator;
 pub(crate) mod events;
@@ -16,7 +15,6 @@ pub(crate) mod sample;
 pub(crate) mod select;
 pub(crate) mod simulate;
 pub(crate) mod sink;
-pub(crate) mod smoothed;
 pub(crate) mod smoother;
 pub(crate) mod source;
 pub(crate) mod spare;

@@ -1,14 +1,12 @@
 //! Different computations of the same numbers agree.
 
-use std::sync::Arc;
-
 use kalmanscope_core::{
     Channel, Estimates, FilterKind, FilterSettings, Quantity, Record, Run, Scenario, Sensor, Signal, Update, Values,
 };
 
 use nalgebra::{Matrix2, Matrix3, Matrix3x2, Vector2, Vector3};
 
-use crate::run::finished;
+use crate::run::{finished, finished_on};
 
 fn parameters_known() -> Values {
     Values::ZERO.with([(Channel::DISPLACEMENT, 0.3), (Channel::VELOCITY, 1.0)])
@@ -124,8 +122,7 @@ fn fading_is_the_same_for_every_filter() {
         let record = finished(&scenario).record().clone();
         scenario.sensors.clear();
         scenario.filters.iter_mut().for_each(|filter| filter.sensor_std.clear());
-        let mut run = Run::on_record(&scenario, Arc::new(record)).unwrap();
-        run.finish();
+        let run = finished_on(&scenario, record);
         let [kf, others @ ..] = run.estimates() else { unreachable!("eight kinds") };
         let last = kf.len() - 1;
         for other in others {
@@ -229,8 +226,7 @@ fn any_division_into_steps_gives_the_same_bits() {
 fn a_simulated_record_filtered_again_gives_the_same_bits() {
     let scenario = eventful(0.01);
     let simulated = finished(&scenario);
-    let mut again = Run::on_record(&scenario, Arc::new(simulated.record().clone())).unwrap();
-    again.finish();
+    let again = finished_on(&scenario, simulated.record().clone());
     assert_same(&simulated, &again);
 }
 
@@ -246,8 +242,7 @@ fn a_record_from_a_file_gives_the_same_bits() {
         let record = Record::read_csv(file.as_slice(), &sensors).unwrap();
         assert_eq!(record.dt().to_bits(), dt.to_bits(), "{steps} steps of {dt} s");
         assert_eq!(&record, simulated.record());
-        let mut again = Run::on_record(&scenario, Arc::new(record)).unwrap();
-        again.finish();
+        let again = finished_on(&scenario, record);
         assert_same(&simulated, &again);
     }
 }
@@ -273,13 +268,11 @@ fn a_restarted_run_equals_a_new_one() {
     second.filters.rotate_left(1);
     second.filters.truncate(1);
     second.remove_sensor(kalmanscope_core::Quantity::VELOCITY);
-    let mut run = Run::new(&first).unwrap();
-    run.finish();
+    let mut run = finished(&first);
     for scenario in [&second, &first] {
         run.restart(scenario).unwrap();
         run.finish();
-        let mut fresh = Run::new(scenario).unwrap();
-        fresh.finish();
+        let fresh = finished(scenario);
         assert_eq!((run.len(), run.checksum()), (fresh.len(), fresh.checksum()));
         assert_eq!(run.estimates().len(), scenario.filters.len());
     }
@@ -335,8 +328,7 @@ fn an_updated_run_equals_a_new_one() {
     scenario.filters[0].fading = 1.0;
     run.update(&scenario).unwrap();
     assert_eq!(run.checksum(), {
-        let mut new = Run::new(&scenario).unwrap();
-        new.finish();
+        let new = finished(&scenario);
         new.checksum()
     });
 }

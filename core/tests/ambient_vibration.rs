@@ -5,8 +5,7 @@ use kalmanscope_core::record::Input;
 use kalmanscope_core::suggest::{scenario_for, suggest};
 use kalmanscope_core::{Channel, Hold, InputKind, Quantity, Record, VerdictKind};
 
-use crate::ambient::Accelerometer;
-use crate::ambient_end::{End, SETS, building, end, mass};
+use crate::ambient::{Accelerometer, End, SETS, building, end, mass};
 
 /// An end that is right: within half a per cent of ωₙ, or three standard deviations where the record tells no more, within a
 /// fifth of ζ, and consistent. `most` limits the error of ζ in standard deviations.

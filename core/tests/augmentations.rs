@@ -4,8 +4,10 @@ use kalmanscope_core::filter::{Matrix, Vector};
 use kalmanscope_core::filter::{Propagation, Step};
 use kalmanscope_core::signal::Sine;
 use kalmanscope_core::{
-    Channel, FilterKind, FilterSettings, Hold, Model, PlantKind, Quantity, Run, Scenario, Sensor, Signal,
+    Channel, FilterKind, FilterSettings, Hold, Model, PlantKind, Quantity, Scenario, Sensor, Signal,
 };
+
+use crate::run::{finished, last};
 
 /// A truth with constant parameters under white noise, with sensors for displacement, acceleration and what a channel
 /// needs.
@@ -23,16 +25,14 @@ fn scenario(sensors: &[Quantity], kind: FilterKind, augment: &[Channel]) -> Scen
 
 /// Whether the filter ends within three standard deviations of the truth, with a small standard deviation.
 fn assert_found(scenario: &Scenario, channel: Channel, std: f64) {
-    let mut run = Run::new(scenario).unwrap();
-    run.finish();
+    let run = finished(scenario);
     let estimates = &run.estimates()[0];
     let what = format!("{channel:?} by {:?}, {:?}", estimates.kind(), estimates.stop());
     assert_eq!(estimates.len(), run.samples(), "{what}");
-    let (k, place) = (estimates.len() - 1, estimates.place(channel).unwrap());
-    let (truth, estimate) = (run.record().truth(channel).unwrap()[k], estimates.mean(k)[place]);
-    let error = estimate - truth;
-    assert!(error.abs() < 3.5 * estimates.std(k, place), "{what}: {estimate} ± {}, {truth}", estimates.std(k, place));
-    assert!(estimates.std(k, place) < std, "{what}: ± {}", estimates.std(k, place));
+    let truth = run.record().truth(channel).unwrap()[estimates.len() - 1];
+    let (mean, found) = last(estimates, channel);
+    assert!((mean - truth).abs() < 3.5 * found, "{what}: {mean} ± {found}, {truth}");
+    assert!(found < std, "{what}: ± {found}");
 }
 
 #[test]
@@ -81,11 +81,7 @@ fn a_known_gain_is_another_unit() {
         other.filters[0].initial_mean[quantity.gain()] = 4.0;
         other.sensors[1].noise_std *= 4.0;
         other.filters[0].sensor_std[1] *= 4.0;
-        let [one, two] = [&right, &other].map(|scenario| {
-            let mut run = Run::new(scenario).unwrap();
-            run.finish();
-            run
-        });
+        let [one, two] = [&right, &other].map(finished);
         let [one, two] = [&one, &two].map(|run| &run.estimates()[0]);
         assert_eq!(one.len(), right.samples(), "{kind:?}: {:?}", one.stop());
         for k in 1..one.len() {
@@ -236,8 +232,7 @@ fn matched_noise_is_consistent_where_an_accelerometer_feels_the_disturbance() {
         let own = scenario.filters[0].clone();
         scenario.filters.push(FilterSettings { sensor_std, ..own });
         scenario.filters[1].id = scenario.filters[0].id + 1;
-        let mut run = Run::new(&scenario).unwrap();
-        run.finish();
+        let run = finished(&scenario);
         for (sum, estimates) in nis.iter_mut().zip(run.estimates()) {
             let values = &estimates.nis()[1..];
             *sum += values.iter().sum::<f64>() / values.len() as f64 / SEEDS as f64;

@@ -2,11 +2,12 @@
 
 use kalmanscope_core::signal::{Signal, Step};
 use kalmanscope_core::{
-    Channel, Diagnosis, Diagnostics, FilterKind, FilterSettings, Record, Run, Scenario, VerdictKind, simulate,
+    Channel, Diagnosis, Diagnostics, FilterKind, FilterSettings, Record, Scenario, VerdictKind, simulate,
 };
 
 use crate::oracles::matrix::{Matrix, along};
 use crate::oracles::textbook::Textbook;
+use crate::run::{finished, finished_on};
 
 /// A linear oscillator that loses stiffness at 10 s, with one filter.
 fn scenario(kind: FilterKind, walk: f64) -> Scenario {
@@ -85,8 +86,7 @@ fn it_is_that_of_the_book() {
     for kind in [FilterKind::EKF, FilterKind::UKF] {
         let scenario = scenario(kind, 0.3);
         let record = simulate(&scenario).with_gaps(|sensor, k| k % 11 == 0 && k % 2 == sensor);
-        let mut run = Run::on_record(&scenario, record.clone().into()).unwrap();
-        run.finish();
+        let run = finished_on(&scenario, record.clone());
         let estimates = &run.estimates()[0];
         let members = members(&scenario);
         let mut book = Book::new(&scenario, &members);
@@ -112,8 +112,7 @@ fn it_is_that_of_the_book() {
 fn without_a_walk_both_are_one() {
     for kind in KINDS {
         let run = |walk: f64| {
-            let mut run = Run::new(&scenario(kind, walk)).unwrap();
-            run.finish();
+            let run = finished(&scenario(kind, walk));
             assert!(run.estimates()[0].stop().is_none(), "{kind:?}");
             run
         };
@@ -135,8 +134,7 @@ fn a_sudden_loss_is_found_and_the_band_is_right() {
     let mut good = 0;
     for seed in 300..320 {
         let scenario = Scenario { seed, ..scenario(FilterKind::EKF, 0.2) };
-        let mut run = Run::new(&scenario).unwrap();
-        run.finish();
+        let run = finished(&scenario);
         let estimates = &run.estimates()[0];
         let jumps: Vec<usize> = estimates.jumps().filter(|&k| k > 100).collect();
         assert!(jumps.first().is_some_and(|k| (1000..1100).contains(k)), "seed {seed}: {jumps:?}");
@@ -171,7 +169,6 @@ fn filters_that_cannot_mix_are_refused() {
     assert!(told("kind = \"ukf\"\nguesses = 3").is_ok());
     let mut scenario = Scenario { duration: 5.0, ..scenario(FilterKind::EKF, 0.2) };
     scenario.filters[0].guesses = 3;
-    let mut run = Run::new(&scenario).unwrap();
-    run.finish();
+    let run = finished(&scenario);
     assert!(run.estimates()[0].stop().is_none());
 }

@@ -5,9 +5,10 @@ use std::fmt::Write as _;
 
 use kalmanscope_core::import::{Builder, Mapping, read};
 use kalmanscope_core::suggest::{Suggestion, scenario_for, suggest};
-use kalmanscope_core::{Channel, Hold, Run, Scenario, simulate};
+use kalmanscope_core::{Channel, Hold, Scenario, simulate};
 
 use crate::random::Random;
+use crate::run::{finished_on, last};
 
 const FREQUENCY: f64 = 6.0;
 const DAMPING: f64 = 0.03;
@@ -88,13 +89,10 @@ fn identified(text: &str) -> (Suggestion, [f64; 2]) {
     let scenario = &suggestion.scenario;
     let record = build(scenario.record.as_ref().unwrap(), scenario.hold);
     assert!((record.dt() - scenario.dt).abs() < 1e-12, "{} {}", record.dt(), scenario.dt);
-    let mut run = Run::on_record(scenario, record.into()).unwrap();
-    run.finish();
-    let estimates = &run.estimates()[0];
-    let last = estimates.len() - 1;
+    let run = finished_on(scenario, record);
     let of = |(channel, truth): (Channel, f64)| {
-        let place = estimates.place(channel).unwrap();
-        (estimates.canonical_mean(last, place) - truth) / estimates.std(last, place)
+        let (mean, std) = last(&run.estimates()[0], channel);
+        (mean - truth) / std
     };
     let errors = [(Channel::NATURAL_FREQUENCY, FREQUENCY), (Channel::DAMPING_RATIO, DAMPING)].map(of);
     (suggestion, errors)

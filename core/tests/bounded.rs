@@ -2,10 +2,11 @@
 
 use kalmanscope_core::scenario::{Between, Bounds};
 use kalmanscope_core::{
-    Channel, EventFilter, FilterKind, FilterSettings, Quantity, Run, Scenario, Sensor, Signal, simulate,
+    Channel, EventFilter, FilterKind, FilterSettings, Quantity, Scenario, Sensor, Signal, simulate,
 };
 
 use crate::random::Random;
+use crate::run::{finished, one_filter};
 
 fn between(least: f64, most: f64) -> Between {
     let end = |end: f64| Some(end).filter(|end| end.is_finite());
@@ -16,12 +17,6 @@ fn bounds(all: &[(Channel, f64, f64)]) -> Bounds {
     let mut bounds = Bounds::default();
     all.iter().for_each(|&(channel, least, most)| bounds.set(channel, between(least, most)));
     bounds
-}
-
-fn finished(scenario: &Scenario) -> Run {
-    let mut run = Run::new(scenario).unwrap();
-    run.finish();
-    run
 }
 
 /// The initial belief of a damping that is small, and known not to be negative.
@@ -143,8 +138,7 @@ fn a_damping_that_cannot_be_negative_is_better_and_honestly_known() {
 #[test]
 fn every_filter_keeps_within_its_bounds() {
     for kind in [FilterKind::EKF, FilterKind::IEKF, FilterKind::UKF, FilterKind::CKF, FilterKind::SR_UKF] {
-        let mut scenario = Scenario { duration: 20.0, ..Scenario::default() };
-        scenario.filters.truncate(1);
+        let mut scenario = Scenario { duration: 20.0, ..one_filter(FilterKind::EKF) };
         let filter = &mut scenario.filters[0];
         (filter.kind, filter.fading, filter.smoother) = (kind, 1.001, true);
         // The truth, 6 rad/s and 0.05, is outside both.

@@ -1,26 +1,19 @@
 //! Rules about which cause may stand first.
 
-use std::sync::Arc;
-
-use kalmanscope_core::diagnosis::{Diagnosis, Remedy};
+use kalmanscope_core::diagnosis::Remedy;
 use kalmanscope_core::record::{Input, Record};
-use kalmanscope_core::{Channel, Diagnostics, Quantity, Run, Scenario, Sensor, simulate};
+use kalmanscope_core::{Channel, Quantity, Scenario, Sensor, simulate};
+
+use crate::run::{finished_on, remedies};
 
 /// The causes of the first filter's verdict without the truth.
-fn remedies(scenario: &Scenario) -> Vec<Remedy> {
+fn found(scenario: &Scenario) -> Vec<Remedy> {
     on_record(scenario, simulate(scenario).without_truth())
 }
 
 fn on_record(scenario: &Scenario, record: Record) -> Vec<Remedy> {
-    let mut run = Run::on_record(scenario, Arc::new(record)).unwrap();
-    run.finish();
-    let record = run.record();
-    let estimates = &run.estimates()[0];
-    let diagnostics = Diagnostics::new(estimates, record);
-    let diagnosis = Diagnosis::new(&diagnostics, estimates, record, None).unwrap();
-    let mut trials = diagnosis.trials(scenario, 0, &diagnostics, estimates, record).unwrap();
-    while !trials.advance(&mut || true) {}
-    trials.remedies()
+    let run = finished_on(scenario, record);
+    remedies(&run, 0, run.record())
 }
 
 fn keys(remedies: &[Remedy]) -> Vec<&'static str> {
@@ -36,7 +29,7 @@ fn an_accelerometer_under_a_broadband_force_is_not_still() {
              [[sensors]]\nmeasures = \"acceleration\"\nnoise_std = 0.5\n[[filters]]\nkind = \"ekf\"\n"
         ))
         .unwrap();
-        let found = keys(&remedies(&scenario));
+        let found = keys(&found(&scenario));
         assert_eq!(found.first(), Some(&"input_gain"), "seed {seed}: {found:?}");
         assert!(!found.contains(&"no_excitation"), "seed {seed}: {found:?}");
     }
@@ -48,7 +41,7 @@ fn a_drift_is_no_sudden_change() {
     scenario.filters.truncate(1);
     for seed in 0..3 {
         scenario.seed = seed;
-        let found = remedies(&scenario);
+        let found = found(&scenario);
         assert_ne!(keys(&found).first(), Some(&"sudden_change"), "seed {seed}: {:?}", keys(&found));
     }
 }
@@ -65,7 +58,7 @@ fn remedies_that_end_good_stand_first() {
     )
     .unwrap();
     for seed in 3..6 {
-        let found = remedies(&Scenario { seed, ..scenario.clone() });
+        let found = found(&Scenario { seed, ..scenario.clone() });
         let ends_good = |remedy: &Remedy| remedy.after.as_ref().is_some_and(|verdict| verdict.kind.is_good());
         assert!(!found.is_empty());
         if found.iter().any(ends_good) {

@@ -9,20 +9,19 @@ use kalmanscope_core::{
 };
 
 use crate::events::{Told, on_fine_grid, own_clocks};
+use crate::run::{finished, finished_on, one_filter};
 
 const DT: f64 = 0.01;
 
 pub(crate) fn scenario(kind: FilterKind, seed: u64) -> Scenario {
-    let mut scenario = Scenario { duration: 8.0, dt: DT, seed, ..Scenario::default() };
-    scenario.filters.truncate(1);
+    let mut scenario = Scenario { duration: 8.0, dt: DT, seed, ..one_filter(FilterKind::EKF) };
     (scenario.filters[0].kind, scenario.filters[0].process_std) = (kind, Values::ZERO);
     scenario
 }
 
 pub(crate) fn told(scenario: &Scenario, seed: u64) -> Vec<Told> {
     let fine = Scenario { dt: 1e-4, filters: Vec::new(), ..scenario.clone() };
-    let mut truth = Run::new(&fine).expect("it can be run");
-    truth.finish();
+    let truth = finished(&fine);
     let mut told = own_clocks(scenario, truth.record(), seed);
     told.sort_by(|a, b| a.time.total_cmp(&b.time));
     told
@@ -57,8 +56,7 @@ pub(crate) fn record(told: &[Told], len: usize) -> Record {
 }
 
 pub(crate) fn run(scenario: &Scenario, record: Record) -> Run {
-    let mut run = Run::on_record(scenario, Arc::new(record)).expect("it can be run");
-    run.finish();
+    let run = finished_on(scenario, record);
     assert_eq!(run.estimates()[0].stop(), None);
     run
 }
@@ -226,8 +224,7 @@ fn times_of_the_samples_change_nothing() {
         for (nth, change) in changes.iter().enumerate() {
             let mut scenario = Scenario { hold, ..scenario(FilterKind::EKF, 9) };
             change(&mut scenario.filters[0]);
-            let mut simulated = Run::new(&Scenario { filters: Vec::new(), ..scenario.clone() }).expect("it can be run");
-            simulated.finish();
+            let simulated = finished(&Scenario { filters: Vec::new(), ..scenario.clone() });
             let even = simulated.record().clone().without_truth().with_gaps(|sensor, k| k % 9 == sensor);
             let all: Vec<f64> = (0..even.len()).map(|k| k as f64).collect();
             let of = |values: &[f64]| {

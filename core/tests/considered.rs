@@ -3,9 +3,10 @@
 use kalmanscope_core::Record;
 use kalmanscope_core::filter::{Matrix, Robust, Vector};
 use kalmanscope_core::{
-    Channel, EventFilter, FilterKind, FilterSettings, Pass, Quantity, Run, Sample, Scenario, Sensor, Sink, Stop,
-    simulate,
+    Channel, EventFilter, FilterKind, FilterSettings, Pass, Quantity, Sample, Scenario, Sensor, Sink, Stop, simulate,
 };
+
+use crate::run::{finished_on, last, one_filter};
 
 /// Holds each update to the formula of Schmidt with H, R and the places of what is considered.
 struct Schmidt {
@@ -49,8 +50,7 @@ impl Sink for Schmidt {
 fn an_update_is_that_of_schmidt() {
     let bias = Quantity::DISPLACEMENT.bias();
     for kind in [FilterKind::EKF, FilterKind::UKF, FilterKind::SR_UKF] {
-        let mut scenario = Scenario { duration: 1.0, ..Scenario::default() };
-        scenario.filters.truncate(1);
+        let mut scenario = Scenario { duration: 1.0, ..one_filter(FilterKind::EKF) };
         let filter = &mut scenario.filters[0];
         (filter.kind, filter.augment, filter.fading) = (kind, vec![bias], 1.0);
         filter.initial_std[bias] = 0.05;
@@ -97,13 +97,11 @@ fn a_gain_that_is_considered_keeps_its_band_and_makes_the_others_honest() {
     let mut inside = [0; 4];
     for seed in 0..20 {
         let (scenario, record) = shaken(seed);
-        let mut run = Run::on_record(&scenario, record.into()).unwrap();
-        run.finish();
+        let run = finished_on(&scenario, record);
         for (filter, inside) in run.estimates().iter().zip(&mut inside) {
-            let last = filter.len() - 1;
-            let place = filter.place(Channel::DAMPING_RATIO).unwrap();
-            let truth = run.record().truth(Channel::DAMPING_RATIO).unwrap()[last];
-            *inside += u32::from((filter.mean(last)[place] - truth).abs() < 2.0 * filter.std(last, place));
+            let truth = run.record().truth(Channel::DAMPING_RATIO).unwrap()[filter.len() - 1];
+            let (mean, std) = last(filter, Channel::DAMPING_RATIO);
+            *inside += u32::from((mean - truth).abs() < 2.0 * std);
         }
         for considered in &run.estimates()[2..] {
             let place = considered.place(Channel::INPUT_GAIN).unwrap();
@@ -130,23 +128,20 @@ fn every_filter_that_may_consider_a_gain_leaves_it_alone() {
         for filter in &mut scenario.filters {
             (filter.kind, filter.robust) = (kind, robust);
         }
-        let mut run = Run::on_record(&scenario, record.clone()).unwrap();
-        run.finish();
+        let run = finished_on(&scenario, record.clone());
         let mut events = EventFilter::new(&scenario, 1).unwrap();
         for k in 0..record.len() {
             events.take(record.time(k), record.input()[k], &[record.measured(0)[k]]).unwrap();
         }
-        let last = record.len() - 1;
         for estimates in run.estimates() {
             assert_eq!((estimates.stop(), estimates.len()), (None, record.len()), "{kind:?} {robust:?}");
-            let place = estimates.place(Channel::INPUT_GAIN).unwrap();
-            let (mean, std) = (estimates.mean(last)[place], estimates.std(last, place));
+            let (mean, std) = last(estimates, Channel::INPUT_GAIN);
             assert!(mean == 1.0 && (std - 0.15).abs() < 1e-9, "{kind:?} {robust:?}: {mean} ± {std}");
         }
         // A filter that follows events does the same, and one that forgets.
         let estimates = &run.estimates()[1];
         let n = estimates.channels().len();
-        let sample = events.take(record.time(last) + record.dt(), f64::NAN, &[f64::NAN]).unwrap();
+        let sample = events.take(record.time(record.len()), f64::NAN, &[f64::NAN]).unwrap();
         let place = estimates.place(Channel::INPUT_GAIN).unwrap();
         assert!(sample.mean[place] == 1.0 && (sample.cov[place * (n + 1)].sqrt() - 0.15).abs() < 1e-9, "{kind:?}");
     }

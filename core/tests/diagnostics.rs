@@ -1,14 +1,12 @@
 //! Diagnostics of whole runs: against direct computations, for any portions, in the canonical form.
 
-use std::sync::Arc;
-
 use kalmanscope_core::diagnostics::{Depth, ErrorSums, LAGS};
 use kalmanscope_core::{
-    Channel, Diagnosis, Diagnostics, Estimates, FilterKind, FilterSettings, Force, Record, Run, Scenario, Signal,
-    Summary, Verdict,
+    Channel, Diagnosis, Diagnostics, Estimates, FilterKind, FilterSettings, Force, Pass, PlantKind, Record, Run,
+    Scenario, Scores, Signal, Summary, Verdict, VerdictKind,
 };
 
-use crate::run::finished;
+use crate::run::{finished, finished_on, one_filter};
 
 fn verdict(diagnostics: &Diagnostics, estimates: &Estimates, record: &Record) -> Option<Verdict> {
     Diagnosis::new(diagnostics, estimates, record, None)?.verdict
@@ -181,16 +179,14 @@ fn a_mirrored_oscillator_scores_like_its_mirror_image() {
 
 #[test]
 fn unknown_truths_and_missing_measurements_are_not_scored() {
-    let mut scenario = Scenario { duration: 3.0, force: Force::None, ..Scenario::default() };
-    scenario.filters.truncate(1);
+    let mut scenario = Scenario { duration: 3.0, force: Force::None, ..one_filter(FilterKind::EKF) };
     let run = finished(&scenario);
     let mut file = Vec::new();
     run.record().write_csv(&mut file).unwrap();
     let sensors: Vec<_> = scenario.sensors.iter().map(|s| s.measures).collect();
     let text = String::from_utf8(file).unwrap().replace("true_damping_ratio", "other");
     let record = Record::read_csv(text.as_bytes(), &sensors).unwrap();
-    let mut again = Run::on_record(&scenario, Arc::new(record)).unwrap();
-    again.finish();
+    let again = finished_on(&scenario, record);
     let diagnostics = Diagnostics::new(&again.estimates()[0], again.record());
     assert_eq!(diagnostics.known().count(), 3);
     assert_eq!(diagnostics.tally(Channel::DAMPING_RATIO, 0..9), None);
@@ -214,4 +210,49 @@ fn parameters_held_for_certain_have_no_part_in_the_nees() {
     let nees = Diagnostics::new(&run.estimates()[0], run.record()).mean_nees().unwrap();
     assert_eq!(nees.expected, 2.0);
     assert!(nees.is_inside(), "{nees:?}");
+}
+
+/// Filters of several kinds, one of which loses the truth.
+fn scenario() -> Scenario {
+    let mut scenario = Scenario { duration: 30.0, ..Scenario::default() };
+    let good = scenario.filters[0].clone();
+    let of = |name: &str, kind| FilterSettings { name: name.to_owned(), kind, ensemble_size: 80, ..good.clone() };
+    let mut sure = of("sure", FilterKind::EKF);
+    sure.fading = 1.0;
+    for &channel in PlantKind::SDOF.channels().iter().skip(2) {
+        sure.initial_std[channel] = 1e-6;
+        sure.initial_mean[channel] *= 3.0;
+    }
+    scenario.filters.extend([of("PF", FilterKind::PF), of("KF", FilterKind::KF), sure]);
+    scenario
+}
+
+#[test]
+fn scores_are_the_diagnostics_to_the_last_bit() {
+    let scenario = scenario();
+    let run = finished(&scenario);
+    let record = run.record();
+    for (place, estimates) in run.estimates().iter().enumerate() {
+        let mut scores = Scores::new(&Pass::history(&scenario, place).unwrap(), record);
+        let mut pass = Pass::new(&scenario, place, record).unwrap();
+        for samples in [1, 2, 500, usize::MAX] {
+            pass.follow(record, samples, &mut scores.against(record));
+        }
+        let diagnostics = Diagnostics::new(estimates, record);
+        assert_eq!(scores.len(), estimates.len());
+        assert_eq!(scores.nees(), diagnostics.nees_within(0..estimates.len()));
+        assert_eq!(scores.nis(), diagnostics.nis_within(0..estimates.len()));
+        assert_eq!(scores.log_likelihood().to_bits(), diagnostics.log_likelihood().to_bits());
+        for channel in diagnostics.known() {
+            let score = scores.channel(channel).unwrap();
+            let tally = diagnostics.tally(channel, 0..estimates.len()).unwrap();
+            assert_eq!((score.rmse, score.coverage), (tally.rmse(), tally.coverage()));
+            assert_eq!((Some(score.error), score.settled), (diagnostics.error(channel), diagnostics.settled(channel)));
+            let last = estimates.std(estimates.len() - 1, estimates.place(channel).unwrap());
+            assert_eq!(score.std, last);
+        }
+        let diagnosis = Diagnosis::new(&diagnostics, estimates, record, None).unwrap();
+        let diverged = diagnosis.verdict.unwrap().kind == VerdictKind::Diverged;
+        assert_eq!(scores.diverged(), diverged, "{}", estimates.name());
+    }
 }

@@ -1,7 +1,5 @@
 //! Filters of sensors with clocks of their own.
 
-use std::sync::Arc;
-
 use kalmanscope_core::record::{Input, Record};
 use kalmanscope_core::{
     Channel, EventError, EventFilter, EventSetupError, FilterKind, Hold, InputKind, PlantKind, Quantity, Robust, Run,
@@ -9,21 +7,13 @@ use kalmanscope_core::{
 };
 
 use crate::random::Random;
+use crate::run::{finished, finished_on, one_filter};
 
 const NONE: f64 = f64::NAN;
 
 /// A scenario with one filter of a kind, without process noise, and its record.
 fn scenario(kind: FilterKind, hold: Hold) -> Scenario {
-    let mut scenario = Scenario { duration: 10.0, hold, ..Scenario::default() };
-    scenario.filters.truncate(1);
-    scenario.filters[0].kind = kind;
-    scenario
-}
-
-fn run(scenario: &Scenario) -> Run {
-    let mut run = Run::new(scenario).expect("the scenario can be run");
-    run.finish();
-    run
+    Scenario { duration: 10.0, hold, ..one_filter(kind) }
 }
 
 /// The largest difference of means and standard deviations from a run's last sample, over the standard deviations.
@@ -58,7 +48,7 @@ fn one_common_clock_gives_the_estimates_of_a_run() {
                 let filter = &mut scenario.filters[0];
                 (filter.fading, filter.substeps, filter.input_delay) = (fading, substeps, delay);
                 filter.process_std[Channel::NATURAL_FREQUENCY] = 1e-3;
-                let run = run(&scenario);
+                let run = finished(&scenario);
                 let record = run.record();
                 let mut events = EventFilter::new(&scenario, 0).expect("it follows events");
                 let mut found = 0.0;
@@ -142,12 +132,11 @@ fn clocks_of_their_own_and_late_readings_equal_a_grid_a_hundred_times_finer() {
         scenario.filters[0].process_std = kalmanscope_core::Values::ZERO;
         scenario.duration = 8.0;
         let fine = Scenario { dt: 1e-4, seed, filters: Vec::new(), ..scenario.clone() };
-        let truth = run(&fine);
+        let truth = finished(&fine);
         let told = own_clocks(&scenario, truth.record(), seed);
         let len = told.iter().map(|one| (one.time / 1e-4).round() as usize).max().unwrap_or(0) + 1;
         let (grid, record) = on_fine_grid(&scenario, &told, len);
-        let mut expected = Run::on_record(&grid, Arc::new(record)).expect("it can be run");
-        expected.finish();
+        let expected = finished_on(&grid, record);
         let mut events = EventFilter::new(&scenario, 0).expect("it follows events");
         let mut again = 0;
         let mut found = f64::NAN;
@@ -172,7 +161,7 @@ fn hindsight_is_the_smoother_with_a_look_ahead() {
             let filter = &mut scenario.filters[0];
             (filter.smoother, filter.look_ahead, filter.substeps, filter.robust) = (true, 0.25, substeps, robust);
             filter.process_std[Channel::NATURAL_FREQUENCY] = 1e-3;
-            let run = run(&scenario);
+            let run = finished(&scenario);
             let record = run.record();
             let record = record.clone().with_gaps(|sensor, k| k > 0 && (k % 7 == sensor || (300..340).contains(&k)));
             let expected = kalmanscope_core::smoothed(&scenario, 0, &record).expect("it has a smoother");
@@ -204,7 +193,7 @@ fn hindsight_does_not_depend_on_the_order() {
     let mut scenario = Scenario { force: base.force, duration: 6.0, ..scenario(FilterKind::EKF, Hold::Zero) };
     (scenario.filters[0].smoother, scenario.filters[0].look_ahead) = (true, 0.4);
     let fine = Scenario { dt: 1e-4, filters: Vec::new(), ..scenario.clone() };
-    let told = own_clocks(&scenario, run(&fine).record(), 5);
+    let told = own_clocks(&scenario, finished(&fine).record(), 5);
     let mut ordered = told.clone();
     ordered.sort_by(|a, b| a.time.total_cmp(&b.time));
     let [late, in_order] = [told, ordered].map(|told| {
@@ -239,7 +228,7 @@ fn late_readings_end_where_the_same_readings_in_order_do() {
             let mut scenario = scenario(kind, hold);
             scenario.filters[0].robust = robust;
             scenario.force = Scenario::from_toml(CHIRP).expect("the scenario is valid").force;
-            let fine = run(&Scenario { dt: 1e-4, filters: Vec::new(), ..scenario.clone() });
+            let fine = finished(&Scenario { dt: 1e-4, filters: Vec::new(), ..scenario.clone() });
             let told = own_clocks(&scenario, fine.record(), 5);
             let mut ordered = told.clone();
             ordered.sort_by(|a, b| a.time.total_cmp(&b.time));

@@ -1,7 +1,5 @@
 //! Scenarios that were once judged wrongly, each with the verdict that it must have.
 
-use std::sync::Arc;
-
 use kalmanscope_core::diagnosis::VerdictKind::{
     self, Collapsed, Consistent, Overconfident, Recovered, Underconfident, WoundUp,
 };
@@ -10,7 +8,7 @@ use kalmanscope_core::setting::Edit;
 use kalmanscope_core::simulate;
 use kalmanscope_core::{Channel, CramerRao, Diagnostics, Estimates, Record, Run, Scenario};
 
-use crate::run::finished;
+use crate::run::{finished, finished_on};
 
 macro_rules! finding {
     ($name:literal) => {
@@ -65,8 +63,7 @@ fn overloaded(scenario: &Scenario) -> Record {
 #[test]
 fn a_reading_that_is_no_reading_is_never_underconfidence() {
     let scenario = finding!("overload");
-    let mut run = Run::on_record(&scenario, Arc::new(overloaded(&scenario))).unwrap();
-    run.finish();
+    let run = finished_on(&scenario, overloaded(&scenario));
     let verdict = diagnosis(&run.estimates()[0], run.record()).verdict.unwrap();
     assert_kind(&verdict, &[VerdictKind::Lost, VerdictKind::Diverged, Overconfident]);
 }

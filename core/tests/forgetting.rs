@@ -1,11 +1,11 @@
 //! A run that forgets its first samples continues bit by bit, in constant memory.
 
-use std::sync::Arc;
-
 use kalmanscope_core::{
     Adaptation, Channel, CramerRao, Diagnosis, Diagnostics, Estimates, FilterKind, FilterSettings, Force, PlantKind,
     Quantity, Run, Scenario, Sensor, Signal, Summary,
 };
+
+use crate::run::{finished, finished_on};
 
 /// Every kind of filter, also adaptive ones, ones that stop and ones with another plant, over a plant that changes.
 fn eventful() -> Scenario {
@@ -118,8 +118,7 @@ fn a_diverging_truth_stops_at_the_same_sample() {
     scenario.set_plant(PlantKind::DUFFING);
     scenario.plant.set(Channel::CUBIC_STIFFNESS, Signal::Constant(-300.0));
     scenario.plant.initial.displacement = 0.5;
-    let mut all = Run::new(&scenario).unwrap();
-    all.finish();
+    let all = finished(&scenario);
     let mut kept = Run::new(&scenario).unwrap();
     kept.advance_to(10);
     kept.forget(8);
@@ -185,11 +184,9 @@ fn diagnostics_and_bounds_cover_the_kept_samples() {
 fn a_smoother_needs_the_beginning_and_a_measured_record_is_not_forgotten() {
     let mut scenario = Scenario { duration: 3.0, ..Scenario::default() };
     scenario.filters[0].smoother = true;
-    let mut run = Run::new(&scenario).unwrap();
-    run.finish();
+    let mut run = finished(&scenario);
     assert_eq!(run.smoothed().len(), 1);
-    let mut measured = Run::on_record(&scenario, Arc::new(run.record().clone())).unwrap();
-    measured.finish();
+    let mut measured = finished_on(&scenario, run.record().clone());
     assert!(!measured.forget(100));
     assert_eq!((measured.len(), measured.estimates()[0].len()), (301, 301));
     run.forget(100);

@@ -4,7 +4,7 @@ use kalmanscope_core::{
     Channel, Estimates, FilterKind, FilterSettings, Force, Quantity, Run, Scenario, Sensor, Signal, Values,
 };
 
-use crate::run::finished;
+use crate::run::{finished, last};
 
 const NATURAL_FREQUENCY: Channel = Channel::NATURAL_FREQUENCY;
 
@@ -48,9 +48,7 @@ fn means(count: usize) -> Vec<f64> {
 
 /// Whether the last estimate is within 5 % of the truth.
 fn has_arrived(estimates: &Estimates) -> bool {
-    let place = estimates.place(NATURAL_FREQUENCY).unwrap();
-    let is_whole = estimates.stop().is_none();
-    is_whole && (estimates.canonical_mean(estimates.len() - 1, place) / 6.0 - 1.0).abs() < 0.05
+    estimates.stop().is_none() && (last(estimates, NATURAL_FREQUENCY).0 / 6.0 - 1.0).abs() < 0.05
 }
 
 #[test]
@@ -86,12 +84,10 @@ fn the_likeliest_is_one_of_the_guesses_bit_by_bit_and_keeps_its_errors_bounds() 
     filter.initial_mean[NATURAL_FREQUENCY] = nearest;
     filter.initial_std[NATURAL_FREQUENCY] = 0.5 * nearest;
     let alone = finished(&bank);
-    let alone = &alone.estimates()[0];
-    let last = chosen.len() - 1;
-    let place = chosen.place(NATURAL_FREQUENCY).unwrap();
-    let (mean, std) = (chosen.mean(last)[place], chosen.std(last, place));
+    let (mean, std) = last(chosen, NATURAL_FREQUENCY);
+    let (alone, _) = last(&alone.estimates()[0], NATURAL_FREQUENCY);
     assert!((mean - 6.0).abs() < 4.0 * std, "{mean} ± {std}");
-    assert!((mean - alone.mean(last)[place]).abs() < 0.1 * std, "{mean}, alone {}", alone.mean(last)[place]);
+    assert!((mean - alone).abs() < 0.1 * std, "{mean}, alone {alone}");
 }
 
 #[test]

@@ -35,37 +35,9 @@ const FILES: [&str; 16] = [
     "\u{FEFF}t\tx\n0\t1e300\n1\t-1e300\n2\tnan\n3\tinf\n4\t1\n",
 ];
 
-/// Pieces of text that are put into the files.
-const PIECES: [&str; 28] = [
-    ",",
-    ";",
-    "\t",
-    " ",
-    "\n",
-    "\r\n",
-    "\"",
-    "#",
-    "nan",
-    "inf",
-    "-1e308",
-    "1e999",
-    "0",
-    "0,5",
-    "é",
-    "\0",
-    "::",
-    "2024-01-01",
-    "\u{FEFF}",
-    ",,,,,,,,",
-    "1.234,5",
-    "23:59:59.5 PM",
-    "-1.#IND",
-    "-9999",
-    "999999999999",
-    "1e19",
-    "1e-9",
-    "    -1\n    58\n",
-];
+/// Pieces of text that are put into the files, with bars between them.
+const PIECES: &str = ",|;|\t| |\n|\r\n|\"|#|nan|inf|-1e308|1e999|0|0,5|é|\0|::|\
+                      2024-01-01|\u{FEFF}|,,,,,,,,|1.234,5|23:59:59.5 PM|-1.#IND|-9999|999999999999|1e19|1e-9|    -1\n    58\n";
 
 /// Numbers that are the same on every machine.
 struct Numbers(u64);
@@ -80,6 +52,7 @@ impl Numbers {
 }
 
 fn broken(numbers: &mut Numbers) -> Vec<u8> {
+    let pieces: Vec<&str> = PIECES.split('|').collect();
     let file = FILES[numbers.below(FILES.len())];
     let mut bytes: Vec<u8> = match numbers.below(6) {
         0 => file.encode_utf16().flat_map(u16::to_le_bytes).collect(),
@@ -90,7 +63,7 @@ fn broken(numbers: &mut Numbers) -> Vec<u8> {
         let place = numbers.below(bytes.len());
         match numbers.below(5) {
             0 => {
-                let piece = PIECES[numbers.below(PIECES.len())].as_bytes();
+                let piece = pieces[numbers.below(pieces.len())].as_bytes();
                 bytes.splice(place..place, piece.iter().copied());
             }
             1 if !bytes.is_empty() => bytes[place] = numbers.below(256) as u8,

@@ -1,19 +1,16 @@
 //! Invariants of every valid scenario.
 
-use std::sync::Arc;
-
 use kalmanscope_core::scenario::Motion;
 use kalmanscope_core::signal::{Ramp, Sine, Step};
 use kalmanscope_core::simulate;
 use kalmanscope_core::{
-    Aspect, Channel, Estimates, FilterKind, FilterSettings, Force, Plant, Quantity, Run, Scenario, Sensor, Signal,
-    Values,
+    Aspect, Channel, Estimates, FilterKind, FilterSettings, Force, Plant, Quantity, Scenario, Sensor, Signal, Values,
 };
 
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
-use crate::run::finished;
+use crate::run::{finished, finished_on};
 
 /// The same cases every time, so that a failure is reproducible.
 fn config(cases: u32) -> ProptestConfig {
@@ -219,12 +216,10 @@ proptest! {
         let which = which % scenario.sensors.len();
         let record = simulate(&scenario);
         let gaps = record.clone().with_gaps(|sensor, _| sensor == which);
-        let mut blind = Run::on_record(&scenario, Arc::new(gaps)).unwrap();
-        blind.finish();
+        let blind = finished_on(&scenario, gaps);
         let mut fewer = scenario.clone();
         fewer.remove_sensor(scenario.sensors[which].measures);
-        let mut without = Run::on_record(&fewer, Arc::new(record)).unwrap();
-        without.finish();
+        let without = finished_on(&fewer, record);
         // Where any sensor reads more than the state, all are read by sigma points: the same but for rounding.
         let reads_rates = |scenario: &Scenario| {
             let is_of_state = [Aspect::DISPLACEMENT, Aspect::VELOCITY];
@@ -249,8 +244,7 @@ proptest! {
     fn a_missing_measurement_skips_its_sensor_only(scenario in scenario(), every in 2_usize..5) {
         let missing = |sensor: usize, k: usize| (k + sensor).is_multiple_of(every);
         let gaps = simulate(&scenario).with_gaps(missing);
-        let mut run = Run::on_record(&scenario, Arc::new(gaps)).unwrap();
-        run.finish();
+        let run = finished_on(&scenario, gaps);
         for estimates in run.estimates() {
             for k in 1..estimates.len() {
                 for (sensor, innovation) in estimates.innovation(k).iter().enumerate() {

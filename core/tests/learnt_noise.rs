@@ -1,6 +1,8 @@
 //! Noise that a filter learns, and what it knows about it.
 
-use kalmanscope_core::{FilterKind, FilterSettings, Hold, PlantKind, Quantity, Run, Scenario};
+use kalmanscope_core::{FilterKind, FilterSettings, Hold, PlantKind, Quantity, Scenario};
+
+use crate::run::{finished, one_filter};
 
 /// The share of late samples of many records at which ±2σ of the learnt noise holds the true one, of each sensor.
 fn coverage(
@@ -11,8 +13,7 @@ fn coverage(
 ) -> Vec<f64> {
     let mut counts = Vec::new();
     for seed in seeds {
-        let mut scenario = Scenario { duration: 30.0, seed, ..Scenario::default() };
-        scenario.filters.truncate(1);
+        let mut scenario = Scenario { duration: 30.0, seed, ..one_filter(FilterKind::EKF) };
         scenario.set_plant(plant);
         let true_std: Vec<f64> = scenario.sensors.iter().map(|sensor| sensor.noise_std).collect();
         let sensor_std = true_std.iter().map(|std| 2.0 * std).collect();
@@ -21,8 +22,7 @@ fn coverage(
         (filter.adaptation.sensor_noise, filter.adaptation.forgetting) = (true, 0.99);
         change(&mut scenario);
         let true_std: Vec<f64> = scenario.sensors.iter().map(|sensor| sensor.noise_std).collect();
-        let mut run = Run::new(&scenario).expect("it can be run");
-        run.finish();
+        let run = finished(&scenario);
         let estimates = &run.estimates()[0];
         assert_eq!(estimates.stop(), None, "{kind:?} {plant:?} {seed}");
         counts.resize(true_std.len(), [0, 0]);
@@ -42,8 +42,7 @@ fn training_ends_and_what_was_learnt_stays() {
     for (kind, hold) in
         [(FilterKind::EKF, Hold::Zero), (FilterKind::UKF, Hold::First), (FilterKind::SR_UKF, Hold::Zero)]
     {
-        let mut scenario = Scenario { duration: 20.0, hold, ..Scenario::default() };
-        scenario.filters.truncate(1);
+        let mut scenario = Scenario { duration: 20.0, hold, ..one_filter(FilterKind::EKF) };
         let filter = &mut scenario.filters[0];
         (filter.kind, filter.fading) = (kind, 1.0);
         filter.sensor_std.iter_mut().for_each(|std| *std *= 3.0);
@@ -52,8 +51,7 @@ fn training_ends_and_what_was_learnt_stays() {
         let always = filter.clone();
         (filter.id, filter.name, filter.adaptation.training) = (2, "trained".to_owned(), 8.0);
         scenario.filters.insert(0, always);
-        let mut run = Run::new(&scenario).expect("it can be run");
-        run.finish();
+        let run = finished(&scenario);
         let [always, trained] = [0, 1].map(|place| &run.estimates()[place]);
         let noise = |of: &kalmanscope_core::Estimates, k: usize| of.sensor_noise(k, 0).expect("it learns R");
         let far = |k: usize| (noise(always, k)[0] / noise(trained, k)[0] - 1.0).abs();

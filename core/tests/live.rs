@@ -12,6 +12,7 @@ use kalmanscope_core::{
 
 use crate::phone::{Phone, USUAL};
 use crate::random::Random;
+use crate::run::finished_on;
 
 /// Filters of every path: engine, book, one that takes the input for late and one that takes it for early.
 fn scenario(hold: Hold) -> Scenario {
@@ -182,8 +183,7 @@ fn an_input_that_is_told_late_was_zero() {
         let rise = input.values.iter().position(|value| *value == 1.0).expect("it was told");
         assert!((19.5..20.5).contains(&input.times[rise]) && input.times[0] == 0.0, "{:?}", &input.times[..=rise]);
         assert!(input.values[..rise].iter().all(|value| *value == 0.0));
-        let mut whole = Run::on_record(&scenario, Arc::clone(&record)).expect("it can be run");
-        whole.finish();
+        let whole = finished_on(&scenario, Arc::clone(&record));
         assert_same(&run.expect("it has begun"), &whole);
     }
 }
@@ -377,8 +377,7 @@ fn a_swing_with_a_jittering_clock_is_identified_while_it_is_measured() {
             for (k, (channel, truth)) in
                 [(Channel::NATURAL_FREQUENCY, frequency), (Channel::DAMPING_RATIO, damping)].into_iter().enumerate()
             {
-                let place = estimates.place(channel).expect("it is estimated");
-                let (mean, std) = (estimates.canonical_mean(last, place), estimates.std(last, place));
+                let (mean, std) = crate::run::last(estimates, channel);
                 let near = if k == 0 { 0.002 } else { 0.15 };
                 assert!((mean / truth - 1.0).abs() < near, "seed {seed}, {frequency} rad/s: {mean} for {truth}");
                 inside[k] += i32::from((mean - truth).abs() < 2.0 * std);

@@ -5,24 +5,16 @@
 // Several of the files below use these modules. Benchmarks and the fuzzer use some of them too.
 #[path = "common/ambient.rs"]
 mod ambient;
-#[path = "common/ambient_end.rs"]
-mod ambient_end;
-#[path = "common/excitation.rs"]
-mod excitation;
 #[path = "common/health.rs"]
 mod health;
 #[path = "common/identified.rs"]
 mod identified;
 #[path = "common/import.rs"]
 mod import;
-#[path = "common/lesson_records.rs"]
-mod lesson_records;
 #[path = "common/phone.rs"]
 mod phone;
 #[path = "common/random.rs"]
 mod random;
-#[path = "common/ring_down.rs"]
-mod ring_down;
 #[path = "common/run.rs"]
 mod run;
 #[path = "../benches/situations/mod.rs"]
@@ -40,33 +32,27 @@ mod causes;
 mod clocks;
 mod considered;
 mod decay;
+mod delays;
 mod diagnosis;
 mod diagnostics;
 mod documents;
-mod earthquake;
-mod equation_starts;
 mod equations;
 mod events;
 mod faults;
+mod files;
 mod findings;
-mod first_order_hold;
 mod forgetting;
 mod gallery;
 mod guesses;
-mod heavy;
 mod hindsight;
-mod hysteresis;
 mod import_health;
-mod input_delay;
 mod invariants;
 mod job;
 mod jump;
 mod kalman_filter;
-mod kept_times;
 mod learnt_noise;
-mod libreoffice;
+mod lessons;
 mod live;
-mod live_diagnosis;
 mod look_ahead;
 mod measured;
 mod million_steps;
@@ -85,15 +71,9 @@ mod records;
 mod reference;
 mod remedies;
 mod ring;
-mod ring_down_bank;
 mod scenario;
-mod scores;
-mod sensor_delay;
 mod snapshots;
-mod staircase;
 mod start_value_records;
-mod substeps;
 mod truth;
-mod two_files;
 mod verdicts;
 mod white_force;

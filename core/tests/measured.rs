@@ -2,11 +2,15 @@
 
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
-use std::sync::Arc;
 
 use kalmanscope_core::import::{Builder, Mapping, Time, read};
+use kalmanscope_core::plant::PlantKind;
 use kalmanscope_core::suggest::{scenario_for, suggest};
-use kalmanscope_core::{Channel, Fit, Hold, Identified, PlantKind, Record, Run, Scenario};
+use kalmanscope_core::{
+    Channel, FilterKind, FilterSettings, Fit, Force, Hold, Identified, Quantity, Record, Run, Scenario, Sensor, Signal,
+};
+
+use crate::run::{finished, finished_on, last};
 
 /// A circuit that behaves like an oscillator: 68 Hz, ζ = 0.05, a gain of the input, an offset in both columns, an input that is
 /// limited in band, and few samples in a period.
@@ -91,14 +95,8 @@ fn identify_by(
     scenario.record = Some(mapping.clone()).filter(|_| knows_columns);
     let scenario = suggest(&scenario, &record).scenario;
     let record = build(scenario.record.as_ref().unwrap_or(&mapping), scenario.hold);
-    let mut run = Run::on_record(&scenario, Arc::new(record.clone())).unwrap();
-    run.finish();
+    let run = finished_on(&scenario, record.clone());
     (scenario, record, run)
-}
-
-fn last(run: &Run, filter: usize, channel: Channel) -> f64 {
-    let estimates = &run.estimates()[filter];
-    estimates.mean(estimates.len() - 1)[estimates.place(channel).unwrap()]
 }
 
 fn free_run(scenario: &Scenario, record: &Record, run: &Run, filter: usize) -> Fit {
@@ -113,7 +111,8 @@ fn the_suggested_settings_find_a_linear_circuit() {
         let text = Circuit { cubic: 0.0, amplitude: 0.002, seed }.file(8192);
         let (scenario, record, run) = identify(&text, PlantKind::SDOF, |_| {});
         for filter in 0..2 {
-            let [wn, zeta] = [Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO].map(|c| last(&run, filter, c));
+            let [wn, zeta] =
+                [Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO].map(|c| last(&run.estimates()[filter], c).0);
             assert!((wn / NATURAL_FREQUENCY - 1.0).abs() < 0.01, "seed {seed}, filter {filter}: {wn}");
             assert!((zeta / DAMPING_RATIO - 1.0).abs() < 0.1, "seed {seed}, filter {filter}: {zeta}");
             let fit = free_run(&scenario, &record, &run, filter);
@@ -129,11 +128,66 @@ fn a_finer_input_makes_a_hardening_circuit_run_freely() {
         let (scenario, record, run) = identify_by(&text, PlantKind::DUFFING, |_| {}, knows_columns);
         let steps = scenario.record.as_ref().map_or(1, |mapping| mapping.interpolate);
         assert_eq!((steps, scenario.hold), (if knows_columns { 4 } else { 1 }, Hold::First));
-        let cubic = last(&run, 0, Channel::CUBIC_STIFFNESS);
+        let cubic = last(&run.estimates()[0], Channel::CUBIC_STIFFNESS).0;
         assert!((cubic / 7.3e5 - 1.0).abs() < 0.05, "{steps}: {cubic}");
         free_run(&scenario, &record, &run, 0)
     };
     let (coarse, fine) = (error(false), error(true));
     assert!(coarse.percent > 95.0, "{coarse:?}");
     assert!(fine.rms < 0.6 * coarse.rms && fine.percent > 99.0, "{fine:?} against {coarse:?}");
+}
+
+/// 8 s at 750 Hz of the benchmark: m = 2 kg, c = 10 N s/m, k = α = 5e4 N/m, β = 1e3, γ = 0.8, δ = -1.1, ν = 1, noise of
+/// 8e-6 m, under a force of 50 N from 5 to 150 Hz, here white to 375 Hz.
+fn benchmark(seed: u64) -> Record {
+    let mut scenario = Scenario { seed, dt: 1.0 / 750.0, duration: 8.0, filters: vec![], ..Scenario::default() };
+    scenario.set_plant(PlantKind::BOUC_WEN_1);
+    scenario.force = Force::WhiteNoise { std: 40.0 };
+    scenario.plant.disturbance_std = 0.0;
+    for (channel, value) in [
+        (Channel::NATURAL_FREQUENCY, 223.607),
+        (Channel::DAMPING_RATIO, 0.01118),
+        (Channel::POST_YIELD_RATIO, 0.5),
+        (Channel::YIELD_BETA, 800.0),
+        (Channel::YIELD_GAMMA, -1100.0),
+    ] {
+        scenario.plant.set(channel, Signal::Constant(value));
+    }
+    scenario.sensors = vec![Sensor::new(Quantity::DISPLACEMENT, 8e-6)];
+    finished(&scenario).record().clone()
+}
+
+/// The root mean square error of the free run of a filter's final model over another record [m].
+fn rms_of_free_run(run: &Run, place: usize, record: &Record) -> f64 {
+    let scenario = run.scenario();
+    let estimates = &run.estimates()[place];
+    let model = Identified::at(scenario, &scenario.filters[place], estimates, estimates.len() - 1);
+    let free = model.run(record, 0..record.len());
+    free.fit(record, Quantity::DISPLACEMENT).map_or(f64::INFINITY, |fit| fit.rms)
+}
+
+#[test]
+fn the_benchmark_is_identified_better_than_by_a_linear_oscillator() {
+    for seed in 901..904 {
+        let (record, other) = (benchmark(seed), benchmark(seed + 50));
+        let mut scenario = scenario_for(&record);
+        let settings = FilterSettings { id: 0, ..scenario.filters[0].clone() };
+        let of = |name: &str, kind, plant| FilterSettings { name: name.to_owned(), kind, plant, ..settings.clone() };
+        scenario.filters = vec![
+            of("linear", FilterKind::EKF, None),
+            of("one", FilterKind::UKF, Some(PlantKind::BOUC_WEN_1)),
+            of("two", FilterKind::UKF, Some(PlantKind::BOUC_WEN)),
+        ];
+        scenario.number_filters();
+        let scenario = suggest(&scenario, &record).scenario;
+        for (filter, name) in scenario.filters.iter().zip(["linear", "one", "two"]) {
+            println!("{name}: {:?}\n  ± {:?}", filter.initial_mean, filter.initial_std);
+        }
+        let run = finished_on(&scenario, record.clone());
+        let errors = [0, 1, 2].map(|place| rms_of_free_run(&run, place, &other));
+        let one = &run.estimates()[1];
+        let last = one.mean(one.len() - 1);
+        println!("seed {seed}: free run of linear, exponent 1, exponent 2 {errors:?} m; {last:.4?}, {:?}", one.stop());
+        assert!(errors[1] < 0.5 * errors[0], "seed {seed}: {errors:?}");
+    }
 }

@@ -1,6 +1,12 @@
 //! Filters of plants that are not linear in their motion are not biased by the way that their means move.
+//! Predictions may be divided into several steps.
 
-use kalmanscope_core::{Channel, FilterSettings, InputKind, PlantKind, Propagation, Run, Scenario};
+use std::sync::Arc;
+
+use kalmanscope_core::record::Input;
+use kalmanscope_core::{Channel, FilterSettings, Hold, InputKind, PlantKind, Propagation, Record, Scenario};
+
+use crate::run::{finished, finished_on};
 
 /// An equation with the true values of its parameters.
 struct Case {
@@ -110,8 +116,7 @@ fn scenario(case: &Case, kinds: &[&str], samples: f64, noise: f64, length: usize
 
 /// The sum of the squares of error over σ at the end, and their number, of each filter over the channels that are parameters.
 fn errors(scenario: &Scenario) -> Vec<[f64; 2]> {
-    let mut run = Run::new(scenario).unwrap();
-    run.finish();
+    let run = finished(scenario);
     let (last, record) = (run.samples() - 1, run.record());
     assert_eq!(record.len(), run.samples(), "{:?}", scenario.plant.kind);
     let of = |estimates: &kalmanscope_core::Estimates| {
@@ -221,8 +226,7 @@ fn the_default_of_a_linear_plant_has_the_bits_of_the_book() {
         Scenario::from_toml(&format!("duration = 4.0\n{filters}")).unwrap()
     };
     let bits = |scenario: &Scenario| -> Vec<u64> {
-        let mut run = Run::new(scenario).unwrap();
-        run.finish();
+        let run = finished(scenario);
         let all = run.estimates().iter().flat_map(|estimates| (0..estimates.len()).map(move |k| estimates.mean(k)));
         all.flatten().map(|number| number.to_bits()).collect()
     };
@@ -231,4 +235,62 @@ fn the_default_of_a_linear_plant_has_the_bits_of_the_book() {
     assert_eq!(text("propagation = \"automatic\"\n"), text(""));
     let error = Scenario::from_toml("[[filters]]\npropagation = \"magic\"").unwrap_err().to_string();
     assert!(error.contains("`automatic`") && error.contains("`euler`"), "{error}");
+}
+
+const STEPS: usize = 4;
+
+fn divided(kind: &str, substeps: usize) -> Scenario {
+    let text = format!(
+        "duration = 8.0\ndt = 0.08\nhold = \"first\"\n[plant]\nkind = \"duffing\"\nnatural_frequency = 6.0\n\
+         [[sensors]]\nmeasures = \"displacement\"\nnoise_std = 0.01\n[[filters]]\nkind = \"{kind}\"\nsmoother = true\n\
+         substeps = {substeps}\n[filters.process_std]\ndisplacement = 0.0\nvelocity = 0.0\nnatural_frequency = 0.0\n\
+         damping_ratio = 0.0\ncubic_stiffness = 0.0\n"
+    );
+    Scenario::from_toml(&text).unwrap()
+}
+
+/// The same record with four steps in place of one, its input linear and its measurements missing in between.
+fn finer(record: &Record) -> Record {
+    let n = (record.len() - 1) * STEPS + 1;
+    let input = record.input();
+    let between = |k: usize| {
+        let (place, share) = (k / STEPS, (k % STEPS) as f64 / STEPS as f64);
+        input[place] + share * (input[(place + 1).min(input.len() - 1)] - input[place])
+    };
+    let values = (0..n).map(between).collect();
+    let measured = |k: usize| if k.is_multiple_of(STEPS) { record.measured(0)[k / STEPS] } else { f64::NAN };
+    let columns = vec![(record.sensors()[0], (0..n).map(measured).collect())];
+    let input = Input { kind: InputKind::Force, hold: Hold::First, values };
+    Record::new(record.dt() / STEPS as f64, input, columns).unwrap()
+}
+
+#[test]
+fn substeps_are_those_of_a_finer_record() {
+    for kind in ["ekf", "ukf", "sr_ukf"] {
+        let coarse = divided(kind, STEPS);
+        let run = finished(&coarse);
+        let fine = finished_on(&divided(kind, 1), Arc::new(finer(run.record())));
+        let pairs = [(&run.estimates()[0], &fine.estimates()[0]), (&run.smoothed()[0], &fine.smoothed()[0])];
+        for (which, (coarse, fine)) in pairs.into_iter().enumerate() {
+            for k in 0..coarse.len() {
+                for channel in 0..coarse.channels().len() {
+                    let (found, expected) = (coarse.mean(k)[channel], fine.mean(STEPS * k)[channel]);
+                    let (std, expected_std) = (coarse.std(k, channel), fine.std(STEPS * k, channel));
+                    let place = format!("{kind}, {which}, sample {k}, channel {channel}");
+                    assert!((found - expected).abs() <= 1e-6 * expected_std.max(1e-6), "{place}: {found} {expected}");
+                    assert!((std / expected_std - 1.0).abs() < 1e-6, "{place}: {std} {expected_std}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn an_impossible_number_of_substeps_is_named() {
+    let mut scenario = divided("ekf", 1);
+    scenario.filters[0].substeps = 101;
+    assert_eq!(
+        scenario.validate().unwrap_err().to_string(),
+        "`filters[0].substeps` is 101, but must be from 0 to 100 (0 for as many as its error asks for)"
+    );
 }

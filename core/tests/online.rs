@@ -8,13 +8,13 @@ use kalmanscope_core::{
 };
 use kalmanscope_core::{Sample, Sink};
 
+use crate::run::one_filter;
+
 const DT: f64 = 0.01;
 
 /// A scenario with one filter of a kind.
 fn of(kind: FilterKind) -> Scenario {
-    let mut scenario = Scenario { dt: DT, duration: 3.0, ..Scenario::default() };
-    scenario.filters.truncate(1);
-    scenario.filters[0].kind = kind;
+    let mut scenario = Scenario { dt: DT, duration: 3.0, ..one_filter(kind) };
     scenario.filters[0].ensemble_size = 50;
     scenario
 }

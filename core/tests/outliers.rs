@@ -4,6 +4,8 @@ use kalmanscope_core::diagnostics::Depth;
 use kalmanscope_core::scenario::Fault;
 use kalmanscope_core::{Analysis, Channel, FilterKind, FilterSettings, Quantity, Robust, Run, Scenario, Wanted};
 
+use crate::run::{finished, finished_on};
+
 /// Sums over seeds of one filter with one rule.
 #[derive(Clone, Copy, Default)]
 struct Sums {
@@ -37,8 +39,7 @@ fn scenario(seed: u64, kind: FilterKind, robust: Robust, is_clean: bool) -> Scen
 
 fn add(sums: &mut Sums, seed: u64, kind: FilterKind, robust: Robust, is_clean: bool) {
     let scenario = scenario(seed, kind, robust, is_clean);
-    let mut run = Run::new(&scenario).expect("it can be run");
-    run.finish();
+    let run = finished(&scenario);
     let clean = Run::new(&self::scenario(seed, kind, robust, true)).map(|mut run| {
         run.finish();
         run
@@ -143,13 +144,11 @@ fn a_reading_that_counts_for_nothing_is_no_reason_to_stop() {
             scenario.set_sensors(&[Quantity::DISPLACEMENT]);
             (scenario.filters[0].kind, scenario.filters[0].robust) = (kind, robust);
             let std = scenario.sensors[0].noise_std;
-            let mut run = Run::new(&scenario).unwrap();
-            run.finish();
+            let run = finished(&scenario);
             let record = run.record().clone();
             let far = |k: usize| if k > 1000 && k.is_multiple_of(50) { 30.0 * std } else { 0.0 };
             let record = record.with_measured(|_, k, z| z + far(k));
-            let mut run = Run::on_record(&scenario, record.into()).unwrap();
-            run.finish();
+            let run = finished_on(&scenario, record);
             let estimates = &run.estimates()[0];
             assert_eq!(estimates.stop(), None, "{kind:?} {robust:?}");
             let left_out = (1001..estimates.len()).filter(|&k| estimates.innovation(k)[0].is_nan()).count();
@@ -166,12 +165,10 @@ fn noise_that_is_learnt_from_readings_is_not_learnt_from_those_that_count_for_no
         scenario.filters[0].sensor_std = scenario.sensors.iter().map(|sensor| sensor.noise_std).collect();
         (scenario.filters[0].adaptation.process_noise, scenario.filters[0].robust) = (true, robust);
         let std = scenario.sensors[0].noise_std;
-        let mut run = Run::new(&scenario).unwrap();
-        run.finish();
+        let run = finished(&scenario);
         let far = |k: usize| if k.is_multiple_of(50) { 12.0 * std } else { 0.0 };
         let record = run.record().clone().with_measured(|sensor, k, z| if sensor == 0 { z + far(k) } else { z });
-        let mut run = Run::on_record(&scenario, record.into()).unwrap();
-        run.finish();
+        let run = finished_on(&scenario, record);
         assert_eq!(run.estimates()[0].stop(), None, "{robust:?}");
     }
 }

@@ -12,7 +12,9 @@ mod own_system;
 
 use kalmanscope_core::filter::{FilterInfo, Particles, Way};
 use kalmanscope_core::plant::{Plant, PlantInfo, sdof::Sdof};
-use kalmanscope_core::{Diagnostics, FilterKind, PlantKind, Run, Scenario};
+use kalmanscope_core::{Diagnostics, FilterKind, PlantKind, Scenario};
+
+use crate::run::{finished, one_filter};
 
 #[test]
 fn a_plant_of_ones_own_is_identified() {
@@ -60,11 +62,8 @@ fn a_particle_filter_of_ones_own_has_its_own_likelihood() {
         }),
     };
     let results = [FilterKind::PF, FilterKind::new(&OWN)].map(|kind| {
-        let mut scenario = Scenario { duration: 0.5, ..Scenario::default() };
-        scenario.filters.truncate(1);
-        scenario.filters[0].kind = kind;
-        let mut run = Run::new(&scenario).expect("the scenario is valid");
-        run.finish();
+        let scenario = Scenario { duration: 0.5, ..one_filter(kind) };
+        let run = finished(&scenario);
         let diagnostics = Diagnostics::new(&run.estimates()[0], run.record());
         let estimates = &run.estimates()[0];
         assert!(estimates.effective_samples()[20] > 1.0, "{kind:?}");

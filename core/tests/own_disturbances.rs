@@ -1,7 +1,9 @@
 //! Forces that are not recorded and have a course of their own are part of a filter's equation.
 
 use kalmanscope_core::record::{Input, Record};
-use kalmanscope_core::{Channel, Hold, InputKind, Quantity, Run, Scenario};
+use kalmanscope_core::{Channel, Hold, InputKind, Quantity, Scenario};
+
+use crate::run::{finished_on, last};
 
 const DT: f64 = 0.01;
 const SAMPLES: usize = 4000;
@@ -54,14 +56,12 @@ fn inside(
     for seed in 0..seeds {
         let mut normal = Normal(seed << 32);
         let force = acts(&mut normal);
-        let mut run = Run::on_record(&scenario, record(&mut normal, force).into()).unwrap();
-        run.finish();
+        let run = finished_on(&scenario, record(&mut normal, force));
         for (estimates, inside) in run.estimates().iter().zip(&mut inside) {
             assert_eq!(estimates.stop(), None, "seed {seed}");
-            let last = estimates.len() - 1;
             for (channel, truth) in [(Channel::NATURAL_FREQUENCY, 6.0), (Channel::DAMPING_RATIO, 0.05)] {
-                let place = estimates.place(channel).unwrap();
-                *inside += u32::from((estimates.mean(last)[place] - truth).abs() < 2.0 * estimates.std(last, place));
+                let (mean, std) = last(estimates, channel);
+                *inside += u32::from((mean - truth).abs() < 2.0 * std);
             }
         }
     }

@@ -1,18 +1,16 @@
 //! Oscillators that are plucked several times.
 
-use std::sync::Arc;
-
 use kalmanscope_core::import::{Decay, read};
 use kalmanscope_core::record::{Clocks, Input, Record, Timed};
 use kalmanscope_core::{
-    Channel, EventFilter, FilterKind, FilterSettings, Hold, InputKind, Quantity, Run, Scenario, Sensor, Summary,
-    VerdictKind,
+    Channel, EventFilter, FilterKind, FilterSettings, Hold, InputKind, Quantity, Scenario, Sensor, Summary, VerdictKind,
 };
 use nalgebra::{Matrix2, RowVector2, SMatrix, SVector, Vector2};
 
 use crate::identified::identified;
 use crate::phone::{Phone, USUAL};
 use crate::random::Random;
+use crate::run::finished_on;
 
 const DT: f64 = 0.02;
 const NOISE: f64 = 0.05;
@@ -65,12 +63,6 @@ fn scenario(kind: FilterKind, plucks: &[f64]) -> Scenario {
     scenario
 }
 
-fn finished(scenario: &Scenario, record: Record) -> Run {
-    let mut run = Run::on_record(scenario, Arc::new(record)).expect("it can be run");
-    run.finish();
-    run
-}
-
 /// The KF with an unknown offset is the least squares of all readings: the beginning, what two plucks add, and the offset are unknown.
 #[test]
 fn a_kf_is_the_least_squares_of_all_parts() {
@@ -82,7 +74,7 @@ fn a_kf_is_the_least_squares_of_all_parts() {
         filter.augment = vec![bias];
         (filter.initial_mean[bias], filter.initial_std[bias], filter.process_std[bias]) = (0.0, 0.5, 0.0);
         filter.smoother = true;
-        let run = finished(&scenario, record.clone());
+        let run = finished_on(&scenario, record.clone());
         let prior = [1.5, 6.0, 1.5, 6.0, 1.5, 6.0, 0.5].map(|std: f64| std.powi(-2));
         let mut information = SMatrix::<f64, 7, 7>::from_diagonal(&SVector::from(prior));
         let mut score = SVector::<f64, 7>::zeros();
@@ -136,7 +128,7 @@ fn all_parts_together_know_more() {
         for seed in 0..20 {
             let record = record(100 + 20 * place as u64 + seed, &pulls, 0.0);
             let [once, ignorant] =
-                [&[3.99, 7.99][..], &[]].map(|plucks| finished(&scenario(kind, plucks), record.clone()));
+                [&[3.99, 7.99][..], &[]].map(|plucks| finished_on(&scenario(kind, plucks), record.clone()));
             let estimates = &once.estimates()[0];
             let [first, last] = [199, estimates.len() - 1].map(|k| estimates.std(k, 2));
             narrower += usize::from(last < 0.9 * first);
@@ -159,14 +151,14 @@ fn all_parts_together_know_more() {
 fn readings_with_times_have_the_same_plucks() {
     let even = record(5, &[200, 410], 0.0);
     let scenario = scenario(FilterKind::EKF, &[3.99, 8.19]);
-    let run = finished(&scenario, even.clone());
+    let run = finished_on(&scenario, even.clone());
     let there: Vec<usize> = (1..even.len()).filter(|&k| !even.measured(0)[k].is_nan()).collect();
     let timed = Timed {
         times: there.iter().map(|&k| k as f64).collect(),
         values: there.iter().map(|&k| even.measured(0)[k]).collect(),
     };
     let clocks = Clocks { input: None, readings: vec![timed] };
-    let timed = finished(&scenario, even.clone().with_clocks(clocks).expect("times rise"));
+    let timed = finished_on(&scenario, even.clone().with_clocks(clocks).expect("times rise"));
     let mut events = EventFilter::new(&scenario, 0).expect("it can follow events");
     events.take(7.0, 0.0, &[f64::NAN]).expect("it begins");
     for &k in &there {
@@ -174,7 +166,7 @@ fn readings_with_times_have_the_same_plucks() {
     }
     let mut later = scenario.clone();
     later.filters[0].plucks.iter_mut().for_each(|time| *time += 2.5);
-    let later = finished(&later, even.starting_at(2.5));
+    let later = finished_on(&later, even.starting_at(2.5));
     let std = run.estimates()[0].std(599, 2);
     let mean = run.estimates()[0].mean(599)[2];
     assert!((timed.estimates()[0].mean(599)[2] - mean).abs() < 1e-8 * std);
@@ -224,7 +216,7 @@ fn a_free_run_begins_anew() {
     let record = record(9, &[200, 410], 0.0);
     for (plucks, is_good) in [(&[3.995, 8.19][..], true), (&[], false)] {
         let scenario = scenario(FilterKind::EKF, plucks);
-        let run = finished(&scenario, record.clone());
+        let run = finished_on(&scenario, record.clone());
         let model = kalmanscope_core::Identified::at(&scenario, &scenario.filters[0], &run.estimates()[0], 599);
         let free = model.run(run.record(), 0..600);
         let fit = free.fits[0].expect("there are readings");

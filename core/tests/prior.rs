@@ -1,39 +1,21 @@
 //! The belief before the update, which a sink can ask for.
 
 use kalmanscope_core::{Channel, FilterKind, Hold, Pass, Quantity, Run, Scenario, Sensor, Stop};
-use kalmanscope_core::{Sample, Sink};
+use kalmanscope_core::{LastSample, Sample, Sink};
 
-use crate::run::finished;
-
-/// The numbers of a sample.
-#[derive(Clone, Debug)]
-struct Kept {
-    mean: Vec<f64>,
-    cov: Vec<f64>,
-    prior_mean: Vec<f64>,
-    prior_cov: Vec<f64>,
-    innovation: Vec<f64>,
-    innovation_cov: Vec<f64>,
-    gain: Vec<f64>,
-}
+use crate::run::{finished, one_filter};
 
 /// Keeps every sample.
 struct All {
     wants_prior: bool,
-    samples: Vec<Kept>,
+    samples: Vec<LastSample>,
 }
 
 impl Sink for All {
     fn push(&mut self, sample: &Sample<'_>) {
-        self.samples.push(Kept {
-            mean: sample.mean.to_vec(),
-            cov: sample.cov.to_vec(),
-            prior_mean: sample.prior_mean.to_vec(),
-            prior_cov: sample.prior_cov.to_vec(),
-            innovation: sample.innovation.to_vec(),
-            innovation_cov: sample.innovation_cov.to_vec(),
-            gain: sample.gain.to_vec(),
-        });
+        let mut kept = LastSample::default();
+        kept.push(sample);
+        self.samples.push(kept);
     }
 
     fn stop_at(&mut self, stop: Stop) {
@@ -45,7 +27,7 @@ impl Sink for All {
     }
 }
 
-fn samples(scenario: &Scenario, run: &Run, wants_prior: bool) -> Vec<Kept> {
+fn samples(scenario: &Scenario, run: &Run, wants_prior: bool) -> Vec<LastSample> {
     let mut all = All { wants_prior, samples: Vec::new() };
     let record = run.record();
     Pass::new(scenario, 0, record).expect("the record fits").follow(record, record.len(), &mut all);
@@ -55,8 +37,7 @@ fn samples(scenario: &Scenario, run: &Run, wants_prior: bool) -> Vec<Kept> {
 
 /// A scenario with one filter of a kind.
 fn scenario(kind: FilterKind, hold: Hold) -> Scenario {
-    let mut scenario = Scenario { duration: 3.0, hold, ..Scenario::default() };
-    scenario.filters.truncate(1);
+    let mut scenario = Scenario { duration: 3.0, hold, ..one_filter(FilterKind::EKF) };
     (scenario.filters[0].kind, scenario.filters[0].ensemble_size) = (kind, 60);
     scenario
 }
@@ -81,10 +62,10 @@ fn a_linear_update_leads_from_the_prior_to_the_mean() {
     for scenario in FilterKind::ALL.into_iter().flat_map(variants) {
         let (run, kind) = (finished(&scenario), scenario.filters[0].kind);
         let all = samples(&scenario, &run, true);
-        let first = &all[0];
+        let first = all[0].sample();
         assert_eq!((&first.prior_mean, &first.prior_cov), (&first.mean, &first.cov), "{kind:?}");
-        for (k, sample) in all.iter().enumerate().skip(1) {
-            let Kept { mean, prior_mean, prior_cov, innovation, innovation_cov, gain, .. } = sample;
+        for (k, sample) in all.iter().map(LastSample::sample).enumerate().skip(1) {
+            let Sample { mean, prior_mean, prior_cov, innovation, innovation_cov, gain, .. } = sample;
             let n = mean.len();
             assert_eq!((prior_mean.len(), prior_cov.len()), (n, n * n));
             for (i, &e) in innovation.iter().enumerate() {
@@ -119,8 +100,9 @@ fn a_sink_that_does_not_ask_gets_none_and_the_same_estimates() {
         let run = finished(&scenario);
         let (with, without) = (samples(&scenario, &run, true), samples(&scenario, &run, false));
         for (k, (with, without)) in with.iter().zip(&without).enumerate() {
+            let (with, without) = (with.sample(), without.sample());
             assert!(without.prior_mean.is_empty() && without.prior_cov.is_empty());
-            assert_eq!((&with.mean, &with.cov), (&without.mean, &without.cov));
+            assert_eq!((with.mean, with.cov), (without.mean, without.cov));
             assert_eq!(with.mean, run.estimates()[0].mean(k));
         }
     }
@@ -136,19 +118,10 @@ fn a_prior_is_in_the_channels_units() {
             scenario.sensors = vec![Sensor::new(Quantity::DISPLACEMENT, 0.01)];
             scenario.filters[0].sensor_std = vec![0.01];
             let run = finished(&scenario);
-            let missing = {
-                let input = kalmanscope_core::record::Input {
-                    kind: scenario.input,
-                    hold,
-                    values: run.record().input().to_vec(),
-                };
-                let column = vec![f64::NAN; run.record().len()];
-                kalmanscope_core::Record::new(scenario.dt, input, vec![(Quantity::DISPLACEMENT, column)])
-            };
-            let record = missing.expect("it is a record");
+            let record = run.record().clone().with_gaps(|_, _| true);
             let mut all = All { wants_prior: true, samples: Vec::new() };
             Pass::new(&scenario, 0, &record).expect("the record fits").follow(&record, 50, &mut all);
-            for sample in &all.samples {
+            for sample in all.samples.iter().map(LastSample::sample) {
                 assert_eq!((&sample.prior_mean, &sample.prior_cov), (&sample.mean, &sample.cov), "{kind:?} {hold:?}");
                 let wn = sample.prior_mean[2];
                 assert!((wn - scenario.filters[0].initial_mean[Channel::NATURAL_FREQUENCY]).abs() < 1e-9, "{wn}");

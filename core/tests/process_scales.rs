@@ -1,16 +1,13 @@
 //! How large Q is, told by filters with several scales of it.
 
-use std::sync::Arc;
-
 use kalmanscope_core::record::{Clocks, Timed};
-use kalmanscope_core::{
-    Channel, FilterKind, FilterSettings, Hold, PlantKind, Quantity, Run, Scenario, Signal, Trouble,
-};
+use kalmanscope_core::{Channel, FilterKind, FilterSettings, Hold, PlantKind, Quantity, Scenario, Signal, Trouble};
+
+use crate::run::{finished, finished_on, one_filter};
 
 /// An oscillator that is shaken at random, and a filter that takes Q to be wrong by a factor of `wrong` on √Q.
 fn scenario(seed: u64, wrong: f64) -> Scenario {
-    let mut scenario = Scenario { duration: 40.0, seed, ..Scenario::default() };
-    scenario.filters.truncate(1);
+    let mut scenario = Scenario { duration: 40.0, seed, ..one_filter(FilterKind::EKF) };
     scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
     scenario.plant.set(Channel::DAMPING_RATIO, Signal::Constant(0.05));
     scenario.plant.disturbance_std = 2.0;
@@ -24,12 +21,6 @@ fn scenario(seed: u64, wrong: f64) -> Scenario {
     let sensor_std = scenario.true_noise_for(&scenario.filters[0]).0;
     scenario.filters[0].sensor_std = sensor_std;
     scenario
-}
-
-fn finished(scenario: &Scenario) -> Run {
-    let mut run = Run::new(scenario).expect("it can be run");
-    run.finish();
-    run
 }
 
 /// The share of late samples of many records at which ±2σ hold the true scale.
@@ -133,8 +124,7 @@ fn readings_keep_their_times() {
         Clocks { input: None, readings: (0..record.sensors().len()).map(of).collect() }
     };
     let timed = record.clone().with_clocks(readings(&|k| k)).expect("times rise");
-    let mut again = Run::on_record(&scenario, Arc::new(timed)).expect("it can be run");
-    again.finish();
+    let again = finished_on(&scenario, timed);
     let [one, other] = [&run, &again].map(|run| &run.estimates()[0]);
     for k in (0..one.len()).step_by(50) {
         let [[a, std], [b, _]] = [one, other].map(|of| of.process_scale(k).expect("it tells the scale"));

@@ -5,7 +5,11 @@ use std::sync::Arc;
 use kalmanscope_core::import::{Builder, Mapping, read};
 use kalmanscope_core::record::Input;
 use kalmanscope_core::simulate;
-use kalmanscope_core::{Channel, Hold, InputKind, PlantKind, Quantity, Record, RecordError, Run, RunError, Scenario};
+use kalmanscope_core::{
+    Channel, FilterKind, Hold, InputKind, PlantKind, Quantity, Record, RecordError, Run, RunError, Scenario,
+};
+
+use crate::run::{finished, finished_on, one_filter};
 
 fn input(values: &[f64]) -> Input {
     Input { kind: InputKind::Force, hold: Hold::Zero, values: values.to_vec() }
@@ -55,13 +59,10 @@ fn invalid_columns_are_reported() {
 
 #[test]
 fn a_record_is_run_with_the_scenarios_hold_and_only_with_its_input() {
-    let mut scenario = Scenario { duration: 2.0, ..Scenario::default() };
-    scenario.filters.truncate(1);
-    let mut run = Run::new(&scenario).unwrap();
-    run.finish();
+    let mut scenario = Scenario { duration: 2.0, ..one_filter(FilterKind::EKF) };
+    let run = finished(&scenario);
     let record = Arc::new(run.record().clone());
-    let mut again = Run::on_record(&scenario, Arc::clone(&record)).unwrap();
-    again.finish();
+    let again = finished_on(&scenario, Arc::clone(&record));
     assert_eq!(again.checksum(), run.checksum());
     scenario.input = InputKind::GroundAcceleration;
     let error = Run::on_record(&scenario, record).err();
@@ -72,8 +73,7 @@ fn a_record_is_run_with_the_scenarios_hold_and_only_with_its_input() {
 #[test]
 fn a_record_is_simulated_and_changed_without_a_run() {
     let scenario = Scenario { duration: 1.0, ..Scenario::default() };
-    let mut run = Run::new(&scenario).unwrap();
-    run.finish();
+    let run = finished(&scenario);
     let record = simulate(&scenario);
     assert_eq!(&record, run.record());
     let measured = record.clone().without_truth();

@@ -1,12 +1,11 @@
 //! Remedies of several causes, and causes that need a look at the record.
 
-use std::sync::Arc;
-
 use kalmanscope_core::diagnosis::{Diagnosis, Remedy};
-use kalmanscope_core::record::Input;
 use kalmanscope_core::setting::Edit;
 use kalmanscope_core::simulate;
-use kalmanscope_core::{Channel, Diagnostics, Quantity, Record, Run, Scenario, Signal, Task as _, VerdictKind, signal};
+use kalmanscope_core::{Channel, Diagnostics, Quantity, Record, Scenario, Signal, Task as _, VerdictKind, signal};
+
+use crate::run::{finished, finished_on, with_input};
 
 /// A filter that is well tuned, of an oscillator of 6 rad/s.
 fn tuned(plant: &str) -> Scenario {
@@ -28,8 +27,7 @@ fn record(scenario: &Scenario) -> Record {
 
 /// The verdict on the first filter over a record, and its remedies.
 fn judged(scenario: &Scenario, record: &Record) -> (VerdictKind, Vec<Remedy>) {
-    let mut run = Run::on_record(scenario, Arc::new(record.clone())).unwrap();
-    run.finish();
+    let run = finished_on(scenario, record.clone());
     let estimates = &run.estimates()[0];
     let diagnostics = Diagnostics::new(estimates, record);
     let diagnosis = Diagnosis::new(&diagnostics, estimates, record, None).unwrap();
@@ -142,11 +140,7 @@ fn an_input_that_stops_is_named_and_nothing_is_turned_for_it() {
         let whole = record(&scenario);
         let mut values = whole.input().to_vec();
         values[2200..].fill(0.0);
-        let columns =
-            whole.sensors().iter().enumerate().map(|(place, &quantity)| (quantity, whole.measured(place).to_vec()));
-        let input = Input { kind: whole.input_kind(), hold: whole.hold(), values };
-        let stopped = Record::new(whole.dt(), input, columns.collect()).unwrap();
-        let first = &judged(&scenario, &stopped).1[0];
+        let first = &judged(&scenario, &with_input(&whole, values)).1[0];
         assert_eq!((keys(first), first.edits.len()), (vec!["still_input"], 0), "seed {seed}");
         assert!(
             first.first.sentence.starts_with("the input stands still from 22 s on, where "),
@@ -175,8 +169,7 @@ fn noise_that_changes_is_named_with_its_time() {
     let scenario = Scenario { seed: 7, ..tuned("") };
     let quiet = record(&scenario);
     // The noise of another record, three times as large, from 18 s on.
-    let mut other = Run::new(&Scenario { seed: 8, ..tuned("") }).unwrap();
-    other.finish();
+    let other = finished(&Scenario { seed: 8, ..tuned("") });
     let truth = other.record().truth(Channel::DISPLACEMENT).unwrap();
     let measured = other.record().measured_quantity(Quantity::DISPLACEMENT).unwrap();
     let noisy = quiet.clone().with_measured(|place, k, value| {

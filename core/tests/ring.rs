@@ -5,10 +5,11 @@ use std::io::Cursor;
 
 use kalmanscope_core::diagnostics::Depth;
 use kalmanscope_core::import::{ImportError, Mapping, Ring, read};
-use kalmanscope_core::{Analysis, Run, Scenario, Story, Wanted};
+use kalmanscope_core::{Analysis, Scenario, Story, Wanted};
 
 use crate::identified::identified;
 use crate::random::Random;
+use crate::run::finished;
 
 /// Something that rings, and the room.
 #[derive(Clone, Copy)]
@@ -151,8 +152,7 @@ fn long_steps_that_make_a_band_too_narrow_are_said() {
              substeps = {substeps}\ninitial_mean = {{ displacement = 0.1, natural_frequency = 6.001, damping_ratio = 0.0021 }}\n\
              initial_std = {{ displacement = 0.2, velocity = 1.2, natural_frequency = 0.01, damping_ratio = 0.001 }}\n"
         );
-        let mut run = Run::new(&Scenario::from_toml(&text).expect("a scenario")).expect("it can be run");
-        run.finish();
+        let run = finished(&Scenario::from_toml(&text).expect("a scenario"));
         let analysis = Analysis::new(&run, Wanted { diagnostics: Some(Depth::All), ..Wanted::default() });
         Story::of(&run, analysis.diagnostics(), &[analysis.diagnosis(0)]).to_string()
     };

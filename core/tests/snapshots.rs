@@ -2,13 +2,11 @@
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use kalmanscope_core::diagnosis::Final;
-use kalmanscope_core::import::{Builder, read};
 use kalmanscope_core::{Run, Scenario, Summary};
 
-use crate::run;
+use crate::run::{finished, finished_on_file};
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/scenarios")
@@ -34,12 +32,8 @@ fn scenario(name: &str) -> Scenario {
 /// The run of a scenario over its record, simulated or measured.
 fn built_in(name: &str) -> Run {
     let scenario = scenario(name);
-    let Some(mapping) = &scenario.record else { return run::finished(&scenario) };
-    let table = read(std::fs::read(folder().join("../records").join(&mapping.file)).unwrap(), mapping.dialect).unwrap();
-    let imported = Builder::new(&table, mapping, scenario.input, scenario.hold).unwrap().finish().unwrap();
-    let mut run = Run::on_record(&scenario, Arc::new(imported.record)).unwrap();
-    run.finish();
-    run
+    let Some(mapping) = &scenario.record else { return finished(&scenario) };
+    finished_on_file(&scenario, std::fs::read(folder().join("../records").join(&mapping.file)).unwrap())
 }
 
 fn summaries(run: &Run) -> Vec<Summary> {

@@ -1,11 +1,13 @@
-//! Start values on records of many excitations, sensors and dampings, made here and not by the core: the guess, and the end
-//! of the filter that begins with it.
+//! Start values on records of many excitations, sensors and dampings, and on free decays, made here and not by the core: the guess,
+//! and the end of the filter that begins with it.
 
 use kalmanscope_core::suggest::{scenario_for, suggest};
 use kalmanscope_core::{FilterKind, FilterSettings, Propagation, Quantity, Record};
 
-use crate::excitation::{Excitation, Oscillator, record};
-use crate::start_values::{SENSORS, grid, outcome, shares, suggestion, worst_of_losses};
+use crate::run::with_input;
+use crate::start_values::{
+    Excitation, Oscillator, RingDown, SENSORS, grid, outcome, record, right, shares, suggestion, worst_of_losses,
+};
 
 #[test]
 fn the_guess_is_right_under_every_excitation() {
@@ -63,9 +65,7 @@ fn a_prediction_whose_mean_or_jacobian_is_not_exact_is_divided_where_samples_are
 /// The record with every input and every reading changed.
 fn changed(record: &Record, input: impl Fn(f64) -> f64, reading: impl Fn(f64) -> f64) -> Record {
     let values = record.input().iter().map(|value| input(*value)).collect();
-    let measured = record.measured(0).iter().map(|value| reading(*value)).collect();
-    let input = kalmanscope_core::record::Input { kind: record.input_kind(), hold: record.hold(), values };
-    Record::new(record.dt(), input, vec![(record.sensors()[0], measured)]).unwrap()
+    with_input(record, values).with_measured(|_, _, value| reading(value))
 }
 
 #[test]
@@ -79,4 +79,25 @@ fn offsets_of_arrays_are_no_motion() {
             assert!(is_right && ends, "{} gain {gain}: {text}", sensor.key());
         }
     }
+}
+
+#[test]
+fn start_values_of_a_decay_are_right() {
+    let share = right(0..40);
+    assert!(share >= 0.95, "{share}");
+}
+
+#[test]
+fn a_decay_that_ends_in_noise_has_good_start_values() {
+    let decay = RingDown {
+        natural_frequency: 6.0,
+        damping_ratio: 0.05,
+        rate: 50.0,
+        periods: 80.0,
+        sensor: Quantity::DISPLACEMENT,
+        noise: 0.02,
+        seed: 3,
+    };
+    let (is_right, text) = decay.outcome();
+    assert!(is_right, "{text}");
 }

@@ -1,8 +1,11 @@
-//! The simulator against independent solutions.
+//! The simulator against independent solutions, among them scipy's `lsim` for an input that is linear between samples.
 
 use kalmanscope_core::signal::{Ramp, Sine, Step};
-use kalmanscope_core::simulate;
-use kalmanscope_core::{Channel, Force, PlantKind, Quantity, Record, Run, Scenario, Sensor, Signal, TruthError};
+use kalmanscope_core::{
+    Channel, Force, Hold, PlantKind, Quantity, Record, Run, Scenario, Sensor, Signal, TruthError, simulate,
+};
+
+use crate::run::finished;
 
 fn simulated(scenario: &Scenario) -> Record {
     let record = simulate(scenario);
@@ -193,8 +196,7 @@ fn filters_do_not_touch_the_record() {
     let mut other = scenario.clone();
     other.filters[0].fading = 1.5;
     other.filters.pop();
-    let mut run = Run::new(&other).unwrap();
-    run.finish();
+    let run = finished(&other);
     assert_eq!(run.record(), &simulated(&scenario));
 }
 
@@ -237,8 +239,7 @@ fn a_plant_too_fast_for_its_step_does_not_count_as_diverging() {
     (scenario.plant.initial.displacement, scenario.plant.initial.velocity) = (0.3, 1.0);
     // The energy bounds the motion, so it cannot diverge; but forty radians per step need more halvings than are
     // allowed.
-    let mut run = Run::new(&scenario).unwrap();
-    run.finish();
+    let run = finished(&scenario);
     let energy = |k: usize| {
         let [x, v] = [Channel::DISPLACEMENT, Channel::VELOCITY].map(|c| run.record().truth(c).unwrap()[k]);
         0.5 * v * v + 18.0 * x * x + 75.0 * x * x * x * x
@@ -249,7 +250,69 @@ fn a_plant_too_fast_for_its_step_does_not_count_as_diverging() {
     }
     scenario.dt = 50.0;
     scenario.duration = 5000.0;
-    let mut run = Run::new(&scenario).unwrap();
-    run.finish();
+    let run = finished(&scenario);
     assert_eq!(run.truth_stop().map(|stop| stop.reason), Some(TruthError::StepTooLong));
+}
+
+/// The rows of a table of numbers without the lines that begin with `#`.
+fn rows(text: &str) -> Vec<Vec<f64>> {
+    let row = |line: &str| line.split(',').map(|cell| cell.trim().parse().unwrap()).collect();
+    text.lines().filter(|line| !line.starts_with('#')).map(row).collect()
+}
+
+fn response(kind: PlantKind, dt: f64, hold: Hold) -> Run {
+    let force = Force::Chirp { amplitude: 3.0, from: 1.0, to: 25.0, sweep: 10.0 };
+    let mut scenario = Scenario { dt, duration: 199.0 * dt, force, hold, filters: vec![], ..Scenario::default() };
+    scenario.set_plant(kind);
+    scenario.plant.set(Channel::NATURAL_FREQUENCY, 6.0);
+    finished(&scenario)
+}
+
+/// The largest difference of any motion from the reference, relative to the largest value of that motion.
+fn from_lsim(run: &Run, kind: PlantKind, reference: &[Vec<f64>]) -> f64 {
+    let mut worst = 0.0_f64;
+    for (place, &channel) in kind.channels()[..kind.motion()].iter().enumerate() {
+        let truth = run.record().truth(channel).unwrap();
+        assert_eq!(truth.len(), reference.len());
+        let size = reference.iter().map(|row| row[2 + place].abs()).fold(0.0, f64::max);
+        for (found, row) in truth.iter().zip(reference) {
+            worst = worst.max((found - row[2 + place]).abs() / size);
+        }
+    }
+    worst
+}
+
+#[test]
+fn a_linear_plant_answers_a_piecewise_linear_input_as_lsim_says() {
+    for (kind, dt, text) in [
+        (PlantKind::SDOF, 0.05, include_str!("data/first-order-hold-sdof.csv")),
+        (PlantKind::SHEAR_5, 0.02, include_str!("data/first-order-hold-shear_5.csv")),
+    ] {
+        let reference = rows(text);
+        let run = response(kind, dt, Hold::First);
+        for (found, row) in run.record().input().iter().zip(&reference) {
+            assert!((found - row[1]).abs() < 1e-12, "the force itself");
+        }
+        let error = from_lsim(&run, kind, &reference);
+        assert!(error < 1e-9, "{kind:?}: {error}");
+        // The same input with a zero-order hold gives another response.
+        assert!(from_lsim(&response(kind, dt, Hold::Zero), kind, &reference) > 1e-2, "{kind:?}");
+    }
+}
+
+#[test]
+fn a_plant_with_hardly_any_cubic_stiffness_answers_like_a_linear_one() {
+    let linear = response(PlantKind::SDOF, 0.05, Hold::First);
+    let mut scenario = Scenario { dt: 0.05, duration: 9.95, hold: Hold::First, filters: vec![], ..Scenario::default() };
+    scenario.force = Force::Chirp { amplitude: 3.0, from: 1.0, to: 25.0, sweep: 10.0 };
+    scenario.set_plant(PlantKind::DUFFING);
+    scenario.plant.set(Channel::NATURAL_FREQUENCY, 6.0);
+    scenario.plant.set(Channel::CUBIC_STIFFNESS, 0.0);
+    let run = finished(&scenario);
+    let [x, reference] = [&run, &linear].map(|run| run.record().truth(Channel::DISPLACEMENT).unwrap());
+    let size = reference.iter().fold(0.0_f64, |size, x| size.max(x.abs()));
+    assert!(
+        x.iter().zip(reference).all(|(a, b)| (a - b).abs() < 1e-9 * size),
+        "Runge-Kutta steps against the exact response"
+    );
 }

@@ -13,6 +13,8 @@ use kalmanscope_core::{
     Channel, Diagnosis, Diagnostics, FilterKind, FilterSettings, Force, Record, Run, Scenario, Signal, Verdict,
 };
 
+use crate::run::{finished, finished_on};
+
 const SEEDS: std::ops::RangeInclusive<u64> = 1..=10;
 
 const PARAMETERS: [Channel; 2] = [Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO];
@@ -24,16 +26,14 @@ fn verdict_on(run: &Run) -> Option<Verdict> {
 }
 
 fn verdict(scenario: &Scenario) -> Option<Verdict> {
-    let mut run = Run::new(scenario).unwrap();
-    run.finish();
+    let run = finished(scenario);
     verdict_on(&run)
 }
 
 /// The verdict on the same measurements without the truth.
 fn verdict_without_truth(scenario: &Scenario) -> Option<Verdict> {
     let record = simulate(scenario).without_truth();
-    let mut run = Run::on_record(scenario, Arc::new(record)).unwrap();
-    run.finish();
+    let run = finished_on(scenario, record);
     verdict_on(&run)
 }
 
@@ -287,8 +287,7 @@ fn stiffening_spring() -> Record {
 fn a_wrong_plant_is_found_out() {
     let record = Arc::new(stiffening_spring());
     for kind in [FilterKind::EKF, FilterKind::UKF] {
-        let mut run = Run::on_record(&well_tuned(kind), Arc::clone(&record)).unwrap();
-        run.finish();
+        let run = finished_on(&well_tuned(kind), Arc::clone(&record));
         assert_verdict("stiffening spring", 0, &[Overconfident, Diverged], verdict_on(&run));
     }
 }
@@ -317,8 +316,7 @@ fn innovations_that_are_too_small_together_are_not_called_overconfident() {
             *std *= factor.sqrt();
         }
         let record = simulate(&scenario).without_truth();
-        let mut run = Run::on_record(&scenario, Arc::new(record)).unwrap();
-        run.finish();
+        let run = finished_on(&scenario, record);
         let nis = Diagnostics::new(&run.estimates()[0], run.record()).mean_nis().unwrap();
         assert!(nis.mean < 0.9 * nis.expected, "seed {seed}: {nis:?}");
         let verdict = verdict_on(&run).unwrap();
@@ -341,8 +339,7 @@ fn a_pattern_in_innovations_that_are_no_larger_than_expected_is_not_called_overc
             sensor.faults = Scenario::from_toml(&text).unwrap().sensors[0].faults;
         }
         let record = simulate(&scenario).without_truth();
-        let mut run = Run::on_record(&scenario, Arc::new(record)).unwrap();
-        run.finish();
+        let run = finished_on(&scenario, record);
         let nis = Diagnostics::new(&run.estimates()[0], run.record()).mean_nis().unwrap();
         let verdict = verdict_on(&run).unwrap();
         let is_above = nis.mean > nis.expected * (1.0 + 2.0 * (2.0 / (2.0 * 6000.0_f64)).sqrt());

@@ -5,6 +5,8 @@ use kalmanscope_core::{
     Channel, Estimates, FilterKind, FilterSettings, Hold, InputKind, Quantity, Record, Run, Scenario, Sensor, Values,
 };
 
+use crate::run::{finished, finished_on};
+
 const WN: f64 = 6.0;
 const ZETA: f64 = 0.05;
 const DT: f64 = 0.02;
@@ -177,8 +179,7 @@ fn scenario(kind: FilterKind, hold: Hold, sensors: &[usize]) -> Scenario {
 fn run(scenario: &Scenario, sensors: &[usize]) -> Run {
     let columns = sensors.iter().map(|&s| (SENSORS[s].0, (0..SAMPLES).map(|k| reading(s, k)).collect()));
     let input = Input { kind: InputKind::Force, hold: scenario.hold, values: (0..SAMPLES).map(recorded).collect() };
-    let mut run = Run::on_record(scenario, Record::new(DT, input, columns.collect()).unwrap().into()).unwrap();
-    run.finish();
+    let run = finished_on(scenario, Record::new(DT, input, columns.collect()).unwrap());
     assert_eq!(run.estimates()[0].stop(), None);
     run
 }
@@ -294,8 +295,7 @@ fn a_simulated_disturbance_is_consistent_with_a_white_force_of_its_size() {
         let (sensor_std, process_std) = scenario.true_noise_for(filter);
         assert_eq!((sensor_std[0], process_std[Channel::WHITE_FORCE], process_std[Channel::VELOCITY]), (0.1, 2.0, 0.0));
         (scenario.filters[0].sensor_std, scenario.filters[0].process_std) = (sensor_std, process_std);
-        let mut run = Run::new(&scenario).unwrap();
-        run.finish();
+        let run = finished(&scenario);
         let estimates = &run.estimates()[0];
         let last = estimates.len() - 1;
         nis += estimates.nis()[1..].iter().sum::<f64>() / last as f64 / SEEDS as f64;

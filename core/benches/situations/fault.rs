@@ -2,9 +2,21 @@
 
 use kalmanscope_core::diagnosis::VerdictKind::{self, *};
 
-/// A fault of a filter, or none.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Fault {
+/// Declares all faults, in their order.
+macro_rules! faults {
+    ($($(#[$doc:meta])* $name:ident,)*) => {
+        /// A fault of a filter or of a record, or none.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+        pub(crate) enum Fault {
+            $($(#[$doc])* $name,)*
+        }
+
+        impl Fault {
+            pub(crate) const ALL: &[Self] = &[$(Self::$name),*];
+        }
+    };
+}
+faults! {
     WellTuned,
     SensorNoiseTooLarge,
     SensorNoiseTooSmall,
@@ -36,35 +48,38 @@ pub(crate) enum Fault {
     LargeSample,
     /// A slow force that nobody records.
     UnknownForce,
+    /// ωₙ swings.
+    Swing,
+    /// A wave near ωₙ that nobody records.
+    UnknownWave,
+    DryFriction,
+    /// Quadratic damping.
+    Drag,
+    /// Few distinct values.
+    Quantised,
+    /// A sensor's range ends.
+    Clipped,
+    /// One reading in a hundred is far off.
+    Outliers,
+    /// The noise of sensors resembles that before.
+    Coloured,
+    /// A sensor is noisier from a time on.
+    NoisierLater,
+    /// A sensor's noise swings.
+    NoiseSwings,
+    /// A line in a sensor.
+    Hum,
+    /// The input is recorded with noise.
+    NoisyInput,
+    /// A sensor has another scale.
+    Scale,
+    /// The input is not recorded in the last quarter.
+    DeadInput,
 }
 
 impl Fault {
-    pub(crate) const ALL: [Self; 24] = [
-        Self::WellTuned,
-        Self::SensorNoiseTooLarge,
-        Self::SensorNoiseTooSmall,
-        Self::SensorNoiseContrary,
-        Self::ProcessNoiseTooSmall,
-        Self::ProcessNoiseTooLarge,
-        Self::ProcessNoiseTenth,
-        Self::ProcessNoiseTenfold,
-        Self::HardeningSpring,
-        Self::YieldingSpring,
-        Self::MissingMode,
-        Self::WindUp,
-        Self::SuddenChange,
-        Self::SlowDrift,
-        Self::InputGain,
-        Self::InputOffset,
-        Self::InputDelay,
-        Self::InputHold,
-        Self::SensorBias,
-        Self::FeltDisturbance,
-        Self::NoExcitation,
-        Self::CollapsedSample,
-        Self::LargeSample,
-        Self::UnknownForce,
-    ];
+    /// Those that take turns in situations of one fault; the others come with a second one, or alone.
+    pub(crate) const IN_TURN: &[Self] = Self::ALL.split_at(24).0;
 
     /// The verdicts that are the contrary of what is true.
     pub(crate) fn contrary(self) -> &'static [VerdictKind] {
@@ -84,18 +99,23 @@ impl Fault {
     /// The keys of the causes that are right.
     pub(crate) fn causes(self) -> &'static [&'static str] {
         match self {
-            Self::WellTuned | Self::LargeSample => &[],
-            Self::SensorNoiseTooLarge | Self::SensorNoiseTooSmall | Self::SensorNoiseContrary => &["sensor_noise"],
+            Self::WellTuned | Self::LargeSample | Self::Clipped | Self::Coloured | Self::Hum | Self::Scale => &[],
+            Self::SensorNoiseTooLarge
+            | Self::SensorNoiseTooSmall
+            | Self::SensorNoiseContrary
+            | Self::Quantised
+            | Self::Outliers => &["sensor_noise"],
             Self::ProcessNoiseTooSmall
             | Self::ProcessNoiseTooLarge
             | Self::ProcessNoiseTenth
-            | Self::ProcessNoiseTenfold => &["process_noise"],
-            Self::HardeningSpring => &["spring"],
-            Self::YieldingSpring => &["spring"],
+            | Self::ProcessNoiseTenfold
+            | Self::NoisyInput => &["process_noise"],
+            Self::HardeningSpring | Self::YieldingSpring => &["spring"],
             Self::MissingMode => &["missing_mode"],
             Self::WindUp => &["wind_up"],
             Self::SuddenChange => &["sudden_change"],
             Self::SlowDrift => &["slow_drift", "sudden_change"],
+            Self::Swing => &["slow_drift"],
             Self::InputGain => &["input_gain"],
             Self::InputOffset => &["input_offset", "sensor_bias"],
             Self::InputDelay => &["input_delay", "input_hold"],
@@ -104,7 +124,9 @@ impl Fault {
             Self::FeltDisturbance => &["felt_disturbance"],
             Self::NoExcitation => &["no_excitation"],
             Self::CollapsedSample => &["collapsed_sample"],
-            Self::UnknownForce => &["unknown_force"],
+            Self::UnknownForce | Self::UnknownWave | Self::DryFriction | Self::Drag => &["unknown_force"],
+            Self::NoisierLater | Self::NoiseSwings => &["changing_noise"],
+            Self::DeadInput => &["still_input"],
         }
     }
 }

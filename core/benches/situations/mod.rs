@@ -1,26 +1,27 @@
 //! Situations drawn at random: an oscillator, its excitation and its sensors, a filter that is well tuned for them, and one
-//! fault of a random size.
+//! fault or several of random sizes.
 
-#[path = "../drawn/mod.rs"]
-mod drawn;
+mod draw;
 mod fault;
+mod recorded;
 mod truth;
 
 use std::sync::Arc;
 
+use kalmanscope_core::scenario::Faults;
 use kalmanscope_core::{
     Channel, Estimates, FilterKind, FilterSettings, Force, Hold, PlantKind, Quantity, Record, Run, RunError, Scenario,
     Sensor,
 };
 
-pub(crate) use drawn::without_truth;
 pub(crate) use fault::Fault;
 
-use drawn::Draw;
+use draw::Draw;
 
 /// A truth and a filter.
 pub(crate) struct Situation {
-    pub(crate) fault: Fault,
+    /// Those that act.
+    pub(crate) faults: Vec<Fault>,
     /// The truth's scenario.
     pub(crate) truth: Scenario,
     /// The filter's, over the truth's record.
@@ -29,20 +30,38 @@ pub(crate) struct Situation {
     pub(crate) note: String,
 }
 
+/// Quantities that sensors may measure together, with the power of ωₙ that makes one of a displacement.
+pub(crate) const SETS: &[&[(Quantity, i32)]] = &[
+    &[(Quantity::DISPLACEMENT, 0), (Quantity::VELOCITY, 1)],
+    &[(Quantity::DISPLACEMENT, 0), (Quantity::ACCELERATION, 2)],
+    &[(Quantity::DISPLACEMENT, 0), (Quantity::VELOCITY, 1), (Quantity::ACCELERATION, 2)],
+    &[(Quantity::DISPLACEMENT, 0)],
+    &[(Quantity::VELOCITY, 1)],
+    &[(Quantity::ACCELERATION, 2)],
+];
+
 impl Situation {
     /// The situation of a seed; faults take turns.
     pub(crate) fn draw(seed: u64) -> Self {
-        Self::with(Fault::ALL[(seed % Fault::ALL.len() as u64) as usize], seed)
+        Self::with(Fault::IN_TURN[(seed % Fault::IN_TURN.len() as u64) as usize], seed)
     }
 
     /// The situation of a seed with a certain fault.
     pub(crate) fn with(fault: Fault, seed: u64) -> Self {
+        // Not an accelerometer alone.
+        Self::of(&[fault], seed, true, &SETS[..5])
+    }
+
+    /// The situation that is drawn for some faults. Without them, where they do not act, it has the same oscillator, force and
+    /// noise: what a perfect remedy can reach.
+    pub(crate) fn of(faults: &[Fault], seed: u64, they_act: bool, sets: &[&[(Quantity, i32)]]) -> Self {
+        let any = |of: &[Fault]| faults.iter().any(|fault| of.contains(fault));
         let mut draw = Draw::new(seed, 0x5eed);
         let wn = draw.log_uniform(2.0, 20.0);
         let zeta = draw.log_uniform(0.02, 0.1);
         let dt = draw.log_uniform(0.03, 0.12) / wn;
         let samples = draw.log_uniform(1200.0, 3500.0);
-        let needs_input = matches!(fault, Fault::InputGain | Fault::InputDelay | Fault::InputHold | Fault::InputOffset);
+        let needs_input = any(&[Fault::InputGain, Fault::InputDelay, Fault::InputHold, Fault::InputOffset]);
         let strength = draw.log_uniform(1.0, 20.0);
         let force = match draw.unit() {
             u if u < 0.65 => Force::WhiteNoise { std: strength },
@@ -54,64 +73,62 @@ impl Situation {
             },
             _ => Force::ImpulseTrain { impulse: strength * 0.6 / wn, period: draw.uniform(6.0, 15.0) / wn },
         };
-        let kind = match fault {
-            Fault::HardeningSpring
-            | Fault::YieldingSpring
-            | Fault::MissingMode
-            | Fault::CollapsedSample
-            | Fault::LargeSample => PlantKind::SDOF,
-            _ if draw.chance(0.15) => PlantKind::DUFFING,
-            _ => PlantKind::SDOF,
-        };
+        let of_the_spring = [Fault::HardeningSpring, Fault::YieldingSpring, Fault::MissingMode];
+        let is_sampled = any(&[Fault::CollapsedSample, Fault::LargeSample]);
+        let is_linear = is_sampled || any(&of_the_spring) || any(&[Fault::DryFriction, Fault::Drag]);
+        let kind = if !is_linear && draw.chance(0.15) { PlantKind::DUFFING } else { PlantKind::SDOF };
         let mut truth =
             Scenario { seed, dt, duration: samples.round() * dt, force, filters: Vec::new(), ..Scenario::default() };
         truth.plant.kind = kind;
         truth.plant.set(Channel::NATURAL_FREQUENCY, wn);
         truth.plant.set(Channel::DAMPING_RATIO, zeta);
         // The response of a linear oscillator to this force, as if it were white noise.
-        let power = drawn::power(&force, wn, dt);
+        let power = draw::power(&force, wn, dt);
         let size = (power / (4.0 * zeta * wn)).sqrt() / wn;
         truth.plant.set(Channel::CUBIC_STIFFNESS, draw.uniform(0.1, 0.6) * wn * wn / (9.0 * size * size));
         let relative = draw.log_uniform(0.02, 0.15);
-        let sets: &[&[(Quantity, i32)]] = &[
-            &[(Quantity::DISPLACEMENT, 0), (Quantity::VELOCITY, 1)],
-            &[(Quantity::DISPLACEMENT, 0), (Quantity::ACCELERATION, 2)],
-            &[(Quantity::DISPLACEMENT, 0), (Quantity::VELOCITY, 1), (Quantity::ACCELERATION, 2)],
-            &[(Quantity::DISPLACEMENT, 0)],
-            &[(Quantity::VELOCITY, 1)],
-        ];
-        let set = match fault {
-            Fault::SensorNoiseContrary => draw.choice(&sets[..3]),
-            Fault::FeltDisturbance => draw.choice(&sets[1..3]),
-            Fault::SensorBias | Fault::InputOffset => draw.choice(&sets[..3]),
-            _ => draw.choice(sets),
-        };
+        let needs_two = [Fault::SensorNoiseContrary, Fault::SensorBias, Fault::InputOffset, Fault::Scale];
+        let set = draw.choice(if any(&[Fault::FeltDisturbance]) {
+            &sets[1..3]
+        } else if any(&needs_two) {
+            &sets[..3]
+        } else {
+            sets
+        });
         let noise = |draw: &mut Draw, rate: i32| relative * draw.log_uniform(0.7, 1.4) * size * wn.powi(rate);
         truth.sensors = set.iter().map(|&(measures, rate)| Sensor::new(measures, noise(&mut draw, rate))).collect();
-        let disturbed = match fault {
-            Fault::ProcessNoiseTooSmall
-            | Fault::ProcessNoiseTooLarge
-            | Fault::ProcessNoiseTenth
-            | Fault::ProcessNoiseTenfold
-            | Fault::FeltDisturbance => true,
-            Fault::NoExcitation | Fault::WindUp => false,
-            _ => draw.chance(0.5),
-        };
+        let of_the_motion = [
+            Fault::ProcessNoiseTooSmall,
+            Fault::ProcessNoiseTooLarge,
+            Fault::ProcessNoiseTenth,
+            Fault::ProcessNoiseTenfold,
+            Fault::FeltDisturbance,
+        ];
+        let is_free = any(&[Fault::NoExcitation, Fault::WindUp]);
+        let disturbed = any(&of_the_motion) || !is_free && draw.chance(0.5);
         let share = draw.log_uniform(0.1, 0.4);
         if disturbed {
             truth.plant.disturbance_std = share * (power / dt).sqrt();
         }
         let mut note = String::new();
-        truth::disturb(fault, &mut truth, &mut draw, wn, size, power, &mut note);
+        let mut changed = truth.clone();
+        for &fault in faults {
+            truth::disturb(fault, &mut changed, &mut draw, wn, size, power, &mut note);
+        }
+        // Numbers are drawn for faults that do not act, too.
+        let truth = if they_act { changed } else { truth };
 
         let mut told = truth.clone();
         told.hold = Hold::Zero;
         told.plant.kind = kind;
-        let sampled = matches!(fault, Fault::CollapsedSample | Fault::LargeSample);
-        let filter_kind = if sampled { FilterKind::PF } else { draw.choice(&[FilterKind::EKF, FilterKind::UKF]) };
+        told.sensors.iter_mut().for_each(|sensor| sensor.faults = Faults::default());
+        let filter_kind = if is_sampled { FilterKind::PF } else { draw.choice(&[FilterKind::EKF, FilterKind::UKF]) };
         told.filters = vec![Self::well_tuned(&truth, filter_kind, &mut draw, wn, zeta, size)];
-        Self::disturb_filter(fault, &mut told, &mut draw, &mut note);
-        Self { fault, truth, told, note }
+        let faults = if they_act { faults.to_vec() } else { Vec::new() };
+        for &fault in &faults {
+            Self::disturb_filter(fault, &mut told, &mut draw, &mut note);
+        }
+        Self { faults, truth, told, note }
     }
 
     /// A filter that knows all that can be known, and begins with a guess as good as it says.
@@ -184,16 +201,18 @@ impl Situation {
             Fault::FeltDisturbance => filter.sensor_std = own,
             Fault::CollapsedSample => filter.ensemble_size = draw.choice(&[50, 100, 200]),
             Fault::LargeSample => filter.ensemble_size = draw.choice(&[1000, 3000]),
-            Fault::NoExcitation => {}
             _ => {}
         }
     }
 
-    /// The truth's record.
+    /// The truth's record, with the faults that are of the record alone.
     pub(crate) fn record(&self) -> Result<Arc<Record>, RunError> {
         let mut run = Run::new(&self.truth)?;
         run.finish();
-        Ok(Arc::new(run.record().clone()))
+        let mut draw = Draw::new(self.truth.seed, 0xfa17);
+        let record = run.record().clone();
+        let disturbed = |record, &fault| recorded::disturbed(fault, record, &self.truth, &mut draw);
+        Ok(Arc::new(self.faults.iter().fold(record, disturbed)))
     }
 }
 
@@ -206,4 +225,9 @@ pub(crate) fn largest_error(estimates: &Estimates, record: &Record) -> f64 {
         Some((late.clone().map(|k| error(k) * error(k)).sum::<f64>() / late.len() as f64).sqrt())
     };
     estimates.channels().iter().enumerate().filter_map(of).fold(0.0, f64::max)
+}
+
+/// The same record without a word on the truth.
+pub(crate) fn without_truth(record: &Record) -> Arc<Record> {
+    Arc::new(record.clone().without_truth())
 }

@@ -1,9 +1,11 @@
 //! The faults that are the truth's: what a filter does not know of the plant, its input and its sensors.
 
+use kalmanscope_core::equation::EquationSettings;
+use kalmanscope_core::scenario::Fault as Family;
 use kalmanscope_core::signal::{Ramp, Sine, Step};
-use kalmanscope_core::{Channel, Force, Hold, PlantKind, Scenario, Signal};
+use kalmanscope_core::{Channel, Force, Hold, PlantKind, Scenario, Sensor, Signal};
 
-use super::{Draw, Fault};
+use super::{Draw, Fault, SETS};
 
 /// Gives the truth a fault of a random size, and says in words which. `size` is the root mean square of the displacement \[m\],
 /// `power` the density of the force \[m²/s³\].
@@ -115,6 +117,65 @@ pub(super) fn disturb(
                 if drifts { ", drifts" } else { "" }
             );
         }
+        Fault::Swing => {
+            let (amplitude, period) = (wn * draw.uniform(0.03, 0.08), truth.duration * draw.uniform(0.3, 0.7));
+            truth.plant.set(Channel::NATURAL_FREQUENCY, Signal::Sine(Sine { mean: wn, amplitude, period }));
+        }
+        Fault::UnknownWave => {
+            let amplitude = draw.log_uniform(0.2, 1.0) * size * wn * wn;
+            let period = std::f64::consts::TAU / (wn * draw.uniform(0.6, 1.4));
+            truth.plant.set(Channel::UNKNOWN_FORCE, Signal::Sine(Sine { mean: 0.0, amplitude, period }));
+        }
+        Fault::DryFriction => {
+            // The sign of the velocity takes a little speed to turn.
+            let (force, turn) = (draw.choice(&[0.04, 0.1]) * size * wn * wn, 0.015 * size * wn);
+            damp(truth, "friction tanh(x' / turn)", &[("friction", force), ("turn", turn)]);
+        }
+        Fault::Drag => damp(truth, "drag x' abs(x')", &[("drag", draw.choice(&[0.03, 0.11]) / size)]),
+        Fault::Quantised => {
+            for sensor in &mut truth.sensors {
+                flaw(sensor, Family::QUANTISED, &[draw.log_uniform(5.0, 20.0) * sensor.noise_std]);
+            }
+        }
+        Fault::Outliers => {
+            truth.sensors.iter_mut().for_each(|sensor| flaw(sensor, Family::OUTLIERS, &[0.01, 8.0, 25.0]));
+        }
+        Fault::Coloured => {
+            let time = truth.dt * draw.uniform(1.5, 10.0);
+            truth.sensors.iter_mut().for_each(|sensor| flaw(sensor, Family::COLOURED, &[time]));
+        }
+        Fault::Clipped | Fault::NoisierLater | Fault::Scale => {
+            let place = draw.choice(&(0..truth.sensors.len()).collect::<Vec<_>>());
+            let own = truth.sensors[place].measures;
+            let rate = SETS[2].iter().find(|(quantity, _)| *quantity == own).map_or(0, |(_, rate)| *rate);
+            let rms = size * wn.powi(rate);
+            let (family, numbers) = match fault {
+                Fault::Clipped => (Family::CLIPPED, vec![draw.uniform(0.9, 1.6) * rms]),
+                Fault::NoisierLater => {
+                    (Family::CHANGING, vec![truth.duration * draw.uniform(0.3, 0.8), draw.uniform(1.4, 2.7)])
+                }
+                _ => {
+                    let scale = if draw.chance(0.5) { draw.uniform(0.7, 0.9) } else { draw.uniform(1.1, 1.4) };
+                    (Family::SCALED, vec![scale])
+                }
+            };
+            flaw(&mut truth.sensors[place], family, &numbers);
+        }
         _ => {}
+    }
+}
+
+/// Gives a sensor a fault with these numbers.
+fn flaw(sensor: &mut Sensor, family: Family, numbers: &[f64]) {
+    sensor.faults.add(family, sensor.measures);
+    sensor.faults.numbers_mut(family).expect("it is there").copy_from_slice(numbers);
+}
+
+/// Gives an oscillator a damping besides its own, with the values of its parameters.
+fn damp(truth: &mut Scenario, damping: &str, parameters: &[(&str, f64)]) {
+    let equation = EquationSettings::new(format!("x'' + 2 ζ ωₙ x' + {damping} + ωₙ² x = f"));
+    truth.plant.kind = PlantKind::of_equation(&equation).expect("it is an equation");
+    for (key, value) in parameters {
+        truth.plant.set(Channel::from_key(key).expect("it is of the equation"), *value);
     }
 }

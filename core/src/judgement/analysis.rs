@@ -70,7 +70,7 @@ pub(crate) struct Subject<'a> {
 impl<'a> Subject<'a> {
     /// The part of a run that is done so far.
     pub(crate) fn of(run: &'a Run) -> Self {
-        let (bank, record, done) = (run.bank(), run.record(), run.done());
+        let (bank, record, done) = (&run.bank, run.record(), run.done());
         Self { bank, record, done, whole: done == run.samples() && !run.is_live(), known: &[], bounds: &[] }
     }
 }
@@ -299,9 +299,9 @@ impl Analysis {
     fn follow_bounds(&mut self, subject: &Subject<'_>, while_time: &mut dyn FnMut() -> bool) -> bool {
         let Subject { bank, record, bounds: there, .. } = subject;
         if !self.chosen {
-            let is_missing = |place: usize| !there.iter().any(|b| b.bound.is_for(bank.scenario(), place));
+            let is_missing = |place: usize| !there.iter().any(|b| b.bound.is_for(&bank.scenario, place));
             let old = std::mem::take(&mut self.bounds);
-            self.bounds = bounds_of(bank.scenario(), record.dt(), old, is_missing);
+            self.bounds = bounds_of(&bank.scenario, record.dt(), old, is_missing);
             self.chosen = true;
         }
         let samples = subject.done - record.forgotten();
@@ -322,7 +322,7 @@ impl Analysis {
     /// The work that is done and the whole work, in nanoseconds.
     pub(crate) fn work(&self, subject: &Subject<'_>) -> (f64, f64) {
         let Subject { bank, done, known, .. } = subject;
-        let scenario = bank.scenario();
+        let scenario = &bank.scenario;
         let samples = *done as f64;
         let (mut so_far, mut all) = (0.0, 0.0);
         for (place, filter) in scenario.filters.iter().enumerate().filter(|(place, _)| !is_known(known, *place)) {

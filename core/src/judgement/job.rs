@@ -72,7 +72,7 @@ impl Job {
         let Study { run, analysis, spare, window } = study;
         let source = source.or_else(|| (run.done() != samples.min(run.samples())).then(|| run.source()));
         let revision = Revision::new(run, scenario, source, spare)?;
-        let goal = samples.min(revision.samples());
+        let goal = samples.min(revision.samples);
         let is_simulated =
             revision.own_record().is_some() && !revision.source().is_some_and(|source| source.is_measured());
         let stage = if is_simulated { goal.min(*window) } else { goal };
@@ -81,7 +81,7 @@ impl Job {
 
     /// The scenario.
     pub fn scenario(&self) -> &Scenario {
-        self.revision.bank().scenario()
+        &self.revision.bank.scenario
     }
 
     /// The number of samples to compute.
@@ -91,7 +91,7 @@ impl Job {
 
     /// The number of samples of the whole run.
     pub fn samples(&self) -> usize {
-        self.revision.samples()
+        self.revision.samples
     }
 
     /// Time between samples \[s\].
@@ -112,7 +112,7 @@ impl Job {
             if !analysis.advance(&subject(revision, study, *stage, *goal), while_time) {
                 break;
             }
-            self.done = self.stage >= self.goal.min(revision.samples());
+            self.done = self.stage >= self.goal.min(revision.samples);
             if !self.done {
                 let forgotten = forgotten_of(study.window);
                 revision.forget(forgotten);
@@ -126,7 +126,7 @@ impl Job {
     pub fn progress(&self, study: &Study) -> Progress {
         let Self { revision, analysis, goal, stage, done } = self;
         let scenario = self.scenario();
-        let goal = (*goal).min(revision.samples()).max(1);
+        let goal = (*goal).min(revision.samples).max(1);
         let share = |samples: usize| (samples as f64 / goal as f64).min(1.0);
         let one = |place| if revision.keeps(place) { 1.0 } else { share(revision.done(place)) };
         let filters: Vec<f64> = (0..scenario.filters.len()).map(one).collect();
@@ -135,7 +135,7 @@ impl Job {
             so_far += share(recorded) * cost::OF_RECORD * goal as f64;
             all += cost::OF_RECORD * goal as f64;
         }
-        for &place in revision.changed() {
+        for &place in &revision.order {
             let cost = goal as f64 * cost::of_step(&scenario.filters[place], scenario);
             so_far += filters[place] * cost;
             all += cost;
@@ -161,11 +161,11 @@ impl Job {
 }
 
 fn subject<'a>(revision: &'a Revision, study: &'a Study, stage: usize, goal: usize) -> Subject<'a> {
-    let done = stage.min(revision.samples());
+    let done = stage.min(revision.samples);
     let record = revision.own_record().unwrap_or(study.run.record());
     // Bounds of another truth cannot be reused.
-    let bounds = if revision.is_of_everything() { &[] } else { study.analysis.all_bounds() };
+    let bounds = if revision.is_of_everything { &[] } else { study.analysis.all_bounds() };
     let is_live = revision.is_live().unwrap_or(study.run.is_live());
-    let whole = done >= goal.min(revision.samples()) && done == revision.samples() && !is_live;
-    Subject { bank: revision.bank(), record, done, whole, known: revision.kept(), bounds }
+    let whole = done >= goal.min(revision.samples) && done == revision.samples && !is_live;
+    Subject { bank: &revision.bank, record, done, whole, known: &revision.kept, bounds }
 }

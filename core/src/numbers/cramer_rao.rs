@@ -41,12 +41,8 @@ impl CramerRao {
     /// no such filter.
     pub fn new(scenario: &Scenario, place: usize, dt: f64) -> Option<Self> {
         let settings = bound_settings(scenario, place)?;
-        let sensors: Vec<Quantity> = scenario.sensors.iter().map(|s| s.measures).collect();
-        let plant = scenario.plant.kind;
-        let (input, hold) = (scenario.input, scenario.hold);
-        let seed = scenario.seed;
-        let context =
-            FilterContext { plant, input, hold, sensors: &sensors, dt, seed, stream: 0, is_timed: false, start: 0.0 };
+        let context = FilterContext::new(scenario, dt, &settings);
+        let sensors = &context.sensors;
         let channels = context.model(&settings).channels().to_vec();
         let recursion = Setup::of(&settings, &context, (0..sensors.len()).collect()).map(|setup| {
             let sensors = setup.columns.iter().map(|&place| sensors[place]).collect();

@@ -3,14 +3,15 @@
 use crate::samples::estimator::{FilterContext, counts_in_samples};
 use crate::samples::pass::apart;
 use crate::samples::run_error::sensor_places;
-use crate::samples::select::smoother;
+use crate::samples::select;
 use crate::samples::smoother::Smoother;
 use crate::samples::tape::Tape;
 use crate::{Estimates, FilterSettings, Pass, Quantity, Record, RunError, Scenario};
 
 /// The filters of a scenario and their histories, over one record.
 pub(crate) struct Bank {
-    scenario: Scenario,
+    /// The scenario; each filter has a unique id.
+    pub(crate) scenario: Scenario,
     quantities: Vec<Quantity>,
     /// Time between samples \[s\].
     dt: f64,
@@ -33,14 +34,9 @@ impl Bank {
         Ok(Self { scenario, quantities, dt, sensors, apart, passes: Vec::new(), estimates: Vec::new() })
     }
 
-    /// The scenario; each filter has a unique id.
-    pub(crate) fn scenario(&self) -> &Scenario {
-        &self.scenario
-    }
-
-    fn context(&self, record: &Record, place: usize) -> FilterContext<'_> {
+    fn context(&self, record: &Record, place: usize) -> FilterContext {
         let filter = &self.scenario.filters[place];
-        FilterContext::new(&self.scenario, &self.quantities, record.dt(), filter).over(record, filter)
+        FilterContext::new(&self.scenario, record.dt(), filter).over(record, filter)
     }
 
     /// Adds the scenario's next filter before the first sample. Reserves memory for `samples`, or reuses that of old
@@ -129,7 +125,7 @@ impl Bank {
     /// The smoother of the filter at a place, if its settings ask for one and its kind has one.
     pub(crate) fn smoother(&self, place: usize, record: &Record) -> Option<Box<dyn Smoother>> {
         let filter = self.scenario.filters.get(place).filter(|filter| filter.smoother)?;
-        smoother(filter, self.context(record, place))
+        select::smoother(filter, &self.context(record, place))
     }
 
     /// Empty estimates for the smoother of the filter at a place. They have no innovations; those are the filter's.
@@ -143,4 +139,47 @@ impl Bank {
 /// The number of samples, `dt` \[s\] apart, beyond its last one that a filter of a scenario reads of the record.
 pub(crate) fn lookahead(scenario: &Scenario, dt: f64) -> usize {
     scenario.filters.iter().map(|filter| filter.delays(dt).lookahead()).max().unwrap_or(0)
+}
+
+/// The smoothed estimates of the filter at `place` of a scenario, given a whole record: those of
+/// [`Run::smoothed`](crate::Run::smoothed), to the bit, whether or not the filter's settings ask for a smoother. They have
+/// means and covariances, but no innovations.
+///
+/// If the filter stops, the smoother gets the samples before; [`Estimates::stop`] gives the sample and the reason.
+///
+/// ```
+/// use kalmanscope_core::{Run, Scenario, smoothed};
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let scenario = Scenario { duration: 5.0, ..Scenario::default() };
+/// let mut run = Run::new(&scenario)?;
+/// run.finish();
+/// let (filter, smoother) = (&run.estimates()[0], smoothed(&scenario, 0, run.record())?);
+/// assert!(smoother.std(0, 2) < filter.std(0, 2), "the whole record tells of the first sample");
+/// # Ok(())
+/// # }
+/// ```
+///
+/// # Errors
+/// [`RunError::NoFilter`] where there is no such filter; [`RunError::Scenario`] where the scenario is impossible or the
+/// filter has no smoother: a sampled one, or one with several guesses; [`RunError::MissingSensor`] and
+/// [`RunError::InputKind`] where the record does not fit the scenario; [`RunError::Forgotten`] where it lacks its first
+/// samples.
+///
+/// Source: Rauch, Tung and Striebel (1965), Maximum likelihood estimates of linear dynamic systems, in the form that
+/// [`Run::smoothed`](crate::Run::smoothed) computes.
+pub fn smoothed(scenario: &Scenario, place: usize, record: &Record) -> Result<Estimates, RunError> {
+    let mut scenario = scenario.clone();
+    scenario.filters.get_mut(place).ok_or(RunError::NoFilter(place))?.smoother = true;
+    scenario.validate()?;
+    if record.forgotten() > 0 {
+        return Err(RunError::Forgotten(record.forgotten()));
+    }
+    let bank = Bank::new(&scenario, record)?;
+    let mut estimates = bank.smoothed(place);
+    match bank.smoother(place, record) {
+        Some(mut smoother) => while !smoother.advance(record, record.len(), true, usize::MAX, &mut estimates) {},
+        // A filter that cannot begin says why at its first sample.
+        None => Pass::new(&scenario, place, record)?.follow(record, 1, &mut estimates),
+    }
+    Ok(estimates)
 }

@@ -2,16 +2,14 @@
 
 mod columns;
 mod growth;
-mod late;
-mod learnt;
 
 use crate::data::hash::Hash;
 use crate::data::scenario::SMOOTHED;
 use crate::mathematics::gaussian_likelihood;
-use crate::samples::by_channel::ByChannel;
+use crate::record::Delays;
 use crate::samples::remarks::{Monitor, Remark, Trouble};
 use crate::samples::sample::readings;
-use crate::{Channel, FilterColor, FilterError, FilterKind, FilterSettings, Model, PlantKind, Quantity};
+use crate::{Channel, FilterColor, FilterError, FilterKind, FilterSettings, Model, PlantKind, Quantity, Record};
 
 /// Why and where a filter stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -208,7 +206,7 @@ impl Estimates {
     /// Remarks on problems that the filter survived, in the order in which they were noticed. Remarks on forgotten
     /// samples are dropped.
     pub fn remarks(&self) -> &[Remark] {
-        self.monitor.remarks()
+        &self.monitor.remarks
     }
 
     /// The samples, counted from the run's beginning, at which the filter had widened P because its innovations grew at
@@ -363,4 +361,120 @@ impl Estimates {
 
 fn chunk(values: &[f64], k: usize, size: usize) -> &[f64] {
     &values[k * size..(k + 1) * size]
+}
+
+/// One number per channel and sample. The numbers of one channel are contiguous, so that drawing or adding up a channel
+/// reads no other memory.
+#[derive(Clone, Debug)]
+pub(crate) struct ByChannel(Vec<Vec<f64>>);
+
+impl ByChannel {
+    /// Empty columns for this number of channels.
+    pub(crate) fn new(channels: usize) -> Self {
+        Self(vec![Vec::new(); channels])
+    }
+
+    /// The columns.
+    pub(crate) fn columns(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {
+        self.0.iter_mut()
+    }
+
+    /// The numbers of one channel.
+    #[inline]
+    pub(crate) fn of(&self, channel: usize) -> &[f64] {
+        &self.0[channel]
+    }
+
+    /// Appends a sample, one number per channel.
+    #[inline]
+    pub(crate) fn push(&mut self, sample: impl Iterator<Item = f64>) {
+        for (values, value) in self.0.iter_mut().zip(sample) {
+            values.push(value);
+        }
+    }
+
+    /// Forgets the first samples, at most all.
+    pub(crate) fn forget(&mut self, samples: usize) {
+        for values in &mut self.0 {
+            values.drain(..samples.min(values.len()));
+        }
+    }
+
+    /// Takes over the memory of another, with room for this many samples.
+    pub(crate) fn recycle(&mut self, old: Self, samples: usize) {
+        let mut old = old.0.into_iter();
+        for values in &mut self.0 {
+            *values = old.next().unwrap_or_default();
+            values.clear();
+            values.reserve(samples);
+        }
+    }
+}
+
+impl Estimates {
+    /// Whether the filter weighs its readings.
+    pub fn weighs(&self) -> bool {
+        self.weighs
+    }
+
+    /// Whether the filter learns R.
+    pub fn learns_sensor_noise(&self) -> bool {
+        self.learns
+    }
+
+    /// The standard deviation of a sensor's noise that the filter has learnt by sample `k`, in the sensor's unit, and the standard
+    /// deviation of that number: `√R` and `√var R / (2 √R)`. `None` for a filter that does not learn R.
+    pub fn sensor_noise(&self, k: usize, sensor: usize) -> Option<[f64; 2]> {
+        let m = self.sensors.len();
+        let of_sample = self.learnt.get(2 * m * k..2 * m * (k + 1))?;
+        let [std, spread] = [*of_sample.get(sensor)?, of_sample[m + sensor]].map(f64::sqrt);
+        Some([std, if std > 0.0 { spread / (2.0 * std) } else { 0.0 }])
+    }
+
+    /// Whether the filter tells how large Q is ([`FilterSettings::process_scales`](crate::FilterSettings::process_scales)).
+    pub fn tells_process_scale(&self) -> bool {
+        self.scales
+    }
+
+    /// Mean and standard deviation of ln s at sample `k`, where s is the factor between √Q and the √Q of the settings. `None` for a filter
+    /// with one scale of Q.
+    pub fn process_scale(&self, k: usize) -> Option<[f64; 2]> {
+        let &[mean, std] = self.process_scale.get(2 * k..2 * (k + 1))? else { return None };
+        Some([mean, std])
+    }
+
+    /// The weight of each sensor's reading at sample `k`, from 0 for none to about 1, and NaN where it measured nothing; empty for a
+    /// filter that weighs none.
+    pub fn weights(&self, k: usize) -> &[f64] {
+        let m = self.sensors.len();
+        self.weights.get(k * m..(k + 1) * m).unwrap_or(&[])
+    }
+}
+
+impl Estimates {
+    /// Empty estimates over readings that are `dt` \[s\] apart, or have times of their own: `apart` tells for each sensor how many
+    /// samples lie between two of them then. `option` is what makes the filter count in samples.
+    pub(crate) fn over(self, apart: Option<&[usize]>, dt: f64, option: Option<&'static str>) -> Self {
+        let has_parts = self.delays(dt).sensors.iter().any(|steps| libm::trunc(*steps) != *steps);
+        let monitor = match (apart, option) {
+            (Some(apart), option) => self.monitor.with_clocks(apart, option),
+            (None, Some(option)) if has_parts => self.monitor.with_rounded_delays(option),
+            (None, _) => self.monitor,
+        };
+        Self { monitor, ..self }
+    }
+
+    /// The readings of a sensor, by its place among the filter's, as the filter has them: where it takes the sensor to be late, each
+    /// sample has the one that tells of it, to the nearest sample. `None` where the record has no such sensor.
+    pub fn measured<'a>(&self, record: &'a Record, place: usize) -> Option<impl Fn(usize) -> f64 + Copy + 'a> {
+        let quantity = self.sensors.get(place)?;
+        let column = record.sensors().iter().position(|own| own == quantity)?;
+        let late = self.delays(record.dt()).of(place);
+        Some(move |k| record.late_reading(column, k, late))
+    }
+
+    /// The delays of the sensors, with `dt` \[s\] between samples.
+    fn delays(&self, dt: f64) -> Delays {
+        Delays::new(0, self.sensor_delay.iter().map(|late| late / dt))
+    }
 }

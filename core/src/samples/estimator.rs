@@ -1,6 +1,5 @@
 //! Filters of any kind over any plant, with types and sizes erased.
 
-pub(crate) mod beginning;
 pub(crate) mod bounded;
 pub(crate) mod engine;
 mod in_units;
@@ -63,8 +62,8 @@ impl Estimator for Failed {
 }
 
 /// The inputs of a filter's construction other than its settings.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct FilterContext<'a> {
+#[derive(Clone, Debug)]
+pub(crate) struct FilterContext {
     /// The truth's kind of plant; the filter uses it unless its settings name another.
     pub(crate) plant: PlantKind,
     /// The kind of input.
@@ -72,7 +71,7 @@ pub(crate) struct FilterContext<'a> {
     /// The hold of the input between samples.
     pub(crate) hold: Hold,
     /// The quantity of each sensor.
-    pub(crate) sensors: &'a [Quantity],
+    pub(crate) sensors: Vec<Quantity>,
     /// Time between samples \[s\].
     pub(crate) dt: f64,
     /// Seed of the scenario.
@@ -85,11 +84,11 @@ pub(crate) struct FilterContext<'a> {
     pub(crate) start: f64,
 }
 
-impl<'a> FilterContext<'a> {
-    /// The context of one of a scenario's filters, with `dt` \[s\] between samples; `sensors` are the quantities of the
-    /// scenario's sensors.
-    pub(crate) fn new(scenario: &Scenario, sensors: &'a [Quantity], dt: f64, filter: &FilterSettings) -> Self {
+impl FilterContext {
+    /// The context of one of a scenario's filters, with `dt` \[s\] between samples.
+    pub(crate) fn new(scenario: &Scenario, dt: f64, filter: &FilterSettings) -> Self {
         let Scenario { seed, plant, input, hold, .. } = scenario;
+        let sensors = scenario.sensors.iter().map(|sensor| sensor.measures).collect();
         let stream = filter.id.saturating_sub(1) as usize;
         Self {
             plant: plant.kind,
@@ -116,13 +115,6 @@ impl<'a> FilterContext<'a> {
         self.is_timed || settings.delays(self.dt).is_of_sensors()
     }
 
-    /// The inputs on their own.
-    pub(crate) fn kept(self, settings: &FilterSettings) -> Recipe {
-        let Self { plant, input, hold, sensors, dt, seed, stream, is_timed, start } = self;
-        let (settings, sensors) = (settings.clone(), sensors.to_vec());
-        Recipe { settings, plant, input, hold, sensors, dt, seed, stream, is_timed, start }
-    }
-
     /// The number of steps of such a filter from one sample to the next.
     pub(crate) fn steps(&self, settings: &FilterSettings) -> usize {
         settings.steps(self.plant, self.input, self.dt)
@@ -131,27 +123,5 @@ impl<'a> FilterContext<'a> {
     /// The model of a filter with these settings.
     pub(crate) fn model(&self, settings: &FilterSettings) -> Model {
         settings.model(self.plant, self.input)
-    }
-}
-
-/// A filter that is yet to be built: to draw a large ensemble takes time.
-pub(crate) struct Recipe {
-    settings: FilterSettings,
-    plant: PlantKind,
-    input: InputKind,
-    hold: Hold,
-    sensors: Vec<Quantity>,
-    dt: f64,
-    seed: u64,
-    stream: usize,
-    is_timed: bool,
-    start: f64,
-}
-
-impl Recipe {
-    /// The settings, and the other inputs.
-    pub(crate) fn parts(&self) -> (&FilterSettings, FilterContext<'_>) {
-        let &Self { ref settings, plant, input, hold, ref sensors, dt, seed, stream, is_timed, start } = self;
-        (settings, FilterContext { plant, input, hold, sensors, dt, seed, stream, is_timed, start })
     }
 }

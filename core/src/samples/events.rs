@@ -1,8 +1,8 @@
 //! One filter of a scenario over readings that come at times of their own.
 
-mod by_time;
-mod error;
 mod timeline;
+
+use thiserror::Error;
 
 use crate::mathematics::engine::level::Baseline;
 use crate::mathematics::filter::{FilterError, Gaussian};
@@ -11,13 +11,10 @@ use crate::samples::estimator::engine::Followed;
 use crate::samples::estimator::setup::Setup;
 use crate::samples::estimator::{FilterContext, counts_in_samples};
 use crate::samples::sink::{LastSample, Sample};
-use crate::samples::smoother::adjoint::Adjoint;
-use crate::samples::smoother::forward::Passage;
+use crate::samples::smoother::forward::{Adjoint, Passage};
 use crate::{Channel, FilterSettings, Pass, Quantity, Record, RunError, Scenario};
 
 use timeline::{Event, Timeline};
-
-pub use error::{EventError, EventSetupError};
 
 /// A filter of a scenario that follows events: readings and inputs with times of their own, sensors at rates of their own,
 /// late ones too.
@@ -109,7 +106,7 @@ impl EventFilter {
         let sensors: Vec<Quantity> = scenario.sensors.iter().map(|sensor| sensor.measures).collect();
         let record = Record::empty(scenario.dt, scenario.input, scenario.hold, sensors.clone(), Vec::new());
         Pass::columns(&scenario, place, &record)?;
-        let context = FilterContext::new(&scenario, &sensors, scenario.dt, &settings);
+        let context = FilterContext::new(&scenario, scenario.dt, &settings);
         let setup = Setup::of(&settings, &context, (0..sensors.len()).collect()).ok_or(FilterError::TooLarge)?;
         let mut followed = Followed::new(Baseline, &setup, &settings);
         if look_ahead.is_some() {
@@ -363,4 +360,102 @@ impl EventFilter {
         let Self { followed, truncation, last, .. } = self;
         followed.report(true, &mut Truncating { truncation, sink: last })
     }
+}
+
+impl EventFilter {
+    /// The readings that tell of this time \[s\], and those of late or early sensors, each with the time that it tells of. What tells of a
+    /// time before the first event does not count, as no reading of the first does.
+    fn by_time(&self, time: f64, readings: &[f64]) -> (Vec<f64>, Vec<(f64, Vec<f64>)>) {
+        let (mut own, mut others) = (readings.to_vec(), Vec::new());
+        let first = if self.first.is_finite() { self.first } else { time };
+        for (place, late) in self.sensor_delay.iter().enumerate().filter(|(_, late)| **late != 0.0) {
+            let reading = std::mem::replace(&mut own[place], f64::NAN);
+            let then = time - late;
+            if !reading.is_nan() && then > first + SAME * self.scenario.dt {
+                let mut alone = vec![f64::NAN; readings.len()];
+                alone[place] = reading;
+                others.push((then, alone));
+            }
+        }
+        (own, others)
+    }
+}
+
+/// The reason why an [`EventFilter`](crate::EventFilter) does not take in what came.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum EventError {
+    /// The filter has failed, then or before.
+    #[error("the filter has stopped at {time} s: {reason}")]
+    Stopped {
+        /// The time that it could not reach \[s\].
+        time: f64,
+        /// The reason.
+        reason: FilterError,
+    },
+    /// The number of readings is not that of the sensors.
+    #[error("there are {found} readings, but the scenario has {expected} sensors: a missing reading is NaN")]
+    Readings {
+        /// The number of readings.
+        found: usize,
+        /// The number of sensors.
+        expected: usize,
+    },
+    /// A reading is infinite.
+    #[error("the reading of {} is infinite, but must be a number or NaN", .0.key())]
+    InfiniteReading(Quantity),
+    /// The input is infinite.
+    #[error("the input is {0}, but must be a finite number, or NaN where nothing is known of it")]
+    Input(f64),
+    /// The time is not finite.
+    #[error("the time is {0}, but must be a finite number of seconds")]
+    Time(f64),
+    /// It comes later than the filter keeps its beliefs.
+    #[error("the time is {time} s, but what was before {oldest} s is no longer kept: it comes too late")]
+    TooLate {
+        /// The time \[s\].
+        time: f64,
+        /// The time of the oldest belief \[s\].
+        oldest: f64,
+    },
+    /// The time since what came before is too long to be bridged.
+    #[error(
+        "the time is {} s, {} steps after {before} s, but at most {} are bridged: begin a new filter",
+        legible(*.time),
+        legible(*.steps),
+        EventError::MOST_STEPS
+    )]
+    Gap {
+        /// The time \[s\].
+        time: f64,
+        /// The time before it \[s\].
+        before: f64,
+        /// The steps of dt between them.
+        steps: f64,
+    },
+}
+
+impl EventError {
+    /// Limits the steps of dt between two events.
+    pub const MOST_STEPS: usize = 100_000;
+}
+
+/// A number, with an exponent if it has too many digits.
+fn legible(number: f64) -> String {
+    if number.abs() < 1e9 { number.to_string() } else { format!("{number:e}") }
+}
+
+/// A filter that cannot follow events.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum EventSetupError {
+    /// The scenario is impossible, or has no such filter.
+    #[error(transparent)]
+    Run(#[from] crate::RunError),
+    /// The filter has a setting that counts in samples.
+    #[error("a filter with {0} follows samples at equal times only")]
+    Setting(&'static str),
+    /// The filter cannot begin.
+    #[error(transparent)]
+    Filter(#[from] FilterError),
 }

@@ -2,7 +2,7 @@
 
 use crate::data::record::{Delays, Parts};
 use crate::mathematics::quantity::MAX_SENSORS;
-use crate::samples::estimator::{Estimator, Failed, FilterContext, Recipe, counts_in_samples};
+use crate::samples::estimator::{Estimator, Failed, FilterContext, counts_in_samples};
 use crate::samples::run_error::sensor_places;
 use crate::samples::select;
 use crate::samples::sink::Sink;
@@ -27,8 +27,8 @@ pub struct Pass {
 /// A filter, which is built when it is first needed.
 #[derive(Default)]
 struct Built {
-    /// None once it is built, and for a pass without a filter.
-    recipe: Option<Box<Recipe>>,
+    /// What it is built from: to draw a large ensemble takes time. None once it is built, and for a pass without a filter.
+    recipe: Option<Box<(FilterSettings, FilterContext)>>,
     estimator: Option<Box<dyn Estimator>>,
 }
 
@@ -36,10 +36,7 @@ impl Built {
     fn estimator(&mut self) -> &mut dyn Estimator {
         let Self { recipe, estimator } = self;
         let build = || match recipe.take() {
-            Some(recipe) => {
-                let (settings, context) = recipe.parts();
-                select::estimator(settings, context)
-            }
+            Some(recipe) => select::estimator(&recipe.0, &recipe.1),
             None => Box::new(Failed(FilterError::NotFinite)),
         };
         estimator.get_or_insert_with(build).as_mut()
@@ -57,9 +54,8 @@ impl Pass {
         let mut scenario = scenario.clone();
         scenario.number_filters();
         let filter = &scenario.filters[place];
-        let quantities: Vec<Quantity> = scenario.sensors.iter().map(|s| s.measures).collect();
-        let context = FilterContext::new(&scenario, &quantities, record.dt(), filter).over(record, filter);
-        Ok(Self::with(filter, context, sensors))
+        let context = FilterContext::new(&scenario, record.dt(), filter).over(record, filter);
+        Ok(Self::with(filter, &context, sensors))
     }
 
     /// The columns of a record for the sensors of a scenario, over which its filter at `place` can run.
@@ -74,15 +70,16 @@ impl Pass {
         sensor_places(scenario, record)
     }
 
-    pub(crate) fn with(settings: &FilterSettings, context: FilterContext<'_>, sensors: Vec<usize>) -> Self {
+    pub(crate) fn with(settings: &FilterSettings, context: &FilterContext, sensors: Vec<usize>) -> Self {
         let estimator = Some(select::estimator(settings, context));
         Self::of(Built { recipe: None, estimator }, settings.delays(context.dt), context.is_timed, sensors)
     }
 
     /// The same, but the filter is built with its first sample.
-    pub(crate) fn later(settings: &FilterSettings, context: FilterContext<'_>, sensors: Vec<usize>) -> Self {
-        let recipe = Some(Box::new(context.kept(settings)));
-        Self::of(Built { recipe, estimator: None }, settings.delays(context.dt), context.is_timed, sensors)
+    pub(crate) fn later(settings: &FilterSettings, context: FilterContext, sensors: Vec<usize>) -> Self {
+        let (delays, is_timed) = (settings.delays(context.dt), context.is_timed);
+        let recipe = Some(Box::new((settings.clone(), context)));
+        Self::of(Built { recipe, estimator: None }, delays, is_timed, sensors)
     }
 
     fn of(filter: Built, delays: Delays, is_timed: bool, sensors: Vec<usize>) -> Self {

@@ -140,7 +140,7 @@ pub(crate) struct Monitor {
     at_end: usize,
     /// The initial diagonals of R and Q.
     initial_noise: Option<(Vec<f64>, Vec<f64>)>,
-    remarks: Vec<Remark>,
+    pub(crate) remarks: Vec<Remark>,
 }
 
 impl Monitor {
@@ -193,10 +193,6 @@ impl Monitor {
     pub(crate) fn with_rounded_delays(mut self, option: &'static str) -> Self {
         self.remarks.push(Remark { what: Trouble::Rounded(option), sample: 0, last: 0 });
         self
-    }
-
-    pub(crate) fn remarks(&self) -> &[Remark] {
-        &self.remarks
     }
 
     /// Drops the remarks that are over before sample `first` and cannot be continued after it.

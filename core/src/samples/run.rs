@@ -22,7 +22,7 @@ pub struct Run {
     recording: Recording,
     samples: usize,
     done: usize,
-    bank: Bank,
+    pub(crate) bank: Bank,
 }
 
 /// The parts that [`Run::update`] has computed again.
@@ -63,12 +63,12 @@ impl Run {
 
     fn over(scenario: &Scenario, source: Source, spare: &mut Spare) -> Result<Self, RunError> {
         scenario.validate()?;
-        let recording = Recording::new(scenario, source, spare.record());
+        let recording = Recording::new(scenario, source, spare.record.take());
         let samples = recording.samples(scenario);
         let record = recording.record();
         let mut bank = Bank::new(scenario, record)?;
         for _ in &scenario.filters {
-            bank.add(record, samples, spare.estimates());
+            bank.add(record, samples, spare.estimates.pop());
         }
         Ok(Self { recording, samples, done: 0, bank })
     }
@@ -98,7 +98,7 @@ impl Run {
     pub fn update(&mut self, scenario: &Scenario) -> Result<Update, RunError> {
         let mut spare = Spare::default();
         let mut revision = Revision::new(self, scenario, None, &mut spare)?;
-        if revision.is_of_everything() {
+        if revision.is_of_everything {
             self.restart(scenario)?;
             return Ok(Update::Everything);
         }
@@ -174,7 +174,7 @@ impl Run {
     pub fn lengthen(&mut self, record: Arc<Record>) -> bool {
         let goes_on = self.recording.lengthen(record);
         if goes_on {
-            self.samples = self.recording.samples(self.bank.scenario());
+            self.samples = self.recording.samples(&self.bank.scenario);
         }
         goes_on
     }
@@ -191,7 +191,7 @@ impl Run {
 
     /// The scenario.
     pub fn scenario(&self) -> &Scenario {
-        self.bank.scenario()
+        &self.bank.scenario
     }
 
     /// The source of the samples.
@@ -267,10 +267,6 @@ impl Run {
     /// A hash of all estimates that are kept, to compare platforms.
     pub fn checksum(&self) -> u64 {
         self.estimates().iter().fold(0, |sum: u64, e| sum.rotate_left(1) ^ e.checksum())
-    }
-
-    pub(crate) fn bank(&self) -> &Bank {
-        &self.bank
     }
 
     /// The memory of the run's data. The run cannot be used before it has been given other data.

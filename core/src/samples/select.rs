@@ -16,26 +16,26 @@ use crate::scenario::Bounds;
 use crate::{FilterError, FilterSettings};
 
 /// Builds the filter of some settings, or those that run side by side.
-pub(crate) fn estimator(settings: &FilterSettings, context: FilterContext<'_>) -> Box<dyn Estimator> {
+pub(crate) fn estimator(settings: &FilterSettings, context: &FilterContext) -> Box<dyn Estimator> {
     if !settings.bounds.is_empty() {
         let truncation = Truncation::of(settings, context.model(settings).channels());
         let free = FilterSettings { bounds: Bounds::default(), ..settings.clone() };
         return Box::new(Bounded::new(estimator(&free, context), truncation));
     }
     if settings.process_scales > 1 {
-        let rule = Scales::new(settings, &context);
+        let rule = Scales::new(settings, context);
         let members = rule.members(settings, context.model(settings).channels());
-        return Box::new(Mixture::new(&members, rule, |member| single(member, &context)));
+        return Box::new(Mixture::new(&members, rule, |member| single(member, context)));
     }
     if settings.guesses > 1 {
         let members = guesses::members(settings);
-        return Box::new(Mixture::new(&members, Guesses::new(members.len()), |member| walking(member, &context)));
+        return Box::new(Mixture::new(&members, Guesses::new(members.len()), |member| walking(member, context)));
     }
-    walking(settings, &context)
+    walking(settings, context)
 }
 
 /// Builds the filter of one guess, or two where its parameters may walk.
-fn walking(settings: &FilterSettings, context: &FilterContext<'_>) -> Box<dyn Estimator> {
+fn walking(settings: &FilterSettings, context: &FilterContext) -> Box<dyn Estimator> {
     if settings.walk == 0.0 {
         return single(settings, context);
     }
@@ -43,7 +43,7 @@ fn walking(settings: &FilterSettings, context: &FilterContext<'_>) -> Box<dyn Es
     Box::new(Mixture::new(&members, Walk::new(context.dt), |member| single(member, context)))
 }
 
-fn single(settings: &FilterSettings, context: &FilterContext<'_>) -> Box<dyn Estimator> {
+fn single(settings: &FilterSettings, context: &FilterContext) -> Box<dyn Estimator> {
     match settings.kind.info().way {
         Way::Belief(begin) => sampled::estimator(begin, settings, context),
         Way::Gaussian(_) => match Setup::of(settings, context, (0..context.sensors.len()).collect()) {
@@ -54,16 +54,12 @@ fn single(settings: &FilterSettings, context: &FilterContext<'_>) -> Box<dyn Est
 }
 
 /// The smoother that the settings of a filter ask for, if its kind has one.
-pub(crate) fn smoother(settings: &FilterSettings, context: FilterContext<'_>) -> Option<Box<dyn Smoother>> {
+pub(crate) fn smoother(settings: &FilterSettings, context: &FilterContext) -> Option<Box<dyn Smoother>> {
     let Some(lag) = settings.lag(context.dt) else { return whole_smoother(settings, context) };
-    Some(Box::new(FixedLag::new(forward(settings, context)?, lag)))
+    Some(Box::new(FixedLag::new(Forward::new(settings, context)?, lag)))
 }
 
 /// The smoother of a filter over the whole record, if its kind has one.
-pub(crate) fn whole_smoother(settings: &FilterSettings, context: FilterContext<'_>) -> Option<Box<dyn Smoother>> {
-    Some(Box::new(FixedInterval::new(forward(settings, context)?)))
-}
-
-fn forward(settings: &FilterSettings, context: FilterContext<'_>) -> Option<Forward> {
-    Forward::new(settings, &context)
+pub(crate) fn whole_smoother(settings: &FilterSettings, context: &FilterContext) -> Option<Box<dyn Smoother>> {
+    Some(Box::new(FixedInterval::new(Forward::new(settings, context)?)))
 }

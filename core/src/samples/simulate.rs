@@ -1,17 +1,17 @@
 //! The simulation of the truth: the plant's response and the sensors' measurements.
 
-mod inputs;
 mod refinement;
 pub(crate) mod response;
+
+use std::collections::VecDeque;
 
 use thiserror::Error;
 
 use crate::data::scenario::fault::{Act, Moment};
 use crate::mathematics::model::{Hold, Model, Reading};
 use crate::mathematics::random::{Normal, Purpose};
-use crate::{Channel, Quantity, Record, Scenario, Signal};
+use crate::{Channel, Force, Quantity, Record, Scenario, Signal};
 
-use inputs::Inputs;
 use response::{HALVED, Response};
 
 /// The reason why a truth cannot go on.
@@ -127,9 +127,9 @@ impl Simulator {
     /// millisecond, even within a sample, if the plant is hard to simulate. Returns whether the truth goes on until
     /// then.
     pub fn advance_some(&mut self, record: &mut Record, samples: usize) -> bool {
-        let end = self.response.halved() + HALVED;
-        while place_of_next(record) < samples && self.response.halved() < end {
-            self.advance(record, end - self.response.halved());
+        let end = self.response.halved + HALVED;
+        while place_of_next(record) < samples && self.response.halved < end {
+            self.advance(record, end - self.response.halved);
             if self.stop.is_some() {
                 return place_of_next(record) >= samples;
             }
@@ -244,6 +244,45 @@ fn place_of_next(record: &Record) -> usize {
     record.forgotten() + record.len()
 }
 
+/// The input of each sample, in its unit: kept as far back and drawn as far ahead as needed.
+struct Inputs {
+    force: Force,
+    dt: f64,
+    noise: Normal,
+    /// The number of the first sample that is kept.
+    first: usize,
+    kept: VecDeque<f64>,
+}
+
+impl Inputs {
+    fn new(force: Force, dt: f64, noise: Normal) -> Self {
+        Self { force, dt, noise, first: 0, kept: VecDeque::new() }
+    }
+
+    /// The input of sample `k`, which has not been forgotten.
+    fn at(&mut self, k: usize) -> f64 {
+        while self.first + self.kept.len() <= k {
+            let next = self.force.sample(self.first + self.kept.len(), self.dt, &mut self.noise);
+            self.kept.push_back(next);
+        }
+        self.kept[k - self.first]
+    }
+
+    /// The input `delay` samples before sample `k`, or after it if that is negative. Before the record the first input
+    /// holds.
+    fn delayed(&mut self, k: usize, delay: i32) -> f64 {
+        let steps = delay.unsigned_abs() as usize;
+        self.at(if delay < 0 { k + steps } else { k.saturating_sub(steps) })
+    }
+
+    /// Forgets the samples before sample `k`.
+    fn forget_before(&mut self, k: usize) {
+        while self.first < k && self.kept.pop_front().is_some() {
+            self.first += 1;
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -258,17 +297,17 @@ mod tests {
         let mut whole = Simulator::new(&scenario);
         let mut expected = whole.empty_record();
         (0..SAMPLES).for_each(|_| assert!(whole.step(&mut expected)));
-        assert!(whole.response.halved() > 1000 * SAMPLES as u64, "the steps of a sample are halved often");
+        assert!(whole.response.halved > 1000 * SAMPLES as u64, "the steps of a sample are halved often");
         let mut simulator = Simulator::new(&scenario);
         let mut record = simulator.empty_record();
         let mut pieces = 0;
         while record.len() < SAMPLES {
-            let before = simulator.response.halved();
+            let before = simulator.response.halved;
             assert!(simulator.advance_some(&mut record, SAMPLES));
-            assert!(simulator.response.halved() - before <= HALVED);
+            assert!(simulator.response.halved - before <= HALVED);
             pieces += 1;
         }
-        assert!(pieces as u64 >= whole.response.halved() / HALVED, "{pieces}");
+        assert!(pieces as u64 >= whole.response.halved / HALVED, "{pieces}");
         for sensor in 0..record.sensors().len() {
             assert_eq!(record.measured(sensor), expected.measured(sensor));
         }

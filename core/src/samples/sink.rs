@@ -1,11 +1,8 @@
 //! Receivers of a filter's results.
 
-mod last;
-
 use crate::{Estimates, Stop};
 
 pub use crate::samples::sample::{AssumedNoise, Sample};
-pub use last::LastSample;
 
 /// Receives the samples of one filter in turn: a full history ([`Estimates`]), or running sums
 /// ([`Scores`](crate::Scores)).
@@ -66,5 +63,80 @@ impl Sink for Estimates {
 
     fn history(&mut self) -> Option<&mut Estimates> {
         Some(self)
+    }
+}
+
+/// A sink that keeps the last sample alone, in memory that it uses again, with the belief before its update.
+#[derive(Clone, Debug, Default)]
+pub struct LastSample {
+    /// Its vectors and matrices, the variances that a filter learns among them, in the order of [`parts`].
+    parts: [Vec<f64>; 11],
+    earlier: u32,
+    /// NIS, det S, own log likelihood, effective sample size.
+    numbers: [f64; 4],
+    process_scale: [f64; 2],
+    is_adaptive: bool,
+    has_widened: bool,
+    without_prior: bool,
+}
+
+/// The vectors and matrices of a sample.
+fn parts<'a>(sample: &Sample<'a>) -> [&'a [f64]; 11] {
+    let Sample { mean, cov, prior_mean, prior_cov, innovation, innovation_cov, gain, weights, .. } = *sample;
+    let noise = sample.noise.map(|noise| [noise.process, noise.sensors, noise.uncertainty]);
+    let [process, sensors, uncertainty] = noise.unwrap_or_default();
+    [mean, cov, prior_mean, prior_cov, innovation, innovation_cov, gain, weights, process, sensors, uncertainty]
+}
+
+impl LastSample {
+    /// Sets whether it wants the belief before the update.
+    pub fn want_prior(&mut self, wants: bool) {
+        self.without_prior = !wants;
+    }
+
+    /// The sample; without numbers before the first one.
+    pub fn sample(&self) -> Sample<'_> {
+        let [nis, determinant, log_likelihood, effective_samples] = self.numbers;
+        let [mean, cov, prior_mean, prior_cov, innovation, innovation_cov, gain, weights, noise @ ..] = &self.parts;
+        let [process, sensors, uncertainty] = noise;
+        let process_scale = self.process_scale;
+        let noise = self.is_adaptive.then_some(AssumedNoise { process, sensors, uncertainty, process_scale });
+        Sample {
+            mean,
+            cov,
+            prior_mean,
+            prior_cov,
+            innovation,
+            innovation_cov,
+            gain,
+            earlier: self.earlier,
+            nis,
+            determinant,
+            log_likelihood,
+            effective_samples,
+            noise,
+            weights,
+            has_widened: self.has_widened,
+        }
+    }
+}
+
+impl Sink for LastSample {
+    fn push(&mut self, sample: &Sample<'_>) {
+        for (kept, part) in self.parts.iter_mut().zip(parts(sample)) {
+            kept.clear();
+            kept.extend_from_slice(part);
+        }
+        self.numbers = [sample.nis, sample.determinant, sample.log_likelihood, sample.effective_samples];
+        self.earlier = sample.earlier;
+        self.process_scale = sample.noise.map_or([f64::NAN; 2], |noise| noise.process_scale);
+        self.is_adaptive = sample.noise.is_some();
+        self.has_widened = sample.has_widened;
+    }
+
+    fn stop_at(&mut self, _: Stop) {}
+
+    fn wants_prior(&self) -> bool {
+        !self.without_prior
     }
 }

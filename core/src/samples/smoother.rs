@@ -1,6 +1,5 @@
 //! Smoothed estimates: each sample in the light of later ones, of all or of the next few.
 
-pub(crate) mod adjoint;
 pub(crate) mod forward;
 pub(crate) mod interval;
 pub(crate) mod lag;

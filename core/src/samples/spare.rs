@@ -6,21 +6,11 @@ use crate::{Estimates, Record};
 /// Old histories and a record to overwrite. Fresh pages from the system cost more than filling them.
 #[derive(Default)]
 pub(crate) struct Spare {
-    record: Option<Record>,
-    estimates: Vec<Estimates>,
+    pub(super) record: Option<Record>,
+    pub(super) estimates: Vec<Estimates>,
 }
 
 impl Spare {
-    /// A record, if there is one.
-    pub(crate) fn record(&mut self) -> Option<Record> {
-        self.record.take()
-    }
-
-    /// A history, if there is one.
-    pub(crate) fn estimates(&mut self) -> Option<Estimates> {
-        self.estimates.pop()
-    }
-
     /// Adds old data.
     pub(crate) fn take(&mut self, (record, mut estimates): (Option<Record>, Vec<Estimates>)) {
         self.record = record.or(self.record.take());

@@ -1,6 +1,11 @@
 //! Runs for tests.
 
-use kalmanscope_core::{Run, Scenario};
+use std::sync::Arc;
+
+use kalmanscope_core::diagnosis::Remedy;
+use kalmanscope_core::import::{Builder, read};
+use kalmanscope_core::record::Input;
+use kalmanscope_core::{Channel, Diagnosis, Diagnostics, Estimates, FilterKind, Record, Run, Scenario};
 
 /// The run of a scenario to its end, or until the truth stops.
 pub(crate) fn finished(scenario: &Scenario) -> Run {
@@ -8,4 +13,52 @@ pub(crate) fn finished(scenario: &Scenario) -> Run {
     run.finish();
     assert!(run.len() == scenario.samples() || run.truth_stop().is_some());
     run
+}
+
+/// The run of a scenario's filters over a record.
+pub(crate) fn finished_on(scenario: &Scenario, record: impl Into<Arc<Record>>) -> Run {
+    let mut run = Run::on_record(scenario, record.into()).expect("the record fits");
+    run.finish();
+    run
+}
+
+/// The run of a scenario's filters over the record that it takes from a file.
+pub(crate) fn finished_on_file(scenario: &Scenario, file: impl Into<Vec<u8>>) -> Run {
+    let mapping = scenario.record.as_ref().expect("it says what the columns are");
+    let table = read(file, mapping.dialect).expect("it is a table");
+    let imported = Builder::new(&table, mapping, scenario.input, scenario.hold).and_then(Builder::finish);
+    finished_on(scenario, imported.expect("it is a record").record)
+}
+
+/// The usual scenario with the first of its filters, of a kind.
+pub(crate) fn one_filter(kind: FilterKind) -> Scenario {
+    let mut scenario = Scenario::default();
+    scenario.filters.truncate(1);
+    scenario.filters[0].kind = kind;
+    scenario
+}
+
+/// The last estimate of a channel and its standard deviation.
+pub(crate) fn last(estimates: &Estimates, channel: Channel) -> (f64, f64) {
+    let (k, place) = (estimates.len() - 1, estimates.place(channel).expect("it is estimated"));
+    (estimates.mean(k)[place], estimates.std(k, place))
+}
+
+/// The same record with another input.
+pub(crate) fn with_input(record: &Record, values: Vec<f64>) -> Record {
+    let input = Input { kind: record.input_kind(), hold: record.hold(), values };
+    let columns = record.sensors().iter().enumerate().map(|(i, &sensor)| (sensor, record.measured(i).to_vec()));
+    let truth = Channel::all().iter().filter_map(|&channel| Some((channel, record.truth(channel)?.to_vec())));
+    let other = Record::new(record.dt(), input, columns.collect()).and_then(|other| other.with_truth(truth.collect()));
+    other.expect("the columns are as long")
+}
+
+/// The remedies that a diagnosis finds for a filter from its record.
+pub(crate) fn remedies(run: &Run, filter: usize, record: &Record) -> Vec<Remedy> {
+    let estimates = &run.estimates()[filter];
+    let diagnostics = Diagnostics::new(estimates, record);
+    let diagnosis = Diagnosis::new(&diagnostics, estimates, record, None).expect("there is something to judge");
+    let mut trials = diagnosis.trials(run.scenario(), filter, &diagnostics, estimates, record).expect("it can be run");
+    while !trials.advance(&mut || true) {}
+    trials.remedies()
 }

@@ -1,12 +1,147 @@
-//! Start values on records of many excitations, sensors and dampings: the guess, and the end of the filter that begins with it.
+//! Start values on records of many excitations, sensors and dampings, and on free decays without an input, made here and not by
+//! the core: the guess, and the end of the filter that begins with it.
 
 use std::collections::BTreeMap;
 
+use kalmanscope_core::record::Input;
 use kalmanscope_core::suggest::{Suggestion, scenario_for, suggest};
-use kalmanscope_core::{Channel, Quantity, Record, Run};
+use kalmanscope_core::{Channel, Hold, InputKind, Quantity, Record};
 
-use crate::excitation::{Excitation, Oscillator, record};
 use crate::random::Random;
+use crate::run::finished_on;
+
+/// The true oscillator.
+#[derive(Clone, Copy)]
+pub(crate) struct Oscillator {
+    pub(crate) natural_frequency: f64,
+    pub(crate) damping_ratio: f64,
+}
+
+/// The force on it; each has its power where a laboratory would put it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Excitation {
+    White,
+    Hammer,
+    Prbs,
+    Multisine,
+    LowPassed,
+    WideSweep,
+    NarrowSweep,
+    Step,
+}
+
+impl Excitation {
+    pub(crate) const ALL: [Self; 8] = [
+        Self::White,
+        Self::Hammer,
+        Self::Prbs,
+        Self::Multisine,
+        Self::LowPassed,
+        Self::WideSweep,
+        Self::NarrowSweep,
+        Self::Step,
+    ];
+
+    /// The force at each sample, of the size of one [m/s²].
+    fn force(self, truth: Oscillator, dt: f64, samples: usize, random: &mut Random) -> Vec<f64> {
+        let hertz = truth.natural_frequency / std::f64::consts::TAU;
+        let tau = std::f64::consts::TAU;
+        let sweep = |low: f64, high: f64| -> Vec<f64> {
+            let whole = samples as f64 * dt;
+            let at = |k: usize| {
+                let t = k as f64 * dt;
+                (tau * (low * t + 0.5 * (high - low) * t * t / whole)).sin()
+            };
+            (0..samples).map(at).collect()
+        };
+        // A fifth of the Nyquist frequency.
+        let fifth = 0.1 / dt;
+        match self {
+            Self::White => (0..samples).map(|_| random.normal()).collect(),
+            Self::Hammer => {
+                let mut force = vec![0.0; samples];
+                for hit in 0..6 {
+                    let begin = 20 + hit * samples / 6;
+                    for (i, share) in [0.4, 1.0, 1.0, 0.4].into_iter().enumerate() {
+                        force[begin + i] = 30.0 * share;
+                    }
+                }
+                force
+            }
+            Self::Prbs => {
+                let mut value = 1.0;
+                let next = |k: usize| {
+                    if k.is_multiple_of(3) {
+                        value = if random.uniform() < 0.5 { -1.0 } else { 1.0 };
+                    }
+                    value
+                };
+                (0..samples).map(next).collect()
+            }
+            Self::Multisine => {
+                let lines: Vec<(f64, f64)> =
+                    (1..=80).map(|i| (fifth * f64::from(i) / 80.0, tau * random.uniform())).collect();
+                let at = |k: usize| {
+                    let sum: f64 = lines.iter().map(|(f, phase)| (tau * f * k as f64 * dt + phase).sin()).sum();
+                    sum / 80.0_f64.sqrt()
+                };
+                (0..samples).map(at).collect()
+            }
+            Self::LowPassed => {
+                let share = 1.0 - (-tau * fifth * dt).exp();
+                let mut states = [0.0; 4];
+                let next = |_| {
+                    let mut value = random.normal();
+                    for state in &mut states {
+                        *state += share * (value - *state);
+                        value = *state;
+                    }
+                    3.0 * value
+                };
+                (0..samples).map(next).collect()
+            }
+            Self::WideSweep => sweep(0.1 * hertz, fifth.max(2.0 * hertz)),
+            Self::NarrowSweep => sweep(0.6 * hertz, 1.5 * hertz),
+            Self::Step => (0..samples).map(|k| if k < samples / 8 { 0.0 } else { 1.0 }).collect(),
+        }
+    }
+}
+
+/// A record of one sensor with noise of a hundredth of its signal.
+pub(crate) fn record(
+    truth: Oscillator,
+    excitation: Excitation,
+    sensor: Quantity,
+    dt: f64,
+    samples: usize,
+    seed: u64,
+) -> Record {
+    let mut random = Random::new(seed);
+    let force = excitation.force(truth, dt, samples, &mut random);
+    let Oscillator { natural_frequency: wn, damping_ratio: zeta } = truth;
+    let wd = wn * (1.0 - zeta * zeta).sqrt();
+    let (decay, cos, sin) = ((-zeta * wn * dt).exp(), (wd * dt).cos(), (wd * dt).sin());
+    let (mut x, mut v) = (0.0, 0.0);
+    let mut signal = Vec::with_capacity(samples);
+    for &f in &force {
+        signal.push(if sensor == Quantity::DISPLACEMENT {
+            x
+        } else if sensor == Quantity::VELOCITY {
+            v
+        } else {
+            f - 2.0 * zeta * wn * v - wn * wn * x
+        });
+        let (rest, from) = (f / (wn * wn), x - f / (wn * wn));
+        (x, v) = (
+            decay * (cos * from + sin * (v + zeta * wn * from) / wd) + rest,
+            decay * (cos * v - sin * (wn * wn * from + zeta * wn * v) / wd),
+        );
+    }
+    let size = (signal.iter().map(|y| y * y).sum::<f64>() / samples as f64).sqrt();
+    let measured = signal.iter().map(|y| y + 0.01 * size * random.normal()).collect();
+    let input = Input { kind: InputKind::Force, hold: Hold::Zero, values: force };
+    Record::new(dt, input, vec![(sensor, measured)]).unwrap()
+}
 
 pub(crate) const SENSORS: [Quantity; 3] = [Quantity::DISPLACEMENT, Quantity::VELOCITY, Quantity::ACCELERATION];
 
@@ -18,8 +153,7 @@ pub(crate) fn suggestion(record: &Record) -> Suggestion {
 pub(crate) fn outcome(record: &Record, truth: Oscillator) -> (bool, bool, String) {
     let suggestion = suggestion(record);
     let guess = suggestion.scenario.filters[0].initial_mean[Channel::NATURAL_FREQUENCY];
-    let mut run = Run::on_record(&suggestion.scenario, record.clone().into()).unwrap();
-    run.finish();
+    let run = finished_on(&suggestion.scenario, record.clone());
     let ekf = &run.estimates()[0];
     let last = |channel| ekf.mean(ekf.len() - 1)[ekf.place(channel).unwrap()];
     let error = |value: f64, truth: f64| (value / truth - 1.0).abs();
@@ -119,4 +253,79 @@ pub(crate) fn worst_of_losses(
         }
     }
     worst
+}
+
+/// A decay from an initial displacement.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RingDown {
+    /// ωₙ \[rad/s\] and ζ.
+    pub(crate) natural_frequency: f64,
+    pub(crate) damping_ratio: f64,
+    /// Samples in a period, and periods in the record.
+    pub(crate) rate: f64,
+    pub(crate) periods: f64,
+    pub(crate) sensor: Quantity,
+    /// The noise over the largest reading.
+    pub(crate) noise: f64,
+    pub(crate) seed: u64,
+}
+
+impl RingDown {
+    /// One of a grid, drawn from its seed.
+    fn of(seed: u64) -> Self {
+        let mut random = Random::new(seed);
+        let mut log = |low: f64, high: f64| low * (high / low).powf(random.uniform());
+        Self {
+            natural_frequency: log(1.0, 60.0),
+            damping_ratio: log(0.005, 0.1),
+            rate: log(8.0, 80.0),
+            periods: log(12.0, 80.0),
+            sensor: SENSORS[seed as usize % 3],
+            noise: log(0.01, 0.1),
+            seed,
+        }
+    }
+
+    fn record(&self) -> Record {
+        let Self { natural_frequency: wn, damping_ratio: zeta, rate, periods, sensor, noise, seed } = *self;
+        let dt = std::f64::consts::TAU / wn / rate;
+        let (rest, wd) = (zeta * wn, wn * (1.0 - zeta * zeta).sqrt());
+        let clean = |k: usize| {
+            let t = k as f64 * dt;
+            let (decay, cos, sin) = ((-rest * t).exp(), (wd * t).cos(), (wd * t).sin());
+            let (x, v) = (decay * (cos + rest / wd * sin), -decay * wn * wn / wd * sin);
+            match sensor {
+                q if q == Quantity::DISPLACEMENT => x,
+                q if q == Quantity::VELOCITY => v,
+                _ => -wn * wn * x - 2.0 * rest * v,
+            }
+        };
+        let clean: Vec<f64> = (0..(rate * periods) as usize).map(clean).collect();
+        let largest = clean.iter().fold(0.0_f64, |largest, y| largest.max(y.abs()));
+        let mut random = Random::new(seed + 100_000);
+        let measured: Vec<f64> = clean.iter().map(|y| y + noise * largest * random.normal()).collect();
+        let input = Input { kind: InputKind::Force, hold: Hold::First, values: vec![0.0; measured.len()] };
+        Record::new(dt, input, vec![(sensor, measured)]).unwrap()
+    }
+
+    /// Whether the start values are within 10 % of ωₙ and a factor of 1.3 of ζ, and in words.
+    pub(crate) fn outcome(&self) -> (bool, String) {
+        let record = self.record();
+        let suggestion = suggest(&scenario_for(&record), &record);
+        let filter = &suggestion.scenario.filters[0];
+        let guess = filter.initial_mean[Channel::NATURAL_FREQUENCY] / self.natural_frequency;
+        let damping = filter.initial_mean[Channel::DAMPING_RATIO] / self.damping_ratio;
+        let is_white = filter.augment.contains(&Channel::WHITE_FORCE);
+        let is_right = (guess - 1.0).abs() < 0.1 && (1.0 / 1.3..1.3).contains(&damping);
+        (is_right, format!("{self:?}: ωₙ {guess:.3}, ζ {damping:.2}, white force {is_white}"))
+    }
+}
+
+/// The share of right start values, with those that are wrong in words.
+pub(crate) fn right(seeds: std::ops::Range<u64>) -> f64 {
+    let all = seeds.end - seeds.start;
+    let outcomes = seeds.map(|seed| RingDown::of(seed).outcome());
+    let wrong: Vec<String> = outcomes.filter(|(is_right, _)| !is_right).map(|(_, text)| text).collect();
+    wrong.iter().for_each(|text| println!("{text}"));
+    1.0 - wrong.len() as f64 / all as f64
 }

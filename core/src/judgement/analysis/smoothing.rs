@@ -32,7 +32,7 @@ impl Smoothing {
     ) -> bool {
         let Subject { bank, record, done, known, whole, .. } = *subject;
         self.is_complete = false;
-        let scenario = bank.scenario();
+        let scenario = &bank.scenario;
         let wanted_of = |of: &Estimates| {
             scenario.filters.iter().any(|filter| filter.id == of.id() && is_wanted(filter, subject, wanted))
         };
@@ -112,7 +112,7 @@ impl Smoothing {
         if !is_wanted(filter, subject, wanted) || !filter.kind.is_gaussian() {
             return (0.0, 0.0);
         }
-        let cost = 2.0 * subject.done as f64 * cost::of_step(filter, subject.bank.scenario());
+        let cost = 2.0 * subject.done as f64 * cost::of_step(filter, &subject.bank.scenario);
         let share = match self.estimates.iter().position(|of| of.id() == filter.id) {
             None => 0.0,
             Some(at) => self.smoothers[at].as_ref().map_or(1.0, |smoother| smoother.progress(subject.done)),

@@ -7,7 +7,7 @@ use super::words::short;
 use crate::samples::estimator::FilterContext;
 use crate::samples::select;
 use crate::samples::smoother::Smoother;
-use crate::{Channel, Estimates, Quantity, Record, Scenario};
+use crate::{Channel, Estimates, Record, Scenario};
 
 /// A law in words.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,9 +43,8 @@ impl ForceInHindsight {
     pub(super) fn new(scenario: &Scenario, record: &Record) -> Option<Self> {
         let filter = scenario.filters.first()?;
         filter.augment.contains(&Channel::UNKNOWN_FORCE).then_some(())?;
-        let quantities: Vec<Quantity> = scenario.sensors.iter().map(|sensor| sensor.measures).collect();
-        let context = FilterContext::new(scenario, &quantities, record.dt(), filter).over(record, filter);
-        let smoother = select::whole_smoother(filter, context)?;
+        let context = FilterContext::new(scenario, record.dt(), filter).over(record, filter);
+        let smoother = select::whole_smoother(filter, &context)?;
         let model = filter.model(scenario.plant.kind, scenario.input);
         let estimates = Estimates::new(filter, &model, Vec::new()).of_smoother();
         Some(Self { smoother, estimates: Box::new(estimates) })

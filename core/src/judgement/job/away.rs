@@ -10,11 +10,11 @@ impl Job {
     /// returns their places. The job goes on with the others. Empty if the job does not keep the whole record.
     pub fn leave_long(&mut self, seconds: f64) -> Vec<usize> {
         let Self { revision, goal, stage, .. } = self;
-        let is_whole = *goal == revision.samples() && *stage == *goal;
-        let scenario = revision.bank().scenario();
+        let is_whole = *goal == revision.samples && *stage == *goal;
+        let scenario = &revision.bank.scenario;
         let time = |place: usize| 1e-9 * *goal as f64 * cost::of_step(&scenario.filters[place], scenario);
         let is_long = |place: &usize| is_whole && revision.done(*place) == 0 && time(*place) > seconds;
-        let places: Vec<usize> = revision.changed().iter().copied().filter(is_long).collect();
+        let places: Vec<usize> = revision.order.iter().copied().filter(is_long).collect();
         revision.leave(places.clone());
         places
     }
@@ -22,7 +22,7 @@ impl Job {
     /// The whole record, once it is complete. `study` is the study that the job was made for.
     pub fn whole_record<'a>(&'a self, study: &'a Study) -> Option<&'a Record> {
         let revision = &self.revision;
-        let is_there = revision.recorded().is_none_or(|recorded| recorded >= revision.samples());
+        let is_there = revision.recorded().is_none_or(|recorded| recorded >= revision.samples);
         is_there.then(|| revision.own_record().unwrap_or(study.run.record()))
     }
 

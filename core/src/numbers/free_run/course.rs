@@ -32,7 +32,7 @@ impl Course {
 
     /// The number of times that steps have been halved so far: a measure of the motion's computing time.
     pub(super) fn halved(&self) -> u64 {
-        self.response.halved()
+        self.response.halved
     }
 
     /// Moves on from sample `k` to the next, and halves steps at most `most` times. Returns whether it has arrived; if

@@ -1,6 +1,6 @@
 //! A filter whose belief is a random sample, or your own, reporting its samples.
 
-use super::beginning::Beginning;
+use super::setup::Beginning;
 use super::{Estimator, Failed, FilterContext};
 use crate::mathematics::filter::{Begin, Correction, Filter, FilterError, Gaussian, Noise};
 use crate::mathematics::linalg::{Matrix, Vector};
@@ -15,7 +15,7 @@ struct Followed {
 }
 
 /// The filter of some settings, which begins in this way.
-pub(crate) fn estimator(begin: Begin, settings: &FilterSettings, context: &FilterContext<'_>) -> Box<dyn Estimator> {
+pub(crate) fn estimator(begin: Begin, settings: &FilterSettings, context: &FilterContext) -> Box<dyn Estimator> {
     let Beginning { model, initial, noise, white, .. } = Beginning::of(settings, context);
     let normal = Normal::new(context.seed, Purpose::Ensemble(context.stream));
     let belief = match begin(initial, &settings.method(context.plant), normal) {
@@ -25,7 +25,7 @@ pub(crate) fn estimator(begin: Begin, settings: &FilterSettings, context: &Filte
         Err(error) => return Box::new(Failed(error)),
     };
     let (n, steps) = (model.size(), context.steps(settings));
-    let filter = Filter::new(model, belief, context.dt, context.hold, noise, context.sensors, settings.adaptation);
+    let filter = Filter::new(model, belief, context.dt, context.hold, noise, &context.sensors, settings.adaptation);
     let filter = filter.with_substeps(steps).with_white_force(white);
     let filter = if settings.jump { filter.with_jump() } else { filter };
     Box::new(Followed { filter, correction: Correction::nothing(n, context.sensors.len()) })

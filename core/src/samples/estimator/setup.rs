@@ -1,18 +1,18 @@
 //! The filter of a scenario, as plain numbers for a lane.
 
 use crate::data::record::Delays;
+use crate::mathematics::engine;
 use crate::mathematics::engine::belief;
 use crate::mathematics::engine::course::Course;
 use crate::mathematics::engine::design::Design;
 use crate::mathematics::engine::filter::Filter;
 use crate::mathematics::engine::level::Level;
-use crate::mathematics::engine::model::Model;
 use crate::mathematics::engine::number::Number;
-use crate::mathematics::filter::Way;
+use crate::mathematics::filter::{Gaussian, Noise, Way, White};
+use crate::mathematics::linalg::{Matrix, Vector};
 use crate::samples::estimator::FilterContext;
-use crate::samples::estimator::beginning::Beginning;
 use crate::samples::run_error::sensor_places;
-use crate::{Channel, FilterKind, FilterSettings, Hold, Quantity, Record, RunError, Scenario};
+use crate::{Channel, FilterKind, FilterSettings, Hold, Model, Record, RunError, Scenario, Values};
 
 /// The most components of filters side by side, enough for ten masses: beyond, eight lanes of a matrix leave the caches.
 pub(crate) const MOST: usize = 32;
@@ -75,13 +75,12 @@ impl Setup {
         scenario: &Scenario,
         place: usize,
         record: &Record,
-        is_left: impl Fn(&FilterSettings, &FilterContext<'_>) -> bool,
+        is_left: impl Fn(&FilterSettings, &FilterContext) -> bool,
     ) -> Result<Option<Self>, RunError> {
         scenario.validate()?;
         let settings = scenario.filters.get(place).ok_or(RunError::NoFilter(place))?;
         let columns = sensor_places(scenario, record)?;
-        let quantities: Vec<Quantity> = scenario.sensors.iter().map(|s| s.measures).collect();
-        let context = FilterContext::new(scenario, &quantities, record.dt(), settings).over(record, settings);
+        let context = FilterContext::new(scenario, record.dt(), settings).over(record, settings);
         // The lanes of a square-root filter differ from the run alone where variances underflow; an iterated one goes on by itself.
         let goes_alone = settings.kind == FilterKind::SR_UKF || settings.kind == FilterKind::IEKF;
         if goes_alone || is_left(settings, &context) || !is_finite(record, &columns) {
@@ -91,14 +90,14 @@ impl Setup {
     }
 
     /// The filter of some settings over sensors in these columns, if its kind is one of the engine's and it can begin.
-    pub(crate) fn of(settings: &FilterSettings, context: &FilterContext<'_>, columns: Vec<usize>) -> Option<Self> {
+    pub(crate) fn of(settings: &FilterSettings, context: &FilterContext, columns: Vec<usize>) -> Option<Self> {
         let Way::Gaussian(method) = settings.kind.info().way else { return None };
         let beginning = Beginning::of(settings, context);
         if !beginning.is_finite() {
             return None;
         }
         let Beginning { model: book, initial, noise, white, considered } = beginning;
-        let (model, method) = (Model::of(&book), method(&settings.method(context.plant), book.size()));
+        let (model, method) = (engine::model::Model::of(&book), method(&settings.method(context.plant), book.size()));
         // Leaves out a sensor for a quantity that the model does not have.
         let late = settings.delays(context.dt);
         let sensor = |(sensor, column): (usize, usize)| {
@@ -173,4 +172,54 @@ pub(crate) fn filter<'a, T: Number, L: Level>(level: L, setup: impl Fn(usize) ->
     };
     let white = T::from_lanes(|lane| setup(lane).white);
     Filter::new(level, design, belief, noise, white)
+}
+
+/// A model with the initial belief and the noise of a filter.
+pub(crate) struct Beginning {
+    pub(crate) model: Model,
+    pub(crate) initial: Gaussian,
+    /// Q, without the row and the column of a white force; R; λ.
+    pub(crate) noise: Noise,
+    pub(crate) white: Option<White>,
+    /// The places of the components that count but are not estimated.
+    pub(crate) considered: Vec<usize>,
+}
+
+impl Beginning {
+    /// Of a filter with these settings.
+    pub(crate) fn of(settings: &FilterSettings, context: &FilterContext) -> Self {
+        let model = context.model(settings);
+        let (mean, unit) = initial_state(&model, settings);
+        let initial =
+            Gaussian::independent(mean.clone(), &spread(&model, settings, &settings.initial_std).component_mul(&unit));
+        let process = spread(&model, settings, &settings.process_std).component_mul(&unit);
+        let mut process = Matrix::from_diagonal(&process.component_mul(&process));
+        let white = White::of(&model, settings.process_std[Channel::WHITE_FORCE], context.hold, &context.sensors);
+        if let Some(white) = white {
+            white.add_rest(&model, mean.as_slice(), context.dt, &mut process);
+            white.leave_out(&mut process);
+        }
+        let sensors = settings.sensor_std.iter().map(|s| s * s).collect();
+        let considered = settings.consider.iter().filter_map(|channel| model.place(*channel)).collect();
+        Self { model, initial, noise: Noise { process, sensors, fading: settings.fading }, white, considered }
+    }
+
+    /// Whether all its numbers are finite.
+    pub(crate) fn is_finite(&self) -> bool {
+        self.initial.is_finite() && self.noise.is_finite()
+    }
+}
+
+/// The initial mean as a state, and the size of each channel's unit in the state's unit. For a logarithm that is one
+/// over the initial mean. It converts all standard deviations of the settings, including that of the process noise, and
+/// stays the same when the estimate moves.
+fn initial_state(model: &Model, settings: &FilterSettings) -> (Vector, Vector) {
+    let mean: Vec<f64> = model.channels().iter().map(|&c| settings.initial_mean[c]).collect();
+    model.to_state(&mean)
+}
+
+/// Standard deviations of a model's components; zero for those that the filter knows.
+fn spread(model: &Model, settings: &FilterSettings, std: &Values) -> Vector {
+    let of = |&channel| if settings.knows(channel) { 0.0 } else { std[channel] };
+    Vector::from_iterator(model.size(), model.channels().iter().map(of))
 }

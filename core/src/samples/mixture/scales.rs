@@ -3,7 +3,7 @@
 use super::{Member, Rule};
 use crate::mathematics::noise_scale::NoiseScale;
 use crate::samples::estimator::FilterContext;
-use crate::samples::estimator::beginning::Beginning;
+use crate::samples::estimator::setup::Beginning;
 use crate::samples::sink::{AssumedNoise, Sample, Sink};
 use crate::{Adaptation, Channel, FilterError, FilterSettings};
 
@@ -24,7 +24,7 @@ pub(crate) struct Scales {
 
 impl Scales {
     /// Of the filters of some settings.
-    pub(crate) fn new(settings: &FilterSettings, context: &FilterContext<'_>) -> Self {
+    pub(crate) fn new(settings: &FilterSettings, context: &FilterContext) -> Self {
         let noise = Beginning::of(settings, context).noise;
         Self {
             scale: NoiseScale::new(settings.process_scales),

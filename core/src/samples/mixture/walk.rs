@@ -44,7 +44,7 @@ const CALM: f64 = 0.1;
 const LEAST: f64 = 1e-12;
 
 /// The settings of both filters.
-pub(crate) fn members(settings: &FilterSettings, context: &FilterContext<'_>) -> [FilterSettings; 2] {
+pub(crate) fn members(settings: &FilterSettings, context: &FilterContext) -> [FilterSettings; 2] {
     let still = FilterSettings { walk: 0.0, ..settings.clone() };
     let mut walking = still.clone();
     let model = context.model(settings);

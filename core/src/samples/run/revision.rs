@@ -15,15 +15,18 @@ const RECORD_CHUNK: usize = 500;
 pub(crate) struct Revision {
     /// The record, if it changes.
     recording: Option<Recording>,
-    samples: usize,
-    bank: Bank,
+    /// The number of samples of the whole record.
+    pub(crate) samples: usize,
+    /// The filters; unchanged ones are empty places.
+    pub(crate) bank: Bank,
     /// For each unchanged filter, its place in the run.
-    kept: Vec<Option<usize>>,
+    pub(crate) kept: Vec<Option<usize>>,
     /// The places of the changed filters, from the cheapest step to the costliest.
-    order: Vec<usize>,
+    pub(crate) order: Vec<usize>,
     /// The places of the changed filters that the caller computes.
     away: Vec<usize>,
-    is_of_everything: bool,
+    /// Whether the record, or the way in which it is read, changes.
+    pub(crate) is_of_everything: bool,
 }
 
 impl Revision {
@@ -40,8 +43,8 @@ impl Revision {
         scenario.validate()?;
         let same_filters = source.is_none() && same_filters(run, scenario);
         let same_record = source.is_none() && (same_filters || run.source().is_measured());
-        let recording =
-            (!same_record).then(|| Recording::new(scenario, source.unwrap_or_else(|| run.source()), spare.record()));
+        let recording = (!same_record)
+            .then(|| Recording::new(scenario, source.unwrap_or_else(|| run.source()), spare.record.take()));
         let current = recording.as_ref().unwrap_or(&run.recording);
         // A truth that has diverged has fewer samples than its scenario.
         let is_simulated = matches!(run.source(), Source::Simulated);
@@ -49,12 +52,12 @@ impl Revision {
         let mut bank = Bank::new(scenario, current.record())?;
         let before = &run.scenario().filters;
         let place_of = |filter: &FilterSettings| before.iter().position(|b| b == filter).filter(|_| same_filters);
-        let kept: Vec<Option<usize>> = bank.scenario().filters.iter().map(place_of).collect();
+        let kept: Vec<Option<usize>> = bank.scenario.filters.iter().map(place_of).collect();
         for kept in &kept {
             if kept.is_some() {
                 bank.leave_place();
             } else {
-                bank.add(current.record(), samples, spare.estimates());
+                bank.add(current.record(), samples, spare.estimates.pop());
             }
         }
         let mut order: Vec<usize> = (0..kept.len()).filter(|&place| kept[place].is_none()).collect();
@@ -63,26 +66,6 @@ impl Revision {
             of(a).total_cmp(&of(b))
         });
         Ok(Self { recording, samples, bank, kept, order, away: Vec::new(), is_of_everything: !same_filters })
-    }
-
-    /// Whether the record, or the way in which it is read, changes.
-    pub(crate) fn is_of_everything(&self) -> bool {
-        self.is_of_everything
-    }
-
-    /// The filters; unchanged ones are empty places.
-    pub(crate) fn bank(&self) -> &Bank {
-        &self.bank
-    }
-
-    /// The places of the changed filters.
-    pub(crate) fn changed(&self) -> &[usize] {
-        &self.order
-    }
-
-    /// For each unchanged filter, its place in the run.
-    pub(crate) fn kept(&self) -> &[Option<usize>] {
-        &self.kept
     }
 
     /// Whether the filter at a place is unchanged.
@@ -103,11 +86,6 @@ impl Revision {
     /// Whether samples are still added to the new record; `None` if the record does not change.
     pub(crate) fn is_live(&self) -> Option<bool> {
         self.recording.as_ref().map(Recording::is_live)
-    }
-
-    /// The number of samples of the whole record.
-    pub(crate) fn samples(&self) -> usize {
-        self.samples
     }
 
     /// The number of samples of the new record that are done.
@@ -168,7 +146,7 @@ impl Revision {
         let goal = goal.min(*all);
         let record = recording.as_ref().map_or(record, Recording::record);
         for &place in order.iter().filter(|place| !away.contains(place)) {
-            let step = cost::of_step(&bank.scenario().filters[place], bank.scenario());
+            let step = cost::of_step(&bank.scenario.filters[place], &bank.scenario);
             let chunk = cost::chunk(step);
             while bank.passes[place].done() < goal {
                 let next = (bank.passes[place].done() + chunk).min(goal);
@@ -191,7 +169,7 @@ impl Revision {
             }
         }
         order.sort_unstable();
-        let changed = order.into_iter().map(|place| bank.scenario().filters[place].id).collect();
+        let changed = order.into_iter().map(|place| bank.scenario.filters[place].id).collect();
         let old = std::mem::replace(&mut run.bank, bank);
         let record = recording.and_then(|new| std::mem::replace(&mut run.recording, new).into_simulated());
         // A live record may have become longer meanwhile.

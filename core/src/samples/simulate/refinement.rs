@@ -44,7 +44,7 @@ impl Motion<'_> {
 #[derive(Default)]
 pub(super) struct Refinement {
     /// The state at the beginning of the part, and at the end of the step once that is done.
-    state: Vec<f64>,
+    pub(super) state: Vec<f64>,
     /// Where the part begins and its length, as shares of the sample.
     part: (f64, f64),
     /// The result of one step over the part.
@@ -54,7 +54,8 @@ pub(super) struct Refinement {
     fine: Vec<f64>,
     /// The parts after this one, the next one last.
     rest: Vec<(f64, f64)>,
-    halved: u64,
+    /// The number of times that steps have been halved.
+    pub(super) halved: u64,
     method: RungeKutta,
 }
 
@@ -67,16 +68,6 @@ impl Refinement {
         (*part, *halved) = ((0.0, 1.0), 0);
         rest.clear();
         motion.step(method, coarse, state, *part);
-    }
-
-    /// The number of times that steps have been halved.
-    pub(super) fn halved(&self) -> u64 {
-        self.halved
-    }
-
-    /// The state at the end of the step, once it is done.
-    pub(super) fn state(&self) -> &[f64] {
-        &self.state
     }
 
     /// Goes on until all parts are done, or steps have been halved `most` times. Returns whether the step is done. `size` is the

@@ -24,7 +24,7 @@ pub(crate) struct Response {
     step: Refinement,
     is_under_way: bool,
     /// The number of times that steps have been halved.
-    halved: u64,
+    pub(crate) halved: u64,
 }
 
 /// The effects on the motion of a constant rate and of a slope of the rate over one step; both are square.
@@ -54,11 +54,6 @@ impl Response {
         self.state.as_slice()
     }
 
-    /// The number of halvings of steps up to now. One sample may take thousands, which last about ten milliseconds.
-    pub(crate) fn halved(&self) -> u64 {
-        self.halved
-    }
-
     /// Sets the present value of a component that does not move.
     pub(crate) fn set(&mut self, place: usize, value: f64) {
         self.state[place] = value;
@@ -83,12 +78,12 @@ impl Response {
                 size.zip_apply(state, |size, x| *size = size.max(x.abs()));
                 step.begin(&motion, state.as_slice());
             }
-            let before = step.halved();
+            let before = step.halved;
             let is_done = step.advance(&motion, size.as_slice(), most);
-            *halved += step.halved() - before;
+            *halved += step.halved - before;
             *is_under_way = is_done == Ok(false);
             if is_done == Ok(true) {
-                state.copy_from_slice(step.state());
+                state.copy_from_slice(&step.state);
             }
             return is_done;
         }

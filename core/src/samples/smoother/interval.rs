@@ -1,7 +1,7 @@
 //! The smoother of a whole record: the filter goes forward, its adjoint backward.
 
 use super::Smoother;
-use super::adjoint::Adjoint;
+use super::forward::Adjoint;
 use super::forward::{Forward, Passage};
 use crate::mathematics::filter::Gaussian;
 use crate::samples::waste::Piecewise;

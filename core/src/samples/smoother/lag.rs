@@ -10,7 +10,7 @@
 use std::collections::VecDeque;
 
 use super::Smoother;
-use super::adjoint::{Adjoint, congruence};
+use super::forward::{Adjoint, congruence};
 use super::forward::{Forward, Passage, Update};
 use crate::mathematics::filter::Gaussian;
 use crate::mathematics::linalg::{Matrix, Vector};

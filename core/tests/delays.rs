@@ -1,28 +1,93 @@
-//! Sensors that are late or early: filters that know, in every way in which a filter can run.
+//! Inputs and sensors that are recorded late or early: filters that know, in every way in which a filter can run, filters that do not,
+//! and the cause that is named.
 
 use std::sync::Arc;
 
-use kalmanscope_core::record::{Clocks, Input, LiveRecord, Record, Timed};
+use kalmanscope_core::record::{Clocks, LiveRecord, Record, Timed};
 use kalmanscope_core::{
     Channel, Estimates, EventFilter, FilterKind, OnlineFilter, Quantity, Run, Scenario, Source, Trouble, simulate,
 };
 
-/// The delays of displacement and velocity \[s\]: whole steps of 0.01 s, parts of steps, late and early.
-const DELAYS: [[f64; 2]; 5] = [[0.05, 0.0], [0.0, 0.02], [0.0235, 0.0], [-0.03, 0.0077], [0.041, 0.0415]];
+use crate::run::{finished_on, one_filter, remedies, with_input};
 
-fn scenario(kind: FilterKind, delays: [f64; 2]) -> Scenario {
-    let mut scenario = Scenario { duration: 6.0, ..Scenario::default() };
+const DELAYS: [i32; 7] = [-3, -2, -1, 0, 1, 2, 3];
+
+/// The default oscillator without a change, under white noise, with an EKF; the plant feels the input so many samples late.
+fn scenario(delay: i32, seed: u64) -> Scenario {
+    let mut scenario = Scenario { seed, duration: 20.0, ..one_filter(FilterKind::EKF) };
     scenario.plant.set(Channel::NATURAL_FREQUENCY, 6.0);
-    scenario.filters.truncate(1);
+    scenario.plant.input_delay = delay;
+    scenario.filters[0].fading = 1.0;
+    scenario
+}
+
+/// The same record with every third measurement missing, and all of them for a while.
+fn with_holes(record: &Record) -> Record {
+    record.clone().without_truth().with_gaps(|place, k| (k + place).is_multiple_of(3) || (300..360).contains(&k))
+}
+
+fn estimates(scenario: &Scenario, record: &Record) -> Estimates {
+    let run = finished_on(scenario, record.clone());
+    run.estimates()[0].clone()
+}
+
+#[test]
+fn a_filter_that_knows_the_delay_is_one_on_an_input_that_is_moved() {
+    for delay in DELAYS {
+        let mut scenario = scenario(delay, 7);
+        let late = with_holes(&simulate(&scenario));
+        scenario.filters[0].input_delay = delay;
+        let known = estimates(&scenario, &late);
+        scenario.filters[0].input_delay = 0;
+        // Before the first sample and after the last one, the input is what it is there.
+        let last = late.len() as i32 - 1;
+        let moved = (0..=last).map(|k| late.input()[(k - delay).clamp(0, last) as usize]);
+        let moved = with_input(&late, moved.collect());
+        let expected = estimates(&scenario, &moved);
+        for k in 0..late.len() {
+            assert_eq!(known.mean(k), expected.mean(k), "delay {delay}, sample {k}");
+        }
+    }
+}
+
+#[test]
+fn a_delay_is_named_with_its_sign_and_its_number_also_with_gaps() {
+    for delay in DELAYS {
+        for seed in 1_000_000..1_000_003 {
+            let scenario = scenario(delay, seed);
+            let whole = simulate(&scenario);
+            for record in [with_holes(&whole), whole] {
+                let found = remedies(&finished_on(&scenario, record.clone()), 0, &record);
+                let named = found.iter().position(|remedy| remedy.first.cause.key == "input_delay");
+                if delay == 0 {
+                    assert_eq!(named, None, "seed {seed}: {:?}", found[0].first.sentence);
+                    continue;
+                }
+                let place = named.unwrap_or_else(|| panic!("delay {delay}, seed {seed}: {found:?}"));
+                assert!(place < 2, "delay {delay}, seed {seed}: place {place}");
+                let likely = &found[place].first;
+                assert_eq!(likely.edits[0].toml_line(), format!("input_delay = {delay}"), "seed {seed}");
+                let word = if delay > 0 { "early" } else { "late" };
+                assert!(likely.sentence.ends_with(word), "delay {delay}: {}", likely.sentence);
+            }
+        }
+    }
+}
+
+/// The delays of displacement and velocity \[s\]: whole steps of 0.01 s, parts of steps, late and early.
+const SENSOR_DELAYS: [[f64; 2]; 5] = [[0.05, 0.0], [0.0, 0.02], [0.0235, 0.0], [-0.03, 0.0077], [0.041, 0.0415]];
+
+fn late(kind: FilterKind, delays: [f64; 2]) -> Scenario {
+    let mut scenario = Scenario { duration: 6.0, ..one_filter(kind) };
+    scenario.plant.set(Channel::NATURAL_FREQUENCY, 6.0);
     let filter = &mut scenario.filters[0];
-    (filter.kind, filter.fading, filter.ensemble_size) = (kind, 1.0, 40);
+    (filter.fading, filter.ensemble_size) = (1.0, 40);
     filter.sensor_delay = delays.to_vec();
     scenario
 }
 
 fn run(scenario: &Scenario, record: &Record) -> Run {
-    let mut run = Run::on_record(scenario, Arc::new(record.clone())).expect("it can be run");
-    run.finish();
+    let run = finished_on(scenario, record.clone());
     assert_eq!(run.estimates()[0].stop(), None);
     run
 }
@@ -51,8 +116,8 @@ fn distance(one: &Estimates, other: &Estimates) -> f64 {
 #[test]
 fn a_delay_is_a_reading_at_another_time() {
     for kind in [FilterKind::KF, FilterKind::EKF, FilterKind::UKF, FilterKind::SR_UKF, FilterKind::CKF] {
-        for delays in DELAYS {
-            let late = scenario(kind, delays);
+        for delays in SENSOR_DELAYS {
+            let late = late(kind, delays);
             let record = simulate(&late);
             let mut own = late.clone();
             own.filters[0].sensor_delay.clear();
@@ -69,16 +134,13 @@ fn a_delay_is_a_reading_at_another_time() {
 #[test]
 fn a_delay_of_whole_steps_is_a_column_that_is_moved() {
     for kind in FilterKind::ALL {
-        let mut late = scenario(kind, [0.05, -0.02]);
+        let mut late = late(kind, [0.05, -0.02]);
         late.filters[0].smoother = !kind.is_sampled();
         let record = simulate(&late);
-        let column = |sensor: usize, late: isize| {
-            let at = |k: usize| k.checked_add_signed(late).and_then(|k| record.measured(sensor).get(k));
-            (0..record.len()).map(|k| at(k).copied().unwrap_or(f64::NAN)).collect::<Vec<f64>>()
-        };
-        let input = Input { kind: record.input_kind(), hold: record.hold(), values: record.input().to_vec() };
-        let columns = vec![(Quantity::DISPLACEMENT, column(0, 5)), (Quantity::VELOCITY, column(1, -2))];
-        let right = Record::new(record.dt(), input, columns).expect("the columns are a record");
+        let right = record.clone().with_measured(|sensor, k, _| {
+            let at = k.checked_add_signed([5, -2][sensor]).and_then(|k| record.measured(sensor).get(k));
+            at.copied().unwrap_or(f64::NAN)
+        });
         let mut own = late.clone();
         own.filters[0].sensor_delay.clear();
         let (known, told) = (run(&late, &record), run(&own, &right));
@@ -96,7 +158,7 @@ fn a_delay_of_whole_steps_is_a_column_that_is_moved() {
 #[test]
 fn a_part_of_a_step_is_rounded_where_a_filter_counts_in_samples_and_this_is_said() {
     for delays in [[0.02, 0.0], [0.0235, 0.0]] {
-        let late = scenario(FilterKind::ENKF, delays);
+        let late = late(FilterKind::ENKF, delays);
         let run = run(&late, &simulate(&late));
         let is_said = run.estimates()[0].remarks().iter().any(|remark| matches!(remark.what, Trouble::Rounded(_)));
         assert_eq!(is_said, delays[0] == 0.0235, "{delays:?}");
@@ -106,8 +168,8 @@ fn a_part_of_a_step_is_rounded_where_a_filter_counts_in_samples_and_this_is_said
 /// A record that grows, one that forgets, and samples that come in one by one.
 #[test]
 fn a_filter_waits_for_a_late_sensor_and_has_the_same_bits() {
-    for delays in DELAYS {
-        let late = scenario(FilterKind::UKF, delays);
+    for delays in SENSOR_DELAYS {
+        let late = late(FilterKind::UKF, delays);
         let record = simulate(&late);
         let whole = run(&late, &record);
         let bits = |mean: &[f64]| mean.iter().map(|x| x.to_bits()).collect::<Vec<u64>>();
@@ -151,8 +213,8 @@ fn a_filter_waits_for_a_late_sensor_and_has_the_same_bits() {
 
 #[test]
 fn events_of_a_late_sensor_count_at_the_time_that_they_tell_of() {
-    for delays in DELAYS {
-        let late = scenario(FilterKind::EKF, delays);
+    for delays in SENSOR_DELAYS {
+        let late = late(FilterKind::EKF, delays);
         let record = simulate(&late);
         let whole = run(&late, &record);
         let mut events = EventFilter::new(&late, 0).expect("it can be run");
@@ -175,7 +237,7 @@ fn a_filter_that_knows_of_a_late_sensor_is_consistent() {
     let mut nis = [0.0; 2];
     for seed in 0..20 {
         for (place, delay) in [0.05, 0.0].into_iter().enumerate() {
-            let mut late = scenario(FilterKind::EKF, [0.0, delay]);
+            let mut late = late(FilterKind::EKF, [0.0, delay]);
             (late.seed, late.duration) = (seed, 20.0);
             let text = late.to_toml().expect("it can be written");
             let sensor = "measures = \"velocity\"\n";
@@ -192,7 +254,7 @@ fn a_filter_that_knows_of_a_late_sensor_is_consistent() {
 
 #[test]
 fn delays_follow_the_sensors_and_impossible_ones_are_refused() {
-    let mut scenario = scenario(FilterKind::EKF, [0.01, 0.02]);
+    let mut scenario = late(FilterKind::EKF, [0.01, 0.02]);
     scenario.remove_sensor(Quantity::DISPLACEMENT);
     assert_eq!(scenario.filters[0].sensor_delay, [0.02]);
     scenario.add_sensor(kalmanscope_core::Sensor::new(Quantity::DISPLACEMENT, 0.01));
