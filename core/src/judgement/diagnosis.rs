@@ -15,11 +15,9 @@ mod distributions;
 mod errors;
 mod evidence;
 mod innovations;
-mod lagged;
 mod law;
 mod level;
 mod live;
-mod one_pass;
 mod parts;
 mod path;
 mod periodogram;
@@ -95,7 +93,7 @@ impl Diagnosis {
         if diagnostics.depth() != Depth::All || diagnostics.is_empty() {
             return None;
         }
-        let case = one_pass::case(diagnostics, estimates, record, bound, samples.clone());
+        let case = live::case(diagnostics, estimates, record, bound, samples.clone());
         Some(Self::of(&case, samples))
     }
 
@@ -135,7 +133,7 @@ impl Diagnosis {
         record: &Record,
     ) -> Vec<LikelyCause> {
         let Some(filter) = scenario.filters.get(place).filter(|_| !estimates.is_empty()) else { return Vec::new() };
-        let case = one_pass::case(diagnostics, estimates, record, None, self.samples.clone());
+        let case = live::case(diagnostics, estimates, record, None, self.samples.clone());
         let bad = BadFilter { case: &case, evidence: &self.evidence, scenario, filter, origin };
         let mut likely_causes = Vec::new();
         for cause in CAUSES {

@@ -59,7 +59,7 @@ pub(crate) struct Span {
 
 impl<'a> Case<'a> {
     /// The case over some existing samples, from the sums over their parts. The periodograms are added later, since
-    /// they need the samples that it keeps ([`Self::kept_samples`]).
+    /// they need the samples that it keeps.
     pub(crate) fn new(
         diagnostics: &'a Diagnostics,
         estimates: &'a Estimates,
@@ -85,11 +85,6 @@ impl<'a> Case<'a> {
             case.kept = case.forgiven.map(|forgiven| !forgiven);
         }
         case
-    }
-
-    /// The samples of the parts that are kept, part by part.
-    pub(crate) fn kept_samples(&self) -> impl Iterator<Item = Range<usize>> {
-        (0..PARTS).filter(|&part| self.kept[part]).map(|part| self.part(part))
     }
 
     /// Adds the periodograms of all sensors over the kept samples.

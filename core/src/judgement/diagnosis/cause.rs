@@ -176,7 +176,7 @@ impl BadFilter<'_> {
         let measured = record.measured_quantity(quantity)?.iter();
         let values: Vec<f64> = measured.map(|x| if x.is_nan() { 0.0 } else { *x }).collect();
         let all = 0..values.len();
-        let (_, turn) = Periodogram::of_all(&[&values], &[all]).first()?.peak()?;
+        let (_, turn) = Periodogram::of_all(&[values], &[all]).first()?.peak()?;
         Some(turn / record.dt())
     }
 

@@ -1,7 +1,7 @@
 //! The input is recorded late or early.
 
 use super::{BadFilter, Cause, LikelyCause};
-use crate::judgement::diagnosis::innovations::FIRST_CROSS_LAG;
+use crate::judgement::diagnosis::parts::FIRST_CROSS_LAG;
 
 /// Limits the tried delays, in samples.
 const MOST: i32 = 3;

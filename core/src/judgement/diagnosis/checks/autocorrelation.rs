@@ -2,7 +2,8 @@
 
 use crate::judgement::diagnosis::case::Case;
 use crate::judgement::diagnosis::evidence::{Evidence, Subject, Test};
-use crate::judgement::diagnosis::innovations::{LAGS, SensorInnovations};
+use crate::judgement::diagnosis::innovations::SensorInnovations;
+use crate::judgement::diagnosis::parts::LAGS;
 use crate::judgement::diagnosis::verdict_kind::VerdictKind;
 use crate::numbers::diagnostics::chi_squared;
 

@@ -3,7 +3,7 @@
 use crate::judgement::diagnosis::case::Case;
 use crate::judgement::diagnosis::distributions::normal_p;
 use crate::judgement::diagnosis::evidence::{Evidence, Subject, Test};
-use crate::judgement::diagnosis::innovations::{CROSS_LAGS, FIRST_CROSS_LAG};
+use crate::judgement::diagnosis::parts::{CROSS_LAGS, FIRST_CROSS_LAG};
 
 /// Limits the correlations that do no harm.
 const TOLERANCE: f64 = 0.08;

@@ -24,11 +24,11 @@ fn run(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
         if !statistic.is_finite() {
             continue;
         }
-        let degrees = 2 * one.periodogram.windows() as u32;
+        let degrees = 2 * one.periodogram.windows as u32;
         let one_p = chi_squared::upper_tail(statistic * f64::from(degrees), degrees).unwrap_or(1.0);
         found.push(Evidence {
             statistic,
-            p_value: (one_p * one.periodogram.len() as f64).min(1.0),
+            p_value: (one_p * one.periodogram.power.len() as f64).min(1.0),
             effect: statistic / TOLERANCE,
             speaks_for: case.pattern(one),
             sentence: format!(
