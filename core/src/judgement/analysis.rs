@@ -1,21 +1,13 @@
 //! Diagnostics, smoothed estimates and Cramér-Rao bounds of a run.
 
-mod bounds;
-mod evidences;
 mod smoothing;
-mod wanted;
 
 use crate::numbers::diagnostics::Depth;
 use crate::samples::bank::Bank;
 use crate::samples::waste::Waste;
-use crate::{CramerRao, Diagnosis, Diagnostics, Estimates, Evidence, Record, Run, Update};
+use crate::{CramerRao, Diagnosis, Diagnostics, Estimates, Evidence, Record, Run, Scenario, Update};
 
-use bounds::bounds_of;
-use evidences::Evidences;
 use smoothing::Smoothing;
-
-pub use bounds::Bound;
-pub use wanted::{Hindsight, Wanted};
 
 /// Limits the samples that the diagnostics take in between two checks of the time: about 0.5 ms.
 const DIAGNOSTICS_CHUNK: usize = 10_000;
@@ -39,21 +31,19 @@ pub struct Analysis {
     /// The diagnosis of each filter, and of how many samples from the beginning it is.
     diagnoses: Vec<(Option<Diagnosis>, usize)>,
     /// Whether new diagnoses are put off. The old ones stay until then.
-    waits: bool,
+    pub(crate) waits: bool,
     diagnosed: bool,
     smoothing: Smoothing,
     evidences: Evidences,
-    bounds: Vec<Bound>,
+    pub(crate) bounds: Vec<Bound>,
     /// Whether the bounds belong to the present scenario.
     chosen: bool,
     all_bounded: bool,
     /// Old diagnostics; their memory is used again.
     spare: Vec<Diagnostics>,
-    /// The rest of the unused memory.
     waste: Waste,
 }
 
-/// The run that an analysis follows.
 pub(crate) struct Subject<'a> {
     pub(crate) bank: &'a Bank,
     pub(crate) record: &'a Record,
@@ -63,7 +53,6 @@ pub(crate) struct Subject<'a> {
     pub(crate) whole: bool,
     /// Filters that have a place here are already analysed.
     pub(crate) known: &'a [Option<usize>],
-    /// The bounds that already exist.
     pub(crate) bounds: &'a [Bound],
 }
 
@@ -121,17 +110,11 @@ impl Analysis {
         self.bounds().iter().find(|b| b.filters.contains(&id)).map(|b| &b.bound)
     }
 
-    /// The bounds, complete or not.
-    pub(crate) fn all_bounds(&self) -> &[Bound] {
-        &self.bounds
-    }
-
     /// Takes in all new samples of a run.
     pub fn follow(&mut self, run: &Run) {
         self.advance(&Subject::of(run), &mut || true);
     }
 
-    /// Sets the results to compute from now on.
     pub(crate) fn want(&mut self, wanted: Wanted) {
         if self.wanted.diagnostics != wanted.diagnostics {
             let diagnostics = self.diagnostics.drain(..).chain(self.spare.drain(..));
@@ -157,16 +140,6 @@ impl Analysis {
     pub(crate) fn successor(&mut self) -> Self {
         let spare = std::mem::take(&mut self.spare);
         Self { wanted: self.wanted, waits: self.waits, spare, ..Self::default() }
-    }
-
-    /// Says whether to put new diagnoses off.
-    pub(crate) fn put_off(&mut self, waits: bool) {
-        self.waits = waits;
-    }
-
-    /// Whether new diagnoses are put off.
-    pub(crate) fn waits(&self) -> bool {
-        self.waits
     }
 
     /// Takes over the old diagnosis of a filter until there is a new one, if both are of the same number of samples.
@@ -341,4 +314,131 @@ impl Analysis {
 
 fn is_known(known: &[Option<usize>], place: usize) -> bool {
     known.get(place).is_some_and(Option::is_some)
+}
+
+/// The results to compute in addition to the estimates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Wanted {
+    /// Diagnostics and their depth; `None` for no diagnostics.
+    pub diagnostics: Option<Depth>,
+    /// Smoothed estimates of the filters that have a smoother.
+    pub smoothed: Hindsight,
+    /// The evidence of each filter over time.
+    pub evidence: bool,
+    /// The Cramér-Rao bounds, each of which costs as much as a filter.
+    pub bounds: bool,
+}
+
+/// The smoothed estimates to compute.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Hindsight {
+    /// None.
+    None,
+    /// Those with a fixed look-ahead, as the run goes on.
+    Lagged,
+    /// Also those of the whole run, once it is complete.
+    All,
+}
+
+impl Wanted {
+    /// The estimates alone.
+    pub const NOTHING: Self = Self { diagnostics: None, smoothed: Hindsight::None, evidence: false, bounds: false };
+
+    /// The Cramér-Rao bounds.
+    pub const BOUNDS: Self = Self { bounds: true, ..Self::NOTHING };
+
+    /// The evidence of each filter.
+    pub const EVIDENCE: Self = Self { evidence: true, ..Self::NOTHING };
+
+    /// Diagnostics of some depth.
+    pub const fn diagnostics(depth: Depth) -> Self {
+        Self { diagnostics: Some(depth), ..Self::NOTHING }
+    }
+
+    /// The union of both.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        Self {
+            diagnostics: self.diagnostics.max(other.diagnostics),
+            smoothed: self.smoothed.max(other.smoothed),
+            evidence: self.evidence || other.evidence,
+            bounds: self.bounds || other.bounds,
+        }
+    }
+}
+
+impl Default for Wanted {
+    /// All diagnostics and smoothed estimates, no bounds.
+    fn default() -> Self {
+        Self { diagnostics: Some(Depth::All), smoothed: Hindsight::All, ..Self::NOTHING }
+    }
+}
+
+/// A Cramér-Rao bound and the filters that it applies to.
+pub struct Bound {
+    /// The bound.
+    pub bound: CramerRao,
+    /// The filters' ids.
+    pub filters: Vec<u32>,
+}
+
+/// The bounds of a scenario's filters: reuses those of `old` that still apply, and adds new ones for the places that
+/// need one.
+fn bounds_of(scenario: &Scenario, dt: f64, mut old: Vec<Bound>, is_needed: impl Fn(usize) -> bool) -> Vec<Bound> {
+    let mut bounds: Vec<Bound> = Vec::new();
+    for place in (0..scenario.filters.len()).filter(|&place| is_needed(place)) {
+        let id = scenario.filters[place].id;
+        let is_for = |b: &Bound| b.bound.is_for(scenario, place);
+        if let Some(same) = bounds.iter_mut().find(|b| is_for(b)) {
+            same.filters.push(id);
+        } else if let Some(same) = old.iter().position(is_for) {
+            bounds.push(Bound { filters: vec![id], ..old.swap_remove(same) });
+        } else if let Some(bound) = CramerRao::new(scenario, place, dt) {
+            bounds.push(Bound { bound, filters: vec![id] });
+        }
+    }
+    bounds
+}
+
+/// Limits the samples taken in between two checks of the time: about 0.5 ms.
+const CHUNK: usize = 10_000;
+
+/// The evidence of each filter, in the order of the filters.
+#[derive(Default)]
+struct Evidences {
+    all: Vec<Evidence>,
+    is_complete: bool,
+}
+
+impl Evidences {
+    /// That of each filter; empty until all are complete.
+    fn all(&self) -> &[Evidence] {
+        if self.is_complete { &self.all } else { &[] }
+    }
+
+    /// Takes in new samples. Returns whether all are in.
+    fn follow(&mut self, subject: &Subject<'_>, while_time: &mut dyn FnMut() -> bool) -> bool {
+        let Subject { bank, known, .. } = subject;
+        self.is_complete = false;
+        self.all.resize_with(bank.estimates.len(), Evidence::default);
+        for (place, estimates) in bank.estimates.iter().enumerate().filter(|(place, _)| !is_known(known, *place)) {
+            let evidence = &mut self.all[place];
+            loop {
+                evidence.follow_to(evidence.len() + CHUNK, estimates);
+                if evidence.len() >= estimates.len() {
+                    break;
+                }
+                if !while_time() {
+                    return false;
+                }
+            }
+        }
+        self.is_complete = true;
+        true
+    }
+
+    /// Forgets the samples before one, counted from the run's beginning.
+    fn forget_before(&mut self, sample: usize) {
+        self.all.iter_mut().for_each(|evidence| evidence.forget_before(sample));
+    }
 }
