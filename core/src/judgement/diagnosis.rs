@@ -4,34 +4,25 @@
 //! Diagnostics, Estimates, Record ──tests──▶ Evidence ──level──▶ Verdict ──causes──▶ LikelyCauses ──trials, search──▶ Remedies
 //! ```
 //!
-//! Each test ([`Test`]) is a file in `diagnosis/checks`, each cause ([`Cause`]) one in `diagnosis/cause`.
+//! Each test ([`Test`]) is an item of a file in `diagnosis/checks`, each cause ([`Cause`]) one in `diagnosis/cause`.
 
-mod agreement;
 mod case;
 mod cause;
-mod change;
 mod checks;
 mod distributions;
 mod errors;
 mod evidence;
 mod innovations;
 mod law;
-mod level;
 mod live;
 mod parts;
-mod path;
 mod periodogram;
-mod probability;
-mod ranking;
-mod readings;
 mod remedy;
 mod search;
-mod size;
 mod summary;
 mod trial;
 mod verdict;
 mod verdict_kind;
-pub(super) mod words;
 
 use std::ops::Range;
 
@@ -46,11 +37,9 @@ pub use checks::TESTS;
 pub use evidence::{Evidence, Subject, Test};
 pub use live::LiveDiagnosis;
 pub use parts::PARTS;
-pub use probability::in_percent;
-pub use remedy::Remedy;
+pub use remedy::{Remedy, in_percent};
 pub use search::Search;
 pub use summary::{Final, Score, Summary};
-
 pub use trial::Trials;
 pub use verdict::Verdict;
 pub use verdict_kind::VerdictKind;
@@ -97,13 +86,12 @@ impl Diagnosis {
         Some(Self::of(&case, samples))
     }
 
-    /// The diagnosis of a case, over these samples.
     fn of(case: &Case<'_>, samples: Range<usize>) -> Self {
         let mut evidence = Vec::new();
         for test in TESTS {
             (test.run)(case, test, &mut evidence);
         }
-        level::decide(&mut evidence);
+        evidence::decide(&mut evidence);
         let verdict = Verdict::of(case, &evidence);
         Self { verdict, evidence, bad_parts: case.bad_samples(), samples }
     }

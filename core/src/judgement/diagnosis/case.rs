@@ -31,7 +31,6 @@ const OUTSIDE: (f64, f64) = (16.0, 8.0);
 /// Limits the bad parts of a record that can be forgiven.
 const FORGIVEN: usize = 3;
 
-/// The numbers on one filter.
 pub(crate) struct Case<'a> {
     pub(crate) diagnostics: &'a Diagnostics,
     pub(crate) estimates: &'a Estimates,
@@ -41,7 +40,6 @@ pub(crate) struct Case<'a> {
     pub(crate) samples: Range<usize>,
     pub(crate) sensors: Vec<SensorInnovations>,
     pub(crate) errors: Vec<ChannelErrors>,
-    /// The parts that are bad.
     pub(crate) bad: Chosen,
     /// The bad parts, and parts with too small innovations, after which the filter has recovered.
     pub(crate) forgiven: Chosen,
@@ -87,7 +85,6 @@ impl<'a> Case<'a> {
         case
     }
 
-    /// Adds the periodograms of all sensors over the kept samples.
     pub(crate) fn with_periodograms(mut self, periodograms: Vec<Periodogram>) -> Self {
         for (one, periodogram) in self.sensors.iter_mut().zip(periodograms) {
             one.periodogram = periodogram;
@@ -95,17 +92,14 @@ impl<'a> Case<'a> {
         self
     }
 
-    /// The number of samples.
     pub(crate) fn len(&self) -> usize {
         self.samples.len()
     }
 
-    /// The last sample.
     pub(crate) fn last(&self) -> Option<usize> {
         (!self.samples.is_empty()).then(|| self.samples.end - 1)
     }
 
-    /// A part of the samples.
     pub(crate) fn part(&self, part: usize) -> Range<usize> {
         parts::range(part, &self.samples)
     }
@@ -115,7 +109,6 @@ impl<'a> Case<'a> {
         self.part(PARTS - 2).start..self.samples.end
     }
 
-    /// The share of the samples with the truth in the 95 % ellipsoid.
     pub(crate) fn share_in_ellipsoid(&self) -> Option<f64> {
         if self.samples == (0..self.diagnostics.len()) {
             return self.diagnostics.share_in_ellipsoid();
@@ -126,7 +119,6 @@ impl<'a> Case<'a> {
         Some(inside as f64 / f64::from(total.samples))
     }
 
-    /// All kept parts.
     pub(crate) fn whole(&self) -> Span {
         Span { parts: self.kept, samples: self.samples.clone(), words: "" }
     }
@@ -137,11 +129,6 @@ impl<'a> Case<'a> {
         let late: Chosen = std::array::from_fn(|part| part >= first && self.kept[part]);
         let samples = self.late();
         [self.whole(), Span { parts: late, samples, words: " in the last fifth" }]
-    }
-
-    /// Whether the truth of any channel is known.
-    pub(crate) fn knows_truth(&self) -> bool {
-        !self.errors.is_empty()
     }
 
     /// The samples of the parts that are bad or forgiven; adjacent parts are one range.

@@ -3,13 +3,12 @@
 use std::f64::consts::TAU;
 
 use super::periodogram::{Periodogram, window_length};
-use super::words::short;
+use crate::judgement::words::short;
 use crate::samples::estimator::FilterContext;
 use crate::samples::select;
 use crate::samples::smoother::Smoother;
 use crate::{Channel, Estimates, Quantity, Record, Scenario};
 
-/// A law in words.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Law {
     pub(super) text: String,
@@ -63,7 +62,6 @@ impl ForceInHindsight {
         }
     }
 
-    /// The law in words, if there is one.
     pub(super) fn law(&self, dt: f64) -> Option<Law> {
         let of = |channel| self.estimates.place(channel).map(|place| self.estimates.canonical_means(place));
         let force = of(Channel::UNKNOWN_FORCE)?;
