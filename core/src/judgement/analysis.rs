@@ -12,6 +12,9 @@ use smoothing::Smoothing;
 /// Limits the samples that the diagnostics take in between two checks of the time: about 0.5 ms.
 const DIAGNOSTICS_CHUNK: usize = 10_000;
 
+/// The same of the evidence.
+const EVIDENCE_CHUNK: usize = 10_000;
+
 /// Limits the samples that a bound takes in between two checks of the time: about 0.5 ms.
 const BOUND_CHUNK: usize = 2_000;
 
@@ -34,7 +37,8 @@ pub struct Analysis {
     pub(crate) waits: bool,
     diagnosed: bool,
     smoothing: Smoothing,
-    evidences: Evidences,
+    evidences: Vec<Evidence>,
+    all_evident: bool,
     pub(crate) bounds: Vec<Bound>,
     /// Whether the bounds belong to the present scenario.
     chosen: bool,
@@ -97,7 +101,7 @@ impl Analysis {
 
     /// The evidence of each filter; empty until it is complete.
     pub fn evidence(&self) -> &[Evidence] {
-        self.evidences.all()
+        if self.all_evident { &self.evidences } else { &[] }
     }
 
     /// The bounds. Filters with the same initial belief and process noise share one.
@@ -127,7 +131,7 @@ impl Analysis {
             self.smoothing.discard(&mut self.waste);
         }
         if self.wanted.evidence != wanted.evidence {
-            self.evidences = Evidences::default();
+            (self.evidences, self.all_evident) = (Vec::new(), false);
         }
         if self.wanted.bounds != wanted.bounds {
             self.waste.extend(self.bounds.drain(..).map(|of| of.bound));
@@ -163,7 +167,7 @@ impl Analysis {
     /// Forgets smoothed estimates and evidence of the samples before one, counted from the run's beginning.
     pub(crate) fn forget_before(&mut self, sample: usize) {
         self.smoothing.forget_before(sample);
-        self.evidences.forget_before(sample);
+        self.evidences.iter_mut().for_each(|evidence| evidence.forget_before(sample));
     }
 
     /// Returns one piece of unused memory to the system. Returns whether there was one.
@@ -207,7 +211,7 @@ impl Analysis {
         }
         let smoothed = std::mem::take(&mut old.smoothing);
         self.smoothing.take_over(smoothed, &ids, changed, &mut self.waste);
-        self.evidences = Evidences::default();
+        (self.evidences, self.all_evident) = (Vec::new(), false);
         old.bounds.append(&mut self.bounds);
         self.bounds = bounds_of(run.scenario(), run.record().dt(), std::mem::take(&mut old.bounds), |_| true);
         self.chosen = true;
@@ -225,7 +229,8 @@ impl Analysis {
         if !self.smoothing.follow(subject, self.wanted.smoothed, &mut self.waste, while_time) {
             return false;
         }
-        if self.wanted.evidence && !self.evidences.follow(subject, while_time) {
+        self.all_evident = self.wanted.evidence && self.follow_evidences(subject, while_time);
+        if self.wanted.evidence && !self.all_evident {
             return false;
         }
         self.all_bounded = self.wanted.bounds && self.follow_bounds(subject, while_time);
@@ -264,6 +269,24 @@ impl Analysis {
             if !*waits && *of != done && (diagnosis.is_none() || is_old) {
                 *diagnosis = Diagnosis::new(diagnostics, estimates, record, None);
                 *of = done;
+            }
+        }
+        true
+    }
+
+    fn follow_evidences(&mut self, subject: &Subject<'_>, while_time: &mut dyn FnMut() -> bool) -> bool {
+        let Subject { bank, known, .. } = subject;
+        self.evidences.resize_with(bank.estimates.len(), Evidence::default);
+        for (place, estimates) in bank.estimates.iter().enumerate().filter(|(place, _)| !is_known(known, *place)) {
+            let evidence = &mut self.evidences[place];
+            loop {
+                evidence.follow_to(evidence.len() + EVIDENCE_CHUNK, estimates);
+                if evidence.len() >= estimates.len() {
+                    break;
+                }
+                if !while_time() {
+                    return false;
+                }
             }
         }
         true
@@ -398,47 +421,4 @@ fn bounds_of(scenario: &Scenario, dt: f64, mut old: Vec<Bound>, is_needed: impl 
         }
     }
     bounds
-}
-
-/// Limits the samples taken in between two checks of the time: about 0.5 ms.
-const CHUNK: usize = 10_000;
-
-/// The evidence of each filter, in the order of the filters.
-#[derive(Default)]
-struct Evidences {
-    all: Vec<Evidence>,
-    is_complete: bool,
-}
-
-impl Evidences {
-    /// That of each filter; empty until all are complete.
-    fn all(&self) -> &[Evidence] {
-        if self.is_complete { &self.all } else { &[] }
-    }
-
-    /// Takes in new samples. Returns whether all are in.
-    fn follow(&mut self, subject: &Subject<'_>, while_time: &mut dyn FnMut() -> bool) -> bool {
-        let Subject { bank, known, .. } = subject;
-        self.is_complete = false;
-        self.all.resize_with(bank.estimates.len(), Evidence::default);
-        for (place, estimates) in bank.estimates.iter().enumerate().filter(|(place, _)| !is_known(known, *place)) {
-            let evidence = &mut self.all[place];
-            loop {
-                evidence.follow_to(evidence.len() + CHUNK, estimates);
-                if evidence.len() >= estimates.len() {
-                    break;
-                }
-                if !while_time() {
-                    return false;
-                }
-            }
-        }
-        self.is_complete = true;
-        true
-    }
-
-    /// Forgets the samples before one, counted from the run's beginning.
-    fn forget_before(&mut self, sample: usize) {
-        self.all.iter_mut().for_each(|evidence| evidence.forget_before(sample));
-    }
 }

@@ -6,7 +6,6 @@ use super::distributions::chi_squared_score;
 use super::errors::ChannelErrors;
 use super::innovations::SensorInnovations;
 use super::parts::{self, ALL, Chosen, PARTS};
-use super::periodogram::Periodogram;
 use super::verdict_kind::VerdictKind;
 use crate::numbers::diagnostics::chi_squared;
 use crate::{CramerRao, Diagnostics, Estimates, Record};
@@ -83,13 +82,6 @@ impl<'a> Case<'a> {
             case.kept = case.forgiven.map(|forgiven| !forgiven);
         }
         case
-    }
-
-    pub(crate) fn with_periodograms(mut self, periodograms: Vec<Periodogram>) -> Self {
-        for (one, periodogram) in self.sensors.iter_mut().zip(periodograms) {
-            one.periodogram = periodogram;
-        }
-        self
     }
 
     pub(crate) fn len(&self) -> usize {

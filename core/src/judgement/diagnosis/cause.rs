@@ -192,7 +192,6 @@ impl BadFilter<'_> {
 }
 
 impl LikelyCause {
-    /// A likely cause whose edits fit `fitted` numbers to the record.
     pub(crate) fn new(cause: &'static Cause, weight: f64, fitted: f64, edits: Vec<Edit>, sentence: String) -> Self {
         // Numbers are tried as they are told and written.
         let edits = edits.into_iter().map(|edit| edit.rounded()).collect();

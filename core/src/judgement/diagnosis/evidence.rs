@@ -19,7 +19,6 @@ pub struct Test {
     pub source: &'static str,
     /// Instructions for reading it.
     pub reading: &'static str,
-    /// Appends its results.
     pub(crate) run: fn(&Case<'_>, &'static Self, &mut Vec<Evidence>),
 }
 

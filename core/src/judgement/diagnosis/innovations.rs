@@ -19,7 +19,6 @@ pub(crate) struct SensorInnovations {
     pub(crate) periodogram: Periodogram,
 }
 
-/// The sums of one part.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sums {
     /// Measurements.
@@ -31,7 +30,6 @@ pub(crate) struct Sums {
     pub(crate) products: [f64; LAGS],
     /// Sums of ν times the input at each lag, both limited.
     pub(crate) cross: [f64; CROSS_LAGS],
-    /// Sum of the squares of the input.
     pub(crate) input_square: f64,
 }
 

@@ -64,11 +64,9 @@ impl LiveDiagnosis {
         }
         self.follow(samples.clone(), estimates, record);
         let kept = self.kept.as_ref()?;
-        let case = kept.case(diagnostics, estimates, record, bound, existing(samples.clone(), estimates, record));
-        let ranges = case.ranges(|part| case.kept[part]);
-        let ranges: Vec<Range<usize>> = ranges.iter().map(|of| numbers(of, record)).collect();
-        let periodograms = kept.spectra.of(&ranges, case.sensors.len());
-        Some(Diagnosis::of(&case.with_periodograms(periodograms), samples))
+        let spectra = |ranges: &[Range<usize>]| kept.spectra.of(ranges, estimates.sensors().len());
+        let case = kept.case(diagnostics, estimates, record, bound, samples.clone(), spectra);
+        Some(Diagnosis::of(&case, samples))
     }
 }
 
@@ -81,16 +79,14 @@ pub(super) fn case<'a>(
     bound: Option<&'a CramerRao>,
     samples: Range<usize>,
 ) -> Case<'a> {
-    let samples = existing(samples, estimates, record);
-    let window = numbers(&samples, record);
-    let first = samples.start;
+    let window = numbers(&existing(samples.clone(), estimates, record), record);
     let mut kept = Kept::new(estimates, record, window.start);
     kept.innovations.take_in(&window, estimates, record);
-    let case = kept.case(diagnostics, estimates, record, bound, samples);
-    let ranges = case.ranges(|part| case.kept[part]);
-    let ranges: Vec<Range<usize>> = ranges.iter().map(|of| of.start - first..of.end - first).collect();
-    let periodograms = Periodogram::of_all(&kept.innovations.values(&window), &ranges);
-    case.with_periodograms(periodograms)
+    let spectra = |ranges: &[Range<usize>]| {
+        let ranges: Vec<_> = ranges.iter().map(|of| of.start - window.start..of.end - window.start).collect();
+        Periodogram::of_all(&kept.innovations.values(&window), &ranges)
+    };
+    kept.case(diagnostics, estimates, record, bound, samples, spectra)
 }
 
 impl Kept {
@@ -100,7 +96,8 @@ impl Kept {
         Self { innovations, errors, spectra: LiveSpectra::default() }
     }
 
-    /// The case over some existing samples that have been taken in, without periodograms.
+    /// The case over some samples that have been taken in. `spectra` are the sensors' periodograms over ranges of samples by their
+    /// numbers.
     fn case<'a>(
         &self,
         diagnostics: &'a Diagnostics,
@@ -108,11 +105,18 @@ impl Kept {
         record: &'a Record,
         bound: Option<&'a CramerRao>,
         samples: Range<usize>,
+        spectra: impl Fn(&[Range<usize>]) -> Vec<Periodogram>,
     ) -> Case<'a> {
+        let samples = existing(samples, estimates, record);
         let window = numbers(&samples, record);
         let (sensors, errors) =
             (self.innovations.by_part(&window, record), self.errors.by_part(&window, estimates, record));
-        Case::new(diagnostics, estimates, record, bound, samples, sensors, errors)
+        let mut case = Case::new(diagnostics, estimates, record, bound, samples, sensors, errors);
+        let ranges: Vec<_> = case.ranges(|part| case.kept[part]).iter().map(|of| numbers(of, record)).collect();
+        for (one, periodogram) in case.sensors.iter_mut().zip(spectra(&ranges)) {
+            one.periodogram = periodogram;
+        }
+        case
     }
 }
 

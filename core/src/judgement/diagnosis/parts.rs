@@ -38,7 +38,6 @@ pub(super) const BEFORE: usize = LAGS - 1;
 /// The samples after a granule that its products reach forward to.
 pub(super) const AFTER: usize = FIRST_CROSS_LAG.unsigned_abs() as usize;
 
-/// Some successive samples in one granule.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Piece {
     pub(super) samples: Range<usize>,

@@ -87,7 +87,6 @@ fn is_noise(likely: &LikelyCause) -> bool {
 
 pub(super) struct Ranked {
     pub(super) remedy: Remedy,
-    /// The gain that sorts it.
     pub(super) rank: f64,
     /// The gain of the filter with the edits made, less the price of the numbers that they fit.
     pub(super) achieved: f64,

@@ -40,7 +40,6 @@ pub struct Search {
     origin: Path,
     paths: Vec<Path>,
     filters: usize,
-    /// The law that an unknown force follows, in words.
     law: Option<Law>,
 }
 
@@ -224,7 +223,6 @@ impl Search {
         }
     }
 
-    /// Runs the filter of a path, and tries its causes if asked to.
     fn run(&mut self, path: &Path, with_causes: bool) {
         let likely_causes = if with_causes { None } else { Some(Vec::new()) };
         let Some(origin) = self.origin.scenario.filters.first().cloned() else { return };
@@ -328,7 +326,6 @@ impl Search {
         }
     }
 
-    /// The gain that sorts a path.
     fn rank(&self, path: &Path) -> f64 {
         if path.has(UNKNOWN_FORCE) { self.priced(path.rank) } else { path.rank }
     }
@@ -354,7 +351,6 @@ const AUGMENT: &str = "augment";
 struct Path {
     steps: Vec<Step>,
     scenario: Scenario,
-    /// The gain that sorts it.
     rank: f64,
     /// The gain of the filter with all edits made, less the price of the numbers that they fit.
     gain: f64,

@@ -32,7 +32,6 @@ pub struct Trials {
     first: usize,
     /// The estimates and likelihoods of the filter with no edit made; a restarted filter begins from them.
     unturned: Option<Estimates>,
-    /// The result without any edit made.
     pub(super) before: Option<Outcome>,
     outcomes: Vec<Outcome>,
     /// The log likelihood of the filter itself over the window, if a UKF stands in for it.

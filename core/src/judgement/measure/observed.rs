@@ -11,7 +11,6 @@ use crate::{Channel, CramerRao, Diagnostics, Estimates, FilterSettings, Quantity
 /// One filter's run over one record, with all its estimates, or the smoothed ones.
 pub struct Observed<'a> {
     pub(super) scenario: &'a Scenario,
-    /// The filter's place in the scenario.
     pub(super) place: usize,
     pub(super) record: &'a Record,
     pub(super) estimates: &'a Estimates,
@@ -60,7 +59,6 @@ impl<'a> Observed<'a> {
         self.given.unwrap_or_else(|| self.own.get_or_init(|| Diagnostics::new(self.estimates, self.record)))
     }
 
-    /// The posterior Cramér-Rao bound over the whole record.
     fn bound(&self) -> Option<&CramerRao> {
         let bound = self.bound.get_or_init(|| {
             let mut bound = CramerRao::new(self.scenario, self.place, self.record.dt())?;

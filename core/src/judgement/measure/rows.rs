@@ -14,16 +14,13 @@ const PURE: Option<&str> = Some("");
 /// The share of samples inside ±2σ that a filter with the right σ has.
 const EXPECTED_INSIDE: f64 = 0.954;
 
-/// Computes the value of a measure over a part of a run.
-type Within = fn(&Part<'_>) -> Value;
-
 /// Makes a static of each row, [`ALL`] of them in the order of tables, and in the same order the functions that compute them from all
 /// estimates. Those stand apart, so that a program that has sums alone does not contain them.
 macro_rules! measures {
     ($($name:ident = $row:expr => $within:expr;)*) => {
         $(pub(super) static $name: MeasureInfo = $row;)*
         pub(super) static ALL: [&MeasureInfo; [$(stringify!($name)),*].len()] = [$(&$name),*];
-        static WITHIN: [Within; ALL.len()] = [$($within),*];
+        static WITHIN: [fn(&Part<'_>) -> Value; ALL.len()] = [$($within),*];
     };
 }
 

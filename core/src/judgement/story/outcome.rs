@@ -42,7 +42,6 @@ pub(super) struct Outcome<'a> {
     undetermined: Vec<Channel>,
     /// The parameter that the sentence is about, if the filter estimates one.
     pub(super) main: Option<Main>,
-    /// The other parameters that it estimates.
     others: Vec<Main>,
     /// The first parameter whose last error is outside its ±2σ band.
     outside: Option<Channel>,
@@ -224,7 +223,6 @@ impl<'a> Outcome<'a> {
         fading.into_iter().chain(guess).collect()
     }
 
-    /// What the filter has found, and whether that is said to be wrong.
     fn found(&self, text: Writer, change: Option<&Change>) -> (Writer, bool) {
         let Some(main) = &self.main else {
             return (text.say(" takes its parameters as known"), false);

@@ -174,7 +174,6 @@ struct Readings {
     innovations: Vec<f64>,
 }
 
-/// Readings of which something is wrong.
 struct Marked {
     share: f64,
     /// The mean of their innovations², relative to the expectation, and that of all others.
