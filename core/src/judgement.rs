@@ -6,3 +6,4 @@ pub(crate) mod job;
 pub(crate) mod measure;
 pub(crate) mod story;
 pub(crate) mod study;
+mod words;

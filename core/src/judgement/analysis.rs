@@ -1,24 +1,19 @@
 //! Diagnostics, smoothed estimates and Cramér-Rao bounds of a run.
 
-mod bounds;
-mod evidences;
 mod smoothing;
-mod wanted;
 
 use crate::numbers::diagnostics::Depth;
 use crate::samples::bank::Bank;
 use crate::samples::waste::Waste;
-use crate::{CramerRao, Diagnosis, Diagnostics, Estimates, Evidence, Record, Run, Update};
+use crate::{CramerRao, Diagnosis, Diagnostics, Estimates, Evidence, Record, Run, Scenario, Update};
 
-use bounds::bounds_of;
-use evidences::Evidences;
 use smoothing::Smoothing;
-
-pub use bounds::Bound;
-pub use wanted::{Hindsight, Wanted};
 
 /// Limits the samples that the diagnostics take in between two checks of the time: about 0.5 ms.
 const DIAGNOSTICS_CHUNK: usize = 10_000;
+
+/// The same of the evidence.
+const EVIDENCE_CHUNK: usize = 10_000;
 
 /// Limits the samples that a bound takes in between two checks of the time: about 0.5 ms.
 const BOUND_CHUNK: usize = 2_000;
@@ -39,21 +34,20 @@ pub struct Analysis {
     /// The diagnosis of each filter, and of how many samples from the beginning it is.
     diagnoses: Vec<(Option<Diagnosis>, usize)>,
     /// Whether new diagnoses are put off. The old ones stay until then.
-    waits: bool,
+    pub(crate) waits: bool,
     diagnosed: bool,
     smoothing: Smoothing,
-    evidences: Evidences,
-    bounds: Vec<Bound>,
+    evidences: Vec<Evidence>,
+    all_evident: bool,
+    pub(crate) bounds: Vec<Bound>,
     /// Whether the bounds belong to the present scenario.
     chosen: bool,
     all_bounded: bool,
     /// Old diagnostics; their memory is used again.
     spare: Vec<Diagnostics>,
-    /// The rest of the unused memory.
     waste: Waste,
 }
 
-/// The run that an analysis follows.
 pub(crate) struct Subject<'a> {
     pub(crate) bank: &'a Bank,
     pub(crate) record: &'a Record,
@@ -63,7 +57,6 @@ pub(crate) struct Subject<'a> {
     pub(crate) whole: bool,
     /// Filters that have a place here are already analysed.
     pub(crate) known: &'a [Option<usize>],
-    /// The bounds that already exist.
     pub(crate) bounds: &'a [Bound],
 }
 
@@ -108,7 +101,7 @@ impl Analysis {
 
     /// The evidence of each filter; empty until it is complete.
     pub fn evidence(&self) -> &[Evidence] {
-        self.evidences.all()
+        if self.all_evident { &self.evidences } else { &[] }
     }
 
     /// The bounds. Filters with the same initial belief and process noise share one.
@@ -121,17 +114,11 @@ impl Analysis {
         self.bounds().iter().find(|b| b.filters.contains(&id)).map(|b| &b.bound)
     }
 
-    /// The bounds, complete or not.
-    pub(crate) fn all_bounds(&self) -> &[Bound] {
-        &self.bounds
-    }
-
     /// Takes in all new samples of a run.
     pub fn follow(&mut self, run: &Run) {
         self.advance(&Subject::of(run), &mut || true);
     }
 
-    /// Sets the results to compute from now on.
     pub(crate) fn want(&mut self, wanted: Wanted) {
         if self.wanted.diagnostics != wanted.diagnostics {
             let diagnostics = self.diagnostics.drain(..).chain(self.spare.drain(..));
@@ -144,7 +131,7 @@ impl Analysis {
             self.smoothing.discard(&mut self.waste);
         }
         if self.wanted.evidence != wanted.evidence {
-            self.evidences = Evidences::default();
+            (self.evidences, self.all_evident) = (Vec::new(), false);
         }
         if self.wanted.bounds != wanted.bounds {
             self.waste.extend(self.bounds.drain(..).map(|of| of.bound));
@@ -157,16 +144,6 @@ impl Analysis {
     pub(crate) fn successor(&mut self) -> Self {
         let spare = std::mem::take(&mut self.spare);
         Self { wanted: self.wanted, waits: self.waits, spare, ..Self::default() }
-    }
-
-    /// Says whether to put new diagnoses off.
-    pub(crate) fn put_off(&mut self, waits: bool) {
-        self.waits = waits;
-    }
-
-    /// Whether new diagnoses are put off.
-    pub(crate) fn waits(&self) -> bool {
-        self.waits
     }
 
     /// Takes over the old diagnosis of a filter until there is a new one, if both are of the same number of samples.
@@ -190,7 +167,7 @@ impl Analysis {
     /// Forgets smoothed estimates and evidence of the samples before one, counted from the run's beginning.
     pub(crate) fn forget_before(&mut self, sample: usize) {
         self.smoothing.forget_before(sample);
-        self.evidences.forget_before(sample);
+        self.evidences.iter_mut().for_each(|evidence| evidence.forget_before(sample));
     }
 
     /// Returns one piece of unused memory to the system. Returns whether there was one.
@@ -234,7 +211,7 @@ impl Analysis {
         }
         let smoothed = std::mem::take(&mut old.smoothing);
         self.smoothing.take_over(smoothed, &ids, changed, &mut self.waste);
-        self.evidences = Evidences::default();
+        (self.evidences, self.all_evident) = (Vec::new(), false);
         old.bounds.append(&mut self.bounds);
         self.bounds = bounds_of(run.scenario(), run.record().dt(), std::mem::take(&mut old.bounds), |_| true);
         self.chosen = true;
@@ -252,7 +229,8 @@ impl Analysis {
         if !self.smoothing.follow(subject, self.wanted.smoothed, &mut self.waste, while_time) {
             return false;
         }
-        if self.wanted.evidence && !self.evidences.follow(subject, while_time) {
+        self.all_evident = self.wanted.evidence && self.follow_evidences(subject, while_time);
+        if self.wanted.evidence && !self.all_evident {
             return false;
         }
         self.all_bounded = self.wanted.bounds && self.follow_bounds(subject, while_time);
@@ -291,6 +269,24 @@ impl Analysis {
             if !*waits && *of != done && (diagnosis.is_none() || is_old) {
                 *diagnosis = Diagnosis::new(diagnostics, estimates, record, None);
                 *of = done;
+            }
+        }
+        true
+    }
+
+    fn follow_evidences(&mut self, subject: &Subject<'_>, while_time: &mut dyn FnMut() -> bool) -> bool {
+        let Subject { bank, known, .. } = subject;
+        self.evidences.resize_with(bank.estimates.len(), Evidence::default);
+        for (place, estimates) in bank.estimates.iter().enumerate().filter(|(place, _)| !is_known(known, *place)) {
+            let evidence = &mut self.evidences[place];
+            loop {
+                evidence.follow_to(evidence.len() + EVIDENCE_CHUNK, estimates);
+                if evidence.len() >= estimates.len() {
+                    break;
+                }
+                if !while_time() {
+                    return false;
+                }
             }
         }
         true
@@ -341,4 +337,88 @@ impl Analysis {
 
 fn is_known(known: &[Option<usize>], place: usize) -> bool {
     known.get(place).is_some_and(Option::is_some)
+}
+
+/// The results to compute in addition to the estimates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Wanted {
+    /// Diagnostics and their depth; `None` for no diagnostics.
+    pub diagnostics: Option<Depth>,
+    /// Smoothed estimates of the filters that have a smoother.
+    pub smoothed: Hindsight,
+    /// The evidence of each filter over time.
+    pub evidence: bool,
+    /// The Cramér-Rao bounds, each of which costs as much as a filter.
+    pub bounds: bool,
+}
+
+/// The smoothed estimates to compute.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Hindsight {
+    /// None.
+    None,
+    /// Those with a fixed look-ahead, as the run goes on.
+    Lagged,
+    /// Also those of the whole run, once it is complete.
+    All,
+}
+
+impl Wanted {
+    /// The estimates alone.
+    pub const NOTHING: Self = Self { diagnostics: None, smoothed: Hindsight::None, evidence: false, bounds: false };
+
+    /// The Cramér-Rao bounds.
+    pub const BOUNDS: Self = Self { bounds: true, ..Self::NOTHING };
+
+    /// The evidence of each filter.
+    pub const EVIDENCE: Self = Self { evidence: true, ..Self::NOTHING };
+
+    /// Diagnostics of some depth.
+    pub const fn diagnostics(depth: Depth) -> Self {
+        Self { diagnostics: Some(depth), ..Self::NOTHING }
+    }
+
+    /// The union of both.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        Self {
+            diagnostics: self.diagnostics.max(other.diagnostics),
+            smoothed: self.smoothed.max(other.smoothed),
+            evidence: self.evidence || other.evidence,
+            bounds: self.bounds || other.bounds,
+        }
+    }
+}
+
+impl Default for Wanted {
+    /// All diagnostics and smoothed estimates, no bounds.
+    fn default() -> Self {
+        Self { diagnostics: Some(Depth::All), smoothed: Hindsight::All, ..Self::NOTHING }
+    }
+}
+
+/// A Cramér-Rao bound and the filters that it applies to.
+pub struct Bound {
+    /// The bound.
+    pub bound: CramerRao,
+    /// The filters' ids.
+    pub filters: Vec<u32>,
+}
+
+/// The bounds of a scenario's filters: reuses those of `old` that still apply, and adds new ones for the places that
+/// need one.
+fn bounds_of(scenario: &Scenario, dt: f64, mut old: Vec<Bound>, is_needed: impl Fn(usize) -> bool) -> Vec<Bound> {
+    let mut bounds: Vec<Bound> = Vec::new();
+    for place in (0..scenario.filters.len()).filter(|&place| is_needed(place)) {
+        let id = scenario.filters[place].id;
+        let is_for = |b: &Bound| b.bound.is_for(scenario, place);
+        if let Some(same) = bounds.iter_mut().find(|b| is_for(b)) {
+            same.filters.push(id);
+        } else if let Some(same) = old.iter().position(is_for) {
+            bounds.push(Bound { filters: vec![id], ..old.swap_remove(same) });
+        } else if let Some(bound) = CramerRao::new(scenario, place, dt) {
+            bounds.push(Bound { bound, filters: vec![id] });
+        }
+    }
+    bounds
 }

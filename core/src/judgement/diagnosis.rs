@@ -4,36 +4,25 @@
 //! Diagnostics, Estimates, Record ──tests──▶ Evidence ──level──▶ Verdict ──causes──▶ LikelyCauses ──trials, search──▶ Remedies
 //! ```
 //!
-//! Each test ([`Test`]) is a file in `diagnosis/checks`, each cause ([`Cause`]) one in `diagnosis/cause`.
+//! Each test ([`Test`]) is an item of a file in `diagnosis/checks`, each cause ([`Cause`]) one in `diagnosis/cause`.
 
-mod agreement;
 mod case;
 mod cause;
-mod change;
 mod checks;
 mod distributions;
 mod errors;
 mod evidence;
 mod innovations;
-mod lagged;
 mod law;
-mod level;
 mod live;
-mod one_pass;
 mod parts;
-mod path;
 mod periodogram;
-mod probability;
-mod ranking;
-mod readings;
 mod remedy;
 mod search;
-mod size;
 mod summary;
 mod trial;
 mod verdict;
 mod verdict_kind;
-pub(super) mod words;
 
 use std::ops::Range;
 
@@ -48,11 +37,9 @@ pub use checks::TESTS;
 pub use evidence::{Evidence, Subject, Test};
 pub use live::LiveDiagnosis;
 pub use parts::PARTS;
-pub use probability::in_percent;
-pub use remedy::Remedy;
+pub use remedy::{Remedy, in_percent};
 pub use search::Search;
 pub use summary::{Final, Score, Summary};
-
 pub use trial::Trials;
 pub use verdict::Verdict;
 pub use verdict_kind::VerdictKind;
@@ -95,17 +82,16 @@ impl Diagnosis {
         if diagnostics.depth() != Depth::All || diagnostics.is_empty() {
             return None;
         }
-        let case = one_pass::case(diagnostics, estimates, record, bound, samples.clone());
+        let case = live::case(diagnostics, estimates, record, bound, samples.clone());
         Some(Self::of(&case, samples))
     }
 
-    /// The diagnosis of a case, over these samples.
     fn of(case: &Case<'_>, samples: Range<usize>) -> Self {
         let mut evidence = Vec::new();
         for test in TESTS {
             (test.run)(case, test, &mut evidence);
         }
-        level::decide(&mut evidence);
+        evidence::decide(&mut evidence);
         let verdict = Verdict::of(case, &evidence);
         Self { verdict, evidence, bad_parts: case.bad_samples(), samples }
     }
@@ -135,7 +121,7 @@ impl Diagnosis {
         record: &Record,
     ) -> Vec<LikelyCause> {
         let Some(filter) = scenario.filters.get(place).filter(|_| !estimates.is_empty()) else { return Vec::new() };
-        let case = one_pass::case(diagnostics, estimates, record, None, self.samples.clone());
+        let case = live::case(diagnostics, estimates, record, None, self.samples.clone());
         let bad = BadFilter { case: &case, evidence: &self.evidence, scenario, filter, origin };
         let mut likely_causes = Vec::new();
         for cause in CAUSES {

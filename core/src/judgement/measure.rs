@@ -1,13 +1,10 @@
 //! Measures: numbers, words and flags about a filter's run, each with a word as its name.
 
-mod first_cause;
 mod info;
 mod observed;
 mod rows;
 #[cfg(test)]
 mod tests;
-mod value;
-mod whole;
 
 use std::fmt;
 use std::hash::{Hash, Hasher};
@@ -16,13 +13,11 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::{Channel, Quantity};
+use crate::judgement::diagnosis::{CAUSES, Search};
+use crate::{Channel, Diagnosis, Diagnostics, Estimates, Quantity, Record, Scenario, Task};
 
-pub use first_cause::FirstCause;
-pub use info::{Best, MeasureInfo, ValueKind};
-pub use observed::{Observed, Times};
-pub use value::Value;
-pub use whole::Whole;
+pub use info::{Best, MeasureInfo, Value, ValueKind};
+pub use observed::{Observed, Times, Whole};
 
 use info::Of;
 use rows::ALL;
@@ -299,5 +294,47 @@ impl TryFrom<String> for Measure {
 impl From<Measure> for String {
     fn from(measure: Measure) -> Self {
         measure.to_string()
+    }
+}
+
+/// A search for the causes of the verdict on a filter, of which the first one counts. It takes up to seconds.
+pub struct FirstCause(Option<Box<Search>>);
+
+impl FirstCause {
+    /// Before a search. There is none where the verdict is good or not known.
+    pub fn new(scenario: &Scenario, place: usize, estimates: &Estimates, record: &Record) -> Self {
+        Self::with(scenario, place, (&Diagnostics::new(estimates, record), estimates), record)
+    }
+
+    fn with(
+        scenario: &Scenario,
+        place: usize,
+        (diagnostics, estimates): (&Diagnostics, &Estimates),
+        record: &Record,
+    ) -> Self {
+        let diagnosis = Diagnosis::new(diagnostics, estimates, record, None);
+        let is_bad = |diagnosis: &Diagnosis| diagnosis.verdict.as_ref().is_some_and(|verdict| !verdict.kind.is_good());
+        let diagnosis = diagnosis.filter(is_bad);
+        let search = diagnosis.and_then(|one| one.search(scenario, place, diagnostics, estimates, record).ok());
+        Self(search.map(Box::new))
+    }
+}
+
+impl Task for FirstCause {
+    /// The place of the cause in [`CAUSES`]; `None` where there is none.
+    type Outcome = Option<usize>;
+
+    fn progress(&self) -> f64 {
+        self.0.as_ref().map_or(1.0, |search| search.progress())
+    }
+
+    fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
+        self.0.as_mut().is_none_or(|search| search.advance(while_time))
+    }
+
+    fn finish(self) -> Option<usize> {
+        let remedies = self.0?.finish();
+        let key = remedies.first()?.first.cause.key;
+        CAUSES.iter().position(|cause| cause.key == key)
     }
 }

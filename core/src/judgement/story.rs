@@ -8,18 +8,14 @@
 //!
 //! Every number is a result of the run or a setting of its scenario, and no sentence contradicts a verdict.
 
-mod belief;
-mod classes;
-mod comparison;
 mod happening;
-mod number;
 mod outcome;
 mod phrase;
-mod record;
-mod swing;
+mod sentences;
 
 use std::fmt;
 
+use crate::judgement::words::with_band;
 use crate::{Diagnosis, Diagnostics, Run};
 
 use happening::Happening;
@@ -42,7 +38,7 @@ pub struct Story {
 impl Story {
     /// An estimate with its band in some unit, to the digits that the band leaves: `429.2 ± 0.1 rad/s`.
     pub fn estimate(mean: f64, band: f64, unit: &str) -> String {
-        number::with_band(mean, band, unit)
+        with_band(mean, band, unit)
     }
 
     /// The story of the part of a run that is done. Each filter has its diagnostics and, if there are enough samples, its
@@ -50,7 +46,7 @@ impl Story {
     pub fn of(run: &Run, diagnostics: &[Diagnostics], diagnoses: &[Option<&Diagnosis>]) -> Self {
         let happening = Happening::of(run.scenario());
         let is_measured = run.source().is_measured();
-        let mut sentences = vec![if is_measured { record::sentence(run) } else { happening.sentence(run) }];
+        let mut sentences = vec![if is_measured { sentences::of_record(run) } else { happening.sentence(run) }];
         if !is_measured {
             sentences.extend(happening::faults(run.scenario()));
         }
@@ -63,10 +59,10 @@ impl Story {
             })
             .collect();
         sentences.extend(outcomes.iter().take(TOLD).map(|outcome| outcome.sentence(happening.change())));
-        sentences.extend(belief::sentence(&outcomes, TOLD));
-        sentences.extend(classes::sentence(run, diagnostics));
-        if is_measured && !record::has_input(run) {
-            sentences.extend(swing::sentence(&outcomes));
+        sentences.extend(sentences::of_belief(&outcomes, TOLD));
+        sentences.extend(sentences::of_classes(run, diagnostics));
+        if is_measured && !sentences::has_input(run) {
+            sentences.extend(sentences::of_swing(&outcomes));
         }
         sentences.retain(|sentence| !sentence.is_empty());
         let aside =
@@ -78,7 +74,7 @@ impl Story {
     /// id, its name, and its diagnostics before and now.
     #[must_use]
     pub fn compared(mut self, words: &str, filters: &[(u32, &str, &Diagnostics, &Diagnostics)]) -> Self {
-        self.sentences.extend(comparison::sentence(words, filters));
+        self.sentences.extend(sentences::of_comparison(words, filters));
         self
     }
 

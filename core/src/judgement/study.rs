@@ -67,12 +67,12 @@ impl Study {
     /// Says whether to put off the diagnoses of new samples and of [`Job`](crate::Job)s begun from now on. While a number is
     /// dragged, they change faster than anybody reads.
     pub fn put_off_diagnoses(&mut self, wait: bool) {
-        self.analysis.put_off(wait);
+        self.analysis.waits = wait;
     }
 
     /// Whether diagnoses are put off. Once they no longer are, [`Self::advance_to`] makes them.
     pub fn puts_off_diagnoses(&self) -> bool {
-        self.analysis.waits()
+        self.analysis.waits
     }
 
     /// Returns unused memory to the system, except for what the next edit needs. Calls `while_time` after each piece and

@@ -79,7 +79,6 @@ impl Smoothing {
         }
     }
 
-    /// Drops all.
     pub(super) fn discard(&mut self, waste: &mut Waste) {
         self.keep(waste, |_| false);
         self.is_complete = false;

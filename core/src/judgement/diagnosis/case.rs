@@ -6,7 +6,6 @@ use super::distributions::chi_squared_score;
 use super::errors::ChannelErrors;
 use super::innovations::SensorInnovations;
 use super::parts::{self, ALL, Chosen, PARTS};
-use super::periodogram::Periodogram;
 use super::verdict_kind::VerdictKind;
 use crate::numbers::diagnostics::chi_squared;
 use crate::{CramerRao, Diagnostics, Estimates, Record};
@@ -31,7 +30,6 @@ const OUTSIDE: (f64, f64) = (16.0, 8.0);
 /// Limits the bad parts of a record that can be forgiven.
 const FORGIVEN: usize = 3;
 
-/// The numbers on one filter.
 pub(crate) struct Case<'a> {
     pub(crate) diagnostics: &'a Diagnostics,
     pub(crate) estimates: &'a Estimates,
@@ -41,7 +39,6 @@ pub(crate) struct Case<'a> {
     pub(crate) samples: Range<usize>,
     pub(crate) sensors: Vec<SensorInnovations>,
     pub(crate) errors: Vec<ChannelErrors>,
-    /// The parts that are bad.
     pub(crate) bad: Chosen,
     /// The bad parts, and parts with too small innovations, after which the filter has recovered.
     pub(crate) forgiven: Chosen,
@@ -59,7 +56,7 @@ pub(crate) struct Span {
 
 impl<'a> Case<'a> {
     /// The case over some existing samples, from the sums over their parts. The periodograms are added later, since
-    /// they need the samples that it keeps ([`Self::kept_samples`]).
+    /// they need the samples that it keeps.
     pub(crate) fn new(
         diagnostics: &'a Diagnostics,
         estimates: &'a Estimates,
@@ -87,30 +84,14 @@ impl<'a> Case<'a> {
         case
     }
 
-    /// The samples of the parts that are kept, part by part.
-    pub(crate) fn kept_samples(&self) -> impl Iterator<Item = Range<usize>> {
-        (0..PARTS).filter(|&part| self.kept[part]).map(|part| self.part(part))
-    }
-
-    /// Adds the periodograms of all sensors over the kept samples.
-    pub(crate) fn with_periodograms(mut self, periodograms: Vec<Periodogram>) -> Self {
-        for (one, periodogram) in self.sensors.iter_mut().zip(periodograms) {
-            one.periodogram = periodogram;
-        }
-        self
-    }
-
-    /// The number of samples.
     pub(crate) fn len(&self) -> usize {
         self.samples.len()
     }
 
-    /// The last sample.
     pub(crate) fn last(&self) -> Option<usize> {
         (!self.samples.is_empty()).then(|| self.samples.end - 1)
     }
 
-    /// A part of the samples.
     pub(crate) fn part(&self, part: usize) -> Range<usize> {
         parts::range(part, &self.samples)
     }
@@ -120,7 +101,6 @@ impl<'a> Case<'a> {
         self.part(PARTS - 2).start..self.samples.end
     }
 
-    /// The share of the samples with the truth in the 95 % ellipsoid.
     pub(crate) fn share_in_ellipsoid(&self) -> Option<f64> {
         if self.samples == (0..self.diagnostics.len()) {
             return self.diagnostics.share_in_ellipsoid();
@@ -131,7 +111,6 @@ impl<'a> Case<'a> {
         Some(inside as f64 / f64::from(total.samples))
     }
 
-    /// All kept parts.
     pub(crate) fn whole(&self) -> Span {
         Span { parts: self.kept, samples: self.samples.clone(), words: "" }
     }
@@ -142,11 +121,6 @@ impl<'a> Case<'a> {
         let late: Chosen = std::array::from_fn(|part| part >= first && self.kept[part]);
         let samples = self.late();
         [self.whole(), Span { parts: late, samples, words: " in the last fifth" }]
-    }
-
-    /// Whether the truth of any channel is known.
-    pub(crate) fn knows_truth(&self) -> bool {
-        !self.errors.is_empty()
     }
 
     /// The samples of the parts that are bad or forgiven; adjacent parts are one range.

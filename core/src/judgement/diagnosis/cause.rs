@@ -1,74 +1,54 @@
 //! Causes by name, each with its evidence and the edit that repairs it.
 
-mod changing_noise;
-mod clipped;
-mod coarse;
-mod collapsed_sample;
+mod changes;
 mod disagreement;
-mod drag;
-mod dry_friction;
-mod felt_disturbance;
-mod initial_guess;
-mod input_delay;
-mod input_gain;
-mod input_hold;
-mod input_offset;
-mod missing_mode;
-mod no_excitation;
-mod outliers;
-mod own_equation;
-mod periodic_force;
-mod process_noise;
-mod sensor_bias;
-mod sensor_noise;
-mod slow_drift;
-mod spring;
-mod sticking;
-mod still_input;
-mod sudden_change;
-mod unknown_force;
-mod wind_up;
+mod input;
+mod noise;
+mod plant;
+mod sensors;
 
-use std::ops::Range;
+use std::ops::{Range, RangeInclusive};
 
 use super::case::Case;
-use super::evidence::Evidence;
+use super::evidence::{Evidence, Subject};
+use super::innovations::SensorInnovations;
+use super::parts::FIRST_CROSS_LAG;
 use super::periodogram::Periodogram;
 use crate::data::setting::Edit;
 use crate::{Channel, FilterSettings, Quantity, Scenario};
 
-/// Every cause. A new one is a file and a line here.
+/// Every cause. A new one is an item of a file and a line here.
 pub static CAUSES: &[&Cause] = &[
-    &wind_up::CAUSE,
-    &collapsed_sample::CAUSE,
-    &no_excitation::CAUSE,
+    &noise::WIND_UP,
+    &noise::COLLAPSED_SAMPLE,
+    &changes::NO_EXCITATION,
     &disagreement::SIGN,
     &disagreement::TIMES,
     &disagreement::SCALE_OF,
     &disagreement::LATENESS,
-    &outliers::CAUSE,
-    &clipped::CAUSE,
-    &sticking::CAUSE,
-    &coarse::CAUSE,
-    &sensor_noise::CAUSE,
-    &changing_noise::CAUSE,
-    &felt_disturbance::CAUSE,
-    &process_noise::CAUSE,
-    &input_delay::CAUSE,
-    &input_hold::CAUSE,
-    &input_gain::CAUSE,
-    &input_offset::CAUSE,
-    &still_input::CAUSE,
-    &unknown_force::CAUSE,
-    &periodic_force::CAUSE,
-    &sensor_bias::CAUSE,
-    &spring::CAUSE,
-    &dry_friction::CAUSE,
-    &drag::CAUSE,
-    &missing_mode::CAUSE,
-    &sudden_change::CAUSE,
-    &slow_drift::CAUSE,
-    &initial_guess::CAUSE,
+    &sensors::OUTLIERS,
+    &sensors::CLIPPED,
+    &sensors::STICKING,
+    &sensors::COARSE,
+    &noise::SENSOR_NOISE,
+    &noise::CHANGING_NOISE,
+    &noise::FELT_DISTURBANCE,
+    &noise::PROCESS_NOISE,
+    &input::INPUT_DELAY,
+    &input::INPUT_HOLD,
+    &input::INPUT_GAIN,
+    &input::INPUT_OFFSET,
+    &input::STILL_INPUT,
+    &plant::UNKNOWN_FORCE,
+    &plant::PERIODIC_FORCE,
+    &sensors::SENSOR_BIAS,
+    &plant::SPRING,
+    &plant::DRY_FRICTION,
+    &plant::DRAG,
+    &plant::MISSING_MODE,
+    &changes::SUDDEN_CHANGE,
+    &changes::SLOW_DRIFT,
+    &changes::INITIAL_GUESS,
 ];
 
 /// A possible cause of a bad verdict.
@@ -116,7 +96,6 @@ pub struct LikelyCause {
     pub(crate) silences: bool,
 }
 
-/// A parameter with a sentence for each of its signs.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sign {
     pub(crate) channel: Channel,
@@ -124,7 +103,6 @@ pub(crate) struct Sign {
     pub(crate) negative: &'static str,
 }
 
-/// A filter with a bad verdict.
 pub(crate) struct BadFilter<'a> {
     pub(crate) case: &'a Case<'a>,
     pub(crate) evidence: &'a [Evidence],
@@ -142,12 +120,39 @@ impl BadFilter<'_> {
         largest / (1.0 + largest)
     }
 
-    /// An edit of this filter.
+    /// The effect of what another plant would leave in the innovations.
+    pub(crate) fn effect_of_pattern(&self) -> f64 {
+        self.effect_of(|one| one.test.name.contains("spectrum") || one.test.name.contains("whiteness"))
+    }
+
+    /// The effect of a line in the spectrum of a sensor's innovations.
+    pub(crate) fn effect_of_lines(&self) -> f64 {
+        self.effect_of(|one| one.test.name.contains("spectrum") && one.subject != Subject::All)
+    }
+
+    /// The largest correlation of innovations with the input at some lags.
+    pub(crate) fn follows_input(&self, lags: RangeInclusive<i32>) -> f64 {
+        let of = |one: &SensorInnovations| (FIRST_CROSS_LAG..).zip(one.cross_correlation(&self.case.kept));
+        let chosen = self.case.sensors.iter().flat_map(of).filter(|(lag, _)| lags.contains(lag));
+        chosen.fold(0.0, |most: f64, (_, r)| most.max(r.abs()))
+    }
+
+    /// The natural frequency that the filter begins with \[rad/s\], if it has one.
+    pub(crate) fn frequency(&self) -> Option<f64> {
+        let place = self.case.estimates.place(Channel::NATURAL_FREQUENCY)?;
+        Some(self.case.estimates.initial_mean(place).abs())
+    }
+
     pub(crate) fn edit(&self, key: &str, value: impl Into<toml::Value>) -> Edit {
         Edit::of_filter(self.filter.id, key, value)
     }
 
-    /// The edit that gives the filter one augmentation more.
+    /// The edits that begin with a belief about a constant parameter.
+    pub(crate) fn begins(&self, key: &str, mean: f64, std: f64) -> [Edit; 3] {
+        [("initial_mean", mean), ("initial_std", std), ("process_std", 0.0)]
+            .map(|(table, value)| self.edit(&format!("{table}.{key}"), value))
+    }
+
     pub(crate) fn augmented(&self, channel: Channel) -> Edit {
         let keys = self.filter.augment.iter().chain([&channel]).map(|one| one.key().to_owned());
         self.edit("augment", keys.collect::<Vec<String>>())
@@ -176,7 +181,7 @@ impl BadFilter<'_> {
         let measured = record.measured_quantity(quantity)?.iter();
         let values: Vec<f64> = measured.map(|x| if x.is_nan() { 0.0 } else { *x }).collect();
         let all = 0..values.len();
-        let (_, turn) = Periodogram::of_all(&[&values], &[all]).first()?.peak()?;
+        let (_, turn) = Periodogram::of_all(&[values], &[all]).first()?.peak()?;
         Some(turn / record.dt())
     }
 
@@ -187,7 +192,6 @@ impl BadFilter<'_> {
 }
 
 impl LikelyCause {
-    /// A likely cause whose edits fit `fitted` numbers to the record.
     pub(crate) fn new(cause: &'static Cause, weight: f64, fitted: f64, edits: Vec<Edit>, sentence: String) -> Self {
         // Numbers are tried as they are told and written.
         let edits = edits.into_iter().map(|edit| edit.rounded()).collect();

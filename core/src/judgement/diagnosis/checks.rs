@@ -1,37 +1,27 @@
-//! The tests, one per file.
+//! The tests.
 
-mod autocorrelation;
-mod bound;
-mod collapse;
-mod cross_correlation;
-mod depletion;
-mod divergence;
-mod errors;
-mod growth;
+mod estimates;
 mod innovations;
-mod line;
-mod mean;
-mod range;
-mod recovery;
+mod particles;
 
 use super::evidence::Test;
 
-/// Every test. A new one is a file and a line here.
+/// Every test. A new one is an item of a file and a line here.
 pub static TESTS: &[&Test] = &[
-    &divergence::TEST,
-    &range::TEST,
-    &collapse::TEST,
-    &depletion::TEST,
-    &growth::WIND_UP,
-    &errors::ELLIPSOID,
-    &errors::CHANNELS,
+    &estimates::DIVERGENCE,
+    &estimates::RANGE,
+    &particles::SAMPLE,
+    &particles::DIVERSITY,
+    &estimates::WIND_UP,
+    &estimates::ELLIPSOID,
+    &estimates::CHANNELS,
     &innovations::SENSORS,
     &innovations::TOGETHER,
-    &autocorrelation::TEST,
-    &cross_correlation::TEST,
-    &mean::TEST,
-    &line::TEST,
-    &growth::UNLEARNT,
-    &bound::TEST,
-    &recovery::TEST,
+    &innovations::WHITENESS,
+    &innovations::INPUT,
+    &innovations::MEAN,
+    &innovations::LINES,
+    &estimates::UNLEARNT,
+    &estimates::BOUND,
+    &estimates::RECOVERY,
 ];

@@ -1,8 +1,8 @@
-//! One pass over the errors of each channel with a known truth.
+//! The errors of each channel with a known truth: sums by part of the record.
 
 use std::ops::Range;
 
-use super::parts::{self, Chosen, PARTS};
+use super::parts::{self, Chosen, PARTS, Piece, Series, first_in, pieces};
 use crate::{Channel, Estimates, Record};
 
 /// The normalised errors `e / σ` of one channel.
@@ -12,7 +12,7 @@ pub(crate) struct ChannelErrors {
     pub(crate) by_part: [Sums; PARTS],
 }
 
-/// The sums of one part.
+/// The sums of one part, or of a granule.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sums {
     pub(crate) count: f64,
@@ -22,48 +22,112 @@ pub(crate) struct Sums {
     pub(crate) product: f64,
     /// Samples with the truth inside ±2σ.
     pub(crate) inside: f64,
+    /// The first known error of a granule.
+    first: f64,
+    /// The last known error up to the end, 0 without one.
+    last: f64,
+}
+
+/// The errors of all channels with a known truth, and the sums of granules of them.
+#[derive(Debug)]
+pub(super) struct LiveErrors {
+    channels: Vec<LiveChannel>,
+}
+
+#[derive(Debug)]
+struct LiveChannel {
+    channel: Channel,
+    place: usize,
+    granules: Series<Sums>,
+}
+
+impl LiveErrors {
+    /// The channels with a truth in the record, before the sample `start`.
+    pub(super) fn new(estimates: &Estimates, record: &Record, start: usize) -> Self {
+        let all = estimates.channels().iter().enumerate();
+        let known = all.filter(|(_, channel)| record.truth(**channel).is_some());
+        let granules = Series::starting_at(first_in(start));
+        let one = |(place, &channel)| LiveChannel { channel, place, granules: granules.clone() };
+        Self { channels: known.map(one).collect() }
+    }
+
+    /// Adds up the new granules of a window, and forgets those before it.
+    pub(super) fn follow(&mut self, window: &Range<usize>, estimates: &Estimates, record: &Record) {
+        for LiveChannel { channel, place, granules } in &mut self.channels {
+            granules.follow(window, |samples| {
+                let mut sums = Sums::default();
+                sums.take_in((*channel, *place), samples, estimates, record);
+                sums
+            });
+        }
+    }
+
+    /// The errors in each part of a window; channels that are known for certain are left out.
+    pub(super) fn by_part(&self, window: &Range<usize>, estimates: &Estimates, record: &Record) -> Vec<ChannelErrors> {
+        let one = |of: &LiveChannel| {
+            let mut last = 0.0;
+            let by_part = std::array::from_fn(|part| {
+                let mut sums = Sums { last, ..Sums::default() };
+                for Piece { samples, granule } in pieces(&parts::range(part, window), window) {
+                    match granule.and_then(|number| of.granules.get(number)) {
+                        Some(granule) => sums.add(granule),
+                        None => sums.take_in((of.channel, of.place), &samples, estimates, record),
+                    }
+                }
+                last = sums.last;
+                sums
+            });
+            let any = by_part.iter().any(|sums| sums.count > 0.0);
+            any.then_some(ChannelErrors { channel: of.channel, by_part })
+        };
+        self.channels.iter().filter_map(one).collect()
+    }
 }
 
 impl Sums {
-    /// Adds the normalised error of a sample, if it is known. `before` is the last known error.
-    #[inline]
-    pub(crate) fn take_in(&mut self, error: f64, variance: f64, before: &mut f64) {
-        if error.is_nan() || variance == 0.0 {
+    /// Adds the known normalised errors of a channel at a place at some samples.
+    fn take_in(
+        &mut self,
+        (channel, place): (Channel, usize),
+        samples: &Range<usize>,
+        estimates: &Estimates,
+        record: &Record,
+    ) {
+        let Some(truth) = record.truth(channel) else { return };
+        let (means, variances) = (estimates.canonical_means(place), estimates.variances(place));
+        for k in samples.start - record.forgotten()..samples.end - record.forgotten() {
+            let error = (means[k] - truth[k]) / variances[k].sqrt();
+            if error.is_nan() || variances[k] == 0.0 {
+                continue;
+            }
+            self.first = if self.count == 0.0 { error } else { self.first };
+            self.count += 1.0;
+            self.square += error * error;
+            self.product += error * self.last;
+            self.inside += if error.abs() <= 2.0 { 1.0 } else { 0.0 };
+            self.last = error;
+        }
+    }
+
+    /// Adds those of a granule that follows.
+    fn add(&mut self, of: &Self) {
+        if of.count == 0.0 {
             return;
         }
-        self.count += 1.0;
-        self.square += error * error;
-        self.product += error * *before;
-        self.inside += if error.abs() <= 2.0 { 1.0 } else { 0.0 };
-        *before = error;
+        self.count += of.count;
+        self.square += of.square;
+        self.product += of.product + of.first * self.last;
+        self.inside += of.inside;
+        self.last = of.last;
     }
 }
 
 impl ChannelErrors {
-    /// The pass over all channels of some estimates; those that are known for certain are left out.
-    pub(crate) fn of_all(estimates: &Estimates, record: &Record, samples: &Range<usize>) -> Vec<Self> {
-        let one = |(place, &channel): (usize, &Channel)| {
-            let truth = record.truth(channel)?;
-            let (means, variances) = (estimates.canonical_means(place), estimates.variances(place));
-            let mut by_part = [Sums::default(); PARTS];
-            let mut before = 0.0;
-            for (part, sums) in by_part.iter_mut().enumerate() {
-                for k in parts::range(part, samples) {
-                    sums.take_in((means[k] - truth[k]) / variances[k].sqrt(), variances[k], &mut before);
-                }
-            }
-            let any = by_part.iter().any(|sums| sums.count > 0.0);
-            any.then_some(Self { channel, by_part })
-        };
-        estimates.channels().iter().enumerate().filter_map(one).collect()
-    }
-
     /// The mean of (e/σ)² over some parts; NaN where the truth is not known there.
     pub(crate) fn level(&self, chosen: &Chosen) -> f64 {
         parts::sum(chosen, |part| self.by_part[part].square) / self.count(chosen)
     }
 
-    /// The number of errors in some parts.
     pub(crate) fn count(&self, chosen: &Chosen) -> f64 {
         parts::sum(chosen, |part| self.by_part[part].count)
     }

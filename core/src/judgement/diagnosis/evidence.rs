@@ -1,4 +1,4 @@
-//! The result of one test of a filter.
+//! The results of tests of a filter, one and many at once.
 
 use std::ops::Range;
 
@@ -19,7 +19,6 @@ pub struct Test {
     pub source: &'static str,
     /// Instructions for reading it.
     pub reading: &'static str,
-    /// Appends its results.
     pub(crate) run: fn(&Case<'_>, &'static Self, &mut Vec<Evidence>),
 }
 
@@ -91,5 +90,28 @@ impl std::fmt::Display for Subject {
             Self::Sensor(quantity) => f.write_str(quantity.key()),
             Self::Channel(channel) => f.write_str(channel.name()),
         }
+    }
+}
+
+/// Limits the probability that any test rejects a consistent filter.
+const LEVEL: f64 = 1e-4;
+
+/// Decides whether each piece of evidence counts: its effect matters, and its p-value is below the level for all tests
+/// together.
+///
+/// ```text
+/// p₍ᵢ₎ ≤ α / (m - i + 1)  for the i-th smallest of m p-values and all before it
+/// ```
+///
+/// Source: Holm (1979), A simple sequentially rejective multiple test procedure, *Scandinavian Journal of Statistics* 6.
+pub(crate) fn decide(evidence: &mut [Evidence]) {
+    let mut order: Vec<usize> = (0..evidence.len()).collect();
+    order.sort_by(|&a, &b| evidence[a].p_value.total_cmp(&evidence[b].p_value));
+    for (rank, &place) in order.iter().enumerate() {
+        let one = &mut evidence[place];
+        if one.p_value > LEVEL / (order.len() - rank) as f64 {
+            break;
+        }
+        one.counts = one.effect >= 1.0;
     }
 }

@@ -1,20 +1,10 @@
-//! One pass over the innovations of each sensor: sums by part of the record, from which the tests take their statistics.
+//! The innovations of each sensor: sums by part of the record, from which the tests take their statistics.
 
 use std::ops::Range;
 
-use super::lagged::add_products;
-use super::parts::{self, Chosen, PARTS};
+use super::parts::{self, AFTER, BEFORE, CROSS_LAGS, Chosen, GRANULE, LAGS, PARTS, Piece, Series, first_in, pieces};
 use super::periodogram::Periodogram;
 use crate::{Estimates, Quantity, Record};
-
-/// The lags of an autocorrelation: 0 to 20 samples.
-pub(crate) const LAGS: usize = 21;
-
-/// The lags of a cross-correlation with the input: from 4 samples before it to 15 after it.
-pub(crate) const CROSS_LAGS: usize = 20;
-
-/// The lag of the first of them.
-pub(crate) const FIRST_CROSS_LAG: i32 = -4;
 
 /// Limits a normalised innovation, and the input in units of its root mean square, in correlations: so that one reading does
 /// not dominate them.
@@ -29,12 +19,10 @@ pub(crate) struct SensorInnovations {
     pub(crate) periodogram: Periodogram,
 }
 
-/// The sums of one part.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sums {
     /// Measurements.
     pub(crate) count: f64,
-    /// Sum of ν².
     pub(crate) square: f64,
     /// Sum of ν, limited.
     pub(crate) sum: f64,
@@ -42,61 +30,14 @@ pub(crate) struct Sums {
     pub(crate) products: [f64; LAGS],
     /// Sums of ν times the input at each lag, both limited.
     pub(crate) cross: [f64; CROSS_LAGS],
-    /// Sum of the squares of the input.
     pub(crate) input_square: f64,
 }
 
 impl SensorInnovations {
-    /// The pass over all sensors of some estimates. With each come the limited ν of all samples; 0 where nothing was
-    /// measured.
-    pub(crate) fn of_all(estimates: &Estimates, record: &Record, samples: &Range<usize>) -> Vec<(Self, Vec<f64>)> {
-        let first = samples.start;
-        let m = estimates.sensors().len();
-        let input = limited_input(record, samples);
-        let mut all: Vec<(Quantity, [Sums; PARTS], Vec<f64>)> = estimates
-            .sensors()
-            .iter()
-            .map(|&sensor| (sensor, [Sums::default(); PARTS], vec![0.0; samples.len()]))
-            .collect();
-        for part in 0..PARTS {
-            for k in parts::range(part, samples) {
-                let (innovation, cov) = (estimates.innovation(k), estimates.innovation_cov(k));
-                for (i, (_, by_part, values)) in all.iter_mut().enumerate() {
-                    let value = innovation[i] / cov[i * (m + 1)].sqrt();
-                    if value.is_nan() {
-                        continue;
-                    }
-                    let sums = &mut by_part[part];
-                    sums.count += 1.0;
-                    sums.square += value * value;
-                    let limited = limited(value);
-                    sums.sum += limited;
-                    values[k - first] = limited;
-                }
-            }
-        }
-        let spare = input.iter().any(|&f| f != 0.0);
-        all.into_iter()
-            .map(|(sensor, mut by_part, values)| {
-                for (part, sums) in by_part.iter_mut().enumerate() {
-                    let range = parts::range(part, &(0..samples.len()));
-                    add_products(&mut sums.products, &values, &values, range.clone(), 0);
-                    if spare {
-                        sums.input_square = input[range.clone()].iter().map(|f| f * f).sum();
-                        add_products(&mut sums.cross, &values, &input, range, FIRST_CROSS_LAG);
-                    }
-                }
-                (Self::new(sensor, by_part), values)
-            })
-            .collect()
-    }
-
-    /// The sums of one sensor, without a periodogram.
     pub(crate) fn new(sensor: Quantity, by_part: [Sums; PARTS]) -> Self {
         Self { sensor, by_part, periodogram: Periodogram::default() }
     }
 
-    /// The number of measurements in some parts.
     pub(crate) fn count(&self, chosen: &Chosen) -> f64 {
         parts::sum(chosen, |part| self.by_part[part].count)
     }
@@ -131,24 +72,252 @@ impl SensorInnovations {
     }
 }
 
-/// ν in correlations.
-pub(crate) fn limited(value: f64) -> f64 {
-    value.clamp(-LARGEST, LARGEST)
+/// The innovations of all sensors of an estimate, and the sums of granules of them.
+#[derive(Debug)]
+pub(super) struct LiveInnovations {
+    /// The samples from the beginning of the last window to the last one that is taken in.
+    known: Range<usize>,
+    sensors: Vec<LiveSensor>,
 }
 
-/// The input without its mean, limited to five times its root mean square.
-fn limited_input(record: &Record, samples: &Range<usize>) -> Vec<f64> {
-    let input = &record.input()[samples.clone()];
-    let count = input.len().max(1) as f64;
-    let mean = input.iter().sum::<f64>() / count;
-    let rms = (input.iter().map(|f| (f - mean) * (f - mean)).sum::<f64>() / count).sqrt();
-    input.iter().map(|f| (f - mean).clamp(-LARGEST * rms, LARGEST * rms)).collect()
+#[derive(Debug)]
+struct LiveSensor {
+    sensor: Quantity,
+    /// ν of every sample; NaN where nothing was measured.
+    values: Series<f64>,
+    /// The sums of whole granules. In those with the input, its first number in the granule is subtracted.
+    granules: Series<Sums>,
+}
+
+impl LiveInnovations {
+    /// No innovations yet, before the sample `start`.
+    pub(super) fn new(estimates: &Estimates, start: usize) -> Self {
+        let (values, granules) = (Series::starting_at(start), Series::starting_at(first_in(start)));
+        let one = |&sensor: &Quantity| LiveSensor { sensor, values: values.clone(), granules: granules.clone() };
+        Self { known: start..start, sensors: estimates.sensors().iter().map(one).collect() }
+    }
+
+    /// Whether the next window can begin with this sample: it needs no forgotten sample, and skips none.
+    pub(super) fn reaches(&self, start: usize) -> bool {
+        (self.known.start..=self.known.end).contains(&start)
+    }
+
+    /// ν of some samples of each sensor, limited; 0 where nothing was measured.
+    pub(super) fn values(&self, samples: &Range<usize>) -> Vec<Vec<f64>> {
+        let of = |one: &LiveSensor| one.values.items(samples.clone()).iter().map(|value| limited(*value)).collect();
+        self.sensors.iter().map(of).collect()
+    }
+
+    pub(super) fn take_in(&mut self, window: &Range<usize>, estimates: &Estimates, record: &Record) {
+        self.known = window.start..self.known.end.max(window.end);
+        let m = self.sensors.len();
+        for (place, LiveSensor { values, .. }) in self.sensors.iter_mut().enumerate() {
+            for k in values.end() - record.forgotten()..(window.end.max(values.end())) - record.forgotten() {
+                values.push(estimates.innovation(k)[place] / estimates.innovation_cov(k)[place * (m + 1)].sqrt());
+            }
+        }
+    }
+
+    /// Adds up the new granules of a window, and forgets what is before it.
+    pub(super) fn follow(&mut self, window: &Range<usize>, record: &Record) {
+        let input = Input::new(window, record);
+        for LiveSensor { values, granules, .. } in &mut self.sensors {
+            granules.follow(window, |samples| {
+                let mut sums = Sums::default();
+                sums.take_in(values, samples, &Input { mean: input.at(samples.start), ..input });
+                sums
+            });
+            values.forget_before(window.start);
+        }
+    }
+
+    /// The innovations in each part of a window whose samples have been taken in.
+    pub(super) fn by_part(&self, window: &Range<usize>, record: &Record) -> Vec<SensorInnovations> {
+        let input = Input::new(window, record).centred();
+        let of_part = |sensor: &LiveSensor, part: usize| {
+            let range = parts::range(part, window);
+            let mut sums = Sums { input_square: input.square(&range), ..Sums::default() };
+            for Piece { samples, granule } in pieces(&range, window) {
+                match granule.and_then(|number| sensor.granules.get(number)).filter(|_| !input.is_limited(&samples)) {
+                    Some(granule) => sums.add(granule, input.at(samples.start) - input.mean),
+                    None => sums.take_in(&sensor.values, &samples, &input),
+                }
+            }
+            sums
+        };
+        let one = |of: &LiveSensor| SensorInnovations::new(of.sensor, std::array::from_fn(|part| of_part(of, part)));
+        self.sensors.iter().map(one).collect()
+    }
+}
+
+impl Sums {
+    /// Adds some samples of a sensor's ν, at most a granule of them; their products reach no sample outside the window of the
+    /// input.
+    fn take_in(&mut self, values: &Series<f64>, samples: &Range<usize>, input: &Input<'_>) {
+        let begin = samples.start.saturating_sub(BEFORE).max(input.first);
+        let known = values.items(begin..samples.end);
+        let mut near = [0.0; BEFORE + GRANULE];
+        for (near, value) in near[BEFORE + begin - samples.start..].iter_mut().zip(known) {
+            *near = limited(*value);
+        }
+        let values = &near[BEFORE..][..samples.len()];
+        for value in known[samples.start - begin..].iter().filter(|value| !value.is_nan()) {
+            self.count += 1.0;
+            self.square += value * value;
+        }
+        self.sum += values.iter().sum::<f64>();
+        add_products(&mut self.products, values, &near);
+        add_products(&mut self.cross, values, &input.near(samples));
+    }
+
+    /// Adds those of a granule, from whose input a number was subtracted that is larger than the window's mean by `above`.
+    fn add(&mut self, of: &Self, above: f64) {
+        self.count += of.count;
+        self.square += of.square;
+        self.sum += of.sum;
+        for (sum, product) in self.products.iter_mut().zip(&of.products) {
+            *sum += product;
+        }
+        for (sum, cross) in self.cross.iter_mut().zip(&of.cross) {
+            *sum += cross + above * of.sum;
+        }
+    }
+}
+
+/// ν in correlations; 0 where nothing was measured.
+fn limited(value: f64) -> f64 {
+    if value.is_nan() { 0.0 } else { value.clamp(-LARGEST, LARGEST) }
+}
+
+/// The samples before a granule that its products with the input reach back to.
+const INPUT_BEFORE: usize = CROSS_LAGS - 1 - AFTER;
+
+/// The input of a window \[m/s²\].
+#[derive(Clone, Copy)]
+struct Input<'a> {
+    values: &'a [f64],
+    /// The number of the first sample.
+    first: usize,
+    /// This is subtracted.
+    mean: f64,
+    /// Limits what is left.
+    limit: f64,
+}
+
+impl<'a> Input<'a> {
+    fn new(window: &Range<usize>, record: &'a Record) -> Self {
+        let values = &record.input()[window.start - record.forgotten()..window.end - record.forgotten()];
+        Self { values, first: window.start, mean: 0.0, limit: f64::INFINITY }
+    }
+
+    /// Without its mean, and limited.
+    fn centred(self) -> Self {
+        let count = self.values.len().max(1) as f64;
+        let mean = sum_of(self.values, |f| f) / count;
+        let limit = LARGEST * (sum_of(self.values, |f| (f - mean) * (f - mean)) / count).sqrt();
+        Self { mean, limit, ..self }
+    }
+
+    /// The number of one sample, as it is.
+    fn at(&self, sample: usize) -> f64 {
+        self.values[sample - self.first]
+    }
+
+    fn of(&self, value: f64) -> f64 {
+        (value - self.mean).max(-self.limit).min(self.limit)
+    }
+
+    /// The sum of the squares over some samples.
+    fn square(&self, samples: &Range<usize>) -> f64 {
+        sum_of(&self.values[samples.start - self.first..samples.end - self.first], |f| self.of(f) * self.of(f))
+    }
+
+    /// Whether the input that the products of a whole granule reach is limited anywhere.
+    fn is_limited(&self, samples: &Range<usize>) -> bool {
+        let near = &self.values[samples.start - INPUT_BEFORE - self.first..samples.end + AFTER - self.first];
+        near.iter().map(|f| u32::from((f - self.mean).abs() > self.limit)).sum::<u32>() > 0
+    }
+
+    /// The input that the products of some samples reach, at most a granule of them; 0 outside the window.
+    fn near(&self, samples: &Range<usize>) -> [f64; INPUT_BEFORE + GRANULE + AFTER] {
+        let mut near = [0.0; INPUT_BEFORE + GRANULE + AFTER];
+        let begin = samples.start.saturating_sub(INPUT_BEFORE).max(self.first) - self.first;
+        let end = (samples.end + AFTER - self.first).min(self.values.len());
+        let skipped = INPUT_BEFORE + self.first + begin - samples.start;
+        for (near, f) in near[skipped..].iter_mut().zip(&self.values[begin..end]) {
+            *near = self.of(*f);
+        }
+        near
+    }
+}
+
+/// The sum of a function of each value; four side by side, for vector instructions.
+fn sum_of(values: &[f64], of: impl Fn(f64) -> f64) -> f64 {
+    let (chunks, rest) = values.as_chunks::<4>();
+    let mut sums = [0.0; 4];
+    for chunk in chunks {
+        for (sum, value) in sums.iter_mut().zip(chunk) {
+            *sum += of(*value);
+        }
+    }
+    sums.iter().sum::<f64>() + rest.iter().map(|value| of(*value)).sum::<f64>()
+}
+
+/// Adds to the sum at each place i, `Σ a_k b_(k + N - 1 - i)`: b begins `N - 1` samples before the partner of `a[0]` at
+/// the first lag.
+fn add_products<const N: usize>(sums: &mut [f64; N], a: &[f64], b: &[f64]) {
+    let mut reversed = [0.0; N];
+    for (a, b) in a.iter().zip(b.array_windows::<N>()) {
+        for (sum, b) in reversed.iter_mut().zip(b) {
+            *sum += a * b;
+        }
+    }
+    for (sum, added) in sums.iter_mut().zip(reversed.iter().rev()) {
+        *sum += added;
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::judgement::diagnosis::parts::ALL;
+    use crate::judgement::diagnosis::parts::{ALL, FIRST_CROSS_LAG};
+    use crate::{Run, Scenario};
+
+    #[test]
+    fn every_part_has_the_sums_of_its_samples() {
+        let mut run = Run::new(&Scenario { duration: 4.0, ..Scenario::default() }).unwrap();
+        run.finish();
+        let (estimates, record, window) = (&run.estimates()[0], run.record(), 7..333);
+        let mut live = LiveInnovations::new(estimates, window.start);
+        live.take_in(&window, estimates, record);
+        let (values, direct) = (live.values(&window), live.by_part(&window, record));
+        live.follow(&window, record);
+        let input = &record.input()[window.clone()];
+        let mean = input.iter().sum::<f64>() / input.len() as f64;
+        let rms = (input.iter().map(|f| (f - mean) * (f - mean)).sum::<f64>() / input.len() as f64).sqrt();
+        let input: Vec<f64> = input.iter().map(|f| (f - mean).clamp(-LARGEST * rms, LARGEST * rms)).collect();
+        for (one, values) in [direct, live.by_part(&window, record)].iter().flat_map(|all| all.iter().zip(&values)) {
+            for (part, sums) in one.by_part.iter().enumerate() {
+                let range = parts::range(part, &(0..window.len()));
+                let product = |others: &[f64], lag: i64| {
+                    let one = |k: usize| Some(values[k] * others.get(usize::try_from(k as i64 - lag).ok()?)?);
+                    range.clone().filter_map(one).sum::<f64>()
+                };
+                let of_lags = (0..).zip(&sums.products).map(|(lag, sum)| (*sum, product(values, lag)));
+                let of_input =
+                    (i64::from(FIRST_CROSS_LAG)..).zip(&sums.cross).map(|(lag, sum)| (*sum, product(&input, lag)));
+                let others = [
+                    (sums.count, range.len() as f64),
+                    (sums.sum, values[range.clone()].iter().sum()),
+                    (sums.square, product(values, 0)),
+                    (sums.input_square, input[range.clone()].iter().map(|f| f * f).sum()),
+                ];
+                for (sum, plain) in of_lags.chain(of_input).chain(others) {
+                    assert!((sum - plain).abs() < 1e-9 * (1.0 + plain.abs()), "part {part}: {sum}, not {plain}");
+                }
+            }
+        }
+    }
 
     #[test]
     fn a_part_after_a_much_louder_one_is_correlated_by_one_at_most() {

@@ -2,14 +2,13 @@
 
 use std::f64::consts::TAU;
 
-use super::periodogram::Periodogram;
-use super::words::short;
+use super::periodogram::{Periodogram, window_length};
+use crate::judgement::words::short;
 use crate::samples::estimator::FilterContext;
 use crate::samples::select;
 use crate::samples::smoother::Smoother;
 use crate::{Channel, Estimates, Record, Scenario};
 
-/// A law in words.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Law {
     pub(super) text: String,
@@ -62,7 +61,6 @@ impl ForceInHindsight {
         }
     }
 
-    /// The law in words, if there is one.
     pub(super) fn law(&self, dt: f64) -> Option<Law> {
         let of = |channel| self.estimates.place(channel).map(|place| self.estimates.canonical_means(place));
         let force = of(Channel::UNKNOWN_FORCE)?;
@@ -123,10 +121,10 @@ fn law(force: &[f64], displacement: &[f64], velocity: &[f64], dt: f64) -> Option
 /// The largest share of the mean square that one wave explains over all samples, and its frequency in radians a sample.
 fn wave(values: &[f64]) -> Option<(f64, f64)> {
     let n = values.len();
-    let (_, turn) = Periodogram::of_all(&[values], std::slice::from_ref(&(0..n))).first()?.peak()?;
+    let (_, turn) = Periodogram::of_all(&[values.to_vec()], std::slice::from_ref(&(0..n))).first()?.peak()?;
     let step = TAU / n as f64 / FINE;
     // The periodogram's windows are shorter than the record: its peak is known to half a cycle a window.
-    let reach = (0.75 * FINE * n as f64 / Periodogram::window_of(n)? as f64).ceil() as i64;
+    let reach = (0.75 * FINE * n as f64 / window_length(n)? as f64).ceil() as i64;
     let of = |turn: f64| {
         let (mut re, mut im) = (0.0, 0.0);
         let (cos, sin) = (libm::cos(turn), libm::sin(turn));

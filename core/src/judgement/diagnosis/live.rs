@@ -4,23 +4,15 @@
 //! Estimates, Record ──follow──▶ sums of granules, spectra of windows ──add──▶ Case ──tests──▶ Diagnosis
 //! ```
 
-mod errors;
-mod granule;
-mod innovations;
-mod input;
-mod series;
-mod spectra;
-
 use std::ops::Range;
 
+use super::Diagnosis;
 use super::case::Case;
-use super::{Diagnosis, one_pass};
+use super::errors::LiveErrors;
+use super::innovations::LiveInnovations;
+use super::periodogram::{LiveSpectra, Periodogram};
 use crate::numbers::diagnostics::Depth;
 use crate::{CramerRao, Diagnostics, Estimates, Record};
-
-use errors::LiveErrors;
-use innovations::LiveInnovations;
-use spectra::LiveSpectra;
 
 /// The diagnosis of one filter over a window of samples that moves with a growing record.
 ///
@@ -48,20 +40,14 @@ impl LiveDiagnosis {
     /// `estimates` and `record` must be those that this began with, grown longer; they may have forgotten samples. If
     /// the range includes samples that were forgotten here, it begins again with them.
     pub fn follow(&mut self, samples: Range<usize>, estimates: &Estimates, record: &Record) {
-        let samples = one_pass::existing(samples, estimates, record);
-        let window = numbers(&samples, record);
-        let kept = match self.kept.take() {
-            Some(kept) if kept.innovations.reaches(window.start) => kept,
-            _ => Kept {
-                innovations: LiveInnovations::new(estimates, window.start),
-                errors: LiveErrors::new(estimates, record, window.start),
-                spectra: LiveSpectra::default(),
-            },
-        };
+        let window = numbers(&existing(samples, estimates, record), record);
+        let kept = self.kept.take().filter(|kept| kept.innovations.reaches(window.start));
+        let kept = kept.unwrap_or_else(|| Kept::new(estimates, record, window.start));
         let Kept { innovations, errors, spectra } = self.kept.insert(kept);
-        innovations.follow(&window, estimates, record);
+        innovations.take_in(&window, estimates, record);
+        innovations.follow(&window, record);
         errors.follow(&window, estimates, record);
-        spectra.follow(&window, innovations);
+        spectra.follow(&window, |samples| innovations.values(samples));
     }
 
     /// [`Diagnosis::over`] these samples, after [`Self::follow`].
@@ -77,16 +63,67 @@ impl LiveDiagnosis {
             return None;
         }
         self.follow(samples.clone(), estimates, record);
-        let Kept { innovations, errors, spectra } = self.kept.as_ref()?;
-        let existing = one_pass::existing(samples.clone(), estimates, record);
-        let window = numbers(&existing, record);
-        let sensors = innovations.by_part(&window, record);
-        let channels = errors.by_part(&window, estimates, record);
-        let case = Case::new(diagnostics, estimates, record, bound, existing, sensors, channels);
-        let kept: Vec<Range<usize>> = case.kept_samples().map(|of| numbers(&of, record)).collect();
-        let periodograms = spectra.of(&kept, case.sensors.len());
-        Some(Diagnosis::of(&case.with_periodograms(periodograms), samples))
+        let kept = self.kept.as_ref()?;
+        let spectra = |ranges: &[Range<usize>]| kept.spectra.of(ranges, estimates.sensors().len());
+        let case = kept.case(diagnostics, estimates, record, bound, samples.clone(), spectra);
+        Some(Diagnosis::of(&case, samples))
     }
+}
+
+/// The case over some samples, as far as they exist, for one time: no granule is stored, and the windows of the periodogram
+/// begin with the samples.
+pub(super) fn case<'a>(
+    diagnostics: &'a Diagnostics,
+    estimates: &'a Estimates,
+    record: &'a Record,
+    bound: Option<&'a CramerRao>,
+    samples: Range<usize>,
+) -> Case<'a> {
+    let window = numbers(&existing(samples.clone(), estimates, record), record);
+    let mut kept = Kept::new(estimates, record, window.start);
+    kept.innovations.take_in(&window, estimates, record);
+    let spectra = |ranges: &[Range<usize>]| {
+        let ranges: Vec<_> = ranges.iter().map(|of| of.start - window.start..of.end - window.start).collect();
+        Periodogram::of_all(&kept.innovations.values(&window), &ranges)
+    };
+    kept.case(diagnostics, estimates, record, bound, samples, spectra)
+}
+
+impl Kept {
+    /// No samples yet, before the one of number `start`.
+    fn new(estimates: &Estimates, record: &Record, start: usize) -> Self {
+        let (innovations, errors) = (LiveInnovations::new(estimates, start), LiveErrors::new(estimates, record, start));
+        Self { innovations, errors, spectra: LiveSpectra::default() }
+    }
+
+    /// The case over some samples that have been taken in. `spectra` are the sensors' periodograms over ranges of samples by their
+    /// numbers.
+    fn case<'a>(
+        &self,
+        diagnostics: &'a Diagnostics,
+        estimates: &'a Estimates,
+        record: &'a Record,
+        bound: Option<&'a CramerRao>,
+        samples: Range<usize>,
+        spectra: impl Fn(&[Range<usize>]) -> Vec<Periodogram>,
+    ) -> Case<'a> {
+        let samples = existing(samples, estimates, record);
+        let window = numbers(&samples, record);
+        let (sensors, errors) =
+            (self.innovations.by_part(&window, record), self.errors.by_part(&window, estimates, record));
+        let mut case = Case::new(diagnostics, estimates, record, bound, samples, sensors, errors);
+        let ranges: Vec<_> = case.ranges(|part| case.kept[part]).iter().map(|of| numbers(of, record)).collect();
+        for (one, periodogram) in case.sensors.iter_mut().zip(spectra(&ranges)) {
+            one.periodogram = periodogram;
+        }
+        case
+    }
+}
+
+/// The part of some samples that has estimates and measurements.
+fn existing(samples: Range<usize>, estimates: &Estimates, record: &Record) -> Range<usize> {
+    let end = samples.end.min(estimates.len()).min(record.len());
+    samples.start.min(end)..end
 }
 
 /// The numbers of some kept samples, counted from the run's beginning.

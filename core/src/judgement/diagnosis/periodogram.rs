@@ -3,12 +3,12 @@
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
+use super::parts::Series;
 use crate::mathematics::fourier::Transform;
 
 /// Limits the length of a window from above: at 100 Hz about ten seconds.
 const LONGEST: usize = 1024;
 
-/// The least length of a window.
 const SHORTEST: usize = 32;
 
 /// The least number of windows in a record.
@@ -27,76 +27,56 @@ const WINDOWS: usize = 4;
 pub(crate) struct Periodogram {
     /// Samples of a window.
     length: usize,
-    windows: usize,
-    power: Vec<f64>,
+    /// The number of windows: half the degrees of freedom of each power.
+    pub(crate) windows: usize,
+    pub(crate) power: Vec<f64>,
+}
+
+/// The length of the windows of a record of this many samples. `None` if these are too few.
+pub(super) fn window_length(samples: usize) -> Option<usize> {
+    (0..).map(|i| LONGEST >> i).take_while(|l| *l >= SHORTEST).find(|l| l * WINDOWS <= samples)
 }
 
 /// The least frequency, in cycles per window: below it the window's own shape dominates.
 const FIRST: usize = 2;
 
 impl Periodogram {
-    /// The periodograms of several series of one length, of windows that have no sample outside some ranges in ascending
-    /// order. Two series take one transform.
-    pub(crate) fn of_all(series: &[&[f64]], kept: &[Range<usize>]) -> Vec<Self> {
-        let samples = series.first().map_or(0, |one| one.len());
+    /// The periodograms of several series of one length, of windows that have no sample outside some ranges,
+    /// of which no two are adjacent.
+    pub(crate) fn of_all(series: &[Vec<f64>], kept: &[Range<usize>]) -> Vec<Self> {
+        let samples = series.first().map_or(0, Vec::len);
         let Some(mut windows) = WelchWindows::of(samples) else { return vec![Self::default(); series.len()] };
-        let begins = window_begins(kept, windows.length);
-        let mut all = vec![Self::empty(windows.length); series.len()];
-        for (pair, of_pair) in series.chunks(2).zip(all.chunks_mut(2)) {
-            for &begin in &begins {
-                let window = begin..begin + windows.length;
-                let first = &pair[0][window.clone()];
-                let powers = windows.powers(first, pair.get(1).map(|second| &second[window]));
-                for (of, one) in of_pair.iter_mut().enumerate() {
-                    one.add(powers.iter().map(|both| both[of]));
+        let length = windows.length;
+        let begins = kept.iter().flat_map(|run| run.clone().step_by(length).take(run.len() / length));
+        let powers: Vec<_> = begins.map(|begin| windows.powers(series, begin)).collect();
+        Self::averaged(&windows, series.len(), powers.iter())
+    }
+
+    /// The means of the powers of some windows ([`WelchWindows::powers`]); empty if they are too few.
+    fn averaged<'a>(windows: &WelchWindows, series: usize, powers: impl Iterator<Item = &'a Powers>) -> Vec<Self> {
+        let length = windows.length;
+        let mut all = vec![Self { length, windows: 0, power: vec![0.0; length / 2 - 1 - FIRST] }; series];
+        for pairs in powers {
+            for (i, one) in all.iter_mut().enumerate() {
+                one.windows += 1;
+                for (sum, pair) in one.power.iter_mut().zip(&pairs[i / 2]) {
+                    *sum += pair[i % 2];
                 }
             }
         }
-        all.into_iter().map(|one| one.averaged(&windows)).collect()
-    }
-
-    /// A sum over windows of `length` samples, none added yet.
-    pub(crate) fn empty(length: usize) -> Self {
-        Self { length, windows: 0, power: vec![0.0; length / 2 - 1 - FIRST] }
-    }
-
-    /// Adds the powers of a window ([`WelchWindows::powers`]).
-    pub(crate) fn add(&mut self, powers: impl Iterator<Item = f64>) {
-        self.windows += 1;
-        for (sum, power) in self.power.iter_mut().zip(powers) {
-            *sum += power;
-        }
-    }
-
-    /// The mean of the added windows; empty if they are too few.
-    pub(crate) fn averaged(mut self, windows: &WelchWindows) -> Self {
-        if self.windows < WINDOWS / 2 {
-            return Self::default();
-        }
-        for power in &mut self.power {
-            *power = *power * windows.scale / self.windows as f64;
-        }
-        self
-    }
-
-    /// The samples of a window over this many samples. `None` if there are too few.
-    pub(crate) fn window_of(samples: usize) -> Option<usize> {
-        WelchWindows::length_for(samples)
-    }
-
-    /// The number of windows: half the degrees of freedom of each power.
-    pub(crate) fn windows(&self) -> usize {
-        self.windows
+        let mean = |mut one: Self| {
+            if one.windows < WINDOWS / 2 {
+                return Self::default();
+            }
+            one.power.iter_mut().for_each(|power| *power = *power * windows.scale / one.windows as f64);
+            one
+        };
+        all.into_iter().map(mean).collect()
     }
 
     /// The mean of all powers; NaN where the series is too short.
     pub(crate) fn mean(&self) -> f64 {
         self.power.iter().sum::<f64>() / self.power.len() as f64
-    }
-
-    /// The number of frequencies.
-    pub(crate) fn len(&self) -> usize {
-        self.power.len()
     }
 
     /// The largest power and its frequency in radians a sample, between its neighbours by a parabola. `None` if the
@@ -111,70 +91,86 @@ impl Periodogram {
     }
 }
 
+/// The powers of a window, for each two series at each frequency.
+type Powers = Vec<Vec<[f64; 2]>>;
+
 /// Windows of one length, and their transform.
 #[derive(Debug)]
-pub(crate) struct WelchWindows {
+struct WelchWindows {
     length: usize,
     transform: Transform,
     weights: Vec<f64>,
     /// One over the sum of the squares of the weights.
     scale: f64,
     buffer: Vec<(f64, f64)>,
-    powers: Vec<[f64; 2]>,
 }
 
 impl WelchWindows {
-    /// The length of the windows of a record of this many samples. `None` if these are too few.
-    pub(crate) fn length_for(samples: usize) -> Option<usize> {
-        (0..).map(|i| LONGEST >> i).take_while(|l| *l >= SHORTEST).find(|l| l * WINDOWS <= samples)
-    }
-
     /// The windows of a record of this many samples. `None` if these are too few.
-    pub(crate) fn of(samples: usize) -> Option<Self> {
-        let length = Self::length_for(samples)?;
+    fn of(samples: usize) -> Option<Self> {
+        let length = window_length(samples)?;
         let weights: Vec<f64> = (0..length).map(|k| libm::sin(PI * (k as f64 + 0.5) / length as f64)).collect();
         let weights: Vec<f64> = weights.iter().map(|w| w * w).collect();
         let scale = 1.0 / weights.iter().map(|w| w * w).sum::<f64>();
-        let (buffer, powers) = (vec![(0.0, 0.0); length], vec![[0.0; 2]; length / 2 - 1 - FIRST]);
-        Some(Self { length, transform: Transform::new(length), weights, scale, buffer, powers })
+        Some(Self { length, transform: Transform::new(length), weights, scale, buffer: vec![(0.0, 0.0); length] })
     }
 
-    /// The samples of a window.
-    pub(crate) fn length(&self) -> usize {
-        self.length
-    }
-
-    /// The powers of one window of one series or two at each frequency, not yet scaled.
-    pub(crate) fn powers(&mut self, first: &[f64], second: Option<&[f64]>) -> &[[f64; 2]] {
-        let Self { length, transform, weights, buffer, powers, .. } = self;
-        for (k, (slot, weight)) in buffer.iter_mut().zip(&*weights).enumerate() {
-            *slot = (weight * first[k], second.map_or(0.0, |second| weight * second[k]));
-        }
-        transform.apply(buffer);
-        for (j, power) in (FIRST..).zip(powers.iter_mut()) {
-            // The real series' transform is the even part, the imaginary one's the odd part.
-            let ((re, im), (mirrored_re, mirrored_im)) = (buffer[j], buffer[*length - j]);
-            let (even_re, even_im) = (re + mirrored_re, im - mirrored_im);
-            let (odd_re, odd_im) = (im + mirrored_im, re - mirrored_re);
-            power[0] = 0.25 * (even_re * even_re + even_im * even_im);
-            power[1] = 0.25 * (odd_re * odd_re + odd_im * odd_im);
-        }
-        powers
+    /// The powers of the window of several series that begins at one sample, not yet scaled: at each frequency those of two series, which
+    /// take one transform.
+    fn powers(&mut self, series: &[Vec<f64>], begin: usize) -> Powers {
+        let Self { length, transform, weights, buffer, .. } = self;
+        let of_pair = |pair: &[Vec<f64>]| {
+            for (k, (slot, weight)) in (begin..).zip(buffer.iter_mut().zip(&*weights)) {
+                *slot = (weight * pair[0][k], pair.get(1).map_or(0.0, |second| weight * second[k]));
+            }
+            transform.apply(buffer);
+            let power = |j: usize| {
+                // The real series' transform is the even part, the imaginary one's the odd part.
+                let ((re, im), (mirrored_re, mirrored_im)) = (buffer[j], buffer[*length - j]);
+                let (even_re, even_im) = (re + mirrored_re, im - mirrored_im);
+                let (odd_re, odd_im) = (im + mirrored_im, re - mirrored_re);
+                [0.25 * (even_re * even_re + even_im * even_im), 0.25 * (odd_re * odd_re + odd_im * odd_im)]
+            };
+            (FIRST..*length / 2 - 1).map(power).collect()
+        };
+        series.chunks(2).map(of_pair).collect()
     }
 }
 
-/// The first samples of as many windows as fit one after the other into ranges. Adjacent ranges count as one.
-fn window_begins(kept: &[Range<usize>], length: usize) -> Vec<usize> {
-    let mut begins = Vec::new();
-    let mut run = 0..0;
-    for range in kept {
-        run = if range.start == run.end { run.start..range.end } else { range.clone() };
-        while run.start + length <= run.end {
-            begins.push(run.start);
-            run.start += length;
+/// The spectra of windows that begin at multiples of their length from the run's beginning, of all sensors, each computed
+/// once.
+#[derive(Debug, Default)]
+pub(super) struct LiveSpectra {
+    windows: Option<WelchWindows>,
+    powers: Option<Series<Powers>>,
+}
+
+impl LiveSpectra {
+    /// Takes in the new windows in some samples, and forgets the windows before. `values` are those of all sensors at some samples.
+    pub(super) fn follow(&mut self, samples: &Range<usize>, values: impl Fn(&Range<usize>) -> Vec<Vec<f64>>) {
+        let length = window_length(samples.len());
+        if self.windows.as_ref().map(|windows| windows.length) != length {
+            *self = Self { windows: WelchWindows::of(samples.len()), powers: None };
         }
+        let Some(windows) = &mut self.windows else { return };
+        let first = samples.start.div_ceil(windows.length);
+        let kept = self.powers.take().filter(|powers| (powers.first()..=powers.end()).contains(&first));
+        let powers = self.powers.insert(kept.unwrap_or_else(|| Series::starting_at(first)));
+        while (powers.end() + 1) * windows.length <= samples.end {
+            let begin = powers.end() * windows.length;
+            powers.push(windows.powers(&values(&(begin..begin + windows.length)), 0));
+        }
+        powers.forget_before(first);
     }
-    begins
+
+    /// The periodogram of each sensor, of windows that have no sample outside some ranges.
+    pub(super) fn of(&self, kept: &[Range<usize>], sensors: usize) -> Vec<Periodogram> {
+        let (Some(windows), Some(powers)) = (&self.windows, &self.powers) else {
+            return vec![Periodogram::default(); sensors];
+        };
+        let numbers = kept.iter().flat_map(|run| run.start.div_ceil(windows.length)..run.end / windows.length);
+        Periodogram::averaged(windows, sensors, numbers.filter_map(|number| powers.get(number)))
+    }
 }
 
 #[cfg(test)]
@@ -187,12 +183,15 @@ mod tests {
         let mut normal = Normal::from_seed(3);
         let noise: Vec<f64> = (0..8192).map(|_| normal.sample()).collect();
         let wave: Vec<f64> = (0..8192).map(|k| noise[k] + libm::sin(0.7 * k as f64)).collect();
-        let [flat, line] = &Periodogram::of_all(&[&noise, &wave], &[0..3000, 3000..8192])[..] else { panic!() };
+        let [flat, line] = &Periodogram::of_all(&[noise.clone(), wave.clone()], std::slice::from_ref(&(0..8192)))[..]
+        else {
+            panic!()
+        };
         assert!((flat.mean() - 1.0).abs() < 0.05 && flat.peak().unwrap().0 < 4.0, "{:?}", flat.peak());
         let (power, frequency) = line.peak().unwrap();
         assert!(power > 50.0 && (frequency - 0.7).abs() < 0.002, "{power} at {frequency}");
-        let alone = &Periodogram::of_all(&[&wave], std::slice::from_ref(&(0..8192)))[0];
+        let alone = &Periodogram::of_all(&[wave], std::slice::from_ref(&(0..8192)))[0];
         assert!((alone.peak().unwrap().0 / power - 1.0).abs() < 1e-9);
-        assert_eq!(Periodogram::of_all(&[&noise[..100]], std::slice::from_ref(&(0..100)))[0].peak(), None);
+        assert_eq!(Periodogram::of_all(&[noise[..100].to_vec()], std::slice::from_ref(&(0..100)))[0].peak(), None);
     }
 }

@@ -8,15 +8,15 @@
 //! Each cause must gain more log likelihood than the price of the numbers that it fits. The last step removes causes
 //! that a later one has made needless.
 
-mod choice;
+use std::sync::Arc;
 
+use super::cause::LikelyCause;
 use super::law::{ForceInHindsight, Law};
-use super::path::Path;
-use super::ranking::{Ranked, WORTH, compare};
-use super::remedy::Remedy;
+use super::remedy::{Ranked, Remedy, WORTH, compare};
 use super::trial::Trials;
 use super::verdict::Verdict;
-use crate::Task;
+use crate::data::setting::Edit;
+use crate::{Channel, Scenario, Task};
 
 /// Limits the causes of one remedy.
 const STEPS: usize = 4;
@@ -34,17 +34,12 @@ const UNKNOWN_FORCE: &str = "unknown_force";
 pub struct Search {
     trials: Trials,
     stage: Stage,
-    /// The causes that were tried alone.
     alone: Vec<Ranked>,
     before: Option<Verdict>,
-    /// The log likelihood of the unchanged filter.
     likelihood: f64,
-    /// The unchanged filter.
     origin: Path,
     paths: Vec<Path>,
-    /// The filters on which causes were tried.
     filters: usize,
-    /// The law that an unknown force follows, in words.
     law: Option<Law>,
 }
 
@@ -69,7 +64,7 @@ enum Stage {
 impl Search {
     /// The search that begins with the trials of a filter's causes.
     pub(super) fn new(trials: Trials) -> Self {
-        let origin = Path::new(trials.scenario());
+        let origin = Path::new(&trials.scenario);
         let (stage, filters) = (Stage::Causes(None), 1);
         let (alone, paths) = (Vec::new(), Vec::new());
         Self { trials, stage, alone, before: None, likelihood: f64::NAN, origin, paths, filters, law: None }
@@ -97,7 +92,7 @@ impl Search {
             .iter()
             .map(|Ranked { remedy, rank, achieved }| (remedy.clone(), price(remedy.first.cause.key, *rank), *achieved));
         let mut all: Vec<(Remedy, f64, f64)> = alone.collect();
-        for path in self.paths.iter().filter(|path| path.len() > 1 || path.is_tried) {
+        for path in self.paths.iter().filter(|path| path.steps.len() > 1 || path.is_tried) {
             if self.paths.iter().any(|fewer| fewer.is_enough_for(path)) {
                 continue;
             }
@@ -153,14 +148,14 @@ impl Search {
                 }
                 if on.is_none() {
                     self.before = self.trials.before().cloned();
-                    self.likelihood = self.trials.outcome_before().map_or(f64::NAN, |before| before.log_likelihood);
+                    self.likelihood = self.trials.before.as_ref().map_or(f64::NAN, |before| before.log_likelihood);
                     self.alone = ranked;
                     return self.look_at_force(false);
                 }
                 self.try_next();
             }
             Stage::Without { path, step, mut shorter } => {
-                if let Some(outcome) = self.trials.outcome_before() {
+                if let Some(outcome) = &self.trials.before {
                     let price = self.trials.price() * shorter.fitted();
                     shorter.gain = outcome.log_likelihood - self.likelihood - price;
                     shorter.after = outcome.verdict.clone();
@@ -177,7 +172,7 @@ impl Search {
                 }
             }
             Stage::Force { force, is_last } => {
-                self.law = force.law(self.trials.record().dt());
+                self.law = force.law(self.trials.record.dt());
                 if !is_last {
                     self.try_next();
                 }
@@ -205,7 +200,7 @@ impl Search {
         let has_force = |remedy: &Remedy| remedy.causes().any(|likely| likely.cause.key == UNKNOWN_FORCE);
         let place = self.remedies().iter().find(|one| has_force(one)).and_then(|remedy| self.place_of(remedy));
         let place = place.filter(|_| self.law.is_none());
-        let force = place.and_then(|path| ForceInHindsight::new(&self.paths[path].scenario, self.trials.record()));
+        let force = place.and_then(|path| ForceInHindsight::new(&self.paths[path].scenario, &self.trials.record));
         match force {
             Some(force) => self.stage = Stage::Force { force, is_last },
             None if is_last => self.stage = Stage::Done,
@@ -216,7 +211,7 @@ impl Search {
     /// Tries a path without its cause at `step`, or without a later one.
     fn shorten(&mut self, path: usize, step: usize) {
         let whole = &self.paths[path];
-        let can = |step: &usize| whole.len() > 1 && *step + 1 < whole.len();
+        let can = |step: &usize| whole.steps.len() > 1 && *step + 1 < whole.steps.len();
         let shorter =
             (step..).take_while(can).find_map(|step| Some((step, whole.without(step, &self.origin.scenario)?)));
         match shorter {
@@ -228,11 +223,10 @@ impl Search {
         }
     }
 
-    /// Runs the filter of a path, and tries its causes if asked to.
     fn run(&mut self, path: &Path, with_causes: bool) {
         let likely_causes = if with_causes { None } else { Some(Vec::new()) };
         let Some(origin) = self.origin.scenario.filters.first().cloned() else { return };
-        self.trials = Trials::over(self.trials.record().clone(), path.scenario.clone(), origin, likely_causes);
+        self.trials = Trials::over(Arc::clone(&self.trials.record), path.scenario.clone(), origin, likely_causes);
     }
 }
 
@@ -252,7 +246,7 @@ impl Task for Search {
     fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
         while !self.is_done() {
             let is_ready = match &mut self.stage {
-                Stage::Force { force, .. } => force.advance(self.trials.record(), while_time),
+                Stage::Force { force, .. } => force.advance(&self.trials.record, while_time),
                 _ => self.trials.advance(while_time),
             };
             if !is_ready {
@@ -268,5 +262,186 @@ impl Task for Search {
 
     fn finish(self) -> Vec<Remedy> {
         self.remedies()
+    }
+}
+
+/// The number of first causes that others are tried on before any remedy has three.
+const FIRSTS: usize = 3;
+
+/// Limits the filters on which causes are tried once a remedy ends well.
+const FILTERS_ENOUGH: usize = 4;
+
+/// An unknown force without a law of its own pays this share of its gain, because it fits any record. One with such a
+/// law gets this share ahead of noise, which fits any record too.
+const PRICE: f64 = 0.05;
+
+/// The least gain of a path that is tried beside one with such a force, relative to that one's gain.
+const FAR_BEHIND: f64 = 0.7;
+
+impl Search {
+    /// Tries causes of the remaining misfit on the best path without a good verdict, if it can still become the best.
+    fn try_next(&mut self) {
+        let ends_well = |path: &Path| path.after.as_ref().is_some_and(|verdict| verdict.kind.is_good());
+        let best_of = |is: &dyn Fn(&Path) -> bool| {
+            self.paths.iter().filter(|path| ends_well(path) && is(path)).map(|path| self.rank(path)).reduce(f64::max)
+        };
+        // A free force ends in a good verdict whatever the cause is: other paths are tried too, if they are not far
+        // behind.
+        let well = best_of(&|path| !self.is_any_force(path));
+        let least = well.or_else(|| best_of(&|_| true).map(|rank| FAR_BEHIND * rank));
+        let limit = if well.is_some() { FILTERS_ENOUGH } else { FILTERS };
+        let is_open = |path: &Path| {
+            !path.is_tried
+                && path.steps.len() < STEPS
+                && !ends_well(path)
+                && least.is_none_or(|least| self.rank(path) > least)
+        };
+        let open = || self.paths.iter().enumerate().filter(|(_, path)| is_open(path));
+        // A path with more causes is likelier, even if it begins with a wrong one: so the best first causes are tried
+        // first.
+        let mut firsts: Vec<f64> =
+            self.paths.iter().filter(|path| path.steps.len() == 1).map(|path| self.rank(path)).collect();
+        firsts.sort_by(|a, b| b.total_cmp(a));
+        let least_first = firsts.get(FIRSTS - 1).or(firsts.last()).copied().unwrap_or(f64::INFINITY);
+        // The order is that of the gain with all noise fitted. The path with the largest gain of its own is added.
+        let most = self
+            .paths
+            .iter()
+            .filter(|path| path.steps.len() == 1)
+            .map(|path| path.gain)
+            .fold(f64::NEG_INFINITY, f64::max);
+        let is_first = |path: &Path| path.steps.len() == 1 && (self.rank(path) >= least_first || path.gain >= most);
+        let order = |path: &Path| (is_first(path), self.rank(path));
+        let better = |a: &Path, b: &Path| order(a).partial_cmp(&order(b)).unwrap_or(std::cmp::Ordering::Equal);
+        let best = open().max_by(|(_, a), (_, b)| better(a, b)).map(|(place, _)| place);
+        match best.filter(|_| self.filters < limit) {
+            Some(place) => {
+                self.filters += 1;
+                self.paths[place].is_tried = true;
+                let path = self.paths[place].clone();
+                self.run(&path, true);
+                self.stage = Stage::Causes(Some(place));
+            }
+            None => self.shorten_first(),
+        }
+    }
+
+    fn rank(&self, path: &Path) -> f64 {
+        if path.has(UNKNOWN_FORCE) { self.priced(path.rank) } else { path.rank }
+    }
+
+    /// The gain with an unknown force, less the price of one that follows no law of its own.
+    fn priced(&self, rank: f64) -> f64 {
+        let is_own = self.law.as_ref().is_some_and(|law| law.is_own);
+        let share = if is_own { 1.0 + PRICE } else { 1.0 - PRICE };
+        if rank > 0.0 { share * rank } else { rank }
+    }
+
+    /// Whether an unknown force that follows no law of its own is among the causes of a path.
+    fn is_any_force(&self, path: &Path) -> bool {
+        path.has(UNKNOWN_FORCE) && !self.law.as_ref().is_some_and(|law| law.is_own)
+    }
+}
+
+/// The key of the edit with a list as its value: each cause appends to it.
+const AUGMENT: &str = "augment";
+
+/// Causes that are repaired one after the other, and the resulting filter.
+#[derive(Clone, Debug)]
+struct Path {
+    steps: Vec<Step>,
+    scenario: Scenario,
+    rank: f64,
+    /// The gain of the filter with all edits made, less the price of the numbers that they fit.
+    gain: f64,
+    after: Option<Verdict>,
+    /// Whether causes of the remaining misfit have been tried.
+    is_tried: bool,
+}
+
+/// One cause and the augmentations that its edits add.
+#[derive(Clone, Debug)]
+struct Step {
+    likely: LikelyCause,
+    added: Vec<Channel>,
+}
+
+impl Path {
+    /// No cause yet, of the only filter of a scenario.
+    fn new(scenario: &Scenario) -> Self {
+        Self { steps: Vec::new(), scenario: scenario.clone(), rank: 0.0, gain: 0.0, after: None, is_tried: true }
+    }
+
+    /// The numbers that its edits fit.
+    fn fitted(&self) -> f64 {
+        self.steps.iter().map(|step| step.likely.fitted).sum()
+    }
+
+    /// The same with one more cause. It replaces an earlier cause of the same kind if it makes all of that one's edits
+    /// again; the price of the replaced numbers, `price` each, is then given back.
+    fn then(&self, next: &Ranked, price: f64) -> Option<Self> {
+        let Ranked { remedy, rank, achieved } = next;
+        let likely = remedy.first.clone();
+        let scenario = Edit::apply_all(&likely.edits, &self.scenario).ok()?;
+        let before = &self.scenario.filters.first()?.augment;
+        let added = scenario.filters.first()?.augment.iter().copied().filter(|one| !before.contains(one)).collect();
+        let is_again = |step: &Step| {
+            let again = |edit: &Edit| likely.edits.iter().any(|other| other.key == edit.key);
+            step.likely.cause.key == likely.cause.key && step.likely.edits.iter().all(again)
+        };
+        let mut steps: Vec<Step> = self.steps.iter().filter(|step| !is_again(step)).cloned().collect();
+        let again = self.fitted() - steps.iter().map(|step| step.likely.fitted).sum::<f64>();
+        let paid = self.gain + price * again;
+        steps.push(Step { likely, added });
+        let (rank, gain) = (paid + rank, paid + achieved);
+        Some(Self { steps, scenario, rank, gain, after: remedy.after.clone(), is_tried: false })
+    }
+
+    /// The same without the cause at a place, from the scenario without any; its gain and its verdict are not known yet.
+    fn without(&self, place: usize, origin: &Scenario) -> Option<Self> {
+        let mut path = Self { rank: self.rank, is_tried: true, ..Self::new(origin) };
+        for (_, step) in self.steps.iter().enumerate().filter(|(i, _)| *i != place) {
+            let mut step = step.clone();
+            let augment = &path.scenario.filters.first()?.augment;
+            let keys: Vec<String> = augment.iter().chain(&step.added).map(|one| one.key().to_owned()).collect();
+            let is_list = |edit: &&mut Edit| edit.key.ends_with(&format!(".{AUGMENT}"));
+            step.likely.edits.iter_mut().filter(is_list).for_each(|edit| edit.value = keys.clone().into());
+            path.scenario = Edit::apply_all(&step.likely.edits, &path.scenario).ok()?;
+            path.steps.push(step);
+        }
+        Some(path)
+    }
+
+    fn has(&self, key: &str) -> bool {
+        self.steps.iter().any(|step| step.likely.cause.key == key)
+    }
+
+    fn causes(&self) -> Vec<&'static str> {
+        let mut keys: Vec<_> = self.steps.iter().map(|step| step.likely.cause.key).collect();
+        keys.sort_unstable();
+        keys
+    }
+
+    /// Whether it has only some of another path's causes, explains as much and ends in as good a verdict: the other
+    /// causes are needless.
+    fn is_enough_for(&self, other: &Self) -> bool {
+        let (causes, all) = (self.causes(), other.causes());
+        let precedence = |path: &Self| path.remedy().map(|remedy| remedy.precedence());
+        causes.len() < all.len()
+            && causes.iter().all(|key| all.contains(key))
+            && self.gain >= other.gain
+            && precedence(self) >= precedence(other)
+    }
+
+    /// The path as a remedy. `None` if it has no cause.
+    fn remedy(&self) -> Option<Remedy> {
+        let mut edits: Vec<Edit> = Vec::new();
+        for edit in self.steps.iter().flat_map(|step| &step.likely.edits) {
+            edits.retain(|other| other.key != edit.key);
+            edits.push(edit.clone());
+        }
+        let mut told = self.steps.iter().map(|step| &step.likely).filter(|likely| !likely.sentence.is_empty());
+        let likely = told.next()?.clone();
+        Some(Remedy { first: likely, then: told.cloned().collect(), edits, gain: self.gain, after: self.after.clone() })
     }
 }

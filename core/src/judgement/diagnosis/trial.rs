@@ -20,9 +20,9 @@ const USUAL: usize = 30;
 
 /// The trials of all likely causes of one filter, which can be cut into slices of time.
 pub struct Trials {
-    record: Arc<Record>,
+    pub(super) record: Arc<Record>,
     /// The scenario with that one filter, as it begins at the window's first sample.
-    scenario: Scenario,
+    pub(super) scenario: Scenario,
     /// The filter before any edit of a search was made.
     origin: FilterSettings,
     /// `None` until the unchanged filter has run, if its likely causes follow from that run.
@@ -32,14 +32,12 @@ pub struct Trials {
     first: usize,
     /// The estimates and likelihoods of the filter with no edit made; a restarted filter begins from them.
     unturned: Option<Estimates>,
-    /// The result without any edit made.
-    before: Option<Outcome>,
+    pub(super) before: Option<Outcome>,
     outcomes: Vec<Outcome>,
     /// The log likelihood of the filter itself over the window, if a UKF stands in for it.
-    own: Option<f64>,
+    pub(super) own: Option<f64>,
 }
 
-/// The result of one trial.
 #[derive(Clone, Debug)]
 pub(super) struct Outcome {
     pub(super) log_likelihood: f64,
@@ -62,7 +60,6 @@ impl Outcome {
         verdict: None,
     };
 
-    /// Whether the filter with the edit made has a good verdict.
     pub(super) fn is_good(&self) -> bool {
         self.verdict.as_ref().is_some_and(|verdict| verdict.kind.is_good())
     }
@@ -169,34 +166,13 @@ impl Trials {
         self.before.as_ref()?.verdict.as_ref()
     }
 
-    /// The result of the unchanged filter.
-    pub(super) fn outcome_before(&self) -> Option<&Outcome> {
-        self.before.as_ref()
-    }
-
-    /// The likely causes that have been tried, with their results.
     pub(super) fn tried(&self) -> impl Iterator<Item = (&LikelyCause, &Outcome)> {
         self.likely_causes.iter().flatten().zip(&self.outcomes)
-    }
-
-    /// The log likelihood of the filter itself, if a UKF stands in for it.
-    pub(super) fn own_likelihood(&self) -> Option<f64> {
-        self.own
     }
 
     /// The log likelihood that one more fitted number must gain.
     pub(super) fn price(&self) -> f64 {
         0.5 * libm::log(self.record.len().max(2) as f64)
-    }
-
-    /// The record of the window.
-    pub(super) fn record(&self) -> &Arc<Record> {
-        &self.record
-    }
-
-    /// The scenario with the unchanged filter.
-    pub(super) fn scenario(&self) -> &Scenario {
-        &self.scenario
     }
 
     /// The likely cause that is tried now. `None` while the unchanged filter runs.

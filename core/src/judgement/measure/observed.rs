@@ -1,16 +1,16 @@
-//! All estimates of a run, as measures look at them.
+//! A run as measures look at it: all its estimates, or the sums of a whole run.
 
 use std::cell::OnceCell;
 use std::ops::Range;
 
 use super::Measure;
 use crate::numbers::diagnostics::ErrorSums;
+use crate::numbers::score::{ChannelScore, Outcome};
 use crate::{Channel, CramerRao, Diagnostics, Estimates, FilterSettings, Quantity, Record, Scenario};
 
 /// One filter's run over one record, with all its estimates, or the smoothed ones.
 pub struct Observed<'a> {
     pub(super) scenario: &'a Scenario,
-    /// The filter's place in the scenario.
     pub(super) place: usize,
     pub(super) record: &'a Record,
     pub(super) estimates: &'a Estimates,
@@ -59,7 +59,6 @@ impl<'a> Observed<'a> {
         self.given.unwrap_or_else(|| self.own.get_or_init(|| Diagnostics::new(self.estimates, self.record)))
     }
 
-    /// The posterior Cramér-Rao bound over the whole record.
     fn bound(&self) -> Option<&CramerRao> {
         let bound = self.bound.get_or_init(|| {
             let mut bound = CramerRao::new(self.scenario, self.place, self.record.dt())?;
@@ -74,7 +73,6 @@ impl<'a> Observed<'a> {
     }
 }
 
-/// The part of a run that a measure looks at.
 pub(super) struct Part<'a> {
     pub(super) run: &'a Observed<'a>,
     channel: Option<Channel>,
@@ -109,7 +107,6 @@ impl Part<'_> {
         (t / self.run.record.dt()).round() as usize
     }
 
-    /// The place of the channel in the filter.
     pub(super) fn place(&self) -> Option<usize> {
         self.run.estimates.place(self.channel?)
     }
@@ -120,7 +117,6 @@ impl Part<'_> {
         self.sensor.map_or(Some(0), |sensor| sensors.iter().position(|other| *other == sensor))
     }
 
-    /// The sums of the channel's errors over the range.
     pub(super) fn tally(&self) -> Option<ErrorSums> {
         self.run.diagnostics().tally(self.channel?, self.range())
     }
@@ -161,9 +157,59 @@ impl Part<'_> {
         Some([mean - libm::log(truth), std])
     }
 
-    /// The posterior Cramér-Rao bound of the channel at a sample.
     pub(super) fn bound(&self, k: usize) -> Option<f64> {
         let bound = self.run.bound()?;
         (k < bound.len()).then(|| bound.place(self.channel?).map(|place| bound.std(k, place)))?
     }
+}
+
+/// The sums of one filter's run over a whole record.
+#[derive(Clone, Copy)]
+pub struct Whole<'a> {
+    pub(super) record: &'a Record,
+    pub(super) outcome: &'a Outcome,
+    channels: &'a [Channel],
+}
+
+impl<'a> Whole<'a> {
+    /// The sums of a filter with these channels over a record.
+    pub fn new(record: &'a Record, outcome: &'a Outcome, channels: &'a [Channel]) -> Self {
+        Self { record, outcome, channels }
+    }
+
+    pub(super) fn of(&self, measure: Measure) -> Sums<'_> {
+        Sums { whole: self, channel: measure.channel }
+    }
+}
+
+pub(super) struct Sums<'a> {
+    pub(super) whole: &'a Whole<'a>,
+    channel: Option<Channel>,
+}
+
+impl Sums<'_> {
+    /// A number from the score of the channel; NaN if its truth is not known.
+    pub(super) fn score(&self, number: impl Fn(&ChannelScore) -> f64) -> f64 {
+        let mut scores = self.whole.outcome.channels.iter();
+        scores.find(|(channel, _)| Some(*channel) == self.channel).map_or(f64::NAN, |(_, score)| number(score))
+    }
+
+    fn place(&self) -> Option<usize> {
+        self.whole.channels.iter().position(|channel| Some(*channel) == self.channel)
+    }
+}
+
+/// The last standard deviation of the channel; NaN if the filter does not have it.
+pub(super) fn std(sums: &Sums<'_>) -> f64 {
+    sums.place().map_or(f64::NAN, |place| sums.whole.outcome.std[place])
+}
+
+/// The last mean of the channel in the canonical form of the oscillator, with a natural frequency that is not negative; NaN if
+/// the filter does not have it.
+pub(super) fn estimate(sums: &Sums<'_>) -> f64 {
+    let Whole { channels, outcome, .. } = sums.whole;
+    let frequency = channels.iter().position(|channel| *channel == Channel::NATURAL_FREQUENCY);
+    let is_mirrored = frequency.is_some_and(|place| outcome.mean[place] < 0.0);
+    let mean = sums.place().map_or(f64::NAN, |place| outcome.mean[place]);
+    if is_mirrored && sums.channel.is_some_and(Channel::is_mirrored) { -mean } else { mean }
 }

@@ -1,23 +1,18 @@
 //! The table of measures: a row each, with its formulas.
 
-use super::Value;
-use super::first_cause::FirstCause;
 use super::info::{Best, MeasureInfo, Of, ValueKind, row};
+use super::observed;
 use super::observed::{Observed, Part};
-use super::whole;
+use super::{FirstCause, Value};
 use crate::free_run::one_step;
 use crate::numbers::diagnostics::{ErrorSums, Total};
 use crate::numbers::score::outcome::LOST;
 use crate::{Diagnosis, Evidence, FilterSettings, Identified, InputKind, ModelClasses, PlantKind, Task};
 
-/// A pure number.
 const PURE: Option<&str> = Some("");
 
 /// The share of samples inside ±2σ that a filter with the right σ has.
 const EXPECTED_INSIDE: f64 = 0.954;
-
-/// Computes the value of a measure over a part of a run.
-type Within = fn(&Part<'_>) -> Value;
 
 /// Makes a static of each row, [`ALL`] of them in the order of tables, and in the same order the functions that compute them from all
 /// estimates. Those stand apart, so that a program that has sums alone does not contain them.
@@ -25,7 +20,7 @@ macro_rules! measures {
     ($($name:ident = $row:expr => $within:expr;)*) => {
         $(pub(super) static $name: MeasureInfo = $row;)*
         pub(super) static ALL: [&MeasureInfo; [$(stringify!($name)),*].len()] = [$(&$name),*];
-        static WITHIN: [Within; ALL.len()] = [$($within),*];
+        static WITHIN: [fn(&Part<'_>) -> Value; ALL.len()] = [$($within),*];
     };
 }
 
@@ -163,7 +158,7 @@ measures! {
         => |part| number(part.tally().zip(part.sensor_noise_of_channel()).map(|(tally, noise)| tally.rmse() / noise));
 
     ESTIMATE = row("estimate", "last estimate of @", ValueKind::Signed, Of::Channel(None))
-        .with_sums(whole::estimate)
+        .with_sums(observed::estimate)
         => |part| number(part.sample().zip(part.place()).map(|(k, place)| part.run.estimates.canonical_mean(k, place)));
 
     RAW_ESTIMATE = row("raw_estimate", "last estimate of @, mirrored or not", ValueKind::Signed, Of::Channel(None))
@@ -171,7 +166,7 @@ measures! {
         => |part| number(part.sample().zip(part.place()).map(|(k, place)| part.run.estimates.mean(k)[place]));
 
     STD = row("std", "last σ of @", ValueKind::Size, Of::Channel(None))
-        .with_sums(whole::std)
+        .with_sums(observed::std)
         => |part| number(part.sample().zip(part.place()).map(|(k, place)| part.run.estimates.std(k, place)));
 
     STD_OVER_BOUND = row("std_over_bound", "last σ of @ over its bound", ValueKind::Ratio, Of::Channel(PURE))

@@ -2,10 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use super::number::plain;
 use super::phrase::{Adjustable, Phrase, Writer};
 use crate::data::scenario::{Fault, Sensor};
 use crate::data::signal::{Ramp, Sine, Step};
+use crate::judgement::words::plain;
 use crate::{Channel, Force, InputKind, PlantKind, Run, Scenario, Signal};
 
 /// After a sudden change it is too early for a judgement for this time, or for a period of the motion if that is longer \[s\].
@@ -14,17 +14,12 @@ const SETTLING: f64 = 1.0;
 /// Limits the sentences about faults of sensors.
 const MOST_FAULTS: usize = 2;
 
-/// What happens in a scenario.
 pub(super) struct Happening {
-    /// The parameters that change.
     changes: Vec<Change>,
 }
 
-/// A parameter that changes.
 pub(super) struct Change {
-    /// The parameter.
     pub(super) channel: Channel,
-    /// Its value over time.
     pub(super) signal: Signal,
 }
 
@@ -83,17 +78,14 @@ impl Happening {
         Self { changes: changes.collect() }
     }
 
-    /// The first parameter that changes, if one does.
     pub(super) fn change(&self) -> Option<&Change> {
         self.changes.first()
     }
 
-    /// Whether a parameter has just changed all at once.
     pub(super) fn is_recent(&self, run: &Run, now: f64) -> bool {
         self.changes.iter().any(|change| change.is_recent(run, now))
     }
 
-    /// What happens, or will, in a run.
     pub(super) fn sentence(&self, run: &Run) -> Vec<Phrase> {
         let scenario = run.scenario();
         let now = scenario.dt * run.done().saturating_sub(1) as f64;
@@ -217,7 +209,6 @@ fn noun(kind: PlantKind) -> String {
     }
 }
 
-/// What moves a plant.
 fn moved(scenario: &Scenario) -> String {
     let by_ground = matches!(scenario.input, InputKind::GroundAcceleration);
     match scenario.force {

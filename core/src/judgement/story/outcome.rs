@@ -3,10 +3,10 @@
 use super::happening::{Change, Happening};
 use std::f64::consts::TAU;
 
-use super::number::{percent, plain, seconds, with_band};
 use super::phrase::{Adjustable, Phrase, Writer};
 use crate::data::scenario::motion::turn_at;
 use crate::diagnosis::Subject;
+use crate::judgement::words::{percent_to_a_tenth, plain, seconds, with_band};
 use crate::numbers::diagnostics::ErrorSums;
 use crate::{
     Channel, Diagnosis, Diagnostics, Estimates, FilterSettings, Propagation, Record, Run, Scenario, Stop, VerdictKind,
@@ -34,16 +34,14 @@ const LEAST_BEHIND: f64 = 0.5;
 /// Limits the further parameters of a record without a truth.
 const OTHERS: usize = 2;
 
-/// The results of one filter that a sentence tells.
 pub(super) struct Outcome<'a> {
-    filter: &'a FilterSettings,
-    name: &'a str,
-    kind: Option<VerdictKind>,
+    pub(super) filter: &'a FilterSettings,
+    pub(super) name: &'a str,
+    pub(super) kind: Option<VerdictKind>,
     /// The parameters that the record does not determine.
     undetermined: Vec<Channel>,
     /// The parameter that the sentence is about, if the filter estimates one.
-    main: Option<Main>,
-    /// The other parameters that it estimates.
+    pub(super) main: Option<Main>,
     others: Vec<Main>,
     /// The first parameter whose last error is outside its ±2σ band.
     outside: Option<Channel>,
@@ -57,19 +55,16 @@ pub(super) struct Outcome<'a> {
     is_settling: bool,
     /// The time of the last sample \[s\].
     now: f64,
-    /// Whether there are no more samples to come.
     is_whole: bool,
 }
 
-/// The last estimate of a parameter.
-struct Main {
+pub(super) struct Main {
     channel: Channel,
     mean: f64,
-    std: f64,
+    pub(super) std: f64,
     truth: Option<Truth>,
 }
 
-/// Its errors.
 struct Truth {
     /// The last error over the truth.
     error: f64,
@@ -135,23 +130,6 @@ impl<'a> Outcome<'a> {
         }
     }
 
-    pub(super) fn id(&self) -> u32 {
-        self.filter.id
-    }
-
-    pub(super) fn name(&self) -> &'a str {
-        self.name
-    }
-
-    pub(super) fn kind(&self) -> Option<VerdictKind> {
-        self.kind
-    }
-
-    /// Whether the record leaves a parameter open.
-    pub(super) fn is_undetermined(&self) -> bool {
-        self.kind == Some(VerdictKind::NotIdentifiable)
-    }
-
     /// Whether an error is outside the band that the verdict calls right, or may soon be.
     fn is_open(&self) -> bool {
         let is_surely_wrong = self.kind >= Some(VerdictKind::PatternLeft);
@@ -166,11 +144,6 @@ impl<'a> Outcome<'a> {
     /// Whether more samples must come before it can be judged.
     pub(super) fn is_early(&self) -> bool {
         self.is_open() && (self.is_settling || !self.is_whole) && self.stop.is_none()
-    }
-
-    /// Whether its innovations leave a pattern, and nothing worse.
-    pub(super) fn leaves_pattern(&self) -> bool {
-        self.kind == Some(VerdictKind::PatternLeft)
     }
 
     /// Whether the band may be believed: it is right and covers the truth where that is known, or says itself that a parameter is not
@@ -192,12 +165,6 @@ impl<'a> Outcome<'a> {
         Some([of(Channel::NATURAL_FREQUENCY)?, of(Channel::DAMPING_RATIO)?])
     }
 
-    /// The width of the band of the parameter that the story is about.
-    pub(super) fn band(&self) -> Option<f64> {
-        self.main.as_ref().map(|main| main.std)
-    }
-
-    /// The sentence on the filter.
     pub(super) fn sentence(&self, change: Option<&Change>) -> Vec<Phrase> {
         // A filter cannot follow a channel that it does not estimate.
         let is_told = |change: &&Change| self.main.as_ref().is_none_or(|main| main.channel == change.channel);
@@ -230,7 +197,6 @@ impl<'a> Outcome<'a> {
         text.say(words).setting(fading).say("),")
     }
 
-    /// The filter's fading factor.
     fn fading(&self) -> Adjustable {
         Adjustable::new(self.filter.address("fading"), self.filter.fading, (1.0, 1.05), "").with_decimals(3)
     }
@@ -257,7 +223,6 @@ impl<'a> Outcome<'a> {
         fading.into_iter().chain(guess).collect()
     }
 
-    /// What the filter has found, and whether that is said to be wrong.
     fn found(&self, text: Writer, change: Option<&Change>) -> (Writer, bool) {
         let Some(main) = &self.main else {
             return (text.say(" takes its parameters as known"), false);
@@ -276,17 +241,19 @@ impl<'a> Outcome<'a> {
                 Some(since) if since > change.start() => {
                     (text.say(" settles after ").result(seconds(since - change.start())), false)
                 }
-                Some(_) => (text.say(" has it to ").result(percent(truth.error)), false),
-                None => (text.say(" is still ").result(percent(truth.error)).say(" off"), true),
+                Some(_) => (text.say(" has it to ").result(percent_to_a_tenth(truth.error)), false),
+                None => (text.say(" is still ").result(percent_to_a_tenth(truth.error)).say(" off"), true),
             },
-            Some(_) if truth.lately < FOUND => (text.say(" follows it to ").result(percent(truth.lately)), false),
-            Some(_) => (text.say(" lags behind, ").result(percent(truth.lately)).say(" off"), true),
+            Some(_) if truth.lately < FOUND => {
+                (text.say(" follows it to ").result(percent_to_a_tenth(truth.lately)), false)
+            }
+            Some(_) => (text.say(" lags behind, ").result(percent_to_a_tenth(truth.lately)).say(" off"), true),
             None if truth.error.abs() < FOUND => {
-                (text.say(format!(" has {symbol} to ")).result(percent(truth.error)), false)
+                (text.say(format!(" has {symbol} to ")).result(percent_to_a_tenth(truth.error)), false)
             }
             None => {
                 let verb = if self.kind.is_none() { "begins with" } else { "has" };
-                (text.say(format!(" {verb} {symbol} ")).result(percent(truth.error)).say(" off"), true)
+                (text.say(format!(" {verb} {symbol} ")).result(percent_to_a_tenth(truth.error)).say(" off"), true)
             }
         }
     }
@@ -303,7 +270,6 @@ impl<'a> Outcome<'a> {
         is_sure.then_some(if cubic.mean > 0.0 { "; the spring hardens" } else { "; the spring softens" })
     }
 
-    /// What the verdict adds.
     fn verdict(&self, text: Writer, is_off: bool) -> Writer {
         let is_outside = self.main.as_ref().is_some_and(|main| self.is_outside(main.channel));
         if self.is_early() {
@@ -401,7 +367,6 @@ impl Main {
         Some(Self { channel, mean, std, truth })
     }
 
-    /// The estimate with its band.
     fn text(&self) -> String {
         with_band(self.mean, 2.0 * self.std, self.channel.unit())
     }

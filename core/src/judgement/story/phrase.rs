@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::number::{percent, plain};
+use crate::judgement::words::{percent_to_a_tenth, plain};
 
 /// A piece of a sentence.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,12 +40,13 @@ pub struct Adjustable {
 /// The way in which a setting is shown.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Form {
-    /// As it is.
     Plain,
-    /// With a number of decimals.
     Decimals(usize),
     /// A natural frequency after a change, shown as the stiffness that is lost (1) or gained (-1), in percent of that before.
-    Stiffness { before: f64, sign: f64 },
+    Stiffness {
+        before: f64,
+        sign: f64,
+    },
 }
 
 impl Adjustable {
@@ -54,7 +55,6 @@ impl Adjustable {
         Self { address: address.into(), shown: value, range, unit, form: Form::Plain }
     }
 
-    /// The same with a number of decimals.
     pub(super) fn with_decimals(self, decimals: usize) -> Self {
         Self { form: Form::Decimals(decimals), ..self }
     }
@@ -120,7 +120,7 @@ impl fmt::Display for Phrase {
 impl fmt::Display for Adjustable {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let number = match self.form {
-            Form::Stiffness { .. } => return f.write_str(&percent(0.01 * self.shown)),
+            Form::Stiffness { .. } => return f.write_str(&percent_to_a_tenth(0.01 * self.shown)),
             Form::Decimals(decimals) if self.shown.abs() < 1e3 => format!("{:.decimals$}", self.shown),
             Form::Decimals(_) | Form::Plain => plain(self.shown),
         };

@@ -1,10 +1,13 @@
-//! Whether innovations are as large as the filter expects.
+//! Whether innovations are as a consistent filter leaves them: as large as expected, zero on average, white, without the input.
 
+use crate::VerdictKind;
 use crate::judgement::diagnosis::case::Case;
-use crate::judgement::diagnosis::distributions::chi_squared_p;
+use crate::judgement::diagnosis::distributions::{chi_squared_p, normal_p};
 use crate::judgement::diagnosis::evidence::{Evidence, Subject, Test};
-use crate::judgement::diagnosis::verdict_kind::VerdictKind;
-use crate::judgement::diagnosis::words::short;
+use crate::judgement::diagnosis::innovations::SensorInnovations;
+use crate::judgement::diagnosis::parts::{CROSS_LAGS, FIRST_CROSS_LAG, LAGS};
+use crate::judgement::words::short;
+use crate::numbers::diagnostics::chi_squared;
 
 /// Limits the factor by which innovations² may differ from their expectation, even if the difference is significant.
 const TOLERANCE: f64 = 1.12;
@@ -56,5 +59,161 @@ fn sized(case: &Case<'_>, evidence: Evidence, (level, count): (f64, f64), whose:
         speaks_for: if level < 1.0 { VerdictKind::Underconfident } else { case.surprise() },
         sentence: format!("innovations² {whose} are {} times what the filter expects", short(level)),
         ..evidence
+    }
+}
+
+/// Limits the mean innovation that does no harm, in standard deviations.
+const OFF_ZERO: f64 = 0.1;
+
+pub(super) static MEAN: Test = Test {
+    name: "mean of the innovations",
+    statistic: "mean of ν times √N",
+    distribution: "standard normal",
+    source: "Bar-Shalom, Li and Kirubarajan (2001), section 5.4",
+    reading: "not zero: a sensor has a bias, or the input an offset",
+    run: mean,
+};
+
+fn mean(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
+    for one in &case.sensors {
+        let (count, mean) = (one.count(&case.kept), one.mean(&case.kept));
+        if count == 0.0 {
+            continue;
+        }
+        let statistic = mean * count.sqrt();
+        found.push(Evidence {
+            statistic,
+            p_value: normal_p(statistic),
+            effect: mean.abs() / OFF_ZERO,
+            speaks_for: case.pattern(one),
+            sentence: format!("the innovations of the {} are {mean:.2}σ on average, not 0", one.sensor.key()),
+            ..Evidence::new(test, Subject::Sensor(one.sensor), case)
+        });
+    }
+}
+
+/// Limits the correlations that do no harm.
+const CORRELATED: f64 = 0.08;
+
+/// A first correlation smaller than this share of the largest one gives no direction.
+const SLIGHT: f64 = 0.5;
+
+pub(super) static WHITENESS: Test = Test {
+    name: "whiteness of the innovations",
+    statistic: "N (N + 2) Σ r_l² / (N - l) over the lags l = 1 … 20",
+    distribution: "χ² with 20 degrees of freedom",
+    source: "Ljung and Box (1978); Mehra (1970), On the identification of variances and adaptive Kalman filtering",
+    reading: "positive at lag 1: the gain is too low, and each innovation leaves something for the next; negative: it is too \
+              high",
+    run: whiteness,
+};
+
+fn whiteness(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
+    for one in &case.sensors {
+        for span in case.spans() {
+            let count = one.count(&span.parts);
+            if count < 2.0 * LAGS as f64 {
+                continue;
+            }
+            let correlation = one.autocorrelation(&span.parts);
+            let terms = correlation.iter().zip(1..).map(|(r, lag)| r * r / (count - f64::from(lag)));
+            let statistic = count * (count + 2.0) * terms.sum::<f64>();
+            let largest = (1..).zip(correlation).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+            let (lag, largest) = largest.unwrap_or((1, 0.0));
+            let first = correlation[0];
+            let telling = if first.abs() < SLIGHT * largest.abs() { largest } else { first };
+            let also = if lag == 1 { String::new() } else { format!(", {largest:.2} at lag {lag}") };
+            let (sensor, when) = (one.sensor.key(), span.words);
+            found.push(Evidence {
+                statistic,
+                p_value: chi_squared::upper_tail(statistic, LAGS as u32 - 1).unwrap_or(1.0),
+                effect: largest.abs() / CORRELATED,
+                speaks_for: direction(case, one, telling, one.level(&span.parts)),
+                sentence: format!("the innovations of the {sensor} are correlated{when}: {first:.2} at lag 1{also}"),
+                ..Evidence::over(test, Subject::Sensor(one.sensor), &span)
+            });
+        }
+    }
+}
+
+/// Limits the innovations² of all sensors, relative to their expectation, up to which those of one sensor may decide.
+const ABOUT_RIGHT: f64 = 1.05;
+
+/// The verdict that a correlation supports. If innovations are smaller than expected and alternate, the filter trusts its sensors
+/// too little.
+fn direction(case: &Case<'_>, one: &SensorInnovations, correlation: f64, own: f64) -> VerdictKind {
+    let (level, _) = case.nis(&case.kept);
+    let are_small = level < 1.0 || own < 1.0 && level < ABOUT_RIGHT;
+    if correlation < 0.0 && are_small { VerdictKind::Underconfident } else { case.pattern(one) }
+}
+
+pub(super) static INPUT: Test = Test {
+    name: "cross-correlation of innovations and input",
+    statistic: "the largest of |Σ ν_k f_(k - l)| / √(Σ ν² Σ f²) over the lags l = -4 … 15, times √N",
+    distribution: "the largest of 20 standard normal numbers",
+    source: "Ljung (1999), System Identification, section 16.6",
+    reading: "at lags of 0 or 1 alone: the input is late, early or held wrongly; at many positive lags: its gain or the plant is \
+              wrong",
+    run: input,
+};
+
+fn input(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
+    for one in &case.sensors {
+        let count = one.count(&case.kept);
+        let correlation = one.cross_correlation(&case.kept);
+        let lags = (FIRST_CROSS_LAG..).zip(correlation);
+        let Some((lag, largest)) = lags.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())) else { continue };
+        if largest == 0.0 {
+            continue;
+        }
+        let statistic = largest.abs() * count.sqrt();
+        let sensor = one.sensor.key();
+        found.push(Evidence {
+            statistic,
+            p_value: (CROSS_LAGS as f64 * normal_p(statistic)).min(1.0),
+            effect: largest.abs() / CORRELATED,
+            speaks_for: case.pattern(one),
+            sentence: format!(
+                "the innovations of the {sensor} follow the input: correlation {largest:.2} at lag {lag}"
+            ),
+            ..Evidence::new(test, Subject::Sensor(one.sensor), case)
+        });
+    }
+}
+
+/// Limits a peak that does no harm, relative to the mean power.
+const LINE: f64 = 5.0;
+
+pub(super) static LINES: Test = Test {
+    name: "lines in the spectrum of the innovations",
+    statistic: "the largest power of a Welch periodogram over the mean power",
+    distribution: "the largest of L/2 sums of squares, χ² with two degrees of freedom a window",
+    source: "Welch (1967), The use of fast Fourier transform for the estimation of power spectra",
+    reading: "a peak at the frequency of a mode: the model lacks it, or has it elsewhere",
+    run: lines,
+};
+
+fn lines(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
+    for one in &case.sensors {
+        let Some((power, turn)) = one.periodogram.peak() else { continue };
+        let statistic = power / one.periodogram.mean();
+        if !statistic.is_finite() {
+            continue;
+        }
+        let degrees = 2 * one.periodogram.windows as u32;
+        let one_p = chi_squared::upper_tail(statistic * f64::from(degrees), degrees).unwrap_or(1.0);
+        found.push(Evidence {
+            statistic,
+            p_value: (one_p * one.periodogram.power.len() as f64).min(1.0),
+            effect: statistic / LINE,
+            speaks_for: case.pattern(one),
+            sentence: format!(
+                "the innovations of the {} have a line of {} times the mean power at {} rad/s",
+                one.sensor.key(),
+                short(statistic),
+                short(turn / case.record.dt())
+            ),
+            ..Evidence::new(test, Subject::Sensor(one.sensor), case)
+        });
     }
 }

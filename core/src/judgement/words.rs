@@ -1,9 +1,29 @@
-//! Numbers as a sentence says them.
+//! Numbers in sentences.
 
-use crate::judgement::diagnosis::words::short;
+/// A number to two digits or so.
+pub(crate) fn short(value: f64) -> String {
+    match value.abs() {
+        0.001..0.0995 => format!("{value:.3}"),
+        0.0995..9.95 => format!("{value:.1}"),
+        9.95..1e6 => format!("{value:.0}"),
+        0.0 => "0".to_owned(),
+        f64::INFINITY => if value < 0.0 { "-∞" } else { "∞" }.to_owned(),
+        _ => format!("{value:.1e}"),
+    }
+}
+
+/// A share in percent: `0 %` and `100 %` only for exactly none and all.
+pub(crate) fn percent(share: f64) -> String {
+    match 100.0 * share {
+        p if p > 0.0 && p < 1.0 => "less than 1 %".to_owned(),
+        p if p > 99.0 && p < 100.0 => "more than 99 %".to_owned(),
+        p if p >= 1e6 => format!("{} %", short(p)),
+        p => format!("{p:.0} %"),
+    }
+}
 
 /// A setting: up to four digits, without zeros at the end.
-pub(super) fn plain(value: f64) -> String {
+pub(crate) fn plain(value: f64) -> String {
     let text = match value.abs() {
         0.0 => "0".to_owned(),
         size if !size.is_finite() => return short(value),
@@ -17,7 +37,7 @@ pub(super) fn plain(value: f64) -> String {
 }
 
 /// A share in percent, with a decimal where it is small: `36 %`, `1.4 %`, `less than 0.1 %`.
-pub(super) fn percent(share: f64) -> String {
+pub(crate) fn percent_to_a_tenth(share: f64) -> String {
     match 100.0 * share.abs() {
         size if size < 0.1 => "less than 0.1 %".to_owned(),
         size if size < 9.95 => format!("{size:.1} %"),
@@ -27,7 +47,7 @@ pub(super) fn percent(share: f64) -> String {
 }
 
 /// An estimate with its band, to the digits that the band leaves: `429.2 ± 0.1 rad/s`.
-pub(super) fn with_band(mean: f64, band: f64, unit: &str) -> String {
+pub(crate) fn with_band(mean: f64, band: f64, unit: &str) -> String {
     let size = if band > 0.0 { band } else { 1e-3 * mean.abs() };
     let text = if size > 0.0 && size.is_finite() && mean.abs() < 1e7 && (1e-6..1e6).contains(&size) {
         // A band far below the last digit of the number says nothing more.
@@ -53,7 +73,7 @@ fn decimals(band: f64) -> usize {
 }
 
 /// A time, to a tenth of a second where it is short \[s\].
-pub(super) fn seconds(time: f64) -> String {
+pub(crate) fn seconds(time: f64) -> String {
     match time {
         time if time < 0.0995 => format!("{} s", plain(time)),
         time if time < 99.5 => format!("{time:.1} s"),
@@ -67,13 +87,20 @@ mod tests {
     use super::*;
 
     #[test]
+    fn no_number_is_longer_than_can_be_read() {
+        assert_eq!([0.0, 0.01, 2.0, 12.3, 1e45, f64::INFINITY].map(short), ["0", "0.010", "2.0", "12", "1.0e45", "∞"]);
+        assert_eq!([-0.01, -2.0, -1e-9, f64::NEG_INFINITY].map(short), ["-0.010", "-2.0", "-1.0e-9", "-∞"]);
+        assert_eq!([0.001, 0.5, 0.999, 1e40].map(percent), ["less than 1 %", "50 %", "more than 99 %", "1.0e42 %"]);
+    }
+
+    #[test]
     fn numbers_have_the_digits_that_one_reads() {
         assert_eq!(
             [8.0, 1.005, 0.05, 6.3456, 1500.0, 1e-7, -2.5].map(plain),
             ["8", "1.005", "0.05", "6.346", "1500", "1.0e-7", "-2.5"]
         );
         assert_eq!(
-            [0.36, 0.014, 0.0002, 0.0, -0.5].map(percent),
+            [0.36, 0.014, 0.0002, 0.0, -0.5].map(percent_to_a_tenth),
             ["36 %", "1.4 %", "less than 0.1 %", "less than 0.1 %", "50 %"]
         );
         assert_eq!(with_band(429.2134, 0.12, "rad/s"), "429.21 ± 0.12 rad/s");

@@ -1,25 +1,188 @@
-//! What a sensor's readings tell of the sensor, without a model: clipping, sticking, coarse steps, outliers.
+//! What is wrong with the readings of a sensor.
 
-use super::case::Case;
+use super::{BadFilter, Cause, LikelyCause};
+use crate::data::import::Length;
 use crate::data::sorting::sort_numbers;
+use crate::judgement::diagnosis::case::Case;
+use crate::judgement::words::{percent, short};
 
-/// The readings of one sensor over the diagnosed samples, and its normalised innovations `e/√S`; NaN where there is none.
-pub(super) struct Readings {
-    pub(super) values: Vec<f64>,
-    pub(super) innovations: Vec<f64>,
+pub(super) static CLIPPED: Cause = Cause {
+    key: "clipped",
+    name: "a sensor that is clipped",
+    hint: "Readings stop at the end of the sensor's range. Those at the end are no readings: leave them out, or take a sensor with a \
+           wider range. A filter that weighs its readings does so as far as it can.",
+    likely_causes: |bad, cause, found| marked(bad, cause, found, Readings::clipped, "are at the end of its range"),
+};
+
+/// The least innovations² of the marked readings, relative to those elsewhere and to their expectation.
+const RISE: f64 = 1.5;
+
+pub(super) static STICKING: Cause = Cause {
+    key: "sticking",
+    name: "a sensor that sticks",
+    hint: "A logger writes the last reading again where none has come. Such readings are none: leave them out, as empty cells. A filter \
+           that weighs its readings does so as far as it can.",
+    likely_causes: |bad, cause, found| marked(bad, cause, found, Readings::stuck, "repeat the last one"),
+};
+
+/// A fault of the record for each sensor with readings that a look marks, where the filter misses them: alone, and with a rule
+/// that weighs readings. `what` is said of the readings.
+fn marked(
+    bad: &BadFilter<'_>,
+    cause: &'static Cause,
+    found: &mut Vec<LikelyCause>,
+    look: fn(&Readings) -> Option<Marked>,
+    what: &str,
+) {
+    for (place, one) in bad.case.sensors.iter().enumerate() {
+        let Some(Marked { share, levels }) = Readings::of(bad.case, place).as_ref().and_then(look) else { continue };
+        let [there, elsewhere] = levels;
+        if there <= RISE * elsewhere.max(1.0) {
+            continue;
+        }
+        let sentence = format!(
+            "{} of the readings of the {} {what}, where innovations² are {} times what is expected ({} elsewhere)",
+            percent(share),
+            one.sensor.key(),
+            short(there),
+            short(elsewhere)
+        );
+        let with = |edits| {
+            let likely = LikelyCause::new(cause, 1.0 - 1.0 / there, 0.0, edits, sentence.clone());
+            LikelyCause { certain: true, of_record: true, ..likely }
+        };
+        found.push(with(Vec::new()));
+        if !bad.filter.robust.is_on() && bad.filter.can_weigh() && bad.filter.walk == 0.0 {
+            found.push(with(vec![bad.edit("robust", "gate")]));
+        }
+    }
 }
 
-/// Readings of which something is wrong.
-pub(super) struct Marked {
-    /// Their share of the readings.
-    pub(super) share: f64,
+/// The least step, in assumed standard deviations of the noise, that matters.
+const LEAST_STEP: f64 = 2.0;
+
+pub(super) static COARSE: Cause = Cause {
+    key: "coarse",
+    name: "the coarse steps of a sensor",
+    hint: "A converter with few bits rounds each reading to a step. The rounding is a noise of a twelfth of the step squared: give it \
+           to R.",
+    likely_causes: coarse,
+};
+
+/// Adds the variance of rounding to R: a step squared over twelve (Widrow and Kollár 2008, *Quantization Noise*).
+fn coarse(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
+    let length = Length::of(bad.scenario.record.as_ref());
+    let mut stds = bad.filter.sensor_std.clone();
+    let (mut told, mut most) = (Vec::new(), 0.0_f64);
+    for (place, one) in bad.case.sensors.iter().enumerate() {
+        let Some(step) = Readings::of(bad.case, place).and_then(|readings| readings.step()) else { continue };
+        let own = stds[place];
+        // A filter that knows of the rounding has a larger σ.
+        if step < LEAST_STEP * own {
+            continue;
+        }
+        stds[place] = (own * own + step * step / 12.0).sqrt();
+        most = most.max(step / own);
+        told.push(format!(
+            "the {} reads in steps of {} {}, {} times the σ that is assumed",
+            one.sensor.key(),
+            short(step),
+            length.in_place_of(one.sensor.unit()),
+            short(step / own)
+        ));
+    }
+    if told.is_empty() {
+        return;
+    }
+    let edits = vec![bad.edit("sensor_std", stds)];
+    let likely = LikelyCause::new(cause, 1.0 - 1.0 / most, told.len() as f64, edits, told.join(", "));
+    found.push(LikelyCause { certain: true, ..likely });
+}
+
+/// The rules that are tried, by their keys.
+const RULES: [&str; 2] = ["student_t", "gate"];
+
+pub(super) static OUTLIERS: Cause = Cause {
+    key: "outliers",
+    name: "outliers of a sensor",
+    hint: "Single readings are far off, and those beside them are not. A larger R would weaken all readings for the sake of a few: let \
+           the filter weigh each by how well it fits.",
+    likely_causes: outliers,
+};
+
+fn outliers(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
+    if bad.filter.robust.is_on() || !bad.filter.can_weigh() || bad.filter.walk > 0.0 {
+        return;
+    }
+    let (mut sentences, mut most) = (Vec::new(), f64::NAN);
+    for (place, one) in bad.case.sensors.iter().enumerate() {
+        let Some(marked) = Readings::of(bad.case, place).and_then(|readings| readings.outliers()) else { continue };
+        let [there, elsewhere] = marked.levels;
+        most = there.max(most);
+        sentences.push(format!(
+            "{} of the readings of the {} stand alone and far off: their innovations² are {} times what is expected, those of \
+             the others {}",
+            percent(marked.share),
+            one.sensor.key(),
+            short(there),
+            short(elsewhere)
+        ));
+    }
+    if sentences.is_empty() {
+        return;
+    }
+    let sentence = sentences.join("; ");
+    for (place, rule) in RULES.into_iter().enumerate() {
+        let weight = (1.0 - 1.0 / most) * if place == 0 { 1.0 } else { 0.9 };
+        let likely = LikelyCause::new(cause, weight, 1.0, vec![bad.edit("robust", rule)], sentence.clone());
+        found.push(LikelyCause { certain: true, ..likely });
+    }
+}
+
+/// The initial standard deviation of a bias, relative to that of the noise.
+const WIDE: f64 = 10.0;
+
+pub(super) static SENSOR_BIAS: Cause = Cause {
+    key: "sensor_bias",
+    name: "a sensor's bias or drift",
+    hint: "A zero that is off, or wanders. Let the filter estimate it; with a process noise if it drifts.",
+    likely_causes: bias,
+};
+
+fn bias(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
+    let case = bad.case;
+    for (one, std) in case.sensors.iter().zip(&bad.filter.sensor_std) {
+        let bias = one.sensor.bias();
+        if bad.filter.augment.contains(&bias) {
+            continue;
+        }
+        let mean = one.mean(&case.kept).abs();
+        let (key, name) = (bias.key(), one.sensor.key());
+        let still = vec![bad.augmented(bias), bad.edit(&format!("initial_std.{key}"), WIDE * std)];
+        let step = WIDE * std / (case.len().max(1) as f64).sqrt();
+        let mut drifting = still.clone();
+        drifting.push(bad.edit(&format!("process_std.{key}"), step));
+        let weight = 2.0 * mean / (1.0 + 2.0 * mean);
+        found.push(LikelyCause::new(cause, weight, 1.0, still, format!("the {name} has a bias")));
+        found.push(LikelyCause::new(cause, 0.8 * weight, 2.0, drifting, format!("the bias of the {name} drifts")));
+    }
+}
+
+/// The readings of one sensor over the diagnosed samples, and its normalised innovations `e/√S`; NaN where there is none.
+struct Readings {
+    values: Vec<f64>,
+    innovations: Vec<f64>,
+}
+
+struct Marked {
+    share: f64,
     /// The mean of their innovations², relative to the expectation, and that of all others.
-    pub(super) levels: [f64; 2],
+    levels: [f64; 2],
 }
 
 impl Readings {
     /// The readings of the sensor at a place among the filter's. `None` if the record has no column for it.
-    pub(super) fn of(case: &Case<'_>, place: usize) -> Option<Self> {
+    fn of(case: &Case<'_>, place: usize) -> Option<Self> {
         let column = case.estimates.measured(case.record, place)?;
         let m = case.sensors.len();
         let innovation = |k: usize| {
@@ -46,14 +209,14 @@ impl Readings {
     }
 
     /// The readings at the end of the sensor's range.
-    pub(super) fn clipped(&self) -> Option<Marked> {
+    fn clipped(&self) -> Option<Marked> {
         let ends = clipped_ends(&self.values);
         let marks: Vec<bool> = self.values.iter().map(|value| ends.contains(value)).collect();
         if ends.is_empty() { None } else { self.marked(&marks) }
     }
 
     /// The readings that repeat the one before, in spells of three or more. The sensor must not repeat itself elsewhere.
-    pub(super) fn stuck(&self) -> Option<Marked> {
+    fn stuck(&self) -> Option<Marked> {
         // A sensor that is clipped repeats the end of its range.
         let known = || self.values.iter().copied().filter(|value| !value.is_nan());
         let ends = known().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
@@ -78,7 +241,7 @@ impl Readings {
     }
 
     /// The step of a coarse sensor: all its readings are multiples of one number.
-    pub(super) fn step(&self) -> Option<f64> {
+    fn step(&self) -> Option<f64> {
         let mut values: Vec<f64> = self.values.iter().copied().filter(|value| !value.is_nan()).collect();
         let count = values.len();
         sort_numbers(&mut values);
@@ -99,7 +262,7 @@ impl Readings {
     }
 
     /// The readings whose innovations are far beyond the usual ones, if they are few and stand alone.
-    pub(super) fn outliers(&self) -> Option<Marked> {
+    fn outliers(&self) -> Option<Marked> {
         let mut sizes: Vec<f64> = self.innovations.iter().map(|e| e.abs()).filter(|e| e.is_finite()).collect();
         if sizes.len() < 200 {
             return None;
@@ -161,7 +324,6 @@ const OUTLYING: f64 = 0.004;
 /// The least share of all outliers in each quarter of the record.
 const LEAST_PART: f64 = 0.06;
 
-/// The number of spells of consecutive marks.
 fn spells(marks: impl Iterator<Item = bool>) -> usize {
     let mut before = false;
     marks.filter(|&mark| !std::mem::replace(&mut before, mark) && mark).count()

@@ -1,0 +1,183 @@
+//! What is wrong with the recorded input.
+
+use std::ops::Range;
+
+use super::{BadFilter, Cause, LikelyCause};
+use crate::data::setting::Edit;
+use crate::judgement::words::short;
+use crate::{Channel, Hold};
+
+/// Limits the tried delays, in samples.
+const MOST: i32 = 3;
+
+pub(super) static INPUT_DELAY: Cause = Cause {
+    key: "input_delay",
+    name: "an input that is late or early",
+    hint: "Where input and sensors pass different filters or clocks, one is late. Shift the input by whole samples.",
+    likely_causes: delay,
+};
+
+fn delay(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
+    if bad.input_size() == 0.0 {
+        return;
+    }
+    let near = bad.follows_input(-MOST..=MOST);
+    for shift in (-MOST..=MOST).filter(|&shift| shift != 0) {
+        let delay = bad.filter.input_delay + shift;
+        // The change since the user's own settings.
+        let since = delay - bad.origin.input_delay;
+        let (count, word) = (since.abs(), if since < 0 { "late" } else { "early" });
+        let plural = if count == 1 { "" } else { "s" };
+        let sentence =
+            if count == 0 { String::new() } else { format!("the recorded input is {count} sample{plural} {word}") };
+        let weight = 2.0 * near / (1.0 + 2.0 * near) / f64::from(shift.abs()).sqrt();
+        found.push(LikelyCause::new(cause, weight, 1.0, vec![bad.edit("input_delay", i64::from(delay))], sentence));
+    }
+}
+
+pub(super) static INPUT_HOLD: Cause = Cause {
+    key: "input_hold",
+    name: "an input that is linear between samples, or held",
+    hint: "A digital output holds its value between samples; a measured input does not, and is nearer to a line.",
+    likely_causes: hold,
+};
+
+fn hold(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
+    if bad.input_size() == 0.0 {
+        return;
+    }
+    let (value, sentence) = match bad.scenario.hold {
+        Hold::Zero => ("first", "the input goes on between samples instead of being held"),
+        Hold::First => ("zero", "the input is held between samples instead of going on"),
+    };
+    let near = bad.follows_input(-1..=1);
+    let weight = 2.0 * near / (1.0 + 2.0 * near);
+    found.push(LikelyCause::new(cause, weight, 0.0, vec![Edit::new("hold", value)], sentence.to_owned()));
+}
+
+pub(super) static INPUT_GAIN: Cause = Cause {
+    key: "input_gain",
+    name: "the gain of the input",
+    hint: "The record's input is not the force over mass: another unit, a mass, a calibration. Let the filter estimate its gain.",
+    likely_causes: gain,
+};
+
+fn gain(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
+    if bad.input_size() == 0.0 || bad.filter.augment.contains(&Channel::INPUT_GAIN) {
+        return;
+    }
+    let broad = bad.follows_input(1..=i32::MAX);
+    let weight = 1.5 * broad / (1.0 + 1.5 * broad);
+    let name = Channel::INPUT_GAIN.key();
+    let edits = vec![bad.augmented(Channel::INPUT_GAIN), bad.edit(&format!("initial_std.{name}"), 0.5)];
+    found.push(LikelyCause::new(cause, weight, 1.0, edits, "the input has another gain".to_owned()));
+}
+
+pub(super) static INPUT_OFFSET: Cause = Cause {
+    key: "input_offset",
+    name: "an offset of the input",
+    hint: "An amplifier's zero, or a constant force that is not recorded. Let the filter estimate it, or subtract the mean.",
+    likely_causes: offset,
+};
+
+fn offset(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
+    if bad.filter.augment.contains(&Channel::INPUT_OFFSET) {
+        return;
+    }
+    let case = bad.case;
+    let mean = case.sensors.iter().map(|one| one.mean(&case.kept).abs()).fold(0.0, f64::max);
+    let weight = 2.0 * mean / (1.0 + 2.0 * mean);
+    // As large as the input, or the restoring force of the motion.
+    let stiffness = bad.frequency().map_or(0.0, |wn| wn * wn * bad.size());
+    let std = bad.input_size().max(stiffness).max(1e-9);
+    let name = Channel::INPUT_OFFSET.key();
+    let edits = vec![bad.augmented(Channel::INPUT_OFFSET), bad.edit(&format!("initial_std.{name}"), std)];
+    found.push(LikelyCause::new(cause, weight, 1.0, edits, "a constant force acts that the record lacks".to_owned()));
+}
+
+/// The least share of a record in which the input must stand still.
+const STILL: f64 = 0.05;
+
+/// The least number of samples of such a part.
+const SAMPLES: usize = 20;
+
+/// The least share of the other samples in which the input must change: a step or a train of blows is constant by
+/// nature.
+const MOVES: f64 = 0.5;
+
+/// The least innovations² in that part, relative to those elsewhere and to their expectation.
+const RISE: f64 = 1.5;
+
+pub(super) static STILL_INPUT: Cause = Cause {
+    key: "still_input",
+    name: "an input that is not recorded for a while",
+    hint: "A cable, an amplifier or a logger has stopped. No setting of a filter makes up for it: leave that part of the record out.",
+    likely_causes: still,
+};
+
+fn still(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
+    let case = bad.case;
+    let input = &case.record.input()[case.samples.clone()];
+    let Some(still) = still_part(input) else { return };
+    let part = case.samples.start + still.start..case.samples.start + still.end;
+    let level = |ranges: &[Range<usize>]| {
+        let totals = ranges.iter().map(|range| case.diagnostics.nis_within(range.clone()));
+        let (sum, degrees) = totals.fold((0.0, 0.0), |(sum, n), one| (sum + one.sum, n + f64::from(one.degrees)));
+        sum / degrees
+    };
+    let there = level(std::slice::from_ref(&part));
+    let elsewhere = level(&[case.samples.start..part.start, part.end..case.samples.end]);
+    // Without readings, there or elsewhere, the level is NaN, which is no evidence.
+    let rises = there > RISE && there > RISE * elsewhere;
+    if !rises {
+        return;
+    }
+    let time = |sample: usize| short(case.record.time(sample));
+    let until = if part.end == case.samples.end { "on".to_owned() } else { format!("to {} s", time(part.end)) };
+    let sentence = format!(
+        "the input stands still from {} s {until}, where innovations² are {} times what is expected ({} elsewhere): it is not \
+         recorded there, and no setting mends that",
+        time(part.start),
+        short(there),
+        short(elsewhere)
+    );
+    let likely = LikelyCause::new(cause, 1.0 - 1.0 / there, 0.0, Vec::new(), sentence);
+    found.push(LikelyCause { certain: true, of_record: true, samples: Some(part), ..likely });
+}
+
+/// The longest part in which an input that moves elsewhere stands still, if it is long.
+fn still_part(input: &[f64]) -> Option<Range<usize>> {
+    let (mut longest, mut start) = (0..0, 0);
+    for end in 1..=input.len() {
+        if end == input.len() || input[end].to_bits() != input[start].to_bits() {
+            if end - start > longest.len() {
+                longest = start..end;
+            }
+            start = end;
+        }
+    }
+    let least = SAMPLES.max((STILL * input.len() as f64) as usize);
+    let elsewhere = input.len() - longest.len();
+    let changes = input.windows(2).filter(|pair| pair[0].to_bits() != pair[1].to_bits()).count();
+    (longest.len() >= least && changes as f64 > MOVES * elsewhere as f64 && elsewhere > 0).then_some(longest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::still_part;
+
+    #[test]
+    fn a_part_without_motion_is_found_beside_motion_only() {
+        let moves = |k: usize| (0.1 * k as f64).sin();
+        let dead: Vec<f64> = (0..1000).map(|k| if k < 750 { moves(k) } else { 0.0 }).collect();
+        assert_eq!(still_part(&dead), Some(750..1000));
+        let hole: Vec<f64> = (0..1000).map(|k| if (300..400).contains(&k) { 0.7 } else { moves(k) }).collect();
+        assert_eq!(still_part(&hole), Some(300..400));
+        let short: Vec<f64> = (0..1000).map(|k| if (300..340).contains(&k) { 0.7 } else { moves(k) }).collect();
+        let step: Vec<f64> = (0..1000).map(|k| f64::from(u8::from(k > 100))).collect();
+        let blows: Vec<f64> = (0..1000).map(|k| f64::from(u8::from(k < 600 && k % 100 == 0))).collect();
+        for input in [short, step, blows, vec![0.0; 1000], Vec::new()] {
+            assert_eq!(still_part(&input), None);
+        }
+    }
+}

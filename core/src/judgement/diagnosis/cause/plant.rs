@@ -1,0 +1,252 @@
+//! What a plant lacks: other springs and dampings, a mode, forces that nobody records.
+
+use std::f64::consts::TAU;
+
+use toml::{Table, Value};
+
+use super::{BadFilter, Cause, LikelyCause, Sign};
+use crate::data::setting::Edit;
+use crate::judgement::words::short;
+use crate::mathematics::filter::FilterKind;
+use crate::{Channel, PlantKind};
+
+pub(super) static SPRING: Cause = Cause {
+    key: "spring",
+    name: "a spring that hardens, softens or yields",
+    hint: "A linear plant is right for small motions only. Take a plant whose spring has a cubic part, or one that yields.",
+    likely_causes: spring,
+};
+
+fn spring(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
+    let believed = bad.filter.plant.unwrap_or(bad.scenario.plant.kind);
+    let size = bad.size();
+    let Some(frequency) = bad.frequency().filter(|_| size != 0.0 && size.is_finite()) else { return };
+    let weight = 0.4 * bad.effect_of_pattern();
+    let square = 1.0 / (size * size);
+    if believed != PlantKind::DUFFING {
+        let mut edits = vec![bad.edit("plant", PlantKind::DUFFING.key())];
+        edits.extend(bad.begins(Channel::CUBIC_STIFFNESS.key(), 0.0, 0.3 * frequency * frequency * square));
+        let sign = Sign {
+            channel: Channel::CUBIC_STIFFNESS,
+            positive: "the spring hardens: it has a cubic part",
+            negative: "the spring softens: it has a negative cubic part",
+        };
+        let likely = LikelyCause::new(cause, weight, 1.0, edits, "the spring has a cubic part".to_owned());
+        found.push(LikelyCause { sign: Some(sign), ..likely });
+    }
+    if believed != PlantKind::BOUC_WEN {
+        let mut edits = vec![bad.edit("plant", PlantKind::BOUC_WEN.key())];
+        for channel in [Channel::HYSTERESIS_BETA, Channel::HYSTERESIS_GAMMA] {
+            edits.extend(bad.begins(channel.key(), 0.5 * square, 0.4 * square));
+        }
+        let key = Channel::HYSTERETIC_DISPLACEMENT.key();
+        edits.push(bad.edit(&format!("initial_std.{key}"), 0.5 * size));
+        edits.push(bad.edit(&format!("process_std.{key}"), 1e-3 * size));
+        let likely = LikelyCause::new(cause, weight, 2.0, edits, "the spring yields".to_owned());
+        found.push(LikelyCause { softens: true, ..likely });
+    }
+}
+
+/// The stiffness of both storeys over the square of the lower frequency of two equal storeys: `(1 + √5)² / 4`.
+const STIFFNESS: f64 = 2.618;
+
+pub(super) static MISSING_MODE: Cause = Cause {
+    key: "missing_mode",
+    name: "a mode that the model lacks",
+    hint: "A line in the spectrum of the innovations is a resonance that the model does not have. Take a plant with one mass more.",
+    likely_causes: missing_mode,
+};
+
+fn missing_mode(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
+    let believed = bad.filter.plant.unwrap_or(bad.scenario.plant.kind);
+    let Some(frequency) = bad.frequency().filter(|_| believed.masses() == 1) else { return };
+    let weight = 0.6 * bad.effect_of_lines();
+    let when = bad.line().map_or(String::new(), |(_, frequency)| format!(", near {} rad/s", short(frequency)));
+    // The first mode, as far as the filter and the measurements know it.
+    for frequency in std::iter::once(frequency).chain(bad.measured_peak()) {
+        let stiffness = STIFFNESS * frequency * frequency;
+        let mut edits = vec![bad.edit("plant", PlantKind::SHEAR_2.key())];
+        for mass in 0..2 {
+            edits.extend(bad.begins(Channel::stiffness(mass).key(), stiffness, 0.3 * stiffness));
+        }
+        edits.extend(bad.begins(Channel::STOREY_DAMPING.key(), 0.1 * frequency, 0.1 * frequency));
+        for (first, second) in
+            [(Channel::DISPLACEMENT, Channel::displacement(1)), (Channel::VELOCITY, Channel::velocity(1))]
+        {
+            edits.push(bad.edit(&format!("initial_std.{}", second.key()), bad.filter.initial_std[first]));
+            edits.push(bad.edit(&format!("process_std.{}", second.key()), bad.filter.process_std[first]));
+        }
+        let likely = LikelyCause::new(cause, weight, 1.0, edits, format!("the model lacks a mode{when}"));
+        found.push(LikelyCause { renews_guess: true, ..likely });
+    }
+}
+
+/// The relative change of a force over one period that costs one fitted value per period.
+const FREE: f64 = 0.3;
+
+/// The tried changes of the force over one period of the oscillator, relative to the force that moves the spring.
+const CHANGES: [f64; 3] = [0.03, 0.3, 2.0];
+
+pub(super) static UNKNOWN_FORCE: Cause = Cause {
+    key: "unknown_force",
+    name: "a force that is not recorded",
+    hint: "Wind, a rotor, a load that comes and goes: a force that changes slowly pushes innovations to one side for a while. Let \
+           the filter estimate it as a random walk; it takes up what damping and spring do too, so that ζ is known less.",
+    likely_causes: unknown_force,
+};
+
+fn unknown_force(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
+    let case = bad.case;
+    let Some(frequency) = bad.frequency() else { return };
+    let force = frequency * frequency * bad.size();
+    if bad.filter.augment.contains(&Channel::UNKNOWN_FORCE) || !(force > 0.0 && force.is_finite()) {
+        return;
+    }
+    let first = case.sensors.iter().map(|one| one.autocorrelation(&case.kept)[0]).fold(0.0, f64::max);
+    let weight = first / (1.0 + first);
+    let key = Channel::UNKNOWN_FORCE.key();
+    let period = TAU / frequency / case.record.dt();
+    let periods = case.len() as f64 / period;
+    for change in CHANGES {
+        let edits = vec![
+            bad.augmented(Channel::UNKNOWN_FORCE),
+            bad.edit(&format!("initial_std.{key}"), force),
+            bad.edit(&format!("process_std.{key}"), change * force / period.sqrt()),
+        ];
+        let sentence = "a force acts that the record lacks, and changes slowly".to_owned();
+        // A force that changes freely fits any record: its freedom has a price on top of that of its two values.
+        let fitted = 2.0 + periods * change / FREE;
+        found.push(LikelyCause::new(cause, weight, fitted, edits, sentence));
+    }
+}
+
+/// The linear oscillator of a filter, and how far it moves.
+struct Oscillator {
+    /// ωₙ of the initial mean \[rad/s\].
+    frequency: f64,
+    /// The root mean square of the displacement \[m\].
+    size: f64,
+}
+
+/// A component of the equation that the linear oscillator does not have.
+struct Component {
+    key: &'static str,
+    /// Its name, unit and sign, if it is a parameter.
+    parameter: Option<[&'static str; 3]>,
+    mean: f64,
+    std: f64,
+}
+
+impl Oscillator {
+    /// The oscillator of a bad filter, if it is linear and its parameters are estimated.
+    fn of(bad: &BadFilter<'_>) -> Option<Self> {
+        let believed = bad.filter.plant.unwrap_or(bad.scenario.plant.kind);
+        let (frequency, size) = (bad.frequency()?, bad.size());
+        let is_linear = believed == PlantKind::SDOF && bad.filter.kind != FilterKind::KF;
+        (is_linear && size > 0.0 && size.is_finite() && frequency > 0.0).then_some(Self { frequency, size })
+    }
+
+    /// The edits that give the filter this equation in place of its plant.
+    fn edits(&self, bad: &BadFilter<'_>, equation: &str, components: &[Component]) -> Vec<Edit> {
+        let text = |text: &str| Value::String(text.to_owned());
+        let of_parameter = |one: &Component| {
+            let [name, unit, sign] = one.parameter?;
+            let entries =
+                [("name", name), ("unit", unit), ("sign", sign)].map(|(key, entry)| (key.to_owned(), text(entry)));
+            Some((one.key.to_owned(), Value::Table(Table::from_iter(entries))))
+        };
+        let parameters: Table = components.iter().filter_map(of_parameter).collect();
+        let plant = [("equation", text(equation)), ("parameters", Value::Table(parameters))];
+        let plant = plant.map(|(key, value)| (key.to_owned(), value));
+        let mut edits = vec![bad.edit("plant", Table::from_iter(plant))];
+        for Component { key, mean, std, .. } in components {
+            edits.extend(bad.begins(key, *mean, *std));
+        }
+        edits
+    }
+}
+
+pub(super) static DRY_FRICTION: Cause = Cause {
+    key: "dry_friction",
+    name: "dry friction",
+    hint: "Friction that has the same size at any speed takes away as much of a small swing as of a large one: a decay is a straight \
+           line, and ends. Take an equation with such a term.",
+    likely_causes: dry_friction,
+};
+
+/// The speed below which friction is less than whole, over the root mean square of all speeds: a jump has no derivative.
+const SLOW: f64 = 0.05;
+
+fn dry_friction(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
+    let Some(oscillator) = Oscillator::of(bad) else { return };
+    let Oscillator { frequency, size } = oscillator;
+    let weight = 0.4 * bad.effect_of_pattern();
+    // Two digits, as a person would write it.
+    let slow = SLOW * frequency * size;
+    let scaled = format!("{slow:.1e}");
+    let rounded = scaled.parse().unwrap_or(slow);
+    let slow = if (1e-4..1e6).contains(&rounded) { rounded.to_string() } else { scaled };
+    let equation = format!("x'' + 2 ζ ωₙ x' + ωₙ² x + d tanh(x'/{slow}) = f");
+    let force = 0.05 * frequency * frequency * size;
+    let parameter = Some(["friction", "m/s²", "not_negative"]);
+    let friction = Component { key: "d", parameter, mean: force, std: force };
+    let edits = oscillator.edits(bad, &equation, &[friction]);
+    let sentence = "there is dry friction, which has the same size at any speed".to_owned();
+    found.push(LikelyCause::new(cause, weight, 1.0, edits, sentence));
+}
+
+pub(super) static DRAG: Cause = Cause {
+    key: "drag",
+    name: "drag, as of air or water",
+    hint: "Drag grows with the square of the speed: a large swing dies out fast, a small one hardly. Take an equation with such a term.",
+    likely_causes: drag,
+};
+
+/// The damping ratio that drag is equal to, at most speeds.
+const OF_DRAG: f64 = 0.05;
+
+fn drag(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
+    let Some(oscillator) = Oscillator::of(bad) else { return };
+    let weight = 0.4 * bad.effect_of_pattern();
+    let of_size = 2.0 * OF_DRAG / oscillator.size;
+    let parameter = Some(["drag", "1/m", "not_negative"]);
+    let drag = Component { key: "c", parameter, mean: of_size, std: of_size };
+    let edits = oscillator.edits(bad, "x'' + 2 ζ ωₙ x' + ωₙ² x + c abs(x') x' = f", &[drag]);
+    let sentence = "there is drag, which grows with the square of the speed".to_owned();
+    found.push(LikelyCause::new(cause, weight, 1.0, edits, sentence));
+}
+
+pub(super) static PERIODIC_FORCE: Cause = Cause {
+    key: "periodic_force",
+    name: "a periodic force that is not recorded",
+    hint: "A motor or the mains push in a line of the spectrum, which the plant has no mode for. Take an equation in which a second \
+           oscillator without damping is that force: its frequency is estimated too.",
+    likely_causes: periodic_force,
+};
+
+/// A line that is so much above the mean power is worth a trial.
+const LINE: f64 = 8.0;
+
+fn periodic_force(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
+    let Some(oscillator) = Oscillator::of(bad) else { return };
+    let case = bad.case;
+    let Some((height, line)) = bad.line() else { return };
+    if height < LINE || line <= 0.0 {
+        return;
+    }
+    let weight = 0.6 * bad.effect_of_lines();
+    let Oscillator { frequency, size } = oscillator;
+    // The force that moves the oscillator as far as it goes at that frequency.
+    let force = size * (frequency * frequency - line * line).abs().max(0.1 * frequency * frequency);
+    let seconds = case.len() as f64 * case.record.dt();
+    let width = (TAU / seconds).max(0.01 * line);
+    let unit = Some(["frequency of the force", "rad/s", "positive"]);
+    let components = [
+        Component { key: "u", parameter: None, mean: 0.0, std: force },
+        Component { key: "s", parameter: None, mean: 0.0, std: force * line },
+        Component { key: "w", parameter: unit, mean: line, std: width },
+    ];
+    let edits = oscillator.edits(bad, "x'' + 2 ζ ωₙ x' + ωₙ² x = f + u; u' = s; s' = -w² u", &components);
+    let sentence = format!("a periodic force acts that the record lacks, at {} rad/s", short(line));
+    found.push(LikelyCause::new(cause, weight, 3.0, edits, sentence));
+}

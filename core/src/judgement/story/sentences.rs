@@ -1,0 +1,196 @@
+//! Sentences about a record, and about all filters together.
+
+use std::f64::consts::{LN_2, PI, TAU};
+
+use super::outcome::Outcome;
+use super::phrase::{Phrase, Writer};
+use crate::judgement::words::{percent_to_a_tenth, seconds, with_band};
+use crate::numbers::diagnostics::ErrorSums;
+use crate::{Channel, Diagnostics, ModelClasses, PlantKind, Run, VerdictKind};
+
+/// How long the record is, and of what.
+pub(super) fn of_record(run: &Run) -> Vec<Phrase> {
+    let (scenario, record) = (run.scenario(), run.record());
+    let used: Vec<String> = scenario.sensors.iter().map(|sensor| sensor.measures.name()).collect();
+    let of = match used.split_last() {
+        None => "nothing".to_owned(),
+        Some((only, [])) => only.clone(),
+        Some((last, rest)) => format!("{} and {last}", rest.join(", ")),
+    };
+    let length = record.dt() * run.samples().saturating_sub(1) as f64;
+    let input = if has_input(run) { "" } else { ", and no input" };
+    let (begin, so_far) =
+        if run.is_live() { ("It is being measured: ", " so far") } else { ("A measured record: ", "") };
+    let text = Writer::default().say(begin).result(seconds(length));
+    text.say(format!(" of {of}{so_far}{input}.")).done()
+}
+
+/// Whether anything drives the record.
+pub(super) fn has_input(run: &Run) -> bool {
+    run.record().input().iter().any(|input| *input != 0.0)
+}
+
+/// Two bands that differ by less than this factor are equally wide.
+const NARROWER: f64 = 1.1;
+
+/// Which of some filters to believe; nothing before there are verdicts. `told` limits the filters that the story has told of.
+pub(super) fn of_belief(outcomes: &[Outcome<'_>], told: usize) -> Option<Vec<Phrase>> {
+    let judged: Vec<&Outcome<'_>> = outcomes.iter().filter(|outcome| outcome.kind.is_some()).collect();
+    if judged.len() < 2 || judged.len() < outcomes.len() {
+        // The sentence of a filter alone says it already.
+        return None;
+    }
+    if judged.iter().any(|outcome| outcome.is_early()) {
+        return Some(Writer::default().say("It is too early to tell which to believe.").done());
+    }
+    let honest: Vec<&Outcome<'_>> = judged.iter().copied().filter(|outcome| outcome.is_honest()).collect();
+    let text = Writer::default();
+    let text = match (&honest[..], judged.len()) {
+        ([], _) if judged.iter().all(|outcome| outcome.kind == Some(VerdictKind::PatternLeft)) => {
+            text.say("Their bands may be too narrow: the verdicts say by how much.")
+        }
+        ([], _) if judged.iter().any(|outcome| outcome.ends_outside()) => {
+            text.say("None is advised: an error may end outside its ±2σ band by chance, as one in twenty does; Monte Carlo runs show it.")
+        }
+        ([], 2) => text.say("Trust neither ±2σ band: the verdicts say why."),
+        ([], _) => text.say("Trust none of the ±2σ bands: the verdicts say why."),
+        ([only], _) => text.say("Believe ").filter(only.filter.id, only.name).say("."),
+        (several, all) => {
+            let text = match several.len() {
+                2 if all == 2 => text.say("Both can be believed"),
+                count if count == all => text.say(format!("All {all} can be believed")),
+                count => several.iter().enumerate().fold(text.say("Believe "), |text, (place, one)| {
+                    let text = text.filter(one.filter.id, one.name);
+                    let left = count - 1 - place;
+                    text.say(["", " and ", ", "][left.min(2)])
+                }),
+            };
+            match narrowest(several) {
+                _ if several.iter().any(|one| one.kind == Some(VerdictKind::NotIdentifiable)) => {
+                    text.say(": their bands say what they do not know.")
+                }
+                Some(best) => {
+                    let degree = if several.len() == 2 { "narrower" } else { "narrowest" };
+                    text.say("; ").filter(best.filter.id, best.name).say(format!(" has the {degree} band."))
+                }
+                None => text.say("."),
+            }
+        }
+    };
+    let more = outcomes.len().saturating_sub(told);
+    Some(if more > 0 { text.say(format!(" {more} more are in the legend.")).done() } else { text.done() })
+}
+
+/// The filter whose band is clearly narrower than those of the others.
+fn narrowest<'a, 'b>(several: &[&'a Outcome<'b>]) -> Option<&'a Outcome<'b>> {
+    let band = |outcome: &&&'a Outcome<'b>| outcome.main.as_ref().map_or(f64::INFINITY, |main| main.std);
+    let best = several.iter().min_by(|a, b| band(a).total_cmp(&band(b)))?;
+    let next = several
+        .iter()
+        .filter(|other| other.filter.id != best.filter.id)
+        .map(|other| band(&other))
+        .fold(f64::INFINITY, f64::min);
+    (next.is_finite() && band(&best) > 0.0 && next > NARROWER * band(&best)).then_some(*best)
+}
+
+/// From this probability on a model is found.
+const FOUND: f64 = 0.95;
+
+/// The likeliest model, if the filters assume plants of several kinds; nothing before there are readings.
+pub(super) fn of_classes(run: &Run, diagnostics: &[Diagnostics]) -> Option<Vec<Phrase>> {
+    let truth = run.scenario().plant.kind;
+    let plants: Vec<PlantKind> = run.scenario().filters.iter().map(|filter| filter.plant.unwrap_or(truth)).collect();
+    let differ = plants.iter().any(|plant| *plant != plants[0]);
+    if !differ || diagnostics.len() < plants.len() || diagnostics.iter().all(|d| d.log_likelihood() == 0.0) {
+        return None;
+    }
+    let classes = ModelClasses::new(diagnostics.iter().map(Diagnostics::log_evidence));
+    let best = classes.likeliest()?;
+    let estimates = &run.estimates()[best];
+    let p = classes.probabilities()[best];
+    let text = Writer::default();
+    if p < FOUND {
+        let text = text.say("The readings do not tell the models apart so far: they give ");
+        let text = text.result(percent_to_a_tenth(p)).say(" to ").filter(estimates.id(), estimates.name());
+        return Some(text.say(".").done());
+    }
+    let text = text.say("Of these models the readings are for ").filter(estimates.id(), estimates.name());
+    let certainty = ModelClasses::in_percent(p).replace('>', "more than");
+    Some(text.say(", with a probability of ").result(certainty).say(".").done())
+}
+
+/// Two errors that differ by less than this factor are equally large.
+const EQUAL: f64 = 1.05;
+
+/// Limits the filters that are compared.
+const MOST: usize = 2;
+
+/// How much larger or smaller the errors of filters were before a change.
+pub(super) fn of_comparison(words: &str, filters: &[(u32, &str, &Diagnostics, &Diagnostics)]) -> Option<Vec<Phrase>> {
+    let compared = filters.iter().filter_map(|(id, name, before, now)| {
+        let channel = now.known().find(|channel| channel.is_parameter())?;
+        let ratio = lately(before, channel)? / lately(now, channel)?;
+        (ratio.is_finite() && ratio > 0.0).then_some((*id, *name, channel, ratio))
+    });
+    let mut text = Writer::default().say(format!("Before ({words})"));
+    let mut is_empty = true;
+    for (id, name, channel, ratio) in compared.take(MOST) {
+        let begin = if is_empty { ", the error of " } else { ", and that of " };
+        let (symbol, verb) = (channel.symbol(), if is_empty { " was " } else { " " });
+        text = text.say(format!("{begin}{symbol} by ")).filter(id, name).say(verb);
+        text = match ratio {
+            ratio if ratio > EQUAL => text.result(times(ratio)).say(" times as large"),
+            ratio if ratio < 1.0 / EQUAL => text.result(times(1.0 / ratio)).say(" times smaller"),
+            _ => text.say("as large"),
+        };
+        is_empty = false;
+    }
+    (!is_empty).then(|| text.say(".").done())
+}
+
+/// The root mean square error over the last third.
+fn lately(diagnostics: &Diagnostics, channel: Channel) -> Option<f64> {
+    diagnostics.tally(channel, diagnostics.last_third()).map(ErrorSums::rmse).filter(|error| *error > 0.0)
+}
+
+fn times(ratio: f64) -> String {
+    if ratio < 9.95 { format!("{ratio:.1}") } else { format!("{ratio:.0}") }
+}
+
+/// Limits the band of a parameter over its size.
+const VAGUE: f64 = 0.5;
+
+/// Below this period nobody counts swings \[s\].
+const QUICK: f64 = 0.05;
+
+/// How the oscillator swings by itself, from the first filter whose band is no narrower than it should be: nothing if none knows
+/// both parameters well enough.
+///
+/// ```text
+/// T = 2π / (ωₙ √(1 - ζ²)),  t½ = ln 2 / (ζ ωₙ),  Q = 1 / (2 ζ),  δ = ζ ωₙ T
+/// ```
+///
+/// Source: Clough and Penzien (2003), *Dynamics of Structures*, section 2.6.
+pub(super) fn of_swing(outcomes: &[Outcome<'_>]) -> Option<Vec<Phrase>> {
+    let may_be_believed =
+        |outcome: &&Outcome<'_>| outcome.is_honest() || outcome.kind == Some(VerdictKind::Underconfident);
+    let [(frequency, spread), (damping, doubt)] = outcomes.iter().filter(may_be_believed).find_map(Outcome::swing)?;
+    let (shares, zeta) = ([2.0 * spread / frequency, 2.0 * doubt / damping], damping);
+    if !(frequency > 0.0 && zeta > 0.0 && zeta < 1.0 && shares.iter().all(|share| (0.0..VAGUE).contains(share))) {
+        return None;
+    }
+    let damped = libm::sqrt(1.0 - zeta * zeta);
+    let period = TAU / (frequency * damped);
+    let half = LN_2 / (zeta * frequency);
+    let text = if period < QUICK {
+        let text = Writer::default().say("It swings ").result(with_band(period.recip(), shares[0] / period, ""));
+        text.say(" times a second")
+    } else {
+        Writer::default().say("It swings once in ").result(with_band(period, shares[0] * period, "s"))
+    };
+    let text = text.say(", and in ").result(with_band(half, libm::hypot(shares[0], shares[1]) * half, "s"));
+    let text = text.say(" half of the swing is gone: Q = ").result(with_band(0.5 / zeta, 0.5 * shares[1] / zeta, ""));
+    let decrement = 2.0 * PI * zeta / damped;
+    let text = text.say(", logarithmic decrement ").result(with_band(decrement, shares[1] * decrement, ""));
+    Some(text.say(".").done())
+}
