@@ -30,6 +30,7 @@ mod error;
 mod formats;
 mod guess;
 mod mapping;
+mod mend;
 mod missing;
 mod own_times;
 mod reader;

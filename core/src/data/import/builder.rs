@@ -67,12 +67,14 @@ impl<'a> Builder<'a> {
             }
             None => (source, Cow::Borrowed(mapping)),
         };
+        // A part is chosen before the times are checked, so that it can leave out a fault of the clock.
+        let part = part_of((*source).borrow(), &mapping);
+        let source: Box<dyn Borrow<Table> + 'a> = part.map_or(source, |part| Box::new(part));
         let table = (*source).borrow();
         let mut timing = match (&mapping.time.column, mapping.time.rate) {
             (Some(name), _) => {
-                let Clock { place, times, timing } =
+                let Clock { times, timing, .. } =
                     Clock::of(table, place(table, name)?, &mapping.time.unit, &mut remarks)?;
-                remarks.extend(times::question(&table.columns[place], &mapping.time.unit, timing.dt));
                 if own.is_none() && !timing.is_even() && !mapping.needs_even_steps() {
                     own = Some(OwnTimes::of_rows(table, &mapping, &times));
                     is_even = false;
@@ -248,6 +250,19 @@ impl<'a> Builder<'a> {
         }
         Ok(truth)
     }
+}
+
+/// The rows of the part of a record that a mapping chooses, where the times of all rows do not rise.
+fn part_of(table: &Table, mapping: &Mapping) -> Option<Table> {
+    let ends = [mapping.from.unwrap_or(f64::NEG_INFINITY), mapping.to.unwrap_or(f64::INFINITY)];
+    let column = &table.columns[table.place(mapping.time.column.as_ref()?)?];
+    let times = times::of(table, column, &mapping.time.unit, &mut Vec::new());
+    if (mapping.from.is_none() && mapping.to.is_none()) || times.is_sorted_by(|a, b| a < b) {
+        return None;
+    }
+    let first = times.iter().position(|time| *time >= ends[0])?;
+    let end = first + times[first..].iter().position(|time| *time > ends[1]).unwrap_or(times.len() - first);
+    Some(table.of_rows((first..end).map(|row| vec![row])))
 }
 
 fn place(table: &Table, name: &str) -> Result<usize, ImportError> {
