@@ -54,6 +54,7 @@ pub use reader::{Loaded, Loading};
 pub(crate) use resample::finer;
 pub use sound::{Ring, wav};
 pub use table::{Column, Table, TextCell};
+pub use times::turn;
 pub use unit::{Dimension, STANDARD_GRAVITY, unit};
 
 /// The columns of a file, read in one go.

@@ -336,10 +336,24 @@ pub(super) mod tests {
 
     #[test]
     fn times_without_a_unit_are_asked_about_where_they_are_slow() {
-        let text = "t,force,x\n0,1,2\n10,2,3\n20,1,4\n";
-        let remarks = import(text, |_| {}).unwrap().remarks;
+        let remarks = import("t,force,x\n0,1,2\n5,2,3\n10,1,4\n", |_| {}).unwrap().remarks;
         assert_eq!(remarks.len(), 1);
-        assert!(remarks[0].contains("0.1 samples a second: are they ms?"), "{remarks:?}");
+        assert!(remarks[0].contains("0.2 samples a second: are they ms?"), "{remarks:?}");
+        for (first, step, unit, dt) in [
+            (0.0, 10.0, "ms, 100 samples a second", 0.01),
+            (3e8, 500.0, "µs, 2000 samples a second (in ms 2 a second)", 5e-4),
+            (112_500_000.0, 20_000.0, "µs", 0.02),
+            (1.7145648e18, 2e7, "ns since 1970", 0.02),
+            (1.7145648e12, 5.0, "ms since 1970", 0.005),
+            (45_413.5, 0.02 / 86_400.0, "days of a spreadsheet", 0.02),
+        ] {
+            let rows = (0..50).map(|k| format!("{},{k},{}\n", first + step * f64::from(k), k % 7));
+            let Imported { record, remarks, .. } =
+                import(&("time,force,x\n".to_owned() + &rows.collect::<String>()), |_| {}).unwrap();
+            assert!((record.dt() / dt - 1.0).abs() < 1e-3, "{} for {dt}: {remarks:?}", record.dt());
+            assert!(remarks.iter().any(|remark| remark.contains(unit)), "{unit}: {remarks:?}");
+        }
+        let text = "t,force,x\n0,1,2\n10,2,3\n20,1,4\n";
         let said = import(text, |mapping| mapping.time.unit = "s".to_owned()).unwrap();
         assert_eq!((said.remarks.len(), said.record.dt()), (0, 10.0));
         assert_eq!(import(text, |mapping| mapping.time.unit = "ms".to_owned()).unwrap().record.dt(), 0.01);

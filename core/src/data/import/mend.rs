@@ -3,7 +3,7 @@
 
 use super::Table;
 use super::guess::{clocks, is_named_time};
-use super::times::{median_step, with_turns};
+use super::times::{DAY, median_step, with_turns};
 
 /// A row in another order is at most so many rows from its place.
 const NEAR: usize = 8;
@@ -28,11 +28,32 @@ pub(super) fn mend(mut table: Table) -> Table {
             table.remarks.push(format!("`{name}` turns over at {range} in line {line}: its times go on from there"));
         }
     }
+    for &place in &named {
+        if table.columns[place].is_time_of_day
+            && let Some(row) = with_days(&mut table.columns[place].values)
+        {
+            table.remarks.push(format!("the times pass midnight in line {}", table.line(row)));
+        }
+    }
     // Rows that one clock has twice may be others of another clock.
     match named.first() {
         Some(&place) if clocks(&table).len() < 2 => rows_mended(table, place),
         _ => table,
     }
+}
+
+/// Times of day, of which those after midnight are of the next day. Returns the first row after it.
+fn with_days(times: &mut [f64]) -> Option<usize> {
+    let (mut days, mut first, mut before) = (0.0, None, f64::NAN);
+    for (row, time) in times.iter_mut().enumerate() {
+        if *time < before - 0.5 * DAY {
+            days += DAY;
+            first = first.or(Some(row));
+        }
+        before = if time.is_nan() { before } else { *time };
+        *time += days;
+    }
+    first
 }
 
 fn rows_mended(mut table: Table, place: usize) -> Table {
@@ -81,7 +102,7 @@ fn rows_mended(mut table: Table, place: usize) -> Table {
                 let shift = times[rows[k - 1]] + step - times[rows[k]];
                 said.push(format!(
                     "the clock `{name}` is set back by {:.3} of its unit in line {}: from there on the times go on with a usual step",
-                    shift - step,
+                    shift,
                     line(k)
                 ));
                 rows[k..].iter().for_each(|&row| times[row] += shift);

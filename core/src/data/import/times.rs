@@ -9,7 +9,7 @@ use crate::data::local_cubic::change;
 use crate::data::sorting::sort_numbers;
 
 /// Seconds of a day.
-const DAY: f64 = 86_400.0;
+pub(super) const DAY: f64 = 86_400.0;
 
 /// The units that a column of times may have, and the seconds of each.
 const UNITS: [(&str, f64); 4] = [("s", 1.0), ("ms", 1e-3), ("µs", 1e-6), ("ns", 1e-9)];
@@ -56,7 +56,7 @@ impl<'a> Clock<'a> {
     }
 }
 
-/// The times of a column in seconds, up to the last row that has one; those after midnight are of the next day. What is changed is
+/// The times of a column in seconds, up to the last row that has one; what is changed is
 /// added to the remarks.
 pub(super) fn of<'a>(table: &Table, column: &'a Column, text: &str, remarks: &mut Vec<String>) -> Cow<'a, [f64]> {
     let values = &column.values;
@@ -82,19 +82,6 @@ pub(super) fn of<'a>(table: &Table, column: &'a Column, text: &str, remarks: &mu
     };
     if size != 1.0 {
         times = times.iter().map(|time| time * size).collect();
-    }
-    if column.is_time_of_day
-        && let Some(row) = times.windows(2).position(|pair| pair[1] < pair[0] - 0.5 * DAY)
-    {
-        let mut days = 0.0;
-        let mut before = times[0];
-        let unwrapped = times.iter().map(|&time| {
-            days += if time < before - 0.5 * DAY { DAY } else { 0.0 };
-            before = time;
-            time + days
-        });
-        times = unwrapped.collect();
-        remarks.push(format!("the times pass midnight in line {}", table.line(row + 1)));
     }
     times
 }
@@ -163,7 +150,7 @@ fn ranges() -> impl Iterator<Item = f64> {
 }
 
 /// The range at whose end a counter with a usual step turns over between two times. `None` if it does not.
-pub(super) fn turn(before: f64, now: f64, step: f64) -> Option<f64> {
+pub fn turn(before: f64, now: f64, step: f64) -> Option<f64> {
     let passed = |range: f64| (0.0..5.0 * step).contains(&(now + range - before));
     let is_at_the_end = |range: f64| {
         [0.0, -0.5 * range].iter().any(|low| (low + range - 5.0 * step..=low + range).contains(&before) && now >= *low)
@@ -519,11 +506,13 @@ mod tests {
     fn times_that_do_not_rise_are_refused_with_their_line() {
         assert_eq!(
             timing(&[0.0, 0.1, 0.1]).unwrap_err().to_string(),
-            "line 4: the time stands still from 0.1 s to 0.1 s"
+            "line 4: the time in `t` stands still from 0.1 s to 0.1 s: about 2 rows have the same time, as rounded ones: state the sample \
+             rate, and the rows count as even"
         );
         assert_eq!(
             timing(&[0.0, 0.1, 0.05]).unwrap_err().to_string(),
-            "line 4: the time goes back from 0.1 s to 0.05 s"
+            "line 4: the time in `t` goes back from 0.1 s to 0.05 s: choose a part by its times, or state the sample rate to count the rows \
+             as even"
         );
         assert!(timing(&[0.0, f64::NAN, 1.0]).unwrap_err().to_string().contains("line 3, column `t`"));
         assert!(timing(&[0.0]).unwrap_err().to_string().starts_with("1 row"));
