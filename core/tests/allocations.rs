@@ -1,9 +1,9 @@
 //! Filters that go over a record into a sink of one's own reserve no memory for a sample.
 
 use kalmanscope_core::filter::{Adaptation, Robust};
-use kalmanscope_core::simulate;
-use kalmanscope_core::{Channel, FilterKind, Hold, OnlineFilter, Pass, Quantity, Record, Scenario, Sensor, Stop};
-use kalmanscope_core::{Sample, Sink};
+use kalmanscope_core::{
+    Channel, FilterKind, Hold, OnlineFilter, Pass, Quantity, Record, Sample, Scenario, Sensor, Sink, Stop, simulate,
+};
 
 /// Counts samples.
 struct Count {

@@ -1,7 +1,6 @@
 //! Filters identify properties of input and sensors besides the plant's, and inputs that are linear between samples.
 
-use kalmanscope_core::filter::{Matrix, Vector};
-use kalmanscope_core::filter::{Propagation, Step};
+use kalmanscope_core::filter::{Matrix, Propagation, Step, Vector};
 use kalmanscope_core::signal::Sine;
 use kalmanscope_core::{
     Channel, FilterKind, FilterSettings, Hold, Model, PlantKind, Quantity, Scenario, Sensor, Signal,

@@ -1,9 +1,9 @@
 //! Filters that count the uncertainty of some parameters without estimating them.
 
-use kalmanscope_core::Record;
 use kalmanscope_core::filter::{Matrix, Robust, Vector};
 use kalmanscope_core::{
-    Channel, EventFilter, FilterKind, FilterSettings, Pass, Quantity, Sample, Scenario, Sensor, Sink, Stop, simulate,
+    Channel, EventFilter, FilterKind, FilterSettings, Pass, Quantity, Record, Sample, Scenario, Sensor, Sink, Stop,
+    simulate,
 };
 
 use crate::run::{finished_on, last, one_filter};

@@ -4,9 +4,9 @@ use kalmanscope_core::diagnostics::Depth;
 use kalmanscope_core::import::{Decay, NoDecay, Table, ThreeAxes, read};
 use kalmanscope_core::{Analysis, Story, Summary, VerdictKind, Wanted};
 
-use crate::identified::identified;
 use crate::phone::{Phone, USUAL};
 use crate::random::Random;
+use crate::run::identified;
 
 fn as_table(decay: &Decay) -> Table {
     read(Decay::file(std::slice::from_ref(decay)).into_bytes(), None).expect("it is a table")

@@ -5,8 +5,7 @@ use kalmanscope_core::diagnosis::VerdictKind::{
 };
 use kalmanscope_core::diagnosis::{Diagnosis, Evidence, Verdict};
 use kalmanscope_core::setting::Edit;
-use kalmanscope_core::simulate;
-use kalmanscope_core::{Channel, CramerRao, Diagnostics, Estimates, Record, Run, Scenario};
+use kalmanscope_core::{Channel, CramerRao, Diagnostics, Estimates, Record, Run, Scenario, simulate};
 
 use crate::run::{finished, finished_on};
 

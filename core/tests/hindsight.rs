@@ -1,9 +1,8 @@
 //! The smoother and the Cramér-Rao bound.
 
-use kalmanscope_core::simulate;
 use kalmanscope_core::{
     Channel, CramerRao, Estimates, FilterKind, FilterSettings, Hold, PlantKind, Quantity, Record, Run, RunError,
-    Scenario, Sensor, Signal, Values, smoothed as smoothed_at_once,
+    Scenario, Sensor, Signal, Values, simulate, smoothed as smoothed_at_once,
 };
 
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};

@@ -2,9 +2,9 @@
 
 use kalmanscope_core::scenario::Motion;
 use kalmanscope_core::signal::{Ramp, Sine, Step};
-use kalmanscope_core::simulate;
 use kalmanscope_core::{
     Aspect, Channel, Estimates, FilterKind, FilterSettings, Force, Plant, Quantity, Scenario, Sensor, Signal, Values,
+    simulate,
 };
 
 use proptest::prelude::*;

@@ -1,7 +1,6 @@
 //! A Kalman filter of matrices of one's own, against the equations of a textbook.
 
-use kalmanscope_core::filter::{Gaussian, Shape};
-use kalmanscope_core::filter::{Matrix, Vector};
+use kalmanscope_core::filter::{Gaussian, Matrix, Shape, Vector};
 use kalmanscope_core::{FilterError, KalmanFilter, MeasurementModel, SystemError};
 
 /// A matrix of numbers that have nothing in common.

@@ -1,8 +1,9 @@
-//! Noise that a filter learns, and what it knows about it.
+//! How large R and Q are: a filter that learns noise, and filters with several scales of Q.
 
-use kalmanscope_core::{FilterKind, FilterSettings, Hold, PlantKind, Quantity, Scenario};
+use kalmanscope_core::record::{Clocks, Timed};
+use kalmanscope_core::{Channel, FilterKind, FilterSettings, Hold, PlantKind, Quantity, Scenario, Signal, Trouble};
 
-use crate::run::{finished, one_filter};
+use crate::run::{finished, finished_on, one_filter};
 
 /// The share of late samples of many records at which ±2σ of the learnt noise holds the true one, of each sensor.
 fn coverage(
@@ -99,5 +100,188 @@ fn two_sigma_of_learnt_noise_hold_the_true_one() {
     ] {
         println!("{what}: {shares:?}");
         assert!(shares.iter().all(|share| (0.92..=0.98).contains(share)), "{what}: {shares:?}");
+    }
+}
+
+/// An oscillator that is shaken at random, and a filter that takes Q to be wrong by a factor of `wrong` on √Q.
+fn scenario(seed: u64, wrong: f64) -> Scenario {
+    let mut scenario = Scenario { duration: 40.0, seed, ..one_filter(FilterKind::EKF) };
+    scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
+    scenario.plant.set(Channel::DAMPING_RATIO, Signal::Constant(0.05));
+    scenario.plant.disturbance_std = 2.0;
+    let (_, truth) = scenario.true_noise();
+    let filter = &mut scenario.filters[0];
+    *filter = FilterSettings { kind: FilterKind::EKF, fading: 1.0, process_scales: 17, ..filter.clone() };
+    for (channel, std) in truth.iter() {
+        filter.process_std[channel] = wrong * std;
+    }
+    filter.adaptation.forgetting = 0.995;
+    let sensor_std = scenario.true_noise_for(&scenario.filters[0]).0;
+    scenario.filters[0].sensor_std = sensor_std;
+    scenario
+}
+
+/// The share of late samples of many records at which ±2σ hold the true scale.
+fn coverage_of_q(wrong: f64, seeds: std::ops::Range<u64>, change: impl Fn(&mut Scenario)) -> f64 {
+    let (mut inside, mut all) = (0, 0);
+    for seed in seeds {
+        let mut scenario = scenario(seed, wrong);
+        change(&mut scenario);
+        let run = finished(&scenario);
+        let estimates = &run.estimates()[0];
+        assert_eq!(estimates.stop(), None, "{seed}");
+        for k in (1500..estimates.len()).step_by(250) {
+            let [mean, std] = estimates.process_scale(k).expect("it tells the scale");
+            inside += usize::from((mean + wrong.ln()).abs() < 2.0 * std);
+            all += 1;
+        }
+    }
+    inside as f64 / f64::from(all)
+}
+
+/// The known parameters of a KF are right.
+fn known(scenario: &mut Scenario) {
+    let filter = &mut scenario.filters[0];
+    filter.kind = FilterKind::KF;
+    filter.initial_mean[Channel::NATURAL_FREQUENCY] = 6.0;
+    filter.initial_mean[Channel::DAMPING_RATIO] = 0.05;
+}
+
+/// ±2σ of the scale of Q hold the true one as often as they say: filters of several kinds, whose √Q is set too small, right and too large.
+#[test]
+fn two_sigma_hold_the_true_process_noise() {
+    let forget = |scenario: &mut Scenario, a: f64| scenario.filters[0].adaptation.forgetting = a;
+    for (what, share) in [
+        ("EKF", coverage_of_q(0.2, 0..60, |_| ())),
+        ("UKF", coverage_of_q(4.0, 100..160, |scenario| scenario.filters[0].kind = FilterKind::UKF)),
+        ("KF", coverage_of_q(1.0, 200..260, known)),
+        ("held", coverage_of_q(0.5, 300..360, |scenario| scenario.hold = Hold::First)),
+        ("fast", coverage_of_q(2.0, 400..460, |scenario| forget(scenario, 0.98))),
+        ("slow", coverage_of_q(3.0, 500..560, |scenario| forget(scenario, 0.999))),
+        ("trained", coverage_of_q(0.3, 600..750, |scenario| scenario.filters[0].adaptation.training = 14.0)),
+        ("Duffing", coverage_of_q(1.5, 800..860, |scenario| scenario.set_plant(PlantKind::DUFFING))),
+        (
+            "one sensor",
+            coverage_of_q(0.7, 860..920, |scenario| {
+                scenario.set_sensors(&[Quantity::VELOCITY]);
+                scenario.filters[0].sensor_std = scenario.true_noise_for(&scenario.filters[0]).0;
+            }),
+        ),
+        (
+            "R too",
+            coverage_of_q(0.7, 960..1020, |scenario| {
+                let filter = &mut scenario.filters[0];
+                filter.adaptation.sensor_noise = true;
+                filter.sensor_std.iter_mut().for_each(|std| *std *= 2.0);
+            }),
+        ),
+    ] {
+        println!("{what}: {share}");
+        assert!((0.92..=0.98).contains(&share), "{what}: {share}");
+    }
+}
+
+/// The mixture is as good as one filter that knows Q, and as sure of itself; a filter with √Q a tenth of the true one is too sure.
+#[test]
+fn estimates_are_those_of_a_filter_that_knows_q() {
+    // The mean square of late errors of the natural frequency, and that in standard deviations.
+    let of = |scales: usize, wrong: f64| {
+        let (mut squares, mut in_std, mut count) = (0.0, 0.0, 0.0);
+        for seed in 2000..2040 {
+            let mut scenario = scenario(seed, wrong);
+            scenario.filters[0].process_scales = scales;
+            let run = finished(&scenario);
+            let estimates = &run.estimates()[0];
+            let place = estimates.place(Channel::NATURAL_FREQUENCY).expect("it is estimated");
+            for k in (2000..estimates.len()).step_by(20) {
+                let (error, std) = (estimates.mean(k)[place] - 6.0, estimates.std(k, place));
+                squares += error * error;
+                in_std += error * error / (std * std);
+                count += 1.0;
+            }
+        }
+        [squares / count, in_std / count]
+    };
+    let [bank, alone, wrong] = [of(17, 0.1), of(1, 1.0), of(1, 0.1)];
+    println!("{bank:?} {alone:?} {wrong:?}");
+    assert!(bank[0] < 1.02 * alone[0] && wrong[0] > 1.05 * alone[0], "{bank:?} {alone:?} {wrong:?}");
+    assert!(bank[1] < 1.1 * alone[1] && wrong[1] > 5.0 * alone[1], "{bank:?} {alone:?} {wrong:?}");
+}
+
+/// Readings with the times of the samples have the estimates of those without times; random ones have the same scale of Q.
+#[test]
+fn readings_keep_their_times() {
+    let scenario = scenario(7, 0.5);
+    let run = finished(&scenario);
+    let record = run.record().clone().without_truth();
+    let readings = |at: &dyn Fn(f64) -> f64| {
+        let of = |sensor: usize| {
+            let values = record.measured(sensor)[1..].to_vec();
+            Timed { times: (1..record.len()).map(|k| at(k as f64)).collect(), values }
+        };
+        Clocks { input: None, readings: (0..record.sensors().len()).map(of).collect() }
+    };
+    let timed = record.clone().with_clocks(readings(&|k| k)).expect("times rise");
+    let again = finished_on(&scenario, timed);
+    let [one, other] = [&run, &again].map(|run| &run.estimates()[0]);
+    for k in (0..one.len()).step_by(50) {
+        let [[a, std], [b, _]] = [one, other].map(|of| of.process_scale(k).expect("it tells the scale"));
+        assert!((a - b).abs() < 1e-6 * std, "{k}: {a} {b}");
+        assert!((0..4).all(|i| (one.mean(k)[i] - other.mean(k)[i]).abs() < 1e-6 * one.std(k, i)), "{k}");
+    }
+}
+
+/// Where nothing shakes the oscillator, Q may be beyond the smallest scale, and a remark says so.
+#[test]
+fn a_scale_beyond_the_last_one_is_told() {
+    for (disturbance, is_told) in [(0.0, true), (2.0, false)] {
+        let mut scenario = scenario(11, 1.0);
+        scenario.plant.disturbance_std = disturbance;
+        let run = finished(&scenario);
+        let told = run.estimates()[0].remarks().iter().any(|remark| remark.what == Trouble::ScaleAtEnd);
+        assert_eq!(told, is_told, "{disturbance}");
+    }
+}
+
+/// A filter with scales of Q cannot jump, sample its belief, look back, or have a second bank.
+#[test]
+fn what_it_cannot_have_is_refused() {
+    let refused = |change: fn(&mut FilterSettings)| {
+        let mut scenario = scenario(1, 1.0);
+        change(&mut scenario.filters[0]);
+        scenario.validate().expect_err("it is refused").to_string()
+    };
+    for change in [
+        (|filter| filter.walk = 1.0) as fn(&mut FilterSettings),
+        |filter| filter.guesses = 3,
+        |filter| filter.jump = true,
+        |filter| filter.smoother = true,
+        |filter| filter.kind = FilterKind::ENKF,
+        |filter| filter.adaptation.process_noise = true,
+        |filter| filter.process_scales = 0,
+        |filter| filter.process_scales = 42,
+    ] {
+        assert!(
+            refused(change).contains("process_scales") || refused(change).contains("guesses"),
+            "{}",
+            refused(change)
+        );
+    }
+}
+
+/// Q that a file leaves out has its usual size, and is scaled too; covariances are symmetric to the last bit.
+#[test]
+fn usual_noise_is_scaled_too() {
+    let text =
+        "duration = 20.0\nseed = 3\n[plant]\ndisturbance_std = 3.0\n[[filters]]\nkind = \"ekf\"\nprocess_scales = 9";
+    let scenario = Scenario::from_toml(text).expect("it is a scenario");
+    let run = finished(&scenario);
+    let estimates = &run.estimates()[0];
+    let [_, std] = estimates.process_scale(estimates.len() - 1).expect("it tells the scale");
+    assert!(std < 0.5, "it is told by readings: {std}");
+    let n = estimates.channels().len();
+    for k in 0..estimates.len() {
+        let cov = estimates.cov(k);
+        assert!((0..n * n).all(|at| cov[at].to_bits() == cov[at % n * n + at / n].to_bits()), "{k}");
     }
 }

@@ -7,8 +7,6 @@
 mod ambient;
 #[path = "common/health.rs"]
 mod health;
-#[path = "common/identified.rs"]
-mod identified;
 #[path = "common/import.rs"]
 mod import;
 #[path = "common/phone.rs"]
@@ -26,7 +24,6 @@ mod agreement;
 mod ambient_vibration;
 mod augmentations;
 mod bank;
-mod between_samples;
 mod bounded;
 mod causes;
 mod clocks;
@@ -43,7 +40,6 @@ mod files;
 mod findings;
 mod forgetting;
 mod gallery;
-mod guesses;
 mod hindsight;
 mod import_health;
 mod invariants;
@@ -63,11 +59,8 @@ mod online;
 mod oracles;
 mod outliers;
 mod own;
-mod own_disturbances;
 mod plucks;
 mod prior;
-mod process_scales;
-mod records;
 mod reference;
 mod remedies;
 mod ring;

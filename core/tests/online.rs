@@ -1,12 +1,10 @@
 //! A filter over samples that come in one by one has the bits of a pass over their record.
 
 use kalmanscope_core::record::{Input, Record};
-use kalmanscope_core::simulate;
 use kalmanscope_core::{
-    Channel, Estimates, FilterKind, Hold, InputKind, OnlineError, OnlineFilter, Pass, Quantity, RunError, Scenario,
-    Stop,
+    Channel, Estimates, FilterKind, Hold, InputKind, OnlineError, OnlineFilter, Pass, Quantity, RunError, Sample,
+    Scenario, Sink, Stop, simulate,
 };
-use kalmanscope_core::{Sample, Sink};
 
 use crate::run::one_filter;
 

@@ -7,10 +7,9 @@ use kalmanscope_core::{
 };
 use nalgebra::{Matrix2, RowVector2, SMatrix, SVector, Vector2};
 
-use crate::identified::identified;
 use crate::phone::{Phone, USUAL};
 use crate::random::Random;
-use crate::run::finished_on;
+use crate::run::{finished_on, identified};
 
 const DT: f64 = 0.02;
 const NOISE: f64 = 0.05;

@@ -1,7 +1,8 @@
 //! The belief before the update, which a sink can ask for.
 
-use kalmanscope_core::{Channel, FilterKind, Hold, Pass, Quantity, Run, Scenario, Sensor, Stop};
-use kalmanscope_core::{LastSample, Sample, Sink};
+use kalmanscope_core::{
+    Channel, FilterKind, Hold, LastSample, Pass, Quantity, Run, Sample, Scenario, Sensor, Sink, Stop,
+};
 
 use crate::run::{finished, one_filter};
 

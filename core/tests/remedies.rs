@@ -2,8 +2,9 @@
 
 use kalmanscope_core::diagnosis::{Diagnosis, Remedy};
 use kalmanscope_core::setting::Edit;
-use kalmanscope_core::simulate;
-use kalmanscope_core::{Channel, Diagnostics, Quantity, Record, Scenario, Signal, Task as _, VerdictKind, signal};
+use kalmanscope_core::{
+    Channel, Diagnostics, Quantity, Record, Scenario, Signal, Task as _, VerdictKind, signal, simulate,
+};
 
 use crate::run::{finished, finished_on, with_input};
 

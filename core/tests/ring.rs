@@ -7,9 +7,8 @@ use kalmanscope_core::diagnostics::Depth;
 use kalmanscope_core::import::{ImportError, Mapping, Ring, read};
 use kalmanscope_core::{Analysis, Scenario, Story, Wanted};
 
-use crate::identified::identified;
 use crate::random::Random;
-use crate::run::finished;
+use crate::run::{finished, identified};
 
 /// Something that rings, and the room.
 #[derive(Clone, Copy)]

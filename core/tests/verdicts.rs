@@ -8,9 +8,9 @@ use kalmanscope_core::diagnosis::VerdictKind::{
     self, Consistent, Diverged, Lost, NotIdentifiable, Overconfident, Recovered, Underconfident, WoundUp,
 };
 use kalmanscope_core::signal::{Ramp, Sine, Step};
-use kalmanscope_core::simulate;
 use kalmanscope_core::{
     Channel, Diagnosis, Diagnostics, FilterKind, FilterSettings, Force, Record, Run, Scenario, Signal, Verdict,
+    simulate,
 };
 
 use crate::run::{finished, finished_on};

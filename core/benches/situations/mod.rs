@@ -3,7 +3,6 @@
 
 mod draw;
 mod fault;
-mod recorded;
 mod truth;
 
 use std::sync::Arc;
@@ -211,7 +210,7 @@ impl Situation {
         run.finish();
         let mut draw = Draw::new(self.truth.seed, 0xfa17);
         let record = run.record().clone();
-        let disturbed = |record, &fault| recorded::disturbed(fault, record, &self.truth, &mut draw);
+        let disturbed = |record, &fault| truth::recorded(fault, record, &self.truth, &mut draw);
         Ok(Arc::new(self.faults.iter().fold(record, disturbed)))
     }
 }

@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use kalmanscope_core::diagnosis::Remedy;
-use kalmanscope_core::import::{Builder, read};
+use kalmanscope_core::import::{Builder, Mapping, Table, read};
 use kalmanscope_core::record::Input;
-use kalmanscope_core::{Channel, Diagnosis, Diagnostics, Estimates, FilterKind, Record, Run, Scenario};
+use kalmanscope_core::suggest::{scenario_for, suggest};
+use kalmanscope_core::{Channel, Diagnosis, Diagnostics, Estimates, FilterKind, Hold, Record, Run, Scenario};
 
 /// The run of a scenario to its end, or until the truth stops.
 pub(crate) fn finished(scenario: &Scenario) -> Run {
@@ -61,4 +62,18 @@ pub(crate) fn remedies(run: &Run, filter: usize, record: &Record) -> Vec<Remedy>
     let mut trials = diagnosis.trials(run.scenario(), filter, &diagnostics, estimates, record).expect("it can be run");
     while !trials.advance(&mut || true) {}
     trials.remedies()
+}
+
+/// What the importer's filters make of a table, with the start values that it finds: the last ωₙ and ζ of the first one with their
+/// standard deviations, and the run.
+pub(crate) fn identified(table: &Table) -> ([(f64, f64); 2], Run) {
+    let (mapping, kind) = Mapping::guess(table);
+    let imported = Builder::new(table, &mapping, kind, Hold::First).and_then(Builder::finish);
+    let record = imported.expect("it is a record").record;
+    let mut scenario = scenario_for(&record);
+    scenario.record = Some(mapping);
+    let scenario = suggest(&scenario, &record).scenario;
+    let run = finished_on(&scenario, record);
+    let of = |channel| last(&run.estimates()[0], channel);
+    ([Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO].map(of), run)
 }
