@@ -7,7 +7,7 @@ use super::error::{FEWEST, MOST};
 use super::missing::{cells_without_readings, is_still};
 use super::own_times::{OneClock, OwnTimes, on_one_clock};
 use super::times::{Clock, Steps, Timing};
-use super::{ImportError, MappedColumn, Mapping, Offset, Table, times};
+use super::{Column, ImportError, MappedColumn, Mapping, Offset, Table, times};
 use crate::data::record::Input;
 use crate::{Channel, Hold, InputKind, Quantity, Record};
 
@@ -82,7 +82,13 @@ impl<'a> Builder<'a> {
                 }
                 timing
             }
-            (None, Some(rate)) => Timing::of_rate(rate, table.rows())?,
+            (None, Some(rate)) => match counted(table, rate) {
+                Some((name, times)) => {
+                    remarks.push(format!("`{name}` counts the samples: rows that it leaves out are missing"));
+                    Timing::of_times(&times, name, |row| table.line(row))?
+                }
+                None => Timing::of_rate(rate, table.rows())?,
+            },
             (None, None) => return Err(ImportError::NoTime),
         };
         remarks.extend(timing.gaps.clone());
@@ -252,6 +258,18 @@ impl<'a> Builder<'a> {
     }
 }
 
+/// The times of rows that a column counts, some of which are missing \[s\].
+fn counted(table: &Table, rate: f64) -> Option<(&str, Vec<f64>)> {
+    let counts = |column: &&Column| {
+        let steps = || column.values.windows(2).map(|pair| pair[1] - pair[0]);
+        let single = steps().filter(|step| *step == 1.0).count();
+        let rises = steps().all(|step| step >= 1.0 && step == libm::floor(step));
+        rises && single + 1 < column.values.len() && 2 * single > column.values.len()
+    };
+    let column = table.columns.iter().find(counts)?;
+    Some((&column.name, column.values.iter().map(|count| (count - column.values[0]) / rate).collect()))
+}
+
 /// The rows of the part of a record that a mapping chooses, where the times of all rows do not rise.
 fn part_of(table: &Table, mapping: &Mapping) -> Option<Table> {
     let ends = [mapping.from.unwrap_or(f64::NEG_INFINITY), mapping.to.unwrap_or(f64::INFINITY)];
@@ -359,6 +377,27 @@ pub(super) mod tests {
         assert_eq!(import(text, |mapping| mapping.time.unit = "ms".to_owned()).unwrap().record.dt(), 0.01);
         let unknown = import(text, |mapping| mapping.time.unit = "ticks".to_owned()).unwrap().remarks;
         assert!(unknown[0].contains("`ticks` is no known unit of time"), "{unknown:?}");
+    }
+
+    #[test]
+    fn a_counter_says_which_rows_are_missing_and_a_part_is_chosen_before_the_check() {
+        let rows = (0..40).filter(|k| k % 10 != 3).map(|k| format!("{k},{},{}\n", k % 3, k % 7)).collect::<String>();
+        let at_rate = |mapping: &mut Mapping| {
+            (mapping.time.column, mapping.time.rate) = (None, Some(50.0));
+            mapping.input = Some(MappedColumn::new("force"));
+            mapping.sensors = [(Quantity::DISPLACEMENT, MappedColumn::new("x"))].into();
+        };
+        let Imported { record, remarks, .. } = import(&format!("count,force,x\n{rows}"), at_rate).unwrap();
+        assert_eq!((record.len(), record.dt()), (40, 0.02));
+        assert!(record.measured(0)[3].is_nan() && record.measured(0)[4] == 4.0, "{remarks:?}");
+        assert!(remarks.iter().any(|remark| remark.starts_with("`count` counts the samples")), "{remarks:?}");
+        // The clock is wrong behind the part, many times over.
+        let times = (0..60).map(|k| if k < 30 { f64::from(k) } else { f64::from((k * 7) % 30) });
+        let rows = times.map(|time| format!("{},1,{}\n", 0.1 * time, time)).collect::<String>();
+        let part = |mapping: &mut Mapping| mapping.to = Some(2.0);
+        let text = format!("time,force,x\n{rows}");
+        assert!(import(&text, |_| {}).is_err());
+        assert_eq!(import(&text, part).unwrap().record.len(), 21);
     }
 
     #[test]

@@ -392,13 +392,13 @@ impl Steps {
 /// What helps where times do not rise.
 fn way(times: &[f64]) -> String {
     let still = times.windows(2).filter(|pair| pair[1] == pair[0]).count();
-    if 10 * still < times.len() || times.windows(2).any(|pair| pair[1] < pair[0]) {
+    if 3 * still < times.len() || times.windows(2).any(|pair| pair[1] < pair[0]) {
         return "choose a part by its times, or state the sample rate to count the rows as even".to_owned();
     }
     // Whole runs of equal times, without the first one and the last, have the rate.
     let changes: Vec<usize> = (1..times.len()).filter(|&row| times[row] > times[row - 1]).collect();
     let rate = match changes.as_slice() {
-        [first, .., last] => format!(" of about {:.4} Hz", (last - first) as f64 / (times[*last] - times[*first])),
+        [first, .., last] => format!(" of about {} Hz", told((last - first) as f64 / (times[*last] - times[*first]))),
         _ => String::new(),
     };
     let rows = times.len() as f64 / (changes.len() + 1) as f64;
@@ -431,7 +431,7 @@ fn resolution(times: &[f64]) -> f64 {
     (0..=9).map(|decimals| libm::pow(10.0, -f64::from(decimals))).find(is_told).unwrap_or(0.0)
 }
 
-/// A step to six digits.
+/// A number to six digits.
 fn told(dt: f64) -> f64 {
     format!("{dt:.5e}").parse().unwrap_or(dt)
 }
