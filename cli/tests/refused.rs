@@ -44,8 +44,9 @@ fn bad_records_are_refused_with_file_and_place() {
             "line 3, column `displacement`: `oops` is not a number\n",
         ),
         (
-            "t,force,displacement,velocity\n0,0,0,0\n1,0,0,0\n1,0,0,0\n",
-            "line 4: the time stands still from 1 s to 1 s\n",
+            "t,force,displacement,velocity\n0,0,0,0\n1,0,0,0\n1,0,1,0\n",
+            "line 4: the time in `t` stands still from 1 s to 1 s: about 2 rows have the same time, as rounded ones: state the sample \
+             rate, and the rows count as even\n",
         ),
         ("t,force,displacement,velocity\n0,0,0,0\n", "1 row(s) of numbers remain, but at least 2 are needed\n"),
         ("", "the file is empty\n"),

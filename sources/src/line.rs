@@ -37,6 +37,21 @@ pub enum BadLine {
     /// There is no time.
     #[error("there is no column for the time, `t`; a header such as `{0}` must come first")]
     NoTime(String),
+    /// The times have no unit and cannot be seconds.
+    #[error(
+        "the step of `{column}` is {step}, {steps:.0} steps of the scenario: are the times {unit}? They count as seconds; name their \
+         column `{column}_{unit}`"
+    )]
+    Unit {
+        /// The column of times.
+        column: String,
+        /// The step to this line.
+        step: f64,
+        /// The same in steps of the scenario.
+        steps: f64,
+        /// The likely unit.
+        unit: &'static str,
+    },
     /// Neither input nor sensors are among its columns.
     #[error("none of its columns is known; there are {0}")]
     NothingKnown(String),

@@ -1,6 +1,7 @@
 //! Input and readings of a scenario in lines that come one by one.
 
 use kalmanscope_core::document::{self, Document};
+use kalmanscope_core::import::{self, Dimension, turn};
 use kalmanscope_core::{InputKind, Scenario};
 
 use crate::line::{BadLine, Line, number, number_of};
@@ -17,9 +18,10 @@ pub struct StreamRow {
 }
 
 /// The meaning of a column.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum Column {
-    Time,
+    /// With the seconds of its unit, if the header has one.
+    Time(Option<f64>),
     Input,
     Sensor(usize),
     Other,
@@ -33,6 +35,50 @@ pub struct Lines {
     sensors: Vec<&'static str>,
     /// The columns, once a header has named them, and the mark between them.
     columns: Option<(Vec<Column>, char)>,
+    clock: Clock,
+}
+
+/// The times of the lines before, in the unit of the lines.
+#[derive(Clone, Debug)]
+struct Clock {
+    /// The scenario's \[s\].
+    dt: f64,
+    last: f64,
+    /// A usual step.
+    step: f64,
+    /// What a counter that turned over has lost.
+    added: f64,
+    /// Whether the unit has been asked about.
+    is_asked: bool,
+}
+
+/// Steps of so many steps of the scenario are asked about; in their true unit they are at most this many.
+const ODD: f64 = 500.0;
+const USUAL: std::ops::Range<f64> = 0.02..50.0;
+
+impl Clock {
+    /// The time \[s\] of a line, whose counter may have turned over.
+    fn time(&mut self, time: f64, unit: Option<f64>) -> Result<f64, BadLine> {
+        let step = time - self.last;
+        match turn(self.last, time, self.step) {
+            Some(range) => self.added += range,
+            None if step > 0.0 => self.step = step.max(0.9 * self.step),
+            None => {}
+        }
+        self.last = time;
+        let steps = step / self.dt;
+        let units = [("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)];
+        let likely = || units.into_iter().find(|(_, size)| USUAL.contains(&(steps * size)));
+        if unit.is_none()
+            && !self.is_asked
+            && steps > ODD
+            && let Some((unit, _)) = likely()
+        {
+            self.is_asked = true;
+            return Err(BadLine::Unit { column: "t".to_owned(), step, steps, unit });
+        }
+        Ok((time + self.added) * unit.unwrap_or(1.0))
+    }
 }
 
 impl Lines {
@@ -43,7 +89,8 @@ impl Lines {
             InputKind::GroundAcceleration => "ground_acceleration",
         };
         let sensors = scenario.sensors.iter().map(|sensor| sensor.measures.key()).collect();
-        Self { input, sensors, columns: None }
+        let clock = Clock { dt: scenario.dt, last: f64::NAN, step: 0.0, added: 0.0, is_asked: false };
+        Self { input, sensors, columns: None, clock }
     }
 
     /// The row of a line; `None` for an empty line, a comment and a header.
@@ -58,6 +105,14 @@ impl Lines {
         }
     }
 
+    fn at_its_time(&mut self, row: StreamRow, unit: Option<f64>) -> Result<StreamRow, BadLine> {
+        if row.time.is_nan() {
+            Err(BadLine::NoTime(self.known()))
+        } else {
+            Ok(StreamRow { time: self.clock.time(row.time, unit)?, ..row })
+        }
+    }
+
     /// The columns that are known, the time first.
     pub fn columns(&self) -> Vec<&'static str> {
         [&["t", self.input][..], &self.sensors].concat()
@@ -68,8 +123,18 @@ impl Lines {
     }
 
     fn column(&self, name: &str) -> Column {
+        let header = import::Column::of_header(name, None, Vec::new());
+        match header.name.as_str() {
+            "t" | "time" => Column::Time(match import::unit(header.unit.as_deref().unwrap_or_default()) {
+                Some((Dimension::Time, size)) => Some(size),
+                _ => None,
+            }),
+            _ => self.value_column(name),
+        }
+    }
+
+    fn value_column(&self, name: &str) -> Column {
         match name {
-            "t" | "time" => Column::Time,
             name if name == "input" || name == self.input => Column::Input,
             name => self.sensors.iter().position(|sensor| *sensor == name).map_or(Column::Other, Column::Sensor),
         }
@@ -79,19 +144,21 @@ impl Lines {
         StreamRow { time: f64::NAN, input: f64::NAN, readings: vec![f64::NAN; self.sensors.len()] }
     }
 
-    fn of_object(&self, entries: &[(String, Document)]) -> Result<StreamRow, BadLine> {
-        let mut row = self.nothing();
+    fn of_object(&mut self, entries: &[(String, Document)]) -> Result<StreamRow, BadLine> {
+        let (mut row, mut unit) = (self.nothing(), None);
         for (key, value) in entries {
             let bad = || BadLine::NoNumber { key: key.clone(), value: document::to_json(value).unwrap_or_default() };
-            row.set(self.column(key), || number_of(value).ok_or_else(bad))?;
+            let column = self.column(key);
+            row.set(column, || number_of(value).ok_or_else(bad))?;
+            unit = if let Column::Time(unit) = column { unit } else { unit };
         }
-        if row.time.is_nan() { Err(BadLine::NoTime(self.known())) } else { Ok(row) }
+        self.at_its_time(row, unit)
     }
 
     fn of_cells(&mut self, cells: &[&str], mark: char) -> Result<Option<StreamRow>, BadLine> {
         let Some((columns, _)) = &self.columns else {
             let columns: Vec<Column> = cells.iter().map(|name| self.column(name)).collect();
-            if !columns.contains(&Column::Time) {
+            if !columns.iter().any(|column| matches!(column, Column::Time(_))) {
                 return Err(BadLine::NoTime(self.known().replace(", ", ",")));
             }
             if !columns.iter().any(|column| matches!(column, Column::Input | Column::Sensor(_))) {
@@ -108,18 +175,20 @@ impl Lines {
         if cells.len() != columns.len() {
             return Err(BadLine::Cells { found: cells.len(), expected: columns.len() });
         }
-        let mut row = self.nothing();
+        let (mut row, mut unit) = (self.nothing(), None);
         for (cell, column) in cells.iter().zip(columns) {
+            unit = if let Column::Time(unit) = column { *unit } else { unit };
             let bad = || BadLine::NoNumber { key: self.name(*column), value: format!("“{cell}”") };
             let value = || if cell.is_empty() { Ok(f64::NAN) } else { number(cell, mark).ok_or_else(bad) };
             row.set(*column, value)?;
         }
-        Ok(Some(row))
+        // A line without a time is refused where it is used.
+        if row.time.is_nan() { Ok(Some(row)) } else { self.at_its_time(row, unit).map(Some) }
     }
 
     fn name(&self, column: Column) -> String {
         match column {
-            Column::Time => "t",
+            Column::Time(_) => "t",
             Column::Input => self.input,
             Column::Sensor(sensor) => self.sensors[sensor],
             Column::Other => "",
@@ -132,7 +201,7 @@ impl StreamRow {
     /// Sets the number of a column; other columns are not read.
     fn set(&mut self, column: Column, number: impl FnOnce() -> Result<f64, BadLine>) -> Result<(), BadLine> {
         match column {
-            Column::Time => self.time = number()?,
+            Column::Time(_) => self.time = number()?,
             Column::Input => self.input = number()?,
             Column::Sensor(sensor) => self.readings[sensor] = number()?,
             Column::Other => {}
@@ -175,6 +244,25 @@ mod tests {
             assert_eq!(lines.read(lines_of[0].as_bytes()), Ok(None));
             assert_eq!(numbers(lines.read(lines_of[1].as_bytes())), [Some(0.01), Some(1.5), None, None]);
         }
+    }
+
+    #[test]
+    fn times_have_units_turn_over_and_are_asked_about() {
+        let times = |header: &str, cells: &[f64]| -> Vec<Result<f64, BadLine>> {
+            let mut lines = lines();
+            assert_eq!(lines.read(header.as_bytes()), Ok(None));
+            let read = |time: &f64| lines.read(format!("{time},1").as_bytes()).map(|row| row.expect("a row").time);
+            cells.iter().map(read).collect()
+        };
+        let ms: Vec<f64> = times("t_ms,force", &[0.0, 10.0, 20.0]).into_iter().map(Result::unwrap).collect();
+        assert!(ms.iter().zip([0.0, 0.01, 0.02]).all(|(a, b)| (a - b).abs() < 1e-12), "{ms:?}");
+        let micros = [4_294_940_000.0, 4_294_950_000.0, 4_294_960_000.0, 2704.0, 12_704.0];
+        let micros: Vec<f64> = times("t [us],force", &micros).into_iter().map(Result::unwrap).collect();
+        assert!(micros.windows(2).all(|pair| (pair[1] - pair[0] - 0.01).abs() < 1e-6), "{micros:?}");
+        let asked = times("t,force", &[0.0, 10.0, 20.0, 30.0]);
+        let question = asked[1].clone().unwrap_err().to_string();
+        assert!(question.contains("are the times ms?") && question.contains("`t_ms`"), "{question}");
+        assert!(asked[2..].iter().all(Result::is_ok), "it is asked once");
     }
 
     #[test]

@@ -107,7 +107,11 @@ fn what_cannot_be_read_is_said_and_nothing_is_lost() {
     }
     for (contents, sentence) in [
         (&b"t,force,x\n0,1,2\n1,2,oops\n2,3,4\n"[..], "line 3, column `x`: `oops` is not a number"),
-        (b"t,force,x\n0,1,2\n1,2,3\n1,3,4\n2,3,4\n", "line 4: the time stands still from 1 s to 1 s"),
+        (
+            b"t,force,x\n0,1,2\n1,2,3\n1,3,4\n2,3,4\n",
+            "line 4: the time in `t` stands still from 1 s to 1 s: choose a part by its times, or state the sample rate to count the rows as \
+             even",
+        ),
         (b"t,force,x\n0,1,2\n1,2,inf\n2,3,4\n", "line 3, column `x`: the number is infinite"),
         (b"t,force,x\n0,1,2\n", "1 row(s) of numbers remain, but at least 2 are needed"),
     ] {

@@ -30,6 +30,7 @@ mod error;
 mod formats;
 mod guess;
 mod mapping;
+mod mend;
 mod missing;
 mod own_times;
 mod reader;
@@ -53,6 +54,7 @@ pub use reader::{Loaded, Loading};
 pub(crate) use resample::finer;
 pub use sound::{Ring, wav};
 pub use table::{Column, Table, TextCell};
+pub use times::turn;
 pub use unit::{Dimension, STANDARD_GRAVITY, unit};
 
 /// The columns of a file, read in one go.

@@ -7,7 +7,7 @@ use super::error::{FEWEST, MOST};
 use super::missing::{cells_without_readings, is_still};
 use super::own_times::{OneClock, OwnTimes, on_one_clock};
 use super::times::{Clock, Steps, Timing};
-use super::{ImportError, MappedColumn, Mapping, Offset, Table, times};
+use super::{Column, ImportError, MappedColumn, Mapping, Offset, Table, times};
 use crate::data::record::Input;
 use crate::{Channel, Hold, InputKind, Quantity, Record};
 
@@ -67,12 +67,14 @@ impl<'a> Builder<'a> {
             }
             None => (source, Cow::Borrowed(mapping)),
         };
+        // A part is chosen before the times are checked, so that it can leave out a fault of the clock.
+        let part = part_of((*source).borrow(), &mapping);
+        let source: Box<dyn Borrow<Table> + 'a> = part.map_or(source, |part| Box::new(part));
         let table = (*source).borrow();
         let mut timing = match (&mapping.time.column, mapping.time.rate) {
             (Some(name), _) => {
-                let Clock { place, times, timing } =
+                let Clock { times, timing, .. } =
                     Clock::of(table, place(table, name)?, &mapping.time.unit, &mut remarks)?;
-                remarks.extend(times::question(&table.columns[place], &mapping.time.unit, timing.dt));
                 if own.is_none() && !timing.is_even() && !mapping.needs_even_steps() {
                     own = Some(OwnTimes::of_rows(table, &mapping, &times));
                     is_even = false;
@@ -80,7 +82,13 @@ impl<'a> Builder<'a> {
                 }
                 timing
             }
-            (None, Some(rate)) => Timing::of_rate(rate, table.rows())?,
+            (None, Some(rate)) => match counted(table, rate) {
+                Some((name, times)) => {
+                    remarks.push(format!("`{name}` counts the samples: rows that it leaves out are missing"));
+                    Timing::of_times(&times, name, |row| table.line(row))?
+                }
+                None => Timing::of_rate(rate, table.rows())?,
+            },
             (None, None) => return Err(ImportError::NoTime),
         };
         remarks.extend(timing.gaps.clone());
@@ -250,6 +258,31 @@ impl<'a> Builder<'a> {
     }
 }
 
+/// The times of rows that a column counts, some of which are missing \[s\].
+fn counted(table: &Table, rate: f64) -> Option<(&str, Vec<f64>)> {
+    let counts = |column: &&Column| {
+        let steps = || column.values.windows(2).map(|pair| pair[1] - pair[0]);
+        let single = steps().filter(|step| *step == 1.0).count();
+        let rises = steps().all(|step| step >= 1.0 && step == libm::floor(step));
+        rises && single + 1 < column.values.len() && 2 * single > column.values.len()
+    };
+    let column = table.columns.iter().find(counts)?;
+    Some((&column.name, column.values.iter().map(|count| (count - column.values[0]) / rate).collect()))
+}
+
+/// The rows of the part of a record that a mapping chooses, where the times of all rows do not rise.
+fn part_of(table: &Table, mapping: &Mapping) -> Option<Table> {
+    let ends = [mapping.from.unwrap_or(f64::NEG_INFINITY), mapping.to.unwrap_or(f64::INFINITY)];
+    let column = &table.columns[table.place(mapping.time.column.as_ref()?)?];
+    let times = times::of(table, column, &mapping.time.unit, &mut Vec::new());
+    if (mapping.from.is_none() && mapping.to.is_none()) || times.is_sorted_by(|a, b| a < b) {
+        return None;
+    }
+    let first = times.iter().position(|time| *time >= ends[0])?;
+    let end = first + times[first..].iter().position(|time| *time > ends[1]).unwrap_or(times.len() - first);
+    Some(table.of_rows((first..end).map(|row| vec![row])))
+}
+
 fn place(table: &Table, name: &str) -> Result<usize, ImportError> {
     table.place(name).ok_or_else(|| ImportError::Column {
         missing: name.to_owned(),
@@ -321,15 +354,50 @@ pub(super) mod tests {
 
     #[test]
     fn times_without_a_unit_are_asked_about_where_they_are_slow() {
-        let text = "t,force,x\n0,1,2\n10,2,3\n20,1,4\n";
-        let remarks = import(text, |_| {}).unwrap().remarks;
+        let remarks = import("t,force,x\n0,1,2\n5,2,3\n10,1,4\n", |_| {}).unwrap().remarks;
         assert_eq!(remarks.len(), 1);
-        assert!(remarks[0].contains("0.1 samples a second: are they ms?"), "{remarks:?}");
+        assert!(remarks[0].contains("0.2 samples a second: are they ms?"), "{remarks:?}");
+        for (first, step, unit, dt) in [
+            (0.0, 10.0, "ms, 100 samples a second", 0.01),
+            (3e8, 500.0, "µs, 2000 samples a second (in ms 2 a second)", 5e-4),
+            (112_500_000.0, 20_000.0, "µs", 0.02),
+            (1.7145648e18, 2e7, "ns since 1970", 0.02),
+            (1.7145648e12, 5.0, "ms since 1970", 0.005),
+            (45_413.5, 0.02 / 86_400.0, "days of a spreadsheet", 0.02),
+        ] {
+            let rows = (0..50).map(|k| format!("{},{k},{}\n", first + step * f64::from(k), k % 7));
+            let Imported { record, remarks, .. } =
+                import(&("time,force,x\n".to_owned() + &rows.collect::<String>()), |_| {}).unwrap();
+            assert!((record.dt() / dt - 1.0).abs() < 1e-3, "{} for {dt}: {remarks:?}", record.dt());
+            assert!(remarks.iter().any(|remark| remark.contains(unit)), "{unit}: {remarks:?}");
+        }
+        let text = "t,force,x\n0,1,2\n10,2,3\n20,1,4\n";
         let said = import(text, |mapping| mapping.time.unit = "s".to_owned()).unwrap();
         assert_eq!((said.remarks.len(), said.record.dt()), (0, 10.0));
         assert_eq!(import(text, |mapping| mapping.time.unit = "ms".to_owned()).unwrap().record.dt(), 0.01);
         let unknown = import(text, |mapping| mapping.time.unit = "ticks".to_owned()).unwrap().remarks;
         assert!(unknown[0].contains("`ticks` is no known unit of time"), "{unknown:?}");
+    }
+
+    #[test]
+    fn a_counter_says_which_rows_are_missing_and_a_part_is_chosen_before_the_check() {
+        let rows = (0..40).filter(|k| k % 10 != 3).map(|k| format!("{k},{},{}\n", k % 3, k % 7)).collect::<String>();
+        let at_rate = |mapping: &mut Mapping| {
+            (mapping.time.column, mapping.time.rate) = (None, Some(50.0));
+            mapping.input = Some(MappedColumn::new("force"));
+            mapping.sensors = [(Quantity::DISPLACEMENT, MappedColumn::new("x"))].into();
+        };
+        let Imported { record, remarks, .. } = import(&format!("count,force,x\n{rows}"), at_rate).unwrap();
+        assert_eq!((record.len(), record.dt()), (40, 0.02));
+        assert!(record.measured(0)[3].is_nan() && record.measured(0)[4] == 4.0, "{remarks:?}");
+        assert!(remarks.iter().any(|remark| remark.starts_with("`count` counts the samples")), "{remarks:?}");
+        // The clock is wrong behind the part, many times over.
+        let times = (0..60).map(|k| if k < 30 { f64::from(k) } else { f64::from((k * 7) % 30) });
+        let rows = times.map(|time| format!("{},1,{}\n", 0.1 * time, time)).collect::<String>();
+        let part = |mapping: &mut Mapping| mapping.to = Some(2.0);
+        let text = format!("time,force,x\n{rows}");
+        assert!(import(&text, |_| {}).is_err());
+        assert_eq!(import(&text, part).unwrap().record.len(), 21);
     }
 
     #[test]

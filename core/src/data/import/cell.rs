@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::unit::{Dimension, unit};
+
 /// The delimiter between the cells of a line.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -154,7 +156,7 @@ impl Decimal {
         }
         match clock(cell) {
             Some((seconds, is_dated)) => Found::Clock { seconds, is_dated },
-            None => Found::Text,
+            None => self.duration(cell).map_or(Found::Text, Found::Number),
         }
     }
 
@@ -185,6 +187,14 @@ impl Decimal {
         let is_sure = unsigned.contains(point) || rest.len() > 1 || separator != other;
         let dot = if fraction.is_empty() { "" } else { "." };
         Some((format!("{sign}{first}{}{dot}{fraction}", rest.concat()), is_sure))
+    }
+
+    /// The seconds of a number with a unit of time behind it, such as `0.01 sec`.
+    fn duration(self, cell: &str) -> Option<f64> {
+        let (number, word) = cell.split_once(' ')?;
+        let Some((Dimension::Time, size)) = unit(word) else { return None };
+        let Found::Number(value) = self.read(number, false) else { return None };
+        Some(size * value)
     }
 
     /// A number with Fortran's exponent of double precision.
@@ -229,7 +239,8 @@ pub(super) fn clock(cell: &str) -> Option<(f64, bool)> {
     let mut parts = time.trim().splitn(3, ':');
     let mut whole = |most: u32| parts.next()?.parse::<u32>().ok().filter(|number| *number <= most).map(f64::from);
     let (hours, minutes) = (whole(24)?, whole(59)?);
-    let seconds: f64 = parts.next()?.replace(',', ".").parse().ok().filter(|seconds| (0.0..61.0).contains(seconds))?;
+    let seconds: f64 =
+        parts.next()?.replace([',', ':'], ".").parse().ok().filter(|seconds| (0.0..61.0).contains(seconds))?;
     let hours = match half {
         None => hours,
         Some(_) if !(1.0..=12.0).contains(&hours) => return None,
@@ -320,6 +331,12 @@ mod tests {
         assert_eq!(Decimal::Comma.number("7"), Some(7.0));
         assert_eq!(Decimal::Point.number("1,5"), None);
         assert_eq!(Decimal::Point.number("oops"), None);
+        assert_eq!(
+            ["0.01 sec", "20 ms", "12:00:00:500"].map(|cell| Decimal::Point.number(cell)),
+            [Some(0.01), Some(0.02), Some(43_200.5)]
+        );
+        assert_eq!(Decimal::Comma.number("1,5 s"), Some(1.5));
+        assert_eq!(Decimal::Point.number("5 mm"), None);
         for missing in ["", "nan", "NaN", "N/A", "-"] {
             assert!(Decimal::Point.number(missing).unwrap().is_nan(), "{missing}");
         }

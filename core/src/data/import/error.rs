@@ -56,14 +56,21 @@ pub enum ImportError {
     #[error("the file has no column of times: state the sample rate")]
     NoTime,
     /// The times do not rise.
-    #[error("line {line}: the time {} from {before} s to {found} s", if found < before { "goes back" } else { "stands still" })]
+    #[error(
+        "line {line}: the time in `{column}` {} from {before} s to {found} s: {way}",
+        if found < before { "goes back" } else { "stands still" }
+    )]
     NotRising {
+        /// The column of times.
+        column: String,
         /// Line of the file, counted from 1.
         line: usize,
         /// The time before \[s\].
         before: f64,
         /// The time in this line \[s\].
         found: f64,
+        /// What helps.
+        way: String,
     },
     /// There are too few samples.
     #[error("{0} row(s) of numbers remain, but at least {least} are needed", least = FEWEST)]

@@ -4,7 +4,6 @@ use super::error::FEWEST;
 use super::unit::{Dimension, STANDARD_GRAVITY, unit};
 use super::{Column, MappedColumn, Mapping, Ring, Table, Time, times};
 use crate::data::record::input_name;
-use crate::data::sorting::sort_numbers;
 use crate::{InputKind, Quantity};
 
 /// Words in names of columns that are neither input nor motion of the oscillator. Those of one or two letters must be the whole
@@ -38,7 +37,7 @@ impl ColumnGuess {
 
     /// Whether the column got no meaning.
     pub fn is_left_out(&self) -> bool {
-        [LOST, UNKNOWN, NO_NUMBERS, TRUTH, OTHER, COUNTER, SEVERAL].contains(&self.why)
+        [LOST, UNKNOWN, NO_NUMBERS, TRUTH, OTHER, COUNTER, SEVERAL, NO_TIME].contains(&self.why)
     }
 }
 
@@ -49,6 +48,7 @@ const UNKNOWN: &str = "neither its name nor its unit says what it is";
 const OTHER: &str = "its name says that it is something else";
 const COUNTER: &str = "it counts the rows";
 const SEVERAL: &str = "it may be the input, but others may be too: name it, if one is";
+const NO_TIME: &str = "its name says that it has the times, but its numbers do not rise";
 const NO_NUMBERS: &str = "it has no numbers";
 const CLOCK: &str = "it has the times of the columns behind it";
 const TRUTH: &str = "the truth of a simulated record";
@@ -69,11 +69,15 @@ fn is_like_time(values: &[f64]) -> bool {
     mean > 0.0 && values.windows(2).all(|pair| pair[1] > pair[0] && pair[1] - pair[0] < 100.0 * mean)
 }
 
-/// Whether most numbers, up to the last one, are larger than the one before: a column of that name is the time, even if a line is
-/// wrong.
-fn mostly_rises(values: &[f64]) -> bool {
-    let rows = values.iter().rposition(|value| !value.is_nan()).map_or(0, |last| last + 1);
-    2 * values[..rows].windows(2).filter(|pair| pair[1] > pair[0]).count() >= rows.saturating_sub(1)
+/// Whether few numbers are smaller than the one before: a column of that name is the time, even if lines are wrong or its times are
+/// rounded, which is said where it is used.
+fn seldom_falls(values: &[f64]) -> bool {
+    let (mut rises, mut falls) = (0, 0);
+    for pair in values.windows(2) {
+        rises += usize::from(pair[1] > pair[0]);
+        falls += usize::from(pair[1] < pair[0]);
+    }
+    (rises > 0 || values.len() < 2) && 5 * falls <= rises
 }
 
 fn is_truth(column: &Column) -> bool {
@@ -206,8 +210,12 @@ fn candidates(table: &Table) -> Vec<Candidate> {
             continue;
         }
         match role_of(&columns[place]) {
-            // A false time may be anything.
-            Some((Role::Time, _)) if !mostly_rises(&columns[place].values) => {}
+            // A false time with a short name may be anything.
+            Some((Role::Time, _)) if !seldom_falls(&columns[place].values) => {
+                if !has_word(&columns[place].name, "t s") {
+                    (one.why, one.is_free) = (NO_TIME, false);
+                }
+            }
             Some((role, _)) if is_taken(role) => (one.why, one.is_free) = (LOST, false),
             Some((role, why)) => one.take(role, why),
             None => {}
@@ -230,7 +238,7 @@ const WORDS: [(&str, Role); 7] = [
     ("ground_acceleration ground base boden", Role::Input(InputKind::GroundAcceleration)),
     ("total_acceleration", Role::Sensor(Quantity::TOTAL_ACCELERATION)),
     ("force input load kraft excitation drive f u in v1", Role::Input(InputKind::Force)),
-    ("time zeit seconds stamp temps t s", Role::Time),
+    ("time zeit seconds stamp temps millis micros nanos epoch t s", Role::Time),
     ("acceleration accel acc beschl a ax ay az", Role::Sensor(Quantity::ACCELERATION)),
     ("velocity speed geschw vel v", Role::Sensor(Quantity::VELOCITY)),
     (
@@ -322,9 +330,6 @@ const TIMES: [&str; 9] =
 const ACCELERATIONS: [&str; 9] =
     ["acceleration", "linearacceleration", "accelerometer", "accel", "acc", "a", "gf", "g", ""];
 
-/// The seconds of a unit of time, and the range of the steps that it can have: 2 to 1000 readings a second.
-const CLOCKS: [(f64, f64, f64); 4] = [(1.0, 1e-3, 0.5), (1e-3, 1.0, 5e2), (1e-6, 1e3, 5e5), (1e-9, 1e6, 5e8)];
-
 impl ThreeAxes {
     /// The time and three axes among the columns of a file, by their names; without names, the only four columns, of which one
     /// rises and three have the size of gravity together.
@@ -335,7 +340,7 @@ impl ThreeAxes {
         let names: Vec<String> = columns.iter().map(|column| plain(&column.name)).collect();
         let named = TIMES.iter().find_map(|name| names.iter().position(|other| other == name));
         let time = named.or_else(|| others.find(|&place| nearly_rises(&columns[place].values)))?;
-        Some(Self { time: (time, seconds(&columns[time])?), axes: (axes, size(columns, axes)) })
+        Some(Self { time: (time, seconds(&columns[time])), axes: (axes, size(columns, axes)) })
     }
 
     /// Time \[s\] and three accelerations \[m/s²\] of each row. The time begins at zero: an epoch in nanoseconds has too many
@@ -396,15 +401,12 @@ fn size(columns: &[Column], axes: [usize; 3]) -> f64 {
     }
 }
 
-/// The seconds of a time's unit: the file's, or the only one with 2 to 1000 readings a second.
-fn seconds(column: &Column) -> Option<f64> {
-    if let Some((Dimension::Time, factor)) = column.unit.as_deref().and_then(unit) {
-        return Some(factor);
+/// The seconds of a time's unit: the file's, or that of plausible steps.
+fn seconds(column: &Column) -> f64 {
+    match column.unit.as_deref().and_then(unit) {
+        Some((Dimension::Time, factor)) => factor,
+        _ => times::second(column).0,
     }
-    let mut steps: Vec<f64> = column.values.windows(2).map(|pair| pair[1] - pair[0]).filter(|dt| *dt > 0.0).collect();
-    sort_numbers(&mut steps);
-    let step = *steps.get(steps.len() / 2)?;
-    CLOCKS.iter().find(|(_, from, to)| (*from..=*to).contains(&step)).map(|(second, ..)| *second)
 }
 
 /// Whether numbers rise, but for a few.

@@ -210,7 +210,8 @@ fn is_same(table: &Table, one: usize, other: usize) -> bool {
 /// A clock with its columns, in which cells without a reading are empty.
 fn part(table: &Table, mapping: &Mapping, clock: usize, columns: &[(usize, &MappedColumn)]) -> Table {
     let mut time = table.columns[clock].clone();
-    if mapping.time.column.as_deref() == Some(&time.name) && !mapping.time.unit.is_empty() {
+    let is_stated = mapping.time.column.as_deref() == Some(&time.name);
+    if (is_stated || time.unit.is_none()) && !mapping.time.unit.is_empty() {
         time.unit = Some(mapping.time.unit.clone());
     }
     let last = |column: &Column| column.values.iter().rposition(|value| !value.is_nan()).map_or(0, |last| last + 1);

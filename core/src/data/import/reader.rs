@@ -2,6 +2,7 @@
 
 use super::error::{LONGEST_LINE, OTHER_KINDS};
 use super::formats::{self, Layout, SeriesReader};
+use super::mend::mend;
 use super::sound;
 use super::table::{Rows, RowsReader};
 use super::{Dialect, Encoding, Hash, ImportError, Table};
@@ -114,14 +115,15 @@ impl Reader {
     /// [`ImportError::NoNumbers`] where there are none.
     pub(super) fn finish(self) -> Result<Table, ImportError> {
         let Self { dialect, format, body, line, .. } = self;
-        match body {
-            Body::Whole(table) => Ok(*table),
-            Body::Series(series) => series.finish(format.unwrap_or_default(), dialect, line),
+        let table = match body {
+            Body::Whole(table) => *table,
+            Body::Series(series) => series.finish(format.unwrap_or_default(), dialect, line)?,
             Body::Rows(rows) => {
                 let form = format.map_or_else(|| dialect.to_string(), |name| format!("{name}: {dialect}"));
-                rows.finish(form, line)
+                rows.finish(form, line)?
             }
-        }
+        };
+        Ok(mend(table))
     }
 
     /// Reads a line. Returns whether there was one.

@@ -150,6 +150,18 @@ impl Table {
         text
     }
 
+    /// Some of its rows; of several that become one the last reading of each column counts.
+    pub(super) fn of_rows(&self, groups: impl Iterator<Item = Vec<usize>>) -> Self {
+        let (groups, mut lines): (Vec<Vec<usize>>, _) = (groups.collect(), Lines::default());
+        groups.iter().enumerate().for_each(|(row, group)| lines.push(row, self.line(group[0])));
+        let column = |column: &Column| {
+            let last = |group: &Vec<usize>| group.iter().rev().map(|&row| column.values[row]).find(|x| !x.is_nan());
+            let values = groups.iter().map(|group| last(group).unwrap_or(f64::NAN)).collect();
+            Column { values, ..column.clone() }
+        };
+        Self { columns: self.columns.iter().map(column).collect(), lines, ..self.clone() }
+    }
+
     /// Whether every cell of a column is empty or text.
     pub fn is_without_numbers(&self, place: usize) -> bool {
         self.columns[place].values.iter().all(|value| value.is_nan())

@@ -6,12 +6,23 @@ use super::error::{FEWEST, MOST};
 use super::unit::{Dimension, unit};
 use super::{Column, ImportError, Table};
 use crate::data::local_cubic::change;
+use crate::data::sorting::sort_numbers;
 
 /// Seconds of a day.
-const DAY: f64 = 86_400.0;
+pub(super) const DAY: f64 = 86_400.0;
 
-/// The least step of times without a unit that the user is asked about \[s\].
-const SLOW: f64 = 1.0;
+/// The units that a column of times may have, and the seconds of each.
+const UNITS: [(&str, f64); 4] = [("s", 1.0), ("ms", 1e-3), ("µs", 1e-6), ("ns", 1e-9)];
+
+/// The years 2000 to 2100 in seconds since 1970, and in days of a spreadsheet.
+const EPOCHS: std::ops::Range<f64> = 9.4e8..4.1e9;
+const SPREADSHEET_DAYS: std::ops::Range<f64> = 36_526.0..73_051.0;
+
+/// The steps that a record of a motion may have \[s\].
+const PLAUSIBLE: std::ops::RangeInclusive<f64> = 2e-5..=1.0;
+
+/// Steps without a unit are seconds up to here, and up to there the user is asked about them; longer ones have a smaller unit \[s\].
+const SLOW: [f64; 2] = [1.0, 10.0];
 
 /// The times of a file's rows, and the even steps that they are close to.
 pub(super) struct Clock<'a> {
@@ -45,7 +56,7 @@ impl<'a> Clock<'a> {
     }
 }
 
-/// The times of a column in seconds, up to the last row that has one; those after midnight are of the next day. What is changed is
+/// The times of a column in seconds, up to the last row that has one; what is changed is
 /// added to the remarks.
 pub(super) fn of<'a>(table: &Table, column: &'a Column, text: &str, remarks: &mut Vec<String>) -> Cow<'a, [f64]> {
     let values = &column.values;
@@ -58,7 +69,12 @@ pub(super) fn of<'a>(table: &Table, column: &'a Column, text: &str, remarks: &mu
     let size = match unit(text) {
         Some((Dimension::Time, size)) => size,
         // Times of day and dates are in seconds, even if their header names another unit.
-        _ if text.trim().is_empty() || column.is_time_of_day || column.is_dated => 1.0,
+        _ if column.is_time_of_day || column.is_dated => 1.0,
+        None if text.trim().is_empty() => {
+            let (size, said) = second(column);
+            remarks.extend(said);
+            size
+        }
         known => {
             remarks.push(format!("`{text}` is no known unit of time: the times are taken for seconds"));
             known.map_or(1.0, |(_, size)| size)
@@ -67,33 +83,97 @@ pub(super) fn of<'a>(table: &Table, column: &'a Column, text: &str, remarks: &mu
     if size != 1.0 {
         times = times.iter().map(|time| time * size).collect();
     }
-    if column.is_time_of_day
-        && let Some(row) = times.windows(2).position(|pair| pair[1] < pair[0] - 0.5 * DAY)
-    {
-        let mut days = 0.0;
-        let mut before = times[0];
-        let unwrapped = times.iter().map(|&time| {
-            days += if time < before - 0.5 * DAY { DAY } else { 0.0 };
-            before = time;
-            time + days
-        });
-        times = unwrapped.collect();
-        remarks.push(format!("the times pass midnight in line {}", table.line(row + 1)));
-    }
     times
 }
 
-/// A question about times without a unit, if their step is long for a measured motion.
-pub(super) fn question(column: &Column, text: &str, dt: f64) -> Option<String> {
-    // Times of day and dates have a known unit.
-    let is_told = !text.trim().is_empty() || column.is_time_of_day || column.is_dated;
-    (!is_told && dt >= SLOW).then(|| {
-        let (name, rate) = (&column.name, 1.0 / dt);
-        format!(
-            "the times in `{name}` have no unit; in seconds they are {rate} samples a second: are they ms? They count as seconds \
-             until their unit is stated"
-        )
-    })
+/// The seconds of the unit of a column without one, by its name, by the year that its times are in or by their steps; and a sentence where
+/// it is not seconds, or may be another.
+pub(super) fn second(column: &Column) -> (f64, Option<String>) {
+    let name = column.name.to_lowercase();
+    if let Some((_, size)) =
+        [("millis", 1e-3), ("micros", 1e-6), ("nanos", 1e-9)].iter().find(|(word, _)| name.contains(word))
+    {
+        return (*size, None);
+    }
+    let times: Vec<f64> = column.values.iter().copied().filter(|time| time.is_finite()).collect();
+    let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0).collect();
+    sort_numbers(&mut steps);
+    let (Some(&step), Some(&last)) = (steps.get(steps.len() / 2), times.last()) else { return (1.0, None) };
+    let said = |unit: &str, why: &str, question: &str| {
+        Some(format!("the times in `{}` have no unit: by their {why} they are {unit}{question}", column.name))
+    };
+    if let Some((unit, size)) = UNITS.iter().find(|(_, size)| EPOCHS.contains(&(last * size))) {
+        return (*size, if *size == 1.0 { None } else { said(&format!("{unit} since 1970"), "size", "") });
+    }
+    if SPREADSHEET_DAYS.contains(&last) && step < 0.5 * PLAUSIBLE.start() && PLAUSIBLE.contains(&(DAY * step)) {
+        return (DAY, said("days of a spreadsheet", "size", ""));
+    }
+    let rate = |size: f64| 1.0 / (step * size);
+    if step < SLOW[0] {
+        return (1.0, None);
+    }
+    if step < SLOW[1] {
+        let question = format!(
+            "the times in `{}` have no unit; in seconds they are {} samples a second: are they ms? They count as seconds until their unit \
+             is stated",
+            column.name,
+            rate(1.0)
+        );
+        return (1.0, Some(question));
+    }
+    // Of several plausible units that with the rate nearest to 100 Hz.
+    let mut plausible: Vec<&(&str, f64)> =
+        UNITS[1..].iter().filter(|(_, size)| PLAUSIBLE.contains(&(step * size))).collect();
+    plausible.sort_by(|a, b| {
+        let [a, b] = [a.1, b.1].map(|size| libm::log10(rate(size) / 100.0).abs());
+        a.total_cmp(&b)
+    });
+    match plausible.as_slice() {
+        [] => (1.0, said("seconds", "steps", &format!(", of which a sample has {step}: state their unit"))),
+        [(unit, size), others @ ..] => {
+            let (samples, seconds) = (rate(*size), rate(1.0));
+            let or = others
+                .first()
+                .map_or_else(String::new, |(other, size)| format!(" (in {other} {} a second)", rate(*size)));
+            let question = format!(
+                ", {samples} samples a second{or}; in seconds one in {:.0} s: state their unit if it is another",
+                1.0 / seconds
+            );
+            (*size, said(unit, "steps", &question))
+        }
+    }
+}
+
+/// The ranges of counters of 16 and 32 bits that count a decimal part of the unit of their column.
+fn ranges() -> impl Iterator<Item = f64> {
+    [65_536.0, 4_294_967_296.0].into_iter().flat_map(|range| [1.0, 1e-3, 1e-6, 1e-9].map(|unit| range * unit))
+}
+
+/// The range at whose end a counter with a usual step turns over between two times. `None` if it does not.
+pub fn turn(before: f64, now: f64, step: f64) -> Option<f64> {
+    let passed = |range: f64| (0.0..5.0 * step).contains(&(now + range - before));
+    let is_at_the_end = |range: f64| {
+        [0.0, -0.5 * range].iter().any(|low| (low + range - 5.0 * step..=low + range).contains(&before) && now >= *low)
+    };
+    if now < before { ranges().find(|&range| passed(range) && is_at_the_end(range)) } else { None }
+}
+
+/// Makes the times of a counter that turns over go on. Returns the first row after that and the range of the counter.
+pub(super) fn with_turns(times: &mut [f64]) -> Option<(usize, f64)> {
+    let rising = times.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0);
+    let mut steps: Vec<f64> = rising.collect();
+    sort_numbers(&mut steps);
+    let step = *steps.get(steps.len() / 2)?;
+    let (mut added, mut first, mut before) = (0.0, None, f64::NAN);
+    for (row, time) in times.iter_mut().enumerate() {
+        if let Some(range) = turn(before, *time, step) {
+            added += range;
+            first = first.or(Some((row, range)));
+        }
+        before = *time;
+        *time += added;
+    }
+    first
 }
 
 /// Limits the error of times without a remark, as a share of the step.
@@ -150,8 +230,8 @@ impl Timing {
             return Err(ImportError::Cell { line: line(row), column, problem });
         }
         if let Some(row) = times.windows(2).position(|pair| pair[1] <= pair[0]) {
-            let (before, found) = (times[row], times[row + 1]);
-            return Err(ImportError::NotRising { line: line(row + 1), before, found });
+            let (before, found, line) = (times[row], times[row + 1], line(row + 1));
+            return Err(ImportError::NotRising { column: column.to_owned(), line, before, found, way: way(times) });
         }
         let (start, last) = (times[0], times[times.len() - 1]);
         let even = (last - start) / (times.len() - 1) as f64;
@@ -309,6 +389,24 @@ impl Steps {
     }
 }
 
+/// What helps where times do not rise.
+fn way(times: &[f64]) -> String {
+    let still = times.windows(2).filter(|pair| pair[1] == pair[0]).count();
+    if 3 * still < times.len() || times.windows(2).any(|pair| pair[1] < pair[0]) {
+        return "choose a part by its times, or state the sample rate to count the rows as even".to_owned();
+    }
+    // Whole runs of equal times, without the first one and the last, have the rate.
+    let changes: Vec<usize> = (1..times.len()).filter(|&row| times[row] > times[row - 1]).collect();
+    let rate = match changes.as_slice() {
+        [first, .., last] => format!(" of about {} Hz", told((last - first) as f64 / (times[*last] - times[*first]))),
+        _ => String::new(),
+    };
+    let rows = times.len() as f64 / (changes.len() + 1) as f64;
+    format!(
+        "about {rows:.0} rows have the same time, as rounded ones: state the sample rate{rate}, and the rows count as even"
+    )
+}
+
 /// A number of samples, if a record can have them.
 fn count(samples: f64) -> Result<usize, ImportError> {
     let found = samples.min(1e15) as usize;
@@ -333,12 +431,12 @@ fn resolution(times: &[f64]) -> f64 {
     (0..=9).map(|decimals| libm::pow(10.0, -f64::from(decimals))).find(is_told).unwrap_or(0.0)
 }
 
-/// A step to six digits.
+/// A number to six digits.
 fn told(dt: f64) -> f64 {
     format!("{dt:.5e}").parse().unwrap_or(dt)
 }
 
-fn median_step(times: &[f64]) -> f64 {
+pub(super) fn median_step(times: &[f64]) -> f64 {
     let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let middle = steps.len() / 2;
     *steps.select_nth_unstable_by(middle, f64::total_cmp).1
@@ -408,11 +506,13 @@ mod tests {
     fn times_that_do_not_rise_are_refused_with_their_line() {
         assert_eq!(
             timing(&[0.0, 0.1, 0.1]).unwrap_err().to_string(),
-            "line 4: the time stands still from 0.1 s to 0.1 s"
+            "line 4: the time in `t` stands still from 0.1 s to 0.1 s: about 2 rows have the same time, as rounded ones: state the sample \
+             rate, and the rows count as even"
         );
         assert_eq!(
             timing(&[0.0, 0.1, 0.05]).unwrap_err().to_string(),
-            "line 4: the time goes back from 0.1 s to 0.05 s"
+            "line 4: the time in `t` goes back from 0.1 s to 0.05 s: choose a part by its times, or state the sample rate to count the rows \
+             as even"
         );
         assert!(timing(&[0.0, f64::NAN, 1.0]).unwrap_err().to_string().contains("line 3, column `t`"));
         assert!(timing(&[0.0]).unwrap_err().to_string().starts_with("1 row"));

@@ -1,0 +1,255 @@
+//! Faults of a file's times that have one cure: a counter that turns over, rows that stand twice or in another order, first rows
+//! far from all others, a clock that is set back, parts that begin again.
+
+use super::Table;
+use super::guess::{clocks, is_named_time};
+use super::times::{DAY, median_step, with_turns};
+
+/// A row in another order is at most so many rows from its place.
+const NEAR: usize = 8;
+
+/// First rows are apart from the others by more than this many times what the others take.
+const APART: f64 = 1e3;
+
+/// A clock is set back so often at most; times that go back more often are none.
+const SET_BACK: usize = 3;
+
+/// The share of times with several rows up to which these are events, and the rows at an event.
+const EVENTS: (f64, usize) = (0.1, 4);
+
+/// A table whose column of times rises, where a fault of it has one cure. Each cure is a remark of the table.
+pub(super) fn mend(mut table: Table) -> Table {
+    let named: Vec<usize> = (0..table.columns.len()).filter(|&place| is_named_time(&table.columns[place])).collect();
+    for &place in &named {
+        let column = &mut table.columns[place];
+        let turned = with_turns(&mut column.values);
+        if let Some((row, range)) = turned {
+            let (name, line) = (column.name.clone(), table.line(row));
+            table.remarks.push(format!("`{name}` turns over at {range} in line {line}: its times go on from there"));
+        }
+    }
+    for &place in &named {
+        if table.columns[place].is_time_of_day
+            && let Some(row) = with_days(&mut table.columns[place].values)
+        {
+            table.remarks.push(format!("the times pass midnight in line {}", table.line(row)));
+        }
+    }
+    // Rows that one clock has twice may be others of another clock.
+    match named.first() {
+        Some(&place) if clocks(&table).len() < 2 => rows_mended(table, place),
+        _ => table,
+    }
+}
+
+/// Times of day, of which those after midnight are of the next day. Returns the first row after it.
+fn with_days(times: &mut [f64]) -> Option<usize> {
+    let (mut days, mut first, mut before) = (0.0, None, f64::NAN);
+    for (row, time) in times.iter_mut().enumerate() {
+        if *time < before - 0.5 * DAY {
+            days += DAY;
+            first = first.or(Some(row));
+        }
+        before = if time.is_nan() { before } else { *time };
+        *time += days;
+    }
+    first
+}
+
+fn rows_mended(mut table: Table, place: usize) -> Table {
+    let values = &table.columns[place].values;
+    let count = values.iter().rposition(|time| !time.is_nan()).map_or(0, |last| last + 1);
+    let mut times = values[..count].to_vec();
+    if count < 4 || times.iter().any(|time| !time.is_finite()) {
+        return table;
+    }
+    let (name, mut said) = (table.columns[place].name.clone(), Vec::new());
+    let mut rows: Vec<usize> = (0..count).collect();
+    if let Some(first) = first_rows_apart(&times) {
+        said.push(format!("the first {first} time(s) in `{name}` are far from all others: these rows are left out"));
+        rows.drain(..first);
+    }
+    let step = median_step(&rows.iter().map(|&row| times[row]).collect::<Vec<f64>>());
+    let back =
+        |rows: &[usize]| -> Vec<usize> { (1..rows.len()).filter(|&k| times[rows[k]] < times[rows[k - 1]]).collect() };
+    let backward = back(&rows);
+    if !backward.is_empty() && step > 0.0 {
+        let line = |k: usize| table.line(rows[k]);
+        let begins = |&k: &usize| (times[rows[k]] - times[rows[0]]).abs() <= 3.0 * step;
+        if let Some(sorted) = in_order(&times, &rows, step) {
+            said.push(format!(
+                "the rows from line {} on are not in the order of their times: they are sorted",
+                line(backward[0] - 1)
+            ));
+            rows = sorted;
+        } else if backward.iter().all(begins) {
+            let mut ends = vec![0];
+            ends.extend(&backward);
+            ends.push(rows.len());
+            let parts = ends.windows(2).map(|ends| ends[0]..ends[1]);
+            let longest = parts.rev().max_by_key(|part| part.len()).unwrap_or(0..rows.len());
+            said.push(format!(
+                "the times in `{name}` begin again in line {}: of {} parts the longest is read, lines {} to {}; to read another, save it \
+                 as a file",
+                line(backward[0]),
+                ends.len() - 1,
+                line(longest.start),
+                line(longest.end - 1)
+            ));
+            rows = rows[longest].to_vec();
+        } else if backward.len() <= SET_BACK {
+            for &k in &backward {
+                let shift = times[rows[k - 1]] + step - times[rows[k]];
+                said.push(format!(
+                    "the clock `{name}` is set back by {:.3} of its unit in line {}: from there on the times go on with a usual step",
+                    shift,
+                    line(k)
+                ));
+                rows[k..].iter().for_each(|&row| times[row] += shift);
+            }
+        }
+    }
+    let groups =
+        of_one_time(&table, place, &times, &rows).unwrap_or_else(|| rows.iter().map(|row| vec![*row]).collect());
+    if groups.len() < rows.len() {
+        let first = groups.iter().find(|group| group.len() > 1).map_or(0, |group| group[1]);
+        said.push(format!(
+            "{} rows have the time of the row before them, the first is line {}: of their cells the last reading counts",
+            rows.len() - groups.len(),
+            table.line(first)
+        ));
+    }
+    if said.is_empty() {
+        return table;
+    }
+    let groups = groups.into_iter().chain((count..table.rows()).map(|row| vec![row]));
+    table.columns[place].values[..count].copy_from_slice(&times);
+    table.remarks.extend(said);
+    table.of_rows(groups)
+}
+
+/// The number of first rows, up to three, whose times are far from all others: 0 before the first reading of a clock, or the start and
+/// the rate of the others.
+fn first_rows_apart(times: &[f64]) -> Option<usize> {
+    (1..=3.min(times.len() - 3)).find(|&first| {
+        let rest = &times[first..];
+        let ends =
+            rest.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &time| [low.min(time), high.max(time)]);
+        let span = ends[1] - ends[0];
+        span > 0.0 && times[..first].iter().all(|time| (time - rest[0]).abs() > APART * span)
+    })
+}
+
+/// The rows sorted by their times, if each is near its place and the sorted times have usual steps.
+fn in_order(times: &[f64], rows: &[usize], step: f64) -> Option<Vec<usize>> {
+    let mut sorted: Vec<usize> = (0..rows.len()).collect();
+    sorted.sort_by(|&one, &other| times[rows[one]].total_cmp(&times[rows[other]]));
+    let is_near = sorted.iter().enumerate().all(|(place, &before)| place.abs_diff(before) <= NEAR);
+    let sorted: Vec<usize> = sorted.into_iter().map(|place| rows[place]).collect();
+    let has_steps = sorted.windows(2).all(|pair| times[pair[1]] - times[pair[0]] > 0.2 * step);
+    (is_near && has_steps).then_some(sorted)
+}
+
+/// The rows of each time. `None` where many times have several rows with unlike readings: then they are rounded.
+fn of_one_time(table: &Table, place: usize, times: &[f64], rows: &[usize]) -> Option<Vec<Vec<usize>>> {
+    let mut groups: Vec<Vec<usize>> = Vec::with_capacity(rows.len());
+    for &row in rows {
+        match groups.last_mut() {
+            Some(group) if times[group[0]] == times[row] => group.push(row),
+            _ => groups.push(vec![row]),
+        }
+    }
+    let others = || table.columns.iter().enumerate().filter(|(other, _)| *other != place);
+    let agree = |one: usize, other: usize| {
+        others().all(|(_, column)| {
+            let [one, other] = [column.values[one], column.values[other]];
+            one == other || one.is_nan() || other.is_nan()
+        })
+    };
+    let unlike = groups.iter().filter(|group| group.windows(2).any(|pair| !agree(pair[0], pair[1]))).count();
+    let is_short = groups.iter().all(|group| group.len() <= EVENTS.1);
+    (unlike == 0 || (is_short && unlike as f64 <= EVENTS.0 * groups.len() as f64)).then_some(groups)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::read;
+
+    /// The times and the last column of a file, and its remarks.
+    fn mended(text: &str) -> (Vec<f64>, Vec<f64>, Vec<String>) {
+        let table = read(text.as_bytes(), None).unwrap();
+        let [time, .., last] = table.columns.as_slice() else { panic!("two columns") };
+        (time.values.clone(), last.values.clone(), table.remarks)
+    }
+
+    /// A file of times, with the number of its row as the reading.
+    fn file(times: impl IntoIterator<Item = f64>) -> String {
+        let rows = times.into_iter().enumerate().map(|(row, time)| format!("{time},{row}\n"));
+        "time,x\n".to_owned() + &rows.collect::<String>()
+    }
+
+    fn steps(times: &[f64]) -> Vec<f64> {
+        times.windows(2).map(|pair| ((pair[1] - pair[0]) * 1e6).round() * 1e-6).collect()
+    }
+
+    #[test]
+    fn counters_go_on_where_they_turn_over() {
+        for (range, from, step) in [
+            (4_294_967_296.0, 4_294_960_000.0, 20_000.0),
+            (4_294_967.296, 4_294_967.0, 0.5),
+            (65_536.0, 65_500.0, 10.0),
+            (65.536, 65.0, 0.01),
+        ] {
+            let times = (0..200).map(|k| (from + f64::from(k) * step) % range);
+            let (times, _, remarks) = mended(&file(times));
+            assert!(times.windows(2).all(|pair| (pair[1] - pair[0] - step).abs() < 1e-6 * range.max(1.0)), "{range}");
+            assert!(remarks.len() == 1 && remarks[0].contains("turns over"), "{remarks:?}");
+        }
+        // Those of a signed number turn over at its half.
+        let signed = (0..50).map(|k| f64::from(32_700_i16.wrapping_add(10 * k)));
+        assert_eq!(steps(&mended(&file(signed)).0), [10.0; 49]);
+    }
+
+    #[test]
+    fn each_fault_with_one_cure_is_cured_and_said() {
+        let even = |count: u32| (0..count).map(|k| 0.02 * f64::from(k));
+        let epoch = std::iter::once(0.0).chain(even(50).map(|time| 1.7e9 + time));
+        let swapped = even(60).map(|time| {
+            if (time - 0.2).abs() < 1e-9 {
+                0.22
+            } else if (time - 0.22).abs() < 1e-9 {
+                0.2
+            } else {
+                time
+            }
+        });
+        let back = even(60).map(|time| if time > 0.5 { 7200.0 + time - 3600.0 } else { 7200.0 + time });
+        let again = even(30).chain(even(40)).chain(even(20));
+        let twice = even(40).flat_map(|time| [time, time]);
+        let cases: [(&str, String, usize, usize, &str); 4] = [
+            ("epoch", file(epoch), 50, 1, "far from all others"),
+            ("swapped", file(swapped), 60, 0, "not in the order"),
+            ("back", file(back), 60, 0, "is set back by 3600.000"),
+            ("again", file(again), 40, 30, "of 3 parts the longest is read, lines 32 to 71"),
+        ];
+        for (name, text, rows, first, words) in cases {
+            let (times, readings, remarks) = mended(&text);
+            assert_eq!((times.len(), readings[0]), (rows, first as f64), "{name}");
+            assert!(steps(&times).iter().all(|step| (step - 0.02).abs() < 1e-6), "{name}: {times:?}");
+            assert!(remarks.len() == 1 && remarks[0].contains(words), "{name}: {remarks:?}");
+        }
+        // Rows that stand twice are one, whether they agree or complete each other; at an event the later one counts.
+        let same: String = even(40).map(|time| format!("{time},{time}\n").repeat(2)).collect();
+        let parts: String = even(40).map(|time| format!("{time},1,\n{time},,{time}\n")).collect();
+        let event: String = even(40)
+            .map(|time| if time == 0.4 { format!("{time},9\n{time},{time}\n") } else { format!("{time},{time}\n") })
+            .collect();
+        for text in [format!("t,x\n{same}"), format!("t,f,x\n{parts}"), format!("t,x\n{event}")] {
+            let (times, readings, remarks) = mended(&text);
+            assert_eq!((times.len(), &times), (40, &readings), "{remarks:?}");
+            assert!(remarks.iter().any(|remark| remark.contains("have the time of the row before")), "{remarks:?}");
+        }
+        let (times, _, remarks) = mended(&file(twice));
+        assert_eq!((times.len(), remarks), (80, vec![]), "rounded times stay: their rows are not one");
+    }
+}
