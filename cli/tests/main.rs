@@ -6,6 +6,7 @@ mod dialects;
 #[cfg(unix)]
 mod files;
 mod fix;
+mod formats;
 mod guesses;
 mod hostile;
 mod import;
