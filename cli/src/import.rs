@@ -42,11 +42,13 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
         mapping.band = band.as_ref().and_then(|band| band.as_slice().try_into().ok());
     }
     mapping.interpolate = *interpolate;
-    let imported = Builder::new(&table, &mapping, kind, Hold::First).and_then(Builder::finish).map_err(bad)?;
+    let imported = Builder::new(&table, &mapping, kind, Hold::First).and_then(Builder::finish);
     drop(progress);
-    for guess in &guesses {
-        eprintln!("{}", shown(&meaning(guess, &mapping, args)));
+    // Without a sensor, the reasons say what is to be chosen.
+    if matches!(imported, Ok(_) | Err(ImportError::NoSensor)) {
+        guesses.iter().for_each(|guess| eprintln!("{}", shown(&meaning(guess, &mapping, args))));
     }
+    let imported = imported.map_err(bad)?;
     remark.iter().chain(&imported.remarks).for_each(|remark| say(remark));
     if let Some(sensor) = imported.still {
         return Err(bad(ImportError::Still(sensor.name())));

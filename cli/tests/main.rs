@@ -2,9 +2,12 @@
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 mod columns;
+mod dialects;
 #[cfg(unix)]
 mod files;
 mod fix;
+mod formats;
+mod guesses;
 mod hostile;
 mod import;
 mod of_filter;

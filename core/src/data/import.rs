@@ -35,6 +35,7 @@ mod missing;
 mod own_times;
 mod reader;
 mod resample;
+mod shape;
 mod sound;
 mod table;
 mod times;

@@ -6,6 +6,7 @@ use super::conditioning::{Conditioning, above_nyquist, fill, mean, shift};
 use super::error::{FEWEST, MOST};
 use super::missing::{cells_without_readings, is_still};
 use super::own_times::{OneClock, OwnTimes, on_one_clock};
+use super::shape::unwrapped;
 use super::times::{Clock, Steps, Timing};
 use super::{Column, ImportError, MappedColumn, Mapping, Offset, Table, times};
 use crate::data::record::Input;
@@ -53,6 +54,10 @@ impl<'a> Builder<'a> {
             return Err(ImportError::NoSensor);
         }
         let mut remarks = (*source).borrow().remarks.clone();
+        let source: Box<dyn Borrow<Table> + 'a> = match unwrapped((*source).borrow(), mapping, &mut remarks) {
+            Some(table) => Box::new(table),
+            None => source,
+        };
         let joined = on_one_clock((*source).borrow(), mapping, &mut remarks)?;
         let (mut own, mut is_even) = (None, true);
         let (source, mapping): (Box<dyn Borrow<Table> + 'a>, _) = match joined {
@@ -342,7 +347,7 @@ pub(super) mod tests {
     fn what_cannot_be_used_is_said_with_line_and_column() {
         let message = |text: &str| import(text, |_| {}).unwrap_err().to_string();
         assert_eq!(message("t,force,x\n0,1,2\n1,2,oops\n2,3,4\n"), "line 3, column `x`: `oops` is not a number");
-        assert_eq!(message("t,force,x\n0,1,2\n1,2,inf\n2,3,4\n"), "line 3, column `x`: the number is infinite");
+        assert_eq!(message("t,force,x\n0,1,2\n1,2,1e999\n2,3,4\n"), "line 3, column `x`: the number is infinite");
         assert!(message("t,x\n0,1\n").starts_with("1 row(s)"), "{}", message("t,x\n0,1\n"));
         assert_eq!(message("force,x\n2,1\n1,3\n"), "the file has no column of times: state the sample rate");
         let missing = import(TEXT, |mapping| mapping.input = Some(MappedColumn::new("load"))).unwrap_err().to_string();

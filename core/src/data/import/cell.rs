@@ -133,6 +133,8 @@ impl Decimal {
             Self::Comma => cell.replace(',', ".").parse().ok(),
         };
         match plain {
+            // A number that is too large has digits.
+            Some(value) if f64::is_infinite(value) && !cell.contains(|c: char| c.is_ascii_digit()) => Found::Word,
             Some(value) => Found::Number(value),
             None => self.unusual(cell, thousands),
         }
@@ -208,13 +210,15 @@ impl Decimal {
 
 /// Words of programs for a missing value.
 fn is_missing(cell: &str) -> bool {
-    ["na", "n/a", "null", "none", "-", "--", "#n/a", "#nv", "?"].iter().any(|word| cell.eq_ignore_ascii_case(word))
+    ["na", "n/a", "null", "none", "nil", "missing", "-", "--", "#n/a", "#nv", "?"]
+        .iter()
+        .any(|word| cell.eq_ignore_ascii_case(word))
 }
 
 /// Words of instruments and programs for a reading that failed: overload, an error, a number that does not fit its place.
 fn is_word(cell: &str) -> bool {
     const WORDS: &str =
-        "ovld ovl ovrld ovr ovrng overload overflow overrange over ol o.l o/l under error err inval invalid bad";
+        "∞ ovld ovl ovrld ovr ovrng overload overflow overrange over ol o.l o/l under error err inval invalid bad";
     // Of Windows and of spreadsheets.
     const PARTS: [&str; 6] = ["#ind", "#qnan", "#snan", "#inf", "#div/0", "#num"];
     let is_line = |mark: char| cell.chars().all(|c| c == mark);

@@ -23,6 +23,9 @@ pub enum ImportError {
     /// No column has numbers.
     #[error("there is no column of numbers in {0} line(s)")]
     NoNumbers(usize),
+    /// No series of the file is one of readings; of the first one the reason, and the number of all.
+    #[error("{0}, and none of the {1} function(s) of this file is one: export the readings over time")]
+    NoRecord(String, usize),
     /// There are too many columns.
     #[error("line {line} has {found} cells, but at most {} columns can be read", MOST_COLUMNS)]
     TooManyColumns {

@@ -3,6 +3,7 @@
 //! A format is a row of [`FORMATS`]: it recognises a file by its first lines, and says how its lines are laid out. Either they are
 //! rows of a table with known columns, or series of numbers one after the other, each behind a header and wrapped over lines.
 
+mod nameless;
 mod rows;
 mod series;
 
@@ -10,6 +11,8 @@ use super::cell::{Decimal, Found};
 use super::error::MOST;
 use super::table::{Column, Lines, Rows, TextCell, free_name};
 use super::{Dialect, ImportError, Table};
+
+pub(super) use nameless::nameless;
 
 /// The layout of the numbers below a header.
 #[derive(Debug)]
@@ -22,11 +25,12 @@ pub(super) enum Layout {
 /// The layout of a file that begins with some lines, if it has a format.
 type Find = fn(&[&str]) -> Option<Layout>;
 
-const FORMATS: [(&str, Find); 8] = [
+const FORMATS: [(&str, Find); 9] = [
     ("PEER (AT2)", series::peer),
     ("strong motion (CSMIP, COSMOS)", series::strong_motion),
     ("SLIST", series::slist),
     ("universal file, data set 58", series::uff58),
+    ("SAC", series::sac),
     ("LabVIEW measurement", rows::lvm),
     ("Campbell TOA5", rows::toa5),
     ("Rigol", rows::rigol),
@@ -162,7 +166,10 @@ impl SeriesReader {
         let mut columns: Vec<Column> = Vec::new();
         let mut times: Option<Vec<f64>> = None;
         let usable = |(series, values): &&(Series, Vec<f64>)| series.no_record.is_none() && values.len() > 1;
-        let Some((first, _)) = all.iter().find(usable) else { return Err(ImportError::NoNumbers(lines)) };
+        let Some((first, _)) = all.iter().find(usable) else {
+            let reason = all.iter().find_map(|(series, _)| Some(format!("`{}` {}", series.name, series.no_record?)));
+            return Err(reason.map_or(ImportError::NoNumbers(lines), |reason| ImportError::NoRecord(reason, all.len())));
+        };
         let origin = all.iter().filter(usable).map(|(series, _)| series.start).fold(first.start, f64::min);
         let (dt, has_times) = (first.dt, first.has_times);
         for (series, values) in &all {
@@ -250,16 +257,7 @@ pub(super) fn numbers(line: &str, width: Option<usize>) -> Option<Vec<f64>> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::read;
     use super::*;
-
-    /// The table of a file in some format, and the names of its columns.
-    #[track_caller]
-    pub(super) fn table_of(text: &str) -> (Table, Vec<String>) {
-        let table = read(text.as_bytes(), None).unwrap();
-        let names = table.columns.iter().map(|column| column.name.clone()).collect();
-        (table, names)
-    }
 
     #[test]
     fn words_and_numbers_of_headers_are_found() {

@@ -1,6 +1,7 @@
 //! The meaning of a file's columns by their headers and cells: a guess at all of them, and the three axes of an accelerometer.
 
 use super::error::FEWEST;
+use super::shape::{are_axes, is_counter, liveliness, never_changes};
 use super::unit::{Dimension, STANDARD_GRAVITY, unit};
 use super::{Column, MappedColumn, Mapping, Ring, Table, Time, times};
 use crate::data::record::input_name;
@@ -9,11 +10,12 @@ use crate::{InputKind, Quantity};
 /// Words in names of columns that are neither input nor motion of the oscillator. Those of one or two letters must be the whole
 /// word.
 const OTHERS: &str = "other integrated reference setpoint target estimate predicted model wind temperature humid \
-                      batt status flag quality trigger latitude longitude rpm strain error noise";
+                      batt supply vcc vdd vbat status flag quality trigger latitude longitude rpm strain error noise pressure \
+                      magnet compass current id uid tgf";
 
-/// Names of columns that count the rows.
-const COUNTERS: [&str; 14] =
-    ["record", "rn", "index", "sample", "samples", "scan", "frame", "row", "nr", "no", "n", "#", "count", "counter"];
+/// Words in names of columns that count the rows; the first letters of a word, or all of it.
+const COUNTERS: &str =
+    "record rn index sample samples scan frame row nr no n count counter seq seqnum sequence packet iteration loop id";
 
 /// The guessed meaning of a column, and the reason.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -37,7 +39,8 @@ impl ColumnGuess {
 
     /// Whether the column got no meaning.
     pub fn is_left_out(&self) -> bool {
-        [LOST, UNKNOWN, NO_NUMBERS, TRUTH, OTHER, COUNTER, SEVERAL, NO_TIME].contains(&self.why)
+        [LOST, UNKNOWN, NO_NUMBERS, TRUTH, OTHER, COUNTER, SEVERAL, STILL, UNIT, AXIS, TURNS, NO_TIME]
+            .contains(&self.why)
     }
 }
 
@@ -47,19 +50,35 @@ const LOST: &str = "another column has that meaning already";
 const UNKNOWN: &str = "neither its name nor its unit says what it is";
 const OTHER: &str = "its name says that it is something else";
 const COUNTER: &str = "it counts the rows";
+const STILL: &str = "its numbers never change";
+const UNIT: &str = "its unit is neither one of a motion nor of a force";
+const AXIS: &str = "another axis moves more";
+const TURNS: &str = "it turns, and another sensor moves along a line";
 const SEVERAL: &str = "it may be the input, but others may be too: name it, if one is";
 const NO_TIME: &str = "its name says that it has the times, but its numbers do not rise";
 const NO_NUMBERS: &str = "it has no numbers";
 const CLOCK: &str = "it has the times of the columns behind it";
 const TRUTH: &str = "the truth of a simulated record";
 
-/// The reason why a column, by its name, is neither time, input nor motion.
+/// The reason why a column, by its name or unit, is neither time, input nor motion.
 fn is_something_else(column: &Column) -> Option<&'static str> {
-    let counts = || column.values.windows(2).all(|pair| pair[1] == pair[0] + 1.0);
-    if COUNTERS.iter().any(|name| column.name.trim().eq_ignore_ascii_case(name)) && counts() {
+    let name = &column.name;
+    // `loopIteration`, `SampleC`, `device_id`.
+    let begins =
+        |(place, c): (usize, char)| place > 0 && c.is_uppercase() && name[..place].ends_with(char::is_lowercase);
+    let parts: String = name.char_indices().flat_map(|at| [begins(at).then_some(' '), Some(at.1)]).flatten().collect();
+    let is_named = name.trim() == "#" || COUNTERS.split(' ').any(|word| is_word(&parts, word));
+    let role = role_of(column).map(|(role, _)| role);
+    if is_named && role != Some(Role::Time) && !never_changes(&column.values) && is_counter(&column.values, true) {
         return Some(COUNTER);
     }
-    (Quantity::from_key(&column.name).is_none() && has_word(&column.name, OTHERS)).then_some(OTHER)
+    // The L of a sensor's name is the left one.
+    let is_letter = |text: &str| role.is_some() && text.len() == 1 && text != "%";
+    let of = |text: &&str| unit(text).is_some_and(|(dimension, _)| dimension == Dimension::Other);
+    if column.unit.as_deref().filter(of).is_some_and(|text| !is_letter(text)) {
+        return Some(UNIT);
+    }
+    (Quantity::from_key(name).is_none() && has_word(name, OTHERS)).then_some(OTHER)
 }
 
 /// Whether the numbers rise in even steps, as times do.
@@ -122,18 +141,25 @@ impl Mapping {
         let columns = &table.columns;
         let mut all = candidates(table);
         let has = |all: &[Candidate], wanted: &dyn Fn(Role) -> bool| all.iter().any(|one| one.role.is_some_and(wanted));
-        if !has(&all, &|role| role == Role::Time)
-            && let Some(one) = all.iter_mut().find(|one| one.is_free && is_like_time(&columns[one.place].values))
-        {
-            one.take(Role::Time, BY_SHAPE);
+        let counts = |one: &Candidate| is_counter(&columns[one.place].values, false);
+        if !has(&all, &|role| role == Role::Time) {
+            let is_like = |one: &Candidate| one.is_free && is_like_time(&columns[one.place].values);
+            let place =
+                all.iter().position(|one| is_like(one) && !counts(one)).or_else(|| all.iter().position(is_like));
+            if let Some(place) = place {
+                all[place].take(Role::Time, BY_SHAPE);
+            }
         }
-        let free = |all: &[Candidate]| all.iter().filter(|one| one.is_free).count();
+        for one in all.iter_mut().filter(|one| one.is_free && counts(one)) {
+            (one.why, one.is_free) = (COUNTER, false);
+        }
+        let unknown = |one: &&Candidate| one.is_free || [STILL, UNIT].contains(&one.why);
         let has_sensor = has(&all, &|role| matches!(role, Role::Sensor(_)));
         if !has(&all, &|role| matches!(role, Role::Input(_))) {
-            match free(&all) {
+            match all.iter().filter(unknown).count() {
                 // With a named sensor and several other columns, none of these is a better guess than the others.
                 2.. if has_sensor => all.iter_mut().filter(|one| one.is_free).for_each(|one| one.why = SEVERAL),
-                1 if !has_sensor => {}
+                _ if !has_sensor && all.iter().filter(|one| one.is_free).count() == 1 => {}
                 _ => {
                     if let Some(one) = all.iter_mut().find(|one| one.is_free) {
                         one.take(Role::Input(InputKind::Force), FIRST_FREE);
@@ -144,6 +170,7 @@ impl Mapping {
         if !has_sensor && let Some(one) = all.iter_mut().find(|one| one.is_free) {
             one.take(Role::Sensor(Quantity::DISPLACEMENT), FIRST_FREE);
         }
+        choose_axes(table, &mut all);
         // An accelerometer on a structure feels the ground too, unless the scenario or the program that wrote the file says otherwise.
         let on_ground = |role: Role| role == Role::Input(InputKind::GroundAcceleration);
         let is_stated = sensors.contains(&Quantity::ACCELERATION) || is_own(table);
@@ -190,6 +217,46 @@ impl Mapping {
     }
 }
 
+/// Gives a meaning of several axes to the one that moves most. Beside a sensor along a line, one that turns has none.
+fn choose_axes(table: &Table, all: &mut [Candidate]) {
+    let column = |one: &Candidate| &table.columns[one.place];
+    let is_phone = table.columns.iter().any(|column| plain(&column.name) == "secondselapsed");
+    for holder in 0..all.len() {
+        let Some(role @ Role::Sensor(_)) = all[holder].role else { continue };
+        let of = |other: &usize| {
+            let is_same = |one: &Candidate| role_of(column(one)).is_some_and(|(of, _)| of == role);
+            *other == holder
+                || (is_same(&all[*other]) && are_axes(&column(&all[holder]).name, &column(&all[*other]).name))
+        };
+        let axes: Vec<usize> = (0..all.len()).filter(of).collect();
+        if !(2..=3).contains(&axes.len()) {
+            continue;
+        }
+        let (mut best, mut most) = (holder, 1.000_001 * liveliness(&column(&all[holder]).values));
+        for &other in &axes {
+            let moves = liveliness(&column(&all[other]).values);
+            (best, most) = if moves > most { (other, moves) } else { (best, most) };
+        }
+        // Bare axes are accelerations where they have gravity, or as Sensor Logger names its times.
+        let is_bare = axes.iter().all(|place| column(&all[*place]).name.len() == 1);
+        let places: Vec<usize> = axes.iter().map(|axis| all[*axis].place).collect();
+        let is_felt = <[usize; 3]>::try_from(places).is_ok_and(|axes| is_phone || has_gravity(&table.columns, axes));
+        let role = if is_bare && is_felt { Role::Sensor(Quantity::ACCELERATION) } else { role };
+        let why = role_of(column(&all[best])).map_or(all[holder].why, |(_, why)| why);
+        axes.iter().for_each(|other| (all[*other].role, all[*other].why) = (None, AXIS));
+        (all[best].role, all[best].why) = (Some(role), why);
+    }
+    let turns = |one: &Candidate| match column(one).unit.as_deref().and_then(unit) {
+        None => has_word(&column(one).name, "gyro"),
+        Some((of, _)) => matches!(of, Dimension::Angle | Dimension::AngularVelocity | Dimension::AngularAcceleration),
+    };
+    let is_sensor = |one: &&mut Candidate| matches!(one.role, Some(Role::Sensor(_)));
+    let (turning, straight): (Vec<_>, Vec<_>) = all.iter_mut().filter(is_sensor).partition(|one| turns(one));
+    if !straight.is_empty() {
+        turning.into_iter().for_each(|one| (one.role, one.why) = (None, TURNS));
+    }
+}
+
 /// The columns of numbers with the meaning that their names and units give them; the first column of each meaning has it.
 fn candidates(table: &Table) -> Vec<Candidate> {
     let columns = &table.columns;
@@ -204,12 +271,18 @@ fn candidates(table: &Table) -> Vec<Candidate> {
             Role::Input(_) => all.iter().any(|other| matches!(other.role, Some(Role::Input(_)))),
             role => all.iter().any(|other| other.role == Some(role)),
         };
-        if let Some(why) = is_something_else(&columns[place]) {
+        let column = &columns[place];
+        let role = role_of(column);
+        let still = |column: &Column| never_changes(&column.values);
+        let has_role = |other: &Column| role_of(other).map(|(role, _)| role) == role.map(|(role, _)| role);
+        // A sensor that stands still is one, unless another one moves.
+        let is_still = || still(column) && (role.is_none() || columns.iter().any(|one| has_role(one) && !still(one)));
+        if let Some(why) = is_something_else(column).or_else(|| is_still().then_some(STILL)) {
             (one.why, one.is_free) = (why, false);
             all.push(one);
             continue;
         }
-        match role_of(&columns[place]) {
+        match role {
             // A false time with a short name may be anything.
             Some((Role::Time, _)) if !seldom_falls(&columns[place].values) => {
                 if !has_word(&columns[place].name, "t s") {
@@ -239,10 +312,10 @@ const WORDS: [(&str, Role); 7] = [
     ("total_acceleration", Role::Sensor(Quantity::TOTAL_ACCELERATION)),
     ("force input load kraft excitation drive f u in v1", Role::Input(InputKind::Force)),
     ("time zeit seconds stamp temps millis micros nanos epoch t s", Role::Time),
-    ("acceleration accel acc beschl a ax ay az", Role::Sensor(Quantity::ACCELERATION)),
-    ("velocity speed geschw vel v", Role::Sensor(Quantity::VELOCITY)),
+    ("acceleration accel acc beschl gfx gfy gfz a ax ay az", Role::Sensor(Quantity::ACCELERATION)),
+    ("velocity speed geschw vel gyro omega v", Role::Sensor(Quantity::VELOCITY)),
     (
-        "displacement disp position pos angle deflection weg output winkel sound x y v2",
+        "displacement disp position pos angle deflection weg output winkel sound x y z v2",
         Role::Sensor(Quantity::DISPLACEMENT),
     ),
 ];
@@ -264,10 +337,10 @@ fn role_of(column: &Column) -> Option<(Role, &'static str)> {
     let of_unit = || match unit(column.unit.as_deref()?)?.0 {
         Dimension::Time => Some(Role::Time),
         Dimension::Length | Dimension::Angle => Some(Role::Sensor(Quantity::DISPLACEMENT)),
-        Dimension::Velocity => Some(Role::Sensor(Quantity::VELOCITY)),
-        Dimension::Acceleration => Some(Role::Sensor(Quantity::ACCELERATION)),
+        Dimension::Velocity | Dimension::AngularVelocity => Some(Role::Sensor(Quantity::VELOCITY)),
+        Dimension::Acceleration | Dimension::AngularAcceleration => Some(Role::Sensor(Quantity::ACCELERATION)),
         Dimension::Force => Some(Role::Input(InputKind::Force)),
-        Dimension::Voltage => None,
+        Dimension::Voltage | Dimension::Other => None,
     };
     // A unit is more reliable than a word: the A in a channel's name may be a station.
     let agrees = |role: Role| match of_unit() {
@@ -288,9 +361,19 @@ pub(super) fn is_named_time(column: &Column) -> bool {
 
 /// Whether a name has one of some words; those of one or two letters must be whole.
 fn has_word(name: &str, words: &str) -> bool {
-    let name = name.to_lowercase();
-    let whole: Vec<&str> = name.split(|c: char| !c.is_alphanumeric()).collect();
-    words.split(' ').any(|word| if word.len() > 2 { name.contains(word) } else { whole.contains(&word) })
+    let lower = name.to_lowercase();
+    // The A of `Channel A` is its label.
+    let is_label = ["channel", "ch", "kanal", "sensor", "probe"].iter().any(|word| is_word(&lower, word));
+    words.split(' ').any(|word| match word.len() {
+        1 => (!is_label || "xyz".contains(word)) && is_word(name, word),
+        2 => is_word(name, word),
+        _ => lower.contains(word),
+    })
+}
+
+/// Whether a word of a name is this one, in small letters.
+fn is_word(name: &str, word: &str) -> bool {
+    name.split(|c: char| !c.is_alphanumeric()).any(|part| part.to_lowercase() == word)
 }
 
 /// The places of the columns of times that have columns of numbers of their own behind them; two or more, or none.
@@ -377,9 +460,13 @@ fn unnamed(columns: &[Column]) -> Option<[usize; 3]> {
     let time = (0..4).find(|&place| nameless && nearly_rises(&columns[place].values))?;
     let mut axes = (0..4).filter(|&place| place != time);
     let axes = [axes.next()?, axes.next()?, axes.next()?];
+    has_gravity(columns, axes).then_some(axes)
+}
+
+/// Whether the mean of three columns has the length of gravity, in m/s² or g.
+fn has_gravity(columns: &[Column], axes: [usize; 3]) -> bool {
     let length = length(columns, axes);
-    let is_gravity = |unit: f64| (0.85..1.15).contains(&(length / unit));
-    (is_gravity(STANDARD_GRAVITY) || is_gravity(1.0)).then_some(axes)
+    [STANDARD_GRAVITY, 1.0].into_iter().any(|unit| (0.85..1.15).contains(&(length / unit)))
 }
 
 /// The length of the mean of three accelerations.
@@ -413,68 +500,4 @@ fn seconds(column: &Column) -> f64 {
 fn nearly_rises(values: &[f64]) -> bool {
     let rising = values.windows(2).filter(|pair| pair[1] > pair[0]).count();
     values.len() > 2 && rising * 100 >= 99 * (values.len() - 1)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::read;
-    use super::*;
-
-    #[track_caller]
-    fn check(text: &str, time: Option<&str>, input: Option<&str>, sensors: &[(Quantity, &str)]) -> InputKind {
-        let table = read(text.as_bytes(), None).unwrap();
-        let (mapping, kind) = Mapping::guess(&table);
-        assert_eq!(mapping.time.column.as_deref(), time, "{text}");
-        assert_eq!(mapping.input.as_ref().map(|input| input.column.as_str()), input, "{text}");
-        let found: Vec<_> = mapping.sensors.iter().map(|(q, column)| (*q, column.column.as_str())).collect();
-        assert_eq!(found, sensors, "{text}");
-        kind
-    }
-
-    #[test]
-    fn names_and_shapes_are_understood() {
-        let x = Quantity::DISPLACEMENT;
-        check("t,force,displacement\n0,1,2\n1,0,3\n2,1,2\n", Some("t"), Some("force"), &[(x, "displacement")]);
-        check("Time,Force,Displacement\n0,1,2\n1,0,3\n2,1,1\n", Some("Time"), Some("Force"), &[(x, "Displacement")]);
-        check("V1,V2\n0.1,0.2\n0.3,-0.1\n0.2,0\n", None, Some("V1"), &[(x, "V2")]);
-        check("0 1 2\n0.1 0 3\n0.2 1 0\n", Some("column 1"), Some("column 2"), &[(x, "column 3")]);
-        let angle = "Time,\"Angle, Ch 1+2 (rad) Run #13\"\n0,0.5\n0.1,0.4\n0.2,0.1\n";
-        check(angle, Some("Time"), None, &[(x, "Angle, Ch 1+2 Run #13")]);
-        let ground = "time,ground acc (g),total_acceleration\n0,0.1,1\n1,0.2,1\n2,0.1,2\n";
-        let total = Quantity::TOTAL_ACCELERATION;
-        assert_eq!(
-            check(ground, Some("time"), Some("ground acc"), &[(total, "total_acceleration")]),
-            InputKind::GroundAcceleration
-        );
-        let felt = "time,ground (g),roof acc (g)\n0,0.1,1\n1,0.2,1\n2,0.1,2\n";
-        check(felt, Some("time"), Some("ground"), &[(total, "roof acc")]);
-        check("time,acc (g)\n0,1\n1,-1\n2,0\n", Some("time"), None, &[(Quantity::ACCELERATION, "acc")]);
-        check("Zeit;Kraft;Weg\n0,0;1;2\n0,1;0;3\n0,2;1;1\n", Some("Zeit"), Some("Kraft"), &[(x, "Weg")]);
-        check("1\n3\n2\n", None, None, &[(x, "column 1")]);
-        let axes = "time,ax,ay,az\n0,1,2,3\n1,2,0,1\n2,0,1,2\n";
-        check(axes, Some("time"), None, &[(Quantity::ACCELERATION, "ax")]);
-        let phone = "Time (s),Linear Acceleration x (m/s^2),Linear Acceleration y (m/s^2),Linear Acceleration z (m/s^2)\n\
-                     0,1,2,3\n1,2,0,1\n2,0,1,2\n";
-        check(phone, Some("Time"), None, &[(Quantity::ACCELERATION, "Linear Acceleration x")]);
-        check("t,x,y\n0,1,2\n1,2,0\n2,0,1\n", Some("t"), None, &[(x, "x")]);
-        check("t,other_velocity,x\n0,1,2\n1,2,0\n2,0,1\n", Some("t"), None, &[(x, "x")]);
-        let both = "t,my velocity,velocity\n0,1,2\n1,2,0\n2,0,1\n";
-        check(both, Some("t"), None, &[(Quantity::VELOCITY, "velocity")]);
-        let logger = "TIMESTAMP,RECORD,accel,batt\n0,5,2,12\n1,6,0,12\n2,7,1,12\n";
-        check(logger, Some("TIMESTAMP"), None, &[(Quantity::ACCELERATION, "accel")]);
-        let station = "time,XX_A_DISP (m)\n0,1\n1,2\n2,1\n";
-        check(station, Some("time"), None, &[(x, "XX_A_DISP")]);
-        let several = "time,gauge 1,gauge 2,accel\n0,1,2,3\n1,2,0,1\n2,0,1,2\n";
-        check(several, Some("time"), None, &[(Quantity::ACCELERATION, "accel")]);
-        let one = "time,gauge 1,accel\n0,1,3\n1,2,1\n2,0,2\n";
-        check(one, Some("time"), Some("gauge 1"), &[(Quantity::ACCELERATION, "accel")]);
-        check("t,x,true_displacement\n0,1,1\n1,2,2\n2,1,1\n", Some("t"), None, &[(x, "x")]);
-    }
-    #[test]
-    fn a_usual_number_for_missing_readings_is_guessed() {
-        let table = read("t,force,x\n0,1,2\n1,0,-9999\n2,1,2.5\n3,1,-9999\n4,1,2.25\n".as_bytes(), None).unwrap();
-        let (mapping, _) = Mapping::guess(&table);
-        assert_eq!(mapping.sensors[&Quantity::DISPLACEMENT].missing, Some(-9999.0));
-        assert_eq!(mapping.input.unwrap().missing, None);
-    }
 }

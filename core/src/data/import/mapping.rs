@@ -302,7 +302,7 @@ impl Length {
         let dimensions = mapping.into_iter().flat_map(|mapping| mapping.sensors.values().filter_map(dimension));
         dimensions.fold(Self::Metre, |found, dimension| match dimension {
             Dimension::Voltage => Self::Volt,
-            Dimension::Angle => Self::Radian,
+            Dimension::Angle | Dimension::AngularVelocity | Dimension::AngularAcceleration => Self::Radian,
             _ => found,
         })
     }

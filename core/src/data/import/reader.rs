@@ -4,7 +4,7 @@ use super::error::{LONGEST_LINE, OTHER_KINDS};
 use super::formats::{self, Layout, SeriesReader};
 use super::mend::mend;
 use super::sound;
-use super::table::{Rows, RowsReader};
+use super::table::RowsReader;
 use super::{Dialect, Encoding, Hash, ImportError, Table};
 use crate::data::task::Task;
 
@@ -77,7 +77,7 @@ impl Reader {
             None => {
                 let dialect = dialect.or_else(|| Dialect::sniff(encoding, &lines));
                 let dialect = dialect.ok_or(ImportError::NoNumbers(lines.len()))?;
-                (None, Layout::Rows(Rows::of(dialect)))
+                (None, Layout::Rows(formats::nameless(dialect, &lines)))
             }
         };
         let (dialect, body) = match layout {

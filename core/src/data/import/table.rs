@@ -214,25 +214,31 @@ pub(super) struct Rows {
     pub(super) even: Option<(f64, f64)>,
     /// Whether a line begins another table, which is not read.
     pub(super) ends: fn(&str) -> bool,
+    /// Whether the numbers of each row run on in one column.
+    pub(super) is_one: bool,
+    /// Multiplies all numbers.
+    pub(super) scale: f64,
+    /// The number of rows that the header says.
+    pub(super) count: Option<usize>,
+    /// Sentences about what the header says.
+    pub(super) remarks: Vec<String>,
 }
 
 impl Rows {
     /// A table whose lines of names and units its dialect knows, if it has them.
     pub(super) fn of(dialect: Dialect) -> Self {
-        Self { dialect, cells: Vec::new(), even: None, ends: |_| false }
+        let (cells, even, count, remarks) = Default::default();
+        Self { dialect, cells, even, ends: |_| false, is_one: false, scale: 1.0, count, remarks }
     }
 }
 
 /// The rows of a table, as they are read.
 #[derive(Debug)]
 pub(super) struct RowsReader {
-    dialect: Dialect,
+    rows: Rows,
     pub(super) columns: Vec<Column>,
     /// Whether the cell of a row belongs to a column.
     belongs: Vec<bool>,
-    /// The first time and the step of rows without times.
-    even: Option<(f64, f64)>,
-    ends: fn(&str) -> bool,
     /// The line that begins another table.
     pub(super) end: Option<usize>,
     lines: Lines,
@@ -269,8 +275,8 @@ impl Odd {
 
 impl RowsReader {
     /// The columns of some rows in a file of some length that begins with some lines.
-    pub(super) fn new(rows: Rows, lines: &[&str], length: usize) -> Result<Self, ImportError> {
-        let Rows { dialect, cells, even, ends } = rows;
+    pub(super) fn new(mut form: Rows, lines: &[&str], length: usize) -> Result<Self, ImportError> {
+        let (dialect, cells) = (form.dialect, std::mem::take(&mut form.cells));
         let (belongs, header) = if cells.is_empty() {
             let width = width(&dialect, lines)?;
             (vec![true; width], dialect.header(lines, width))
@@ -285,11 +291,12 @@ impl RowsReader {
             |(name, unit)| Column { name, unit, values: Vec::with_capacity(rows + rows / 50), ..Column::default() };
         let columns = unique(header).into_iter().map(column).collect();
         let (lines, short, long, grouped, doubtful) = Default::default();
-        Ok(Self { dialect, columns, belongs, even, ends, end: None, lines, short, long, grouped, doubtful })
+        Ok(Self { rows: form, columns, belongs, end: None, lines, short, long, grouped, doubtful })
     }
 
     pub(super) fn line(&mut self, row: &str, line: usize) {
-        let Self { dialect, columns, belongs, even: _, ends, end, lines, short, long, grouped, doubtful } = self;
+        let Self { rows: Rows { dialect, ends, is_one, .. }, columns, belongs, end, lines, short, long, .. } = self;
+        let (grouped, doubtful) = (&mut self.grouped, &mut self.doubtful);
         let trimmed = row.trim();
         if trimmed.is_empty() || trimmed.starts_with(REMARKS) {
             return;
@@ -299,6 +306,13 @@ impl RowsReader {
             return;
         }
         let mut cells = dialect.delimiter.cells(row);
+        if let ([column], true) = (columns.as_mut_slice(), *is_one) {
+            for cell in cells {
+                column.push(cell, *dialect, line);
+                lines.push(column.values.len() - 1, line);
+            }
+            return;
+        }
         let mut missing = false;
         let mut kept = columns.iter_mut();
         for &belongs in belongs.iter() {
@@ -325,7 +339,8 @@ impl RowsReader {
     }
 
     pub(super) fn finish(self, form: String, line: usize) -> Result<Table, ImportError> {
-        let Self { dialect, mut columns, even, end, lines, short, long, grouped, doubtful, .. } = self;
+        let Self { rows, mut columns, end, lines, short, long, grouped, doubtful, .. } = self;
+        let Rows { dialect, even, scale, count, remarks: mut said, .. } = rows;
         if columns.iter().all(|column| column.values.iter().all(|value| value.is_nan())) {
             return Err(ImportError::NoNumbers(line));
         }
@@ -343,13 +358,38 @@ impl RowsReader {
             end.map(|line| format!("line {line} begins another table; it is left out, with all below it")),
             late,
         ];
+        if scale != 1.0 {
+            columns.iter_mut().flat_map(|column| &mut column.values).for_each(|value| *value *= scale);
+        }
+        said.extend(count.and_then(|count| cut(&mut columns, count, even.is_some())));
+        said.extend(remarks.into_iter().flatten());
         if let Some((start, step)) = even {
             let rows = columns.first().map_or(0, |column| column.values.len());
             columns
                 .insert(0, Column::of_header("time", Some("s"), (0..rows).map(|k| start + k as f64 * step).collect()));
         }
-        Ok(Table { dialect, form, columns, remarks: remarks.into_iter().flatten().collect(), lines })
+        Ok(Table { dialect, form, columns, remarks: said, lines })
     }
+}
+
+/// Keeps as many rows as the header says, where what follows is another part: the first column, of times, begins again, or there are no
+/// times. Returns a sentence if there are more rows or fewer.
+fn cut(columns: &mut [Column], count: usize, is_without_times: bool) -> Option<String> {
+    let rows = columns.first()?.values.len();
+    let begins_again = || count > 0 && rows > count && columns[0].values[count] <= columns[0].values[count - 1];
+    if rows == count || count == 0 {
+        return None;
+    }
+    if rows < count || !(is_without_times || begins_again()) {
+        return Some(format!("the header says {count} rows, but there are {rows}; all are read"));
+    }
+    columns.iter_mut().for_each(|column| column.values.truncate(count));
+    let (parts, rest) = (rows / count, rows % count);
+    let rest = if rest > 0 { format!(" and {rest} more rows") } else { String::new() };
+    Some(format!(
+        "the header says {count} rows, but there are {rows}: {parts} part(s) of {count}{rest}; the first part is read; for another \
+         one, delete the rows before it"
+    ))
 }
 
 /// The number of columns in a dialect.

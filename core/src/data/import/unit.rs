@@ -15,12 +15,18 @@ pub enum Dimension {
     Angle,
     /// A force \[N\].
     Force,
+    /// An angular velocity \[rad/s\].
+    AngularVelocity,
+    /// An angular acceleration \[rad/s²\].
+    AngularAcceleration,
     /// A voltage \[V\].
     Voltage,
+    /// Neither one of a motion nor of a force: a pressure, a temperature, a share.
+    Other,
 }
 
 /// Spellings, dimension and size in SI units. Spellings are compared without case where they have two letters or more.
-const UNITS: [(&[&str], Dimension, f64); 28] = [
+const UNITS: [(&[&str], Dimension, f64); 34] = [
     (&["s", "sec", "secs", "second", "seconds", "sek"], Dimension::Time, 1.0),
     (&["ms", "msec", "milliseconds"], Dimension::Time, 1e-3),
     (&["us", "µs", "μs", "microseconds"], Dimension::Time, 1e-6),
@@ -37,23 +43,50 @@ const UNITS: [(&[&str], Dimension, f64); 28] = [
     (&["mm/s", "mm/sec"], Dimension::Velocity, 1e-3),
     (&["cm/s", "cm/sec"], Dimension::Velocity, 1e-2),
     (&["in/s"], Dimension::Velocity, 0.0254),
-    (&["m/s²", "m/s2", "m/s^2", "m/s/s", "m/s**2", "m/sec2", "m/sec^2", "ms-2", "m s-2"], Dimension::Acceleration, 1.0),
+    (
+        &["m/s²", "m/s2", "m/s^2", "m/s/s", "m/s**2", "m/sec2", "m/sec^2", "ms-2", "m s-2", "m_s2"],
+        Dimension::Acceleration,
+        1.0,
+    ),
     (&["mm/s²", "mm/s2", "mm/s^2", "mm/s/s", "mm/sec2"], Dimension::Acceleration, 1e-3),
     (
         &["cm/s²", "cm/s2", "cm/s^2", "cm/s/s", "cm/s**2", "cm/sec2", "cm/sec^2", "cm/sec/sec", "gal"],
         Dimension::Acceleration,
         1e-2,
     ),
-    (&["g", "gn"], Dimension::Acceleration, STANDARD_GRAVITY),
+    (&["g", "G", "gn"], Dimension::Acceleration, STANDARD_GRAVITY),
     (&["mg"], Dimension::Acceleration, 1e-3 * STANDARD_GRAVITY),
     (&["rad", "radians"], Dimension::Angle, 1.0),
-    (&["°", "deg", "degree", "degrees", "grad"], Dimension::Angle, std::f64::consts::PI / 180.0),
+    (&["°", "deg", "degree", "degrees", "grad"], Dimension::Angle, DEGREE),
     (&["mrad"], Dimension::Angle, 1e-3),
+    (&["rad/s", "rad/sec", "rad s-1", "rad_s"], Dimension::AngularVelocity, 1.0),
+    (&["°/s", "deg/s", "deg/sec", "degrees/s", "deg_s", "dps"], Dimension::AngularVelocity, DEGREE),
+    (&["rad/s²", "rad/s2", "rad/s^2", "rad/sec^2"], Dimension::AngularAcceleration, 1.0),
+    (&["°/s²", "°/s^2", "deg/s²", "deg/s2", "deg/s^2"], Dimension::AngularAcceleration, DEGREE),
     (&["N", "newton"], Dimension::Force, 1.0),
     (&["kN"], Dimension::Force, 1e3),
     (&["V", "volt", "volts", "voltage"], Dimension::Voltage, 1.0),
     (&["mV"], Dimension::Voltage, 1e-3),
+    (
+        &[
+            "Pa", "hPa", "kPa", "MPa", "GPa", "bar", "mbar", "psi", "atm", "mmHg", "K", "°C", "degC", "deg C",
+            "celsius", "C", "°F", "degF",
+        ],
+        Dimension::Other,
+        1.0,
+    ),
+    (
+        &[
+            "l", "L", "ml", "m³", "m3", "m^3", "%", "%rH", "ppm", "rpm", "1/min", "Hz", "kHz", "bpm", "lx", "lux",
+            "dB", "dBA", "A", "mA", "µA", "W", "mW", "kW", "J", "Wh", "mAh", "Ω", "ohm", "T", "mT", "µT", "μT", "uT",
+            "gauss", "counts/s", "baud",
+        ],
+        Dimension::Other,
+        1.0,
+    ),
 ];
+
+const DEGREE: f64 = std::f64::consts::PI / 180.0;
 
 /// The acceleration of free fall, by definition \[m/s²\].
 pub const STANDARD_GRAVITY: f64 = 9.80665;
@@ -76,27 +109,39 @@ pub(super) fn in_words(cell: &str) -> &str {
     }
 }
 
-/// A column's name and unit from its header, such as `acc (g)`, `Weg [mm]`, `t in ms`, `force_N`.
+/// Whether a word behind a name, without brackets, is a unit: the A of `Channel A` is none, nor the G of the seventh.
+fn is_behind_a_name(word: &str) -> bool {
+    match unit(word) {
+        Some((Dimension::Other, _)) => word.chars().count() > 2 && word.contains(char::is_uppercase),
+        found => found.is_some() && word != "G",
+    }
+}
+
+/// A column's name and unit from its header, such as `acc (g)`, `Weg [mm]`, `t in ms`, `force_N`, `accel_m_s2[0]`, `gFx`.
 pub(super) fn name_and_unit(header: &str) -> (String, Option<String>) {
     let header = header.trim();
+    let is_index = |text: &str| text.bytes().all(|byte| byte.is_ascii_digit());
     for (open, close) in [('(', ')'), ('[', ']'), ('<', '>')] {
         if let Some((before, rest)) = header.split_once(open)
             && let Some((inner, after)) = rest.split_once(close)
-            && !inner.trim().is_empty()
+            && !is_index(inner.trim())
         {
             let name = [before.trim(), after.trim()].join(" ").trim().to_owned();
             return (if name.is_empty() { inner.trim().to_owned() } else { name }, Some(inner.trim().to_owned()));
         }
     }
+    let indexed = header.rsplit_once('[').filter(|(_, rest)| rest.strip_suffix(']').is_some_and(is_index));
+    let (base, index) = indexed.map_or((header, ""), |(base, _)| header.split_at(base.len()));
     for mark in [" in ", "_", "/", " "] {
-        if let Some((name, last)) = header.rsplit_once(mark)
-            && unit(last).is_some()
-            && !name.trim().is_empty()
-        {
-            return (name.trim().to_owned(), Some(last.trim().to_owned()));
+        // The longest unit: m_s2, not s2.
+        let mut parts = base.match_indices(mark).map(|(place, _)| (base[..place].trim(), &base[place + mark.len()..]));
+        if let Some((name, unit)) = parts.find(|(name, last)| !name.is_empty() && is_behind_a_name(last)) {
+            return (format!("{name}{index}"), Some(unit.trim().to_owned()));
         }
     }
-    (header.to_owned(), None)
+    // The axes of phones that count in g.
+    let is_in_g = ["gFx", "gFy", "gFz"].contains(&header);
+    (header.to_owned(), is_in_g.then(|| "g".to_owned()))
 }
 
 #[cfg(test)]

@@ -178,7 +178,12 @@ fn next_uff58(header: &[String]) -> Option<Series> {
         count: Some((count as usize).saturating_mul(numbers)),
         width,
         has_times: !is_even,
-        no_record: (!is_time).then_some("is no function of time"),
+        no_record: match function {
+            _ if is_time => None,
+            "4" => Some("is a frequency response, no function of time"),
+            "2" | "3" | "9" | "12" | "22" | "23" => Some("is a spectrum, no function of time"),
+            _ => Some("is no function of time"),
+        },
     })
 }
 
@@ -193,153 +198,32 @@ fn axis(direction: &str) -> String {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::super::tests::table_of;
+/// The lines of the header of a seismogram of SAC: 70 numbers, 40 whole ones, and 23 texts.
+const SAC: usize = 30;
 
-    fn v2(channel: u32, size: f64) -> String {
-        let block = |kind: &str, unit: &str, form: &str, rows: &[[f64; 4]]| {
-            let head = format!(
-                " {} points of {kind} data equally spaced at 0.010 sec, in {unit}. ({form})    \n",
-                4 * rows.len()
-            );
-            let row = |row: &[f64; 4]| row.map(|x| format!("{:10.3}", size * x)).concat() + "\n";
-            head + &rows.iter().map(row).collect::<String>()
-        };
-        format!("Corrected accelerogram   89486-N2628-22354.08       Chan  {channel}: 180 Deg     from   \n")
-            + "Uncorrected Accelerogram Data\n 8 points of instrument- and baseline-corrected accel, veloc and displ data \n"
-            + "At equally-spaced intervals of   0.010  sec.\n"
-            + &format!("89486-N2628-22354.08      Fortuna - 701 S. Fortuna Blvd.    Chan  {channel}: 180 Deg    \n")
-            + "    1  100    1    3    3  200    1\n 0.0049020 0.7000000 101.00000-999.00000-999.00000\n"
-            + &block("accel", "cm/sec2", "8f10.3", &[[-0.001, -1234.567, -2345.678, 12.0], [1.0, 2.0, 3.0, 123456.789]])
-            + &block("veloc", "cm/sec", "8f10.3", &[[1.0, 2.0, 3.0, 4.0]; 2])
-            + &block("displ", "cm", "8f10.3", &[[4.0, 3.0, 2.0, 1.0]; 2])
-            + &format!("/&  ----------  End of data for channel  {channel}  ----------\n")
-    }
+/// Seismograms of the Seismic Analysis Code as text.
+///
+/// Source: Lawrence Livermore National Laboratory, SAC users manual, "SAC data file format", alphanumeric.
+pub(super) fn sac(lines: &[&str]) -> Option<Layout> {
+    let header: Vec<String> = lines.get(..SAC)?.iter().map(ToString::to_string).collect();
+    next_sac(&header).map(|_| Layout::Series(next_sac))
+}
 
-    #[test]
-    fn numbers_that_abut_and_several_channels_are_read() {
-        let (table, names) = table_of(&(v2(1, 1.0) + &v2(2, -0.1)));
-        let expected = ["acceleration", "velocity, integrated", "displacement, integrated"];
-        let expected = [1, 2].map(|channel| expected.map(|kind| format!("channel {channel} 180 Deg {kind}"))).concat();
-        assert_eq!(names[1..], expected);
-        assert_eq!(table.columns[1].values, [-0.001, -1234.567, -2345.678, 12.0, 1.0, 2.0, 3.0, 123456.789]);
-        assert_eq!(table.columns[4].values[7], -12345.679);
-        assert_eq!((table.columns[1].unit.as_deref(), table.columns[0].values[3]), (Some("cm/sec2"), 0.03));
-        assert_eq!(table.remarks, Vec::<String>::new());
-    }
-
-    #[test]
-    fn the_step_of_cosmos_stands_among_the_real_values() {
-        let values: String = (0..100)
-            .map(|k| format!("{:15.6}{}", [-999.0, 0.01][usize::from(k == 33)], ["", "\n"][usize::from(k % 5 == 4)]))
-            .collect();
-        let text = format!(
-            "Corrected acceleration    (Format v01.20 with 13 text lines)\nSta Chan   1:270 deg (Rcrdr Chan  1) Location:10\n\
-             \x20100 Real-header values follow on  20 lines, Format= (5F15.6)\n{values}   1 Comment line(s) follow, each starting with a \"|\":\n\
-             | Sensor: Kinemetrics_Episensor\n   12 acceleration pts, approx  0 secs, units=cm/s^2 (4),Format=(10F8.5)\n\
-             -0.00003-0.00004-0.00004-0.00004-0.00004-0.00004-0.00004-0.00004-0.00004-0.00004\n 0.00001 0.00002\n\
-             End-of-data for Chan  1 acceleration\n"
-        );
-        let (table, names) = table_of(&text);
-        assert_eq!(names, ["time", "channel 1 270 deg acceleration"]);
-        assert_eq!((table.rows(), table.columns[0].values[1], table.columns[1].values[11]), (12, 0.01, 0.00002));
-        assert_eq!(table.columns[1].values[1], -0.00004);
-    }
-
-    const NEW: &str = "PEER NGA STRONG MOTION DATABASE RECORD\nImperial Valley-02, 5/19/1940, El Centro Array #9, 180\n\
-                       ACCELERATION TIME SERIES IN UNITS OF G\nNPTS=     7, DT=   .0100 SEC,\n\
-                       \x20  .1234567E-02  -.2345678E-02   .3000000E-02   .4000000E-02  -.5000000E-02\n\
-                       \x20  .6000000E-02   .7000000E-02\n";
-
-    #[test]
-    fn a_series_is_one_column_whatever_its_lines() {
-        let (table, names) = table_of(NEW);
-        assert_eq!(names, ["time", "acceleration"]);
-        assert_eq!(table.columns[1].unit.as_deref(), Some("g"));
-        assert_eq!(table.columns[1].values, [0.001234567, -0.002345678, 0.003, 0.004, -0.005, 0.006, 0.007]);
-        assert_eq!(table.columns[0].values[6], 0.06);
-        assert_eq!((table.line(0), table.line(5)), (5, 6));
-        assert_eq!(table.form, "PEER (AT2): 1 series of 7 numbers, 0.01 s apart");
-    }
-
-    #[test]
-    fn older_headers_and_velocities_are_known_and_what_is_missing_is_said() {
-        let old = "PEER STRONG MOTION DATABASE\nVELOCITY TIME HISTORY IN UNITS OF CM/S\n    6    0.0200    NPTS, DT\n 1 2 3\n 4 5\n";
-        let (table, names) = table_of(old);
-        assert_eq!((names[1].as_str(), table.rows()), ("velocity", 5));
-        assert_eq!(table.columns[1].unit.as_deref(), Some("cm/s"));
-        assert_eq!(table.remarks, ["`velocity` has 5 numbers, but its header tells of 6"]);
-        let more = NEW.replace("NPTS=     7", "NPTS=     5");
-        let (table, _) = table_of(&more);
-        assert_eq!((table.rows(), table.remarks.len()), (5, 1));
-        assert!(table.remarks[0].contains("1 line(s) of numbers behind the last series"), "{:?}", table.remarks);
-    }
-
-    fn series(name: &str, start: &str, numbers: &str) -> String {
-        let count = numbers.split_whitespace().count();
-        format!("TIMESERIES {name}, {count} samples, 50 sps, 2024-05-01T00:00:{start}, SLIST, FLOAT, M/S\n{numbers}\n")
-    }
-
-    #[test]
-    fn channels_stand_side_by_side_at_their_times() {
-        let text =
-            series("XX_A__HHZ_R", "01.000000", "1 2 3\n4 5 6") + &series("XX_A__HHN_R", "01.040000", "-1.5E-3 7\n8");
-        let (table, names) = table_of(&text);
-        assert_eq!(names, ["time", "XX_A__HHZ_R", "XX_A__HHN_R"]);
-        assert_eq!(table.columns[1].values, [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
-        assert_eq!(table.columns[2].values[2..5], [-0.0015, 7.0, 8.0]);
-        assert!(table.columns[2].values[0].is_nan() && table.columns[2].values[5].is_nan());
-        assert_eq!((table.columns[0].values[1], table.columns[1].unit.as_deref()), (0.02, Some("m/s")));
-    }
-
-    #[test]
-    fn a_series_in_pieces_is_one_column_with_a_gap() {
-        let text = series("XX_A__HHZ_R", "01.000000", "1 2") + &series("XX_A__HHZ_R", "01.080000", "5 6");
-        let (table, names) = table_of(&text);
-        assert_eq!(names, ["time", "XX_A__HHZ_R"]);
-        assert_eq!(format!("{:?}", table.columns[1].values), "[1.0, 2.0, NaN, NaN, 5.0, 6.0]");
-    }
-
-    fn set(function: u32, quantity: u32, [kind, count, is_even]: [usize; 3], data: &str) -> String {
-        format!(
-            "    -1\n    58\nBeam\nNONE\n01-May-24 12:00:00\nNONE\nNONE\n\
-             {function:5}         1    0         0 NONE               7   3 NONE               1   3\n\
-             {kind:10}{count:10}{is_even:10}    0.00000e0   5.00000e-3    0.00000e0\n\
-             \x20       17    0    0    0 Time                 s                   \n\
-             {quantity:10}    0    0    0 Response             m/s^2               \n\
-             \x20        0    0    0    0 NONE                 NONE                \n\
-             \x20        0    0    0    0 NONE                 NONE                \n{data}    -1\n"
-        )
-    }
-
-    #[test]
-    fn functions_of_time_are_columns_and_others_are_left_out() {
-        let numbers = "  1.00000e+00 -2.00000e+00  3.00000e+00  4.00000e+00  5.00000e+00  6.00000e+00\n  7.00000e+00\n";
-        let forces: String =
-            (0..7).map(|k| format!("{:20.12}{}", f64::from(k) + 0.25, ["", "\n"][usize::from(k % 4 == 3)])).collect();
-        let spectrum = "  1.00000e+00  0.00000e+00  2.00000e+00  1.00000e+00\n";
-        let units = "    -1\n   164\n         1  SI: Meter (newton)         2\n  1.0 1.0 1.0\n    -1\n";
-        let text = units.to_owned()
-            + &set(1, 12, [2, 7, 1], numbers)
-            + &set(4, 12, [5, 2, 1], spectrum)
-            + &set(1, 13, [4, 7, 1], &(forces + "\n"));
-        let (table, names) = table_of(&text);
-        assert_eq!(names, ["time", "Beam acceleration 7 +Z", "Beam force 7 +Z"]);
-        assert_eq!(table.columns[1].values, [1.0, -2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
-        assert_eq!(table.columns[2].values[6], 6.25);
-        assert_eq!((table.columns[0].values[2], table.columns[1].unit.as_deref()), (0.01, Some("m/s^2")));
-        assert_eq!(table.remarks, ["`Beam acceleration 7 +Z` is no function of time; it is left out"]);
-    }
-
-    #[test]
-    fn uneven_functions_bring_their_times() {
-        let pairs = "  0.00000e+00  1.00000e+00  1.00000e-01  2.00000e+00  2.50000e-01  3.00000e+00\n";
-        let (table, names) = table_of(&set(1, 8, [2, 3, 0], pairs));
-        assert_eq!(names, ["time", "Beam displacement 7 +Z"]);
-        assert_eq!(
-            (table.columns[0].values.as_slice(), table.columns[1].values.as_slice()),
-            (&[0.0, 0.1, 0.25][..], &[1.0, 2.0, 3.0][..])
-        );
-    }
+fn next_sac(header: &[String]) -> Option<Series> {
+    let row = |line: usize| numbers(header.get(line)?, None).filter(|row| row.len() == 5);
+    let all: Option<Vec<Vec<f64>>> = (0..22).map(row).collect();
+    let all = all.filter(|all| header.len() == SAC && (6.0..=7.0).contains(&all[15][1]))?;
+    let (dt, start, count, kind) = (all[0][0], all[1][0], all[15][4], all[17][1]);
+    // Blanks at the end of a line may be gone.
+    let text = |line: usize, nth: usize| {
+        let rest = header[line].get(8 * nth..).unwrap_or_default();
+        rest.get(..8).unwrap_or(rest).trim()
+    };
+    let kinds = [(6.0, "displacement"), (7.0, "velocity"), (8.0, "acceleration")];
+    let kind = kinds.into_iter().find(|(number, _)| *number == kind).map_or("", |(_, kind)| kind);
+    let words = [text(22, 0), text(28, 2), kind];
+    // What a header does not know is -12345.
+    let known = words.into_iter().filter(|word| !word.is_empty() && *word != "-12345").collect::<Vec<_>>().join(" ");
+    let start = if start == -12_345.0 { 0.0 } else { start };
+    Some(Series { name: known, start, dt, count: Some(count as usize), ..Series::default() })
 }

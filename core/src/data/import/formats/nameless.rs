@@ -1,0 +1,202 @@
+//! Numbers without names: one series in lines of several numbers, or one number a line. The header may say step, unit and scale.
+
+use super::super::Dialect;
+use super::super::table::Rows;
+use super::super::unit::{Dimension, unit};
+use super::number_after;
+
+/// The rows of a table in a dialect, or the one series that its numbers are.
+pub(in super::super) fn nameless(dialect: Dialect, lines: &[&str]) -> Rows {
+    let mut rows = Rows::of(dialect);
+    let (header, body) = lines.split_at(dialect.data.saturating_sub(1).min(lines.len()));
+    let cells = |line: &&str| -> Vec<f64> {
+        dialect.delimiter.cells(line).map(|cell| dialect.decimal.number(cell).unwrap_or(f64::NAN)).collect()
+    };
+    let body: Vec<Vec<f64>> = body.iter().filter(|line| !line.trim().is_empty()).take(1000).map(cells).collect();
+    let name = dialect.names.checked_sub(1).and_then(|place| header.get(place)).map(|line| line.trim());
+    // A line of words with a number among them, or a key and its value, names no columns.
+    let is_title = |line: &str| {
+        line.contains([':', '='])
+            || dialect.delimiter.cells(line).any(|cell| dialect.decimal.number(cell).is_some_and(f64::is_finite))
+    };
+    let name = name.filter(|line| !line.is_empty() && !is_title(line));
+    let width = body.first().map_or(0, Vec::len);
+    let agreement = if name.is_none() { agreement(&body) } else { None };
+    let facts = Facts::of(header);
+    if agreement.is_none() && !(width == 1 && (facts.step.is_some() || (name.is_none() && dialect.names > 0))) {
+        return rows;
+    }
+    let kind = match facts.unit.as_deref().and_then(unit) {
+        Some((Dimension::Acceleration, _)) => Some("acceleration"),
+        Some((Dimension::Velocity, _)) => Some("velocity"),
+        Some((Dimension::Length, _)) => Some("displacement"),
+        _ => ["acceleration", "velocity", "displacement"]
+            .into_iter()
+            .find(|kind| header.iter().any(|line| line.to_lowercase().contains(&kind[..5]))),
+    };
+    let said = [
+        facts.step.map(|step| format!("a step of {step} s")),
+        facts.unit.as_ref().map(|unit| format!("the unit {unit}")),
+        facts.scale.map(|scale| format!("a scale of {scale}")),
+    ];
+    let said: Vec<String> = said.into_iter().flatten().collect();
+    if let Some(share) = agreement {
+        let percent = libm::round(100.0 * share);
+        rows.remarks.push(format!(
+            "the numbers of a line are one series that runs on in the next line: neighbours in it differ by {percent} % of what those \
+             below each other do"
+        ));
+        rows.ends = |line| line.trim_start().starts_with(char::is_alphabetic);
+    }
+    if !said.is_empty() {
+        rows.remarks.push(format!("the header says {}: so it is read", said.join(", ")));
+    }
+    if name.is_none() {
+        rows.cells = vec![Some((kind.unwrap_or("column 1").to_owned(), facts.unit))];
+        rows.dialect.names = 0;
+    }
+    rows.is_one = agreement.is_some();
+    (rows.even, rows.scale) = (facts.step.map(|step| (0.0, step)), facts.scale.unwrap_or(1.0));
+    rows
+}
+
+/// The mean difference of neighbours in lines, from the end of a line to the beginning of the next one too, over that of neighbours in
+/// columns; `None` where this may be a table of channels.
+///
+/// In one series all steps are alike, that between two lines too, and every column has the same spread. Channels that move together differ
+/// by more from row to row than from one to the next.
+fn agreement(body: &[Vec<f64>]) -> Option<f64> {
+    /// The fewest lines, and the fewest numbers in one.
+    const FEWEST: [usize; 2] = [8, 3];
+    /// The most that steps and spreads may differ.
+    const ALIKE: f64 = 2.0;
+    /// A clear margin.
+    const CLEAR: f64 = 0.6;
+    let width = body.first().map_or(0, Vec::len);
+    let whole = body.iter().take_while(|row| row.len() == width).count();
+    // Only the last line may be shorter.
+    if width < FEWEST[1] || whole < FEWEST[0] || whole + 1 < body.len() {
+        return None;
+    }
+    let body = &body[..whole];
+    let mean = |of: &dyn Fn(usize) -> f64| (0..whole - 1).map(of).sum::<f64>() / (whole - 1) as f64;
+    let next = |row: usize, place: usize| if place + 1 < width { body[row][place + 1] } else { body[row + 1][0] };
+    let steps = |place: usize| mean(&|row| (next(row, place) - body[row][place]).abs());
+    let below = |place: usize| mean(&|row| (body[row + 1][place] - body[row][place]).abs());
+    let spread = |place: usize| {
+        let middle = mean(&|row| body[row][place]);
+        mean(&|row| (body[row][place] - middle).abs())
+    };
+    let of_all = |of: &dyn Fn(usize) -> f64| (0..width).map(of).collect::<Vec<f64>>();
+    let are_alike = |all: &[f64]| {
+        let [least, most] = all.iter().fold([f64::INFINITY, 0.0], |[a, b], x| [f64::min(a, *x), f64::max(b, *x)]);
+        most <= ALIKE * least && most > 0.0
+    };
+    let (steps, below, spreads) = (of_all(&steps), of_all(&below), of_all(&spread));
+    let share = steps.iter().sum::<f64>() / below.iter().sum::<f64>();
+    (share < CLEAR && are_alike(&steps) && are_alike(&spreads)).then_some(share)
+}
+
+/// What a header says about its numbers.
+#[derive(Default)]
+struct Facts {
+    /// \[s\]
+    step: Option<f64>,
+    unit: Option<String>,
+    scale: Option<f64>,
+}
+
+/// Words before the samples in a second, and before the time between samples.
+const RATES: [&str; 7] =
+    ["sampling freq", "sampling rate", "sample rate", "sample freq", "samprate", "samples per second", "fs"];
+const STEPS: [&str; 14] = [
+    "sampling interval",
+    "sample interval",
+    "sampling period",
+    "sampling time",
+    "sample time",
+    "sampling step",
+    "time step",
+    "timestep",
+    "time interval",
+    "intervals of",
+    "spaced at",
+    "delta t",
+    "delta",
+    "dt",
+];
+
+impl Facts {
+    fn of(header: &[&str]) -> Self {
+        let mut facts = Self::default();
+        let lines: Vec<String> = header
+            .iter()
+            .map(|line| line.to_lowercase().replace('_', " ").replace(", ", "; ").replace(',', "."))
+            .collect();
+        let rate = lines.iter().find_map(|line| number_behind(line, &RATES).or_else(|| number_before_rate(line)));
+        let rate = rate.map(|(rate, unit)| if unit.contains("khz") { 1e3 * rate } else { rate });
+        let step = lines.iter().find_map(|line| number_behind(line, &STEPS)).map(|(step, words)| {
+            let is = |of: &[&str]| words.split(|c: char| !c.is_alphanumeric()).any(|word| of.contains(&word));
+            let size = [(1e-3, is(&["ms", "msec", "milliseconds"])), (1e-6, is(&["us", "µs", "usec", "microseconds"]))];
+            size.into_iter().find(|(_, is)| *is).map_or(1.0, |(size, _)| size) * step
+        });
+        let is_usual = |step: &f64| (1e-7..=10.0).contains(step);
+        facts.step = rate.map(|rate| 1.0 / rate).filter(is_usual).or(step.filter(is_usual));
+        let motion = |text: &str| {
+            let known = unit(text).filter(|_| text != "in")?.0;
+            use Dimension::{Acceleration, Angle, AngularVelocity, Length, Velocity};
+            matches!(known, Acceleration | Velocity | Length | Angle | AngularVelocity).then(|| text.to_lowercase())
+        };
+        let words = |text: &str| -> Vec<String> {
+            text.split([' ', ',', ';', '(', ')', '[', ']', '=', '\t'])
+                .map(|word| word.trim_end_matches('.').to_owned())
+                .collect()
+        };
+        let is_about = |line: &&&str| {
+            let line = line.to_lowercase();
+            ["scale", "acc", "vel", "displ", "ampl"].iter().any(|word| line.contains(word))
+        };
+        let behind = |line: &&str| {
+            let place = line.to_lowercase().find("unit")?;
+            words(line.get(place..)?.split_once([':', ' ', '=', '('])?.1).iter().find_map(|word| motion(word))
+        };
+        let long = |word: &String| word.len() > 2;
+        facts.unit = header.iter().find_map(behind).or_else(|| {
+            header
+                .iter()
+                .filter(is_about)
+                .find_map(|line| words(line).iter().filter(|word| long(word)).find_map(|word| motion(word)))
+        });
+        facts.scale = lines.iter().find_map(|line| {
+            let (scale, behind) = number_behind(line, &["scale factor", "scalefactor", "scaling factor"])?;
+            let below = behind.split_once('/').map_or(Some(1.0), |(_, below)| number_after(below, ""))?;
+            Some(scale / below).filter(|scale| scale.is_finite() && *scale != 0.0)
+        });
+        facts
+    }
+}
+
+/// The first number behind one of some words, with no more than a unit and signs between them, and the line from the word on without it.
+fn number_behind(line: &str, words: &[&str]) -> Option<(f64, String)> {
+    /// Limits the characters between a word and its number.
+    const BETWEEN: usize = 24;
+    words.iter().find_map(|word| {
+        let place = line.find(word).filter(|place| !line[..*place].ends_with(char::is_alphanumeric))? + word.len();
+        let rest = &line[place..];
+        let digit = rest.find(|c: char| c.is_ascii_digit())?;
+        let begin = rest[..digit].trim_end_matches(['.', '-', '+']).len();
+        let number = number_after(&rest[begin..], "").or_else(|| number_after(&rest[digit..], ""))?;
+        let end =
+            rest[digit..].find(|c: char| !(c.is_ascii_digit() || "+-.e".contains(c))).unwrap_or(rest.len() - digit);
+        // A long number of a date behind another word is none.
+        (begin <= BETWEEN && !rest[..begin].contains(';') && number > 0.0)
+            .then(|| (number, format!("{} {}", &rest[..begin], &rest[digit + end..])))
+    })
+}
+
+/// The number in `100 sps` and `50 samples/s`.
+fn number_before_rate(line: &str) -> Option<(f64, String)> {
+    let place = ["sps", "samples/s", "samples per s", "samples / s"].iter().find_map(|word| line.find(word))?;
+    let rate = line[..place].split_whitespace().next_back()?.parse().ok().filter(|rate| *rate > 0.0)?;
+    Some((rate, String::new()))
+}
