@@ -5,9 +5,9 @@ use kalmanscope_core::suggest::{scenario_for, suggest};
 use kalmanscope_core::{FilterKind, FilterSettings, Propagation, Quantity, Record};
 
 use crate::run::with_input;
+use crate::short_records::right_of_short;
 use crate::start_values::{
-    Excitation, Oscillator, RingDown, SENSORS, grid, outcome, record, right, right_of_short, shares, suggestion,
-    worst_of_losses,
+    Excitation, Oscillator, RingDown, SENSORS, grid, outcome, record, right, shares, suggestion, worst_of_losses,
 };
 
 #[test]
