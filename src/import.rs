@@ -37,7 +37,7 @@ pub struct Import {
 }
 
 enum Stage {
-    Reading(Running<Reading>),
+    Reading(Box<Running<Reading>>),
     Asking(Box<Draft>),
     Suggesting(Box<Draft>, Box<Running<Suggest>>),
     Failed(String),
@@ -72,7 +72,7 @@ impl Import {
     pub fn new(name: &str, bytes: Vec<u8>, team: Rc<dyn Team>) -> Self {
         let is_long = bytes.len() > LONG_FILE;
         let worker = if is_long { team.load(&bytes) } else { None };
-        let stage = Stage::Reading(running(&*team, worker, Reading(Loading::new(bytes)), is_long));
+        let stage = Stage::Reading(Box::new(running(&*team, worker, Reading(Loading::new(bytes)), is_long)));
         Self::at(name.to_owned(), stage, team)
     }
 

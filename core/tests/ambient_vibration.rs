@@ -1,11 +1,15 @@
 //! Start values of records without an input, made here and not by the core: the guess, and the end of the filter that begins
 //! with it.
 
+use std::fmt::Write as _;
+
+use kalmanscope_core::import::{Builder, Mapping, read};
 use kalmanscope_core::record::Input;
 use kalmanscope_core::suggest::{scenario_for, suggest};
 use kalmanscope_core::{Channel, Hold, InputKind, Quantity, Record, VerdictKind};
 
-use crate::ambient::{Accelerometer, End, SETS, building, end, mass};
+use crate::ambient::{Accelerometer, Ambient, End, SETS, building, end, end_on, mass};
+use crate::random::Random;
 
 /// An end that is right: within half a per cent of ωₙ, or three standard deviations where the record tells no more, within a
 /// fifth of ζ, and consistent. `most` limits the error of ζ in standard deviations.
@@ -52,6 +56,32 @@ fn an_accelerometer_beside_a_displacement_leaves_it_right() {
         assert_right(&end, 3.0, &format!("{rate} Hz {kind:?}"));
         assert!(end.reasons.contains("the filters do without the acceleration"), "{}", end.reasons);
     }
+}
+
+/// Rows of a fast record, from 4 to 12 apart: the white force counts in samples, and the other filters read at the times of the rows.
+#[test]
+fn readings_at_irregular_times_take_a_white_force_too() {
+    let mut good = 0;
+    for seed in 70..78 {
+        let sensor = [Quantity::DISPLACEMENT, Quantity::VELOCITY][seed as usize % 2];
+        let fast = Ambient { seconds: 300.0, noise: 0.05, ..building(200.0, &[sensor], Accelerometer::Mean, seed) };
+        let (record, mut random) = (fast.record(), Random::new(seed));
+        let (mut text, mut k) = (format!("t [s],{}\n", sensor.key()), 0);
+        while k < record.len() {
+            writeln!(text, "{},{}", record.time(k), record.measured(0)[k]).unwrap();
+            k += 4 + (9.0 * random.uniform()) as usize;
+        }
+        let table = read(text, None).unwrap();
+        let (mapping, kind) = Mapping::guess(&table);
+        let record = Builder::new(&table, &mapping, kind, Hold::First).unwrap().finish().unwrap().record;
+        assert!(record.clocks().is_some());
+        let end = end_on(&record, [fast.natural_frequency, fast.damping_ratio], 0);
+        println!("seed {seed}: {}", end.text);
+        assert!(end.is_white && end.sigmas.iter().all(|sigma| sigma.abs() < 3.5), "seed {seed}: {}", end.text);
+        assert!(end.reasons.contains("take each reading at a sample"), "{}", end.reasons);
+        good += usize::from(end.verdict != VerdictKind::Overconfident);
+    }
+    assert!(good >= 6, "{good} of 8 are not overconfident");
 }
 
 #[test]

@@ -15,6 +15,8 @@ mod phone;
 mod random;
 #[path = "common/run.rs"]
 mod run;
+#[path = "common/short_records.rs"]
+mod short_records;
 #[path = "../benches/situations/mod.rs"]
 mod situations;
 #[path = "common/start_values.rs"]

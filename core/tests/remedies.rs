@@ -6,7 +6,7 @@ use kalmanscope_core::{
     Channel, Diagnostics, Quantity, Record, Scenario, Signal, Task as _, VerdictKind, signal, simulate,
 };
 
-use crate::run::{finished, finished_on, with_input};
+use crate::run::{finished, finished_on, last, with_input};
 
 /// A filter that is well tuned, of an oscillator of 6 rad/s.
 fn tuned(plant: &str) -> Scenario {
@@ -98,6 +98,17 @@ fn one_fault_has_a_remedy_of_one_cause() {
         let remedies = judged(&scenario, &record(&scenario)).1;
         assert_eq!(keys(&remedies[0]), [key]);
     }
+}
+
+#[test]
+fn a_gain_of_another_unit_is_within_the_reach_of_its_remedy() {
+    let scenario = Scenario { seed: 5, ..tuned("input_gain = 3000.0") };
+    let record = record(&scenario);
+    let remedies = judged(&scenario, &record).1;
+    assert!(keys(&remedies[0]).contains(&"input_gain"), "{}", told(&remedies));
+    let repaired = Edit::apply_all(&remedies[0].edits, &scenario).unwrap();
+    let gain = last(&finished_on(&repaired, record).estimates()[0], Channel::INPUT_GAIN).0;
+    assert!((gain / 3000.0 - 1.0).abs() < 0.1, "{gain}: {}", told(&remedies));
 }
 
 #[test]

@@ -113,6 +113,11 @@ impl Record {
         self.clocks.as_deref()
     }
 
+    /// The same record with each reading at its sample, as filters take it that count in samples.
+    pub(crate) fn at_samples(self) -> Self {
+        Self { clocks: None, ..self }
+    }
+
     /// The same record, of which nothing is known but what was measured.
     #[must_use]
     pub fn without_truth(self) -> Self {

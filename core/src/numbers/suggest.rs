@@ -8,6 +8,7 @@
 
 mod ambient;
 mod conditioning;
+mod forced;
 mod initial;
 mod likeliest;
 mod response;
@@ -22,7 +23,8 @@ use crate::{Channel, FilterKind, FilterSettings, Propagation, Quantity, Record, 
 use crate::data::scenario::motion::steps_over;
 
 use ambient::has_no_input;
-use conditioning::Lost;
+use conditioning::{Course, Lost};
+use forced::forced;
 use likeliest::first_alone;
 use response::{Decay, Response, decay, free_response, response};
 use spectra::{Gaps, Spectra, noise};
@@ -68,6 +70,9 @@ const WHOLE: f64 = 0.99;
 
 /// A free run is better if its error is at most this share of the other's.
 const BETTER: f64 = 0.8;
+
+/// With fewer periods in a record, the windows of its spectra have too few each: the readings themselves are fitted.
+const COARSE: f64 = 60.0;
 
 /// Suggests settings for a scenario's filters on a measured record, in one go: see [`Suggest`].
 pub fn suggest(scenario: &Scenario, record: &Record) -> Suggestion {
@@ -149,12 +154,22 @@ impl Suggestion {
         let (quantity, measured) = motion_sensor(record)?;
         let mapping = self.scenario.record.as_ref();
         let band = mapping.and_then(|mapping| mapping.band);
-        let driven = response(record, quantity, band, steps);
+        let by_spectra = response(record, quantity, band, steps);
+        let span = record.dt() * record.len() as f64 / std::f64::consts::TAU;
+        let is_coarse = by_spectra.as_ref().is_none_or(|found| found.natural_frequency * span < COARSE);
+        let over_time = || {
+            let finer = if steps > 1 { Course::BandLimited.of(record) } else { None };
+            forced(finer.as_ref().unwrap_or(record), quantity, band, by_spectra.as_ref())
+        };
+        let over_time = if is_coarse && !has_no_input(record) { over_time() } else { None };
+        let is_over_time = over_time.is_some();
+        let driven = over_time.or(by_spectra);
         let free = if driven.is_none() && has_no_input(record) { decay(record, measured, mapping) } else { None };
         let as_response =
             |Decay { natural_frequency, damping_ratio, .. }| Response { natural_frequency, damping_ratio, gain: None };
         let decaying = free.map(as_response);
         let reason = match (&driven, &decaying) {
+            (Some(_), _) if is_over_time => "fitted to the readings over time as a motion that the input causes",
             (Some(_), _) => "fitted to the response to the input over frequency",
             (None, Some(_)) => "fitted to the readings as a free decay",
             (None, None) => "the peak of the spectrum and its width at half the power",

@@ -175,11 +175,14 @@ pub(crate) struct End {
 
 /// The end of one of the suggested filters.
 pub(crate) fn end(ambient: &Ambient, place: usize) -> End {
-    let record = ambient.record();
-    let suggestion = suggest(&scenario_for(&record), &record);
+    end_on(&ambient.record(), [ambient.natural_frequency, ambient.damping_ratio], place)
+}
+
+/// The same on a record, of an oscillator with these ωₙ and ζ.
+pub(crate) fn end_on(record: &Record, truth: [f64; 2], place: usize) -> End {
+    let suggestion = suggest(&scenario_for(record), record);
     let filter = &suggestion.scenario.filters[place];
     let force = filter.augment.contains(&Channel::WHITE_FORCE).then(|| filter.process_std[Channel::WHITE_FORCE]);
-    let truth = [ambient.natural_frequency, ambient.damping_ratio];
     let channels = [Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO];
     let guess = [0, 1].map(|i| filter.initial_mean[channels[i]] / truth[i] - 1.0);
     let run = finished_on(&suggestion.scenario, record.clone());
@@ -188,7 +191,7 @@ pub(crate) fn end(ambient: &Ambient, place: usize) -> End {
     let places = channels.map(|channel| estimates.place(channel).unwrap());
     let errors = [0, 1].map(|i| estimates.mean(last)[places[i]] / truth[i] - 1.0);
     let stds = [0, 1].map(|i| estimates.std(last, places[i]) / truth[i]);
-    let diagnosis = Diagnosis::new(&Diagnostics::new(estimates, &record), estimates, &record, None).unwrap();
+    let diagnosis = Diagnosis::new(&Diagnostics::new(estimates, record), estimates, record, None).unwrap();
     let verdict = diagnosis.verdict.unwrap().kind;
     let text = format!(
         "guess {:+.2} % {:+.0} %, end {:+.2} % {:+.0} % (σ {:.2} % {:.0} %), {:?}, force {force:?}, R {:?}, {}",

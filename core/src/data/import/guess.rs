@@ -284,11 +284,9 @@ fn candidates(table: &Table) -> Vec<Candidate> {
         }
         match role {
             // A false time with a short name may be anything.
-            Some((Role::Time, _)) if !seldom_falls(&columns[place].values) => {
-                if !has_word(&columns[place].name, "t s") {
-                    (one.why, one.is_free) = (NO_TIME, false);
-                }
+            Some((Role::Time, _)) if !seldom_falls(&columns[place].values) && has_word(&columns[place].name, "t s") => {
             }
+            Some((Role::Time, _)) if !seldom_falls(&columns[place].values) => (one.why, one.is_free) = (NO_TIME, false),
             Some((role, _)) if is_taken(role) => (one.why, one.is_free) = (LOST, false),
             Some((role, why)) => one.take(role, why),
             None => {}

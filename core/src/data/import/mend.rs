@@ -87,7 +87,7 @@ fn rows_mended(mut table: Table, place: usize) -> Table {
             ends.extend(&backward);
             ends.push(rows.len());
             let parts = ends.windows(2).map(|ends| ends[0]..ends[1]);
-            let longest = parts.rev().max_by_key(|part| part.len()).unwrap_or(0..rows.len());
+            let longest = parts.rev().max_by_key(ExactSizeIterator::len).unwrap_or(0..rows.len());
             said.push(format!(
                 "the times in `{name}` begin again in line {}: of {} parts the longest is read, lines {} to {}; to read another, save it \
                  as a file",

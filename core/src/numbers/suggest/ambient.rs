@@ -237,7 +237,7 @@ const PARTS: usize = 50;
 /// Limits the share of a white force's power in each part beyond an edge; and the least number of these parts.
 const LOW: (f64, usize) = (0.6, 3);
 /// The frequencies at least.
-const LEAST: usize = 16;
+const LEAST: usize = 10;
 /// The most steps of the descent that are tried.
 const STEPS: usize = 200;
 /// The power of a Hann window half a line apart from each other, up to one and a half lines from its middle.

@@ -1,5 +1,7 @@
 //! Natural frequency, damping ratio and gain from spectra, and from a free decay.
 
+use std::borrow::Cow;
+
 use super::moments;
 use super::spectra::{Gaps, LONG, Spectra};
 use crate::data::import::Mapping;
@@ -33,6 +35,16 @@ pub(super) fn order(quantity: Quantity) -> i32 {
     orders.into_iter().find(|(aspect, _)| *aspect == quantity.aspect()).map_or(2, |(_, order)| order)
 }
 
+/// The readings of a quantity of the motion relative to the ground.
+pub(super) fn relative(record: &Record, quantity: Quantity) -> Option<Cow<'_, [f64]>> {
+    let measured = record.measured_quantity(quantity)?;
+    if quantity != Quantity::TOTAL_ACCELERATION {
+        return Some(measured.into());
+    }
+    // ẍ is what is measured less the ground's acceleration, which is minus the force.
+    Some(measured.iter().enumerate().map(|(k, value)| value + record.force(k)).collect())
+}
+
 struct Point {
     /// ω \[rad/s\]
     frequency: f64,
@@ -64,21 +76,13 @@ fn power(h: (f64, f64)) -> f64 {
 /// Source: Levy (1959), Complex-curve fitting; Sanathanan and Koerner (1963), Transfer function synthesis as a ratio of two
 /// complex polynomials.
 pub(super) fn response(record: &Record, quantity: Quantity, band: Option<[f64; 2]>, steps: usize) -> Option<Response> {
-    let measured = record.measured_quantity(quantity)?;
-    let relative;
-    let measured = if quantity == Quantity::TOTAL_ACCELERATION {
-        // ẍ is what is measured less the ground's acceleration, which is minus the force.
-        relative = measured.iter().enumerate().map(|(k, value)| value + record.force(k)).collect::<Vec<_>>();
-        &relative
-    } else {
-        measured
-    };
-    let spectra = Spectra::new(record, measured, LONG, Gaps::Fill)?;
+    let measured = relative(record, quantity)?;
+    let spectra = Spectra::new(record, &measured, LONG, Gaps::Fill)?;
     let dt = record.dt() / steps as f64;
     let points = points(&spectra, record, quantity, band, dt, 0.0);
     let highest =
         |of: &dyn Fn(&Point) -> f64| points.iter().max_by(|a, b| of(a).total_cmp(&of(b))).map(|point| point.frequency);
-    let spectrum = free_response(record, measured, band).map(|found| found.natural_frequency);
+    let spectrum = free_response(record, &measured, band).map(|found| found.natural_frequency);
     let peaks = [highest(&|p| power(p.response)), highest(&|p| p.explained), spectrum];
     let fits = peaks.into_iter().flatten().filter_map(|peak| fit(&points, peak));
     let fits = fits.map(|found| (misfit(&points, &found), found));

@@ -47,6 +47,9 @@ pub struct Suggest {
     course: Option<(Course, Option<String>)>,
     likelihoods: Vec<(f64, f64)>,
     ambient: Option<Ambient>,
+    /// The record with the times of its readings, while a white force is tried: it counts in samples, and likelihoods compare on equal
+    /// readings.
+    timed: Option<Record>,
     /// The errors of the free run with the settings so far, and those with other settings.
     errors: Vec<f64>,
 }
@@ -76,7 +79,7 @@ impl Suggest {
     /// Suggestions for a scenario on a record, none made yet.
     pub fn new(scenario: &Scenario, record: Record) -> Self {
         let suggestion = Suggestion { scenario: scenario.clone(), reasons: Vec::new(), is_guessed: true };
-        let (given, lost, trial, search, between, course, likelihoods, ambient, errors) = Default::default();
+        let (given, lost, trial, search, between, course, likelihoods, ambient, timed, errors) = Default::default();
         let (record, plucked) = match Plucked::of(&record) {
             Some((longest, plucked)) => (longest, Some(plucked)),
             None => (record, None),
@@ -94,6 +97,7 @@ impl Suggest {
             course,
             likelihoods,
             ambient,
+            timed,
             errors,
         }
     }
@@ -154,6 +158,10 @@ impl Suggest {
 
     /// Ends the trials of the input between samples. Start values that depend on it are made again.
     fn choose_course(&mut self) -> Stage {
+        self.timed = self.ambient.as_ref().and_then(|_| self.record.clocks()).map(|_| self.record.clone());
+        if self.timed.is_some() {
+            self.record = self.record.clone().at_samples();
+        }
         let Some(between) = self.between.take() else { return Stage::Likelihood(0) };
         let (course, sentence) = between.chosen();
         self.course = Some((course, sentence));
@@ -178,8 +186,8 @@ impl Suggest {
         steps * if self.ambient.is_some() { LIKELY_AMBIENT } else { LIKELY }
     }
 
-    /// Ends the trials of noise with the most likely result. Returns whether that is a white force.
-    fn choose(&mut self) -> bool {
+    /// Ends the trials of noise with the most likely result, and says what comes next.
+    fn choose(&mut self) -> Stage {
         let best = self.likelihoods.iter().max_by(|a, b| a.1.total_cmp(&b.1)).copied();
         if let Some(mut ambient) = self.ambient.take()
             && let Some((sizes, likelihood)) = ambient.best()
@@ -187,12 +195,23 @@ impl Suggest {
         {
             ambient.suggestion.take_white_force(&sizes);
             self.suggestion = ambient.suggestion;
-            return true;
+            if self.timed.is_some() {
+                let reason =
+                    "a white force counts in samples: its filters take each reading at a sample, not at its own time";
+                self.suggestion.reasons.push(reason.to_owned());
+            }
+            return Stage::Done;
+        }
+        if let Some(timed) = self.timed.take() {
+            // Q is that of the readings at their times.
+            self.record = timed;
+            self.likelihoods.clear();
+            return Stage::Likelihood(0);
         }
         if let Some((share, _)) = best {
             self.suggestion.process_noise(share);
         }
-        false
+        Stage::FreeRun
     }
 }
 
@@ -293,10 +312,8 @@ impl Task for Suggest {
                         let Some(run) = run else { return false };
                         ambient.take(run.and_then(|run| likelihood(&run)));
                         Stage::WhiteForce
-                    } else if self.choose() {
-                        Stage::Done
                     } else {
-                        Stage::FreeRun
+                        self.choose()
                     }
                 }
                 Stage::FreeRun => {

@@ -2,10 +2,10 @@
 
 use std::ops::Range;
 
-use super::{BadFilter, Cause, LikelyCause};
+use super::{BadFilter, Cause, LikelyCause, rms};
 use crate::data::setting::Edit;
 use crate::judgement::words::short;
-use crate::{Channel, Hold};
+use crate::{Channel, Hold, Quantity};
 
 /// Limits the tried delays, in samples.
 const MOST: i32 = 3;
@@ -69,8 +69,27 @@ fn gain(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>
     let broad = bad.follows_input(1..=i32::MAX);
     let weight = 1.5 * broad / (1.0 + 1.5 * broad);
     let name = Channel::INPUT_GAIN.key();
-    let edits = vec![bad.augmented(Channel::INPUT_GAIN), bad.edit(&format!("initial_std.{name}"), 0.5)];
+    let ratio = load(bad).map_or(1.0, |load| load / bad.input_size());
+    let edits = if ratio.is_normal() && !FEW.contains(&ratio) {
+        let [mean, std, _] = bad.begins(name, 0.5 * ratio, ratio);
+        vec![bad.augmented(Channel::INPUT_GAIN), mean, std]
+    } else {
+        vec![bad.augmented(Channel::INPUT_GAIN), bad.edit(&format!("initial_std.{name}"), 0.5)]
+    };
     found.push(LikelyCause::new(cause, weight, 1.0, edits, "the input has another gain".to_owned()));
+}
+
+/// Gains of an input in about the unit that it should have, as the sizes of input and motion show them roughly. A belief that begins at 1
+/// never reaches others.
+const FEW: std::ops::Range<f64> = 0.03..30.0;
+
+/// The size of the force over mass that carries the spring, by the readings \[m/s²\].
+fn load(bad: &BadFilter<'_>) -> Option<f64> {
+    let (case, wn) = (bad.case, bad.frequency()?);
+    let of = |(quantity, by): (Quantity, f64)| Some((case.record.measured_quantity(quantity)?, by));
+    let orders = [(Quantity::DISPLACEMENT, wn * wn), (Quantity::VELOCITY, wn), (Quantity::ACCELERATION, 1.0)];
+    let (measured, by) = orders.into_iter().find_map(of)?;
+    Some(by * rms(&measured[case.samples.clone()]))
 }
 
 pub(super) static INPUT_OFFSET: Cause = Cause {
