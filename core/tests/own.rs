@@ -11,7 +11,7 @@ mod own_plant;
 mod own_system;
 
 use kalmanscope_core::filter::{FilterInfo, Particles, Way};
-use kalmanscope_core::plant::{Plant, PlantInfo, sdof::Sdof};
+use kalmanscope_core::plant::{Plant, PlantInfo};
 use kalmanscope_core::{Diagnostics, FilterKind, PlantKind, Scenario};
 
 use crate::run::{finished, one_filter};
@@ -82,11 +82,11 @@ impl Plant for Impostor {
     }
 
     fn motion_rate(&self, state: &[f64], force: f64, rate: &mut [f64]) {
-        Sdof.motion_rate(state, 2.0 * force, rate);
+        PlantKind::SDOF.plant().motion_rate(state, 2.0 * force, rate);
     }
 
     fn motion_jacobian(&self, state: &[f64], jacobian: &mut [f64]) {
-        Sdof.motion_jacobian(state, jacobian);
+        PlantKind::SDOF.plant().motion_jacobian(state, jacobian);
     }
 }
 

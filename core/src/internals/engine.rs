@@ -2,10 +2,10 @@
 
 pub use crate::mathematics::engine::builder::Builder;
 pub use crate::mathematics::engine::design::{Design, Method};
-pub use crate::mathematics::engine::function::Function;
 pub use crate::mathematics::engine::lanes::Lanes;
 pub use crate::mathematics::engine::level::{Baseline, Known, Level};
 pub use crate::mathematics::engine::list::{Node, Operation};
 pub use crate::mathematics::engine::notes::Notes;
+pub use crate::mathematics::engine::number::Function;
 pub use crate::numbers::score::lanes::{Run, outcomes};
 pub use crate::samples::estimator::setup::Setup;

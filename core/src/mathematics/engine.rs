@@ -4,14 +4,13 @@
 //! number, lanes, dual      the numbers that equations are written for
 //! plants, model            how a state moves, and what sensors read
 //! design, filter           predict and update
-//!   linearised             the prediction of KF and EKF        (impulse, coupled, exponential, differentiated)
+//!   linearised             the prediction of KF and EKF        (impulse, coupled, exponential)
 //!   sigma_points           the prediction of UKF and CKF       (runge_kutta)
 //!   square_root            the SR-UKF                          (triangle)
 //!   expected, update       the measurements, and the belief after them
-//!   share                  the noise of a part of a step
-//!   learning               weights, noise and jumps from innovations   (weighing, weights, residuals)
+//!   learning               weights, noise and jumps from innovations   (weighing, weights)
 //!   fault                  why a step does not hold
-//! logarithms               a belief over them in units
+//! belief                   mean and covariance, noise, what is considered, and a belief over logarithms in units
 //! list, builder, notes     equations as lists of operations
 //! states                   many states of one run, several at a time
 //! ```
@@ -29,39 +28,29 @@
 pub(crate) mod belief;
 pub(crate) mod builder;
 pub(crate) mod columns;
-mod considered;
 mod coupled;
-pub(crate) mod course;
 pub(crate) mod design;
-mod differentiated;
 pub(crate) mod dual;
 pub(crate) mod error_square;
 mod expected;
 pub(crate) mod exponential;
 mod fault;
 pub(crate) mod filter;
-pub(crate) mod function;
 pub(crate) mod impulse;
 pub(crate) mod lanes;
 mod learning;
 pub(crate) mod level;
 pub(crate) mod linearised;
 pub(crate) mod list;
-pub(crate) mod logarithms;
 pub(crate) mod model;
 pub(crate) mod notes;
 pub(crate) mod number;
 pub(crate) mod passage;
-mod plain;
 pub(crate) mod plants;
-pub(crate) mod propagation;
-pub(crate) mod residuals;
 pub(crate) mod runge_kutta;
-mod share;
 pub(crate) mod sigma_points;
 mod square_root;
 pub(crate) mod states;
-pub(crate) mod step;
 mod triangle;
 pub(crate) mod update;
 mod weighing;

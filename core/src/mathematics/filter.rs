@@ -6,58 +6,43 @@
 //! ```
 //!
 //! The engine predicts and updates a mean and a covariance. Any other method is a [`Belief`] with its prediction and its update, and
-//! [`Filter`], in `recursion.rs`, has the part that these share. The file of a method ends with the description of its kind; the
-//! registry below lists them.
+//! [`Filter`], in `recursion.rs`, has the part that these share. `kind.rs`, and the files of methods that are
+//! beliefs, describe the kinds; the registry below lists them.
 
 pub(crate) mod adaptation;
-pub(crate) mod correction;
+mod belief;
 mod ensemble;
-mod error;
-mod gaussian;
 pub(crate) mod jump;
 pub mod kalman;
 mod kind;
 mod learning;
 mod linear;
-mod linearised;
-mod measurement_model;
-mod noise;
 mod observation;
 mod particles;
-mod propagation;
 mod recursion;
 pub mod robust;
-mod rule;
-mod sigma_points;
-mod step;
 mod system;
 mod white;
 
-use std::borrow::Cow;
+use thiserror::Error;
 
-use crate::mathematics::model::Model;
+use crate::mathematics::linalg::RootError;
 
+pub use crate::mathematics::engine::design::{Course, Propagation};
 pub use crate::mathematics::linalg::{Matrix, Vector};
 pub use crate::mathematics::random::Normal;
 pub use adaptation::Adaptation;
-pub use correction::Correction;
+pub use belief::{Belief, Gaussian, Noise, Step};
 pub use ensemble::Ensemble;
-pub use error::FilterError;
-pub use gaussian::Gaussian;
 pub use kalman::Expected;
 pub use kind::{Begin, FilterInfo, FilterKind, MethodSettings, Way};
-pub use linear::KalmanFilter;
-pub use measurement_model::MeasurementModel;
-pub use noise::Noise;
-pub use observation::Observation;
+pub use linear::{KalmanFilter, MeasurementModel};
+pub use observation::{Correction, Observation};
 pub use particles::Particles;
-pub use propagation::Propagation;
 pub use recursion::Filter;
 pub use robust::Robust;
-pub use rule::Rule;
-pub use step::Step;
 pub use system::{Shape, SystemError};
-pub use white::{Course, White};
+pub use white::White;
 
 /// The registry: a constant for each kind, and the list of all of them. The file of its method describes a kind.
 macro_rules! registry {
@@ -72,49 +57,60 @@ macro_rules! registry {
 }
 registry! {
     /// Kalman filter: the parameters are known, so their standard deviations and `eta` are taken as zero.
-    KF = linearised::KF;
+    KF = kind::KF;
     /// Extended Kalman filter: local linearisation.
-    EKF = linearised::EKF;
+    EKF = kind::EKF;
     /// Iterated extended Kalman filter: the sensors are linearised where the update leads.
-    IEKF = linearised::IEKF;
+    IEKF = kind::IEKF;
     /// Unscented Kalman filter: scaled sigma points.
-    UKF = sigma_points::UKF;
+    UKF = kind::UKF;
     /// Unscented Kalman filter on the root of its covariance.
-    SR_UKF = sigma_points::SR_UKF;
+    SR_UKF = kind::SR_UKF;
     /// Cubature Kalman filter.
-    CKF = sigma_points::CKF;
+    CKF = kind::CKF;
     /// Ensemble Kalman filter.
     ENKF = ensemble::ENKF;
     /// Bootstrap particle filter, regularised.
     PF = particles::PF;
 }
 
-/// A method of filtering: how a filter holds its belief over the n components of a model's state.
-pub trait Belief: Send {
-    /// Carries the belief over one step and adds noise: `P ← λ P + Q`.
-    ///
-    /// # Errors
-    /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where the covariance or Q has no root.
-    fn predict(&mut self, model: &Model, step: Step, noise: &Noise) -> Result<(), FilterError>;
+/// Why a filter cannot go on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum FilterError {
+    /// A standard deviation of the settings has no finite square, or an initial mean no finite value.
+    #[error("a number of the filter's settings is too large to begin with: its square is not finite")]
+    TooLarge,
+    /// A number of the belief has overflowed or is undefined.
+    #[error("the estimate is no longer a finite number: the filter has diverged")]
+    NotFinite,
+    /// The covariance has a negative variance in some direction.
+    #[error("the covariance is no longer positive semidefinite: rounding has made a variance negative")]
+    IndefiniteCovariance,
+    /// The innovation covariance S cannot be inverted: the filter expects no error in some combination of the sensors,
+    /// or rounding removes the expected error.
+    #[error("the innovation covariance S is singular: some combination of the sensors has no variance left")]
+    SingularInnovation,
+    /// The innovation covariance S has a negative variance in some direction.
+    #[error("the innovation covariance S is not positive definite: rounding has made a variance negative")]
+    IndefiniteInnovation,
+    /// The likelihood of the measurement is not finite: it is too far from the filter's prediction.
+    #[error("a measurement is so far from what the filter expects that its likelihood is zero")]
+    ImpossibleMeasurement,
+    /// A measurement is infinite.
+    #[error("a measurement is infinite")]
+    InfiniteMeasurement,
+    /// The force is infinite or undefined.
+    #[error("the force is not a finite number")]
+    UndefinedForce,
+}
 
-    /// Conditions the belief on one measurement or more, and writes the update to `correction`.
-    ///
-    /// # Errors
-    /// Any [`FilterError`].
-    fn condition(
-        &mut self,
-        model: &Model,
-        observation: &Observation,
-        correction: &mut Correction,
-    ) -> Result<(), FilterError>;
-
-    /// Replaces a component of the state by an independent one, of mean zero and this variance: a [`White`] force at
-    /// the next sample. See [`Gaussian::renew`].
-    ///
-    /// # Errors
-    /// Any [`FilterError`].
-    fn renew(&mut self, place: usize, variance: f64) -> Result<(), FilterError>;
-
-    /// Mean and covariance.
-    fn gaussian(&self) -> Cow<'_, Gaussian>;
+impl From<RootError> for FilterError {
+    /// The error of a covariance without a root.
+    fn from(error: RootError) -> Self {
+        match error {
+            RootError::NotFinite => Self::NotFinite,
+            RootError::Indefinite => Self::IndefiniteCovariance,
+        }
+    }
 }

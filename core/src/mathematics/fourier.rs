@@ -12,7 +12,6 @@ pub(crate) struct Transform {
 }
 
 impl Transform {
-    /// The transform of `length` numbers.
     pub(crate) fn new(length: usize) -> Self {
         let bits = length.trailing_zeros();
         let turn = |k: usize| {

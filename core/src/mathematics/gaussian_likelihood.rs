@@ -1,5 +1,7 @@
 //! The likelihood of measurements under a Gaussian belief. It is computed on demand, because logarithms are costly: a filter's
-//! step takes none.
+//! step takes none. Sums of logarithms take few.
+
+use std::ops::RangeInclusive;
 
 use crate::mathematics::engine::columns::factor;
 
@@ -26,6 +28,43 @@ pub fn ln_determinant(determinant: f64, innovation_cov: &[f64], m: usize) -> f64
     if is_positive { -(0..count).map(|i| libm::log(lower[i * (count + 1)])).sum::<f64>() } else { f64::NAN }
 }
 
+/// A sum of logarithms. It multiplies the factors and takes a logarithm only when their product nears the limits of
+/// `f64`.
+#[derive(Clone, Copy, Debug)]
+pub struct LogSum {
+    /// The sum of the logarithms that have been taken.
+    pub taken: f64,
+    /// The factors that are multiplied but not yet in the logarithm.
+    pub product: f64,
+}
+
+impl LogSum {
+    /// The sum of no logarithms.
+    pub const ZERO: Self = Self { taken: 0.0, product: 1.0 };
+
+    /// Limits factors and products: beyond, the logarithm is taken.
+    pub const RANGE: RangeInclusive<f64> = 1e-150..=1e150;
+
+    /// Adds the logarithm of a factor. `ln` computes it where the factor is too large or too small to be multiplied.
+    #[inline]
+    pub fn add(&mut self, factor: f64, ln: impl FnOnce() -> f64) {
+        if !Self::RANGE.contains(&factor) {
+            self.taken += ln();
+            return;
+        }
+        self.product *= factor;
+        if !Self::RANGE.contains(&self.product) {
+            self.taken += libm::log(self.product);
+            self.product = 1.0;
+        }
+    }
+
+    /// The sum.
+    pub fn value(self) -> f64 {
+        self.taken + libm::log(self.product)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -45,5 +84,16 @@ mod tests {
         let nan = f64::NAN;
         let one_missing = ln_determinant(0.0, &[1e-200, nan, 0.0, nan, nan, nan, 0.0, nan, 1e-200], 3);
         assert!((one_missing - 2.0 * libm::log(1e-200)).abs() < 1e-10);
+    }
+
+    #[test]
+    fn the_logarithm_of_a_product_is_the_sum_of_logarithms() {
+        let factors = (0..3000).map(|k: i32| libm::exp2(f64::from(k * k % 1900 - 900)));
+        let (mut sum, mut direct) = (LogSum::ZERO, 0.0);
+        for factor in factors {
+            sum.add(factor, || libm::log(factor));
+            direct += libm::log(factor);
+            assert!((sum.value() - direct).abs() < 1e-12 * direct.abs().max(1e3), "{} for {direct}", sum.value());
+        }
     }
 }

@@ -11,12 +11,10 @@ pub(crate) struct NormalEquations<const N: usize> {
 }
 
 impl<const N: usize> NormalEquations<N> {
-    /// Without any rows.
     pub(crate) const fn new() -> Self {
         Self { normal: [[0.0; N]; N], right: [0.0; N] }
     }
 
-    /// Adds a row with its value and weight.
     pub(crate) fn add(&mut self, row: [f64; N], value: f64, weight: f64) {
         for (j, (column, right)) in self.normal.iter_mut().zip(&mut self.right).enumerate() {
             let share = weight * row[j];

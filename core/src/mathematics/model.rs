@@ -4,7 +4,7 @@ mod reading;
 
 use serde::{Deserialize, Serialize};
 
-use crate::mathematics::linalg::{Matrix, Vector, fit};
+use crate::mathematics::linalg::{Matrix, Vector};
 use crate::{Channel, PlantKind, Quantity};
 
 pub use reading::Reading;
@@ -60,7 +60,6 @@ pub struct Model {
     /// The number of components that are the plant's own.
     own: usize,
     eta: f64,
-    /// The places of logarithms.
     logarithms: Vec<usize>,
     input: InputKind,
     gain: Option<usize>,
@@ -202,22 +201,10 @@ impl Model {
 
     /// `g(y, f)` with the recorded force over mass `force` \[m/s²\], n numbers; each in its component's unit per second.
     pub fn rate(&self, state: &[f64], force: f64) -> Vector {
-        let mut rate = Vector::zeros(self.size());
-        self.rate_into(state, force, rate.as_mut_slice());
-        rate
+        self.rate_under(state, self.acting_force(state, force))
     }
 
-    /// [`Self::rate`], written over `rate`.
-    pub fn rate_into(&self, state: &[f64], force: f64, rate: &mut [f64]) {
-        self.rate_under_into(state, self.acting_force(state, force), rate);
-    }
-
-    /// The rates of the components that move alone, M numbers, written over `rate`.
-    pub fn motion_rate_into(&self, state: &[f64], force: f64, rate: &mut [f64]) {
-        self.motion_rate_under_into(state, self.acting_force(state, force), rate);
-    }
-
-    /// [`Self::motion_rate_into`] under the total force over mass \[m/s²\].
+    /// The rates of the components that move alone, M numbers, under the total force over mass \[m/s²\], written over `rate`.
     pub(crate) fn motion_rate_under_into(&self, state: &[f64], acting: f64, rate: &mut [f64]) {
         self.with_plain(state, |plain| self.plant.plant().motion_rate(plain, acting, rate));
     }
@@ -243,20 +230,10 @@ impl Model {
 
     /// `A = ∂g/∂y`, n × n, under the recorded force over mass `force` \[m/s²\].
     pub fn jacobian(&self, state: &[f64], force: f64) -> Matrix {
-        let mut jacobian = Matrix::zeros(0, 0);
-        self.jacobian_into(state, force, &mut Vec::new(), &mut jacobian);
-        jacobian
-    }
-
-    /// [`Self::jacobian`], written over `jacobian`; `rows` is scratch memory.
-    pub fn jacobian_into(&self, state: &[f64], force: f64, rows: &mut Vec<f64>, jacobian: &mut Matrix) {
         let (n, motion, own) = (self.size(), self.motion, self.own);
-        rows.clear();
-        rows.resize(motion * own, 0.0);
-        fit(jacobian, n, n);
-        jacobian.as_mut_slice().fill(0.0);
+        let (mut rows, mut jacobian) = (vec![0.0; motion * own], Matrix::zeros(n, n));
         self.with_plain(state, |plain| {
-            self.plant.plant().motion_jacobian(plain, rows);
+            self.plant.plant().motion_jacobian(plain, &mut rows);
             for (j, column) in jacobian.as_mut_slice().chunks_exact_mut(n).take(own).enumerate() {
                 for (i, entry) in column[..motion].iter_mut().enumerate() {
                     *entry = rows[i * own + j];
@@ -282,6 +259,7 @@ impl Model {
                 }
             }
         }
+        jacobian
     }
 
     /// The components that are parts of F, with the derivative of F by each.
@@ -342,14 +320,7 @@ impl Model {
         (state, unit)
     }
 
-    /// The values in the channels' units for a state, and the size of each component's unit in its channel's unit.
-    pub fn to_units(&self, state: &[f64]) -> (Vector, Vector) {
-        let (mut values, mut unit) = (Vector::from_column_slice(state), Vector::zeros(state.len()));
-        self.to_units_in_place(values.as_mut_slice(), unit.as_mut_slice());
-        (values, unit)
-    }
-
-    /// [`Self::to_units`], written over `state` and `unit`.
+    /// The values in the channels' units in place of a state, and in `unit` the size of each component's unit in its channel's unit.
     pub fn to_units_in_place(&self, state: &mut [f64], unit: &mut [f64]) {
         unit.fill(1.0);
         for &place in &self.logarithms {

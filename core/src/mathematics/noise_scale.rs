@@ -18,10 +18,11 @@
 #[derive(Clone, Debug)]
 pub(crate) struct NoiseScale {
     /// uⱼ, even, in rising order.
-    grid: Vec<f64>,
+    pub(crate) grid: Vec<f64>,
     /// Lⱼ; -∞ of a filter that has failed.
     log_likelihood: Vec<f64>,
-    weights: Vec<f64>,
+    /// Each filter's share, all of them together 1.
+    pub(crate) weights: Vec<f64>,
     mean: f64,
     std: f64,
     /// Σ aᵏ and Σ a²ᵏ.
@@ -50,16 +51,6 @@ impl NoiseScale {
             Self { grid, log_likelihood: vec![0.0; filters], weights: Vec::new(), mean: 0.0, std: 0.0, sums: [0.0; 2] };
         scale.weigh();
         scale
-    }
-
-    /// uⱼ of each filter.
-    pub(crate) fn grid(&self) -> &[f64] {
-        &self.grid
-    }
-
-    /// Each filter's share, all of them together 1.
-    pub(crate) fn weights(&self) -> &[f64] {
-        &self.weights
     }
 
     /// Mean and standard deviation of u.
@@ -180,7 +171,7 @@ mod tests {
             let mut coarse = NoiseScale::new(17);
             let mut fine = NoiseScale::new(2001);
             for one in [&mut coarse, &mut fine] {
-                let grid = one.grid().to_vec();
+                let grid = one.grid.to_vec();
                 for x in &numbers {
                     one.take(grid.iter().map(|u| normal(*x, *u)), 0.99);
                 }
@@ -188,7 +179,7 @@ mod tests {
             let [[mean, std], [expected, width]] = [&coarse, &fine].map(NoiseScale::moments);
             assert!((mean - expected).abs() < 0.1 * width, "{scale}: {mean} for {expected} ± {width}");
             assert!((std / width - 1.0).abs() < 0.06, "{scale}: {std} for {width}");
-            assert!((coarse.weights().iter().sum::<f64>() - 1.0).abs() < 1e-12);
+            assert!((coarse.weights.iter().sum::<f64>() - 1.0).abs() < 1e-12);
         }
     }
 
@@ -201,7 +192,7 @@ mod tests {
                 let mut random = Normal::from_seed(seed);
                 let truth = libm::exp(4.0 * random.uniform() - 2.0);
                 let mut scale = NoiseScale::new(17);
-                let grid = scale.grid().to_vec();
+                let grid = scale.grid.to_vec();
                 for _ in 0..count {
                     let x = truth * random.sample();
                     scale.take(grid.iter().map(|u| normal(x, *u)), keep);
@@ -219,13 +210,13 @@ mod tests {
         for wrong in [f64::INFINITY, f64::NAN, f64::NEG_INFINITY, -1e308] {
             let mut scale = NoiseScale::new(9);
             for k in 0..2000 {
-                let grid = scale.grid().to_vec();
+                let grid = scale.grid.to_vec();
                 let of = |(j, u): (usize, &f64)| if j == 3 && k == 7 { wrong } else { 900.0 + normal(1.0, *u) };
                 scale.take(grid.iter().enumerate().map(of), 1.0);
             }
             let [mean, std] = scale.moments();
             assert!(mean.is_finite() && std.is_finite() && std < 1.0, "{wrong}: {mean} ± {std}");
-            assert!((scale.weights().iter().sum::<f64>() - 1.0).abs() < 1e-9, "{wrong}");
+            assert!((scale.weights.iter().sum::<f64>() - 1.0).abs() < 1e-9, "{wrong}");
         }
     }
 
@@ -233,11 +224,11 @@ mod tests {
     fn filters_that_fail_have_no_share() {
         let mut scale = NoiseScale::new(9);
         for _ in 0..50 {
-            let grid = scale.grid().to_vec();
+            let grid = scale.grid.to_vec();
             scale.take(grid.iter().map(|u| if *u < 1.0 { f64::NEG_INFINITY } else { normal(1.0, *u) }), 1.0);
         }
         let [mean, std] = scale.moments();
         assert!(mean >= 1.0 && std.is_finite());
-        assert!(scale.grid().iter().zip(scale.weights()).all(|(u, weight)| *u >= 1.0 || *weight == 0.0));
+        assert!(scale.grid.iter().zip(&scale.weights).all(|(u, weight)| *u >= 1.0 || *weight == 0.0));
     }
 }

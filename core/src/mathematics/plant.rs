@@ -1,10 +1,8 @@
 //! Plants: their equations of motion and parameters.
 
-pub mod bouc_wen;
-pub mod duffing;
-pub mod sdof;
-pub mod shear_chain;
-mod structure;
+mod bouc_wen;
+mod built_in;
+mod shear_chain;
 
 use std::any::{Any, TypeId};
 use std::fmt;
@@ -79,32 +77,76 @@ macro_rules! registry {
     };
 }
 registry! {
-    /// A linear oscillator with a single degree of freedom: [`sdof::Sdof`].
-    SDOF = sdof::Sdof;
-    /// An oscillator with a cubic part in its spring: [`duffing::Duffing`].
-    DUFFING = duffing::Duffing;
-    /// An oscillator with a spring that yields and remembers: [`bouc_wen::BoucWen`].
-    BOUC_WEN = bouc_wen::BoucWen::TWO;
+    /// A linear oscillator with a single degree of freedom.
+    ///
+    /// `ẍ + 2ζωₙẋ + ωₙ²x = f` with state `y = [x, v, ωₙ, ζ]`.
+    ///
+    /// ```text
+    /// g(y, f) = [v, f - 2ζωₙv - ωₙ²x, …]
+    /// ```
+    ///
+    /// Source: Huang and Yuen (2023), *Bayesian Real-Time System Identification*.
+    SDOF = built_in::SDOF;
+    /// An oscillator with a cubic part in its spring.
+    ///
+    /// `ẍ + 2ζωₙẋ + ωₙ²x + μx³ = f` with state `y = [x, v, ωₙ, ζ, μ]`.
+    ///
+    /// ```text
+    /// g(y, f) = [v, f - 2ζωₙv - ωₙ²x - μx³, …]
+    /// ```
+    ///
+    /// The spring hardens with μ > 0 and softens with μ < 0.
+    ///
+    /// Source: Duffing (1918), *Erzwungene Schwingungen bei veränderlicher Eigenfrequenz*; Kovacic and Brennan, eds. (2011),
+    /// *The Duffing Equation*.
+    DUFFING = built_in::DUFFING;
+    /// An oscillator with a spring that yields and remembers.
+    ///
+    /// Bouc-Wen hysteresis with the exponent n and the state `y = [x, v, z, ωₙ, ζ, α, β, γ]`.
+    ///
+    /// ```text
+    /// ẍ + 2ζωₙẋ + ωₙ²(α x + (1 - α) z) = f,  ż = ẋ - β |ẋ| |z|ⁿ⁻¹ z - γ ẋ |z|ⁿ
+    /// ```
+    ///
+    /// z is a displacement that follows x until the spring yields, near `|z| = (β + γ)^(-1/n)`: at once with exponent 2, little by
+    /// little with exponent 1. After yielding the stiffness is α times the initial one.
+    ///
+    /// Source: Wen (1976), Method for random vibration of hysteretic systems; Wu and Smyth (2007), Application of the unscented
+    /// Kalman filter for real-time nonlinear structural system identification, section 4; Noël and Schoukens (2016), Hysteretic
+    /// benchmark with a dynamic nonlinearity (exponent 1).
+    BOUC_WEN = bouc_wen::TWO;
     /// The same with exponent 1.
-    BOUC_WEN_1 = bouc_wen::BoucWen::ONE;
-    /// A chain of two masses: [`shear_chain::ShearChain`].
-    SHEAR_2 = shear_chain::ShearChain::<2>;
+    BOUC_WEN_1 = bouc_wen::ONE;
+    /// A chain of two masses connected by springs and dampers, such as the storeys of a building.
+    ///
+    /// A shear building of equal masses, shaken at its base, with unknown stiffness of every storey and unknown damping:
+    /// `y = [x₁ … x_m, v₁ … v_m, κ₁ … κ_m, c]`.
+    ///
+    /// ```text
+    /// sᵢ = κᵢ (xᵢ - xᵢ₋₁) + c (vᵢ - vᵢ₋₁),  x₀ = v₀ = 0
+    /// ẍᵢ = f - sᵢ + sᵢ₊₁,  s_{m+1} = 0
+    /// ```
+    ///
+    /// xᵢ is the displacement against the base and f the base's acceleration with the sign reversed, the same for every mass.
+    ///
+    /// Source: Chopra (2017), *Dynamics of Structures*, sections 9.1 and 9.4.
+    SHEAR_2 = shear_chain::ShearChain::<2>::PLANT;
     /// A chain of three masses.
-    SHEAR_3 = shear_chain::ShearChain::<3>;
+    SHEAR_3 = shear_chain::ShearChain::<3>::PLANT;
     /// A chain of four masses.
-    SHEAR_4 = shear_chain::ShearChain::<4>;
+    SHEAR_4 = shear_chain::ShearChain::<4>::PLANT;
     /// A chain of five masses.
-    SHEAR_5 = shear_chain::ShearChain::<5>;
+    SHEAR_5 = shear_chain::ShearChain::<5>::PLANT;
     /// A chain of six masses.
-    SHEAR_6 = shear_chain::ShearChain::<6>;
+    SHEAR_6 = shear_chain::ShearChain::<6>::PLANT;
     /// A chain of seven masses.
-    SHEAR_7 = shear_chain::ShearChain::<7>;
+    SHEAR_7 = shear_chain::ShearChain::<7>::PLANT;
     /// A chain of eight masses.
-    SHEAR_8 = shear_chain::ShearChain::<8>;
+    SHEAR_8 = shear_chain::ShearChain::<8>::PLANT;
     /// A chain of nine masses.
-    SHEAR_9 = shear_chain::ShearChain::<9>;
+    SHEAR_9 = shear_chain::ShearChain::<9>::PLANT;
     /// A chain of ten masses.
-    SHEAR_10 = shear_chain::ShearChain::<10>;
+    SHEAR_10 = shear_chain::ShearChain::<10>::PLANT;
 }
 
 impl PlantKind {
@@ -124,7 +166,6 @@ impl PlantKind {
         Self::from_key(self.key()).is_some_and(|known| known.type_id() != self.type_id())
     }
 
-    /// The type of the plant.
     pub(crate) fn type_id(self) -> TypeId {
         let plant: &dyn Any = self.0;
         plant.type_id()
@@ -175,11 +216,6 @@ impl PlantKind {
         (0..MAX_MASSES).take_while(|&mass| self.channels().contains(&Channel::displacement(mass))).count()
     }
 
-    /// Whether it is a chain of masses of the registry.
-    pub(crate) fn is_chain(self) -> bool {
-        self.masses() > 1 && Self::ALL.contains(&self)
-    }
-
     /// The plant's parameters.
     pub fn parameters(self) -> impl Iterator<Item = Channel> {
         self.channels().iter().copied().filter(|c| c.is_parameter())
@@ -196,6 +232,42 @@ impl PlantKind {
             Term::State(channel) | Term::Rate(channel) => self.channels().contains(channel),
             Term::Ground => true,
         })
+    }
+
+    /// Whether the force acts on a mass, counted from 0.
+    pub fn is_driven(self, mass: usize) -> bool {
+        let rate = |force| {
+            let mut rate = vec![0.0; self.motion()];
+            self.plant().motion_rate(&self.anywhere(), force, &mut rate);
+            self.place(Channel::velocity(mass)).map(|place| rate[place])
+        };
+        rate(1.0) != rate(0.0)
+    }
+
+    /// Whether a spring holds a mass, counted from 0, to the one before it, or the first to the wall: whether the displacement
+    /// of one accelerates the other.
+    pub fn is_held(self, mass: usize) -> bool {
+        let mut jacobian = vec![0.0; self.motion() * self.channels().len()];
+        self.plant().motion_jacobian(&self.anywhere(), &mut jacobian);
+        let accelerates = |by: Channel, mass: usize| {
+            let place = self.place(Channel::velocity(mass)).zip(self.place(by));
+            place.is_some_and(|(row, column)| jacobian[row * self.channels().len() + column] != 0.0)
+        };
+        match mass.checked_sub(1) {
+            Some(before) => {
+                accelerates(Channel::displacement(before), mass) || accelerates(Channel::displacement(mass), before)
+            }
+            None => accelerates(Channel::displacement(0), 0) || accelerates(Channel::velocity(0), 0),
+        }
+    }
+
+    fn place(self, channel: Channel) -> Option<usize> {
+        self.channels().iter().position(|other| *other == channel)
+    }
+
+    /// A state at which no derivative is zero by chance.
+    fn anywhere(self) -> Vec<f64> {
+        (0..self.channels().len()).map(|i| 0.31 + 0.17 * i as f64).collect()
     }
 }
 

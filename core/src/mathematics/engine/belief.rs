@@ -1,7 +1,7 @@
 //! The belief of a filter about the state, and the noise that it assumes.
 
 use super::level::Level;
-use super::number::{Mask, Number};
+use super::number::{Function, Mask, Number};
 
 /// A normal distribution over n components, in each lane.
 #[derive(Clone, Debug)]
@@ -12,7 +12,6 @@ pub(crate) struct Belief<T> {
     pub cov: Vec<T>,
 }
 
-/// The noise that a filter assumes.
 #[derive(Clone, Debug)]
 pub(crate) struct Noise<T> {
     /// The diagonal of Q.
@@ -128,6 +127,122 @@ impl<T: Number> Belief<T> {
         self.mean.iter_mut().for_each(|mean| mean.set_lane(lane, 0.0));
         for (at, entry) in self.cov.iter_mut().enumerate() {
             entry.set_lane(lane, if at % (n + 1) == 0 { 1.0 } else { 0.0 });
+        }
+    }
+}
+
+/// Converts mean and covariance to first order: the mean of θ is `exp` of the mean of `ln θ`, its standard deviation θ times that of
+/// `ln θ`. The size of each component's unit in its channel's goes to `unit`, which is one for all that are no logarithms.
+pub(crate) fn convert<T: Number>(logarithms: &[usize], unit: &mut [T], [mean, cov]: [&[T]; 2], belief: &mut Belief<T>) {
+    belief.mean.copy_from_slice(mean);
+    belief.cov.copy_from_slice(cov);
+    for &place in logarithms {
+        belief.mean[place] = mean[place].call(Function::Exp);
+        unit[place] = belief.mean[place];
+    }
+    for (column, by) in belief.cov.chunks_exact_mut(unit.len()).zip(&*unit) {
+        column.iter_mut().zip(&*unit).for_each(|(entry, unit)| *entry = *entry * (*unit * *by));
+    }
+}
+
+/// The process noise of steps that are shorter than dt: their share of Q, and of λ as a power. It is kept from one step to the next of
+/// the same length.
+#[derive(Clone, Debug)]
+pub(super) struct Share<T> {
+    share: f64,
+    noise: Noise<T>,
+}
+
+impl<T: Number> Share<T> {
+    pub(super) fn new(whole: &Noise<T>) -> Self {
+        Self { share: 1.0, noise: Noise { sensors: Vec::new(), ..whole.clone() } }
+    }
+
+    /// The noise of a share of a step, from that of a whole one.
+    #[inline(always)]
+    pub(super) fn of<'a>(&'a mut self, share: f64, whole: &'a Noise<T>) -> &'a Noise<T> {
+        if share == 1.0 {
+            return whole;
+        }
+        if share != self.share {
+            self.take(share, whole);
+        }
+        &self.noise
+    }
+
+    #[inline(never)]
+    fn take(&mut self, share: f64, whole: &Noise<T>) {
+        let Noise { process, matrix, fading, .. } = &mut self.noise;
+        for (own, whole) in process.iter_mut().zip(&whole.process).chain(matrix.iter_mut().zip(&whole.matrix)) {
+            *own = *whole * share;
+        }
+        *fading = T::from_lanes(|lane| libm::pow(whole.fading.lane(lane), share));
+        self.share = share;
+    }
+}
+
+/// Components of the state that count but are not estimated.
+///
+/// ```text
+/// K = [Kₓ; 0],  P⁺ = [Pₓₓ - Kₓ S Kₓᵀ   Pₓc - Kₓ (H P)c]
+///                   [       ...              Pcc      ]
+/// ```
+///
+/// with the Kₓ of an ordinary update: its other blocks are those of that update, so that only the mean and the covariance of what
+/// is considered have to be put back. The sum of the ordinary P⁺ and `Kc S Kcᵀ` is a covariance.
+///
+/// Fading does not widen these components, since the filter has learnt nothing of them that it could forget. A prediction puts λ on all
+/// of P; so P⁻ becomes `D (P⁻ - Q) D + Q`, where D has `1/√λ` in the places of these components, and 1 in all others.
+///
+/// Source: Schmidt (1966), Application of state-space methods to navigation problems.
+#[derive(Clone, Debug)]
+pub(super) struct Considered<T> {
+    places: Vec<usize>,
+    before: Belief<T>,
+}
+
+impl<T: Number> Considered<T> {
+    /// For some places; `None` for none.
+    pub(super) fn new(places: &[usize], belief: &Belief<T>) -> Option<Box<Self>> {
+        (!places.is_empty()).then(|| Box::new(Self { places: places.to_vec(), before: belief.clone() }))
+    }
+
+    /// Takes the fading of a prediction with this noise away.
+    pub(super) fn keep(&self, belief: &mut Belief<T>, noise: &Noise<T>) {
+        let (n, scale) = (belief.size(), T::of(1.0) / noise.fading.sqrt());
+        let is_considered = |i: usize| self.places.contains(&i);
+        for j in 0..n {
+            for i in j..n {
+                let by = match (is_considered(i), is_considered(j)) {
+                    (true, true) => scale * scale,
+                    (true, false) | (false, true) => scale,
+                    (false, false) => continue,
+                };
+                let q = if !noise.matrix.is_empty() {
+                    noise.matrix[j * n + i]
+                } else if i == j {
+                    noise.process[i]
+                } else {
+                    T::of(0.0)
+                };
+                belief.cov[j * n + i] = (belief.cov[j * n + i] - q) * by + q;
+            }
+        }
+    }
+
+    pub(super) fn store(&mut self, belief: &Belief<T>) {
+        self.before.copy_from(belief);
+    }
+
+    /// Puts back what the update has changed of the components, and makes their gain zero.
+    pub(super) fn restore(&self, belief: &mut Belief<T>, gain: &mut [T]) {
+        let n = belief.size();
+        for &i in &self.places {
+            belief.mean[i] = self.before.mean[i];
+            for &j in self.places.iter().filter(|j| **j <= i) {
+                belief.cov[j * n + i] = self.before.cov[j * n + i];
+            }
+            gain.iter_mut().skip(i).step_by(n).for_each(|gain| *gain = T::of(0.0));
         }
     }
 }

@@ -2,8 +2,8 @@
 
 use std::collections::HashMap;
 
-use super::function::Function;
 use super::list::{List, Node, Operation};
+use super::number::Function;
 
 /// Limits the operations of a list, and so the time and the memory that an equation can take.
 const LENGTH: usize = 4000;

@@ -2,14 +2,12 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::function::Function;
-use super::number::{Number, Real};
+use super::number::{Function, Number, Real};
 
 /// A number and its derivatives by K others. `on` marks those that may be other than zero: after inlining an equation
 /// the compiler knows `on`, and leaves out the operations with zeros.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Dual<T, const K: usize> {
-    /// The number.
     pub(crate) value: T,
     part: [T; K],
     on: [bool; K],

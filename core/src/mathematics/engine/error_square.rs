@@ -10,8 +10,8 @@ const ROUNDING: f64 = 64.0 * f64::EPSILON;
 /// The errors of the channels at some places of a state, and memory to weigh them.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ErrorSquare<T> {
-    places: Vec<usize>,
-    errors: Vec<T>,
+    pub(crate) places: Vec<usize>,
+    pub(crate) errors: Vec<T>,
     /// The largest absolute mean of each channel so far; the rounding error of an estimate is relative to it.
     sizes: Vec<T>,
     variances: Vec<T>,
@@ -28,17 +28,6 @@ impl<T: Number> ErrorSquare<T> {
             variances: zeros(count),
             factor: zeros(count * count),
         }
-    }
-
-    /// The places of the channels.
-    pub(crate) fn places(&self) -> &[usize] {
-        &self.places
-    }
-
-    /// Puts the error of the channel at one of the places.
-    #[inline(always)]
-    pub(crate) fn put(&mut self, at: usize, error: T) {
-        self.errors[at] = error;
     }
 
     /// `eᵀ P⁻¹ e` by the factor `P = L D Lᵀ` over the components of positive variance, and their number: zero where there is

@@ -39,7 +39,6 @@ struct Points<T> {
 }
 
 impl<T: Number> Expected<T> {
-    /// Memory for a model and a number of sensors.
     pub(super) fn new(model: &Model, sensors: usize) -> Self {
         let zeros = |count: usize| vec![T::of(0.0); count];
         let n = model.size;
@@ -62,9 +61,8 @@ impl<T: Number> Expected<T> {
         }
     }
 
-    /// Notes the components of the sensors.
     pub(super) fn note_components(&mut self, readings: &[Reading]) {
-        self.places = readings.iter().filter_map(Reading::component).collect();
+        self.places = readings.iter().filter_map(|reading| reading.component).collect();
         self.are_components = self.places.len() == readings.len();
     }
 
@@ -154,7 +152,7 @@ impl<T: Number> Expected<T> {
         for (k, entry) in out.enumerate() {
             *entry = T::of(0.0);
             if reading.is_of_components() {
-                for &(_, factor) in reading.components().iter().filter(|(place, _)| *place == k) {
+                for &(_, factor) in reading.components.iter().filter(|(place, _)| *place == k) {
                     *entry = *entry + factor;
                 }
             } else {
@@ -272,12 +270,12 @@ impl<T: Number> Expected<T> {
 /// `h x` of a sensor's row h of H, which counts where the sensor reads more than components, with n numbers x.
 #[inline(always)]
 fn times<T: Number>(reading: &Reading, h: &[T], x: &[T]) -> T {
-    if let Some(place) = reading.component() {
+    if let Some(place) = reading.component {
         return x[place];
     }
     let mut sum = T::of(0.0);
     if reading.is_of_components() {
-        for &(place, factor) in reading.components() {
+        for &(place, factor) in &reading.components {
             sum = sum + x[place] * factor;
         }
     } else {
@@ -292,12 +290,12 @@ fn times<T: Number>(reading: &Reading, h: &[T], x: &[T]) -> T {
 #[inline(always)]
 fn times_cov<T: Number>(reading: &Reading, h: &[T], cov: &[T], out: &mut [T]) {
     let n = out.len();
-    if let Some(place) = reading.component() {
+    if let Some(place) = reading.component {
         select_column(cov, n, place, out);
     } else if reading.is_of_components() {
         for i in 0..n {
             let mut sum = T::of(0.0);
-            for &(place, factor) in reading.components() {
+            for &(place, factor) in &reading.components {
                 sum = sum + entry(cov, n, i, place) * factor;
             }
             out[i] = sum;
@@ -323,7 +321,6 @@ pub(super) fn select_column<T: Copy>(cov: &[T], n: usize, place: usize, out: &mu
     }
 }
 
-/// A column of a symmetric n × n matrix.
 #[inline(always)]
 fn copy_column<T: Copy>(a: &[T], n: usize, j: usize, out: &mut [T]) {
     for i in 0..n {

@@ -44,7 +44,6 @@ impl<const N: usize> Classes<N> {
         (least < f64::INFINITY).then(|| self.of(least))
     }
 
-    /// The class of a size.
     fn of(&self, size: f64) -> usize {
         let longest = self.0[N - 1];
         // One doubling less than the quotient says, as it is rounded.
@@ -89,7 +88,6 @@ pub(crate) struct Exponential<T> {
 const CLASSES: Classes<3> = Classes([0.0387, 0.28, 0.5]);
 
 impl<T: Number> Exponential<T> {
-    /// Memory for blocks of n × n.
     pub(crate) fn new(n: usize) -> Self {
         let square = || vec![T::of(0.0); n * n];
         Self {

@@ -5,21 +5,18 @@
 //! update    e = z - h(y⁻),  S = H P⁻ Hᵀ + R,  K = P⁻ Hᵀ S⁻¹,  y = y⁻ + K e,  P = (I - K H) P⁻ (I - K H)ᵀ + K R Kᵀ
 //! ```
 
-use super::belief::{Belief, Noise};
+use super::belief::{Belief, Considered, Noise, Share};
 use super::columns::{Rooted, lower_root};
-use super::considered::Considered;
 use super::design::{Design, Method};
 use super::fault::{Held, of_root};
-use super::learning::Learning;
-use super::learning::Learnt;
+use super::learning::{Learning, Learnt};
 use super::level::Level;
 use super::linearised::Linearised;
+use super::model::Step;
 use super::number::{Mask, Number};
 use super::passage::Passage;
-use super::share::Share;
 use super::sigma_points::SigmaPoints;
 use super::square_root::{SquareRoot, may_have_root, std};
-use super::step::Step;
 use super::update::{Observation, Told, Update};
 use crate::FilterError;
 
@@ -27,7 +24,7 @@ use crate::FilterError;
 #[derive(Clone, Debug)]
 pub(crate) struct Filter<T: Number, L> {
     level: L,
-    design: Design,
+    pub(crate) design: Design,
     noise: Noise<T>,
     of_share: Share<T>,
     /// The variance of the white force.
@@ -38,7 +35,7 @@ pub(crate) struct Filter<T: Number, L> {
     points: SigmaPoints<T>,
     /// The root of the covariance, of a filter that holds one.
     root: Option<SquareRoot<T>>,
-    update: Update<T>,
+    pub(crate) update: Update<T>,
     learning: Option<Box<Learning<T>>>,
     considered: Option<Box<Considered<T>>>,
     /// The lanes for which the parts of the last step hold.
@@ -60,18 +57,18 @@ pub(crate) struct Parts<'a> {
 
 impl<L: Level> Filter<f64, L> {
     /// The usual misfits of the sensors, to which a robust filter compares those of a sample; none for any other filter.
-    pub(crate) fn usual_misfits(&mut self) -> &[f64] {
-        self.learning.as_mut().and_then(|learning| learning.weights_mut()).map_or(&[], |weights| weights.usual())
+    pub(crate) fn usual_misfits(&self) -> &[f64] {
+        let weighing = self.learning.as_ref().and_then(|learning| learning.weighing.as_ref());
+        weighing.map_or(&[], |weighing| &weighing.weights.usual)
     }
 
     /// Goes back to the usual misfits of an earlier sample.
     pub(crate) fn set_usual_misfits(&mut self, misfits: &[f64]) {
-        if let Some(weights) = self.learning.as_mut().and_then(|learning| learning.weights_mut()) {
-            weights.set_usual(misfits);
+        if let Some(weighing) = self.learning.as_mut().and_then(|learning| learning.weighing.as_mut()) {
+            weighing.weights.usual.copy_from_slice(misfits);
         }
     }
 
-    /// The last update and what the filter has learnt.
     pub(crate) fn parts(&self) -> Parts<'_> {
         let Self { design, belief, update, noise, learning, white, .. } = self;
         Parts {
@@ -86,24 +83,11 @@ impl<L: Level> Filter<f64, L> {
 }
 
 impl<T: Number, L: Level> Filter<T, L> {
-    /// Time between samples \[s\].
-    pub(crate) fn dt(&self) -> f64 {
-        self.design.dt
-    }
-
     /// Whether the filters weigh, learn or jump.
     pub(crate) fn learns(&self) -> bool {
         self.learning.is_some()
     }
 
-    /// The belief, and the last update.
-    pub(crate) fn told(&mut self) -> (&Belief<T>, &mut Update<T>) {
-        (&self.belief, &mut self.update)
-    }
-}
-
-impl<T: Number, L: Level> Filter<T, L> {
-    /// Filters that begin with a belief.
     pub(crate) fn new(level: L, design: Design, belief: Belief<T>, mut noise: Noise<T>, white: T) -> Self {
         let Design { model, readings, method, .. } = &design;
         let root = match *method {
@@ -135,7 +119,7 @@ impl<T: Number, L: Level> Filter<T, L> {
     /// Carries the beliefs over one step, from a sample to the next, with the recorded forces over mass of both \[m/s²\]. The noise
     /// is added in the last of its parts.
     ///
-    /// A white force is another one from the next sample on, or from the middle of the step ([`Course`](super::course::Course)).
+    /// A white force is another one from the next sample on, or from the middle of the step ([`Course`](super::design::Course)).
     #[inline(always)]
     pub(crate) fn predict(&mut self, forces: [T; 2]) {
         self.predict_share(1.0, forces);
@@ -359,7 +343,6 @@ impl<T: Number, L: Level> Filter<T, L> {
         self.update.passage.as_deref()
     }
 
-    /// Begins another passage.
     pub(crate) fn begin_passage(&mut self) {
         if let Some(mut passage) = self.update.passage.take() {
             self.square();
@@ -409,11 +392,5 @@ impl<T: Number, L: Level> Filter<T, L> {
     #[cold]
     pub(crate) fn reason(&self, lane: usize) -> FilterError {
         self.held.reason(lane, || self.update.of_lane(lane))
-    }
-
-    /// ln det S of the last update in a lane.
-    #[cold]
-    pub(crate) fn ln_determinant(&self, lane: usize) -> f64 {
-        self.update.ln_determinant(lane)
     }
 }

@@ -5,17 +5,15 @@ use super::design::Design;
 use super::fault::Held;
 use super::level::Level;
 use super::number::{Mask, Number};
-use super::residuals::Residuals;
 use super::square_root::SquareRoot;
 use super::update::{Observation, Told, Update};
 use super::weighing::Weighing;
-use super::weights::Weights;
+use super::weights::Residuals;
 use crate::mathematics::filter::jump::Jump;
 
-/// The memory of a filter that learns.
 #[derive(Clone, Debug)]
 pub(super) struct Learning<T> {
-    weighing: Option<Weighing<T>>,
+    pub(super) weighing: Option<Weighing<T>>,
     /// One in each lane, or none.
     jumps: Vec<Jump>,
     /// The diagonal of Q before a jump.
@@ -25,7 +23,6 @@ pub(super) struct Learning<T> {
     residuals: Residuals<T>,
     /// The variance of each R.
     uncertainty: Vec<T>,
-    /// The sample.
     sample: usize,
 }
 
@@ -146,7 +143,7 @@ impl<T: Number> Learning<T> {
     /// `R ← a R + (1 - a) diag(ε εᵀ + H P Hᵀ)`, as [`Adaptation`](crate::filter::Adaptation) has it.
     fn adapt_sensors(&mut self, design: &Design, noise: &mut Noise<T>, measured: &[T], update: &Update<T>) {
         let Self { residuals, uncertainty, .. } = self;
-        for (&sensor, &residual) in update.active().iter().zip(residuals.of(&update.innovations())) {
+        for (&sensor, &residual) in update.active.iter().zip(residuals.of(&update.innovations())) {
             let old = [noise.sensors[sensor], uncertainty[sensor]];
             let [r, variance] = design.adaptation.learn(old, residual);
             let is_there = measured[sensor].is_number();
@@ -157,17 +154,12 @@ impl<T: Number> Learning<T> {
 }
 
 impl Learning<f64> {
-    /// The weights of a filter that weighs its measurements.
-    pub(super) fn weights_mut(&mut self) -> Option<&mut Weights<f64>> {
-        self.weighing.as_mut().map(Weighing::weights_mut)
-    }
-
     /// The weights, the variances of R and whether the last prediction has jumped.
     pub(super) fn learnt(&self) -> Learnt<'_> {
         Learnt {
-            weights: self.weighing.as_ref().map(|weighing| weighing.weights().each()),
+            weights: self.weighing.as_ref().map(|weighing| &weighing.weights.weights[..]),
             uncertainty: &self.uncertainty,
-            has_widened: self.jumps.iter().any(Jump::has_widened),
+            has_widened: self.jumps.iter().any(|jump| jump.has_widened),
         }
     }
 }

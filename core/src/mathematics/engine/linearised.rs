@@ -1,39 +1,35 @@
 //! The prediction of KF and EKF: the mean moves, and the covariance with the derivative of its step.
-//!
-//! Local linearisation is here; Euler's step and that of Runge and Kutta are in `differentiated`.
 
 use super::belief::Belief;
 use super::columns::{add_times, apply, combine, congruence, multiply};
 use super::coupled::{Coupled, Parts};
+use super::design::Propagation;
 use super::exponential::Exponential;
 use super::impulse::Impulse;
 use super::level::Level;
-use super::model::{Derivatives, Model};
+use super::model::{Derivatives, Model, Step};
 use super::number::Number;
-use super::propagation::Propagation;
-use super::step::Step;
 
 /// The step from the mean, and memory to work in.
 #[derive(Clone, Debug)]
 pub(crate) struct Linearised<T> {
-    pub(super) derivatives: Derivatives<T>,
+    derivatives: Derivatives<T>,
     /// The upper rows of Φ, column by column; the others are those of an identity.
     pub rows: Vec<T>,
     /// Memory for T P, or for a part of a step's derivative.
-    pub(super) half: Vec<T>,
+    half: Vec<T>,
     /// The effect of a constant input, or of a slope.
     effect: Vec<T>,
     exponential: Exponential<T>,
     /// Takes the place of the exponential where masses are coupled.
     coupled: Option<Coupled<T>>,
     /// The state that a step began with, a stage of it, and the derivative of the stage before.
-    pub(super) begun: Vec<T>,
-    pub(super) stage: Vec<T>,
-    pub(super) before: Vec<T>,
+    begun: Vec<T>,
+    stage: Vec<T>,
+    before: Vec<T>,
 }
 
 impl<T: Number> Linearised<T> {
-    /// Memory for a model.
     pub(crate) fn new(model: &Model) -> Self {
         let (moving, zero) = (model.moving(), T::of(0.0));
         let coupled = model.coupling().map(|[masses, reach]| Coupled::new(masses, reach));
@@ -296,5 +292,73 @@ impl<T: Number> Linearised<T> {
         if let Some(place) = model.gain {
             add_times(&mut self.rows[place * moving..(place + 1) * moving], T::of(1.0), &self.effect);
         }
+    }
+}
+
+impl<T: Number> Linearised<T> {
+    /// `y⁻ = y + dt g(y, f)` and `Φ = I + A dt`.
+    #[inline(always)]
+    fn euler<L: Level>(&mut self, level: L, model: &Model, mean: &mut [T], step: &Step<T>) {
+        level.apart(
+            #[inline(always)]
+            || {
+                let Self { derivatives, rows, .. } = self;
+                let (moving, dt) = (model.moving(), T::of(step.dt));
+                derivatives.take(level, model, mean, step.forces[0]);
+                add_times(&mut mean[..moving], dt, &derivatives.rate);
+                begin(rows, moving);
+                add_times(rows, dt, &derivatives.columns);
+            },
+        );
+    }
+
+    /// One Runge-Kutta step, and its derivative by the state that it starts from: the chain rule, stage by stage.
+    ///
+    /// ```text
+    /// kₛ = g(y + aₛ dt kₛ₋₁),  Kₛ = Aₛ (I + aₛ dt Kₛ₋₁),  y⁻ = y + dt Σ bₛ kₛ,  Φ = I + dt Σ bₛ Kₛ
+    /// ```
+    #[inline(always)]
+    fn runge_kutta<L: Level>(&mut self, level: L, model: &Model, mean: &mut [T], step: &Step<T>) {
+        let moving = model.moving();
+        let [begin_force, middle_force, end_force] = step.thrice();
+        self.begun.copy_from_slice(mean);
+        begin(&mut self.rows, moving);
+        self.half.fill(T::of(0.0));
+        self.derivatives.rate.fill(T::of(0.0));
+        let stages =
+            [(0.0, 1.0, begin_force), (0.5, 2.0, middle_force), (0.5, 2.0, middle_force), (1.0, 1.0, end_force)];
+        for (share, weight, force) in stages {
+            level.apart(
+                #[inline(always)]
+                || self.pass(level, model, mean, [share * step.dt, weight * step.dt / 6.0], force),
+            );
+        }
+    }
+
+    /// A stage after some time \[s\], which counts for some time \[s\].
+    #[inline(always)]
+    fn pass<L: Level>(&mut self, level: L, model: &Model, mean: &mut [T], [after, counts]: [f64; 2], force: T) {
+        let Self { derivatives, rows, half: slope, begun, stage, before, .. } = self;
+        let moving = model.moving();
+        stage.copy_from_slice(begun);
+        add_times(&mut stage[..moving], T::of(after), &derivatives.rate);
+        derivatives.take(level, model, stage, force);
+        add_times(&mut mean[..moving], T::of(counts), &derivatives.rate);
+        let a = &derivatives.columns;
+        before.copy_from_slice(slope);
+        multiply(slope, &a[..moving * moving], before, moving, moving);
+        for (slope, direct) in slope.iter_mut().zip(a) {
+            *slope = *slope * after + *direct;
+        }
+        add_times(rows, T::of(counts), slope);
+    }
+}
+
+/// The rows of an identity.
+#[inline(always)]
+fn begin<T: Number>(rows: &mut [T], moving: usize) {
+    rows.fill(T::of(0.0));
+    for i in 0..moving {
+        rows[i * moving + i] = T::of(1.0);
     }
 }

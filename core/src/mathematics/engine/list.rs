@@ -1,7 +1,6 @@
 //! An equation as a list of operations.
 
-use super::function::Function;
-use super::number::Real;
+use super::number::{Function, Real};
 
 /// The place of a number in a list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -47,7 +46,6 @@ const REGISTERS: usize = 128;
 #[derive(Clone, Debug)]
 pub struct List {
     inputs: usize,
-    /// The registers that are used.
     registers: usize,
     steps: Vec<Step>,
     /// The place of each output, and its register.

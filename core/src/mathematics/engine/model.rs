@@ -1,8 +1,7 @@
 //! A plant with its surroundings: estimated parts of the force, and the readings of sensors.
 
-use super::function::Function;
 use super::level::Level;
-use super::number::{Number, Real};
+use super::number::{Function, Number, Real};
 use super::plants::{Plant, Rates, fits, with_equation};
 use crate::Channel;
 use crate::mathematics::model::{Reading, Scale};
@@ -166,7 +165,6 @@ pub(crate) struct Derivatives<T> {
 }
 
 impl<T: Number> Derivatives<T> {
-    /// Memory for those of a model.
     pub(crate) fn new(model: &Model) -> Self {
         let (zero, moving) = (T::of(0.0), model.moving());
         Self { rate: vec![zero; moving], columns: vec![zero; moving * model.size], plain: vec![zero; model.size] }
@@ -219,11 +217,11 @@ impl<T: Number> Derivatives<T> {
 /// `h(y, f)` in a state that moves at this rate, in the unit of the sensor's quantity.
 #[inline(always)]
 pub(crate) fn read<T: Real>(model: &Model, reading: &Reading, state: &[T], rate: &[T], force: T) -> T {
-    if let Some(place) = reading.component() {
+    if let Some(place) = reading.component {
         return state[place];
     }
     let exact = read_exact(model, reading, state, rate, force);
-    match reading.gain() {
+    match reading.gain {
         None => exact,
         Some(Scale { gain, bias: None }) => state[gain] * exact,
         Some(Scale { gain, bias: Some(bias) }) => state[gain] * exact + state[bias],
@@ -234,15 +232,15 @@ pub(crate) fn read<T: Real>(model: &Model, reading: &Reading, state: &[T], rate:
 #[inline(always)]
 fn read_exact<T: Real>(model: &Model, reading: &Reading, state: &[T], rate: &[T], force: T) -> T {
     let mut sum = T::of(0.0);
-    for &(place, factor) in reading.components() {
+    for &(place, factor) in &reading.components {
         sum = sum + state[place] * factor;
     }
-    for &(place, factor) in reading.rates() {
+    for &(place, factor) in &reading.rates {
         sum = sum + rate[place] * factor;
     }
-    if reading.ground() != 0.0 {
+    if reading.ground != 0.0 {
         // The force over mass is the negative of the ground's acceleration.
-        sum = sum - model.recorded(state, force) * reading.ground();
+        sum = sum - model.recorded(state, force) * reading.ground;
     }
     sum
 }
@@ -260,26 +258,63 @@ pub(crate) fn gradient<T: Number>(
     let moving = model.moving();
     for (k, entry) in row.iter_mut().enumerate() {
         *entry = T::of(0.0);
-        for &(place, factor) in reading.rates() {
+        for &(place, factor) in &reading.rates {
             *entry = *entry + derivatives.columns[k * moving + place] * factor;
         }
     }
-    for &(place, factor) in reading.components() {
+    for &(place, factor) in &reading.components {
         row[place] = row[place] + factor;
     }
-    if reading.ground() != 0.0 {
+    if reading.ground != 0.0 {
         if let Some(place) = model.gain {
-            row[place] = row[place] - force * reading.ground();
+            row[place] = row[place] - force * reading.ground;
         }
         if let Some(place) = model.offset {
-            row[place] = row[place] + -reading.ground();
+            row[place] = row[place] + -reading.ground;
         }
     }
-    if let Some(Scale { gain, bias }) = reading.gain() {
+    if let Some(Scale { gain, bias }) = reading.gain {
         row.iter_mut().for_each(|entry| *entry = *entry * state[gain]);
         row[gain] = row[gain] + read_exact(model, reading, state, &derivatives.rate, force);
         if let Some(bias) = bias {
             row[bias] = row[bias] + 1.0;
         }
+    }
+}
+
+/// A step from one sample to the next.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Step<T> {
+    /// The recorded force over mass at its beginning and at its end, linear in between \[m/s²\].
+    pub forces: [T; 2],
+    /// Whether they differ: else the force is held.
+    pub has_slope: bool,
+    /// The time that it takes \[s\].
+    pub dt: f64,
+}
+
+impl<T: Number> Step<T> {
+    /// The slope of the force over mass \[m/s³\].
+    #[inline(always)]
+    pub(crate) fn slope(&self) -> T {
+        (self.forces[1] - self.forces[0]) * (1.0 / self.dt)
+    }
+
+    /// The forces at its beginning, in its middle and at its end.
+    #[inline(always)]
+    pub(crate) fn thrice(&self) -> [T; 3] {
+        let [begin, end] = self.forces;
+        [begin, begin + (end - begin) * 0.5, end]
+    }
+
+    /// A part of the step, of this many that take the same time.
+    pub(crate) fn part(&self, i: usize, parts: usize) -> Self {
+        let [begin, end] = self.forces;
+        let force = |i: usize| match i {
+            0 => begin,
+            i if i == parts => end,
+            i => begin + (end - begin) * (i as f64 / parts as f64),
+        };
+        Self { forces: [force(i), force(i + 1)], dt: self.dt / parts as f64, ..*self }
     }
 }

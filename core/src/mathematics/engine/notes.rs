@@ -4,10 +4,9 @@ use std::cell::RefCell;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::builder::Builder;
-use super::function::Function;
 use super::list::Node;
 use super::model::{Model, read};
-use super::number::Real;
+use super::number::{Function, Real};
 use super::plants::{Equation as _, with_equation};
 use crate::mathematics::model::Reading;
 
@@ -66,7 +65,6 @@ impl<'a> Noted<'a> {
         }
     }
 
-    /// Notes an operation on two numbers.
     fn with(
         self,
         other: Self,

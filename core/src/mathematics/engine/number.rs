@@ -2,8 +2,6 @@
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-use super::function::Function;
-
 /// A number of a plant's equation. Its operations round once, so that all processors give the same bits.
 pub trait Real:
     Copy
@@ -18,10 +16,8 @@ pub trait Real:
     /// A constant.
     fn of(constant: f64) -> Self;
 
-    /// The absolute value.
     fn abs(self) -> Self;
 
-    /// The value of a function.
     fn call(self, function: Function) -> Self;
 }
 
@@ -30,10 +26,8 @@ pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output
     /// The same in every lane.
     fn of(value: bool) -> Self;
 
-    /// Whether it is true in all lanes.
     fn all(self) -> bool;
 
-    /// Whether it is true in a lane.
     fn lane(self, lane: usize) -> bool;
 }
 
@@ -46,10 +40,8 @@ pub trait Number: Real {
     /// Numbers of several points of the same run, which move at once.
     type Pack: Number + std::fmt::Debug;
 
-    /// The number of lanes.
     const LANES: usize;
 
-    /// The number of points in a pack.
     const POINTS: usize;
 
     /// The numbers of the points of a pack.
@@ -58,25 +50,19 @@ pub trait Number: Real {
     /// The number of a point of a pack.
     fn of_pack(pack: Self::Pack, point: usize) -> Self;
 
-    /// The number of each lane.
     fn from_lanes(of: impl Fn(usize) -> f64) -> Self;
 
-    /// The number of a lane.
     fn lane(self, lane: usize) -> f64;
 
-    /// Changes the number of a lane.
     fn set_lane(&mut self, lane: usize, number: f64);
 
-    /// The square root.
     fn sqrt(self) -> Self;
 
     /// -1 below zero, else 1.
     fn sign(self) -> Self;
 
-    /// Whether it is less than another.
     fn lt(self, other: Self) -> Self::Mask;
 
-    /// Whether it is less than another or equal.
     fn le(self, other: Self) -> Self::Mask;
 
     /// One number where the mask is true, another where it is false.
@@ -94,7 +80,6 @@ pub trait Number: Real {
         self.le(self)
     }
 
-    /// Whether it is finite.
     #[inline(always)]
     fn is_finite(self) -> Self::Mask {
         self.abs().le(Self::of(f64::MAX))
@@ -114,5 +99,69 @@ pub trait Number: Real {
             largest = if self.lane(lane) > largest { self.lane(lane) } else { largest };
         }
         largest
+    }
+}
+
+/// A function of one number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Function {
+    /// sin x
+    Sin,
+    /// cos x
+    Cos,
+    /// tan x
+    Tan,
+    /// eˣ
+    Exp,
+    /// The natural logarithm.
+    Log,
+    /// √x
+    Sqrt,
+    /// |x|
+    Abs,
+    /// -1, 0 or 1.
+    Sign,
+    /// tanh x
+    Tanh,
+    /// A power with the bits of its exponent.
+    Power(u64),
+}
+
+impl Function {
+    /// The functions that have names.
+    pub const NAMED: [(Self, &'static str); 9] = [
+        (Self::Sin, "sin"),
+        (Self::Cos, "cos"),
+        (Self::Tan, "tan"),
+        (Self::Exp, "exp"),
+        (Self::Log, "log"),
+        (Self::Sqrt, "sqrt"),
+        (Self::Abs, "abs"),
+        (Self::Sign, "sign"),
+        (Self::Tanh, "tanh"),
+    ];
+
+    /// The function with this name.
+    pub fn from_key(key: &str) -> Option<Self> {
+        let key = if key == "ln" { "log" } else { key };
+        Self::NAMED.iter().find(|(_, name)| *name == key).map(|(function, _)| *function)
+    }
+
+    /// The value at x.
+    pub fn of(self, x: f64) -> f64 {
+        match self {
+            Self::Sin => libm::sin(x),
+            Self::Cos => libm::cos(x),
+            Self::Tan => libm::tan(x),
+            Self::Exp => libm::exp(x),
+            Self::Log => libm::log(x),
+            Self::Sqrt => x.sqrt(),
+            Self::Abs => x.abs(),
+            Self::Sign if x > 0.0 => 1.0,
+            Self::Sign if x < 0.0 => -1.0,
+            Self::Sign => 0.0,
+            Self::Tanh => libm::tanh(x),
+            Self::Power(exponent) => libm::pow(x, f64::from_bits(exponent)),
+        }
     }
 }

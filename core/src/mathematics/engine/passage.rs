@@ -5,9 +5,9 @@ use super::columns::{divide_by_root, lower_root, multiply};
 use super::design::{Design, Method};
 use super::level::Level;
 use super::linearised::Linearised;
+use super::model::Step;
 use super::number::Number;
 use super::sigma_points::SigmaPoints;
-use super::step::Step;
 
 /// The way of a filter from one belief to the next.
 #[derive(Clone, Debug)]
@@ -30,7 +30,6 @@ pub(crate) struct Passage<T> {
 }
 
 impl<T: Number> Passage<T> {
-    /// Memory for n components.
     pub(super) fn new(n: usize) -> Self {
         let zeros = |count: usize| vec![T::of(0.0); count];
         Self {
@@ -85,7 +84,7 @@ impl<T: Number> Passage<T> {
         self.work.copy_from(belief);
         lower_root(level, &belief.cov, &mut self.root, n);
         points.advance(level, rule, &design.model, &mut self.work, step);
-        self.step.copy_from_slice(&points.odd()[..n * n]);
+        self.step.copy_from_slice(&points.root[..n * n]);
         divide_by_root(&mut self.step, &self.root, n);
         self.compose();
     }

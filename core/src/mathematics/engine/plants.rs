@@ -1,9 +1,5 @@
 //! Plants, each one function: the rates of the moving components. Jacobians follow from it by [duals](super::dual).
 
-pub(crate) mod bouc_wen;
-pub(crate) mod duffing;
-pub(crate) mod own;
-pub(crate) mod sdof;
 pub(crate) mod shear_chain;
 pub(crate) mod typed;
 
@@ -17,7 +13,6 @@ pub(crate) trait Equation: Copy {
     /// Whether the compiler knows the number of components, which then is at most [`FEW`].
     const IS_SMALL: bool = true;
 
-    /// The number of components.
     fn size(self) -> usize;
 
     /// The number of components that move, which come first.
@@ -30,16 +25,13 @@ pub(crate) trait Equation: Copy {
 
 /// The rates of a plant for numbers of some kind.
 pub(crate) trait Rates<T>: Copy {
-    /// The number of components.
     fn components(self) -> usize;
 
     /// The number of components that move, which come first.
     fn moving(self) -> usize;
 
-    /// [`Equation::IS_SMALL`]
     fn is_small(self) -> bool;
 
-    /// [`Equation::rate`]
     fn rates(self, state: &[T], force: T, rate: &mut [T]);
 }
 
@@ -81,7 +73,7 @@ pub enum Plant {
     /// An equation that a user types.
     Typed(&'static typed::Typed),
     /// A plant of a program's own, which knows plain numbers only.
-    Own(own::Own),
+    Own(Own),
 }
 
 /// Does something with the equation of a plant, and something else with a plant of a program's own, which has none.
@@ -92,19 +84,19 @@ macro_rules! with_equation {
     ($plant:expr, $equation:ident => $do:expr, $own:pat => $other:expr) => {
         match $plant {
             $crate::mathematics::engine::plants::Plant::Sdof => {
-                let $equation = $crate::mathematics::engine::plants::sdof::Sdof;
+                let $equation = $crate::mathematics::engine::plants::Sdof;
                 $do
             }
             $crate::mathematics::engine::plants::Plant::Duffing => {
-                let $equation = $crate::mathematics::engine::plants::duffing::Duffing;
+                let $equation = $crate::mathematics::engine::plants::Duffing;
                 $do
             }
             $crate::mathematics::engine::plants::Plant::BoucWen => {
-                let $equation = $crate::mathematics::engine::plants::bouc_wen::BoucWen;
+                let $equation = $crate::mathematics::engine::plants::BoucWen;
                 $do
             }
             $crate::mathematics::engine::plants::Plant::BoucWenOne => {
-                let $equation = $crate::mathematics::engine::plants::bouc_wen::BoucWenOne;
+                let $equation = $crate::mathematics::engine::plants::BoucWenOne;
                 $do
             }
             $crate::mathematics::engine::plants::Plant::ShearChain(masses) => {
@@ -123,23 +115,6 @@ macro_rules! with_equation {
 pub(super) use with_equation;
 
 impl Plant {
-    /// The engine's form of a plant.
-    pub fn of(kind: PlantKind) -> Self {
-        const OTHERS: [(PlantKind, Plant); 4] = [
-            (PlantKind::SDOF, Plant::Sdof),
-            (PlantKind::DUFFING, Plant::Duffing),
-            (PlantKind::BOUC_WEN, Plant::BoucWen),
-            (PlantKind::BOUC_WEN_1, Plant::BoucWenOne),
-        ];
-        if let Some(equation) = kind.own_equation() {
-            return Self::Typed(equation.typed());
-        }
-        if let Some((_, plant)) = OTHERS.into_iter().find(|(other, _)| *other == kind) {
-            return plant;
-        }
-        if kind.is_chain() { Self::ShearChain(kind.masses()) } else { Self::Own(own::Own(kind)) }
-    }
-
     /// The number of components.
     pub fn size(self) -> usize {
         with_equation!(self, equation => Rates::<f64>::components(equation))
@@ -188,16 +163,21 @@ impl Plant {
     ) {
         let out = Slopes { rate, columns, rows };
         match self {
-            Self::Sdof => linearise(level, sdof::Sdof, state, force, out),
-            Self::Duffing => linearise(level, duffing::Duffing, state, force, out),
-            Self::BoucWen => linearise(level, bouc_wen::BoucWen, state, force, out),
-            Self::BoucWenOne => linearise(level, bouc_wen::BoucWenOne, state, force, out),
+            Self::Sdof => linearise(level, Sdof, state, force, out),
+            Self::Duffing => linearise(level, Duffing, state, force, out),
+            Self::BoucWen => linearise(level, BoucWen, state, force, out),
+            Self::BoucWenOne => linearise(level, BoucWenOne, state, force, out),
             Self::ShearChain(masses) => {
                 shear_chain::ShearChain { masses }.linearise(state, force, rate, columns, rows);
             }
             Self::Typed(typed) => typed.linearise(state, force, rate, columns, rows),
             Self::Own(own) => own.linearise(state, force, rate, columns, rows),
         }
+    }
+
+    /// The rates of the components that move.
+    pub(crate) fn rate(self, state: &[f64], force: f64, rate: &mut [f64]) {
+        with_equation!(self, equation => equation.rates(state, force, rate));
     }
 
     /// The derivatives of the rates by the plant's components, row by row.
@@ -283,6 +263,156 @@ fn differentiate<E: Equation, T: Number>(
     }
     for i in 0..motion {
         rate[i] = rates[i].value;
+    }
+}
+
+/// `ẍ + 2ζωₙẋ + ωₙ²x = f` with state `[x, v, ωₙ, ζ]`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sdof;
+
+impl Equation for Sdof {
+    #[inline(always)]
+    fn size(self) -> usize {
+        4
+    }
+
+    #[inline(always)]
+    fn motion(self) -> usize {
+        2
+    }
+
+    #[inline(always)]
+    fn rate<T: Real>(self, state: &[T], force: T, rate: &mut [T]) {
+        let &[x, v, wn, zeta, ..] = state else { return };
+        rate[0] = v;
+        rate[1] = force - zeta * 2.0 * wn * v - wn * wn * x;
+    }
+}
+
+/// `ẍ + 2ζωₙẋ + ωₙ²x + μx³ = f` with state `[x, v, ωₙ, ζ, μ]`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Duffing;
+
+impl Equation for Duffing {
+    #[inline(always)]
+    fn size(self) -> usize {
+        5
+    }
+
+    #[inline(always)]
+    fn motion(self) -> usize {
+        2
+    }
+
+    #[inline(always)]
+    fn rate<T: Real>(self, state: &[T], force: T, rate: &mut [T]) {
+        let &[x, v, wn, zeta, mu, ..] = state else { return };
+        rate[0] = v;
+        rate[1] = force - zeta * 2.0 * wn * v - wn * wn * x - mu * x * x * x;
+    }
+}
+
+/// `ẍ + 2ζωₙẋ + ωₙ²(α x + (1 - α) z) = f`, `ż = ẋ - β |ẋ| |z| z - γ ẋ z²` with state `[x, v, z, ωₙ, ζ, α, β, γ]`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BoucWen;
+
+impl Equation for BoucWen {
+    #[inline(always)]
+    fn size(self) -> usize {
+        8
+    }
+
+    #[inline(always)]
+    fn motion(self) -> usize {
+        3
+    }
+
+    #[inline(always)]
+    fn rate<T: Real>(self, state: &[T], force: T, rate: &mut [T]) {
+        let &[x, v, z, wn, zeta, alpha, beta, gamma, ..] = state else { return };
+        rate[0] = v;
+        rate[1] = force - zeta * 2.0 * wn * v - wn * wn * (z + alpha * (x - z));
+        rate[2] = v - (beta * (v.abs() * z.abs()) + gamma * (v * z)) * z;
+    }
+}
+
+/// The same with `ż = ẋ - β₁ |ẋ| z - γ₁ ẋ |z|` and state `[x, v, z, ωₙ, ζ, α, β₁, γ₁]`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BoucWenOne;
+
+impl Equation for BoucWenOne {
+    #[inline(always)]
+    fn size(self) -> usize {
+        8
+    }
+
+    #[inline(always)]
+    fn motion(self) -> usize {
+        3
+    }
+
+    #[inline(always)]
+    fn rate<T: Real>(self, state: &[T], force: T, rate: &mut [T]) {
+        let &[x, v, z, wn, zeta, alpha, beta, gamma, ..] = state else { return };
+        rate[0] = v;
+        rate[1] = force - zeta * 2.0 * wn * v - wn * wn * (z + alpha * (x - z));
+        rate[2] = v - beta * v.abs() * z - gamma * v * z.abs();
+    }
+}
+
+/// A plant that is called lane by lane, with its Jacobian by hand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Own(pub PlantKind);
+
+impl Own {
+    /// The rates, and their derivatives by the components, column by column, with `rows` numbers a column.
+    pub fn linearise<T: Number>(self, state: &[T], force: T, rate: &mut [T], columns: &mut [T], rows: usize) {
+        self.rates(state, force, rate);
+        let Self(kind) = self;
+        let (own, motion) = (kind.channels().len(), kind.motion());
+        let (mut numbers, mut jacobian) = (vec![0.0; own], vec![0.0; motion * own]);
+        for lane in 0..T::LANES {
+            take_lane(state, lane, &mut numbers);
+            jacobian.fill(0.0);
+            kind.plant().motion_jacobian(&numbers, &mut jacobian);
+            for i in 0..motion {
+                for j in 0..own {
+                    columns[j * rows + i].set_lane(lane, jacobian[i * own + j]);
+                }
+            }
+        }
+    }
+}
+
+impl<T: Number> Rates<T> for Own {
+    fn components(self) -> usize {
+        self.0.channels().len()
+    }
+
+    fn moving(self) -> usize {
+        self.0.motion()
+    }
+
+    fn is_small(self) -> bool {
+        false
+    }
+
+    fn rates(self, state: &[T], force: T, rate: &mut [T]) {
+        let Self(kind) = self;
+        let (mut numbers, mut rates) = (vec![0.0; kind.channels().len()], vec![0.0; kind.motion()]);
+        for lane in 0..T::LANES {
+            take_lane(state, lane, &mut numbers);
+            kind.plant().motion_rate(&numbers, force.lane(lane), &mut rates);
+            for (rate, own) in rate.iter_mut().zip(&rates) {
+                rate.set_lane(lane, *own);
+            }
+        }
+    }
+}
+
+fn take_lane<T: Number>(state: &[T], lane: usize, numbers: &mut [f64]) {
+    for (number, own) in numbers.iter_mut().zip(state) {
+        *number = own.lane(lane);
     }
 }
 

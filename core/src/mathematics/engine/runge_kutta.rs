@@ -1,10 +1,9 @@
 //! Classical Runge-Kutta steps.
 
 use super::level::Level;
-use super::model::Model;
+use super::model::{Model, Step};
 use super::number::Number;
 use super::plants::{FEW, Rates, fits, with_equation};
-use super::step::Step;
 
 /// The memory of a Runge-Kutta step: where it begins, four rates, and a state without logarithms.
 #[derive(Clone, Debug)]
@@ -15,7 +14,6 @@ pub(crate) struct RungeKutta<T> {
 }
 
 impl<T: Number> RungeKutta<T> {
-    /// Memory for a model.
     pub(crate) fn new(model: &Model) -> Self {
         let zeros = || vec![T::of(0.0); model.moving()];
         let plain = vec![T::of(0.0); model.size];

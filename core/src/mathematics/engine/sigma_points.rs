@@ -4,16 +4,15 @@ use super::belief::Belief;
 use super::columns::{Rooted, add_times, lower_root};
 use super::design::Rule;
 use super::level::Level;
-use super::model::Model;
+use super::model::{Model, Step};
 use super::number::{Number, Real};
 use super::runge_kutta::RungeKutta;
-use super::step::Step;
 
 /// Memory in which sigma points are drawn and moved.
 #[derive(Clone, Debug)]
 pub(crate) struct SigmaPoints<T: Number> {
-    /// L, n × n. Of the components that move, the points' odd parts take its place.
-    root: Vec<T>,
+    /// L, n × n. After a step the points' odd parts, n numbers for each pair: of components that do not move they are L.
+    pub(super) root: Vec<T>,
     /// The points' even parts: a row of n numbers for each component that moves.
     even: Vec<T>,
     shift: Vec<T>,
@@ -26,7 +25,6 @@ pub(crate) struct SigmaPoints<T: Number> {
 }
 
 impl<T: Number> SigmaPoints<T> {
-    /// Memory for a model.
     pub(crate) fn new(model: &Model) -> Self {
         let (n, moving) = (model.size, model.moving());
         let zeros = |count: usize| vec![T::of(0.0); count];
@@ -77,7 +75,6 @@ impl<T: Number> SigmaPoints<T> {
         rooted
     }
 
-    /// Moves the points by a step.
     #[inline(always)]
     pub(super) fn travel<L: Level>(&mut self, level: L, model: &Model, step: &Step<T>) {
         if Self::is_apart(level.size(model.size)) {
@@ -138,12 +135,6 @@ impl<T: Number> SigmaPoints<T> {
         Self::of_point(&self.points, &self.centre, n, point, i)
     }
 
-    /// The odd parts of the points after a step, n numbers for each pair.
-    pub(crate) fn odd(&self) -> &[T] {
-        &self.root
-    }
-
-    /// Draws the points of a belief.
     #[inline(always)]
     fn draw<L: Level>(&mut self, level: L, rule: Rule, model: &Model, belief: &Belief<T>) -> Rooted<T::Mask> {
         let n = level.size(model.size);
@@ -179,7 +170,6 @@ impl<T: Number> SigmaPoints<T> {
             |pair, i| rows[i * n + pair],
         );
     }
-    /// A component of a point.
     #[inline(always)]
     fn of_point(points: &[T::Pack], centre: &[T], n: usize, point: usize, i: usize) -> T {
         if Self::is_apart(n) {

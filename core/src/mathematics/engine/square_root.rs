@@ -20,10 +20,9 @@ use super::belief::Belief;
 use super::columns::{Rooted, lower_root};
 use super::design::{Design, Rule};
 use super::level::{Count, Level};
-use super::model::{Model, read};
+use super::model::{Model, Step, read};
 use super::number::{Mask, Number, Real};
 use super::sigma_points::SigmaPoints;
-use super::step::Step;
 use super::triangle::{along, triangularise};
 use crate::mathematics::model::Reading;
 
@@ -33,10 +32,9 @@ pub(super) struct SquareRoot<T: Number> {
     rule: Rule,
     /// n
     size: usize,
-    /// The number of components that move.
     moving: usize,
     /// L, n × n, row by row.
-    rows: Vec<T>,
+    pub(super) rows: Vec<T>,
     points: SigmaPoints<T>,
     /// A, row by row.
     array: Vec<T>,
@@ -61,7 +59,6 @@ pub(super) const fn may_have_root<T: Number, L: Level>() -> bool {
 }
 
 impl<T: Number> SquareRoot<T> {
-    /// Memory for a model and a number of sensors.
     pub(super) fn new(model: &Model, rule: Rule, sensors: usize) -> Self {
         let (n, moving, zero) = (model.size, model.moving(), T::of(0.0));
         Self {
@@ -92,16 +89,6 @@ impl<T: Number> SquareRoot<T> {
             }
         }
         rooted
-    }
-
-    /// L, n × n, row by row.
-    pub(super) fn rows(&self) -> &[T] {
-        &self.rows
-    }
-
-    /// L, to be written.
-    pub(super) fn rows_mut(&mut self) -> &mut [T] {
-        &mut self.rows
     }
 
     /// Moves mean and points by a step; [`Self::spread`] makes a root of them.
@@ -231,7 +218,7 @@ impl<T: Number> SquareRoot<T> {
             if reading.is_of_components() {
                 expected[sensor] = read(model, reading, mean, &[], force);
                 apply(reading, rows, odd);
-                *columns = reading.components().iter().fold(*columns, |most, &(place, _)| most.max(place + 1));
+                *columns = reading.components.iter().fold(*columns, |most, &(place, _)| most.max(place + 1));
             } else {
                 let packs = SigmaPoints::<T>::packs(n);
                 let first = usize::from(SigmaPoints::<T>::is_apart(n));
@@ -250,7 +237,6 @@ impl<T: Number> SquareRoot<T> {
         }
     }
 
-    /// The readings of the sensors in all points.
     #[inline(always)]
     fn read_points<L: Level>(&mut self, level: L, design: &Design, belief: &Belief<T>, active: &[usize], force: T) {
         let Self { rule, size, rows, points, readings, of_centre, .. } = self;
@@ -360,12 +346,12 @@ fn parts<T: Number>(rule: Rule, odd: &mut [T], even: &mut [T], of: impl Fn(usize
 #[inline(always)]
 fn apply<T: Number>(reading: &Reading, rows: &[T], out: &mut [T]) {
     let n = out.len();
-    if let Some(place) = reading.component() {
+    if let Some(place) = reading.component {
         out.copy_from_slice(&rows[place * n..(place + 1) * n]);
         return;
     }
     out.fill(T::of(0.0));
-    for &(place, factor) in reading.components() {
+    for &(place, factor) in &reading.components {
         for k in 0..n {
             out[k] = out[k] + rows[place * n + k] * factor;
         }

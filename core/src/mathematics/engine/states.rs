@@ -1,10 +1,9 @@
 //! Many states of one model, several at a time: the members of an ensemble, and particles.
 
 use super::level::{Baseline, Level};
-use super::model::{Model, read};
+use super::model::{Model, Step, read};
 use super::number::{Number, Real};
 use super::runge_kutta::RungeKutta;
-use super::step::Step;
 use crate::mathematics::model::Reading;
 
 /// Several states of a run at once.

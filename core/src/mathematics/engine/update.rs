@@ -2,6 +2,8 @@
 
 mod descent;
 
+use descent::Descent;
+
 use super::belief::{Belief, Noise};
 use super::columns::{add_times, divide, factor, square, subtract_products, take_times};
 use super::design::{Design, Method};
@@ -11,9 +13,8 @@ use super::level::{Count, Exactly, Level};
 use super::model::Model;
 use super::number::{Mask, Number};
 use super::passage::Passage;
-use super::residuals::Innovations;
 use super::square_root::{SquareRoot, may_have_root};
-use descent::Descent;
+use super::weights::Innovations;
 
 /// The scores of an update, lane by lane.
 #[derive(Clone, Copy, Debug)]
@@ -37,11 +38,10 @@ pub(super) struct Observation<'a, T> {
     pub(super) measured: &'a [T],
 }
 
-/// Memory of an update.
 #[derive(Clone, Debug)]
 pub(crate) struct Update<T> {
     /// The sensors that measure in some lane.
-    pub(super) active: Vec<usize>,
+    pub(crate) active: Vec<usize>,
     expected: Expected<T>,
     /// S, m × m, and its factor.
     pub(super) innovation_cov: Vec<T>,
@@ -60,7 +60,6 @@ pub(crate) struct Update<T> {
 }
 
 impl<T: Number> Update<T> {
-    /// Memory for a model and a number of sensors.
     pub(super) fn new(model: &Model, sensors: usize) -> Self {
         let zeros = |count: usize| vec![T::of(0.0); count];
         Self {
@@ -349,11 +348,6 @@ impl<T: Number> Update<T> {
         subtract_products(&mut belief.cov[..n * n], excess, gain, n, m);
     }
 
-    /// The sensors that measure in some lane.
-    pub(crate) fn active(&self) -> &[usize] {
-        &self.active
-    }
-
     /// K, n × m, to be changed.
     pub(super) fn gain_mut(&mut self) -> &mut [T] {
         let m = self.active.len();
@@ -385,7 +379,6 @@ impl<T: Number> Update<T> {
         self.expected.is_linear
     }
 
-    /// The measurements of the update.
     pub(super) fn innovations(&self) -> Innovations<'_, T> {
         let Self { active, innovation, innovation_cov, factor, variances, .. } = self;
         let m = active.len();
@@ -406,7 +399,8 @@ impl<T: Number> Update<T> {
     }
 
     /// ln det S of a lane, which is a number even where the determinant is none.
-    pub(super) fn ln_determinant(&self, lane: usize) -> f64 {
+    #[cold]
+    pub(crate) fn ln_determinant(&self, lane: usize) -> f64 {
         let m = self.active.len();
         -(0..m).map(|row| libm::log(self.factor[row * m + row].lane(lane))).sum::<f64>()
     }

@@ -17,7 +17,7 @@ use crate::mathematics::filter::robust::Robust;
 /// The weights with memory for an update that is done again.
 #[derive(Clone, Debug)]
 pub(super) struct Weighing<T> {
-    weights: Weights<T>,
+    pub(super) weights: Weights<T>,
     /// The belief before the update, and its root if it has one.
     before: Belief<T>,
     before_root: Vec<T>,
@@ -28,23 +28,11 @@ pub(super) struct Weighing<T> {
 }
 
 impl<T: Number> Weighing<T> {
-    /// The memory for a rule.
     pub(super) fn new(rule: Robust, belief: &Belief<T>, noise: &Noise<T>) -> Self {
         let weights = Weights::new(rule, noise.sensors.len());
         Self { weights, before: belief.clone(), before_root: Vec::new(), noise: noise.clone(), claimed: Vec::new() }
     }
 
-    /// The weights of the last update.
-    pub(super) fn weights(&self) -> &Weights<T> {
-        &self.weights
-    }
-
-    /// The weights, to be changed.
-    pub(super) fn weights_mut(&mut self) -> &mut Weights<T> {
-        &mut self.weights
-    }
-
-    /// Conditions a belief on measurements, weighed.
     #[expect(clippy::too_many_arguments, reason = "those of the update")]
     pub(super) fn condition<L: Level>(
         &mut self,
@@ -62,16 +50,16 @@ impl<T: Number> Weighing<T> {
             && let Some(root) = &root
         {
             self.before_root.clear();
-            self.before_root.extend_from_slice(root.rows());
+            self.before_root.extend_from_slice(&root.rows);
         }
         let mut told = update.condition(level, design, belief, root.as_deref_mut(), noise, observation, held);
-        if update.active().is_empty() {
+        if update.active.is_empty() {
             self.weights.clear();
             return told;
         }
         self.weights.begin(&update.innovations(), &noise.sensors, observation.measured);
         let mut settled = !held.but_likely();
-        for _ in 0..self.weights.passes() {
+        for _ in 0..self.weights.rule.info().passes {
             settled = settled | !self.weights.weigh(&update.innovations(), &noise.sensors, settled);
             if settled.all() {
                 break;
@@ -80,11 +68,10 @@ impl<T: Number> Weighing<T> {
             if const { may_have_root::<T, L>() }
                 && let Some(root) = &mut root
             {
-                root.rows_mut().copy_from_slice(&self.before_root);
+                root.rows.copy_from_slice(&self.before_root);
             }
-            let [measured, variances] = self.weights.weighed();
-            self.noise.sensors.copy_from_slice(variances);
-            let observation = Observation { measured, ..observation };
+            self.noise.sensors.copy_from_slice(&self.weights.variances);
+            let observation = Observation { measured: &self.weights.measured, ..observation };
             told = update.condition(level, design, belief, root.as_deref_mut(), &self.noise, observation, held);
             settled = settled | !held.but_likely();
         }
@@ -95,7 +82,9 @@ impl<T: Number> Weighing<T> {
     /// it.
     fn report(&mut self, update: &mut Update<T>, noise: &Noise<T>, told: Told<T>, held: &mut Held<T::Mask>) -> Told<T> {
         let Self { weights, claimed, .. } = self;
-        let (is_there, weights) = (|sensor: usize| weights.is_there(sensor), weights.each());
+        // Whether a sensor still measures, with whatever weight.
+        let is_there = |sensor: usize| weights.measured[sensor].is_number();
+        let weights = &weights.weights;
         let (one, zero) = (T::of(1.0), T::of(0.0));
         let Update { active, innovation_cov, factor: lower, innovation, white, .. } = update;
         let m = active.len();

@@ -1,25 +1,76 @@
-//! The weights of measurements by a rule, lane by lane.
+//! Measurements against the state after an update, and their weights by a rule, lane by lane.
 
+use super::columns::divide;
 use super::number::{Mask, Number};
-use super::residuals::{Innovations, Residuals};
 use crate::mathematics::filter::robust::{FIRST_LEVEL, Misfit, Robust, SETTLED, usual_after};
 
-/// A rule with its memory.
+/// The m measurements of an update, and what was expected of them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Innovations<'a, T> {
+    /// The place of each measurement's sensor among all sensors.
+    pub(crate) sensors: &'a [usize],
+    /// e, m numbers.
+    pub(crate) innovation: &'a [T],
+    /// S, m × m, and its [factor](super::columns::factor).
+    pub(crate) innovation_cov: &'a [T],
+    pub(crate) factor: &'a [T],
+    /// The diagonal of R.
+    pub(crate) variances: &'a [T],
+}
+
+/// For each measurement, the residual of the linearised sensor and the variance that the state's own uncertainty gives it.
+///
+/// ```text
+/// ε = R S⁻¹ e,  H P⁺ Hᵀ = R - R S⁻¹ R
+/// ```
+#[derive(Clone, Debug)]
+pub(crate) struct Residuals<T> {
+    each: Vec<[T; 2]>,
+    inverse: Vec<T>,
+}
+
+impl<T> Default for Residuals<T> {
+    fn default() -> Self {
+        Self { each: Vec::new(), inverse: Vec::new() }
+    }
+}
+
+impl<T: Number> Residuals<T> {
+    /// The residuals of an update, in the order of its measurements.
+    pub(crate) fn of(&mut self, update: &Innovations<'_, T>) -> &[[T; 2]] {
+        let Self { each, inverse } = self;
+        let Innovations { innovation, factor, variances, .. } = *update;
+        let m = innovation.len();
+        inverse.clear();
+        inverse.extend((0..m * m).map(|at| T::of(if at % (m + 1) == 0 { 1.0 } else { 0.0 })));
+        divide(factor, m, inverse, m);
+        each.clear();
+        for (row, &r) in variances.iter().enumerate() {
+            let mut white = T::of(0.0);
+            for (k, &e) in innovation.iter().enumerate() {
+                white = white + inverse[k * m + row] * e;
+            }
+            each.push([r * white, (r - r * r * inverse[row * m + row]).max(T::of(0.0))]);
+        }
+        each
+    }
+}
+
 #[derive(Clone, Debug)]
 pub(crate) struct Weights<T> {
-    rule: Robust,
+    pub(super) rule: Robust,
     /// Of each sensor: the measurement, NaN where its weight is zero, and R over the weight.
-    measured: Vec<T>,
-    variances: Vec<T>,
-    weights: Vec<T>,
-    /// Of each sensor: `e² / S` before any weight, and the usual one.
+    pub(super) measured: Vec<T>,
+    pub(super) variances: Vec<T>,
+    /// The weight of each sensor in the last update; NaN for a sensor without a measurement.
+    pub(super) weights: Vec<T>,
+    /// Of each sensor: `e² / S` before any weight, and the usual one, which the next sample begins with.
     predicted: Vec<T>,
-    usual: Vec<T>,
+    pub(super) usual: Vec<T>,
     residuals: Residuals<T>,
 }
 
 impl<T: Number> Weights<T> {
-    /// The memory for a rule over some sensors.
     pub(crate) fn new(rule: Robust, sensors: usize) -> Self {
         let numbers = |number: f64| vec![T::of(number); sensors];
         Self {
@@ -31,36 +82,6 @@ impl<T: Number> Weights<T> {
             usual: numbers(FIRST_LEVEL),
             residuals: Residuals::default(),
         }
-    }
-
-    /// The most updates by one sample with new weights.
-    pub(crate) fn passes(&self) -> usize {
-        self.rule.info().passes
-    }
-
-    /// The measurements, and the diagonal of R, of all sensors, weighed.
-    pub(crate) fn weighed(&self) -> [&[T]; 2] {
-        [&self.measured, &self.variances]
-    }
-
-    /// The weight of each sensor in the last update; NaN for a sensor without a measurement.
-    pub(crate) fn each(&self) -> &[T] {
-        &self.weights
-    }
-
-    /// Whether a sensor still measures, with whatever weight.
-    pub(crate) fn is_there(&self, sensor: usize) -> T::Mask {
-        self.measured[sensor].is_number()
-    }
-
-    /// The usual misfits, which the next sample goes on from.
-    pub(crate) fn usual(&self) -> &[T] {
-        &self.usual
-    }
-
-    /// Goes back to the usual misfits of an earlier sample.
-    pub(crate) fn set_usual(&mut self, usual: &[T]) {
-        self.usual.copy_from_slice(usual);
     }
 
     /// Forgets the weights of the last update.

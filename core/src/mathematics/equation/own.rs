@@ -1,6 +1,6 @@
-//! The plant of an equation.
+//! The plant of an equation, and the meanings of its names.
 
-use super::error::EquationError;
+use super::EquationError;
 use super::settings::{EquationSettings, Numbers, ParameterSettings, size};
 use super::solve::{Component, Solved, solve};
 use super::word::{key, symbol};
@@ -20,7 +20,8 @@ const LARGEST: f64 = 1e30;
 pub struct Equation {
     info: PlantInfo,
     settings: EquationSettings,
-    typed: Typed,
+    /// The equation in the engine's form.
+    pub(crate) typed: Typed,
 }
 
 impl Equation {
@@ -60,11 +61,6 @@ impl Equation {
         self.info.is_linear
     }
 
-    /// The equation in the engine's form.
-    pub fn typed(&'static self) -> &'static Typed {
-        &self.typed
-    }
-
     /// The numbers of operations for the rates, and for their derivatives.
     pub fn operations(&self) -> [usize; 2] {
         [self.typed.rates.operations(), self.typed.jacobian.operations()]
@@ -97,7 +93,7 @@ fn as_key(name: &str) -> &str {
 }
 
 /// The channel that built-in plants have under a name.
-pub(super) fn of_all_plants(name: &str) -> Option<Channel> {
+fn of_all_plants(name: &str) -> Option<Channel> {
     let mut channels = PlantKind::ALL.iter().flat_map(|kind| kind.channels().iter().copied());
     channels.find(|channel| channel.key() == as_key(name))
 }
@@ -171,4 +167,35 @@ fn info(name: &str, is_parameter: bool, settings: &ParameterSettings) -> Result<
             decimals: decimals as usize,
         },
     })
+}
+
+/// A name of an equation that is neither a displacement nor the force.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Symbol {
+    /// The key in files.
+    pub key: String,
+    /// The name as it is shown.
+    pub shown: String,
+    /// Whether it is a parameter; an internal state if not.
+    pub is_parameter: bool,
+    /// The channel of built-in plants that it means; its numbers are those of all plants.
+    pub known: Option<Channel>,
+}
+
+impl EquationSettings {
+    /// The internal states and the parameters of the equation, in the order of its state.
+    ///
+    /// # Errors
+    /// [`EquationError`] where the text is no equation.
+    pub fn symbols(&self) -> Result<Vec<Symbol>, EquationError> {
+        let of = |component| {
+            let (key, is_parameter) = match component {
+                Component::Internal(key) => (key, false),
+                Component::Parameter(key) => (key, true),
+                Component::Displacement(_) | Component::Velocity(_) => return None,
+            };
+            Some(Symbol { shown: symbol(&key), known: of_all_plants(&key), key, is_parameter })
+        };
+        Ok(solve(&self.equation)?.components.into_iter().filter_map(of).collect())
+    }
 }

@@ -6,10 +6,9 @@
 //! power     = atom (superscripts | '^' number)      atom = number | name | function '(' sum ')' | '(' sum ')' | '-' power
 //! ```
 
-use super::error::EquationError;
-
+use super::EquationError;
 use super::token::{Placed, Token, tokens};
-use crate::mathematics::engine::function::Function;
+use crate::mathematics::engine::number::Function;
 
 /// Limits brackets within brackets.
 const DEPTH: usize = 40;
@@ -17,7 +16,6 @@ const DEPTH: usize = 40;
 /// Limits the equations of a plant.
 const EQUATIONS: usize = 30;
 
-/// A term.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Tree {
     Number(f64),
@@ -52,7 +50,6 @@ impl Tree {
     }
 }
 
-/// The equations of a text.
 pub(super) fn parse(text: &str) -> Result<Vec<Sides>, EquationError> {
     let mut parser = Parser { tokens: tokens(text)?, at: 0, depth: 0 };
     let mut all = Vec::new();

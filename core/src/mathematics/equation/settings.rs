@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::error::EquationError;
+use super::EquationError;
 use super::solve::{Component, solve};
 use super::word::key;
 use crate::mathematics::channel::Sign;

@@ -4,7 +4,7 @@
 //! left - right = r + s h = 0,  h = -r / s
 //! ```
 
-use super::error::EquationError;
+use super::EquationError;
 use super::parse::{Sides, Tree, parse};
 use crate::mathematics::channel::MAX_MASSES;
 use crate::mathematics::engine::builder::Builder;
@@ -14,7 +14,6 @@ use crate::mathematics::engine::plants::typed::Typed;
 /// Limits the components of a state.
 const COMPONENTS: usize = 32;
 
-/// A component of the state.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Component {
     /// x of a mass, counted from 0.
@@ -45,7 +44,6 @@ struct Name<'a> {
     place: usize,
 }
 
-/// The rates that some equations give.
 pub(super) fn solve(text: &str) -> Result<Solved, EquationError> {
     let equations = parse(text).map_err(|error| error.within(text))?;
     solved(&equations).map_err(|error| error.within(text))

@@ -1,15 +1,13 @@
 //! The words and signs of an equation.
 
-use super::error::EquationError;
+use super::EquationError;
 use super::word::{dotted, greek, key, subscript, superscript};
 
 /// Limits the characters of an equation.
 const LENGTH: usize = 1000;
 
-/// A word or a sign.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Token {
-    /// A number.
     Number(f64),
     /// A name by its key, and the number of its primes or dots.
     Name(String, usize),
@@ -17,7 +15,6 @@ pub(super) enum Token {
     Power(u32),
     /// One of `+ - * / ^ ( ) = ;`.
     Sign(char),
-    /// The end.
     End,
 }
 

@@ -2,10 +2,10 @@
 //!
 //! `x'' + 2 zeta wn x' + wn^2 x = f` is `ẍ + 2ζωₙẋ + ωₙ²x = f`, its subscripts and powers runs of their own.
 
-use super::error::EquationError;
+use super::EquationError;
 use super::parse::{Sides, Tree, parse};
 use super::word::{dots, parts};
-use crate::mathematics::engine::function::Function;
+use crate::mathematics::engine::number::Function;
 
 /// The place of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

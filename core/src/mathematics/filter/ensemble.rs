@@ -81,12 +81,12 @@ impl Belief for Ensemble {
         let factor = kalman::factor(&innovation_cov)?;
         let gain = factor.divide(&cross);
         let innovation = observation.innovation(&reading_mean);
-        let draws = centred_draws(observation.all_sensors().max(DRAWN_SENSORS), members.ncols(), normal);
+        let draws = centred_draws(observation.readings.len().max(DRAWN_SENSORS), members.ncols(), normal);
         let errors = Matrix::from_fn(observation.len(), members.ncols(), |i, member| {
-            observation.values()[i] + observation.variances()[i].sqrt() * draws[(i, member)] - readings[(i, member)]
+            observation.values[i] + observation.variances[i].sqrt() * draws[(i, member)] - readings[(i, member)]
         });
         members.gemm(1.0, &gain, &errors, 1.0);
-        correction.report(observation, &innovation, &innovation_cov, &factor, &gain);
+        correction.report(&observation.sensors, &innovation, &innovation_cov, &factor, &gain);
         self.gaussian().check()
     }
 

@@ -36,7 +36,8 @@ pub(crate) struct Jump {
     /// a
     factor: f64,
     is_due: bool,
-    has_widened: bool,
+    /// Whether the last prediction has widened P.
+    pub(crate) has_widened: bool,
 }
 
 /// ρ, the growth of S that is found fastest, and its logarithm.
@@ -91,11 +92,6 @@ impl Jump {
         self.has_widened = std::mem::take(&mut self.is_due);
         let factor = self.factor;
         self.has_widened.then(|| self.initial.iter().map(move |variance| factor * variance))
-    }
-
-    /// Whether the last prediction has widened P.
-    pub(crate) fn has_widened(&self) -> bool {
-        self.has_widened
     }
 
     /// Takes in the NIS of an update by this many measurements.

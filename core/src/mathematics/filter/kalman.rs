@@ -16,17 +16,10 @@ pub struct Expected {
     pub jacobian: Option<Matrix>,
 }
 
-impl Default for Expected {
-    /// The prediction of zero measurements.
-    fn default() -> Self {
-        Self { mean: Vector::zeros(0), cov: Matrix::zeros(0, 0), cross: Matrix::zeros(0, 0), jacobian: None }
-    }
-}
-
 impl Expected {
     /// `S = H P⁻ Hᵀ + R` and `P⁻ Hᵀ`, for readings with this mean and this H.
     pub fn linear(belief: &Gaussian, mean: Vector, jacobian: Matrix, observation: &Observation) -> Self {
-        Self::with_noise(belief, mean, jacobian, &Matrix::from_diagonal(&observation.variances().to_vec().into()))
+        Self::with_noise(belief, mean, jacobian, &Matrix::from_diagonal(&observation.variances.to_vec().into()))
     }
 
     /// The same with this R, m × m.
@@ -56,9 +49,9 @@ pub fn condition(
     correction: &mut Correction,
 ) -> Result<(), FilterError> {
     let innovation = observation.innovation(&expected.mean);
-    let noise = Matrix::from_diagonal(&observation.variances().to_vec().into());
+    let noise = Matrix::from_diagonal(&observation.variances.to_vec().into());
     let (factor, gain) = update(belief, expected, &innovation, &noise)?;
-    correction.report(observation, &innovation, &expected.cov, &factor, &gain);
+    correction.report(&observation.sensors, &innovation, &expected.cov, &factor, &gain);
     Ok(())
 }
 

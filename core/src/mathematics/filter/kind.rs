@@ -1,12 +1,17 @@
-//! The kind of a filter, as data.
+//! The kind of a filter, as data; those that hold a mean and a covariance.
 
 use std::fmt;
 use std::sync::LazyLock;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
-use super::{Belief, FilterError, Gaussian, Normal, Propagation};
-use crate::mathematics::engine::design::Method;
+use super::{Belief, FilterError, Gaussian, Normal, Propagation, Step};
+use crate::Model;
+use crate::mathematics::engine::design::{Method, Rule};
+use crate::mathematics::engine::level::Baseline;
+use crate::mathematics::engine::linearised::Linearised;
+use crate::mathematics::engine::model;
+use crate::mathematics::linalg::{Matrix, Vector};
 
 /// The description of a kind of filter.
 #[derive(Debug)]
@@ -64,7 +69,7 @@ impl MethodSettings {
 }
 
 /// The time of a prediction and an update of mean and covariance by linearisation, n components \[ns\].
-pub(super) fn time_of_linearised(n: usize) -> f64 {
+fn time_of_linearised(n: usize) -> f64 {
     let n = n as f64;
     // A matrix product takes n³ multiplications; the rest of a step takes about n².
     60.0 + 6.0 * n * n + n * n * n
@@ -176,3 +181,93 @@ impl<'de> Deserialize<'de> for FilterKind {
         Self::from_key(&key).ok_or_else(|| de::Error::unknown_variant(&key, &KEYS))
     }
 }
+
+impl Propagation {
+    /// The state after a step and its transition matrix Φ, n × n. The rows of Φ below those that move are an identity's.
+    pub fn step(self, model: &Model, state: &Vector, step: Step) -> (Vector, Matrix) {
+        let engine = model::Model::of(model);
+        let mut linearised = Linearised::new(&engine);
+        let (mut mean, mut transition) = (state.clone(), Matrix::identity(state.len(), state.len()));
+        linearised.step(Baseline, self, &engine, mean.as_mut_slice(), &step.of_engine());
+        let moving = engine.moving();
+        transition.rows_mut(0, moving).copy_from_slice(&linearised.rows);
+        (mean, transition)
+    }
+}
+
+/// A Jacobian counts as n evaluations, one a column, as it would take by differences.
+fn evaluations(settings: &MethodSettings, n: usize) -> usize {
+    match settings.propagation {
+        Propagation::LocalLinearisation | Propagation::Euler => 1 + n,
+        Propagation::RungeKutta => 4 * (1 + n),
+    }
+}
+
+/// The EKF, and what other linearising kinds share with it.
+const LINEARISED: FilterInfo = FilterInfo {
+    key: "ekf",
+    name: "EKF",
+    description: "linearises plant and sensors at the mean",
+    reference: "Huang and Yuen (2023), Bayesian Real-Time System Identification",
+    is_sampled: false,
+    has_own_likelihood: false,
+    evaluations,
+    time: |_, n| time_of_linearised(n),
+    has_propagation: true,
+    way: Way::Gaussian(|settings, _| Method::Linearised(settings.propagation, 1)),
+};
+
+pub(super) static EKF: FilterInfo = LINEARISED;
+
+pub(super) static KF: FilterInfo = FilterInfo {
+    key: "kf",
+    name: "KF",
+    description: "takes the parameters for known; optimal on a linear plant",
+    reference: "Kalman (1960), A new approach to linear filtering and prediction problems",
+    ..LINEARISED
+};
+
+pub(super) static IEKF: FilterInfo = FilterInfo {
+    key: "iekf",
+    name: "IEKF",
+    description: "linearises the sensors again where the update leads, by Gauss-Newton",
+    reference: "Bell and Cathey (1993), The iterated Kalman filter update as a Gauss-Newton method",
+    time: |settings, n| settings.iterations.max(1) as f64 * time_of_linearised(n),
+    way: Way::Gaussian(|settings, _| Method::Linearised(settings.propagation, settings.iterations)),
+    ..LINEARISED
+};
+
+/// The UKF, and what other kinds of sigma points share with it.
+const SIGMA_POINTS: FilterInfo = FilterInfo {
+    key: "ukf",
+    name: "UKF",
+    description: "moves 2n + 1 sigma points",
+    reference: "Julier and Uhlmann (2004), Unscented filtering and nonlinear estimation",
+    is_sampled: false,
+    has_own_likelihood: false,
+    evaluations: |_, n| 4 * (2 * n + 1),
+    time: |_, n| 4.0 * time_of_linearised(n),
+    has_propagation: false,
+    way: Way::Gaussian(|_, _| Method::SigmaPoints(Rule::UNSCENTED)),
+};
+
+pub(super) static UKF: FilterInfo = SIGMA_POINTS;
+
+pub(super) static CKF: FilterInfo = FilterInfo {
+    key: "ckf",
+    name: "CKF",
+    description: "moves 2n cubature points",
+    reference: "Arasaratnam and Haykin (2009), Cubature Kalman filters",
+    evaluations: |_, n| 4 * 2 * n,
+    way: Way::Gaussian(|_, n| Method::SigmaPoints(Rule::cubature(n))),
+    ..SIGMA_POINTS
+};
+
+pub(super) static SR_UKF: FilterInfo = FilterInfo {
+    key: "sr_ukf",
+    name: "SR-UKF",
+    description: "a UKF on the root of its covariance, which no rounding makes indefinite",
+    reference: "van der Merwe and Wan (2001), The square-root unscented Kalman filter for state and parameter-estimation",
+    way: Way::Gaussian(|_, _| Method::SquareRoot(Rule::UNSCENTED)),
+    ..SIGMA_POINTS
+};

@@ -2,20 +2,20 @@
 
 use super::{Adaptation, Correction, Noise, Observation};
 use crate::mathematics::engine::columns::factor;
-use crate::mathematics::engine::residuals::{Innovations, Residuals};
+use crate::mathematics::engine::weights::{Innovations, Residuals};
 use crate::mathematics::linalg::Vector;
 
 /// What is learnt, with memory to work in.
 #[derive(Clone, Debug)]
 pub(super) struct Learning {
-    adaptation: Adaptation,
+    pub(super) adaptation: Adaptation,
     residuals: Residuals<f64>,
     /// K e
     shift: Vector,
-    /// The variance of each R.
-    uncertainty: Vec<f64>,
+    /// The variance of each R by now.
+    pub(super) uncertainty: Vec<f64>,
     /// The sample, and the time between samples \[s\].
-    sample: usize,
+    pub(super) sample: usize,
     dt: f64,
 }
 
@@ -32,30 +32,14 @@ impl Learning {
         }
     }
 
-    /// The variance of each R by now.
-    pub(super) fn uncertainty(&self) -> &[f64] {
-        &self.uncertainty
-    }
-
-    /// Goes on to the next sample.
-    pub(super) fn go_on(&mut self) {
-        self.sample += 1;
-    }
-
-    /// Whether anything is learnt.
-    pub(super) fn is_on(&self) -> bool {
-        self.adaptation.is_on()
-    }
-
     /// Whether anything is learnt from this sample.
     pub(super) fn is_on_now(&self) -> bool {
-        self.is_on() && self.adaptation.learns_at(self.sample, self.dt)
+        self.adaptation.is_on() && self.adaptation.learns_at(self.sample, self.dt)
     }
 
-    /// Learns from a correction by these measurements.
     pub(super) fn adapt(&mut self, observation: &Observation, correction: &Correction, noise: &mut Noise) {
         let Self { adaptation, residuals, shift, uncertainty, .. } = self;
-        let sensors = observation.sensors();
+        let sensors = &observation.sensors[..];
         if adaptation.process_noise {
             let keep = adaptation.forgetting;
             *shift = Vector::zeros(correction.gain.nrows());
@@ -79,7 +63,7 @@ impl Learning {
                 innovation: &innovation,
                 innovation_cov: &innovation_cov,
                 factor: &lower,
-                variances: observation.variances(),
+                variances: &observation.variances,
             };
             for (&sensor, &residual) in sensors.iter().zip(residuals.of(&update)) {
                 let known = [noise.sensors[sensor], uncertainty[sensor]];

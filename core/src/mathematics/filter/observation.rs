@@ -1,22 +1,24 @@
-//! The measurements of one sample.
+//! The measurements of one sample, and the result of an update by them.
 
 use super::FilterError;
 use crate::Model;
 use crate::mathematics::engine::states::States;
-use crate::mathematics::linalg::{Matrix, Vector, fit};
+use crate::mathematics::linalg::{Ldl, Matrix, Vector};
 use crate::mathematics::model::{Moving, Reading};
 
 /// The m measurements of one sample that are not missing.
 #[derive(Clone, Debug)]
 pub struct Observation {
     /// The readings of all sensors, with and without a measurement.
-    readings: Vec<Option<Reading>>,
+    pub(super) readings: Vec<Option<Reading>>,
     /// The place of each measurement's sensor among all sensors.
-    sensors: Vec<usize>,
-    values: Vec<f64>,
-    /// The diagonal of R.
-    variances: Vec<f64>,
-    force: f64,
+    pub sensors: Vec<usize>,
+    /// z, in the sensors' units.
+    pub values: Vec<f64>,
+    /// The diagonal of R, in the sensors' units squared.
+    pub variances: Vec<f64>,
+    /// The recorded force over mass at the sample \[m/s²\].
+    pub force: f64,
 }
 
 impl Observation {
@@ -59,45 +61,16 @@ impl Observation {
         self.sensors.is_empty()
     }
 
-    /// The place of each measurement's sensor among all sensors.
-    pub fn sensors(&self) -> &[usize] {
-        &self.sensors
-    }
-
-    /// The number of all sensors, including those without a measurement.
-    pub fn all_sensors(&self) -> usize {
-        self.readings.len()
-    }
-
-    /// z, in the sensors' units.
-    pub fn values(&self) -> &[f64] {
-        &self.values
-    }
-
-    /// The diagonal of R, in the sensors' units squared.
-    pub fn variances(&self) -> &[f64] {
-        &self.variances
-    }
-
-    /// The recorded force over mass at the sample \[m/s²\].
-    pub fn force(&self) -> f64 {
-        self.force
-    }
-
     fn readings(&self) -> impl Iterator<Item = &Reading> + Clone {
-        self.sensors().iter().filter_map(|&sensor| self.readings[sensor].as_ref())
-    }
-
-    /// Whether every sensor is linear in the state, whatever the plant.
-    pub fn is_linear(&self) -> bool {
-        self.readings().all(Reading::is_of_components)
+        self.sensors.iter().filter_map(|&sensor| self.readings[sensor].as_ref())
     }
 
     /// `h(y, f)`, the m numbers that the sensors would read in a state.
     pub fn read(&self, model: &Model, state: &[f64]) -> Vector {
-        let mut values = Vector::zeros(self.len());
-        self.read_into(model, state, &mut Vec::new(), values.as_mut_slice());
-        values
+        let has_rates = self.readings().any(Reading::is_of_rates);
+        let rate = if has_rates { model.rate(state, self.force) } else { Vector::zeros(0) };
+        let readings = self.readings().map(|reading| model.read_moving(reading, state, rate.as_slice(), self.force));
+        Vector::from_iterator(self.len(), readings)
     }
 
     /// The numbers that the sensors would read in several states, each a column; m rows.
@@ -107,54 +80,18 @@ impl Observation {
         values
     }
 
-    /// [`Self::read`] of several states, each a column, written over `values`; `rate` is scratch memory.
-    pub fn read_all_into(&self, model: &Model, states: &Matrix, rate: &mut Vec<f64>, values: &mut Matrix) {
-        fit(values, self.len(), states.ncols());
-        let columns = values.as_mut_slice().chunks_exact_mut(self.len());
-        for (state, values) in states.as_slice().chunks_exact(model.size()).zip(columns) {
-            self.read_into(model, state, rate, values);
-        }
-    }
-
-    /// [`Self::read`], written over `values`; `rate` is scratch memory.
-    pub fn read_into(&self, model: &Model, state: &[f64], rate: &mut Vec<f64>, values: &mut [f64]) {
-        if self.readings().any(Reading::is_of_rates) {
-            rate.resize(model.size(), 0.0);
-            model.rate_into(state, self.force, rate);
-        }
-        for (value, reading) in values.iter_mut().zip(self.readings()) {
-            *value = model.read_moving(reading, state, rate, self.force);
-        }
-    }
-
     /// `H = ∂h/∂y`, m × n, in a state.
     pub fn jacobian(&self, model: &Model, state: &[f64]) -> Matrix {
-        let mut jacobian = Matrix::zeros(0, 0);
-        self.jacobian_into(model, state, &mut Vec::new(), &mut Matrix::zeros(0, 0), &mut jacobian);
-        jacobian
-    }
-
-    /// [`Self::jacobian`], written over `jacobian`; `rows` and `rates` are scratch memory.
-    pub fn jacobian_into(
-        &self,
-        model: &Model,
-        state: &[f64],
-        rows: &mut Vec<f64>,
-        rates: &mut Matrix,
-        jacobian: &mut Matrix,
-    ) {
-        let mut rate = Vec::new();
+        let (mut rate, mut rates) = (Vector::zeros(0), Matrix::zeros(0, 0));
         if self.readings().any(Reading::is_of_rates) {
-            model.jacobian_into(state, self.force, rows, rates);
-            rate.resize(model.size(), 0.0);
-            model.rate_into(state, self.force, &mut rate);
+            (rate, rates) = (model.rate(state, self.force), model.jacobian(state, self.force));
         }
-        let at = Moving { state, rate: &rate, jacobian: rates };
-        fit(jacobian, self.len(), model.size());
-        jacobian.as_mut_slice().fill(0.0);
+        let at = Moving { state, rate: rate.as_slice(), jacobian: &rates };
+        let mut jacobian = Matrix::zeros(self.len(), model.size());
         for (row, reading) in self.readings().enumerate() {
             model.read_gradient_into(reading, at, self.force, |place, part| jacobian[(row, place)] += part);
         }
+        jacobian
     }
 
     /// Adds R to a covariance of the readings, m × m, and makes it symmetric to the last bit, from its lower triangle.
@@ -168,5 +105,75 @@ impl Observation {
     /// The innovation `e = z - h`, where h is `expected`.
     pub fn innovation(&self, expected: &Vector) -> Vector {
         Vector::from_fn(self.len(), |row, _| self.values[row] - expected[row])
+    }
+}
+
+/// The effect of one sample of the sensors on the belief, with n channels and m sensors. Sensors that were skipped have an innovation
+/// of NaN and no gain.
+#[derive(Clone, Debug)]
+pub struct Correction {
+    /// e = z - h(y⁻), m numbers in the sensors' units.
+    pub innovation: Vector,
+    /// S, the covariance of e, m × m.
+    pub innovation_cov: Matrix,
+    /// K, n × m. The column of a sensor is the change of each channel per unit of its innovation.
+    pub gain: Matrix,
+    /// Normalised innovation squared `eᵀ S⁻¹ e`.
+    pub nis: f64,
+    /// det S over the sensors that were not skipped; zero or infinite if it leaves the range of numbers.
+    pub determinant: f64,
+    /// For a particle filter, the logarithm of the mean likelihood of its particles. NaN for any other filter: there it
+    /// follows from NIS and det S.
+    pub log_likelihood: f64,
+    /// Effective sample size of a particle filter before it resampled; NaN for any other.
+    pub effective_samples: f64,
+}
+
+impl Correction {
+    /// The correction of n channels by m sensors that all measured nothing.
+    pub fn nothing(n: usize, m: usize) -> Self {
+        let nan = f64::NAN;
+        Self {
+            innovation: Vector::repeat(m, nan),
+            innovation_cov: Matrix::repeat(m, m, nan),
+            gain: Matrix::zeros(n, m),
+            nis: nan,
+            determinant: nan,
+            log_likelihood: nan,
+            effective_samples: nan,
+        }
+    }
+
+    /// Takes in e, S with its factor, and K of the sensors that measured; each number goes to the place of its sensor.
+    pub fn report(
+        &mut self,
+        sensors: &[usize],
+        innovation: &Vector,
+        innovation_cov: &Matrix,
+        factor: &Ldl,
+        gain: &Matrix,
+    ) {
+        self.nis = factor.square(innovation);
+        self.determinant = factor.determinant;
+        for (i, &row) in sensors.iter().enumerate() {
+            self.innovation[row] = innovation[i];
+            self.gain.set_column(row, &gain.column(i));
+            for (j, &column) in sensors.iter().enumerate() {
+                self.innovation_cov[(row, column)] = innovation_cov[(i, j)];
+            }
+        }
+    }
+
+    /// Checks that the measurements of these sensors have a finite likelihood.
+    ///
+    /// # Errors
+    /// [`FilterError::ImpossibleMeasurement`], and [`FilterError::NotFinite`] if the belief is the reason.
+    pub(super) fn check(&self, sensors: &[usize]) -> Result<(), FilterError> {
+        // A factor of S has a finite ln det S.
+        if self.nis.is_finite() && !self.log_likelihood.is_infinite() {
+            return Ok(());
+        }
+        let surprising = sensors.iter().all(|&sensor| self.innovation[sensor].is_finite());
+        Err(if surprising { FilterError::ImpossibleMeasurement } else { FilterError::NotFinite })
     }
 }

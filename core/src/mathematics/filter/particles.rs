@@ -44,7 +44,7 @@ impl Particles {
     }
 
     fn mean(&self) -> Vector {
-        weighted_mean(&self.particles, &self.weights)
+        weighted_sum(&self.particles, |j| self.weights[j])
     }
 
     fn moments(&self) -> Gaussian {
@@ -106,8 +106,8 @@ impl Particles {
     /// Multiplies the weights by the particles' likelihoods and returns the logarithm of the mean of these.
     fn weigh(&mut self, readings: &Matrix, observation: &Observation) -> Result<f64, FilterError> {
         let log_likelihood = |reading: &[f64]| {
-            let errors = observation.values().iter().zip(reading).map(|(value, reading)| value - reading);
-            -0.5 * errors.zip(observation.variances()).map(|(error, variance)| error * error / variance).sum::<f64>()
+            let errors = observation.values.iter().zip(reading).map(|(value, reading)| value - reading);
+            -0.5 * errors.zip(&observation.variances).map(|(error, variance)| error * error / variance).sum::<f64>()
         };
         let log_likelihoods: Vec<f64> =
             readings.as_slice().chunks_exact(observation.len()).map(log_likelihood).collect();
@@ -124,7 +124,7 @@ impl Particles {
             return Err(FilterError::NotFinite);
         }
         self.normalise()?;
-        let ln_noise: f64 = observation.variances().iter().map(|r| libm::log(std::f64::consts::TAU * r)).sum();
+        let ln_noise: f64 = observation.variances.iter().map(|r| libm::log(std::f64::consts::TAU * r)).sum();
         Ok(best + libm::log(total) - 0.5 * ln_noise)
     }
 }
@@ -159,11 +159,11 @@ impl Belief for Particles {
     ) -> Result<(), FilterError> {
         let readings = observation.read_all(States::of(&mut self.engine, model), &self.particles);
         let weight = |j: usize| self.weights[j];
-        let reading_mean = weighted_mean(&readings, &self.weights);
+        let reading_mean = weighted_sum(&readings, |j| self.weights[j]);
         let cross = covariance([&self.particles, &readings], [&self.mean(), &reading_mean], weight);
         let mut innovation_cov = symmetric(covariance([&readings, &readings], [&reading_mean; 2], weight));
         observation.add_noise(&mut innovation_cov);
-        if observation.variances().contains(&0.0) {
+        if observation.variances.contains(&0.0) {
             // With a variance of zero, no particle has a finite likelihood.
             return Err(FilterError::SingularInnovation);
         }
@@ -173,7 +173,13 @@ impl Belief for Particles {
             // The gain moves no particle here, so that nothing after this would report the error.
             return Err(FilterError::NotFinite);
         }
-        correction.report(observation, &observation.innovation(&reading_mean), &innovation_cov, &factor, &gain);
+        correction.report(
+            &observation.sensors,
+            &observation.innovation(&reading_mean),
+            &innovation_cov,
+            &factor,
+            &gain,
+        );
 
         correction.log_likelihood = self.weigh(&readings, observation)?;
         correction.effective_samples = 1.0 / self.weights.iter().map(|w| w * w).sum::<f64>();
@@ -200,15 +206,9 @@ impl Belief for Particles {
 /// deviations.
 ///
 /// Source: Silverman (1986), *Density Estimation for Statistics and Data Analysis*, equation 4.14.
-pub(super) fn bandwidth_square(n: usize, count: usize) -> f64 {
+fn bandwidth_square(n: usize, count: usize) -> f64 {
     let n = n as f64;
     libm::pow(4.0 / ((n + 2.0) * count as f64), 2.0 / (n + 4.0)).min(1.0)
-}
-
-/// The weighted mean of the columns, taken about the first, so that the mean of equal values is that value to the last
-/// bit.
-pub(super) fn weighted_mean(sample: &Matrix, weights: &[f64]) -> Vector {
-    weighted_sum(sample, |j| weights[j])
 }
 
 /// Adds an independent draw from a normal distribution to every column. `root` is the root of its covariance.

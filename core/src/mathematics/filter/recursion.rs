@@ -101,17 +101,16 @@ impl<B: Belief + ?Sized> Filter<B> {
 
     /// The variance of each R, where the filter learns R; zero elsewhere.
     pub(crate) fn noise_uncertainty(&self) -> &[f64] {
-        self.learning.uncertainty()
+        &self.learning.uncertainty
     }
 
-    /// Whether the filter learns its noise.
     pub(crate) fn is_adaptive(&self) -> bool {
-        self.learning.is_on()
+        self.learning.adaptation.is_on()
     }
 
     /// Whether the last prediction has widened P because the innovations had grown at once.
     pub fn has_widened(&self) -> bool {
-        self.jump.as_ref().is_some_and(Jump::has_widened)
+        self.jump.as_ref().is_some_and(|jump| jump.has_widened)
     }
 
     /// The step from a sample to the next with the recorded forces over mass of both \[m/s²\].
@@ -148,7 +147,7 @@ impl<B: Belief + ?Sized> Filter<B> {
         for i in 0..steps {
             belief.predict(model, whole.part(i, steps), if i + 1 < steps { &silent } else { noise })?;
             if let Some(white) = white.filter(|_| i + 1 == renewed) {
-                white.renew(&mut **belief)?;
+                belief.renew(white.place, white.variance)?;
             }
         }
         Ok(())
@@ -165,13 +164,13 @@ impl<B: Belief + ?Sized> Filter<B> {
     pub fn update(&mut self, force: f64, measured: &[f64], correction: &mut Correction) -> Result<(), FilterError> {
         let Self { model, noise, observation, learning, jump, belief, white, .. } = self;
         *correction = Correction::nothing(model.size(), noise.sensors.len());
-        learning.go_on();
+        learning.sample += 1;
         observation.take(force, measured, &noise.sensors)?;
         if observation.is_empty() {
             return belief.gaussian().check();
         }
         belief.condition(model, observation, correction)?;
-        correction.check(observation.sensors())?;
+        correction.check(&observation.sensors)?;
         if learning.is_on_now() {
             learning.adapt(observation, correction, noise);
             if let Some(white) = white {

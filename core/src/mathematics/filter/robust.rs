@@ -6,12 +6,7 @@
 //!
 //! A weight of zero leaves a sensor out, as if it had measured nothing; a weight near zero is reported in the same way. Each misfit
 //! is divided by the usual one of the sensor's last readings, where that is large: otherwise a filter that is lost would take all
-//! readings for outliers. Each rule has a file of its own; the registry below lists them.
-
-mod gate;
-mod huber;
-mod mixture;
-mod student_t;
+//! readings for outliers. The registry below lists the rules.
 
 use std::fmt;
 use std::sync::LazyLock;
@@ -67,13 +62,13 @@ registry! {
     /// Every measurement counts as its R says.
     NONE = NONE;
     /// Leaves out a measurement that is too far from its prediction.
-    GATE = gate::GATE;
+    GATE = GATE;
     /// Huber's weights: beyond a limit, a measurement pulls with constant force.
-    HUBER = huber::HUBER;
+    HUBER = HUBER;
     /// The noise of each sensor follows Student's distribution.
-    STUDENT_T = student_t::STUDENT_T;
+    STUDENT_T = STUDENT_T;
     /// Each reading is good or an outlier, with a probability.
-    MIXTURE = mixture::MIXTURE;
+    MIXTURE = MIXTURE;
 }
 
 static NONE: RobustInfo = RobustInfo {
@@ -84,6 +79,84 @@ static NONE: RobustInfo = RobustInfo {
     passes: 0,
     is_probable: false,
     weight: |_| 1.0,
+};
+
+/// Limits the distance of a measurement from its prediction, in standard deviations: normal noise passes it once in 16,000
+/// readings.
+const GATE_LIMIT: f64 = 4.0;
+
+static GATE: RobustInfo = RobustInfo {
+    key: "gate",
+    name: "gate",
+    description: "leaves out a reading more than 4 standard deviations from its prediction",
+    reference: "Bar-Shalom, Li and Kirubarajan (2001), *Estimation with Applications to Tracking and Navigation*, section 5.4",
+    passes: 1,
+    is_probable: false,
+    weight: |misfit| if misfit.predicted <= GATE_LIMIT * GATE_LIMIT { 1.0 } else { 0.0 },
+};
+
+/// The residual from which on a measurement pulls with constant force, in standard deviations of the sensor. With normal
+/// noise the estimate is 95 % as precise as one without weights.
+const HUBER_LIMIT: f64 = 1.345;
+
+static HUBER: RobustInfo = RobustInfo {
+    key: "huber",
+    name: "Huber",
+    description: "lets a reading beyond 1.345 standard deviations pull with constant force",
+    reference: "Huber (1964), Robust estimation of a location parameter; Karlgaard and Schaub (2007), Huber-based divided difference filtering",
+    passes: 10,
+    is_probable: false,
+    weight: |misfit| {
+        if misfit.residual <= HUBER_LIMIT * HUBER_LIMIT { 1.0 } else { HUBER_LIMIT / misfit.residual.sqrt() }
+    },
+};
+
+/// ν, the degrees of freedom: the fewer, the heavier the tails.
+const DEGREES: f64 = 4.0;
+
+/// Each reading has a precision of its own, whose expectation given the state is the weight.
+///
+/// ```text
+/// w = (ν + 1) / (ν + (ε² + H P⁺ Hᵀ) / R)
+/// ```
+static STUDENT_T: RobustInfo = RobustInfo {
+    key: "student_t",
+    name: "Student-t",
+    description: "takes each sensor's noise for Student's with 4 degrees of freedom",
+    reference: "Agamennoni, Nieto and Nebot (2012), Approximate inference in state-space models with heavy-tailed noise",
+    passes: 10,
+    is_probable: false,
+    weight: |misfit| (DEGREES + 1.0) / (DEGREES + misfit.residual + misfit.uncertainty),
+};
+
+/// The share of readings that are outliers, before one is seen.
+const OUTLIERS: f64 = 0.05;
+
+/// The noise of an outlier over that of a good reading.
+const WIDER: f64 = 10.0;
+
+/// A reading with larger odds is left out.
+const MOST_ODDS: f64 = 1e6;
+
+/// A reading is good, with the noise R, or an outlier, whose noise is 10 times as wide; which of both has a probability of its own
+/// given the state. An outlier tells next to nothing, so the weight is the probability that the reading is good.
+///
+/// ```text
+/// P = π N(ε; 0, λ² R) / (π N(ε; 0, λ² R) + (1 - π) N(ε; 0, R)),  w = 1 - P,  with ε² + H P⁺ Hᵀ in place of ε²
+/// ```
+static MIXTURE: RobustInfo = RobustInfo {
+    key: "mixture",
+    name: "good or outlier",
+    description: "weighs each reading by the probability that it is no outlier, of which there are 5 % with 10 times the noise",
+    reference: "Box and Tiao (1968), A Bayesian approach to some outlier problems",
+    passes: 10,
+    is_probable: true,
+    weight: |misfit| {
+        let square = misfit.residual + misfit.uncertainty;
+        let odds = OUTLIERS / (1.0 - OUTLIERS) / WIDER * libm::exp(0.5 * square * (1.0 - 1.0 / (WIDER * WIDER)));
+        // R / w must stay a number that others can be added to.
+        if odds < MOST_ODDS { 1.0 / (1.0 + odds) } else { 0.0 }
+    },
 };
 
 impl Robust {

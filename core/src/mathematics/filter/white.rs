@@ -1,8 +1,6 @@
 //! A white force in the state of a filter.
 
-pub use crate::mathematics::engine::course::Course;
-
-use super::{Belief, FilterError, Gaussian};
+use super::Course;
 use crate::mathematics::linalg::Matrix;
 use crate::{Channel, Hold, Model, Quantity};
 
@@ -68,25 +66,9 @@ impl White {
         }
     }
 
-    /// Draws the force of the next sample.
-    pub(super) fn renew<B: Belief + ?Sized>(self, belief: &mut B) -> Result<(), FilterError> {
-        belief.renew(self.place, self.variance)
-    }
-
     /// Sets the row and the column of w in Q to zero, since the prediction does not move w.
     pub(crate) fn leave_out(self, process: &mut Matrix) {
         process.row_mut(self.place).fill(0.0);
         process.column_mut(self.place).fill(0.0);
-    }
-}
-
-impl Gaussian {
-    /// Replaces a component by an independent one with mean zero and this variance.
-    pub fn renew(&mut self, place: usize, variance: f64) {
-        let Self { mean, cov } = self;
-        mean[place] = 0.0;
-        cov.row_mut(place).fill(0.0);
-        cov.column_mut(place).fill(0.0);
-        cov[(place, place)] = variance;
     }
 }

@@ -9,15 +9,15 @@ use crate::mathematics::quantity::Term;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reading {
     /// Components with their factors.
-    state: Vec<(usize, f64)>,
+    pub(crate) components: Vec<(usize, f64)>,
     /// Rates of components with their factors.
-    rates: Vec<(usize, f64)>,
+    pub(crate) rates: Vec<(usize, f64)>,
     /// The factor of the ground's acceleration.
-    ground: f64,
+    pub(crate) ground: f64,
     /// The component, if the reading is one component with the factor 1 and nothing else.
-    component: Option<usize>,
-    /// What multiplies all this.
-    gain: Option<Scale>,
+    pub(crate) component: Option<usize>,
+    /// The gain of the sensor, which multiplies components, rates and ground.
+    pub(crate) gain: Option<Scale>,
 }
 
 /// The gain of a sensor, in places of a model's state.
@@ -39,10 +39,11 @@ pub(crate) struct Moving<'a> {
 impl Model {
     /// The reading of a sensor for `quantity`, if the plant has it.
     pub fn reading(&self, quantity: Quantity) -> Option<Reading> {
-        let mut reading = Reading { state: Vec::new(), rates: Vec::new(), ground: 0.0, component: None, gain: None };
+        let mut reading =
+            Reading { components: Vec::new(), rates: Vec::new(), ground: 0.0, component: None, gain: None };
         for (term, factor) in quantity.reads() {
             match term {
-                Term::State(channel) => reading.state.push((self.place(channel)?, factor)),
+                Term::State(channel) => reading.components.push((self.place(channel)?, factor)),
                 Term::Rate(channel) => reading.rates.push((self.place(channel)?, factor)),
                 Term::Ground if self.input == InputKind::GroundAcceleration => reading.ground += factor,
                 Term::Ground => {}
@@ -51,9 +52,9 @@ impl Model {
         let bias = self.place(quantity.bias());
         reading.gain = self.place(quantity.gain()).map(|gain| Scale { gain, bias });
         if let Some(bias) = bias.filter(|_| reading.gain.is_none()) {
-            reading.state.push((bias, 1.0));
+            reading.components.push((bias, 1.0));
         }
-        reading.component = match (&reading.state[..], &reading.rates[..], reading.ground, reading.gain) {
+        reading.component = match (&reading.components[..], &reading.rates[..], reading.ground, reading.gain) {
             (&[(place, 1.0)], [], 0.0, None) => Some(place),
             _ => None,
         };
@@ -82,7 +83,7 @@ impl Model {
 
     /// The reading before the gain multiplies it.
     fn read_exact(&self, reading: &Reading, state: &[f64], rate: &[f64], force: f64) -> f64 {
-        let Reading { state: components, rates, ground, .. } = reading;
+        let Reading { components, rates, ground, .. } = reading;
         let mut sum: f64 = components.iter().map(|&(place, factor)| factor * state[place]).sum();
         sum += rates.iter().map(|&(place, factor)| factor * rate[place]).sum::<f64>();
         if *ground != 0.0 {
@@ -124,7 +125,7 @@ impl Model {
 
     /// The same of a sensor without gain.
     fn gradient_of_exact(&self, reading: &Reading, jacobian: &Matrix, force: f64, mut add: impl FnMut(usize, f64)) {
-        let Reading { state: components, rates, ground, .. } = reading;
+        let Reading { components, rates, ground, .. } = reading;
         for &(place, factor) in components {
             add(place, factor);
         }
@@ -143,35 +144,6 @@ impl Model {
 }
 
 impl Reading {
-    /// Components that it reads, with their factors.
-    pub fn components(&self) -> &[(usize, f64)] {
-        &self.state
-    }
-
-    /// Components of the rate that it reads, with their factors.
-    pub fn rates(&self) -> &[(usize, f64)] {
-        &self.rates
-    }
-
-    /// The factor of the ground's acceleration.
-    pub fn ground(&self) -> f64 {
-        self.ground
-    }
-
-    /// The component, if the reading is one component with the factor 1 and nothing else.
-    #[inline(always)]
-    pub fn component(&self) -> Option<usize> {
-        self.component
-    }
-
-    /// The component, if the reading is its rate with the factor 1 and nothing else.
-    pub fn rate_component(&self) -> Option<usize> {
-        match (&self.state[..], &self.rates[..], self.ground, self.gain) {
-            ([], &[(place, 1.0)], 0.0, None) => Some(place),
-            _ => None,
-        }
-    }
-
     /// Whether it reads a rate.
     pub fn is_of_rates(&self) -> bool {
         !self.rates.is_empty()
@@ -180,10 +152,5 @@ impl Reading {
     /// Whether it is linear in the state for every plant.
     pub fn is_of_components(&self) -> bool {
         self.rates.is_empty() && self.ground == 0.0 && self.gain.is_none()
-    }
-
-    /// The gain of the sensor, which multiplies components, rates and ground.
-    pub(crate) fn gain(&self) -> Option<Scale> {
-        self.gain
     }
 }

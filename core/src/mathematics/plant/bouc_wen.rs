@@ -1,67 +1,25 @@
 //! An oscillator with a hysteretic spring.
 
-use super::{Plant, PlantInfo, Spring};
+use super::built_in::BuiltIn;
+use super::{PlantInfo, Spring};
 use crate::Channel;
 use crate::mathematics::channel::{ChannelInfo, Role, Sign, Usual};
-use crate::mathematics::engine::plants::{self, Equation, bouc_wen};
+use crate::mathematics::engine::plants;
 
-/// Bouc-Wen hysteresis with the exponent n and the state `y = [x, v, z, ωₙ, ζ, α, β, γ]`.
-///
-/// ```text
-/// ẍ + 2ζωₙẋ + ωₙ²(α x + (1 - α) z) = f,  ż = ẋ - β |ẋ| |z|ⁿ⁻¹ z - γ ẋ |z|ⁿ
-/// ```
-///
-/// z is a displacement that follows x until the spring yields, near `|z| = (β + γ)^(-1/n)`: at once with exponent 2, little by
-/// little with exponent 1. After yielding the stiffness is α times the initial one.
-///
-/// Source: Wen (1976), Method for random vibration of hysteretic systems; Wu and Smyth (2007), Application of the unscented
-/// Kalman filter for real-time nonlinear structural system identification, section 4; Noël and Schoukens (2016), Hysteretic
-/// benchmark with a dynamic nonlinearity (exponent 1).
-#[derive(Clone, Copy, Debug)]
-pub struct BoucWen {
-    info: &'static PlantInfo,
-    rate: fn(&[f64], f64, &mut [f64]),
-    jacobian: fn(&[f64], &mut [f64]),
-}
+/// Exponent 2.
+pub(super) const TWO: BuiltIn = BuiltIn { info: &TWO_INFO, plant: plants::Plant::BoucWen };
 
-impl BoucWen {
-    /// Exponent 2.
-    pub const TWO: Self = Self {
-        info: &TWO,
-        rate: |state, force, rate| bouc_wen::BoucWen.rate(state, force, rate),
-        jacobian: |state, out| plants::Plant::BoucWen.jacobian(state, out),
-    };
-    /// Exponent 1, with β₁ and γ₁.
-    pub const ONE: Self = Self {
-        info: &ONE,
-        rate: |state, force, rate| bouc_wen::BoucWenOne.rate(state, force, rate),
-        jacobian: |state, out| plants::Plant::BoucWenOne.jacobian(state, out),
-    };
-}
+/// Exponent 1, with β₁ and γ₁.
+pub(super) const ONE: BuiltIn = BuiltIn { info: &ONE_INFO, plant: plants::Plant::BoucWenOne };
 
-impl Plant for BoucWen {
-    fn info(&self) -> &PlantInfo {
-        self.info
-    }
-
-    fn motion_rate(&self, state: &[f64], force: f64, rate: &mut [f64]) {
-        (self.rate)(state, force, rate);
-    }
-
-    /// At the kinks `v = 0` and `z = 0` the derivatives are those for positive v and z.
-    fn motion_jacobian(&self, state: &[f64], out: &mut [f64]) {
-        (self.jacobian)(state, out);
-    }
-}
-
-static TWO: PlantInfo = info(
+static TWO_INFO: PlantInfo = info(
     "bouc_wen",
     "Bouc-Wen oscillator",
     "ẍ + 2ζωₙẋ + ωₙ²(αx + (1 - α)z) = f, ż = ẋ - β|ẋ||z|z - γẋz²",
     &channels(Channel::HYSTERESIS_BETA, Channel::HYSTERESIS_GAMMA),
 );
 
-static ONE: PlantInfo = info(
+static ONE_INFO: PlantInfo = info(
     "bouc_wen_1",
     "Bouc-Wen oscillator, exponent 1",
     "ẍ + 2ζωₙẋ + ωₙ²(αx + (1 - α)z) = f, ż = ẋ - β₁|ẋ|z - γ₁ẋ|z|",

@@ -1,23 +1,12 @@
 //! A chain of masses connected by springs and dampers, such as the storeys of a building.
 
-use super::{Plant, PlantInfo, Spring};
+use super::built_in::BuiltIn;
+use super::{PlantInfo, Spring};
 use crate::Channel;
 use crate::mathematics::channel::{ChannelInfo, MAX_MASSES, Role, Sign, Usual, by_mass};
-use crate::mathematics::engine::plants::{self, Equation, shear_chain};
+use crate::mathematics::engine::plants;
 
-/// A shear building of equal masses, shaken at its base, with unknown stiffness of every storey and unknown damping:
-/// `y = [x₁ … x_m, v₁ … v_m, κ₁ … κ_m, c]`.
-///
-/// ```text
-/// sᵢ = κᵢ (xᵢ - xᵢ₋₁) + c (vᵢ - vᵢ₋₁),  x₀ = v₀ = 0
-/// ẍᵢ = f - sᵢ + sᵢ₊₁,  s_{m+1} = 0
-/// ```
-///
-/// xᵢ is the displacement against the base and f the base's acceleration with the sign reversed, the same for every mass.
-///
-/// Source: Chopra (2017), *Dynamics of Structures*, sections 9.1 and 9.4.
-#[derive(Clone, Copy, Debug)]
-pub struct ShearChain<const MASSES: usize>;
+pub(super) struct ShearChain<const MASSES: usize>;
 
 static STIFFNESS: ChannelInfo = ChannelInfo {
     keys: &[
@@ -110,6 +99,7 @@ const NAMES: [&str; MAX_MASSES] = [
 ];
 
 impl<const MASSES: usize> ShearChain<MASSES> {
+    pub(super) const PLANT: BuiltIn = BuiltIn { info: &Self::INFO, plant: plants::Plant::ShearChain(MASSES) };
     const CHANNELS: [Channel; MOST] = channels(MASSES);
     const INFO: PlantInfo = PlantInfo {
         key: by_mass!("shear", "_")[MASSES - 1],
@@ -120,18 +110,4 @@ impl<const MASSES: usize> ShearChain<MASSES> {
         is_linear: true,
         spring: Spring::Linear,
     };
-}
-
-impl<const MASSES: usize> Plant for ShearChain<MASSES> {
-    fn info(&self) -> &PlantInfo {
-        &Self::INFO
-    }
-
-    fn motion_rate(&self, state: &[f64], force: f64, rate: &mut [f64]) {
-        shear_chain::ShearChain { masses: MASSES }.rate(state, force, rate);
-    }
-
-    fn motion_jacobian(&self, state: &[f64], out: &mut [f64]) {
-        plants::Plant::ShearChain(MASSES).jacobian(state, out);
-    }
 }

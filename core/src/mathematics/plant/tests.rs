@@ -1,5 +1,6 @@
 use super::*;
 use crate::mathematics::channel::augment;
+use crate::mathematics::equation::EquationSettings;
 use crate::{InputKind, Model};
 
 /// A state of ordinary size.
@@ -83,4 +84,17 @@ fn a_plant_at_rest_takes_the_force_as_its_acceleration() {
         let total = shaken.reading(Quantity::TOTAL_ACCELERATION).unwrap();
         assert_eq!(shaken.read(&total, &rest, InputKind::GroundAcceleration.force(3.0)), 0.0);
     }
+}
+
+#[test]
+fn forces_and_springs_are_those_of_the_equations() {
+    let of =
+        |kind: PlantKind| (0..kind.masses()).map(|mass| (kind.is_driven(mass), kind.is_held(mass))).collect::<Vec<_>>();
+    let typed = |text: &str| of(PlantKind::of_equation(&EquationSettings::new(text)).expect("an equation"));
+    assert_eq!(of(PlantKind::BOUC_WEN), [(true, true)]);
+    assert_eq!(of(PlantKind::SHEAR_3), [(true, true); 3]);
+    assert_eq!(typed("x1'' + k x1 + q (x1 - x2) = f; x2'' + q (x2 - x1) = 0"), [(true, true), (false, true)]);
+    assert_eq!(typed("x1'' + k x1 + g x2' = f; x2'' + k x2 - g x1' = 0"), [(true, true), (false, false)]);
+    assert_eq!(typed("x'' = f + z; z' = a x"), [(true, false)]);
+    assert_eq!(typed("x'' + z = 0; z' = f - a z + x"), [(false, false)]);
 }

@@ -2,8 +2,8 @@
 
 use super::Total;
 use crate::FilterKind;
+use crate::mathematics::gaussian_likelihood::LogSum;
 use crate::mathematics::gaussian_likelihood::log_likelihood;
-use crate::mathematics::log_sum::LogSum;
 
 /// The log likelihood of all measurements.
 #[derive(Clone, Copy, Debug)]

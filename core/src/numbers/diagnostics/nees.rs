@@ -25,7 +25,7 @@ impl Nees {
         values.clear();
         totals.clear();
         *inside = 0;
-        for degrees in limits.len()..square.places().len() {
+        for degrees in limits.len()..square.places.len() {
             limits.push(chi_squared::quantile(0.95, degrees as u32 + 1).unwrap_or(f64::INFINITY));
         }
     }
@@ -57,7 +57,7 @@ impl Nees {
 /// The square of some errors and its degrees of freedom: NaN and zero where there is none.
 #[inline]
 pub(crate) fn of_errors(square: &mut ErrorSquare<f64>, errors: &[f64], mean: &[f64], cov: &[f64]) -> (f64, u32) {
-    errors.iter().enumerate().for_each(|(at, error)| square.put(at, *error));
+    errors.iter().enumerate().for_each(|(at, error)| square.errors[at] = *error);
     let (sum, degrees) = square.of::<_, false>(Baseline, [mean, cov]);
     if degrees > 0.0 { (sum, degrees as u32) } else { (f64::NAN, 0) }
 }

@@ -129,7 +129,7 @@ impl<T: Number> Scores<T> {
             let error = mean[place] - sign * truth;
             tracked.take(error, truth, variance[place], *samples, is_recent);
             tracked.error = sign * error;
-            square.put(at, error);
+            square.errors[at] = error;
         }
         if *samples == 0 {
             tracked.iter_mut().for_each(|tracked| tracked.initial_variance = variance[tracked.place]);

@@ -4,9 +4,9 @@ use std::borrow::Cow;
 
 use crate::data::record::Parts;
 use crate::mathematics::engine::belief::Belief;
+use crate::mathematics::engine::belief::convert;
 use crate::mathematics::engine::filter::Filter;
 use crate::mathematics::engine::level::Level;
-use crate::mathematics::engine::logarithms::convert;
 use crate::mathematics::engine::number::{Mask, Number};
 use crate::mathematics::engine::update::Told;
 use crate::numbers::score::lane_sums::Scores;
@@ -202,7 +202,11 @@ impl<T: Number, L: Level> Batch<T, L> {
         let Self { level, scores, filter, .. } = self;
         level.apart(
             #[inline(always)]
-            || scores.take_update([told.nis, told.determinant], told.measured, |lane| filter.ln_determinant(lane)),
+            || {
+                scores.take_update([told.nis, told.determinant], told.measured, |lane| {
+                    filter.update.ln_determinant(lane)
+                });
+            },
         );
         true
     }
@@ -215,7 +219,7 @@ impl<T: Number, L: Level> Batch<T, L> {
             let told = self.advance(part.share, part.forces.map(T::of), T::of(part.force), measured, k);
             let Some(Told { nis, determinant, measured, .. }) = told else { return false };
             let Self { filter, of_parts, .. } = self;
-            of_parts.add(determinant, |lane| filter.ln_determinant(lane));
+            of_parts.add(determinant, |lane| filter.update.ln_determinant(lane));
             squares = [squares[0] + nis, squares[1] + measured];
         }
         self.scores.take_updates(squares, &mut self.of_parts);

@@ -1,7 +1,7 @@
 //! Sums of logarithms of the numbers of several runs.
 
 use crate::mathematics::engine::number::{Mask, Number};
-use crate::mathematics::log_sum::LogSum;
+use crate::mathematics::gaussian_likelihood::LogSum;
 
 /// A [`LogSum`] a lane.
 #[derive(Clone, Debug)]

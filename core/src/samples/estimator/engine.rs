@@ -104,7 +104,7 @@ impl<L: Level> Followed<L> {
     /// Goes on to the next sample.
     fn next_sample(&mut self) {
         self.sample += 1;
-        let dt = self.filter.dt();
+        let dt = self.filter.design.dt;
         let [from, to] = [self.sample - 1, self.sample].map(|sample| dt * sample as f64);
         self.pluck([from, to]);
     }
@@ -134,7 +134,7 @@ impl<L: Level> Followed<L> {
     pub(crate) fn keep_prior(&mut self) {
         let Self { filter, prior, .. } = self;
         filter.square();
-        prior.copy_from(filter.told().0);
+        prior.copy_from(&filter.belief);
         mirror(Baseline, &mut prior.cov, prior.mean.len());
     }
 
@@ -161,7 +161,7 @@ impl<L: Level> Followed<L> {
     fn take_update(&mut self, squares: [f64; 2]) {
         let Self { filter, places, update, part, learnt, .. } = self;
         let parts = filter.parts();
-        let active = parts.update.active();
+        let active = &parts.update.active[..];
         part.clear();
         part.take(places, active, parts.update.parts());
         if let Some(weights) = parts.learnt.and_then(|learnt| learnt.weights) {
@@ -243,15 +243,15 @@ impl<L: Level + Send> Estimator for Followed<L> {
         let Self { filter, places, measured: own, prior, update: all, in_units, .. } = self;
         let [nis, determinant] = condition(filter, places, own, force, measured)?;
         let m = all.innovation.len();
-        let (belief, update) = filter.told();
-        let sample = if update.active().len() == m {
+        let (belief, update) = (&filter.belief, &mut filter.update);
+        let sample = if update.active.len() == m {
             update.complete();
             let [innovation, innovation_cov, gain] = update.parts();
             let unmeasured = Sample::unmeasured(&belief.mean, &belief.cov);
             Sample { innovation, innovation_cov, gain, nis, determinant, ..unmeasured }
         } else {
             all.clear();
-            all.take(places, update.active(), update.parts());
+            all.take(places, &update.active, update.parts());
             (all.nis, all.determinant) = (nis, determinant);
             all.sample(&belief.mean, &belief.cov)
         };

@@ -1,7 +1,7 @@
 //! Samples of a filter with logarithms in its state, in the channels' units.
 
 use crate::mathematics::engine::belief::Belief;
-use crate::mathematics::engine::logarithms::convert;
+use crate::mathematics::engine::belief::convert;
 use crate::samples::sink::Sample;
 
 /// Memory to [convert] samples.

@@ -3,7 +3,7 @@
 use crate::data::record::Delays;
 use crate::mathematics::engine;
 use crate::mathematics::engine::belief;
-use crate::mathematics::engine::course::Course;
+use crate::mathematics::engine::design::Course;
 use crate::mathematics::engine::design::Design;
 use crate::mathematics::engine::filter::Filter;
 use crate::mathematics::engine::level::Level;

@@ -46,13 +46,13 @@ impl Scales {
             }
             member
         };
-        self.scale.grid().iter().map(of).collect()
+        self.scale.grid.iter().map(of).collect()
     }
 }
 
 impl Rule for Scales {
     fn weights(&self) -> &[f64] {
-        self.scale.weights()
+        &self.scale.weights
     }
 
     fn take(&mut self, members: &mut Vec<Member>) -> Result<(), FilterError> {

@@ -20,10 +20,8 @@ use crate::mathematics::engine::square_root::SquareRoot;
 /// The step of an iteration counts as none when it is this small, squared, against the variance.
 const CONVERGED: f64 = 1e-12;
 
-/// Memory of a descent.
 #[derive(Clone, Debug)]
 pub(super) struct Descent<T> {
-    /// The belief before the update.
     pub(super) prior: Belief<T>,
     /// The state in which the sensors are linearised.
     pub(super) at: Vec<T>,
@@ -32,7 +30,6 @@ pub(super) struct Descent<T> {
 }
 
 impl<T: Number> Descent<T> {
-    /// Memory for n components.
     pub(super) fn new(n: usize) -> Self {
         let zeros = |count: usize| vec![T::of(0.0); count];
         let prior = Belief { mean: zeros(n), cov: zeros(n * n) };

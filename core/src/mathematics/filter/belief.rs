@@ -1,0 +1,157 @@
+//! Beliefs, and what moves them: the noise that a filter assumes, and a step from one sample to the next.
+
+use std::borrow::Cow;
+
+use super::{Correction, FilterError, Observation};
+use crate::mathematics::engine::model;
+use crate::mathematics::linalg::{Matrix, Vector};
+use crate::mathematics::model::{Hold, Model};
+
+/// A method of filtering: how a filter holds its belief over the n components of a model's state.
+pub trait Belief: Send {
+    /// Carries the belief over one step and adds noise: `P ← λ P + Q`.
+    ///
+    /// # Errors
+    /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where the covariance or Q has no root.
+    fn predict(&mut self, model: &Model, step: Step, noise: &Noise) -> Result<(), FilterError>;
+
+    /// Conditions the belief on one measurement or more, and writes the update to `correction`.
+    ///
+    /// # Errors
+    /// Any [`FilterError`].
+    fn condition(
+        &mut self,
+        model: &Model,
+        observation: &Observation,
+        correction: &mut Correction,
+    ) -> Result<(), FilterError>;
+
+    /// Replaces a component of the state by an independent one, of mean zero and this variance: a [`White`](super::White) force at
+    /// the next sample. See [`Gaussian::renew`].
+    ///
+    /// # Errors
+    /// Any [`FilterError`].
+    fn renew(&mut self, place: usize, variance: f64) -> Result<(), FilterError>;
+
+    /// Mean and covariance.
+    fn gaussian(&self) -> Cow<'_, Gaussian>;
+}
+
+/// A normal distribution over n components.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gaussian {
+    /// Mean, n numbers.
+    pub mean: Vector,
+    /// Covariance, n × n, symmetric to the last bit.
+    pub cov: Matrix,
+}
+
+impl Gaussian {
+    /// Independent components with the given standard deviations.
+    pub fn independent(mean: Vector, std: &Vector) -> Self {
+        Self { mean, cov: Matrix::from_diagonal(&std.map(|s| s * s)) }
+    }
+
+    /// Makes it a copy of another one, in its own memory.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.mean.clone_from(&other.mean);
+        self.cov.clone_from(&other.cov);
+    }
+
+    /// n, the number of components.
+    pub fn size(&self) -> usize {
+        self.mean.len()
+    }
+
+    /// Whether every number of it is finite.
+    pub fn is_finite(&self) -> bool {
+        // A sum is finite only if all its terms are; a sum that overflows counts as not finite too. Four independent
+        // sums, for speed.
+        let mut sums = [self.mean.sum(), 0.0, 0.0, 0.0];
+        let entries = self.cov.as_slice().chunks_exact(4);
+        entries.remainder().iter().for_each(|entry| sums[0] += entry);
+        entries.for_each(|four| sums.iter_mut().zip(four).for_each(|(sum, entry)| *sum += entry));
+        sums.iter().sum::<f64>().is_finite()
+    }
+
+    /// Replaces a component by an independent one with mean zero and this variance.
+    pub fn renew(&mut self, place: usize, variance: f64) {
+        let Self { mean, cov } = self;
+        mean[place] = 0.0;
+        cov.row_mut(place).fill(0.0);
+        cov.column_mut(place).fill(0.0);
+        cov[(place, place)] = variance;
+    }
+
+    /// Checks that the numbers are those of a valid belief.
+    ///
+    /// # Errors
+    /// [`FilterError::NotFinite`] and, where a variance is below zero, [`FilterError::IndefiniteCovariance`].
+    pub fn check(&self) -> Result<(), FilterError> {
+        if !self.is_finite() {
+            return Err(FilterError::NotFinite);
+        }
+        if (0..self.size()).any(|i| self.cov[(i, i)] < 0.0) {
+            return Err(FilterError::IndefiniteCovariance);
+        }
+        Ok(())
+    }
+}
+
+/// The noise that a filter assumes for model and sensors, and its fading.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Noise {
+    /// Q, the covariance that each step adds, n × n, in the state's units squared.
+    pub process: Matrix,
+    /// Diagonal of R, in the sensors' order and units squared.
+    pub sensors: Vec<f64>,
+    /// Fading factor λ ≥ 1 on the predicted covariance.
+    pub fading: f64,
+}
+
+impl Noise {
+    /// Whether every number of Q and R is finite.
+    pub(crate) fn is_finite(&self) -> bool {
+        self.process.sum().is_finite() && self.sensors.iter().all(|r| r.is_finite())
+    }
+
+    /// Replaces the covariance P by `λ P + Q`, symmetric to the last bit. A variance that rounding made negative
+    /// becomes zero.
+    pub fn spread(&self, cov: &mut Matrix) {
+        let Self { process, sensors: _, fading } = self;
+        for (cov, process) in cov.as_mut_slice().iter_mut().zip(process.as_slice()) {
+            *cov = *cov * fading + process;
+        }
+        for i in 0..cov.nrows() {
+            if cov[(i, i)] < 0.0 {
+                cov[(i, i)] = 0.0;
+            }
+        }
+        cov.fill_upper_triangle_with_lower_triangle();
+    }
+}
+
+/// A step from one sample to the next.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step {
+    /// The recorded force over mass at its beginning and at its end, linear in between \[m/s²\]; the same where it is held.
+    pub forces: [f64; 2],
+    /// The course of the force between samples.
+    pub hold: Hold,
+    /// The time that it takes \[s\].
+    pub dt: f64,
+}
+
+impl Step {
+    /// A part of the step, of this many that take the same time.
+    pub(super) fn part(&self, i: usize, parts: usize) -> Self {
+        let model::Step { forces, dt, .. } = self.of_engine().part(i, parts);
+        Self { forces, dt, ..*self }
+    }
+
+    /// The engine's form of it.
+    pub(super) fn of_engine(self) -> model::Step<f64> {
+        let Self { forces, hold, dt } = self;
+        model::Step { forces, has_slope: hold == Hold::First, dt }
+    }
+}
