@@ -8,4 +8,4 @@ pub use crate::data::sorting::sort_numbers;
 pub use crate::mathematics::gaussian_likelihood::{ln_determinant, log_likelihood};
 pub use crate::mathematics::log_sum::LogSum;
 pub use crate::mathematics::model::Reading;
-pub use crate::numbers::score::outcome::ChannelSums;
+pub use crate::numbers::score::ChannelSums;
