@@ -240,9 +240,9 @@ fn scores_are_the_diagnostics_to_the_last_bit() {
         }
         let diagnostics = Diagnostics::new(estimates, record);
         assert_eq!(scores.len(), estimates.len());
-        assert_eq!(scores.nees(), diagnostics.nees_within(0..estimates.len()));
-        assert_eq!(scores.nis(), diagnostics.nis_within(0..estimates.len()));
-        assert_eq!(scores.log_likelihood().to_bits(), diagnostics.log_likelihood().to_bits());
+        assert_eq!(scores.outcome().nees, diagnostics.nees_within(0..estimates.len()));
+        assert_eq!(scores.outcome().nis, diagnostics.nis_within(0..estimates.len()));
+        assert_eq!(scores.outcome().log_likelihood.to_bits(), diagnostics.log_likelihood().to_bits());
         for channel in diagnostics.known() {
             let score = scores.channel(channel).unwrap();
             let tally = diagnostics.tally(channel, 0..estimates.len()).unwrap();
@@ -253,6 +253,6 @@ fn scores_are_the_diagnostics_to_the_last_bit() {
         }
         let diagnosis = Diagnosis::new(&diagnostics, estimates, record, None).unwrap();
         let diverged = diagnosis.verdict.unwrap().kind == VerdictKind::Diverged;
-        assert_eq!(scores.diverged(), diverged, "{}", estimates.name());
+        assert_eq!(scores.outcome().diverged, diverged, "{}", estimates.name());
     }
 }

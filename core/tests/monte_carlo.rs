@@ -72,7 +72,11 @@ fn outcome(plant: PlantKind, kind: FilterKind, seed: u64) -> Outcome {
         (channel.is_parameter() && floor > 0.0 && estimates.std(last, place) > 0.0).then(|| (error / floor).powi(2))
     };
     let over_bound = estimates.channels().iter().enumerate().filter_map(over).collect();
-    Outcome { nees: (total.sum, total.degrees), nis: (scores.nis().sum, scores.nis().degrees), over_bound }
+    Outcome {
+        nees: (total.sum, total.degrees),
+        nis: (scores.outcome().nis.sum, scores.outcome().nis.degrees),
+        over_bound,
+    }
 }
 
 /// The two-sided 99.9 % bounds of the mean of sums of squares with `degrees` degrees of freedom in all, by degree.

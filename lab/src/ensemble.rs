@@ -1,13 +1,13 @@
 //! Many runs of one scenario, which differ in the values of some settings.
 
+use kalmanscope_core::document::{self, DocumentError};
+use kalmanscope_core::score::Look;
+use kalmanscope_core::setting::{Address, SEED, UnknownSetting};
+use kalmanscope_core::{Axis, AxisError, Channel, Measure, RunError, Scenario};
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::order;
-use crate::plan::Plan;
-use crate::trace::Trace;
-use kalmanscope_core::document::{self, DocumentError};
-use kalmanscope_core::setting::{Address, SEED, UnknownSetting};
-use kalmanscope_core::{Axis, AxisError, Channel, Measure, RunError, Scenario};
 
 /// Limits the cells of an ensemble.
 pub const MAX_CELLS: usize = 100_000_000;
@@ -265,7 +265,6 @@ fn drawn(scenario: &Scenario, settings: &[Address]) -> Result<Vec<Address>, Unkn
     scenario.draw.keys().map(|key| Address::parse(scenario, key)).collect()
 }
 
-/// Whether a setting is the seed.
 fn is_seed(setting: &Address) -> bool {
     setting.is_of_scenario(&SEED)
 }
@@ -281,6 +280,101 @@ pub fn channels(scenario: &Scenario, filters: &[usize]) -> Vec<Channel> {
         }
     }
     channels
+}
+
+/// The axes, filters and measures of an ensemble, without its scenario: plain data for files and messages.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Plan {
+    /// The places of the filters to score, from 0 on.
+    pub filters: Vec<usize>,
+    /// The scores to take.
+    pub measures: Vec<Measure>,
+    /// The number of times, equally spaced over the record, at which each run is recorded, for Monte Carlo.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub times: usize,
+    /// The settings to vary, in the order of the cells; without one there is a single cell.
+    #[serde(default)]
+    pub axes: Vec<Axis>,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes references")]
+fn is_zero(count: &usize) -> bool {
+    *count == 0
+}
+
+/// The places of a run's numbers at the plan's times, within a cell's row: for each filter and each time NEES, NIS, and
+/// error and standard deviation of each of the filter's channels. NaN without a value, for example after a filter has
+/// stopped.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trace {
+    begin: usize,
+    samples: Vec<usize>,
+    channels: Vec<Vec<Channel>>,
+}
+
+impl Trace {
+    pub(crate) fn new(scenario: &Scenario, plan: &Plan) -> Self {
+        let last = scenario.samples().saturating_sub(1);
+        // Nothing is measured at the first sample.
+        let sample = |nth: usize| (nth as f64 * last as f64 / plan.times as f64).round() as usize;
+        let mut samples: Vec<usize> = (1..=plan.times).map(sample).filter(|sample| *sample > 0).collect();
+        samples.dedup();
+        let channels = |place: &usize| {
+            let filter = scenario.filters.get(*place)?;
+            Some(filter.model(scenario.plant.kind, scenario.input).channels().to_vec())
+        };
+        let channels = plan.filters.iter().filter_map(channels).collect();
+        Self { begin: plan.filters.len() * plan.measures.len(), samples, channels }
+    }
+
+    /// The samples of the trace.
+    pub fn samples(&self) -> &[usize] {
+        &self.samples
+    }
+
+    /// The channels of the `nth` filter of the plan.
+    pub fn channels(&self, nth: usize) -> &[Channel] {
+        self.channels.get(nth).map_or(&[], Vec::as_slice)
+    }
+
+    /// The length of all traces in a row.
+    pub(crate) fn width(&self) -> usize {
+        self.channels.iter().map(|channels| self.samples.len() * stride(channels)).sum()
+    }
+
+    /// NEES and NIS of the `nth` filter at a time.
+    pub fn squares(&self, row: &[f64], nth: usize, time: usize) -> [f64; 2] {
+        let at = self.at(nth, time);
+        [row[at], row[at + 1]]
+    }
+
+    /// Error and standard deviation of a channel of the `nth` filter at a time.
+    pub fn error(&self, row: &[f64], nth: usize, time: usize, channel: usize) -> [f64; 2] {
+        let at = self.at(nth, time) + 2 + 2 * channel;
+        [row[at], row[at + 1]]
+    }
+
+    fn at(&self, nth: usize, time: usize) -> usize {
+        let before: usize = self.channels[..nth].iter().map(|channels| self.samples.len() * stride(channels)).sum();
+        self.begin + before + time * stride(&self.channels[nth])
+    }
+
+    /// Puts the looks at a run of the `nth` filter into a row.
+    pub(crate) fn fill(&self, nth: usize, looks: &[Look], row: &mut [f64]) {
+        if self.samples.is_empty() {
+            return;
+        }
+        let begin = self.at(nth, 0);
+        for (numbers, look) in row[begin..].chunks_mut(stride(&self.channels[nth])).zip(looks) {
+            numbers[..2].copy_from_slice(&[look.nees, look.nis]);
+            numbers[2..].copy_from_slice(look.channels.as_flattened());
+        }
+    }
+}
+
+fn stride(channels: &[Channel]) -> usize {
+    2 + 2 * channels.len()
 }
 
 #[cfg(test)]

@@ -20,27 +20,20 @@
 
 mod cell;
 mod ensemble;
-mod last_error;
 mod monte_carlo;
 pub mod order;
 mod outcome;
-mod plan;
 pub mod posterior;
 mod runner;
-mod share;
 mod sheet;
 mod threads;
-mod trace;
 #[cfg(feature = "tune")]
 pub mod tune;
 
 pub use cell::CellTask;
-pub use ensemble::{Ensemble, EnsembleError, MAX_CELLS, channels};
-pub use last_error::LastError;
-pub use monte_carlo::{Judged, MonteCarlo};
-pub use plan::Plan;
+pub use ensemble::{Ensemble, EnsembleError, MAX_CELLS, Plan, Trace, channels};
+pub use monte_carlo::{Judged, MonteCarlo, share_interval};
+pub use outcome::LastError;
 pub use runner::{CellRun, Runner, outcomes_of};
-pub use share::share_interval;
 pub use sheet::{Sheet, Slice};
 pub use threads::{Lost, Parts, Priority, Report, Step, Threads, Wanted};
-pub use trace::Trace;

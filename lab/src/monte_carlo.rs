@@ -8,9 +8,9 @@ use std::ops::RangeInclusive;
 use kalmanscope_core::diagnosis::CAUSES;
 use kalmanscope_core::diagnostics::chi_squared;
 use kalmanscope_core::internals::sort_numbers;
+use kalmanscope_core::{Axis, Channel, Measure, Scenario, Spacing, VerdictKind};
 
 use crate::{Ensemble, EnsembleError, LastError, Plan, Slice, Trace};
-use kalmanscope_core::{Axis, Channel, Measure, Scenario, Spacing, VerdictKind};
 
 /// Statistics over the seeds of an ensemble, which grow as rows come in.
 ///
@@ -265,4 +265,16 @@ fn quantile(sorted: &[f64], share: f64) -> f64 {
     let (low, rest) = (place.floor() as usize, place.fract());
     let (a, b) = (sorted[low], sorted[(low + 1).min(last)]);
     a + rest * (b - a)
+}
+
+/// The 95 % interval of a share, of which `count` of `of` were seen. NaN if none was looked at.
+///
+/// Source: Wilson (1927), Probable inference, the law of succession, and statistical inference, *Journal of the American
+/// Statistical Association* 22.
+pub fn share_interval(count: usize, of: usize) -> [f64; 2] {
+    const Z: f64 = 1.959_963_984_540_054;
+    let (n, share) = (of as f64, count as f64 / of as f64);
+    let middle = share + Z * Z / (2.0 * n);
+    let half = Z * libm::sqrt(share * (1.0 - share) / n + Z * Z / (4.0 * n * n));
+    [middle - half, middle + half].map(|end| (end / (1.0 + Z * Z / n)).clamp(0.0, 1.0))
 }

@@ -61,7 +61,6 @@ impl HistoryPass {
         Ok(Self { pass: Pass::new(scenario, place, record)?, estimates, scores })
     }
 
-    /// The number of samples done.
     pub(crate) fn done(&self) -> usize {
         self.pass.done()
     }
@@ -73,7 +72,6 @@ impl HistoryPass {
         pass.done() >= record.len()
     }
 
-    /// The search for the first cause of a bad verdict.
     pub(crate) fn first_cause(&self, scenario: &Scenario, place: usize, record: &Record) -> FirstCause {
         FirstCause::new(scenario, place, &self.estimates, record)
     }
@@ -98,7 +96,6 @@ impl HistoryPass {
     }
 }
 
-/// A history and the scores, of one pass.
 struct Both<'a>(&'a mut Estimates, Scoring<'a>);
 
 impl Sink for Both<'_> {
@@ -124,4 +121,27 @@ pub(crate) fn of_sums(
     let model = scenario.filters[place].model(scenario.plant.kind, scenario.input);
     let whole = Whole::new(record, outcome, model.channels());
     measures.iter().map(|measure| measure.of_whole(&whole)).collect()
+}
+
+/// The last error of a channel in one run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LastError {
+    /// Estimate minus truth, in the channel's unit.
+    pub error: f64,
+    /// The truth.
+    pub truth: f64,
+    /// The standard deviation that the filter states.
+    pub std: f64,
+}
+
+impl LastError {
+    /// Whether the estimate is within this share of the truth.
+    pub fn is_within(&self, share: f64) -> bool {
+        self.error.abs() <= share * self.truth.abs()
+    }
+
+    /// Whether the truth is within ±2σ.
+    pub fn is_covered(&self) -> bool {
+        self.error.abs() <= 2.0 * self.std
+    }
 }

@@ -9,18 +9,16 @@
 //! filter's prediction of the motion alone.
 
 mod population;
-mod solutions;
 mod target;
 #[cfg(test)]
 mod tests;
 
+use kalmanscope_core::internals::sort_numbers;
 use kalmanscope_core::{Channel, FilterSettings, PlantKind, Record, RunError, Scenario, Task};
 use serde::{Deserialize, Serialize};
 
 use population::Population;
 use target::Target;
-
-pub use solutions::Solutions;
 
 /// The points of a thread in a piece of work.
 const PIECE: usize = 16;
@@ -171,4 +169,53 @@ fn parameters(filter: &FilterSettings, truth: PlantKind) -> Vec<Channel> {
     let of_plant = filter.plant.unwrap_or(truth).parameters();
     let is_estimated = |channel: &Channel| !filter.knows(*channel) && filter.initial_std[*channel] > 0.0;
     of_plant.filter(|channel| !channel.is_augmentation()).filter(is_estimated).collect()
+}
+
+/// Two groups of values.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Solutions {
+    /// The mean of each group; the lower one first.
+    pub means: [f64; 2],
+    /// The share of the values in each group.
+    pub shares: [f64; 2],
+    /// The distance of the means over the root mean square of the standard deviations of both groups.
+    pub distance: f64,
+}
+
+/// The smallest distance of two groups. The halves of a normal distribution are 2.6 apart, those of a uniform one 3.5.
+const LEAST_DISTANCE: f64 = 5.0;
+
+const LEAST_SHARE: f64 = 0.03;
+
+impl Solutions {
+    /// The two groups of some values, split where that leaves the least variance; `None` where they are one group.
+    ///
+    /// Source: Otsu (1979), A threshold selection method from gray-level histograms; Ashman, Bird and Zepf (1994), Detecting bimodality
+    /// in astronomical datasets, for the distance.
+    fn of(mut values: Vec<f64>) -> Option<Self> {
+        sort_numbers(&mut values);
+        let count = values.len();
+        let total: f64 = values.iter().sum();
+        let (mut sum, mut best) = (0.0, (0.0, 0));
+        for (place, value) in values.iter().enumerate().take(count.saturating_sub(1)) {
+            sum += value;
+            let [below, above] = [place + 1, count - place - 1].map(|part| part as f64);
+            let apart = (total - sum) / above - sum / below;
+            let between = below * above * apart * apart;
+            if between > best.0 {
+                best = (between, place + 1);
+            }
+        }
+        let groups = [&values[..best.1], &values[best.1..]];
+        let shares = groups.map(|group| group.len() as f64 / count as f64);
+        if shares.iter().any(|share| *share < LEAST_SHARE) {
+            return None;
+        }
+        let means = groups.map(|group| group.iter().sum::<f64>() / group.len() as f64);
+        let variance = |i: usize| {
+            groups[i].iter().map(|value| (value - means[i]) * (value - means[i])).sum::<f64>() / groups[i].len() as f64
+        };
+        let distance = (means[1] - means[0]) / libm::sqrt(0.5 * (variance(0) + variance(1)));
+        (distance > LEAST_DISTANCE).then_some(Self { means, shares, distance })
+    }
 }

@@ -4,12 +4,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use kalmanscope_core::score::Outcome;
 use kalmanscope_core::setting::RECORD_GAIN;
-use kalmanscope_core::simulate;
-use kalmanscope_core::{Pass, Record, Scenario, Source};
+use kalmanscope_core::{Pass, Record, Scenario, Source, simulate};
 
-use crate::ensemble::{Ensemble, EnsembleError};
+use crate::ensemble::{Ensemble, EnsembleError, Plan};
 use crate::outcome;
-use crate::plan::Plan;
 
 /// The records that are kept for the next cells.
 const KEPT: usize = 16;
@@ -161,7 +159,6 @@ impl Runner {
         if gain.is_nan() || own.is_nan() { 1.0 } else { gain / own }
     }
 
-    /// The record of a cell with this valid scenario.
     fn record(&self, cell: usize, scenario: &Scenario) -> Arc<Record> {
         self.record_at_hand(cell, scenario).unwrap_or_else(|| self.keep(cell, simulate(scenario)))
     }

@@ -24,7 +24,7 @@ fn likelihood(scenario: &Scenario) -> f64 {
     let mut scores = kalmanscope_core::Scores::new(&Pass::history(scenario, 0).expect("it is possible"), run.record());
     let mut pass = Pass::new(scenario, 0, run.record()).expect("it is possible");
     pass.follow(run.record(), run.record().len(), &mut scores.against(run.record()));
-    scores.log_likelihood()
+    scores.outcome().log_likelihood
 }
 
 #[test]

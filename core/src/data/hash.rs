@@ -18,7 +18,6 @@ impl Hash {
         *sum = bytes.iter().fold(*sum, |sum, &byte| (sum ^ u64::from(byte)).wrapping_mul(0x0100_0000_01B3));
     }
 
-    /// The hash of the bytes so far.
     pub(crate) fn value(self) -> u64 {
         self.0
     }

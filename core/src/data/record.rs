@@ -1,25 +1,22 @@
-//! The input and the measurements, simulated or from a file.
+//! The input and the measurements, simulated or from a file, and the reasons why there are none.
 
-mod changed;
 mod clocks;
 mod csv_file;
-mod delays;
-mod error;
 mod growth;
 mod live;
 
-pub(crate) use clocks::Parts;
-pub use clocks::{Clocks, ClocksError, Timed};
-pub(crate) use csv_file::input_name;
-pub use delays::Delays;
-pub use error::RecordError;
-pub use live::{LiveError, LiveRecord};
-
 use std::sync::Arc;
 
-use clocks::{Course, Readings};
+use thiserror::Error;
 
 use crate::{Channel, Hold, InputKind, Quantity};
+
+pub(crate) use clocks::Parts;
+pub use clocks::{Clocks, ClocksError, Delays, Timed};
+pub(crate) use csv_file::input_name;
+pub use live::{LiveError, LiveRecord};
+
+use clocks::{Course, Readings};
 
 /// Equally spaced samples of the input, the measurements and, where it is known, the truth.
 ///
@@ -152,7 +149,6 @@ impl Record {
         Self::empty(*dt, *kind, *hold, sensors.clone(), truth_channels.clone())
     }
 
-    /// Reuses the memory of an old record.
     pub(crate) fn recycle(&mut self, old: Self) {
         let new = std::iter::once(&mut self.input).chain(&mut self.measured).chain(&mut self.truth);
         let old = std::iter::once(old.input).chain(old.measured).chain(old.truth);
@@ -315,12 +311,10 @@ impl Record {
         self.truth_place(channel).map(|i| self.truth[i].as_slice())
     }
 
-    /// The place of a channel among those of known truth.
     pub(crate) fn truth_place(&self, channel: Channel) -> Option<usize> {
         self.truth_channels.iter().position(|&c| c == channel)
     }
 
-    /// The true value at sample `k` of the channel at a place given by [`Self::truth_place`].
     pub(crate) fn truth_at(&self, place: usize, k: usize) -> f64 {
         self.truth[place][k]
     }
@@ -355,4 +349,87 @@ fn check(
         None => Ok(()),
         Some(sample) => Err(RecordError::Value { column: column.to_owned(), sample, value: values[sample], allowed }),
     }
+}
+
+/// The reason why columns or a file are not a record.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum RecordError {
+    /// The time between samples is not positive and finite.
+    #[error("dt = {0} s, but must be positive and finite")]
+    Step(f64),
+    /// Two columns are of the same quantity or channel.
+    #[error("there are two columns `{0}`")]
+    Repeated(String),
+    /// A column is not as long as the input.
+    #[error("column `{column}` has {found} values, but the input has {expected}")]
+    Length {
+        /// The column's name.
+        column: String,
+        /// The number of values.
+        found: usize,
+        /// The required number.
+        expected: usize,
+    },
+    /// A value is not finite where it must be, or infinite.
+    #[error("sample {sample}, column `{column}`: {value} is not {allowed}")]
+    Value {
+        /// The column's name.
+        column: String,
+        /// The sample, counted from 0.
+        sample: usize,
+        /// The value.
+        value: f64,
+        /// The values that are allowed.
+        allowed: &'static str,
+    },
+    /// The text is not CSV, or cannot be read or written.
+    #[error(transparent)]
+    Csv(#[from] csv::Error),
+    /// A column is missing.
+    #[error("line 1: there is no column `{missing}`; the columns are {found}")]
+    Column {
+        /// The column's name.
+        missing: String,
+        /// The columns of the file.
+        found: String,
+    },
+    /// A cell is not a number.
+    #[error("line {line}, column `{column}`: `{value}` is not {allowed}")]
+    Cell {
+        /// The line of the file; the header is line 1.
+        line: u64,
+        /// The column's name.
+        column: String,
+        /// The cell's text.
+        value: String,
+        /// The values that are allowed.
+        allowed: &'static str,
+    },
+    /// The samples are not equally spaced.
+    #[error("line {line}: t = {found} s, but samples {dt} s apart would have t = {expected} s here")]
+    Spacing {
+        /// Line of the file.
+        line: u64,
+        /// The time in the file \[s\].
+        found: f64,
+        /// The expected time \[s\].
+        expected: f64,
+        /// The mean time between samples \[s\].
+        dt: f64,
+    },
+    /// There are too few samples to determine the time between them.
+    #[error("{0} sample(s), but at least 2 are needed")]
+    TooShort(usize),
+    /// The times that readings have do not fit.
+    #[error(transparent)]
+    Clocks(#[from] ClocksError),
+    /// The times do not increase.
+    #[error("t must rise, but goes from {first} s to {last} s")]
+    NotRising {
+        /// First time \[s\].
+        first: f64,
+        /// Last time \[s\].
+        last: f64,
+    },
 }

@@ -1,20 +1,13 @@
 //! The settings of a run.
 
 pub(crate) mod address;
-mod bounds;
-mod color;
 pub(crate) mod cost;
 mod document;
-mod equation;
-mod error;
 pub(crate) mod fault;
 mod filter;
 mod identity;
-pub(crate) mod motion;
-mod name;
 mod plant;
 mod population;
-mod toml;
 mod true_noise;
 mod validate;
 mod values;
@@ -27,19 +20,17 @@ use crate::data::document::is_default;
 use crate::data::import::Mapping;
 use crate::mathematics::filter::FilterKind;
 use crate::mathematics::model::{Hold, InputKind};
-pub use crate::mathematics::quantity::MAX_SENSORS;
 use crate::{Force, PlantKind, Quantity};
 
-pub use bounds::{Between, Bounds};
-pub use color::FilterColor;
-pub use error::ScenarioError;
+pub use crate::mathematics::quantity::MAX_SENSORS;
+pub use document::ScenarioError;
 pub use fault::{Fault, FaultInfo, FaultNumber, Faults, Scale};
-pub use filter::FilterSettings;
+pub use filter::{FilterColor, FilterSettings};
 pub(crate) use identity::SMOOTHED;
-pub use name::{is_text, shown};
+pub use identity::{is_text, shown};
 pub use plant::{Motion, Plant};
 pub use population::{Law, LawInfo, is_drawable};
-pub use values::Values;
+pub use values::{Between, Bounds, Values};
 
 use true_noise::usable_std;
 

@@ -4,33 +4,26 @@
 //! [`Address`] means one number of a scenario, and an [`Edit`] is a setting with its new value.
 
 mod address;
-mod allowed;
 mod change;
 mod choice;
 mod edit;
 mod filter;
-mod force;
 mod info;
-mod listing;
 mod place;
 mod scenario;
 mod table;
-mod wording;
 
 use crate::mathematics::channel::Channel;
 
-pub use address::{Address, UnknownSetting};
-pub use allowed::Allowed;
+pub use address::{Address, UnknownSetting, addresses, words_of};
 pub use change::Change;
 pub use choice::{CHOICES_OF_FILTER, CHOICES_OF_SCENARIO, Choice, ChoiceInfo, ROBUST, other_choices};
 pub use edit::Edit;
 pub use filter::{
     ENSEMBLE_SIZE, ETA, FADING, FORGETTING, GUESSES, JUMP, MEMORY, OF_FILTER, OPTIONS, PROCESS_SCALES, SMOOTHER, WALK,
 };
-pub use force::FORCE;
-pub use info::SettingInfo;
-pub use listing::{addresses, words_of};
-pub use scenario::{DISTURBANCE, DT, DURATION, MOTION, RECORD_GAIN, SEED, of_scenario};
+pub use info::{Allowed, SettingInfo};
+pub use scenario::{DISTURBANCE, DT, DURATION, FORCE, MOTION, RECORD_GAIN, SEED, of_scenario};
 pub use table::{Entry, INITIAL_MEAN, INITIAL_STD, PROCESS_STD, SENSOR_DELAY, SENSOR_STD, TABLES, TableInfo};
 
 /// The symbol of a setting, a table or a channel with a key, if it has one.

@@ -165,7 +165,6 @@ fn bound_settings(scenario: &Scenario, place: usize) -> Option<FilterSettings> {
     })
 }
 
-/// The true values of a channel.
 #[derive(Clone, Copy)]
 enum TrueValue<'a> {
     Constant(f64),

@@ -2,10 +2,7 @@
 
 pub(crate) mod accuracy;
 pub mod chi_squared;
-mod gamma;
-pub(crate) mod likelihood;
 pub(crate) mod nees;
-mod range_sums;
 mod totals;
 mod whiteness;
 
@@ -15,9 +12,8 @@ use crate::samples::waste::Piecewise;
 use crate::{Channel, Estimates, Record, Stop};
 
 use accuracy::Accuracy;
-use likelihood::Likelihood;
 use nees::Nees;
-use totals::Totals;
+use totals::{Likelihood, Totals};
 
 pub use accuracy::ErrorSums;
 pub use totals::{MeanSquare, Total};
@@ -81,7 +77,7 @@ impl Diagnostics {
         *samples = 0;
         *forgotten = estimates.forgotten();
         accuracy.restart(estimates, record);
-        nees.restart(accuracy.known().iter().map(|known| known.place));
+        nees.restart(accuracy.known.iter().map(|known| known.place));
         nis.clear();
         whiteness.clear();
         if *depth == Depth::All {
@@ -101,7 +97,7 @@ impl Diagnostics {
     pub(crate) fn follow_to(&mut self, end: usize, estimates: &Estimates, record: &Record) {
         if estimates.forgotten() != self.forgotten {
             let seen_all = self.forgotten + self.samples >= estimates.forgotten();
-            let before = self.accuracy.clone_tracked();
+            let before = self.accuracy.known.clone();
             self.restart(estimates, record);
             if seen_all {
                 self.accuracy.remember(&before);
@@ -159,7 +155,7 @@ impl Diagnostics {
 
     /// The estimated channels with a known truth.
     pub fn known(&self) -> impl Iterator<Item = Channel> {
-        self.accuracy.known().iter().map(|known| known.channel)
+        self.accuracy.known.iter().map(|known| known.channel)
     }
 
     /// A channel's last error, estimate minus truth, in its unit. `None` if the truth is not known.
@@ -186,7 +182,7 @@ impl Diagnostics {
             let seen = known.largest_truth.max(known.first_error);
             accuracy::is_lost(rmse, std, limit, seen, first).then_some((known.channel, rmse / std, rmse))
         };
-        self.accuracy.known().iter().enumerate().filter_map(is_lost).collect()
+        self.accuracy.known.iter().enumerate().filter_map(is_lost).collect()
     }
 
     /// The last third of the samples.
@@ -213,18 +209,18 @@ impl Diagnostics {
     /// Source: Bar-Shalom, Li and Kirubarajan (2001), *Estimation with Applications to Tracking and Navigation*, section
     /// 5.4.
     pub fn nees(&self) -> &[f64] {
-        self.nees.values()
+        &self.nees.values
     }
 
     /// The sum of the NEES over a range of samples.
     pub fn nees_within(&self, range: Range<usize>) -> Total {
-        self.nees.totals().within(range)
+        self.nees.totals.within(range)
     }
 
     /// For each sample of a range that exists, the NEES of the `window` samples up to it over its expectation; NaN where there
     /// is none.
     pub fn moving_nees(&self, window: usize, range: Range<usize>) -> Vec<f64> {
-        self.nees.totals().moving_means(window, range)
+        self.nees.totals.moving_means(window, range)
     }
 
     /// The mean NEES of all samples, and the 95 % interval of a single sample's.
@@ -233,7 +229,7 @@ impl Diagnostics {
     /// unknown. The interval is therefore that of a single sample. It is wide: for a consistent filter with normal
     /// errors the mean lies inside with a probability above 95 %.
     pub fn mean_nees(&self) -> Option<MeanSquare> {
-        MeanSquare::new(self.nees.totals().whole(), 1)
+        MeanSquare::new(self.nees.totals.whole(), 1)
     }
 
     /// The share of samples whose NEES is below the 95 % quantile of χ²: the truth is inside the belief's 95 % ellipsoid.

@@ -2,20 +2,13 @@
 
 mod lane_sums;
 pub(crate) mod lanes;
-mod log_products;
-mod look;
-pub(crate) mod outcome;
-mod scored_pass;
 
 use crate::mathematics::engine::level::Baseline;
 use crate::mathematics::gaussian_likelihood::ln_determinant;
-use crate::numbers::diagnostics::Total;
+use crate::numbers::diagnostics::accuracy::is_lost;
+use crate::numbers::diagnostics::{ErrorSums, Total};
 use crate::samples::sink::{Sample, Sink};
-use crate::{Channel, Estimates, Record, Stop};
-
-pub use look::Look;
-pub use outcome::Outcome;
-pub use scored_pass::ScoredPass;
+use crate::{Channel, Estimates, Pass, Record, RunError, Scenario, Stop};
 
 /// Running sums over the samples of one filter, in constant memory, for maps of thousands of runs. The numbers are
 /// bit-identical to those of [`Diagnostics`](crate::Diagnostics).
@@ -89,40 +82,14 @@ impl Scores {
         self.len() == 0
     }
 
-    /// The sum of the NEES over all samples; [`Total::mean`] is the mean.
-    pub fn nees(&self) -> Total {
-        self.outcome().nees
-    }
-
-    /// The sum of the NIS over all samples with a measurement.
-    pub fn nis(&self) -> Total {
-        self.outcome().nis
-    }
-
     /// The filter at the last sample.
     pub fn look(&self) -> Look {
         self.sums.look(0)
     }
 
-    /// Sum of the log likelihoods of all samples with a measurement.
-    pub fn log_likelihood(&self) -> f64 {
-        self.outcome().log_likelihood
-    }
-
     /// The accuracy of a channel. `None` if the truth is not known.
     pub fn channel(&self, channel: Channel) -> Option<ChannelScore> {
         self.outcome().channels.into_iter().find(|(other, _)| *other == channel).map(|(_, score)| score)
-    }
-
-    /// Where and why the filter stopped, if it did.
-    pub fn stop(&self) -> Option<Stop> {
-        self.stop
-    }
-
-    /// Whether the filter has stopped or lost the truth: in the last fifth of the record a channel's error exceeds 10σ,
-    /// the largest truth and the initial uncertainty.
-    pub fn diverged(&self) -> bool {
-        self.outcome().diverged
     }
 
     /// All scores at once.
@@ -157,5 +124,172 @@ impl Sink for Scoring<'_> {
 
     fn stop_at(&mut self, stop: Stop) {
         self.scores.stop = Some(stop);
+    }
+}
+
+/// The result of one filter's run over one record.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome {
+    /// The number of samples that the filter has done.
+    pub samples: usize,
+    /// The sum of the NEES over all samples; [`Total::mean`] is the mean.
+    pub nees: Total,
+    /// The sum of the NIS over all samples with a measurement.
+    pub nis: Total,
+    /// Sum of the log likelihoods of all samples with a measurement.
+    pub log_likelihood: f64,
+    /// Where and why the filter stopped, if it did.
+    pub stop: Option<Stop>,
+    /// Whether the filter has stopped or lost the truth: in the last fifth of the record a channel's error exceeds 10σ,
+    /// the largest truth and the initial uncertainty.
+    pub diverged: bool,
+    /// The accuracy of each channel with a known truth, in the filter's order.
+    pub channels: Vec<(Channel, ChannelScore)>,
+    /// The last mean of every channel, in its unit; NaN where there is no sample.
+    pub mean: Vec<f64>,
+    /// The last standard deviation of every channel, in its unit; NaN where there is no sample.
+    pub std: Vec<f64>,
+    /// The filter at the wanted samples, up to the last one that it reached.
+    pub looks: Vec<Look>,
+}
+
+/// Limits the error, in standard deviations: above it, and above the truth and the initial uncertainty, the truth is
+/// lost.
+pub(crate) const LOST: f64 = 10.0;
+
+/// The running sums of one channel of known truth, in its unit.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug)]
+pub struct ChannelSums {
+    /// All errors.
+    pub total: ErrorSums,
+    /// The first absolute error.
+    pub first_error: f64,
+    /// The largest absolute truth.
+    pub largest_truth: f64,
+    /// The sample since which the error has stayed small, or the number of samples.
+    pub settled: usize,
+    /// The errors' squares and their number in the record's last fifth.
+    pub recent: (f64, u32),
+    /// The last mean minus the truth, in canonical form.
+    pub error: f64,
+    /// The last standard deviation.
+    pub std: f64,
+    /// The first standard deviation.
+    pub initial_std: f64,
+}
+
+impl ChannelSums {
+    /// The accuracy over this many samples. `None` if the truth is not known.
+    pub fn score(&self, samples: usize) -> Option<ChannelScore> {
+        let Self { total, settled, error, std, .. } = *self;
+        (total.known > 0).then(|| ChannelScore {
+            error,
+            std,
+            rmse: total.rmse(),
+            coverage: total.coverage(),
+            settled: (settled < samples).then_some(settled),
+        })
+    }
+
+    /// Whether the truth is lost in the record's last fifth.
+    pub fn is_lost(&self) -> bool {
+        let Self { first_error, largest_truth, recent: (squares, samples), std, initial_std, .. } = *self;
+        let rmse = (squares / f64::from(samples)).sqrt();
+        is_lost(rmse, std, LOST, largest_truth.max(first_error), initial_std)
+    }
+}
+
+/// One filter at one sample of a record.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Look {
+    /// NEES; NaN without a known truth.
+    pub nees: f64,
+    /// NIS; NaN without a measurement.
+    pub nis: f64,
+    /// Error, mean minus truth, and standard deviation of every channel, in its unit and in the filter's order; NaN where the
+    /// truth is not known.
+    pub channels: Vec<[f64; 2]>,
+}
+
+/// A filter's run over a record, as far as it has come. The outcome does not depend on how the work is divided.
+pub struct ScoredPass {
+    pass: Pass,
+    scores: Scores,
+    /// The samples at which to look at the filter, in order.
+    samples: Vec<usize>,
+    looks: Vec<Look>,
+}
+
+impl ScoredPass {
+    /// The filter at `place` of a scenario before the first sample of a record, to be looked at after these samples, which are in
+    /// order.
+    ///
+    /// # Errors
+    /// Those of [`Pass::new`].
+    pub fn new(scenario: &Scenario, place: usize, record: &Record, samples: &[usize]) -> Result<Self, RunError> {
+        let scores = Scores::new(&Pass::history(scenario, place)?, record);
+        let pass = Pass::new(scenario, place, record)?;
+        Ok(Self { pass, scores, samples: samples.to_vec(), looks: Vec::new() })
+    }
+
+    /// The number of samples done, counted from the record's beginning.
+    pub fn done(&self) -> usize {
+        self.pass.done()
+    }
+
+    /// Goes on until `samples` samples, counted from the record's beginning, are done, or to the end of the record, which is the
+    /// same in all calls. Returns whether the end is reached.
+    pub fn advance(&mut self, record: &Record, samples: usize) -> bool {
+        let Self { pass, scores, samples: asked, looks } = self;
+        while let Some(&sample) = asked.get(looks.len()).filter(|sample| **sample < samples) {
+            pass.follow(record, sample.saturating_add(1), &mut scores.against(record));
+            if scores.len() != sample.saturating_add(1) {
+                // The filter has stopped, or the record has ended.
+                asked.truncate(looks.len());
+                break;
+            }
+            looks.push(scores.look());
+        }
+        pass.follow(record, samples, &mut scores.against(record));
+        pass.done() >= record.forgotten() + record.len()
+    }
+
+    /// The outcome so far.
+    pub fn outcome(self) -> Outcome {
+        Outcome { looks: self.looks, ..self.scores.outcome() }
+    }
+}
+
+impl Outcome {
+    /// Runs the filter at `place` of a scenario over the whole of a record.
+    ///
+    /// ```
+    /// use kalmanscope_core::score::Outcome;
+    /// use kalmanscope_core::{Run, Scenario};
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// let scenario = Scenario { duration: 5.0, ..Scenario::default() };
+    /// let mut run = Run::new(&scenario)?;
+    /// run.finish();
+    /// let outcome = Outcome::of(&scenario, 0, run.record())?;
+    /// assert_eq!(outcome.mean, run.estimates()[0].mean(500));
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// Those of [`Pass::new`](crate::Pass::new).
+    pub fn of(scenario: &Scenario, place: usize, record: &Record) -> Result<Self, RunError> {
+        Self::at(scenario, place, record, &[])
+    }
+
+    /// [`Self::of`], with a look at the filter at each of these samples, which are in order.
+    ///
+    /// # Errors
+    /// Those of [`Pass::new`](crate::Pass::new).
+    pub fn at(scenario: &Scenario, place: usize, record: &Record, samples: &[usize]) -> Result<Self, RunError> {
+        let mut pass = ScoredPass::new(scenario, place, record, samples)?;
+        pass.advance(record, usize::MAX);
+        Ok(pass.outcome())
     }
 }

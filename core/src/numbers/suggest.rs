@@ -20,7 +20,7 @@ use serde::{Deserialize, Serialize};
 use crate::data::import::Length;
 use crate::{Channel, FilterKind, FilterSettings, Propagation, Quantity, Record, Scenario, Sensor, Signal, Task as _};
 
-use crate::data::scenario::motion::steps_over;
+use crate::data::scenario::cost::steps_over;
 
 use ambient::has_no_input;
 use conditioning::{Course, Lost};

@@ -4,9 +4,7 @@ use std::sync::Arc;
 
 use wgpu::{Adapter, AdapterInfo, DeviceDescriptor, DeviceType, Instance, InstanceDescriptor, Limits};
 
-use crate::error::GpuError;
-use crate::program::Programs;
-use crate::trouble::Trouble;
+use crate::program::{GpuError, Programs, Trouble};
 
 /// Whether a software adapter, such as lavapipe, is accepted. It is slower than threads, and useful for tests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

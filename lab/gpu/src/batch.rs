@@ -1,18 +1,14 @@
 //! Runs in batches of those that are alike.
 
-use kalmanscope_core::internals::engine::Design;
-use kalmanscope_core::internals::engine::Setup;
+use kalmanscope_core::internals::engine::{Design, Setup};
 use kalmanscope_core::score::Outcome;
 use kalmanscope_core::{Channel, Record, Scenario};
 
 use crate::adapter::{Gpu, LARGEST_BUFFER};
-use crate::error::GpuError;
-use crate::layout::{Cell, Settings, State};
+use crate::layout::{Cell, LARGEST, Settings, State, Tape, known};
 use crate::outcome::{Ran, outcome};
-use crate::parallel;
-use crate::program::Job;
+use crate::program::{GpuError, Job};
 use crate::shader::Program;
-use crate::tape::{LARGEST, Tape, known};
 
 /// Limits the runs of a batch, and the samples of its records.
 const MOST_RUNS: usize = 1 << 16;
@@ -73,7 +69,6 @@ struct Member<'a> {
     place: usize,
     setup: Setup,
     record: &'a Record,
-    /// The place of its tape.
     tape: usize,
 }
 
@@ -117,7 +112,7 @@ impl Gpu {
                 outcome(&ran, state)
             };
             let done: Vec<(&Member<'_>, &State)> = members.iter().zip(&states).collect();
-            let of_batch = parallel::in_parts(&done, |done| done.iter().map(of).collect());
+            let of_batch = in_parts(&done, |done| done.iter().map(of).collect());
             for (member, outcome) in members.iter().zip(of_batch) {
                 outcomes[member.place] = Some(outcome);
             }
@@ -142,7 +137,7 @@ impl Batch<'_> {
 /// The batches of the runs that are served.
 fn batches<'a>(runs: &[GpuRun<'a>]) -> Vec<Batch<'a>> {
     let mut batches: Vec<Batch<'a>> = Vec::new();
-    let prepared = parallel::in_parts(runs, |runs| runs.iter().map(prepare).collect());
+    let prepared = in_parts(runs, |runs| runs.iter().map(prepare).collect());
     for ((place, run), prepared) in runs.iter().enumerate().zip(prepared) {
         let Some((setup, known)) = prepared else { continue };
         let samples = run.record.len();
@@ -186,4 +181,32 @@ fn cell<'a>(member: &'a Member<'_>, samples: usize) -> Cell<'a> {
     let Setup { mean, variance, process, sensors, fading, white, .. } = &member.setup;
     let first = (member.tape * samples) as u32;
     Cell { mean, variance, process, sensors, fading: *fading, white: *white, first }
+}
+
+/// The least that is worth a thread.
+#[cfg(not(target_arch = "wasm32"))]
+const LEAST: usize = 256;
+
+/// Does some work on all items and returns its results in their order. Each core takes a part of the items.
+#[cfg(not(target_arch = "wasm32"))]
+pub(crate) fn in_parts<T: Sync, R: Send>(items: &[T], work: impl Fn(&[T]) -> Vec<R> + Sync) -> Vec<R> {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let part = items.len().div_ceil(cores).max(LEAST);
+    if items.len() <= part {
+        return work(items);
+    }
+    let work = &work;
+    std::thread::scope(|scope| {
+        let threads: Vec<_> = items.chunks(part).map(|items| scope.spawn(move || work(items))).collect();
+        let join = |thread: std::thread::ScopedJoinHandle<'_, Vec<R>>| {
+            thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+        };
+        threads.into_iter().flat_map(join).collect()
+    })
+}
+
+/// A worker of a page has one thread.
+#[cfg(target_arch = "wasm32")]
+pub(crate) fn in_parts<T, R>(items: &[T], work: impl Fn(&[T]) -> Vec<R>) -> Vec<R> {
+    work(items)
 }

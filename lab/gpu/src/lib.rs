@@ -31,26 +31,20 @@ mod adapter;
 mod batch;
 #[cfg(target_arch = "wasm32")]
 mod browser;
-mod error;
 mod layout;
 mod outcome;
-mod parallel;
 mod program;
 mod rows;
 mod shader;
-mod signal;
-mod tape;
 mod text;
-mod trouble;
-mod unroll;
 
 pub use adapter::{Gpu, Software};
 pub use batch::{GpuRun, program, serves};
-pub use error::GpuError;
+pub use program::GpuError;
 
 /// Parts for the tests of this crate.
 #[doc(hidden)]
 pub mod internals {
     pub use crate::adapter::is_software;
-    pub use crate::unroll::unrolled;
+    pub use crate::text::unrolled;
 }

@@ -1,23 +1,19 @@
 //! From the shader's sums to the outcome of a run.
 
 use kalmanscope_core::diagnostics::{ErrorSums, Total};
-use kalmanscope_core::internals::ChannelSums;
 use kalmanscope_core::internals::engine::Setup;
-use kalmanscope_core::internals::log_likelihood;
+use kalmanscope_core::internals::{ChannelSums, log_likelihood};
 use kalmanscope_core::score::Outcome;
 use kalmanscope_core::{Channel, FilterError, Record, Stop};
 
-use crate::layout::{State, Tracked};
-use crate::tape::Tape;
+use crate::layout::{State, Tape, Tracked};
 
-/// A run that has been done.
 pub(crate) struct Ran<'a> {
     pub(crate) setup: &'a Setup,
     pub(crate) record: &'a Record,
     pub(crate) tape: &'a Tape,
 }
 
-/// The outcome of a run.
 pub(crate) fn outcome(ran: &Ran<'_>, state: &State) -> Outcome {
     let stop = (state.stopped > 0).then(|| Stop { sample: state.stopped as usize, reason: reason(state.reason) });
     let samples = stop.map_or(ran.record.len(), |stop| stop.sample);

@@ -1,16 +1,16 @@
 //! The filters' programs on a device: buffers, and dispatches of some samples each.
 
 use std::collections::HashMap;
-use std::sync::{Mutex, PoisonError};
+use std::future::poll_fn;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::task::{Poll, Waker};
 
+use thiserror::Error;
 use web_time::{Duration, Instant};
 use wgpu::{BindGroup, Buffer, BufferDescriptor, BufferUsages, ComputePipeline, Device, MapMode, Queue};
 
-use crate::error::GpuError;
 use crate::layout::{Settings, State};
 use crate::shader::{GROUP, Program};
-use crate::signal::Signal;
-use crate::trouble::Trouble;
 
 /// The aim for the time of a dispatch: drivers reset a device that is busy with one for seconds, and pictures of the system wait.
 const DISPATCH: Duration = Duration::from_millis(50);
@@ -26,7 +26,6 @@ const MOST_PROGRAMS: usize = 24;
 #[cfg(not(target_arch = "wasm32"))]
 const PATIENCE: Duration = Duration::from_secs(90);
 
-/// The device, and the programs that it has.
 pub(crate) struct Programs {
     device: Device,
     queue: Queue,
@@ -43,7 +42,6 @@ pub(crate) struct Job<'a> {
     pub(crate) cells: Vec<u32>,
 }
 
-/// The buffers of a job.
 struct Buffers {
     settings: Buffer,
     states: Buffer,
@@ -198,4 +196,80 @@ fn size_of_states(job: &Job<'_>) -> u64 {
 
 fn failed(error: impl std::fmt::Display) -> GpuError {
     GpuError::Failed(error.to_string())
+}
+
+/// A value that comes later.
+pub(crate) struct Signal<T>(Arc<Mutex<(Option<T>, Option<Waker>)>>);
+
+impl<T> Signal<T> {
+    pub(crate) fn new() -> Self {
+        Self(Arc::new(Mutex::new((None, None))))
+    }
+
+    pub(crate) fn set(&self, value: T) {
+        let waker = {
+            let mut both = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+            both.0 = Some(value);
+            both.1.take()
+        };
+        if let Some(waker) = waker {
+            waker.wake();
+        }
+    }
+
+    pub(crate) async fn get(self) -> T {
+        poll_fn(|context| {
+            let mut both = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+            match both.0.take() {
+                Some(value) => Poll::Ready(value),
+                None => {
+                    both.1 = Some(context.waker().clone());
+                    Poll::Pending
+                }
+            }
+        })
+        .await
+    }
+}
+
+impl<T> Clone for Signal<T> {
+    fn clone(&self) -> Self {
+        Self(Arc::clone(&self.0))
+    }
+}
+
+/// The reason why a graphics processor computes nothing, or no more.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum GpuError {
+    /// There is no graphics processor that programs can use.
+    #[error("there is no graphics processor that programs can use: {0}")]
+    None(String),
+    /// The only adapter is a program on the processor, which is slower than the processor itself.
+    #[error("{0} is a program and no graphics processor")]
+    Software(String),
+    /// The adapter has refused the program, or has been lost.
+    #[error("the graphics processor has failed: {0}")]
+    Failed(String),
+    /// The results are not wanted any more.
+    #[error("the work has been given up")]
+    Unwanted,
+}
+
+/// The first failure that the device has reported, outside of any call.
+#[derive(Clone, Default)]
+pub(crate) struct Trouble(Arc<Mutex<Option<String>>>);
+
+impl Trouble {
+    pub(crate) fn report(&self, text: String) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(text);
+    }
+
+    /// # Errors
+    /// [`GpuError::Failed`] where the device has reported a failure.
+    pub(crate) fn check(&self) -> Result<(), GpuError> {
+        match &*self.0.lock().unwrap_or_else(PoisonError::into_inner) {
+            Some(text) => Err(GpuError::Failed(text.clone())),
+            None => Ok(()),
+        }
+    }
 }

@@ -4,9 +4,8 @@ use kalmanscope_core::score::Outcome;
 use kalmanscope_lab::{CellRun, Ensemble, Runner};
 
 use crate::adapter::Gpu;
-use crate::batch::{GpuRun, serves};
-use crate::error::GpuError;
-use crate::parallel;
+use crate::batch::{GpuRun, in_parts, serves};
+use crate::program::GpuError;
 
 impl Gpu {
     /// Whether the graphics processor is of use for an ensemble: it serves all its filters, in the first cell at least, and no
@@ -32,7 +31,7 @@ impl Gpu {
         cells: &[usize],
         is_wanted: &dyn Fn() -> bool,
     ) -> Result<(Vec<usize>, Vec<f64>), GpuError> {
-        let runs = parallel::in_parts(cells, |cells| runner.runs(cells));
+        let runs = in_parts(cells, |cells| runner.runs(cells));
         let mut outcomes: Vec<Vec<Option<Outcome>>> = vec![Vec::new(); cells.len()];
         for &place in &runner.ensemble().plan().filters {
             let possible: Vec<GpuRun<'_>> =
@@ -47,7 +46,7 @@ impl Gpu {
             all.map(|outcomes| (cell, runner.row_of_sums(run.as_ref(), &outcomes)))
         };
         let done: Vec<_> = cells.iter().zip(&runs).zip(&outcomes).collect();
-        let rows_of_cells = parallel::in_parts(&done, |done| done.iter().filter_map(row).collect());
+        let rows_of_cells = in_parts(&done, |done| done.iter().filter_map(row).collect());
         let (served, rows): (Vec<usize>, Vec<Vec<f64>>) = rows_of_cells.into_iter().unzip();
         Ok((served, rows.concat()))
     }

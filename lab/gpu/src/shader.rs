@@ -1,15 +1,11 @@
 //! The programs in WGSL, put together from their parts and the lists of a plant and its sensors.
 
-use kalmanscope_core::Channel;
-use kalmanscope_core::Propagation;
 use kalmanscope_core::internals::Reading;
-use kalmanscope_core::internals::engine::Node;
-use kalmanscope_core::internals::engine::Notes;
-use kalmanscope_core::internals::engine::{Design, Method};
+use kalmanscope_core::internals::engine::{Design, Method, Node, Notes};
+use kalmanscope_core::{Channel, Propagation};
 
 use crate::layout::Shape;
-use crate::text::{Text, literal};
-use crate::unroll::unrolled;
+use crate::text::{Text, literal, unrolled};
 
 /// The number of threads in a group, as in `main.wgsl`.
 pub(crate) const GROUP: u32 = 64;
@@ -29,7 +25,6 @@ const COMMON: [&str; 8] = [
     include_str!("shader/main.wgsl"),
 ];
 
-/// The program of some filters.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Program {
     /// The text in WGSL.
@@ -115,7 +110,6 @@ fn whole(design: &Design, channels: &[Channel], shape: Shape) -> [(&'static str,
     ]
 }
 
-/// The constants that all parts have.
 fn constants(design: &Design, channels: &[Channel], shape: Shape) -> Option<String> {
     let Design { method, has_slope, .. } = design;
     let whole = whole(design, channels, shape);

@@ -4,8 +4,6 @@
 
 mod common;
 mod runs;
-#[path = "common/tally.rs"]
-mod tally;
 
 mod inside;
 mod languages;
@@ -13,6 +11,5 @@ mod languages;
 /// Tests that take minutes where the graphics processor is one in software.
 mod on_adapter {
     mod maps;
-    mod plants;
     mod random;
 }

@@ -7,7 +7,6 @@ use proptest::prelude::*;
 pub(crate) const CHANNELS: [Channel; 4] =
     [Channel::DISPLACEMENT, Channel::VELOCITY, Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO];
 
-/// Four numbers as values of the channels.
 pub(crate) fn values(of: [f64; 4]) -> Values {
     Values::ZERO.with(CHANNELS.into_iter().zip(of))
 }

@@ -68,7 +68,6 @@ fn of_size<L: engine::Level>(level: L, batch: &[Run<'_>], samples: &[usize]) -> 
     }
 }
 
-/// The instructions of AVX2.
 #[cfg(target_arch = "x86_64")]
 #[derive(Clone, Copy)]
 struct Avx2(fearless_simd::Avx2);
@@ -88,7 +87,6 @@ impl engine::Level for Avx2 {
     }
 }
 
-/// The vectors of WebAssembly.
 #[cfg(target_arch = "wasm32")]
 #[derive(Clone, Copy)]
 struct Simd128;

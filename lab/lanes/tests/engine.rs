@@ -1,18 +1,21 @@
 //! Filters of the engine: every lane has the bits of a single number, at every instruction set, and the single filter's numbers
 //! to rounding.
 
-use crate::draw::{PLANTS, ensemble, truth};
-use crate::held::{check, check_alone};
+use std::path::Path;
+
 use kalmanscope_core::filter::{Adaptation, Robust};
-use kalmanscope_core::internals::engine::Setup;
+use kalmanscope_core::internals::engine::{self, Baseline, Setup};
+use kalmanscope_core::record::{Clocks, Timed};
 use kalmanscope_core::score::{Look, Outcome};
 use kalmanscope_core::signal::Step;
-use kalmanscope_core::simulate;
 use kalmanscope_core::{
-    Aspect, Channel, FilterError, FilterKind, FilterSettings, Hold, PlantKind, Propagation, Quantity, Record, Scenario,
-    Signal, Values,
+    Aspect, Channel, FilterError, FilterKind, FilterSettings, Hold, PlantKind, Propagation, Quantity, Record, Run,
+    Scenario, Signal, Values, simulate,
 };
 use kalmanscope_lanes::{LaneRun, Level, outcomes_with, serves};
+
+use crate::draw::{Draw, PLANTS, ensemble, truth};
+use crate::held::{bits, check, check_alone};
 
 #[test]
 fn lanes_have_the_bits_of_a_single_number() {
@@ -308,4 +311,148 @@ fn a_run_that_stops_tells_when_and_why_as_the_single_filter_does() {
     }
     let expected = [FilterError::SingularInnovation, FilterError::ImpossibleMeasurement];
     assert_eq!(reasons[..2], expected, "{reasons:?}");
+}
+
+fn gallery() -> Vec<(String, Scenario)> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/equations");
+    let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let read = |path: std::path::PathBuf| {
+        let scenario = Scenario::from_toml(&std::fs::read_to_string(&path).unwrap()).unwrap();
+        (path.display().to_string(), Scenario { duration: 3.0, ..scenario })
+    };
+    files.map(read).collect()
+}
+
+#[test]
+fn filters_of_equations_go_side_by_side() {
+    let gallery = gallery();
+    assert_eq!(gallery.len(), 12);
+    for (name, mut scenario) in gallery {
+        let mut truth = Run::new(&Scenario { filters: Vec::new(), ..scenario.clone() }).unwrap();
+        truth.finish();
+        let record = truth.record().clone();
+        let first = scenario.filters.remove(0);
+        for kind in [FilterKind::EKF, FilterKind::UKF] {
+            scenario.filters = (0..8).map(|_| first.clone()).collect();
+            for (i, filter) in scenario.filters.iter_mut().enumerate() {
+                (filter.kind, filter.id, filter.name) = (kind, i as u32 + 1, format!("{i}"));
+                for channel in scenario.plant.kind.parameters() {
+                    filter.initial_mean[channel] *= 1.0 + 0.02 * i as f64;
+                }
+            }
+            let run = |place| LaneRun { scenario: &scenario, place, record: &record };
+            let runs: Vec<LaneRun<'_>> = (0..8).map(run).collect();
+            assert!(runs.iter().all(|run| serves(run).unwrap()), "{name}");
+            let setups: Vec<Setup> =
+                (0..8).map(|place| Setup::new(&scenario, place, &record).unwrap().unwrap()).collect();
+            let single =
+                |setup| engine::outcomes::<f64, _>(Baseline, &[engine::Run { setup, record: &record }], &[]).remove(0);
+            let singles: Vec<Outcome> = setups.iter().map(single).collect();
+            for level in Level::available() {
+                for (lane, single) in outcomes_with(level, &runs, &[]).unwrap().iter().zip(&singles) {
+                    assert_eq!(bits(lane), bits(single), "{name} {kind:?} at {level:?}");
+                }
+            }
+            for (place, one) in singles.iter().enumerate() {
+                let book = Outcome::of(&scenario, place, &record).unwrap();
+                assert_eq!((one.stop, book.stop), (None, None), "{name} {kind:?}");
+                for i in 0..one.mean.len() {
+                    let off = (one.mean[i] - book.mean[i]).abs() / book.std[i].max(1e-12);
+                    assert!(off < 1e-7, "{name} {kind:?} {place}: component {i} is {off:e} standard deviations off");
+                }
+            }
+        }
+    }
+}
+
+/// By default filters of plants that are not linear divide their steps: a map's cell has the bits of the run on screen.
+#[test]
+fn filters_that_divide_their_steps_have_the_bits_of_the_run_alone() {
+    let mut all: Vec<(String, Scenario)> =
+        gallery().into_iter().filter(|(_, scenario)| !scenario.plant.kind.info().is_linear).collect();
+    assert!(all.len() > 4);
+    for kind in [PlantKind::DUFFING, PlantKind::BOUC_WEN] {
+        let mut scenario = Scenario { duration: 3.0, ..Scenario::default() };
+        scenario.set_plant(kind);
+        all.push((kind.key().to_owned(), scenario));
+    }
+    for (name, mut scenario) in all {
+        let mut truth = Run::new(&Scenario { filters: Vec::new(), ..scenario.clone() }).unwrap();
+        truth.finish();
+        let record = truth.record().clone();
+        let first = scenario.filters.remove(0);
+        scenario.filters = [FilterKind::EKF, FilterKind::UKF, FilterKind::CKF]
+            .map(|kind| kalmanscope_core::FilterSettings { kind, name: kind.name().to_owned(), ..first.clone() })
+            .into();
+        scenario.number_filters();
+        let run = |place| LaneRun { scenario: &scenario, place, record: &record };
+        check(&[run(0)], &name);
+        assert_eq!(check_alone(&scenario, &record, &name), 3, "{name}");
+    }
+}
+
+/// The record with readings that come up to half a step early or late, of which some are missing and some come twice, and an input
+/// with a slower clock or with the samples' times.
+fn with_own_times(record: Record, draw: &mut Draw) -> Record {
+    let reading = |column: usize, draw: &mut Draw| {
+        let mut timed = Timed::default();
+        for (k, value) in record.measured(column).iter().enumerate().filter(|(_, value)| value.is_finite()) {
+            let times = if draw.once_in(5) { draw.below(3) } else { 1 };
+            for nth in 0..times {
+                let time = k as f64 - 0.5 + 0.5 * nth as f64 + draw.between(0.0, 0.4);
+                if timed.times.last().is_none_or(|last| *last < time) && time > 0.0 {
+                    timed.times.push(time);
+                    timed.values.push(value * (1.0 + 0.01 * nth as f64));
+                }
+            }
+        }
+        timed
+    };
+    let readings = (0..record.sensors().len()).map(|column| reading(column, draw)).collect();
+    let input = draw.once_in(2).then(|| {
+        let apart = draw.between(0.4, 2.5);
+        let times: Vec<f64> = (0..).map(|k| apart * f64::from(k)).take_while(|t| *t < record.len() as f64).collect();
+        let values = times.iter().map(|time| record.input()[*time as usize]).collect();
+        Timed { times, values }
+    });
+    record.with_clocks(Clocks { input, readings }).unwrap()
+}
+
+#[test]
+fn lanes_have_the_bits_of_a_single_number_and_of_the_filter_alone() {
+    let (mut together, mut alone, mut stopped, mut twice) = (0, 0, 0, 0);
+    for seed in 3000..3100 {
+        let mut scenario = ensemble(seed);
+        let mut draw = Draw(seed);
+        let delay = scenario.filters.first().map_or(0, |filter| filter.input_delay);
+        for filter in &mut scenario.filters {
+            // Both count in samples.
+            filter.adaptation = Adaptation::default();
+            filter.augment.retain(|channel| *channel != Channel::WHITE_FORCE);
+        }
+        if draw.once_in(2) {
+            scenario.filters.iter_mut().for_each(|filter| filter.input_delay = delay);
+        }
+        let record = with_own_times(simulate(&scenario), &mut draw);
+        let run = |place| LaneRun { scenario: &scenario, place, record: &record };
+        let setup = |run: &LaneRun<'_>| Setup::new(run.scenario, run.place, run.record).unwrap();
+        let runs: Vec<LaneRun<'_>> =
+            (0..scenario.filters.len()).map(run).filter(|run| setup(run).is_some_and(|setup| setup.is_timed)).collect();
+        if runs.is_empty() {
+            continue;
+        }
+        let what = format!("seed {seed} {:?} {:?}", scenario.plant.kind, scenario.filters[0]);
+        let outcomes = check(&runs, &what);
+
+        alone += check_alone(&scenario, &record, &what);
+        together += outcomes.len();
+        stopped += outcomes.iter().filter(|outcome| outcome.stop.is_some()).count();
+        let readings: usize = record.clocks().unwrap().readings.iter().map(|timed| timed.times.len()).sum();
+        let told = |outcome: &Outcome| outcome.nis.degrees as usize == readings;
+        twice += usize::from(outcomes.iter().any(|outcome| outcome.stop.is_none() && told(outcome)));
+    }
+    assert!(together > 400, "{together} runs go in lanes");
+    assert!(alone > 400, "{alone} filters are compared with themselves alone");
+    assert!(stopped > together / 30 && stopped < together / 2, "{stopped} of {together} runs stop");
+    assert!(twice > 10, "all readings count in {twice} records");
 }

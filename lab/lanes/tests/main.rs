@@ -5,9 +5,5 @@
 mod draw;
 #[path = "common/held.rs"]
 mod held;
-#[path = "common/outcome_bits.rs"]
-mod outcome_bits;
 
 mod engine;
-mod equations;
-mod times;

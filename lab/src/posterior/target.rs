@@ -18,16 +18,13 @@ pub(super) struct Target {
     channels: Vec<Channel>,
     /// The initial belief of each parameter: mean, and standard deviation.
     belief: Vec<[f64; 2]>,
-    /// The ends of each parameter.
     bounds: Vec<[f64; 2]>,
-    /// Whether the belief is one of logarithms.
     of_logarithms: bool,
     /// The threads that share points, one a processor; a browser has one.
     pub(super) threads: usize,
 }
 
 impl Target {
-    /// The target of the filter at a place of a scenario.
     pub(super) fn new(scenario: &Scenario, place: usize, record: &Record) -> Result<Self, NoPosterior> {
         // The record fits the filter as it is.
         Pass::new(scenario, place, record)?;
@@ -57,7 +54,6 @@ impl Target {
         Ok(Self { scenario, record, channels, belief, bounds, of_logarithms, threads })
     }
 
-    /// The parameters.
     pub(super) fn channels(&self) -> &[Channel] {
         &self.channels
     }

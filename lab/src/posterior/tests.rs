@@ -226,3 +226,23 @@ fn a_record_that_nothing_explains_has_no_posterior() {
     let posterior = Posterior::new(&scenario, 0, &record).unwrap();
     assert_eq!(posterior.run(), None);
 }
+
+#[test]
+fn one_group_is_no_two_solutions_and_two_are() {
+    for seed in 0..200 {
+        let mut random = Normal::from_seed(seed);
+        let count = 128 + (seed as usize % 3) * 128;
+        let normal: Vec<f64> = (0..count).map(|_| random.sample()).collect();
+        let uniform: Vec<f64> = (0..count).map(|_| random.uniform()).collect();
+        let skewed: Vec<f64> = normal.iter().map(|x| libm::exp(0.6 * x)).collect();
+        for values in [normal.clone(), uniform, skewed] {
+            assert_eq!(Solutions::of(values), None, "seed {seed}");
+        }
+        let two = normal.iter().enumerate().map(|(i, x)| if i % 4 == 0 { 12.0 + x } else { 2.0 + x });
+        let found = Solutions::of(two.collect()).expect("they are ten standard deviations apart");
+        assert!((found.means[0] - 2.0).abs() < 0.3 && (found.means[1] - 12.0).abs() < 0.6, "{found:?}");
+        assert!((found.shares[1] - 0.25).abs() < 0.01, "{found:?}");
+    }
+    assert_eq!(Solutions::of(vec![1.0; 64]), None);
+    assert_eq!(Solutions::of(Vec::new()), None);
+}

@@ -3,12 +3,12 @@
 use std::sync::Arc;
 
 use argmin::core::{CostFunction, Error};
+use argmin_math::{ArgminAdd, ArgminMul, ArgminSub};
 use kalmanscope_core::setting::Address;
+use kalmanscope_core::{Axis, Measure, Pass, Record, Scenario, VerdictKind};
 
 use super::Goal;
-use super::point::Point;
 use crate::{EnsembleError, outcome};
-use kalmanscope_core::{Axis, Measure, Pass, Record, Scenario, VerdictKind};
 
 /// The cost of settings that are impossible, beyond their axes, or stop the filter.
 pub(super) const FORBIDDEN: f64 = 1e100;
@@ -23,7 +23,6 @@ pub(super) struct Cost {
     pub(super) goal: Goal,
 }
 
-/// The cost of points.
 pub(super) struct Objective(pub(super) Arc<Cost>);
 
 impl CostFunction for Objective {
@@ -66,17 +65,14 @@ impl Cost {
         self.axes.iter().zip(self.present_values()).map(share).collect()
     }
 
-    /// The scenario's own values.
     pub(super) fn present_values(&self) -> Vec<f64> {
         self.settings.iter().map(|setting| setting.get(&self.scenario)).collect()
     }
 
-    /// The values at a place.
     pub(super) fn values(&self, shares: &[f64]) -> Vec<f64> {
         self.axes.iter().zip(shares).map(|(axis, &share)| axis.at_share(share)).collect()
     }
 
-    /// The scenario with these values.
     pub(super) fn with_values(&self, values: &[f64]) -> Scenario {
         let mut scenario = self.scenario.clone();
         for (setting, &value) in self.settings.iter().zip(values) {
@@ -85,7 +81,6 @@ impl Cost {
         scenario
     }
 
-    /// The cost at a place.
     pub(super) fn of(&self, shares: &[f64]) -> f64 {
         if !shares.iter().all(|share| (0.0..=1.0).contains(share)) {
             return FORBIDDEN;
@@ -101,9 +96,36 @@ impl Cost {
         if row[0] == 0.0 && cost.is_finite() { cost.min(FORBIDDEN) } else { FORBIDDEN }
     }
 
-    /// The verdict on the filter of a scenario.
     pub(super) fn verdict(&self, scenario: &Scenario) -> Option<VerdictKind> {
         let row = outcome::any(scenario, self.place, &self.record, &[Measure::VERDICT]).ok()?;
         VerdictKind::ALL.get(row[0] as usize).copied().filter(|_| row[0] >= 0.0)
+    }
+}
+
+/// A point in shares of the axes.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Point(pub(super) Vec<f64>);
+
+impl Point {
+    fn with(&self, other: &Self, each: impl Fn(f64, f64) -> f64) -> Self {
+        Self(self.0.iter().zip(&other.0).map(|(&a, &b)| each(a, b)).collect())
+    }
+}
+
+impl ArgminAdd<Self, Self> for Point {
+    fn add(&self, other: &Self) -> Self {
+        self.with(other, |a, b| a + b)
+    }
+}
+
+impl ArgminSub<Self, Self> for Point {
+    fn sub(&self, other: &Self) -> Self {
+        self.with(other, |a, b| a - b)
+    }
+}
+
+impl ArgminMul<f64, Self> for Point {
+    fn mul(&self, factor: &f64) -> Self {
+        Self(self.0.iter().map(|x| factor * x).collect())
     }
 }

@@ -1,9 +1,12 @@
-//! The information that a record has on the settings that were tuned: how far each may be off.
+//! The information that a record has on the settings that were tuned: how far each may be off; and remarks on the result.
 
-use kalmanscope_core::Spacing;
+use std::fmt;
+
 use kalmanscope_core::filter::Matrix;
+use kalmanscope_core::{Spacing, VerdictKind};
 
 use super::cost::{Cost, FORBIDDEN};
+use super::{Goal, Try};
 
 /// The curvature of the log likelihood at its maximum, from differences, one run or two at a time.
 ///
@@ -34,14 +37,12 @@ const FALL: std::ops::RangeInclusive<f64> = 0.1..=1.0;
 /// The fall that a step is changed to.
 const WANTED: f64 = 0.4;
 
-/// Limits the changes of a step.
 const TRIES: usize = 8;
 
 /// Limits how much further the maximum may be away, in its own σ.
 const NEAR: f64 = 0.5;
 
 impl Information {
-    /// At these values of the settings.
     pub(super) fn new(cost: &Cost, values: Vec<f64>, score: f64) -> Self {
         let step = |axis: &kalmanscope_core::Axis| match axis.spacing {
             Spacing::Logarithmic => FIRST,
@@ -51,7 +52,6 @@ impl Information {
         Self { values, best: -score, steps, beside: Vec::new(), mixed: Vec::new(), tries: 0, runs: 0 }
     }
 
-    /// The runs that it took.
     pub(super) fn runs(&self) -> u64 {
         self.runs
     }
@@ -131,7 +131,77 @@ fn moved(spacing: Spacing, value: f64, by: f64) -> f64 {
     }
 }
 
-/// All pairs of n things.
 fn pairs(n: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..n).flat_map(move |i| (i + 1..n).map(move |j| (i, j)))
+}
+
+/// A setting at this share of its axis from an end is at that end.
+const EDGE: f64 = 0.01;
+
+/// A setting is flat if the score allows multiplying it by this factor.
+const TURN: f64 = 2.0;
+
+/// A warning about a result.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Remark {
+    /// No values are better than the scenario's own.
+    NoBetter,
+    /// The record has little information on this setting: half and twice the value are as good.
+    Flat(String),
+    /// The best value of this setting is at an end of its axis.
+    Edge(String),
+    /// The goal prefers a filter with a bad verdict.
+    Inconsistent(Goal, VerdictKind),
+}
+
+impl fmt::Display for Remark {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoBetter => f.write_str("No values are better than the present ones."),
+            Self::Flat(key) => write!(f, "The record hardly tells {key}: half and twice the value are as good."),
+            Self::Edge(key) => {
+                write!(f, "The best value of {key} is at an end of its range: widen the range, or doubt the model.")
+            }
+            Self::Inconsistent(goal, verdict) => {
+                let goal = match goal {
+                    Goal::Likelihood => "The likelihood",
+                    Goal::FreeRun(_) => "The free run",
+                    Goal::Consistency => "The mean NIS",
+                };
+                write!(
+                    f,
+                    "{goal} is best for a filter whose verdict is “{}”: the model lacks something that no Q or R mends.",
+                    verdict.name()
+                )
+            }
+        }
+    }
+}
+
+pub(super) fn remarks(cost: &Cost, path: &[Try], verdict: Option<VerdictKind>) -> Vec<Remark> {
+    let mut remarks = Vec::new();
+    let [_, .., best] = path else { return vec![Remark::NoBetter] };
+    for (place, axis) in cost.axes.iter().enumerate() {
+        let share = axis.share_of(best.values[place]);
+        if !(EDGE..=1.0 - EDGE).contains(&share) {
+            remarks.push(Remark::Edge(axis.key.clone()));
+            continue;
+        }
+        let turned = |factor: f64| {
+            let mut values = best.values.clone();
+            values[place] = match axis.spacing {
+                Spacing::Logarithmic => values[place] * factor,
+                Spacing::Linear => values[place] + (factor - 1.0) * 0.1 * (axis.to - axis.from),
+            };
+            best.score + cost.of_scenario(&cost.with_values(&values))
+        };
+        if turned(TURN).max(turned(1.0 / TURN)) < cost.goal.indifferent() {
+            remarks.push(Remark::Flat(axis.key.clone()));
+        }
+    }
+    let is_bad = |kind: &VerdictKind| {
+        !matches!(kind, VerdictKind::Consistent | VerdictKind::Recovered | VerdictKind::NotIdentifiable)
+    };
+    remarks.extend(verdict.filter(is_bad).map(|kind| Remark::Inconsistent(cost.goal, kind)));
+    remarks
 }

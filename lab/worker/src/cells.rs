@@ -33,7 +33,6 @@ pub fn runner(words: &Words) -> Result<Runner, String> {
     Runner::new(ensemble, source).map_err(|error| error.to_string())
 }
 
-/// The ensemble whose cells a worker runs.
 pub(crate) struct Rows(pub(crate) Runner);
 
 impl Portioned for Rows {

@@ -27,19 +27,14 @@
 #![cfg(target_arch = "wasm32")]
 
 mod cells;
-mod file;
 mod filter;
-mod posterior;
 mod record;
 mod scope;
 mod serve;
-mod suggestion;
 mod task;
 
 pub use cells::{cells, cells_message, portion_of, rows, rows_part, runner};
-pub use file::{file_message, loaded};
-pub use filter::{filter_message, tape};
-pub use posterior::{posterior_message, sampled};
+pub use filter::{filter_message, posterior_message, sampled, suggest_message, suggestion, tape};
+pub use record::{file_message, loaded};
 pub use scope::{Words, answer, fail, hear, tell};
 pub use serve::serve;
-pub use suggestion::{suggest_message, suggestion};

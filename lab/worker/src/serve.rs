@@ -3,11 +3,9 @@
 use js_sys::Array;
 
 use crate::cells::{Rows, runner};
-use crate::file::{file, loaded_message};
-use crate::filter::Filter;
-use crate::posterior::{posterior, sampled_message};
+use crate::filter::{Filter, posterior, sampled_message, suggest, suggestion_message};
+use crate::record::{file, loaded_message};
 use crate::scope::{Words, answer, fail, hear};
-use crate::suggestion::{suggest, suggestion_message};
 use crate::task::{Portioned, Whole};
 
 /// Does tasks for as long as the worker lives.
@@ -32,7 +30,6 @@ pub fn serve() {
     });
 }
 
-/// The task of a message.
 fn begin(kind: &str, words: &Words) -> Result<Box<dyn Portioned>, String> {
     Ok(match kind {
         "cells" => Box::new(Rows(runner(words)?)),

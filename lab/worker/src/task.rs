@@ -4,7 +4,6 @@ use js_sys::{Array, Float64Array};
 use kalmanscope_core::Task;
 use wasm_bindgen::JsValue;
 
-/// A task in portions.
 pub(crate) trait Portioned {
     /// Does a portion, and returns the part to send. The browser does not copy buffers in `handed_over`.
     fn go_on(&mut self, portion: &JsValue, handed_over: &Array) -> JsValue;
@@ -17,7 +16,6 @@ pub(crate) struct Whole<T: Task> {
 }
 
 impl<T: Task> Whole<T> {
-    /// A task and the function that makes a message of its outcome.
     pub(crate) fn new(task: T, message: fn(&T::Outcome, &Array) -> JsValue) -> Self {
         Self { task: Some(task), message }
     }

@@ -9,14 +9,12 @@
 
 use super::{FilterSettings, Scenario};
 
-/// The beginning of an address by id.
 const BY_ID: &str = "filters#";
 
-/// The beginning of an address by name.
 const BY_NAME: &str = "filters.";
 
-/// The name that stands for all filters.
-const ALL: &str = "*";
+/// The name that stands for all filters in keys; no filter has it.
+pub(super) const ALL: &str = "*";
 
 impl FilterSettings {
     /// The address of one of its settings, by its id.
@@ -30,12 +28,10 @@ impl FilterSettings {
     }
 }
 
-/// The address of a setting of the filter with an id.
 pub(crate) fn of_filter(id: u32, key: &str) -> String {
     format!("{BY_ID}{id}.{key}")
 }
 
-/// The id and the key of an address by id.
 pub(crate) fn split_id(address: &str) -> Option<(u32, &str)> {
     let (id, key) = address.strip_prefix(BY_ID)?.split_once('.')?;
     Some((id.parse().ok()?, key))

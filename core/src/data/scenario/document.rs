@@ -1,8 +1,35 @@
-//! Scenarios as documents: the contents of a file of any format.
+//! Scenarios as documents: the contents of a file of any format, and of TOML files; and the reasons why they are none.
 
-use super::{Scenario, ScenarioError, Sensor, Values};
+use thiserror::Error;
+
+use super::{Scenario, Sensor, Values};
 use crate::data::document::{self, Document, DocumentError, json};
 use crate::{PlantKind, Quantity};
+
+/// The reason why a scenario cannot be used.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum ScenarioError {
+    /// The text is not a scenario: the message has the line, the key and the reason.
+    #[error("{0}")]
+    Syntax(String),
+    /// A value is impossible.
+    #[error("`{key}` is {value}, but must be {allowed}")]
+    Value {
+        /// The key's path in the file.
+        key: String,
+        /// The value.
+        value: String,
+        /// The allowed values.
+        allowed: String,
+    },
+}
+
+impl From<DocumentError> for ScenarioError {
+    fn from(error: DocumentError) -> Self {
+        Self::Syntax(error.to_string())
+    }
+}
 
 impl Scenario {
     /// Reads a scenario from a document and checks it: what [`Self::from_toml`] does, for any format. Keys, defaults and
@@ -109,5 +136,34 @@ fn know_equations(document: &Document) {
         Document::Object(entries) => entries.values().for_each(know_equations),
         Document::Array(values) => values.iter().for_each(know_equations),
         _ => {}
+    }
+}
+
+impl Scenario {
+    /// Reads a scenario file and checks it.
+    ///
+    /// # Errors
+    /// [`ScenarioError::Syntax`] where the text is not TOML, or has an unknown key or a value of the wrong type;
+    /// [`ScenarioError::Value`] where [`Self::validate`] finds an impossible value.
+    pub fn from_toml(text: &str) -> Result<Self, ScenarioError> {
+        Self::from_toml_with_remarks(text).map(|(scenario, _)| scenario)
+    }
+
+    /// The same, with a sentence for each filter that has another name than in the file, where two had the same, and one for
+    /// names of an equation that are taken for parameters.
+    ///
+    /// # Errors
+    /// Those of [`Self::from_toml`].
+    pub fn from_toml_with_remarks(text: &str) -> Result<(Self, Vec<String>), ScenarioError> {
+        Self::read(&document::from_toml(text)?, |error| error.in_toml(text))
+    }
+
+    /// The scenario as a file that [`Self::from_toml`] reads back to an equal one.
+    ///
+    /// # Errors
+    /// [`ScenarioError::Syntax`] where TOML cannot express it, which no valid scenario causes.
+    pub fn to_toml(&self) -> Result<String, ScenarioError> {
+        // The detour over a table puts subtables after plain values.
+        Ok(document::to_toml(&self.as_written())?)
     }
 }

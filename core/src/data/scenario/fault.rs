@@ -78,7 +78,6 @@ pub enum Scale {
     Seconds,
 }
 
-/// Limits the numbers of a fault.
 const MOST: usize = 3;
 
 /// A fault at work, with its memory.

@@ -1,10 +1,9 @@
-//! The settings of a filter.
+//! The settings of a filter, and its colour.
 
 use serde::de::{Error as _, IntoDeserializer as _};
 use serde::{Deserialize, Deserializer, Serialize};
 
-use super::values;
-use super::{Bounds, FilterColor, Values};
+use super::{Bounds, Values, values};
 use crate::data::document::{is_default, is_one};
 use crate::data::record::Delays;
 use crate::mathematics::filter::{Adaptation, FilterKind, MethodSettings, Propagation, Robust};
@@ -24,7 +23,7 @@ pub struct FilterSettings {
     pub id: u32,
     /// The name on screen, in files and in keys; that of its kind if empty. Without control characters and marks that turn the
     /// direction of writing. No two filters have the same: the later one gets a number behind it.
-    #[serde(deserialize_with = "super::name::name")]
+    #[serde(deserialize_with = "super::identity::name")]
     pub name: String,
     /// The kind of filter.
     pub kind: FilterKind,
@@ -250,4 +249,46 @@ fn propagation<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Prop
         return Err(D::Error::unknown_variant(&word, &WORDS));
     }
     Propagation::deserialize(word.into_deserializer()).map(Some)
+}
+
+/// A colour of the palette of Okabe and Ito, which colour-blind readers can distinguish. Each theme chooses the shade.
+///
+/// Source: Okabe and Ito (2008), Color Universal Design.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FilterColor {
+    /// Blue.
+    Blue,
+    /// Vermilion, a red that leans to orange.
+    Vermilion,
+    /// Bluish green.
+    Green,
+    /// Reddish purple.
+    Purple,
+    /// Orange.
+    Orange,
+    /// Sky blue.
+    Sky,
+}
+
+impl FilterColor {
+    /// Every colour, in the order in which filters get them.
+    pub const ALL: [Self; 6] = [Self::Blue, Self::Vermilion, Self::Green, Self::Purple, Self::Orange, Self::Sky];
+
+    /// The colour of the filter with this id, unless it has one of its own.
+    pub const fn of(id: u32) -> Self {
+        Self::ALL[(id as usize).saturating_sub(1) % Self::ALL.len()]
+    }
+
+    /// The name in running text.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Blue => "blue",
+            Self::Vermilion => "vermilion",
+            Self::Green => "green",
+            Self::Purple => "purple",
+            Self::Orange => "orange",
+            Self::Sky => "sky",
+        }
+    }
 }

@@ -97,7 +97,6 @@ impl Law {
         (!holds).then_some(allowed)
     }
 
-    /// A number of the law.
     fn draw(&self, random: &mut Normal) -> f64 {
         match *self {
             Self::Normal([mean, std]) => mean + std * random.sample(),
@@ -172,7 +171,6 @@ pub fn is_drawable(address: &Address) -> bool {
     ![&SEED, &DT, &DURATION].into_iter().any(|info| address.is_of_scenario(info))
 }
 
-/// A number with few digits.
 fn short(value: f64) -> f64 {
     format!("{value:.*e}", DIGITS - 1).parse().unwrap_or(value)
 }

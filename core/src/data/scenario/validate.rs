@@ -14,7 +14,6 @@ use crate::{Channel, InputKind, PlantKind, Signal};
 /// filter; one that forgets ([`crate::Run::forget`]) does not.
 pub(super) const MAX_SAMPLES: usize = 100_000_000;
 
-/// Limits the filters of one scenario.
 pub(super) const MAX_FILTERS: usize = 16;
 
 impl Scenario {
@@ -301,7 +300,6 @@ impl FilterSettings {
     }
 }
 
-/// Refuses a value that a setting may not have.
 fn check<T>(path: Arguments<'_>, info: &SettingInfo<T>, of: &T) -> Result<(), ScenarioError> {
     let SettingInfo { key, unit, allowed, note, .. } = *info;
     let value = (info.get)(of);
@@ -313,7 +311,6 @@ fn check<T>(path: Arguments<'_>, info: &SettingInfo<T>, of: &T) -> Result<(), Sc
     require(false, format_args!("{path}{key}"), value, format_args!("{allowed}{unit}{note}"))
 }
 
-/// Refuses a number that is not allowed.
 fn number(key: impl Display, value: f64, allowed: Allowed) -> Result<(), ScenarioError> {
     require(allowed.admits(value), key, value, allowed)
 }

@@ -47,7 +47,6 @@ fn named<const N: usize>(names: [&'static str; N]) -> Vec<Choice> {
     names.map(|name| Choice { name, hint: "" }).into()
 }
 
-/// The word at a place.
 fn word(words: &[&str], at: usize) -> Value {
     words.get(at).copied().unwrap_or_default().into()
 }
@@ -71,7 +70,6 @@ impl<T> fmt::Debug for ChoiceInfo<T> {
     }
 }
 
-/// The kind of the input.
 static INPUT: ChoiceInfo<Scenario> = ChoiceInfo {
     key: "input",
     name: "kind of input",
@@ -84,7 +82,6 @@ static INPUT: ChoiceInfo<Scenario> = ChoiceInfo {
     set: |scenario, at| scenario.input = if at == 0 { InputKind::Force } else { InputKind::GroundAcceleration },
 };
 
-/// The input between samples.
 static HOLD: ChoiceInfo<Scenario> = ChoiceInfo {
     key: "hold",
     name: "input between samples",
@@ -107,7 +104,6 @@ const SHAPES: [(&str, Force); 6] = [
     ("none", Force::None),
 ];
 
-/// The shape of the force.
 static SHAPE: ChoiceInfo<Scenario> = ChoiceInfo {
     key: "force",
     name: "force over time",
@@ -124,7 +120,6 @@ static SHAPE: ChoiceInfo<Scenario> = ChoiceInfo {
     set: |scenario, at| scenario.force = SHAPES.get(at).map_or(Force::None, |(_, shape)| *shape),
 };
 
-/// How the mean moves from sample to sample.
 static PROPAGATION: ChoiceInfo<FilterSettings> = ChoiceInfo {
     key: "propagation",
     name: "steps",

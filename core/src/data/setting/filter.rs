@@ -86,7 +86,6 @@ pub static PROCESS_SCALES: Row = row! { "process_scales", process_scales,
     serves: |filter, _| filter.can_scale(),
 };
 
-/// The steps into which a prediction is divided.
 static SUBSTEPS: Row = row! { "substeps", substeps,
     name: "steps a sample",
     allowed: Allowed::Whole(0, 100),
@@ -96,7 +95,6 @@ static SUBSTEPS: Row = row! { "substeps", substeps,
            Runge-Kutta step asks for",
 };
 
-/// Limits the linearisations in one update of an IEKF.
 static ITERATIONS: Row = row! { "iterations", iterations,
     name: "iterations",
     allowed: Allowed::Whole(1, 100),
@@ -115,7 +113,6 @@ pub static ENSEMBLE_SIZE: Row = row! { "ensemble_size", ensemble_size,
     serves: |filter, _| filter.kind.is_sampled(),
 };
 
-/// Whether the filter estimates logarithms.
 static LOG_PARAMETERS: Row = row! { "log_parameters", log_parameters,
     name: "logarithms of positive parameters",
     allowed: Allowed::Flag,
@@ -131,7 +128,6 @@ pub static SMOOTHER: Row = row! { "smoother", smoother,
     serves: |filter, _| filter.kind.is_gaussian() && filter.guesses == 1 && filter.process_scales == 1,
 };
 
-/// The time after each sample of which hindsight knows.
 static LOOK_AHEAD: Row = row! { "look_ahead", look_ahead,
     name: "look-ahead of hindsight",
     label: |_| Some("look-ahead"),
@@ -162,7 +158,6 @@ pub static FORGETTING: Row = row! { "adaptation.forgetting", adaptation.forgetti
     allowed: Allowed::Between(0.0, 1.0),
 };
 
-/// The time for which a filter learns R or Q.
 static TRAINING: Row = row! { "adaptation.training", adaptation.training,
     name: "training of the learnt noise",
     label: |_| Some("training"),

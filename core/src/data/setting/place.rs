@@ -8,10 +8,8 @@ use crate::data::scenario::{Fault, FaultNumber, FilterSettings, Scenario, Sensor
 use crate::mathematics::channel::Channel;
 use crate::mathematics::quantity::Quantity;
 
-/// The beginning of addresses of the plant.
 const PLANT: &str = "plant.";
 
-/// The place of a number in a scenario.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Place {
     /// One of the scenario, besides the others here.
@@ -45,7 +43,6 @@ pub(super) enum Member {
 }
 
 impl Place {
-    /// The place in a text.
     pub(super) fn parse(scenario: &Scenario, text: &str) -> Option<Self> {
         let is_it =
             |info: &&'static SettingInfo<Scenario>| info.key == text && (info.serves)(scenario, scenario.plant.kind);
@@ -144,7 +141,6 @@ impl Place {
     }
 }
 
-/// Keys as a sentence lists them.
 fn listed<'a>(keys: impl Iterator<Item = &'a str>) -> String {
     keys.map(|key| format!("`{key}`")).collect::<Vec<_>>().join(", ")
 }

@@ -256,7 +256,6 @@ impl Entry {
     }
 }
 
-/// The place of the sensor of a quantity.
 fn place(sensors: &[Sensor], quantity: Quantity) -> Option<usize> {
     sensors.iter().position(|sensor| sensor.measures == quantity)
 }

@@ -249,7 +249,7 @@ impl Trials {
         let mut pass = Pass::new(&scenario, 0, &rest).ok()?;
         pass.follow(&rest, rest.len(), &mut scores.against(&rest));
         let before: f64 = (0..=at).map(|k| unturned.log_likelihood(k)).filter(|x| !x.is_nan()).sum();
-        pass.stop().is_none().then(|| before + scores.log_likelihood())
+        pass.stop().is_none().then(|| before + scores.outcome().log_likelihood)
     }
 }
 

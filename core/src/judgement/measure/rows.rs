@@ -1,12 +1,11 @@
 //! The table of measures: a row each, with its formulas.
 
 use super::info::{Best, MeasureInfo, Of, ValueKind, row};
-use super::observed;
 use super::observed::{Observed, Part};
-use super::{FirstCause, Value};
+use super::{FirstCause, Value, observed};
 use crate::free_run::one_step;
 use crate::numbers::diagnostics::{ErrorSums, Total};
-use crate::numbers::score::outcome::LOST;
+use crate::numbers::score::LOST;
 use crate::{Diagnosis, Evidence, FilterSettings, Identified, InputKind, ModelClasses, PlantKind, Task};
 
 const PURE: Option<&str> = Some("");

@@ -4,7 +4,7 @@ use super::happening::{Change, Happening};
 use std::f64::consts::TAU;
 
 use super::phrase::{Adjustable, Phrase, Writer};
-use crate::data::scenario::motion::turn_at;
+use crate::data::scenario::cost::turn_at;
 use crate::diagnosis::Subject;
 use crate::judgement::words::{percent_to_a_tenth, plain, seconds, with_band};
 use crate::numbers::diagnostics::ErrorSums;

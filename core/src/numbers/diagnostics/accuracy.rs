@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::range_sums::RangeSums;
+use super::totals::RangeSums;
 use crate::{Channel, Estimates, Record};
 
 /// Limits the relative error of an estimate that has settled.
@@ -105,7 +105,7 @@ pub(crate) fn sign_of(mean: &[f64], frequency: Option<usize>) -> f64 {
 /// The errors of the channels of known truth, in canonical form.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Accuracy {
-    known: Vec<TrackedChannel>,
+    pub(super) known: Vec<TrackedChannel>,
     /// The number of the first sample.
     first: usize,
     /// The place of the natural frequency; its sign determines the canonical form.
@@ -183,15 +183,10 @@ impl Accuracy {
         sign * self.errors[self.errors.len() - self.known.len() + at]
     }
 
-    /// The number of the sample since which a tracked channel has settled.
     pub(super) fn settled(&self, at: usize) -> Option<usize> {
         let TrackedChannel { settled, total, .. } = self.known[at];
         let end = self.first + self.counts.len() / self.known.len();
         (total.known > 0 && settled < end).then_some(settled)
-    }
-
-    pub(super) fn clone_tracked(&self) -> Vec<TrackedChannel> {
-        self.known.clone()
     }
 
     /// Restores the sums over forgotten samples from `before`, after a restart with the kept samples.
@@ -203,10 +198,6 @@ impl Accuracy {
                 known.settled = known.settled.min(before.settled);
             }
         }
-    }
-
-    pub(super) fn known(&self) -> &[TrackedChannel] {
-        &self.known
     }
 
     pub(super) fn place(&self, channel: Channel) -> Option<usize> {
@@ -287,7 +278,7 @@ mod tests {
         assert!((mirrored.error(1) + 0.02).abs() < 1e-15);
         assert!((mirrored.within(0, 0..2).squares - (0.25 + 0.0625)).abs() < 1e-15);
         assert_eq!(mirrored.settled(0), Some(1));
-        let known = mirrored.known()[0];
+        let known = mirrored.known[0];
         assert_eq!((known.first_error, known.largest_truth), (0.5, 6.0));
     }
 

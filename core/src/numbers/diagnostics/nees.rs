@@ -5,12 +5,11 @@ use super::totals::Totals;
 use crate::mathematics::engine::error_square::ErrorSquare;
 use crate::mathematics::engine::level::Baseline;
 
-/// The NEES of every sample, over the channels at some places.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Nees {
     square: ErrorSquare<f64>,
-    values: Vec<f64>,
-    totals: Totals,
+    pub(super) values: Vec<f64>,
+    pub(super) totals: Totals,
     /// The number of samples below the 95 % quantile of their degrees of freedom.
     inside: u32,
     /// The 95 % quantile for one and more degrees of freedom.
@@ -38,14 +37,6 @@ impl Nees {
         values.push(square);
         totals.push(square, degrees);
         *inside += u32::from(degrees > 0 && square <= limits[degrees as usize - 1]);
-    }
-
-    pub(super) fn values(&self) -> &[f64] {
-        &self.values
-    }
-
-    pub(super) fn totals(&self) -> &Totals {
-        &self.totals
     }
 
     /// The share of samples below the 95 % quantile of their degrees of freedom; NaN without any.

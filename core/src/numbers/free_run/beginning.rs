@@ -1,13 +1,12 @@
-//! The motion at the beginning of a free run, fitted to the first readings by Gauss and Newton.
+//! The motion of a model with all its parameters known, and its beginning, fitted to the first readings by Gauss and Newton.
 
 use std::ops::Range;
 
 use super::Identified;
-use super::course::{CHUNK, Course};
 use crate::Record;
 use crate::mathematics::linalg::{Ldl, Matrix, Vector};
-use crate::mathematics::model::Reading;
-use crate::samples::simulate::response::HALVED;
+use crate::mathematics::model::{Hold, Reading};
+use crate::samples::simulate::response::{HALVED, Response};
 
 /// The readings from which the motion at the beginning is fitted.
 const BEGINNING: usize = 50;
@@ -15,7 +14,6 @@ const BEGINNING: usize = 50;
 /// Limits the iterations of the fit; for a linear plant the first is exact.
 const ITERATIONS: usize = 8;
 
-/// A fit under way.
 pub(super) struct Beginning {
     /// The samples with the readings.
     pub(super) part: Range<usize>,
@@ -38,7 +36,6 @@ pub(super) struct Beginning {
 struct Trial {
     motion: Vec<f64>,
     course: Course,
-    /// The number of samples that are done.
     done: usize,
     /// Whether the readings at the next sample are yet to be compared.
     is_new: bool,
@@ -186,4 +183,47 @@ fn scale(measured: &[f64]) -> f64 {
     let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value * value, count + 1.0));
     let rms = libm::sqrt(sum / f64::max(count, 1.0));
     if rms > 0.0 { rms } else { 1.0 }
+}
+
+/// The samples between two checks of the clock: at most about a millisecond.
+pub(super) const CHUNK: usize = 64;
+
+pub(super) struct Course {
+    response: Response,
+    /// Whether the motion can still be integrated.
+    goes_on: bool,
+}
+
+impl Course {
+    /// The motion from a state: the values of the first channels.
+    pub(super) fn new(identified: &Identified, motion: &[f64]) -> Self {
+        let mut values = identified.values.clone();
+        values[..motion.len()].copy_from_slice(motion);
+        let (state, _) = identified.model.to_state(&values);
+        Self { response: Response::new(state.iter().copied()), goes_on: true }
+    }
+
+    /// The state, as long as it is finite.
+    pub(super) fn state(&self) -> Option<&[f64]> {
+        let state = self.response.state();
+        (self.goes_on && state.iter().all(|value| value.is_finite())).then_some(state)
+    }
+
+    /// The number of times that steps have been halved so far: a measure of the motion's computing time.
+    pub(super) fn halved(&self) -> u64 {
+        self.response.halved
+    }
+
+    /// Moves on from sample `k` to the next, and halves steps at most `most` times. Returns whether it has arrived; if
+    /// not, the next call goes on.
+    pub(super) fn advance(&mut self, identified: &Identified, record: &Record, k: usize, most: u64) -> bool {
+        let force = |k: usize| record.delayed_force(k, identified.input_delay);
+        let end = match record.hold() {
+            Hold::Zero => k,
+            Hold::First => k + 1,
+        };
+        let moved = self.response.advance(&identified.model, [force(k), force(end)], 0.0, record.dt(), most);
+        self.goes_on = moved.is_ok();
+        moved != Ok(false)
+    }
 }

@@ -2,8 +2,7 @@
 
 use std::ops::Range;
 
-use super::beginning::Beginning;
-use super::course::{CHUNK, Course};
+use super::beginning::{Beginning, CHUNK, Course};
 use super::{FreeRun, Identified, fit};
 use crate::Record;
 use crate::mathematics::model::Reading;
@@ -22,7 +21,6 @@ pub struct Running {
     /// The motion at the next sample, once the motion at the beginning is fitted.
     course: Option<Course>,
     predicted: Vec<Vec<f64>>,
-    /// The number of samples that are done.
     done: usize,
 }
 
@@ -60,7 +58,6 @@ impl Running {
         self.done >= self.part.len()
     }
 
-    /// The next samples.
     fn piece(&mut self, record: &Record) {
         let Self { identified, part, readings, ends, beginning, course: at, predicted, done, .. } = self;
         let Some(course) = at else { return };

@@ -9,8 +9,7 @@ use crate::mathematics::engine::filter::Filter;
 use crate::mathematics::engine::level::Level;
 use crate::mathematics::engine::number::{Mask, Number};
 use crate::mathematics::engine::update::Told;
-use crate::numbers::score::lane_sums::Scores;
-use crate::numbers::score::log_products::LogProducts;
+use crate::numbers::score::lane_sums::{LogProducts, Scores};
 use crate::numbers::score::{Look, Outcome};
 use crate::samples::estimator::setup::{Setup, filter};
 use crate::{FilterError, Record, Stop};
@@ -140,7 +139,6 @@ impl<T: Number> InUnits<T> {
     }
 }
 
-/// A batch of runs.
 struct Batch<T: Number, L> {
     level: L,
     /// The number of lanes that count.
@@ -157,7 +155,6 @@ struct Batch<T: Number, L> {
 }
 
 impl<T: Number, L: Level> Batch<T, L> {
-    /// Runs all filters over the record, sample by sample.
     fn run(mut self, inputs: &Inputs<'_>, length: usize, samples: &[usize]) -> Vec<Outcome> {
         let mut samples = samples.iter().copied().peekable();
         let mut measured = vec![T::of(0.0); inputs.measured.len()];

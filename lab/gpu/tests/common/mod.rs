@@ -1,8 +1,9 @@
-//! The adapter of the tests.
+//! The adapter of the tests, and its outcomes beside those of the core.
 #![expect(clippy::panic, reason = "without an adapter there is no test, and that is a failure")]
 
 use std::sync::LazyLock;
 
+use kalmanscope_core::score::Outcome;
 use kalmanscope_gpu::{Gpu, Software};
 
 static GPU: LazyLock<Gpu> = LazyLock::new(|| match pollster::block_on(Gpu::find(Software::Allowed)) {
@@ -17,3 +18,69 @@ pub(crate) fn gpu() -> &'static Gpu {
 
 /// Limits the relative difference of scores where both filters have converged.
 pub(crate) const CLOSE: f64 = 0.02;
+
+#[derive(Debug, Default)]
+pub(crate) struct Tally {
+    pub(crate) runs: usize,
+    /// The runs of the same class: stopped, lost and what else a test asks.
+    pub(crate) same: usize,
+    /// Those of them that are to be close, and those that are.
+    pub(crate) kept: usize,
+    pub(crate) close: usize,
+    /// The worst difference of a score.
+    pub(crate) worst: (f64, String),
+}
+
+impl Tally {
+    /// Takes in a run whose class is this one; `is_kept` chooses the classes whose scores are compared.
+    pub(crate) fn take<C: PartialEq>(
+        &mut self,
+        [outcome, exact]: [&Outcome; 2],
+        class: impl Fn(&Outcome) -> C,
+        is_kept: impl Fn(C) -> bool,
+    ) {
+        self.runs += 1;
+        if class(outcome) != class(exact) {
+            return;
+        }
+        self.same += 1;
+        if is_kept(class(exact)) {
+            self.kept += 1;
+            self.compare(outcome, exact);
+        }
+    }
+
+    fn compare(&mut self, outcome: &Outcome, exact: &Outcome) {
+        assert_eq!(outcome.samples, exact.samples);
+        assert_eq!((outcome.nis.degrees, outcome.nis.samples), (exact.nis.degrees, exact.nis.samples));
+        let keys = |outcome: &Outcome| outcome.channels.iter().map(|(channel, _)| *channel).collect::<Vec<_>>();
+        assert_eq!(keys(outcome), keys(exact));
+        let [nis, nees] = [exact.nis.per_degree(), exact.nees.per_degree()];
+        let size = exact.log_likelihood.abs().max(f64::from(exact.nis.degrees));
+        let mut pairs = vec![
+            ("NIS".to_owned(), outcome.nis.per_degree(), nis, nis),
+            ("NEES".to_owned(), outcome.nees.per_degree(), nees, nees),
+            ("likelihood".to_owned(), outcome.log_likelihood, exact.log_likelihood, size),
+        ];
+        for i in 0..exact.mean.len() {
+            pairs.push((format!("std of {i}"), outcome.std[i], exact.std[i], exact.std[i]));
+            // A tenth of the standard deviation is close.
+            let room = exact.std[i].max(1e-6 * exact.mean[i].abs());
+            pairs.push((format!("mean of {i}"), outcome.mean[i], exact.mean[i], 0.1 / CLOSE * room));
+        }
+        for ((channel, score), (_, other)) in outcome.channels.iter().zip(&exact.channels) {
+            // A parameter that a filter rightly knows for certain has the error of single precision alone.
+            pairs.push((format!("RMSE of {}", channel.key()), score.rmse, other.rmse, other.rmse.max(1e-5)));
+        }
+        let mut largest = 0.0_f64;
+        for (name, number, exact, size) in pairs {
+            let is_same = number == exact || (number.is_nan() && exact.is_nan());
+            let difference = if is_same { 0.0 } else { (number - exact).abs() / size };
+            largest = if difference <= largest { largest } else { difference };
+            if largest > self.worst.0 {
+                self.worst = (largest, format!("{name} is {number} in place of {exact}"));
+            }
+        }
+        self.close += usize::from(largest <= CLOSE);
+    }
+}

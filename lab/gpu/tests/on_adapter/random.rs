@@ -1,11 +1,9 @@
 //! Random runs by the graphics processor beside the single filter of the core.
 
-use crate::common::gpu;
+use crate::common::{Tally, gpu};
 use crate::runs::{CHANNELS, Shaken, size, values};
-use crate::tally::Tally;
 use kalmanscope_core::score::Outcome;
-use kalmanscope_core::simulate;
-use kalmanscope_core::{Channel, FilterKind, FilterSettings, Quantity, Scenario};
+use kalmanscope_core::{Channel, FilterKind, FilterSettings, Quantity, Scenario, simulate};
 use kalmanscope_gpu::{GpuRun, serves};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;

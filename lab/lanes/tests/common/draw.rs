@@ -8,18 +8,15 @@ use kalmanscope_core::{Channel, FilterKind, FilterSettings, Hold, InputKind, Pla
 pub(crate) struct Draw(pub(crate) u64);
 
 impl Draw {
-    /// Between two numbers.
     pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         low + (high - low) * ((self.0 >> 11) as f64 / (1_u64 << 53) as f64)
     }
 
-    /// A whole number below this one.
     pub(crate) fn below(&mut self, limit: usize) -> usize {
         self.between(0.0, limit as f64) as usize
     }
 
-    /// Whether something happens that happens once in `times` draws.
     pub(crate) fn once_in(&mut self, times: usize) -> bool {
         self.below(times) == 0
     }

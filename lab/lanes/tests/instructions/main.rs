@@ -12,7 +12,6 @@
 //! optimisations, moves of memory hide what AVX2 saves. Counts depend on the compiler too; the table names it.
 
 mod cases;
-mod counting;
 mod table;
 
 use std::process::ExitCode;
@@ -30,7 +29,7 @@ fn main() -> ExitCode {
     let (is_work, is_update) = (take(WORK), take("--update"));
     let chosen = cases::chosen(&words);
     if is_work {
-        counting::work(&chosen);
+        table::work(&chosen);
         return ExitCode::SUCCESS;
     }
     let done = match (is_update, words.is_empty()) {

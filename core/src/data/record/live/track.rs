@@ -36,7 +36,6 @@ pub(super) struct Track {
 }
 
 impl Track {
-    /// The readings that wait for their sample.
     pub(super) fn waiting(&self) -> usize {
         self.times.len() - self.taken
     }
