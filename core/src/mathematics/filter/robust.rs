@@ -114,7 +114,7 @@ static HUBER: RobustInfo = RobustInfo {
 /// ν, the degrees of freedom: the fewer, the heavier the tails.
 const DEGREES: f64 = 4.0;
 
-/// Each reading has a precision of its own, whose expectation given the state is the weight.
+/// Each reading has its own precision, whose expectation given the state is the weight.
 ///
 /// ```text
 /// w = (ν + 1) / (ν + (ε² + H P⁺ Hᵀ) / R)
@@ -138,8 +138,8 @@ const WIDER: f64 = 10.0;
 /// A reading with larger odds is left out.
 const MOST_ODDS: f64 = 1e6;
 
-/// A reading is good, with the noise R, or an outlier, whose noise is 10 times as wide; which of both has a probability of its own
-/// given the state. An outlier tells next to nothing, so the weight is the probability that the reading is good.
+/// A reading is good, with the noise R, or an outlier, whose noise is 10 times as wide; which of both is uncertain, and has a probability
+/// given the state. An outlier says next to nothing, so the weight is the probability that the reading is good.
 ///
 /// ```text
 /// P = π N(ε; 0, λ² R) / (π N(ε; 0, λ² R) + (1 - π) N(ε; 0, R)),  w = 1 - P,  with ε² + H P⁺ Hᵀ in place of ε²
