@@ -79,7 +79,7 @@ fn records_of_every_plant_input_and_sensor_come_back() {
 #[test]
 fn an_input_without_a_name_is_the_scenarios() {
     let folder = Folder::new();
-    let rows: String = (0..40).map(|k| format!("{},{},{}\n", 0.05 * f64::from(k), k % 3, k % 5)).collect();
+    let rows: String = (0..40).map(|k| format!("{},{},{}\n", 0.05 * f64::from(k), 2 * k % 3, 2 * k % 5)).collect();
     folder.file("r.csv", &format!("t,channel 1,roof\n{rows}"));
     let estimates = |input: &str| {
         let text = SAMPLE.replace("[[sensors]]\nmeasures = \"velocity\"\nnoise_std = 0.06\n", "");

@@ -90,7 +90,9 @@ mod tests {
     type Outcome = Result<Loaded, ImportError>;
 
     fn file() -> Loading {
-        Loading::new(b"t,x\n0,1\n0.1,2\n".to_vec())
+        // More lines than are read at a time.
+        let rows = (0..1000).map(|k| format!("{k},{}\n", k % 7));
+        Loading::new(("t,x\n".to_owned() + &rows.collect::<String>()).into_bytes())
     }
 
     /// Frames until the outcome, with the share that each of them shows. A worker sends its reports, then fails.

@@ -47,7 +47,7 @@ fn all_comes_back_from_a_line_from_lines_and_from_a_link() {
 fn usual_values_need_no_keys_and_missing_keys_have_usual_values() {
     let usual: Value = serde_json::from_str(&Picture::default().line().expect("it can be written")).expect("JSON");
     let keys: Vec<&String> = usual.as_object().expect("it is an object").keys().collect();
-    assert_eq!(keys, ["kalmanscope_session", "mode", "scenario", "views"]);
+    assert_eq!(keys, ["kalmanscope_session", "scenario", "views", "mode"]);
     assert_eq!(read(&json!({ "kalmanscope_session": 1 })), Ok(Picture::default()));
     let nothing = Picture { views: None, ..Picture::default() };
     assert_eq!(Picture::of_text(&nothing.line().expect("it can be written")).expect("it can be read"), nothing);
