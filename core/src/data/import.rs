@@ -49,13 +49,13 @@ pub use dialect::{Dialect, Encoding};
 pub use error::{ImportError, MOST};
 pub use guess::{ColumnGuess, ThreeAxes};
 pub use mapping::{Length, MappedColumn, Mapping, MeanWord, Offset, Time};
+pub use mend::turn;
 pub use missing::Sentinel;
 pub use own_times::join;
 pub use reader::{Loaded, Loading};
 pub(crate) use resample::finer;
 pub use sound::{Ring, wav};
 pub use table::{Column, Table, TextCell};
-pub use times::turn;
 pub use unit::{Dimension, STANDARD_GRAVITY, unit};
 
 /// The columns of a file, read in one go.

@@ -3,9 +3,10 @@
 
 use super::Table;
 use super::guess::{clocks, is_named_time};
-use super::times::{DAY, median_step, with_turns};
+use super::times::{DAY, median_step};
+use crate::data::sorting::sort_numbers;
 
-/// A row in another order is at most so many rows from its place.
+/// Rows in another order are at most this far from their places.
 const NEAR: usize = 8;
 
 /// First rows are apart from the others by more than this many times what the others take.
@@ -40,6 +41,38 @@ pub(super) fn mend(mut table: Table) -> Table {
         Some(&place) if clocks(&table).len() < 2 => rows_mended(table, place),
         _ => table,
     }
+}
+
+/// The ranges of counters of 16 and 32 bits that count a decimal part of the unit of their column.
+fn ranges() -> impl Iterator<Item = f64> {
+    [65_536.0, 4_294_967_296.0].into_iter().flat_map(|range| [1.0, 1e-3, 1e-6, 1e-9].map(|unit| range * unit))
+}
+
+/// The range at whose end a counter with a usual step turns over between two times. `None` if it does not.
+pub fn turn(before: f64, now: f64, step: f64) -> Option<f64> {
+    let passed = |range: f64| (0.0..5.0 * step).contains(&(now + range - before));
+    let is_at_the_end = |range: f64| {
+        [0.0, -0.5 * range].iter().any(|low| (low + range - 5.0 * step..=low + range).contains(&before) && now >= *low)
+    };
+    if now < before { ranges().find(|&range| passed(range) && is_at_the_end(range)) } else { None }
+}
+
+/// Makes the times of a counter that turns over go on. Returns the first row after that and the range of the counter.
+fn with_turns(times: &mut [f64]) -> Option<(usize, f64)> {
+    let rising = times.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0);
+    let mut steps: Vec<f64> = rising.collect();
+    sort_numbers(&mut steps);
+    let step = *steps.get(steps.len() / 2)?;
+    let (mut added, mut first, mut before) = (0.0, None, f64::NAN);
+    for (row, time) in times.iter_mut().enumerate() {
+        if let Some(range) = turn(before, *time, step) {
+            added += range;
+            first = first.or(Some((row, range)));
+        }
+        before = *time;
+        *time += added;
+    }
+    first
 }
 
 /// Times of day, of which those after midnight are of the next day. Returns the first row after it.

@@ -56,8 +56,7 @@ impl<'a> Clock<'a> {
     }
 }
 
-/// The times of a column in seconds, up to the last row that has one; what is changed is
-/// added to the remarks.
+/// The times of a column in seconds, up to the last row that has one; what is changed is added to the remarks.
 pub(super) fn of<'a>(table: &Table, column: &'a Column, text: &str, remarks: &mut Vec<String>) -> Cow<'a, [f64]> {
     let values = &column.values;
     let rows = values.iter().rposition(|time| !time.is_nan()).map_or(0, |last| last + 1);
@@ -142,38 +141,6 @@ pub(super) fn second(column: &Column) -> (f64, Option<String>) {
             (*size, said(unit, "steps", &question))
         }
     }
-}
-
-/// The ranges of counters of 16 and 32 bits that count a decimal part of the unit of their column.
-fn ranges() -> impl Iterator<Item = f64> {
-    [65_536.0, 4_294_967_296.0].into_iter().flat_map(|range| [1.0, 1e-3, 1e-6, 1e-9].map(|unit| range * unit))
-}
-
-/// The range at whose end a counter with a usual step turns over between two times. `None` if it does not.
-pub fn turn(before: f64, now: f64, step: f64) -> Option<f64> {
-    let passed = |range: f64| (0.0..5.0 * step).contains(&(now + range - before));
-    let is_at_the_end = |range: f64| {
-        [0.0, -0.5 * range].iter().any(|low| (low + range - 5.0 * step..=low + range).contains(&before) && now >= *low)
-    };
-    if now < before { ranges().find(|&range| passed(range) && is_at_the_end(range)) } else { None }
-}
-
-/// Makes the times of a counter that turns over go on. Returns the first row after that and the range of the counter.
-pub(super) fn with_turns(times: &mut [f64]) -> Option<(usize, f64)> {
-    let rising = times.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0);
-    let mut steps: Vec<f64> = rising.collect();
-    sort_numbers(&mut steps);
-    let step = *steps.get(steps.len() / 2)?;
-    let (mut added, mut first, mut before) = (0.0, None, f64::NAN);
-    for (row, time) in times.iter_mut().enumerate() {
-        if let Some(range) = turn(before, *time, step) {
-            added += range;
-            first = first.or(Some((row, range)));
-        }
-        before = *time;
-        *time += added;
-    }
-    first
 }
 
 /// Limits the error of times without a remark, as a share of the step.
