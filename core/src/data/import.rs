@@ -38,6 +38,7 @@ mod resample;
 mod shape;
 mod sound;
 mod table;
+mod three_axes;
 mod times;
 mod unit;
 
@@ -47,7 +48,7 @@ pub use cell::{Cells, Decimal, Delimiter};
 pub use decay::{Decay, NoDecay};
 pub use dialect::{Dialect, Encoding};
 pub use error::{ImportError, MOST};
-pub use guess::{ColumnGuess, ThreeAxes};
+pub use guess::ColumnGuess;
 pub use mapping::{Length, MappedColumn, Mapping, MeanWord, Offset, Time};
 pub use mend::turn;
 pub use missing::Sentinel;
@@ -56,6 +57,7 @@ pub use reader::{Loaded, Loading};
 pub(crate) use resample::finer;
 pub use sound::{Ring, wav};
 pub use table::{Column, Table, TextCell};
+pub use three_axes::ThreeAxes;
 pub use unit::{Dimension, STANDARD_GRAVITY, unit};
 
 /// The columns of a file, read in one go.
