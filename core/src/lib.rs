@@ -37,7 +37,7 @@
 //! ```
 //! use kalmanscope_core::{OnlineFilter, Scenario};
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let settings = document::from_json(r#"{"dt": 0.02, "filters": [{"kind": "ukf"}]}"#)?;
+//! let settings = kalmanscope_core::document::from_json(r#"{"dt": 0.02, "filters": [{"kind": "ukf"}]}"#)?;
 //! let mut filter = OnlineFilter::new(&Scenario::from_document(&settings)?, 0)?;
 //! for (time, force, readings) in [(0.0, 0.0, [0.0, 0.0]), (0.02, 1.0, [0.01, f64::NAN]), (0.04, 1.0, [0.0, 0.03])] {
 //!     if let Some(sample) = filter.step(time, force, &readings)? {
