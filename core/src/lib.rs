@@ -35,15 +35,16 @@
 //! [`Scenario::from_document`] reads a scenario from JSON, or from a [`Document`](document::Document) that a program has made:
 //!
 //! ```
-//! use kalmanscope_core::{OnlineFilter, Scenario};
+//! use kalmanscope_core::{LastSample, OnlineFilter, Scenario, document};
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let settings = kalmanscope_core::document::from_json(r#"{"dt": 0.02, "filters": [{"kind": "ukf"}]}"#)?;
+//! let settings = document::from_json(r#"{"dt": 0.02, "filters": [{"kind": "ukf"}]}"#)?;
 //! let mut filter = OnlineFilter::new(&Scenario::from_document(&settings)?, 0)?;
-//! for (time, force, readings) in [(0.0, 0.0, [0.0, 0.0]), (0.02, 1.0, [0.01, f64::NAN]), (0.04, 1.0, [0.0, 0.03])] {
-//!     if let Some(sample) = filter.step(time, force, &readings)? {
-//!         println!("{time} s: natural frequency {} rad/s, before the update {}", sample.mean[2], sample.prior_mean[2]);
-//!     }
+//! let mut last = LastSample::default();
+//! for (force, readings) in [(0.0, [0.0, 0.0]), (1.0, [0.01, f64::NAN]), (1.0, [0.0, 0.03])] {
+//!     filter.step(force, &readings, &mut last);
+//!     println!("natural frequency {} rad/s, before the update {}", last.sample().mean[2], last.sample().prior_mean[2]);
 //! }
+//! assert_eq!((filter.pass().done(), filter.pass().stop()), (3, None));
 //! # Ok(())
 //! # }
 //! ```
@@ -116,7 +117,7 @@ pub use numbers::spectrum::Spectrum;
 pub use samples::bank::smoothed;
 pub use samples::estimates::{Estimates, Stop};
 pub use samples::events::{EventError, EventFilter, EventSetupError};
-pub use samples::online::{OnlineError, OnlineFilter};
+pub use samples::online::OnlineFilter;
 pub use samples::pass::Pass;
 pub use samples::remarks::{Remark, Trouble};
 pub use samples::run::{Run, Update};

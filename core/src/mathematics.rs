@@ -10,6 +10,7 @@ pub(crate) mod fourier;
 pub(crate) mod gaussian_likelihood;
 pub(crate) mod least_squares;
 pub(crate) mod linalg;
+pub(crate) mod mixed;
 pub(crate) mod model;
 pub(crate) mod noise_scale;
 pub mod plant;

@@ -2,7 +2,8 @@
 
 use kalmanscope_core::filter::{Adaptation, Robust};
 use kalmanscope_core::{
-    Channel, FilterKind, Hold, OnlineFilter, Pass, Quantity, Record, Sample, Scenario, Sensor, Sink, Stop, simulate,
+    Channel, FilterKind, Hold, LastSample, OnlineFilter, Pass, Quantity, Record, Sample, Scenario, Sensor, Sink, Stop,
+    simulate,
 };
 
 /// Counts samples.
@@ -87,10 +88,11 @@ fn a_sample_that_comes_in_reserves_no_memory() {
         for (name, mut scenario) in scenarios(kind) {
             scenario.filters[0].input_delay = -2;
             let mut filter = OnlineFilter::new(&scenario, 0).expect("the scenario is possible");
+            let mut last = LastSample::default();
             let mut steps = |from: u32, to: u32| {
                 for k in from..to {
                     let velocity = if k % 3 == 0 { f64::NAN } else { 0.0 };
-                    filter.step(0.01 * f64::from(k), 0.1, &[0.0, velocity]).expect("it goes on");
+                    filter.step(0.1, &[0.0, velocity], &mut last);
                 }
             };
             // Samples are forgotten at times, not at once.

@@ -297,15 +297,6 @@ impl Record {
         self.sensors.iter().position(|&s| s == quantity).map(|i| self.measured(i))
     }
 
-    /// The measurements of some quantities at sample `k`, where their sensors are late; NaN where one is missing or not measured.
-    pub(crate) fn sample(&self, k: usize, quantities: &[Quantity], delays: &Delays) -> Vec<f64> {
-        let of = |(place, quantity): (usize, &Quantity)| {
-            let column = self.sensors.iter().position(|own| own == quantity);
-            column.map_or(f64::NAN, |column| self.late_reading(column, k, delays.of(place)))
-        };
-        quantities.iter().enumerate().map(of).collect()
-    }
-
     /// The true values of a channel, if they are known; NaN where one is missing.
     pub fn truth(&self, channel: Channel) -> Option<&[f64]> {
         self.truth_place(channel).map(|i| self.truth[i].as_slice())

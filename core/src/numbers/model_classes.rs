@@ -12,6 +12,7 @@
 //! approach, for filters that forget.
 
 use crate::Estimates;
+use crate::mathematics::mixed::{Moments, shares};
 
 /// The log evidence of a filter over time: what all readings up to a sample say of it.
 #[derive(Clone, Debug, Default)]
@@ -66,29 +67,19 @@ impl Evidence {
     }
 }
 
-/// Model classes, of which each was as probable as any other before the first reading.
+/// The probabilities of model classes, of which each was as probable as any other before the first reading.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ModelClasses {
-    evidence: Vec<f64>,
-    probabilities: Vec<f64>,
-}
+pub struct ModelClasses(Vec<f64>);
 
 impl ModelClasses {
     /// The classes with these log evidences. One that is not a number is that of a class which cannot have been.
     pub fn new(evidence: impl IntoIterator<Item = f64>) -> Self {
-        let known = |x: f64| if x.is_nan() { f64::NEG_INFINITY } else { x };
-        let evidence: Vec<f64> = evidence.into_iter().map(known).collect();
-        let best = evidence.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let share = |x: &f64| if best.is_finite() { libm::exp(x - best) } else { 0.0 };
-        let mut probabilities: Vec<f64> = evidence.iter().map(share).collect();
-        let sum: f64 = probabilities.iter().sum();
-        probabilities.iter_mut().filter(|_| sum > 0.0).for_each(|p| *p /= sum);
-        Self { evidence, probabilities }
+        Self(shares(&evidence.into_iter().collect::<Vec<f64>>()))
     }
 
     /// The probability of each class, from 0 to 1; all are 0 where none is possible.
     pub fn probabilities(&self) -> &[f64] {
-        &self.probabilities
+        &self.0
     }
 
     /// A probability in per cent, with two decimals; what these do not tell from certainty is said to be above or below.
@@ -100,35 +91,28 @@ impl ModelClasses {
         }
     }
 
+    /// Each class that is possible, with its probability.
+    fn possible(&self) -> impl Iterator<Item = (usize, f64)> {
+        self.0.iter().copied().enumerate().filter(|(_, p)| *p > 0.0)
+    }
+
     /// The likeliest class, if any is possible.
     pub fn likeliest(&self) -> Option<usize> {
-        let all = self.probabilities.iter().enumerate().filter(|(_, p)| **p > 0.0);
-        all.max_by(|a, b| a.1.total_cmp(b.1)).map(|(place, _)| place)
+        self.possible().max_by(|a, b| a.1.total_cmp(&b.1)).map(|(class, _)| class)
     }
 
-    /// The logarithm of the Bayes factor of one class over another: how much the readings are for it.
-    pub fn ln_bayes_factor(&self, class: usize, other: usize) -> f64 {
-        let [a, b] = [self.evidence[class], self.evidence[other]];
-        if a == b { 0.0 } else { a - b }
-    }
-
-    /// Mean and variance of a number over all classes that have it, each of which has a mean and a variance of its own. `None`
-    /// where no possible class has it.
+    /// Mean and variance of a number over all classes that have it, each of which has its own mean and variance. `None` where no
+    /// possible class has it.
     ///
     /// ```text
     /// m = Σ Pᵢ mᵢ,  v = Σ Pᵢ (vᵢ + (mᵢ - m)²)
     /// ```
     pub fn average(&self, of: impl Fn(usize) -> Option<(f64, f64)>) -> Option<(f64, f64)> {
-        let possible = self.probabilities.iter().enumerate().filter(|(_, p)| **p > 0.0);
-        let all: Vec<(f64, f64, f64)> =
-            possible.filter_map(|(class, p)| of(class).map(|(mean, variance)| (*p, mean, variance))).collect();
-        if all.is_empty() {
-            return None;
-        }
-        let sum: f64 = all.iter().map(|(p, ..)| p).sum();
-        let mean = all.iter().map(|(p, mean, _)| p * mean).sum::<f64>() / sum;
-        let spread = |(p, own, variance): &(f64, f64, f64)| p * (variance + (own - mean) * (own - mean));
-        Some((mean, all.iter().map(spread).sum::<f64>() / sum))
+        let own = |(class, p)| of(class).map(|(mean, variance)| (p, [[mean], [variance]]));
+        let all: Vec<_> = self.possible().filter_map(own).collect();
+        let mut average = Moments::default();
+        average.mix(all.iter().map(|(p, [mean, variance])| (*p, [&mean[..], &variance[..]])));
+        Some((*average.mean.first()?, *average.cov.first()?))
     }
 }
 
@@ -144,10 +128,8 @@ mod tests {
         close(three.probabilities()[0], 1.0 / 3.0);
         close(three.probabilities()[1], 2.0 / 3.0);
         assert_eq!((three.probabilities()[2], three.likeliest()), (0.0, Some(1)));
-        assert_eq!(three.ln_bayes_factor(2, 0), -800.0);
         let stopped = of(&[f64::NEG_INFINITY, 5.0, f64::NAN]);
         assert_eq!(stopped.probabilities(), [0.0, 1.0, 0.0]);
-        assert_eq!(stopped.ln_bayes_factor(0, 2), 0.0);
         for none in [of(&[]), of(&[f64::NEG_INFINITY; 2])] {
             assert!(none.likeliest().is_none() && none.probabilities().iter().all(|p| *p == 0.0));
             assert!(none.average(|_| Some((1.0, 1.0))).is_none());

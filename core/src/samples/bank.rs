@@ -5,6 +5,7 @@ use crate::samples::pass::apart;
 use crate::samples::run_error::sensor_places;
 use crate::samples::select;
 use crate::samples::smoother::Smoother;
+use crate::samples::smoother::passage::Forward;
 use crate::samples::tape::Tape;
 use crate::{Estimates, FilterSettings, Pass, Quantity, Record, RunError, Scenario};
 
@@ -125,7 +126,9 @@ impl Bank {
     /// The smoother of the filter at a place, if its settings ask for one and its kind has one.
     pub(crate) fn smoother(&self, place: usize, record: &Record) -> Option<Box<dyn Smoother>> {
         let filter = self.scenario.filters.get(place).filter(|filter| filter.smoother)?;
-        select::smoother(filter, &self.context(record, place))
+        let context = self.context(record, place);
+        let forward = Forward::new(filter, &context, self.sensors.clone())?;
+        Some(select::smoother(forward, filter.lag(context.dt)))
     }
 
     /// Empty estimates for the smoother of the filter at a place. They have no innovations; those are the filter's.

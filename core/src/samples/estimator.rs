@@ -2,11 +2,12 @@
 
 pub(crate) mod bounded;
 pub(crate) mod engine;
-mod in_units;
+pub(crate) mod in_units;
 pub(crate) mod sampled;
 pub(crate) mod setup;
 
 use crate::data::record::Parts;
+use crate::mathematics::filter::Gaussian;
 use crate::mathematics::model::{Hold, InputKind, Model};
 use crate::samples::sink::Sink;
 use crate::{Channel, FilterError, FilterSettings, PlantKind, Quantity, Record, Scenario};
@@ -33,6 +34,31 @@ pub(crate) trait Estimator: Send {
     fn set_belief(&mut self, _mean: &[f64], _cov: &[f64]) -> Result<(), FilterError> {
         Err(FilterError::IndefiniteCovariance)
     }
+
+    /// Adds from now on its passages to sinks that ask for them. Returns false for a filter that has none.
+    fn keep_passages(&mut self) -> bool {
+        false
+    }
+
+    /// The state from which [`Self::restore`] can begin again; none of a filter that is more than a belief.
+    fn state(&self) -> Option<State> {
+        None
+    }
+
+    /// Begins again from an earlier state.
+    ///
+    /// # Errors
+    /// [`FilterError::IndefiniteCovariance`] where it cannot.
+    fn restore(&mut self, _: &State) -> Result<(), FilterError> {
+        Err(FilterError::IndefiniteCovariance)
+    }
+}
+
+/// A belief in the coordinates of its filter, and the usual misfits of one that weighs its readings.
+#[derive(Clone, Debug)]
+pub(crate) struct State {
+    pub(crate) belief: Gaussian,
+    misfits: Vec<f64>,
 }
 
 /// The option of a filter that counts in samples, if it has one. Such a filter cannot go from one reading to the next: it takes each

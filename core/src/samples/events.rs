@@ -4,15 +4,13 @@ mod timeline;
 
 use thiserror::Error;
 
-use crate::mathematics::engine::level::Baseline;
-use crate::mathematics::filter::{FilterError, Gaussian};
-use crate::samples::estimator::bounded::{Truncating, Truncation};
-use crate::samples::estimator::engine::Followed;
-use crate::samples::estimator::setup::Setup;
-use crate::samples::estimator::{FilterContext, counts_in_samples};
-use crate::samples::sink::{LastSample, Sample};
-use crate::samples::smoother::forward::{Adjoint, Passage};
-use crate::{Channel, FilterSettings, Pass, Quantity, Record, RunError, Scenario};
+use crate::data::record::Parts;
+use crate::mathematics::filter::FilterError;
+use crate::samples::estimator::{Estimator, FilterContext, counts_in_samples};
+use crate::samples::select;
+use crate::samples::sink::{LastSample, Sample, Sink};
+use crate::samples::smoother::passage::{Adjoint, Hindsight, Passages};
+use crate::{Channel, FilterSettings, Pass, Quantity, Record, RunError, Scenario, Stop};
 
 use timeline::{Event, Timeline};
 
@@ -52,7 +50,7 @@ use timeline::{Event, Timeline};
 /// # }
 /// ```
 pub struct EventFilter {
-    followed: Followed<Baseline>,
+    estimator: Box<dyn Estimator>,
     settings: FilterSettings,
     scenario: Scenario,
     sensors: Vec<Quantity>,
@@ -64,8 +62,8 @@ pub struct EventFilter {
     input_delay: f64,
     /// Taken from the times of each sensor's readings \[s\]; empty where none is late.
     sensor_delay: Vec<f64>,
-    truncation: Truncation,
-    last: LastSample,
+    latest: Latest,
+    hindsight: Hindsight,
     in_hindsight: LastSample,
     stopped: Option<(f64, FilterError)>,
     again: usize,
@@ -76,7 +74,30 @@ pub struct EventFilter {
     at: usize,
 }
 
-/// A step that differs from dt by less than this share is one of dt: clocks are told in decimals.
+/// The last sample of the filter, and the passages to it.
+#[derive(Default)]
+struct Latest {
+    sample: LastSample,
+    passages: Passages,
+}
+
+impl Sink for Latest {
+    fn push(&mut self, sample: &Sample<'_>) {
+        self.sample.push(sample);
+    }
+
+    fn stop_at(&mut self, _: Stop) {}
+
+    fn wants_prior(&self) -> bool {
+        true
+    }
+
+    fn passages(&mut self) -> Option<&mut Passages> {
+        Some(&mut self.passages)
+    }
+}
+
+/// Times that differ by less than this share of dt are the same: clocks have decimals.
 const SAME: f64 = 1e-6;
 
 impl EventFilter {
@@ -107,14 +128,15 @@ impl EventFilter {
         let record = Record::empty(scenario.dt, scenario.input, scenario.hold, sensors.clone(), Vec::new());
         Pass::columns(&scenario, place, &record)?;
         let context = FilterContext::new(&scenario, scenario.dt, &settings);
-        let setup = Setup::of(&settings, &context, (0..sensors.len()).collect()).ok_or(FilterError::TooLarge)?;
-        let mut followed = Followed::new(Baseline, &setup, &settings);
+        let mut estimator = select::estimator(&settings, &context);
+        let mut latest = Latest::default();
+        estimator.begin(&mut latest)?;
         if look_ahead.is_some() {
-            followed.filter.keep_passages();
+            estimator.keep_passages();
         }
         Ok(Self {
-            truncation: Truncation::of(&settings, &setup.channels),
-            channels: setup.channels,
+            hindsight: Hindsight::new(&settings, &context),
+            channels: context.model(&settings).channels().to_vec(),
             timeline: Timeline::new(
                 scenario.hold,
                 Self::least_kept(&settings, scenario.dt, look_ahead).max(Self::KEPT),
@@ -122,14 +144,14 @@ impl EventFilter {
             look_ahead,
             sensor_delay: settings.sensor_delay.clone(),
             input_delay: f64::from(settings.input_delay) * scenario.dt,
-            last: LastSample::default(),
+            latest,
             in_hindsight: LastSample::default(),
             stopped: None,
             again: 0,
             first: f64::NEG_INFINITY,
             now: f64::NEG_INFINITY,
             at: 0,
-            followed,
+            estimator,
             settings,
             sensors,
             scenario,
@@ -166,7 +188,7 @@ impl EventFilter {
 
     /// The estimate that the last call has returned.
     pub fn sample(&self) -> Sample<'_> {
-        self.last.sample()
+        self.latest.sample.sample()
     }
 
     /// The events that the last call went over again, because something came late.
@@ -188,16 +210,14 @@ impl EventFilter {
         // Clocks are told in decimals.
         let then = self.now - self.look_ahead? * (1.0 - SAME);
         let place = self.timeline.place_until(then)?;
-        let (mut belief, _) = self.timeline.event(place).belief.clone()?;
+        let mut belief = self.timeline.event(place).state.as_ref()?.belief.clone();
         let mut adjoint = Adjoint::nothing(belief.size());
         for later in (place + 1..=newest).rev() {
-            adjoint.pass(self.timeline.event(later).passage.as_ref()?);
+            self.timeline.event(later).passages.iter().rev().for_each(|passage| adjoint.pass(passage));
         }
         adjoint.tell(&mut belief);
-        let Self { followed, in_hindsight, timeline, truncation, .. } = self;
-        let sample = Sample::unmeasured(belief.mean.as_slice(), belief.cov.as_slice());
-        followed.report_of(sample, &mut Truncating { truncation, sink: in_hindsight });
-        Some((timeline.event(place).time, in_hindsight.sample()))
+        self.hindsight.report(&belief, &mut self.in_hindsight);
+        Some((self.timeline.event(place).time, self.in_hindsight.sample()))
     }
 
     /// Takes in what happened at a time \[s\]: the input from then on \[m/s²\] in the scenario's meaning, NaN if it is not told,
@@ -228,7 +248,7 @@ impl EventFilter {
         let nothing = vec![f64::NAN; readings.len()];
         match (oldest, felt) {
             (None, felt) => {
-                self.begin(Event::new(time, force, readings))?;
+                self.begin(Event::new(time, force, readings));
                 // The first value is felt until the second is.
                 if let Some(felt) = felt.filter(|felt| *felt > time) {
                     self.put(Event::new(felt, force, nothing))?;
@@ -244,7 +264,7 @@ impl EventFilter {
             self.put(Event::new(time, None, readings))?;
         }
         self.at -= self.timeline.forget(self.now, self.at);
-        Ok(self.last.sample())
+        Ok(self.sample())
     }
 
     fn check(&self, time: f64, input: f64, readings: &[f64]) -> Result<(), EventError> {
@@ -276,13 +296,10 @@ impl EventFilter {
     }
 
     /// Takes in the first event.
-    fn begin(&mut self, event: Event) -> Result<(), EventError> {
-        let time = event.time;
-        (self.first, self.at) = (time, 0);
+    fn begin(&mut self, event: Event) {
+        (self.first, self.at) = (event.time, 0);
         self.timeline.insert(event);
-        let belief = self.followed.gaussian();
-        self.timeline.set_belief(0, &belief, self.followed.filter.usual_misfits());
-        self.report().map_err(|reason| self.stop(time, reason))
+        self.timeline.event_mut(0).state = self.estimator.state();
     }
 
     /// Takes in an event, goes over what comes after it, and on to the newest time.
@@ -292,8 +309,8 @@ impl EventFilter {
         if first <= before {
             self.again += before + 1 - first;
             self.at = first - 1;
-            if let Some((belief, misfits)) = self.timeline.event(first - 1).belief.clone()
-                && let Err(reason) = self.begin_at(&belief, &misfits)
+            if let Some(state) = &self.timeline.event(first - 1).state
+                && let Err(reason) = self.estimator.restore(state)
             {
                 return Err(self.stop(self.timeline.event(first).time, reason));
             }
@@ -306,7 +323,7 @@ impl EventFilter {
             }
             self.at = place;
         }
-        self.report().map_err(|reason| self.stop(self.now, reason))
+        Ok(())
     }
 
     fn stop(&mut self, time: f64, reason: FilterError) -> EventError {
@@ -314,55 +331,22 @@ impl EventFilter {
         EventError::Stopped { time, reason }
     }
 
-    /// Goes back to a belief, and to the usual misfits at it.
-    fn begin_at(&mut self, belief: &Gaussian, misfits: &[f64]) -> Result<(), FilterError> {
-        self.followed.filter.set_usual_misfits(misfits);
-        self.followed.filter.set_belief(belief.mean.as_slice(), belief.cov.as_slice())
-    }
-
-    /// Predicts to an event and takes in its readings.
+    /// Takes the filter to an event and its readings, in parts of dt at most.
     fn follow(&mut self, place: usize) -> Result<(), FilterError> {
-        let (before, now) = (self.timeline.event(place - 1).time, self.timeline.event(place).time);
-        self.predict([before, now], self.timeline.forces_to(place))?;
-        let Self { followed, timeline, .. } = self;
-        followed.keep_prior();
-        followed.condition(timeline.force_at(place), &timeline.event(place).readings)?;
-        if let Some(passage) = followed.filter.passage() {
-            timeline.set_passage(place, Passage::new(passage)?);
-        }
-        timeline.set_belief(place, &followed.gaussian(), followed.filter.usual_misfits());
+        let Self { estimator, timeline, latest, .. } = self;
+        let times = [place - 1, place].map(|place| timeline.event(place).time);
+        let (forces, force) = (timeline.forces_to(place), timeline.force_at(place));
+        let steps = (times[1] - times[0]) / self.scenario.dt;
+        let since_first = times.map(|time| time - self.first);
+        let parts = Parts::evenly(steps, since_first, forces, force, &timeline.event(place).readings);
+        latest.passages = Passages::default();
+        estimator.step_through(&parts, latest)?;
+        let event = timeline.event_mut(place);
+        event.passages = std::mem::take(&mut latest.passages).all;
+        event.state = estimator.state();
         Ok(())
     }
 
-    /// Carries the belief from one time to another \[s\], in parts of dt at most, with the forces over mass at both ends \[m/s²\].
-    fn predict(&mut self, [from, to]: [f64; 2], [begin, end]: [f64; 2]) -> Result<(), FilterError> {
-        let followed = &mut self.followed;
-        followed.filter.begin_passage();
-        let steps = (to - from) / self.scenario.dt;
-        if steps <= 0.0 {
-            return Ok(());
-        }
-        let parts = (steps - SAME).ceil().max(1.0);
-        let is_whole = (steps / parts - 1.0).abs() <= SAME;
-        let share = if is_whole { 1.0 } else { steps / parts };
-        let force = |part: f64| begin + (end - begin) * (part / parts);
-        let time = |part: f64| from - self.first + (to - from) * (part / parts);
-        for part in 0..parts as usize {
-            let ends = [part as f64, part as f64 + 1.0];
-            followed.pluck(ends.map(time));
-            followed.predict(share, ends.map(force))?;
-        }
-        Ok(())
-    }
-
-    /// Keeps the estimate at the newest event.
-    fn report(&mut self) -> Result<(), FilterError> {
-        let Self { followed, truncation, last, .. } = self;
-        followed.report(true, &mut Truncating { truncation, sink: last })
-    }
-}
-
-impl EventFilter {
     /// The readings that tell of this time \[s\], and those of late or early sensors, each with the time that it tells of. What tells of a
     /// time before the first event does not count, as no reading of the first does.
     fn by_time(&self, time: f64, readings: &[f64]) -> (Vec<f64>, Vec<(f64, Vec<f64>)>) {

@@ -75,6 +75,16 @@ impl Pass {
         Self::of(Built { recipe: None, estimator }, settings.delays(context.dt), context.is_timed, sensors)
     }
 
+    /// The same, which adds its passages to sinks that ask for them; `None` of a filter that has none.
+    pub(crate) fn with_passages(
+        settings: &FilterSettings,
+        context: &FilterContext,
+        sensors: Vec<usize>,
+    ) -> Option<Self> {
+        let mut pass = Self::with(settings, context, sensors);
+        pass.filter.estimator().keep_passages().then_some(pass)
+    }
+
     /// The same, but the filter is built with its first sample.
     pub(crate) fn later(settings: &FilterSettings, context: FilterContext, sensors: Vec<usize>) -> Self {
         let (delays, is_timed) = (settings.delays(context.dt), context.is_timed);

@@ -9,9 +9,9 @@ use crate::samples::mixture::guesses::{self, Guesses};
 use crate::samples::mixture::scales::Scales;
 use crate::samples::mixture::walk::{self, Walk};
 use crate::samples::smoother::Smoother;
-use crate::samples::smoother::forward::Forward;
 use crate::samples::smoother::interval::FixedInterval;
 use crate::samples::smoother::lag::FixedLag;
+use crate::samples::smoother::passage::Forward;
 use crate::scenario::Bounds;
 use crate::{FilterError, FilterSettings};
 
@@ -53,13 +53,10 @@ fn single(settings: &FilterSettings, context: &FilterContext) -> Box<dyn Estimat
     }
 }
 
-/// The smoother that the settings of a filter ask for, if its kind has one.
-pub(crate) fn smoother(settings: &FilterSettings, context: &FilterContext) -> Option<Box<dyn Smoother>> {
-    let Some(lag) = settings.lag(context.dt) else { return whole_smoother(settings, context) };
-    Some(Box::new(FixedLag::new(Forward::new(settings, context)?, lag)))
-}
-
-/// The smoother of a filter over the whole record, if its kind has one.
-pub(crate) fn whole_smoother(settings: &FilterSettings, context: &FilterContext) -> Option<Box<dyn Smoother>> {
-    Some(Box::new(FixedInterval::new(Forward::new(settings, context)?)))
+/// The smoother of a filter, with a lag of some samples or over the whole record.
+pub(crate) fn smoother(forward: Forward, lag: Option<usize>) -> Box<dyn Smoother> {
+    match lag {
+        Some(lag) => Box::new(FixedLag::new(forward, lag)),
+        None => Box::new(FixedInterval::new(forward)),
+    }
 }

@@ -1,5 +1,6 @@
 //! Receivers of a filter's results.
 
+use crate::samples::smoother::passage::Passages;
 use crate::{Estimates, Stop};
 
 pub use crate::samples::sample::{AssumedNoise, Sample};
@@ -45,9 +46,9 @@ pub trait Sink {
         false
     }
 
-    /// The history that samples are appended to, if the sink is one. A filter of fixed sizes then appends each sample
-    /// without checks of lengths.
-    fn history(&mut self) -> Option<&mut Estimates> {
+    /// The passages of a smoother's sink, to which the filter adds those of each step.
+    #[doc(hidden)]
+    fn passages(&mut self) -> Option<&mut Passages> {
         None
     }
 }
@@ -59,10 +60,6 @@ impl Sink for Estimates {
 
     fn stop_at(&mut self, stop: Stop) {
         self.set_stop(stop);
-    }
-
-    fn history(&mut self) -> Option<&mut Estimates> {
-        Some(self)
     }
 }
 

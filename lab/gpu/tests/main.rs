@@ -7,6 +7,7 @@ mod runs;
 
 mod inside;
 mod languages;
+mod served;
 
 /// Tests that take minutes where the graphics processor is one in software.
 mod on_adapter {

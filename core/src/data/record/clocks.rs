@@ -112,6 +112,8 @@ pub(crate) struct Parts {
     parts: Vec<Part>,
     /// m readings at the end of each part; NaN where there is none.
     readings: Vec<f64>,
+    /// Where it is no step of a record, its beginning and its end after the first sample \[s\].
+    pub(crate) times: Option<[f64; 2]>,
     cuts: Vec<f64>,
 }
 
@@ -160,6 +162,25 @@ impl Parts {
         self.parts.iter().enumerate().map(move |(k, part)| (*part, &self.readings[k * m..(k + 1) * m]))
     }
 
+    /// Equal parts of some `steps`, each of one step at most, of a force that is linear in time, with readings at their end.
+    pub(crate) fn evenly(steps: f64, times: [f64; 2], [begin, end]: [f64; 2], force: f64, readings: &[f64]) -> Self {
+        let count = (steps - SAME).ceil().max(1.0);
+        let is_whole = (steps / count - 1.0).abs() <= SAME;
+        let share = if is_whole { 1.0 } else { steps.max(0.0) / count };
+        let of = |place: f64| begin + (end - begin) * (place / count);
+        let part = |place: usize| Part { share, forces: [of(place as f64), of(place as f64 + 1.0)], force };
+        let count = count as usize;
+        let mut all = vec![f64::NAN; (count - 1) * readings.len()];
+        all.extend_from_slice(readings);
+        Self { parts: (0..count).map(part).collect(), readings: all, times: Some(times), cuts: Vec::new() }
+    }
+
+    /// The beginning and the end of one of equal parts \[s\].
+    pub(crate) fn between(&self, place: usize) -> Option<[f64; 2]> {
+        let [from, to] = self.times?;
+        Some([place, place + 1].map(|end| from + (to - from) * (end as f64 / self.parts.len() as f64)))
+    }
+
     /// Divides the step that ends at `end`, in steps, at the readings of so many sensors, and at the input's values if those have times.
     pub(super) fn take<'a>(
         &mut self,
@@ -170,7 +191,7 @@ impl Parts {
         course: &Course,
     ) {
         let begin = end - 1.0;
-        let Self { parts, readings, cuts } = self;
+        let Self { parts, readings, cuts, times: _ } = self;
         cuts.clear();
         cuts.push(end);
         for sensor in (0..sensors).map(&of) {

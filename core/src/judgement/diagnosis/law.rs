@@ -7,7 +7,8 @@ use crate::judgement::words::short;
 use crate::samples::estimator::FilterContext;
 use crate::samples::select;
 use crate::samples::smoother::Smoother;
-use crate::{Channel, Estimates, Record, Scenario};
+use crate::samples::smoother::passage::Forward;
+use crate::{Channel, Estimates, Pass, Record, Scenario};
 
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Law {
@@ -43,7 +44,8 @@ impl ForceInHindsight {
         let filter = scenario.filters.first()?;
         filter.augment.contains(&Channel::UNKNOWN_FORCE).then_some(())?;
         let context = FilterContext::new(scenario, record.dt(), filter).over(record, filter);
-        let smoother = select::whole_smoother(filter, &context)?;
+        let sensors = Pass::columns(scenario, 0, record).ok()?;
+        let smoother = select::smoother(Forward::new(filter, &context, sensors)?, None);
         let model = filter.model(scenario.plant.kind, scenario.input);
         let estimates = Estimates::new(filter, &model, Vec::new()).of_smoother();
         Some(Self { smoother, estimates: Box::new(estimates) })

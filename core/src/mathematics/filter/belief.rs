@@ -3,8 +3,8 @@
 use std::borrow::Cow;
 
 use super::{Correction, FilterError, Observation};
-use crate::mathematics::engine::model;
-use crate::mathematics::linalg::{Matrix, Vector};
+use crate::mathematics::engine::{self, model};
+use crate::mathematics::linalg::{Matrix, Vector, symmetric};
 use crate::mathematics::model::{Hold, Model};
 
 /// A method of filtering: how a filter holds its belief over the n components of a model's state.
@@ -56,6 +56,13 @@ impl Gaussian {
     pub fn copy_from(&mut self, other: &Self) {
         self.mean.clone_from(&other.mean);
         self.cov.clone_from(&other.cov);
+    }
+
+    /// That of the engine.
+    pub(crate) fn of(belief: &engine::belief::Belief<f64>) -> Self {
+        let n = belief.mean.len();
+        let cov = symmetric(Matrix::from_column_slice(n, n, &belief.cov));
+        Self { mean: Vector::from_column_slice(&belief.mean), cov }
     }
 
     /// n, the number of components.

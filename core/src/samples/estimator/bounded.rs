@@ -10,10 +10,11 @@
 //!
 //! Source: Simon (2010), Kalman filtering with state constraints: a survey of linear and nonlinear algorithms.
 
-use super::Estimator;
+use super::{Estimator, State};
 use crate::data::record::Parts;
 use crate::mathematics::truncated_normal::truncated;
 use crate::samples::sink::{Sample, Sink};
+use crate::samples::smoother::passage::Passages;
 use crate::{Channel, FilterError, FilterSettings, Stop};
 
 /// The ends of some channels.
@@ -96,6 +97,18 @@ impl Estimator for Bounded {
         let Self { inner, truncation } = self;
         inner.step_through(parts, &mut Truncating { truncation, sink })
     }
+
+    fn keep_passages(&mut self) -> bool {
+        self.inner.keep_passages()
+    }
+
+    fn state(&self) -> Option<State> {
+        self.inner.state()
+    }
+
+    fn restore(&mut self, state: &State) -> Result<(), FilterError> {
+        self.inner.restore(state)
+    }
 }
 
 /// Truncates samples, and hands them on to another sink.
@@ -116,5 +129,9 @@ impl Sink for Truncating<'_> {
 
     fn wants_prior(&self) -> bool {
         self.sink.wants_prior()
+    }
+
+    fn passages(&mut self) -> Option<&mut Passages> {
+        self.sink.passages()
     }
 }

@@ -8,23 +8,22 @@ use crate::mathematics::engine::filter::{Filter, Parts};
 use crate::mathematics::engine::level::{Baseline, Known, Level};
 use crate::mathematics::filter::Gaussian;
 use crate::mathematics::filter::robust::Robust;
-use crate::mathematics::linalg::{Matrix, Vector, symmetric};
-use crate::samples::estimator::Estimator;
 use crate::samples::estimator::in_units::InUnits;
 use crate::samples::estimator::setup::{Setup, filter};
+use crate::samples::estimator::{Estimator, State};
 use crate::samples::plucks::Plucks;
 use crate::samples::sink::{AssumedNoise, Sample, Sink};
 use crate::{FilterError, FilterSettings};
 
 /// A filter, and memory for its reports.
-pub(crate) struct Followed<L> {
-    pub(crate) filter: Filter<f64, L>,
+struct Followed<L> {
+    filter: Filter<f64, L>,
     /// The place of each sensor that the model has, among all sensors.
     places: Vec<usize>,
     measured: Vec<f64>,
     /// The belief before the update, where it is wanted.
-    pub(crate) prior: Belief<f64>,
-    pub(crate) update: Update,
+    prior: Belief<f64>,
+    update: Update,
     /// One of several updates within a sample.
     part: Update,
     /// Where the state has logarithms.
@@ -77,7 +76,7 @@ pub(crate) fn estimator(setup: &Setup, settings: &FilterSettings) -> Box<dyn Est
 
 impl<L: Level> Followed<L> {
     /// The filter of a setup, whose columns are the places of the model's sensors among all.
-    pub(crate) fn new(level: L, setup: &Setup, settings: &FilterSettings) -> Self {
+    fn new(level: L, setup: &Setup, settings: &FilterSettings) -> Self {
         let (n, sensors) = (setup.design.model.size, settings.sensor_std.len());
         let filter = filter(level, |_| setup);
         let variances: Vec<f64> = settings.sensor_std.iter().map(|std| std * std).collect();
@@ -110,7 +109,7 @@ impl<L: Level> Followed<L> {
     }
 
     /// Widens the belief if the plant was plucked between two times \[s\].
-    pub(crate) fn pluck(&mut self, between: [f64; 2]) {
+    fn pluck(&mut self, between: [f64; 2]) {
         let Self { plucks, filter, .. } = self;
         if let Some(variances) = plucks.between(between) {
             filter.widen(variances);
@@ -121,7 +120,7 @@ impl<L: Level> Followed<L> {
     ///
     /// # Errors
     /// [`FilterError::UndefinedForce`]
-    pub(crate) fn predict(&mut self, share: f64, forces: [f64; 2]) -> Result<(), FilterError> {
+    fn predict(&mut self, share: f64, forces: [f64; 2]) -> Result<(), FilterError> {
         // Where the force is held, its end does not count.
         if !self.filter.are_finite(forces) {
             return Err(FilterError::UndefinedForce);
@@ -131,7 +130,7 @@ impl<L: Level> Followed<L> {
     }
 
     /// Keeps the belief after a prediction.
-    pub(crate) fn keep_prior(&mut self) {
+    fn keep_prior(&mut self) {
         let Self { filter, prior, .. } = self;
         filter.square();
         prior.copy_from(&filter.belief);
@@ -142,7 +141,7 @@ impl<L: Level> Followed<L> {
     ///
     /// # Errors
     /// Those of the filter.
-    pub(crate) fn condition(&mut self, force: f64, readings: &[f64]) -> Result<(), FilterError> {
+    fn condition(&mut self, force: f64, readings: &[f64]) -> Result<(), FilterError> {
         self.update.clear();
         self.learnt.weights.fill(f64::NAN);
         self.add(force, readings)
@@ -180,7 +179,7 @@ impl<L: Level> Followed<L> {
     ///
     /// # Errors
     /// [`FilterError::NotFinite`] where a number overflows in them.
-    pub(crate) fn report(&mut self, has_prior: bool, sink: &mut dyn Sink) -> Result<(), FilterError> {
+    fn report(&mut self, has_prior: bool, sink: &mut dyn Sink) -> Result<(), FilterError> {
         let Self { filter, places, update, prior, in_units, learnt, .. } = self;
         let parts = filter.parts();
         let sample = learnt.extend(update.sample(&parts.belief.mean, &parts.belief.cov), &parts, places);
@@ -191,7 +190,7 @@ impl<L: Level> Followed<L> {
     ///
     /// # Errors
     /// [`FilterError::TooLarge`]
-    pub(crate) fn report_beginning(&self, sink: &mut dyn Sink) -> Result<(), FilterError> {
+    fn report_beginning(&self, sink: &mut dyn Sink) -> Result<(), FilterError> {
         let Self { filter, places, update, in_units, learnt, .. } = self;
         let parts = filter.parts();
         let mut learnt = learnt.clone();
@@ -199,27 +198,13 @@ impl<L: Level> Followed<L> {
         let sample = if sink.wants_prior() { sample.with_prior(parts.belief) } else { sample };
         push(sample, in_units.clone().as_deref_mut(), sink).map_err(|_| FilterError::TooLarge)
     }
-
-    /// Hands another belief over the same state to a sink, whatever its numbers are in the channels' units.
-    pub(crate) fn report_of(&mut self, sample: Sample<'_>, sink: &mut dyn Sink) {
-        match self.in_units.as_deref_mut() {
-            Some(in_units) => sink.push(&in_units.take(sample).0),
-            None => sink.push(&sample),
-        }
-    }
-
-    /// The belief after the last predict or update.
-    pub(crate) fn gaussian(&self) -> Gaussian {
-        let Belief { mean, cov } = &self.filter.belief;
-        Gaussian {
-            mean: Vector::from_column_slice(mean),
-            cov: symmetric(Matrix::from_column_slice(mean.len(), mean.len(), cov)),
-        }
-    }
 }
 
 impl<L: Level + Send> Estimator for Followed<L> {
     fn begin(&self, sink: &mut dyn Sink) -> Result<(), FilterError> {
+        if let Some(passages) = sink.passages() {
+            passages.begin(&self.filter.belief);
+        }
         self.report_beginning(sink)
     }
 
@@ -238,10 +223,12 @@ impl<L: Level + Send> Estimator for Followed<L> {
         }
         if self.filter.learns() {
             self.condition(force, measured)?;
+            pass(&mut self.filter, sink)?;
             return self.report(wants_prior, sink);
         }
         let Self { filter, places, measured: own, prior, update: all, in_units, .. } = self;
         let [nis, determinant] = condition(filter, places, own, force, measured)?;
+        pass(filter, sink)?;
         let m = all.innovation.len();
         let (belief, update) = (&filter.belief, &mut filter.update);
         let sample = if update.active.len() == m {
@@ -267,27 +254,70 @@ impl<L: Level + Send> Estimator for Followed<L> {
 
     /// The belief before the update is that before the last reading.
     fn step_through(&mut self, parts: &PartsOfStep, sink: &mut dyn Sink) -> Result<(), FilterError> {
-        self.next_sample();
-        let (wants_prior, mut has_prior) = (sink.wants_prior(), false);
+        if parts.times.is_none() {
+            self.next_sample();
+        }
+        let (wants_prior, mut has_prior, mut is_passed) = (sink.wants_prior(), false, false);
         self.update.clear();
         self.learnt.weights.fill(f64::NAN);
-        for (part, readings) in parts.iter() {
+        for (place, (part, readings)) in parts.iter().enumerate() {
             if !part.forces.iter().all(|force| force.is_finite()) {
                 return Err(FilterError::UndefinedForce);
             }
-            self.predict(part.share, part.forces)?;
-            let is_read = readings.iter().any(|reading| !reading.is_nan());
-            if is_read && wants_prior {
+            if let Some(between) = parts.between(place) {
+                self.pluck(between);
+            }
+            if part.share > 0.0 {
+                self.predict(part.share, part.forces)?;
+            }
+            is_passed = readings.iter().any(|reading| !reading.is_nan());
+            if is_passed && wants_prior {
                 self.keep_prior();
                 has_prior = true;
             }
             self.add(part.force, readings)?;
+            if is_passed {
+                pass(&mut self.filter, sink)?;
+            }
+        }
+        if !is_passed {
+            pass(&mut self.filter, sink)?;
         }
         if wants_prior && !has_prior {
             self.prior.copy_from(&self.filter.belief);
         }
         self.report(wants_prior, sink)
     }
+
+    fn keep_passages(&mut self) -> bool {
+        self.filter.keep_passages();
+        self.filter.begin_passage();
+        true
+    }
+
+    fn state(&self) -> Option<State> {
+        let misfits = self.filter.usual_misfits().to_vec();
+        Some(State { belief: Gaussian::of(&self.filter.belief), misfits })
+    }
+
+    fn restore(&mut self, State { belief, misfits }: &State) -> Result<(), FilterError> {
+        self.filter.set_usual_misfits(misfits);
+        self.filter.set_belief(belief.mean.as_slice(), belief.cov.as_slice())?;
+        self.filter.begin_passage();
+        Ok(())
+    }
+}
+
+/// Adds the passage since the last one to those of a smoother's sink.
+#[inline(always)]
+fn pass<L: Level>(filter: &mut Filter<f64, L>, sink: &mut dyn Sink) -> Result<(), FilterError> {
+    if let Some(passage) = filter.passage()
+        && let Some(passages) = sink.passages()
+    {
+        passages.add(passage, &filter.belief)?;
+        filter.begin_passage();
+    }
+    Ok(())
 }
 
 /// Updates by the measurements of all sensors, of which `own` takes those that the model has. Returns NIS and det S; NaN without a

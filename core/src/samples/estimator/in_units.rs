@@ -6,7 +6,7 @@ use crate::samples::sink::Sample;
 
 /// Memory to [convert] samples.
 #[derive(Clone, Debug)]
-pub(super) struct InUnits {
+pub(crate) struct InUnits {
     /// The places of logarithms.
     logarithms: Vec<usize>,
     /// The size of each component's unit in its channel's unit.
@@ -19,7 +19,7 @@ pub(super) struct InUnits {
 
 impl InUnits {
     /// The memory for n components and a number of sensors; `None` where no component is a logarithm.
-    pub(super) fn new(logarithms: &[usize], n: usize, sensors: usize) -> Option<Box<Self>> {
+    pub(crate) fn new(logarithms: &[usize], n: usize, sensors: usize) -> Option<Box<Self>> {
         let belief = Belief { mean: vec![0.0; n], cov: vec![0.0; n * n] };
         let (unit, gain, prior) = (vec![1.0; n], vec![0.0; n * sensors], belief.clone());
         (!logarithms.is_empty()).then(|| Box::new(Self { logarithms: logarithms.to_vec(), unit, belief, prior, gain }))
@@ -48,7 +48,7 @@ impl InUnits {
     }
 
     /// The same sample in the channels' units, and whether its numbers are finite in them.
-    pub(super) fn take<'a>(&'a mut self, sample: Sample<'a>) -> (Sample<'a>, bool) {
+    pub(crate) fn take<'a>(&'a mut self, sample: Sample<'a>) -> (Sample<'a>, bool) {
         let Self { logarithms, unit, belief, prior, gain } = self;
         if !sample.prior_mean.is_empty() {
             convert(logarithms, unit, [sample.prior_mean, sample.prior_cov], prior);

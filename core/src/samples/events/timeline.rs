@@ -3,8 +3,8 @@
 use std::collections::VecDeque;
 
 use crate::Hold;
-use crate::mathematics::filter::Gaussian;
-use crate::samples::smoother::forward::Passage;
+use crate::samples::estimator::State;
+use crate::samples::smoother::passage::Passage;
 
 /// What happened at one time, and the belief after it.
 #[derive(Clone, Debug)]
@@ -15,16 +15,16 @@ pub(super) struct Event {
     pub(super) force: Option<f64>,
     /// A reading for each sensor, NaN where there is none.
     pub(super) readings: Vec<f64>,
-    /// The belief after the readings, and the usual misfits of a robust filter; `None` until the filter has been here.
-    pub(super) belief: Option<(Gaussian, Vec<f64>)>,
+    /// That of the filter after the readings; `None` until it has been here.
+    pub(super) state: Option<State>,
     /// The way of the filter from the event before, if it is asked for what it knows in hindsight.
-    pub(super) passage: Option<Passage>,
+    pub(super) passages: Vec<Passage>,
 }
 
 impl Event {
     /// What happened, before the filter has been here.
     pub(super) fn new(time: f64, force: Option<f64>, readings: Vec<f64>) -> Self {
-        Self { time, force, readings, belief: None, passage: None }
+        Self { time, force, readings, state: None, passages: Vec::new() }
     }
 }
 
@@ -65,15 +65,8 @@ impl Timeline {
         self.events.partition_point(|event| event.time <= time).checked_sub(1)
     }
 
-    pub(super) fn set_belief(&mut self, place: usize, belief: &Gaussian, misfits: &[f64]) {
-        let (kept, kept_misfits) = self.events[place].belief.get_or_insert_with(|| (belief.clone(), Vec::new()));
-        kept.copy_from(belief);
-        kept_misfits.clear();
-        kept_misfits.extend_from_slice(misfits);
-    }
-
-    pub(super) fn set_passage(&mut self, place: usize, passage: Passage) {
-        self.events[place].passage = Some(passage);
+    pub(super) fn event_mut(&mut self, place: usize) -> &mut Event {
+        &mut self.events[place]
     }
 
     /// Puts an event at its place. Returns the first place after which beliefs are no longer right.

@@ -1,6 +1,7 @@
 //! Several filters side by side that take Q for smaller and larger than the settings say.
 
 use super::{Member, Rule};
+use crate::mathematics::mixed::Moments;
 use crate::mathematics::noise_scale::NoiseScale;
 use crate::samples::estimator::FilterContext;
 use crate::samples::estimator::setup::Beginning;
@@ -8,9 +9,6 @@ use crate::samples::sink::{AssumedNoise, Sample, Sink};
 use crate::{Adaptation, Channel, FilterError, FilterSettings};
 
 /// Filters that differ in the scale of Q alone, weighed by the posterior of the scale ([`NoiseScale`]).
-///
-/// Source: Magill (1965); Bar-Shalom, Li and Kirubarajan (2001), *Estimation with Applications to Tracking and Navigation*, section
-/// 11.6.2 (the static multiple model estimator).
 pub(crate) struct Scales {
     scale: NoiseScale,
     adaptation: Adaptation,
@@ -55,42 +53,35 @@ impl Rule for Scales {
         &self.scale.weights
     }
 
-    fn take(&mut self, members: &mut Vec<Member>) -> Result<(), FilterError> {
+    fn update(&mut self, members: &mut [Member]) -> Result<(), FilterError> {
         self.sample += 1;
-        let is_read = members.iter().any(|member| member.failure.is_none() && member.last.sample().readings() > 0);
-        let learns = is_read && self.adaptation.learns_at(self.sample, self.dt);
+        let learns = members.iter().any(Member::is_read) && self.adaptation.learns_at(self.sample, self.dt);
         let has_failed = members.iter().zip(self.weights()).any(|(one, weight)| one.failure.is_some() && *weight > 0.0);
         if has_failed || learns {
-            let of_sample = |member: &Member| {
-                if learns || member.failure.is_some() { member.ln_likelihood() } else { 0.0 }
-            };
+            let counts = |member: &Member| learns || member.failure.is_some();
             let keep = if learns { self.adaptation.forgetting } else { 1.0 };
-            self.scale.take(members.iter().map(of_sample), keep);
+            self.scale.take(members.iter().map(|one| if counts(one) { one.ln_likelihood() } else { 0.0 }), keep);
         }
         Ok(())
     }
 
     fn push(&self, members: &[Member], sample: Sample<'_>, sink: &mut dyn Sink) {
-        let [u, _] = self.scale.moments();
+        let [u, std] = self.scale.moments();
         let process: Vec<f64> = self.process.iter().map(|variance| libm::exp(2.0 * u) * variance).collect();
-        let learnt: Vec<(f64, AssumedNoise<'_>)> = (members.iter().zip(self.weights()))
-            .filter(|(member, weight)| member.failure.is_none() && **weight > super::LEAST)
-            .filter_map(|(member, weight)| Some((*weight, member.last.sample().noise?)))
-            .collect();
-        let total: f64 = learnt.iter().map(|(weight, _)| weight).sum();
+        let samples = super::samples(members, self.weights());
+        let learnt = samples.iter().filter_map(|(weight, sample)| Some((*weight, sample.noise?)));
         let (mut sensors, mut uncertainty) = (self.sensors.clone(), self.uncertainty.clone());
-        if total > 0.0 {
-            for sensor in 0..sensors.len() {
-                let mean = |of: &dyn Fn(&AssumedNoise<'_>) -> f64| {
-                    learnt.iter().map(|(weight, noise)| weight * of(noise)).sum::<f64>() / total
-                };
-                let r = mean(&|noise| noise.sensors[sensor]);
-                sensors[sensor] = r;
-                uncertainty[sensor] = mean(&|noise| (noise.sensors[sensor] - r).powi(2) + noise.uncertainty[sensor]);
+        for place in 0..sensors.len() {
+            let mut own = Moments::default();
+            own.mix(learnt.clone().map(|(weight, AssumedNoise { sensors, uncertainty, .. })| {
+                (weight, [&sensors[place..=place], &uncertainty[place..=place]])
+            }));
+            if let ([r], [variance]) = (&own.mean[..], &own.cov[..]) {
+                (sensors[place], uncertainty[place]) = (*r, *variance);
             }
         }
         let (process, sensors, uncertainty) = (&process[..], &sensors[..], &uncertainty[..]);
-        let noise = AssumedNoise { process, sensors, uncertainty, process_scale: self.scale.moments() };
+        let noise = AssumedNoise { process, sensors, uncertainty, process_scale: [u, std] };
         sink.push(&Sample { noise: Some(noise), ..sample });
     }
 }

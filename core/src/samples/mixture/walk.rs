@@ -1,6 +1,7 @@
 //! Two filters that mix: one whose parameters are still, and one whose parameters walk.
 
-use super::{Member, Moments, Rule};
+use super::{LEAST, Member, Rule};
+use crate::mathematics::mixed::{Moments, shares};
 use crate::samples::estimator::FilterContext;
 use crate::samples::sink::{Sample, Sink};
 use crate::{Channel, FilterError, FilterSettings};
@@ -23,11 +24,10 @@ pub(crate) struct Walk {
     weights: [f64; 2],
     /// p, from a row to a column.
     transition: [[f64; 2]; 2],
-    /// Whether it has been told that the parameters walk, and whether that is new.
+    /// Whether it is more probable that the parameters walk, and whether that is new.
     is_walking: bool,
     has_begun: bool,
-    mixed: [Moments; 2],
-    is_first: bool,
+    has_samples: bool,
 }
 
 /// The mean time that parameters are still, and that they walk \[s\].
@@ -39,9 +39,6 @@ const MOST: f64 = 0.5;
 
 /// Parameters that walked are still again below this probability.
 const CALM: f64 = 0.1;
-
-/// A model that is less probable than this is given up for lost, but for what the other one turns into it.
-const LEAST: f64 = 1e-12;
 
 /// The settings of both filters.
 pub(crate) fn members(settings: &FilterSettings, context: &FilterContext) -> [FilterSettings; 2] {
@@ -66,23 +63,24 @@ impl Walk {
             transition: [[1.0 - begins, begins], [ends, 1.0 - ends]],
             is_walking: false,
             has_begun: false,
-            mixed: [const { Moments { mean: Vec::new(), cov: Vec::new() } }; 2],
-            is_first: true,
+            has_samples: false,
         }
     }
 }
 
 impl Rule for Walk {
     fn begin(&mut self, members: &mut [Member]) -> Result<(), FilterError> {
-        let Self { weights, transition, mixed, is_first, .. } = self;
+        let Self { weights, transition, has_samples, .. } = self;
         let before = [0, 1].map(|j| transition[0][j] * weights[0] + transition[1][j] * weights[1]);
         // Both begin with the same belief.
-        if !std::mem::take(is_first) {
-            for (j, mixed) in mixed.iter_mut().enumerate() {
-                let parts = [0, 1].map(|i| (transition[i][j] * weights[i] / before[j], members[i].last.sample()));
-                mixed.mix(&parts, |sample| [sample.mean, sample.cov]);
-            }
-            for (Member { estimator, .. }, Moments { mean, cov }) in members.iter_mut().zip(mixed) {
+        if std::mem::replace(has_samples, true) {
+            let mixed = [0, 1].map(|j| {
+                let mut mixed = Moments::default();
+                let of = |i: usize| (transition[i][j] * weights[i] / before[j], members[i].last.sample());
+                mixed.mix([0, 1].map(of).iter().map(|(weight, sample)| (*weight, [sample.mean, sample.cov])));
+                mixed
+            });
+            for (Member { estimator, .. }, Moments { mean, cov }) in members.iter_mut().zip(&mixed) {
                 estimator.set_belief(mean, cov)?;
             }
         }
@@ -95,20 +93,17 @@ impl Rule for Walk {
     }
 
     /// Without any measurement, nothing is learnt.
-    fn take(&mut self, members: &mut Vec<Member>) -> Result<(), FilterError> {
+    fn update(&mut self, members: &mut [Member]) -> Result<(), FilterError> {
         if let Some(reason) = members.iter().find_map(|member| member.failure) {
             return Err(reason);
         }
-        let before = self.weights;
-        let ln = [0, 1].map(|j| members[j].ln_likelihood());
-        if !ln.iter().all(|ln| ln.is_nan()) {
-            let best = ln[0].max(ln[1]);
-            let weights = [0, 1].map(|j| before[j] * libm::exp(ln[j] - best));
-            let sum = weights[0] + weights[1];
-            if !(sum.is_finite() && sum > 0.0) {
+        let evidence = [0, 1].map(|j| libm::log(self.weights[j]) + members[j].ln_likelihood());
+        if !evidence.iter().all(|ln| ln.is_nan()) {
+            let [still, walks] = [0, 1].map(|j| shares(&evidence)[j]);
+            if still + walks == 0.0 {
                 return Err(FilterError::ImpossibleMeasurement);
             }
-            let walks = (weights[1] / sum).clamp(LEAST, 1.0 - LEAST);
+            let walks = walks.clamp(LEAST, 1.0 - LEAST);
             self.weights = [1.0 - walks, walks];
         }
         let walked = self.is_walking;

@@ -1,8 +1,7 @@
 //! The smoother of a whole record: the filter goes forward, its adjoint backward.
 
 use super::Smoother;
-use super::forward::Adjoint;
-use super::forward::{Forward, Passage};
+use super::passage::{Adjoint, Forward, Passage};
 use crate::mathematics::filter::Gaussian;
 use crate::samples::waste::Piecewise;
 use crate::{Estimates, Record, Stop};
@@ -68,14 +67,14 @@ impl Smoother for FixedInterval {
                         self.stage = Stage::Back(k.saturating_sub(1));
                         continue;
                     }
-                    match forward.filter(record, k) {
+                    match forward.filter(record) {
                         Ok((belief, passage)) => {
                             beliefs.push(belief);
                             if k > 0 {
                                 passages.push(passage);
                             }
                         }
-                        Err(reason) => *stop = Some(Stop { sample: k, reason }),
+                        Err(at) => *stop = Some(at),
                     }
                 }
                 Stage::Back(0) => self.stage = Stage::Report(0),

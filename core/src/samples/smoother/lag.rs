@@ -10,8 +10,7 @@
 use std::collections::VecDeque;
 
 use super::Smoother;
-use super::forward::{Adjoint, congruence};
-use super::forward::{Forward, Passage, Update};
+use super::passage::{Adjoint, Forward, Passage, Update, congruence};
 use crate::mathematics::filter::Gaussian;
 use crate::mathematics::linalg::{Matrix, Vector};
 use crate::samples::waste::Piecewise;
@@ -70,12 +69,12 @@ impl Smoother for FixedLag {
                 }
                 return true;
             } else {
-                match self.forward.filter(record, filtered - record.forgotten()) {
+                match self.forward.filter(record) {
                     Ok((belief, passages)) => {
                         self.beliefs.push_back(belief);
                         self.window.push(&passages);
                     }
-                    Err(reason) => self.stop = Some(Stop { sample: filtered, reason }),
+                    Err(at) => self.stop = Some(at),
                 }
             }
         }

@@ -21,28 +21,111 @@
 //! Source: Bierman (1973), Fixed interval smoothing with discrete measurements; Rauch, Tung and Striebel (1965), Maximum
 //! likelihood estimates of linear dynamic systems; Särkkä (2008), Unscented Rauch-Tung-Striebel smoother.
 
-use crate::data::record::{Delays, Parts};
-use crate::mathematics::engine::level::Baseline;
-use crate::mathematics::engine::passage;
+use crate::mathematics::engine::belief::Belief;
+use crate::mathematics::engine::{self, passage};
 use crate::mathematics::filter::{FilterError, Gaussian, kalman};
 use crate::mathematics::linalg::{Ldl, Matrix, Vector, symmetric};
 use crate::samples::estimator::FilterContext;
 use crate::samples::estimator::bounded::{Truncating, Truncation};
-use crate::samples::estimator::engine::Followed;
-use crate::samples::estimator::setup::Setup;
-use crate::samples::sink::Sample;
-use crate::{Estimates, FilterSettings, Quantity, Record};
+use crate::samples::estimator::in_units::InUnits;
+use crate::samples::sink::{Sample, Sink};
+use crate::{Estimates, FilterSettings, Pass, Record, Stop};
 
-/// A filter whose beliefs are smoothed later.
+/// A filter whose beliefs are smoothed later: a pass over the record, which keeps its passages.
 pub(crate) struct Forward {
-    followed: Followed<Baseline>,
-    delays: Delays,
-    sensors: Vec<Quantity>,
+    pass: Pass,
+    sink: Passages,
+    hindsight: Hindsight,
+}
+
+/// The passages of a filter from one sample to the next, and its belief there.
+#[derive(Default)]
+pub struct Passages {
+    pub(crate) belief: Option<Gaussian>,
+    /// Each part of the step that ends with a reading, and its last one.
+    pub(crate) all: Vec<Passage>,
+    stop: Option<Stop>,
+}
+
+/// Smoothed beliefs in the units of the channels, between their bounds.
+pub(crate) struct Hindsight {
+    in_units: Option<Box<InUnits>>,
     truncation: Truncation,
-    /// Memory for the parts of a step, of a filter that goes from one reading to the next.
-    parts: Option<Box<Parts>>,
-    /// The samples so far.
-    count: usize,
+}
+
+impl Forward {
+    /// The filter with these settings before its first sample, over sensors in these columns of a record. `None` if it has no passages.
+    pub(crate) fn new(settings: &FilterSettings, context: &FilterContext, sensors: Vec<usize>) -> Option<Self> {
+        let one = FilterSettings { guesses: 1, process_scales: 1, walk: 0.0, ..settings.clone() };
+        let pass = Pass::with_passages(&one, context, sensors)?;
+        Some(Self { pass, sink: Passages::default(), hindsight: Hindsight::new(settings, context) })
+    }
+
+    /// The belief after the next sample, and the passages to it, one after the other: none for the first one, where the filter begins.
+    ///
+    /// # Errors
+    /// Where and why the filter stops.
+    pub(crate) fn filter(&mut self, record: &Record) -> Result<(Gaussian, Vec<Passage>), Stop> {
+        let Self { pass, sink, .. } = self;
+        pass.follow(record, pass.done() + 1, sink);
+        let passages = std::mem::take(&mut sink.all);
+        match (sink.stop, sink.belief.take()) {
+            (None, Some(belief)) => Ok((belief, passages)),
+            (stop, _) => Err(stop.unwrap_or(Stop { sample: pass.done(), reason: FilterError::NotFinite })),
+        }
+    }
+
+    /// Appends a belief in the channels' units.
+    pub(crate) fn report(&mut self, belief: &Gaussian, estimates: &mut Estimates) {
+        self.hindsight.report(belief, estimates);
+    }
+}
+
+impl Hindsight {
+    pub(crate) fn new(settings: &FilterSettings, context: &FilterContext) -> Self {
+        let model = context.model(settings);
+        let in_units = InUnits::new(&engine::model::Model::of(&model).logarithms, model.size(), 0);
+        Self { in_units, truncation: Truncation::of(settings, model.channels()) }
+    }
+
+    /// Hands a belief to a sink, whatever its numbers are in the channels' units.
+    pub(crate) fn report(&mut self, Gaussian { mean, cov }: &Gaussian, sink: &mut dyn Sink) {
+        let Self { in_units, truncation } = self;
+        let sample = Sample::unmeasured(mean.as_slice(), cov.as_slice());
+        let mut sink = Truncating { truncation, sink };
+        match in_units.as_deref_mut() {
+            Some(in_units) => sink.push(&in_units.take(sample).0),
+            None => sink.push(&sample),
+        }
+    }
+}
+
+impl Passages {
+    pub(crate) fn begin(&mut self, belief: &Belief<f64>) {
+        self.belief = Some(Gaussian::of(belief));
+    }
+
+    /// Adds the passage to a belief.
+    ///
+    /// # Errors
+    /// Those of [`kalman::factor`].
+    pub(crate) fn add(&mut self, passage: &passage::Passage<f64>, belief: &Belief<f64>) -> Result<(), FilterError> {
+        self.all.push(Passage::new(passage)?);
+        self.begin(belief);
+        Ok(())
+    }
+}
+
+impl Sink for Passages {
+    fn push(&mut self, _: &Sample<'_>) {}
+
+    fn stop_at(&mut self, stop: Stop) {
+        self.stop = Some(stop);
+    }
+
+    fn passages(&mut self) -> Option<&mut Passages> {
+        Some(self)
+    }
 }
 
 /// The passage of a filter from one sample to the next.
@@ -70,7 +153,7 @@ impl Passage {
     ///
     /// # Errors
     /// Those of [`kalman::factor`].
-    pub(crate) fn new(of: &passage::Passage<f64>) -> Result<Self, FilterError> {
+    fn new(of: &passage::Passage<f64>) -> Result<Self, FilterError> {
         let (n, m) = (of.predicted.len().isqrt(), of.innovation.len());
         let update = if m > 0 { Some(Update::new(of, n, m)?) } else { None };
         Ok(Self { transition: Matrix::from_column_slice(n, n, &of.transition), update })
@@ -94,70 +177,6 @@ impl Update {
             score: weighted * Vector::from_column_slice(&of.innovation),
         })
     }
-}
-
-impl Forward {
-    /// The filter with these settings before its first sample. `None` if it cannot begin, or is not of the engine.
-    pub(crate) fn new(settings: &FilterSettings, context: &FilterContext) -> Option<Self> {
-        let setup = Setup::of(settings, context, (0..context.sensors.len()).collect())?;
-        let mut followed = Followed::new(Baseline, &setup, settings);
-        followed.filter.keep_passages();
-        Some(Self {
-            followed,
-            truncation: Truncation::of(settings, &setup.channels),
-            parts: context.is_timed.then(Box::default),
-            delays: settings.delays(context.dt),
-            sensors: context.sensors.clone(),
-            count: 0,
-        })
-    }
-
-    /// The belief after the next sample, which is sample `k` of those that the record keeps, and the passages to it, one after the
-    /// other: none for the first one, where the filter begins.
-    ///
-    /// # Errors
-    /// Those of the filter.
-    pub(crate) fn filter(&mut self, record: &Record, k: usize) -> Result<(Gaussian, Vec<Passage>), FilterError> {
-        self.count += 1;
-        let mut passages = Vec::new();
-        if let Some(before) = self.count.checked_sub(2) {
-            self.followed.pluck([before, before + 1].map(|sample| record.dt() * sample as f64));
-            let Self { followed, delays, sensors, parts, .. } = self;
-            if let Some(parts) = parts {
-                let column = |quantity| record.sensors().iter().position(|other| other == quantity);
-                let columns: Vec<usize> = sensors.iter().filter_map(column).collect();
-                record.parts_to(k, delays, &columns, parts);
-                for (part, readings) in parts.iter() {
-                    passages.push(pass(followed, part.share, part.forces, part.force, readings)?);
-                }
-            } else {
-                let forces = [k.saturating_sub(1), k].map(|k| record.delayed_force(k, delays.input));
-                passages.push(pass(followed, 1.0, forces, forces[1], &record.sample(k, sensors, delays))?);
-            }
-        }
-        Ok((self.followed.gaussian(), passages))
-    }
-
-    /// Appends a belief in the channels' units.
-    pub(crate) fn report(&mut self, belief: &Gaussian, estimates: &mut Estimates) {
-        let Self { followed, truncation, .. } = self;
-        let sample = Sample::unmeasured(belief.mean.as_slice(), belief.cov.as_slice());
-        followed.report_of(sample, &mut Truncating { truncation, sink: estimates });
-    }
-}
-
-/// Takes a filter over a share of a step and its readings.
-fn pass(
-    followed: &mut Followed<Baseline>,
-    share: f64,
-    forces: [f64; 2],
-    force: f64,
-    readings: &[f64],
-) -> Result<Passage, FilterError> {
-    followed.filter.begin_passage();
-    followed.predict(share, forces)?;
-    followed.condition(force, readings)?;
-    followed.filter.passage().map_or(Err(FilterError::NotFinite), Passage::new)
 }
 
 /// The information in all later measurements about a state: `λ`, n numbers, and `Λ`, n × n.
