@@ -1,8 +1,9 @@
 //! Formats with series of numbers: ground motions of strong-motion programs and seismological data centres, and universal files of modal
 //! analysis.
 
-use super::{Layout, Series, field_width, number_after, numbers, text_after};
+use super::{Layout, Series, SeriesReader, field_width, number_after, numbers, text_after};
 use crate::data::import::cell::clock;
+use crate::data::import::{Dialect, ImportError, Table};
 
 /// Strong motions of the California Strong Motion Instrumentation Program (volume 2) and of COSMOS: pages of header,
 /// then series of fixed width; their numbers may abut.
@@ -185,6 +186,45 @@ fn next_uff58(header: &[String]) -> Option<Series> {
             _ => Some("is no function of time"),
         },
     })
+}
+
+/// Whether a universal file has a data set 58 whose numbers are binary.
+pub(super) fn has_58b(bytes: &[u8]) -> bool {
+    let mut lines = bytes.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii);
+    let mut is_set = lines.next() == Some(b"-1");
+    is_set && lines.any(|line| std::mem::replace(&mut is_set, line == b"-1") && line.starts_with(b"58b"))
+}
+
+/// The functions of time of a universal file with data sets 58b: the header of 58, then bytes. Other data sets 58 are read as text.
+///
+/// # Errors
+/// [`ImportError`] where there is none.
+pub(super) fn uff58b(bytes: &[u8]) -> Result<Table, ImportError> {
+    let mut reader = SeriesReader::new(next_uff58);
+    let (mut rest, mut line, mut is_set) = (bytes, 0, false);
+    // The last line of a header, the order of its bytes, the form of its numbers, and how many bytes there are.
+    let mut binary: Option<(usize, [usize; 4])> = None;
+    while !rest.is_empty() {
+        let end = rest.iter().position(|byte| *byte == b'\n').map_or(rest.len(), |end| end + 1);
+        let text = String::from_utf8_lossy(&rest[..end]);
+        (rest, line) = (&rest[end..], line + 1);
+        match text.trim_start().strip_prefix("58b").filter(|_| is_set) {
+            Some(sizes) => {
+                let mut sizes = sizes.split_whitespace().map_while(|word| word.parse().ok());
+                let sizes = [(); 4].map(|()| sizes.next().unwrap_or(0));
+                binary = Some((line + HEADER - 1, sizes));
+                reader.line("58", line)?;
+            }
+            None => reader.line(&text, line)?,
+        }
+        is_set = text.trim() == "-1";
+        if let Some((_, [order, form, _, size])) = binary.filter(|(last, _)| *last == line) {
+            let part = &rest[..size.min(rest.len())];
+            reader.bytes(part, size, order == 2, form);
+            (rest, binary) = (&rest[part.len()..], None);
+        }
+    }
+    reader.finish("universal file, data set 58b", Dialect::default(), line)
 }
 
 /// A direction: 1 to 3 along the axes, negative against them.
