@@ -163,16 +163,13 @@ impl SeriesReader {
         Ok(())
     }
 
-    /// Reads the numbers of a series, of which there should be `size` bytes.
+    /// Reads the numbers of a series, of which there should be `size` bytes, in the form 2 if they are of IEEE.
     fn bytes(&mut self, bytes: &[u8], size: usize, is_big: bool, form: usize) {
-        /// The number of numbers of IEEE in the list of forms.
-        const IEEE: usize = 2;
         let Some((series, values)) = self.all.last_mut().filter(|_| self.is_reading) else { return };
         self.is_reading = false;
         let points = series.count.unwrap_or(0) / if series.has_times { 2 } else { 1 };
         // A time may have fewer bytes than its value.
         let sizes: &[usize] = match (series.has_times, size.checked_div(points)) {
-            _ if size != points * (size / points.max(1)) => &[],
             (false, Some(4)) => &[4],
             (false, Some(8)) => &[8],
             (true, Some(8)) => &[4, 4],
@@ -180,27 +177,24 @@ impl SeriesReader {
             (true, Some(16)) => &[8, 8],
             _ => &[],
         };
-        if series.no_record.is_none() && form != IEEE {
-            series.no_record = Some("has numbers of VAX or IBM, which are not read");
-        } else if series.no_record.is_none() && sizes.is_empty() {
-            series.no_record = Some("has another number of bytes than its header says");
-        }
-        if series.no_record.is_some() {
-            return;
-        }
-        for point in bytes.chunks_exact(sizes.iter().sum()) {
-            let mut rest = point;
-            for &size in sizes {
-                let (number, behind) = rest.split_at(size);
-                values.push(Form { kind: 'f', size, is_big }.number(number));
-                rest = behind;
+        let width = sizes.iter().sum();
+        let reason = match form {
+            2 if width > 0 && size == points * width => None,
+            2 => Some("has another number of bytes than its header says"),
+            _ => Some("has numbers of VAX or IBM, which are not read"),
+        };
+        series.no_record = series.no_record.or(reason);
+        if series.no_record.is_none() {
+            for mut point in bytes.chunks_exact(width) {
+                for &size in sizes {
+                    values.push(Form { kind: 'f', size, is_big }.number(&point[..size]));
+                    point = &point[size..];
+                }
             }
+            // Numbers without lines count as lines.
+            self.lines.push(self.rows, self.rows + 1);
+            self.rows = self.rows.max(values.len());
         }
-        // Rows without lines count as lines.
-        if self.rows == 0 {
-            self.lines.push(0, 1);
-        }
-        self.rows = self.rows.max(values.len());
     }
 
     /// The series as columns, at the times of the first one.

@@ -123,3 +123,60 @@ fn is_segy(bytes: &[u8]) -> bool {
     let is_card = bytes.starts_with(b"\xC3\x40\xF1") || bytes.starts_with(b"C 1") || bytes.starts_with(b"C01");
     is_card && [false, true].iter().any(|big| whole(bytes, 3224, 2, *big).is_some_and(|k| (1..=16).contains(&k)))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{arrays, mat, series, unpack};
+    use super::*;
+    use crate::data::import::read;
+
+    #[test]
+    fn a_kind_that_is_not_read_is_named_with_the_way_out() {
+        let message = |bytes: &[u8]| read(bytes, None).unwrap_err().to_string();
+        let at = |place: usize, bytes: &[u8]| [&vec![0; place], bytes, &[0; 700]].concat();
+        let sheet = unpack::tests::zip_of(&[("[Content_Types].xml", b"<"), ("xl/workbook.xml", b"<")]);
+        let seed = [&b"000001D STATI"[..], &[0; 40]].concat();
+        let segy = [&b"C 1 CLIENT"[..], &[b' '; 3190], &[0; 24], &[0, 5]].concat();
+        let mat4 = [&[0_u8; 4][..], &[2, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 2, 0, 0, 0], b"x\0", &[0; 16]].concat();
+        for (bytes, name) in [
+            (&b"\x89HDF\r\n\x1A\n\0"[..], "an HDF5 file; write its columns as CSV"),
+            (b"MATLAB 7.3 MAT-file", "a MATLAB 7.3 file (HDF5); write"),
+            (&mat4, "a MATLAB 4 file; save"),
+            (&sheet, "a spreadsheet (.xlsx); save the sheet as CSV"),
+            (b"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1", "an old spreadsheet"),
+            (&at(304, &[6, 0, 0, 0]), "a binary SAC"),
+            (&seed, "a miniSEED"),
+            (&segy, "a SEG-Y"),
+            (b"\x80\x04\x95.", "a pickle"),
+            (&at(257, b"ustar"), "a tar archive"),
+            (&[0, 0, 0, 24, b'f', b't', b'y', b'p'], "a sound or film"),
+        ] {
+            assert!(message(bytes).starts_with(&format!("this is {name}")), "{}", message(bytes));
+        }
+        for text in [&b"C 1,2\n1,2\n3,4\n"[..], b"-1\n58b\n", b"BZh,x\n1,2\n3,4\n", b"ID3,x\n1,2\n3,4\n"] {
+            assert!(KINDS.iter().all(|(name, is, _)| !is(text) || name.contains("58b")), "{text:?}");
+        }
+    }
+
+    /// Whatever a file is cut to or whichever byte of it is wrong: it is a table or a sentence, within the memory that it may take.
+    #[test]
+    fn damaged_files_are_tables_or_sentences() {
+        let array = arrays::tests::file("[('t', '<f8'), ('x', '>i2', (2,))]", "(3,)", false, &[7; 36]);
+        let text = b"t,x\n0,1\n1,2\n2,1\n3,2\n";
+        let (zip, npz) = (unpack::tests::zip_of(&[("a.csv", text)]), unpack::tests::zip_of(&[("a.npy", &array)]));
+        let files = [unpack::tests::gzip_of(text), zip, npz, mat::tests::file(), series::tests::file_58b(), array];
+        for file in &files {
+            assert!(read(file.as_slice(), None).is_ok());
+            for place in 0..file.len() {
+                let _ = read(&file[..place], None);
+                for change in [0x01, 0x80, 0xFF] {
+                    let mut file = file.clone();
+                    file[place] ^= change;
+                    if let Ok(table) = read(file, None) {
+                        assert!(table.columns.iter().all(|column| column.values.len() == table.rows()));
+                    }
+                }
+            }
+        }
+    }
+}

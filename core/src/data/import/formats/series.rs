@@ -267,3 +267,36 @@ fn next_sac(header: &[String]) -> Option<Series> {
     let start = if start == -12_345.0 { 0.0 } else { start };
     Some(Series { name: known, start, dt, count: Some(count as usize), ..Series::default() })
 }
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+
+    /// A data set 58b of accelerations.
+    fn set(order: usize, kind: usize, spacing: usize, count: usize, data: &[u8]) -> Vec<u8> {
+        let size = data.len();
+        let begin = format!("    -1\n    58b{order:6}     2          11{size:12}\nx\n\n\n\n\n    1 0 0 0 NONE 1 3\n");
+        let sizes = format!("{kind} {count} {spacing} 0.0 0.5 0.0\n17\n12 0 0 0 NONE m/s2\n0\n0\n");
+        [begin.as_bytes(), sizes.as_bytes(), data, b"    -1\n"].concat()
+    }
+
+    pub(in super::super) fn file_58b() -> Vec<u8> {
+        let big: Vec<u8> = [1.5_f64, -2.0, 3.0].into_iter().flat_map(f64::to_be_bytes).collect();
+        let little: Vec<u8> = [4.0_f32, 5.0, 10.0].into_iter().flat_map(f32::to_le_bytes).collect();
+        let other = b"    -1\n   151\na model\n    -1\n";
+        [&other[..], &set(2, 4, 1, 3, &big), &set(1, 5, 1, 1, &[10; 8]), &set(1, 2, 1, 3, &little)].concat()
+    }
+
+    #[test]
+    fn binary_universal_files_are_read_in_both_orders_and_spacings() {
+        let table = uff58b(&file_58b()).unwrap();
+        let values: Vec<&[f64]> = table.columns.iter().map(|column| &column.values[..]).collect();
+        assert_eq!(values, [[0.0, 0.5, 1.0], [1.5, -2.0, 3.0], [4.0, 5.0, 10.0]]);
+        assert!(table.remarks[0].contains("no function of time"), "{:?}", table.remarks);
+        let uneven = [&0.25_f32.to_be_bytes()[..], &7.0_f64.to_be_bytes()].concat().repeat(2);
+        let table = uff58b(&set(2, 4, 0, 2, &uneven)).unwrap();
+        assert_eq!([&table.columns[0].values[..], &table.columns[1].values], [[0.25; 2], [7.0; 2]]);
+        let wrong = uff58b(&set(1, 4, 1, 3, &[0; 20])).unwrap_err().to_string();
+        assert!(wrong.contains("another number of bytes"), "{wrong}");
+    }
+}

@@ -9,22 +9,18 @@ use super::super::reader::Reader;
 use super::super::{Dialect, ImportError, Mapping, Table};
 use super::kinds::whole;
 
-/// The bytes that unpacked files and numbers may still take: 200 times those of the file, within these limits.
+/// Limits the bytes of unpacked files and numbers: 200 times those of the file, but at least 64 MiB and at most 1 GiB.
 pub(super) struct Room(usize);
-
-const LEAST_ROOM: usize = 64 << 20;
-const MOST_ROOM: usize = 1 << 30;
 
 impl Room {
     pub(super) fn of(file: &[u8]) -> Self {
-        Self(file.len().saturating_mul(200).clamp(LEAST_ROOM, MOST_ROOM))
+        Self(file.len().saturating_mul(200).clamp(64 << 20, 1 << 30))
     }
 
     pub(super) fn take(&mut self, count: usize, size: usize) -> Result<(), String> {
         let left = count.checked_mul(size).and_then(|bytes| self.0.checked_sub(bytes));
         self.0 = left.unwrap_or(0);
-        left.map(|_| ())
-            .ok_or_else(|| "it is too large when unpacked: more than 200 times the file, or 1 GiB".to_owned())
+        left.map(|_| ()).ok_or_else(|| "it is too large: unpacked, more than 200 times the file or 1 GiB".to_owned())
     }
 
     pub(super) fn unpack(&mut self, packed: impl Read) -> Result<Vec<u8>, String> {
@@ -44,9 +40,6 @@ fn table(bytes: Vec<u8>, dialect: Option<Dialect>) -> Result<Table, ImportError>
 }
 
 /// The table in a file of gzip.
-///
-/// # Errors
-/// [`ImportError`] where it cannot be unpacked, or where there is no table in it.
 pub(super) fn gzip(bytes: &[u8], dialect: Option<Dialect>) -> Result<Table, ImportError> {
     let file = Room::of(bytes).unpack(MultiGzDecoder::new(bytes));
     let file = file.map_err(|reason| ImportError::OtherKind(format!("this is a gzip file; {reason}")))?;
@@ -65,102 +58,163 @@ pub(super) fn has_entry(bytes: &[u8], is: fn(&str) -> bool) -> bool {
 /// A file in a ZIP.
 pub(super) struct Entry<'a> {
     pub(super) name: String,
+    /// Its part of the directory.
+    head: &'a [u8],
     packed: &'a [u8],
-    is_encrypted: bool,
-    method: usize,
-    checksum: usize,
 }
 
 /// The files in a ZIP, without folders and those that systems add. `None` for one that is cut short or damaged.
 ///
 /// Source: PKWARE (2022), .ZIP file format specification, sections 4.3.7, 4.3.12 and 4.3.16.
 pub(super) fn entries(bytes: &[u8]) -> Option<Vec<Entry<'_>>> {
-    /// The bytes of the end of the directory, and the most behind it.
+    /// The bytes of the end of the directory, and the most places where it may begin.
     const END: [usize; 2] = [22, 65_536];
-    let places = (0..=bytes.len().checked_sub(END[0])?).rev().take(END[1]);
-    let end = places.into_iter().find(|place| bytes[*place..].starts_with(b"PK\x05\x06"))?;
+    let mut places = (0..=bytes.len().checked_sub(END[0])?).rev().take(END[1]);
+    let end = places.find(|place| bytes[*place..].starts_with(b"PK\x05\x06"))?;
     let number = |place: usize, size: usize| whole(bytes, place, size, false);
-    let mut head = number(end + 16, 4)?;
-    let mut entries = Vec::new();
+    let (mut rest, mut entries) = (bytes.get(number(end + 16, 4)?..)?, Vec::new());
     for _ in 0..number(end + 10, 2)? {
-        let at = |offset: usize, size: usize| number(head.checked_add(offset)?, size);
-        if at(0, 4)? != 0x0201_4B50 {
-            return None;
-        }
+        let at = |place: usize, size: usize| whole(rest, place, size, false);
         let (size, length, local) = (at(20, 4)?, at(28, 2)?, at(42, 4)?);
         let data = local.checked_add(30 + number(local.checked_add(26)?, 2)? + number(local.checked_add(28)?, 2)?)?;
         let packed = bytes.get(data..data.checked_add(size)?)?;
-        let name = String::from_utf8_lossy(bytes.get(head + 46..head + 46 + length)?).into_owned();
-        let (is_encrypted, method, checksum) = (at(8, 2)? & 1 == 1, at(10, 2)?, at(16, 4)?);
-        head = head.checked_add(46 + length + at(30, 2)? + at(32, 2)?)?;
+        let name = String::from_utf8_lossy(rest.get(46..46 + length)?).into_owned();
         let is_hidden = name.split('/').any(|part| part.starts_with('.') || part == "__MACOSX");
         if !name.ends_with('/') && !is_hidden {
-            entries.push(Entry { name, packed, is_encrypted, method, checksum });
+            entries.push(Entry { name, head: rest, packed });
         }
+        rest = rest.get(46 + length + at(30, 2)? + at(32, 2)?..)?;
     }
     Some(entries)
 }
 
 impl Entry<'_> {
     pub(super) fn unpack(&self, room: &mut Room) -> Result<Vec<u8>, String> {
-        let bytes = match self.method {
-            _ if self.is_encrypted => return Err("it is encrypted".to_owned()),
-            0 => room.unpack(self.packed)?,
-            8 => room.unpack(DeflateDecoder::new(self.packed))?,
-            other => return Err(format!("it is packed by method {other}, which is not read")),
+        let at = |place: usize, size: usize| whole(self.head, place, size, false).unwrap_or(0);
+        let bytes = match (at(8, 2) & 1, at(10, 2)) {
+            (0, 0) => room.unpack(self.packed)?,
+            (0, 8) => room.unpack(DeflateDecoder::new(self.packed))?,
+            (0, method) => return Err(format!("it is packed by method {method}, which is not read")),
+            _ => return Err("it is encrypted".to_owned()),
         };
         let mut sum = Crc::new();
         sum.update(&bytes);
-        if sum.sum() as usize == self.checksum { Ok(bytes) } else { Err("it is damaged".to_owned()) }
+        if sum.sum() as usize == at(16, 4) { Ok(bytes) } else { Err("it is damaged".to_owned()) }
     }
 }
 
 /// The one table with times in a ZIP. Apps for phones add small tables of names in a folder `meta`.
-///
-/// # Errors
-/// [`ImportError::OtherKind`] where there is none, or more than one.
 pub(super) fn zip(bytes: &[u8], dialect: Option<Dialect>) -> Result<Table, ImportError> {
     /// The fewest rows that a record has for certain.
     const FEWEST: usize = 30;
     let bad = |reason: &str| ImportError::OtherKind(format!("this is a ZIP; {reason}"));
-    let entries = entries(bytes).ok_or_else(|| bad("it is damaged or cut short"))?;
-    let mut room = Room::of(bytes);
-    let (mut tables, mut failed) = (Vec::new(), Vec::new());
-    for entry in &entries {
+    let mut entries = entries(bytes).ok_or_else(|| bad("it is damaged or cut short"))?;
+    let (mut room, mut tables, mut failed) = (Room::of(bytes), Vec::new(), String::new());
+    for (place, entry) in entries.iter().enumerate() {
         let file = entry.unpack(&mut room).map_err(ImportError::OtherKind);
         match file.and_then(|file| table(file, dialect)) {
-            Ok(table) => tables.push((entry.name.as_str(), table)),
-            Err(reason) => failed.push(format!("`{}`: {reason}", entry.name)),
+            Ok(table) => tables.push((place, table)),
+            Err(reason) => failed = format!(": `{}`: {reason}", entry.name),
         }
     }
-    let is_record =
-        |(_, table): &(&str, Table)| table.rows() >= FEWEST && Mapping::guess(table).0.time.column.is_some();
-    let is_meta = |name: &str| name.to_lowercase().split('/').any(|part| part.starts_with("meta"));
-    let one = |is: &dyn Fn(&(&str, Table)) -> bool| {
+    let one = |is: &dyn Fn(&(usize, Table)) -> bool| {
         let mut places = (0..tables.len()).filter(|place| is(&tables[*place]));
         places.next().filter(|_| places.next().is_none())
     };
-    let Some(place) = one(&is_record).or_else(|| one(&|(name, _)| !is_meta(name))) else {
-        return Err(match (tables.is_empty(), failed.first()) {
-            (true, None) => bad("there is no file in it"),
-            (true, Some(first)) => bad(&format!("there is no table in its {} file(s): {first}", failed.len())),
-            (false, _) => bad(&format!(
-                "it has several tables: {}; unpack it and open one",
-                list(tables.iter().map(|(name, _)| *name))
-            )),
-        });
+    let is_record = |table: &Table| table.rows() >= FEWEST && Mapping::guess(table).0.time.column.is_some();
+    let is_meta = |name: &str| name.to_lowercase().split('/').any(|part| part.starts_with("meta"));
+    let found = one(&|(_, table)| is_record(table)).or_else(|| one(&|(place, _)| !is_meta(&entries[*place].name)));
+    let Some(found) = found else {
+        if tables.is_empty() {
+            return Err(bad(&format!("there is no table in it{failed}")));
+        }
+        let names = list(tables.into_iter().map(|(place, _)| format!("`{}`", entries[place].name)).collect());
+        return Err(bad(&format!("it has several tables: {names}; unpack it and open one")));
     };
-    let (name, mut table) = tables.swap_remove(place);
-    let others: Vec<&str> = entries.iter().map(|entry| entry.name.as_str()).filter(|other| *other != name).collect();
-    let rest = if others.is_empty() { String::new() } else { format!("; left out: {}", list(others.into_iter())) };
+    let (place, mut table) = tables.swap_remove(found);
+    let name = entries.remove(place).name;
+    let others = list(entries.into_iter().map(|entry| format!("`{}`", entry.name)).collect());
+    let rest = if others.is_empty() { others } else { format!("; left out: {others}") };
     table.remarks.insert(0, format!("the table is `{name}` of the ZIP{rest}"));
     Ok(table)
 }
 
-/// Some names in one line, and the number of those that would be too many.
-pub(super) fn list<'a>(names: impl ExactSizeIterator<Item = &'a str>) -> String {
-    /// Limits the names in a sentence.
+/// Some words in one line, and the number of those that would be too many.
+pub(super) fn list(mut words: Vec<String>) -> String {
+    /// Limits the words in a sentence.
     const MOST: usize = 8;
-    let more = if names.len() > MOST { format!(" and {} more", names.len() - MOST) } else { String::new() };
-    names.take(MOST).map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ") + &more
+    if words.len() > MOST {
+        let more = words.len() - MOST;
+        words.truncate(MOST);
+        words.push(format!("and {more} more"));
+    }
+    words.join(", ")
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use std::io::Write as _;
+
+    use flate2::Compression;
+    use flate2::write::{DeflateEncoder, GzEncoder};
+
+    use super::*;
+
+    pub(in super::super) fn gzip_of(bytes: &[u8]) -> Vec<u8> {
+        let mut packed = GzEncoder::new(Vec::new(), Compression::default());
+        packed.write_all(bytes).unwrap();
+        packed.finish().unwrap()
+    }
+
+    pub(in super::super) fn zip_of(files: &[(&str, &[u8])]) -> Vec<u8> {
+        let (mut all, mut directory) = (Vec::new(), Vec::new());
+        for (name, bytes) in files {
+            let mut packed = DeflateEncoder::new(Vec::new(), Compression::default());
+            packed.write_all(bytes).unwrap();
+            let (packed, mut sum, place) = (packed.finish().unwrap(), Crc::new(), all.len());
+            sum.update(bytes);
+            let word = |number: usize| u32::try_from(number).unwrap().to_le_bytes();
+            let sizes = [sum.sum().to_le_bytes(), word(packed.len()), word(bytes.len()), word(name.len())].concat();
+            let common = [&[20, 0, 0, 0, 8, 0, 0, 0, 0, 0], &sizes[..]].concat();
+            all.extend([b"PK\x03\x04", &common[..], name.as_bytes(), &packed].concat());
+            let head = [b"PK\x01\x02\x14\0", &common[..], &[0; 10], &word(place), name.as_bytes()].concat();
+            directory.extend(head);
+        }
+        let count = [files.len() as u8, 0];
+        let place = u32::try_from(all.len()).unwrap().to_le_bytes();
+        [&all[..], &directory, b"PK\x05\x06\0\0\0\0", &count, &count, &[0; 4], &place, &[0; 2]].concat()
+    }
+
+    /// A table of 40 rows.
+    fn record() -> Vec<u8> {
+        let rows = (0..40).map(|k| format!("{},{}\n", 0.1 * f64::from(k), k % 7));
+        format!("time,x\n{}", rows.collect::<String>()).into_bytes()
+    }
+
+    #[test]
+    fn a_packed_table_is_the_table() {
+        let plain = Reader::read(record(), None).unwrap();
+        assert_eq!(gzip(&gzip_of(&record()), None).unwrap(), plain);
+        let parts = [gzip_of(&record()[..60]), gzip_of(&record()[60..])].concat();
+        assert_eq!(gzip(&parts, None).unwrap(), plain);
+        let names = b"property,value\nversion,1.1\n".repeat(40);
+        let files = [("meta/device.csv", &names[..]), ("Raw Data.csv", &record()), ("__MACOSX/._Raw Data.csv", b"\0")];
+        let table = zip(&zip_of(&files), None).unwrap();
+        assert_eq!((&table.columns, table.remarks.len()), (&plain.columns, 1));
+        assert!(table.remarks[0].ends_with("left out: `meta/device.csv`"), "{:?}", table.remarks);
+    }
+
+    #[test]
+    fn what_cannot_be_unpacked_is_said() {
+        let message = |files: &[(&str, &[u8])]| zip(&zip_of(files), None).unwrap_err().to_string();
+        let two = message(&[("a.csv", &record()), ("b.csv", &record())]);
+        assert_eq!(two, "this is a ZIP; it has several tables: `a.csv`, `b.csv`; unpack it and open one");
+        assert!(message(&[("a.pdf", b"%PDF-1")]).contains("no table in it: `a.pdf`: this is a PDF document"));
+        assert!(message(&[("b.gz", &gzip_of(&record()))]).contains("packed twice"));
+        let mut damaged = zip_of(&[("a.csv", &record())]);
+        damaged[60] ^= 1;
+        assert!(zip(&damaged, None).unwrap_err().to_string().contains("damaged"));
+        let bomb = gzip_of(&vec![b'1'; 65 << 20]);
+        assert!(gzip(&bomb, None).unwrap_err().to_string().contains("too large"), "{} bytes", bomb.len());
+    }
 }
