@@ -33,14 +33,14 @@ impl Form {
         }
     }
 
-    /// The number at the beginning of each part of `step` bytes, or the reason why there is none.
-    pub(super) fn numbers(self, bytes: &[u8], step: usize, room: &mut Room) -> Result<Vec<f64>, String> {
+    /// Numbers one behind the other, or the reason why there are none.
+    pub(super) fn numbers(self, bytes: &[u8], room: &mut Room) -> Result<Vec<f64>, String> {
         match (self.kind, self.size) {
             ('f', 4 | 8) | ('i' | 'u', 1 | 2 | 4 | 8) | ('b', 1) | ('m' | 'M', 8) => {}
             (kind, size) => return Err(format!("type {kind}{size}")),
         }
-        room.take(bytes.len() / step, 8)?;
-        Ok(bytes.chunks(step).filter_map(|part| Some(self.number(part.get(..self.size)?))).collect())
+        room.take(bytes.len() / self.size, 8)?;
+        Ok(bytes.chunks_exact(self.size).map(|bytes| self.number(bytes)).collect())
     }
 }
 
@@ -119,12 +119,11 @@ impl Arrays {
                 self.leave_out(&own[0].name, &format!("{length} rows"));
             }
         }
-        let left_out = (!self.left_out.is_empty()).then(|| format!("not read: {}", list(self.left_out)));
+        let left_out = (!self.left_out.is_empty()).then(|| format!("not read: {}", list(&self.left_out)));
         let Some(rows) = rows else {
-            let left_out = left_out.unwrap_or_default();
-            let reason =
-                format!("this is {form} without columns of numbers; save them as arrays or as CSV; {left_out}");
-            return Err(ImportError::OtherKind(reason.trim_end_matches("; ").to_owned()));
+            let rest = left_out.map_or(String::new(), |left_out| format!("; {left_out}"));
+            let reason = format!("this is {form} without columns of numbers; save them as arrays or as CSV{rest}");
+            return Err(ImportError::OtherKind(reason));
         };
         let form = format!("{form}: {} columns of {rows} numbers", columns.len());
         let mut table = Table::of_columns(&form, columns, left_out.into_iter().collect());
@@ -206,23 +205,21 @@ impl Arrays {
             let is_by_columns = header["fortran_order"].as_bool()?;
             Some((end, fields, lengths(&header["shape"])?, is_by_columns, header["descr"].is_array()))
         };
-        let (end, fields, mut shape, is_by_columns, has_names) = header().ok_or("its header cannot be read")?;
+        let (end, fields, shape, is_by_columns, has_names) = header().ok_or("its header cannot be read")?;
         let add = |sum: usize, (_, form, count, _): &Field| sum.checked_add(form.size.checked_mul(*count)?);
         let width = fields.iter().try_fold(0, add);
         let size = width.and_then(|width| product(&shape)?.checked_mul(width));
         let size = size.filter(|size| *size <= bytes.len() - end).ok_or("it is shorter than its header says")?;
         let (rows, width, mut place) = (&bytes[end..end + size], width.unwrap_or(0).max(1), 0);
-        if has_names {
-            shape = vec![rows.len() / width];
-        }
         for (name, form, count, unit) in fields {
+            let end = place + form.size * count;
             // Fields without a name fill gaps.
-            for k in 0..if has_names && name.is_empty() { 0 } else { count.min(MOST_COLUMNS) } {
-                let values = form.numbers(rows.get(place + k * form.size..).unwrap_or_default(), width, room);
-                let name = if count == 1 { name.clone() } else { format!("{name}[{k}]") };
-                self.add((&name, unit.as_deref()), &shape, is_by_columns, values);
+            if !(has_names && name.is_empty()) {
+                let cells: Vec<u8> = rows.chunks_exact(width).flat_map(|row| &row[place..end]).copied().collect();
+                let shape = if has_names { &[rows.len() / width, count][..] } else { &shape };
+                self.add((&name, unit.as_deref()), shape, is_by_columns && !has_names, form.numbers(&cells, room));
             }
-            place += form.size * count;
+            place = end;
         }
         Ok(())
     }

@@ -91,7 +91,7 @@ fn add(arrays: &mut Arrays, mut parts: Parts<'_>, room: &mut Room) {
         _ => (if kind == 12 { 'i' } else { 'u' }, 8),
     };
     let values = match other {
-        "" => Form { kind, size, is_big }.numbers(data, size, room),
+        "" => Form { kind, size, is_big }.numbers(data, room),
         other => Err(other.to_owned()),
     };
     let is_whole = |values: &Vec<f64>| product(&shape) == Some(values.len());

@@ -128,27 +128,25 @@ pub(super) fn zip(bytes: &[u8], dialect: Option<Dialect>) -> Result<Table, Impor
         if tables.is_empty() {
             return Err(bad(&format!("there is no table in it{failed}")));
         }
-        let names = list(tables.into_iter().map(|(place, _)| format!("`{}`", entries[place].name)).collect());
+        let names: Vec<String> = tables.iter().map(|(place, _)| format!("`{}`", entries[*place].name)).collect();
+        let names = list(&names);
         return Err(bad(&format!("it has several tables: {names}; unpack it and open one")));
     };
     let (place, mut table) = tables.swap_remove(found);
     let name = entries.remove(place).name;
-    let others = list(entries.into_iter().map(|entry| format!("`{}`", entry.name)).collect());
-    let rest = if others.is_empty() { others } else { format!("; left out: {others}") };
+    let others: Vec<String> = entries.iter().map(|entry| format!("`{}`", entry.name)).collect();
+    let rest = if others.is_empty() { String::new() } else { format!("; left out: {}", list(&others)) };
     table.remarks.insert(0, format!("the table is `{name}` of the ZIP{rest}"));
     Ok(table)
 }
 
 /// Some words in one line, and the number of those that would be too many.
-pub(super) fn list(mut words: Vec<String>) -> String {
+pub(super) fn list(words: &[String]) -> String {
     /// Limits the words in a sentence.
     const MOST: usize = 8;
-    if words.len() > MOST {
-        let more = words.len() - MOST;
-        words.truncate(MOST);
-        words.push(format!("and {more} more"));
-    }
-    words.join(", ")
+    let more = words.len().saturating_sub(MOST);
+    let rest = if more > 0 { format!(" and {more} more") } else { String::new() };
+    words[..words.len() - more].join(", ") + &rest
 }
 
 #[cfg(test)]
