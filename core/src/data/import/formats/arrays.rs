@@ -37,6 +37,7 @@ impl Form {
     pub(super) fn numbers(self, bytes: &[u8], room: &mut Room) -> Result<Vec<f64>, String> {
         match (self.kind, self.size) {
             ('f', 4 | 8) | ('i' | 'u', 1 | 2 | 4 | 8) | ('b', 1) | ('m' | 'M', 8) => {}
+            ('O', _) => return Err("objects".to_owned()),
             (kind, size) => return Err(format!("type {kind}{size}")),
         }
         room.take(bytes.len() / self.size, 8)?;
@@ -103,9 +104,10 @@ impl Arrays {
         let lengths = all.iter().map(|columns| columns[0].values.len());
         let most = lengths.clone().max().unwrap_or(0);
         let rows = lengths.max_by_key(|rows| {
-            let group = all.iter().filter(|columns| columns[0].values.len() == *rows).flatten();
+            let group = all.iter().filter(|columns| columns[0].values.len() == *rows);
+            let is_time = |own: &Vec<Column>| own.len() == 1 && is_named_time(&own[0]) && own[0].values.is_sorted();
             // Few times are those of events.
-            (10 * rows >= most && group.clone().any(is_named_time), rows * group.count())
+            (10 * rows >= most && group.clone().any(is_time), rows * group.flatten().count())
         });
         let mut columns: Vec<Column> = Vec::new();
         for own in all {
