@@ -98,7 +98,7 @@ fn what_cannot_be_read_is_said_and_nothing_is_lost() {
         (&b""[..], "the file is empty"),
         (b"\x7FELF\x01\x02\x03\x00\x00\x00", "the file is not text with columns of numbers"),
         (b"a,b\nc,d\n", "there is no column of numbers in 2 line(s)"),
-        (b"PK\x03\x04...", "this is a spreadsheet; save the sheet as CSV"),
+        (b"PK\x03\x04...", "this is a ZIP; it is damaged or cut short"),
     ] {
         drop_file(&mut screen, "bad.csv", contents);
         screen.get_by_label(&format!("“bad.csv” cannot be opened: {sentence}."));

@@ -65,9 +65,7 @@ pub use unit::{Dimension, STANDARD_GRAVITY, unit};
 /// # Errors
 /// [`ImportError`] where the file is empty, not text, or without numbers.
 pub fn read(bytes: impl Into<Vec<u8>>, dialect: Option<Dialect>) -> Result<Table, ImportError> {
-    let mut reader = reader::Reader::new(bytes.into(), dialect)?;
-    while !reader.advance(&mut || true)? {}
-    reader.finish()
+    reader::Reader::read(bytes.into(), dialect).map(mend::mend)
 }
 
 /// The [`struct@Hash`] of a file's bytes, in one go.

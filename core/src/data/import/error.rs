@@ -14,9 +14,9 @@ pub enum ImportError {
     /// It is not text.
     #[error("the file is not text with columns of numbers")]
     Binary,
-    /// It is a file of another kind, which a sentence names.
+    /// It is a file of another kind, or a damaged one, which a sentence names.
     #[error("{0}")]
-    OtherKind(&'static str),
+    OtherKind(String),
     /// It is a sound that cannot be read.
     #[error("this sound cannot be read: {0}; save it as WAV with whole numbers or floats")]
     Sound(String),
@@ -118,16 +118,3 @@ pub(super) const LONGEST_LINE: usize = 1_000_000;
 pub(super) const FEWEST: usize = 2;
 /// Limits the samples of a record.
 pub const MOST: usize = 2_000_000;
-
-/// The first bytes of files of other kinds, and what to do about them.
-pub(super) const OTHER_KINDS: [(&[u8], &str); 6] = [
-    (b"MATLAB 5.0 MAT-file", "this is a MATLAB file; save its columns as text: writematrix(data, \"record.csv\")"),
-    (b"MATLAB 7.3 MAT-file", HDF5),
-    (b"\x89HDF", HDF5),
-    (b"PAR1", "this is a Parquet file; save its columns as CSV"),
-    (b"PK\x03\x04", SPREADSHEET),
-    (b"\xD0\xCF\x11\xE0", SPREADSHEET),
-];
-const HDF5: &str =
-    "this is an HDF5 file, as MATLAB writes it with -v7.3; save its columns as text: writematrix(data, \"record.csv\")";
-const SPREADSHEET: &str = "this is a spreadsheet; save the sheet as CSV";

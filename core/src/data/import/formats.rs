@@ -3,15 +3,21 @@
 //! A format is a row of [`FORMATS`]: it recognises a file by its first lines, and says how its lines are laid out. Either they are
 //! rows of a table with known columns, or series of numbers one after the other, each behind a header and wrapped over lines.
 
+mod arrays;
+mod kinds;
+mod mat;
 mod nameless;
 mod rows;
 mod series;
+mod unpack;
 
 use super::cell::{Decimal, Found};
 use super::error::MOST;
 use super::table::{Column, Lines, Rows, TextCell, free_name};
 use super::{Dialect, ImportError, Table};
 
+use arrays::Form;
+pub(super) use kinds::read_binary;
 pub(super) use nameless::nameless;
 
 /// The layout of the numbers below a header.
@@ -157,6 +163,40 @@ impl SeriesReader {
         Ok(())
     }
 
+    /// Reads the numbers of a series, of which there should be `size` bytes, in the form 2 if they are of IEEE.
+    fn bytes(&mut self, bytes: &[u8], size: usize, is_big: bool, form: usize) {
+        let Some((series, values)) = self.all.last_mut().filter(|_| self.is_reading) else { return };
+        self.is_reading = false;
+        let points = series.count.unwrap_or(0) / if series.has_times { 2 } else { 1 };
+        // A time may have fewer bytes than its value.
+        let sizes: &[usize] = match (series.has_times, size.checked_div(points)) {
+            (false, Some(4)) => &[4],
+            (false, Some(8)) => &[8],
+            (true, Some(8)) => &[4, 4],
+            (true, Some(12)) => &[4, 8],
+            (true, Some(16)) => &[8, 8],
+            _ => &[],
+        };
+        let width = sizes.iter().sum();
+        let reason = match form {
+            2 if width > 0 && size == points * width => None,
+            2 => Some("has another number of bytes than its header says"),
+            _ => Some("has numbers of VAX or IBM, which are not read"),
+        };
+        series.no_record = series.no_record.or(reason);
+        if series.no_record.is_none() {
+            for mut point in bytes.chunks_exact(width) {
+                for &size in sizes {
+                    values.push(Form { kind: 'f', size, is_big }.number(&point[..size]));
+                    point = &point[size..];
+                }
+            }
+            // Numbers without lines count as lines.
+            self.lines.push(self.rows, self.rows + 1);
+            self.rows = self.rows.max(values.len());
+        }
+    }
+
     /// The series as columns, at the times of the first one.
     pub(super) fn finish(self, name: &str, dialect: Dialect, lines: usize) -> Result<Table, ImportError> {
         let Self { all, loose, rows: read, lines: mut known, .. } = self;
@@ -174,16 +214,16 @@ impl SeriesReader {
         let (dt, has_times) = (first.dt, first.has_times);
         for (series, values) in &all {
             let name = &series.name;
+            if let Some(reason) = series.no_record {
+                remarks.push(format!("`{name}` {reason}; it is left out"));
+                continue;
+            }
             if let Some(count) = series.count.filter(|count| *count != values.len()) {
                 remarks.push(format!("`{name}` has {} numbers, but its header tells of {count}", values.len()));
             }
             let missing = values.iter().filter(|value| value.is_nan()).count();
             if missing > 0 {
                 remarks.push(format!("`{name}` has no reading in {missing} place(s)"));
-            }
-            if let Some(reason) = series.no_record {
-                remarks.push(format!("`{name}` {reason}; it is left out"));
-                continue;
             }
             // A time without its value is no row.
             let (own, values): (Vec<f64>, Vec<f64>) = if series.has_times {

@@ -1,9 +1,8 @@
 //! Reads a file of a record, a slice after the other: its columns and its hash.
 
-use super::error::{LONGEST_LINE, OTHER_KINDS};
+use super::error::LONGEST_LINE;
 use super::formats::{self, Layout, SeriesReader};
 use super::mend::mend;
-use super::sound;
 use super::table::RowsReader;
 use super::{Dialect, Encoding, Hash, ImportError, Table};
 use crate::data::task::Task;
@@ -30,7 +29,7 @@ pub(super) struct Reader {
 enum Body {
     Rows(RowsReader),
     Series(SeriesReader),
-    /// A sound, which is read at once.
+    /// A binary file, which is read at once.
     Whole(Box<Table>),
 }
 
@@ -43,12 +42,9 @@ impl Reader {
         if bytes.iter().all(u8::is_ascii_whitespace) {
             return Err(ImportError::Empty);
         }
-        if let Some((_, sentence)) = OTHER_KINDS.iter().find(|(begin, _)| bytes.starts_with(begin)) {
-            return Err(ImportError::OtherKind(sentence));
-        }
-        if sound::is_sound(&bytes) {
+        if let Some(table) = formats::read_binary(&bytes, dialect) {
             let (place, dialect) = (bytes.len(), Dialect::default());
-            let body = Body::Whole(Box::new(sound::table(&bytes)?));
+            let body = Body::Whole(Box::new(table?));
             return Ok(Self { bytes, place, line: 0, dialect, format: None, body, text: String::new() });
         }
         let head = &bytes[..bytes.len().min(LOOK)];
@@ -114,16 +110,26 @@ impl Reader {
     /// # Errors
     /// [`ImportError::NoNumbers`] where there are none.
     pub(super) fn finish(self) -> Result<Table, ImportError> {
+        self.columns().map(mend)
+    }
+
+    /// The columns of a file as they are, without cures of its times.
+    pub(super) fn read(bytes: Vec<u8>, dialect: Option<Dialect>) -> Result<Table, ImportError> {
+        let mut reader = Self::new(bytes, dialect)?;
+        while !reader.advance(&mut || true)? {}
+        reader.columns()
+    }
+
+    fn columns(self) -> Result<Table, ImportError> {
         let Self { dialect, format, body, line, .. } = self;
-        let table = match body {
-            Body::Whole(table) => *table,
-            Body::Series(series) => series.finish(format.unwrap_or_default(), dialect, line)?,
+        match body {
+            Body::Whole(table) => Ok(*table),
+            Body::Series(series) => series.finish(format.unwrap_or_default(), dialect, line),
             Body::Rows(rows) => {
                 let form = format.map_or_else(|| dialect.to_string(), |name| format!("{name}: {dialect}"));
-                rows.finish(form, line)?
+                rows.finish(form, line)
             }
-        };
-        Ok(mend(table))
+        }
     }
 
     /// Reads a line. Returns whether there was one.
@@ -260,7 +266,7 @@ mod tests {
         assert_eq!(message(b""), "the file is empty");
         assert_eq!(message(b"\n \n"), "the file is empty");
         assert!(message(b"\x7FELF\x00\x01\x02\x03\x00\x00").contains("not text"));
-        assert!(message(b"PK\x03\x04....").contains("save the sheet as CSV"));
+        assert!(message(b"PK\x03\x04....").contains("ZIP"));
         assert!(message(b"a,b\nc,d\n").contains("no column of numbers"));
         let wide: String = vec!["1"; 1_000_000].join(",");
         assert_eq!(message(wide.as_bytes()), "line 1 is longer than 1 MB");

@@ -11,11 +11,6 @@ use crate::mathematics::fourier::Transform;
 /// The first word of a sound's form.
 const FORM: &str = "sound";
 
-/// Whether a file begins as a sound does.
-pub(super) fn is_sound(bytes: &[u8]) -> bool {
-    bytes.starts_with(b"RIFF") && bytes.get(8..12) == Some(b"WAVE")
-}
-
 /// The time and the channels of a sound, as shares of the loudest that its numbers can be.
 ///
 /// # Errors

@@ -107,9 +107,9 @@ struct Facts {
 }
 
 /// Words before the samples in a second, and before the time between samples.
-const RATES: [&str; 7] =
+pub(super) const RATES: [&str; 7] =
     ["sampling freq", "sampling rate", "sample rate", "sample freq", "samprate", "samples per second", "fs"];
-const STEPS: [&str; 14] = [
+pub(super) const STEPS: [&str; 14] = [
     "sampling interval",
     "sample interval",
     "sampling period",

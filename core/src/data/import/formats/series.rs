@@ -1,8 +1,9 @@
 //! Formats with series of numbers: ground motions of strong-motion programs and seismological data centres, and universal files of modal
 //! analysis.
 
-use super::{Layout, Series, field_width, number_after, numbers, text_after};
+use super::{Layout, Series, SeriesReader, field_width, number_after, numbers, text_after};
 use crate::data::import::cell::clock;
+use crate::data::import::{Dialect, ImportError, Table};
 
 /// Strong motions of the California Strong Motion Instrumentation Program (volume 2) and of COSMOS: pages of header,
 /// then series of fixed width; their numbers may abut.
@@ -187,6 +188,45 @@ fn next_uff58(header: &[String]) -> Option<Series> {
     })
 }
 
+/// Whether a universal file has a data set 58 whose numbers are binary.
+pub(super) fn has_58b(bytes: &[u8]) -> bool {
+    let mut lines = bytes.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii);
+    let mut is_set = lines.next() == Some(b"-1");
+    is_set && lines.any(|line| std::mem::replace(&mut is_set, line == b"-1") && line.starts_with(b"58b"))
+}
+
+/// The functions of time of a universal file with data sets 58b: the header of 58, then bytes. Other data sets 58 are read as text.
+///
+/// # Errors
+/// [`ImportError`] where there is none.
+pub(super) fn uff58b(bytes: &[u8]) -> Result<Table, ImportError> {
+    let mut reader = SeriesReader::new(next_uff58);
+    let (mut rest, mut line, mut is_set) = (bytes, 0, false);
+    // The last line of a header, the order of its bytes, the form of its numbers, and how many bytes there are.
+    let mut binary: Option<(usize, [usize; 4])> = None;
+    while !rest.is_empty() {
+        let end = rest.iter().position(|byte| *byte == b'\n').map_or(rest.len(), |end| end + 1);
+        let text = String::from_utf8_lossy(&rest[..end]);
+        (rest, line) = (&rest[end..], line + 1);
+        match text.trim_start().strip_prefix("58b").filter(|_| is_set) {
+            Some(sizes) => {
+                let mut sizes = sizes.split_whitespace().map_while(|word| word.parse().ok());
+                let sizes = [(); 4].map(|()| sizes.next().unwrap_or(0));
+                binary = Some((line + HEADER - 1, sizes));
+                reader.line("58", line)?;
+            }
+            None => reader.line(&text, line)?,
+        }
+        is_set = text.trim() == "-1";
+        if let Some((_, [order, form, _, size])) = binary.filter(|(last, _)| *last == line) {
+            let part = &rest[..size.min(rest.len())];
+            reader.bytes(part, size, order == 2, form);
+            (rest, binary) = (&rest[part.len()..], None);
+        }
+    }
+    reader.finish("universal file, data set 58b", Dialect::default(), line)
+}
+
 /// A direction: 1 to 3 along the axes, negative against them.
 fn axis(direction: &str) -> String {
     match direction.parse::<i32>() {
@@ -226,4 +266,37 @@ fn next_sac(header: &[String]) -> Option<Series> {
     let known = words.into_iter().filter(|word| !word.is_empty() && *word != "-12345").collect::<Vec<_>>().join(" ");
     let start = if start == -12_345.0 { 0.0 } else { start };
     Some(Series { name: known, start, dt, count: Some(count as usize), ..Series::default() })
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+
+    /// A data set 58b of accelerations.
+    fn set(order: usize, kind: usize, spacing: usize, count: usize, data: &[u8]) -> Vec<u8> {
+        let size = data.len();
+        let begin = format!("    -1\n    58b{order:6}     2          11{size:12}\nx\n\n\n\n\n    1 0 0 0 NONE 1 3\n");
+        let sizes = format!("{kind} {count} {spacing} 0.0 0.5 0.0\n17\n12 0 0 0 NONE m/s2\n0\n0\n");
+        [begin.as_bytes(), sizes.as_bytes(), data, b"    -1\n"].concat()
+    }
+
+    pub(in super::super) fn file_58b() -> Vec<u8> {
+        let big: Vec<u8> = [1.5_f64, -2.0, 3.0].into_iter().flat_map(f64::to_be_bytes).collect();
+        let little: Vec<u8> = [4.0_f32, 5.0, 10.0].into_iter().flat_map(f32::to_le_bytes).collect();
+        let other = b"    -1\n   151\na model\n    -1\n";
+        [&other[..], &set(2, 4, 1, 3, &big), &set(1, 5, 1, 1, &[10; 8]), &set(1, 2, 1, 3, &little)].concat()
+    }
+
+    #[test]
+    fn binary_universal_files_are_read_in_both_orders_and_spacings() {
+        let table = uff58b(&file_58b()).unwrap();
+        let values: Vec<&[f64]> = table.columns.iter().map(|column| &column.values[..]).collect();
+        assert_eq!(values, [[0.0, 0.5, 1.0], [1.5, -2.0, 3.0], [4.0, 5.0, 10.0]]);
+        assert!(table.remarks[0].contains("no function of time"), "{:?}", table.remarks);
+        let uneven = [&0.25_f32.to_be_bytes()[..], &7.0_f64.to_be_bytes()].concat().repeat(2);
+        let table = uff58b(&set(2, 4, 0, 2, &uneven)).unwrap();
+        assert_eq!([&table.columns[0].values[..], &table.columns[1].values], [[0.25; 2], [7.0; 2]]);
+        let wrong = uff58b(&set(1, 4, 1, 3, &[0; 20])).unwrap_err().to_string();
+        assert!(wrong.contains("another number of bytes"), "{wrong}");
+    }
 }

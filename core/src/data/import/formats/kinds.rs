@@ -1,0 +1,182 @@
+//! The kinds of files that are no text, by their first bytes.
+
+use super::super::{Dialect, ImportError, Table, sound};
+use super::unpack::{gzip, has_entry, is_zip, zip};
+use super::{arrays, mat, series};
+
+/// The handling of files of a kind.
+enum Way {
+    Read(fn(&[u8], Option<Dialect>) -> Result<Table, ImportError>),
+    /// They are not read; the words name what helps.
+    Refuse(&'static str),
+}
+
+use Way::{Read, Refuse};
+
+const SHEET: Way = Refuse("save the sheet as CSV");
+const PICTURE: Way = Refuse("a record is a table of numbers: export the readings as CSV");
+const PACKED: Way = Refuse("unpack it, and open the table in it");
+const SOUND: Way = Refuse("save it as WAV");
+const FRAME: Way = Refuse("write its columns as CSV (pandas: to_csv)");
+const HDF5: Way = Refuse("write its columns as CSV (h5dump, pandas, or writematrix in MATLAB)");
+const MATLAB: Way = Refuse("save its variables in MATLAB with -v7, or its columns with writematrix");
+const SEISMOGRAM: Way =
+    Refuse("write it as text: SLIST, or SAC's alphanumeric form (ObsPy: write with format=\"SLIST\")");
+
+/// Each kind: what a file of it is, a test of its bytes, and how it is handled. The first one that fits counts.
+type Kind = (&'static str, fn(&[u8]) -> bool, Way);
+
+const KINDS: [Kind; 40] = [
+    ("a sound", |b| b.starts_with(b"RIFF") && has(b, 8, b"WAVE"), Read(|b, _| sound::table(b))),
+    ("a gzip file", |b| b.starts_with(b"\x1F\x8B\x08"), Read(gzip)),
+    ("a NumPy file", |b| b.starts_with(b"\x93NUMPY"), Read(|b, _| arrays::npy(b))),
+    ("a NumPy archive", |b| is_zip(b) && has_entry(b, |name| name.ends_with(".npy")), Read(|b, _| arrays::npz(b))),
+    ("a MATLAB file", |b| b.starts_with(b"MATLAB 5.0") || has_mat5_mark(b), Read(|b, _| mat::mat(b))),
+    ("a universal file with data set 58b", series::has_58b, Read(|b, _| series::uff58b(b))),
+    ("a spreadsheet (.xlsx)", |b| is_zip(b) && has_entry(b, |name| name.starts_with("xl/")), SHEET),
+    ("a spreadsheet or document (.ods, .odt)", |b| is_zip(b) && has_entry(b, |name| name == "content.xml"), SHEET),
+    ("a document (.docx, .pptx)", |b| is_zip(b) && has_entry(b, |name| name == "[Content_Types].xml"), PICTURE),
+    ("a ZIP", is_zip, Read(zip)),
+    ("an old spreadsheet (.xls) or document", |b| b.starts_with(b"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1"), SHEET),
+    ("a MATLAB 7.3 file (HDF5)", |b| b.starts_with(b"MATLAB 7.3"), HDF5),
+    ("an HDF5 file", |b| (0..5).any(|k| has(b, [0, 512, 1024, 2048, 4096][k], b"\x89HDF\r\n\x1A\n")), HDF5),
+    ("a MATLAB 4 file", is_mat4, MATLAB),
+    ("a TDMS file of LabVIEW", |b| b.starts_with(b"TDSm"), Refuse("write it as LVM or CSV (LabVIEW, or npTDMS)")),
+    ("an index of a TDMS file", |b| b.starts_with(b"TDSh"), Refuse("write the file beside it as LVM or CSV")),
+    ("a binary SAC seismogram", is_sac, SEISMOGRAM),
+    ("a miniSEED seismogram", is_seed, SEISMOGRAM),
+    ("a SEG-Y file", is_segy, SEISMOGRAM),
+    ("a SEG-2 file", |b| b.starts_with(b"\x55\x3A") || b.starts_with(b"\x3A\x55\x00"), SEISMOGRAM),
+    ("a NetCDF file", |b| b.starts_with(b"CDF\x01") || b.starts_with(b"CDF\x02"), FRAME),
+    ("a Parquet file", |b| b.starts_with(b"PAR1"), FRAME),
+    ("a Feather or Arrow file", |b| b.starts_with(b"ARROW1\0\0") || b.starts_with(b"FEA1"), FRAME),
+    ("a pickle of Python", |b| b[0] == 0x80 && b.len() > 3 && (2..6).contains(&b[1]) && b.ends_with(b"."), FRAME),
+    ("an SQLite database", |b| b.starts_with(b"SQLite format 3\0"), Refuse("write its table as CSV (sqlite3 -csv)")),
+    ("a FLAC sound", |b| b.starts_with(b"fLaC"), SOUND),
+    ("an Ogg sound", |b| b.starts_with(b"OggS"), SOUND),
+    ("an MP3 sound", |b| b.starts_with(b"ID3") && b.contains(&0), SOUND),
+    ("an AIFF sound", |b| b.starts_with(b"FORM") && has(b, 8, b"AIF"), SOUND),
+    ("a sound or film (.m4a, .mp4)", |b| b[0] == 0 && has(b, 4, b"ftyp"), SOUND),
+    ("a PDF document", |b| b.starts_with(b"%PDF-"), PICTURE),
+    ("a PNG picture", |b| b.starts_with(b"\x89PNG\r\n\x1A\n"), PICTURE),
+    ("a JPEG picture", |b| b.starts_with(b"\xFF\xD8\xFF"), PICTURE),
+    ("a GIF picture", |b| b.starts_with(b"GIF87a") || b.starts_with(b"GIF89a"), PICTURE),
+    ("a 7z archive", |b| b.starts_with(b"7z\xBC\xAF\x27\x1C"), PACKED),
+    ("a RAR archive", |b| b.starts_with(b"Rar!\x1A\x07"), PACKED),
+    ("a tar archive", |b| has(b, 257, b"ustar"), PACKED),
+    ("a bzip2 file", |b| b.starts_with(b"BZh") && has(b, 4, b"1AY&SY"), PACKED),
+    ("an xz file", |b| b.starts_with(b"\xFD7zXZ\0"), PACKED),
+    ("a Zstandard file", |b| b.starts_with(b"\x28\xB5\x2F\xFD"), PACKED),
+];
+
+/// The table in a file of a kind that is no text. `None` for any other file, also for an empty one.
+pub(in super::super) fn read_binary(bytes: &[u8], dialect: Option<Dialect>) -> Option<Result<Table, ImportError>> {
+    let (name, _, way) = KINDS.iter().find(|(_, is, _)| !bytes.is_empty() && is(bytes))?;
+    Some(match way {
+        Read(read) => read(bytes, dialect),
+        Refuse(way) => Err(ImportError::OtherKind(format!("this is {name}; {way}"))),
+    })
+}
+
+/// Whether some bytes stand at a place.
+fn has(bytes: &[u8], place: usize, part: &[u8]) -> bool {
+    bytes.get(place..).is_some_and(|rest| rest.starts_with(part))
+}
+
+/// The whole number of some bytes at a place, as the processor writes it that has its big end first, or not.
+pub(super) fn whole(bytes: &[u8], place: usize, size: usize, is_big: bool) -> Option<usize> {
+    let part = bytes.get(place..place.checked_add(size)?)?;
+    let add = |sum: usize, byte: &u8| sum << 8 | usize::from(*byte);
+    Some(if is_big { part.iter().fold(0, add) } else { part.iter().rev().fold(0, add) })
+}
+
+/// Version and order of bytes at the end of the header, whose text a program may choose.
+fn has_mat5_mark(bytes: &[u8]) -> bool {
+    has(bytes, 124, b"\x00\x01IM") || has(bytes, 124, b"\x01\x00MI")
+}
+
+/// Source: MathWorks, MAT-file format, level 4: kind, rows, columns, whether it is complex, and the length of the name.
+fn is_mat4(bytes: &[u8]) -> bool {
+    [false, true].into_iter().any(|is_big| {
+        let word = |k: usize| whole(bytes, 4 * k, 4, is_big).unwrap_or(usize::MAX);
+        let (kind, length) = (word(0), word(4));
+        let name = bytes.get(20..).and_then(|rest| rest.get(..length)).and_then(|name| name.split_last());
+        let is_name = name.is_some_and(|(end, name)| *end == 0 && name.iter().all(u8::is_ascii_graphic));
+        is_name && kind / 1000 == usize::from(is_big) && kind / 100 % 10 == 0 && kind % 100 < 60 && word(3) < 2
+    })
+}
+
+/// The version of the header stands in the 77th word, and the first one is the step.
+fn is_sac(bytes: &[u8]) -> bool {
+    let version = |is_big| whole(bytes, 304, 4, is_big).is_some_and(|version| (6..=7).contains(&version));
+    bytes.len() >= 632 && [false, true].into_iter().any(version)
+}
+
+fn is_seed(bytes: &[u8]) -> bool {
+    let is_number = |b: &[u8]| b.iter().all(|c| c.is_ascii_digit() || *c == b' ');
+    let is_second = bytes.len() > 47 && is_number(&bytes[..6]) && b"DRQMV".contains(&bytes[6]) && bytes[7] == b' ';
+    bytes.starts_with(b"MS\x03") || (is_second && bytes[..512.min(bytes.len())].contains(&0))
+}
+
+/// A card of 3200 letters, in EBCDIC or ASCII, and the number of the sample format behind it.
+fn is_segy(bytes: &[u8]) -> bool {
+    let is_card = bytes.starts_with(b"\xC3\x40\xF1") || bytes.starts_with(b"C 1") || bytes.starts_with(b"C01");
+    is_card && [false, true].iter().any(|big| whole(bytes, 3224, 2, *big).is_some_and(|k| (1..=16).contains(&k)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{arrays, mat, series, unpack};
+    use super::*;
+    use crate::data::import::read;
+
+    #[test]
+    fn a_kind_that_is_not_read_is_named_with_the_way_out() {
+        let message = |bytes: &[u8]| read(bytes, None).unwrap_err().to_string();
+        let at = |place: usize, bytes: &[u8]| [&vec![0; place], bytes, &[0; 700]].concat();
+        let sheet = unpack::tests::zip_of(&[("[Content_Types].xml", b"<"), ("xl/workbook.xml", b"<")]);
+        let seed = [&b"000001D STATI"[..], &[0; 40]].concat();
+        let segy = [&b"C 1 CLIENT"[..], &[b' '; 3190], &[0; 24], &[0, 5]].concat();
+        let mat4 = [&[0_u8; 4][..], &[2, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 2, 0, 0, 0], b"x\0", &[0; 16]].concat();
+        for (bytes, name) in [
+            (&b"\x89HDF\r\n\x1A\n\0"[..], "an HDF5 file; write its columns as CSV"),
+            (b"MATLAB 7.3 MAT-file", "a MATLAB 7.3 file (HDF5); write"),
+            (&mat4, "a MATLAB 4 file; save"),
+            (&sheet, "a spreadsheet (.xlsx); save the sheet as CSV"),
+            (b"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1", "an old spreadsheet"),
+            (&at(304, &[6, 0, 0, 0]), "a binary SAC"),
+            (&seed, "a miniSEED"),
+            (&segy, "a SEG-Y"),
+            (b"\x80\x04\x95.", "a pickle"),
+            (&at(257, b"ustar"), "a tar archive"),
+            (&[0, 0, 0, 24, b'f', b't', b'y', b'p'], "a sound or film"),
+        ] {
+            assert!(message(bytes).starts_with(&format!("this is {name}")), "{}", message(bytes));
+        }
+        for text in [&b"C 1,2\n1,2\n3,4\n"[..], b"-1\n58b\n", b"BZh,x\n1,2\n3,4\n", b"ID3,x\n1,2\n3,4\n"] {
+            assert!(KINDS.iter().all(|(name, is, _)| !is(text) || name.contains("58b")), "{text:?}");
+        }
+    }
+
+    /// Whatever a file is cut to or whichever byte of it is wrong: it is a table or a sentence, within the memory that it may take.
+    #[test]
+    fn damaged_files_are_tables_or_sentences() {
+        let array = arrays::tests::file("[('t', '<f8'), ('x', '>i2', (2,))]", "(3,)", false, &[7; 36]);
+        let text = b"t,x\n0,1\n1,2\n2,1\n3,2\n";
+        let (zip, npz) = (unpack::tests::zip_of(&[("a.csv", text)]), unpack::tests::zip_of(&[("a.npy", &array)]));
+        let files = [unpack::tests::gzip_of(text), zip, npz, mat::tests::file(), series::tests::file_58b(), array];
+        for file in &files {
+            assert!(read(file.as_slice(), None).is_ok());
+            for place in 0..file.len() {
+                let _ = read(&file[..place], None);
+                for change in [0x01, 0x80, 0xFF] {
+                    let mut file = file.clone();
+                    file[place] ^= change;
+                    if let Ok(table) = read(file, None) {
+                        assert!(table.columns.iter().all(|column| column.values.len() == table.rows()));
+                    }
+                }
+            }
+        }
+    }
+}
