@@ -7,6 +7,7 @@ pub(crate) mod events;
 pub(crate) mod mixture;
 pub(crate) mod online;
 pub(crate) mod pass;
+pub(crate) mod passage;
 pub(crate) mod plucks;
 pub(crate) mod remarks;
 pub(crate) mod run;

@@ -3,9 +3,10 @@
 use crate::samples::estimator::{FilterContext, counts_in_samples};
 use crate::samples::pass::apart;
 use crate::samples::run_error::sensor_places;
-use crate::samples::select;
 use crate::samples::smoother::Smoother;
-use crate::samples::smoother::passage::Forward;
+use crate::samples::smoother::forward::Forward;
+use crate::samples::smoother::interval::FixedInterval;
+use crate::samples::smoother::lag::FixedLag;
 use crate::samples::tape::Tape;
 use crate::{Estimates, FilterSettings, Pass, Quantity, Record, RunError, Scenario};
 
@@ -128,7 +129,10 @@ impl Bank {
         let filter = self.scenario.filters.get(place).filter(|filter| filter.smoother)?;
         let context = self.context(record, place);
         let forward = Forward::new(filter, &context, self.sensors.clone())?;
-        Some(select::smoother(forward, filter.lag(context.dt)))
+        Some(match filter.lag(context.dt) {
+            Some(lag) => Box::new(FixedLag::new(forward, lag)),
+            None => Box::new(FixedInterval::new(forward)),
+        })
     }
 
     /// Empty estimates for the smoother of the filter at a place. They have no innovations; those are the filter's.

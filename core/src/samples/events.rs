@@ -7,9 +7,10 @@ use thiserror::Error;
 use crate::data::record::Parts;
 use crate::mathematics::filter::FilterError;
 use crate::samples::estimator::{Estimator, FilterContext, counts_in_samples};
+use crate::samples::passage::{Adjoint, Passages};
 use crate::samples::select;
 use crate::samples::sink::{LastSample, Sample, Sink};
-use crate::samples::smoother::passage::{Adjoint, Hindsight, Passages};
+use crate::samples::smoother::forward::Hindsight;
 use crate::{Channel, FilterSettings, Pass, Quantity, Record, RunError, Scenario, Stop};
 
 use timeline::{Event, Timeline};

@@ -1,4 +1,4 @@
-//! The filter of some settings, and its smoother.
+//! The filter of some settings.
 
 use crate::mathematics::filter::Way;
 use crate::samples::estimator::bounded::{Bounded, Truncation};
@@ -8,10 +8,6 @@ use crate::samples::mixture::Mixture;
 use crate::samples::mixture::guesses::{self, Guesses};
 use crate::samples::mixture::scales::Scales;
 use crate::samples::mixture::walk::{self, Walk};
-use crate::samples::smoother::Smoother;
-use crate::samples::smoother::interval::FixedInterval;
-use crate::samples::smoother::lag::FixedLag;
-use crate::samples::smoother::passage::Forward;
 use crate::scenario::Bounds;
 use crate::{FilterError, FilterSettings};
 
@@ -50,13 +46,5 @@ fn single(settings: &FilterSettings, context: &FilterContext) -> Box<dyn Estimat
             Some(setup) => engine::estimator(&setup, settings),
             None => Box::new(Failed(FilterError::TooLarge)),
         },
-    }
-}
-
-/// The smoother of a filter, with a lag of some samples or over the whole record.
-pub(crate) fn smoother(forward: Forward, lag: Option<usize>) -> Box<dyn Smoother> {
-    match lag {
-        Some(lag) => Box::new(FixedLag::new(forward, lag)),
-        None => Box::new(FixedInterval::new(forward)),
     }
 }

@@ -1,6 +1,6 @@
 //! Receivers of a filter's results.
 
-use crate::samples::smoother::passage::Passages;
+use crate::samples::passage::Passages;
 use crate::{Estimates, Stop};
 
 pub use crate::samples::sample::{AssumedNoise, Sample};
@@ -60,6 +60,18 @@ impl Sink for Estimates {
 
     fn stop_at(&mut self, stop: Stop) {
         self.set_stop(stop);
+    }
+}
+
+impl Sink for Passages {
+    fn push(&mut self, _: &Sample<'_>) {}
+
+    fn stop_at(&mut self, stop: Stop) {
+        self.stop = Some(stop);
+    }
+
+    fn passages(&mut self) -> Option<&mut Passages> {
+        Some(self)
     }
 }
 

@@ -1,8 +1,8 @@
 //! Smoothed estimates: each sample in the light of later ones, of all or of the next few.
 
+pub(crate) mod forward;
 pub(crate) mod interval;
 pub(crate) mod lag;
-pub(crate) mod passage;
 
 use crate::samples::waste::Piecewise;
 use crate::{Estimates, Record};

@@ -4,6 +4,7 @@
 //! rows of a table with known columns, or series of numbers one after the other, each behind a header and wrapped over lines.
 
 mod arrays;
+mod binary;
 mod kinds;
 mod mat;
 mod nameless;
@@ -16,7 +17,7 @@ use super::error::MOST;
 use super::table::{Column, Lines, Rows, TextCell, free_name};
 use super::{Dialect, ImportError, Table};
 
-use arrays::Form;
+use binary::Form;
 pub(super) use kinds::read_binary;
 pub(super) use nameless::nameless;
 

@@ -5,9 +5,9 @@ use std::f64::consts::TAU;
 use super::periodogram::{Periodogram, window_length};
 use crate::judgement::words::short;
 use crate::samples::estimator::FilterContext;
-use crate::samples::select;
 use crate::samples::smoother::Smoother;
-use crate::samples::smoother::passage::Forward;
+use crate::samples::smoother::forward::Forward;
+use crate::samples::smoother::interval::FixedInterval;
 use crate::{Channel, Estimates, Pass, Record, Scenario};
 
 #[derive(Clone, Debug, PartialEq)]
@@ -45,7 +45,7 @@ impl ForceInHindsight {
         filter.augment.contains(&Channel::UNKNOWN_FORCE).then_some(())?;
         let context = FilterContext::new(scenario, record.dt(), filter).over(record, filter);
         let sensors = Pass::columns(scenario, 0, record).ok()?;
-        let smoother = select::smoother(Forward::new(filter, &context, sensors)?, None);
+        let smoother = Box::new(FixedInterval::new(Forward::new(filter, &context, sensors)?));
         let model = filter.model(scenario.plant.kind, scenario.input);
         let estimates = Estimates::new(filter, &model, Vec::new()).of_smoother();
         Some(Self { smoother, estimates: Box::new(estimates) })

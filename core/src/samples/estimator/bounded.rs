@@ -13,8 +13,8 @@
 use super::{Estimator, State};
 use crate::data::record::Parts;
 use crate::mathematics::truncated_normal::truncated;
+use crate::samples::passage::Passages;
 use crate::samples::sink::{Sample, Sink};
-use crate::samples::smoother::passage::Passages;
 use crate::{Channel, FilterError, FilterSettings, Stop};
 
 /// The ends of some channels.

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use crate::Hold;
 use crate::samples::estimator::State;
-use crate::samples::smoother::passage::Passage;
+use crate::samples::passage::Passage;
 
 /// What happened at one time, and the belief after it.
 #[derive(Clone, Debug)]

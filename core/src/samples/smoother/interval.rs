@@ -1,8 +1,9 @@
 //! The smoother of a whole record: the filter goes forward, its adjoint backward.
 
 use super::Smoother;
-use super::passage::{Adjoint, Forward, Passage};
+use super::forward::Forward;
 use crate::mathematics::filter::Gaussian;
+use crate::samples::passage::{Adjoint, Passage};
 use crate::samples::waste::Piecewise;
 use crate::{Estimates, Record, Stop};
 

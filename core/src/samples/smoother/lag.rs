@@ -10,9 +10,10 @@
 use std::collections::VecDeque;
 
 use super::Smoother;
-use super::passage::{Adjoint, Forward, Passage, Update, congruence};
+use super::forward::Forward;
 use crate::mathematics::filter::Gaussian;
 use crate::mathematics::linalg::{Matrix, Vector};
+use crate::samples::passage::{Adjoint, Passage, Update, congruence};
 use crate::samples::waste::Piecewise;
 use crate::{Estimates, Record, Stop};
 

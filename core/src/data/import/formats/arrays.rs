@@ -6,44 +6,9 @@ use super::super::error::MOST_COLUMNS;
 use super::super::guess::is_named_time;
 use super::super::table::free_name;
 use super::super::{Column, ImportError, Mapping, Table};
-use super::kinds::whole;
+use super::binary::{Form, Room, whole};
 use super::nameless::{RATES, STEPS};
-use super::unpack::{Room, entries, list};
-
-/// The form of a binary number, by NumPy's letters: `f`, `i`, `u`, `b` and, for times, `m` and `M`; and its bytes.
-#[derive(Clone, Copy)]
-pub(super) struct Form {
-    pub(super) kind: char,
-    pub(super) size: usize,
-    pub(super) is_big: bool,
-}
-
-impl Form {
-    pub(super) fn number(self, bytes: &[u8]) -> f64 {
-        let add = |sum: u64, byte: &u8| sum << 8 | u64::from(*byte);
-        let bits = if self.is_big { bytes.iter().fold(0, add) } else { bytes.iter().rev().fold(0, add) };
-        let above = 64 - 8 * self.size;
-        match (self.kind, self.size) {
-            ('f', 4) => f64::from(f32::from_bits(bits as u32)),
-            ('f', _) => f64::from_bits(bits),
-            // No time.
-            ('m' | 'M', _) if bits == 1 << 63 => f64::NAN,
-            ('i' | 'm' | 'M', _) => ((bits << above) as i64 >> above) as f64,
-            _ => bits as f64,
-        }
-    }
-
-    /// Numbers one behind the other, or the reason why there are none.
-    pub(super) fn numbers(self, bytes: &[u8], room: &mut Room) -> Result<Vec<f64>, String> {
-        match (self.kind, self.size) {
-            ('f', 4 | 8) | ('i' | 'u', 1 | 2 | 4 | 8) | ('b', 1) | ('m' | 'M', 8) => {}
-            ('O', _) => return Err("objects".to_owned()),
-            (kind, size) => return Err(format!("type {kind}{size}")),
-        }
-        room.take(bytes.len() / self.size, 8)?;
-        Ok(bytes.chunks_exact(self.size).map(|bytes| self.number(bytes)).collect())
-    }
-}
+use super::unpack::{entries, list};
 
 /// The arrays of a file.
 #[derive(Default)]
@@ -60,13 +25,7 @@ impl Arrays {
     }
 
     /// Adds an array with one or two dimensions, of which the longer one is time. `is_by_columns`: neighbours are below each other.
-    pub(super) fn add(
-        &mut self,
-        (name, unit): (&str, Option<&str>),
-        shape: &[usize],
-        is_by_columns: bool,
-        values: Result<Vec<f64>, String>,
-    ) {
+    pub(super) fn add(&mut self, name: &str, shape: &[usize], is_by_columns: bool, values: Result<Vec<f64>, String>) {
         let values = match values {
             Ok(values) if values.is_empty() => return self.leave_out(name, "empty"),
             Ok(values) => values,
@@ -85,7 +44,7 @@ impl Arrays {
         let rows = values.len() / count;
         let column = |k: usize| {
             let numbers = values.iter().skip(k * across).step_by(down).take(rows).copied().collect();
-            let mut column = Column::of_header(name, unit, numbers);
+            let mut column = Column::of_header(name, None, numbers);
             match count {
                 _ if name.is_empty() => column.name = format!("column {}", k + 1),
                 1 => {}
@@ -159,25 +118,6 @@ fn step_of(name: &str, value: f64) -> Option<f64> {
     step.or(is(&STEPS, ["ts", "period"], "sec").then_some(value)).filter(|step| step.is_finite() && *step > 0.0)
 }
 
-/// A part of each row of an array of NumPy: name, form, how many there are, and a unit of time.
-type Field = (String, Form, usize, Option<String>);
-
-/// Of a type such as `<f8` or `<M8[ns]`.
-fn field(name: &str, letters: &str, count: usize) -> Option<Field> {
-    let mut rest = letters.chars();
-    let (is_big, kind) = (rest.next()? == '>', rest.next()?);
-    let (size, unit) = rest.as_str().split_once('[').unwrap_or((rest.as_str(), ""));
-    // A letter has four bytes; those of an object are elsewhere.
-    let size = size.parse::<usize>().unwrap_or(0).checked_mul(if kind == 'U' { 4 } else { 1 })?;
-    Some((name.to_owned(), Form { kind, size, is_big }, count, unit.strip_suffix(']').map(str::to_owned)))
-}
-
-/// Of a name (perhaps behind a title), a type, and perhaps the shape of a row's part.
-fn field_of_row(row: &Value) -> Option<Field> {
-    let name = row.get(0).and_then(|name| name.as_str().or_else(|| name.get(1)?.as_str()))?;
-    field(name, row.get(1)?.as_str()?, row.get(2).map_or(Some(1), |shape| product(&lengths(shape)?))?)
-}
-
 fn lengths(shape: &Value) -> Option<Vec<usize>> {
     shape.as_array()?.iter().map(|length| usize::try_from(length.as_u64()?).ok()).collect()
 }
@@ -187,42 +127,31 @@ pub(super) fn product(shape: &[usize]) -> Option<usize> {
 }
 
 impl Arrays {
-    /// Adds an array as NumPy writes it, or the columns of one whose rows have names.
+    /// Adds an array as NumPy writes it.
     ///
     /// Source: NumPy, numpy.lib.format, versions 1 to 3.
     fn add_npy(&mut self, name: &str, bytes: &[u8], room: &mut Room) -> Result<(), String> {
         let start = if bytes.get(6) == Some(&1) { 10 } else { 12 };
         let header = || {
             let end = whole(bytes, 8, start - 8, false)?.checked_add(start)?;
-            // A literal of Python as JSON; a name in parentheses is one in brackets.
+            // A literal of Python as JSON.
             let pairs =
                 [("(", "["), (")", "]"), ("'", "\""), (",]", "]"), (", }", "}"), (": F", ": f"), (": T", ": t")];
             let text = String::from_utf8_lossy(bytes.get(start..end)?).into_owned();
             let text = pairs.iter().fold(text, |text, (from, to)| text.replace(from, to));
             let header: Value = serde_json::from_str(&text).ok()?;
-            let fields = match &header["descr"] {
-                Value::Array(rows) => rows.iter().map(field_of_row).collect::<Option<Vec<_>>>()?,
-                letters => vec![field(name, letters.as_str()?, 1)?],
-            };
             let is_by_columns = header["fortran_order"].as_bool()?;
-            Some((end, fields, lengths(&header["shape"])?, is_by_columns, header["descr"].is_array()))
+            Some((end, header["descr"].as_str().map(str::to_owned), lengths(&header["shape"])?, is_by_columns))
         };
-        let (end, fields, shape, is_by_columns, has_names) = header().ok_or("its header cannot be read")?;
-        let add = |sum: usize, (_, form, count, _): &Field| sum.checked_add(form.size.checked_mul(*count)?);
-        let width = fields.iter().try_fold(0, add);
-        let size = width.and_then(|width| product(&shape)?.checked_mul(width));
-        let size = size.filter(|size| *size <= bytes.len() - end).ok_or("it is shorter than its header says")?;
-        let (rows, width, mut place) = (&bytes[end..end + size], width.unwrap_or(0).max(1), 0);
-        for (name, form, count, unit) in fields {
-            let end = place + form.size * count;
-            // Fields without a name fill gaps.
-            if !(has_names && name.is_empty()) {
-                let cells: Vec<u8> = rows.chunks_exact(width).flat_map(|row| &row[place..end]).copied().collect();
-                let shape = if has_names { &[rows.len() / width, count][..] } else { &shape };
-                self.add((&name, unit.as_deref()), shape, is_by_columns && !has_names, form.numbers(&cells, room));
-            }
-            place = end;
-        }
+        let (end, letters, shape, is_by_columns) = header().ok_or("its header cannot be read")?;
+        // Of a type such as `<f8`. The bytes of an object are elsewhere.
+        let letters = letters.ok_or("its rows have names: save each column as an array")?;
+        let mut rest = letters.chars();
+        let (is_big, kind) = (rest.next() == Some('>'), rest.next().unwrap_or('O'));
+        let size = rest.as_str().parse::<usize>().unwrap_or(1).max(1);
+        let count = product(&shape).and_then(|count| count.checked_mul(size));
+        let data = count.and_then(|count| bytes[end..].get(..count)).ok_or("it is shorter than its header says")?;
+        self.add(name, &shape, is_by_columns, Form { kind, size, is_big }.numbers(data, room));
         Ok(())
     }
 }
@@ -275,20 +204,17 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn rows_with_names_are_columns_with_units() {
-        let row = |t: f32, x: i16| [&t.to_le_bytes()[..], &[9, 9], &x.to_be_bytes(), b"ab\0\0"].concat();
-        let bytes = [row(0.5, -3), row(1.0, 7)].concat();
-        let bytes = file("[('t (ms)', '<f4'), ('', '|V2'), ('x', '>i2'), ('s', '<U1')]", "(2,)", false, &bytes);
-        let table = npy(&bytes).unwrap();
-        assert_eq!((table.columns.len(), table.columns[0].unit.as_deref()), (2, Some("ms")));
-        assert_eq!([&table.columns[0].values[..], &table.columns[1].values], [[0.5, 1.0], [-3.0, 7.0]]);
-        assert_eq!(table.remarks, ["not read: `s` (type U4)"]);
+    fn arrays_that_are_not_read_are_named() {
+        let message = |descr| npy(&file(descr, "(2,)", false, &[0; 32])).unwrap_err().to_string();
+        assert!(message("[('t', '<f8'), ('x', '<f8')]").contains("its rows have names"));
+        assert!(message("'<U1'").contains("type U1"), "{}", message("'<U1'"));
+        assert!(message("'<M8[ns]'").contains("type M1"), "{}", message("'<M8[ns]'"));
     }
 
     #[test]
     fn the_longest_arrays_are_the_columns_and_a_number_is_the_rate() {
         let mut arrays = Arrays::default();
-        let mut add = |name: &str, values: Vec<f64>| arrays.add((name, None), &[values.len()], false, Ok(values));
+        let mut add = |name: &str, values: Vec<f64>| arrays.add(name, &[values.len()], false, Ok(values));
         add("force", vec![1.0; 40]);
         add("Fs_Hz", vec![50.0]);
         add("x", (0..40).map(|k| f64::from(k % 7)).collect());
@@ -307,6 +233,6 @@ pub(super) mod tests {
         assert!(message(&file("'<f8'", "(3,)", false, &[0; 23])).ends_with("it is shorter than its header says"));
         assert!(message(&file("'<c16'", "(1,)", false, &[0; 16])).ends_with("not read: type c16"));
         assert!(message(&file("'<f8'", "(9999999999, 9999999999)", false, &[0; 16])).contains("shorter"));
-        assert!(message(&file("'|V0'", "(9999999999,)", false, &[])).contains("not read"));
+        assert!(message(&file("'|V0'", "(9999999999,)", false, &[])).contains("shorter"));
     }
 }

@@ -3,9 +3,8 @@
 use flate2::read::ZlibDecoder;
 
 use super::super::{ImportError, Table};
-use super::arrays::{Arrays, Form, product};
-use super::kinds::whole;
-use super::unpack::Room;
+use super::arrays::{Arrays, product};
+use super::binary::{Form, Room, whole};
 
 const HEADER: usize = 128;
 const MATRIX: usize = 14;
@@ -96,7 +95,7 @@ fn add(arrays: &mut Arrays, mut parts: Parts<'_>, room: &mut Room) {
     };
     let is_whole = |values: &Vec<f64>| product(&shape) == Some(values.len());
     let values = values.and_then(|values| if is_whole(&values) { Ok(values) } else { Err("cut short".to_owned()) });
-    arrays.add((&name, None), &shape, true, values);
+    arrays.add(&name, &shape, true, values);
 }
 
 #[cfg(test)]

@@ -1,35 +1,11 @@
 //! Packed files: gzip, and ZIP with one table in it.
 
-use std::io::Read;
-
 use flate2::Crc;
 use flate2::read::{DeflateDecoder, MultiGzDecoder};
 
 use super::super::reader::Reader;
 use super::super::{Dialect, ImportError, Mapping, Table};
-use super::kinds::whole;
-
-/// Limits the bytes of unpacked files and numbers: 200 times those of the file, but at least 64 MiB and at most 1 GiB.
-pub(super) struct Room(usize);
-
-impl Room {
-    pub(super) fn of(file: &[u8]) -> Self {
-        Self(file.len().saturating_mul(200).clamp(64 << 20, 1 << 30))
-    }
-
-    pub(super) fn take(&mut self, count: usize, size: usize) -> Result<(), String> {
-        let left = count.checked_mul(size).and_then(|bytes| self.0.checked_sub(bytes));
-        self.0 = left.unwrap_or(0);
-        left.map(|_| ()).ok_or_else(|| "it is too large: unpacked, more than 200 times the file or 1 GiB".to_owned())
-    }
-
-    pub(super) fn unpack(&mut self, packed: impl Read) -> Result<Vec<u8>, String> {
-        let mut bytes = Vec::new();
-        let read = packed.take(self.0 as u64 + 1).read_to_end(&mut bytes);
-        self.take(bytes.len(), 1)?;
-        read.map_or_else(|_| Err("it is damaged or cut short".to_owned()), |_| Ok(bytes))
-    }
-}
+use super::binary::{Room, whole};
 
 /// The table in an unpacked file. A packed file may have itself in it: it is not unpacked twice.
 fn table(bytes: Vec<u8>, dialect: Option<Dialect>) -> Result<Table, ImportError> {

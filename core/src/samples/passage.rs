@@ -21,22 +21,11 @@
 //! Source: Bierman (1973), Fixed interval smoothing with discrete measurements; Rauch, Tung and Striebel (1965), Maximum
 //! likelihood estimates of linear dynamic systems; Särkkä (2008), Unscented Rauch-Tung-Striebel smoother.
 
+use crate::Stop;
 use crate::mathematics::engine::belief::Belief;
-use crate::mathematics::engine::{self, passage};
+use crate::mathematics::engine::passage;
 use crate::mathematics::filter::{FilterError, Gaussian, kalman};
 use crate::mathematics::linalg::{Ldl, Matrix, Vector, symmetric};
-use crate::samples::estimator::FilterContext;
-use crate::samples::estimator::bounded::{Truncating, Truncation};
-use crate::samples::estimator::in_units::InUnits;
-use crate::samples::sink::{Sample, Sink};
-use crate::{Estimates, FilterSettings, Pass, Record, Stop};
-
-/// A filter whose beliefs are smoothed later: a pass over the record, which keeps its passages.
-pub(crate) struct Forward {
-    pass: Pass,
-    sink: Passages,
-    hindsight: Hindsight,
-}
 
 /// The passages of a filter from one sample to the next, and its belief there.
 #[derive(Default)]
@@ -44,60 +33,7 @@ pub struct Passages {
     pub(crate) belief: Option<Gaussian>,
     /// Each part of the step that ends with a reading, and its last one.
     pub(crate) all: Vec<Passage>,
-    stop: Option<Stop>,
-}
-
-/// Smoothed beliefs in the units of the channels, between their bounds.
-pub(crate) struct Hindsight {
-    in_units: Option<Box<InUnits>>,
-    truncation: Truncation,
-}
-
-impl Forward {
-    /// The filter with these settings before its first sample, over sensors in these columns of a record. `None` if it has no passages.
-    pub(crate) fn new(settings: &FilterSettings, context: &FilterContext, sensors: Vec<usize>) -> Option<Self> {
-        let one = FilterSettings { guesses: 1, process_scales: 1, walk: 0.0, ..settings.clone() };
-        let pass = Pass::with_passages(&one, context, sensors)?;
-        Some(Self { pass, sink: Passages::default(), hindsight: Hindsight::new(settings, context) })
-    }
-
-    /// The belief after the next sample, and the passages to it, one after the other: none for the first one, where the filter begins.
-    ///
-    /// # Errors
-    /// Where and why the filter stops.
-    pub(crate) fn filter(&mut self, record: &Record) -> Result<(Gaussian, Vec<Passage>), Stop> {
-        let Self { pass, sink, .. } = self;
-        pass.follow(record, pass.done() + 1, sink);
-        let passages = std::mem::take(&mut sink.all);
-        match (sink.stop, sink.belief.take()) {
-            (None, Some(belief)) => Ok((belief, passages)),
-            (stop, _) => Err(stop.unwrap_or(Stop { sample: pass.done(), reason: FilterError::NotFinite })),
-        }
-    }
-
-    /// Appends a belief in the channels' units.
-    pub(crate) fn report(&mut self, belief: &Gaussian, estimates: &mut Estimates) {
-        self.hindsight.report(belief, estimates);
-    }
-}
-
-impl Hindsight {
-    pub(crate) fn new(settings: &FilterSettings, context: &FilterContext) -> Self {
-        let model = context.model(settings);
-        let in_units = InUnits::new(&engine::model::Model::of(&model).logarithms, model.size(), 0);
-        Self { in_units, truncation: Truncation::of(settings, model.channels()) }
-    }
-
-    /// Hands a belief to a sink, whatever its numbers are in the channels' units.
-    pub(crate) fn report(&mut self, Gaussian { mean, cov }: &Gaussian, sink: &mut dyn Sink) {
-        let Self { in_units, truncation } = self;
-        let sample = Sample::unmeasured(mean.as_slice(), cov.as_slice());
-        let mut sink = Truncating { truncation, sink };
-        match in_units.as_deref_mut() {
-            Some(in_units) => sink.push(&in_units.take(sample).0),
-            None => sink.push(&sample),
-        }
-    }
+    pub(crate) stop: Option<Stop>,
 }
 
 impl Passages {
@@ -116,36 +52,24 @@ impl Passages {
     }
 }
 
-impl Sink for Passages {
-    fn push(&mut self, _: &Sample<'_>) {}
-
-    fn stop_at(&mut self, stop: Stop) {
-        self.stop = Some(stop);
-    }
-
-    fn passages(&mut self) -> Option<&mut Passages> {
-        Some(self)
-    }
-}
-
 /// The passage of a filter from one sample to the next.
 #[derive(Clone, Debug)]
 pub(crate) struct Passage {
     /// Φ, n × n.
-    pub(super) transition: Matrix,
+    pub(crate) transition: Matrix,
     /// The update at the latter sample. `None` if nothing was measured.
-    pub(super) update: Option<Update>,
+    pub(crate) update: Option<Update>,
 }
 
 /// An update by m measurements.
 #[derive(Clone, Debug)]
-pub(super) struct Update {
+pub(crate) struct Update {
     /// `I - K H`, n × n.
-    pub(super) kept: Matrix,
+    pub(crate) kept: Matrix,
     /// `Hᵀ S⁻¹ H`, n × n.
-    pub(super) information: Matrix,
+    pub(crate) information: Matrix,
     /// `Hᵀ S⁻¹ e`, n numbers.
-    pub(super) score: Vector,
+    pub(crate) score: Vector,
 }
 
 impl Passage {
@@ -181,8 +105,8 @@ impl Update {
 
 /// The information in all later measurements about a state: `λ`, n numbers, and `Λ`, n × n.
 pub(crate) struct Adjoint {
-    pub(super) score: Vector,
-    pub(super) information: Matrix,
+    pub(crate) score: Vector,
+    pub(crate) information: Matrix,
 }
 
 impl Adjoint {
@@ -217,6 +141,6 @@ impl Adjoint {
 }
 
 /// Replaces the symmetric X by `Aᵀ X A`.
-pub(super) fn congruence(x: &mut Matrix, a: &Matrix) {
+pub(crate) fn congruence(x: &mut Matrix, a: &Matrix) {
     *x = symmetric(a.tr_mul(&(&*x * a)));
 }
