@@ -222,8 +222,9 @@ fn rows(summaries: &[(usize, Summary)], before: &[Option<Summary>], session: &Se
         let name = "probability of the model [%]".to_owned();
         let before = || vec![None; summaries.len()];
         rows.push(Row { name, hint, values, before: before(), ideal: f64::INFINITY, alike: 1.0 });
-        let of = |class: usize| Some(classes.ln_bayes_factor(class, classes.likeliest()?)).filter(|ln| ln.is_finite());
-        let values = (0..summaries.len()).map(of).collect();
+        let best = classes.likeliest().map_or(f64::NAN, |class| summaries[class].1.log_evidence());
+        let of = |(_, summary): &_| Some(Summary::log_evidence(summary) - best).filter(|ln| ln.is_finite());
+        let values = summaries.iter().map(of).collect();
         let hint =
             "Logarithm of the Bayes factor over the likeliest model: below -5, the readings are clearly against it";
         let name = "ln Bayes factor".to_owned();
