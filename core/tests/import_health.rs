@@ -2,7 +2,8 @@
 
 use std::fmt::Write as _;
 
-use kalmanscope_core::import::{Builder, Decay, Mapping, Ring, ThreeAxes, join, read};
+use kalmanscope_core::free_decay::{Decay, Ring};
+use kalmanscope_core::import::{Builder, Mapping, ThreeAxes, join, read};
 use kalmanscope_core::record::LiveRecord;
 use kalmanscope_core::suggest::{Suggest, scenario_for};
 use kalmanscope_core::{Hold, InputKind, Quantity, Task};

@@ -7,8 +7,9 @@ use super::error::{FEWEST, MOST};
 use super::missing::{cells_without_readings, is_still};
 use super::own_times::{OneClock, OwnTimes, on_one_clock};
 use super::shape::unwrapped;
-use super::times::{Clock, Steps, Timing};
+use super::times::{Clock, Timing};
 use super::{Column, ImportError, MappedColumn, Mapping, Offset, Table, times};
+use crate::data::even_steps::Steps;
 use crate::data::record::Input;
 use crate::{Channel, Hold, InputKind, Quantity, Record};
 

@@ -1,9 +1,10 @@
 //! The way from even times to the samples of a record: a band, a part, another rate.
 
-use super::resample::band_pass;
-use super::times::{Steps, Timing};
-use super::{ImportError, Mapping, resample};
+use super::times::Timing;
+use super::{ImportError, Mapping};
 use crate::Hold;
+use crate::data::even_steps::Steps;
+use crate::data::resample::{self, band_pass};
 
 pub(super) struct Conditioning<'a> {
     pub(super) mapping: &'a Mapping,

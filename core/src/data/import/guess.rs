@@ -4,7 +4,8 @@ use super::error::FEWEST;
 use super::shape::{are_axes, is_counter, liveliness, never_changes};
 use super::three_axes::{has_gravity, plain};
 use super::unit::{Dimension, unit};
-use super::{Column, MappedColumn, Mapping, Ring, Table, Time, times};
+use super::{Column, MappedColumn, Mapping, Table, Time, times};
+use crate::data::free_decay::Ring;
 use crate::data::record::input_name;
 use crate::{InputKind, Quantity};
 

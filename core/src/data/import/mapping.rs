@@ -4,11 +4,11 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::resample::GUARD;
 use super::unit::{Dimension, unit};
 use super::{Dialect, ImportError, Table};
 use crate::Quantity;
 use crate::data::document::{self, Document, is_default, is_one};
+use crate::data::resample::GUARD;
 
 /// The meaning of a file's columns, and how they become a record: the table `[record]` of a scenario.
 ///

@@ -4,13 +4,14 @@
 use std::collections::BTreeMap;
 
 use super::conditioning::mean;
-use super::decay::side_of;
 use super::error::FEWEST;
 use super::guess::{clocks, is_named_time, rises};
 use super::table::{Column, free_name};
-use super::times::{Clock, Steps, Timing};
+use super::times::{Clock, Timing};
 use super::{ImportError, MappedColumn, Mapping, Offset, Table, Time, times};
 use crate::Hold;
+use crate::data::even_steps::Steps;
+use crate::data::free_decay::side_of;
 use crate::data::record::{Clocks, Timed};
 
 /// The cells of some columns that have a number, with their times \[s\].

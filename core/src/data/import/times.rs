@@ -5,7 +5,6 @@ use std::borrow::Cow;
 use super::error::{FEWEST, MOST};
 use super::unit::{Dimension, unit};
 use super::{Column, ImportError, Table};
-use crate::data::local_cubic::change;
 use crate::data::sorting::sort_numbers;
 
 /// Seconds of a day.
@@ -311,48 +310,6 @@ impl Timing {
                 (0..self.samples).map(at).collect()
             }
         }
-    }
-}
-
-/// Equal steps of time: the first one \[s\], the time between them \[s\] and their number.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Steps {
-    pub(super) start: f64,
-    pub(super) dt: f64,
-    pub(super) count: usize,
-}
-
-impl Steps {
-    /// The values at the steps; NaN at a step to which no reading goes.
-    ///
-    /// Each reading goes to the step to which `place` rounds its time in steps: the nearest of several, shifted by what the cubic
-    /// through `side` readings to either side changes meanwhile.
-    pub(super) fn of(self, times: &[f64], values: &[f64], side: usize, place: impl Fn(f64) -> f64) -> Vec<f64> {
-        let Self { start, dt, count } = self;
-        let n = times.len();
-        let side = side.min(n.saturating_sub(1) / 2);
-        let mut nearest = vec![None; count];
-        for (k, time) in times.iter().enumerate() {
-            let steps = (time - start) / dt;
-            let place = place(steps);
-            if !(0.0..count as f64).contains(&place) {
-                continue;
-            }
-            let (place, distance) = (place as usize, (steps - place).abs());
-            if nearest[place].is_none_or(|(_, other)| distance < other) {
-                nearest[place] = Some((k, distance));
-            }
-        }
-        let at = |(place, reading): (usize, Option<(usize, f64)>)| {
-            let Some((k, _)) = reading else { return f64::NAN };
-            let first = k.saturating_sub(side).min(n - 1 - 2 * side);
-            let around = first..=first + 2 * side;
-            let shift = start + dt * place as f64 - times[k];
-            let size = 0.5 * (times[first + 2 * side] - times[first]);
-            let readings = times[around.clone()].iter().zip(&values[around]);
-            values[k] + change(readings, times[k], shift, size)
-        };
-        nearest.into_iter().enumerate().map(at).collect()
     }
 }
 
