@@ -7,6 +7,7 @@ pub(crate) mod force;
 pub mod free_decay;
 pub(crate) mod hash;
 pub mod import;
+pub(crate) mod length;
 pub mod record;
 pub(crate) mod resample;
 pub mod scenario;

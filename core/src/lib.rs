@@ -89,6 +89,7 @@ pub use numbers::{diagnostics, free_run, frequency_response, score, suggest};
 
 pub use data::axis::{Axis, AxisError, Spacing};
 pub use data::force::Force;
+pub use data::length::Length;
 pub use data::record::{Record, RecordError};
 pub use data::scenario::{FilterColor, FilterSettings, Plant, Scenario, ScenarioError, Sensor, Values};
 pub use data::signal::Signal;

@@ -11,6 +11,11 @@ pub(crate) struct Steps {
 }
 
 impl Steps {
+    /// The time from the first step to the last one \[s\].
+    pub(crate) fn seconds(self) -> f64 {
+        self.count.saturating_sub(1) as f64 * self.dt
+    }
+
     /// The values at the steps; NaN at a step to which no reading goes.
     ///
     /// Each reading goes to the step to which `place` rounds its time in steps: the nearest of several, shifted by what the cubic

@@ -46,7 +46,7 @@ pub use cell::{Cells, Decimal, Delimiter};
 pub use dialect::{Dialect, Encoding};
 pub use error::{ImportError, MOST};
 pub use guess::ColumnGuess;
-pub use mapping::{Length, MappedColumn, Mapping, MeanWord, Offset, Time};
+pub use mapping::{MappedColumn, Mapping, MeanWord, Offset, Time};
 pub use mend::turn;
 pub use missing::Sentinel;
 pub use own_times::join;
