@@ -147,7 +147,7 @@ fn what_is_no_motion_is_left_out_and_of_axes_the_liveliest_counts() {
         (
             "time,ticks,level,mass",
             |k| format!("{k}.5,{},{},{}", k + k / 9, swing(k), swing(k + 3)),
-            &["time", COUNTER, "velocity", "input"],
+            &["time", COUNTER, "its name says that it is something else", "displacement"],
         ),
         (
             "time,battery (V),supply_V,x (mm)",
