@@ -389,11 +389,11 @@ fn has_word(name: &str, words: &str) -> bool {
     words.split(' ').any(|word| match word.len() {
         1 => (!is_label || "xyz".contains(word)) && is_word(name, word),
         2 => is_word(name, word),
-        // `level` has no velocity.
-        3 => parts(name)
-            .to_lowercase()
-            .split(|c: char| !c.is_alphanumeric())
-            .any(|part| part.starts_with(word) || part.ends_with(word)),
+        3 => {
+            let mut all = parts(name).to_lowercase();
+            all.push_str(&format!(" {lower}"));
+            all.split(|c: char| !c.is_alphanumeric()).any(|part| part.starts_with(word) || part.ends_with(word))
+        }
         _ => lower.contains(word),
     })
 }
