@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use kalmanscope_core::import::Length;
+use kalmanscope_core::Length;
 use kalmanscope_core::{Channel, Scenario};
 
 /// A number with `digits` significant digits, in fixed-point notation where that is short, else with an exponent.

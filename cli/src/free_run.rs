@@ -1,7 +1,7 @@
 //! Free runs of the identified models, as text.
 
+use kalmanscope_core::Length;
 use kalmanscope_core::free_run::one_step;
-use kalmanscope_core::import::Length;
 use kalmanscope_core::{Estimates, Fit, Identified, Quantity, Record, Run, Scenario};
 
 use crate::number::{fixed, short};

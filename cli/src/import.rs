@@ -3,8 +3,9 @@
 use std::fs;
 use std::path::Path;
 
+use kalmanscope_core::free_decay::{Decay, Ring};
 use kalmanscope_core::import::{
-    self, Builder, ColumnGuess, Decay, ImportError, MappedColumn, Mapping, Ring, Table, ThreeAxes, Time, join,
+    self, Builder, ColumnGuess, ImportError, MappedColumn, Mapping, Table, ThreeAxes, Time, join,
 };
 use kalmanscope_core::scenario::shown;
 use kalmanscope_core::suggest::{scenario_for, suggest};

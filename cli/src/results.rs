@@ -3,8 +3,8 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use kalmanscope_core::Length;
 use kalmanscope_core::diagnosis::Remedy;
-use kalmanscope_core::import::Length;
 use kalmanscope_core::{
     Analysis, Channel, CramerRao, Diagnosis, Estimates, ModelClasses, Record, Remark, Run, RunError, Scenario, Summary,
     TruthStop, VerdictKind,

@@ -2,8 +2,9 @@
 //! as it was recorded.
 
 use kalmanscope_core::Channel;
+use kalmanscope_core::Length;
 use kalmanscope_core::diagnosis::Final;
-use kalmanscope_core::import::{Dimension, Length, Mapping, unit};
+use kalmanscope_core::import::{Dimension, Mapping, unit};
 
 use crate::number::{deviation, fixed, plain, short, with_spread};
 

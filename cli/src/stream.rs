@@ -42,6 +42,7 @@ pub(crate) fn stream(args: &StreamArgs) -> Result<bool, InputError> {
         return Ok(true);
     }
     let (mut bytes, mut number, mut refused) = (Vec::new(), 0_u64, 0);
+    let mut taken = Vec::new();
     let mut refuse = |number: u64, reason: &dyn std::fmt::Display| {
         refused += 1;
         if refused <= MESSAGES {
@@ -58,9 +59,21 @@ pub(crate) fn stream(args: &StreamArgs) -> Result<bool, InputError> {
                 continue;
             }
         };
-        match take(&mut filters, &row) {
+        let mut reason = take(&mut filters, &row);
+        if let (Some(EventError::Gap { before, .. }), [first]) = (&reason, taken.as_slice()) {
+            refuse(
+                *first,
+                &format_args!("its time, {before} s, is far from that of the next line, as of a clock that is not set"),
+            );
+            filters = followed(file, &scenario, *late)?;
+            reason = take(&mut filters, &row);
+        }
+        match reason {
             Some(reason) => refuse(number, &reason),
             None => {
+                if taken.len() < 2 {
+                    taken.push(number);
+                }
                 let all = filters.iter_mut().map(|one| (&mut one.filter, &one.watch, one.has_stopped));
                 if !writer.write(all).map_err(written)? {
                     break;

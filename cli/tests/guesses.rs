@@ -90,7 +90,7 @@ const TURNS: &str = "it turns, and another sensor moves along a line";
 
 #[test]
 fn what_is_no_motion_is_left_out_and_of_axes_the_liveliest_counts() {
-    let cases: [Case; 12] = [
+    let cases: [Case; 13] = [
         (
             "time (s),Pressure (MPa),T (°C),Volume (ml)",
             |k| format!("{k}.5,{},2,{}", swing(k), swing(k + 3)),
@@ -126,6 +126,18 @@ fn what_is_no_motion_is_left_out_and_of_axes_the_liveliest_counts() {
             |k| format!("{},{k}.5,{},{},{},{}", k % 16, swing(k), 0.1 * swing(k), swing(k), 0.1 * swing(k)),
             &[COUNTER, "time", "acceleration", AXIS, TURNS, AXIS],
         ),
+        (
+            "t_a,U_bus (V),V (l),level_%,t_b,fork_travel_mm",
+            |k| format!("{k}.5,{},{},{},{k}.7,{}", 24.0 + 0.1 * swing(k), swing(k), swing(k), swing(k + 3)),
+            &[
+                "time",
+                "it is a voltage that hardly changes, as that of a supply",
+                UNIT,
+                "its name says that it is something else",
+                "it has the times of the columns behind it",
+                "displacement",
+            ],
+        ),
         ("time,Voltage_0 (V),Voltage_1 (V)", |k| format!("{k}.5,0.001,{}", swing(k)), &["time", STILL, "displacement"]),
         (
             "loopIteration,time,SampleC,acc",
@@ -135,7 +147,7 @@ fn what_is_no_motion_is_left_out_and_of_axes_the_liveliest_counts() {
         (
             "time,ticks,level,mass",
             |k| format!("{k}.5,{},{},{}", k + k / 9, swing(k), swing(k + 3)),
-            &["time", COUNTER, "velocity", "input"],
+            &["time", COUNTER, "its name says that it is something else", "displacement"],
         ),
         (
             "time,battery (V),supply_V,x (mm)",

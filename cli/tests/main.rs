@@ -1,6 +1,7 @@
 //! The built command, called as from a script.
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
+mod cases;
 mod columns;
 mod dialects;
 #[cfg(unix)]

@@ -2,11 +2,14 @@
 
 pub(crate) mod axis;
 pub mod document;
+pub(crate) mod even_steps;
 pub(crate) mod force;
+pub mod free_decay;
 pub(crate) mod hash;
 pub mod import;
-mod local_cubic;
+pub(crate) mod length;
 pub mod record;
+pub(crate) mod resample;
 pub mod scenario;
 pub mod setting;
 pub mod signal;

@@ -64,6 +64,7 @@
 //! | | [`setting`] | each setting with its name, unit, limits and address |
 //! | | [`record`] | the input and the measurements over time |
 //! | | [`import`] | records from files |
+//! | | [`free_decay`] | free decays in the readings of an accelerometer and in sounds |
 //! | samples | | ([`simulate()`], [`Run`], [`Pass`], [`OnlineFilter`], [`EventFilter`], [`Sink`], [`Estimates`]) |
 //! | numbers | [`score`] | what a map shows of a filter, without its history |
 //! | | [`diagnostics`] | errors, NEES, NIS and whiteness over time |
@@ -81,13 +82,14 @@ mod samples;
 #[doc(hidden)]
 pub mod internals;
 
-pub use data::{document, import, record, scenario, setting, signal};
+pub use data::{document, free_decay, import, record, scenario, setting, signal};
 pub use judgement::diagnosis;
 pub use mathematics::{channel, equation, filter, plant};
 pub use numbers::{diagnostics, free_run, frequency_response, score, suggest};
 
 pub use data::axis::{Axis, AxisError, Spacing};
 pub use data::force::Force;
+pub use data::length::Length;
 pub use data::record::{Record, RecordError};
 pub use data::scenario::{FilterColor, FilterSettings, Plant, Scenario, ScenarioError, Sensor, Values};
 pub use data::signal::Signal;

@@ -1,7 +1,8 @@
 //! What the accelerometer of a phone tells of a free decay, from its raw readings to the parameters.
 
 use kalmanscope_core::diagnostics::Depth;
-use kalmanscope_core::import::{Decay, NoDecay, Table, ThreeAxes, read};
+use kalmanscope_core::free_decay::{Decay, NoDecay};
+use kalmanscope_core::import::{Table, ThreeAxes, read};
 use kalmanscope_core::{Analysis, Story, Summary, VerdictKind, Wanted};
 
 use crate::phone::{Phone, USUAL};
@@ -12,7 +13,7 @@ fn as_table(decay: &Decay) -> Table {
     read(Decay::file(std::slice::from_ref(decay)).into_bytes(), None).expect("it is a table")
 }
 
-/// Situations and seeds were not looked at while the limits in `import/decay.rs` were chosen.
+/// Situations and seeds were not looked at while the limits in `free_decay/decay.rs` were chosen.
 #[test]
 fn frequency_and_damping_are_found_from_a_phone_that_was_plucked() {
     let (mut inside, mut consistent, mut count) = ([0, 0], 0, 0);

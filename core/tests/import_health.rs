@@ -2,12 +2,14 @@
 
 use std::fmt::Write as _;
 
-use kalmanscope_core::import::{Builder, Decay, Mapping, Ring, ThreeAxes, join, read};
+use kalmanscope_core::free_decay::{Decay, Ring};
+use kalmanscope_core::import::{Builder, Mapping, ThreeAxes, join, read};
 use kalmanscope_core::record::LiveRecord;
 use kalmanscope_core::suggest::{Suggest, scenario_for};
 use kalmanscope_core::{Hold, InputKind, Quantity, Task};
 
 use crate::import::check_import;
+use crate::random::Random;
 
 /// Files of usual dialects, to be broken.
 const FILES: [&str; 16] = [
@@ -153,4 +155,43 @@ fn times_of_any_size_come_to_an_end() {
         let _ = join(&tables[0], &tables[1], 0.5 * step);
     }
     assert!(records > 60, "{records}");
+}
+
+/// Times of any size and step: even, with jitter, equal, missing, going back, with gaps. A record or a sentence comes of each file, and
+/// a step that is not that of most rows is said.
+#[test]
+fn times_of_any_order_have_their_step_or_a_sentence() {
+    let mut random = Random::new(1);
+    let (mut records, mut said) = (0, 0);
+    for round in 0..600 {
+        let step = 10_f64.powf(27.0 * random.uniform() - 9.0);
+        let mut time = [0.0, 1.0, -50.0 * step, 1.7e9, 4.29e9, 1.7e12, 1.7e18, 1e19][(8.0 * random.uniform()) as usize];
+        let (mut text, mut times) = (["t,force,x\n", "t [s],force,x\n"][round % 2].to_owned(), Vec::new());
+        for k in (0..80).map(f64::from) {
+            let odd = random.uniform() < [0.0, 0.02, 0.3][round / 2 % 3];
+            time += match round / 6 % 6 {
+                1 => step * (0.5 + random.uniform()),
+                2 if odd => 0.0,
+                3 if odd => -3.0 * step,
+                4 if odd => step * 1000.0 * random.uniform(),
+                _ => step,
+            };
+            let is_missing = round / 6 % 6 == 5 && odd;
+            times.push(time);
+            let cell = if is_missing { "nan".to_owned() } else { format!("{time:e}") };
+            writeln!(text, "{cell},{},{}", (0.7 * k).cos(), (0.37 * k).sin()).unwrap();
+        }
+        assert_eq!(check_import(&[&[0], text.as_bytes()].concat()), Ok(()), "{text}");
+        let table = read(text.as_bytes(), None).unwrap();
+        let (mapping, kind) = Mapping::guess(&table);
+        let Ok(imported) = Builder::new(&table, &mapping, kind, Hold::First).and_then(Builder::finish) else {
+            continue;
+        };
+        let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        steps.sort_by(f64::total_cmp);
+        let is_usual = (imported.record.dt() / steps[steps.len() / 2] - 1.0).abs() < 0.02;
+        assert!(is_usual || !imported.remarks.is_empty(), "{} for {step}: {text}", imported.record.dt());
+        (records, said) = (records + 1, said + usize::from(!is_usual));
+    }
+    assert!(records > 150 && said > 20, "{records} {said}");
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use kalmanscope_core::import::Decay;
+use kalmanscope_core::free_decay::Decay;
 use kalmanscope_core::record::{Input, LiveError, LiveRecord, Record};
 use kalmanscope_core::suggest::{scenario_for, suggest};
 use kalmanscope_core::{

@@ -1,6 +1,7 @@
 //! Oscillators that are plucked several times.
 
-use kalmanscope_core::import::{Decay, read};
+use kalmanscope_core::free_decay::Decay;
+use kalmanscope_core::import::read;
 use kalmanscope_core::record::{Clocks, Input, Record, Timed};
 use kalmanscope_core::{
     Channel, EventFilter, FilterKind, FilterSettings, Hold, InputKind, Quantity, Scenario, Sensor, Summary, VerdictKind,

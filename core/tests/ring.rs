@@ -4,7 +4,8 @@ use std::f64::consts::TAU;
 use std::io::Cursor;
 
 use kalmanscope_core::diagnostics::Depth;
-use kalmanscope_core::import::{ImportError, Mapping, Ring, read};
+use kalmanscope_core::free_decay::Ring;
+use kalmanscope_core::import::{ImportError, Mapping, read};
 use kalmanscope_core::{Analysis, Scenario, Story, Wanted};
 
 use crate::random::Random;

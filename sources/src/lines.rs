@@ -56,13 +56,17 @@ struct Clock {
 const ODD: f64 = 500.0;
 const USUAL: std::ops::Range<f64> = 0.02..50.0;
 
+/// A step of so many steps of the scenario or more is no usual one.
+const FAR: f64 = 1e10;
+
 impl Clock {
     /// The time \[s\] of a line, whose counter may have turned over.
     fn time(&mut self, time: f64, unit: Option<f64>) -> Result<f64, BadLine> {
         let step = time - self.last;
         match turn(self.last, time, self.step) {
             Some(range) => self.added += range,
-            None if step > 0.0 => self.step = step.max(0.9 * self.step),
+            // The first time may be that of a clock that was not set.
+            None if step > 0.0 && step * unit.unwrap_or(1.0) < FAR * self.dt => self.step = step.max(0.9 * self.step),
             None => {}
         }
         self.last = time;

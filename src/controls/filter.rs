@@ -2,7 +2,7 @@
 
 use egui::collapsing_header::CollapsingState;
 use egui::{ComboBox, Grid, Popup, Response, RichText, Sense, Ui, Vec2, WidgetInfo};
-use kalmanscope_core::import::Length;
+use kalmanscope_core::Length;
 use kalmanscope_core::setting::{Entry, FADING, INITIAL_MEAN, INITIAL_STD, MEMORY, PROCESS_STD, SENSOR_STD, TableInfo};
 use kalmanscope_core::{Channel, FilterColor, FilterKind, FilterSettings, InputKind, PlantKind, Scenario, Sensor};
 

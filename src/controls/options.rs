@@ -1,8 +1,8 @@
 //! The less common settings of a filter: its plant, what else it estimates, its propagation, and those with rows.
 
 use egui::{Checkbox, DragValue, PopupCloseBehavior, Ui};
+use kalmanscope_core::Length;
 use kalmanscope_core::channel::augment;
-use kalmanscope_core::import::Length;
 use kalmanscope_core::scenario::Between;
 use kalmanscope_core::setting::{
     CHOICES_OF_FILTER, Entry, GUESSES, OPTIONS, PROCESS_SCALES, ROBUST, SENSOR_DELAY, SMOOTHER,

@@ -2,7 +2,8 @@
 
 use egui::{Align2, Button, Context, Key, Popup, ProgressBar, ScrollArea, Ui, Vec2, Window};
 
-use kalmanscope_core::import::{Decay, NoDecay, Table, ThreeAxes};
+use kalmanscope_core::free_decay::{Decay, NoDecay};
+use kalmanscope_core::import::{Table, ThreeAxes};
 
 use super::columns::columns_ui;
 use super::columns::{conditioning_ui, meaning_ui};

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use kalmanscope_core::import::{Builder, ColumnGuess, Imported, MappedColumn, Mapping, Ring, Time};
+use kalmanscope_core::free_decay::Ring;
+use kalmanscope_core::import::{Builder, ColumnGuess, Imported, MappedColumn, Mapping, Time};
 use kalmanscope_core::suggest::scenario_for;
 use kalmanscope_core::{Hold, InputKind, PlantKind, Quantity, Scenario};
 

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use kalmanscope_core::import::{Decay, Mapping, NoDecay, read};
+use kalmanscope_core::free_decay::{Decay, NoDecay};
+use kalmanscope_core::import::{Mapping, read};
 use kalmanscope_core::record::{Input, LiveRecord, Record};
 use kalmanscope_core::suggest::{scenario_for, suggest};
 use kalmanscope_core::{Channel, Hold, InputKind, Quantity, Run, Scenario, Source};

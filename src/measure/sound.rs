@@ -3,7 +3,8 @@
 use std::rc::Rc;
 
 use egui::{Context, RichText, Ui, Vec2};
-use kalmanscope_core::import::{Ring, wav};
+use kalmanscope_core::free_decay::Ring;
+use kalmanscope_core::import::wav;
 
 use super::{CURVE, Instrument, Words, large_ui, waiting_ui};
 use crate::request::RawFile;

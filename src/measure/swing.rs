@@ -5,7 +5,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use egui::{Context, RichText, Ui, Vec2};
-use kalmanscope_core::import::Decay;
+use kalmanscope_core::free_decay::Decay;
 use kalmanscope_core::{Record, Scenario, Story};
 
 use super::health::Health;

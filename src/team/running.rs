@@ -118,10 +118,10 @@ mod tests {
     #[test]
     fn the_outcome_comes_from_a_worker() {
         let there = vec![Some(Report::Look(0.25)), None, None, Some(Report::Look(0.5)), None];
-        let there = there.into_iter().chain([Some(Report::Done(Err(ImportError::NoTime)))]).collect();
+        let there = there.into_iter().chain([Some(Report::Done(Err(ImportError::NoTime(String::new()))))]).collect();
         let (shares, outcome) = frames(Some(there));
         assert_eq!(shares, [0.0, 0.25, 0.25, 0.5]);
-        assert_eq!(outcome.unwrap_err().to_string(), ImportError::NoTime.to_string());
+        assert_eq!(outcome.unwrap_err().to_string(), ImportError::NoTime(String::new()).to_string());
     }
 
     #[test]

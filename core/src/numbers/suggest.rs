@@ -17,7 +17,7 @@ mod trials;
 
 use serde::{Deserialize, Serialize};
 
-use crate::data::import::Length;
+use crate::data::length::Length;
 use crate::{Channel, FilterKind, FilterSettings, Propagation, Quantity, Record, Scenario, Sensor, Signal, Task as _};
 
 use crate::data::scenario::cost::steps_over;

@@ -1,14 +1,16 @@
 //! A record from a file's columns.
 
-use std::borrow::{Borrow, Cow};
+use std::borrow::Borrow;
 
 use super::conditioning::{Conditioning, above_nyquist, fill, mean, shift};
 use super::error::{FEWEST, MOST};
+use super::guess::no_time;
 use super::missing::{cells_without_readings, is_still};
-use super::own_times::{OneClock, OwnTimes, on_one_clock};
-use super::shape::unwrapped;
-use super::times::{Clock, Steps, Timing};
-use super::{Column, ImportError, MappedColumn, Mapping, Offset, Table, times};
+use super::own_times::{OwnTimes, on_one_clock};
+use super::shape::{counted, unwrapped};
+use super::times::{Clock, Timing};
+use super::{ImportError, MappedColumn, Mapping, Offset, Table, times};
+use crate::data::even_steps::Steps;
 use crate::data::record::Input;
 use crate::{Channel, Hold, InputKind, Quantity, Record};
 
@@ -32,8 +34,9 @@ pub struct Builder<'a> {
     timing: Timing,
     input: Option<Vec<f64>>,
     sensors: Vec<(Quantity, Vec<f64>)>,
-    /// Readings at times of their own, where the record keeps them.
+    /// Readings at times of their own, and whether the record keeps these.
     own: Option<OwnTimes>,
+    is_kept: bool,
     remarks: Vec<String>,
 }
 
@@ -58,57 +61,49 @@ impl<'a> Builder<'a> {
             Some(table) => Box::new(table),
             None => source,
         };
-        let joined = on_one_clock((*source).borrow(), mapping, &mut remarks)?;
-        let (mut own, mut is_even) = (None, true);
-        let (source, mapping): (Box<dyn Borrow<Table> + 'a>, _) = match joined {
-            Some(OneClock { table, mapping: on_one, own: at_own, is_even: is, said }) => {
-                if mapping.needs_even_steps() {
-                    remarks.extend(table.remarks.clone());
-                } else {
-                    remarks.push(said);
-                    (own, is_even) = (Some(at_own), is);
-                }
-                (Box::new(table), Cow::Owned(on_one))
-            }
-            None => (source, Cow::Borrowed(mapping)),
-        };
+        let clocks = on_one_clock((*source).borrow(), mapping, &mut remarks)?;
         // A part is chosen before the times are checked, so that it can leave out a fault of the clock.
-        let part = part_of((*source).borrow(), &mapping);
+        let part = if clocks.is_none() { part_of((*source).borrow(), mapping) } else { None };
         let source: Box<dyn Borrow<Table> + 'a> = part.map_or(source, |part| Box::new(part));
         let table = (*source).borrow();
+        let (mut own, mut is_even, is_kept) = (None, true, !mapping.needs_even_steps());
         let mut timing = match (&mapping.time.column, mapping.time.rate) {
+            _ if let Some(clocks) = clocks => {
+                (own, is_even) = (Some(clocks.own), clocks.is_even || !is_kept);
+                clocks.timing
+            }
             (Some(name), _) => {
                 let Clock { times, timing, .. } =
                     Clock::of(table, place(table, name)?, &mapping.time.unit, &mut remarks)?;
-                if own.is_none() && !timing.is_even() && !mapping.needs_even_steps() {
-                    own = Some(OwnTimes::of_rows(table, &mapping, &times));
+                if !timing.is_even() && is_kept {
+                    own = Some(OwnTimes::of_rows(table, mapping, &times));
                     is_even = false;
                     remarks.push(timing.kept());
                 }
                 timing
             }
-            (None, Some(rate)) => match counted(table, rate) {
+            (None, Some(rate)) => match counted(table, mapping, rate) {
                 Some((name, times)) => {
                     remarks.push(format!("`{name}` counts the samples: rows that it leaves out are missing"));
-                    Timing::of_times(&times, name, |row| table.line(row))?
+                    Timing::of_times(&times, &name, |row| table.line(row))?
                 }
                 None => Timing::of_rate(rate, table.rows())?,
             },
-            (None, None) => return Err(ImportError::NoTime),
+            (None, None) => return Err(no_time(table)),
         };
         remarks.extend(timing.gaps.clone());
         if own.is_none() {
             remarks.extend(timing.remark.clone());
         }
-        if let Some(dt) = mapping.time.dt.filter(|_| own.is_some()) {
+        if let Some(dt) = mapping.time.dt.filter(|_| own.is_some() && is_kept) {
             timing = timing.at_steps(dt)?;
         } else if !is_even {
             // A reading that comes too early or too late by less than half a step is the only one in its step.
             timing.start += 0.5 * timing.dt;
         }
         remarks.extend(above_nyquist(mapping.band, 0.5 / timing.dt)?);
-        let (mapping, sensors) = (mapping.into_owned(), Vec::new());
-        Ok(Self { table: source, mapping, kind, hold, timing, input: None, sensors, own, remarks })
+        let (mapping, sensors) = (mapping.clone(), Vec::new());
+        Ok(Self { table: source, mapping, kind, hold, timing, input: None, sensors, own, is_kept, remarks })
     }
 
     /// Makes the next columns until `while_time` returns false, which is called after each. Returns whether all are
@@ -128,7 +123,7 @@ impl<'a> Builder<'a> {
             let Some((&quantity, mapped)) = next else { break };
             let (values, remarks) = self.mapped(mapped)?;
             let (mapped, steps) = (mapped.clone(), self.conditioning().steps());
-            let values = match &mut self.own {
+            let values = match self.own.as_mut().filter(|_| self.is_kept) {
                 Some(own) => own.sensor(&mapped, steps),
                 None => self.conditioning().sensor(values),
             };
@@ -149,7 +144,7 @@ impl<'a> Builder<'a> {
         while !self.advance(&mut || true)? {}
         let Steps { start, dt, .. } = self.conditioning().steps();
         let truth = self.truth()?;
-        let Self { kind, hold, input, sensors, own, mut remarks, .. } = self;
+        let Self { kind, hold, input, sensors, own, is_kept, mut remarks, .. } = self;
         let still = sensors.iter().find(|(_, values)| is_still(values)).map(|(quantity, _)| *quantity);
         remarks.extend(still.map(|quantity| {
             format!("all readings of the {} are the same: there is no motion in them", quantity.name())
@@ -163,7 +158,7 @@ impl<'a> Builder<'a> {
             return Err(ImportError::TooLong(samples));
         }
         let mut record = Record::new(dt, input, sensors)?.with_truth(truth)?.starting_at(start);
-        if let Some(own) = own {
+        if let Some(own) = own.filter(|_| is_kept) {
             record = record.with_clocks(own.clocks)?;
         }
         Ok(Imported { record, remarks, still })
@@ -181,7 +176,7 @@ impl<'a> Builder<'a> {
         let (mut values, remarks) = self.mapped(mapped)?;
         self.remarks.extend(remarks);
         let (hold, steps) = (self.hold, self.conditioning().steps());
-        if let Some(own) = &mut self.own {
+        if let Some(own) = self.own.as_mut().filter(|_| self.is_kept) {
             let Some(values) = own.input(mapped, hold, steps) else {
                 self.remarks.push("the input is missing in all rows; it is taken for zero".to_owned());
                 return Ok(vec![0.0; steps.count]);
@@ -215,11 +210,17 @@ impl<'a> Builder<'a> {
         let without = |missing: f64| column.values.iter().map(|&x| if x == missing { f64::NAN } else { x }).collect();
         let cells: Option<Vec<f64>> = mapped.missing.map(without);
         let remarks = cells_without_readings(table, column_place, mapped);
-        if self.own.is_some() {
+        if self.own.is_some() && self.is_kept {
             // It has the values with their times.
             return Ok((Vec::new(), remarks));
         }
-        let mut values = self.timing.spread(cells.as_ref().unwrap_or(&column.values));
+        let mut values = match &self.own {
+            Some(own) => {
+                let Timing { start, dt, samples: count, .. } = self.timing;
+                own.at_steps(&mapped.column, Steps { start, dt, count })
+            }
+            None => self.timing.spread(cells.as_ref().unwrap_or(&column.values)),
+        };
         let offset = match mapped.offset {
             Offset::Number(number) => number,
             Offset::Mean(_) => mean(&values[self.conditioning().part()]),
@@ -248,31 +249,18 @@ impl<'a> Builder<'a> {
         for &channel in Channel::all() {
             if let Some(place) = table.place(&format!("true_{}", channel.key())) {
                 let column = &table.columns[place];
-                let values = match &self.own {
-                    Some(own) => own.truth(&column.name, self.conditioning().steps()),
+                truth.extend(match &self.own {
+                    Some(own) => own.truth(&column.name, self.conditioning().steps()).map(|values| (channel, values)),
                     None => {
                         let mut values = self.timing.spread(&column.values);
                         self.conditioning().cut(&mut values);
-                        values
+                        Some((channel, values))
                     }
-                };
-                truth.push((channel, values));
+                });
             }
         }
         Ok(truth)
     }
-}
-
-/// The times of rows that a column counts, some of which are missing \[s\].
-fn counted(table: &Table, rate: f64) -> Option<(&str, Vec<f64>)> {
-    let counts = |column: &&Column| {
-        let steps = || column.values.windows(2).map(|pair| pair[1] - pair[0]);
-        let single = steps().filter(|step| *step == 1.0).count();
-        let rises = steps().all(|step| step >= 1.0 && step == libm::floor(step));
-        rises && single + 1 < column.values.len() && 2 * single > column.values.len()
-    };
-    let column = table.columns.iter().find(counts)?;
-    Some((&column.name, column.values.iter().map(|count| (count - column.values[0]) / rate).collect()))
 }
 
 /// The rows of the part of a record that a mapping chooses, where the times of all rows do not rise.
@@ -345,16 +333,30 @@ pub(super) mod tests {
 
     #[test]
     fn what_cannot_be_used_is_said_with_line_and_column() {
-        let message = |text: &str| import(text, |_| {}).unwrap_err().to_string();
-        assert_eq!(message("t,force,x\n0,1,2\n1,2,oops\n2,3,4\n"), "line 3, column `x`: `oops` is not a number");
-        assert_eq!(message("t,force,x\n0,1,2\n1,2,1e999\n2,3,4\n"), "line 3, column `x`: the number is infinite");
-        assert!(message("t,x\n0,1\n").starts_with("1 row(s)"), "{}", message("t,x\n0,1\n"));
-        assert_eq!(message("force,x\n2,1\n1,3\n"), "the file has no column of times: state the sample rate");
-        let missing = import(TEXT, |mapping| mapping.input = Some(MappedColumn::new("load"))).unwrap_err().to_string();
-        assert_eq!(missing, "there is no column `load`; the columns are t, force, displacement");
-        let none = import(TEXT, |mapping| mapping.sensors.clear()).unwrap_err().to_string();
-        assert_eq!(none, "no column is chosen for a sensor");
-        assert!(import(TEXT, |m| m.from = Some(9.0)).unwrap_err().to_string().starts_with("0 row(s)"));
+        type Case = (&'static str, fn(&mut Mapping), &'static str);
+        let cases: [Case; 9] = [
+            ("t,force,x\n0,1,2\n1,2,oops\n2,3,4\n", |_| {}, "line 3, column `x`: `oops` is not a number"),
+            ("t,force,x\n0,1,2\n1,2,1e999\n2,3,4\n", |_| {}, "line 3, column `x`: the number is infinite"),
+            ("t,x\n0,1\n", |_| {}, "1 row(s)"),
+            ("force,x\n2,1\n1,3\n", |_| {}, "the file has no column of times: state the sample rate"),
+            (
+                "time,force,x\nT+0.1,1,2\nT+0.2,3,1\nT+0.3,2,2\n",
+                |_| {},
+                "the file has no column of times: `time` has `T+0.1` in line 2",
+            ),
+            ("t,force,x\n0,1,2\n0.1,2,3\n,2,3\n0.5,2,4\n", |_| {}, "line 4, column `t`: a time is missing"),
+            (
+                TEXT,
+                |m| m.input = Some(MappedColumn::new("load")),
+                "there is no column `load`; the columns are t, force, ",
+            ),
+            (TEXT, |m| m.sensors.clear(), "no column is chosen for a sensor"),
+            (TEXT, |m| m.from = Some(9.0), "0 row(s)"),
+        ];
+        for (text, change, said) in cases {
+            let found = import(text, change).unwrap_err().to_string();
+            assert!(found.starts_with(said), "{found}");
+        }
     }
 
     #[test]
@@ -369,6 +371,9 @@ pub(super) mod tests {
             (1.7145648e18, 2e7, "ns since 1970", 0.02),
             (1.7145648e12, 5.0, "ms since 1970", 0.005),
             (45_413.5, 0.02 / 86_400.0, "days of a spreadsheet", 0.02),
+            (739_000.25, 0.05 / 86_400.0, "days of a spreadsheet", 0.05),
+            (0.25, 0.02 / 86_400.0, "days of a spreadsheet", 0.02),
+            (0.0, 2e-7, "5000000 samples a second: are they days?", 2e-7),
         ] {
             let rows = (0..50).map(|k| format!("{},{k},{}\n", first + step * f64::from(k), k % 7));
             let Imported { record, remarks, .. } =
@@ -386,16 +391,19 @@ pub(super) mod tests {
 
     #[test]
     fn a_counter_says_which_rows_are_missing_and_a_part_is_chosen_before_the_check() {
-        let rows = (0..40).filter(|k| k % 10 != 3).map(|k| format!("{k},{},{}\n", k % 3, k % 7)).collect::<String>();
         let at_rate = |mapping: &mut Mapping| {
             (mapping.time.column, mapping.time.rate) = (None, Some(50.0));
             mapping.input = Some(MappedColumn::new("force"));
             mapping.sensors = [(Quantity::DISPLACEMENT, MappedColumn::new("x"))].into();
         };
-        let Imported { record, remarks, .. } = import(&format!("count,force,x\n{rows}"), at_rate).unwrap();
-        assert_eq!((record.len(), record.dt()), (40, 0.02));
-        assert!(record.measured(0)[3].is_nan() && record.measured(0)[4] == 4.0, "{remarks:?}");
-        assert!(remarks.iter().any(|remark| remark.starts_with("`count` counts the samples")), "{remarks:?}");
+        for count in [|k: u32| k, |k| 10 * k + 5, |k| (k + 230) % 256] {
+            let rows = (0..40).filter(|k| k % 10 != 3).map(|k| format!("{},{},{}\n", count(k), k % 3, k % 7));
+            let text = format!("count,force,x\n{}", rows.collect::<String>());
+            let Imported { record, remarks, .. } = import(&text, at_rate).unwrap();
+            assert_eq!((record.len(), record.dt()), (40, 0.02));
+            assert!(record.measured(0)[3].is_nan() && record.measured(0)[4] == 4.0, "{remarks:?}");
+            assert!(remarks.iter().any(|remark| remark.starts_with("`count` counts the samples")), "{remarks:?}");
+        }
         // The clock is wrong behind the part, many times over.
         let times = (0..60).map(|k| if k < 30 { f64::from(k) } else { f64::from((k * 7) % 30) });
         let rows = times.map(|time| format!("{},1,{}\n", 0.1 * time, time)).collect::<String>();
@@ -414,9 +422,6 @@ pub(super) mod tests {
         let Imported { record, remarks, .. } = import(night, |_| {}).unwrap();
         assert_eq!((record.len(), record.dt()), (4, 0.25));
         assert_eq!(remarks, ["the times pass midnight in line 4"]);
-        let gap =
-            import("t,force,x\n0,1,2\n0.1,2,3\n0.2,2,3\n0.3,1,1\n,2,3\n0.5,2,4\n", |_| {}).unwrap_err().to_string();
-        assert_eq!(gap, "line 6, column `t`: a time is missing");
     }
 
     #[test]

@@ -191,11 +191,11 @@ impl Decimal {
         Some((format!("{sign}{first}{}{dot}{fraction}", rest.concat()), is_sure))
     }
 
-    /// The seconds of a number with a unit of time behind it, such as `0.01 sec`.
+    /// The seconds of a number with a unit of time behind it, such as `0.01 sec` and `20ms`.
     fn duration(self, cell: &str) -> Option<f64> {
-        let (number, word) = cell.split_once(' ')?;
-        let Some((Dimension::Time, size)) = unit(word) else { return None };
-        let Found::Number(value) = self.read(number, false) else { return None };
+        let number = cell.trim_end_matches(char::is_alphabetic);
+        let Some((Dimension::Time, size)) = unit(&cell[number.len()..]) else { return None };
+        let Found::Number(value) = self.read(number.trim_end(), false) else { return None };
         Some(size * value)
     }
 
@@ -230,8 +230,8 @@ fn is_word(cell: &str) -> bool {
         || (cell.len() > 2 && (is_line('-') || is_line('*')))
 }
 
-/// A time of day, or a date with one, in seconds, and whether there is a date: `hh:mm:ss` with a fraction, `AM` or `PM`
-/// and a zone such as `+01:00` or `Z`, behind a date with the year first (`2024-05-01`), the day first (`01.05.2024`,
+/// A time of day, or a date with one, in seconds, and whether there is a date: `hh:mm:ss` with a fraction, or `mm:ss.f`, `AM` or `PM`
+/// and a zone such as `+01:00` or `Z`, behind a date with the year first (`2024-05-01`, `20240501T080000`), the day first (`01.05.2024`,
 /// `01-May-2024`) or, with slashes, the month first if it can be one (`05/01/2024`).
 pub(super) fn clock(cell: &str) -> Option<(f64, bool)> {
     let (date, time) = match cell.split_once(['T', ' ']) {
@@ -240,11 +240,16 @@ pub(super) fn clock(cell: &str) -> Option<(f64, bool)> {
     };
     let (time, half) = half_of_day(time);
     let (time, zone) = zone(time)?;
-    let mut parts = time.trim().splitn(3, ':');
-    let mut whole = |most: u32| parts.next()?.parse::<u32>().ok().filter(|number| *number <= most).map(f64::from);
-    let (hours, minutes) = (whole(24)?, whole(59)?);
-    let seconds: f64 =
-        parts.next()?.replace([',', ':'], ".").parse().ok().filter(|seconds| (0.0..61.0).contains(seconds))?;
+    let time = time.trim();
+    let [hours, minutes, seconds] = match *time.splitn(3, ':').collect::<Vec<&str>>() {
+        [hours, minutes, seconds] => [hours, minutes, seconds],
+        [minutes, seconds] if date.is_none() && seconds.find(['.', ',']) == Some(2) => ["0", minutes, seconds],
+        [_] if date.is_some() => [time.get(..2)?, time.get(2..4)?, time.get(4..)?],
+        _ => return None,
+    };
+    let whole = |text: &str, most: u32| text.parse::<u32>().ok().filter(|number| *number <= most).map(f64::from);
+    let (hours, minutes) = (whole(hours, 24)?, whole(minutes, 59)?);
+    let seconds: f64 = seconds.replace([',', ':'], ".").parse().ok().filter(|seconds| (0.0..61.0).contains(seconds))?;
     let hours = match half {
         None => hours,
         Some(_) if !(1.0..=12.0).contains(&hours) => return None,
@@ -285,8 +290,11 @@ fn zone(time: &str) -> Option<(&str, f64)> {
 /// Source: Hinnant (2013), chrono-Compatible Low-Level Date Algorithms.
 fn days(date: &str) -> Option<f64> {
     const MONTHS: [&str; 12] = ["jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec"];
-    let parts: Vec<&str> = date.split(['-', '/', '.']).collect();
-    let [first, second, third] = *parts.as_slice() else { return None };
+    let [first, second, third] = match *date.split(['-', '/', '.']).collect::<Vec<&str>>() {
+        [first, second, third] => [first, second, third],
+        [date] if date.len() == 8 => [date.get(..4)?, date.get(4..6)?, date.get(6..)?],
+        _ => return None,
+    };
     let number = |text: &str| text.parse::<i64>().ok().filter(|number| *number >= 0);
     let named = MONTHS.iter().position(|month| second.eq_ignore_ascii_case(month)).map(|place| place as i64 + 1);
     let (year, month, day) = if first.len() == 4 {
@@ -330,45 +338,40 @@ mod tests {
 
     #[test]
     fn numbers_are_read_with_their_decimal_character() {
-        assert_eq!(Decimal::Point.number("-1.5e-3"), Some(-1.5e-3));
-        assert_eq!(Decimal::Comma.number("-1,5E3"), Some(-1500.0));
-        assert_eq!(Decimal::Comma.number("7"), Some(7.0));
-        assert_eq!(Decimal::Point.number("1,5"), None);
-        assert_eq!(Decimal::Point.number("oops"), None);
-        assert_eq!(
-            ["0.01 sec", "20 ms", "12:00:00:500"].map(|cell| Decimal::Point.number(cell)),
-            [Some(0.01), Some(0.02), Some(43_200.5)]
-        );
-        assert_eq!(Decimal::Comma.number("1,5 s"), Some(1.5));
-        assert_eq!(Decimal::Point.number("5 mm"), None);
+        for (points, commas, expected) in [
+            ("-1.5e-3", "-1,5E-3", Some(-1.5e-3)),
+            ("7", "7", Some(7.0)),
+            ("oops", "oops", None),
+            // A decimal comma, or thousands.
+            ("1,234", "1.234.5", None),
+            ("1,234.5", "1.234,5", Some(1234.5)),
+            ("+1,234,567", "1'234'567", Some(1_234_567.0)),
+            ("1'234.5", "1\u{A0}234,5", Some(1234.5)),
+            ("1,23.4", "1.23,4", None),
+            ("1,234,56", "1,2.3,4", None),
+            ("0,123.5", ".234,5", None),
+            ("12,3456.7", "--1.234,5", None),
+            // Exponents of Fortran.
+            ("-1.5D+02", "-1,5d2", Some(-150.0)),
+            (".25d-1", ",25D-1", Some(0.025)),
+            ("D3", "2d", None),
+            // Durations.
+            ("0.01 sec", "10 ms", Some(0.01)),
+            ("20ms", "0,02s", Some(0.02)),
+            ("12:00:00:500", "12:00:00,5", Some(43_200.5)),
+            ("5 mm", "3rd", None),
+        ] {
+            let found = [Decimal::Point.number(points), Decimal::Comma.number(commas)];
+            assert_eq!(found, [expected; 2], "{points} {commas}");
+        }
         for missing in ["", "nan", "NaN", "N/A", "-"] {
             assert!(Decimal::Point.number(missing).unwrap().is_nan(), "{missing}");
         }
-    }
-
-    #[test]
-    fn thousands_may_be_apart_where_they_can_be_nothing_else() {
-        use Decimal::{Comma, Point};
-        assert_eq!(Comma.number("1.234,5"), Some(1234.5));
-        assert_eq!(Comma.number("-12.345.678,25"), Some(-12_345_678.25));
-        assert_eq!(Point.number("1,234.5"), Some(1234.5));
-        assert_eq!(Point.number("+1,234,567"), Some(1_234_567.0));
-        assert_eq!(Point.number("1'234.5"), Some(1234.5));
-        assert_eq!(Comma.number("1\u{A0}234,5"), Some(1234.5));
-        for text in ["1,23.4", "1,234,56", "0,123.5", "1.2,3.4", "12,3456.7", ",234.5", "--1,234.5"] {
-            assert_eq!(Point.number(text), None, "{text}");
-        }
-        assert_eq!(Point.number("1,234"), None, "a decimal comma, or thousands");
-        assert_eq!((Comma.number("1.234"), Comma.read("1.234", true)), (Some(1.234), Found::Grouped(1234.0)));
-        assert_eq!(Point.read("1,234", true), Found::Grouped(1234.0));
-    }
-
-    #[test]
-    fn exponents_may_be_those_of_fortran() {
-        assert_eq!(Decimal::Point.number("-1.5D+02"), Some(-150.0));
-        assert_eq!(Decimal::Point.number(".25d-1"), Some(0.025));
-        assert_eq!(Decimal::Comma.number("1,5D3"), Some(1500.0));
-        assert_eq!([Decimal::Point.number("D3"), Decimal::Point.number("3rd"), Decimal::Point.number("2d")], [None; 3]);
+        assert_eq!(Decimal::Comma.read("1.234", false), Found::Number(1.234));
+        assert_eq!(
+            [Decimal::Comma.read("1.234", true), Decimal::Point.read("1,234", true)],
+            [Found::Grouped(1234.0); 2]
+        );
     }
 
     #[test]
@@ -381,54 +384,44 @@ mod tests {
         assert_eq!(Decimal::Point.read("cold", false), Found::Text);
     }
 
-    fn seconds(cell: &str) -> Option<f64> {
-        clock(cell).map(|(seconds, _)| seconds)
-    }
-
     #[test]
     fn times_of_day_are_seconds() {
-        assert_eq!(clock("01:02:03.5"), Some((3723.5, false)));
-        assert_eq!(clock("00:00:01,25"), Some((1.25, false)));
-        let first = seconds("2024-02-28 23:59:59").unwrap();
-        assert_eq!(seconds("2024-03-01T00:00:00Z").unwrap() - first, 86_401.0, "2024 is a leap year");
-        assert_eq!(clock("1970-01-02 00:00:00"), Some((86_400.0, true)));
-        for none in
-            ["12:30", "2024-13-01 00:00:00", "12:61:00", "1:2", "::", "a:b:c", "2024-05 12:00:00", "12:00:00 XM"]
-        {
-            assert_eq!(clock(none), None, "{none}");
-        }
-    }
-
-    #[test]
-    fn zones_and_halves_of_the_day_are_known() {
-        let noon = seconds("2024-05-01T12:00:00Z");
-        for same in [
-            "2024-05-01T12:00:00+00:00",
-            "2024-05-01 14:00:00+02:00",
-            "2024-05-01T08:30:00-0330",
-            "2024-05-01 12:00:00 UTC",
+        const NOON: f64 = 1_714_564_800.0;
+        for (cell, expected) in [
+            ("01:02:03.5", Some((3723.5, false))),
+            ("00:00:01,25", Some((1.25, false))),
+            ("59:01.25", Some((3541.25, false))),
+            ("12:00:01.5 AM", Some((1.5, false))),
+            ("12:00:01.5 pm", Some((43_201.5, false))),
+            ("1:00:00 PM", Some((46_800.0, false))),
+            ("1970-01-02 00:00:00", Some((86_400.0, true))),
+            // 2024 is a leap year.
+            ("2024-02-28 23:59:59", Some((1_709_164_799.0, true))),
+            ("2024-03-01T00:00:00Z", Some((1_709_251_200.0, true))),
+            ("2024-05-01T12:00:00+00:00", Some((NOON, true))),
+            ("2024-05-01 14:00:00+02:00", Some((NOON, true))),
+            ("2024-05-01T08:30:00-0330", Some((NOON, true))),
+            ("2024-05-01 12:00:00 UTC", Some((NOON, true))),
+            ("20240501T120000.5", Some((NOON + 0.5, true))),
+            ("01.05.2024 12:00:00", Some((NOON, true))),
+            ("1-May-2024 12:00:00", Some((NOON, true))),
+            ("05/01/2024 12:00:00", Some((NOON, true))),
+            ("2024/05/01 12:00:00", Some((NOON, true))),
+            ("01.05.24 12:00:00", Some((NOON, true))),
+            // No month is the 31st.
+            ("31/12/2024 00:00:00", Some((1_735_603_200.0, true))),
+            ("13:00:00 PM", None),
+            ("12:30", None),
+            ("16:9.5", None),
+            ("2024-13-01 00:00:00", None),
+            ("12:61:00", None),
+            ("1:2", None),
+            ("::", None),
+            ("a:b:c", None),
+            ("2024-05 12:00:00", None),
+            ("12:00:00 XM", None),
         ] {
-            assert_eq!(seconds(same), noon, "{same}");
+            assert_eq!(clock(cell), expected, "{cell}");
         }
-        assert_eq!(seconds("12:00:01.5 AM"), Some(1.5));
-        assert_eq!(seconds("12:00:01.5 pm"), Some(43_201.5));
-        assert_eq!(seconds("1:00:00 PM"), Some(46_800.0));
-        assert_eq!(seconds("13:00:00 PM"), None);
-    }
-
-    #[test]
-    fn dates_have_the_year_the_day_or_the_month_first() {
-        let day = seconds("2024-05-01 00:00:00");
-        let same = [
-            "01.05.2024 00:00:00",
-            "1-May-2024 00:00:00",
-            "05/01/2024 00:00:00",
-            "2024/05/01 00:00:00",
-            "01.05.24 00:00:00",
-        ];
-        for same in same {
-            assert_eq!(seconds(same), day, "{same}");
-        }
-        assert_eq!(seconds("31/12/2024 00:00:00"), seconds("2024-12-31 00:00:00"), "no month is the 31st");
     }
 }

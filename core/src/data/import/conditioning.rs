@@ -1,9 +1,10 @@
 //! The way from even times to the samples of a record: a band, a part, another rate.
 
-use super::resample::band_pass;
-use super::times::{Steps, Timing};
-use super::{ImportError, Mapping, resample};
+use super::times::Timing;
+use super::{ImportError, Mapping};
 use crate::Hold;
+use crate::data::even_steps::Steps;
+use crate::data::resample::{self, band_pass};
 
 pub(super) struct Conditioning<'a> {
     pub(super) mapping: &'a Mapping,
@@ -189,29 +190,19 @@ mod tests {
     }
 
     #[test]
-    fn gaps_are_filled_from_both_sides() {
+    fn gaps_are_filled_shifted_and_left_out_of_the_mean() {
         let mut ends = [f64::NAN, 1.0, f64::NAN, f64::NAN, 4.0, f64::NAN];
         let missing = fill(&mut ends).unwrap();
         assert_eq!((missing.first, missing.count), (0, 4));
         assert_eq!(ends, [1.0, 1.0, 2.0, 3.0, 4.0, 4.0]);
         assert!(fill(&mut ends).is_none());
-    }
-
-    #[test]
-    fn a_delay_leaves_the_other_end_missing() {
-        let shifted = |delay| {
+        for (delay, expected) in
+            [(1, "[2.0, 3.0, NaN]"), (-2, "[NaN, NaN, 1.0]"), (0, "[1.0, 2.0, 3.0]"), (7, "[NaN, NaN, NaN]")]
+        {
             let mut values = [1.0, 2.0, 3.0];
             shift(&mut values, delay);
-            format!("{values:?}")
-        };
-        assert_eq!(shifted(1), "[2.0, 3.0, NaN]");
-        assert_eq!(shifted(-2), "[NaN, NaN, 1.0]");
-        assert_eq!([shifted(0), shifted(7)], ["[1.0, 2.0, 3.0]", "[NaN, NaN, NaN]"]);
-    }
-
-    #[test]
-    fn the_mean_is_that_of_the_samples_that_are_there() {
-        assert_eq!(mean(&[1.0, f64::NAN, 4.0]), 2.5);
-        assert_eq!(mean(&[f64::NAN]), 0.0);
+            assert_eq!(format!("{values:?}"), expected);
+        }
+        assert_eq!([mean(&[1.0, f64::NAN, 4.0]), mean(&[f64::NAN])], [2.5, 0.0]);
     }
 }

@@ -55,9 +55,9 @@ pub enum ImportError {
         /// Why it cannot be used.
         problem: String,
     },
-    /// The time is not known.
-    #[error("the file has no column of times: state the sample rate")]
-    NoTime,
+    /// The time is not known; why a column that is named so is none.
+    #[error("the file has no column of times{0}: state the sample rate")]
+    NoTime(String),
     /// The times do not rise.
     #[error(
         "line {line}: the time in `{column}` {} from {before} s to {found} s: {way}",

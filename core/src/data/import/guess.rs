@@ -1,10 +1,12 @@
 //! The meaning of a file's columns by their headers and cells: a guess at all of them.
 
+use super::conditioning::mean;
 use super::error::FEWEST;
-use super::shape::{are_axes, is_counter, liveliness, never_changes};
-use super::three_axes::{has_gravity, plain};
+use super::shape::{are_axes, has_gravity, is_counter, liveliness, never_changes, plain};
+use super::table::TextCell;
 use super::unit::{Dimension, unit};
-use super::{Column, MappedColumn, Mapping, Ring, Table, Time, times};
+use super::{Column, ImportError, MappedColumn, Mapping, Table, Time, times};
+use crate::data::free_decay::Ring;
 use crate::data::record::input_name;
 use crate::{InputKind, Quantity};
 
@@ -12,7 +14,7 @@ use crate::{InputKind, Quantity};
 /// word.
 const OTHERS: &str = "other integrated reference setpoint target estimate predicted model wind temperature humid \
                       batt supply vcc vdd vbat status flag quality trigger latitude longitude rpm strain error noise pressure \
-                      magnet compass current id uid tgf";
+                      magnet compass current id uid tgf level accuracy humidity";
 
 /// Words in names of columns that count the rows; the first letters of a word, or all of it.
 const COUNTERS: &str =
@@ -40,7 +42,7 @@ impl ColumnGuess {
 
     /// Whether the column got no meaning.
     pub fn is_left_out(&self) -> bool {
-        [LOST, UNKNOWN, NO_NUMBERS, TRUTH, OTHER, COUNTER, SEVERAL, STILL, UNIT, AXIS, TURNS, NO_TIME]
+        [LOST, UNKNOWN, NO_NUMBERS, TRUTH, OTHER, COUNTER, SEVERAL, STILL, UNIT, AXIS, TURNS, SUPPLY, NO_TIME]
             .contains(&self.why)
     }
 }
@@ -56,6 +58,7 @@ const UNIT: &str = "its unit is neither one of a motion nor of a force";
 const AXIS: &str = "another axis moves more";
 const TURNS: &str = "it turns, and another sensor moves along a line";
 const SEVERAL: &str = "it may be the input, but others may be too: name it, if one is";
+const SUPPLY: &str = "it is a voltage that hardly changes, as that of a supply";
 const NO_TIME: &str = "its name says that it has the times, but its numbers do not rise";
 const NO_NUMBERS: &str = "it has no numbers";
 const CLOCK: &str = "it has the times of the columns behind it";
@@ -64,22 +67,31 @@ const TRUTH: &str = "the truth of a simulated record";
 /// The reason why a column, by its name or unit, is neither time, input nor motion.
 fn is_something_else(column: &Column) -> Option<&'static str> {
     let name = &column.name;
-    // `loopIteration`, `SampleC`, `device_id`.
-    let begins =
-        |(place, c): (usize, char)| place > 0 && c.is_uppercase() && name[..place].ends_with(char::is_lowercase);
-    let parts: String = name.char_indices().flat_map(|at| [begins(at).then_some(' '), Some(at.1)]).flatten().collect();
-    let is_named = name.trim() == "#" || COUNTERS.split(' ').any(|word| is_word(&parts, word));
+    let is_named = name.trim() == "#" || COUNTERS.split(' ').any(|word| is_word(&parts(name), word));
     let role = role_of(column).map(|(role, _)| role);
     if is_named && role != Some(Role::Time) && !never_changes(&column.values) && is_counter(&column.values, true) {
         return Some(COUNTER);
     }
     // The L of a sensor's name is the left one.
-    let is_letter = |text: &str| role.is_some() && text.len() == 1 && text != "%";
+    let is_letter = |text: &str| role.is_some() && text.len() == 1 && !["%", "l"].contains(&text) && name.len() > 1;
     let of = |text: &&str| unit(text).is_some_and(|(dimension, _)| dimension == Dimension::Other);
     if column.unit.as_deref().filter(of).is_some_and(|text| !is_letter(text)) {
         return Some(UNIT);
     }
     (Quantity::from_key(name).is_none() && has_word(name, OTHERS)).then_some(OTHER)
+}
+
+/// The mean of a steady voltage, over its standard deviation.
+const STEADY: f64 = 20.0;
+
+/// The error of a file without times, with the reason why a column that is named so has none.
+pub(super) fn no_time(table: &Table) -> ImportError {
+    let named = table.columns.iter().find(|column| has_word(&column.name, TIMES));
+    let why = named.map(|column| match &column.text {
+        Some(TextCell { line, text }) => format!(": `{}` has `{text}` in line {line}, which is no time", column.name),
+        None => format!(": the numbers of `{}` do not rise", column.name),
+    });
+    ImportError::NoTime(why.unwrap_or_default())
 }
 
 /// Whether the numbers rise in even steps, as times do.
@@ -91,7 +103,7 @@ fn is_like_time(values: &[f64]) -> bool {
 
 /// Whether few numbers are smaller than the one before: a column of that name is the time, even if lines are wrong or its times are
 /// rounded, which is said where it is used.
-fn seldom_falls(values: &[f64]) -> bool {
+pub(super) fn seldom_falls(values: &[f64]) -> bool {
     let (mut rises, mut falls) = (0, 0);
     for pair in values.windows(2) {
         rises += usize::from(pair[1] > pair[0]);
@@ -278,7 +290,10 @@ fn candidates(table: &Table) -> Vec<Candidate> {
         let has_role = |other: &Column| role_of(other).map(|(role, _)| role) == role.map(|(role, _)| role);
         // A sensor that stands still is one, unless another one moves.
         let is_still = || still(column) && (role.is_none() || columns.iter().any(|one| has_role(one) && !still(one)));
-        if let Some(why) = is_something_else(column).or_else(|| is_still().then_some(STILL)) {
+        let is_sensor = |column: &Column| matches!(role_of(column), Some((Role::Sensor(_), _)));
+        let is_supply = || is_steady_voltage(column) && !is_sensor(column) && columns.iter().any(is_sensor);
+        let none = || is_still().then_some(STILL).or_else(|| is_supply().then_some(SUPPLY));
+        if let Some(why) = is_something_else(column).or_else(none) {
             (one.why, one.is_free) = (why, false);
             all.push(one);
             continue;
@@ -305,13 +320,17 @@ enum Role {
     Sensor(Quantity),
 }
 
+/// Words in names of columns of times.
+const TIMES: &str = "time zeit seconds stamp temps millis micros nanos epoch elapsed t s ms";
+
 /// Words in names, in the order in which they are looked for. Those of one or two letters must be the whole name.
-const WORDS: [(&str, Role); 7] = [
+const WORDS: [(&str, Role); 8] = [
     ("ground_acceleration ground base boden", Role::Input(InputKind::GroundAcceleration)),
     ("total_acceleration", Role::Sensor(Quantity::TOTAL_ACCELERATION)),
     ("force input load kraft excitation drive f u in v1", Role::Input(InputKind::Force)),
-    ("time zeit seconds stamp temps millis micros nanos epoch t s", Role::Time),
+    (TIMES, Role::Time),
     ("acceleration accel acc beschl gfx gfy gfz a ax ay az", Role::Sensor(Quantity::ACCELERATION)),
+    ("travel stroke", Role::Sensor(Quantity::DISPLACEMENT)),
     ("velocity speed geschw vel gyro omega v", Role::Sensor(Quantity::VELOCITY)),
     (
         "displacement disp position pos angle deflection weg output winkel sound x y z v2",
@@ -332,7 +351,10 @@ fn role_of(column: &Column) -> Option<(Role, &'static str)> {
     if column.is_dated || column.is_time_of_day {
         return Some((Role::Time, BY_CLOCK));
     }
-    let named = WORDS.iter().find(|(words, _)| has_word(&column.name, words)).map(|(_, role)| *role);
+    // The `t_force` of a file with several clocks.
+    let is_clock = has_word(&column.name, TIMES) && is_like_time(&column.values);
+    let clock = is_clock.then_some(Role::Time);
+    let named = || WORDS.iter().find(|(words, _)| has_word(&column.name, words)).map(|(_, role)| *role);
     let of_unit = || match unit(column.unit.as_deref()?)?.0 {
         Dimension::Time => Some(Role::Time),
         Dimension::Length | Dimension::Angle => Some(Role::Sensor(Quantity::DISPLACEMENT)),
@@ -343,13 +365,14 @@ fn role_of(column: &Column) -> Option<(Role, &'static str)> {
     };
     // A unit is more reliable than a word: the A in a channel's name may be a station.
     let agrees = |role: Role| match of_unit() {
+        Some(of_unit) if role == Role::Time => of_unit == Role::Time,
         Some(of_unit) if matches!(role, Role::Sensor(_)) => {
             let is_total = role == Role::Sensor(Quantity::TOTAL_ACCELERATION);
             of_unit == role || (is_total && of_unit == Role::Sensor(Quantity::ACCELERATION))
         }
         _ => true,
     };
-    let named = named.filter(|role| agrees(*role));
+    let named = clock.filter(|role| agrees(*role)).or_else(|| named().filter(|role| agrees(*role)));
     named.map(|role| (role, NAMED)).or_else(|| of_unit().map(|role| (role, BY_UNIT)))
 }
 
@@ -366,8 +389,28 @@ fn has_word(name: &str, words: &str) -> bool {
     words.split(' ').any(|word| match word.len() {
         1 => (!is_label || "xyz".contains(word)) && is_word(name, word),
         2 => is_word(name, word),
+        3 => {
+            let mut all = parts(name).to_lowercase();
+            all.push_str(&format!(" {lower}"));
+            all.split(|c: char| !c.is_alphanumeric()).any(|part| part.starts_with(word) || part.ends_with(word))
+        }
         _ => lower.contains(word),
     })
+}
+
+/// A name with blanks between its words: `loopIteration`, `SampleC`.
+fn parts(name: &str) -> String {
+    let begins =
+        |(place, c): (usize, char)| place > 0 && c.is_uppercase() && name[..place].ends_with(char::is_lowercase);
+    name.char_indices().flat_map(|at| [begins(at).then_some(' '), Some(at.1)]).flatten().collect()
+}
+
+/// Whether a column is a voltage that stays near its mean.
+fn is_steady_voltage(column: &Column) -> bool {
+    let is_voltage = matches!(column.unit.as_deref().and_then(unit), Some((Dimension::Voltage, _)));
+    let middle = mean(&column.values);
+    let squares: Vec<f64> = column.values.iter().map(|value| (value - middle) * (value - middle)).collect();
+    (is_voltage || has_word(&column.name, "volt")) && middle * middle > STEADY * STEADY * mean(&squares)
 }
 
 /// Whether a word of a name is this one, in small letters.

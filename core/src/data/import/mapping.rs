@@ -1,14 +1,14 @@
-//! The meaning of a file's columns, and the unit in which their record measures its motion.
+//! The meaning of a file's columns.
 
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::resample::GUARD;
-use super::unit::{Dimension, unit};
+use super::unit::unit;
 use super::{Dialect, ImportError, Table};
 use crate::Quantity;
 use crate::data::document::{self, Document, is_default, is_one};
+use crate::data::resample::GUARD;
 
 /// The meaning of a file's columns, and how they become a record: the table `[record]` of a scenario.
 ///
@@ -273,51 +273,6 @@ impl MappedColumn {
     }
 }
 
-/// The unit in which a record measures its motion: a circuit swings in volts, a pendulum in radians.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Length {
-    /// Metres.
-    #[default]
-    Metre,
-    /// Volts.
-    Volt,
-    /// Radians.
-    Radian,
-}
-
-/// Units of the motion in metres, with volts and with radians in their place.
-const LENGTHS: [[&str; 3]; 6] = [
-    ["m", "V", "rad"],
-    ["m/s", "V/s", "rad/s"],
-    ["m/s²", "V/s²", "rad/s²"],
-    ["1/(m² s²)", "1/(V² s²)", "1/(rad² s²)"],
-    ["1/m", "1/V", "1/rad"],
-    ["m/s³", "V/s³", "rad/s³"],
-];
-
-impl Length {
-    /// The unit of a mapping's sensors.
-    pub fn of(mapping: Option<&Mapping>) -> Self {
-        let dimension = |column: &MappedColumn| Some(unit(&column.unit)?.0);
-        let dimensions = mapping.into_iter().flat_map(|mapping| mapping.sensors.values().filter_map(dimension));
-        dimensions.fold(Self::Metre, |found, dimension| match dimension {
-            Dimension::Voltage => Self::Volt,
-            Dimension::Angle | Dimension::AngularVelocity | Dimension::AngularAcceleration => Self::Radian,
-            _ => found,
-        })
-    }
-
-    /// The unit with this length in place of metres; units without metres stay.
-    pub fn in_place_of(self, unit: &'static str) -> &'static str {
-        let place = match self {
-            Self::Metre => return unit,
-            Self::Volt => 1,
-            Self::Radian => 2,
-        };
-        LENGTHS.iter().find(|units| units[0] == unit).map_or(unit, |units| units[place])
-    }
-}
-
 /// Limits the samples by which a column can be late.
 const MOST_DELAY: u32 = 100_000;
 /// Limits the steps in place of one.
@@ -337,7 +292,6 @@ fn is_unity(gain: &f64) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Channel;
 
     #[test]
     fn a_mapping_survives_toml() {
@@ -370,17 +324,5 @@ mod tests {
         assert!(message(&|m| m.input.as_mut().unwrap().missing = Some(f64::INFINITY)).contains("record.input.missing"));
         assert!(message(&|m| m.input.as_mut().unwrap().gain = f64::NAN).contains("record.input.gain"));
         assert!(message(&|m| (m.from, m.to) = (Some(2.0), Some(1.0))).contains("after `from`"));
-    }
-
-    #[test]
-    fn circuits_swing_in_volts() {
-        let mut mapping = Mapping::default();
-        let column = MappedColumn { unit: "mV".to_owned(), ..MappedColumn::new("V2") };
-        mapping.sensors.insert(Quantity::DISPLACEMENT, column);
-        let length = Length::of(Some(&mapping));
-        assert_eq!(length.in_place_of(Quantity::VELOCITY.unit()), "V/s");
-        assert_eq!(length.in_place_of(Channel::CUBIC_STIFFNESS.unit()), "1/(V² s²)");
-        assert_eq!(length.in_place_of(Channel::NATURAL_FREQUENCY.unit()), "rad/s");
-        assert_eq!(Length::of(None).in_place_of("m"), "m");
     }
 }

@@ -1,9 +1,9 @@
 //! Faults of a file's times that have one cure: a counter that turns over, rows that stand twice or in another order, first rows
 //! far from all others, a clock that is set back, parts that begin again.
 
-use super::Table;
-use super::guess::{clocks, is_named_time};
-use super::times::{DAY, median_step};
+use super::guess::{clocks, is_named_time, seldom_falls};
+use super::times::{DAY, EPOCHS, median_step};
+use super::{Column, Table};
 use crate::data::sorting::sort_numbers;
 
 /// Rows in another order are at most this far from their places.
@@ -23,8 +23,9 @@ pub(super) fn mend(mut table: Table) -> Table {
     let named: Vec<usize> = (0..table.columns.len()).filter(|&place| is_named_time(&table.columns[place])).collect();
     for &place in &named {
         let column = &mut table.columns[place];
-        let turned = with_turns(&mut column.values);
-        if let Some((row, range)) = turned {
+        let mut times = column.values.clone();
+        if let Some((row, range)) = with_turns(&mut times).filter(|_| seldom_falls(&times)) {
+            column.values = times;
             let (name, line) = (column.name.clone(), table.line(row));
             table.remarks.push(format!("`{name}` turns over at {range} in line {line}: its times go on from there"));
         }
@@ -39,8 +40,38 @@ pub(super) fn mend(mut table: Table) -> Table {
     // Rows that one clock has twice may be others of another clock.
     match named.first() {
         Some(&place) if clocks(&table).len() < 2 => rows_mended(table, place),
+        None => without_first_rows(table),
         _ => table,
     }
+}
+
+/// A table without times, less first rows whose numbers are far from all others. Wristbands write the time of their start in all columns,
+/// and below it the samples a second, which make its times.
+fn without_first_rows(table: Table) -> Table {
+    let numbers = (0..table.columns.len()).filter(|&place| !table.is_without_numbers(place));
+    let columns: Vec<&[f64]> = numbers.map(|place| table.columns[place].values.as_slice()).collect();
+    let apart = |values: &&[f64]| if values.len() > 8 { first_rows_apart(values) } else { None };
+    let Some(first) =
+        columns.first().and_then(apart).filter(|first| columns.iter().all(|of| apart(of) == Some(*first)))
+    else {
+        return table;
+    };
+    let rate = columns[0][first];
+    let begins = (1.0..=1e5).contains(&rate)
+        && rate.fract() == 0.0
+        && columns.iter().all(|values| values[first] == rate && EPOCHS.contains(&values[first - 1]));
+    let rows = first + usize::from(begins);
+    let mut kept = table.of_rows((rows..table.rows()).map(|row| vec![row]));
+    kept.remarks.push(if begins {
+        format!("the first {rows} rows are a time, the start, and {rate}, the samples a second: so they are read")
+    } else {
+        format!("the numbers of the first {rows} row(s) are far from all others: these rows are left out")
+    });
+    if begins {
+        let times = (0..kept.rows()).map(|row| row as f64 / rate).collect();
+        kept.columns.insert(0, Column::of_header("time", Some("s"), times));
+    }
+    kept
 }
 
 /// The ranges of counters of 16 and 32 bits that count a decimal part of the unit of their column.

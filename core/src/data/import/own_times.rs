@@ -4,13 +4,14 @@
 use std::collections::BTreeMap;
 
 use super::conditioning::mean;
-use super::decay::side_of;
 use super::error::FEWEST;
-use super::guess::{clocks, is_named_time, rises};
+use super::guess::{clocks, is_named_time, no_time, rises};
 use super::table::{Column, free_name};
-use super::times::{Clock, Steps, Timing};
-use super::{ImportError, MappedColumn, Mapping, Offset, Table, Time, times};
+use super::times::{Clock, Timing};
+use super::{ImportError, MappedColumn, Mapping, Offset, Table};
 use crate::Hold;
+use crate::data::even_steps::Steps;
+use crate::data::free_decay::side_of;
 use crate::data::record::{Clocks, Timed};
 
 /// The cells of some columns that have a number, with their times \[s\].
@@ -95,13 +96,21 @@ impl OwnTimes {
         at_ends
     }
 
-    /// The truth of a column at the steps, linear between its cells.
-    pub(super) fn truth(&self, name: &str, steps: Steps) -> Vec<f64> {
+    /// The truth of a column at the steps, linear between its cells. `None` where its cells are not among these.
+    pub(super) fn truth(&self, name: &str, steps: Steps) -> Option<Vec<f64>> {
+        self.columns.get(name)?;
         let timed = self.scaled(&MappedColumn::new(name), steps);
         if timed.times.is_empty() {
-            return vec![f64::NAN; steps.count];
+            return Some(vec![f64::NAN; steps.count]);
         }
-        (0..steps.count).map(|k| timed.at(k as f64, Hold::First)).collect()
+        Some((0..steps.count).map(|k| timed.at(k as f64, Hold::First)).collect())
+    }
+
+    /// The cells of a column at the nearest steps, shifted along the cubic through their neighbours; NaN at a step without one.
+    pub(super) fn at_steps(&self, name: &str, steps: Steps) -> Vec<f64> {
+        let cells = self.columns.get(name).map(|(timed, _)| timed);
+        let of = |Timed { times, values }: &Timed| steps.of(times, values, side_of(times, values), libm::round);
+        cells.map_or_else(|| vec![f64::NAN; steps.count], of)
     }
 }
 
@@ -113,23 +122,19 @@ const UNITS: f64 = 10.0;
 
 /// Columns with clocks of their own.
 pub(super) struct OneClock {
-    /// The columns at the steps of one clock.
-    pub(super) table: Table,
-    /// The mapping with that clock.
-    pub(super) mapping: Mapping,
+    /// The steps of the fastest clock, over the time that all have in common.
+    pub(super) timing: Timing,
     /// The columns at their own times.
     pub(super) own: OwnTimes,
-    /// Whether the faster clock has even steps.
+    /// Whether the fastest clock has even steps.
     pub(super) is_even: bool,
-    /// A sentence on the clocks.
-    pub(super) said: String,
 }
 
-/// The columns of a mapping at the steps of one clock, and at their own times, where they have clocks of their own. A file whose
-/// clocks have no time in common is read row by row: then a sentence goes to the remarks.
+/// The columns of a mapping at their own times, where they have clocks of their own, and the steps that these have in common. A file
+/// whose clocks have no time in common is read row by row: then a sentence goes to the remarks.
 ///
 /// # Errors
-/// Those of [`join`](super::join).
+/// [`ImportError`] where the times of a clock are not usable.
 pub(super) fn on_one_clock(
     table: &Table,
     mapping: &Mapping,
@@ -152,45 +157,46 @@ pub(super) fn on_one_clock(
     if parts.iter().all(|(clock, _)| *clock == stated) {
         return Ok(None);
     }
-    // The stated clock names the times.
     parts.sort_by_key(|(clock, _)| (*clock != stated, *clock));
-    let mut own = OwnTimes::default();
-    let tables: Vec<Table> = parts.iter().map(|(clock, columns)| part(table, mapping, *clock, columns)).collect();
-    for (part, (_, columns)) in tables.iter().zip(&parts) {
-        let [time, values @ ..] = part.columns.as_slice() else { continue };
-        let times = times::of(part, time, time.unit.as_deref().unwrap_or_default(), &mut Vec::new());
-        for (column, (_, mapped)) in values.iter().zip(columns) {
-            own.add(&mapped.column, &times, &column.values, None);
+    let (mut own, mut all) = (OwnTimes::default(), Vec::new());
+    for (place, columns) in &parts {
+        let time = &table.columns[*place];
+        let is_unit_stated = (*place == stated || time.unit.is_none()) && !mapping.time.unit.is_empty();
+        let unit = if is_unit_stated { &mapping.time.unit } else { time.unit.as_deref().unwrap_or_default() };
+        let mut said = Vec::new();
+        let clock = Clock::of(table, *place, unit, &mut said)?;
+        let below =
+            |(place, _): &(usize, _)| table.columns[*place].values[clock.times.len()..].iter().any(|x| !x.is_nan());
+        // Rows of another clock are below the last time of this one.
+        let is_other = clock.times.len() < table.rows() && !columns.iter().any(below);
+        remarks.extend(said.into_iter().skip(usize::from(is_other)));
+        for (place, mapped) in columns {
+            own.add(&mapped.column, &clock.times, &table.columns[*place].values, mapped.missing);
         }
+        all.push((clock, 0.0));
     }
-    let all: Vec<String> = parts.iter().map(|(clock, _)| format!("`{}`", table.columns[*clock].name)).collect();
-    let mut is_even = true;
-    let mut names = parts.iter().map(|(clock, _)| format!("the clock `{}`", table.columns[*clock].name));
-    let mut tables = tables.into_iter();
-    let (Some(mut whole), Some(mut name)) = (tables.next(), names.next()) else { return Ok(None) };
-    for (other, other_name) in tables.zip(names) {
-        match join_on_steps([&whole, &other], [&name, &other_name]) {
-            Ok((table, is)) => (whole, is_even) = (table, is_even && is),
-            Err(ImportError::Apart { .. }) => {
-                let apart = format!(
-                    "{name} and {other_name} have no time in common: the columns are read row by row, at the times of {name}"
-                );
-                remarks.push(apart);
-                return Ok(None);
-            }
-            Err(error) => return Err(error),
-        }
-        name = format!("{name} and {other_name}");
-    }
-    let clock = &whole.columns[0];
-    let (column, unit) = (Some(clock.name.clone()), clock.unit.clone().unwrap_or_default());
-    let time = Time { column, unit, ..mapping.time.clone() };
-    let said = format!(
-        "the columns have clocks of their own, {}: the filters take each reading at its own time, and tell what they know at the steps \
-         of the fastest one",
-        all.join(" and ")
-    );
-    Ok(Some(OneClock { table: whole, mapping: Mapping { time, ..mapping.clone() }, own, is_even, said }))
+    let names: Vec<String> = parts.iter().map(|(clock, _)| format!("`{}`", table.columns[*clock].name)).collect();
+    let (names, stated) = (names.join(" and "), &table.columns[stated].name);
+    let Some((steps, fast)) = common(&all) else {
+        remarks.push(format!(
+            "the clocks {names} have no time in common: the columns are read row by row, at the times of `{stated}`"
+        ));
+        return Ok(None);
+    };
+    remarks.push(if mapping.needs_even_steps() {
+        let (seconds, dt, fast) = (steps.seconds(), steps.dt, &table.columns[parts[fast].0].name);
+        format!(
+            "the clocks {names} have {seconds:.3} s in common, at the steps of the clock `{fast}`, {dt} s apart; the readings of others, \
+             and all with uneven times, go to the nearest step"
+        )
+    } else {
+        format!(
+            "the columns have clocks of their own, {names}: the filters take each reading at its own time, and tell what they know at the \
+             steps of the fastest one"
+        )
+    });
+    let is_even = all[fast].0.timing.is_even();
+    Ok(Some(OneClock { timing: Timing::of_steps(steps), own, is_even }))
 }
 
 /// Whether two columns tell the same times, maybe in other units.
@@ -207,70 +213,33 @@ fn is_same(table: &Table, one: usize, other: usize) -> bool {
     a.len() == b.len() && a.iter().zip(&b).all(|(a, b)| (zero + scale * a - b).abs() <= limit)
 }
 
-/// A clock with its columns, in which cells without a reading are empty.
-fn part(table: &Table, mapping: &Mapping, clock: usize, columns: &[(usize, &MappedColumn)]) -> Table {
-    let mut time = table.columns[clock].clone();
-    let is_stated = mapping.time.column.as_deref() == Some(&time.name);
-    if (is_stated || time.unit.is_none()) && !mapping.time.unit.is_empty() {
-        time.unit = Some(mapping.time.unit.clone());
-    }
-    let last = |column: &Column| column.values.iter().rposition(|value| !value.is_nan()).map_or(0, |last| last + 1);
-    let rows = columns.iter().map(|(place, _)| last(&table.columns[*place])).fold(last(&time), usize::max);
-    time.values.truncate(rows);
-    let of = |&(place, mapped): &(usize, &MappedColumn)| {
-        let mut column: Column = table.columns[place].clone();
-        column.values.truncate(rows);
-        column.values.iter_mut().filter(|value| Some(**value) == mapped.missing).for_each(|value| *value = f64::NAN);
-        column
-    };
-    let columns = std::iter::once(time).chain(columns.iter().map(of)).collect();
-    Table { columns, remarks: Vec::new(), ..table.clone() }
-}
-
 /// The clock of a file, by the guess at its column of times.
 ///
 /// # Errors
 /// [`ImportError`] where it has none, or where its times are not usable.
 fn clock_of<'a>(table: &'a Table, remarks: &mut Vec<String>) -> Result<Clock<'a>, ImportError> {
     let time = Mapping::guess(table).0.time;
-    let place = time.column.and_then(|name| table.place(&name)).ok_or(ImportError::NoTime)?;
+    let place = time.column.and_then(|name| table.place(&name)).ok_or_else(|| no_time(table))?;
     Clock::of(table, place, &time.unit, remarks)
 }
 
-/// The steps of the faster clock that two tables have in common.
-struct Common<'a> {
-    clocks: [Clock<'a>; 2],
-    /// The place of the faster one.
-    fast: usize,
-    /// The steps among those of the faster clock.
-    part: std::ops::Range<usize>,
-    steps: Steps,
-}
-
-impl<'a> Common<'a> {
-    /// Of two tables; `offset` is added to the times of the second one \[s\].
-    fn new([first, second]: [&'a Table; 2], offset: f64, remarks: &mut Vec<String>) -> Result<Self, ImportError> {
-        let clocks = [clock_of(first, remarks)?, clock_of(second, remarks)?];
-        let added = [0.0, offset];
-        let fast = usize::from(clocks[1].timing.dt < clocks[0].timing.dt);
-        let Timing { start, dt, samples, .. } = clocks[fast].timing;
-        let start = start + added[fast];
-        let ends: [[f64; 2]; 2] = std::array::from_fn(|file| clocks[file].ends().map(|time| time + added[file]));
-        // Half a step beyond its ends, the slower file has a nearest step.
-        let from = libm::ceil((ends[0][0].max(ends[1][0]) - start) / dt - 0.5).max(0.0);
-        let to = libm::floor((ends[0][1].min(ends[1][1]) - start) / dt + 0.5).min((samples - 1) as f64);
-        if to - from + 1.0 < FEWEST as f64 {
-            return Err(ImportError::Apart { first: ends[0], second: ends[1] });
-        }
-        let part = from as usize..to as usize + 1;
-        let steps = Steps { start: start + from * dt, dt, count: part.len() };
-        Ok(Self { clocks, fast, part, steps })
-    }
-
-    /// The time that both have \[s\].
-    fn seconds(&self) -> f64 {
-        (self.steps.count - 1) as f64 * self.steps.dt
-    }
+/// The steps of the fastest of some clocks in the time that all have in common, and its place. Seconds are added to the times of each.
+/// `None` where they have too few steps in common.
+fn common(clocks: &[(Clock<'_>, f64)]) -> Option<(Steps, usize)> {
+    let all = clocks.iter().enumerate();
+    let (fast, (clock, added)) = all.min_by(|(_, (a, _)), (_, (b, _))| a.timing.dt.total_cmp(&b.timing.dt))?;
+    let Timing { start, dt, samples, .. } = clock.timing;
+    let start = start + added;
+    let (latest, earliest) =
+        clocks.iter().fold((f64::NEG_INFINITY, f64::INFINITY), |(latest, earliest), (clock, added)| {
+            let [first, last] = clock.ends();
+            (latest.max(first + added), earliest.min(last + added))
+        });
+    // Half a step beyond its ends, a slower clock has a nearest step.
+    let from = libm::ceil((latest - start) / dt - 0.5).max(0.0);
+    let to = libm::floor((earliest - start) / dt + 0.5).min((samples - 1) as f64);
+    let count = to - from + 1.0;
+    (count >= FEWEST as f64).then_some((Steps { start: start + from * dt, dt, count: count as usize }, fast))
 }
 
 /// Both files as one table, each with its column of times and its columns behind it. `offset` is added to the times of the second file
@@ -280,82 +249,33 @@ impl<'a> Common<'a> {
 /// [`ImportError`] where a file has no usable times, or where they have no time in common.
 pub fn join(first: &Table, second: &Table, offset: f64) -> Result<Table, ImportError> {
     let mut remarks: Vec<String> = [first, second].into_iter().flat_map(|table| table.remarks.clone()).collect();
-    let common = Common::new([first, second], offset, &mut remarks)?;
-    let rows = common.clocks.iter().map(|clock| clock.times.len()).max().unwrap_or(0);
+    let clocks = [(clock_of(first, &mut remarks)?, 0.0), (clock_of(second, &mut remarks)?, offset)];
+    let Some((steps, _)) = common(&clocks) else {
+        let [first, second] = clocks.map(|(clock, added)| clock.ends().map(|time| time + added));
+        return Err(ImportError::Apart { first, second });
+    };
+    let rows = clocks.iter().map(|(clock, _)| clock.times.len()).max().unwrap_or(0);
     let mut columns: Vec<Column> = Vec::new();
     let mut add = |name: &str, unit: Option<String>, mut values: Vec<f64>| {
         let name = free_name(name, |name| columns.iter().any(|column| column.name == name));
         values.resize(rows, f64::NAN);
         columns.push(Column { name, unit, values, ..Column::default() });
     };
-    for ((table, clock), added) in [first, second].into_iter().zip(&common.clocks).zip([0.0, offset]) {
+    for (table, (clock, added)) in [first, second].into_iter().zip(&clocks) {
         let own = &table.columns[clock.place];
         let name = if is_named_time(own) { &own.name } else { "time" };
         add(name, Some("s".to_owned()), clock.times.iter().map(|time| time + added).collect());
         for (place, column) in table.columns.iter().enumerate().filter(|(place, _)| *place != clock.place) {
-            if !is_usable(table, place, &mut remarks) {
-                continue;
+            if column.text.is_some() || table.is_without_numbers(place) {
+                remarks.push(format!("`{}` has text, or no numbers: it is left out", column.name));
+            } else {
+                add(&column.name, column.unit.clone(), column.values.clone());
             }
-            add(&column.name, column.unit.clone(), column.values.clone());
         }
     }
-    let seconds = common.seconds();
+    let seconds = steps.seconds();
     remarks.push(format!("the first file and the second file have {seconds:.3} s in common; each keeps its times"));
     Ok(Table::of_columns("two files with clocks of their own", columns, remarks))
-}
-
-/// Whether a column has numbers, and no text; otherwise that is said.
-fn is_usable(table: &Table, place: usize, remarks: &mut Vec<String>) -> bool {
-    let column = &table.columns[place];
-    let is_left_out = column.text.is_some() || table.is_without_numbers(place);
-    remarks.extend(is_left_out.then(|| format!("`{}` has text, or no numbers: it is left out", column.name)));
-    !is_left_out
-}
-
-/// Two tables at the steps of the faster clock, where they have time in common. Even times keep their readings. Every other reading
-/// goes to its nearest step, shifted along the cubic through its neighbours; cells without a reading, which must be NaN, are missing.
-/// Says too whether the times of the faster clock are even.
-///
-/// # Errors
-/// Those of [`join`].
-fn join_on_steps([first, second]: [&Table; 2], names: [&str; 2]) -> Result<(Table, bool), ImportError> {
-    let mut remarks: Vec<String> = [first, second].into_iter().flat_map(|table| table.remarks.clone()).collect();
-    let common = Common::new([first, second], 0.0, &mut remarks)?;
-    let seconds = common.seconds();
-    let Common { clocks, fast, part, steps } = common;
-    let dt = steps.dt;
-    let mut columns = vec![Column {
-        name: first.columns[clocks[0].place].name.clone(),
-        unit: Some("s".to_owned()),
-        values: (0..part.len()).map(|k| steps.start + dt * k as f64).collect(),
-        ..Column::default()
-    }];
-    for (file, table) in [first, second].into_iter().enumerate() {
-        let clock = &clocks[file];
-        for (place, column) in table.columns.iter().enumerate().filter(|(place, _)| *place != clock.place) {
-            if !is_usable(table, place, &mut remarks) {
-                continue;
-            }
-            let values = if file == fast && clock.timing.is_exact() {
-                clock.timing.spread(&column.values)[part.clone()].to_vec()
-            } else {
-                let known = clock.times.iter().zip(&column.values).filter(|(_, value)| value.is_finite());
-                let (times, values): (Vec<f64>, Vec<f64>) = known.unzip();
-                steps.of(&times, &values, side_of(&times, &values), libm::round)
-            };
-            let name = free_name(&column.name, |name| columns.iter().any(|column| column.name == name));
-            columns.push(Column { name, unit: column.unit.clone(), values, ..Column::default() });
-        }
-    }
-    let slow_dt = clocks[1 - fast].timing.dt;
-    let [one, other] = names;
-    let (quick, slow) = (names[fast], names[1 - fast]);
-    remarks.push(format!(
-        "{one} and {other} have {seconds:.3} s in common, at the steps of {quick}, {dt} s apart; the readings of {slow}, about \
-         {slow_dt} s apart, and all with uneven times go to the nearest step"
-    ));
-    let is_even = clocks[fast].timing.is_even();
-    Ok((Table::of_columns("two clocks as one", columns, remarks), is_even))
 }
 
 #[cfg(test)]
@@ -424,6 +344,6 @@ mod tests {
             "t,force,stamp,displacement\n0,1,1000,2\n0.1,2,1000.11,3\n0.2,1,1000.2,4\n0.3,0,1000.3,5\n0.4,1,1000.4,3\n";
         let Imported { record, remarks, .. } = import(text, |_| {}).unwrap();
         assert_eq!((record.dt(), record.measured(0)), (0.1, &[2.0, 3.0, 4.0, 5.0, 3.0][..]));
-        assert!(remarks[0].contains("`t` and the clock `stamp` have no time in common"), "{remarks:?}");
+        assert!(remarks[0].contains("the clocks `t` and `stamp` have no time in common"), "{remarks:?}");
     }
 }

@@ -2,9 +2,10 @@
 
 use std::f64::consts::TAU;
 
+use super::conditioning::mean;
 use super::missing::is_still;
-use super::unit::{Dimension, unit};
-use super::{Mapping, Table};
+use super::unit::{Dimension, STANDARD_GRAVITY, unit};
+use super::{Column, Mapping, Table};
 use crate::data::sorting::sort_numbers;
 
 /// Whether all numbers are the same, in more rows than a few.
@@ -24,6 +25,36 @@ pub(super) fn is_counter(values: &[f64], is_named: bool) -> bool {
     is_whole && (rises || (is_named && share(&|one| one >= 0.0) >= 9))
 }
 
+/// The ends of counters of 8 to 32 bits, and of two to six digits.
+const ENDS: [f64; 11] =
+    [100.0, 256.0, 1000.0, 1024.0, 4096.0, 10_000.0, 65_536.0, 1e5, 1e6, 16_777_216.0, 4_294_967_296.0];
+
+/// The times of the rows \[s\] by a column without a meaning that counts samples, `rate` a second, some of which have no row, and its
+/// name. A counter may begin again at its end.
+pub(super) fn counted(table: &Table, mapping: &Mapping, rate: f64) -> Option<(String, Vec<f64>)> {
+    let has_meaning = |name: &str| mapping.input.iter().chain(mapping.sensors.values()).any(|of| of.column == name);
+    table.columns.iter().filter(|column| !has_meaning(&column.name)).find_map(|column| {
+        let values = &column.values;
+        let most = values.iter().fold(0.0, |a: f64, b| a.max(*b));
+        let end = ENDS.into_iter().find(|end| (0.9 * end..*end).contains(&most)).unwrap_or(0.0);
+        let risen = |pair: &[f64]| pair[1] - pair[0] + if pair[1] < pair[0] { end } else { 0.0 };
+        let steps: Vec<f64> = values.windows(2).map(risen).collect();
+        let mut sorted = steps.clone();
+        sort_numbers(&mut sorted);
+        let step = *sorted.get(sorted.len() / 2)?;
+        let is_counter = step.fract() == 0.0 && steps.iter().all(|one| *one >= step && one % step == 0.0);
+        let single = steps.iter().filter(|one| **one == step).count();
+        if !(is_counter && step > 0.0 && single < steps.len() && 2 * single > steps.len()) {
+            return None;
+        }
+        let later = steps.iter().scan(0.0, |sum, one| {
+            *sum += one / step;
+            Some(*sum / rate)
+        });
+        Some((column.name.clone(), std::iter::once(0.0).chain(later).collect()))
+    })
+}
+
 /// How much a column moves, but for what differs from row to row without a rule.
 pub(super) fn liveliness(values: &[f64]) -> f64 {
     let there: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
@@ -41,6 +72,22 @@ pub(super) fn are_axes(one: &str, other: &str) -> bool {
     let pair = [one[place], other[place]];
     let is_index = place > 0 && one[place - 1] == '[' && pair.iter().all(|c| ('0'..='2').contains(c));
     differ.next().is_none() && (is_index || pair.iter().all(|c| ('x'..='z').contains(c)))
+}
+
+/// A name without case, blanks and signs.
+pub(super) fn plain(name: &str) -> String {
+    name.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
+}
+
+/// Whether the mean of three columns has the length of gravity, in m/s² or g.
+pub(super) fn has_gravity(columns: &[Column], axes: [usize; 3]) -> bool {
+    let length = length(columns, axes);
+    [STANDARD_GRAVITY, 1.0].into_iter().any(|unit| (0.85..1.15).contains(&(length / unit)))
+}
+
+/// The length of the mean of three accelerations.
+pub(super) fn length(columns: &[Column], axes: [usize; 3]) -> f64 {
+    axes.map(|axis| mean(&columns[axis].values)).iter().map(|mean| mean * mean).sum::<f64>().sqrt()
 }
 
 /// Ranges of angles that begin again: turns in degrees, radians, gon and their parts, and counts of encoders.

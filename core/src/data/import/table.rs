@@ -210,8 +210,8 @@ pub(super) struct Rows {
     /// The name and unit of each cell of a row. `None` if a cell belongs to no column. Empty if lines of the dialect
     /// have names and units.
     pub(super) cells: Vec<Option<(String, Option<String>)>>,
-    /// The first time and the step \[s\] of rows without times.
-    pub(super) even: Option<(f64, f64)>,
+    /// The clocks of columns without times: the place of the first column, its first time and the step \[s\].
+    pub(super) even: Vec<(usize, f64, f64)>,
     /// Whether a line begins another table, which is not read.
     pub(super) ends: fn(&str) -> bool,
     /// Whether the numbers of each row run on in one column.
@@ -361,12 +361,13 @@ impl RowsReader {
         if scale != 1.0 {
             columns.iter_mut().flat_map(|column| &mut column.values).for_each(|value| *value *= scale);
         }
-        said.extend(count.and_then(|count| cut(&mut columns, count, even.is_some())));
+        said.extend(count.and_then(|count| cut(&mut columns, count, !even.is_empty())));
         said.extend(remarks.into_iter().flatten());
-        if let Some((start, step)) = even {
-            let rows = columns.first().map_or(0, |column| column.values.len());
-            columns
-                .insert(0, Column::of_header("time", Some("s"), (0..rows).map(|k| start + k as f64 * step).collect()));
+        let rows = columns.first().map_or(0, |column| column.values.len());
+        for (nth, (place, start, step)) in even.into_iter().enumerate() {
+            let name = if nth == 0 { "time".to_owned() } else { format!("time ({})", nth + 1) };
+            let times = (0..rows).map(|k| start + k as f64 * step).collect();
+            columns.insert(place + nth, Column::of_header(&name, Some("s"), times));
         }
         Ok(Table { dialect, form, columns, remarks: said, lines })
     }

@@ -1,5 +1,7 @@
 //! The columns of an accelerometer with three axes.
 
+use super::guess::{is_named_time, seldom_falls};
+use super::shape::{has_gravity, length, plain};
 use super::unit::{Dimension, STANDARD_GRAVITY, unit};
 use super::{Column, Table, times};
 
@@ -12,10 +14,6 @@ pub struct ThreeAxes {
     pub axes: ([usize; 3], f64),
 }
 
-/// Names of the time's column, the best first.
-const TIMES: [&str; 9] =
-    ["secondselapsed", "elapsed", "time", "t", "millis", "timestamp", "ms", "micros", "loggingtime"];
-
 /// Names of an acceleration without its axis.
 const ACCELERATIONS: [&str; 9] =
     ["acceleration", "linearacceleration", "accelerometer", "accel", "acc", "a", "gf", "g", ""];
@@ -26,10 +24,10 @@ impl ThreeAxes {
     pub fn of(table: &Table) -> Option<Self> {
         let columns = &table.columns;
         let axes = named(columns).or_else(|| unnamed(columns))?;
-        let mut others = (0..columns.len()).filter(|place| !axes.contains(place));
-        let names: Vec<String> = columns.iter().map(|column| plain(&column.name)).collect();
-        let named = TIMES.iter().find_map(|name| names.iter().position(|other| other == name));
-        let time = named.or_else(|| others.find(|&place| nearly_rises(&columns[place].values)))?;
+        let others = || (0..columns.len()).filter(|place| !axes.contains(place));
+        let elapsed = others().find(|&place| plain(&columns[place].name) == "secondselapsed");
+        let named = elapsed.or_else(|| others().find(|&place| is_named_time(&columns[place])));
+        let time = named.or_else(|| others().find(|&place| seldom_falls(&columns[place].values)))?;
         Some(Self { time: (time, seconds(&columns[time])), axes: (axes, size(columns, axes)) })
     }
 
@@ -47,42 +45,26 @@ impl ThreeAxes {
     }
 }
 
-/// A name without case, blanks and signs.
-pub(super) fn plain(name: &str) -> String {
-    name.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
-}
-
-/// The columns whose names are one name with x, y and z behind it.
+/// The columns whose names are one name with x, y and z behind it, or the numbers of the axes.
 fn named(columns: &[Column]) -> Option<[usize; 3]> {
     let names: Vec<String> = columns.iter().map(|column| plain(&column.name)).collect();
-    ACCELERATIONS.iter().find_map(|of| {
-        let place = |axis: &str| names.iter().position(|name| *name == format!("{of}{axis}"));
-        Some([place("x")?, place("y")?, place("z")?])
+    let all = ACCELERATIONS
+        .iter()
+        .flat_map(|of| [["x", "y", "z"], ["0", "1", "2"]].map(|axes| axes.map(|axis| format!("{of}{axis}"))));
+    all.filter_map(|axes| {
+        let [x, y, z] = axes.map(|axis| names.iter().position(|name| *name == axis));
+        Some([x?, y?, z?])
     })
+    .next()
 }
 
 /// Three of four columns without names: gravity is in them.
 fn unnamed(columns: &[Column]) -> Option<[usize; 3]> {
     let nameless = columns.len() == 4 && columns.iter().all(|column| column.name.starts_with("column "));
-    let time = (0..4).find(|&place| nameless && nearly_rises(&columns[place].values))?;
+    let time = (0..4).find(|&place| nameless && seldom_falls(&columns[place].values))?;
     let mut axes = (0..4).filter(|&place| place != time);
     let axes = [axes.next()?, axes.next()?, axes.next()?];
     has_gravity(columns, axes).then_some(axes)
-}
-
-/// Whether the mean of three columns has the length of gravity, in m/s² or g.
-pub(super) fn has_gravity(columns: &[Column], axes: [usize; 3]) -> bool {
-    let length = length(columns, axes);
-    [STANDARD_GRAVITY, 1.0].into_iter().any(|unit| (0.85..1.15).contains(&(length / unit)))
-}
-
-/// The length of the mean of three accelerations.
-fn length(columns: &[Column], axes: [usize; 3]) -> f64 {
-    let mean = |place: usize| {
-        let there = || columns[place].values.iter().filter(|x| x.is_finite());
-        there().sum::<f64>() / there().count().max(1) as f64
-    };
-    axes.map(|axis| mean(axis) * mean(axis)).iter().sum::<f64>().sqrt()
 }
 
 /// The unit of three accelerations \[m/s²\]: the file's, or g where their mean has the length one.
@@ -101,10 +83,4 @@ fn seconds(column: &Column) -> f64 {
         Some((Dimension::Time, factor)) => factor,
         _ => times::second(column).0,
     }
-}
-
-/// Whether numbers rise, but for a few.
-fn nearly_rises(values: &[f64]) -> bool {
-    let rising = values.windows(2).filter(|pair| pair[1] > pair[0]).count();
-    values.len() > 2 && rising * 100 >= 99 * (values.len() - 1)
 }

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use super::error::{FEWEST, MOST};
 use super::unit::{Dimension, unit};
 use super::{Column, ImportError, Table};
-use crate::data::local_cubic::change;
+use crate::data::even_steps::Steps;
 use crate::data::sorting::sort_numbers;
 
 /// Seconds of a day.
@@ -14,9 +14,11 @@ pub(super) const DAY: f64 = 86_400.0;
 /// The units that a column of times may have, and the seconds of each.
 const UNITS: [(&str, f64); 4] = [("s", 1.0), ("ms", 1e-3), ("µs", 1e-6), ("ns", 1e-9)];
 
-/// The years 2000 to 2100 in seconds since 1970, and in days of a spreadsheet.
-const EPOCHS: std::ops::Range<f64> = 9.4e8..4.1e9;
-const SPREADSHEET_DAYS: std::ops::Range<f64> = 36_526.0..73_051.0;
+/// The years 2000 to 2100 in seconds since 1970.
+pub(super) const EPOCHS: std::ops::Range<f64> = 9.4e8..4.1e9;
+
+/// The day 1 January 1970 as spreadsheets count days, and as MATLAB does.
+const DAYS: [f64; 2] = [25_569.0, 719_529.0];
 
 /// The steps that a record of a motion may have \[s\].
 const PLAUSIBLE: std::ops::RangeInclusive<f64> = 2e-5..=1.0;
@@ -66,9 +68,9 @@ pub(super) fn of<'a>(table: &Table, column: &'a Column, text: &str, remarks: &mu
         remarks.push(format!("the times end in line {line}: {left} row(s) below it are left out"));
     }
     let size = match unit(text) {
-        Some((Dimension::Time, size)) => size,
         // Times of day and dates are in seconds, even if their header names another unit.
         _ if column.is_time_of_day || column.is_dated => 1.0,
+        Some((Dimension::Time, size)) => size,
         None if text.trim().is_empty() => {
             let (size, said) = second(column);
             remarks.extend(said);
@@ -104,10 +106,16 @@ pub(super) fn second(column: &Column) -> (f64, Option<String>) {
     if let Some((unit, size)) = UNITS.iter().find(|(_, size)| EPOCHS.contains(&(last * size))) {
         return (*size, if *size == 1.0 { None } else { said(&format!("{unit} since 1970"), "size", "") });
     }
-    if SPREADSHEET_DAYS.contains(&last) && step < 0.5 * PLAUSIBLE.start() && PLAUSIBLE.contains(&(DAY * step)) {
-        return (DAY, said("days of a spreadsheet", "size", ""));
-    }
     let rate = |size: f64| 1.0 / (step * size);
+    if step < 0.5 * PLAUSIBLE.start() && PLAUSIBLE.contains(&(DAY * step)) {
+        // A time of day is a share of one, and a record is a small part of that.
+        let is_share = (0.0..=1.0).contains(&last) && last > 10.0 * (last - times[0]);
+        if is_share || DAYS.iter().any(|first| EPOCHS.contains(&((last - first) * DAY))) {
+            return (DAY, said("days of a spreadsheet", "size", ""));
+        }
+        let question = format!(", {} samples a second: are they days? State their unit if it is another", rate(1.0));
+        return (1.0, said("seconds", "steps", &question));
+    }
     if step < SLOW[0] {
         return (1.0, None);
     }
@@ -183,8 +191,12 @@ impl Timing {
         if rows < FEWEST {
             return Err(ImportError::TooShort(rows));
         }
+        Ok(Self::of_steps(Steps { start: 0.0, dt: 1.0 / rate, count: rows }))
+    }
+
+    pub(super) fn of_steps(Steps { start, dt, count: samples }: Steps) -> Self {
         let (places, remark, gaps) = (Places::Rows, None, None);
-        Ok(Self { start: 0.0, dt: 1.0 / rate, samples: rows, places, worst: 0.0, is_rounded: true, remark, gaps })
+        Self { start, dt, samples, places, worst: 0.0, is_rounded: true, remark, gaps }
     }
 
     /// The timing of rows with these times \[s\]; `line` is the line of a row.
@@ -311,48 +323,6 @@ impl Timing {
                 (0..self.samples).map(at).collect()
             }
         }
-    }
-}
-
-/// Equal steps of time: the first one \[s\], the time between them \[s\] and their number.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Steps {
-    pub(super) start: f64,
-    pub(super) dt: f64,
-    pub(super) count: usize,
-}
-
-impl Steps {
-    /// The values at the steps; NaN at a step to which no reading goes.
-    ///
-    /// Each reading goes to the step to which `place` rounds its time in steps: the nearest of several, shifted by what the cubic
-    /// through `side` readings to either side changes meanwhile.
-    pub(super) fn of(self, times: &[f64], values: &[f64], side: usize, place: impl Fn(f64) -> f64) -> Vec<f64> {
-        let Self { start, dt, count } = self;
-        let n = times.len();
-        let side = side.min(n.saturating_sub(1) / 2);
-        let mut nearest = vec![None; count];
-        for (k, time) in times.iter().enumerate() {
-            let steps = (time - start) / dt;
-            let place = place(steps);
-            if !(0.0..count as f64).contains(&place) {
-                continue;
-            }
-            let (place, distance) = (place as usize, (steps - place).abs());
-            if nearest[place].is_none_or(|(_, other)| distance < other) {
-                nearest[place] = Some((k, distance));
-            }
-        }
-        let at = |(place, reading): (usize, Option<(usize, f64)>)| {
-            let Some((k, _)) = reading else { return f64::NAN };
-            let first = k.saturating_sub(side).min(n - 1 - 2 * side);
-            let around = first..=first + 2 * side;
-            let shift = start + dt * place as f64 - times[k];
-            let size = 0.5 * (times[first + 2 * side] - times[first]);
-            let readings = times[around.clone()].iter().zip(&values[around]);
-            values[k] + change(readings, times[k], shift, size)
-        };
-        nearest.into_iter().enumerate().map(at).collect()
     }
 }
 

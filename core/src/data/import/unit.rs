@@ -26,13 +26,14 @@ pub enum Dimension {
 }
 
 /// Spellings, dimension and size in SI units. Spellings are compared without case where they have two letters or more.
-const UNITS: [(&[&str], Dimension, f64); 34] = [
+const UNITS: [(&[&str], Dimension, f64); 35] = [
     (&["s", "sec", "secs", "second", "seconds", "sek"], Dimension::Time, 1.0),
     (&["ms", "msec", "milliseconds"], Dimension::Time, 1e-3),
     (&["us", "µs", "μs", "microseconds"], Dimension::Time, 1e-6),
     (&["ns"], Dimension::Time, 1e-9),
     (&["min", "minutes"], Dimension::Time, 60.0),
     (&["h", "hours"], Dimension::Time, 3600.0),
+    (&["day", "days"], Dimension::Time, 86_400.0),
     (&["m", "meter", "metre", "meters", "metres"], Dimension::Length, 1.0),
     (&["mm"], Dimension::Length, 1e-3),
     (&["cm"], Dimension::Length, 1e-2),
@@ -149,29 +150,29 @@ mod tests {
     use super::*;
 
     #[test]
-    fn usual_spellings_are_known() {
-        assert_eq!(unit("ms"), Some((Dimension::Time, 1e-3)));
-        assert_eq!(unit("g"), Some((Dimension::Acceleration, 9.80665)));
-        assert_eq!(unit("M/S^2"), Some((Dimension::Acceleration, 1.0)));
-        assert_eq!(unit("mV"), Some((Dimension::Voltage, 1e-3)));
-        assert_eq!(unit("S"), None, "a siemens is no second");
-        assert_eq!(unit("Angle"), None);
-    }
-
-    #[test]
-    fn names_and_units_are_told_apart() {
-        let split = |header: &str| {
-            let (name, unit) = name_and_unit(header);
-            (name, unit.unwrap_or_default())
-        };
-        let pair = |name: &str, unit: &str| (name.to_owned(), unit.to_owned());
-        assert_eq!(split("acc (g)"), pair("acc", "g"));
-        assert_eq!(split("Angle, Ch 1+2 (rad) Run #13"), pair("Angle, Ch 1+2 Run #13", "rad"));
-        assert_eq!(split("Weg [mm]"), pair("Weg", "mm"));
-        assert_eq!(split("t in ms"), pair("t", "ms"));
-        assert_eq!(split("force_N"), pair("force", "N"));
-        assert_eq!(split("ground_acceleration"), pair("ground_acceleration", ""));
-        assert_eq!(split("V1"), pair("V1", ""));
-        assert_eq!(split("(s)"), pair("s", "s"));
+    fn spellings_are_known_and_stand_behind_names() {
+        for (text, expected) in [
+            ("ms", Some((Dimension::Time, 1e-3))),
+            ("g", Some((Dimension::Acceleration, 9.80665))),
+            ("M/S^2", Some((Dimension::Acceleration, 1.0))),
+            ("mV", Some((Dimension::Voltage, 1e-3))),
+            // A siemens is no second.
+            ("S", None),
+            ("Angle", None),
+        ] {
+            assert_eq!(unit(text), expected, "{text}");
+        }
+        for (header, name, unit) in [
+            ("acc (g)", "acc", Some("g")),
+            ("Angle, Ch 1+2 (rad) Run #13", "Angle, Ch 1+2 Run #13", Some("rad")),
+            ("Weg [mm]", "Weg", Some("mm")),
+            ("t in ms", "t", Some("ms")),
+            ("force_N", "force", Some("N")),
+            ("ground_acceleration", "ground_acceleration", None),
+            ("V1", "V1", None),
+            ("(s)", "s", Some("s")),
+        ] {
+            assert_eq!(name_and_unit(header), (name.to_owned(), unit.map(str::to_owned)), "{header}");
+        }
     }
 }

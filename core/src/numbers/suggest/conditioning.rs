@@ -5,7 +5,8 @@ use super::ambient::has_no_input;
 use super::likeliest::{Likeliest, likelihood_over};
 use super::spectra::stride;
 use super::{Suggestion, augment, begin_with, moments, motion_sensor, rounded};
-use crate::data::import::{MappedColumn, Offset, finer};
+use crate::data::import::{MappedColumn, Offset};
+use crate::data::resample::finer;
 use crate::{Channel, Hold, Record, Run, Scenario};
 
 /// A mean of the input counts as an offset if it is this many times its standard error.

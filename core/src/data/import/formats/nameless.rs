@@ -56,7 +56,7 @@ pub(in super::super) fn nameless(dialect: Dialect, lines: &[&str]) -> Rows {
         rows.dialect.names = 0;
     }
     rows.is_one = agreement.is_some();
-    (rows.even, rows.scale) = (facts.step.map(|step| (0.0, step)), facts.scale.unwrap_or(1.0));
+    (rows.even, rows.scale) = (facts.step.map(|step| (0, 0.0, step)).into_iter().collect(), facts.scale.unwrap_or(1.0));
     rows
 }
 

@@ -67,15 +67,14 @@ pub(super) fn lvm(lines: &[&str]) -> Option<Layout> {
     let places: Vec<usize> = (1..names.len()).filter(|place| is_channel(names[*place])).collect();
     let clock = |place: usize| (number("X0", place).unwrap_or(0.0), number("Delta_X", place));
     let first_clock = clock(*places.first()?);
-    if !has_times {
-        rows.even = Some((first_clock.0, first_clock.1.filter(|step| *step > 0.0)?));
-    }
     rows.count = places.iter().filter_map(|place| number("Samples", *place)).map(|count| count as usize).max();
     // Several columns of times are clocks of the columns behind them, unless all are the same.
     let is_one_clock = places.iter().all(|place| clock(*place) == first_clock);
-    if !has_times && !is_one_clock {
-        let (start, step) = rows.even.unwrap_or_default();
-        rows.remarks.push(format!("the channels have other steps or beginnings; all are read with those of the first one, {step} s from {start} s on"));
+    if !has_times {
+        let clocks: Vec<_> = places.iter().map(|place| clock(*place)).collect();
+        let first = (0..clocks.len()).filter(|&nth| nth == 0 || clocks[nth] != clocks[nth - 1]);
+        let of = |nth: usize| Some((nth, clocks[nth].0, clocks[nth].1.filter(|step| *step > 0.0)?));
+        rows.even = first.map(of).collect::<Option<_>>()?;
     }
     let cell = |(place, name): (usize, &&str)| match *name {
         "X_Value" => {
@@ -106,7 +105,7 @@ pub(super) fn rigol(lines: &[&str]) -> Option<Layout> {
     let (start, step) = (number("Start", "t0")?, number("Increment", "tInc").filter(|step| *step > 0.0)?);
     let is_header = below.first().is_some_and(|cell| cell.starts_with(char::is_alphabetic));
     let mut rows = rows_from(if is_header { 3 } else { 2 });
-    rows.even = Some((start, step));
+    rows.even = vec![(0, start, step)];
     let cell = |(place, name): (usize, &&str)| {
         let unit = below.get(place).filter(|_| is_header).map(|unit| (*unit).to_owned());
         let (name, own) = name_and_unit(name);

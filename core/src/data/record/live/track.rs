@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use crate::Hold;
-use crate::data::local_cubic::change;
+use crate::data::even_steps::change;
 use crate::data::record::Timed;
 
 /// The samples of a record in the clock of its readings.

@@ -1,7 +1,7 @@
 //! What is wrong with the readings of a sensor.
 
 use super::{BadFilter, Cause, LikelyCause};
-use crate::data::import::Length;
+use crate::data::length::Length;
 use crate::data::sorting::sort_numbers;
 use crate::judgement::diagnosis::case::Case;
 use crate::judgement::words::{percent, short};

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::error::MOST;
+use crate::data::import::MOST;
 use crate::data::record::Input;
 use crate::{Hold, Record};
 
@@ -11,17 +11,17 @@ const REACH: isize = 32;
 /// The shape of the window: side lobes below -80 dB.
 const KAISER: f64 = 8.0;
 /// The low-pass before a decimation, as a share of the new Nyquist frequency.
-pub(super) const GUARD: f64 = 0.8;
+pub(crate) const GUARD: f64 = 0.8;
 
 /// The low-pass before every `every`-th value is kept. All values must be finite.
-pub(super) fn anti_alias(values: &mut Vec<f64>, every: usize) {
+pub(crate) fn anti_alias(values: &mut Vec<f64>, every: usize) {
     if every > 1 {
         band_pass(values, 0.0, GUARD * 0.5 / every as f64);
     }
 }
 
 /// Keeps every `every`-th value unchanged.
-pub(super) fn keep_every(values: &mut Vec<f64>, every: usize) {
+pub(crate) fn keep_every(values: &mut Vec<f64>, every: usize) {
     let mut place = 0;
     values.retain(|_| {
         place += 1;
@@ -33,7 +33,7 @@ pub(super) fn keep_every(values: &mut Vec<f64>, every: usize) {
 /// values stay unchanged. All values must be finite.
 ///
 /// Source: Smith and Gossett (1984), A flexible sampling-rate conversion method.
-pub(super) fn interpolate(values: &[f64], steps: usize) -> Vec<f64> {
+pub(crate) fn interpolate(values: &[f64], steps: usize) -> Vec<f64> {
     let n = values.len() as isize;
     if steps <= 1 || n < 2 {
         return values.to_vec();
@@ -63,7 +63,7 @@ pub(super) fn interpolate(values: &[f64], steps: usize) -> Vec<f64> {
 /// Lines through the values of a curve lie inside of its bends: of a swing they have the share
 /// `sinc²(ωh/2) ≈ 1 - (ωh)²/12`. Values between those of the file move outwards by as much; those of the file stay, since an accelerometer
 /// feels them.
-pub(super) fn finer_input(values: &[f64], steps: usize, hold: Hold) -> Vec<f64> {
+pub(crate) fn finer_input(values: &[f64], steps: usize, hold: Hold) -> Vec<f64> {
     let curve = interpolate(values, steps);
     if steps <= 1 || hold == Hold::Zero {
         return curve;
@@ -77,13 +77,13 @@ pub(super) fn finer_input(values: &[f64], steps: usize, hold: Hold) -> Vec<f64> 
 }
 
 /// The measurements with `steps` steps in place of one, missing in between.
-pub(super) fn spread(values: &[f64], steps: usize) -> Vec<f64> {
+pub(crate) fn spread(values: &[f64], steps: usize) -> Vec<f64> {
     let mut finer = vec![f64::NAN; values.len().saturating_sub(1) * steps + values.len().min(1)];
     finer.iter_mut().step_by(steps).zip(values).for_each(|(fine, value)| *fine = *value);
     finer
 }
 
-/// A record with `steps` steps in place of one, as [`super::Mapping::interpolate`] makes it. `None` if it would be too long, or its
+/// A record with `steps` steps in place of one, as [`interpolate`](crate::import::Mapping::interpolate) makes it. `None` if it would be too long, or its
 /// readings have times of their own.
 pub(crate) fn finer(record: &Record, steps: usize) -> Option<Record> {
     if record.clocks().is_some() || record.len().saturating_mul(steps) > MOST {
@@ -175,7 +175,7 @@ impl Section {
 
 /// Filters in place: passes frequencies between `low` and `high`, both as shares of the sample rate. A `low` of 0 makes
 /// a low-pass, a `high` of ½ or more a high-pass. Nothing is shifted in time. All values must be finite.
-pub(super) fn band_pass(values: &mut Vec<f64>, low: f64, high: f64) {
+pub(crate) fn band_pass(values: &mut Vec<f64>, low: f64, high: f64) {
     let mut all = Vec::new();
     if low > 0.0 {
         all.extend(sections(Pass::High, low.min(0.499)));

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use thiserror::Error;
 
-use super::times::Steps;
+use crate::data::even_steps::Steps;
 use crate::data::sorting::sort_numbers;
 use crate::record::LiveRecord;
 use crate::{Hold, InputKind, Quantity};
@@ -247,7 +247,7 @@ impl Decay {
 }
 
 /// The readings to either side of one that a cubic follows, for readings whose mean may be anything.
-pub(super) fn side_of(times: &[f64], values: &[f64]) -> usize {
+pub(crate) fn side_of(times: &[f64], values: &[f64]) -> usize {
     let middle = mean(values);
     let around: Vec<f64> = values.iter().map(|value| value - middle).collect();
     side(&around, noise_of(times, &around))
