@@ -8,6 +8,7 @@ use kalmanscope_core::plant::PlantKind;
 use kalmanscope_core::suggest::{scenario_for, suggest};
 use kalmanscope_core::{
     Channel, FilterKind, FilterSettings, Fit, Force, Hold, Identified, Quantity, Record, Run, Scenario, Sensor, Signal,
+    Summary, VerdictKind,
 };
 
 use crate::run::{finished, finished_on, last};
@@ -189,5 +190,32 @@ fn the_benchmark_is_identified_better_than_by_a_linear_oscillator() {
         let last = one.mean(one.len() - 1);
         println!("seed {seed}: free run of linear, exponent 1, exponent 2 {errors:?} m; {last:.4?}, {:?}", one.stop());
         assert!(errors[1] < 0.5 * errors[0], "seed {seed}: {errors:?}");
+    }
+}
+
+/// The plant that is asked for has the exponent 2; the record is that of the exponent 1.
+#[test]
+fn the_exponent_of_the_benchmark_is_found_with_all_its_parameters() {
+    for seed in 951..953 {
+        let record = benchmark(seed);
+        let mut scenario = scenario_for(&record);
+        scenario.set_plant(PlantKind::BOUC_WEN);
+        scenario.filters.truncate(1);
+        let suggestion = suggest(&scenario, &record);
+        assert_eq!(suggestion.scenario.plant.kind, PlantKind::BOUC_WEN_1, "{:?}", suggestion.reasons);
+        let said = "the plant is `bouc_wen_1`, the likelier exponent";
+        assert!(suggestion.reasons.iter().any(|reason| reason.starts_with(said)), "{:?}", suggestion.reasons);
+        let run = finished_on(&suggestion.scenario, record);
+        let estimates = &run.estimates()[0];
+        for (channel, truth) in [
+            (Channel::NATURAL_FREQUENCY, 223.607),
+            (Channel::DAMPING_RATIO, 0.01118),
+            (Channel::POST_YIELD_RATIO, 0.5),
+            (Channel::YIELD_BETA, 800.0),
+            (Channel::YIELD_GAMMA, -1100.0),
+        ] {
+            let (mean, std) = last(estimates, channel);
+            assert!((mean - truth).abs() < 3.5 * std, "seed {seed}, {channel:?}: {mean} ± {std}");
+        }
     }
 }
