@@ -8,7 +8,6 @@ use kalmanscope_core::plant::PlantKind;
 use kalmanscope_core::suggest::{scenario_for, suggest};
 use kalmanscope_core::{
     Channel, FilterKind, FilterSettings, Fit, Force, Hold, Identified, Quantity, Record, Run, Scenario, Sensor, Signal,
-    Summary, VerdictKind,
 };
 
 use crate::run::{finished, finished_on, last};
