@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use kalmanscope_core::free_decay::{Decay, Ring};
+use kalmanscope_core::free_decay::{Decay, Mode, Ring};
 use kalmanscope_core::import::{
     self, Builder, ColumnGuess, ImportError, MappedColumn, Mapping, Table, ThreeAxes, Time, join,
 };
@@ -80,14 +80,32 @@ fn free_decay(table: &Table, file: &Path, to: &Path) -> Result<(Table, String), 
     let bad = |reason: &dyn ToString| InputError::bad(file, reason);
     let none = "there are no three accelerations with a time, named as phyphox or an Arduino names them";
     let axes = ThreeAxes::of(table).ok_or_else(|| bad(&none))?;
-    let decays = Decay::alike(&axes.readings(table)).map_err(|reason| bad(&reason))?;
-    for decay in &decays {
-        let ([x, y, z], seconds) = (decay.axis, decay.seconds());
-        say(&format_args!(
-            "a free decay: {seconds:.1} s from {:.2} s on, along ({x:.2}, {y:.2}, {z:.2}); the noise is {:.3} m/s²",
-            decay.begin, decay.noise
-        ));
+    let groups = Decay::groups(&axes.readings(table)).map_err(|reason| bad(&reason))?;
+    for (place, decays) in groups.iter().enumerate() {
+        for decay in decays {
+            let ([x, y, z], seconds) = (decay.axis, decay.seconds());
+            say(&format_args!(
+                "a free decay: {seconds:.2} s from {:.2} s on, along ({x:.2}, {y:.2}, {z:.2}); the noise is {:.3} m/s²{}",
+                decay.begin,
+                decay.noise,
+                if place > 0 { "; another motion, which is left out of the file" } else { "" }
+            ));
+        }
+        let modes = Decay::modes_of(decays);
+        for (place, mode) in modes.iter().enumerate() {
+            let Mode { frequency, damping_ratio, std: [of_frequency, of_damping], .. } = mode;
+            let which = if place > 0 { "beside it, taken out of the file: " } else { "" };
+            say(&format_args!(
+                "{which}f {frequency:.3} ± {:.3} Hz, ζ {damping_ratio:.4} ± {:.4} (2σ), fitted to all its readings",
+                2.0 * of_frequency,
+                2.0 * of_damping
+            ));
+        }
+        if modes.is_empty() {
+            say(&"one or two modes leave more than noise: a force may still move it, as in a sweep");
+        }
     }
+    let decays: Vec<Decay> = groups.into_iter().next().iter().flatten().map(Decay::alone).collect();
     written(Decay::file(&decays), to)
 }
 

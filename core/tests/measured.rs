@@ -191,3 +191,30 @@ fn the_benchmark_is_identified_better_than_by_a_linear_oscillator() {
         assert!(errors[1] < 0.5 * errors[0], "seed {seed}: {errors:?}");
     }
 }
+
+/// The plant that is asked for has the exponent 2; the record is that of the exponent 1.
+#[test]
+fn the_exponent_of_the_benchmark_is_found_with_all_its_parameters() {
+    for seed in 951..953 {
+        let record = benchmark(seed);
+        let mut scenario = scenario_for(&record);
+        scenario.set_plant(PlantKind::BOUC_WEN);
+        scenario.filters.truncate(1);
+        let suggestion = suggest(&scenario, &record);
+        assert_eq!(suggestion.scenario.plant.kind, PlantKind::BOUC_WEN_1, "{:?}", suggestion.reasons);
+        let said = "the plant is `bouc_wen_1`, the likelier exponent";
+        assert!(suggestion.reasons.iter().any(|reason| reason.starts_with(said)), "{:?}", suggestion.reasons);
+        let run = finished_on(&suggestion.scenario, record);
+        let estimates = &run.estimates()[0];
+        for (channel, truth) in [
+            (Channel::NATURAL_FREQUENCY, 223.607),
+            (Channel::DAMPING_RATIO, 0.01118),
+            (Channel::POST_YIELD_RATIO, 0.5),
+            (Channel::YIELD_BETA, 800.0),
+            (Channel::YIELD_GAMMA, -1100.0),
+        ] {
+            let (mean, std) = last(estimates, channel);
+            assert!((mean - truth).abs() < 3.5 * std, "seed {seed}, {channel:?}: {mean} ± {std}");
+        }
+    }
+}

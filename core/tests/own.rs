@@ -9,6 +9,9 @@ mod own_plant;
 #[path = "../examples/own_system.rs"]
 #[expect(dead_code, reason = "an example has a main function")]
 mod own_system;
+#[path = "../examples/printer.rs"]
+#[expect(dead_code, reason = "an example has a main function")]
+mod printer;
 
 use kalmanscope_core::filter::{FilterInfo, Particles, Way};
 use kalmanscope_core::plant::{Plant, PlantInfo};
@@ -115,4 +118,16 @@ fn a_plant_or_a_filter_of_ones_own_with_a_key_of_the_registry_is_refused() {
     refused(&|scenario| scenario.plant.kind = plant, "`plant.kind` is \"sdof\" of your own");
     refused(&|scenario| scenario.filters[1].plant = Some(plant), "`filters[1].plant` is \"sdof\" of your own");
     refused(&|scenario| scenario.filters[0].kind = kind, "`filters[0].kind` is \"ekf\" of your own");
+}
+
+/// Seeds that nothing was chosen by.
+#[test]
+fn frequency_and_damping_of_a_printer_are_inside_their_bands() {
+    for kind in [printer::Kind::One, printer::Kind::Two, printer::Kind::Stops] {
+        let (found, [f, zeta]) = printer::study(kind, 20_001..20_061);
+        println!("{kind:?}: {found}, {f:.2?}, {zeta:.2?}");
+        assert!(found >= 57, "{kind:?}: {found} of 60");
+        assert!(f[0].abs() < 1.0 && zeta[0].abs() < 3.0, "{kind:?}: {f:?}, {zeta:?}");
+        assert!(f[2] >= 83.0 && zeta[2] >= 83.0, "{kind:?}: {f:?}, {zeta:?}");
+    }
 }

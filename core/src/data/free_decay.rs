@@ -1,8 +1,10 @@
 //! Free decays in readings: of an accelerometer that was plucked and let go, and in the sound of a thing that was struck.
 
 mod decay;
+mod modes;
 mod ring;
 
 pub(crate) use decay::side_of;
 pub use decay::{Decay, NoDecay};
+pub use modes::Mode;
 pub use ring::Ring;

@@ -124,22 +124,38 @@ impl Suggestion {
             if noise <= 0.0 {
                 continue;
             }
-            self.set_noise(place, noise);
-            let (name, unit) = (sensor.measures.name(), self.unit(sensor.measures.unit()));
             let why = if is_own {
                 "what is left of its readings in differences over their times, in which a motion is next to nothing"
             } else {
                 "the noise at the highest frequencies, where the input explains nothing"
             };
-            self.reasons.push(format!("R of the {name}: {noise} {unit}, {why}"));
+            self.set_noise(place, noise, why);
         }
     }
 
-    /// R of the sensor at a place.
-    fn set_noise(&mut self, place: usize, noise: f64) {
-        self.scenario.sensors[place].noise_std = noise;
+    /// R of the sensor at a place, with the reason.
+    fn set_noise(&mut self, place: usize, noise: f64, why: &str) {
+        let sensor = &mut self.scenario.sensors[place];
+        sensor.noise_std = noise;
+        let measures = sensor.measures;
         for filter in self.scenario.filters.iter_mut().filter(|filter| place < filter.sensor_std.len()) {
             filter.sensor_std[place] = noise;
+        }
+        let begin = format!("R of the {}:", measures.name());
+        self.reasons.retain(|reason| !reason.starts_with(&begin));
+        let unit = self.unit(measures.unit());
+        self.reasons.push(format!("{begin} {noise} {unit}, {why}"));
+    }
+
+    /// R of each sensor, so that innovations of these sizes over their expected ones are as large as expected.
+    fn resize_noise(&mut self, sizes: &[f64]) {
+        for (place, size) in sizes.iter().enumerate().take(self.scenario.sensors.len()) {
+            let noise = rounded(size * self.scenario.sensors[place].noise_std);
+            self.set_noise(
+                place,
+                noise,
+                "the size of the innovations, likelier than the noise at the highest frequencies",
+            );
         }
     }
 
@@ -197,10 +213,6 @@ impl Suggestion {
         // Where a filter of the import has been, noise has colours, and its density about the decay counts.
         let nearby = if share > WHOLE { 1.0 } else { decay.nearby.max(1.0) };
         let noise = rounded(decay.rest * libm::sqrt(nearby / share));
-        self.set_noise(place, noise);
-        let (name, unit) = (quantity.name(), self.unit(quantity.unit()));
-        let begin = format!("R of the {name}:");
-        self.reasons.retain(|reason| !reason.starts_with(&begin));
         let dense = if share > WHOLE {
             String::new()
         } else {
@@ -209,7 +221,7 @@ impl Suggestion {
                 100.0 * share / nearby
             )
         };
-        self.reasons.push(format!("{begin} {noise} {unit}, what the free decay leaves{dense}"));
+        self.set_noise(place, noise, &format!("what the free decay leaves{dense}"));
     }
 
     /// Whether any filter has a natural frequency.

@@ -33,7 +33,7 @@ pub struct Decay {
     /// The time of the first reading that is kept, in the clock of the readings \[s\].
     pub begin: f64,
     /// Each reading at its own time: that after the beginning \[s\], and the acceleration \[m/s²\].
-    readings: Vec<[f64; 2]>,
+    pub(super) readings: Vec<[f64; 2]>,
     /// Whether it has come to rest and rests at the end of the readings: there is nothing more to learn.
     pub rests: bool,
 }
@@ -43,12 +43,14 @@ pub struct Decay {
 #[non_exhaustive]
 pub enum NoDecay {
     /// There are too few readings.
-    #[error("there are {readings} readings over {seconds:.1} s, but at least {MOST_FEW} over {SHORTEST} s are needed")]
+    #[error("there are {readings} readings over {seconds:.2} s, but at least {MOST_FEW} over {needed:.2} s are needed")]
     TooFew {
         /// The number of readings.
         readings: usize,
         /// The time that they take \[s\].
         seconds: f64,
+        /// The time that they take at least \[s\].
+        needed: f64,
     },
     /// Nothing moved.
     #[error("nothing swung: the largest reading is {ratio:.1} times the noise, which is {noise:.3} m/s²")]
@@ -58,15 +60,20 @@ pub enum NoDecay {
         /// The noise \[m/s²\].
         noise: f64,
     },
-    /// What swung was not left alone: the length of the longest free decay \[s\].
-    #[error("it swung freely for {0:.1} s only, but at least {SHORTEST} s are needed: pull it and let go")]
-    Short(f64),
+    /// What swung was not left alone.
+    #[error("it swung freely for {seconds:.2} s only, but at least {needed:.2} s are needed: pull it and let go")]
+    Short {
+        /// The length of the longest free decay \[s\].
+        seconds: f64,
+        /// The length that it has at least \[s\].
+        needed: f64,
+    },
 }
 
 impl NoDecay {
     /// The reason that tells more: something swung, and longer.
     fn or(self, other: Option<Self>) -> Self {
-        let seconds = |reason: &Self| if let Self::Short(seconds) = reason { *seconds } else { -1.0 };
+        let seconds = |reason: &Self| if let Self::Short { seconds, .. } = reason { *seconds } else { -1.0 };
         match other {
             Some(other) if seconds(&other) >= seconds(&self) => other,
             _ => self,
@@ -74,9 +81,16 @@ impl NoDecay {
     }
 }
 
-/// The readings and the seconds that a decay has at least.
+/// The readings that a decay has at least, and the seconds, or the swings if they take less.
 const MOST_FEW: usize = 60;
 const SHORTEST: f64 = 2.0;
+const SWINGS: f64 = 4.0;
+
+/// What swings faster than this has shorter parts, rests and looks for noise, by as much \[s\].
+const SLOW: f64 = 1.0 / 3.0;
+
+/// A swing's large readings, as a share of the largest.
+const LARGE: f64 = 1.0 / 3.0;
 
 /// The parts in which decays are looked for: each takes a look at all its readings.
 const MOST_PARTS: usize = 64;
@@ -118,8 +132,13 @@ impl Decay {
             readings.iter().copied().filter(|reading| reading.iter().all(|x| x.is_finite())).collect();
         readings.sort_by(|a, b| a[0].total_cmp(&b[0]));
         readings.dedup_by(|later, before| later[0] <= before[0]);
-        if is_too_short(&readings) {
-            return Err(NoDecay::TooFew { readings: readings.len(), seconds: seconds(&readings) });
+        let pace = Pace::of(&readings);
+        if pace.is_too_short(&readings) {
+            return Err(NoDecay::TooFew {
+                readings: readings.len(),
+                seconds: seconds(&readings),
+                needed: pace.shortest,
+            });
         }
         let (mut found, mut reason) = (Vec::new(), None);
         let mut parts = std::collections::VecDeque::from([&readings[..]]);
@@ -130,7 +149,7 @@ impl Decay {
                 Ok(decay) => found.push(decay),
                 Err(why) => reason = Some(why.or(reason)),
             }
-            parts.extend([before, after].into_iter().filter(|part| !is_too_short(part)));
+            parts.extend([before, after].into_iter().filter(|part| !Pace::of(part).is_too_short(part)));
         }
         found.sort_by(|a, b| a.begin.total_cmp(&b.begin));
         match reason {
@@ -141,12 +160,10 @@ impl Decay {
 
     /// The decay that begins at the largest reading, and the readings before and after it.
     fn around_the_peak(readings: &[[f64; 4]]) -> (Result<Self, NoDecay>, [&[[f64; 4]]; 2]) {
-        let axis = main_axis(readings);
-        let times: Vec<f64> = readings.iter().map(|reading| reading[0]).collect();
-        let along: Vec<f64> = readings.iter().map(|reading| (0..3).map(|i| axis[i] * reading[i + 1]).sum()).collect();
-        let gravity = mean(&along);
-        let along: Vec<f64> = along.iter().map(|x| x - gravity).collect();
-        let noise = noise_of(&times, &along);
+        let Along { axis, times, gravity, along } = Along::of(readings);
+        // What a hand does elsewhere may be faster.
+        let pace = Pace::along(&times, &along);
+        let noise = noise_of(&times, &along, pace.share);
         let peak = (0..along.len()).max_by(|&a, &b| along[a].abs().total_cmp(&along[b].abs())).unwrap_or(0);
         let ratio = along[peak].abs() / noise.max(f64::MIN_POSITIVE);
         if ratio < SWING {
@@ -154,15 +171,18 @@ impl Decay {
         }
         let crossing = |from: usize| (from + 1..along.len()).find(|&k| along[k] * along[from] < 0.0);
         let begin = crossing(peak).and_then(crossing).unwrap_or(along.len() - 1);
-        let (end, rests) = end(&times, &along, begin, noise);
-        let before = times.partition_point(|time| *time < times[peak] - PART);
+        let (end, rests) = end(&times, &along, begin, noise, pace.share);
+        let before = times.partition_point(|time| *time < times[peak] - PART * pace.share);
         let others = [&readings[..before], &readings[end.max(peak + 1)..]];
         let is_quiet = |k: usize| along[k].abs() <= SWING * noise;
-        let rests =
-            rests && (end..along.len()).rev().take_while(|&k| times[k] >= times[times.len() - 1] - REST).all(is_quiet);
+        let rests = rests
+            && (end..along.len())
+                .rev()
+                .take_while(|&k| times[k] >= times[times.len() - 1] - REST * pace.share)
+                .all(is_quiet);
         let kept = &readings[begin..end.max(begin)];
-        if is_too_short(kept) {
-            return (Err(NoDecay::Short(seconds(kept))), others);
+        if pace.is_too_short(kept) {
+            return (Err(NoDecay::Short { seconds: seconds(kept), needed: pace.shortest }), others);
         }
         let rest = middle(&along[begin..end]);
         let along: Vec<f64> = along[begin..end].iter().map(|x| x - rest).collect();
@@ -202,10 +222,21 @@ impl Decay {
     /// # Errors
     /// [`NoDecay`].
     pub fn alike(readings: &[[f64; 4]]) -> Result<Vec<Self>, NoDecay> {
-        let mut decays = Self::all(readings)?;
-        let longest = decays.iter().max_by(|a, b| a.seconds().total_cmp(&b.seconds())).cloned();
-        decays.retain(|decay| longest.as_ref().is_some_and(|longest| decay.is_like(longest)));
-        Ok(decays)
+        Ok(Self::groups(readings)?.remove(0))
+    }
+
+    /// All free decays, those that are alike together ([`Self::alike`]): the group of the longest one first. There is one group at least.
+    ///
+    /// # Errors
+    /// [`NoDecay`].
+    pub fn groups(readings: &[[f64; 4]]) -> Result<Vec<Vec<Self>>, NoDecay> {
+        let (mut decays, mut groups) = (Self::all(readings)?, Vec::new());
+        while let Some(longest) = decays.iter().max_by(|a, b| a.seconds().total_cmp(&b.seconds())).cloned() {
+            let (alike, others) = decays.into_iter().partition(|decay| *decay == longest || decay.is_like(&longest));
+            groups.push(alike);
+            decays = others;
+        }
+        Ok(groups)
     }
 
     /// The cosine between its axis and that of another decay.
@@ -250,25 +281,70 @@ impl Decay {
 pub(crate) fn side_of(times: &[f64], values: &[f64]) -> usize {
     let middle = mean(values);
     let around: Vec<f64> = values.iter().map(|value| value - middle).collect();
-    side(&around, noise_of(times, &around))
+    side(&around, noise_of(times, &around, 1.0))
 }
 
 fn seconds(readings: &[[f64; 4]]) -> f64 {
     readings.last().zip(readings.first()).map_or(0.0, |(last, first)| last[0] - first[0])
 }
 
-fn is_too_short(readings: &[[f64; 4]]) -> bool {
-    readings.len() < MOST_FEW || seconds(readings) < SHORTEST
+/// Readings along the axis on which they vary most.
+struct Along {
+    axis: [f64; 3],
+    times: Vec<f64>,
+    /// The mean that is taken away.
+    gravity: f64,
+    along: Vec<f64>,
+}
+
+impl Along {
+    fn of(readings: &[[f64; 4]]) -> Self {
+        let axis = main_axis(readings);
+        let times = readings.iter().map(|reading| reading[0]).collect();
+        let along: Vec<f64> = readings.iter().map(|reading| (0..3).map(|i| axis[i] * reading[i + 1]).sum()).collect();
+        let gravity = mean(&along);
+        Self { axis, times, gravity, along: along.iter().map(|x| x - gravity).collect() }
+    }
+}
+
+/// How fast something swings.
+#[derive(Clone, Copy, Debug)]
+struct Pace {
+    /// Its swing over [`SLOW`], or 1 if that is longer.
+    share: f64,
+    /// The seconds that a decay has at least.
+    shortest: f64,
+}
+
+impl Pace {
+    fn of(readings: &[[f64; 4]]) -> Self {
+        let Along { times, along, .. } = Along::of(readings);
+        Self::along(&times, &along)
+    }
+
+    /// By the large readings, which a small mode beside it does not turn.
+    fn along(times: &[f64], along: &[f64]) -> Self {
+        let largest = along.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+        let step = times.last().zip(times.first()).map_or(0.0, |(last, first)| last - first)
+            / times.len().saturating_sub(1).max(1) as f64;
+        let swing = 2.0 * step * half_swing(along, LARGE / CLEAR * largest);
+        let share = if swing > 0.0 { (swing / SLOW).min(1.0) } else { 1.0 };
+        Self { share, shortest: if share < 1.0 { SHORTEST.min(SWINGS * swing) } else { SHORTEST } }
+    }
+
+    fn is_too_short(self, readings: &[[f64; 4]]) -> bool {
+        readings.len() < MOST_FEW || seconds(readings) < self.shortest
+    }
 }
 
 /// The end of the free decay that begins at a place: where nothing swings any more, which is said, or before it swings more, or before a
 /// hand stops it.
-fn end(times: &[f64], along: &[f64], begin: usize, noise: f64) -> (usize, bool) {
+fn end(times: &[f64], along: &[f64], begin: usize, noise: f64, pace: f64) -> (usize, bool) {
     let (mut least, mut swung, mut place) = (f64::INFINITY, times[begin], begin);
     // Where the part before begins, and its largest reading.
     let mut before = (begin, 0.0);
     while place < times.len() {
-        let next = end_of_part(times, place, PART);
+        let next = end_of_part(times, place, PART * pace);
         let largest = along[place..next].iter().fold(0.0, |a: f64, b| a.max(b.abs()));
         if largest > GROWTH * least + QUIET * noise {
             return (place, false);
@@ -280,7 +356,7 @@ fn end(times: &[f64], along: &[f64], begin: usize, noise: f64) -> (usize, bool) 
         (before, least) = ((place, largest), least.min(largest));
         if largest > QUIET * noise {
             swung = times[next - 1];
-        } else if times[next - 1] - swung > REST {
+        } else if times[next - 1] - swung > REST * pace {
             return (next, true);
         }
         place = next;
@@ -302,17 +378,16 @@ fn side(values: &[f64], noise: f64) -> usize {
 
 /// The readings in half a swing, by those that are clearly on one side of the mean.
 fn half_swing(values: &[f64], noise: f64) -> f64 {
-    let (mut turns, mut side) = (0, 0.0);
-    let (mut first, mut last) = (None, 0);
+    let (mut turns, mut side) = (Vec::new(), 0.0);
     for (k, x) in values.iter().enumerate().filter(|(_, x)| x.abs() > CLEAR * noise) {
         if x.signum() != side {
             side = x.signum();
-            turns += 1;
-            first = first.or(Some(k));
-            last = k;
+            turns.push(k);
         }
     }
-    if turns > 1 { (last - first.unwrap_or(0)) as f64 / f64::from(turns - 1) } else { 0.0 }
+    let mut apart: Vec<f64> = turns.windows(2).map(|pair| (pair[1] - pair[0]) as f64).collect();
+    sort_numbers(&mut apart);
+    apart.get(apart.len() / 2).copied().unwrap_or(0.0)
 }
 
 /// The end of the part of this many seconds that begins at a place. It has at least one reading: above 2⁵³ s, adding a second changes nothing.
@@ -322,12 +397,12 @@ fn end_of_part(times: &[f64], place: usize, seconds: f64) -> usize {
 
 /// The noise: about the mean in the quietest second, or that of third differences in a usual second, of which a slow swing has
 /// next to none; the smaller. Source: Hamming (1973), *Numerical Methods*, chapter 10 (noise in a table of differences).
-fn noise_of(times: &[f64], along: &[f64]) -> f64 {
+fn noise_of(times: &[f64], along: &[f64], pace: f64) -> f64 {
     let (mut least, mut differences) = (f64::INFINITY, Vec::new());
     let mut place = 0;
     while place < times.len() {
-        let next = end_of_part(times, place, 1.0);
-        if next - place >= 10 && times[next - 1] - times[place] > 0.5 {
+        let next = end_of_part(times, place, pace);
+        if next - place >= 10 && times[next - 1] - times[place] > 0.5 * pace {
             let values = &along[place..next];
             let middle = mean(values);
             let square = values.iter().map(|x| (x - middle) * (x - middle)).sum::<f64>();

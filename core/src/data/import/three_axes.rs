@@ -67,14 +67,14 @@ fn unnamed(columns: &[Column]) -> Option<[usize; 3]> {
     has_gravity(columns, axes).then_some(axes)
 }
 
-/// The unit of three accelerations \[m/s²\]: the file's, or g where their mean has the length one.
+/// The unit of three accelerations \[m/s²\]: the file's, or g or mm/s² where their mean has the length of gravity in it.
 fn size(columns: &[Column], axes: [usize; 3]) -> f64 {
     let told = columns[axes[0]].unit.as_deref().and_then(unit);
-    match told {
-        Some((Dimension::Acceleration, factor)) => factor,
-        _ if (0.85..1.15).contains(&length(columns, axes)) => STANDARD_GRAVITY,
-        _ => 1.0,
+    if let Some((Dimension::Acceleration, factor)) = told {
+        return factor;
     }
+    let is_gravity = |unit: &f64| (0.85..1.15).contains(&(unit * length(columns, axes) / STANDARD_GRAVITY));
+    [STANDARD_GRAVITY, 1e-3].into_iter().find(is_gravity).unwrap_or(1.0)
 }
 
 /// The seconds of a time's unit: the file's, or that of plausible steps.

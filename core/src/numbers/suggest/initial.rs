@@ -1,7 +1,7 @@
 //! The belief that filters begin with, and the gain of the input. The parameters of an equation are searched: a filter begins from points
 //! all over their ranges, and goes on from the end of the likeliest run.
 
-use super::likeliest::{Likeliest, first_alone, likelihood};
+use super::likeliest::{Likeliest, first_alone, likelihood_over};
 use super::response::{Decay, Response, free_response, order};
 use super::{Suggestion, augment, begin_with, moments, motion_sensor, rounded, set_share};
 use crate::mathematics::channel::{MAX_MASSES, Role, Sign};
@@ -199,22 +199,41 @@ const TOLD: [Channel; 2] = [Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO];
 /// Prime numbers; their square roots spread points evenly in as many dimensions.
 const PRIMES: [f64; 12] = [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0, 31.0, 37.0];
 
-/// The trials of start values for the parameters of an equation.
+/// The trials of start values for the parameters of an equation, or of a Bouc-Wen spring with one of the exponents.
 pub(super) struct Search {
+    kind: PlantKind,
     channels: Vec<Channel>,
     /// The magnitudes between which each is tried, and the share of points with the other sign than the guess.
     ranges: Vec<(f64, f64, f64)>,
     points: usize,
-    /// The mean and the standard deviation of each parameter at the end of a trial.
-    ends: Likeliest<Vec<(f64, f64)>>,
+    /// The mean and the standard deviation of each parameter at the end of a trial, and the number of readings.
+    ends: Likeliest<(Vec<(f64, f64)>, u32)>,
 }
 
 impl Search {
-    /// The search for a suggestion, if its first filter has an equation with parameters that the spectra cannot give.
-    /// The other parameters are searched around the spectra's values.
-    pub(super) fn of(suggestion: &Suggestion) -> Option<Self> {
+    /// The searches for a suggestion: of its first filter's equation, if that has parameters that the spectra cannot give, or of both
+    /// exponents of a Bouc-Wen spring, that of the scenario first. A spring's parameters begin with their guesses alone.
+    pub(super) fn all(suggestion: &Suggestion) -> Vec<Self> {
+        let Scenario { plant, filters, .. } = &suggestion.scenario;
+        let mut kinds = [PlantKind::BOUC_WEN, PlantKind::BOUC_WEN_1];
+        let is_asked = kinds.contains(&plant.kind) && filters.iter().all(|filter| filter.plant.is_none());
+        let Some(filter) = filters.first().filter(|_| is_asked) else {
+            return Self::of(suggestion).into_iter().collect();
+        };
+        kinds.sort_by_key(|kind| *kind != plant.kind);
+        let gain = filter.augment.contains(&Channel::INPUT_GAIN).then_some(Channel::INPUT_GAIN);
+        let of = |kind: PlantKind| {
+            let channels: Vec<Channel> = kind.parameters().chain(gain).collect();
+            Self { kind, ranges: vec![(0.0, 0.0, 0.0); channels.len()], channels, points: 1, ends: Likeliest::new() }
+        };
+        kinds.map(of).into()
+    }
+
+    /// The search of an equation. Parameters that the spectra give are searched around their values.
+    fn of(suggestion: &Suggestion) -> Option<Self> {
         let (equation, channels) = suggestion.own_parameters()?;
         let filter = suggestion.scenario.filters.first()?;
+        let kind = filter.plant.unwrap_or(suggestion.scenario.plant.kind);
         let settings = equation.settings();
         let range = |channel: &Channel| {
             let usual = channel.usual();
@@ -232,7 +251,7 @@ impl Search {
         };
         let points = (POINTS.0 * channels.len()).min(POINTS.1);
         let ranges = channels.iter().map(range).collect();
-        Some(Self { channels, ranges, points, ends: Likeliest::new() })
+        Some(Self { kind, channels, ranges, points, ends: Likeliest::new() })
     }
 
     pub(super) fn progress(&self) -> f64 {
@@ -245,6 +264,7 @@ impl Search {
 
     pub(super) fn scenario(&self, of: &Scenario) -> Scenario {
         let mut scenario = first_alone(of);
+        self.set_kind(&mut scenario);
         for filter in &mut scenario.filters {
             filter.kind = FilterKind::EKF;
             for (place, &channel) in self.channels.iter().enumerate() {
@@ -256,13 +276,24 @@ impl Search {
         scenario
     }
 
+    /// Gives a scenario the spring of this search, if it has another one.
+    fn set_kind(&self, scenario: &mut Scenario) {
+        if self.points > 1 || scenario.plant.kind == self.kind {
+            return;
+        }
+        scenario.set_plant(self.kind);
+        for filter in &mut scenario.filters {
+            start_yielding(filter, self.kind, scenario.input, filter.initial_std[Channel::DISPLACEMENT]);
+        }
+    }
+
     /// Mean and standard deviation with which a parameter begins the next trial: the guess, then points, then the best end.
     fn start(&self, place: usize, guess: (f64, f64)) -> (f64, f64) {
         if self.ends.trials == 0 {
             return guess;
         }
         let (low, high, other) = self.ranges[place];
-        if let Some((ends, _)) = self.ends.best.as_ref().filter(|_| self.ends.trials >= self.points) {
+        if let Some(((ends, _), _)) = self.ends.best.as_ref().filter(|_| self.ends.trials >= self.points) {
             let (mean, std) = ends[place];
             return (mean, (0.3 * mean.abs()).max(2.0 * std).max(1e-3 * low));
         }
@@ -276,9 +307,9 @@ impl Search {
     }
 
     pub(super) fn take(&mut self, run: Option<&Run>) {
-        let found = run.and_then(|run| Some((self.ends_of(run)?, likelihood(run)?)));
-        let (ends, likelihood) = found.unzip();
-        self.ends.take(ends.unwrap_or_default(), likelihood, 0.0);
+        let found = run.and_then(|run| Some((self.ends_of(run)?, likelihood_over(run, 1..run.samples())?)));
+        let (point, likelihood) = found.map(|(ends, (likelihood, readings))| ((ends, readings), likelihood)).unzip();
+        self.ends.take(point.unwrap_or_default(), likelihood, 0.0);
     }
 
     /// Mean and standard deviation of each parameter at the end of a run, if they are allowed.
@@ -310,11 +341,32 @@ impl Search {
         self.channels.iter().map(|channel| channel.symbol()).collect::<Vec<_>>().join(", ")
     }
 
+    /// Ends some searches with the likeliest one. Likelihoods of other readings than the first one's do not compare.
+    pub(super) fn choose(mut searches: Vec<Self>, suggestion: &mut Suggestion) {
+        let of = |search: &Self| search.ends.best.as_ref().map(|((_, readings), likelihood)| (*readings, *likelihood));
+        let readings = searches.iter().find_map(of).map(|(readings, _)| readings);
+        let likelihood = |search: &Self| of(search).filter(|(count, _)| Some(*count) == readings).map(|(_, now)| now);
+        let size = |search: &Self| likelihood(search).unwrap_or(f64::NEG_INFINITY);
+        searches.sort_by(|a, b| size(b).total_cmp(&size(a)));
+        if let [first, second] = searches.as_slice()
+            && let (Some(one), Some(other)) = (likelihood(first), likelihood(second))
+        {
+            suggestion.reasons.push(format!(
+                "the plant is `{}`, the likelier exponent of Bouc and Wen: by {:.0} in log likelihood before `{}`",
+                first.kind.key(),
+                one - other,
+                second.kind.key()
+            ));
+        }
+        searches.into_iter().take(1).for_each(|search| search.finish(suggestion));
+    }
+
     /// Lets every filter begin where the likeliest trial has ended, or says that none went through.
-    pub(super) fn finish(self, suggestion: &mut Suggestion) {
+    fn finish(self, suggestion: &mut Suggestion) {
         let names = self.names();
-        let Self { channels, ends, points, .. } = self;
-        let Some((ends, _)) = ends.best else {
+        self.set_kind(&mut suggestion.scenario);
+        let Self { channels, ends: Likeliest { best, trials }, points, .. } = self;
+        let Some(((ends, _), _)) = best else {
             suggestion.reasons.push(format!(
                 "no start values of {names} could be found: the filter goes through from none of {points} points, and begins with \
                  the guesses of the equation"
@@ -330,8 +382,8 @@ impl Search {
             suggestion.filters().for_each(|filter| begin_with(filter, channel, (mean, std)));
         }
         suggestion.reasons.push(format!(
-            "guess of the equation's parameters: {}, where a filter has ended from the likeliest of {points} points in their \
-             ranges; their spread is a fifth of it, or three of the filter's σ",
+            "guess of the equation's parameters: {}, where the likeliest of {trials} runs of a filter has ended; their spread is a fifth \
+             of it, or three of the filter's σ",
             told.join(", ")
         ));
     }

@@ -97,16 +97,27 @@ pub(super) fn likelihood_over(run: &Run, samples: Range<usize>) -> Option<(f64, 
     sum.is_finite().then_some((sum, readings))
 }
 
-/// The size of the innovations over their expected size: 1 for a consistent filter.
+/// The size of each sensor's innovations over their expected size, in the second half: a filter finds its parameters in the first one.
+pub(super) fn sizes(run: &Run) -> Vec<f64> {
+    let Some(estimates) = run.estimates().first() else { return Vec::new() };
+    let sensors = estimates.sensors().len();
+    let size = |i: usize| {
+        let square = |k: usize| {
+            let (e, cov) = (estimates.innovation(k).get(i)?, estimates.innovation_cov(k).get(i * sensors + i)?);
+            Some(e * e / cov).filter(|square| !square.is_nan())
+        };
+        let half = (estimates.len() / 2..estimates.len()).filter_map(square);
+        let (sum, count) = half.fold((0.0, 0_u32), |(sum, count), square| (sum + square, count + 1));
+        Some(libm::sqrt(sum / f64::from(count))).filter(|size| size.is_finite()).unwrap_or(1.0)
+    };
+    (0..sensors).map(size).collect()
+}
+
+/// The size of all innovations over their expected size: 1 for a consistent filter.
 pub(super) fn surprise(run: &Run) -> f64 {
-    let Some(estimates) = run.estimates().first() else { return 1.0 };
-    // The filter finds its parameters in the first half.
-    let half = estimates.len() / 2..estimates.len();
-    let (sum, count) = half
-        .filter(|&k| !estimates.nis()[k].is_nan())
-        .fold((0.0, 0), |(sum, count), k| (sum + estimates.nis()[k], count + estimates.readings(k)));
-    let ratio = libm::sqrt(sum / f64::from(count.max(1)));
-    if ratio.is_finite() { ratio.clamp(0.1, 10.0) } else { 1.0 }
+    let sizes = sizes(run);
+    let mean = sizes.iter().map(|size| size * size).sum::<f64>() / sizes.len().max(1) as f64;
+    libm::sqrt(mean).clamp(0.1, 10.0)
 }
 
 /// The scenario with its first filter alone.

@@ -4,7 +4,7 @@ use super::Suggestion;
 use super::ambient::{Ambient, has_no_input};
 use super::conditioning::{Between, Course, FILLING, Lost, Plucked};
 use super::initial::Search;
-use super::likeliest::{Trial, first_alone, likelihood, surprise};
+use super::likeliest::{Trial, first_alone, likelihood, sizes, surprise};
 use crate::{Record, Run, Scenario, Task};
 
 /// The samples of which the likelihood is taken.
@@ -17,13 +17,16 @@ const LIKELY_AMBIENT: usize = 8192;
 /// cause.
 const CLEARLY: f64 = 10.0;
 
+/// Innovations of these sizes over their expected ones do not ask for another R.
+const NEARLY: std::ops::Range<f64> = 0.8..1.1;
+
 /// Parts of the motion's size that are tried for its process noise per step.
 pub(super) const SHARES: [f64; 11] = [0.0, 1e-6, 3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2];
 
 /// The making of suggested settings for a scenario's filters on a measured record: R from the high frequencies that the
 /// input does not explain, ωₙ, ζ and gain from the response to the input (or the peak of the spectrum), the initial belief
 /// from these, and Q by the likelihood of the innovations. So is the course of an input between its samples: linear as it was taken, held
-/// or band-limited. Without an input, a white force that moves the plant
+/// or band-limited; and the exponent of a Bouc-Wen spring. R takes the size of the innovations where that is clearly likelier. Without an input, a white force that moves the plant
 /// ([`crate::mathematics::filter::White`]) is tried too. Where the scenario has a mapping, means are removed and a large gain
 /// goes into the mapping; the record is then to be read again.
 ///
@@ -40,12 +43,16 @@ pub struct Suggest {
     lost: Option<Lost>,
     stage: Stage,
     trial: Trial,
-    search: Option<Search>,
+    /// Of an equation's parameters, or of both exponents of Bouc and Wen.
+    searches: Vec<Search>,
     /// The courses of the input between samples that are to be tried.
     between: Option<Between>,
     /// The course that was taken, with the sentence about it.
     course: Option<(Course, Option<String>)>,
-    likelihoods: Vec<(f64, f64)>,
+    /// Of each share: its log likelihood, and the sizes of the innovations.
+    likelihoods: Vec<(f64, f64, Vec<f64>)>,
+    /// The suggestion before R was that of the innovations, with its share and log likelihood.
+    quieter: Option<(Suggestion, f64, f64)>,
     ambient: Option<Ambient>,
     /// The record with the times of its readings, while a white force is tried: it counts in samples, and likelihoods compare on equal
     /// readings.
@@ -79,7 +86,8 @@ impl Suggest {
     /// Suggestions for a scenario on a record, none made yet.
     pub fn new(scenario: &Scenario, record: Record) -> Self {
         let suggestion = Suggestion { scenario: scenario.clone(), reasons: Vec::new(), is_guessed: true };
-        let (given, lost, trial, search, between, course, likelihoods, ambient, timed, errors) = Default::default();
+        let (given, lost, trial, searches, between, course, likelihoods, quieter, ambient, timed, errors) =
+            Default::default();
         let (record, plucked) = match Plucked::of(&record) {
             Some((longest, plucked)) => (longest, Some(plucked)),
             None => (record, None),
@@ -92,10 +100,11 @@ impl Suggest {
             lost,
             stage: Stage::Data,
             trial,
-            search,
+            searches,
             between,
             course,
             likelihoods,
+            quieter,
             ambient,
             timed,
             errors,
@@ -141,9 +150,9 @@ impl Suggest {
         if let Some((Course::BandLimited, _)) = self.course {
             self.take_course(Course::BandLimited);
         }
-        self.search = Search::of(&self.suggestion);
+        self.searches = Search::all(&self.suggestion);
         if has_no_input(&self.record) {
-            self.search.take().into_iter().for_each(|search| search.give_up(&mut self.suggestion));
+            self.searches.drain(..).take(1).for_each(|search| search.give_up(&mut self.suggestion));
         }
         Stage::Search
     }
@@ -168,7 +177,7 @@ impl Suggest {
         if course == Course::Linear {
             return Stage::Likelihood(0);
         }
-        if self.suggestion.own_parameters().is_some() {
+        if !Search::all(&self.suggestion).is_empty() {
             self.take_course(course);
             return Stage::Likelihood(0);
         }
@@ -188,10 +197,12 @@ impl Suggest {
 
     /// Ends the trials of noise with the most likely result, and says what comes next.
     fn choose(&mut self) -> Stage {
-        let best = self.likelihoods.iter().max_by(|a, b| a.1.total_cmp(&b.1)).copied();
+        let best = self.likelihoods.drain(..).max_by(|a, b| a.1.total_cmp(&b.1));
         if let Some(mut ambient) = self.ambient.take()
             && let Some((sizes, likelihood)) = ambient.best()
-            && best.is_none_or(|(share, other)| likelihood > other + if share > 0.0 { 0.0 } else { CLEARLY })
+            && best
+                .as_ref()
+                .is_none_or(|(share, other, _)| likelihood > other + if *share > 0.0 { 0.0 } else { CLEARLY })
         {
             ambient.suggestion.take_white_force(&sizes);
             self.suggestion = ambient.suggestion;
@@ -205,11 +216,23 @@ impl Suggest {
         if let Some(timed) = self.timed.take() {
             // Q is that of the readings at their times.
             self.record = timed;
-            self.likelihoods.clear();
             return Stage::Likelihood(0);
         }
-        if let Some((share, _)) = best {
-            self.suggestion.process_noise(share);
+        let likelihood = best.as_ref().map_or(f64::NEG_INFINITY, |(_, likelihood, _)| *likelihood);
+        let before = self.quieter.take();
+        let is_first = before.is_none() && !has_no_input(&self.record);
+        match (before.filter(|(.., before)| likelihood < before + CLEARLY), best) {
+            (Some((suggestion, share, _)), _) => {
+                self.suggestion = suggestion;
+                self.suggestion.process_noise(share);
+            }
+            (None, Some((share, likelihood, sizes))) if is_first && sizes.iter().any(|size| !NEARLY.contains(size)) => {
+                self.quieter = Some((self.suggestion.clone(), share, likelihood));
+                self.suggestion.resize_noise(&sizes);
+                return Stage::Likelihood(0);
+            }
+            (None, Some((share, ..))) => self.suggestion.process_noise(share),
+            (None, None) => {}
         }
         Stage::FreeRun
     }
@@ -224,7 +247,7 @@ impl Task for Suggest {
             // The course of the input is known: start values are made again.
             Stage::Data | Stage::Gaps | Stage::Search if self.course.is_some() => 2.0 / all,
             Stage::Data | Stage::Gaps => 0.0,
-            Stage::Search => self.search.as_ref().map_or(1.0, Search::progress) / all,
+            Stage::Search => self.searches.last().map_or(1.0, Search::progress) / all,
             Stage::Between => (1.0 + self.between.as_ref().map_or(1.0, Between::progress)) / all,
             Stage::Likelihood(place) => (2 + place) as f64 / all,
             Stage::WhiteForce => {
@@ -268,8 +291,8 @@ impl Task for Suggest {
                 }
                 Stage::Search => {
                     let (samples, scenario) = (self.likely(), &self.suggestion.scenario);
-                    let Some(search) = self.search.as_mut().filter(|search| !search.is_done()) else {
-                        self.search.take().into_iter().for_each(|search| search.finish(&mut self.suggestion));
+                    let Some(search) = self.searches.iter_mut().find(|search| !search.is_done()) else {
+                        Search::choose(std::mem::take(&mut self.searches), &mut self.suggestion);
                         self.stage = Stage::Between;
                         continue;
                     };
@@ -299,7 +322,7 @@ impl Task for Suggest {
                     };
                     let run = self.trial.follow(scenario, &self.record, samples, while_time);
                     let Some(run) = run else { return false };
-                    self.likelihoods.extend(run.and_then(|run| Some((share, likelihood(&run)?))));
+                    self.likelihoods.extend(run.and_then(|run| Some((share, likelihood(&run)?, sizes(&run)))));
                     if place + 1 < SHARES.len() { Stage::Likelihood(place + 1) } else { Stage::WhiteForce }
                 }
                 Stage::WhiteForce => {
