@@ -60,6 +60,9 @@ pub(crate) struct Mixture {
     update: Update,
 }
 
+/// A step of one filter, reporting to a sink.
+type Step<'a> = dyn Fn(&mut dyn Estimator, &mut dyn Sink) -> Result<(), FilterError> + 'a;
+
 /// A filter with a smaller weight adds nothing.
 const LEAST: f64 = 1e-12;
 
@@ -94,11 +97,7 @@ impl Mixture {
     }
 
     /// Lets all filters take a step, and reports their mixture.
-    fn step_all(
-        &mut self,
-        sink: &mut dyn Sink,
-        step: &dyn Fn(&mut dyn Estimator, &mut dyn Sink) -> Result<(), FilterError>,
-    ) -> Result<(), FilterError> {
+    fn step_all(&mut self, sink: &mut dyn Sink, step: &Step<'_>) -> Result<(), FilterError> {
         let Self { members, rule, belief, prior, update } = self;
         let (wants_prior, mut reason) = (sink.wants_prior(), FilterError::ImpossibleMeasurement);
         rule.begin(members)?;
