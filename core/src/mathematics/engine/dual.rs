@@ -2,7 +2,7 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::number::{Function, Number, Real};
+use super::number::{Function, Number, Real, unrolled};
 
 /// A number and its derivatives by K others. `on` marks those that may be other than zero: after inlining an equation
 /// the compiler knows `on`, and leaves out the operations with zeros.
@@ -42,12 +42,15 @@ impl<T: Number, const K: usize> Add for Dual<T, K> {
 
     #[inline(always)]
     fn add(mut self, other: Self) -> Self {
-        for k in 0..K {
-            if other.on[k] {
-                self.part[k] = if self.on[k] { self.part[k] + other.part[k] } else { other.part[k] };
-                self.on[k] = true;
-            }
-        }
+        unrolled::<K>(
+            #[inline(always)]
+            |k| {
+                if other.on[k] {
+                    self.part[k] = if self.on[k] { self.part[k] + other.part[k] } else { other.part[k] };
+                    self.on[k] = true;
+                }
+            },
+        );
         self.value = self.value + other.value;
         self
     }
@@ -67,15 +70,18 @@ impl<T: Number, const K: usize> Mul for Dual<T, K> {
 
     #[inline(always)]
     fn mul(mut self, other: Self) -> Self {
-        for k in 0..K {
-            self.part[k] = match (self.on[k], other.on[k]) {
-                (true, true) => self.part[k] * other.value + self.value * other.part[k],
-                (true, false) => self.part[k] * other.value,
-                (false, true) => self.value * other.part[k],
-                (false, false) => self.part[k],
-            };
-            self.on[k] |= other.on[k];
-        }
+        unrolled::<K>(
+            #[inline(always)]
+            |k| {
+                self.part[k] = match (self.on[k], other.on[k]) {
+                    (true, true) => self.part[k] * other.value + self.value * other.part[k],
+                    (true, false) => self.part[k] * other.value,
+                    (false, true) => self.value * other.part[k],
+                    (false, false) => self.part[k],
+                };
+                self.on[k] |= other.on[k];
+            },
+        );
         self.value = self.value * other.value;
         self
     }
@@ -87,15 +93,18 @@ impl<T: Number, const K: usize> Div for Dual<T, K> {
     #[inline(always)]
     fn div(mut self, other: Self) -> Self {
         let quotient = self.value / other.value;
-        for k in 0..K {
-            self.part[k] = match (self.on[k], other.on[k]) {
-                (true, true) => (self.part[k] - quotient * other.part[k]) / other.value,
-                (true, false) => self.part[k] / other.value,
-                (false, true) => -(quotient * other.part[k]) / other.value,
-                (false, false) => self.part[k],
-            };
-            self.on[k] |= other.on[k];
-        }
+        unrolled::<K>(
+            #[inline(always)]
+            |k| {
+                self.part[k] = match (self.on[k], other.on[k]) {
+                    (true, true) => (self.part[k] - quotient * other.part[k]) / other.value,
+                    (true, false) => self.part[k] / other.value,
+                    (false, true) => -(quotient * other.part[k]) / other.value,
+                    (false, false) => self.part[k],
+                };
+                self.on[k] |= other.on[k];
+            },
+        );
         self.value = quotient;
         self
     }
@@ -106,11 +115,14 @@ impl<T: Number, const K: usize> Neg for Dual<T, K> {
 
     #[inline(always)]
     fn neg(mut self) -> Self {
-        for k in 0..K {
-            if self.on[k] {
-                self.part[k] = -self.part[k];
-            }
-        }
+        unrolled::<K>(
+            #[inline(always)]
+            |k| {
+                if self.on[k] {
+                    self.part[k] = -self.part[k];
+                }
+            },
+        );
         self.value = -self.value;
         self
     }
@@ -131,11 +143,14 @@ impl<T: Number, const K: usize> Mul<f64> for Dual<T, K> {
 
     #[inline(always)]
     fn mul(mut self, other: f64) -> Self {
-        for k in 0..K {
-            if self.on[k] {
-                self.part[k] = self.part[k] * other;
-            }
-        }
+        unrolled::<K>(
+            #[inline(always)]
+            |k| {
+                if self.on[k] {
+                    self.part[k] = self.part[k] * other;
+                }
+            },
+        );
         self.value = self.value * other;
         self
     }
@@ -151,11 +166,14 @@ impl<T: Number, const K: usize> Real for Dual<T, K> {
     #[inline(always)]
     fn abs(mut self) -> Self {
         let sign = self.value.sign();
-        for k in 0..K {
-            if self.on[k] {
-                self.part[k] = self.part[k] * sign;
-            }
-        }
+        unrolled::<K>(
+            #[inline(always)]
+            |k| {
+                if self.on[k] {
+                    self.part[k] = self.part[k] * sign;
+                }
+            },
+        );
         self.value = self.value.abs();
         self
     }
@@ -164,11 +182,14 @@ impl<T: Number, const K: usize> Real for Dual<T, K> {
     fn call(mut self, function: Function) -> Self {
         let value = self.value.call(function);
         let slope = slope(function, self.value, value);
-        for k in 0..K {
-            if self.on[k] {
-                self.part[k] = self.part[k] * slope;
-            }
-        }
+        unrolled::<K>(
+            #[inline(always)]
+            |k| {
+                if self.on[k] {
+                    self.part[k] = self.part[k] * slope;
+                }
+            },
+        );
         self.value = value;
         self
     }

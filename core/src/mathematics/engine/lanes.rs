@@ -3,7 +3,7 @@
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-use super::number::{Function, Mask, Number, Real};
+use super::number::{Function, Mask, Number, Real, unrolled};
 
 /// The numbers of L runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,26 +18,29 @@ pub struct Bits<const L: usize>([u64; L]);
 impl<const L: usize> Lanes<L> {
     #[inline(always)]
     fn map(mut self, f: impl Fn(f64) -> f64) -> Self {
-        for lane in 0..L {
-            self.0[lane] = f(self.0[lane]);
-        }
+        unrolled::<L>(
+            #[inline(always)]
+            |lane| self.0[lane] = f(self.0[lane]),
+        );
         self
     }
 
     #[inline(always)]
     fn with(mut self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
-        for lane in 0..L {
-            self.0[lane] = f(self.0[lane], other.0[lane]);
-        }
+        unrolled::<L>(
+            #[inline(always)]
+            |lane| self.0[lane] = f(self.0[lane], other.0[lane]),
+        );
         self
     }
 
     #[inline(always)]
     fn compare(self, other: Self, f: impl Fn(f64, f64) -> bool) -> Bits<L> {
         let mut bits = [0; L];
-        for lane in 0..L {
-            bits[lane] = if f(self.0[lane], other.0[lane]) { !0 } else { 0 };
-        }
+        unrolled::<L>(
+            #[inline(always)]
+            |lane| bits[lane] = if f(self.0[lane], other.0[lane]) { !0 } else { 0 },
+        );
         Bits(bits)
     }
 }
@@ -45,9 +48,10 @@ impl<const L: usize> Lanes<L> {
 impl<const L: usize> Bits<L> {
     #[inline(always)]
     fn with(mut self, other: Self, f: impl Fn(u64, u64) -> u64) -> Self {
-        for lane in 0..L {
-            self.0[lane] = f(self.0[lane], other.0[lane]);
-        }
+        unrolled::<L>(
+            #[inline(always)]
+            |lane| self.0[lane] = f(self.0[lane], other.0[lane]),
+        );
         self
     }
 }
