@@ -37,22 +37,67 @@ impl<T: Number, const K: usize> Dual<T, K> {
     }
 }
 
+impl<T: Number, const K: usize> Dual<T, K> {
+    /// Its derivatives through a rule, with another value.
+    #[inline(always)]
+    fn each(mut self, value: T, rule: impl Fn(T) -> T) -> Self {
+        unrolled::<K>(
+            #[inline(always)]
+            |k| {
+                if self.on[k] {
+                    self.part[k] = rule(self.part[k]);
+                }
+            },
+        );
+        self.value = value;
+        self
+    }
+
+    /// The derivatives of both by the rule for both, for the first alone, or for the second alone, with another value.
+    #[inline(always)]
+    fn join(
+        mut self,
+        other: Self,
+        value: T,
+        both: impl Fn(T, T) -> T,
+        first: impl Fn(T) -> T,
+        second: impl Fn(T) -> T,
+    ) -> Self {
+        unrolled::<K>(
+            #[inline(always)]
+            |k| {
+                self.part[k] = match (self.on[k], other.on[k]) {
+                    (true, true) => both(self.part[k], other.part[k]),
+                    (true, false) => first(self.part[k]),
+                    (false, true) => second(other.part[k]),
+                    (false, false) => self.part[k],
+                };
+                self.on[k] |= other.on[k];
+            },
+        );
+        self.value = value;
+        self
+    }
+
+    #[inline(always)]
+    fn times(self, other: Self) -> Self {
+        let (x, y) = (self.value, other.value);
+        self.join(other, x * y, |a, b| a * y + x * b, |a| a * y, |b| x * b)
+    }
+
+    #[inline(always)]
+    fn over(self, other: Self) -> Self {
+        let (quotient, y) = (self.value / other.value, other.value);
+        self.join(other, quotient, |a, b| (a - quotient * b) / y, |a| a / y, |b| -(quotient * b) / y)
+    }
+}
+
 impl<T: Number, const K: usize> Add for Dual<T, K> {
     type Output = Self;
 
     #[inline(always)]
-    fn add(mut self, other: Self) -> Self {
-        unrolled::<K>(
-            #[inline(always)]
-            |k| {
-                if other.on[k] {
-                    self.part[k] = if self.on[k] { self.part[k] + other.part[k] } else { other.part[k] };
-                    self.on[k] = true;
-                }
-            },
-        );
-        self.value = self.value + other.value;
-        self
+    fn add(self, other: Self) -> Self {
+        self.join(other, self.value + other.value, |a, b| a + b, |a| a, |b| b)
     }
 }
 
@@ -69,21 +114,8 @@ impl<T: Number, const K: usize> Mul for Dual<T, K> {
     type Output = Self;
 
     #[inline(always)]
-    fn mul(mut self, other: Self) -> Self {
-        unrolled::<K>(
-            #[inline(always)]
-            |k| {
-                self.part[k] = match (self.on[k], other.on[k]) {
-                    (true, true) => self.part[k] * other.value + self.value * other.part[k],
-                    (true, false) => self.part[k] * other.value,
-                    (false, true) => self.value * other.part[k],
-                    (false, false) => self.part[k],
-                };
-                self.on[k] |= other.on[k];
-            },
-        );
-        self.value = self.value * other.value;
-        self
+    fn mul(self, other: Self) -> Self {
+        self.times(other)
     }
 }
 
@@ -91,22 +123,8 @@ impl<T: Number, const K: usize> Div for Dual<T, K> {
     type Output = Self;
 
     #[inline(always)]
-    fn div(mut self, other: Self) -> Self {
-        let quotient = self.value / other.value;
-        unrolled::<K>(
-            #[inline(always)]
-            |k| {
-                self.part[k] = match (self.on[k], other.on[k]) {
-                    (true, true) => (self.part[k] - quotient * other.part[k]) / other.value,
-                    (true, false) => self.part[k] / other.value,
-                    (false, true) => -(quotient * other.part[k]) / other.value,
-                    (false, false) => self.part[k],
-                };
-                self.on[k] |= other.on[k];
-            },
-        );
-        self.value = quotient;
-        self
+    fn div(self, other: Self) -> Self {
+        self.over(other)
     }
 }
 
@@ -114,17 +132,8 @@ impl<T: Number, const K: usize> Neg for Dual<T, K> {
     type Output = Self;
 
     #[inline(always)]
-    fn neg(mut self) -> Self {
-        unrolled::<K>(
-            #[inline(always)]
-            |k| {
-                if self.on[k] {
-                    self.part[k] = -self.part[k];
-                }
-            },
-        );
-        self.value = -self.value;
-        self
+    fn neg(self) -> Self {
+        self.each(-self.value, |part| -part)
     }
 }
 
@@ -132,9 +141,8 @@ impl<T: Number, const K: usize> Add<f64> for Dual<T, K> {
     type Output = Self;
 
     #[inline(always)]
-    fn add(mut self, other: f64) -> Self {
-        self.value = self.value + other;
-        self
+    fn add(self, other: f64) -> Self {
+        self.each(self.value + other, |part| part)
     }
 }
 
@@ -142,17 +150,8 @@ impl<T: Number, const K: usize> Mul<f64> for Dual<T, K> {
     type Output = Self;
 
     #[inline(always)]
-    fn mul(mut self, other: f64) -> Self {
-        unrolled::<K>(
-            #[inline(always)]
-            |k| {
-                if self.on[k] {
-                    self.part[k] = self.part[k] * other;
-                }
-            },
-        );
-        self.value = self.value * other;
-        self
+    fn mul(self, other: f64) -> Self {
+        self.each(self.value * other, |part| part * other)
     }
 }
 
@@ -164,34 +163,16 @@ impl<T: Number, const K: usize> Real for Dual<T, K> {
 
     /// At zero the derivative is that from above.
     #[inline(always)]
-    fn abs(mut self) -> Self {
+    fn abs(self) -> Self {
         let sign = self.value.sign();
-        unrolled::<K>(
-            #[inline(always)]
-            |k| {
-                if self.on[k] {
-                    self.part[k] = self.part[k] * sign;
-                }
-            },
-        );
-        self.value = self.value.abs();
-        self
+        self.each(self.value.abs(), |part| part * sign)
     }
 
     #[inline(always)]
-    fn call(mut self, function: Function) -> Self {
+    fn call(self, function: Function) -> Self {
         let value = self.value.call(function);
         let slope = slope(function, self.value, value);
-        unrolled::<K>(
-            #[inline(always)]
-            |k| {
-                if self.on[k] {
-                    self.part[k] = self.part[k] * slope;
-                }
-            },
-        );
-        self.value = value;
-        self
+        self.each(value, |part| part * slope)
     }
 }
 
