@@ -69,7 +69,7 @@ impl Live {
         let decays = match Decay::all(&readings[first..]) {
             Ok(decays) => decays,
             Err(reason) => {
-                self.rests &= !matches!(reason, NoDecay::Short(_));
+                self.rests &= !matches!(reason, NoDecay::Short { .. });
                 return;
             }
         };
