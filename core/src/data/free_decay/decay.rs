@@ -89,6 +89,9 @@ const SWINGS: f64 = 4.0;
 /// What swings faster than this has shorter parts, rests and looks for noise, by as much \[s\].
 const SLOW: f64 = 1.0 / 3.0;
 
+/// Readings that turn within fewer steps are noise.
+const FASTEST: f64 = 5.0;
+
 /// A swing's large readings, as a share of the largest.
 const LARGE: f64 = 1.0 / 3.0;
 
@@ -328,7 +331,7 @@ impl Pace {
         let step = times.last().zip(times.first()).map_or(0.0, |(last, first)| last - first)
             / times.len().saturating_sub(1).max(1) as f64;
         let swing = 2.0 * step * half_swing(along, LARGE / CLEAR * largest);
-        let share = if swing > 0.0 { (swing / SLOW).min(1.0) } else { 1.0 };
+        let share = if swing > FASTEST * step { (swing / SLOW).min(1.0) } else { 1.0 };
         Self { share, shortest: if share < 1.0 { SHORTEST.min(SWINGS * swing) } else { SHORTEST } }
     }
 

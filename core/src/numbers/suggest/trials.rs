@@ -220,7 +220,7 @@ impl Suggest {
         }
         let likelihood = best.as_ref().map_or(f64::NEG_INFINITY, |(_, likelihood, _)| *likelihood);
         let before = self.quieter.take();
-        let is_first = before.is_none() && !has_no_input(&self.record);
+        let is_first = before.is_none() && self.suggestion.is_guessed && !has_no_input(&self.record);
         match (before.filter(|(.., before)| likelihood < before + CLEARLY), best) {
             (Some((suggestion, share, _)), _) => {
                 self.suggestion = suggestion;
