@@ -1,62 +1,45 @@
 //! Natural frequency and damping ratio of a 3-D printer's axis from Klipper's raw accelerometer files: bias, and coverage of ±2σ, over
-//! simulated ones.
+//! simulated ones. The numbers are the count of records of each kind and the first seed.
 //!
 //! ```text
 //! cargo run --release -p kalmanscope-core --example printer -- 200 1
 //! ```
-//!
-//! The numbers are the count of records of each kind and the first seed.
 
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
-use kalmanscope_core::free_decay::{Decay, Mode as Found};
+use kalmanscope_core::free_decay::{Decay, Mode};
 use kalmanscope_core::import::{Builder, Mapping, ThreeAxes, read};
 use kalmanscope_core::suggest::{scenario_for, suggest};
-use kalmanscope_core::{Channel, Hold, Run};
+use kalmanscope_core::{Channel, Hold, Run, Scenario};
 
-/// Readings a second, and the standard deviation of their noise \[mm/s²\].
+/// Readings a second, and the standard deviation of their noise, a sum of twelve even numbers \[mm/s²\].
 const RATE: f64 = 3200.0;
 const NOISE: f64 = 60.0;
 
+/// The head stops and rings by one mode, or by two of which the second has a sixth to a half of the first one's size; it does so by three
+/// stops; or a sweep from 5 Hz to 133 Hz, whose force is in no column.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Kind {
-    /// The head stops, and rings by one mode.
     One,
-    /// A second mode beside it has a sixth to a half of its size.
     Two,
-    /// As before, by three stops of the head.
     Stops,
-    /// A sweep from 5 Hz to 133 Hz, whose force is in no column.
     Sweep,
 }
 
-/// A mode \[Hz\], its share of the motion, and its state by the exact step under a force that is held.
-struct Mode {
-    frequency: f64,
-    damping: f64,
-    share: f64,
-    state: [f64; 2],
-}
-
-impl Mode {
-    /// The acceleration that it adds to that of its base, then a step.
-    fn step(&mut self, base: f64) -> f64 {
-        let wn = TAU * self.frequency;
-        let [x, v] = self.state;
-        let felt = self.share * (-base - 2.0 * self.damping * wn * v - wn * wn * x);
-        let (damped, rest) = (wn * (1.0 - self.damping * self.damping).sqrt(), -base / (wn * wn));
-        let (from, (sin, cos)) = (x - rest, (damped / RATE).sin_cos());
-        let (size, slope) = ((-self.damping * wn / RATE).exp(), (v + self.damping * wn * from) / damped);
-        let moved = size * (from * cos + slope * sin);
-        self.state = [rest + moved, size * damped * (slope * cos - from * sin) - self.damping * wn * moved];
-        felt
-    }
+/// The acceleration that a mode of ωₙ \[rad/s\] and ζ adds to that of its base, and the exact step of its state.
+fn step([x, v]: &mut [f64; 2], wn: f64, zeta: f64, base: f64) -> f64 {
+    let felt = -base - 2.0 * zeta * wn * *v - wn * wn * *x;
+    let (damped, rest) = (wn * (1.0 - zeta * zeta).sqrt(), -base / (wn * wn));
+    let (from, (sin, cos)) = (*x - rest, (damped / RATE).sin_cos());
+    let (size, slope) = ((-zeta * wn / RATE).exp(), (*v + zeta * wn * from) / damped);
+    let moved = size * (from * cos + slope * sin);
+    (*x, *v) = (rest + moved, size * damped * (slope * cos - from * sin) - zeta * wn * moved);
+    felt
 }
 
 /// A file of Klipper's, with fₙ \[Hz\] and ζ of the mode that is larger.
 fn file(kind: Kind, seed: u64) -> (String, [f64; 2]) {
-    // Even numbers between two limits.
     let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1;
     let mut between = |low: f64, high: f64| {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -66,27 +49,18 @@ fn file(kind: Kind, seed: u64) -> (String, [f64; 2]) {
     let (ratio, own_damping) = (between(1.4, 2.6), between(0.01, 0.08));
     let second = if kind == Kind::One { 0.0 } else { second / (1.0 + second) };
     let mut modes = [(frequency, damping, 1.0 - second), (ratio * frequency, own_damping, second)]
-        .map(|(frequency, damping, share)| Mode { frequency, damping, share, state: [0.0; 2] });
-    let (size, stops) = (between(3000.0, 8000.0), if kind == Kind::Stops { 3 } else { 1 });
-    let [begin, length] = [between(0.01, 0.04), between(0.008, 0.025)];
-    let seconds = if kind == Kind::Sweep { 16.0 } else { 0.5 * f64::from(stops) };
+        .map(|(frequency, zeta, share)| (TAU * frequency, zeta, share, [0.0; 2]));
+    let [size, begin, length] = [between(3000.0, 8000.0), between(0.01, 0.04), between(0.008, 0.025)];
     let mut text = "#time,accel_x,accel_y,accel_z\n".to_owned();
-    for k in 0..(seconds * RATE) as usize {
+    for k in 0..(RATE * [0.5, 0.5, 1.5, 16.0][kind as usize]) as usize {
         let time = k as f64 / RATE;
-        let base = if kind == Kind::Sweep {
-            75.0 * (5.0 + 8.0 * time) * (TAU * (5.0 + 4.0 * time) * time).sin()
-        } else {
-            let since = time % 0.5 - begin;
-            if (0.0..length).contains(&since) {
-                size
-            } else if (length..2.0 * length).contains(&since) {
-                -size
-            } else {
-                0.0
-            }
+        let base = match (time % 0.5 - begin) / length {
+            _ if kind == Kind::Sweep => 75.0 * (5.0 + 8.0 * time) * (TAU * (5.0 + 4.0 * time) * time).sin(),
+            0.0..1.0 => size,
+            1.0..2.0 => -size,
+            _ => 0.0,
         };
-        let felt = base + modes.iter_mut().map(|mode| mode.step(base)).sum::<f64>();
-        // Twelve even numbers are nearly normal together.
+        let felt = base + modes.iter_mut().map(|(wn, zeta, share, x)| *share * step(x, *wn, *zeta, base)).sum::<f64>();
         let mut noise = || (0..12).map(|_| between(-0.5, 0.5)).sum::<f64>();
         let [x, y, z] = [felt, 0.05 * felt, 9806.65].map(|value| value + NOISE * noise());
         let _ = writeln!(text, "{:.6},{x:.2},{y:.2},{z:.2}", 12.8 + time);
@@ -99,15 +73,14 @@ fn identify(kind: Kind, text: String, near: f64) -> Option<[[f64; 2]; 2]> {
     let table = read(text.into_bytes(), None).ok()?;
     if kind != Kind::Sweep {
         let modes = Decay::modes_of(&Decay::alike(&ThreeAxes::of(&table)?.readings(&table)).ok()?);
-        let apart = |mode: &Found| (mode.frequency / near - 1.0).abs();
+        let apart = |mode: &Mode| (mode.frequency / near - 1.0).abs();
         let mode = modes.into_iter().min_by(|a, b| apart(a).total_cmp(&apart(b)))?;
         return Some([[mode.frequency, mode.std[0]], [mode.damping_ratio, mode.std[1]]]);
     }
     let (mut mapping, input, _) = Mapping::guess_for(&table, &[]);
     mapping.every = 4;
     let record = Builder::new(&table, &mapping, input, Hold::First).and_then(Builder::finish).ok()?.record;
-    let mut scenario = scenario_for(&record);
-    scenario.record = Some(mapping);
+    let scenario = Scenario { record: Some(mapping), ..scenario_for(&record) };
     let mut run = Run::on_record(&suggest(&scenario, &record).scenario, record.into()).ok()?;
     run.finish();
     let estimates = run.estimates().first().filter(|estimates| estimates.stop().is_none())?;
@@ -128,11 +101,8 @@ pub(crate) fn study(kind: Kind, seeds: std::ops::Range<u64>) -> (usize, [[f64; 3
         errors.sort_by(f64::total_cmp);
         let inside = all().filter(|([mean, std], truth)| (mean - truth).abs() <= 2.0 * std).count();
         let count = found.len() as f64;
-        [
-            errors.iter().sum::<f64>() / count,
-            errors.get(errors.len() / 2).copied().unwrap_or(0.0),
-            100.0 * inside as f64 / count,
-        ]
+        let middle = errors.get(errors.len() / 2).copied().unwrap_or(0.0);
+        [errors.iter().sum::<f64>() / count, middle, 100.0 * inside as f64 / count]
     };
     (found.len(), [of(0), of(1)])
 }

@@ -7,4 +7,5 @@ mod ring;
 pub(crate) use decay::side_of;
 pub use decay::{Decay, NoDecay};
 pub use modes::Mode;
+pub(crate) use modes::{Fit, highest};
 pub use ring::Ring;

@@ -2,6 +2,14 @@
 
 use std::f64::consts::TAU;
 
+/// The power of real numbers, of zeros after them up to a length, at the frequencies below half their rate.
+pub(crate) fn powers(numbers: impl Iterator<Item = f64>, length: usize) -> Vec<f64> {
+    let mut buffer: Vec<(f64, f64)> = numbers.map(|number| (number, 0.0)).collect();
+    buffer.resize(length, (0.0, 0.0));
+    Transform::new(length).apply(&mut buffer);
+    buffer[..length / 2].iter().map(|(re, im)| re * re + im * im).collect()
+}
+
 /// A fast Fourier transform of some length, a power of two.
 ///
 /// Source: Golub and Van Loan (2013), *Matrix Computations*, section 1.4.

@@ -21,12 +21,13 @@ use crate::data::length::Length;
 use crate::{Channel, FilterKind, FilterSettings, Propagation, Quantity, Record, Scenario, Sensor, Signal, Task as _};
 
 use crate::data::scenario::cost::steps_over;
+use crate::mathematics::channel::MAX_MASSES;
 
 use ambient::has_no_input;
 use conditioning::{Course, Lost};
 use forced::forced;
 use likeliest::first_alone;
-use response::{Decay, Response, decay, free_response, response};
+use response::{Decay, decay, free_response, passed, response};
 use spectra::{Gaps, Spectra, noise};
 use trials::SHARES;
 
@@ -107,29 +108,25 @@ impl Suggestion {
 
     /// R from the part of the spectrum at high frequencies that the input does not explain.
     fn sensor_noise(&mut self, record: &Record, lost: Option<&Lost>) {
-        for (place, sensor) in self.scenario.sensors.clone().into_iter().enumerate() {
-            let Some(measured) = record.measured_quantity(sensor.measures) else { continue };
-            let mapping = self.scenario.record.as_ref();
+        for place in 0..self.scenario.sensors.len() {
+            let measures = self.scenario.sensors[place].measures;
+            let Some(column) = record.sensors().iter().position(|quantity| *quantity == measures) else { continue };
+            let measured = record.measured(column);
             let spectra = Spectra::new(record, measured, spectra::SHORT, Gaps::Avoid);
-            let column = record.sensors().iter().position(|quantity| *quantity == sensor.measures);
+            let floor = spectra.and_then(|spectra| spectra.noise(self.scenario.record.as_ref()));
             // A filled reading has no noise of its own.
-            let there = lost.zip(column).map_or(1.0, |(lost, column)| lost.there(column, record.len()));
-            let floor = spectra.and_then(|spectra| spectra.noise(mapping)).map(|noise| noise / libm::sqrt(there));
+            let floor =
+                floor.map(|noise| noise / libm::sqrt(lost.map_or(1.0, |lost| lost.there(column, record.len()))));
             // Where readings were moved to samples, so was a part of the motion: what is less is the sensor's.
-            let own = record.clocks().zip(column).and_then(|(clocks, column)| noise(&clocks.readings[column]));
-            let is_own = own.is_some_and(|own| floor.is_none_or(|floor| own < floor));
-            let Some(noise) = own.filter(|_| is_own).or(floor) else { continue };
-            let (_, std) = moments(measured);
-            let noise = rounded(noise.max(1e-6 * std));
-            if noise <= 0.0 {
-                continue;
-            }
-            let why = if is_own {
+            let own = record.clocks().and_then(|clocks| noise(&clocks.readings[column]));
+            let own = own.filter(|own| floor.is_none_or(|floor| *own < floor));
+            let why = if own.is_some() {
                 "what is left of its readings in differences over their times, in which a motion is next to nothing"
             } else {
                 "the noise at the highest frequencies, where the input explains nothing"
             };
-            self.set_noise(place, noise, why);
+            let noise = own.or(floor).map(|noise| noise.max(1e-6 * moments(measured).1));
+            noise.filter(|noise| *noise > 0.0).into_iter().for_each(|noise| self.set_noise(place, rounded(noise), why));
         }
     }
 
@@ -138,9 +135,7 @@ impl Suggestion {
         let sensor = &mut self.scenario.sensors[place];
         sensor.noise_std = noise;
         let measures = sensor.measures;
-        for filter in self.scenario.filters.iter_mut().filter(|filter| place < filter.sensor_std.len()) {
-            filter.sensor_std[place] = noise;
-        }
+        self.filters().filter_map(|filter| filter.sensor_std.get_mut(place)).for_each(|std| *std = noise);
         let begin = format!("R of the {}:", measures.name());
         self.reasons.retain(|reason| !reason.starts_with(&begin));
         let unit = self.unit(measures.unit());
@@ -149,48 +144,39 @@ impl Suggestion {
 
     /// R of each sensor, so that innovations of these sizes over their expected ones are as large as expected.
     fn resize_noise(&mut self, sizes: &[f64]) {
+        let why = "the size of the innovations, likelier than the noise at the highest frequencies";
         for (place, size) in sizes.iter().enumerate().take(self.scenario.sensors.len()) {
-            let noise = rounded(size * self.scenario.sensors[place].noise_std);
-            self.set_noise(
-                place,
-                noise,
-                "the size of the innovations, likelier than the noise at the highest frequencies",
-            );
+            self.set_noise(place, rounded(size * self.scenario.sensors[place].noise_std), why);
         }
     }
 
     /// Guess and spread of ωₙ, ζ and gain, of an input that has some steps in place of each of the record's. Returns whether noise is all that a decay leaves; `None` if the motion is no decay.
     fn motion(&mut self, record: &mut Record, steps: usize) -> Option<bool> {
-        if !self.has_frequency() {
-            if self.own_parameters().is_some() {
-                self.size_of_motion(record);
-            }
-            return None;
-        }
         let (quantity, measured) = motion_sensor(record)?;
         let mapping = self.scenario.record.as_ref();
         let band = mapping.and_then(|mapping| mapping.band);
+        if !self.has_frequency() {
+            let found = free_response(record, measured, band).filter(|_| self.own_parameters().is_some())?;
+            self.expect_motion(record, quantity, found.natural_frequency, MAX_MASSES);
+            return None;
+        }
         let by_spectra = response(record, quantity, band, steps);
+        let mut best = (by_spectra, "fitted to the response to the input over frequency");
         let span = record.dt() * record.len() as f64 / std::f64::consts::TAU;
-        let is_coarse = by_spectra.as_ref().is_none_or(|found| found.natural_frequency * span < COARSE);
-        let over_time = || {
+        let mut free = None;
+        if has_no_input(record) {
+            free = decay(record, measured, mapping);
+            best = (free.map(|free| free.found), "fitted to the readings as a free decay");
+        } else if by_spectra.is_none_or(|found| found.natural_frequency * span < COARSE) {
             let finer = if steps > 1 { Course::BandLimited.of(record) } else { None };
-            forced(finer.as_ref().unwrap_or(record), quantity, band, by_spectra.as_ref())
-        };
-        let over_time = if is_coarse && !has_no_input(record) { over_time() } else { None };
-        let is_over_time = over_time.is_some();
-        let driven = over_time.or(by_spectra);
-        let free = if driven.is_none() && has_no_input(record) { decay(record, measured, mapping) } else { None };
-        let as_response =
-            |Decay { natural_frequency, damping_ratio, .. }| Response { natural_frequency, damping_ratio, gain: None };
-        let decaying = free.map(as_response);
-        let reason = match (&driven, &decaying) {
-            (Some(_), _) if is_over_time => "fitted to the readings over time as a motion that the input causes",
-            (Some(_), _) => "fitted to the response to the input over frequency",
-            (None, Some(_)) => "fitted to the readings as a free decay",
-            (None, None) => "the peak of the spectrum and its width at half the power",
-        };
-        let Some(found) = driven.or(decaying).or_else(|| free_response(record, measured, band)) else {
+            if let found @ Some(_) = forced(finer.as_ref().unwrap_or(record), quantity, band, by_spectra.as_ref()) {
+                best = (found, "fitted to the readings over time as a motion that the input causes");
+            }
+        }
+        if best.0.is_none() {
+            best = (free_response(record, measured, band), "the peak of the spectrum and its width at half the power");
+        }
+        let (Some(found), reason) = best else {
             self.reasons.push(no_motion(quantity, measured));
             self.is_guessed = false;
             return None;
@@ -203,25 +189,21 @@ impl Suggestion {
         free.map(|free| free.is_all)
     }
 
-    /// R from what a decay leaves, where that is noise: it uses every frequency. Behind a filter of the import it is what noise of
-    /// that density would be at all frequencies.
+    /// R from what a decay leaves at all frequencies, where that is noise.
     fn noise_beside(&mut self, quantity: Quantity, decay: &Decay, dt: f64) {
         let place = self.scenario.sensors.iter().position(|sensor| sensor.measures == quantity);
         let Some(place) = place.filter(|_| decay.is_all && decay.rest > 0.0) else { return };
-        let passed = self.scenario.record.as_ref().map_or([0.0, 1.0], |mapping| mapping.passed(dt));
-        let share = passed[1] - passed[0];
-        // Where a filter of the import has been, noise has colours, and its density about the decay counts.
-        let nearby = if share > WHOLE { 1.0 } else { decay.nearby.max(1.0) };
-        let noise = rounded(decay.rest * libm::sqrt(nearby / share));
-        let dense = if share > WHOLE {
-            String::new()
-        } else {
-            format!(
-                ", at the density that it has in the band; innovations have {:.0} % of its power, which moves no parameter",
+        let [low, high] = passed(self.scenario.record.as_ref(), dt);
+        let (share, mut nearby, mut why) = (high - low, 1.0, "what the free decay leaves".to_owned());
+        if share <= WHOLE {
+            // Where a filter of the import has been, noise has colours, and its density about the decay counts.
+            nearby = decay.nearby.max(1.0);
+            why = format!(
+                "{why}, at the density that it has in the band; innovations have {:.0} % of its power, which moves no parameter",
                 100.0 * share / nearby
-            )
-        };
-        self.set_noise(place, noise, &format!("what the free decay leaves{dense}"));
+            );
+        }
+        self.set_noise(place, rounded(decay.rest * libm::sqrt(nearby / share)), &why);
     }
 
     /// Whether any filter has a natural frequency.
@@ -333,11 +315,12 @@ fn set_share(scenario: &mut Scenario, share: f64) {
     }
 }
 
-/// Lets a filter estimate a channel besides, if it does not yet.
-fn augment(filter: &mut FilterSettings, channel: Channel) {
+/// Lets a filter estimate a channel besides, which begins with this mean and standard deviation.
+fn augment(filter: &mut FilterSettings, channel: Channel, start: (f64, f64)) {
     if !filter.augment.contains(&channel) {
         filter.augment.push(channel);
     }
+    begin_with(filter, channel, start);
 }
 
 /// Lets a filter begin with mean and standard deviation of a channel that no noise moves.

@@ -70,17 +70,6 @@ pub enum NoDecay {
     },
 }
 
-impl NoDecay {
-    /// The reason that tells more: something swung, and longer.
-    fn or(self, other: Option<Self>) -> Self {
-        let seconds = |reason: &Self| if let Self::Short { seconds, .. } = reason { *seconds } else { -1.0 };
-        match other {
-            Some(other) if seconds(&other) >= seconds(&self) => other,
-            _ => self,
-        }
-    }
-}
-
 /// The readings that a decay has at least, and the seconds, or the swings if they take less.
 const MOST_FEW: usize = 60;
 const SHORTEST: f64 = 2.0;
@@ -137,25 +126,24 @@ impl Decay {
         readings.dedup_by(|later, before| later[0] <= before[0]);
         let pace = Pace::of(&readings);
         if pace.is_too_short(&readings) {
-            return Err(NoDecay::TooFew {
-                readings: readings.len(),
-                seconds: seconds(&readings),
-                needed: pace.shortest,
-            });
+            let (readings, seconds) = (readings.len(), seconds(&readings));
+            return Err(NoDecay::TooFew { readings, seconds, needed: pace.shortest });
         }
-        let (mut found, mut reason) = (Vec::new(), None);
+        let (mut found, mut reasons) = (Vec::new(), Vec::new());
         let mut parts = std::collections::VecDeque::from([&readings[..]]);
         for _ in 0..MOST_PARTS {
             let Some(part) = parts.pop_front() else { break };
             let (decay, [before, after]) = Self::around_the_peak(part);
             match decay {
                 Ok(decay) => found.push(decay),
-                Err(why) => reason = Some(why.or(reason)),
+                Err(reason) => reasons.push(reason),
             }
             parts.extend([before, after].into_iter().filter(|part| !Pace::of(part).is_too_short(part)));
         }
         found.sort_by(|a, b| a.begin.total_cmp(&b.begin));
-        match reason {
+        // The reason that says most: something swung, and longer.
+        let seconds = |reason: &NoDecay| if let NoDecay::Short { seconds, .. } = reason { *seconds } else { -1.0 };
+        match reasons.into_iter().rev().max_by(|a, b| seconds(a).total_cmp(&seconds(b))) {
             Some(reason) if found.is_empty() => Err(reason),
             _ => Ok(found),
         }
@@ -177,27 +165,21 @@ impl Decay {
         let (end, rests) = end(&times, &along, begin, noise, pace.share);
         let before = times.partition_point(|time| *time < times[peak] - PART * pace.share);
         let others = [&readings[..before], &readings[end.max(peak + 1)..]];
-        let is_quiet = |k: usize| along[k].abs() <= SWING * noise;
-        let rests = rests
-            && (end..along.len())
-                .rev()
-                .take_while(|&k| times[k] >= times[times.len() - 1] - REST * pace.share)
-                .all(is_quiet);
+        let last = end.max(times.partition_point(|time| *time < times[times.len() - 1] - REST * pace.share));
+        let rests = rests && along[last..].iter().all(|x| x.abs() <= SWING * noise);
         let kept = &readings[begin..end.max(begin)];
         if pace.is_too_short(kept) {
             return (Err(NoDecay::Short { seconds: seconds(kept), needed: pace.shortest }), others);
         }
         let rest = middle(&along[begin..end]);
         let along: Vec<f64> = along[begin..end].iter().map(|x| x - rest).collect();
-        let (times, count) = (&times[begin..end], end - begin);
-        let dt = (times[count - 1] - times[0]) / (count - 1) as f64;
-        let steps = Steps { start: times[0], dt, count };
-        let acceleration = steps.of(times, &along, side(&along, noise), libm::round);
-        let times_of = (0..acceleration.len()).map(|k| dt * k as f64);
-        let (times_of, gravity) = (times_of.collect(), gravity + rest);
-        let begin = times[0];
-        let readings = times.iter().zip(&along).map(|(time, x)| [time - begin, *x]).collect();
-        (Ok(Self { times: times_of, acceleration, axis, gravity, noise, begin, readings, rests }), others)
+        let (measured, count) = (&times[begin..end], end - begin);
+        let (begin, dt) = (measured[0], (measured[count - 1] - measured[0]) / (count - 1) as f64);
+        let steps = Steps { start: begin, dt, count };
+        let acceleration = steps.of(measured, &along, side(&along, noise), libm::round);
+        let times = (0..count).map(|k| dt * k as f64).collect();
+        let readings = measured.iter().zip(&along).map(|(time, x)| [time - begin, *x]).collect();
+        (Ok(Self { times, acceleration, axis, gravity: gravity + rest, noise, begin, readings, rests }), others)
     }
 
     /// How long it lasts \[s\].
@@ -427,14 +409,9 @@ fn noise_of(times: &[f64], along: &[f64], pace: f64) -> f64 {
 fn main_axis(readings: &[[f64; 4]]) -> [f64; 3] {
     let count = readings.len() as f64;
     let middle: [f64; 3] = std::array::from_fn(|i| readings.iter().map(|reading| reading[i + 1]).sum::<f64>() / count);
-    let mut cov = [[0.0; 3]; 3];
-    for reading in readings {
-        for i in 0..3 {
-            for j in 0..3 {
-                cov[i][j] += (reading[i + 1] - middle[i]) * (reading[j + 1] - middle[j]) / count;
-            }
-        }
-    }
+    let off = |reading: &[f64; 4], i: usize| reading[i + 1] - middle[i];
+    let cov = |i, j| readings.iter().map(|reading| off(reading, i) * off(reading, j) / count).sum::<f64>();
+    let cov: [[f64; 3]; 3] = std::array::from_fn(|i| std::array::from_fn(|j| cov(i, j)));
     let largest = |axis: &[f64; 3]| (0..3).max_by(|&a, &b| axis[a].abs().total_cmp(&axis[b].abs())).unwrap_or(0);
     let variances: [f64; 3] = std::array::from_fn(|i| cov[i][i]);
     let mut axis: [f64; 3] = std::array::from_fn(|i| cov[i][largest(&variances)]);
@@ -453,12 +430,8 @@ fn main_axis(readings: &[[f64; 4]]) -> [f64; 3] {
 /// The mean of readings that swing, under a Hann window: the part of a swing at either end counts little.
 fn middle(values: &[f64]) -> f64 {
     let turn = std::f64::consts::TAU / values.len().max(1) as f64;
-    let weight = |k: usize| 1.0 - libm::cos(turn * (k as f64 + 0.5));
-    let (sum, weights) = values.iter().enumerate().fold((0.0, 0.0), |(sum, weights), (k, x)| {
-        let weight = weight(k);
-        (sum + weight * x, weights + weight)
-    });
-    sum / weights
+    let weights = || (0..values.len()).map(|k| 1.0 - libm::cos(turn * (k as f64 + 0.5)));
+    weights().zip(values).map(|(weight, x)| weight * x).sum::<f64>() / weights().sum::<f64>()
 }
 
 fn mean(values: &[f64]) -> f64 {

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::Decay;
-use crate::mathematics::fourier::Transform;
+use crate::mathematics::fourier::powers;
 use crate::mathematics::least_squares::{NormalEquations, descend};
 
 /// A mode of a free decay.
@@ -125,9 +125,9 @@ fn modes(readings: &[[f64; 2]]) -> Option<(Vec<Mode>, Vec<f64>, Vec<f64>)> {
 }
 
 /// Decays beside a constant, as numbers: the constant, then ω, σ, a and b of each.
-struct Fit<const N: usize> {
-    cost: f64,
-    numbers: [f64; N],
+pub(crate) struct Fit<const N: usize> {
+    pub(crate) cost: f64,
+    pub(crate) numbers: [f64; N],
 }
 
 /// The likeliest fit with the decays so far and one more, which begins at the highest frequency of what is left.
@@ -135,7 +135,7 @@ fn best<const N: usize>(readings: &[[f64; 2]], left: &[f64], so_far: &[f64]) -> 
     if readings.len() < FEWEST * N {
         return None;
     }
-    let frequency = highest(readings, left)?;
+    let frequency = highest(readings, left, |_| true)?;
     let fits = DAMPING.map(|damping| {
         let mut numbers = [0.0; N];
         numbers[1..=so_far.len()].copy_from_slice(so_far);
@@ -145,21 +145,21 @@ fn best<const N: usize>(readings: &[[f64; 2]], left: &[f64], so_far: &[f64]) -> 
     fits.into_iter().filter(|fit| fit.cost.is_finite()).min_by(|a, b| a.cost.total_cmp(&b.cost))
 }
 
-/// The frequency \[rad/s\] at which values have most power.
-fn highest(readings: &[[f64; 2]], values: &[f64]) -> Option<f64> {
+/// The frequency \[rad/s\] at which values have most power, of those that are allowed.
+pub(crate) fn highest(readings: &[[f64; 2]], values: &[f64], is_allowed: impl Fn(f64) -> bool) -> Option<f64> {
     let (first, last) = (readings.first()?[0], readings.last()?[0]);
     let dt = (last - first) / (readings.len() - 1) as f64;
     let length = 4 * readings.len().next_power_of_two();
     let mean = values.iter().sum::<f64>() / values.len() as f64;
-    let mut numbers = vec![(0.0, 0.0); length];
+    let mut numbers = vec![0.0; length];
     for ([time, _], value) in readings.iter().zip(values) {
-        numbers[((time - first) / dt) as usize % length].0 += value - mean;
+        numbers[((time - first) / dt + 0.5) as usize % length] += value - mean;
     }
-    Transform::new(length).apply(&mut numbers);
-    let power = |place: &usize| numbers[*place].0 * numbers[*place].0 + numbers[*place].1 * numbers[*place].1;
+    let powers = powers(numbers.into_iter(), length);
+    let frequency = |place: usize| TAU * place as f64 / (length as f64 * dt);
     // Below one swing in all readings, it is a drift.
-    let peak = (length / readings.len()..length / 2).max_by(|a, b| power(a).total_cmp(&power(b)))?;
-    Some(TAU * peak as f64 / (length as f64 * dt))
+    let places = (length / readings.len()..powers.len()).filter(|place| is_allowed(frequency(*place)));
+    places.max_by(|&a, &b| powers[a].total_cmp(&powers[b])).map(frequency)
 }
 
 impl<const N: usize> Fit<N> {
@@ -186,7 +186,7 @@ impl<const N: usize> Fit<N> {
         (cost, equations)
     }
 
-    fn descend(readings: &[[f64; 2]], start: [f64; N]) -> Self {
+    pub(crate) fn descend(readings: &[[f64; 2]], start: [f64; N]) -> Self {
         let step = |at: &[f64; N], by: [f64; N]| {
             let mut next: [f64; N] = std::array::from_fn(|i| at[i] + by[i]);
             for place in (1..N).step_by(4) {
@@ -200,12 +200,12 @@ impl<const N: usize> Fit<N> {
         Self { cost, numbers }
     }
 
-    fn rests(&self, readings: &[[f64; 2]]) -> Vec<f64> {
+    pub(crate) fn rests(&self, readings: &[[f64; 2]]) -> Vec<f64> {
         let rest = |[time, reading]: &[f64; 2]| reading - Self::at(&self.numbers, time - readings[0][0]).0;
         readings.iter().map(rest).collect()
     }
 
-    fn modes(&self, readings: &[[f64; 2]]) -> Option<Vec<Mode>> {
+    pub(crate) fn modes(&self, readings: &[[f64; 2]]) -> Option<Vec<Mode>> {
         let variances = Self::normal(readings, &self.numbers).1.variances()?;
         let noise = self.cost / readings.len().saturating_sub(N).max(1) as f64;
         let modes = self.numbers[1..].chunks_exact(4).zip(variances[1..].chunks_exact(4)).map(|(of, variances)| {

@@ -1,7 +1,7 @@
 //! The ring of a thing that was struck, in the samples of a sound: its pitch, where it rings, and what stands beside it.
 
 use crate::data::sorting::sort_numbers;
-use crate::mathematics::fourier::Transform;
+use crate::mathematics::fourier::powers;
 
 /// The ring of one mode in a sound: a glass, a tuning fork, a ruler on the edge of a table.
 ///
@@ -162,12 +162,8 @@ impl Spectrum {
         let (n, middle) = (values.len() as f64, values.iter().sum::<f64>() / values.len() as f64);
         // The falling half of a Hann window: a ring is strongest where it begins.
         let weight = |k: usize| 1.0 + libm::cos(std::f64::consts::PI * (k as f64 + 0.5) / n);
-        let mut numbers: Vec<(f64, f64)> =
-            values.iter().enumerate().map(|(k, x)| (weight(k) * (x - middle) / n, 0.0)).collect();
-        numbers.resize(length, (0.0, 0.0));
-        Transform::new(length).apply(&mut numbers);
-        let powers = numbers[..length / 2].iter().map(|(re, im)| re * re + im * im).collect();
-        Some(Self { step: rate / length as f64, rate, powers })
+        let numbers = values.iter().enumerate().map(|(k, x)| weight(k) * (x - middle) / n);
+        Some(Self { step: rate / length as f64, rate, powers: powers(numbers, length) })
     }
 
     fn at(&self, frequency: f64) -> usize {

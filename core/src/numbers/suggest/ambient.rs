@@ -4,7 +4,7 @@
 use super::likeliest::Climb;
 use super::response::{Response, free_response, is_within, order};
 use super::spectra::{Gaps, LONG, Spectra};
-use super::{Suggestion, augment, first_for_trial, moments, motion_sensor, rounded};
+use super::{Suggestion, augment, moments, motion_sensor, rounded};
 use crate::data::sorting::sort_numbers;
 use crate::mathematics::least_squares::{NormalEquations, descend};
 use crate::{Channel, Hold, Quantity, Record, Scenario};
@@ -26,11 +26,6 @@ impl Sizes {
         let noise = self.noise.iter().zip(&factors[1..]).map(|(noise, by)| rounded(noise * by)).collect();
         Self { force: rounded(self.force * factors[0]), noise, ..*self }
     }
-
-    /// The same with a force that is held from its sample to the next.
-    fn held(&self) -> Self {
-        Self { hold: Hold::Zero, ..self.clone() }
-    }
 }
 
 /// Whether a record has no input: one that does not change moves nothing.
@@ -51,8 +46,7 @@ pub(super) struct Ambient {
 }
 
 impl Ambient {
-    /// The start values for a record without an input, from a suggestion without noise. `None` if the spectrum shows no
-    /// oscillator.
+    /// The start values for a record without an input. `None` if the spectrum shows no oscillator.
     pub(super) fn new(mut suggestion: Suggestion, record: &mut Record) -> Option<Self> {
         let left_out = suggestion.felt_twice();
         left_out.iter().for_each(|quantity| suggestion.scenario.remove_sensor(*quantity));
@@ -70,11 +64,11 @@ impl Ambient {
 
     /// The sizes of the next trial: those of the climb, then its best with a force that is held.
     pub(super) fn next(&self) -> Option<Sizes> {
-        let Self { sizes, climb, held, .. } = self;
-        let of_climb = || climb.next().map(|factors| sizes.times(&factors));
-        let last =
-            || climb.found.best.as_ref().filter(|_| held.is_none()).map(|(factors, _)| sizes.times(factors).held());
-        of_climb().or_else(last)
+        if let Some(factors) = self.climb.next() {
+            return Some(self.sizes.times(&factors));
+        }
+        let (factors, _) = self.climb.found.best.as_ref().filter(|_| self.held.is_none())?;
+        Some(Sizes { hold: Hold::Zero, ..self.sizes.times(factors) })
     }
 
     /// Takes in the log likelihood of the last trial, if there is one.
@@ -90,15 +84,15 @@ impl Ambient {
     pub(super) fn best(&self) -> Option<(Sizes, f64)> {
         let (factors, likelihood) = self.climb.found.best.as_ref()?;
         let sizes = self.sizes.times(factors);
-        let held = self.held.flatten().filter(|held| held > likelihood);
-        Some(held.map_or_else(|| (sizes.clone(), *likelihood), |held| (sizes.held(), held)))
+        match self.held.flatten().filter(|held| held > likelihood) {
+            Some(held) => Some((Sizes { hold: Hold::Zero, ..sizes }, held)),
+            None => Some((sizes, *likelihood)),
+        }
     }
 }
 
 impl Suggestion {
-    /// The accelerometers beside a displacement or a velocity. One sensor gives ωₙ and ζ of an oscillator under an
-    /// unknown force as well as both do. Together they also show the force's course between samples, which no filter
-    /// can model exactly: an error of that course, or of the accelerometer's delay, then looks like an error of ζ.
+    /// The accelerometers beside a displacement or a velocity: an error of the force's course, or a delay, would look like one of ζ.
     fn felt_twice(&mut self) -> Vec<Quantity> {
         let sensors = || self.scenario.sensors.iter().map(|sensor| sensor.measures);
         let is_other = sensors().any(|quantity| order(quantity) < 2);
@@ -113,30 +107,37 @@ impl Suggestion {
         left_out
     }
 
-    /// The start values of filters that assume a white force as the input, and the first guess of its size. `None` if
-    /// no filter has a frequency, or the spectrum shows none.
+    /// The start values under a white force, and the first guess of its size. `None` if filters or spectrum have no frequency.
     fn ambient(&mut self, record: &mut Record) -> Option<Sizes> {
         if !self.has_frequency() {
             return None;
         }
         let (quantity, _) = motion_sensor(record)?;
         let band = self.scenario.record.as_ref().and_then(|mapping| mapping.band);
-        let fit = ambient_fit(record, quantity, band)?;
-        let AmbientFit { natural_frequency, damping_ratio, force, noise, edge, .. } = fit;
-        let noises = self.scenario.sensors.iter().enumerate().map(|(place, sensor)| {
-            let measured = record.measured_quantity(sensor.measures)?;
-            let (_, std) = moments(measured);
+        let AmbientFit { found, force, noise, errors, edge } = ambient_fit(record, quantity, band)?;
+        let noises = self.scenario.sensors.iter().map(|sensor| {
+            let (_, std) = moments(record.measured_quantity(sensor.measures)?);
             // At high frequencies an accelerometer reads the force; all other sensors read only noise.
-            let own = || if sensor.measures == quantity { Some(noise) } else { None };
-            let fitted = || own().or_else(|| Some(ambient_fit(record, sensor.measures, band)?.noise));
-            let noise = if order(sensor.measures) < 2 { None } else { fitted() };
-            Some(noise.unwrap_or(self.scenario.sensors[place].noise_std).max(1e-4 * std))
+            let fitted = match sensor.measures {
+                other if order(other) < 2 => None,
+                own if own == quantity => Some(noise),
+                other => ambient_fit(record, other, band).map(|fit| fit.noise),
+            };
+            Some(fitted.unwrap_or(sensor.noise_std).max(1e-4 * std))
         });
         let noise = noises.collect::<Option<Vec<f64>>>()?;
-        let found = Response { natural_frequency, damping_ratio, gain: None };
         self.begin_at(record, quantity, &found, "fitted to the spectrum as that of an oscillator under a white force");
         if order(quantity) == 2 {
-            self.keep_to_spectrum(&fit);
+            // With a small error in R or in the force's course, ζ would go far wrong.
+            for filter in self.filters() {
+                filter.initial_std[Channel::NATURAL_FREQUENCY] = rounded(found.natural_frequency * errors[0]);
+                filter.initial_std[Channel::DAMPING_RATIO] = rounded(found.damping_ratio * errors[1]);
+            }
+            self.reasons.push(
+                "σ of ωₙ and ζ begin as small as the spectrum tells them, because an accelerometer alone tells an unknown force \
+                 from the motion only if both are known well"
+                    .to_owned(),
+            );
         }
         if let Some(edge) = edge {
             self.reasons.push(format!(
@@ -149,27 +150,11 @@ impl Suggestion {
         Some(Sizes { force, noise, hold: Hold::First })
     }
 
-    /// Sets the initial σ of ωₙ and ζ to the errors of the spectrum's fit. An accelerometer also reads the unknown
-    /// force, so that it hardly limits x: with a small error in R or in the force's course, ζ would go far wrong.
-    fn keep_to_spectrum(&mut self, fit: &AmbientFit) {
-        let AmbientFit { natural_frequency, damping_ratio, errors, .. } = *fit;
-        for filter in self.filters() {
-            filter.initial_std[Channel::NATURAL_FREQUENCY] = rounded(natural_frequency * errors[0]);
-            filter.initial_std[Channel::DAMPING_RATIO] = rounded(damping_ratio * errors[1]);
-        }
-        self.reasons.push(
-            "σ of ωₙ and ζ begin as small as the spectrum tells them, because an accelerometer alone tells an unknown force from \
-             the motion only if both are known well"
-                .to_owned(),
-        );
-    }
-
     /// The scenario with a white force in every filter, and noise of the sensors, of these sizes.
-    fn with_white_force(&self, sizes: &Sizes) -> Scenario {
-        let Sizes { force, noise, hold } = sizes;
-        let (mut scenario, force) = (self.scenario.clone(), *force);
+    pub(super) fn with_white_force(&self, sizes: &Sizes) -> Scenario {
+        let &Sizes { force, ref noise, hold } = sizes;
+        let mut scenario = Scenario { hold, ..self.scenario.clone() };
         let kind = scenario.plant.kind;
-        scenario.hold = *hold;
         for (sensor, noise) in scenario.sensors.iter_mut().zip(noise) {
             sensor.noise_std = *noise;
         }
@@ -177,34 +162,24 @@ impl Suggestion {
             for &channel in kind.channels().iter().filter(|channel| !channel.is_parameter()) {
                 filter.process_std[channel] = 0.0;
             }
-            augment(filter, Channel::WHITE_FORCE);
-            filter.initial_mean[Channel::WHITE_FORCE] = 0.0;
-            filter.initial_std[Channel::WHITE_FORCE] = force;
+            augment(filter, Channel::WHITE_FORCE, (0.0, force));
             filter.process_std[Channel::WHITE_FORCE] = force;
             filter.sensor_std.clone_from(noise);
         }
         scenario
     }
 
-    /// The first filter of [`Self::with_white_force`] alone.
-    pub(super) fn trial_of_white_force(&self, sizes: &Sizes) -> Scenario {
-        first_for_trial(&self.with_white_force(sizes))
-    }
-
     /// Takes these sizes for good.
     pub(super) fn take_white_force(&mut self, sizes: &Sizes) {
         self.scenario = self.with_white_force(sizes);
-        let Some(filter) = self.scenario.filters.first() else { return };
-        let force = sizes.force;
-        let unit = self.unit("m/s²");
+        let (force, unit) = (sizes.force, self.unit("m/s²"));
         let lasts = if sizes.hold == Hold::Zero { ", and that lasts until the next" } else { "" };
         self.reasons.push(format!(
             "there is no input: the filters take a white force for the cause of the motion, of {force} {unit} at a sample, which an \
              accelerometer feels too{lasts}"
         ));
-        for (sensor, noise) in self.scenario.sensors.iter().zip(&filter.sensor_std) {
-            let (name, unit) = (sensor.measures.name(), self.unit(sensor.measures.unit()));
-            self.reasons.push(format!("R of the {name}: {noise} {unit}, the most likely together with that force"));
+        for (place, noise) in sizes.noise.iter().enumerate() {
+            self.set_noise(place, *noise, "the most likely together with that force");
         }
     }
 }
@@ -212,10 +187,7 @@ impl Suggestion {
 /// An oscillator under a white force, as the spectrum of a sensor shows it.
 #[derive(Clone, Copy, Debug)]
 struct AmbientFit {
-    /// ωₙ \[rad/s\]
-    natural_frequency: f64,
-    /// ζ \[-\]
-    damping_ratio: f64,
+    found: Response,
     /// s, the standard deviation of the force over mass at a sample \[m/s²\].
     force: f64,
     /// The standard deviation of the sensor's noise, in its unit.
@@ -270,13 +242,10 @@ fn ambient_fit(record: &Record, quantity: Quantity, band: Option<[f64; 2]>) -> O
     let powers = &spectra.output[first..=last];
     let (line, order) = (spectra.frequency(1), order(quantity));
     let lines = Lines { first: first as f64, line, dt: spectra.dt, order, powers };
-    if powers.len() < LEAST {
-        return None;
-    }
     let mut sorted = powers.to_vec();
     sort_numbers(&mut sorted);
     let (low, high) = (sorted[sorted.len() / 10], sorted[sorted.len() - 1]);
-    if !(low > 0.0 && high.is_finite()) {
+    if !(powers.len() >= LEAST && low > 0.0 && high.is_finite()) {
         return None;
     }
     let size = |damping: f64| high / lines.response(peak, damping, peak).max(f64::MIN_POSITIVE);
@@ -285,13 +254,22 @@ fn ambient_fit(record: &Record, quantity: Quantity, band: Option<[f64; 2]>) -> O
     let found = [start.damping_ratio, 0.02].into_iter().map(|damping| lines.descend(begin(damping)));
     let (_, found) = found.min_by(|a, b| a.0.total_cmp(&b.0))?;
     let [natural_frequency, damping_ratio, force, noise] = found.map(libm::exp);
-    let is_sound = (0.5 * peak..2.0 * peak).contains(&natural_frequency) && damping_ratio < 0.7;
-    let edge = lines.edge(&spectra, found);
-    let errors = lines.errors(&found, spectra.independent())?;
-    let (force, noise) = (libm::sqrt(force), libm::sqrt(noise));
-    let is_sound = is_sound && force.is_finite() && force > 0.0 && noise.is_finite();
-    let damping_ratio = damping_ratio.max(1e-3);
-    is_sound.then_some(AmbientFit { natural_frequency, damping_ratio, force, noise, errors, edge })
+    let is_sound = (0.5 * peak..2.0 * peak).contains(&natural_frequency)
+        && damping_ratio < 0.7
+        && force.is_finite()
+        && force > 0.0
+        && noise.is_finite();
+    // R that is not seen has no part in the errors.
+    let variances = lines.equations(&found, &lines.model(&found)).damped(0.0, 1e-6).variances()?;
+    let [frequency, damping, ..] = variances.map(|variance| libm::sqrt(variance / spectra.independent()));
+    let fit = AmbientFit {
+        found: Response { natural_frequency, damping_ratio: damping_ratio.max(1e-3), gain: None },
+        force: libm::sqrt(force),
+        noise: libm::sqrt(noise),
+        errors: [frequency, damping],
+        edge: lines.edge(&spectra, found),
+    };
+    (is_sound && frequency.is_finite() && damping.is_finite()).then_some(fit)
 }
 
 /// Lines of a spectrum next to each other.
@@ -314,16 +292,12 @@ impl Lines<'_> {
         let (re, im) = (wn * wn - w * w, 2.0 * damping_ratio * wn * w);
         let half = 0.5 * w * self.dt;
         let sinc = if half > 0.0 { libm::sin(half) / half } else { 1.0 };
-        let square = re * re + im * im;
-        if self.order < 2 {
-            let by = if self.order == 1 { w * w } else { 1.0 };
-            return by * sinc * sinc / square.max(f64::MIN_POSITIVE);
-        }
-        // 1 - sinc (ωₙ² + 2iζωₙω) / D, with the conjugate of D above.
-        let (above_re, above_im) = (wn * wn, im);
-        let re = 1.0 - sinc * (above_re * re + above_im * im) / square.max(f64::MIN_POSITIVE);
-        let im = -sinc * (above_im * (wn * wn - w * w) - above_re * im) / square.max(f64::MIN_POSITIVE);
-        re * re + im * im
+        let (above_re, above_im) = match self.order {
+            0 => (sinc, 0.0),
+            1 => (sinc * w, 0.0),
+            _ => (re - sinc * wn * wn, im - sinc * im),
+        };
+        (above_re * above_re + above_im * above_im) / (re * re + im * im).max(f64::MIN_POSITIVE)
     }
 
     /// The frequency from which on the spectrum falls off below that of the logarithms of ωₙ, ζ, s² and R, as behind a low-pass
@@ -354,26 +328,18 @@ impl Lines<'_> {
         (0..self.powers.len()).map(|line| libm::log(force * smeared(line) + noise)).collect()
     }
 
-    /// The derivatives of the logarithm of S at each line, by the logarithms of ωₙ, ζ, s² and R.
-    fn slopes(&self, at: &[f64; 4], spectrum: &[f64]) -> [Vec<f64>; 4] {
+    /// The equations of a step of the logarithms of ωₙ, ζ, s² and R, from the logarithm of S at each line.
+    fn equations(&self, at: &[f64; 4], spectrum: &[f64]) -> NormalEquations<4> {
         /// The change of a logarithm for a derivative.
         const CHANGE: f64 = 1e-4;
-        std::array::from_fn(|i| {
-            let mut near = *at;
-            near[i] += CHANGE;
-            self.model(&near).iter().zip(spectrum).map(|(other, ln)| (other - ln) / CHANGE).collect()
-        })
-    }
-
-    /// The standard errors of ωₙ and ζ, relative to them, from the mean of a number of independent spectra.
-    fn errors(&self, at: &[f64; 4], spectra: f64) -> Option<[f64; 2]> {
-        let spectrum = self.model(at);
-        let slopes = self.slopes(at, &spectrum);
+        let near: [Vec<f64>; 4] =
+            std::array::from_fn(|i| self.model(&std::array::from_fn(|j| at[j] + if i == j { CHANGE } else { 0.0 })));
         let mut equations = NormalEquations::new();
-        (0..spectrum.len()).for_each(|line| equations.add(slopes.each_ref().map(|slopes| slopes[line]), 0.0, spectra));
-        // R that is not seen has no part in it.
-        let errors = equations.damped(0.0, 1e-6).variances()?.map(libm::sqrt);
-        errors.iter().all(|error| error.is_finite()).then_some([errors[0], errors[1]])
+        for (line, (ln, power)) in spectrum.iter().zip(self.powers).enumerate() {
+            let slopes = near.each_ref().map(|near| (near[line] - ln) / CHANGE);
+            equations.add(slopes, 1.0 - power * libm::exp(-ln), 1.0);
+        }
+        equations
     }
 
     /// The least of Whittle's likelihood, negative, that scoring reaches from a point, and its place.
@@ -383,14 +349,7 @@ impl Lines<'_> {
             let cost = spectrum.iter().zip(self.powers).map(|(ln, power)| ln + power * libm::exp(-ln)).sum();
             (cost, spectrum)
         };
-        let equations = |at: &[f64; 4], spectrum: &Vec<f64>| {
-            let slopes = self.slopes(at, spectrum);
-            let mut equations = NormalEquations::new();
-            for (line, (ln, power)) in spectrum.iter().zip(self.powers).enumerate() {
-                equations.add(slopes.each_ref().map(|slopes| slopes[line]), 1.0 - power * libm::exp(-ln), 1.0);
-            }
-            equations
-        };
+        let equations = |at: &[f64; 4], spectrum: &Vec<f64>| self.equations(at, spectrum);
         let step = |at: &[f64; 4], by: [f64; 4]| Some(std::array::from_fn(|i| at[i] - by[i].clamp(-1.0, 1.0)));
         descend(begin, (STEPS, 1e-9), |_| 1e-6 * self.powers.len() as f64, look, equations, step)
     }

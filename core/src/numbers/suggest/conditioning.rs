@@ -4,7 +4,7 @@
 use super::ambient::has_no_input;
 use super::likeliest::{Likeliest, likelihood_over};
 use super::spectra::stride;
-use super::{Suggestion, augment, begin_with, moments, motion_sensor, rounded};
+use super::{Suggestion, augment, moments, motion_sensor, rounded};
 use crate::data::import::{MappedColumn, Offset};
 use crate::data::resample::finer;
 use crate::{Channel, Hold, Record, Run, Scenario};
@@ -46,27 +46,18 @@ impl Suggestion {
             return;
         }
         let what = removed.iter().map(|(.., what)| what.as_str()).collect::<Vec<_>>().join(" and ");
-        let is_removed = |of: Channel| removed.iter().any(|(channel, ..)| *channel == of);
         if let Some(mapping) = &mut self.scenario.record {
             let input = mapping.input.iter_mut().map(|input| (Channel::INPUT_OFFSET, input));
             let sensors = mapping.sensors.iter_mut().map(|(quantity, column)| (quantity.bias(), column));
-            let columns = input.chain(sensors).filter(|(channel, _)| is_removed(*channel));
+            let columns = input.chain(sensors).filter(|(of, _)| removed.iter().any(|(channel, ..)| channel == of));
             columns.for_each(|(_, column)| column.offset = Offset::MEAN);
             self.reasons.push(format!("the mean of {what} is removed: a constant part is no motion"));
             return;
         }
         for filter in self.filters() {
-            for &(channel, mean, _) in &removed {
-                augment(filter, channel);
-                begin_with(filter, channel, (mean, 0.0));
-            }
+            removed.iter().for_each(|(channel, mean, _)| augment(filter, *channel, (*mean, 0.0)));
         }
         self.reasons.push(format!("the filters take the mean of {what} for an offset: a constant part is no motion"));
-    }
-
-    /// Whether a filter that fills gaps can know the motion.
-    pub(super) fn can_fill(&self) -> bool {
-        self.is_guessed && self.has_frequency()
     }
 }
 
@@ -119,13 +110,12 @@ impl Lost {
         }
         let (quantity, measured) = motion_sensor(record)?;
         let place = scenario.sensors.iter().position(|sensor| sensor.measures == quantity)?;
-        let half = estimates.len() / 2..estimates.len();
-        let square = |values: &mut dyn Iterator<Item = f64>| -> f64 {
-            values.filter(|value| !value.is_nan()).map(|value| value * value).sum()
+        let power = |of: &dyn Fn(usize) -> f64| {
+            let half = (estimates.len() / 2..estimates.len()).map(of).filter(|value| !value.is_nan());
+            half.map(|value| value * value).sum::<f64>()
         };
-        let innovations = square(&mut half.clone().map(|k| estimates.innovation(k)[place]));
         let (mean, _) = moments(measured);
-        if innovations >= KNOWN * KNOWN * square(&mut half.map(|k| measured[k] - mean)) {
+        if power(&|k| estimates.innovation(k)[place]) >= KNOWN * KNOWN * power(&|k| measured[k] - mean) {
             return None;
         }
         let model = settings.model(scenario.plant.kind, scenario.input);
@@ -163,8 +153,7 @@ const PART: usize = 100;
 const PULLED: f64 = 1.05;
 
 impl Plucked {
-    /// The longest part of a record without an input that swings more after each pause, and what is needed besides. `None` if it is no such
-    /// record.
+    /// The longest part of a record without an input that swings more after pauses, and what is needed besides. `None` for others.
     pub(super) fn of(record: &Record) -> Option<(Record, Self)> {
         let measured = record.sensors().first().map(|_| record.measured(0)).filter(|_| has_no_input(record))?;
         let read: Vec<usize> = (0..record.len()).filter(|&k| !measured[k].is_nan()).collect();
@@ -180,17 +169,17 @@ impl Plucked {
             let after = pauses.get(place + 1).copied().unwrap_or(read.len());
             largest(&read[at..after]) > PULLED * largest(&read[usize::midpoint(before, at)..at])
         };
-        let begins: Vec<usize> = (0..pauses.len()).filter(is_pulled).map(|place| pauses[place]).collect();
-        let ends: Vec<usize> = begins.iter().copied().chain([read.len()]).collect();
-        let parts = || [0].into_iter().chain(begins.iter().copied()).zip(ends.iter().copied());
-        if begins.is_empty() || parts().any(|(begin, end)| end - begin < PART) {
+        let begins = (0..pauses.len()).filter(is_pulled).map(|place| pauses[place]);
+        let bounds: Vec<usize> = [0].into_iter().chain(begins).chain([read.len()]).collect();
+        let parts = || bounds.windows(2).map(|part| (part[0], part[1]));
+        let (begin, end) = parts().max_by_key(|(begin, end)| end - begin)?;
+        if bounds.len() < 3 || parts().any(|(begin, end)| end - begin < PART) {
             return None;
         }
-        let (begin, end) = parts().max_by_key(|(begin, end)| end - begin)?;
         let longest = record.part(read[begin]..read[end - 1] + 1);
         let growth = largest(&read) / largest(&read[begin..end]);
         let time = |&begin: &usize| libm::round((record.time(read[begin]) - 0.5 * record.dt()) * 1e6) / 1e6;
-        let times = begins.iter().map(time).collect();
+        let times = bounds[1..bounds.len() - 1].iter().map(time).collect();
         Some((longest, Self { whole: record.clone(), times, growth }))
     }
 
@@ -243,14 +232,7 @@ const CLEARLY: f64 = 5.0;
 
 impl Course {
     const ALL: [Self; 3] = [Self::Linear, Self::Held, Self::BandLimited];
-
-    const fn name(self) -> &'static str {
-        match self {
-            Self::Linear => "linear",
-            Self::Held => "held",
-            Self::BandLimited => "band-limited",
-        }
-    }
+    const NAMES: [&str; 3] = ["linear", "held", "band-limited"];
 
     pub(super) const fn steps(self) -> usize {
         if matches!(self, Self::BandLimited) { STEPS } else { 1 }
@@ -341,19 +323,18 @@ impl Between {
     /// The course to be taken, and a sentence about it.
     pub(super) fn chosen(&self) -> (Course, Option<String>) {
         let Some((readings, linear)) = self.readings[0].best else { return (Course::Linear, None) };
-        let of = |course: &Course| self.readings[*course as usize].best.filter(|(count, _)| *count == readings);
-        let mut all: Vec<(Course, f64)> =
-            Course::ALL.iter().filter_map(|course| Some((*course, of(course)?.1))).collect();
-        let mut taken = (Course::Linear, linear);
-        for other in &all {
-            // The simpler one stays unless another one is clearly likelier.
-            if other.1 > taken.1 + CLEARLY {
-                taken = *other;
-            }
-        }
-        all.retain(|(course, _)| *course != taken.0);
-        let Some(next) = all.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1)) else { return (taken.0, None) };
-        let (lead, name, other) = (taken.1 - next.1, taken.0.name(), next.0.name());
+        let likelihood = |course: &Course| self.readings[*course as usize].best.filter(|best| best.0 == readings);
+        let all = || Course::ALL.into_iter().filter_map(|course| Some((course, likelihood(&course)?.1)));
+        // The simpler one stays unless another one is clearly likelier.
+        let taken = all().fold(
+            (Course::Linear, linear),
+            |taken, other| {
+                if other.1 > taken.1 + CLEARLY { other } else { taken }
+            },
+        );
+        let others = all().filter(|(course, _)| *course != taken.0);
+        let Some(next) = others.max_by(|a, b| a.1.total_cmp(&b.1)) else { return (taken.0, None) };
+        let (lead, name, other) = (taken.1 - next.1, Course::NAMES[taken.0 as usize], Course::NAMES[next.0 as usize]);
         let digits = usize::from(lead.abs() < 10.0);
         let sentence = if lead > CLEARLY {
             format!(
@@ -375,32 +356,26 @@ impl Between {
 mod tests {
     use super::*;
 
-    fn between(best: [Option<(f64, u32)>; 3]) -> Between {
-        let readings = best.map(|best| Likeliest { best: best.map(|(now, readings)| (readings, now)), trials: 0 });
-        Between { place: 0, part: None, readings }
-    }
-
-    #[track_caller]
-    fn check(best: [Option<(f64, u32)>; 3], expected: Course, says: &str) {
-        let (course, sentence) = between(best).chosen();
-        assert_eq!(course, expected);
-        assert!(sentence.as_ref().is_some_and(|sentence| sentence.contains(says)), "{sentence:?}");
-    }
-
     #[test]
-    fn the_likeliest_course_is_taken_and_the_simpler_one_of_two_that_are_alike() {
-        let of = |likelihood: f64| Some((likelihood, 900));
-        check([of(1000.0), of(1300.0), of(900.0)], Course::Held, "is held between samples, the likeliest");
-        check([of(1000.0), of(1300.0), of(900.0)], Course::Held, "by 300 in log likelihood before linear");
-        check([of(1000.0), of(500.0), of(1200.0)], Course::BandLimited, "by 200 in log likelihood before linear");
-        check([of(1000.0), of(500.0), of(1004.0)], Course::Linear, "do not tell it from band-limited");
-        check([of(1000.0), of(1300.0), of(1302.0)], Course::Held, "differs by 2.0");
-    }
-
-    #[test]
-    fn likelihoods_of_other_readings_do_not_compare() {
-        check([Some((1000.0, 900)), Some((9000.0, 899)), Some((800.0, 900))], Course::Linear, "before band-limited");
-        assert_eq!(between([Some((1000.0, 900)), None, None]).chosen(), (Course::Linear, None));
-        assert_eq!(between([None, Some((1000.0, 900)), None]).chosen(), (Course::Linear, None));
+    fn the_likeliest_course_of_the_same_readings_is_taken_and_the_simpler_one_of_two_that_are_alike() {
+        let chosen = |best: [Option<(u32, f64)>; 3]| {
+            let readings = best.map(|best| Likeliest { best, trials: 0 });
+            Between { place: 0, part: None, readings }.chosen()
+        };
+        let of = |likelihood: f64| Some((900, likelihood));
+        for (best, expected, says) in [
+            ([of(1000.0), of(1300.0), of(900.0)], Course::Held, "is held between samples, the likeliest"),
+            ([of(1000.0), of(1300.0), of(900.0)], Course::Held, "by 300 in log likelihood before linear"),
+            ([of(1000.0), of(500.0), of(1200.0)], Course::BandLimited, "by 200 in log likelihood before linear"),
+            ([of(1000.0), of(500.0), of(1004.0)], Course::Linear, "do not tell it from band-limited"),
+            ([of(1000.0), of(1300.0), of(1302.0)], Course::Held, "differs by 2.0"),
+            ([of(1000.0), Some((899, 9000.0)), of(800.0)], Course::Linear, "before band-limited"),
+        ] {
+            let (course, sentence) = chosen(best);
+            assert_eq!(course, expected);
+            assert!(sentence.as_ref().is_some_and(|sentence| sentence.contains(says)), "{sentence:?}");
+        }
+        assert_eq!(chosen([of(1000.0), None, None]), (Course::Linear, None));
+        assert_eq!(chosen([None, of(1000.0), None]), (Course::Linear, None));
     }
 }

@@ -58,11 +58,7 @@ impl Readings {
         let inverse = (pole.0 / (wn * wn), -pole.1 / (wn * wn));
         let held = times((turn.0 - 1.0, turn.1), inverse);
         let ramp = times((held.0 / self.dt - 1.0, held.1 / self.dt), inverse);
-        let read = match self.order {
-            0 => (1.0, 0.0),
-            1 => pole,
-            _ => times(pole, pole),
-        };
+        let read = [(1.0, 0.0), pole, times(pole, pole)][self.order as usize];
         let (mut q, mut free, mut columns) = ((0.0, 0.0), (1.0, 0.0), Vec::with_capacity(self.values.len()));
         for (k, &force) in self.force.iter().enumerate() {
             let felt = if self.order == 2 { force } else { 0.0 };
@@ -198,7 +194,6 @@ pub(super) fn forced(
     let [of_gain, ..] = readings.normal(&columns).variances()?;
     let is_certain = square(parts[0]) > square(CERTAIN) * variance * of_gain;
     let is_sound = cost < UNEXPLAINED * there as f64 && zeta < 0.8 && is_within(band, wn);
-    let found =
-        Response { natural_frequency: wn, damping_ratio: zeta.max(1e-3), gain: Some(parts[0] * size / strength) };
-    (is_certain && is_sound).then_some(found)
+    let gain = Some(parts[0] * size / strength);
+    (is_certain && is_sound).then_some(Response { natural_frequency: wn, damping_ratio: zeta.max(1e-3), gain })
 }

@@ -2,9 +2,9 @@
 //! all over their ranges, and goes on from the end of the likeliest run.
 
 use super::likeliest::{Likeliest, first_alone, likelihood_over};
-use super::response::{Decay, Response, free_response, order};
-use super::{Suggestion, augment, begin_with, moments, motion_sensor, rounded, set_share};
-use crate::mathematics::channel::{MAX_MASSES, Role, Sign};
+use super::response::{Decay, Response, order};
+use super::{Suggestion, augment, begin_with, moments, rounded, set_share};
+use crate::mathematics::channel::{Role, Sign};
 use crate::mathematics::equation::Equation;
 use crate::{Aspect, Channel, FilterKind, FilterSettings, InputKind, PlantKind, Quantity, Record, Run, Scenario};
 
@@ -21,24 +21,14 @@ impl Suggestion {
         self.simulate_with(Channel::NATURAL_FREQUENCY, wn);
         self.simulate_with(Channel::DAMPING_RATIO, zeta);
         self.gain(record, gain);
+        let displacement = self.expect_motion(record, quantity, natural_frequency, 1);
         let measured = record.measured_quantity(quantity).unwrap_or_default();
-        let (_, size) = moments(measured);
-        let order = order(quantity);
-        let displacement = size / libm::pow(natural_frequency, f64::from(order));
-        let first = measured.iter().copied().find(|value| !value.is_nan()).filter(|_| order == 0).unwrap_or(0.0);
+        let cubic = cubic_scale(natural_frequency, measured, order(quantity));
         for filter in self.filters() {
             let std = |value: f64| rounded(value.max(f64::MIN_POSITIVE));
-            let motion = [
-                (Channel::DISPLACEMENT, rounded(first), std(displacement)),
-                (Channel::VELOCITY, 0.0, std(displacement * natural_frequency)),
-            ];
-            for (channel, mean, std) in motion {
-                (filter.initial_mean[channel], filter.initial_std[channel]) = (mean, std);
-            }
-            let cubic = std(cubic_scale(natural_frequency, measured, order));
             begin_with(filter, Channel::NATURAL_FREQUENCY, (wn, std(0.1 * natural_frequency)));
             begin_with(filter, Channel::DAMPING_RATIO, (zeta, std((0.5 * damping_ratio).max(0.01))));
-            begin_with(filter, Channel::CUBIC_STIFFNESS, (0.0, cubic));
+            begin_with(filter, Channel::CUBIC_STIFFNESS, (0.0, std(cubic)));
         }
         self.reasons.push("initial spread: a tenth of ωₙ, half of ζ, and the size of the motion itself".to_owned());
         let (kind, input) = (self.scenario.plant.kind, self.scenario.input);
@@ -51,10 +41,9 @@ impl Suggestion {
         }
     }
 
-    /// Lets every filter expect a motion as large as the beginning of a decay, which a long record's mean square hides, and begin near
-    /// the parameters of a fit that leaves noise alone.
+    /// Lets every filter expect a motion as large as a decay's beginning, and begin near the parameters of a fit that leaves noise alone.
     pub(super) fn begin_as_large(&mut self, quantity: Quantity, decay: &Decay) {
-        let Decay { natural_frequency, damping_ratio, spread, amplitude, is_all, .. } = *decay;
+        let Decay { found: Response { natural_frequency, damping_ratio, .. }, spread, amplitude, .. } = *decay;
         let displacement = amplitude / libm::pow(natural_frequency, f64::from(order(quantity)));
         let sizes = [(Channel::DISPLACEMENT, displacement), (Channel::VELOCITY, displacement * natural_frequency)];
         for filter in self.filters() {
@@ -62,21 +51,20 @@ impl Suggestion {
                 filter.initial_std[channel] = filter.initial_std[channel].max(rounded(size));
             }
         }
-        if !is_all {
+        if !decay.is_all {
             return;
         }
         // The readings count again in the filter: a spread far above that of the fit says next to nothing, and a linearisation holds
         // within it.
-        let fitted = [natural_frequency, damping_ratio];
         let eight_digits = |value: f64| format!("{value:.7e}").parse().unwrap_or(value);
-        let [frequency, damping] = spread.map(|std| LOOSE * std);
-        let spread = [frequency.max(1e-5 * fitted[0]), damping.max(0.01 * fitted[1])];
-        let channels = [Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO];
+        let starts = [
+            (Channel::NATURAL_FREQUENCY, natural_frequency, (LOOSE * spread[0]).max(1e-5 * natural_frequency)),
+            (Channel::DAMPING_RATIO, damping_ratio, (LOOSE * spread[1]).max(0.01 * damping_ratio)),
+        ];
         for filter in self.filters() {
-            for ((channel, value), spread) in channels.into_iter().zip(fitted).zip(spread) {
-                if rounded(spread) < filter.initial_std[channel] {
-                    filter.initial_std[channel] = rounded(spread);
-                    filter.initial_mean[channel] = eight_digits(value);
+            for (channel, value, spread) in starts.map(|(channel, value, spread)| (channel, value, rounded(spread))) {
+                if spread < filter.initial_std[channel] {
+                    (filter.initial_mean[channel], filter.initial_std[channel]) = (eight_digits(value), spread);
                 }
             }
         }
@@ -104,7 +92,6 @@ impl Suggestion {
         }
         let is_mapped = self.scenario.record.is_some();
         for filter in self.filters() {
-            augment(filter, Channel::INPUT_GAIN);
             let mean = if is_mapped { 1.0 } else { gain };
             if !is_mapped && filter.augment.contains(&Channel::INPUT_OFFSET) {
                 // The offset belongs to the true input; its gain is not yet known well.
@@ -112,7 +99,7 @@ impl Suggestion {
                 filter.initial_mean[Channel::INPUT_OFFSET] = offset;
                 filter.initial_std[Channel::INPUT_OFFSET] = rounded(0.2 * offset.abs());
             }
-            begin_with(filter, Channel::INPUT_GAIN, (mean, rounded(0.2 * mean.abs())));
+            augment(filter, Channel::INPUT_GAIN, (mean, rounded(0.2 * mean.abs())));
         }
     }
 
@@ -128,23 +115,21 @@ impl Suggestion {
         self.own_parameters().is_some_and(|(equation, _)| !equation.is_linear())
     }
 
-    /// Lets filters of an equation without a natural frequency expect a motion of the size that the record shows.
-    pub(super) fn size_of_motion(&mut self, record: &Record) {
-        let Some((quantity, measured)) = motion_sensor(record) else { return };
-        let band = self.scenario.record.as_ref().and_then(|mapping| mapping.band);
-        let Some(found) = free_response(record, measured, band) else { return };
-        let (_, size) = moments(measured);
-        let displacement = size / libm::pow(found.natural_frequency, f64::from(order(quantity)));
+    /// Lets every filter expect a motion of some masses of the size that a quantity shows. Returns that of the displacement \[m\].
+    pub(super) fn expect_motion(&mut self, record: &Record, quantity: Quantity, wn: f64, masses: usize) -> f64 {
+        let (_, size) = moments(record.measured_quantity(quantity).unwrap_or_default());
+        let displacement = size / libm::pow(wn, f64::from(order(quantity)));
         for filter in self.filters() {
-            for mass in 0..MAX_MASSES {
+            for mass in 0..masses {
                 let first = record.measured_quantity(Quantity::new(Aspect::DISPLACEMENT, mass));
                 let first = first.and_then(|all| all.iter().copied().find(|value| !value.is_nan()));
                 let (x, v) = (Channel::displacement(mass), Channel::velocity(mass));
                 (filter.initial_mean[x], filter.initial_mean[v]) = (rounded(first.unwrap_or(0.0)), 0.0);
                 filter.initial_std[x] = rounded(displacement.max(f64::MIN_POSITIVE));
-                filter.initial_std[v] = rounded((displacement * found.natural_frequency).max(f64::MIN_POSITIVE));
+                filter.initial_std[v] = rounded((displacement * wn).max(f64::MIN_POSITIVE));
             }
         }
+        displacement
     }
 }
 
@@ -242,12 +227,12 @@ impl Search {
                 return (told / 4.0, 4.0 * told, 0.0);
             }
             let size = if usual.mean == 0.0 { usual.std } else { usual.mean.abs() }.max(f64::MIN_POSITIVE);
-            let given = settings.parameter(channel.key()).and_then(|one| one.range);
-            let most = given.map_or(50.0 * size, |[low, high]| low.abs().max(high.abs()));
-            let is_one_sided = given.is_some_and(|[low, high]| low >= 0.0 || high <= 0.0)
-                || !matches!(channel.role(), Role::Parameter(Sign::Any));
-            let other = if is_one_sided { 0.0 } else { 0.25 };
-            (most / if given.is_some() { 200.0 } else { 2500.0 }, most, other)
+            let is_any = matches!(channel.role(), Role::Parameter(Sign::Any));
+            let Some([low, high]) = settings.parameter(channel.key()).and_then(|one| one.range) else {
+                return (size / 50.0, 50.0 * size, if is_any { 0.25 } else { 0.0 });
+            };
+            let most = low.abs().max(high.abs());
+            (most / 200.0, most, if is_any && low < 0.0 && high > 0.0 { 0.25 } else { 0.0 })
         };
         let points = (POINTS.0 * channels.len()).min(POINTS.1);
         let ranges = channels.iter().map(range).collect();

@@ -1,17 +1,19 @@
 //! Natural frequency, damping ratio and gain from spectra, and from a free decay.
 
 use std::borrow::Cow;
+use std::f64::consts::TAU;
 
 use super::moments;
 use super::spectra::{Gaps, LONG, Spectra};
+use crate::data::free_decay::{Fit, highest};
 use crate::data::import::Mapping;
 use crate::data::sorting::sort_numbers;
-use crate::mathematics::fourier::Transform;
-use crate::mathematics::least_squares::{NormalEquations, descend};
+use crate::mathematics::fourier::powers;
+use crate::mathematics::least_squares::NormalEquations;
 use crate::{Aspect, Hold, Quantity, Record};
 
 /// An oscillator, identified from its frequency response.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Response {
     /// ωₙ \[rad/s\]
     pub(super) natural_frequency: f64,
@@ -80,13 +82,11 @@ pub(super) fn response(record: &Record, quantity: Quantity, band: Option<[f64; 2
     let spectra = Spectra::new(record, &measured, LONG, Gaps::Fill)?;
     let dt = record.dt() / steps as f64;
     let points = points(&spectra, record, quantity, band, dt, 0.0);
-    let highest =
-        |of: &dyn Fn(&Point) -> f64| points.iter().max_by(|a, b| of(a).total_cmp(&of(b))).map(|point| point.frequency);
+    let peak = |of: fn(&Point) -> f64| Some(points.iter().max_by(|a, b| of(a).total_cmp(&of(b)))?.frequency);
     let spectrum = free_response(record, &measured, band).map(|found| found.natural_frequency);
-    let peaks = [highest(&|p| power(p.response)), highest(&|p| p.explained), spectrum];
+    let peaks = [peak(|p| power(p.response)), peak(|p| p.explained), spectrum];
     let fits = peaks.into_iter().flatten().filter_map(|peak| fit(&points, peak));
-    let fits = fits.map(|found| (misfit(&points, &found), found));
-    let mut found = fits.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, found)| found)?;
+    let mut found = fits.min_by(|a, b| misfit(&points, a).total_cmp(&misfit(&points, b)))?;
     if order(quantity) == 2 && record.hold() == Hold::Zero {
         for _ in 0..FEEDTHROUGH_ROUNDS {
             let points = self::points(&spectra, record, quantity, band, dt, found.gain.unwrap_or(0.0));
@@ -142,8 +142,7 @@ fn points(
 }
 
 pub(super) fn is_within(band: Option<[f64; 2]>, frequency: f64) -> bool {
-    let hertz = frequency / std::f64::consts::TAU;
-    band.is_none_or(|[low, high]| (low..=high).contains(&hertz))
+    band.is_none_or(|[low, high]| (low..=high).contains(&(frequency / TAU)))
 }
 
 /// The part of the explained power that an oscillator leaves unexplained.
@@ -152,9 +151,8 @@ fn misfit(points: &[Point], found: &Response) -> f64 {
     let error = |point: &Point| {
         let w = point.frequency;
         let (re, im) = (wn * wn - w * w, 2.0 * found.damping_ratio * wn * w);
-        let scale = gain / (re * re + im * im);
-        let error = (point.response.0 - scale * re, point.response.1 + scale * im);
-        power(error) * point.scale
+        let scale = gain / power((re, im));
+        power((point.response.0 - scale * re, point.response.1 + scale * im)) * point.scale
     };
     points.iter().map(error).sum()
 }
@@ -165,15 +163,18 @@ fn fit(points: &[Point], peak: f64) -> Option<Response> {
     if near.len() < 4 {
         return None;
     }
-    let mut denominator: Vec<f64> =
-        near.iter().map(|point| 1.0 / power(point.response).max(f64::MIN_POSITIVE)).collect();
-    let mut found = None;
+    let mut found: Option<[f64; 3]> = None;
     for _ in 0..ROUNDS {
         let mut equations = NormalEquations::new();
-        for (point, d) in near.iter().zip(&denominator) {
+        for point in &near {
             // H (b + iωa - ω²) = g, with b = ωₙ² and a = 2ζωₙ, in units of the peak.
             let (h, scaled) = (point.response, point.frequency / peak);
-            let weight = point.weight / (power(h) * d).max(f64::MIN_POSITIVE);
+            let weight = match found {
+                Some([b, a, _]) => {
+                    point.weight / (power(h) * power((b - scaled * scaled, a * scaled))).max(f64::MIN_POSITIVE)
+                }
+                None => point.weight,
+            };
             equations.add([h.0, -scaled * h.1, -1.0], scaled * scaled * h.0, weight);
             equations.add([h.1, scaled * h.0, 0.0], scaled * scaled * h.1, weight);
         }
@@ -181,14 +182,9 @@ fn fit(points: &[Point], peak: f64) -> Option<Response> {
         if !(b > 0.0 && a.is_finite() && g.is_finite()) {
             break;
         }
-        for (point, d) in near.iter().zip(&mut denominator) {
-            let scaled = point.frequency / peak;
-            let (re, im) = (b - scaled * scaled, a * scaled);
-            *d = (re * re + im * im).max(f64::MIN_POSITIVE);
-        }
-        found = Some((b, a, g));
+        found = Some([b, a, g]);
     }
-    let (b, a, g) = found?;
+    let [b, a, g] = found?;
     let natural_frequency = peak * libm::sqrt(b);
     let damping_ratio = a / (2.0 * libm::sqrt(b));
     let is_sound = (0.2 * peak..5.0 * peak).contains(&natural_frequency) && damping_ratio < 1.0;
@@ -222,12 +218,9 @@ pub(super) fn free_response(record: &Record, measured: &[f64], band: Option<[f64
 }
 
 /// An oscillator that nothing moves any more, as one sensor shows it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Decay {
-    /// ωₙ \[rad/s\]
-    pub(super) natural_frequency: f64,
-    /// ζ \[-\]
-    pub(super) damping_ratio: f64,
+    pub(super) found: Response,
     /// The standard deviation of what it leaves, in the sensor's unit; and those of ωₙ and ζ, if that is white.
     pub(super) rest: f64,
     /// The power of that about the decay's frequency, over its mean power.
@@ -251,7 +244,6 @@ const LASTS: f64 = 3.0;
 const NEAR: std::ops::Range<f64> = 0.8..1.25;
 /// The mean power of noise near the decay's frequency is at most this often the median of all.
 const LOUD: f64 = 6.0;
-const STEPS: usize = 40;
 
 /// The free response that fits best to the readings from the largest one on, by least squares:
 ///
@@ -270,143 +262,56 @@ pub(super) fn decay(record: &Record, measured: &[f64], mapping: Option<&Mapping>
     let (mean, _) = moments(measured);
     let size = |value: f64| if value.is_nan() { 0.0 } else { (value - mean).abs() };
     let begin = (0..measured.len()).max_by(|&a, &b| size(measured[a]).total_cmp(&size(measured[b])))?;
-    let values = &measured[begin..];
     // A largest reading late in the record is no beginning of a decay.
-    if 2 * begin > measured.len() || values.len() < SHORTEST {
+    if 2 * begin > measured.len() {
         return None;
     }
-    let readings = Readings { values: &values[..values.len().min(MOST)], dt: record.dt() };
-    let lengths = (0..).map(|i| SHORTEST << i).take_while(|length| *length <= readings.values.len());
-    let starts = lengths.filter_map(|length| readings.peak(length, mean, band));
-    let found = starts.map(|start| readings.descend(start)).filter(|(error, _)| error.is_finite());
-    let (_, shape) = found.min_by(|a, b| a.0.total_cmp(&b.0))?;
-    let natural_frequency = libm::hypot(shape.frequency, shape.rate);
-    let damping_ratio = shape.rate / natural_frequency;
+    let times = (0..MOST).map(|k| k as f64 * record.dt());
+    let readings = times.zip(&measured[begin..]).filter(|(_, value)| !value.is_nan());
+    let readings: Vec<[f64; 2]> = readings.map(|(time, value)| [time, *value]).collect();
+    let lengths = (0..).map(|i| SHORTEST << i).take_while(|length| *length <= readings.len());
+    let fits = lengths.filter_map(|length| {
+        let values: Vec<f64> = readings[..length].iter().map(|[_, value]| *value).collect();
+        let frequency = highest(&readings[..length], &values, |frequency| is_within(band, frequency))?;
+        Some(Fit::descend(&readings, [mean, frequency, 2.0 / (readings[length - 1][0] + record.dt()), 0.0, 0.0]))
+    });
+    let fit = fits.filter(|fit| fit.cost.is_finite()).min_by(|a, b| a.cost.total_cmp(&b.cost))?;
+    let mode = *fit.modes(&readings)?.first()?;
+    let (natural_frequency, damping_ratio) = (TAU * mode.frequency, mode.damping_ratio);
+    let ([constant, frequency, rate, ..], rests) = (fit.numbers, fit.rests(&readings));
+    let first = readings.partition_point(|[time, _]| time * rate < LASTS);
+    let left = rests[..first].iter().map(|rest| rest * rest).sum::<f64>();
+    let all = readings[..first].iter().map(|[_, value]| (value - constant) * (value - constant)).sum::<f64>();
     let is_sound = is_within(band, natural_frequency) && (1e-4..0.7).contains(&damping_ratio);
-    let amplitude = libm::hypot(shape.parts[0], shape.parts[1]);
-    let explains = readings.unexplained(&shape) < UNEXPLAINED;
-    let (is_all, nearby) = readings.leaves_noise(&shape, mapping);
-    let (rest, [frequency, rate]) = readings.spread(&shape)?;
-    let spread = [frequency, rate / natural_frequency];
-    let found = Decay { natural_frequency, damping_ratio, rest, nearby, spread, amplitude, is_all };
-    (is_sound && explains).then_some(found)
+    let (is_all, nearby) = leaves_noise(&rests, frequency * record.dt(), passed(mapping, record.dt()));
+    let found = Decay {
+        found: Response { natural_frequency, damping_ratio, gain: None },
+        rest: libm::sqrt(fit.cost / readings.len().saturating_sub(5).max(1) as f64),
+        nearby,
+        spread: [TAU * mode.std[0], mode.std[1]],
+        amplitude: mode.amplitude,
+        is_all,
+    };
+    (is_sound && left < UNEXPLAINED * all).then_some(found)
 }
 
-/// The power of numbers at the frequencies below half their rate. Their count is a power of two.
-fn powers(numbers: impl Iterator<Item = f64>) -> Vec<f64> {
-    let mut buffer: Vec<(f64, f64)> = numbers.map(|number| (number, 0.0)).collect();
-    Transform::new(buffer.len()).apply(&mut buffer);
-    buffer.iter().take(buffer.len() / 2).map(|(re, im)| re * re + im * im).collect()
+/// The shares of the Nyquist frequency between which an import lets frequencies through.
+pub(super) fn passed(mapping: Option<&Mapping>, dt: f64) -> [f64; 2] {
+    mapping.map_or([0.0, 1.0], |mapping| mapping.passed(dt))
 }
 
-/// A decay: its frequency and rate \[rad/s, 1/s\], and the parts of cosine, sine and constant.
-#[derive(Clone, Copy, Debug)]
-struct Shape {
-    frequency: f64,
-    rate: f64,
-    parts: [f64; 3],
-}
-
-struct Readings<'a> {
-    values: &'a [f64],
-    dt: f64,
-}
-
-impl Readings<'_> {
-    /// The highest frequency of the first samples, with a decay over their length.
-    fn peak(&self, length: usize, mean: f64, band: Option<[f64; 2]>) -> Option<Shape> {
-        let first = self.values[..length].iter().map(|value| if value.is_nan() { 0.0 } else { value - mean });
-        let powers = powers(first);
-        let span = length as f64 * self.dt;
-        let frequency = |place: usize| std::f64::consts::TAU * place as f64 / span;
-        let within = (1..powers.len()).filter(|place| is_within(band, frequency(*place)));
-        let peak = within.max_by(|&a, &b| powers[a].total_cmp(&powers[b]))?;
-        Some(Shape { frequency: frequency(peak), rate: 2.0 / span, parts: [0.0; 3] })
-    }
-
-    /// Whether a decay leaves no more power about its own frequency than elsewhere, where an import lets anything through; and
-    /// the mean power there over that elsewhere.
-    fn leaves_noise(&self, shape: &Shape, mapping: Option<&Mapping>) -> (bool, f64) {
-        let mut rests = Vec::with_capacity(self.values.len());
-        self.each(shape, |_, _, _, rest| rests.push(rest));
-        rests.truncate(1 << rests.len().max(2).ilog2());
-        let line = std::f64::consts::TAU / (rests.len() as f64 * self.dt);
-        let mut powers = powers(rests.into_iter());
-        let last = powers.len();
-        let [low, high] = [NEAR.start, NEAR.end].map(|edge| ((edge * shape.frequency / line) as usize).clamp(1, last));
-        let near = &powers[low..(high + 1).min(last)];
-        let mean = near.iter().sum::<f64>() / near.len().max(1) as f64;
-        let passed = mapping.map_or([0.0, 1.0], |mapping| mapping.passed(self.dt));
-        let [low, high] = passed.map(|share| ((share * last as f64) as usize).min(last));
-        let passed = &mut powers[low.min(high.saturating_sub(1))..high.max(1)];
-        let all = passed.iter().sum::<f64>() / passed.len() as f64;
-        sort_numbers(passed);
-        (mean < LOUD * passed[passed.len() / 2], if all > 0.0 { mean / all } else { 1.0 })
-    }
-
-    /// Calls with each reading: its time, cosine and sine of the decay, the reading, and what the decay leaves of it.
-    fn each(&self, shape: &Shape, mut call: impl FnMut(f64, [f64; 2], f64, f64)) {
-        let [a, b, c] = shape.parts;
-        let (sin, cos) = libm::sincos(shape.frequency * self.dt);
-        let decay = libm::exp(-shape.rate * self.dt);
-        let (turn_re, turn_im) = (decay * cos, decay * sin);
-        let (mut re, mut im) = (1.0, 0.0);
-        for (k, value) in self.values.iter().enumerate() {
-            if !value.is_nan() {
-                call(k as f64 * self.dt, [re, im], *value, value - a * re - b * im - c);
-            }
-            (re, im) = (re * turn_re - im * turn_im, re * turn_im + im * turn_re);
-        }
-    }
-
-    /// The squared error of a decay, with the normal equations of a step.
-    fn normal(&self, shape: &Shape) -> (f64, NormalEquations<5>) {
-        let ([a, b, _], mut error, mut equations) = (shape.parts, 0.0, NormalEquations::new());
-        self.each(shape, |time, [re, im], _, rest| {
-            error += rest * rest;
-            equations.add([re, im, 1.0, time * (b * re - a * im), -time * (a * re + b * im)], rest, 1.0);
-        });
-        (error, equations)
-    }
-
-    /// The standard deviation of what a decay leaves, and those of frequency and rate \[rad/s, 1/s\].
-    fn spread(&self, shape: &Shape) -> Option<(f64, [f64; 2])> {
-        let (error, equations) = self.normal(shape);
-        let [.., frequency, rate] = equations.variances()?;
-        let there = self.values.iter().filter(|value| !value.is_nan()).count();
-        let variance = error / there.saturating_sub(5).max(1) as f64;
-        Some((libm::sqrt(variance), [frequency, rate].map(|own| libm::sqrt(variance * own.max(0.0)))))
-    }
-
-    /// The parts that fit best to frequency and rate.
-    fn with_parts(&self, shape: Shape) -> Option<Shape> {
-        let mut equations = NormalEquations::new();
-        self.each(&shape, |_, [re, im], value, _| equations.add([re, im, 1.0], value, 1.0));
-        Some(Shape { parts: equations.solution()?, ..shape })
-    }
-
-    /// The least error that steps of Levenberg reach from frequency and rate, and the decay there.
-    fn descend(&self, start: Shape) -> (f64, Shape) {
-        let Some(begin) = self.with_parts(start) else { return (f64::INFINITY, start) };
-        let step = |shape: &Shape, [.., frequency, rate]: [f64; 5]| {
-            self.with_parts(Shape {
-                frequency: (shape.frequency + frequency).clamp(0.5 * shape.frequency, 2.0 * shape.frequency),
-                rate: (shape.rate + rate).clamp(0.25 * shape.rate, 4.0 * shape.rate),
-                ..*shape
-            })
-        };
-        descend(begin, (STEPS, 0.0), |error| 1e-9 * error, |shape| self.normal(shape), |_, normal| *normal, step)
-    }
-
-    /// The share of the power in the first time constants that a decay leaves unexplained.
-    fn unexplained(&self, shape: &Shape) -> f64 {
-        let ([.., c], mut left, mut all) = (shape.parts, 0.0, 0.0);
-        self.each(shape, |time, _, value, rest| {
-            if time * shape.rate < LASTS {
-                left += rest * rest;
-                all += (value - c) * (value - c);
-            }
-        });
-        left / all.max(f64::MIN_POSITIVE)
-    }
+/// Whether what a decay leaves has no more power about the decay's frequency, in radians a sample, than elsewhere, where an import lets
+/// anything through; and the mean power there over that elsewhere.
+fn leaves_noise(rests: &[f64], frequency: f64, passed: [f64; 2]) -> (bool, f64) {
+    let length = 1 << rests.len().max(2).ilog2();
+    let mut powers = powers(rests[..length].iter().copied(), length);
+    let (last, line) = (powers.len(), TAU / length as f64);
+    let [low, high] = [NEAR.start, NEAR.end].map(|edge| ((edge * frequency / line) as usize).clamp(1, last));
+    let near = &powers[low..(high + 1).min(last)];
+    let mean = near.iter().sum::<f64>() / near.len().max(1) as f64;
+    let [low, high] = passed.map(|share| ((share * last as f64) as usize).min(last));
+    let passed = &mut powers[low.min(high.saturating_sub(1))..high.max(1)];
+    let all = passed.iter().sum::<f64>() / passed.len() as f64;
+    sort_numbers(passed);
+    (mean < LOUD * passed[passed.len() / 2], if all > 0.0 { mean / all } else { 1.0 })
 }

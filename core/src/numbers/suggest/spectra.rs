@@ -2,6 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
+use super::response::passed;
 use crate::Record;
 use crate::data::import::Mapping;
 use crate::data::record::Timed;
@@ -62,24 +63,19 @@ impl Spectra {
         if gaps == Gaps::Fill {
             bridge(&mut output);
         }
-        let lengths = || {
-            let of_some = move |l: &usize| *l >= SHORTEST;
-            (0..).map(|i| longest >> i).take_while(of_some).filter(|l| l * (WINDOWS + 1) / 2 <= output.len())
-        };
-        let spectra = lengths().find_map(|length| {
+        let lengths = (0..).map(|i| longest >> i).take_while(|length| *length >= SHORTEST);
+        let spectra = lengths.filter(|length| length * (WINDOWS + 1) / 2 <= output.len()).find_map(|length| {
             let begins = match gaps {
                 Gaps::Avoid => between_gaps(&output, length),
                 Gaps::Fill => (0..=output.len() - length).step_by(length / 2).collect(),
             };
             let is_covered = gaps == Gaps::Fill || begins.len() * length >= output.len();
-            let spectra = || Self::over(&input, &output, &begins, length, record.dt() * every as f64);
-            if is_covered { spectra() } else { None }
+            is_covered.then(|| Self::over(&input, &output, &begins, length, record.dt() * every as f64))?
         });
-        let mut spectra = match (spectra, gaps) {
-            (Some(spectra), _) => spectra,
-            (None, Gaps::Avoid) => return Self::new(record, measured, longest, Gaps::Fill),
-            (None, Gaps::Fill) => return None,
-        };
+        if spectra.is_none() && gaps == Gaps::Avoid {
+            return Self::new(record, measured, longest, Gaps::Fill);
+        }
+        let mut spectra = spectra?;
         if input.iter().all(|value| *value == input[0]) {
             // One transform serves both: without this, rounding of the output would pass for an input.
             spectra.input.fill(0.0);
@@ -90,10 +86,9 @@ impl Spectra {
 
     /// The mean over windows that begin at these samples. `None` if too few of them are measured.
     fn over(input: &[f64], output: &[f64], begins: &[usize], length: usize, dt: f64) -> Option<Self> {
-        let weights: Vec<f64> =
-            (0..length).map(|k| libm::sin(PI * (k as f64 + 0.5) / length as f64)).map(|w| w * w).collect();
+        let weights = (0..length).map(|k| libm::sin(PI * (k as f64 + 0.5) / length as f64));
+        let weights: Vec<f64> = weights.map(|w| w * w).collect();
         let all = weights.iter().map(|w| w * w).sum::<f64>();
-        let scale = 1.0 / all;
         let transform = Transform::new(length);
         let half = length / 2;
         let (powers, cross) = (vec![0.0; half], vec![(0.0, 0.0); half]);
@@ -116,7 +111,7 @@ impl Spectra {
                 *slot = (weight * (input - input_mean), weight * filled(*output));
             }
             transform.apply(&mut buffer);
-            spectra.add(&buffer, scale);
+            spectra.add(&buffer, 1.0 / all);
         }
         if spectra.windows < WINDOWS / 2 {
             return None;
@@ -188,10 +183,9 @@ impl Spectra {
         if product > 0.0 { ((re * re + im * im) / product).min(1.0) } else { 0.0 }
     }
 
-    /// Standard deviation of the white noise that the input does not explain at the highest frequencies: those that the filters of
-    /// an import have let through.
+    /// Standard deviation of the white noise that the input does not explain at the highest frequencies that an import lets through.
     pub(super) fn noise(&self, mapping: Option<&Mapping>) -> Option<f64> {
-        let passed = mapping.map_or(1.0, |mapping| mapping.passed(self.dt)[1]);
+        let [_, passed] = passed(mapping, self.dt);
         let floor = if passed < 1.0 { FLOOR_BELOW.map(|share| share * passed) } else { FLOOR };
         let [low, high] = floor.map(|share| (share * self.len() as f64) as usize);
         let left = self.windows as f64 / (self.windows as f64 - 1.0).max(1.0);
@@ -222,15 +216,14 @@ fn bridge(values: &mut [f64]) {
 
 /// The first samples of the windows of a length, overlapping by half, in which nothing is missing.
 fn between_gaps(values: &[f64], length: usize) -> Vec<usize> {
-    let (mut begins, mut begin, mut k) = (Vec::new(), 0, 0);
-    while k < values.len() {
-        if values[k].is_nan() {
+    let (mut begins, mut begin) = (Vec::new(), 0);
+    for (k, value) in values.iter().enumerate() {
+        if value.is_nan() {
             begin = k + 1;
         } else if k + 1 - begin == length {
             begins.push(begin);
             begin += length / 2;
         }
-        k += 1;
     }
     begins
 }
@@ -291,26 +284,18 @@ mod tests {
     use crate::{Hold, InputKind, Quantity};
 
     #[test]
-    fn nothing_follows_an_input_that_does_not_change() {
+    fn noise_is_what_the_input_does_not_explain_and_nothing_follows_one_that_does_not_change() {
         let mut normal = Normal::from_seed(5);
-        let measured: Vec<f64> = (0..4096).map(|_| normal.sample()).collect();
-        let input = Input { kind: InputKind::Force, hold: Hold::Zero, values: vec![0.0; 4096] };
-        let record = Record::new(0.01, input, vec![(Quantity::ACCELERATION, measured.clone())]).unwrap();
-        let spectra = Spectra::new(&record, &measured, SHORT, Gaps::Avoid).unwrap();
-        assert!((0..spectra.len()).all(|place| spectra.coherence(place) == 0.0));
-        let noise = spectra.noise(None).unwrap();
-        assert!((noise - 1.0).abs() < 0.1, "{noise}");
-    }
-
-    #[test]
-    fn noise_is_what_the_input_does_not_explain() {
-        let mut normal = Normal::from_seed(5);
-        let input: Vec<f64> = (0..8192).map(|_| normal.sample()).collect();
-        let measured: Vec<f64> = input.iter().map(|u| 3.0 * u + 0.2 * normal.sample()).collect();
-        let input = Input { kind: InputKind::Force, hold: Hold::Zero, values: input };
-        let record = Record::new(0.01, input, vec![(Quantity::ACCELERATION, measured.clone())]).unwrap();
-        let noise = Spectra::new(&record, &measured, SHORT, Gaps::Avoid).unwrap().noise(None).unwrap();
-        assert!((noise / 0.2 - 1.0).abs() < 0.1, "{noise}");
+        for (size, std) in [(1.0, 0.2), (0.0, 1.0)] {
+            let values: Vec<f64> = (0..8192).map(|_| size * normal.sample()).collect();
+            let measured: Vec<f64> = values.iter().map(|u| 3.0 * u + std * normal.sample()).collect();
+            let input = Input { kind: InputKind::Force, hold: Hold::Zero, values };
+            let record = Record::new(0.01, input, vec![(Quantity::ACCELERATION, measured.clone())]).unwrap();
+            let spectra = Spectra::new(&record, &measured, SHORT, Gaps::Avoid).unwrap();
+            assert!(size > 0.0 || (0..spectra.len()).all(|place| spectra.coherence(place) == 0.0));
+            let noise = spectra.noise(None).unwrap();
+            assert!((noise / std - 1.0).abs() < 0.1, "{noise}");
+        }
     }
 
     #[test]

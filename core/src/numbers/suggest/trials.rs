@@ -1,10 +1,10 @@
 //! Suggestions that are tried out: the making of a [`Suggestion`], a slice after the other.
 
-use super::Suggestion;
 use super::ambient::{Ambient, has_no_input};
 use super::conditioning::{Between, Course, FILLING, Lost, Plucked};
 use super::initial::Search;
 use super::likeliest::{Trial, first_alone, likelihood, sizes, surprise};
+use super::{Suggestion, first_for_trial};
 use crate::{Record, Run, Scenario, Task};
 
 /// The samples of which the likelihood is taken.
@@ -13,8 +13,7 @@ const LIKELY: usize = 4096;
 /// The same without an input: the size of an unknown force takes more samples to estimate.
 const LIKELY_AMBIENT: usize = 8192;
 
-/// For a motion that needs no noise, such as a decay, a white force must gain this much log likelihood to count as its
-/// cause.
+/// For a motion that needs no noise, such as a decay, a white force must gain this much log likelihood.
 const CLEARLY: f64 = 10.0;
 
 /// Innovations of these sizes over their expected ones do not ask for another R.
@@ -54,8 +53,7 @@ pub struct Suggest {
     /// The suggestion before R was that of the innovations, with its share and log likelihood.
     quieter: Option<(Suggestion, f64, f64)>,
     ambient: Option<Ambient>,
-    /// The record with the times of its readings, while a white force is tried: it counts in samples, and likelihoods compare on equal
-    /// readings.
+    /// The record with the times of its readings, while a white force is tried, which counts in samples.
     timed: Option<Record>,
     /// The errors of the free run with the settings so far, and those with other settings.
     errors: Vec<f64>,
@@ -85,29 +83,23 @@ enum Stage {
 impl Suggest {
     /// Suggestions for a scenario on a record, none made yet.
     pub fn new(scenario: &Scenario, record: Record) -> Self {
-        let suggestion = Suggestion { scenario: scenario.clone(), reasons: Vec::new(), is_guessed: true };
-        let (given, lost, trial, searches, between, course, likelihoods, quieter, ambient, timed, errors) =
-            Default::default();
-        let (record, plucked) = match Plucked::of(&record) {
-            Some((longest, plucked)) => (longest, Some(plucked)),
-            None => (record, None),
-        };
+        let (longest, plucked) = Plucked::of(&record).unzip();
         Self {
-            suggestion,
-            record,
+            suggestion: Suggestion { scenario: scenario.clone(), reasons: Vec::new(), is_guessed: true },
+            record: longest.unwrap_or(record),
             plucked,
-            given,
-            lost,
             stage: Stage::Data,
-            trial,
-            searches,
-            between,
-            course,
-            likelihoods,
-            quieter,
-            ambient,
-            timed,
-            errors,
+            given: None,
+            lost: None,
+            trial: Trial::default(),
+            searches: Vec::new(),
+            between: None,
+            course: None,
+            likelihoods: Vec::new(),
+            quieter: None,
+            ambient: None,
+            timed: None,
+            errors: Vec::new(),
         }
     }
 
@@ -172,8 +164,7 @@ impl Suggest {
             self.record = self.record.clone().at_samples();
         }
         let Some(between) = self.between.take() else { return Stage::Likelihood(0) };
-        let (course, sentence) = between.chosen();
-        self.course = Some((course, sentence));
+        let course = self.course.insert(between.chosen()).0;
         if course == Course::Linear {
             return Stage::Likelihood(0);
         }
@@ -198,19 +189,16 @@ impl Suggest {
     /// Ends the trials of noise with the most likely result, and says what comes next.
     fn choose(&mut self) -> Stage {
         let best = self.likelihoods.drain(..).max_by(|a, b| a.1.total_cmp(&b.1));
+        let likelihood = best.as_ref().map_or(f64::NEG_INFINITY, |(_, likelihood, _)| *likelihood);
+        let lead = if best.as_ref().is_some_and(|(share, ..)| *share > 0.0) { 0.0 } else { CLEARLY };
         if let Some(mut ambient) = self.ambient.take()
-            && let Some((sizes, likelihood)) = ambient.best()
-            && best
-                .as_ref()
-                .is_none_or(|(share, other, _)| likelihood > other + if *share > 0.0 { 0.0 } else { CLEARLY })
+            && let Some((sizes, _)) = ambient.best().filter(|(_, white)| *white > likelihood + lead)
         {
             ambient.suggestion.take_white_force(&sizes);
             self.suggestion = ambient.suggestion;
-            if self.timed.is_some() {
-                let reason =
-                    "a white force counts in samples: its filters take each reading at a sample, not at its own time";
-                self.suggestion.reasons.push(reason.to_owned());
-            }
+            let reason =
+                "a white force counts in samples: its filters take each reading at a sample, not at its own time";
+            self.suggestion.reasons.extend(self.timed.as_ref().map(|_| reason.to_owned()));
             return Stage::Done;
         }
         if let Some(timed) = self.timed.take() {
@@ -218,7 +206,6 @@ impl Suggest {
             self.record = timed;
             return Stage::Likelihood(0);
         }
-        let likelihood = best.as_ref().map_or(f64::NEG_INFINITY, |(_, likelihood, _)| *likelihood);
         let before = self.quieter.take();
         let is_first = before.is_none() && self.suggestion.is_guessed && !has_no_input(&self.record);
         match (before.filter(|(.., before)| likelihood < before + CLEARLY), best) {
@@ -262,110 +249,8 @@ impl Task for Suggest {
 
     fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
         while self.stage != Stage::Done {
-            self.stage = match self.stage {
-                Stage::Data => {
-                    let (record, given) = (self.record.clone(), self.suggestion.clone());
-                    let is_decay = self.begin(None);
-                    if let Some(Plucked { whole, .. }) = self.plucked.take_if(|_| !is_decay) {
-                        // What goes on through the pauses is looked at as a whole.
-                        (self.record, self.suggestion) = (whole, given);
-                        continue;
-                    }
-                    if self.course.is_none() {
-                        self.between = Between::of(&record, &given.scenario);
-                    }
-                    self.lost = Lost::of(&record).filter(|_| self.suggestion.can_fill());
-                    self.given = Some((record, given));
-                    match (self.suggestion.scenario.filters.is_empty(), &self.lost) {
-                        (true, _) => Stage::Done,
-                        (false, None) => self.begin_search(),
-                        (false, Some(_)) => Stage::Gaps,
-                    }
-                }
-                Stage::Gaps => {
-                    let scenario = || self.suggestion.with_share(FILLING);
-                    let run = self.trial.follow(scenario, &self.record, self.record.len(), while_time);
-                    let Some(run) = run else { return false };
-                    self.fill(run.as_ref());
-                    self.begin_search()
-                }
-                Stage::Search => {
-                    let (samples, scenario) = (self.likely(), &self.suggestion.scenario);
-                    let Some(search) = self.searches.iter_mut().find(|search| !search.is_done()) else {
-                        Search::choose(std::mem::take(&mut self.searches), &mut self.suggestion);
-                        self.stage = Stage::Between;
-                        continue;
-                    };
-                    let run = self.trial.follow(|| search.scenario(scenario), &self.record, samples, while_time);
-                    let Some(run) = run else { return false };
-                    search.take(run.as_ref());
-                    Stage::Search
-                }
-                Stage::Between => {
-                    let next = self.between.as_mut().and_then(|between| between.next(&self.suggestion, &self.record));
-                    if let Some((part, scenario)) = next {
-                        let followed = self.trial.follow(|| scenario, part, part.len(), while_time);
-                        let Some(run) = followed else { return false };
-                        self.between.iter_mut().for_each(|between| between.take(run.as_ref()));
-                        Stage::Between
-                    } else {
-                        self.choose_course()
-                    }
-                }
-                Stage::Likelihood(place) => {
-                    let share = SHARES[place];
-                    let samples = self.likely();
-                    let scenario = || {
-                        let mut scenario = self.suggestion.with_share(share);
-                        self.ambient.iter().for_each(|ambient| ambient.leave_out(&mut scenario));
-                        scenario
-                    };
-                    let run = self.trial.follow(scenario, &self.record, samples, while_time);
-                    let Some(run) = run else { return false };
-                    self.likelihoods.extend(run.and_then(|run| Some((share, likelihood(&run)?, sizes(&run)))));
-                    if place + 1 < SHARES.len() { Stage::Likelihood(place + 1) } else { Stage::WhiteForce }
-                }
-                Stage::WhiteForce => {
-                    let samples = self.likely();
-                    if let Some(ambient) = &mut self.ambient
-                        && let Some(sizes) = ambient.next()
-                    {
-                        let scenario = || ambient.suggestion.trial_of_white_force(&sizes);
-                        let run = self.trial.follow(scenario, &self.record, samples, while_time);
-                        let Some(run) = run else { return false };
-                        ambient.take(run.and_then(|run| likelihood(&run)));
-                        Stage::WhiteForce
-                    } else {
-                        self.choose()
-                    }
-                }
-                Stage::FreeRun => {
-                    let scenario = || first_alone(&self.suggestion.scenario);
-                    let done = self.trial.follow_freely(scenario, &self.record, while_time);
-                    let Some((run, errors)) = done else { return false };
-                    if run.is_some_and(|run| run.estimates().first().is_some_and(|one| one.stop().is_some())) {
-                        self.suggestion.keep_from_rounding();
-                    }
-                    // The errors of a default guess are no noise.
-                    match errors.filter(|_| self.suggestion.is_guessed) {
-                        Some(errors) => {
-                            self.errors = errors;
-                            Stage::ModelError
-                        }
-                        None => Stage::Done,
-                    }
-                }
-                Stage::ModelError => {
-                    let scenario = || first_alone(&self.suggestion.with_error(&self.errors));
-                    let done = self.trial.follow_freely(scenario, &self.record, while_time);
-                    let Some((run, after)) = done else { return false };
-                    if let Some((run, after)) = run.zip(after) {
-                        self.suggestion.model_error(&self.errors, &after, surprise(&run));
-                    }
-                    Stage::Done
-                }
-                Stage::Done => Stage::Done,
-            };
+            let Some(next) = self.follow(while_time) else { return false };
+            self.stage = next;
             if !while_time() {
                 break;
             }
@@ -377,5 +262,103 @@ impl Task for Suggest {
         self.suggestion.reasons.extend(self.course.and_then(|(_, sentence)| sentence));
         self.plucked.iter().for_each(|plucked| plucked.tell(&mut self.suggestion));
         self.suggestion
+    }
+}
+
+impl Suggest {
+    /// Follows the stage, and returns the next one. `None` while a trial is under way.
+    fn follow(&mut self, while_time: &mut dyn FnMut() -> bool) -> Option<Stage> {
+        Some(match self.stage {
+            Stage::Data => {
+                let (record, given) = (self.record.clone(), self.suggestion.clone());
+                let is_decay = self.begin(None);
+                if let Some(Plucked { whole, .. }) = self.plucked.take_if(|_| !is_decay) {
+                    // What goes on through the pauses is looked at as a whole.
+                    (self.record, self.suggestion) = (whole, given);
+                    return Some(Stage::Data);
+                }
+                if self.course.is_none() {
+                    self.between = Between::of(&record, &given.scenario);
+                }
+                // Without a guess, no filter can know the motion in a gap.
+                let can_fill = self.suggestion.is_guessed && self.suggestion.has_frequency();
+                self.lost = Lost::of(&record).filter(|_| can_fill);
+                self.given = Some((record, given));
+                match (self.suggestion.scenario.filters.is_empty(), &self.lost) {
+                    (true, _) => Stage::Done,
+                    (false, None) => self.begin_search(),
+                    (false, Some(_)) => Stage::Gaps,
+                }
+            }
+            Stage::Gaps => {
+                let scenario = || self.suggestion.with_share(FILLING);
+                let run = self.trial.follow(scenario, &self.record, self.record.len(), while_time)?;
+                self.fill(run.as_ref());
+                self.begin_search()
+            }
+            Stage::Search => {
+                let (samples, scenario) = (self.likely(), &self.suggestion.scenario);
+                let Some(search) = self.searches.iter_mut().find(|search| !search.is_done()) else {
+                    Search::choose(std::mem::take(&mut self.searches), &mut self.suggestion);
+                    return Some(Stage::Between);
+                };
+                let run = self.trial.follow(|| search.scenario(scenario), &self.record, samples, while_time)?;
+                search.take(run.as_ref());
+                Stage::Search
+            }
+            Stage::Between => {
+                let next = self.between.as_mut().and_then(|between| between.next(&self.suggestion, &self.record));
+                if let Some((part, scenario)) = next {
+                    let run = self.trial.follow(|| scenario, part, part.len(), while_time)?;
+                    self.between.iter_mut().for_each(|between| between.take(run.as_ref()));
+                    Stage::Between
+                } else {
+                    self.choose_course()
+                }
+            }
+            Stage::Likelihood(place) => {
+                let (share, samples) = (SHARES[place], self.likely());
+                let scenario = || {
+                    let mut scenario = self.suggestion.with_share(share);
+                    self.ambient.iter().for_each(|ambient| ambient.leave_out(&mut scenario));
+                    scenario
+                };
+                let run = self.trial.follow(scenario, &self.record, samples, while_time)?;
+                self.likelihoods.extend(run.and_then(|run| Some((share, likelihood(&run)?, sizes(&run)))));
+                if place + 1 < SHARES.len() { Stage::Likelihood(place + 1) } else { Stage::WhiteForce }
+            }
+            Stage::WhiteForce => {
+                let samples = self.likely();
+                if let Some(ambient) = &mut self.ambient
+                    && let Some(sizes) = ambient.next()
+                {
+                    let scenario = || first_for_trial(&ambient.suggestion.with_white_force(&sizes));
+                    let run = self.trial.follow(scenario, &self.record, samples, while_time)?;
+                    ambient.take(run.and_then(|run| likelihood(&run)));
+                    Stage::WhiteForce
+                } else {
+                    self.choose()
+                }
+            }
+            Stage::FreeRun => {
+                let scenario = || first_alone(&self.suggestion.scenario);
+                let (run, errors) = self.trial.follow_freely(scenario, &self.record, while_time)?;
+                if run.is_some_and(|run| run.estimates().first().is_some_and(|one| one.stop().is_some())) {
+                    self.suggestion.keep_from_rounding();
+                }
+                // The errors of a default guess are no noise.
+                self.errors = errors.filter(|_| self.suggestion.is_guessed).unwrap_or_default();
+                if self.errors.is_empty() { Stage::Done } else { Stage::ModelError }
+            }
+            Stage::ModelError => {
+                let scenario = || first_alone(&self.suggestion.with_error(&self.errors));
+                let (run, after) = self.trial.follow_freely(scenario, &self.record, while_time)?;
+                if let Some((run, after)) = run.zip(after) {
+                    self.suggestion.model_error(&self.errors, &after, surprise(&run));
+                }
+                Stage::Done
+            }
+            Stage::Done => Stage::Done,
+        })
     }
 }
