@@ -1,6 +1,8 @@
 //! Faults of a file's times that have one cure: a counter that turns over, rows that stand twice or in another order, first rows
 //! far from all others, a clock that is set back, parts that begin again.
 
+use std::cmp::Ordering;
+
 use super::guess::{clocks, is_named_time, seldom_falls};
 use super::times::{DAY, EPOCHS, median, median_step};
 use super::{Column, Table};
@@ -203,7 +205,9 @@ fn of_one_time(table: &Table, place: usize, times: &[f64], rows: &[usize]) -> Op
     }
     let others = || table.columns.iter().enumerate().filter(|(other, _)| *other != place);
     let is_unlike = |pair: &[usize]| {
-        others().map(|(_, column)| (column.values[pair[0]], column.values[pair[1]])).any(|(a, b)| a < b || a > b)
+        others()
+            .map(|(_, column)| (column.values[pair[0]], column.values[pair[1]]))
+            .any(|(a, b)| a.partial_cmp(&b).is_some_and(Ordering::is_ne))
     };
     let unlike = groups.iter().filter(|group| group.windows(2).any(is_unlike)).count();
     let is_short = groups.iter().all(|group| group.len() <= EVENTS.1);

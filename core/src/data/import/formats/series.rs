@@ -154,7 +154,7 @@ fn next_uff58(header: &[String]) -> Option<Series> {
         "9" | "13" => "force",
         _ => "",
     };
-    let known = |text: &'_ str| !text.is_empty() && !text.eq_ignore_ascii_case("none");
+    let known = |text: &str| !text.is_empty() && !text.eq_ignore_ascii_case("none");
     let unit = record(9).get(47..).map(str::trim).filter(|unit| known(unit));
     let title = Some(record(1).trim()).filter(|title| known(title));
     let entity = Some(entity).filter(|entity| known(entity)).unwrap_or_default();
