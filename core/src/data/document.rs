@@ -136,10 +136,9 @@ pub(crate) fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
 }
 
-/// Whether a number of steps is one, and need not be written.
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes references")]
-pub(crate) fn is_one(count: &usize) -> bool {
-    *count == 1
+/// Whether a number is one, and need not be written.
+pub(crate) fn is_one<T: From<u8> + PartialEq>(number: &T) -> bool {
+    *number == T::from(1)
 }
 
 #[cfg(test)]

@@ -57,10 +57,8 @@ impl<'a> Builder<'a> {
             return Err(ImportError::NoSensor);
         }
         let mut remarks = (*source).borrow().remarks.clone();
-        let source: Box<dyn Borrow<Table> + 'a> = match unwrapped((*source).borrow(), mapping, &mut remarks) {
-            Some(table) => Box::new(table),
-            None => source,
-        };
+        let whole = unwrapped((*source).borrow(), mapping, &mut remarks);
+        let source: Box<dyn Borrow<Table> + 'a> = whole.map_or(source, |table| Box::new(table));
         let clocks = on_one_clock((*source).borrow(), mapping, &mut remarks)?;
         // A part is chosen before the times are checked, so that it can leave out a fault of the clock.
         let part = if clocks.is_none() { part_of((*source).borrow(), mapping) } else { None };
@@ -118,9 +116,7 @@ impl<'a> Builder<'a> {
                 return Ok(false);
             }
         }
-        while self.sensors.len() < self.mapping.sensors.len() {
-            let next = self.mapping.sensors.iter().nth(self.sensors.len());
-            let Some((&quantity, mapped)) = next else { break };
+        while let Some((&quantity, mapped)) = self.mapping.sensors.iter().nth(self.sensors.len()) {
             let (values, remarks) = self.mapped(mapped)?;
             let (mapped, steps) = (mapped.clone(), self.conditioning().steps());
             let values = match self.own.as_mut().filter(|_| self.is_kept) {
@@ -143,7 +139,7 @@ impl<'a> Builder<'a> {
     pub fn finish(mut self) -> Result<Imported, ImportError> {
         while !self.advance(&mut || true)? {}
         let Steps { start, dt, .. } = self.conditioning().steps();
-        let truth = self.truth()?;
+        let truth = self.truth();
         let Self { kind, hold, input, sensors, own, is_kept, mut remarks, .. } = self;
         let still = sensors.iter().find(|(_, values)| is_still(values)).map(|(quantity, _)| *quantity);
         remarks.extend(still.map(|quantity| {
@@ -188,24 +184,23 @@ impl<'a> Builder<'a> {
             }
             return Ok(values);
         }
-        if let Some(missing) = fill(&mut values) {
+        if let Some((first, count)) = fill(&mut values) {
+            let time = self.timing.start + first as f64 * self.timing.dt;
             self.remarks.push(format!(
-                "the input is missing in {} sample(s), the first at {} s; it is interpolated there",
-                missing.count,
-                self.timing.start + missing.first as f64 * self.timing.dt
+                "the input is missing in {count} sample(s), the first at {time} s; it is interpolated there"
             ));
         }
         Ok(self.conditioning().input(values, self.hold))
     }
 
-    /// A column at even times, with unit, gain, offset and delay, and remarks on its cells. It is empty where readings keep their times.
+    /// A column at even times, with unit, gain, offset and delay, or nothing where readings keep their times; and remarks on its cells.
     fn mapped(&self, mapped: &MappedColumn) -> Result<(Vec<f64>, Vec<String>), ImportError> {
         let table = (*self.table).borrow();
         let column_place = place(table, &mapped.column)?;
         let column = table.columns[column_place].without_text()?;
         if let Some(row) = column.values.iter().position(|value| value.is_infinite()) {
             let (line, problem) = (table.line(row), "the number is infinite".to_owned());
-            return Err(ImportError::Cell { line, column: column.name.clone(), problem });
+            return Err(ImportError::Cell(line, column.name.clone(), problem));
         }
         let without = |missing: f64| column.values.iter().map(|&x| if x == missing { f64::NAN } else { x }).collect();
         let cells: Option<Vec<f64>> = mapped.missing.map(without);
@@ -239,27 +234,21 @@ impl<'a> Builder<'a> {
     }
 
     /// The columns with the truth of a simulated record.
-    fn truth(&self) -> Result<Vec<(Channel, Vec<f64>)>, ImportError> {
-        let Mapping { every, interpolate, .. } = &self.mapping;
-        if *every > 1 || *interpolate > 1 {
-            return Ok(Vec::new());
+    fn truth(&self) -> Vec<(Channel, Vec<f64>)> {
+        if self.mapping.every > 1 || self.mapping.interpolate > 1 {
+            return Vec::new();
         }
         let table = (*self.table).borrow();
-        let mut truth = Vec::new();
-        for &channel in Channel::all() {
-            if let Some(place) = table.place(&format!("true_{}", channel.key())) {
-                let column = &table.columns[place];
-                truth.extend(match &self.own {
-                    Some(own) => own.truth(&column.name, self.conditioning().steps()).map(|values| (channel, values)),
-                    None => {
-                        let mut values = self.timing.spread(&column.values);
-                        self.conditioning().cut(&mut values);
-                        Some((channel, values))
-                    }
-                });
+        let of = |channel: &Channel| {
+            let column = &table.columns[table.place(&format!("true_{}", channel.key()))?];
+            if let Some(own) = &self.own {
+                return Some((*channel, own.truth(&column.name, self.conditioning().steps())?));
             }
-        }
-        Ok(truth)
+            let mut values = self.timing.spread(&column.values);
+            self.conditioning().cut(&mut values);
+            Some((*channel, values))
+        };
+        Channel::all().iter().filter_map(of).collect()
     }
 }
 
@@ -277,10 +266,8 @@ fn part_of(table: &Table, mapping: &Mapping) -> Option<Table> {
 }
 
 fn place(table: &Table, name: &str) -> Result<usize, ImportError> {
-    table.place(name).ok_or_else(|| ImportError::Column {
-        missing: name.to_owned(),
-        found: table.columns.iter().map(|column| column.name.as_str()).collect::<Vec<_>>().join(", "),
-    })
+    let names = || table.columns.iter().map(|column| column.name.as_str()).collect::<Vec<_>>().join(", ");
+    table.place(name).ok_or_else(|| ImportError::Column(name.to_owned(), names()))
 }
 
 #[cfg(test)]

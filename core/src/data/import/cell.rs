@@ -162,8 +162,7 @@ impl Decimal {
         }
     }
 
-    /// A number with thousands separators, in groups of three digits, as Rust writes it; and whether this is its only
-    /// reading.
+    /// A number with thousands separators, as Rust writes it; and whether this is its only reading.
     fn ungrouped(self, cell: &str) -> Option<(String, bool)> {
         let (point, other) = match self {
             Self::Point => ('.', ','),
@@ -210,9 +209,7 @@ impl Decimal {
 
 /// Words of programs for a missing value.
 fn is_missing(cell: &str) -> bool {
-    ["na", "n/a", "null", "none", "nil", "missing", "-", "--", "#n/a", "#nv", "?"]
-        .iter()
-        .any(|word| cell.eq_ignore_ascii_case(word))
+    "na n/a null none nil missing - -- #n/a #nv ?".split(' ').any(|word| cell.eq_ignore_ascii_case(word))
 }
 
 /// Words of instruments and programs for a reading that failed: overload, an error, a number that does not fit its place.
@@ -261,8 +258,7 @@ pub(super) fn clock(cell: &str) -> Option<(f64, bool)> {
 
 /// A time without `AM` or `PM`, and the hours that this adds.
 fn half_of_day(time: &str) -> (&str, Option<f64>) {
-    let end = time.len().checked_sub(2).and_then(|place| time.split_at_checked(place));
-    match end {
+    match time.len().checked_sub(2).and_then(|place| time.split_at_checked(place)) {
         Some((rest, word)) if word.eq_ignore_ascii_case("am") => (rest, Some(0.0)),
         Some((rest, word)) if word.eq_ignore_ascii_case("pm") => (rest, Some(12.0)),
         _ => (time, None),
@@ -271,10 +267,8 @@ fn half_of_day(time: &str) -> (&str, Option<f64>) {
 
 /// A time without its zone, and the zone's seconds ahead of Greenwich. `None` if it has no zone.
 fn zone(time: &str) -> Option<(&str, f64)> {
-    for word in ["Z", "UTC", "GMT"] {
-        if let Some(rest) = time.strip_suffix(word) {
-            return Some((rest, 0.0));
-        }
+    if let Some(rest) = ["Z", "UTC", "GMT"].iter().find_map(|word| time.strip_suffix(word)) {
+        return Some((rest, 0.0));
     }
     let Some(place) = time.find(['+', '-']) else { return Some((time, 0.0)) };
     let (rest, zone) = time.split_at(place);

@@ -15,12 +15,9 @@ impl Conditioning<'_> {
     /// The samples of the part that is used.
     pub(super) fn part(&self) -> std::ops::Range<usize> {
         let Timing { start, dt, samples, .. } = *self.timing;
-        let place = |time: f64| libm::ceil((time - start) / dt - 1e-6).clamp(0.0, samples as f64) as usize;
-        let from = self.mapping.from.map_or(0, place);
-        let to = self
-            .mapping
-            .to
-            .map_or(samples, |to| (libm::floor((to - start) / dt + 1e-6) + 1.0).clamp(0.0, samples as f64) as usize);
+        let place = |place: f64| place.clamp(0.0, samples as f64) as usize;
+        let from = self.mapping.from.map_or(0, |from| place(libm::ceil((from - start) / dt - 1e-6)));
+        let to = self.mapping.to.map_or(samples, |to| place(libm::floor((to - start) / dt + 1e-6) + 1.0));
         from..to.max(from)
     }
 
@@ -46,17 +43,13 @@ impl Conditioning<'_> {
     pub(super) fn sensor(&self, mut values: Vec<f64>) -> Vec<f64> {
         let mut missing: Vec<f64> = values.clone();
         let changes = self.mapping.band.is_some() || self.mapping.every > 1;
-        if changes && fill(&mut values).is_some() {
-            self.condition(&mut values);
+        let is_filled = changes && fill(&mut values).is_some();
+        self.condition(&mut values);
+        if is_filled {
             self.cut(&mut missing);
             resample::keep_every(&mut missing, self.mapping.every);
-            for (value, missing) in values.iter_mut().zip(&missing) {
-                if missing.is_nan() {
-                    *value = f64::NAN;
-                }
-            }
-        } else {
-            self.condition(&mut values);
+            let gaps = values.iter_mut().zip(&missing).filter(|(_, missing)| missing.is_nan());
+            gaps.for_each(|(value, _)| *value = f64::NAN);
         }
         let steps = self.mapping.interpolate;
         if steps > 1 { resample::spread(&values, steps) } else { values }
@@ -87,48 +80,34 @@ pub(super) fn above_nyquist(band: Option<[f64; 2]>, nyquist: f64) -> Result<Opti
     if low >= nyquist {
         let (key, value) = ("band".to_owned(), format!("[{low}, {high}]"));
         let allowed = format!("below the Nyquist frequency, {nyquist} Hz");
-        return Err(ImportError::Setting { key, value, allowed });
+        return Err(ImportError::Setting(key, value, allowed));
     }
     Ok(Some(format!(
         "the band's upper limit, {high} Hz, is not below the Nyquist frequency, {nyquist} Hz: it takes nothing away"
     )))
 }
 
-pub(super) struct Missing {
-    pub(super) first: usize,
-    pub(super) count: usize,
-}
-
-/// Interpolates missing values linearly, or repeats the nearest at the ends.
-pub(super) fn fill(values: &mut [f64]) -> Option<Missing> {
-    let first = values.iter().position(|value| value.is_nan())?;
-    let count = values.iter().filter(|value| value.is_nan()).count();
-    let mut before: Option<usize> = None;
-    for k in 0..=values.len() {
-        if k < values.len() && values[k].is_nan() {
-            continue;
-        }
-        let after = (k < values.len()).then_some(k);
-        let gap = before.map_or(0, |before| before + 1)..k;
-        let (from, to) = (before.map(|b| values[b]), after.map(|a| values[a]));
-        let length = gap.len() as f64 + 1.0;
-        for (i, place) in gap.enumerate() {
-            let share = (i + 1) as f64 / length;
-            values[place] = match (from, to) {
+/// Interpolates missing values linearly, or repeats the nearest at the ends. Returns the first one's place, and how many there are.
+pub(super) fn fill(values: &mut [f64]) -> Option<(usize, usize)> {
+    let missing: Vec<usize> = (0..values.len()).filter(|place| values[*place].is_nan()).collect();
+    for gap in missing.chunk_by(|one, next| one + 1 == *next) {
+        let from = gap[0].checked_sub(1).map(|before| values[before]);
+        let to = values.get(gap[0] + gap.len()).copied();
+        for (i, place) in gap.iter().enumerate() {
+            let share = (i + 1) as f64 / (gap.len() as f64 + 1.0);
+            values[*place] = match (from, to) {
                 (Some(from), Some(to)) => from + share * (to - from),
-                (Some(known), None) | (None, Some(known)) => known,
-                (None, None) => 0.0,
+                (known, None) | (None, known) => known.unwrap_or(0.0),
             };
         }
-        before = after;
     }
-    Some(Missing { first, count })
+    Some((*missing.first()?, missing.len()))
 }
 
 /// Moves values to earlier samples by `delay`, or to later ones where it is negative; the ends become missing.
 pub(super) fn shift(values: &mut [f64], delay: i32) {
-    let by = (delay.unsigned_abs() as usize).min(values.len());
     let n = values.len();
+    let by = (delay.unsigned_abs() as usize).min(n);
     if delay > 0 {
         values.rotate_left(by);
         values[n - by..].fill(f64::NAN);
@@ -140,11 +119,8 @@ pub(super) fn shift(values: &mut [f64], delay: i32) {
 
 /// The mean of the values that are not missing.
 pub(super) fn mean(values: &[f64]) -> f64 {
-    let (sum, count) = values
-        .iter()
-        .filter(|value| !value.is_nan())
-        .fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
-    if count > 0.0 { sum / count } else { 0.0 }
+    let there = values.iter().filter(|value| !value.is_nan());
+    there.clone().fold(0.0, |sum, value| sum + value) / there.count().max(1) as f64
 }
 
 #[cfg(test)]
@@ -192,8 +168,7 @@ mod tests {
     #[test]
     fn gaps_are_filled_shifted_and_left_out_of_the_mean() {
         let mut ends = [f64::NAN, 1.0, f64::NAN, f64::NAN, 4.0, f64::NAN];
-        let missing = fill(&mut ends).unwrap();
-        assert_eq!((missing.first, missing.count), (0, 4));
+        assert_eq!(fill(&mut ends), Some((0, 4)));
         assert_eq!(ends, [1.0, 1.0, 2.0, 3.0, 4.0, 4.0]);
         assert!(fill(&mut ends).is_none());
         for (delay, expected) in

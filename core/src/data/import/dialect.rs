@@ -150,17 +150,10 @@ impl Dialect {
     /// The dialect of a file that begins with these lines, or `None` if no line has a number.
     pub(super) fn sniff(encoding: Encoding, lines: &[&str]) -> Option<Self> {
         let lines = &lines[..lines.len().min(LOOK)];
-        let mut best: Option<(i64, Form)> = None;
-        for delimiter in [Delimiter::Semicolon, Delimiter::Tab, Delimiter::Comma, Delimiter::Blanks] {
-            for decimal in [Decimal::Point, Decimal::Comma] {
-                let form = Form::new(delimiter, decimal, lines);
-                let score = form.score();
-                if score > 0 && best.as_ref().is_none_or(|(most, _)| score > *most) {
-                    best = Some((score, form));
-                }
-            }
-        }
-        let (_, form) = best?;
+        let delimiters = [Delimiter::Semicolon, Delimiter::Tab, Delimiter::Comma, Delimiter::Blanks].into_iter();
+        let both = |delimiter| [Decimal::Point, Decimal::Comma].map(|decimal| Form::new(delimiter, decimal, lines));
+        // Of equal ones the first.
+        let form = delimiters.flat_map(both).rev().max_by_key(Form::score).filter(|form| form.score() > 0)?;
         let data = form.data()?;
         let (names, units) = form.header(lines, data);
         let Form { delimiter, decimal, thousands, .. } = form;
@@ -321,21 +314,4 @@ impl Form {
 /// The number of cells that no cell before has.
 fn distinct(cells: &[String]) -> usize {
     (0..cells.len()).filter(|&place| !cells[..place].contains(&cells[place])).count()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn lines_are_found_and_decoded() {
-        let bytes = "a;b\n1;2\n".encode_utf16().flat_map(u16::to_le_bytes).collect::<Vec<u8>>();
-        let end = Encoding::Utf16Le.line_length(&bytes).unwrap();
-        let mut text = String::new();
-        Encoding::Utf16Le.decode(&bytes[..end], &mut text);
-        assert_eq!(text, "a;b\n");
-        text.clear();
-        Encoding::Latin1.decode(b"\xE4", &mut text);
-        assert_eq!(text, "ä");
-    }
 }

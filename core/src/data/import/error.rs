@@ -26,85 +26,42 @@ pub enum ImportError {
     /// No series of the file is one of readings; of the first one the reason, and the number of all.
     #[error("{0}, and none of the {1} function(s) of this file is one: export the readings over time")]
     NoRecord(String, usize),
-    /// There are too many columns.
-    #[error("line {line} has {found} cells, but at most {} columns can be read", MOST_COLUMNS)]
-    TooManyColumns {
-        /// Line of the file, counted from 1.
-        line: usize,
-        /// The number of its cells.
-        found: usize,
-    },
+    /// There are too many columns: a line of the file, counted from 1, and the number of its cells.
+    #[error("line {0} has {1} cells, but at most {most} columns can be read", most = MOST_COLUMNS)]
+    TooManyColumns(usize, usize),
     /// A line does not end.
     #[error("line {0} is longer than 1 MB")]
     LongLine(usize),
-    /// A column is missing.
-    #[error("there is no column `{missing}`; the columns are {found}")]
-    Column {
-        /// The column's name.
-        missing: String,
-        /// The columns of the file.
-        found: String,
-    },
-    /// A cell of a chosen column cannot be used.
-    #[error("line {line}, column `{column}`: {problem}")]
-    Cell {
-        /// Line of the file, counted from 1.
-        line: usize,
-        /// The column's name.
-        column: String,
-        /// Why it cannot be used.
-        problem: String,
-    },
+    /// A column is missing: its name, and the columns of the file.
+    #[error("there is no column `{0}`; the columns are {1}")]
+    Column(String, String),
+    /// A cell of a chosen column cannot be used: its line in the file, counted from 1, the column's name, and why.
+    #[error("line {0}, column `{1}`: {2}")]
+    Cell(usize, String, String),
     /// The time is not known; why a column that is named so is none.
     #[error("the file has no column of times{0}: state the sample rate")]
     NoTime(String),
-    /// The times do not rise.
-    #[error(
-        "line {line}: the time in `{column}` {} from {before} s to {found} s: {way}",
-        if found < before { "goes back" } else { "stands still" }
-    )]
-    NotRising {
-        /// The column of times.
-        column: String,
-        /// Line of the file, counted from 1.
-        line: usize,
-        /// The time before \[s\].
-        before: f64,
-        /// The time in this line \[s\].
-        found: f64,
-        /// What helps.
-        way: String,
-    },
+    /// The times do not rise: a line of the file, counted from 1, what the times do there, and what helps.
+    #[error("line {0}: the time in {1}: {2}")]
+    NotRising(usize, String, String),
     /// There are too few samples.
     #[error("{0} row(s) of numbers remain, but at least {least} are needed", least = FEWEST)]
     TooShort(usize),
     /// There are too many samples.
     #[error("the record would have {0} samples, but at most {most} can be kept; choose a part or decimate", most = MOST)]
     TooLong(usize),
-    /// Two files have no time in common.
-    #[error("one file is from {} to {} s, the other from {} to {} s: they have fewer than {FEWEST} samples in common", first[0], first[1], second[0], second[1])]
-    Apart {
-        /// Beginning and end of the first file \[s\].
-        first: [f64; 2],
-        /// Those of the second one, in the first one's clock \[s\].
-        second: [f64; 2],
-    },
+    /// Two files have no time in common: beginning and end of each in the first one's clock \[s\].
+    #[error("one file is from {} to {} s, the other from {} to {} s: they have fewer than {FEWEST} samples in common", .0[0], .0[1], .1[0], .1[1])]
+    Apart([f64; 2], [f64; 2]),
     /// No sensor has a column.
     #[error("no column is chosen for a sensor")]
     NoSensor,
     /// There is no motion in a sensor's readings.
     #[error("all readings of the {0} are the same: there is no motion to make start values of")]
     Still(String),
-    /// A setting is impossible.
-    #[error("`record.{key}` is {value}, but must be {allowed}")]
-    Setting {
-        /// The key's path below `record`.
-        key: String,
-        /// The value.
-        value: String,
-        /// The values that are allowed.
-        allowed: String,
-    },
+    /// A setting is impossible: its path below `record`, its value, and the values that are allowed.
+    #[error("`record.{0}` is {1}, but must be {2}")]
+    Setting(String, String, String),
     /// The columns are not a record.
     #[error(transparent)]
     Record(#[from] RecordError),

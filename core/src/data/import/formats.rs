@@ -14,7 +14,7 @@ mod unpack;
 
 use super::cell::{Decimal, Found};
 use super::error::MOST;
-use super::table::{Column, Lines, Rows, TextCell, free_name};
+use super::table::{Column, Lines, Rows, TextCell, number_names};
 use super::{Dialect, ImportError, Table};
 
 use binary::Form;
@@ -245,17 +245,13 @@ impl SeriesReader {
             }
             let place = place as usize;
             // A later series of the same name continues the column.
-            let same = columns.iter_mut().find(|column| column.name == *name && column.values.len() <= place);
-            let column = match same {
-                Some(column) => column,
-                None => {
-                    columns.push(Column { name: name.clone(), unit: series.unit.clone(), ..Column::default() });
-                    let last = columns.len() - 1;
-                    &mut columns[last]
-                }
-            };
-            column.values.resize(place, f64::NAN);
-            column.values.extend(values);
+            let same = columns.iter().position(|column| column.name == *name && column.values.len() <= place);
+            let column = same.unwrap_or_else(|| {
+                columns.push(Column { name: name.clone(), unit: series.unit.clone(), ..Column::default() });
+                columns.len() - 1
+            });
+            columns[column].values.resize(place, f64::NAN);
+            columns[column].values.extend(values);
             if has_times {
                 times.get_or_insert(own);
             }
@@ -263,16 +259,11 @@ impl SeriesReader {
         if loose > 0 {
             remarks.push(format!("{loose} line(s) of numbers behind the last series are left out"));
         }
-        for place in 1..columns.len() {
-            let (before, rest) = columns.split_at_mut(place);
-            rest[0].name = free_name(&rest[0].name, |name| before.iter().any(|column| column.name == name));
-        }
+        number_names(&mut columns);
         let rows = columns.iter().map(|column| column.values.len()).max().unwrap_or(0);
         columns.iter_mut().for_each(|column| column.values.resize(rows, f64::NAN));
-        let form = match has_times {
-            true => format!("{name}: {} series of {rows} numbers with their times", columns.len()),
-            false => format!("{name}: {} series of {rows} numbers, {dt} s apart", columns.len()),
-        };
+        let apart = if has_times { " with their times".to_owned() } else { format!(", {dt} s apart") };
+        let form = format!("{name}: {} series of {rows} numbers{apart}", columns.len());
         let even = || (0..rows).map(|k| k as f64 * dt).collect();
         columns.insert(0, Column::of_header("time", Some("s"), times.unwrap_or_else(even)));
         Ok(Table { dialect, form, columns, remarks, lines: known })

@@ -2,21 +2,20 @@
 
 use super::conditioning::mean;
 use super::error::FEWEST;
-use super::shape::{are_axes, has_gravity, is_counter, liveliness, never_changes, plain};
+use super::shape::{are_axes, gravity, is_counter, liveliness, never_changes, plain};
 use super::table::TextCell;
-use super::unit::{Dimension, unit};
+use super::unit::{Dimension, STANDARD_GRAVITY, unit};
 use super::{Column, ImportError, MappedColumn, Mapping, Table, Time, times};
 use crate::data::free_decay::Ring;
 use crate::data::record::input_name;
 use crate::{InputKind, Quantity};
 
-/// Words in names of columns that are neither input nor motion of the oscillator. Those of one or two letters must be the whole
-/// word.
+/// Words in names of columns that are neither input nor motion of the oscillator.
 const OTHERS: &str = "other integrated reference setpoint target estimate predicted model wind temperature humid \
                       batt supply vcc vdd vbat status flag quality trigger latitude longitude rpm strain error noise pressure \
                       magnet compass current id uid tgf level accuracy humidity";
 
-/// Words in names of columns that count the rows; the first letters of a word, or all of it.
+/// Words in names of columns that count the rows.
 const COUNTERS: &str =
     "record rn index sample samples scan frame row nr no n count counter seq seqnum sequence packet iteration loop id";
 
@@ -42,27 +41,17 @@ impl ColumnGuess {
 
     /// Whether the column got no meaning.
     pub fn is_left_out(&self) -> bool {
-        [LOST, UNKNOWN, NO_NUMBERS, TRUTH, OTHER, COUNTER, SEVERAL, STILL, UNIT, AXIS, TURNS, SUPPLY, NO_TIME]
-            .contains(&self.why)
+        ![NAMED, BY_UNIT, BY_CLOCK, BY_SHAPE, FIRST_FREE, CLOCK].contains(&self.why)
     }
 }
 
 const BY_SHAPE: &str = "its numbers rise evenly";
 const FIRST_FREE: &str = "guessed: the first column without a meaning, and no other is one";
 const LOST: &str = "another column has that meaning already";
-const UNKNOWN: &str = "neither its name nor its unit says what it is";
-const OTHER: &str = "its name says that it is something else";
 const COUNTER: &str = "it counts the rows";
 const STILL: &str = "its numbers never change";
 const UNIT: &str = "its unit is neither one of a motion nor of a force";
-const AXIS: &str = "another axis moves more";
-const TURNS: &str = "it turns, and another sensor moves along a line";
-const SEVERAL: &str = "it may be the input, but others may be too: name it, if one is";
-const SUPPLY: &str = "it is a voltage that hardly changes, as that of a supply";
-const NO_TIME: &str = "its name says that it has the times, but its numbers do not rise";
-const NO_NUMBERS: &str = "it has no numbers";
 const CLOCK: &str = "it has the times of the columns behind it";
-const TRUTH: &str = "the truth of a simulated record";
 
 /// The reason why a column, by its name or unit, is neither time, input nor motion.
 fn is_something_else(column: &Column) -> Option<&'static str> {
@@ -78,7 +67,7 @@ fn is_something_else(column: &Column) -> Option<&'static str> {
     if column.unit.as_deref().filter(of).is_some_and(|text| !is_letter(text)) {
         return Some(UNIT);
     }
-    (Quantity::from_key(name).is_none() && has_word(name, OTHERS)).then_some(OTHER)
+    (Quantity::from_key(name).is_none() && has_word(name, OTHERS)).then_some("its name says that it is something else")
 }
 
 /// The mean of a steady voltage, over its standard deviation.
@@ -101,19 +90,11 @@ fn is_like_time(values: &[f64]) -> bool {
     mean > 0.0 && values.windows(2).all(|pair| pair[1] > pair[0] && pair[1] - pair[0] < 100.0 * mean)
 }
 
-/// Whether few numbers are smaller than the one before: a column of that name is the time, even if lines are wrong or its times are
-/// rounded, which is said where it is used.
+/// Whether few numbers are smaller than the one before, as those of a column of times with wrong lines are.
 pub(super) fn seldom_falls(values: &[f64]) -> bool {
-    let (mut rises, mut falls) = (0, 0);
-    for pair in values.windows(2) {
-        rises += usize::from(pair[1] > pair[0]);
-        falls += usize::from(pair[1] < pair[0]);
-    }
+    let count = |is: fn(&[f64]) -> bool| values.windows(2).filter(|pair| is(pair)).count();
+    let (rises, falls) = (count(|pair| pair[1] > pair[0]), count(|pair| pair[1] < pair[0]));
     (rises > 0 || values.len() < 2) && 5 * falls <= rises
-}
-
-fn is_truth(column: &Column) -> bool {
-    column.name.starts_with("true_")
 }
 
 /// Whether time and input have the names that [`crate::Record::write_csv`] gives them: then sensors are what they are called.
@@ -134,6 +115,10 @@ struct Candidate {
 impl Candidate {
     fn take(&mut self, role: Role, why: &'static str) {
         (self.role, self.why, self.is_free) = (Some(role), why, false);
+    }
+
+    fn leave_out(&mut self, why: &'static str) {
+        (self.why, self.is_free) = (why, false);
     }
 }
 
@@ -163,21 +148,21 @@ impl Mapping {
                 all[place].take(Role::Time, BY_SHAPE);
             }
         }
-        for one in all.iter_mut().filter(|one| one.is_free && counts(one)) {
-            (one.why, one.is_free) = (COUNTER, false);
-        }
+        all.iter_mut().filter(|one| one.is_free && counts(one)).for_each(|one| one.leave_out(COUNTER));
         let unknown = |one: &&Candidate| one.is_free || [STILL, UNIT].contains(&one.why);
         let has_sensor = has(&all, &|role| matches!(role, Role::Sensor(_)));
         if !has(&all, &|role| matches!(role, Role::Input(_))) {
             match all.iter().filter(unknown).count() {
                 // With a named sensor and several other columns, none of these is a better guess than the others.
-                2.. if has_sensor => all.iter_mut().filter(|one| one.is_free).for_each(|one| one.why = SEVERAL),
-                _ if !has_sensor && all.iter().filter(|one| one.is_free).count() == 1 => {}
-                _ => {
-                    if let Some(one) = all.iter_mut().find(|one| one.is_free) {
-                        one.take(Role::Input(InputKind::Force), FIRST_FREE);
-                    }
+                2.. if has_sensor => {
+                    let why = "it may be the input, but others may be too: name it, if one is";
+                    all.iter_mut().filter(|one| one.is_free).for_each(|one| one.why = why);
                 }
+                _ if !has_sensor && all.iter().filter(|one| one.is_free).count() == 1 => {}
+                _ if let Some(one) = all.iter_mut().find(|one| one.is_free) => {
+                    one.take(Role::Input(InputKind::Force), FIRST_FREE);
+                }
+                _ => {}
             }
         }
         if !has_sensor && let Some(one) = all.iter_mut().find(|one| one.is_free) {
@@ -189,14 +174,10 @@ impl Mapping {
         let is_stated = sensors.contains(&Quantity::ACCELERATION) || is_own(table);
         if !is_stated && has(&all, &on_ground) && !has(&all, &|role| role == Role::Sensor(Quantity::TOTAL_ACCELERATION))
         {
-            for one in &mut all {
-                if one.role == Some(Role::Sensor(Quantity::ACCELERATION)) {
-                    one.role = Some(Role::Sensor(Quantity::TOTAL_ACCELERATION));
-                }
-            }
+            let felt = all.iter_mut().filter(|one| one.role == Some(Role::Sensor(Quantity::ACCELERATION)));
+            felt.for_each(|one| one.role = Some(Role::Sensor(Quantity::TOTAL_ACCELERATION)));
         }
-        let mut mapping = Self::default();
-        let mut kind = InputKind::Force;
+        let (mut mapping, mut kind) = (Self::default(), InputKind::Force);
         for one in &all {
             let column = &columns[one.place];
             let mapped = || MappedColumn::of(table, column.name.clone());
@@ -205,13 +186,8 @@ impl Mapping {
                     let unit = column.unit.clone().unwrap_or_default();
                     mapping.time = Time { column: Some(column.name.clone()), unit, ..Time::default() };
                 }
-                Some(Role::Input(of)) => {
-                    kind = of;
-                    mapping.input = Some(mapped());
-                }
-                Some(Role::Sensor(quantity)) => {
-                    mapping.sensors.insert(quantity, mapped());
-                }
+                Some(Role::Input(of)) => (kind, mapping.input) = (of, Some(mapped())),
+                Some(Role::Sensor(quantity)) => drop(mapping.sensors.insert(quantity, mapped())),
                 None => {}
             }
         }
@@ -222,8 +198,8 @@ impl Mapping {
         let why = |place: usize| match all.iter().find(|one| one.place == place) {
             Some(one) if one.why == LOST && clocks.contains(&place) => CLOCK,
             Some(one) => one.why,
-            None if is_truth(&columns[place]) => TRUTH,
-            None => NO_NUMBERS,
+            None if columns[place].name.starts_with("true_") => "the truth of a simulated record",
+            None => "it has no numbers",
         };
         let reason = |(place, column): (usize, &Column)| ColumnGuess { column: column.name.clone(), why: why(place) };
         (mapping, kind, columns.iter().enumerate().map(reason).collect())
@@ -253,10 +229,11 @@ fn choose_axes(table: &Table, all: &mut [Candidate]) {
         // Bare axes are accelerations where they have gravity, or as Sensor Logger names its times.
         let is_bare = axes.iter().all(|place| column(&all[*place]).name.len() == 1);
         let places: Vec<usize> = axes.iter().map(|axis| all[*axis].place).collect();
-        let is_felt = <[usize; 3]>::try_from(places).is_ok_and(|axes| is_phone || has_gravity(&table.columns, axes));
+        let has_gravity = |axes| gravity(&table.columns, axes, [STANDARD_GRAVITY, 1.0]).is_some();
+        let is_felt = <[usize; 3]>::try_from(places).is_ok_and(|axes| is_phone || has_gravity(axes));
         let role = if is_bare && is_felt { Role::Sensor(Quantity::ACCELERATION) } else { role };
         let why = role_of(column(&all[best])).map_or(all[holder].why, |(_, why)| why);
-        axes.iter().for_each(|other| (all[*other].role, all[*other].why) = (None, AXIS));
+        axes.iter().for_each(|other| (all[*other].role, all[*other].why) = (None, "another axis moves more"));
         (all[best].role, all[best].why) = (Some(role), why);
     }
     let turns = |one: &Candidate| match column(one).unit.as_deref().and_then(unit) {
@@ -266,20 +243,22 @@ fn choose_axes(table: &Table, all: &mut [Candidate]) {
     let is_sensor = |one: &&mut Candidate| matches!(one.role, Some(Role::Sensor(_)));
     let (turning, straight): (Vec<_>, Vec<_>) = all.iter_mut().filter(is_sensor).partition(|one| turns(one));
     if !straight.is_empty() {
-        turning.into_iter().for_each(|one| (one.role, one.why) = (None, TURNS));
+        let why = "it turns, and another sensor moves along a line";
+        turning.into_iter().for_each(|one| (one.role, one.why) = (None, why));
     }
 }
 
 /// The columns of numbers with the meaning that their names and units give them; the first column of each meaning has it.
 fn candidates(table: &Table) -> Vec<Candidate> {
     let columns = &table.columns;
-    let numeric = |place: &usize| !table.is_without_numbers(*place) && !is_truth(&columns[*place]);
+    let numeric = |place: &usize| !table.is_without_numbers(*place) && !columns[*place].name.starts_with("true_");
     let mut all: Vec<Candidate> = Vec::new();
     // A name that is the key of a quantity comes before one that contains its word.
     let is_key = |place: &usize| Quantity::from_key(&columns[*place].name).is_some();
     let (keys, others): (Vec<usize>, Vec<usize>) = (0..columns.len()).filter(numeric).partition(is_key);
     for place in keys.into_iter().chain(others) {
-        let mut one = Candidate { place, role: None, why: UNKNOWN, is_free: true };
+        let unknown = "neither its name nor its unit says what it is";
+        let mut one = Candidate { place, role: None, why: unknown, is_free: true };
         let is_taken = |role: Role| match role {
             Role::Input(_) => all.iter().any(|other| matches!(other.role, Some(Role::Input(_)))),
             role => all.iter().any(|other| other.role == Some(role)),
@@ -292,20 +271,19 @@ fn candidates(table: &Table) -> Vec<Candidate> {
         let is_still = || still(column) && (role.is_none() || columns.iter().any(|one| has_role(one) && !still(one)));
         let is_sensor = |column: &Column| matches!(role_of(column), Some((Role::Sensor(_), _)));
         let is_supply = || is_steady_voltage(column) && !is_sensor(column) && columns.iter().any(is_sensor);
-        let none = || is_still().then_some(STILL).or_else(|| is_supply().then_some(SUPPLY));
-        if let Some(why) = is_something_else(column).or_else(none) {
-            (one.why, one.is_free) = (why, false);
-            all.push(one);
-            continue;
-        }
-        match role {
+        let supply = || is_supply().then_some("it is a voltage that hardly changes, as that of a supply");
+        let no_time = "its name says that it has the times, but its numbers do not rise";
+        match (is_something_else(column).or_else(|| is_still().then_some(STILL)).or_else(supply), role) {
+            (Some(why), _) => one.leave_out(why),
             // A false time with a short name may be anything.
-            Some((Role::Time, _)) if !seldom_falls(&columns[place].values) && has_word(&columns[place].name, "t s") => {
+            (None, Some((Role::Time, _))) if !seldom_falls(&column.values) => {
+                if !has_word(&column.name, "t s") {
+                    one.leave_out(no_time);
+                }
             }
-            Some((Role::Time, _)) if !seldom_falls(&columns[place].values) => (one.why, one.is_free) = (NO_TIME, false),
-            Some((role, _)) if is_taken(role) => (one.why, one.is_free) = (LOST, false),
-            Some((role, why)) => one.take(role, why),
-            None => {}
+            (None, Some((role, _))) if is_taken(role) => one.leave_out(LOST),
+            (None, Some((role, why))) => one.take(role, why),
+            (None, None) => {}
         }
         all.push(one);
     }
@@ -353,7 +331,6 @@ fn role_of(column: &Column) -> Option<(Role, &'static str)> {
     }
     // The `t_force` of a file with several clocks.
     let is_clock = has_word(&column.name, TIMES) && is_like_time(&column.values);
-    let clock = is_clock.then_some(Role::Time);
     let named = || WORDS.iter().find(|(words, _)| has_word(&column.name, words)).map(|(_, role)| *role);
     let of_unit = || match unit(column.unit.as_deref()?)?.0 {
         Dimension::Time => Some(Role::Time),
@@ -372,7 +349,7 @@ fn role_of(column: &Column) -> Option<(Role, &'static str)> {
         }
         _ => true,
     };
-    let named = clock.filter(|role| agrees(*role)).or_else(|| named().filter(|role| agrees(*role)));
+    let named = [is_clock.then_some(Role::Time), named()].into_iter().flatten().find(|role| agrees(*role));
     named.map(|role| (role, NAMED)).or_else(|| of_unit().map(|role| (role, BY_UNIT)))
 }
 

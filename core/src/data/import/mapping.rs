@@ -91,7 +91,7 @@ pub struct MappedColumn {
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub unit: String,
     /// Multiplies the values. A negative one turns the sign.
-    #[serde(default = "one", skip_serializing_if = "is_unity")]
+    #[serde(default = "one", skip_serializing_if = "is_one")]
     pub gain: f64,
     /// Subtracted from each cell, in the cells' unit.
     #[serde(default, skip_serializing_if = "is_default")]
@@ -145,8 +145,7 @@ impl Mapping {
         self.time.even || self.band.is_some() || self.every != 1 || self.interpolate != 1
     }
 
-    /// The frequencies that the band and the low-pass before fewer samples let through, as shares of the Nyquist frequency of a
-    /// record with steps of `dt` \[s\].
+    /// The frequencies that a record with steps of `dt` \[s\] has, as shares of its Nyquist frequency.
     pub(crate) fn passed(&self, dt: f64) -> [f64; 2] {
         let [low, high] = self.band.map_or([0.0, 1.0], |band| band.map(|limit| 2.0 * limit * dt));
         let high = high.min(if self.every > 1 { GUARD } else { 1.0 });
@@ -161,15 +160,11 @@ impl Mapping {
         let Self { file: _, hash: _, dialect: _, time, input, no_input, sensors, from, to, band, every, interpolate } =
             self;
         let require = |ok: bool, key: &str, value: String, allowed: &str| {
-            let error = || ImportError::Setting { key: key.to_owned(), value, allowed: allowed.to_owned() };
-            if ok { Ok(()) } else { Err(error()) }
+            if ok { Ok(()) } else { Err(ImportError::Setting(key.to_owned(), value, allowed.to_owned())) }
         };
-        if let Some(rate) = time.rate {
-            let allowed = "positive and finite";
-            require(rate.is_finite() && rate > 0.0, "time.rate", rate.to_string(), allowed)?;
-        }
-        if let Some(dt) = time.dt {
-            require(dt.is_finite() && dt > 0.0, "time.dt", dt.to_string(), "positive and finite")?;
+        for (key, number) in [("time.rate", time.rate), ("time.dt", time.dt)] {
+            let number = number.unwrap_or(1.0);
+            require(number.is_finite() && number > 0.0, key, number.to_string(), "positive and finite")?;
         }
         let is_one = !no_input || input.is_none();
         require(is_one, "no_input", no_input.to_string(), "false where there is an input")?;
@@ -221,20 +216,8 @@ impl Mapping {
 
 impl Default for Mapping {
     fn default() -> Self {
-        Self {
-            file: String::new(),
-            hash: String::new(),
-            dialect: None,
-            time: Time::default(),
-            input: None,
-            no_input: false,
-            sensors: BTreeMap::new(),
-            from: None,
-            to: None,
-            band: None,
-            every: 1,
-            interpolate: 1,
-        }
+        let (file, hash, dialect, time, input, no_input, sensors, from, to, band) = Default::default();
+        Self { file, hash, dialect, time, input, no_input, sensors, from, to, band, every: 1, interpolate: 1 }
     }
 }
 
@@ -282,11 +265,6 @@ const MOST_EVERY: usize = 10_000;
 
 const fn one() -> f64 {
     1.0
-}
-
-#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes references; in a browser they are smaller")]
-fn is_unity(gain: &f64) -> bool {
-    *gain == 1.0
 }
 
 #[cfg(test)]

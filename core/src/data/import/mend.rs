@@ -1,10 +1,11 @@
 //! Faults of a file's times that have one cure: a counter that turns over, rows that stand twice or in another order, first rows
 //! far from all others, a clock that is set back, parts that begin again.
 
+use std::cmp::Ordering;
+
 use super::guess::{clocks, is_named_time, seldom_falls};
-use super::times::{DAY, EPOCHS, median_step};
+use super::times::{DAY, EPOCHS, median, median_step};
 use super::{Column, Table};
-use crate::data::sorting::sort_numbers;
 
 /// Rows in another order are at most this far from their places.
 const NEAR: usize = 8;
@@ -24,15 +25,19 @@ pub(super) fn mend(mut table: Table) -> Table {
     for &place in &named {
         let column = &mut table.columns[place];
         let mut times = column.values.clone();
-        if let Some((row, range)) = with_turns(&mut times).filter(|_| seldom_falls(&times)) {
+        let steps = times.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0);
+        let Some(step) = median(steps.collect()) else { continue };
+        let turned = with_turns(&mut times, |before, now| turn(before, now, step));
+        if let Some((row, range)) = turned.filter(|_| seldom_falls(&times)) {
             column.values = times;
             let (name, line) = (column.name.clone(), table.line(row));
             table.remarks.push(format!("`{name}` turns over at {range} in line {line}: its times go on from there"));
         }
     }
+    let midnight = |before: f64, now: f64| (now < before - 0.5 * DAY).then_some(DAY);
     for &place in &named {
         if table.columns[place].is_time_of_day
-            && let Some(row) = with_days(&mut table.columns[place].values)
+            && let Some((row, _)) = with_turns(&mut table.columns[place].values, midnight)
         {
             table.remarks.push(format!("the times pass midnight in line {}", table.line(row)));
         }
@@ -45,17 +50,13 @@ pub(super) fn mend(mut table: Table) -> Table {
     }
 }
 
-/// A table without times, less first rows whose numbers are far from all others. Wristbands write the time of their start in all columns,
-/// and below it the samples a second, which make its times.
+/// A table without times, less first rows far from all others: wristbands write the time of the start there, and the samples a second.
 fn without_first_rows(table: Table) -> Table {
     let numbers = (0..table.columns.len()).filter(|&place| !table.is_without_numbers(place));
     let columns: Vec<&[f64]> = numbers.map(|place| table.columns[place].values.as_slice()).collect();
     let apart = |values: &&[f64]| if values.len() > 8 { first_rows_apart(values) } else { None };
-    let Some(first) =
-        columns.first().and_then(apart).filter(|first| columns.iter().all(|of| apart(of) == Some(*first)))
-    else {
-        return table;
-    };
+    let first = columns.first().and_then(apart);
+    let Some(first) = first.filter(|_| columns.iter().all(|of| apart(of) == first)) else { return table };
     let rate = columns[0][first];
     let begins = (1.0..=1e5).contains(&rate)
         && rate.fract() == 0.0
@@ -88,34 +89,16 @@ pub fn turn(before: f64, now: f64, step: f64) -> Option<f64> {
     if now < before { ranges().find(|&range| passed(range) && is_at_the_end(range)) } else { None }
 }
 
-/// Makes the times of a counter that turns over go on. Returns the first row after that and the range of the counter.
-fn with_turns(times: &mut [f64]) -> Option<(usize, f64)> {
-    let rising = times.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0);
-    let mut steps: Vec<f64> = rising.collect();
-    sort_numbers(&mut steps);
-    let step = *steps.get(steps.len() / 2)?;
+/// Makes times go on where they turn over, by the range of that. Returns the first row after it, and its range.
+fn with_turns(times: &mut [f64], turn: impl Fn(f64, f64) -> Option<f64>) -> Option<(usize, f64)> {
     let (mut added, mut first, mut before) = (0.0, None, f64::NAN);
     for (row, time) in times.iter_mut().enumerate() {
-        if let Some(range) = turn(before, *time, step) {
+        if let Some(range) = turn(before, *time) {
             added += range;
             first = first.or(Some((row, range)));
         }
-        before = *time;
-        *time += added;
-    }
-    first
-}
-
-/// Times of day, of which those after midnight are of the next day. Returns the first row after it.
-fn with_days(times: &mut [f64]) -> Option<usize> {
-    let (mut days, mut first, mut before) = (0.0, None, f64::NAN);
-    for (row, time) in times.iter_mut().enumerate() {
-        if *time < before - 0.5 * DAY {
-            days += DAY;
-            first = first.or(Some(row));
-        }
         before = if time.is_nan() { before } else { *time };
-        *time += days;
+        *time += added;
     }
     first
 }
@@ -147,9 +130,7 @@ fn rows_mended(mut table: Table, place: usize) -> Table {
             ));
             rows = sorted;
         } else if backward.iter().all(begins) {
-            let mut ends = vec![0];
-            ends.extend(&backward);
-            ends.push(rows.len());
+            let ends = [&[0], &backward[..], &[rows.len()]].concat();
             let parts = ends.windows(2).map(|ends| ends[0]..ends[1]);
             let longest = parts.rev().max_by_key(ExactSizeIterator::len).unwrap_or(0..rows.len());
             said.push(format!(
@@ -192,8 +173,7 @@ fn rows_mended(mut table: Table, place: usize) -> Table {
     table.of_rows(groups)
 }
 
-/// The number of first rows, up to three, whose times are far from all others: 0 before the first reading of a clock, or the start and
-/// the rate of the others.
+/// The number of first rows, up to three, whose times are far from all others.
 fn first_rows_apart(times: &[f64]) -> Option<usize> {
     (1..=3.min(times.len() - 3)).find(|&first| {
         let rest = &times[first..];
@@ -224,13 +204,12 @@ fn of_one_time(table: &Table, place: usize, times: &[f64], rows: &[usize]) -> Op
         }
     }
     let others = || table.columns.iter().enumerate().filter(|(other, _)| *other != place);
-    let agree = |one: usize, other: usize| {
-        others().all(|(_, column)| {
-            let [one, other] = [column.values[one], column.values[other]];
-            one == other || one.is_nan() || other.is_nan()
-        })
+    let is_unlike = |pair: &[usize]| {
+        others()
+            .map(|(_, column)| (column.values[pair[0]], column.values[pair[1]]))
+            .any(|(a, b)| a.partial_cmp(&b).is_some_and(Ordering::is_ne))
     };
-    let unlike = groups.iter().filter(|group| group.windows(2).any(|pair| !agree(pair[0], pair[1]))).count();
+    let unlike = groups.iter().filter(|group| group.windows(2).any(is_unlike)).count();
     let is_short = groups.iter().all(|group| group.len() <= EVENTS.1);
     (unlike == 0 || (is_short && unlike as f64 <= EVENTS.0 * groups.len() as f64)).then_some(groups)
 }
@@ -278,15 +257,8 @@ mod tests {
     fn each_fault_with_one_cure_is_cured_and_said() {
         let even = |count: u32| (0..count).map(|k| 0.02 * f64::from(k));
         let epoch = std::iter::once(0.0).chain(even(50).map(|time| 1.7e9 + time));
-        let swapped = even(60).map(|time| {
-            if (time - 0.2).abs() < 1e-9 {
-                0.22
-            } else if (time - 0.22).abs() < 1e-9 {
-                0.2
-            } else {
-                time
-            }
-        });
+        let mut swapped: Vec<f64> = even(60).collect();
+        swapped.swap(10, 11);
         let back = even(60).map(|time| if time > 0.5 { 7200.0 + time - 3600.0 } else { 7200.0 + time });
         let again = even(30).chain(even(40)).chain(even(20));
         let twice = even(40).flat_map(|time| [time, time]);

@@ -47,8 +47,7 @@ impl OwnTimes {
         self.columns.insert(name.to_owned(), (Timed { times: own, values }, empty));
     }
 
-    /// A column in the meaning that a mapping gives it: `factor · (cell - offset)`, that much earlier, with times in steps after the
-    /// first one.
+    /// A column in the meaning that a mapping gives it, less its delay, with times in steps after the first one.
     fn scaled(&self, mapped: &MappedColumn, Steps { start, dt, count }: Steps) -> Timed {
         let Some((Timed { times, values }, _)) = self.columns.get(&mapped.column) else { return Timed::default() };
         let between = |from: f64, to: f64| {
@@ -130,11 +129,7 @@ pub(super) struct OneClock {
     pub(super) is_even: bool,
 }
 
-/// The columns of a mapping at their own times, where they have clocks of their own, and the steps that these have in common. A file
-/// whose clocks have no time in common is read row by row: then a sentence goes to the remarks.
-///
-/// # Errors
-/// [`ImportError`] where the times of a clock are not usable.
+/// The columns of a mapping at their own times, where they have clocks of their own with some time in common.
 pub(super) fn on_one_clock(
     table: &Table,
     mapping: &Mapping,
@@ -214,27 +209,21 @@ fn is_same(table: &Table, one: usize, other: usize) -> bool {
 }
 
 /// The clock of a file, by the guess at its column of times.
-///
-/// # Errors
-/// [`ImportError`] where it has none, or where its times are not usable.
 fn clock_of<'a>(table: &'a Table, remarks: &mut Vec<String>) -> Result<Clock<'a>, ImportError> {
     let time = Mapping::guess(table).0.time;
     let place = time.column.and_then(|name| table.place(&name)).ok_or_else(|| no_time(table))?;
     Clock::of(table, place, &time.unit, remarks)
 }
 
-/// The steps of the fastest of some clocks in the time that all have in common, and its place. Seconds are added to the times of each.
-/// `None` where they have too few steps in common.
+/// The steps of the fastest clock in the time that all have in common, and its place. Seconds are added to the times of each.
 fn common(clocks: &[(Clock<'_>, f64)]) -> Option<(Steps, usize)> {
     let all = clocks.iter().enumerate();
     let (fast, (clock, added)) = all.min_by(|(_, (a, _)), (_, (b, _))| a.timing.dt.total_cmp(&b.timing.dt))?;
     let Timing { start, dt, samples, .. } = clock.timing;
     let start = start + added;
-    let (latest, earliest) =
-        clocks.iter().fold((f64::NEG_INFINITY, f64::INFINITY), |(latest, earliest), (clock, added)| {
-            let [first, last] = clock.ends();
-            (latest.max(first + added), earliest.min(last + added))
-        });
+    let ends = || clocks.iter().map(|(clock, added)| clock.ends().map(|time| time + added));
+    let latest = ends().map(|[first, _]| first).fold(f64::NEG_INFINITY, f64::max);
+    let earliest = ends().map(|[_, last]| last).fold(f64::INFINITY, f64::min);
     // Half a step beyond its ends, a slower clock has a nearest step.
     let from = libm::ceil((latest - start) / dt - 0.5).max(0.0);
     let to = libm::floor((earliest - start) / dt + 0.5).min((samples - 1) as f64);
@@ -252,7 +241,7 @@ pub fn join(first: &Table, second: &Table, offset: f64) -> Result<Table, ImportE
     let clocks = [(clock_of(first, &mut remarks)?, 0.0), (clock_of(second, &mut remarks)?, offset)];
     let Some((steps, _)) = common(&clocks) else {
         let [first, second] = clocks.map(|(clock, added)| clock.ends().map(|time| time + added));
-        return Err(ImportError::Apart { first, second });
+        return Err(ImportError::Apart(first, second));
     };
     let rows = clocks.iter().map(|(clock, _)| clock.times.len()).max().unwrap_or(0);
     let mut columns: Vec<Column> = Vec::new();
@@ -280,47 +269,34 @@ pub fn join(first: &Table, second: &Table, offset: f64) -> Result<Table, ImportE
 
 #[cfg(test)]
 mod tests {
-    use std::fmt::Write as _;
-
     use super::super::Imported;
     use super::super::builder::tests::import;
-    use crate::Quantity;
-
-    /// `t1, force, t2, x` with 100 and 30 readings a second, the second clock from a time on.
-    fn text(from: f64) -> String {
-        let mut text = "t1 [s],force [N],t2 [ms],displacement [mm]\n".to_owned();
-        for k in 0..600 {
-            let (one, other) = (0.01 * f64::from(k), from + f64::from(k) / 30.0);
-            let force = libm::sin(3.0 * one);
-            let more =
-                if k < 160 { format!("{:.6},{:.9}", 1e3 * other, libm::cos(2.0 * other)) } else { ",".to_owned() };
-            writeln!(text, "{one:.2},{force:.9},{more}").unwrap();
-        }
-        text
-    }
 
     #[test]
     fn columns_with_times_of_their_own_are_at_their_times() {
-        let Imported { record, remarks, .. } = import(&text(0.2), |_| {}).unwrap();
+        let row = |k: u32| {
+            let (one, other) = (0.01 * f64::from(k), 0.2 + f64::from(k) / 30.0);
+            let more = format!("{:.6},{:.9}", 1e3 * other, libm::cos(2.0 * other));
+            format!("{one:.2},{:.9},{}\n", libm::sin(3.0 * one), if k < 160 { &more } else { "," })
+        };
+        let text = "t1 [s],force [N],t2 [ms],displacement [mm]\n".to_owned() + &(0..600).map(row).collect::<String>();
+        let Imported { record, remarks, .. } = import(&text, |_| {}).unwrap();
         assert_eq!(remarks.len(), 1, "{remarks:?}");
         assert!((record.dt() - 0.01).abs() < 1e-12, "the steps of the faster clock");
         assert!(remarks[0].starts_with("the columns have clocks of their own, `t1` and `t2`"), "{remarks:?}");
-        let (measured, mut there) = (record.measured_quantity(Quantity::DISPLACEMENT).unwrap(), 0);
-        for (k, (input, measured)) in record.input().iter().zip(measured).enumerate() {
+        for (k, (input, x)) in record.input().iter().zip(record.measured(0)).enumerate() {
             let time = record.time(k);
             assert!((input - libm::sin(3.0 * time)).abs() < 1e-6, "the input at {time} s");
-            if !measured.is_nan() {
-                assert!((measured - 1e-3 * libm::cos(2.0 * time)).abs() < 1e-6, "the reading at {time} s");
-                there += 1;
-            }
+            assert!(x.is_nan() || (x - 1e-3 * libm::cos(2.0 * time)).abs() < 1e-6, "the reading at {time} s");
         }
-        let clocks = record.clocks().unwrap();
-        assert_eq!(clocks.readings[0].times.len(), 160);
-        for (k, (step, value)) in clocks.readings[0].times.iter().zip(&clocks.readings[0].values).enumerate() {
+        let readings = &record.clocks().unwrap().readings[0];
+        assert_eq!(readings.times.len(), 160);
+        for (k, (step, value)) in readings.times.iter().zip(&readings.values).enumerate() {
             let time = 0.2 + k as f64 / 30.0;
             assert!((record.time(0) + step * record.dt() - time).abs() < 1e-6, "its time is kept");
             assert!((value - 1e-3 * libm::cos(2.0 * time)).abs() < 1e-9, "the reading is the file's");
         }
+        let there = record.measured(0).iter().filter(|reading| !reading.is_nan()).count();
         assert!((155..=161).contains(&there), "{there} readings");
     }
 

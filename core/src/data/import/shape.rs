@@ -1,24 +1,22 @@
 //! What the numbers of columns look like: counters, axes of which one moves most, and angles that wrap.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use super::conditioning::mean;
 use super::missing::is_still;
+use super::times::median;
 use super::unit::{Dimension, STANDARD_GRAVITY, unit};
 use super::{Column, Mapping, Table};
-use crate::data::sorting::sort_numbers;
 
 /// Whether all numbers are the same, in more rows than a few.
 pub(super) fn never_changes(values: &[f64]) -> bool {
     values.iter().filter(|value| !value.is_nan()).count() > 2 && is_still(values)
 }
 
-/// Whether whole numbers mostly rise by one, also with rows lost and where the counter begins again. One with a counter's name may rise by
-/// another step, or stand still within a packet.
+/// Whether whole numbers mostly rise by one, but for lost rows; with a counter's name also by another step, or not within a packet.
 pub(super) fn is_counter(values: &[f64], is_named: bool) -> bool {
-    let mut steps: Vec<f64> = values.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| !step.is_nan()).collect();
-    sort_numbers(&mut steps);
-    let Some(&step) = steps.get(steps.len() / 2) else { return false };
+    let steps: Vec<f64> = values.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| !step.is_nan()).collect();
+    let Some(step) = median(steps.clone()) else { return false };
     let share = |is: &dyn Fn(f64) -> bool| steps.iter().filter(|step| is(**step)).count() * 10 / steps.len();
     let is_whole = values.iter().all(|value| value.is_nan() || value.fract() == 0.0);
     let rises = step == 1.0 && share(&|one| one == step) >= 6 && (is_named || steps.len() > 8);
@@ -29,8 +27,7 @@ pub(super) fn is_counter(values: &[f64], is_named: bool) -> bool {
 const ENDS: [f64; 11] =
     [100.0, 256.0, 1000.0, 1024.0, 4096.0, 10_000.0, 65_536.0, 1e5, 1e6, 16_777_216.0, 4_294_967_296.0];
 
-/// The times of the rows \[s\] by a column without a meaning that counts samples, `rate` a second, some of which have no row, and its
-/// name. A counter may begin again at its end.
+/// A column without a meaning that counts samples, `rate` a second, some of which have no row: its name, and the times of the rows \[s\].
 pub(super) fn counted(table: &Table, mapping: &Mapping, rate: f64) -> Option<(String, Vec<f64>)> {
     let has_meaning = |name: &str| mapping.input.iter().chain(mapping.sensors.values()).any(|of| of.column == name);
     table.columns.iter().filter(|column| !has_meaning(&column.name)).find_map(|column| {
@@ -39,9 +36,7 @@ pub(super) fn counted(table: &Table, mapping: &Mapping, rate: f64) -> Option<(St
         let end = ENDS.into_iter().find(|end| (0.9 * end..*end).contains(&most)).unwrap_or(0.0);
         let risen = |pair: &[f64]| pair[1] - pair[0] + if pair[1] < pair[0] { end } else { 0.0 };
         let steps: Vec<f64> = values.windows(2).map(risen).collect();
-        let mut sorted = steps.clone();
-        sort_numbers(&mut sorted);
-        let step = *sorted.get(sorted.len() / 2)?;
+        let step = median(steps.clone())?;
         let is_counter = step.fract() == 0.0 && steps.iter().all(|one| *one >= step && one % step == 0.0);
         let single = steps.iter().filter(|one| **one == step).count();
         if !(is_counter && step > 0.0 && single < steps.len() && 2 * single > steps.len()) {
@@ -79,34 +74,15 @@ pub(super) fn plain(name: &str) -> String {
     name.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
 }
 
-/// Whether the mean of three columns has the length of gravity, in m/s² or g.
-pub(super) fn has_gravity(columns: &[Column], axes: [usize; 3]) -> bool {
-    let length = length(columns, axes);
-    [STANDARD_GRAVITY, 1.0].into_iter().any(|unit| (0.85..1.15).contains(&(length / unit)))
-}
-
-/// The length of the mean of three accelerations.
-pub(super) fn length(columns: &[Column], axes: [usize; 3]) -> f64 {
-    axes.map(|axis| mean(&columns[axis].values)).iter().map(|mean| mean * mean).sum::<f64>().sqrt()
+/// The unit \[m/s²\], one of two, in which the mean of three accelerations has the length of gravity.
+pub(super) fn gravity(columns: &[Column], axes: [usize; 3], units: [f64; 2]) -> Option<f64> {
+    let length = axes.map(|axis| mean(&columns[axis].values)).iter().map(|mean| mean * mean).sum::<f64>().sqrt();
+    units.into_iter().find(|unit| (0.85..1.15).contains(&(unit * length / STANDARD_GRAVITY)))
 }
 
 /// Ranges of angles that begin again: turns in degrees, radians, gon and their parts, and counts of encoders.
 const RANGES: [f64; 16] = [
-    TAU,
-    360.0,
-    180.0,
-    TAU / 2.0,
-    1.0,
-    400.0,
-    3600.0,
-    36_000.0,
-    500.0,
-    1000.0,
-    2000.0,
-    2400.0,
-    2500.0,
-    4000.0,
-    5000.0,
+    TAU, 360.0, 180.0, PI, 1.0, 400.0, 3600.0, 36_000.0, 500.0, 1000.0, 2000.0, 2400.0, 2500.0, 4000.0, 5000.0,
     10_000.0,
 ];
 
@@ -138,8 +114,7 @@ pub(super) fn unwrapped(table: &Table, mapping: &Mapping, remarks: &mut Vec<Stri
     changed
 }
 
-/// Numbers without their jumps by a range, the places of the jumps, and the largest change of the step at one; `None` where they do not
-/// wrap at it.
+/// Numbers that wrap at a range, without their jumps; the places of the jumps, and the largest change of the step at one.
 fn run_on(values: &[f64], range: f64) -> Option<(Vec<f64>, Vec<usize>, f64)> {
     let ends = |values: &[f64]| values.iter().fold([f64::INFINITY, -f64::INFINITY], |[a, b], x| [a.min(*x), b.max(*x)]);
     let [low, high] = ends(values);

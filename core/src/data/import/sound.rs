@@ -10,9 +10,6 @@ use crate::data::free_decay::Ring;
 const FORM: &str = "sound";
 
 /// The time and the channels of a sound, as shares of the loudest that its numbers can be.
-///
-/// # Errors
-/// [`ImportError::Sound`], [`ImportError::Empty`].
 pub(super) fn table(bytes: &[u8]) -> Result<Table, ImportError> {
     let bad = |error: hound::Error| ImportError::Sound(error.to_string());
     let mut reader = hound::WavReader::new(bytes).map_err(bad)?;

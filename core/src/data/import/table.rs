@@ -58,7 +58,7 @@ pub struct TextCell {
 impl TextCell {
     pub(super) fn error(&self, column: &str) -> ImportError {
         let Self { line, text } = self;
-        ImportError::Cell { line: *line, column: column.to_owned(), problem: format!("`{text}` is not a number") }
+        ImportError::Cell(*line, column.to_owned(), format!("`{text}` is not a number"))
     }
 }
 
@@ -69,8 +69,6 @@ impl Column {
         Self { name, unit: unit.map(str::to_owned).or(own), values, ..Self::default() }
     }
 
-    /// # Errors
-    /// [`ImportError::Cell`] where a cell has text that is not a number.
     pub(super) fn without_text(&self) -> Result<&Self, ImportError> {
         self.text.as_ref().map_or(Ok(self), |text| Err(text.error(&self.name)))
     }
@@ -174,6 +172,14 @@ pub(super) fn free_name(name: &str, is_taken: impl Fn(&str) -> bool) -> String {
     std::iter::once(name.to_owned()).chain(numbered).find(|name| !is_taken(name)).unwrap_or_default()
 }
 
+/// Puts a number behind each name that there was before.
+pub(super) fn number_names(columns: &mut [Column]) {
+    for place in 1..columns.len() {
+        let (before, rest) = columns.split_at_mut(place);
+        rest[0].name = free_name(&rest[0].name, |name| before.iter().any(|column| column.name == name));
+    }
+}
+
 /// The lines of rows: blocks of rows without a line between them.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Lines {
@@ -207,8 +213,7 @@ impl Lines {
 pub(super) struct Rows {
     /// The delimiter, the decimal character, and the first line of numbers.
     pub(super) dialect: Dialect,
-    /// The name and unit of each cell of a row. `None` if a cell belongs to no column. Empty if lines of the dialect
-    /// have names and units.
+    /// The name and unit of each cell of a row, `None` if it belongs to no column; empty if lines of the dialect have them.
     pub(super) cells: Vec<Option<(String, Option<String>)>>,
     /// The clocks of columns without times: the place of the first column, its first time and the step \[s\].
     pub(super) even: Vec<(usize, f64, f64)>,
@@ -289,7 +294,8 @@ impl RowsReader {
         let rows = (length / mean).min(length / belongs.len().max(1) + 1);
         let column =
             |(name, unit)| Column { name, unit, values: Vec::with_capacity(rows + rows / 50), ..Column::default() };
-        let columns = unique(header).into_iter().map(column).collect();
+        let mut columns: Vec<Column> = header.into_iter().map(column).collect();
+        number_names(&mut columns);
         let (lines, short, long, grouped, doubtful) = Default::default();
         Ok(Self { rows: form, columns, belongs, end: None, lines, short, long, grouped, doubtful })
     }
@@ -373,8 +379,7 @@ impl RowsReader {
     }
 }
 
-/// Keeps as many rows as the header says, where what follows is another part: the first column, of times, begins again, or there are no
-/// times. Returns a sentence if there are more rows or fewer.
+/// Keeps as many rows as the header says, where times begin again behind them or there are none; a sentence if there are more or fewer.
 fn cut(columns: &mut [Column], count: usize, is_without_times: bool) -> Option<String> {
     let rows = columns.first()?.values.len();
     let begins_again = || count > 0 && rows > count && columns[0].values[count] <= columns[0].values[count - 1];
@@ -399,33 +404,15 @@ fn width(dialect: &Dialect, lines: &[&str]) -> Result<usize, ImportError> {
     let mut width = dialect.delimiter.cells(first).count();
     // A delimiter that ends each line begins no column.
     let ends = |line: &&&str| dialect.delimiter.cells(line).nth(width - 1).is_none_or(str::is_empty);
+    let is_named = || dialect.header(lines, width)[width - 1].0 != format!("column {width}");
     let data = lines.iter().skip(dialect.data.saturating_sub(1)).filter(|line| !line.trim().is_empty());
-    if width > 1 && data.take(100).all(|line| ends(&line)) && named(dialect, lines, width) < width {
+    if width > 1 && data.take(100).all(|line| ends(&line)) && !is_named() {
         width -= 1;
     }
     if width > MOST_COLUMNS {
-        return Err(ImportError::TooManyColumns { line: dialect.data, found: width });
+        return Err(ImportError::TooManyColumns(dialect.data, width));
     }
     Ok(width)
-}
-
-/// The same headers with a number behind each name that there was before.
-fn unique(mut header: Vec<(String, Option<String>)>) -> Vec<(String, Option<String>)> {
-    for place in 1..header.len() {
-        let (before, rest) = header.split_at_mut(place);
-        rest[0].0 = free_name(&rest[0].0, |name| before.iter().any(|(other, _)| other == name));
-    }
-    header
-}
-
-/// The number of named columns.
-fn named(dialect: &Dialect, lines: &[&str], width: usize) -> usize {
-    if dialect.names == 0 {
-        return 0;
-    }
-    let header = dialect.header(lines, width);
-    let unnamed = |place: &usize| header[*place].0 == format!("column {}", place + 1);
-    (0..width).rev().find(|place| !unnamed(place)).map_or(0, |place| place + 1)
 }
 
 #[cfg(test)]
@@ -447,20 +434,16 @@ mod tests {
     }
 
     #[test]
-    fn a_trailing_delimiter_begins_no_column() {
-        let table = read(&b"\"V1\",\"V2\",\n0.1,0.2,\n0.3,0.4,\n"[..], None).unwrap();
-        assert_eq!(table.columns.len(), 2);
-        assert_eq!(table.columns[1].name, "V2");
-        assert_eq!(table.columns[1].values, [0.2, 0.4]);
-        let empty = read(&b"a,b,c\n0.1,0.2,\n0.3,0.4,\n"[..], None).unwrap();
-        assert_eq!(empty.columns.len(), 3, "a column that is empty so far has a name");
-    }
-
-    #[test]
-    fn names_that_stand_twice_are_numbered() {
-        let table = read(&b"x,x,t,x\n1,2,3,4\n5,6,7,8\n"[..], None).unwrap();
-        let names: Vec<&str> = table.columns.iter().map(|column| column.name.as_str()).collect();
-        assert_eq!(names, ["x", "x (2)", "t", "x (3)"]);
+    fn names_are_numbered_and_a_trailing_delimiter_begins_no_column() {
+        for (text, names) in [
+            ("x,x,t,x\n1,2,3,4\n5,6,7,8\n", &["x", "x (2)", "t", "x (3)"][..]),
+            ("\"V1\",\"V2\",\n0.1,0.2,\n0.3,0.4,\n", &["V1", "V2"]),
+            // A column that is empty so far has a name.
+            ("a,b,c\n0.1,0.2,\n0.3,0.4,\n", &["a", "b", "c"]),
+        ] {
+            let table = read(text, None).unwrap();
+            assert!(table.columns.iter().map(|column| &column.name).eq(names), "{:?}", table.columns);
+        }
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The columns of an accelerometer with three axes.
 
 use super::guess::{is_named_time, seldom_falls};
-use super::shape::{has_gravity, length, plain};
+use super::shape::{gravity, plain};
 use super::unit::{Dimension, STANDARD_GRAVITY, unit};
 use super::{Column, Table, times};
 
@@ -28,7 +28,16 @@ impl ThreeAxes {
         let elapsed = others().find(|&place| plain(&columns[place].name) == "secondselapsed");
         let named = elapsed.or_else(|| others().find(|&place| is_named_time(&columns[place])));
         let time = named.or_else(|| others().find(|&place| seldom_falls(&columns[place].values)))?;
-        Some(Self { time: (time, seconds(&columns[time])), axes: (axes, size(columns, axes)) })
+        let unit_of = |place: usize| columns[place].unit.as_deref().and_then(unit);
+        let second = match unit_of(time) {
+            Some((Dimension::Time, second)) => second,
+            _ => times::second(&columns[time]).0,
+        };
+        let size = match unit_of(axes[0]) {
+            Some((Dimension::Acceleration, size)) => size,
+            _ => gravity(columns, axes, [STANDARD_GRAVITY, 1e-3]).unwrap_or(1.0),
+        };
+        Some(Self { time: (time, second), axes: (axes, size) })
     }
 
     /// Time \[s\] and three accelerations \[m/s²\] of each row. The time begins at zero: an epoch in nanoseconds has too many
@@ -48,39 +57,17 @@ impl ThreeAxes {
 /// The columns whose names are one name with x, y and z behind it, or the numbers of the axes.
 fn named(columns: &[Column]) -> Option<[usize; 3]> {
     let names: Vec<String> = columns.iter().map(|column| plain(&column.name)).collect();
-    let all = ACCELERATIONS
-        .iter()
-        .flat_map(|of| [["x", "y", "z"], ["0", "1", "2"]].map(|axes| axes.map(|axis| format!("{of}{axis}"))));
-    all.filter_map(|axes| {
-        let [x, y, z] = axes.map(|axis| names.iter().position(|name| *name == axis));
-        Some([x?, y?, z?])
+    let mut all = ACCELERATIONS.iter().flat_map(|of| ["xyz", "012"].map(|axes| (of, axes)));
+    all.find_map(|(of, axes)| {
+        let mut places = axes.chars().map(|axis| names.iter().position(|name| *name == format!("{of}{axis}")));
+        Some([places.next()??, places.next()??, places.next()??])
     })
-    .next()
 }
 
 /// Three of four columns without names: gravity is in them.
 fn unnamed(columns: &[Column]) -> Option<[usize; 3]> {
     let nameless = columns.len() == 4 && columns.iter().all(|column| column.name.starts_with("column "));
     let time = (0..4).find(|&place| nameless && seldom_falls(&columns[place].values))?;
-    let mut axes = (0..4).filter(|&place| place != time);
-    let axes = [axes.next()?, axes.next()?, axes.next()?];
-    has_gravity(columns, axes).then_some(axes)
-}
-
-/// The unit of three accelerations \[m/s²\]: the file's, or g or mm/s² where their mean has the length of gravity in it.
-fn size(columns: &[Column], axes: [usize; 3]) -> f64 {
-    let told = columns[axes[0]].unit.as_deref().and_then(unit);
-    if let Some((Dimension::Acceleration, factor)) = told {
-        return factor;
-    }
-    let is_gravity = |unit: &f64| (0.85..1.15).contains(&(unit * length(columns, axes) / STANDARD_GRAVITY));
-    [STANDARD_GRAVITY, 1e-3].into_iter().find(is_gravity).unwrap_or(1.0)
-}
-
-/// The seconds of a time's unit: the file's, or that of plausible steps.
-fn seconds(column: &Column) -> f64 {
-    match column.unit.as_deref().and_then(unit) {
-        Some((Dimension::Time, factor)) => factor,
-        _ => times::second(column).0,
-    }
+    let axes = <[usize; 3]>::try_from((0..4).filter(|&place| place != time).collect::<Vec<_>>()).ok()?;
+    gravity(columns, axes, [STANDARD_GRAVITY, 1.0]).map(|_| axes)
 }

@@ -6,7 +6,6 @@ use super::error::{FEWEST, MOST};
 use super::unit::{Dimension, unit};
 use super::{Column, ImportError, Table};
 use crate::data::even_steps::Steps;
-use crate::data::sorting::sort_numbers;
 
 /// Seconds of a day.
 pub(super) const DAY: f64 = 86_400.0;
@@ -37,9 +36,6 @@ pub(super) struct Clock<'a> {
 
 impl<'a> Clock<'a> {
     /// The clock in the column at a place, whose cells have this unit. What was not as expected is added to the remarks.
-    ///
-    /// # Errors
-    /// [`ImportError`] where its times are not usable.
     pub(super) fn of(
         table: &'a Table,
         place: usize,
@@ -87,19 +83,16 @@ pub(super) fn of<'a>(table: &Table, column: &'a Column, text: &str, remarks: &mu
     times
 }
 
-/// The seconds of the unit of a column without one, by its name, by the year that its times are in or by their steps; and a sentence where
-/// it is not seconds, or may be another.
+/// The seconds of the unit of a column without one, by name, year or steps; and a sentence where it is another, or may be.
 pub(super) fn second(column: &Column) -> (f64, Option<String>) {
     let name = column.name.to_lowercase();
-    if let Some((_, size)) =
-        [("millis", 1e-3), ("micros", 1e-6), ("nanos", 1e-9)].iter().find(|(word, _)| name.contains(word))
-    {
-        return (*size, None);
+    let words = [("millis", 1e-3), ("micros", 1e-6), ("nanos", 1e-9)];
+    if let Some((_, size)) = words.into_iter().find(|(word, _)| name.contains(word)) {
+        return (size, None);
     }
     let times: Vec<f64> = column.values.iter().copied().filter(|time| time.is_finite()).collect();
-    let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0).collect();
-    sort_numbers(&mut steps);
-    let (Some(&step), Some(&last)) = (steps.get(steps.len() / 2), times.last()) else { return (1.0, None) };
+    let steps = times.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0);
+    let (Some(step), Some(&last)) = (median(steps.collect()), times.last()) else { return (1.0, None) };
     let said = |unit: &str, why: &str, question: &str| {
         Some(format!("the times in `{}` have no unit: by their {why} they are {unit}{question}", column.name))
     };
@@ -139,9 +132,8 @@ pub(super) fn second(column: &Column) -> (f64, Option<String>) {
         [] => (1.0, said("seconds", "steps", &format!(", of which a sample has {step}: state their unit"))),
         [(unit, size), others @ ..] => {
             let (samples, seconds) = (rate(*size), rate(1.0));
-            let or = others
-                .first()
-                .map_or_else(String::new, |(other, size)| format!(" (in {other} {} a second)", rate(*size)));
+            let or = others.first().map(|(other, size)| format!(" (in {other} {} a second)", rate(*size)));
+            let or = or.unwrap_or_default();
             let question = format!(
                 ", {samples} samples a second{or}; in seconds one in {:.0} s: state their unit if it is another",
                 1.0 / seconds
@@ -169,7 +161,7 @@ pub(super) struct Timing {
     worst: f64,
     /// Whether such an error is one of rounding.
     is_rounded: bool,
-    /// A sentence about times that are not as even as they should be, where values are at even steps all the same.
+    /// A sentence about uneven times whose values are at even steps all the same.
     pub(super) remark: Option<String>,
     /// A sentence about gaps between the times.
     pub(super) gaps: Option<String>,
@@ -205,12 +197,13 @@ impl Timing {
             return Err(ImportError::TooShort(times.len()));
         }
         if let Some(row) = times.iter().position(|time| !time.is_finite()) {
-            let (column, problem) = (column.to_owned(), "a time is missing".to_owned());
-            return Err(ImportError::Cell { line: line(row), column, problem });
+            return Err(ImportError::Cell(line(row), column.to_owned(), "a time is missing".to_owned()));
         }
         if let Some(row) = times.windows(2).position(|pair| pair[1] <= pair[0]) {
-            let (before, found, line) = (times[row], times[row + 1], line(row + 1));
-            return Err(ImportError::NotRising { column: column.to_owned(), line, before, found, way: way(times) });
+            let (before, found) = (times[row], times[row + 1]);
+            let turn = if found < before { "goes back" } else { "stands still" };
+            let turn = format!("`{column}` {turn} from {before} s to {found} s");
+            return Err(ImportError::NotRising(line(row + 1), turn, way(times)));
         }
         let (start, last) = (times[0], times[times.len() - 1]);
         let even = (last - start) / (times.len() - 1) as f64;
@@ -266,9 +259,6 @@ impl Timing {
     }
 
     /// The same time at other steps \[s\], for columns that do not need the rows at even ones.
-    ///
-    /// # Errors
-    /// [`ImportError::TooLong`].
     pub(super) fn at_steps(self, dt: f64) -> Result<Self, ImportError> {
         let samples = count(libm::floor((self.samples - 1) as f64 * self.dt / dt + 1e-6) + 1.0)?;
         Ok(Self { dt, samples, ..self })
@@ -374,9 +364,13 @@ fn told(dt: f64) -> f64 {
 }
 
 pub(super) fn median_step(times: &[f64]) -> f64 {
-    let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let middle = steps.len() / 2;
-    *steps.select_nth_unstable_by(middle, f64::total_cmp).1
+    median(times.windows(2).map(|pair| pair[1] - pair[0]).collect()).unwrap_or(f64::NAN)
+}
+
+/// The median, of two in the middle the larger one.
+pub(super) fn median(mut numbers: Vec<f64>) -> Option<f64> {
+    let middle = numbers.len() / 2;
+    (!numbers.is_empty()).then(|| *numbers.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 #[cfg(test)]

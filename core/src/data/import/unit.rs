@@ -25,63 +25,45 @@ pub enum Dimension {
     Other,
 }
 
-/// Spellings, dimension and size in SI units. Spellings are compared without case where they have two letters or more.
-const UNITS: [(&[&str], Dimension, f64); 35] = [
-    (&["s", "sec", "secs", "second", "seconds", "sek"], Dimension::Time, 1.0),
-    (&["ms", "msec", "milliseconds"], Dimension::Time, 1e-3),
-    (&["us", "µs", "μs", "microseconds"], Dimension::Time, 1e-6),
-    (&["ns"], Dimension::Time, 1e-9),
-    (&["min", "minutes"], Dimension::Time, 60.0),
-    (&["h", "hours"], Dimension::Time, 3600.0),
-    (&["day", "days"], Dimension::Time, 86_400.0),
-    (&["m", "meter", "metre", "meters", "metres"], Dimension::Length, 1.0),
-    (&["mm"], Dimension::Length, 1e-3),
-    (&["cm"], Dimension::Length, 1e-2),
-    (&["um", "µm", "μm"], Dimension::Length, 1e-6),
-    (&["in", "inch", "inches"], Dimension::Length, 0.0254),
-    (&["ft", "feet"], Dimension::Length, 0.3048),
-    (&["m/s", "m/sec", "ms-1", "m s-1"], Dimension::Velocity, 1.0),
-    (&["mm/s", "mm/sec"], Dimension::Velocity, 1e-3),
-    (&["cm/s", "cm/sec"], Dimension::Velocity, 1e-2),
-    (&["in/s"], Dimension::Velocity, 0.0254),
+/// Spellings, dimension and size in SI units. Spellings of two letters or more are compared without case.
+const UNITS: [(&str, Dimension, f64); 34] = [
+    ("s, sec, secs, second, seconds, sek", Dimension::Time, 1.0),
+    ("ms, msec, milliseconds", Dimension::Time, 1e-3),
+    ("us, µs, μs, microseconds", Dimension::Time, 1e-6),
+    ("ns", Dimension::Time, 1e-9),
+    ("min, minutes", Dimension::Time, 60.0),
+    ("h, hours", Dimension::Time, 3600.0),
+    ("day, days", Dimension::Time, 86_400.0),
+    ("m, meter, metre, meters, metres", Dimension::Length, 1.0),
+    ("mm", Dimension::Length, 1e-3),
+    ("cm", Dimension::Length, 1e-2),
+    ("um, µm, μm", Dimension::Length, 1e-6),
+    ("in, inch, inches", Dimension::Length, 0.0254),
+    ("ft, feet", Dimension::Length, 0.3048),
+    ("m/s, m/sec, ms-1, m s-1", Dimension::Velocity, 1.0),
+    ("mm/s, mm/sec", Dimension::Velocity, 1e-3),
+    ("cm/s, cm/sec", Dimension::Velocity, 1e-2),
+    ("in/s", Dimension::Velocity, 0.0254),
+    ("m/s², m/s2, m/s^2, m/s/s, m/s**2, m/sec2, m/sec^2, ms-2, m s-2, m_s2", Dimension::Acceleration, 1.0),
+    ("mm/s², mm/s2, mm/s^2, mm/s/s, mm/sec2", Dimension::Acceleration, 1e-3),
+    ("cm/s², cm/s2, cm/s^2, cm/s/s, cm/s**2, cm/sec2, cm/sec^2, cm/sec/sec, gal", Dimension::Acceleration, 1e-2),
+    ("g, G, gn", Dimension::Acceleration, STANDARD_GRAVITY),
+    ("mg", Dimension::Acceleration, 1e-3 * STANDARD_GRAVITY),
+    ("rad, radians", Dimension::Angle, 1.0),
+    ("°, deg, degree, degrees, grad", Dimension::Angle, DEGREE),
+    ("mrad", Dimension::Angle, 1e-3),
+    ("rad/s, rad/sec, rad s-1, rad_s", Dimension::AngularVelocity, 1.0),
+    ("°/s, deg/s, deg/sec, degrees/s, deg_s, dps", Dimension::AngularVelocity, DEGREE),
+    ("rad/s², rad/s2, rad/s^2, rad/sec^2", Dimension::AngularAcceleration, 1.0),
+    ("°/s², °/s^2, deg/s², deg/s2, deg/s^2", Dimension::AngularAcceleration, DEGREE),
+    ("N, newton", Dimension::Force, 1.0),
+    ("kN", Dimension::Force, 1e3),
+    ("V, volt, volts, voltage", Dimension::Voltage, 1.0),
+    ("mV", Dimension::Voltage, 1e-3),
     (
-        &["m/s²", "m/s2", "m/s^2", "m/s/s", "m/s**2", "m/sec2", "m/sec^2", "ms-2", "m s-2", "m_s2"],
-        Dimension::Acceleration,
-        1.0,
-    ),
-    (&["mm/s²", "mm/s2", "mm/s^2", "mm/s/s", "mm/sec2"], Dimension::Acceleration, 1e-3),
-    (
-        &["cm/s²", "cm/s2", "cm/s^2", "cm/s/s", "cm/s**2", "cm/sec2", "cm/sec^2", "cm/sec/sec", "gal"],
-        Dimension::Acceleration,
-        1e-2,
-    ),
-    (&["g", "G", "gn"], Dimension::Acceleration, STANDARD_GRAVITY),
-    (&["mg"], Dimension::Acceleration, 1e-3 * STANDARD_GRAVITY),
-    (&["rad", "radians"], Dimension::Angle, 1.0),
-    (&["°", "deg", "degree", "degrees", "grad"], Dimension::Angle, DEGREE),
-    (&["mrad"], Dimension::Angle, 1e-3),
-    (&["rad/s", "rad/sec", "rad s-1", "rad_s"], Dimension::AngularVelocity, 1.0),
-    (&["°/s", "deg/s", "deg/sec", "degrees/s", "deg_s", "dps"], Dimension::AngularVelocity, DEGREE),
-    (&["rad/s²", "rad/s2", "rad/s^2", "rad/sec^2"], Dimension::AngularAcceleration, 1.0),
-    (&["°/s²", "°/s^2", "deg/s²", "deg/s2", "deg/s^2"], Dimension::AngularAcceleration, DEGREE),
-    (&["N", "newton"], Dimension::Force, 1.0),
-    (&["kN"], Dimension::Force, 1e3),
-    (&["V", "volt", "volts", "voltage"], Dimension::Voltage, 1.0),
-    (&["mV"], Dimension::Voltage, 1e-3),
-    (
-        &[
-            "Pa", "hPa", "kPa", "MPa", "GPa", "bar", "mbar", "psi", "atm", "mmHg", "K", "°C", "degC", "deg C",
-            "celsius", "C", "°F", "degF",
-        ],
-        Dimension::Other,
-        1.0,
-    ),
-    (
-        &[
-            "l", "L", "ml", "m³", "m3", "m^3", "%", "%rH", "ppm", "rpm", "1/min", "Hz", "kHz", "bpm", "lx", "lux",
-            "dB", "dBA", "A", "mA", "µA", "W", "mW", "kW", "J", "Wh", "mAh", "Ω", "ohm", "T", "mT", "µT", "μT", "uT",
-            "gauss", "counts/s", "baud",
-        ],
+        "Pa, hPa, kPa, MPa, GPa, bar, mbar, psi, atm, mmHg, K, °C, degC, deg C, celsius, C, °F, degF, l, L, ml, m³, m3, m^3, %, \
+         %rH, ppm, rpm, 1/min, Hz, kHz, bpm, lx, lux, dB, dBA, A, mA, µA, W, mW, kW, J, Wh, mAh, Ω, ohm, T, mT, µT, μT, uT, gauss, \
+         counts/s, baud",
         Dimension::Other,
         1.0,
     ),
@@ -98,7 +80,8 @@ pub fn unit(text: &str) -> Option<(Dimension, f64)> {
     let same = |spelling: &&str| {
         if text.chars().count() < 2 { *spelling == text } else { spelling.to_lowercase() == text.to_lowercase() }
     };
-    UNITS.iter().find(|(spellings, ..)| spellings.iter().any(same)).map(|&(_, dimension, size)| (dimension, size))
+    let found = UNITS.iter().find(|(spellings, ..)| spellings.split(", ").any(|spelling| same(&spelling)));
+    found.map(|&(_, dimension, size)| (dimension, size))
 }
 
 /// The unit in a cell of a line of units, such as `mm` in `[mm]` and `Voltage` in `Voltage (unscaled)`.

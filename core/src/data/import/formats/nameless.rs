@@ -60,8 +60,7 @@ pub(in super::super) fn nameless(dialect: Dialect, lines: &[&str]) -> Rows {
     rows
 }
 
-/// The mean difference of neighbours in lines, from the end of a line to the beginning of the next one too, over that of neighbours in
-/// columns; `None` where this may be a table of channels.
+/// The mean difference of neighbours in lines over that of neighbours in columns; `None` where this may be a table of channels.
 ///
 /// In one series all steps are alike, that between two lines too, and every column has the same spread. Channels that move together differ
 /// by more from row to row than from one to the next.
@@ -176,7 +175,7 @@ impl Facts {
     }
 }
 
-/// The first number behind one of some words, with no more than a unit and signs between them, and the line from the word on without it.
+/// The first number close behind one of some words, and the line from the word on without it.
 fn number_behind(line: &str, words: &[&str]) -> Option<(f64, String)> {
     /// Limits the characters between a word and its number.
     const BETWEEN: usize = 24;

@@ -1,5 +1,4 @@
-//! Formats with series of numbers: ground motions of strong-motion programs and seismological data centres, and universal files of modal
-//! analysis.
+//! Formats with series of numbers: ground motions, seismograms, and universal files of modal analysis.
 
 use super::{Layout, Series, SeriesReader, field_width, number_after, numbers, text_after};
 use crate::data::import::cell::clock;
@@ -155,10 +154,10 @@ fn next_uff58(header: &[String]) -> Option<Series> {
         "9" | "13" => "force",
         _ => "",
     };
-    let text = |number: usize, from: usize| record(number).get(from..).map(str::trim).unwrap_or_default();
-    let unit = Some(text(9, 47)).filter(|unit| !unit.is_empty() && !unit.eq_ignore_ascii_case("none"));
-    let title = Some(record(1).trim()).filter(|title| !title.is_empty() && !title.eq_ignore_ascii_case("none"));
-    let entity = if entity.eq_ignore_ascii_case("none") { "" } else { entity };
+    let known = |text: &str| !text.is_empty() && !text.eq_ignore_ascii_case("none");
+    let unit = record(9).get(47..).map(str::trim).filter(|unit| known(unit));
+    let title = Some(record(1).trim()).filter(|title| known(title));
+    let entity = Some(entity).filter(|entity| known(entity)).unwrap_or_default();
     let place = if node.is_empty() { response.to_owned() } else { format!("{entity} {node} {}", axis(direction)) };
     let name = [title.unwrap_or_default(), quantity, place.trim()];
     let name = name.iter().filter(|part| !part.is_empty()).map(ToString::to_string).collect::<Vec<_>>().join(" ");
@@ -171,21 +170,14 @@ fn next_uff58(header: &[String]) -> Option<Series> {
         _ => None,
     };
     let numbers = if is_complex { 2 } else { 1 } + if is_even { 0 } else { 1 };
-    Some(Series {
-        name,
-        unit: unit.map(str::to_owned),
-        start,
-        dt,
-        count: Some((count as usize).saturating_mul(numbers)),
-        width,
-        has_times: !is_even,
-        no_record: match function {
-            _ if is_time => None,
-            "4" => Some("is a frequency response, no function of time"),
-            "2" | "3" | "9" | "12" | "22" | "23" => Some("is a spectrum, no function of time"),
-            _ => Some("is no function of time"),
-        },
-    })
+    let no_record = match function {
+        _ if is_time => None,
+        "4" => Some("is a frequency response, no function of time"),
+        "2" | "3" | "9" | "12" | "22" | "23" => Some("is a spectrum, no function of time"),
+        _ => Some("is no function of time"),
+    };
+    let (unit, count) = (unit.map(str::to_owned), Some((count as usize).saturating_mul(numbers)));
+    Some(Series { name, unit, start, dt, count, width, has_times: !is_even, no_record })
 }
 
 /// Whether a universal file has a data set 58 whose numbers are binary.
@@ -196,9 +188,6 @@ pub(super) fn has_58b(bytes: &[u8]) -> bool {
 }
 
 /// The functions of time of a universal file with data sets 58b: the header of 58, then bytes. Other data sets 58 are read as text.
-///
-/// # Errors
-/// [`ImportError`] where there is none.
 pub(super) fn uff58b(bytes: &[u8]) -> Result<Table, ImportError> {
     let mut reader = SeriesReader::new(next_uff58);
     let (mut rest, mut line, mut is_set) = (bytes, 0, false);
@@ -228,14 +217,9 @@ pub(super) fn uff58b(bytes: &[u8]) -> Result<Table, ImportError> {
 }
 
 /// A direction: 1 to 3 along the axes, negative against them.
-fn axis(direction: &str) -> String {
-    match direction.parse::<i32>() {
-        Ok(number @ (1..=3 | -3..=-1)) => {
-            let sign = if number < 0 { '-' } else { '+' };
-            format!("{sign}{}", [' ', 'X', 'Y', 'Z'][number.unsigned_abs() as usize])
-        }
-        _ => String::new(),
-    }
+fn axis(direction: &str) -> &'static str {
+    let place = direction.parse::<isize>().ok().and_then(|number| usize::try_from(number + 3).ok());
+    place.and_then(|place| ["-Z", "-Y", "-X", "", "+X", "+Y", "+Z"].get(place)).unwrap_or(&"")
 }
 
 /// The lines of the header of a seismogram of SAC: 70 numbers, 40 whole ones, and 23 texts.
