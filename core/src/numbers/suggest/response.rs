@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::f64::consts::TAU;
 
 use super::moments;
-use super::spectra::{Gaps, LONG, Spectra};
+use super::spectra::{Gaps, LONG, Spectra, passed};
 use crate::data::free_decay::{Fit, highest};
 use crate::data::import::Mapping;
 use crate::data::sorting::sort_numbers;
@@ -293,11 +293,6 @@ pub(super) fn decay(record: &Record, measured: &[f64], mapping: Option<&Mapping>
         is_all,
     };
     (is_sound && left < UNEXPLAINED * all).then_some(found)
-}
-
-/// The shares of the Nyquist frequency between which an import lets frequencies through.
-pub(super) fn passed(mapping: Option<&Mapping>, dt: f64) -> [f64; 2] {
-    mapping.map_or([0.0, 1.0], |mapping| mapping.passed(dt))
 }
 
 /// Whether what a decay leaves has no more power about the decay's frequency, in radians a sample, than elsewhere, where an import lets

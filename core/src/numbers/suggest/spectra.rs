@@ -2,7 +2,6 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::response::passed;
 use crate::Record;
 use crate::data::import::Mapping;
 use crate::data::record::Timed;
@@ -274,6 +273,11 @@ fn size(times: &[f64], values: &[f64]) -> f64 {
         squares += weight * weight;
     }
     (sum / libm::sqrt(squares)).abs()
+}
+
+/// The shares of the Nyquist frequency between which an import lets frequencies through.
+pub(super) fn passed(mapping: Option<&Mapping>, dt: f64) -> [f64; 2] {
+    mapping.map_or([0.0, 1.0], |mapping| mapping.passed(dt))
 }
 
 #[cfg(test)]
