@@ -27,7 +27,7 @@ use ambient::has_no_input;
 use conditioning::{Course, Lost};
 use forced::forced;
 use likeliest::first_alone;
-use response::{Decay, decay, free_response, passed, response};
+use response::{Decay, decay, free_response, response};
 use spectra::{Gaps, Spectra, noise};
 use trials::SHARES;
 
@@ -193,7 +193,7 @@ impl Suggestion {
     fn noise_beside(&mut self, quantity: Quantity, decay: &Decay, dt: f64) {
         let place = self.scenario.sensors.iter().position(|sensor| sensor.measures == quantity);
         let Some(place) = place.filter(|_| decay.is_all && decay.rest > 0.0) else { return };
-        let [low, high] = passed(self.scenario.record.as_ref(), dt);
+        let [low, high] = spectra::passed(self.scenario.record.as_ref(), dt);
         let (share, mut nearby, mut why) = (high - low, 1.0, "what the free decay leaves".to_owned());
         if share <= WHOLE {
             // Where a filter of the import has been, noise has colours, and its density about the decay counts.

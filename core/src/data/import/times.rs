@@ -106,7 +106,8 @@ pub(super) fn second(column: &Column) -> (f64, Option<String>) {
         if is_share || DAYS.iter().any(|first| EPOCHS.contains(&((last - first) * DAY))) {
             return (DAY, said("days of a spreadsheet", "size", ""));
         }
-        let question = format!(", {} samples a second: are they days? State their unit if it is another", rate(1.0));
+        let question =
+            format!(", {} samples a second: are they days? State their unit if it is another", told(rate(1.0)));
         return (1.0, said("seconds", "steps", &question));
     }
     if step < SLOW[0] {
