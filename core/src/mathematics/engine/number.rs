@@ -2,16 +2,14 @@
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-/// Does some work for each place below N as straight code, also in a page, whose compiler leaves loops as they are.
+/// Does some work for each place below N, at most 8, as straight code, also in a page, whose compiler leaves loops as they are.
 #[inline(always)]
 pub(crate) fn unrolled<const N: usize>(mut work: impl FnMut(usize)) {
+    const { assert!(N <= 8) }
     macro_rules! one_by_one {
-        ($($place:literal)*) => { $(if $place < N { work($place); })* };
+        ($($place:literal)*) => { $(if const { $place < N } { work($place); })* };
     }
     one_by_one!(0 1 2 3 4 5 6 7);
-    for place in 8..N {
-        work(place);
-    }
 }
 
 /// A number of a plant's equation. Its operations round once, so that all processors give the same bits.

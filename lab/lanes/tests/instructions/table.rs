@@ -154,7 +154,7 @@ pub(crate) fn count(words: &[String]) -> Result<Vec<Count>, String> {
     let mut file = std::ffi::OsString::from("--callgrind-out-file=");
     file.push(folder.join("counts"));
     let output = Command::new("valgrind")
-        .args(["--quiet", "--tool=callgrind", "--dump-before=instructions::counting::mark*"])
+        .args(["--quiet", "--tool=callgrind", "--dump-before=instructions::table::mark*"])
         .arg(file)
         .arg(program)
         .arg(WORK)
