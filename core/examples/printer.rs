@@ -17,8 +17,8 @@ use kalmanscope_core::{Channel, Hold, Run, Scenario};
 const RATE: f64 = 3200.0;
 const NOISE: f64 = 60.0;
 
-/// The head stops and rings by one mode, or by two of which the second has a sixth to a half of the first one's size; it does so by three
-/// stops; or a sweep from 5 Hz to 133 Hz, whose force is in no column.
+/// The motion of the head. A second mode has a sixth to a half of the first one's size; a sweep goes from 5 Hz to 133 Hz, and its force is
+/// in no column.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Kind {
     One,
@@ -91,7 +91,7 @@ fn identify(kind: Kind, text: String, near: f64) -> Option<[[f64; 2]; 2]> {
     Some([last(Channel::NATURAL_FREQUENCY, TAU)?, last(Channel::DAMPING_RATIO, 1.0)?])
 }
 
-/// Of records with some seeds: how many have a result; of f and of ζ the mean and the median of their errors \[%\], and the share within ±2σ \[%\].
+/// Counts the records with a result over some seeds; of f and of ζ the mean and the median of their errors \[%\], and the share within ±2σ \[%\].
 pub(crate) fn study(kind: Kind, seeds: std::ops::Range<u64>) -> (usize, [[f64; 3]; 2]) {
     let records = seeds.map(|seed| file(kind, seed));
     let found: Vec<_> = records.filter_map(|(text, truth)| Some((identify(kind, text, truth[0])?, truth))).collect();

@@ -8,7 +8,7 @@ pub(crate) struct Moments {
 }
 
 impl Moments {
-    /// Those of a mixture of at least one part, each with its weight, its mean and its covariance.
+    /// Takes mean and covariance of a mixture: each of its parts has a weight, a mean and a covariance; there is at least one.
     pub(crate) fn mix<'a>(&mut self, parts: impl Iterator<Item = (f64, [&'a [f64]; 2])> + Clone) {
         let Self { mean: all, cov } = self;
         mean(parts.clone().map(|(weight, [mean, _])| (weight, mean)), all);

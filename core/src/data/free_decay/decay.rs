@@ -60,7 +60,7 @@ pub enum NoDecay {
         /// The noise \[m/s²\].
         noise: f64,
     },
-    /// What swung was not left alone.
+    /// A hand or a force moved it during the swing.
     #[error("it swung freely for {seconds:.2} s only, but at least {needed:.2} s are needed: pull it and let go")]
     Short {
         /// The length of the longest free decay \[s\].
@@ -75,7 +75,7 @@ const MOST_FEW: usize = 60;
 const SHORTEST: f64 = 2.0;
 const SWINGS: f64 = 4.0;
 
-/// What swings faster than this has shorter parts, rests and looks for noise, by as much \[s\].
+/// Limits the swing \[s\] for which the lengths below hold; a faster one has shorter parts and rests, in proportion.
 const SLOW: f64 = 1.0 / 3.0;
 
 /// Readings that turn within fewer steps are noise.

@@ -28,11 +28,11 @@ const GAIN: f64 = 2.0;
 /// are left out.
 const FORCED: f64 = 2.0;
 const MOST: usize = 8;
-/// What modes leave is noise up to this many times its mean square.
+/// Limits the mean square of the residuals of a fit, in mean squares of the noise: larger ones are no noise.
 const NOISY: f64 = 4.0;
 /// Modes of two decays are the same up to this difference of their frequencies.
 const SAME: f64 = 0.1;
-/// The readings over their unknowns at least.
+/// Limits from below the number of readings for each unknown.
 const FEWEST: usize = 3;
 
 impl Decay {
@@ -163,7 +163,7 @@ pub(crate) fn highest(readings: &[[f64; 2]], values: &[f64], is_allowed: impl Fn
 }
 
 impl<const N: usize> Fit<N> {
-    /// What the numbers give at a time after the first reading, and the derivatives by them.
+    /// The fitted reading at a time after the first one, and its derivatives by the numbers.
     fn at(numbers: &[f64; N], time: f64) -> (f64, [f64; N]) {
         let (mut value, mut by) = (numbers[0], [1.0; N]);
         for (of, by) in numbers[1..].chunks_exact(4).zip(by[1..].chunks_exact_mut(4)) {

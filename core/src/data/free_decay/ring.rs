@@ -57,7 +57,7 @@ const GROWTH: f64 = 1.5;
 const FEWEST: f64 = 20.0;
 
 impl Ring {
-    /// The ring in samples, of which there are `rate` a second.
+    /// Finds the ring in samples that are 1 / `rate` \[s\] apart.
     pub fn in_samples(rate: f64, values: &[f64]) -> Option<Self> {
         let block = ((BLOCK * rate) as usize).max(1);
         let loudness = |block: &[f64]| {

@@ -58,7 +58,7 @@ impl Gaussian {
         self.cov.clone_from(&other.cov);
     }
 
-    /// That of the engine.
+    /// Copies the belief of the engine.
     pub(crate) fn of(belief: &engine::belief::Belief<f64>) -> Self {
         let n = belief.mean.len();
         let cov = symmetric(Matrix::from_column_slice(n, n, &belief.cov));

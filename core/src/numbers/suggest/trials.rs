@@ -42,13 +42,13 @@ pub struct Suggest {
     lost: Option<Lost>,
     stage: Stage,
     trial: Trial,
-    /// Of an equation's parameters, or of both exponents of Bouc and Wen.
+    /// The searches for an equation's parameters, or for both exponents of Bouc and Wen.
     searches: Vec<Search>,
     /// The courses of the input between samples that are to be tried.
     between: Option<Between>,
     /// The course that was taken, with the sentence about it.
     course: Option<(Course, Option<String>)>,
-    /// Of each share: its log likelihood, and the sizes of the innovations.
+    /// Each share with its log likelihood and the sizes of its innovations.
     likelihoods: Vec<(f64, f64, Vec<f64>)>,
     /// The suggestion before R was that of the innovations, with its share and log likelihood.
     quieter: Option<(Suggestion, f64, f64)>,

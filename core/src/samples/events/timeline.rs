@@ -15,7 +15,7 @@ pub(super) struct Event {
     pub(super) force: Option<f64>,
     /// A reading for each sensor, NaN where there is none.
     pub(super) readings: Vec<f64>,
-    /// That of the filter after the readings; `None` until it has been here.
+    /// The state of the filter after the readings; `None` before the filter reaches this event.
     pub(super) state: Option<State>,
     /// The way of the filter from the event before, if it is asked for what it knows in hindsight.
     pub(super) passages: Vec<Passage>,
