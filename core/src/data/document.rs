@@ -64,7 +64,8 @@ pub fn to_json_lines<T: Serialize + ?Sized>(value: &T) -> Result<String, Documen
 /// # Errors
 /// [`DocumentError`] where the text is not TOML, with the line, the column and the text there, or has a number that is not finite.
 pub fn from_toml(text: &str) -> Result<Document, DocumentError> {
-    let document = toml::from_str(text).map_err(|error| DocumentError::new(error.to_string().trim_end()))?;
+    let table = text.parse().map_err(|error: toml::de::Error| DocumentError::new(error.to_string().trim_end()))?;
+    let document = of_toml(toml::Value::Table(table));
     match not_finite(&document) {
         Some(error) => Err(error.in_toml(text)),
         None => Ok(document),
@@ -85,7 +86,7 @@ pub fn read_toml<T: DeserializeOwned>(text: &str) -> Result<T, DocumentError> {
 /// # Errors
 /// As [`to_table`].
 pub fn to_toml<T: Serialize + ?Sized>(value: &T) -> Result<String, DocumentError> {
-    toml::to_string(&to_table(value)?).map_err(DocumentError::new)
+    Ok(to_table(value)?.to_string())
 }
 
 /// A value as a table of TOML, to be changed or written. TOML has no word for null, whose key is left out.
@@ -93,20 +94,55 @@ pub fn to_toml<T: Serialize + ?Sized>(value: &T) -> Result<String, DocumentError
 /// # Errors
 /// As [`of`], and [`DocumentError`] where TOML cannot express the value.
 pub fn to_table<T: Serialize + ?Sized>(value: &T) -> Result<toml::Table, DocumentError> {
-    let mut document = of(value)?;
-    leave_out_nulls(&mut document);
-    toml::Table::try_from(document).map_err(DocumentError::new)
+    match in_toml(of(value)?)? {
+        Some(toml::Value::Table(table)) => Ok(table),
+        _ => Err(DocumentError::new("is not a table")),
+    }
 }
 
-fn leave_out_nulls(document: &mut Document) {
-    match document {
-        Document::Object(entries) => {
-            entries.retain(|_, value| !value.is_null());
-            entries.values_mut().for_each(leave_out_nulls);
+// Both ways between values of TOML and of JSON are written out: by serde they would be ten times the code.
+fn of_toml(value: toml::Value) -> Document {
+    match value {
+        toml::Value::String(text) => text.into(),
+        toml::Value::Integer(number) => number.into(),
+        toml::Value::Float(number) => number.into(),
+        toml::Value::Boolean(flag) => flag.into(),
+        toml::Value::Datetime(time) => time.to_string().into(),
+        toml::Value::Array(values) => Document::Array(values.into_iter().map(of_toml).collect()),
+        toml::Value::Table(entries) => {
+            Document::Object(entries.into_iter().map(|(key, value)| (key, of_toml(value))).collect())
         }
-        Document::Array(values) => values.iter_mut().for_each(leave_out_nulls),
-        _ => {}
     }
+}
+
+/// `None` for null.
+fn in_toml(document: Document) -> Result<Option<toml::Value>, DocumentError> {
+    Ok(Some(match document {
+        Document::Null => return Ok(None),
+        Document::Bool(flag) => flag.into(),
+        Document::String(text) => text.into(),
+        Document::Number(number) => match (number.as_i64(), number.as_f64()) {
+            (Some(whole), _) => whole.into(),
+            (None, Some(float)) if number.is_f64() => float.into(),
+            _ => return Err(DocumentError::new(format!("TOML has no integer as large as {number}"))),
+        },
+        Document::Array(values) => {
+            let mut array = Vec::new();
+            for value in values {
+                array.push(in_toml(value)?.ok_or_else(|| DocumentError::new("a list of TOML cannot hold null"))?);
+            }
+            array.into()
+        }
+        Document::Object(entries) => {
+            let mut table = toml::Table::new();
+            for (key, value) in entries {
+                if let Some(value) = in_toml(value)? {
+                    table.insert(key, value);
+                }
+            }
+            table.into()
+        }
+    }))
 }
 
 /// Puts a value at a path of keys and places from 0 on, with dots between them; null takes an entry of a table away. Returns

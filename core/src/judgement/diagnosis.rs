@@ -24,6 +24,7 @@ mod trial;
 mod verdict;
 mod verdict_kind;
 
+use crate::data::sorting::sort_items;
 use std::ops::Range;
 
 use crate::numbers::diagnostics::Depth;
@@ -127,7 +128,7 @@ impl Diagnosis {
         for cause in CAUSES {
             (cause.likely_causes)(&bad, cause, &mut likely_causes);
         }
-        likely_causes.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+        sort_items(&mut likely_causes, |a, b| b.weight.total_cmp(&a.weight));
         likely_causes
     }
 

@@ -28,7 +28,7 @@ pub struct CramerRao {
     channels: Vec<Channel>,
     /// The filter whose mean is set to the truth at every sample, and the quantity of each of its sensors. `None` if the filter
     /// cannot begin.
-    recursion: Option<(Filter<f64, Baseline>, Vec<Quantity>)>,
+    recursion: Option<(Filter<f64>, Vec<Quantity>)>,
     std: Vec<f64>,
     /// The number of samples that the record had forgotten at the last call.
     forgotten: usize,
@@ -46,7 +46,7 @@ impl CramerRao {
         let channels = context.model(&settings).channels().to_vec();
         let recursion = Setup::of(&settings, &context, (0..sensors.len()).collect()).map(|setup| {
             let sensors = setup.columns.iter().map(|&place| sensors[place]).collect();
-            (filter(Baseline, |_| &setup), sensors)
+            (filter(&|_| &setup), sensors)
         });
         Some(Self { settings, channels, recursion, std: Vec::new(), forgotten: 0, stopped: false })
     }
@@ -100,12 +100,12 @@ impl CramerRao {
         for k in seen..end.min(record.len()) {
             if let Some(before) = k.checked_sub(1) {
                 move_to(&mut filter.belief.mean, before);
-                filter.predict([record.force(before), record.force(k)]);
+                filter.predict(Baseline, [record.force(before), record.force(k)]);
                 move_to(&mut filter.belief.mean, k);
                 for (value, column) in sample.iter_mut().zip(&measured) {
                     *value = column.map_or(f64::NAN, |column| column[k]);
                 }
-                if !filter.update(record.force(k), &sample).holds {
+                if !filter.update(Baseline, record.force(k), &sample).holds {
                     *stopped = true;
                     return true;
                 }

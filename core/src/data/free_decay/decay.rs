@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use thiserror::Error;
 
 use crate::data::even_steps::Steps;
-use crate::data::sorting::sort_numbers;
+use crate::data::sorting::{sort_items, sort_numbers};
 use crate::record::LiveRecord;
 use crate::{Hold, InputKind, Quantity};
 
@@ -122,7 +122,7 @@ impl Decay {
     pub fn all(readings: &[[f64; 4]]) -> Result<Vec<Self>, NoDecay> {
         let mut readings: Vec<[f64; 4]> =
             readings.iter().copied().filter(|reading| reading.iter().all(|x| x.is_finite())).collect();
-        readings.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        sort_items(&mut readings, |a, b| a[0].total_cmp(&b[0]));
         readings.dedup_by(|later, before| later[0] <= before[0]);
         let pace = Pace::of(&readings);
         if pace.is_too_short(&readings) {
@@ -140,7 +140,7 @@ impl Decay {
             }
             parts.extend([before, after].into_iter().filter(|part| !Pace::of(part).is_too_short(part)));
         }
-        found.sort_by(|a, b| a.begin.total_cmp(&b.begin));
+        sort_items(&mut found, |a, b| a.begin.total_cmp(&b.begin));
         // The reason that says most: something swung, and longer.
         let seconds = |reason: &NoDecay| if let NoDecay::Short { seconds, .. } = reason { *seconds } else { -1.0 };
         match reasons.into_iter().rev().max_by(|a, b| seconds(a).total_cmp(&seconds(b))) {

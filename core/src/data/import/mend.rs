@@ -1,6 +1,7 @@
 //! Faults of a file's times that have one cure: a counter that turns over, rows that stand twice or in another order, first rows
 //! far from all others, a clock that is set back, parts that begin again.
 
+use crate::data::sorting::sorted_places;
 use std::cmp::Ordering;
 
 use super::guess::{clocks, is_named_time, seldom_falls};
@@ -186,8 +187,7 @@ fn first_rows_apart(times: &[f64]) -> Option<usize> {
 
 /// The rows sorted by their times, if each is near its place and the sorted times have usual steps.
 fn in_order(times: &[f64], rows: &[usize], step: f64) -> Option<Vec<usize>> {
-    let mut sorted: Vec<usize> = (0..rows.len()).collect();
-    sorted.sort_by(|&one, &other| times[rows[one]].total_cmp(&times[rows[other]]));
+    let sorted = sorted_places(rows.len(), &|one, other| times[rows[one]].total_cmp(&times[rows[other]]));
     let is_near = sorted.iter().enumerate().all(|(place, &before)| place.abs_diff(before) <= NEAR);
     let sorted: Vec<usize> = sorted.into_iter().map(|place| rows[place]).collect();
     let has_steps = sorted.windows(2).all(|pair| times[pair[1]] - times[pair[0]] > 0.2 * step);

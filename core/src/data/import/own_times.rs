@@ -1,6 +1,7 @@
 //! Readings at their own times: those that a file gives them in place of even steps, and those of files in which columns have clocks
 //! (`t1, force, t2, displacement`) and of two files with a clock each.
 
+use crate::data::sorting::sort_items;
 use std::collections::BTreeMap;
 
 use super::conditioning::mean;
@@ -152,7 +153,8 @@ pub(super) fn on_one_clock(
     if parts.iter().all(|(clock, _)| *clock == stated) {
         return Ok(None);
     }
-    parts.sort_by_key(|(clock, _)| (*clock != stated, *clock));
+    let rank = |clock: usize| (clock != stated, clock);
+    sort_items(&mut parts, |a, b| rank(a.0).cmp(&rank(b.0)));
     let (mut own, mut all) = (OwnTimes::default(), Vec::new());
     for (place, columns) in &parts {
         let time = &table.columns[*place];

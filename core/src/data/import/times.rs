@@ -1,5 +1,6 @@
 //! The times of a file: those of a column, in seconds, and the even steps that they are close to.
 
+use crate::data::sorting::sort_items;
 use std::borrow::Cow;
 
 use super::error::{FEWEST, MOST};
@@ -125,10 +126,8 @@ pub(super) fn second(column: &Column) -> (f64, Option<String>) {
     // Of several plausible units that with the rate nearest to 100 Hz.
     let mut plausible: Vec<&(&str, f64)> =
         UNITS[1..].iter().filter(|(_, size)| PLAUSIBLE.contains(&(step * size))).collect();
-    plausible.sort_by(|a, b| {
-        let [a, b] = [a.1, b.1].map(|size| libm::log10(rate(size) / 100.0).abs());
-        a.total_cmp(&b)
-    });
+    let distance = |size: f64| libm::log10(rate(size) / 100.0).abs();
+    sort_items(&mut plausible, |a, b| distance(a.1).total_cmp(&distance(b.1)));
     match plausible.as_slice() {
         [] => (1.0, said("seconds", "steps", &format!(", of which a sample has {step}: state their unit"))),
         [(unit, size), others @ ..] => {

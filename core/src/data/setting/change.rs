@@ -1,5 +1,6 @@
 //! The difference between two scenarios, and edits in words, as a button says them.
 
+use crate::data::sorting::sort_items;
 use toml::Value;
 
 use super::{
@@ -76,7 +77,7 @@ impl Change {
             _ if before == now => {}
             (Document::Object(one), Document::Object(other)) => {
                 let mut keys: Vec<&String> = one.keys().chain(other.keys()).collect();
-                keys.sort_unstable();
+                sort_items(&mut keys, Ord::cmp);
                 keys.dedup();
                 // A table with one key that becomes another is another shape: of a force, of a signal.
                 let is_reshaped = one.len() == 1 && other.len() == 1 && keys.len() == 2;

@@ -2,6 +2,7 @@
 
 use super::{Hindsight, Subject, is_known};
 use crate::data::scenario::cost;
+use crate::data::sorting::sort_items;
 use crate::samples::smoother::Smoother;
 use crate::samples::waste::Waste;
 use crate::{Estimates, FilterSettings};
@@ -89,7 +90,8 @@ impl Smoothing {
         old.keep(waste, |of| ids.contains(&of.id()) && !changed.contains(&of.id()));
         let all = self.estimates.drain(..).zip(self.smoothers.drain(..));
         let mut all: Vec<_> = all.chain(old.estimates.into_iter().zip(old.smoothers)).collect();
-        all.sort_by_key(|(of, _)| ids.iter().position(|&id| id == of.id()));
+        let place = |of: &Estimates| ids.iter().position(|&id| id == of.id());
+        sort_items(&mut all, |(one, _), (other, _)| place(one).cmp(&place(other)));
         (self.estimates, self.smoothers) = all.into_iter().unzip();
         self.is_complete = false;
     }

@@ -1,5 +1,6 @@
 //! The results of tests of a filter, one and many at once.
 
+use crate::data::sorting::sorted_places;
 use std::ops::Range;
 
 use super::case::{Case, Span};
@@ -105,8 +106,7 @@ const LEVEL: f64 = 1e-4;
 ///
 /// Source: Holm (1979), A simple sequentially rejective multiple test procedure, *Scandinavian Journal of Statistics* 6.
 pub(crate) fn decide(evidence: &mut [Evidence]) {
-    let mut order: Vec<usize> = (0..evidence.len()).collect();
-    order.sort_by(|&a, &b| evidence[a].p_value.total_cmp(&evidence[b].p_value));
+    let order = sorted_places(evidence.len(), &|a, b| evidence[a].p_value.total_cmp(&evidence[b].p_value));
     for (rank, &place) in order.iter().enumerate() {
         let one = &mut evidence[place];
         if one.p_value > LEVEL / (order.len() - rank) as f64 {

@@ -5,6 +5,7 @@ use super::trial::{Outcome, Trials};
 use super::verdict::Verdict;
 use super::verdict_kind::VerdictKind;
 use crate::data::setting::Edit;
+use crate::data::sorting::sort_items;
 
 /// A cause, or several one after the other, and the effect of making their edits.
 #[derive(Clone, Debug)]
@@ -154,7 +155,7 @@ impl Trials {
                 None => all.push(ranked),
             }
         }
-        all.sort_by(|a, b| compare((&b.remedy, b.rank), (&a.remedy, a.rank)));
+        sort_items(&mut all, |a, b| compare((&b.remedy, b.rank), (&a.remedy, a.rank)));
         all
     }
 }

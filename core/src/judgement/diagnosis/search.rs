@@ -8,6 +8,7 @@
 //! Each cause must gain more log likelihood than the price of the numbers that it fits. The last step removes causes
 //! that a later one has made needless.
 
+use crate::data::sorting::{sort_items, sort_numbers};
 use std::sync::Arc;
 
 use super::cause::LikelyCause;
@@ -108,12 +109,12 @@ impl Search {
                 None => all.push((remedy, path_rank, path.gain)),
             }
         }
-        all.sort_by(|(a, a_rank, _), (b, b_rank, _)| compare((b, *b_rank), (a, *a_rank)));
+        sort_items(&mut all, |(a, a_rank, _), (b, b_rank, _)| compare((b, *b_rank), (a, *a_rank)));
         let mut told: Vec<Vec<&str>> = Vec::new();
         let mut remedies: Vec<Remedy> = all.into_iter().map(|(remedy, ..)| remedy).collect();
         remedies.retain(|remedy| {
             let mut keys: Vec<&str> = remedy.causes().map(|likely| likely.cause.key).collect();
-            keys.sort_unstable();
+            sort_items(&mut keys, Ord::cmp);
             let is_new = !told.contains(&keys);
             told.push(keys);
             is_new
@@ -301,7 +302,8 @@ impl Search {
         // first.
         let mut firsts: Vec<f64> =
             self.paths.iter().filter(|path| path.steps.len() == 1).map(|path| self.rank(path)).collect();
-        firsts.sort_by(|a, b| b.total_cmp(a));
+        sort_numbers(&mut firsts);
+        firsts.reverse();
         let least_first = firsts.get(FIRSTS - 1).or(firsts.last()).copied().unwrap_or(f64::INFINITY);
         // The order is that of the gain with all noise fitted. The path with the largest gain of its own is added.
         let most = self
@@ -418,7 +420,7 @@ impl Path {
 
     fn causes(&self) -> Vec<&'static str> {
         let mut keys: Vec<_> = self.steps.iter().map(|step| step.likely.cause.key).collect();
-        keys.sort_unstable();
+        sort_items(&mut keys, Ord::cmp);
         keys
     }
 

@@ -1,5 +1,6 @@
 //! The verdict on a filter, in a word and in a sentence.
 
+use crate::data::sorting::sort_items;
 use std::f64::consts::TAU;
 use std::fmt;
 
@@ -40,7 +41,7 @@ impl Verdict {
         let counting = || evidence.iter().filter(|one| one.counts);
         let kind = counting().map(|one| one.speaks_for).max().unwrap_or(VerdictKind::Consistent);
         let mut grounds: Vec<&Evidence> = counting().filter(|one| one.speaks_for == kind).collect();
-        grounds.sort_by(|a, b| b.effect.total_cmp(&a.effect));
+        sort_items(&mut grounds, |a, b| b.effect.total_cmp(&a.effect));
         // The same evidence on the last fifth adds nothing.
         let mut told: Vec<(&str, Subject)> = Vec::new();
         grounds.retain(|one| {
@@ -51,7 +52,7 @@ impl Verdict {
         });
         let mut reasons: Vec<String> = grounds.iter().take(MOST).map(|one| one.sentence.clone()).collect();
         let mut besides: Vec<&Evidence> = counting().filter(|one| one.speaks_for != kind).collect();
-        besides.sort_by(|a, b| {
+        sort_items(&mut besides, |a, b| {
             (b.speaks_for, b.effect).partial_cmp(&(a.speaks_for, a.effect)).unwrap_or(std::cmp::Ordering::Equal)
         });
         if kind == VerdictKind::Recovered || kind == VerdictKind::Consistent || kind == VerdictKind::NotIdentifiable {

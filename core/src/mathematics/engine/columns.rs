@@ -46,16 +46,43 @@ pub(crate) fn mirror<T: Copy, L: Level>(level: L, a: &mut [T], n: usize) {
     );
 }
 
-/// `out = A x`, with as many rows of A as numbers in `out`, and a function for the k numbers of x.
+/// The numbers of a vector. Its types are few, so that the program has the sums below once for all callers.
+pub(crate) trait Vector<T> {
+    fn number(&self, place: usize) -> T;
+}
+
+impl<T, F: Fn(usize) -> T> Vector<T> for F {
+    #[inline(always)]
+    fn number(&self, place: usize) -> T {
+        self(place)
+    }
+}
+
+impl<T: Number> Vector<T> for &[T] {
+    #[inline(always)]
+    fn number(&self, place: usize) -> T {
+        self[place]
+    }
+}
+
+/// A multiple of a vector.
+impl<T: Number> Vector<T> for (T, &[f64]) {
+    #[inline(always)]
+    fn number(&self, place: usize) -> T {
+        self.0 * self.1[place]
+    }
+}
+
+/// `out = A x`, with as many rows of A as numbers in `out`, and the first k numbers of x.
 #[inline(always)]
-pub(crate) fn apply<T: Number>(out: &mut [T], a: &[T], k: usize, x: impl Fn(usize) -> T) {
+pub(crate) fn apply<T: Number>(out: &mut [T], a: &[T], k: usize, x: impl Vector<T>) {
     combine(out, a, [out.len(), 0], k, x);
 }
 
 /// `out = Σ aₗ xₗ` of the first k columns of `rows` numbers, of each from row `first` on. It takes a few rows at a time, so that
 /// their sums stay in registers: two in lanes, four of a lone run.
 #[inline(always)]
-pub(super) fn combine<T: Number>(out: &mut [T], a: &[T], [rows, first]: [usize; 2], k: usize, x: impl Fn(usize) -> T) {
+pub(super) fn combine<T: Number>(out: &mut [T], a: &[T], [rows, first]: [usize; 2], k: usize, x: impl Vector<T>) {
     let mut done = 0;
     if const { T::LANES == 1 } {
         while done + 4 <= out.len() {
@@ -78,12 +105,12 @@ fn combine_rows<T: Number, const R: usize>(
     a: &[T],
     [rows, first]: [usize; 2],
     k: usize,
-    x: &impl Fn(usize) -> T,
+    x: &impl Vector<T>,
 ) {
-    let mut sums = [x(0); R];
+    let mut sums = [x.number(0); R];
     for (l, column) in a.chunks_exact(rows).take(k).enumerate() {
         // The bounds are the same for all columns.
-        let (column, factor) = (&column[first..first + R], x(l));
+        let (column, factor) = (&column[first..first + R], x.number(l));
         for r in 0..R {
             sums[r] = if l == 0 { column[r] * factor } else { sums[r] + column[r] * factor };
         }
@@ -97,13 +124,7 @@ fn combine_rows<T: Number, const R: usize>(
 #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
 pub(crate) fn multiply<T: Number>(out: &mut [T], a: &[T], b: &[T], rows: usize, k: usize) {
     for (out, b) in out.chunks_exact_mut(rows).zip(b.chunks_exact(k)) {
-        apply(
-            out,
-            a,
-            k,
-            #[inline(always)]
-            |l| b[l],
-        );
+        apply(out, a, k, b);
     }
 }
 

@@ -43,7 +43,7 @@ impl<M: Mask> Held<M> {
     }
 
     /// The first part that does not hold for a lane. `update` gives S of that lane with its size, and the innovation.
-    pub(super) fn reason(&self, lane: usize, update: impl FnOnce() -> (Vec<f64>, Vec<f64>)) -> FilterError {
+    pub(super) fn reason(&self, lane: usize, update: &dyn Fn() -> (Vec<f64>, Vec<f64>)) -> FilterError {
         for rooted in [self.predicted, self.expected] {
             if !rooted.holds.lane(lane) {
                 return of_root(rooted.is_finite.lane(lane), FilterError::IndefiniteCovariance);

@@ -10,7 +10,7 @@ use super::columns::{Rooted, lower_root};
 use super::design::{Design, Method};
 use super::fault::{Held, of_root};
 use super::learning::{Learning, Learnt};
-use super::level::Level;
+use super::level::{Baseline, Level};
 use super::linearised::Linearised;
 use super::model::Step;
 use super::number::{Mask, Number};
@@ -20,10 +20,10 @@ use super::square_root::{SquareRoot, may_have_root, std};
 use super::update::{Observation, Told, Update};
 use crate::FilterError;
 
-/// Filters of one design, one a lane, with their memory: a step needs no other.
+/// Filters of one design, one a lane, with their memory: a step needs no other. What is compiled for the instructions of a level
+/// takes that level; the rest is in the program once.
 #[derive(Clone, Debug)]
-pub(crate) struct Filter<T: Number, L> {
-    level: L,
+pub(crate) struct Filter<T: Number> {
     pub(crate) design: Design,
     noise: Noise<T>,
     of_share: Share<T>,
@@ -55,7 +55,7 @@ pub(crate) struct Parts<'a> {
     pub(crate) is_adaptive: bool,
 }
 
-impl<L: Level> Filter<f64, L> {
+impl Filter<f64> {
     /// The usual misfits of the sensors, to which a robust filter compares those of a sample; none for any other filter.
     pub(crate) fn usual_misfits(&self) -> &[f64] {
         let weighing = self.learning.as_ref().and_then(|learning| learning.weighing.as_ref());
@@ -82,19 +82,19 @@ impl<L: Level> Filter<f64, L> {
     }
 }
 
-impl<T: Number, L: Level> Filter<T, L> {
+impl<T: Number> Filter<T> {
     /// Whether the filters weigh, learn or jump.
     pub(crate) fn learns(&self) -> bool {
         self.learning.is_some()
     }
 
-    pub(crate) fn new(level: L, design: Design, belief: Belief<T>, mut noise: Noise<T>, white: T) -> Self {
+    pub(crate) fn new(design: Design, belief: Belief<T>, mut noise: Noise<T>, white: T) -> Self {
         let Design { model, readings, method, .. } = &design;
         let root = match *method {
-            Method::SquareRoot(rule) if const { may_have_root::<T, L>() } => {
+            Method::SquareRoot(rule) if const { may_have_root::<T, Baseline>() } => {
                 let mut root = SquareRoot::new(model, rule, readings.len());
                 // The covariance is diagonal: it has a root.
-                root.take(level, &belief.cov);
+                root.take(Baseline, &belief.cov);
                 Some(root)
             }
             _ => None,
@@ -107,7 +107,6 @@ impl<T: Number, L: Level> Filter<T, L> {
             learning: Learning::new(&design, &belief, &mut noise),
             considered: Considered::new(&design.considered, &belief),
             held: Held::new(),
-            level,
             design,
             of_share: Share::new(&noise),
             noise,
@@ -121,23 +120,23 @@ impl<T: Number, L: Level> Filter<T, L> {
     ///
     /// A white force is another one from the next sample on, or from the middle of the step ([`Course`](super::design::Course)).
     #[inline(always)]
-    pub(crate) fn predict(&mut self, forces: [T; 2]) {
-        self.predict_share(1.0, forces);
+    pub(crate) fn predict<L: Level>(&mut self, level: L, forces: [T; 2]) {
+        self.predict_share(level, 1.0, forces);
     }
 
     /// The same over a share of a step, with its share of the noise. A white force and jumps belong to whole steps.
     #[inline(always)]
-    pub(crate) fn predict_share(&mut self, share: f64, forces: [T; 2]) {
+    pub(crate) fn predict_share<L: Level>(&mut self, level: L, share: f64, forces: [T; 2]) {
         let Self { learning, design, noise, .. } = self;
         let has_widened = learning.as_mut().is_some_and(|learning| learning.widen(design, noise));
-        self.carry(share, forces);
+        self.carry(level, share, forces);
         if let Some(learning) = self.learning.as_ref().filter(|_| has_widened) {
             learning.narrow(&mut self.noise);
         }
     }
 
     #[inline(always)]
-    fn carry(&mut self, share: f64, forces: [T; 2]) {
+    fn carry<L: Level>(&mut self, level: L, share: f64, forces: [T; 2]) {
         let Design { has_slope, dt, substeps, white, .. } = self.design;
         let [begin, end] = forces;
         let whole = Step { forces: [begin, if has_slope { end } else { begin }], has_slope, dt: dt * share };
@@ -146,20 +145,20 @@ impl<T: Number, L: Level> Filter<T, L> {
         let mut held = Rooted { holds: yes, is_finite: yes };
         for i in 0..parts {
             let step = if parts == 1 { whole } else { whole.part(i, parts) };
-            self.note_regression(&step);
-            let rooted = self.advance(&step);
+            self.note_regression(level, &step);
+            let rooted = self.advance(level, &step);
             self.note_derivative();
             held = Rooted {
                 holds: held.holds & rooted.holds,
                 is_finite: held.is_finite & (!held.holds | rooted.is_finite),
             };
-            let rooted = self.spread(share, i + 1 == parts);
+            let rooted = self.spread(level, share, i + 1 == parts);
             held.holds = held.holds & rooted.holds;
             held.is_finite = held.is_finite & rooted.is_finite;
             if let Some((place, _)) = white.filter(|_| i + 1 == renewed) {
-                let Self { level, belief, root, white, .. } = self;
+                let Self { belief, root, white, .. } = self;
                 match root {
-                    Some(root) if const { may_have_root::<T, L>() } => root.renew(*level, belief, place, *white),
+                    Some(root) if const { may_have_root::<T, L>() } => root.renew(level, belief, place, *white),
                     _ => belief.renew(place, *white),
                 }
                 if let Some(passage) = &mut self.update.passage {
@@ -177,17 +176,17 @@ impl<T: Number, L: Level> Filter<T, L> {
 
     /// Notes the step that is about to be taken by sigma points, for the smoother.
     #[inline(always)]
-    fn note_regression(&mut self, step: &Step<T>) {
+    fn note_regression<L: Level>(&mut self, level: L, step: &Step<T>) {
         if let Some(passage) = self.update.passage.take() {
-            self.update.passage = Some(self.regression(passage, step));
+            self.update.passage = Some(self.regression(level.plain(), passage, step));
         }
     }
 
     #[inline(never)]
-    fn regression(&mut self, mut passage: Box<Passage<T>>, step: &Step<T>) -> Box<Passage<T>> {
+    fn regression<L: Level>(&mut self, level: L, mut passage: Box<Passage<T>>, step: &Step<T>) -> Box<Passage<T>> {
         self.square();
-        let Self { level, design, points, belief, .. } = self;
-        passage.regress(level.plain(), design, points, belief, step);
+        let Self { design, points, belief, .. } = self;
+        passage.regress(level, design, points, belief, step);
         passage
     }
 
@@ -202,15 +201,15 @@ impl<T: Number, L: Level> Filter<T, L> {
 
     /// Moves the beliefs, without noise.
     #[inline(always)]
-    fn advance(&mut self, step: &Step<T>) -> Rooted<T::Mask> {
-        let Self { level, design: Design { model, method, .. }, belief, linearised, points, root, .. } = self;
+    fn advance<L: Level>(&mut self, level: L, step: &Step<T>) -> Rooted<T::Mask> {
+        let Self { design: Design { model, method, .. }, belief, linearised, points, root, .. } = self;
         match (*method, root) {
-            (Method::Linearised(propagation, _), _) => linearised.advance(*level, propagation, model, belief, step),
+            (Method::Linearised(propagation, _), _) => linearised.advance(level, propagation, model, belief, step),
             (Method::SquareRoot(_), Some(root)) if const { may_have_root::<T, L>() } => {
-                root.advance(*level, model, belief, step);
+                root.advance(level, model, belief, step);
             }
             (Method::SigmaPoints(rule) | Method::SquareRoot(rule), _) => {
-                return points.advance(*level, rule, model, belief, step);
+                return points.advance(level, rule, model, belief, step);
             }
         }
         Rooted { holds: T::Mask::of(true), is_finite: T::Mask::of(true) }
@@ -218,32 +217,32 @@ impl<T: Number, L: Level> Filter<T, L> {
 
     /// Ends a part of a prediction, with the noise in the last one.
     #[inline(always)]
-    fn spread(&mut self, share: f64, is_last: bool) -> Rooted<T::Mask> {
-        let Self { level, belief, noise, of_share, root, considered, .. } = self;
+    fn spread<L: Level>(&mut self, level: L, share: f64, is_last: bool) -> Rooted<T::Mask> {
+        let Self { belief, noise, of_share, root, considered, .. } = self;
         let noise = of_share.of(share, noise);
         let mut rooted = Rooted { holds: T::Mask::of(true), is_finite: T::Mask::of(true) };
         match (&mut *root, is_last) {
             (Some(root), true) if const { may_have_root::<T, L>() } && !noise.matrix.is_empty() => {
                 let n = belief.size();
-                rooted = lower_root(*level, &noise.matrix, &mut belief.cov, n);
+                rooted = lower_root(level, &noise.matrix, &mut belief.cov, n);
                 let of_noise = &belief.cov;
-                root.spread(*level, noise.fading, |i, row| (0..=i).for_each(|k| row[k] = of_noise[k * n + i]));
+                root.spread(level, noise.fading, |i, row| (0..=i).for_each(|k| row[k] = of_noise[k * n + i]));
             }
             (Some(root), true) if const { may_have_root::<T, L>() } => level.apart(
                 #[inline(always)]
                 || {
                     root.spread(
-                        *level,
+                        level,
                         noise.fading,
                         #[inline(always)]
                         |i, row| row[i] = std(noise.process[i]),
                     );
                 },
             ),
-            (Some(root), false) if const { may_have_root::<T, L>() } => root.spread(*level, T::of(1.0), |_, _| ()),
+            (Some(root), false) if const { may_have_root::<T, L>() } => root.spread(level, T::of(1.0), |_, _| ()),
             (_, true) => level.apart(
                 #[inline(always)]
-                || belief.spread(*level, noise),
+                || belief.spread(level, noise),
             ),
             (_, false) => belief.clamp(),
         }
@@ -251,9 +250,9 @@ impl<T: Number, L: Level> Filter<T, L> {
             if const { may_have_root::<T, L>() }
                 && let Some(root) = root
             {
-                root.square(*level, &mut belief.cov);
+                root.square(level, &mut belief.cov);
                 considered.keep(belief, noise);
-                rooted = root.take(*level, &belief.cov);
+                rooted = root.take(level, &belief.cov);
             } else {
                 considered.keep(belief, noise);
             }
@@ -264,33 +263,33 @@ impl<T: Number, L: Level> Filter<T, L> {
     /// Conditions the beliefs on one sample of the sensors, while `force` acts. A measurement that is NaN skips its
     /// sensor. The last step holds for [some lanes](Told::holds); [`Self::reason`] gives the reason for the others.
     #[inline(always)]
-    pub(crate) fn update(&mut self, force: T, measured: &[T]) -> Told<T> {
+    pub(crate) fn update<L: Level>(&mut self, level: L, force: T, measured: &[T]) -> Told<T> {
         if self.considered.is_some() {
-            return self.update_but_for_considered(force, measured);
+            return self.update_but_for_considered(level, force, measured);
         }
-        self.condition(force, measured)
+        self.condition(level, force, measured)
     }
 
     #[inline(always)]
-    fn condition(&mut self, force: T, measured: &[T]) -> Told<T> {
-        let Self { level, design, noise, belief, update, held, root, learning, .. } = self;
+    fn condition<L: Level>(&mut self, level: L, force: T, measured: &[T]) -> Told<T> {
+        let Self { design, noise, belief, update, held, root, learning, .. } = self;
         let observation = Observation { force, measured };
         match learning {
-            None => update.condition(*level, design, belief, root.as_mut(), noise, observation, held),
+            None => update.condition(level, design, belief, root.as_mut(), noise, observation, held),
             Some(learning) => {
-                learning.condition(*level, design, belief, root.as_mut(), noise, observation, update, held)
+                learning.condition(level, design, belief, root.as_mut(), noise, observation, update, held)
             }
         }
     }
 
     #[inline(never)]
-    fn update_but_for_considered(&mut self, force: T, measured: &[T]) -> Told<T> {
+    fn update_but_for_considered<L: Level>(&mut self, level: L, force: T, measured: &[T]) -> Told<T> {
         self.square();
         let mut considered = self.considered.take();
         if let Some(considered) = &mut considered {
             considered.store(&self.belief);
         }
-        let mut told = self.condition(force, measured);
+        let mut told = self.condition(level, force, measured);
         if let Some(considered) = &considered {
             considered.restore(&mut self.belief, self.update.gain_mut());
             let rooted = self.take_root();
@@ -303,9 +302,9 @@ impl<T: Number, L: Level> Filter<T, L> {
 
     /// Takes the root of the covariance, of a filter that holds one.
     fn take_root(&mut self) -> Rooted<T::Mask> {
-        let Self { level, belief, root, .. } = self;
+        let Self { belief, root, .. } = self;
         match root {
-            Some(root) if const { may_have_root::<T, L>() } => root.take(*level, &belief.cov),
+            Some(root) if const { may_have_root::<T, Baseline>() } => root.take(Baseline, &belief.cov),
             _ => Rooted { holds: T::Mask::of(true), is_finite: T::Mask::of(true) },
         }
     }
@@ -354,7 +353,7 @@ impl<T: Number, L: Level> Filter<T, L> {
     /// Gives a lane a belief that makes no trouble.
     pub(crate) fn park(&mut self, lane: usize) {
         self.belief.park(lane);
-        if const { may_have_root::<T, L>() }
+        if const { may_have_root::<T, Baseline>() }
             && let Some(root) = &mut self.root
         {
             root.park(lane);
@@ -363,19 +362,19 @@ impl<T: Number, L: Level> Filter<T, L> {
 
     /// Makes the covariance after a prediction that of the root, if there is one.
     pub(crate) fn square(&mut self) {
-        let Self { level, belief, root, .. } = self;
-        if const { may_have_root::<T, L>() }
+        let Self { belief, root, .. } = self;
+        if const { may_have_root::<T, Baseline>() }
             && let Some(root) = root
         {
-            root.square(*level, &mut belief.cov);
+            root.square(Baseline, &mut belief.cov);
         }
     }
 
     /// Makes the covariance symmetric to the last bit, from its lower triangle.
     #[inline(always)]
-    pub(crate) fn complete(&mut self) {
-        let n = self.level.size(self.belief.size());
-        super::columns::mirror(self.level, &mut self.belief.cov[..n * n], n);
+    pub(crate) fn complete<L: Level>(&mut self, level: L) {
+        let n = level.size(self.belief.size());
+        super::columns::mirror(level, &mut self.belief.cov[..n * n], n);
     }
 
     /// Whether the forces that count in a step are finite in all lanes.
@@ -391,6 +390,6 @@ impl<T: Number, L: Level> Filter<T, L> {
     /// Why the last step does not hold for a lane.
     #[cold]
     pub(crate) fn reason(&self, lane: usize) -> FilterError {
-        self.held.reason(lane, || self.update.of_lane(lane))
+        self.held.reason(lane, &|| self.update.of_lane(lane))
     }
 }

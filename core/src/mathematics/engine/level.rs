@@ -70,7 +70,7 @@ impl<L: Level, const N: usize, const M: usize> Level for Known<L, N, M> {
     #[inline(always)]
     fn each(self, first: usize, end: usize, mut work: impl FnMut(usize)) {
         macro_rules! one_by_one {
-            ($($i:literal)*) => { $(if (first..end).contains(&$i) { work($i); })* };
+            ($($i:literal)*) => { $(if first <= $i && $i < end { work($i); })* };
         }
         one_by_one!(0 1 2 3 4 5 6 7);
         for i in first.max(8)..end {

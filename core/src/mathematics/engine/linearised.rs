@@ -164,32 +164,13 @@ impl<T: Number> Linearised<T> {
 
         // Γ₁ ẏ = [h v + q (a - C v); q K v + h a]
         let (velocity, acceleration) = rate.split_at(m);
-        combine(
-            free,
-            &columns[2 * m * m..],
-            [2 * m, m],
-            m,
-            #[inline(always)]
-            |l| velocity[l],
-        );
+        combine(free, &columns[2 * m * m..], [2 * m, m], m, velocity);
         for i in 0..m {
             free[i] = acceleration[i] - free[i];
         }
         let (x, v) = effect.split_at_mut(m);
-        apply(
-            x,
-            value,
-            m,
-            #[inline(always)]
-            |l| velocity[l],
-        );
-        apply(
-            v,
-            displaced,
-            m,
-            #[inline(always)]
-            |l| velocity[l],
-        );
+        apply(x, value, m, velocity);
+        apply(v, displaced, m, velocity);
         for l in 0..m {
             add_times(x, free[l], &integral[l * m..(l + 1) * m]);
             add_times(v, acceleration[l], &value[l * m..(l + 1) * m]);
@@ -212,39 +193,15 @@ impl<T: Number> Linearised<T> {
         for k in 2 * m..n {
             let (x, v) = rows[k * 2 * m..(k + 1) * 2 * m].split_at_mut(m);
             let pushed = &columns[k * 2 * m + m..(k + 1) * 2 * m];
-            apply(
-                x,
-                integral,
-                m,
-                #[inline(always)]
-                |l| pushed[l],
-            );
-            apply(
-                v,
-                value,
-                m,
-                #[inline(always)]
-                |l| pushed[l],
-            );
+            apply(x, integral, m, pushed);
+            apply(v, value, m, pushed);
         }
         if step.has_slope {
             let push = step.slope();
             let by_force = &model.by_force[m..];
             let (x, v) = effect.split_at_mut(m);
-            apply(
-                x,
-                second,
-                m,
-                #[inline(always)]
-                |l| push * by_force[l],
-            );
-            apply(
-                v,
-                integral,
-                m,
-                #[inline(always)]
-                |l| push * by_force[l],
-            );
+            apply(x, second, m, (push, by_force));
+            apply(v, integral, m, (push, by_force));
             self.push(level, model, mean);
         }
     }
@@ -257,13 +214,7 @@ impl<T: Number> Linearised<T> {
         let (rate, columns, rows) = (&rate[..moving], &columns[..moving * n], &mut rows[..moving * n]);
         let effect = &mut effect[..moving];
         let Exponential { transition, constant, slope, .. } = exponential;
-        apply(
-            effect,
-            constant,
-            moving,
-            #[inline(always)]
-            |k| rate[k],
-        );
+        apply(effect, constant, moving, rate);
         for i in 0..moving {
             mean[i] = mean[i] + effect[i];
         }
@@ -272,13 +223,7 @@ impl<T: Number> Linearised<T> {
         multiply(others, constant, &columns[moving * moving..], moving, moving);
         if step.has_slope {
             let push = step.slope();
-            apply(
-                effect,
-                slope,
-                moving,
-                #[inline(always)]
-                |k| push * model.by_force[k],
-            );
+            apply(effect, slope, moving, (push, &model.by_force[..]));
             self.push(level, model, mean);
         }
     }

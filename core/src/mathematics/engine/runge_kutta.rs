@@ -57,25 +57,20 @@ impl<T: Number> RungeKutta<T> {
         // Only the motion moves: parameters, and the parts of the force that are estimated, stay.
         let (moving, own) = (equation.moving(), equation.components());
         let [begin, middle, end] = step.thrice();
-        // One by one: an array's own `map` is not always inlined.
         let forces = [model.acting(state, begin), model.acting(state, middle), model.acting(state, end)];
-        // The compiler sees through numbers of a small plant's own.
+        // The compiler sees through numbers of a small plant's own, and does not always inline an array's own `map`.
         let mut small = [[T::of(0.0); FEW]; 6];
-        let [here, memory @ ..] = if equation.is_small() {
-            let [here, start, k1, k2, k3, k4] = small.each_mut().map(
-                #[inline(always)]
-                |numbers| &mut numbers[..own],
-            );
-            here.copy_from_slice(&model.plain(state, plain)[..own]);
-            [here, start, k1, k2, k3, k4]
+        let (here, memory): (&mut [T], [&mut [T]; 5]) = if equation.is_small() {
+            let [here, start, k1, k2, k3, k4] = &mut small;
+            here[..own].copy_from_slice(&model.plain(state, plain)[..own]);
+            (here, [start, k1, k2, k3, k4])
         } else {
             model.plain_into(state, plain);
-            [&mut plain[..own], &mut start[..], k1, k2, k3, k4]
+            (plain, [start, k1, k2, k3, k4])
         };
-        let memory = memory.map(
-            #[inline(always)]
-            |numbers| &mut numbers[..moving],
-        );
+        let [start, k1, k2, k3, k4] = memory;
+        let here = &mut here[..own];
+        let memory = [&mut start[..moving], &mut k1[..moving], &mut k2[..moving], &mut k3[..moving], &mut k4[..moving]];
         classical(
             #[inline(always)]
             |state, force, rate| equation.rates(state, force, rate),

@@ -6,6 +6,7 @@
 
 use super::EquationError;
 use super::parse::{Sides, Tree, parse};
+use crate::data::sorting::sort_items;
 use crate::mathematics::channel::MAX_MASSES;
 use crate::mathematics::engine::builder::Builder;
 use crate::mathematics::engine::list::Node;
@@ -153,7 +154,7 @@ fn components(names: &[Name<'_>], equations: &[Sides]) -> Result<Vec<Component>,
             _ => return fault(format!("`{key}` has at most two primes")),
         }
     }
-    masses.sort_unstable();
+    sort_items(&mut masses, Ord::cmp);
     for (expected, &(mass, key, place)) in masses.iter().enumerate() {
         if mass != expected {
             let what = if mass < expected {
@@ -174,7 +175,7 @@ fn components(names: &[Name<'_>], equations: &[Sides]) -> Result<Vec<Component>,
     }
     // ωₙ and ζ come first, as in built-in plants.
     let of = |name: &str| Component::Parameter(name.to_owned());
-    parameters.sort_by_key(|one| {
+    let place = |one: &Component| {
         if *one == of("omega_n") {
             0
         } else if *one == of("zeta") {
@@ -182,7 +183,8 @@ fn components(names: &[Name<'_>], equations: &[Sides]) -> Result<Vec<Component>,
         } else {
             2
         }
-    });
+    };
+    sort_items(&mut parameters, |a, b| place(a).cmp(&place(b)));
     let count = masses.len();
     let displacements = (0..count).map(Component::Displacement).chain((0..count).map(Component::Velocity));
     let all: Vec<Component> = displacements.chain(internal).chain(parameters).collect();

@@ -51,7 +51,7 @@ pub fn outcomes<T: Number, L: Level>(level: L, runs: &[Run<'_>], samples: &[usiz
     let of = |lane: usize| runs[lane.min(runs.len() - 1)];
     let is_shared = runs.iter().all(|run| run.has_columns_of(first));
     let inputs = Inputs::new(runs, is_shared, T::LANES);
-    let filter = filter(level, |lane| of(lane).setup);
+    let filter = filter(&|lane| of(lane).setup);
     let scores = Scores::new(channels, |channel| first.record.truth(channel).is_some(), first.record.len());
     let in_units = InUnits::new(&first.setup.design.model.logarithms, &filter.belief);
     let batch = Batch {
@@ -143,7 +143,7 @@ struct Batch<T: Number, L> {
     level: L,
     /// The number of lanes that count.
     count: usize,
-    filter: Filter<T, L>,
+    filter: Filter<T>,
     in_units: Option<InUnits<T>>,
     scores: Scores<T>,
     /// One in each lane with a stopped filter.
@@ -226,8 +226,8 @@ impl<T: Number, L: Level> Batch<T, L> {
     /// Predicts over a share of the step to sample `k`, and updates under `force`. Returns `None` if no filter goes on.
     #[inline(never)]
     fn advance(&mut self, share: f64, forces: [T; 2], force: T, measured: &[T], k: usize) -> Option<Told<T>> {
-        self.filter.predict_share(share, forces);
-        let mut told = self.filter.update(force, measured);
+        self.filter.predict_share(self.level, share, forces);
+        let mut told = self.filter.update(self.level, force, measured);
         let has_stopped = T::of(0.5).le(self.stopped);
         let mut fits = T::Mask::of(true);
         if let Some(in_units) = &mut self.in_units {

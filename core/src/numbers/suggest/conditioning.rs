@@ -7,6 +7,7 @@ use super::spectra::stride;
 use super::{Suggestion, augment, moments, motion_sensor, rounded};
 use crate::data::import::{MappedColumn, Offset};
 use crate::data::resample::finer;
+use crate::data::sorting::sort_items;
 use crate::{Channel, Hold, Record, Run, Scenario};
 
 /// A mean of the input counts as an offset if it is this many times its standard error.
@@ -159,7 +160,7 @@ impl Plucked {
         let read: Vec<usize> = (0..record.len()).filter(|&k| !measured[k].is_nan()).collect();
         let gap = |i: usize| read[i] - read[i - 1];
         let mut sorted: Vec<usize> = (1..read.len()).map(gap).collect();
-        sorted.sort_unstable();
+        sort_items(&mut sorted, Ord::cmp);
         let usual = *sorted.get(sorted.len() / 2)?;
         let largest = |places: &[usize]| places.iter().fold(0.0, |most: f64, &k| most.max(measured[k].abs()));
         let pauses: Vec<usize> = (1..read.len()).filter(|&i| gap(i) >= PAUSE * usual).collect();

@@ -1,5 +1,6 @@
 //! An oscillator under the recorded input, fitted to the readings over time: of a record with few periods, spectra are too coarse.
 
+use crate::data::sorting::sort_items;
 use std::f64::consts::TAU;
 
 use super::moments;
@@ -127,7 +128,7 @@ impl Readings {
                 |i: &usize| costs[i.saturating_sub(1)..(*i + 2).min(costs.len())].iter().all(|c| costs[*i] <= *c);
             found.extend((0..=count).filter(is_least).map(|i| (costs[i], at(i))));
         }
-        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        sort_items(&mut found, |a, b| a.0.total_cmp(&b.0));
         found.into_iter().take(BEGINS).map(|(_, at)| at).collect()
     }
 }

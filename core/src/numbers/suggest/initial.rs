@@ -4,6 +4,7 @@
 use super::likeliest::{Likeliest, first_alone, likelihood_over};
 use super::response::{Decay, Response, order};
 use super::{Suggestion, augment, begin_with, moments, rounded, set_share};
+use crate::data::sorting::sort_items;
 use crate::mathematics::channel::{Role, Sign};
 use crate::mathematics::equation::Equation;
 use crate::{Aspect, Channel, FilterKind, FilterSettings, InputKind, PlantKind, Quantity, Record, Run, Scenario};
@@ -205,7 +206,7 @@ impl Search {
         let Some(filter) = filters.first().filter(|_| is_asked) else {
             return Self::of(suggestion).into_iter().collect();
         };
-        kinds.sort_by_key(|kind| *kind != plant.kind);
+        sort_items(&mut kinds, |a, b| (*a != plant.kind).cmp(&(*b != plant.kind)));
         let gain = filter.augment.contains(&Channel::INPUT_GAIN).then_some(Channel::INPUT_GAIN);
         let of = |kind: PlantKind| {
             let channels: Vec<Channel> = kind.parameters().chain(gain).collect();
@@ -332,7 +333,7 @@ impl Search {
         let readings = searches.iter().find_map(of).map(|(readings, _)| readings);
         let likelihood = |search: &Self| of(search).filter(|(count, _)| Some(*count) == readings).map(|(_, now)| now);
         let size = |search: &Self| likelihood(search).unwrap_or(f64::NEG_INFINITY);
-        searches.sort_by(|a, b| size(b).total_cmp(&size(a)));
+        sort_items(&mut searches, |a, b| size(b).total_cmp(&size(a)));
         if let [first, second] = searches.as_slice()
             && let (Some(one), Some(other)) = (likelihood(first), likelihood(second))
         {

@@ -6,6 +6,7 @@ use crate::mathematics::engine::columns::{factor, mirror, square};
 use crate::mathematics::engine::design::Method;
 use crate::mathematics::engine::filter::{Filter, Parts};
 use crate::mathematics::engine::level::{Baseline, Known, Level};
+use crate::mathematics::engine::update::Told;
 use crate::mathematics::filter::Gaussian;
 use crate::mathematics::filter::robust::Robust;
 use crate::samples::estimator::in_units::InUnits;
@@ -15,9 +16,15 @@ use crate::samples::plucks::Plucks;
 use crate::samples::sink::{AssumedNoise, Sample, Sink};
 use crate::{FilterError, FilterSettings};
 
+/// A filter whose steps are compiled for a level.
+struct AtLevel<L> {
+    level: L,
+    followed: Followed,
+}
+
 /// A filter, and memory for its reports.
-struct Followed<L> {
-    filter: Filter<f64, L>,
+struct Followed {
+    filter: Filter<f64>,
     /// The place of each sensor that the model has, among all sensors.
     places: Vec<usize>,
     measured: Vec<f64>,
@@ -31,6 +38,31 @@ struct Followed<L> {
     learnt: Learnt,
     plucks: Plucks,
     sample: usize,
+}
+
+/// The parts of a step, for what is in the program once for all levels.
+trait Steps {
+    /// Predicts over a share of a step.
+    fn predict(&self, filter: &mut Filter<f64>, share: f64, forces: [f64; 2]);
+
+    /// Updates by the readings of the model's sensors.
+    fn update(&self, filter: &mut Filter<f64>, force: f64, measured: &[f64]) -> Told<f64>;
+}
+
+impl<L: Level> Steps for L {
+    #[inline(always)]
+    fn predict(&self, filter: &mut Filter<f64>, share: f64, forces: [f64; 2]) {
+        filter.predict_share(*self, share, forces);
+    }
+
+    #[inline(always)]
+    fn update(&self, filter: &mut Filter<f64>, force: f64, measured: &[f64]) -> Told<f64> {
+        let told = filter.update(*self, force, measured);
+        if told.holds {
+            filter.complete(*self);
+        }
+        told
+    }
 }
 
 /// The result of an update, for all m sensors: e, m numbers; S, m × m; K, n × m.
@@ -56,29 +88,33 @@ struct Learnt {
 
 /// The filter of a setup over these sensors.
 pub(crate) fn estimator(setup: &Setup, settings: &FilterSettings) -> Box<dyn Estimator> {
+    fn boxed<L: Level + Send + 'static>(level: L, followed: Followed) -> Box<dyn Estimator> {
+        Box::new(AtLevel { level, followed })
+    }
+    let followed = Followed::new(setup, settings);
     let model = &setup.design.model;
     if matches!(setup.design.method, Method::SquareRoot(_)) {
-        return Box::new(Followed::new(Baseline, setup, settings));
+        return boxed(Baseline, followed);
     }
     match (model.size, model.moving()) {
-        (4, 2) => Box::new(Followed::new(Known::<_, 4, 2>(Baseline), setup, settings)),
-        (5, 2) => Box::new(Followed::new(Known::<_, 5, 2>(Baseline), setup, settings)),
+        (4, 2) => boxed(Known::<_, 4, 2>(Baseline), followed),
+        (5, 2) => boxed(Known::<_, 5, 2>(Baseline), followed),
         // A page leaves these out, to be smaller.
         #[cfg(not(target_arch = "wasm32"))]
-        (7, 4) => Box::new(Followed::new(Known::<_, 7, 4>(Baseline), setup, settings)),
+        (7, 4) => boxed(Known::<_, 7, 4>(Baseline), followed),
         #[cfg(not(target_arch = "wasm32"))]
-        (8, 3) => Box::new(Followed::new(Known::<_, 8, 3>(Baseline), setup, settings)),
+        (8, 3) => boxed(Known::<_, 8, 3>(Baseline), followed),
         #[cfg(not(target_arch = "wasm32"))]
-        (10, 6) => Box::new(Followed::new(Known::<_, 10, 6>(Baseline), setup, settings)),
-        _ => Box::new(Followed::new(Baseline, setup, settings)),
+        (10, 6) => boxed(Known::<_, 10, 6>(Baseline), followed),
+        _ => boxed(Baseline, followed),
     }
 }
 
-impl<L: Level> Followed<L> {
+impl Followed {
     /// The filter of a setup, whose columns are the places of the model's sensors among all.
-    fn new(level: L, setup: &Setup, settings: &FilterSettings) -> Self {
+    fn new(setup: &Setup, settings: &FilterSettings) -> Self {
         let (n, sensors) = (setup.design.model.size, settings.sensor_std.len());
-        let filter = filter(level, |_| setup);
+        let filter = filter(&|_| setup);
         let variances: Vec<f64> = settings.sensor_std.iter().map(|std| std * std).collect();
         let update = Update::nothing(n, sensors);
         Self {
@@ -104,8 +140,7 @@ impl<L: Level> Followed<L> {
     fn next_sample(&mut self) {
         self.sample += 1;
         let dt = self.filter.design.dt;
-        let [from, to] = [self.sample - 1, self.sample].map(|sample| dt * sample as f64);
-        self.pluck([from, to]);
+        self.pluck([dt * (self.sample - 1) as f64, dt * self.sample as f64]);
     }
 
     /// Widens the belief if the plant was plucked between two times \[s\].
@@ -120,12 +155,13 @@ impl<L: Level> Followed<L> {
     ///
     /// # Errors
     /// [`FilterError::UndefinedForce`]
-    fn predict(&mut self, share: f64, forces: [f64; 2]) -> Result<(), FilterError> {
+    #[inline(always)]
+    fn predict(&mut self, level: &(impl Steps + ?Sized), share: f64, forces: [f64; 2]) -> Result<(), FilterError> {
         // Where the force is held, its end does not count.
         if !self.filter.are_finite(forces) {
             return Err(FilterError::UndefinedForce);
         }
-        self.filter.predict_share(share, forces);
+        level.predict(&mut self.filter, share, forces);
         Ok(())
     }
 
@@ -141,16 +177,16 @@ impl<L: Level> Followed<L> {
     ///
     /// # Errors
     /// Those of the filter.
-    fn condition(&mut self, force: f64, readings: &[f64]) -> Result<(), FilterError> {
+    fn condition(&mut self, level: &dyn Steps, force: f64, readings: &[f64]) -> Result<(), FilterError> {
         self.update.clear();
         self.learnt.weights.fill(f64::NAN);
-        self.add(force, readings)
+        self.add(level, force, readings)
     }
 
     /// The same after earlier readings within the sample.
-    fn add(&mut self, force: f64, readings: &[f64]) -> Result<(), FilterError> {
+    fn add(&mut self, level: &dyn Steps, force: f64, readings: &[f64]) -> Result<(), FilterError> {
         let Self { filter, places, measured, .. } = self;
-        let [nis, determinant] = condition(filter, places, measured, force, readings)?;
+        let [nis, determinant] = condition(level, filter, places, measured, force, readings)?;
         self.take_update([nis, determinant]);
         Ok(())
     }
@@ -198,14 +234,53 @@ impl<L: Level> Followed<L> {
         let sample = if sink.wants_prior() { sample.with_prior(parts.belief) } else { sample };
         push(sample, in_units.clone().as_deref_mut(), sink).map_err(|_| FilterError::TooLarge)
     }
+
+    /// One step from a sample to the next through readings at times of their own.
+    ///
+    /// The belief before the update is that before the last reading.
+    fn step_through(&mut self, level: &dyn Steps, parts: &PartsOfStep, sink: &mut dyn Sink) -> Result<(), FilterError> {
+        if parts.times.is_none() {
+            self.next_sample();
+        }
+        let (wants_prior, mut has_prior, mut is_passed) = (sink.wants_prior(), false, false);
+        self.update.clear();
+        self.learnt.weights.fill(f64::NAN);
+        for (place, (part, readings)) in parts.iter().enumerate() {
+            if !part.forces.iter().all(|force| force.is_finite()) {
+                return Err(FilterError::UndefinedForce);
+            }
+            if let Some(between) = parts.between(place) {
+                self.pluck(between);
+            }
+            if part.share > 0.0 {
+                self.predict(level, part.share, part.forces)?;
+            }
+            is_passed = readings.iter().any(|reading| !reading.is_nan());
+            if is_passed && wants_prior {
+                self.keep_prior();
+                has_prior = true;
+            }
+            self.add(level, part.force, readings)?;
+            if is_passed {
+                pass(&mut self.filter, sink)?;
+            }
+        }
+        if !is_passed {
+            pass(&mut self.filter, sink)?;
+        }
+        if wants_prior && !has_prior {
+            self.prior.copy_from(&self.filter.belief);
+        }
+        self.report(wants_prior, sink)
+    }
 }
 
-impl<L: Level + Send> Estimator for Followed<L> {
+impl<L: Level + Send> Estimator for AtLevel<L> {
     fn begin(&self, sink: &mut dyn Sink) -> Result<(), FilterError> {
         if let Some(passages) = sink.passages() {
-            passages.begin(&self.filter.belief);
+            passages.begin(&self.followed.filter.belief);
         }
-        self.report_beginning(sink)
+        self.followed.report_beginning(sink)
     }
 
     fn step(
@@ -215,19 +290,20 @@ impl<L: Level + Send> Estimator for Followed<L> {
         measured: &[f64],
         sink: &mut dyn Sink,
     ) -> Result<(), FilterError> {
-        self.next_sample();
-        self.predict(1.0, [force_before, force])?;
+        let Self { level, followed } = self;
+        followed.next_sample();
+        followed.predict(level, 1.0, [force_before, force])?;
         let wants_prior = sink.wants_prior();
         if wants_prior {
-            self.keep_prior();
+            followed.keep_prior();
         }
-        if self.filter.learns() {
-            self.condition(force, measured)?;
-            pass(&mut self.filter, sink)?;
-            return self.report(wants_prior, sink);
+        if followed.filter.learns() {
+            followed.condition(level, force, measured)?;
+            pass(&mut followed.filter, sink)?;
+            return followed.report(wants_prior, sink);
         }
-        let Self { filter, places, measured: own, prior, update: all, in_units, .. } = self;
-        let [nis, determinant] = condition(filter, places, own, force, measured)?;
+        let Followed { filter, places, measured: own, prior, update: all, in_units, .. } = followed;
+        let [nis, determinant] = condition(level, filter, places, own, force, measured)?;
         pass(filter, sink)?;
         let m = all.innovation.len();
         let (belief, update) = (&filter.belief, &mut filter.update);
@@ -246,71 +322,40 @@ impl<L: Level + Send> Estimator for Followed<L> {
     }
 
     fn set_belief(&mut self, mean: &[f64], cov: &[f64]) -> Result<(), FilterError> {
-        let Self { filter, in_units, .. } = self;
+        let Followed { filter, in_units, .. } = &mut self.followed;
         let Some(in_units) = in_units else { return filter.set_belief(mean, cov) };
         let Belief { mean, cov } = in_units.back(mean, cov);
         filter.set_belief(mean, cov)
     }
 
-    /// The belief before the update is that before the last reading.
     fn step_through(&mut self, parts: &PartsOfStep, sink: &mut dyn Sink) -> Result<(), FilterError> {
-        if parts.times.is_none() {
-            self.next_sample();
-        }
-        let (wants_prior, mut has_prior, mut is_passed) = (sink.wants_prior(), false, false);
-        self.update.clear();
-        self.learnt.weights.fill(f64::NAN);
-        for (place, (part, readings)) in parts.iter().enumerate() {
-            if !part.forces.iter().all(|force| force.is_finite()) {
-                return Err(FilterError::UndefinedForce);
-            }
-            if let Some(between) = parts.between(place) {
-                self.pluck(between);
-            }
-            if part.share > 0.0 {
-                self.predict(part.share, part.forces)?;
-            }
-            is_passed = readings.iter().any(|reading| !reading.is_nan());
-            if is_passed && wants_prior {
-                self.keep_prior();
-                has_prior = true;
-            }
-            self.add(part.force, readings)?;
-            if is_passed {
-                pass(&mut self.filter, sink)?;
-            }
-        }
-        if !is_passed {
-            pass(&mut self.filter, sink)?;
-        }
-        if wants_prior && !has_prior {
-            self.prior.copy_from(&self.filter.belief);
-        }
-        self.report(wants_prior, sink)
+        self.followed.step_through(&self.level, parts, sink)
     }
 
     fn keep_passages(&mut self) -> bool {
-        self.filter.keep_passages();
-        self.filter.begin_passage();
+        self.followed.filter.keep_passages();
+        self.followed.filter.begin_passage();
         true
     }
 
     fn state(&self) -> Option<State> {
-        let misfits = self.filter.usual_misfits().to_vec();
-        Some(State { belief: Gaussian::of(&self.filter.belief), misfits })
+        let filter = &self.followed.filter;
+        let misfits = filter.usual_misfits().to_vec();
+        Some(State { belief: Gaussian::of(&filter.belief), misfits })
     }
 
     fn restore(&mut self, State { belief, misfits }: &State) -> Result<(), FilterError> {
-        self.filter.set_usual_misfits(misfits);
-        self.filter.set_belief(belief.mean.as_slice(), belief.cov.as_slice())?;
-        self.filter.begin_passage();
+        let filter = &mut self.followed.filter;
+        filter.set_usual_misfits(misfits);
+        filter.set_belief(belief.mean.as_slice(), belief.cov.as_slice())?;
+        filter.begin_passage();
         Ok(())
     }
 }
 
 /// Adds the passage since the last one to those of a smoother's sink.
 #[inline(always)]
-fn pass<L: Level>(filter: &mut Filter<f64, L>, sink: &mut dyn Sink) -> Result<(), FilterError> {
+fn pass(filter: &mut Filter<f64>, sink: &mut dyn Sink) -> Result<(), FilterError> {
     if let Some(passage) = filter.passage()
         && let Some(passages) = sink.passages()
     {
@@ -323,8 +368,9 @@ fn pass<L: Level>(filter: &mut Filter<f64, L>, sink: &mut dyn Sink) -> Result<()
 /// Updates by the measurements of all sensors, of which `own` takes those that the model has. Returns NIS and det S; NaN without a
 /// measurement.
 #[inline(always)]
-fn condition<L: Level>(
-    filter: &mut Filter<f64, L>,
+fn condition(
+    level: &(impl Steps + ?Sized),
+    filter: &mut Filter<f64>,
     places: &[usize],
     own: &mut [f64],
     force: f64,
@@ -338,11 +384,10 @@ fn condition<L: Level>(
     if is_infinite && filter.is_predicted(0) {
         return Err(FilterError::InfiniteMeasurement);
     }
-    let told = filter.update(force, own);
+    let told = level.update(filter, force, own);
     if !told.holds {
         return Err(filter.reason(0));
     }
-    filter.complete();
     Ok(if told.measured > 0.0 { [told.nis, told.determinant] } else { [f64::NAN; 2] })
 }
 

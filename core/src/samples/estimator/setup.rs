@@ -6,7 +6,6 @@ use crate::mathematics::engine::belief;
 use crate::mathematics::engine::design::Course;
 use crate::mathematics::engine::design::Design;
 use crate::mathematics::engine::filter::Filter;
-use crate::mathematics::engine::level::Level;
 use crate::mathematics::engine::number::Number;
 use crate::mathematics::filter::{Gaussian, Noise, Way, White};
 use crate::mathematics::linalg::{Matrix, Vector};
@@ -154,7 +153,7 @@ fn is_finite(record: &Record, columns: &[usize]) -> bool {
 }
 
 /// The filters of some setups of one design, one a lane, before their first sample.
-pub(crate) fn filter<'a, T: Number, L: Level>(level: L, setup: impl Fn(usize) -> &'a Setup) -> Filter<T, L> {
+pub(crate) fn filter<'a, T: Number>(setup: &dyn Fn(usize) -> &'a Setup) -> Filter<T> {
     let numbers = |count: usize, of_setup: &dyn Fn(&Setup) -> &[f64]| -> Vec<T> {
         (0..count).map(|i| T::from_lanes(|lane| of_setup(setup(lane))[i])).collect()
     };
@@ -171,7 +170,7 @@ pub(crate) fn filter<'a, T: Number, L: Level>(level: L, setup: impl Fn(usize) ->
         fading: T::from_lanes(|lane| setup(lane).fading),
     };
     let white = T::from_lanes(|lane| setup(lane).white);
-    Filter::new(level, design, belief, noise, white)
+    Filter::new(design, belief, noise, white)
 }
 
 /// A model with the initial belief and the noise of a filter.

@@ -1,6 +1,7 @@
 //! Several filters side by side from guesses of the natural frequency that are far apart.
 
 use super::{Member, Rule};
+use crate::data::sorting::sort_items;
 use crate::{Channel, FilterError, FilterSettings};
 
 /// The likeliest so far reports alone. Every 500 measured samples, each filter that is 30 behind it in log likelihood and has not
@@ -28,7 +29,7 @@ pub(crate) fn members(settings: &FilterSettings) -> Vec<FilterSettings> {
     let count = settings.guesses;
     let place = |i: usize| 2.0 * REACH * i as f64 / (count - 1) as f64 - REACH;
     let mut logarithms: Vec<f64> = (0..count).map(place).collect();
-    logarithms.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
+    sort_items(&mut logarithms, |a, b| a.abs().total_cmp(&b.abs()));
     let of = |logarithm: f64| {
         let mut member = FilterSettings { guesses: 1, ..settings.clone() };
         let [mean, std] =

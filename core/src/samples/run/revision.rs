@@ -2,6 +2,7 @@
 
 use super::{Run, Update};
 use crate::data::scenario::cost;
+use crate::data::sorting::{sort_items, sorted_places};
 use crate::samples::bank::{Bank, lookahead};
 use crate::samples::source::Recording;
 use crate::samples::spare::Spare;
@@ -60,11 +61,9 @@ impl Revision {
                 bank.add(current.record(), samples, spare.estimates.pop());
             }
         }
-        let mut order: Vec<usize> = (0..kept.len()).filter(|&place| kept[place].is_none()).collect();
-        order.sort_by(|&a, &b| {
-            let of = |place: usize| cost::of_step(&scenario.filters[place], scenario);
-            of(a).total_cmp(&of(b))
-        });
+        let cost = |place: usize| cost::of_step(&scenario.filters[place], scenario);
+        let mut order = sorted_places(kept.len(), &|a, b| cost(a).total_cmp(&cost(b)));
+        order.retain(|&place| kept[place].is_none());
         Ok(Self { recording, samples, bank, kept, order, away: Vec::new(), is_of_everything: !same_filters })
     }
 
@@ -168,7 +167,7 @@ impl Revision {
                 std::mem::swap(&mut bank.estimates[place], &mut run.bank.estimates[before]);
             }
         }
-        order.sort_unstable();
+        sort_items(&mut order, Ord::cmp);
         let changed = order.into_iter().map(|place| bank.scenario.filters[place].id).collect();
         let old = std::mem::replace(&mut run.bank, bank);
         let record = recording.and_then(|new| std::mem::replace(&mut run.recording, new).into_simulated());
