@@ -294,7 +294,7 @@ impl Record {
 
     /// All measurements of one quantity, if there is a sensor for it.
     pub fn measured_quantity(&self, quantity: Quantity) -> Option<&[f64]> {
-        self.sensors.iter().position(|&s| s == quantity).map(|i| self.measured(i))
+        quantity.place_in(&self.sensors).map(|i| self.measured(i))
     }
 
     /// The true values of a channel, if they are known; NaN where one is missing.
@@ -303,7 +303,7 @@ impl Record {
     }
 
     pub(crate) fn truth_place(&self, channel: Channel) -> Option<usize> {
-        self.truth_channels.iter().position(|&c| c == channel)
+        channel.place_in(&self.truth_channels)
     }
 
     pub(crate) fn truth_at(&self, place: usize, k: usize) -> f64 {

@@ -145,9 +145,19 @@ impl Scenario {
         }
     }
 
+    /// What the sensors measure, in their order.
+    pub fn measured(&self) -> Vec<Quantity> {
+        self.sensors.iter().map(|sensor| sensor.measures).collect()
+    }
+
+    /// The place of the sensor of a quantity.
+    pub fn sensor_place(&self, quantity: Quantity) -> Option<usize> {
+        self.sensors.iter().position(|sensor| sensor.measures == quantity)
+    }
+
     /// Removes the sensor of a quantity, also from the filters.
     pub fn remove_sensor(&mut self, quantity: Quantity) {
-        while let Some(place) = self.sensors.iter().position(|s| s.measures == quantity) {
+        while let Some(place) = self.sensor_place(quantity) {
             self.sensors.remove(place);
             for list in self.filters.iter_mut().flat_map(|filter| [&mut filter.sensor_std, &mut filter.sensor_delay]) {
                 if place < list.len() {

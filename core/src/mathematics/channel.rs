@@ -144,6 +144,11 @@ impl Channel {
     /// v = ẋ \[m/s\], of the first mass in a chain.
     pub const VELOCITY: Self = Self::velocity(0);
 
+    /// Its place among others.
+    pub fn place_in(self, all: &[Self]) -> Option<usize> {
+        all.iter().position(|&other| other == self)
+    }
+
     /// The channel of a kind that does not belong to masses.
     pub const fn new(info: &'static ChannelInfo) -> Self {
         Self { info, mass: 0 }

@@ -126,7 +126,7 @@ impl Model {
 
     /// The place of a channel in the state.
     pub fn place(&self, channel: Channel) -> Option<usize> {
-        self.channels.iter().position(|&c| c == channel)
+        channel.place_in(&self.channels)
     }
 
     /// n, the number of components of the state.

@@ -262,7 +262,7 @@ impl PlantKind {
     }
 
     fn place(self, channel: Channel) -> Option<usize> {
-        self.channels().iter().position(|other| *other == channel)
+        channel.place_in(self.channels())
     }
 
     /// A state at which no derivative is zero by chance.

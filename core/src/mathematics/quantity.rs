@@ -109,9 +109,14 @@ impl Quantity {
         first + distance * self.mass as u64
     }
 
+    /// Its place among others.
+    pub fn place_in(self, all: &[Self]) -> Option<usize> {
+        all.iter().position(|&other| other == self)
+    }
+
     /// Its place in [`Self::all`].
     fn place(self) -> usize {
-        Self::all().iter().position(|&q| q == self).unwrap_or(usize::MAX)
+        self.place_in(Self::all()).unwrap_or(usize::MAX)
     }
 }
 

@@ -122,7 +122,7 @@ impl CramerRao {
 
     /// The place of a channel, if the bound has it.
     pub fn place(&self, channel: Channel) -> Option<usize> {
-        self.channels.iter().position(|&c| c == channel)
+        channel.place_in(&self.channels)
     }
 
     /// The number of samples with a bound that are kept.

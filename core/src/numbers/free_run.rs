@@ -101,7 +101,7 @@ impl Identified {
 impl FreeRun {
     /// The fit to a quantity's measurements.
     pub fn fit(&self, record: &Record, quantity: Quantity) -> Option<Fit> {
-        let place = record.sensors().iter().position(|&sensor| sensor == quantity)?;
+        let place = quantity.place_in(record.sensors())?;
         self.fits[place]
     }
 }
@@ -143,7 +143,7 @@ pub fn fit(measured: &[f64], predicted: &[f64]) -> Option<Fit> {
 /// there is nothing to compare, for example because the filter has stopped before the part.
 pub fn one_step(estimates: &Estimates, record: &Record, sensor: usize, part: Range<usize>) -> Option<Fit> {
     let quantity = *record.sensors().get(sensor)?;
-    let place = estimates.sensors().iter().position(|&own| own == quantity)?;
+    let place = quantity.place_in(estimates.sensors())?;
     let end = part.end.min(estimates.len()).min(record.len());
     let part = part.start.min(end)..end;
     let all = estimates.measured(record, place)?;

@@ -110,7 +110,7 @@ impl Suggestion {
     fn sensor_noise(&mut self, record: &Record, lost: Option<&Lost>) {
         for place in 0..self.scenario.sensors.len() {
             let measures = self.scenario.sensors[place].measures;
-            let Some(column) = record.sensors().iter().position(|quantity| *quantity == measures) else { continue };
+            let Some(column) = measures.place_in(record.sensors()) else { continue };
             let measured = record.measured(column);
             let spectra = Spectra::new(record, measured, spectra::SHORT, Gaps::Avoid);
             let floor = spectra.and_then(|spectra| spectra.noise(self.scenario.record.as_ref()));
@@ -191,7 +191,7 @@ impl Suggestion {
 
     /// R from what a decay leaves at all frequencies, where that is noise.
     fn noise_beside(&mut self, quantity: Quantity, decay: &Decay, dt: f64) {
-        let place = self.scenario.sensors.iter().position(|sensor| sensor.measures == quantity);
+        let place = self.scenario.sensor_place(quantity);
         let Some(place) = place.filter(|_| decay.is_all && decay.rest > 0.0) else { return };
         let [low, high] = spectra::passed(self.scenario.record.as_ref(), dt);
         let (share, mut nearby, mut why) = (high - low, 1.0, "what the free decay leaves".to_owned());

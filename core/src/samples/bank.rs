@@ -28,7 +28,7 @@ pub(crate) struct Bank {
 impl Bank {
     /// An empty bank for a scenario and a record of its kind.
     pub(crate) fn new(scenario: &Scenario, record: &Record) -> Result<Self, RunError> {
-        let quantities: Vec<Quantity> = scenario.sensors.iter().map(|s| s.measures).collect();
+        let quantities = scenario.measured();
         let (sensors, apart) = (sensor_places(scenario, record)?, apart(record, &quantities));
         let mut scenario = scenario.clone();
         scenario.number_filters();

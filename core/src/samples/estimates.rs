@@ -165,7 +165,7 @@ impl Estimates {
 
     /// The place of a channel, if the filter estimates it.
     pub fn place(&self, channel: Channel) -> Option<usize> {
-        self.channels.iter().position(|&c| c == channel)
+        channel.place_in(&self.channels)
     }
 
     /// The sensors, in the order of every innovation.
@@ -468,7 +468,7 @@ impl Estimates {
     /// sample has the one that tells of it, to the nearest sample. `None` where the record has no such sensor.
     pub fn measured<'a>(&self, record: &'a Record, place: usize) -> Option<impl Fn(usize) -> f64 + Copy + 'a> {
         let quantity = self.sensors.get(place)?;
-        let column = record.sensors().iter().position(|own| own == quantity)?;
+        let column = quantity.place_in(record.sensors())?;
         let late = self.delays(record.dt()).of(place);
         Some(move |k| record.late_reading(column, k, late))
     }

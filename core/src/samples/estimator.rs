@@ -114,7 +114,7 @@ impl FilterContext {
     /// The context of one of a scenario's filters, with `dt` \[s\] between samples.
     pub(crate) fn new(scenario: &Scenario, dt: f64, filter: &FilterSettings) -> Self {
         let Scenario { seed, plant, input, hold, .. } = scenario;
-        let sensors = scenario.sensors.iter().map(|sensor| sensor.measures).collect();
+        let sensors = scenario.measured();
         let stream = filter.id.saturating_sub(1) as usize;
         Self {
             plant: plant.kind,

@@ -125,7 +125,7 @@ impl EventFilter {
         if let Some(what) = counts_in_samples(&settings).or(refused) {
             return Err(EventSetupError::Setting(what));
         }
-        let sensors: Vec<Quantity> = scenario.sensors.iter().map(|sensor| sensor.measures).collect();
+        let sensors = scenario.measured();
         let record = Record::empty(scenario.dt, scenario.input, scenario.hold, sensors.clone(), Vec::new());
         Pass::columns(&scenario, place, &record)?;
         let context = FilterContext::new(&scenario, scenario.dt, &settings);

@@ -25,7 +25,7 @@ impl OnlineFilter {
     /// # Errors
     /// Those of [`Pass::new`].
     pub fn new(scenario: &Scenario, place: usize) -> Result<Self, RunError> {
-        let sensors = scenario.sensors.iter().map(|sensor| sensor.measures).collect();
+        let sensors = scenario.measured();
         let record = Record::empty(scenario.dt, scenario.input, scenario.hold, sensors, Vec::new());
         let pass = Pass::new(scenario, place, &record)?;
         let delays = scenario.filters[place].delays(scenario.dt);

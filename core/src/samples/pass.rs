@@ -108,7 +108,7 @@ impl Pass {
     /// [`RunError::NoFilter`] where there is no such filter.
     pub fn history(scenario: &Scenario, place: usize) -> Result<Estimates, RunError> {
         let filter = scenario.filters.get(place).ok_or(RunError::NoFilter(place))?;
-        let quantities = scenario.sensors.iter().map(|s| s.measures).collect();
+        let quantities = scenario.measured();
         Ok(Estimates::new(filter, &filter.model(scenario.plant.kind, scenario.input), quantities))
     }
 
@@ -215,7 +215,7 @@ impl Pass {
 pub(crate) fn apart(record: &Record, sensors: &[Quantity]) -> Option<Vec<usize>> {
     let clocks = record.clocks()?;
     let readings = |quantity: &Quantity| {
-        let column = record.sensors().iter().position(|other| other == quantity);
+        let column = quantity.place_in(record.sensors());
         column.map_or(0, |column| clocks.readings[column].times.len())
     };
     Some(sensors.iter().map(|quantity| record.len() / readings(quantity).max(1)).collect())

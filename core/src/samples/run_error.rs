@@ -42,6 +42,6 @@ pub(crate) fn sensor_places(scenario: &Scenario, record: &Record) -> Result<Vec<
     if record.input_kind() != scenario.input {
         return Err(RunError::InputKind { record: record.input_kind(), scenario: scenario.input });
     }
-    let place = |q: Quantity| record.sensors().iter().position(|&s| s == q).ok_or(RunError::MissingSensor(q));
+    let place = |q: Quantity| q.place_in(record.sensors()).ok_or(RunError::MissingSensor(q));
     scenario.sensors.iter().map(|s| place(s.measures)).collect()
 }

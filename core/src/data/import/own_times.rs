@@ -2,7 +2,6 @@
 //! (`t1, force, t2, displacement`) and of two files with a clock each.
 
 use crate::data::sorting::sort_items;
-use std::collections::BTreeMap;
 
 use super::conditioning::mean;
 use super::error::FEWEST;
@@ -18,13 +17,28 @@ use crate::data::record::{Clocks, Timed};
 /// The cells of some columns that have a number, with their times \[s\].
 #[derive(Debug, Default)]
 pub(super) struct OwnTimes {
-    /// With the number of rows of each column that have none.
-    columns: BTreeMap<String, (Timed, usize)>,
+    columns: Vec<OwnColumn>,
     /// Those of the record whose columns were asked for.
     pub(super) clocks: Clocks,
 }
 
+/// A column by its name, with the number of rows that have no number.
+#[derive(Debug)]
+struct OwnColumn {
+    name: String,
+    cells: Timed,
+    empty: usize,
+}
+
 impl OwnTimes {
+    fn column(&self, name: &str) -> Option<&OwnColumn> {
+        self.columns.iter().find(|column| column.name == name)
+    }
+
+    fn cells(&self, name: &str) -> Option<&Timed> {
+        Some(&self.column(name)?.cells)
+    }
+
     /// The columns of a table that a mapping names, and those with a truth, at the times of the rows \[s\].
     pub(super) fn of_rows(table: &Table, mapping: &Mapping, times: &[f64]) -> Self {
         let mut own = Self::default();
@@ -45,12 +59,13 @@ impl OwnTimes {
         let cells = times.iter().zip(values).filter(|(_, value)| is_there(**value));
         let (own, values): (Vec<f64>, Vec<f64>) = cells.unzip();
         let empty = times.len() - own.len();
-        self.columns.insert(name.to_owned(), (Timed { times: own, values }, empty));
+        self.columns.retain(|column| column.name != name);
+        self.columns.push(OwnColumn { name: name.to_owned(), cells: Timed { times: own, values }, empty });
     }
 
     /// A column in the meaning that a mapping gives it, less its delay, with times in steps after the first one.
     fn scaled(&self, mapped: &MappedColumn, Steps { start, dt, count }: Steps) -> Timed {
-        let Some((Timed { times, values }, _)) = self.columns.get(&mapped.column) else { return Timed::default() };
+        let Some(Timed { times, values }) = self.cells(&mapped.column) else { return Timed::default() };
         let between = |from: f64, to: f64| {
             let is_in = |(time, _): &(&f64, &f64)| (from..=to).contains(*time);
             mean(&times.iter().zip(values).filter(is_in).map(|(_, value)| *value).collect::<Vec<_>>())
@@ -78,7 +93,7 @@ impl OwnTimes {
 
     /// The rows of a column that have no number.
     pub(super) fn empty(&self, name: &str) -> usize {
-        self.columns.get(name).map_or(0, |(_, empty)| *empty)
+        self.column(name).map_or(0, |column| column.empty)
     }
 
     /// The readings of a column at the ends of the steps in which they fall; NaN at a step without one.
@@ -98,7 +113,7 @@ impl OwnTimes {
 
     /// The truth of a column at the steps, linear between its cells. `None` where its cells are not among these.
     pub(super) fn truth(&self, name: &str, steps: Steps) -> Option<Vec<f64>> {
-        self.columns.get(name)?;
+        self.cells(name)?;
         let timed = self.scaled(&MappedColumn::new(name), steps);
         if timed.times.is_empty() {
             return Some(vec![f64::NAN; steps.count]);
@@ -108,9 +123,8 @@ impl OwnTimes {
 
     /// The cells of a column at the nearest steps, shifted along the cubic through their neighbours; NaN at a step without one.
     pub(super) fn at_steps(&self, name: &str, steps: Steps) -> Vec<f64> {
-        let cells = self.columns.get(name).map(|(timed, _)| timed);
         let of = |Timed { times, values }: &Timed| steps.of(times, values, side_of(times, values), libm::round);
-        cells.map_or_else(|| vec![f64::NAN; steps.count], of)
+        self.cells(name).map_or_else(|| vec![f64::NAN; steps.count], of)
     }
 }
 

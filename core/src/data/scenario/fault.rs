@@ -17,6 +17,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 use super::{Scenario, Sensor};
 use crate::Quantity;
+use crate::data::document::Document;
 use crate::data::setting::Allowed;
 use crate::mathematics::random::{Normal, Purpose};
 
@@ -266,9 +267,9 @@ impl Serialize for Faults {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let entries = self.families().map(|fault| {
             let numbers = self.numbers(fault).unwrap_or_default();
-            let own: BTreeMap<&str, f64> =
-                fault.0.numbers.iter().map(|info| info.key).zip(numbers.iter().copied()).collect();
-            (fault.0.key, own)
+            let own =
+                fault.0.numbers.iter().map(|info| info.key.to_owned()).zip(numbers.iter().map(|x| Document::from(*x)));
+            (fault.0.key, Document::Object(own.collect()))
         });
         serializer.collect_map(entries)
     }

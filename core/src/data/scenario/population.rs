@@ -136,9 +136,11 @@ impl Scenario {
     /// Leaves out draws of numbers that the scenario does not have any more, and writes the keys of the others by the ids of
     /// filters. The filters must have ids.
     pub fn keep_draws(&mut self) {
-        let draw = std::mem::take(&mut self.draw);
-        let kept = draw.into_iter().filter_map(|(key, law)| Some((Address::parse(self, &key).ok()?.to_string(), law)));
-        self.draw = kept.collect();
+        for (key, law) in std::mem::take(&mut self.draw) {
+            if let Ok(address) = Address::parse(self, &key) {
+                self.draw.insert(address.to_string(), law);
+            }
+        }
     }
 
     /// Does the same for a file, but refuses a key that is wrong.

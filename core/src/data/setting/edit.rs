@@ -126,9 +126,7 @@ fn unread(key: &str) -> String {
 /// written too: it may be one that is left out while it has its default, and the reader refuses all others.
 fn set(document: &mut Document, scenario: &Scenario, address: &str, value: &Document) -> bool {
     let sensor = |key: &str| match Quantity::from_key(key) {
-        Some(quantity) => {
-            scenario.sensors.iter().position(|sensor| sensor.measures == quantity).map(|at| at.to_string())
-        }
+        Some(quantity) => scenario.sensor_place(quantity).map(|at| at.to_string()),
         None => Some(key.to_owned()),
     };
     if let Some((places, key)) = scenario.filters_at(address) {

@@ -114,7 +114,7 @@ impl Part<'_> {
     /// The place of the sensor, or of the first one if none is named.
     pub(super) fn place_of_sensor(&self) -> Option<usize> {
         let sensors = self.run.estimates.sensors();
-        self.sensor.map_or(Some(0), |sensor| sensors.iter().position(|other| *other == sensor))
+        self.sensor.map_or(Some(0), |sensor| sensor.place_in(sensors))
     }
 
     pub(super) fn tally(&self) -> Option<ErrorSums> {
@@ -195,7 +195,7 @@ impl Sums<'_> {
     }
 
     fn place(&self) -> Option<usize> {
-        self.whole.channels.iter().position(|channel| Some(*channel) == self.channel)
+        self.channel?.place_in(&self.whole.channels)
     }
 }
 
@@ -208,7 +208,7 @@ pub(super) fn std(sums: &Sums<'_>) -> f64 {
 /// the filter does not have it.
 pub(super) fn estimate(sums: &Sums<'_>) -> f64 {
     let Whole { channels, outcome, .. } = sums.whole;
-    let frequency = channels.iter().position(|channel| *channel == Channel::NATURAL_FREQUENCY);
+    let frequency = Channel::NATURAL_FREQUENCY.place_in(channels);
     let is_mirrored = frequency.is_some_and(|place| outcome.mean[place] < 0.0);
     let mean = sums.place().map_or(f64::NAN, |place| outcome.mean[place]);
     if is_mirrored && sums.channel.is_some_and(Channel::is_mirrored) { -mean } else { mean }

@@ -213,7 +213,7 @@ measures! {
         .best(Best::Smallest)
         => |part| {
             let record = part.run.record;
-            let sensor = record.sensors().iter().position(|sensor| Some(*sensor) == part.sensor);
+            let sensor = part.sensor.and_then(|sensor| sensor.place_in(record.sensors()));
             let fit = sensor.and_then(|sensor| one_step(part.run.estimates, record, sensor, part.range_of_record()));
             number(fit.map(|fit| fit.rms))
         };

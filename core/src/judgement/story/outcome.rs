@@ -88,7 +88,7 @@ impl<'a> Outcome<'a> {
         let estimated = channels.filter(|(place, channel)| channel.is_parameter() && is_uncertain(*place, *channel));
         let mut estimated: Vec<Channel> = estimated.map(|(_, channel)| channel).collect();
         let wanted = change.map_or(Channel::NATURAL_FREQUENCY, |change| change.channel);
-        if let Some(place) = estimated.iter().position(|channel| *channel == wanted) {
+        if let Some(place) = wanted.place_in(&estimated) {
             estimated[..=place].rotate_right(1);
         }
         let is_outside = |channel: &Channel| {

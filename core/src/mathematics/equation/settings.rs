@@ -134,8 +134,8 @@ impl EquationSettings {
             let is_it = |one: &Component| matches!(one, Component::Internal(own) | Component::Parameter(own) if *own == key(name));
             components.iter().any(is_it)
         };
-        let parameters =
-            self.parameters.iter().filter(|(name, _)| has(name)).map(|(name, one)| (name.clone(), one.clone()));
-        Ok(Self { equation: self.equation.clone(), parameters: parameters.collect() })
+        let mut checked = self.clone();
+        checked.parameters.retain(|name, _| has(name));
+        Ok(checked)
     }
 }

@@ -78,7 +78,7 @@ impl<T: Number> Scores<T> {
         let tracked: Vec<_> = known.map(track).collect();
         let squares = Squares { sum: zero, degrees: zero, samples: zero };
         Self {
-            frequency: channels.iter().position(|&channel| channel == Channel::NATURAL_FREQUENCY),
+            frequency: Channel::NATURAL_FREQUENCY.place_in(channels),
             last_fifth: samples * 4 / 5,
             samples: 0,
             square: ErrorSquare::new(tracked.iter().map(|tracked| tracked.place).collect()),

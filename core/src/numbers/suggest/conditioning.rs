@@ -110,7 +110,7 @@ impl Lost {
             return None;
         }
         let (quantity, measured) = motion_sensor(record)?;
-        let place = scenario.sensors.iter().position(|sensor| sensor.measures == quantity)?;
+        let place = scenario.sensor_place(quantity)?;
         let power = |of: &dyn Fn(usize) -> f64| {
             let half = (estimates.len() / 2..estimates.len()).map(of).filter(|value| !value.is_nan());
             half.map(|value| value * value).sum::<f64>()

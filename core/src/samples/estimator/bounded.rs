@@ -30,7 +30,7 @@ pub(crate) struct Truncation {
 impl Truncation {
     /// The bounds in the settings of a filter that has these channels.
     pub(crate) fn of(settings: &FilterSettings, channels: &[Channel]) -> Self {
-        let place = |channel| channels.iter().position(|other| *other == channel);
+        let place = |channel: Channel| channel.place_in(channels);
         let places = settings.bounds.iter().filter_map(|(channel, between)| Some((place(channel)?, between.ends())));
         Self { places: places.collect(), ..Self::default() }
     }

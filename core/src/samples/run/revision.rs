@@ -200,7 +200,7 @@ fn same_filters(run: &Run, scenario: &Scenario) -> bool {
         }
         Source::Measured(_) | Source::Live(_) => {
             let read = |s: &Scenario| {
-                let measures: Vec<_> = s.sensors.iter().map(|sensor| sensor.measures).collect();
+                let measures = s.measured();
                 (s.seed, s.plant.kind, s.input, s.hold, measures)
             };
             read(before) == read(scenario)

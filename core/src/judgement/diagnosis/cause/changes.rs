@@ -42,7 +42,7 @@ fn is_still(bad: &BadFilter<'_>) -> bool {
         let (product, square, count) = both.fold((0.0, 0.0, 0_u32), |(product, square, count), pair| {
             (product + pair[0] * pair[1], square + pair[0] * pair[0], count + 1)
         });
-        let place = bad.scenario.sensors.iter().position(|one| one.measures == sensor);
+        let place = bad.scenario.sensor_place(sensor);
         let std = place.and_then(|place| bad.filter.sensor_std.get(place));
         let is_small = std.is_none_or(|std| square <= NOISE * std * std * f64::from(count));
         square <= 0.0 || (product < WHITE * square && is_small)
