@@ -9,8 +9,8 @@
 
 mod families;
 
-use std::collections::BTreeMap;
 use std::fmt;
+use std::marker::PhantomData;
 use std::sync::LazyLock;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
@@ -263,6 +263,33 @@ impl Faults {
     }
 }
 
+/// The entries of a table of a file.
+struct Entries<T>(Vec<(String, T)>);
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for Entries<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_map(Table(PhantomData))
+    }
+}
+
+struct Table<T>(PhantomData<T>);
+
+impl<'de, T: Deserialize<'de>> de::Visitor<'de> for Table<T> {
+    type Value = Entries<T>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a map")
+    }
+
+    fn visit_map<A: de::MapAccess<'de>>(self, mut map: A) -> Result<Entries<T>, A::Error> {
+        let mut entries = Vec::new();
+        while let Some(entry) = map.next_entry()? {
+            entries.push(entry);
+        }
+        Ok(Entries(entries))
+    }
+}
+
 impl Serialize for Faults {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let entries = self.families().map(|fault| {
@@ -280,16 +307,17 @@ impl<'de> Deserialize<'de> for Faults {
         static KEYS: LazyLock<Vec<&'static str>> =
             LazyLock::new(|| Fault::ALL.iter().map(|fault| fault.0.key).collect());
         let mut faults = Self::NONE;
-        for (key, own) in BTreeMap::<String, BTreeMap<String, f64>>::deserialize(deserializer)? {
+        for (key, Entries(own)) in Entries::<Entries<f64>>::deserialize(deserializer)?.0 {
             let fault = Fault::from_key(&key).ok_or_else(|| de::Error::unknown_field(&key, &KEYS))?;
             let known = fault.0.numbers.iter().map(|info| info.key);
-            if let Some(other) = own.keys().find(|key| !known.clone().any(|known| known == *key)) {
+            if let Some(other) = own.iter().map(|(key, _)| key).find(|key| !known.clone().any(|known| known == *key)) {
                 let known = known.collect::<Vec<_>>().join("`, `");
                 return Err(de::Error::custom(format_args!("unknown field `{other}`, expected `{known}`")));
             }
             let mut numbers = [0.0; MOST];
             for (number, info) in numbers.iter_mut().zip(fault.0.numbers) {
-                *number = *own.get(info.key).ok_or_else(|| de::Error::missing_field(info.key))?;
+                let one = own.iter().find(|(key, _)| key == info.key);
+                *number = one.ok_or_else(|| de::Error::missing_field(info.key))?.1;
             }
             faults.0[fault.place()] = Some(numbers);
         }

@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::distributions::chi_squared_score;
 use super::errors::ChannelErrors;
 use super::innovations::SensorInnovations;
-use super::parts::{self, ALL, Chosen, PARTS};
+use super::parts::{self, ALL, Chosen, PARTS, chosen};
 use super::verdict_kind::VerdictKind;
 use crate::numbers::diagnostics::chi_squared;
 use crate::{CramerRao, Diagnostics, Estimates, Record};
@@ -68,18 +68,18 @@ impl<'a> Case<'a> {
     ) -> Self {
         let (bad, forgiven, kept) = ([false; PARTS], [false; PARTS], ALL);
         let mut case = Self { diagnostics, estimates, record, bound, samples, sensors, errors, bad, forgiven, kept };
-        let bad: Chosen = std::array::from_fn(|part| case.is_bad(part));
+        let bad = chosen(&|part| case.is_bad(part));
         case.bad = bad;
         let count = bad.iter().filter(|&&bad| bad).count();
         if count <= FORGIVEN && !bad[PARTS - 1] {
             case.forgiven = bad;
-            let slack: Chosen = std::array::from_fn(|part| case.is_slack(part));
-            let both: Chosen = std::array::from_fn(|part| bad[part] || slack[part]);
+            let slack = chosen(&|part| case.is_slack(part));
+            let both = chosen(&|part| bad[part] || slack[part]);
             let count = both.iter().filter(|&&one| one).count();
-            if count <= FORGIVEN && !slack[PARTS - 1] && case.is_white(&both.map(|one| !one)) {
+            if count <= FORGIVEN && !slack[PARTS - 1] && case.is_white(&chosen(&|part| !both[part])) {
                 case.forgiven = both;
             }
-            case.kept = case.forgiven.map(|forgiven| !forgiven);
+            case.kept = chosen(&|part| !case.forgiven[part]);
         }
         case
     }
@@ -118,7 +118,7 @@ impl<'a> Case<'a> {
     /// All kept parts, and the last fifth alone: in all samples, a late change is diluted by those before it.
     pub(crate) fn spans(&self) -> [Span; 2] {
         let first = PARTS - 2;
-        let late: Chosen = std::array::from_fn(|part| part >= first && self.kept[part]);
+        let late = chosen(&|part| part >= first && self.kept[part]);
         let samples = self.late();
         [self.whole(), Span { parts: late, samples, words: " in the last fifth" }]
     }
@@ -194,7 +194,7 @@ impl<'a> Case<'a> {
 
     /// Whether the innovations of a part are too small, by more than chance.
     fn is_slack(&self, part: usize) -> bool {
-        let only: Chosen = std::array::from_fn(|other| other == part);
+        let only = chosen(&|other| other == part);
         self.sensors.iter().any(|one| {
             let (level, count) = (one.level(&only), one.count(&only));
             level < SLACK && chi_squared_score(level, count) < -NOT_CHANCE
@@ -203,7 +203,7 @@ impl<'a> Case<'a> {
 
     /// Whether the innovations or errors of a part are too large, by more than chance.
     fn is_bad(&self, part: usize) -> bool {
-        let only: Chosen = std::array::from_fn(|other| other == part);
+        let only = chosen(&|other| other == part);
         let is_no_chance = |level: f64, degrees: f64| exceeds(chi_squared_score(level, degrees), NOT_CHANCE);
         let surprises =
             |level: f64, degrees: f64| degrees > 0.0 && exceeds(level, SURPRISE) && is_no_chance(level, degrees);

@@ -14,6 +14,11 @@ pub(crate) type Chosen = [bool; PARTS];
 
 pub(crate) const ALL: Chosen = [true; PARTS];
 
+/// The parts of which something is so.
+pub(crate) fn chosen(is_so: &dyn Fn(usize) -> bool) -> Chosen {
+    std::array::from_fn(is_so)
+}
+
 /// The sum over chosen parts of a number that each has.
 pub(crate) fn sum(chosen: &Chosen, of: impl Fn(usize) -> f64) -> f64 {
     (0..PARTS).filter(|&part| chosen[part]).map(of).sum()

@@ -71,13 +71,14 @@ impl Walk {
 impl Rule for Walk {
     fn begin(&mut self, members: &mut [Member]) -> Result<(), FilterError> {
         let Self { weights, transition, has_samples, .. } = self;
-        let before = [0, 1].map(|j| transition[0][j] * weights[0] + transition[1][j] * weights[1]);
+        let before = |j: usize| transition[0][j] * weights[0] + transition[1][j] * weights[1];
+        let before = [before(0), before(1)];
         // Both begin with the same belief.
         if std::mem::replace(has_samples, true) {
             let mixed = [0, 1].map(|j| {
                 let mut mixed = Moments::default();
                 let of = |i: usize| (transition[i][j] * weights[i] / before[j], members[i].last.sample());
-                mixed.mix([0, 1].map(of).iter().map(|(weight, sample)| (*weight, [sample.mean, sample.cov])));
+                mixed.mix([of(0), of(1)].iter().map(|(weight, sample)| (*weight, [sample.mean, sample.cov])));
                 mixed
             });
             for (Member { estimator, .. }, Moments { mean, cov }) in members.iter_mut().zip(&mixed) {
@@ -97,9 +98,11 @@ impl Rule for Walk {
         if let Some(reason) = members.iter().find_map(|member| member.failure) {
             return Err(reason);
         }
-        let evidence = [0, 1].map(|j| libm::log(self.weights[j]) + members[j].ln_likelihood());
+        let evidence = |j: usize| libm::log(self.weights[j]) + members[j].ln_likelihood();
+        let evidence = [evidence(0), evidence(1)];
         if !evidence.iter().all(|ln| ln.is_nan()) {
-            let [still, walks] = [0, 1].map(|j| shares(&evidence)[j]);
+            let shares = shares(&evidence);
+            let [still, walks] = [shares[0], shares[1]];
             if still + walks == 0.0 {
                 return Err(FilterError::ImpossibleMeasurement);
             }
