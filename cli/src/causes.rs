@@ -3,8 +3,8 @@
 use kalmanscope_core::diagnosis::Remedy;
 use kalmanscope_core::{Analysis, Diagnosis, Diagnostics, Estimates, Record, Run, Scenario, Task as _};
 
-/// The remedies of each filter's verdict, each of one cause or of several, the likeliest first. A consistent filter, or
-/// one without a verdict, has none. Running the filter again with the edits made, over 10,000 samples at most,
+/// The remedies of each filter's verdict, each of one cause or of several, the likeliest first; for a consistent filter the models
+/// that are likelier than its own. One without a verdict has none. Running the filter again with the edits made, over 10,000 samples at most,
 /// confirms each remedy. `tell` is called after each piece of work.
 pub fn causes(run: &Run, analysis: &Analysis, tell: &mut dyn FnMut(FilterProgress<'_>)) -> Vec<Vec<Remedy>> {
     let of = |(place, (estimates, diagnostics)): (usize, (&Estimates, &Diagnostics))| {
@@ -25,8 +25,7 @@ pub(crate) fn causes_of(
     (diagnosis, diagnostics, estimates, record): (Option<&Diagnosis>, &Diagnostics, &Estimates, &Record),
     tell: &mut dyn FnMut(f64),
 ) -> Vec<Remedy> {
-    let has_causes = |diagnosis: &&Diagnosis| diagnosis.verdict.as_ref().is_some_and(|verdict| !verdict.kind.is_good());
-    let diagnosis = diagnosis.filter(has_causes);
+    let diagnosis = diagnosis.filter(|diagnosis| diagnosis.verdict.is_some());
     // A run that has begun can begin again.
     let search = diagnosis.and_then(|one| one.search(scenario, place, diagnostics, estimates, record).ok());
     let Some(mut search) = search else { return Vec::new() };

@@ -10,13 +10,19 @@ use crate::number::{fixed, legible, plain, scientific, short};
 /// Limits the pieces of evidence, and the causes, that are printed for a filter.
 const MOST: (usize, usize) = (6, 3);
 
+/// A smaller probability is told as smaller.
+const LEAST_P: f64 = 1e-16;
+
 /// The evidence that counts, the weightiest first, each with its p-value.
 pub(crate) fn evidence(diagnosis: &Diagnosis) -> Vec<String> {
     let mut counting: Vec<&Evidence> = diagnosis.evidence.iter().filter(|one| one.counts).collect();
     counting.sort_by(|a, b| b.effect.total_cmp(&a.effect));
     let line = |one: &&Evidence| {
-        let p =
-            if one.p_value > 0.0 && one.p_value < 1.0 { format!(" (p = {:.0e})", one.p_value) } else { String::new() };
+        let p = match one.p_value {
+            p if p < LEAST_P => format!(" (p < {LEAST_P:e})"),
+            p if p < 1.0 => format!(" (p = {p:.0e})"),
+            _ => String::new(),
+        };
         format!("{}: {}{p}", one.test.name, one.sentence)
     };
     counting.iter().take(MOST.0).map(line).collect()
@@ -30,18 +36,30 @@ pub(crate) struct CauseInWords {
     pub(crate) remedies: Vec<String>,
 }
 
+/// Whether the remedies of a filter are other models, which are likelier than one that is to be believed.
+pub(crate) fn are_models(summary: &Summary) -> bool {
+    summary.verdict.as_ref().is_some_and(|verdict| verdict.kind.is_good())
+}
+
 /// The sentence before causes that do not explain the verdict. `None` if the first one explains it.
-pub(crate) fn unexplained(causes: &[Remedy]) -> Option<String> {
-    let best = causes.first().filter(|first| !first.explains())?;
+pub(crate) fn unexplained(causes: &[Remedy], summary: &Summary) -> Option<String> {
+    if are_models(summary) || summary.verdict.is_none() {
+        return None;
+    }
+    let Some(best) = causes.first() else { return Some("none of the causes that are known explains it".to_owned()) };
+    if best.explains() {
+        return None;
+    }
     let ends = best.after.as_ref().map_or("no better", |verdict| verdict.kind.name());
     Some(format!("none of these causes explains it: with the best remedy it is still {ends}"))
 }
 
-/// The likeliest causes, the first the likeliest, for a filter of a scenario.
-pub(crate) fn likeliest(causes: &[Remedy], scenario: &Scenario) -> Vec<CauseInWords> {
+/// The likeliest causes, the first the likeliest, for a filter of a scenario; or the likelier models of one that is to be believed.
+pub(crate) fn likeliest(causes: &[Remedy], summary: &Summary, scenario: &Scenario) -> Vec<CauseInWords> {
     let probabilities = Remedy::probabilities(causes);
     let words = |(number, remedy): (usize, &Remedy)| {
-        let mut told = vec![format!("probability {}", in_percent(probabilities[number - 1]))];
+        let probability = format!("probability {}", in_percent(probabilities[number - 1]));
+        let mut told = if are_models(summary) { Vec::new() } else { vec![probability] };
         if remedy.gain.is_finite() {
             let sign = if remedy.gain < 0.0 { "" } else { "+" };
             told.push(format!("log likelihood {sign}{}", fixed(remedy.gain, 0)));

@@ -6,7 +6,7 @@ use kalmanscope_core::document::{self, Document, DocumentError, json};
 use kalmanscope_core::{Fit, Summary};
 
 use crate::free_run::FreeFit;
-use crate::in_words::{evidence, likeliest};
+use crate::in_words::{are_models, evidence, likeliest};
 use crate::results::Results;
 
 impl Results<'_> {
@@ -15,6 +15,7 @@ impl Results<'_> {
     /// ```text
     /// samples, start [s], dt [s], measured: [quantity]
     /// filters: [{ name, kind, smoothed, samples, verdict: { kind, sentence }, evidence: [sentence], causes: [{ sentence, probability, remedies }],
+    ///             models: of a filter to be believed those that are likelier, as causes,
     ///             explained: whether the first cause leaves a good verdict,
     ///             estimates: [{ channel, unit, mean, std, error, rmse, share_inside, settled }],
     ///             mean_nis, mean_nees, log_likelihood,
@@ -55,10 +56,12 @@ fn filter(
     let Results { scenario, record, .. } = results;
     let verdict = summary.verdict.as_ref();
     let verdict = verdict.map(|verdict| json!({ "kind": verdict.kind.key(), "sentence": verdict.to_string() }));
-    let explained = (!causes.is_empty()).then(|| Remedy::is_explained(causes));
-    let causes = likeliest(causes, scenario).into_iter().zip(Remedy::probabilities(causes)).map(
+    let is_good = are_models(summary);
+    let explained = (!causes.is_empty() && !is_good).then(|| Remedy::is_explained(causes));
+    let causes = likeliest(causes, summary, scenario).into_iter().zip(Remedy::probabilities(causes)).map(
         |(cause, probability)| json!({ "sentence": cause.sentence, "probability": probability, "remedies": cause.remedies }),
     );
+    let (models, causes): (Vec<Document>, Vec<Document>) = causes.partition(|_| is_good);
     let stopped = summary.stop.map(
         |stop| json!({ "sample": stop.sample, "time": record.time_of(stop.sample), "reason": stop.reason.to_string() }),
     );
@@ -69,7 +72,8 @@ fn filter(
         "samples": summary.samples,
         "verdict": verdict,
         "evidence": evidence.unwrap_or_default(),
-        "causes": Document::from_iter(causes),
+        "causes": causes,
+        "models": models,
         "explained": explained,
         "estimates": Document::from_iter(summary.finals.iter().map(estimate)),
         "mean_nis": summary.nis.as_ref().map(|nis| nis.mean),

@@ -6,7 +6,7 @@ use kalmanscope_core::diagnosis::Remedy;
 use kalmanscope_core::{Analysis, Diagnosis, Record, Run, Scenario, ScenarioError, Story, Summary};
 use kalmanscope_figures::escaped;
 
-use crate::in_words::{evidence, likeliest, quality, remarks, unexplained};
+use crate::in_words::{are_models, evidence, likeliest, quality, remarks, unexplained};
 use crate::number::plain;
 use crate::results::{FilterResults, Results};
 use crate::rows::{COLUMNS, rows};
@@ -128,9 +128,10 @@ fn section(
         None => {}
     }
     page.list(diagnosis.into_iter().flat_map(evidence));
-    unexplained(causes).into_iter().for_each(|line| page.element("p", &line));
-    for (number, cause) in (1..).zip(likeliest(causes, scenario)) {
-        page.element("h4", &format!("Cause {number}: {}", cause.sentence));
+    unexplained(causes, summary).into_iter().for_each(|line| page.element("p", &line));
+    let what = if are_models(summary) { "Likelier model" } else { "Cause" };
+    for (number, cause) in (1..).zip(likeliest(causes, summary, scenario)) {
+        page.element("h4", &format!("{what} {number}: {}", cause.sentence));
         page.list(cause.remedies);
     }
     let rows: Vec<[String; COLUMNS]> =

@@ -5,7 +5,7 @@ use std::fmt::{self, Write as _};
 use kalmanscope_core::diagnosis::Remedy;
 use kalmanscope_core::{Channel, FilterKind, ModelClasses, Scenario, Summary};
 
-use crate::in_words::{evidence, likeliest, quality, remarks, unexplained};
+use crate::in_words::{are_models, evidence, likeliest, quality, remarks, unexplained};
 use crate::number::{plain, short};
 use crate::results::{FilterResults, Results};
 use crate::rows::{COLUMNS, rows};
@@ -56,7 +56,7 @@ fn write_table(text: &mut String, results: &Results<'_>) -> fmt::Result {
         }
         if let Some(filter) = filter {
             filter.diagnosis.iter().flat_map(evidence).try_for_each(|line| writeln!(text, "    {line}"))?;
-            write_causes(text, &filter.causes, scenario)?;
+            write_causes(text, &filter.causes, summary, scenario)?;
         }
         for row in rows {
             write_row(text, row, &widths)?;
@@ -84,10 +84,11 @@ fn write_table(text: &mut String, results: &Results<'_>) -> fmt::Result {
     Ok(())
 }
 
-fn write_causes(text: &mut String, causes: &[Remedy], scenario: &Scenario) -> fmt::Result {
-    unexplained(causes).into_iter().try_for_each(|line| writeln!(text, "  {line}"))?;
-    for (number, cause) in (1..).zip(likeliest(causes, scenario)) {
-        writeln!(text, "  cause {number}: {}", cause.sentence)?;
+fn write_causes(text: &mut String, causes: &[Remedy], summary: &Summary, scenario: &Scenario) -> fmt::Result {
+    unexplained(causes, summary).into_iter().try_for_each(|line| writeln!(text, "  {line}"))?;
+    let what = if are_models(summary) { "likelier model" } else { "cause" };
+    for (number, cause) in (1..).zip(likeliest(causes, summary, scenario)) {
+        writeln!(text, "  {what} {number}: {}", cause.sentence)?;
         cause.remedies.iter().try_for_each(|line| writeln!(text, "    {line}"))?;
     }
     Ok(())

@@ -108,7 +108,7 @@ impl Session {
         let mut is_done = is_free;
         for &filter in wanted.iter().filter(|_| is_free) {
             let place = self.run().estimates().iter().position(|estimates| estimates.id() == filter);
-            let Some(place) = place.filter(|&place| self.is_bad(place)) else {
+            let Some(place) = place.filter(|&place| self.is_judged(place)) else {
                 attempts.retain(|attempt| attempt.filter != filter);
                 continue;
             };
@@ -127,9 +127,9 @@ impl Session {
         (self.trying.attempts, self.trying.wanted, self.trying.is_done) = (attempts, wanted, is_done);
     }
 
-    fn is_bad(&self, place: usize) -> bool {
-        let verdict = self.diagnosis(place).and_then(|diagnosis| diagnosis.verdict.as_ref());
-        verdict.is_some_and(|verdict| !verdict.kind.is_good()) && self.diagnostics().len() > place
+    /// Whether a filter has a verdict: a bad one has causes, and of a good one there may be a likelier model.
+    fn is_judged(&self, place: usize) -> bool {
+        self.diagnosis(place).is_some_and(|diagnosis| diagnosis.verdict.is_some()) && self.diagnostics().len() > place
     }
 
     /// Whether the record has grown since finished trials: by half, as long as it still grows.

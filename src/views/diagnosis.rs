@@ -125,7 +125,9 @@ fn filter_ui(
         }
     });
     steady_ui(ui, "causes", is_held, |ui| {
-        if !is_good {
+        if is_good {
+            causes::models_ui(ui, context, estimates, requests);
+        } else {
             causes::causes_ui(ui, context, estimates, is_held, requests);
         }
     });

@@ -31,7 +31,7 @@ use crate::numbers::diagnostics::Depth;
 use crate::{CramerRao, Diagnostics, Estimates, FilterSettings, Record, RunError, Scenario};
 
 use case::Case;
-use cause::BadFilter;
+use cause::{ALTERNATIVES, BadFilter};
 
 pub use cause::{CAUSES, Cause, LikelyCause};
 pub use checks::TESTS;
@@ -98,7 +98,7 @@ impl Diagnosis {
     }
 
     /// The possible causes for the filter at `place` of a scenario, the likeliest by the evidence, without a trial,
-    /// first. The other arguments are those of [`Self::new`].
+    /// first; for a good verdict other models that may be likelier. The other arguments are those of [`Self::new`].
     pub fn likely_causes(
         &self,
         scenario: &Scenario,
@@ -125,7 +125,8 @@ impl Diagnosis {
         let case = live::case(diagnostics, estimates, record, None, self.samples.clone());
         let bad = BadFilter { case: &case, evidence: &self.evidence, scenario, filter, origin };
         let mut likely_causes = Vec::new();
-        for cause in CAUSES {
+        let is_good = self.verdict.as_ref().is_some_and(|verdict| verdict.kind.is_good());
+        for cause in if is_good { ALTERNATIVES } else { CAUSES } {
             (cause.likely_causes)(&bad, cause, &mut likely_causes);
         }
         sort_items(&mut likely_causes, |a, b| b.weight.total_cmp(&a.weight));

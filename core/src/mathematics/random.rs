@@ -16,8 +16,8 @@ pub(crate) enum Purpose {
     Force,
     Disturbance,
     Sensor(crate::Quantity),
-    /// A fault of a sensor, by its place among the families.
-    Fault(crate::Quantity, usize),
+    /// A fault of a sensor, by the number of its family.
+    Fault(crate::Quantity, u64),
     /// The members of a filter's ensemble, by the number of the filter's stream.
     Ensemble(usize),
     /// A number of a member of a population, by the hash of its key.
@@ -45,7 +45,7 @@ impl Purpose {
             Self::Force => 0,
             Self::Disturbance => 1,
             Self::Sensor(quantity) => quantity.stream(),
-            Self::Fault(quantity, place) => FAULTS * (1 + place as u64) + quantity.stream(),
+            Self::Fault(quantity, stream) => FAULTS * (1 + stream) + quantity.stream(),
             Self::Draw(hash) => DRAWS | (hash >> 2),
             Self::Ensemble(number) => match number as u64 {
                 number if number < LATER_SENSORS - ENSEMBLES => ENSEMBLES + number,

@@ -366,7 +366,7 @@ fn moments(values: &[f64]) -> (f64, f64) {
     (mean, libm::sqrt(variance))
 }
 
-/// Rounded to three digits, as one would write it.
+/// Rounded to four digits, as one would write it.
 fn rounded(value: f64) -> f64 {
     if value == 0.0 || !value.is_finite() {
         return value;

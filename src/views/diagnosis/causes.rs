@@ -71,6 +71,17 @@ pub(super) fn causes_ui(
     }
 }
 
+/// The models that are likelier than that of a filter which is to be believed.
+pub(super) fn models_ui(ui: &mut Ui, context: &ViewContext<'_>, estimates: &Estimates, requests: &mut Vec<Request>) {
+    let attempt = context.session.attempt(estimates.id()).filter(|attempt| !attempt.is_under_way());
+    let Some(attempt) = attempt.filter(|attempt| !attempt.remedies.is_empty()) else { return };
+    ui.add_space(4.0);
+    heading_ui(ui, "Innovations are as they should be, and yet another model is likelier");
+    for remedy in attempt.remedies.iter() {
+        finding_ui(ui, context, (attempt, remedy, None), estimates.name(), requests);
+    }
+}
+
 const SORTED: &str = "Causes and their probability; what cures stands first";
 
 const PROBABILITY: &str = "How often a cause that is found like this one was right, where one of the known faults was put into random situations";

@@ -25,6 +25,8 @@ use crate::mathematics::random::{Normal, Purpose};
 pub struct FaultInfo {
     /// The key in scenario files.
     pub key: &'static str,
+    /// The number of its random stream, which never changes: its place may.
+    stream: u64,
     /// The name in running text.
     pub name: &'static str,
     /// What it does, in a few words.
@@ -255,11 +257,11 @@ impl Faults {
 
     /// The faults at work, before the first sample of a record with a seed.
     pub(crate) fn acts(&self, quantity: Quantity, seed: u64) -> Vec<Box<dyn Act>> {
-        let act = |(place, (fault, numbers)): (usize, (Fault, Option<[f64; MOST]>))| {
-            let stream = Normal::new(seed, Purpose::Fault(quantity, place));
+        let act = |(fault, numbers): (Fault, Option<[f64; MOST]>)| {
+            let stream = Normal::new(seed, Purpose::Fault(quantity, fault.0.stream));
             numbers.map(|numbers| (fault.0.act)(&numbers, stream))
         };
-        Fault::ALL.into_iter().zip(self.0).enumerate().filter_map(act).collect()
+        Fault::ALL.into_iter().zip(self.0).filter_map(act).collect()
     }
 }
 

@@ -1,6 +1,7 @@
 //! Causes by name, each with its evidence and the edit that repairs it.
 
 mod changes;
+mod claims;
 mod disagreement;
 mod input;
 mod noise;
@@ -49,7 +50,15 @@ pub static CAUSES: &[&Cause] = &[
     &changes::SUDDEN_CHANGE,
     &changes::SLOW_DRIFT,
     &changes::INITIAL_GUESS,
+    &claims::COARSE_PROPAGATION,
+    &claims::ABSOLUTE_ACCELERATION,
+    &sensors::COLOURED_NOISE,
+    &sensors::WRAPS,
+    &noise::WHITE_FORCE,
 ];
+
+/// What is tried on a filter with a good verdict: other models of as many numbers, whose innovations may be white too.
+pub(super) static ALTERNATIVES: &[&Cause] = &[&claims::COARSE_PROPAGATION, &input::INPUT_HOLD, &noise::WHITE_FORCE];
 
 /// A possible cause of a bad verdict.
 #[derive(Debug)]

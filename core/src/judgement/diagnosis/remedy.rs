@@ -191,10 +191,10 @@ pub fn in_percent(probability: f64) -> String {
 
 impl Remedy {
     /// The probability of each of some remedies, the likeliest first, that its first cause is the right one: how often it was where
-    /// one of the faults that are known was put into random situations. Each stands for itself, and their sum is not 1.
+    /// one of the faults that are known was put into random situations. What is left of 1 is for none of them.
     ///
     /// ```text
-    /// p = 1 / (1 + exp(-Σ w x))
+    /// p = o / (1 + Σ o),  o = exp(Σ w x)
     /// ```
     pub fn probabilities(remedies: &[Self]) -> Vec<f64> {
         let gain = |remedy: &Self| if remedy.gain.is_nan() { 0.0 } else { remedy.gain.clamp(-MOST, MOST) };
@@ -212,10 +212,11 @@ impl Remedy {
                 flag(others().any(|other| other.first.certain)),
                 flag(!remedy.then.is_empty()),
             ];
-            let odds: f64 = WEIGHTS.iter().zip(seen).map(|(weight, seen)| weight * seen).sum();
-            1.0 / (1.0 + libm::exp(-odds))
+            libm::exp(WEIGHTS.iter().zip(seen).map(|(weight, seen)| weight * seen).sum())
         };
-        remedies.iter().enumerate().map(of).collect()
+        let odds: Vec<f64> = remedies.iter().enumerate().map(of).collect();
+        let all = 1.0 + odds.iter().sum::<f64>();
+        odds.iter().map(|odds| odds / all).collect()
     }
 }
 
@@ -236,7 +237,8 @@ mod tests {
         assert!(far[0] > near[0] && far[1] < near[1] && near[0] > near[1], "{near:?} {far:?}");
         for gains in [&[f64::NAN, 5.0][..], &[f64::INFINITY], &[1e300, -1e300, f64::NAN], &[]] {
             let all = of(gains);
-            assert!(all.len() == gains.len() && all.iter().all(|p| (0.0..=1.0).contains(p)), "{gains:?}: {all:?}");
+            assert!(all.len() == gains.len() && all.iter().all(|p| *p >= 0.0), "{gains:?}: {all:?}");
+            assert!(all.iter().sum::<f64>() <= 1.0, "{gains:?}: {all:?}");
         }
         assert_eq!([0.001, 0.5, 0.999].map(in_percent), ["< 1 %", "50 %", "> 99 %"]);
     }

@@ -151,6 +151,10 @@ impl Search {
                     self.before = self.trials.before().cloned();
                     self.likelihood = self.trials.before.as_ref().map_or(f64::NAN, |before| before.log_likelihood);
                     self.alone = ranked;
+                    // A good filter is not searched further.
+                    if self.before.as_ref().is_some_and(|before| before.kind.is_good()) {
+                        return;
+                    }
                     return self.look_at_force(false);
                 }
                 self.try_next();

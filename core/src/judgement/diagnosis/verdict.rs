@@ -91,12 +91,19 @@ fn fit(case: &Case<'_>, said: &[Subject]) -> String {
     }
     if let Some(last) = case.last() {
         for (place, &channel) in case.estimates.channels().iter().enumerate().filter(|(_, c)| c.is_parameter()) {
-            let share = case.estimates.std(last, place) / case.estimates.initial_std(place);
+            let (std, first) = (case.estimates.std(last, place), case.estimates.initial_std(place));
+            if first == 0.0 {
+                let walks = if std > 0.0 { ", and walks by its process noise" } else { "" };
+                text += &format!("; the {} begins as known for certain{walks}", channel.name());
+                continue;
+            }
+            let share = std / first;
             // The text above has already named the parameters that are not identifiable.
             if share > 0.5 && !said.contains(&Subject::Channel(channel)) {
                 text += &format!("; σ of the {} is {} times that at first", channel.name(), short(share));
             }
         }
+        text += &ridges(case, last);
         let mirrored = case
             .estimates
             .channels()
@@ -105,6 +112,44 @@ fn fit(case: &Case<'_>, said: &[Subject]) -> String {
             .find(|(place, c)| c.is_mirrored() && case.estimates.canonical_sign(last, *place) < 0.0);
         if mirrored.is_some() {
             text += "; the filter itself has (-ωₙ, -ζ), the mirror image of the same oscillator";
+        }
+    }
+    text
+}
+
+/// A relative variance that is so much smaller than another one is known, beside it.
+const RIDGE: f64 = 0.02;
+
+/// A parameter that is known to this share of itself is known.
+const KNOWN: f64 = 0.03;
+
+/// Pairs of parameters of which only the product or the ratio is known, with its relative standard deviation.
+///
+/// ```text
+/// var(ln ab) = σa²/a² + 2 cov/(ab) + σb²/b²,  var(ln a/b) with - 2 cov
+/// ```
+fn ridges(case: &Case<'_>, last: usize) -> String {
+    let (estimates, channels) = (case.estimates, case.estimates.channels());
+    let n = channels.len();
+    let (mean, cov) = (estimates.mean(last), estimates.cov(last));
+    if cov.is_empty() {
+        return String::new();
+    }
+    let relative = |i: usize, j: usize| cov[j * n + i] / (mean[i] * mean[j]);
+    let counts = |i: &usize| channels[*i].is_parameter() && relative(*i, *i) > KNOWN * KNOWN;
+    let mut text = String::new();
+    for i in (0..n).filter(counts) {
+        for j in (i + 1..n).filter(counts) {
+            let both = [1.0, -1.0].map(|sign| relative(i, i) + relative(j, j) + sign * 2.0 * relative(i, j));
+            let (word, known, open) =
+                if both[0] < both[1] { ("product", both[0], both[1]) } else { ("ratio", both[1], both[0]) };
+            if known < RIDGE * open {
+                let [one, other] = [channels[i].name(), channels[j].name()];
+                text += &format!(
+                    "; of the {one} and the {other} only the {word} is known, to {}",
+                    percent(known.max(0.0).sqrt())
+                );
+            }
         }
     }
     text

@@ -19,6 +19,7 @@ const fn number(
 
 pub(super) static SCALED: FaultInfo = FaultInfo {
     key: "scaled",
+    stream: 0,
     name: "wrong scale",
     description: "reads so many times what it should; a negative factor is a wrong sign",
     numbers: &[number("factor", "factor", Scale::Pure, 1.2, (-2.0, 2.0), Allowed::Finite)],
@@ -37,6 +38,7 @@ impl Act for Scaled {
 /// Source: Student (1908), The probable error of a mean: a standard normal number over the root of χ²/ν.
 pub(super) static STUDENT_T: FaultInfo = FaultInfo {
     key: "student_t",
+    stream: 1,
     name: "Student's noise",
     description: "noise by Student's distribution, whose scale is noise_std: the fewer degrees of freedom, the more large errors",
     numbers: &[number("freedom", "degrees of freedom", Scale::Pure, 3.0, (1.0, 30.0), Allowed::Whole(1, 1000))],
@@ -60,6 +62,7 @@ impl Act for StudentT {
 /// Signals and Applied Kalman Filtering*, section 2.7.
 pub(super) static COLOURED: FaultInfo = FaultInfo {
     key: "coloured",
+    stream: 2,
     name: "coloured noise",
     description: "noise of the same size that is correlated over a time (Gauss-Markov)",
     numbers: &[number("time", "correlation time", Scale::Seconds, 0.1, (0.001, 10.0), Allowed::Above(0.0))],
@@ -83,6 +86,7 @@ impl Act for Coloured {
 
 pub(super) static CHANGING: FaultInfo = FaultInfo {
     key: "changing",
+    stream: 3,
     name: "changing noise",
     description: "noise of another size from a time on",
     numbers: &[
@@ -106,6 +110,7 @@ impl Act for Changing {
 
 pub(super) static BIAS: FaultInfo = FaultInfo {
     key: "bias",
+    stream: 4,
     name: "bias",
     description: "reads too much by a constant, as an accelerometer that feels gravity",
     numbers: &[number("offset", "bias", Scale::Unit, 5.0, (-30.0, 30.0), Allowed::Finite)],
@@ -126,6 +131,7 @@ const MOST_SAMPLES: f64 = 100_000.0;
 
 pub(super) static LATE: FaultInfo = FaultInfo {
     key: "late",
+    stream: 5,
     name: "late readings",
     description: "each reading is that of so many seconds before, to the nearest sample",
     numbers: &[number("delay", "delay", Scale::Seconds, 0.05, (0.0, 1.0), Allowed::AtLeast(0.0))],
@@ -155,6 +161,7 @@ const OF_OUTLIERS: [FaultNumber; 3] = [
 
 pub(super) static OUTLIERS: FaultInfo = FaultInfo {
     key: "outliers",
+    stream: 6,
     name: "outliers",
     description: "a share of the readings is off by some standard deviations, to either side",
     numbers: &OF_OUTLIERS,
@@ -164,6 +171,7 @@ pub(super) static OUTLIERS: FaultInfo = FaultInfo {
 
 pub(super) static OUTLIERS_ABOVE: FaultInfo = FaultInfo {
     key: "outliers_above",
+    stream: 7,
     name: "outliers upwards",
     description: "the same, to the positive side only",
     numbers: &OF_OUTLIERS,
@@ -192,6 +200,7 @@ impl Act for Outliers {
 
 pub(super) static CLIPPED: FaultInfo = FaultInfo {
     key: "clipped",
+    stream: 8,
     name: "clipping",
     description: "readings beyond ± a limit are at the limit",
     numbers: &[number("limit", "limit", Scale::Unit, 10.0, (1.0, 100.0), Allowed::AtLeast(0.0))],
@@ -210,6 +219,7 @@ impl Act for Clipped {
 
 pub(super) static QUANTISED: FaultInfo = FaultInfo {
     key: "quantised",
+    stream: 9,
     name: "coarse steps",
     description: "readings are rounded to whole steps, as by a converter with few bits",
     numbers: &[number("step", "step", Scale::Unit, 5.0, (0.1, 50.0), Allowed::Above(0.0))],
@@ -267,6 +277,7 @@ impl Spells {
 
 pub(super) static STUCK: FaultInfo = FaultInfo {
     key: "stuck",
+    stream: 10,
     name: "sticking",
     description: "for a share of the time the sensor tells its last reading again, in spells of a mean length",
     numbers: &OF_SPELLS,
@@ -290,6 +301,7 @@ impl Act for Stuck {
 
 pub(super) static DROPOUTS: FaultInfo = FaultInfo {
     key: "dropouts",
+    stream: 11,
     name: "dropouts",
     description: "a share of the readings is missing, in spells of a mean length; 0 s makes each independent of the others",
     numbers: &OF_SPELLS,
@@ -307,6 +319,7 @@ impl Act for Dropouts {
 
 pub(super) static JITTER: FaultInfo = FaultInfo {
     key: "jitter",
+    stream: 12,
     name: "jitter",
     description: "each reading is taken at another time than is told: up to so many steps before or after, uniformly, along a \
                   parabola through the last three values",

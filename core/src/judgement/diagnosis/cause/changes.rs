@@ -138,6 +138,9 @@ fn edit(bad: &BadFilter<'_>, (place, channel): (usize, Channel), walk: f64) -> O
 /// The tried factor on the initial standard deviations.
 const WIDER: f64 = 5.0;
 
+/// σ of a guess that was taken for certain, relative to it.
+const OPEN: f64 = 0.3;
+
 /// A guess is far off where it differs by more than this share from the measured frequency, which is spread by that share.
 const FAR: f64 = 0.1;
 const SPREAD: f64 = 0.2;
@@ -156,6 +159,20 @@ fn initial_guess(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
         .filter(|&&channel| bad.filter.initial_std[channel] > 0.0 && !bad.filter.knows(channel))
         .map(|&channel| bad.edit(&format!("initial_std.{}", channel.key()), WIDER * bad.filter.initial_std[channel]))
         .collect();
+    let frozen = |channel: &&Channel| {
+        channel.is_parameter() && bad.filter.initial_std[**channel] == 0.0 && !bad.filter.knows(**channel)
+    };
+    let frozen: Vec<Channel> = channels.iter().filter(frozen).copied().collect();
+    if !frozen.is_empty() {
+        let spread = |channel: &Channel| {
+            let mean = bad.filter.initial_mean[*channel].abs();
+            bad.edit(&format!("initial_std.{}", channel.key()), if mean > 0.0 { OPEN * mean } else { OPEN })
+        };
+        let names = frozen.iter().map(|channel| channel.name()).collect::<Vec<_>>().join(" and of the ");
+        let sentence = format!("σ of the {names} is 0 at first, and the filter takes its guess for certain");
+        let edits = frozen.iter().map(spread).collect();
+        found.push(LikelyCause::new(cause, 0.5, frozen.len() as f64, edits, sentence));
+    }
     if edits.is_empty() {
         return;
     }

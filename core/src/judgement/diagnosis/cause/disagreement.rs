@@ -55,9 +55,12 @@ pub(super) static LATENESS: Cause = Cause {
     likely_causes: |bad, cause, found| likely_causes(bad, cause, found, Fault::Late),
 };
 
-/// Quantities with the quantity that is their rate.
-const RATES: [(Aspect, Aspect); 2] =
-    [(Aspect::DISPLACEMENT, Aspect::VELOCITY), (Aspect::VELOCITY, Aspect::ACCELERATION)];
+/// Quantities with their derivative of some order, the ones that are compared first.
+const DERIVATIVES: [(Aspect, Aspect, usize); 3] = [
+    (Aspect::DISPLACEMENT, Aspect::VELOCITY, 1),
+    (Aspect::VELOCITY, Aspect::ACCELERATION, 1),
+    (Aspect::DISPLACEMENT, Aspect::ACCELERATION, 2),
+];
 
 #[derive(Clone, Copy, PartialEq)]
 enum Fault {
@@ -66,19 +69,31 @@ enum Fault {
     Late,
 }
 
-/// A sensor and that of its rate, by their places, and how they agree.
+/// A sensor and that of a derivative, by their places, and how they agree.
 struct Pair {
     places: [usize; 2],
+    order: usize,
     agreement: Agreement,
 }
 
-/// All pairs of a sensor with that of its rate, unless an earlier repair has left one out.
+impl Pair {
+    /// The factor on the time between samples with which the two would agree.
+    fn of_time(&self) -> f64 {
+        let factor = self.agreement.factor;
+        if self.order == 2 { factor.abs().sqrt() } else { factor }
+    }
+}
+
+/// All pairs of a sensor with that of its lowest derivative, unless an earlier repair has left one out.
 fn pairs(bad: &BadFilter<'_>) -> Vec<Pair> {
     let case = bad.case;
     let sensors = &bad.scenario.sensors;
     let of = |(place, one): (usize, &crate::Sensor)| {
-        let (_, rate) = RATES.iter().find(|(of, _)| *of == one.measures.aspect())?;
-        let other = sensors.iter().position(|other| other.measures == Quantity::new(*rate, one.measures.mass()))?;
+        let derivative = |(of, rate, order): &(Aspect, Aspect, usize)| {
+            let rate = Quantity::new(*rate, one.measures.mass());
+            Some((bad.scenario.sensor_place(rate).filter(|_| *of == one.measures.aspect())?, *order))
+        };
+        let (other, order) = DERIVATIVES.iter().find_map(derivative)?;
         let is_left_out = |place: usize| bad.filter.sensor_std[place] >= SILENCE * bad.origin.sensor_std[place];
         if [place, other].into_iter().any(is_left_out) {
             return None;
@@ -88,8 +103,8 @@ fn pairs(bad: &BadFilter<'_>) -> Vec<Pair> {
             Some(without_ends(&case.samples.clone().map(column).collect::<Vec<f64>>()))
         };
         let (values, rates) = (part(place)?, part(other)?);
-        let agreement = Agreement::of(&values, &rates, case.record.dt(), bad.filter.sensor_std[other])?;
-        Some(Pair { places: [place, other], agreement })
+        let agreement = Agreement::of(&values, &rates, order, case.record.dt(), bad.filter.sensor_std[other])?;
+        Some(Pair { places: [place, other], order, agreement })
     };
     sensors.iter().enumerate().filter_map(of).collect()
 }
@@ -103,9 +118,9 @@ fn is_off(Agreement { factor, std, .. }: &Agreement) -> bool {
 /// one: then the times are wrong, and no sensor is.
 fn common_factor(pairs: &[Pair]) -> Option<f64> {
     let [first, others @ ..] = pairs else { return None };
-    let Agreement { factor, std, .. } = first.agreement;
+    let (factor, std) = (first.of_time(), first.agreement.std);
     let is_same = |pair: &Pair| {
-        let Agreement { factor: other, std: other_std, .. } = pair.agreement;
+        let (other, other_std) = (pair.of_time(), pair.agreement.std);
         (other - factor).abs() <= ALIKE * factor.abs() + SURE * libm::hypot(std, other_std)
     };
     let is_common = !others.is_empty() && factor > 0.0 && others.iter().all(is_same);
@@ -137,7 +152,8 @@ fn likely_causes(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
         if fault != Fault::Late && sensors.iter().any(|sensor| bad.filter.augment.contains(&sensor.gain())) {
             continue;
         }
-        let Some((size, sentence)) = disagreement(&pair, sensors, fault, bad.case.record.dt()) else { continue };
+        let dt = bad.case.record.dt();
+        let Some((size, sentence)) = disagreement(&pair, sensors, fault, dt) else { continue };
         let Agreement { factor, late, .. } = pair.agreement;
         // The sensor itself reads so much more, or later; or its rate so much less, or earlier.
         for (which, gain, steps) in [(0, factor, -late), (1, 1.0 / factor, late)] {
@@ -149,7 +165,12 @@ fn likely_causes(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
                     let (mean, std) = (edit("initial_mean", gain), edit("initial_std", GAIN_STD * gain.abs()));
                     let end = match fault {
                         Fault::Sign => format!("so it is if the {name} counts in the other direction"),
-                        _ => format!("so it is if the {name} reads {} times what it should", short(gain.abs())),
+                        _ => format!(
+                            "so it is if the {name} reads {} times what it should, or if there are {} samples a second and not {}",
+                            short(gain.abs()),
+                            short(1.0 / (pair.of_time().abs() * dt)),
+                            short(1.0 / dt)
+                        ),
                     };
                     (vec![bad.augmented(channel), mean, std], end)
                 }
@@ -211,7 +232,7 @@ fn without_ends(values: &[f64]) -> Vec<f64> {
     values.iter().map(|value| if ends.contains(value) { f64::NAN } else { *value }).collect()
 }
 
-/// The comparison of the change of a quantity with the integral of its rate, over the same times.
+/// The comparison of the change of a quantity with the integral of a derivative, over the same times.
 #[derive(Clone, Copy, Debug)]
 struct Agreement {
     /// The factor of the change on the integral: 1 if both are right.
@@ -235,18 +256,18 @@ const CLEAR: f64 = 0.9;
 const SPANS: [usize; 8] = [2, 4, 8, 16, 32, 64, 128, 256];
 
 impl Agreement {
-    /// Compares readings of a quantity with those of its rate, `dt` \[s\] apart; `noise` is the standard deviation of the noise of the
+    /// Compares readings of a quantity with those of its derivative of order 1 or 2, `dt` \[s\] apart; `noise` is the standard deviation of the noise of the
     /// rate, as a filter takes it: where that is more than the readings are rough, their roughness counts. `None` where there are too few readings, or where the two are too unlike to be compared.
     ///
     /// ```text
-    /// x(k + m) - x(k) = c + b ∫ v dt
+    /// x(k + m) - x(k) = c + b ∫ v dt,  x(k + 2 m) - 2 x(k + m) + x(k) = c + b ∬ a dt²
     /// ```
     /// b by least squares, with the attenuation by the rate's noise undone.
-    fn of(values: &[f64], rates: &[f64], dt: f64, noise: f64) -> Option<Self> {
+    fn of(values: &[f64], rates: &[f64], order: usize, dt: f64, noise: f64) -> Option<Self> {
         let count = values.len().min(rates.len());
-        let integral = integral(rates, dt);
-        let spans = SPANS.into_iter().filter(|span| 20 * span < count);
-        let at = |span: usize, late: isize| Sums::of(values, &integral, span, late);
+        let integral = (1..order).fold(integral(rates, dt), |once, _| integral(&once, dt));
+        let spans = SPANS.into_iter().filter(|span| 20 * order * span < count);
+        let at = |span: usize, late: isize| Sums::of([values, &integral], order, span, late);
         let lates = -(MOST_LATE as isize)..=MOST_LATE as isize;
         // Coarse in lateness first.
         let coarse = spans.flat_map(|span| lates.clone().step_by(5).map(move |late| (span, late)));
@@ -265,9 +286,12 @@ impl Agreement {
         let [before, here, after] = [best - 1, best, best + 1].map(|late| likeness(&at(span, late)));
         let curvature = before - 2.0 * here + after;
         let peak = if curvature < 0.0 { (0.5 * (before - after) / curvature).clamp(-0.5, 0.5) } else { 0.0 };
-        let independent = (count as f64 / span as f64).max(3.0);
+        let independent = (count as f64 / (order * span) as f64).max(3.0);
         let noise = noise.min(roughness(rates));
-        let attenuation = 1.0 - span as f64 * (dt * noise).powi(2) / sums.variances()[1];
+        let span = span as f64;
+        // Of white noise in the derivative: of its integral over a span, or of a triangle over two.
+        let of_noise = if order == 1 { span } else { 2.0 / 3.0 * dt * dt * span * span * span };
+        let attenuation = 1.0 - of_noise * (dt * noise).powi(2) / sums.variances()[1];
         let factor = sums.slope() / attenuation.max(0.5);
         let std = factor.abs() * ((1.0 / (r * r) - 1.0) / independent).sqrt();
         // The scatter of the likeness, over its curvature.
@@ -311,15 +335,19 @@ struct Sums {
 }
 
 impl Sums {
-    fn of(values: &[f64], integral: &[f64], span: usize, late: isize) -> Option<Self> {
+    fn of([values, integral]: [&[f64]; 2], order: usize, span: usize, late: isize) -> Option<Self> {
         let count = values.len().min(integral.len());
         let first = late.min(0).unsigned_abs();
-        let end = count.checked_sub(span + late.max(0).unsigned_abs())?;
+        let end = count.checked_sub(order * span + late.max(0).unsigned_abs())?;
+        let change = |of: &[f64], k: usize| {
+            let once = of[k + span] - of[k];
+            if order == 1 { once } else { of[k + 2 * span] - of[k + span] - once }
+        };
         let stride = (end.saturating_sub(first) / PAIRS).max(1);
         let mut sums = Self { count: 0.0, means: [0.0; 2], squares: [0.0; 2], product: 0.0 };
         for k in (first..end).step_by(stride) {
             let other = k.checked_add_signed(late)?;
-            let pair = [values[k + span] - values[k], integral[other + span] - integral[other]];
+            let pair = [change(values, k), change(integral, other)];
             if pair.iter().any(|x| !x.is_finite()) {
                 continue;
             }
@@ -378,7 +406,7 @@ mod tests {
 
     fn agreement(change: impl Fn(f64) -> [f64; 2], seed: u64) -> Agreement {
         let [values, rates] = readings(change, seed);
-        Agreement::of(&values, &rates, 0.01, 0.06).unwrap()
+        Agreement::of(&values, &rates, 1, 0.01, 0.06).unwrap()
     }
 
     #[test]
@@ -404,13 +432,26 @@ mod tests {
         }
     }
 
+    #[test]
+    fn a_displacement_is_compared_with_its_acceleration() {
+        let a = |t: f64| -10.8 * (6.0 * t).sin() - 1.681 * (4.1 * t + 1.0).cos();
+        for (seed, scale) in [(1, 1.0), (2, 0.102), (3, -1.0)] {
+            let [values, _] = readings(|t| [x(t), v(t)], seed);
+            let mut normal = Normal::from_seed(100 + seed);
+            let read: Vec<f64> =
+                (0..4000).map(|k| scale * a(0.01 * f64::from(k)) + 0.1 * normal.sample() + 0.5).collect();
+            let Agreement { factor, .. } = Agreement::of(&values, &read, 2, 0.01, 0.1).unwrap();
+            assert!((factor * scale - 1.0).abs() < 0.03, "{scale}: {factor}");
+        }
+    }
+
     /// A filter that takes the noise for much larger than it is does not make a right sensor wrong.
     #[test]
     fn noise_that_is_taken_for_too_large_turns_no_factor() {
         for seed in 0..10 {
             let [values, rates] = readings(|t| [x(t), v(t)], seed);
             for times in [1.0, 5.0, 100.0] {
-                let Agreement { factor, std, .. } = Agreement::of(&values, &rates, 0.01, 0.06 * times).unwrap();
+                let Agreement { factor, std, .. } = Agreement::of(&values, &rates, 1, 0.01, 0.06 * times).unwrap();
                 assert!((factor - 1.0).abs() < 4.0 * std + 0.005, "{times}: {factor} ± {std}");
             }
         }
@@ -420,8 +461,10 @@ mod tests {
     fn what_cannot_be_compared_is_not() {
         let mut normal = Normal::from_seed(1);
         let noise: Vec<f64> = (0..1000).map(|_| normal.sample()).collect();
-        assert!(Agreement::of(&noise, &noise, 0.01, 1.0).is_none());
-        assert!(Agreement::of(&[], &[], 0.01, 1.0).is_none());
-        assert!(Agreement::of(&[0.0; 500], &[0.0; 500], 0.01, 1.0).is_none());
+        for order in [1, 2] {
+            assert!(Agreement::of(&noise, &noise, order, 0.01, 1.0).is_none());
+            assert!(Agreement::of(&[], &[], order, 0.01, 1.0).is_none());
+            assert!(Agreement::of(&[0.0; 500], &[0.0; 500], order, 0.01, 1.0).is_none());
+        }
     }
 }

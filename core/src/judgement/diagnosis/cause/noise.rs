@@ -1,6 +1,7 @@
 //! Noises that are not as large as a filter takes them to be, and what fading and particles make of them.
 
 use super::{BadFilter, Cause, LikelyCause};
+use crate::data::setting::Edit;
 use crate::judgement::diagnosis::distributions::chi_squared_p;
 use crate::judgement::diagnosis::evidence::Subject;
 use crate::judgement::diagnosis::innovations::SensorInnovations;
@@ -13,6 +14,9 @@ const TOLERANCE: f64 = 1.15;
 
 /// Limits the factors on a variance that may come first: a larger one silences the sensor.
 const SILENCE: f64 = 100.0;
+
+/// A variance that is taken for σ makes innovations² so many times 1/σ, or more.
+const MISTAKEN: f64 = 0.3;
 
 /// The least estimate of R, relative to R.
 const LEAST_R: f64 = 1e-4;
@@ -46,6 +50,23 @@ fn sensor_noise(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Like
             let matched = (square - expected) / (count * std * std) + 1.0;
             *factors = (matched.max(LEAST_R), (square / expected).max(LEAST_R));
         }
+    }
+    // A σ below 1 that is a variance.
+    let taken =
+        (0..m).filter(|&i| assumed[i] < 1.0 && case.sensors[i].level(&case.kept) > MISTAKEN / assumed[i].max(LEAST_R));
+    let taken: Vec<usize> = taken.collect();
+    if !taken.is_empty() {
+        let turned =
+            (0..m).map(|i| if taken.contains(&i) { assumed[i].sqrt() } else { assumed[i] }).collect::<Vec<_>>();
+        let of = |&i: &usize| {
+            let (name, std) = (case.sensors[i].sensor.key(), short(assumed[i]));
+            format!(
+                "R of the {name} is {} times too small: {std} may be a variance, and not σ",
+                short(1.0 / assumed[i])
+            )
+        };
+        let sentence = taken.iter().map(of).collect::<Vec<_>>().join(", ");
+        found.push(LikelyCause::new(cause, 0.9, 0.0, vec![bad.edit("sensor_std", turned)], sentence));
     }
     let mut propose = |which: &dyn Fn(usize) -> f64| {
         let turned: Vec<f64> = (0..m).map(|i| assumed[i] * which(i).sqrt()).collect();
@@ -208,15 +229,34 @@ fn felt_disturbance(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<
         format!("Q stands for a disturbance of {} m/s², which the accelerometer feels too", short(disturbance));
     found.push(LikelyCause::new(cause, weight, 0.0, vec![bad.edit("sensor_std", turned)], sentence.clone()));
     // A white force of the same size also models the accelerometer's reading of it; a larger R does not.
-    if !filter.augment.contains(&Channel::WHITE_FORCE) {
-        let edits = vec![
-            bad.augmented(Channel::WHITE_FORCE),
-            bad.edit(&format!("process_std.{}", Channel::WHITE_FORCE.key()), disturbance),
-            bad.edit(&format!("process_std.{}", Channel::VELOCITY.key()), 0.0),
-        ];
+    if let Some(edits) = with_white_force(bad) {
         found.push(LikelyCause::new(cause, weight, 0.0, edits, sentence));
     }
 }
+
+/// The edits that make the process noise of the velocity that of a white force. `None` if it is one, or there is none.
+fn with_white_force(bad: &BadFilter<'_>) -> Option<Vec<Edit>> {
+    let (velocity, white) = (Channel::VELOCITY, Channel::WHITE_FORCE);
+    let std = bad.filter.process_std[velocity];
+    let edits = || {
+        let size = bad.edit(&format!("process_std.{}", white.key()), std / bad.case.record.dt());
+        vec![bad.augmented(white), size, bad.edit(&format!("process_std.{}", velocity.key()), 0.0)]
+    };
+    (std > 0.0 && !bad.filter.augment.contains(&white)).then(edits)
+}
+
+pub(super) static WHITE_FORCE: Cause = Cause {
+    key: "white_force",
+    name: "a white force in place of Q",
+    hint: "A force that nobody records moves the plant within a step too. Q on the velocity alone leaves that out, and with fast \
+           samples the parameters are off. Let the filter know the force as white noise.",
+    likely_causes: |bad, cause, found| {
+        if let Some(edits) = with_white_force(bad) {
+            let sentence = "Q of the velocity stands for a force that also moves the plant within a step".to_owned();
+            found.push(LikelyCause::new(cause, 0.2, 0.0, edits, sentence));
+        }
+    },
+};
 
 /// The tried factors on the standard deviations.
 const FACTORS: [f64; 6] = [0.03, 0.1, 0.3, 3.0, 10.0, 30.0];

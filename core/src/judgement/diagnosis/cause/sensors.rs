@@ -153,18 +153,102 @@ fn bias(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>
     let case = bad.case;
     for (one, std) in case.sensors.iter().zip(&bad.filter.sensor_std) {
         let bias = one.sensor.bias();
-        if bad.filter.augment.contains(&bias) {
-            continue;
-        }
         let mean = one.mean(&case.kept).abs();
         let (key, name) = (bias.key(), one.sensor.key());
-        let still = vec![bad.augmented(bias), bad.edit(&format!("initial_std.{key}"), WIDE * std)];
         let step = WIDE * std / (case.len().max(1) as f64).sqrt();
+        if bad.filter.augment.contains(&bias) {
+            for step in [0.2 * step, step].into_iter().filter(|step| *step > bad.filter.process_std[bias]) {
+                let edits = vec![bad.edit(&format!("process_std.{key}"), step)];
+                let sentence = format!("the bias of the {name} drifts, which its Q does not allow");
+                found.push(LikelyCause::new(cause, 0.5, 1.0, edits, sentence));
+            }
+            continue;
+        }
+        let still = vec![bad.augmented(bias), bad.edit(&format!("initial_std.{key}"), WIDE * std)];
         let mut drifting = still.clone();
         drifting.push(bad.edit(&format!("process_std.{key}"), step));
         let weight = 2.0 * mean / (1.0 + 2.0 * mean);
         found.push(LikelyCause::new(cause, weight, 1.0, still, format!("the {name} has a bias")));
         found.push(LikelyCause::new(cause, 0.8 * weight, 2.0, drifting, format!("the bias of the {name} drifts")));
+    }
+}
+
+/// Less correlated innovations are no coloured noise.
+const COLOURED: f64 = 0.2;
+
+/// The memories of a coloured noise that are tried, in samples.
+const MEMORIES: [f64; 3] = [3.0, 10.0, 40.0];
+
+/// σ of the white part of a coloured noise, relative to the whole.
+const WHITE_PART: f64 = 0.05;
+
+pub(super) static COLOURED_NOISE: Cause = Cause {
+    key: "coloured_noise",
+    name: "coloured noise of a sensor",
+    hint: "A sensor's filter, or a loose mount, gives its noise a memory, and a filter takes each reading for new. Let it estimate a \
+           bias that walks with that memory.",
+    likely_causes: coloured,
+};
+
+/// Gives a sensor a bias that walks by as much in a step as a Gauss-Markov process of its σ: `σ √(2 dt / τ)`.
+///
+/// Source: Bryson and Henrikson (1968), Estimation using sampled data containing sequentially correlated noise.
+fn coloured(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
+    let case = bad.case;
+    for (place, one) in case.sensors.iter().enumerate() {
+        let (bias, first) = (one.sensor.bias(), one.autocorrelation(&case.kept)[0]);
+        if first < COLOURED || bad.filter.augment.contains(&bias) {
+            continue;
+        }
+        let key = bias.key();
+        let std = bad.filter.sensor_std[place] * one.level(&case.kept).max(1.0).sqrt();
+        for samples in MEMORIES {
+            for size in [std, bad.filter.sensor_std[place]] {
+                let mut stds = bad.filter.sensor_std.clone();
+                stds[place] = WHITE_PART * size;
+                let edits = vec![
+                    bad.augmented(bias),
+                    bad.edit(&format!("initial_std.{key}"), size),
+                    bad.edit(&format!("process_std.{key}"), size * (2.0 / samples).sqrt()),
+                    bad.edit("sensor_std", stds),
+                ];
+                let seconds = short(samples * case.record.dt());
+                let sentence = format!(
+                    "the noise of the {} is coloured, with a memory of about {seconds} s: a bias that walks stands for it",
+                    one.sensor.key()
+                );
+                found.push(LikelyCause::new(cause, first / (1.0 + first), 2.0, edits, sentence));
+            }
+        }
+    }
+}
+
+/// A step of more than this share of the range, from near one end to near the other, is a turn.
+const TURN: f64 = 0.8;
+
+/// The least number of turns.
+const LEAST_TURNS: usize = 3;
+
+pub(super) static WRAPS: Cause = Cause {
+    key: "wraps",
+    name: "an angle that wraps",
+    hint: "An encoder begins again after each turn, and its readings jump from one end to the other. Add a turn at each jump, as an \
+           import does.",
+    likely_causes: wraps,
+};
+
+fn wraps(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
+    for (place, one) in bad.case.sensors.iter().enumerate() {
+        let Some(readings) = Readings::of(bad.case, place) else { continue };
+        let Some((count, turn)) = readings.turns() else { continue };
+        let sentence = format!(
+            "the readings of the {} jump {count} times from one end to the other, by about {}: an angle that wraps, and no setting \
+             mends that",
+            one.sensor.key(),
+            short(turn)
+        );
+        let likely = LikelyCause::new(cause, 0.9, 0.0, Vec::new(), sentence);
+        found.push(LikelyCause { certain: true, of_record: true, ..likely });
     }
 }
 
@@ -238,6 +322,27 @@ impl Readings {
         let count = self.values.len() as f64;
         let is_so = stuck >= SHARE * count && stuck >= FEWEST as f64 && short < 0.02 * count;
         if is_so { self.marked(&marks).filter(|marked| marked.share < 0.9) } else { None }
+    }
+
+    /// How often the readings jump from near one end of their range to near the other and go on in the direction that they had, and
+    /// by how much. `None` where they move far in other ways.
+    fn turns(&self) -> Option<(usize, f64)> {
+        let known: Vec<f64> = self.values.iter().copied().filter(|value| !value.is_nan()).collect();
+        let (low, high) = known.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
+        let (mut jumps, mut sum) = (0, 0.0);
+        for four in known.windows(4) {
+            let [before, jump, after] = [four[1] - four[0], four[2] - four[1], four[3] - four[2]];
+            if jump.abs() > TURN * (high - low) {
+                let goes_on = before * jump <= 0.0 && after * jump <= 0.0;
+                if !goes_on || before.abs().max(after.abs()) > 0.5 * (1.0 - TURN) * (high - low) {
+                    return None;
+                }
+                (jumps, sum) = (jumps + 1, sum + jump.abs());
+            } else if jump.abs() > 0.5 * (high - low) {
+                return None;
+            }
+        }
+        (jumps >= LEAST_TURNS).then(|| (jumps, sum / jumps as f64))
     }
 
     /// The step of a coarse sensor: all its readings are multiples of one number.
