@@ -15,9 +15,10 @@
 //! states                   many states of one run, several at a time
 //! ```
 //!
-//! A step is straight-line code over a [`Number`](number::Number): an `f64`, or [`Lanes`](lanes::Lanes) of it. Where runs differ
-//! in what they need (a measurement that is missing, a variance of zero, a longer series), each lane selects its own, so that
-//! all give the bits that they have alone. No operation is fused, so that all [instructions](level::Level) give the same bits too.
+//! A step is straight-line code over a [`Number`](number::Number): an `f64`, or [`Lanes`](lanes::Lanes) of it (in a page, a pair).
+//! Where runs differ in what they need (a measurement that is missing, a variance of zero, a longer series), each lane selects
+//! its own, so that all give the bits that they have alone. No operation is fused, so that all [instructions](level::Level) give
+//! the same bits too.
 //! Memory to work in is kept in a filter; matrices stand column by column in slices.
 
 #![expect(
@@ -45,6 +46,8 @@ pub(crate) mod list;
 pub(crate) mod model;
 pub(crate) mod notes;
 pub(crate) mod number;
+#[cfg(target_arch = "wasm32")]
+pub(crate) mod pair;
 pub(crate) mod passage;
 pub(crate) mod plants;
 pub(crate) mod runge_kutta;

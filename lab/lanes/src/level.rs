@@ -4,11 +4,16 @@
 use kalmanscope_core::internals::engine::Baseline;
 #[cfg(any(target_arch = "x86_64", target_arch = "wasm32"))]
 use kalmanscope_core::internals::engine::Known;
-use kalmanscope_core::internals::engine::{self, Lanes, Run};
+use kalmanscope_core::internals::engine::{self, Run};
 use kalmanscope_core::score::Outcome;
 
-/// The number of lanes: eight numbers are a line of a cache. A browser's compiler keeps those of two lanes out of memory.
+/// The number of lanes: eight numbers are a line of a cache, and a browser has vectors of two.
 pub const LANES: usize = if cfg!(target_arch = "wasm32") { 2 } else { 8 };
+
+#[cfg(not(target_arch = "wasm32"))]
+type Numbers = engine::Lanes<LANES>;
+#[cfg(target_arch = "wasm32")]
+type Numbers = engine::Pair;
 
 /// A set of instructions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -50,7 +55,7 @@ impl Level {
         }
         // Versions of known sizes take long to compile, and old processors are few.
         #[cfg(not(target_arch = "wasm32"))]
-        return engine::outcomes::<Lanes<LANES>, _>(Baseline, batch, samples);
+        return engine::outcomes::<Numbers, _>(Baseline, batch, samples);
         #[cfg(target_arch = "wasm32")]
         of_size(Simd128, batch, samples)
     }
@@ -61,10 +66,9 @@ impl Level {
 fn of_size<L: engine::Level>(level: L, batch: &[Run<'_>], samples: &[usize]) -> Vec<Outcome> {
     let model = &batch[0].setup.design.model;
     match (model.size, model.moving()) {
-        (4, 2) => engine::outcomes::<Lanes<LANES>, _>(Known::<_, 4, 2>(level), batch, samples),
-        #[cfg(not(target_arch = "wasm32"))]
-        (5, 2) => engine::outcomes::<Lanes<LANES>, _>(Known::<_, 5, 2>(level), batch, samples),
-        _ => engine::outcomes::<Lanes<LANES>, _>(level, batch, samples),
+        (4, 2) => engine::outcomes::<Numbers, _>(Known::<_, 4, 2>(level), batch, samples),
+        (5, 2) => engine::outcomes::<Numbers, _>(Known::<_, 5, 2>(level), batch, samples),
+        _ => engine::outcomes::<Numbers, _>(level, batch, samples),
     }
 }
 
@@ -102,7 +106,8 @@ impl engine::Level for Simd128 {
 
     #[inline(always)]
     fn apart<R>(self, work: impl FnOnce() -> R) -> R {
-        #[inline(never)]
+        // Most work has one caller, which keeps numbers in registers if it takes the work in.
+        #[inline]
         #[target_feature(enable = "simd128")]
         fn with_vectors<R>(work: impl FnOnce() -> R) -> R {
             work()

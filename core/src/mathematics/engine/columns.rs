@@ -123,6 +123,12 @@ fn combine_rows<T: Number, const R: usize>(
 #[cfg_attr(target_arch = "wasm32", inline(never))]
 #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
 pub(crate) fn multiply<T: Number>(out: &mut [T], a: &[T], b: &[T], rows: usize, k: usize) {
+    product(out, a, b, rows, k);
+}
+
+/// The same as a part of its caller, whose sizes the compiler may know.
+#[inline(always)]
+pub(crate) fn product<T: Number>(out: &mut [T], a: &[T], b: &[T], rows: usize, k: usize) {
     for (out, b) in out.chunks_exact_mut(rows).zip(b.chunks_exact(k)) {
         apply(out, a, k, b);
     }
@@ -148,9 +154,7 @@ pub(crate) fn norm<T: Number>(a: &[T], n: usize) -> T {
 /// ```text
 /// Φ = [T; 0 I],  Φ P Φᵀ = [T P Tᵀ, ·; (T P)ᵀ, P]
 /// ```
-// A page has this once, to be smaller.
-#[cfg_attr(target_arch = "wasm32", inline(never))]
-#[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+#[inline(always)]
 pub(crate) fn congruence<T: Number>(rows: &[T], cov: &mut [T], half: &mut [T], n: usize, motion: usize) {
     if const { T::LANES == 1 } && motion >= LONG {
         long_congruence(rows, cov, half, n, motion);

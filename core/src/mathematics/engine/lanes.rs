@@ -3,52 +3,41 @@
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-#[cfg(target_arch = "wasm32")]
-use super::number::unrolled;
 use super::number::{Function, Mask, Number, Real};
 
 /// The numbers of L runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(not(target_arch = "wasm32"), repr(align(64)))]
+#[repr(align(64))]
 pub struct Lanes<const L: usize>(pub [f64; L]);
 
 /// Truth values of L runs: all bits of a lane are ones, or none, as the comparisons of vector units have it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(not(target_arch = "wasm32"), repr(align(64)))]
+#[repr(align(64))]
 pub struct Bits<const L: usize>([u64; L]);
-
-/// Does some work for each lane: as a loop, of which a processor's compiler makes vectors, and as straight code in a page.
-macro_rules! each_lane {
-    ($lane:ident < $count:ident: $work:expr) => {
-        #[cfg(not(target_arch = "wasm32"))]
-        for $lane in 0..$count {
-            $work;
-        }
-        #[cfg(target_arch = "wasm32")]
-        unrolled::<$count>(
-            #[inline(always)]
-            |$lane| $work,
-        );
-    };
-}
 
 impl<const L: usize> Lanes<L> {
     #[inline(always)]
     fn map(mut self, f: impl Fn(f64) -> f64) -> Self {
-        each_lane!(lane < L: self.0[lane] = f(self.0[lane]));
+        for lane in 0..L {
+            self.0[lane] = f(self.0[lane]);
+        }
         self
     }
 
     #[inline(always)]
     fn with(mut self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
-        each_lane!(lane < L: self.0[lane] = f(self.0[lane], other.0[lane]));
+        for lane in 0..L {
+            self.0[lane] = f(self.0[lane], other.0[lane]);
+        }
         self
     }
 
     #[inline(always)]
     fn compare(self, other: Self, f: impl Fn(f64, f64) -> bool) -> Bits<L> {
         let mut bits = [0; L];
-        each_lane!(lane < L: bits[lane] = if f(self.0[lane], other.0[lane]) { !0 } else { 0 });
+        for lane in 0..L {
+            bits[lane] = if f(self.0[lane], other.0[lane]) { !0 } else { 0 };
+        }
         Bits(bits)
     }
 }
@@ -56,7 +45,9 @@ impl<const L: usize> Lanes<L> {
 impl<const L: usize> Bits<L> {
     #[inline(always)]
     fn with(mut self, other: Self, f: impl Fn(u64, u64) -> u64) -> Self {
-        each_lane!(lane < L: self.0[lane] = f(self.0[lane], other.0[lane]));
+        for lane in 0..L {
+            self.0[lane] = f(self.0[lane], other.0[lane]);
+        }
         self
     }
 }

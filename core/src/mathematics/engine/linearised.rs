@@ -1,7 +1,7 @@
 //! The prediction of KF and EKF: the mean moves, and the covariance with the derivative of its step.
 
 use super::belief::Belief;
-use super::columns::{add_times, apply, combine, congruence, multiply};
+use super::columns::{add_times, apply, combine, congruence, multiply, product};
 use super::coupled::{Coupled, Parts};
 use super::design::Propagation;
 use super::exponential::Exponential;
@@ -264,9 +264,10 @@ impl<T: Number> Linearised<T> {
     /// ```
     #[inline(always)]
     fn runge_kutta<L: Level>(&mut self, level: L, model: &Model, mean: &mut [T], step: &Step<T>) {
-        let moving = model.moving();
+        let moving = level.moving(model.moving());
         let [begin_force, middle_force, end_force] = step.thrice();
         self.begun.copy_from_slice(mean);
+        self.stage.copy_from_slice(mean);
         begin(&mut self.rows, moving);
         self.half.fill(T::of(0.0));
         self.derivatives.rate.fill(T::of(0.0));
@@ -283,19 +284,20 @@ impl<T: Number> Linearised<T> {
     /// A stage after some time \[s\], which counts for some time \[s\].
     #[inline(always)]
     fn pass<L: Level>(&mut self, level: L, model: &Model, mean: &mut [T], [after, counts]: [f64; 2], force: T) {
+        let (n, moving) = (level.size(model.size), level.moving(model.moving()));
+        std::mem::swap(&mut self.half, &mut self.before);
         let Self { derivatives, rows, half: slope, begun, stage, before, .. } = self;
-        let moving = model.moving();
-        stage.copy_from_slice(begun);
-        add_times(&mut stage[..moving], T::of(after), &derivatives.rate);
+        for i in 0..moving {
+            stage[i] = begun[i] + derivatives.rate[i] * after;
+        }
         derivatives.take(level, model, stage, force);
         add_times(&mut mean[..moving], T::of(counts), &derivatives.rate);
-        let a = &derivatives.columns;
-        before.copy_from_slice(slope);
-        multiply(slope, &a[..moving * moving], before, moving, moving);
+        let (a, slope) = (&derivatives.columns[..moving * n], &mut slope[..moving * n]);
+        product(slope, &a[..moving * moving], &before[..moving * n], moving, moving);
         for (slope, direct) in slope.iter_mut().zip(a) {
             *slope = *slope * after + *direct;
         }
-        add_times(rows, T::of(counts), slope);
+        add_times(&mut rows[..moving * n], T::of(counts), slope);
     }
 }
 

@@ -149,9 +149,7 @@ impl Plant {
     }
 
     /// The rates, and their derivatives by the plant's components, column by column, with `rows` numbers a column.
-    // A page has this once, to be smaller.
-    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
-    #[cfg_attr(target_arch = "wasm32", inline(never))]
+    #[inline(always)]
     pub fn linearise<T: Number, L: Level>(
         self,
         level: L,

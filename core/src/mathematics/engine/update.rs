@@ -293,7 +293,14 @@ impl<T: Number> Update<T> {
         lower[..m * m].copy_from_slice(&innovation_cov[..m * m]);
         let lower = &mut lower[..m * m];
         let (determinant, factored) = factor(lower, m);
-        gain.copy_from_slice(&expected.cross[..m * n]);
+        let cross = &expected.cross[..m * n];
+        // One by one: a page would call its browser to copy more than a few.
+        level.each(
+            0,
+            m * n,
+            #[inline(always)]
+            |i| gain[i] = cross[i],
+        );
         divide(lower, m, gain, n);
         for row in 0..m {
             add_times(&mut belief.mean[..n], innovation[row], &gain[row * n..(row + 1) * n]);

@@ -150,6 +150,7 @@ impl Reading {
     }
 
     /// Whether it is linear in the state for every plant.
+    #[inline]
     pub fn is_of_components(&self) -> bool {
         self.rates.is_empty() && self.ground == 0.0 && self.gain.is_none()
     }

@@ -1,0 +1,157 @@
+//! Numbers of two runs side by side as a vector of a browser, whose compiler makes no vectors of arrays.
+
+use std::arch::wasm32::{
+    f64x2, f64x2_abs, f64x2_add, f64x2_div, f64x2_extract_lane, f64x2_le, f64x2_lt, f64x2_mul, f64x2_neg,
+    f64x2_replace_lane, f64x2_splat, f64x2_sqrt, f64x2_sub, i64x2_all_true, i64x2_extract_lane, i64x2_splat, v128,
+    v128_and, v128_bitselect, v128_not, v128_or,
+};
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
+
+use super::number::{Function, Mask, Number, Real};
+
+/// The numbers of two runs.
+#[derive(Clone, Copy, Debug)]
+pub struct Pair(v128);
+
+/// Truth values of two runs: all bits of a lane are ones, or none.
+#[derive(Clone, Copy, Debug)]
+pub struct PairBits(v128);
+
+macro_rules! operators {
+    ($($trait:ident<$other:ty> $name:ident for $type:ident = |$a:ident, $b:ident| $work:expr;)*) => {
+        $(impl $trait<$other> for $type {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $name(self, $b: $other) -> Self {
+                let $a = self.0;
+                Self($work)
+            }
+        })*
+    };
+}
+operators! {
+    Add<Self> add for Pair = |a, b| f64x2_add(a, b.0);
+    Sub<Self> sub for Pair = |a, b| f64x2_sub(a, b.0);
+    Mul<Self> mul for Pair = |a, b| f64x2_mul(a, b.0);
+    Div<Self> div for Pair = |a, b| f64x2_div(a, b.0);
+    Add<f64> add for Pair = |a, b| f64x2_add(a, f64x2_splat(b));
+    Mul<f64> mul for Pair = |a, b| f64x2_mul(a, f64x2_splat(b));
+    BitAnd<Self> bitand for PairBits = |a, b| v128_and(a, b.0);
+    BitOr<Self> bitor for PairBits = |a, b| v128_or(a, b.0);
+}
+
+impl Neg for Pair {
+    type Output = Self;
+
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self(f64x2_neg(self.0))
+    }
+}
+
+impl Not for PairBits {
+    type Output = Self;
+
+    #[inline(always)]
+    fn not(self) -> Self {
+        Self(v128_not(self.0))
+    }
+}
+
+impl Mask for PairBits {
+    #[inline(always)]
+    fn of(value: bool) -> Self {
+        Self(i64x2_splat(-i64::from(value)))
+    }
+
+    #[inline(always)]
+    fn all(self) -> bool {
+        i64x2_all_true(self.0)
+    }
+
+    #[inline(always)]
+    fn lane(self, lane: usize) -> bool {
+        (if lane == 0 { i64x2_extract_lane::<0>(self.0) } else { i64x2_extract_lane::<1>(self.0) }) != 0
+    }
+}
+
+impl Real for Pair {
+    #[inline(always)]
+    fn of(constant: f64) -> Self {
+        Self(f64x2_splat(constant))
+    }
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self(f64x2_abs(self.0))
+    }
+
+    #[inline(always)]
+    fn call(self, function: Function) -> Self {
+        match function {
+            Function::Abs => self.abs(),
+            Function::Sqrt => self.sqrt(),
+            _ => Self::from_lanes(|lane| function.of(self.lane(lane))),
+        }
+    }
+}
+
+impl Number for Pair {
+    type Mask = PairBits;
+    type Pack = Self;
+
+    const LANES: usize = 2;
+    const POINTS: usize = 1;
+
+    #[inline(always)]
+    fn pack(of: impl Fn(usize) -> Self) -> Self {
+        of(0)
+    }
+
+    #[inline(always)]
+    fn of_pack(pack: Self, _: usize) -> Self {
+        pack
+    }
+
+    #[inline(always)]
+    fn from_lanes(of: impl Fn(usize) -> f64) -> Self {
+        Self(f64x2(of(0), of(1)))
+    }
+
+    #[inline(always)]
+    fn lane(self, lane: usize) -> f64 {
+        if lane == 0 { f64x2_extract_lane::<0>(self.0) } else { f64x2_extract_lane::<1>(self.0) }
+    }
+
+    #[inline(always)]
+    fn set_lane(&mut self, lane: usize, number: f64) {
+        let [first, second] = [f64x2_replace_lane::<0>(self.0, number), f64x2_replace_lane::<1>(self.0, number)];
+        self.0 = if lane == 0 { first } else { second };
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self(f64x2_sqrt(self.0))
+    }
+
+    #[inline(always)]
+    fn sign(self) -> Self {
+        Self::select(self.lt(Self::of(0.0)), Self::of(-1.0), Self::of(1.0))
+    }
+
+    #[inline(always)]
+    fn lt(self, other: Self) -> PairBits {
+        PairBits(f64x2_lt(self.0, other.0))
+    }
+
+    #[inline(always)]
+    fn le(self, other: Self) -> PairBits {
+        PairBits(f64x2_le(self.0, other.0))
+    }
+
+    #[inline(always)]
+    fn select(mask: PairBits, yes: Self, no: Self) -> Self {
+        Self(v128_bitselect(yes.0, no.0, mask.0))
+    }
+}
