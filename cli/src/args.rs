@@ -227,6 +227,9 @@ pub(crate) struct RunArgs {
     /// Print no table and no remarks, only errors
     #[arg(long, conflicts_with = "json")]
     pub(crate) quiet: bool,
+    /// Print all of the table: the evidence, other causes, every channel, bounds, NIS, NEES and likelihoods
+    #[arg(long, short, conflicts_with_all = ["json", "quiet"])]
+    pub(crate) verbose: bool,
 }
 
 #[derive(Debug, Args)]

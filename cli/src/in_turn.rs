@@ -147,7 +147,7 @@ mod tests {
         assert!(!is_bad || is_told(Work::Causes), "{told:?}");
         assert!(scenario.filters.is_empty() || (is_told(Work::Filter) && is_told(Work::Bound)), "{told:?}");
         assert_eq!((with.any_stopped(), without.verdicts().count()), (without.any_stopped(), scenario.filters.len()));
-        [with, without].map(|results| (results.table() + &results.free_runs(), results.json().unwrap()))
+        [with, without].map(|results| (results.table(true) + &results.free_runs(), results.json().unwrap()))
     }
 
     #[test]

@@ -5,7 +5,7 @@
 //! use kalmanscope_core::{Analysis, Scenario, Wanted};
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let run = run_scenario(&Scenario::from_toml("duration = 5.0")?, None)?;
-//! println!("{}", Results::of_run(&run, &Analysis::new(&run, Wanted::default()), Vec::new()).table());
+//! println!("{}", Results::of_run(&run, &Analysis::new(&run, Wanted::default()), Vec::new()).table(false));
 //! # Ok(())
 //! # }
 //! ```

@@ -42,7 +42,7 @@ pub(crate) enum Ending {
 /// Runs the scenario, writes the wanted files and prints the table. Reports files that cannot be written on standard
 /// error.
 pub(crate) fn run(args: &RunArgs) -> Result<Ending, InputError> {
-    let RunArgs { source, fix, out, record_out, svg: picture, fail_on, json: as_json, quiet } = args;
+    let RunArgs { source, fix, out, record_out, svg: picture, fail_on, json: as_json, quiet, verbose } = args;
     let outputs: Places<'_> = [("--out", out), ("--record-out", record_out), ("--svg", picture)]
         .map(|(word, file)| places(word, file))
         .concat();
@@ -79,7 +79,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<Ending, InputError> {
         results.timed(&prepared.scenario).map_err(|error| prepared.bad_run(error))?
     };
     if !quiet {
-        let text = if *as_json { json(&prepared, &results)? } else { results.table() + &results.free_runs() };
+        let text = if *as_json { json(&prepared, &results)? } else { results.table(*verbose) + &results.free_runs() };
         if let Err(error) = print_beside(&outputs, &text) {
             well = false;
             report_error(&error);

@@ -11,19 +11,24 @@ use crate::results::{FilterResults, Results};
 use crate::rows::{COLUMNS, rows};
 
 impl Results<'_> {
-    /// The results as a table: of each filter the verdict with its evidence and causes, the last estimates ±2σ with units, their
-    /// errors where the truth is known, σ over its Cramér-Rao bound, mean NIS and NEES with their 95 % intervals, the whiteness of
-    /// the innovations, the log likelihood, the time per step, and where the filter stopped if it did; then the smoothed estimates
-    /// of the filters that have a smoother.
-    pub fn table(&self) -> String {
+    /// The results as a table of at most ten lines a filter: the verdict in a sentence, the likeliest cause with its command, and
+    /// the last estimates ±2σ with units, parameters first, and their errors where the truth is known; where the filter stopped if it
+    /// did; then the smoothed estimates of the filters that have a smoother.
+    ///
+    /// All of it besides: the evidence, all causes with their edits, every channel, σ over its Cramér-Rao bound, mean NIS and NEES
+    /// with their 95 % intervals, the whiteness of the innovations, the log likelihood, the time per step and all remarks.
+    pub fn table(&self, all: bool) -> String {
         let mut text = String::new();
         // Writing to a string cannot fail.
-        let _ = write_table(&mut text, self);
+        let _ = write_table(&mut text, self, all);
         text
     }
 }
 
-fn write_table(text: &mut String, results: &Results<'_>) -> fmt::Result {
+/// The estimates of a filter in a short table.
+const FEW: usize = 4;
+
+fn write_table(text: &mut String, results: &Results<'_>, is_whole: bool) -> fmt::Result {
     let Results { scenario, record, truth_stop, filters, smoothers, free_runs: _ } = results;
     let (start, end) = (record.time(0), record.time(record.len().saturating_sub(1)));
     let [start, end, dt] = [start, end, record.dt()].map(plain);
@@ -42,38 +47,48 @@ fn write_table(text: &mut String, results: &Results<'_>) -> fmt::Result {
     let all: Vec<(&Summary, Option<&FilterResults>)> =
         filters.iter().map(|f| (&f.summary, Some(f))).chain(smoothers.iter().map(|s| (s, None))).collect();
     let mapping = scenario.record.as_ref();
-    let rows: Vec<Vec<[String; COLUMNS]>> =
-        all.iter().map(|(s, _)| s.finals.iter().flat_map(|last| rows(last, mapping)).collect()).collect();
+    let rows_of = |summary: &Summary| -> Vec<[String; COLUMNS]> {
+        let mut finals: Vec<_> = summary.finals.iter().collect();
+        if !is_whole {
+            finals.sort_by_key(|last| !last.channel.is_parameter());
+            finals.truncate(FEW);
+        }
+        finals.into_iter().flat_map(|last| rows(last, mapping)).collect()
+    };
+    let rows: Vec<_> = all.iter().map(|(summary, _)| rows_of(summary)).collect();
     let mut probabilities = results.probabilities().into_iter();
     let widths: [usize; COLUMNS] =
         std::array::from_fn(|i| rows.iter().flatten().map(|row| width(&row[i])).max().unwrap_or(0));
     for ((summary, filter), rows) in all.into_iter().zip(&rows) {
         writeln!(text, "\n{}", heading(&summary.name, summary.kind))?;
         match &summary.verdict {
-            Some(verdict) => writeln!(text, "  {verdict}")?,
+            Some(verdict) if is_whole => writeln!(text, "  {verdict}")?,
+            Some(verdict) => writeln!(text, "  {}", verdict.to_string().split("; ").next().unwrap_or_default())?,
             None if filter.is_some() => writeln!(text, "  no verdict: fewer than 20 measurements")?,
             None => {}
         }
         if let Some(filter) = filter {
-            filter.diagnosis.iter().flat_map(evidence).try_for_each(|line| writeln!(text, "    {line}"))?;
-            write_causes(text, &filter.causes, summary, scenario)?;
+            let evidence = filter.diagnosis.iter().filter(|_| is_whole).flat_map(evidence);
+            evidence.into_iter().try_for_each(|line| writeln!(text, "    {line}"))?;
+            write_causes(text, &filter.causes, summary, scenario, is_whole)?;
         }
         for row in rows {
             write_row(text, row, &widths)?;
         }
-        if let Some(filter) = filter {
-            write_bound(text, &filter.over_bound)?;
-        }
-        for (name, value) in quality(summary, filter.is_some()) {
-            writeln!(text, "  {name:<16}{value}")?;
+        if is_whole {
+            filter.into_iter().try_for_each(|filter| write_bound(text, &filter.over_bound))?;
+            for (name, value) in quality(summary, filter.is_some()) {
+                writeln!(text, "  {name:<16}{value}")?;
+            }
         }
         if let Some(p) = filter.and(probabilities.next()) {
             writeln!(text, "  probability     {} among these models", ModelClasses::in_percent(p))?;
         }
-        if let Some(time) = filter.and_then(|filter| filter.step_time) {
+        if let Some(time) = filter.filter(|_| is_whole).and_then(|filter| filter.step_time) {
             writeln!(text, "  time per step   {time:.0} ns")?;
         }
-        for line in filter.into_iter().flat_map(|filter| remarks(&filter.remarks, record)) {
+        let most = if is_whole { usize::MAX } else { 1 };
+        for line in filter.into_iter().flat_map(|filter| remarks(&filter.remarks, record)).take(most) {
             writeln!(text, "  {line}")?;
         }
         if let Some(stop) = summary.stop {
@@ -81,15 +96,27 @@ fn write_table(text: &mut String, results: &Results<'_>) -> fmt::Result {
             writeln!(text, "  stopped at sample {} (t = {time} s): {}", stop.sample, stop.reason)?;
         }
     }
+    if !is_whole && !results.filters.is_empty() {
+        writeln!(text, "\nevidence, other causes, every channel and the likelihoods: --verbose")?;
+    }
     Ok(())
 }
 
-fn write_causes(text: &mut String, causes: &[Remedy], summary: &Summary, scenario: &Scenario) -> fmt::Result {
+fn write_causes(
+    text: &mut String,
+    causes: &[Remedy],
+    summary: &Summary,
+    scenario: &Scenario,
+    is_whole: bool,
+) -> fmt::Result {
     unexplained(causes, summary).into_iter().try_for_each(|line| writeln!(text, "  {line}"))?;
     let what = if are_models(summary) { "likelier model" } else { "cause" };
-    for (number, cause) in (1..).zip(likeliest(causes, summary, scenario)) {
+    let most = if is_whole { usize::MAX } else { 1 };
+    for (number, cause) in (1..).zip(likeliest(causes, summary, scenario)).take(most) {
         writeln!(text, "  {what} {number}: {}", cause.sentence)?;
-        cause.remedies.iter().try_for_each(|line| writeln!(text, "    {line}"))?;
+        // The last line is the command that makes all edits, or the hint where there are none.
+        let first = if is_whole { 0 } else { cause.remedies.len().saturating_sub(1) };
+        cause.remedies[first..].iter().try_for_each(|line| writeln!(text, "    {line}"))?;
     }
     Ok(())
 }
@@ -150,7 +177,7 @@ mod tests {
         if let Some(first) = results.filters.first_mut() {
             first.step_time = Some(123.4);
         }
-        results.table()
+        results.table(true)
     }
 
     #[test]

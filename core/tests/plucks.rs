@@ -159,7 +159,9 @@ fn readings_with_times_have_the_same_plucks() {
     };
     let clocks = Clocks { input: None, readings: vec![timed] };
     let timed = finished_on(&scenario, even.clone().with_clocks(clocks).expect("times rise"));
-    let mut events = EventFilter::new(&scenario, 0).expect("it can follow events");
+    let mut by_its_clock = scenario.clone();
+    by_its_clock.filters[0].plucks.iter_mut().for_each(|time| *time += 7.0);
+    let mut events = EventFilter::new(&by_its_clock, 0).expect("it can follow events");
     events.take(7.0, 0.0, &[f64::NAN]).expect("it begins");
     for &k in &there {
         events.take(7.0 + DT * k as f64, f64::NAN, &[even.measured(0)[k]]).expect("it is taken in");

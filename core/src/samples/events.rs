@@ -338,8 +338,7 @@ impl EventFilter {
         let times = [place - 1, place].map(|place| timeline.event(place).time);
         let (forces, force) = (timeline.forces_to(place), timeline.force_at(place));
         let steps = (times[1] - times[0]) / self.scenario.dt;
-        let since_first = times.map(|time| time - self.first);
-        let parts = Parts::evenly(steps, since_first, forces, force, &timeline.event(place).readings);
+        let parts = Parts::evenly(steps, times, forces, force, &timeline.event(place).readings);
         latest.passages = Passages::default();
         estimator.step_through(&parts, latest)?;
         let event = timeline.event_mut(place);
