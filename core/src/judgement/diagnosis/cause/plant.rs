@@ -34,7 +34,17 @@ fn spring(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCaus
         let likely = LikelyCause::new(cause, weight, 1.0, edits, "the spring has a cubic part".to_owned());
         found.push(LikelyCause { sign: Some(sign), ..likely });
     }
-    if believed != PlantKind::BOUC_WEN {
+    // With the other exponent β and γ have the size of the old ones times or over the displacement.
+    let exponents =
+        [(PlantKind::BOUC_WEN, PlantKind::BOUC_WEN_1, size), (PlantKind::BOUC_WEN_1, PlantKind::BOUC_WEN, 1.0 / size)];
+    if let Some((_, kind, by)) = exponents.into_iter().find(|(own, ..)| *own == believed) {
+        let mut edits = vec![bad.edit("plant", kind.key())];
+        for channel in [Channel::HYSTERESIS_BETA, Channel::HYSTERESIS_GAMMA] {
+            let [mean, std] = [&bad.filter.initial_mean, &bad.filter.initial_std].map(|of| by * of[channel]);
+            edits.extend(bad.begins(channel.key(), mean, std));
+        }
+        found.push(LikelyCause::new(cause, weight, 0.0, edits, "the spring yields with the other exponent".to_owned()));
+    } else {
         let mut edits = vec![bad.edit("plant", PlantKind::BOUC_WEN.key())];
         for channel in [Channel::HYSTERESIS_BETA, Channel::HYSTERESIS_GAMMA] {
             edits.extend(bad.begins(channel.key(), 0.5 * square, 0.4 * square));
