@@ -17,7 +17,10 @@ const LIKELY_AMBIENT: usize = 8192;
 const CLEARLY: f64 = 10.0;
 
 /// Innovations of these sizes over their expected ones do not ask for another R.
-const NEARLY: std::ops::Range<f64> = 0.8..1.1;
+const NEARLY: std::ops::Range<f64> = 0.99..1.01;
+
+/// Another R must gain this much log likelihood.
+const BETTER: f64 = 0.5;
 
 /// Parts of the motion's size that are tried for its process noise per step.
 pub(super) const SHARES: [f64; 11] = [0.0, 1e-6, 3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2];
@@ -207,13 +210,13 @@ impl Suggest {
             return Stage::Likelihood(0);
         }
         let before = self.quieter.take();
-        let is_first = before.is_none() && self.suggestion.is_guessed && !has_no_input(&self.record);
-        match (before.filter(|(.., before)| likelihood < before + CLEARLY), best) {
+        let is_open = self.suggestion.is_guessed && !has_no_input(&self.record);
+        match (before.filter(|(.., before)| likelihood < before + BETTER), best) {
             (Some((suggestion, share, _)), _) => {
                 self.suggestion = suggestion;
                 self.suggestion.process_noise(share);
             }
-            (None, Some((share, likelihood, sizes))) if is_first && sizes.iter().any(|size| !NEARLY.contains(size)) => {
+            (None, Some((share, likelihood, sizes))) if is_open && sizes.iter().any(|size| !NEARLY.contains(size)) => {
                 self.quieter = Some((self.suggestion.clone(), share, likelihood));
                 self.suggestion.resize_noise(&sizes);
                 return Stage::Likelihood(0);
