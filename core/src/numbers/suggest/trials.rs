@@ -171,10 +171,6 @@ impl Suggest {
         if course == Course::Linear {
             return Stage::Likelihood(0);
         }
-        if !Search::all(&self.suggestion).is_empty() {
-            self.take_course(course);
-            return Stage::Likelihood(0);
-        }
         if let Some((record, given)) = self.given.take() {
             (self.record, self.suggestion) = (record, given);
         }
