@@ -301,7 +301,7 @@ impl Between {
         let (part, course) = (self.part.as_ref()?, Course::ALL[self.place]);
         let mut suggestion = suggestion.clone();
         course.set(&mut suggestion.scenario);
-        suggestion.substeps(part.dt());
+        suggestion.substeps(part.dt(), None);
         // Process noise adds up over the steps of a sample.
         let share = SHARES[self.readings[self.place].trials];
         Some((part, suggestion.with_share(share / libm::sqrt(course.steps() as f64))))

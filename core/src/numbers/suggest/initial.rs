@@ -159,7 +159,7 @@ fn start_yielding(filter: &mut FilterSettings, truth: PlantKind, input: InputKin
     }
     let (ratio, spread) = POST_YIELD;
     for (channel, mean, std) in [
-        (Channel::HYSTERETIC_DISPLACEMENT, 0.0, 0.1 * displacement),
+        (Channel::HYSTERETIC_DISPLACEMENT, 0.0, displacement),
         (Channel::POST_YIELD_RATIO, ratio, spread),
         (beta, 0.5 * shape, shape),
         (gamma, 0.0, shape),
@@ -174,6 +174,9 @@ const POINTS: (usize, usize) = (10, 48);
 
 /// The points for each exponent of a spring.
 const SPRINGS: usize = 8;
+
+/// Limits the spread that a filter begins with behind a search, in standard deviations of its end: the readings count again.
+const WITHIN: f64 = 10.0;
 
 /// The number of times that the filter goes on from the end of the likeliest run.
 const AGAIN: usize = 4;
@@ -374,7 +377,7 @@ impl Search {
         };
         let mut told = Vec::new();
         for (&channel, (mean, std)) in channels.iter().zip(ends) {
-            let (mean, std) = (rounded(mean), rounded((0.2 * mean.abs()).min(LOOSE * std).max(3.0 * std)));
+            let (mean, std) = (rounded(mean), rounded((0.2 * mean.abs()).min(WITHIN * std)));
             let unit = suggestion.unit(channel.unit());
             told.push(format!("{} {mean} {unit}", channel.symbol()).trim_end().to_owned());
             suggestion.simulate_with(channel, mean);
@@ -382,7 +385,7 @@ impl Search {
         }
         suggestion.reasons.push(format!(
             "guess of the equation's parameters: {}, where the likeliest of {trials} runs of a filter has ended; their spread is a fifth \
-             of it, but {LOOSE} of the filter's σ at most and three at least",
+             of it, but {WITHIN} of the filter's σ at most",
             told.join(", ")
         ));
     }

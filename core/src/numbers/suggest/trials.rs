@@ -3,7 +3,7 @@
 use super::ambient::{Ambient, has_no_input};
 use super::conditioning::{Between, Course, FILLING, Lost, Plucked};
 use super::initial::Search;
-use super::likeliest::{Trial, first_alone, likelihood, sizes, surprise};
+use super::likeliest::{Trial, first_alone, frequency_error, likelihood, sizes, surprise};
 use super::{Suggestion, first_for_trial};
 use crate::{Record, Run, Scenario, Task};
 
@@ -121,7 +121,7 @@ impl Suggest {
         self.suggestion.sensor_noise(&self.record, lost);
         let steps = self.course.as_ref().map_or(1, |(course, _)| course.steps());
         let decay = self.suggestion.motion(&mut self.record, steps);
-        self.suggestion.substeps(self.record.dt() / steps as f64);
+        self.suggestion.substeps(self.record.dt() / steps as f64, None);
         self.ambient = before.filter(|_| decay != Some(true)).and_then(|before| {
             Ambient::new(Suggestion { reasons: before.reasons, ..self.suggestion.clone() }, &mut self.record)
         });
@@ -342,8 +342,11 @@ impl Suggest {
             Stage::FreeRun => {
                 let scenario = || first_alone(&self.suggestion.scenario);
                 let (run, errors) = self.trial.follow_freely(scenario, &self.record, while_time)?;
-                if run.is_some_and(|run| run.estimates().first().is_some_and(|one| one.stop().is_some())) {
-                    self.suggestion.keep_from_rounding();
+                if let Some(run) = run {
+                    self.suggestion.substeps(self.record.dt(), frequency_error(&run, self.record.len()));
+                    if run.estimates().first().is_some_and(|one| one.stop().is_some()) {
+                        self.suggestion.keep_from_rounding();
+                    }
                 }
                 // The errors of a default guess are no noise.
                 self.errors = errors.filter(|_| self.suggestion.is_guessed).unwrap_or_default();
