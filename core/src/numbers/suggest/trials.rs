@@ -28,7 +28,7 @@ pub(super) const SHARES: [f64; 11] = [0.0, 1e-6, 3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1
 /// The making of suggested settings for a scenario's filters on a measured record: R from the high frequencies that the
 /// input does not explain, ωₙ, ζ and gain from the response to the input (or the peak of the spectrum), the initial belief
 /// from these, and Q by the likelihood of the innovations. So is the course of an input between its samples: linear as it was taken, held
-/// or band-limited; and the exponent of a Bouc-Wen spring. R takes the size of the innovations where that is clearly likelier. Without an input, a white force that moves the plant
+/// or band-limited; and the exponent of a Bouc-Wen spring. R takes the size of the innovations where that is likelier. Without an input, a white force that moves the plant
 /// ([`crate::mathematics::filter::White`]) is tried too. Where the scenario has a mapping, means are removed and a large gain
 /// goes into the mapping; the record is then to be read again.
 ///
