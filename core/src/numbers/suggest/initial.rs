@@ -377,7 +377,7 @@ impl Search {
         };
         let mut told = Vec::new();
         for (&channel, (mean, std)) in channels.iter().zip(ends) {
-            let (mean, std) = (rounded(mean), rounded((0.2 * mean.abs()).min(WITHIN * std)));
+            let (mean, std) = (rounded(mean), rounded((0.2 * mean.abs()).min(WITHIN * std).max(3.0 * std)));
             let unit = suggestion.unit(channel.unit());
             told.push(format!("{} {mean} {unit}", channel.symbol()).trim_end().to_owned());
             suggestion.simulate_with(channel, mean);
@@ -385,7 +385,7 @@ impl Search {
         }
         suggestion.reasons.push(format!(
             "guess of the equation's parameters: {}, where the likeliest of {trials} runs of a filter has ended; their spread is a fifth \
-             of it, but {WITHIN} of the filter's σ at most",
+             of it, but {WITHIN} of the filter's σ at most and three at least",
             told.join(", ")
         ));
     }
