@@ -7,7 +7,8 @@ use kalmanscope_core::import::{Builder, Mapping, Time, read};
 use kalmanscope_core::plant::PlantKind;
 use kalmanscope_core::suggest::{scenario_for, suggest};
 use kalmanscope_core::{
-    Channel, FilterKind, FilterSettings, Fit, Force, Hold, Identified, Quantity, Record, Run, Scenario, Sensor, Signal,
+    Channel, Diagnosis, Diagnostics, FilterKind, FilterSettings, Fit, Force, Hold, Identified, Quantity, Record, Run,
+    Scenario, Sensor, Signal, VerdictKind,
 };
 
 use crate::run::{finished, finished_on, last};
@@ -194,7 +195,7 @@ fn the_benchmark_is_identified_better_than_by_a_linear_oscillator() {
 
 /// The plant that is asked for has the exponent 2; the record is that of the exponent 1.
 #[test]
-fn the_exponent_of_the_benchmark_is_found_with_all_its_parameters() {
+fn the_exponent_of_the_benchmark_is_found_with_all_its_parameters_and_the_filter_is_consistent() {
     for seed in 951..953 {
         let record = benchmark(seed);
         let mut scenario = scenario_for(&record);
@@ -206,6 +207,9 @@ fn the_exponent_of_the_benchmark_is_found_with_all_its_parameters() {
         assert!(suggestion.reasons.iter().any(|reason| reason.starts_with(said)), "{:?}", suggestion.reasons);
         let run = finished_on(&suggestion.scenario, record);
         let estimates = &run.estimates()[0];
+        let diagnosis =
+            Diagnosis::new(&Diagnostics::new(estimates, run.record()), estimates, run.record(), None).unwrap();
+        assert_eq!(diagnosis.verdict.unwrap().kind, VerdictKind::Consistent, "seed {seed}");
         for (channel, truth) in [
             (Channel::NATURAL_FREQUENCY, 223.607),
             (Channel::DAMPING_RATIO, 0.01118),

@@ -212,9 +212,10 @@ impl Suggestion {
         filters.iter().any(|filter| filter.model(plant.kind, *input).place(Channel::NATURAL_FREQUENCY).is_some())
     }
 
-    /// A prediction over a large part of a period is divided. Local linearisation moves the mean of a linear plant exactly, but its
-    /// Jacobian takes the motion for constant over a step.
-    fn substeps(&mut self, dt: f64) {
+    /// A prediction over a large part of a period is divided, finely enough for a relative error `told` of ωₙ, before a run for that of
+    /// the guess. Local linearisation moves the mean of a linear plant exactly, but its Jacobian takes the motion for constant over a step.
+    fn substeps(&mut self, dt: f64, told: Option<f64>) {
+        const WHY: &str = "steps a sample, because there are few samples in a period";
         let (kind, input) = (self.scenario.plant.kind, self.scenario.input);
         let mut most = 1;
         for filter in self.filters() {
@@ -226,8 +227,9 @@ impl Suggestion {
                 && filter.kind.info().has_propagation
                 && filter.propagation_for(kind) == Propagation::LocalLinearisation;
             let frequency = filter.initial_mean[Channel::NATURAL_FREQUENCY].abs();
-            let told = filter.initial_std[Channel::NATURAL_FREQUENCY] / (initial::LOOSE * frequency);
-            let knows_all = told == 0.0 && filter.process_std[Channel::NATURAL_FREQUENCY] == 0.0;
+            let guess = filter.initial_std[Channel::NATURAL_FREQUENCY] / (initial::LOOSE * frequency);
+            let knows_all = guess == 0.0 && filter.process_std[Channel::NATURAL_FREQUENCY] == 0.0;
+            let told = told.unwrap_or(guess);
             let swing = frequency * dt;
             // The spread of the motion is now its size.
             let turn = if model.is_linear() { swing } else { swing.max(filter.turn(&model, dt)) };
@@ -235,9 +237,8 @@ impl Suggestion {
             filter.substeps = if is_exact && knows_all || steps == 1 { 0 } else { steps };
             most = most.max(filter.steps(kind, input, dt));
         }
-        if most > 1 {
-            self.reasons.push(format!("{most} steps a sample, because there are few samples in a period"));
-        }
+        self.reasons.retain(|reason| !reason.ends_with(WHY));
+        self.reasons.extend((most > 1).then(|| format!("{most} {WHY}")));
     }
 
     /// The first filter alone, with a share of the motion's size as its process noise per step.

@@ -52,7 +52,7 @@ impl Ambient {
         left_out.iter().for_each(|quantity| suggestion.scenario.remove_sensor(*quantity));
         let sizes = suggestion.ambient(record)?;
         suggestion.is_guessed = true;
-        suggestion.substeps(record.dt());
+        suggestion.substeps(record.dt(), None);
         let climb = Climb::new(1 + suggestion.scenario.sensors.len());
         Some(Self { suggestion, sizes, climb, left_out, held: None })
     }

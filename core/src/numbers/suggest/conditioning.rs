@@ -302,7 +302,7 @@ impl Between {
         let (part, course) = (self.part.as_ref()?, Course::ALL[self.place]);
         let mut suggestion = suggestion.clone();
         course.set(&mut suggestion.scenario);
-        suggestion.substeps(part.dt());
+        suggestion.substeps(part.dt(), None);
         // Process noise adds up over the steps of a sample.
         let share = SHARES[self.readings[self.place].trials];
         Some((part, suggestion.with_share(share / libm::sqrt(course.steps() as f64))))
@@ -323,16 +323,13 @@ impl Between {
 
     /// The course to be taken, and a sentence about it.
     pub(super) fn chosen(&self) -> (Course, Option<String>) {
-        let Some((readings, linear)) = self.readings[0].best else { return (Course::Linear, None) };
-        let likelihood = |course: &Course| self.readings[*course as usize].best.filter(|best| best.0 == readings);
+        let readings = self.readings.iter().find_map(|one| one.best).map(|(readings, _)| readings);
+        let likelihood = |course: &Course| self.readings[*course as usize].best.filter(|best| Some(best.0) == readings);
         let all = || Course::ALL.into_iter().filter_map(|course| Some((course, likelihood(&course)?.1)));
         // The simpler one stays unless another one is clearly likelier.
-        let taken = all().fold(
-            (Course::Linear, linear),
-            |taken, other| {
-                if other.1 > taken.1 + CLEARLY { other } else { taken }
-            },
-        );
+        let Some(taken) = all().reduce(|taken, other| if other.1 > taken.1 + CLEARLY { other } else { taken }) else {
+            return (Course::Linear, None);
+        };
         let others = all().filter(|(course, _)| *course != taken.0);
         let Some(next) = others.max_by(|a, b| a.1.total_cmp(&b.1)) else { return (taken.0, None) };
         let (lead, name, other) = (taken.1 - next.1, Course::NAMES[taken.0 as usize], Course::NAMES[next.0 as usize]);
@@ -377,6 +374,7 @@ mod tests {
             assert!(sentence.as_ref().is_some_and(|sentence| sentence.contains(says)), "{sentence:?}");
         }
         assert_eq!(chosen([of(1000.0), None, None]), (Course::Linear, None));
-        assert_eq!(chosen([None, of(1000.0), None]), (Course::Linear, None));
+        assert_eq!(chosen([None, of(1000.0), None]), (Course::Held, None));
+        assert_eq!(chosen([None, None, None]), (Course::Linear, None));
     }
 }

@@ -160,7 +160,7 @@ fn start_yielding(filter: &mut FilterSettings, truth: PlantKind, input: InputKin
     }
     let (ratio, spread) = POST_YIELD;
     for (channel, mean, std) in [
-        (Channel::HYSTERETIC_DISPLACEMENT, 0.0, 0.1 * displacement),
+        (Channel::HYSTERETIC_DISPLACEMENT, 0.0, displacement),
         (Channel::POST_YIELD_RATIO, ratio, spread),
         (beta, 0.5 * shape, shape),
         (gamma, 0.0, shape),
@@ -172,6 +172,12 @@ fn start_yielding(filter: &mut FilterSettings, truth: PlantKind, input: InputKin
 
 /// The points for each parameter, and for all of them at most.
 const POINTS: (usize, usize) = (10, 48);
+
+/// The points for each exponent of a spring.
+const SPRINGS: usize = 8;
+
+/// Limits the spread that a filter begins with behind a search, in standard deviations of its end: the readings count again.
+const WITHIN: f64 = 10.0;
 
 /// The number of times that the filter goes on from the end of the likeliest run.
 const AGAIN: usize = 4;
@@ -198,7 +204,7 @@ pub(super) struct Search {
 
 impl Search {
     /// The searches for a suggestion: of its first filter's equation, if that has parameters that the spectra cannot give, or of both
-    /// exponents of a Bouc-Wen spring, that of the scenario first. A spring's parameters begin with their guesses alone.
+    /// exponents of a Bouc-Wen spring, that of the scenario first. The spectra then give all but the spring's own parameters.
     pub(super) fn all(suggestion: &Suggestion) -> Vec<Self> {
         let Scenario { plant, filters, .. } = &suggestion.scenario;
         let mut kinds = [PlantKind::BOUC_WEN, PlantKind::BOUC_WEN_1];
@@ -210,7 +216,18 @@ impl Search {
         let gain = filter.augment.contains(&Channel::INPUT_GAIN).then_some(Channel::INPUT_GAIN);
         let of = |kind: PlantKind| {
             let channels: Vec<Channel> = kind.parameters().chain(gain).collect();
-            Self { kind, ranges: vec![(0.0, 0.0, 0.0); channels.len()], channels, points: 1, ends: Likeliest::new() }
+            let mut search = Self { kind, channels, ranges: Vec::new(), points: SPRINGS, ends: Likeliest::new() };
+            let mut scenario = suggestion.scenario.clone();
+            search.set_kind(&mut scenario);
+            let filter = &scenario.filters[0];
+            let range = |channel: &Channel| {
+                let (mean, std) = (filter.initial_mean[*channel], filter.initial_std[*channel]);
+                let is_kept = TOLD.contains(channel) || gain == Some(*channel);
+                let other = if mean == 0.0 { 0.5 } else { 0.0 };
+                if is_kept { (0.0, 0.0, 0.0) } else { (0.25 * std.max(mean), 4.0 * std, other) }
+            };
+            search.ranges = search.channels.iter().map(range).collect();
+            search
         };
         kinds.map(of).into()
     }
@@ -264,7 +281,7 @@ impl Search {
 
     /// Gives a scenario the spring of this search, if it has another one.
     fn set_kind(&self, scenario: &mut Scenario) {
-        if self.points > 1 || scenario.plant.kind == self.kind {
+        if self.kind.own_equation().is_some() || scenario.plant.kind == self.kind {
             return;
         }
         scenario.set_plant(self.kind);
@@ -275,13 +292,13 @@ impl Search {
 
     /// Mean and standard deviation with which a parameter begins the next trial: the guess, then points, then the best end.
     fn start(&self, place: usize, guess: (f64, f64)) -> (f64, f64) {
-        if self.ends.trials == 0 {
-            return guess;
-        }
         let (low, high, other) = self.ranges[place];
         if let Some(((ends, _), _)) = self.ends.best.as_ref().filter(|_| self.ends.trials >= self.points) {
             let (mean, std) = ends[place];
             return (mean, (0.3 * mean.abs()).max(2.0 * std).max(1e-3 * low));
+        }
+        if self.ends.trials == 0 || high == 0.0 {
+            return guess;
         }
         let root = libm::sqrt(PRIMES[place % PRIMES.len()]);
         let along = (0.5 + self.ends.trials as f64 * root).fract();
@@ -361,7 +378,7 @@ impl Search {
         };
         let mut told = Vec::new();
         for (&channel, (mean, std)) in channels.iter().zip(ends) {
-            let (mean, std) = (rounded(mean), rounded((0.2 * mean.abs()).max(3.0 * std)));
+            let (mean, std) = (rounded(mean), rounded((0.2 * mean.abs()).min(WITHIN * std).max(3.0 * std)));
             let unit = suggestion.unit(channel.unit());
             told.push(format!("{} {mean} {unit}", channel.symbol()).trim_end().to_owned());
             suggestion.simulate_with(channel, mean);
@@ -369,7 +386,7 @@ impl Search {
         }
         suggestion.reasons.push(format!(
             "guess of the equation's parameters: {}, where the likeliest of {trials} runs of a filter has ended; their spread is a fifth \
-             of it, or three of the filter's σ",
+             of it, but {WITHIN} of the filter's σ at most and three at least",
             told.join(", ")
         ));
     }

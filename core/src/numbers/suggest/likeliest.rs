@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::{FreeRun, Identified, Record, Run, Running, Scenario, Sensor};
+use crate::{Channel, FreeRun, Identified, Record, Run, Running, Scenario, Sensor};
 
 /// The samples that the free run covers.
 const FREE: usize = 16_384;
@@ -117,6 +117,15 @@ pub(super) fn surprise(run: &Run) -> f64 {
     let sizes = sizes(run);
     let mean = sizes.iter().map(|size| size * size).sum::<f64>() / sizes.len().max(1) as f64;
     libm::sqrt(mean).clamp(0.1, 10.0)
+}
+
+/// σ of ωₙ over ωₙ at the end of a record of some samples, of which a run has the first ones. `None` where no filter estimates it.
+pub(super) fn frequency_error(run: &Run, samples: usize) -> Option<f64> {
+    let estimates = run.estimates().first().filter(|estimates| estimates.stop().is_none())?;
+    let (place, last) = (estimates.place(Channel::NATURAL_FREQUENCY)?, estimates.len().checked_sub(1)?);
+    let share = estimates.len() as f64 / samples as f64;
+    let error = libm::sqrt(share) * estimates.std(last, place) / estimates.canonical_mean(last, place).abs();
+    Some(error).filter(|error| *error > 0.0)
 }
 
 /// The scenario with its first filter alone.

@@ -3,7 +3,7 @@
 use super::ambient::{Ambient, has_no_input};
 use super::conditioning::{Between, Course, FILLING, Lost, Plucked};
 use super::initial::Search;
-use super::likeliest::{Trial, first_alone, likelihood, sizes, surprise};
+use super::likeliest::{Trial, first_alone, frequency_error, likelihood, sizes, surprise};
 use super::{Suggestion, first_for_trial};
 use crate::{Record, Run, Scenario, Task};
 
@@ -17,7 +17,10 @@ const LIKELY_AMBIENT: usize = 8192;
 const CLEARLY: f64 = 10.0;
 
 /// Innovations of these sizes over their expected ones do not ask for another R.
-const NEARLY: std::ops::Range<f64> = 0.8..1.1;
+const NEARLY: std::ops::Range<f64> = 0.99..1.01;
+
+/// Another R must gain this much log likelihood.
+const BETTER: f64 = 0.5;
 
 /// Parts of the motion's size that are tried for its process noise per step.
 pub(super) const SHARES: [f64; 11] = [0.0, 1e-6, 3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2];
@@ -25,7 +28,7 @@ pub(super) const SHARES: [f64; 11] = [0.0, 1e-6, 3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1
 /// The making of suggested settings for a scenario's filters on a measured record: R from the high frequencies that the
 /// input does not explain, ωₙ, ζ and gain from the response to the input (or the peak of the spectrum), the initial belief
 /// from these, and Q by the likelihood of the innovations. So is the course of an input between its samples: linear as it was taken, held
-/// or band-limited; and the exponent of a Bouc-Wen spring. R takes the size of the innovations where that is clearly likelier. Without an input, a white force that moves the plant
+/// or band-limited; and the exponent of a Bouc-Wen spring. R takes the size of the innovations where that is likelier. Without an input, a white force that moves the plant
 /// ([`crate::mathematics::filter::White`]) is tried too. Where the scenario has a mapping, means are removed and a large gain
 /// goes into the mapping; the record is then to be read again.
 ///
@@ -118,7 +121,7 @@ impl Suggest {
         self.suggestion.sensor_noise(&self.record, lost);
         let steps = self.course.as_ref().map_or(1, |(course, _)| course.steps());
         let decay = self.suggestion.motion(&mut self.record, steps);
-        self.suggestion.substeps(self.record.dt() / steps as f64);
+        self.suggestion.substeps(self.record.dt() / steps as f64, None);
         self.ambient = before.filter(|_| decay != Some(true)).and_then(|before| {
             Ambient::new(Suggestion { reasons: before.reasons, ..self.suggestion.clone() }, &mut self.record)
         });
@@ -168,10 +171,6 @@ impl Suggest {
         if course == Course::Linear {
             return Stage::Likelihood(0);
         }
-        if !Search::all(&self.suggestion).is_empty() {
-            self.take_course(course);
-            return Stage::Likelihood(0);
-        }
         if let Some((record, given)) = self.given.take() {
             (self.record, self.suggestion) = (record, given);
         }
@@ -207,13 +206,13 @@ impl Suggest {
             return Stage::Likelihood(0);
         }
         let before = self.quieter.take();
-        let is_first = before.is_none() && self.suggestion.is_guessed && !has_no_input(&self.record);
-        match (before.filter(|(.., before)| likelihood < before + CLEARLY), best) {
+        let is_open = self.suggestion.is_guessed && !has_no_input(&self.record);
+        match (before.filter(|(.., before)| likelihood < before + BETTER), best) {
             (Some((suggestion, share, _)), _) => {
                 self.suggestion = suggestion;
                 self.suggestion.process_noise(share);
             }
-            (None, Some((share, likelihood, sizes))) if is_first && sizes.iter().any(|size| !NEARLY.contains(size)) => {
+            (None, Some((share, likelihood, sizes))) if is_open && sizes.iter().any(|size| !NEARLY.contains(size)) => {
                 self.quieter = Some((self.suggestion.clone(), share, likelihood));
                 self.suggestion.resize_noise(&sizes);
                 return Stage::Likelihood(0);
@@ -343,8 +342,11 @@ impl Suggest {
             Stage::FreeRun => {
                 let scenario = || first_alone(&self.suggestion.scenario);
                 let (run, errors) = self.trial.follow_freely(scenario, &self.record, while_time)?;
-                if run.is_some_and(|run| run.estimates().first().is_some_and(|one| one.stop().is_some())) {
-                    self.suggestion.keep_from_rounding();
+                if let Some(run) = run {
+                    self.suggestion.substeps(self.record.dt(), frequency_error(&run, self.record.len()));
+                    if run.estimates().first().is_some_and(|one| one.stop().is_some()) {
+                        self.suggestion.keep_from_rounding();
+                    }
                 }
                 // The errors of a default guess are no noise.
                 self.errors = errors.filter(|_| self.suggestion.is_guessed).unwrap_or_default();
