@@ -16,7 +16,6 @@ pub(crate) const LARGEST: u64 = 1_000_000_000;
 /// Limits the size of a scenario or a map \[bytes\].
 const LARGEST_TEXT: u64 = 1_000_000;
 
-/// Errors of the input.
 #[derive(Debug, Error)]
 pub(crate) enum InputError {
     #[error("{}: {error}", shown(.file))]
@@ -112,7 +111,6 @@ fn is_pipe(_: &fs::Metadata) -> bool {
     false
 }
 
-/// Whether a file's name stands for standard input.
 pub(crate) fn is_standard_input(file: &Path) -> bool {
     ["-", "/dev/stdin"].iter().any(|name| file.as_os_str() == *name)
 }
@@ -160,7 +158,6 @@ pub(crate) fn check(inputs: &Places<'_>, outputs: &Places<'_>) -> Result<(), Inp
     Ok(())
 }
 
-/// Whether a file's name stands for standard output.
 pub(crate) fn is_standard_output(file: &Path) -> bool {
     ["-", "/dev/stdout"].iter().any(|name| file.as_os_str() == *name)
 }
@@ -178,12 +175,10 @@ pub(crate) fn write<E: From<io::Error>>(
     Ok(output.flush()?)
 }
 
-/// [`write()`] for a text.
 pub(crate) fn write_text(file: &Path, text: &str) -> Result<(), InputError> {
     write_bytes(file, text.as_bytes())
 }
 
-/// [`write()`] for bytes.
 pub(crate) fn write_bytes(file: &Path, bytes: &[u8]) -> Result<(), InputError> {
     let written: io::Result<()> = write(file, |output| output.write_all(bytes));
     written.map_err(|error| InputError::unwritten(file, &error))

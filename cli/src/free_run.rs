@@ -44,7 +44,6 @@ fn line(fit: &FreeFit, length: Length) -> String {
     format!("{filter}, {}: {told}{ahead}", sensor.name())
 }
 
-/// The free runs of all filters of a run over a record, for each of its sensors.
 pub(crate) fn fits(run: &Run, record: &Record) -> Vec<FreeFit> {
     let is_own = std::ptr::eq(run.record(), record);
     let of = |(place, estimates)| fits_of(run.scenario(), place, estimates, record, is_own);

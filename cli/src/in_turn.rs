@@ -106,7 +106,6 @@ fn bound_for<'b>(
     bounds.last().map(|(_, bound)| bound)
 }
 
-/// The summary of the smoother of the filter at a place, if it has one.
 fn smoothed(scenario: &Scenario, place: usize, record: &Record) -> Result<Option<Summary>, RunError> {
     let settings = &scenario.filters[place];
     if !settings.smoother {

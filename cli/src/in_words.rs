@@ -120,7 +120,6 @@ pub(crate) fn quality(summary: &Summary, has_innovations: bool) -> Vec<(&'static
     rows
 }
 
-/// A mean and its position relative to its interval.
 fn placed(square: &MeanSquare, interval: &str) -> String {
     let MeanSquare { mean, interval: range, .. } = square;
     let place = if range.contains(mean) {

@@ -14,7 +14,6 @@ const PLOT_HEIGHT: f32 = 240.0;
 const MARGINS: [f32; 4] = [92.0, 24.0, 10.0, 8.0];
 /// Room for the time axis below the last plot.
 const TIME_HEIGHT: f32 = 48.0;
-/// Limits the plots of a page.
 const PER_PAGE: usize = 3;
 /// Limits the columns of a line, and the number of dots.
 const COLUMNS: usize = 750;
@@ -72,7 +71,6 @@ fn draw(run: &Run, panels: &[Panel]) -> String {
     svg.finish(size, size, "")
 }
 
-/// Draws the legend and returns its height.
 fn draw_legend(svg: &mut Svg, run: &Run) -> f32 {
     let record = run.record();
     let mut entries = Vec::new();

@@ -225,7 +225,6 @@ fn covered(errors: &[LastError]) -> Share {
     Share { count: errors.iter().filter(|last| last.is_covered()).count(), of: errors.len() }
 }
 
-/// A share with its 95 % interval.
 fn line(text: &mut String, name: &str, Share { count, of }: Share) -> fmt::Result {
     if of == 0 {
         return writeln!(text, "  {name:<42}     –");
@@ -248,7 +247,6 @@ struct Causes {
     said: f64,
 }
 
-/// The causes of each filter, searched by some threads.
 fn of_members(runner: &Runner, slices: &[Slice], threads: usize, quiet: bool) -> Vec<Causes> {
     let ensemble = runner.ensemble();
     let cells: Vec<usize> = slices.iter().flat_map(|slice| bad_cells(runner, slice)).collect();
@@ -311,7 +309,6 @@ fn bad_cells(runner: &Runner, slice: &Slice) -> Vec<usize> {
     slice.cells.iter().zip(rows).filter(|(_, row)| is_bad(row)).map(|(&cell, _)| cell).collect()
 }
 
-/// The kind of a verdict from its number in a row.
 fn kind(number: f64) -> Option<VerdictKind> {
     number.is_finite().then(|| VerdictKind::ALL[number as usize])
 }

@@ -21,7 +21,6 @@ struct Followed {
     name: String,
     filter: EventFilter,
     watch: Watch,
-    /// Whether it has stopped, and has said so.
     has_stopped: bool,
 }
 

@@ -129,7 +129,6 @@ fn hash_of(record: &Record) -> String {
     hash.text()
 }
 
-/// The places of the filters with these names; of all if there is no name.
 pub(crate) fn filters(scenario: &Scenario, names: &[String]) -> Result<Vec<usize>, String> {
     if names.is_empty() {
         return Ok((0..scenario.filters.len()).collect());
@@ -234,7 +233,6 @@ fn write_rows(file: &mut dyn Write, ensemble: &Ensemble, slice: &Slice) -> io::R
     Ok(())
 }
 
-/// Whether a file begins as the part of some sweep does.
 fn begins_as_part(file: &mut File) -> io::Result<bool> {
     let mut head = Vec::new();
     file.seek(SeekFrom::Start(0))?;

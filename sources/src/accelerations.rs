@@ -17,7 +17,6 @@ pub struct Accelerations {
     waiting: Vec<Vec<f64>>,
     meaning: Option<Meaning>,
     readings: Vec<[f64; 4]>,
-    /// The number of lines that were left out.
     left_out: usize,
 }
 

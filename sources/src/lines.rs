@@ -17,7 +17,6 @@ pub struct StreamRow {
     pub readings: Vec<f64>,
 }
 
-/// The meaning of a column.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Column {
     /// With the seconds of its unit, if the header has one.
@@ -44,7 +43,6 @@ struct Clock {
     /// The scenario's \[s\].
     dt: f64,
     last: f64,
-    /// A usual step.
     step: f64,
     /// What a counter that turned over has lost.
     added: f64,

@@ -141,9 +141,7 @@ fn half_life_ui(ui: &mut Ui, fading: f64, dt: f64) {
     });
 }
 
-/// Width of the column of symbols \[points\].
 const SYMBOL_WIDTH: f32 = 22.0;
-/// Width of the column of units \[points\].
 const UNIT_WIDTH: f32 = 36.0;
 
 pub(super) fn belief_ui(

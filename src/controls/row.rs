@@ -62,7 +62,6 @@ pub(super) fn choice_row_ui<T>(ui: &mut Ui, info: &ChoiceInfo<T>, of: &mut T, na
     }
 }
 
-/// A list of choices or of numbers.
 pub(super) fn list_ui(
     ui: &mut Ui,
     (label, hint): (&str, &str),

@@ -57,7 +57,6 @@ pub fn page(address: &str) -> &str {
     address.split(['?', '#']).next().unwrap_or_default()
 }
 
-/// The built-in scenario with a name.
 fn scenario(name: &str) -> Result<BuiltIn, AddressError> {
     let unknown = || AddressError::Scenario {
         name: shortened(name),

@@ -146,7 +146,6 @@ fn of_sensor<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>) -
     drawn(chart, context, &learning(context).collect::<Vec<_>>(), (band, words), truth(sensor, context))
 }
 
-/// The filters that have several scales of Q, with the settings of the first.
 fn scaling<'a>(context: &ViewContext<'a>) -> Option<(&'a FilterSettings, Vec<&'a Estimates>)> {
     let filters = context.filters().map(|(_, estimates)| estimates);
     let scaling: Vec<&Estimates> = filters.filter(|of| of.tells_process_scale()).collect();

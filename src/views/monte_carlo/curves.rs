@@ -193,7 +193,6 @@ fn verdicts(counts: &[usize]) -> Vec<(VerdictKind, f64)> {
     shares
 }
 
-/// Limits the number of bars.
 const BARS: (usize, usize) = (10, 40);
 
 /// The share of the estimates, at either end, that may be beyond the histogram.

@@ -215,7 +215,6 @@ impl Filter<'_> {
     }
 }
 
-/// The kind of the true spring, with the mass at `x` \[m\].
 fn link_kind(spring: Spring, record: &Record, x: f64, k: usize) -> Link {
     let known = |channel: Channel| record.truth(channel)?.get(k).copied().filter(|z| z.is_finite());
     match spring {
