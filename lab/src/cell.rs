@@ -27,7 +27,6 @@ pub struct CellTask {
 }
 
 enum Stage {
-    /// The record is being simulated.
     Record {
         scenario: Scenario,
         simulator: Box<Simulator>,
@@ -108,7 +107,6 @@ impl CellTask {
         ((PIECE - self.spent) / each).clamp(1.0, 1e5) as usize
     }
 
-    /// Continues with the plan's `nth` filter.
     fn filter(&mut self, run: CellRun, nth: usize, pass: Option<FilterPass>) -> Stage {
         let Some(&place) = self.runner.ensemble().plan().filters.get(nth) else { return Stage::Done };
         let first = || if self.runner.needs_history() { self.history(&run, place) } else { self.sums(&run, place) };

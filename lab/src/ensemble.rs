@@ -217,14 +217,12 @@ impl Ensemble {
         scenario
     }
 
-    /// The seed of a cell, if an axis varies it.
     fn seed(&self, cell: usize) -> Option<u64> {
         let place = self.settings.iter().position(is_seed)?;
         Some(self.values(cell)[place] as u64)
     }
 
-    /// The first axis that a given record cannot follow. It follows those of filters, its input's gain, and the seeds of a population
-    /// of filters.
+    /// A given record follows the axes of filters, of its input's gain, and of the seeds of a population of filters.
     pub(crate) fn first_that_changes_record(&self) -> Option<&str> {
         let is_of_filters = !self.drawn.is_empty() && self.drawn.iter().all(Address::is_of_filters);
         let suits = |setting: &Address| setting.suits_given_record() || (is_seed(setting) && is_of_filters);
@@ -257,7 +255,6 @@ impl Ensemble {
     }
 }
 
-/// The numbers that a scenario draws for each seed, if an axis varies it.
 fn drawn(scenario: &Scenario, settings: &[Address]) -> Result<Vec<Address>, UnknownSetting> {
     if !settings.iter().any(is_seed) {
         return Ok(Vec::new());
@@ -360,7 +357,6 @@ impl Trace {
         self.begin + before + time * stride(&self.channels[nth])
     }
 
-    /// Puts the looks at a run of the `nth` filter into a row.
     pub(crate) fn fill(&self, nth: usize, looks: &[Look], row: &mut [f64]) {
         if self.samples.is_empty() {
             return;

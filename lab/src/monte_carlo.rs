@@ -35,7 +35,6 @@ pub enum Judged {
     Causes,
 }
 
-/// The runs of one filter.
 #[derive(Clone, Debug)]
 struct Filter {
     channels: Vec<Channel>,
@@ -258,7 +257,6 @@ impl MonteCarlo {
     }
 }
 
-/// Interpolated between neighbours.
 fn quantile(sorted: &[f64], share: f64) -> f64 {
     let Some(last) = sorted.len().checked_sub(1) else { return f64::NAN };
     let place = share * last as f64;

@@ -6,10 +6,6 @@ use kalmanscope_core::{
     Times, Value, Whole,
 };
 
-/// Any measures of the filter at `place` of a scenario over a record.
-///
-/// # Errors
-/// [`RunError`] where the scenario is impossible, lacks the filter, or does not fit the record.
 pub(crate) fn any(
     scenario: &Scenario,
     place: usize,
@@ -23,10 +19,7 @@ pub(crate) fn any(
     Ok(of_sums(scenario, place, record, measures, &outcome))
 }
 
-/// The measures of the filter at `place` of a scenario over a record, from all its estimates; NaN where one is not known.
-///
-/// # Errors
-/// [`RunError`] where the scenario is impossible, lacks the filter, or does not fit the record.
+/// From all estimates; NaN where one is not known.
 fn of_history(scenario: &Scenario, place: usize, record: &Record, measures: &[Measure]) -> Result<Vec<f64>, RunError> {
     let mut pass = HistoryPass::new(scenario, place, record)?;
     pass.advance(record, record.len());
@@ -38,7 +31,6 @@ pub(crate) fn place_of_cause(measures: &[Measure]) -> Option<usize> {
     measures.iter().position(|measure| *measure == Measure::CAUSE)
 }
 
-/// The number of the cause that a search has found.
 pub(crate) fn number_of(search: FirstCause) -> f64 {
     Value::Cause(search.finish()).number()
 }
@@ -51,10 +43,6 @@ pub(crate) struct HistoryPass {
 }
 
 impl HistoryPass {
-    /// The filter at `place` of a scenario before the first sample of a record.
-    ///
-    /// # Errors
-    /// [`RunError`] where the scenario is impossible, lacks the filter, or does not fit the record.
     pub(crate) fn new(scenario: &Scenario, place: usize, record: &Record) -> Result<Self, RunError> {
         let estimates = Pass::history(scenario, place)?;
         let scores = Scores::new(&estimates, record);

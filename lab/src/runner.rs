@@ -120,7 +120,6 @@ impl Runner {
                     self.fill(nth, run, outcome, row);
                 } else if let Ok(scores) = outcome::any(scenario, place, record, &plan.measures) {
                     self.fill_scores(nth, &scores, row);
-                    // Without samples to look at, no second run is needed.
                     if !trace.samples().is_empty()
                         && let Ok(outcome) = Outcome::at(scenario, place, record, trace.samples())
                     {
@@ -144,7 +143,6 @@ impl Runner {
         row
     }
 
-    /// Writes the outcome of the plan's `nth` filter into the row of a run.
     pub(crate) fn fill(&self, nth: usize, CellRun { scenario, record }: &CellRun, outcome: &Outcome, row: &mut [f64]) {
         let Plan { filters, measures, .. } = self.ensemble.plan();
         let scores = outcome::of_sums(scenario, filters[nth], record, measures, outcome);
@@ -152,8 +150,7 @@ impl Runner {
         self.ensemble.trace().fill(nth, &outcome.looks, row);
     }
 
-    /// The factor on the input of a given record in a scenario: the record was imported with the gain of the ensemble's
-    /// scenario.
+    /// On the input of a given record, which was imported with the gain of the ensemble's scenario.
     fn input_factor(&self, scenario: &Scenario) -> f64 {
         let [gain, own] = [scenario, self.ensemble.scenario()].map(RECORD_GAIN.get);
         if gain.is_nan() || own.is_nan() { 1.0 } else { gain / own }
@@ -179,7 +176,6 @@ impl Runner {
         kept.or_else(|| self.source.record().map(of_given))
     }
 
-    /// Keeps the record of a cell for the next ones.
     pub(crate) fn keep(&self, cell: usize, record: Record) -> Arc<Record> {
         let record = Arc::new(record);
         let mut records = self.records.lock().unwrap_or_else(PoisonError::into_inner);
@@ -190,7 +186,6 @@ impl Runner {
         record
     }
 
-    /// Writes the scores from the history of the plan's `nth` filter into the row of a run.
     pub(crate) fn fill_scores(&self, nth: usize, scores: &[f64], row: &mut [f64]) {
         let width = self.ensemble.plan().measures.len();
         row[nth * width..][..width].copy_from_slice(scores);
@@ -201,7 +196,6 @@ impl Runner {
 #[cfg(feature = "lanes")]
 const ABREAST: usize = kalmanscope_lanes::LANES;
 
-/// The number of runs side by side.
 #[cfg(not(feature = "lanes"))]
 const ABREAST: usize = 1;
 
@@ -211,7 +205,6 @@ fn is_served(CellRun { scenario, record }: &CellRun, place: usize) -> bool {
     kalmanscope_lanes::serves(&kalmanscope_lanes::LaneRun { scenario, place, record }).is_ok_and(|is_served| is_served)
 }
 
-/// Whether lanes serve the filter at a place of a run.
 #[cfg(not(feature = "lanes"))]
 fn is_served(_: &CellRun, _: usize) -> bool {
     false

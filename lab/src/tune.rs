@@ -46,7 +46,6 @@ enum Stage {
     /// The axis, and the place on it, to try next.
     Scanning(usize, usize),
     Searching(Box<Search>),
-    /// How far each setting may be off is being found out.
     Looking(Box<Information>),
     Done,
 }

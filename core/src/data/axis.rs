@@ -6,7 +6,6 @@ use thiserror::Error;
 use crate::Scenario;
 use crate::data::setting::{Address, FADING, RECORD_GAIN, SEED};
 
-/// Limits the values on one axis.
 pub(crate) const MAX_COUNT: usize = 1_000_000;
 
 /// Equally spaced values of one setting, both ends included.

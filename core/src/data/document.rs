@@ -167,12 +167,10 @@ pub fn put(document: &mut Document, path: &str, value: &Document) -> bool {
     }
 }
 
-/// Whether a setting has its default, and need not be written.
 pub(crate) fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
 }
 
-/// Whether a number is one, and need not be written.
 pub(crate) fn is_one<T: From<u8> + PartialEq>(number: &T) -> bool {
     *number == T::from(1)
 }

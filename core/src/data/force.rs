@@ -56,8 +56,7 @@ impl Default for Force {
 }
 
 impl Force {
-    /// The force of sample `k`, held over `[k dt, (k + 1) dt)`. Draws one number per sample from `noise` if the force
-    /// is random.
+    /// Held over `[k dt, (k + 1) dt)`. Draws one number per sample from `noise` if the force is random.
     pub(crate) fn sample(&self, k: usize, dt: f64, noise: &mut Normal) -> f64 {
         let t = k as f64 * dt;
         match *self {

@@ -51,7 +51,6 @@ pub struct Input {
     pub values: Vec<f64>,
 }
 
-/// Values that a measurement or a truth may have.
 const OPTIONAL: &str = "a number or NaN";
 
 impl Record {
@@ -143,7 +142,6 @@ impl Record {
         }
     }
 
-    /// The same columns without samples.
     pub(crate) fn emptied(&self) -> Self {
         let Self { dt, kind, hold, sensors, truth_channels, .. } = self;
         Self::empty(*dt, *kind, *hold, sensors.clone(), truth_channels.clone())
@@ -254,8 +252,7 @@ impl Record {
         self.force(place.min(self.len() - 1))
     }
 
-    /// What happens in the step to sample `k`, of the sensors in these columns, where input and sensors are late. Returns false if
-    /// readings and input have the samples' times.
+    /// Of the sensors in these columns, where input and sensors are late. False if readings and input have the samples' times.
     pub(crate) fn parts_to(&self, k: usize, delays: &Delays, columns: &[usize], into: &mut Parts) -> bool {
         let clocks = self.clocks.as_deref();
         if clocks.is_none() && !delays.is_of_sensors() {
@@ -274,8 +271,7 @@ impl Record {
         true
     }
 
-    /// The reading of a column that tells of sample `k` where its sensor is late by these steps, to the nearest sample; NaN where there is
-    /// none.
+    /// The reading of sample `k` where the sensor is late by these steps, to the nearest sample; NaN where there is none.
     #[inline]
     pub(crate) fn late_reading(&self, column: usize, k: usize, late: f64) -> f64 {
         let place = if late == 0.0 { Some(k) } else { k.checked_add_signed(libm::round(late) as isize) };
@@ -311,8 +307,7 @@ impl Record {
     }
 }
 
-/// Separates keys from columns. Fails where a key is repeated, a column has the wrong length, or a value is not
-/// allowed.
+/// Fails where a key is repeated, a column has the wrong length, or a value is not allowed.
 fn complete<T: Copy + PartialEq>(
     columns: Vec<(T, Vec<f64>)>,
     expected: usize,

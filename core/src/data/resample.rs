@@ -20,7 +20,6 @@ pub(crate) fn anti_alias(values: &mut Vec<f64>, every: usize) {
     }
 }
 
-/// Keeps every `every`-th value unchanged.
 pub(crate) fn keep_every(values: &mut Vec<f64>, every: usize) {
     let mut place = 0;
     values.retain(|_| {
@@ -83,8 +82,7 @@ pub(crate) fn spread(values: &[f64], steps: usize) -> Vec<f64> {
     finer
 }
 
-/// A record with `steps` steps in place of one, as [`interpolate`](crate::import::Mapping::interpolate) makes it. `None` if it would be too long, or its
-/// readings have times of their own.
+/// `None` if it would be too long, or its readings have times of their own.
 pub(crate) fn finer(record: &Record, steps: usize) -> Option<Record> {
     if record.clocks().is_some() || record.len().saturating_mul(steps) > MOST {
         return None;
@@ -105,7 +103,6 @@ fn kernel(share: f64) -> Vec<f64> {
         sinc * bessel(KAISER * libm::sqrt((1.0 - window * window).max(0.0))) / bessel(KAISER)
     };
     let weights: Vec<f64> = (1 - REACH..=REACH).map(weight).collect();
-    // A constant stays constant.
     let sum: f64 = weights.iter().sum();
     weights.into_iter().map(|weight| weight / sum).collect()
 }
@@ -131,7 +128,6 @@ struct Section {
     a: [f64; 2],
 }
 
-/// The side of the cut-off frequency that passes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Pass {
     Low,
@@ -189,7 +185,6 @@ pub(crate) fn band_pass(values: &mut Vec<f64>, low: f64, high: f64) {
         return;
     }
     let mut extended = Vec::with_capacity(values.len() + 2 * margin);
-    // Turned about its ends, so that value and slope go on.
     let (first, last) = (values[0], values[values.len() - 1]);
     extended.extend(values[1..=margin].iter().rev().map(|value| 2.0 * first - value));
     extended.extend_from_slice(values);

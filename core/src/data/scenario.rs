@@ -92,7 +92,6 @@ impl Sensor {
 }
 
 impl Default for Scenario {
-    /// A stiffness loss half-way, estimated by an EKF and a UKF with fading memory.
     fn default() -> Self {
         let mut scenario = Self {
             seed: 1,
@@ -176,7 +175,6 @@ impl Scenario {
         self.fill_in();
     }
 
-    /// Fills in the settings that a file may leave out.
     fn fill_in(&mut self) {
         self.number_filters();
         self.name_filters();
@@ -193,7 +191,6 @@ impl Scenario {
     }
 }
 
-/// An EKF and a UKF with fading memory, without names and noise of the sensors.
 fn default_filters() -> Vec<FilterSettings> {
     let fading = |kind: FilterKind| FilterSettings { kind, fading: 1.005, ..FilterSettings::default() };
     vec![fading(FilterKind::EKF), fading(FilterKind::UKF)]

@@ -114,7 +114,6 @@ impl Signal {
         own.numbers_mut().into_iter().map(|(name, number)| (name, *number)).collect()
     }
 
-    /// The same, to be changed.
     pub(crate) fn numbers_mut(&mut self) -> Vec<(&'static str, &mut f64)> {
         match self {
             Self::Constant(value) => vec![("", value)],

@@ -12,7 +12,6 @@ use smoothing::Smoothing;
 /// Limits the samples that the diagnostics take in between two checks of the time: about 0.5 ms.
 const DIAGNOSTICS_CHUNK: usize = 10_000;
 
-/// The same of the evidence.
 const EVIDENCE_CHUNK: usize = 10_000;
 
 /// Limits the samples that a bound takes in between two checks of the time: about 0.5 ms.
@@ -53,7 +52,6 @@ pub(crate) struct Subject<'a> {
     pub(crate) record: &'a Record,
     /// The number of samples done, counted from the beginning of the run.
     pub(crate) done: usize,
-    /// Whether these are all samples of the run, and no more come.
     pub(crate) whole: bool,
     /// Filters that have a place here are already analysed.
     pub(crate) known: &'a [Option<usize>],
@@ -61,7 +59,6 @@ pub(crate) struct Subject<'a> {
 }
 
 impl<'a> Subject<'a> {
-    /// The part of a run that is done so far.
     pub(crate) fn of(run: &'a Run) -> Self {
         let (bank, record, done) = (&run.bank, run.record(), run.done());
         Self { bank, record, done, whole: done == run.samples() && !run.is_live(), known: &[], bounds: &[] }
@@ -155,7 +152,6 @@ impl Analysis {
         }
     }
 
-    /// Takes over the memory of an unused analysis.
     pub(crate) fn recycle(&mut self, mut old: Self) {
         old.smoothing.discard(&mut old.waste);
         self.spare.append(&mut old.spare);
@@ -170,12 +166,10 @@ impl Analysis {
         self.evidences.iter_mut().for_each(|evidence| evidence.forget_before(sample));
     }
 
-    /// Returns one piece of unused memory to the system. Returns whether there was one.
     pub(crate) fn free_one(&mut self) -> bool {
         self.waste.free_one()
     }
 
-    /// Takes over the results for another run, or for changed filters of the same run.
     pub(crate) fn replace(&mut self, new: Self, update: &Update, run: &Run) {
         let mut old = std::mem::replace(self, new);
         if self.wanted != old.wanted {
@@ -219,8 +213,7 @@ impl Analysis {
         self.recycle(old);
     }
 
-    /// Takes in new samples. Calls `while_time` after each small piece of work and returns early if it is false.
-    /// Returns whether everything is done.
+    /// Returns early once `while_time`, called after each small piece of work, is false. Returns whether all is done.
     pub(crate) fn advance(&mut self, subject: &Subject<'_>, while_time: &mut dyn FnMut() -> bool) -> bool {
         self.diagnosed = self.wanted.diagnostics.is_some_and(|depth| self.diagnose(depth, subject, while_time));
         if self.wanted.diagnostics.is_some() && !self.diagnosed {
@@ -391,7 +384,6 @@ impl Wanted {
 }
 
 impl Default for Wanted {
-    /// All diagnostics and smoothed estimates, no bounds.
     fn default() -> Self {
         Self { diagnostics: Some(Depth::All), smoothed: Hindsight::All, ..Self::NOTHING }
     }
@@ -405,8 +397,7 @@ pub struct Bound {
     pub filters: Vec<u32>,
 }
 
-/// The bounds of a scenario's filters: reuses those of `old` that still apply, and adds new ones for the places that
-/// need one.
+/// Reuses those of `old` that still apply, and adds new ones for the places that need one.
 fn bounds_of(scenario: &Scenario, dt: f64, mut old: Vec<Bound>, is_needed: impl Fn(usize) -> bool) -> Vec<Bound> {
     let mut bounds: Vec<Bound> = Vec::new();
     for place in (0..scenario.filters.len()).filter(|&place| is_needed(place)) {

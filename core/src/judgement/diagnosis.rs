@@ -111,7 +111,6 @@ impl Diagnosis {
         self.since(filter, scenario, place, diagnostics, estimates, record)
     }
 
-    /// The same for a filter that was made from `origin` by making edits.
     fn since(
         &self,
         origin: &FilterSettings,

@@ -205,7 +205,6 @@ impl Job {
 mod tests {
     use crate::{FilterKind, FilterSettings, Job, Pass, Scenario, Source, Study, Tape, Update};
 
-    /// A study of every kind of filter, the adaptive ones too, and one that diverges.
     fn scenario() -> Scenario {
         let mut scenario = Scenario { duration: 6.0, ..Scenario::default() };
         let first = scenario.filters[0].clone();

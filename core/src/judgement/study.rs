@@ -13,8 +13,7 @@ const KEPT_SPARE: usize = 100_000;
 /// The least window: a part of it is forgotten, and a part is kept.
 const LEAST_WINDOW: usize = 4;
 
-/// The samples to forget at the limit of a window. A quarter stays: all that stays is moved, and analysed again, within one
-/// frame.
+/// A quarter stays at the limit of a window: all that stays is moved, and analysed again, within one frame.
 pub(crate) fn forgotten_of(window: usize) -> usize {
     window - window / 4
 }

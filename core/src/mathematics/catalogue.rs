@@ -45,7 +45,6 @@ impl<'de> Deserialize<'de> for Channel {
     }
 }
 
-/// The keys of channels, for a message.
 pub(crate) fn expected_channels(has: impl Fn(Channel) -> bool) -> String {
     expected(Channel::all().iter().filter(|c| c.mass() == 0 && has(**c)).map(|c| c.key()))
 }

@@ -266,7 +266,6 @@ impl PartialOrd for Channel {
 }
 
 impl Ord for Channel {
-    /// Orders by key.
     fn cmp(&self, other: &Self) -> Ordering {
         self.key().cmp(other.key())
     }

@@ -40,7 +40,6 @@ impl EquationError {
         Self { what: what.into(), place: Some((place, String::new())) }
     }
 
-    /// The same with its equation.
     fn within(mut self, text: &str) -> Self {
         if let Some((_, whole)) = &mut self.place {
             text.clone_into(whole);
@@ -48,7 +47,6 @@ impl EquationError {
         self
     }
 
-    /// The equation with a mark before the character.
     fn pointed(&self) -> String {
         let Some((place, text)) = &self.place else { return String::new() };
         let before: String = text.chars().take(*place).collect();

@@ -106,7 +106,6 @@ pub enum FilterError {
 }
 
 impl From<RootError> for FilterError {
-    /// The error of a covariance without a root.
     fn from(error: RootError) -> Self {
         match error {
             RootError::NotFinite => Self::NotFinite,

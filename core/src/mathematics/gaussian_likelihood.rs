@@ -5,7 +5,6 @@ use std::ops::RangeInclusive;
 
 use crate::mathematics::engine::columns::factor;
 
-/// ln 2π
 const LN_2_PI: f64 = 1.837_877_066_409_345_5;
 
 /// `-(NIS + ln det S + m ln 2π) / 2`. From the sums of these terms over several samples it is the sum of their log likelihoods.

@@ -29,11 +29,9 @@ pub enum RootError {
     Indefinite,
 }
 
-/// The lower triangular `L` with `L Lᵀ = S` for a symmetric n × n matrix S, zero above the diagonal. A variance that is zero
-/// to rounding gives a column of zeros, so that a component known for certain stays so.
-///
-/// # Errors
-/// [`RootError`] where a pivot is negative beyond rounding, or no finite number.
+/// The lower triangular `L` with `L Lᵀ = S` for a symmetric n × n matrix S, zero above the diagonal. A variance that is zero to
+/// rounding gives a column of zeros, so that a component known for certain stays so. Fails where a pivot is negative beyond
+/// rounding, or no finite number.
 pub(crate) fn lower_root(s: &Matrix) -> Result<Matrix, RootError> {
     let (root, Rooted { holds, is_finite }) = partial_root(s);
     match (holds, is_finite) {

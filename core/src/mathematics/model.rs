@@ -164,7 +164,6 @@ impl Model {
         if self.eta == 0.0 { self.motion } else { self.own }
     }
 
-    /// Hands over the plant's own state, logarithms undone.
     fn with_plain<T>(&self, state: &[f64], take: impl FnOnce(&[f64]) -> T) -> T {
         /// Limits the states that need no memory of their own: ten masses have 31 components.
         const FEW: usize = 32;
@@ -216,7 +215,6 @@ impl Model {
         rate
     }
 
-    /// [`Self::rate_under`], written over `rate`.
     pub(crate) fn rate_under_into(&self, state: &[f64], acting: f64, rate: &mut [f64]) {
         let (motion, rest) = rate.split_at_mut(self.motion);
         self.motion_rate_under_into(state, acting, motion);

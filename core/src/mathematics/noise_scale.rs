@@ -73,7 +73,6 @@ impl NoiseScale {
         self.weigh();
     }
 
-    /// The posterior of the likelihoods so far.
     fn weigh(&mut self) {
         let Self { grid, log_likelihood: all, weights, sums: [one, two], .. } = self;
         let power = if *two > 0.0 { *one / *two } else { 1.0 };
@@ -183,7 +182,6 @@ mod tests {
         }
     }
 
-    /// Two standard deviations hold the truth in 95.4 % of all cases, with and without forgetting.
     #[test]
     fn two_sigma_hold_the_true_scale() {
         for (keep, count) in [(1.0, 200), (0.99, 150), (0.99, 1500), (0.998, 2000)] {

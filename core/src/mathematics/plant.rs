@@ -65,7 +65,6 @@ pub trait Plant: Any + Send + Sync {
 #[derive(Clone, Copy)]
 pub struct PlantKind(&'static dyn Plant);
 
-/// The registry: a constant for each plant, and the list of all.
 macro_rules! registry {
     ($($(#[$doc:meta])* $name:ident = $plant:expr;)*) => {
         impl PlantKind {

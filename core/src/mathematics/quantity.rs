@@ -114,7 +114,6 @@ impl Quantity {
         all.iter().position(|&other| other == self)
     }
 
-    /// Its place in [`Self::all`].
     fn place(self) -> usize {
         self.place_in(Self::all()).unwrap_or(usize::MAX)
     }
@@ -229,7 +228,6 @@ macro_rules! bias {
     };
 }
 
-/// The gain of a sensor.
 macro_rules! gain {
     ($key:literal, $name:literal, $symbol:literal) => {
         ChannelInfo {

@@ -9,8 +9,7 @@ use std::f64::consts::TAU;
 use rand::{Rng as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 
-/// The purpose of a stream of random numbers. Each purpose has its own stream, so that adding a sensor or a disturbance
-/// changes no other noise.
+/// Each purpose has its own stream, so that adding a sensor or a disturbance changes no other noise.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Purpose {
     Force,

@@ -1,6 +1,5 @@
 //! Classical Runge-Kutta steps.
 
-/// The memory that Runge-Kutta steps take, for one step after the other.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct RungeKutta {
     stage: Vec<f64>,

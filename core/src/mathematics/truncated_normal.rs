@@ -80,7 +80,6 @@ fn mills(x: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// By Simpson's rule over what counts.
     fn by_quadrature(least: f64, most: f64) -> [f64; 2] {
         let from = least.max(-12.0);
         let nearest = from.max(0.0).min(most.abs());

@@ -26,8 +26,7 @@ use crate::{Channel, FilterKind, FilterSettings, Quantity, Record, Scenario};
 pub struct CramerRao {
     settings: FilterSettings,
     channels: Vec<Channel>,
-    /// The filter whose mean is set to the truth at every sample, and the quantity of each of its sensors. `None` if the filter
-    /// cannot begin.
+    /// Its mean is set to the truth at every sample. With the quantity of each of its sensors; `None` if it cannot begin.
     recursion: Option<(Filter<f64>, Vec<Quantity>)>,
     std: Vec<f64>,
     /// The number of samples that the record had forgotten at the last call.
@@ -141,8 +140,7 @@ impl CramerRao {
     }
 }
 
-/// The settings of the bound's filter: the initial belief and process noise of the filter at `place`, the truth
-/// otherwise.
+/// The initial belief and process noise of the filter at `place`, the truth otherwise.
 fn bound_settings(scenario: &Scenario, place: usize) -> Option<FilterSettings> {
     let FilterSettings { kind, augment, mut initial_std, mut process_std, initial_mean, eta, .. } =
         scenario.filters.get(place)?.clone();

@@ -71,7 +71,6 @@ impl Diagnostics {
         self.follow(estimates, record);
     }
 
-    /// Begins again with other estimates, before their first sample.
     pub(crate) fn clear(&mut self, estimates: &Estimates, record: &Record) {
         let Self { depth, samples, forgotten, accuracy, nees, nis, whiteness, likelihood, stop } = self;
         *samples = 0;
@@ -170,9 +169,8 @@ impl Diagnostics {
         (tally.known > 0).then_some(tally)
     }
 
-    /// The channels that the filter has lost, each with its root mean square error over the last fifth in standard
-    /// deviations and in its unit. This error is more than `limit` standard deviations, larger than the truth ever was
-    /// and larger than the initial belief allows.
+    /// Each with its root mean square error over the last fifth in standard deviations and in its unit: more than `limit`
+    /// standard deviations, larger than the truth ever was and than the initial belief allows.
     pub(crate) fn lost(&self, estimates: &Estimates, limit: f64) -> Vec<(Channel, f64, f64)> {
         let Some(last) = self.samples.checked_sub(1) else { return Vec::new() };
         let recent = self.samples * 4 / 5..self.samples;

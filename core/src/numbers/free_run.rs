@@ -208,7 +208,6 @@ mod tests {
         }
     }
 
-    /// The free run of each filter's last model over its own record, and the fits one step ahead after its beginning.
     fn free_runs(text: &str) -> Vec<(FreeRun, Vec<Option<Fit>>)> {
         let scenario = scenario(text);
         let mut run = Run::new(&scenario).unwrap();

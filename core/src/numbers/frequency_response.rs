@@ -228,7 +228,6 @@ impl TransferFunction {
         magnitude
     }
 
-    /// [`Self::magnitude`], written over the contents of `magnitude`
     fn magnitude_into(&self, frequencies: &[f64], magnitude: &mut Vec<f64>) {
         let Self { numerator, denominator, degree: _, unit } = self;
         let at = |w: f64| (square_at(numerator, w / unit) / square_at(denominator, w / unit)).sqrt();

@@ -32,8 +32,7 @@ impl Evidence {
         evidence
     }
 
-    /// Takes in the samples up to `end` of those that are kept of the estimates that it began with. Those that were forgotten
-    /// unseen are left out.
+    /// Up to `end` of the kept samples of the estimates that it began with; those forgotten unseen are left out.
     pub(crate) fn follow_to(&mut self, end: usize, estimates: &Estimates) {
         self.forget_before(estimates.forgotten());
         for k in self.sums.len()..end.min(estimates.len()) {
@@ -91,7 +90,6 @@ impl ModelClasses {
         }
     }
 
-    /// Each class that is possible, with its probability.
     fn possible(&self) -> impl Iterator<Item = (usize, f64)> {
         self.0.iter().copied().enumerate().filter(|(_, p)| *p > 0.0)
     }

@@ -9,7 +9,6 @@ use crate::{Record, Task};
 const WINDOW: [usize; 2] = [64, 1024];
 /// The windows that a record should have at least, before they overlap.
 const WINDOWS: usize = 24;
-/// Limits the columns.
 const COLUMNS: usize = 400;
 
 /// The power of a measurement in windows that overlap.
@@ -109,7 +108,6 @@ impl Task for Windows {
         self.power.len() as f64 / all as f64
     }
 
-    /// Each window is a piece of work.
     fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
         let Self { values, length, hop, weights, transform, buffer, power, .. } = self;
         while let Some(window) = values.get(power.len() * *hop..power.len() * *hop + *length) {

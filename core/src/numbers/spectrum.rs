@@ -131,7 +131,6 @@ impl Sum {
         }
     }
 
-    /// The squares of the sums of both halves of a window.
     fn squares_with(&self, other: &Self) -> [f64; LANES] {
         std::array::from_fn(|i| {
             let (re, im) = (self.re[i] + other.re[i], self.im[i] + other.im[i]);
@@ -191,8 +190,7 @@ impl Group {
         self.samples += samples.len();
     }
 
-    /// Ends a half: the falling window is complete and the rising one begins to fall. Phases are computed from the time
-    /// again, so that rounding does not accumulate.
+    /// Ends a half. Phases are computed from the time again, so that rounding does not accumulate.
     fn finish_half(&mut self, dt: f64) {
         for (sum, square) in self.squares.iter_mut().zip(self.risen.squares_with(&self.falling)) {
             *sum += square;

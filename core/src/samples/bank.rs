@@ -10,7 +10,6 @@ use crate::samples::smoother::lag::FixedLag;
 use crate::samples::tape::Tape;
 use crate::{Estimates, FilterSettings, Pass, Quantity, Record, RunError, Scenario};
 
-/// The filters of a scenario and their histories, over one record.
 pub(crate) struct Bank {
     /// The scenario; each filter has a unique id.
     pub(crate) scenario: Scenario,
@@ -26,7 +25,6 @@ pub(crate) struct Bank {
 }
 
 impl Bank {
-    /// An empty bank for a scenario and a record of its kind.
     pub(crate) fn new(scenario: &Scenario, record: &Record) -> Result<Self, RunError> {
         let quantities = scenario.measured();
         let (sensors, apart) = (sensor_places(scenario, record)?, apart(record, &quantities));
@@ -41,8 +39,7 @@ impl Bank {
         FilterContext::new(&self.scenario, record.dt(), filter).over(record, filter)
     }
 
-    /// Adds the scenario's next filter before the first sample. Reserves memory for `samples`, or reuses that of old
-    /// estimates.
+    /// Reserves memory for `samples`, or reuses that of old estimates.
     pub(crate) fn add(&mut self, record: &Record, samples: usize, spare: Option<Estimates>) {
         let place = self.passes.len();
         let filter = &self.scenario.filters[place];
@@ -58,7 +55,6 @@ impl Bank {
         self.passes[place].take(tape, samples, &mut self.estimates[place])
     }
 
-    /// Drops the samples that the filter at a place has taken in.
     pub(crate) fn begin_again(&mut self, place: usize, samples: usize) {
         let mut estimates = self.empty(&self.scenario.filters[place]);
         std::mem::swap(&mut estimates, &mut self.estimates[place]);
@@ -73,33 +69,28 @@ impl Bank {
         self.passes.push(Pass::idle());
     }
 
-    /// Empty estimates for a filter.
     fn empty(&self, filter: &FilterSettings) -> Estimates {
         let model = filter.model(self.scenario.plant.kind, self.scenario.input);
         let estimates = Estimates::new(filter, &model, self.quantities.clone());
         estimates.over(self.apart.as_deref(), self.dt, counts_in_samples(filter))
     }
 
-    /// The number of samples beyond its last one that a filter reads of the record, if it takes the record for late.
     pub(crate) fn lookahead(&self) -> usize {
         lookahead(&self.scenario, self.dt)
     }
 
-    /// The number of samples before its last one that a filter reads of the record.
     pub(crate) fn reach(&self) -> usize {
         self.scenario.filters.iter().map(|filter| filter.delays(self.dt).reach()).max().unwrap_or(0)
     }
 
-    /// Runs all filters over a record up to `samples`, one filter after the other, because each one's data then stays
-    /// in the cache.
+    /// One filter after the other, because each one's data then stays in the cache.
     pub(crate) fn follow(&mut self, record: &Record, samples: usize) {
         for place in 0..self.passes.len() {
             self.follow_one(place, record, samples);
         }
     }
 
-    /// Computes the next sample of each filter ahead, one filter after the other, and calls `while_time` after each. Returns
-    /// early if it is false.
+    /// One filter after the other. Returns early if `while_time`, called after each, is false.
     pub(crate) fn prepare(&mut self, record: &Record, while_time: &mut dyn FnMut() -> bool) -> bool {
         self.passes.iter_mut().all(|pass| {
             let is_there = pass.is_prepared();
@@ -108,7 +99,6 @@ impl Bank {
         })
     }
 
-    /// Runs the filter at a place over a record up to `samples`.
     pub(crate) fn follow_one(&mut self, place: usize, record: &Record, samples: usize) {
         let (pass, estimates) = (&mut self.passes[place], &mut self.estimates[place]);
         if pass.done() < samples {
@@ -117,14 +107,12 @@ impl Bank {
         pass.follow(record, samples, estimates);
     }
 
-    /// Forgets the first samples that are still kept.
     pub(crate) fn forget(&mut self, samples: usize) {
         for estimates in &mut self.estimates {
             estimates.forget(samples);
         }
     }
 
-    /// The smoother of the filter at a place, if its settings ask for one and its kind has one.
     pub(crate) fn smoother(&self, place: usize, record: &Record) -> Option<Box<dyn Smoother>> {
         let filter = self.scenario.filters.get(place).filter(|filter| filter.smoother)?;
         let context = self.context(record, place);

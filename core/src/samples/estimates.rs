@@ -37,7 +37,6 @@ pub struct Estimates {
     color: Option<FilterColor>,
     plant: PlantKind,
     channels: Vec<Channel>,
-    /// The place of the natural frequency; its sign determines the canonical form.
     frequency: Option<usize>,
     sensors: Vec<Quantity>,
     forgotten: usize,
@@ -80,7 +79,6 @@ pub struct Estimates {
 }
 
 impl Estimates {
-    /// Empty estimates of a filter with this model and these sensors.
     pub(crate) fn new(settings: &FilterSettings, model: &Model, sensors: Vec<Quantity>) -> Self {
         let (plant, channels) = (model.plant(), model.channels());
         Self {
@@ -123,7 +121,6 @@ impl Estimates {
         }
     }
 
-    /// Empty estimates of the filter's smoother.
     pub(crate) fn of_smoother(self) -> Self {
         Self { name: self.name + SMOOTHED, smoothed: true, weighs: false, learns: false, scales: false, ..self }
     }
@@ -363,29 +360,24 @@ fn chunk(values: &[f64], k: usize, size: usize) -> &[f64] {
     &values[k * size..(k + 1) * size]
 }
 
-/// One number per channel and sample. The numbers of one channel are contiguous, so that drawing or adding up a channel
-/// reads no other memory.
+/// The numbers of one channel are contiguous, so that drawing or adding up a channel reads no other memory.
 #[derive(Clone, Debug)]
 pub(crate) struct ByChannel(Vec<Vec<f64>>);
 
 impl ByChannel {
-    /// Empty columns for this number of channels.
     pub(crate) fn new(channels: usize) -> Self {
         Self(vec![Vec::new(); channels])
     }
 
-    /// The columns.
     pub(crate) fn columns(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {
         self.0.iter_mut()
     }
 
-    /// The numbers of one channel.
     #[inline]
     pub(crate) fn of(&self, channel: usize) -> &[f64] {
         &self.0[channel]
     }
 
-    /// Appends a sample, one number per channel.
     #[inline]
     pub(crate) fn push(&mut self, sample: impl Iterator<Item = f64>) {
         for (values, value) in self.0.iter_mut().zip(sample) {
@@ -400,7 +392,6 @@ impl ByChannel {
         }
     }
 
-    /// Takes over the memory of another, with room for this many samples.
     pub(crate) fn recycle(&mut self, old: Self, samples: usize) {
         let mut old = old.0.into_iter();
         for values in &mut self.0 {
@@ -452,8 +443,7 @@ impl Estimates {
 }
 
 impl Estimates {
-    /// Empty estimates over readings that are `dt` \[s\] apart, or have times of their own: `apart` tells for each sensor how many
-    /// samples lie between two of them then. `option` is what makes the filter count in samples.
+    /// Readings `dt` \[s\] apart, or with `apart` samples between two of each sensor. `option` makes the filter count in samples.
     pub(crate) fn over(self, apart: Option<&[usize]>, dt: f64, option: Option<&'static str>) -> Self {
         let has_parts = self.delays(dt).sensors.iter().any(|steps| libm::trunc(*steps) != *steps);
         let monitor = match (apart, option) {
@@ -473,7 +463,6 @@ impl Estimates {
         Some(move |k| record.late_reading(column, k, late))
     }
 
-    /// The delays of the sensors, with `dt` \[s\] between samples.
     fn delays(&self, dt: f64) -> Delays {
         Delays::new(0, self.sensor_delay.iter().map(|late| late / dt))
     }

@@ -12,25 +12,19 @@ use crate::mathematics::model::{Hold, InputKind, Model};
 use crate::samples::sink::Sink;
 use crate::{Channel, FilterError, FilterSettings, PlantKind, Quantity, Record, Scenario};
 
-/// A filter that computes one sample at a time.
 pub(crate) trait Estimator: Send {
-    /// Reports the initial belief.
     fn begin(&self, sink: &mut dyn Sink) -> Result<(), FilterError>;
 
     /// Predicts from the last sample with its force, updates with this sample's measurements, and reports the result.
     fn step(&mut self, force_before: f64, force: f64, measured: &[f64], sink: &mut dyn Sink)
     -> Result<(), FilterError>;
 
-    /// The same through the parts of a step, each with readings at its end. Only filters that [`counts_in_samples`] does not name are
-    /// built for it.
+    /// The same through a step's parts. Only filters that [`counts_in_samples`] does not name are built for it.
     fn step_through(&mut self, _: &Parts, _: &mut dyn Sink) -> Result<(), FilterError> {
         Err(FilterError::NotFinite)
     }
 
-    /// Goes on from another belief, in the channels' units. Only a mean and a covariance can be replaced.
-    ///
-    /// # Errors
-    /// [`FilterError::IndefiniteCovariance`] where it cannot.
+    /// In the channels' units. Only a mean and a covariance can be replaced.
     fn set_belief(&mut self, _mean: &[f64], _cov: &[f64]) -> Result<(), FilterError> {
         Err(FilterError::IndefiniteCovariance)
     }
@@ -45,10 +39,6 @@ pub(crate) trait Estimator: Send {
         None
     }
 
-    /// Begins again from an earlier state.
-    ///
-    /// # Errors
-    /// [`FilterError::IndefiniteCovariance`] where it cannot.
     fn restore(&mut self, _: &State) -> Result<(), FilterError> {
         Err(FilterError::IndefiniteCovariance)
     }
@@ -61,8 +51,7 @@ pub(crate) struct State {
     misfits: Vec<f64>,
 }
 
-/// The option of a filter that counts in samples, if it has one. Such a filter cannot go from one reading to the next: it takes each
-/// reading at the sample after it.
+/// A filter that counts in samples cannot go from one reading to the next: it takes each reading at the sample after it.
 pub(crate) fn counts_in_samples(settings: &FilterSettings) -> Option<&'static str> {
     let such = [
         (!settings.kind.is_gaussian(), "random members"),
@@ -87,20 +76,15 @@ impl Estimator for Failed {
     }
 }
 
-/// The inputs of a filter's construction other than its settings.
 #[derive(Clone, Debug)]
 pub(crate) struct FilterContext {
     /// The truth's kind of plant; the filter uses it unless its settings name another.
     pub(crate) plant: PlantKind,
-    /// The kind of input.
     pub(crate) input: InputKind,
-    /// The hold of the input between samples.
     pub(crate) hold: Hold,
-    /// The quantity of each sensor.
     pub(crate) sensors: Vec<Quantity>,
     /// Time between samples \[s\].
     pub(crate) dt: f64,
-    /// Seed of the scenario.
     pub(crate) seed: u64,
     /// The number of the filter's random stream, from 0 on.
     pub(crate) stream: usize,
@@ -111,7 +95,6 @@ pub(crate) struct FilterContext {
 }
 
 impl FilterContext {
-    /// The context of one of a scenario's filters, with `dt` \[s\] between samples.
     pub(crate) fn new(scenario: &Scenario, dt: f64, filter: &FilterSettings) -> Self {
         let Scenario { seed, plant, input, hold, .. } = scenario;
         let sensors = scenario.measured();
@@ -129,7 +112,6 @@ impl FilterContext {
         }
     }
 
-    /// The same over a record.
     pub(crate) fn over(self, record: &Record, settings: &FilterSettings) -> Self {
         let has_times = record.clocks().is_some() || settings.delays(record.dt()).is_of_sensors();
         let is_timed = has_times && counts_in_samples(settings).is_none();
@@ -141,12 +123,10 @@ impl FilterContext {
         self.is_timed || settings.delays(self.dt).is_of_sensors()
     }
 
-    /// The number of steps of such a filter from one sample to the next.
     pub(crate) fn steps(&self, settings: &FilterSettings) -> usize {
         settings.steps(self.plant, self.input, self.dt)
     }
 
-    /// The model of a filter with these settings.
     pub(crate) fn model(&self, settings: &FilterSettings) -> Model {
         settings.model(self.plant, self.input)
     }

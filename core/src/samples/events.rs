@@ -75,7 +75,6 @@ pub struct EventFilter {
     at: usize,
 }
 
-/// The last sample of the filter, and the passages to it.
 #[derive(Default)]
 struct Latest {
     sample: LastSample,
@@ -208,7 +207,6 @@ impl EventFilter {
     /// A smoother with a fixed lag, over the passages that are kept: the cost is that of the events of the look-ahead.
     pub fn hindsight(&mut self) -> Option<(f64, Sample<'_>)> {
         let newest = self.timeline.last_at(self.now);
-        // Clocks are told in decimals.
         let then = self.now - self.look_ahead? * (1.0 - SAME);
         let place = self.timeline.place_until(then)?;
         let mut belief = self.timeline.event(place).state.as_ref()?.belief.clone();
@@ -296,14 +294,12 @@ impl EventFilter {
         Ok(())
     }
 
-    /// Takes in the first event.
     fn begin(&mut self, event: Event) {
         (self.first, self.at) = (event.time, 0);
         self.timeline.insert(event);
         self.timeline.event_mut(0).state = self.estimator.state();
     }
 
-    /// Takes in an event, goes over what comes after it, and on to the newest time.
     fn put(&mut self, event: Event) -> Result<(), EventError> {
         let before = self.at;
         let first = self.timeline.insert(event).max(1);

@@ -26,13 +26,10 @@ pub(crate) trait Rule: Send {
         Ok(())
     }
 
-    /// The weight of each filter, before and after [`Self::update`].
     fn weights(&self) -> &[f64];
 
-    /// Updates the weights by the likelihoods of the measurements.
     fn update(&mut self, members: &mut [Member]) -> Result<(), FilterError>;
 
-    /// The filter that reports alone, if one does.
     fn leader(&self) -> Option<usize> {
         None
     }
@@ -43,7 +40,6 @@ pub(crate) trait Rule: Send {
     }
 }
 
-/// One of the filters.
 pub(crate) struct Member {
     estimator: Box<dyn Estimator>,
     last: LastSample,
@@ -51,7 +47,6 @@ pub(crate) struct Member {
     failure: Option<FilterError>,
 }
 
-/// Filters of one state, and their rule.
 pub(crate) struct Mixture {
     members: Vec<Member>,
     rule: Box<dyn Rule>,
@@ -60,7 +55,6 @@ pub(crate) struct Mixture {
     update: Update,
 }
 
-/// A step of one filter, reporting to a sink.
 type Step<'a> = dyn Fn(&mut dyn Estimator, &mut dyn Sink) -> Result<(), FilterError> + 'a;
 
 /// A filter with a smaller weight adds nothing.
@@ -77,14 +71,12 @@ impl Member {
     }
 }
 
-/// The last sample of each filter that counts, with its weight.
 fn samples<'a>(members: &'a [Member], weights: &[f64]) -> Vec<(f64, Sample<'a>)> {
     let counts = |(member, weight): &(&Member, &f64)| member.failure.is_none() && **weight > LEAST;
     members.iter().zip(weights).filter(counts).map(|(member, weight)| (*weight, member.last.sample())).collect()
 }
 
 impl Mixture {
-    /// The filters of these settings, each of which `build` makes.
     pub(crate) fn new(
         members: &[FilterSettings],
         rule: impl Rule + 'static,
@@ -96,7 +88,6 @@ impl Mixture {
         Self { members, rule: Box::new(rule), belief, prior, update: Update::nothing(0, 0) }
     }
 
-    /// Lets all filters take a step, and reports their mixture.
     fn step_all(&mut self, sink: &mut dyn Sink, step: &Step<'_>) -> Result<(), FilterError> {
         let Self { members, rule, belief, prior, update } = self;
         let (wants_prior, mut reason) = (sink.wants_prior(), FilterError::ImpossibleMeasurement);

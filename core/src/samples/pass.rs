@@ -24,7 +24,6 @@ pub struct Pass {
     ahead: Option<Tape>,
 }
 
-/// A filter, which is built when it is first needed.
 #[derive(Default)]
 struct Built {
     /// What it is built from: to draw a large ensemble takes time. None once it is built, and for a pass without a filter.
@@ -97,7 +96,6 @@ impl Pass {
         Self { filter, sensors, delays, parts, done: 0, stop: None, ahead: None }
     }
 
-    /// A pass without a record, which does nothing.
     pub(crate) fn idle() -> Self {
         Self::of(Built::default(), Delays::default(), false, Vec::new())
     }
@@ -133,9 +131,8 @@ impl Pass {
         self.stop
     }
 
-    /// Takes in the next samples of the same filter, which another pass has computed, and appends them to its history.
-    /// `samples` is the number of all samples. The pass itself can go on only from the last one. Returns false if they are
-    /// not of this filter.
+    /// Appends samples that another pass of the same filter has computed; this one can continue only from the last. Returns false
+    /// if they are of another filter. `samples` is the number of all samples.
     pub(crate) fn take(&mut self, tape: &Tape, samples: usize, estimates: &mut Estimates) -> bool {
         let Some((count, stop)) = tape.play(estimates) else { return false };
         self.done = if stop.is_some() { samples } else { (self.done + count).min(samples) };

@@ -41,10 +41,6 @@ impl Passages {
         self.belief = Some(Gaussian::of(belief));
     }
 
-    /// Adds the passage to a belief.
-    ///
-    /// # Errors
-    /// Those of [`kalman::factor`].
     pub(crate) fn add(&mut self, passage: &passage::Passage<f64>, belief: &Belief<f64>) -> Result<(), FilterError> {
         self.all.push(Passage::new(passage)?);
         self.begin(belief);
@@ -52,7 +48,6 @@ impl Passages {
     }
 }
 
-/// The passage of a filter from one sample to the next.
 #[derive(Clone, Debug)]
 pub(crate) struct Passage {
     /// Φ, n × n.
@@ -61,7 +56,6 @@ pub(crate) struct Passage {
     pub(crate) update: Option<Update>,
 }
 
-/// An update by m measurements.
 #[derive(Clone, Debug)]
 pub(crate) struct Update {
     /// `I - K H`, n × n.
@@ -73,10 +67,6 @@ pub(crate) struct Update {
 }
 
 impl Passage {
-    /// From the engine's.
-    ///
-    /// # Errors
-    /// Those of [`kalman::factor`].
     fn new(of: &passage::Passage<f64>) -> Result<Self, FilterError> {
         let (n, m) = (of.predicted.len().isqrt(), of.innovation.len());
         let update = if m > 0 { Some(Update::new(of, n, m)?) } else { None };
@@ -110,7 +100,6 @@ pub(crate) struct Adjoint {
 }
 
 impl Adjoint {
-    /// No later measurement, about a state of n components.
     pub(crate) fn nothing(n: usize) -> Self {
         Self { score: Vector::zeros(n), information: Matrix::zeros(n, n) }
     }

@@ -19,7 +19,6 @@ pub(crate) struct Plucks {
 }
 
 impl Plucks {
-    /// Those of a filter of these channels, after a time \[s\].
     pub(crate) fn new(settings: &FilterSettings, channels: &[Channel], start: f64) -> Self {
         let mut times: Vec<f64> = settings.plucks.iter().map(|time| time - start).collect();
         sort_numbers(&mut times);

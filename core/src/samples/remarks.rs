@@ -114,7 +114,6 @@ const UNKNOWN: f64 = 1.0;
 /// Limits the number of samples between two occurrences that belong to one remark.
 const PAUSE: usize = 50;
 
-/// Checks every sample of one filter and collects remarks.
 #[derive(Clone, Debug)]
 pub(crate) struct Monitor {
     channels: Vec<Channel>,
@@ -144,7 +143,6 @@ pub(crate) struct Monitor {
 }
 
 impl Monitor {
-    /// The monitor of a filter with these settings, for the plant that the filter assumes.
     pub(crate) fn new(settings: &FilterSettings, channels: &[Channel], plant: PlantKind, sensors: &[Quantity]) -> Self {
         // The noise of the best sensor determines how well states can be distinguished.
         let noise = |(sensor, std): (&Quantity, &f64)| std / sensor.aspect().info().usual_noise;
@@ -180,8 +178,7 @@ impl Monitor {
         }
     }
 
-    /// The same over readings with times of their own: `apart` tells for each sensor how many samples lie between two of them. `moved`
-    /// names the option for which they count at samples.
+    /// `apart` are the samples between two readings of each sensor, `moved` the option for which they count at samples.
     pub(crate) fn with_clocks(mut self, apart: &[usize], moved: Option<&'static str>) -> Self {
         self.lasting = apart.iter().map(|apart| LASTING.max(SILENT * apart)).collect();
         self.is_timed = true;
@@ -200,7 +197,6 @@ impl Monitor {
         self.remarks.retain(|remark| remark.last + PAUSE >= first);
     }
 
-    /// Checks sample number `k`.
     #[inline(always)]
     pub(crate) fn look(&mut self, k: usize, sample: &Sample<'_>) {
         let Sample { mean, cov, innovation, effective_samples, noise, has_widened, .. } = *sample;
@@ -282,7 +278,6 @@ impl Monitor {
         if self.is_timed { SILENT * (k - self.silent[place]) / told.max(1) } else { 0 }
     }
 
-    /// Checks the noise that an adaptive filter assumes at sample `k`.
     #[cold]
     fn look_at_noise(&mut self, k: usize, noise: AssumedNoise<'_>) {
         let AssumedNoise { process, process_scale: [mean, std], .. } = noise;

@@ -128,8 +128,7 @@ impl Run {
         *done - begin
     }
 
-    /// Simulates the part of the record that [`Self::advance_to`] needs for `samples`, and calls `while_time` between
-    /// portions. Returns false early if `while_time` does.
+    /// The part of the record that [`Self::advance_to`] needs. Returns false early if `while_time` does.
     pub(crate) fn simulate(&mut self, samples: usize, while_time: &mut dyn FnMut() -> bool) -> bool {
         let Self { recording, samples: all, done: _, bank } = self;
         let goal = (samples.min(*all) + bank.lookahead()).min(*all);
@@ -143,8 +142,7 @@ impl Run {
         true
     }
 
-    /// Computes the next sample ahead, of one filter after the other, and calls `while_time` after each. Returns early
-    /// if it is false. The result appears once [`Self::advance_to`] comes to that sample.
+    /// One filter after the other. Returns early if `while_time`, called after each, is false.
     pub(crate) fn prepare(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
         let Self { recording, samples: all, done, bank } = self;
         let goal = (*done + 1).min(*all);

@@ -11,7 +11,6 @@ use crate::samples::mixture::walk::{self, Walk};
 use crate::scenario::Bounds;
 use crate::{FilterError, FilterSettings};
 
-/// Builds the filter of some settings, or those that run side by side.
 pub(crate) fn estimator(settings: &FilterSettings, context: &FilterContext) -> Box<dyn Estimator> {
     if !settings.bounds.is_empty() {
         let truncation = Truncation::of(settings, context.model(settings).channels());

@@ -50,7 +50,6 @@ pub struct Simulator {
     inputs: Inputs,
     disturbance_noise: Normal,
     sensor_noise: Vec<Normal>,
-    /// The faults of each sensor, at work.
     faults: Vec<Vec<Box<dyn Act>>>,
     model: Model,
     /// The signals of the components that do not move.
@@ -65,7 +64,6 @@ pub struct Simulator {
     stop: Option<TruthStop>,
 }
 
-/// The load from one sample to the next.
 struct Load {
     /// The input of the sample, in its unit.
     recorded: f64,
@@ -164,7 +162,6 @@ impl Simulator {
         is_done
     }
 
-    /// Takes the measurements of sample `k`, and returns the load from there on.
     fn sample(&mut self, k: usize) -> Result<Load, TruthError> {
         let Self {
             scenario,
@@ -211,7 +208,6 @@ impl Simulator {
             if !value.is_finite() {
                 return Err(TruthError::Reading(sensor.measures));
             }
-            // What is missing is NaN.
             let told = faults.iter_mut().fold(value, |reading, fault| fault.reading(reading, &moment));
             if told.is_infinite() {
                 return Err(TruthError::Reading(sensor.measures));
@@ -249,7 +245,6 @@ struct Inputs {
     force: Force,
     dt: f64,
     noise: Normal,
-    /// The number of the first sample that is kept.
     first: usize,
     kept: VecDeque<f64>,
 }
@@ -268,14 +263,12 @@ impl Inputs {
         self.kept[k - self.first]
     }
 
-    /// The input `delay` samples before sample `k`, or after it if that is negative. Before the record the first input
-    /// holds.
+    /// The input `delay` samples before sample `k`, negative for after it. Before the record the first input holds.
     fn delayed(&mut self, k: usize, delay: i32) -> f64 {
         let steps = delay.unsigned_abs() as usize;
         self.at(if delay < 0 { k + steps } else { k.saturating_sub(steps) })
     }
 
-    /// Forgets the samples before sample `k`.
     fn forget_before(&mut self, k: usize) {
         while self.first < k && self.kept.pop_front().is_some() {
             self.first += 1;

@@ -89,7 +89,6 @@ pub struct LastSample {
     without_prior: bool,
 }
 
-/// The vectors and matrices of a sample.
 fn parts<'a>(sample: &Sample<'a>) -> [&'a [f64]; 11] {
     let Sample { mean, cov, prior_mean, prior_cov, innovation, innovation_cov, gain, weights, .. } = *sample;
     let noise = sample.noise.map(|noise| [noise.process, noise.sensors, noise.uncertainty]);

@@ -33,18 +33,12 @@ impl Source {
     }
 }
 
-/// A record in simulation, or a given one.
 pub(crate) enum Recording {
-    /// The simulated part that is kept.
     Simulated {
-        /// The simulator that appends to it.
         simulator: Box<Simulator>,
-        /// The record.
         record: Record,
     },
-    /// A given record.
     Given {
-        /// All of it so far.
         record: Arc<Record>,
         /// Whether samples are still added.
         is_live: bool,
@@ -68,7 +62,6 @@ impl Recording {
         }
     }
 
-    /// The source of the samples.
     pub(crate) fn source(&self) -> Source {
         match self {
             Self::Simulated { .. } => Source::Simulated,
@@ -77,7 +70,6 @@ impl Recording {
         }
     }
 
-    /// The record.
     pub(crate) fn record(&self) -> &Record {
         match self {
             Self::Simulated { record, .. } => record,
@@ -85,7 +77,6 @@ impl Recording {
         }
     }
 
-    /// The record with its memory, if it is simulated.
     pub(crate) fn into_simulated(self) -> Option<Record> {
         match self {
             Self::Simulated { record, .. } => Some(record),
@@ -93,8 +84,7 @@ impl Recording {
         }
     }
 
-    /// The number of samples of a scenario's whole record; of a live one those that a filter can do, which may read the input of
-    /// later ones.
+    /// Of a live record those that a filter can do, which may read the input of later ones.
     pub(crate) fn samples(&self, scenario: &Scenario) -> usize {
         match self {
             Self::Simulated { .. } => scenario.samples(),
@@ -109,8 +99,7 @@ impl Recording {
         record.forgotten() + record.len()
     }
 
-    /// Simulates until there are `samples` samples, counted from the beginning. Returns false if the truth has diverged
-    /// before.
+    /// Counted from the beginning. Returns false if the truth has diverged before.
     pub(crate) fn advance_to(&mut self, samples: usize) -> bool {
         while self.len() < samples {
             if !self.advance_some(samples) {
@@ -126,7 +115,6 @@ impl Recording {
         simulator.advance_some(record, samples)
     }
 
-    /// Whether samples are still added to a given record.
     pub(crate) fn is_live(&self) -> bool {
         matches!(self, Self::Given { is_live: true, .. })
     }
@@ -148,7 +136,6 @@ impl Recording {
         true
     }
 
-    /// Where and why the simulated truth stopped, if it did.
     pub(crate) fn stop(&self) -> Option<TruthStop> {
         match self {
             Self::Simulated { simulator, .. } => simulator.stop(),

@@ -11,7 +11,6 @@ pub(crate) struct Spare {
 }
 
 impl Spare {
-    /// Adds old data.
     pub(crate) fn take(&mut self, (record, mut estimates): (Option<Record>, Vec<Estimates>)) {
         self.record = record.or(self.record.take());
         // Reversed, because the last is taken first and filters seldom change places.
@@ -19,7 +18,6 @@ impl Spare {
         self.estimates.extend(estimates);
     }
 
-    /// Returns one piece of memory to the system; returns whether there was one.
     pub(crate) fn free_one(&mut self) -> bool {
         if let Some(last) = self.estimates.last_mut() {
             if !last.free_piece() {

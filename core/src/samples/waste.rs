@@ -6,7 +6,6 @@ pub(crate) trait Piecewise: Send {
     fn free_piece(&mut self) -> bool;
 }
 
-/// Unused memory.
 #[derive(Default)]
 pub(crate) struct Waste(Vec<Box<dyn Piecewise>>);
 
@@ -19,7 +18,6 @@ impl Waste {
         self.0.append(&mut other.0);
     }
 
-    /// Returns one piece of memory to the system. Returns whether there was one.
     pub(crate) fn free_one(&mut self) -> bool {
         let Some(last) = self.0.last_mut() else { return false };
         if !last.free_piece() {

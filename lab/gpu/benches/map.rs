@@ -59,7 +59,6 @@ fn main() {
     monte_carlo(&team);
 }
 
-/// The maps that are timed: of plants of several sizes, an equation, and a measured record.
 fn situations() -> Vec<(&'static str, Scenario, Source)> {
     let built_in = |plant: PlantKind| {
         let mut scenario = Scenario { duration: (SAMPLES - 1) as f64 * 0.01, ..Scenario::default() };
@@ -115,7 +114,6 @@ fn map(scenario: &Scenario, source: &Source, side: usize) -> Arc<Runner> {
     Arc::new(Runner::new(ensemble, source.clone()).expect("the map can run"))
 }
 
-/// Prints a map's times.
 fn line(name: &str, runner: &Arc<Runner>, team: &Threads, gpu: Option<&Gpu>) {
     let cells = runner.ensemble().cells();
     let (first, all) = least_of_pairs(|| fill(team, runner));
@@ -174,7 +172,6 @@ fn fill(team: &Threads, runner: &Arc<Runner>) -> (Duration, Duration) {
     (first.unwrap_or_default(), begin.elapsed())
 }
 
-/// The least of either time, over some repeats.
 fn least_of_pairs(mut measure: impl FnMut() -> (Duration, Duration)) -> (Duration, Duration) {
     (0..REPEATS).map(|_| measure()).fold((Duration::MAX, Duration::MAX), |(a, b), (c, d)| (a.min(c), b.min(d)))
 }

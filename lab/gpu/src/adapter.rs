@@ -68,7 +68,6 @@ async fn choose(instance: &Instance, software: Software) -> Result<Adapter, GpuE
     accept(first, software).await
 }
 
-/// The adapter that the browser offers.
 #[cfg(target_arch = "wasm32")]
 async fn choose(instance: &Instance, software: Software) -> Result<Adapter, GpuError> {
     let options = wgpu::RequestAdapterOptions {

@@ -64,7 +64,6 @@ struct Kind {
     samples: usize,
 }
 
-/// A run for the graphics processor, with its place among all runs.
 struct Member<'a> {
     place: usize,
     setup: Setup,
@@ -122,7 +121,6 @@ impl Gpu {
 }
 
 impl Batch<'_> {
-    /// Whether there is room for one more run with its own record.
     fn has_room(&self) -> bool {
         let words = (LARGEST_BUFFER / 4) as usize;
         self.program.as_ref().is_none_or(|Program { shape, .. }| {
@@ -134,7 +132,6 @@ impl Batch<'_> {
     }
 }
 
-/// The batches of the runs that are served.
 fn batches<'a>(runs: &[GpuRun<'a>]) -> Vec<Batch<'a>> {
     let mut batches: Vec<Batch<'a>> = Vec::new();
     let prepared = in_parts(runs, |runs| runs.iter().map(prepare).collect());

@@ -3,7 +3,6 @@
 use kalmanscope_core::internals::engine::Setup;
 use kalmanscope_core::{Channel, Record};
 
-/// The sizes of a program's structures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Shape {
     /// n, the number of components.
@@ -33,7 +32,6 @@ impl Shape {
     }
 }
 
-/// The numbers of a dispatch.
 #[derive(Clone, Copy)]
 pub(crate) struct Settings {
     pub(crate) begin: u32,
@@ -63,7 +61,6 @@ pub(crate) fn put_sample(words: &mut Vec<u32>, force: f64, measured: &[f64], tru
     words.extend(truth.is_empty().then_some(0));
 }
 
-/// A filter before its first sample.
 #[derive(Clone, Copy)]
 pub(crate) struct Cell<'a> {
     pub(crate) mean: &'a [f64],
@@ -90,7 +87,6 @@ impl Cell<'_> {
     }
 }
 
-/// The sums of a channel with a known truth.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Tracked {
     pub(crate) squares: f64,
@@ -99,7 +95,6 @@ pub(crate) struct Tracked {
     pub(crate) settled: u32,
 }
 
-/// A filter with its sums.
 #[derive(Clone, Debug)]
 pub(crate) struct State {
     pub(crate) mean: Vec<f64>,
@@ -116,7 +111,6 @@ pub(crate) struct State {
 }
 
 impl State {
-    /// From as many words as a state has.
     pub(crate) fn read(shape: Shape, words: &[u32]) -> Self {
         let n = shape.size;
         let number = |at: usize| f64::from(f32::from_bits(words[at]));
@@ -169,8 +163,7 @@ pub(crate) struct Tape {
     pub(crate) largest_truth: Vec<f64>,
 }
 
-/// The number of channels with a truth in the record, which must be the first ones. `None` if the record has the truth
-/// of a later channel and lacks an earlier one.
+/// The number of channels with a truth, which must be the first ones; else `None`.
 pub(crate) fn known(channels: &[Channel], record: &Record) -> Option<usize> {
     let knows = |channel: &&Channel| record.truth(**channel).is_some();
     let known = channels.iter().take_while(knows).count();
@@ -178,8 +171,7 @@ pub(crate) fn known(channels: &[Channel], record: &Record) -> Option<usize> {
 }
 
 impl Tape {
-    /// The tape of a filter's record with the truth of its first channels. `None` if a number is infinite or too large,
-    /// or a truth is missing.
+    /// With the truth of the first channels. `None` if a number is infinite or too large, or a truth is missing.
     pub(crate) fn new(setup: &Setup, record: &Record, known: usize) -> Option<Self> {
         let truth: Vec<&[f64]> = setup.channels[..known].iter().filter_map(|&channel| record.truth(channel)).collect();
         let columns: Vec<&[f64]> = setup.columns.iter().map(|&column| record.measured(column)).collect();

@@ -33,7 +33,6 @@ pub(crate) fn outcome(ran: &Ran<'_>, state: &State) -> Outcome {
     }
 }
 
-/// The sums of the channels with a known truth.
 fn channels(ran: &Ran<'_>, state: &State, samples: usize) -> Vec<(Channel, ChannelSums)> {
     let Ran { setup, record, tape } = ran;
     let known = state.tracked.len();

@@ -33,7 +33,6 @@ pub(crate) struct Programs {
     pipelines: Mutex<HashMap<String, ComputePipeline>>,
 }
 
-/// Runs of one kind.
 pub(crate) struct Job<'a> {
     pub(crate) program: &'a Program,
     /// `end` is the number of samples.
@@ -53,10 +52,7 @@ impl Programs {
         Self { device, queue, pipelines: Mutex::default() }
     }
 
-    /// Does a job. It calls `is_wanted` before each dispatch.
-    ///
-    /// # Errors
-    /// [`GpuError::Failed`] and [`GpuError::Unwanted`].
+    /// It calls `is_wanted` before each dispatch.
     pub(crate) async fn run(
         &self,
         job: &Job<'_>,
@@ -107,7 +103,6 @@ impl Programs {
         self.device.create_buffer(&BufferDescriptor { label: None, size, usage, mapped_at_creation: false })
     }
 
-    /// A program, compiled once.
     fn pipeline(&self, text: &str) -> ComputePipeline {
         let mut pipelines = self.pipelines.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(pipeline) = pipelines.get(text) {
@@ -134,7 +129,6 @@ impl Programs {
         self.queue.submit([encoder.finish()]);
     }
 
-    /// Waits until the device has done its work.
     async fn done(&self, trouble: &Trouble) -> Result<(), GpuError> {
         let signal = Signal::new();
         let setter = signal.clone();
@@ -198,7 +192,6 @@ fn failed(error: impl std::fmt::Display) -> GpuError {
     GpuError::Failed(error.to_string())
 }
 
-/// A value that comes later.
 pub(crate) struct Signal<T>(Arc<Mutex<(Option<T>, Option<Waker>)>>);
 
 impl<T> Signal<T> {
@@ -264,8 +257,6 @@ impl Trouble {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(text);
     }
 
-    /// # Errors
-    /// [`GpuError::Failed`] where the device has reported a failure.
     pub(crate) fn check(&self) -> Result<(), GpuError> {
         match &*self.0.lock().unwrap_or_else(PoisonError::into_inner) {
             Some(text) => Err(GpuError::Failed(text.clone())),

@@ -10,8 +10,7 @@ use crate::text::{Text, literal, unrolled};
 /// The number of threads in a group, as in `main.wgsl`.
 pub(crate) const GROUP: u32 = 64;
 
-/// Limits the components of a state. Its numbers are kept in registers by unrolled loops; with more components programs
-/// become too long.
+/// Limits the components of a state: registers keep them by unrolled loops, and programs become too long with more.
 pub(crate) const MOST: usize = 9;
 
 const COMMON: [&str; 8] = [
@@ -33,8 +32,7 @@ pub(crate) struct Program {
 }
 
 impl Program {
-    /// The program of filters of a design with these channels; the first `known` of them have a known truth. `None` if
-    /// the plant has no list, or a constant is beyond single precision.
+    /// The first `known` channels have a known truth. `None` if the plant has no list, or a constant is beyond single precision.
     pub(crate) fn new(design: &Design, channels: &[Channel], known: usize) -> Option<Self> {
         let Design { model, method, readings, .. } = design;
         if model.size > MOST {
@@ -85,7 +83,6 @@ impl Program {
     }
 }
 
-/// The whole numbers that all parts have.
 fn whole(design: &Design, channels: &[Channel], shape: Shape) -> [(&'static str, usize); 17] {
     let Design { model, method, substeps, white, .. } = design;
     let (n, moving, sensors, known) = (shape.size, model.moving(), shape.sensors.max(1), shape.known.max(1));

@@ -7,13 +7,11 @@ use kalmanscope_core::internals::engine::{Builder, Function, Node, Operation};
 /// Operations on a state `y` of some components and a force `f`, which is the input after them.
 pub(crate) struct Text<'a> {
     pub(crate) builder: &'a Builder,
-    /// The number of components.
     pub(crate) size: usize,
 }
 
 impl Text<'_> {
-    /// The function `NAME(y, f)` that puts some numbers at their places in an array and zeros at the others. `None` if
-    /// a constant does not fit single precision.
+    /// `NAME(y, f)`: numbers at their places in an array, zeros elsewhere. `None` if a constant does not fit single precision.
     pub(crate) fn values(&self, name: &str, array: &str, outputs: &[(usize, Node)]) -> Option<String> {
         let mut text = format!("fn {name}(y: array<f32, N>, f: f32) -> {array} {{\n  var out: {array};\n");
         for place in self.needed(outputs) {
@@ -236,13 +234,11 @@ impl Unroller {
         self.variables.truncate(outside);
     }
 
-    /// The name and the value of a constant in a loop.
     fn constant(&self, line: &str) -> Option<(String, usize)> {
         let (name, value) = line.trim().strip_prefix("let ")?.strip_suffix(';')?.split_once(" = ")?;
         (!self.variables.is_empty()).then_some((name.to_owned(), self.value(value)?))
     }
 
-    /// The variable of a loop, and its values.
     fn counted(&self, line: &str) -> Option<(String, std::ops::Range<usize>)> {
         let head = line.trim().strip_prefix("for (var ")?.strip_suffix("++) {")?;
         let mut parts = head.split("; ");

@@ -12,7 +12,6 @@ use kalmanscope_gpu::{GpuRun, program};
 use naga::back::{hlsl, msl};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
-/// Translates a program.
 fn translate(name: &str, text: &str) {
     let module =
         naga::front::wgsl::parse_str(text).unwrap_or_else(|error| panic!("{name}: {}", error.emit_to_string(text)));
@@ -27,7 +26,6 @@ fn translate(name: &str, text: &str) {
     assert!(metal.contains("kernel void") && direct.contains("[numthreads(64, 1, 1)]"), "{name}");
 }
 
-/// Translates the programs of a scenario's first filter as every kind of filter; returns their number.
 fn translate_all(name: &str, scenario: &Scenario) -> usize {
     let ways = [
         (FilterKind::KF, Propagation::LocalLinearisation),
@@ -60,7 +58,6 @@ fn translate_all(name: &str, scenario: &Scenario) -> usize {
     done
 }
 
-/// A plant with these sensors and augmentations.
 fn scenario(plant: PlantKind, quantities: &[Quantity], augment: &[Channel], hold: Hold) -> Scenario {
     let mut scenario = Scenario { filters: vec![FilterSettings::default()], hold, ..Scenario::default() };
     scenario.filters[0].augment = augment.to_vec();

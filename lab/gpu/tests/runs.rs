@@ -3,7 +3,6 @@
 use kalmanscope_core::{Channel, FilterSettings, Force, Plant, Quantity, Scenario, Sensor, Signal, Values};
 use proptest::prelude::*;
 
-/// The filters' state.
 pub(crate) const CHANNELS: [Channel; 4] =
     [Channel::DISPLACEMENT, Channel::VELOCITY, Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO];
 
@@ -16,7 +15,6 @@ pub(crate) fn size(exponents: std::ops::Range<f64>) -> impl Strategy<Value = f64
     exponents.prop_map(|e| 10_f64.powf(e))
 }
 
-/// The plant of a scenario and its load.
 #[derive(Clone, Debug)]
 pub(crate) struct Shaken {
     pub(crate) seed: u64,
@@ -29,7 +27,6 @@ pub(crate) struct Shaken {
 }
 
 impl Shaken {
-    /// The scenario with these sensors and filters.
     pub(crate) fn watched(&self, measured: &[Quantity], filters: Vec<FilterSettings>) -> Scenario {
         let Self { seed, steps: (dt, steps), parameters: [frequency, damping], force } = *self;
         let plant = Plant::default();

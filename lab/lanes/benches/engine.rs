@@ -67,7 +67,6 @@ fn wanted() -> String {
     std::env::args().skip(1).find(|argument| !argument.starts_with('-')).unwrap_or_default()
 }
 
-/// Prints the times of maps of a measured record and of simulated ones.
 fn measured_record() {
     if !"map".contains(&wanted()) {
         return;
@@ -86,7 +85,6 @@ fn measured_record() {
     map("map of the circuit, simulated", &same, &simulate(&same));
 }
 
-/// Prints the time of a step in a map of guesses of the natural frequency.
 fn map(what: &str, base: &Scenario, record: &Record) {
     let scenarios = guesses(base);
     let runs: Vec<LaneRun<'_>> = scenarios.iter().map(|scenario| LaneRun { scenario, place: 0, record }).collect();
@@ -97,7 +95,6 @@ fn map(what: &str, base: &Scenario, record: &Record) {
     println!("{what:<44}{:>35.0}", least / (RUNS * record.len()) as f64);
 }
 
-/// A scenario with guesses of its first filter.
 fn guesses(base: &Scenario) -> Vec<Scenario> {
     let guess = |i: usize| {
         let mut scenario = base.clone();

@@ -121,7 +121,6 @@ fn a_cell_of_a_map_has_the_bits_of_the_run_alone() {
     assert!(compared > 1000, "{compared} are compared");
 }
 
-/// A truth, its record, and filters that differ from each other.
 fn shaken(augment: &[Channel], kind: FilterKind, plant: PlantKind) -> (Scenario, Record) {
     let sensors = [Quantity::DISPLACEMENT, Quantity::VELOCITY];
     let mut scenario = truth(plant, &sensors, augment, Hold::First);
@@ -154,8 +153,7 @@ fn scores_against_a_truth_are_those_of_the_single_filter() {
     }
 }
 
-/// Holds the scores of lanes over all of a scenario's filters to those of the single filter. Returns the samples that their NEES
-/// count.
+/// Holds lanes over all of a scenario's filters to the single filter's scores. Returns the samples that their NEES count.
 fn check_scores(scenario: &Scenario, record: &Record, what: &str, limit: f64) -> Vec<u32> {
     let last = record.len() - 1;
     let samples = [0, 1, 9, 500, last];
@@ -275,7 +273,6 @@ fn other_filters_run_by_themselves() {
     assert!(serves(&missing).is_err() && outcomes_with(Level::best(), &[runs[0], missing], &[]).is_err());
 }
 
-/// One lane stops, beside others that continue.
 #[test]
 fn a_run_that_stops_tells_when_and_why_as_the_single_filter_does() {
     let (good, record) = shaken(&[Channel::INPUT_GAIN], FilterKind::UKF, PlantKind::SDOF);

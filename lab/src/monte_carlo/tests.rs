@@ -115,7 +115,6 @@ fn a_population_is_counted() {
     assert!(Ensemble::new(scenario, both).unwrap_err().to_string().contains("is drawn for each seed"));
 }
 
-/// Guesses drawn at random over one measured record.
 #[test]
 fn guesses_are_drawn_over_a_given_record() {
     let mut scenario = Scenario { duration: 10.0, ..Scenario::default() };
@@ -131,7 +130,6 @@ fn guesses_are_drawn_over_a_given_record() {
     assert!(error.contains("`seed` is none"), "{error}");
 }
 
-/// Of each bad verdict the first cause is counted.
 #[test]
 fn first_causes_are_counted() {
     let mut scenario = Scenario::from_toml(include_str!("../../../assets/populations/input-gain.toml")).unwrap();

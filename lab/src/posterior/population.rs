@@ -22,7 +22,6 @@ struct Point {
     log_likelihood: f64,
 }
 
-/// The points at a temperature.
 pub(super) struct Population {
     random: Normal,
     points: Vec<Point>,
@@ -50,7 +49,6 @@ enum Stage {
 }
 
 impl Population {
-    /// Draws of a standard normal distribution of some parameters.
     pub(super) fn new(count: usize, parameters: usize, seed: u64) -> Self {
         let mut random = Normal::from_seed(seed);
         let mut point = || (0..parameters).map(|_| random.sample()).collect();
@@ -67,7 +65,6 @@ impl Population {
         }
     }
 
-    /// Takes in the likelihoods of the points that were wanted.
     pub(super) fn take(&mut self, wanted: Vec<Vec<f64>>, log_likelihoods: &[f64]) {
         match self.stage {
             Stage::Drawn => {
@@ -89,7 +86,6 @@ impl Population {
         }
     }
 
-    /// The points at the end.
     pub(super) fn points(&self) -> impl Iterator<Item = &[f64]> {
         self.points.iter().map(|point| &*point.at)
     }
@@ -99,7 +95,6 @@ impl Population {
         matches!(self.stage, Stage::Done).then_some(self.log_evidence)
     }
 
-    /// The share that is done, with a share of what is wanted.
     pub(super) fn progress(&self, of_wanted: f64) -> f64 {
         const DRAWN: f64 = 0.1;
         const HOT: f64 = 0.8;

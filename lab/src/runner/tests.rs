@@ -88,7 +88,6 @@ fn a_map_of_the_duffing_oscillator_is_served_by_lanes_and_has_the_numbers_of_the
     }
 }
 
-/// The scenario of a measured record: a gain of the input, which is linear between samples.
 fn measured() -> Scenario {
     let mut scenario = Scenario { duration: 5.0, hold: kalmanscope_core::Hold::First, ..Scenario::default() };
     scenario.filters.iter_mut().for_each(|filter| filter.augment = vec![Channel::INPUT_GAIN]);

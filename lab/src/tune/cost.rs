@@ -13,7 +13,6 @@ use crate::{EnsembleError, outcome};
 /// The cost of settings that are impossible, beyond their axes, or stop the filter.
 pub(super) const FORBIDDEN: f64 = 1e100;
 
-/// A filter, a record, and the settings that may be turned.
 pub(super) struct Cost {
     pub(super) scenario: Scenario,
     pub(super) place: usize,

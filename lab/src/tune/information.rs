@@ -56,7 +56,6 @@ impl Information {
         self.runs
     }
 
-    /// Does the next runs. Returns whether all are done.
     pub(super) fn advance(&mut self, cost: &Cost) -> bool {
         let n = self.steps.len();
         if self.beside.len() < n {
@@ -86,7 +85,6 @@ impl Information {
         }
     }
 
-    /// The cost some steps away on some axes.
     fn cost_at(&mut self, cost: &Cost, moves: &[(usize, f64)]) -> f64 {
         let mut values = self.values.clone();
         for &(axis, sign) in moves {

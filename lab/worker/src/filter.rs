@@ -22,10 +22,6 @@ pub fn filter_message(number: u32, scenario: &Scenario, place: usize, record: &R
 }
 
 impl Filter {
-    /// The filter of a message.
-    ///
-    /// # Errors
-    /// The reason in words where it cannot be used.
     pub(crate) fn new(words: &Words) -> Result<Self, String> {
         let (scenario, record) = scenario_and_record(&words.text(2), words.get(3))?;
         let place = words.get(4).as_f64().unwrap_or(f64::NAN) as usize;
@@ -57,10 +53,6 @@ pub fn posterior_message(number: u32, scenario: &Scenario, record: &Record) -> A
     search_message("posterior", number, scenario, record)
 }
 
-/// The search that a message asks for.
-///
-/// # Errors
-/// The reason in words if it cannot begin.
 pub(crate) fn posterior(words: &Words) -> Result<Posterior, String> {
     let (scenario, record) = scenario_and_record(&words.text(2), words.get(3))?;
     Posterior::new(&scenario, 0, &record).map_err(|reason| reason.to_string())
@@ -81,16 +73,11 @@ pub fn suggest_message(number: u32, scenario: &Scenario, record: &Record) -> Arr
     search_message("suggest", number, scenario, record)
 }
 
-/// The search for start values that a message asks for.
-///
-/// # Errors
-/// The reason in words if it cannot begin.
 pub(crate) fn suggest(words: &Words) -> Result<Suggest, String> {
     let (scenario, record) = scenario_and_record(&words.text(2), words.get(3))?;
     Ok(Suggest::new(&scenario, record))
 }
 
-/// Start values as JSON.
 pub(crate) fn suggestion_message(suggestion: &Suggestion, _: &Array) -> JsValue {
     document::to_json(suggestion).unwrap_or_default().into()
 }

@@ -72,10 +72,7 @@ pub(crate) fn measured(record: &Array, scenario: &Scenario) -> Option<Record> {
     if clocks.readings.is_empty() { Some(record) } else { record.with_clocks(clocks).ok() }
 }
 
-/// The scenario of a text, and the record of a message for it.
-///
-/// # Errors
-/// The reason in words where the text is no scenario, or the message has no record.
+/// Fails where the text is no scenario, or the message has no record.
 pub(crate) fn scenario_and_record(scenario: &str, record: JsValue) -> Result<(Scenario, Record), String> {
     let scenario: Scenario = document::read_json(scenario).map_err(|error| error.to_string())?;
     let record = record.dyn_into::<Array>().ok().and_then(|record| measured(&record, &scenario));

@@ -19,7 +19,6 @@ struct Fault {
     line: Option<usize>,
 }
 
-/// A step from a value to one inside it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Step {
     Key(String),

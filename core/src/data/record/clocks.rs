@@ -98,7 +98,6 @@ const SAME: f64 = 1e-6;
 /// The time between two events of a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Part {
-    /// The share of a step.
     pub(crate) share: f64,
     /// The forces over mass at its beginning and just before its end \[m/s²\].
     pub(crate) forces: [f64; 2],
@@ -117,7 +116,6 @@ pub(crate) struct Parts {
     cuts: Vec<f64>,
 }
 
-/// The readings of one sensor, which is late by some steps.
 pub(super) struct Readings<'a> {
     /// The times, in steps; or the sample from which those of the samples are counted.
     pub(super) times: Result<&'a [f64], usize>,
@@ -127,7 +125,6 @@ pub(super) struct Readings<'a> {
 }
 
 impl Readings<'_> {
-    /// The places of the readings that tell of a time after the first one, and not after the second.
     fn within(&self, after: f64, until: f64) -> Range<usize> {
         let (after, until) = (after + self.late, until + self.late);
         match self.times {
@@ -156,7 +153,6 @@ fn within(times: &[f64], after: f64, until: f64) -> Range<usize> {
 }
 
 impl Parts {
-    /// Each part, and the readings at its end.
     pub(crate) fn iter(&self) -> impl Iterator<Item = (Part, &[f64])> {
         let m = self.readings.len() / self.parts.len().max(1);
         self.parts.iter().enumerate().map(move |(k, part)| (*part, &self.readings[k * m..(k + 1) * m]))
@@ -225,10 +221,6 @@ impl Parts {
 }
 
 impl Clocks {
-    /// For a record with so many sensors.
-    ///
-    /// # Errors
-    /// [`ClocksError`].
     pub(super) fn checked(mut self, sensors: usize) -> Result<Self, ClocksError> {
         let Self { input, readings } = &mut self;
         if readings.len() != sensors {
@@ -262,7 +254,6 @@ impl Clocks {
         values.for_each(|value| *value = change(*value));
     }
 
-    /// Those of the samples from one on, up to another one.
     pub(super) fn part(&self, samples: Range<usize>) -> Self {
         let (first, last) = (samples.start as f64, samples.end.saturating_sub(1) as f64);
         let moved = |timed: &Timed, places: Range<usize>| Timed {
@@ -334,7 +325,6 @@ impl Delays {
         self.sensors.get(place).copied().unwrap_or(0.0)
     }
 
-    /// Whether a sensor is late or early.
     pub(crate) fn is_of_sensors(&self) -> bool {
         !self.sensors.is_empty()
     }

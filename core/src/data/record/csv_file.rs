@@ -116,7 +116,6 @@ fn digits(value: f64) -> String {
     if value.is_nan() { String::new() } else { format!("{value:.16e}") }
 }
 
-/// The column's name for a kind of input.
 pub(crate) fn input_name(kind: InputKind) -> &'static str {
     match kind {
         InputKind::Force => "force",

@@ -8,13 +8,11 @@ use crate::Hold;
 /// The last values that are compared where a record goes on.
 const COMPARED: usize = 1000;
 
-/// Whether a column begins with the values of another one. Only the last of these are compared.
 fn begins(all: &[f64], first: &[f64], compared: usize) -> bool {
     let from = first.len().saturating_sub(compared);
     all.len() >= first.len() && first[from..].iter().zip(&all[from..]).all(|(a, b)| a.to_bits() == b.to_bits())
 }
 
-/// Appends the values that a longer column has beyond this one.
 fn append(column: &mut Vec<f64>, longer: &[f64]) {
     column.extend_from_slice(&longer[column.len()..]);
 }
@@ -31,8 +29,7 @@ impl Timed {
 }
 
 impl Clocks {
-    /// Whether these begin with the clocks of a shorter record, which has so many samples. A record without an input may begin one with an
-    /// input, as long as that is zero.
+    /// A record without an input may begin one with an input, as long as that is zero.
     fn begin_with(&self, first: &Self, samples: usize, compared: usize) -> bool {
         let is_zero = |input: &Timed| {
             let until = input.times.partition_point(|time| *time <= samples as f64 - 1.0);
@@ -47,7 +44,6 @@ impl Clocks {
         input && self.readings.len() == first.readings.len() && self.readings.iter().zip(&first.readings).all(begins)
     }
 
-    /// Appends the times and values that longer clocks have beyond these.
     fn append(&mut self, longer: &Self) {
         match (&mut self.input, &longer.input) {
             (Some(input), Some(longer)) => input.append(longer),
@@ -63,13 +59,11 @@ impl Record {
         self.has_first(other, usize::MAX)
     }
 
-    /// Whether this record goes on where another one ends: it has the same quantities at the same times, and the last 1,000 samples of the
-    /// other at their place. A record that is measured now becomes longer many times a second: to compare all is too slow.
+    /// Compares the last 1,000 samples: a live record grows many times a second, and all are too slow.
     pub(crate) fn goes_on_from(&self, other: &Self) -> bool {
         self.has_first(other, COMPARED)
     }
 
-    /// Whether another record's samples are the first ones here. Compares the last `compared` values of each of its columns.
     fn has_first(&self, other: &Self, compared: usize) -> bool {
         let of =
             |record: &Self| (record.dt.to_bits(), record.start.to_bits(), record.forgotten, record.kind, record.hold);
@@ -87,7 +81,6 @@ impl Record {
             && self.truth.iter().zip(&other.truth).all(begins)
     }
 
-    /// Appends the samples of a longer record that [goes on](Self::goes_on_from) from this one.
     pub(super) fn append(&mut self, longer: &Self) {
         append(&mut self.input, &longer.input);
         self.measured.iter_mut().zip(&longer.measured).for_each(|(column, longer)| append(column, longer));
@@ -132,7 +125,6 @@ impl Record {
         self
     }
 
-    /// The same record under an input with another course between its values.
     pub(crate) fn with_hold(mut self, hold: Hold) -> Self {
         if let Some(input) = self.clocks.as_ref().and_then(|clocks| clocks.input.as_ref()) {
             self.input = (0..self.len()).map(|k| input.at(k as f64, hold)).collect();
@@ -184,7 +176,6 @@ mod tests {
     use super::*;
     use crate::{Hold, InputKind, Quantity};
 
-    /// Takes in a reading that comes at an uneven time, now and then with an input.
     fn take(live: &mut LiveRecord, k: usize) {
         let time = 0.013 * k as f64 + 0.004 * (k as f64).sin();
         let input = if k > 60 && k.is_multiple_of(7) { k as f64 } else { f64::NAN };

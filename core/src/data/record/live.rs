@@ -247,7 +247,6 @@ impl LiveRecord {
         all.map(|timed| timed.times.len()).max().unwrap_or(0)
     }
 
-    /// Adds a sample.
     fn complete(&mut self, sample: f64) {
         let Self { record, tracks, input, side, .. } = self;
         let Clocks { input: told, readings } = Arc::make_mut(record.clocks.get_or_insert_default());

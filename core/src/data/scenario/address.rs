@@ -106,7 +106,6 @@ impl Scenario {
     }
 }
 
-/// Whether an address with this key at its end is of all filters.
 pub(crate) fn is_of_all(address: &str, key: &str) -> bool {
     address.strip_suffix(key).is_some_and(|begin| begin == "filters.*.")
 }

@@ -12,8 +12,7 @@ const CHUNK: f64 = 1e6;
 /// Time to simulate one sample of a record, to within a factor of three \[ns\].
 pub(crate) const OF_RECORD: f64 = 500.0;
 
-/// Time that a filter takes for one sample on an ordinary processor, by kind and size, to within a factor of three
-/// \[ns\]. It affects only the order and the portions of the work, never the results.
+/// Time for one sample, to within a factor of three \[ns\]. It affects only the order and the portions of the work.
 pub(crate) fn of_step(settings: &FilterSettings, scenario: &Scenario) -> f64 {
     let &Scenario { plant: Plant { kind: truth, .. }, input, dt, .. } = scenario;
     let one = (settings.kind.info().time)(&settings.method(truth), settings.model(truth, input).size());
@@ -36,7 +35,6 @@ const OF_COVARIANCE: f64 = 12.0;
 /// Limits the time for one sample of an ensemble, which nothing divides; a browser is three to four times slower \[ns\].
 const LONGEST: f64 = 0.25e9;
 
-/// Limits the members of an ensemble, by its number of components and its steps a sample.
 pub(crate) fn largest_ensemble(components: usize, substeps: usize) -> usize {
     let n = components.max(1) as f64;
     (LONGEST / (OF_COMPONENT * n * substeps.max(1) as f64 + OF_COVARIANCE * n * n)) as usize

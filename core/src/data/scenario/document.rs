@@ -120,8 +120,7 @@ impl Scenario {
     }
 }
 
-/// Reads the equations of a document, so that their parameters are known wherever they stand in the file. One that is none is
-/// said where it is read.
+/// Their parameters are then known wherever they stand in the file. A text that is none is reported where it is read.
 fn know_equations(document: &Document) {
     if let Some(equation) = document.get("equation") {
         let mut alone = json!({ "equation": equation });

@@ -83,7 +83,6 @@ pub enum Scale {
 
 const MOST: usize = 3;
 
-/// A fault at work, with its memory.
 pub(crate) trait Act: Send + Sync {
     /// Changes what the sensor would read without noise.
     fn exact(&mut self, exact: f64) -> f64 {
@@ -101,14 +100,12 @@ pub(crate) trait Act: Send + Sync {
     }
 }
 
-/// The time of a sample, and the sensor.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Moment {
     /// \[s\]
     pub(crate) time: f64,
     /// \[s\]
     pub(crate) dt: f64,
-    /// The standard deviation of the sensor's noise.
     pub(crate) noise_std: f64,
 }
 
@@ -178,7 +175,6 @@ impl Fault {
         Self::ALL.iter().position(|fault| *fault == self).unwrap_or(0)
     }
 
-    /// Usual numbers for a sensor of a quantity.
     fn usual(self, quantity: Quantity) -> [f64; MOST] {
         let mut numbers = [0.0; MOST];
         for (number, info) in numbers.iter_mut().zip(self.0.numbers) {
@@ -255,7 +251,6 @@ impl Faults {
         self.0[fault.place()] = None;
     }
 
-    /// The faults at work, before the first sample of a record with a seed.
     pub(crate) fn acts(&self, quantity: Quantity, seed: u64) -> Vec<Box<dyn Act>> {
         let act = |(fault, numbers): (Fault, Option<[f64; MOST]>)| {
             let stream = Normal::new(seed, Purpose::Fault(quantity, fault.0.stream));
@@ -265,7 +260,6 @@ impl Faults {
     }
 }
 
-/// The entries of a table of a file.
 struct Entries<T>(Vec<(String, T)>);
 
 impl<'de, T: Deserialize<'de>> Deserialize<'de> for Entries<T> {

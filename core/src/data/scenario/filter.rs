@@ -183,7 +183,6 @@ impl FilterSettings {
         !self.adaptation.is_on() && !self.jump && takes_all && self.is_one() && self.plucks.is_empty()
     }
 
-    /// Whether no other filter runs beside it.
     pub(crate) fn is_one(&self) -> bool {
         self.guesses == 1 && self.walk == 0.0 && self.process_scales == 1
     }

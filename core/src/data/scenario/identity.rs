@@ -94,7 +94,6 @@ pub fn shown(text: &str) -> String {
     text.chars().map(|letter| if letter == '\n' || is_text(letter) { letter } else { ' ' }).collect()
 }
 
-/// Reads a name, and refuses one that [`is_text`] does not allow.
 pub(super) fn name<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String, D::Error> {
     let name = String::deserialize(deserializer)?;
     match name.chars().find(|letter| !is_text(*letter)) {

@@ -48,7 +48,6 @@ impl Plant {
         set.or_else(|| (channel.is_parameter() && !channel.is_augmentation()).then(usual))
     }
 
-    /// Whether a channel has a signal of its own, not the usual value.
     pub(crate) fn has_own(&self, channel: Channel) -> bool {
         self.signals.iter().any(|(own, _)| *own == channel)
     }
@@ -102,14 +101,12 @@ impl Plant {
         Model::new(self.kind).augmented(augmentations).driven_by(input)
     }
 
-    /// The channels with an own signal, whether the plant has them or not.
     pub(super) fn signals(&self) -> impl Iterator<Item = (Channel, Signal)> {
         self.signals.iter().copied()
     }
 }
 
 impl PartialEq for Plant {
-    /// Whether every parameter has the same signal, its own or the usual one, and every augmentation.
     fn eq(&self, other: &Self) -> bool {
         let Self { kind, initial, disturbance_std, input_delay, signals } = self;
         let same = |(channel, _): &(Channel, Signal)| self.parameter(*channel) == other.parameter(*channel);

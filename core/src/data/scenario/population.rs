@@ -143,10 +143,7 @@ impl Scenario {
         }
     }
 
-    /// Does the same for a file, but refuses a key that is wrong.
-    ///
-    /// # Errors
-    /// [`ScenarioError::Syntax`] with the first key that names no number, or that may not be drawn.
+    /// Refuses a key that names no number, or that may not be drawn.
     pub(super) fn read_draws(&mut self) -> Result<(), ScenarioError> {
         if self.draw.is_empty() {
             return Ok(());
@@ -207,7 +204,6 @@ mod tests {
         assert_eq!(Scenario::from_toml(&two.to_toml().unwrap()).unwrap(), two);
     }
 
-    /// Mean and standard deviation over many members, against those of the law.
     #[test]
     fn numbers_have_their_laws() {
         for (law, is_log, mean, std) in [

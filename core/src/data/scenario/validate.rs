@@ -84,7 +84,6 @@ impl Scenario {
     }
 }
 
-/// Refuses a plant or a filter of a user's own with the key of a built-in one.
 fn own_key(is_impostor: bool, path: impl Display, key: &str) -> Result<(), ScenarioError> {
     require(!is_impostor, path, format_args!("\"{key}\" of your own"), "a key that no built-in kind has")
 }
@@ -118,7 +117,6 @@ impl Plant {
     }
 }
 
-/// Limits the times at which a motion begins anew.
 const MOST_PLUCKS: usize = 1000;
 
 impl FilterSettings {

@@ -18,7 +18,6 @@ pub struct Values {
     set: Vec<(Channel, f64)>,
 }
 
-/// The usual number of a channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Otherwise {
     Zero,
@@ -74,8 +73,7 @@ impl Values {
         self.set = own.chain(rest).collect();
     }
 
-    /// The numbers to write into a file that is read over `base`: those of these channels and those that differ from
-    /// `base`.
+    /// The numbers of these channels and those that differ from `base`, over which the file is read.
     pub(super) fn written_over(&self, base: &Self, channels: &[Channel]) -> Self {
         let others = Channel::all().iter().copied().filter(|c| !channels.contains(c) && self[*c] != base[*c]);
         let written = channels.iter().copied().chain(others);
@@ -103,7 +101,6 @@ impl IndexMut<Channel> for Values {
 }
 
 impl PartialEq for Values {
-    /// Whether every channel has the same number, set or usual.
     fn eq(&self, other: &Self) -> bool {
         let same = |channel: Channel| self[channel] == other[channel];
         let set = || self.iter().chain(other.iter()).all(|(channel, _)| same(channel));
@@ -129,7 +126,6 @@ pub(super) fn process_std<'de, D: Deserializer<'de>>(deserializer: D) -> Result<
     deserializer.deserialize_map(Table(Values::PROCESS_STD))
 }
 
-/// A table of a file, to be filled in.
 struct Table(Values);
 
 impl<'de> Visitor<'de> for Table {

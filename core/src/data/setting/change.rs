@@ -183,7 +183,6 @@ fn document(of: &impl serde::Serialize) -> Document {
     document::of(of).unwrap_or_default()
 }
 
-/// The name of the choice with a key, and of its option in a `T`.
 fn chosen<T>(all: &[&ChoiceInfo<T>], key: &str, of: &T) -> Option<(String, String)> {
     let info = all.iter().find(|info| info.key == key)?;
     Some((info.name.to_owned(), info.chosen(of)?.name.to_owned()))
@@ -336,7 +335,6 @@ mod tests {
 
     type Step = fn(&mut Scenario);
 
-    /// Changes of every kind of place: numbers, choices, tables, lists, filters that come, go and turn.
     const STEPS: [(&str, Step); 12] = [
         ("λ", |scenario| scenario.filters[1].fading = 1.5),
         ("a guess", |scenario| scenario.filters[0].initial_mean[Channel::NATURAL_FREQUENCY] = 9.0),

@@ -42,7 +42,6 @@ pub struct Choice {
     pub hint: &'static str,
 }
 
-/// Options without hints.
 fn named<const N: usize>(names: [&'static str; N]) -> Vec<Choice> {
     names.map(|name| Choice { name, hint: "" }).into()
 }
@@ -57,7 +56,6 @@ impl<T> ChoiceInfo<T> {
         (self.options)().into_iter().nth((self.get)(of))
     }
 
-    /// The name of the option with a value in a scenario file.
     pub(super) fn name_of(&self, value: &Value) -> Option<&'static str> {
         let mut options = (self.options)().into_iter().enumerate();
         options.find(|(place, _)| (self.value)(*place) == *value).map(|(_, option)| option.name)
@@ -94,7 +92,6 @@ static HOLD: ChoiceInfo<Scenario> = ChoiceInfo {
     set: |scenario, at| scenario.hold = if at == 0 { Hold::Zero } else { Hold::First },
 };
 
-/// The shapes of a force, with the numbers that each has at first.
 const SHAPES: [(&str, Force); 6] = [
     ("white noise", Force::WhiteNoise { std: 10.0 }),
     ("sine", Force::Sine { amplitude: 5.0, frequency: 6.0 }),

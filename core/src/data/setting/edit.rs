@@ -72,7 +72,6 @@ impl Edit {
         Ok(lines)
     }
 
-    /// The key within the table of the filter, or of the scenario.
     pub(super) fn inner(&self) -> &str {
         address::split_id(&self.key).map_or(&self.key, |(_, key)| key)
     }
@@ -117,7 +116,6 @@ impl Edit {
     }
 }
 
-/// The beginning of the reader's sentence about a key that it does not know.
 fn unread(key: &str) -> String {
     format!("unknown field `{key}`")
 }

@@ -194,7 +194,6 @@ pub static OPTIONS: [&Row; 12] = [
     &TRAINING,
 ];
 
-/// The settings that files alone have.
 static OF_FILES: [&Row; 2] = [&INPUT_DELAY, &FORGETTING];
 
 /// All settings of a filter that are one number each, or a yes or no.

@@ -71,7 +71,6 @@ impl<T> fmt::Debug for SettingInfo<T> {
     }
 }
 
-/// A field that is read and set as a number.
 pub(super) trait Field {
     fn number(&self) -> f64;
     fn put(&mut self, value: f64);
@@ -113,7 +112,6 @@ impl Field for bool {
     }
 }
 
-/// A row of a field, with its key and other data.
 macro_rules! row {
     ($key:literal, $($field:ident).+, $($data:tt)*) => {
         SettingInfo {

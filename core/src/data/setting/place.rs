@@ -12,29 +12,21 @@ const PLANT: &str = "plant.";
 
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Place {
-    /// One of the scenario, besides the others here.
     Scenario(&'static SettingInfo<Scenario>),
-    /// A parameter of the truth.
     Parameter(Channel),
     /// A number of the signal of a parameter that moves: the key behind that of the parameter.
     Signal(Channel, &'static str),
-    /// The true noise of a sensor.
     Noise(Quantity),
-    /// A number of a fault of a sensor.
     Fault(Quantity, Fault, &'static FaultNumber),
-    /// One of some filters.
     Filters(Filters, Member),
 }
 
-/// Filters that a setting is of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Filters {
     All,
-    /// The filter with an id.
     Of(u32),
 }
 
-/// A number of a filter, or a factor on a table of them, over the numbers of these filters.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Member {
     Number(&'static SettingInfo<FilterSettings>),
@@ -104,8 +96,7 @@ impl Place {
         Some(Self::Filters(filters, member?))
     }
 
-    /// The end of a sentence about a text that is no place: the filters, the numbers of a filter or of the plant, the sensors, or
-    /// the numbers of the scenario.
+    /// The end of a sentence about a text that is no place: the filters, numbers or sensors that there are.
     pub(super) fn instead(scenario: &Scenario, text: &str) -> String {
         if scenario.filters_at(text).is_some() {
             let numbers = OF_FILTER.into_iter().flatten().map(|info| info.key);

@@ -97,7 +97,6 @@ pub fn of_scenario() -> impl Iterator<Item = &'static Row> {
     OWN.into_iter().chain(&FORCE)
 }
 
-/// A row of a field of a shape, with its key and other data.
 macro_rules! of_shape {
     ($key:literal, $shape:ident.$field:ident, $($data:tt)*) => {
         SettingInfo {

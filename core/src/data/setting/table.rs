@@ -31,7 +31,6 @@ pub struct TableInfo {
     unit: Option<&'static str>,
 }
 
-/// The numbers of a table.
 enum Column {
     Channels(fn(&FilterSettings) -> &Values, fn(&mut FilterSettings) -> &mut Values),
     Sensors(fn(&FilterSettings) -> &Vec<f64>, fn(&mut FilterSettings) -> &mut Vec<f64>),
@@ -197,7 +196,6 @@ impl TableInfo {
         if base.len() == now.len() && base.iter().zip(&now).all(is_common) { factor } else { f64::NAN }
     }
 
-    /// Sets the numbers of a filter to a factor times those of its base.
     pub(super) fn scale(&self, base: &FilterSettings, filter: &mut FilterSettings, factor: f64) {
         match self.column {
             Column::Channels(of, of_mut) => {

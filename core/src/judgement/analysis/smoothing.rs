@@ -7,7 +7,6 @@ use crate::samples::smoother::Smoother;
 use crate::samples::waste::Waste;
 use crate::{Estimates, FilterSettings};
 
-/// The smoothed estimates of those filters that have a smoother, in the order of the filters.
 #[derive(Default)]
 pub(super) struct Smoothing {
     estimates: Vec<Estimates>,
@@ -23,7 +22,6 @@ impl Smoothing {
         if self.is_complete || go_along { &self.estimates } else { &[] }
     }
 
-    /// Takes in new samples. Returns whether all is done that can be done.
     pub(super) fn follow(
         &mut self,
         subject: &Subject<'_>,
@@ -73,7 +71,6 @@ impl Smoothing {
         self.estimates.len() - 1
     }
 
-    /// Forgets the samples before one, counted from the run's beginning.
     pub(super) fn forget_before(&mut self, sample: usize) {
         for estimates in &mut self.estimates {
             estimates.forget(sample.saturating_sub(estimates.forgotten()));
@@ -122,7 +119,6 @@ impl Smoothing {
     }
 }
 
-/// Whether the smoothed estimates of a filter are wanted of the samples so far.
 fn is_wanted(filter: &FilterSettings, subject: &Subject<'_>, wanted: Hindsight) -> bool {
     let is_possible = match filter.lag(subject.record.dt()) {
         Some(_) => wanted >= Hindsight::Lagged,

@@ -19,12 +19,10 @@ const SLACK: f64 = 0.7;
 /// Limits the normal score that chance explains in one part.
 const NOT_CHANCE: f64 = 4.0;
 
-/// The normal score at the upper end of the interval that innovations² are in with a probability of 95 %, and, with a minus, at
-/// its lower end.
+/// The normal score at the upper end of the 95 % interval of innovations², and, with a minus, at its lower end.
 const ABOVE: f64 = 1.96;
 
-/// Limits the errors² of a good part, relative to the covariance: for a parameter (its errors in a part count as one
-/// number), and for a motion.
+/// Limits the errors² of a good part over the covariance: of a parameter (its errors in a part count as one), of a motion.
 const OUTSIDE: (f64, f64) = (16.0, 8.0);
 
 /// Limits the bad parts of a record that can be forgiven.
@@ -42,21 +40,17 @@ pub(crate) struct Case<'a> {
     pub(crate) bad: Chosen,
     /// The bad parts, and parts with too small innovations, after which the filter has recovered.
     pub(crate) forgiven: Chosen,
-    /// All others.
     pub(crate) kept: Chosen,
 }
 
-/// Parts of a record that a test looks at.
 pub(crate) struct Span {
     pub(crate) parts: Chosen,
     pub(crate) samples: Range<usize>,
-    /// The words at the end of a sentence about them.
     pub(crate) words: &'static str,
 }
 
 impl<'a> Case<'a> {
-    /// The case over some existing samples, from the sums over their parts. The periodograms are added later, since
-    /// they need the samples that it keeps.
+    /// The periodograms are added later: they need the samples that it keeps.
     pub(crate) fn new(
         diagnostics: &'a Diagnostics,
         estimates: &'a Estimates,
@@ -123,7 +117,6 @@ impl<'a> Case<'a> {
         [self.whole(), Span { parts: late, samples, words: " in the last fifth" }]
     }
 
-    /// The samples of the parts that are bad or forgiven; adjacent parts are one range.
     pub(crate) fn bad_samples(&self) -> Vec<Range<usize>> {
         self.ranges(|part| self.bad[part] || self.forgiven[part])
     }
@@ -141,7 +134,6 @@ impl<'a> Case<'a> {
         ranges
     }
 
-    /// The samples from the first to the last forgiven part. `None` if no part is forgiven.
     pub(crate) fn forgiven_samples(&self) -> Option<Range<usize>> {
         let first = self.forgiven.iter().position(|&forgiven| forgiven)?;
         let last = self.forgiven.iter().rposition(|&forgiven| forgiven)?;
@@ -192,7 +184,6 @@ impl<'a> Case<'a> {
         })
     }
 
-    /// Whether the innovations of a part are too small, by more than chance.
     fn is_slack(&self, part: usize) -> bool {
         let only = chosen(&|other| other == part);
         self.sensors.iter().any(|one| {
@@ -201,7 +192,6 @@ impl<'a> Case<'a> {
         })
     }
 
-    /// Whether the innovations or errors of a part are too large, by more than chance.
     fn is_bad(&self, part: usize) -> bool {
         let only = chosen(&|other| other == part);
         let is_no_chance = |level: f64, degrees: f64| exceeds(chi_squared_score(level, degrees), NOT_CHANCE);

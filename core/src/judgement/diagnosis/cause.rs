@@ -69,7 +69,6 @@ pub struct Cause {
     pub name: &'static str,
     /// Its symptoms and its remedy.
     pub hint: &'static str,
-    /// Appends one likely cause for each way in which it may be the cause.
     pub(crate) likely_causes: fn(&BadFilter<'_>, &'static Self, &mut Vec<LikelyCause>),
 }
 
@@ -134,12 +133,10 @@ impl BadFilter<'_> {
         self.effect_of(|one| one.test.name.contains("spectrum") || one.test.name.contains("whiteness"))
     }
 
-    /// The effect of a line in the spectrum of a sensor's innovations.
     pub(crate) fn effect_of_lines(&self) -> f64 {
         self.effect_of(|one| one.test.name.contains("spectrum") && one.subject != Subject::All)
     }
 
-    /// The largest correlation of innovations with the input at some lags.
     pub(crate) fn follows_input(&self, lags: RangeInclusive<i32>) -> f64 {
         let of = |one: &SensorInnovations| (FIRST_CROSS_LAG..).zip(one.cross_correlation(&self.case.kept));
         let chosen = self.case.sensors.iter().flat_map(of).filter(|(lag, _)| lags.contains(lag));
@@ -156,7 +153,6 @@ impl BadFilter<'_> {
         Edit::of_filter(self.filter.id, key, value)
     }
 
-    /// The edits that begin with a belief about a constant parameter.
     pub(crate) fn begins(&self, key: &str, mean: f64, std: f64) -> [Edit; 3] {
         [("initial_mean", mean), ("initial_std", std), ("process_std", 0.0)]
             .map(|(table, value)| self.edit(&format!("{table}.{key}"), value))

@@ -5,14 +5,12 @@ use std::ops::Range;
 use super::parts::{self, Chosen, PARTS, Piece, Series, first_in, pieces};
 use crate::{Channel, Estimates, Record};
 
-/// The normalised errors `e / σ` of one channel.
 #[derive(Clone, Debug)]
 pub(crate) struct ChannelErrors {
     pub(crate) channel: Channel,
     pub(crate) by_part: [Sums; PARTS],
 }
 
-/// The sums of one part, or of a granule.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sums {
     pub(crate) count: f64,
@@ -28,7 +26,6 @@ pub(crate) struct Sums {
     last: f64,
 }
 
-/// The errors of all channels with a known truth, and the sums of granules of them.
 #[derive(Debug)]
 pub(super) struct LiveErrors {
     channels: Vec<LiveChannel>,
@@ -51,7 +48,6 @@ impl LiveErrors {
         Self { channels: known.map(one).collect() }
     }
 
-    /// Adds up the new granules of a window, and forgets those before it.
     pub(super) fn follow(&mut self, window: &Range<usize>, estimates: &Estimates, record: &Record) {
         for LiveChannel { channel, place, granules } in &mut self.channels {
             granules.follow(window, |samples| {
@@ -62,7 +58,6 @@ impl LiveErrors {
         }
     }
 
-    /// The errors in each part of a window; channels that are known for certain are left out.
     pub(super) fn by_part(&self, window: &Range<usize>, estimates: &Estimates, record: &Record) -> Vec<ChannelErrors> {
         let one = |of: &LiveChannel| {
             let mut last = 0.0;
@@ -85,7 +80,6 @@ impl LiveErrors {
 }
 
 impl Sums {
-    /// Adds the known normalised errors of a channel at a place at some samples.
     fn take_in(
         &mut self,
         (channel, place): (Channel, usize),
@@ -109,7 +103,6 @@ impl Sums {
         }
     }
 
-    /// Adds those of a granule that follows.
     fn add(&mut self, of: &Self) {
         if of.count == 0.0 {
             return;
@@ -132,7 +125,6 @@ impl ChannelErrors {
         parts::sum(chosen, |part| self.by_part[part].count)
     }
 
-    /// The share of samples in some parts with the truth inside ±2σ.
     pub(crate) fn coverage(&self, chosen: &Chosen) -> f64 {
         parts::sum(chosen, |part| self.by_part[part].inside) / self.count(chosen)
     }

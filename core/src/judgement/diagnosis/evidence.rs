@@ -58,12 +58,10 @@ pub struct Evidence {
 }
 
 impl Evidence {
-    /// Evidence on all samples of a case, before all tests are taken together.
     pub(crate) fn new(test: &'static Test, subject: Subject, case: &Case<'_>) -> Self {
         Self::over(test, subject, &case.whole())
     }
 
-    /// Evidence on some parts of a record, before all tests are taken together.
     pub(crate) fn over(test: &'static Test, subject: Subject, span: &Span) -> Self {
         Self {
             test,
@@ -78,7 +76,6 @@ impl Evidence {
         }
     }
 
-    /// Evidence that a rule is broken.
     pub(crate) fn certain(self, kind: VerdictKind, effect: f64, sentence: String) -> Self {
         Self { p_value: 0.0, effect, speaks_for: kind, statistic: effect, sentence, ..self }
     }

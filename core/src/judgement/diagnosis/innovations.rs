@@ -6,8 +6,7 @@ use super::parts::{self, AFTER, BEFORE, CROSS_LAGS, Chosen, GRANULE, LAGS, PARTS
 use super::periodogram::Periodogram;
 use crate::{Estimates, Quantity, Record};
 
-/// Limits a normalised innovation, and the input in units of its root mean square, in correlations: so that one reading does
-/// not dominate them.
+/// Limits normalised innovations, and the input over its root mean square, in correlations: one reading must not dominate.
 pub(crate) const LARGEST: f64 = 5.0;
 
 /// The normalised innovations `ν = e / √S` of one sensor.
@@ -15,13 +14,11 @@ pub(crate) const LARGEST: f64 = 5.0;
 pub(crate) struct SensorInnovations {
     pub(crate) sensor: Quantity,
     pub(crate) by_part: [Sums; PARTS],
-    /// The periodogram of the kept samples, once they are known.
     pub(crate) periodogram: Periodogram,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sums {
-    /// Measurements.
     pub(crate) count: f64,
     pub(crate) square: f64,
     /// Sum of ν, limited.
@@ -47,7 +44,6 @@ impl SensorInnovations {
         parts::sum(chosen, |part| self.by_part[part].square) / self.count(chosen)
     }
 
-    /// The mean of ν over some parts, limited.
     pub(crate) fn mean(&self, chosen: &Chosen) -> f64 {
         parts::sum(chosen, |part| self.by_part[part].sum) / self.count(chosen)
     }
@@ -72,7 +68,6 @@ impl SensorInnovations {
     }
 }
 
-/// The innovations of all sensors of an estimate, and the sums of granules of them.
 #[derive(Debug)]
 pub(super) struct LiveInnovations {
     /// The samples from the beginning of the last window to the last one that is taken in.
@@ -90,7 +85,6 @@ struct LiveSensor {
 }
 
 impl LiveInnovations {
-    /// No innovations yet, before the sample `start`.
     pub(super) fn new(estimates: &Estimates, start: usize) -> Self {
         let (values, granules) = (Series::starting_at(start), Series::starting_at(first_in(start)));
         let one = |&sensor: &Quantity| LiveSensor { sensor, values: values.clone(), granules: granules.clone() };
@@ -118,7 +112,6 @@ impl LiveInnovations {
         }
     }
 
-    /// Adds up the new granules of a window, and forgets what is before it.
     pub(super) fn follow(&mut self, window: &Range<usize>, record: &Record) {
         let input = Input::new(window, record);
         for LiveSensor { values, granules, .. } in &mut self.sensors {
@@ -131,7 +124,6 @@ impl LiveInnovations {
         }
     }
 
-    /// The innovations in each part of a window whose samples have been taken in.
     pub(super) fn by_part(&self, window: &Range<usize>, record: &Record) -> Vec<SensorInnovations> {
         let input = Input::new(window, record).centred();
         let of_part = |sensor: &LiveSensor, part: usize| {
@@ -151,8 +143,7 @@ impl LiveInnovations {
 }
 
 impl Sums {
-    /// Adds some samples of a sensor's ν, at most a granule of them; their products reach no sample outside the window of the
-    /// input.
+    /// Adds at most a granule of samples, whose products reach no sample outside the window of the input.
     fn take_in(&mut self, values: &Series<f64>, samples: &Range<usize>, input: &Input<'_>) {
         let begin = samples.start.saturating_sub(BEFORE).max(input.first);
         let known = values.items(begin..samples.end);
@@ -198,9 +189,7 @@ struct Input<'a> {
     values: &'a [f64],
     /// The number of the first sample.
     first: usize,
-    /// This is subtracted.
     mean: f64,
-    /// Limits what is left.
     limit: f64,
 }
 
@@ -210,7 +199,6 @@ impl<'a> Input<'a> {
         Self { values, first: window.start, mean: 0.0, limit: f64::INFINITY }
     }
 
-    /// Without its mean, and limited.
     fn centred(self) -> Self {
         let count = self.values.len().max(1) as f64;
         let mean = sum_of(self.values, |f| f) / count;
@@ -218,7 +206,6 @@ impl<'a> Input<'a> {
         Self { mean, limit, ..self }
     }
 
-    /// The number of one sample, as it is.
     fn at(&self, sample: usize) -> f64 {
         self.values[sample - self.first]
     }
@@ -227,7 +214,6 @@ impl<'a> Input<'a> {
         (value - self.mean).max(-self.limit).min(self.limit)
     }
 
-    /// The sum of the squares over some samples.
     fn square(&self, samples: &Range<usize>) -> f64 {
         sum_of(&self.values[samples.start - self.first..samples.end - self.first], |f| self.of(f) * self.of(f))
     }
@@ -263,8 +249,7 @@ fn sum_of(values: &[f64], of: impl Fn(f64) -> f64) -> f64 {
     sums.iter().sum::<f64>() + rest.iter().map(|value| of(*value)).sum::<f64>()
 }
 
-/// Adds to the sum at each place i, `Σ a_k b_(k + N - 1 - i)`: b begins `N - 1` samples before the partner of `a[0]` at
-/// the first lag.
+/// Adds `Σ a_k b_(k + N - 1 - i)` to sum i: b begins `N - 1` samples before the partner of `a[0]` at the first lag.
 fn add_products<const N: usize>(sums: &mut [f64; N], a: &[f64], b: &[f64]) {
     let mut reversed = [0.0; N];
     for (a, b) in a.iter().zip(b.array_windows::<N>()) {

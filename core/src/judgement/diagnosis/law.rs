@@ -39,7 +39,6 @@ pub(super) struct ForceInHindsight {
 }
 
 impl ForceInHindsight {
-    /// The smoother of the only filter of a scenario. `None` if the filter estimates no unknown force.
     pub(super) fn new(scenario: &Scenario, record: &Record) -> Option<Self> {
         let filter = scenario.filters.first()?;
         filter.augment.contains(&Channel::UNKNOWN_FORCE).then_some(())?;
@@ -51,7 +50,6 @@ impl ForceInHindsight {
         Some(Self { smoother, estimates: Box::new(estimates) })
     }
 
-    /// Goes on while there is time. Returns whether all is done.
     pub(super) fn advance(&mut self, record: &Record, while_time: &mut dyn FnMut() -> bool) -> bool {
         loop {
             if self.smoother.advance(record, record.len(), true, CHUNK, &mut self.estimates) {
@@ -162,7 +160,6 @@ fn without(values: &[f64], others: &[&[f64]]) -> Vec<f64> {
     rest
 }
 
-/// The share of the mean square of `u` along other values.
 fn share(u: &[f64], along: &[f64]) -> f64 {
     let (product, squares) = (dot(u, along), dot(u, u) * dot(along, along));
     if squares > 0.0 { product * product / squares } else { 0.0 }
@@ -173,7 +170,6 @@ mod tests {
     use super::*;
     use crate::mathematics::random::Normal;
 
-    /// An oscillation with a wandering amplitude, and noise.
     fn motion() -> [Vec<f64>; 3] {
         let mut normal = Normal::from_seed(5);
         let (mut x, mut v) = (0.0, 0.0);

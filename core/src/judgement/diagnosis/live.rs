@@ -26,7 +26,6 @@ pub struct LiveDiagnosis {
     kept: Option<Kept>,
 }
 
-/// The sums of the samples of the window and of later ones.
 #[derive(Debug)]
 struct Kept {
     innovations: LiveInnovations,
@@ -70,8 +69,7 @@ impl LiveDiagnosis {
     }
 }
 
-/// The case over some samples, as far as they exist, for one time: no granule is stored, and the windows of the periodogram
-/// begin with the samples.
+/// No granule is stored, as it is for one time, and the windows of the periodogram begin with the samples.
 pub(super) fn case<'a>(
     diagnostics: &'a Diagnostics,
     estimates: &'a Estimates,
@@ -90,14 +88,12 @@ pub(super) fn case<'a>(
 }
 
 impl Kept {
-    /// No samples yet, before the one of number `start`.
     fn new(estimates: &Estimates, record: &Record, start: usize) -> Self {
         let (innovations, errors) = (LiveInnovations::new(estimates, start), LiveErrors::new(estimates, record, start));
         Self { innovations, errors, spectra: LiveSpectra::default() }
     }
 
-    /// The case over some samples that have been taken in. `spectra` are the sensors' periodograms over ranges of samples by their
-    /// numbers.
+    /// `spectra` are the sensors' periodograms over ranges of samples by their numbers.
     fn case<'a>(
         &self,
         diagnostics: &'a Diagnostics,
@@ -120,7 +116,6 @@ impl Kept {
     }
 }
 
-/// The part of some samples that has estimates and measurements.
 fn existing(samples: Range<usize>, estimates: &Estimates, record: &Record) -> Range<usize> {
     let end = samples.end.min(estimates.len()).min(record.len());
     samples.start.min(end)..end

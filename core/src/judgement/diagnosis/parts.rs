@@ -14,12 +14,10 @@ pub(crate) type Chosen = [bool; PARTS];
 
 pub(crate) const ALL: Chosen = [true; PARTS];
 
-/// The parts of which something is so.
 pub(crate) fn chosen(is_so: &dyn Fn(usize) -> bool) -> Chosen {
     std::array::from_fn(is_so)
 }
 
-/// The sum over chosen parts of a number that each has.
 pub(crate) fn sum(chosen: &Chosen, of: impl Fn(usize) -> f64) -> f64 {
     (0..PARTS).filter(|&part| chosen[part]).map(of).sum()
 }
@@ -46,8 +44,7 @@ pub(super) const AFTER: usize = FIRST_CROSS_LAG.unsigned_abs() as usize;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Piece {
     pub(super) samples: Range<usize>,
-    /// The number of the granule, if its stored sums serve for these samples: it is whole, and its products reach no
-    /// sample outside the window.
+    /// Its stored sums serve for these samples: it is whole, and its products reach no sample outside the window.
     pub(super) granule: Option<usize>,
 }
 
@@ -62,7 +59,6 @@ pub(super) fn pieces(samples: &Range<usize>, window: &Range<usize>) -> impl Iter
     })
 }
 
-/// The first granule with sums that serve in a window that begins at `start` or later.
 pub(super) fn first_in(start: usize) -> usize {
     (start + BEFORE).div_ceil(GRANULE)
 }
@@ -79,17 +75,14 @@ pub(super) struct Series<T> {
 }
 
 impl<T> Series<T> {
-    /// An empty series that begins with the item of this number.
     pub(super) fn starting_at(first: usize) -> Self {
         Self { first, items: Vec::new() }
     }
 
-    /// The number of the first item that is kept.
     pub(super) fn first(&self) -> usize {
         self.first
     }
 
-    /// The number of the next item.
     pub(super) fn end(&self) -> usize {
         self.first + self.items.len()
     }
@@ -105,7 +98,6 @@ impl<T> Series<T> {
         &self.items[numbers.start - self.first..numbers.end - self.first]
     }
 
-    /// The item of a number, if it is kept.
     pub(super) fn get(&self, number: usize) -> Option<&T> {
         self.items.get(number.checked_sub(self.first)?)
     }
@@ -118,7 +110,6 @@ impl<T> Series<T> {
         }
     }
 
-    /// Adds the sums of the new granules of a window, and forgets those before it.
     pub(super) fn follow(&mut self, window: &Range<usize>, sums: impl Fn(&Range<usize>) -> T) {
         self.skip_to(first_in(window.start));
         while (self.end() + 1) * GRANULE + AFTER <= window.end {

@@ -32,7 +32,6 @@ pub(crate) struct Periodogram {
     pub(crate) power: Vec<f64>,
 }
 
-/// The length of the windows of a record of this many samples. `None` if these are too few.
 pub(super) fn window_length(samples: usize) -> Option<usize> {
     (0..).map(|i| LONGEST >> i).take_while(|l| *l >= SHORTEST).find(|l| l * WINDOWS <= samples)
 }
@@ -41,8 +40,7 @@ pub(super) fn window_length(samples: usize) -> Option<usize> {
 const FIRST: usize = 2;
 
 impl Periodogram {
-    /// The periodograms of several series of one length, of windows that have no sample outside some ranges,
-    /// of which no two are adjacent.
+    /// Of several series of one length, over windows with no sample outside some ranges, of which no two are adjacent.
     pub(crate) fn of_all(series: &[Vec<f64>], kept: &[Range<usize>]) -> Vec<Self> {
         let samples = series.first().map_or(0, Vec::len);
         let Some(mut windows) = WelchWindows::of(samples) else { return vec![Self::default(); series.len()] };
@@ -79,8 +77,7 @@ impl Periodogram {
         self.power.iter().sum::<f64>() / self.power.len() as f64
     }
 
-    /// The largest power and its frequency in radians a sample, between its neighbours by a parabola. `None` if the
-    /// series is too short.
+    /// The largest power and its frequency in radians a sample, by a parabola. `None` if the series is too short.
     pub(crate) fn peak(&self) -> Option<(f64, f64)> {
         let (place, &power) = self.power.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
         let at = |place: Option<usize>| place.and_then(|place| self.power.get(place)).copied().unwrap_or(power);
@@ -94,7 +91,6 @@ impl Periodogram {
 /// The powers of a window, for each two series at each frequency.
 type Powers = Vec<Vec<[f64; 2]>>;
 
-/// Windows of one length, and their transform.
 #[derive(Debug)]
 struct WelchWindows {
     length: usize,
@@ -106,7 +102,6 @@ struct WelchWindows {
 }
 
 impl WelchWindows {
-    /// The windows of a record of this many samples. `None` if these are too few.
     fn of(samples: usize) -> Option<Self> {
         let length = window_length(samples)?;
         let weights: Vec<f64> = (0..length).map(|k| libm::sin(PI * (k as f64 + 0.5) / length as f64)).collect();
@@ -115,8 +110,7 @@ impl WelchWindows {
         Some(Self { length, transform: Transform::new(length), weights, scale, buffer: vec![(0.0, 0.0); length] })
     }
 
-    /// The powers of the window of several series that begins at one sample, not yet scaled: at each frequency those of two series, which
-    /// take one transform.
+    /// Of the window that begins at one sample, not yet scaled: at each frequency those of two series, which take one transform.
     fn powers(&mut self, series: &[Vec<f64>], begin: usize) -> Powers {
         let Self { length, transform, weights, buffer, .. } = self;
         let of_pair = |pair: &[Vec<f64>]| {
@@ -137,8 +131,7 @@ impl WelchWindows {
     }
 }
 
-/// The spectra of windows that begin at multiples of their length from the run's beginning, of all sensors, each computed
-/// once.
+/// Windows that begin at multiples of their length from the run's beginning, of all sensors, each computed once.
 #[derive(Debug, Default)]
 pub(super) struct LiveSpectra {
     windows: Option<WelchWindows>,
@@ -163,7 +156,6 @@ impl LiveSpectra {
         powers.forget_before(first);
     }
 
-    /// The periodogram of each sensor, of windows that have no sample outside some ranges.
     pub(super) fn of(&self, kept: &[Range<usize>], sensors: usize) -> Vec<Periodogram> {
         let (Some(windows), Some(powers)) = (&self.windows, &self.powers) else {
             return vec![Periodogram::default(); sensors];

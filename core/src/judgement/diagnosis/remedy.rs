@@ -47,9 +47,8 @@ impl Remedy {
         remedies.first().is_some_and(Self::explains)
     }
 
-    /// The rank of a remedy, before likelihoods are compared. From high to low: a fault of the record, a certain cause
-    /// with a remedy, a remedy with a good verdict, a certain cause without a remedy, any other, a remedy that silences
-    /// a sensor.
+    /// From high to low: a fault of the record, a certain cause with a remedy, a remedy with a good verdict, a certain cause
+    /// without a remedy, any other, a remedy that silences a sensor.
     pub(super) fn precedence(&self) -> u8 {
         let ends = self.after.as_ref().map_or(0, |verdict| rests(verdict.kind));
         match &self.first {
@@ -81,7 +80,6 @@ const SIGNIFICANT: f64 = 4.0;
 /// A cause explains a record better than noise if its log likelihood is larger by this.
 const BEYOND: f64 = 20.0;
 
-/// Whether a likely cause is a noise that the filter assumes too small or too large.
 fn is_noise(likely: &LikelyCause) -> bool {
     matches!(likely.cause.key, "sensor_noise" | "process_noise" | "felt_disturbance")
 }
@@ -100,7 +98,6 @@ impl Trials {
         self.ranked().into_iter().map(|ranked| ranked.remedy).collect()
     }
 
-    /// The same with the gains that sort them.
     pub(super) fn ranked(&self) -> Vec<Ranked> {
         let Some(before) = &self.before else { return Vec::new() };
         let penalty = self.price();

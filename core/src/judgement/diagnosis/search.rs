@@ -28,7 +28,6 @@ const FILTERS: usize = 6;
 /// The share of the search before needless causes are left out.
 const NEARLY: f64 = 0.99;
 
-/// The key of the cause with a force to look at.
 const UNKNOWN_FORCE: &str = "unknown_force";
 
 /// A search in progress, which can be cut into slices of time.
@@ -44,7 +43,6 @@ pub struct Search {
     law: Option<Law>,
 }
 
-/// The use of the trials that are under way.
 enum Stage {
     /// Causes of the unchanged filter, or of the remaining misfit on a path.
     Causes(Option<usize>),
@@ -63,7 +61,6 @@ enum Stage {
 }
 
 impl Search {
-    /// The search that begins with the trials of a filter's causes.
     pub(super) fn new(trials: Trials) -> Self {
         let origin = Path::new(&trials.scenario);
         let (stage, filters) = (Stage::Causes(None), 1);
@@ -100,8 +97,7 @@ impl Search {
             let Some(remedy) = path.remedy() else { continue };
             let (key, path_rank) = (remedy.first.cause.key, self.rank(path));
             match all.iter_mut().find(|(other, ..)| other.first.cause.key == key) {
-                // Remedies that begin with the same cause are compared by their own gain, not by that with all noise
-                // fitted.
+                // Remedies that begin with the same cause are compared by their own gain, not that with all noise fitted.
                 Some((other, rank, gain)) if compare((&remedy, path.gain), (other, *gain)).is_gt() => {
                     (*other, *rank, *gain) = (remedy, rank.max(path_rank), path.gain);
                 }
@@ -127,7 +123,6 @@ impl Search {
         remedies
     }
 
-    /// Takes in the results of the trials, and begins the next ones.
     fn conclude(&mut self) {
         match std::mem::replace(&mut self.stage, Stage::Done) {
             Stage::Causes(on) => {
@@ -186,7 +181,6 @@ impl Search {
         }
     }
 
-    /// Begins to leave out needless causes of the remedy that stands first.
     fn shorten_first(&mut self) {
         match self.remedies().first().and_then(|first| self.place_of(first)) {
             Some(path) => self.shorten(path, 0),
@@ -194,13 +188,11 @@ impl Search {
         }
     }
 
-    /// The place of the path that a remedy came from.
     fn place_of(&self, remedy: &Remedy) -> Option<usize> {
         let is_it = |path: &Path| path.remedy().is_some_and(|other| other.edits == remedy.edits);
         self.paths.iter().position(is_it)
     }
 
-    /// Looks at the unknown force of the first remedy that has one, and then goes on or ends.
     fn look_at_force(&mut self, is_last: bool) {
         let has_force = |remedy: &Remedy| remedy.causes().any(|likely| likely.cause.key == UNKNOWN_FORCE);
         let place = self.remedies().iter().find(|one| has_force(one)).and_then(|remedy| self.place_of(remedy));
@@ -238,7 +230,6 @@ impl Search {
 impl Task for Search {
     type Outcome = Vec<Remedy>;
 
-    /// An estimate of the share that is done, from 0 to 1.
     fn progress(&self) -> f64 {
         match self.stage {
             Stage::Causes(_) => NEARLY * (self.filters as f64 - 1.0 + self.trials.progress()) / FILTERS as f64,
@@ -284,14 +275,12 @@ const PRICE: f64 = 0.05;
 const FAR_BEHIND: f64 = 0.7;
 
 impl Search {
-    /// Tries causes of the remaining misfit on the best path without a good verdict, if it can still become the best.
     fn try_next(&mut self) {
         let ends_well = |path: &Path| path.after.as_ref().is_some_and(|verdict| verdict.kind.is_good());
         let best_of = |is: &dyn Fn(&Path) -> bool| {
             self.paths.iter().filter(|path| ends_well(path) && is(path)).map(|path| self.rank(path)).reduce(f64::max)
         };
-        // A free force ends in a good verdict whatever the cause is: other paths are tried too, if they are not far
-        // behind.
+        // A free force ends in a good verdict whatever the cause is: other paths not far behind are tried too.
         let well = best_of(&|path| !self.is_any_force(path));
         let least = well.or_else(|| best_of(&|_| true).map(|rank| FAR_BEHIND * rank));
         let limit = if well.is_some() { FILTERS_ENOUGH } else { FILTERS };
@@ -302,8 +291,7 @@ impl Search {
                 && least.is_none_or(|least| self.rank(path) > least)
         };
         let open = || self.paths.iter().enumerate().filter(|(_, path)| is_open(path));
-        // A path with more causes is likelier, even if it begins with a wrong one: so the best first causes are tried
-        // first.
+        // A path with more causes is likelier, even after a wrong one: so the best first causes are tried first.
         let mut firsts: Vec<f64> =
             self.paths.iter().filter(|path| path.steps.len() == 1).map(|path| self.rank(path)).collect();
         sort_numbers(&mut firsts);
@@ -343,7 +331,6 @@ impl Search {
         if rank > 0.0 { share * rank } else { rank }
     }
 
-    /// Whether an unknown force that follows no law of its own is among the causes of a path.
     fn is_any_force(&self, path: &Path) -> bool {
         path.has(UNKNOWN_FORCE) && !self.law.as_ref().is_some_and(|law| law.is_own)
     }
@@ -352,7 +339,6 @@ impl Search {
 /// The key of the edit with a list as its value: each cause appends to it.
 const AUGMENT: &str = "augment";
 
-/// Causes that are repaired one after the other, and the resulting filter.
 #[derive(Clone, Debug)]
 struct Path {
     steps: Vec<Step>,
@@ -361,11 +347,9 @@ struct Path {
     /// The gain of the filter with all edits made, less the price of the numbers that they fit.
     gain: f64,
     after: Option<Verdict>,
-    /// Whether causes of the remaining misfit have been tried.
     is_tried: bool,
 }
 
-/// One cause and the augmentations that its edits add.
 #[derive(Clone, Debug)]
 struct Step {
     likely: LikelyCause,
@@ -373,18 +357,15 @@ struct Step {
 }
 
 impl Path {
-    /// No cause yet, of the only filter of a scenario.
     fn new(scenario: &Scenario) -> Self {
         Self { steps: Vec::new(), scenario: scenario.clone(), rank: 0.0, gain: 0.0, after: None, is_tried: true }
     }
 
-    /// The numbers that its edits fit.
     fn fitted(&self) -> f64 {
         self.steps.iter().map(|step| step.likely.fitted).sum()
     }
 
-    /// The same with one more cause. It replaces an earlier cause of the same kind if it makes all of that one's edits
-    /// again; the price of the replaced numbers, `price` each, is then given back.
+    /// Replaces an earlier cause of its kind whose edits it makes again, and gives back the `price` of their numbers.
     fn then(&self, next: &Ranked, price: f64) -> Option<Self> {
         let Ranked { remedy, rank, achieved } = next;
         let likely = remedy.first.clone();
@@ -428,8 +409,7 @@ impl Path {
         keys
     }
 
-    /// Whether it has only some of another path's causes, explains as much and ends in as good a verdict: the other
-    /// causes are needless.
+    /// Whether it explains as much with only some of the other one's causes, and ends in as good a verdict.
     fn is_enough_for(&self, other: &Self) -> bool {
         let (causes, all) = (self.causes(), other.causes());
         let precedence = |path: &Self| path.remedy().map(|remedy| remedy.precedence());
@@ -439,7 +419,6 @@ impl Path {
             && precedence(self) >= precedence(other)
     }
 
-    /// The path as a remedy. `None` if it has no cause.
     fn remedy(&self) -> Option<Remedy> {
         let mut edits: Vec<Edit> = Vec::new();
         for edit in self.steps.iter().flat_map(|step| &step.likely.edits) {

@@ -15,7 +15,6 @@ const WINDOW: usize = 10_000;
 /// Limits the samples of a trial between two checks of the time: half a millisecond of the slowest step.
 const CHUNK: usize = 100;
 
-/// The usual number of likely causes.
 const USUAL: usize = 30;
 
 /// The trials of all likely causes of one filter, which can be cut into slices of time.
@@ -41,8 +40,7 @@ pub struct Trials {
 #[derive(Clone, Debug)]
 pub(super) struct Outcome {
     pub(super) log_likelihood: f64,
-    /// The log likelihood of the filter with the edit made. `log_likelihood` may be that of a filter that is
-    /// restarted.
+    /// The log likelihood with the edit made; `log_likelihood` may be that of a filter that is restarted.
     pub(super) achieved: f64,
     /// The same with all covariances multiplied by the factor that maximises the log likelihood.
     pub(super) scaled: f64,
@@ -106,8 +104,7 @@ impl Trials {
         Ok(Self { first, own, ..trials })
     }
 
-    /// The trials of the only filter of a scenario over a whole record. `origin` is that filter before the edits of
-    /// other causes were turned. If `likely_causes` is `None`, they follow from the run of the filter.
+    /// `origin` is the filter before other causes' edits. Without `likely_causes`, they follow from its run.
     pub(super) fn over(
         record: Arc<Record>,
         scenario: Scenario,
@@ -170,18 +167,15 @@ impl Trials {
         self.likely_causes.iter().flatten().zip(&self.outcomes)
     }
 
-    /// The log likelihood that one more fitted number must gain.
     pub(super) fn price(&self) -> f64 {
         0.5 * libm::log(self.record.len().max(2) as f64)
     }
 
-    /// The likely cause that is tried now. `None` while the unchanged filter runs.
     fn current(&self) -> Option<&LikelyCause> {
         self.before.as_ref()?;
         self.likely_causes.as_ref()?.get(self.outcomes.len())
     }
 
-    /// The next trial at its first sample. `None` if its settings are invalid.
     fn begin(&self) -> Option<(Pass, Estimates)> {
         let scenario = match &self.before {
             None => self.scenario.clone(),
@@ -223,8 +217,6 @@ impl Trials {
 }
 
 impl Trials {
-    /// The final estimate, in standard deviations, of the parameter that chooses the sentence about the current
-    /// likely cause.
     fn learnt(&self, estimates: &Estimates) -> f64 {
         let place = self.current().and_then(|likely| estimates.place(likely.sign?.channel));
         match (place, estimates.len().checked_sub(1)) {
@@ -233,8 +225,7 @@ impl Trials {
         }
     }
 
-    /// The log likelihood of the filter up to sample `at` of the window plus that of a filter restarted there. The
-    /// restarted filter begins with the means of the first one's belief and with the initial standard deviations.
+    /// The log likelihood up to `at`, plus that of a filter restarted there with its means and initial standard deviations.
     fn begun_anew(&self, at: usize) -> Option<f64> {
         let unturned = self.unturned.as_ref().filter(|unturned| at > 0 && at < unturned.len())?;
         let mut scenario = self.scenario.clone();

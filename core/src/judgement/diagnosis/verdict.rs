@@ -70,7 +70,6 @@ impl Verdict {
     }
 }
 
-/// The fit of a consistent filter, and an explanation of numbers that seem to contradict the verdict.
 fn fit(case: &Case<'_>, said: &[Subject]) -> String {
     let (level, _) = case.nis(&case.kept);
     let mut text = format!("innovations² are {level:.2} times what it expects");

@@ -81,12 +81,10 @@ pub(super) struct Part<'a> {
 }
 
 impl Part<'_> {
-    /// The samples of the range of times, as far as there are estimates.
     pub(super) fn range(&self) -> Range<usize> {
         self.samples_up_to(self.run.estimates.len())
     }
 
-    /// The same of the record.
     pub(super) fn range_of_record(&self) -> Range<usize> {
         self.samples_up_to(self.run.record.len())
     }
@@ -121,7 +119,6 @@ impl Part<'_> {
         self.run.diagnostics().tally(self.channel?, self.range())
     }
 
-    /// The sample since which the channel's error has stayed small.
     pub(super) fn settled(&self) -> Option<usize> {
         self.run.diagnostics().settled(self.channel?).filter(|_| self.run.estimates.stop().is_none())
     }
@@ -133,7 +130,6 @@ impl Part<'_> {
         Some(samples.map(error).collect())
     }
 
-    /// The true noise of the sensor that measures the channel.
     pub(super) fn sensor_noise_of_channel(&self) -> Option<f64> {
         let mut sensors = self.run.scenario.sensors.iter();
         sensors.find(|sensor| sensor.measures.channel() == self.channel).map(|sensor| sensor.noise_std)
@@ -204,8 +200,7 @@ pub(super) fn std(sums: &Sums<'_>) -> f64 {
     sums.place().map_or(f64::NAN, |place| sums.whole.outcome.std[place])
 }
 
-/// The last mean of the channel in the canonical form of the oscillator, with a natural frequency that is not negative; NaN if
-/// the filter does not have it.
+/// In the canonical form of the oscillator, with a natural frequency ≥ 0; NaN if the filter does not have the channel.
 pub(super) fn estimate(sums: &Sums<'_>) -> f64 {
     let Whole { channels, outcome, .. } = sums.whole;
     let frequency = Channel::NATURAL_FREQUENCY.place_in(channels);

@@ -23,7 +23,6 @@ macro_rules! measures {
     };
 }
 
-/// Computes the value of a measure over a part of a run.
 pub(super) fn within(info: &MeasureInfo, part: &Part<'_>) -> Value {
     let place = ALL.iter().position(|other| other.word == info.word);
     place.map_or(Value::Number(f64::NAN), |place| WITHIN[place](part))
@@ -301,20 +300,17 @@ fn log_likelihood(part: &Part<'_>) -> (f64, u32) {
     values.fold((0.0, 0), |(sum, count), value| (sum + value, count + 1))
 }
 
-/// The probability of the filter as a model class among all filters.
 fn probability(part: &Part<'_>) -> Option<f64> {
     let k = part.sample()?;
     let evidence = part.run.all.iter().map(|of| Evidence::new(of).at(k).unwrap_or(f64::NEG_INFINITY));
     ModelClasses::new(evidence).probabilities().get(part.run.place).copied()
 }
 
-/// The number of evaluations of the plant's rate `g(y, f)` in one predicted step. `truth` is the filter's plant unless its
-/// settings name another.
+/// Of `g(y, f)` in one predicted step. `truth` is the filter's plant unless its settings name another.
 fn evaluations(settings: &FilterSettings, truth: PlantKind) -> f64 {
     (settings.kind.info().evaluations)(&settings.method(truth), settings.model(truth, InputKind::Force).size()) as f64
 }
 
-/// The mean absolute gain of the channel for the sensor, over the range.
 fn gain(part: &Part<'_>) -> Option<f64> {
     let estimates = part.run.estimates;
     let entry = part.place_of_sensor()? * estimates.channels().len() + part.place()?;
@@ -327,7 +323,6 @@ fn coverage_of_learnt_noise(part: &Part<'_>) -> Option<f64> {
     coverage_of(part, |k| part.learnt_noise(k).map(is_inside))
 }
 
-/// The share of the samples at which something is inside. `None` where it is not known.
 fn coverage_of(part: &Part<'_>, is_inside: impl Fn(usize) -> Option<bool>) -> Option<f64> {
     let all: Vec<bool> = part.range().map(is_inside).collect::<Option<_>>()?;
     Some(mean(all.iter().map(|inside| f64::from(u8::from(*inside)))))

@@ -34,7 +34,6 @@ impl Change {
         }
     }
 
-    /// The time at which it begins \[s\].
     pub(super) fn start(&self) -> f64 {
         match self.signal {
             Signal::Ramp(Ramp { start, .. }) => start,
@@ -52,7 +51,6 @@ impl Change {
         (step.at..step.at + SETTLING.max(period)).contains(&now)
     }
 
-    /// The change, if it comes all at once.
     pub(super) fn step(&self) -> Option<Step> {
         if let Signal::Step(step) = self.signal { Some(step) } else { None }
     }
@@ -100,7 +98,6 @@ impl Happening {
     }
 }
 
-/// A sentence for each fault of a scenario's sensors, [`MOST_FAULTS`] at most.
 pub(super) fn faults(scenario: &Scenario) -> Vec<Vec<Phrase>> {
     let all = scenario.sensors.iter().flat_map(|sensor| sensor.faults.families().map(move |fault| (sensor, fault)));
     all.take(MOST_FAULTS).map(|(sensor, fault)| fault_sentence(sensor, fault)).collect()
@@ -171,19 +168,16 @@ impl Change {
     }
 }
 
-/// A parameter in a sentence: one with a number has no article.
 fn named(channel: Channel) -> String {
     let name = channel.name();
     if name.ends_with(|letter: char| letter.is_ascii_digit()) { name.to_owned() } else { format!("the {name}") }
 }
 
-/// The text with a capital at its beginning.
 fn capital(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
-/// The oscillator whose parameters stay, and what moves it.
 fn still(scenario: &Scenario) -> Writer {
     let plant = &scenario.plant;
     let text = Writer::default().say(noun(plant.kind));
@@ -200,7 +194,6 @@ fn still(scenario: &Scenario) -> Writer {
     text.say(format!(" {}, and nothing about it changes", moved(scenario)))
 }
 
-/// A kind of plant, at the beginning of a sentence.
 fn noun(kind: PlantKind) -> String {
     let name = kind.name().replace(", ", " of ");
     match name.as_str() {

@@ -38,7 +38,6 @@ pub(super) struct Outcome<'a> {
     pub(super) filter: &'a FilterSettings,
     pub(super) name: &'a str,
     pub(super) kind: Option<VerdictKind>,
-    /// The parameters that the record does not determine.
     undetermined: Vec<Channel>,
     /// The parameter that the sentence is about, if the filter estimates one.
     pub(super) main: Option<Main>,
@@ -51,7 +50,6 @@ pub(super) struct Outcome<'a> {
     long_steps: Option<u8>,
     /// Whether its innovations are as small as they are behind the import's band, and no smaller.
     is_behind_a_band: bool,
-    /// Whether a sudden change is so recent that nothing can be said yet.
     is_settling: bool,
     /// The time of the last sample \[s\].
     now: f64,
@@ -141,13 +139,11 @@ impl<'a> Outcome<'a> {
         self.kind.is_some_and(VerdictKind::is_good) && self.outside.is_some() && self.long_steps.is_none()
     }
 
-    /// Whether more samples must come before it can be judged.
     pub(super) fn is_early(&self) -> bool {
         self.is_open() && (self.is_settling || !self.is_whole) && self.stop.is_none()
     }
 
-    /// Whether the band may be believed: it is right and covers the truth where that is known, or says itself that a parameter is not
-    /// determined.
+    /// It is right and covers a known truth, or says itself that a parameter is not determined.
     pub(super) fn is_honest(&self) -> bool {
         let is_right = self.kind.is_some_and(|kind| kind.is_good() || kind == VerdictKind::NotIdentifiable);
         (is_right || self.is_small_by_a_band()) && self.long_steps.is_none() && !self.is_open()
@@ -258,7 +254,6 @@ impl<'a> Outcome<'a> {
         }
     }
 
-    /// Whether the last error of a parameter is outside its ±2σ band; the first such one is known.
     fn is_outside(&self, channel: Channel) -> bool {
         self.outside == Some(channel)
     }
@@ -312,7 +307,6 @@ impl<'a> Outcome<'a> {
     }
 }
 
-/// The name of a verdict, at the end of a sentence.
 fn suffix(kind: VerdictKind) -> String {
     format!(" ({})", kind.name())
 }
@@ -371,7 +365,6 @@ impl Main {
         with_band(self.mean, 2.0 * self.std, self.channel.unit())
     }
 
-    /// An angular frequency in hertz.
     fn hertz(&self) -> Option<String> {
         (self.channel.unit() == "rad/s").then(|| format!("{} Hz", plain(self.mean / TAU)))
     }

@@ -37,7 +37,6 @@ pub struct Adjustable {
     form: Form,
 }
 
-/// The way in which a setting is shown.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Form {
     Plain,
@@ -50,7 +49,6 @@ enum Form {
 }
 
 impl Adjustable {
-    /// A setting as it is.
     pub(super) fn new(address: impl Into<String>, value: f64, range: (f64, f64), unit: &'static str) -> Self {
         Self { address: address.into(), shown: value, range, unit, form: Form::Plain }
     }
@@ -128,7 +126,6 @@ impl fmt::Display for Adjustable {
     }
 }
 
-/// A sentence that is being written.
 #[derive(Default)]
 pub(super) struct Writer(Vec<Phrase>);
 

@@ -8,7 +8,6 @@ use crate::judgement::words::{percent_to_a_tenth, seconds, with_band};
 use crate::numbers::diagnostics::ErrorSums;
 use crate::{Channel, Diagnostics, ModelClasses, PlantKind, Run, VerdictKind};
 
-/// How long the record is, and of what.
 pub(super) fn of_record(run: &Run) -> Vec<Phrase> {
     let (scenario, record) = (run.scenario(), run.record());
     let used: Vec<String> = scenario.sensors.iter().map(|sensor| sensor.measures.name()).collect();
@@ -25,7 +24,6 @@ pub(super) fn of_record(run: &Run) -> Vec<Phrase> {
     text.say(format!(" of {of}{so_far}{input}.")).done()
 }
 
-/// Whether anything drives the record.
 pub(super) fn has_input(run: &Run) -> bool {
     run.record().input().iter().any(|input| *input != 0.0)
 }
@@ -81,7 +79,6 @@ pub(super) fn of_belief(outcomes: &[Outcome<'_>], told: usize) -> Option<Vec<Phr
     Some(if more > 0 { text.say(format!(" {more} more are in the legend.")).done() } else { text.done() })
 }
 
-/// The filter whose band is clearly narrower than those of the others.
 fn narrowest<'a, 'b>(several: &[&'a Outcome<'b>]) -> Option<&'a Outcome<'b>> {
     let band = |outcome: &&&'a Outcome<'b>| outcome.main.as_ref().map_or(f64::INFINITY, |main| main.std);
     let best = several.iter().min_by(|a, b| band(a).total_cmp(&band(b)))?;
@@ -125,7 +122,6 @@ const EQUAL: f64 = 1.05;
 /// Limits the filters that are compared.
 const MOST: usize = 2;
 
-/// How much larger or smaller the errors of filters were before a change.
 pub(super) fn of_comparison(words: &str, filters: &[(u32, &str, &Diagnostics, &Diagnostics)]) -> Option<Vec<Phrase>> {
     let compared = filters.iter().filter_map(|(id, name, before, now)| {
         let channel = now.known().find(|channel| channel.is_parameter())?;
@@ -148,7 +144,6 @@ pub(super) fn of_comparison(words: &str, filters: &[(u32, &str, &Diagnostics, &D
     (!is_empty).then(|| text.say(".").done())
 }
 
-/// The root mean square error over the last third.
 fn lately(diagnostics: &Diagnostics, channel: Channel) -> Option<f64> {
     diagnostics.tally(channel, diagnostics.last_third()).map(ErrorSums::rmse).filter(|error| *error > 0.0)
 }

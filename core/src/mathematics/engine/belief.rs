@@ -25,20 +25,17 @@ pub(crate) struct Noise<T> {
 }
 
 impl<T: Number> Noise<T> {
-    /// Gives Q a whole matrix.
     pub(super) fn fill_matrix(&mut self) {
         let n = self.process.len();
         self.matrix = vec![T::of(0.0); n * n];
         self.process.iter().enumerate().for_each(|(i, variance)| self.matrix[i * (n + 1)] = *variance);
     }
 
-    /// The diagonal of Q.
     pub(crate) fn diagonal(&self) -> impl Iterator<Item = T> {
         let n = self.process.len();
         (0..n).map(move |i| if self.matrix.is_empty() { self.process[i] } else { self.matrix[i * (n + 1)] })
     }
 
-    /// A number on the diagonal of Q.
     pub(super) fn variance(&mut self, i: usize) -> &mut T {
         let n = self.process.len();
         if self.matrix.is_empty() { &mut self.process[i] } else { &mut self.matrix[i * (n + 1)] }
@@ -46,7 +43,6 @@ impl<T: Number> Noise<T> {
 }
 
 impl<T: Number> Belief<T> {
-    /// n
     #[inline(always)]
     pub(crate) fn size(&self) -> usize {
         self.mean.len()
@@ -145,8 +141,7 @@ pub(crate) fn convert<T: Number>(logarithms: &[usize], unit: &mut [T], [mean, co
     }
 }
 
-/// The process noise of steps that are shorter than dt: their share of Q, and of λ as a power. It is kept from one step to the next of
-/// the same length.
+/// The process noise of shorter steps: their share of Q, and of λ as a power, kept for the next step of the same length.
 #[derive(Clone, Debug)]
 pub(super) struct Share<T> {
     share: f64,
@@ -158,7 +153,6 @@ impl<T: Number> Share<T> {
         Self { share: 1.0, noise: Noise { sensors: Vec::new(), ..whole.clone() } }
     }
 
-    /// The noise of a share of a step, from that of a whole one.
     #[inline(always)]
     pub(super) fn of<'a>(&'a mut self, share: f64, whole: &'a Noise<T>) -> &'a Noise<T> {
         if share == 1.0 {
@@ -202,7 +196,6 @@ pub(super) struct Considered<T> {
 }
 
 impl<T: Number> Considered<T> {
-    /// For some places; `None` for none.
     pub(super) fn new(places: &[usize], belief: &Belief<T>) -> Option<Box<Self>> {
         (!places.is_empty()).then(|| Box::new(Self { places: places.to_vec(), before: belief.clone() }))
     }

@@ -65,7 +65,6 @@ impl<T: Number> Vector<T> for &[T] {
     }
 }
 
-/// A multiple of a vector.
 impl<T: Number> Vector<T> for (T, &[f64]) {
     #[inline(always)]
     fn number(&self, place: usize) -> T {
@@ -183,7 +182,6 @@ pub(crate) fn congruence<T: Number>(rows: &[T], cov: &mut [T], half: &mut [T], n
     }
 }
 
-/// The same for a lone run of many components.
 #[inline(always)]
 fn long_congruence<T: Number>(rows: &[T], cov: &mut [T], half: &mut [T], n: usize, motion: usize) {
     mirror(Baseline, cov, n);
@@ -204,7 +202,6 @@ fn long_congruence<T: Number>(rows: &[T], cov: &mut [T], half: &mut [T], n: usiz
     }
 }
 
-/// The lanes for which a symmetric matrix has a root.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Rooted<M> {
     /// It has one.

@@ -67,7 +67,6 @@ const CLASSES: Classes<4> = Classes([0.05, 0.14, 0.3, 0.6]);
 const TERMS: [usize; 4] = [8, 10, 12, 15];
 
 impl<T: Number> Coupled<T> {
-    /// Memory for masses that reach others up to this distance in their row.
     pub(super) fn new(masses: usize, reach: usize) -> Self {
         let zeros = |columns: usize| vec![T::of(0.0); columns * masses];
         let bands = || zeros(2 * reach + 1);
@@ -88,7 +87,6 @@ impl<T: Number> Coupled<T> {
         }
     }
 
-    /// The response that was computed last.
     #[inline(always)]
     pub(super) fn parts<L: Level>(&self, level: L) -> Parts<'_, T> {
         let Self { reach, value, integral, second, products: [displaced, pulled, kept], .. } = self;
@@ -110,8 +108,7 @@ impl<T: Number> Coupled<T> {
         level.moving(2 * self.masses) / 2
     }
 
-    /// Takes the response after `dt` \[s\] from the derivatives of the rates by the moving components, the displacements and then the
-    /// velocities; p only `with_slope`.
+    /// After `dt` \[s\], from the derivatives of the rates by displacements and then velocities; p only `with_slope`.
     #[inline(always)]
     pub(super) fn compute<L: Level>(&mut self, level: L, a: &[T], dt: f64, with_slope: bool) {
         let size = level.apart(
@@ -219,7 +216,6 @@ impl<T: Number> Coupled<T> {
         }
     }
 
-    /// `q K`, `h K` and `q K + h C`
     #[inline(always)]
     fn take_products<L: Level>(&mut self, level: L) {
         let m = self.count(level);
@@ -268,10 +264,8 @@ impl<T: Number> Coupled<T> {
     }
 }
 
-/// Bands of N matrices.
 struct Bands<'a, T, const N: usize> {
     m: usize,
-    /// The number of bands of each.
     count: usize,
     by: [&'a [T]; N],
 }
@@ -324,7 +318,6 @@ mod tests {
     use crate::mathematics::engine::lanes::Lanes;
     use crate::mathematics::engine::level::Baseline;
 
-    /// Sizes of steps of every class, of NaN and of one that has no number.
     const SIZES: [f64; 8] = [1e-3, 0.07, 0.1, 0.25, 3.0, f64::NAN, 40.0, 1e61];
 
     /// The derivatives of the rates of three masses, this much faster, whose dampers are no multiples of their springs; in a row, or

@@ -14,7 +14,6 @@ pub(crate) struct Dual<T, const K: usize> {
 }
 
 impl<T: Number, const K: usize> Dual<T, K> {
-    /// A number that depends on none of the others.
     #[inline(always)]
     pub(crate) fn constant(value: T) -> Self {
         Self { value, part: [value; K], on: [false; K] }
@@ -30,7 +29,6 @@ impl<T: Number, const K: usize> Dual<T, K> {
         dual
     }
 
-    /// The derivative by the other at place `k`.
     #[inline(always)]
     pub(crate) fn derivative(&self, k: usize) -> T {
         if self.on[k] { self.part[k] } else { T::of(0.0) }

@@ -7,7 +7,6 @@ use super::number::{Mask, Number};
 /// Limits the rounding error of an estimate over a long record, relative to its largest value.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
-/// The errors of the channels at some places of a state, and memory to weigh them.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ErrorSquare<T> {
     pub(crate) places: Vec<usize>,

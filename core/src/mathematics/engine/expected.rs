@@ -8,7 +8,6 @@ use super::model::{Derivatives, Model, gradient, read};
 use super::number::{Mask, Number};
 use crate::mathematics::model::Reading;
 
-/// The prediction of m measurements, and memory to work in.
 #[derive(Clone, Debug)]
 pub(super) struct Expected<T> {
     /// h(y⁻), m numbers.
@@ -28,7 +27,6 @@ pub(super) struct Expected<T> {
     points: Points<T>,
 }
 
-/// Sigma points, and the readings in them.
 #[derive(Clone, Debug)]
 struct Points<T> {
     root: Vec<T>,
@@ -66,7 +64,6 @@ impl<T: Number> Expected<T> {
         self.are_components = self.places.len() == readings.len();
     }
 
-    /// n
     #[inline(always)]
     pub(super) fn size(&self) -> usize {
         self.points.state.len()
@@ -108,7 +105,6 @@ impl<T: Number> Expected<T> {
         Rooted { holds: T::Mask::of(true), is_finite: T::Mask::of(true) }
     }
 
-    /// The prediction of sensors that read one component each.
     #[inline(always)]
     fn select<L: Level, C: Count>(&mut self, level: L, count: C, belief: &Belief<T>, active: &[usize]) {
         let (n, m) = (level.size(self.size()), count.number());
@@ -286,7 +282,6 @@ fn times<T: Number>(reading: &Reading, h: &[T], x: &[T]) -> T {
     sum
 }
 
-/// `P hᵀ` of the same, n numbers.
 #[inline(always)]
 fn times_cov<T: Number>(reading: &Reading, h: &[T], cov: &[T], out: &mut [T]) {
     let n = out.len();
@@ -328,7 +323,6 @@ fn copy_column<T: Copy>(a: &[T], n: usize, j: usize, out: &mut [T]) {
     }
 }
 
-/// The readings of some sensors in a state; `plain` and `rate` are scratch memory.
 #[inline(always)]
 #[expect(clippy::too_many_arguments, reason = "slices of one memory, which cannot be borrowed together")]
 fn read_all<T: Number, L: Level>(

@@ -7,7 +7,6 @@ use super::columns::{multiply, norm};
 use super::level::Level;
 use super::number::Number;
 
-/// 1/n! for n = 0..=17.
 pub(super) const INVERSE_FACTORIAL: [f64; 18] = {
     let mut table = [1.0; 18];
     let mut n = 1;
@@ -55,21 +54,18 @@ impl<const N: usize> Classes<N> {
         class
     }
 
-    /// The largest size of a class.
     #[inline(always)]
     pub(super) fn upper(&self, class: usize) -> f64 {
         self.0[class.min(N - 1)] * libm::exp2(Self::doublings(class) as f64)
     }
 
-    /// The number of times that the step of a class is halved.
     #[inline(always)]
     pub(super) fn doublings(class: usize) -> usize {
         (class + 1).saturating_sub(N)
     }
 }
 
-/// `Φ = exp(A dt)` and the integrals that give the effect, after `dt`, of an input that is constant or linear in time;
-/// n × n matrices.
+/// `Φ = exp(A dt)` and the integrals for an input that is constant or linear in time, after `dt`; n × n matrices.
 #[derive(Clone, Debug)]
 pub(crate) struct Exponential<T> {
     /// Φ
@@ -141,7 +137,6 @@ impl<T: Number> Exponential<T> {
         }
     }
 
-    /// Takes the powers of `A dt`; returns the size of the step.
     #[inline(always)]
     fn raise(&mut self, a: &[T], n: usize, dt: f64) -> T {
         let [first, second, third, fourth] = &mut self.powers;
@@ -155,7 +150,6 @@ impl<T: Number> Exponential<T> {
         norm(second, n).sqrt()
     }
 
-    /// Sums the series of a class, four powers at a time.
     #[inline(always)]
     fn sum(&mut self, a: &[T], n: usize, dt: f64, with_slope: bool, class: usize) {
         let Self { transition, constant, slope, powers: [first, second, third, fourth], work, kept: _ } = self;
@@ -223,10 +217,8 @@ mod tests {
     use crate::mathematics::engine::level::Baseline;
     use nalgebra::DMatrix;
 
-    /// Sizes of steps of every class, of NaN and of one that has no number.
     const SIZES: [f64; 8] = [1e-3, 3.0, 0.2, 0.4, 1e-6, f64::NAN, 40.0, 1e61];
 
-    /// The rates of two oscillators that pull on each other, this much faster.
     fn block(i: usize, size: f64) -> f64 {
         let rates = [0.0, 0.0, -1.0, 0.4, 0.0, 0.0, 0.3, -1.3, 1.0, 0.0, -0.1, 0.0, 0.0, 1.0, 0.05, -0.2];
         size * rates[i]

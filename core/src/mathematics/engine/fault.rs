@@ -5,7 +5,6 @@ use super::level::Baseline;
 use super::number::Mask;
 use crate::FilterError;
 
-/// The lanes for which the parts of a step hold, in their order.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Held<M> {
     /// Sigma points can be drawn for the prediction.
@@ -14,30 +13,24 @@ pub(super) struct Held<M> {
     pub(super) expected: Rooted<M>,
     /// S is positive definite.
     pub(super) factored: M,
-    /// The belief is finite.
     pub(super) is_finite: M,
-    /// No variance is negative.
     pub(super) is_positive: M,
-    /// The measurement has a likelihood.
     pub(super) is_likely: M,
 }
 
 impl<M: Mask> Held<M> {
-    /// All parts, before the first step.
     pub(super) fn new() -> Self {
         let yes = M::of(true);
         let rooted = Rooted { holds: yes, is_finite: yes };
         Self { predicted: rooted, expected: rooted, factored: yes, is_finite: yes, is_positive: yes, is_likely: yes }
     }
 
-    /// The lanes for which all parts hold.
     #[inline(always)]
     pub(super) fn all(&self) -> M {
         let Self { predicted, expected, factored, is_finite, is_positive, is_likely } = *self;
         predicted.holds & expected.holds & factored & is_finite & is_positive & is_likely
     }
 
-    /// The lanes for which all parts hold but the likelihood.
     pub(super) fn but_likely(&self) -> M {
         Self { is_likely: M::of(true), ..*self }.all()
     }

@@ -33,25 +33,20 @@ pub(crate) struct Filter<T: Number> {
     pub belief: Belief<T>,
     linearised: Linearised<T>,
     points: SigmaPoints<T>,
-    /// The root of the covariance, of a filter that holds one.
     root: Option<SquareRoot<T>>,
     pub(crate) update: Update<T>,
     learning: Option<Box<Learning<T>>>,
     considered: Option<Box<Considered<T>>>,
-    /// The lanes for which the parts of the last step hold.
     held: Held<T::Mask>,
 }
 
-/// The last update of a filter of one run, and what it has learnt.
 pub(crate) struct Parts<'a> {
     pub(crate) belief: &'a Belief<f64>,
     pub(crate) update: &'a Update<f64>,
     pub(crate) noise: &'a Noise<f64>,
     /// The place of a white force and its variance.
     pub(crate) white: Option<(usize, f64)>,
-    /// `None` of a filter that learns nothing.
     pub(crate) learnt: Option<Learnt<'a>>,
-    /// Whether it learns Q or R.
     pub(crate) is_adaptive: bool,
 }
 
@@ -62,7 +57,6 @@ impl Filter<f64> {
         weighing.map_or(&[], |weighing| &weighing.weights.usual)
     }
 
-    /// Goes back to the usual misfits of an earlier sample.
     pub(crate) fn set_usual_misfits(&mut self, misfits: &[f64]) {
         if let Some(weighing) = self.learning.as_mut().and_then(|learning| learning.weighing.as_mut()) {
             weighing.weights.usual.copy_from_slice(misfits);
@@ -190,7 +184,6 @@ impl<T: Number> Filter<T> {
         passage
     }
 
-    /// Notes the step that has been taken by linearisation, for the smoother.
     #[inline(always)]
     fn note_derivative(&mut self) {
         let Self { design: Design { model, method, .. }, linearised, update, .. } = self;
@@ -199,7 +192,6 @@ impl<T: Number> Filter<T> {
         }
     }
 
-    /// Moves the beliefs, without noise.
     #[inline(always)]
     fn advance<L: Level>(&mut self, level: L, step: &Step<T>) -> Rooted<T::Mask> {
         let Self { design: Design { model, method, .. }, belief, linearised, points, root, .. } = self;
@@ -300,7 +292,6 @@ impl<T: Number> Filter<T> {
         told
     }
 
-    /// Takes the root of the covariance, of a filter that holds one.
     fn take_root(&mut self) -> Rooted<T::Mask> {
         let Self { belief, root, .. } = self;
         match root {
@@ -320,11 +311,7 @@ impl<T: Number> Filter<T> {
         self.take_root();
     }
 
-    /// Goes on from another belief.
-    ///
-    /// # Errors
-    /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where the filter needs a root that the covariance does not
-    /// have, in the first lane.
+    /// Fails where the filter needs a root that the covariance does not have, in the first lane.
     pub(crate) fn set_belief(&mut self, mean: &[T], cov: &[T]) -> Result<(), FilterError> {
         self.belief.mean.copy_from_slice(mean);
         self.belief.cov.copy_from_slice(cov);
@@ -337,7 +324,6 @@ impl<T: Number> Filter<T> {
         self.update.passage = Some(Box::new(Passage::new(self.belief.size())));
     }
 
-    /// The way from the last belief that [`Self::begin_passage`] was called at.
     pub(crate) fn passage(&self) -> Option<&Passage<T>> {
         self.update.passage.as_deref()
     }
@@ -350,7 +336,6 @@ impl<T: Number> Filter<T> {
         }
     }
 
-    /// Gives a lane a belief that makes no trouble.
     pub(crate) fn park(&mut self, lane: usize) {
         self.belief.park(lane);
         if const { may_have_root::<T, Baseline>() }
@@ -370,7 +355,6 @@ impl<T: Number> Filter<T> {
         }
     }
 
-    /// Makes the covariance symmetric to the last bit, from its lower triangle.
     #[inline(always)]
     pub(crate) fn complete<L: Level>(&mut self, level: L) {
         let n = level.size(self.belief.size());
@@ -382,12 +366,10 @@ impl<T: Number> Filter<T> {
         begin.is_finite().all() && (!self.design.has_slope || end.is_finite().all())
     }
 
-    /// Whether sigma points could be drawn for the last prediction in a lane.
     pub(crate) fn is_predicted(&self, lane: usize) -> bool {
         self.held.predicted.holds.lane(lane)
     }
 
-    /// Why the last step does not hold for a lane.
     #[cold]
     pub(crate) fn reason(&self, lane: usize) -> FilterError {
         self.held.reason(lane, &|| self.update.of_lane(lane))

@@ -52,7 +52,6 @@ impl<const L: usize> Bits<L> {
     }
 }
 
-/// Operators lane by lane.
 macro_rules! operators {
     ($type:ident: $($trait:ident $name:ident $operator:tt),*) => {
         $(impl<const L: usize> $trait for $type<L> {
@@ -68,7 +67,6 @@ macro_rules! operators {
 operators!(Lanes: Add add +, Sub sub -, Mul mul *, Div div /);
 operators!(Bits: BitAnd bitand &, BitOr bitor |);
 
-/// Operators with a constant.
 macro_rules! operators_with_constant {
     ($($trait:ident $name:ident $operator:tt),*) => {
         $(impl<const L: usize> $trait<f64> for Lanes<L> {

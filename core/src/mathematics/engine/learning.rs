@@ -26,14 +26,11 @@ pub(super) struct Learning<T> {
     sample: usize,
 }
 
-/// The weights, the variances of R and the jump of one run.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Learnt<'a> {
     /// The weight of each sensor's reading; `None` of a filter that weighs none.
     pub(crate) weights: Option<&'a [f64]>,
-    /// The variance of each R.
     pub(crate) uncertainty: &'a [f64],
-    /// Whether the last prediction has widened P.
     pub(crate) has_widened: bool,
 }
 
@@ -80,12 +77,10 @@ impl<T: Number> Learning<T> {
         has_widened
     }
 
-    /// Makes Q what it was before [`Self::widen`].
     pub(super) fn narrow(&self, noise: &mut Noise<T>) {
         self.narrow.iter().enumerate().for_each(|(i, variance)| *noise.variance(i) = *variance);
     }
 
-    /// Conditions a belief on measurements, and learns from them.
     #[expect(clippy::too_many_arguments, reason = "those of the update")]
     pub(super) fn condition<L: Level>(
         &mut self,
@@ -154,7 +149,6 @@ impl<T: Number> Learning<T> {
 }
 
 impl Learning<f64> {
-    /// The weights, the variances of R and whether the last prediction has jumped.
     pub(super) fn learnt(&self) -> Learnt<'_> {
         Learnt {
             weights: self.weighing.as_ref().map(|weighing| &weighing.weights.weights[..]),

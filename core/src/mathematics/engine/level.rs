@@ -110,7 +110,6 @@ impl Count for usize {
     }
 }
 
-/// M sensors.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Exactly<const M: usize>;
 

@@ -10,7 +10,6 @@ use super::level::Level;
 use super::model::{Derivatives, Model, Step};
 use super::number::Number;
 
-/// The step from the mean, and memory to work in.
 #[derive(Clone, Debug)]
 pub(crate) struct Linearised<T> {
     derivatives: Derivatives<T>,
@@ -68,7 +67,6 @@ impl<T: Number> Linearised<T> {
         );
     }
 
-    /// Moves a mean, and takes the rows of Φ.
     #[inline(always)]
     pub(crate) fn step<L: Level>(
         &mut self,
@@ -301,7 +299,6 @@ impl<T: Number> Linearised<T> {
     }
 }
 
-/// The rows of an identity.
 #[inline(always)]
 fn begin<T: Number>(rows: &mut [T], moving: usize) {
     rows.fill(T::of(0.0));

@@ -138,7 +138,6 @@ impl Model {
         }
     }
 
-    /// The rates of parameters that decay.
     #[inline(always)]
     pub(super) fn decay<T: Real>(&self, plain: &[T], rate: &mut [T]) {
         if self.eta == 0.0 {
@@ -153,7 +152,6 @@ impl Model {
     }
 }
 
-/// The rates of the moving components, and their derivatives.
 #[derive(Clone, Debug)]
 pub(crate) struct Derivatives<T> {
     /// `g(y, F)` of the components that move.
@@ -228,7 +226,6 @@ pub(crate) fn read<T: Real>(model: &Model, reading: &Reading, state: &[T], rate:
     }
 }
 
-/// The reading before the gain multiplies it.
 #[inline(always)]
 fn read_exact<T: Real>(model: &Model, reading: &Reading, state: &[T], rate: &[T], force: T) -> T {
     let mut sum = T::of(0.0);
@@ -282,7 +279,6 @@ pub(crate) fn gradient<T: Number>(
     }
 }
 
-/// A step from one sample to the next.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Step<T> {
     /// The recorded force over mass at its beginning and at its end, linear in between \[m/s²\].
@@ -307,7 +303,6 @@ impl<T: Number> Step<T> {
         [begin, begin + (end - begin) * 0.5, end]
     }
 
-    /// A part of the step, of this many that take the same time.
     pub(crate) fn part(&self, i: usize, parts: usize) -> Self {
         let [begin, end] = self.forces;
         let force = |i: usize| match i {

@@ -49,7 +49,6 @@ impl Notes {
     }
 }
 
-/// A number that records the operations on it.
 #[derive(Clone, Copy)]
 enum Noted<'a> {
     Constant(f64),
@@ -57,7 +56,6 @@ enum Noted<'a> {
 }
 
 impl<'a> Noted<'a> {
-    /// The number's place in a list.
     fn node(self, builder: &RefCell<Builder>) -> Node {
         match self {
             Self::Constant(constant) => builder.borrow_mut().constant(constant),
@@ -162,7 +160,6 @@ mod tests {
     use crate::mathematics::channel::augment;
     use crate::{Channel, PlantKind, Quantity};
 
-    /// The recorded operations of every plant, with augmentations and a decay, give the model's values.
     #[test]
     fn notes_give_the_rates_and_readings_of_the_model() {
         for kind in PlantKind::ALL.into_iter().filter(|kind| kind.channels().len() <= 16) {

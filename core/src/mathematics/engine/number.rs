@@ -23,7 +23,6 @@ pub trait Real:
     + Add<f64, Output = Self>
     + Mul<f64, Output = Self>
 {
-    /// A constant.
     fn of(constant: f64) -> Self;
 
     fn abs(self) -> Self;

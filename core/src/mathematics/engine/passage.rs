@@ -9,11 +9,9 @@ use super::model::Step;
 use super::number::Number;
 use super::sigma_points::SigmaPoints;
 
-/// The way of a filter from one belief to the next.
 #[derive(Clone, Debug)]
 pub(crate) struct Passage<T> {
-    /// Φ, n × n, of all steps of the prediction: the derivative by the state, or the regression on it. Directions without variance
-    /// are left out of a regression.
+    /// Φ, n × n, of all steps: the derivative by the state, or the regression on it, without directions of no variance.
     pub(crate) transition: Vec<T>,
     /// P⁻, n × n; of it the lower triangle counts.
     pub(crate) predicted: Vec<T>,
@@ -89,7 +87,6 @@ impl<T: Number> Passage<T> {
         self.compose();
     }
 
-    /// Takes in that a component has become another one.
     pub(super) fn renew(&mut self, place: usize) {
         let n = self.work.size();
         self.transition.iter_mut().skip(place).step_by(n).for_each(|entry| *entry = T::of(0.0));

@@ -18,16 +18,13 @@ pub(crate) trait Equation: Copy {
     /// The number of components that move, which come first.
     fn motion(self) -> usize;
 
-    /// The rates of the components that move, each in its unit per second, from a state and the force over mass \[m/s²\], which
-    /// enters additively.
+    /// Of the components that move, each in its unit per second, under a force over mass \[m/s²\], which enters additively.
     fn rate<T: Real>(self, state: &[T], force: T, rate: &mut [T]);
 }
 
-/// The rates of a plant for numbers of some kind.
 pub(crate) trait Rates<T>: Copy {
     fn components(self) -> usize;
 
-    /// The number of components that move, which come first.
     fn moving(self) -> usize;
 
     fn is_small(self) -> bool;
@@ -173,7 +170,6 @@ impl Plant {
         }
     }
 
-    /// The rates of the components that move.
     pub(crate) fn rate(self, state: &[f64], force: f64, rate: &mut [f64]) {
         with_equation!(self, equation => equation.rates(state, force, rate));
     }
@@ -222,7 +218,6 @@ struct Slopes<'a, T> {
     rows: usize,
 }
 
-/// Takes them for a small plant.
 #[inline(always)]
 fn linearise<E: Equation, T: Number, L: Level>(level: L, equation: E, state: &[T], force: T, mut out: Slopes<'_, T>) {
     let own = equation.size();
@@ -237,7 +232,6 @@ fn linearise<E: Equation, T: Number, L: Level>(level: L, equation: E, state: &[T
     }
 }
 
-/// Takes the derivatives by some components, from the first of them on.
 #[inline(always)]
 fn differentiate<E: Equation, T: Number>(
     equation: E,

@@ -32,7 +32,6 @@ impl<T: Number> RungeKutta<T> {
         });
     }
 
-    /// The rates of the moving components of a state under this recorded force.
     #[inline(always)]
     pub(super) fn rate<L: Level>(&mut self, level: L, model: &Model, state: &[T], force: T) -> &[T] {
         let Self { rates: [rate, ..], plain, .. } = self;
@@ -83,8 +82,7 @@ impl<T: Number> RungeKutta<T> {
     }
 }
 
-/// Moves a state by a step under the forces at its beginning, in its middle and at its end. The memory is for where it begins,
-/// and four rates, of as many numbers as move.
+/// The memory is for where the step begins, and for four rates, of as many numbers as move.
 #[inline(always)]
 fn classical<T: Number>(
     mut rate: impl FnMut(&[T], T, &mut [T]),
@@ -107,7 +105,6 @@ fn classical<T: Number>(
     }
 }
 
-/// Puts a state where a rate leads from the start.
 #[inline(always)]
 fn put<T: Number>(state: &mut [T], start: &[T], rate: &[T], dt: f64) {
     for i in 0..start.len() {

@@ -8,7 +8,6 @@ use super::model::{Model, Step};
 use super::number::{Number, Real};
 use super::runge_kutta::RungeKutta;
 
-/// Memory in which sigma points are drawn and moved.
 #[derive(Clone, Debug)]
 pub(crate) struct SigmaPoints<T: Number> {
     /// L, n × n. After a step the points' odd parts, n numbers for each pair: of components that do not move they are L.
@@ -117,7 +116,6 @@ impl<T: Number> SigmaPoints<T> {
         (centre, of_centre.rate(level, model, centre, force))
     }
 
-    /// The number of packs of n components' points.
     #[inline(always)]
     pub(super) fn packs(n: usize) -> usize {
         if Self::is_apart(n) { 2 * n / T::POINTS } else { (2 * n + 1).div_ceil(T::POINTS) }
@@ -129,7 +127,6 @@ impl<T: Number> SigmaPoints<T> {
         T::POINTS > 1 && (2 * n).is_multiple_of(T::POINTS)
     }
 
-    /// A component of a point, of n.
     #[inline(always)]
     pub(super) fn component(&self, n: usize, point: usize, i: usize) -> T {
         Self::of_point(&self.points, &self.centre, n, point, i)
@@ -198,7 +195,6 @@ impl<T: Number> SigmaPoints<T> {
         }
     }
 
-    /// The mean and covariance of the points that have moved.
     #[inline(always)]
     fn sum<L: Level>(&mut self, level: L, rule: Rule, model: &Model, belief: &mut Belief<T>) {
         let Self { root: odd, even, points, shift, centre, .. } = self;

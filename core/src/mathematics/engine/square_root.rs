@@ -26,11 +26,9 @@ use super::sigma_points::SigmaPoints;
 use super::triangle::{along, triangularise};
 use crate::mathematics::model::Reading;
 
-/// The root of a covariance, and the memory to predict and update it.
 #[derive(Clone, Debug)]
 pub(super) struct SquareRoot<T: Number> {
     rule: Rule,
-    /// n
     size: usize,
     moving: usize,
     /// L, n × n, row by row.
@@ -77,7 +75,6 @@ impl<T: Number> SquareRoot<T> {
         }
     }
 
-    /// Takes the root of a covariance, where it has one.
     pub(super) fn take<L: Level>(&mut self, level: L, cov: &[T]) -> Rooted<T::Mask> {
         let Self { rows, triangle, .. } = self;
         let n = level.size(self.size);
@@ -106,7 +103,6 @@ impl<T: Number> SquareRoot<T> {
         );
     }
 
-    /// Writes the parts of the points down, and moves the mean.
     #[inline(always)]
     fn take_parts<L: Level>(&mut self, level: L, belief: &mut Belief<T>) {
         let Self { rule, size, moving, points, rows, array, .. } = self;
@@ -150,7 +146,6 @@ impl<T: Number> SquareRoot<T> {
         );
     }
 
-    /// Makes a component another one, which has mean zero and this variance and knows nothing of the others.
     pub(super) fn renew<L: Level>(&mut self, level: L, belief: &mut Belief<T>, place: usize, variance: T) {
         let Self { rows, array, .. } = self;
         let (n, zero) = (belief.size(), T::of(0.0));
@@ -178,7 +173,6 @@ impl<T: Number> SquareRoot<T> {
         }
     }
 
-    /// Gives a lane a root that makes no trouble.
     pub(super) fn park(&mut self, lane: usize) {
         let n = self.size;
         for (at, entry) in self.rows.iter_mut().enumerate() {
@@ -186,7 +180,6 @@ impl<T: Number> SquareRoot<T> {
         }
     }
 
-    /// Begins an update with what m sensors read, whose mean goes to `expected`.
     #[inline(always)]
     #[expect(clippy::too_many_arguments, reason = "those of the update")]
     pub(super) fn read<L: Level, C: Count>(
@@ -257,8 +250,7 @@ impl<T: Number> SquareRoot<T> {
         }
     }
 
-    /// Gives a sensor noise of this variance. In lanes without its measurement the row has no information: R = 1, without
-    /// covariance.
+    /// In lanes without its measurement the row has no information: R = 1, without covariance.
     #[inline(always)]
     pub(super) fn add_noise<L: Level, C: Count>(
         &mut self,

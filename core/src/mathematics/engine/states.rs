@@ -6,7 +6,6 @@ use super::number::{Number, Real};
 use super::runge_kutta::RungeKutta;
 use crate::mathematics::model::Reading;
 
-/// Several states of a run at once.
 type Pack = <f64 as Number>::Pack;
 
 /// Moves and measures states, n numbers each, one behind the other.
@@ -20,7 +19,6 @@ pub(crate) struct States {
 }
 
 impl States {
-    /// The memory for the states of a model, made at the first call.
     pub(crate) fn of<'a>(memory: &'a mut Option<Box<Self>>, book: &crate::Model) -> &'a mut Self {
         memory.get_or_insert_with(|| Box::new(Self::new(book)))
     }
@@ -55,8 +53,7 @@ impl States {
         }
     }
 
-    /// The readings of some sensors in each state, under this recorded force over mass \[m/s²\], written over `values`: as many
-    /// numbers for each state as there are sensors.
+    /// Under this recorded force over mass \[m/s²\]; `values` gets as many numbers for each state as there are sensors.
     pub(crate) fn read<'a>(
         &mut self,
         states: &[f64],
@@ -98,7 +95,6 @@ mod tests {
     use crate::mathematics::runge_kutta;
     use crate::{Channel, PlantKind, Quantity};
 
-    /// 1 to 9 states, so that the last pack is full or not.
     #[test]
     fn each_state_moves_and_is_measured_as_if_it_were_alone() {
         for plant in [PlantKind::SDOF, PlantKind::DUFFING, PlantKind::BOUC_WEN, PlantKind::SHEAR_3] {

@@ -16,7 +16,6 @@ use super::passage::Passage;
 use super::square_root::{SquareRoot, may_have_root};
 use super::weights::Innovations;
 
-/// The scores of an update, lane by lane.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Told<T: Number> {
     /// `eᵀ S⁻¹ e`; zero without a measurement.
@@ -29,7 +28,6 @@ pub(crate) struct Told<T: Number> {
     pub holds: T::Mask,
 }
 
-/// One sample of the sensors.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Observation<'a, T> {
     /// The recorded force over mass that acts meanwhile \[m/s²\].
@@ -40,7 +38,6 @@ pub(super) struct Observation<'a, T> {
 
 #[derive(Clone, Debug)]
 pub(crate) struct Update<T> {
-    /// The sensors that measure in some lane.
     pub(crate) active: Vec<usize>,
     expected: Expected<T>,
     /// S, m × m, and its factor.
@@ -77,7 +74,6 @@ impl<T: Number> Update<T> {
         }
     }
 
-    /// The same for a method.
     pub(super) fn of(design: &Design) -> Self {
         let Design { model, readings, method, .. } = design;
         let iterates = matches!(method, Method::Linearised(_, 2..));
@@ -121,7 +117,6 @@ impl<T: Number> Update<T> {
         let active = &mut self.active;
         let mut count = 0;
         for value in observation.measured {
-            // Not a number in any lane.
             count += usize::from(!(!value.is_number()).all());
         }
         let is_whole = count == observation.measured.len() && active.len() == count;
@@ -185,7 +180,6 @@ impl<T: Number> Update<T> {
         )
     }
 
-    /// Conditions a belief and its root.
     #[inline(always)]
     #[expect(clippy::too_many_arguments, reason = "those of the update, and the number of sensors")]
     fn rotate<L: Level, C: Count>(
@@ -369,7 +363,6 @@ impl<T: Number> Update<T> {
         [&self.innovation[..m], &self.innovation_cov[..m * m], &self.gain[..m * n]]
     }
 
-    /// Makes S symmetric to the last bit, from its lower triangle.
     pub(crate) fn complete(&mut self) {
         let m = self.active.len();
         super::columns::mirror(super::level::Baseline, &mut self.innovation_cov[..m * m], m);
@@ -413,14 +406,12 @@ impl<T: Number> Update<T> {
     }
 }
 
-/// The sensors that measure in some lane.
 #[inline(never)]
 fn gather<T: Number>(active: &mut Vec<usize>, measured: &[T]) {
     active.clear();
     active.extend((0..measured.len()).filter(|&sensor| !(!measured[sensor].is_number()).all()));
 }
 
-/// The end of an update by measurements.
 #[inline(always)]
 fn told<T: Number, L: Level>(
     level: L,
@@ -433,7 +424,6 @@ fn told<T: Number, L: Level>(
     Told { nis, determinant, measured, holds: held.all() }
 }
 
-/// Without any measurement.
 #[inline(always)]
 fn untold<T: Number, L: Level>(level: L, belief: &Belief<T>, held: &mut Held<T::Mask>) -> Told<T> {
     let predicted = held.predicted;

@@ -14,11 +14,9 @@ use super::update::{Observation, Told, Update};
 use super::weights::Weights;
 use crate::mathematics::filter::robust::Robust;
 
-/// The weights with memory for an update that is done again.
 #[derive(Clone, Debug)]
 pub(super) struct Weighing<T> {
     pub(super) weights: Weights<T>,
-    /// The belief before the update, and its root if it has one.
     before: Belief<T>,
     before_root: Vec<T>,
     /// The noise with the weighed R.
@@ -78,8 +76,7 @@ impl<T: Number> Weighing<T> {
         self.report(update, noise, told, held)
     }
 
-    /// The scores by S with the R of the settings, which is what they claim. A reading that counts next to nothing is no sample of
-    /// it.
+    /// By S with the R of the settings, which is what they claim. A reading that counts next to nothing is no sample of it.
     fn report(&mut self, update: &mut Update<T>, noise: &Noise<T>, told: Told<T>, held: &mut Held<T::Mask>) -> Told<T> {
         let Self { weights, claimed, .. } = self;
         // Whether a sensor still measures, with whatever weight.

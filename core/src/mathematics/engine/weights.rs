@@ -4,7 +4,6 @@ use super::columns::divide;
 use super::number::{Mask, Number};
 use crate::mathematics::filter::robust::{FIRST_LEVEL, Misfit, Robust, SETTLED, usual_after};
 
-/// The m measurements of an update, and what was expected of them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Innovations<'a, T> {
     /// The place of each measurement's sensor among all sensors.
@@ -36,7 +35,6 @@ impl<T> Default for Residuals<T> {
 }
 
 impl<T: Number> Residuals<T> {
-    /// The residuals of an update, in the order of its measurements.
     pub(crate) fn of(&mut self, update: &Innovations<'_, T>) -> &[[T; 2]] {
         let Self { each, inverse } = self;
         let Innovations { innovation, factor, variances, .. } = *update;
@@ -84,13 +82,11 @@ impl<T: Number> Weights<T> {
         }
     }
 
-    /// Forgets the weights of the last update.
     pub(crate) fn clear(&mut self) {
         self.weights.fill(T::of(f64::NAN));
     }
 
-    /// Takes in the first update by a sample, in which every measurement counts as its R says. `variances` and `measured` are those
-    /// of all sensors.
+    /// By the first update, in which each measurement counts as its R says. `variances` and `measured` are of all sensors.
     pub(crate) fn begin(&mut self, update: &Innovations<'_, T>, variances: &[T], measured: &[T]) {
         self.clear();
         self.measured.fill(T::of(f64::NAN));
@@ -107,8 +103,7 @@ impl<T: Number> Weights<T> {
         }
     }
 
-    /// Takes the weights that follow from the last update, but for lanes that have settled. `unweighed` is the diagonal of R of all
-    /// sensors. Returns the lanes in which a weight has changed.
+    /// Settled lanes keep theirs. `unweighed` is the diagonal of R of all sensors. Returns the lanes with a changed weight.
     pub(crate) fn weigh(&mut self, update: &Innovations<'_, T>, unweighed: &[T], settled: T::Mask) -> T::Mask {
         let Self { rule, measured, variances, weights, predicted, usual, residuals } = self;
         let mut changed = T::Mask::of(false);

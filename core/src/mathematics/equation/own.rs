@@ -20,7 +20,6 @@ const LARGEST: f64 = 1e30;
 pub struct Equation {
     info: PlantInfo,
     settings: EquationSettings,
-    /// The equation in the engine's form.
     pub(crate) typed: Typed,
 }
 
@@ -83,7 +82,6 @@ impl Plant for Equation {
     }
 }
 
-/// The key of a name in files.
 fn as_key(name: &str) -> &str {
     match name {
         "omega_n" => "natural_frequency",
@@ -92,13 +90,11 @@ fn as_key(name: &str) -> &str {
     }
 }
 
-/// The channel that built-in plants have under a name.
 fn of_all_plants(name: &str) -> Option<Channel> {
     let mut channels = PlantKind::ALL.iter().flat_map(|kind| kind.channels().iter().copied());
     channels.find(|channel| channel.key() == as_key(name))
 }
 
-/// The channel of a component: one that built-in plants have, or a new one.
 fn channel(component: &Component, known: &[(String, &ParameterSettings)]) -> Result<Channel, EquationError> {
     let (name, is_parameter) = match component {
         Component::Displacement(mass) => return Ok(Channel::displacement(*mass)),
@@ -128,7 +124,6 @@ fn channel(component: &Component, known: &[(String, &ParameterSettings)]) -> Res
     Ok(Channel::new(Box::leak(Box::new(info(name, is_parameter, settings.unwrap_or(&usual))?))))
 }
 
-/// The data of a channel that no built-in plant has.
 fn info(name: &str, is_parameter: bool, settings: &ParameterSettings) -> Result<ChannelInfo, EquationError> {
     let Numbers { mean, std, range: [low, high] } = settings.numbers(is_parameter);
     let (size, sign) = (size(mean), settings.sign.into());

@@ -36,7 +36,6 @@ pub(super) struct Sides {
 }
 
 impl Tree {
-    /// Hands over each name with its primes and its place.
     pub(super) fn names<'a>(&'a self, take: &mut dyn FnMut(&'a str, usize, usize)) {
         match self {
             Self::Number(_) => {}

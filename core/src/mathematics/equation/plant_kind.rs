@@ -21,12 +21,10 @@ static EQUATIONS: Mutex<Vec<&'static Equation>> = Mutex::new(Vec::new());
 /// The channels that equations have and built-in plants lack; of one key, the latest.
 static CHANNELS: RwLock<&'static [Channel]> = RwLock::new(&[]);
 
-/// The channels of all equations that have been read.
 pub(crate) fn channels() -> &'static [Channel] {
     *CHANNELS.read().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Whether an equation with this text has been read, so that the keys of its parameters are known.
 pub(crate) fn is_read(text: &str) -> bool {
     let known = EQUATIONS.lock().unwrap_or_else(PoisonError::into_inner);
     known.iter().any(|one| one.settings().equation == text)

@@ -23,18 +23,14 @@ pub(super) enum Component {
     Velocity(usize),
     /// A component with a rate of first order, by its key.
     Internal(String),
-    /// A parameter, by its key.
     Parameter(String),
 }
 
-/// Equations that are solved for the rates of the moving components.
 #[derive(Debug)]
 pub(super) struct Solved {
     /// The components of the state: displacements, velocities, internal states, parameters.
     pub(super) components: Vec<Component>,
-    /// The rates of the moving components, and their derivatives.
     pub(super) typed: Typed,
-    /// Whether the motion is linear while parameters are constant.
     pub(super) is_linear: bool,
 }
 
@@ -105,7 +101,6 @@ fn solved(equations: &[Sides]) -> Result<Solved, EquationError> {
     Ok(Solved { components, typed, is_linear })
 }
 
-/// The names of all equations, in the order of their first occurrence.
 fn names(equations: &[Sides]) -> Vec<Name<'_>> {
     let mut names: Vec<Name<'_>> = Vec::new();
     let mut take = |key, primes, place| match names.iter_mut().find(|name| name.key == key) {
@@ -128,7 +123,6 @@ fn mass(key: &str) -> Option<usize> {
     }
 }
 
-/// The components of the state, from names that move and others.
 fn components(names: &[Name<'_>], equations: &[Sides]) -> Result<Vec<Component>, EquationError> {
     let (mut masses, mut internal, mut parameters) = (Vec::new(), Vec::new(), Vec::new());
     for name in names {
@@ -258,15 +252,13 @@ impl Inputs<'_> {
         }
     }
 
-    /// The input that a name with primes is.
     fn input(&self, key: &str, primes: usize) -> usize {
         let place = |one: &Component| self.components.iter().position(|other| other == one).unwrap_or(self.force);
         match (mass(key), primes) {
             (Some(mass), 0) => place(&Component::Displacement(mass)),
             (Some(mass), 1) => place(&Component::Velocity(mass)),
             (Some(mass), _) => self.force + 1 + mass,
-            // An internal state at place p of the moving components is the unknown p - masses, after those of the
-            // masses.
+            // An internal state at place p of the moving components is the unknown p - masses, after the masses.
             (None, 1) => self.force + 1 + place(&Component::Internal(key.to_owned())) - self.masses,
             _ if key == "f" => self.force,
             _ if self.components.contains(&Component::Internal(key.to_owned())) => {

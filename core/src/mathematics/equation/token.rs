@@ -11,7 +11,6 @@ pub(super) enum Token {
     Number(f64),
     /// A name by its key, and the number of its primes or dots.
     Name(String, usize),
-    /// Superscripts: a power.
     Power(u32),
     /// One of `+ - * / ^ ( ) = ;`.
     Sign(char),
@@ -21,7 +20,6 @@ pub(super) enum Token {
 /// A token and the character at which it begins.
 pub(super) type Placed = (usize, Token);
 
-/// The tokens of a text, with an end.
 pub(super) fn tokens(text: &str) -> Result<Vec<Placed>, EquationError> {
     let characters: Vec<char> = text.chars().collect();
     if characters.len() > LENGTH {
@@ -54,7 +52,6 @@ impl Reader {
         self.characters.get(self.place).copied()
     }
 
-    /// Skips characters as long as they are of a kind.
     fn skip(&mut self, is: impl Fn(char) -> bool) -> usize {
         let begin = self.place;
         while self.peek().is_some_and(&is) {

@@ -58,7 +58,6 @@ fn tie(tree: &Tree) -> Tie {
     }
 }
 
-/// Whether a term begins with its sign.
 fn is_negative(tree: &Tree) -> bool {
     match tree {
         Tree::Negative(_) => true,
@@ -259,7 +258,6 @@ mod tests {
         }
     }
 
-    /// What is printed means the same: read again it gives the same rates.
     #[test]
     fn what_is_printed_can_be_read_again() {
         for text in [

@@ -1,6 +1,5 @@
 //! Names in equations: as they are typed, and as keys.
 
-/// Greek letters and their names.
 const GREEK: [(char, &str); 24] = [
     ('α', "alpha"),
     ('β', "beta"),
@@ -42,7 +41,6 @@ const CAPITAL: [(char, &str); 10] = [
     ('Ω', "Omega"),
 ];
 
-/// The name of a Greek letter.
 pub(super) fn greek(letter: char) -> Option<&'static str> {
     // The micro sign is often typed for μ.
     let letter = if letter == 'µ' { 'μ' } else { letter };
@@ -74,7 +72,6 @@ pub(super) fn subscript(c: char) -> Option<char> {
     })
 }
 
-/// The digit that a superscript stands for.
 pub(super) fn superscript(c: char) -> Option<u32> {
     match c {
         '⁰' => Some(0),

@@ -43,7 +43,6 @@ pub struct Adaptation {
 const ROUNDING: f64 = 1e-9;
 
 impl Default for Adaptation {
-    /// R and Q stay as they are.
     fn default() -> Self {
         Self { sensor_noise: false, process_noise: false, forgetting: 0.995, training: 0.0 }
     }

@@ -58,7 +58,6 @@ impl Gaussian {
         self.cov.clone_from(&other.cov);
     }
 
-    /// Copies the belief of the engine.
     pub(crate) fn of(belief: &engine::belief::Belief<f64>) -> Self {
         let n = belief.mean.len();
         let cov = symmetric(Matrix::from_column_slice(n, n, &belief.cov));
@@ -72,8 +71,7 @@ impl Gaussian {
 
     /// Whether every number of it is finite.
     pub fn is_finite(&self) -> bool {
-        // A sum is finite only if all its terms are; a sum that overflows counts as not finite too. Four independent
-        // sums, for speed.
+        // A sum is finite only if all its terms are, short of an overflow, which is as bad. Four sums, for speed.
         let mut sums = [self.mean.sum(), 0.0, 0.0, 0.0];
         let entries = self.cov.as_slice().chunks_exact(4);
         entries.remainder().iter().for_each(|entry| sums[0] += entry);
@@ -117,7 +115,6 @@ pub struct Noise {
 }
 
 impl Noise {
-    /// Whether every number of Q and R is finite.
     pub(crate) fn is_finite(&self) -> bool {
         self.process.sum().is_finite() && self.sensors.iter().all(|r| r.is_finite())
     }
@@ -150,13 +147,11 @@ pub struct Step {
 }
 
 impl Step {
-    /// A part of the step, of this many that take the same time.
     pub(super) fn part(&self, i: usize, parts: usize) -> Self {
         let model::Step { forces, dt, .. } = self.of_engine().part(i, parts);
         Self { forces, dt, ..*self }
     }
 
-    /// The engine's form of it.
     pub(super) fn of_engine(self) -> model::Step<f64> {
         let Self { forces, hold, dt } = self;
         model::Step { forces, has_slope: hold == Hold::First, dt }

@@ -28,8 +28,7 @@ pub struct Ensemble {
     origin: Option<Gaussian>,
 }
 
-/// Every member draws numbers for at least this many sensors, used or not. Up to this number, an additional sensor does
-/// not change the draws of Q.
+/// Every member draws numbers for at least this many sensors, so that one more does not change the draws of Q.
 const DRAWN_SENSORS: usize = 4;
 
 impl Ensemble {
@@ -153,7 +152,6 @@ fn about(sample: &Matrix, centre: &Vector) -> Matrix {
     deviations
 }
 
-/// Multiplies the columns' distances from a point by a factor.
 pub(super) fn stretch(sample: &mut Matrix, centre: &Vector, factor: f64) {
     for element in sample.as_mut_slice().chunks_exact_mut(centre.len()) {
         element.iter_mut().zip(centre.as_slice()).for_each(|(x, centre)| *x = centre + (*x - centre) * factor);

@@ -72,7 +72,6 @@ const LEVEL_PRIOR: usize = 10;
 const LEVEL_LIMIT: f64 = 5.0;
 
 impl Jump {
-    /// For a filter with this diagonal of its initial covariance, in the state's units squared.
     pub(crate) fn new(initial: Vec<f64>) -> Self {
         Self {
             initial,
@@ -94,7 +93,6 @@ impl Jump {
         self.has_widened.then(|| self.initial.iter().map(move |variance| factor * variance))
     }
 
-    /// Takes in the NIS of an update by this many measurements.
     pub(crate) fn look(&mut self, nis: f64, measurements: usize) {
         let m = measurements as f64;
         let mean = nis / m;

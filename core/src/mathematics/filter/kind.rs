@@ -203,7 +203,6 @@ fn evaluations(settings: &MethodSettings, n: usize) -> usize {
     }
 }
 
-/// The EKF, and what other linearising kinds share with it.
 const LINEARISED: FilterInfo = FilterInfo {
     key: "ekf",
     name: "EKF",
@@ -237,7 +236,6 @@ pub(super) static IEKF: FilterInfo = FilterInfo {
     ..LINEARISED
 };
 
-/// The UKF, and what other kinds of sigma points share with it.
 const SIGMA_POINTS: FilterInfo = FilterInfo {
     key: "ukf",
     name: "UKF",

@@ -5,7 +5,6 @@ use crate::mathematics::engine::columns::factor;
 use crate::mathematics::engine::weights::{Innovations, Residuals};
 use crate::mathematics::linalg::Vector;
 
-/// What is learnt, with memory to work in.
 #[derive(Clone, Debug)]
 pub(super) struct Learning {
     pub(super) adaptation: Adaptation,
@@ -20,7 +19,6 @@ pub(super) struct Learning {
 }
 
 impl Learning {
-    /// The memory to learn this, from this noise on, with `dt` \[s\] between samples.
     pub(super) fn new(adaptation: Adaptation, noise: &Noise, dt: f64) -> Self {
         Self {
             adaptation,
@@ -32,7 +30,6 @@ impl Learning {
         }
     }
 
-    /// Whether anything is learnt from this sample.
     pub(super) fn is_on_now(&self) -> bool {
         self.adaptation.is_on() && self.adaptation.learns_at(self.sample, self.dt)
     }

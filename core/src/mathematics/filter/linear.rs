@@ -266,7 +266,6 @@ impl MeasurementModel {
     }
 }
 
-/// The readings of all sensors in a state, with their derivatives by the state.
 #[derive(Clone, Debug)]
 struct Linearisation {
     /// h(x), m numbers.

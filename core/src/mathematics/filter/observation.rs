@@ -9,7 +9,6 @@ use crate::mathematics::model::{Moving, Reading};
 /// The m measurements of one sample that are not missing.
 #[derive(Clone, Debug)]
 pub struct Observation {
-    /// The readings of all sensors, with and without a measurement.
     pub(super) readings: Vec<Option<Reading>>,
     /// The place of each measurement's sensor among all sensors.
     pub sensors: Vec<usize>,
@@ -22,15 +21,11 @@ pub struct Observation {
 }
 
 impl Observation {
-    /// No measurement yet, of sensors with these readings.
     pub(super) fn of(readings: Vec<Option<Reading>>) -> Self {
         Self { readings, sensors: Vec::new(), values: Vec::new(), variances: Vec::new(), force: 0.0 }
     }
 
-    /// Takes in a sample: a number for each sensor, NaN where it is missing, and the variance of each.
-    ///
-    /// # Errors
-    /// [`FilterError::InfiniteMeasurement`]
+    /// A number for each sensor, NaN where it is missing, and the variance of each.
     pub(super) fn take(&mut self, new_force: f64, measured: &[f64], noise: &[f64]) -> Result<(), FilterError> {
         let Self { readings, sensors, values, variances, force } = self;
         *force = new_force;
@@ -164,10 +159,7 @@ impl Correction {
         }
     }
 
-    /// Checks that the measurements of these sensors have a finite likelihood.
-    ///
-    /// # Errors
-    /// [`FilterError::ImpossibleMeasurement`], and [`FilterError::NotFinite`] if the belief is the reason.
+    /// Fails where their likelihood is not finite, with [`FilterError::NotFinite`] if the belief is the reason.
     pub(super) fn check(&self, sensors: &[usize]) -> Result<(), FilterError> {
         // A factor of S has a finite ln det S.
         if self.nis.is_finite() && !self.log_likelihood.is_infinite() {

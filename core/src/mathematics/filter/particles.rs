@@ -54,7 +54,6 @@ impl Particles {
         Gaussian { mean, cov: symmetric(cov) }
     }
 
-    /// Makes the weights' sum one.
     fn normalise(&mut self) -> Result<(), FilterError> {
         let total: f64 = self.weights.iter().sum();
         if !(total > 0.0 && total.is_finite()) {

@@ -47,7 +47,6 @@ pub struct Misfit {
 #[derive(Clone, Copy)]
 pub struct Robust(&'static RobustInfo);
 
-/// The registry: a constant for each rule, and the list of all of them.
 macro_rules! registry {
     ($($(#[$doc:meta])* $name:ident = $info:expr;)*) => {
         impl Robust {
@@ -81,8 +80,7 @@ static NONE: RobustInfo = RobustInfo {
     weight: |_| 1.0,
 };
 
-/// Limits the distance of a measurement from its prediction, in standard deviations: normal noise passes it once in 16,000
-/// readings.
+/// Limits a measurement's distance, in standard deviations: normal noise passes it once in 16,000 readings.
 const GATE_LIMIT: f64 = 4.0;
 
 static GATE: RobustInfo = RobustInfo {
@@ -173,7 +171,6 @@ impl Robust {
         self != Self::NONE
     }
 
-    /// The weight of a measurement of a sensor with this usual misfit.
     pub(crate) fn weight(self, misfit: Misfit, usual: f64) -> f64 {
         let over = usual.max(1.0);
         let Misfit { predicted, residual, uncertainty } = misfit;
@@ -225,7 +222,6 @@ const LEAST_LEVEL: f64 = 0.5;
 /// The usual misfit of a sensor, over that of a filter that is right, before its first reading.
 pub(crate) const FIRST_LEVEL: f64 = LEAST_LEVEL;
 
-/// The usual misfit of a sensor after a reading with this predicted misfit.
 pub(crate) fn usual_after(usual: f64, predicted: f64) -> f64 {
     let is_above = predicted > MEDIAN * usual;
     (usual * libm::exp(if is_above { STEP } else { -STEP })).max(LEAST_LEVEL)

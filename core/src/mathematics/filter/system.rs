@@ -80,7 +80,6 @@ impl fmt::Display for Shape {
     }
 }
 
-/// Checks that a matrix has the right shape and finite numbers.
 pub(super) fn check(
     name: &'static str,
     matrix: &Matrix,
@@ -102,7 +101,6 @@ pub(super) fn check(
     }
 }
 
-/// Checks that a column has the right length and finite numbers.
 pub(super) fn check_column(
     name: &'static str,
     column: &[f64],

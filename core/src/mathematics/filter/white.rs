@@ -46,8 +46,7 @@ impl White {
         Some(Self { place, variance: std * std, course })
     }
 
-    /// Adds to Q the effect of the force's deviation from its mean over a sample, which enters through the plant's
-    /// input.
+    /// Adds the effect of the force's deviation from its mean over a sample, which enters through the plant's input.
     pub(crate) fn add_rest(self, model: &Model, state: &[f64], dt: f64, process: &mut Matrix) {
         if self.course != Course::Continuous {
             return;

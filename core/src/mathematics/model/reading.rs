@@ -20,7 +20,6 @@ pub struct Reading {
     pub(crate) gain: Option<Scale>,
 }
 
-/// The gain of a sensor, in places of a model's state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Scale {
     pub(crate) gain: usize,
@@ -81,7 +80,6 @@ impl Model {
         reading.gain.map_or(exact, |Scale { gain, bias }| state[gain] * exact + bias.map_or(0.0, |bias| state[bias]))
     }
 
-    /// The reading before the gain multiplies it.
     fn read_exact(&self, reading: &Reading, state: &[f64], rate: &[f64], force: f64) -> f64 {
         let Reading { components, rates, ground, .. } = reading;
         let mut sum: f64 = components.iter().map(|&(place, factor)| factor * state[place]).sum();
@@ -123,7 +121,6 @@ impl Model {
         }
     }
 
-    /// The same of a sensor without gain.
     fn gradient_of_exact(&self, reading: &Reading, jacobian: &Matrix, force: f64, mut add: impl FnMut(usize, f64)) {
         let Reading { components, rates, ground, .. } = reading;
         for &(place, factor) in components {

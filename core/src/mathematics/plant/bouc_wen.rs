@@ -106,7 +106,6 @@ static YIELD_GAMMA: ChannelInfo = shape(
     Usual { mean: 3.0, std: 1.5, process: 0.001, truth: &[4.0], slider: (-10.0, 20.0), decimals: 2 },
 );
 
-/// A parameter of the loop's shape, by its key, name and symbol.
 const fn shape([keys, names, symbols]: [&'static [&'static str]; 3], unit: &'static str, usual: Usual) -> ChannelInfo {
     ChannelInfo { keys, names, symbols, unit, role: Role::Parameter(Sign::Any), rate: None, mirrored: false, usual }
 }

@@ -7,7 +7,6 @@ use crate::Channel;
 use crate::mathematics::channel::{ChannelInfo, Role, Sign, Usual};
 use crate::mathematics::engine::plants::{self, Own};
 
-/// A plant of the registry.
 #[derive(Debug)]
 pub(super) struct BuiltIn {
     pub(super) info: &'static PlantInfo,

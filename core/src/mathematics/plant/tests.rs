@@ -3,7 +3,6 @@ use crate::mathematics::channel::augment;
 use crate::mathematics::equation::EquationSettings;
 use crate::{InputKind, Model};
 
-/// A state of ordinary size.
 fn state(model: &Model, seed: usize) -> Vec<f64> {
     let n = model.size();
     let value = |(i, channel): (usize, &Channel)| {
@@ -15,7 +14,6 @@ fn state(model: &Model, seed: usize) -> Vec<f64> {
     model.to_state(&values).0.as_slice().to_vec()
 }
 
-/// Every plant, without and with everything that a model can add.
 fn models() -> impl Iterator<Item = Model> {
     PlantKind::ALL.into_iter().flat_map(|kind| {
         let full = Model::new(kind).augmented(augment::of(kind)).decaying(0.02);

@@ -31,7 +31,6 @@ impl ErrorSums {
     }
 }
 
-/// A channel of known truth, with its running sums.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TrackedChannel {
     pub(crate) channel: Channel,
@@ -44,8 +43,7 @@ pub(crate) struct TrackedChannel {
     pub(crate) first_error: f64,
     /// The largest absolute truth so far, kept or not.
     pub(crate) largest_truth: f64,
-    /// The number, from the run's beginning, of the sample since which the error has stayed within [`SETTLED`]; the
-    /// number of the next sample if the last one is not within it.
+    /// The sample, from the run's beginning, since which the error is within [`SETTLED`]; the next one if the last is not.
     pub(crate) settled: usize,
 }
 
@@ -69,7 +67,6 @@ impl TrackedChannel {
         mean[self.place] - if self.channel.is_mirrored() { sign * truth } else { truth }
     }
 
-    /// Takes in the error of the sample with this number.
     #[inline]
     pub(crate) fn take_in(&mut self, error: f64, truth: f64, variance: f64, number: usize) {
         if error.is_nan() {
@@ -90,8 +87,7 @@ impl TrackedChannel {
     }
 }
 
-/// Whether a truth is lost by errors of this size: more than `limit` standard deviations, than the truth or the first error ever
-/// was, and than was thought possible at first.
+/// By errors of more than `limit` standard deviations, than truth or first error ever was, and than was thought possible.
 pub(crate) fn is_lost(rmse: f64, std: f64, limit: f64, seen: f64, initial_std: f64) -> bool {
     std > 0.0 && rmse > limit * std && rmse > seen.max(2.0 * initial_std)
 }
@@ -106,7 +102,6 @@ pub(crate) fn sign_of(mean: &[f64], frequency: Option<usize>) -> f64 {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Accuracy {
     pub(super) known: Vec<TrackedChannel>,
-    /// The number of the first sample.
     first: usize,
     /// The place of the natural frequency; its sign determines the canonical form.
     frequency: Option<usize>,
@@ -134,9 +129,7 @@ impl Accuracy {
         *sign = 1.0;
     }
 
-    /// The errors of some samples in the filter's own form, a row of known channels for each.
-    ///
-    /// Channel by channel, since a channel's sums then stay in registers.
+    /// In the filter's own form, a row for each. Channel by channel, since a channel's sums then stay in registers.
     pub(super) fn look(&mut self, estimates: &Estimates, record: &Record, samples: Range<usize>) -> &[f64] {
         let Self { known, frequency, errors, sign, .. } = self;
         let width = known.len();
@@ -204,7 +197,6 @@ impl Accuracy {
         self.known.iter().position(|known| known.channel == channel)
     }
 
-    /// The tally of a tracked channel over the part of `range` that exists.
     pub(super) fn within(&self, at: usize, range: Range<usize>) -> ErrorSums {
         let width = self.known.len();
         let samples = self.counts.len() / width;
@@ -232,7 +224,6 @@ mod tests {
 
     const STD: f64 = 0.5;
 
-    /// The accuracy of a frequency and a damping, given as pairs of estimate and truth.
     fn of(samples: impl IntoIterator<Item = [(f64, f64); 2]>) -> Accuracy {
         let channels = vec![Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO];
         let mut estimates = Estimates::new(&FilterSettings::default(), &Model::new(PlantKind::SDOF), Vec::new());

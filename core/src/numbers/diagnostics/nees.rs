@@ -10,7 +10,6 @@ pub(super) struct Nees {
     square: ErrorSquare<f64>,
     pub(super) values: Vec<f64>,
     pub(super) totals: Totals,
-    /// The number of samples below the 95 % quantile of their degrees of freedom.
     inside: u32,
     /// The 95 % quantile for one and more degrees of freedom.
     limits: Vec<f64>,

@@ -19,7 +19,6 @@ pub struct Total {
 }
 
 impl Total {
-    /// Adds a sample with `degrees` numbers squared, or without any.
     #[inline]
     pub(crate) fn add(&mut self, square: f64, degrees: u32) {
         self.sum += if degrees > 0 { square } else { 0.0 };
@@ -64,7 +63,6 @@ impl MeanSquare {
     }
 }
 
-/// The normalised squares of all samples.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Totals {
     whole: Total,
@@ -170,7 +168,6 @@ impl Default for Likelihood {
 }
 
 impl Likelihood {
-    /// The likelihood of no measurements, for a filter of this kind.
     pub(crate) fn new(kind: FilterKind) -> Self {
         if kind.has_own_likelihood() { Self::Particles { sum: 0.0 } } else { Self::default() }
     }
@@ -213,7 +210,6 @@ pub(super) struct RangeSums {
 }
 
 impl RangeSums {
-    /// Begins again with rows of `width` numbers, in the same memory.
     pub(super) fn restart(&mut self, width: usize) {
         (self.width, self.missing) = (width, BLOCK);
         self.levels.iter_mut().for_each(Vec::clear);
@@ -258,7 +254,6 @@ impl RangeSums {
         }
     }
 
-    /// The sum of a column over the existing rows in `range`.
     pub(super) fn within(&self, column: usize, range: Range<usize>) -> f64 {
         let end = range.end.min(self.len());
         let (mut low, mut high) = (range.start.min(end), end);

@@ -119,7 +119,6 @@ mod tests {
         whiteness
     }
 
-    /// Irregular numbers plus a share of a wave.
     fn mixed(n: u32, share: f64) -> Vec<f64> {
         (0..n).map(|k| libm::sin(f64::from(k * k)) + share * libm::cos(0.2 * f64::from(k))).collect()
     }

@@ -15,7 +15,6 @@ const BEGINNING: usize = 50;
 const ITERATIONS: usize = 8;
 
 pub(super) struct Beginning {
-    /// The samples with the readings.
     pub(super) part: Range<usize>,
     /// A size of each sensor's readings, so that those of all sensors count alike.
     scales: Vec<f64>,
@@ -23,16 +22,13 @@ pub(super) struct Beginning {
     pub(super) motion: Vec<f64>,
     /// The number of readings.
     rows: usize,
-    /// The error with that motion, once it is known.
     error: Option<Vector>,
     /// The changes of the error with each component of the motion, for the components done in this iteration.
     columns: Vec<Vector>,
     iterations: usize,
-    /// The motion that is tried now.
     trial: Trial,
 }
 
-/// A motion at the first sample, and its error so far.
 struct Trial {
     motion: Vec<f64>,
     course: Course,
@@ -49,7 +45,6 @@ impl Trial {
 }
 
 impl Beginning {
-    /// The fit to the first samples of `part`, before its first iteration.
     pub(super) fn new(
         identified: &Identified,
         record: &Record,
@@ -190,7 +185,6 @@ pub(super) const CHUNK: usize = 64;
 
 pub(super) struct Course {
     response: Response,
-    /// Whether the motion can still be integrated.
     goes_on: bool,
 }
 
@@ -214,8 +208,7 @@ impl Course {
         self.response.halved
     }
 
-    /// Moves on from sample `k` to the next, and halves steps at most `most` times. Returns whether it has arrived; if
-    /// not, the next call goes on.
+    /// Halves steps at most `most` times. Returns whether it has arrived at sample `k + 1`; if not, the next call continues.
     pub(super) fn advance(&mut self, identified: &Identified, record: &Record, k: usize, most: u64) -> bool {
         let force = |k: usize| record.delayed_force(k, identified.input_delay);
         let end = match record.hold() {

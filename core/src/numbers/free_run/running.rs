@@ -16,7 +16,6 @@ pub struct Running {
     /// The samples at which the motion begins anew, and the end of the part, in falling order.
     ends: Vec<usize>,
     beginning: Beginning,
-    /// The samples from which the motion was fitted.
     fitted: Vec<Range<usize>>,
     /// The motion at the next sample, once the motion at the beginning is fitted.
     course: Option<Course>,

@@ -165,8 +165,7 @@ fn a_belief_has_the_response_of_its_mean_in_its_band() {
             assert_eq!(mean, transfer_function(kind, of_mean).magnitude(&frequencies));
             let (low, high) = band.unwrap();
             assert!((0..60).all(|i| 0.0 < low[i] && low[i] < high[i]), "{}", kind.key());
-            // Where the peak's frequency is uncertain, the mean's peak is higher than most of the draws at that
-            // frequency.
+            // Where the peak's frequency is uncertain, the mean's peak is higher than most of the draws there.
             let inside = (0..60).filter(|&i| low[i] <= mean[i] && mean[i] <= high[i]).count();
             assert!(inside >= 54, "{inside} of 60, {} at {k}", kind.key());
         }
@@ -213,7 +212,6 @@ fn nineteen_of_twenty_truths_are_in_the_band() {
     }
 }
 
-/// Cholesky's root, row by row.
 fn root_of(cov: &[f64], n: usize) -> Vec<Vec<f64>> {
     let mut root = vec![vec![0.0; n]; n];
     for i in 0..n {

@@ -12,7 +12,6 @@ use crate::{Channel, Stop};
 /// Limits the relative error of an estimate that has settled.
 const SETTLED: f64 = 0.05;
 
-/// The sums of a channel with a known truth.
 #[derive(Clone, Debug)]
 struct Tracked<T> {
     channel: Channel,
@@ -40,7 +39,6 @@ struct Squares<T> {
 
 #[derive(Clone, Debug)]
 pub(super) struct Scores<T> {
-    /// The place of the natural frequency; its sign determines the canonical form.
     frequency: Option<usize>,
     last_fifth: usize,
     samples: usize,
@@ -57,7 +55,6 @@ pub(super) struct Scores<T> {
 }
 
 impl<T: Number> Scores<T> {
-    /// Empty sums for channels over a number of samples. `is_known` says whether the truth of a channel is known.
     pub(super) fn new(channels: &[Channel], is_known: impl Fn(Channel) -> bool, samples: usize) -> Self {
         let (zero, none) = (T::of(0.0), T::of(f64::NAN));
         let track = |(place, &channel)| Tracked {
@@ -92,7 +89,6 @@ impl<T: Number> Scores<T> {
         }
     }
 
-    /// Takes in the belief at the next sample, beside the truth of the channels that have one.
     #[inline(always)]
     pub(super) fn take_belief<L: Level>(&mut self, level: L, belief: [&[T]; 2], truth: &[T]) {
         let is_whole = self.tracked.len() == level.size(belief[0].len());
@@ -171,7 +167,6 @@ impl<T: Number> Scores<T> {
         self.last[1] = T::select(T::of(0.0).lt(measured), nis, T::of(f64::NAN));
     }
 
-    /// A lane at the last sample.
     pub(super) fn look(&self, lane: usize) -> Look {
         let mut channels = vec![[f64::NAN; 2]; self.mean.len()];
         for tracked in &self.tracked {

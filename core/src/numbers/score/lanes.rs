@@ -36,7 +36,6 @@ impl Run<'_> {
             && (self.setup.channels.iter()).all(|&channel| knows(self.record, channel) == knows(other.record, channel))
     }
 
-    /// Whether two runs see the same numbers of one record.
     fn has_columns_of(&self, other: &Self) -> bool {
         std::ptr::eq(self.record, other.record)
             && (&self.setup.columns, &self.setup.delays) == (&other.setup.columns, &other.setup.delays)
@@ -68,7 +67,6 @@ pub fn outcomes<T: Number, L: Level>(level: L, runs: &[Run<'_>], samples: &[usiz
     batch.run(&inputs, first.record.len(), samples)
 }
 
-/// The columns that a batch runs over, each one a lane or one for all.
 struct Inputs<'a> {
     /// The run whose record has readings at times of their own, which all lanes share.
     timed: Option<Run<'a>>,
@@ -118,7 +116,6 @@ impl<'a> Inputs<'a> {
     }
 }
 
-/// The beliefs of filters with logarithms in their state, in the channels' units.
 struct InUnits<T> {
     logarithms: Vec<usize>,
     unit: Vec<T>,
@@ -126,7 +123,6 @@ struct InUnits<T> {
 }
 
 impl<T: Number> InUnits<T> {
-    /// The initial belief; `None` where no component is a logarithm.
     fn new(logarithms: &[usize], belief: &Belief<T>) -> Option<Self> {
         let unit = vec![T::of(1.0); belief.mean.len()];
         let mut in_units = Self { logarithms: logarithms.to_vec(), unit, belief: belief.clone() };
@@ -148,7 +144,6 @@ struct Batch<T: Number, L> {
     scores: Scores<T>,
     /// One in each lane with a stopped filter.
     stopped: T,
-    /// ln det S of the parts of a step.
     of_parts: LogProducts<T>,
     outcomes: Vec<Option<Outcome>>,
     looks: Vec<Vec<Look>>,
@@ -266,7 +261,6 @@ impl<T: Number, L: Level> Batch<T, L> {
         }
     }
 
-    /// Gives the lanes that have stopped a belief that makes no trouble.
     #[cold]
     #[inline(never)]
     fn park(&mut self) {

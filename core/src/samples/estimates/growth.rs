@@ -12,8 +12,7 @@ const ROOM: usize = 1 << 18;
 const FREED: usize = 1 << 19;
 
 impl Estimates {
-    /// Takes over the memory of old estimates, with room for `samples` or for the kept part of a long run. Fresh pages
-    /// from the system cost more than filling them.
+    /// With room for `samples` or the kept part of a long run. Fresh pages cost more than filling them.
     pub(crate) fn recycle(&mut self, old: Option<Self>, samples: usize) {
         let (n, m) = (self.channels.len(), self.sensors.len());
         let sampled = usize::from(self.kind.has_own_likelihood());

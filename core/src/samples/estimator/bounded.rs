@@ -17,7 +17,6 @@ use crate::samples::passage::Passages;
 use crate::samples::sink::{Sample, Sink};
 use crate::{Channel, FilterError, FilterSettings, Stop};
 
-/// The ends of some channels.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Truncation {
     /// Places among the channels, each with its ends.
@@ -28,14 +27,12 @@ pub(crate) struct Truncation {
 }
 
 impl Truncation {
-    /// The bounds in the settings of a filter that has these channels.
     pub(crate) fn of(settings: &FilterSettings, channels: &[Channel]) -> Self {
         let place = |channel: Channel| channel.place_in(channels);
         let places = settings.bounds.iter().filter_map(|(channel, between)| Some((place(channel)?, between.ends())));
         Self { places: places.collect(), ..Self::default() }
     }
 
-    /// Truncates a mean and a covariance.
     pub(crate) fn apply<'a>(&'a mut self, mean: &'a [f64], cov: &'a [f64]) -> (&'a [f64], &'a [f64]) {
         if self.places.is_empty() {
             return (mean, cov);
@@ -71,7 +68,6 @@ impl Truncation {
     }
 }
 
-/// A filter that reports its belief between the ends.
 pub(crate) struct Bounded {
     inner: Box<dyn Estimator>,
     truncation: Truncation,
@@ -111,7 +107,6 @@ impl Estimator for Bounded {
     }
 }
 
-/// Truncates samples, and hands them on to another sink.
 pub(crate) struct Truncating<'a> {
     pub(crate) truncation: &'a mut Truncation,
     pub(crate) sink: &'a mut dyn Sink,

@@ -16,13 +16,11 @@ use crate::samples::plucks::Plucks;
 use crate::samples::sink::{AssumedNoise, Sample, Sink};
 use crate::{FilterError, FilterSettings};
 
-/// A filter whose steps are compiled for a level.
 struct AtLevel<L> {
     level: L,
     followed: Followed,
 }
 
-/// A filter, and memory for its reports.
 struct Followed {
     filter: Filter<f64>,
     /// The place of each sensor that the model has, among all sensors.
@@ -42,7 +40,6 @@ struct Followed {
 
 /// The parts of a step, for what is in the program once for all levels.
 trait Steps {
-    /// Predicts over a share of a step.
     fn predict(&self, filter: &mut Filter<f64>, share: f64, forces: [f64; 2]);
 
     /// Updates by the readings of the model's sensors.
@@ -86,7 +83,6 @@ struct Learnt {
     weights: Vec<f64>,
 }
 
-/// The filter of a setup over these sensors.
 pub(crate) fn estimator(setup: &Setup, settings: &FilterSettings) -> Box<dyn Estimator> {
     fn boxed<L: Level + Send + 'static>(level: L, followed: Followed) -> Box<dyn Estimator> {
         Box::new(AtLevel { level, followed })
@@ -111,7 +107,6 @@ pub(crate) fn estimator(setup: &Setup, settings: &FilterSettings) -> Box<dyn Est
 }
 
 impl Followed {
-    /// The filter of a setup, whose columns are the places of the model's sensors among all.
     fn new(setup: &Setup, settings: &FilterSettings) -> Self {
         let (n, sensors) = (setup.design.model.size, settings.sensor_std.len());
         let filter = filter(&|_| setup);
@@ -136,7 +131,6 @@ impl Followed {
         }
     }
 
-    /// Goes on to the next sample.
     fn next_sample(&mut self) {
         self.sample += 1;
         let dt = self.filter.design.dt;
@@ -151,10 +145,6 @@ impl Followed {
         }
     }
 
-    /// Predicts over a share of a step.
-    ///
-    /// # Errors
-    /// [`FilterError::UndefinedForce`]
     #[inline(always)]
     fn predict(&mut self, level: &(impl Steps + ?Sized), share: f64, forces: [f64; 2]) -> Result<(), FilterError> {
         // Where the force is held, its end does not count.
@@ -165,7 +155,6 @@ impl Followed {
         Ok(())
     }
 
-    /// Keeps the belief after a prediction.
     fn keep_prior(&mut self) {
         let Self { filter, prior, .. } = self;
         filter.square();
@@ -174,9 +163,6 @@ impl Followed {
     }
 
     /// Conditions on readings of all sensors, and keeps the update.
-    ///
-    /// # Errors
-    /// Those of the filter.
     fn condition(&mut self, level: &dyn Steps, force: f64, readings: &[f64]) -> Result<(), FilterError> {
         self.update.clear();
         self.learnt.weights.fill(f64::NAN);
@@ -191,7 +177,6 @@ impl Followed {
         Ok(())
     }
 
-    /// Takes in the last update of the filter, with its NIS and det S.
     #[inline(never)]
     fn take_update(&mut self, squares: [f64; 2]) {
         let Self { filter, places, update, part, learnt, .. } = self;
@@ -211,10 +196,7 @@ impl Followed {
         update.add(part);
     }
 
-    /// Hands the belief and the update to a sink, in the channels' units.
-    ///
-    /// # Errors
-    /// [`FilterError::NotFinite`] where a number overflows in them.
+    /// In the channels' units. Fails where a number overflows in them.
     fn report(&mut self, has_prior: bool, sink: &mut dyn Sink) -> Result<(), FilterError> {
         let Self { filter, places, update, prior, in_units, learnt, .. } = self;
         let parts = filter.parts();
@@ -222,10 +204,6 @@ impl Followed {
         push(if has_prior { sample.with_prior(prior) } else { sample }, in_units.as_deref_mut(), sink)
     }
 
-    /// Hands the initial belief to a sink.
-    ///
-    /// # Errors
-    /// [`FilterError::TooLarge`]
     fn report_beginning(&self, sink: &mut dyn Sink) -> Result<(), FilterError> {
         let Self { filter, places, update, in_units, learnt, .. } = self;
         let parts = filter.parts();
@@ -235,8 +213,6 @@ impl Followed {
         push(sample, in_units.clone().as_deref_mut(), sink).map_err(|_| FilterError::TooLarge)
     }
 
-    /// One step from a sample to the next through readings at times of their own.
-    ///
     /// The belief before the update is that before the last reading.
     fn step_through(&mut self, level: &dyn Steps, parts: &PartsOfStep, sink: &mut dyn Sink) -> Result<(), FilterError> {
         if parts.times.is_none() {
@@ -365,8 +341,7 @@ fn pass(filter: &mut Filter<f64>, sink: &mut dyn Sink) -> Result<(), FilterError
     Ok(())
 }
 
-/// Updates by the measurements of all sensors, of which `own` takes those that the model has. Returns NIS and det S; NaN without a
-/// measurement.
+/// By the measurements of all sensors; `own` takes those that the model has. Returns NIS and det S, NaN without any.
 #[inline(always)]
 fn condition(
     level: &(impl Steps + ?Sized),
@@ -391,7 +366,6 @@ fn condition(
     Ok(if told.measured > 0.0 { [told.nis, told.determinant] } else { [f64::NAN; 2] })
 }
 
-/// Hands a sample to the sink, in the channels' units.
 #[inline(always)]
 fn push(sample: Sample<'_>, in_units: Option<&mut InUnits>, sink: &mut dyn Sink) -> Result<(), FilterError> {
     let sample =
@@ -401,7 +375,6 @@ fn push(sample: Sample<'_>, in_units: Option<&mut InUnits>, sink: &mut dyn Sink)
 }
 
 impl Learnt {
-    /// A sample with what a filter that learns tells besides.
     fn extend<'a>(&'a mut self, sample: Sample<'a>, parts: &Parts<'_>, places: &[usize]) -> Sample<'a> {
         let Some(learnt) = parts.learnt else { return sample };
         let noise = parts.is_adaptive.then(|| {
@@ -430,14 +403,12 @@ impl<'a> Sample<'a> {
 }
 
 impl Update {
-    /// That of n components by m sensors which have measured nothing.
     pub(crate) fn nothing(n: usize, m: usize) -> Self {
         let nan = f64::NAN;
         let (innovation, innovation_cov) = (vec![nan; m], vec![nan; m * m]);
         Self { innovation, innovation_cov, gain: vec![0.0; n * m], earlier: 0, nis: nan, determinant: nan }
     }
 
-    /// No update.
     fn clear(&mut self) {
         self.innovation.fill(f64::NAN);
         self.innovation_cov.fill(f64::NAN);
@@ -445,7 +416,6 @@ impl Update {
         (self.earlier, self.nis, self.determinant) = (0, f64::NAN, f64::NAN);
     }
 
-    /// Takes in an update by some sensors, each in its place.
     fn take(&mut self, places: &[usize], active: &[usize], [innovation, innovation_cov, gain]: [&[f64]; 3]) {
         let (m, count) = (self.innovation.len(), active.len());
         let n = self.gain.len() / m.max(1);
@@ -459,8 +429,7 @@ impl Update {
         }
     }
 
-    /// Adds a later update within the same sample, which is independent of this one. e, S and K of a sensor that is in both are those
-    /// of the later one.
+    /// A later update within a sample is independent of this one; e, S and K of a sensor in both are the later ones.
     fn add(&mut self, later: &Self) {
         let m = self.innovation.len();
         let n = self.gain.len() / m.max(1);
@@ -527,7 +496,6 @@ impl Update {
         };
     }
 
-    /// The sample of a belief after the update.
     pub(crate) fn sample<'a>(&'a self, mean: &'a [f64], cov: &'a [f64]) -> Sample<'a> {
         let Self { innovation, innovation_cov, gain, earlier, nis, determinant } = self;
         let unmeasured = Sample::unmeasured(mean, cov);

@@ -4,7 +4,6 @@ use crate::mathematics::engine::belief::Belief;
 use crate::mathematics::engine::belief::convert;
 use crate::samples::sink::Sample;
 
-/// Memory to [convert] samples.
 #[derive(Clone, Debug)]
 pub(crate) struct InUnits {
     /// The places of logarithms.
@@ -18,7 +17,6 @@ pub(crate) struct InUnits {
 }
 
 impl InUnits {
-    /// The memory for n components and a number of sensors; `None` where no component is a logarithm.
     pub(crate) fn new(logarithms: &[usize], n: usize, sensors: usize) -> Option<Box<Self>> {
         let belief = Belief { mean: vec![0.0; n], cov: vec![0.0; n * n] };
         let (unit, gain, prior) = (vec![1.0; n], vec![0.0; n * sensors], belief.clone());

@@ -8,13 +8,11 @@ use crate::mathematics::random::{Normal, Purpose};
 use crate::samples::sink::{AssumedNoise, Sample, Sink};
 use crate::{FilterSettings, Model};
 
-/// A filter and the result of its last measurement update.
 struct Followed {
     filter: Filter,
     correction: Correction,
 }
 
-/// The filter of some settings, which begins in this way.
 pub(crate) fn estimator(begin: Begin, settings: &FilterSettings, context: &FilterContext) -> Box<dyn Estimator> {
     let Beginning { model, initial, noise, white, .. } = Beginning::of(settings, context);
     let normal = Normal::new(context.seed, Purpose::Ensemble(context.stream));
@@ -60,7 +58,6 @@ impl Estimator for Followed {
     }
 }
 
-/// Writes the belief, and that before the update if there is one, to the sink in the channels' units.
 fn report(
     filter: &Filter,
     correction: &Correction,

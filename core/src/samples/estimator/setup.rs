@@ -88,7 +88,6 @@ impl Setup {
         Ok(Self::of(settings, &context, columns).filter(|setup| setup.channels.len() <= MOST))
     }
 
-    /// The filter of some settings over sensors in these columns, if its kind is one of the engine's and it can begin.
     pub(crate) fn of(settings: &FilterSettings, context: &FilterContext, columns: Vec<usize>) -> Option<Self> {
         let Way::Gaussian(method) = settings.kind.info().way else { return None };
         let beginning = Beginning::of(settings, context);
@@ -141,8 +140,7 @@ fn is_single(settings: &FilterSettings) -> bool {
     settings.is_one() && settings.plucks.is_empty() && settings.consider.is_empty() && settings.bounds.is_empty()
 }
 
-/// Whether input and measurements of a record are finite, except for missing measurements. If not, the single filter
-/// reports the place.
+/// Missing measurements aside. If a number is not finite, the single filter reports the place.
 fn is_finite(record: &Record, columns: &[usize]) -> bool {
     // Without an early end, several numbers are looked at at once.
     let none = |values: &[f64], is_bad: fn(f64) -> bool| !values.iter().fold(false, |any, &value| any | is_bad(value));
@@ -173,7 +171,6 @@ pub(crate) fn filter<'a, T: Number>(setup: &dyn Fn(usize) -> &'a Setup) -> Filte
     Filter::new(design, belief, noise, white)
 }
 
-/// A model with the initial belief and the noise of a filter.
 pub(crate) struct Beginning {
     pub(crate) model: Model,
     pub(crate) initial: Gaussian,
@@ -185,7 +182,6 @@ pub(crate) struct Beginning {
 }
 
 impl Beginning {
-    /// Of a filter with these settings.
     pub(crate) fn of(settings: &FilterSettings, context: &FilterContext) -> Self {
         let model = context.model(settings);
         let (mean, unit) = initial_state(&model, settings);
@@ -203,7 +199,6 @@ impl Beginning {
         Self { model, initial, noise: Noise { process, sensors, fading: settings.fading }, white, considered }
     }
 
-    /// Whether all its numbers are finite.
     pub(crate) fn is_finite(&self) -> bool {
         self.initial.is_finite() && self.noise.is_finite()
     }

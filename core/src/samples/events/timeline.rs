@@ -6,7 +6,6 @@ use crate::Hold;
 use crate::samples::estimator::State;
 use crate::samples::passage::Passage;
 
-/// What happened at one time, and the belief after it.
 #[derive(Clone, Debug)]
 pub(super) struct Event {
     /// \[s\]
@@ -22,7 +21,6 @@ pub(super) struct Event {
 }
 
 impl Event {
-    /// What happened, before the filter has been here.
     pub(super) fn new(time: f64, force: Option<f64>, readings: Vec<f64>) -> Self {
         Self { time, force, readings, state: None, passages: Vec::new() }
     }

@@ -21,7 +21,6 @@ pub(crate) struct Scales {
 }
 
 impl Scales {
-    /// Of the filters of some settings.
     pub(crate) fn new(settings: &FilterSettings, context: &FilterContext) -> Self {
         let noise = Beginning::of(settings, context).noise;
         Self {
@@ -35,7 +34,6 @@ impl Scales {
         }
     }
 
-    /// The settings of all filters, over these channels.
     pub(crate) fn members(&self, settings: &FilterSettings, channels: &[Channel]) -> Vec<FilterSettings> {
         let of = |u: &f64| {
             let mut member = FilterSettings { process_scales: 1, ..settings.clone() };

@@ -40,7 +40,6 @@ const MOST: f64 = 0.5;
 /// Parameters that walked are still again below this probability.
 const CALM: f64 = 0.1;
 
-/// The settings of both filters.
 pub(crate) fn members(settings: &FilterSettings, context: &FilterContext) -> [FilterSettings; 2] {
     let still = FilterSettings { walk: 0.0, ..settings.clone() };
     let mut walking = still.clone();
@@ -73,7 +72,6 @@ impl Rule for Walk {
         let Self { weights, transition, has_samples, .. } = self;
         let before = |j: usize| transition[0][j] * weights[0] + transition[1][j] * weights[1];
         let before = [before(0), before(1)];
-        // Both begin with the same belief.
         if std::mem::replace(has_samples, true) {
             let mixed = [0, 1].map(|j| {
                 let mut mixed = Moments::default();

@@ -14,7 +14,6 @@ const RECORD_CHUNK: usize = 500;
 
 /// The parts of a run that another scenario changes. The run stays as it is until [`Self::apply`].
 pub(crate) struct Revision {
-    /// The record, if it changes.
     recording: Option<Recording>,
     /// The number of samples of the whole record.
     pub(crate) samples: usize,
@@ -31,10 +30,7 @@ pub(crate) struct Revision {
 }
 
 impl Revision {
-    /// The revision that takes a run to another scenario, and to another source if one is given.
-    ///
-    /// # Errors
-    /// [`RunError`] where the scenario is impossible, or the source does not fit it.
+    /// To another scenario, and to another source if one is given.
     pub(crate) fn new(
         run: &Run,
         scenario: &Scenario,
@@ -67,17 +63,14 @@ impl Revision {
         Ok(Self { recording, samples, bank, kept, order, away: Vec::new(), is_of_everything: !same_filters })
     }
 
-    /// Whether the filter at a place is unchanged.
     pub(crate) fn keeps(&self, place: usize) -> bool {
         self.kept[place].is_some()
     }
 
-    /// The new record, if it changes.
     pub(crate) fn own_record(&self) -> Option<&Record> {
         self.recording.as_ref().map(Recording::record)
     }
 
-    /// The source of the new record, if it changes.
     pub(crate) fn source(&self) -> Option<Source> {
         self.recording.as_ref().map(Recording::source)
     }
@@ -87,12 +80,10 @@ impl Revision {
         self.recording.as_ref().map(Recording::is_live)
     }
 
-    /// The number of samples of the new record that are done.
     pub(crate) fn recorded(&self) -> Option<usize> {
         self.recording.as_ref().map(Recording::len)
     }
 
-    /// The number of samples that the filter at a place has done.
     pub(crate) fn done(&self, place: usize) -> usize {
         self.bank.passes[place].done()
     }
@@ -116,7 +107,6 @@ impl Revision {
         }
     }
 
-    /// Forgets the first samples that are still kept, as [`Run::forget`] does.
     pub(crate) fn forget(&mut self, samples: usize) {
         if let Some(recording) = &mut self.recording {
             recording.forget(samples);
@@ -124,9 +114,8 @@ impl Revision {
         }
     }
 
-    /// Computes up to `samples` samples, counted from the beginning: first the record, then the filters. `record` is
-    /// the run's, for a record that does not change. Calls `while_time` after each small piece of work and returns
-    /// early if it is false. Returns whether everything is done.
+    /// First the record (`record` is the run's, for one that does not change), then the filters. Returns early if `while_time`,
+    /// called after each small piece of work, is false. Returns whether all is done.
     pub(crate) fn advance_to(&mut self, samples: usize, record: &Record, while_time: &mut dyn FnMut() -> bool) -> bool {
         let Self { recording, samples: all, bank, order, away, .. } = self;
         let goal = samples.min(*all);
@@ -158,7 +147,6 @@ impl Revision {
         away.iter().all(|&place| bank.passes[place].done() >= goal)
     }
 
-    /// Puts the result, of `done` samples, into the run, and the parts that it replaces into the spare memory.
     pub(crate) fn apply(self, run: &mut Run, done: usize, spare: &mut Spare) -> Update {
         let Self { recording, samples, mut bank, kept, mut order, away: _, is_of_everything } = self;
         for (place, before) in kept.into_iter().enumerate() {
@@ -182,7 +170,6 @@ impl Revision {
         Update::Filters(changed)
     }
 
-    /// The memory of the revision's data.
     pub(crate) fn take_apart(self) -> (Option<Record>, Vec<Estimates>) {
         let estimates = self.bank.estimates.into_iter().filter(|estimates| !estimates.is_empty()).collect();
         (self.recording.and_then(Recording::into_simulated), estimates)

@@ -15,7 +15,6 @@ const RUNAWAY: f64 = 100.0;
 /// Limits the times that the steps of one sample are halved.
 const MOST: u64 = 4096;
 
-/// A plant under a load over one sample.
 pub(super) struct Motion<'a> {
     pub(super) model: &'a Model,
     pub(super) forces: [f64; 2],
@@ -60,7 +59,6 @@ pub(super) struct Refinement {
 }
 
 impl Refinement {
-    /// Begins the step from a state, before its first halving.
     pub(super) fn begin(&mut self, motion: &Motion<'_>, from: &[f64]) {
         let Self { state, part, coarse, rest, halved, method, .. } = self;
         state.clear();
@@ -70,8 +68,7 @@ impl Refinement {
         motion.step(method, coarse, state, *part);
     }
 
-    /// Goes on until all parts are done, or steps have been halved `most` times. Returns whether the step is done. `size` is the
-    /// largest absolute value of each component so far.
+    /// Halves steps at most `most` times; returns whether all parts are done. `size` are the largest absolute values.
     pub(super) fn advance(&mut self, motion: &Motion<'_>, size: &[f64], most: u64) -> Result<bool, TruthError> {
         let Self { state, part, coarse, middle, fine, rest, halved, method } = self;
         let begin = *halved;

@@ -11,7 +11,6 @@ use crate::mathematics::model::Model;
 /// Limits the times that steps are halved in a piece of work: about a millisecond.
 pub(crate) const HALVED: u64 = 400;
 
-/// The state of a plant, as it moves.
 pub(crate) struct Response {
     state: Vector,
     /// The largest absolute value of each component so far.
@@ -23,7 +22,6 @@ pub(crate) struct Response {
     /// The step of a plant that is not linear, and whether it is under way.
     step: Refinement,
     is_under_way: bool,
-    /// The number of times that steps have been halved.
     pub(crate) halved: u64,
 }
 
@@ -49,12 +47,10 @@ impl Response {
         }
     }
 
-    /// The state.
     pub(crate) fn state(&self) -> &[f64] {
         self.state.as_slice()
     }
 
-    /// Sets the present value of a component that does not move.
     pub(crate) fn set(&mut self, place: usize, value: f64) {
         self.state[place] = value;
     }

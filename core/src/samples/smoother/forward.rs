@@ -30,10 +30,8 @@ impl Forward {
         Some(Self { pass, sink: Passages::default(), hindsight: Hindsight::new(settings, context) })
     }
 
-    /// The belief after the next sample, and the passages to it, one after the other: none for the first one, where the filter begins.
-    ///
-    /// # Errors
-    /// Where and why the filter stops.
+    /// The belief after the next sample, and the passages to it, one after the other: none for the first one, where the filter
+    /// begins.
     pub(crate) fn filter(&mut self, record: &Record) -> Result<(Gaussian, Vec<Passage>), Stop> {
         let Self { pass, sink, .. } = self;
         pass.follow(record, pass.done() + 1, sink);
@@ -44,7 +42,6 @@ impl Forward {
         }
     }
 
-    /// Appends a belief in the channels' units.
     pub(crate) fn report(&mut self, belief: &Gaussian, estimates: &mut Estimates) {
         self.hindsight.report(belief, estimates);
     }

@@ -10,7 +10,6 @@ use crate::{Estimates, Record, Stop};
 /// Limits the samples freed in one call, which takes about a millisecond.
 const FREED: usize = 4_000;
 
-/// Each sample in the light of the whole record.
 pub(crate) struct FixedInterval {
     forward: Forward,
     /// The belief after each sample: of the filter, then of the smoother.
@@ -22,7 +21,6 @@ pub(crate) struct FixedInterval {
     stage: Stage,
 }
 
-/// The progress of a smoother.
 #[derive(Clone, Copy)]
 enum Stage {
     /// The filter is under way.
@@ -34,7 +32,6 @@ enum Stage {
 }
 
 impl FixedInterval {
-    /// The smoother of a filter before its first sample.
     pub(crate) fn new(forward: Forward) -> Self {
         let (beliefs, passages) = (Vec::new(), Vec::new());
         Self { forward, beliefs, passages, adjoint: Adjoint::nothing(0), stop: None, stage: Stage::Forth }

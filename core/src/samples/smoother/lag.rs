@@ -21,9 +21,7 @@ use crate::{Estimates, Record, Stop};
 pub(crate) struct FixedLag {
     forward: Forward,
     lag: usize,
-    /// The filter's beliefs of the samples that are not reported yet.
     beliefs: VecDeque<Gaussian>,
-    /// The number of samples reported.
     reported: usize,
     window: Window,
     stop: Option<Stop>,
@@ -146,7 +144,6 @@ struct Window {
 }
 
 impl Window {
-    /// Adds the passages from a sample to the next, if there are any.
     fn push(&mut self, passages: &[Passage]) {
         let over = |passages: &[Passage]| {
             let ways = passages.iter().map(WayBack::over);
@@ -173,7 +170,6 @@ impl Window {
         true
     }
 
-    /// Drops the oldest passage.
     fn pop(&mut self) {
         self.older.pop();
     }

@@ -14,10 +14,8 @@ use kalmanscope_lab::{Ensemble, Plan, Priority, Runner, Sheet, Slice, Threads};
 
 use crate::common::{CLOSE, Tally, gpu};
 
-/// The samples of a map's record.
 const SAMPLES: usize = 2000;
 
-/// The usual scenario with the filter of a kind.
 fn scenario(kind: &str, samples: usize) -> Scenario {
     let mut scenario = Scenario { duration: (samples - 1) as f64 * 0.01, ..Scenario::default() };
     scenario.filters.retain(|filter| filter.name == kind);
@@ -33,7 +31,6 @@ fn map(scenario: Scenario, axes: &[String]) -> Arc<Runner> {
     Arc::new(Runner::new(Ensemble::new(scenario, plan).unwrap(), Source::Simulated).unwrap())
 }
 
-/// A map of Q and R.
 fn tuning(kind: &str, seed: u64, side: usize) -> Arc<Runner> {
     let axes = [
         format!("filters.{kind}.process_std=0.01:100:{side}:log"),
@@ -66,7 +63,6 @@ struct Comparison {
     worst: (f64, String),
 }
 
-/// Runs all cells of a map both ways.
 fn compare(name: &str, runner: &Arc<Runner>) -> Comparison {
     let ensemble = runner.ensemble();
     let cells: Vec<usize> = (0..ensemble.cells()).collect();
@@ -235,7 +231,6 @@ fn a_program_is_no_graphics_processor() {
 /// The filters of an ensemble: not a whole number of groups of threads.
 const FILTERS: usize = 70;
 
-/// Scenarios with filters that differ by their guesses of the parameters.
 fn with_guesses(mut scenario: Scenario, kind: FilterKind) -> Vec<Scenario> {
     scenario.filters.truncate(1);
     scenario.filters[0].kind = kind;
@@ -272,14 +267,12 @@ fn tally(name: &str, scenarios: &[Scenario]) -> Tally {
     tally
 }
 
-/// Most runs are of the same class, and most of those that are kept are close.
 fn check(name: &str, scenarios: &[Scenario]) {
     let Tally { runs, same, kept, close, .. } = tally(name, scenarios);
     assert!(same as f64 >= 0.96 * runs as f64, "{name}: {same} of {runs}");
     assert!(kept * 3 > runs && close as f64 >= 0.9 * kept as f64, "{name}: {close} of {kept}");
 }
 
-/// A built-in plant that is shaken, with sensors of these quantities.
 fn built_in(plant: PlantKind, quantities: &[Quantity], augment: &[Channel], hold: Hold) -> Scenario {
     let filters = vec![FilterSettings::default()];
     let mut scenario = Scenario { filters, hold, duration: 10.0, ..Scenario::default() };
@@ -352,7 +345,6 @@ fn white_forces_are_served() {
     }
 }
 
-/// Guesses from which many filters lose the truth.
 #[test]
 fn filters_that_are_lost_are_lost_on_both() {
     for kind in KINDS {

@@ -43,7 +43,6 @@ fn filter(kind: FilterKind, sensors: usize, [frequency, damping]: [f64; 2]) -> i
         })
 }
 
-/// A scenario with filters that differ in numbers only.
 fn ensemble() -> impl Strategy<Value = Scenario> {
     let quantities = [Quantity::DISPLACEMENT, Quantity::VELOCITY, Quantity::ACCELERATION];
     (
@@ -59,7 +58,6 @@ fn ensemble() -> impl Strategy<Value = Scenario> {
         })
 }
 
-/// Some random scenarios, the same every time.
 fn tally(seed: u64) -> Tally {
     let config = Config { rng_seed: RngSeed::Fixed(seed), failure_persistence: None, ..Config::default() };
     let mut source = TestRunner::new(config);
@@ -105,7 +103,6 @@ fn random_runs_of_other_seeds() {
     }
 }
 
-/// A filter that overflows stops on the graphics processor at the same sample as in the core, with the same sums until then.
 #[test]
 fn a_filter_that_overflows_stops() {
     let mut scenario = Scenario { duration: 2.0, ..Scenario::default() };

@@ -9,7 +9,6 @@ use kalmanscope_lab::Runner;
 use kalmanscope_worker::{Words, answer, cells, fail, hear, rows_part, runner, tell};
 use wasm_bindgen_futures::spawn_local;
 
-/// The processor, once it has been found, and the last task.
 #[derive(Default)]
 struct Graphics {
     gpu: Rc<RefCell<Option<Rc<Gpu>>>>,
@@ -17,7 +16,6 @@ struct Graphics {
     runner: RefCell<Option<Rc<Runner>>>,
 }
 
-/// Answers messages for as long as the worker lives.
 pub(crate) fn serve() {
     let graphics = Graphics::default();
     hear(move |words| match words.text(0).as_str() {
@@ -29,7 +27,6 @@ pub(crate) fn serve() {
 }
 
 impl Graphics {
-    /// Looks for a processor, or a software adapter if that is accepted, and reports to the page.
     fn find(&self, software: bool) {
         let gpu = Rc::clone(&self.gpu);
         let software = if software { Software::Allowed } else { Software::Refused };
@@ -51,7 +48,6 @@ impl Graphics {
         *self.runner.borrow_mut() = runner.ok().map(Rc::new);
     }
 
-    /// Runs some cells of the present task, and answers when they are done.
     fn take(&self, number: f64, cells: Vec<usize>) {
         let (Some(gpu), Some(runner)) = (self.gpu.borrow().clone(), self.runner.borrow().clone()) else { return };
         let present = Rc::clone(&self.task);

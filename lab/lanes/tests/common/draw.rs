@@ -26,7 +26,6 @@ impl Draw {
     }
 }
 
-/// Every plant that the engine has.
 pub(crate) const PLANTS: [PlantKind; 9] = [
     PlantKind::SDOF,
     PlantKind::DUFFING,
@@ -39,7 +38,6 @@ pub(crate) const PLANTS: [PlantKind; 9] = [
     PlantKind::SHEAR_8,
 ];
 
-/// The truth of an ensemble, with its sensors.
 pub(crate) fn truth(plant: PlantKind, quantities: &[Quantity], augment: &[Channel], hold: Hold) -> Scenario {
     let mut scenario = Scenario { filters: vec![FilterSettings::default()], hold, ..Scenario::default() };
     scenario.filters[0].augment = augment.to_vec();
@@ -107,7 +105,6 @@ pub(crate) fn ensemble(seed: u64) -> Scenario {
     scenario
 }
 
-/// The rules and the noise that is learnt, mostly none.
 const ROBUST: [Robust; 8] = [
     Robust::NONE,
     Robust::NONE,
@@ -122,7 +119,6 @@ const ADAPTS: [[bool; 2]; 5] = [[false; 2], [false; 2], [true, false], [false, t
 const ADAPTS_FAST: Adaptation =
     Adaptation { sensor_noise: false, process_noise: false, forgetting: 0.9, training: 0.0 };
 
-/// The same filter with other numbers.
 fn changed(mut filter: FilterSettings, plant: PlantKind, augment: &[Channel], draw: &mut Draw) -> FilterSettings {
     filter.fading = draw.one(&[1.0, 1.002, 1.05]);
     filter.input_delay = draw.below(6) as i32 - 2;

@@ -60,7 +60,6 @@ fn all() -> Vec<Case> {
     cases
 }
 
-/// The usual scenario of a plant, with one filter.
 fn built_in(kind: PlantKind) -> Scenario {
     let mut scenario = Scenario::default();
     scenario.filters.truncate(1);
@@ -79,7 +78,6 @@ fn with_gain(mut scenario: Scenario) -> Scenario {
     scenario
 }
 
-/// The Duffing oscillator as a user types it, with the numbers of the one that is built in.
 fn typed_duffing() -> Scenario {
     let text = "[plant]\nequation = \"x'' + 2 ζ ωₙ x' + ωₙ² x + μ x³ = f\"\n";
     let typed = Scenario::from_toml(text).expect("the equation is valid").plant.kind;
@@ -96,7 +94,6 @@ fn typed_duffing() -> Scenario {
 }
 
 impl Case {
-    /// A record of this many steps.
     pub(crate) fn record(&self, steps: usize) -> Record {
         let duration = steps as f64 * self.scenario.dt;
         let mut run = Run::new(&Scenario { duration, filters: vec![], ..self.scenario.clone() }).expect("it is valid");
@@ -105,7 +102,6 @@ impl Case {
         run.record().clone()
     }
 
-    /// Runs over a record from its beginning.
     pub(crate) fn run(&self, record: &Record) {
         match self.level {
             None => alone(&self.scenario, record),
@@ -126,7 +122,6 @@ struct Sum(f64);
 
 impl Sink for Sum {
     fn push(&mut self, sample: &Sample<'_>) {
-        // Not a number before the first measurement.
         self.0 += if sample.nis.is_finite() { sample.nis } else { 0.0 };
     }
 

@@ -26,10 +26,6 @@ fn compiler() -> Result<String, String> {
     Ok(format!("{} for {host}", text.lines().next().unwrap_or_default()))
 }
 
-/// Counts all cases and writes them down.
-///
-/// # Errors
-/// Why they could not be counted or written.
 pub(crate) fn write(cases: &[Case]) -> Result<(), String> {
     let counts = count(&[])?;
     if counts.len() < cases.len() {
@@ -44,7 +40,6 @@ pub(crate) fn write(cases: &[Case]) -> Result<(), String> {
     std::fs::write(path(), text).map_err(|error| error.to_string())
 }
 
-/// The counts of the table, and the compiler that it is of.
 fn read() -> Result<(String, toml::Table), String> {
     let said = |error: &dyn std::fmt::Display| format!("{}: {error}", path().display());
     let text = std::fs::read_to_string(path()).map_err(|error| said(&error))?;
@@ -55,10 +50,7 @@ fn read() -> Result<(String, toml::Table), String> {
     }
 }
 
-/// Counts cases, prints them beside the table, and compares them.
-///
-/// # Errors
-/// The differences, and the remedy.
+/// Fails with the differences, and the remedy.
 pub(crate) fn compare(cases: &[Case], words: &[String], is_whole: bool) -> Result<(), String> {
     let (meant, table) = read()?;
     let counts = count(words)?;
@@ -139,10 +131,7 @@ fn mark() {
     black_box(());
 }
 
-/// Counts the cases with these words in their names. Leaves out a case if the processor lacks its instructions.
-///
-/// # Errors
-/// Why nothing could be counted.
+/// Leaves out a case if the processor lacks its instructions.
 pub(crate) fn count(words: &[String]) -> Result<Vec<Count>, String> {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("instructions");
     let said = |error: std::io::Error| error.to_string();
@@ -170,14 +159,12 @@ pub(crate) fn count(words: &[String]) -> Result<Vec<Count>, String> {
     names.map(|(nth, name)| Ok((name.to_owned(), of_case(&folder, nth)?))).collect()
 }
 
-/// The instructions of a step of the nth case.
 fn of_case(folder: &Path, nth: usize) -> Result<u64, String> {
     // Callgrind numbers its files from 1; the first one of a case ends where the case begins.
     let [few, many] = [2, 3].map(|place| total(&folder.join(format!("counts.{}", MARKS * nth + place))));
     Ok((many? - few?) / (STEPS[1] - STEPS[0]) as u64)
 }
 
-/// The total of a file of callgrind.
 fn total(path: &Path) -> Result<u64, String> {
     let text = std::fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
     let total = text.lines().find_map(|line| line.strip_prefix("totals: ")?.trim().parse().ok());

@@ -6,7 +6,6 @@ use crate::Hold;
 use crate::data::even_steps::change;
 use crate::data::record::Timed;
 
-/// The samples of a record in the clock of its readings.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Grid {
     /// The time of the first one \[s\].
@@ -31,7 +30,6 @@ const ROUNDED: f64 = 1e-6;
 pub(super) struct Track {
     times: VecDeque<f64>,
     values: VecDeque<f64>,
-    /// The number of those that samples have taken.
     taken: usize,
 }
 
@@ -105,7 +103,6 @@ impl InputTrack {
         }
     }
 
-    /// Whether the value at a sample depends on one that has not come yet.
     pub(super) fn waits_at(&self, sample: f64) -> bool {
         self.hold == Hold::First && self.told.back().is_some_and(|(time, _)| *time < sample)
     }

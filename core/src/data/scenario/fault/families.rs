@@ -152,7 +152,6 @@ impl Act for Late {
     }
 }
 
-/// The numbers of both families: the share of the readings, and the least and the largest error.
 const OF_OUTLIERS: [FaultNumber; 3] = [
     number("share", "share of outliers", Scale::Pure, 0.1, (0.0, 0.5), Allowed::Within(0.0, 1.0)),
     number("from", "least outlier", Scale::Sigma, 10.0, (0.0, 100.0), Allowed::AtLeast(0.0)),
@@ -237,7 +236,6 @@ impl Act for Quantised {
     }
 }
 
-/// The share of samples in spells, and their mean length.
 const OF_SPELLS: [FaultNumber; 2] = [
     number("share", "share of the samples", Scale::Pure, 0.1, (0.0, 0.9), Allowed::Within(0.0, 1.0)),
     number("length", "mean length", Scale::Seconds, 0.2, (0.0, 5.0), Allowed::AtLeast(0.0)),
@@ -247,7 +245,6 @@ const OF_SPELLS: [FaultNumber; 2] = [
 struct Spells {
     share: f64,
     length: f64,
-    /// `None` before the first sample.
     is_in: Option<bool>,
     random: Normal,
 }
@@ -257,7 +254,6 @@ impl Spells {
         Self { share, length, is_in: None, random }
     }
 
-    /// Whether the next sample is in a spell.
     fn next(&mut self, dt: f64) -> bool {
         let ends = (dt / self.length).min(1.0);
         // Spells begin so often that a sample is in one with the probability of the share.

@@ -33,8 +33,7 @@ fn no_excitation(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
     found.push(LikelyCause { certain: true, samples, ..likely });
 }
 
-/// Whether the sensors read only noise: white, and of the size R. An accelerometer under a broadband force also reads a
-/// white signal, but a much larger one.
+/// Whether readings are white, and of the size R: those of an accelerometer under a broadband force are white, but larger.
 fn is_still(bad: &BadFilter<'_>) -> bool {
     let is_noise = |sensor: Quantity| {
         let Some(values) = bad.case.record.measured_quantity(sensor) else { return true };
@@ -127,7 +126,6 @@ fn slow_drift(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Likely
     }
 }
 
-/// The process noise of a parameter at a place that walks by a share of itself over the record.
 fn edit(bad: &BadFilter<'_>, (place, channel): (usize, Channel), walk: f64) -> Option<Edit> {
     let (mean, doubt) = (bad.case.estimates.initial_mean(place).abs(), bad.case.estimates.initial_std(place));
     let std = walk * mean.max(doubt) / (bad.case.len().max(2) as f64).sqrt();
@@ -135,7 +133,6 @@ fn edit(bad: &BadFilter<'_>, (place, channel): (usize, Channel), walk: f64) -> O
     moves.then(|| bad.edit(&format!("process_std.{}", channel.key()), std))
 }
 
-/// The tried factor on the initial standard deviations.
 const WIDER: f64 = 5.0;
 
 /// σ of a guess that was taken for certain, relative to it.
@@ -205,7 +202,6 @@ const BLOCK: usize = 20;
 /// The least number of blocks of each level.
 const FEWEST: usize = 2;
 
-/// A change of the size of normalised squares.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Change {
     /// The first sample after it.

@@ -69,7 +69,6 @@ enum Fault {
     Late,
 }
 
-/// A sensor and that of a derivative, by their places, and how they agree.
 struct Pair {
     places: [usize; 2],
     order: usize,
@@ -114,8 +113,7 @@ fn is_off(Agreement { factor, std, .. }: &Agreement) -> bool {
     off > SCALE && off > SURE * std
 }
 
-/// The factor by which all sensors change more than those of their rates say, where there are two pairs or more and it is the same
-/// one: then the times are wrong, and no sensor is.
+/// The factor by which sensors change more than their rates say, if two pairs or more share it: then the times are wrong.
 fn common_factor(pairs: &[Pair]) -> Option<f64> {
     let [first, others @ ..] = pairs else { return None };
     let (factor, std) = (first.of_time(), first.agreement.std);
@@ -194,7 +192,6 @@ fn likely_causes(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
     }
 }
 
-/// How large a fault of a pair of sensors is, and what is seen of it. `None` if they do not have it.
 fn disagreement(pair: &Pair, sensors: [Quantity; 2], fault: Fault, dt: f64) -> Option<(f64, String)> {
     let Agreement { factor, late, late_std, .. } = pair.agreement;
     let [name, rate_name] = sensors.map(Quantity::name);
@@ -326,7 +323,6 @@ fn integral(rates: &[f64], dt: f64) -> Vec<f64> {
     rates.iter().map(step).collect()
 }
 
-/// The sums of the changes of two columns over a span, the second one late by some samples.
 struct Sums {
     count: f64,
     means: [f64; 2],
@@ -384,7 +380,6 @@ mod tests {
     use super::*;
     use crate::filter::Normal;
 
-    /// Displacement and velocity of two swings together, read with noise, changed in some way.
     fn readings(change: impl Fn(f64) -> [f64; 2], seed: u64) -> [Vec<f64>; 2] {
         let mut normal = Normal::from_seed(seed);
         let mut columns = [Vec::new(), Vec::new()];
@@ -445,7 +440,6 @@ mod tests {
         }
     }
 
-    /// A filter that takes the noise for much larger than it is does not make a right sensor wrong.
     #[test]
     fn noise_that_is_taken_for_too_large_turns_no_factor() {
         for seed in 0..10 {

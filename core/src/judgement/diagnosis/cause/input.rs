@@ -24,7 +24,6 @@ fn delay(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause
     let near = bad.follows_input(-MOST..=MOST);
     for shift in (-MOST..=MOST).filter(|&shift| shift != 0) {
         let delay = bad.filter.input_delay + shift;
-        // The change since the user's own settings.
         let since = delay - bad.origin.input_delay;
         let (count, word) = (since.abs(), if since < 0 { "late" } else { "early" });
         let plural = if count == 1 { "" } else { "s" };
@@ -79,8 +78,7 @@ fn gain(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>
     found.push(LikelyCause::new(cause, weight, 1.0, edits, "the input has another gain".to_owned()));
 }
 
-/// Gains of an input in about the unit that it should have, as the sizes of input and motion show them roughly. A belief that begins at 1
-/// never reaches others.
+/// Gains of an input in about its right unit, by the sizes of input and motion. A belief that begins at 1 reaches no others.
 const FEW: std::ops::Range<f64> = 0.03..30.0;
 
 /// The size of the force over mass that carries the spring, by the readings \[m/s²\].
@@ -120,8 +118,7 @@ const STILL: f64 = 0.05;
 /// The least number of samples of such a part.
 const SAMPLES: usize = 20;
 
-/// The least share of the other samples in which the input must change: a step or a train of blows is constant by
-/// nature.
+/// The least share of the other samples in which the input must change: steps and trains of blows are constant by nature.
 const MOVES: f64 = 0.5;
 
 /// The least innovations² in that part, relative to those elsewhere and to their expectation.

@@ -74,7 +74,6 @@ fn sensor_noise(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Like
         if changed.is_empty() {
             return;
         }
-        // The change since the user's own settings.
         let turned_since = |i: usize| assumed[i] / bad.origin.sensor_std.get(i).unwrap_or(&assumed[i]);
         let since = |i: usize| which(i) * turned_since(i) * turned_since(i);
         let of = |i: usize| {
@@ -147,7 +146,6 @@ fn changing_noise(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Li
     found.push(LikelyCause { samples: Some(samples), ..LikelyCause::new(cause, weight, 1.0, edits, sentence) });
 }
 
-/// Successive parts of a record with other innovations² of a sensor than the rest.
 struct Change {
     /// The first of these parts, and the first one after them.
     parts: (usize, usize),
@@ -157,7 +155,6 @@ struct Change {
     ratio: f64,
 }
 
-/// The run of parts that differs most from the rest.
 fn change(one: &SensorInnovations) -> Option<Change> {
     let all = [true; PARTS];
     let cost = |chosen: &Chosen| one.count(chosen) * libm::log(one.level(chosen));
@@ -258,7 +255,6 @@ pub(super) static WHITE_FORCE: Cause = Cause {
     },
 };
 
-/// The tried factors on the standard deviations.
 const FACTORS: [f64; 6] = [0.03, 0.1, 0.3, 3.0, 10.0, 30.0];
 
 pub(super) static PROCESS_NOISE: Cause = Cause {
@@ -286,7 +282,6 @@ fn process_noise(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
         });
         let agrees = (first > 0.0) == (factor > 1.0);
         let weight = if agrees { 2.0 * first.abs() / (1.0 + 2.0 * first.abs()) } else { 0.05 };
-        // The change since the user's own settings.
         let turned = |channel| process_std(bad, filter, channel) / process_std(bad, bad.origin, channel);
         let turned = motions().next().map(turned).filter(|turned| *turned > 0.0 && turned.is_finite());
         let since = factor * turned.unwrap_or(1.0);
@@ -328,7 +323,6 @@ fn wind_up(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCau
 /// The least effective sample size of a sound sample.
 const FEW: f64 = 3.0;
 
-/// Limits the proposed number of particles.
 const MOST_PARTICLES: usize = 20_000;
 
 pub(super) static COLLAPSED_SAMPLE: Cause = Cause {

@@ -130,7 +130,6 @@ fn unknown_force(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
     }
 }
 
-/// The linear oscillator of a filter, and how far it moves.
 struct Oscillator {
     /// ωₙ of the initial mean \[rad/s\].
     frequency: f64,
@@ -138,7 +137,6 @@ struct Oscillator {
     size: f64,
 }
 
-/// A component of the equation that the linear oscillator does not have.
 struct Component {
     key: &'static str,
     /// Its name, unit and sign, if it is a parameter.
@@ -156,7 +154,6 @@ impl Oscillator {
         (is_linear && size > 0.0 && size.is_finite() && frequency > 0.0).then_some(Self { frequency, size })
     }
 
-    /// The edits that give the filter this equation in place of its plant.
     fn edits(&self, bad: &BadFilter<'_>, equation: &str, components: &[Component]) -> Vec<Edit> {
         let text = |text: &str| Value::String(text.to_owned());
         let of_parameter = |one: &Component| {

@@ -226,7 +226,6 @@ fn coloured(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCa
 /// A step of more than this share of the range, from near one end to near the other, is a turn.
 const TURN: f64 = 0.8;
 
-/// The least number of turns.
 const LEAST_TURNS: usize = 3;
 
 pub(super) static WRAPS: Cause = Cause {
@@ -265,7 +264,6 @@ struct Marked {
 }
 
 impl Readings {
-    /// The readings of the sensor at a place among the filter's. `None` if the record has no column for it.
     fn of(case: &Case<'_>, place: usize) -> Option<Self> {
         let column = case.estimates.measured(case.record, place)?;
         let m = case.sensors.len();
@@ -279,7 +277,6 @@ impl Readings {
         })
     }
 
-    /// Compares the marked readings with the others. `None` if there are only some of one kind.
     fn marked(&self, marks: &[bool]) -> Option<Marked> {
         let mut sums = [(0.0, 0.0); 2];
         for (innovation, marked) in self.innovations.iter().zip(marks).filter(|(innovation, _)| innovation.is_finite())
@@ -292,7 +289,6 @@ impl Readings {
         levels.iter().all(|level| level.is_finite()).then_some(Marked { share, levels })
     }
 
-    /// The readings at the end of the sensor's range.
     fn clipped(&self) -> Option<Marked> {
         let ends = clipped_ends(&self.values);
         let marks: Vec<bool> = self.values.iter().map(|value| ends.contains(value)).collect();
@@ -439,7 +435,6 @@ mod tests {
     use super::*;
     use crate::filter::Normal;
 
-    /// A swing read with noise, changed in some way, with innovations that are the noise.
     fn readings(change: impl Fn(usize, f64) -> f64) -> Readings {
         let mut normal = Normal::from_seed(4);
         let (mut values, mut innovations) = (Vec::new(), Vec::new());

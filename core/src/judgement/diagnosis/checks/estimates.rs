@@ -108,8 +108,7 @@ const TOO_SMALL: f64 = 0.3;
 /// The least share of the samples with the truth in the 95 % ellipsoid.
 const OUTSIDE: f64 = 0.5;
 
-/// The same if each channel alone is inside. The errors are then outside only in a direction across the channels, in
-/// which linearised filters are always overconfident.
+/// If each channel alone is inside: errors are then outside only across channels, where linearised filters are overconfident.
 const OUTSIDE_ACROSS: f64 = 0.25;
 
 pub(super) static CHANNELS: Test = Test {
@@ -142,8 +141,7 @@ fn channels(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
             }
             found.push(Evidence {
                 statistic: off * off,
-                // Errors stay below `OFF` even with the slight overconfidence of linearised filters: a larger one
-                // counts as certain.
+                // Errors stay below `OFF` even if linearised filters are slightly overconfident: a larger one is certain.
                 p_value: if off > OFF { 0.0 } else { normal_p(off) },
                 effect: off / OFF,
                 speaks_for: VerdictKind::Overconfident,
@@ -334,8 +332,7 @@ fn recovery(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
     found.push(Evidence { statistic, samples, ..one });
 }
 
-/// The innovations² in the forgiven parts, over their expectation, and words for them: those of one sensor, if all
-/// sensors together are as expected.
+/// Over their expectation, in the forgiven parts, with words: those of one sensor, if all together are as expected.
 fn level_of_innovations(case: &Case<'_>) -> (f64, String) {
     let level = case.nis(&case.forgiven).0;
     let distance = |level: f64| libm::log(level).abs();
@@ -348,8 +345,7 @@ fn level_of_innovations(case: &Case<'_>) -> (f64, String) {
     (level, format!("innovations²{whose} are {} times what the filter expects", short(level)))
 }
 
-/// The largest root mean square error of a channel in the forgiven parts, in standard deviations, and words for it; 0
-/// without a known truth.
+/// The largest root mean square error in the forgiven parts, in standard deviations, with words; 0 without a truth.
 fn largest_error(case: &Case<'_>) -> (f64, String) {
     let of = |one: &ChannelErrors| (one.level(&case.forgiven).sqrt(), one.channel.name());
     let known = case.errors.iter().map(of).filter(|(off, _)| !off.is_nan());

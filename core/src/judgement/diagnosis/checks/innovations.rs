@@ -139,8 +139,7 @@ fn whiteness(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
 /// Limits the innovations² of all sensors, relative to their expectation, up to which those of one sensor may decide.
 const ABOUT_RIGHT: f64 = 1.05;
 
-/// The verdict that a correlation supports. If innovations are smaller than expected and alternate, the filter trusts its sensors
-/// too little.
+/// If innovations are smaller than expected and alternate, the filter trusts its sensors too little.
 fn direction(case: &Case<'_>, one: &SensorInnovations, correlation: f64, own: f64) -> VerdictKind {
     let (level, _) = case.nis(&case.kept);
     let are_small = level < 1.0 || own < 1.0 && level < ABOUT_RIGHT;

@@ -20,7 +20,6 @@ pub struct Typed {
 }
 
 impl PartialEq for Typed {
-    /// Whether they are the same one: each equation is kept once.
     fn eq(&self, other: &Self) -> bool {
         std::ptr::eq(self, other)
     }

@@ -36,7 +36,6 @@ impl<T: Number> Descent<T> {
         Self { prior, at: zeros(n), first: [const { Vec::new() }; 3] }
     }
 
-    /// Begins the next step, at the result of the last.
     pub(super) fn linearise_again(&mut self, belief: &mut Belief<T>) {
         self.at.copy_from_slice(&belief.mean);
         belief.copy_from(&self.prior);
@@ -107,7 +106,6 @@ impl<T: Number> Update<T> {
         told
     }
 
-    /// Notes the update for the smoother.
     fn note(&mut self, design: &Design) {
         let Some(mut passage) = self.passage.take() else { return };
         let [innovation, innovation_cov, gain] = self.parts();
