@@ -129,7 +129,7 @@ fn each_fault_has_its_name() {
     let failed: Vec<String> = failed.collect();
     assert!(failed.is_empty(), "{} of {}:\n{}", failed.len(), FAULTS.len(), failed.join("\n"));
     let (table, _) = folder.succeeds(&["run", "known-parameter.toml"]);
-    assert!((crate::value(&table, "c ") - 0.3).abs() < 0.003 && !table.contains('∞'), "{table}");
+    assert!((crate::value(&table, "parameter c") - 0.3).abs() < 0.003 && !table.contains('∞'), "{table}");
 }
 
 /// A folder with all cases.

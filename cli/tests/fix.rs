@@ -21,7 +21,7 @@ fn verdict(table: &str) -> &str {
 fn the_repaired_scenario_runs_and_has_the_promised_verdict() {
     let folder = Folder::new();
     folder.file("wrong.toml", WRONG);
-    let (code, before, _) = folder.call(&["run", "wrong.toml"]);
+    let (code, before, _) = folder.call(&["run", "wrong.toml", "--verbose"]);
     assert_eq!((code, verdict(&before)), (0, "overconfident"), "{before}");
     let cause = before.lines().find(|line| line.starts_with("  cause 1: ")).unwrap();
     assert!(cause.contains("the gain of the input: ") && cause.contains("; and then R of a sensor: "), "{cause}");

@@ -36,7 +36,7 @@ fn records_come_through_pipes_and_are_read_once() {
 #[test]
 fn a_dash_is_standard_output_and_the_table_goes_beside() {
     let folder = Folder::of(SCENARIO);
-    let (out, error) = folder.succeeds(&["run", "scenario.toml", "--out", "-"]);
+    let (out, error) = folder.succeeds(&["run", "scenario.toml", "--verbose", "--out", "-"]);
     assert!(out.starts_with("filter,k,t,") && !out.contains("mean NIS") && error.contains("mean NIS"), "{out}{error}");
     assert_eq!(folder.names(), ["scenario.toml"]);
 }

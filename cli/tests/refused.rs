@@ -62,7 +62,7 @@ fn bad_records_are_refused_with_file_and_place() {
 fn failures_to_write_are_reported_after_everything_else_is_done() {
     let folder = Folder::of(SAMPLE);
     for option in ["--out", "--svg"] {
-        let arguments = ["run", "scenario.toml", option, "no such folder/file", "--record-out", "record.csv"];
+        let arguments = ["run", "scenario.toml", "-v", option, "no such folder/file", "--record-out", "record.csv"];
         let (table, error) = folder.fails(&arguments, 1);
         assert!(error.starts_with("error: no such folder/file: "), "{error}");
         assert!(table.contains("mean NIS") && folder.has("record.csv"));

@@ -15,7 +15,7 @@ const HEADER: &str = "filter,k,t,displacement,velocity,natural_frequency,damping
 #[test]
 fn the_sample_runs_and_prints_its_results() {
     let folder = Folder::of(SAMPLE);
-    let table = folder.quietly(&["run", "scenario.toml", "--out", "estimates.csv"]);
+    let table = folder.quietly(&["run", "scenario.toml", "--verbose", "--out", "estimates.csv"]);
     for part in
         ["6001 samples", "EKF with fading memory", "ωₙ", "rad/s", "±", "mean NIS", "χ²", "log likelihood", " ns"]
     {
@@ -112,7 +112,10 @@ fn verdicts_have_evidence_causes_and_an_exit_code() {
     let toml = "duration = 20.0\n[plant]\nnatural_frequency = 6.0\n[[filters]]\nname = \"wrong\"\nsensor_std = [0.05, 0.3]\n\
                 [[filters]]\nname = \"right\"\n";
     let folder = Folder::of(toml);
-    let table = folder.quietly(&["run", "scenario.toml"]);
+    let short = folder.quietly(&["run", "scenario.toml"]);
+    let most = short.split("\n\n").map(|part| part.lines().count()).max();
+    assert!(short.contains("  cause 1: ") && most <= Some(10), "{short}");
+    let table = folder.quietly(&["run", "scenario.toml", "--verbose"]);
     let (_, wrong) = table.split_once("\nwrong (EKF)\n").unwrap();
     let (wrong, right) = wrong.split_once("\nright (EKF)\n").unwrap();
     let mut lines = wrong.lines();

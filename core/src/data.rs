@@ -13,5 +13,4 @@ pub(crate) mod resample;
 pub mod scenario;
 pub mod setting;
 pub mod signal;
-pub(crate) mod sorting;
 pub(crate) mod task;

@@ -17,4 +17,5 @@ pub mod plant;
 pub(crate) mod quantity;
 pub(crate) mod random;
 pub(crate) mod runge_kutta;
+pub(crate) mod sorting;
 pub(crate) mod truncated_normal;

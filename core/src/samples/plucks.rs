@@ -1,6 +1,6 @@
 //! The times at which a motion begins anew.
 
-use crate::data::sorting::sort_numbers;
+use crate::mathematics::sorting::sort_numbers;
 use crate::{Channel, FilterSettings};
 
 /// Widens a belief of the motion where a plant is plucked: parameters and augmentations are what they were.

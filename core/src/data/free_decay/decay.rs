@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use thiserror::Error;
 
 use crate::data::even_steps::Steps;
-use crate::data::sorting::{sort_items, sort_numbers};
+use crate::mathematics::sorting::{sort_items, sort_numbers};
 use crate::record::LiveRecord;
 use crate::{Hold, InputKind, Quantity};
 

@@ -8,7 +8,7 @@ use super::unit::{Dimension, STANDARD_GRAVITY, unit};
 use super::{Column, ImportError, MappedColumn, Mapping, Table, Time, times};
 use crate::data::free_decay::Ring;
 use crate::data::record::input_name;
-use crate::data::sorting::sort_items;
+use crate::mathematics::sorting::sort_items;
 use crate::{InputKind, Quantity};
 
 /// Words in names of columns that are neither input nor motion of the oscillator.

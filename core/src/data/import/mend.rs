@@ -1,7 +1,7 @@
 //! Faults of a file's times that have one cure: a counter that turns over, rows that stand twice or in another order, first rows
 //! far from all others, a clock that is set back, parts that begin again.
 
-use crate::data::sorting::sorted_places;
+use crate::mathematics::sorting::sorted_places;
 use std::cmp::Ordering;
 
 use super::guess::{clocks, is_named_time, seldom_falls};

@@ -1,7 +1,7 @@
 //! Readings at their own times: those that a file gives them in place of even steps, and those of files in which columns have clocks
 //! (`t1, force, t2, displacement`) and of two files with a clock each.
 
-use crate::data::sorting::sort_items;
+use crate::mathematics::sorting::sort_items;
 
 use super::conditioning::mean;
 use super::error::FEWEST;

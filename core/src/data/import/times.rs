@@ -1,6 +1,6 @@
 //! The times of a file: those of a column, in seconds, and the even steps that they are close to.
 
-use crate::data::sorting::sort_items;
+use crate::mathematics::sorting::sort_items;
 use std::borrow::Cow;
 
 use super::error::{FEWEST, MOST};

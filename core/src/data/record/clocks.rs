@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use thiserror::Error;
 
-use crate::data::sorting::sort_numbers;
+use crate::mathematics::sorting::sort_numbers;
 use crate::{Hold, InputKind};
 
 /// Values with their times.

@@ -5,7 +5,7 @@ use super::trial::{Outcome, Trials};
 use super::verdict::Verdict;
 use super::verdict_kind::VerdictKind;
 use crate::data::setting::Edit;
-use crate::data::sorting::sort_items;
+use crate::mathematics::sorting::sort_items;
 
 /// A cause, or several one after the other, and the effect of making their edits.
 #[derive(Clone, Debug)]

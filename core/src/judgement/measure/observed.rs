@@ -191,7 +191,7 @@ impl Sums<'_> {
     }
 
     fn place(&self) -> Option<usize> {
-        self.channel?.place_in(&self.whole.channels)
+        self.channel?.place_in(self.whole.channels)
     }
 }
 

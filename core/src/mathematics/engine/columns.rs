@@ -47,11 +47,11 @@ pub(crate) fn mirror<T: Copy, L: Level>(level: L, a: &mut [T], n: usize) {
 }
 
 /// The numbers of a vector. Its types are few, so that the program has the sums below once for all callers.
-pub(crate) trait Vector<T> {
+pub(crate) trait Vector<T>: Copy {
     fn number(&self, place: usize) -> T;
 }
 
-impl<T, F: Fn(usize) -> T> Vector<T> for F {
+impl<T, F: Fn(usize) -> T + Copy> Vector<T> for F {
     #[inline(always)]
     fn number(&self, place: usize) -> T {
         self(place)
@@ -85,16 +85,16 @@ pub(super) fn combine<T: Number>(out: &mut [T], a: &[T], [rows, first]: [usize; 
     let mut done = 0;
     if const { T::LANES == 1 } {
         while done + 4 <= out.len() {
-            combine_rows::<T, 4>(&mut out[done..done + 4], a, [rows, first + done], k, &x);
+            combine_rows::<T, 4>(&mut out[done..done + 4], a, [rows, first + done], k, x);
             done += 4;
         }
     }
     while done + 2 <= out.len() {
-        combine_rows::<T, 2>(&mut out[done..done + 2], a, [rows, first + done], k, &x);
+        combine_rows::<T, 2>(&mut out[done..done + 2], a, [rows, first + done], k, x);
         done += 2;
     }
     if done < out.len() {
-        combine_rows::<T, 1>(&mut out[done..=done], a, [rows, first + done], k, &x);
+        combine_rows::<T, 1>(&mut out[done..=done], a, [rows, first + done], k, x);
     }
 }
 
@@ -104,7 +104,7 @@ fn combine_rows<T: Number, const R: usize>(
     a: &[T],
     [rows, first]: [usize; 2],
     k: usize,
-    x: &impl Vector<T>,
+    x: impl Vector<T>,
 ) {
     let mut sums = [x.number(0); R];
     for (l, column) in a.chunks_exact(rows).take(k).enumerate() {

@@ -7,7 +7,7 @@ use super::spectra::stride;
 use super::{Suggestion, augment, moments, motion_sensor, rounded};
 use crate::data::import::{MappedColumn, Offset};
 use crate::data::resample::finer;
-use crate::data::sorting::sort_items;
+use crate::mathematics::sorting::sort_items;
 use crate::{Channel, Hold, Record, Run, Scenario};
 
 /// A mean of the input counts as an offset if it is this many times its standard error.

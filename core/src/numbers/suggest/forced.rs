@@ -1,6 +1,6 @@
 //! An oscillator under the recorded input, fitted to the readings over time: of a record with few periods, spectra are too coarse.
 
-use crate::data::sorting::sort_items;
+use crate::mathematics::sorting::sort_items;
 use std::f64::consts::TAU;
 
 use super::moments;

@@ -4,9 +4,9 @@
 use super::likeliest::{Likeliest, first_alone, likelihood_over};
 use super::response::{Decay, Response, order};
 use super::{Suggestion, augment, begin_with, moments, rounded, set_share};
-use crate::data::sorting::sort_items;
 use crate::mathematics::channel::{Role, Sign};
 use crate::mathematics::equation::Equation;
+use crate::mathematics::sorting::sort_items;
 use crate::{Aspect, Channel, FilterKind, FilterSettings, InputKind, PlantKind, Quantity, Record, Run, Scenario};
 
 /// The spread that a filter of a free decay begins with, in standard deviations of the fit.

@@ -5,8 +5,8 @@ use std::f64::consts::{PI, TAU};
 use crate::Record;
 use crate::data::import::Mapping;
 use crate::data::record::Timed;
-use crate::data::sorting::sort_numbers;
 use crate::mathematics::fourier::Transform;
+use crate::mathematics::sorting::sort_numbers;
 
 /// Limits the length of a window for a noise floor.
 pub(super) const SHORT: usize = 256;
