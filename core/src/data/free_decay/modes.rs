@@ -22,8 +22,9 @@ pub struct Mode {
 /// Damping ratios that descents begin with.
 const DAMPING: [f64; 3] = [0.01, 0.04, 0.12];
 const TRIES: usize = 60;
-/// Another mode must gain this much log likelihood for each of its numbers, in units of the logarithm of the readings' number.
-const GAIN: f64 = 2.0;
+/// Another mode must gain this much log likelihood for each of its numbers, in units of the logarithm of the readings' number: a stricter
+/// limit leaves out modes that move the others by more than their bands. Source: Schwarz (1978), Estimating the dimension of a model.
+const GAIN: f64 = 0.5;
 /// The beginning is no free decay while its half swing leaves this many times the mean square of the rest; and the most half swings that
 /// are left out.
 const FORCED: f64 = 2.0;
