@@ -6,7 +6,7 @@ use super::Decay;
 use crate::mathematics::fourier::powers;
 use crate::mathematics::least_squares::{NormalEquations, descend};
 
-/// A mode of a free decay.
+/// A mode of a free decay, or of a sweep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mode {
     /// The natural frequency \[Hz\].
@@ -15,7 +15,7 @@ pub struct Mode {
     pub damping_ratio: f64,
     /// The standard deviations of both.
     pub std: [f64; 2],
-    /// Its amplitude at the first reading \[m/s²\].
+    /// Its amplitude at the first reading \[m/s²\]; of a sweep its share, for each Hz of the drive.
     pub amplitude: f64,
 }
 
