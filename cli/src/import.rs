@@ -25,7 +25,7 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
     let (mut table, mut hash) = columns_of(file)?;
     let mut file = file;
     let sweep = ThreeAxes::of(&table).and_then(|axes| Sweep::of(&axes.readings(&table)));
-    if let (Some(sweep), None) = (&sweep, input) {
+    if let (Some(sweep), None) = (&sweep, &args.input) {
         let [[low, high], [begin, end]] = [sweep.range, sweep.part];
         say(&format_args!(
             "a sweep: {low:.1} Hz to {high:.1} Hz from {begin:.2} s to {end:.2} s; the force that drives it is in no column"
