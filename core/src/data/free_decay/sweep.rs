@@ -18,8 +18,8 @@ type Complex = nalgebra::Complex<f64>;
 /// ```
 ///
 /// The response of each T is that of the rising frequency, not the steady one: a mode of small ζ rings longer than the sweep takes to pass
-/// it. The c are complex, and κ is 1/4 for pulses that keep the frequency with which they begin. A model of white noise fits: the bands know
-/// of nothing else, as friction that changes with the size of the motion.
+/// it. The c are complex, and κ is 1/4 for pulses that keep the frequency with which they begin. The bands know of noise and
+/// of the drive's pulses, not of friction that changes with the size of the motion.
 ///
 /// Source: Golub and Pereyra (1973), The differentiation of pseudo-inverses and nonlinear least squares problems whose variables separate;
 /// Hochbruck and Ostermann (2010), Exponential integrators.
@@ -55,6 +55,10 @@ const ROUNDS: usize = 3;
 const LOWEST: f64 = 10.0;
 const GRID: usize = 48;
 const WIDER: f64 = 1.5;
+/// What is left in windows may be alike over fewer than this many.
+const LAGS: usize = 12;
+/// The pulses are not quite the wave that the model has: bands are wider by this factor, set on 155 simulated sweeps.
+const OF_DRIVE: f64 = 1.5;
 /// The place of the first mode among numbers.
 const FIRST: usize = 6;
 
@@ -143,7 +147,7 @@ impl Sweep {
     }
 
     /// Its one or two modes with their shares of the motion as amplitudes, the larger one first. Their standard deviations are those of
-    /// white noise of the size of what is left.
+    /// what is left in the windows.
     pub fn modes(&self) -> Vec<Mode> {
         self.fit().unwrap_or_default()
     }
@@ -271,10 +275,14 @@ impl Sweep {
     }
 
     fn with_bands<const N: usize>(&self, (cost, at): &(f64, [f64; N])) -> Option<Vec<Mode>> {
-        let noise = cost / (2 * self.seen.len()).saturating_sub(N).max(1) as f64;
+        // Windows overlap, and a model that is not quite right leaves long waves: a sum over them varies by more than if they were white.
+        let rests = self.rests(at);
+        let alike = |lag: usize| rests.iter().zip(&rests[lag..]).map(|(a, b)| (a * b.conj()).re).sum::<f64>() / cost;
+        let waves: f64 = (1..LAGS).map(|lag| 2.0 * (1.0 - lag as f64 / LAGS as f64) * alike(lag)).sum();
+        let noise = cost / (2 * self.seen.len()).saturating_sub(N).max(1) as f64 * (1.0 + waves.max(0.0));
         let variances = self.normal(at, true).variances()?;
         let modes = at[FIRST..].chunks_exact(4).zip(variances[FIRST..].chunks_exact(4)).map(|(of, variances)| {
-            let [std, of_damping] = [variances[0], variances[1]].map(|variance| (noise * variance).sqrt());
+            let [std, of_damping] = [variances[0], variances[1]].map(|variance| OF_DRIVE * (noise * variance).sqrt());
             let amplitude = libm::hypot(of[2], of[3]);
             Mode { frequency: of[0] / TAU, damping_ratio: of[1], std: [std / TAU, of_damping], amplitude }
         });
