@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use kalmanscope_core::free_decay::{Decay, Mode, Ring};
+use kalmanscope_core::free_decay::{Decay, Mode, Ring, Sweep};
 use kalmanscope_core::import::{
     self, Builder, ColumnGuess, ImportError, MappedColumn, Mapping, Table, ThreeAxes, Time, join,
 };
@@ -24,6 +24,22 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
     let progress = Progress::wait(false, "reading");
     let (mut table, mut hash) = columns_of(file)?;
     let mut file = file;
+    let sweep = ThreeAxes::of(&table).and_then(|axes| Sweep::of(&axes.readings(&table)));
+    if let (Some(sweep), None) = (&sweep, &args.input) {
+        let [[low, high], [begin, end]] = [sweep.range, sweep.part];
+        say(&format_args!(
+            "a sweep: {low:.1} Hz to {high:.1} Hz from {begin:.2} s to {end:.2} s; the force that drives it is in no column"
+        ));
+        if decay.is_none() {
+            say(&"filters would take that force for white: `--decay` gives f and ζ of a sweep instead");
+        }
+    }
+    if let (Some(sweep), Some(_)) = (&sweep, decay) {
+        drop(progress);
+        say_modes(&sweep.modes(), "");
+        say(&"it has no free decay: nothing is written");
+        return Ok(());
+    }
     if let Some(decay) = decay {
         (table, hash) = free_decay(&table, file, decay)?;
         file = decay;
@@ -92,21 +108,26 @@ fn free_decay(table: &Table, file: &Path, to: &Path) -> Result<(Table, String), 
             ));
         }
         let modes = Decay::modes_of(decays);
-        for (place, mode) in modes.iter().enumerate() {
-            let Mode { frequency, damping_ratio, std: [of_frequency, of_damping], .. } = mode;
-            let which = if place > 0 { "beside it, taken out of the file: " } else { "" };
-            say(&format_args!(
-                "{which}f {frequency:.3} ± {:.3} Hz, ζ {damping_ratio:.4} ± {:.4} (2σ), fitted to all its readings",
-                2.0 * of_frequency,
-                2.0 * of_damping
-            ));
-        }
+        say_modes(&modes, ", taken out of the file");
         if modes.is_empty() {
-            say(&"one or two modes leave more than noise: a force may still move it, as in a sweep");
+            say(&"one or two modes leave more than noise: a force may still move it");
         }
     }
     let decays: Vec<Decay> = groups.into_iter().next().iter().flatten().map(Decay::alone).collect();
     written(Decay::file(&decays), to)
+}
+
+/// Says f and ζ of modes, and what becomes of the second one.
+fn say_modes(modes: &[Mode], second: &str) {
+    for (place, mode) in modes.iter().enumerate() {
+        let Mode { frequency, damping_ratio, std: [of_frequency, of_damping], .. } = mode;
+        let which = if place > 0 { format!("beside it{second}: ") } else { String::new() };
+        say(&format_args!(
+            "{which}f {frequency:.3} ± {:.3} Hz, ζ {damping_ratio:.4} ± {:.4} (2σ), fitted to all its readings",
+            2.0 * of_frequency,
+            2.0 * of_damping
+        ));
+    }
 }
 
 /// Writes a file. Returns its columns and its hash.

@@ -123,11 +123,13 @@ fn a_plant_or_a_filter_of_ones_own_with_a_key_of_the_registry_is_refused() {
 /// Seeds that nothing was chosen by.
 #[test]
 fn frequency_and_damping_of_a_printer_are_inside_their_bands() {
-    for kind in [printer::Kind::One, printer::Kind::Two, printer::Kind::Stops] {
-        let (found, [f, zeta]) = printer::study(kind, 20_001..20_061);
+    use printer::Kind::{One, Stops, Sweep, Two};
+    for (kind, count) in [(One, 60), (Two, 60), (Stops, 60), (Sweep, 6)] {
+        let (found, [f, zeta]) = printer::study(kind, 20_001..20_001 + count);
         println!("{kind:?}: {found}, {f:.2?}, {zeta:.2?}");
-        assert!(found >= 57, "{kind:?}: {found} of 60");
+        assert!(found as f64 >= 0.95 * count as f64, "{kind:?}: {found} of {count}");
         assert!(f[0].abs() < 1.0 && zeta[0].abs() < 3.0, "{kind:?}: {f:?}, {zeta:?}");
-        assert!(f[2] >= 83.0 && zeta[2] >= 83.0, "{kind:?}: {f:?}, {zeta:?}");
+        // The bands of a sweep are too narrow: docs/printers.md gives how often they hold.
+        assert!(kind == Sweep || f[2] >= 83.0 && zeta[2] >= 83.0, "{kind:?}: {f:?}, {zeta:?}");
     }
 }

@@ -274,16 +274,16 @@ fn seconds(readings: &[[f64; 4]]) -> f64 {
 }
 
 /// Readings along the axis on which they vary most.
-struct Along {
+pub(super) struct Along {
     axis: [f64; 3],
-    times: Vec<f64>,
+    pub(super) times: Vec<f64>,
     /// The mean that is taken away.
     gravity: f64,
-    along: Vec<f64>,
+    pub(super) along: Vec<f64>,
 }
 
 impl Along {
-    fn of(readings: &[[f64; 4]]) -> Self {
+    pub(super) fn of(readings: &[[f64; 4]]) -> Self {
         let axis = main_axis(readings);
         let times = readings.iter().map(|reading| reading[0]).collect();
         let along: Vec<f64> = readings.iter().map(|reading| (0..3).map(|i| axis[i] * reading[i + 1]).sum()).collect();

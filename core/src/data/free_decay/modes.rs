@@ -6,7 +6,7 @@ use super::Decay;
 use crate::mathematics::fourier::powers;
 use crate::mathematics::least_squares::{NormalEquations, descend};
 
-/// A mode of a free decay.
+/// A mode of a free decay, or of a sweep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mode {
     /// The natural frequency \[Hz\].
@@ -15,15 +15,16 @@ pub struct Mode {
     pub damping_ratio: f64,
     /// The standard deviations of both.
     pub std: [f64; 2],
-    /// Its amplitude at the first reading \[m/s²\].
+    /// Its amplitude at the first reading \[m/s²\]; of a sweep its share, for each Hz of the drive.
     pub amplitude: f64,
 }
 
 /// Damping ratios that descents begin with.
 const DAMPING: [f64; 3] = [0.01, 0.04, 0.12];
 const TRIES: usize = 60;
-/// Another mode must gain this much log likelihood for each of its numbers, in units of the logarithm of the readings' number.
-const GAIN: f64 = 2.0;
+/// Another mode must gain this much log likelihood for each of its numbers, in units of the logarithm of the readings' number: a stricter
+/// limit leaves out modes that move the others by more than their bands. Source: Schwarz (1978), Estimating the dimension of a model.
+const GAIN: f64 = 0.5;
 /// The beginning is no free decay while its half swing leaves this many times the mean square of the rest; and the most half swings that
 /// are left out.
 const FORCED: f64 = 2.0;

@@ -1,0 +1,367 @@
+//! The modes of a printer's head in a slow sweep whose force is in no column, as Klipper's test of resonances makes it.
+
+use std::f64::consts::{PI, TAU};
+
+use super::Mode;
+use super::decay::Along;
+use super::modes::highest;
+use crate::data::sorting::sort_numbers;
+use crate::mathematics::least_squares::{NormalEquations, descend};
+
+type Complex = nalgebra::Complex<f64>;
+
+/// A sweep: the commanded acceleration grows with its frequency, which runs up along a line. Its fundamental wave u drives the head:
+///
+/// ```text
+/// u = f exp(iφ),  f = f₀ + r t,  φ = 2π (f₀ t + r t²/2 - κ ln f/f₀)
+/// y = c₀ u + Σ cₖ Tₖ u,  Tₖ = (2ζωₙ s + ωₙ²) / (s² + 2ζωₙ s + ωₙ²)
+/// ```
+///
+/// The response of each T is that of the rising frequency, not the steady one: a mode of small ζ rings longer than the sweep takes to pass
+/// it. The c are complex, and κ is 1/4 for pulses that keep the frequency with which they begin. The bands know of noise and
+/// of the drive's pulses, not of friction that changes with the size of the motion.
+///
+/// Source: Golub and Pereyra (1973), The differentiation of pseudo-inverses and nonlinear least squares problems whose variables separate;
+/// Hochbruck and Ostermann (2010), Exponential integrators.
+#[derive(Clone, Debug)]
+pub struct Sweep {
+    /// The frequencies at its beginning and its end \[Hz\].
+    pub range: [f64; 2],
+    /// The times of both \[s\].
+    pub part: [f64; 2],
+    /// f₀, r and κ.
+    law: [f64; 3],
+    /// The motion at the frequency of the sweep, in windows [`HOP`] apart.
+    seen: Vec<Complex>,
+}
+
+/// The length of a window, the time between two, and between the values of a model \[s\].
+const WINDOW: f64 = 0.5;
+const HOP: f64 = 0.25;
+const STEP: f64 = 0.025;
+/// Steps have this many parts where the pole is nearer than this many radians a step.
+const PARTS: usize = 4;
+const CLOSE: f64 = 2.0;
+/// A window is in the sweep up to this distance from its line \[Hz\]; of those in its part, at least this share.
+const NEAR: f64 = 1.5;
+const LINED: f64 = 0.6;
+/// Limits from below the windows of a sweep, and the last frequency over the first one.
+const FEWEST: usize = 40;
+const RISE: f64 = 2.0;
+const DAMPING: [f64; 3] = [0.01, 0.04, 0.12];
+const TRIES: usize = 30;
+const ROUNDS: usize = 3;
+/// Limits the frequencies from which modes are looked for \[Hz\], in this number of steps up to this factor above the sweep.
+const LOWEST: f64 = 10.0;
+const GRID: usize = 48;
+const WIDER: f64 = 1.5;
+/// What is left in windows may be alike over fewer than this many.
+const LAGS: usize = 12;
+/// The pulses are not quite the wave that the model has: bands are wider by this factor, set on 155 simulated sweeps.
+const OF_DRIVE: f64 = 1.5;
+/// The place of the first mode among numbers.
+const FIRST: usize = 6;
+
+/// ωₙ and ζ with the motion of this mode.
+type Start = ([f64; 2], Vec<Complex>);
+/// The share of a number by which it is moved for a difference.
+const SMALL: f64 = 1e-6;
+
+impl Sweep {
+    /// The sweep in readings of time \[s\] and three accelerations \[m/s²\]. `None` where no line runs up through the frequencies.
+    pub fn of(readings: &[[f64; 4]]) -> Option<Self> {
+        let Along { times, along, .. } = Along::of(readings);
+        let readings: Vec<[f64; 2]> = times.iter().zip(&along).map(|(time, x)| [*time, *x]).collect();
+        let (begin, end) = (readings.first()?[0], readings.last()?[0]);
+        let strongest = |k: usize| {
+            let window = within(&readings, begin + WINDOW * k as f64);
+            let values: Vec<f64> = window.iter().map(|reading| reading[1]).collect();
+            Some([begin + WINDOW * (k as f64 + 0.5), highest(window, &values, |_| true)? / TAU])
+        };
+        let points: Vec<[f64; 2]> = (0..((end - begin) / WINDOW) as usize).filter_map(strongest).collect();
+        let slope = |a: &[f64; 2], b: &[f64; 2]| (b[1] - a[1]) / (b[0] - a[0]);
+        let slopes = points.iter().enumerate().flat_map(|(k, a)| points[k + 1..].iter().map(move |b| slope(a, b)));
+        let rate = median(slopes.collect())?;
+        let offset = median(points.iter().map(|[time, frequency]| frequency - rate * time).collect())?;
+        let is_near = |[time, frequency]: &[f64; 2]| (frequency - offset - rate * time).abs() < NEAR;
+        let (first, last) = (points.iter().position(is_near)?, points.iter().rposition(is_near)?);
+        let near = points[first..=last].iter().filter(|point| is_near(point)).count();
+        let part = [points[first][0], points[last][0]];
+        let range = part.map(|time| offset + rate * time);
+        if near < FEWEST
+            || (near as f64) < LINED * (last - first) as f64
+            || range[0] <= 0.0
+            || range[1] < RISE * range[0]
+        {
+            return None;
+        }
+        let mut sweep = Self { range, part, law: [range[0], rate, 0.25], seen: Vec::new() };
+        for _ in 0..ROUNDS {
+            sweep.look(&readings);
+            sweep.straighten()?;
+        }
+        sweep.look(&readings);
+        Some(sweep)
+    }
+
+    fn frequency(&self, time: f64) -> f64 {
+        self.law[0] + self.law[1] * time
+    }
+
+    /// φ.
+    fn phase(&self, time: f64) -> f64 {
+        let [f, rate, share] = self.law;
+        TAU * (time * (f + 0.5 * rate * time) - share * libm::log(self.frequency(time) / f))
+    }
+
+    /// The times of the windows after the beginning \[s\].
+    fn times(&self) -> impl Iterator<Item = f64> + use<> {
+        let count = ((self.part[1] - self.part[0] - WINDOW) / HOP) as usize;
+        (0..count).map(|k| 0.5 * WINDOW + HOP * k as f64)
+    }
+
+    /// The amplitudes in windows of what turns with φ.
+    fn look(&mut self, readings: &[[f64; 2]]) {
+        let amplitude = |time: f64| {
+            let readings = within(readings, self.part[0] + time - 0.5 * WINDOW).iter();
+            let turned =
+                |[at, x]: &[f64; 2]| (at - self.part[0] - time, turn(-self.phase(at - self.part[0])) * (2.0 * x));
+            weighted(readings.map(turned))
+        };
+        self.seen = self.times().map(amplitude).collect();
+    }
+
+    /// Takes the parabola through the phases that are left out of them, by the law.
+    fn straighten(&mut self) -> Option<()> {
+        let (mut equations, mut before, mut phase) = (NormalEquations::<3>::new(), Complex::ONE, 0.0);
+        for (time, seen) in self.times().zip(&self.seen) {
+            let turned = seen * before.conj();
+            phase += libm::atan2(turned.im, turned.re);
+            before = *seen;
+            equations.add([1.0, TAU * time, PI * time * time], phase, 1.0);
+        }
+        let [_, frequency, rate] = equations.solution()?;
+        self.law[0] += frequency;
+        self.law[1] += rate;
+        Some(())
+    }
+
+    /// Its one or two modes with their shares of the motion as amplitudes, the larger one first. Their standard deviations are those of
+    /// what is left in the windows.
+    pub fn modes(&self) -> Vec<Mode> {
+        self.fit().unwrap_or_default()
+    }
+
+    fn fit(&self) -> Option<Vec<Mode>> {
+        let count = 2.0 * self.seen.len() as f64;
+        let sizes = self
+            .times()
+            .map(|time| self.frequency(time))
+            .zip(&self.seen)
+            .map(|(f, seen)| (f, seen.norm_sqr() / (f * f)));
+        let (peak, _) = sizes.max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let ratio = WIDER * self.range[1] / LOWEST;
+        let grid = (0..GRID).map(|k| LOWEST * libm::pow(ratio, k as f64 / GRID as f64));
+        let start = |of: [f64; 2]| {
+            let mut numbers = [0.0; FIRST + 4];
+            numbers[FIRST..FIRST + 2].copy_from_slice(&of);
+            (of, self.column(&numbers, FIRST + 2))
+        };
+        let starts: Vec<Start> = grid.chain([peak]).flat_map(|f| DAMPING.map(|zeta| start([TAU * f, zeta]))).collect();
+        let one = self.descend(self.likeliest::<10, 1>(starts.iter().map(|one| [one]))?);
+        let first = start([one.1[FIRST], one.1[FIRST + 1]]);
+        let pairs = starts.iter().enumerate().flat_map(|(k, one)| starts[..k].iter().map(move |two| [one, two]));
+        let beside = starts.iter().map(|two| [&first, two]);
+        let both = [self.likeliest::<14, 2>(pairs)?, self.likeliest::<14, 2>(beside)?].map(|start| self.descend(start));
+        let two = both.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let is_two = 0.5 * count * libm::log(one.0 / two.0) > 2.0 * libm::log(count);
+        let mut modes = if is_two { self.with_bands(&two)? } else { self.with_bands(&one)? };
+        modes.sort_by(|a, b| b.amplitude.total_cmp(&a.amplitude));
+        Some(modes)
+    }
+
+    /// The motion by a c of one, beside numbers whose c are zero.
+    fn column(&self, numbers: &[f64], place: usize) -> Vec<Complex> {
+        let mut one = numbers.to_vec();
+        one[place] = 1.0;
+        self.seen.iter().zip(self.rests(&one)).map(|(seen, rest)| seen - rest).collect()
+    }
+
+    /// The c of up to three columns that leave least, and what they leave.
+    fn shares(&self, columns: [&[Complex]; 3]) -> Option<([f64; 6], f64)> {
+        let at = |k: usize| columns.map(|column| column.get(k).copied().unwrap_or_default());
+        let mut equations = NormalEquations::<6>::new();
+        for (k, seen) in self.seen.iter().enumerate() {
+            let [a, b, c] = at(k);
+            equations.add([a.re, -a.im, b.re, -b.im, c.re, -c.im], seen.re, 1.0);
+            equations.add([a.im, a.re, b.im, b.re, c.im, c.re], seen.im, 1.0);
+        }
+        let shares = equations.damped(0.0, 1e-12).solution()?;
+        let rest = |(k, seen): (usize, &Complex)| {
+            let motion = at(k).into_iter().zip(shares.chunks_exact(2)).map(|(x, c)| x * Complex::new(c[0], c[1]));
+            (seen - motion.sum::<Complex>()).norm_sqr()
+        };
+        Some((shares, self.seen.iter().enumerate().map(rest).sum()))
+    }
+
+    /// The numbers of those modes that leave least.
+    fn likeliest<'a, const N: usize, const M: usize>(
+        &self,
+        all: impl Iterator<Item = [&'a Start; M]>,
+    ) -> Option<[f64; N]> {
+        let force = self.column(&[0.0; FIRST], FIRST - 2);
+        let cost = |of: [&'a Start; M]| {
+            let columns =
+                std::array::from_fn(|i| if i == 0 { &force[..] } else { of.get(i - 1).map_or(&[][..], |of| &of.1) });
+            Some((self.shares(columns)?.1, of))
+        };
+        let (_, of) = all.filter_map(cost).min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let mut numbers = [0.0; N];
+        of.iter()
+            .zip(numbers[FIRST..].chunks_exact_mut(4))
+            .for_each(|(of, numbers)| numbers[..2].copy_from_slice(&of.0));
+        self.tuned(numbers)
+    }
+
+    /// Numbers with the c that leave least: steps that move both are stuck in narrow valleys.
+    fn tuned<const N: usize>(&self, mut at: [f64; N]) -> Option<[f64; N]> {
+        let places = || (FIRST - 2..N).step_by(4);
+        places().for_each(|place| at[place..place + 2].fill(0.0));
+        let columns: Vec<Vec<Complex>> = places().map(|place| self.column(&at, place)).collect();
+        let (shares, _) = self.shares(std::array::from_fn(|i| columns.get(i).map_or(&[][..], Vec::as_slice)))?;
+        places().zip(shares.chunks_exact(2)).for_each(|(place, share)| at[place..place + 2].copy_from_slice(share));
+        Some(at)
+    }
+
+    fn cost(&self, at: &[f64]) -> f64 {
+        self.rests(at).iter().map(Complex::norm_sqr).sum()
+    }
+
+    fn descend<const N: usize>(&self, start: [f64; N]) -> (f64, [f64; N]) {
+        let step = |at: &[f64; N], by: [f64; N]| {
+            let mut next: [f64; N] = std::array::from_fn(|i| at[i] + by[i]);
+            for place in (FIRST..N).step_by(4) {
+                let highest = 2.0 * TAU * self.range[1];
+                next[place] = next[place].clamp(0.9 * at[place], (1.1 * at[place]).min(highest));
+                next[place + 1] = next[place + 1].clamp(0.3 * at[place + 1], (3.0 * at[place + 1]).min(0.5)).max(1e-4);
+            }
+            self.tuned(next)
+        };
+        let descend = |start, is_free| {
+            let equations = |at: &[f64; N], (): &()| self.normal(at, is_free);
+            descend(start, (TRIES, 1e-12), |cost| 1e-9 * cost, |at| (self.cost(at), ()), equations, step)
+        };
+        // What is small of the law only helps near the end.
+        descend(descend(start, false).1, true)
+    }
+
+    /// By differences.
+    fn normal<const N: usize>(&self, at: &[f64; N], is_free: bool) -> NormalEquations<N> {
+        let rests = self.rests(at);
+        let by: [Vec<Complex>; N] = std::array::from_fn(|i| {
+            if !is_free && (2..4).contains(&i) {
+                return vec![Complex::ZERO; rests.len()];
+            }
+            let (mut moved, step) = (*at, SMALL * at[i].abs().max(1e-3));
+            moved[i] += step;
+            rests.iter().zip(self.rests(&moved)).map(|(rest, moved)| (rest - moved) / step).collect()
+        });
+        let mut equations = NormalEquations::new();
+        for (k, rest) in rests.iter().enumerate() {
+            equations.add(std::array::from_fn(|i| by[i][k].re), rest.re, 1.0);
+            equations.add(std::array::from_fn(|i| by[i][k].im), rest.im, 1.0);
+        }
+        equations
+    }
+
+    fn with_bands<const N: usize>(&self, (cost, at): &(f64, [f64; N])) -> Option<Vec<Mode>> {
+        // Windows overlap, and a model that is not quite right leaves long waves: a sum over them varies by more than if they were white.
+        let rests = self.rests(at);
+        let alike = |lag: usize| rests.iter().zip(&rests[lag..]).map(|(a, b)| (a * b.conj()).re).sum::<f64>() / cost;
+        let waves: f64 = (1..LAGS).map(|lag| 2.0 * (1.0 - lag as f64 / LAGS as f64) * alike(lag)).sum();
+        let noise = cost / (2 * self.seen.len()).saturating_sub(N).max(1) as f64 * (1.0 + waves.max(0.0));
+        let variances = self.normal(at, true).variances()?;
+        let modes = at[FIRST..].chunks_exact(4).zip(variances[FIRST..].chunks_exact(4)).map(|(of, variances)| {
+            let [std, of_damping] = [variances[0], variances[1]].map(|variance| OF_DRIVE * (noise * variance).sqrt());
+            let amplitude = libm::hypot(of[2], of[3]);
+            Mode { frequency: of[0] / TAU, damping_ratio: of[1], std: [std / TAU, of_damping], amplitude }
+        });
+        Some(modes.collect())
+    }
+
+    /// What is left in the windows by numbers: those of φ, of c₀, and of each mode.
+    fn rests(&self, numbers: &[f64]) -> Vec<Complex> {
+        let [shift, bend, log, late, re, im] = numbers[..FIRST] else { return Vec::new() };
+        let count = ((self.part[1] - self.part[0]) / STEP) as usize + 1;
+        let frequency = |k: usize| {
+            let line = self.frequency(STEP * k as f64) + shift + bend * STEP * k as f64;
+            line - (self.law[2] + log) * self.law[1] / line
+        };
+        let law: Vec<f64> = (0..count).map(frequency).collect();
+        let mut motion: Vec<Complex> = law.iter().map(|f| Complex::new(re, im) * *f).collect();
+        for of in numbers[FIRST..].chunks_exact(4).filter(|of| of[2..] != [0.0; 2]) {
+            let (wn, zeta, c) = (of[0], of[1], Complex::new(of[2], of[3]));
+            let pole = Complex::new(-zeta, (1.0 - zeta * zeta).sqrt()) * wn;
+            for pole in [pole, pole.conj()] {
+                let share = c * (pole * (2.0 * zeta * wn) + wn * wn) / Complex::new(0.0, 2.0 * pole.im);
+                respond(&law, pole, |k, response| motion[k] += share * response);
+            }
+        }
+        for (k, value) in motion.iter_mut().enumerate() {
+            let time = STEP * k as f64;
+            let phase = time * (shift + 0.5 * bend * time) - log * libm::log(self.frequency(time) / self.law[0]);
+            *value *= turn(TAU * phase + late / (law[k] * law[k]));
+        }
+        let side = (0.5 * WINDOW / STEP) as usize;
+        let rest = |(time, seen): (f64, &Complex)| {
+            let first = ((time / STEP + 0.5) as usize).saturating_sub(side);
+            let motion = motion.iter().enumerate().skip(first).take(2 * side + 1);
+            seen - weighted(motion.map(|(k, value)| (STEP * k as f64 - time, *value)))
+        };
+        self.times().zip(&self.seen).map(rest).collect()
+    }
+}
+
+/// The response of `q' = p q + u` beside φ at each step, from where it is steady: it follows the steady one, exactly where that
+/// is linear over a step.
+fn respond(law: &[f64], pole: Complex, mut each: impl FnMut(usize, Complex)) {
+    let steady = |f: f64| Complex::from(f) / Complex::new(-pole.re, TAU * f - pole.im);
+    let (mut off, mut before) = (Complex::ZERO, steady(law[0]));
+    each(0, before);
+    for (k, pair) in law.windows(2).enumerate() {
+        // Near the pole, the steady one turns fast.
+        let parts = if ((TAU * pair[0] - pole.im) * STEP).abs() < CLOSE { PARTS } else { 1 };
+        let part = (pair[1] - pair[0]) / parts as f64;
+        for n in 0..parts {
+            let z = Complex::new(pole.re, pole.im - TAU * (pair[0] + part * (n as f64 + 0.5))) * (STEP / parts as f64);
+            let (kept, next) = (turn(z.im) * libm::exp(z.re), steady(pair[0] + part * (n + 1) as f64));
+            off = kept * off - (kept - 1.0) / z * (next - before);
+            before = next;
+        }
+        each(k + 1, before + off);
+    }
+}
+
+/// The readings in a window from a time on.
+fn within(readings: &[[f64; 2]], from: f64) -> &[[f64; 2]] {
+    let place = |time: f64| readings.partition_point(|reading| reading[0] < time);
+    &readings[place(from)..place(from + WINDOW)]
+}
+
+/// The mean of values at times from the middle of a window, under cos⁴: harmonics, and what turns backward, leave next to nothing in it.
+fn weighted(values: impl Iterator<Item = (f64, Complex)>) -> Complex {
+    let weight = |time: f64| libm::cos(PI * time.clamp(-0.5 * WINDOW, 0.5 * WINDOW) / WINDOW).powi(4);
+    let add = |(sum, weights), (time, value)| (sum + value * weight(time), weights + weight(time));
+    let (sum, weights) = values.fold((Complex::ZERO, 0.0), add);
+    sum / weights
+}
+
+fn median(mut numbers: Vec<f64>) -> Option<f64> {
+    sort_numbers(&mut numbers);
+    numbers.get(numbers.len() / 2).copied()
+}
+
+fn turn(phase: f64) -> Complex {
+    let (sin, cos) = libm::sincos(phase);
+    Complex::new(cos, sin)
+}
