@@ -77,7 +77,7 @@ pub(super) fn models_ui(ui: &mut Ui, context: &ViewContext<'_>, estimates: &Esti
     let Some(attempt) = attempt.filter(|attempt| !attempt.remedies.is_empty()) else { return };
     ui.add_space(4.0);
     heading_ui(ui, "Innovations are as they should be, and yet another model is likelier");
-    for remedy in attempt.remedies.iter() {
+    for remedy in &attempt.remedies {
         finding_ui(ui, context, (attempt, remedy, None), estimates.name(), requests);
     }
 }

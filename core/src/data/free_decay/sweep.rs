@@ -5,8 +5,8 @@ use std::f64::consts::{PI, TAU};
 use super::Mode;
 use super::decay::Along;
 use super::modes::highest;
-use crate::data::sorting::sort_numbers;
 use crate::mathematics::least_squares::{NormalEquations, descend};
+use crate::mathematics::sorting::sort_numbers;
 
 type Complex = nalgebra::Complex<f64>;
 
