@@ -62,6 +62,8 @@ const OF_DRIVE: f64 = 1.5;
 /// The place of the first mode among numbers.
 const FIRST: usize = 6;
 
+/// Those of φ and of c₀, and ωₙ, ζ and c of each mode; a second mode may be none.
+type Numbers = [f64; FIRST + 8];
 /// ωₙ and ζ with the motion of this mode.
 type Start = ([f64; 2], Vec<Complex>);
 /// The share of a number by which it is moved for a difference.
@@ -73,26 +75,27 @@ impl Sweep {
         let Along { times, along, .. } = Along::of(readings);
         let readings: Vec<[f64; 2]> = times.iter().zip(&along).map(|(time, x)| [*time, *x]).collect();
         let (begin, end) = (readings.first()?[0], readings.last()?[0]);
-        let strongest = |k: usize| {
+        let (mut points, mut slopes) = (Vec::<[f64; 2]>::new(), Vec::new());
+        for k in 0..((end - begin) / WINDOW) as usize {
             let window = within(&readings, begin + WINDOW * k as f64);
             let values: Vec<f64> = window.iter().map(|reading| reading[1]).collect();
-            Some([begin + WINDOW * (k as f64 + 0.5), highest(window, &values, |_| true)? / TAU])
-        };
-        let points: Vec<[f64; 2]> = (0..((end - begin) / WINDOW) as usize).filter_map(strongest).collect();
-        let slope = |a: &[f64; 2], b: &[f64; 2]| (b[1] - a[1]) / (b[0] - a[0]);
-        let slopes = points.iter().enumerate().flat_map(|(k, a)| points[k + 1..].iter().map(move |b| slope(a, b)));
-        let rate = median(slopes.collect())?;
+            if let Some(turn) = highest(window, &values, |_| true) {
+                let point = [begin + WINDOW * (k as f64 + 0.5), turn / TAU];
+                for before in &points {
+                    slopes.push((point[1] - before[1]) / (point[0] - before[0]));
+                }
+                points.push(point);
+            }
+        }
+        let rate = median(slopes)?;
         let offset = median(points.iter().map(|[time, frequency]| frequency - rate * time).collect())?;
         let is_near = |[time, frequency]: &[f64; 2]| (frequency - offset - rate * time).abs() < NEAR;
         let (first, last) = (points.iter().position(is_near)?, points.iter().rposition(is_near)?);
         let near = points[first..=last].iter().filter(|point| is_near(point)).count();
         let part = [points[first][0], points[last][0]];
-        let range = part.map(|time| offset + rate * time);
-        if near < FEWEST
-            || (near as f64) < LINED * (last - first) as f64
-            || range[0] <= 0.0
-            || range[1] < RISE * range[0]
-        {
+        let range = [offset + rate * part[0], offset + rate * part[1]];
+        let is_line = near >= FEWEST && near as f64 >= LINED * (last - first) as f64;
+        if !is_line || range[0] <= 0.0 || range[1] < RISE * range[0] {
             return None;
         }
         let mut sweep = Self { range, part, law: [range[0], rate, 0.25], seen: Vec::new() };
@@ -122,13 +125,15 @@ impl Sweep {
 
     /// The amplitudes in windows of what turns with φ.
     fn look(&mut self, readings: &[[f64; 2]]) {
-        let amplitude = |time: f64| {
-            let readings = within(readings, self.part[0] + time - 0.5 * WINDOW).iter();
-            let turned =
-                |[at, x]: &[f64; 2]| (at - self.part[0] - time, turn(-self.phase(at - self.part[0])) * (2.0 * x));
-            weighted(readings.map(turned))
-        };
-        self.seen = self.times().map(amplitude).collect();
+        self.seen.clear();
+        for time in self.times() {
+            let mut mean = Mean::default();
+            for [at, x] in within(readings, self.part[0] + time - 0.5 * WINDOW) {
+                let after = at - self.part[0];
+                mean.add(after - time, turn(-self.phase(after)) * (2.0 * x));
+            }
+            self.seen.push(mean.of());
+        }
     }
 
     /// Takes the parabola through the phases that are left out of them, by the law.
@@ -154,28 +159,40 @@ impl Sweep {
 
     fn fit(&self) -> Option<Vec<Mode>> {
         let count = 2.0 * self.seen.len() as f64;
-        let sizes = self
-            .times()
-            .map(|time| self.frequency(time))
-            .zip(&self.seen)
-            .map(|(f, seen)| (f, seen.norm_sqr() / (f * f)));
-        let (peak, _) = sizes.max_by(|a, b| a.1.total_cmp(&b.1))?;
-        let ratio = WIDER * self.range[1] / LOWEST;
-        let grid = (0..GRID).map(|k| LOWEST * libm::pow(ratio, k as f64 / GRID as f64));
+        let mut peak = (0.0, 0.0);
+        for (time, seen) in self.times().zip(&self.seen) {
+            let f = self.frequency(time);
+            let size = seen.norm_sqr() / (f * f);
+            if size > peak.1 {
+                peak = (f, size);
+            }
+        }
         let start = |of: [f64; 2]| {
             let mut numbers = [0.0; FIRST + 4];
             numbers[FIRST..FIRST + 2].copy_from_slice(&of);
             (of, self.column(&numbers, FIRST + 2))
         };
-        let starts: Vec<Start> = grid.chain([peak]).flat_map(|f| DAMPING.map(|zeta| start([TAU * f, zeta]))).collect();
-        let one = self.descend(self.likeliest::<10, 1>(starts.iter().map(|one| [one]))?);
+        let ratio = WIDER * self.range[1] / LOWEST;
+        let mut starts: Vec<Start> = Vec::new();
+        for k in 0..=GRID {
+            let f = if k < GRID { LOWEST * libm::pow(ratio, k as f64 / GRID as f64) } else { peak.0 };
+            for zeta in DAMPING {
+                starts.push(start([TAU * f, zeta]));
+            }
+        }
+        let alone: Vec<[&Start; 2]> = starts.iter().map(|one| [one; 2]).collect();
+        let one = self.descend(1, self.likeliest(1, &alone)?);
         let first = start([one.1[FIRST], one.1[FIRST + 1]]);
-        let pairs = starts.iter().enumerate().flat_map(|(k, one)| starts[..k].iter().map(move |two| [one, two]));
-        let beside = starts.iter().map(|two| [&first, two]);
-        let both = [self.likeliest::<14, 2>(pairs)?, self.likeliest::<14, 2>(beside)?].map(|start| self.descend(start));
-        let two = both.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let (mut pairs, mut beside) = (Vec::new(), Vec::new());
+        for (k, other) in starts.iter().enumerate() {
+            pairs.extend(starts[..k].iter().map(|before| [other, before]));
+            beside.push([&first, other]);
+        }
+        let [two, other] =
+            [self.likeliest(2, &pairs)?, self.likeliest(2, &beside)?].map(|start| self.descend(2, start));
+        let two = if other.0 < two.0 { other } else { two };
         let is_two = 0.5 * count * libm::log(one.0 / two.0) > 2.0 * libm::log(count);
-        let mut modes = if is_two { self.with_bands(&two)? } else { self.with_bands(&one)? };
+        let mut modes = if is_two { self.with_bands(2, &two)? } else { self.with_bands(1, &one)? };
         modes.sort_by(|a, b| b.amplitude.total_cmp(&a.amplitude));
         Some(modes)
     }
@@ -189,46 +206,50 @@ impl Sweep {
 
     /// The c of up to three columns that leave least, and what they leave.
     fn shares(&self, columns: [&[Complex]; 3]) -> Option<([f64; 6], f64)> {
-        let at = |k: usize| columns.map(|column| column.get(k).copied().unwrap_or_default());
+        let at = |column: &[Complex], k: usize| column.get(k).copied().unwrap_or_default();
+        let at = |k: usize| [at(columns[0], k), at(columns[1], k), at(columns[2], k)];
         let mut equations = NormalEquations::<6>::new();
         for (k, seen) in self.seen.iter().enumerate() {
             let [a, b, c] = at(k);
             equations.add([a.re, -a.im, b.re, -b.im, c.re, -c.im], seen.re, 1.0);
             equations.add([a.im, a.re, b.im, b.re, c.im, c.re], seen.im, 1.0);
         }
-        let shares = equations.damped(0.0, 1e-12).solution()?;
-        let rest = |(k, seen): (usize, &Complex)| {
-            let motion = at(k).into_iter().zip(shares.chunks_exact(2)).map(|(x, c)| x * Complex::new(c[0], c[1]));
-            (seen - motion.sum::<Complex>()).norm_sqr()
-        };
-        Some((shares, self.seen.iter().enumerate().map(rest).sum()))
+        let c = equations.damped(0.0, 1e-12).solution()?;
+        let mut left = 0.0;
+        for (k, seen) in self.seen.iter().enumerate() {
+            let [one, two, three] = at(k);
+            let motion =
+                one * Complex::new(c[0], c[1]) + two * Complex::new(c[2], c[3]) + three * Complex::new(c[4], c[5]);
+            left += (seen - motion).norm_sqr();
+        }
+        Some((c, left))
     }
 
-    /// The numbers of those modes that leave least.
-    fn likeliest<'a, const N: usize, const M: usize>(
-        &self,
-        all: impl Iterator<Item = [&'a Start; M]>,
-    ) -> Option<[f64; N]> {
+    /// The numbers of one or two modes, of some pairs, that leave least.
+    fn likeliest(&self, modes: usize, all: &[[&Start; 2]]) -> Option<Numbers> {
         let force = self.column(&[0.0; FIRST], FIRST - 2);
-        let cost = |of: [&'a Start; M]| {
-            let columns =
-                std::array::from_fn(|i| if i == 0 { &force[..] } else { of.get(i - 1).map_or(&[][..], |of| &of.1) });
-            Some((self.shares(columns)?.1, of))
-        };
-        let (_, of) = all.filter_map(cost).min_by(|a, b| a.0.total_cmp(&b.0))?;
-        let mut numbers = [0.0; N];
-        of.iter()
-            .zip(numbers[FIRST..].chunks_exact_mut(4))
-            .for_each(|(of, numbers)| numbers[..2].copy_from_slice(&of.0));
-        self.tuned(numbers)
+        let mut best: Option<(f64, &[&Start; 2])> = None;
+        for of in all {
+            let second = if modes == 2 { &of[1].1[..] } else { &[] };
+            let (_, left) = self.shares([&force, &of[0].1, second])?;
+            if best.is_none_or(|(least, _)| left < least) {
+                best = Some((left, of));
+            }
+        }
+        let mut numbers = [0.0; FIRST + 8];
+        for (of, numbers) in best?.1.iter().zip(numbers[FIRST..].chunks_exact_mut(4)).take(modes) {
+            numbers[..2].copy_from_slice(&of.0);
+        }
+        self.tuned(modes, numbers)
     }
 
     /// Numbers with the c that leave least: steps that move both are stuck in narrow valleys.
-    fn tuned<const N: usize>(&self, mut at: [f64; N]) -> Option<[f64; N]> {
-        let places = || (FIRST - 2..N).step_by(4);
+    fn tuned(&self, modes: usize, mut at: Numbers) -> Option<Numbers> {
+        let places = || (FIRST - 2..FIRST + 4 * modes).step_by(4);
         places().for_each(|place| at[place..place + 2].fill(0.0));
-        let columns: Vec<Vec<Complex>> = places().map(|place| self.column(&at, place)).collect();
-        let (shares, _) = self.shares(std::array::from_fn(|i| columns.get(i).map_or(&[][..], Vec::as_slice)))?;
+        let mut columns = [const { Vec::new() }; 3];
+        places().zip(&mut columns).for_each(|(place, column)| *column = self.column(&at, place));
+        let (shares, _) = self.shares([&columns[0], &columns[1], &columns[2]])?;
         places().zip(shares.chunks_exact(2)).for_each(|(place, share)| at[place..place + 2].copy_from_slice(share));
         Some(at)
     }
@@ -237,18 +258,19 @@ impl Sweep {
         self.rests(at).iter().map(Complex::norm_sqr).sum()
     }
 
-    fn descend<const N: usize>(&self, start: [f64; N]) -> (f64, [f64; N]) {
-        let step = |at: &[f64; N], by: [f64; N]| {
-            let mut next: [f64; N] = std::array::from_fn(|i| at[i] + by[i]);
-            for place in (FIRST..N).step_by(4) {
+    fn descend(&self, modes: usize, start: Numbers) -> (f64, Numbers) {
+        let step = |at: &Numbers, by: Numbers| {
+            let mut next = *at;
+            next.iter_mut().zip(by).for_each(|(next, by)| *next += by);
+            for place in (FIRST..FIRST + 4 * modes).step_by(4) {
                 let highest = 2.0 * TAU * self.range[1];
                 next[place] = next[place].clamp(0.9 * at[place], (1.1 * at[place]).min(highest));
                 next[place + 1] = next[place + 1].clamp(0.3 * at[place + 1], (3.0 * at[place + 1]).min(0.5)).max(1e-4);
             }
-            self.tuned(next)
+            self.tuned(modes, next)
         };
         let descend = |start, is_free| {
-            let equations = |at: &[f64; N], (): &()| self.normal(at, is_free);
+            let equations = |at: &Numbers, (): &()| self.normal(modes, at, is_free);
             descend(start, (TRIES, 1e-12), |cost| 1e-9 * cost, |at| (self.cost(at), ()), equations, step)
         };
         // What is small of the law only helps near the end.
@@ -256,10 +278,11 @@ impl Sweep {
     }
 
     /// By differences.
-    fn normal<const N: usize>(&self, at: &[f64; N], is_free: bool) -> NormalEquations<N> {
+    fn normal(&self, modes: usize, at: &Numbers, is_free: bool) -> NormalEquations<{ FIRST + 8 }> {
         let rests = self.rests(at);
-        let by: [Vec<Complex>; N] = std::array::from_fn(|i| {
-            if !is_free && (2..4).contains(&i) {
+        let is_still = |i: usize| i >= FIRST + 4 * modes || !is_free && (2..4).contains(&i);
+        let by: [Vec<Complex>; FIRST + 8] = std::array::from_fn(|i| {
+            if is_still(i) {
                 return vec![Complex::ZERO; rests.len()];
             }
             let (mut moved, step) = (*at, SMALL * at[i].abs().max(1e-3));
@@ -267,6 +290,9 @@ impl Sweep {
             rests.iter().zip(self.rests(&moved)).map(|(rest, moved)| (rest - moved) / step).collect()
         });
         let mut equations = NormalEquations::new();
+        for still in (0..FIRST + 8).filter(|i| is_still(*i)) {
+            equations.add(std::array::from_fn(|i| f64::from(u8::from(i == still))), 0.0, 1.0);
+        }
         for (k, rest) in rests.iter().enumerate() {
             equations.add(std::array::from_fn(|i| by[i][k].re), rest.re, 1.0);
             equations.add(std::array::from_fn(|i| by[i][k].im), rest.im, 1.0);
@@ -274,14 +300,16 @@ impl Sweep {
         equations
     }
 
-    fn with_bands<const N: usize>(&self, (cost, at): &(f64, [f64; N])) -> Option<Vec<Mode>> {
+    fn with_bands(&self, modes: usize, (cost, at): &(f64, Numbers)) -> Option<Vec<Mode>> {
         // Windows overlap, and a model that is not quite right leaves long waves: a sum over them varies by more than if they were white.
         let rests = self.rests(at);
         let alike = |lag: usize| rests.iter().zip(&rests[lag..]).map(|(a, b)| (a * b.conj()).re).sum::<f64>() / cost;
         let waves: f64 = (1..LAGS).map(|lag| 2.0 * (1.0 - lag as f64 / LAGS as f64) * alike(lag)).sum();
-        let noise = cost / (2 * self.seen.len()).saturating_sub(N).max(1) as f64 * (1.0 + waves.max(0.0));
-        let variances = self.normal(at, true).variances()?;
-        let modes = at[FIRST..].chunks_exact(4).zip(variances[FIRST..].chunks_exact(4)).map(|(of, variances)| {
+        let noise =
+            cost / (2 * self.seen.len()).saturating_sub(FIRST + 4 * modes).max(1) as f64 * (1.0 + waves.max(0.0));
+        let variances = self.normal(modes, at, true).variances()?;
+        let numbers = at[FIRST..].chunks_exact(4).zip(variances[FIRST..].chunks_exact(4));
+        let modes = numbers.take(modes).map(|(of, variances)| {
             let [std, of_damping] = [variances[0], variances[1]].map(|variance| OF_DRIVE * (noise * variance).sqrt());
             let amplitude = libm::hypot(of[2], of[3]);
             Mode { frequency: of[0] / TAU, damping_ratio: of[1], std: [std / TAU, of_damping], amplitude }
@@ -293,12 +321,13 @@ impl Sweep {
     fn rests(&self, numbers: &[f64]) -> Vec<Complex> {
         let [shift, bend, log, late, re, im] = numbers[..FIRST] else { return Vec::new() };
         let count = ((self.part[1] - self.part[0]) / STEP) as usize + 1;
-        let frequency = |k: usize| {
+        let (mut law, mut motion) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        for k in 0..count {
             let line = self.frequency(STEP * k as f64) + shift + bend * STEP * k as f64;
-            line - (self.law[2] + log) * self.law[1] / line
-        };
-        let law: Vec<f64> = (0..count).map(frequency).collect();
-        let mut motion: Vec<Complex> = law.iter().map(|f| Complex::new(re, im) * *f).collect();
+            let f = line - (self.law[2] + log) * self.law[1] / line;
+            law.push(f);
+            motion.push(Complex::new(re, im) * f);
+        }
         for of in numbers[FIRST..].chunks_exact(4).filter(|of| of[2..] != [0.0; 2]) {
             let (wn, zeta, c) = (of[0], of[1], Complex::new(of[2], of[3]));
             let pole = Complex::new(-zeta, (1.0 - zeta * zeta).sqrt()) * wn;
@@ -313,12 +342,16 @@ impl Sweep {
             *value *= turn(TAU * phase + late / (law[k] * law[k]));
         }
         let side = (0.5 * WINDOW / STEP) as usize;
-        let rest = |(time, seen): (f64, &Complex)| {
+        let mut rests = Vec::with_capacity(self.seen.len());
+        for (time, seen) in self.times().zip(&self.seen) {
             let first = ((time / STEP + 0.5) as usize).saturating_sub(side);
-            let motion = motion.iter().enumerate().skip(first).take(2 * side + 1);
-            seen - weighted(motion.map(|(k, value)| (STEP * k as f64 - time, *value)))
-        };
-        self.times().zip(&self.seen).map(rest).collect()
+            let mut mean = Mean::default();
+            for (k, value) in (first..).zip(&motion[first..(first + 2 * side + 1).min(count)]) {
+                mean.add(STEP * k as f64 - time, *value);
+            }
+            rests.push(seen - mean.of());
+        }
+        rests
     }
 }
 
@@ -348,12 +381,24 @@ fn within(readings: &[[f64; 2]], from: f64) -> &[[f64; 2]] {
     &readings[place(from)..place(from + WINDOW)]
 }
 
-/// The mean of values at times from the middle of a window, under cos⁴: harmonics, and what turns backward, leave next to nothing in it.
-fn weighted(values: impl Iterator<Item = (f64, Complex)>) -> Complex {
-    let weight = |time: f64| libm::cos(PI * time.clamp(-0.5 * WINDOW, 0.5 * WINDOW) / WINDOW).powi(4);
-    let add = |(sum, weights), (time, value)| (sum + value * weight(time), weights + weight(time));
-    let (sum, weights) = values.fold((Complex::ZERO, 0.0), add);
-    sum / weights
+/// A mean of values in a window under cos⁴: harmonics, and what turns backward, leave next to nothing in it.
+#[derive(Default)]
+struct Mean {
+    sum: Complex,
+    weights: f64,
+}
+
+impl Mean {
+    /// Adds a value at a time from the middle of the window \[s\].
+    fn add(&mut self, time: f64, value: Complex) {
+        let weight = libm::cos(PI * time.clamp(-0.5 * WINDOW, 0.5 * WINDOW) / WINDOW).powi(4);
+        self.sum += value * weight;
+        self.weights += weight;
+    }
+
+    fn of(&self) -> Complex {
+        self.sum / self.weights
+    }
 }
 
 fn median(mut numbers: Vec<f64>) -> Option<f64> {

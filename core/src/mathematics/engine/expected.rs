@@ -89,7 +89,9 @@ impl<T: Number> Expected<T> {
                 #[inline(always)]
                 || self.linearise(level, count, design, belief, active, force, None),
             );
-        } else if let Method::SigmaPoints(rule) | Method::SquareRoot(rule) = design.method {
+        } else if const { L::HAS_POINTS }
+            && let Method::SigmaPoints(rule) | Method::SquareRoot(rule) = design.method
+        {
             self.is_linear = false;
             return level.apart(
                 #[inline(always)]

@@ -201,7 +201,9 @@ impl<T: Number> Filter<T> {
                 root.advance(level, model, belief, step);
             }
             (Method::SigmaPoints(rule) | Method::SquareRoot(rule), _) => {
-                return points.advance(level, rule, model, belief, step);
+                if const { L::HAS_POINTS } {
+                    return points.advance(level, rule, model, belief, step);
+                }
             }
         }
         Rooted { holds: T::Mask::of(true), is_finite: T::Mask::of(true) }

@@ -5,6 +5,9 @@ pub trait Level: Copy {
     /// Whether the compiler knows the sizes.
     const IS_KNOWN: bool = false;
 
+    /// Whether filters with sigma points are compiled for it. Known sizes of large plants are for linearised ones only: they gain more.
+    const HAS_POINTS: bool = true;
+
     /// The same instructions without known sizes.
     type Plain: Level;
 
@@ -44,6 +47,7 @@ pub struct Known<L, const N: usize, const M: usize>(pub L);
 
 impl<L: Level, const N: usize, const M: usize> Level for Known<L, N, M> {
     const IS_KNOWN: bool = true;
+    const HAS_POINTS: bool = N <= 5;
 
     type Plain = L::Plain;
 

@@ -89,12 +89,12 @@ pub(crate) fn estimator(setup: &Setup, settings: &FilterSettings) -> Box<dyn Est
     }
     let followed = Followed::new(setup, settings);
     let model = &setup.design.model;
-    if matches!(setup.design.method, Method::SquareRoot(_)) {
-        return boxed(Baseline, followed);
-    }
+    let is_linearised = matches!(setup.design.method, Method::Linearised(..));
     match (model.size, model.moving()) {
+        _ if matches!(setup.design.method, Method::SquareRoot(_)) => boxed(Baseline, followed),
         (4, 2) => boxed(Known::<_, 4, 2>(Baseline), followed),
         (5, 2) => boxed(Known::<_, 5, 2>(Baseline), followed),
+        _ if !is_linearised => boxed(Baseline, followed),
         // A page leaves these out, to be smaller.
         #[cfg(not(target_arch = "wasm32"))]
         (7, 4) => boxed(Known::<_, 7, 4>(Baseline), followed),
