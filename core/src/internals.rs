@@ -5,6 +5,6 @@ pub mod engine;
 
 pub use crate::data::hash::short_hash;
 pub use crate::mathematics::gaussian_likelihood::{LogSum, ln_determinant, log_likelihood};
+pub use crate::mathematics::lists::sort_numbers;
 pub use crate::mathematics::model::Reading;
-pub use crate::mathematics::sorting::sort_numbers;
 pub use crate::numbers::score::ChannelSums;

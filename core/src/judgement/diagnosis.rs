@@ -24,7 +24,7 @@ mod trial;
 mod verdict;
 mod verdict_kind;
 
-use crate::mathematics::sorting::sort_items;
+use crate::mathematics::lists::sort_items;
 use std::ops::Range;
 
 use crate::numbers::diagnostics::Depth;

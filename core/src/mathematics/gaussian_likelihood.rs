@@ -1,6 +1,7 @@
 //! The likelihood of measurements under a Gaussian belief. It is computed on demand, because logarithms are costly: a filter's
 //! step takes none. Sums of logarithms take few.
 
+use crate::mathematics::lists::{numbers, places};
 use std::ops::RangeInclusive;
 
 use crate::mathematics::engine::columns::factor;
@@ -18,13 +19,17 @@ pub fn ln_determinant(determinant: f64, innovation_cov: &[f64], m: usize) -> f64
     if determinant.is_normal() {
         return libm::log(determinant);
     }
-    let measured: Vec<usize> = (0..m).filter(|i| !innovation_cov[i * m + i].is_nan()).collect();
-    let mut lower: Vec<f64> =
-        measured.iter().flat_map(|&j| measured.iter().map(move |&i| innovation_cov[j * m + i])).collect();
-    let count = measured.len();
+    let measured = places(m, &|i| !innovation_cov[i * m + i].is_nan());
+    let (mut lower, count) = (part_of(innovation_cov, m, &measured), measured.len());
     let (_, is_positive) = factor(&mut lower, count);
     // The factor has the inverses of D on its diagonal.
     if is_positive { -(0..count).map(|i| libm::log(lower[i * (count + 1)])).sum::<f64>() } else { f64::NAN }
+}
+
+/// The rows and columns at some places of an m × m matrix.
+pub(crate) fn part_of(matrix: &[f64], m: usize, places: &[usize]) -> Vec<f64> {
+    let count = places.len();
+    numbers(count * count, &|at| matrix[places[at / count] * m + places[at % count]])
 }
 
 /// A sum of logarithms. It multiplies the factors and takes a logarithm only when their product nears the limits of

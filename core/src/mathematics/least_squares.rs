@@ -40,9 +40,11 @@ impl<const N: usize> NormalEquations<N> {
 
     /// The diagonal of A⁻¹: the variances of x if those of the values are 1 / w. `None` where A is not positive definite.
     pub(crate) fn variances(mut self) -> Option<[f64; N]> {
-        let mut inverse: [[f64; N]; N] = std::array::from_fn(|j| std::array::from_fn(|i| f64::from(u8::from(i == j))));
+        let (mut inverse, mut variances) = ([[0.0; N]; N], [0.0; N]);
+        (0..N).for_each(|i| inverse[i][i] = 1.0);
         let is_definite = divide(self.normal.as_flattened_mut(), inverse.as_flattened_mut(), N);
-        is_definite.then(|| std::array::from_fn(|i| inverse[i][i]))
+        (0..N).for_each(|i| variances[i] = inverse[i][i]);
+        is_definite.then_some(variances)
     }
 }
 

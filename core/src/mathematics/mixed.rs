@@ -1,5 +1,7 @@
 //! Moments of mixtures, and the shares of hypotheses.
 
+use crate::mathematics::lists::mapped;
+
 /// Mean and covariance, n and n × n numbers.
 #[derive(Default)]
 pub(crate) struct Moments {
@@ -43,5 +45,5 @@ pub(crate) fn shares(evidence: &[f64]) -> Vec<f64> {
     let share = |x: &f64| if best.is_finite() && !x.is_nan() { libm::exp(x - best) } else { 0.0 };
     let shares: Vec<f64> = evidence.iter().map(share).collect();
     let sum: f64 = shares.iter().sum();
-    shares.iter().map(|share| if sum > 0.0 { share / sum } else { 0.0 }).collect()
+    mapped(&shares, &|share| if sum > 0.0 { share / sum } else { 0.0 })
 }

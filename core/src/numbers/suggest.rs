@@ -15,6 +15,7 @@ mod response;
 mod spectra;
 mod trials;
 
+use crate::mathematics::lists::mapped;
 use serde::{Deserialize, Serialize};
 
 use crate::data::length::Length;
@@ -296,7 +297,7 @@ impl Suggestion {
             return;
         }
         // The innovations then show the size of the noise.
-        let errors: Vec<f64> = before.iter().map(|error| surprise * error).collect();
+        let errors: Vec<f64> = mapped(before, &|error| surprise * error);
         self.scenario = self.with_error(&errors);
         self.reasons.push(format!(
             "R as large as the innovations of a filter that takes the error of its free run for noise, and no Q of the motion: the model is not quite right, and its \

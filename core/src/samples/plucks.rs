@@ -1,6 +1,6 @@
 //! The times at which a motion begins anew.
 
-use crate::mathematics::sorting::sort_numbers;
+use crate::mathematics::lists::{mapped, sort_numbers};
 use crate::{Channel, FilterSettings};
 
 /// Widens a belief of the motion where a plant is plucked: parameters and augmentations are what they were.
@@ -20,7 +20,7 @@ pub(crate) struct Plucks {
 
 impl Plucks {
     pub(crate) fn new(settings: &FilterSettings, channels: &[Channel], start: f64) -> Self {
-        let mut times: Vec<f64> = settings.plucks.iter().map(|time| time - start).collect();
+        let mut times = mapped(&settings.plucks, &|time| time - start);
         sort_numbers(&mut times);
         let of = |(place, channel): (usize, &Channel)| {
             let moves = !channel.is_parameter() && !channel.is_augmentation();

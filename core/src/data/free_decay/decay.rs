@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use thiserror::Error;
 
 use crate::data::even_steps::Steps;
-use crate::mathematics::sorting::{sort_items, sort_numbers};
+use crate::mathematics::lists::{mapped, sort_items, sort_numbers};
 use crate::record::LiveRecord;
 use crate::{Hold, InputKind, Quantity};
 
@@ -172,7 +172,7 @@ impl Decay {
             return (Err(NoDecay::Short { seconds: seconds(kept), needed: pace.shortest }), others);
         }
         let rest = middle(&along[begin..end]);
-        let along: Vec<f64> = along[begin..end].iter().map(|x| x - rest).collect();
+        let along: Vec<f64> = mapped(&along[begin..end], &|x| x - rest);
         let (measured, count) = (&times[begin..end], end - begin);
         let (begin, dt) = (measured[0], (measured[count - 1] - measured[0]) / (count - 1) as f64);
         let steps = Steps { start: begin, dt, count };
@@ -265,7 +265,7 @@ impl Decay {
 /// The readings to either side of one that a cubic follows, for readings whose mean may be anything.
 pub(crate) fn side_of(times: &[f64], values: &[f64]) -> usize {
     let middle = mean(values);
-    let around: Vec<f64> = values.iter().map(|value| value - middle).collect();
+    let around = mapped(values, &|value| value - middle);
     side(&around, noise_of(times, &around, 1.0))
 }
 
@@ -288,7 +288,7 @@ impl Along {
         let times = readings.iter().map(|reading| reading[0]).collect();
         let along: Vec<f64> = readings.iter().map(|reading| (0..3).map(|i| axis[i] * reading[i + 1]).sum()).collect();
         let gravity = mean(&along);
-        Self { axis, times, gravity, along: along.iter().map(|x| x - gravity).collect() }
+        Self { axis, times, gravity, along: mapped(&along, &|x| x - gravity) }
     }
 }
 
@@ -407,24 +407,27 @@ fn noise_of(times: &[f64], along: &[f64], pace: f64) -> f64 {
 /// The direction in which three accelerations vary most: the first eigenvector of their covariance, by repeated products. Its
 /// largest component is positive.
 fn main_axis(readings: &[[f64; 4]]) -> [f64; 3] {
+    fn three<T>(of: &dyn Fn(usize) -> T) -> [T; 3] {
+        [of(0), of(1), of(2)]
+    }
     let count = readings.len() as f64;
-    let middle: [f64; 3] = std::array::from_fn(|i| readings.iter().map(|reading| reading[i + 1]).sum::<f64>() / count);
+    let middle = three(&|i| readings.iter().map(|reading| reading[i + 1]).sum::<f64>() / count);
     let off = |reading: &[f64; 4], i: usize| reading[i + 1] - middle[i];
     let cov = |i, j| readings.iter().map(|reading| off(reading, i) * off(reading, j) / count).sum::<f64>();
-    let cov: [[f64; 3]; 3] = std::array::from_fn(|i| std::array::from_fn(|j| cov(i, j)));
+    let cov = three(&|i| three(&|j| cov(i, j)));
     let largest = |axis: &[f64; 3]| (0..3).max_by(|&a, &b| axis[a].abs().total_cmp(&axis[b].abs())).unwrap_or(0);
-    let variances: [f64; 3] = std::array::from_fn(|i| cov[i][i]);
-    let mut axis: [f64; 3] = std::array::from_fn(|i| cov[i][largest(&variances)]);
+    let variances = three(&|i| cov[i][i]);
+    let mut axis = three(&|i| cov[i][largest(&variances)]);
     for _ in 0..100 {
-        let next: [f64; 3] = std::array::from_fn(|i| (0..3).map(|j| cov[i][j] * axis[j]).sum());
+        let next = three(&|i| (0..3).map(|j| cov[i][j] * axis[j]).sum::<f64>());
         let length = next.iter().map(|x| x * x).sum::<f64>().sqrt();
         if length == 0.0 {
             return [0.0, 0.0, 1.0];
         }
-        axis = next.map(|x| x / length);
+        axis = three(&|i| next[i] / length);
     }
     let sign = axis[largest(&axis)].signum();
-    axis.map(|x| sign * x)
+    three(&|i| sign * axis[i])
 }
 
 /// The mean of readings that swing, under a Hann window: the part of a swing at either end counts little.

@@ -1,7 +1,7 @@
 //! The ring of a thing that was struck, in the samples of a sound: its pitch, where it rings, and what stands beside it.
 
 use crate::mathematics::fourier::powers;
-use crate::mathematics::sorting::sort_numbers;
+use crate::mathematics::lists::sort_numbers;
 
 /// The ring of one mode in a sound: a glass, a tuning fork, a ruler on the edge of a table.
 ///

@@ -6,7 +6,7 @@ use super::Mode;
 use super::decay::Along;
 use super::modes::highest;
 use crate::mathematics::least_squares::{NormalEquations, descend};
-use crate::mathematics::sorting::sort_numbers;
+use crate::mathematics::lists::sort_numbers;
 
 type Complex = nalgebra::Complex<f64>;
 

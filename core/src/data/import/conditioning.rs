@@ -5,6 +5,7 @@ use super::{ImportError, Mapping};
 use crate::Hold;
 use crate::data::even_steps::Steps;
 use crate::data::resample::{self, band_pass};
+use crate::mathematics::lists::places;
 
 pub(super) struct Conditioning<'a> {
     pub(super) mapping: &'a Mapping,
@@ -89,7 +90,7 @@ pub(super) fn above_nyquist(band: Option<[f64; 2]>, nyquist: f64) -> Result<Opti
 
 /// Interpolates missing values linearly, or repeats the nearest at the ends. Returns the first one's place, and how many there are.
 pub(super) fn fill(values: &mut [f64]) -> Option<(usize, usize)> {
-    let missing: Vec<usize> = (0..values.len()).filter(|place| values[*place].is_nan()).collect();
+    let missing = places(values.len(), &|place| values[place].is_nan());
     for gap in missing.chunk_by(|one, next| one + 1 == *next) {
         let from = gap[0].checked_sub(1).map(|before| values[before]);
         let to = values.get(gap[0] + gap.len()).copied();

@@ -8,7 +8,7 @@ use super::unit::{Dimension, STANDARD_GRAVITY, unit};
 use super::{Column, ImportError, MappedColumn, Mapping, Table, Time, times};
 use crate::data::free_decay::Ring;
 use crate::data::record::input_name;
-use crate::mathematics::sorting::sort_items;
+use crate::mathematics::lists::{mapped, places, sort_items};
 use crate::{InputKind, Quantity};
 
 /// Words in names of columns that are neither input nor motion of the oscillator.
@@ -387,7 +387,7 @@ fn parts(name: &str) -> String {
 fn is_steady_voltage(column: &Column) -> bool {
     let is_voltage = matches!(column.unit.as_deref().and_then(unit), Some((Dimension::Voltage, _)));
     let middle = mean(&column.values);
-    let squares: Vec<f64> = column.values.iter().map(|value| (value - middle) * (value - middle)).collect();
+    let squares = mapped(&column.values, &|value| (value - middle) * (value - middle));
     (is_voltage || has_word(&column.name, "volt")) && middle * middle > STEADY * STEADY * mean(&squares)
 }
 
@@ -399,7 +399,7 @@ fn is_word(name: &str, word: &str) -> bool {
 /// The places of the columns of times that have columns of numbers of their own behind them; two or more, or none.
 pub(super) fn clocks(table: &Table) -> Vec<usize> {
     let is_clock = |place: usize| is_named_time(&table.columns[place]) && rises(table, place).is_some();
-    let named: Vec<usize> = (0..table.columns.len()).filter(|place| is_clock(*place)).collect();
+    let named = places(table.columns.len(), &is_clock);
     let has_numbers = |(nth, place): (usize, usize)| {
         let end = named.get(nth + 1).copied().unwrap_or(table.columns.len());
         (place + 1..end).any(|column| !table.is_without_numbers(column)).then_some(place)

@@ -1,7 +1,7 @@
 //! Faults of a file's times that have one cure: a counter that turns over, rows that stand twice or in another order, first rows
 //! far from all others, a clock that is set back, parts that begin again.
 
-use crate::mathematics::sorting::sorted_places;
+use crate::mathematics::lists::{places, sorted_places};
 use std::cmp::Ordering;
 
 use super::guess::{clocks, is_named_time, seldom_falls};
@@ -22,7 +22,7 @@ const EVENTS: (f64, usize) = (0.1, 4);
 
 /// A table whose column of times rises, where a fault of it has one cure. Each cure is a remark of the table.
 pub(super) fn mend(mut table: Table) -> Table {
-    let named: Vec<usize> = (0..table.columns.len()).filter(|&place| is_named_time(&table.columns[place])).collect();
+    let named = places(table.columns.len(), &|place| is_named_time(&table.columns[place]));
     for &place in &named {
         let column = &mut table.columns[place];
         let mut times = column.values.clone();

@@ -1,7 +1,7 @@
 //! Readings at their own times: those that a file gives them in place of even steps, and those of files in which columns have clocks
 //! (`t1, force, t2, displacement`) and of two files with a clock each.
 
-use crate::mathematics::sorting::sort_items;
+use crate::mathematics::lists::{self, sort_items};
 
 use super::conditioning::mean;
 use super::error::FEWEST;
@@ -77,7 +77,7 @@ impl OwnTimes {
         };
         let in_steps = |time: &f64| (time - start) / dt - f64::from(mapped.delay);
         let (times, factor) = (times.iter().map(in_steps).collect(), mapped.factor());
-        Timed { times, values: values.iter().map(|value| factor * (value - offset)).collect() }
+        Timed { times, values: lists::mapped(values, &|value| factor * (value - offset)) }
     }
 
     /// The input of a column at the steps; a sensor's comes with [`Self::sensor`].

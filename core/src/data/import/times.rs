@@ -1,6 +1,6 @@
 //! The times of a file: those of a column, in seconds, and the even steps that they are close to.
 
-use crate::mathematics::sorting::sort_items;
+use crate::mathematics::lists::{mapped, sort_items};
 use std::borrow::Cow;
 
 use super::error::{FEWEST, MOST};
@@ -79,7 +79,7 @@ pub(super) fn of<'a>(table: &Table, column: &'a Column, text: &str, remarks: &mu
         }
     };
     if size != 1.0 {
-        times = times.iter().map(|time| time * size).collect();
+        times = mapped(&times, &|time| time * size).into();
     }
     times
 }
@@ -247,7 +247,7 @@ impl Timing {
             return Ok(Self { dt, samples, places, worst, is_rounded, remark, gaps, ..even });
         }
         let samples = count(libm::floor((last - start) / median + 1e-9) + 1.0)?;
-        let places = Places::Times(times.iter().map(|time| (time - start) / median).collect());
+        let places = Places::Times(mapped(times, &|time| (time - start) / median));
         let remark =
             Some(format!("the times are irregular; values are interpolated at even steps of {} s", told(median)));
         Ok(Self { dt: median, samples, places, worst, is_rounded: false, remark, ..even })

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use thiserror::Error;
 
-use crate::mathematics::sorting::sort_numbers;
+use crate::mathematics::lists::{mapped, sort_numbers};
 use crate::{Hold, InputKind};
 
 /// Values with their times.
@@ -257,7 +257,7 @@ impl Clocks {
     pub(super) fn part(&self, samples: Range<usize>) -> Self {
         let (first, last) = (samples.start as f64, samples.end.saturating_sub(1) as f64);
         let moved = |timed: &Timed, places: Range<usize>| Timed {
-            times: timed.times[places.clone()].iter().map(|time| time - first).collect(),
+            times: mapped(&timed.times[places.clone()], &|time| time - first),
             values: timed.values[places].to_vec(),
         };
         // The input before the part still acts in it.

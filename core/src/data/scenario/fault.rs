@@ -15,7 +15,7 @@ use std::sync::LazyLock;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
-use super::{Scenario, Sensor};
+use super::Scenario;
 use crate::Quantity;
 use crate::data::document::Document;
 use crate::data::setting::Allowed;
@@ -41,13 +41,13 @@ pub struct FaultInfo {
 impl Scenario {
     /// The addresses of all numbers of its sensors' faults.
     pub fn fault_addresses(&self) -> Vec<String> {
-        let of_fault = |sensor: &Sensor, fault: Fault| -> Vec<String> {
-            fault.info().numbers.iter().map(|number| fault.address(sensor.measures, number)).collect()
-        };
-        self.sensors
-            .iter()
-            .flat_map(|sensor| sensor.faults.families().flat_map(|fault| of_fault(sensor, fault)))
-            .collect()
+        let mut all = Vec::new();
+        for sensor in &self.sensors {
+            for fault in sensor.faults.families() {
+                all.extend(fault.info().numbers.iter().map(|number| fault.address(sensor.measures, number)));
+            }
+        }
+        all
     }
 }
 

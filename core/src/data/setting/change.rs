@@ -1,6 +1,6 @@
 //! The difference between two scenarios, and edits in words, as a button says them.
 
-use crate::mathematics::sorting::sort_items;
+use crate::mathematics::lists::sort_items;
 use toml::Value;
 
 use super::{

@@ -1,5 +1,6 @@
 //! The tables of a filter: a number for each channel, or one for each sensor.
 
+use crate::mathematics::lists::mapped;
 use std::fmt;
 
 use super::Allowed;
@@ -203,7 +204,7 @@ impl TableInfo {
                     of_mut(filter)[channel] = factor * std;
                 }
             }
-            Column::Sensors(of, of_mut) => *of_mut(filter) = of(base).iter().map(|number| factor * number).collect(),
+            Column::Sensors(of, of_mut) => *of_mut(filter) = mapped(of(base), &|number| factor * number),
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{Hindsight, Subject, is_known};
 use crate::data::scenario::cost;
-use crate::mathematics::sorting::sort_items;
+use crate::mathematics::lists::sort_items;
 use crate::samples::smoother::Smoother;
 use crate::samples::waste::Waste;
 use crate::{Estimates, FilterSettings};

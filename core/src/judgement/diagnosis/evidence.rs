@@ -1,6 +1,6 @@
 //! The results of tests of a filter, one and many at once.
 
-use crate::mathematics::sorting::sorted_places;
+use crate::mathematics::lists::sorted_places;
 use std::ops::Range;
 
 use super::case::{Case, Span};

@@ -1,5 +1,6 @@
 //! The law that an estimated force follows: a wave, or a function of the motion that the plant lacks.
 
+use crate::mathematics::lists::mapped;
 use std::f64::consts::TAU;
 
 use super::periodogram::{Periodogram, window_length};
@@ -94,11 +95,8 @@ fn law(force: &[f64], displacement: &[f64], velocity: &[f64], dt: f64) -> Option
     let linear = share(&u, &x) + share(&u, &left_of_v);
     let size = (dot(&v, &v) / samples as f64).sqrt();
     // The sign of a speed near zero is uncertain: `tanh` stands in for it.
-    let laws: [Vec<f64>; 3] = [
-        v.iter().map(|v| libm::tanh(10.0 * v / size)).collect(),
-        v.iter().map(|v| v * v.abs()).collect(),
-        x.iter().map(|x| x * x * x).collect(),
-    ];
+    let laws: [Vec<f64>; 3] =
+        [mapped(&v, &|v| libm::tanh(10.0 * v / size)), mapped(&v, &|v| v * v.abs()), mapped(&x, &|x| x * x * x)];
     let rests = laws.map(|law| without(&law, &[&x, &left_of_v]));
     let shares = rests.each_ref().map(|rest| share(&u, rest));
     let best = (0..3).max_by(|&a, &b| shares[a].total_cmp(&shares[b]))?;

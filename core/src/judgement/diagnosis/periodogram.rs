@@ -1,5 +1,6 @@
 //! The power of series over frequency, by fast Fourier transforms.
 
+use crate::mathematics::lists::{mapped, numbers};
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
@@ -104,8 +105,8 @@ struct WelchWindows {
 impl WelchWindows {
     fn of(samples: usize) -> Option<Self> {
         let length = window_length(samples)?;
-        let weights: Vec<f64> = (0..length).map(|k| libm::sin(PI * (k as f64 + 0.5) / length as f64)).collect();
-        let weights: Vec<f64> = weights.iter().map(|w| w * w).collect();
+        let weights: Vec<f64> = numbers(length, &|k| libm::sin(PI * (k as f64 + 0.5) / length as f64));
+        let weights = mapped(&weights, &|w| w * w);
         let scale = 1.0 / weights.iter().map(|w| w * w).sum::<f64>();
         Some(Self { length, transform: Transform::new(length), weights, scale, buffer: vec![(0.0, 0.0); length] })
     }

@@ -5,7 +5,7 @@ use super::trial::{Outcome, Trials};
 use super::verdict::Verdict;
 use super::verdict_kind::VerdictKind;
 use crate::data::setting::Edit;
-use crate::mathematics::sorting::sort_items;
+use crate::mathematics::lists::{mapped, sort_items};
 
 /// A cause, or several one after the other, and the effect of making their edits.
 #[derive(Clone, Debug)]
@@ -213,7 +213,7 @@ impl Remedy {
         };
         let odds: Vec<f64> = remedies.iter().enumerate().map(of).collect();
         let all = 1.0 + odds.iter().sum::<f64>();
-        odds.iter().map(|odds| odds / all).collect()
+        mapped(&odds, &|odds| odds / all)
     }
 }
 

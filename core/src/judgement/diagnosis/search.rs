@@ -8,7 +8,7 @@
 //! Each cause must gain more log likelihood than the price of the numbers that it fits. The last step removes causes
 //! that a later one has made needless.
 
-use crate::mathematics::sorting::{sort_items, sort_numbers};
+use crate::mathematics::lists::{sort_items, sort_numbers};
 use std::sync::Arc;
 
 use super::cause::LikelyCause;

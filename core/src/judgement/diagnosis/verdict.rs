@@ -1,6 +1,6 @@
 //! The verdict on a filter, in a word and in a sentence.
 
-use crate::mathematics::sorting::sort_items;
+use crate::mathematics::lists::sort_items;
 use std::f64::consts::TAU;
 use std::fmt;
 

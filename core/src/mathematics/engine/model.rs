@@ -4,6 +4,7 @@ use super::level::Level;
 use super::number::{Function, Number, Real};
 use super::plants::{Plant, Rates, fits, with_equation};
 use crate::Channel;
+use crate::mathematics::lists::places;
 use crate::mathematics::model::{Reading, Scale};
 
 /// The n-component state of a plant and its surroundings, and how it moves.
@@ -45,7 +46,7 @@ impl Model {
             plant,
             size: book.size(),
             eta: book.eta(),
-            logarithms: (0..book.size()).filter(|&place| book.is_logarithm(place)).collect(),
+            logarithms: places(book.size(), &|place| book.is_logarithm(place)),
             gain: place(Channel::INPUT_GAIN),
             offset: place(Channel::INPUT_OFFSET),
             unrecorded: [Channel::UNKNOWN_FORCE, Channel::WHITE_FORCE].into_iter().filter_map(place).collect(),

@@ -10,7 +10,7 @@ use crate::mathematics::channel::MAX_MASSES;
 use crate::mathematics::engine::builder::Builder;
 use crate::mathematics::engine::list::Node;
 use crate::mathematics::engine::plants::typed::Typed;
-use crate::mathematics::sorting::sort_items;
+use crate::mathematics::lists::sort_items;
 
 /// Limits the components of a state.
 const COMPONENTS: usize = 32;

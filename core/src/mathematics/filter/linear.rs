@@ -5,6 +5,7 @@ use super::system::{SystemError, check, check_column, covariance};
 use super::{Correction, FilterError, Gaussian, Noise};
 use crate::mathematics::gaussian_likelihood;
 use crate::mathematics::linalg::{Matrix, Vector};
+use crate::mathematics::lists::places;
 
 /// A Kalman filter of any linear system, without a scenario: n components of the state x, p inputs u, m sensors.
 ///
@@ -149,7 +150,7 @@ impl KalmanFilter {
 
     fn condition(&mut self, measured: &[f64]) -> Result<(), SystemError> {
         let Self { model, sensor_noise, belief, linearisation, update, .. } = self;
-        let sensors: Vec<usize> = (0..measured.len()).filter(|&sensor| !measured[sensor].is_nan()).collect();
+        let sensors = places(measured.len(), &|sensor| !measured[sensor].is_nan());
         if sensors.iter().any(|&sensor| measured[sensor].is_infinite()) {
             return Err(FilterError::InfiniteMeasurement.into());
         }

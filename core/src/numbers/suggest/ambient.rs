@@ -6,7 +6,7 @@ use super::response::{Response, free_response, is_within, order};
 use super::spectra::{Gaps, LONG, Spectra};
 use super::{Suggestion, augment, moments, motion_sensor, rounded};
 use crate::mathematics::least_squares::{NormalEquations, descend};
-use crate::mathematics::sorting::sort_numbers;
+use crate::mathematics::lists::sort_numbers;
 use crate::{Channel, Hold, Quantity, Record, Scenario};
 
 /// The white force of a record without an input, and the noise of the scenario's sensors, before they are tried.

@@ -7,7 +7,7 @@ use super::spectra::stride;
 use super::{Suggestion, augment, moments, motion_sensor, rounded};
 use crate::data::import::{MappedColumn, Offset};
 use crate::data::resample::finer;
-use crate::mathematics::sorting::sort_items;
+use crate::mathematics::lists::{places, sort_items};
 use crate::{Channel, Hold, Record, Run, Scenario};
 
 /// A mean of the input counts as an offset if it is this many times its standard error.
@@ -80,7 +80,7 @@ impl Lost {
     pub(super) fn of(record: &Record) -> Option<Self> {
         let columns = (0..record.sensors().len()).map(|sensor| record.measured(sensor));
         let lost = columns.map(|column| {
-            let lost: Vec<usize> = (0..column.len()).filter(|&k| column[k].is_nan()).collect();
+            let lost = places(column.len(), &|k| column[k].is_nan());
             let is_small = stride(column) == 1 && lost.len() as f64 <= (1.0 - THERE) * column.len() as f64;
             is_small.then_some(lost)
         });
@@ -157,7 +157,7 @@ impl Plucked {
     /// The longest part of a record without an input that swings more after pauses, and what is needed besides. `None` for others.
     pub(super) fn of(record: &Record) -> Option<(Record, Self)> {
         let measured = record.sensors().first().map(|_| record.measured(0)).filter(|_| has_no_input(record))?;
-        let read: Vec<usize> = (0..record.len()).filter(|&k| !measured[k].is_nan()).collect();
+        let read = places(record.len(), &|k| !measured[k].is_nan());
         let gap = |i: usize| read[i] - read[i - 1];
         let mut sorted: Vec<usize> = (1..read.len()).map(gap).collect();
         sort_items(&mut sorted, Ord::cmp);

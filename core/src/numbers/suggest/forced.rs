@@ -1,6 +1,6 @@
 //! An oscillator under the recorded input, fitted to the readings over time: of a record with few periods, spectra are too coarse.
 
-use crate::mathematics::sorting::sort_items;
+use crate::mathematics::lists::{mapped, numbers, sort_items};
 use std::f64::consts::TAU;
 
 use super::moments;
@@ -123,7 +123,7 @@ impl Readings {
         let mut found = Vec::new();
         for damping in DAMPING.map(libm::log) {
             let at = |i: usize| [libm::log(low) + i as f64 * libm::log(APART), damping];
-            let costs: Vec<f64> = (0..=count).map(|i| self.look(&at(i)).0).collect();
+            let costs: Vec<f64> = numbers(count + 1, &|i| self.look(&at(i)).0);
             let is_least =
                 |i: &usize| costs[i.saturating_sub(1)..(*i + 2).min(costs.len())].iter().all(|c| costs[*i] <= *c);
             found.extend((0..=count).filter(is_least).map(|i| (costs[i], at(i))));
@@ -169,16 +169,16 @@ pub(super) fn forced(
         let (sum, count) = there.fold((0.0, 0_u32), |(sum, count), value| (sum + value, count + 1));
         sum / f64::from(count)
     };
-    let measured: Vec<f64> = (0..samples).map(|k| mean(&|i| measured[i], k)).collect();
-    let force: Vec<f64> = (0..samples).map(|k| mean(&|i| record.force(i), k)).collect();
+    let measured: Vec<f64> = numbers(samples, &|k| mean(&|i| measured[i], k));
+    let force: Vec<f64> = numbers(samples, &|k| mean(&|i| record.force(i), k));
     let ((mean, size), (middle, strength)) = (moments(&measured), moments(&force));
     let there = measured.iter().filter(|value| !value.is_nan()).count();
     if there < FEWEST || !(size > 0.0 && strength > 0.0) {
         return None;
     }
     let readings = Readings {
-        values: measured.iter().map(|value| (value - mean) / size).collect(),
-        force: force.iter().map(|value| (value - middle) / strength).collect(),
+        values: mapped(&measured, &|value| (value - mean) / size),
+        force: mapped(&force, &|value| (value - middle) / strength),
         dt,
         hold: if block == 1 { record.hold() } else { Hold::First },
         order: order(quantity),

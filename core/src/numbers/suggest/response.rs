@@ -9,7 +9,7 @@ use crate::data::free_decay::{Fit, highest};
 use crate::data::import::Mapping;
 use crate::mathematics::fourier::powers;
 use crate::mathematics::least_squares::NormalEquations;
-use crate::mathematics::sorting::sort_numbers;
+use crate::mathematics::lists::sort_numbers;
 use crate::{Aspect, Hold, Quantity, Record};
 
 /// An oscillator, identified from its frequency response.

@@ -6,7 +6,7 @@ use crate::Record;
 use crate::data::import::Mapping;
 use crate::data::record::Timed;
 use crate::mathematics::fourier::Transform;
-use crate::mathematics::sorting::sort_numbers;
+use crate::mathematics::lists::sort_numbers;
 
 /// Limits the length of a window for a noise floor.
 pub(super) const SHORT: usize = 256;

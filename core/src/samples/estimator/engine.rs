@@ -9,6 +9,8 @@ use crate::mathematics::engine::level::{Baseline, Known, Level};
 use crate::mathematics::engine::update::Told;
 use crate::mathematics::filter::Gaussian;
 use crate::mathematics::filter::robust::Robust;
+use crate::mathematics::gaussian_likelihood::part_of;
+use crate::mathematics::lists::{mapped, numbers, places};
 use crate::samples::estimator::in_units::InUnits;
 use crate::samples::estimator::setup::{Setup, filter};
 use crate::samples::estimator::{Estimator, State};
@@ -110,7 +112,7 @@ impl Followed {
     fn new(setup: &Setup, settings: &FilterSettings) -> Self {
         let (n, sensors) = (setup.design.model.size, settings.sensor_std.len());
         let filter = filter(&|_| setup);
-        let variances: Vec<f64> = settings.sensor_std.iter().map(|std| std * std).collect();
+        let variances = mapped(&settings.sensor_std, &|std| std * std);
         let update = Update::nothing(n, sensors);
         Self {
             prior: filter.belief.clone(),
@@ -481,13 +483,9 @@ impl Update {
     /// NIS and det S of e and S, where a sensor has an innovation and S is positive definite; else NaN.
     pub(crate) fn take_squares(&mut self) {
         let m = self.innovation.len();
-        let kept: Vec<usize> = (0..m).filter(|sensor| !self.innovation[*sensor].is_nan()).collect();
-        let mut lower: Vec<f64> = kept
-            .iter()
-            .flat_map(|&j| kept.iter().map(move |&i| (i, j)))
-            .map(|(i, j)| self.innovation_cov[j * m + i])
-            .collect();
-        let mut white: Vec<f64> = kept.iter().map(|sensor| self.innovation[*sensor]).collect();
+        let kept = places(m, &|sensor| !self.innovation[sensor].is_nan());
+        let mut lower = part_of(&self.innovation_cov, m, &kept);
+        let mut white = numbers(kept.len(), &|i| self.innovation[kept[i]]);
         let (determinant, is_positive) = factor(&mut lower, kept.len());
         (self.nis, self.determinant) = if is_positive && !kept.is_empty() {
             (square(&lower, kept.len(), &mut white), determinant)

@@ -9,6 +9,7 @@ use crate::mathematics::engine::filter::Filter;
 use crate::mathematics::engine::number::Number;
 use crate::mathematics::filter::{Gaussian, Noise, Way, White};
 use crate::mathematics::linalg::{Matrix, Vector};
+use crate::mathematics::lists::mapped;
 use crate::samples::estimator::FilterContext;
 use crate::samples::run_error::sensor_places;
 use crate::{Channel, FilterKind, FilterSettings, Hold, Model, Record, RunError, Scenario, Values};
@@ -194,7 +195,7 @@ impl Beginning {
             white.add_rest(&model, mean.as_slice(), context.dt, &mut process);
             white.leave_out(&mut process);
         }
-        let sensors = settings.sensor_std.iter().map(|s| s * s).collect();
+        let sensors = mapped(&settings.sensor_std, &|std| std * std);
         let considered = settings.consider.iter().filter_map(|channel| model.place(*channel)).collect();
         Self { model, initial, noise: Noise { process, sensors, fading: settings.fading }, white, considered }
     }

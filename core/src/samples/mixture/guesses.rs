@@ -1,7 +1,7 @@
 //! Several filters side by side from guesses of the natural frequency that are far apart.
 
 use super::{Member, Rule};
-use crate::mathematics::sorting::sort_items;
+use crate::mathematics::lists::sort_items;
 use crate::{Channel, FilterError, FilterSettings};
 
 /// The likeliest so far reports alone. Every 500 measured samples, each filter that is 30 behind it in log likelihood and has not

@@ -1,6 +1,7 @@
 //! Several filters side by side that take Q for smaller and larger than the settings say.
 
 use super::{Member, Rule};
+use crate::mathematics::lists::mapped;
 use crate::mathematics::mixed::Moments;
 use crate::mathematics::noise_scale::NoiseScale;
 use crate::samples::estimator::FilterContext;
@@ -65,7 +66,7 @@ impl Rule for Scales {
 
     fn push(&self, members: &[Member], sample: Sample<'_>, sink: &mut dyn Sink) {
         let [u, std] = self.scale.moments();
-        let process: Vec<f64> = self.process.iter().map(|variance| libm::exp(2.0 * u) * variance).collect();
+        let process = mapped(&self.process, &|variance| libm::exp(2.0 * u) * variance);
         let samples = super::samples(members, self.weights());
         let learnt = samples.iter().filter_map(|(weight, sample)| Some((*weight, sample.noise?)));
         let (mut sensors, mut uncertainty) = (self.sensors.clone(), self.uncertainty.clone());

@@ -7,6 +7,7 @@ use crate::judgement::diagnosis::evidence::Subject;
 use crate::judgement::diagnosis::innovations::SensorInnovations;
 use crate::judgement::diagnosis::parts::{Chosen, PARTS};
 use crate::judgement::words::short;
+use crate::mathematics::lists::{numbers, places};
 use crate::{Channel, FilterSettings, Quantity, VerdictKind};
 
 /// Smaller factors on a variance are not worth a trial.
@@ -69,8 +70,8 @@ fn sensor_noise(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Like
         found.push(LikelyCause::new(cause, 0.9, 0.0, vec![bad.edit("sensor_std", turned)], sentence));
     }
     let mut propose = |which: &dyn Fn(usize) -> f64| {
-        let turned: Vec<f64> = (0..m).map(|i| assumed[i] * which(i).sqrt()).collect();
-        let changed: Vec<usize> = (0..m).filter(|&i| far(which(i))).collect();
+        let turned = numbers(m, &|i| assumed[i] * which(i).sqrt());
+        let changed = places(m, &|i| far(which(i)));
         if changed.is_empty() {
             return;
         }
@@ -213,7 +214,7 @@ fn felt_disturbance(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<
         let read = |force| model.read_disturbed(&reading, &at_rest, 0.0, force);
         Some((read(1.0) - read(0.0)) * disturbance).filter(|felt| *felt != 0.0)
     };
-    let places: Vec<usize> = (0..filter.sensor_std.len()).filter(|&i| felt(i).is_some()).collect();
+    let places = places(filter.sensor_std.len(), &|i| felt(i).is_some());
     // An R that contains the disturbance already is no cause.
     if places.is_empty() || places.iter().all(|&i| filter.sensor_std[i] > 0.9 * felt(i).unwrap_or(0.0).abs()) {
         return;

@@ -1,11 +1,26 @@
-//! Sorting. The standard library's sorts are compiled once for each type and each comparison, 2,500 lines of the compiler's
-//! code every time; here the program has one for numbers and one for everything else.
+//! Sorting, and lists by functions. What the standard library has for them is compiled once for each type and each function, a sort
+//! of 2,500 lines of the compiler's code, a list of 500; here the program has each once, at the price of a call for each item.
 
 use std::cmp::Ordering;
 
 /// Sorts numbers, the least first, as [`f64::total_cmp`] orders them.
 pub fn sort_numbers(numbers: &mut [f64]) {
     numbers.sort_unstable_by(f64::total_cmp);
+}
+
+/// The numbers of a function of the places below a count.
+pub(crate) fn numbers(count: usize, of: &dyn Fn(usize) -> f64) -> Vec<f64> {
+    (0..count).map(of).collect()
+}
+
+/// The numbers of a function of other numbers.
+pub(crate) fn mapped(numbers: &[f64], of: &dyn Fn(f64) -> f64) -> Vec<f64> {
+    numbers.iter().map(|number| of(*number)).collect()
+}
+
+/// The places below a count of which something is so.
+pub(crate) fn places(count: usize, is_so: &dyn Fn(usize) -> bool) -> Vec<usize> {
+    (0..count).filter(|place| is_so(*place)).collect()
 }
 
 /// The places from 0 to below a count in their order; equal ones stay as they are.
