@@ -57,8 +57,8 @@ const GRID: usize = 48;
 const WIDER: f64 = 1.5;
 /// What is left in windows may be alike over fewer than this many.
 const LAGS: usize = 12;
-/// The pulses are not quite the wave that the model has: bands are wider by this factor, set on 155 simulated sweeps.
-const OF_DRIVE: f64 = 1.5;
+/// The pulses are not quite the wave that the model has: bands of f and ζ are wider by these factors, set on 195 simulated sweeps.
+const OF_DRIVE: [f64; 2] = [1.2, 1.5];
 /// The place of the first mode among numbers.
 const FIRST: usize = 6;
 
@@ -310,9 +310,9 @@ impl Sweep {
         let variances = self.normal(modes, at, true).variances()?;
         let numbers = at[FIRST..].chunks_exact(4).zip(variances[FIRST..].chunks_exact(4));
         let modes = numbers.take(modes).map(|(of, variances)| {
-            let [std, of_damping] = [variances[0], variances[1]].map(|variance| OF_DRIVE * (noise * variance).sqrt());
+            let band = |i: usize| OF_DRIVE[i] * (noise * variances[i]).sqrt();
             let amplitude = libm::hypot(of[2], of[3]);
-            Mode { frequency: of[0] / TAU, damping_ratio: of[1], std: [std / TAU, of_damping], amplitude }
+            Mode { frequency: of[0] / TAU, damping_ratio: of[1], std: [band(0) / TAU, band(1)], amplitude }
         });
         Some(modes.collect())
     }
