@@ -106,7 +106,7 @@ fn results(run: &Run, findings: &mut Findings) {
     let wanted = Wanted { bounds: true, ..Wanted::default() };
     let Some(analysis) = findings.stage("analysis", || Analysis::new(run, wanted)) else { return };
     let causes = findings.stage("causes", || causes(run, &analysis, &mut |_| {})).unwrap_or_default();
-    if let Some(text) = findings.stage("table", || Results::of_run(run, &analysis, causes.clone()).table()) {
+    if let Some(text) = findings.stage("table", || Results::of_run(run, &analysis, causes.clone()).table(true)) {
         legible("table", &text, findings);
     }
     let records = [("its own record", run.record())];
