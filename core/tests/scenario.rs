@@ -255,9 +255,10 @@ fn a_seed_that_toml_cannot_hold_is_refused() {
     let scenario = Scenario { seed: u64::MAX, ..Scenario::default() };
     let message = scenario.validate().unwrap_err().to_string();
     assert_eq!(message, "`seed` is 18446744073709551615, but must be a whole number from 0 to 2⁶³ - 1");
-    assert_refused(&[("seed = 9223372036854775808", &message.replace("18446744073709551615", "9223372036854775808"))]);
-    let error = Scenario::from_toml("seed = 99999999999999999999").unwrap_err().to_string();
-    assert!(error.starts_with("TOML parse error at line 1, column 8"), "{error}");
+    for seed in ["9223372036854775808", "99999999999999999999"] {
+        let error = Scenario::from_toml(&format!("seed = {seed}")).unwrap_err().to_string();
+        assert!(error.starts_with("TOML parse error at line 1, column 8"), "{error}");
+    }
     let largest = Scenario { seed: i64::MAX as u64, ..Scenario::default() };
     assert_eq!(parsed(&largest.to_toml().unwrap()), largest);
 }

@@ -91,12 +91,11 @@ fn fit(case: &Case<'_>, said: &[Subject]) -> String {
     if let Some(last) = case.last() {
         for (place, &channel) in case.estimates.channels().iter().enumerate().filter(|(_, c)| c.is_parameter()) {
             let (std, first) = (case.estimates.std(last, place), case.estimates.initial_std(place));
-            if first == 0.0 {
-                let walks = if std > 0.0 { ", and walks by its process noise" } else { "" };
-                text += &format!("; the {} begins as known for certain{walks}", channel.name());
-                continue;
+            if first == 0.0 && std > 0.0 {
+                text +=
+                    &format!("; the {} begins as known for certain, and walks by its process noise", channel.name());
             }
-            let share = std / first;
+            let share = if first == 0.0 { 0.0 } else { std / first };
             // The text above has already named the parameters that are not identifiable.
             if share > 0.5 && !said.contains(&Subject::Channel(channel)) {
                 text += &format!("; σ of the {} is {} times that at first", channel.name(), short(share));
