@@ -1,5 +1,6 @@
 //! The power spectral density of a force.
 
+use crate::mathematics::lists::mapped;
 use std::f64::consts::{PI, TAU};
 
 /// The number of cycles in a window, unless the longest window is shorter.
@@ -60,8 +61,9 @@ impl Spectrum {
     /// The density at every frequency, zero before the first sample; in the samples' unit squared per rad/s.
     pub fn density(&self) -> Vec<f64> {
         let scale = self.dt / (PI * self.samples.max(1) as f64);
-        let all = self.groups.iter().flat_map(Group::sums).take(self.frequencies.len());
-        all.map(|sum| sum * scale).collect()
+        let mut sums: Vec<f64> = Vec::new();
+        self.groups.iter().for_each(|group| sums.extend_from_slice(&group.sums()));
+        mapped(&sums[..self.frequencies.len()], &|sum| sum * scale)
     }
 }
 

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use thiserror::Error;
 
 use crate::data::even_steps::Steps;
-use crate::mathematics::lists::{mapped, sort_items, sort_numbers};
+use crate::mathematics::lists::{mapped, numbers, sort_items, sort_numbers};
 use crate::record::LiveRecord;
 use crate::{Hold, InputKind, Quantity};
 
@@ -286,7 +286,7 @@ impl Along {
     pub(super) fn of(readings: &[[f64; 4]]) -> Self {
         let axis = main_axis(readings);
         let times = readings.iter().map(|reading| reading[0]).collect();
-        let along: Vec<f64> = readings.iter().map(|reading| (0..3).map(|i| axis[i] * reading[i + 1]).sum()).collect();
+        let along = numbers(readings.len(), &|k| (0..3).map(|i| axis[i] * readings[k][i + 1]).sum());
         let gravity = mean(&along);
         Self { axis, times, gravity, along: mapped(&along, &|x| x - gravity) }
     }

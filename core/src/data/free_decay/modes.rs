@@ -1,5 +1,6 @@
 //! The modes of a free decay, with their standard deviations: least squares over its readings, each at its own time.
 
+use crate::mathematics::lists::numbers;
 use std::f64::consts::TAU;
 
 use super::Decay;
@@ -103,7 +104,7 @@ impl Decay {
 
 /// The modes in readings of time and value, what they leave of each, and what the modes but the first one give there.
 fn modes(readings: &[[f64; 2]]) -> Option<(Vec<Mode>, Vec<f64>, Vec<f64>)> {
-    let values: Vec<f64> = readings.iter().map(|reading| reading[1]).collect();
+    let values = numbers(readings.len(), &|k| readings[k][1]);
     let one = best::<5>(readings, &values, &[])?;
     let rests = one.rests(readings);
     let count = readings.len() as f64;

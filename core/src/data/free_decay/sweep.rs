@@ -6,7 +6,7 @@ use super::Mode;
 use super::decay::Along;
 use super::modes::highest;
 use crate::mathematics::least_squares::{NormalEquations, descend};
-use crate::mathematics::lists::sort_numbers;
+use crate::mathematics::lists::{numbers, sort_numbers};
 
 type Complex = nalgebra::Complex<f64>;
 
@@ -78,7 +78,7 @@ impl Sweep {
         let (mut points, mut slopes) = (Vec::<[f64; 2]>::new(), Vec::new());
         for k in 0..((end - begin) / WINDOW) as usize {
             let window = within(&readings, begin + WINDOW * k as f64);
-            let values: Vec<f64> = window.iter().map(|reading| reading[1]).collect();
+            let values = numbers(window.len(), &|k| window[k][1]);
             if let Some(turn) = highest(window, &values, |_| true) {
                 let point = [begin + WINDOW * (k as f64 + 0.5), turn / TAU];
                 for before in &points {

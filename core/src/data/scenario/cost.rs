@@ -3,6 +3,7 @@
 use super::{FilterSettings, Plant};
 use crate::mathematics::filter::Propagation;
 use crate::mathematics::linalg::Matrix;
+use crate::mathematics::lists::numbers;
 use crate::mathematics::model::{InputKind, Model};
 use crate::{PlantKind, Scenario};
 
@@ -98,7 +99,7 @@ impl FilterSettings {
 
     /// The largest angle \[rad\] by which a motion near the initial mean turns in `dt` \[s\], and also that over which it decays or grows.
     pub(crate) fn turn(&self, model: &Model, dt: f64) -> f64 {
-        let mean: Vec<f64> = model.channels().iter().map(|&channel| self.initial_mean[channel]).collect();
+        let mean = numbers(model.size(), &|i| self.initial_mean[model.channels()[i]]);
         let motion = model.motion();
         let mut near = vec![mean.clone()];
         for (place, channel) in model.channels()[..motion].iter().enumerate() {

@@ -47,7 +47,7 @@ pub struct Known<L, const N: usize, const M: usize>(pub L);
 
 impl<L: Level, const N: usize, const M: usize> Level for Known<L, N, M> {
     const IS_KNOWN: bool = true;
-    const HAS_POINTS: bool = N <= 5;
+    const HAS_POINTS: bool = M <= 3;
 
     type Plain = L::Plain;
 

@@ -9,7 +9,7 @@ use crate::data::free_decay::{Fit, highest};
 use crate::data::import::Mapping;
 use crate::mathematics::fourier::powers;
 use crate::mathematics::least_squares::NormalEquations;
-use crate::mathematics::lists::sort_numbers;
+use crate::mathematics::lists::{numbers, sort_numbers};
 use crate::{Aspect, Hold, Quantity, Record};
 
 /// An oscillator, identified from its frequency response.
@@ -271,7 +271,7 @@ pub(super) fn decay(record: &Record, measured: &[f64], mapping: Option<&Mapping>
     let readings: Vec<[f64; 2]> = readings.map(|(time, value)| [time, *value]).collect();
     let lengths = (0..).map(|i| SHORTEST << i).take_while(|length| *length <= readings.len());
     let fits = lengths.filter_map(|length| {
-        let values: Vec<f64> = readings[..length].iter().map(|[_, value]| *value).collect();
+        let values = numbers(length, &|k| readings[k][1]);
         let frequency = highest(&readings[..length], &values, |frequency| is_within(band, frequency))?;
         Some(Fit::descend(&readings, [mean, frequency, 2.0 / (readings[length - 1][0] + record.dt()), 0.0, 0.0]))
     });

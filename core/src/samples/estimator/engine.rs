@@ -96,12 +96,12 @@ pub(crate) fn estimator(setup: &Setup, settings: &FilterSettings) -> Box<dyn Est
         _ if matches!(setup.design.method, Method::SquareRoot(_)) => boxed(Baseline, followed),
         (4, 2) => boxed(Known::<_, 4, 2>(Baseline), followed),
         (5, 2) => boxed(Known::<_, 5, 2>(Baseline), followed),
-        _ if !is_linearised => boxed(Baseline, followed),
         // A page leaves these out, to be smaller.
         #[cfg(not(target_arch = "wasm32"))]
-        (7, 4) => boxed(Known::<_, 7, 4>(Baseline), followed),
-        #[cfg(not(target_arch = "wasm32"))]
         (8, 3) => boxed(Known::<_, 8, 3>(Baseline), followed),
+        _ if !is_linearised => boxed(Baseline, followed),
+        #[cfg(not(target_arch = "wasm32"))]
+        (7, 4) => boxed(Known::<_, 7, 4>(Baseline), followed),
         #[cfg(not(target_arch = "wasm32"))]
         (10, 6) => boxed(Known::<_, 10, 6>(Baseline), followed),
         _ => boxed(Baseline, followed),

@@ -9,7 +9,7 @@ use crate::mathematics::engine::filter::Filter;
 use crate::mathematics::engine::number::Number;
 use crate::mathematics::filter::{Gaussian, Noise, Way, White};
 use crate::mathematics::linalg::{Matrix, Vector};
-use crate::mathematics::lists::mapped;
+use crate::mathematics::lists::{mapped, numbers};
 use crate::samples::estimator::FilterContext;
 use crate::samples::run_error::sensor_places;
 use crate::{Channel, FilterKind, FilterSettings, Hold, Model, Record, RunError, Scenario, Values};
@@ -209,7 +209,7 @@ impl Beginning {
 /// over the initial mean. It converts all standard deviations of the settings, including that of the process noise, and
 /// stays the same when the estimate moves.
 fn initial_state(model: &Model, settings: &FilterSettings) -> (Vector, Vector) {
-    let mean: Vec<f64> = model.channels().iter().map(|&c| settings.initial_mean[c]).collect();
+    let mean = numbers(model.size(), &|i| settings.initial_mean[model.channels()[i]]);
     model.to_state(&mean)
 }
 
