@@ -163,7 +163,6 @@ impl Laboratory {
         self.posteriors.follow(&*self.team, session, session.budget(), ctx);
     }
 
-    /// The choice, reduced to the filters and settings that the run has.
     fn fit(&self, run: &Run, is_measured: bool, is_small: bool) -> Result<Choice, String> {
         if run.samples() > Session::LONGEST_WHOLE + 1 {
             return Err(format!("The record has {} samples: too many to run it for every cell.", run.samples()));

@@ -57,7 +57,6 @@ impl Layout {
         self.tree.root().map_or_else(Vec::new, |root| self.panes(root))
     }
 
-    /// The views on screen in rows, from top to bottom; those of a row from left to right.
     pub(crate) fn rows(&self) -> Vec<Vec<ViewKind>> {
         if let Some(view) = self.enlarged {
             return vec![vec![view]];

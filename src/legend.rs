@@ -167,7 +167,6 @@ fn short(before: &Before, changed: &[(usize, &Estimates)]) -> String {
     format!("before: {words}")
 }
 
-/// The width of the cross and the edges of a chip \[points\].
 const CHIP_EDGES: f32 = 34.0;
 
 /// A text, cut off with an ellipsis if it is wider than the room \[points\].

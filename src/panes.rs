@@ -94,7 +94,6 @@ pub(crate) fn panes_ui(
     }
 }
 
-/// The least height of a view in tiles, with its bar \[points\].
 fn least_height(kind: ViewKind, bar: f32, context: &ViewContext<'_>) -> f32 {
     match kind.proportions() {
         Proportions::Flat => LEAST_FLAT,
@@ -115,7 +114,6 @@ fn empty_ui(ui: &mut Ui, requests: &mut Vec<Request>) {
     });
 }
 
-/// The height of the bar above a view \[points\].
 fn bar_height(ui: &Ui) -> f32 {
     ui.spacing().interact_size.y.max(TARGET)
 }

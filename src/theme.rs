@@ -54,7 +54,6 @@ pub fn enlarge_readouts(ctx: &egui::Context, large: bool) {
     });
 }
 
-/// Gives all text one size, for a figure \[points\].
 pub(crate) fn level_text(ctx: &egui::Context, size: f32) {
     ctx.all_styles_mut(|style| style.text_styles.values_mut().for_each(|font| font.size = size));
 }

@@ -40,7 +40,6 @@ pub(crate) fn of_lesson(ctx: &Context, lesson: &Lesson) -> Option<Arc<Picture>> 
     in_turn(ctx, &lesson.title, || Making::of_lesson(lesson))
 }
 
-/// Makes a picture in slices of the frames, one picture after the other, so that a menu opens at once.
 fn in_turn(ctx: &Context, name: &str, begin: impl FnOnce() -> Option<Making>) -> Option<Arc<Picture>> {
     let id = Id::unique(("thumbnail", name));
     let kept = ctx.data(|data| data.get_temp::<Thumbnail>(id));

@@ -61,7 +61,6 @@ impl InputError {
     }
 }
 
-/// The text of a scenario or a map: a file, or standard input where the file is `-`.
 pub(crate) fn read_text(file: &Path) -> Result<String, InputError> {
     to_text(file, read_short(file)?)
 }
@@ -133,7 +132,6 @@ pub(crate) fn places<'a>(word: &'static str, files: impl IntoIterator<Item = &'a
     files.into_iter().map(|file| (word, file.as_path())).collect()
 }
 
-/// Refuses outputs that are inputs, or that are the same file, and two inputs that are standard input.
 pub(crate) fn check(inputs: &Places<'_>, outputs: &Places<'_>) -> Result<(), InputError> {
     let mut standard = inputs.iter().filter(|(_, file)| is_standard_input(file));
     if let (Some((first, _)), Some((second, _))) = (standard.next(), standard.next()) {
@@ -189,7 +187,6 @@ pub(crate) fn print(text: &str) -> Result<(), InputError> {
     write_text(Path::new("-"), &scenario::shown(text))
 }
 
-/// Prints a text on standard output; on standard error where standard output belongs to one of these files.
 pub(crate) fn print_beside(outputs: &Places<'_>, text: &str) -> Result<(), InputError> {
     if outputs.iter().any(|(_, file)| is_standard_output(file)) {
         say(&text.trim_end());

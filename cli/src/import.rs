@@ -117,7 +117,6 @@ fn free_decay(table: &Table, file: &Path, to: &Path) -> Result<(Table, String), 
     written(Decay::file(&decays), to)
 }
 
-/// Says f and ζ of modes, and what becomes of the second one.
 fn say_modes(modes: &[Mode], second: &str) {
     for (place, mode) in modes.iter().enumerate() {
         let Mode { frequency, damping_ratio, std: [of_frequency, of_damping], .. } = mode;
@@ -139,7 +138,6 @@ fn written(text: String, to: &Path) -> Result<(Table, String), InputError> {
     Ok((table, hash))
 }
 
-/// The guessed meaning of a column, and the reason, in one line.
 fn meaning(guess: &ColumnGuess, mapping: &Mapping, args: &ImportArgs) -> String {
     let name = Some(&guess.column);
     let sensor = mapping.sensors.iter().find(|(_, sensor)| sensor.column == guess.column);
@@ -177,7 +175,6 @@ pub(crate) fn path_from(out: Option<&Path>, file: &Path) -> String {
 /// Words for no column.
 const NOTHING: [&str; 2] = ["none", "nothing"];
 
-/// The meaning of the columns: the guess, and what the user says.
 fn mapping(table: &Table, args: &ImportArgs) -> (Mapping, InputKind, Vec<ColumnGuess>) {
     let ImportArgs { rate, time, time_unit, even, missing, input, no_input, ground, sensor, .. } = args;
     let (mut mapping, mut kind, guesses) = Mapping::guess_for(table, &[]);

@@ -43,7 +43,6 @@ impl<'a> Results<'a> {
     }
 }
 
-/// A bound at its last sample: the place of the first filter that it is for, and the bound.
 type LastBound = (usize, CramerRao);
 
 fn one(

@@ -28,7 +28,6 @@ pub(crate) fn evidence(diagnosis: &Diagnosis) -> Vec<String> {
     counting.iter().take(MOST.0).map(line).collect()
 }
 
-/// A cause in words, or several that are repaired one after the other.
 pub(crate) struct CauseInWords {
     /// The causes in order, the probability of the first one, the gain in likelihood with all edits made, and the verdict then.
     pub(crate) sentence: String,

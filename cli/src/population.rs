@@ -81,7 +81,6 @@ impl Population {
         self.runner.ensemble().scenario()
     }
 
-    /// The channels of the `nth` filter that do not move by themselves, with their last errors.
     fn parameters(&self, nth: usize) -> impl Iterator<Item = (Channel, &[LastError])> {
         let channels = self.statistics.channels(nth).iter().enumerate();
         channels.filter(|(_, channel)| channel.is_parameter() || channel.is_augmentation()).filter_map(
@@ -97,7 +96,6 @@ impl Population {
         self.statistics.diverged(nth).map(|share| Share { count: (share * of as f64).round() as usize, of })
     }
 
-    /// The runs of the `nth` filter with each verdict that occurs.
     fn verdicts(&self, nth: usize) -> impl Iterator<Item = (VerdictKind, Share)> {
         let of = self.statistics.verdicts(nth).iter().sum();
         let counts = VerdictKind::ALL.into_iter().zip(self.statistics.verdicts(nth));
@@ -297,7 +295,6 @@ struct Found {
     said: f64,
 }
 
-/// The members of a slice on which some filter has a bad verdict.
 fn bad_cells(runner: &Runner, slice: &Slice) -> Vec<usize> {
     let plan = runner.ensemble().plan();
     let verdict = plan.measures.iter().position(|measure| *measure == Measure::VERDICT);

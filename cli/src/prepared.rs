@@ -90,7 +90,6 @@ impl Prepared {
     }
 }
 
-/// A scenario, and the measured record that it or the arguments name.
 pub(crate) fn scenario_and_record(
     input: &InputArgs,
     outputs: &Places<'_>,

@@ -177,7 +177,6 @@ impl Html {
         }
     }
 
-    /// A table with a row of headings, or without one if that is empty. The first cell of each row is its heading.
     fn table(&mut self, headings: &[&str], rows: &[Vec<String>]) {
         let row = |tag: &str, cells: &mut dyn Iterator<Item = &str>| {
             let cells: String = cells.map(|cell| format!("<{tag}>{}</{tag}>", escaped(cell))).collect();

@@ -20,7 +20,6 @@ pub(crate) fn rows(last: &Final, mapping: Option<&Mapping>) -> Vec<[String; COLU
     rows
 }
 
-/// One channel's last estimate and its score, as text, column by column.
 fn row(last: &Final, length: Length) -> [String; COLUMNS] {
     let &Final { channel, mean, std, score } = last;
     let (value, spread) = with_spread(mean, std);
@@ -60,7 +59,6 @@ fn gain(last: &Final, length: Length, mapping: &Mapping) -> Option<[String; COLU
     Some(scaled(last, length, input.gain, ["", name, &unit]))
 }
 
-/// A row in another unit, with the given symbol, name and unit.
 fn scaled(last: &Final, length: Length, factor: f64, [symbol, name, unit]: [&str; 3]) -> [String; COLUMNS] {
     let other = Final { mean: factor * last.mean, std: factor.abs() * last.std, score: None, ..*last };
     let mut row = row(&other, length);

@@ -124,7 +124,6 @@ fn json(prepared: &Prepared, results: &Results<'_>) -> Result<String, InputError
     Ok(results.json().map_err(bad)? + "\n")
 }
 
-/// Writes the record of a run, so that `--record` reads it with any mapping of the scenario.
 fn write_record(run: &Run, is_measured: bool, file: &mut dyn Write) -> Result<(), OutputError> {
     if is_measured {
         file.write_all(READY.as_bytes())?;

@@ -64,7 +64,6 @@ pub(crate) fn bands(
     outlines
 }
 
-/// Indices of at most `max` samples, evenly spread.
 pub(crate) fn thinned(samples: usize, max: usize) -> impl Iterator<Item = usize> {
     (0..samples).step_by(samples.div_ceil(max.max(1)).max(1))
 }

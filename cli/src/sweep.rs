@@ -59,7 +59,6 @@ fn stream(args: &SweepArgs, runner: &Arc<Runner>, cells: Range<usize>) -> Result
     run.and(written.map_err(|error| InputError::unwritten(&args.out, &error)))
 }
 
-/// Runs the cells that are not done, and appends their rows in the order of the cells.
 fn run_cells(
     args: &SweepArgs,
     runner: &Arc<Runner>,

@@ -121,14 +121,12 @@ fn write_causes(
     Ok(())
 }
 
-/// The ratio of each σ to its Cramér-Rao bound at the last sample.
 fn write_bound(text: &mut String, over_bound: &[(Channel, f64)]) -> fmt::Result {
     let ratios: Vec<String> =
         over_bound.iter().map(|(channel, ratio)| format!("{} {}", channel.symbol(), short(*ratio))).collect();
     if ratios.is_empty() { Ok(()) } else { writeln!(text, "  σ over bound    {}", ratios.join(", ")) }
 }
 
-/// The filter's name on one line, with its kind unless the name contains it.
 pub(crate) fn heading(name: &str, kind: FilterKind) -> String {
     let name: String = name.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
     match name.trim() {

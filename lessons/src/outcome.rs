@@ -16,7 +16,6 @@ pub struct Outcome {
     diagnostics: Vec<Diagnostics>,
 }
 
-/// One filter of an outcome, with its estimates or the smoothed ones.
 #[derive(Clone, Copy)]
 pub(crate) struct FilterOutcome<'a> {
     pub(crate) outcome: &'a Outcome,
@@ -57,7 +56,6 @@ impl Outcome {
         &self.run
     }
 
-    /// The filter with a name, with its estimates or the smoothed ones.
     pub(crate) fn filter(&self, name: &str, smoothed: bool) -> Option<FilterOutcome<'_>> {
         let place = self.scenario.filters.iter().position(|filter| filter.name == name)?;
         let id = self.run.estimates().get(place)?.id();

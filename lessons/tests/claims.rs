@@ -37,7 +37,6 @@ fn claims_about_nearly_all_records_hold_in_the_one_that_opens() {
     assert_none(failed, claims.len());
 }
 
-/// The source of a scenario's samples, made with the scenario's seed.
 fn source(scenario: &Scenario) -> Result<Source, LessonError> {
     let Some(mapping) = &scenario.record else { return records::source(scenario) };
     let (_, file) = RECORDS

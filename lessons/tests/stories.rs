@@ -20,7 +20,6 @@ fn run_of(scenario: &Scenario) -> Run {
 }
 
 impl<'a> Told<'a> {
-    /// The run, continued up to a share of its samples.
     fn at(run: &'a mut Run, share: f64) -> Self {
         run.advance_to((share * run.samples() as f64) as usize);
         let all = run.estimates().iter();

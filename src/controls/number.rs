@@ -10,7 +10,6 @@ use crate::probe::remember;
 use crate::text::{in_hertz, parse, significant};
 use crate::widgets::{hover_text, named};
 
-/// Width of the labels, so that all sliders are aligned \[points\].
 const LABEL_WIDTH: f32 = 100.0;
 /// The distance of a remark below a number from the left, that of the slider \[points\].
 pub(super) const REMARK: f32 = LABEL_WIDTH + 7.0;

@@ -39,7 +39,6 @@ impl<'a> Series<'a> {
         Self { len, reduce: Box::new(reduce) }
     }
 
-    /// The part in the window, `(from, to)` \[s\], as at most `columns` columns.
     pub(crate) fn columns(&self, record: &Record, window: (f64, f64), columns: usize) -> Vec<Column> {
         (self.reduce)(samples_in(record, window, self.len), columns)
     }

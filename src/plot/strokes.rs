@@ -36,7 +36,6 @@ impl Strokes {
         Self { canvas, pixel: 1.0 / ctx.pixels_per_point() }
     }
 
-    /// The position at which a straight line of one pixel covers exactly one pixel.
     pub(crate) fn on_a_pixel(&self, position: f32) -> f32 {
         ((position / self.pixel).floor() + 0.5) * self.pixel
     }

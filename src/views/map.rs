@@ -64,7 +64,6 @@ fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) 
     None
 }
 
-/// The laboratory with its choice and the survey to show. If there is none, shows the reason.
 fn contents<'a>(ui: &mut Ui, context: &ViewContext<'a>) -> Option<(&'a Laboratory, &'a Choice, &'a Survey)> {
     let laboratory = context.laboratory?;
     if let Some(problem) = laboratory.state.problem.as_deref() {

@@ -187,7 +187,6 @@ pub(super) fn hatching_ui(ui: &Ui, graph: &Graph, lines: &[[egui::Pos2; 2]]) {
     }
 }
 
-/// The radius of a point on the path, and of its ends \[points\].
 const POINT: f32 = 1.8;
 const END: f32 = 4.0;
 

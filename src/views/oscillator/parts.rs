@@ -188,7 +188,6 @@ pub(super) struct Ink {
     pub(super) fill: Color32,
 }
 
-/// Draws the link from `start` to the mass `body`, stretched by `stretch` \[m\].
 pub(super) fn link(stage: &Stage, painter: &Painter, kind: Link, start: f32, body: Rect, stretch: f64, ink: Ink) {
     let end = body.left();
     let row = |share: f32| body.top() + share * body.height();
