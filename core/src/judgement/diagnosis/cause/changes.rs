@@ -37,8 +37,9 @@ fn no_excitation(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
 fn is_still(bad: &BadFilter<'_>) -> bool {
     let is_noise = |sensor: Quantity| {
         let Some(values) = bad.case.record.measured_quantity(sensor) else { return true };
-        let both = values.windows(2).filter(|pair| !(pair[0] * pair[1]).is_nan());
-        let (product, square, count) = both.fold((0.0, 0.0, 0_u32), |(product, square, count), pair| {
+        // A sensor that reads at few of the samples is compared from reading to reading.
+        let read: Vec<f64> = values.iter().copied().filter(|x| !x.is_nan()).collect();
+        let (product, square, count) = read.windows(2).fold((0.0, 0.0, 0_u32), |(product, square, count), pair| {
             (product + pair[0] * pair[1], square + pair[0] * pair[0], count + 1)
         });
         let place = bad.scenario.sensor_place(sensor);
