@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::Path;
 
+use kalmanscope_cli::with_spread;
 use kalmanscope_core::free_decay::{Decay, Mode, Ring, Sweep};
 use kalmanscope_core::import::{
     self, Builder, ColumnGuess, ImportError, MappedColumn, Mapping, Table, ThreeAxes, Time, join,
@@ -36,8 +37,10 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
     }
     if let (Some(sweep), Some(_)) = (&sweep, decay) {
         drop(progress);
-        say_modes(&sweep.modes(), "");
-        say(&"it has no free decay: nothing is written");
+        let modes = sweep.modes();
+        say_modes(&modes, "");
+        let found = if modes.is_empty() { "no mode fits it, and it" } else { "it" };
+        say(&format_args!("{found} has no free decay: nothing is written"));
         return Ok(());
     }
     if let Some(decay) = decay {
@@ -121,11 +124,9 @@ fn say_modes(modes: &[Mode], second: &str) {
     for (place, mode) in modes.iter().enumerate() {
         let Mode { frequency, damping_ratio, std: [of_frequency, of_damping], .. } = mode;
         let which = if place > 0 { format!("beside it{second}: ") } else { String::new() };
-        say(&format_args!(
-            "{which}f {frequency:.3} ± {:.3} Hz, ζ {damping_ratio:.4} ± {:.4} (2σ), fitted to all its readings",
-            2.0 * of_frequency,
-            2.0 * of_damping
-        ));
+        let [(f, of_f), (zeta, of_zeta)] =
+            [with_spread(*frequency, *of_frequency), with_spread(*damping_ratio, *of_damping)];
+        say(&format_args!("{which}f {f} ± {of_f} Hz, ζ {zeta} ± {of_zeta} (2σ), fitted to all its readings"));
     }
 }
 

@@ -19,8 +19,8 @@ pub(crate) fn evidence(diagnosis: &Diagnosis) -> Vec<String> {
     counting.sort_by(|a, b| b.effect.total_cmp(&a.effect));
     let line = |one: &&Evidence| {
         let p = match one.p_value {
-            p if p < LEAST_P => format!(" (p < {LEAST_P:e})"),
-            p if p < 1.0 => format!(" (p = {p:.0e})"),
+            p if p > 0.0 && p < LEAST_P => format!(" (p < {LEAST_P:e})"),
+            p if p > 0.0 && p < 1.0 => format!(" (p = {p:.0e})"),
             _ => String::new(),
         };
         format!("{}: {}{p}", one.test.name, one.sentence)

@@ -34,7 +34,7 @@ use kalmanscope_core::{Record, Run, RunError, Scenario};
 
 pub use causes::{FilterProgress, Work, causes};
 pub use estimates_csv::{harmless, write_estimates};
-pub use number::significant;
+pub use number::{significant, with_spread};
 pub use plot::{pages, svg};
 pub use report::{Parts, day, report};
 pub use results::Results;

@@ -27,7 +27,7 @@ fn decimals(spread: f64) -> Option<usize> {
 
 /// A value and twice its standard deviation, both to the last digit that the standard deviation supports: `4.812`,
 /// `0.035`.
-pub(crate) fn with_spread(value: f64, std: f64) -> (String, String) {
+pub fn with_spread(value: f64, std: f64) -> (String, String) {
     let spread = 2.0 * std;
     if spread == 0.0 {
         return (plain(value), "0".to_owned());

@@ -352,3 +352,21 @@ fn a_pattern_in_innovations_that_are_no_larger_than_expected_is_not_called_overc
     }
     assert!(left >= 8, "{left} of ten");
 }
+
+/// The input's gain times the sensor's is all that a displacement knows of either.
+#[test]
+fn two_gains_of_which_only_the_product_is_known_are_named() {
+    for seed in SEEDS {
+        let both = "augment = [\"input_gain\", \"sensor_gain_displacement\"]\n\
+                    initial_std = { input_gain = 0.3, sensor_gain_displacement = 0.3 }\n";
+        let one = "augment = [\"input_gain\"]\n";
+        let [both, one] = [both, one].map(|augment| {
+            let truth =
+                "[plant]\nnatural_frequency = 6.0\n[[sensors]]\nmeasures = \"displacement\"\nnoise_std = 0.005\n";
+            let text = format!("seed = {seed}\nduration = 60.0\n{truth}[[filters]]\nfading = 1.0\n{augment}");
+            verdict_without_truth(&Scenario::from_toml(&text).unwrap()).unwrap().reason
+        });
+        let words = "of the input gain and the sensor gain of the displacement only the product is known";
+        assert!(both.contains(words) && !one.contains("is known, to"), "{seed}: {both}; {one}");
+    }
+}

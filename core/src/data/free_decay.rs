@@ -1,5 +1,4 @@
-//! Free decays in readings: of an accelerometer that was plucked and let go, and in the sound of a thing that was struck; and the sweep of
-//! a printer.
+//! Free decays of an accelerometer that was plucked, and in the sound of a thing that was struck; the sweep of a printer.
 
 mod decay;
 mod modes;

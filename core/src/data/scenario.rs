@@ -144,7 +144,7 @@ impl Scenario {
         }
     }
 
-    /// What the sensors measure, in their order.
+    /// The quantity of each sensor.
     pub fn measured(&self) -> Vec<Quantity> {
         self.sensors.iter().map(|sensor| sensor.measures).collect()
     }

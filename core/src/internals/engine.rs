@@ -8,6 +8,6 @@ pub use crate::mathematics::engine::list::{Node, Operation};
 pub use crate::mathematics::engine::notes::Notes;
 pub use crate::mathematics::engine::number::Function;
 #[cfg(target_arch = "wasm32")]
-pub use crate::mathematics::engine::pair::Pair;
+pub use crate::mathematics::engine::pair::LanePair;
 pub use crate::numbers::score::lanes::{Run, outcomes};
 pub use crate::samples::estimator::setup::Setup;

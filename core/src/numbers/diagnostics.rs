@@ -204,8 +204,7 @@ impl Diagnostics {
     ///
     /// over all channels of known truth and positive variance.
     ///
-    /// Source: Bar-Shalom, Li and Kirubarajan (2001), *Estimation with Applications to Tracking and Navigation*, section
-    /// 5.4.
+    /// Source: Bar-Shalom, Li and Kirubarajan (2001), *Estimation with Applications to Tracking and Navigation*, section 5.4.
     pub fn nees(&self) -> &[f64] {
         &self.nees.values
     }
@@ -246,8 +245,7 @@ impl Diagnostics {
         self.nis.moving_means(window, range)
     }
 
-    /// The mean NIS of all samples with a measurement, and its 95 % interval: the innovations of a consistent filter are
-    /// independent.
+    /// The mean NIS of all samples with a measurement, and its 95 % interval for independent innovations.
     pub fn mean_nis(&self) -> Option<MeanSquare> {
         let total = self.nis.whole();
         MeanSquare::new(total, total.samples)

@@ -32,8 +32,7 @@ pub struct FreeRun {
     pub part: Range<usize>,
     /// The samples at the beginning from which the motion was fitted; they do not count in the fits, and those after a pluck neither.
     pub fitted: usize,
-    /// The predicted readings of each of the record's sensors over the part; NaN where the model has none or has run
-    /// away.
+    /// The predicted readings of each of the record's sensors over the part; NaN where the model lacks one or has run away.
     pub predicted: Vec<Vec<f64>>,
     /// The fit to each sensor's measurements. `None` if there is nothing to compare.
     pub fits: Vec<Option<Fit>>,

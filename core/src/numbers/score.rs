@@ -153,8 +153,7 @@ pub struct Outcome {
     pub looks: Vec<Look>,
 }
 
-/// Limits the error, in standard deviations: above it, and above the truth and the initial uncertainty, the truth is
-/// lost.
+/// The truth is lost above this error in standard deviations, if it is above the truth and the initial σ too.
 pub(crate) const LOST: f64 = 10.0;
 
 /// The running sums of one channel of known truth, in its unit.

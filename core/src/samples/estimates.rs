@@ -305,8 +305,7 @@ impl Estimates {
         &self.nis
     }
 
-    /// The determinant of S at every sample; NaN where nothing was measured, zero or infinite where it underflows or
-    /// overflows.
+    /// The determinant of S at every sample; NaN where nothing was measured, zero or infinite beyond the range of numbers.
     pub fn determinant(&self) -> &[f64] {
         &self.determinant
     }

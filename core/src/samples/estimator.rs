@@ -5,6 +5,7 @@ pub(crate) mod engine;
 pub(crate) mod in_units;
 pub(crate) mod sampled;
 pub(crate) mod setup;
+pub(crate) mod update;
 
 use crate::data::record::Parts;
 use crate::mathematics::filter::Gaussian;

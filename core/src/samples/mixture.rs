@@ -15,7 +15,7 @@ pub(crate) mod walk;
 use crate::data::record::Parts;
 use crate::mathematics::mixed::{Moments, mean};
 use crate::samples::estimator::Estimator;
-use crate::samples::estimator::engine::Update;
+use crate::samples::estimator::update::Update;
 use crate::samples::sink::{LastSample, Sample, Sink};
 use crate::{FilterError, FilterSettings};
 

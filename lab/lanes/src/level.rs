@@ -13,7 +13,7 @@ pub const LANES: usize = if cfg!(target_arch = "wasm32") { 2 } else { 8 };
 #[cfg(not(target_arch = "wasm32"))]
 type Numbers = engine::Lanes<LANES>;
 #[cfg(target_arch = "wasm32")]
-type Numbers = engine::Pair;
+type Numbers = engine::LanePair;
 
 /// A set of instructions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

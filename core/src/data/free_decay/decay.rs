@@ -120,10 +120,7 @@ impl Decay {
     /// # Errors
     /// [`NoDecay`] if there is none.
     pub fn all(readings: &[[f64; 4]]) -> Result<Vec<Self>, NoDecay> {
-        let mut readings: Vec<[f64; 4]> =
-            readings.iter().copied().filter(|reading| reading.iter().all(|x| x.is_finite())).collect();
-        sort_items(&mut readings, |a, b| a[0].total_cmp(&b[0]));
-        readings.dedup_by(|later, before| later[0] <= before[0]);
+        let readings = in_order(readings);
         let pace = Pace::of(&readings);
         if pace.is_too_short(&readings) {
             let (readings, seconds) = (readings.len(), seconds(&readings));
@@ -271,6 +268,15 @@ pub(crate) fn side_of(times: &[f64], values: &[f64]) -> usize {
 
 fn seconds(readings: &[[f64; 4]]) -> f64 {
     readings.last().zip(readings.first()).map_or(0.0, |(last, first)| last[0] - first[0])
+}
+
+/// The readings without those that lack a number, in the order of their times, of each time the first.
+pub(super) fn in_order(readings: &[[f64; 4]]) -> Vec<[f64; 4]> {
+    let is_whole = |reading: &[f64; 4]| reading.iter().all(|x| x.is_finite());
+    let mut readings: Vec<[f64; 4]> = readings.iter().copied().filter(is_whole).collect();
+    sort_items(&mut readings, |a, b| a[0].total_cmp(&b[0]));
+    readings.dedup_by(|later, before| later[0] <= before[0]);
+    readings
 }
 
 /// Readings along the axis on which they vary most.

@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::Mode;
-use super::decay::Along;
+use super::decay::{Along, in_order};
 use super::modes::highest;
 use crate::mathematics::least_squares::{NormalEquations, descend};
 use crate::mathematics::lists::{numbers, sort_numbers};
@@ -45,8 +45,9 @@ const CLOSE: f64 = 2.0;
 /// A window is in the sweep up to this distance from its line \[Hz\]; of those in its part, at least this share.
 const NEAR: f64 = 1.5;
 const LINED: f64 = 0.6;
-/// Limits from below the windows of a sweep, and the last frequency over the first one.
+/// Limits the windows, all of which are compared, and from below the last frequency over the first one.
 const FEWEST: usize = 40;
+const MOST: usize = 1200;
 const RISE: f64 = 2.0;
 const DAMPING: [f64; 3] = [0.01, 0.04, 0.12];
 const TRIES: usize = 30;
@@ -55,7 +56,7 @@ const ROUNDS: usize = 3;
 const LOWEST: f64 = 10.0;
 const GRID: usize = 48;
 const WIDER: f64 = 1.5;
-/// What is left in windows may be alike over fewer than this many.
+/// Windows that are closer than this number may have residuals that resemble each other.
 const LAGS: usize = 12;
 /// The pulses are not quite the wave that the model has: bands of f and ζ are wider by these factors, set on 195 simulated sweeps.
 const OF_DRIVE: [f64; 2] = [1.2, 1.5];
@@ -72,11 +73,15 @@ const SMALL: f64 = 1e-6;
 impl Sweep {
     /// The sweep in readings of time \[s\] and three accelerations \[m/s²\]. `None` where no line runs up through the frequencies.
     pub fn of(readings: &[[f64; 4]]) -> Option<Self> {
-        let Along { times, along, .. } = Along::of(readings);
+        let Along { times, along, .. } = Along::of(&in_order(readings));
         let readings: Vec<[f64; 2]> = times.iter().zip(&along).map(|(time, x)| [*time, *x]).collect();
         let (begin, end) = (readings.first()?[0], readings.last()?[0]);
         let (mut points, mut slopes) = (Vec::<[f64; 2]>::new(), Vec::new());
-        for k in 0..((end - begin) / WINDOW) as usize {
+        let windows = ((end - begin) / WINDOW) as usize;
+        if windows > MOST {
+            return None;
+        }
+        for k in 0..windows {
             let window = within(&readings, begin + WINDOW * k as f64);
             let values = numbers(window.len(), &|k| window[k][1]);
             if let Some(turn) = highest(window, &values, |_| true) {
@@ -104,7 +109,8 @@ impl Sweep {
             sweep.straighten()?;
         }
         sweep.look(&readings);
-        Some(sweep)
+        // A pause leaves windows without a number.
+        sweep.seen.iter().all(|seen| seen.norm_sqr().is_finite()).then_some(sweep)
     }
 
     fn frequency(&self, time: f64) -> f64 {
@@ -127,7 +133,7 @@ impl Sweep {
     fn look(&mut self, readings: &[[f64; 2]]) {
         self.seen.clear();
         for time in self.times() {
-            let mut mean = Mean::default();
+            let mut mean = WindowMean::default();
             for [at, x] in within(readings, self.part[0] + time - 0.5 * WINDOW) {
                 let after = at - self.part[0];
                 mean.add(after - time, turn(-self.phase(after)) * (2.0 * x));
@@ -136,7 +142,7 @@ impl Sweep {
         }
     }
 
-    /// Takes the parabola through the phases that are left out of them, by the law.
+    /// Fits a parabola to the phases of the windows, and corrects the law by it.
     fn straighten(&mut self) -> Option<()> {
         let (mut equations, mut before, mut phase) = (NormalEquations::<3>::new(), Complex::ONE, 0.0);
         for (time, seen) in self.times().zip(&self.seen) {
@@ -151,8 +157,7 @@ impl Sweep {
         Some(())
     }
 
-    /// Its one or two modes with their shares of the motion as amplitudes, the larger one first. Their standard deviations are those of
-    /// what is left in the windows.
+    /// Its one or two modes, the larger one first, with their shares of the motion as amplitudes; none where no fit is found.
     pub fn modes(&self) -> Vec<Mode> {
         self.fit().unwrap_or_default()
     }
@@ -273,7 +278,7 @@ impl Sweep {
             let equations = |at: &Numbers, (): &()| self.normal(modes, at, is_free);
             descend(start, (TRIES, 1e-12), |cost| 1e-9 * cost, |at| (self.cost(at), ()), equations, step)
         };
-        // What is small of the law only helps near the end.
+        // The bend and the logarithm of the law change little: they are fitted last.
         descend(descend(start, false).1, true)
     }
 
@@ -301,7 +306,7 @@ impl Sweep {
     }
 
     fn with_bands(&self, modes: usize, (cost, at): &(f64, Numbers)) -> Option<Vec<Mode>> {
-        // Windows overlap, and a model that is not quite right leaves long waves: a sum over them varies by more than if they were white.
+        // Residuals of neighbouring windows are correlated, which widens the bands.
         let rests = self.rests(at);
         let alike = |lag: usize| rests.iter().zip(&rests[lag..]).map(|(a, b)| (a * b.conj()).re).sum::<f64>() / cost;
         let waves: f64 = (1..LAGS).map(|lag| 2.0 * (1.0 - lag as f64 / LAGS as f64) * alike(lag)).sum();
@@ -345,7 +350,7 @@ impl Sweep {
         let mut rests = Vec::with_capacity(self.seen.len());
         for (time, seen) in self.times().zip(&self.seen) {
             let first = ((time / STEP + 0.5) as usize).saturating_sub(side);
-            let mut mean = Mean::default();
+            let mut mean = WindowMean::default();
             for (k, value) in (first..).zip(&motion[first..(first + 2 * side + 1).min(count)]) {
                 mean.add(STEP * k as f64 - time, *value);
             }
@@ -383,12 +388,12 @@ fn within(readings: &[[f64; 2]], from: f64) -> &[[f64; 2]] {
 
 /// A mean of values in a window under cos⁴: harmonics, and what turns backward, leave next to nothing in it.
 #[derive(Default)]
-struct Mean {
+struct WindowMean {
     sum: Complex,
     weights: f64,
 }
 
-impl Mean {
+impl WindowMean {
     /// Adds a value at a time from the middle of the window \[s\].
     fn add(&mut self, time: f64, value: Complex) {
         let weight = libm::cos(PI * time.clamp(-0.5 * WINDOW, 0.5 * WINDOW) / WINDOW).powi(4);
@@ -409,4 +414,32 @@ fn median(mut numbers: Vec<f64>) -> Option<f64> {
 fn turn(phase: f64) -> Complex {
     let (sin, cos) = libm::sincos(phase);
     Complex::new(cos, sin)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A wave whose frequency rises by 1 Hz/s from 5 Hz, read 200 times a second, in another order where asked.
+    fn rising(seconds: f64, is_turned: bool) -> Vec<[f64; 4]> {
+        let wave = |t: f64| (5.0 + t) * libm::sin(TAU * t * (5.0 + 0.5 * t));
+        let all = (0..(200.0 * seconds) as usize).map(|k| k as f64 / 200.0).map(|t| [t, wave(t), 0.1 * wave(t), 9.81]);
+        if is_turned { all.rev().collect() } else { all.collect() }
+    }
+
+    #[test]
+    fn a_rising_line_is_a_sweep_in_any_order_and_nothing_else_is() {
+        let found = [false, true].map(|is_turned| Sweep::of(&rising(60.0, is_turned)).unwrap());
+        assert_eq!(found[0].range, found[1].range);
+        assert!((found[0].range[1] - found[0].range[0] - 59.5).abs() < 1.0, "{:?}", found[0].range);
+        let mut others = vec![Vec::new(), vec![[f64::NAN; 4]; 50], rising(10.0, false), rising(60.0, false)];
+        others[3].iter_mut().for_each(|reading| reading[0] *= 1e15);
+        others.push(rising(60.0, false).into_iter().filter(|reading| !(30.0..31.0).contains(&reading[0])).collect());
+        others.push((0..40_000).map(|k| [f64::from(k), 1.0, 0.0, 9.81]).collect());
+        for readings in others {
+            assert!(
+                Sweep::of(&readings).is_none_or(|sweep| sweep.modes().iter().all(|mode| mode.frequency.is_finite()))
+            );
+        }
+    }
 }

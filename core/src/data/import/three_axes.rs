@@ -40,8 +40,7 @@ impl ThreeAxes {
         Some(Self { time: (time, second), axes: (axes, size) })
     }
 
-    /// Time \[s\] and three accelerations \[m/s²\] of each row. The time begins at zero: an epoch in nanoseconds has too many
-    /// digits.
+    /// Time \[s\] and three accelerations \[m/s²\] of each row. It begins at zero: an epoch in ns has too many digits.
     pub fn readings(&self, table: &Table) -> Vec<[f64; 4]> {
         let Self { time: (time, second), axes: (axes, unit) } = *self;
         let column = |place: usize| &table.columns[place].values;

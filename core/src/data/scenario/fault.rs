@@ -264,13 +264,13 @@ struct Entries<T>(Vec<(String, T)>);
 
 impl<'de, T: Deserialize<'de>> Deserialize<'de> for Entries<T> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_map(Table(PhantomData))
+        deserializer.deserialize_map(OfEntries(PhantomData))
     }
 }
 
-struct Table<T>(PhantomData<T>);
+struct OfEntries<T>(PhantomData<T>);
 
-impl<'de, T: Deserialize<'de>> de::Visitor<'de> for Table<T> {
+impl<'de, T: Deserialize<'de>> de::Visitor<'de> for OfEntries<T> {
     type Value = Entries<T>;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

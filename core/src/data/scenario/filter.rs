@@ -187,8 +187,7 @@ impl FilterSettings {
         self.guesses == 1 && self.walk == 0.0 && self.process_scales == 1
     }
 
-    /// Whether the filter can consider channels without estimating them: mean and covariance are all of its belief, and nothing else
-    /// changes them.
+    /// Whether the filter can consider channels without estimating them: its belief is mean and covariance alone.
     pub fn can_consider(&self) -> bool {
         self.is_one() && self.kind.is_gaussian() && !self.adaptation.is_on() && !self.jump && !self.smoother
     }
@@ -214,8 +213,7 @@ impl FilterSettings {
         self.kind.is_gaussian() && !self.adaptation.sensor_noise
     }
 
-    /// Whether the filter can be one of two that mix: mean and covariance are all of its belief, and nothing else follows from its
-    /// innovations.
+    /// Whether the filter can be one of two that mix: nothing but mean and covariance follows from its innovations.
     pub fn can_mix(&self) -> bool {
         !self.adaptation.is_on() && self.process_scales == 1 && self.plucks.is_empty() && self.has_gaussian_belief()
     }

@@ -113,8 +113,7 @@ impl Change {
         self.keys().all(|key| address::split_id(key).is_some())
     }
 
-    /// Whether the results of a filter of both scenarios differ: by a setting of its own, other than its name and its colour, or by
-    /// the record.
+    /// Whether the results of a filter of both scenarios differ: by a setting but its name and colour, or by the record.
     pub fn concerns(&self, id: u32) -> bool {
         let of_look = |key: &str| matches!(key, "name" | "color");
         let is_own = |key: &str| address::split_id(key).is_some_and(|(of, key)| of == id && !of_look(key));

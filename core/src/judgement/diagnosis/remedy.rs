@@ -92,8 +92,7 @@ pub(super) struct Ranked {
 }
 
 impl Trials {
-    /// The causes that have been found so far, each once: first those with a remedy that ends in a good verdict, then
-    /// the likeliest.
+    /// The causes found so far, each once: first those whose remedy ends in a good verdict, then the likeliest.
     pub fn remedies(&self) -> Vec<Remedy> {
         self.ranked().into_iter().map(|ranked| ranked.remedy).collect()
     }

@@ -1,5 +1,4 @@
-//! Trials: the filter runs again with an edit made, and its likelihood shows whether that was the cause. No truth is
-//! needed.
+//! Trials: the filter runs again with an edit made, and its likelihood shows, without any truth, whether that was the cause.
 
 use std::sync::Arc;
 
@@ -125,8 +124,7 @@ impl Trials {
         }
     }
 
-    /// Goes on while `while_time` returns true; it is called after each small piece of work. Returns whether all is
-    /// done.
+    /// Continues while `while_time`, called after each small piece of work, is true. Returns whether all is done.
     pub fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
         while !self.is_done() {
             let Some((mut pass, mut estimates)) = self.current.take().or_else(|| self.begin()) else {

@@ -119,7 +119,7 @@ fn fit(case: &Case<'_>, said: &[Subject]) -> String {
 const RIDGE: f64 = 0.02;
 
 /// A parameter that is known to this share of itself is known.
-const KNOWN: f64 = 0.03;
+const KNOWN: f64 = 0.01;
 
 /// Pairs of parameters of which only the product or the ratio is known, with its relative standard deviation.
 ///
@@ -130,11 +130,9 @@ fn ridges(case: &Case<'_>, last: usize) -> String {
     let (estimates, channels) = (case.estimates, case.estimates.channels());
     let n = channels.len();
     let (mean, cov) = (estimates.mean(last), estimates.cov(last));
-    if cov.is_empty() {
-        return String::new();
-    }
     let relative = |i: usize, j: usize| cov[j * n + i] / (mean[i] * mean[j]);
-    let counts = |i: &usize| channels[*i].is_parameter() && relative(*i, *i) > KNOWN * KNOWN;
+    // The matrices of an earlier part of a record may be dropped.
+    let counts = |i: &usize| !cov.is_empty() && channels[*i].is_parameter() && relative(*i, *i) > KNOWN * KNOWN;
     let mut text = String::new();
     for i in (0..n).filter(counts) {
         for j in (i + 1..n).filter(counts) {

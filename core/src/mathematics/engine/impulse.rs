@@ -10,8 +10,7 @@ use super::number::Number;
 /// exp(A dt) = [1 + a q, h; a h, 1 + a q + b h],  Γ₁ = [h - b q, q; a q, h],  Γ₂ = [q - b p, p; a p, q]
 /// ```
 ///
-/// All are entire functions of a and b: one series serves the underdamped, critical, overdamped and unstable oscillator and
-/// the free mass.
+/// All are entire functions of a and b: one series serves underdamped, critical, overdamped and unstable oscillators, and free masses.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Impulse<T> {
     /// h \[s\]

@@ -1,9 +1,8 @@
-//! The number of one run, and numbers side by side, as plain arrays: straight lines of code that the compiler turns into vector
-//! instructions.
+//! The number of one run, and numbers side by side as arrays: straight lines of code that become vector instructions.
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-use super::number::{Function, Mask, Number, Real};
+use super::number::{Function, Mask, Number, Real, one_point};
 
 /// The numbers of L runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -143,20 +142,9 @@ impl<const L: usize> Real for Lanes<L> {
 
 impl<const L: usize> Number for Lanes<L> {
     type Mask = Bits<L>;
-    type Pack = Self;
 
     const LANES: usize = L;
-    const POINTS: usize = 1;
-
-    #[inline(always)]
-    fn pack(of: impl Fn(usize) -> Self) -> Self {
-        of(0)
-    }
-
-    #[inline(always)]
-    fn of_pack(pack: Self, _: usize) -> Self {
-        pack
-    }
+    one_point!();
 
     #[inline(always)]
     fn from_lanes(of: impl Fn(usize) -> f64) -> Self {
@@ -245,15 +233,13 @@ impl Number for f64 {
     type Mask = bool;
     #[cfg(not(target_arch = "wasm32"))]
     type Pack = Lanes<4>;
-    // A page has one way only, to be smaller.
-    #[cfg(target_arch = "wasm32")]
-    type Pack = Self;
 
     const LANES: usize = 1;
     #[cfg(not(target_arch = "wasm32"))]
     const POINTS: usize = 4;
+    // A page has one way only, to be smaller.
     #[cfg(target_arch = "wasm32")]
-    const POINTS: usize = 1;
+    one_point!();
 
     #[cfg(not(target_arch = "wasm32"))]
     #[inline(always)]
@@ -261,22 +247,10 @@ impl Number for f64 {
         Lanes([of(0), of(1), of(2), of(3)])
     }
 
-    #[cfg(target_arch = "wasm32")]
-    #[inline(always)]
-    fn pack(of: impl Fn(usize) -> Self) -> Self::Pack {
-        of(0)
-    }
-
     #[cfg(not(target_arch = "wasm32"))]
     #[inline(always)]
     fn of_pack(pack: Self::Pack, point: usize) -> Self {
         pack.0[point]
-    }
-
-    #[cfg(target_arch = "wasm32")]
-    #[inline(always)]
-    fn of_pack(pack: Self::Pack, _: usize) -> Self {
-        pack
     }
 
     #[inline(always)]

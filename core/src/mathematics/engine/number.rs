@@ -111,6 +111,26 @@ pub trait Number: Real {
     }
 }
 
+/// The items of [`Number`] of a number that moves one point at a time.
+macro_rules! one_point {
+    () => {
+        type Pack = Self;
+
+        const POINTS: usize = 1;
+
+        #[inline(always)]
+        fn pack(of: impl Fn(usize) -> Self) -> Self {
+            of(0)
+        }
+
+        #[inline(always)]
+        fn of_pack(pack: Self, _: usize) -> Self {
+            pack
+        }
+    };
+}
+pub(super) use one_point;
+
 /// A function of one number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Function {

@@ -7,15 +7,15 @@ use std::arch::wasm32::{
 };
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-use super::number::{Function, Mask, Number, Real};
+use super::number::{Function, Mask, Number, Real, one_point};
 
 /// The numbers of two runs.
 #[derive(Clone, Copy, Debug)]
-pub struct Pair(v128);
+pub struct LanePair(v128);
 
 /// Truth values of two runs: all bits of a lane are ones, or none.
 #[derive(Clone, Copy, Debug)]
-pub struct PairBits(v128);
+pub struct LaneBits(v128);
 
 macro_rules! operators {
     ($($trait:ident<$other:ty> $name:ident for $type:ident = |$a:ident, $b:ident| $work:expr;)*) => {
@@ -31,17 +31,17 @@ macro_rules! operators {
     };
 }
 operators! {
-    Add<Self> add for Pair = |a, b| f64x2_add(a, b.0);
-    Sub<Self> sub for Pair = |a, b| f64x2_sub(a, b.0);
-    Mul<Self> mul for Pair = |a, b| f64x2_mul(a, b.0);
-    Div<Self> div for Pair = |a, b| f64x2_div(a, b.0);
-    Add<f64> add for Pair = |a, b| f64x2_add(a, f64x2_splat(b));
-    Mul<f64> mul for Pair = |a, b| f64x2_mul(a, f64x2_splat(b));
-    BitAnd<Self> bitand for PairBits = |a, b| v128_and(a, b.0);
-    BitOr<Self> bitor for PairBits = |a, b| v128_or(a, b.0);
+    Add<Self> add for LanePair = |a, b| f64x2_add(a, b.0);
+    Sub<Self> sub for LanePair = |a, b| f64x2_sub(a, b.0);
+    Mul<Self> mul for LanePair = |a, b| f64x2_mul(a, b.0);
+    Div<Self> div for LanePair = |a, b| f64x2_div(a, b.0);
+    Add<f64> add for LanePair = |a, b| f64x2_add(a, f64x2_splat(b));
+    Mul<f64> mul for LanePair = |a, b| f64x2_mul(a, f64x2_splat(b));
+    BitAnd<Self> bitand for LaneBits = |a, b| v128_and(a, b.0);
+    BitOr<Self> bitor for LaneBits = |a, b| v128_or(a, b.0);
 }
 
-impl Neg for Pair {
+impl Neg for LanePair {
     type Output = Self;
 
     #[inline(always)]
@@ -50,7 +50,7 @@ impl Neg for Pair {
     }
 }
 
-impl Not for PairBits {
+impl Not for LaneBits {
     type Output = Self;
 
     #[inline(always)]
@@ -59,7 +59,7 @@ impl Not for PairBits {
     }
 }
 
-impl Mask for PairBits {
+impl Mask for LaneBits {
     #[inline(always)]
     fn of(value: bool) -> Self {
         Self(i64x2_splat(-i64::from(value)))
@@ -76,7 +76,7 @@ impl Mask for PairBits {
     }
 }
 
-impl Real for Pair {
+impl Real for LanePair {
     #[inline(always)]
     fn of(constant: f64) -> Self {
         Self(f64x2_splat(constant))
@@ -97,22 +97,11 @@ impl Real for Pair {
     }
 }
 
-impl Number for Pair {
-    type Mask = PairBits;
-    type Pack = Self;
+impl Number for LanePair {
+    type Mask = LaneBits;
 
     const LANES: usize = 2;
-    const POINTS: usize = 1;
-
-    #[inline(always)]
-    fn pack(of: impl Fn(usize) -> Self) -> Self {
-        of(0)
-    }
-
-    #[inline(always)]
-    fn of_pack(pack: Self, _: usize) -> Self {
-        pack
-    }
+    one_point!();
 
     #[inline(always)]
     fn from_lanes(of: impl Fn(usize) -> f64) -> Self {
@@ -141,17 +130,17 @@ impl Number for Pair {
     }
 
     #[inline(always)]
-    fn lt(self, other: Self) -> PairBits {
-        PairBits(f64x2_lt(self.0, other.0))
+    fn lt(self, other: Self) -> LaneBits {
+        LaneBits(f64x2_lt(self.0, other.0))
     }
 
     #[inline(always)]
-    fn le(self, other: Self) -> PairBits {
-        PairBits(f64x2_le(self.0, other.0))
+    fn le(self, other: Self) -> LaneBits {
+        LaneBits(f64x2_le(self.0, other.0))
     }
 
     #[inline(always)]
-    fn select(mask: PairBits, yes: Self, no: Self) -> Self {
+    fn select(mask: LaneBits, yes: Self, no: Self) -> Self {
         Self(v128_bitselect(yes.0, no.0, mask.0))
     }
 }

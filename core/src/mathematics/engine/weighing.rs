@@ -1,7 +1,6 @@
 //! Updates that weigh measurements, lane by lane.
 //!
-//! A lane whose weights have settled keeps its measurements and R through the passes of the others, and so has the same update
-//! again.
+//! A lane whose weights have settled keeps its measurements and R while others iterate, and so the same update.
 
 use super::belief::{Belief, Noise};
 use super::columns::{factor, square};

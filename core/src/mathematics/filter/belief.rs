@@ -119,8 +119,7 @@ impl Noise {
         self.process.sum().is_finite() && self.sensors.iter().all(|r| r.is_finite())
     }
 
-    /// Replaces the covariance P by `λ P + Q`, symmetric to the last bit. A variance that rounding made negative
-    /// becomes zero.
+    /// Replaces P by `λ P + Q`, symmetric to the last bit. A variance that rounding made negative becomes zero.
     pub fn spread(&self, cov: &mut Matrix) {
         let Self { process, sensors: _, fading } = self;
         for (cov, process) in cov.as_mut_slice().iter_mut().zip(process.as_slice()) {

@@ -60,8 +60,7 @@ impl KalmanFilter {
     /// n × 0. `initial` has the mean and the covariance P of the state.
     ///
     /// # Errors
-    /// [`SystemError`]: if the shape of a matrix does not fit the others, a number is not finite, or Q, R or P is no
-    /// covariance.
+    /// [`SystemError`]: the shape of a matrix does not fit, a number is not finite, or Q, R or P is no covariance.
     pub fn new(
         a: Matrix,
         b: Matrix,

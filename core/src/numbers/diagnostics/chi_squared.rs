@@ -12,8 +12,7 @@ use std::ops::RangeInclusive;
 ///
 /// Costs microseconds; [`quick_interval`] costs nanoseconds.
 ///
-/// Source: Bar-Shalom, Li and Kirubarajan (2001), *Estimation with Applications to Tracking and Navigation*, section
-/// 5.4.
+/// Source: Bar-Shalom, Li and Kirubarajan (2001), *Estimation with Applications to Tracking and Navigation*, section 5.4.
 pub fn interval(degrees: u32, samples: u32) -> Option<RangeInclusive<f64>> {
     let samples = (samples > 0).then_some(f64::from(samples))?;
     Some(quantile(0.025, degrees)? / samples..=quantile(0.975, degrees)? / samples)

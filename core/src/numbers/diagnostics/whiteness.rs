@@ -16,8 +16,7 @@ pub const LAGS: usize = 20;
 ///
 /// A sample without a measurement is left out: the lag counts measurements.
 ///
-/// Source: Bar-Shalom, Li and Kirubarajan (2001), *Estimation with Applications to Tracking and Navigation*, section
-/// 5.4.
+/// Source: Bar-Shalom, Li and Kirubarajan (2001), *Estimation with Applications to Tracking and Navigation*, section 5.4.
 #[derive(Clone, Debug)]
 pub struct Whiteness {
     samples: u32,

@@ -40,15 +40,16 @@ impl Estimates {
         self.variance.recycle(old.variance, samples.min(ROOM));
     }
 
-    /// Drops the covariances and gains of all samples so far, which is more than half of the memory. Diagnostics must
+    /// Drops the covariances and gains of all samples so far but the last, which is more than half of the memory. Diagnostics must
     /// have followed before; a diagnosis, its causes and a free run need only the rest: means, variances, innovations
     /// and their covariances. [`Self::cov`] and [`Self::gain`] of these samples are empty from now on;
     /// [`Self::checksum`] leaves them out.
     pub fn drop_matrices(&mut self) {
-        self.cov.clear();
-        self.dropped = self.len();
+        let (n, m) = (self.channels.len(), self.sensors.len());
+        self.cov.drain(..self.cov.len().saturating_sub(n * n));
+        self.dropped = self.len().saturating_sub(1);
         if self.dropped_gains() > 0 {
-            self.gain.clear();
+            self.gain.drain(..self.gain.len().saturating_sub(n * m));
         }
     }
 
@@ -167,8 +168,8 @@ mod tests {
                 history.forget(forgotten - history.forgotten());
                 for k in forgotten..201 {
                     let (cov, gain) = (history.cov(k - forgotten), history.gain(k - forgotten));
-                    let keeps_gain = k >= 100 || whole.kind() == FilterKind::PF;
-                    assert_eq!(cov, if k < 100 { &[][..] } else { whole.cov(k) }, "{forgotten} {k}");
+                    let keeps_gain = k >= 99 || whole.kind() == FilterKind::PF;
+                    assert_eq!(cov, if k < 99 { &[][..] } else { whole.cov(k) }, "{forgotten} {k}");
                     assert_eq!(gain, if keeps_gain { whole.gain(k) } else { &[][..] }, "{forgotten} {k}");
                     assert_eq!(history.mean(k - forgotten), whole.mean(k));
                     assert_eq!(history.std(k - forgotten, 2), whole.std(k, 2));

@@ -2,17 +2,16 @@
 
 use crate::data::record::Parts as PartsOfStep;
 use crate::mathematics::engine::belief::Belief;
-use crate::mathematics::engine::columns::{factor, mirror, square};
+use crate::mathematics::engine::columns::mirror;
 use crate::mathematics::engine::design::Method;
 use crate::mathematics::engine::filter::{Filter, Parts};
 use crate::mathematics::engine::level::{Baseline, Known, Level};
 use crate::mathematics::engine::update::Told;
 use crate::mathematics::filter::Gaussian;
-use crate::mathematics::filter::robust::Robust;
-use crate::mathematics::gaussian_likelihood::part_of;
-use crate::mathematics::lists::{mapped, numbers, places};
+use crate::mathematics::lists::mapped;
 use crate::samples::estimator::in_units::InUnits;
 use crate::samples::estimator::setup::{Setup, filter};
+use crate::samples::estimator::update::Update;
 use crate::samples::estimator::{Estimator, State};
 use crate::samples::plucks::Plucks;
 use crate::samples::sink::{AssumedNoise, Sample, Sink};
@@ -62,18 +61,6 @@ impl<L: Level> Steps for L {
         }
         told
     }
-}
-
-/// The result of an update, for all m sensors: e, m numbers; S, m × m; K, n × m.
-#[derive(Clone)]
-pub(crate) struct Update {
-    pub(crate) innovation: Vec<f64>,
-    pub(crate) innovation_cov: Vec<f64>,
-    pub(crate) gain: Vec<f64>,
-    /// The readings before those of e, S and K within the same sample, by the same sensors.
-    pub(crate) earlier: u32,
-    pub(crate) nis: f64,
-    pub(crate) determinant: f64,
 }
 
 /// What a filter learns, for all sensors: one that the model lacks keeps its R. The memory of a report.
@@ -401,110 +388,5 @@ impl Learnt {
 impl<'a> Sample<'a> {
     pub(super) fn with_prior(self, prior: &'a Belief<f64>) -> Self {
         Self { prior_mean: &prior.mean, prior_cov: &prior.cov, ..self }
-    }
-}
-
-impl Update {
-    pub(crate) fn nothing(n: usize, m: usize) -> Self {
-        let nan = f64::NAN;
-        let (innovation, innovation_cov) = (vec![nan; m], vec![nan; m * m]);
-        Self { innovation, innovation_cov, gain: vec![0.0; n * m], earlier: 0, nis: nan, determinant: nan }
-    }
-
-    fn clear(&mut self) {
-        self.innovation.fill(f64::NAN);
-        self.innovation_cov.fill(f64::NAN);
-        self.gain.fill(0.0);
-        (self.earlier, self.nis, self.determinant) = (0, f64::NAN, f64::NAN);
-    }
-
-    fn take(&mut self, places: &[usize], active: &[usize], [innovation, innovation_cov, gain]: [&[f64]; 3]) {
-        let (m, count) = (self.innovation.len(), active.len());
-        let n = self.gain.len() / m.max(1);
-        for (i, &row) in active.iter().enumerate() {
-            let row = places[row];
-            self.innovation[row] = innovation[i];
-            self.gain[row * n..(row + 1) * n].copy_from_slice(&gain[i * n..(i + 1) * n]);
-            for (j, &column) in active.iter().enumerate() {
-                self.innovation_cov[places[column] * m + row] = innovation_cov[i.min(j) * count + i.max(j)];
-            }
-        }
-    }
-
-    /// A later update within a sample is independent of this one; e, S and K of a sensor in both are the later ones.
-    fn add(&mut self, later: &Self) {
-        let m = self.innovation.len();
-        let n = self.gain.len() / m.max(1);
-        let is_in = |update: &Self, sensor: usize| !update.innovation[sensor].is_nan();
-        for row in 0..m {
-            if !is_in(later, row) {
-                continue;
-            }
-            self.earlier += u32::from(is_in(self, row));
-            self.innovation[row] = later.innovation[row];
-            for other in 0..m {
-                let both = match (is_in(later, other), is_in(self, other)) {
-                    (true, _) => later.innovation_cov[other * m + row],
-                    (false, true) => 0.0,
-                    (false, false) => f64::NAN,
-                };
-                (self.innovation_cov[other * m + row], self.innovation_cov[row * m + other]) = (both, both);
-            }
-        }
-        for (own, later) in self.gain.chunks_exact_mut(n.max(1)).zip(later.gain.chunks_exact(n.max(1))) {
-            if later.iter().any(|gain| *gain != 0.0) {
-                own.copy_from_slice(later);
-            }
-        }
-        if self.nis.is_nan() {
-            (self.nis, self.determinant) = (later.nis, later.determinant);
-        } else if !later.nis.is_nan() {
-            (self.nis, self.determinant) = (self.nis + later.nis, self.determinant * later.determinant);
-        }
-    }
-
-    /// S with the R of the settings, which is what they claim. A reading that counts next to nothing is reported as none.
-    fn claim(&mut self, places: &[usize], active: &[usize], weights: &[f64], variances: &[f64]) {
-        let m = self.innovation.len();
-        for &sensor in active {
-            let (own, weight, place) = (variances[sensor], weights[sensor], places[sensor]);
-            if weight >= Robust::LEFT_OUT {
-                self.innovation_cov[place * (m + 1)] += own - own / weight;
-                continue;
-            }
-            self.innovation[place] = f64::NAN;
-            for other in 0..m {
-                self.innovation_cov[place * m + other] = f64::NAN;
-                self.innovation_cov[other * m + place] = f64::NAN;
-            }
-        }
-    }
-
-    /// NIS and det S of e and S, where a sensor has an innovation and S is positive definite; else NaN.
-    pub(crate) fn take_squares(&mut self) {
-        let m = self.innovation.len();
-        let kept = places(m, &|sensor| !self.innovation[sensor].is_nan());
-        let mut lower = part_of(&self.innovation_cov, m, &kept);
-        let mut white = numbers(kept.len(), &|i| self.innovation[kept[i]]);
-        let (determinant, is_positive) = factor(&mut lower, kept.len());
-        (self.nis, self.determinant) = if is_positive && !kept.is_empty() {
-            (square(&lower, kept.len(), &mut white), determinant)
-        } else {
-            (f64::NAN, f64::NAN)
-        };
-    }
-
-    pub(crate) fn sample<'a>(&'a self, mean: &'a [f64], cov: &'a [f64]) -> Sample<'a> {
-        let Self { innovation, innovation_cov, gain, earlier, nis, determinant } = self;
-        let unmeasured = Sample::unmeasured(mean, cov);
-        Sample {
-            innovation,
-            innovation_cov,
-            gain,
-            earlier: *earlier,
-            nis: *nis,
-            determinant: *determinant,
-            ..unmeasured
-        }
     }
 }

@@ -125,8 +125,7 @@ const HEADER: usize = 12;
 
 /// Universal files of modal analysis: data sets 58 with functions of time, as text.
 ///
-/// Source: University of Cincinnati, Structural Dynamics Research Laboratory, Universal file formats for modal analysis testing, data
-/// set 58.
+/// Source: University of Cincinnati, Universal file formats for modal analysis testing, data set 58.
 pub(super) fn uff58(lines: &[&str]) -> Option<Layout> {
     let begins = |pair: &[&str]| pair[0].trim() == "-1" && pair[1].trim() == "58";
     (lines.first()?.trim() == "-1" && lines.windows(2).any(begins)).then_some(Layout::Series(next_uff58))

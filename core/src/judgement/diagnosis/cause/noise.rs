@@ -16,7 +16,7 @@ const TOLERANCE: f64 = 1.15;
 /// Limits the factors on a variance that may come first: a larger one silences the sensor.
 const SILENCE: f64 = 100.0;
 
-/// A variance that is taken for σ makes innovations² so many times 1/σ, or more.
+/// If a variance was given in place of σ, innovations² are about 1/σ times what is expected; from this share of it on it is one.
 const MISTAKEN: f64 = 0.3;
 
 /// The least estimate of R, relative to R.
@@ -53,12 +53,10 @@ fn sensor_noise(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Like
         }
     }
     // A σ below 1 that is a variance.
-    let taken =
-        (0..m).filter(|&i| assumed[i] < 1.0 && case.sensors[i].level(&case.kept) > MISTAKEN / assumed[i].max(LEAST_R));
-    let taken: Vec<usize> = taken.collect();
+    let level = |i: usize| case.sensors[i].level(&case.kept);
+    let taken = places(m, &|i| assumed[i] < 1.0 && level(i) > MISTAKEN / assumed[i].max(LEAST_R));
     if !taken.is_empty() {
-        let turned =
-            (0..m).map(|i| if taken.contains(&i) { assumed[i].sqrt() } else { assumed[i] }).collect::<Vec<_>>();
+        let turned = numbers(m, &|i| if taken.contains(&i) { assumed[i].sqrt() } else { assumed[i] });
         let of = |&i: &usize| {
             let (name, std) = (case.sensors[i].sensor.key(), short(assumed[i]));
             format!(
