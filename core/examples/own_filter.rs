@@ -52,8 +52,8 @@ impl Belief for Doubting {
         kalman::condition(belief, &expected, observation, correction)
     }
 
-    fn renew(&mut self, place: usize, variance: f64) -> Result<(), FilterError> {
-        self.belief.renew(place, variance);
+    fn renew(&mut self, place: usize, kept: f64, variance: f64) -> Result<(), FilterError> {
+        self.belief.renew(place, kept, variance);
         Ok(())
     }
 

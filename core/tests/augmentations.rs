@@ -3,7 +3,7 @@
 use kalmanscope_core::filter::{Matrix, Propagation, Step, Vector};
 use kalmanscope_core::signal::Sine;
 use kalmanscope_core::{
-    Channel, FilterKind, FilterSettings, Hold, Model, PlantKind, Quantity, Scenario, Sensor, Signal,
+    Channel, FilterKind, FilterSettings, Force, Hold, Model, PlantKind, Quantity, Scenario, Sensor, Signal,
 };
 
 use crate::run::{finished, last};
@@ -240,4 +240,58 @@ fn matched_noise_is_consistent_where_an_accelerometer_feels_the_disturbance() {
     let [without, matched] = nis;
     assert!((matched - 2.0).abs() < 0.1, "two sensors: {matched}");
     assert!(without > 10.0, "the disturbance left out: {without}");
+}
+
+/// A plant at rest whose sensor reads a coloured noise: the filter's bias is a scalar Kalman filter, and its smoother a scalar one.
+///
+/// ```text
+/// m⁻ = φ m, P⁻ = φ² P + q²,  K = P⁻ / (P⁻ + r²),  backwards G = φ P / P⁻
+/// ```
+#[test]
+fn a_bias_that_is_forgotten_is_a_gauss_markov_process() {
+    let (tau, new, white, dt) = (0.05, 0.4, 0.3, 0.01);
+    let left = f64::exp(-dt / tau);
+    for kind in
+        [FilterKind::KF, FilterKind::EKF, FilterKind::IEKF, FilterKind::UKF, FilterKind::SR_UKF, FilterKind::CKF]
+    {
+        let mut scenario = scenario(&[Quantity::VELOCITY], kind, &[Quantity::VELOCITY.bias()]);
+        (scenario.duration, scenario.sensors[0].noise_std) = (2.0, 0.5);
+        scenario.force = Force::None;
+        let filter = &mut scenario.filters[0];
+        let bias = Quantity::VELOCITY.bias();
+        (filter.smoother, filter.sensor_std) = (true, vec![white]);
+        for channel in PlantKind::SDOF.channels() {
+            (filter.initial_std[*channel], filter.process_std[*channel]) = (0.0, 0.0);
+        }
+        (filter.initial_std[bias], filter.process_std[bias], filter.correlation_time[bias]) = (1.0, new, tau);
+        let run = finished(&scenario);
+        let (estimates, readings) = (&run.estimates()[0], run.record().measured(0));
+        let place = estimates.place(bias).unwrap();
+        let (mut filtered, mut predicted) = (vec![(0.0, 1.0)], vec![(0.0, 1.0)]);
+        for reading in &readings[1..] {
+            let (mean, variance) = filtered[filtered.len() - 1];
+            let (mean, variance) = (left * mean, left * left * variance + new * new);
+            predicted.push((mean, variance));
+            let gain = variance / (variance + white * white);
+            filtered.push((mean + gain * (reading - mean), (1.0 - gain) * variance));
+        }
+        for (k, (mean, variance)) in filtered.iter().enumerate() {
+            let found = (estimates.mean(k)[place], estimates.std(k, place).powi(2));
+            assert!((found.0 - mean).abs() < 1e-9 && (found.1 - variance).abs() < 1e-9, "{kind:?}, {k}: {found:?}");
+        }
+        let mut smoothed = filtered[filtered.len() - 1];
+        let hindsight = run.smoothed().remove(0);
+        for k in (0..filtered.len() - 1).rev() {
+            let back = left * filtered[k].1 / predicted[k + 1].1;
+            smoothed = (
+                filtered[k].0 + back * (smoothed.0 - predicted[k + 1].0),
+                filtered[k].1 + back * back * (smoothed.1 - predicted[k + 1].1),
+            );
+            let found = (hindsight.mean(k)[place], hindsight.std(k, place).powi(2));
+            assert!(
+                (found.0 - smoothed.0).abs() < 1e-9 && (found.1 - smoothed.1).abs() < 1e-9,
+                "{kind:?}, {k}: {found:?}"
+            );
+        }
+    }
 }

@@ -51,7 +51,8 @@ fn members(scenario: &Scenario) -> [FilterSettings; 2] {
 
 impl<'a> Book<'a> {
     fn new(scenario: &'a Scenario, members: &'a [FilterSettings; 2]) -> Self {
-        let (a, b) = (scenario.dt / 30.0, scenario.dt);
+        let turns = scenario.filters[0].initial_mean[Channel::NATURAL_FREQUENCY] * scenario.dt / std::f64::consts::TAU;
+        let (a, b) = (turns / 30.0, turns);
         let filters = members.each_ref().map(|settings| Textbook::new(scenario, settings, scenario.dt));
         Self { filters, probability: [1.0, 0.0], transition: [[1.0 - a, a], [b, 1.0 - b]] }
     }

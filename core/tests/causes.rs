@@ -2,9 +2,19 @@
 
 use kalmanscope_core::diagnosis::Remedy;
 use kalmanscope_core::record::{Input, Record};
-use kalmanscope_core::{Channel, Quantity, Scenario, Sensor, simulate};
+use kalmanscope_core::setting::Edit;
+use kalmanscope_core::{Channel, Diagnosis, Diagnostics, Quantity, Run, Scenario, Sensor, Task as _, simulate};
 
 use crate::run::{finished_on, remedies};
+
+/// The remedies of a search for the first filter of a run.
+fn searched(run: &Run) -> Vec<Remedy> {
+    let estimates = &run.estimates()[0];
+    let diagnostics = Diagnostics::new(estimates, run.record());
+    let Some(diagnosis) = Diagnosis::new(&diagnostics, estimates, run.record(), None) else { return Vec::new() };
+    let search = diagnosis.search(run.scenario(), 0, &diagnostics, estimates, run.record());
+    search.expect("it can be run").run()
+}
 
 /// The causes of the first filter's verdict without the truth.
 fn found(scenario: &Scenario) -> Vec<Remedy> {
@@ -153,4 +163,43 @@ fn a_sensor_that_disagrees_is_put_right() {
     let delays = repaired(&found, "sensor_late", "sensor_delay");
     let delays: Vec<f64> = delays.as_array().unwrap().iter().map(|one| one.as_float().unwrap()).collect();
     assert!(delays.iter().all(|delay| delay.abs() < 0.002), "{delays:?}");
+}
+
+/// The table of faults in `docs/verdicts.md`, on two seeds.
+#[test]
+fn every_fault_of_the_table_has_its_cause_first_and_its_remedy() {
+    let page = include_str!("../../docs/verdicts.md");
+    let part = page.split("### Fault, cause and remedy").nth(1).unwrap().split("###").next().unwrap();
+    let base = Scenario::from_toml(part.split("```toml").nth(1).unwrap().split("```").next().unwrap()).unwrap();
+    let rows = part.lines().filter(|line| line.starts_with("| ") && line.contains('`'));
+    let mut wrong = Vec::new();
+    for row in rows {
+        let words: Vec<&str> = row.split('`').skip(1).step_by(2).collect();
+        let [change, cause, remedy] = words[..] else { panic!("{row}") };
+        let (key, value) = change.split_once(" = ").unwrap();
+        let value = toml::from_str::<toml::Table>(&format!("value = {value}")).unwrap()["value"].clone();
+        let faulty = Edit::new(key, value).apply(&base).unwrap_or_else(|error| panic!("{row}: {error}"));
+        for seed in 1..=2 {
+            let scenario = Scenario { seed, ..faulty.clone() };
+            // The filter assumes another course of the input than that of the record.
+            let record = simulate(&if key == "hold" { Scenario { seed, ..base.clone() } } else { scenario.clone() });
+            let mut believed = scenario;
+            if key == "plant" || key == "plant.kind" {
+                believed.filters[0].plant = Some(base.plant.kind);
+            }
+            let found = searched(&finished_on(&believed, record.without_truth()));
+            let first = found.first().map(|remedy| (remedy.first.cause.key, &remedy.edits));
+            let is_right =
+                first.is_some_and(|(key, edits)| key == cause && edits.iter().any(|edit| edit.key.contains(remedy)));
+            if !is_right {
+                let said = found.first().map(|remedy| remedy.first.sentence.clone());
+                wrong.push(format!(
+                    "{change}, seed {seed}: {:?} {said:?} {:?}",
+                    keys(&found),
+                    first.map(|(_, edits)| edits)
+                ));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }

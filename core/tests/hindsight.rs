@@ -1,5 +1,7 @@
 //! The smoother and the Cramér-Rao bound.
 
+use kalmanscope_core::record::{Clocks, Timed};
+use kalmanscope_core::scenario::Fault;
 use kalmanscope_core::{
     Channel, CramerRao, Estimates, FilterKind, FilterSettings, Hold, PlantKind, Quantity, Record, Run, RunError,
     Scenario, Sensor, Signal, Values, simulate, smoothed as smoothed_at_once,
@@ -7,7 +9,7 @@ use kalmanscope_core::{
 
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 
-use crate::run::finished;
+use crate::run::{finished, finished_on};
 
 /// A KF, or another filter with the same settings, of an oscillator with known parameters.
 fn known(kind: FilterKind, samples: usize) -> Scenario {
@@ -201,13 +203,30 @@ fn the_bound_of_a_linear_plant_is_the_kalman_filters_covariance() {
     scenario.add_sensor(Sensor::new(Quantity::ACCELERATION, 0.5));
     let mut chain = scenario.clone();
     chain.set_plant(PlantKind::SHEAR_3);
-    for scenario in [scenario, chain] {
+    // An input that is felt late, which its gain shows, and a sensor that is late.
+    let mut late = scenario.clone();
+    (late.plant.input_delay, late.filters[0].input_delay) = (3, 3);
+    late.filters[0].augment = vec![Channel::INPUT_GAIN];
+    let measures = late.sensors[0].measures;
+    late.sensors[0].faults.add(Fault::LATE, measures);
+    late.filters[0].sensor_delay = (0..late.sensors.len()).map(|place| if place == 0 { 0.05 } else { 0.0 }).collect();
+    // Readings between the samples.
+    let own_times = |record: &Record| {
+        let timed = |sensor: usize| Timed {
+            times: (0..record.len()).map(|k| k as f64 - 0.3 * sensor as f64).collect(),
+            values: record.measured(sensor).to_vec(),
+        };
+        let clocks = Clocks { input: None, readings: (0..record.sensors().len()).map(timed).collect() };
+        record.clone().with_clocks(clocks).unwrap()
+    };
+    for (scenario, is_timed) in [(scenario.clone(), false), (chain, false), (late, false), (scenario, true)] {
         let mut scenario = scenario;
         for channel in scenario.plant.kind.parameters() {
             scenario.filters[0].initial_mean[channel] = scenario.plant.parameter(channel).unwrap().at(0.0);
         }
         scenario.filters[0].sensor_std = scenario.true_sensor_std();
-        let run = finished(&scenario);
+        let record = simulate(&scenario);
+        let run = finished_on(&scenario, if is_timed { own_times(&record) } else { record });
         let kf = &run.estimates()[0];
         let bound = bound(&scenario, run.record());
         assert_eq!(bound.len(), scenario.samples());

@@ -13,7 +13,7 @@ use kalmanscope_core::{
     simulate,
 };
 
-use crate::run::{finished, finished_on};
+use crate::run::{finished, finished_on, remedies};
 
 const SEEDS: std::ops::RangeInclusive<u64> = 1..=10;
 
@@ -351,6 +351,25 @@ fn a_pattern_in_innovations_that_are_no_larger_than_expected_is_not_called_overc
         }
     }
     assert!(left >= 8, "{left} of ten");
+}
+
+/// Two sensors of which each has half its variance from the same source.
+#[test]
+fn noise_that_is_common_to_two_sensors_is_named() {
+    for seed in SEEDS {
+        let mut scenario = Scenario { seed, duration: 60.0, ..well_tuned(FilterKind::EKF) };
+        scenario.filters[0].sensor_std = vec![0.02, 0.1];
+        for (sensor, std) in scenario.sensors.iter_mut().zip([0.02, 0.1]) {
+            sensor.noise_std = std * 0.5_f64.sqrt();
+        }
+        let noise = simulate(&Scenario { seed: seed + 1000, force: Force::None, ..scenario.clone() });
+        let noise = |k: usize| noise.measured(0)[k] / 0.02;
+        let record = simulate(&scenario).with_measured(|sensor, k, x| x + [0.02, 0.1][sensor] * noise(k));
+        let run = finished_on(&scenario, record.without_truth());
+        assert!(!verdict_on(&run).unwrap().kind.is_good(), "seed {seed}");
+        let found = remedies(&run, 0, run.record());
+        assert_eq!(found[0].first.cause.key, "common_noise", "seed {seed}: {:?}", found[0].first.sentence);
+    }
 }
 
 /// The input's gain times the sensor's is all that a displacement knows of either.

@@ -5,7 +5,8 @@ use kalmanscope_core::Length;
 use kalmanscope_core::channel::augment;
 use kalmanscope_core::scenario::Between;
 use kalmanscope_core::setting::{
-    CHOICES_OF_FILTER, Entry, GUESSES, OPTIONS, PROCESS_SCALES, ROBUST, SENSOR_DELAY, SMOOTHER,
+    CHOICES_OF_FILTER, CORRELATION_TIME, Entry, GUESSES, OPTIONS, PROCESS_SCALES, ROBUST, SENSOR_DELAY, SMOOTHER,
+    TableInfo,
 };
 use kalmanscope_core::{Channel, FilterSettings, PlantKind, Robust, Sensor};
 
@@ -29,7 +30,11 @@ pub(super) fn options_ui(
         augment_ui(ui, filter, filter.plant.unwrap_or(truth), sensors);
         consider_ui(ui, filter, truth);
         bounds_ui(ui, filter, truth, length);
-        delays_ui(ui, filter, sensors);
+        let entries: Vec<Entry> = sensors.iter().map(|sensor| Entry::Sensor(sensor.measures)).collect();
+        times_ui(ui, filter, sensors, &SENSOR_DELAY, "sensors late", &entries);
+        let forgotten = filter.augment.iter().filter(|channel| channel.can_be_forgotten());
+        let entries: Vec<Entry> = forgotten.map(|channel| Entry::Channel(*channel)).collect();
+        times_ui(ui, filter, sensors, &CORRELATION_TIME, "forgotten", &entries);
         plucks_ui(ui, filter);
         for info in CHOICES_OF_FILTER {
             if (info.serves)(filter) {
@@ -182,32 +187,40 @@ fn end_ui(ui: &mut Ui, label: &str, name: &str, end: &mut Option<f64>, (least, m
     }
 }
 
-/// A number for each sensor. An untouched list stays as it is, so that a file need not list zeros.
-fn delays_ui(ui: &mut Ui, filter: &mut FilterSettings, sensors: &[Sensor]) {
-    if sensors.is_empty() {
+/// A time for each sensor or channel. An untouched list stays as it is, so that a file need not list zeros.
+fn times_ui(
+    ui: &mut Ui,
+    filter: &mut FilterSettings,
+    sensors: &[Sensor],
+    table: &TableInfo,
+    label: &str,
+    entries: &[Entry],
+) {
+    if entries.is_empty() {
         return;
     }
-    let late = sensors.iter().zip(&filter.sensor_delay).filter(|(_, delay)| **delay != 0.0);
-    let late = late.map(|(sensor, delay)| format!("{} {} s", sensor.measures.symbol(), significant(*delay, 3)));
-    let (name, summary, label) = (filter.name.clone(), listed(late, "none"), ("sensors late", SENSOR_DELAY.hint));
-    lit(ui, &filter.address(SENSOR_DELAY.key), |ui| {
-        list_ui(ui, label, &summary, &format!("{name} delays"), OUTSIDE, &mut |ui| {
-            for quantity in sensors.iter().map(|sensor| sensor.measures) {
-                let entry = Entry::Sensor(quantity);
-                let before = SENSOR_DELAY.get(filter, entry, sensors).unwrap_or(0.0);
-                let mut delay = before;
+    let time = |filter: &FilterSettings, entry: Entry| table.get(filter, entry, sensors).unwrap_or(0.0);
+    let set = entries.iter().map(|&entry| (entry.symbol(), time(filter, entry))).filter(|(_, time)| *time != 0.0);
+    let set = set.map(|(symbol, time)| format!("{symbol} {} s", significant(time, 3)));
+    let (name, summary) = (filter.name.clone(), listed(set, "none"));
+    lit(ui, &filter.address(table.key), |ui| {
+        list_ui(ui, (label, table.hint), &summary, &format!("{name} {label}"), OUTSIDE, &mut |ui| {
+            for &entry in entries {
+                let (before, least) = (time(filter, entry), table.allowed.least());
+                let mut now = before;
                 ui.horizontal(|ui| {
-                    ui.label(format!("{} by", quantity.symbol())).on_hover_text(quantity.name());
-                    let least = SENSOR_DELAY.allowed.least();
-                    let field =
-                        DragValue::new(&mut delay).speed(1e-3).range(least..=-least).max_decimals(5).suffix(" s");
-                    let text = format!("{name} {} of {}", SENSOR_DELAY.name, entry.name());
-                    named(ui.add(field).on_hover_text(SENSOR_DELAY.hint), text);
+                    ui.label(entry.symbol()).on_hover_text(entry.name());
+                    let most = if least < 0.0 { -least } else { f64::INFINITY };
+                    let field = DragValue::new(&mut now).speed(1e-3).range(least..=most).max_decimals(5).suffix(" s");
+                    named(
+                        ui.add(field).on_hover_text(table.hint),
+                        format!("{name} {} of {}", table.name, entry.name()),
+                    );
                 });
-                if delay != before
-                    && let Some(own) = SENSOR_DELAY.get_mut(filter, entry, sensors)
+                if now != before
+                    && let Some(own) = table.get_mut(filter, entry, sensors)
                 {
-                    *own = delay;
+                    *own = now;
                 }
             }
         });

@@ -33,7 +33,7 @@ fn view_ui(ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) 
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         ui.set_width(ui.available_width() - ui.spacing().scroll.bar_width);
         for (place, estimates) in context.filters() {
-            ui.push_id(estimates.id(), |ui| filter_ui(ui, context, (place, is_held), estimates, requests));
+            ui.push_id(estimates.id(), |ui| filter_ui(ui, context, (place, is_held, false), estimates, requests));
             ui.add_space(10.0);
         }
     });
@@ -69,18 +69,20 @@ pub(crate) fn drawer_ui(ui: &mut Ui, context: &ViewContext<'_>, id: u32, request
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         ui.set_width(ui.available_width() - ui.spacing().scroll.bar_width);
         let verdict_ui = |ui: &mut Ui, requests: &mut Vec<Request>| {
-            ui.push_id(id, |ui| filter_ui(ui, context, (place, is_held), &all[place], requests));
+            ui.push_id(id, |ui| filter_ui(ui, context, (place, is_held, true), &all[place], requests));
             ui.add_space(4.0);
         };
         if is_low {
             verdict_ui(ui, requests);
         }
         evidence::estimates_ui(ui, context, place, &all[place]);
-        evidence::settings_ui(ui, context, id, requests);
         ui.add_space(4.0);
         if !is_low {
             verdict_ui(ui, requests);
         }
+        egui::CollapsingHeader::new(RichText::new("Settings").small().weak()).show_unindented(ui, |ui| {
+            evidence::settings_ui(ui, context, id, requests);
+        });
     });
 }
 
@@ -92,7 +94,7 @@ const LINES: f32 = 3.0;
 fn filter_ui(
     ui: &mut Ui,
     context: &ViewContext<'_>,
-    (place, is_held): (usize, bool),
+    (place, is_held, is_drawer): (usize, bool, bool),
     estimates: &Estimates,
     requests: &mut Vec<Request>,
 ) {
@@ -131,7 +133,7 @@ fn filter_ui(
             causes::causes_ui(ui, context, estimates, is_held, requests);
         }
     });
-    evidence::evidence_ui(ui, &diagnosis.evidence, color, palette);
+    evidence::evidence_ui(ui, &diagnosis.evidence, !is_drawer, color, palette);
 }
 
 fn is_mirrored(estimates: &Estimates) -> bool {

@@ -282,7 +282,7 @@ fn a_sensor_can_be_late_and_have_a_gain() {
     let mut screen = workbench();
     open_options(&mut screen);
     assert_eq!(scenario(&screen).filters[0].sensor_delay, [0.0; 0], "what is not touched is not written");
-    click(&mut screen, "EKF delays");
+    click(&mut screen, "EKF sensors late");
     set(&mut screen, "EKF sensor delay of velocity", 0.025);
     assert_eq!(scenario(&screen).filters[0].sensor_delay, [0.0, 0.025]);
     press(&mut screen, Key::Escape);

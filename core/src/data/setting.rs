@@ -24,7 +24,9 @@ pub use filter::{
 };
 pub use info::{Allowed, SettingInfo};
 pub use scenario::{DISTURBANCE, DT, DURATION, FORCE, MOTION, RECORD_GAIN, SEED, of_scenario};
-pub use table::{Entry, INITIAL_MEAN, INITIAL_STD, PROCESS_STD, SENSOR_DELAY, SENSOR_STD, TABLES, TableInfo};
+pub use table::{
+    CORRELATION_TIME, Entry, INITIAL_MEAN, INITIAL_STD, PROCESS_STD, SENSOR_DELAY, SENSOR_STD, TABLES, TableInfo,
+};
 
 /// The symbol of a setting, a table or a channel with a key, if it has one.
 pub fn symbol(key: &str) -> Option<&'static str> {

@@ -226,6 +226,11 @@ impl Channel {
         matches!(self.info.role, Role::Augmentation)
     }
 
+    /// Whether it can be a Gauss-Markov process about zero: a bias, an offset or an unknown force.
+    pub fn can_be_forgotten(self) -> bool {
+        self.is_augmentation() && self.info.usual.mean == 0.0 && self != Self::WHITE_FORCE
+    }
+
     /// The channel of its rate of change: for a displacement, the velocity.
     pub const fn rate(self) -> Option<Self> {
         match self.info.rate {

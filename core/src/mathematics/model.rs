@@ -67,6 +67,8 @@ pub struct Model {
     offset: Option<usize>,
     unknown: Option<usize>,
     white: Option<usize>,
+    /// The places of what does not last, and the times after which 1/e of it is left \[s\].
+    forgotten: Vec<(usize, f64)>,
 }
 
 impl Model {
@@ -76,7 +78,8 @@ impl Model {
         let (motion, own) = (plant.motion(), channels.len());
         let (eta, logarithms, input) = (0.0, Vec::new(), InputKind::Force);
         let (gain, offset, unknown, white) = (None, None, None, None);
-        Self { plant, channels, motion, own, eta, logarithms, input, gain, offset, unknown, white }
+        let forgotten = Vec::new();
+        Self { plant, channels, motion, own, eta, logarithms, input, gain, offset, unknown, white, forgotten }
     }
 
     /// With these augmentations too, each once; channels that are none are left out.
@@ -106,6 +109,25 @@ impl Model {
         let parameters = self.motion..self.own;
         let logarithms = parameters.filter(|&place| log_parameters && self.channels[place].is_positive()).collect();
         Self { logarithms, ..self }
+    }
+
+    /// With augmentations that are Gauss-Markov processes of these correlation times \[s\]; 0 for one that lasts.
+    ///
+    /// ```text
+    /// b⁺ = φ b + w,  φ = exp(-dt / τ)
+    /// ```
+    ///
+    /// Source: Brown and Hwang (2012), *Introduction to Random Signals and Applied Kalman Filtering*, section 2.9.
+    #[must_use]
+    pub fn forgetting(self, times: impl Iterator<Item = (Channel, f64)>) -> Self {
+        let forgotten =
+            times.filter(|(_, time)| *time > 0.0).filter_map(|(channel, time)| Some((self.place(channel)?, time)));
+        Self { forgotten: forgotten.collect(), ..self }
+    }
+
+    /// The places of what does not last, and their correlation times \[s\].
+    pub fn forgotten(&self) -> &[(usize, f64)] {
+        &self.forgotten
     }
 
     /// With an input of this kind.

@@ -1,15 +1,17 @@
 //! The Cramér-Rao bound: the smallest standard deviations that any filter can reach.
 
+use crate::data::record::Parts;
 use crate::mathematics::engine::filter::Filter;
 use crate::mathematics::engine::level::Baseline;
 use crate::samples::estimator::FilterContext;
 use crate::samples::estimator::setup::{Setup, filter};
 use crate::samples::waste::Piecewise;
-use crate::{Channel, FilterKind, FilterSettings, Quantity, Record, Scenario};
+use crate::scenario::Fault;
+use crate::{Channel, FilterKind, FilterSettings, Quantity, Record, Scenario, Sensor};
 
 /// The posterior Cramér-Rao bound for one filter of a scenario. No unbiased filter with the same initial belief and
-/// process noise has smaller covariances. The bound uses the truth's plant, the true noise of the sensors (with the
-/// disturbance that an accelerometer feels) and no fading. It takes an augmentation of the truth that the filter lacks
+/// process noise has smaller covariances. The bound uses the truth's plant and delays, the true noise of the sensors (with the
+/// disturbance that an accelerometer feels), the readings' own times and no fading. It takes an augmentation of the truth that the filter lacks
 /// as known.
 ///
 /// ```text
@@ -73,7 +75,7 @@ impl CramerRao {
 
     /// [`Self::follow`] up to sample `end` of those that are kept. Returns whether everything before it is done.
     pub fn follow_to(&mut self, end: usize, record: &Record) -> bool {
-        let Self { settings: _, channels, recursion, std, forgotten, stopped } = self;
+        let Self { settings, channels, recursion, std, forgotten, stopped } = self;
         let gone = (record.forgotten() - *forgotten) * channels.len();
         std.drain(..gone.min(std.len()));
         *forgotten = record.forgotten();
@@ -95,16 +97,32 @@ impl CramerRao {
         let mut sample = vec![f64::NAN; measured.len()];
         let move_to =
             |mean: &mut [f64], k: usize| mean.iter_mut().zip(&truth).for_each(|(mean, truth)| *mean = truth.at(k));
+        let columns: Option<Vec<usize>> = sensors.iter().map(|quantity| quantity.place_in(record.sensors())).collect();
+        let (delays, mut parts) = (settings.delays(record.dt()), Parts::default());
+        let force = |k: usize| record.delayed_force(k, delays.input);
         let n = channels.len();
         for k in seen..end.min(record.len()) {
             if let Some(before) = k.checked_sub(1) {
                 move_to(&mut filter.belief.mean, before);
-                filter.predict(Baseline, [record.force(before), record.force(k)]);
-                move_to(&mut filter.belief.mean, k);
-                for (value, column) in sample.iter_mut().zip(&measured) {
-                    *value = column.map_or(f64::NAN, |column| column[k]);
+                let has_parts =
+                    columns.as_ref().is_some_and(|columns| record.parts_to(k, &delays, columns, &mut parts));
+                let mut holds = true;
+                for (part, readings) in parts.iter().filter(|_| has_parts) {
+                    // Between samples the truth is where the model goes from the last one.
+                    filter.predict_share(Baseline, part.share, part.forces);
+                    let truth = filter.belief.mean.clone();
+                    holds &= filter.update(Baseline, part.force, readings).holds;
+                    filter.belief.mean = truth;
                 }
-                if !filter.update(Baseline, record.force(k), &sample).holds {
+                if !has_parts {
+                    filter.predict(Baseline, [force(before), force(k)]);
+                    move_to(&mut filter.belief.mean, k);
+                    for (value, column) in sample.iter_mut().zip(&measured) {
+                        *value = column.map_or(f64::NAN, |column| column[k]);
+                    }
+                    holds = filter.update(Baseline, force(k), &sample).holds;
+                }
+                if !holds {
                     *stopped = true;
                     return true;
                 }
@@ -150,7 +168,12 @@ fn bound_settings(scenario: &Scenario, place: usize) -> Option<FilterSettings> {
         process_std[known] = 0.0;
     }
     let besides = augment.iter().copied().filter(|channel| !of_truth.contains(channel));
+    // A late reading is that of a whole number of samples before.
+    let whole = |late: f64| libm::round(late / scenario.dt) * scenario.dt;
+    let late = |sensor: &Sensor| sensor.faults.numbers(Fault::LATE).map_or(0.0, |numbers| whole(numbers[0]));
     Some(FilterSettings {
+        input_delay: scenario.plant.input_delay,
+        sensor_delay: scenario.sensors.iter().map(late).collect(),
         name: String::new(),
         kind: if kind == FilterKind::KF { kind } else { FilterKind::EKF },
         augment: of_truth.iter().copied().chain(besides).collect(),

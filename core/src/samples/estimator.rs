@@ -20,10 +20,8 @@ pub(crate) trait Estimator: Send {
     fn step(&mut self, force_before: f64, force: f64, measured: &[f64], sink: &mut dyn Sink)
     -> Result<(), FilterError>;
 
-    /// The same through a step's parts. Only filters that [`counts_in_samples`] does not name are built for it.
-    fn step_through(&mut self, _: &Parts, _: &mut dyn Sink) -> Result<(), FilterError> {
-        Err(FilterError::NotFinite)
-    }
+    /// The same through a step's parts. A filter that [`counts_in_samples`] takes each sensor's last reading at the end.
+    fn step_through(&mut self, parts: &Parts, sink: &mut dyn Sink) -> Result<(), FilterError>;
 
     /// In the channels' units. Only a mean and a covariance can be replaced.
     fn set_belief(&mut self, _mean: &[f64], _cov: &[f64]) -> Result<(), FilterError> {
@@ -73,6 +71,10 @@ impl Estimator for Failed {
     }
 
     fn step(&mut self, _: f64, _: f64, _: &[f64], _: &mut dyn Sink) -> Result<(), FilterError> {
+        Err(self.0)
+    }
+
+    fn step_through(&mut self, _: &Parts, _: &mut dyn Sink) -> Result<(), FilterError> {
         Err(self.0)
     }
 }

@@ -9,7 +9,7 @@ use crate::samples::mixture::guesses::{self, Guesses};
 use crate::samples::mixture::scales::Scales;
 use crate::samples::mixture::walk::{self, Walk};
 use crate::scenario::Bounds;
-use crate::{FilterError, FilterSettings};
+use crate::{Channel, FilterError, FilterSettings};
 
 pub(crate) fn estimator(settings: &FilterSettings, context: &FilterContext) -> Box<dyn Estimator> {
     if !settings.bounds.is_empty() {
@@ -35,7 +35,13 @@ fn walking(settings: &FilterSettings, context: &FilterContext) -> Box<dyn Estima
         return single(settings, context);
     }
     let members = walk::members(settings, context);
-    Box::new(Mixture::new(&members, Walk::new(context.dt), |member| single(member, context)))
+    let (model, frequency) = (context.model(settings), Channel::NATURAL_FREQUENCY);
+    let turn = match model.place(frequency) {
+        Some(_) => settings.initial_mean[frequency].abs() * context.dt,
+        None => settings.turn(&model, context.dt),
+    };
+    let rule = Walk::new(if turn > 0.0 { turn } else { context.dt });
+    Box::new(Mixture::new(&members, rule, |member| single(member, context)))
 }
 
 fn single(settings: &FilterSettings, context: &FilterContext) -> Box<dyn Estimator> {

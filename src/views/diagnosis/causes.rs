@@ -13,8 +13,8 @@ use crate::theme;
 use crate::verdict::{symbol, text_color};
 use crate::view::ViewContext;
 
-/// Limits the causes that are shown at once.
-const LIKELIEST: usize = 3;
+/// The causes that are shown at once: a report is read in ten seconds.
+const LIKELIEST: usize = 1;
 
 /// Limits the settings that a button shows with their values.
 const SHOWN: usize = 2;
@@ -76,7 +76,7 @@ pub(super) fn models_ui(ui: &mut Ui, context: &ViewContext<'_>, estimates: &Esti
     let attempt = context.session.attempt(estimates.id()).filter(|attempt| !attempt.is_under_way());
     let Some(attempt) = attempt.filter(|attempt| !attempt.remedies.is_empty()) else { return };
     ui.add_space(4.0);
-    heading_ui(ui, "Innovations are as they should be, and yet another model is likelier");
+    heading_ui(ui, "Yet another model is likelier");
     for remedy in &attempt.remedies {
         finding_ui(ui, context, (attempt, remedy, None), estimates.name(), requests);
     }

@@ -15,14 +15,18 @@ use crate::view::ViewContext;
 
 const BAR: Vec2 = Vec2::new(64.0, 9.0);
 
-pub(super) fn evidence_ui(ui: &mut Ui, evidence: &[Evidence], color: Color32, palette: &Palette) {
+/// Below a heading, which is open at first if `is_open`.
+pub(super) fn evidence_ui(ui: &mut Ui, evidence: &[Evidence], is_open: bool, color: Color32, palette: &Palette) {
+    let title = RichText::new("Evidence").small().weak();
+    egui::CollapsingHeader::new(title).default_open(is_open).show_unindented(ui, |ui| {
+        all_ui(ui, evidence, color, palette);
+    });
+}
+
+fn all_ui(ui: &mut Ui, evidence: &[Evidence], color: Color32, palette: &Palette) {
     let mut sorted: Vec<&Evidence> = evidence.iter().filter(|one| !one.sentence.is_empty()).collect();
     sorted.sort_by(|a, b| b.counts.cmp(&a.counts).then(b.effect.total_cmp(&a.effect)));
     let counting = sorted.iter().filter(|one| one.counts).count();
-    if counting > 0 {
-        ui.add_space(4.0);
-        ui.label(RichText::new("Evidence").small().weak());
-    }
     for (i, one) in sorted[..counting].iter().enumerate() {
         ui.push_id(i, |ui| one_ui(ui, one, color, palette));
     }

@@ -113,6 +113,10 @@ pub struct FilterSettings {
     /// Standard deviations of the process noise per step: the square roots of the diagonal of Q.
     #[serde(deserialize_with = "values::process_std")]
     pub process_std: Values,
+    /// The correlation times of sensors' biases, the input's offset and the unknown force \[s\]: each is a Gauss-Markov process, of which
+    /// `exp(-dt / τ)` is left after a step, with its process noise as what is new. 0 for one that lasts.
+    #[serde(deserialize_with = "values::correlation_time", skip_serializing_if = "is_default")]
+    pub correlation_time: Values,
 }
 
 impl Default for FilterSettings {
@@ -148,6 +152,7 @@ impl Default for FilterSettings {
             initial_mean: Values::INITIAL_MEAN,
             initial_std: Values::INITIAL_STD,
             process_std: Values::PROCESS_STD,
+            correlation_time: Values::ZERO,
         }
     }
 }
@@ -162,7 +167,9 @@ impl FilterSettings {
     pub fn model(&self, truth: PlantKind, input: InputKind) -> Model {
         // The parameters of a KF are known and do not decay.
         let eta = if self.kind == FilterKind::KF { 0.0 } else { self.eta };
-        let model = Model::new(self.plant.unwrap_or(truth)).augmented(self.augment.iter().copied());
+        let model = Model::new(self.plant.unwrap_or(truth))
+            .augmented(self.augment.iter().copied())
+            .forgetting(self.correlation_time.iter());
         model.decaying(eta).with_logarithms(self.log_parameters).driven_by(input)
     }
 
@@ -180,7 +187,12 @@ impl FilterSettings {
     /// Whether an update is that of textbooks: one filter, whose noise is known and whose measurements all count.
     pub(crate) fn has_plain_update(&self) -> bool {
         let takes_all = !self.robust.is_on() && self.consider.is_empty() && self.bounds.is_empty();
-        !self.adaptation.is_on() && !self.jump && takes_all && self.is_one() && self.plucks.is_empty()
+        !self.adaptation.is_on()
+            && !self.jump
+            && takes_all
+            && self.is_one()
+            && self.plucks.is_empty()
+            && self.correlation_time == Values::ZERO
     }
 
     pub(crate) fn is_one(&self) -> bool {

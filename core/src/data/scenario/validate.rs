@@ -289,6 +289,14 @@ impl FilterSettings {
                 format_args!("within {} steps of {dt} s", Delays::MOST),
             )?;
         }
+        for (channel, time) in self.correlation_time.iter() {
+            require(
+                time == 0.0 || channel.can_be_forgotten(),
+                format_args!("{path}.correlation_time.{}", channel.key()),
+                time,
+                "0 for all but the bias of a sensor, the input offset and the unknown force",
+            )?;
+        }
         for table in TABLES {
             if let Some((entry, value)) = table.first_refused(self) {
                 number(format_args!("{path}.{}{entry}", table.key), value, table.allowed)?;

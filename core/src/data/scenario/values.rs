@@ -12,14 +12,15 @@ use crate::mathematics::channel::Usual;
 
 /// One number for each channel of every plant, in the channel's unit. A filter uses those of its own model. Unset
 /// numbers have their usual value.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Values {
     otherwise: Otherwise,
     set: Vec<(Channel, f64)>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Otherwise {
+    #[default]
     Zero,
     Mean,
     Std,
@@ -124,6 +125,10 @@ pub(super) fn initial_std<'de, D: Deserializer<'de>>(deserializer: D) -> Result<
 
 pub(super) fn process_std<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Values, D::Error> {
     deserializer.deserialize_map(Table(Values::PROCESS_STD))
+}
+
+pub(super) fn correlation_time<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Values, D::Error> {
+    deserializer.deserialize_map(Table(Values::ZERO))
 }
 
 struct Table(Values);

@@ -2,8 +2,8 @@
 
 use toml::Value;
 
-use super::SENSOR_STD;
-use crate::data::document::{self, Document};
+use super::{SENSOR_STD, TableInfo};
+use crate::data::document::{self, Document, json};
 use crate::data::scenario::{Scenario, ScenarioError, address};
 use crate::mathematics::quantity::Quantity;
 
@@ -131,7 +131,17 @@ fn set(document: &mut Document, scenario: &Scenario, address: &str, value: &Docu
         let of_sensor = key.split_once('.').filter(|(table, _)| *table == SENSOR_STD.key);
         let key = of_sensor.map_or(Some(key.to_owned()), |(table, key)| Some(format!("{table}.{}", sensor(key)?)));
         return key.is_some_and(|key| {
-            let mut put = |place: &usize| document::put(document, &format!("filters.{place}.{key}"), value);
+            let mut put = |place: &usize| {
+                // A table without numbers is left out.
+                let table = key.split_once('.').and_then(|(table, _)| TableInfo::from_key(table));
+                let path = |key: &str| format!("filters.{place}.{key}");
+                let is_left_out =
+                    |table: &&TableInfo| !table.is_of_sensors() && document["filters"][*place][table.key].is_null();
+                if let Some(table) = table.filter(is_left_out) {
+                    document::put(document, &path(table.key), &json!({}));
+                }
+                document::put(document, &path(&key), value)
+            };
             places.iter().all(&mut put) && !places.is_empty()
         });
     }

@@ -88,6 +88,20 @@ pub static PROCESS_STD: TableInfo = TableInfo {
     unit: None,
 };
 
+/// The times over which the noise of a sensor's bias, or a force that is not recorded, is correlated.
+pub static CORRELATION_TIME: TableInfo = TableInfo {
+    key: "correlation_time",
+    symbol: "τ",
+    words: "correlation time",
+    name: "correlation time",
+    factor: None,
+    allowed: Allowed::AtLeast(0.0),
+    hint: "A bias that is forgotten in this time stands for coloured noise; 0: it lasts",
+    column: Column::Channels(|filter| &filter.correlation_time, |filter| &mut filter.correlation_time),
+    otherwise: None,
+    unit: Some("s"),
+};
+
 /// The standard deviations that the filter assumes of the sensors.
 pub static SENSOR_STD: TableInfo = TableInfo {
     key: "sensor_std",
@@ -120,7 +134,8 @@ pub static SENSOR_DELAY: TableInfo = TableInfo {
 const LATEST: f64 = 10.0;
 
 /// All tables of a filter.
-pub static TABLES: [&TableInfo; 5] = [&INITIAL_MEAN, &INITIAL_STD, &PROCESS_STD, &SENSOR_STD, &SENSOR_DELAY];
+pub static TABLES: [&TableInfo; 6] =
+    [&INITIAL_MEAN, &INITIAL_STD, &PROCESS_STD, &CORRELATION_TIME, &SENSOR_STD, &SENSOR_DELAY];
 
 impl TableInfo {
     /// The table with a key.

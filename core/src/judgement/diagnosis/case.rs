@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::distributions::chi_squared_score;
 use super::errors::ChannelErrors;
-use super::innovations::SensorInnovations;
+use super::innovations::{Pair, SensorInnovations};
 use super::parts::{self, ALL, Chosen, PARTS, chosen};
 use super::verdict_kind::VerdictKind;
 use crate::numbers::diagnostics::chi_squared;
@@ -36,6 +36,7 @@ pub(crate) struct Case<'a> {
     /// The diagnosed samples, of those that are kept.
     pub(crate) samples: Range<usize>,
     pub(crate) sensors: Vec<SensorInnovations>,
+    pub(crate) pairs: Vec<Pair>,
     pub(crate) errors: Vec<ChannelErrors>,
     pub(crate) bad: Chosen,
     /// The bad parts, and parts with too small innovations, after which the filter has recovered.
@@ -50,7 +51,7 @@ pub(crate) struct Span {
 }
 
 impl<'a> Case<'a> {
-    /// The periodograms are added later: they need the samples that it keeps.
+    /// Pairs and periodograms are added later: they need the samples that it keeps.
     pub(crate) fn new(
         diagnostics: &'a Diagnostics,
         estimates: &'a Estimates,
@@ -61,7 +62,9 @@ impl<'a> Case<'a> {
         errors: Vec<ChannelErrors>,
     ) -> Self {
         let (bad, forgiven, kept) = ([false; PARTS], [false; PARTS], ALL);
-        let mut case = Self { diagnostics, estimates, record, bound, samples, sensors, errors, bad, forgiven, kept };
+        let pairs = Vec::new();
+        let mut case =
+            Self { diagnostics, estimates, record, bound, samples, sensors, pairs, errors, bad, forgiven, kept };
         let bad = chosen(&|part| case.is_bad(part));
         case.bad = bad;
         let count = bad.iter().filter(|&&bad| bad).count();
@@ -88,6 +91,18 @@ impl<'a> Case<'a> {
 
     pub(crate) fn part(&self, part: usize) -> Range<usize> {
         parts::range(part, &self.samples)
+    }
+
+    /// The mean correlation of the innovations of two sensors that S expects, over the samples in which both are measured.
+    pub(crate) fn expected_correlation(&self, [i, j]: [usize; 2]) -> f64 {
+        let m = self.sensors.len();
+        let of = |k: usize| {
+            let cov = self.estimates.innovation_cov(k);
+            cov[j * m + i] / (cov[i * (m + 1)] * cov[j * (m + 1)]).sqrt()
+        };
+        let all = self.ranges(|part| self.kept[part]).into_iter().flatten().map(of).filter(|r| r.is_finite());
+        let (sum, count) = all.fold((0.0, 0.0), |(sum, count), r| (sum + r, count + 1.0));
+        if count > 0.0 { sum / count } else { 0.0 }
     }
 
     /// The last fifth of the samples.

@@ -55,6 +55,7 @@ pub static CAUSES: &[&Cause] = &[
     &sensors::COLOURED_NOISE,
     &sensors::WRAPS,
     &noise::WHITE_FORCE,
+    &noise::COMMON_NOISE,
 ];
 
 /// What is tried on a filter with a good verdict: other models of as many numbers, whose innovations may be white too.

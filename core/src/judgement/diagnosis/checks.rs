@@ -18,6 +18,8 @@ pub static TESTS: &[&Test] = &[
     &innovations::SENSORS,
     &innovations::TOGETHER,
     &innovations::WHITENESS,
+    &innovations::PAIRS,
+    &innovations::AT_ONCE,
     &innovations::INPUT,
     &innovations::MEAN,
     &innovations::LINES,

@@ -56,6 +56,11 @@ impl SensorInnovations {
         std::array::from_fn(|i| if square > 0.0 { (product(i + 1) / square).clamp(-1.0, 1.0) } else { 0.0 })
     }
 
+    /// The first lag \[samples\] at which a sensor has readings, and r there: 1 unless it reads at every few samples only.
+    pub(crate) fn first_correlation(&self, chosen: &Chosen) -> (usize, f64) {
+        (1..).zip(self.autocorrelation(chosen)).find(|(_, r)| *r != 0.0).unwrap_or((1, 0.0))
+    }
+
     /// The correlation of ν with the input at each lag over some parts; zeros without an input.
     pub(crate) fn cross_correlation(&self, chosen: &Chosen) -> [f64; CROSS_LAGS] {
         let square = parts::sum(chosen, |part| self.by_part[part].products[0]);
@@ -65,6 +70,42 @@ impl SensorInnovations {
             let product = || parts::sum(chosen, |part| self.by_part[part].cross[lag]);
             if scale > 0.0 { (product() / scale).clamp(-1.0, 1.0) } else { 0.0 }
         })
+    }
+}
+
+/// The innovations of two sensors against each other.
+#[derive(Clone, Debug)]
+pub(crate) struct Pair {
+    /// Their places among the sensors.
+    pub(crate) places: [usize; 2],
+    /// The number of samples in which both are measured.
+    pub(crate) count: f64,
+    /// `r_l = Σ ν_k μ_(k - l) / √(Σ ν² Σ μ²)` at the lags 0 to 20 of the second sensor's μ before the first one's ν, and the other way
+    /// round.
+    pub(crate) correlation: [[f64; LAGS]; 2],
+}
+
+impl Pair {
+    /// All pairs of some series, over some ranges of them.
+    pub(super) fn of_all(series: &[Vec<f64>], ranges: &[Range<usize>]) -> Vec<Self> {
+        let places = |i: usize| (i + 1..series.len()).map(move |j| [i, j]);
+        (0..series.len()).flat_map(places).map(|places| Self::new(places, series, ranges)).collect()
+    }
+
+    fn new(places: [usize; 2], series: &[Vec<f64>], ranges: &[Range<usize>]) -> Self {
+        let (mut count, mut squares, mut products) = (0.0, [0.0; 2], [[0.0; LAGS]; 2]);
+        for range in ranges {
+            let both = places.map(|place| &series[place][range.clone()]);
+            count += both[0].iter().zip(both[1]).filter(|(a, b)| **a != 0.0 && **b != 0.0).count() as f64;
+            for (side, products) in products.iter_mut().enumerate() {
+                squares[side] += sum_of(both[side], |value| value * value);
+                let before = [&[0.0; BEFORE][..], both[1 - side]].concat();
+                add_products(products, both[side], &before);
+            }
+        }
+        let scale = libm::sqrt(squares[0] * squares[1]);
+        let r = |product: f64| if scale > 0.0 { (product / scale).clamp(-1.0, 1.0) } else { 0.0 };
+        Self { places, count, correlation: products.map(|side| side.map(r)) }
     }
 }
 

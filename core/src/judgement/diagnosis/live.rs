@@ -9,7 +9,7 @@ use std::ops::Range;
 use super::Diagnosis;
 use super::case::Case;
 use super::errors::LiveErrors;
-use super::innovations::LiveInnovations;
+use super::innovations::{LiveInnovations, Pair};
 use super::periodogram::{LiveSpectra, Periodogram};
 use crate::numbers::diagnostics::Depth;
 use crate::{CramerRao, Diagnostics, Estimates, Record};
@@ -111,6 +111,10 @@ impl Kept {
         let ranges: Vec<_> = case.ranges(|part| case.kept[part]).iter().map(|of| numbers(of, record)).collect();
         for (one, periodogram) in case.sensors.iter_mut().zip(spectra(&ranges)) {
             one.periodogram = periodogram;
+        }
+        if case.sensors.len() > 1 {
+            let ranges: Vec<_> = ranges.iter().map(|of| of.start - window.start..of.end - window.start).collect();
+            case.pairs = Pair::of_all(&self.innovations.values(&window), &ranges);
         }
         case
     }

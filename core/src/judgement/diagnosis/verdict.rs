@@ -82,7 +82,7 @@ fn fit(case: &Case<'_>, said: &[Subject]) -> String {
     let most = case
         .sensors
         .iter()
-        .map(|one| one.autocorrelation(&case.kept)[0])
+        .map(|one| one.first_correlation(&case.kept).1)
         .fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
     let count = case.sensors.iter().map(|one| one.count(&case.kept)).fold(f64::INFINITY, f64::min);
     if most.abs() * count.sqrt() > 3.3 {

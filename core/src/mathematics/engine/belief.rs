@@ -86,16 +86,17 @@ impl<T: Number> Belief<T> {
         }
     }
 
-    /// Makes a component another one, which has mean zero and this variance and knows nothing of the others.
-    #[inline(always)]
-    pub(crate) fn renew(&mut self, place: usize, variance: T) {
+    /// Keeps this share of a component, and adds an independent one of this variance.
+    #[inline(never)]
+    pub(crate) fn renew(&mut self, place: usize, kept: T, variance: T) {
         let n = self.size();
-        self.mean[place] = T::of(0.0);
+        self.mean[place] = self.mean[place] * kept;
         for i in 0..n {
             let at = if i >= place { place * n + i } else { i * n + place };
-            self.cov[at] = T::of(0.0);
+            self.cov[at] = self.cov[at] * kept;
         }
-        self.cov[place * n + place] = variance;
+        let own = &mut self.cov[place * (n + 1)];
+        *own = *own * kept + variance;
     }
 
     /// The lanes with finite numbers, and those without a negative variance.

@@ -135,6 +135,10 @@ impl<T: Number> Filter<T> {
         let [begin, end] = forces;
         let whole = Step { forces: [begin, if has_slope { end } else { begin }], has_slope, dt: dt * share };
         let (parts, renewed) = white.map_or((substeps, 0), |(_, course)| course.steps(substeps));
+        for at in 0..self.design.model.forgotten.len() {
+            let (place, time) = self.design.model.forgotten[at];
+            self.renew(level, place, [T::of(libm::exp(-whole.dt / time)), T::of(0.0)]);
+        }
         let yes = T::Mask::of(true);
         let mut held = Rooted { holds: yes, is_finite: yes };
         for i in 0..parts {
@@ -150,14 +154,7 @@ impl<T: Number> Filter<T> {
             held.holds = held.holds & rooted.holds;
             held.is_finite = held.is_finite & rooted.is_finite;
             if let Some((place, _)) = white.filter(|_| i + 1 == renewed) {
-                let Self { belief, root, white, .. } = self;
-                match root {
-                    Some(root) if const { may_have_root::<T, L>() } => root.renew(level, belief, place, *white),
-                    _ => belief.renew(place, *white),
-                }
-                if let Some(passage) = &mut self.update.passage {
-                    passage.renew(place);
-                }
+                self.renew(level, place, [T::of(0.0), self.white]);
             }
         }
         self.held.predicted = held;
@@ -165,6 +162,18 @@ impl<T: Number> Filter<T> {
             self.square();
             passage.predicted.copy_from_slice(&self.belief.cov);
             self.update.passage = Some(passage);
+        }
+    }
+
+    /// Keeps a share of a component of the state, and adds an independent one of this variance.
+    fn renew<L: Level>(&mut self, level: L, place: usize, [kept, variance]: [T; 2]) {
+        let Self { belief, root, update, .. } = self;
+        match root {
+            Some(root) if const { may_have_root::<T, L>() } => root.renew(level, belief, place, [kept, variance]),
+            _ => belief.renew(place, kept, variance),
+        }
+        if let Some(passage) = &mut update.passage {
+            passage.renew(place, kept);
         }
     }
 

@@ -31,6 +31,8 @@ pub struct Model {
     pub offset: Option<usize>,
     /// The places of the forces that are not recorded.
     pub unrecorded: Vec<usize>,
+    /// The places of what does not last, and their correlation times \[s\].
+    pub forgotten: Vec<(usize, f64)>,
     /// `∂g/∂F` of the components that move.
     pub by_force: Vec<f64>,
 }
@@ -50,6 +52,7 @@ impl Model {
             gain: place(Channel::INPUT_GAIN),
             offset: place(Channel::INPUT_OFFSET),
             unrecorded: [Channel::UNKNOWN_FORCE, Channel::WHITE_FORCE].into_iter().filter_map(place).collect(),
+            forgotten: book.forgotten().to_vec(),
             by_force,
         }
     }

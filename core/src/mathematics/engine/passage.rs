@@ -87,9 +87,9 @@ impl<T: Number> Passage<T> {
         self.compose();
     }
 
-    pub(super) fn renew(&mut self, place: usize) {
+    pub(super) fn renew(&mut self, place: usize, kept: T) {
         let n = self.work.size();
-        self.transition.iter_mut().skip(place).step_by(n).for_each(|entry| *entry = T::of(0.0));
+        self.transition.iter_mut().skip(place).step_by(n).for_each(|entry| *entry = *entry * kept);
     }
 
     fn compose(&mut self) {

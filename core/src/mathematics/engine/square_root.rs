@@ -146,19 +146,19 @@ impl<T: Number> SquareRoot<T> {
         );
     }
 
-    pub(super) fn renew<L: Level>(&mut self, level: L, belief: &mut Belief<T>, place: usize, variance: T) {
+    pub(super) fn renew<L: Level>(&mut self, level: L, belief: &mut Belief<T>, place: usize, [kept, variance]: [T; 2]) {
         let Self { rows, array, .. } = self;
         let (n, zero) = (belief.size(), T::of(0.0));
         for (i, (row, old)) in array.chunks_exact_mut(n + 1).zip(rows.chunks_exact(n)).enumerate() {
-            row.fill(zero);
+            row[..n].copy_from_slice(old);
+            row[n] = zero;
             if i == place {
+                row.iter_mut().for_each(|entry| *entry = *entry * kept);
                 row[n] = variance.sqrt();
-            } else {
-                row[..n].copy_from_slice(old);
             }
         }
         triangularise(level, array, [0, n + 1], |_| n + 1, rows, n);
-        belief.mean[place] = zero;
+        belief.mean[place] = belief.mean[place] * kept;
     }
 
     /// The lower triangle of `P = L Lᵀ`.

@@ -26,12 +26,12 @@ pub trait Belief: Send {
         correction: &mut Correction,
     ) -> Result<(), FilterError>;
 
-    /// Replaces a component of the state by an independent one, of mean zero and this variance: a [`White`](super::White) force at
-    /// the next sample. See [`Gaussian::renew`].
+    /// Keeps a share of a component of the state and adds an independent one of mean zero and this variance: of a
+    /// [`White`](super::White) force nothing is kept at the next sample. See [`Gaussian::renew`].
     ///
     /// # Errors
     /// Any [`FilterError`].
-    fn renew(&mut self, place: usize, variance: f64) -> Result<(), FilterError>;
+    fn renew(&mut self, place: usize, kept: f64, variance: f64) -> Result<(), FilterError>;
 
     /// Mean and covariance.
     fn gaussian(&self) -> Cow<'_, Gaussian>;
@@ -79,13 +79,13 @@ impl Gaussian {
         sums.iter().sum::<f64>().is_finite()
     }
 
-    /// Replaces a component by an independent one with mean zero and this variance.
-    pub fn renew(&mut self, place: usize, variance: f64) {
+    /// Keeps this share of a component, and adds an independent one with mean zero and this variance.
+    pub fn renew(&mut self, place: usize, kept: f64, variance: f64) {
         let Self { mean, cov } = self;
-        mean[place] = 0.0;
-        cov.row_mut(place).fill(0.0);
-        cov.column_mut(place).fill(0.0);
-        cov[(place, place)] = variance;
+        mean[place] *= kept;
+        cov.row_mut(place).scale_mut(kept);
+        cov.column_mut(place).scale_mut(kept);
+        cov[(place, place)] += variance;
     }
 
     /// Checks that the numbers are those of a valid belief.

@@ -89,10 +89,11 @@ impl Belief for Ensemble {
         self.gaussian().check()
     }
 
-    fn renew(&mut self, place: usize, variance: f64) -> Result<(), FilterError> {
+    fn renew(&mut self, place: usize, kept: f64, variance: f64) -> Result<(), FilterError> {
         let Self { members, normal, .. } = self;
         let draws = centred_draws(1, members.ncols(), normal);
-        members.row_mut(place).copy_from(&(draws.row(0) * variance.sqrt()));
+        let renewed = members.row(place) * kept + draws.row(0) * variance.sqrt();
+        members.row_mut(place).copy_from(&renewed);
         Ok(())
     }
 

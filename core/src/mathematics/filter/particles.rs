@@ -188,10 +188,10 @@ impl Belief for Particles {
         self.gaussian().check()
     }
 
-    fn renew(&mut self, place: usize, variance: f64) -> Result<(), FilterError> {
+    fn renew(&mut self, place: usize, kept: f64, variance: f64) -> Result<(), FilterError> {
         let Self { particles, normal, .. } = self;
         for particle in particles.row_mut(place).iter_mut() {
-            *particle = variance.sqrt() * normal.sample();
+            *particle = kept * *particle + variance.sqrt() * normal.sample();
         }
         Ok(())
     }

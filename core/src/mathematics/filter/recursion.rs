@@ -144,10 +144,13 @@ impl<B: Belief + ?Sized> Filter<B> {
         let noise = wide.as_ref().unwrap_or(noise);
         let (steps, renewed) = white.map_or((*substeps, 0), |white| white.course.steps(*substeps));
         let silent = Noise { process: Matrix::zeros(model.size(), model.size()), sensors: Vec::new(), fading: 1.0 };
+        for &(place, time) in model.forgotten() {
+            belief.renew(place, libm::exp(-whole.dt / time), 0.0)?;
+        }
         for i in 0..steps {
             belief.predict(model, whole.part(i, steps), if i + 1 < steps { &silent } else { noise })?;
             if let Some(white) = white.filter(|_| i + 1 == renewed) {
-                belief.renew(white.place, white.variance)?;
+                belief.renew(white.place, 0.0, white.variance)?;
             }
         }
         Ok(())

@@ -2,6 +2,7 @@
 
 use super::setup::Beginning;
 use super::{Estimator, Failed, FilterContext};
+use crate::data::record::Parts;
 use crate::mathematics::filter::{Begin, Correction, Filter, FilterError, Gaussian, Noise};
 use crate::mathematics::linalg::{Matrix, Vector};
 use crate::mathematics::random::{Normal, Purpose};
@@ -55,6 +56,19 @@ impl Estimator for Followed {
         let prior = sink.wants_prior().then(|| filter.belief().gaussian().into_owned());
         filter.update(force, measured, correction)?;
         report(filter, correction, prior.as_ref(), sink)
+    }
+
+    fn step_through(&mut self, parts: &Parts, sink: &mut dyn Sink) -> Result<(), FilterError> {
+        let mut last = vec![f64::NAN; self.correction.innovation.len()];
+        let (mut begin, mut end) = (None, 0.0);
+        for (part, readings) in parts.iter() {
+            (begin, end) = (begin.or(Some(part.forces[0])), part.force);
+            last.iter_mut()
+                .zip(readings)
+                .filter(|(_, reading)| !reading.is_nan())
+                .for_each(|(last, reading)| *last = *reading);
+        }
+        self.step(begin.unwrap_or(end), end, &last, sink)
     }
 }
 

@@ -1,5 +1,7 @@
 //! Two filters that mix: one whose parameters are still, and one whose parameters walk.
 
+use std::f64::consts::TAU;
+
 use super::{LEAST, Member, Rule};
 use crate::mathematics::mixed::{Moments, shares};
 use crate::samples::estimator::FilterContext;
@@ -30,7 +32,7 @@ pub(crate) struct Walk {
     has_samples: bool,
 }
 
-/// The mean time that parameters are still, and that they walk \[s\].
+/// The mean time that parameters are still, and that they walk, in periods of the plant by the initial mean.
 const STILL: f64 = 30.0;
 const WALKS: f64 = 1.0;
 
@@ -54,9 +56,9 @@ pub(crate) fn members(settings: &FilterSettings, context: &FilterContext) -> [Fi
 }
 
 impl Walk {
-    /// With `dt` \[s\] between samples.
-    pub(crate) fn new(dt: f64) -> Self {
-        let [begins, ends] = [STILL, WALKS].map(|time| (dt / time).min(MOST));
+    /// Of a plant that turns by so much from a sample to the next \[rad\].
+    pub(crate) fn new(turn: f64) -> Self {
+        let [begins, ends] = [STILL, WALKS].map(|periods| (turn / (TAU * periods)).min(MOST));
         Self {
             weights: [1.0, 0.0],
             transition: [[1.0 - begins, begins], [ends, 1.0 - ends]],

@@ -241,6 +241,40 @@ fn with_white_force(bad: &BadFilter<'_>) -> Option<Vec<Edit>> {
     (std > 0.0 && !bad.filter.augment.contains(&white)).then(edits)
 }
 
+/// The least correlation of two sensors within a sample that is a noise of both, and the most that is left at any other lag.
+const COMMON: f64 = 0.12;
+const ALONE: f64 = 0.08;
+
+pub(super) static COMMON_NOISE: Cause = Cause {
+    key: "common_noise",
+    name: "noise that is common to two sensors",
+    hint: "One supply, one amplifier or one mount shakes both, and R takes their noises for independent: the filter counts the same \
+           error twice. Leave one of them out.",
+    likely_causes: common_noise,
+};
+
+/// Between sensors of displacement and velocity only: a force within a sample is felt by accelerometers at once, and not by these.
+fn common_noise(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
+    let case = bad.case;
+    let model = bad.filter.model(bad.scenario.plant.kind, bad.scenario.input);
+    let feels = |place: usize| model.reading(case.sensors[place].sensor).is_none_or(|reading| reading.is_of_rates());
+    let is_white = |place: usize| case.sensors[place].autocorrelation(&case.kept).iter().all(|r| r.abs() < ALONE);
+    for pair in case.pairs.iter().filter(|pair| !pair.places.iter().any(|&place| feels(place))) {
+        let r = pair.correlation[0][0] - case.expected_correlation(pair.places);
+        let is_alone = pair.correlation.iter().all(|side| side[1..].iter().all(|other| other.abs() < ALONE));
+        if r.abs() < COMMON || !is_alone || !pair.places.iter().all(|&place| is_white(place)) {
+            continue;
+        }
+        let [one, other] = pair.places.map(|place| case.sensors[place].sensor.key());
+        let sentence = format!(
+            "the {one} and the {other} have noise in common: their innovations, each white, are correlated by {r:.2} within a sample, and \
+             no setting mends that"
+        );
+        let likely = LikelyCause::new(cause, r.abs(), 0.0, Vec::new(), sentence);
+        found.push(LikelyCause { certain: true, ..likely });
+    }
+}
+
 pub(super) static WHITE_FORCE: Cause = Cause {
     key: "white_force",
     name: "a white force in place of Q",
@@ -269,7 +303,7 @@ pub(super) static PROCESS_NOISE: Cause = Cause {
 /// Source: Mehra (1970), On the identification of variances and adaptive Kalman filtering.
 fn process_noise(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
     let (case, filter) = (bad.case, bad.filter);
-    let first = case.sensors.iter().map(|one| one.autocorrelation(&case.kept)[0]);
+    let first = case.sensors.iter().map(|one| one.first_correlation(&case.kept).1);
     let first = first.fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
     // If a white force drives the motion, it is the motion's only process noise.
     let is_white = filter.augment.contains(&Channel::WHITE_FORCE) && filter.process_std[Channel::WHITE_FORCE] > 0.0;

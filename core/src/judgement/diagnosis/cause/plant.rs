@@ -112,7 +112,7 @@ fn unknown_force(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
     if bad.filter.augment.contains(&Channel::UNKNOWN_FORCE) || !(force > 0.0 && force.is_finite()) {
         return;
     }
-    let first = case.sensors.iter().map(|one| one.autocorrelation(&case.kept)[0]).fold(0.0, f64::max);
+    let first = case.sensors.iter().map(|one| one.first_correlation(&case.kept).1).fold(0.0, f64::max);
     let weight = first / (1.0 + first);
     let key = Channel::UNKNOWN_FORCE.key();
     let period = TAU / frequency / case.record.dt();

@@ -174,10 +174,11 @@ fn bias(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>
 }
 
 /// Less correlated innovations are no coloured noise.
-const COLOURED: f64 = 0.2;
+const COLOURED: f64 = 0.08;
 
-/// The memories of a coloured noise that are tried, in samples.
-const MEMORIES: [f64; 3] = [3.0, 10.0, 40.0];
+/// Correlation times of a coloured noise are tried that are so many times that of the innovations: a filter takes a part of the noise for
+/// motion.
+const LONGER: [f64; 3] = [1.0, 2.0, 5.0];
 
 /// σ of the white part of a coloured noise, relative to the whole.
 const WHITE_PART: f64 = 0.05;
@@ -186,39 +187,42 @@ pub(super) static COLOURED_NOISE: Cause = Cause {
     key: "coloured_noise",
     name: "coloured noise of a sensor",
     hint: "A sensor's filter, or a loose mount, gives its noise a memory, and a filter takes each reading for new. Let it estimate a \
-           bias that walks with that memory.",
+           bias with that memory.",
     likely_causes: coloured,
 };
 
-/// Gives a sensor a bias that walks by as much in a step as a Gauss-Markov process of its σ: `σ √(2 dt / τ)`.
+/// Gives a sensor a bias that is a Gauss-Markov process: what is new in a step has `σ √(1 - exp(-2 dt / τ))`.
 ///
 /// Source: Bryson and Henrikson (1968), Estimation using sampled data containing sequentially correlated noise.
 fn coloured(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
     let case = bad.case;
     for (place, one) in case.sensors.iter().enumerate() {
-        let (bias, first) = (one.sensor.bias(), one.autocorrelation(&case.kept)[0]);
+        let (bias, (lag, first)) = (one.sensor.bias(), one.first_correlation(&case.kept));
         if first < COLOURED || bad.filter.augment.contains(&bias) {
             continue;
         }
-        let key = bias.key();
-        let std = bad.filter.sensor_std[place] * one.level(&case.kept).max(1.0).sqrt();
-        for samples in MEMORIES {
-            for size in [std, bad.filter.sensor_std[place]] {
-                let mut stds = bad.filter.sensor_std.clone();
-                stds[place] = WHITE_PART * size;
-                let edits = vec![
-                    bad.augmented(bias),
-                    bad.edit(&format!("initial_std.{key}"), size),
-                    bad.edit(&format!("process_std.{key}"), size * (2.0 / samples).sqrt()),
-                    bad.edit("sensor_std", stds),
-                ];
-                let seconds = short(samples * case.record.dt());
-                let sentence = format!(
-                    "the noise of the {} is coloured, with a memory of about {seconds} s: a bias that walks stands for it",
-                    one.sensor.key()
-                );
-                found.push(LikelyCause::new(cause, first / (1.0 + first), 2.0, edits, sentence));
-            }
+        let (key, size) = (bias.key(), bad.filter.sensor_std[place] * one.level(&case.kept).max(0.0).sqrt());
+        let last = |r: f64| -1.0 / libm::log(r.clamp(0.01, 0.99));
+        let next = one.autocorrelation(&case.kept).get(2 * lag - 1).map_or(0.0, |second| second / first);
+        // Of a noise with a white part the second correlation is φ times the first, and the first φ times the share that is not white.
+        let of_part = (next > first && next < 1.0).then(|| (last(next), (1.0 - first / next).sqrt()));
+        for (readings, white) in LONGER.map(|by| (by * last(first), WHITE_PART)).into_iter().chain(of_part) {
+            let samples = readings * lag as f64;
+            let (mut stds, coloured) = (bad.filter.sensor_std.clone(), size * (1.0 - white * white).sqrt());
+            stds[place] = white * size;
+            let edits = vec![
+                bad.augmented(bias),
+                bad.edit(&format!("initial_std.{key}"), coloured),
+                bad.edit(&format!("process_std.{key}"), coloured * (-libm::expm1(-2.0 / samples)).sqrt()),
+                bad.edit(&format!("correlation_time.{key}"), samples * case.record.dt()),
+                bad.edit("sensor_std", stds),
+            ];
+            let sentence = format!(
+                "the noise of the {} is coloured, with a memory of about {} s: a bias with that memory stands for it",
+                one.sensor.key(),
+                short(samples * case.record.dt())
+            );
+            found.push(LikelyCause::new(cause, first / (1.0 + first), 2.0, edits, sentence));
         }
     }
 }

@@ -120,19 +120,82 @@ fn whiteness(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
             let statistic = count * (count + 2.0) * terms.sum::<f64>();
             let largest = (1..).zip(correlation).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
             let (lag, largest) = largest.unwrap_or((1, 0.0));
-            let first = correlation[0];
+            let (next, first) = one.first_correlation(&span.parts);
             let telling = if first.abs() < SLIGHT * largest.abs() { largest } else { first };
-            let also = if lag == 1 { String::new() } else { format!(", {largest:.2} at lag {lag}") };
+            let also = if lag == next { String::new() } else { format!(", {largest:.2} at lag {lag}") };
             let (sensor, when) = (one.sensor.key(), span.words);
             found.push(Evidence {
                 statistic,
-                p_value: chi_squared::upper_tail(statistic, LAGS as u32 - 1).unwrap_or(1.0),
+                p_value: chi_squared::upper_tail(statistic, correlation.iter().filter(|r| **r != 0.0).count() as u32)
+                    .unwrap_or(1.0),
                 effect: largest.abs() / CORRELATED,
                 speaks_for: direction(case, one, telling, one.level(&span.parts)),
-                sentence: format!("the innovations of the {sensor} are correlated{when}: {first:.2} at lag 1{also}"),
+                sentence: format!(
+                    "the innovations of the {sensor} are correlated{when}: {first:.2} at lag {next}{also}"
+                ),
                 ..Evidence::over(test, Subject::Sensor(one.sensor), &span)
             });
         }
+    }
+}
+
+pub(super) static PAIRS: Test = Test {
+    name: "whiteness between two sensors",
+    statistic: "N Σ r_l² over the lags l = ±1 … ±20 of one sensor's innovations against another's",
+    distribution: "χ² with 40 degrees of freedom",
+    source: "Mehra (1970); Bar-Shalom, Li and Kirubarajan (2001), section 5.4.2",
+    reading: "what one sensor has shown, another shows again later: the model or Q is wrong, even where each is white by itself",
+    run: pairs,
+};
+
+fn pairs(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
+    for pair in case.pairs.iter().filter(|pair| pair.count >= 2.0 * LAGS as f64) {
+        let sides = pair.correlation.iter().zip([pair.places, [pair.places[1], pair.places[0]]]);
+        let lags = sides.flat_map(|(r, places)| (1..LAGS).map(move |lag| (r[lag], lag, places)));
+        let sum: f64 = lags.clone().map(|(r, ..)| r * r).sum();
+        let Some((r, lag, [later, earlier])) = lags.max_by(|a, b| a.0.abs().total_cmp(&b.0.abs())) else { continue };
+        let [later, earlier] = [later, earlier].map(|place| &case.sensors[place]);
+        found.push(Evidence {
+            statistic: pair.count * sum,
+            p_value: chi_squared::upper_tail(pair.count * sum, 2 * (LAGS as u32 - 1)).unwrap_or(1.0),
+            effect: r.abs() / CORRELATED,
+            speaks_for: case.pattern(later),
+            sentence: format!(
+                "the innovations of the {} follow those of the {}: correlation {r:.2} at lag {lag}",
+                later.sensor.key(),
+                earlier.sensor.key()
+            ),
+            ..Evidence::new(test, Subject::Sensor(later.sensor), case)
+        });
+    }
+}
+
+pub(super) static AT_ONCE: Test = Test {
+    name: "correlation of two sensors within a sample",
+    statistic: "(r - ρ) √N / (1 - ρ²), r of their innovations, ρ the mean of that in S",
+    distribution: "standard normal",
+    source: "Fisher (1921), On the probable error of a coefficient of correlation",
+    reading: "noise that is common to both sensors, or a force that both feel and R does not know",
+    run: at_once,
+};
+
+fn at_once(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
+    for pair in case.pairs.iter().filter(|pair| pair.count >= 2.0 * LAGS as f64) {
+        let (r, expected) = (pair.correlation[0][0], case.expected_correlation(pair.places));
+        let [one, other] = pair.places.map(|place| &case.sensors[place]);
+        let statistic = (r - expected) * pair.count.sqrt() / (1.0 - expected * expected).max(1e-3);
+        found.push(Evidence {
+            statistic,
+            p_value: normal_p(statistic),
+            effect: (r - expected).abs() / CORRELATED,
+            speaks_for: case.pattern(one),
+            sentence: format!(
+                "the innovations of the {} and the {} go together: their correlation is {r:.2}, and {expected:.2} is expected",
+                one.sensor.key(),
+                other.sensor.key()
+            ),
+            ..Evidence::new(test, Subject::Sensor(one.sensor), case)
+        });
     }
 }
 
