@@ -56,6 +56,8 @@ pub static CAUSES: &[&Cause] = &[
     &sensors::WRAPS,
     &noise::WHITE_FORCE,
     &noise::COMMON_NOISE,
+    &plant::UNEVEN_SPRING,
+    &plant::DAMPING_OF_SWING,
 ];
 
 /// What is tried on a filter with a good verdict: other models of as many numbers, whose innovations may be white too.

@@ -173,54 +173,117 @@ impl Oscillator {
     }
 }
 
+/// A term of one more parameter that the equation of a linear oscillator may lack.
+struct Term {
+    cause: &'static Cause,
+    /// The term, with `@` for the speed below which friction is less than whole.
+    term: &'static str,
+    key: &'static str,
+    /// The parameter's name, unit and sign.
+    parameter: [&'static str; 3],
+    /// Its initial mean, over its initial standard deviation.
+    mean: f64,
+    /// The standard deviation, from ωₙ and the root mean square of the displacement.
+    std: fn(f64, f64) -> f64,
+    sentence: &'static str,
+}
+
+static TERMS: [Term; 5] = [
+    Term {
+        cause: &DRY_FRICTION,
+        term: "d tanh(x'/@)",
+        key: "d",
+        parameter: ["friction", "m/s²", "not_negative"],
+        mean: 1.0,
+        std: |frequency, size| 0.05 * frequency * frequency * size,
+        sentence: "there is dry friction, which has the same size at any speed",
+    },
+    Term {
+        cause: &DRAG,
+        term: "c abs(x') x'",
+        key: "c",
+        parameter: ["drag", "1/m", "not_negative"],
+        mean: 1.0,
+        std: |_, size| 0.1 / size,
+        sentence: "there is drag, which grows with the square of the speed",
+    },
+    Term {
+        cause: &UNEVEN_SPRING,
+        term: "q x²",
+        key: "q",
+        parameter: ["uneven stiffness", "1/(m s²)", "any"],
+        mean: 0.0,
+        std: |frequency, size| 0.3 * frequency * frequency / size,
+        sentence: "the spring is stiffer one way than the other, the more so the further it goes",
+    },
+    Term {
+        cause: &UNEVEN_SPRING,
+        term: "s (x + abs(x))",
+        key: "s",
+        parameter: ["stiffness of one side", "1/s²", "any"],
+        mean: 0.0,
+        std: |frequency, _| 0.2 * frequency * frequency,
+        sentence: "the spring is stiffer one way than the other, as with a crack that opens or a stop",
+    },
+    Term {
+        cause: &DAMPING_OF_SWING,
+        term: "b x² x'",
+        key: "b",
+        parameter: ["damping of large swings", "1/(m² s)", "any"],
+        mean: 0.0,
+        std: |frequency, size| 0.1 * frequency / (size * size),
+        sentence: "the damping grows with the swing",
+    },
+];
+
 pub(super) static DRY_FRICTION: Cause = Cause {
     key: "dry_friction",
     name: "dry friction",
     hint: "Friction that has the same size at any speed takes away as much of a small swing as of a large one: a decay is a straight \
            line, and ends. Take an equation with such a term.",
-    likely_causes: dry_friction,
+    likely_causes: terms,
 };
-
-/// The speed below which friction is less than whole, over the root mean square of all speeds: a jump has no derivative.
-const SLOW: f64 = 0.05;
-
-fn dry_friction(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
-    let Some(oscillator) = Oscillator::of(bad) else { return };
-    let Oscillator { frequency, size } = oscillator;
-    let weight = 0.4 * bad.effect_of_pattern();
-    // Two digits, as a person would write it.
-    let slow = SLOW * frequency * size;
-    let scaled = format!("{slow:.1e}");
-    let rounded = scaled.parse().unwrap_or(slow);
-    let slow = if (1e-4..1e6).contains(&rounded) { rounded.to_string() } else { scaled };
-    let equation = format!("x'' + 2 ζ ωₙ x' + ωₙ² x + d tanh(x'/{slow}) = f");
-    let force = 0.05 * frequency * frequency * size;
-    let parameter = Some(["friction", "m/s²", "not_negative"]);
-    let friction = Component { key: "d", parameter, mean: force, std: force };
-    let edits = oscillator.edits(bad, &equation, &[friction]);
-    let sentence = "there is dry friction, which has the same size at any speed".to_owned();
-    found.push(LikelyCause::new(cause, weight, 1.0, edits, sentence));
-}
 
 pub(super) static DRAG: Cause = Cause {
     key: "drag",
     name: "drag, as of air or water",
     hint: "Drag grows with the square of the speed: a large swing dies out fast, a small one hardly. Take an equation with such a term.",
-    likely_causes: drag,
+    likely_causes: terms,
 };
 
-/// The damping ratio that drag is equal to, at most speeds.
-const OF_DRAG: f64 = 0.05;
+pub(super) static UNEVEN_SPRING: Cause = Cause {
+    key: "uneven_spring",
+    name: "a spring that is stiffer one way than the other",
+    hint: "A crack that opens, a stop, a spring that was bent: the swing is longer to one side. Take an equation with such a term.",
+    likely_causes: terms,
+};
 
-fn drag(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
+pub(super) static DAMPING_OF_SWING: Cause = Cause {
+    key: "damping_of_swing",
+    name: "damping that grows with the swing",
+    hint: "As in van der Pol's oscillator, the damping depends on how far the mass goes. Take an equation with such a term.",
+    likely_causes: terms,
+};
+
+/// The speed below which friction is less than whole, over the root mean square of all speeds: a jump has no derivative.
+const SLOW: f64 = 0.05;
+
+fn terms(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
     let Some(oscillator) = Oscillator::of(bad) else { return };
-    let weight = 0.4 * bad.effect_of_pattern();
-    let of_size = 2.0 * OF_DRAG / oscillator.size;
-    let parameter = Some(["drag", "1/m", "not_negative"]);
-    let drag = Component { key: "c", parameter, mean: of_size, std: of_size };
-    let edits = oscillator.edits(bad, "x'' + 2 ζ ωₙ x' + ωₙ² x + c abs(x') x' = f", &[drag]);
-    let sentence = "there is drag, which grows with the square of the speed".to_owned();
-    found.push(LikelyCause::new(cause, weight, 1.0, edits, sentence));
+    let Oscillator { frequency, size } = oscillator;
+    // Two digits, as a person would write it.
+    let slow = SLOW * frequency * size;
+    let scaled = format!("{slow:.1e}");
+    let rounded = scaled.parse().unwrap_or(slow);
+    let slow = if (1e-4..1e6).contains(&rounded) { rounded.to_string() } else { scaled };
+    for Term { term, key, parameter, mean, std, sentence, .. } in TERMS.iter().filter(|one| one.cause.key == cause.key)
+    {
+        let equation = format!("x'' + 2 ζ ωₙ x' + ωₙ² x + {} = f", term.replace('@', &slow));
+        let std = std(frequency, size);
+        let component = Component { key, parameter: Some(*parameter), mean: mean * std, std };
+        let edits = oscillator.edits(bad, &equation, &[component]);
+        found.push(LikelyCause::new(cause, 0.4 * bad.effect_of_pattern(), 1.0, edits, (*sentence).to_owned()));
+    }
 }
 
 pub(super) static PERIODIC_FORCE: Cause = Cause {
