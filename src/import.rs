@@ -32,7 +32,6 @@ pub struct Import {
     name: String,
     stage: Stage,
     team: Rc<dyn Team>,
-    /// Whether it makes no progress.
     pub(crate) is_still: bool,
 }
 

@@ -36,7 +36,6 @@ const AT_LEAST: Duration = Duration::from_millis(100);
 /// The size of the estimates \[points\].
 const LARGE: f32 = 26.0;
 
-/// The name of an instrument, its two buttons, and how to use it.
 struct Words {
     name: &'static str,
     beginning: &'static str,
@@ -51,7 +50,6 @@ trait Instrument {
 
     fn end(&self);
 
-    /// The reason why the sensor has no readings.
     fn refusal(&self) -> Option<String>;
 
     fn follow(&mut self) {}
@@ -131,7 +129,6 @@ impl Measure {
         self.is_watched && matches!(self.stage, Stage::Running(_))
     }
 
-    /// Shows the measurement above the views. Returns whether it continues.
     pub(crate) fn strip_ui(&mut self, ui: &mut Ui, palette: &Palette, requests: &mut Vec<Request>) -> bool {
         let instrument = &mut self.instruments[self.chosen];
         if let Some(refusal) = instrument.refusal() {

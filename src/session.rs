@@ -62,7 +62,6 @@ pub struct Session {
     waiting: bool,
     /// Whether another scenario was opened whose picture is not complete.
     is_opened: bool,
-    /// Whether the run has reached playback's time, and its analysis is complete.
     complete: bool,
     budget: Budget,
     wanted: Wanted,

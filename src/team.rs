@@ -24,7 +24,6 @@ pub use running::Running;
 
 pub const BETWEEN: Duration = Duration::from_millis(100);
 
-/// The samples of a portion of a filter.
 const PORTION: usize = 64;
 
 pub trait Team {

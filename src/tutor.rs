@@ -249,7 +249,6 @@ impl Catalogue {
     }
 }
 
-/// The choice of axes, score and filters that a step asks for.
 fn choice_of(map: &Map, scenario: &Scenario) -> Result<Choice, String> {
     let Map { x, y, measure, filter, second } = map;
     let mut scenario = scenario.clone();

@@ -14,7 +14,6 @@ pub(crate) fn hover_text(response: Response, text: &dyn Fn() -> String) -> Respo
     })
 }
 
-/// Gives a widget its accessible name.
 pub(crate) fn named(response: Response, name: impl Into<String>) -> Response {
     let name = name.into();
     response.ctx.accesskit_node_builder(response.id, |node| node.set_label(name));

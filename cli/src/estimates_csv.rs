@@ -69,7 +69,6 @@ const READING: [ReadingColumn; 6] = [
 
 /// A filter's view of one sensor at one sample; NaN where nothing was measured, or where it does not use the sensor.
 pub(crate) struct Reading {
-    /// The measurement less its prediction.
     pub(crate) innovation: f64,
     /// The standard deviation that the filter expects of it.
     pub(crate) std: f64,
@@ -82,7 +81,6 @@ pub(crate) struct Reading {
 }
 
 impl Reading {
-    /// The view of the sensor of this quantity at sample `k`. A smoother predicts nothing.
     pub(crate) fn of(estimates: &Estimates, record: &Record, sensor: Quantity, k: usize) -> Self {
         let found = || {
             let place = estimates.sensors().iter().position(|own| *own == sensor)?;
@@ -98,7 +96,6 @@ impl Reading {
     }
 }
 
-/// The numbers of one row, from the first mean to the likelihood.
 fn values(estimates: &Estimates, channels: &[Channel], k: usize) -> impl Iterator<Item = f64> {
     let mean = move |c: &Channel| estimates.place(*c).map_or(f64::NAN, |place| estimates.canonical_mean(k, place));
     let std = move |c: &Channel| estimates.place(*c).map_or(f64::NAN, |place| estimates.std(k, place));

@@ -70,7 +70,6 @@ pub(crate) fn to_text(file: &Path, bytes: Vec<u8>) -> Result<String, InputError>
     String::from_utf8(bytes).map_err(|error| InputError::Read { file: file.to_owned(), error: bad(error) })
 }
 
-/// The bytes of [`read_text`].
 pub(crate) fn read_short(file: &Path) -> Result<Vec<u8>, InputError> {
     read_limited(file, LARGEST_TEXT)?.map_err(|_| InputError::LongText { file: file.to_owned() })
 }
@@ -114,12 +113,10 @@ pub(crate) fn is_standard_input(file: &Path) -> bool {
     ["-", "/dev/stdin"].iter().any(|name| file.as_os_str() == *name)
 }
 
-/// The name of an output in a message.
 fn written(file: &Path) -> String {
     if file.as_os_str() == "-" { "standard output".to_owned() } else { file.display().to_string() }
 }
 
-/// The name of an input in a message.
 fn shown(file: &Path) -> String {
     if is_standard_input(file) { "standard input".to_owned() } else { file.display().to_string() }
 }

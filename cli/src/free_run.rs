@@ -6,7 +6,6 @@ use kalmanscope_core::{Estimates, Fit, Identified, Quantity, Record, Run, Scenar
 
 use crate::number::{fixed, short};
 
-/// The free runs of all final models over one record.
 pub(crate) struct FreeRuns {
     pub(crate) name: String,
     pub(crate) samples: usize,
@@ -25,7 +24,6 @@ pub(crate) struct FreeFit {
 }
 
 impl FreeRuns {
-    /// No free run yet, over a record.
     pub(crate) fn new(name: &str, record: &Record) -> Self {
         Self { name: name.to_owned(), samples: record.len(), fits: Vec::new() }
     }

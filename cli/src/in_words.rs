@@ -7,7 +7,6 @@ use kalmanscope_core::{Diagnosis, Record, Remark, Scenario, Summary, Trouble};
 
 use crate::number::{fixed, legible, plain, scientific, short};
 
-/// Limits the pieces of evidence, and the causes, that are printed for a filter.
 const MOST: (usize, usize) = (6, 3);
 
 /// A smaller probability is told as smaller.
@@ -88,8 +87,6 @@ fn lines(edits: &[Edit], scenario: &Scenario) -> Vec<String> {
     Edit::toml_lines(edits, scenario).unwrap_or_default().into_iter().map(line).collect()
 }
 
-/// Name and value of each measure: mean NIS and NEES with their intervals, the share of the truth inside, whiteness, log
-/// likelihood.
 pub(crate) fn quality(summary: &Summary, has_innovations: bool) -> Vec<(&'static str, String)> {
     let mut rows = Vec::new();
     match &summary.nis {

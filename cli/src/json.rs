@@ -45,7 +45,6 @@ impl Results<'_> {
     }
 }
 
-/// One filter, or one smoother, which has no evidence.
 fn filter(
     summary: &Summary,
     probability: Option<f64>,

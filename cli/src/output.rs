@@ -50,7 +50,6 @@ fn filled<E: From<io::Error>>(file: &File, fill: impl FnOnce(&mut dyn Write) -> 
     Ok(output.flush()?)
 }
 
-/// Whether a name is one of the system for an open file.
 fn is_stream(path: &Path) -> bool {
     ["/dev/stdout", "/dev/stderr", "/dev/fd", "/proc"].iter().any(|own| path.starts_with(own))
 }

@@ -10,7 +10,6 @@ use crate::table::heading;
 
 const WIDTH: f32 = 1100.0;
 const PLOT_HEIGHT: f32 = 240.0;
-/// The margins of a plot: left, right, above and below.
 const MARGINS: [f32; 4] = [92.0, 24.0, 10.0, 8.0];
 /// Room for the time axis below the last plot.
 const TIME_HEIGHT: f32 = 48.0;
@@ -40,7 +39,6 @@ const DOT_RADIUS: f32 = 1.5;
 const LEGEND: [f32; 2] = [22.0, 12.0];
 const LETTERS: usize = 36;
 
-/// The estimates of every filter with its colour.
 fn colored(run: &Run) -> impl Iterator<Item = (&Estimates, Color)> {
     run.estimates().iter().map(|estimates| {
         let [r, g, b] = PALETTE[estimates.color() as usize];
@@ -151,7 +149,6 @@ fn draw_panel(svg: &mut Svg, run: &Run, panel: Panel, top: f32, with_time: bool)
     }
 }
 
-/// The number of samples above which outliers are left out.
 const SAMPLES: usize = 4000;
 
 /// The range of a plot: all of the truth, nearly all of the measurements and estimates, and most of the
@@ -190,7 +187,6 @@ fn range_of(run: &Run, panel: Panel) -> (f64, f64) {
     padded(range.unwrap_or((0.0, 0.0)))
 }
 
-/// A channel with its estimates, or a sensor with its predictions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Panel {
     Channel(Channel),

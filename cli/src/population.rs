@@ -51,7 +51,6 @@ pub(crate) fn population(args: &PopulationArgs) -> Result<(), InputError> {
     print(&if *json { population.json().map_err(|error| bad(&error))? } else { population.text() })
 }
 
-/// The rows of all members, in their order.
 fn run_members(runner: &Arc<Runner>, team: &Threads, quiet: bool) -> Vec<Slice> {
     let cells = runner.ensemble().cells();
     let mut progress = Progress::new(cells, quiet);
@@ -66,10 +65,8 @@ fn run_members(runner: &Arc<Runner>, team: &Threads, quiet: bool) -> Vec<Slice> 
     slices
 }
 
-/// The share of the truth within which a parameter counts as identified.
 const NEAR: f64 = 0.01;
 
-/// A part of the members.
 #[derive(Clone, Copy)]
 struct Share {
     count: usize,
@@ -102,7 +99,6 @@ impl Population {
         counts.filter(|(_, count)| **count > 0).map(move |(kind, &count)| (kind, Share { count, of }))
     }
 
-    /// The shares with their 95 % intervals, as text.
     fn text(&self) -> String {
         let mut text = String::new();
         // Writing to a string cannot fail.
@@ -157,7 +153,7 @@ impl Population {
         Ok(())
     }
 
-    /// The same numbers as JSON:
+    /// The numbers as JSON:
     ///
     /// ```text
     /// members, impossible, drawn: [{ key, law, numbers }]
@@ -288,7 +284,6 @@ fn of_members(runner: &Runner, slices: &[Slice], threads: usize, quiet: bool) ->
 }
 
 struct Found {
-    /// The names of the first two causes.
     causes: Vec<&'static str>,
     is_explained: bool,
     /// The probability of the first one; 0 where there is none.

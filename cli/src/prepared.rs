@@ -18,10 +18,8 @@ use crate::progress::Progress;
 /// history.
 const MOST: usize = 2_000_000;
 
-/// The samples between two updates of the progress.
 const CHUNK: usize = 10_000;
 
-/// A run that is about to begin, with its origin.
 pub(crate) struct Prepared {
     pub(crate) file: PathBuf,
     pub(crate) scenario: Scenario,
@@ -58,7 +56,6 @@ impl Prepared {
         Ok(Self { file: file.clone(), scenario, source, is_measured, held_out })
     }
 
-    /// The finished run of all filters, with their histories.
     pub(crate) fn run(&self, quiet: bool) -> Result<Run, InputError> {
         let mut run = Run::from_source(&self.scenario, self.source.clone()).map_err(|error| self.bad_run(error))?;
         let mut progress = Progress::new(run.samples(), quiet);
@@ -68,7 +65,6 @@ impl Prepared {
         Ok(run)
     }
 
-    /// The finished run without filters: the record alone.
     pub(crate) fn truth(&self) -> Result<Run, InputError> {
         let scenario = Scenario { filters: Vec::new(), ..self.scenario.clone() };
         let run = self.scenario.validate().map_err(RunError::from);
@@ -235,7 +231,6 @@ fn of_table(path: &Path, table: &Table, scenario: &mut Scenario) -> Result<Impor
     Ok(imported)
 }
 
-/// The columns of a file, and the hash of its bytes.
 pub(crate) fn table(path: &Path) -> Result<(Table, String), InputError> {
     let bytes = read_record(path)?;
     let hash = hash(&bytes);

@@ -13,7 +13,6 @@ const TICK: Duration = Duration::from_millis(200);
 /// The pieces of a bar for the results of one filter.
 const OF_FILTER: usize = 1000;
 
-/// The progress of some work, shown once it has taken a while, and cleared at its end.
 pub(crate) struct Progress {
     started: Instant,
     whole: usize,
@@ -27,7 +26,6 @@ impl Progress {
         Self { started: Instant::now(), whole, bar: None, quiet }
     }
 
-    /// Shows the number of finished pieces, and the present one.
     pub(crate) fn tell(&mut self, done: usize, what: &str) {
         let Self { started, whole, bar, quiet } = self;
         if *quiet || bar.is_none() && started.elapsed() < PATIENCE {

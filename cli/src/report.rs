@@ -88,7 +88,6 @@ pub fn report(run: &Run, analysis: &Analysis, parts: &Parts<'_>) -> Result<Strin
     Ok(page.finish())
 }
 
-/// The day and the record in lines.
 fn origin(page: &mut Html, run: &Run, day: &str) {
     let record = run.record();
     let (start, end) = (record.time(0), record.time(record.len().saturating_sub(1)));
@@ -150,7 +149,6 @@ fn section(
     }
 }
 
-/// A page under way.
 struct Html(String);
 
 impl Html {

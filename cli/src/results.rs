@@ -26,7 +26,6 @@ pub struct Results<'a> {
 pub(crate) struct FilterResults {
     pub(crate) summary: Summary,
     pub(crate) diagnosis: Option<Diagnosis>,
-    /// The causes of its verdict, the likeliest first.
     pub(crate) causes: Vec<Remedy>,
     /// σ over its Cramér-Rao bound at the last sample, for the channels that have one.
     pub(crate) over_bound: Vec<(Channel, f64)>,
@@ -60,7 +59,6 @@ impl<'a> Results<'a> {
         }
     }
 
-    /// No results yet, of a scenario over the record of a run.
     pub(crate) fn empty(scenario: Scenario, run: &'a Run) -> Self {
         Self {
             scenario,
@@ -132,7 +130,6 @@ impl<'a> Results<'a> {
     }
 }
 
-/// The ratio of each σ to its Cramér-Rao bound at the last sample that has both.
 pub(crate) fn over_bound(estimates: &Estimates, bound: &CramerRao) -> Vec<(Channel, f64)> {
     let Some(last) = estimates.len().min(bound.len()).checked_sub(1) else { return Vec::new() };
     let ratio = |(place, &channel): (usize, &Channel)| {
@@ -145,7 +142,6 @@ pub(crate) fn over_bound(estimates: &Estimates, bound: &CramerRao) -> Vec<(Chann
 /// Limits the repetitions of a filter, together with [`PATIENCE`]; the shortest time counts.
 const REPEATS: usize = 7;
 const PATIENCE: Duration = Duration::from_millis(500);
-/// Limits the samples of a repetition.
 const MOST: usize = 100_000;
 
 /// Time per step of each filter \[ns\], measured by running it alone over the beginning of a record, as many samples as it has done;

@@ -28,10 +28,8 @@ enum OutputError {
     Record(#[from] RecordError),
 }
 
-/// The outcome of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Ending {
-    /// All was written, and no filter stopped.
     Well,
     /// Something could not be written, or a filter stopped.
     Stopped,
@@ -98,7 +96,6 @@ pub(crate) fn run(args: &RunArgs) -> Result<Ending, InputError> {
     })
 }
 
-/// The analysis of a run with bounds, and the causes of each filter's verdict.
 fn judged(run: &Run, quiet: bool) -> (Analysis, Vec<Vec<Remedy>>) {
     let progress = Progress::wait(quiet, "diagnostics and Cramér-Rao bounds");
     let analysis = Analysis::new(run, Wanted { bounds: true, ..Wanted::default() });
@@ -108,7 +105,7 @@ fn judged(run: &Run, quiet: bool) -> (Analysis, Vec<Vec<Remedy>>) {
     (analysis, causes)
 }
 
-/// The same results without a history, over the record of a run without filters.
+/// The results without a history, over the record of a run without filters.
 fn in_turn<'a>(prepared: &Prepared, run: &'a Run, quiet: bool) -> Result<Results<'a>, InputError> {
     let Prepared { scenario, .. } = prepared;
     let mut progress = Progress::of_results(scenario.filters.len(), quiet);

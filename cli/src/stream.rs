@@ -135,7 +135,6 @@ fn take(filters: &mut [Followed], row: &StreamRow) -> Option<EventError> {
 const WINDOW: usize = 200;
 const LEAST: usize = 20;
 
-/// NIS and readings of the last updates.
 #[derive(Clone, Debug, Default)]
 struct Watch {
     last: VecDeque<(f64, u32)>,
@@ -243,7 +242,6 @@ impl<W: Write> Writer<W> {
     }
 }
 
-/// The numbers of a filter after a line.
 struct FilterRow {
     channels: Vec<Channel>,
     /// The newest estimate; `None` of a filter that has stopped.

@@ -90,7 +90,6 @@ fn run_cells(
     Ok(())
 }
 
-/// The runner of the cells, and a hash of the measured record.
 fn runner(args: &SweepArgs) -> Result<(Runner, String), InputError> {
     let SweepArgs { input, vary, seeds, score, filter, .. } = args;
     let file = &input.scenario;
@@ -144,7 +143,6 @@ fn cells(all: usize, Shard { number, of }: Shard) -> Range<usize> {
     cut(number - 1)..cut(number)
 }
 
-/// A hash of everything that the rows follow from.
 fn fingerprint(args: &SweepArgs, ensemble: &Ensemble, record: &str) -> String {
     let Shard { number, of } = args.shard;
     let version = env!("CARGO_PKG_VERSION");
@@ -239,7 +237,6 @@ fn begins_as_part(file: &mut File) -> io::Result<bool> {
     Ok(head == FIRST.as_bytes())
 }
 
-/// The names of the table's columns: the axes' keys, those of drawn numbers, then those of the scores.
 fn names(ensemble: &Ensemble) -> Vec<String> {
     let axes = ensemble.plan().axes.iter().map(|axis| axis.key.clone());
     let scenario = ensemble.scenario();

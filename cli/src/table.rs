@@ -25,7 +25,6 @@ impl Results<'_> {
     }
 }
 
-/// The estimates of a filter in a short table.
 const FEW: usize = 4;
 
 fn write_table(text: &mut String, results: &Results<'_>, is_whole: bool) -> fmt::Result {

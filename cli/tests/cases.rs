@@ -6,7 +6,6 @@ use std::path::Path;
 
 use crate::Folder;
 
-/// The result of a file.
 enum Wanted {
     /// Natural frequency \[rad/s\] within 1 %, damping ratio within 20 %.
     Found(f64, f64),
@@ -22,7 +21,6 @@ enum Wanted {
 
 use Wanted::{Found, FoundAndSaid, Inside, Read, Refused};
 
-/// A file, the arguments behind its name, and the result.
 const CASES: &[(&str, &[&str], Wanted)] = &[
     ("lvm-comma.lvm", &[], Found(12.566, 0.05)),
     ("lvm-two-rates.lvm", &[], FoundAndSaid(12.566, 0.05, &["clocks of their own, `time` and `time (2)`"])),
@@ -132,7 +130,6 @@ fn each_fault_has_its_name() {
     assert!((crate::value(&table, "parameter c") - 0.3).abs() < 0.003 && !table.contains('∞'), "{table}");
 }
 
-/// A folder with all cases.
 fn cases() -> Folder {
     let folder = Folder::new();
     for file in fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cases")).unwrap() {
@@ -149,7 +146,6 @@ fn each_file_is_read_or_said() {
     assert!(failed.is_empty(), "{} of {}:\n{}", failed.len(), CASES.len(), failed.join("\n"));
 }
 
-/// The difference between the result of a case and the wanted one.
 fn failure(folder: &Folder, (file, arguments, wanted): &(&str, &[&str], Wanted)) -> Option<String> {
     let _ = fs::remove_file(folder.path("d.csv"));
     let (code, _, said) = folder.call(&[&["import", file, "--out", "s.toml"], *arguments].concat());

@@ -2,7 +2,6 @@
 
 use crate::{Folder, value};
 
-/// Imports a file with this text. Returns the scenario and what is said.
 #[track_caller]
 fn imported(folder: &Folder, name: &str, text: &str) -> (String, String) {
     folder.file(name, text);
@@ -15,7 +14,6 @@ fn decay(k: u32) -> f64 {
     (-0.2 * t).exp() * (8.0 * t).sin()
 }
 
-/// Numbers like noise, from -1 to 1.
 fn noise(k: u32) -> f64 {
     f64::from(k.wrapping_mul(2_654_435_761) >> 8) / f64::from(1 << 23) - 1.0
 }

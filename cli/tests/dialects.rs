@@ -30,7 +30,6 @@ fn sniff(text: &str) -> Dialect {
     read(text, None).unwrap().dialect
 }
 
-/// The names and units of the columns.
 fn header(text: &str) -> Vec<(String, Option<String>)> {
     read(text, None).unwrap().columns.into_iter().map(|column| (column.name, column.unit)).collect()
 }

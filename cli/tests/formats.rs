@@ -2,7 +2,6 @@
 
 use kalmanscope_core::import::{Mapping, Table, read};
 
-/// The table of a file in some format, and the names of its columns.
 #[track_caller]
 fn table_of(text: &str) -> (Table, Vec<String>) {
     let table = read(text.as_bytes(), None).unwrap();
@@ -295,7 +294,6 @@ fn swing(k: usize) -> f64 {
     (-0.002 * k as f64).exp() * (0.1 * k as f64).sin()
 }
 
-/// Numbers in lines of some.
 fn lines(width: usize, of: impl Fn(usize) -> f64) -> String {
     (0..403).map(|k| format!("{:10.0}{}", 1e5 * of(k), if k % width + 1 == width { "\n" } else { "" })).collect()
 }

@@ -79,7 +79,6 @@ fn meanings(header: &str, row: fn(u32) -> String) -> Vec<String> {
     guesses.iter().map(|guess| of(&guess.column).unwrap_or_else(|| guess.why.to_owned())).collect()
 }
 
-/// A header, its rows, and what each column is taken for.
 type Case = (&'static str, fn(u32) -> String, &'static [&'static str]);
 
 const STILL: &str = "its numbers never change";

@@ -45,7 +45,6 @@ impl Folder {
         Self(tempfile::tempdir().unwrap())
     }
 
-    /// A folder with a scenario, `scenario.toml`.
     fn of(scenario: &str) -> Self {
         let folder = Self::new();
         folder.file("scenario.toml", scenario);
@@ -77,7 +76,6 @@ impl Folder {
         names
     }
 
-    /// The command with arguments.
     fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_kalmanscope-cli"));
         command.current_dir(self.0.path()).args(arguments);
@@ -85,7 +83,6 @@ impl Folder {
         command
     }
 
-    /// Runs the command with a standard input.
     fn fed(&self, arguments: &[&str], input: &[u8]) -> Ended {
         let mut child = self.command(arguments).spawn().unwrap();
         let (mut to, input) = (child.stdin.take().unwrap(), input.to_owned());
@@ -150,7 +147,6 @@ fn sheet(record: &str) -> String {
     record.lines().skip(1).map(row).collect()
 }
 
-/// The value of a parameter in the table.
 #[track_caller]
 fn value(table: &str, name: &str) -> f64 {
     let line = table.lines().find(|line| line.contains(name)).unwrap_or_else(|| panic!("no {name} in {table}"));

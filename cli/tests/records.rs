@@ -75,7 +75,6 @@ fn records_of_every_plant_input_and_sensor_come_back() {
     }
 }
 
-/// A column without a name has the scenario's meaning.
 #[test]
 fn an_input_without_a_name_is_the_scenarios() {
     let folder = Folder::new();

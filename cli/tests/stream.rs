@@ -7,7 +7,6 @@ use kalmanscope_core::{Scenario, simulate};
 
 use crate::{Folder, SAMPLE};
 
-/// A stream of the scenario of a folder.
 const STREAM: [&str; 3] = ["stream", "scenario.toml", "-"];
 
 #[test]
@@ -36,7 +35,6 @@ fn a_stream_of_a_record_ends_where_its_run_does() {
     assert!(compared >= 4, "{compared}");
 }
 
-/// A filter with a look-ahead reports its smoothed estimates, each after that time.
 #[test]
 fn hindsight_comes_with_a_look_ahead() {
     let text = format!("{SAMPLE}\n[[filters]]\nname = \"late\"\nsmoother = true\nlook_ahead = 0.2\n");

@@ -7,12 +7,10 @@ use crate::Folder;
 
 const SCENARIO: &str = "duration = 4.0\n[plant]\nnatural_frequency = 6.0\n";
 
-/// The arguments of a sweep whose table is `out`.
 fn sweep<'a>(out: &'a str, arguments: &[&'a str]) -> Vec<&'a str> {
     [&["sweep", "scenario.toml", "--out", out], arguments].concat()
 }
 
-/// The table of a sweep in a file.
 #[track_caller]
 fn table(folder: &Folder, out: &str, arguments: &[&str]) -> String {
     folder.succeeds(&sweep(out, arguments));

@@ -23,7 +23,6 @@ fn loggers() -> [String; 2] {
     ]
 }
 
-/// An import of the files of both loggers.
 const IMPORT: [&str; 6] = ["import", "force.csv", "--with", "sensor.csv", "--joined", "both.csv"];
 
 fn folder() -> Folder {

@@ -20,7 +20,6 @@ use situations::{Fault, Situation, largest_error, without_truth};
 /// The first seed that no limit was set on.
 const FIRST: u64 = 1_000_000;
 
-/// Runs of a table.
 const NUMBER: u64 = 2_880;
 
 fn main() {
@@ -55,7 +54,6 @@ fn main() {
     }
 }
 
-/// The diagnosis of one situation.
 struct Outcome {
     seed: u64,
     fault: Fault,
@@ -65,7 +63,6 @@ struct Outcome {
     off: f64,
     /// The keys of the causes, the likeliest first.
     causes: Vec<&'static str>,
-    /// The probability of each.
     said: Vec<f64>,
 }
 
@@ -153,7 +150,6 @@ fn print_causes(outcomes: &[Outcome]) {
     println!("all: {hits} of {runs} among the first two");
 }
 
-/// How often causes are right that have a probability between two ends: the first ones, and all.
 fn print_probabilities(outcomes: &[Outcome]) {
     const ENDS: [f64; 8] = [0.0, 0.05, 0.15, 0.3, 0.7, 0.85, 0.95, 1.0];
     println!(
@@ -178,7 +174,6 @@ fn print_probabilities(outcomes: &[Outcome]) {
     }
 }
 
-/// Alarms without a fault, verdicts that are the contrary of what is true, and filters far off that pass for good.
 fn print_mistakes(outcomes: &[Outcome]) {
     let count = |is: &dyn Fn(&Outcome) -> bool| outcomes.iter().filter(|outcome| is(outcome)).count();
     let tuned = |o: &Outcome| o.fault == Fault::WellTuned;

@@ -26,7 +26,6 @@ fn time_steps(steps: u64, scenario: &Scenario) -> Duration {
     start.elapsed()
 }
 
-/// The same with diagnostics, updated sample by sample.
 fn time_followed_steps(steps: u64, scenario: &Scenario) -> Duration {
     let mut run = run(scenario);
     run.finish();
@@ -47,7 +46,6 @@ fn time_followed_steps(steps: u64, scenario: &Scenario) -> Duration {
 /// The samples of the window of a live diagnosis, and those between two diagnoses on a screen.
 const LIVE: (usize, usize) = (2000, 60);
 
-/// Estimates with a long record and their diagnostics, with one sensor or two.
 fn followed(sensors: usize) -> (Run, Diagnostics) {
     let mut scenario = Scenario { duration: 900.0, ..Scenario::default() };
     scenario.filters.truncate(1);
@@ -60,7 +58,6 @@ fn followed(sensors: usize) -> (Run, Diagnostics) {
     (run, diagnostics)
 }
 
-/// The time of following `samples` samples in portions, in which a window moves.
 fn time_following(samples: u64, run: &Run) -> Duration {
     let (window, portion) = LIVE;
     let mut live = LiveDiagnosis::default();

@@ -40,7 +40,6 @@ const FOR_LIMITS: &[&[Fault]] = &[
     &[InputOffset, SuddenChange],
 ];
 
-/// Situations that are only reported.
 const UNTOUCHED: &[&[Fault]] = &[
     &[InputOffset],
     &[SensorNoiseTooSmall],
@@ -87,7 +86,6 @@ const FRESH: &[&[Fault]] = &[
 /// The first seed that no limit was set on.
 const FIRST: u64 = 1_000_000;
 
-/// Seeds of each situation.
 const NUMBER: u64 = 12;
 
 /// Limits the error of a parameter that is believed, in standard deviations.
@@ -123,7 +121,6 @@ fn main() {
     print_row("all", &all.iter().collect::<Vec<_>>(), false);
 }
 
-/// The outcomes of some situations, on two threads.
 fn outcomes(jobs: &[(&'static [Fault], u64)], verbose: bool) -> Vec<Outcome> {
     let next = AtomicUsize::new(0);
     let work = || {
@@ -139,7 +136,6 @@ fn outcomes(jobs: &[(&'static [Fault], u64)], verbose: bool) -> Vec<Outcome> {
     })
 }
 
-/// The first remedy of one situation.
 struct Outcome {
     faults: &'static [Fault],
     is_bad: bool,
@@ -148,16 +144,13 @@ struct Outcome {
     after: Option<(Errors, bool)>,
     /// Those of a filter that is well tuned for the same oscillator and noise without the faults.
     perfect: Errors,
-    /// The keys of the causes of the first remedy.
     causes: Vec<&'static str>,
 }
 
 /// Root mean square errors of the natural frequency and the damping ratio over the last fifth.
 #[derive(Clone, Copy, Debug)]
 struct Errors {
-    /// Relative to the truth.
     relative: [f64; 2],
-    /// In standard deviations.
     in_std: [f64; 2],
 }
 

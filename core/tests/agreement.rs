@@ -12,7 +12,6 @@ fn parameters_known() -> Values {
     Values::ZERO.with([(Channel::DISPLACEMENT, 0.3), (Channel::VELOCITY, 1.0)])
 }
 
-/// All sensors; parameters known to every filter.
 fn known_parameters(kinds: &[FilterKind], dt: f64) -> Scenario {
     let mut scenario = Scenario { dt, duration: 4.0, ..Scenario::default() };
     scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
@@ -36,7 +35,6 @@ fn known_parameters(kinds: &[FilterKind], dt: f64) -> Scenario {
     scenario
 }
 
-/// Every kind of filter and sensor, a changing truth and a disturbance.
 fn eventful(dt: f64) -> Scenario {
     let mut scenario = Scenario { dt, duration: 700.0 * dt, ..Scenario::default() };
     scenario.plant.disturbance_std = 0.5;
@@ -47,7 +45,6 @@ fn eventful(dt: f64) -> Scenario {
     scenario
 }
 
-/// Every number of some estimates, as bits.
 fn bits(estimates: &Estimates) -> Vec<u64> {
     let per_sample = (0..estimates.len()).flat_map(|k| {
         [
@@ -147,7 +144,6 @@ fn exponential(m: Matrix3<f64>) -> Matrix3<f64> {
     (0..10).fold(sum, |power, _| power * power)
 }
 
-/// A textbook Kalman filter: the oscillator's exact discretisation, an explicit inverse, `(I - K H) P`.
 fn naive_kalman_filter(scenario: &Scenario, record: &Record) -> Vec<(Vector2<f64>, Matrix2<f64>)> {
     let settings = &scenario.filters[0];
     let (wn, zeta) = (settings.initial_mean[Channel::NATURAL_FREQUENCY], settings.initial_mean[Channel::DAMPING_RATIO]);
@@ -281,7 +277,6 @@ fn a_restarted_run_equals_a_new_one() {
     assert_eq!(run.checksum(), before, "an impossible scenario leaves the run as it is");
 }
 
-/// After any edit, an updated run has the bits of a new one, and computes only the affected parts again.
 #[test]
 fn an_updated_run_equals_a_new_one() {
     let mut scenario = Scenario { duration: 3.0, ..Scenario::default() };

@@ -6,7 +6,6 @@ use kalmanscope_core::{
     simulate,
 };
 
-/// Counts samples.
 struct Count {
     samples: usize,
     wants_prior: bool,
@@ -30,7 +29,6 @@ impl Sink for Count {
 const KINDS: [FilterKind; 6] =
     [FilterKind::KF, FilterKind::EKF, FilterKind::IEKF, FilterKind::UKF, FilterKind::SR_UKF, FilterKind::CKF];
 
-/// Filters that differ in the hold, in the state, and in whether they weigh or learn.
 fn scenarios(kind: FilterKind) -> Vec<(&'static str, Scenario)> {
     let mut plain = Scenario { duration: 5.0, ..Scenario::default() };
     plain.filters.truncate(1);
@@ -62,7 +60,6 @@ fn scenarios(kind: FilterKind) -> Vec<(&'static str, Scenario)> {
     all
 }
 
-/// A record of a scenario in which readings are missing now and then.
 fn record(scenario: &Scenario) -> Record {
     simulate(scenario).without_truth().with_gaps(|place, k| k % (place + 3) == 1)
 }

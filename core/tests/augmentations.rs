@@ -8,8 +8,7 @@ use kalmanscope_core::{
 
 use crate::run::{finished, last};
 
-/// A truth with constant parameters under white noise, with sensors for displacement, acceleration and what a channel
-/// needs.
+/// Constant parameters under white noise, with sensors for displacement, acceleration and what a channel needs.
 fn scenario(sensors: &[Quantity], kind: FilterKind, augment: &[Channel]) -> Scenario {
     let filter = FilterSettings { kind, augment: augment.to_vec(), ..FilterSettings::default() };
     let mut scenario = Scenario { duration: 40.0, filters: vec![filter], ..Scenario::default() };
@@ -22,7 +21,6 @@ fn scenario(sensors: &[Quantity], kind: FilterKind, augment: &[Channel]) -> Scen
     scenario
 }
 
-/// Whether the filter ends within three standard deviations of the truth, with a small standard deviation.
 fn assert_found(scenario: &Scenario, channel: Channel, std: f64) {
     let run = finished(scenario);
     let estimates = &run.estimates()[0];
@@ -48,7 +46,6 @@ fn a_bias_of_each_kind_of_sensor_is_found() {
     }
 }
 
-/// Also of one that is upside down, and beside its own bias.
 #[test]
 fn a_gain_of_each_kind_of_sensor_is_found() {
     for kind in [FilterKind::KF, FilterKind::EKF, FilterKind::UKF, FilterKind::SR_UKF, FilterKind::IEKF] {

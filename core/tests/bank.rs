@@ -11,7 +11,6 @@ use crate::oracles::matrix::{Matrix, along};
 use crate::oracles::textbook::Textbook;
 use crate::run::{finished, finished_on, last};
 
-/// A linear oscillator that loses stiffness at 10 s, with one filter.
 fn scenario(kind: FilterKind, walk: f64) -> Scenario {
     let mut scenario = Scenario { duration: 20.0, ..Scenario::default() };
     let step = Step { from: 6.0, to: 4.5, at: 10.0 };
@@ -31,14 +30,12 @@ fn scenario(kind: FilterKind, walk: f64) -> Scenario {
 const KINDS: [FilterKind; 5] =
     [FilterKind::EKF, FilterKind::IEKF, FilterKind::UKF, FilterKind::SR_UKF, FilterKind::CKF];
 
-/// An independent bank, written down as the book has it: two textbook filters, and a page of sums.
 struct Book<'a> {
     filters: [Textbook<'a>; 2],
     probability: [f64; 2],
     transition: [[f64; 2]; 2],
 }
 
-/// The settings of both filters.
 fn members(scenario: &Scenario) -> [FilterSettings; 2] {
     let still = FilterSettings { walk: 0.0, ..scenario.filters[0].clone() };
     let mut walking = still.clone();
@@ -57,7 +54,6 @@ impl<'a> Book<'a> {
         Self { filters, probability: [1.0, 0.0], transition: [[1.0 - a, a], [b, 1.0 - b]] }
     }
 
-    /// The mixture's mean and covariance after sample `k`.
     fn step(&mut self, record: &Record, k: usize) -> (Vec<f64>, Matrix) {
         let old = self.filters.each_ref().map(|filter| (filter.mean.clone(), filter.cov.clone()));
         let before = [0, 1].map(|j| (0..2).map(|i| self.transition[i][j] * self.probability[i]).sum::<f64>());
@@ -110,7 +106,6 @@ fn it_is_that_of_the_book() {
     }
 }
 
-/// A walk of nothing is no second model.
 #[test]
 fn without_a_walk_both_are_one() {
     for kind in KINDS {
@@ -131,7 +126,6 @@ fn without_a_walk_both_are_one() {
     }
 }
 
-/// A bank finds a sudden loss, and its band is right before and after it.
 #[test]
 fn a_sudden_loss_is_found_and_the_band_is_right() {
     let mut good = 0;
@@ -178,8 +172,7 @@ fn filters_that_cannot_mix_are_refused() {
 
 const NATURAL_FREQUENCY: Channel = Channel::NATURAL_FREQUENCY;
 
-/// 40 s of an oscillator of 6 rad/s with one sensor, and filters that begin from these natural frequencies [rad/s], each with
-/// this share of it as the standard deviation.
+/// 40 s at 6 rad/s with one sensor; each filter begins from one of these frequencies [rad/s], with this share of it as σ.
 fn from_means(
     seed: u64,
     kind: FilterKind,
@@ -211,12 +204,10 @@ fn from_means(
     scenario
 }
 
-/// The guesses of ωₙ from 1 to 36 rad/s, evenly in their logarithms.
 fn means(count: usize) -> Vec<f64> {
     (0..count).map(|i| 36_f64.powf(i as f64 / (count - 1) as f64)).collect()
 }
 
-/// Whether the last estimate is within 5 % of the truth.
 fn has_arrived(estimates: &Estimates) -> bool {
     estimates.stop().is_none() && (last(estimates, NATURAL_FREQUENCY).0 / 6.0 - 1.0).abs() < 0.05
 }

@@ -54,8 +54,7 @@ fn still(seed: u64) -> Scenario {
     scenario
 }
 
-/// What a filter tells are the moments of its belief between the ends: here those of a million draws. The filter goes on as without
-/// them.
+/// A million draws have these moments, and the filter continues as without the ends.
 #[test]
 fn what_is_told_is_the_belief_between_the_ends() {
     let mut scenario = Scenario { duration: 0.15, ..Scenario::default() };
@@ -134,7 +133,6 @@ fn a_damping_that_cannot_be_negative_is_better_and_honestly_known() {
     assert!(inside[1] >= 186, "{inside:?}");
 }
 
-/// Every filter that may have bounds keeps within them, whatever the readings say.
 #[test]
 fn every_filter_keeps_within_its_bounds() {
     for kind in [FilterKind::EKF, FilterKind::IEKF, FilterKind::UKF, FilterKind::CKF, FilterKind::SR_UKF] {

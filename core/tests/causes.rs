@@ -7,7 +7,6 @@ use kalmanscope_core::{Channel, Diagnosis, Diagnostics, Quantity, Run, Scenario,
 
 use crate::run::{finished_on, remedies};
 
-/// The remedies of a search for the first filter of a run.
 fn searched(run: &Run) -> Vec<Remedy> {
     let estimates = &run.estimates()[0];
     let diagnostics = Diagnostics::new(estimates, run.record());
@@ -16,7 +15,6 @@ fn searched(run: &Run) -> Vec<Remedy> {
     search.expect("it can be run").run()
 }
 
-/// The causes of the first filter's verdict without the truth.
 fn found(scenario: &Scenario) -> Vec<Remedy> {
     on_record(scenario, simulate(scenario).without_truth())
 }
@@ -79,8 +77,7 @@ fn remedies_that_end_good_stand_first() {
     }
 }
 
-/// Records of displacement, velocity and acceleration whose times are told wrongly, or whose scales are: `change` gets the place of a
-/// sensor and a reading.
+/// Remedies where times or scales are wrong: `change` gets the place of a sensor and a reading.
 fn three_sensors(seed: u64, told: f64, change: impl Fn(usize, f64) -> f64) -> Vec<Remedy> {
     let sensors = [(Quantity::DISPLACEMENT, 0.002), (Quantity::VELOCITY, 0.01), (Quantity::ACCELERATION, 0.1)];
     let mut scenario = Scenario { seed, duration: 40.0, ..Scenario::default() };
@@ -117,7 +114,6 @@ fn wrong_times_are_told_from_a_wrong_scale() {
     }
 }
 
-/// The remedy corrects the sensor by the right amount, and the filter then gets a good verdict.
 #[test]
 fn a_sensor_that_disagrees_is_put_right() {
     let repaired = |found: &[Remedy], cause: &str, key: &str| {

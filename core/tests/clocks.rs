@@ -27,7 +27,6 @@ pub(crate) fn told(scenario: &Scenario, seed: u64) -> Vec<Told> {
     told
 }
 
-/// The values that are there, with their times.
 fn timed(told: &[Told], of: impl Fn(&Told) -> f64) -> Timed {
     let there: Vec<&Told> = told.iter().filter(|one| !of(one).is_nan()).collect();
     Timed { times: there.iter().map(|one| one.time / DT).collect(), values: there.iter().map(|one| of(one)).collect() }
@@ -76,18 +75,15 @@ fn distance(coarse: &Estimates, fine: &Estimates, from: usize) -> f64 {
     worst
 }
 
-/// The sum of NIS, and the readings in it.
 fn squares(estimates: &Estimates) -> (f64, u32) {
     let measured = (0..estimates.len()).filter(|k| !estimates.nis()[*k].is_nan());
     measured.fold((0.0, 0), |(nis, readings), k| (nis + estimates.nis()[k], readings + estimates.readings(k)))
 }
 
-/// The log likelihood of all readings.
 fn likelihood(estimates: &Estimates) -> f64 {
     (0..estimates.len()).map(|k| estimates.log_likelihood(k)).filter(|ln| !ln.is_nan()).sum()
 }
 
-/// Both runs: over the times as they are, and over the grid that is a hundred times finer.
 fn pair(scenario: &Scenario, seed: u64) -> [Run; 2] {
     let mut told = told(scenario, seed);
     let len = (told.last().expect("there are some").time / DT).floor() as usize + 1;
@@ -117,8 +113,7 @@ fn clocks_of_their_own_equal_a_grid_a_hundred_times_finer() {
     }
 }
 
-/// A reading that comes late stands in the record at its own time, and a filter that runs along has the estimates of one that runs at
-/// the end.
+/// A late reading keeps its own time, and a filter that runs along has the estimates of one that runs at the end.
 #[test]
 fn a_live_record_has_the_times_that_its_readings_have() {
     for (seed, kind) in [(21, FilterKind::KF), (22, FilterKind::EKF), (23, FilterKind::UKF)] {
@@ -168,7 +163,6 @@ fn a_live_record_has_the_times_that_its_readings_have() {
     }
 }
 
-/// A look-ahead of a time knows the same on both grids, where the samples of the coarser one are.
 #[test]
 fn a_look_ahead_equals_that_on_a_finer_grid() {
     let mut scenario = scenario(FilterKind::KF, 7);
@@ -205,7 +199,6 @@ fn filters_of_parameters_agree_with_a_finer_grid() {
     }
 }
 
-/// Readings at the samples' times give the same estimates as a record without times.
 #[test]
 fn times_of_the_samples_change_nothing() {
     let changes: [fn(&mut FilterSettings); 10] = [
@@ -255,7 +248,6 @@ fn times_of_the_samples_change_nothing() {
     }
 }
 
-/// What counts in samples says that it does not follow the times.
 #[test]
 fn an_option_that_counts_in_samples_says_so() {
     let base = scenario(FilterKind::EKF, 2);

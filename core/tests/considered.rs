@@ -66,8 +66,7 @@ fn an_update_is_that_of_schmidt() {
     }
 }
 
-/// An oscillator whose input has another gain for each seed, and four filters: the gain is taken for known, estimated, considered, and
-/// considered by one that forgets.
+/// An input with another gain for each seed, which filters know, estimate, consider, or consider and forget.
 fn shaken(seed: u64) -> (Scenario, Record) {
     let mut scenario = Scenario { seed, duration: 20.0, filters: Vec::new(), ..Scenario::default() };
     scenario.plant.set(Channel::NATURAL_FREQUENCY, 6.0);

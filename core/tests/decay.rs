@@ -61,7 +61,6 @@ fn a_decay_ends_at_rest_or_before_a_second_pluck() {
     assert!(decay.begin > 2.0 && end <= 15.0 || decay.begin > 15.0, "from {} s to {end} s", decay.begin);
 }
 
-/// A hand that stops it in full swing ends the decay: what rests then is not part of it.
 #[test]
 fn a_hand_that_stops_it_ends_the_decay() {
     for seed in 1..=5 {
@@ -80,7 +79,6 @@ fn a_hand_that_stops_it_ends_the_decay() {
     }
 }
 
-/// Each pluck is a decay of its own, and what the hand does before and after spoils none.
 #[test]
 fn every_pluck_is_found_and_the_hand_that_takes_the_phone_spoils_none() {
     for seed in 1..=5 {
@@ -204,7 +202,6 @@ fn the_files_of_apps_and_loggers_have_the_same_decay() {
     }
 }
 
-/// The story of a decay has period, half-life and quality factor with their bands, and the truth is inside them.
 #[test]
 fn a_decay_is_told_in_the_words_of_a_hall() {
     let phone = Phone { seed: 5, frequency: 6.0, damping: 0.01, ..USUAL };

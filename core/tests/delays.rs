@@ -22,7 +22,6 @@ fn scenario(delay: i32, seed: u64) -> Scenario {
     scenario
 }
 
-/// The same record with every third measurement missing, and all of them for a while.
 fn with_holes(record: &Record) -> Record {
     record.clone().without_truth().with_gaps(|place, k| (k + place).is_multiple_of(3) || (300..360).contains(&k))
 }
@@ -93,7 +92,6 @@ fn run(scenario: &Scenario, record: &Record) -> Run {
     run
 }
 
-/// The same record whose readings tell their true times.
 fn moved(record: &Record, delays: [f64; 2]) -> Record {
     let timed = |sensor: usize| {
         let late = delays[sensor] / record.dt();
@@ -231,7 +229,6 @@ fn events_of_a_late_sensor_count_at_the_time_that_they_tell_of() {
     }
 }
 
-/// The truth's fault and the filter's knowledge of it: it is as good as with a sensor that is in time, and without it is lost.
 #[test]
 fn a_filter_that_knows_of_a_late_sensor_is_consistent() {
     let mut nis = [0.0; 2];

@@ -12,12 +12,9 @@ use crate::situations::{Fault, Situation, largest_error, without_truth};
 /// The first seed that no limit was set on.
 const FIRST: u64 = 1_000_000;
 
-/// The diagnosis of one situation.
 struct Outcome {
     fault: Fault,
-    /// The seed and what was drawn, in words.
     name: String,
-    /// With and without the truth.
     verdicts: [VerdictKind; 2],
     /// The largest error of a parameter over the last fifth, in standard deviations.
     off: f64,
@@ -110,7 +107,6 @@ fn a_sample_of_too_few_particles_is_called_collapsed_and_a_sound_one_is_not() {
     assert!(gone().count() >= 5 && gone().filter(is_found).count() + 1 >= gone().count(), "{}", gone().count());
 }
 
-/// The sentence of the diagnosis on the spring of a situation, if there is one.
 fn of_the_spring(situation: &Situation) -> Option<String> {
     let record = without_truth(&situation.record().unwrap());
     let remedies = remedies(&finished_on(&situation.told, record.clone()), 0, &record);
@@ -172,7 +168,6 @@ fn what_a_filter_has_recovered_from_is_said() {
     assert!(told.iter().all(|sentence| sentence.contains("times its σ off")), "{told:#?}");
 }
 
-/// The samples of a window.
 const WINDOW: usize = 2000;
 
 /// A multiple of the length of every window of a periodogram.
@@ -222,14 +217,12 @@ fn assert_same(live: &Diagnosis, whole: &Diagnosis, same_windows: bool, name: &s
     differ
 }
 
-/// The number of diagnoses that have been compared, and of those in which another window of a periodogram decides.
 #[derive(Default)]
 struct Compared {
     all: usize,
     lines: usize,
 }
 
-/// Follows a run in portions of different lengths and compares the diagnoses.
 fn compare(run: &mut Run, known: Option<&Arc<Record>>, forgets: bool, name: &str, compared: &mut Compared) {
     let mut live: Vec<LiveDiagnosis> = run.estimates().iter().map(|_| LiveDiagnosis::default()).collect();
     for portion in [7, 15, 1, 33, 60, 200, 97, 30, 31, 250, 60, 3, 0, 900, 61, 60, 59, 1157, 1343, 30, 400, 401, 402] {
@@ -280,7 +273,6 @@ fn situations_at_random_have_the_diagnoses_of_one_pass() {
     assert!(compared.lines <= compared.all / 30, "{} of {}", compared.lines, compared.all);
 }
 
-/// A record of the built-in scenario and a run over it, with changed columns.
 fn changed(change: impl Fn(usize, &mut f64, &mut [f64])) -> (Run, Arc<Record>) {
     let scenario = Scenario { duration: 60.0, ..Scenario::default() };
     let run = finished(&Scenario { filters: Vec::new(), ..scenario.clone() });
@@ -316,7 +308,6 @@ fn missing_numbers_and_large_ones_change_nothing() {
     assert!(compared.lines <= compared.all / 30, "{} of {}", compared.lines, compared.all);
 }
 
-/// The diagnosis of a window is the same, however often and over which windows the test has asked before.
 #[test]
 fn asking_changes_nothing() {
     let mut run = Run::new(&Scenario::default()).unwrap();

@@ -22,7 +22,6 @@ fn guessing(natural_frequency: f64, damping_ratio: f64) -> Scenario {
     scenario
 }
 
-/// Every number of the diagnostics, as bits.
 fn bits(diagnostics: &Diagnostics) -> Vec<u64> {
     let n = diagnostics.len();
     let tally = |ErrorSums { squares, known, inside }: ErrorSums| [squares, f64::from(known), f64::from(inside)];
@@ -212,7 +211,6 @@ fn parameters_held_for_certain_have_no_part_in_the_nees() {
     assert!(nees.is_inside(), "{nees:?}");
 }
 
-/// Filters of several kinds, one of which loses the truth.
 fn scenario() -> Scenario {
     let mut scenario = Scenario { duration: 30.0, ..Scenario::default() };
     let good = scenario.filters[0].clone();

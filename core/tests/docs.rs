@@ -10,7 +10,6 @@ const LABORATORY: &str = include_str!("../../docs/laboratory.md");
 const VERDICTS: &str = include_str!("../../docs/verdicts.md");
 const FORMAT: &str = include_str!("../../docs/scenario-format.md");
 
-/// The rows of the table under a heading line.
 fn table(page: &'static str, heading: &str) -> Vec<&'static str> {
     let lines = page.lines().skip_while(|line| *line != heading).skip(2);
     lines.take_while(|line| line.starts_with('|')).collect()
@@ -106,7 +105,6 @@ fn every_plant_is_in_its_table() {
     assert_eq!(table(PLANTS, "| kind | plant | motion per mass | parameters | reference |"), rows);
 }
 
-/// The rows of the first table behind a heading of the page on the format, cell by cell.
 fn rows(heading: &str) -> Vec<Vec<&'static str>> {
     let behind =
         FORMAT.lines().skip_while(|line| line.trim_start_matches('#').trim() != heading || !line.starts_with('#'));
@@ -114,12 +112,10 @@ fn rows(heading: &str) -> Vec<Vec<&'static str>> {
     lines.skip(2).map(|line| line.trim_matches('|').split(" | ").map(str::trim).collect()).collect()
 }
 
-/// The words in backquotes.
 fn quoted(text: &str) -> Vec<&str> {
     text.split('`').skip(1).step_by(2).collect()
 }
 
-/// The keys that a message says there are.
 #[track_caller]
 fn expected(text: &str) -> Vec<String> {
     let message = Scenario::from_toml(text).expect_err(text).to_string();
@@ -151,7 +147,6 @@ fn every_key_is_in_its_table() {
     assert!(expected("[plant]\nunknown = 1")[keys.len()..].iter().all(|key| Channel::from_key(key).is_some()));
 }
 
-/// A default in backquotes says the same as no value.
 #[test]
 fn defaults_are_those_of_the_tables() {
     let parsed = |text: &str| Scenario::from_toml(text).unwrap_or_else(|error| panic!("{text}\n{error}"));
@@ -210,7 +205,6 @@ fn every_channel_and_quantity_is_in_its_table() {
     assert_eq!(table(FORMAT, "| quantity | symbol | unit |"), of_first, "{}", of_first.join("\n"));
 }
 
-/// The examples of the documents can be read.
 #[test]
 fn examples_can_be_read() {
     let pages = [FORMAT, FILTERS, PLANTS, include_str!("../../docs/equations.md")];

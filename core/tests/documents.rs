@@ -11,7 +11,6 @@ use kalmanscope_core::{
 
 use crate::run::{finished, finished_on, one_filter};
 
-/// A text of TOML as one of JSON.
 fn json(toml: &str) -> String {
     document::to_json(&document::from_toml(toml).expect("it is TOML")).expect("JSON can express it")
 }
@@ -188,7 +187,6 @@ fn bits(record: &Record) -> Bits {
     (record.dt(), record.time(0), record.input_kind(), record.hold(), columns)
 }
 
-/// Names decide less than the scenario: what it calls relative is so.
 #[test]
 fn an_accelerometer_on_the_ground_is_what_the_scenario_calls_it() {
     let of = |text: &str, sensors: &[Quantity]| {

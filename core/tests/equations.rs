@@ -78,7 +78,6 @@ fn rates_and_derivatives_of_built_in_plants_are_the_same_when_typed() {
     }
 }
 
-/// The same scenario with a built-in plant and with it typed.
 fn duffing(plant: &str, cubic: &str) -> Scenario {
     Scenario::from_toml(&format!(
         "dt = 0.01\nduration = 12.0\nseed = 4\nforce = {{ white_noise = {{ std = 10.0 }} }}\n[plant]\n{plant}\nnatural_frequency = 6.0\n\
@@ -208,7 +207,6 @@ fn derivatives_of_all_functions_are_their_differences() {
     assert_eq!(&plant("x'' + x = f").own_equation().unwrap().operations(), &[1, 2]);
 }
 
-/// Many texts at random: each is a plant or is refused with a sentence, and none takes long or panics.
 #[test]
 fn no_text_is_too_much() {
     let pieces = "x|x''|x'|x1''|z'|z|ζ|ωₙ|f|(|)|+|-|*|/|^|²|=|;|2|0|1e308|.5|sin|abs(|log(| |\

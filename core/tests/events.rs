@@ -11,7 +11,6 @@ use crate::run::{finished, finished_on, one_filter};
 
 const NONE: f64 = f64::NAN;
 
-/// A scenario with one filter of a kind, without process noise, and its record.
 fn scenario(kind: FilterKind, hold: Hold) -> Scenario {
     Scenario { duration: 10.0, hold, ..one_filter(kind) }
 }
@@ -63,7 +62,6 @@ fn one_common_clock_gives_the_estimates_of_a_run() {
     }
 }
 
-/// Something that a sensor told, with the time at which it came.
 #[derive(Clone, Debug)]
 pub(crate) struct Told {
     pub(crate) time: f64,
@@ -101,7 +99,6 @@ pub(crate) fn own_clocks(scenario: &Scenario, fine: &Record, seed: u64) -> Vec<T
     told
 }
 
-/// The same readings on a grid a hundred times finer, as a record in which most are missing.
 pub(crate) fn on_fine_grid(scenario: &Scenario, told: &[Told], len: usize) -> (Scenario, Record) {
     let tick = scenario.dt / 100.0;
     let mut fine = Scenario { dt: tick, duration: (len - 1) as f64 * tick, ..scenario.clone() };
@@ -150,7 +147,6 @@ fn clocks_of_their_own_and_late_readings_equal_a_grid_a_hundred_times_finer() {
     }
 }
 
-/// On one clock, hindsight is the smoother with a fixed lag.
 #[test]
 fn hindsight_is_the_smoother_with_a_look_ahead() {
     for kind in [FilterKind::EKF, FilterKind::UKF] {
@@ -186,7 +182,6 @@ fn hindsight_is_the_smoother_with_a_look_ahead() {
     }
 }
 
-/// Hindsight of a filter whose readings came late is that of the same readings in order.
 #[test]
 fn hindsight_does_not_depend_on_the_order() {
     let base = Scenario::from_toml(CHIRP).expect("it can be read");
@@ -322,7 +317,6 @@ fn random_messages_end_no_program_and_memory_stays() {
     assert!(taken > 600_000 && refused > 50_000, "{taken} {refused}");
 }
 
-/// A day of a hundred readings a second, some of them late.
 #[test]
 fn a_day_takes_no_more_memory_than_a_minute() {
     let scenario = scenario(FilterKind::EKF, Hold::Zero);

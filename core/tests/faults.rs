@@ -3,7 +3,6 @@
 use kalmanscope_core::scenario::{Fault, Faults};
 use kalmanscope_core::{Channel, Quantity, Record, Scenario, Sensor, Signal, simulate};
 
-/// A sensor of displacement at rest, with noise of 0.02 m and a fault.
 fn at_rest(fault: &str) -> Scenario {
     let text = format!(
         "seed = 5\ndt = 0.01\nduration = 2000.0\nfilters = []\nforce = \"none\"\n[[sensors]]\nmeasures = \"displacement\"\n\
@@ -16,7 +15,6 @@ fn readings(scenario: &Scenario) -> Vec<f64> {
     simulate(scenario).measured(0).to_vec()
 }
 
-/// The readings with a fault and, by the same seed, without.
 fn both(fault: &str) -> [Vec<f64>; 2] {
     [readings(&at_rest(fault)), readings(&at_rest(""))]
 }

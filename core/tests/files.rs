@@ -13,8 +13,7 @@ use crate::clocks::{record, run, scenario, told};
 use crate::random::Random;
 use crate::run::{finished_on, identified, last};
 
-/// A file of a slow chirp and a displacement at these times, in steps of a millisecond: a line between two told values is nearly the
-/// force.
+/// A slow chirp and a displacement at these milliseconds: a line between two values is nearly the force.
 fn text(seed: u64, wanted: &[usize]) -> String {
     let force = Force::Chirp { amplitude: 3.0, from: 1.0, to: 4.0, sweep: 30.0 };
     let mut scenario = Scenario { dt: 1e-3, duration: 60.0, hold: Hold::First, force, seed, ..Scenario::default() };
@@ -33,7 +32,6 @@ fn import(text: &str, even: bool) -> Imported {
     Builder::new(&table, &mapping, kind, Hold::First).and_then(Builder::finish).expect("it is a record")
 }
 
-/// How far the last estimate of ωₙ and ζ is from the truth, in its standard deviations, after a run from their start values.
 fn errors(record: &Record) -> [f64; 2] {
     let scenario = suggest(&scenario_for(record), record).scenario;
     let run = run(&scenario, record.clone());
@@ -43,7 +41,6 @@ fn errors(record: &Record) -> [f64; 2] {
     })
 }
 
-/// Times that come as they like are those of the readings, and identify the oscillator within the bands.
 #[test]
 fn irregular_times_are_kept() {
     let mut random = Random::new(11);
@@ -70,7 +67,6 @@ fn irregular_times_are_kept() {
     assert!(within * 10 >= all * 8, "{within} of {all} in the bands");
 }
 
-/// Jitter of less than half a step leaves each reading alone in its step.
 #[test]
 fn jitter_leaves_a_reading_in_each_step() {
     let mut random = Random::new(5);
@@ -86,7 +82,6 @@ fn jitter_leaves_a_reading_in_each_step() {
     assert!(even.record.clocks().is_none() && even.remarks[0].contains("even steps"), "{:?}", even.remarks);
 }
 
-/// What is written is read with the same times.
 #[test]
 fn a_file_of_a_record_keeps_its_times() {
     let base = scenario(FilterKind::KF, 3);
@@ -122,8 +117,7 @@ fn a_file_of_a_record_keeps_its_times() {
     assert!(refused.contains("samples"), "{refused}");
 }
 
-/// The truth, 500 samples a second, with an input that is linear between samples. What changes within a step of a file cannot be
-/// in it, so a file of few samples has a slow input.
+/// Linear between samples, and slow: what changes within a step of a file cannot be in it.
 const SLOW: Force = Force::Chirp { amplitude: 3.0, from: 1.0, to: 25.0, sweep: 60.0 };
 
 fn truth(frequency: f64, damping: f64, seed: u64, force: Force, sensors: &[Quantity]) -> Record {
@@ -138,15 +132,13 @@ fn truth(frequency: f64, damping: f64, seed: u64, force: Force, sensors: &[Quant
     simulate(&scenario)
 }
 
-/// Random numbers from -1/2 to 1/2.
 fn noise(k: usize) -> f64 {
     let mut x = (k as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
     x = (x ^ (x >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
     ((x ^ (x >> 31)) >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
 }
 
-/// A file of some values of a record: one of `every` samples from a time on, with jitter of that share of a step, and a clock
-/// that is ahead.
+/// One of `every` samples of a record from a time on, with jitter of that share of a step, and a clock that is ahead.
 fn file(
     record: &Record,
     values: &[f64],
@@ -228,10 +220,8 @@ fn files_of_a_german_libreoffice_are_read_without_a_choice() {
 const FREQUENCY: f64 = 6.0;
 const DAMPING: f64 = 0.03;
 
-/// The noise of the sensor, as a share of the motion.
 const NOISE: f64 = 0.01;
 
-/// The file of an oscillator under an input that is held or linear between samples.
 fn simulated(hold: Hold, per_swing: f64, samples: usize, seed: u64) -> String {
     let dt = TAU / FREQUENCY / per_swing;
     let (seed, duration) = (seed, dt * (samples - 1) as f64);
@@ -245,7 +235,6 @@ fn simulated(hold: Hold, per_swing: f64, samples: usize, seed: u64) -> String {
     table(dt, record.input(), displacement, seed)
 }
 
-/// The same under a slow sine, in readings with much noise.
 fn simulated_slowly(per_swing: f64, samples: usize, seed: u64) -> String {
     let mut random = Random::new(seed);
     let dt = TAU / FREQUENCY / per_swing;

@@ -19,7 +19,6 @@ fn diagnosis(estimates: &Estimates, record: &Record) -> Diagnosis {
     Diagnosis::new(&Diagnostics::new(estimates, record), estimates, record, None).unwrap()
 }
 
-/// The verdict on the filter at a place, once with the truth and once without.
 fn verdicts(scenario: &Scenario, place: usize) -> [Verdict; 2] {
     let alone = Scenario { filters: vec![scenario.filters[place].clone()], ..scenario.clone() };
     let run = finished(&alone);
@@ -67,7 +66,6 @@ fn a_reading_that_is_no_reading_is_never_underconfidence() {
     assert_kind(&verdict, &[VerdictKind::Lost, VerdictKind::Diverged, Overconfident]);
 }
 
-/// The same estimates and record without the first samples.
 fn without_first(scenario: &Scenario, samples: usize) -> (Run, Run) {
     let whole = finished(scenario);
     let mut rest = finished(scenario);

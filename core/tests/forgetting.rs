@@ -7,7 +7,6 @@ use kalmanscope_core::{
 
 use crate::run::{finished, finished_on};
 
-/// Every kind of filter, also adaptive ones, ones that stop and ones with another plant, over a plant that changes.
 fn eventful() -> Scenario {
     let mut scenario = Scenario { duration: 9.0, ..Scenario::default() };
     scenario.plant.disturbance_std = 0.5;
@@ -35,7 +34,6 @@ fn bits(values: &[f64]) -> Vec<u64> {
     values.iter().map(|x| x.to_bits()).collect()
 }
 
-/// Asserts that `kept` has the last samples of `all`, bit by bit, and the same stops and remarks.
 fn assert_is_end_of(kept: &Estimates, all: &Estimates) {
     let (gone, name) = (kept.forgotten(), all.name());
     assert_eq!(kept.len(), all.len().saturating_sub(gone), "{name}");

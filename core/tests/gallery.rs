@@ -9,7 +9,6 @@ use kalmanscope_core::{Diagnostics, Force, PlantKind, Record, Scenario};
 
 use crate::run::{finished, finished_on, last};
 
-/// The scenarios of the gallery, with their names.
 fn gallery() -> Vec<(String, Scenario)> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/equations");
     let mut files: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
@@ -22,7 +21,6 @@ fn gallery() -> Vec<(String, Scenario)> {
     files.iter().map(read).collect()
 }
 
-/// The faults of a scenario's estimates in words; none where all is right.
 fn faults(scenario: &Scenario) -> Vec<String> {
     let run = finished(scenario);
     let estimates = &run.estimates()[0];
@@ -64,7 +62,6 @@ fn each_equation_is_identified_and_the_verdict_is_right() {
     assert!(all.is_empty(), "{}", all.join("\n"));
 }
 
-/// A scenario of the gallery, and the record that it simulates.
 fn simulated(name: &str) -> (Scenario, Record) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../assets/equations/{name}.toml"));
     let scenario = Scenario::from_toml(&std::fs::read_to_string(path).unwrap()).unwrap();

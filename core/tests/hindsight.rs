@@ -11,7 +11,6 @@ use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 
 use crate::run::{finished, finished_on};
 
-/// A KF, or another filter with the same settings, of an oscillator with known parameters.
 fn known(kind: FilterKind, samples: usize) -> Scenario {
     let mut scenario = Scenario { duration: 0.01 * (samples - 1) as f64, ..Scenario::default() };
     scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
@@ -315,8 +314,7 @@ fn the_bound_grows_with_the_record() {
     assert!(CramerRao::new(&scenario, 2, scenario.dt).is_none());
 }
 
-/// A motion whose fast part dies within a tenth of the record, and no noise stirs it: the covariance of a prediction loses its
-/// rank, and what the measurements tell of the beginning is known exactly.
+/// The fast part dies early and no noise stirs it: a prediction's covariance loses its rank, and the beginning is certain.
 #[test]
 fn a_motion_that_dies_out_is_smoothed_back_to_its_beginning() {
     let (wn, zeta, dt) = (6.0_f64, 3.0_f64, 0.01);

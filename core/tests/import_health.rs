@@ -11,7 +11,6 @@ use kalmanscope_core::{Hold, InputKind, Quantity, Task};
 use crate::import::check_import;
 use crate::random::Random;
 
-/// Files of usual dialects, to be broken.
 const FILES: [&str; 16] = [
     "t,force,displacement\n0,1,2\n0.1,2,3\n0.2,,4\n0.3,4,\n0.4,5,6\n0.6,1,1\n0.7,2,2\n",
     "\"V1\",\"V2\",\n0.1,0.2,\n0.3,0.4,\n0.2,0.1,\n0.5,0.7,\n0.1,0.1,\n",
@@ -41,7 +40,6 @@ const FILES: [&str; 16] = [
 const PIECES: &str = ",|;|\t| |\n|\r\n|\"|#|nan|inf|-1e308|1e999|0|0,5|é|\0|::|\
                       2024-01-01|\u{FEFF}|,,,,,,,,|1.234,5|23:59:59.5 PM|-1.#IND|-9999|999999999999|1e19|1e-9|    -1\n    58\n";
 
-/// Numbers that are the same on every machine.
 struct Numbers(u64);
 
 impl Numbers {
@@ -104,11 +102,9 @@ fn whole_files_are_records() {
     }
 }
 
-/// Times of any size, also where a second more is the same number, or the span is many steps: all that an import looks at ends after
-/// a bounded number of pieces of work, with a record or a sentence.
+/// Also where a second more is the same number, or the span is many steps: the work is bounded.
 #[test]
 fn times_of_any_size_come_to_an_end() {
-    /// Limits the pieces of work of a task.
     const MOST: usize = 100_000;
     let steps = (-9..=18).step_by(3).map(|power| 10_f64.powi(power));
     let cases = steps.flat_map(|step| [0.0, 1.0, 1.7e9, 1.7e12, 1.714_564_8e18, 1e19].map(|start| (start, step)));
@@ -157,8 +153,7 @@ fn times_of_any_size_come_to_an_end() {
     assert!(records > 60, "{records}");
 }
 
-/// Times of any size and step: even, with jitter, equal, missing, going back, with gaps. A record or a sentence comes of each file, and
-/// a step that is not that of most rows is said.
+/// Even, with jitter, equal, missing, going back, with gaps; a step that is not that of most rows is said.
 #[test]
 fn times_of_any_order_have_their_step_or_a_sentence() {
     let mut random = Random::new(1);

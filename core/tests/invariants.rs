@@ -17,7 +17,6 @@ fn config(cases: u32) -> ProptestConfig {
     ProptestConfig { cases, rng_seed: RngSeed::Fixed(20_240_607), failure_persistence: None, ..Default::default() }
 }
 
-/// A number of any size between two powers of ten.
 fn size(exponents: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
     exponents.prop_map(|e| 10_f64.powf(e))
 }
@@ -126,7 +125,6 @@ fn filter(sensors: usize) -> impl Strategy<Value = FilterSettings> {
         })
 }
 
-/// Any valid scenario of a few hundred samples.
 fn scenario() -> impl Strategy<Value = Scenario> {
     let basics = (0..1_u64 << 62, size(-3.0..-0.7), 1_u32..250);
     (basics, plant(), force(), sensors()).prop_flat_map(|((seed, dt, steps), plant, force, sensors)| {
@@ -279,7 +277,6 @@ proptest! {
 proptest! {
     #![proptest_config(config(60))]
 
-    /// With realistic settings, no filter stops and every filter finds the truth.
     #[test]
     fn sensible_filters_find_the_truth(
         seed in 0_u64..1000,

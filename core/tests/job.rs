@@ -12,7 +12,6 @@ use crate::run::{finished, finished_on};
 
 const WINDOW: usize = 100_000;
 
-/// An EKF with a smoother, a UKF and a small particle filter.
 fn scenario() -> Scenario {
     let mut scenario = Scenario { duration: 8.0, ..Scenario::default() };
     let sensor_std = scenario.true_sensor_std();
@@ -40,7 +39,6 @@ fn study(scenario: &Scenario, source: Source, window: usize) -> Study {
     study
 }
 
-/// Limits the pieces of work in one slice.
 fn slices(pieces: usize) -> impl FnMut() -> bool {
     let mut left = pieces;
     move || {
@@ -49,7 +47,6 @@ fn slices(pieces: usize) -> impl FnMut() -> bool {
     }
 }
 
-/// Runs a job to its end; returns the progress of each slice.
 fn complete(job: &mut Job, study: &Study, pieces: usize) -> Vec<f64> {
     let mut while_time = slices(pieces);
     let mut all = Vec::new();
@@ -185,7 +182,6 @@ fn a_study_with_a_window_keeps_the_same_samples_however_it_comes_there() {
     assert_eq!(run.checksum(), jumped.run().checksum());
 }
 
-/// A short record of velocities without a truth.
 fn measured(scenario: &Scenario) -> Arc<Record> {
     Arc::new(simulate(scenario).without_truth())
 }
@@ -254,7 +250,6 @@ fn a_study_goes_from_a_simulation_to_a_record_and_back() {
     assert_eq!((study.run().len(), study.run().samples()), (201, current.samples()));
 }
 
-/// The default scenario with filters of a kind.
 fn heavy(kind: FilterKind, filters: usize, members: usize) -> Scenario {
     let mut scenario = Scenario { duration: 1.0, ..Scenario::default() };
     let filter = FilterSettings { kind, ensemble_size: members, id: 0, ..scenario.filters[0].clone() };
@@ -315,7 +310,6 @@ fn a_filter_whose_sample_takes_too_long_is_refused_with_the_size_that_is_allowed
     assert!(large.validate().is_err());
 }
 
-/// Each step of the truth is halved again and again.
 #[test]
 fn a_truth_that_is_hard_to_follow_is_divided() {
     let text = include_str!("../../tests/hostile/hard-truth.toml");

@@ -24,7 +24,6 @@ fn stepping(seed: u64, to: f64, sensors: &[(Quantity, f64)]) -> Scenario {
 
 const BOTH: [(Quantity, f64); 2] = [(Quantity::DISPLACEMENT, 0.01), (Quantity::VELOCITY, 0.06)];
 
-/// A filter that knows the noise of [`stepping`] and takes the parameters for constant.
 fn filter(kind: FilterKind, sensors: &[(Quantity, f64)]) -> FilterSettings {
     let of = |values: [f64; 4]| {
         let channels = [Channel::DISPLACEMENT, Channel::VELOCITY, NATURAL_FREQUENCY, DAMPING_RATIO];

@@ -33,7 +33,6 @@ fn readings(k: u32) -> [f64; 3] {
     [0, 1, 2].map(|i| if (k + i).is_multiple_of(5) && i > 0 { f64::NAN } else { libm::sin(f64::from(k * (i + 2))) })
 }
 
-/// Rows of a matrix.
 fn rows(of: &Matrix, places: &[usize]) -> Matrix {
     of.select_rows(places)
 }
@@ -144,7 +143,6 @@ fn differences_are_the_derivative_for_states_of_any_size() {
     }
 }
 
-/// The message of a system that is refused.
 fn refused(change: impl FnOnce(&mut [Matrix; 5], &mut Gaussian)) -> String {
     let (mut matrices, mut start) = (system(true), initial());
     change(&mut matrices, &mut start);

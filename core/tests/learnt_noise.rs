@@ -5,7 +5,6 @@ use kalmanscope_core::{Channel, FilterKind, FilterSettings, Hold, PlantKind, Qua
 
 use crate::run::{finished, finished_on, one_filter};
 
-/// The share of late samples of many records at which ±2σ of the learnt noise holds the true one, of each sensor.
 fn coverage(
     kind: FilterKind,
     plant: PlantKind,
@@ -37,7 +36,6 @@ fn coverage(
     counts.into_iter().map(|[inside, all]| inside as f64 / all as f64).collect()
 }
 
-/// In training a filter learns as one that always does; then it works with what it has learnt.
 #[test]
 fn training_ends_and_what_was_learnt_stays() {
     for (kind, hold) in
@@ -62,7 +60,6 @@ fn training_ends_and_what_was_learnt_stays() {
     }
 }
 
-/// ±2σ of what a training has found hold the true noise as often as they say, on records that were not looked at.
 #[test]
 fn two_sigma_after_a_training_hold_the_true_noise() {
     let trained = |scenario: &mut Scenario| {
@@ -121,7 +118,6 @@ fn scenario(seed: u64, wrong: f64) -> Scenario {
     scenario
 }
 
-/// The share of late samples of many records at which ±2σ hold the true scale.
 fn coverage_of_q(wrong: f64, seeds: std::ops::Range<u64>, change: impl Fn(&mut Scenario)) -> f64 {
     let (mut inside, mut all) = (0, 0);
     for seed in seeds {
@@ -139,7 +135,6 @@ fn coverage_of_q(wrong: f64, seeds: std::ops::Range<u64>, change: impl Fn(&mut S
     inside as f64 / f64::from(all)
 }
 
-/// The known parameters of a KF are right.
 fn known(scenario: &mut Scenario) {
     let filter = &mut scenario.filters[0];
     filter.kind = FilterKind::KF;
@@ -147,7 +142,6 @@ fn known(scenario: &mut Scenario) {
     filter.initial_mean[Channel::DAMPING_RATIO] = 0.05;
 }
 
-/// ±2σ of the scale of Q hold the true one as often as they say: filters of several kinds, whose √Q is set too small, right and too large.
 #[test]
 fn two_sigma_hold_the_true_process_noise() {
     let forget = |scenario: &mut Scenario, a: f64| scenario.filters[0].adaptation.forgetting = a;
@@ -181,7 +175,6 @@ fn two_sigma_hold_the_true_process_noise() {
     }
 }
 
-/// The mixture is as good as one filter that knows Q, and as sure of itself; a filter with √Q a tenth of the true one is too sure.
 #[test]
 fn estimates_are_those_of_a_filter_that_knows_q() {
     // The mean square of late errors of the natural frequency, and that in standard deviations.
@@ -208,7 +201,6 @@ fn estimates_are_those_of_a_filter_that_knows_q() {
     assert!(bank[1] < 1.1 * alone[1] && wrong[1] > 5.0 * alone[1], "{bank:?} {alone:?} {wrong:?}");
 }
 
-/// Readings with the times of the samples have the estimates of those without times; random ones have the same scale of Q.
 #[test]
 fn readings_keep_their_times() {
     let scenario = scenario(7, 0.5);
@@ -231,7 +223,6 @@ fn readings_keep_their_times() {
     }
 }
 
-/// Where nothing shakes the oscillator, Q may be beyond the smallest scale, and a remark says so.
 #[test]
 fn a_scale_beyond_the_last_one_is_told() {
     for (disturbance, is_told) in [(0.0, true), (2.0, false)] {
@@ -243,7 +234,6 @@ fn a_scale_beyond_the_last_one_is_told() {
     }
 }
 
-/// A filter with scales of Q cannot jump, sample its belief, look back, or have a second bank.
 #[test]
 fn what_it_cannot_have_is_refused() {
     let refused = |change: fn(&mut FilterSettings)| {

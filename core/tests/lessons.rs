@@ -20,13 +20,11 @@ use staircase::{DWELL, FREQUENCIES, RATE};
 
 const SEEDS: std::ops::RangeInclusive<u64> = 101..=110;
 
-/// The filters of the built-in scenario on another record.
 fn identified(seed: u64, hold: Hold) -> Run {
     let scenario = Scenario::from_toml(include_str!("../../assets/scenarios/earthquake.toml")).unwrap();
     finished_on_file(&Scenario { hold, ..scenario }, earthquake::file(seed))
 }
 
-/// The filters of the built-in scenario on another record, after a change.
 fn followed(seed: u64, change: impl Fn(&mut Scenario)) -> Run {
     let mut scenario = Scenario::from_toml(include_str!("../../assets/scenarios/staircase.toml")).unwrap();
     change(&mut scenario);
@@ -65,7 +63,6 @@ fn a_ground_that_is_held_is_named_as_the_cause() {
     }
 }
 
-/// The relative errors of the natural frequency at the end of each dwell.
 fn errors(run: &Run, filter: usize) -> Vec<f64> {
     let estimates = &run.estimates()[filter];
     let place = estimates.place(Channel::NATURAL_FREQUENCY).unwrap();

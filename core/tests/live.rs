@@ -14,7 +14,6 @@ use crate::phone::{Phone, USUAL};
 use crate::random::Random;
 use crate::run::finished_on;
 
-/// Filters of every path: engine, book, one that takes the input for late and one that takes it for early.
 fn scenario(hold: Hold) -> Scenario {
     let mut scenario = Scenario { duration: 5.0, hold, ..Scenario::default() };
     let first = scenario.filters[0].clone();
@@ -32,7 +31,6 @@ fn simulated(scenario: &Scenario) -> Record {
     simulate(scenario).without_truth()
 }
 
-/// The bits of all samples of two runs, which have as many.
 fn assert_same(run: &Run, whole: &Run) {
     assert_eq!(run.done(), whole.done());
     for (a, b) in run.estimates().iter().zip(whole.estimates()) {
@@ -79,7 +77,6 @@ fn what_is_no_longer_record_changes_nothing() {
     assert!(!ended.lengthen(Arc::new(record)), "a measured record has ended");
 }
 
-/// An edit is computed beside the picture, and the record grows before, between and after.
 #[test]
 fn an_edit_of_a_live_record_gives_the_bits_of_a_new_run() {
     let mut scenario = scenario(Hold::First);
@@ -155,7 +152,6 @@ fn an_input_and_the_readings_that_come_with_it_keep_their_time() {
     }
 }
 
-/// An input that is first told after a while was zero before, and the run goes on.
 #[test]
 fn an_input_that_is_told_late_was_zero() {
     for hold in [Hold::Zero, Hold::First] {
@@ -331,7 +327,6 @@ fn a_slow_sensor_that_is_measured_now_is_not_silent() {
     assert!(silent.iter().any(|first| (780..800).contains(first)), "{silent:?}");
 }
 
-/// Far more readings than samples: all are kept, up to a bound.
 #[test]
 fn a_record_of_many_readings_a_step_is_full_in_words() {
     let mut live = LiveRecord::new(1.0, InputKind::Force, Hold::Zero, vec![Quantity::VELOCITY]);

@@ -9,8 +9,7 @@ use kalmanscope_core::{
 
 use crate::run::finished;
 
-/// A record with gaps, and filters whose smoothers take every way: gains and Jacobians, fading, jumps, logarithms, an input that
-/// comes late, a white force, several masses.
+/// A record with gaps, and smoothers of every kind: Jacobians, fading, jumps, logarithms, late input, white force, masses.
 fn scenarios() -> Vec<Scenario> {
     let base = FilterSettings { smoother: true, ..Scenario::default().filters[0].clone() };
     let filters = [
@@ -71,7 +70,6 @@ fn each_sample_knows_what_comes_within_the_look_ahead() {
     }
 }
 
-/// However it is cut into pieces and whatever is forgotten, it has the same bits, and it ends behind the filter.
 #[test]
 fn it_goes_along_with_a_run() {
     let mut scenario = Scenario { filters: scenarios()[0].filters.clone(), ..Scenario::default() };
@@ -126,7 +124,6 @@ fn it_grows_with_a_live_record_and_has_all_of_it_at_the_end() {
     }
 }
 
-/// At the end of a run it is complete, and nothing is computed again.
 #[test]
 fn it_stays_at_the_end_of_a_run() {
     let mut scenario = Scenario { duration: 5.0, ..Scenario::default() };
@@ -143,7 +140,6 @@ fn it_stays_at_the_end_of_a_run() {
     assert_eq!(first, there(&mut study));
 }
 
-/// A filter that stops has smoothed estimates of the samples before, and says why there are no more.
 #[test]
 fn it_ends_where_its_filter_stops() {
     let mut scenario = Scenario { duration: 5.0, ..Scenario::default() };

@@ -13,8 +13,7 @@ use kalmanscope_core::{
 
 use crate::run::{finished, finished_on, last};
 
-/// A circuit that behaves like an oscillator: 68 Hz, ζ = 0.05, a gain of the input, an offset in both columns, an input that is
-/// limited in band, and few samples in a period.
+/// 68 Hz, ζ = 0.05, a gain, an offset in both columns, a band-limited input, and few samples in a period.
 struct Circuit {
     cubic: f64,
     amplitude: f64,
@@ -26,7 +25,6 @@ const NATURAL_FREQUENCY: f64 = 429.0;
 const DAMPING_RATIO: f64 = 0.048;
 const GAIN: f64 = 1.86e5;
 
-/// Numbers between 0 and 1.
 fn random(seed: u64) -> impl FnMut() -> f64 {
     let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1;
     move || {
@@ -38,7 +36,6 @@ fn random(seed: u64) -> impl FnMut() -> f64 {
 }
 
 impl Circuit {
-    /// A file with two columns of volts and no times, a semicolon between them.
     fn file(&self, rows: usize) -> String {
         let mut random = random(self.seed);
         let lines: Vec<[f64; 2]> =
@@ -73,12 +70,11 @@ impl Circuit {
     }
 }
 
-/// Imports a file as a user does: gives the rate and takes the suggested settings.
 fn identify(text: &str, plant: PlantKind, change: impl Fn(&mut Mapping)) -> (Scenario, Record, Run) {
     identify_by(text, plant, change, true)
 }
 
-/// The same, of which the scenario knows the file's columns or not: without them the input stays linear between samples.
+/// Like `identify`; the scenario knows the file's columns or not: without them the input stays linear between samples.
 fn identify_by(
     text: &str,
     plant: PlantKind,

@@ -40,7 +40,6 @@ fn main() {
     }
 }
 
-/// Prints the shares of right guesses and ends over a grid of records.
 fn print_grid() {
     let (all, parts) = grid(400..410, &[(9.0, 200.0), (2.3, 50.0), (35.0, 750.0)], true);
     for (name, counts) in parts.into_iter().chain([("all".to_owned(), all)]) {
@@ -49,7 +48,6 @@ fn print_grid() {
     }
 }
 
-/// Prints the largest change of a start value by lost readings.
 fn print_losses() {
     for excitation in Excitation::ALL {
         for sensor in SENSORS {
@@ -61,12 +59,10 @@ fn print_losses() {
     }
 }
 
-/// Prints the share of free decays with right start values.
 fn print_decays() {
     println!("{:.1} % of the start values are right", 100.0 * right(5000..5600));
 }
 
-/// Prints the errors of the guess and of the end for each kind of record.
 fn print_ambient() {
     ambient_records_of_many_kinds();
     two_sensors_of_a_building();
@@ -133,7 +129,6 @@ fn report(name: &str, ends: &[End]) {
     ends.iter().take(2).for_each(|end| println!("    {}", end.text));
 }
 
-/// Prints the times beside those that the core expects.
 fn print_largest() {
     let largest = |kind, plant, substeps, hold| {
         let mut scenario = Scenario { duration: 1.0, hold, ..run::one_filter(kind) };

@@ -61,7 +61,6 @@ fn built_in(name: &str) -> Scenario {
     file("assets/scenarios", name)
 }
 
-/// A scenario that broke something.
 fn hostile(name: &str) -> Scenario {
     file("tests/hostile", name)
 }
@@ -71,13 +70,11 @@ fn file(folder: &str, name: &str) -> Scenario {
     Scenario::from_toml(&std::fs::read_to_string(path).unwrap()).unwrap()
 }
 
-/// The default scenario for 10 s, with one filter.
 fn with_filter(kind: FilterKind) -> Scenario {
     let filter = FilterSettings { fading: 1.0, kind, ..Scenario::default().filters[0].clone() };
     Scenario { duration: 10.0, filters: vec![filter], ..Scenario::default() }
 }
 
-/// Where and why the only filter stops.
 fn stop(scenario: &Scenario) -> Option<Stop> {
     check_scenario(scenario, 0).unwrap();
     finished(scenario).estimates()[0].stop()

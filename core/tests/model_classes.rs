@@ -7,7 +7,6 @@ use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 
 use crate::run::finished;
 
-/// A Kalman filter of an oscillator with this frequency and damping.
 fn known([frequency, damping]: [f64; 2]) -> FilterSettings {
     FilterSettings {
         kind: FilterKind::KF,
@@ -52,7 +51,6 @@ fn log_density(run: &Run, [frequency, damping]: [f64; 2], sensor_std: [f64; 2]) 
     -0.5 * (square + ln_determinant + size as f64 * std::f64::consts::TAU.ln())
 }
 
-/// Of linear models the evidence is the joint density of the readings, and so are the probabilities.
 #[test]
 fn the_evidence_of_linear_models_is_the_density_of_the_readings() {
     let models = [[6.0, 0.05], [6.3, 0.05], [6.0, 0.2]];
@@ -72,7 +70,6 @@ fn the_evidence_of_linear_models_is_the_density_of_the_readings() {
     }
 }
 
-/// The evidence of a run is that of all estimates, however it came there; what is forgotten still counts.
 #[test]
 fn a_study_has_the_evidence_however_it_goes_on() {
     let scenario = Scenario { duration: 20.0, ..Scenario::default() };

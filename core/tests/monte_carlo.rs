@@ -9,11 +9,9 @@ use kalmanscope_core::{
     Channel, CramerRao, FilterKind, FilterSettings, Force, Pass, PlantKind, Run, Scenario, Scores, Signal,
 };
 
-/// Runs of each pair.
 const SEEDS: u64 = 200;
 
-/// A filter that linearises is a little too sure, and one that samples has an error of its own: their NEES may be larger
-/// than the upper bound by this factor.
+/// Limits NEES over its upper bound: filters that linearise are a little too sure, and those that sample err.
 const APPROXIMATE: f64 = 1.25;
 
 /// A scenario of a few seconds whose filter begins with a guess as good as it says, drawn anew for each seed.
@@ -43,11 +41,8 @@ fn scenario(plant: PlantKind, kind: FilterKind, seed: u64) -> Scenario {
     Scenario { filters: vec![filter], ..scenario }
 }
 
-/// The result of one run.
 struct Outcome {
-    /// The NEES of the last sample and its degrees of freedom.
     nees: (f64, u32),
-    /// The sum of the NIS over all samples and its degrees of freedom.
     nis: (f64, u32),
     /// For each parameter, the square of the last error over that of the bound.
     over_bound: Vec<f64>,

@@ -8,7 +8,6 @@ use kalmanscope_core::{Channel, FilterSettings, Hold, InputKind, PlantKind, Prop
 
 use crate::run::{finished, finished_on};
 
-/// An equation with the true values of its parameters.
 struct Case {
     equation: &'static str,
     truth: &'static [(&'static str, f64)],
@@ -55,7 +54,6 @@ const CASES: [Case; 12] = [
     case!("x'' + c x' + b x^3 = f", [("c", 0.3), ("b", 20.0)], 1.6, 0.7, 10.0, 1.0),
 ];
 
-/// Normal numbers.
 struct Dice(u64);
 
 impl Dice {
@@ -132,7 +130,6 @@ fn errors(scenario: &Scenario) -> Vec<[f64; 2]> {
     run.estimates().iter().map(of).collect()
 }
 
-/// Holds the rms of error over σ of each filter to within 0.8 and 1.25, over all `scenarios`.
 fn hold(name: &str, scenarios: impl Iterator<Item = Scenario>) {
     let mut sums: Vec<[f64; 2]> = Vec::new();
     for scenario in scenarios {

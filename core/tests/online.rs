@@ -9,20 +9,17 @@ use crate::run::one_filter;
 
 const DT: f64 = 0.01;
 
-/// A scenario with one filter of a kind.
 fn of(kind: FilterKind) -> Scenario {
     let mut scenario = Scenario { dt: DT, duration: 3.0, ..one_filter(kind) };
     scenario.filters[0].ensemble_size = 50;
     scenario
 }
 
-/// A record of the scenario in which some readings are missing: some of one sensor, a few of both.
 fn record(scenario: &Scenario) -> Record {
     let is_missing = |sensor, k| (100..120).contains(&k) || [k % 7 == 3, k % 3 == 1][sensor];
     simulate(scenario).without_truth().with_gaps(is_missing)
 }
 
-/// The estimates of a pass.
 fn passed(scenario: &Scenario, record: &Record) -> Estimates {
     let mut estimates = Pass::history(scenario, 0).expect("there is a filter");
     Pass::new(scenario, 0, record).expect("the record fits").follow(record, record.len(), &mut estimates);
@@ -33,7 +30,6 @@ fn readings(record: &Record, k: usize) -> [f64; 2] {
     [record.measured(0)[k], record.measured(1)[k]]
 }
 
-/// Whether two histories have the same bits.
 fn assert_same(one: &Estimates, other: &Estimates, what: &str) {
     let bits = |estimates: &Estimates| {
         let updates = (0..estimates.len()).flat_map(|k| {
@@ -47,7 +43,6 @@ fn assert_same(one: &Estimates, other: &Estimates, what: &str) {
     assert!(bits(one) == bits(other), "{what}");
 }
 
-/// Holds, input delays and settings that change the way in which a filter is computed.
 fn variants(kind: FilterKind) -> Vec<(String, Scenario)> {
     let mut variants = Vec::new();
     for hold in [Hold::Zero, Hold::First] {

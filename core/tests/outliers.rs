@@ -6,7 +6,6 @@ use kalmanscope_core::{Analysis, Channel, FilterKind, FilterSettings, Quantity, 
 
 use crate::run::{finished, finished_on};
 
-/// Sums over seeds of one filter with one rule.
 #[derive(Clone, Copy, Default)]
 struct Sums {
     /// The squares of the errors of ωₙ and ζ in the last third of the record.
@@ -72,12 +71,10 @@ fn add(sums: &mut Sums, seed: u64, kind: FilterKind, robust: Robust, is_clean: b
     }
 }
 
-/// Whether a rule tells outliers from good readings.
 fn decides(robust: Robust) -> bool {
     [Robust::GATE, Robust::MIXTURE].contains(&robust)
 }
 
-/// Prints the table and asserts the goals over some seeds.
 fn judge(seeds: std::ops::RangeInclusive<u64>) {
     for kind in [FilterKind::EKF, FilterKind::UKF] {
         let over = |robust: Robust, is_clean: bool| {
@@ -117,8 +114,7 @@ fn judge(seeds: std::ops::RangeInclusive<u64>) {
     }
 }
 
-/// The late RMSE against that of the plain filter on the clean record. Before a rule that decides which reading is an outlier knows
-/// the motion, it lets outliers pass, and leaves good ones out.
+/// Limits the late RMSE over the plain filter's on the clean record: a rule that decides errs until it knows the motion.
 const LIMIT: f64 = 1.15;
 const LIMIT_DECIDES: f64 = 1.3;
 const LIMIT_CLEAN: f64 = 1.02;

@@ -17,7 +17,6 @@ const NOISE: f64 = 0.05;
 /// ωₙ and ζ.
 const OF: [f64; 2] = [6.0, 0.02];
 
-/// The free motion after a time: displacement and velocity from those before.
 fn transition(t: f64) -> Matrix2<f64> {
     let [w, z] = OF;
     let moved = w * (1.0 - z * z).sqrt();
@@ -45,7 +44,6 @@ fn record(seed: u64, pulls: &[usize], offset: f64) -> Record {
     Record::new(DT, input, vec![(Quantity::DISPLACEMENT, values)]).expect("it is a record")
 }
 
-/// A filter that knows of pulls at some times.
 fn scenario(kind: FilterKind, plucks: &[f64]) -> Scenario {
     let mut scenario =
         Scenario { dt: DT, sensors: vec![Sensor::new(Quantity::DISPLACEMENT, NOISE)], ..Scenario::default() };
@@ -63,7 +61,6 @@ fn scenario(kind: FilterKind, plucks: &[f64]) -> Scenario {
     scenario
 }
 
-/// The KF with an unknown offset is the least squares of all readings: the beginning, what two plucks add, and the offset are unknown.
 #[test]
 fn a_kf_is_the_least_squares_of_all_parts() {
     let bias = Channel::from_key("bias_displacement").expect("there is one");
@@ -118,7 +115,6 @@ fn a_kf_is_the_least_squares_of_all_parts() {
     }
 }
 
-/// What earlier plucks told of the parameters counts on, for every kind of filter; without knowing of them it is lost.
 #[test]
 fn all_parts_together_know_more() {
     let pulls = [200, 400];
@@ -146,7 +142,6 @@ fn all_parts_together_know_more() {
     }
 }
 
-/// The same from event to event, and with times of their own; what begins at another time counts from there.
 #[test]
 fn readings_with_times_have_the_same_plucks() {
     let even = record(5, &[200, 410], 0.0);
@@ -176,7 +171,6 @@ fn readings_with_times_have_the_same_plucks() {
     assert_eq!(later.checksum(), run.checksum(), "the times are those of the record");
 }
 
-/// From a phone's readings with two plucks to the parameters: both parts count, and the band holds the truth.
 #[test]
 fn a_phone_that_is_plucked_twice_knows_more() {
     let (mut inside, mut narrower, mut consistent) = ([0, 0], 0, 0);
@@ -212,7 +206,6 @@ fn what_samples_its_belief_has_no_plucks() {
     }
 }
 
-/// The free run of the identified model begins anew at each pluck, too.
 #[test]
 fn a_free_run_begins_anew() {
     let record = record(9, &[200, 410], 0.0);

@@ -6,7 +6,6 @@ use kalmanscope_core::{
 
 use crate::run::{finished, one_filter};
 
-/// Keeps every sample.
 struct All {
     wants_prior: bool,
     samples: Vec<LastSample>,
@@ -36,14 +35,12 @@ fn samples(scenario: &Scenario, run: &Run, wants_prior: bool) -> Vec<LastSample>
     all.samples
 }
 
-/// A scenario with one filter of a kind.
 fn scenario(kind: FilterKind, hold: Hold) -> Scenario {
     let mut scenario = Scenario { duration: 3.0, hold, ..one_filter(FilterKind::EKF) };
     (scenario.filters[0].kind, scenario.filters[0].ensemble_size) = (kind, 60);
     scenario
 }
 
-/// Scenarios of every way in which a filter of a kind is computed.
 fn variants(kind: FilterKind) -> Vec<Scenario> {
     let mut variants = vec![scenario(kind, Hold::Zero), scenario(kind, Hold::First)];
     if kind == FilterKind::UKF {

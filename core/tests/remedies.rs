@@ -8,7 +8,6 @@ use kalmanscope_core::{
 
 use crate::run::{finished, finished_on, last, with_input};
 
-/// A filter that is well tuned, of an oscillator of 6 rad/s.
 fn tuned(plant: &str) -> Scenario {
     Scenario::from_toml(&format!(
         "dt = 0.01\nduration = 30.0\nforce = {{ white_noise = {{ std = 10.0 }} }}\n[plant]\nnatural_frequency = 6.0\n\
@@ -21,12 +20,10 @@ fn tuned(plant: &str) -> Scenario {
     .unwrap()
 }
 
-/// The record of a scenario without the truth.
 fn record(scenario: &Scenario) -> Record {
     simulate(scenario).without_truth()
 }
 
-/// The verdict on the first filter over a record, and its remedies.
 fn judged(scenario: &Scenario, record: &Record) -> (VerdictKind, Vec<Remedy>) {
     let run = finished_on(scenario, record.clone());
     let estimates = &run.estimates()[0];
@@ -57,7 +54,6 @@ fn keys(remedy: &Remedy) -> Vec<&'static str> {
     remedy.causes().map(|likely| likely.cause.key).collect()
 }
 
-/// The remedies in words.
 fn told(remedies: &[Remedy]) -> String {
     let of = |remedy: &Remedy| {
         let after = remedy.after.as_ref().map_or("none", |verdict| verdict.kind.name());

@@ -11,7 +11,6 @@ use kalmanscope_core::{Analysis, Scenario, Story, Wanted};
 use crate::random::Random;
 use crate::run::{finished, identified};
 
-/// Something that rings, and the room.
 #[derive(Clone, Copy)]
 struct Sound {
     seed: u64,
@@ -36,7 +35,6 @@ const FORK: Sound = Sound {
 };
 
 impl Sound {
-    /// Silence for 0.7 s, a blow, the ring.
     fn samples(&self) -> Vec<f64> {
         let mut random = Random::new(self.seed);
         let rate = f64::from(self.rate);
@@ -62,7 +60,6 @@ impl Sound {
             .collect()
     }
 
-    /// A WAV file with one or more equal channels.
     fn wav(&self, channels: u16) -> Vec<u8> {
         let spec = hound::WavSpec {
             channels,

@@ -10,7 +10,6 @@ fn parsed(text: &str) -> Scenario {
     Scenario::from_toml(text).unwrap_or_else(|error| panic!("{text}\n{error}"))
 }
 
-/// Asserts that a file is refused with exactly this message.
 #[track_caller]
 fn assert_refused(cases: &[(&str, &str)]) {
     for (text, expected) in cases {

@@ -29,7 +29,6 @@ fn scenario(name: &str) -> Scenario {
     Scenario::from_toml(&text(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
-/// The run of a scenario over its record, simulated or measured.
 fn built_in(name: &str) -> Run {
     let scenario = scenario(name);
     let Some(mapping) = &scenario.record else { return finished(&scenario) };
@@ -92,7 +91,6 @@ fn final_errors(run: &Run, place: usize) -> Vec<f64> {
     summaries(run).iter().map(error).collect()
 }
 
-/// The time, from `start` on, since which the natural frequency has stayed within 2 % of the truth.
 fn settled(run: &Run, filter: usize, start: f64) -> f64 {
     let truth = run.record().truth(kalmanscope_core::Channel::NATURAL_FREQUENCY).unwrap();
     let estimates = &run.estimates()[filter];

@@ -79,7 +79,6 @@ fn a_prediction_whose_mean_or_jacobian_is_not_exact_is_divided_where_samples_are
     assert!(matches!(substeps[..], [ekf, rk, ukf] if ekf > 1 && rk > 1 && ukf > 1), "{substeps:?}");
 }
 
-/// The record with every input and every reading changed.
 fn changed(record: &Record, input: impl Fn(f64) -> f64, reading: impl Fn(f64) -> f64) -> Record {
     let values = record.input().iter().map(|value| input(*value)).collect();
     with_input(record, values).with_measured(|_, _, value| reading(value))

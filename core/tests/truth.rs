@@ -31,7 +31,6 @@ fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |most, x| most.max(x.abs()))
 }
 
-/// Displacement and velocity of the damped oscillator without a force.
 fn free_vibration(wn: f64, zeta: f64, x0: f64, v0: f64, t: f64) -> (f64, f64) {
     let wd = wn * (1.0 - zeta * zeta).sqrt();
     let (c, s) = (x0, (v0 + zeta * wn * x0) / wd);
@@ -254,7 +253,6 @@ fn a_plant_too_fast_for_its_step_does_not_count_as_diverging() {
     assert_eq!(run.truth_stop().map(|stop| stop.reason), Some(TruthError::StepTooLong));
 }
 
-/// The rows of a table of numbers without the lines that begin with `#`.
 fn rows(text: &str) -> Vec<Vec<f64>> {
     let row = |line: &str| line.split(',').map(|cell| cell.trim().parse().unwrap()).collect();
     text.lines().filter(|line| !line.starts_with('#')).map(row).collect()

@@ -30,14 +30,12 @@ fn verdict(scenario: &Scenario) -> Option<Verdict> {
     verdict_on(&run)
 }
 
-/// The verdict on the same measurements without the truth.
 fn verdict_without_truth(scenario: &Scenario) -> Option<Verdict> {
     let record = simulate(scenario).without_truth();
     let run = finished_on(scenario, record);
     verdict_on(&run)
 }
 
-/// Constant parameters and one filter with well-tuned settings.
 fn well_tuned(kind: FilterKind) -> Scenario {
     let mut scenario = Scenario::default();
     scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
@@ -216,7 +214,6 @@ const GOOD: &[VerdictKind] = &[Consistent, Recovered];
 const UNTOLD: &[VerdictKind] = &[Consistent, NotIdentifiable];
 const BAD: &[VerdictKind] = &[Overconfident];
 
-/// The verdicts that are right on the filters of a built-in scenario, in their order.
 const BUILT_IN: &[(&str, &[&[VerdictKind]])] = &[
     (include_str!("../../assets/scenarios/acceleration-only.toml"), &[GOOD, GOOD]),
     (include_str!("../../assets/scenarios/chirp.toml"), &[GOOD, GOOD]),
@@ -261,7 +258,6 @@ fn innovations_alone_tell_much() {
     }
 }
 
-/// A record of a spring that stiffens, `ẍ + 0.6 ẋ + 36 x + 400 x³ = f`, as if measured.
 fn stiffening_spring() -> Record {
     let rate = |x: f64, v: f64, f: f64| (v, f - 0.6 * v - 36.0 * x - 400.0 * x * x * x);
     let (dt, mut x, mut v) = (0.01, 0.0_f64, 0.0_f64);
@@ -307,7 +303,6 @@ fn a_verdict_waits_for_twenty_measurements() {
     assert!(verdict.kind == Diverged && verdict.reason.starts_with("the "), "{verdict}");
 }
 
-/// One sensor is trusted a little too much and the other one far too little: together the innovations are too small.
 #[test]
 fn innovations_that_are_too_small_together_are_not_called_overconfident() {
     for seed in SEEDS {
@@ -325,7 +320,6 @@ fn innovations_that_are_too_small_together_are_not_called_overconfident() {
     }
 }
 
-/// Noise of the right size that is correlated over a few samples: innovations are no larger than expected and have a pattern.
 #[test]
 fn a_pattern_in_innovations_that_are_no_larger_than_expected_is_not_called_overconfident() {
     let mut left = 0;
@@ -353,7 +347,6 @@ fn a_pattern_in_innovations_that_are_no_larger_than_expected_is_not_called_overc
     assert!(left >= 8, "{left} of ten");
 }
 
-/// Two sensors of which each has half its variance from the same source.
 #[test]
 fn noise_that_is_common_to_two_sensors_is_named() {
     for seed in SEEDS {

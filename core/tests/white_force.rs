@@ -15,7 +15,6 @@ const SAMPLES: usize = 30;
 const FORCE: f64 = 2.0;
 const X0: f64 = 0.03;
 const V0: f64 = 0.2;
-/// The place of the constant part.
 const CONSTANT: usize = 2 + 2 * SAMPLES;
 const SENSORS: [(Quantity, f64); 3] =
     [(Quantity::DISPLACEMENT, 0.002), (Quantity::VELOCITY, 0.05), (Quantity::ACCELERATION, 0.3)];
@@ -37,7 +36,6 @@ fn reading(sensor: usize, k: usize) -> f64 {
     [0.05, 0.3, 3.0][sensor] * (phase.sin() + 0.5 * (2.7 * phase).cos())
 }
 
-/// The recorded input.
 fn recorded(k: usize) -> f64 {
     (0.4 * k as f64).sin()
 }
@@ -89,7 +87,6 @@ fn course(hold: Hold, sensors: &[usize]) -> Course {
 }
 
 impl Course {
-    /// The row of a sensor at a sample.
     fn row(&self, sensor: usize, k: usize) -> Vec<f64> {
         let [x, v] = &self.states[k];
         match sensor {
@@ -309,7 +306,6 @@ fn a_simulated_disturbance_is_consistent_with_a_white_force_of_its_size() {
 const TIME_STEP: f64 = 0.01;
 const LENGTH: usize = 4000;
 
-/// Standard normal numbers that look random.
 struct Normal(u64);
 
 impl Normal {
@@ -345,7 +341,6 @@ fn record(normal: &mut Normal, mut acts: impl FnMut(usize, &mut Normal) -> f64) 
     Record::new(TIME_STEP, input, vec![(Quantity::DISPLACEMENT, measured)]).unwrap()
 }
 
-/// Counts the bands of ωₙ and ζ that have the truth at the end, for each filter.
 fn inside(
     filters: &str,
     seeds: u64,

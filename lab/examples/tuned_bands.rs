@@ -44,7 +44,6 @@ fn main() {
 
 const NAMES: [&str; 3] = ["σ of the displacement's noise", "σ of the velocity's noise", "σ of the process noise of v"];
 
-/// Whether the truth of each is inside its band; `None` without bands.
 fn covered(kind: FilterKind, seed: u64) -> Option<[bool; 3]> {
     let mut scenario = Scenario { seed, duration: 30.0, ..Scenario::default() };
     scenario.plant.set(Channel::NATURAL_FREQUENCY, kalmanscope_core::Signal::Constant(6.0));

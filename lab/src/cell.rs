@@ -69,7 +69,6 @@ impl CellTask {
         Self { runner, cell, stage, row, spent: 0.0 }
     }
 
-    /// Works for about as long as the time to the next check of the clock.
     fn piece(&mut self) {
         self.stage = match std::mem::replace(&mut self.stage, Stage::Done) {
             Stage::Record { scenario, mut simulator, mut record } => {
@@ -202,7 +201,6 @@ impl Task for CellTask {
         matches!(self.stage, Stage::Done)
     }
 
-    /// The row, as far as it is known.
     fn finish(self) -> Vec<f64> {
         self.row
     }

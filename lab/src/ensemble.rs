@@ -23,7 +23,6 @@ pub struct Ensemble {
     scenario: Scenario,
     plan: Plan,
     settings: Vec<Address>,
-    /// The numbers that are drawn for each seed.
     drawn: Vec<Address>,
 }
 
@@ -242,7 +241,6 @@ impl Ensemble {
         order::coarse_to_fine(&self.counts())
     }
 
-    /// A number that is the same for two cells with the same record.
     pub(crate) fn record_of(&self, cell: usize) -> usize {
         let axes = self.plan.axes.iter().zip(&self.settings).zip(self.places(cell));
         axes.filter(|((_, setting), _)| !setting.is_of_filters())
@@ -335,7 +333,6 @@ impl Trace {
         self.channels.get(nth).map_or(&[], Vec::as_slice)
     }
 
-    /// The length of all traces in a row.
     pub(crate) fn width(&self) -> usize {
         self.channels.iter().map(|channels| self.samples.len() * stride(channels)).sum()
     }

@@ -40,7 +40,6 @@ struct Filter {
     channels: Vec<Channel>,
     /// For each time the sums of NEES and NIS and the number of runs in them.
     squares: Vec<[(f64, u32); 2]>,
-    /// For each time and channel the errors of all runs.
     errors: Vec<Vec<Vec<f32>>>,
     /// For each time and channel the sum of the variances and the number of runs in it.
     variances: Vec<Vec<(f64, u32)>>,

@@ -26,7 +26,6 @@ fn of_history(scenario: &Scenario, place: usize, record: &Record, measures: &[Me
     Ok(pass.measures(scenario, place, record, measures))
 }
 
-/// The place among some measures of the first cause, which takes far longer than the others.
 pub(crate) fn place_of_cause(measures: &[Measure]) -> Option<usize> {
     measures.iter().position(|measure| *measure == Measure::CAUSE)
 }
@@ -98,7 +97,6 @@ impl Sink for Both<'_> {
     }
 }
 
-/// The measures that follow from sums alone.
 pub(crate) fn of_sums(
     scenario: &Scenario,
     place: usize,

@@ -20,7 +20,6 @@ use serde::{Deserialize, Serialize};
 use population::Population;
 use target::Target;
 
-/// The points of a thread in a piece of work.
 const PIECE: usize = 16;
 
 /// Limits the points, and the samples that all of them go over between two temperatures, about.

@@ -9,7 +9,6 @@ use kalmanscope_core::{Pass, Record, Scenario, Source, simulate};
 use crate::ensemble::{Ensemble, EnsembleError, Plan};
 use crate::outcome;
 
-/// The records that are kept for the next cells.
 const KEPT: usize = 16;
 
 /// The valid scenario of a cell, and its record.
@@ -160,7 +159,6 @@ impl Runner {
         self.record_at_hand(cell, scenario).unwrap_or_else(|| self.keep(cell, simulate(scenario)))
     }
 
-    /// The same, if it need not be simulated.
     pub(crate) fn record_at_hand(&self, cell: usize, scenario: &Scenario) -> Option<Arc<Record>> {
         let factor = self.input_factor(scenario);
         if let Some(record) = self.source.record()
@@ -192,14 +190,12 @@ impl Runner {
     }
 }
 
-/// The number of runs side by side.
 #[cfg(feature = "lanes")]
 const ABREAST: usize = kalmanscope_lanes::LANES;
 
 #[cfg(not(feature = "lanes"))]
 const ABREAST: usize = 1;
 
-/// Whether lanes serve the filter at a place of a run.
 #[cfg(feature = "lanes")]
 fn is_served(CellRun { scenario, record }: &CellRun, place: usize) -> bool {
     kalmanscope_lanes::serves(&kalmanscope_lanes::LaneRun { scenario, place, record }).is_ok_and(|is_served| is_served)

@@ -86,7 +86,6 @@ struct State {
     is_lost: AtomicBool,
 }
 
-/// Does the next portion of some work. Returns whether there is more.
 type Portion = Box<dyn FnMut() -> bool + Send>;
 
 #[derive(Default)]
@@ -272,7 +271,6 @@ impl Queue {
         self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Does portions of this priority or a higher one until the team is over.
     fn serve(&self, lowest: Priority) {
         let mut waiting = self.lock();
         while !waiting.is_over {

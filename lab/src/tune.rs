@@ -35,7 +35,6 @@ const TOLERANCE: f64 = 1e-7;
 pub struct Tuner {
     cost: Arc<Cost>,
     stage: Stage,
-    /// The best place so far, in shares of the axes.
     best: Vec<f64>,
     path: Vec<Try>,
     bands: Option<Vec<[f64; 2]>>,

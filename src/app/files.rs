@@ -72,7 +72,6 @@ impl App {
         ViewContext::new(session, palette, visible, axis, ruler).in_laboratory(Some(laboratory))
     }
 
-    /// Continues the export that is under way. Its file is delivered once it is made.
     pub(super) fn follow_export(&mut self, ctx: &Context) {
         let Some(mut exporting) = self.exporting.take() else { return };
         let palette = Palette::of(egui::Theme::Light);

@@ -83,7 +83,6 @@ impl App {
         }
     }
 
-    /// Leaves the measurement. The record on screen becomes a measured record with a file.
     fn end_measure(&mut self, ctx: &Context) {
         self.measure = None;
         let is_imported = self.requests.iter().any(|request| matches!(request, Request::ImportFile(_)));

@@ -95,7 +95,6 @@ pub(super) fn add_filter_ui(ui: &mut Ui, scenario: &mut Scenario) {
     }
 }
 
-/// Limits the filters to the number of distinguishable colours.
 const MOST_FILTERS: usize = 6;
 
 fn rename_ui(ui: &mut Ui, filter: &mut FilterSettings, others: &[String]) {

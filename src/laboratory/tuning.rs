@@ -213,7 +213,6 @@ impl TuneChoice {
         Some(Self { filter: self.filter, axes, goal })
     }
 
-    /// Ticks a setting, with its usual range, or unticks it. Unticks all others that would set the same number.
     pub(crate) fn toggle(&mut self, key: &str, part: &Scenario) {
         let is_ticked = self.axes.iter().any(|axis| axis.key == key);
         self.axes.retain(|axis| !collide(&axis.key, key, part));

@@ -34,7 +34,6 @@ pub(super) struct Live {
     rests: bool,
 }
 
-/// A decay that continues, its record and the filters on it.
 struct Following {
     decay: Decay,
     live: LiveRecord,

@@ -30,10 +30,8 @@ const FILE: &str = "heard-here.wav";
 pub(super) struct Listener {
     device: Rc<dyn Sensor<Sound>>,
     readings: Readings<Sound>,
-    /// The samples at the last search for a ring.
     looked: usize,
     ring: Option<Ring>,
-    /// Whether the peaks were cut off at the last search.
     is_cut_off: bool,
 }
 

@@ -25,12 +25,10 @@ pub(crate) enum Layer<'a> {
 }
 
 impl<'a> Layer<'a> {
-    /// A solid line. The vertical axis may leave out its outliers.
     pub(crate) fn line(series: Series<'a>, color: Color32, width: f32) -> Self {
         Self::Line { series, color, width, dashed: false, bounds: false, filter: None }
     }
 
-    /// A dashed line. The vertical axis may leave out its outliers.
     pub(crate) fn dashed(series: Series<'a>, color: Color32, width: f32) -> Self {
         Self::Line { series, color, width, dashed: true, bounds: false, filter: None }
     }

@@ -10,7 +10,6 @@ const EVERY: f64 = 0.3;
 /// The least real time between two diagnoses while a number is dragged \[s\].
 const EVERY_WHILE_HELD: f64 = 0.15;
 
-/// Limits the samples of a diagnosis of a growing record.
 const MOST: usize = 20_000;
 
 #[derive(Default)]

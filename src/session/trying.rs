@@ -59,7 +59,6 @@ impl Attempt {
     }
 }
 
-/// The remedies of later trials, those of before at their places and new ones after them.
 fn in_places_of(before: &[Remedy], mut found: Vec<Remedy>) -> Vec<Remedy> {
     let mut placed = Vec::with_capacity(found.len());
     for remedy in before {

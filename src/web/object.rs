@@ -14,7 +14,6 @@ pub(super) fn call(object: &JsValue, name: &str, arguments: &[&JsValue]) -> Resu
     method.apply(object, &arguments.iter().copied().collect())
 }
 
-/// Waits for the answer of a method.
 pub(super) async fn awaited(answer: Result<JsValue, JsValue>) -> Result<JsValue, JsValue> {
     JsFuture::from(Promise::resolve(&answer?)).await
 }

@@ -22,7 +22,6 @@ use web_sys::MessageEvent;
 
 use worker::{AT_ONCE, Given, Left, Program, Worker};
 
-/// Limits the workers, for any number of processors.
 const MOST: usize = 8;
 
 struct Workers {

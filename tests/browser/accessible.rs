@@ -29,7 +29,6 @@ const MEASURE: &str = "
         window.coverContrasts ||= document.getElementById('loading-bytes')?.textContent.trim() && contrasts('#loading p');
     }).observe(document, { subtree: true, childList: true, characterData: true });";
 
-/// The rules that every page must keep, each with its name.
 const RULES: [(&str, &str); 9] = [
     ("the document has a language", "document.documentElement.lang === 'en'"),
     ("the document has a title", "document.title === 'Kalmanscope'"),
@@ -71,12 +70,10 @@ const TABLE_RULES: [(&str, &str); 4] = [
     ),
 ];
 
-/// Measures contrasts from the first text on.
 pub(crate) async fn prepare(page: &Page) {
     page.prepare(MEASURE).await;
 }
 
-/// The texts on the cover while the page loads can be read.
 pub(crate) async fn cover_can_be_read(page: &Page) {
     check_contrasts(&page.value("window.coverContrasts").await);
 }

@@ -46,14 +46,12 @@ impl Driver {
         self.child.id()
     }
 
-    /// The folder of the browser's downloads, which is empty at first.
     pub(crate) fn downloads(&self) -> PathBuf {
         let folder = self.profile.join("downloads");
         fs::create_dir_all(&folder).expect("a folder can be made");
         folder
     }
 
-    /// Opens a browser with an empty page and more of Chromium's arguments.
     pub(crate) async fn open(&self, more: &[&str]) -> Page {
         let profile = format!("--user-data-dir={}", self.profile.display());
         let arguments = [
@@ -135,7 +133,6 @@ fn call(port: u16, method: &str, path: &str, body: &str) -> Result<Value, String
     }
 }
 
-/// Sends a request of HTTP and returns the body of the answer.
 fn exchange(port: u16, method: &str, path: &str, body: &str) -> std::io::Result<Vec<u8>> {
     let mut stream = TcpStream::connect((Ipv4Addr::LOCALHOST, port))?;
     write!(

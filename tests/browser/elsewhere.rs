@@ -24,10 +24,8 @@ pub(crate) const WATCH: &str = "
         return post.apply(this, message);
     };";
 
-/// There are no workers.
 pub(crate) const NONE: &str = "window.Worker = class { constructor() { throw new Error('there are none'); } };";
 
-/// The first worker fails in the middle of its work.
 pub(crate) const FAILS: &str = "window.fatal = { more: 5 };";
 
 /// No worker hears that it should go on, for as long as `hold` is true.
@@ -51,7 +49,6 @@ fn picture(seed: u64, duration: f64, particles: usize) -> (String, String) {
     (app.link().unwrap(), format!("{:016x}", app.session().run().checksum()))
 }
 
-/// How many messages with this word workers have been sent.
 pub(crate) async fn told(page: &Page, word: &str) -> u64 {
     page.value(&format!("window.told?.{word} ?? 0")).await.as_u64().unwrap()
 }

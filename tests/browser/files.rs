@@ -35,7 +35,6 @@ fn sheet(duration: f64, jitter: f64) -> String {
     sheet
 }
 
-/// The button asks the browser for a file, and the file that is chosen there is read.
 pub(crate) async fn a_record_is_chosen(page: &Page, folder: &Path) {
     // No test can answer the browser's own dialog.
     page.value("(window.asked = 0, document.getElementById('file').click = () => { window.asked += 1; })").await;
@@ -52,12 +51,10 @@ pub(crate) async fn a_record_is_chosen(page: &Page, folder: &Path) {
     page.wait_until(&format!("!{button}"), PATIENCE).await.unwrap();
 }
 
-/// Waits until the page asks for the meaning of the columns.
 async fn is_asked(page: &Page) {
     page.wait_until(&has("Open the record"), PATIENCE).await.unwrap();
 }
 
-/// The record is opened with the guess at its columns, once there is one.
 async fn opens(page: &Page) {
     is_asked(page).await;
     // The window grows to its size and moves to the middle meanwhile.
@@ -65,7 +62,6 @@ async fn opens(page: &Page) {
     page.click("Open the record", 0.5).await;
 }
 
-/// A dropped file opens with one click, and its natural frequency is found.
 pub(crate) async fn a_record_is_opened_by_drop(page: &Page) {
     let drop = format!(
         "(data => {{
@@ -110,7 +106,6 @@ pub(crate) async fn a_large_record_is_opened(
     reports_no_problems(page, address).await;
 }
 
-/// An import that is given up while a worker is at it is gone, and the next one is read in a worker too.
 pub(crate) async fn an_import_is_given_up_in_its_worker(page: &Page, address: &str, folder: &Path) {
     let path = folder.join("large.csv");
     fs::write(&path, sheet(6000.0, 0.0)).unwrap();
@@ -147,7 +142,6 @@ pub(crate) async fn time_of_an_import(page: &Page, address: &str, folder: &Path,
     println!("{name}, start values: all, in frames, longest frame [ms] {}", page.value(spent).await);
 }
 
-/// The checksum of a file's record with suggested settings.
 fn checksum(name: &str, bytes: &[u8]) -> String {
     let table = read(bytes, None).unwrap();
     let (mapping, input) = Mapping::guess(&table);
@@ -162,7 +156,6 @@ fn checksum(name: &str, bytes: &[u8]) -> String {
     format!("{:016x}", run.checksum())
 }
 
-/// A figure and the estimates come as downloads with their contents.
 pub(crate) async fn a_figure_is_downloaded(page: &Page, folder: &Path) {
     page.allow_downloads(folder).await;
     let svg = downloaded(page, folder, "Paper, 84 mm (SVG)", "kalmanscope-84mm.svg").await;

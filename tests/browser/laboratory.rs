@@ -17,7 +17,6 @@ use crate::files::downloaded;
 use crate::page::Page;
 use crate::starts;
 
-/// Limits the time until a map is complete, on a slow machine.
 const PATIENCE: Duration = Duration::from_secs(90);
 
 async fn show_the_map(page: &Page) {
@@ -26,7 +25,6 @@ async fn show_the_map(page: &Page) {
     }
 }
 
-/// A map in a real browser has the bits of this machine's, and comes from workers.
 pub(crate) async fn a_map_is_made_in_workers(page: &Page) {
     let begun = Instant::now();
     show_the_map(page).await;
@@ -90,7 +88,6 @@ async fn has_workers(page: &Page) {
     assert!(loaded.as_str().unwrap().contains("/worker.js?program=kalmanscope-"), "{loaded}");
 }
 
-/// Whether all cells of the map are there.
 const COMPLETE: &str = "(map => map !== null && map.done > 0 && map.done === map.cells)\
                         (JSON.parse(wasmBindings.kalmanscope_summary()).map)";
 
@@ -141,7 +138,6 @@ fn map_of(scenario: Scenario, cells: usize) -> String {
     app.link().unwrap()
 }
 
-/// Prints how long a map takes from the first frame on, with the start of the workers.
 pub(crate) async fn time_of_a_map(page: &Page, filter: &str) {
     page.wait_until("window.rows.last !== undefined", PATIENCE).await.unwrap();
     let times = "(frame => ['first', 'coarse', 'picture', 'last'].map(name => window.rows[name] - frame))\
@@ -208,7 +204,6 @@ async fn said(page: &Page) -> String {
     said[0].to_owned()
 }
 
-/// Compares the scores in a file with those of this machine.
 fn agrees(csv: &str, ensemble: Ensemble) {
     let rows: Vec<Vec<f64>> = csv.lines().skip(1).map(|line| line.split(',').map(number).collect()).collect();
     let (cells, width, axes) = (ensemble.cells(), ensemble.width(), ensemble.plan().axes.len());

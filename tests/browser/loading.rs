@@ -30,7 +30,6 @@ pub(crate) async fn prepare(page: &Page) {
     page.network(Some(NETWORK)).await;
 }
 
-/// The first load has shown how much has come.
 pub(crate) async fn first_load(page: &Page) {
     page.network(None).await;
     let (bits, latency) = NETWORK;

@@ -26,11 +26,9 @@ use driver::Driver;
 use page::{Page, colours, estimate};
 use server::Server;
 
-/// Limits the start of the page, on a slow machine without a graphics card.
 const START: Duration = Duration::from_secs(60);
 const FAILURE: &str = "document.getElementById('failure').hidden ? '' : document.getElementById('failure').innerText";
 
-/// Whether the page is there, or has failed.
 const OVER: &str = "!document.getElementById('loading') || !document.getElementById('failure').hidden";
 
 /// Opens a browser with these arguments, in which a folder is served and scripts run before those of the page.

@@ -24,7 +24,6 @@ pub(crate) struct Rect {
 }
 
 impl Rect {
-    /// The point at a fraction of the width, half-way down.
     fn at(self, fraction: f64) -> (f64, f64) {
         (self.x + fraction * self.width, self.y + 0.5 * self.height)
     }
@@ -50,7 +49,6 @@ impl Page {
         self.post("frame", json!({ "id": 0 })).await;
     }
 
-    /// Looks at the page again.
     pub(crate) async fn leave_frame(&self) {
         self.post("frame/parent", json!({})).await;
     }
@@ -159,7 +157,6 @@ impl Page {
         }
     }
 
-    /// Touches the page at a place and lets go at another, and waits until what scrolls rests.
     pub(crate) async fn touch(&self, from: (f64, f64), to: (f64, f64)) {
         const STEPS: u32 = 8;
         let points = |(x, y): (f64, f64)| json!([{ "x": x, "y": y }]);
@@ -188,14 +185,12 @@ impl Page {
         self.client.post(&format!("element/{id}/value"), &body).expect("the file can be chosen");
     }
 
-    /// Clicks a control at a fraction of its width.
     pub(crate) async fn click(&self, name: &str, fraction: f64) {
         let place = self.bring_into_view(name).await.at(fraction);
         self.client.act("pointer", &[go(place, 0), pause(100), button("pointerDown"), button("pointerUp")]);
         self.settle().await;
     }
 
-    /// Presses at a fraction of a control's width, and releases at another.
     pub(crate) async fn drag(&self, name: &str, from: f64, to: f64) {
         let rect = self.bring_into_view(name).await;
         let mut actions = vec![go(rect.at(from), 0), pause(100), button("pointerDown")];
@@ -225,13 +220,11 @@ impl Page {
         self.execute("Browser.setDownloadBehavior", params).await;
     }
 
-    /// Asks the page for its `light` or `dark` theme.
     pub(crate) async fn theme(&self, theme: &str) {
         let params = json!({ "features": [{ "name": "prefers-color-scheme", "value": theme }] });
         self.execute("Emulation.setEmulatedMedia", params).await;
     }
 
-    /// Makes the page's processor this many times slower.
     pub(crate) async fn throttle(&self, times: f64) {
         let params = json!({ "rate": times });
         self.execute("Emulation.setCPUThrottlingRate", params).await;
@@ -273,7 +266,6 @@ impl Page {
         place(&summary, name).unwrap_or_else(|| panic!("there is no control `{name}` among {}", summary["controls"]))
     }
 
-    /// A command of Chromium's own protocol.
     async fn execute(&self, command: &str, params: Value) -> Value {
         self.post("goog/cdp/execute", json!({ "cmd": command, "params": params })).await
     }
@@ -283,7 +275,6 @@ impl Page {
     }
 }
 
-/// Moves the pointer to a place in the window, in some milliseconds.
 fn go((x, y): (f64, f64), milliseconds: u64) -> Value {
     json!({ "type": "pointerMove", "duration": milliseconds, "origin": "viewport", "x": x, "y": y })
 }
@@ -292,12 +283,10 @@ fn pause(milliseconds: u64) -> Value {
     json!({ "type": "pause", "duration": milliseconds })
 }
 
-/// Presses or releases the left button.
 fn button(kind: &str) -> Value {
     json!({ "type": kind, "button": 0 })
 }
 
-/// Whether a control of this name is on screen, as a script.
 pub(crate) fn has(name: &str) -> String {
     format!("JSON.parse(wasmBindings.kalmanscope_summary()).controls.some(it => it.name === '{name}')")
 }

@@ -72,7 +72,6 @@ pub(crate) async fn the_menu_of_views_scrolls(page: &Page) {
     page.settle().await;
 }
 
-/// Limits the time until something is there.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 /// Half a minute of a swing of 6 rad/s with 1 % damping beside gravity, after two seconds of rest: what a phone's browser tells.
@@ -95,7 +94,6 @@ async fn begin_to_measure(page: &Page) {
     page.tap("Begin to measure").await;
 }
 
-/// Permission that comes after the measurement was cancelled begins nothing.
 pub(crate) async fn a_late_permission_begins_nothing(page: &Page) {
     let asks = "(() => {
         window.listeners = 0;
@@ -116,7 +114,6 @@ pub(crate) async fn a_late_permission_begins_nothing(page: &Page) {
     assert_eq!(page.value("delete DeviceMotionEvent.requestPermission").await, true);
 }
 
-/// Taps, measures, and finds the parameters.
 pub(crate) async fn a_decay_is_identified(page: &Page) {
     begin_to_measure(page).await;
     assert_eq!(page.value(SWING).await, true);
@@ -193,7 +190,6 @@ pub(crate) async fn watch(page: &Page) {
     page.tap_until("Watch the filters", |summary| summary["mode"] == "live", PATIENCE).await;
 }
 
-/// The filters are on screen while it swings, and their record grows.
 pub(crate) async fn filters_are_watched(page: &Page) {
     stream(page, 60).await;
     watch(page).await;
@@ -237,7 +233,6 @@ pub(crate) fn fork(folder: &Path) -> PathBuf {
 /// A busy machine may drop some of the sound: it listens so often at most.
 const ATTEMPTS: usize = 3;
 
-/// Listens to what the browser's microphone tells, and finds the parameters of the fork.
 pub(crate) async fn a_ring_is_identified(page: &Page) {
     let mut found = None;
     for _ in 0..ATTEMPTS {

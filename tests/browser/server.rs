@@ -7,14 +7,12 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::{fs, io, thread};
 
-/// A server that runs until it is stopped, or until the process ends.
 pub(crate) struct Server {
     address: SocketAddr,
     is_stopped: Arc<AtomicBool>,
 }
 
 impl Server {
-    /// Serves a folder, with the compressed files in it.
     pub(crate) fn start(folder: PathBuf) -> io::Result<Self> {
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?;
         let server = Self { address: listener.local_addr()?, is_stopped: Arc::default() };
@@ -32,12 +30,10 @@ impl Server {
         Ok(server)
     }
 
-    /// The address of the page, in a subfolder.
     pub(crate) fn page(&self) -> String {
         format!("http://{}/{FOLDER}", self.address)
     }
 
-    /// Refuses connections from now on.
     pub(crate) fn stop(&self) {
         self.is_stopped.store(true, Ordering::Relaxed);
         // The listener waits for one more connection, and is closed after it.

@@ -29,7 +29,6 @@ pub(crate) fn picture() -> (String, String) {
     (app.link().expect("it is short"), checksum)
 }
 
-/// The checksum on screen is this one, in time.
 pub(crate) async fn shows(page: &Page, checksum: &str) {
     let same = format!("JSON.parse(window.wasmBindings.kalmanscope_summary()).checksum === '{checksum}'");
     page.wait_until(&same, START).await.expect("the page shows the same numbers as this machine");

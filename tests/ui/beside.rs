@@ -12,7 +12,6 @@ use kalmanscope_lab::Threads;
 use super::files::drop_file;
 use super::*;
 
-/// Limits the time until work is done, on a slow machine.
 const PATIENCE: Duration = Duration::from_secs(300);
 
 struct OnThreads(Threads, egui::Context);
@@ -59,7 +58,6 @@ fn screen_with(team: impl FnOnce(&egui::Context) -> Rc<dyn Team> + 'static) -> S
     screen
 }
 
-/// A record of an oscillator in rows whose numbers have this number of zeros at their ends.
 fn record(rows: usize, zeros: usize) -> Vec<u8> {
     let mut text = "t,force,displacement\n".to_owned();
     let zeros = "0".repeat(zeros);

@@ -2,7 +2,6 @@
 
 use super::*;
 
-/// The whole of a record that the EKF believes five times too well, paused.
 fn mistuned() -> Screen {
     let mut screen = screen(Vec2::new(1280.0, 2400.0), Theme::Light);
     let mut scenario = Scenario::default();
@@ -116,7 +115,6 @@ fn nothing_moves_under_the_pointer_when_a_cause_is_repaired() {
     }
 }
 
-/// The buttons of causes on screen: their labels and the heights at which they are.
 fn remedies_of_ekf(screen: &Screen) -> Vec<(String, f32)> {
     let edits = screen.query_all_by_label_contains("Apply the remedy of EKF");
     edits.map(|node| (node.accesskit_node().label().unwrap_or_default(), node.rect().top())).collect()

@@ -13,7 +13,6 @@ fn type_into(screen: &mut Screen, text: &str) {
     screen.run_steps(2);
 }
 
-/// A paused screen with an equation of one's own, whose editor is open.
 fn editor() -> Screen {
     let mut screen = workbench();
     choose(&mut screen, "Kind of plant", "equation of your own");

@@ -14,7 +14,6 @@ use super::*;
 
 pub(super) type Files = Rc<RefCell<Vec<File>>>;
 
-/// A screen of the whole record whose exports are kept.
 pub(super) fn exporting(size: Vec2) -> (Screen, Files) {
     let files = Files::default();
     let kept = Rc::clone(&files);
@@ -30,7 +29,6 @@ pub(super) fn exporting(size: Vec2) -> (Screen, Files) {
     (screen, files)
 }
 
-/// Chooses an entry of the menu; returns the file.
 fn exported(screen: &mut Screen, files: &Files, entry: &str) -> File {
     click(screen, "Export");
     screen.get_by_label(entry).click();

@@ -9,7 +9,6 @@ use kalmanscope_lessons::BUILT_IN;
 
 use super::*;
 
-/// The lesson of the page for authors.
 const AUTHORS: &str = include_str!("../../lessons/README.md");
 
 #[derive(Debug)]
@@ -25,7 +24,6 @@ impl egui::DroppedFile for Dropped {
     }
 }
 
-/// Drops a file with these contents on the window.
 pub(super) fn drop_file(screen: &mut Screen, name: &str, contents: &[u8]) {
     /// Tells the folders of tests at the same time apart.
     static COUNT: AtomicU32 = AtomicU32::new(0);
@@ -38,7 +36,6 @@ pub(super) fn drop_file(screen: &mut Screen, name: &str, contents: &[u8]) {
     std::fs::remove_dir_all(folder).expect("the folder can be removed");
 }
 
-/// Drops the file at a path on the window, and waits until it has been read.
 pub(super) fn drop_path(screen: &mut Screen, path: PathBuf) {
     screen.input_mut().dropped_files = vec![Arc::new(Dropped(path))];
     screen.step();

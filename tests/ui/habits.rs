@@ -4,7 +4,6 @@ use egui::{Event, Modifiers, MouseWheelSource, MouseWheelUnit, TouchPhase};
 
 use super::*;
 
-/// Clicks twice on a control in quick succession.
 pub(super) fn double_click(screen: &mut Screen, label: &str) {
     let at = screen.get_by_label(label).rect().center();
     screen.hover_at(at);

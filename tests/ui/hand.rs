@@ -3,7 +3,6 @@
 use super::marks::marks;
 use super::*;
 
-/// A paused whole record at rest.
 pub(super) fn whole() -> Screen {
     let mut screen = screen(DESKTOP, Theme::Light);
     let session = screen.state_mut().session_mut();

@@ -4,7 +4,6 @@ use kalmanscope_core::FilterSettings;
 
 use super::*;
 
-/// Whether the legend shows each filter, in order.
 fn shown(screen: &Screen) -> Vec<(String, bool)> {
     let on = |name: &str| {
         let label = format!("Show {name}");

@@ -2,7 +2,6 @@
 
 use super::*;
 
-/// Presses Tab until the control with a label has the focus.
 fn tab_to(screen: &mut Screen, label: &str) {
     for _ in 0..250 {
         press(screen, Key::Tab);

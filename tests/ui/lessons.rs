@@ -112,7 +112,6 @@ pub(crate) fn is_enabled(screen: &Screen, label: &str) -> bool {
     !screen.get_by_label(label).accesskit_node().is_disabled()
 }
 
-/// Answers the step's question and makes its change.
 fn reveal(screen: &mut Screen, step: &Step) {
     let skip = step.question.as_ref().map(|_| "Show me");
     for label in skip.into_iter().chain(step.change.as_ref().map(|change| change.label.as_str())) {

@@ -17,7 +17,6 @@ use kalmanscope_core::Scenario;
 
 use crate::{DESKTOP, PHONE};
 
-/// The explorer as it starts.
 fn started(size: Vec2, theme: Theme) -> Harness<'static, App> {
     let builder = Harness::builder().with_size(size).with_theme(theme).wgpu();
     builder.build_eframe(|creation| App::new(creation).expect("the default scenario can be run"))

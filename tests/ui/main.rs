@@ -79,13 +79,11 @@ fn screen(size: Vec2, theme: Theme) -> Screen {
     screen
 }
 
-/// The place of the chip with the verdict on a filter.
 fn verdict(screen: &Screen, filter: &str) -> Option<egui::Rect> {
     let mut kinds = VerdictKind::ALL.into_iter();
     kinds.find_map(|kind| Some(screen.query_all_by_label(&kind.on(filter)).next()?.rect()))
 }
 
-/// Clicks on what has this label.
 fn click(screen: &mut Screen, label: &str) {
     screen.get_by_label(label).click();
     screen.run_steps(4);
@@ -98,7 +96,6 @@ fn click_on(screen: &mut Screen, at: egui::Pos2) {
     screen.run_steps(4);
 }
 
-/// Drags from a place, in steps that a hand would make.
 fn drag(screen: &mut Screen, from: egui::Pos2, way: Vec2) {
     screen.hover_at(from);
     screen.run_steps(2);
@@ -123,7 +120,6 @@ fn undo(screen: &mut Screen) {
     screen.run_steps(4);
 }
 
-/// Shows these views and no others, one below the other.
 fn show(screen: &mut Screen, views: &[ViewKind]) {
     *screen.state_mut().layout_mut() = Layout::column(views);
     screen.run_steps(4);
@@ -134,7 +130,6 @@ fn set_scenario(screen: &mut Screen, scenario: Scenario) {
     screen.run_steps(4);
 }
 
-/// Begins with a scenario, whose frames compute all of its record, and pauses.
 fn show_whole(screen: &mut Screen, scenario: Scenario) {
     let session = screen.state_mut().session_mut();
     session.set_budget(Budget::Unlimited);
@@ -143,7 +138,6 @@ fn show_whole(screen: &mut Screen, scenario: Scenario) {
     session.pause();
 }
 
-/// A screen on which a link is opened.
 fn opened(link: &str) -> Screen {
     let mut screen = screen(DESKTOP, Theme::Light);
     screen.state_mut().open_address(link);
@@ -151,14 +145,12 @@ fn opened(link: &str) -> Screen {
     screen
 }
 
-/// The storage after the explorer has saved its state.
 fn saved(screen: &mut Screen) -> Memory {
     let mut memory = Memory::default();
     screen.state_mut().save(&mut memory);
     memory
 }
 
-/// The explorer that begins with what was saved.
 fn restored(memory: &Memory) -> App {
     App::restored(Some(memory)).expect("the saved scenario can be run")
 }
@@ -179,7 +171,6 @@ fn open_options(screen: &mut Screen) {
     screen.run_steps(12);
 }
 
-/// A paused screen with all sections of the controls open.
 fn workbench() -> Screen {
     let mut screen = screen(Vec2::new(1280.0, 2400.0), Theme::Light);
     screen.state_mut().session_mut().toggle_play();
@@ -219,7 +210,6 @@ fn set(screen: &mut Screen, name: &str, value: f64) {
     screen.run_steps(3);
 }
 
-/// Opens a combo box and chooses an option.
 fn choose(screen: &mut Screen, combo: &str, option: &str) {
     let before: Vec<_> = screen.query_all_by_label(option).map(|node| node.rect()).collect();
     click(screen, combo);

@@ -12,7 +12,6 @@ use kalmanscope_lab::{Ensemble, Plan, Runner};
 
 use super::*;
 
-/// A paused screen of a short record with a coarse map; each frame computes all of it.
 fn laboratory(second: Option<u32>) -> Screen {
     laboratory_by(Rc::new(Frames(Budget::Unlimited)), second)
 }
@@ -40,7 +39,6 @@ fn map_rect(screen: &Screen, filter: &str) -> egui::Rect {
     screen.get_by_label(&format!("Map of {filter}, RMS error of ωₙ [rad/s]")).rect()
 }
 
-/// The middle of a cell, counted from the left lower corner.
 fn middle(screen: &Screen, [across, up]: [usize; 2]) -> Pos2 {
     let rect = map_rect(screen, "EKF");
     let share = |place: usize, count: usize| (place as f32 + 0.5) / count as f32;

@@ -10,7 +10,6 @@ use kalmanscope_lab::{Judged, MonteCarlo, Runner, Slice};
 
 use super::*;
 
-/// A paused screen with the statistics of some seeds; each frame computes all of them.
 fn monte_carlo(scenario: Scenario, seeds: usize) -> Screen {
     let team = Rc::new(Frames(Budget::Unlimited));
     let mut screen = started(DESKTOP, Theme::Light, |app, _| app.working_with(team));
@@ -100,7 +99,6 @@ fn a_measured_record_has_one_noise() {
     assert!(screen.query_by_label_contains("This record is measured").is_some());
 }
 
-/// A truth and guesses that are drawn: other truths for each seed, in the view, the table and a link.
 #[test]
 fn a_population_is_drawn_in_the_view() {
     let mut drawn = short();
@@ -140,7 +138,6 @@ fn each_run_gets_its_verdict_if_one_wants_it() {
     assert!(screen.query_all_by_label_contains("100 % ").count() >= 1);
 }
 
-/// The first cause of each bad verdict, which the view counts.
 #[test]
 fn the_causes_of_bad_verdicts_are_counted() {
     let text = include_str!("../../assets/populations/input-gain.toml");

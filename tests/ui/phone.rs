@@ -10,7 +10,6 @@ const SIDE: Vec2 = Vec2::new(844.0, 390.0);
 /// The share of the window that a lesson or settings leave to the plots.
 const FOR_PLOTS: f32 = 0.45;
 
-/// A screen that expects fingers.
 pub(super) fn phone(size: Vec2) -> Screen {
     let mut screen = screen(size, Theme::Light);
     theme::expect_fingers(&screen.ctx);
@@ -47,7 +46,6 @@ pub(super) fn tap(screen: &mut Screen, label: &str) {
     screen.run_steps(20);
 }
 
-/// Swipes, and waits until everything rests.
 pub(super) fn swipe(screen: &mut Screen, from: Pos2, way: Vec2) {
     touch(screen, TouchPhase::Start, from);
     for step in 1..=8 {
@@ -57,7 +55,6 @@ pub(super) fn swipe(screen: &mut Screen, from: Pos2, way: Vec2) {
     screen.run_steps(60);
 }
 
-/// The height between the legend and a drawer.
 fn plots(screen: &Screen, drawer: &str) -> f32 {
     let legend = screen.get_by_label("Show truth").rect();
     screen.get_by_label_contains(&format!("Make the {drawer} ")).rect().top() - legend.bottom()

@@ -51,10 +51,8 @@ fn the_transport_buttons_work() {
     assert_eq!(screen.state().session().speed(), 10.0);
 }
 
-/// The storage of saved sessions.
 const KEY: &str = "kalmanscope";
 
-/// A saved session with settings other than the defaults.
 fn edited() -> (App, Memory) {
     let mut edited = Scenario { seed: 5, force: Force::None, ..Scenario::default() };
     edited.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(3.0));

@@ -19,7 +19,6 @@ pub(super) fn rows() -> Vec<[f64; 3]> {
     (0..record.len()).map(row).collect()
 }
 
-/// The six dialects that loggers and spreadsheets write.
 pub(super) fn dialects() -> [(&'static str, Vec<u8>); 6] {
     let table = |header: &str, line: &dyn Fn(&[f64; 3]) -> String| {
         let mut text = header.to_owned();
@@ -43,7 +42,6 @@ pub(super) fn dialects() -> [(&'static str, Vec<u8>); 6] {
     ]
 }
 
-/// Opens a record with the columns that are asked about.
 pub(super) fn open_record(screen: &mut Screen) {
     click(screen, "Open the record");
     screen.run_steps(30);
@@ -55,7 +53,6 @@ pub(super) fn drop_record(screen: &mut Screen, name: &str, contents: &[u8]) {
     open_record(screen);
 }
 
-/// Whether the explorer identifies the oscillator.
 #[track_caller]
 pub(super) fn check_result(screen: &Screen, name: &str) {
     let session = screen.state().session();
@@ -250,7 +247,6 @@ fn a_link_and_a_saved_session_wait_for_their_file() {
     assert_eq!(restored.session().scenario(), first.state().session().scenario());
 }
 
-/// A record of 40 s with some samples of its sensor lost, whole and at rest.
 fn with_losses(is_lost: impl Fn(usize) -> bool) -> Screen {
     let mut text = "time,force,x (mm)\n".to_owned();
     for (k, [t, f, x]) in rows().into_iter().enumerate() {
@@ -322,7 +318,6 @@ fn the_window_of_an_import_has_the_keys() {
     check_result(&screen, "trailing.csv");
 }
 
-/// A screen that imports a file with uneven times: every third row is left out, the others are shifted.
 fn irregular() -> Screen {
     let mut screen = screen(Vec2::new(1280.0, 1000.0), Theme::Light);
     let mut text = "time,force,x (mm)\n".to_owned();

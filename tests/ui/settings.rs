@@ -6,7 +6,6 @@ fn parameter(scenario: &Scenario, channel: Channel) -> Signal {
     scenario.plant.parameter(channel).expect("the plant has it")
 }
 
-/// A fault is added from its list, its numbers are set, and it is removed again; the story says it.
 #[test]
 fn a_sensor_gets_faults_with_numbers_and_loses_them() {
     use kalmanscope_core::scenario::Fault;

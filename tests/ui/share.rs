@@ -8,7 +8,6 @@ use kalmanscope::share::MARK;
 
 use super::*;
 
-/// The text that the last frame has copied.
 fn copied(screen: &Screen) -> Option<String> {
     screen.output().platform_output.commands.iter().find_map(|command| match command {
         OutputCommand::CopyText(text) => Some(text.clone()),
@@ -16,7 +15,6 @@ fn copied(screen: &Screen) -> Option<String> {
     })
 }
 
-/// Presses C, and returns the text that is copied.
 pub(super) fn copy(screen: &mut Screen) -> String {
     // In a single frame: the next one has other output.
     screen.input_mut().events.push(Event::Key {
@@ -39,7 +37,6 @@ fn checksum(screen: &Screen) -> u64 {
     screen.state().session().run().checksum()
 }
 
-/// A screen that differs from a new one in every part that a link has.
 fn unusual(mode: Mode) -> Screen {
     let mut screen = screen(DESKTOP, Theme::Dark);
     let state = screen.state_mut();

@@ -42,12 +42,10 @@ impl Shelf for Drawer {
     }
 }
 
-/// The screen of a state that was saved, with a place for records.
 fn with_drawer(saved: &Memory, drawer: &Drawer) -> Screen {
     reloaded(saved, |app, ctx| app.keeping_records(Box::new(drawer.clone()), ctx))
 }
 
-/// A screen whose record is about to be kept, and the name of its file.
 fn with_record() -> (Screen, Drawer, &'static str) {
     let drawer = Drawer::default();
     let mut screen = with_drawer(&Memory::default(), &drawer);

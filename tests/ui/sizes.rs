@@ -32,7 +32,6 @@ fn plots_of_the_first_arrangement_have_room_at_any_size() {
     }
 }
 
-/// The default scenario, and scenarios with ever fewer contents.
 fn scenarios() -> [Scenario; 4] {
     let usual = Scenario { duration: 10.0, ..Scenario::default() };
     let unmeasured = {

@@ -3,7 +3,6 @@
 use super::hand::click_at;
 use super::*;
 
-/// The screen of a first visit, at the end of its record.
 fn first_visit(size: Vec2) -> Screen {
     let mut screen = started(size, Theme::Light, |app, _| app);
     let session = screen.state_mut().session_mut();

@@ -56,7 +56,6 @@ fn a_reading_is_on_screen_in_the_frame_in_which_it_comes() {
     }
 }
 
-/// The sensors of a scenario, with clocks of their own and an input, are followed from the first reading on.
 #[test]
 fn the_sensors_of_a_scenario_are_followed_while_they_are_read() {
     let text = "dt = 0.01\nduration = 40.0\nhold = \"first\"\n[[filters]]\nname = \"one\"\nkind = \"ekf\"\n";

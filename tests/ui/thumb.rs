@@ -10,7 +10,6 @@ use super::phone::{phone, swipe, tap, touch};
 use super::records::{check_result, dialects};
 use super::*;
 
-/// Swipes upwards within a part of the screen until what has this label is in sight there, and taps it.
 fn reach(screen: &mut Screen, part: egui::Rect, label: &str) {
     let is_in_sight = |screen: &Screen| {
         let rect = screen.query_by_label(label).map(|node| node.rect());
@@ -30,7 +29,6 @@ fn reach(screen: &mut Screen, part: egui::Rect, label: &str) {
 const DRAWER: egui::Rect = egui::Rect { min: egui::pos2(0.0, 660.0), max: egui::pos2(390.0, 756.0) };
 const WINDOW: egui::Rect = egui::Rect { min: egui::pos2(0.0, 50.0), max: egui::pos2(390.0, 844.0) };
 
-/// An EKF that is too sure of its sensor, at the end of its record.
 fn mistuned() -> Screen {
     let mut screen = phone(PHONE);
     let mut scenario = scenario(&screen).clone();

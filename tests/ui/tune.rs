@@ -6,7 +6,6 @@ use kalmanscope_lab::tune::Goal;
 
 use super::*;
 
-/// A paused screen of a record whose first filter takes its sensors for five times noisier than they are.
 fn tune() -> Screen {
     let mut screen = screen(DESKTOP, Theme::Light);
     *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Tune]);
@@ -17,7 +16,6 @@ fn tune() -> Screen {
     screen
 }
 
-/// The log likelihood of the first filter's run over the whole record.
 fn likelihood(scenario: &Scenario) -> f64 {
     let mut run = Run::new(scenario).expect("it is possible");
     run.finish();

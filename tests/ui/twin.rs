@@ -7,7 +7,6 @@ use kalmanscope_core::ModelClasses;
 use super::records::drop_record;
 use super::*;
 
-/// The whole default record, paused at its end.
 fn at_rest() -> Screen {
     let mut screen = screen(DESKTOP, Theme::Light);
     let session = screen.state_mut().session_mut();

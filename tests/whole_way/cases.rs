@@ -27,7 +27,6 @@ const ON_SCREEN: usize = 3;
 /// Limits the time of one case, above which it is taken for endless \[s\].
 const ENDLESS: Duration = Duration::from_secs(120);
 
-/// The cases to try.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Plan {
     first: u64,
@@ -168,7 +167,6 @@ fn on_its_own(name: &str, case: impl FnOnce() -> Outcome + Send) -> Outcome {
     })
 }
 
-/// Tries the scenarios of `tests/hostile`.
 fn kept() -> Vec<Outcome> {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/hostile");
     let Ok(files) = std::fs::read_dir(&folder) else { return Vec::new() };
@@ -213,7 +211,6 @@ fn folder() -> PathBuf {
     PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("whole-way")
 }
 
-/// Keeps the scenario of a case, with the findings as remarks.
 fn keep(outcome: &Outcome) {
     let mut text = format!("# {}\n", outcome.name);
     for Finding { stage, what, detail } in &outcome.findings {

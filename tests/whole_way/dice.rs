@@ -108,7 +108,6 @@ fn visit(document: &mut Value, change: &mut dyn FnMut(&mut Value)) {
     }
 }
 
-/// Empties a list, such as that of a filter's sensors.
 fn empty_a_list(document: &mut Value, dice: &mut Dice) {
     match document {
         Value::Array(values) if values.is_empty() || dice.one_in(2) => values.clear(),

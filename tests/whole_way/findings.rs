@@ -58,7 +58,6 @@ pub(crate) fn stage_of(case: &str) -> &'static str {
     STAGES.lock().ok().and_then(|stages| stages.get(case).copied()).unwrap_or_default()
 }
 
-/// Something wrong.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Finding {
     pub(crate) stage: &'static str,

@@ -10,7 +10,6 @@ use crate::dice::{Dice, spoil};
 /// Limits the samples that are measured, so that a case does not take long.
 const MOST: usize = 600;
 
-/// Cells that are no usual number.
 const CELLS: [&str; 10] = ["", "nan", "NaN", "0", "-0", "1e300", "-1e300", "1.7e308", "5e-324", "-9999"];
 
 pub(crate) fn file(record: &Record, dice: &mut Dice) -> Vec<u8> {
@@ -51,7 +50,6 @@ pub(crate) fn file(record: &Record, dice: &mut Dice) -> Vec<u8> {
     text.into_bytes()
 }
 
-/// A file that has been read, and what its columns mean.
 pub(crate) struct Read {
     pub(crate) table: Table,
     pub(crate) mapping: Mapping,

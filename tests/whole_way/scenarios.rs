@@ -13,7 +13,6 @@ use crate::dice::{Dice, spoil};
 
 const STEPS: [usize; 9] = [1, 2, 3, 5, 20, 60, 120, 250, 400];
 
-/// The text of a scenario file, which may be impossible.
 pub(crate) fn text(dice: &mut Dice) -> Result<String, String> {
     let scenario = scenario(dice);
     let mut document = toml::Value::try_from(&scenario).map_err(|error| error.to_string())?;
@@ -43,7 +42,6 @@ fn scenario(dice: &mut Dice) -> Scenario {
     scenario
 }
 
-/// Changes something that is no number.
 fn change(scenario: &mut Scenario, dice: &mut Dice) {
     match dice.below(12) {
         0 => Quantity::all().iter().for_each(|&quantity| scenario.remove_sensor(quantity)),

@@ -11,7 +11,6 @@ use crate::findings::Findings;
 use crate::records::{Read, file, read_file};
 use crate::scenarios::shortened;
 
-/// A measured record that a case has come to, and the scenario for it.
 pub(crate) struct Measured {
     pub(crate) bytes: Vec<u8>,
     pub(crate) read: Read,
@@ -42,7 +41,6 @@ fn sentence(stage: &'static str, error: &str, findings: &mut Findings) {
     findings.require(stage, is_one, "refuses without a sentence", || error.to_owned());
 }
 
-/// Runs a scenario over its own simulated record, and over that record as a file with faults.
 pub(crate) fn go(scenario: &Scenario, dice: &mut Dice, findings: &mut Findings) -> Option<Measured> {
     let short = shortened(scenario);
     let run = findings.stage("running", || run_scenario(&short, None))?;
@@ -101,7 +99,6 @@ fn over(scenario: &Scenario, record: &Arc<Record>, findings: &mut Findings) {
     }
 }
 
-/// Everything that the command line makes of a run.
 fn results(run: &Run, findings: &mut Findings) {
     let wanted = Wanted { bounds: true, ..Wanted::default() };
     let Some(analysis) = findings.stage("analysis", || Analysis::new(run, wanted)) else { return };

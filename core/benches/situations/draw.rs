@@ -3,11 +3,9 @@
 use kalmanscope_core::filter::Normal;
 use kalmanscope_core::{Channel, FilterSettings, Force};
 
-/// Numbers at random.
 pub(super) struct Draw(Normal);
 
 impl Draw {
-    /// A stream of its own for each seed and kind of situation.
     pub(super) fn new(seed: u64, kind: u64) -> Self {
         Self(Normal::from_seed(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ kind))
     }

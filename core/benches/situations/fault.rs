@@ -2,10 +2,8 @@
 
 use kalmanscope_core::diagnosis::VerdictKind::{self, *};
 
-/// Declares all faults, in their order.
 macro_rules! faults {
     ($($(#[$doc:meta])* $name:ident,)*) => {
-        /// A fault of a filter or of a record, or none.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
         pub(crate) enum Fault {
             $($(#[$doc])* $name,)*
@@ -25,9 +23,7 @@ faults! {
     ProcessNoiseTooSmall,
     /// Q hundredfold.
     ProcessNoiseTooLarge,
-    /// Q a tenth.
     ProcessNoiseTenth,
-    /// Q tenfold.
     ProcessNoiseTenfold,
     HardeningSpring,
     YieldingSpring,
@@ -57,21 +53,16 @@ faults! {
     Drag,
     /// Few distinct values.
     Quantised,
-    /// A sensor's range ends.
     Clipped,
     /// One reading in a hundred is far off.
     Outliers,
     /// The noise of sensors resembles that before.
     Coloured,
-    /// A sensor is noisier from a time on.
     NoisierLater,
-    /// A sensor's noise swings.
     NoiseSwings,
     /// A line in a sensor.
     Hum,
-    /// The input is recorded with noise.
     NoisyInput,
-    /// A sensor has another scale.
     Scale,
     /// The input is not recorded in the last quarter.
     DeadInput,
@@ -81,7 +72,6 @@ impl Fault {
     /// Those that take turns in situations of one fault; the others come with a second one, or alone.
     pub(crate) const IN_TURN: &[Self] = Self::ALL.split_at(24).0;
 
-    /// The verdicts that are the contrary of what is true.
     pub(crate) fn contrary(self) -> &'static [VerdictKind] {
         match self {
             Self::SensorNoiseTooLarge | Self::ProcessNoiseTooLarge | Self::ProcessNoiseTenfold => {
@@ -96,7 +86,6 @@ impl Fault {
         }
     }
 
-    /// The keys of the causes that are right.
     pub(crate) fn causes(self) -> &'static [&'static str] {
         match self {
             Self::WellTuned | Self::LargeSample | Self::Clipped | Self::Coloured | Self::Hum | Self::Scale => &[],

@@ -17,15 +17,11 @@ pub(crate) use fault::Fault;
 
 use draw::Draw;
 
-/// A truth and a filter.
 pub(crate) struct Situation {
-    /// Those that act.
     pub(crate) faults: Vec<Fault>,
-    /// The truth's scenario.
     pub(crate) truth: Scenario,
     /// The filter's, over the truth's record.
     pub(crate) told: Scenario,
-    /// In words.
     pub(crate) note: String,
 }
 
@@ -40,19 +36,16 @@ pub(crate) const SETS: &[&[(Quantity, i32)]] = &[
 ];
 
 impl Situation {
-    /// The situation of a seed; faults take turns.
     pub(crate) fn draw(seed: u64) -> Self {
         Self::with(Fault::IN_TURN[(seed % Fault::IN_TURN.len() as u64) as usize], seed)
     }
 
-    /// The situation of a seed with a certain fault.
     pub(crate) fn with(fault: Fault, seed: u64) -> Self {
         // Not an accelerometer alone.
         Self::of(&[fault], seed, true, &SETS[..5])
     }
 
-    /// The situation that is drawn for some faults. Without them, where they do not act, it has the same oscillator, force and
-    /// noise: what a perfect remedy can reach.
+    /// The situation of some faults. Where they do not act, oscillator, force and noise are the same: a perfect remedy's goal.
     pub(crate) fn of(faults: &[Fault], seed: u64, they_act: bool, sets: &[&[(Quantity, i32)]]) -> Self {
         let any = |of: &[Fault]| faults.iter().any(|fault| of.contains(fault));
         let mut draw = Draw::new(seed, 0x5eed);
@@ -204,7 +197,6 @@ impl Situation {
         }
     }
 
-    /// The truth's record, with the faults that are of the record alone.
     pub(crate) fn record(&self) -> Result<Arc<Record>, RunError> {
         let mut run = Run::new(&self.truth)?;
         run.finish();
@@ -226,7 +218,6 @@ pub(crate) fn largest_error(estimates: &Estimates, record: &Record) -> f64 {
     estimates.channels().iter().enumerate().filter_map(of).fold(0.0, f64::max)
 }
 
-/// The same record without a word on the truth.
 pub(crate) fn without_truth(record: &Record) -> Arc<Record> {
     Arc::new(record.clone().without_truth())
 }

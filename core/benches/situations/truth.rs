@@ -166,13 +166,11 @@ pub(super) fn disturb(
     }
 }
 
-/// Gives a sensor a fault with these numbers.
 fn flaw(sensor: &mut Sensor, family: Family, numbers: &[f64]) {
     sensor.faults.add(family, sensor.measures);
     sensor.faults.numbers_mut(family).expect("it is there").copy_from_slice(numbers);
 }
 
-/// Gives an oscillator a damping besides its own, with the values of its parameters.
 fn damp(truth: &mut Scenario, damping: &str, parameters: &[(&str, f64)]) {
     let equation = EquationSettings::new(format!("x'' + 2 ζ ωₙ x' + {damping} + ωₙ² x = f"));
     truth.plant.kind = PlantKind::of_equation(&equation).expect("it is an equation");

@@ -28,10 +28,8 @@ pub(crate) fn keep_every(values: &mut Vec<f64>, every: usize) {
     });
 }
 
-/// Puts `steps` steps in place of one, by a band-limited interpolation: a sinc under a Kaiser window. The original
-/// values stay unchanged. All values must be finite.
-///
-/// Source: Smith and Gossett (1984), A flexible sampling-rate conversion method.
+/// Puts `steps` steps in place of one, by a band-limited interpolation: a sinc under a Kaiser window. The original values stay
+/// unchanged. All values must be finite. Source: Smith and Gossett (1984), A flexible sampling-rate conversion method.
 pub(crate) fn interpolate(values: &[f64], steps: usize) -> Vec<f64> {
     let n = values.len() as isize;
     if steps <= 1 || n < 2 {
@@ -75,7 +73,6 @@ pub(crate) fn finer_input(values: &[f64], steps: usize, hold: Hold) -> Vec<f64> 
     finer
 }
 
-/// The measurements with `steps` steps in place of one, missing in between.
 pub(crate) fn spread(values: &[f64], steps: usize) -> Vec<f64> {
     let mut finer = vec![f64::NAN; values.len().saturating_sub(1) * steps + values.len().min(1)];
     finer.iter_mut().step_by(steps).zip(values).for_each(|(fine, value)| *fine = *value);
@@ -118,7 +115,6 @@ fn bessel(x: f64) -> f64 {
     sum
 }
 
-/// The order of each filter; run forward and backward it is twice that.
 const ORDER: usize = 4;
 
 /// A second-order section, in direct form II transposed.
@@ -134,9 +130,8 @@ enum Pass {
     High,
 }
 
-/// The sections of a filter that passes one side of `cut`, the cut-off frequency as a share of the sample rate below ½.
-///
-/// Source: Oppenheim and Schafer (2010), *Discrete-Time Signal Processing*, section 7.2 (bilinear transform).
+/// The sections of a filter that passes one side of `cut`, the cut-off frequency as a share of the sample rate below ½. Source:
+/// Oppenheim and Schafer (2010), *Discrete-Time Signal Processing*, section 7.2 (bilinear transform).
 fn sections(pass: Pass, cut: f64) -> [Section; ORDER / 2] {
     let warped = libm::tan(PI * cut);
     std::array::from_fn(|k| {

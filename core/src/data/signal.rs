@@ -108,7 +108,6 @@ impl Signal {
         }
     }
 
-    /// Every number of the signal, with its key behind that of the parameter: empty for a constant.
     pub(crate) fn numbers(&self) -> Vec<(&'static str, f64)> {
         let mut own = *self;
         own.numbers_mut().into_iter().map(|(name, number)| (name, *number)).collect()

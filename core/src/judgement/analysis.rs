@@ -26,9 +26,7 @@ const DIAGNOSTICS_COST: f64 = 60.0;
 pub struct Analysis {
     wanted: Wanted,
     diagnostics: Vec<Diagnostics>,
-    /// The ids of the filters that `diagnostics` belong to.
     filters: Vec<u32>,
-    /// Whether each of the diagnostics belongs to the present estimates.
     begun: Vec<bool>,
     /// The diagnosis of each filter, and of how many samples from the beginning it is.
     diagnoses: Vec<(Option<Diagnosis>, usize)>,
@@ -39,10 +37,8 @@ pub struct Analysis {
     evidences: Vec<Evidence>,
     all_evident: bool,
     pub(crate) bounds: Vec<Bound>,
-    /// Whether the bounds belong to the present scenario.
     chosen: bool,
     all_bounded: bool,
-    /// Old diagnostics; their memory is used again.
     spare: Vec<Diagnostics>,
     waste: Waste,
 }
@@ -50,7 +46,6 @@ pub struct Analysis {
 pub(crate) struct Subject<'a> {
     pub(crate) bank: &'a Bank,
     pub(crate) record: &'a Record,
-    /// The number of samples done, counted from the beginning of the run.
     pub(crate) done: usize,
     pub(crate) whole: bool,
     /// Filters that have a place here are already analysed.
@@ -160,7 +155,6 @@ impl Analysis {
         self.waste.extend(old.bounds.drain(..).map(|of| of.bound));
     }
 
-    /// Forgets smoothed estimates and evidence of the samples before one, counted from the run's beginning.
     pub(crate) fn forget_before(&mut self, sample: usize) {
         self.smoothing.forget_before(sample);
         self.evidences.iter_mut().for_each(|evidence| evidence.forget_before(sample));

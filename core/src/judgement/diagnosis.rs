@@ -54,7 +54,6 @@ pub struct Diagnosis {
     pub evidence: Vec<Evidence>,
     /// The kept samples with a bad verdict, judged part by part of the record.
     pub bad_parts: Vec<Range<usize>>,
-    /// The diagnosed samples, of those that are kept.
     samples: Range<usize>,
 }
 

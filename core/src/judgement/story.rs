@@ -23,7 +23,6 @@ use outcome::Outcome;
 
 pub use phrase::{Adjustable, Phrase};
 
-/// Limits the filters that a story tells of one by one.
 const TOLD: usize = 3;
 
 /// The story of a run so far.

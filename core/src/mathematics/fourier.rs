@@ -10,9 +10,8 @@ pub(crate) fn powers(numbers: impl Iterator<Item = f64>, length: usize) -> Vec<f
     buffer[..length / 2].iter().map(|(re, im)| re * re + im * im).collect()
 }
 
-/// A fast Fourier transform of some length, a power of two.
-///
-/// Source: Golub and Van Loan (2013), *Matrix Computations*, section 1.4.
+/// A fast Fourier transform of some length, a power of two. Source: Golub and Van Loan (2013), *Matrix Computations*, section
+/// 1.4.
 #[derive(Debug)]
 pub(crate) struct Transform {
     turns: Vec<(f64, f64)>,

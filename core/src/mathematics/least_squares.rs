@@ -23,9 +23,8 @@ impl<const N: usize> NormalEquations<N> {
         }
     }
 
-    /// With `(1 + damping) A + floor` on the diagonal of A: the step is shorter, and towards the steepest descent.
-    ///
-    /// Source: Marquardt (1963), An algorithm for least-squares estimation of nonlinear parameters.
+    /// With `(1 + damping) A + floor` on the diagonal of A: the step is shorter, and towards the steepest descent. Source:
+    /// Marquardt (1963), An algorithm for least-squares estimation of nonlinear parameters.
     pub(crate) fn damped(mut self, damping: f64, floor: f64) -> Self {
         for i in 0..N {
             self.normal[i][i] = self.normal[i][i] * (1.0 + damping) + floor;

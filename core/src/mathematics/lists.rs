@@ -8,17 +8,14 @@ pub fn sort_numbers(numbers: &mut [f64]) {
     numbers.sort_unstable_by(f64::total_cmp);
 }
 
-/// The numbers of a function of the places below a count.
 pub(crate) fn numbers(count: usize, of: &dyn Fn(usize) -> f64) -> Vec<f64> {
     (0..count).map(of).collect()
 }
 
-/// The numbers of a function of other numbers.
 pub(crate) fn mapped(numbers: &[f64], of: &dyn Fn(f64) -> f64) -> Vec<f64> {
     numbers.iter().map(|number| of(*number)).collect()
 }
 
-/// The places below a count of which something is so.
 pub(crate) fn places(count: usize, is_so: &dyn Fn(usize) -> bool) -> Vec<usize> {
     (0..count).filter(|place| is_so(*place)).collect()
 }

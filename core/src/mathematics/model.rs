@@ -57,7 +57,6 @@ pub struct Model {
     plant: PlantKind,
     channels: Vec<Channel>,
     motion: usize,
-    /// The number of components that are the plant's own.
     own: usize,
     eta: f64,
     logarithms: Vec<usize>,

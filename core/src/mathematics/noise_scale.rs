@@ -53,7 +53,6 @@ impl NoiseScale {
         scale
     }
 
-    /// Mean and standard deviation of u.
     pub(crate) fn moments(&self) -> [f64; 2] {
         [self.mean, self.std]
     }

@@ -103,7 +103,6 @@ impl Quantity {
         Channel::of_mass(&self.aspect.info().gain, self.mass as usize)
     }
 
-    /// The number of the random stream of its noise.
     pub(crate) const fn stream(self) -> u64 {
         let (first, distance) = self.aspect.info().streams;
         first + distance * self.mass as u64
@@ -140,7 +139,6 @@ impl PartialOrd for Quantity {
 }
 
 impl Ord for Quantity {
-    /// Orders by mass, then by aspect.
     fn cmp(&self, other: &Self) -> Ordering {
         self.place().cmp(&other.place())
     }
@@ -205,7 +203,6 @@ pub struct AspectInfo {
 #[derive(Clone, Copy)]
 pub struct Aspect(&'static AspectInfo);
 
-/// The bias of a sensor, in the sensor's unit.
 macro_rules! bias {
     ($key:literal, $name:literal, $symbol:literal, $unit:literal, $noise:literal) => {
         ChannelInfo {

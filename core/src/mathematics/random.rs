@@ -26,13 +26,11 @@ pub(crate) enum Purpose {
 /// The stream of the first ensemble; those of the others follow. Before it are the force's, the disturbance's and most sensors'.
 const ENSEMBLES: u64 = 64;
 
-/// The streams from here on are those of the other sensors.
 const LATER_SENSORS: u64 = 1 << 32;
 
 /// The streams of each family of faults begin at a multiple of this number; each sensor has one of them.
 const FAULTS: u64 = 1 << 40;
 
-/// The streams from here on are those of drawn numbers.
 const DRAWS: u64 = 1 << 62;
 
 /// The streams from here on are those of ensembles that would reach into the sensors'.

@@ -102,8 +102,7 @@ mod tests {
         [from + mean, (sums[2] / sums[0] - mean * mean).sqrt()]
     }
 
-    /// The exponential distribution far out is one to a thousandth; all else is exact to rounding, which is largest just above what is
-    /// narrow.
+    /// The exponential distribution far out is one to a thousandth; all else is exact to rounding.
     const LIMIT: f64 = 2e-3;
 
     #[test]

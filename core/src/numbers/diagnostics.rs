@@ -92,7 +92,6 @@ impl Diagnostics {
         self.follow_to(estimates.len(), estimates, record);
     }
 
-    /// [`Self::follow`] up to sample `end` of those that are kept.
     pub(crate) fn follow_to(&mut self, end: usize, estimates: &Estimates, record: &Record) {
         if estimates.forgotten() != self.forgotten {
             let seen_all = self.forgotten + self.samples >= estimates.forgotten();

@@ -94,8 +94,7 @@ fn from_belief(estimates: &Estimates, k: usize) -> (TransferFunction, Option<Vec
 /// The number of components for which the sequence's root is precomputed.
 const USUAL: usize = 6;
 
-/// The root of `x^(d+1) = x + 1` above 1, for d components. Powers of its inverse are a good choice of d numbers that
-/// are far from rational and from each other.
+/// The root of `x^(d+1) = x + 1` above 1: powers of its inverse are d numbers far from rational and from each other.
 fn root(d: usize) -> f64 {
     let mut x = 1.2;
     for _ in 0..60 {
@@ -146,7 +145,6 @@ impl Extremes {
         insert(&mut self.most, values, |a, b| if a > b { (a, b) } else { (b, a) });
     }
 
-    /// The 2.5 % and the 97.5 % quantile at every frequency.
     fn quantiles(&self) -> (Vec<f64>, Vec<f64>) {
         (quantile(&self.least), quantile(&self.most))
     }
@@ -183,17 +181,14 @@ pub struct TransferFunction {
     numerator: Vec<f64>,
     /// Coefficients of a, in the same order and number.
     denominator: Vec<f64>,
-    /// The degree of a.
     degree: usize,
     /// A power of two \[rad/s\].
     unit: f64,
 }
 
 impl TransferFunction {
-    /// From the force to the displacement of the first mass, linearised about a state of rest.
-    ///
-    /// Source: Faddeev and Faddeeva (1963), *Computational Methods of Linear Algebra*, section 47 (the method of
-    /// Leverrier and Faddeev).
+    /// From the force to the displacement of the first mass, linearised about a state of rest. Source: Faddeev and Faddeeva
+    /// (1963), *Computational Methods of Linear Algebra*, section 47 (the method of Leverrier and Faddeev).
     fn of(model: &Model, rest: &[f64]) -> Self {
         let degree = model.motion();
         let jacobian = model.jacobian(rest, 0.0);
@@ -282,7 +277,6 @@ fn square_at(polynomial: &[f64], frequency: f64) -> f64 {
     even * even + frequency * frequency * odd * odd
 }
 
-/// Whether nothing but rounding is left of a polynomial of iω.
 fn is_rounding(polynomial: &[f64], frequency: f64) -> bool {
     let whole = polynomial.iter().rev().fold(0.0, |sum, c| sum * frequency + c.abs());
     square_at(polynomial, frequency) <= (ROUNDING * whole) * (ROUNDING * whole)

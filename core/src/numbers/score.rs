@@ -29,9 +29,7 @@ use crate::{Channel, Estimates, Pass, Record, RunError, Scenario, Stop};
 pub struct Scores {
     sums: lane_sums::Scores<f64>,
     sensors: usize,
-    /// The sum of the log likelihoods of a filter that has its own.
     own_likelihood: Option<f64>,
-    /// The truth of each channel that has one.
     truth: Vec<f64>,
     channels: Vec<Channel>,
     stop: Option<Stop>,
@@ -215,7 +213,6 @@ pub struct Look {
 pub struct ScoredPass {
     pass: Pass,
     scores: Scores,
-    /// The samples at which to look at the filter, in order.
     samples: Vec<usize>,
     looks: Vec<Look>,
 }

@@ -5,7 +5,6 @@ use std::f64::consts::{PI, TAU};
 use crate::mathematics::fourier::Transform;
 use crate::{Record, Task};
 
-/// Limits the length of a window.
 const WINDOW: [usize; 2] = [64, 1024];
 /// The windows that a record should have at least, before they overlap.
 const WINDOWS: usize = 24;

@@ -5,7 +5,6 @@ use std::f64::consts::{PI, TAU};
 
 /// The number of cycles in a window, unless the longest window is shorter.
 const CYCLES: f64 = 8.0;
-/// The least number of samples of half a window.
 const FEWEST: usize = 4;
 /// The number of frequencies that share a window, so that the compiler can vectorise over them.
 const LANES: usize = 8;
@@ -71,13 +70,9 @@ impl Spectrum {
 #[derive(Clone, Debug)]
 struct Group {
     frequencies: [f64; LANES],
-    /// The rotation from one sample to the next.
     turn: Phasors,
-    /// The number of samples of half a window.
     half: usize,
-    /// The number of complete halves.
     halves: usize,
-    /// The number of samples of the present half.
     samples: usize,
     phase: Phasors,
     /// Cosine and sine of an angle from 0 to π/2 within a half, the falling and rising weights; and of its step.
@@ -104,7 +99,6 @@ struct Sum {
     im: [f64; LANES],
 }
 
-/// Cosine and sine of the sum of two angles.
 #[inline]
 fn turned((cos, sin): (f64, f64), (by_cos, by_sin): (f64, f64)) -> (f64, f64) {
     (cos * by_cos - sin * by_sin, cos * by_sin + sin * by_cos)

@@ -16,7 +16,6 @@ pub(crate) struct Bank {
     quantities: Vec<Quantity>,
     /// Time between samples \[s\].
     dt: f64,
-    /// The place of each of the scenario's sensors in the record.
     sensors: Vec<usize>,
     /// The samples between two readings of each sensor, where they have times of their own.
     apart: Option<Vec<usize>>,
@@ -62,7 +61,6 @@ impl Bank {
         self.passes[place].begin_again();
     }
 
-    /// Leaves a gap at the place of the scenario's next filter, which is moved in later.
     pub(crate) fn leave_place(&mut self) {
         let filter = &self.scenario.filters[self.passes.len()];
         self.estimates.push(self.empty(filter));

@@ -384,7 +384,6 @@ impl ByChannel {
         }
     }
 
-    /// Forgets the first samples, at most all.
     pub(crate) fn forget(&mut self, samples: usize) {
         for values in &mut self.0 {
             values.drain(..samples.min(values.len()));

@@ -71,7 +71,6 @@ pub struct EventFilter {
     /// The times of the first event and of the newest that was told \[s\]: a delayed input waits for its time.
     first: f64,
     now: f64,
-    /// The place of the event whose belief the filter has.
     at: usize,
 }
 
@@ -420,7 +419,6 @@ impl EventError {
     pub const MOST_STEPS: usize = 100_000;
 }
 
-/// A number, with an exponent if it has too many digits.
 fn legible(number: f64) -> String {
     if number.abs() < 1e9 { number.to_string() } else { format!("{number:e}") }
 }

@@ -43,7 +43,6 @@ pub(crate) trait Rule: Send {
 pub(crate) struct Member {
     estimator: Box<dyn Estimator>,
     last: LastSample,
-    /// The reason why it has stopped, or been left out.
     failure: Option<FilterError>,
 }
 

@@ -13,14 +13,12 @@ use crate::{Estimates, FilterError, FilterSettings, Quantity, Record, RunError, 
 /// thousands of runs are loops over this.
 pub struct Pass {
     filter: Built,
-    /// The column of the record for each of the scenario's sensors.
     sensors: Vec<usize>,
     delays: Delays,
     /// Memory for the parts of a step, of a filter that goes from one reading to the next.
     parts: Option<Box<Parts>>,
     done: usize,
     stop: Option<Stop>,
-    /// The next sample, if it has been computed ahead.
     ahead: Option<Tape>,
 }
 
@@ -140,7 +138,6 @@ impl Pass {
         true
     }
 
-    /// Begins again after samples that were only taken in.
     pub(crate) fn begin_again(&mut self) {
         (self.done, self.stop, self.ahead) = (0, None, None);
     }

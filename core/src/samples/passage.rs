@@ -104,7 +104,6 @@ impl Adjoint {
         Self { score: Vector::zeros(n), information: Matrix::zeros(n, n) }
     }
 
-    /// Adds what it knows to the belief of a filter.
     pub(crate) fn tell(&self, Gaussian { mean, cov }: &mut Gaussian) {
         *mean -= &*cov * &self.score;
         let mut told = self.information.clone();

@@ -99,7 +99,6 @@ const CORRELATION_LIMIT: f64 = 1.0 + 1e-6;
 /// Limits the variances, so that their products cannot overflow.
 const PRODUCT_LIMIT: f64 = 1e150;
 
-/// The number of successive samples that make a remark.
 const LASTING: usize = 10;
 
 /// A slow sensor counts as silent when it has told nothing for this many of its usual gaps.
@@ -118,26 +117,19 @@ const PAUSE: usize = 50;
 pub(crate) struct Monitor {
     channels: Vec<Channel>,
     sensors: Vec<Quantity>,
-    /// Whether the filter's plant has the quantity of each sensor.
     known: [bool; MAX_SENSORS],
-    /// Limits of the variances, above which the covariance winds up.
     limits: Vec<f64>,
-    /// Limits of the variances, above which the covariance is checked in detail.
     suspicious: Vec<f64>,
-    /// The number of samples for which each sensor has had no measurement.
     silent: [usize; MAX_SENSORS],
-    /// The number of samples without a measurement after which a sensor is silent.
     lasting: Vec<usize>,
     /// Whether readings have times of their own: then a sensor may become slower than it was, and a record may grow.
     is_timed: bool,
-    /// The samples in which each sensor has had no measurement.
     missing: [usize; MAX_SENSORS],
     any_silent: bool,
     fewest_particles: f64,
     collapsed: usize,
     /// The successive samples at which the scale of Q may be beyond the end.
     at_end: usize,
-    /// The initial diagonals of R and Q.
     initial_noise: Option<(Vec<f64>, Vec<f64>)>,
     pub(crate) remarks: Vec<Remark>,
 }

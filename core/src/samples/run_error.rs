@@ -37,7 +37,6 @@ fn input_name(kind: InputKind) -> &'static str {
     }
 }
 
-/// The column of a record for each of a scenario's sensors, if the record fits the scenario.
 pub(crate) fn sensor_places(scenario: &Scenario, record: &Record) -> Result<Vec<usize>, RunError> {
     if record.input_kind() != scenario.input {
         return Err(RunError::InputKind { record: record.input_kind(), scenario: scenario.input });

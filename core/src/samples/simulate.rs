@@ -52,14 +52,11 @@ pub struct Simulator {
     sensor_noise: Vec<Normal>,
     faults: Vec<Vec<Box<dyn Act>>>,
     model: Model,
-    /// The signals of the components that do not move.
     signals: Vec<Signal>,
     readings: Vec<Option<Reading>>,
-    /// The measurements of the next sample, and the state at it.
     measured: Vec<f64>,
     state: Vec<f64>,
     response: Response,
-    /// The load after the next sample, where the response to it is under way.
     load: Option<Load>,
     stop: Option<TruthStop>,
 }
@@ -235,7 +232,6 @@ pub fn simulate(scenario: &Scenario) -> Record {
     record
 }
 
-/// The number of the next sample of a record, counted from the run's beginning.
 fn place_of_next(record: &Record) -> usize {
     record.forgotten() + record.len()
 }
@@ -254,7 +250,6 @@ impl Inputs {
         Self { force, dt, noise, first: 0, kept: VecDeque::new() }
     }
 
-    /// The input of sample `k`, which has not been forgotten.
     fn at(&mut self, k: usize) -> f64 {
         while self.first + self.kept.len() <= k {
             let next = self.force.sample(self.first + self.kept.len(), self.dt, &mut self.noise);

@@ -34,15 +34,8 @@ impl Source {
 }
 
 pub(crate) enum Recording {
-    Simulated {
-        simulator: Box<Simulator>,
-        record: Record,
-    },
-    Given {
-        record: Arc<Record>,
-        /// Whether samples are still added.
-        is_live: bool,
-    },
+    Simulated { simulator: Box<Simulator>, record: Record },
+    Given { record: Arc<Record>, is_live: bool },
 }
 
 impl Recording {
@@ -93,7 +86,6 @@ impl Recording {
         }
     }
 
-    /// The number of samples that exist, counted from the beginning.
     pub(crate) fn len(&self) -> usize {
         let record = self.record();
         record.forgotten() + record.len()

@@ -28,7 +28,6 @@ impl Spare {
         self.record.take().is_some()
     }
 
-    /// The number of samples that the memory has held.
     pub(crate) fn len(&self) -> usize {
         self.estimates.iter().map(Estimates::len).sum()
     }

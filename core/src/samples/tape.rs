@@ -10,7 +10,6 @@ use crate::{Estimates, FilterError, Stop};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tape(Vec<f64>);
 
-/// The numbers before the first sample.
 const HEAD: usize = 3;
 
 /// The numbers of a sample that are not in vectors or matrices.

@@ -7,7 +7,6 @@ use kalmanscope_core::{Channel, Diagnosis, Diagnostics, Hold, InputKind, Quantit
 use crate::random::Random;
 use crate::run::finished_on;
 
-/// How an accelerometer comes from the acceleration to a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Accelerometer {
     /// It takes the mean from half a sample before to half a sample after.
@@ -23,7 +22,6 @@ pub(crate) enum Accelerometer {
     Held,
 }
 
-/// An ambient record.
 #[derive(Clone, Debug)]
 pub(crate) struct Ambient {
     /// ωₙ \[rad/s\] and ζ.
@@ -45,7 +43,6 @@ const HALF: usize = 10;
 const FORCE: f64 = 1.0;
 
 impl Ambient {
-    /// The force over each substep.
     fn force(&self, samples: usize, random: &mut Random) -> Vec<f64> {
         let fine = 2 * HALF;
         if self.accelerometer == Accelerometer::Held {
@@ -133,7 +130,6 @@ impl Ambient {
     }
 }
 
-/// A filter of second order.
 struct Biquad {
     b: [f64; 3],
     a: [f64; 2],
@@ -141,7 +137,6 @@ struct Biquad {
 }
 
 impl Biquad {
-    /// A low pass at a share of the rate.
     fn low_pass(share: f64, quality: f64) -> Self {
         let w = std::f64::consts::TAU * share;
         let (sin, cos) = w.sin_cos();
@@ -158,27 +153,20 @@ impl Biquad {
     }
 }
 
-/// The end of a filter on a record.
 pub(crate) struct End {
-    /// Relative errors of ωₙ and ζ, and the same in standard deviations.
     pub(crate) errors: [f64; 2],
     pub(crate) sigmas: [f64; 2],
-    /// Relative errors of the first guess.
     pub(crate) guess: [f64; 2],
-    /// Whether a white force was taken for the cause of the motion.
     pub(crate) is_white: bool,
     pub(crate) verdict: VerdictKind,
     pub(crate) text: String,
-    /// The reasons of the start values.
     pub(crate) reasons: String,
 }
 
-/// The end of one of the suggested filters.
 pub(crate) fn end(ambient: &Ambient, place: usize) -> End {
     end_on(&ambient.record(), [ambient.natural_frequency, ambient.damping_ratio], place)
 }
 
-/// The same on a record, of an oscillator with these ωₙ and ζ.
 pub(crate) fn end_on(record: &Record, truth: [f64; 2], place: usize) -> End {
     let suggestion = suggest(&scenario_for(record), record);
     let filter = &suggestion.scenario.filters[place];
@@ -231,7 +219,6 @@ pub(crate) const SETS: [&[Quantity]; 4] = [
     &[Quantity::DISPLACEMENT, Quantity::ACCELERATION],
 ];
 
-/// Three minutes of an accelerometer on a light mass.
 pub(crate) fn mass(accelerometer: Accelerometer, rate: f64, seed: u64) -> Ambient {
     Ambient {
         natural_frequency: 19.478,

@@ -177,8 +177,7 @@ fn check_remarks(estimates: &Estimates, wound_up: &[(Channel, usize)]) -> Remedy
     Ok(())
 }
 
-/// Makes a valid scenario from any bytes, and the number of its missing measurements in 256. Zeros, and the end of the
-/// bytes, choose plain settings.
+/// A valid scenario from any bytes, and how many measurements in 256 it lacks. Zeros and the end choose plain settings.
 pub(crate) fn scenario_of(bytes: &[u8]) -> (Scenario, u8) {
     let mut dice = Dice(bytes.iter());
     let steps = 1 + usize::from(dice.byte()) * 2;
@@ -206,7 +205,6 @@ pub(crate) fn scenario_of(bytes: &[u8]) -> (Scenario, u8) {
     (scenario, gap)
 }
 
-/// Choices from successive bytes.
 struct Dice<'a>(std::slice::Iter<'a, u8>);
 
 impl Dice<'_> {

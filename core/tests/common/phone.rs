@@ -2,7 +2,6 @@
 
 use crate::random::Random;
 
-/// An oscillator with a phone on it, and the phone.
 #[derive(Clone, Copy)]
 pub(crate) struct Phone {
     pub(crate) seed: u64,

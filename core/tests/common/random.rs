@@ -3,23 +3,19 @@
 /// SplitMix64 (Steele, Lea and Flood 2014).
 pub(crate) struct Random(u64);
 
-/// The step of the state.
 const STEP: u64 = 0x9E37_79B9_7F4A_7C15;
 
 impl Random {
-    /// A stream of its own for each seed. A state that is a multiple of the step would give the numbers of another seed, some
-    /// places on.
+    /// A state that is a multiple of the step would give the numbers of another seed, some places on.
     pub(crate) fn new(seed: u64) -> Self {
         Self(mixed(seed.wrapping_add(12_345)))
     }
 
-    /// From 0 to 1.
     pub(crate) fn uniform(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(STEP);
         (mixed(self.0) >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// Standard normal.
     pub(crate) fn normal(&mut self) -> f64 {
         (-2.0 * (1.0 - self.uniform()).ln()).sqrt() * (std::f64::consts::TAU * self.uniform()).cos()
     }

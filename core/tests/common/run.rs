@@ -8,7 +8,6 @@ use kalmanscope_core::record::Input;
 use kalmanscope_core::suggest::{scenario_for, suggest};
 use kalmanscope_core::{Channel, Diagnosis, Diagnostics, Estimates, FilterKind, Hold, Record, Run, Scenario};
 
-/// The run of a scenario to its end, or until the truth stops.
 pub(crate) fn finished(scenario: &Scenario) -> Run {
     let mut run = Run::new(scenario).expect("the scenario is possible");
     run.finish();
@@ -16,14 +15,12 @@ pub(crate) fn finished(scenario: &Scenario) -> Run {
     run
 }
 
-/// The run of a scenario's filters over a record.
 pub(crate) fn finished_on(scenario: &Scenario, record: impl Into<Arc<Record>>) -> Run {
     let mut run = Run::on_record(scenario, record.into()).expect("the record fits");
     run.finish();
     run
 }
 
-/// The run of a scenario's filters over the record that it takes from a file.
 pub(crate) fn finished_on_file(scenario: &Scenario, file: impl Into<Vec<u8>>) -> Run {
     let mapping = scenario.record.as_ref().expect("it says what the columns are");
     let table = read(file, mapping.dialect).expect("it is a table");
@@ -31,7 +28,6 @@ pub(crate) fn finished_on_file(scenario: &Scenario, file: impl Into<Vec<u8>>) ->
     finished_on(scenario, imported.expect("it is a record").record)
 }
 
-/// The usual scenario with the first of its filters, of a kind.
 pub(crate) fn one_filter(kind: FilterKind) -> Scenario {
     let mut scenario = Scenario::default();
     scenario.filters.truncate(1);
@@ -39,13 +35,11 @@ pub(crate) fn one_filter(kind: FilterKind) -> Scenario {
     scenario
 }
 
-/// The last estimate of a channel and its standard deviation.
 pub(crate) fn last(estimates: &Estimates, channel: Channel) -> (f64, f64) {
     let (k, place) = (estimates.len() - 1, estimates.place(channel).expect("it is estimated"));
     (estimates.mean(k)[place], estimates.std(k, place))
 }
 
-/// The same record with another input.
 pub(crate) fn with_input(record: &Record, values: Vec<f64>) -> Record {
     let input = Input { kind: record.input_kind(), hold: record.hold(), values };
     let columns = record.sensors().iter().enumerate().map(|(i, &sensor)| (sensor, record.measured(i).to_vec()));
@@ -54,7 +48,6 @@ pub(crate) fn with_input(record: &Record, values: Vec<f64>) -> Record {
     other.expect("the columns are as long")
 }
 
-/// The remedies that a diagnosis finds for a filter from its record.
 pub(crate) fn remedies(run: &Run, filter: usize, record: &Record) -> Vec<Remedy> {
     let estimates = &run.estimates()[filter];
     let diagnostics = Diagnostics::new(estimates, record);
@@ -64,8 +57,7 @@ pub(crate) fn remedies(run: &Run, filter: usize, record: &Record) -> Vec<Remedy>
     trials.remedies()
 }
 
-/// What the importer's filters make of a table, with the start values that it finds: the last ωₙ and ζ of the first one with their
-/// standard deviations, and the run.
+/// What an importer makes of a table: the last ωₙ and ζ of its first filter, each with its σ, and the run.
 pub(crate) fn identified(table: &Table) -> ([(f64, f64); 2], Run) {
     let (mapping, kind) = Mapping::guess(table);
     let imported = Builder::new(table, &mapping, kind, Hold::First).and_then(Builder::finish);

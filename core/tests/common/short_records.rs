@@ -24,7 +24,6 @@ struct Short {
     seed: u64,
 }
 
-/// Steps from sample to sample.
 const FINE: usize = 8;
 
 impl Short {
@@ -82,7 +81,6 @@ impl Short {
         Record::new(dt, Input { kind: InputKind::Force, hold, values: input }, vec![(sensor, measured)]).unwrap()
     }
 
-    /// Whether the guess of ωₙ is within a tenth, and in words.
     fn outcome(&self) -> (bool, String) {
         let filter = &suggestion(&self.record()).scenario.filters[0];
         let guess = filter.initial_mean[Channel::NATURAL_FREQUENCY] / self.natural_frequency();
@@ -92,7 +90,7 @@ impl Short {
     }
 }
 
-/// Those of a grid of lengths, rates and gains whose start values are right, and all. The others are printed.
+/// The records of a grid of lengths, rates and gains whose start values are right, and all. The others are printed.
 pub(crate) fn right_of_short(lengths: impl Iterator<Item = usize>, rates: &[f64], gains: &[f64]) -> [usize; 2] {
     let mut counts = [0; 2];
     for samples in lengths {

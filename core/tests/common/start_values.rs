@@ -10,7 +10,6 @@ use kalmanscope_core::{Channel, Hold, InputKind, Quantity, Record};
 use crate::random::Random;
 use crate::run::finished_on;
 
-/// The true oscillator.
 #[derive(Clone, Copy)]
 pub(crate) struct Oscillator {
     pub(crate) natural_frequency: f64,
@@ -203,12 +202,10 @@ pub(crate) fn grid(
     (all, parts)
 }
 
-/// Percentages of right guesses and right ends.
 pub(crate) fn shares([right, ends, all]: Counts) -> [f64; 2] {
     [right, ends].map(|count| 100.0 * count as f64 / all as f64)
 }
 
-/// Whether a sample is lost.
 type Losses = Box<dyn Fn(usize) -> bool>;
 
 /// The largest relative change of a start value by four kinds of losses, and in words.
@@ -255,7 +252,6 @@ pub(crate) fn worst_of_losses(
     worst
 }
 
-/// A decay from an initial displacement.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RingDown {
     /// ωₙ \[rad/s\] and ζ.
@@ -271,7 +267,6 @@ pub(crate) struct RingDown {
 }
 
 impl RingDown {
-    /// One of a grid, drawn from its seed.
     fn of(seed: u64) -> Self {
         let mut random = Random::new(seed);
         let mut log = |low: f64, high: f64| low * (high / low).powf(random.uniform());
@@ -321,7 +316,6 @@ impl RingDown {
     }
 }
 
-/// The share of right start values, with those that are wrong in words.
 pub(crate) fn right(seeds: std::ops::Range<u64>) -> f64 {
     let all = seeds.end - seeds.start;
     let outcomes = seeds.map(|seed| RingDown::of(seed).outcome());

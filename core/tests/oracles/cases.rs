@@ -4,8 +4,7 @@ use kalmanscope_core::{Channel, Estimates, FilterKind, FilterSettings, PlantKind
 
 use super::textbook::Sample;
 
-/// A plant with parameters off the filters' initial means, with sensors for displacement and acceleration, and one
-/// filter of a kind.
+/// Parameters off the initial means, sensors for displacement and acceleration, and one filter of a kind.
 pub(crate) fn scenario(plant: PlantKind, kind: FilterKind) -> Scenario {
     let mut scenario = Scenario { dt: 0.01, duration: 2.5, ..Scenario::default() };
     scenario.set_plant(plant);

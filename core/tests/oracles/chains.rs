@@ -15,7 +15,6 @@ fn chain(kind: PlantKind) -> Scenario {
     scenario
 }
 
-/// The truth of the motion and of the parameters.
 fn truth(record: &Record, kind: PlantKind, k: usize) -> Vec<f64> {
     kind.channels().iter().map(|&c| record.truth(c).unwrap()[k]).collect()
 }

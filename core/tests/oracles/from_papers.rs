@@ -11,8 +11,7 @@ use crate::run::finished;
 pub(crate) const DETERMINISTIC: [FilterKind; 6] =
     [FilterKind::KF, FilterKind::EKF, FilterKind::IEKF, FilterKind::UKF, FilterKind::SR_UKF, FilterKind::CKF];
 
-/// Most agree to 1e-11. In the transient of an EKF from a wrong initial belief, rounding grows to 1e-9 before it
-/// decays.
+/// Most agree to 1e-11; in the transient of an EKF from a wrong belief, rounding grows to 1e-9.
 const TOLERANCE: f64 = 1e-8;
 
 #[track_caller]

@@ -5,7 +5,6 @@ use kalmanscope_core::{Channel, FilterKind, PlantKind, Run, Scenario, Signal};
 use super::cases::scenario;
 use crate::run::finished;
 
-/// The usual scenario with few members of an ensemble.
 fn small(plant: PlantKind, kind: FilterKind) -> Scenario {
     let mut scenario = scenario(plant, kind);
     scenario.filters[0].ensemble_size = 60;
@@ -52,7 +51,6 @@ fn zero_damping_is_allowed() {
     }
 }
 
-/// Any one parameter, or all, or also the displacement: a component of variance zero stays constant, bit by bit.
 #[test]
 fn components_of_variance_zero_stay_constant() {
     for plant in PlantKind::ALL {

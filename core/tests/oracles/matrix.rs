@@ -1,6 +1,5 @@
 //! Plain matrices of any size, independent of the core's.
 
-/// Rows of numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Matrix(pub(crate) Vec<Vec<f64>>);
 

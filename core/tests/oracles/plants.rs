@@ -6,7 +6,6 @@ use kalmanscope_core::{Aspect, Channel, PlantKind, Quantity};
 
 use super::matrix::Matrix;
 
-/// A number and its derivatives with respect to every component of the state.
 #[derive(Clone, Debug)]
 pub(crate) struct Dual {
     pub(crate) value: f64,
@@ -14,7 +13,6 @@ pub(crate) struct Dual {
 }
 
 impl Dual {
-    /// The state, with a unit derivative for each component.
     pub(crate) fn state(values: &[f64]) -> Vec<Self> {
         let slope = |i: usize| (0..values.len()).map(|j| f64::from(u8::from(i == j))).collect();
         values.iter().enumerate().map(|(i, &value)| Self { value, slope: slope(i) }).collect()
@@ -81,13 +79,11 @@ impl Add<f64> for Dual {
     }
 }
 
-/// The plants whose equations are written again here.
 pub(crate) fn written() -> impl Iterator<Item = PlantKind> {
     const SINGLE: [PlantKind; 3] = [PlantKind::SDOF, PlantKind::DUFFING, PlantKind::BOUC_WEN];
     PlantKind::ALL.into_iter().filter(|kind| SINGLE.contains(kind) || kind.key().starts_with("shear_"))
 }
 
-/// A plant as a filter models it.
 #[derive(Clone, Debug)]
 pub(crate) struct Plant {
     pub(crate) kind: PlantKind,
@@ -130,7 +126,6 @@ impl Plant {
         moving.iter().cloned().chain(parameters).collect()
     }
 
-    /// The reading of a sensor, if the plant has the quantity.
     pub(crate) fn reading(&self, state: &[Dual], force: f64, quantity: Quantity) -> Option<Dual> {
         let place = |channel: Channel| self.channels().iter().position(|&c| c == channel);
         if quantity.aspect() == Aspect::ACCELERATION {
@@ -180,12 +175,10 @@ pub(crate) fn values(duals: &[Dual]) -> Vec<f64> {
     duals.iter().map(|d| d.value).collect()
 }
 
-/// The derivatives of some numbers, one row each.
 pub(crate) fn jacobian(duals: &[Dual]) -> Matrix {
     Matrix(duals.iter().map(|d| d.slope.clone()).collect())
 }
 
-/// One classical Runge-Kutta step.
 pub(crate) fn runge_kutta(plant: &Plant, state: &[Dual], force: f64, dt: f64) -> Vec<Dual> {
     let along = |rate: &[Dual], by: f64| -> Vec<Dual> {
         state.iter().zip(rate).map(|(y, r)| y.clone() + by * r.clone()).collect()

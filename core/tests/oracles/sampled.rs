@@ -4,7 +4,6 @@ use kalmanscope_core::{Channel, Estimates, FilterKind, FilterSettings, Run, Scen
 
 use crate::run::finished;
 
-/// A linear oscillator with known parameters, with a KF and a sampling filter of several sizes.
 fn linear(kind: FilterKind, sizes: &[usize], seed: u64, fading: f64) -> Scenario {
     let mut scenario = Scenario { seed, dt: 0.02, duration: 4.0, ..Scenario::default() };
     scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));

@@ -32,7 +32,6 @@ fn at(series: &Series, t: f64) -> f64 {
     series.iter().rev().fold(0.0, |sum, c| sum * t + c)
 }
 
-/// The sign just after the origin of the series.
 fn sign(series: &[f64]) -> f64 {
     series.iter().find(|c| **c != 0.0).map_or(1.0, |c| c.signum())
 }
@@ -62,7 +61,6 @@ impl Oscillator {
         [x, v, z]
     }
 
-    /// Moves on by `dt`, from kink to kink.
     fn advance(&mut self, force: f64, dt: f64) {
         let mut left = dt;
         while left > 0.0 {

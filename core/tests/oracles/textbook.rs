@@ -5,7 +5,6 @@ use kalmanscope_core::{Channel, FilterKind, FilterSettings, Propagation, Record,
 use super::matrix::{Matrix, along, dot};
 use super::plants::{Dual, Plant, jacobian, runge_kutta, values};
 
-/// The results of a filter at one sample.
 #[derive(Clone, Debug)]
 pub(crate) struct Sample {
     pub(crate) mean: Vec<f64>,
@@ -30,7 +29,6 @@ pub(crate) struct Textbook<'a> {
     noise: Vec<f64>,
 }
 
-/// The sensors with a measurement, and the measurements.
 struct Measured {
     sensors: Vec<(usize, kalmanscope_core::Quantity)>,
     values: Vec<f64>,
@@ -44,7 +42,6 @@ struct Expected {
     cross: Matrix,
 }
 
-/// Runs the scenario's filter at a place over a record.
 pub(crate) fn filter(scenario: &Scenario, place: usize, record: &Record) -> Vec<Sample> {
     let mut filter = Textbook::new(scenario, &scenario.filters[place], record.dt());
     let mut samples = vec![filter.sample(f64::NAN, f64::NAN)];
@@ -56,7 +53,6 @@ pub(crate) fn filter(scenario: &Scenario, place: usize, record: &Record) -> Vec<
 }
 
 impl<'a> Textbook<'a> {
-    /// A filter with these settings before its first sample.
     pub(crate) fn new(scenario: &'a Scenario, settings: &'a FilterSettings, dt: f64) -> Self {
         let known = settings.kind == FilterKind::KF;
         let plant = Plant {
@@ -159,10 +155,8 @@ impl Textbook<'_> {
         }
     }
 
-    /// Points, and the weights of each in means and in covariances.
-    ///
-    /// Source: van der Merwe (2004), *Sigma-Point Kalman Filters*, section 3.2 (α = 1, β = 2, κ = 3 - n); Arasaratnam and
-    /// Haykin (2009), Cubature Kalman filters, section V.
+    /// Points, and the weights of each in means and in covariances. Source: van der Merwe (2004), *Sigma-Point Kalman Filters*,
+    /// section 3.2 (α = 1, β = 2, κ = 3 - n); Arasaratnam and Haykin (2009), Cubature Kalman filters, section V.
     fn sigma_points(&self) -> (Vec<Vec<f64>>, Vec<[f64; 2]>) {
         let n = self.mean.len();
         let size = n as f64;
@@ -197,7 +191,6 @@ impl Textbook<'_> {
         Matrix::diagonal(&measured.sensors.iter().map(|&(i, _)| self.noise[i]).collect::<Vec<_>>())
     }
 
-    /// The predicted measurement, with sensors linearised at a state.
     fn linearised(&self, measured: &Measured, at: &[f64]) -> (Expected, Matrix) {
         let readings = self.readings(measured, at);
         let h = jacobian(&readings);
@@ -256,9 +249,8 @@ impl Textbook<'_> {
         (nis, -0.5 * (nis + (determinant * tau.powi(innovation.len() as i32)).ln()))
     }
 
-    /// R and Q from residual and innovation; the residual is the innovation after the update.
-    ///
-    /// Source: Akhlaghi, Zhou and Huang (2017), equations 10 and 15.
+    /// R and Q from residual and innovation; the residual is the innovation after the update. Source: Akhlaghi, Zhou and Huang
+    /// (2017), equations 10 and 15.
     fn adapt(&mut self, measured: &Measured, innovation: &[f64], gain: &Matrix) {
         let adaptation = self.settings.adaptation;
         let keep = adaptation.forgetting;

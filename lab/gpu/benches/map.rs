@@ -26,12 +26,10 @@ const SAMPLES: usize = 2000;
 const SEEDS: usize = 10_000;
 const LONG: usize = 6000;
 
-/// The plant of which a large map is timed too.
 const SMALLEST: &str = "linear oscillator";
 
 const REPEATS: usize = 3;
 
-/// The cells of a first picture.
 const COARSE: usize = 64;
 
 fn main() {
@@ -99,7 +97,6 @@ fn read_scenario(path: &str) -> Scenario {
     Scenario::from_toml(&text).expect("the scenario is valid")
 }
 
-/// A map of the first parameter's guess, from half to twice, and of its noise.
 fn map(scenario: &Scenario, source: &Source, side: usize) -> Arc<Runner> {
     let parameter = scenario.plant.kind.parameters().next().expect("a plant has a parameter");
     let (key, guess) = (parameter.key(), scenario.filters[0].initial_mean[parameter]);
@@ -156,7 +153,6 @@ fn monte_carlo(team: &Threads) {
     }
 }
 
-/// The time until all is covered coarsely, and until every cell is known.
 fn fill(team: &Threads, runner: &Arc<Runner>) -> (Duration, Duration) {
     let begin = Instant::now();
     let mut sheet = Sheet::new(runner.ensemble());

@@ -10,7 +10,6 @@ use crate::outcome::{Ran, outcome};
 use crate::program::{GpuError, Job};
 use crate::shader::Program;
 
-/// Limits the runs of a batch, and the samples of its records.
 const MOST_RUNS: usize = 1 << 16;
 const MOST_SAMPLES: usize = 2_000_000;
 
@@ -55,7 +54,6 @@ fn prepare(run: &GpuRun<'_>) -> Option<(Setup, usize)> {
     (numbers_are_fine && (1..=MOST_SAMPLES).contains(&record.len())).then_some((setup, known))
 }
 
-/// The properties that all runs of a batch must share.
 #[derive(PartialEq)]
 struct Kind {
     design: Design,

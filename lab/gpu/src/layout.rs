@@ -5,7 +5,6 @@ use kalmanscope_core::{Channel, Record};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Shape {
-    /// n, the number of components.
     pub(crate) size: usize,
     pub(crate) sensors: usize,
     /// The number of components, from the first on, with a known truth.
@@ -17,7 +16,6 @@ const SUMS: usize = 10;
 const TRACKED: usize = 6;
 
 impl Shape {
-    /// The number of entries of L.
     pub(crate) fn triangle(self) -> usize {
         self.size * (self.size + 1) / 2
     }
@@ -69,9 +67,7 @@ pub(crate) struct Cell<'a> {
     pub(crate) process: &'a [f64],
     pub(crate) sensors: &'a [f64],
     pub(crate) fading: f64,
-    /// The variance of the white force.
     pub(crate) white: f64,
-    /// The place of its record's first sample.
     pub(crate) first: u32,
 }
 

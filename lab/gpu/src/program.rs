@@ -29,7 +29,6 @@ const PATIENCE: Duration = Duration::from_secs(90);
 pub(crate) struct Programs {
     device: Device,
     queue: Queue,
-    /// The programs that have been compiled, by their text.
     pipelines: Mutex<HashMap<String, ComputePipeline>>,
 }
 

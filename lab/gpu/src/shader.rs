@@ -26,7 +26,6 @@ const COMMON: [&str; 8] = [
 
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Program {
-    /// The text in WGSL.
     pub(crate) text: String,
     pub(crate) shape: Shape,
 }
@@ -178,7 +177,6 @@ fn sums(name: &str, count: &str, sums: &[(usize, Vec<String>)]) -> String {
     text + "  return out;\n}\n"
 }
 
-/// The functions of some numbers, and of their derivatives.
 fn apart(notes: &Notes, name: &str, count: &str, nodes: &[Node]) -> Option<String> {
     let outputs: Vec<(usize, Node)> = nodes.iter().copied().enumerate().collect();
     let text = Text { builder: &notes.builder, size: notes.size };

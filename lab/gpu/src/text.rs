@@ -56,7 +56,6 @@ impl Text<'_> {
         self.builder.operations()[place]
     }
 
-    /// The places of the operations that some numbers need, in order.
     fn needed(&self, outputs: &[(usize, Node)]) -> Vec<usize> {
         let mut is_needed = vec![false; self.builder.operations().len()];
         outputs.iter().for_each(|(_, node)| is_needed[node.place()] = true);
@@ -70,7 +69,6 @@ impl Text<'_> {
         (0..is_needed.len()).filter(|&place| is_needed[place]).collect()
     }
 
-    /// A number, as an expression.
     fn name(&self, node: Node) -> Option<String> {
         match self.operation(node.place()) {
             Operation::Constant(bits) => literal(f64::from_bits(bits)),
@@ -156,7 +154,6 @@ fn numbers(operation: Operation) -> [Option<Node>; 2] {
     }
 }
 
-/// The names of a function and of its difference in `functions.wgsl`, and their last arguments.
 fn called(function: Function) -> Option<(&'static str, &'static str, String)> {
     let (of, apart) = match function {
         Function::Sin => ("sin", "sin_apart"),
@@ -202,7 +199,6 @@ pub fn unrolled(text: &str, constants: &[(&str, usize)]) -> String {
 
 struct Unroller {
     known: Vec<(String, usize)>,
-    /// The variables of the loops around, with their values.
     variables: Vec<(String, usize)>,
 }
 
@@ -295,7 +291,6 @@ impl Unroller {
     }
 }
 
-/// The number of lines before the one that closes a block.
 fn body(lines: &[&str]) -> usize {
     let mut depth = 1;
     for (length, line) in lines.iter().enumerate() {

@@ -10,7 +10,6 @@ pub(crate) fn values(of: [f64; 4]) -> Values {
     Values::ZERO.with(CHANNELS.into_iter().zip(of))
 }
 
-/// A number of any size between two powers of ten.
 pub(crate) fn size(exponents: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
     exponents.prop_map(|e| 10_f64.powf(e))
 }

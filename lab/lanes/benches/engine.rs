@@ -62,7 +62,6 @@ fn main() {
     measured_record();
 }
 
-/// The part of a case's name that the command line asks for.
 fn wanted() -> String {
     std::env::args().skip(1).find(|argument| !argument.starts_with('-')).unwrap_or_default()
 }
@@ -148,7 +147,6 @@ fn measure(
     println!("{case:<44}{n:>5}{single:>10.0}{baseline:>10.0}{avx2:>10.0}{:>8.1}", single / avx2);
 }
 
-/// Nanoseconds that some work takes.
 fn time<R>(work: impl FnOnce() -> R) -> f64 {
     let start = Instant::now();
     black_box(work());

@@ -58,13 +58,11 @@ fn lanes_have_the_bits_of_a_single_number() {
     assert!(kinds.len() >= 3, "they stop for these reasons: {kinds:?}");
 }
 
-/// The first samples of a record, in which every fifth sample lacks its first sensor and every eleventh lacks all.
 fn beginning(record: &Record, samples: usize) -> Record {
     let is_missing = |sensor, k| k > 0 && ((k % 5 == 0 && sensor == 0) || k % 11 == 0);
     record.part(0..samples).without_truth().with_gaps(is_missing)
 }
 
-/// The largest relative difference of two outcomes: of means, relative to the larger of mean and standard deviation.
 fn difference(a: &Outcome, b: &Outcome) -> f64 {
     assert_eq!((a.samples, a.stop, a.nis.degrees, a.nis.samples), (b.samples, b.stop, b.nis.degrees, b.nis.samples));
     let mut worst = 0.0_f64;
@@ -182,7 +180,6 @@ fn check_scores(scenario: &Scenario, record: &Record, what: &str, limit: f64) ->
     outcomes_with(Level::best(), &runs, &samples).unwrap().into_iter().enumerate().map(compare).collect()
 }
 
-/// A record with readings that are far off, and a spring that breaks.
 fn troubled(plant: PlantKind, kind: FilterKind) -> (Scenario, Record) {
     let (mut scenario, _) = shaken(&[], kind, plant);
     let fast = [Channel::NATURAL_FREQUENCY, Channel::stiffness(0)];
@@ -388,8 +385,7 @@ fn filters_that_divide_their_steps_have_the_bits_of_the_run_alone() {
     }
 }
 
-/// The record with readings that come up to half a step early or late, of which some are missing and some come twice, and an input
-/// with a slower clock or with the samples' times.
+/// Readings up to half a step early or late, some missing or twice, and an input with a slower clock or the samples' times.
 fn with_own_times(record: Record, draw: &mut Draw) -> Record {
     let reading = |column: usize, draw: &mut Draw| {
         let mut timed = Timed::default();

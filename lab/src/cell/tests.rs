@@ -12,7 +12,6 @@ fn runner(scenario: Scenario, measures: &[&str], times: usize) -> Arc<Runner> {
     Arc::new(Runner::new(Ensemble::new(scenario, plan).unwrap(), Source::Simulated).unwrap())
 }
 
-/// Runs a cell in slices of one piece. Returns its row and the number of slices.
 fn in_slices(runner: &Arc<Runner>, cell: usize) -> (Vec<f64>, usize) {
     let (mut work, mut slices) = (CellTask::new(Arc::clone(runner), cell), 1);
     while !work.advance(&mut || false) {

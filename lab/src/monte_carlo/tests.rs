@@ -78,7 +78,6 @@ fn times_are_no_more_than_the_samples() {
     assert_eq!(ensemble.width(), 2 * (2 + 3 * 4) + 2 * 10 * 10);
 }
 
-/// Oscillators and guesses drawn at random, some of them impossible.
 #[test]
 fn a_population_is_counted() {
     let mut scenario = Scenario { duration: 20.0, ..Scenario::default() };

@@ -44,7 +44,6 @@ enum Stage {
         moves: usize,
     },
     Done,
-    /// No draw has a likelihood.
     Failed,
 }
 
@@ -151,9 +150,8 @@ impl Population {
         self.stage = Stage::Moving { half: 0, sweeps: 0, moves: 0 };
     }
 
-    /// Systematic resampling: equal steps through the sum of the weights.
-    ///
-    /// Source: Kitagawa (1996), Monte Carlo filter and smoother for non-Gaussian nonlinear state space models.
+    /// Systematic resampling: equal steps through the sum of the weights. Source: Kitagawa (1996), Monte Carlo filter and
+    /// smoother for non-Gaussian nonlinear state space models.
     fn draw_again(&mut self, weights: &[f64]) {
         let step = weights.iter().sum::<f64>() / weights.len() as f64;
         let (mut goal, mut sum, mut place) = (step * self.random.uniform(), weights[0], 0);

@@ -11,7 +11,6 @@ use kalmanscope_core::{Channel, FilterKind, FilterSettings, Pass, Record, Scenar
 use super::{NoPosterior, PIECE, parameters};
 use crate::{CellRun, outcomes_of};
 
-/// A filter that takes its parameters for known, over a record.
 pub(super) struct Target {
     scenario: Scenario,
     record: Arc<Record>,
@@ -66,7 +65,6 @@ impl Target {
         self.belief.iter().zip(point).map(value).collect()
     }
 
-    /// The same in the canonical form of the oscillator.
     pub(super) fn values(&self, point: &[f64]) -> Vec<f64> {
         let mut values = self.at(point);
         let frequency = self.channels.iter().position(|channel| *channel == Channel::NATURAL_FREQUENCY);

@@ -55,7 +55,6 @@ impl Cost {
         Ok(Self { scenario, place, record, axes, settings, goal })
     }
 
-    /// The place of the scenario's own values, or the nearest one on the axes.
     pub(super) fn present(&self) -> Vec<f64> {
         let share = |(axis, value): (&Axis, f64)| {
             let share = axis.share_of(value);
@@ -87,7 +86,6 @@ impl Cost {
         self.of_scenario(&self.with_values(&self.values(shares)))
     }
 
-    /// The cost of a scenario: the goal's number with its sign turned.
     pub(super) fn of_scenario(&self, scenario: &Scenario) -> f64 {
         let measures = [Measure::STOPPED, self.goal.measure()];
         let Ok(row) = outcome::any(scenario, self.place, &self.record, &measures) else { return FORBIDDEN };

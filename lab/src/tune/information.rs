@@ -23,7 +23,6 @@ pub(super) struct Information {
     beside: Vec<[f64; 2]>,
     /// The second derivatives of pairs, in the order of [`pairs`].
     mixed: Vec<f64>,
-    /// The changes of the step on the present axis.
     tries: usize,
     runs: u64,
 }

@@ -3,7 +3,6 @@ use kalmanscope_core::setting::Address;
 use kalmanscope_core::simulate;
 use kalmanscope_core::{Channel, Quantity};
 
-/// An oscillator that an unmeasured force disturbs, and an EKF that has Q and R wrong.
 fn scenario(seed: u64) -> Scenario {
     let text = format!(
         "seed = {seed}\nduration = 60.0\n[plant]\nnatural_frequency = 6.0\ndisturbance_std = 2.0\n[[sensors]]\n\
@@ -29,7 +28,6 @@ fn tune(scenario: Scenario, axes: Vec<Axis>, goal: Goal) -> Tuned {
     tuner.finish()
 }
 
-/// Seeds that played no part in the making.
 #[test]
 fn the_likelihood_finds_the_true_noise() {
     let (mut sensors, mut process) = (Vec::new(), Vec::new());

@@ -58,7 +58,6 @@ pub(crate) fn posterior(words: &Words) -> Result<Posterior, String> {
     Posterior::new(&scenario, 0, &record).map_err(|reason| reason.to_string())
 }
 
-/// The points as JSON, null if there are none.
 pub(crate) fn sampled_message(sampled: &Option<Sampled>, _: &Array) -> JsValue {
     document::to_json(sampled).unwrap_or_default().into()
 }

@@ -27,7 +27,6 @@ pub(crate) fn in_message(source: &Source) -> JsValue {
     message.into()
 }
 
-/// The part of a record that filters see, in the form of a given record.
 pub(crate) fn filtered(record: &Record) -> Array {
     let message = Array::of2(&record.dt().into(), &Float64Array::from(record.input()));
     for (place, quantity) in record.sensors().iter().enumerate() {

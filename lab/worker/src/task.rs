@@ -36,7 +36,6 @@ impl<T: Task> Portioned for Whole<T> {
     }
 }
 
-/// The size of a portion of samples or pieces of work.
 pub(crate) fn count(portion: &JsValue) -> usize {
     portion.as_f64().unwrap_or(0.0) as usize
 }

@@ -16,7 +16,6 @@ use crate::view::ViewContext;
 /// The causes that are shown at once: a report is read in ten seconds.
 const LIKELIEST: usize = 1;
 
-/// Limits the settings that a button shows with their values.
 const SHOWN: usize = 2;
 
 /// The causes that were found so far, and the progress of the trials. While the pointer is on them, the rows stay in
@@ -71,7 +70,6 @@ pub(super) fn causes_ui(
     }
 }
 
-/// The models that are likelier than that of a filter which is to be believed.
 pub(super) fn models_ui(ui: &mut Ui, context: &ViewContext<'_>, estimates: &Estimates, requests: &mut Vec<Request>) {
     let attempt = context.session.attempt(estimates.id()).filter(|attempt| !attempt.is_under_way());
     let Some(attempt) = attempt.filter(|attempt| !attempt.remedies.is_empty()) else { return };

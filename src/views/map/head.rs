@@ -200,7 +200,6 @@ fn work_ui(ui: &mut Ui, laboratory: &Laboratory, requests: &mut Vec<Request>) {
     }
 }
 
-/// Limits the filters in the sentence.
 const TOLD: usize = 2;
 
 /// The sentence about each filter in a complete map. `None` while it is computed, and for a score without a best value.

@@ -59,7 +59,6 @@ pub(super) fn name(key: &str, scenario: &Scenario) -> String {
     setting_name(key, scenario) + &filter.unwrap_or_default()
 }
 
-/// A row: the number, its law, and the law's two numbers; on a narrow screen the numbers have their own row.
 fn law_ui(ui: &mut Ui, scenario: &mut Scenario, key: &str) {
     let name = name(key, scenario);
     let unit = Address::parse(scenario, key).map_or("", |setting| unit_in(scenario, setting.unit()));

@@ -146,7 +146,6 @@ impl Decay {
         }
     }
 
-    /// The decay that begins at the largest reading, and the readings before and after it.
     fn around_the_peak(readings: &[[f64; 4]]) -> (Result<Self, NoDecay>, [&[[f64; 4]]; 2]) {
         let Along { axis, times, gravity, along } = Along::of(readings);
         // What a hand does elsewhere may be faster.
@@ -279,7 +278,6 @@ pub(super) fn in_order(readings: &[[f64; 4]]) -> Vec<[f64; 4]> {
     readings
 }
 
-/// Readings along the axis on which they vary most.
 pub(super) struct Along {
     axis: [f64; 3],
     pub(super) times: Vec<f64>,
@@ -298,7 +296,6 @@ impl Along {
     }
 }
 
-/// How fast something swings.
 #[derive(Clone, Copy, Debug)]
 struct Pace {
     /// Its swing over [`SLOW`], or 1 if that is longer.
@@ -328,8 +325,7 @@ impl Pace {
     }
 }
 
-/// The end of the free decay that begins at a place: where nothing swings any more, which is said, or before it swings more, or before a
-/// hand stops it.
+/// The end of the free decay from a place on, and whether nothing swings there; else it swings more, or a hand stops it.
 fn end(times: &[f64], along: &[f64], begin: usize, noise: f64, pace: f64) -> (usize, bool) {
     let (mut least, mut swung, mut place) = (f64::INFINITY, times[begin], begin);
     // Where the part before begins, and its largest reading.
@@ -410,8 +406,7 @@ fn noise_of(times: &[f64], along: &[f64], pace: f64) -> f64 {
     if least.is_finite() { least.sqrt() } else { 0.0 }
 }
 
-/// The direction in which three accelerations vary most: the first eigenvector of their covariance, by repeated products. Its
-/// largest component is positive.
+/// The first eigenvector of the covariance of three accelerations, by repeated products; its largest component is positive.
 fn main_axis(readings: &[[f64; 4]]) -> [f64; 3] {
     fn three<T>(of: &dyn Fn(usize) -> T) -> [T; 3] {
         [of(0), of(1), of(2)]

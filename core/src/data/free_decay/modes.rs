@@ -20,19 +20,16 @@ pub struct Mode {
     pub amplitude: f64,
 }
 
-/// Damping ratios that descents begin with.
 const DAMPING: [f64; 3] = [0.01, 0.04, 0.12];
 const TRIES: usize = 60;
 /// Another mode must gain this much log likelihood for each of its numbers, in units of the logarithm of the readings' number: a stricter
 /// limit leaves out modes that move the others by more than their bands. Source: Schwarz (1978), Estimating the dimension of a model.
 const GAIN: f64 = 0.5;
-/// The beginning is no free decay while its half swing leaves this many times the mean square of the rest; and the most half swings that
-/// are left out.
+/// A first half swing that leaves this many times the mean square of the rest is forced; and the most that are left out.
 const FORCED: f64 = 2.0;
 const MOST: usize = 8;
 /// Limits the mean square of the residuals of a fit, in mean squares of the noise: larger ones are no noise.
 const NOISY: f64 = 4.0;
-/// Modes of two decays are the same up to this difference of their frequencies.
 const SAME: f64 = 0.1;
 /// Limits from below the number of readings for each unknown.
 const FEWEST: usize = 3;
@@ -59,7 +56,6 @@ impl Decay {
         Self { readings, ..self.clone() }
     }
 
-    /// The modes, and the readings of the first one.
     fn fit(&self) -> Option<(Vec<Mode>, Vec<[f64; 2]>)> {
         let mean = |rests: &[f64]| rests.iter().map(|rest| rest * rest).sum::<f64>() / rests.len().max(1) as f64;
         let mut readings = self.readings.as_slice();

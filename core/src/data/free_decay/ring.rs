@@ -170,7 +170,6 @@ impl Spectrum {
         ((frequency / self.step) as usize).min(self.powers.len() - 1)
     }
 
-    /// The largest power within two of this spectrum's own widths of a frequency.
     fn largest_about(&self, frequency: f64, width: f64) -> f64 {
         let range = self.at(frequency - width)..=self.at(frequency + width);
         self.powers[range].iter().fold(0.0, |a: f64, b| a.max(*b))

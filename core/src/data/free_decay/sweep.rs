@@ -60,10 +60,9 @@ const WIDER: f64 = 1.5;
 const LAGS: usize = 12;
 /// The pulses are not quite the wave that the model has: bands of f and ζ are wider by these factors, set on 195 simulated sweeps.
 const OF_DRIVE: [f64; 2] = [1.2, 1.5];
-/// The place of the first mode among numbers.
 const FIRST: usize = 6;
 
-/// Those of φ and of c₀, and ωₙ, ζ and c of each mode; a second mode may be none.
+/// The numbers of φ and of c₀, and ωₙ, ζ and c of each mode; a second mode may be none.
 type Numbers = [f64; FIRST + 8];
 /// ωₙ and ζ with the motion of this mode.
 type Start = ([f64; 2], Vec<Complex>);
@@ -117,7 +116,6 @@ impl Sweep {
         self.law[0] + self.law[1] * time
     }
 
-    /// φ.
     fn phase(&self, time: f64) -> f64 {
         let [f, rate, share] = self.law;
         TAU * (time * (f + 0.5 * rate * time) - share * libm::log(self.frequency(time) / f))
@@ -129,7 +127,6 @@ impl Sweep {
         (0..count).map(|k| 0.5 * WINDOW + HOP * k as f64)
     }
 
-    /// The amplitudes in windows of what turns with φ.
     fn look(&mut self, readings: &[[f64; 2]]) {
         self.seen.clear();
         for time in self.times() {
@@ -202,7 +199,6 @@ impl Sweep {
         Some(modes)
     }
 
-    /// The motion by a c of one, beside numbers whose c are zero.
     fn column(&self, numbers: &[f64], place: usize) -> Vec<Complex> {
         let mut one = numbers.to_vec();
         one[place] = 1.0;
@@ -230,7 +226,6 @@ impl Sweep {
         Some((c, left))
     }
 
-    /// The numbers of one or two modes, of some pairs, that leave least.
     fn likeliest(&self, modes: usize, all: &[[&Start; 2]]) -> Option<Numbers> {
         let force = self.column(&[0.0; FIRST], FIRST - 2);
         let mut best: Option<(f64, &[&Start; 2])> = None;
@@ -282,7 +277,6 @@ impl Sweep {
         descend(descend(start, false).1, true)
     }
 
-    /// By differences.
     fn normal(&self, modes: usize, at: &Numbers, is_free: bool) -> NormalEquations<{ FIRST + 8 }> {
         let rests = self.rests(at);
         let is_still = |i: usize| i >= FIRST + 4 * modes || !is_free && (2..4).contains(&i);
@@ -322,7 +316,6 @@ impl Sweep {
         Some(modes.collect())
     }
 
-    /// What is left in the windows by numbers: those of φ, of c₀, and of each mode.
     fn rests(&self, numbers: &[f64]) -> Vec<Complex> {
         let [shift, bend, log, late, re, im] = numbers[..FIRST] else { return Vec::new() };
         let count = ((self.part[1] - self.part[0]) / STEP) as usize + 1;
@@ -380,7 +373,6 @@ fn respond(law: &[f64], pole: Complex, mut each: impl FnMut(usize, Complex)) {
     }
 }
 
-/// The readings in a window from a time on.
 fn within(readings: &[[f64; 2]], from: f64) -> &[[f64; 2]] {
     let place = |time: f64| readings.partition_point(|reading| reading[0] < time);
     &readings[place(from)..place(from + WINDOW)]

@@ -95,7 +95,6 @@ impl Timed {
 /// Times that differ by less than this share of a step are the same, and so are delays, which users write in decimals, and whole steps.
 const SAME: f64 = 1e-6;
 
-/// The time between two events of a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Part {
     pub(crate) share: f64,
@@ -329,13 +328,11 @@ impl Delays {
         !self.sensors.is_empty()
     }
 
-    /// The number of samples beyond its last one that a filter reads of a record.
     pub(crate) fn lookahead(&self) -> usize {
         let of_sensors = self.sensors.iter().fold(0.0, |most: f64, steps| most.max(*steps));
         (self.input.min(0).unsigned_abs() as usize).max(libm::ceil(of_sensors) as usize)
     }
 
-    /// The number of samples before its last one that a filter reads of a record.
     pub(crate) fn reach(&self) -> usize {
         let of_sensors = self.sensors.iter().fold(0.0, |most: f64, steps| most.max(-*steps));
         (self.input.max(0) as usize).max(libm::ceil(of_sensors) as usize)

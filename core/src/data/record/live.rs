@@ -190,7 +190,6 @@ impl LiveRecord {
         Ok(())
     }
 
-    /// Whether nothing more can come for a sample, as long as all tell their readings in order.
     fn all_are_told(&self, sample: f64) -> bool {
         let (input, sensors) =
             self.latest.split_last().map_or((f64::NEG_INFINITY, &[][..]), |(input, all)| (*input, all));
@@ -241,7 +240,6 @@ impl LiveRecord {
         Ok(())
     }
 
-    /// The readings of the sensor that has most, or the values of the input.
     fn kept(&self) -> usize {
         let all = self.record.clocks().into_iter().flat_map(|clocks| clocks.readings.iter().chain(&clocks.input));
         all.map(|timed| timed.times.len()).max().unwrap_or(0)

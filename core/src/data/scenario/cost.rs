@@ -41,7 +41,6 @@ pub(crate) fn largest_ensemble(components: usize, substeps: usize) -> usize {
     (LONGEST / (OF_COMPONENT * n * substeps.max(1) as f64 + OF_COVARIANCE * n * n)) as usize
 }
 
-/// The number of samples that a filter computes between two checks of the clock.
 pub(crate) fn chunk(step: f64) -> usize {
     (CHUNK / step).clamp(1.0, 1e5) as usize
 }
@@ -121,7 +120,6 @@ pub(crate) fn turn_at(model: &Model, values: &[f64], dt: f64) -> f64 {
 
 /// The largest absolute eigenvalue of the first `motion` rows and columns, by the root of a high power's size.
 fn radius(a: &Matrix, motion: usize) -> f64 {
-    /// Limits the power, 2 to this.
     const SQUARINGS: i32 = 5;
     let mut power = a.view((0, 0), (motion, motion)).into_owned();
     let mut logarithm = 0.0;

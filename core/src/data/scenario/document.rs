@@ -92,7 +92,6 @@ impl Scenario {
         Ok((scenario, remarks))
     }
 
-    /// A scenario that names a record and no sensors has those of the record.
     fn take_sensors_of_record(&mut self) {
         let Some(record) = self.record.as_ref().filter(|record| !record.sensors.is_empty()) else { return };
         let usual = |quantity: Quantity| quantity.aspect().info().usual_noise;
@@ -100,8 +99,7 @@ impl Scenario {
         self.sensors = sensors.map(|&measures| Sensor::new(measures, usual(measures))).collect();
     }
 
-    /// The scenario without channels that no plant of it has, numbers with their default value, and ids that equal the
-    /// filters' places.
+    /// Without channels that no plant has, numbers with their default value, and ids that equal the filters' places.
     pub(super) fn as_written(&self) -> Self {
         let mut scenario = self.clone();
         let (truth, input) = (scenario.plant.kind, scenario.input);

@@ -84,7 +84,6 @@ pub enum Scale {
 const MOST: usize = 3;
 
 pub(crate) trait Act: Send + Sync {
-    /// Changes what the sensor would read without noise.
     fn exact(&mut self, exact: f64) -> f64 {
         exact
     }

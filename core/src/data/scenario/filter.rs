@@ -184,7 +184,6 @@ impl FilterSettings {
         MethodSettings { propagation: self.propagation_for(truth), iterations, ensemble_size }
     }
 
-    /// Whether an update is that of textbooks: one filter, whose noise is known and whose measurements all count.
     pub(crate) fn has_plain_update(&self) -> bool {
         let takes_all = !self.robust.is_on() && self.consider.is_empty() && self.bounds.is_empty();
         !self.adaptation.is_on()

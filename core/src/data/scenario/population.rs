@@ -143,7 +143,6 @@ impl Scenario {
         }
     }
 
-    /// Refuses a key that names no number, or that may not be drawn.
     pub(super) fn read_draws(&mut self) -> Result<(), ScenarioError> {
         if self.draw.is_empty() {
             return Ok(());

@@ -111,11 +111,9 @@ impl Scenario {
     }
 }
 
-/// Scales that differ by less than this share are the same.
 const ALIKE: f64 = 1e-6;
 
-/// Limits the standard deviation that a filter assumes of a sensor from below, relative to the usual noise of the
-/// quantity. A sensor may be perfect, but a filter with R = 0 soon has a singular innovation covariance.
+/// Limits σ of a sensor for a filter from below, relative to its usual noise: with R = 0, S is soon singular.
 const LEAST_NOISE: f64 = 1e-9;
 
 pub(super) fn usable_std(quantity: Quantity, noise_std: f64) -> f64 {

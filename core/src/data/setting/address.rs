@@ -34,7 +34,6 @@ pub struct Address(Place);
 pub struct UnknownSetting {
     /// The text.
     pub key: String,
-    /// The end of the sentence: what there is in its place.
     instead: String,
 }
 

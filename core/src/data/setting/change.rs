@@ -31,7 +31,6 @@ pub struct Change {
     now: Box<Scenario>,
     settings: Vec<Difference>,
     added: Vec<usize>,
-    /// The places before of the filters that are gone.
     removed: Vec<usize>,
 }
 

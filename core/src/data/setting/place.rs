@@ -136,7 +136,6 @@ fn listed<'a>(keys: impl Iterator<Item = &'a str>) -> String {
     keys.map(|key| format!("`{key}`")).collect::<Vec<_>>().join(", ")
 }
 
-/// The quantity of a sensor by its key, or by its number from 0 on.
 fn quantity(scenario: &Scenario, sensor: &str) -> Option<Quantity> {
     let sensors = &scenario.sensors;
     match Quantity::from_key(sensor) {
@@ -167,7 +166,6 @@ impl Member {
         }
     }
 
-    /// Sets the value in the filter at a place among those that are meant.
     pub(super) fn set(&self, filter: &mut FilterSettings, nth: usize, value: f64, sensors: &[Sensor]) {
         match self {
             Self::Number(info) => (info.set)(filter, value),
@@ -184,7 +182,6 @@ impl Member {
         }
     }
 
-    /// Whether two members are the same number, or a number and the factor on its table.
     pub(super) fn overlaps(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Number(one), Self::Number(other)) => one == other,

@@ -25,7 +25,6 @@ const ABOVE: f64 = 1.96;
 /// Limits the errors² of a good part over the covariance: of a parameter (its errors in a part count as one), of a motion.
 const OUTSIDE: (f64, f64) = (16.0, 8.0);
 
-/// Limits the bad parts of a record that can be forgiven.
 const FORGIVEN: usize = 3;
 
 pub(crate) struct Case<'a> {
@@ -33,7 +32,6 @@ pub(crate) struct Case<'a> {
     pub(crate) estimates: &'a Estimates,
     pub(crate) record: &'a Record,
     pub(crate) bound: Option<&'a CramerRao>,
-    /// The diagnosed samples, of those that are kept.
     pub(crate) samples: Range<usize>,
     pub(crate) sensors: Vec<SensorInnovations>,
     pub(crate) pairs: Vec<Pair>,
@@ -93,7 +91,6 @@ impl<'a> Case<'a> {
         parts::range(part, &self.samples)
     }
 
-    /// The mean correlation of the innovations of two sensors that S expects, over the samples in which both are measured.
     pub(crate) fn expected_correlation(&self, [i, j]: [usize; 2]) -> f64 {
         let m = self.sensors.len();
         let of = |k: usize| {
@@ -105,7 +102,6 @@ impl<'a> Case<'a> {
         if count > 0.0 { sum / count } else { 0.0 }
     }
 
-    /// The last fifth of the samples.
     pub(crate) fn late(&self) -> Range<usize> {
         self.part(PARTS - 2).start..self.samples.end
     }
@@ -136,7 +132,6 @@ impl<'a> Case<'a> {
         self.ranges(|part| self.bad[part] || self.forgiven[part])
     }
 
-    /// The samples of some parts; adjacent parts are one range.
     pub(super) fn ranges(&self, is_chosen: impl Fn(usize) -> bool) -> Vec<Range<usize>> {
         let mut ranges: Vec<Range<usize>> = Vec::new();
         for part in (0..PARTS).filter(|&part| is_chosen(part)) {
@@ -155,7 +150,6 @@ impl<'a> Case<'a> {
         Some(self.part(first).start..self.part(last).end)
     }
 
-    /// The mean of the normalised innovations squared over some parts, per measurement, and the number of measurements.
     pub(crate) fn nis(&self, chosen: &Chosen) -> (f64, f64) {
         let total = |of: fn(crate::numbers::diagnostics::Total) -> f64| {
             parts::sum(chosen, |part| of(self.diagnostics.nis_within(self.part(part))))
@@ -164,8 +158,7 @@ impl<'a> Case<'a> {
         (total(|total| total.sum) / degrees, degrees)
     }
 
-    /// Whether the innovations of a sensor are smaller than expected over all kept parts: the filter then trusts the
-    /// sensor too little, and the low gain leaves innovations correlated.
+    /// Whether a sensor's innovations are too small over all kept parts: little trust and a low gain leave them correlated.
     pub(crate) fn any_too_small(&self) -> bool {
         self.sensors.iter().any(|one| one.level(&self.kept) < 0.75)
     }
@@ -177,8 +170,7 @@ impl<'a> Case<'a> {
         if is_below { VerdictKind::PatternLeft } else { VerdictKind::Overconfident }
     }
 
-    /// The verdict that a pattern in the innovations of a sensor supports. A filter that trusts a sensor too little leaves one too.
-    /// Only where innovations are larger than expected, is the covariance too small for them.
+    /// The covariance is too small only where innovations are larger than expected: too little trust leaves a pattern too.
     pub(crate) fn pattern(&self, one: &SensorInnovations) -> VerdictKind {
         let (level, degrees) = self.nis(&self.kept);
         let is_above = |level: f64, degrees: f64| exceeds(chi_squared_score(level, degrees), ABOVE);
@@ -191,7 +183,6 @@ impl<'a> Case<'a> {
         }
     }
 
-    /// Whether the autocorrelation of the innovations in some parts is no more than chance: the gain is right.
     fn is_white(&self, chosen: &Chosen) -> bool {
         self.sensors.iter().all(|one| {
             let limit = NOT_CHANCE / one.count(chosen).max(1.0).sqrt();

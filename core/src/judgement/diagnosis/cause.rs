@@ -99,7 +99,6 @@ pub struct LikelyCause {
     pub(crate) sign: Option<Sign>,
     /// Whether a hardening spring, once found, rules it out.
     pub(crate) softens: bool,
-    /// Whether its remedy begins with another guess of the frequency too.
     pub(crate) renews_guess: bool,
     /// Whether the record itself shows it, without a model: it comes before every other cause.
     pub(crate) of_record: bool,
@@ -124,14 +123,12 @@ pub(crate) struct BadFilter<'a> {
 }
 
 impl BadFilter<'_> {
-    /// The largest effect of a chosen test, among the evidence that counts, from 0 to 1.
     pub(crate) fn effect_of(&self, is: impl Fn(&Evidence) -> bool) -> f64 {
         let effects = self.evidence.iter().filter(|one| one.counts && is(one)).map(|one| one.effect);
         let largest = effects.fold(0.0, f64::max);
         largest / (1.0 + largest)
     }
 
-    /// The effect of what another plant would leave in the innovations.
     pub(crate) fn effect_of_pattern(&self) -> f64 {
         self.effect_of(|one| one.test.name.contains("spectrum") || one.test.name.contains("whiteness"))
     }
@@ -221,7 +218,6 @@ impl LikelyCause {
     }
 }
 
-/// The root mean square of some values without NaN.
 fn rms(values: &[f64]) -> f64 {
     let (sum, count) = values.iter().filter(|x| x.is_finite()).fold((0.0, 0_u32), |(sum, n), x| (sum + x * x, n + 1));
     (sum / f64::from(count.max(1))).sqrt()

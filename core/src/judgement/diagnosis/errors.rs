@@ -18,11 +18,8 @@ pub(crate) struct Sums {
     pub(crate) square: f64,
     /// Sum of the products of e/σ with that of the sample before.
     pub(crate) product: f64,
-    /// Samples with the truth inside ±2σ.
     pub(crate) inside: f64,
-    /// The first known error of a granule.
     first: f64,
-    /// The last known error up to the end, 0 without one.
     last: f64,
 }
 
@@ -39,7 +36,6 @@ struct LiveChannel {
 }
 
 impl LiveErrors {
-    /// The channels with a truth in the record, before the sample `start`.
     pub(super) fn new(estimates: &Estimates, record: &Record, start: usize) -> Self {
         let all = estimates.channels().iter().enumerate();
         let known = all.filter(|(_, channel)| record.truth(**channel).is_some());

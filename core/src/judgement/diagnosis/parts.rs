@@ -22,17 +22,14 @@ pub(crate) fn sum(chosen: &Chosen, of: impl Fn(usize) -> f64) -> f64 {
     (0..PARTS).filter(|&part| chosen[part]).map(of).sum()
 }
 
-/// The lags of an autocorrelation: 0 to 20 samples.
 pub(crate) const LAGS: usize = 21;
 
 /// The lags of a cross-correlation with the input: from 4 samples before it to 15 after it.
 pub(crate) const CROSS_LAGS: usize = 20;
 
-/// The lag of the first of them.
 pub(crate) const FIRST_CROSS_LAG: i32 = -4;
 
-/// The samples of a granule; granule i begins with sample number 16 i. With fewer there would be more sums to add for a
-/// window, with more there would be more samples outside whole granules.
+/// Granule i begins with sample 16 i. Smaller ones are more sums to add, larger ones leave more samples outside.
 pub(super) const GRANULE: usize = 16;
 
 /// The samples before a granule that its products reach back to.
@@ -102,7 +99,6 @@ impl<T> Series<T> {
         self.items.get(number.checked_sub(self.first)?)
     }
 
-    /// Begins again with the item of this number, if the series ends before it.
     fn skip_to(&mut self, number: usize) {
         if self.end() < number {
             self.items.clear();

@@ -12,7 +12,6 @@ const LONGEST: usize = 1024;
 
 const SHORTEST: usize = 32;
 
-/// The least number of windows in a record.
 const WINDOWS: usize = 4;
 
 /// The mean power of a series over windows that do not overlap, at frequencies from one cycle a window on.
@@ -22,11 +21,9 @@ const WINDOWS: usize = 4;
 /// ```
 ///
 /// White noise of variance 1 has the power 1 everywhere, and 2n times it over n windows is χ² with 2n degrees of freedom.
-///
 /// Source: Welch (1967), The use of fast Fourier transform for the estimation of power spectra.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Periodogram {
-    /// Samples of a window.
     length: usize,
     /// The number of windows: half the degrees of freedom of each power.
     pub(crate) windows: usize,

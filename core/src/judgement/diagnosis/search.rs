@@ -19,7 +19,6 @@ use super::verdict::Verdict;
 use crate::data::setting::Edit;
 use crate::{Channel, Scenario, Task};
 
-/// Limits the causes of one remedy.
 const STEPS: usize = 4;
 
 /// Limits the filters on which causes are tried, with the first one: each takes some thirty runs over the window.
@@ -46,7 +45,6 @@ pub struct Search {
 enum Stage {
     /// Causes of the unchanged filter, or of the remaining misfit on a path.
     Causes(Option<usize>),
-    /// A run of the path at a place without one of its causes.
     Without {
         path: usize,
         step: usize,
@@ -205,7 +203,6 @@ impl Search {
         }
     }
 
-    /// Tries a path without its cause at `step`, or without a later one.
     fn shorten(&mut self, path: usize, step: usize) {
         let whole = &self.paths[path];
         let can = |step: &usize| whole.steps.len() > 1 && *step + 1 < whole.steps.len();
@@ -267,8 +264,7 @@ const FIRSTS: usize = 3;
 /// Limits the filters on which causes are tried once a remedy ends well.
 const FILTERS_ENOUGH: usize = 4;
 
-/// An unknown force without a law of its own pays this share of its gain, because it fits any record. One with such a
-/// law gets this share ahead of noise, which fits any record too.
+/// A force without a law pays this share of its gain, since it fits any record; one with a law is ahead of noise by it.
 const PRICE: f64 = 0.05;
 
 /// The least gain of a path that is tried beside one with such a force, relative to that one's gain.
@@ -344,7 +340,6 @@ struct Path {
     steps: Vec<Step>,
     scenario: Scenario,
     rank: f64,
-    /// The gain of the filter with all edits made, less the price of the numbers that they fit.
     gain: f64,
     after: Option<Verdict>,
     is_tried: bool,

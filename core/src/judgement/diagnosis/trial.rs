@@ -21,12 +21,10 @@ pub struct Trials {
     pub(super) record: Arc<Record>,
     /// The scenario with that one filter, as it begins at the window's first sample.
     pub(super) scenario: Scenario,
-    /// The filter before any edit of a search was made.
     origin: FilterSettings,
     /// `None` until the unchanged filter has run, if its likely causes follow from that run.
     likely_causes: Option<Vec<LikelyCause>>,
     current: Option<(Pass, Estimates)>,
-    /// The sample of the run's record at which the window begins.
     first: usize,
     /// The estimates and likelihoods of the filter with no edit made; a restarted filter begins from them.
     unturned: Option<Estimates>,

@@ -19,7 +19,6 @@ pub struct Verdict {
     pub reason: String,
 }
 
-/// The least number of measurements for a verdict.
 const ENOUGH: u32 = 20;
 
 /// Limits the pieces of evidence in a sentence.
@@ -118,7 +117,6 @@ fn fit(case: &Case<'_>, said: &[Subject]) -> String {
 /// A relative variance that is so much smaller than another one is known, beside it.
 const RIDGE: f64 = 0.02;
 
-/// A parameter that is known to this share of itself is known.
 const KNOWN: f64 = 0.01;
 
 /// Pairs of parameters of which only the product or the ratio is known, with its relative standard deviation.
@@ -200,7 +198,6 @@ fn size_of_pattern(case: &Case<'_>) -> Option<(Channel, f64)> {
     sizes.max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-/// The samples of a swing, by the last estimate of ωₙ.
 fn swing(case: &Case<'_>) -> Option<usize> {
     let place = case.estimates.place(Channel::NATURAL_FREQUENCY)?;
     let turn = case.estimates.canonical_mean(case.last()?, place).abs() * case.record.dt();

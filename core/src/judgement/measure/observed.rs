@@ -109,7 +109,6 @@ impl Part<'_> {
         self.run.estimates.place(self.channel?)
     }
 
-    /// The place of the sensor, or of the first one if none is named.
     pub(super) fn place_of_sensor(&self) -> Option<usize> {
         let sensors = self.run.estimates.sensors();
         self.sensor.map_or(Some(0), |sensor| sensor.place_in(sensors))
@@ -135,7 +134,6 @@ impl Part<'_> {
         sensors.find(|sensor| sensor.measures.channel() == self.channel).map(|sensor| sensor.noise_std)
     }
 
-    /// The true standard deviation of the sensor's noise, as the filter would have to set it.
     pub(super) fn true_noise(&self) -> Option<f64> {
         let noise = self.run.scenario.true_noise_for(self.run.settings()).0;
         noise.get(self.place_of_sensor()?).copied()

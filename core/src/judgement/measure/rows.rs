@@ -286,9 +286,8 @@ fn nis(part: &Part<'_>) -> Total {
     part.run.diagnostics().nis_within(part.range())
 }
 
-/// The sum of d squares of white normalised innovations has the mean d and the variance 2d.
-///
-/// Source: Bar-Shalom, Li and Kirubarajan (2001), section 5.4.
+/// The sum of d squares of white normalised innovations has the mean d and the variance 2d. Source: Bar-Shalom, Li and
+/// Kirubarajan (2001), section 5.4.
 fn distance(nis: Total) -> f64 {
     let degrees = f64::from(nis.degrees);
     (nis.sum - degrees) / libm::sqrt(2.0 * degrees)

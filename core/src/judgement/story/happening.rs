@@ -11,7 +11,6 @@ use crate::{Channel, Force, InputKind, PlantKind, Run, Scenario, Signal};
 /// After a sudden change it is too early for a judgement for this time, or for a period of the motion if that is longer \[s\].
 const SETTLING: f64 = 1.0;
 
-/// Limits the sentences about faults of sensors.
 const MOST_FAULTS: usize = 2;
 
 pub(super) struct Happening {

@@ -24,7 +24,6 @@ const LONG_STEP: f64 = 30.0;
 /// The same for a Runge-Kutta step on a plant that is not linear, which then turns by a share of 10⁻⁵ too little \[°\].
 const LONG_STAGES: f64 = 11.0;
 
-/// The number of samples at which the steps are looked at.
 const LOOKS: usize = 100;
 
 /// Innovations behind a band have at least this share of the power that the band leaves white noise: noise may have colours, and R
@@ -64,7 +63,6 @@ pub(super) struct Main {
 }
 
 struct Truth {
-    /// The last error over the truth.
     error: f64,
     /// The root mean square error over the last third, over the truth.
     lately: f64,
@@ -149,7 +147,6 @@ impl<'a> Outcome<'a> {
         (is_right || self.is_small_by_a_band()) && self.long_steps.is_none() && !self.is_open()
     }
 
-    /// Whether it seems underconfident for no other reason than the band of the import.
     fn is_small_by_a_band(&self) -> bool {
         self.kind == Some(VerdictKind::Underconfident) && self.is_behind_a_band
     }
@@ -333,8 +330,7 @@ fn long_steps(scenario: &Scenario, filter: &FilterSettings, estimates: &Estimate
     is_long.then_some(LONG_STAGES as u8)
 }
 
-/// Whether innovations are smaller than expected, and by no more than the share of the frequencies that an import lets through:
-/// noise of the same density has less power there, which moves no parameter.
+/// Whether innovations are too small by at most the frequencies that an import leaves out, which moves no parameter.
 fn is_behind_a_band(run: &Run, diagnostics: &Diagnostics) -> bool {
     let Some(mapping) = run.scenario().record.as_ref().filter(|_| run.source().is_measured()) else {
         return false;

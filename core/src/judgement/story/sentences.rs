@@ -90,7 +90,6 @@ fn narrowest<'a, 'b>(several: &[&'a Outcome<'b>]) -> Option<&'a Outcome<'b>> {
     (next.is_finite() && band(&best) > 0.0 && next > NARROWER * band(&best)).then_some(*best)
 }
 
-/// From this probability on a model is found.
 const FOUND: f64 = 0.95;
 
 /// The likeliest model, if the filters assume plants of several kinds; nothing before there are readings.

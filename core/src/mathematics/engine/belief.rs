@@ -76,7 +76,6 @@ impl<T: Number> Belief<T> {
         }
     }
 
-    /// Sets variances to zero that rounding made negative.
     #[inline(always)]
     pub(crate) fn clamp(&mut self) {
         let n = self.size();
@@ -118,7 +117,6 @@ impl<T: Number> Belief<T> {
         [sum.is_finite(), is_positive]
     }
 
-    /// Gives a lane a belief that makes no trouble.
     pub(crate) fn park(&mut self, lane: usize) {
         let n = self.size();
         self.mean.iter_mut().for_each(|mean| mean.set_lane(lane, 0.0));

@@ -198,7 +198,6 @@ impl Builder {
         derivative
     }
 
-    /// The derivative of a function at `a`, where it has the value `node`.
     fn slope(&mut self, function: Function, a: Node, node: Node) -> Node {
         let one = self.constant(1.0);
         match function {

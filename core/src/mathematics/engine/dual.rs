@@ -4,8 +4,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::number::{Function, Number, Real, unrolled};
 
-/// A number and its derivatives by K others. `on` marks those that may be other than zero: after inlining an equation
-/// the compiler knows `on`, and leaves out the operations with zeros.
+/// A number and its K derivatives; `on` marks those that may not be zero: inlined, operations with zeros are left out.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Dual<T, const K: usize> {
     pub(crate) value: T,

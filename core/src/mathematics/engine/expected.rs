@@ -16,7 +16,6 @@ pub(super) struct Expected<T> {
     pub(super) cov: Vec<T>,
     /// `P⁻ Hᵀ`, n × m.
     pub(super) cross: Vec<T>,
-    /// Whether there is an H.
     pub(super) is_linear: bool,
     /// The component of each sensor, where all sensors read one component each.
     pub(super) places: Vec<usize>,

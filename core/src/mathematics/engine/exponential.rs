@@ -17,8 +17,7 @@ pub(super) const INVERSE_FACTORIAL: [f64; 18] = {
     table
 };
 
-/// Limits the size of a step that is halved. Rounding has left no digit of a longer one, and without halving six of its terms
-/// overflow, which callers detect.
+/// Limits the size of a step that is halved: of a longer one no digit is left, and its terms overflow, which callers detect.
 const LARGEST: f64 = 1e60;
 
 /// The classes of a size: up to each limit, then one more for each doubling of the last one.

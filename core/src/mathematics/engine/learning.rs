@@ -18,10 +18,8 @@ pub(super) struct Learning<T> {
     jumps: Vec<Jump>,
     /// The diagonal of Q before a jump.
     narrow: Vec<T>,
-    /// The change of the mean by an update.
     shift: Vec<T>,
     residuals: Residuals<T>,
-    /// The variance of each R.
     uncertainty: Vec<T>,
     sample: usize,
 }

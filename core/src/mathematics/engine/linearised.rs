@@ -17,10 +17,8 @@ pub(crate) struct Linearised<T> {
     pub rows: Vec<T>,
     /// Memory for T P, or for a part of a step's derivative.
     half: Vec<T>,
-    /// The effect of a constant input, or of a slope.
     effect: Vec<T>,
     exponential: Exponential<T>,
-    /// Takes the place of the exponential where masses are coupled.
     coupled: Option<Coupled<T>>,
     /// The state that a step began with, a stage of it, and the derivative of the stage before.
     begun: Vec<T>,
@@ -150,7 +148,6 @@ impl<T: Number> Linearised<T> {
         }
     }
 
-    /// The same for coupled masses, by their response.
     #[inline(always)]
     fn swing_together<L: Level>(&mut self, level: L, model: &Model, mean: &mut [T], step: &Step<T>) {
         let Self { derivatives: Derivatives { rate, columns, .. }, rows, effect, coupled, .. } = self;
@@ -204,7 +201,6 @@ impl<T: Number> Linearised<T> {
         }
     }
 
-    /// The same for any plant, by the exponential.
     #[inline(always)]
     fn flow<L: Level>(&mut self, level: L, model: &Model, mean: &mut [T], step: &Step<T>) {
         let Self { derivatives: Derivatives { rate, columns, .. }, rows, effect, exponential, .. } = self;
@@ -226,7 +222,6 @@ impl<T: Number> Linearised<T> {
         }
     }
 
-    /// Adds the effect of a slope of the recorded force.
     #[inline(always)]
     fn push<L: Level>(&mut self, level: L, model: &Model, mean: &mut [T]) {
         let moving = level.moving(model.moving());

@@ -39,7 +39,6 @@ pub enum Operation {
     Call(Function, Node),
 }
 
-/// Numbers that a list keeps at a time.
 const REGISTERS: usize = 128;
 
 /// Operations in order. Their results stand in registers, which are used again.
@@ -48,7 +47,6 @@ pub struct List {
     inputs: usize,
     registers: usize,
     steps: Vec<Step>,
-    /// The place of each output, and its register.
     outputs: Vec<(usize, u8)>,
 }
 

@@ -124,7 +124,6 @@ impl Model {
         self.decay(own, rate);
     }
 
-    /// The state, logarithms undone.
     #[inline(always)]
     pub(super) fn plain<'a, T: Number>(&self, state: &'a [T], plain: &'a mut [T]) -> &'a [T] {
         if self.logarithms.is_empty() {
@@ -300,7 +299,6 @@ impl<T: Number> Step<T> {
         (self.forces[1] - self.forces[0]) * (1.0 / self.dt)
     }
 
-    /// The forces at its beginning, in its middle and at its end.
     #[inline(always)]
     pub(crate) fn thrice(&self) -> [T; 3] {
         let [begin, end] = self.forces;

@@ -52,7 +52,6 @@ impl<T: Number> Passage<T> {
         self.jacobian.clear();
     }
 
-    /// Takes in the step that has just been taken by linearisation.
     pub(super) fn follow(&mut self, linearised: &Linearised<T>, moving: usize) {
         let n = self.work.size();
         for j in 0..n {

@@ -198,7 +198,6 @@ impl Plant {
     }
 }
 
-/// The number of derivatives that are taken at once.
 pub(crate) const AT_ONCE: usize = 4;
 
 /// Limits the components of a small plant: twice the derivatives that are taken at once.

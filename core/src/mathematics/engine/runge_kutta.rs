@@ -20,9 +20,8 @@ impl<T: Number> RungeKutta<T> {
         Self { start: zeros(), rates: [zeros(), zeros(), zeros(), zeros()], plain }
     }
 
-    /// Moves a state by one step; components that do not move keep every bit.
-    ///
-    /// Source: Hairer, Nørsett and Wanner (1993), *Solving Ordinary Differential Equations I*, section II.1.
+    /// Moves a state by one step; components that do not move keep every bit. Source: Hairer, Nørsett and Wanner (1993),
+    /// *Solving Ordinary Differential Equations I*, section II.1.
     #[inline(always)]
     pub(crate) fn advance<L: Level>(&mut self, level: L, model: &Model, state: &mut [T], step: &Step<T>) {
         with_equation!(model.plant, equation => {

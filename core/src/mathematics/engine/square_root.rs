@@ -40,9 +40,8 @@ pub(super) struct SquareRoot<T: Number> {
     even: Vec<T>,
     /// Whether all sensors read components, and thus have no even parts.
     is_linear: bool,
-    /// Limits the columns of the root that sensors read.
     columns: usize,
-    /// Its triangle, row by row.
+    /// The triangle of `array`, row by row.
     triangle: Vec<T>,
     /// The readings in the points, a number for each sensor and pack.
     readings: Vec<T::Pack>,
@@ -50,8 +49,7 @@ pub(super) struct SquareRoot<T: Number> {
     of_centre: Vec<T>,
 }
 
-/// Whether filters of this kind may hold a root. Lanes never do, and one version for all sizes is enough: a version for each
-/// size was a tenth of the time to compile the crate.
+/// Lanes hold no root, and one version for all sizes is enough: one for each size was a tenth of the crate's compile time.
 pub(super) const fn may_have_root<T: Number, L: Level>() -> bool {
     T::LANES == 1 && !L::IS_KNOWN
 }

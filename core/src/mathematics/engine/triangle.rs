@@ -47,10 +47,8 @@ fn dot<T: Number>(a: &[T], b: &[T], [lead, base]: [usize; 2]) -> T {
 /// [0, d] → [|d|, 0],   [0, x] → [d·x / |d|, x - d (d·x / d·d)]
 /// ```
 ///
-/// so that no row waits for a root. A row that is zero, or too small to square, gives a column of zeros: a component known
-/// for certain stays so.
-///
-/// Source: Golub and Van Loan (2013), *Matrix Computations*, sections 5.1.2 and 5.2.9.
+/// so that no row waits for a root. A row that is zero, or too small to square, gives a column of zeros: a component known for
+/// certain stays so. Source: Golub and Van Loan (2013), *Matrix Computations*, sections 5.1.2 and 5.2.9.
 #[inline(always)]
 pub(super) fn triangularise<T: Number, L: Level>(
     level: L,

@@ -18,7 +18,6 @@ pub(super) struct Weighing<T> {
     pub(super) weights: Weights<T>,
     before: Belief<T>,
     before_root: Vec<T>,
-    /// The noise with the weighed R.
     noise: Noise<T>,
     /// S with the R of the settings, m × m, and its factor in the end.
     claimed: Vec<T>,

@@ -55,7 +55,6 @@ impl Equation {
         &self.settings
     }
 
-    /// Whether the motion is linear while parameters are constant.
     pub(crate) fn is_linear(&self) -> bool {
         self.info.is_linear
     }

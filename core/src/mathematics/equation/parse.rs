@@ -10,10 +10,8 @@ use super::EquationError;
 use super::token::{Placed, Token, tokens};
 use crate::mathematics::engine::number::Function;
 
-/// Limits brackets within brackets.
 const DEPTH: usize = 40;
 
-/// Limits the equations of a plant.
 const EQUATIONS: usize = 30;
 
 #[derive(Clone, Debug, PartialEq)]
@@ -204,7 +202,6 @@ impl Parser {
         }
     }
 
-    /// The rest of a bracket that has been opened.
     fn bracket(&mut self) -> Result<Tree, EquationError> {
         let inside = self.sum()?;
         if self.eat(')') { Ok(inside) } else { Err(self.unexpected("an operator or `)`")) }

@@ -58,7 +58,6 @@ impl PlantKind {
     }
 }
 
-/// Makes the channels of an equation those that their keys mean.
 fn register(kind: PlantKind) {
     let of_plants = |channel: Channel| PlantKind::ALL.iter().any(|kind| kind.channels().contains(&channel));
     let own = || kind.channels().iter().copied().filter(|channel| !of_plants(*channel));

@@ -87,7 +87,6 @@ impl ParameterSettings {
     }
 }
 
-/// The typical size of a parameter with this mean.
 pub(super) fn size(mean: f64) -> f64 {
     if mean == 0.0 { 1.0 } else { mean.abs() }
 }

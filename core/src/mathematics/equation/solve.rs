@@ -12,7 +12,6 @@ use crate::mathematics::engine::list::Node;
 use crate::mathematics::engine::plants::typed::Typed;
 use crate::mathematics::lists::sort_items;
 
-/// Limits the components of a state.
 const COMPONENTS: usize = 32;
 
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -115,7 +114,6 @@ fn names(equations: &[Sides]) -> Vec<Name<'_>> {
     names
 }
 
-/// The mass that a name is the displacement of, counted from 0.
 fn mass(key: &str) -> Option<usize> {
     match key.strip_prefix('x')? {
         "" => Some(0),

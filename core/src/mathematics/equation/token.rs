@@ -3,7 +3,6 @@
 use super::EquationError;
 use super::word::{dotted, greek, key, subscript, superscript};
 
-/// Limits the characters of an equation.
 const LENGTH: usize = 1000;
 
 #[derive(Clone, Debug, PartialEq)]
@@ -17,7 +16,6 @@ pub(super) enum Token {
     End,
 }
 
-/// A token and the character at which it begins.
 pub(super) type Placed = (usize, Token);
 
 pub(super) fn tokens(text: &str) -> Result<Vec<Placed>, EquationError> {

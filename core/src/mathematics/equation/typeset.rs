@@ -66,7 +66,6 @@ fn is_negative(tree: &Tree) -> bool {
     }
 }
 
-/// Whether a number is written with a power of ten.
 fn is_scaled(number: f64) -> bool {
     number != 0.0 && !(1e-4..1e6).contains(&number)
 }
@@ -142,7 +141,6 @@ impl Line {
         }
     }
 
-    /// The first factor of a product: its sign is that of the whole.
     fn first_factor(&mut self, tree: &Tree) {
         match tree {
             Tree::Negative(a) => {

@@ -27,7 +27,6 @@ const GREEK: [(char, &str); 24] = [
     ('ω', "omega"),
 ];
 
-/// Capital Greek letters that are no Latin ones.
 const CAPITAL: [(char, &str); 10] = [
     ('Γ', "Gamma"),
     ('Δ', "Delta"),
@@ -47,7 +46,6 @@ pub(super) fn greek(letter: char) -> Option<&'static str> {
     GREEK.iter().chain(&CAPITAL).find(|(greek, _)| *greek == letter).map(|(_, name)| *name)
 }
 
-/// The letter or digit that a subscript stands for.
 pub(super) fn subscript(c: char) -> Option<char> {
     Some(match c {
         '₀'..='₉' => char::from(b'0' + u8::try_from(u32::from(c) - u32::from('₀')).ok()?),

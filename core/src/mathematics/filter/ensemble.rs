@@ -144,7 +144,6 @@ pub(super) fn covariance(
     cov
 }
 
-/// The columns' distances from a point.
 fn about(sample: &Matrix, centre: &Vector) -> Matrix {
     let mut deviations = sample.clone();
     for element in deviations.as_mut_slice().chunks_exact_mut(centre.len()) {

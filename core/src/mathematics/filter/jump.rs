@@ -31,12 +31,10 @@ pub(crate) struct Jump {
     learnt: usize,
     /// The samples until a change can be found.
     blind: usize,
-    /// The samples since the last jump, if there was one.
     since: Option<usize>,
     /// a
     factor: f64,
     is_due: bool,
-    /// Whether the last prediction has widened P.
     pub(crate) has_widened: bool,
 }
 
@@ -59,7 +57,6 @@ const DEAD: usize = 50;
 /// Two jumps within this many samples say that the first was too small.
 const SOON: usize = 150;
 
-/// Limits a.
 const LARGEST_FACTOR: f64 = 4096.0;
 
 /// Limits the samples that the level is a mean of: later ones replace the first.

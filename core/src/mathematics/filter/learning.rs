@@ -11,7 +11,6 @@ pub(super) struct Learning {
     residuals: Residuals<f64>,
     /// K e
     shift: Vector,
-    /// The variance of each R by now.
     pub(super) uncertainty: Vec<f64>,
     /// The sample, and the time between samples \[s\].
     pub(super) sample: usize,

@@ -303,8 +303,7 @@ impl Linearisation {
         }
     }
 
-    /// Central differences. A step is a share of a standard deviation, within which h counts as linear, and large against the
-    /// rounding of the component.
+    /// Central differences over a share of a standard deviation, in which h counts as linear, and large against rounding.
     fn differences(&mut self, function: &Function, at: &Vector, std: impl Fn(usize) -> f64) {
         let Self { readings, jacobian, beside, there } = self;
         beside.clone_from(at);

@@ -202,9 +202,7 @@ impl Belief for Particles {
 }
 
 /// The square of the bandwidth of a normal kernel around each of `count` particles of n components, in the sample's standard
-/// deviations.
-///
-/// Source: Silverman (1986), *Density Estimation for Statistics and Data Analysis*, equation 4.14.
+/// deviations. Source: Silverman (1986), *Density Estimation for Statistics and Data Analysis*, equation 4.14.
 fn bandwidth_square(n: usize, count: usize) -> f64 {
     let n = n as f64;
     libm::pow(4.0 / ((n + 2.0) * count as f64), 2.0 / (n + 4.0)).min(1.0)

@@ -93,8 +93,7 @@ static GATE: RobustInfo = RobustInfo {
     weight: |misfit| if misfit.predicted <= GATE_LIMIT * GATE_LIMIT { 1.0 } else { 0.0 },
 };
 
-/// The residual from which on a measurement pulls with constant force, in standard deviations of the sensor. With normal
-/// noise the estimate is 95 % as precise as one without weights.
+/// A larger residual, in σ of the sensor, pulls with constant force; under normal noise 95 % of the precision is left.
 const HUBER_LIMIT: f64 = 1.345;
 
 static HUBER: RobustInfo = RobustInfo {

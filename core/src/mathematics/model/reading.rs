@@ -8,11 +8,8 @@ use crate::mathematics::quantity::Term;
 /// The reading of a sensor, in places of a model's state.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reading {
-    /// Components with their factors.
     pub(crate) components: Vec<(usize, f64)>,
-    /// Rates of components with their factors.
     pub(crate) rates: Vec<(usize, f64)>,
-    /// The factor of the ground's acceleration.
     pub(crate) ground: f64,
     /// The component, if the reading is one component with the factor 1 and nothing else.
     pub(crate) component: Option<usize>,

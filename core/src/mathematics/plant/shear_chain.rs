@@ -69,7 +69,6 @@ impl Channel {
     }
 }
 
-/// The most components that a chain can have.
 const MOST: usize = 3 * MAX_MASSES + 1;
 
 /// The channels of the longest chain; a chain of m masses uses the first `3 m + 1`.

@@ -34,14 +34,12 @@ impl ErrorSums {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TrackedChannel {
     pub(crate) channel: Channel,
-    /// The place among the filter's channels.
     pub(crate) place: usize,
     /// The place in the record.
     pub(crate) truth: usize,
     pub(crate) total: ErrorSums,
     /// The first absolute error, kept or not; 0 before the first.
     pub(crate) first_error: f64,
-    /// The largest absolute truth so far, kept or not.
     pub(crate) largest_truth: f64,
     /// The sample, from the run's beginning, since which the error is within [`SETTLED`]; the next one if the last is not.
     pub(crate) settled: usize,
@@ -61,7 +59,6 @@ impl TrackedChannel {
         })
     }
 
-    /// The error of a mean in the filter's own form.
     #[inline]
     pub(crate) fn error(&self, mean: &[f64], sign: f64, truth: f64) -> f64 {
         mean[self.place] - if self.channel.is_mirrored() { sign * truth } else { truth }
@@ -98,7 +95,6 @@ pub(crate) fn sign_of(mean: &[f64], frequency: Option<usize>) -> f64 {
     if frequency.is_some_and(|place| mean[place] < 0.0) { -1.0 } else { 1.0 }
 }
 
-/// The errors of the channels of known truth, in canonical form.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Accuracy {
     pub(super) known: Vec<TrackedChannel>,
@@ -109,8 +105,7 @@ pub(super) struct Accuracy {
     squares: RangeSums,
     /// The numbers of samples up to each with a known truth, and with the truth inside ±2σ: one a known channel and sample.
     counts: Vec<(u32, u32)>,
-    /// The errors of the last samples in the filter's own form, a row for each, and the sign that makes mirrored
-    /// channels of the last sample canonical.
+    /// The errors of the last samples, a row each, in the filter's own form, and the sign that makes the last ones canonical.
     errors: Vec<f64>,
     sign: f64,
 }

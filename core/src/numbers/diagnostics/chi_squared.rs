@@ -126,9 +126,8 @@ pub(super) fn inverse(a: f64, p: f64) -> f64 {
     x
 }
 
-/// The normal number that is exceeded with probability `p` ≤ 0.5, to 5e-4.
-///
-/// Source: Abramowitz and Stegun (1964), *Handbook of Mathematical Functions*, equation 26.2.23.
+/// The normal number that is exceeded with probability `p` ≤ 0.5, to 5e-4. Source: Abramowitz and Stegun (1964), *Handbook of
+/// Mathematical Functions*, equation 26.2.23.
 fn normal_quantile(p: f64) -> f64 {
     let t = (-2.0 * libm::log(p)).sqrt();
     let above = 2.515_517 + t * (0.802_853 + t * 0.010_328);
@@ -136,9 +135,8 @@ fn normal_quantile(p: f64) -> f64 {
     t - above / below
 }
 
-/// `xᵃ e⁻ˣ / Γ(a + 1)`, without the cancellation of its logarithms.
-///
-/// Source: Loader (2000), *Fast and accurate computation of binomial probabilities*.
+/// `xᵃ e⁻ˣ / Γ(a + 1)`, without the cancellation of its logarithms. Source: Loader (2000), *Fast and accurate computation of
+/// binomial probabilities*.
 fn power(a: f64, x: f64) -> f64 {
     libm::exp(-stirling_error(a) - deviance(a, x)) / (TAU * a).sqrt()
 }
@@ -172,9 +170,8 @@ fn stirling_error(a: f64) -> f64 {
         / a
 }
 
-/// `P(a, x) Γ(a + 1) / (xᵃ e⁻ˣ) = Σ xⁿ / ((a + 1) … (a + n))`.
-///
-/// Source: Press, Teukolsky, Vetterling and Flannery (2007), *Numerical Recipes*, section 6.2.
+/// `P(a, x) Γ(a + 1) / (xᵃ e⁻ˣ) = Σ xⁿ / ((a + 1) … (a + n))`. Source: Press, Teukolsky, Vetterling and Flannery (2007),
+/// *Numerical Recipes*, section 6.2.
 fn series(a: f64, x: f64) -> f64 {
     let (mut term, mut sum, mut factor) = (1.0, 1.0, a);
     for _ in 0..MOST_TERMS {
@@ -188,9 +185,8 @@ fn series(a: f64, x: f64) -> f64 {
     sum
 }
 
-/// `Q(a, x) Γ(a) / (xᵃ e⁻ˣ)` as a continued fraction, by Lentz's method.
-///
-/// Source: Press, Teukolsky, Vetterling and Flannery (2007), *Numerical Recipes*, sections 5.2 and 6.2.
+/// `Q(a, x) Γ(a) / (xᵃ e⁻ˣ)` as a continued fraction, by Lentz's method. Source: Press, Teukolsky, Vetterling and Flannery
+/// (2007), *Numerical Recipes*, sections 5.2 and 6.2.
 fn fraction(a: f64, x: f64) -> f64 {
     let mut partial = x + 1.0 - a;
     let mut c = f64::INFINITY;
@@ -211,7 +207,6 @@ fn fraction(a: f64, x: f64) -> f64 {
     value
 }
 
-/// A number that can be divided by.
 fn not_zero(value: f64) -> f64 {
     if value.abs() < f64::MIN_POSITIVE { f64::MIN_POSITIVE } else { value }
 }

@@ -98,9 +98,8 @@ impl Totals {
     /// Σ_(k-w<i≤k) = Σ_(k-w<i<s) + Σ_(s≤i≤k),  s = w ⌊k/w⌋
     /// ```
     ///
-    /// Both sums grow by one term a sample, backwards and forwards from s, so that no term outside a window enters it.
-    ///
-    /// Source: van Herk (1992), A fast algorithm for local minimum and maximum filters on rectangular and octagonal kernels.
+    /// Both sums grow by one term a sample, backwards and forwards from s, so that no term outside a window enters it. Source:
+    /// van Herk (1992), A fast algorithm for local minimum and maximum filters on rectangular and octagonal kernels.
     pub(super) fn moving_means(&self, window: usize, range: Range<usize>) -> Vec<f64> {
         // A longer window has no more samples.
         let (squares, window) = (self.squares.rows(), window.min(range.end).max(1));
@@ -136,7 +135,6 @@ impl Totals {
         until(end) - until(start)
     }
 
-    /// The total over the part of `range` that exists.
     pub(super) fn within(&self, range: Range<usize>) -> Total {
         let end = range.end.min(self.counts.len());
         let start = range.start.min(end);
@@ -182,7 +180,6 @@ impl Likelihood {
         }
     }
 
-    /// The sum over all samples; `nis` is the sum of their NIS.
     pub(crate) fn value(self, nis: Total) -> f64 {
         match self {
             Self::Gaussian { .. } if nis.degrees == 0 => 0.0,
@@ -203,7 +200,6 @@ const BLOCK: usize = 16;
 #[derive(Clone, Debug, Default)]
 pub(super) struct RangeSums {
     width: usize,
-    /// Rows until the next block is complete.
     missing: usize,
     /// The rows, then blocks of rows, then blocks of these, each row by row.
     levels: Vec<Vec<f64>>,

@@ -8,7 +8,6 @@ use crate::mathematics::linalg::{Ldl, Matrix, Vector};
 use crate::mathematics::model::{Hold, Reading};
 use crate::samples::simulate::response::{HALVED, Response};
 
-/// The readings from which the motion at the beginning is fitted.
 const BEGINNING: usize = 50;
 
 /// Limits the iterations of the fit; for a linear plant the first is exact.
@@ -18,9 +17,7 @@ pub(super) struct Beginning {
     pub(super) part: Range<usize>,
     /// A size of each sensor's readings, so that those of all sensors count alike.
     scales: Vec<f64>,
-    /// The motion at the first sample so far.
     pub(super) motion: Vec<f64>,
-    /// The number of readings.
     rows: usize,
     error: Option<Vector>,
     /// The changes of the error with each component of the motion, for the components done in this iteration.
@@ -109,12 +106,10 @@ impl Beginning {
         Some(motion)
     }
 
-    /// The difference over which the next column is taken.
     fn step(&self) -> f64 {
         1e-6 * (1e-3 + self.motion.get(self.columns.len()).map_or(0.0, |value| value.abs()))
     }
 
-    /// The change of the motion that minimises the error.
     fn change(&self) -> Option<Vector> {
         let (jacobian, error) = (Matrix::from_columns(&self.columns), self.error.as_ref()?);
         if !jacobian.norm_squared().is_finite() || !error.norm_squared().is_finite() {
@@ -157,7 +152,6 @@ impl Beginning {
     }
 }
 
-/// Whether a sensor has read something that the model knows at sample `k`.
 fn has(record: &Record, readings: &[Option<Reading>], k: usize, sensor: usize) -> bool {
     readings[sensor].is_some() && !record.measured(sensor)[k].is_nan()
 }
@@ -189,7 +183,6 @@ pub(super) struct Course {
 }
 
 impl Course {
-    /// The motion from a state: the values of the first channels.
     pub(super) fn new(identified: &Identified, motion: &[f64]) -> Self {
         let mut values = identified.values.clone();
         values[..motion.len()].copy_from_slice(motion);
@@ -197,7 +190,6 @@ impl Course {
         Self { response: Response::new(state.iter().copied()), goes_on: true }
     }
 
-    /// The state, as long as it is finite.
     pub(super) fn state(&self) -> Option<&[f64]> {
         let state = self.response.state();
         (self.goes_on && state.iter().all(|value| value.is_finite())).then_some(state)

@@ -24,7 +24,6 @@ struct Tracked<T> {
     recent_known: T,
     largest_truth: T,
     first_error: T,
-    /// The last error, in canonical form.
     error: T,
     initial_variance: T,
 }
@@ -178,7 +177,6 @@ impl<T: Number> Scores<T> {
         Look { nees, nis, channels }
     }
 
-    /// The outcome of a lane after the last sample, without looks.
     pub(super) fn outcome(&self, lane: usize, stop: Option<Stop>) -> Outcome {
         let sums: Vec<_> = self.tracked.iter().map(|tracked| (tracked.channel, self.sums(tracked, lane))).collect();
         let nis = self.nis.total(lane);
@@ -292,7 +290,6 @@ impl<T: Number> LogProducts<T> {
         }
     }
 
-    /// Adds other sums, and makes them empty.
     pub(super) fn absorb(&mut self, other: &mut Self) {
         let Self { product, taken } = other;
         // A product is in the range of factors.

@@ -137,12 +137,10 @@ impl<T: Number> InUnits<T> {
 
 struct Batch<T: Number, L> {
     level: L,
-    /// The number of lanes that count.
     count: usize,
     filter: Filter<T>,
     in_units: Option<InUnits<T>>,
     scores: Scores<T>,
-    /// One in each lane with a stopped filter.
     stopped: T,
     of_parts: LogProducts<T>,
     outcomes: Vec<Option<Outcome>>,
@@ -188,7 +186,6 @@ impl<T: Number, L: Level> Batch<T, L> {
         self.finish()
     }
 
-    /// One step of all filters. Returns whether any goes on.
     fn step(&mut self, forces: [T; 2], measured: &[T], k: usize) -> bool {
         let Some(told) = self.advance(1.0, forces, forces[1], measured, k) else { return false };
         let Self { level, scores, filter, .. } = self;

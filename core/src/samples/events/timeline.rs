@@ -33,11 +33,9 @@ pub(super) struct Timeline {
     hold: Hold,
     /// Events are kept for this time \[s\].
     kept: f64,
-    /// The last force before the oldest event, with its time.
     before: Option<(f64, f64)>,
 }
 
-/// Limits the events that are kept.
 const MOST: usize = 1 << 16;
 
 impl Timeline {

@@ -10,7 +10,6 @@ pub(crate) struct Guesses {
     /// The log likelihood of each filter, and the amount by which it was below the likeliest at the last check.
     each: Vec<[f64; 2]>,
     leader: usize,
-    /// The measured samples so far.
     measured: usize,
 }
 

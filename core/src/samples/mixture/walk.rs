@@ -26,7 +26,6 @@ pub(crate) struct Walk {
     weights: [f64; 2],
     /// p, from a row to a column.
     transition: [[f64; 2]; 2],
-    /// Whether it is more probable that the parameters walk, and whether that is new.
     is_walking: bool,
     has_begun: bool,
     has_samples: bool,

@@ -15,11 +15,9 @@ const RECORD_CHUNK: usize = 500;
 /// The parts of a run that another scenario changes. The run stays as it is until [`Self::apply`].
 pub(crate) struct Revision {
     recording: Option<Recording>,
-    /// The number of samples of the whole record.
     pub(crate) samples: usize,
     /// The filters; unchanged ones are empty places.
     pub(crate) bank: Bank,
-    /// For each unchanged filter, its place in the run.
     pub(crate) kept: Vec<Option<usize>>,
     /// The places of the changed filters, from the cheapest step to the costliest.
     pub(crate) order: Vec<usize>,
@@ -88,7 +86,6 @@ impl Revision {
         self.bank.passes[place].done()
     }
 
-    /// Leaves the filters at these places to the caller.
     pub(crate) fn leave(&mut self, places: Vec<usize>) {
         self.away = places;
     }
@@ -114,8 +111,7 @@ impl Revision {
         }
     }
 
-    /// First the record (`record` is the run's, for one that does not change), then the filters. Returns early if `while_time`,
-    /// called after each small piece of work, is false. Returns whether all is done.
+    /// First the record (`record` is the run's if it stays), then the filters, while `while_time`. Returns whether all is done.
     pub(crate) fn advance_to(&mut self, samples: usize, record: &Record, while_time: &mut dyn FnMut() -> bool) -> bool {
         let Self { recording, samples: all, bank, order, away, .. } = self;
         let goal = samples.min(*all);
@@ -176,7 +172,6 @@ impl Revision {
     }
 }
 
-/// Whether another scenario gives the filters of a run the same input and measurements.
 fn same_filters(run: &Run, scenario: &Scenario) -> bool {
     let without_filters = |scenario: &Scenario| Scenario { filters: Vec::new(), ..scenario.clone() };
     let before = run.scenario();

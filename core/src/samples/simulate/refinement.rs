@@ -12,7 +12,6 @@ const ACCURACY: f64 = 3e-12;
 /// After a failed integration, the plant counts as diverged if its state is this many times as large as ever before.
 const RUNAWAY: f64 = 100.0;
 
-/// Limits the times that the steps of one sample are halved.
 const MOST: u64 = 4096;
 
 pub(super) struct Motion<'a> {
@@ -38,7 +37,6 @@ impl Motion<'_> {
 }
 
 /// A step under way: the sample is divided into parts that are halved until the difference of one step to two is small enough.
-///
 /// Source: Hairer, Nørsett and Wanner (1993), *Solving Ordinary Differential Equations I*, section II.4.
 #[derive(Default)]
 pub(super) struct Refinement {
@@ -46,14 +44,10 @@ pub(super) struct Refinement {
     pub(super) state: Vec<f64>,
     /// Where the part begins and its length, as shares of the sample.
     part: (f64, f64),
-    /// The result of one step over the part.
     coarse: Vec<f64>,
-    /// The results of two steps over its halves.
     middle: Vec<f64>,
     fine: Vec<f64>,
-    /// The parts after this one, the next one last.
     rest: Vec<(f64, f64)>,
-    /// The number of times that steps have been halved.
     pub(super) halved: u64,
     method: RungeKutta,
 }

@@ -30,8 +30,7 @@ impl Forward {
         Some(Self { pass, sink: Passages::default(), hindsight: Hindsight::new(settings, context) })
     }
 
-    /// The belief after the next sample, and the passages to it, one after the other: none for the first one, where the filter
-    /// begins.
+    /// The belief after the next sample, and the passages to it in order: none for the first one, where the filter begins.
     pub(crate) fn filter(&mut self, record: &Record) -> Result<(Gaussian, Vec<Passage>), Stop> {
         let Self { pass, sink, .. } = self;
         pass.follow(record, pass.done() + 1, sink);

@@ -23,11 +23,8 @@ pub(crate) struct FixedInterval {
 
 #[derive(Clone, Copy)]
 enum Stage {
-    /// The filter is under way.
     Forth,
-    /// The samples before this one are to be smoothed.
     Back(usize),
-    /// The samples from this one on are to be written down.
     Report(usize),
 }
 
@@ -37,7 +34,6 @@ impl FixedInterval {
         Self { forward, beliefs, passages, adjoint: Adjoint::nothing(0), stop: None, stage: Stage::Forth }
     }
 
-    /// Smooths sample `k`, after sample `k + 1`.
     fn smooth(&mut self, k: usize) {
         let Self { beliefs, passages, adjoint, .. } = self;
         if k + 1 == passages.len() {

@@ -17,7 +17,6 @@ use crate::samples::passage::{Adjoint, Passage, Update, congruence};
 use crate::samples::waste::Piecewise;
 use crate::{Estimates, Record, Stop};
 
-/// Smooths each sample with the readings of the next `lag` samples.
 pub(crate) struct FixedLag {
     forward: Forward,
     lag: usize,
@@ -34,7 +33,6 @@ impl FixedLag {
         Self { forward, lag, beliefs: VecDeque::new(), reported: 0, window: Window::default(), stop: None }
     }
 
-    /// Reports the oldest sample. A sample that the estimates have forgotten is left out.
     fn report(&mut self, estimates: &mut Estimates) {
         let Some(mut belief) = self.beliefs.pop_front() else { return };
         if self.reported >= estimates.forgotten() {
@@ -137,9 +135,7 @@ impl WayBack {
 struct Window {
     /// For each of the older passages, the way back from the last of them over all to it; the oldest is the last.
     older: Vec<WayBack>,
-    /// Each of the newer passages.
     newer: Vec<WayBack>,
-    /// The way back over all newer passages.
     over_newer: Option<WayBack>,
 }
 

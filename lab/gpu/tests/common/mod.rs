@@ -11,7 +11,6 @@ static GPU: LazyLock<Gpu> = LazyLock::new(|| match pollster::block_on(Gpu::find(
     Err(error) => panic!("these tests need a Vulkan driver, such as Mesa's lavapipe: {error}"),
 });
 
-/// An adapter: a program where there is no graphics processor.
 pub(crate) fn gpu() -> &'static Gpu {
     &GPU
 }
@@ -27,7 +26,6 @@ pub(crate) struct Tally {
     /// Those of them that are to be close, and those that are.
     pub(crate) kept: usize,
     pub(crate) close: usize,
-    /// The worst difference of a score.
     pub(crate) worst: (f64, String),
 }
 

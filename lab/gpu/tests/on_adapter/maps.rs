@@ -23,7 +23,6 @@ fn scenario(kind: &str, samples: usize) -> Scenario {
     scenario
 }
 
-/// A map with all scores that sums give.
 fn map(scenario: Scenario, axes: &[String]) -> Arc<Runner> {
     let axes = axes.iter().map(|text| Axis::parse(text).unwrap()).collect();
     let measures = Measure::of_sums(&kalmanscope_lab::channels(&scenario, &[0]));
@@ -245,7 +244,6 @@ fn with_guesses(mut scenario: Scenario, kind: FilterKind) -> Vec<Scenario> {
     (0..FILTERS).map(guess).collect()
 }
 
-/// Compares the filters of scenarios over their record, which is that of the first.
 fn tally(name: &str, scenarios: &[Scenario]) -> Tally {
     let record = simulate(&scenarios[0]);
     let run = |scenario| GpuRun { scenario, place: 0, record: &record };
@@ -311,7 +309,6 @@ fn equations_have_the_scores_of_the_processor() {
     }
 }
 
-/// An input that is linear between samples, with a gain, an offset and a bias of a sensor, accelerations, and a CKF.
 #[test]
 fn surroundings_of_a_plant_are_served() {
     let quantities: Vec<Quantity> = vec![Quantity::DISPLACEMENT, Quantity::ACCELERATION];
@@ -329,7 +326,6 @@ fn surroundings_of_a_plant_are_served() {
     }
 }
 
-/// A force that is another one at each sample, or in the middle between samples.
 #[test]
 fn white_forces_are_served() {
     for (kind, hold) in [(FilterKind::EKF, Hold::First), (FilterKind::UKF, Hold::Zero)] {
@@ -359,7 +355,6 @@ fn filters_that_are_lost_are_lost_on_both() {
     }
 }
 
-/// Parts of a step, and parameters that decay.
 #[test]
 fn settings_of_a_filter_are_served() {
     for kind in KINDS {

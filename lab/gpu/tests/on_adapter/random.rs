@@ -9,7 +9,6 @@ use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::{Config, RngSeed, TestRunner};
 
-/// The scenarios of a test, and the number of filters in each.
 const SCENARIOS: usize = 40;
 const FILTERS: usize = 12;
 
@@ -17,7 +16,6 @@ fn zero_or(exponents: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
     prop_oneof![1 => Just(0.0), 5 => size(exponents)]
 }
 
-/// A filter of a kind for a plant of these parameters. A KF knows them.
 fn filter(kind: FilterKind, sensors: usize, [frequency, damping]: [f64; 2]) -> impl Strategy<Value = FilterSettings> {
     (
         prop_oneof![Just(1.0), 1.0..1.02],

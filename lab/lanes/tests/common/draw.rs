@@ -4,7 +4,6 @@ use kalmanscope_core::channel::augment;
 use kalmanscope_core::filter::{Adaptation, Robust};
 use kalmanscope_core::{Channel, FilterKind, FilterSettings, Hold, InputKind, PlantKind, Quantity, Scenario, Signal};
 
-/// Numbers that look random, the same for the same seed.
 pub(crate) struct Draw(pub(crate) u64);
 
 impl Draw {
@@ -50,8 +49,7 @@ pub(crate) fn truth(plant: PlantKind, quantities: &[Quantity], augment: &[Channe
     scenario
 }
 
-/// An ensemble of filters over one truth. Some lanes are wild: too fast for the step, certain of a component, or sure of sensors
-/// that contradict each other.
+/// Filters over one truth; some are too fast for the step, certain of a component, or sure of sensors that contradict.
 pub(crate) fn ensemble(seed: u64) -> Scenario {
     let mut draw = Draw(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15));
     draw.below(2);

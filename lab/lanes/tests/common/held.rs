@@ -5,14 +5,12 @@ use kalmanscope_core::score::Outcome;
 use kalmanscope_core::{Record, Scenario};
 use kalmanscope_lanes::{LaneRun, Level, outcomes_with};
 
-/// The outcome by the engine over plain numbers.
 fn single(run: &LaneRun<'_>, samples: &[usize]) -> Outcome {
     let setup = Setup::new(run.scenario, run.place, run.record).unwrap().unwrap();
     let run = engine::Run { setup: &setup, record: run.record };
     engine::outcomes::<f64, _>(Baseline, &[run], samples).remove(0)
 }
 
-/// Holds every lane at every instruction set to the same filter over plain numbers. Returns their outcomes.
 pub(crate) fn check(runs: &[LaneRun<'_>], what: &str) -> Vec<Outcome> {
     let last = runs[0].record.len() - 1;
     let samples = [0, 0, 1, 2, last / 3, last / 2, last, last, last + 3];
@@ -27,7 +25,6 @@ pub(crate) fn check(runs: &[LaneRun<'_>], what: &str) -> Vec<Outcome> {
     singles
 }
 
-/// Holds the lanes of a scenario's filters to their runs alone. Returns how many were compared.
 pub(crate) fn check_alone(scenario: &Scenario, record: &Record, what: &str) -> usize {
     let runs: Vec<LaneRun<'_>> = (0..scenario.filters.len()).map(|place| LaneRun { scenario, place, record }).collect();
     for (place, lane) in outcomes_with(Level::best(), &runs, &[]).unwrap().iter().enumerate() {

@@ -7,7 +7,6 @@ use kalmanscope_core::{
 };
 use kalmanscope_lanes::{LANES, LaneRun, Level, outcomes_with};
 
-/// A filter over a simulated record, alone or eight side by side.
 pub(crate) struct Case {
     pub(crate) name: String,
     scenario: Scenario,
@@ -15,7 +14,6 @@ pub(crate) struct Case {
     pub(crate) level: Option<Level>,
 }
 
-/// The cases with all of these words in their names.
 pub(crate) fn chosen(words: &[String]) -> Vec<Case> {
     let mut cases = all();
     cases.retain(|case| words.iter().all(|word| case.name.split([' ', ',']).any(|other| other == word)));
@@ -69,7 +67,6 @@ fn built_in(kind: PlantKind) -> Scenario {
     scenario
 }
 
-/// The same with an unknown gain of an input that is not held.
 fn with_gain(mut scenario: Scenario) -> Scenario {
     scenario.hold = Hold::First;
     scenario.filters[0].augment = vec![Channel::INPUT_GAIN];
@@ -117,7 +114,6 @@ fn alone(scenario: &Scenario, record: &Record) {
     assert!(pass.stop().is_none() && sum.0 > 0.0, "{:?}", pass.stop());
 }
 
-/// The sum of the normalised innovations squared.
 struct Sum(f64);
 
 impl Sink for Sum {

@@ -16,7 +16,6 @@ mod table;
 
 use std::process::ExitCode;
 
-/// The argument that starts the process to count.
 const WORK: &str = "--work";
 
 fn main() -> ExitCode {

@@ -10,7 +10,6 @@ use kalmanscope_lanes::Level;
 use crate::WORK;
 use crate::cases::Case;
 
-/// Limits the difference from the table, as a share.
 const TOLERANCE: f64 = 0.03;
 
 const UPDATE: &str = "CARGO_PROFILE_RELEASE_STRIP=false cargo test --locked --release -p kalmanscope-lanes --test instructions -- --update";
@@ -50,7 +49,6 @@ fn read() -> Result<(String, toml::Table), String> {
     }
 }
 
-/// Fails with the differences, and the remedy.
 pub(crate) fn compare(cases: &[Case], words: &[String], is_whole: bool) -> Result<(), String> {
     let (meant, table) = read()?;
     let counts = count(words)?;

@@ -38,7 +38,6 @@ impl Track {
         self.times.len() - self.taken
     }
 
-    /// Returns whether its time is new.
     pub(super) fn put(&mut self, time: f64, value: f64) -> bool {
         let place = self.times.partition_point(|other| *other < time);
         let is_new = self.times.get(place) != Some(&time);
@@ -67,7 +66,6 @@ impl Track {
         value
     }
 
-    /// What the reading at a place changes until a time.
     fn shift(&self, place: usize, to: f64, side: usize) -> f64 {
         let length = 2 * side + 1;
         if side == 0 || self.times.len() < length {

@@ -126,7 +126,6 @@ impl Act for Bias {
     }
 }
 
-/// Limits the delay, in samples.
 const MOST_SAMPLES: f64 = 100_000.0;
 
 pub(super) static LATE: FaultInfo = FaultInfo {
@@ -327,7 +326,6 @@ pub(super) static JITTER: FaultInfo = FaultInfo {
 struct Jitter {
     spread: f64,
     random: Normal,
-    /// The value before the last one, and the last one.
     last: [Option<f64>; 2],
 }
 

@@ -51,13 +51,11 @@ fn is_still(bad: &BadFilter<'_>) -> bool {
     sensors.peek().is_some() && sensors.all(|one| is_noise(one.sensor))
 }
 
-/// The least rise of the normalised squares that is a change.
 const RISE: f64 = 1.3;
 
 /// The weight of fading relative to a jump: fading also forgets information from before the change.
 const FADES: f64 = 0.9;
 
-/// Limits the probability that chance explains a change.
 const LEVEL: f64 = 1e-4;
 
 const FADING: [f64; 2] = [1.005, 1.02];
@@ -94,7 +92,6 @@ fn sudden_change(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
 /// The tried random walks over the record, relative to the parameters.
 const WALKS: [f64; 2] = [0.05, 0.3];
 
-/// Limits the number of parameters that are also tried one by one.
 const SINGLY: usize = 4;
 
 pub(super) static SLOW_DRIFT: Cause = Cause {
@@ -200,16 +197,12 @@ const MARGINS: (f64, f64) = (0.15, 0.03);
 /// Samples of a block. The dispersion of block means includes the correlation of successive squares.
 const BLOCK: usize = 20;
 
-/// The least number of blocks of each level.
 const FEWEST: usize = 2;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Change {
-    /// The first sample after it.
     at: usize,
-    /// How many times larger squares are from there on.
     rise: f64,
-    /// The probability that squares of constant size show as large a change somewhere.
     p_value: f64,
 }
 

@@ -9,16 +9,13 @@ use crate::mathematics::quantity::{Aspect, Quantity};
 const SCALE: f64 = 0.04;
 const LATE: f64 = 1.0;
 
-/// A fault must be so many of its standard deviations.
 const SURE: f64 = 5.0;
 
-/// Factors that differ by less than this share are the same.
 const ALIKE: f64 = 0.02;
 
 /// A σ that is so many times its first one leaves a sensor out.
 const SILENCE: f64 = 1000.0;
 
-/// A sensor that is late by less than this share of a step is in time.
 const IN_TIME: f64 = 0.1;
 
 /// The initial standard deviation of a gain, relative to the gain.
@@ -223,7 +220,6 @@ fn delay_of(bad: &BadFilter<'_>, own: usize, other: usize, steps: f64) -> f64 {
     if delay.abs() < IN_TIME { 0.0 } else { delay * dt }
 }
 
-/// The readings without those at the end of a sensor's range.
 fn without_ends(values: &[f64]) -> Vec<f64> {
     let ends = clipped_ends(values);
     values.iter().map(|value| if ends.contains(value) { f64::NAN } else { *value }).collect()

@@ -112,10 +112,8 @@ fn offset(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCaus
     found.push(LikelyCause::new(cause, weight, 1.0, edits, "a constant force acts that the record lacks".to_owned()));
 }
 
-/// The least share of a record in which the input must stand still.
 const STILL: f64 = 0.05;
 
-/// The least number of samples of such a part.
 const SAMPLES: usize = 20;
 
 /// The least share of the other samples in which the input must change: steps and trains of blows are constant by nature.
@@ -161,7 +159,6 @@ fn still(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause
     found.push(LikelyCause { certain: true, of_record: true, samples: Some(part), ..likely });
 }
 
-/// The longest part in which an input that moves elsewhere stands still, if it is long.
 fn still_part(input: &[f64]) -> Option<Range<usize>> {
     let (mut longest, mut start) = (0..0, 0);
     for end in 1..=input.len() {

@@ -19,7 +19,6 @@ const SILENCE: f64 = 100.0;
 /// If a variance was given in place of σ, innovations² are about 1/σ times what is expected; from this share of it on it is one.
 const MISTAKEN: f64 = 0.3;
 
-/// The least estimate of R, relative to R.
 const LEAST_R: f64 = 1e-4;
 
 pub(super) static SENSOR_NOISE: Cause = Cause {
@@ -30,9 +29,8 @@ pub(super) static SENSOR_NOISE: Cause = Cause {
     likely_causes: sensor_noise,
 };
 
-/// Matches covariances: the mean square of e is H P Hᵀ + R, whatever R was assumed.
-///
-/// Source: Mehra (1972), Approaches to adaptive filtering, section IV.
+/// Matches covariances: the mean square of e is H P Hᵀ + R, whatever R was assumed. Source: Mehra (1972), Approaches to
+/// adaptive filtering, section IV.
 fn sensor_noise(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
     let (case, assumed) = (bad.case, &bad.filter.sensor_std);
     let m = assumed.len();
@@ -106,7 +104,6 @@ fn far_by(level: f64) -> f64 {
     if size.is_nan() { 0.0 } else { size / (1.0 + size) }
 }
 
-/// The least ratio of a change of variance.
 const LEAST_CHANGE: f64 = 1.5;
 
 /// Limits the correlation at lag 1 of innovations that grew through noise alone.
@@ -146,11 +143,9 @@ fn changing_noise(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Li
 }
 
 struct Change {
-    /// The first of these parts, and the first one after them.
     parts: (usize, usize),
     /// The innovations² in the rest and in these parts, relative to their expectation.
     levels: (f64, f64),
-    /// The larger one over the smaller one.
     ratio: f64,
 }
 
@@ -298,9 +293,8 @@ pub(super) static PROCESS_NOISE: Cause = Cause {
     likely_causes: process_noise,
 };
 
-/// Uses the signs of the innovations' correlation.
-///
-/// Source: Mehra (1970), On the identification of variances and adaptive Kalman filtering.
+/// Uses the signs of the innovations' correlation. Source: Mehra (1970), On the identification of variances and adaptive Kalman
+/// filtering.
 fn process_noise(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
     let (case, filter) = (bad.case, bad.filter);
     let first = case.sensors.iter().map(|one| one.first_correlation(&case.kept).1);

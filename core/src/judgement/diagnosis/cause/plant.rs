@@ -139,14 +139,12 @@ struct Oscillator {
 
 struct Component {
     key: &'static str,
-    /// Its name, unit and sign, if it is a parameter.
     parameter: Option<[&'static str; 3]>,
     mean: f64,
     std: f64,
 }
 
 impl Oscillator {
-    /// The oscillator of a bad filter, if it is linear and its parameters are estimated.
     fn of(bad: &BadFilter<'_>) -> Option<Self> {
         let believed = bad.filter.plant.unwrap_or(bad.scenario.plant.kind);
         let (frequency, size) = (bad.frequency()?, bad.size());

@@ -194,7 +194,6 @@ fn ellipsoid(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
     });
 }
 
-/// Limits the ratio of the bound to σ.
 const BELOW_BOUND: f64 = 3.0;
 
 pub(super) static BOUND: Test = Test {

@@ -92,7 +92,6 @@ fn mean(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
     }
 }
 
-/// Limits the correlations that do no harm.
 const CORRELATED: f64 = 0.08;
 
 /// A first correlation smaller than this share of the largest one gives no direction.
