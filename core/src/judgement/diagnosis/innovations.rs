@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use super::parts::{self, AFTER, BEFORE, CROSS_LAGS, Chosen, GRANULE, LAGS, PARTS, Piece, Series, first_in, pieces};
 use super::periodogram::Periodogram;
+use crate::mathematics::lists::places;
 use crate::{Estimates, Quantity, Record};
 
 /// Limits normalised innovations, and the input over its root mean square, in correlations: one reading must not dominate.
@@ -86,10 +87,13 @@ pub(crate) struct Pair {
 }
 
 impl Pair {
-    /// All pairs of some series, over some ranges of them.
-    pub(super) fn of_all(series: &[Vec<f64>], ranges: &[Range<usize>]) -> Vec<Self> {
-        let places = |i: usize| (i + 1..series.len()).map(move |j| [i, j]);
-        (0..series.len()).flat_map(places).map(|places| Self::new(places, series, ranges)).collect()
+    /// All pairs of sensors but accelerometers, over some ranges of their series: a force that R stands for in an accelerometer moves the
+    /// other sensors a step later, which a white force in place of Q is tried for.
+    pub(super) fn of_all(sensors: &[SensorInnovations], series: &[Vec<f64>], ranges: &[Range<usize>]) -> Vec<Self> {
+        let of_force = [Quantity::ACCELERATION.aspect(), Quantity::TOTAL_ACCELERATION.aspect()];
+        let moving = places(series.len(), &|place| !of_force.contains(&sensors[place].sensor.aspect()));
+        let pairs = moving.iter().enumerate().flat_map(|(k, &i)| moving[k + 1..].iter().map(move |&j| [i, j]));
+        pairs.map(|places| Self::new(places, series, ranges)).collect()
     }
 
     fn new(places: [usize; 2], series: &[Vec<f64>], ranges: &[Range<usize>]) -> Self {

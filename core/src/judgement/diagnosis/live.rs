@@ -114,7 +114,7 @@ impl Kept {
         }
         if case.sensors.len() > 1 {
             let ranges: Vec<_> = ranges.iter().map(|of| of.start - window.start..of.end - window.start).collect();
-            case.pairs = Pair::of_all(&self.innovations.values(&window), &ranges);
+            case.pairs = Pair::of_all(&case.sensors, &self.innovations.values(&window), &ranges);
         }
         case
     }

@@ -248,13 +248,10 @@ pub(super) static COMMON_NOISE: Cause = Cause {
     likely_causes: common_noise,
 };
 
-/// Between sensors of displacement and velocity only: a force within a sample is felt by accelerometers at once, and not by these.
 fn common_noise(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>) {
     let case = bad.case;
-    let model = bad.filter.model(bad.scenario.plant.kind, bad.scenario.input);
-    let feels = |place: usize| model.reading(case.sensors[place].sensor).is_none_or(|reading| reading.is_of_rates());
     let is_white = |place: usize| case.sensors[place].autocorrelation(&case.kept).iter().all(|r| r.abs() < ALONE);
-    for pair in case.pairs.iter().filter(|pair| !pair.places.iter().any(|&place| feels(place))) {
+    for pair in &case.pairs {
         let r = pair.correlation[0][0] - case.expected_correlation(pair.places);
         let is_alone = pair.correlation.iter().all(|side| side[1..].iter().all(|other| other.abs() < ALONE));
         if r.abs() < COMMON || !is_alone || !pair.places.iter().all(|&place| is_white(place)) {
