@@ -210,6 +210,15 @@ pub(crate) struct Rooted<M> {
     pub is_finite: M,
 }
 
+impl<M: Mask> Rooted<M> {
+    /// Of one root and a later one.
+    #[inline(always)]
+    pub(super) fn and(self, later: Self) -> Self {
+        let is_finite = self.is_finite & (!self.holds | later.is_finite);
+        Self { holds: self.holds & later.holds, is_finite }
+    }
+}
+
 /// The lower triangular root of a symmetric n × n matrix. A variance that is zero to rounding gives a column of zeros, so that
 /// a component known for certain stays so.
 ///

@@ -135,37 +135,45 @@ impl<T: Number> Filter<T> {
         let [begin, end] = forces;
         let whole = Step { forces: [begin, if has_slope { end } else { begin }], has_slope, dt: dt * share };
         let (parts, renewed) = white.map_or((substeps, 0), |(_, course)| course.steps(substeps));
-        let yes = T::Mask::of(true);
-        let mut held = Rooted { holds: yes, is_finite: yes };
-        for i in 0..parts {
-            let step = if parts == 1 { whole } else { whole.part(i, parts) };
-            self.note_regression(level, &step);
-            let rooted = self.advance(level, &step);
-            self.note_derivative();
-            held = Rooted {
-                holds: held.holds & rooted.holds,
-                is_finite: held.is_finite & (!held.holds | rooted.is_finite),
-            };
-            let rooted = self.spread(level, share, i + 1 == parts);
-            held.holds = held.holds & rooted.holds;
-            held.is_finite = held.is_finite & rooted.is_finite;
-            if let Some((place, _)) = white.filter(|_| i + 1 == renewed) {
-                let Self { belief, root, white, .. } = self;
-                match root {
-                    Some(root) if const { may_have_root::<T, L>() } => root.renew(level, belief, place, *white),
-                    _ => belief.renew(place, *white),
-                }
-                if let Some(passage) = &mut self.update.passage {
-                    passage.renew(place);
-                }
-            }
+        let first = if parts == 1 { whole } else { whole.part(0, parts) };
+        self.held.predicted = self.carry_part(level, share, &first, parts == 1, renewed == 1);
+        // Apart from the first one, so that a step of one part has no loop.
+        for i in 1..parts {
+            let before = self.held.predicted;
+            let rooted = self.carry_part(level, share, &whole.part(i, parts), i + 1 == parts, i + 1 == renewed);
+            self.held.predicted = before.and(rooted);
         }
-        self.held.predicted = held;
         if let Some(mut passage) = self.update.passage.take() {
             self.square();
             passage.predicted.copy_from_slice(&self.belief.cov);
             self.update.passage = Some(passage);
         }
+    }
+
+    #[inline(always)]
+    fn carry_part<L: Level>(
+        &mut self,
+        level: L,
+        share: f64,
+        step: &Step<T>,
+        is_last: bool,
+        renews: bool,
+    ) -> Rooted<T::Mask> {
+        self.note_regression(level, step);
+        let rooted = self.advance(level, step);
+        self.note_derivative();
+        let rooted = rooted.and(self.spread(level, share, is_last));
+        if let Some((place, _)) = self.design.white.filter(|_| renews) {
+            let Self { belief, root, white, .. } = self;
+            match root {
+                Some(root) if const { may_have_root::<T, L>() } => root.renew(level, belief, place, *white),
+                _ => belief.renew(place, *white),
+            }
+            if let Some(passage) = &mut self.update.passage {
+                passage.renew(place);
+            }
+        }
+        rooted
     }
 
     /// Notes the step that is about to be taken by sigma points, for the smoother.

@@ -5,11 +5,11 @@ mod descent;
 use descent::Descent;
 
 use super::belief::{Belief, Noise};
-use super::columns::{add_times, divide, factor, square, subtract_products, take_times};
+use super::columns::{add_times, divide, factor, mirror, square, subtract_products, take_times};
 use super::design::{Design, Method};
 use super::expected::{Expected, select_column};
 use super::fault::Held;
-use super::level::{Count, Exactly, Level};
+use super::level::{Baseline, Count, Exactly, Level};
 use super::model::Model;
 use super::number::{Mask, Number};
 use super::passage::Passage;
@@ -115,12 +115,9 @@ impl<T: Number> Update<T> {
         held: &mut Held<T::Mask>,
     ) -> Told<T> {
         let active = &mut self.active;
-        let mut count = 0;
-        for value in observation.measured {
-            count += usize::from(!(!value.is_number()).all());
-        }
-        let is_whole = count == observation.measured.len() && active.len() == count;
-        if !is_whole {
+        let measured = observation.measured;
+        let is_whole = measured.iter().all(|value| !(!value.is_number()).all());
+        if !is_whole || active.len() != measured.len() {
             gather(active, observation.measured);
         }
         if active.is_empty() {
@@ -302,6 +299,9 @@ impl<T: Number> Update<T> {
         white[..m].copy_from_slice(&innovation[..m]);
         let nis = square(lower, m, &mut white[..m]);
         (held.factored, held.is_likely) = (factored, nis.is_finite());
+        if const { T::LANES == 1 } {
+            mirror(Baseline, &mut innovation_cov[..m * m], m);
+        }
         [nis, determinant]
     }
 
@@ -356,16 +356,11 @@ impl<T: Number> Update<T> {
         &mut self.gain[..m * n]
     }
 
-    /// e, m numbers; S, m × m, only its lower triangle; K, n × m.
+    /// e, m numbers; S, m × m, in lanes only its lower triangle; K, n × m.
     pub(crate) fn parts(&self) -> [&[T]; 3] {
         let m = self.active.len();
         let n = self.expected.size();
         [&self.innovation[..m], &self.innovation_cov[..m * m], &self.gain[..m * n]]
-    }
-
-    pub(crate) fn complete(&mut self) {
-        let m = self.active.len();
-        super::columns::mirror(super::level::Baseline, &mut self.innovation_cov[..m * m], m);
     }
 
     /// H, m × n, written over `out`; false if there is none.

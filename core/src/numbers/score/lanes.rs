@@ -221,8 +221,14 @@ impl<T: Number, L: Level> Batch<T, L> {
     /// Predicts over a share of the step to sample `k`, and updates under `force`. Returns `None` if no filter goes on.
     #[inline(never)]
     fn advance(&mut self, share: f64, forces: [T; 2], force: T, measured: &[T], k: usize) -> Option<Told<T>> {
-        self.filter.predict_share(self.level, share, forces);
-        let mut told = self.filter.update(self.level, force, measured);
+        let Self { level, filter, .. } = self;
+        let mut told = level.apart(
+            #[inline(always)]
+            || {
+                filter.predict_share(*level, share, forces);
+                filter.update(*level, force, measured)
+            },
+        );
         let has_stopped = T::of(0.5).le(self.stopped);
         let mut fits = T::Mask::of(true);
         if let Some(in_units) = &mut self.in_units {
