@@ -99,7 +99,7 @@ impl CramerRao {
         for k in seen..end.min(record.len()) {
             if let Some(before) = k.checked_sub(1) {
                 move_to(&mut filter.belief.mean, before);
-                filter.predict(Baseline, [record.force(before), record.force(k)]);
+                filter.predict_share(Baseline, 1.0, [record.force(before), record.force(k)]);
                 move_to(&mut filter.belief.mean, k);
                 for (value, column) in sample.iter_mut().zip(&measured) {
                     *value = column.map_or(f64::NAN, |column| column[k]);
