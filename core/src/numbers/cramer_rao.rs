@@ -115,7 +115,7 @@ impl CramerRao {
                     filter.belief.mean = truth;
                 }
                 if !has_parts {
-                    filter.predict(Baseline, [force(before), force(k)]);
+                    filter.predict_share(Baseline, 1.0, [force(before), force(k)]);
                     move_to(&mut filter.belief.mean, k);
                     for (value, column) in sample.iter_mut().zip(&measured) {
                         *value = column.map_or(f64::NAN, |column| column[k]);

@@ -13,7 +13,7 @@ use crate::{Channel, FilterSettings};
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Plucks {
     /// In rising order \[s\].
-    times: Vec<f64>,
+    pub(super) times: Vec<f64>,
     /// Places in the state, and the variances that are added there.
     variances: Vec<(usize, f64)>,
 }

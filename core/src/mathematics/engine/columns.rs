@@ -79,42 +79,40 @@ pub(crate) fn apply<T: Number>(out: &mut [T], a: &[T], k: usize, x: impl Vector<
 }
 
 /// `out = Σ aₗ xₗ` of the first k columns of `rows` numbers, of each from row `first` on. It takes a few rows at a time, so that
-/// their sums stay in registers: two in lanes, four of a lone run.
+/// their sums stay in registers: two in lanes, eight or four of a lone run.
 #[inline(always)]
 pub(super) fn combine<T: Number>(out: &mut [T], a: &[T], [rows, first]: [usize; 2], k: usize, x: impl Vector<T>) {
     let mut done = 0;
     if const { T::LANES == 1 } {
-        while done + 4 <= out.len() {
-            combine_rows::<T, 4>(&mut out[done..done + 4], a, [rows, first + done], k, x);
-            done += 4;
-        }
+        combine_rows::<T, 8>(out, &mut done, a, [rows, first], k, x);
+        combine_rows::<T, 4>(out, &mut done, a, [rows, first], k, x);
     }
-    while done + 2 <= out.len() {
-        combine_rows::<T, 2>(&mut out[done..done + 2], a, [rows, first + done], k, x);
-        done += 2;
-    }
-    if done < out.len() {
-        combine_rows::<T, 1>(&mut out[done..=done], a, [rows, first + done], k, x);
-    }
+    combine_rows::<T, 2>(out, &mut done, a, [rows, first], k, x);
+    combine_rows::<T, 1>(out, &mut done, a, [rows, first], k, x);
 }
 
+/// R rows at a time, of those that are not done, while there are as many.
 #[inline(always)]
 fn combine_rows<T: Number, const R: usize>(
     out: &mut [T],
+    done: &mut usize,
     a: &[T],
     [rows, first]: [usize; 2],
     k: usize,
     x: impl Vector<T>,
 ) {
-    let mut sums = [x.number(0); R];
-    for (l, column) in a.chunks_exact(rows).take(k).enumerate() {
-        // The bounds are the same for all columns.
-        let (column, factor) = (&column[first..first + R], x.number(l));
-        for r in 0..R {
-            sums[r] = if l == 0 { column[r] * factor } else { sums[r] + column[r] * factor };
+    while *done + R <= out.len() {
+        let (mut sums, begin) = ([x.number(0); R], first + *done);
+        for (l, column) in a.chunks_exact(rows).take(k).enumerate() {
+            // The bounds are the same for all columns.
+            let (column, factor) = (&column[begin..begin + R], x.number(l));
+            for r in 0..R {
+                sums[r] = if l == 0 { column[r] * factor } else { sums[r] + column[r] * factor };
+            }
         }
+        out[*done..*done + R].copy_from_slice(&sums);
+        *done += R;
     }
-    out.copy_from_slice(&sums);
 }
 
 /// `out = A B` with A of `rows` rows and k columns.
@@ -128,8 +126,8 @@ pub(crate) fn multiply<T: Number>(out: &mut [T], a: &[T], b: &[T], rows: usize, 
 /// The same as a part of its caller, whose sizes the compiler may know.
 #[inline(always)]
 pub(crate) fn product<T: Number>(out: &mut [T], a: &[T], b: &[T], rows: usize, k: usize) {
-    for (out, b) in out.chunks_exact_mut(rows).zip(b.chunks_exact(k)) {
-        apply(out, a, k, b);
+    for (j, out) in out.chunks_exact_mut(rows).enumerate() {
+        apply(out, a, k, &b[j * k..][..k]);
     }
 }
 
@@ -155,37 +153,29 @@ pub(crate) fn norm<T: Number>(a: &[T], n: usize) -> T {
 /// ```
 #[inline(always)]
 pub(crate) fn congruence<T: Number>(rows: &[T], cov: &mut [T], half: &mut [T], n: usize, motion: usize) {
-    if const { T::LANES == 1 } && motion >= LONG {
-        long_congruence(rows, cov, half, n, motion);
-        return;
-    }
-    for j in 0..n {
-        apply(
-            &mut half[j * motion..(j + 1) * motion],
-            rows,
-            n,
-            #[inline(always)]
-            |k| entry(cov, n, k, j),
-        );
-    }
-    for j in 0..motion {
-        for i in j..motion {
-            let mut sum = half[i] * rows[j];
-            for k in 1..n {
-                sum = sum + half[k * motion + i] * rows[k * motion + j];
-            }
-            cov[j * n + i] = sum;
-        }
-        for i in motion..n {
-            cov[j * n + i] = half[i * motion + j];
-        }
+    match motion {
+        // The motion of four masses: known to the compiler, also where no size is.
+        8 if const { T::LANES == 1 } => congruence_of(rows, cov, half, n, 8),
+        _ => congruence_of(rows, cov, half, n, motion),
     }
 }
 
 #[inline(always)]
-fn long_congruence<T: Number>(rows: &[T], cov: &mut [T], half: &mut [T], n: usize, motion: usize) {
-    mirror(Baseline, cov, n);
-    multiply(half, rows, cov, motion, n);
+fn congruence_of<T: Number>(rows: &[T], cov: &mut [T], half: &mut [T], n: usize, motion: usize) {
+    if const { T::LANES == 1 } && motion >= LONG {
+        mirror(Baseline, cov, n);
+        multiply(half, rows, cov, motion, n);
+    } else {
+        for (j, half) in half.chunks_exact_mut(motion).enumerate() {
+            apply(
+                half,
+                rows,
+                n,
+                #[inline(always)]
+                |k| entry(cov, n, k, j),
+            );
+        }
+    }
     for j in 0..motion {
         let column = &mut cov[j * n..(j + 1) * n];
         combine(
@@ -208,6 +198,15 @@ pub(crate) struct Rooted<M> {
     pub holds: M,
     /// It has one, or lacks it because it is indefinite, not because a number is not finite.
     pub is_finite: M,
+}
+
+impl<M: Mask> Rooted<M> {
+    /// Of one root and a later one.
+    #[inline(always)]
+    pub(super) fn and(self, later: Self) -> Self {
+        let is_finite = self.is_finite & (!self.holds | later.is_finite);
+        Self { holds: self.holds & later.holds, is_finite }
+    }
 }
 
 /// The lower triangular root of a symmetric n × n matrix. A variance that is zero to rounding gives a column of zeros, so that

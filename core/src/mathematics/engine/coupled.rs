@@ -24,7 +24,7 @@ pub(super) struct Coupled<T> {
     masses: usize,
     /// w, the largest distance of a row of K and C from its column, of those that may differ from zero.
     reach: usize,
-    /// The bands of K and C, m numbers each.
+    /// The bands of K and C, column by column.
     stiffness: Vec<T>,
     damping: Vec<T>,
     /// `t² K` and `t C`
@@ -125,22 +125,20 @@ impl<T: Number> Coupled<T> {
             }
             level.apart(
                 #[inline(always)]
-                || self.sum(level, dt, with_slope, class),
+                || match self.count(level) {
+                    // Known to the compiler, also where no size is.
+                    4 => self.sum(4, dt, with_slope, class),
+                    m => self.sum(m, dt, with_slope, class),
+                },
             );
             if let Some(done) = done {
-                let is_shorter = size.le(T::of(CLASSES.upper(done)));
-                let parts = [&mut self.value, &mut self.integral, &mut self.second];
-                for (kept, part) in self.kept.iter().zip(parts) {
-                    for i in 0..part.len() {
-                        part[i] = T::select(is_shorter, kept[i], part[i]);
-                    }
-                }
+                CLASSES.restore(done, size, &self.kept, [&mut self.value, &mut self.integral, &mut self.second]);
             }
             done = Some(class);
         }
         level.apart(
             #[inline(always)]
-            || self.take_products(level),
+            || self.take_products(self.count(level)),
         );
     }
 
@@ -155,7 +153,8 @@ impl<T: Number> Coupled<T> {
             for l in j.saturating_sub(w)..m.min(j + w + 1) {
                 let (k, c) = (a[j * 2 * m + m + l], a[(m + j) * 2 * m + m + l]);
                 sums = [sums[0] + k.abs(), sums[1] + c.abs()];
-                (stiffness[(l + w - j) * m + j], damping[(l + w - j) * m + j]) = (k, c);
+                let at = j * (2 * w + 1) + l + w - j;
+                (stiffness[at], damping[at]) = (k, c);
             }
             norms = [norms[0].max(sums[0]), norms[1].max(sums[1])];
         }
@@ -165,13 +164,13 @@ impl<T: Number> Coupled<T> {
 
     /// Sums the series of a class over its part of the step, then doubles that part.
     #[inline(always)]
-    fn sum<L: Level>(&mut self, level: L, dt: f64, with_slope: bool, class: usize) {
+    fn sum(&mut self, m: usize, dt: f64, with_slope: bool, class: usize) {
         let doublings = Classes::<4>::doublings(class);
         let mut t = dt * libm::exp2(-(doublings as f64));
-        self.series(level, t, with_slope, TERMS[class.min(TERMS.len() - 1)]);
+        self.series(m, t, with_slope, TERMS[class.min(TERMS.len() - 1)]);
         for _ in 0..doublings {
-            self.take_products(level);
-            self.double(level, t, with_slope);
+            self.take_products(m);
+            self.double(m, t, with_slope);
             t *= 2.0;
         }
     }
@@ -180,8 +179,7 @@ impl<T: Number> Coupled<T> {
     /// h = t Σ cₙ/(n+1)!,  q = t² Σ cₙ/(n+2)!,  p = t³ Σ cₙ/(n+3)!,  cₙ₊₁ = cₙ C t + cₙ₋₁ K t²,  c₀ = I
     /// ```
     #[inline(always)]
-    fn series<L: Level>(&mut self, level: L, t: f64, with_slope: bool, count: usize) {
-        let m = self.count(level);
+    fn series(&mut self, m: usize, t: f64, with_slope: bool, count: usize) {
         let Self { reach, stiffness, damping, scaled, value, integral, second, terms, .. } = self;
         let ([by_stiffness, by_damping], [next, now, before], begin) = (scaled, terms, *reach * m);
         for i in 0..stiffness.len() {
@@ -217,8 +215,7 @@ impl<T: Number> Coupled<T> {
     }
 
     #[inline(always)]
-    fn take_products<L: Level>(&mut self, level: L) {
-        let m = self.count(level);
+    fn take_products(&mut self, m: usize) {
         let Self { reach, value, integral, stiffness, damping, products: [displaced, pulled, kept], .. } = self;
         let count = 2 * *reach + 1;
         let by_stiffness = Bands { m, count, by: [stiffness] };
@@ -231,8 +228,7 @@ impl<T: Number> Coupled<T> {
     /// q(2t) = 2 q + q K q + h h,  h(2t) = 2 h + h K q + (q K + h C) h,  p(2t) = 2 p + q t + q K p + h q
     /// ```
     #[inline(always)]
-    fn double<L: Level>(&mut self, level: L, t: f64, with_slope: bool) {
-        let m = self.count(level);
+    fn double(&mut self, m: usize, t: f64, with_slope: bool) {
         let Self { reach, value, integral, second, terms: [sum, half, rest], products, .. } = self;
         let [displaced, pulled, kept] = products;
         let inner = *reach * m..*reach * m + m * m;
@@ -276,38 +272,42 @@ impl<T: Number, const N: usize> Bands<'_, T, N> {
     #[cfg_attr(target_arch = "wasm32", inline(never))]
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn multiply(&self, a: [&[T]; N], out: &mut [T]) {
-        for (j, out) in out.chunks_exact_mut(self.m).enumerate() {
-            let mut row = 0;
-            if const { T::LANES == 1 } {
-                while row + 4 <= self.m {
-                    self.rows::<4>(a, j, row, &mut out[row..row + 4]);
-                    row += 4;
-                }
-            }
-            while row + 2 <= self.m {
-                self.rows::<2>(a, j, row, &mut out[row..row + 2]);
-                row += 2;
-            }
-            if row < self.m {
-                self.rows::<1>(a, j, row, &mut out[row..=row]);
-            }
-        }
+        // Chains have three bands: a number that the compiler then knows.
+        if self.count == 3 { self.columns(3, a, out) } else { self.columns(self.count, a, out) }
     }
 
     #[inline(always)]
-    fn rows<const R: usize>(&self, a: [&[T]; N], j: usize, row: usize, out: &mut [T]) {
-        let Self { m, count, by } = self;
-        let mut sums = [T::of(0.0); R];
-        for band in 0..*count {
+    fn columns(&self, count: usize, a: [&[T]; N], out: &mut [T]) {
+        let m = self.m;
+        for (j, out) in out.chunks_exact_mut(m).enumerate() {
+            let (mut a, mut by) = (a, self.by);
             for matrix in 0..N {
-                let factor = by[matrix][band * m + j];
-                let column = &a[matrix][(band + j) * m + row..][..R];
+                (a[matrix], by[matrix]) = (&a[matrix][j * m..][..count * m], &by[matrix][j * count..][..count]);
+            }
+            let mut row = 0;
+            if const { T::LANES == 1 } {
+                rows::<T, 4, N>(a, by, &mut row, out);
+            }
+            rows::<T, 2, N>(a, by, &mut row, out);
+            rows::<T, 1, N>(a, by, &mut row, out);
+        }
+    }
+}
+
+#[inline(always)]
+fn rows<T: Number, const R: usize, const N: usize>(a: [&[T]; N], by: [&[T]; N], row: &mut usize, out: &mut [T]) {
+    while *row + R <= out.len() {
+        let mut sums = [T::of(0.0); R];
+        for band in 0..by[0].len() {
+            for matrix in 0..N {
+                let (factor, column) = (by[matrix][band], &a[matrix][band * out.len() + *row..][..R]);
                 for r in 0..R {
                     sums[r] = sums[r] + column[r] * factor;
                 }
             }
         }
-        out.copy_from_slice(&sums);
+        out[*row..*row + R].copy_from_slice(&sums);
+        *row += R;
     }
 }
 

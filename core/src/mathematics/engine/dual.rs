@@ -35,14 +35,15 @@ impl<T: Number, const K: usize> Dual<T, K> {
 }
 
 impl<T: Number, const K: usize> Dual<T, K> {
-    /// Its derivatives through a rule, with another value.
+    /// Its derivatives times a factor, if there is one, with another value.
+    // No closures: one that is not inlined has lost its vector instructions.
     #[inline(always)]
-    fn each(mut self, value: T, rule: impl Fn(T) -> T) -> Self {
+    fn each(mut self, value: T, factor: Option<T>) -> Self {
         unrolled::<K>(
             #[inline(always)]
             |k| {
                 if self.on[k] {
-                    self.part[k] = rule(self.part[k]);
+                    self.part[k] = times(self.part[k], factor);
                 }
             },
         );
@@ -50,23 +51,16 @@ impl<T: Number, const K: usize> Dual<T, K> {
         self
     }
 
-    /// The derivatives of both by the rule for both, for the first alone, or for the second alone, with another value.
+    /// The sum of the derivatives of both, each times its factor, with another value.
     #[inline(always)]
-    fn join(
-        mut self,
-        other: Self,
-        value: T,
-        both: impl Fn(T, T) -> T,
-        first: impl Fn(T) -> T,
-        second: impl Fn(T) -> T,
-    ) -> Self {
+    fn join(mut self, other: Self, value: T, [first, second]: [Option<T>; 2]) -> Self {
         unrolled::<K>(
             #[inline(always)]
             |k| {
                 self.part[k] = match (self.on[k], other.on[k]) {
-                    (true, true) => both(self.part[k], other.part[k]),
-                    (true, false) => first(self.part[k]),
-                    (false, true) => second(other.part[k]),
+                    (true, true) => times(self.part[k], first) + times(other.part[k], second),
+                    (true, false) => times(self.part[k], first),
+                    (false, true) => times(other.part[k], second),
                     (false, false) => self.part[k],
                 };
                 self.on[k] |= other.on[k];
@@ -75,18 +69,11 @@ impl<T: Number, const K: usize> Dual<T, K> {
         self.value = value;
         self
     }
+}
 
-    #[inline(always)]
-    fn times(self, other: Self) -> Self {
-        let (x, y) = (self.value, other.value);
-        self.join(other, x * y, |a, b| a * y + x * b, |a| a * y, |b| x * b)
-    }
-
-    #[inline(always)]
-    fn over(self, other: Self) -> Self {
-        let (quotient, y) = (self.value / other.value, other.value);
-        self.join(other, quotient, |a, b| (a - quotient * b) / y, |a| a / y, |b| -(quotient * b) / y)
-    }
+#[inline(always)]
+fn times<T: Number>(part: T, factor: Option<T>) -> T {
+    if let Some(factor) = factor { part * factor } else { part }
 }
 
 impl<T: Number, const K: usize> Add for Dual<T, K> {
@@ -94,7 +81,7 @@ impl<T: Number, const K: usize> Add for Dual<T, K> {
 
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        self.join(other, self.value + other.value, |a, b| a + b, |a| a, |b| b)
+        self.join(other, self.value + other.value, [None; 2])
     }
 }
 
@@ -112,7 +99,7 @@ impl<T: Number, const K: usize> Mul for Dual<T, K> {
 
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        self.times(other)
+        self.join(other, self.value * other.value, [Some(other.value), Some(self.value)])
     }
 }
 
@@ -121,7 +108,17 @@ impl<T: Number, const K: usize> Div for Dual<T, K> {
 
     #[inline(always)]
     fn div(self, other: Self) -> Self {
-        self.over(other)
+        let (quotient, y) = (self.value / other.value, other.value);
+        let mut joined = self.join(other, quotient, [None, Some(-quotient)]);
+        unrolled::<K>(
+            #[inline(always)]
+            |k| {
+                if joined.on[k] {
+                    joined.part[k] = joined.part[k] / y;
+                }
+            },
+        );
+        joined
     }
 }
 
@@ -130,7 +127,7 @@ impl<T: Number, const K: usize> Neg for Dual<T, K> {
 
     #[inline(always)]
     fn neg(self) -> Self {
-        self.each(-self.value, |part| -part)
+        self.each(-self.value, Some(T::of(-1.0)))
     }
 }
 
@@ -139,7 +136,7 @@ impl<T: Number, const K: usize> Add<f64> for Dual<T, K> {
 
     #[inline(always)]
     fn add(self, other: f64) -> Self {
-        self.each(self.value + other, |part| part)
+        self.each(self.value + other, None)
     }
 }
 
@@ -148,7 +145,7 @@ impl<T: Number, const K: usize> Mul<f64> for Dual<T, K> {
 
     #[inline(always)]
     fn mul(self, other: f64) -> Self {
-        self.each(self.value * other, |part| part * other)
+        self.each(self.value * other, Some(T::of(other)))
     }
 }
 
@@ -162,14 +159,14 @@ impl<T: Number, const K: usize> Real for Dual<T, K> {
     #[inline(always)]
     fn abs(self) -> Self {
         let sign = self.value.sign();
-        self.each(self.value.abs(), |part| part * sign)
+        self.each(self.value.abs(), Some(sign))
     }
 
     #[inline(always)]
     fn call(self, function: Function) -> Self {
         let value = self.value.call(function);
         let slope = slope(function, self.value, value);
-        self.each(value, |part| part * slope)
+        self.each(value, Some(slope))
     }
 }
 

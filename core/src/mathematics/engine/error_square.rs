@@ -56,21 +56,26 @@ impl<T: Number> ErrorSquare<T> {
             factor[j * count + j] = variances[j];
         }
         let (mut sum, mut degrees, mut is_positive) = (zero, zero, T::Mask::of(true));
-        for j in 0..count {
-            let (variance, pivot) = (variances[j], factor[j * count + j]);
-            let counts = zero.lt(variance);
-            is_positive = is_positive & (!counts | (variance * (4.0 * count as f64 * f64::EPSILON)).lt(pivot));
-            let inverse = T::select(counts, one / pivot, zero);
-            degrees = degrees + T::select(counts, one, zero);
-            sum = sum + errors[j] * errors[j] * inverse;
-            for k in j + 1..count {
-                let share = factor[j * count + k] * inverse;
-                errors[k] = errors[k] - share * errors[j];
-                for i in k..count {
-                    factor[k * count + i] = factor[k * count + i] - factor[j * count + i] * share;
+        level.each(
+            0,
+            count,
+            #[inline(always)]
+            |j| {
+                let (variance, pivot) = (variances[j], factor[j * count + j]);
+                let counts = zero.lt(variance);
+                is_positive = is_positive & (!counts | (variance * (4.0 * count as f64 * f64::EPSILON)).lt(pivot));
+                let inverse = T::select(counts, one / pivot, zero);
+                degrees = degrees + T::select(counts, one, zero);
+                sum = sum + errors[j] * errors[j] * inverse;
+                for k in j + 1..count {
+                    let share = factor[j * count + k] * inverse;
+                    errors[k] = errors[k] - share * errors[j];
+                    for i in k..count {
+                        factor[k * count + i] = factor[k * count + i] - factor[j * count + i] * share;
+                    }
                 }
-            }
-        }
+            },
+        );
         let counts = is_positive & sum.is_number();
         (sum, T::select(counts, degrees, zero))
     }

@@ -21,13 +21,9 @@ pub(super) struct Expected<T> {
     pub(super) places: Vec<usize>,
     pub(super) are_components: bool,
     /// The rows of H of sensors that read more than components, n numbers for each.
-    rows: Vec<T>,
+    pub(super) rows: Vec<T>,
     derivatives: Derivatives<T>,
-    points: Points<T>,
-}
-
-#[derive(Clone, Debug)]
-struct Points<T> {
+    /// Memory for points.
     root: Vec<T>,
     state: Vec<T>,
     high: Vec<T>,
@@ -36,36 +32,30 @@ struct Points<T> {
 }
 
 impl<T: Number> Expected<T> {
-    pub(super) fn new(model: &Model, sensors: usize) -> Self {
+    pub(super) fn new(model: &Model, readings: &[Reading]) -> Self {
         let zeros = |count: usize| vec![T::of(0.0); count];
-        let n = model.size;
+        let places: Vec<usize> = readings.iter().filter_map(|reading| reading.component).collect();
+        let (n, sensors) = (model.size, readings.len());
         Self {
             mean: zeros(sensors),
             cov: zeros(sensors * sensors),
             cross: zeros(sensors * n),
             is_linear: true,
-            places: Vec::new(),
-            are_components: false,
+            are_components: places.len() == sensors,
+            places,
             rows: zeros(sensors * n),
             derivatives: Derivatives::new(model),
-            points: Points {
-                root: zeros(n * n),
-                state: zeros(n),
-                high: zeros(sensors),
-                low: zeros(sensors),
-                shift: zeros(sensors),
-            },
+            root: zeros(n * n),
+            state: zeros(n),
+            high: zeros(sensors),
+            low: zeros(sensors),
+            shift: zeros(sensors),
         }
-    }
-
-    pub(super) fn note_components(&mut self, readings: &[Reading]) {
-        self.places = readings.iter().filter_map(|reading| reading.component).collect();
-        self.are_components = self.places.len() == readings.len();
     }
 
     #[inline(always)]
     pub(super) fn size(&self) -> usize {
-        self.points.state.len()
+        self.state.len()
     }
 
     /// Takes the prediction of some sensors' measurements while this recorded force acts. Sigma points through a linear function
@@ -80,30 +70,29 @@ impl<T: Number> Expected<T> {
         active: &[usize],
         force: T,
     ) -> Rooted<T::Mask> {
+        let rooted = Rooted { holds: T::Mask::of(true), is_finite: T::Mask::of(true) };
         self.is_linear = true;
-        if const { T::LANES == 1 && L::IS_KNOWN } && self.are_components {
+        if const { L::IS_KNOWN } && self.are_components {
             self.select(level, count, belief, active);
-        } else if design.readings.iter().all(Reading::is_of_components) {
-            level.apart(
-                #[inline(always)]
-                || self.linearise(level, count, design, belief, active, force, None),
-            );
-        } else if const { L::HAS_POINTS }
-            && let Method::SigmaPoints(rule) | Method::SquareRoot(rule) = design.method
-        {
-            self.is_linear = false;
-            return level.apart(
-                #[inline(always)]
-                || self.transform(level, rule, design, belief, active, force),
-            );
-        } else {
-            self.derivatives.take(level, &design.model, &belief.mean, force);
-            level.apart(
-                #[inline(always)]
-                || self.linearise(level, count, design, belief, active, force, None),
-            );
+            return rooted;
         }
-        Rooted { holds: T::Mask::of(true), is_finite: T::Mask::of(true) }
+        if !design.readings.iter().all(Reading::is_of_components) {
+            if const { L::HAS_POINTS }
+                && let Method::SigmaPoints(rule) | Method::SquareRoot(rule) = design.method
+            {
+                self.is_linear = false;
+                return level.apart(
+                    #[inline(always)]
+                    || self.transform(level, rule, design, belief, active, force),
+                );
+            }
+            self.derivatives.take(level, &design.model, &belief.mean, force);
+        }
+        level.apart(
+            #[inline(always)]
+            || self.linearise(level, count, design, belief, active, force, None),
+        );
+        rooted
     }
 
     #[inline(always)]
@@ -200,13 +189,6 @@ impl<T: Number> Expected<T> {
         }
     }
 
-    /// `P hᵀ` of the row h of H that belongs to a sensor, n numbers.
-    #[inline(always)]
-    pub(super) fn times_cov(&self, reading: &Reading, row: usize, cov: &[T], out: &mut [T]) {
-        let n = out.len();
-        times_cov(reading, &self.rows[row * n..(row + 1) * n], cov, out);
-    }
-
     /// The prediction of a UKF, by sigma points that are drawn again.
     ///
     /// ```text
@@ -222,8 +204,7 @@ impl<T: Number> Expected<T> {
         active: &[usize],
         force: T,
     ) -> Rooted<T::Mask> {
-        let Self { mean: expected, cov, cross, derivatives, points, .. } = self;
-        let Points { root, state, high, low, shift } = points;
+        let Self { mean: expected, cov, cross, derivatives, root, state, high, low, shift, .. } = self;
         let (n, m) = (level.size(state.len()), active.len());
         let (mean, root, state) = (&belief.mean[..n], &mut root[..n * n], &mut state[..n]);
         let Derivatives { rate, plain, .. } = derivatives;
@@ -283,8 +264,9 @@ fn times<T: Number>(reading: &Reading, h: &[T], x: &[T]) -> T {
     sum
 }
 
+/// `P hᵀ` of a sensor's row h of H, n numbers.
 #[inline(always)]
-fn times_cov<T: Number>(reading: &Reading, h: &[T], cov: &[T], out: &mut [T]) {
+pub(super) fn times_cov<T: Number>(reading: &Reading, h: &[T], cov: &[T], out: &mut [T]) {
     let n = out.len();
     if let Some(place) = reading.component {
         select_column(cov, n, place, out);

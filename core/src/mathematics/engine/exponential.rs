@@ -42,6 +42,17 @@ impl<const N: usize> Classes<N> {
         (least < f64::INFINITY).then(|| self.of(least))
     }
 
+    /// Puts back the matrices of the lanes whose class is done.
+    #[inline(always)]
+    pub(super) fn restore<T: Number>(&self, done: usize, sizes: T, kept: &[Vec<T>], parts: [&mut Vec<T>; 3]) {
+        let is_done = sizes.le(T::of(self.upper(done)));
+        for (kept, part) in kept.iter().zip(parts) {
+            for i in 0..part.len() {
+                part[i] = T::select(is_done, kept[i], part[i]);
+            }
+        }
+    }
+
     fn of(&self, size: f64) -> usize {
         let longest = self.0[N - 1];
         // One doubling less than the quotient says, as it is rounded.
@@ -109,7 +120,7 @@ impl<T: Number> Exponential<T> {
     pub(crate) fn compute<L: Level>(&mut self, level: L, a: &[T], n: usize, dt: f64, with_slope: bool) {
         let size = level.apart(
             #[inline(always)]
-            || self.raise(a, n, dt),
+            || self.raise(a, level.moving(n), dt),
         );
         let size = Classes::<3>::counted(size);
         let mut done = None;
@@ -121,16 +132,11 @@ impl<T: Number> Exponential<T> {
             }
             level.apart(
                 #[inline(always)]
-                || self.sum(a, n, dt, with_slope, class),
+                || self.sum(a, level.moving(n), dt, with_slope, class),
             );
             if let Some(done) = done {
-                let is_shorter = size.le(T::of(CLASSES.upper(done)));
                 let parts = [&mut self.transition, &mut self.constant, &mut self.slope];
-                for (kept, part) in self.kept.iter().zip(parts) {
-                    for i in 0..n * n {
-                        part[i] = T::select(is_shorter, kept[i], part[i]);
-                    }
-                }
+                CLASSES.restore(done, size, &self.kept, parts);
             }
             done = Some(class);
         }
@@ -139,6 +145,7 @@ impl<T: Number> Exponential<T> {
     #[inline(always)]
     fn raise(&mut self, a: &[T], n: usize, dt: f64) -> T {
         let [first, second, third, fourth] = &mut self.powers;
+        let (first, second, a) = (&mut first[..n * n], &mut second[..n * n], &a[..n * n]);
         for i in 0..n * n {
             first[i] = a[i] * dt;
         }
@@ -152,6 +159,9 @@ impl<T: Number> Exponential<T> {
     #[inline(always)]
     fn sum(&mut self, a: &[T], n: usize, dt: f64, with_slope: bool, class: usize) {
         let Self { transition, constant, slope, powers: [first, second, third, fourth], work, kept: _ } = self;
+        let (first, second, third, a) = (&first[..n * n], &second[..n * n], &third[..n * n], &a[..n * n]);
+        let (transition, constant) = (&mut transition[..n * n], &mut constant[..n * n]);
+        let (slope, work) = (&mut slope[..n * n], &mut work[..n * n]);
         let quartets = (class + 2).min(4);
         let doublings = Classes::<3>::doublings(class);
         // A power of two: dividing by it rounds nothing.

@@ -97,7 +97,7 @@ impl<T: Number> Filter<T> {
             linearised: Linearised::new(model),
             points: SigmaPoints::new(model),
             root,
-            update: Update::of(&design),
+            update: Update::new(&design),
             learning: Learning::new(&design, &belief, &mut noise),
             considered: Considered::new(&design.considered, &belief),
             held: Held::new(),
@@ -109,16 +109,11 @@ impl<T: Number> Filter<T> {
         }
     }
 
-    /// Carries the beliefs over one step, from a sample to the next, with the recorded forces over mass of both \[m/s²\]. The noise
-    /// is added in the last of its parts.
+    /// Carries the beliefs over a share of a step, with the recorded forces over mass at its beginning and at its end \[m/s²\]. Its
+    /// share of the noise is added in the last of its parts.
     ///
-    /// A white force is another one from the next sample on, or from the middle of the step ([`Course`](super::design::Course)).
-    #[inline(always)]
-    pub(crate) fn predict<L: Level>(&mut self, level: L, forces: [T; 2]) {
-        self.predict_share(level, 1.0, forces);
-    }
-
-    /// The same over a share of a step, with its share of the noise. A white force and jumps belong to whole steps.
+    /// A white force and jumps belong to whole steps: the force is another one from the next sample on, or from the middle of the
+    /// step ([`Course`](super::design::Course)).
     #[inline(always)]
     pub(crate) fn predict_share<L: Level>(&mut self, level: L, share: f64, forces: [T; 2]) {
         let Self { learning, design, noise, .. } = self;
@@ -139,30 +134,34 @@ impl<T: Number> Filter<T> {
             let (place, time) = self.design.model.forgotten[at];
             self.renew(level, place, [T::of(libm::exp(-whole.dt / time)), T::of(0.0)]);
         }
-        let yes = T::Mask::of(true);
-        let mut held = Rooted { holds: yes, is_finite: yes };
-        for i in 0..parts {
-            let step = if parts == 1 { whole } else { whole.part(i, parts) };
-            self.note_regression(level, &step);
-            let rooted = self.advance(level, &step);
-            self.note_derivative();
-            held = Rooted {
-                holds: held.holds & rooted.holds,
-                is_finite: held.is_finite & (!held.holds | rooted.is_finite),
-            };
-            let rooted = self.spread(level, share, i + 1 == parts);
-            held.holds = held.holds & rooted.holds;
-            held.is_finite = held.is_finite & rooted.is_finite;
-            if let Some((place, _)) = white.filter(|_| i + 1 == renewed) {
-                self.renew(level, place, [T::of(0.0), self.white]);
-            }
+        let first = if parts == 1 { whole } else { whole.part(0, parts) };
+        self.held.predicted = self.pass(level, share, &first, parts == 1, renewed == 1);
+        // Apart from the first one, so that a step of one part has no loop.
+        for i in 1..parts {
+            let before = self.held.predicted;
+            let rooted = self.pass(level, share, &whole.part(i, parts), i + 1 == parts, i + 1 == renewed);
+            self.held.predicted = before.and(rooted);
         }
-        self.held.predicted = held;
-        if let Some(mut passage) = self.update.passage.take() {
+        if self.update.passage.is_some() {
             self.square();
-            passage.predicted.copy_from_slice(&self.belief.cov);
-            self.update.passage = Some(passage);
         }
+        if let Some(passage) = &mut self.update.passage {
+            passage.predicted.copy_from_slice(&self.belief.cov);
+        }
+    }
+
+    #[inline(always)]
+    fn pass<L: Level>(&mut self, level: L, share: f64, step: &Step<T>, is_last: bool, renews: bool) -> Rooted<T::Mask> {
+        if self.update.passage.is_some() {
+            self.note_regression(level.plain(), step);
+        }
+        let rooted = self.advance(level, step);
+        self.note_derivative();
+        let rooted = rooted.and(self.spread(level, share, is_last));
+        if let Some((place, _)) = self.design.white.filter(|_| renews) {
+            self.renew(level, place, [T::of(0.0), self.white]);
+        }
+        rooted
     }
 
     /// Keeps a share of a component of the state, and adds an independent one of this variance.
@@ -178,19 +177,13 @@ impl<T: Number> Filter<T> {
     }
 
     /// Notes the step that is about to be taken by sigma points, for the smoother.
-    #[inline(always)]
-    fn note_regression<L: Level>(&mut self, level: L, step: &Step<T>) {
-        if let Some(passage) = self.update.passage.take() {
-            self.update.passage = Some(self.regression(level.plain(), passage, step));
-        }
-    }
-
     #[inline(never)]
-    fn regression<L: Level>(&mut self, level: L, mut passage: Box<Passage<T>>, step: &Step<T>) -> Box<Passage<T>> {
+    fn note_regression<L: Level>(&mut self, level: L, step: &Step<T>) {
         self.square();
-        let Self { design, points, belief, .. } = self;
-        passage.regress(level, design, points, belief, step);
-        passage
+        let Self { design, points, belief, update, .. } = self;
+        if let Some(passage) = &mut update.passage {
+            passage.regress(level, design, points, belief, step);
+        }
     }
 
     #[inline(always)]

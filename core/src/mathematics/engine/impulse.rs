@@ -2,7 +2,7 @@
 
 use super::exponential::{Classes, INVERSE_FACTORIAL};
 use super::level::Level;
-use super::number::Number;
+use super::number::{Number, unrolled};
 
 /// The response of `ẍ = a x + b ẋ` to an impulse after a time, its integral, and the integral of that.
 ///
@@ -30,7 +30,7 @@ impl<T: Number> Impulse<T> {
     pub(crate) fn new<L: Level>(level: L, a: T, b: T, dt: f64, with_slope: bool) -> Self {
         let size = Classes::<2>::counted(a.abs().sqrt().max(b.abs()) * dt);
         if size.largest() <= CLASSES.0[0] {
-            return Self::terms::<10>(a, b, dt, with_slope);
+            return Self::terms::<5>(a, b, dt, with_slope);
         }
         let (mut response, mut done) = (Self { h: a, q: a, p: a }, None);
         while let Some(class) = CLASSES.after(done, size) {
@@ -53,11 +53,11 @@ impl<T: Number> Impulse<T> {
     #[inline(always)]
     fn of_class(a: T, b: T, dt: f64, class: usize, with_slope: bool) -> Self {
         if class == 0 {
-            return Self::terms::<10>(a, b, dt, with_slope);
+            return Self::terms::<5>(a, b, dt, with_slope);
         }
         let doublings = Classes::<2>::doublings(class);
         let mut t = dt * libm::exp2(-(doublings as f64));
-        let Self { mut h, mut q, mut p } = Self::terms::<14>(a, b, t, with_slope);
+        let Self { mut h, mut q, mut p } = Self::terms::<7>(a, b, t, with_slope);
         for _ in 0..doublings {
             if with_slope {
                 p = p + q * t + (a * q + 1.0) * p + h * q;
@@ -69,29 +69,32 @@ impl<T: Number> Impulse<T> {
     }
 
     #[inline(always)]
-    fn terms<const TERMS: usize>(a: T, b: T, t: f64, with_slope: bool) -> Self {
-        if with_slope { Self::series::<TERMS, 3>(a, b, t) } else { Self::series::<TERMS, 2>(a, b, t) }
+    fn terms<const PAIRS: usize>(a: T, b: T, t: f64, with_slope: bool) -> Self {
+        if with_slope { Self::series::<PAIRS, 3>(a, b, t) } else { Self::series::<PAIRS, 2>(a, b, t) }
     }
 
     /// `h = t Σ cₙ/(n+1)!`, `q = t² Σ cₙ/(n+2)!`, `p = t³ Σ cₙ/(n+3)!` with `cₙ₊₁ = b t cₙ + a t² cₙ₋₁`, `c₀ = 1`; in steps of
     /// two, so that even and odd coefficients do not wait for each other. Two of the sums leave out p.
     #[inline(always)]
-    fn series<const TERMS: usize, const SUMS: usize>(a: T, b: T, t: f64) -> Self {
+    fn series<const PAIRS: usize, const SUMS: usize>(a: T, b: T, t: f64) -> Self {
         let (alpha, beta) = (a * (t * t), b * t);
         let square = beta * beta;
         let (forward, back) = (square + alpha * 2.0, alpha * alpha);
         let mut c = [[T::of(1.0), beta], [square + alpha, beta * forward]];
         let mut sums = [[T::of(0.0); 2]; 3];
-        for n in (0..TERMS).step_by(2) {
-            for parity in 0..2 {
-                let term = c[0][parity];
-                for k in 0..SUMS {
-                    sums[k][parity] = sums[k][parity] + term * INVERSE_FACTORIAL[n + parity + k + 1];
+        unrolled::<PAIRS>(
+            #[inline(always)]
+            |pair| {
+                for parity in 0..2 {
+                    let term = c[0][parity];
+                    for k in 0..SUMS {
+                        sums[k][parity] = sums[k][parity] + term * INVERSE_FACTORIAL[2 * pair + parity + k + 1];
+                    }
                 }
-            }
-            let next = [forward * c[1][0] - back * c[0][0], forward * c[1][1] - back * c[0][1]];
-            c = [c[1], next];
-        }
+                let next = [forward * c[1][0] - back * c[0][0], forward * c[1][1] - back * c[0][1]];
+                c = [c[1], next];
+            },
+        );
         let sum = |k: usize| sums[k][0] + sums[k][1];
         Self { h: sum(0) * t, q: sum(1) * (t * t), p: sum(2) * (t * t * t) }
     }

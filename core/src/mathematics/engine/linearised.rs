@@ -175,14 +175,14 @@ impl<T: Number> Linearised<T> {
         }
 
         for j in 0..m {
-            let column = |matrix: &[T], out: &mut [T]| out.copy_from_slice(&matrix[j * m..(j + 1) * m]);
+            let own = j * m..(j + 1) * m;
             let (x, v) = rows[j * 2 * m..(j + 1) * 2 * m].split_at_mut(m);
-            column(displaced, x);
-            column(pulled, v);
+            x.copy_from_slice(&displaced[own.clone()]);
+            v.copy_from_slice(&pulled[own.clone()]);
             x[j] = x[j] + 1.0;
             let (x, v) = rows[(m + j) * 2 * m..(m + j + 1) * 2 * m].split_at_mut(m);
-            column(value, x);
-            column(kept, v);
+            x.copy_from_slice(&value[own.clone()]);
+            v.copy_from_slice(&kept[own]);
             v[j] = v[j] + 1.0;
         }
         for k in 2 * m..n {

@@ -5,12 +5,11 @@ mod descent;
 use descent::Descent;
 
 use super::belief::{Belief, Noise};
-use super::columns::{add_times, divide, factor, square, subtract_products, take_times};
+use super::columns::{add_times, divide, factor, mirror, square, subtract_products, take_times};
 use super::design::{Design, Method};
-use super::expected::{Expected, select_column};
+use super::expected::{Expected, select_column, times_cov};
 use super::fault::Held;
-use super::level::{Count, Exactly, Level};
-use super::model::Model;
+use super::level::{Baseline, Count, Exactly, Level};
 use super::number::{Mask, Number};
 use super::passage::Passage;
 use super::square_root::{SquareRoot, may_have_root};
@@ -57,30 +56,23 @@ pub(crate) struct Update<T> {
 }
 
 impl<T: Number> Update<T> {
-    pub(super) fn new(model: &Model, sensors: usize) -> Self {
+    pub(super) fn new(Design { model, readings, method, .. }: &Design) -> Self {
+        let (n, sensors) = (model.size, readings.len());
         let zeros = |count: usize| vec![T::of(0.0); count];
+        let iterates = matches!(method, Method::Linearised(_, 2..));
         Self {
             active: Vec::with_capacity(sensors),
-            expected: Expected::new(model, sensors),
+            expected: Expected::new(model, readings),
             innovation_cov: zeros(sensors * sensors),
             factor: zeros(sensors * sensors),
             innovation: zeros(sensors),
             white: zeros(sensors),
             variances: zeros(sensors),
-            gain: zeros(sensors * model.size),
-            excess: zeros(sensors * model.size),
-            descent: None,
+            gain: zeros(sensors * n),
+            excess: zeros(sensors * n),
+            descent: iterates.then(|| Box::new(Descent::new(n))),
             passage: None,
         }
-    }
-
-    pub(super) fn of(design: &Design) -> Self {
-        let Design { model, readings, method, .. } = design;
-        let iterates = matches!(method, Method::Linearised(_, 2..));
-        let mut update = Self::new(model, readings.len());
-        update.expected.note_components(readings);
-        update.descent = iterates.then(|| Box::new(Descent::new(model.size)));
-        update
     }
 
     /// Conditions a belief, and the root of its covariance if it has one, on the measurements that are not NaN.
@@ -115,11 +107,11 @@ impl<T: Number> Update<T> {
         held: &mut Held<T::Mask>,
     ) -> Told<T> {
         let active = &mut self.active;
-        let mut count = 0;
-        for value in observation.measured {
-            count += usize::from(!(!value.is_number()).all());
+        let measured = observation.measured;
+        let mut is_whole = active.len() == measured.len();
+        for value in measured {
+            is_whole &= !(!value.is_number()).all();
         }
-        let is_whole = count == observation.measured.len() && active.len() == count;
         if !is_whole {
             gather(active, observation.measured);
         }
@@ -302,6 +294,9 @@ impl<T: Number> Update<T> {
         white[..m].copy_from_slice(&innovation[..m]);
         let nis = square(lower, m, &mut white[..m]);
         (held.factored, held.is_likely) = (factored, nis.is_finite());
+        if const { T::LANES == 1 } {
+            mirror(Baseline, &mut innovation_cov[..m * m], m);
+        }
         [nis, determinant]
     }
 
@@ -323,10 +318,10 @@ impl<T: Number> Update<T> {
         for row in 0..m {
             let sensor = active[row];
             let (excess, gain) = (&mut excess[row * n..(row + 1) * n], &gain[row * n..(row + 1) * n]);
-            if const { T::LANES == 1 && L::IS_KNOWN } && expected.are_components {
+            if const { L::IS_KNOWN } && expected.are_components {
                 select_column(cov, n, expected.places[sensor], excess);
             } else {
-                expected.times_cov(&design.readings[sensor], row, cov, excess);
+                times_cov(&design.readings[sensor], &expected.rows[row * n..(row + 1) * n], cov, excess);
             }
             take_times(excess, variances[row], gain);
         }
@@ -356,16 +351,11 @@ impl<T: Number> Update<T> {
         &mut self.gain[..m * n]
     }
 
-    /// e, m numbers; S, m × m, only its lower triangle; K, n × m.
+    /// e, m numbers; S, m × m, in lanes only its lower triangle; K, n × m.
     pub(crate) fn parts(&self) -> [&[T]; 3] {
         let m = self.active.len();
         let n = self.expected.size();
         [&self.innovation[..m], &self.innovation_cov[..m * m], &self.gain[..m * n]]
-    }
-
-    pub(crate) fn complete(&mut self) {
-        let m = self.active.len();
-        super::columns::mirror(super::level::Baseline, &mut self.innovation_cov[..m * m], m);
     }
 
     /// H, m × n, written over `out`; false if there is none.

@@ -64,7 +64,10 @@ pub fn outcomes<T: Number, L: Level>(level: L, runs: &[Run<'_>], samples: &[usiz
         outcomes: vec![None; runs.len()],
         looks: vec![Vec::new(); runs.len()],
     };
-    batch.run(&inputs, first.record.len(), samples)
+    level.apart(
+        #[inline(always)]
+        || batch.run(&inputs, first.record.len(), samples),
+    )
 }
 
 struct Inputs<'a> {
@@ -83,8 +86,14 @@ impl Column<'_> {
     fn at<T: Number>(&self, k: usize) -> T {
         match &self.0[..] {
             [shared] => T::of(shared[k]),
-            own => T::from_lanes(|lane| own[lane][k]),
+            own => Self::each(own, k),
         }
+    }
+
+    // Apart: else the compiler takes lane by lane what they share, too.
+    #[inline(never)]
+    fn each<T: Number>(own: &[Cow<'_, [f64]>], k: usize) -> T {
+        T::from_lanes(|lane| own[lane][k])
     }
 }
 
@@ -148,6 +157,7 @@ struct Batch<T: Number, L> {
 }
 
 impl<T: Number, L: Level> Batch<T, L> {
+    #[inline(always)]
     fn run(mut self, inputs: &Inputs<'_>, length: usize, samples: &[usize]) -> Vec<Outcome> {
         let mut samples = samples.iter().copied().peekable();
         let mut measured = vec![T::of(0.0); inputs.measured.len()];
@@ -218,8 +228,14 @@ impl<T: Number, L: Level> Batch<T, L> {
     /// Predicts over a share of the step to sample `k`, and updates under `force`. Returns `None` if no filter goes on.
     #[inline(never)]
     fn advance(&mut self, share: f64, forces: [T; 2], force: T, measured: &[T], k: usize) -> Option<Told<T>> {
-        self.filter.predict_share(self.level, share, forces);
-        let mut told = self.filter.update(self.level, force, measured);
+        let Self { level, filter, .. } = self;
+        let mut told = level.apart(
+            #[inline(always)]
+            || {
+                filter.predict_share(*level, share, forces);
+                filter.update(*level, force, measured)
+            },
+        );
         let has_stopped = T::of(0.5).le(self.stopped);
         let mut fits = T::Mask::of(true);
         if let Some(in_units) = &mut self.in_units {

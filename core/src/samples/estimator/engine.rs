@@ -122,8 +122,10 @@ impl Followed {
 
     fn next_sample(&mut self) {
         self.sample += 1;
-        let dt = self.filter.design.dt;
-        self.pluck([dt * (self.sample - 1) as f64, dt * self.sample as f64]);
+        if !self.plucks.times.is_empty() {
+            let dt = self.filter.design.dt;
+            self.pluck([dt * (self.sample - 1) as f64, dt * self.sample as f64]);
+        }
     }
 
     /// Widens the belief if the plant was plucked between two times \[s\].
@@ -273,7 +275,6 @@ impl<L: Level + Send> Estimator for AtLevel<L> {
         let m = all.innovation.len();
         let (belief, update) = (&filter.belief, &mut filter.update);
         let sample = if update.active.len() == m {
-            update.complete();
             let [innovation, innovation_cov, gain] = update.parts();
             let unmeasured = Sample::unmeasured(&belief.mean, &belief.cov);
             Sample { innovation, innovation_cov, gain, nis, determinant, ..unmeasured }
@@ -357,9 +358,10 @@ fn condition(
 
 #[inline(always)]
 fn push(sample: Sample<'_>, in_units: Option<&mut InUnits>, sink: &mut dyn Sink) -> Result<(), FilterError> {
-    let sample =
-        if let Some(in_units) = in_units { in_units.convert(sample).ok_or(FilterError::NotFinite)? } else { sample };
-    sink.push(&sample);
+    match in_units {
+        Some(in_units) => sink.push(&in_units.convert(sample).ok_or(FilterError::NotFinite)?),
+        None => sink.push(&sample),
+    }
     Ok(())
 }
 
