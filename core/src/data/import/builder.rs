@@ -80,13 +80,16 @@ impl<'a> Builder<'a> {
                 }
                 timing
             }
-            (None, Some(rate)) => match counted(table, mapping, rate) {
-                Some((name, times)) => {
-                    remarks.push(format!("`{name}` counts the samples: rows that it leaves out are missing"));
-                    Timing::of_times(&times, &name, |row| table.line(row))?
+            (None, Some(rate)) => {
+                remarks.extend((table.rate == Some(rate)).then(|| format!("the file says {rate} samples a second")));
+                match counted(table, mapping, rate) {
+                    Some((name, times)) => {
+                        remarks.push(format!("`{name}` counts the samples: rows that it leaves out are missing"));
+                        Timing::of_times(&times, &name, |row| table.line(row))?
+                    }
+                    None => Timing::of_rate(rate, table.rows())?,
                 }
-                None => Timing::of_rate(rate, table.rows())?,
-            },
+            }
             (None, None) => return Err(no_time(table)),
         };
         remarks.extend(timing.gaps.clone());
@@ -147,6 +150,16 @@ impl<'a> Builder<'a> {
         }));
         let input = Input { kind, hold, values: input.unwrap_or_default() };
         let samples = input.values.len();
+        for (quantity, values) in &sensors {
+            let last = values.iter().rposition(|value| !value.is_nan()).unwrap_or(samples);
+            remarks.extend((10 * last < 9 * samples).then(|| {
+                let [end, all] = [last, samples].map(|count| count as f64 * dt);
+                format!(
+                    "the {} has no readings after {end:.2} s of {all:.2} s: is it of another clock?",
+                    quantity.name()
+                )
+            }));
+        }
         if samples < FEWEST {
             return Err(ImportError::TooShort(samples));
         }
@@ -331,7 +344,11 @@ pub(super) mod tests {
                 |_| {},
                 "the file has no column of times: `time` has `T+0.1` in line 2",
             ),
-            ("t,force,x\n0,1,2\n0.1,2,3\n,2,3\n0.5,2,4\n", |_| {}, "line 4, column `t`: a time is missing"),
+            (
+                "t,force,x\n0,1,2\n0.1,2,3\n,2,3\n0.5,2,4\n",
+                |_| {},
+                "line 4, column `t`: a time is missing: state the sample rate, and the rows count as even",
+            ),
             (
                 TEXT,
                 |m| m.input = Some(MappedColumn::new("load")),

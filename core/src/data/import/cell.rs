@@ -190,8 +190,12 @@ impl Decimal {
         Some((format!("{sign}{first}{}{dot}{fraction}", rest.concat()), is_sure))
     }
 
-    /// The seconds of a number with a unit of time behind it, such as `0.01 sec` and `20ms`.
+    /// The seconds of a number with a unit of time behind it, such as `0.01 sec`, `20ms` and `PT0.01S`.
     fn duration(self, cell: &str) -> Option<f64> {
+        if let Some(cell) = cell.strip_prefix("PT").and_then(|rest| rest.strip_suffix('S')) {
+            let (minutes, seconds) = cell.split_once('M').unwrap_or(("0", cell));
+            return Some(60.0 * minutes.parse::<f64>().ok()? + seconds.parse::<f64>().ok()?);
+        }
         let number = cell.trim_end_matches(char::is_alphabetic);
         let Some((Dimension::Time, size)) = unit(&cell[number.len()..]) else { return None };
         let Found::Number(value) = self.read(number.trim_end(), false) else { return None };
@@ -231,6 +235,10 @@ fn is_word(cell: &str) -> bool {
 /// and a zone such as `+01:00` or `Z`, behind a date with the year first (`2024-05-01`, `20240501T080000`), the day first (`01.05.2024`,
 /// `01-May-2024`) or, with slashes, the month first if it can be one (`05/01/2024`).
 pub(super) fn clock(cell: &str) -> Option<(f64, bool)> {
+    // Of pandas: `0 days 00:00:01.5`.
+    if let Some((days, (time, false))) = cell.split_once(" days ").and_then(|(days, rest)| Some((days, clock(rest)?))) {
+        return Some((days.parse::<f64>().ok()? * 86_400.0 + time, false));
+    }
     let (date, time) = match cell.split_once(['T', ' ']) {
         Some((date, time)) if !date.contains(':') => (Some(date), time.trim()),
         _ => (None, cell),

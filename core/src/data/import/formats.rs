@@ -266,7 +266,7 @@ impl SeriesReader {
         let form = format!("{name}: {} series of {rows} numbers{apart}", columns.len());
         let even = || (0..rows).map(|k| k as f64 * dt).collect();
         columns.insert(0, Column::of_header("time", Some("s"), times.unwrap_or_else(even)));
-        Ok(Table { dialect, form, columns, remarks, lines: known })
+        Ok(Table { dialect, form, columns, remarks, rate: None, lines: known })
     }
 }
 

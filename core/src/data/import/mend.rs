@@ -1,11 +1,12 @@
 //! Faults of a file's times that have one cure: a counter that turns over, rows that stand twice or in another order, first rows
 //! far from all others, a clock that is set back, parts that begin again.
 
-use crate::mathematics::lists::{places, sorted_places};
+use crate::mathematics::lists::{mapped, places, sorted_places};
 use std::cmp::Ordering;
 
 use super::guess::{clocks, is_named_time, seldom_falls};
 use super::times::{DAY, EPOCHS, median, median_step};
+use super::unit::{Dimension, unit};
 use super::{Column, Table};
 
 /// Rows in another order are at most this far from their places.
@@ -22,7 +23,19 @@ const EVENTS: (f64, usize) = (0.1, 4);
 
 /// A table whose column of times rises, where a fault of it has one cure. Each cure is a remark of the table.
 pub(super) fn mend(mut table: Table) -> Table {
+    with_fractions(&mut table);
     let named = places(table.columns.len(), &|place| is_named_time(&table.columns[place]));
+    let falls = |place: &usize| {
+        let values = &table.columns[*place].values;
+        !seldom_falls(values) && seldom_falls(&mapped(values, &|time| -time))
+    };
+    if !named.is_empty() && named.iter().all(falls) {
+        let name = table.columns[named[0]].name.clone();
+        table = table.of_rows((0..table.rows()).rev().map(|row| vec![row]));
+        table
+            .remarks
+            .push(format!("the times in `{name}` fall, the newest first: the rows are read from the last one up"));
+    }
     for &place in &named {
         let column = &mut table.columns[place];
         let mut times = column.values.clone();
@@ -51,6 +64,32 @@ pub(super) fn mend(mut table: Table) -> Table {
     }
 }
 
+/// Adds the fractions of seconds of the column behind one of whole seconds to that: `secs`, `nsecs`.
+fn with_fractions(table: &mut Table) {
+    let size = |column: &Column| {
+        let word = column.unit.as_deref().or(column.name.rsplit(|c: char| !c.is_alphanumeric()).next())?;
+        let size = unit(word).filter(|(of, size)| *of == Dimension::Time && *size < 1.0)?.1;
+        column.values.iter().all(|x| x.fract() == 0.0 && (0.0..1.0).contains(&(x * size))).then_some(size)
+    };
+    let is_whole = |column: &Column| {
+        let is_second = column.unit.as_deref().is_none_or(|text| unit(text) == Some((Dimension::Time, 1.0)));
+        let pairs = || column.values.windows(2);
+        is_named_time(column)
+            && is_second
+            && pairs().all(|pair| pair[0].fract() == 0.0)
+            && pairs().any(|a| a[0] == a[1])
+    };
+    let pair = |place: &usize| is_whole(&table.columns[*place]) && size(&table.columns[*place + 1]).is_some();
+    let Some(place) = (0..table.columns.len().saturating_sub(1)).find(pair) else { return };
+    let Some(size) = size(&table.columns[place + 1]) else { return };
+    let fractions = table.columns.remove(place + 1);
+    let time = &mut table.columns[place];
+    time.values.iter_mut().zip(&fractions.values).for_each(|(time, fraction)| *time += size * fraction);
+    table
+        .remarks
+        .push(format!("`{}` has the fractions of the seconds in `{}`: they are one time", fractions.name, time.name));
+}
+
 /// A table without times, less first rows far from all others: wristbands write the time of the start there, and the samples a second.
 fn without_first_rows(table: Table) -> Table {
     let numbers = (0..table.columns.len()).filter(|&place| !table.is_without_numbers(place));
@@ -76,9 +115,10 @@ fn without_first_rows(table: Table) -> Table {
     kept
 }
 
-/// The ranges of counters of 16 and 32 bits that count a decimal part of the unit of their column.
+/// The ranges of counters of 16 and 32 bits that count a decimal part of the unit of their column, and the week of GPS.
 fn ranges() -> impl Iterator<Item = f64> {
-    [65_536.0, 4_294_967_296.0].into_iter().flat_map(|range| [1.0, 1e-3, 1e-6, 1e-9].map(|unit| range * unit))
+    let bits = [65_536.0, 4_294_967_296.0].into_iter();
+    bits.flat_map(|range| [1.0, 1e-3, 1e-6, 1e-9].map(|unit| range * unit)).chain([604_800.0, 6.048e8])
 }
 
 /// The range at whose end a counter with a usual step turns over between two times. `None` if it does not.

@@ -152,11 +152,12 @@ pub(super) fn on_one_clock(
 ) -> Result<Option<OneClock>, ImportError> {
     let clocks = clocks(table);
     let stated = mapping.time.column.as_deref().and_then(|name| table.place(name));
-    let Some(stated) = stated.filter(|place| clocks.contains(place)) else { return Ok(None) };
+    let is_clock = |place: &usize| clocks.iter().any(|(_, clock)| clock == place);
+    let Some(stated) = stated.filter(is_clock) else { return Ok(None) };
     let mut parts: Vec<(usize, Vec<(usize, &MappedColumn)>)> = Vec::new();
     for mapped in mapping.input.iter().chain(mapping.sensors.values()) {
         let Some(place) = table.place(&mapped.column) else { continue };
-        let own = clocks.iter().rev().find(|clock| **clock < place).copied().unwrap_or(clocks[0]);
+        let own = clocks.iter().find(|(of, _)| *of == place).map_or(stated, |(_, clock)| *clock);
         let clock = parts.iter().map(|(clock, _)| *clock).chain([stated]).find(|other| is_same(table, *other, own));
         let clock = clock.unwrap_or(own);
         match parts.iter_mut().find(|(other, _)| *other == clock) {
@@ -189,6 +190,11 @@ pub(super) fn on_one_clock(
     let names: Vec<String> = parts.iter().map(|(clock, _)| format!("`{}`", table.columns[*clock].name)).collect();
     let (names, stated) = (names.join(" and "), &table.columns[stated].name);
     let Some((steps, fast)) = common(&all) else {
+        // Rows of clocks with other numbers of them do not belong together.
+        let is_longer = |(clock, _): &&(Clock<'_>, f64)| clock.times.len() != all[0].0.times.len();
+        if let Some((other, _)) = all.iter().find(is_longer) {
+            return Err(ImportError::Apart(all[0].0.ends(), other.ends()));
+        }
         remarks.push(format!(
             "the clocks {names} have no time in common: the columns are read row by row, at the times of `{stated}`"
         ));

@@ -264,7 +264,7 @@ mod tests {
         assert!(message(b"a,b\nc,d\n").contains("no column of numbers"));
         let wide: String = vec!["1"; 1_000_000].join(",");
         assert_eq!(message(wide.as_bytes()), "line 1 is longer than 1 MB");
-        let wide: String = vec!["1"; 2000].join(",");
+        let wide: String = (vec!["1"; 2000].join(",") + "\n").repeat(2);
         assert_eq!(message(wide.as_bytes()), "line 1 has 2000 cells, but at most 1000 columns can be read");
     }
 

@@ -11,14 +11,24 @@ use crate::data::even_steps::Steps;
 /// Seconds of a day.
 pub(super) const DAY: f64 = 86_400.0;
 
-/// The units that a column of times may have, and the seconds of each.
-const UNITS: [(&str, f64); 4] = [("s", 1.0), ("ms", 1e-3), ("µs", 1e-6), ("ns", 1e-9)];
+/// The units that a column of times may have without a word, and the seconds of each.
+const UNITS: [(&str, f64); 3] = [("ms", 1e-3), ("µs", 1e-6), ("ns", 1e-9)];
 
 /// The years 2000 to 2100 in seconds since 1970.
 pub(super) const EPOCHS: std::ops::Range<f64> = 9.4e8..4.1e9;
 
-/// The day 1 January 1970 as spreadsheets count days, and as MATLAB does.
-const DAYS: [f64; 2] = [25_569.0, 719_529.0];
+/// Clocks that count from a date: the seconds of their unit, and those from that date to 1970.
+const CLOCKS: [(&str, f64, f64); 9] = [
+    ("s since 1970", 1.0, 0.0),
+    ("ms since 1970", 1e-3, 0.0),
+    ("µs since 1970", 1e-6, 0.0),
+    ("ns since 1970", 1e-9, 0.0),
+    ("ticks of 100 ns since 1601, as Windows counts them", 1e-7, 11_644_473_600.0),
+    ("ticks of 100 ns since the year 1, as .NET counts them", 1e-7, 62_135_596_800.0),
+    ("days of a spreadsheet", DAY, 25_569.0 * DAY),
+    ("days of MATLAB", DAY, 719_529.0 * DAY),
+    ("Julian days", DAY, 2_440_587.5 * DAY),
+];
 
 /// The steps that a record of a motion may have \[s\].
 const PLAUSIBLE: std::ops::RangeInclusive<f64> = 2e-5..=1.0;
@@ -97,14 +107,17 @@ pub(super) fn second(column: &Column) -> (f64, Option<String>) {
     let said = |unit: &str, why: &str, question: &str| {
         Some(format!("the times in `{}` have no unit: by their {why} they are {unit}{question}", column.name))
     };
-    if let Some((unit, size)) = UNITS.iter().find(|(_, size)| EPOCHS.contains(&(last * size))) {
-        return (*size, if *size == 1.0 { None } else { said(&format!("{unit} since 1970"), "size", "") });
+    // A record of days has small steps.
+    let is_since = |(_, size, zero): &&(&str, f64, f64)| {
+        EPOCHS.contains(&(last * size - zero)) && (*size <= 1.0 || PLAUSIBLE.contains(&(size * step)))
+    };
+    if let Some((unit, size, _)) = CLOCKS.iter().find(is_since) {
+        return (*size, if *size == 1.0 { None } else { said(unit, "size", "") });
     }
     let rate = |size: f64| 1.0 / (step * size);
     if step < 0.5 * PLAUSIBLE.start() && PLAUSIBLE.contains(&(DAY * step)) {
         // A time of day is a share of one, and a record is a small part of that.
-        let is_share = (0.0..=1.0).contains(&last) && last > 10.0 * (last - times[0]);
-        if is_share || DAYS.iter().any(|first| EPOCHS.contains(&((last - first) * DAY))) {
+        if (0.0..=1.0).contains(&last) && last > 10.0 * (last - times[0]) {
             return (DAY, said("days of a spreadsheet", "size", ""));
         }
         let question =
@@ -125,7 +138,7 @@ pub(super) fn second(column: &Column) -> (f64, Option<String>) {
     }
     // Of several plausible units that with the rate nearest to 100 Hz.
     let mut plausible: Vec<&(&str, f64)> =
-        UNITS[1..].iter().filter(|(_, size)| PLAUSIBLE.contains(&(step * size))).collect();
+        UNITS.iter().filter(|(_, size)| PLAUSIBLE.contains(&(step * size))).collect();
     let distance = |size: f64| libm::log10(rate(size) / 100.0).abs();
     sort_items(&mut plausible, |a, b| distance(a.1).total_cmp(&distance(b.1)));
     match plausible.as_slice() {
@@ -197,7 +210,8 @@ impl Timing {
             return Err(ImportError::TooShort(times.len()));
         }
         if let Some(row) = times.iter().position(|time| !time.is_finite()) {
-            return Err(ImportError::Cell(line(row), column.to_owned(), "a time is missing".to_owned()));
+            let problem = "a time is missing: state the sample rate, and the rows count as even".to_owned();
+            return Err(ImportError::Cell(line(row), column.to_owned(), problem));
         }
         if let Some(row) = times.windows(2).position(|pair| pair[1] <= pair[0]) {
             let (before, found) = (times[row], times[row + 1]);

@@ -207,6 +207,9 @@ pub(super) fn uff58b(bytes: &[u8]) -> Result<Table, ImportError> {
         }
         is_set = text.trim() == "-1";
         if let Some((_, [order, form, _, size])) = binary.filter(|(last, _)| *last == line) {
+            // pyuff does not count the times of uneven functions.
+            let ends = |size: &usize| rest.get(*size..).is_some_and(|rest| rest.trim_ascii_start().starts_with(b"-1"));
+            let size = [size, size.saturating_mul(2)].into_iter().find(ends).unwrap_or(size);
             let part = &rest[..size.min(rest.len())];
             reader.bytes(part, size, order == 2, form);
             (rest, binary) = (&rest[part.len()..], None);
