@@ -182,9 +182,9 @@ pub(crate) fn path_from(out: Option<&Path>, file: &Path) -> String {
 const NOTHING: [&str; 2] = ["none", "nothing"];
 
 fn mapping(table: &Table, args: &ImportArgs) -> (Mapping, InputKind, Vec<ColumnGuess>) {
-    let ImportArgs { rate, time, time_unit, even, missing, input, no_input, ground, sensor, .. } = args;
+    let ImportArgs { decay, rate, time, time_unit, even, missing, input, no_input, ground, sensor, .. } = args;
     let (mut mapping, mut kind, guesses) = Mapping::guess_for(table, &[]);
-    if let Some(rate) = rate {
+    if let (Some(rate), None) = (rate, decay) {
         mapping.time = Time { rate: Some(*rate), ..Time::default() };
     }
     if let Some(column) = time {

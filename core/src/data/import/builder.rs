@@ -151,9 +151,9 @@ impl<'a> Builder<'a> {
         let input = Input { kind, hold, values: input.unwrap_or_default() };
         let samples = input.values.len();
         for (quantity, values) in &sensors {
-            let last = values.iter().rposition(|value| !value.is_nan()).unwrap_or(samples);
-            remarks.extend((10 * last < 9 * samples).then(|| {
-                let [end, all] = [last, samples].map(|count| count as f64 * dt);
+            let read = values.iter().rposition(|value| !value.is_nan()).map_or(samples, |last| last + 1);
+            remarks.extend((10 * read < 9 * samples).then(|| {
+                let [end, all] = [read, samples].map(|count| count as f64 * dt);
                 format!(
                     "the {} has no readings after {end:.2} s of {all:.2} s: is it of another clock?",
                     quantity.name()
@@ -375,7 +375,9 @@ pub(super) mod tests {
             (1.7145648e18, 2e7, "ns since 1970", 0.02),
             (1.7145648e12, 5.0, "ms since 1970", 0.005),
             (45_413.5, 0.02 / 86_400.0, "days of a spreadsheet", 0.02),
-            (739_000.25, 0.05 / 86_400.0, "days of a spreadsheet", 0.05),
+            (739_000.25, 0.05 / 86_400.0, "days of MATLAB", 0.05),
+            (2_460_431.75, 0.05 / 86_400.0, "Julian days", 0.05),
+            (1.3359024e17, 1e5, "as Windows counts them", 0.01),
             (0.25, 0.02 / 86_400.0, "days of a spreadsheet", 0.02),
             (0.0, 2e-7, "5000000 samples a second: are they days?", 2e-7),
         ] {

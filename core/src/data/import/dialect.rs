@@ -215,6 +215,8 @@ struct Counts {
     cells: usize,
     numbers: usize,
     texts: usize,
+    /// Whether the first cell is one of the texts.
+    begins: bool,
 }
 
 impl Counts {
@@ -245,7 +247,10 @@ impl Form {
                         thousands = true;
                     }
                     Found::Missing | Found::Word => {}
-                    Found::Text => counts.texts += 1,
+                    Found::Text => {
+                        counts.begins |= counts.cells == 1;
+                        counts.texts += 1;
+                    }
                 }
             }
             counts
@@ -269,7 +274,9 @@ impl Form {
         let is_first = |place: &usize| {
             let next: Vec<&Counts> = self.lines[*place..].iter().filter(|line| line.cells > 0).take(NEXT).collect();
             let data = next.iter().filter(|line| line.is_data(self.columns)).count();
-            self.lines[*place].is_data(self.columns) && 2 * data >= next.len()
+            // A key and its value stand above names.
+            let is_key = self.lines[*place].begins && next.iter().any(|line| line.numbers == 0 && line.texts > 0);
+            self.lines[*place].is_data(self.columns) && 2 * data >= next.len() && !is_key
         };
         (0..self.lines.len()).find(is_first)
     }

@@ -19,7 +19,7 @@ use super::{Dialect, ImportError, Table};
 
 use binary::Form;
 pub(super) use kinds::read_binary;
-pub(super) use nameless::nameless;
+pub(super) use nameless::{nameless, stated_rate};
 
 /// The layout of the numbers below a header.
 #[derive(Debug)]

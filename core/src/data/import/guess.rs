@@ -74,7 +74,7 @@ fn is_something_else(column: &Column) -> Option<&'static str> {
 
 /// Words in names of columns that name the channel of a row, and in those of the readings beside them.
 const CHANNELS: [&str; 2] =
-    ["channel sensor signal topic measurement metric field variable parameter", "value reading"];
+    ["channel sensor signal topic measurement metric field variable parameter", "value reading payload"];
 
 /// The mean of a steady voltage, over its standard deviation.
 const STEADY: f64 = 20.0;
@@ -236,13 +236,16 @@ fn choose_axes(table: &Table, all: &mut [Candidate]) {
     let is_phone = table.columns.iter().any(|column| plain(&column.name) == "secondselapsed");
     for holder in 0..all.len() {
         let Some(role @ Role::Sensor(_)) = all[holder].role else { continue };
+        // One that does not move counts as an axis, whatever it is called.
+        let is_noise = is_noise(&column(&all[holder]).values);
         let of = |other: &usize| {
             let is_same = |one: &Candidate| role_of(column(one)).is_some_and(|(of, _)| of == role);
             *other == holder
-                || (is_same(&all[*other]) && are_axes(&column(&all[holder]).name, &column(&all[*other]).name))
+                || (is_same(&all[*other])
+                    && (is_noise || are_axes(&column(&all[holder]).name, &column(&all[*other]).name)))
         };
         let axes: Vec<usize> = (0..all.len()).filter(of).collect();
-        if !(2..=3).contains(&axes.len()) {
+        if axes.len() < 2 || (axes.len() > 3 && !is_noise) {
             continue;
         }
         let (mut best, mut most) = (holder, 1.000_001 * liveliness(&column(&all[holder]).values));
@@ -297,7 +300,10 @@ fn candidates(table: &Table) -> Vec<Candidate> {
         let is_supply = || is_steady_voltage(column) && !is_sensor(column) && columns.iter().any(is_sensor);
         let supply = || is_supply().then_some("it is a voltage that hardly changes, as that of a supply");
         let no_time = "its name says that it has the times, but its numbers do not rise";
-        let names_channels = |one: &Column| has_word(&one.name, CHANNELS[0]) && one.text.is_some();
+        let names_channels = |one: &Column| {
+            let is_number = !still(one) && one.values.iter().all(|value| value.fract() == 0.0);
+            has_word(&one.name, CHANNELS[0]) && (one.text.is_some() || is_number)
+        };
         let is_long = has_word(&column.name, CHANNELS[1]) && columns.iter().any(names_channels);
         let other = is_something_else(column).or_else(|| is_still().then_some(STILL)).or_else(supply);
         match (other.or(is_long.then_some(LONG)), role) {

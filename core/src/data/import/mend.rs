@@ -10,7 +10,7 @@ use super::unit::{Dimension, unit};
 use super::{Column, Table};
 
 /// Rows in another order are at most this far from their places.
-const NEAR: usize = 8;
+const NEAR: usize = 64;
 
 /// First rows are apart from the others by more than this many times what the others take.
 const APART: f64 = 1e3;
@@ -103,15 +103,12 @@ fn without_first_rows(table: Table) -> Table {
         && columns.iter().all(|values| values[first] == rate && EPOCHS.contains(&values[first - 1]));
     let rows = first + usize::from(begins);
     let mut kept = table.of_rows((rows..table.rows()).map(|row| vec![row]));
+    kept.rate = begins.then_some(rate).or(kept.rate);
     kept.remarks.push(if begins {
         format!("the first {rows} rows are a time, the start, and {rate}, the samples a second: so they are read")
     } else {
         format!("the numbers of the first {rows} row(s) are far from all others: these rows are left out")
     });
-    if begins {
-        let times = (0..kept.rows()).map(|row| row as f64 / rate).collect();
-        kept.columns.insert(0, Column::of_header("time", Some("s"), times));
-    }
     kept
 }
 

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::cell::Found;
 use super::dialect::REMARKS;
 use super::error::MOST_COLUMNS;
+use super::formats::stated_rate;
 use super::unit::name_and_unit;
 use super::{Decimal, Dialect, ImportError};
 
@@ -328,8 +329,7 @@ impl RowsReader {
         let is_word = |cell: &str| cell.is_empty() || dialect.decimal.read(cell, dialect.thousands) == Found::Text;
         if trimmed.starts_with(char::is_alphabetic) && dialect.delimiter.cells(row).all(is_word) {
             // Printers say the rate at the end: `Rate 1344, overflows 0`.
-            let said = trimmed.strip_prefix("Rate ").and_then(|rest| rest.split([',', ' ']).next()?.parse().ok());
-            *rate = rate.or(said.filter(|rate| *rate > 0.0));
+            *rate = rate.or(stated_rate(&[trimmed]));
             self.words.note(line);
             return;
         }

@@ -154,12 +154,23 @@ pub(super) const STEPS: [&str; 14] = [
     "dt",
 ];
 
+pub(in super::super) fn stated_rate(lines: &[&str]) -> Option<f64> {
+    Facts::of(lines).step.map(|step| 1.0 / step)
+}
+
 impl Facts {
     fn of(header: &[&str]) -> Self {
         let mut facts = Self::default();
         let lines: Vec<String> = header
             .iter()
-            .map(|line| line.to_lowercase().replace('_', " ").replace(", ", "; ").replace(',', "."))
+            .map(|line| line.to_lowercase().replace('_', " ").replace(", ", "; "))
+            .map(|line| if line.starts_with("rate") { format!("sample {line}") } else { line })
+            .map(|line| {
+                line.split(',').fold(String::new(), |text, part| match text.chars().last() {
+                    None => part.to_owned(),
+                    Some(last) => format!("{text}{}{part}", if last.is_ascii_digit() { '.' } else { ' ' }),
+                })
+            })
             .collect();
         let rate = lines.iter().find_map(|line| number_behind(line, &RATES).or_else(|| number_before_rate(line)));
         let rate = rate.map(|(rate, unit)| if unit.contains("khz") { 1e3 * rate } else { rate });
