@@ -156,7 +156,6 @@ impl Record {
         }
     }
 
-    /// Forgets the first `samples`, in place.
     pub(crate) fn forget(&mut self, samples: usize) {
         let Self {
             dt: _,

@@ -20,7 +20,6 @@ pub struct Mode {
     pub amplitude: f64,
 }
 
-/// Damping ratios that descents begin with.
 const DAMPING: [f64; 3] = [0.01, 0.04, 0.12];
 const TRIES: usize = 60;
 /// Another mode must gain this much log likelihood for each of its numbers, in units of the logarithm of the readings' number: a stricter
@@ -59,7 +58,6 @@ impl Decay {
         Self { readings, ..self.clone() }
     }
 
-    /// The modes, and the readings of the first one.
     fn fit(&self) -> Option<(Vec<Mode>, Vec<[f64; 2]>)> {
         let mean = |rests: &[f64]| rests.iter().map(|rest| rest * rest).sum::<f64>() / rests.len().max(1) as f64;
         let mut readings = self.readings.as_slice();

@@ -6,7 +6,7 @@ use super::Mode;
 use super::decay::{Along, in_order};
 use super::modes::highest;
 use crate::mathematics::least_squares::{NormalEquations, descend};
-use crate::mathematics::lists::{numbers, sort_numbers};
+use crate::mathematics::lists::{median, numbers};
 
 type Complex = nalgebra::Complex<f64>;
 
@@ -60,7 +60,6 @@ const WIDER: f64 = 1.5;
 const LAGS: usize = 12;
 /// The pulses are not quite the wave that the model has: bands of f and ζ are wider by these factors, set on 195 simulated sweeps.
 const OF_DRIVE: [f64; 2] = [1.2, 1.5];
-/// The place of the first mode among numbers.
 const FIRST: usize = 6;
 
 /// Those of φ and of c₀, and ωₙ, ζ and c of each mode; a second mode may be none.
@@ -117,13 +116,11 @@ impl Sweep {
         self.law[0] + self.law[1] * time
     }
 
-    /// φ.
     fn phase(&self, time: f64) -> f64 {
         let [f, rate, share] = self.law;
         TAU * (time * (f + 0.5 * rate * time) - share * libm::log(self.frequency(time) / f))
     }
 
-    /// The times of the windows after the beginning \[s\].
     fn times(&self) -> impl Iterator<Item = f64> + use<> {
         let count = ((self.part[1] - self.part[0] - WINDOW) / HOP) as usize;
         (0..count).map(|k| 0.5 * WINDOW + HOP * k as f64)
@@ -282,7 +279,6 @@ impl Sweep {
         descend(descend(start, false).1, true)
     }
 
-    /// By differences.
     fn normal(&self, modes: usize, at: &Numbers, is_free: bool) -> NormalEquations<{ FIRST + 8 }> {
         let rests = self.rests(at);
         let is_still = |i: usize| i >= FIRST + 4 * modes || !is_free && (2..4).contains(&i);
@@ -380,7 +376,6 @@ fn respond(law: &[f64], pole: Complex, mut each: impl FnMut(usize, Complex)) {
     }
 }
 
-/// The readings in a window from a time on.
 fn within(readings: &[[f64; 2]], from: f64) -> &[[f64; 2]] {
     let place = |time: f64| readings.partition_point(|reading| reading[0] < time);
     &readings[place(from)..place(from + WINDOW)]
@@ -394,7 +389,6 @@ struct WindowMean {
 }
 
 impl WindowMean {
-    /// Adds a value at a time from the middle of the window \[s\].
     fn add(&mut self, time: f64, value: Complex) {
         let weight = libm::cos(PI * time.clamp(-0.5 * WINDOW, 0.5 * WINDOW) / WINDOW).powi(4);
         self.sum += value * weight;
@@ -404,11 +398,6 @@ impl WindowMean {
     fn of(&self) -> Complex {
         self.sum / self.weights
     }
-}
-
-fn median(mut numbers: Vec<f64>) -> Option<f64> {
-    sort_numbers(&mut numbers);
-    numbers.get(numbers.len() / 2).copied()
 }
 
 fn turn(phase: f64) -> Complex {

@@ -246,7 +246,6 @@ impl<'a> Builder<'a> {
         Ok((values, remarks))
     }
 
-    /// The columns with the truth of a simulated record.
     fn truth(&self) -> Vec<(Channel, Vec<f64>)> {
         if self.mapping.every > 1 || self.mapping.interpolate > 1 {
             return Vec::new();
@@ -339,21 +338,9 @@ pub(super) mod tests {
             ("t,force,x\n0,1,2\n1,2,1e999\n2,3,4\n", |_| {}, "line 3, column `x`: the number is infinite"),
             ("t,x\n0,1\n", |_| {}, "1 row(s)"),
             ("force,x\n2,1\n1,3\n", |_| {}, "the file has no column of times: state the sample rate"),
-            (
-                "time,force,x\nT+0.1,1,2\nT+0.2,3,1\nT+0.3,2,2\n",
-                |_| {},
-                "the file has no column of times: `time` has `T+0.1` in line 2",
-            ),
-            (
-                "t,force,x\n0,1,2\n0.1,2,3\n,2,3\n0.5,2,4\n",
-                |_| {},
-                "line 4, column `t`: a time is missing: state the sample rate, and the rows count as even",
-            ),
-            (
-                TEXT,
-                |m| m.input = Some(MappedColumn::new("load")),
-                "there is no column `load`; the columns are t, force, ",
-            ),
+            ("time,f,x\nT+1,1,2\nT+2,3,1\n", |_| {}, "the file has no column of times: `time` has `T+1` in line 2"),
+            ("t,force,x\n0,1,2\n0.1,2,3\n,2,3\n0.5,2,4\n", |_| {}, "line 4, column `t`: a time is missing: state the"),
+            (TEXT, |m| m.input = Some(MappedColumn::new("load")), "there is no column `load`; the columns are t, "),
             (TEXT, |m| m.sensors.clear(), "no column is chosen for a sensor"),
             (TEXT, |m| m.from = Some(9.0), "0 row(s)"),
         ];

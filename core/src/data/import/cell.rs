@@ -20,7 +20,6 @@ pub enum Delimiter {
 }
 
 impl Delimiter {
-    /// Its name, in the plural.
     pub(super) const fn name(self) -> &'static str {
         match self {
             Self::Comma => "commas",
@@ -96,7 +95,6 @@ pub(super) enum Found {
         seconds: f64,
         is_dated: bool,
     },
-    /// Nothing, or NaN and the like.
     Missing,
     /// A word by which an instrument says that it has no reading, such as `OVLD`.
     Word,
@@ -104,7 +102,6 @@ pub(super) enum Found {
 }
 
 impl Found {
-    /// The value in a column: NaN where there is none.
     pub(super) fn value(self) -> f64 {
         match self {
             Self::Number(value) | Self::Grouped(value) | Self::Clock { seconds: value, .. } => value,
@@ -202,7 +199,6 @@ impl Decimal {
         Some(size * value)
     }
 
-    /// A number with Fortran's exponent of double precision.
     fn fortran(self, cell: &str) -> Option<f64> {
         let begins = cell.starts_with(|c: char| c.is_ascii_digit() || "+-.,".contains(c));
         let (mantissa, exponent) = cell.split_once(['d', 'D']).filter(|_| begins)?;
@@ -211,7 +207,6 @@ impl Decimal {
     }
 }
 
-/// Words of programs for a missing value.
 fn is_missing(cell: &str) -> bool {
     "na n/a null none nil missing - -- #n/a #nv ?".split(' ').any(|word| cell.eq_ignore_ascii_case(word))
 }
@@ -273,7 +268,6 @@ fn half_of_day(time: &str) -> (&str, Option<f64>) {
     }
 }
 
-/// A time without its zone, and the zone's seconds ahead of Greenwich. `None` if it has no zone.
 fn zone(time: &str) -> Option<(&str, f64)> {
     if let Some(rest) = ["Z", "UTC", "GMT"].iter().find_map(|word| time.strip_suffix(word)) {
         return Some((rest, 0.0));

@@ -89,7 +89,6 @@ pub(super) fn no_time(table: &Table) -> ImportError {
     ImportError::NoTime(why.unwrap_or_default())
 }
 
-/// Whether the numbers rise in even steps, as times do.
 fn is_like_time(values: &[f64]) -> bool {
     let [first, .., last] = *values else { return false };
     let mean = (last - first) / (values.len() - 1) as f64;
@@ -110,7 +109,6 @@ fn is_own(table: &Table) -> bool {
     matches!(table.columns.as_slice(), [time, second, ..] if time.name == "t" && second.name == input)
 }
 
-/// A column that may still get a meaning.
 struct Candidate {
     place: usize,
     role: Option<Role>,
@@ -214,9 +212,7 @@ impl Mapping {
         let reason = |(place, column): (usize, &Column)| ColumnGuess { column: column.name.clone(), why: why(place) };
         (mapping, kind, columns.iter().enumerate().map(reason).collect())
     }
-}
 
-impl Mapping {
     /// Takes no column as the input, by guesses at the columns: the first one without a name is then the sensor, not the second.
     pub fn take_no_input(&mut self, guesses: &[ColumnGuess]) {
         self.no_input = true;
@@ -242,7 +238,8 @@ fn choose_axes(table: &Table, all: &mut [Candidate]) {
             let is_same = |one: &Candidate| role_of(column(one)).is_some_and(|(of, _)| of == role);
             *other == holder
                 || (is_same(&all[*other])
-                    && (is_noise || are_axes(&column(&all[holder]).name, &column(&all[*other]).name)))
+                    && ((is_noise && all[*other].why == LOST)
+                        || are_axes(&column(&all[holder]).name, &column(&all[*other]).name)))
         };
         let axes: Vec<usize> = (0..all.len()).filter(of).collect();
         if axes.len() < 2 || (axes.len() > 3 && !is_noise) {
@@ -301,8 +298,9 @@ fn candidates(table: &Table) -> Vec<Candidate> {
         let supply = || is_supply().then_some("it is a voltage that hardly changes, as that of a supply");
         let no_time = "its name says that it has the times, but its numbers do not rise";
         let names_channels = |one: &Column| {
-            let is_number = !still(one) && one.values.iter().all(|value| value.fract() == 0.0);
-            has_word(&one.name, CHANNELS[0]) && (one.text.is_some() || is_number)
+            let is_number = |value: &f64| value.fract() == 0.0 && (0.0..64.0).contains(value);
+            let is_one = one.text.is_some() || (!still(one) && one.values.iter().all(is_number));
+            one.name != column.name && has_word(&one.name, CHANNELS[0]) && is_one
         };
         let is_long = has_word(&column.name, CHANNELS[1]) && columns.iter().any(names_channels);
         let other = is_something_else(column).or_else(|| is_still().then_some(STILL)).or_else(supply);
@@ -331,7 +329,6 @@ enum Role {
     Sensor(Quantity),
 }
 
-/// Words in names of columns of times.
 const TIMES: &str = "time zeit seconds stamp temps millis micros nanos epoch elapsed t s ms";
 
 /// Words in names, in the order in which they are looked for. Those of one or two letters must be the whole name.
@@ -349,7 +346,6 @@ const WORDS: [(&str, Role); 8] = [
     ),
 ];
 
-/// The reasons, in words that follow the meaning.
 const NAMED: &str = "its name says so";
 const BY_UNIT: &str = "its unit says so";
 const BY_CLOCK: &str = "its cells are times of day";
@@ -386,7 +382,6 @@ fn role_of(column: &Column) -> Option<(Role, &'static str)> {
     named.map(|role| (role, NAMED)).or_else(|| of_unit().map(|role| (role, BY_UNIT)))
 }
 
-/// Whether a column is one of times, by its cells, its name or its unit.
 pub(super) fn is_named_time(column: &Column) -> bool {
     matches!(role_of(column), Some((Role::Time, _)))
 }
@@ -415,7 +410,6 @@ fn parts(name: &str) -> String {
     name.char_indices().flat_map(|at| [begins(at).then_some(' '), Some(at.1)]).flatten().collect()
 }
 
-/// Whether a column is a voltage that stays near its mean.
 fn is_steady_voltage(column: &Column) -> bool {
     let is_voltage = matches!(column.unit.as_deref().and_then(unit), Some((Dimension::Voltage, _)));
     let middle = mean(&column.values);

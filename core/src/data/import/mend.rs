@@ -1,11 +1,11 @@
 //! Faults of a file's times that have one cure: a counter that turns over, rows that stand twice or in another order, first rows
 //! far from all others, a clock that is set back, parts that begin again.
 
-use crate::mathematics::lists::{mapped, places, sorted_places};
+use crate::mathematics::lists::{mapped, median, places, sorted_places};
 use std::cmp::Ordering;
 
 use super::guess::{clocks, is_named_time, seldom_falls};
-use super::times::{DAY, EPOCHS, median, median_step};
+use super::times::{DAY, EPOCHS, median_step};
 use super::unit::{Dimension, unit};
 use super::{Column, Table};
 
@@ -73,15 +73,12 @@ fn with_fractions(table: &mut Table) {
     };
     let is_whole = |column: &Column| {
         let is_second = column.unit.as_deref().is_none_or(|text| unit(text) == Some((Dimension::Time, 1.0)));
-        let pairs = || column.values.windows(2);
-        is_named_time(column)
-            && is_second
-            && pairs().all(|pair| pair[0].fract() == 0.0)
-            && pairs().any(|a| a[0] == a[1])
+        let is_repeated = column.values.windows(2).any(|pair| pair[0] == pair[1]);
+        is_named_time(column) && is_second && is_repeated && column.values.iter().all(|time| time.fract() == 0.0)
     };
-    let pair = |place: &usize| is_whole(&table.columns[*place]) && size(&table.columns[*place + 1]).is_some();
-    let Some(place) = (0..table.columns.len().saturating_sub(1)).find(pair) else { return };
-    let Some(size) = size(&table.columns[place + 1]) else { return };
+    let of = |pair: &[Column]| size(&pair[1]).filter(|_| is_whole(&pair[0]));
+    let found = table.columns.windows(2).enumerate().find_map(|(place, pair)| Some((place, of(pair)?)));
+    let Some((place, size)) = found else { return };
     let fractions = table.columns.remove(place + 1);
     let time = &mut table.columns[place];
     time.values.iter_mut().zip(&fractions.values).for_each(|(time, fraction)| *time += size * fraction);
@@ -227,7 +224,8 @@ fn in_order(times: &[f64], rows: &[usize], step: f64) -> Option<Vec<usize>> {
     let sorted = sorted_places(rows.len(), &|one, other| times[rows[one]].total_cmp(&times[rows[other]]));
     let is_near = sorted.iter().enumerate().all(|(place, &before)| place.abs_diff(before) <= NEAR);
     let sorted: Vec<usize> = sorted.into_iter().map(|place| rows[place]).collect();
-    let has_steps = sorted.windows(2).all(|pair| times[pair[1]] - times[pair[0]] > 0.2 * step);
+    let usual = 0.2 * step..100.0 * step;
+    let has_steps = sorted.windows(2).all(|pair| usual.contains(&(times[pair[1]] - times[pair[0]])));
     (is_near && has_steps).then_some(sorted)
 }
 
@@ -255,14 +253,12 @@ fn of_one_time(table: &Table, place: usize, times: &[f64], rows: &[usize]) -> Op
 mod tests {
     use super::super::read;
 
-    /// The times and the last column of a file, and its remarks.
     fn mended(text: &str) -> (Vec<f64>, Vec<f64>, Vec<String>) {
         let table = read(text.as_bytes(), None).unwrap();
         let [time, .., last] = table.columns.as_slice() else { panic!("two columns") };
         (time.values.clone(), last.values.clone(), table.remarks)
     }
 
-    /// A file of times, with the number of its row as the reading.
     fn file(times: impl IntoIterator<Item = f64>) -> String {
         let rows = times.into_iter().enumerate().map(|(row, time)| format!("{time},{row}\n"));
         "time,x\n".to_owned() + &rows.collect::<String>()

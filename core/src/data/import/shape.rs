@@ -4,11 +4,10 @@ use std::f64::consts::{PI, TAU};
 
 use super::conditioning::mean;
 use super::missing::is_still;
-use super::times::median;
 use super::unit::{Dimension, STANDARD_GRAVITY, unit};
 use super::{Column, Mapping, Table};
+use crate::mathematics::lists::median;
 
-/// Whether all numbers are the same, in more rows than a few.
 pub(super) fn never_changes(values: &[f64]) -> bool {
     values.iter().filter(|value| !value.is_nan()).count() > 2 && is_still(values)
 }

@@ -80,7 +80,6 @@ impl Column {
     fn push(&mut self, cell: &str, dialect: Dialect, line: usize) -> bool {
         let found = dialect.decimal.read(cell, dialect.thousands);
         let quoted = || {
-            /// Limits the characters that a message quotes.
             const QUOTED: usize = 40;
             TextCell { line, text: cell.chars().take(QUOTED).collect() }
         };
@@ -169,13 +168,11 @@ impl Table {
     }
 }
 
-/// A name with a number behind it if it is taken.
 pub(super) fn free_name(name: &str, is_taken: impl Fn(&str) -> bool) -> String {
     let numbered = (2..).map(|number| format!("{name} ({number})"));
     std::iter::once(name.to_owned()).chain(numbered).find(|name| !is_taken(name)).unwrap_or_default()
 }
 
-/// Puts a number behind each name that there was before.
 pub(super) fn number_names(columns: &mut [Column]) {
     for place in 1..columns.len() {
         let (before, rest) = columns.split_at_mut(place);
@@ -214,7 +211,6 @@ impl Lines {
 /// A table with known columns.
 #[derive(Debug)]
 pub(super) struct Rows {
-    /// The delimiter, the decimal character, and the first line of numbers.
     pub(super) dialect: Dialect,
     /// The name and unit of each cell of a row, `None` if it belongs to no column; empty if lines of the dialect have them.
     pub(super) cells: Vec<Option<(String, Option<String>)>>,
@@ -224,18 +220,14 @@ pub(super) struct Rows {
     pub(super) ends: fn(&str) -> bool,
     /// The number of columns in which the numbers of all rows run on, and of the first cells of a row that do not belong to them.
     pub(super) run_on: Option<(usize, usize)>,
-    /// The samples a second that the file says \[Hz\].
     pub(super) rate: Option<f64>,
     /// Multiplies all numbers.
     pub(super) scale: f64,
-    /// The number of rows that the header says.
     pub(super) count: Option<usize>,
-    /// Sentences about what the header says.
     pub(super) remarks: Vec<String>,
 }
 
 impl Rows {
-    /// A table whose lines of names and units its dialect knows, if it has them.
     pub(super) fn of(dialect: Dialect) -> Self {
         let (cells, even, run_on, rate, count, remarks) = Default::default();
         Self { dialect, cells, even, ends: |_| false, run_on, rate, scale: 1.0, count, remarks }
@@ -247,9 +239,7 @@ impl Rows {
 pub(super) struct RowsReader {
     rows: Rows,
     pub(super) columns: Vec<Column>,
-    /// Whether the cell of a row belongs to a column.
     belongs: Vec<bool>,
-    /// The line that begins another table.
     pub(super) end: Option<usize>,
     lines: Lines,
     short: Odd,
@@ -318,22 +308,22 @@ impl RowsReader {
             *end = Some(line);
             return;
         }
-        let mut cells = dialect.delimiter.cells(row);
         if let Some((count, apart)) = *run_on {
-            for (place, cell) in cells.filter(|cell| !cell.is_empty()).skip(apart).enumerate() {
+            let cells = dialect.delimiter.cells(trimmed.trim_end_matches([',', ';']));
+            for (place, cell) in cells.skip(apart).enumerate() {
                 columns[place % count].push(cell, *dialect, line);
                 lines.push(columns[0].values.len() - 1, line);
             }
             return;
         }
         let is_word = |cell: &str| cell.is_empty() || dialect.decimal.read(cell, dialect.thousands) == Found::Text;
-        if trimmed.starts_with(char::is_alphabetic) && dialect.delimiter.cells(row).all(is_word) {
+        if columns.len() > 1 && trimmed.starts_with(char::is_alphabetic) && dialect.delimiter.cells(row).all(is_word) {
             // Printers say the rate at the end: `Rate 1344, overflows 0`.
             *rate = rate.or(stated_rate(&[trimmed]));
             self.words.note(line);
             return;
         }
-        let mut missing = false;
+        let (mut missing, mut cells) = (false, dialect.delimiter.cells(row));
         let mut kept = columns.iter_mut();
         for &belongs in belongs.iter() {
             let cell = cells.next();
@@ -414,7 +404,6 @@ fn cut(columns: &mut [Column], count: usize, is_without_times: bool) -> Option<S
     ))
 }
 
-/// The number of columns in a dialect.
 fn width(dialect: &Dialect, lines: &[&str]) -> Result<usize, ImportError> {
     let first = lines.get(dialect.data.saturating_sub(1)).copied().unwrap_or_default();
     let mut width = dialect.delimiter.cells(first).count();

@@ -14,7 +14,6 @@ pub struct ThreeAxes {
     pub axes: ([usize; 3], f64),
 }
 
-/// Names of an acceleration without its axis.
 const ACCELERATIONS: [&str; 9] =
     ["acceleration", "linearacceleration", "accelerometer", "accel", "acc", "a", "gf", "g", ""];
 

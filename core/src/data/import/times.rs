@@ -1,6 +1,6 @@
 //! The times of a file: those of a column, in seconds, and the even steps that they are close to.
 
-use crate::mathematics::lists::{mapped, sort_items};
+use crate::mathematics::lists::{mapped, median, sort_items};
 use std::borrow::Cow;
 
 use super::error::{FEWEST, MOST};
@@ -8,7 +8,6 @@ use super::unit::{Dimension, unit};
 use super::{Column, ImportError, Table};
 use crate::data::even_steps::Steps;
 
-/// Seconds of a day.
 pub(super) const DAY: f64 = 86_400.0;
 
 /// The units that a column of times may have without a word, and the seconds of each.
@@ -38,7 +37,6 @@ const SLOW: [f64; 2] = [1.0, 10.0];
 
 /// The times of a file's rows, and the even steps that they are close to.
 pub(super) struct Clock<'a> {
-    /// The place of the column of times.
     pub(super) place: usize,
     /// \[s\]
     pub(super) times: Cow<'a, [f64]>,
@@ -59,7 +57,6 @@ impl<'a> Clock<'a> {
         Ok(Self { place, times, timing })
     }
 
-    /// The first time and the last one \[s\].
     pub(super) fn ends(&self) -> [f64; 2] {
         [self.times[0], self.times[self.times.len() - 1]]
     }
@@ -174,9 +171,7 @@ pub(super) struct Timing {
     worst: f64,
     /// Whether such an error is one of rounding.
     is_rounded: bool,
-    /// A sentence about uneven times whose values are at even steps all the same.
     pub(super) remark: Option<String>,
-    /// A sentence about gaps between the times.
     pub(super) gaps: Option<String>,
 }
 
@@ -191,7 +186,6 @@ pub(super) enum Places {
 }
 
 impl Timing {
-    /// `rows` samples at a rate \[Hz\].
     pub(super) fn of_rate(rate: f64, rows: usize) -> Result<Self, ImportError> {
         if rows < FEWEST {
             return Err(ImportError::TooShort(rows));
@@ -267,7 +261,6 @@ impl Timing {
         Ok(Self { dt: median, samples, places, worst, is_rounded: false, remark, ..even })
     }
 
-    /// Whether the times are those of the samples.
     pub(super) fn is_exact(&self) -> bool {
         matches!(self.places, Places::Rows | Places::Gaps(_)) && self.worst <= EXACT
     }
@@ -278,12 +271,10 @@ impl Timing {
         Ok(Self { dt, samples, ..self })
     }
 
-    /// Whether the samples are at even steps, and only their times are rounded, if anything.
     pub(super) fn is_even(&self) -> bool {
         self.is_exact() || (self.is_rounded && !matches!(self.places, Places::Times(_)))
     }
 
-    /// A sentence on uneven times that are kept.
     pub(super) fn kept(&self) -> String {
         let dt = told(self.dt);
         match self.places {
@@ -348,7 +339,6 @@ fn way(times: &[f64]) -> String {
     )
 }
 
-/// A number of samples, if a record can have them.
 fn count(samples: f64) -> Result<usize, ImportError> {
     let found = samples.min(1e15) as usize;
     if samples > MOST as f64 { Err(ImportError::TooLong(found)) } else { Ok(found) }
@@ -379,12 +369,6 @@ fn told(dt: f64) -> f64 {
 
 pub(super) fn median_step(times: &[f64]) -> f64 {
     median(times.windows(2).map(|pair| pair[1] - pair[0]).collect()).unwrap_or(f64::NAN)
-}
-
-/// The median, of two in the middle the larger one.
-pub(super) fn median(mut numbers: Vec<f64>) -> Option<f64> {
-    let middle = numbers.len() / 2;
-    (!numbers.is_empty()).then(|| *numbers.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 #[cfg(test)]

@@ -5,7 +5,6 @@ use std::sync::Arc;
 use super::{Clocks, Record, Timed};
 use crate::Hold;
 
-/// The last values that are compared where a record goes on.
 const COMPARED: usize = 1000;
 
 fn begins(all: &[f64], first: &[f64], compared: usize) -> bool {

@@ -190,7 +190,6 @@ impl LiveRecord {
         Ok(())
     }
 
-    /// Whether nothing more can come for a sample, as long as all tell their readings in order.
     fn all_are_told(&self, sample: f64) -> bool {
         let (input, sensors) =
             self.latest.split_last().map_or((f64::NEG_INFINITY, &[][..]), |(input, all)| (*input, all));

@@ -5,7 +5,6 @@ use super::binary::whole;
 use super::unpack::{gzip, has_entry, is_zip, zip};
 use super::{arrays, mat, series};
 
-/// The handling of files of a kind.
 enum Way {
     Read(fn(&[u8], Option<Dialect>) -> Result<Table, ImportError>),
     /// They are not read; the words name what helps.
@@ -92,7 +91,6 @@ const KINDS: [Kind; 49] = [
     ("a Zstandard file", |b| b.starts_with(b"\x28\xB5\x2F\xFD"), PACKED),
 ];
 
-/// The table in a file of a kind that is no text. `None` for any other file, also for an empty one.
 pub(in super::super) fn read_binary(bytes: &[u8], dialect: Option<Dialect>) -> Option<Result<Table, ImportError>> {
     let (name, _, way) = KINDS.iter().find(|(_, is, _)| !bytes.is_empty() && is(bytes))?;
     Some(match way {
@@ -101,7 +99,6 @@ pub(in super::super) fn read_binary(bytes: &[u8], dialect: Option<Dialect>) -> O
     })
 }
 
-/// Whether some bytes stand at a place.
 fn has(bytes: &[u8], place: usize, part: &[u8]) -> bool {
     bytes.get(place..).is_some_and(|rest| rest.starts_with(part))
 }

@@ -6,7 +6,6 @@ use super::super::table::Rows;
 use super::super::unit::{Dimension, unit};
 use super::number_after;
 
-/// The rows of a table in a dialect, or the one series that its numbers are.
 pub(in super::super) fn nameless(dialect: Dialect, lines: &[&str]) -> Rows {
     let mut rows = Rows::of(dialect);
     let (header, body) = lines.split_at(dialect.data.saturating_sub(1).min(lines.len()));
@@ -98,7 +97,6 @@ fn agreement(body: &[Vec<f64>]) -> Option<f64> {
     const FEWEST: [usize; 2] = [8, 3];
     /// The most that steps and spreads may differ.
     const ALIKE: f64 = 2.0;
-    /// A clear margin.
     const CLEAR: f64 = 0.6;
     let width = body.first().map_or(0, Vec::len);
     let whole = body.iter().take_while(|row| row.len() == width).count();
@@ -217,7 +215,6 @@ impl Facts {
 
 /// The first number close behind one of some words, and the line from the word on without it.
 fn number_behind(line: &str, words: &[&str]) -> Option<(f64, String)> {
-    /// Limits the characters between a word and its number.
     const BETWEEN: usize = 24;
     words.iter().find_map(|word| {
         let place = line.find(word).filter(|place| !line[..*place].ends_with(char::is_alphanumeric))? + word.len();
