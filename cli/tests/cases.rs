@@ -132,7 +132,7 @@ fn write_files(folder: &Folder) {
         |(k, f, x): &(u64, f64, f64)| format!("{},force,{f}\n{},disp,{x}\n", *k as f64 * 0.02, *k as f64 * 0.02 + 1e-3);
     file("channel-a-row.csv", "time,channel,value\n", &mut all.iter().map(long));
     let beside =
-        |(k, f, x): &(u64, f64, f64)| format!("{},{},{f},{x}\n", *k as f64 * 0.02, 5.0 + 1e-3 * (k * k % 7) as f64);
+        |(k, f, x): &(u64, f64, f64)| format!("{},{},{f},{x}\n", *k as f64 * 0.02, 5.0 + 1e-3 * (k * k % 97) as f64);
     file("supply-beside.csv", "time,Vin,F_cell,LVDT\n", &mut all.iter().map(beside));
     let decay =
         |k: usize| (-0.6 * k as f64 * 0.02).exp() * (11.985 * k as f64 * 0.02).cos() + 1e-3 * (k * k % 7) as f64;
