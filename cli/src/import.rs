@@ -25,7 +25,7 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
     let progress = Progress::wait(false, "reading");
     let (mut table, mut hash) = columns_of(file)?;
     let mut file = file;
-    table.rate = args.rate.or(table.rate);
+    table.rate = args.rate.filter(|_| decay.is_some()).or(table.rate);
     let (of_file, ..) = mapping(&table, args);
     // A column that is the input may be the force of a sweep.
     let axes = ThreeAxes::of(&table).filter(|_| decay.is_some() || of_file.input.is_none());

@@ -31,7 +31,7 @@ impl ThreeAxes {
         let second = match unit_of(time) {
             Some((Dimension::Time, second)) => second,
             // Rows with numbers are no times.
-            _ if is_counter(&columns[time].values, true) && !is_named_time(&columns[time]) => 1.0 / table.rate?,
+            _ if is_counter(&columns[time].values, false) && !is_named_time(&columns[time]) => 1.0 / table.rate?,
             _ => times::second(&columns[time]).0,
         };
         let size = match unit_of(axes[0]) {
