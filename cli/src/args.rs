@@ -312,7 +312,7 @@ pub(crate) struct ImportArgs {
     #[arg(long, value_name = "SCENARIO.toml")]
     pub(crate) out: Option<PathBuf>,
     /// Take the free decay from an accelerometer with three axes, as a phone writes it, write it to this file, and continue with it
-    #[arg(long, value_name = "DECAY.csv", conflicts_with_all = ["rate", "time", "time_unit", "input", "sensor", "ground"])]
+    #[arg(long, value_name = "DECAY.csv", conflicts_with_all = ["time", "time_unit", "input", "sensor", "ground"])]
     pub(crate) decay: Option<PathBuf>,
     /// A second file of the same time with its own clock, such as that of another logger
     #[arg(long, value_name = "OTHER.csv", requires_all = ["joined", "offset"], conflicts_with_all = ["decay", "rate", "time", "time_unit"])]

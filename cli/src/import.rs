@@ -25,8 +25,12 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
     let progress = Progress::wait(false, "reading");
     let (mut table, mut hash) = columns_of(file)?;
     let mut file = file;
-    let sweep = ThreeAxes::of(&table).and_then(|axes| Sweep::of(&axes.readings(&table)));
-    if let (Some(sweep), None) = (&sweep, &args.input) {
+    table.rate = args.rate.filter(|_| decay.is_some()).or(table.rate);
+    let (of_file, ..) = mapping(&table, args);
+    // A column that is the input may be the force of a sweep.
+    let axes = ThreeAxes::of(&table).filter(|_| decay.is_some() || of_file.input.is_none());
+    let sweep = axes.and_then(|axes| Sweep::of(&axes.readings(&table)));
+    if let Some(sweep) = &sweep {
         let [[low, high], [begin, end]] = [sweep.range, sweep.part];
         say(&format_args!(
             "a sweep: {low:.1} Hz to {high:.1} Hz from {begin:.2} s to {end:.2} s; the force that drives it is in no column"
@@ -97,7 +101,8 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
 /// Writes the free decay in a file of an accelerometer with three axes to another file. Returns the columns of that, and its hash.
 fn free_decay(table: &Table, file: &Path, to: &Path) -> Result<(Table, String), InputError> {
     let bad = |reason: &dyn ToString| InputError::bad(file, reason);
-    let none = "there are no three accelerations with a time, named as phyphox or an Arduino names them";
+    let none = "there are no three accelerations with a time, named as phyphox or an Arduino names them; where rows have numbers and no \
+                times, state the sample rate";
     let axes = ThreeAxes::of(table).ok_or_else(|| bad(&none))?;
     let groups = Decay::groups(&axes.readings(table)).map_err(|reason| bad(&reason))?;
     for (place, decays) in groups.iter().enumerate() {
@@ -177,9 +182,9 @@ pub(crate) fn path_from(out: Option<&Path>, file: &Path) -> String {
 const NOTHING: [&str; 2] = ["none", "nothing"];
 
 fn mapping(table: &Table, args: &ImportArgs) -> (Mapping, InputKind, Vec<ColumnGuess>) {
-    let ImportArgs { rate, time, time_unit, even, missing, input, no_input, ground, sensor, .. } = args;
+    let ImportArgs { decay, rate, time, time_unit, even, missing, input, no_input, ground, sensor, .. } = args;
     let (mut mapping, mut kind, guesses) = Mapping::guess_for(table, &[]);
-    if let Some(rate) = rate {
+    if let (Some(rate), None) = (rate, decay) {
         mapping.time = Time { rate: Some(*rate), ..Time::default() };
     }
     if let Some(column) = time {
@@ -193,7 +198,7 @@ fn mapping(table: &Table, args: &ImportArgs) -> (Mapping, InputKind, Vec<ColumnG
     let mapped = |column: &String| MappedColumn::of(table, column);
     let is_nothing = |column: &&String| NOTHING.contains(&column.as_str()) && table.place(column).is_none();
     if *no_input || input.as_ref().is_some_and(|column| is_nothing(&column)) {
-        (mapping.input, mapping.no_input) = (None, true);
+        mapping.take_no_input(&guesses);
     } else if let Some(column) = input {
         mapping.input = Some(mapped(column));
         mapping.sensors.retain(|_, sensor| sensor.column != *column);

@@ -207,9 +207,11 @@ fn of_table(path: &Path, table: &Table, scenario: &mut Scenario) -> Result<Impor
         if sensors.iter().any(|quantity| guess.sensors.contains_key(quantity)) {
             guess.sensors.retain(|quantity, _| sensors.contains(quantity));
         }
+        if mapping.no_input {
+            guess.take_no_input(&reasons);
+        }
         let time = if mapping.time == Default::default() { guess.time } else { mapping.time };
-        let input = guess.input.filter(|_| !mapping.no_input);
-        let mapping = Mapping { time, input, sensors: guess.sensors, ..mapping };
+        let mapping = Mapping { time, input: guess.input, sensors: guess.sensors, ..mapping };
         left_out = columns_without_meaning(&mapping, &reasons);
         mapping
     } else {

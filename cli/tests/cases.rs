@@ -4,6 +4,8 @@
 use std::fs;
 use std::path::Path;
 
+use kalmanscope_core::{Channel, Force, Hold, Quantity, Scenario, Sensor, simulate};
+
 use crate::Folder;
 
 enum Wanted {
@@ -70,7 +72,79 @@ const CASES: &[(&str, &[&str], Wanted)] = &[
     ("absolute-as-relative.csv", &["--ground", "--input", "ground"], Found(6.0, 0.05)),
     ("ambient-irregular.csv", &["--no-input"], Inside(6.0, &["each reading at its own time"])),
     ("two-clocks-ns.csv", &[], Read(&["ns since 1970", "clocks of their own, `time` and `stamp`"])),
+    ("newest-first.csv", &[], FoundAndSaid(12.0, 0.05, &["the rows are read from the last one up"])),
+    ("packets-out-of-order.csv", &[], FoundAndSaid(12.0, 0.05, &["they are sorted"])),
+    ("seconds-and-nanoseconds.csv", &[], FoundAndSaid(12.0, 0.05, &["they are one time"])),
+    ("ticks-of-windows.csv", &[], FoundAndSaid(12.0, 0.05, &["ticks of 100 ns since 1601"])),
+    ("week-of-gps.csv", &[], FoundAndSaid(12.0, 0.05, &["turns over at 604800"])),
+    ("keys-above-names.csv", &[], FoundAndSaid(12.0, 0.05, &["the file says 50 samples a second"])),
+    ("names-again.csv", &[], FoundAndSaid(12.0, 0.05, &["line 502 has words only"])),
+    ("times-behind.csv", &[], FoundAndSaid(12.0, 0.05, &["clocks of their own, `t_force` and `t_disp`"])),
+    ("clocks-apart.csv", &[], Refused(&["fewer than 2 samples in common"])),
+    ("channel-a-row.csv", &[], Refused(&["give each channel a column of its own"])),
+    ("supply-beside.csv", &[], Found(12.0, 0.05)),
+    ("times-and-values.inp", &["--no-input"], FoundAndSaid(12.0, 0.05, &["times and values in turn"])),
+    ("numbered-lines.txt", &["--no-input", "--rate", "50"], FoundAndSaid(12.0, 0.05, &["one series"])),
+    ("one-line.txt", &["--no-input", "--rate", "50"], Found(12.0, 0.05)),
+    ("nameless.txt", &["--no-input"], Found(12.0, 0.05)),
+    ("duet.csv", &["--decay", "d.csv"], Found(12.0, 0.05)),
 ];
+
+/// Writes the files that are made of one record and of one decay.
+fn write_files(folder: &Folder) {
+    let force = Force::Chirp { amplitude: 3.0, from: 1.0, to: 20.0, sweep: 15.0 };
+    let mut scenario = Scenario { dt: 0.02, duration: 20.0, hold: Hold::First, force, ..Scenario::default() };
+    scenario.plant.set(Channel::NATURAL_FREQUENCY, 12.0);
+    scenario.plant.set(Channel::DAMPING_RATIO, 0.05);
+    scenario.sensors.clear();
+    scenario.add_sensor(Sensor::new(Quantity::DISPLACEMENT, 2e-4));
+    let record = simulate(&scenario);
+    let all: Vec<(u64, f64, f64)> =
+        (0..record.len()).map(|k| (k as u64, record.input()[k], record.measured(0)[k])).collect();
+    let file = |name: &str, header: &str, rows: &mut dyn Iterator<Item = String>| {
+        folder.file(name, &(header.to_owned() + &rows.collect::<String>()));
+    };
+    let row = |(k, f, x): &(u64, f64, f64)| format!("{:.2},{f},{x}\n", *k as f64 * 0.02);
+    let header = "time,force,displacement\n";
+    file("newest-first.csv", header, &mut all.iter().rev().map(row));
+    let packets = all.chunks(20).flat_map(|part| part[part.len() / 2..].iter().chain(&part[..part.len() / 2]));
+    file("packets-out-of-order.csv", header, &mut packets.map(row));
+    let nano = |(k, f, x): &(u64, f64, f64)| format!("{},{},{f},{x}\n", 1_700_000_000 + k / 50, k % 50 * 20_000_000);
+    file("seconds-and-nanoseconds.csv", "stamp.secs,stamp.nsecs,force,displacement\n", &mut all.iter().map(nano));
+    let ticks = |(k, f, x): &(u64, f64, f64)| format!("{},{f},{x}\n", 133_590_240_000_000_000 + k * 200_000);
+    file("ticks-of-windows.csv", header, &mut all.iter().map(ticks));
+    let week = |(k, f, x): &(u64, f64, f64)| format!("{:.2},{f},{x}\n", (604_790.0 + *k as f64 * 0.02) % 604_800.0);
+    file("week-of-gps.csv", header, &mut all.iter().map(week));
+    let keys = "Serial,123\nSample Rate,50\nForce,Displacement\n";
+    file("keys-above-names.csv", keys, &mut all.iter().map(|(_, f, x)| format!("{f},{x}\n")));
+    let again = |one: &(u64, f64, f64)| if one.0 == 500 { header.to_owned() + &row(one) } else { row(one) };
+    file("names-again.csv", header, &mut all.iter().map(again));
+    let at = |k: usize, start: f64| {
+        all.get(2 * k).map_or(",".to_owned(), |(k, _, x)| format!("{x},{}", start + *k as f64 * 0.02))
+    };
+    let two = |(k, f, _): &(u64, f64, f64)| format!("{f},{},{}\n", *k as f64 * 0.02, at(*k as usize, 0.0));
+    file("times-behind.csv", "force,t_force,disp,t_disp\n", &mut all.iter().map(two));
+    let apart = |(k, f, _): &(u64, f64, f64)| format!("{f},{},{}\n", *k as f64 * 0.02, at(*k as usize, 1.7e9));
+    file("clocks-apart.csv", "force,t_force,disp,t_disp\n", &mut all.iter().map(apart));
+    let long =
+        |(k, f, x): &(u64, f64, f64)| format!("{},force,{f}\n{},disp,{x}\n", *k as f64 * 0.02, *k as f64 * 0.02 + 1e-3);
+    file("channel-a-row.csv", "time,channel,value\n", &mut all.iter().map(long));
+    let beside =
+        |(k, f, x): &(u64, f64, f64)| format!("{},{},{f},{x}\n", *k as f64 * 0.02, 5.0 + 1e-3 * (k * k % 97) as f64);
+    file("supply-beside.csv", "time,Vin,F_cell,LVDT\n", &mut all.iter().map(beside));
+    let decay =
+        |k: usize| (-0.6 * k as f64 * 0.02).exp() * (11.985 * k as f64 * 0.02).cos() + 1e-3 * (k * k % 7) as f64;
+    let numbers = |from: usize| (from..from + 5).map(|k| format!(" {:.5}", decay(k))).collect::<String>();
+    let pairs = |from: usize| {
+        (from..from + 4).map(|k| format!("{:.2}, {:.5}, ", k as f64 * 0.02, decay(k))).collect::<String>() + "\n"
+    };
+    file("times-and-values.inp", "*AMPLITUDE, NAME=A\n", &mut (0..400).step_by(4).map(pairs));
+    file("numbered-lines.txt", "", &mut (0..400).step_by(5).map(|k| format!("{}{}\n", k + 1, numbers(k))));
+    file("one-line.txt", "", &mut (0..1100).step_by(5).map(numbers));
+    file("nameless.txt", "", &mut (0..400).map(|k| format!("{} {:.5} {}\n", k as f64 * 0.02, decay(k), k * k % 5)));
+    let axes = (0..400).map(|k| format!("{k},{:.5},{:.5},{}\n", 0.3 * decay(k), 1e-3 * (k * k % 5) as f64, 1.0));
+    file("duet.csv", "Sample,X,Y,Z\n", &mut axes.chain(["Rate 50, overflows 0\n".to_owned()]));
+}
 
 /// A scenario with a fault, or a file with the arguments behind its name; whether the record of the run has no truth; and words of the
 /// first line that names a cause or a likelier model.
@@ -136,6 +210,7 @@ fn cases() -> Folder {
         let file = file.unwrap();
         fs::copy(file.path(), folder.path(file.file_name().to_str().unwrap())).unwrap();
     }
+    write_files(&folder);
     folder
 }
 

@@ -133,7 +133,7 @@ fn what_is_no_motion_is_left_out_and_of_axes_the_liveliest_counts() {
                 "it is a voltage that hardly changes, as that of a supply",
                 UNIT,
                 "its name says that it is something else",
-                "it has the times of the columns behind it",
+                "it has the times of other columns",
                 "displacement",
             ],
         ),

@@ -182,7 +182,7 @@ fn files_without_common_time_say_so() {
     let input = file(&record, record.input(), "force", (2, 0.0, 10.0, 0.0, 0.0));
     let sensor = file(&record, record.measured(0), "x [m]", (2, 20.0, 30.0, 0.0, 0.0));
     let apart = join(&input, &sensor, 0.0).expect_err("they do not overlap").to_string();
-    assert!(apart.contains("one file is from 0 to 10 s, the other from 20 to 30 s"), "{apart}");
+    assert!(apart.contains("one clock is from 0 to 10 s, the other from 20 to 30 s"), "{apart}");
     assert!(join(&input, &sensor, -15.0).is_ok());
     let without = read(b"force,x\n1,2\n3,4\n5,6\n".to_vec(), None).expect("it is a table");
     assert!(join(&without, &sensor, 0.0).expect_err("it has no times").to_string().contains("times"));

@@ -60,7 +60,7 @@ const FAR: f64 = 1e10;
 impl Clock {
     /// The time \[s\] of a line, whose counter may have turned over.
     fn time(&mut self, time: f64, unit: Option<f64>) -> Result<f64, BadLine> {
-        let step = time - self.last;
+        let (step, is_usual) = (time - self.last, self.step > 0.0 && self.step <= ODD * self.dt);
         match turn(self.last, time, self.step) {
             Some(range) => self.added += range,
             // The first time may be that of a clock that was not set.
@@ -73,6 +73,7 @@ impl Clock {
         let likely = || units.into_iter().find(|(_, size)| USUAL.contains(&(steps * size)));
         if unit.is_none()
             && !self.is_asked
+            && !is_usual
             && steps > ODD
             && let Some((unit, _)) = likely()
         {

@@ -94,7 +94,10 @@ fn what_cannot_be_read_is_said_and_nothing_is_lost() {
     for (contents, sentence) in [
         (&b""[..], "the file is empty"),
         (b"\x7FELF\x01\x02\x03\x00\x00\x00", "the file is not text with columns of numbers"),
-        (b"a,b\nc,d\n", "there is no column of numbers in 2 line(s)"),
+        (
+            b"a,b\nc,d\n",
+            "there is no column of numbers in 2 line(s): commas, semicolons, tabs or blanks stand between those of a line",
+        ),
         (b"PK\x03\x04...", "this is a ZIP; it is damaged or cut short"),
     ] {
         drop_file(&mut screen, "bad.csv", contents);

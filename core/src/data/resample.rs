@@ -147,7 +147,6 @@ fn sections(pass: Pass, cut: f64) -> [Section; ORDER / 2] {
 }
 
 impl Section {
-    /// Filters in place, from the steady state of the first value on.
     fn run(self, values: &mut [f64]) {
         let Self { b, a } = self;
         let Some(&first) = values.first() else { return };

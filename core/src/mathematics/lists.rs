@@ -8,6 +8,12 @@ pub fn sort_numbers(numbers: &mut [f64]) {
     numbers.sort_unstable_by(f64::total_cmp);
 }
 
+/// The median, of two in the middle the larger one.
+pub(crate) fn median(mut numbers: Vec<f64>) -> Option<f64> {
+    sort_numbers(&mut numbers);
+    numbers.get(numbers.len() / 2).copied()
+}
+
 pub(crate) fn numbers(count: usize, of: &dyn Fn(usize) -> f64) -> Vec<f64> {
     (0..count).map(of).collect()
 }

@@ -281,7 +281,6 @@ pub(super) fn in_order(readings: &[[f64; 4]]) -> Vec<[f64; 4]> {
 pub(super) struct Along {
     axis: [f64; 3],
     pub(super) times: Vec<f64>,
-    /// The mean that is taken away.
     gravity: f64,
     pub(super) along: Vec<f64>,
 }
@@ -300,7 +299,6 @@ impl Along {
 struct Pace {
     /// Its swing over [`SLOW`], or 1 if that is longer.
     share: f64,
-    /// The seconds that a decay has at least.
     shortest: f64,
 }
 
@@ -363,7 +361,6 @@ fn side(values: &[f64], noise: f64) -> usize {
     ((FOLLOWED * half_swing(values, noise)) as usize).clamp(FEWEST, MOST)
 }
 
-/// The readings in half a swing, by those that are clearly on one side of the mean.
 fn half_swing(values: &[f64], noise: f64) -> f64 {
     let (mut turns, mut side) = (Vec::new(), 0.0);
     for (k, x) in values.iter().enumerate().filter(|(_, x)| x.abs() > CLEAR * noise) {

@@ -32,7 +32,6 @@ const HIGHEST: f64 = 0.4;
 const BLOCK: f64 = 0.01;
 const SWINGS: f64 = 8.0;
 
-/// The longest part that a spectrum takes, in samples.
 const SPECTRUM: usize = 1 << 16;
 
 /// The pitch stands above its surroundings by this factor in power. A line beside it does so more clearly, and has this share
@@ -93,7 +92,6 @@ impl Ring {
     }
 }
 
-/// The blocks in which a line rings: from the second one after a blow until it is lost or grows again.
 fn ring(sizes: &[f64], blow: usize) -> Option<[usize; 2]> {
     let begin = blow + 2;
     let largest = *sizes.get(begin)?;

@@ -6,7 +6,7 @@ use super::Mode;
 use super::decay::{Along, in_order};
 use super::modes::highest;
 use crate::mathematics::least_squares::{NormalEquations, descend};
-use crate::mathematics::lists::{numbers, sort_numbers};
+use crate::mathematics::lists::{median, numbers};
 
 type Complex = nalgebra::Complex<f64>;
 
@@ -121,7 +121,6 @@ impl Sweep {
         TAU * (time * (f + 0.5 * rate * time) - share * libm::log(self.frequency(time) / f))
     }
 
-    /// The times of the windows after the beginning \[s\].
     fn times(&self) -> impl Iterator<Item = f64> + use<> {
         let count = ((self.part[1] - self.part[0] - WINDOW) / HOP) as usize;
         (0..count).map(|k| 0.5 * WINDOW + HOP * k as f64)
@@ -386,7 +385,6 @@ struct WindowMean {
 }
 
 impl WindowMean {
-    /// Adds a value at a time from the middle of the window \[s\].
     fn add(&mut self, time: f64, value: Complex) {
         let weight = libm::cos(PI * time.clamp(-0.5 * WINDOW, 0.5 * WINDOW) / WINDOW).powi(4);
         self.sum += value * weight;
@@ -396,11 +394,6 @@ impl WindowMean {
     fn of(&self) -> Complex {
         self.sum / self.weights
     }
-}
-
-fn median(mut numbers: Vec<f64>) -> Option<f64> {
-    sort_numbers(&mut numbers);
-    numbers.get(numbers.len() / 2).copied()
 }
 
 fn turn(phase: f64) -> Complex {

@@ -80,13 +80,16 @@ impl<'a> Builder<'a> {
                 }
                 timing
             }
-            (None, Some(rate)) => match counted(table, mapping, rate) {
-                Some((name, times)) => {
-                    remarks.push(format!("`{name}` counts the samples: rows that it leaves out are missing"));
-                    Timing::of_times(&times, &name, |row| table.line(row))?
+            (None, Some(rate)) => {
+                remarks.extend((table.rate == Some(rate)).then(|| format!("the file says {rate} samples a second")));
+                match counted(table, mapping, rate) {
+                    Some((name, times)) => {
+                        remarks.push(format!("`{name}` counts the samples: rows that it leaves out are missing"));
+                        Timing::of_times(&times, &name, |row| table.line(row))?
+                    }
+                    None => Timing::of_rate(rate, table.rows())?,
                 }
-                None => Timing::of_rate(rate, table.rows())?,
-            },
+            }
             (None, None) => return Err(no_time(table)),
         };
         remarks.extend(timing.gaps.clone());
@@ -147,6 +150,16 @@ impl<'a> Builder<'a> {
         }));
         let input = Input { kind, hold, values: input.unwrap_or_default() };
         let samples = input.values.len();
+        for (quantity, values) in &sensors {
+            let read = values.iter().rposition(|value| !value.is_nan()).map_or(samples, |last| last + 1);
+            remarks.extend((10 * read < 9 * samples).then(|| {
+                let [end, all] = [read, samples].map(|count| count as f64 * dt);
+                format!(
+                    "the {} has no readings after {end:.2} s of {all:.2} s: is it of another clock?",
+                    quantity.name()
+                )
+            }));
+        }
         if samples < FEWEST {
             return Err(ImportError::TooShort(samples));
         }
@@ -233,7 +246,6 @@ impl<'a> Builder<'a> {
         Ok((values, remarks))
     }
 
-    /// The columns with the truth of a simulated record.
     fn truth(&self) -> Vec<(Channel, Vec<f64>)> {
         if self.mapping.every > 1 || self.mapping.interpolate > 1 {
             return Vec::new();
@@ -326,17 +338,9 @@ pub(super) mod tests {
             ("t,force,x\n0,1,2\n1,2,1e999\n2,3,4\n", |_| {}, "line 3, column `x`: the number is infinite"),
             ("t,x\n0,1\n", |_| {}, "1 row(s)"),
             ("force,x\n2,1\n1,3\n", |_| {}, "the file has no column of times: state the sample rate"),
-            (
-                "time,force,x\nT+0.1,1,2\nT+0.2,3,1\nT+0.3,2,2\n",
-                |_| {},
-                "the file has no column of times: `time` has `T+0.1` in line 2",
-            ),
-            ("t,force,x\n0,1,2\n0.1,2,3\n,2,3\n0.5,2,4\n", |_| {}, "line 4, column `t`: a time is missing"),
-            (
-                TEXT,
-                |m| m.input = Some(MappedColumn::new("load")),
-                "there is no column `load`; the columns are t, force, ",
-            ),
+            ("time,f,x\nT+1,1,2\nT+2,3,1\n", |_| {}, "the file has no column of times: `time` has `T+1` in line 2"),
+            ("t,force,x\n0,1,2\n0.1,2,3\n,2,3\n0.5,2,4\n", |_| {}, "line 4, column `t`: a time is missing: state the"),
+            (TEXT, |m| m.input = Some(MappedColumn::new("load")), "there is no column `load`; the columns are t, "),
             (TEXT, |m| m.sensors.clear(), "no column is chosen for a sensor"),
             (TEXT, |m| m.from = Some(9.0), "0 row(s)"),
         ];
@@ -358,7 +362,9 @@ pub(super) mod tests {
             (1.7145648e18, 2e7, "ns since 1970", 0.02),
             (1.7145648e12, 5.0, "ms since 1970", 0.005),
             (45_413.5, 0.02 / 86_400.0, "days of a spreadsheet", 0.02),
-            (739_000.25, 0.05 / 86_400.0, "days of a spreadsheet", 0.05),
+            (739_000.25, 0.05 / 86_400.0, "days of MATLAB", 0.05),
+            (2_460_431.75, 0.05 / 86_400.0, "Julian days", 0.05),
+            (1.3359024e17, 1e5, "as Windows counts them", 0.01),
             (0.25, 0.02 / 86_400.0, "days of a spreadsheet", 0.02),
             (0.0, 2e-7, "5000000 samples a second: are they days?", 2e-7),
         ] {

@@ -20,7 +20,6 @@ pub enum Delimiter {
 }
 
 impl Delimiter {
-    /// Its name, in the plural.
     pub(super) const fn name(self) -> &'static str {
         match self {
             Self::Comma => "commas",
@@ -96,7 +95,6 @@ pub(super) enum Found {
         seconds: f64,
         is_dated: bool,
     },
-    /// Nothing, or NaN and the like.
     Missing,
     /// A word by which an instrument says that it has no reading, such as `OVLD`.
     Word,
@@ -104,7 +102,6 @@ pub(super) enum Found {
 }
 
 impl Found {
-    /// The value in a column: NaN where there is none.
     pub(super) fn value(self) -> f64 {
         match self {
             Self::Number(value) | Self::Grouped(value) | Self::Clock { seconds: value, .. } => value,
@@ -190,15 +187,18 @@ impl Decimal {
         Some((format!("{sign}{first}{}{dot}{fraction}", rest.concat()), is_sure))
     }
 
-    /// The seconds of a number with a unit of time behind it, such as `0.01 sec` and `20ms`.
+    /// The seconds of a number with a unit of time behind it, such as `0.01 sec`, `20ms` and `PT0.01S`.
     fn duration(self, cell: &str) -> Option<f64> {
+        if let Some(cell) = cell.strip_prefix("PT").and_then(|rest| rest.strip_suffix('S')) {
+            let (minutes, seconds) = cell.split_once('M').unwrap_or(("0", cell));
+            return Some(60.0 * minutes.parse::<f64>().ok()? + seconds.parse::<f64>().ok()?);
+        }
         let number = cell.trim_end_matches(char::is_alphabetic);
         let Some((Dimension::Time, size)) = unit(&cell[number.len()..]) else { return None };
         let Found::Number(value) = self.read(number.trim_end(), false) else { return None };
         Some(size * value)
     }
 
-    /// A number with Fortran's exponent of double precision.
     fn fortran(self, cell: &str) -> Option<f64> {
         let begins = cell.starts_with(|c: char| c.is_ascii_digit() || "+-.,".contains(c));
         let (mantissa, exponent) = cell.split_once(['d', 'D']).filter(|_| begins)?;
@@ -207,7 +207,6 @@ impl Decimal {
     }
 }
 
-/// Words of programs for a missing value.
 fn is_missing(cell: &str) -> bool {
     "na n/a null none nil missing - -- #n/a #nv ?".split(' ').any(|word| cell.eq_ignore_ascii_case(word))
 }
@@ -231,6 +230,10 @@ fn is_word(cell: &str) -> bool {
 /// and a zone such as `+01:00` or `Z`, behind a date with the year first (`2024-05-01`, `20240501T080000`), the day first (`01.05.2024`,
 /// `01-May-2024`) or, with slashes, the month first if it can be one (`05/01/2024`).
 pub(super) fn clock(cell: &str) -> Option<(f64, bool)> {
+    // Of pandas: `0 days 00:00:01.5`.
+    if let Some((days, (time, false))) = cell.split_once(" days ").and_then(|(days, rest)| Some((days, clock(rest)?))) {
+        return Some((days.parse::<f64>().ok()? * 86_400.0 + time, false));
+    }
     let (date, time) = match cell.split_once(['T', ' ']) {
         Some((date, time)) if !date.contains(':') => (Some(date), time.trim()),
         _ => (None, cell),
@@ -265,7 +268,6 @@ fn half_of_day(time: &str) -> (&str, Option<f64>) {
     }
 }
 
-/// A time without its zone, and the zone's seconds ahead of Greenwich. `None` if it has no zone.
 fn zone(time: &str) -> Option<(&str, f64)> {
     if let Some(rest) = ["Z", "UTC", "GMT"].iter().find_map(|word| time.strip_suffix(word)) {
         return Some((rest, 0.0));

@@ -13,7 +13,6 @@ pub(super) struct Conditioning<'a> {
 }
 
 impl Conditioning<'_> {
-    /// The samples of the part that is used.
     pub(super) fn part(&self) -> std::ops::Range<usize> {
         let Timing { start, dt, samples, .. } = *self.timing;
         let place = |place: f64| place.clamp(0.0, samples as f64) as usize;
@@ -34,13 +33,11 @@ impl Conditioning<'_> {
         }
     }
 
-    /// The samples of an input without gaps, which has this course between them.
     pub(super) fn input(&self, mut values: Vec<f64>, hold: Hold) -> Vec<f64> {
         self.condition(&mut values);
         resample::finer_input(&values, self.mapping.interpolate, hold)
     }
 
-    /// The samples of a sensor. Missing values stay missing.
     pub(super) fn sensor(&self, mut values: Vec<f64>) -> Vec<f64> {
         let mut missing: Vec<f64> = values.clone();
         let changes = self.mapping.band.is_some() || self.mapping.every > 1;
@@ -62,7 +59,6 @@ impl Conditioning<'_> {
         values.drain(..part.start.min(values.len()));
     }
 
-    /// Band-pass, low-pass, cut, and fewer samples.
     fn condition(&self, values: &mut Vec<f64>) {
         if let Some([low, high]) = self.mapping.band {
             let dt = self.timing.dt;
@@ -118,7 +114,6 @@ pub(super) fn shift(values: &mut [f64], delay: i32) {
     }
 }
 
-/// The mean of the values that are not missing.
 pub(super) fn mean(values: &[f64]) -> f64 {
     let there = values.iter().filter(|value| !value.is_nan());
     there.clone().fold(0.0, |sum, value| sum + value) / there.count().max(1) as f64

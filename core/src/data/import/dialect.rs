@@ -30,7 +30,6 @@ pub struct Dialect {
 }
 
 impl fmt::Display for Dialect {
-    /// Writes the dialect in one line.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { encoding, delimiter, decimal, names, units, data, thousands } = self;
         let decimal = if *decimal == Decimal::Point { "points" } else { "commas" };
@@ -106,7 +105,6 @@ impl Encoding {
         })
     }
 
-    /// The number of bytes of the mark at the beginning.
     pub(super) fn mark(self, bytes: &[u8]) -> usize {
         let own = MARKS.iter().find(|(mark, encoding)| *encoding == self && bytes.starts_with(mark));
         own.map_or(0, |(mark, _)| mark.len())
@@ -147,7 +145,6 @@ const LOOK: usize = 300;
 pub(super) const REMARKS: [char; 2] = ['#', '%'];
 
 impl Dialect {
-    /// The dialect of a file that begins with these lines, or `None` if no line has a number.
     pub(super) fn sniff(encoding: Encoding, lines: &[&str]) -> Option<Self> {
         let lines = &lines[..lines.len().min(LOOK)];
         let delimiters = [Delimiter::Semicolon, Delimiter::Tab, Delimiter::Comma, Delimiter::Blanks].into_iter();
@@ -160,7 +157,6 @@ impl Dialect {
         Some(Self { encoding, delimiter, decimal, names, units, data: data + 1, thousands })
     }
 
-    /// The names and units in the header, for this many columns.
     pub(super) fn header(&self, lines: &[&str], columns: usize) -> Vec<(String, Option<String>)> {
         let line = |number: usize| number.checked_sub(1).and_then(|place| lines.get(place)).copied();
         let cells = |number: usize| line(number).map(|line| header_cells(self.delimiter, line, columns));
@@ -198,14 +194,12 @@ fn header_cells(delimiter: Delimiter, line: &str, columns: usize) -> Vec<String>
     cells
 }
 
-/// The lines of a file, read with one delimiter and decimal character.
 struct Form {
     delimiter: Delimiter,
     decimal: Decimal,
     lines: Vec<Counts>,
     /// The number of cells of most lines.
     columns: usize,
-    /// Whether a number has thousands separators.
     thousands: bool,
 }
 
@@ -215,6 +209,7 @@ struct Counts {
     cells: usize,
     numbers: usize,
     texts: usize,
+    begins: bool,
 }
 
 impl Counts {
@@ -245,7 +240,10 @@ impl Form {
                         thousands = true;
                     }
                     Found::Missing | Found::Word => {}
-                    Found::Text => counts.texts += 1,
+                    Found::Text => {
+                        counts.begins |= counts.cells == 1;
+                        counts.texts += 1;
+                    }
                 }
             }
             counts
@@ -264,12 +262,13 @@ impl Form {
 
     /// The place of the first line of numbers: most of the lines after it are such lines too.
     fn data(&self) -> Option<usize> {
-        /// Limits the lines after the first that are looked at.
         const NEXT: usize = 6;
         let is_first = |place: &usize| {
             let next: Vec<&Counts> = self.lines[*place..].iter().filter(|line| line.cells > 0).take(NEXT).collect();
             let data = next.iter().filter(|line| line.is_data(self.columns)).count();
-            self.lines[*place].is_data(self.columns) && 2 * data >= next.len()
+            // A key and its value stand above names.
+            let is_key = self.lines[*place].begins && next.iter().any(|line| line.numbers == 0 && line.texts > 0);
+            self.lines[*place].is_data(self.columns) && 2 * data >= next.len() && !is_key
         };
         (0..self.lines.len()).find(is_first)
     }
@@ -311,7 +310,6 @@ impl Form {
     }
 }
 
-/// The number of cells that no cell before has.
 fn distinct(cells: &[String]) -> usize {
     (0..cells.len()).filter(|&place| !cells[..place].contains(&cells[place])).count()
 }

@@ -21,7 +21,9 @@ pub enum ImportError {
     #[error("this sound cannot be read: {0}; save it as WAV with whole numbers or floats")]
     Sound(String),
     /// No column has numbers.
-    #[error("there is no column of numbers in {0} line(s)")]
+    #[error(
+        "there is no column of numbers in {0} line(s): commas, semicolons, tabs or blanks stand between those of a line"
+    )]
     NoNumbers(usize),
     /// No series of the file is one of readings; of the first one the reason, and the number of all.
     #[error("{0}, and none of the {1} function(s) of this file is one: export the readings over time")]
@@ -50,8 +52,8 @@ pub enum ImportError {
     /// There are too many samples.
     #[error("the record would have {0} samples, but at most {most} can be kept; choose a part or decimate", most = MOST)]
     TooLong(usize),
-    /// Two files have no time in common: beginning and end of each in the first one's clock \[s\].
-    #[error("one file is from {} to {} s, the other from {} to {} s: they have fewer than {FEWEST} samples in common", .0[0], .0[1], .1[0], .1[1])]
+    /// Two clocks have no time in common: beginning and end of each \[s\].
+    #[error("one clock is from {} to {} s, the other from {} to {} s: they have fewer than {FEWEST} samples in common", .0[0], .0[1], .1[0], .1[1])]
     Apart([f64; 2], [f64; 2]),
     /// No sensor has a column.
     #[error("no column is chosen for a sensor")]
@@ -67,9 +69,7 @@ pub enum ImportError {
     Record(#[from] RecordError),
 }
 
-/// Limits the columns of a file.
 pub(super) const MOST_COLUMNS: usize = 1000;
-/// Limits the bytes of one line.
 pub(super) const LONGEST_LINE: usize = 1_000_000;
 /// The fewest samples of a record.
 pub(super) const FEWEST: usize = 2;

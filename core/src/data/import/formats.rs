@@ -19,7 +19,7 @@ use super::{Dialect, ImportError, Table};
 
 use binary::Form;
 pub(super) use kinds::read_binary;
-pub(super) use nameless::nameless;
+pub(super) use nameless::{nameless, stated_rate};
 
 /// The layout of the numbers below a header.
 #[derive(Debug)]
@@ -29,7 +29,6 @@ pub(super) enum Layout {
     Series(Next),
 }
 
-/// The layout of a file that begins with some lines, if it has a format.
 type Find = fn(&[&str]) -> Option<Layout>;
 
 const FORMATS: [(&str, Find); 9] = [
@@ -44,7 +43,6 @@ const FORMATS: [(&str, Find); 9] = [
     ("Tektronix", rows::tektronix),
 ];
 
-/// The name and layout of the format of a file that begins with these lines, if it is a known one.
 pub(super) fn find(lines: &[&str]) -> Option<(&'static str, Layout)> {
     FORMATS.iter().find_map(|(name, find)| Some((*name, find(lines)?)))
 }
@@ -82,19 +80,15 @@ pub(super) struct Series {
     pub(super) unit: Option<String>,
     /// The time of the first value \[s\].
     pub(super) start: f64,
-    /// The time between values \[s\].
     pub(super) dt: f64,
-    /// The number of numbers, if it is known.
     pub(super) count: Option<usize>,
     /// The width of a number's field, if numbers may abut.
     pub(super) width: Option<usize>,
     /// Whether a time comes before each value.
     pub(super) has_times: bool,
-    /// The reason why it is no record.
     pub(super) no_record: Option<&'static str>,
 }
 
-/// Limits the lines of headers that are kept.
 const MOST_LINES: usize = 1000;
 
 /// Series that are being read.
@@ -104,7 +98,6 @@ pub(super) struct SeriesReader {
     header: Vec<String>,
     all: Vec<(Series, Vec<f64>)>,
     is_reading: bool,
-    /// The rows that have a line, and their lines.
     rows: usize,
     lines: Lines,
     /// The lines of numbers that belong to no series since the last one.
@@ -117,7 +110,6 @@ impl SeriesReader {
         Self { next, header, all, is_reading: false, rows: 0, lines, loose: 0 }
     }
 
-    /// Reads a line.
     pub(super) fn line(&mut self, text: &str, line: usize) -> Result<(), ImportError> {
         let Self { next, header, all, is_reading, rows, lines, loose } = self;
         if text.trim().is_empty() && *is_reading {
@@ -266,7 +258,7 @@ impl SeriesReader {
         let form = format!("{name}: {} series of {rows} numbers{apart}", columns.len());
         let even = || (0..rows).map(|k| k as f64 * dt).collect();
         columns.insert(0, Column::of_header("time", Some("s"), times.unwrap_or_else(even)));
-        Ok(Table { dialect, form, columns, remarks, lines: known })
+        Ok(Table { dialect, form, columns, remarks, rate: None, lines: known })
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::conditioning::mean;
 use super::error::FEWEST;
-use super::shape::{are_axes, gravity, is_counter, liveliness, never_changes, plain};
+use super::shape::{are_axes, gravity, is_counter, is_noise, liveliness, never_changes, plain};
 use super::table::TextCell;
 use super::unit::{Dimension, STANDARD_GRAVITY, unit};
 use super::{Column, ImportError, MappedColumn, Mapping, Table, Time, times};
@@ -14,7 +14,7 @@ use crate::{InputKind, Quantity};
 /// Words in names of columns that are neither input nor motion of the oscillator.
 const OTHERS: &str = "other integrated reference setpoint target estimate predicted model wind temperature humid \
                       batt supply vcc vdd vbat status flag quality trigger latitude longitude rpm strain error noise pressure \
-                      magnet compass current id uid tgf level accuracy humidity";
+                      magnet compass current id uid tgf level accuracy gps altitude rssi snr";
 
 /// Words in names of columns that count the rows.
 const COUNTERS: &str =
@@ -52,7 +52,8 @@ const LOST: &str = "another column has that meaning already";
 const COUNTER: &str = "it counts the rows";
 const STILL: &str = "its numbers never change";
 const UNIT: &str = "its unit is neither one of a motion nor of a force";
-const CLOCK: &str = "it has the times of the columns behind it";
+const CLOCK: &str = "it has the times of other columns";
+const LONG: &str = "another column names the channel of each row: give each channel a column of its own";
 
 /// The reason why a column, by its name or unit, is neither time, input nor motion.
 fn is_something_else(column: &Column) -> Option<&'static str> {
@@ -71,6 +72,10 @@ fn is_something_else(column: &Column) -> Option<&'static str> {
     (Quantity::from_key(name).is_none() && has_word(name, OTHERS)).then_some("its name says that it is something else")
 }
 
+/// Words in names of columns that name the channel of a row, and in those of the readings beside them.
+const CHANNELS: [&str; 2] =
+    ["channel sensor signal topic measurement metric field variable parameter", "value reading payload"];
+
 /// The mean of a steady voltage, over its standard deviation.
 const STEADY: f64 = 20.0;
 
@@ -84,7 +89,6 @@ pub(super) fn no_time(table: &Table) -> ImportError {
     ImportError::NoTime(why.unwrap_or_default())
 }
 
-/// Whether the numbers rise in even steps, as times do.
 fn is_like_time(values: &[f64]) -> bool {
     let [first, .., last] = *values else { return false };
     let mean = (last - first) / (values.len() - 1) as f64;
@@ -93,6 +97,7 @@ fn is_like_time(values: &[f64]) -> bool {
 
 /// Whether few numbers are smaller than the one before, as those of a column of times with wrong lines are.
 pub(super) fn seldom_falls(values: &[f64]) -> bool {
+    let values: Vec<f64> = values.iter().copied().filter(|value| !value.is_nan()).collect();
     let count = |is: fn(&[f64]) -> bool| values.windows(2).filter(|pair| is(pair)).count();
     let (rises, falls) = (count(|pair| pair[1] > pair[0]), count(|pair| pair[1] < pair[0]));
     (rises > 0 || values.len() < 2) && 5 * falls <= rises
@@ -104,7 +109,6 @@ fn is_own(table: &Table) -> bool {
     matches!(table.columns.as_slice(), [time, second, ..] if time.name == "t" && second.name == input)
 }
 
-/// A column that may still get a meaning.
 struct Candidate {
     place: usize,
     role: Option<Role>,
@@ -143,8 +147,8 @@ impl Mapping {
         let counts = |one: &Candidate| is_counter(&columns[one.place].values, false);
         if !has(&all, &|role| role == Role::Time) {
             let is_like = |one: &Candidate| one.is_free && is_like_time(&columns[one.place].values);
-            let place =
-                all.iter().position(|one| is_like(one) && !counts(one)).or_else(|| all.iter().position(is_like));
+            let place = all.iter().position(|one| is_like(one) && !counts(one));
+            let place = place.or_else(|| all.iter().position(is_like).filter(|_| table.rate.is_none()));
             if let Some(place) = place {
                 all[place].take(Role::Time, BY_SHAPE);
             }
@@ -166,8 +170,10 @@ impl Mapping {
                 _ => {}
             }
         }
-        if !has_sensor && let Some(one) = all.iter_mut().find(|one| one.is_free) {
-            one.take(Role::Sensor(Quantity::DISPLACEMENT), FIRST_FREE);
+        let moves = |one: &Candidate| one.is_free && !is_noise(&columns[one.place].values);
+        let sensor = all.iter().position(moves).or_else(|| all.iter().position(|one| one.is_free));
+        if let Some(one) = sensor.filter(|_| !has_sensor) {
+            all[one].take(Role::Sensor(Quantity::DISPLACEMENT), FIRST_FREE);
         }
         choose_axes(table, &mut all);
         // An accelerometer on a structure feels the ground too, unless the scenario or the program that wrote the file says otherwise.
@@ -192,18 +198,31 @@ impl Mapping {
                 None => {}
             }
         }
+        mapping.time.rate = table.rate.filter(|_| mapping.time.column.is_none());
         if let Some(ring) = Ring::of(table) {
             ring.apply(&mut mapping);
         }
         let clocks = clocks(table);
         let why = |place: usize| match all.iter().find(|one| one.place == place) {
-            Some(one) if one.why == LOST && clocks.contains(&place) => CLOCK,
+            Some(one) if one.why == LOST && clocks.iter().any(|(_, clock)| *clock == place) => CLOCK,
             Some(one) => one.why,
             None if columns[place].name.starts_with("true_") => "the truth of a simulated record",
             None => "it has no numbers",
         };
         let reason = |(place, column): (usize, &Column)| ColumnGuess { column: column.name.clone(), why: why(place) };
         (mapping, kind, columns.iter().enumerate().map(reason).collect())
+    }
+
+    /// Takes no column as the input, by guesses at the columns: the first one without a name is then the sensor, not the second.
+    pub fn take_no_input(&mut self, guesses: &[ColumnGuess]) {
+        self.no_input = true;
+        let is_guess =
+            |mapped: &MappedColumn| guesses.iter().any(|one| one.column == mapped.column && one.is_a_guess());
+        if let Some(input) = self.input.take().filter(is_guess)
+            && self.sensors.values().all(is_guess)
+        {
+            self.sensors = [(Quantity::DISPLACEMENT, input)].into();
+        }
     }
 }
 
@@ -213,13 +232,17 @@ fn choose_axes(table: &Table, all: &mut [Candidate]) {
     let is_phone = table.columns.iter().any(|column| plain(&column.name) == "secondselapsed");
     for holder in 0..all.len() {
         let Some(role @ Role::Sensor(_)) = all[holder].role else { continue };
+        // One that does not move counts as an axis, whatever it is called.
+        let is_noise = is_noise(&column(&all[holder]).values);
         let of = |other: &usize| {
             let is_same = |one: &Candidate| role_of(column(one)).is_some_and(|(of, _)| of == role);
             *other == holder
-                || (is_same(&all[*other]) && are_axes(&column(&all[holder]).name, &column(&all[*other]).name))
+                || (is_same(&all[*other])
+                    && ((is_noise && all[*other].why == LOST)
+                        || are_axes(&column(&all[holder]).name, &column(&all[*other]).name)))
         };
         let axes: Vec<usize> = (0..all.len()).filter(of).collect();
-        if !(2..=3).contains(&axes.len()) {
+        if axes.len() < 2 || (axes.len() > 3 && !is_noise) {
             continue;
         }
         let (mut best, mut most) = (holder, 1.000_001 * liveliness(&column(&all[holder]).values));
@@ -274,7 +297,14 @@ fn candidates(table: &Table) -> Vec<Candidate> {
         let is_supply = || is_steady_voltage(column) && !is_sensor(column) && columns.iter().any(is_sensor);
         let supply = || is_supply().then_some("it is a voltage that hardly changes, as that of a supply");
         let no_time = "its name says that it has the times, but its numbers do not rise";
-        match (is_something_else(column).or_else(|| is_still().then_some(STILL)).or_else(supply), role) {
+        let names_channels = |one: &Column| {
+            let is_number = |value: &f64| value.fract() == 0.0 && (0.0..64.0).contains(value);
+            let is_one = one.text.is_some() || (!still(one) && one.values.iter().all(is_number));
+            one.name != column.name && has_word(&one.name, CHANNELS[0]) && is_one
+        };
+        let is_long = has_word(&column.name, CHANNELS[1]) && columns.iter().any(names_channels);
+        let other = is_something_else(column).or_else(|| is_still().then_some(STILL)).or_else(supply);
+        match (other.or(is_long.then_some(LONG)), role) {
             (Some(why), _) => one.leave_out(why),
             // A false time with a short name may be anything.
             (None, Some((Role::Time, _))) if !seldom_falls(&column.values) => {
@@ -299,7 +329,6 @@ enum Role {
     Sensor(Quantity),
 }
 
-/// Words in names of columns of times.
 const TIMES: &str = "time zeit seconds stamp temps millis micros nanos epoch elapsed t s ms";
 
 /// Words in names, in the order in which they are looked for. Those of one or two letters must be the whole name.
@@ -317,7 +346,6 @@ const WORDS: [(&str, Role); 8] = [
     ),
 ];
 
-/// The reasons, in words that follow the meaning.
 const NAMED: &str = "its name says so";
 const BY_UNIT: &str = "its unit says so";
 const BY_CLOCK: &str = "its cells are times of day";
@@ -354,7 +382,6 @@ fn role_of(column: &Column) -> Option<(Role, &'static str)> {
     named.map(|role| (role, NAMED)).or_else(|| of_unit().map(|role| (role, BY_UNIT)))
 }
 
-/// Whether a column is one of times, by its cells, its name or its unit.
 pub(super) fn is_named_time(column: &Column) -> bool {
     matches!(role_of(column), Some((Role::Time, _)))
 }
@@ -383,7 +410,6 @@ fn parts(name: &str) -> String {
     name.char_indices().flat_map(|at| [begins(at).then_some(' '), Some(at.1)]).flatten().collect()
 }
 
-/// Whether a column is a voltage that stays near its mean.
 fn is_steady_voltage(column: &Column) -> bool {
     let is_voltage = matches!(column.unit.as_deref().and_then(unit), Some((Dimension::Voltage, _)));
     let middle = mean(&column.values);
@@ -396,16 +422,26 @@ fn is_word(name: &str, word: &str) -> bool {
     name.split(|c: char| !c.is_alphanumeric()).any(|part| part.to_lowercase() == word)
 }
 
-/// The places of the columns of times that have columns of numbers of their own behind them; two or more, or none.
-pub(super) fn clocks(table: &Table) -> Vec<usize> {
-    let is_clock = |place: usize| is_named_time(&table.columns[place]) && rises(table, place).is_some();
-    let named = places(table.columns.len(), &is_clock);
-    let has_numbers = |(nth, place): (usize, usize)| {
-        let end = named.get(nth + 1).copied().unwrap_or(table.columns.len());
-        (place + 1..end).any(|column| !table.is_without_numbers(column)).then_some(place)
+/// Each column of numbers with its clock, where a file has several: the one that is named after it, else the last one before it, or, in a
+/// file that begins with a column and ends with a clock, the next one behind it.
+pub(super) fn clocks(table: &Table) -> Vec<(usize, usize)> {
+    let columns = &table.columns;
+    let is_clock = |place: usize| is_named_time(&columns[place]) && rises(table, place).is_some();
+    let named = places(columns.len(), &is_clock);
+    let numbers = places(columns.len(), &|place| !named.contains(&place) && !table.is_without_numbers(place));
+    let is_behind = numbers.first() < named.first() && numbers.last() < named.last();
+    let of = |&place: &usize| {
+        let name = columns[place].name.to_lowercase();
+        let own = named.iter().find(|clock| is_word(&columns[**clock].name, &name));
+        let near = if is_behind {
+            named.iter().find(|clock| **clock > place)
+        } else {
+            named.iter().rev().find(|clock| **clock < place).or(named.first())
+        };
+        Some((place, *own.or(near)?))
     };
-    let found: Vec<usize> = named.iter().copied().enumerate().filter_map(has_numbers).collect();
-    if found.len() > 1 { found } else { Vec::new() }
+    let found: Vec<(usize, usize)> = numbers.iter().filter_map(of).collect();
+    if found.iter().any(|(_, clock)| *clock != found[0].1) { found } else { Vec::new() }
 }
 
 /// The times of a column \[s\], if they rise.

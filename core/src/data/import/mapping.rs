@@ -140,7 +140,6 @@ impl TryFrom<Document> for Offset {
 }
 
 impl Mapping {
-    /// Whether a record needs even steps, because they are asked for, or for a band-pass, fewer samples or more.
     pub(super) fn needs_even_steps(&self) -> bool {
         self.time.even || self.band.is_some() || self.every != 1 || self.interpolate != 1
     }
@@ -239,7 +238,6 @@ impl MappedColumn {
         Self { column: column.into(), unit, gain, offset, delay, missing }
     }
 
-    /// Multiplies what is above the offset, for SI units.
     pub(super) fn factor(&self) -> f64 {
         self.gain * unit(&self.unit).map_or(1.0, |(_, size)| size)
     }
@@ -256,11 +254,8 @@ impl MappedColumn {
     }
 }
 
-/// Limits the samples by which a column can be late.
 const MOST_DELAY: u32 = 100_000;
-/// Limits the steps in place of one.
 const MOST_STEPS: usize = 8;
-/// Limits the samples of which one is kept.
 const MOST_EVERY: usize = 10_000;
 
 const fn one() -> f64 {

@@ -1,15 +1,16 @@
 //! Faults of a file's times that have one cure: a counter that turns over, rows that stand twice or in another order, first rows
 //! far from all others, a clock that is set back, parts that begin again.
 
-use crate::mathematics::lists::{places, sorted_places};
+use crate::mathematics::lists::{mapped, median, places, sorted_places};
 use std::cmp::Ordering;
 
 use super::guess::{clocks, is_named_time, seldom_falls};
-use super::times::{DAY, EPOCHS, median, median_step};
+use super::times::{DAY, EPOCHS, median_step};
+use super::unit::{Dimension, unit};
 use super::{Column, Table};
 
 /// Rows in another order are at most this far from their places.
-const NEAR: usize = 8;
+const NEAR: usize = 64;
 
 /// First rows are apart from the others by more than this many times what the others take.
 const APART: f64 = 1e3;
@@ -22,7 +23,19 @@ const EVENTS: (f64, usize) = (0.1, 4);
 
 /// A table whose column of times rises, where a fault of it has one cure. Each cure is a remark of the table.
 pub(super) fn mend(mut table: Table) -> Table {
+    with_fractions(&mut table);
     let named = places(table.columns.len(), &|place| is_named_time(&table.columns[place]));
+    let falls = |place: &usize| {
+        let values = &table.columns[*place].values;
+        !seldom_falls(values) && seldom_falls(&mapped(values, &|time| -time))
+    };
+    if !named.is_empty() && named.iter().all(falls) {
+        let name = table.columns[named[0]].name.clone();
+        table = table.of_rows((0..table.rows()).rev().map(|row| vec![row]));
+        table
+            .remarks
+            .push(format!("the times in `{name}` fall, the newest first: the rows are read from the last one up"));
+    }
     for &place in &named {
         let column = &mut table.columns[place];
         let mut times = column.values.clone();
@@ -51,6 +64,29 @@ pub(super) fn mend(mut table: Table) -> Table {
     }
 }
 
+/// Adds the fractions of seconds of the column behind one of whole seconds to that: `secs`, `nsecs`.
+fn with_fractions(table: &mut Table) {
+    let size = |column: &Column| {
+        let word = column.unit.as_deref().or(column.name.rsplit(|c: char| !c.is_alphanumeric()).next())?;
+        let size = unit(word).filter(|(of, size)| *of == Dimension::Time && *size < 1.0)?.1;
+        column.values.iter().all(|x| x.fract() == 0.0 && (0.0..1.0).contains(&(x * size))).then_some(size)
+    };
+    let is_whole = |column: &Column| {
+        let is_second = column.unit.as_deref().is_none_or(|text| unit(text) == Some((Dimension::Time, 1.0)));
+        let is_repeated = column.values.windows(2).any(|pair| pair[0] == pair[1]);
+        is_named_time(column) && is_second && is_repeated && column.values.iter().all(|time| time.fract() == 0.0)
+    };
+    let of = |pair: &[Column]| size(&pair[1]).filter(|_| is_whole(&pair[0]));
+    let found = table.columns.windows(2).enumerate().find_map(|(place, pair)| Some((place, of(pair)?)));
+    let Some((place, size)) = found else { return };
+    let fractions = table.columns.remove(place + 1);
+    let time = &mut table.columns[place];
+    time.values.iter_mut().zip(&fractions.values).for_each(|(time, fraction)| *time += size * fraction);
+    table
+        .remarks
+        .push(format!("`{}` has the fractions of the seconds in `{}`: they are one time", fractions.name, time.name));
+}
+
 /// A table without times, less first rows far from all others: wristbands write the time of the start there, and the samples a second.
 fn without_first_rows(table: Table) -> Table {
     let numbers = (0..table.columns.len()).filter(|&place| !table.is_without_numbers(place));
@@ -64,21 +100,19 @@ fn without_first_rows(table: Table) -> Table {
         && columns.iter().all(|values| values[first] == rate && EPOCHS.contains(&values[first - 1]));
     let rows = first + usize::from(begins);
     let mut kept = table.of_rows((rows..table.rows()).map(|row| vec![row]));
+    kept.rate = begins.then_some(rate).or(kept.rate);
     kept.remarks.push(if begins {
         format!("the first {rows} rows are a time, the start, and {rate}, the samples a second: so they are read")
     } else {
         format!("the numbers of the first {rows} row(s) are far from all others: these rows are left out")
     });
-    if begins {
-        let times = (0..kept.rows()).map(|row| row as f64 / rate).collect();
-        kept.columns.insert(0, Column::of_header("time", Some("s"), times));
-    }
     kept
 }
 
-/// The ranges of counters of 16 and 32 bits that count a decimal part of the unit of their column.
+/// The ranges of counters of 16 and 32 bits that count a decimal part of the unit of their column, and the week of GPS.
 fn ranges() -> impl Iterator<Item = f64> {
-    [65_536.0, 4_294_967_296.0].into_iter().flat_map(|range| [1.0, 1e-3, 1e-6, 1e-9].map(|unit| range * unit))
+    let bits = [65_536.0, 4_294_967_296.0].into_iter();
+    bits.flat_map(|range| [1.0, 1e-3, 1e-6, 1e-9].map(|unit| range * unit)).chain([604_800.0, 6.048e8])
 }
 
 /// The range at whose end a counter with a usual step turns over between two times. `None` if it does not.
@@ -190,7 +224,8 @@ fn in_order(times: &[f64], rows: &[usize], step: f64) -> Option<Vec<usize>> {
     let sorted = sorted_places(rows.len(), &|one, other| times[rows[one]].total_cmp(&times[rows[other]]));
     let is_near = sorted.iter().enumerate().all(|(place, &before)| place.abs_diff(before) <= NEAR);
     let sorted: Vec<usize> = sorted.into_iter().map(|place| rows[place]).collect();
-    let has_steps = sorted.windows(2).all(|pair| times[pair[1]] - times[pair[0]] > 0.2 * step);
+    let usual = 0.2 * step..100.0 * step;
+    let has_steps = sorted.windows(2).all(|pair| usual.contains(&(times[pair[1]] - times[pair[0]])));
     (is_near && has_steps).then_some(sorted)
 }
 
@@ -218,14 +253,12 @@ fn of_one_time(table: &Table, place: usize, times: &[f64], rows: &[usize]) -> Op
 mod tests {
     use super::super::read;
 
-    /// The times and the last column of a file, and its remarks.
     fn mended(text: &str) -> (Vec<f64>, Vec<f64>, Vec<String>) {
         let table = read(text.as_bytes(), None).unwrap();
         let [time, .., last] = table.columns.as_slice() else { panic!("two columns") };
         (time.values.clone(), last.values.clone(), table.remarks)
     }
 
-    /// A file of times, with the number of its row as the reading.
     fn file(times: impl IntoIterator<Item = f64>) -> String {
         let rows = times.into_iter().enumerate().map(|(row, time)| format!("{time},{row}\n"));
         "time,x\n".to_owned() + &rows.collect::<String>()

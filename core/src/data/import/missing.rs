@@ -81,7 +81,6 @@ fn end(values: &[f64], sign: f64) -> Option<End> {
     end.filter(|end| end.next.is_finite())
 }
 
-/// Whether loggers write a number for a missing reading.
 fn is_usual(value: f64) -> bool {
     let size = value.abs();
     let nines = [999.0, 9999.0, 99_999.0, 999_999.0, 9_999_999.0, 999.25, 999.9, 9999.9];
@@ -119,7 +118,6 @@ pub(super) fn cells_without_readings(table: &Table, place: usize, mapped: &Mappe
     word.into_iter().chain(number).collect()
 }
 
-/// Whether readings do not differ.
 pub(super) fn is_still(readings: &[f64]) -> bool {
     let mut there = readings.iter().filter(|reading| !reading.is_nan());
     let first = there.next();

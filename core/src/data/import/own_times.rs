@@ -53,7 +53,6 @@ impl OwnTimes {
         own
     }
 
-    /// Adds the cells of a column that are not missing.
     fn add(&mut self, name: &str, times: &[f64], values: &[f64], missing: Option<f64>) {
         let is_there = |value: f64| !value.is_nan() && Some(value) != missing;
         let cells = times.iter().zip(values).filter(|(_, value)| is_there(**value));
@@ -91,7 +90,6 @@ impl OwnTimes {
         Some(values)
     }
 
-    /// The rows of a column that have no number.
     pub(super) fn empty(&self, name: &str) -> usize {
         self.column(name).map_or(0, |column| column.empty)
     }
@@ -134,13 +132,9 @@ const SAME: f64 = 1e-3;
 /// Clocks that differ by a larger factor have other units.
 const UNITS: f64 = 10.0;
 
-/// Columns with clocks of their own.
 pub(super) struct OneClock {
-    /// The steps of the fastest clock, over the time that all have in common.
     pub(super) timing: Timing,
-    /// The columns at their own times.
     pub(super) own: OwnTimes,
-    /// Whether the fastest clock has even steps.
     pub(super) is_even: bool,
 }
 
@@ -152,11 +146,12 @@ pub(super) fn on_one_clock(
 ) -> Result<Option<OneClock>, ImportError> {
     let clocks = clocks(table);
     let stated = mapping.time.column.as_deref().and_then(|name| table.place(name));
-    let Some(stated) = stated.filter(|place| clocks.contains(place)) else { return Ok(None) };
+    let is_clock = |place: &usize| clocks.iter().any(|(_, clock)| clock == place);
+    let Some(stated) = stated.filter(is_clock) else { return Ok(None) };
     let mut parts: Vec<(usize, Vec<(usize, &MappedColumn)>)> = Vec::new();
     for mapped in mapping.input.iter().chain(mapping.sensors.values()) {
         let Some(place) = table.place(&mapped.column) else { continue };
-        let own = clocks.iter().rev().find(|clock| **clock < place).copied().unwrap_or(clocks[0]);
+        let own = clocks.iter().find(|(of, _)| *of == place).map_or(stated, |(_, clock)| *clock);
         let clock = parts.iter().map(|(clock, _)| *clock).chain([stated]).find(|other| is_same(table, *other, own));
         let clock = clock.unwrap_or(own);
         match parts.iter_mut().find(|(other, _)| *other == clock) {
@@ -189,6 +184,11 @@ pub(super) fn on_one_clock(
     let names: Vec<String> = parts.iter().map(|(clock, _)| format!("`{}`", table.columns[*clock].name)).collect();
     let (names, stated) = (names.join(" and "), &table.columns[stated].name);
     let Some((steps, fast)) = common(&all) else {
+        // Rows of clocks with other numbers of them do not belong together.
+        let is_longer = |(clock, _): &&(Clock<'_>, f64)| clock.times.len() != all[0].0.times.len();
+        if let Some((other, _)) = all.iter().find(is_longer) {
+            return Err(ImportError::Apart(all[0].0.ends(), other.ends()));
+        }
         remarks.push(format!(
             "the clocks {names} have no time in common: the columns are read row by row, at the times of `{stated}`"
         ));
@@ -224,7 +224,6 @@ fn is_same(table: &Table, one: usize, other: usize) -> bool {
     a.len() == b.len() && a.iter().zip(&b).all(|(a, b)| (zero + scale * a - b).abs() <= limit)
 }
 
-/// The clock of a file, by the guess at its column of times.
 fn clock_of<'a>(table: &'a Table, remarks: &mut Vec<String>) -> Result<Clock<'a>, ImportError> {
     let time = Mapping::guess(table).0.time;
     let place = time.column.and_then(|name| table.place(&name)).ok_or_else(|| no_time(table))?;
@@ -287,34 +286,6 @@ pub fn join(first: &Table, second: &Table, offset: f64) -> Result<Table, ImportE
 mod tests {
     use super::super::Imported;
     use super::super::builder::tests::import;
-
-    #[test]
-    fn columns_with_times_of_their_own_are_at_their_times() {
-        let row = |k: u32| {
-            let (one, other) = (0.01 * f64::from(k), 0.2 + f64::from(k) / 30.0);
-            let more = format!("{:.6},{:.9}", 1e3 * other, libm::cos(2.0 * other));
-            format!("{one:.2},{:.9},{}\n", libm::sin(3.0 * one), if k < 160 { &more } else { "," })
-        };
-        let text = "t1 [s],force [N],t2 [ms],displacement [mm]\n".to_owned() + &(0..600).map(row).collect::<String>();
-        let Imported { record, remarks, .. } = import(&text, |_| {}).unwrap();
-        assert_eq!(remarks.len(), 1, "{remarks:?}");
-        assert!((record.dt() - 0.01).abs() < 1e-12, "the steps of the faster clock");
-        assert!(remarks[0].starts_with("the columns have clocks of their own, `t1` and `t2`"), "{remarks:?}");
-        for (k, (input, x)) in record.input().iter().zip(record.measured(0)).enumerate() {
-            let time = record.time(k);
-            assert!((input - libm::sin(3.0 * time)).abs() < 1e-6, "the input at {time} s");
-            assert!(x.is_nan() || (x - 1e-3 * libm::cos(2.0 * time)).abs() < 1e-6, "the reading at {time} s");
-        }
-        let readings = &record.clocks().unwrap().readings[0];
-        assert_eq!(readings.times.len(), 160);
-        for (k, (step, value)) in readings.times.iter().zip(&readings.values).enumerate() {
-            let time = 0.2 + k as f64 / 30.0;
-            assert!((record.time(0) + step * record.dt() - time).abs() < 1e-6, "its time is kept");
-            assert!((value - 1e-3 * libm::cos(2.0 * time)).abs() < 1e-9, "the reading is the file's");
-        }
-        let there = record.measured(0).iter().filter(|reading| !reading.is_nan()).count();
-        assert!((155..=161).contains(&there), "{there} readings");
-    }
 
     #[test]
     fn one_clock_that_stands_twice_changes_nothing() {

@@ -4,11 +4,10 @@ use std::f64::consts::{PI, TAU};
 
 use super::conditioning::mean;
 use super::missing::is_still;
-use super::times::median;
 use super::unit::{Dimension, STANDARD_GRAVITY, unit};
 use super::{Column, Mapping, Table};
+use crate::mathematics::lists::median;
 
-/// Whether all numbers are the same, in more rows than a few.
 pub(super) fn never_changes(values: &[f64]) -> bool {
     values.iter().filter(|value| !value.is_nan()).count() > 2 && is_still(values)
 }
@@ -52,20 +51,33 @@ pub(super) fn counted(table: &Table, mapping: &Mapping, rate: f64) -> Option<(St
 
 /// How much a column moves, but for what differs from row to row without a rule.
 pub(super) fn liveliness(values: &[f64]) -> f64 {
+    let [_, one, two] = covariances(values);
+    one.max(two.abs())
+}
+
+/// Whether a column differs from row to row without a rule.
+pub(super) fn is_noise(values: &[f64]) -> bool {
+    let [own, one, two] = covariances(values);
+    one.max(two.abs()) < 0.3 * own
+}
+
+/// Those of a column with itself, the next row and the one after.
+fn covariances(values: &[f64]) -> [f64; 3] {
     let there: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
     let count = there.len().max(1) as f64;
     let mean = there.iter().sum::<f64>() / count;
     let lag = |k: usize| there.windows(k + 1).map(|part| (part[0] - mean) * (part[k] - mean)).sum::<f64>() / count;
-    lag(1).max(lag(2).abs())
+    [lag(0), lag(1), lag(2)]
 }
 
-/// Whether two names differ only by their axis: `Acceleration x`, `accelY`, `az`, `z`, `acc[0]`.
+/// Whether two names differ only by their axis: `Acceleration x`, `accelY`, `az`, `z`, `acc[0]`, `acc 0`.
 pub(super) fn are_axes(one: &str, other: &str) -> bool {
     let [one, other] = [one, other].map(|name| name.to_lowercase().chars().collect::<Vec<char>>());
     let mut differ = (0..one.len()).filter(|&place| other.get(place) != Some(&one[place]));
     let Some(place) = differ.next().filter(|_| one.len() == other.len()) else { return false };
     let pair = [one[place], other[place]];
-    let is_index = place > 0 && one[place - 1] == '[' && pair.iter().all(|c| ('0'..='2').contains(c));
+    let is_counted = place > 0 && (one[place - 1] == '[' || (" _.".contains(one[place - 1]) && pair.contains(&'0')));
+    let is_index = is_counted && pair.iter().all(|c| ('0'..='2').contains(c));
     differ.next().is_none() && (is_index || pair.iter().all(|c| ('x'..='z').contains(c)))
 }
 

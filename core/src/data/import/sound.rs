@@ -6,10 +6,8 @@ use super::error::MOST;
 use super::{Column, ImportError, Mapping, Table};
 use crate::data::free_decay::Ring;
 
-/// The first word of a sound's form.
 const FORM: &str = "sound";
 
-/// The time and the channels of a sound, as shares of the loudest that its numbers can be.
 pub(super) fn table(bytes: &[u8]) -> Result<Table, ImportError> {
     let bad = |error: hound::Error| ImportError::Sound(error.to_string());
     let mut reader = hound::WavReader::new(bytes).map_err(bad)?;

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::cell::Found;
 use super::dialect::REMARKS;
 use super::error::MOST_COLUMNS;
+use super::formats::stated_rate;
 use super::unit::name_and_unit;
 use super::{Decimal, Dialect, ImportError};
 
@@ -21,6 +22,8 @@ pub struct Table {
     pub columns: Vec<Column>,
     /// Sentences about rows that were not as expected.
     pub remarks: Vec<String>,
+    /// The samples a second that the file says \[Hz\].
+    pub rate: Option<f64>,
     pub(super) lines: Lines,
 }
 
@@ -77,7 +80,6 @@ impl Column {
     fn push(&mut self, cell: &str, dialect: Dialect, line: usize) -> bool {
         let found = dialect.decimal.read(cell, dialect.thousands);
         let quoted = || {
-            /// Limits the characters that a message quotes.
             const QUOTED: usize = 40;
             TextCell { line, text: cell.chars().take(QUOTED).collect() }
         };
@@ -105,7 +107,7 @@ impl Table {
     pub fn of_columns(form: &str, columns: Vec<Column>, remarks: Vec<String>) -> Self {
         let mut lines = Lines::default();
         lines.push(0, 1);
-        Self { dialect: Dialect::default(), form: form.to_owned(), columns, remarks, lines }
+        Self { dialect: Dialect::default(), form: form.to_owned(), columns, remarks, rate: None, lines }
     }
 
     /// The number of rows.
@@ -166,13 +168,11 @@ impl Table {
     }
 }
 
-/// A name with a number behind it if it is taken.
 pub(super) fn free_name(name: &str, is_taken: impl Fn(&str) -> bool) -> String {
     let numbered = (2..).map(|number| format!("{name} ({number})"));
     std::iter::once(name.to_owned()).chain(numbered).find(|name| !is_taken(name)).unwrap_or_default()
 }
 
-/// Puts a number behind each name that there was before.
 pub(super) fn number_names(columns: &mut [Column]) {
     for place in 1..columns.len() {
         let (before, rest) = columns.split_at_mut(place);
@@ -211,7 +211,6 @@ impl Lines {
 /// A table with known columns.
 #[derive(Debug)]
 pub(super) struct Rows {
-    /// The delimiter, the decimal character, and the first line of numbers.
     pub(super) dialect: Dialect,
     /// The name and unit of each cell of a row, `None` if it belongs to no column; empty if lines of the dialect have them.
     pub(super) cells: Vec<Option<(String, Option<String>)>>,
@@ -219,21 +218,19 @@ pub(super) struct Rows {
     pub(super) even: Vec<(usize, f64, f64)>,
     /// Whether a line begins another table, which is not read.
     pub(super) ends: fn(&str) -> bool,
-    /// Whether the numbers of each row run on in one column.
-    pub(super) is_one: bool,
+    /// The number of columns in which the numbers of all rows run on, and of the first cells of a row that do not belong to them.
+    pub(super) run_on: Option<(usize, usize)>,
+    pub(super) rate: Option<f64>,
     /// Multiplies all numbers.
     pub(super) scale: f64,
-    /// The number of rows that the header says.
     pub(super) count: Option<usize>,
-    /// Sentences about what the header says.
     pub(super) remarks: Vec<String>,
 }
 
 impl Rows {
-    /// A table whose lines of names and units its dialect knows, if it has them.
     pub(super) fn of(dialect: Dialect) -> Self {
-        let (cells, even, count, remarks) = Default::default();
-        Self { dialect, cells, even, ends: |_| false, is_one: false, scale: 1.0, count, remarks }
+        let (cells, even, run_on, rate, count, remarks) = Default::default();
+        Self { dialect, cells, even, ends: |_| false, run_on, rate, scale: 1.0, count, remarks }
     }
 }
 
@@ -242,13 +239,12 @@ impl Rows {
 pub(super) struct RowsReader {
     rows: Rows,
     pub(super) columns: Vec<Column>,
-    /// Whether the cell of a row belongs to a column.
     belongs: Vec<bool>,
-    /// The line that begins another table.
     pub(super) end: Option<usize>,
     lines: Lines,
     short: Odd,
     long: Odd,
+    words: Odd,
     /// Numbers with thousands separators, and numbers that may have them, in a file without any in its first lines.
     grouped: Odd,
     doubtful: Odd,
@@ -296,12 +292,13 @@ impl RowsReader {
             |(name, unit)| Column { name, unit, values: Vec::with_capacity(rows + rows / 50), ..Column::default() };
         let mut columns: Vec<Column> = header.into_iter().map(column).collect();
         number_names(&mut columns);
-        let (lines, short, long, grouped, doubtful) = Default::default();
-        Ok(Self { rows: form, columns, belongs, end: None, lines, short, long, grouped, doubtful })
+        let (lines, short, long, words, grouped, doubtful) = Default::default();
+        Ok(Self { rows: form, columns, belongs, end: None, lines, short, long, words, grouped, doubtful })
     }
 
     pub(super) fn line(&mut self, row: &str, line: usize) {
-        let Self { rows: Rows { dialect, ends, is_one, .. }, columns, belongs, end, lines, short, long, .. } = self;
+        let Self { rows: Rows { dialect, ends, run_on, rate, .. }, columns, belongs, end, lines, short, long, .. } =
+            self;
         let (grouped, doubtful) = (&mut self.grouped, &mut self.doubtful);
         let trimmed = row.trim();
         if trimmed.is_empty() || trimmed.starts_with(REMARKS) {
@@ -311,15 +308,22 @@ impl RowsReader {
             *end = Some(line);
             return;
         }
-        let mut cells = dialect.delimiter.cells(row);
-        if let ([column], true) = (columns.as_mut_slice(), *is_one) {
-            for cell in cells {
-                column.push(cell, *dialect, line);
-                lines.push(column.values.len() - 1, line);
+        if let Some((count, apart)) = *run_on {
+            let cells = dialect.delimiter.cells(trimmed.trim_end_matches([',', ';']));
+            for (place, cell) in cells.skip(apart).enumerate() {
+                columns[place % count].push(cell, *dialect, line);
+                lines.push(columns[0].values.len() - 1, line);
             }
             return;
         }
-        let mut missing = false;
+        let is_word = |cell: &str| cell.is_empty() || dialect.decimal.read(cell, dialect.thousands) == Found::Text;
+        if columns.len() > 1 && trimmed.starts_with(char::is_alphabetic) && dialect.delimiter.cells(row).all(is_word) {
+            // Printers say the rate at the end: `Rate 1344, overflows 0`.
+            *rate = rate.or(stated_rate(&[trimmed]));
+            self.words.note(line);
+            return;
+        }
+        let (mut missing, mut cells) = (false, dialect.delimiter.cells(row));
         let mut kept = columns.iter_mut();
         for &belongs in belongs.iter() {
             let cell = cells.next();
@@ -345,8 +349,8 @@ impl RowsReader {
     }
 
     pub(super) fn finish(self, form: String, line: usize) -> Result<Table, ImportError> {
-        let Self { rows, mut columns, end, lines, short, long, grouped, doubtful, .. } = self;
-        let Rows { dialect, even, scale, count, remarks: mut said, .. } = rows;
+        let Self { rows, mut columns, end, lines, short, long, words, grouped, doubtful, .. } = self;
+        let Rows { dialect, even, scale, count, remarks: mut said, rate, .. } = rows;
         if columns.iter().all(|column| column.values.iter().all(|value| value.is_nan())) {
             return Err(ImportError::NoNumbers(line));
         }
@@ -360,6 +364,7 @@ impl RowsReader {
         });
         let remarks = [
             short.remark("fewer cells than the others; what is missing counts as empty"),
+            words.remark("words only, and is no row"),
             long.remark("more cells than the others; those at the end are left out"),
             end.map(|line| format!("line {line} begins another table; it is left out, with all below it")),
             late,
@@ -370,12 +375,13 @@ impl RowsReader {
         said.extend(count.and_then(|count| cut(&mut columns, count, !even.is_empty())));
         said.extend(remarks.into_iter().flatten());
         let rows = columns.first().map_or(0, |column| column.values.len());
+        columns.iter_mut().for_each(|column| column.values.resize(rows, f64::NAN));
         for (nth, (place, start, step)) in even.into_iter().enumerate() {
             let name = if nth == 0 { "time".to_owned() } else { format!("time ({})", nth + 1) };
             let times = (0..rows).map(|k| start + k as f64 * step).collect();
             columns.insert(place + nth, Column::of_header(&name, Some("s"), times));
         }
-        Ok(Table { dialect, form, columns, remarks: said, lines })
+        Ok(Table { dialect, form, columns, remarks: said, rate, lines })
     }
 }
 
@@ -398,7 +404,6 @@ fn cut(columns: &mut [Column], count: usize, is_without_times: bool) -> Option<S
     ))
 }
 
-/// The number of columns in a dialect.
 fn width(dialect: &Dialect, lines: &[&str]) -> Result<usize, ImportError> {
     let first = lines.get(dialect.data.saturating_sub(1)).copied().unwrap_or_default();
     let mut width = dialect.delimiter.cells(first).count();

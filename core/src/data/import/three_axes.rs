@@ -1,7 +1,7 @@
 //! The columns of an accelerometer with three axes.
 
 use super::guess::{is_named_time, seldom_falls};
-use super::shape::{gravity, plain};
+use super::shape::{gravity, is_counter, plain};
 use super::unit::{Dimension, STANDARD_GRAVITY, unit};
 use super::{Column, Table, times};
 
@@ -14,7 +14,6 @@ pub struct ThreeAxes {
     pub axes: ([usize; 3], f64),
 }
 
-/// Names of an acceleration without its axis.
 const ACCELERATIONS: [&str; 9] =
     ["acceleration", "linearacceleration", "accelerometer", "accel", "acc", "a", "gf", "g", ""];
 
@@ -31,6 +30,8 @@ impl ThreeAxes {
         let unit_of = |place: usize| columns[place].unit.as_deref().and_then(unit);
         let second = match unit_of(time) {
             Some((Dimension::Time, second)) => second,
+            // Rows with numbers are no times.
+            _ if is_counter(&columns[time].values, false) && !is_named_time(&columns[time]) => 1.0 / table.rate?,
             _ => times::second(&columns[time]).0,
         };
         let size = match unit_of(axes[0]) {

@@ -1,6 +1,6 @@
 //! The times of a file: those of a column, in seconds, and the even steps that they are close to.
 
-use crate::mathematics::lists::{mapped, sort_items};
+use crate::mathematics::lists::{mapped, median, sort_items};
 use std::borrow::Cow;
 
 use super::error::{FEWEST, MOST};
@@ -8,17 +8,26 @@ use super::unit::{Dimension, unit};
 use super::{Column, ImportError, Table};
 use crate::data::even_steps::Steps;
 
-/// Seconds of a day.
 pub(super) const DAY: f64 = 86_400.0;
 
-/// The units that a column of times may have, and the seconds of each.
-const UNITS: [(&str, f64); 4] = [("s", 1.0), ("ms", 1e-3), ("µs", 1e-6), ("ns", 1e-9)];
+/// The units that a column of times may have without a word, and the seconds of each.
+const UNITS: [(&str, f64); 3] = [("ms", 1e-3), ("µs", 1e-6), ("ns", 1e-9)];
 
 /// The years 2000 to 2100 in seconds since 1970.
 pub(super) const EPOCHS: std::ops::Range<f64> = 9.4e8..4.1e9;
 
-/// The day 1 January 1970 as spreadsheets count days, and as MATLAB does.
-const DAYS: [f64; 2] = [25_569.0, 719_529.0];
+/// Clocks that count from a date: the seconds of their unit, and those from that date to 1970.
+const CLOCKS: [(&str, f64, f64); 9] = [
+    ("s since 1970", 1.0, 0.0),
+    ("ms since 1970", 1e-3, 0.0),
+    ("µs since 1970", 1e-6, 0.0),
+    ("ns since 1970", 1e-9, 0.0),
+    ("ticks of 100 ns since 1601, as Windows counts them", 1e-7, 11_644_473_600.0),
+    ("ticks of 100 ns since the year 1, as .NET counts them", 1e-7, 62_135_596_800.0),
+    ("days of a spreadsheet", DAY, 25_569.0 * DAY),
+    ("days of MATLAB", DAY, 719_529.0 * DAY),
+    ("Julian days", DAY, 2_440_587.5 * DAY),
+];
 
 /// The steps that a record of a motion may have \[s\].
 const PLAUSIBLE: std::ops::RangeInclusive<f64> = 2e-5..=1.0;
@@ -28,7 +37,6 @@ const SLOW: [f64; 2] = [1.0, 10.0];
 
 /// The times of a file's rows, and the even steps that they are close to.
 pub(super) struct Clock<'a> {
-    /// The place of the column of times.
     pub(super) place: usize,
     /// \[s\]
     pub(super) times: Cow<'a, [f64]>,
@@ -49,7 +57,6 @@ impl<'a> Clock<'a> {
         Ok(Self { place, times, timing })
     }
 
-    /// The first time and the last one \[s\].
     pub(super) fn ends(&self) -> [f64; 2] {
         [self.times[0], self.times[self.times.len() - 1]]
     }
@@ -97,14 +104,17 @@ pub(super) fn second(column: &Column) -> (f64, Option<String>) {
     let said = |unit: &str, why: &str, question: &str| {
         Some(format!("the times in `{}` have no unit: by their {why} they are {unit}{question}", column.name))
     };
-    if let Some((unit, size)) = UNITS.iter().find(|(_, size)| EPOCHS.contains(&(last * size))) {
-        return (*size, if *size == 1.0 { None } else { said(&format!("{unit} since 1970"), "size", "") });
+    // A record of days has small steps.
+    let is_since = |(_, size, zero): &&(&str, f64, f64)| {
+        EPOCHS.contains(&(last * size - zero)) && (*size <= 1.0 || PLAUSIBLE.contains(&(size * step)))
+    };
+    if let Some((unit, size, _)) = CLOCKS.iter().find(is_since) {
+        return (*size, if *size == 1.0 { None } else { said(unit, "size", "") });
     }
     let rate = |size: f64| 1.0 / (step * size);
     if step < 0.5 * PLAUSIBLE.start() && PLAUSIBLE.contains(&(DAY * step)) {
         // A time of day is a share of one, and a record is a small part of that.
-        let is_share = (0.0..=1.0).contains(&last) && last > 10.0 * (last - times[0]);
-        if is_share || DAYS.iter().any(|first| EPOCHS.contains(&((last - first) * DAY))) {
+        if (0.0..=1.0).contains(&last) && last > 10.0 * (last - times[0]) {
             return (DAY, said("days of a spreadsheet", "size", ""));
         }
         let question =
@@ -125,7 +135,7 @@ pub(super) fn second(column: &Column) -> (f64, Option<String>) {
     }
     // Of several plausible units that with the rate nearest to 100 Hz.
     let mut plausible: Vec<&(&str, f64)> =
-        UNITS[1..].iter().filter(|(_, size)| PLAUSIBLE.contains(&(step * size))).collect();
+        UNITS.iter().filter(|(_, size)| PLAUSIBLE.contains(&(step * size))).collect();
     let distance = |size: f64| libm::log10(rate(size) / 100.0).abs();
     sort_items(&mut plausible, |a, b| distance(a.1).total_cmp(&distance(b.1)));
     match plausible.as_slice() {
@@ -161,9 +171,7 @@ pub(super) struct Timing {
     worst: f64,
     /// Whether such an error is one of rounding.
     is_rounded: bool,
-    /// A sentence about uneven times whose values are at even steps all the same.
     pub(super) remark: Option<String>,
-    /// A sentence about gaps between the times.
     pub(super) gaps: Option<String>,
 }
 
@@ -178,7 +186,6 @@ pub(super) enum Places {
 }
 
 impl Timing {
-    /// `rows` samples at a rate \[Hz\].
     pub(super) fn of_rate(rate: f64, rows: usize) -> Result<Self, ImportError> {
         if rows < FEWEST {
             return Err(ImportError::TooShort(rows));
@@ -197,7 +204,8 @@ impl Timing {
             return Err(ImportError::TooShort(times.len()));
         }
         if let Some(row) = times.iter().position(|time| !time.is_finite()) {
-            return Err(ImportError::Cell(line(row), column.to_owned(), "a time is missing".to_owned()));
+            let problem = "a time is missing: state the sample rate, and the rows count as even".to_owned();
+            return Err(ImportError::Cell(line(row), column.to_owned(), problem));
         }
         if let Some(row) = times.windows(2).position(|pair| pair[1] <= pair[0]) {
             let (before, found) = (times[row], times[row + 1]);
@@ -253,7 +261,6 @@ impl Timing {
         Ok(Self { dt: median, samples, places, worst, is_rounded: false, remark, ..even })
     }
 
-    /// Whether the times are those of the samples.
     pub(super) fn is_exact(&self) -> bool {
         matches!(self.places, Places::Rows | Places::Gaps(_)) && self.worst <= EXACT
     }
@@ -264,12 +271,10 @@ impl Timing {
         Ok(Self { dt, samples, ..self })
     }
 
-    /// Whether the samples are at even steps, and only their times are rounded, if anything.
     pub(super) fn is_even(&self) -> bool {
         self.is_exact() || (self.is_rounded && !matches!(self.places, Places::Times(_)))
     }
 
-    /// A sentence on uneven times that are kept.
     pub(super) fn kept(&self) -> String {
         let dt = told(self.dt);
         match self.places {
@@ -334,7 +339,6 @@ fn way(times: &[f64]) -> String {
     )
 }
 
-/// A number of samples, if a record can have them.
 fn count(samples: f64) -> Result<usize, ImportError> {
     let found = samples.min(1e15) as usize;
     if samples > MOST as f64 { Err(ImportError::TooLong(found)) } else { Ok(found) }
@@ -365,12 +369,6 @@ fn told(dt: f64) -> f64 {
 
 pub(super) fn median_step(times: &[f64]) -> f64 {
     median(times.windows(2).map(|pair| pair[1] - pair[0]).collect()).unwrap_or(f64::NAN)
-}
-
-/// The median, of two in the middle the larger one.
-pub(super) fn median(mut numbers: Vec<f64>) -> Option<f64> {
-    let middle = numbers.len() / 2;
-    (!numbers.is_empty()).then(|| *numbers.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 #[cfg(test)]

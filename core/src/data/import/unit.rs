@@ -26,11 +26,11 @@ pub enum Dimension {
 }
 
 /// Spellings, dimension and size in SI units. Spellings of two letters or more are compared without case.
-const UNITS: [(&str, Dimension, f64); 34] = [
+const UNITS: [(&str, Dimension, f64); 35] = [
     ("s, sec, secs, second, seconds, sek", Dimension::Time, 1.0),
-    ("ms, msec, milliseconds", Dimension::Time, 1e-3),
-    ("us, µs, μs, microseconds", Dimension::Time, 1e-6),
-    ("ns", Dimension::Time, 1e-9),
+    ("ms, msec, msecs, millis, milliseconds", Dimension::Time, 1e-3),
+    ("us, µs, μs, usec, usecs, micros, microsec, microseconds", Dimension::Time, 1e-6),
+    ("ns, nsec, nsecs, nanos, nanosec, nanoseconds", Dimension::Time, 1e-9),
     ("min, minutes", Dimension::Time, 60.0),
     ("h, hours", Dimension::Time, 3600.0),
     ("day, days", Dimension::Time, 86_400.0),
@@ -44,6 +44,7 @@ const UNITS: [(&str, Dimension, f64); 34] = [
     ("mm/s, mm/sec", Dimension::Velocity, 1e-3),
     ("cm/s, cm/sec", Dimension::Velocity, 1e-2),
     ("in/s", Dimension::Velocity, 0.0254),
+    ("km/h, kmh, kph", Dimension::Velocity, 1.0 / 3.6),
     ("m/s², m/s2, m/s^2, m/s/s, m/s**2, m/sec2, m/sec^2, ms-2, m s-2, m_s2", Dimension::Acceleration, 1.0),
     ("mm/s², mm/s2, mm/s^2, mm/s/s, mm/sec2", Dimension::Acceleration, 1e-3),
     ("cm/s², cm/s2, cm/s^2, cm/s/s, cm/s**2, cm/sec2, cm/sec^2, cm/sec/sec, gal", Dimension::Acceleration, 1e-2),

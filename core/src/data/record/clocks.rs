@@ -110,7 +110,6 @@ pub(crate) struct Parts {
     parts: Vec<Part>,
     /// m readings at the end of each part; NaN where there is none.
     readings: Vec<f64>,
-    /// Where it is no step of a record, its beginning and its end after the first sample \[s\].
     pub(crate) times: Option<[f64; 2]>,
     cuts: Vec<f64>,
 }
@@ -145,7 +144,6 @@ impl Readings<'_> {
     }
 }
 
-/// The places of the times that are after the first one, and not after the second.
 fn within(times: &[f64], after: f64, until: f64) -> Range<usize> {
     let place = |bound: f64| times.partition_point(|time| *time <= bound);
     place(after)..place(until)

@@ -111,7 +111,6 @@ impl Record {
     }
 }
 
-/// A number with all its digits; nothing where it is missing.
 fn digits(value: f64) -> String {
     if value.is_nan() { String::new() } else { format!("{value:.16e}") }
 }

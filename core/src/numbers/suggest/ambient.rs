@@ -16,12 +16,10 @@ pub(super) struct Sizes {
     force: f64,
     /// In the sensors' order and units.
     noise: Vec<f64>,
-    /// The course of the force from sample to sample.
     hold: Hold,
 }
 
 impl Sizes {
-    /// These factors on the force and on the noise of each sensor.
     fn times(&self, factors: &[f64]) -> Self {
         let noise = self.noise.iter().zip(&factors[1..]).map(|(noise, by)| rounded(noise * by)).collect();
         Self { force: rounded(self.force * factors[0]), noise, ..*self }
@@ -33,13 +31,10 @@ pub(super) fn has_no_input(record: &Record) -> bool {
     record.input().windows(2).all(|pair| pair[0] == pair[1])
 }
 
-/// The trials of a white force.
 pub(super) struct Ambient {
     pub(super) suggestion: Suggestion,
-    /// The sizes that factors of the climb multiply.
     sizes: Sizes,
     pub(super) climb: Climb,
-    /// The sensors that its filters do without.
     left_out: Vec<Quantity>,
     /// The best of the climb with a force that is held: its log likelihood, if it has one. None before it was tried.
     held: Option<Option<f64>>,
@@ -71,7 +66,6 @@ impl Ambient {
         Some(Sizes { hold: Hold::Zero, ..self.sizes.times(factors) })
     }
 
-    /// Takes in the log likelihood of the last trial, if there is one.
     pub(super) fn take(&mut self, likelihood: Option<f64>) {
         if self.climb.next().is_some() {
             self.climb.take(likelihood);
@@ -80,7 +74,6 @@ impl Ambient {
         }
     }
 
-    /// The best sizes and their log likelihood.
     pub(super) fn best(&self) -> Option<(Sizes, f64)> {
         let (factors, likelihood) = self.climb.found.best.as_ref()?;
         let sizes = self.sizes.times(factors);
@@ -150,7 +143,6 @@ impl Suggestion {
         Some(Sizes { force, noise, hold: Hold::First })
     }
 
-    /// The scenario with a white force in every filter, and noise of the sensors, of these sizes.
     pub(super) fn with_white_force(&self, sizes: &Sizes) -> Scenario {
         let &Sizes { force, ref noise, hold } = sizes;
         let mut scenario = Scenario { hold, ..self.scenario.clone() };
@@ -169,7 +161,6 @@ impl Suggestion {
         scenario
     }
 
-    /// Takes these sizes for good.
     pub(super) fn take_white_force(&mut self, sizes: &Sizes) {
         self.scenario = self.with_white_force(sizes);
         let (force, unit) = (sizes.force, self.unit("m/s²"));
@@ -204,13 +195,10 @@ const NEAR: std::ops::Range<f64> = 0.2..4.0;
 const HIGHEST: f64 = 0.8;
 /// Frequencies up to this share of the Nyquist frequency are looked at for an edge.
 const LAST: f64 = 0.97;
-/// The number of parts of the spectrum that are looked at for an edge.
 const PARTS: usize = 50;
 /// Limits the share of a white force's power in each part beyond an edge; and the least number of these parts.
 const LOW: (f64, usize) = (0.6, 3);
-/// The frequencies at least.
 const LEAST: usize = 10;
-/// The most steps of the descent that are tried.
 const STEPS: usize = 200;
 /// The power of a Hann window half a line apart from each other, up to one and a half lines from its middle.
 const WINDOW: [f64; 7] = [0.0096, 0.0834, 0.2403, 0.3334, 0.2403, 0.0834, 0.0096];
@@ -272,9 +260,7 @@ fn ambient_fit(record: &Record, quantity: Quantity, band: Option<[f64; 2]>) -> O
     (is_sound && frequency.is_finite() && damping.is_finite()).then_some(fit)
 }
 
-/// Lines of a spectrum next to each other.
 struct Lines<'a> {
-    /// The number of the first line.
     first: f64,
     /// From a line to the next \[rad/s\].
     line: f64,
@@ -330,7 +316,6 @@ impl Lines<'_> {
 
     /// The equations of a step of the logarithms of ωₙ, ζ, s² and R, from the logarithm of S at each line.
     fn equations(&self, at: &[f64; 4], spectrum: &[f64]) -> NormalEquations<4> {
-        /// The change of a logarithm for a derivative.
         const CHANGE: f64 = 1e-4;
         let near: [Vec<f64>; 4] =
             std::array::from_fn(|i| self.model(&std::array::from_fn(|j| at[j] + if i == j { CHANGE } else { 0.0 })));

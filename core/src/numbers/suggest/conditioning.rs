@@ -94,7 +94,6 @@ impl Lost {
         1.0 - lost as f64 / samples.max(1) as f64
     }
 
-    /// Sets the lost readings to NaN again.
     pub(super) fn lose(&self, record: &mut Record) {
         for (sensor, lost) in self.0.iter().enumerate() {
             lost.iter().for_each(|&k| record.measured_mut(sensor)[k] = f64::NAN);
@@ -137,7 +136,6 @@ impl Lost {
     }
 }
 
-/// The whole record, whose longest part gives start values.
 pub(super) struct Plucked {
     pub(super) whole: Record,
     /// When the later parts begin \[s\].
@@ -184,7 +182,6 @@ impl Plucked {
         Some((longest, Self { whole: record.clone(), times, growth }))
     }
 
-    /// Lets every filter begin anew where it was plucked.
     pub(super) fn tell(&self, suggestion: &mut Suggestion) {
         for filter in suggestion.filters().filter(|filter| filter.can_be_plucked()) {
             filter.plucks.clone_from(&self.times);
@@ -213,19 +210,16 @@ pub(super) enum Course {
 /// Steps in place of one, for a band-limited input.
 const STEPS: usize = 4;
 
-/// Limits the samples of a trial.
 const TRIED: usize = 2048;
 
 /// A band-limited input is not known well from the samples on one side alone: this many readings at both ends of the trials do not count.
 const ENDS: usize = 32;
 
-/// The fewest samples of a trial.
 const FEWEST: usize = 256;
 
 /// Parts of the motion's size that are tried for its process noise per sample. A wrong course needs some.
 const SHARES: [f64; 5] = [0.0, 1e-5, 1e-4, 1e-3, 1e-2];
 
-/// A larger share is not tried once the log likelihood has fallen by this much.
 const FALLEN: f64 = 10.0;
 
 /// Another course is taken if it gains this much log likelihood: it is then 150 times as likely.
@@ -248,7 +242,6 @@ impl Course {
         }
     }
 
-    /// Sets the scenario of such a record.
     pub(super) fn set(self, scenario: &mut Scenario) {
         match self {
             Self::Linear => {}
@@ -263,9 +256,7 @@ impl Course {
 
 /// The trials of the courses, each with some shares of process noise, and their log likelihoods of the same readings.
 pub(super) struct Between {
-    /// The courses that are done.
     place: usize,
-    /// The first samples, with the course that is tried.
     part: Option<Record>,
     /// The number of readings in the likeliest trial of each course.
     readings: [Likeliest<u32>; 3],
@@ -321,7 +312,6 @@ impl Between {
         }
     }
 
-    /// The course to be taken, and a sentence about it.
     pub(super) fn chosen(&self) -> (Course, Option<String>) {
         let readings = self.readings.iter().find_map(|one| one.best).map(|(readings, _)| readings);
         let likelihood = |course: &Course| self.readings[*course as usize].best.filter(|best| Some(best.0) == readings);

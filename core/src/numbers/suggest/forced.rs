@@ -18,7 +18,6 @@ const SAMPLES: f64 = 2.2;
 /// The frequencies of the first look are this far apart, and have these damping ratios: a broad resonance has no neighbours between.
 const APART: f64 = 1.04;
 const DAMPING: [f64; 2] = [0.05, 0.2];
-/// The descents begin at this many of them.
 const BEGINS: usize = 6;
 const TRIES: usize = 30;
 /// The largest share of the power that the fit leaves, and the least gain in its standard deviations.
@@ -72,7 +71,6 @@ impl Readings {
         columns
     }
 
-    /// Each reading that is there, with its columns.
     fn rows<'a>(&'a self, columns: &'a [Parts]) -> impl Iterator<Item = (usize, &'a Parts, f64)> {
         let all = columns.iter().zip(&self.values).enumerate();
         all.filter(|(_, (_, value))| !value.is_nan()).map(|(k, (columns, value))| (k, columns, *value))
@@ -84,7 +82,6 @@ impl Readings {
         equations
     }
 
-    /// The squared error at a place, with the columns there and their parts.
     fn look(&self, at: &Place) -> (f64, (Vec<Parts>, Parts)) {
         let columns = self.columns(at);
         let Some(parts) = self.normal(&columns).damped(1e-12, 1e-12).solution() else {
@@ -94,9 +91,7 @@ impl Readings {
         (cost, (columns, parts))
     }
 
-    /// The equations of a step of ln ωₙ and ln ζ, and of the parts.
     fn equations(&self, at: &Place, (columns, parts): &(Vec<Parts>, Parts)) -> NormalEquations<6> {
-        /// The change of a logarithm for a derivative.
         const CHANGE: f64 = 1e-6;
         let near = [[at[0] + CHANGE, at[1]], [at[0], at[1] + CHANGE]].map(|near| self.columns(&near));
         let mut equations = NormalEquations::new();
@@ -117,7 +112,6 @@ impl Readings {
         descend(begin, (TRIES, 1e-9), |cost| 1e-7 * cost, |at| self.look(at), |at, k| self.equations(at, k), step)
     }
 
-    /// The best places of a first look between two frequencies.
     fn begins(&self, low: f64, high: f64) -> Vec<Place> {
         let count = (libm::log(high / low) / libm::log(APART)).max(1.0) as usize;
         let mut found = Vec::new();

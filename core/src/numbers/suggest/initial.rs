@@ -104,7 +104,6 @@ impl Suggestion {
         }
     }
 
-    /// The equation of the first filter and its parameters, if spectra cannot give all of them.
     pub(super) fn own_parameters(&self) -> Option<(&'static Equation, Vec<Channel>)> {
         let kind = self.scenario.filters.first()?.plant.unwrap_or(self.scenario.plant.kind);
         let equation = kind.own_equation()?;
@@ -134,7 +133,6 @@ impl Suggestion {
     }
 }
 
-/// A cubic stiffness that carries half of the load at the largest displacement.
 fn cubic_scale(natural_frequency: f64, measured: &[f64], order: i32) -> f64 {
     let most = measured.iter().filter(|value| !value.is_nan()).fold(0.0_f64, |most, value| most.max(value.abs()));
     let displacement = most / libm::pow(natural_frequency, f64::from(order));
@@ -173,13 +171,11 @@ fn start_yielding(filter: &mut FilterSettings, truth: PlantKind, input: InputKin
 /// The points for each parameter, and for all of them at most.
 const POINTS: (usize, usize) = (10, 48);
 
-/// The points for each exponent of a spring.
 const SPRINGS: usize = 8;
 
 /// Limits the spread that a filter begins with behind a search, in standard deviations of its end: the readings count again.
 const WITHIN: f64 = 10.0;
 
-/// The number of times that the filter goes on from the end of the likeliest run.
 const AGAIN: usize = 4;
 
 /// The motion's process noise per step in a trial, as a share of its size: a parameter that is wrong must not stop the filter.
@@ -191,7 +187,6 @@ const TOLD: [Channel; 2] = [Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO];
 /// Prime numbers; their square roots spread points evenly in as many dimensions.
 const PRIMES: [f64; 12] = [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0, 31.0, 37.0];
 
-/// The trials of start values for the parameters of an equation, or of a Bouc-Wen spring with one of the exponents.
 pub(super) struct Search {
     kind: PlantKind,
     channels: Vec<Channel>,
@@ -279,7 +274,6 @@ impl Search {
         scenario
     }
 
-    /// Gives a scenario the spring of this search, if it has another one.
     fn set_kind(&self, scenario: &mut Scenario) {
         if self.kind.own_equation().is_some() || scenario.plant.kind == self.kind {
             return;
@@ -315,7 +309,6 @@ impl Search {
         self.ends.take(point.unwrap_or_default(), likelihood, 0.0);
     }
 
-    /// Mean and standard deviation of each parameter at the end of a run, if they are allowed.
     fn ends_of(&self, run: &Run) -> Option<Vec<(f64, f64)>> {
         let estimates = run.estimates().first()?;
         let last = estimates.len().checked_sub(1)?;
@@ -344,7 +337,6 @@ impl Search {
         self.channels.iter().map(|channel| channel.symbol()).collect::<Vec<_>>().join(", ")
     }
 
-    /// Ends some searches with the likeliest one. Likelihoods of other readings than the first one's do not compare.
     pub(super) fn choose(mut searches: Vec<Self>, suggestion: &mut Suggestion) {
         let of = |search: &Self| search.ends.best.as_ref().map(|((_, readings), likelihood)| (*readings, *likelihood));
         let readings = searches.iter().find_map(of).map(|(readings, _)| readings);
@@ -364,7 +356,6 @@ impl Search {
         searches.into_iter().take(1).for_each(|search| search.finish(suggestion));
     }
 
-    /// Lets every filter begin where the likeliest trial has ended, or says that none went through.
     fn finish(self, suggestion: &mut Suggestion) {
         let names = self.names();
         self.set_kind(&mut suggestion.scenario);

@@ -14,7 +14,6 @@ const CHUNK: usize = 200;
 #[derive(Default)]
 pub(super) struct Trial {
     run: Option<Run>,
-    /// The free run of its final model.
     free: Option<Running>,
 }
 
@@ -68,7 +67,6 @@ impl Trial {
     }
 }
 
-/// The free run of the first filter's final model, before its first piece. `None` if the filter has stopped.
 fn begin_freely(run: &Run) -> Option<Running> {
     let (scenario, record) = (run.scenario(), run.record());
     let estimates = run.estimates().first().filter(|estimates| estimates.stop().is_none())?;
@@ -83,7 +81,6 @@ fn errors(run: &Run, free: &FreeRun) -> Option<Vec<f64>> {
     errors.filter(|errors| errors.iter().all(|error| error.is_finite()))
 }
 
-/// The log likelihood of all innovations, if the filter went through.
 pub(super) fn likelihood(run: &Run) -> Option<f64> {
     likelihood_over(run, 1..run.estimates().first()?.len()).map(|(sum, _)| sum)
 }
@@ -112,7 +109,6 @@ pub(super) fn sizes(run: &Run) -> Vec<f64> {
     (0..sensors).map(size).collect()
 }
 
-/// The size of all innovations over their expected size: 1 for a consistent filter.
 pub(super) fn surprise(run: &Run) -> f64 {
     let sizes = sizes(run);
     let mean = sizes.iter().map(|size| size * size).sum::<f64>() / sizes.len().max(1) as f64;
@@ -128,7 +124,6 @@ pub(super) fn frequency_error(run: &Run, samples: usize) -> Option<f64> {
     Some(error).filter(|error| *error > 0.0)
 }
 
-/// The scenario with its first filter alone.
 pub(super) fn first_alone(scenario: &Scenario) -> Scenario {
     Scenario { filters: scenario.filters.iter().take(1).cloned().collect(), ..scenario.clone() }
 }
@@ -165,7 +160,6 @@ pub(super) struct Climb {
     round: usize,
     size: usize,
     is_down: bool,
-    /// Whether the last change in this direction was for the better.
     has_moved: bool,
 }
 
@@ -195,7 +189,6 @@ impl Climb {
         Some(factors)
     }
 
-    /// Takes in the log likelihood of the last trial, if there is one.
     pub(super) fn take(&mut self, likelihood: Option<f64>) {
         let Some(factors) = self.next() else { return };
         let is_first = self.found.trials == 0;
@@ -212,7 +205,6 @@ impl Climb {
         (self.round, self.size) = (place / self.sizes, place % self.sizes);
     }
 
-    /// The share of the search that is done, from 0 to 1.
     pub(super) fn progress(&self) -> f64 {
         (self.round * self.sizes + self.size) as f64 / (FACTORS.len() * self.sizes) as f64
     }

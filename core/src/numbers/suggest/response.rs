@@ -37,7 +37,6 @@ pub(super) fn order(quantity: Quantity) -> i32 {
     orders.into_iter().find(|(aspect, _)| *aspect == quantity.aspect()).map_or(2, |(_, order)| order)
 }
 
-/// The readings of a quantity of the motion relative to the ground.
 pub(super) fn relative(record: &Record, quantity: Quantity) -> Option<Cow<'_, [f64]>> {
     let measured = record.measured_quantity(quantity)?;
     if quantity != Quantity::TOTAL_ACCELERATION {
@@ -157,7 +156,6 @@ fn misfit(points: &[Point], found: &Response) -> f64 {
     points.iter().map(error).sum()
 }
 
-/// An oscillator fitted to the frequencies around a peak.
 fn fit(points: &[Point], peak: f64) -> Option<Response> {
     let near: Vec<&Point> = points.iter().filter(|p| (0.4 * peak..2.0 * peak).contains(&p.frequency)).collect();
     if near.len() < 4 {
@@ -228,13 +226,10 @@ pub(super) struct Decay {
     pub(super) spread: [f64; 2],
     /// The amplitude of the readings where they are largest, in the sensor's unit.
     pub(super) amplitude: f64,
-    /// Whether it leaves only noise, so that there is no force to look for.
     pub(super) is_all: bool,
 }
 
-/// Limits the samples that are fitted.
 const MOST: usize = 16_384;
-/// The least number of samples of a first fit.
 const SHORTEST: usize = 64;
 /// The largest share of the power in the first time constants that a decay leaves unexplained.
 const UNEXPLAINED: f64 = 0.5;

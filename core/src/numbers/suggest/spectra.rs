@@ -12,11 +12,9 @@ use crate::mathematics::lists::sort_numbers;
 pub(super) const SHORT: usize = 256;
 /// Limits the length of a window for a resonance.
 pub(super) const LONG: usize = 8192;
-/// The least length of a window.
 const SHORTEST: usize = 32;
 /// The number of windows at least, which overlap by half.
 const WINDOWS: usize = 7;
-/// The number of samples at least.
 pub(super) const LEAST: usize = SHORTEST * (WINDOWS + 1) / 2;
 /// The frequencies of the noise floor, as shares of the Nyquist frequency.
 const FLOOR: [f64; 2] = [0.75, 0.96];
@@ -121,7 +119,6 @@ impl Spectra {
         Some(spectra)
     }
 
-    /// Adds the transform of a window of input + i · output.
     fn add(&mut self, buffer: &[(f64, f64)], scale: f64) {
         self.windows += 1;
         for j in 1..self.length / 2 {
@@ -196,7 +193,6 @@ impl Spectra {
     }
 }
 
-/// Fills short gaps by straight lines.
 fn bridge(values: &mut [f64]) {
     let mut last: Option<usize> = None;
     for k in 0..values.len() {
@@ -239,7 +235,6 @@ pub(super) fn stride(measured: &[f64]) -> usize {
 /// The readings of a difference: a motion has next to none of order seven, if it is measured some times a swing.
 const READINGS: usize = 8;
 
-/// The fewest differences that tell a noise.
 const FEWEST: usize = 30;
 
 /// The median of the size of a standard normal number.

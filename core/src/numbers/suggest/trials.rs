@@ -19,7 +19,6 @@ const CLEARLY: f64 = 10.0;
 /// Innovations of these sizes over their expected ones do not ask for another R.
 const NEARLY: std::ops::Range<f64> = 0.99..1.01;
 
-/// Another R must gain this much log likelihood.
 const BETTER: f64 = 0.5;
 
 /// Parts of the motion's size that are tried for its process noise per step.
@@ -39,24 +38,18 @@ pub struct Suggest {
     record: Record,
     /// Of an oscillator that was plucked several times.
     plucked: Option<Plucked>,
-    /// The record and the settings as they were given.
     given: Option<(Record, Suggestion)>,
-    /// The lost readings of the record.
     lost: Option<Lost>,
     stage: Stage,
     trial: Trial,
-    /// The searches for an equation's parameters, or for both exponents of Bouc and Wen.
     searches: Vec<Search>,
-    /// The courses of the input between samples that are to be tried.
     between: Option<Between>,
-    /// The course that was taken, with the sentence about it.
     course: Option<(Course, Option<String>)>,
     /// Each share with its log likelihood and the sizes of its innovations.
     likelihoods: Vec<(f64, f64, Vec<f64>)>,
     /// The suggestion before R was that of the innovations, with its share and log likelihood.
     quieter: Option<(Suggestion, f64, f64)>,
     ambient: Option<Ambient>,
-    /// The record with the times of its readings, while a white force is tried, which counts in samples.
     timed: Option<Record>,
     /// The errors of the free run with the settings so far, and those with other settings.
     errors: Vec<f64>,
@@ -76,7 +69,6 @@ enum Stage {
     Likelihood(usize),
     /// The likelihood with a white force, where there is no input.
     WhiteForce,
-    /// The free run of the model so far.
     FreeRun,
     /// The free run of the model with larger R and no Q.
     ModelError,
@@ -131,7 +123,6 @@ impl Suggest {
         decay.is_some()
     }
 
-    /// Looks at the data again once their gaps can be filled.
     fn fill(&mut self, run: Option<&Run>) {
         let (Some(lost), Some((record, given))) = (self.lost.take(), &self.given) else { return };
         let Some(filled) = run.and_then(|run| lost.filled(run, record)) else { return };
@@ -140,7 +131,6 @@ impl Suggest {
         lost.lose(&mut self.record);
     }
 
-    /// Begins to search the parameters of an equation, if there is an input to identify them from.
     fn begin_search(&mut self) -> Stage {
         if let Some((Course::BandLimited, _)) = self.course {
             self.take_course(Course::BandLimited);
@@ -152,7 +142,6 @@ impl Suggest {
         Stage::Search
     }
 
-    /// Gives record and scenario the input between samples that was chosen.
     fn take_course(&mut self, course: Course) {
         if let Some(record) = course.of(&self.record) {
             self.record = record;

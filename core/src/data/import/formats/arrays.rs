@@ -13,9 +13,7 @@ use super::unpack::{entries, list};
 /// The arrays of a file.
 #[derive(Default)]
 pub(super) struct Arrays {
-    /// The columns of each array, of one number at least.
     all: Vec<Vec<Column>>,
-    /// Parts that are not read, in words.
     left_out: Vec<String>,
 }
 
@@ -156,7 +154,6 @@ impl Arrays {
     }
 }
 
-/// The columns of an array in a file of NumPy.
 pub(super) fn npy(bytes: &[u8]) -> Result<Table, ImportError> {
     let mut arrays = Arrays::default();
     let read = arrays.add_npy("", bytes, &mut Room::of(bytes));
@@ -164,7 +161,6 @@ pub(super) fn npy(bytes: &[u8]) -> Result<Table, ImportError> {
     arrays.table("a NumPy array")
 }
 
-/// The arrays with equally many rows in an archive of NumPy.
 pub(super) fn npz(bytes: &[u8]) -> Result<Table, ImportError> {
     let (mut arrays, mut room) = (Arrays::default(), Room::of(bytes));
     for entry in entries(bytes).unwrap_or_default() {
@@ -179,7 +175,6 @@ pub(super) fn npz(bytes: &[u8]) -> Result<Table, ImportError> {
 pub(super) mod tests {
     use super::*;
 
-    /// A file of NumPy.
     pub(in super::super) fn file(descr: &str, shape: &str, is_fortran: bool, data: &[u8]) -> Vec<u8> {
         let order = if is_fortran { "True" } else { "False" };
         let header = format!("{{'descr': {descr}, 'fortran_order': {order}, 'shape': {shape}, }}\n");

@@ -5,7 +5,6 @@ use super::binary::whole;
 use super::unpack::{gzip, has_entry, is_zip, zip};
 use super::{arrays, mat, series};
 
-/// The handling of files of a kind.
 enum Way {
     Read(fn(&[u8], Option<Dialect>) -> Result<Table, ImportError>),
     /// They are not read; the words name what helps.
@@ -19,6 +18,7 @@ const PICTURE: Way = Refuse("a record is a table of numbers: export the readings
 const PACKED: Way = Refuse("unpack it, and open the table in it");
 const SOUND: Way = Refuse("save it as WAV");
 const FRAME: Way = Refuse("write its columns as CSV (pandas: to_csv)");
+const TOPICS: Way = Refuse("write the message with the readings as CSV (PlotJuggler, or the tool that comes with it)");
 const HDF5: Way = Refuse("write its columns as CSV (h5dump, pandas, or writematrix in MATLAB)");
 const MATLAB: Way = Refuse("save its variables in MATLAB with -v7, or its columns with writematrix");
 const SEISMOGRAM: Way =
@@ -27,7 +27,7 @@ const SEISMOGRAM: Way =
 /// Each kind: what a file of it is, a test of its bytes, and how it is handled. The first one that fits counts.
 type Kind = (&'static str, fn(&[u8]) -> bool, Way);
 
-const KINDS: [Kind; 40] = [
+const KINDS: [Kind; 49] = [
     ("a sound", |b| b.starts_with(b"RIFF") && has(b, 8, b"WAVE"), Read(|b, _| sound::table(b))),
     ("a gzip file", |b| b.starts_with(b"\x1F\x8B\x08"), Read(gzip)),
     ("a NumPy file", |b| b.starts_with(b"\x93NUMPY"), Read(|b, _| arrays::npy(b))),
@@ -53,6 +53,27 @@ const KINDS: [Kind; 40] = [
     ("a Feather or Arrow file", |b| b.starts_with(b"ARROW1\0\0") || b.starts_with(b"FEA1"), FRAME),
     ("a pickle of Python", |b| b[0] == 0x80 && b.len() > 3 && (2..6).contains(&b[1]) && b.ends_with(b"."), FRAME),
     ("an SQLite database", |b| b.starts_with(b"SQLite format 3\0"), Refuse("write its table as CSV (sqlite3 -csv)")),
+    ("a bag of ROS", |b| b.starts_with(b"#ROSBAG V"), TOPICS),
+    ("an MCAP file", |b| b.starts_with(b"\x89MCAP0\r\n"), TOPICS),
+    ("a ULog of PX4", |b| b.starts_with(b"ULog\x01\x12\x35"), TOPICS),
+    ("a log of ArduPilot", |b| b.starts_with(b"\xA3\x95"), TOPICS),
+    (
+        "an MDF file",
+        |b| b.starts_with(b"MDF  ") && b.contains(&0),
+        Refuse("write its channels as CSV (asammdf: export)"),
+    ),
+    ("an EDF or BDF file", is_edf, Refuse("write its channels as CSV (MNE: to_data_frame)")),
+    ("a C3D file", |b| b.starts_with(b"\x02\x50") && b.len() >= 512, Refuse("write its channels as CSV (ezc3d)")),
+    (
+        "a file of R",
+        |b| [b"RDX2", b"RDX3"].iter().any(|mark| b.starts_with(*mark)),
+        Refuse("write its columns with write.csv"),
+    ),
+    (
+        "a file of enDAQ or Matroska",
+        |b| b.starts_with(b"\x1A\x45\xDF\xA3"),
+        Refuse("write its channels as CSV (enDAQ Lab)"),
+    ),
     ("a FLAC sound", |b| b.starts_with(b"fLaC"), SOUND),
     ("an Ogg sound", |b| b.starts_with(b"OggS"), SOUND),
     ("an MP3 sound", |b| b.starts_with(b"ID3") && b.contains(&0), SOUND),
@@ -70,7 +91,6 @@ const KINDS: [Kind; 40] = [
     ("a Zstandard file", |b| b.starts_with(b"\x28\xB5\x2F\xFD"), PACKED),
 ];
 
-/// The table in a file of a kind that is no text. `None` for any other file, also for an empty one.
 pub(in super::super) fn read_binary(bytes: &[u8], dialect: Option<Dialect>) -> Option<Result<Table, ImportError>> {
     let (name, _, way) = KINDS.iter().find(|(_, is, _)| !bytes.is_empty() && is(bytes))?;
     Some(match way {
@@ -79,9 +99,15 @@ pub(in super::super) fn read_binary(bytes: &[u8], dialect: Option<Dialect>) -> O
     })
 }
 
-/// Whether some bytes stand at a place.
 fn has(bytes: &[u8], place: usize, part: &[u8]) -> bool {
     bytes.get(place..).is_some_and(|rest| rest.starts_with(part))
+}
+
+/// Ends with the size of a header of 256 bytes and as many for each signal.
+fn is_edf(bytes: &[u8]) -> bool {
+    let size =
+        bytes.get(184..192).and_then(|text| std::str::from_utf8(text).ok()?.trim().parse().ok()).unwrap_or(1_usize);
+    (bytes.starts_with(b"0       ") || bytes.starts_with(b"\xFFBIOSEMI")) && size > 256 && size % 256 == 0
 }
 
 /// Version and order of bytes at the end of the header, whose text a program may choose.

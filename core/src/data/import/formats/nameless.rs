@@ -1,11 +1,11 @@
 //! Numbers without names: one series in lines of several numbers, or one number a line. The header may say step, unit and scale.
 
 use super::super::Dialect;
+use super::super::error::MOST_COLUMNS;
 use super::super::table::Rows;
 use super::super::unit::{Dimension, unit};
 use super::number_after;
 
-/// The rows of a table in a dialect, or the one series that its numbers are.
 pub(in super::super) fn nameless(dialect: Dialect, lines: &[&str]) -> Rows {
     let mut rows = Rows::of(dialect);
     let (header, body) = lines.split_at(dialect.data.saturating_sub(1).min(lines.len()));
@@ -21,8 +21,23 @@ pub(in super::super) fn nameless(dialect: Dialect, lines: &[&str]) -> Rows {
     };
     let name = name.filter(|line| !line.is_empty() && !is_title(line));
     let width = body.first().map_or(0, Vec::len);
-    let agreement = if name.is_none() { agreement(&body) } else { None };
     let facts = Facts::of(header);
+    if name.is_none() && are_pairs(&body) {
+        rows.remarks.push("the numbers of a line are times and values in turn, and run on in the next line".to_owned());
+        rows.cells =
+            [("time", Some("s")), ("value", None)].map(|(a, b)| Some((a.to_owned(), b.map(str::to_owned)))).into();
+        (rows.run_on, rows.ends, rows.dialect.names) = (Some((2, 0)), is_title_of_next, 0);
+        return rows;
+    }
+    // Lines may be numbered, or begin with the number of their first value.
+    let counts = |row: usize, by: usize| body[row][0] - body[row - 1][0] == by as f64;
+    let is_numbered =
+        body.len() > 1 && width > 2 && [1, width - 1].iter().any(|by| (1..body.len()).all(|row| counts(row, *by)));
+    let apart = usize::from(is_numbered);
+    let values: Vec<Vec<f64>> = body.iter().map(|row| row[apart.min(row.len())..].to_vec()).collect();
+    let is_line = body.len() == 1 && width > MOST_COLUMNS;
+    let agreement = if name.is_none() { agreement(&values).or(is_line.then_some(0.0)) } else { None };
+    rows.rate = facts.step.map(|step| 1.0 / step);
     if agreement.is_none() && !(width == 1 && (facts.step.is_some() || (name.is_none() && dialect.names > 0))) {
         return rows;
     }
@@ -46,7 +61,7 @@ pub(in super::super) fn nameless(dialect: Dialect, lines: &[&str]) -> Rows {
             "the numbers of a line are one series that runs on in the next line: neighbours in it differ by {percent} % of what those \
              below each other do"
         ));
-        rows.ends = |line| line.trim_start().starts_with(char::is_alphabetic);
+        rows.ends = is_title_of_next;
     }
     if !said.is_empty() {
         rows.remarks.push(format!("the header says {}: so it is read", said.join(", ")));
@@ -55,9 +70,22 @@ pub(in super::super) fn nameless(dialect: Dialect, lines: &[&str]) -> Rows {
         rows.cells = vec![Some((kind.unwrap_or("column 1").to_owned(), facts.unit))];
         rows.dialect.names = 0;
     }
-    rows.is_one = agreement.is_some();
+    rows.run_on = agreement.map(|_| (1, apart));
     (rows.even, rows.scale) = (facts.step.map(|step| (0, 0.0, step)).into_iter().collect(), facts.scale.unwrap_or(1.0));
     rows
+}
+
+fn is_title_of_next(line: &str) -> bool {
+    line.trim_start().trim_start_matches('*').starts_with(char::is_alphabetic)
+}
+
+/// Whether lines have times and values in turn, as those of finite elements do: their times rise by even steps, also from line to line.
+fn are_pairs(body: &[Vec<f64>]) -> bool {
+    let is_even = |row: &&Vec<f64>| row.len() % 2 == usize::from(row.last().is_some_and(|last| last.is_nan()));
+    let whole = body.len() > 4 && body[0].len() > 3 && body.iter().all(|row| is_even(&row));
+    let times: Vec<f64> = body.iter().flat_map(|row| row.chunks_exact(2).map(|pair| pair[0])).collect();
+    let step = times.get(1).map_or(0.0, |second| second - times[0]);
+    whole && step > 0.0 && times.windows(2).all(|pair| (pair[1] - pair[0] - step).abs() < 0.5 * step)
 }
 
 /// The mean difference of neighbours in lines over that of neighbours in columns; `None` where this may be a table of channels.
@@ -69,7 +97,6 @@ fn agreement(body: &[Vec<f64>]) -> Option<f64> {
     const FEWEST: [usize; 2] = [8, 3];
     /// The most that steps and spreads may differ.
     const ALIKE: f64 = 2.0;
-    /// A clear margin.
     const CLEAR: f64 = 0.6;
     let width = body.first().map_or(0, Vec::len);
     let whole = body.iter().take_while(|row| row.len() == width).count();
@@ -125,12 +152,23 @@ pub(super) const STEPS: [&str; 14] = [
     "dt",
 ];
 
+pub(in super::super) fn stated_rate(lines: &[&str]) -> Option<f64> {
+    Facts::of(lines).step.map(|step| 1.0 / step)
+}
+
 impl Facts {
     fn of(header: &[&str]) -> Self {
         let mut facts = Self::default();
         let lines: Vec<String> = header
             .iter()
-            .map(|line| line.to_lowercase().replace('_', " ").replace(", ", "; ").replace(',', "."))
+            .map(|line| line.to_lowercase().replace('_', " ").replace(", ", "; "))
+            .map(|line| if line.starts_with("rate") { format!("sample {line}") } else { line })
+            .map(|line| {
+                line.split(',').fold(String::new(), |text, part| match text.chars().last() {
+                    None => part.to_owned(),
+                    Some(last) => format!("{text}{}{part}", if last.is_ascii_digit() { '.' } else { ' ' }),
+                })
+            })
             .collect();
         let rate = lines.iter().find_map(|line| number_behind(line, &RATES).or_else(|| number_before_rate(line)));
         let rate = rate.map(|(rate, unit)| if unit.contains("khz") { 1e3 * rate } else { rate });
@@ -177,7 +215,6 @@ impl Facts {
 
 /// The first number close behind one of some words, and the line from the word on without it.
 fn number_behind(line: &str, words: &[&str]) -> Option<(f64, String)> {
-    /// Limits the characters between a word and its number.
     const BETWEEN: usize = 24;
     words.iter().find_map(|word| {
         let place = line.find(word).filter(|place| !line[..*place].ends_with(char::is_alphanumeric))? + word.len();

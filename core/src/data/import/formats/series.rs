@@ -58,7 +58,6 @@ fn label(line: &str) -> Option<String> {
     (number.trim().len() <= 3).then(|| format!("channel {} {}", number.trim(), direction.join(" ")).trim().to_owned())
 }
 
-/// The step in the real header of COSMOS \[s\].
 fn step(header: &[String]) -> Option<f64> {
     let place = header.iter().rposition(|line| line.to_ascii_lowercase().contains("real-header values follow"))?;
     let width = field_width(&header[place]);
@@ -179,14 +178,12 @@ fn next_uff58(header: &[String]) -> Option<Series> {
     Some(Series { name, unit, start, dt, count, width, has_times: !is_even, no_record })
 }
 
-/// Whether a universal file has a data set 58 whose numbers are binary.
 pub(super) fn has_58b(bytes: &[u8]) -> bool {
     let mut lines = bytes.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii);
     let mut is_set = lines.next() == Some(b"-1");
     is_set && lines.any(|line| std::mem::replace(&mut is_set, line == b"-1") && line.starts_with(b"58b"))
 }
 
-/// The functions of time of a universal file with data sets 58b: the header of 58, then bytes. Other data sets 58 are read as text.
 pub(super) fn uff58b(bytes: &[u8]) -> Result<Table, ImportError> {
     let mut reader = SeriesReader::new(next_uff58);
     let (mut rest, mut line, mut is_set) = (bytes, 0, false);
@@ -207,6 +204,9 @@ pub(super) fn uff58b(bytes: &[u8]) -> Result<Table, ImportError> {
         }
         is_set = text.trim() == "-1";
         if let Some((_, [order, form, _, size])) = binary.filter(|(last, _)| *last == line) {
+            // pyuff does not count the times of uneven functions.
+            let ends = |size: &usize| rest.get(*size..).is_some_and(|rest| rest.trim_ascii_start().starts_with(b"-1"));
+            let size = [size, size.saturating_mul(2)].into_iter().find(ends).unwrap_or(size);
             let part = &rest[..size.min(rest.len())];
             reader.bytes(part, size, order == 2, form);
             (rest, binary) = (&rest[part.len()..], None);
@@ -255,7 +255,6 @@ fn next_sac(header: &[String]) -> Option<Series> {
 pub(super) mod tests {
     use super::*;
 
-    /// A data set 58b of accelerations.
     fn set(order: usize, kind: usize, spacing: usize, count: usize, data: &[u8]) -> Vec<u8> {
         let size = data.len();
         let begin = format!("    -1\n    58b{order:6}     2          11{size:12}\nx\n\n\n\n\n    1 0 0 0 NONE 1 3\n");

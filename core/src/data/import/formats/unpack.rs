@@ -15,7 +15,6 @@ fn table(bytes: Vec<u8>, dialect: Option<Dialect>) -> Result<Table, ImportError>
     Reader::read(bytes, dialect)
 }
 
-/// The table in a file of gzip.
 pub(super) fn gzip(bytes: &[u8], dialect: Option<Dialect>) -> Result<Table, ImportError> {
     let file = Room::of(bytes).unpack(MultiGzDecoder::new(bytes));
     let file = file.map_err(|reason| ImportError::OtherKind(format!("this is a gzip file; {reason}")))?;
@@ -26,12 +25,10 @@ pub(super) fn is_zip(bytes: &[u8]) -> bool {
     bytes.starts_with(b"PK\x03\x04") || bytes.starts_with(b"PK\x05\x06")
 }
 
-/// Whether a file with some name is in a ZIP.
 pub(super) fn has_entry(bytes: &[u8], is: fn(&str) -> bool) -> bool {
     entries(bytes).is_some_and(|entries| entries.iter().any(|entry| is(&entry.name)))
 }
 
-/// A file in a ZIP.
 pub(super) struct Entry<'a> {
     pub(super) name: String,
     /// Its part of the directory.
@@ -81,7 +78,6 @@ impl Entry<'_> {
 
 /// The one table with times in a ZIP. Apps for phones add small tables of names in a folder `meta`.
 pub(super) fn zip(bytes: &[u8], dialect: Option<Dialect>) -> Result<Table, ImportError> {
-    /// The fewest rows that a record has for certain.
     const FEWEST: usize = 30;
     let bad = |reason: &str| ImportError::OtherKind(format!("this is a ZIP; {reason}"));
     let mut entries = entries(bytes).ok_or_else(|| bad("it is damaged or cut short"))?;
@@ -118,7 +114,6 @@ pub(super) fn zip(bytes: &[u8], dialect: Option<Dialect>) -> Result<Table, Impor
 
 /// Some words in one line, and the number of those that would be too many.
 pub(super) fn list(words: &[String]) -> String {
-    /// Limits the words in a sentence.
     const MOST: usize = 8;
     let more = words.len().saturating_sub(MOST);
     let rest = if more > 0 { format!(" and {more} more") } else { String::new() };
@@ -159,7 +154,6 @@ pub(super) mod tests {
         [&all[..], &directory, b"PK\x05\x06\0\0\0\0", &count, &count, &[0; 4], &place, &[0; 2]].concat()
     }
 
-    /// A table of 40 rows.
     fn record() -> Vec<u8> {
         let rows = (0..40).map(|k| format!("{},{}\n", 0.1 * f64::from(k), k % 7));
         format!("time,x\n{}", rows.collect::<String>()).into_bytes()
