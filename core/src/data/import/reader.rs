@@ -25,7 +25,7 @@ pub(super) struct Reader {
 
 #[derive(Debug)]
 enum Body {
-    Rows(RowsReader),
+    Rows(Box<RowsReader>),
     Series(SeriesReader),
     /// A binary file, which is read at once.
     Whole(Box<Table>),
@@ -75,7 +75,7 @@ impl Reader {
             Layout::Series(next) => (Dialect { encoding, ..Dialect::default() }, Body::Series(SeriesReader::new(next))),
             Layout::Rows(mut rows) => {
                 rows.dialect.encoding = encoding;
-                (rows.dialect, Body::Rows(RowsReader::new(rows, &lines, bytes.len())?))
+                (rows.dialect, Body::Rows(Box::new(RowsReader::new(rows, &lines, bytes.len())?)))
             }
         };
         Ok(Self { bytes, place: start, line: 0, dialect, format, body, text })
