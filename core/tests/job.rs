@@ -334,3 +334,82 @@ fn a_truth_that_is_hard_to_follow_is_divided() {
     }
     assert!(calls > 10, "{calls}");
 }
+
+/// Filters that are computed elsewhere, as by workers of a page.
+mod elsewhere {
+    use kalmanscope_core::{FilterKind, FilterSettings, Job, Pass, Scenario, Source, Study, Tape, Update};
+
+    fn scenario() -> Scenario {
+        let mut scenario = Scenario { duration: 6.0, ..Scenario::default() };
+        let first = scenario.filters[0].clone();
+        scenario.filters.clear();
+        for kind in FilterKind::ALL {
+            let filter =
+                FilterSettings { kind, ensemble_size: 50, id: 0, name: kind.name().to_owned(), ..first.clone() };
+            scenario.filters.push(filter);
+        }
+        let mut learns = FilterSettings { id: 0, kind: FilterKind::EKF, ..first.clone() };
+        learns.adaptation.sensor_noise = true;
+        let stops = FilterSettings { id: 0, kind: FilterKind::EKF, fading: 1e100, ..first };
+        scenario.filters.extend([learns, stops]);
+        scenario.number_filters();
+        scenario
+    }
+
+    fn study() -> Study {
+        Study::new(&Scenario { duration: 1.0, ..Scenario::default() }, Source::Simulated, 100_000).unwrap()
+    }
+
+    #[test]
+    fn filters_that_are_computed_elsewhere_have_the_same_bits() {
+        let (scenario, mut near, mut far) = (scenario(), study(), study());
+        let mut job = Job::new(&mut near, &scenario, None, 601).unwrap();
+        while !job.advance(&near, &mut || true).is_done() {}
+        job.finish(&mut near);
+        let mut job = Job::new(&mut far, &scenario, None, 601).unwrap();
+        let places = job.leave_long(0.0);
+        assert_eq!(places.len(), scenario.filters.len());
+        assert!(!job.advance(&far, &mut || true).is_done());
+        let record = job.whole_record(&far).unwrap().clone();
+        for place in places {
+            let mut pass = Pass::new(&scenario, place, &record).unwrap();
+            for samples in [4, 300, 601] {
+                let mut tape = Tape::default();
+                pass.follow(&record, samples, &mut tape);
+                assert!(job.take(place, &Tape::from_numbers(tape.numbers().to_vec())));
+            }
+            assert!(!job.take(place, &Tape::from_numbers(vec![1.0, 0.0, 0.0, 7.0])), "no sample of this filter");
+        }
+        assert!(job.advance(&far, &mut || true).is_done());
+        assert_eq!(job.finish(&mut far), Update::Everything);
+        for (near, far) in near.run().estimates().iter().zip(far.run().estimates()) {
+            assert_eq!(format!("{near:?}"), format!("{far:?}"));
+        }
+        assert!(near.run().estimates().iter().any(|estimates| estimates.stop().is_some()));
+        assert!(near.run().estimates().iter().any(|estimates| !estimates.remarks().is_empty()));
+    }
+
+    #[test]
+    fn filters_that_are_taken_back_begin_again() {
+        let (scenario, mut study) = (scenario(), study());
+        let mut job = Job::new(&mut study, &scenario, None, 601).unwrap();
+        let places = job.leave_long(0.0);
+        job.advance(&study, &mut || true);
+        let record = job.whole_record(&study).unwrap().clone();
+        let mut tape = Tape::default();
+        Pass::new(&scenario, places[0], &record).unwrap().follow(&record, 200, &mut tape);
+        assert!(job.take(places[0], &tape));
+        job.take_back();
+        assert!(job.advance(&study, &mut || true).is_done());
+        job.finish(&mut study);
+        let mut run = kalmanscope_core::Run::new(&scenario).unwrap();
+        run.finish();
+        assert_eq!(study.run().checksum(), run.checksum());
+    }
+
+    #[test]
+    fn a_part_of_a_record_is_computed_here() {
+        let (scenario, mut study) = (scenario(), study());
+        assert!(Job::new(&mut study, &scenario, None, 300).unwrap().leave_long(0.0).is_empty());
+    }
+}
