@@ -1,9 +1,12 @@
 //! Rules about which cause may stand first.
 
 use kalmanscope_core::diagnosis::Remedy;
+use kalmanscope_core::import::Mapping;
 use kalmanscope_core::record::{Input, Record};
 use kalmanscope_core::setting::Edit;
-use kalmanscope_core::{Channel, Diagnosis, Diagnostics, Quantity, Run, Scenario, Sensor, Task as _, simulate};
+use kalmanscope_core::{
+    Channel, Diagnosis, Diagnostics, Force, Hold, Quantity, Run, Scenario, Sensor, Task as _, Values, simulate,
+};
 
 use crate::run::{finished_on, remedies};
 
@@ -189,4 +192,31 @@ fn failure(row: &str, base: &Scenario) -> Option<String> {
         first.first.cause.key == cause && first.edits.iter().any(|edit| edit.key.contains(remedy))
     });
     (!is_right).then(|| format!("{change}: {:?} {:?}", keys(&found), found.first().map(|first| &first.edits)))
+}
+
+/// Ten samples a swing, of an input without steps or corners.
+#[test]
+fn an_input_that_is_a_smooth_curve_is_put_on_finer_steps() {
+    for seed in 1..=3 {
+        let force = Force::Chirp { amplitude: 3.0, from: 1.0, to: 25.0, sweep: 60.0 };
+        let mut scenario =
+            Scenario { seed, dt: 0.002, duration: 120.0, hold: Hold::First, force, ..Scenario::default() };
+        scenario.set_sensors(&[Quantity::DISPLACEMENT]);
+        scenario.sensors[0].noise_std = 0.002;
+        scenario.plant.set(Channel::NATURAL_FREQUENCY, 6.0);
+        let fine = simulate(&scenario);
+        let some = |values: &[f64]| values.iter().step_by(50).copied().collect();
+        let input = Input { kind: fine.input_kind(), hold: Hold::First, values: some(fine.input()) };
+        let record = Record::new(0.1, input, vec![(Quantity::DISPLACEMENT, some(fine.measured(0)))]).unwrap();
+        (scenario.dt, scenario.record) = (0.1, Some(Mapping::default()));
+        scenario.filters.truncate(1);
+        let filter = &mut scenario.filters[0];
+        (filter.sensor_std, filter.fading) = (vec![0.002], 1.0);
+        filter.process_std = Values::ZERO;
+        let run = finished_on(&scenario, record);
+        let found = searched(&run);
+        let edits: Vec<&str> =
+            found.first().into_iter().flat_map(|one| &one.edits).map(|edit| edit.key.as_str()).collect();
+        assert!(edits.contains(&"record.interpolate"), "seed {seed}: {:?} {edits:?}", keys(&found));
+    }
 }

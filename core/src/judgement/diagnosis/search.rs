@@ -220,7 +220,8 @@ impl Search {
     fn run(&mut self, path: &Path, with_causes: bool) {
         let likely_causes = if with_causes { None } else { Some(Vec::new()) };
         let Some(origin) = self.origin.scenario.filters.first().cloned() else { return };
-        self.trials = Trials::over(Arc::clone(&self.trials.record), path.scenario.clone(), origin, likely_causes);
+        let record = (Arc::clone(&self.trials.record), self.trials.steps);
+        self.trials = Trials::over(record, path.scenario.clone(), origin, likely_causes);
     }
 }
 

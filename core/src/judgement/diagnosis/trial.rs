@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::Diagnosis;
 use super::cause::LikelyCause;
 use super::verdict::Verdict;
+use crate::data::resample::finer;
 use crate::data::setting::Edit;
 use crate::{Diagnostics, Estimates, FilterKind, FilterSettings, Pass, Record, RunError, Scenario, Scores};
 
@@ -19,12 +20,14 @@ const USUAL: usize = 30;
 /// The trials of all likely causes of one filter, which can be cut into slices of time.
 pub struct Trials {
     pub(super) record: Arc<Record>,
+    /// The record's steps in place of one of its file.
+    pub(super) steps: usize,
     /// The scenario with that one filter, as it begins at the window's first sample.
     pub(super) scenario: Scenario,
     origin: FilterSettings,
     /// `None` until the unchanged filter has run, if its likely causes follow from that run.
     likely_causes: Option<Vec<LikelyCause>>,
-    current: Option<(Pass, Estimates)>,
+    current: Option<(Pass, Estimates, Arc<Record>)>,
     first: usize,
     /// The estimates and likelihoods of the filter with no edit made; a restarted filter begins from them.
     unturned: Option<Estimates>,
@@ -97,19 +100,21 @@ impl Trials {
         // A scenario that cannot begin is an error now, not at the first trial.
         Pass::new(&scenario, 0, &record)?;
         let origin = scenario.filters[0].clone();
-        let trials = Self::over(Arc::new(record), scenario, origin, Some(likely_causes));
+        let steps = steps_of(&scenario);
+        let trials = Self::over((Arc::new(record), steps), scenario, origin, Some(likely_causes));
         Ok(Self { first, own, ..trials })
     }
 
     /// `origin` is the filter before other causes' edits. Without `likely_causes`, they follow from its run.
     pub(super) fn over(
-        record: Arc<Record>,
+        (record, steps): (Arc<Record>, usize),
         scenario: Scenario,
         origin: FilterSettings,
         likely_causes: Option<Vec<LikelyCause>>,
     ) -> Self {
         Self {
             record,
+            steps,
             scenario,
             origin,
             likely_causes,
@@ -125,15 +130,15 @@ impl Trials {
     /// Continues while `while_time`, called after each small piece of work, is true. Returns whether all is done.
     pub fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
         while !self.is_done() {
-            let Some((mut pass, mut estimates)) = self.current.take().or_else(|| self.begin()) else {
+            let Some((mut pass, mut estimates, record)) = self.current.take().or_else(|| self.begin()) else {
                 self.outcomes.push(Outcome::NOTHING);
                 continue;
             };
-            pass.follow(&self.record, pass.done() + CHUNK, &mut estimates);
-            if pass.done() < self.record.len() && pass.stop().is_none() {
-                self.current = Some((pass, estimates));
+            pass.follow(&record, pass.done() + CHUNK, &mut estimates);
+            if pass.done() < record.len() && pass.stop().is_none() {
+                self.current = Some((pass, estimates, record));
             } else {
-                self.finish(estimates);
+                self.finish(estimates, &record);
             }
             if !while_time() {
                 break;
@@ -172,7 +177,15 @@ impl Trials {
         self.likely_causes.as_ref()?.get(self.outcomes.len())
     }
 
-    fn begin(&self) -> Option<(Pass, Estimates)> {
+    /// The record for a scenario that may divide the steps of its file further.
+    fn record_of(&self, scenario: &Scenario) -> Option<Arc<Record>> {
+        match steps_of(scenario) / self.steps {
+            0 | 1 => Some(Arc::clone(&self.record)),
+            steps => finer(&self.record.as_ref().clone().with_hold(scenario.hold), steps).map(Arc::new),
+        }
+    }
+
+    fn begin(&self) -> Option<(Pass, Estimates, Arc<Record>)> {
         let scenario = match &self.before {
             None => self.scenario.clone(),
             Some(_) => {
@@ -183,15 +196,16 @@ impl Trials {
                 Edit::apply_all(edits, &self.scenario).ok()?
             }
         };
-        Some((Pass::new(&scenario, 0, &self.record).ok()?, Pass::history(&scenario, 0).ok()?))
+        let record = self.record_of(&scenario)?;
+        Some((Pass::new(&scenario, 0, &record).ok()?, Pass::history(&scenario, 0).ok()?, record))
     }
 
-    fn finish(&mut self, estimates: Estimates) {
-        let diagnostics = Diagnostics::new(&estimates, &self.record);
+    fn finish(&mut self, estimates: Estimates, record: &Record) {
+        let diagnostics = Diagnostics::new(&estimates, record);
         let stopped = diagnostics.stop().is_some();
         let log_likelihood = if stopped { f64::NEG_INFINITY } else { diagnostics.log_likelihood() };
         let gains = self.before.as_ref().is_none_or(|before| log_likelihood > before.log_likelihood);
-        let diagnosis = if gains { Diagnosis::new(&diagnostics, &estimates, &self.record, None) } else { None };
+        let diagnosis = if gains { Diagnosis::new(&diagnostics, &estimates, record, None) } else { None };
         let achieved = log_likelihood;
         let anew = self.current().filter(|one| one.begins_anew);
         let anew = anew.and_then(|likely| self.begun_anew(likely.samples.as_ref()?.start.checked_sub(self.first)?));
@@ -199,7 +213,7 @@ impl Trials {
         let scaled = if stopped { f64::NEG_INFINITY } else { scaled_log_likelihood(&diagnostics) };
         let learnt = self.learnt(&estimates);
         if self.likely_causes.is_none() {
-            let Self { scenario, origin, record, .. } = &*self;
+            let Self { scenario, origin, .. } = &*self;
             let of = |diagnosis: &Diagnosis| diagnosis.since(origin, scenario, 0, &diagnostics, &estimates, record);
             self.likely_causes = Some(diagnosis.as_ref().map_or_else(Vec::new, of));
         }
@@ -231,13 +245,18 @@ impl Trials {
                 filter.initial_mean[channel] = unturned.mean(at)[place];
             }
         }
-        let rest = self.record.part(at..self.record.len());
+        let record = self.record_of(&scenario)?;
+        let rest = record.part(at..record.len());
         let mut scores = Scores::new(&Pass::history(&scenario, 0).ok()?, &rest);
         let mut pass = Pass::new(&scenario, 0, &rest).ok()?;
         pass.follow(&rest, rest.len(), &mut scores.against(&rest));
         let before: f64 = (0..=at).map(|k| unturned.log_likelihood(k)).filter(|x| !x.is_nan()).sum();
         pass.stop().is_none().then(|| before + scores.outcome().log_likelihood)
     }
+}
+
+fn steps_of(scenario: &Scenario) -> usize {
+    scenario.record.as_ref().map_or(1, |mapping| mapping.interpolate.max(1))
 }
 
 /// The log likelihood of the filter after P, Q and R are multiplied by the best factor s². The factor changes neither

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::{BadFilter, Cause, LikelyCause, rms};
+use crate::data::import::Mapping;
 use crate::data::setting::Edit;
 use crate::judgement::words::short;
 use crate::{Channel, Hold, Quantity};
@@ -34,10 +35,14 @@ fn delay(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause
     }
 }
 
+/// The steps in place of one of a record whose input is a smooth curve.
+const FINER: i32 = 4;
+
 pub(super) static INPUT_HOLD: Cause = Cause {
     key: "input_hold",
     name: "an input that is linear between samples, or held",
-    hint: "A digital output holds its value between samples; a measured input does not, and is nearer to a line.",
+    hint: "A digital output holds its value between samples; a measured input does not, and is nearer to a line, or, with few samples a \
+           swing, to a smooth curve.",
     likely_causes: hold,
 };
 
@@ -52,6 +57,21 @@ fn hold(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>
     let near = bad.follows_input(-1..=1);
     let weight = 2.0 * near / (1.0 + 2.0 * near);
     found.push(LikelyCause::new(cause, weight, 0.0, vec![Edit::new("hold", value)], sentence.to_owned()));
+    let is_coarse = |mapping: &Mapping| mapping.interpolate == 1 && bad.case.record.clocks().is_none();
+    if bad.scenario.hold == Hold::First && bad.scenario.record.as_ref().is_some_and(is_coarse) {
+        // Process noise adds up over the steps of a sample.
+        let share = 1.0 / f64::from(FINER).sqrt();
+        let noise = |channel: &Channel| {
+            (bad.filter.process_std[*channel] > 0.0).then(|| {
+                let key = format!("process_std.{}", channel.key());
+                bad.edit(&key, share * bad.filter.process_std[*channel])
+            })
+        };
+        let mut edits = vec![Edit::new("record.interpolate", i64::from(FINER))];
+        edits.extend(bad.case.estimates.channels().iter().filter_map(noise));
+        let sentence = "the input is a smooth curve between its samples, and lines cut its bends".to_owned();
+        found.push(LikelyCause::new(cause, weight, 0.0, edits, sentence));
+    }
 }
 
 pub(super) static INPUT_GAIN: Cause = Cause {
