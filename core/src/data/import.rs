@@ -28,6 +28,7 @@ mod dialect;
 mod error;
 mod formats;
 mod guess;
+mod header;
 mod mapping;
 mod mend;
 mod missing;

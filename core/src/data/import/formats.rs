@@ -14,12 +14,13 @@ mod unpack;
 
 use super::cell::{Decimal, Found};
 use super::error::MOST;
+use super::header::number_after;
 use super::table::{Column, Lines, Rows, TextCell, number_names};
 use super::{Dialect, ImportError, Table};
 
 use binary::Form;
 pub(super) use kinds::read_binary;
-pub(super) use nameless::{nameless, stated_rate};
+pub(super) use nameless::nameless;
 
 /// The layout of the numbers below a header.
 #[derive(Debug)]
@@ -45,14 +46,6 @@ const FORMATS: [(&str, Find); 9] = [
 
 pub(super) fn find(lines: &[&str]) -> Option<(&'static str, Layout)> {
     FORMATS.iter().find_map(|(name, find)| Some((*name, find(lines)?)))
-}
-
-/// The first number behind a word, without regard to case: 0.005 in `DT= .0050 SEC` behind `DT=`.
-fn number_after(line: &str, word: &str) -> Option<f64> {
-    let place = line.to_ascii_lowercase().find(&word.to_ascii_lowercase())? + word.len();
-    let rest = line.get(place..)?.trim_start();
-    let end = rest.find(|c: char| !(c.is_ascii_digit() || "+-.eE".contains(c))).unwrap_or(rest.len());
-    rest[..end].trim_end_matches(['e', 'E', '.']).parse().ok()
 }
 
 /// The text behind a word up to one of some characters, without the blanks around it.

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::cell::Found;
 use super::dialect::REMARKS;
 use super::error::MOST_COLUMNS;
-use super::formats::stated_rate;
+use super::header::stated_rate;
 use super::unit::name_and_unit;
 use super::{Decimal, Dialect, ImportError};
 

@@ -4,10 +4,10 @@ use serde_json::Value;
 
 use super::super::error::MOST_COLUMNS;
 use super::super::guess::is_named_time;
+use super::super::header::{RATES, STEPS};
 use super::super::table::free_name;
 use super::super::{Column, ImportError, Mapping, Table};
 use super::binary::{Form, Room, whole};
-use super::nameless::{RATES, STEPS};
 use super::unpack::{entries, list};
 
 /// The arrays of a file.
