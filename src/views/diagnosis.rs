@@ -76,13 +76,11 @@ pub(crate) fn drawer_ui(ui: &mut Ui, context: &ViewContext<'_>, id: u32, request
             verdict_ui(ui, requests);
         }
         evidence::estimates_ui(ui, context, place, &all[place]);
+        evidence::settings_ui(ui, context, id, requests);
         ui.add_space(4.0);
         if !is_low {
             verdict_ui(ui, requests);
         }
-        egui::CollapsingHeader::new(RichText::new("Settings").small().weak()).show_unindented(ui, |ui| {
-            evidence::settings_ui(ui, context, id, requests);
-        });
     });
 }
 
@@ -130,7 +128,7 @@ fn filter_ui(
         if is_good {
             causes::models_ui(ui, context, estimates, requests);
         } else {
-            causes::causes_ui(ui, context, estimates, is_held, requests);
+            causes::causes_ui(ui, context, estimates, (is_held, is_drawer), requests);
         }
     });
     evidence::evidence_ui(ui, &diagnosis.evidence, !is_drawer, color, palette);

@@ -29,6 +29,8 @@ fn a_remedy_is_applied_by_its_button_and_taken_back() {
     // Long enough for a state to go back to.
     screen.run_steps(80);
     let before = scenario(&screen).clone();
+    screen.get_by_label_contains("less likely").click();
+    screen.run_steps(20);
     click(&mut screen, "Apply the remedy of EKF: R of a sensor");
     screen.run_steps(20);
     let stds = &scenario(&screen).filters[0].sensor_std;
@@ -47,6 +49,7 @@ fn evidence_says_how_to_read_it() {
     let mut screen = mistuned();
     click(&mut screen, "EKF is overconfident");
     assert!(screen.query_by_label_contains("How to read it").is_none());
+    click(&mut screen, "Evidence");
     screen.get_all_by_label_contains("times what the filter expects ▸").next().expect("evidence").click();
     screen.run_steps(4);
     assert!(screen.query_by_label_contains("How to read it").is_some());

@@ -46,6 +46,8 @@ fn a_wrong_filter_is_asked_why_and_cured() {
     tap(&mut screen, "EKF is overconfident");
     screen.run_steps(60);
     screen.run_steps(60);
+    screen.get_by_label_contains("less likely").click();
+    screen.run_steps(20);
     reach(&mut screen, DRAWER, "Apply the remedy of EKF: R of a sensor");
     screen.run_steps(60);
     assert!(screen.query_by_label("EKF is overconfident").is_none());
