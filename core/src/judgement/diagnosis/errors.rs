@@ -20,6 +20,7 @@ pub(crate) struct Sums {
     pub(crate) product: f64,
     pub(crate) inside: f64,
     first: f64,
+    /// 0 without a known error.
     last: f64,
 }
 

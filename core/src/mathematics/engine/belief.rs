@@ -86,13 +86,14 @@ impl<T: Number> Belief<T> {
     }
 
     /// Keeps this share of a component, and adds an independent one of this variance.
-    #[inline(never)]
+    #[inline(always)]
     pub(crate) fn renew(&mut self, place: usize, kept: T, variance: T) {
-        let n = self.size();
-        self.mean[place] = self.mean[place] * kept;
+        // Of nothing kept is left zero, not the negative one.
+        let (n, zero) = (self.size(), T::of(0.0));
+        self.mean[place] = self.mean[place] * kept + zero;
         for i in 0..n {
             let at = if i >= place { place * n + i } else { i * n + place };
-            self.cov[at] = self.cov[at] * kept;
+            self.cov[at] = self.cov[at] * kept + zero;
         }
         let own = &mut self.cov[place * (n + 1)];
         *own = *own * kept + variance;

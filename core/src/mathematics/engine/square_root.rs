@@ -156,7 +156,7 @@ impl<T: Number> SquareRoot<T> {
             }
         }
         triangularise(level, array, [0, n + 1], |_| n + 1, rows, n);
-        belief.mean[place] = belief.mean[place] * kept;
+        belief.mean[place] = belief.mean[place] * kept + zero;
     }
 
     /// The lower triangle of `P = L Lᵀ`.
