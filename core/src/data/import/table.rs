@@ -320,6 +320,11 @@ impl RowsReader {
         if columns.len() > 1 && trimmed.starts_with(char::is_alphabetic) && dialect.delimiter.cells(row).all(is_word) {
             // Printers say the rate at the end: `Rate 1344, overflows 0`.
             *rate = rate.or(stated_rate(&[trimmed]));
+            // Their axes are in g.
+            if trimmed.contains("overflows") {
+                let axes = columns.iter_mut().filter(|column| ["X", "Y", "Z"].contains(&column.name.as_str()));
+                axes.for_each(|axis| axis.unit = axis.unit.take().or(Some("g".to_owned())));
+            }
             self.words.note(line);
             return;
         }
