@@ -175,7 +175,7 @@ fn every_fault_of_the_table_has_its_cause_first_and_its_remedy() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// What is found in place of a row's cause and remedy.
+/// Returns the causes that were found, if the first is not the one of the row, or lacks its remedy.
 fn failure(row: &str, base: &Scenario) -> Option<String> {
     let words: Vec<&str> = row.split('`').skip(1).step_by(2).collect();
     let [change, cause, remedy] = words[..] else { panic!("{row}") };

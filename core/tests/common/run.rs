@@ -57,7 +57,7 @@ pub(crate) fn remedies(run: &Run, filter: usize, record: &Record) -> Vec<Remedy>
     trials.remedies()
 }
 
-/// What an importer makes of a table: the last ωₙ and ζ of its first filter, each with its σ, and the run.
+/// The last ωₙ and ζ of the first filter that an importer sets up for a table, each with its σ, and the run.
 pub(crate) fn identified(table: &Table) -> ([(f64, f64); 2], Run) {
     let (mapping, kind) = Mapping::guess(table);
     let imported = Builder::new(table, &mapping, kind, Hold::First).and_then(Builder::finish);

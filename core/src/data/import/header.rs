@@ -10,7 +10,7 @@ pub(super) fn number_after(line: &str, word: &str) -> Option<f64> {
     rest[..end].trim_end_matches(['e', 'E', '.']).parse().ok()
 }
 
-/// What a header says about its numbers.
+/// Step, unit and scale of the numbers below a header, as far as it states them.
 #[derive(Default)]
 pub(super) struct Facts {
     /// \[s\]

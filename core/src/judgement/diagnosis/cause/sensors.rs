@@ -176,8 +176,8 @@ fn bias(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCause>
 /// Less correlated innovations are no coloured noise.
 const COLOURED: f64 = 0.08;
 
-/// Correlation times of a coloured noise are tried that are so many times that of the innovations: a filter takes a part of the noise for
-/// motion.
+/// The correlation times that are tried, over that of the innovations. The noise remembers longer than they do, since a filter takes a part
+/// of it for motion.
 const LONGER: [f64; 3] = [1.0, 2.0, 5.0];
 
 /// σ of the white part of a coloured noise, relative to the whole.
@@ -204,7 +204,7 @@ fn coloured(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<LikelyCa
         let (key, size) = (bias.key(), bad.filter.sensor_std[place] * one.level(&case.kept).max(0.0).sqrt());
         let last = |r: f64| -1.0 / libm::log(r.clamp(0.01, 0.99));
         let next = one.autocorrelation(&case.kept).get(2 * lag - 1).map_or(0.0, |second| second / first);
-        // Of a noise with a white part the second correlation is φ times the first, and the first φ times the share that is not white.
+        // With a white part, r₂ = φ r₁ and r₁ = φ (1 - its share of the variance).
         let of_part = (next > first && next < 1.0).then(|| (last(next), (1.0 - first / next).sqrt()));
         for (readings, white) in LONGER.map(|by| (by * last(first), WHITE_PART)).into_iter().chain(of_part) {
             let samples = readings * lag as f64;
