@@ -19,6 +19,7 @@ use serde::{Deserialize, Serialize};
 use crate::data::document::is_default;
 use crate::data::import::Mapping;
 use crate::mathematics::filter::FilterKind;
+use crate::mathematics::lists::mapped;
 use crate::mathematics::model::{Hold, InputKind};
 use crate::{Force, PlantKind, Quantity};
 
@@ -146,7 +147,7 @@ impl Scenario {
 
     /// The quantity of each sensor.
     pub fn measured(&self) -> Vec<Quantity> {
-        self.sensors.iter().map(|sensor| sensor.measures).collect()
+        mapped(&self.sensors, &|sensor| sensor.measures)
     }
 
     /// The place of the sensor of a quantity.
@@ -185,7 +186,7 @@ impl Scenario {
                 values.complete(model.channels());
             }
             if filter.sensor_std.is_empty() {
-                filter.sensor_std = sensors.iter().map(|s| usable_std(s.measures, s.noise_std)).collect();
+                filter.sensor_std = mapped(&sensors, &|s| usable_std(s.measures, s.noise_std));
             }
         }
     }

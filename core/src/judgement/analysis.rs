@@ -2,6 +2,7 @@
 
 mod smoothing;
 
+use crate::mathematics::lists::mapped;
 use crate::numbers::diagnostics::Depth;
 use crate::samples::bank::Bank;
 use crate::samples::waste::Waste;
@@ -178,7 +179,7 @@ impl Analysis {
             self.recycle(old);
             return;
         };
-        let ids: Vec<u32> = run.scenario().filters.iter().map(|filter| filter.id).collect();
+        let ids: Vec<u32> = mapped(&run.scenario().filters, &|filter| filter.id);
         if let Some(depth) = self.wanted.diagnostics {
             self.diagnostics.resize_with(ids.len(), || Diagnostics::empty(depth));
             self.begun.resize(ids.len(), false);

@@ -1,5 +1,6 @@
 //! The fast Fourier transform.
 
+use crate::mathematics::lists::mapped;
 use std::f64::consts::TAU;
 
 /// The power of real numbers, of zeros after them up to a length, at the frequencies below half their rate.
@@ -7,7 +8,7 @@ pub(crate) fn powers(numbers: impl Iterator<Item = f64>, length: usize) -> Vec<f
     let mut buffer: Vec<(f64, f64)> = numbers.map(|number| (number, 0.0)).collect();
     buffer.resize(length, (0.0, 0.0));
     Transform::new(length).apply(&mut buffer);
-    buffer[..length / 2].iter().map(|(re, im)| re * re + im * im).collect()
+    mapped(&buffer[..length / 2], &|(re, im)| re * re + im * im)
 }
 
 /// A fast Fourier transform of some length, a power of two. Source: Golub and Van Loan (2013), *Matrix Computations*, section

@@ -18,8 +18,12 @@ pub(crate) fn numbers(count: usize, of: &dyn Fn(usize) -> f64) -> Vec<f64> {
     (0..count).map(of).collect()
 }
 
-pub(crate) fn mapped(numbers: &[f64], of: &dyn Fn(f64) -> f64) -> Vec<f64> {
-    numbers.iter().map(|number| of(*number)).collect()
+pub(crate) fn mapped<'a, T, U>(items: &'a [T], of: &dyn Fn(&'a T) -> U) -> Vec<U> {
+    let mut mapped = Vec::with_capacity(items.len());
+    for item in items {
+        mapped.push(of(item));
+    }
+    mapped
 }
 
 pub(crate) fn places(count: usize, is_so: &dyn Fn(usize) -> bool) -> Vec<usize> {

@@ -3,6 +3,7 @@
 use crate::data::record::Parts;
 use crate::mathematics::engine::filter::Filter;
 use crate::mathematics::engine::level::Baseline;
+use crate::mathematics::lists::mapped;
 use crate::samples::estimator::FilterContext;
 use crate::samples::estimator::setup::{Setup, filter};
 use crate::samples::waste::Piecewise;
@@ -46,7 +47,7 @@ impl CramerRao {
         let sensors = &context.sensors;
         let channels = context.model(&settings).channels().to_vec();
         let recursion = Setup::of(&settings, &context, (0..sensors.len()).collect()).map(|setup| {
-            let sensors = setup.columns.iter().map(|&place| sensors[place]).collect();
+            let sensors = mapped(&setup.columns, &|&place| sensors[place]);
             (filter(&|_| &setup), sensors)
         });
         Some(Self { settings, channels, recursion, std: Vec::new(), forgotten: 0, stopped: false })
@@ -92,8 +93,7 @@ impl CramerRao {
             *stopped = true;
             return true;
         };
-        let measured: Vec<Option<&[f64]>> =
-            sensors.iter().map(|&quantity| record.measured_quantity(quantity)).collect();
+        let measured: Vec<Option<&[f64]>> = mapped(&sensors, &|&quantity| record.measured_quantity(quantity));
         let mut sample = vec![f64::NAN; measured.len()];
         let move_to =
             |mean: &mut [f64], k: usize| mean.iter_mut().zip(&truth).for_each(|(mean, truth)| *mean = truth.at(k));
@@ -173,7 +173,7 @@ fn bound_settings(scenario: &Scenario, place: usize) -> Option<FilterSettings> {
     let late = |sensor: &Sensor| sensor.faults.numbers(Fault::LATE).map_or(0.0, |numbers| whole(numbers[0]));
     Some(FilterSettings {
         input_delay: scenario.plant.input_delay,
-        sensor_delay: scenario.sensors.iter().map(late).collect(),
+        sensor_delay: mapped(&scenario.sensors, &late),
         name: String::new(),
         kind: if kind == FilterKind::KF { kind } else { FilterKind::EKF },
         augment: of_truth.iter().copied().chain(besides).collect(),

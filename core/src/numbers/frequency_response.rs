@@ -11,6 +11,7 @@
 use std::f64::consts::TAU;
 
 use crate::mathematics::linalg::{Matrix, Vector, lower_root};
+use crate::mathematics::lists::mapped;
 use crate::{Channel, Estimates, Model, PlantKind, Record};
 
 /// The number of draws from a belief for one estimate of the band.
@@ -30,7 +31,7 @@ pub struct Believed {
 /// The transfer function of a plant at rest, with a value for each of its parameters in the channel's unit.
 pub fn transfer_function(plant: PlantKind, value: impl Fn(Channel) -> f64) -> TransferFunction {
     let value = |channel: Channel| if channel.is_parameter() { value(channel) } else { 0.0 };
-    let rest: Vec<f64> = plant.channels().iter().map(|&channel| value(channel)).collect();
+    let rest: Vec<f64> = mapped(&plant.channels(), &|&channel| value(channel));
     TransferFunction::of(&Model::new(plant), &rest)
 }
 

@@ -3,6 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use crate::mathematics::fourier::Transform;
+use crate::mathematics::lists::mapped;
 use crate::{Record, Task};
 
 const WINDOW: [usize; 2] = [64, 1024];
@@ -115,7 +116,7 @@ impl Task for Windows {
                 *slot = (weight * (value - mean), 0.0);
             }
             transform.apply(buffer);
-            power.push(buffer[..=*length / 2].iter().map(|(re, im)| re * re + im * im).collect());
+            power.push(mapped(&buffer[..=*length / 2], &|(re, im)| re * re + im * im));
             if !while_time() {
                 break;
             }
@@ -131,7 +132,7 @@ impl Task for Windows {
             start: start + 0.5 * length as f64 * dt,
             step: hop as f64 * dt,
             resolution: TAU / (length as f64 * dt),
-            decibels: power.iter().map(|column| column.iter().map(decibels).collect()).collect(),
+            decibels: mapped(&power, &|column| mapped(&column, &decibels)),
         }
     }
 }

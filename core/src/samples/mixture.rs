@@ -13,6 +13,7 @@ pub(crate) mod scales;
 pub(crate) mod walk;
 
 use crate::data::record::Parts;
+use crate::mathematics::lists::mapped;
 use crate::mathematics::mixed::{Moments, mean};
 use crate::samples::estimator::Estimator;
 use crate::samples::estimator::update::Update;
@@ -83,7 +84,7 @@ impl Mixture {
     ) -> Self {
         let member = |settings| Member { estimator: build(settings), last: LastSample::default(), failure: None };
         let (belief, prior) = (Moments::default(), Moments::default());
-        let members = members.iter().map(member).collect();
+        let members = mapped(&members, &member);
         Self { members, rule: Box::new(rule), belief, prior, update: Update::nothing(0, 0) }
     }
 

@@ -1,6 +1,7 @@
 //! One filter over one record.
 
 use crate::data::record::{Delays, Parts};
+use crate::mathematics::lists::mapped;
 use crate::mathematics::quantity::MAX_SENSORS;
 use crate::samples::estimator::{Estimator, Failed, FilterContext, counts_in_samples};
 use crate::samples::run_error::sensor_places;
@@ -212,5 +213,5 @@ pub(crate) fn apart(record: &Record, sensors: &[Quantity]) -> Option<Vec<usize>>
         let column = quantity.place_in(record.sensors());
         column.map_or(0, |column| clocks.readings[column].times.len())
     };
-    Some(sensors.iter().map(|quantity| record.len() / readings(quantity).max(1)).collect())
+    Some(mapped(&sensors, &|quantity| record.len() / readings(quantity).max(1)))
 }

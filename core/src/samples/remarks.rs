@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 
+use crate::mathematics::lists::mapped;
 use crate::mathematics::noise_scale;
 use crate::mathematics::quantity::MAX_SENSORS;
 use crate::samples::sample::{AssumedNoise, Sample};
@@ -150,12 +151,12 @@ impl Monitor {
             *known = plant.has(*sensor);
         }
         let particles = if settings.kind.has_own_likelihood() { settings.ensemble_size } else { 0 };
-        let limits: Vec<f64> = channels.iter().map(limit).collect();
+        let limits: Vec<f64> = mapped(&channels, &limit);
         Self {
             channels: channels.to_vec(),
             sensors: sensors.to_vec(),
             known,
-            suspicious: limits.iter().map(|limit| limit.min(PRODUCT_LIMIT)).collect(),
+            suspicious: mapped(&limits, &|limit| limit.min(PRODUCT_LIMIT)),
             limits,
             silent: [0; MAX_SENSORS],
             lasting: vec![LASTING; sensors.len()],
@@ -172,7 +173,7 @@ impl Monitor {
 
     /// `apart` are the samples between two readings of each sensor, `moved` the option for which they count at samples.
     pub(crate) fn with_clocks(mut self, apart: &[usize], moved: Option<&'static str>) -> Self {
-        self.lasting = apart.iter().map(|apart| LASTING.max(SILENT * apart)).collect();
+        self.lasting = mapped(&apart, &|apart| LASTING.max(SILENT * apart));
         self.is_timed = true;
         self.remarks.extend(moved.map(|what| Remark { what: Trouble::Moved(what), sample: 0, last: 0 }));
         self

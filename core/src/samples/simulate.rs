@@ -8,6 +8,7 @@ use std::collections::VecDeque;
 use thiserror::Error;
 
 use crate::data::scenario::fault::{Act, Moment};
+use crate::mathematics::lists::mapped;
 use crate::mathematics::model::{Hold, Model, Reading};
 use crate::mathematics::random::{Normal, Purpose};
 use crate::{Channel, Force, Quantity, Record, Scenario, Signal};
@@ -84,10 +85,10 @@ impl Simulator {
         Self {
             inputs: Inputs::new(scenario.force, scenario.dt, stream(Purpose::Force)),
             disturbance_noise: stream(Purpose::Disturbance),
-            sensor_noise: scenario.sensors.iter().map(|s| stream(Purpose::Sensor(s.measures))).collect(),
-            faults: scenario.sensors.iter().map(|s| s.faults.acts(s.measures, scenario.seed)).collect(),
-            signals: model.channels()[model.motion()..].iter().map(signal).collect(),
-            readings: scenario.sensors.iter().map(|s| model.reading(s.measures)).collect(),
+            sensor_noise: mapped(&scenario.sensors, &|s| stream(Purpose::Sensor(s.measures))),
+            faults: mapped(&scenario.sensors, &|s| s.faults.acts(s.measures, scenario.seed)),
+            signals: mapped(&model.channels()[model.motion()..], &signal),
+            readings: mapped(&scenario.sensors, &|s| model.reading(s.measures)),
             measured: Vec::with_capacity(scenario.sensors.len()),
             state: Vec::with_capacity(model.channels().len()),
             response: Response::new(model.channels().iter().map(initial)),
@@ -101,7 +102,7 @@ impl Simulator {
     /// An empty record with the columns of the scenario.
     pub fn empty_record(&self) -> Record {
         let Scenario { dt, input, hold, sensors, .. } = &self.scenario;
-        let sensors = sensors.iter().map(|s| s.measures).collect();
+        let sensors = mapped(&sensors, &|s| s.measures);
         Record::empty(*dt, *input, *hold, sensors, self.model.channels().to_vec())
     }
 

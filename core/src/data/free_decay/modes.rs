@@ -6,6 +6,7 @@ use std::f64::consts::TAU;
 use super::Decay;
 use crate::mathematics::fourier::powers;
 use crate::mathematics::least_squares::{NormalEquations, descend};
+use crate::mathematics::lists::mapped;
 
 /// A mode of a free decay, or of a sweep.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -94,7 +95,7 @@ impl Decay {
             let (damping_ratio, of_damping) = mean(|mode| mode.damping_ratio, 1);
             Mode { frequency, damping_ratio, std: [of_frequency, of_damping], ..*of }
         };
-        surest.iter().map(mean).collect()
+        mapped(&surest, &mean)
     }
 }
 
@@ -118,7 +119,7 @@ fn modes(readings: &[[f64; 2]]) -> Option<(Vec<Mode>, Vec<f64>, Vec<f64>)> {
     if is_turned {
         modes.swap(0, 1);
     }
-    let others = readings.iter().map(|[time, _]| Fit::at(&other, time - readings[0][0]).0).collect();
+    let others = mapped(&readings, &|[time, _]| Fit::at(&other, time - readings[0][0]).0);
     Some((modes, two.rests(readings), others))
 }
 
@@ -200,7 +201,7 @@ impl<const N: usize> Fit<N> {
 
     pub(crate) fn rests(&self, readings: &[[f64; 2]]) -> Vec<f64> {
         let rest = |[time, reading]: &[f64; 2]| reading - Self::at(&self.numbers, time - readings[0][0]).0;
-        readings.iter().map(rest).collect()
+        mapped(&readings, &rest)
     }
 
     pub(crate) fn modes(&self, readings: &[[f64; 2]]) -> Option<Vec<Mode>> {

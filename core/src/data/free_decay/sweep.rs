@@ -6,6 +6,7 @@ use super::Mode;
 use super::decay::{Along, in_order};
 use super::modes::highest;
 use crate::mathematics::least_squares::{NormalEquations, descend};
+use crate::mathematics::lists::mapped;
 use crate::mathematics::lists::{median, numbers};
 
 type Complex = nalgebra::Complex<f64>;
@@ -92,7 +93,7 @@ impl Sweep {
             }
         }
         let rate = median(slopes)?;
-        let offset = median(points.iter().map(|[time, frequency]| frequency - rate * time).collect())?;
+        let offset = median(mapped(&points, &|[time, frequency]| frequency - rate * time))?;
         let is_near = |[time, frequency]: &[f64; 2]| (frequency - offset - rate * time).abs() < NEAR;
         let (first, last) = (points.iter().position(is_near)?, points.iter().rposition(is_near)?);
         let near = points[first..=last].iter().filter(|point| is_near(point)).count();
@@ -181,7 +182,7 @@ impl Sweep {
                 starts.push(start([TAU * f, zeta]));
             }
         }
-        let alone: Vec<[&Start; 2]> = starts.iter().map(|one| [one; 2]).collect();
+        let alone: Vec<[&Start; 2]> = mapped(&starts, &|one| [one; 2]);
         let one = self.descend(1, self.likeliest(1, &alone)?);
         let first = start([one.1[FIRST], one.1[FIRST + 1]]);
         let (mut pairs, mut beside) = (Vec::new(), Vec::new());

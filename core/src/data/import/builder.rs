@@ -12,6 +12,7 @@ use super::times::{Clock, Timing};
 use super::{ImportError, MappedColumn, Mapping, Offset, Table, times};
 use crate::data::even_steps::Steps;
 use crate::data::record::Input;
+use crate::mathematics::lists::mapped;
 use crate::{Channel, Hold, InputKind, Quantity, Record};
 
 /// A record from a file, with sentences about its making.
@@ -278,7 +279,7 @@ fn part_of(table: &Table, mapping: &Mapping) -> Option<Table> {
 }
 
 fn place(table: &Table, name: &str) -> Result<usize, ImportError> {
-    let names = || table.columns.iter().map(|column| column.name.as_str()).collect::<Vec<_>>().join(", ");
+    let names = || mapped(&table.columns, &|column| column.name.as_str()).join(", ");
     table.place(name).ok_or_else(|| ImportError::Column(name.to_owned(), names()))
 }
 

@@ -252,7 +252,7 @@ fn choose_axes(table: &Table, all: &mut [Candidate]) {
         }
         // Bare axes are accelerations where they have gravity, or as Sensor Logger names its times.
         let is_bare = axes.iter().all(|place| column(&all[*place]).name.len() == 1);
-        let places: Vec<usize> = axes.iter().map(|axis| all[*axis].place).collect();
+        let places: Vec<usize> = mapped(&axes, &|axis| all[*axis].place);
         let has_gravity = |axes| gravity(&table.columns, axes, [STANDARD_GRAVITY, 1.0]).is_some();
         let is_felt = <[usize; 3]>::try_from(places).is_ok_and(|axes| is_phone || has_gravity(axes));
         let role = if is_bare && is_felt { Role::Sensor(Quantity::ACCELERATION) } else { role };

@@ -189,8 +189,7 @@ fn rows_mended(mut table: Table, place: usize) -> Table {
             }
         }
     }
-    let groups =
-        of_one_time(&table, place, &times, &rows).unwrap_or_else(|| rows.iter().map(|row| vec![*row]).collect());
+    let groups = of_one_time(&table, place, &times, &rows).unwrap_or_else(|| mapped(&rows, &|row| vec![*row]));
     if groups.len() < rows.len() {
         let first = groups.iter().find(|group| group.len() > 1).map_or(0, |group| group[1]);
         said.push(format!(

@@ -10,6 +10,7 @@ use super::error::MOST_COLUMNS;
 use super::header::stated_rate;
 use super::unit::name_and_unit;
 use super::{Decimal, Dialect, ImportError};
+use crate::mathematics::lists::mapped;
 
 /// The columns of a file. A document of it has all but the numbers, which are too many for a text.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -135,7 +136,7 @@ impl Table {
             };
             if name.contains([',', '"']) { format!("\"{}\"", name.replace('"', "\"\"")) } else { name }
         };
-        let mut text = self.columns.iter().map(name).collect::<Vec<_>>().join(",") + "\n";
+        let mut text = mapped(&self.columns, &name).join(",") + "\n";
         for row in 0..self.rows() {
             for (place, column) in self.columns.iter().enumerate() {
                 let comma = if place > 0 { "," } else { "" };
@@ -156,10 +157,10 @@ impl Table {
         groups.iter().enumerate().for_each(|(row, group)| lines.push(row, self.line(group[0])));
         let column = |column: &Column| {
             let last = |group: &Vec<usize>| group.iter().rev().map(|&row| column.values[row]).find(|x| !x.is_nan());
-            let values = groups.iter().map(|group| last(group).unwrap_or(f64::NAN)).collect();
+            let values = mapped(&groups, &|group| last(group).unwrap_or(f64::NAN));
             Column { values, ..column.clone() }
         };
-        Self { columns: self.columns.iter().map(column).collect(), lines, ..self.clone() }
+        Self { columns: mapped(&self.columns, &column), lines, ..self.clone() }
     }
 
     /// Whether every cell of a column is empty or text.
@@ -282,7 +283,7 @@ impl RowsReader {
             let width = width(&dialect, lines)?;
             (vec![true; width], dialect.header(lines, width))
         } else {
-            (cells.iter().map(Option::is_some).collect(), cells.into_iter().flatten().collect())
+            (mapped(&cells, &Option::is_some), cells.into_iter().flatten().collect())
         };
         // Columns are set aside for as many rows as the first lines let expect.
         let whole: usize = lines.iter().map(|line| line.len() + 1).sum();

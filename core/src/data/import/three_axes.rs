@@ -4,6 +4,7 @@ use super::guess::{is_named_time, seldom_falls};
 use super::shape::{gravity, is_counter, plain};
 use super::unit::{Dimension, STANDARD_GRAVITY, unit};
 use super::{Column, Table, times};
+use crate::mathematics::lists::mapped;
 
 /// The columns of a file with the time and three accelerations: phyphox, Sensor Logger, Physics Toolbox, the lines of an Arduino.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,7 +57,7 @@ impl ThreeAxes {
 
 /// The columns whose names are one name with x, y and z behind it, or the numbers of the axes.
 fn named(columns: &[Column]) -> Option<[usize; 3]> {
-    let names: Vec<String> = columns.iter().map(|column| plain(&column.name)).collect();
+    let names: Vec<String> = mapped(&columns, &|column| plain(&column.name));
     let mut all = ACCELERATIONS.iter().flat_map(|of| ["xyz", "012"].map(|axes| (of, axes)));
     all.find_map(|(of, axes)| {
         let mut places = axes.chars().map(|axis| names.iter().position(|name| *name == format!("{of}{axis}")));

@@ -240,7 +240,7 @@ impl Clocks {
                 *value = change(sensor, libm::ceil(time.max(0.0)) as usize, *value);
             }
             // A reading that is taken away is none.
-            let mut is_there = values.iter().map(|value| !value.is_nan()).collect::<Vec<_>>().into_iter();
+            let mut is_there = mapped(&values, &|value| !value.is_nan()).into_iter();
             times.retain(|_| is_there.next().unwrap_or(false));
             values.retain(|value| !value.is_nan());
         }
@@ -265,7 +265,7 @@ impl Clocks {
         };
         Self {
             input: self.input.as_ref().map(of_input),
-            readings: self.readings.iter().map(|timed| moved(timed, timed.within(first - 1.0, last))).collect(),
+            readings: mapped(&self.readings, &|timed| moved(timed, timed.within(first - 1.0, last))),
         }
     }
 }

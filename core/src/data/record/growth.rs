@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::{Clocks, Record, Timed};
 use crate::Hold;
+use crate::mathematics::lists::mapped;
 
 const COMPARED: usize = 1000;
 
@@ -159,8 +160,8 @@ impl Record {
             start,
             forgotten: 0,
             input: cut(&self.input),
-            measured: self.measured.iter().map(cut).collect(),
-            truth: self.truth.iter().map(cut).collect(),
+            measured: mapped(&self.measured, &cut),
+            truth: mapped(&self.truth, &cut),
             sensors: self.sensors.clone(),
             truth_channels: self.truth_channels.clone(),
             clocks: self.clocks.as_ref().map(|clocks| Arc::new(clocks.part(samples.clone()))),

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use thiserror::Error;
 
 use super::{Clocks, Record, Timed};
+use crate::mathematics::lists::mapped;
 use crate::{Hold, InputKind, Quantity};
 
 use track::{Grid, InputTrack, Track};
@@ -75,7 +76,7 @@ impl LiveRecord {
     pub fn new(dt: f64, kind: InputKind, hold: Hold, sensors: Vec<Quantity>) -> Self {
         let clocks = Clocks { input: None, readings: vec![Timed::default(); sensors.len()] };
         Self {
-            tracks: sensors.iter().map(|_| Track::default()).collect(),
+            tracks: mapped(&sensors, &|_| Track::default()),
             latest: vec![f64::NEG_INFINITY; sensors.len() + 1],
             prompt: false,
             record: Record { clocks: Some(Arc::new(clocks)), ..Record::empty(dt, kind, hold, sensors, Vec::new()) },

@@ -8,6 +8,7 @@
 //! ```
 
 use super::{FilterSettings, Scenario};
+use crate::mathematics::lists::mapped;
 
 const BY_ID: &str = "filters#";
 
@@ -97,7 +98,7 @@ impl Scenario {
 
     /// The end of a sentence about a filter that is not found: those that there are.
     pub fn filters_in_words(&self) -> String {
-        let names: Vec<String> = self.filters.iter().map(|filter| format!("`{}`", filter.name)).collect();
+        let names: Vec<String> = mapped(&self.filters, &|filter| format!("`{}`", filter.name));
         match &names[..] {
             [] => "; it has no filter".to_owned(),
             [only] => format!("; its filter is {only}"),

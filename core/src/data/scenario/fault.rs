@@ -19,6 +19,7 @@ use super::Scenario;
 use crate::Quantity;
 use crate::data::document::Document;
 use crate::data::setting::Allowed;
+use crate::mathematics::lists::mapped;
 use crate::mathematics::random::{Normal, Purpose};
 
 /// The description of a family of faults.
@@ -299,8 +300,7 @@ impl Serialize for Faults {
 
 impl<'de> Deserialize<'de> for Faults {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        static KEYS: LazyLock<Vec<&'static str>> =
-            LazyLock::new(|| Fault::ALL.iter().map(|fault| fault.0.key).collect());
+        static KEYS: LazyLock<Vec<&'static str>> = LazyLock::new(|| mapped(&Fault::ALL, &|fault| fault.0.key));
         let mut faults = Self::NONE;
         for (key, Entries(own)) in Entries::<Entries<f64>>::deserialize(deserializer)?.0 {
             let fault = Fault::from_key(&key).ok_or_else(|| de::Error::unknown_field(&key, &KEYS))?;

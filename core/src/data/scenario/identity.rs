@@ -6,6 +6,7 @@ use serde::{Deserialize, Deserializer};
 
 use super::Scenario;
 use super::address::ALL;
+use crate::mathematics::lists::mapped;
 
 impl Scenario {
     /// Gives every filter a unique id and a unique name. A filter without an id, or with that of an earlier one, gets the number
@@ -66,7 +67,7 @@ impl Scenario {
     }
 
     fn filter_ids(&self) -> Vec<u32> {
-        self.filters.iter().map(|filter| filter.id).collect()
+        mapped(&self.filters, &|filter| filter.id)
     }
 }
 

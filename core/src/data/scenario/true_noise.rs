@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 
 use super::{FilterSettings, Scenario, Values};
+use crate::mathematics::lists::mapped;
 use crate::signal::{Ramp, Sine, Step};
 use crate::{Channel, Quantity, Signal};
 
@@ -36,7 +37,7 @@ impl Scenario {
             process_std[channel] = 0.0;
         }
         process_std[Channel::WHITE_FORCE] = self.plant.disturbance_std;
-        (self.sensors.iter().map(|s| usable_std(s.measures, s.noise_std)).collect(), process_std)
+        (mapped(&self.sensors, &|s| usable_std(s.measures, s.noise_std)), process_std)
     }
 
     /// The factor s between the true √Q and that of this filter, from their σ of velocities. `None` where nothing shakes the plant, where
@@ -70,7 +71,7 @@ impl Scenario {
             };
             (under(1.0) - under(0.0)) * self.plant.disturbance_std
         };
-        self.sensors.iter().map(|s| usable_std(s.measures, libm::hypot(s.noise_std, felt(s.measures)))).collect()
+        mapped(&self.sensors, &|s| usable_std(s.measures, libm::hypot(s.noise_std, felt(s.measures))))
     }
 
     /// The root mean square change of a signal from one sample to the next. It takes no longer for a longer record.

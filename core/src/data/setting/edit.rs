@@ -5,6 +5,7 @@ use toml::Value;
 use super::{SENSOR_STD, TableInfo};
 use crate::data::document::{self, Document, json};
 use crate::data::scenario::{Scenario, ScenarioError, address};
+use crate::mathematics::lists::mapped;
 use crate::mathematics::quantity::Quantity;
 
 /// An edit of a scenario: a key and its new value.
@@ -156,7 +157,7 @@ fn set(document: &mut Document, scenario: &Scenario, address: &str, value: &Docu
 fn rounded(value: &Value) -> Value {
     match value {
         Value::Float(x) => Value::Float(format!("{x:.3e}").parse().unwrap_or(*x)),
-        Value::Array(values) => Value::Array(values.iter().map(rounded).collect()),
+        Value::Array(values) => Value::Array(mapped(&values, &rounded)),
         other => other.clone(),
     }
 }

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use super::parts::{self, AFTER, BEFORE, CROSS_LAGS, Chosen, GRANULE, LAGS, PARTS, Piece, Series, first_in, pieces};
 use super::periodogram::Periodogram;
+use crate::mathematics::lists::mapped;
 use crate::mathematics::lists::places;
 use crate::{Estimates, Quantity, Record};
 
@@ -133,7 +134,7 @@ impl LiveInnovations {
     pub(super) fn new(estimates: &Estimates, start: usize) -> Self {
         let (values, granules) = (Series::starting_at(start), Series::starting_at(first_in(start)));
         let one = |&sensor: &Quantity| LiveSensor { sensor, values: values.clone(), granules: granules.clone() };
-        Self { known: start..start, sensors: estimates.sensors().iter().map(one).collect() }
+        Self { known: start..start, sensors: mapped(&estimates.sensors(), &one) }
     }
 
     /// Whether the next window can begin with this sample: it needs no forgotten sample, and skips none.
@@ -143,8 +144,8 @@ impl LiveInnovations {
 
     /// ν of some samples of each sensor, limited; 0 where nothing was measured.
     pub(super) fn values(&self, samples: &Range<usize>) -> Vec<Vec<f64>> {
-        let of = |one: &LiveSensor| one.values.items(samples.clone()).iter().map(|value| limited(*value)).collect();
-        self.sensors.iter().map(of).collect()
+        let of = |one: &LiveSensor| mapped(&one.values.items(samples.clone()), &|value| limited(*value));
+        mapped(&self.sensors, &of)
     }
 
     pub(super) fn take_in(&mut self, window: &Range<usize>, estimates: &Estimates, record: &Record) {
@@ -183,7 +184,7 @@ impl LiveInnovations {
             sums
         };
         let one = |of: &LiveSensor| SensorInnovations::new(of.sensor, std::array::from_fn(|part| of_part(of, part)));
-        self.sensors.iter().map(one).collect()
+        mapped(&self.sensors, &one)
     }
 }
 

@@ -11,6 +11,7 @@ use super::case::Case;
 use super::errors::LiveErrors;
 use super::innovations::{LiveInnovations, Pair};
 use super::periodogram::{LiveSpectra, Periodogram};
+use crate::mathematics::lists::mapped;
 use crate::numbers::diagnostics::Depth;
 use crate::{CramerRao, Diagnostics, Estimates, Record};
 
@@ -81,7 +82,7 @@ pub(super) fn case<'a>(
     let mut kept = Kept::new(estimates, record, window.start);
     kept.innovations.take_in(&window, estimates, record);
     let spectra = |ranges: &[Range<usize>]| {
-        let ranges: Vec<_> = ranges.iter().map(|of| of.start - window.start..of.end - window.start).collect();
+        let ranges: Vec<_> = mapped(&ranges, &|of| of.start - window.start..of.end - window.start);
         Periodogram::of_all(&kept.innovations.values(&window), &ranges)
     };
     kept.case(diagnostics, estimates, record, bound, samples, spectra)
@@ -108,12 +109,12 @@ impl Kept {
         let (sensors, errors) =
             (self.innovations.by_part(&window, record), self.errors.by_part(&window, estimates, record));
         let mut case = Case::new(diagnostics, estimates, record, bound, samples, sensors, errors);
-        let ranges: Vec<_> = case.ranges(|part| case.kept[part]).iter().map(|of| numbers(of, record)).collect();
+        let ranges: Vec<_> = mapped(&case.ranges(|part| case.kept[part]), &|of| numbers(of, record));
         for (one, periodogram) in case.sensors.iter_mut().zip(spectra(&ranges)) {
             one.periodogram = periodogram;
         }
         if case.sensors.len() > 1 {
-            let ranges: Vec<_> = ranges.iter().map(|of| of.start - window.start..of.end - window.start).collect();
+            let ranges: Vec<_> = mapped(&ranges, &|of| of.start - window.start..of.end - window.start);
             case.pairs = Pair::of_all(&case.sensors, &self.innovations.values(&window), &ranges);
         }
         case

@@ -17,6 +17,7 @@ use super::remedy::{Ranked, Remedy, WORTH, compare};
 use super::trial::Trials;
 use super::verdict::Verdict;
 use crate::data::setting::Edit;
+use crate::mathematics::lists::mapped;
 use crate::{Channel, Scenario, Task};
 
 const STEPS: usize = 4;
@@ -400,7 +401,7 @@ impl Path {
     }
 
     fn causes(&self) -> Vec<&'static str> {
-        let mut keys: Vec<_> = self.steps.iter().map(|step| step.likely.cause.key).collect();
+        let mut keys: Vec<_> = mapped(&self.steps, &|step| step.likely.cause.key);
         sort_items(&mut keys, Ord::cmp);
         keys
     }

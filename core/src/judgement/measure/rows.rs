@@ -4,6 +4,7 @@ use super::info::{Best, MeasureInfo, Of, ValueKind, row};
 use super::observed::{Observed, Part};
 use super::{FirstCause, Value, observed};
 use crate::free_run::one_step;
+use crate::mathematics::lists::mapped;
 use crate::numbers::diagnostics::{ErrorSums, Total};
 use crate::numbers::score::LOST;
 use crate::{Diagnosis, Evidence, FilterSettings, Identified, InputKind, ModelClasses, PlantKind, Task};
@@ -92,7 +93,7 @@ measures! {
     REMARK = row("remark", "remarks", ValueKind::Words, Of::Filter)
         .special()
         => |part| {
-            let mut keys: Vec<_> = part.run.estimates.remarks().iter().map(|remark| remark.what.key()).collect();
+            let mut keys: Vec<_> = mapped(&part.run.estimates.remarks(), &|remark| remark.what.key());
             keys.dedup();
             Value::Words(keys)
         };

@@ -7,6 +7,7 @@ use super::phrase::{Adjustable, Phrase, Writer};
 use crate::data::scenario::cost::turn_at;
 use crate::diagnosis::Subject;
 use crate::judgement::words::{percent_to_a_tenth, plain, seconds, with_band};
+use crate::mathematics::lists::mapped;
 use crate::numbers::diagnostics::ErrorSums;
 use crate::{
     Channel, Diagnosis, Diagnostics, Estimates, FilterSettings, Propagation, Record, Run, Scenario, Stop, VerdictKind,
@@ -291,7 +292,7 @@ impl<'a> Outcome<'a> {
                 ", and knows more than it claims: its band is too wide (underconfident)"
             }
             Some(VerdictKind::NotIdentifiable) if !self.undetermined.is_empty() => {
-                let names: Vec<&str> = self.undetermined.iter().map(|channel| channel.symbol()).collect();
+                let names: Vec<&str> = mapped(&self.undetermined, &|channel| channel.symbol());
                 let so_far = if self.is_whole { "" } else { "so far " };
                 &format!("; {so_far}the record does not determine {} (not identifiable)", names.join(" and "))
             }

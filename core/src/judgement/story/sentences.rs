@@ -5,12 +5,13 @@ use std::f64::consts::{LN_2, PI, TAU};
 use super::outcome::Outcome;
 use super::phrase::{Phrase, Writer};
 use crate::judgement::words::{percent_to_a_tenth, seconds, with_band};
+use crate::mathematics::lists::mapped;
 use crate::numbers::diagnostics::ErrorSums;
 use crate::{Channel, Diagnostics, ModelClasses, PlantKind, Run, VerdictKind};
 
 pub(super) fn of_record(run: &Run) -> Vec<Phrase> {
     let (scenario, record) = (run.scenario(), run.record());
-    let used: Vec<String> = scenario.sensors.iter().map(|sensor| sensor.measures.name()).collect();
+    let used: Vec<String> = mapped(&scenario.sensors, &|sensor| sensor.measures.name());
     let of = match used.split_last() {
         None => "nothing".to_owned(),
         Some((only, [])) => only.clone(),
@@ -95,7 +96,7 @@ const FOUND: f64 = 0.95;
 /// The likeliest model, if the filters assume plants of several kinds; nothing before there are readings.
 pub(super) fn of_classes(run: &Run, diagnostics: &[Diagnostics]) -> Option<Vec<Phrase>> {
     let truth = run.scenario().plant.kind;
-    let plants: Vec<PlantKind> = run.scenario().filters.iter().map(|filter| filter.plant.unwrap_or(truth)).collect();
+    let plants: Vec<PlantKind> = mapped(&run.scenario().filters, &|filter| filter.plant.unwrap_or(truth));
     let differ = plants.iter().any(|plant| *plant != plants[0]);
     if !differ || diagnostics.len() < plants.len() || diagnostics.iter().all(|d| d.log_likelihood() == 0.0) {
         return None;

@@ -11,6 +11,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 use super::EquationError;
 use super::own::Equation;
 use super::settings::EquationSettings;
+use crate::mathematics::lists::mapped;
 use crate::{Channel, PlantKind};
 
 /// Limits the equations of one program, each of which takes some kilobytes.
@@ -101,7 +102,7 @@ impl<'de> Deserialize<'de> for PlantKind {
 
             fn visit_str<E: de::Error>(self, key: &str) -> Result<PlantKind, E> {
                 static KEYS: LazyLock<Vec<&'static str>> =
-                    LazyLock::new(|| PlantKind::ALL.iter().map(|kind| kind.key()).collect());
+                    LazyLock::new(|| mapped(&PlantKind::ALL, &|kind| kind.key()));
                 PlantKind::from_key(key).ok_or_else(|| de::Error::unknown_variant(key, &KEYS))
             }
 

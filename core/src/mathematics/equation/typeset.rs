@@ -6,6 +6,7 @@ use super::EquationError;
 use super::parse::{Sides, Tree, parse};
 use super::word::{dots, parts};
 use crate::mathematics::engine::number::Function;
+use crate::mathematics::lists::mapped;
 
 /// The place of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,7 +34,7 @@ pub struct TextRun {
 /// [`EquationError`] where the text is none.
 pub fn typeset(text: &str) -> Result<Vec<Vec<TextRun>>, EquationError> {
     let equations = parse(text).map_err(|error| error.within(text))?;
-    Ok(equations.iter().map(Line::of).collect())
+    Ok(mapped(&equations, &Line::of))
 }
 
 /// How tight a term holds together: a looser one needs brackets within a tighter one.

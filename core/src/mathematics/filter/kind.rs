@@ -12,6 +12,7 @@ use crate::mathematics::engine::level::Baseline;
 use crate::mathematics::engine::linearised::Linearised;
 use crate::mathematics::engine::model;
 use crate::mathematics::linalg::{Matrix, Vector};
+use crate::mathematics::lists::mapped;
 
 /// The description of a kind of filter.
 #[derive(Debug)]
@@ -175,8 +176,7 @@ impl Serialize for FilterKind {
 
 impl<'de> Deserialize<'de> for FilterKind {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        static KEYS: LazyLock<Vec<&'static str>> =
-            LazyLock::new(|| FilterKind::ALL.iter().map(|kind| kind.key()).collect());
+        static KEYS: LazyLock<Vec<&'static str>> = LazyLock::new(|| mapped(&FilterKind::ALL, &|kind| kind.key()));
         let key = String::deserialize(deserializer)?;
         Self::from_key(&key).ok_or_else(|| de::Error::unknown_variant(&key, &KEYS))
     }

@@ -4,6 +4,7 @@ use super::{Adaptation, Correction, Noise, Observation};
 use crate::mathematics::engine::columns::factor;
 use crate::mathematics::engine::weights::{Innovations, Residuals};
 use crate::mathematics::linalg::Vector;
+use crate::mathematics::lists::mapped;
 
 #[derive(Clone, Debug)]
 pub(super) struct Learning {
@@ -23,7 +24,7 @@ impl Learning {
             adaptation,
             residuals: Residuals::default(),
             shift: Vector::zeros(0),
-            uncertainty: noise.sensors.iter().map(|r| adaptation.initial_uncertainty(*r)).collect(),
+            uncertainty: mapped(&noise.sensors, &|r| adaptation.initial_uncertainty(*r)),
             sample: 0,
             dt,
         }
@@ -46,7 +47,7 @@ impl Learning {
         }
         if adaptation.sensor_noise {
             let m = sensors.len();
-            let innovation: Vec<f64> = sensors.iter().map(|&sensor| correction.innovation[sensor]).collect();
+            let innovation: Vec<f64> = mapped(&sensors, &|&sensor| correction.innovation[sensor]);
             let innovation_cov: Vec<f64> =
                 (0..m * m).map(|at| correction.innovation_cov[(sensors[at % m], sensors[at / m])]).collect();
             let mut lower = innovation_cov.clone();

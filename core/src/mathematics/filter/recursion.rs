@@ -3,6 +3,7 @@
 use super::jump::Jump;
 use super::learning::Learning;
 use super::{Adaptation, Belief, Correction, FilterError, Matrix, Noise, Observation, Step, White};
+use crate::mathematics::lists::mapped;
 use crate::mathematics::model::{Hold, Model};
 use crate::mathematics::quantity::Quantity;
 
@@ -51,7 +52,7 @@ impl<B: Belief + ?Sized> Filter<B> {
         sensors: &[Quantity],
         adaptation: Adaptation,
     ) -> Self {
-        let readings = sensors.iter().map(|&quantity| model.reading(quantity)).collect();
+        let readings = mapped(&sensors, &|&quantity| model.reading(quantity));
         let (observation, learning, substeps) = (Observation::of(readings), Learning::new(adaptation, &noise, dt), 1);
         let (jump, white) = (None, None);
         Self { model, belief, dt, hold, noise, observation, learning, jump, substeps, white }

@@ -11,6 +11,7 @@
 use std::fmt;
 use std::sync::LazyLock;
 
+use crate::mathematics::lists::mapped;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 /// The description of a rule for weights.
@@ -203,8 +204,7 @@ impl Serialize for Robust {
 
 impl<'de> Deserialize<'de> for Robust {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        static KEYS: LazyLock<Vec<&'static str>> =
-            LazyLock::new(|| Robust::ALL.iter().map(|rule| rule.0.key).collect());
+        static KEYS: LazyLock<Vec<&'static str>> = LazyLock::new(|| mapped(&Robust::ALL, &|rule| rule.0.key));
         let key = String::deserialize(deserializer)?;
         let rule = Self::ALL.into_iter().find(|rule| rule.0.key == key);
         rule.ok_or_else(|| de::Error::unknown_variant(&key, &KEYS))

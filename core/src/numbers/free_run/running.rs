@@ -5,6 +5,7 @@ use std::ops::Range;
 use super::beginning::{Beginning, CHUNK, Course};
 use super::{FreeRun, Identified, fit};
 use crate::Record;
+use crate::mathematics::lists::mapped;
 use crate::mathematics::model::Reading;
 use crate::samples::simulate::response::HALVED;
 
@@ -27,8 +28,8 @@ impl Running {
     pub(super) fn new(identified: Identified, record: &Record, part: Range<usize>) -> Self {
         let end = part.end.min(record.len());
         let part = part.start.min(end)..end;
-        let readings: Vec<Option<Reading>> = record.sensors().iter().map(|&q| identified.model.reading(q)).collect();
-        let mut ends: Vec<usize> = identified.plucks.iter().map(|time| after(record, *time)).collect();
+        let readings: Vec<Option<Reading>> = mapped(&record.sensors(), &|&q| identified.model.reading(q));
+        let mut ends: Vec<usize> = mapped(&identified.plucks, &|time| after(record, *time));
         ends.retain(|end| *end > part.start && *end < part.end);
         ends.push(part.end);
         ends.reverse();

@@ -5,6 +5,7 @@ use crate::mathematics::engine::level::Level;
 use crate::mathematics::engine::number::{Mask, Number};
 use crate::mathematics::gaussian_likelihood::LogSum;
 use crate::mathematics::gaussian_likelihood::log_likelihood;
+use crate::mathematics::lists::mapped;
 use crate::numbers::diagnostics::{ErrorSums, Total};
 use crate::numbers::score::{ChannelSums, Look, Outcome};
 use crate::{Channel, Stop};
@@ -77,7 +78,7 @@ impl<T: Number> Scores<T> {
             frequency: Channel::NATURAL_FREQUENCY.place_in(channels),
             last_fifth: samples * 4 / 5,
             samples: 0,
-            square: ErrorSquare::new(tracked.iter().map(|tracked| tracked.place).collect()),
+            square: ErrorSquare::new(mapped(&tracked, &|tracked| tracked.place)),
             tracked,
             nees: squares,
             nis: squares,
@@ -178,7 +179,7 @@ impl<T: Number> Scores<T> {
     }
 
     pub(super) fn outcome(&self, lane: usize, stop: Option<Stop>) -> Outcome {
-        let sums: Vec<_> = self.tracked.iter().map(|tracked| (tracked.channel, self.sums(tracked, lane))).collect();
+        let sums: Vec<_> = mapped(&self.tracked, &|tracked| (tracked.channel, self.sums(tracked, lane)));
         let nis = self.nis.total(lane);
         let ln_determinants = self.ln_determinants.value(lane);
         Outcome {
@@ -189,8 +190,8 @@ impl<T: Number> Scores<T> {
             stop,
             diverged: stop.is_some() || sums.iter().any(|(_, sums)| sums.is_lost()),
             channels: sums.iter().filter_map(|(channel, sums)| Some((*channel, sums.score(self.samples)?))).collect(),
-            mean: self.mean.iter().map(|mean| mean.lane(lane)).collect(),
-            std: self.variance.iter().map(|variance| variance.lane(lane).sqrt()).collect(),
+            mean: mapped(&self.mean, &|mean| mean.lane(lane)),
+            std: mapped(&self.variance, &|variance| variance.lane(lane).sqrt()),
             looks: Vec::new(),
         }
     }

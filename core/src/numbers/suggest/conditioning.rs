@@ -7,6 +7,7 @@ use super::spectra::stride;
 use super::{Suggestion, augment, moments, motion_sensor, rounded};
 use crate::data::import::{MappedColumn, Offset};
 use crate::data::resample::finer;
+use crate::mathematics::lists::mapped;
 use crate::mathematics::lists::{places, sort_items};
 use crate::{Channel, Hold, Record, Run, Scenario};
 
@@ -46,7 +47,7 @@ impl Suggestion {
         if removed.is_empty() {
             return;
         }
-        let what = removed.iter().map(|(.., what)| what.as_str()).collect::<Vec<_>>().join(" and ");
+        let what = mapped(&removed, &|(.., what)| what.as_str()).join(" and ");
         if let Some(mapping) = &mut self.scenario.record {
             let input = mapping.input.iter_mut().map(|input| (Channel::INPUT_OFFSET, input));
             let sensors = mapping.sensors.iter_mut().map(|(quantity, column)| (quantity.bias(), column));
@@ -178,7 +179,7 @@ impl Plucked {
         let longest = record.part(read[begin]..read[end - 1] + 1);
         let growth = largest(&read) / largest(&read[begin..end]);
         let time = |&begin: &usize| libm::round((record.time(read[begin]) - 0.5 * record.dt()) * 1e6) / 1e6;
-        let times = bounds[1..bounds.len() - 1].iter().map(time).collect();
+        let times = mapped(&bounds[1..bounds.len() - 1], &time);
         Some((longest, Self { whole: record.clone(), times, growth }))
     }
 
@@ -190,7 +191,7 @@ impl Plucked {
                 filter.initial_std[channel] = rounded(self.growth.max(1.0) * filter.initial_std[channel]);
             }
         }
-        let times: Vec<String> = self.times.iter().map(|time| format!("{} s", rounded(*time))).collect();
+        let times: Vec<String> = mapped(&self.times, &|time| format!("{} s", rounded(*time)));
         suggestion.reasons.push(format!(
             "plucked again at {}: each time the motion begins anew behind a pause, and what is known of ωₙ and ζ stays; start values are \
              those of the longest part",

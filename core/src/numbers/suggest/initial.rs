@@ -6,6 +6,7 @@ use super::response::{Decay, Response, order};
 use super::{Suggestion, augment, begin_with, moments, rounded, set_share};
 use crate::mathematics::channel::{Role, Sign};
 use crate::mathematics::equation::Equation;
+use crate::mathematics::lists::mapped;
 use crate::mathematics::lists::sort_items;
 use crate::{Aspect, Channel, FilterKind, FilterSettings, InputKind, PlantKind, Quantity, Record, Run, Scenario};
 
@@ -221,7 +222,7 @@ impl Search {
                 let other = if mean == 0.0 { 0.5 } else { 0.0 };
                 if is_kept { (0.0, 0.0, 0.0) } else { (0.25 * std.max(mean), 4.0 * std, other) }
             };
-            search.ranges = search.channels.iter().map(range).collect();
+            search.ranges = mapped(&search.channels, &range);
             search
         };
         kinds.map(of).into()
@@ -248,7 +249,7 @@ impl Search {
             (most / 200.0, most, if is_any && low < 0.0 && high > 0.0 { 0.25 } else { 0.0 })
         };
         let points = (POINTS.0 * channels.len()).min(POINTS.1);
-        let ranges = channels.iter().map(range).collect();
+        let ranges = mapped(&channels, &range);
         Some(Self { kind, channels, ranges, points, ends: Likeliest::new() })
     }
 
@@ -334,7 +335,7 @@ impl Search {
     }
 
     fn names(&self) -> String {
-        self.channels.iter().map(|channel| channel.symbol()).collect::<Vec<_>>().join(", ")
+        mapped(&self.channels, &|channel| channel.symbol()).join(", ")
     }
 
     pub(super) fn choose(mut searches: Vec<Self>, suggestion: &mut Suggestion) {

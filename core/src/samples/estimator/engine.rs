@@ -111,7 +111,7 @@ impl Followed {
             in_units: InUnits::new(&setup.design.model.logarithms, n, sensors),
             learnt: Learnt {
                 process: Vec::new(),
-                uncertainty: variances.iter().map(|r| settings.adaptation.initial_uncertainty(*r)).collect(),
+                uncertainty: mapped(&variances, &|r| settings.adaptation.initial_uncertainty(*r)),
                 sensors: variances,
                 weights: vec![f64::NAN; if settings.robust.is_on() { sensors } else { 0 }],
             },

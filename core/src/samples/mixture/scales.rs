@@ -30,7 +30,7 @@ impl Scales {
             dt: context.dt,
             sample: 0,
             process: noise.process.diagonal().as_slice().to_vec(),
-            uncertainty: noise.sensors.iter().map(|r| settings.adaptation.initial_uncertainty(*r)).collect(),
+            uncertainty: mapped(&noise.sensors, &|r| settings.adaptation.initial_uncertainty(*r)),
             sensors: noise.sensors,
         }
     }
@@ -43,7 +43,7 @@ impl Scales {
             }
             member
         };
-        self.scale.grid.iter().map(of).collect()
+        mapped(&self.scale.grid, &of)
     }
 }
 

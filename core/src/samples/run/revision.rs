@@ -2,6 +2,7 @@
 
 use super::{Run, Update};
 use crate::data::scenario::cost;
+use crate::mathematics::lists::mapped;
 use crate::mathematics::lists::{sort_items, sorted_places};
 use crate::samples::bank::{Bank, lookahead};
 use crate::samples::source::Recording;
@@ -47,7 +48,7 @@ impl Revision {
         let mut bank = Bank::new(scenario, current.record())?;
         let before = &run.scenario().filters;
         let place_of = |filter: &FilterSettings| before.iter().position(|b| b == filter).filter(|_| same_filters);
-        let kept: Vec<Option<usize>> = bank.scenario.filters.iter().map(place_of).collect();
+        let kept: Vec<Option<usize>> = mapped(&bank.scenario.filters, &place_of);
         for kept in &kept {
             if kept.is_some() {
                 bank.leave_place();

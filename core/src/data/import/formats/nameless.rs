@@ -5,6 +5,7 @@ use super::super::error::MOST_COLUMNS;
 use super::super::header::Facts;
 use super::super::table::Rows;
 use super::super::unit::{Dimension, unit};
+use crate::mathematics::lists::mapped;
 
 pub(in super::super) fn nameless(dialect: Dialect, lines: &[&str]) -> Rows {
     let mut rows = Rows::of(dialect);
@@ -34,7 +35,7 @@ pub(in super::super) fn nameless(dialect: Dialect, lines: &[&str]) -> Rows {
     let is_numbered =
         body.len() > 1 && width > 2 && [1, width - 1].iter().any(|by| (1..body.len()).all(|row| counts(row, *by)));
     let apart = usize::from(is_numbered);
-    let values: Vec<Vec<f64>> = body.iter().map(|row| row[apart.min(row.len())..].to_vec()).collect();
+    let values: Vec<Vec<f64>> = mapped(&body, &|row| row[apart.min(row.len())..].to_vec());
     let is_line = body.len() == 1 && width > MOST_COLUMNS;
     let agreement = if name.is_none() { agreement(&values).or(is_line.then_some(0.0)) } else { None };
     rows.rate = facts.step.map(|step| 1.0 / step);

@@ -4,6 +4,7 @@ use super::Layout;
 use crate::data::import::table::Rows;
 use crate::data::import::unit::name_and_unit;
 use crate::data::import::{Decimal, Delimiter, Dialect};
+use crate::mathematics::lists::mapped;
 
 const END: &str = "***End_of_Header***";
 
@@ -71,7 +72,7 @@ pub(super) fn lvm(lines: &[&str]) -> Option<Layout> {
     // Several columns of times are clocks of the columns behind them, unless all are the same.
     let is_one_clock = places.iter().all(|place| clock(*place) == first_clock);
     if !has_times {
-        let clocks: Vec<_> = places.iter().map(|place| clock(*place)).collect();
+        let clocks: Vec<_> = mapped(&places, &|place| clock(*place));
         let first = (0..clocks.len()).filter(|&nth| nth == 0 || clocks[nth] != clocks[nth - 1]);
         let of = |nth: usize| Some((nth, clocks[nth].0, clocks[nth].1.filter(|step| *step > 0.0)?));
         rows.even = first.map(of).collect::<Option<_>>()?;

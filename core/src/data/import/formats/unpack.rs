@@ -6,6 +6,7 @@ use flate2::read::{DeflateDecoder, MultiGzDecoder};
 use super::super::reader::Reader;
 use super::super::{Dialect, ImportError, Mapping, Table};
 use super::binary::{Room, whole};
+use crate::mathematics::lists::mapped;
 
 /// The table in an unpacked file. A packed file may have itself in it: it is not unpacked twice.
 fn table(bytes: Vec<u8>, dialect: Option<Dialect>) -> Result<Table, ImportError> {
@@ -100,13 +101,13 @@ pub(super) fn zip(bytes: &[u8], dialect: Option<Dialect>) -> Result<Table, Impor
         if tables.is_empty() {
             return Err(bad(&format!("there is no table in it{failed}")));
         }
-        let names: Vec<String> = tables.iter().map(|(place, _)| format!("`{}`", entries[*place].name)).collect();
+        let names: Vec<String> = mapped(&tables, &|(place, _)| format!("`{}`", entries[*place].name));
         let names = list(&names);
         return Err(bad(&format!("it has several tables: {names}; unpack it and open one")));
     };
     let (place, mut table) = tables.swap_remove(found);
     let name = entries.remove(place).name;
-    let others: Vec<String> = entries.iter().map(|entry| format!("`{}`", entry.name)).collect();
+    let others: Vec<String> = mapped(&entries, &|entry| format!("`{}`", entry.name));
     let rest = if others.is_empty() { String::new() } else { format!("; left out: {}", list(&others)) };
     table.remarks.insert(0, format!("the table is `{name}` of the ZIP{rest}"));
     Ok(table)

@@ -4,6 +4,7 @@ use super::{BadFilter, Cause, LikelyCause};
 use crate::data::setting::Edit;
 use crate::judgement::diagnosis::distributions::normal_tail;
 use crate::judgement::words::{percent, short};
+use crate::mathematics::lists::mapped;
 use crate::{Channel, Quantity, VerdictKind};
 
 /// Limits the correlation at lag 1 of readings that are only noise.
@@ -163,9 +164,9 @@ fn initial_guess(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Lik
             let mean = bad.filter.initial_mean[*channel].abs();
             bad.edit(&format!("initial_std.{}", channel.key()), if mean > 0.0 { OPEN * mean } else { OPEN })
         };
-        let names = frozen.iter().map(|channel| channel.name()).collect::<Vec<_>>().join(" and of the ");
+        let names = mapped(&frozen, &|channel| channel.name()).join(" and of the ");
         let sentence = format!("σ of the {names} is 0 at first, and the filter takes its guess for certain");
-        let edits = frozen.iter().map(spread).collect();
+        let edits = mapped(&frozen, &spread);
         found.push(LikelyCause::new(cause, 0.5, frozen.len() as f64, edits, sentence));
     }
     if edits.is_empty() {

@@ -7,6 +7,7 @@ use crate::judgement::diagnosis::evidence::Subject;
 use crate::judgement::diagnosis::innovations::SensorInnovations;
 use crate::judgement::diagnosis::parts::{Chosen, PARTS};
 use crate::judgement::words::short;
+use crate::mathematics::lists::mapped;
 use crate::mathematics::lists::{numbers, places};
 use crate::{Channel, FilterSettings, Quantity, VerdictKind};
 
@@ -62,7 +63,7 @@ fn sensor_noise(bad: &BadFilter<'_>, cause: &'static Cause, found: &mut Vec<Like
                 short(1.0 / assumed[i])
             )
         };
-        let sentence = taken.iter().map(of).collect::<Vec<_>>().join(", ");
+        let sentence = mapped(&taken, &of).join(", ");
         found.push(LikelyCause::new(cause, 0.9, 0.0, vec![bad.edit("sensor_std", turned)], sentence));
     }
     let mut propose = |which: &dyn Fn(usize) -> f64| {

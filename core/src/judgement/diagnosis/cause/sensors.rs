@@ -4,6 +4,7 @@ use super::{BadFilter, Cause, LikelyCause};
 use crate::data::length::Length;
 use crate::judgement::diagnosis::case::Case;
 use crate::judgement::words::{percent, short};
+use crate::mathematics::lists::mapped;
 use crate::mathematics::lists::sort_numbers;
 
 pub(super) static CLIPPED: Cause = Cause {
@@ -295,7 +296,7 @@ impl Readings {
 
     fn clipped(&self) -> Option<Marked> {
         let ends = clipped_ends(&self.values);
-        let marks: Vec<bool> = self.values.iter().map(|value| ends.contains(value)).collect();
+        let marks: Vec<bool> = mapped(&self.values, &|value| ends.contains(value));
         if ends.is_empty() { None } else { self.marked(&marks) }
     }
 
@@ -375,7 +376,7 @@ impl Readings {
         let middle = sizes.len() / 2;
         let (_, median, _) = sizes.select_nth_unstable_by(middle, f64::total_cmp);
         let usual = (*median / MEDIAN).max(1.0);
-        let marks: Vec<bool> = self.innovations.iter().map(|e| e.abs() > FAR * usual).collect();
+        let marks: Vec<bool> = mapped(&self.innovations, &|e| e.abs() > FAR * usual);
         let many = marks.iter().filter(|mark| **mark).count() as f64;
         // The share of the far readings whose follower is far too: chance makes it their share of all.
         let followed = marks.windows(2).filter(|pair| pair[0] && pair[1]).count() as f64 / many;
