@@ -3,6 +3,7 @@
 use crate::data::scenario::cost;
 use crate::judgement::analysis::Subject;
 use crate::judgement::study::forgotten_of;
+use crate::mathematics::lists::numbers;
 use crate::samples::run::revision::Revision;
 use crate::samples::tape::Tape;
 use crate::{Analysis, Record, RunError, Scenario, Source, Study, Update};
@@ -128,7 +129,7 @@ impl Job {
         let goal = (*goal).min(revision.samples).max(1);
         let share = |samples: usize| (samples as f64 / goal as f64).min(1.0);
         let one = |place| if revision.keeps(place) { 1.0 } else { share(revision.done(place)) };
-        let filters: Vec<f64> = (0..scenario.filters.len()).map(one).collect();
+        let filters: Vec<f64> = numbers(scenario.filters.len(), &one);
         let (mut so_far, mut all) = analysis.work(&subject(revision, study, *stage, goal));
         if let Some(recorded) = revision.recorded() {
             so_far += share(recorded) * cost::OF_RECORD * goal as f64;

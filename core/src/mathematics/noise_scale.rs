@@ -1,5 +1,6 @@
 //! How large noise is, from the likelihoods of filters that assume it smaller and larger.
 
+use crate::mathematics::lists::numbers;
 /// The posterior of u = ln s, where the noise has s times the standard deviation of the settings, over a grid of filters.
 ///
 /// ```text
@@ -46,7 +47,7 @@ impl NoiseScale {
     pub(crate) fn new(filters: usize) -> Self {
         let reach = libm::log(REACH);
         let filters = filters.max(2);
-        let grid = (0..filters).map(|j| reach * (2.0 * j as f64 / (filters - 1) as f64 - 1.0)).collect();
+        let grid = numbers(filters, &|j| reach * (2.0 * j as f64 / (filters - 1) as f64 - 1.0));
         let mut scale =
             Self { grid, log_likelihood: vec![0.0; filters], weights: Vec::new(), mean: 0.0, std: 0.0, sums: [0.0; 2] };
         scale.weigh();

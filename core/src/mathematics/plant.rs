@@ -8,6 +8,7 @@ use std::any::{Any, TypeId};
 use std::fmt;
 
 use crate::mathematics::channel::MAX_MASSES;
+use crate::mathematics::lists::numbers;
 use crate::mathematics::quantity::Term;
 use crate::{Channel, Quantity};
 
@@ -266,7 +267,7 @@ impl PlantKind {
 
     /// A state at which no derivative is zero by chance.
     fn anywhere(self) -> Vec<f64> {
-        (0..self.channels().len()).map(|i| 0.31 + 0.17 * i as f64).collect()
+        numbers(self.channels().len(), &|i| 0.31 + 0.17 * i as f64)
     }
 }
 

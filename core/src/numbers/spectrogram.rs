@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use crate::mathematics::fourier::Transform;
-use crate::mathematics::lists::mapped;
+use crate::mathematics::lists::{mapped, numbers};
 use crate::{Record, Task};
 
 const WINDOW: [usize; 2] = [64, 1024];
@@ -79,7 +79,7 @@ impl Windows {
             values,
             length,
             hop,
-            weights: (0..length).map(weight).collect(),
+            weights: numbers(length, &weight),
             transform: Transform::new(length),
             buffer: vec![(0.0, 0.0); length],
             power: Vec::new(),

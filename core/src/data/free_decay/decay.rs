@@ -173,7 +173,7 @@ impl Decay {
         let (begin, dt) = (measured[0], (measured[count - 1] - measured[0]) / (count - 1) as f64);
         let steps = Steps { start: begin, dt, count };
         let acceleration = steps.of(measured, &along, side(&along, noise), libm::round);
-        let times = (0..count).map(|k| dt * k as f64).collect();
+        let times = numbers(count, &|k| dt * k as f64);
         let readings = measured.iter().zip(&along).map(|(time, x)| [time - begin, *x]).collect();
         (Ok(Self { times, acceleration, axis, gravity: gravity + rest, noise, begin, readings, rests }), others)
     }

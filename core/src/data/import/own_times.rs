@@ -1,7 +1,7 @@
 //! Readings at their own times: those that a file gives them in place of even steps, and those of files in which columns have clocks
 //! (`t1, force, t2, displacement`) and of two files with a clock each.
 
-use crate::mathematics::lists::{self, sort_items};
+use crate::mathematics::lists::{self, numbers, sort_items};
 
 use super::conditioning::mean;
 use super::error::FEWEST;
@@ -85,7 +85,7 @@ impl OwnTimes {
         if timed.times.is_empty() {
             return None;
         }
-        let values = (0..steps.count).map(|k| timed.at(k as f64, hold)).collect();
+        let values = numbers(steps.count, &|k| timed.at(k as f64, hold));
         self.clocks.input = Some(timed);
         Some(values)
     }
@@ -116,7 +116,7 @@ impl OwnTimes {
         if timed.times.is_empty() {
             return Some(vec![f64::NAN; steps.count]);
         }
-        Some((0..steps.count).map(|k| timed.at(k as f64, Hold::First)).collect())
+        Some(numbers(steps.count, &|k| timed.at(k as f64, Hold::First)))
     }
 
     /// The cells of a column at the nearest steps, shifted along the cubic through their neighbours; NaN at a step without one.

@@ -5,6 +5,7 @@ use std::io::Cursor;
 use super::error::MOST;
 use super::{Column, ImportError, Mapping, Table};
 use crate::data::free_decay::Ring;
+use crate::mathematics::lists::numbers;
 
 const FORM: &str = "sound";
 
@@ -34,7 +35,7 @@ pub(super) fn table(bytes: &[u8]) -> Result<Table, ImportError> {
     let seconds = rows as f64 / rate;
     let is_cut = u64::from(reader.duration()) > rows as u64;
     let remark = is_cut.then(|| format!("the sound is longer: its first {seconds:.1} s were read"));
-    let mut columns = vec![Column::of_header("t", Some("s"), (0..rows).map(|k| k as f64 / rate).collect())];
+    let mut columns = vec![Column::of_header("t", Some("s"), numbers(rows, &|k| k as f64 / rate))];
     for channel in 0..channels {
         let name = if channels == 1 { "sound".to_owned() } else { format!("sound {}", channel + 1) };
         let of = values.iter().skip(channel).step_by(channels).take(rows).copied().collect();

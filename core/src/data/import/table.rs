@@ -10,7 +10,7 @@ use super::error::MOST_COLUMNS;
 use super::header::stated_rate;
 use super::unit::name_and_unit;
 use super::{Decimal, Dialect, ImportError};
-use crate::mathematics::lists::mapped;
+use crate::mathematics::lists::{mapped, numbers};
 
 /// The columns of a file. A document of it has all but the numbers, which are too many for a text.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -384,7 +384,7 @@ impl RowsReader {
         columns.iter_mut().for_each(|column| column.values.resize(rows, f64::NAN));
         for (nth, (place, start, step)) in even.into_iter().enumerate() {
             let name = if nth == 0 { "time".to_owned() } else { format!("time ({})", nth + 1) };
-            let times = (0..rows).map(|k| start + k as f64 * step).collect();
+            let times = numbers(rows, &|k| start + k as f64 * step);
             columns.insert(place + nth, Column::of_header(&name, Some("s"), times));
         }
         Ok(Table { dialect, form, columns, remarks: said, rate, lines })

@@ -3,6 +3,7 @@
 use std::io::{Read, Write};
 
 use super::{Clocks, Input, Record, RecordError, Timed};
+use crate::mathematics::lists::numbers;
 use crate::{Channel, Hold, InputKind, Quantity};
 
 impl Record {
@@ -90,7 +91,7 @@ impl Record {
     }
 
     fn write_clocks(&self, clocks: &Clocks, writer: &mut csv::Writer<impl Write>) -> Result<(), RecordError> {
-        let of_samples = || Timed { times: (0..self.len()).map(|k| k as f64).collect(), values: self.input.clone() };
+        let of_samples = || Timed { times: numbers(self.len(), &|k| k as f64), values: self.input.clone() };
         let input = clocks.input.clone().unwrap_or_else(of_samples);
         let all: Vec<&Timed> = std::iter::once(&input).chain(&clocks.readings).collect();
         let names = std::iter::once(input_name(self.kind)).chain(self.sensors.iter().map(|sensor| sensor.key()));

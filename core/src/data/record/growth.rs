@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::{Clocks, Record, Timed};
 use crate::Hold;
-use crate::mathematics::lists::mapped;
+use crate::mathematics::lists::{mapped, numbers};
 
 const COMPARED: usize = 1000;
 
@@ -127,7 +127,7 @@ impl Record {
 
     pub(crate) fn with_hold(mut self, hold: Hold) -> Self {
         if let Some(input) = self.clocks.as_ref().and_then(|clocks| clocks.input.as_ref()) {
-            self.input = (0..self.len()).map(|k| input.at(k as f64, hold)).collect();
+            self.input = numbers(self.len(), &|k| input.at(k as f64, hold));
         }
         Self { hold, ..self }
     }

@@ -4,7 +4,7 @@ use super::{Adaptation, Correction, Noise, Observation};
 use crate::mathematics::engine::columns::factor;
 use crate::mathematics::engine::weights::{Innovations, Residuals};
 use crate::mathematics::linalg::Vector;
-use crate::mathematics::lists::mapped;
+use crate::mathematics::lists::{mapped, numbers};
 
 #[derive(Clone, Debug)]
 pub(super) struct Learning {
@@ -49,7 +49,7 @@ impl Learning {
             let m = sensors.len();
             let innovation: Vec<f64> = mapped(&sensors, &|&sensor| correction.innovation[sensor]);
             let innovation_cov: Vec<f64> =
-                (0..m * m).map(|at| correction.innovation_cov[(sensors[at % m], sensors[at / m])]).collect();
+                numbers(m * m, &|at| correction.innovation_cov[(sensors[at % m], sensors[at / m])]);
             let mut lower = innovation_cov.clone();
             let (_, is_positive) = factor(&mut lower, m);
             if !is_positive {

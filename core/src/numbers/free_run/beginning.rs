@@ -5,6 +5,7 @@ use std::ops::Range;
 use super::Identified;
 use crate::Record;
 use crate::mathematics::linalg::{Ldl, Matrix, Vector};
+use crate::mathematics::lists::numbers;
 use crate::mathematics::model::{Hold, Reading};
 use crate::samples::simulate::response::{HALVED, Response};
 
@@ -49,7 +50,7 @@ impl Beginning {
         readings: &[Option<Reading>],
     ) -> Self {
         let part = beginning(record, part, readings);
-        let scales = (0..readings.len()).map(|sensor| scale(&record.measured(sensor)[part.clone()])).collect();
+        let scales = numbers(readings.len(), &|sensor| scale(&record.measured(sensor)[part.clone()]));
         let motion = vec![0.0; identified.model.motion()];
         let there = |sensor: usize| part.clone().filter(move |&k| has(record, readings, k, sensor)).count();
         let rows = (0..readings.len()).map(there).sum();

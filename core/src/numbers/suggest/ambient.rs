@@ -6,7 +6,7 @@ use super::response::{Response, free_response, is_within, order};
 use super::spectra::{Gaps, LONG, Spectra};
 use super::{Suggestion, augment, moments, motion_sensor, rounded};
 use crate::mathematics::least_squares::{NormalEquations, descend};
-use crate::mathematics::lists::sort_numbers;
+use crate::mathematics::lists::{numbers, sort_numbers};
 use crate::{Channel, Hold, Quantity, Record, Scenario};
 
 /// The white force of a record without an input, and the noise of the scenario's sensors, before they are tried.
@@ -308,10 +308,9 @@ impl Lines<'_> {
         let [wn, zeta, force, noise] = at.map(libm::exp);
         let reach = WINDOW.len() / 2;
         let fine = |i: usize| self.line * (self.first + 0.5 * (i as f64 - reach as f64)).abs();
-        let responses: Vec<f64> =
-            (0..2 * self.powers.len() + 2 * reach).map(|i| self.response(wn, zeta, fine(i))).collect();
+        let responses: Vec<f64> = numbers(2 * self.powers.len() + 2 * reach, &|i| self.response(wn, zeta, fine(i)));
         let smeared = |line: usize| -> f64 { WINDOW.iter().zip(&responses[2 * line..]).map(|(w, g)| w * g).sum() };
-        (0..self.powers.len()).map(|line| libm::log(force * smeared(line) + noise)).collect()
+        numbers(self.powers.len(), &|line| libm::log(force * smeared(line) + noise))
     }
 
     /// The equations of a step of the logarithms of ωₙ, ζ, s² and R, from the logarithm of S at each line.

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use crate::mathematics::lists::numbers;
 use crate::{Channel, FreeRun, Identified, Record, Run, Running, Scenario, Sensor};
 
 /// The samples that the free run covers.
@@ -106,7 +107,7 @@ pub(super) fn sizes(run: &Run) -> Vec<f64> {
         let (sum, count) = half.fold((0.0, 0_u32), |(sum, count), square| (sum + square, count + 1));
         Some(libm::sqrt(sum / f64::from(count))).filter(|size| size.is_finite()).unwrap_or(1.0)
     };
-    (0..sensors).map(size).collect()
+    numbers(sensors, &size)
 }
 
 pub(super) fn surprise(run: &Run) -> f64 {

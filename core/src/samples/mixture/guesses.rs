@@ -1,7 +1,7 @@
 //! Several filters side by side from guesses of the natural frequency that are far apart.
 
 use super::{Member, Rule};
-use crate::mathematics::lists::sort_items;
+use crate::mathematics::lists::{numbers, sort_items};
 use crate::{Channel, FilterError, FilterSettings};
 
 /// The likeliest so far reports alone. Every 500 measured samples, each filter that is 30 behind it in log likelihood and has not
@@ -27,7 +27,7 @@ const FAR_BEHIND: f64 = 30.0;
 pub(crate) fn members(settings: &FilterSettings) -> Vec<FilterSettings> {
     let count = settings.guesses;
     let place = |i: usize| 2.0 * REACH * i as f64 / (count - 1) as f64 - REACH;
-    let mut logarithms: Vec<f64> = (0..count).map(place).collect();
+    let mut logarithms: Vec<f64> = numbers(count, &place);
     sort_items(&mut logarithms, |a, b| a.abs().total_cmp(&b.abs()));
     let of = |logarithm: f64| {
         let mut member = FilterSettings { guesses: 1, ..settings.clone() };

@@ -5,7 +5,7 @@ use super::super::error::MOST_COLUMNS;
 use super::super::header::Facts;
 use super::super::table::Rows;
 use super::super::unit::{Dimension, unit};
-use crate::mathematics::lists::mapped;
+use crate::mathematics::lists::{mapped, numbers};
 
 pub(in super::super) fn nameless(dialect: Dialect, lines: &[&str]) -> Rows {
     let mut rows = Rows::of(dialect);
@@ -114,7 +114,7 @@ fn agreement(body: &[Vec<f64>]) -> Option<f64> {
         let middle = mean(&|row| body[row][place]);
         mean(&|row| (body[row][place] - middle).abs())
     };
-    let of_all = |of: &dyn Fn(usize) -> f64| (0..width).map(of).collect::<Vec<f64>>();
+    let of_all = |of: &dyn Fn(usize) -> f64| numbers(width, &of);
     let are_alike = |all: &[f64]| {
         let [least, most] = all.iter().fold([f64::INFINITY, 0.0], |[a, b], x| [f64::min(a, *x), f64::max(b, *x)]);
         most <= ALIKE * least && most > 0.0
