@@ -1,12 +1,11 @@
 //! The modes of a free decay, with their standard deviations: least squares over its readings, each at its own time.
 
-use crate::mathematics::lists::numbers;
+use crate::mathematics::lists::{mapped, numbers};
 use std::f64::consts::TAU;
 
 use super::Decay;
 use crate::mathematics::fourier::powers;
 use crate::mathematics::least_squares::{NormalEquations, descend};
-use crate::mathematics::lists::mapped;
 
 /// A mode of a free decay, or of a sweep.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,8 +6,7 @@ use super::Mode;
 use super::decay::{Along, in_order};
 use super::modes::highest;
 use crate::mathematics::least_squares::{NormalEquations, descend};
-use crate::mathematics::lists::mapped;
-use crate::mathematics::lists::{median, numbers};
+use crate::mathematics::lists::{mapped, median, numbers};
 
 type Complex = nalgebra::Complex<f64>;
 

@@ -4,8 +4,7 @@ use std::ops::Range;
 
 use super::parts::{self, AFTER, BEFORE, CROSS_LAGS, Chosen, GRANULE, LAGS, PARTS, Piece, Series, first_in, pieces};
 use super::periodogram::Periodogram;
-use crate::mathematics::lists::mapped;
-use crate::mathematics::lists::places;
+use crate::mathematics::lists::{mapped, places};
 use crate::{Estimates, Quantity, Record};
 
 /// Limits normalised innovations, and the input over its root mean square, in correlations: one reading must not dominate.

@@ -8,7 +8,7 @@
 //! Each cause must gain more log likelihood than the price of the numbers that it fits. The last step removes causes
 //! that a later one has made needless.
 
-use crate::mathematics::lists::{sort_items, sort_numbers};
+use crate::mathematics::lists::{mapped, sort_items, sort_numbers};
 use std::sync::Arc;
 
 use super::cause::LikelyCause;
@@ -17,7 +17,6 @@ use super::remedy::{Ranked, Remedy, WORTH, compare};
 use super::trial::Trials;
 use super::verdict::Verdict;
 use crate::data::setting::Edit;
-use crate::mathematics::lists::mapped;
 use crate::{Channel, Scenario, Task};
 
 const STEPS: usize = 4;

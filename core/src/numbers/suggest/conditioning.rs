@@ -7,8 +7,7 @@ use super::spectra::stride;
 use super::{Suggestion, augment, moments, motion_sensor, rounded};
 use crate::data::import::{MappedColumn, Offset};
 use crate::data::resample::finer;
-use crate::mathematics::lists::mapped;
-use crate::mathematics::lists::{places, sort_items};
+use crate::mathematics::lists::{mapped, places, sort_items};
 use crate::{Channel, Hold, Record, Run, Scenario};
 
 /// A mean of the input counts as an offset if it is this many times its standard error.

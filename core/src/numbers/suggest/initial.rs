@@ -6,8 +6,7 @@ use super::response::{Decay, Response, order};
 use super::{Suggestion, augment, begin_with, moments, rounded, set_share};
 use crate::mathematics::channel::{Role, Sign};
 use crate::mathematics::equation::Equation;
-use crate::mathematics::lists::mapped;
-use crate::mathematics::lists::sort_items;
+use crate::mathematics::lists::{mapped, sort_items};
 use crate::{Aspect, Channel, FilterKind, FilterSettings, InputKind, PlantKind, Quantity, Record, Run, Scenario};
 
 /// The spread that a filter of a free decay begins with, in standard deviations of the fit.

@@ -2,8 +2,7 @@
 
 use super::{Run, Update};
 use crate::data::scenario::cost;
-use crate::mathematics::lists::mapped;
-use crate::mathematics::lists::{sort_items, sorted_places};
+use crate::mathematics::lists::{mapped, sort_items, sorted_places};
 use crate::samples::bank::{Bank, lookahead};
 use crate::samples::source::Recording;
 use crate::samples::spare::Spare;

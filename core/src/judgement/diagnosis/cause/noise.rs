@@ -7,8 +7,7 @@ use crate::judgement::diagnosis::evidence::Subject;
 use crate::judgement::diagnosis::innovations::SensorInnovations;
 use crate::judgement::diagnosis::parts::{Chosen, PARTS};
 use crate::judgement::words::short;
-use crate::mathematics::lists::mapped;
-use crate::mathematics::lists::{numbers, places};
+use crate::mathematics::lists::{mapped, numbers, places};
 use crate::{Channel, FilterSettings, Quantity, VerdictKind};
 
 /// Smaller factors on a variance are not worth a trial.

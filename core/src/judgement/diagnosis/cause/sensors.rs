@@ -4,8 +4,7 @@ use super::{BadFilter, Cause, LikelyCause};
 use crate::data::length::Length;
 use crate::judgement::diagnosis::case::Case;
 use crate::judgement::words::{percent, short};
-use crate::mathematics::lists::mapped;
-use crate::mathematics::lists::sort_numbers;
+use crate::mathematics::lists::{mapped, sort_numbers};
 
 pub(super) static CLIPPED: Cause = Cause {
     key: "clipped",
