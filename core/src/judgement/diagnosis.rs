@@ -97,20 +97,9 @@ impl Diagnosis {
     }
 
     /// The possible causes for the filter at `place` of a scenario, the likeliest by the evidence, without a trial,
-    /// first; for a good verdict other models that may be likelier. The other arguments are those of [`Self::new`].
-    pub fn likely_causes(
-        &self,
-        scenario: &Scenario,
-        place: usize,
-        diagnostics: &Diagnostics,
-        estimates: &Estimates,
-        record: &Record,
-    ) -> Vec<LikelyCause> {
-        let Some(filter) = scenario.filters.get(place) else { return Vec::new() };
-        self.since(filter, scenario, place, diagnostics, estimates, record)
-    }
-
-    fn since(
+    /// first; for a good verdict other models that may be likelier. Sentences compare with the filter `origin`. The other
+    /// arguments are those of [`Self::new`].
+    fn likely_causes(
         &self,
         origin: &FilterSettings,
         scenario: &Scenario,
@@ -143,7 +132,8 @@ impl Diagnosis {
         estimates: &Estimates,
         record: &Record,
     ) -> Result<Trials, RunError> {
-        let likely_causes = self.likely_causes(scenario, place, diagnostics, estimates, record);
+        let origin = scenario.filters.get(place).ok_or(RunError::NoFilter(place))?;
+        let likely_causes = self.likely_causes(origin, scenario, place, diagnostics, estimates, record);
         Trials::new(scenario, place, estimates, record, likely_causes)
     }
 

@@ -214,7 +214,8 @@ impl Trials {
         let learnt = self.learnt(&estimates);
         if self.likely_causes.is_none() {
             let Self { scenario, origin, .. } = &*self;
-            let of = |diagnosis: &Diagnosis| diagnosis.since(origin, scenario, 0, &diagnostics, &estimates, record);
+            let of =
+                |diagnosis: &Diagnosis| diagnosis.likely_causes(origin, scenario, 0, &diagnostics, &estimates, record);
             self.likely_causes = Some(diagnosis.as_ref().map_or_else(Vec::new, of));
         }
         let verdict = diagnosis.and_then(|diagnosis| diagnosis.verdict);

@@ -89,11 +89,11 @@ macro_rules! with_equation {
                 $do
             }
             $crate::mathematics::engine::plants::Plant::BoucWen => {
-                let $equation = $crate::mathematics::engine::plants::BoucWen;
+                let $equation = $crate::mathematics::engine::plants::BoucWen::<false>;
                 $do
             }
             $crate::mathematics::engine::plants::Plant::BoucWenOne => {
-                let $equation = $crate::mathematics::engine::plants::BoucWenOne;
+                let $equation = $crate::mathematics::engine::plants::BoucWen::<true>;
                 $do
             }
             $crate::mathematics::engine::plants::Plant::ShearChain(masses) => {
@@ -160,8 +160,8 @@ impl Plant {
         match self {
             Self::Sdof => linearise(level, Sdof, state, force, out),
             Self::Duffing => linearise(level, Duffing, state, force, out),
-            Self::BoucWen => linearise(level, BoucWen, state, force, out),
-            Self::BoucWenOne => linearise(level, BoucWenOne, state, force, out),
+            Self::BoucWen => linearise(level, BoucWen::<false>, state, force, out),
+            Self::BoucWenOne => linearise(level, BoucWen::<true>, state, force, out),
             Self::ShearChain(masses) => {
                 shear_chain::ShearChain { masses }.linearise(state, force, rate, columns, rows);
             }
@@ -303,11 +303,12 @@ impl Equation for Duffing {
     }
 }
 
-/// `ẍ + 2ζωₙẋ + ωₙ²(α x + (1 - α) z) = f`, `ż = ẋ - β |ẋ| |z| z - γ ẋ z²` with state `[x, v, z, ωₙ, ζ, α, β, γ]`.
+/// `ẍ + 2ζωₙẋ + ωₙ²(α x + (1 - α) z) = f`, `ż = ẋ - β |ẋ| |z| z - γ ẋ z²` with state `[x, v, z, ωₙ, ζ, α, β, γ]`; with the exponent
+/// one `ż = ẋ - β₁ |ẋ| z - γ₁ ẋ |z|`.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct BoucWen;
+pub(crate) struct BoucWen<const IS_ONE: bool>;
 
-impl Equation for BoucWen {
+impl<const IS_ONE: bool> Equation for BoucWen<IS_ONE> {
     #[inline(always)]
     fn size(self) -> usize {
         8
@@ -323,31 +324,11 @@ impl Equation for BoucWen {
         let &[x, v, z, wn, zeta, alpha, beta, gamma, ..] = state else { return };
         rate[0] = v;
         rate[1] = force - zeta * 2.0 * wn * v - wn * wn * (z + alpha * (x - z));
-        rate[2] = v - (beta * (v.abs() * z.abs()) + gamma * (v * z)) * z;
-    }
-}
-
-/// The same with `ż = ẋ - β₁ |ẋ| z - γ₁ ẋ |z|` and state `[x, v, z, ωₙ, ζ, α, β₁, γ₁]`.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct BoucWenOne;
-
-impl Equation for BoucWenOne {
-    #[inline(always)]
-    fn size(self) -> usize {
-        8
-    }
-
-    #[inline(always)]
-    fn motion(self) -> usize {
-        3
-    }
-
-    #[inline(always)]
-    fn rate<T: Real>(self, state: &[T], force: T, rate: &mut [T]) {
-        let &[x, v, z, wn, zeta, alpha, beta, gamma, ..] = state else { return };
-        rate[0] = v;
-        rate[1] = force - zeta * 2.0 * wn * v - wn * wn * (z + alpha * (x - z));
-        rate[2] = v - beta * v.abs() * z - gamma * v * z.abs();
+        rate[2] = if IS_ONE {
+            v - beta * v.abs() * z - gamma * v * z.abs()
+        } else {
+            v - (beta * (v.abs() * z.abs()) + gamma * (v * z)) * z
+        };
     }
 }
 
