@@ -186,7 +186,7 @@ impl Scenario {
                 values.complete(model.channels());
             }
             if filter.sensor_std.is_empty() {
-                filter.sensor_std = mapped(&sensors, &|s| usable_std(s.measures, s.noise_std));
+                filter.sensor_std = mapped(sensors, &|s| usable_std(s.measures, s.noise_std));
             }
         }
     }

@@ -43,7 +43,7 @@ pub(crate) fn mean<'a>(mut parts: impl Iterator<Item = (f64, &'a [f64])> + Clone
 pub(crate) fn shares(evidence: &[f64]) -> Vec<f64> {
     let best = evidence.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let share = |x: &f64| if best.is_finite() && !x.is_nan() { libm::exp(x - best) } else { 0.0 };
-    let shares: Vec<f64> = mapped(&evidence, &share);
+    let shares: Vec<f64> = mapped(evidence, &share);
     let sum: f64 = shares.iter().sum();
     mapped(&shares, &|share| if sum > 0.0 { share / sum } else { 0.0 })
 }

@@ -93,7 +93,7 @@ impl CramerRao {
             *stopped = true;
             return true;
         };
-        let measured: Vec<Option<&[f64]>> = mapped(&sensors, &|&quantity| record.measured_quantity(quantity));
+        let measured: Vec<Option<&[f64]>> = mapped(sensors, &|&quantity| record.measured_quantity(quantity));
         let mut sample = vec![f64::NAN; measured.len()];
         let move_to =
             |mean: &mut [f64], k: usize| mean.iter_mut().zip(&truth).for_each(|(mean, truth)| *mean = truth.at(k));

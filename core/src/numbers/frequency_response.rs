@@ -31,7 +31,7 @@ pub struct Believed {
 /// The transfer function of a plant at rest, with a value for each of its parameters in the channel's unit.
 pub fn transfer_function(plant: PlantKind, value: impl Fn(Channel) -> f64) -> TransferFunction {
     let value = |channel: Channel| if channel.is_parameter() { value(channel) } else { 0.0 };
-    let rest: Vec<f64> = mapped(&plant.channels(), &|&channel| value(channel));
+    let rest: Vec<f64> = mapped(plant.channels(), &|&channel| value(channel));
     TransferFunction::of(&Model::new(plant), &rest)
 }
 

@@ -132,7 +132,7 @@ impl Task for Windows {
             start: start + 0.5 * length as f64 * dt,
             step: hop as f64 * dt,
             resolution: TAU / (length as f64 * dt),
-            decibels: mapped(&power, &|column| mapped(&column, &decibels)),
+            decibels: mapped(&power, &|column| mapped(column, &decibels)),
         }
     }
 }

@@ -51,7 +51,7 @@ pub fn scenario_for(record: &Record) -> Scenario {
     let filter = |kind: FilterKind| FilterSettings {
         kind,
         name: kind.name().to_owned(),
-        sensor_std: mapped(&record.sensors(), &|quantity| quantity.aspect().info().usual_noise),
+        sensor_std: mapped(record.sensors(), &|quantity| quantity.aspect().info().usual_noise),
         ..FilterSettings::default()
     };
     let mut scenario = Scenario {

@@ -84,7 +84,7 @@ impl Mixture {
     ) -> Self {
         let member = |settings| Member { estimator: build(settings), last: LastSample::default(), failure: None };
         let (belief, prior) = (Moments::default(), Moments::default());
-        let members = mapped(&members, &member);
+        let members = mapped(members, &member);
         Self { members, rule: Box::new(rule), belief, prior, update: Update::nothing(0, 0) }
     }
 

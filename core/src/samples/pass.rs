@@ -213,5 +213,5 @@ pub(crate) fn apart(record: &Record, sensors: &[Quantity]) -> Option<Vec<usize>>
         let column = quantity.place_in(record.sensors());
         column.map_or(0, |column| clocks.readings[column].times.len())
     };
-    Some(mapped(&sensors, &|quantity| record.len() / readings(quantity).max(1)))
+    Some(mapped(sensors, &|quantity| record.len() / readings(quantity).max(1)))
 }

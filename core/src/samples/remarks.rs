@@ -151,7 +151,7 @@ impl Monitor {
             *known = plant.has(*sensor);
         }
         let particles = if settings.kind.has_own_likelihood() { settings.ensemble_size } else { 0 };
-        let limits: Vec<f64> = mapped(&channels, &limit);
+        let limits: Vec<f64> = mapped(channels, &limit);
         Self {
             channels: channels.to_vec(),
             sensors: sensors.to_vec(),
@@ -173,7 +173,7 @@ impl Monitor {
 
     /// `apart` are the samples between two readings of each sensor, `moved` the option for which they count at samples.
     pub(crate) fn with_clocks(mut self, apart: &[usize], moved: Option<&'static str>) -> Self {
-        self.lasting = mapped(&apart, &|apart| LASTING.max(SILENT * apart));
+        self.lasting = mapped(apart, &|apart| LASTING.max(SILENT * apart));
         self.is_timed = true;
         self.remarks.extend(moved.map(|what| Remark { what: Trouble::Moved(what), sample: 0, last: 0 }));
         self

@@ -102,7 +102,7 @@ impl Simulator {
     /// An empty record with the columns of the scenario.
     pub fn empty_record(&self) -> Record {
         let Scenario { dt, input, hold, sensors, .. } = &self.scenario;
-        let sensors = mapped(&sensors, &|s| s.measures);
+        let sensors = mapped(sensors, &|s| s.measures);
         Record::empty(*dt, *input, *hold, sensors, self.model.channels().to_vec())
     }
 

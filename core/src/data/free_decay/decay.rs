@@ -288,7 +288,7 @@ pub(super) struct Along {
 impl Along {
     pub(super) fn of(readings: &[[f64; 4]]) -> Self {
         let axis = main_axis(readings);
-        let times = mapped(&readings, &|reading| reading[0]);
+        let times = mapped(readings, &|reading| reading[0]);
         let along = numbers(readings.len(), &|k| (0..3).map(|i| axis[i] * readings[k][i + 1]).sum());
         let gravity = mean(&along);
         Self { axis, times, gravity, along: mapped(&along, &|x| x - gravity) }

@@ -118,7 +118,7 @@ fn modes(readings: &[[f64; 2]]) -> Option<(Vec<Mode>, Vec<f64>, Vec<f64>)> {
     if is_turned {
         modes.swap(0, 1);
     }
-    let others = mapped(&readings, &|[time, _]| Fit::at(&other, time - readings[0][0]).0);
+    let others = mapped(readings, &|[time, _]| Fit::at(&other, time - readings[0][0]).0);
     Some((modes, two.rests(readings), others))
 }
 
@@ -200,7 +200,7 @@ impl<const N: usize> Fit<N> {
 
     pub(crate) fn rests(&self, readings: &[[f64; 2]]) -> Vec<f64> {
         let rest = |[time, reading]: &[f64; 2]| reading - Self::at(&self.numbers, time - readings[0][0]).0;
-        mapped(&readings, &rest)
+        mapped(readings, &rest)
     }
 
     pub(crate) fn modes(&self, readings: &[[f64; 2]]) -> Option<Vec<Mode>> {

@@ -57,7 +57,7 @@ impl ThreeAxes {
 
 /// The columns whose names are one name with x, y and z behind it, or the numbers of the axes.
 fn named(columns: &[Column]) -> Option<[usize; 3]> {
-    let names: Vec<String> = mapped(&columns, &|column| plain(&column.name));
+    let names: Vec<String> = mapped(columns, &|column| plain(&column.name));
     let mut all = ACCELERATIONS.iter().flat_map(|of| ["xyz", "012"].map(|axes| (of, axes)));
     all.find_map(|(of, axes)| {
         let mut places = axes.chars().map(|axis| names.iter().position(|name| *name == format!("{of}{axis}")));

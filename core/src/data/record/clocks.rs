@@ -240,7 +240,7 @@ impl Clocks {
                 *value = change(sensor, libm::ceil(time.max(0.0)) as usize, *value);
             }
             // A reading that is taken away is none.
-            let mut is_there = mapped(&values, &|value| !value.is_nan()).into_iter();
+            let mut is_there = mapped(values, &|value| !value.is_nan()).into_iter();
             times.retain(|_| is_there.next().unwrap_or(false));
             values.retain(|value| !value.is_nan());
         }

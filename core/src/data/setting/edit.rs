@@ -157,7 +157,7 @@ fn set(document: &mut Document, scenario: &Scenario, address: &str, value: &Docu
 fn rounded(value: &Value) -> Value {
     match value {
         Value::Float(x) => Value::Float(format!("{x:.3e}").parse().unwrap_or(*x)),
-        Value::Array(values) => Value::Array(mapped(&values, &rounded)),
+        Value::Array(values) => Value::Array(mapped(values, &rounded)),
         other => other.clone(),
     }
 }

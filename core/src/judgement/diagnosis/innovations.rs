@@ -133,7 +133,7 @@ impl LiveInnovations {
     pub(super) fn new(estimates: &Estimates, start: usize) -> Self {
         let (values, granules) = (Series::starting_at(start), Series::starting_at(first_in(start)));
         let one = |&sensor: &Quantity| LiveSensor { sensor, values: values.clone(), granules: granules.clone() };
-        Self { known: start..start, sensors: mapped(&estimates.sensors(), &one) }
+        Self { known: start..start, sensors: mapped(estimates.sensors(), &one) }
     }
 
     /// Whether the next window can begin with this sample: it needs no forgotten sample, and skips none.
@@ -143,7 +143,7 @@ impl LiveInnovations {
 
     /// ν of some samples of each sensor, limited; 0 where nothing was measured.
     pub(super) fn values(&self, samples: &Range<usize>) -> Vec<Vec<f64>> {
-        let of = |one: &LiveSensor| mapped(&one.values.items(samples.clone()), &|value| limited(*value));
+        let of = |one: &LiveSensor| mapped(one.values.items(samples.clone()), &|value| limited(*value));
         mapped(&self.sensors, &of)
     }
 

@@ -82,7 +82,7 @@ pub(super) fn case<'a>(
     let mut kept = Kept::new(estimates, record, window.start);
     kept.innovations.take_in(&window, estimates, record);
     let spectra = |ranges: &[Range<usize>]| {
-        let ranges: Vec<_> = mapped(&ranges, &|of| of.start - window.start..of.end - window.start);
+        let ranges: Vec<_> = mapped(ranges, &|of| of.start - window.start..of.end - window.start);
         Periodogram::of_all(&kept.innovations.values(&window), &ranges)
     };
     kept.case(diagnostics, estimates, record, bound, samples, spectra)

@@ -93,7 +93,7 @@ measures! {
     REMARK = row("remark", "remarks", ValueKind::Words, Of::Filter)
         .special()
         => |part| {
-            let mut keys: Vec<_> = mapped(&part.run.estimates.remarks(), &|remark| remark.what.key());
+            let mut keys: Vec<_> = mapped(part.run.estimates.remarks(), &|remark| remark.what.key());
             keys.dedup();
             Value::Words(keys)
         };

@@ -47,7 +47,7 @@ impl Learning {
         }
         if adaptation.sensor_noise {
             let m = sensors.len();
-            let innovation: Vec<f64> = mapped(&sensors, &|&sensor| correction.innovation[sensor]);
+            let innovation: Vec<f64> = mapped(sensors, &|&sensor| correction.innovation[sensor]);
             let innovation_cov: Vec<f64> =
                 numbers(m * m, &|at| correction.innovation_cov[(sensors[at % m], sensors[at / m])]);
             let mut lower = innovation_cov.clone();

@@ -52,7 +52,7 @@ impl<B: Belief + ?Sized> Filter<B> {
         sensors: &[Quantity],
         adaptation: Adaptation,
     ) -> Self {
-        let readings = mapped(&sensors, &|&quantity| model.reading(quantity));
+        let readings = mapped(sensors, &|&quantity| model.reading(quantity));
         let (observation, learning, substeps) = (Observation::of(readings), Learning::new(adaptation, &noise, dt), 1);
         let (jump, white) = (None, None);
         Self { model, belief, dt, hold, noise, observation, learning, jump, substeps, white }

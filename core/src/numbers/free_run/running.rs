@@ -28,7 +28,7 @@ impl Running {
     pub(super) fn new(identified: Identified, record: &Record, part: Range<usize>) -> Self {
         let end = part.end.min(record.len());
         let part = part.start.min(end)..end;
-        let readings: Vec<Option<Reading>> = mapped(&record.sensors(), &|&q| identified.model.reading(q));
+        let readings: Vec<Option<Reading>> = mapped(record.sensors(), &|&q| identified.model.reading(q));
         let mut ends: Vec<usize> = mapped(&identified.plucks, &|time| after(record, *time));
         ends.retain(|end| *end > part.start && *end < part.end);
         ends.push(part.end);

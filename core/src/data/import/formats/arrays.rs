@@ -215,7 +215,7 @@ pub(super) mod tests {
         add("x", (0..40).map(|k| f64::from(k % 7)).collect());
         add("event_time", vec![0.5, 0.7]);
         let table = arrays.table("a test").unwrap();
-        let names: Vec<&str> = mapped(&table.columns, &|column| column.name.as_str());
+        let names: Vec<&str> = table.columns.iter().map(|column| column.name.as_str()).collect();
         assert_eq!((names, table.columns[0].values[3]), (vec!["time", "force", "x"], 0.06));
         assert_eq!(table.remarks, ["not read: `event_time` (2 rows)", "`Fs_Hz` is 50, so the rows are 0.02 s apart"]);
         assert_eq!(step_of("dt", f64::from(0.01_f32)), Some(0.01));

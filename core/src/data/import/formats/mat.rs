@@ -135,7 +135,7 @@ pub(super) mod tests {
     #[test]
     fn matrices_are_columns_and_what_is_not_read_is_said() {
         let table = mat(&file()).unwrap();
-        let names: Vec<&str> = mapped(&table.columns, &|column| column.name.as_str());
+        let names: Vec<&str> = table.columns.iter().map(|column| column.name.as_str()).collect();
         assert_eq!(names, ["t", "acc[0]", "acc[1]"]);
         assert_eq!(table.columns[0].values, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
         assert_eq!(table.columns[2].values, [3.0, 3.5, 4.0, 4.5, 5.0, 5.5]);

@@ -272,7 +272,7 @@ pub(super) mod tests {
     #[test]
     fn binary_universal_files_are_read_in_both_orders_and_spacings() {
         let table = uff58b(&file_58b()).unwrap();
-        let values: Vec<&[f64]> = mapped(&table.columns, &|column| &column.values[..]);
+        let values: Vec<&[f64]> = table.columns.iter().map(|column| &column.values[..]).collect();
         assert_eq!(values, [[0.0, 0.5, 1.0], [1.5, -2.0, 3.0], [4.0, 5.0, 10.0]]);
         assert!(table.remarks[0].contains("no function of time"), "{:?}", table.remarks);
         let uneven = [&0.25_f32.to_be_bytes()[..], &7.0_f64.to_be_bytes()].concat().repeat(2);
